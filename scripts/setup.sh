@@ -1,0 +1,38 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# Installs what MEbots needs on Debian 12: compilers and libraries by apt, the Python tools into .venv.
+# Asks nothing. Safe to run again: does nothing when all is there.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+packages=(
+  build-essential cmake ninja-build pkg-config ccache git ca-certificates
+  clang-14 clang-format-14 clang-tidy-14                          # format and lint, as CI enforces them
+  libeigen3-dev libsundials-dev libode-dev libccd-dev             # models
+  libzip-dev libpugixml-dev nlohmann-json3-dev                    # FMU archives, XML, JSON
+  libcli11-dev libspdlog-dev libfmt-dev                           # command line, logs
+  libssl-dev                                                      # hash of a run's inputs
+  libgtest-dev libgmock-dev libbenchmark-dev                      # tests, benchmarks
+  gcc-riscv64-unknown-elf picolibc-riscv64-unknown-elf            # the drone's firmware
+  python3 python3-venv                                            # interoperability tests, plots
+)
+
+missing=()
+for package in "${packages[@]}"; do
+  dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep -q '^install ok installed$' || missing+=("$package")
+done
+if ((${#missing[@]})); then
+  sudo=()
+  if [[ $EUID -ne 0 ]]; then sudo=(sudo); fi
+  export DEBIAN_FRONTEND=noninteractive
+  "${sudo[@]}" apt-get update -qq
+  "${sudo[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}"
+fi
+
+if [[ ! -x .venv/bin/python ]]; then
+  /usr/bin/python3 -m venv .venv
+fi
+if ! cmp -s scripts/requirements.txt .venv/requirements.txt; then
+  .venv/bin/python -m pip install --quiet --disable-pip-version-check -r scripts/requirements.txt
+  cp scripts/requirements.txt .venv/requirements.txt
+fi
