@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: Apache-2.0
+
+# mebots_add_fmu(<name>
+#   MODEL_SOURCES <file>...       plain C++ model, free of FMI: becomes the library <name>_model
+#   [MODEL_LIBRARIES <target>...] what the model links
+#   [BUNDLE <file>...]            shared libraries that travel beside the FMU's own
+#   [BOARD <file>]                board description whose variables join description.json
+#   [RESOURCES <dir>...]          folders whose contents go to resources/
+#   [RESOURCE_FILES <file>...]    single files that go to resources/; built ones too
+# )
+# Looks in the calling folder for description.json, src/fmu.cpp, README.md, model.png and reference/.
+# Builds ${MEBOTS_FMU_DIR}/<name>.fmu.
+function(mebots_add_fmu name)
+  cmake_parse_arguments(ARG "" "BOARD" "MODEL_SOURCES;MODEL_LIBRARIES;BUNDLE;RESOURCES;RESOURCE_FILES" ${ARGN})
+  set(source_dir ${CMAKE_CURRENT_SOURCE_DIR})
+  set(generated_dir ${PROJECT_BINARY_DIR}/generated)
+  set(out_dir ${generated_dir}/${name})
+
+  set(board_option)
+  if(ARG_BOARD)
+    set(board_option --board ${ARG_BOARD})
+  endif()
+  add_custom_command(
+    OUTPUT ${out_dir}/modelDescription.xml ${out_dir}/index.html ${out_dir}/variables.hpp ${out_dir}/variable_table.cpp
+    COMMAND mebots-modeldesc generate ${source_dir}/description.json ${board_option} --out ${out_dir}
+    DEPENDS mebots-modeldesc ${source_dir}/description.json ${ARG_BOARD}
+    COMMENT "Describing ${name}"
+    VERBATIM)
+  add_custom_target(${name}_description DEPENDS ${out_dir}/modelDescription.xml ${out_dir}/variables.hpp)
+
+  add_library(${name}_model STATIC ${ARG_MODEL_SOURCES})
+  mebots_target(${name}_model)
+  add_dependencies(${name}_model ${name}_description)
+  target_include_directories(${name}_model PUBLIC ${source_dir}/src ${generated_dir} ${PROJECT_SOURCE_DIR}/modeldesc/include)
+  target_link_libraries(${name}_model PUBLIC ${ARG_MODEL_LIBRARIES} PRIVATE fmt::fmt-header-only nlohmann_json::nlohmann_json)
+
+  add_library(${name} MODULE src/fmu.cpp ${out_dir}/variable_table.cpp)
+  mebots_target(${name})
+  set_target_properties(${name} PROPERTIES PREFIX "" BUILD_RPATH "\$ORIGIN" BUILD_RPATH_USE_ORIGIN ON
+    SKIP_BUILD_RPATH OFF LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/fmu_binaries)
+  target_link_libraries(${name} PRIVATE mebots_shell ${name}_model fmt::fmt-header-only)
+  set(version_script ${PROJECT_SOURCE_DIR}/cmake/fmi2.map)
+  target_link_options(${name} PRIVATE -Wl,--version-script=${version_script} -Wl,--disable-new-dtags)
+  set_target_properties(${name} PROPERTIES LINK_DEPENDS ${version_script})
+  if(NOT MEBOTS_SANITIZE)
+    target_link_options(${name} PRIVATE -static-libstdc++ -static-libgcc -Wl,-z,defs)
+  endif()
+
+  set(archive ${MEBOTS_FMU_DIR}/${name}.fmu)
+  set(pack_options)
+  foreach(file IN LISTS ARG_BUNDLE)
+    list(APPEND pack_options --library ${file})
+  endforeach()
+  set(resource_dependencies)
+  foreach(folder IN LISTS ARG_RESOURCES)
+    list(APPEND pack_options --resources ${folder})
+    file(GLOB_RECURSE files CONFIGURE_DEPENDS ${folder}/*)
+    list(APPEND resource_dependencies ${files})
+  endforeach()
+  foreach(file IN LISTS ARG_RESOURCE_FILES)
+    list(APPEND pack_options --resource-file ${file})
+    list(APPEND resource_dependencies ${file})
+  endforeach()
+  set(optional_files)
+  if(EXISTS ${source_dir}/model.png)
+    list(APPEND pack_options --icon ${source_dir}/model.png)
+    list(APPEND optional_files ${source_dir}/model.png)
+  endif()
+  if(IS_DIRECTORY ${source_dir}/reference)
+    list(APPEND pack_options --reference ${source_dir}/reference)
+    file(GLOB files CONFIGURE_DEPENDS ${source_dir}/reference/*)
+    list(APPEND optional_files ${files})
+  endif()
+  add_custom_command(
+    OUTPUT ${archive}
+    COMMAND mebots-modeldesc pack ${archive} --description ${out_dir}/modelDescription.xml --documentation ${out_dir}/index.html
+            --binary $<TARGET_FILE:${name}> ${pack_options}
+    DEPENDS mebots-modeldesc ${name} ${out_dir}/modelDescription.xml ${out_dir}/index.html ${resource_dependencies} ${optional_files}
+    COMMENT "Packing ${name}.fmu"
+    VERBATIM)
+  add_custom_target(${name}_archive ALL DEPENDS ${archive})
+endfunction()

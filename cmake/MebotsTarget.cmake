@@ -1,0 +1,28 @@
+# SPDX-License-Identifier: Apache-2.0
+
+# mebots_target(<target>)
+# Our own code's compile options: warnings, hidden symbols, the same floating point everywhere, sanitizers.
+function(mebots_target target)
+  target_compile_features(${target} PUBLIC cxx_std_20)
+  target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wshadow -ffp-contract=off)
+  set_target_properties(${target} PROPERTIES CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
+  if(MEBOTS_WARNINGS_AS_ERRORS)
+    target_compile_options(${target} PRIVATE -Werror)
+  endif()
+  if(MEBOTS_SANITIZE)
+    target_compile_options(${target} PRIVATE -fsanitize=${MEBOTS_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
+    target_link_options(${target} PRIVATE -fsanitize=${MEBOTS_SANITIZE})
+  endif()
+endfunction()
+
+# mebots_test(<name> SOURCES <file>... [LIBRARIES <target>...])
+# One GoogleTest executable; every TEST becomes a ctest of its own.
+function(mebots_test name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LIBRARIES" ${ARGN})
+  add_executable(${name} ${ARG_SOURCES})
+  mebots_target(${name})
+  target_link_libraries(${name} PRIVATE ${ARG_LIBRARIES} GTest::gmock GTest::gtest_main)
+  target_compile_definitions(${name} PRIVATE MEBOTS_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
+                             MEBOTS_BINARY_DIR="${PROJECT_BINARY_DIR}")
+  gtest_discover_tests(${name} PROPERTIES TIMEOUT 300)
+endfunction()
