@@ -1,0 +1,11 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# Formats our C and C++ sources; with --check only says what is not formatted, and fails.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+mapfile -t files < <(git ls-files --cached --others --exclude-standard '*.cpp' '*.hpp' '*.c' '*.h')
+if [[ "${1:-}" == --check ]]; then
+  clang-format-14 --dry-run -Werror "${files[@]}"
+else
+  clang-format-14 -i "${files[@]}"
+fi

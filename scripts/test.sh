@@ -1,0 +1,12 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# Installs what is needed, builds MEbots with warnings as errors, checks format and lint, and runs all tests.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+scripts/setup.sh
+scripts/format.sh --check
+cmake --preset ci
+cmake --build --preset ci
+scripts/lint.sh build/ci
+ctest --preset ci -j "$(nproc)"
