@@ -18,10 +18,12 @@ function(mebots_add_fmu name)
 
   set(board_option)
   if(ARG_BOARD)
+    get_filename_component(ARG_BOARD ${ARG_BOARD} ABSOLUTE)
     set(board_option --board ${ARG_BOARD})
   endif()
   add_custom_command(
-    OUTPUT ${out_dir}/modelDescription.xml ${out_dir}/index.html ${out_dir}/variables.hpp ${out_dir}/variable_table.cpp
+    OUTPUT ${out_dir}/modelDescription.xml ${out_dir}/index.html ${out_dir}/variables.hpp
+           ${out_dir}/binding.hpp ${out_dir}/variable_table.cpp
     COMMAND mebots-modeldesc generate ${source_dir}/description.json ${board_option} --out ${out_dir}
     DEPENDS mebots-modeldesc ${source_dir}/description.json ${ARG_BOARD}
     COMMENT "Describing ${name}"
@@ -47,17 +49,23 @@ function(mebots_add_fmu name)
   endif()
 
   set(archive ${MEBOTS_FMU_DIR}/${name}.fmu)
-  set(pack_options)
+  set(pack_options --license ${PROJECT_SOURCE_DIR}/LICENSE)
   foreach(file IN LISTS ARG_BUNDLE)
     list(APPEND pack_options --library ${file})
+    mebots_library_license(${file} license)
+    if(license)
+      list(APPEND pack_options --library-license ${license})
+    endif()
   endforeach()
   set(resource_dependencies)
   foreach(folder IN LISTS ARG_RESOURCES)
+    get_filename_component(folder ${folder} ABSOLUTE)
     list(APPEND pack_options --resources ${folder})
     file(GLOB_RECURSE files CONFIGURE_DEPENDS ${folder}/*)
     list(APPEND resource_dependencies ${files})
   endforeach()
   foreach(file IN LISTS ARG_RESOURCE_FILES)
+    get_filename_component(file ${file} ABSOLUTE)
     list(APPEND pack_options --resource-file ${file})
     list(APPEND resource_dependencies ${file})
   endforeach()
@@ -79,4 +87,21 @@ function(mebots_add_fmu name)
     COMMENT "Packing ${name}.fmu"
     VERBATIM)
   add_custom_target(${name}_archive ALL DEPENDS ${archive})
+endfunction()
+
+# mebots_library_license(<file> <variable>)
+# The licence text that Debian installs with the package that <file> belongs to; empty if there is none.
+function(mebots_library_license file variable)
+  set(${variable} "" PARENT_SCOPE)
+  get_filename_component(real_file ${file} REALPATH)
+  foreach(candidate ${file} ${real_file})
+    execute_process(COMMAND dpkg-query --search ${candidate} OUTPUT_VARIABLE found ERROR_QUIET RESULT_VARIABLE failed)
+    if(NOT failed AND found MATCHES "^([^:, ]+)")
+      set(license /usr/share/doc/${CMAKE_MATCH_1}/copyright)
+      if(EXISTS ${license})
+        set(${variable} ${license} PARENT_SCOPE)
+        return()
+      endif()
+    endif()
+  endforeach()
 endfunction()

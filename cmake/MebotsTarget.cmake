@@ -4,7 +4,8 @@
 # Our own code's compile options: warnings, hidden symbols, the same floating point everywhere, sanitizers.
 function(mebots_target target)
   target_compile_features(${target} PUBLIC cxx_std_20)
-  target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wshadow -ffp-contract=off)
+  target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wshadow -ffp-contract=off
+    $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>)  # GCC 12 warns falsely at string + string, GCC bug 105651
   set_target_properties(${target} PROPERTIES CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
   if(MEBOTS_WARNINGS_AS_ERRORS)
     target_compile_options(${target} PRIVATE -Werror)

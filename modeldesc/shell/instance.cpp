@@ -1,0 +1,277 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "instance.hpp"
+
+#include "mebots/error.hpp"
+#include "values.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <utility>
+
+namespace mebots::shell {
+namespace {
+
+/// Seconds at the FMI boundary to our nanoseconds.
+std::int64_t to_ns(double time_s, std::string_view what) {
+  constexpr double kLimit_s = 9.2e9;  // 292 years fill 63 bits of nanoseconds
+  if (!(std::abs(time_s) < kLimit_s))
+    throw Error(fmt::format("{} = {} s: a time within +-{:g} s is needed", what, time_s, kLimit_s));
+  return std::llround(time_s * 1e9);
+}
+
+double to_s(std::int64_t time_ns) {
+  return static_cast<double>(time_ns) / 1e9;
+}
+
+/// How far two ways of computing the same time may differ: sums of steps drift in tools that add them up.
+double time_tolerance_s(double time_s) {
+  return 1e-6 + 1e-9 * std::abs(time_s);
+}
+
+}  // namespace
+
+Instance::Instance(const Definition& definition, Logger logger, std::filesystem::path resources)
+    : definition_(definition),
+      logger_(std::move(logger)),
+      resources_(std::move(resources)),
+      variables_(definition.make_variables()) {}
+
+void Instance::setup_experiment(double start_s, std::optional<double> stop_s) {
+  const std::int64_t start_ns = to_ns(start_s, "startTime");
+  std::optional<std::int64_t> stop_ns;
+  if (stop_s) {
+    stop_ns = to_ns(*stop_s, "stopTime");
+    if (*stop_ns < start_ns) throw Error(fmt::format("stopTime {} s is before startTime {} s", *stop_s, start_s));
+  }
+  start_ns_ = start_ns;
+  time_ns_ = start_ns;
+  stop_ns_ = stop_ns;
+  experiment_is_set_ = true;
+}
+
+void Instance::enter_initialization() {
+  if (!experiment_is_set_) throw Error("the start time is not known; call fmi2SetupExperiment first");
+  state_ = State::initialization;
+}
+
+void Instance::exit_initialization() {
+  try {
+    bring_model_up_to_date();
+  } catch (const Error&) {
+    state_ = State::error;
+    throw;
+  }
+  state_ = State::step_complete;
+}
+
+void Instance::terminate() {
+  state_ = State::terminated;
+}
+
+void Instance::reset() {
+  model_.reset();
+  variables_ = definition_.make_variables();
+  model_is_stale_ = true;
+  experiment_is_set_ = false;
+  start_ns_ = 0;
+  time_ns_ = 0;
+  stop_ns_.reset();
+  last_step_status_ = fmi2OK;
+  state_ = State::instantiated;
+}
+
+void Instance::bring_model_up_to_date() {
+  if (model_ && !model_is_stale_) return;
+  model_.reset();
+  const std::shared_ptr<void> fresh = definition_.make_variables();
+  copy_values(definition_, Causality::output, fresh.get(), variables_.get());
+  model_ = definition_.make_model(variables_.get(), *this, start_ns_);
+  model_is_stale_ = false;
+}
+
+void Instance::log(Severity severity, std::string_view category, std::string_view message) {
+  const fmi2Status status = severity == Severity::error     ? fmi2Error
+                            : severity == Severity::warning ? fmi2Warning
+                                                            : fmi2OK;
+  logger_.log(status, category, message);
+}
+
+template <typename T, typename Read>
+void Instance::get_values(References references, std::span<T> values, Type type, Read read) {
+  texts_made_.clear();
+  for (std::size_t i = 0; i < references.size(); ++i) {
+    const Variable& variable = find_variable(definition_, references[i], type);
+    if (state_ == State::initialization && variable.causality == Causality::output) bring_model_up_to_date();
+    values[i] = read(variable);
+  }
+}
+
+void Instance::get(References references, std::span<fmi2Real> values) {
+  get_values(references, values, Type::real, [&](const Variable& v) { return field<double>(variables_.get(), v); });
+}
+
+void Instance::get(References references, std::span<fmi2Integer> values) {
+  get_values(references, values, Type::integer,
+             [&](const Variable& v) { return field<std::int32_t>(variables_.get(), v); });
+}
+
+void Instance::get_booleans(References references, std::span<fmi2Boolean> values) {
+  get_values(references, values, Type::boolean,
+             [&](const Variable& v) { return field<bool>(variables_.get(), v) ? fmi2True : fmi2False; });
+}
+
+void Instance::get(References references, std::span<fmi2String> values) {
+  get_values(references, values, Type::string, [&](const Variable& v) {
+    if (v.offset != kNoField) return field<std::string>(variables_.get(), v).c_str();
+    if (!model_) throw Error(fmt::format("{} does not exist: initialisation did not end well; call fmi2Reset", v.name));
+    return texts_made_.emplace_back(model_->on_demand_text(v.name)).c_str();
+  });
+}
+
+void Instance::check_may_set(const Variable& variable) const {
+  if (variable.causality == Causality::output)
+    throw Error(fmt::format("{} is an output, which only the model sets", variable.name));
+  const bool initialised = state_ != State::instantiated && state_ != State::initialization;
+  if (initialised && variable.variability == Variability::fixed)
+    throw Error(fmt::format(
+        "{} is a fixed parameter: set it before fmi2ExitInitializationMode, or call fmi2Reset to start over",
+        variable.name));
+}
+
+template <typename T, typename Check, typename Write>
+void Instance::set_values(References references, std::span<const T> values, Type type, Check check, Write write) {
+  for (std::size_t i = 0; i < references.size(); ++i) {
+    const Variable& variable = find_variable(definition_, references[i], type);
+    check_may_set(variable);
+    check(variable, values[i]);
+  }
+  for (std::size_t i = 0; i < references.size(); ++i) write(definition_.variables[references[i]], values[i]);
+  if (state_ != State::step_complete) model_is_stale_ = true;
+}
+
+void Instance::set(References references, std::span<const fmi2Real> values) {
+  set_values(
+      references, values, Type::real, [](const Variable& v, fmi2Real value) { check_value(v, value); },
+      [&](const Variable& v, fmi2Real value) { field<double>(variables_.get(), v) = value; });
+}
+
+void Instance::set(References references, std::span<const fmi2Integer> values) {
+  set_values(
+      references, values, Type::integer, [](const Variable& v, fmi2Integer value) { check_value(v, value); },
+      [&](const Variable& v, fmi2Integer value) { field<std::int32_t>(variables_.get(), v) = value; });
+}
+
+void Instance::set_booleans(References references, std::span<const fmi2Boolean> values) {
+  set_values(references, values, Type::boolean, check_boolean,
+             [&](const Variable& v, fmi2Boolean value) { field<bool>(variables_.get(), v) = value == fmi2True; });
+}
+
+void Instance::set(References references, std::span<const fmi2String> values) {
+  set_values(
+      references, values, Type::string, [](const Variable& v, fmi2String value) { check_value(v, value); },
+      [&](const Variable& v, fmi2String value) { field<std::string>(variables_.get(), v) = value; });
+}
+
+void Instance::do_step(double point_s, double step_s) {
+  if (!(step_s > 0) || !std::isfinite(step_s))
+    throw Error(fmt::format("communicationStepSize = {} s: a step above 0 is needed", step_s));
+  const double own_s = to_s(time_ns_);
+  if (!(std::abs(point_s - own_s) <= time_tolerance_s(own_s)))
+    throw Error(fmt::format("currentCommunicationPoint = {} s, but this instance stands at {} s", point_s, own_s));
+  const std::int64_t end_ns = to_ns(point_s + step_s, "end of the step");
+  if (end_ns <= time_ns_)
+    throw Error(fmt::format("communicationStepSize = {} s at {} s is less than a nanosecond", step_s, own_s));
+  if (stop_ns_ && to_s(end_ns - *stop_ns_) > time_tolerance_s(to_s(*stop_ns_)))
+    throw Error(fmt::format("the step would end at {} s, after the stopTime of {} s given to fmi2SetupExperiment",
+                            to_s(end_ns), to_s(*stop_ns_)));
+  last_step_status_ = fmi2Error;
+  try {
+    model_->step(time_ns_, end_ns - time_ns_);
+  } catch (const Error&) {
+    state_ = State::error;
+    throw;
+  }
+  time_ns_ = end_ns;
+  last_step_status_ = fmi2OK;
+}
+
+double Instance::last_successful_time_s() const {
+  return to_s(time_ns_);
+}
+
+SavedState Instance::save() const {
+  SavedState saved;
+  saved.state = state_;
+  saved.experiment_is_set = experiment_is_set_;
+  saved.model_is_stale = model_is_stale_;
+  saved.start_ns = start_ns_;
+  saved.time_ns = time_ns_;
+  saved.stop_ns = stop_ns_;
+  const auto values = [&](Causality causality) {
+    state::Writer writer;
+    save_values(definition_, causality, variables_.get(), writer);
+    return writer.take();
+  };
+  saved.parameters = values(Causality::parameter);
+  saved.inputs = values(Causality::input);
+  saved.outputs = values(Causality::output);
+  if (model_) {
+    state::Writer writer;
+    model_->save(writer);
+    saved.model = writer.take();
+  }
+  return saved;
+}
+
+void Instance::restore(const SavedState& saved) {
+  const auto restore_into = [&](void* variables, Causality causality, const std::vector<std::byte>& bytes) {
+    state::Reader reader(bytes);
+    restore_values(definition_, causality, variables, reader);
+    if (!reader.at_end())
+      throw Error("the state's values do not fit this FMU's variables; save it again with this version");
+  };
+  const auto restore_all = [&](void* variables, Model* model) {
+    restore_into(variables, Causality::parameter, saved.parameters);
+    restore_into(variables, Causality::input, saved.inputs);
+    restore_into(variables, Causality::output, saved.outputs);
+    if (model == nullptr) return;
+    state::Reader reader(*saved.model);
+    model->restore(reader);
+    if (!reader.at_end()) throw Error("the model left bytes of the state unread; save it again with this version");
+  };
+
+  // A model made of the same parameters can take the state in place; otherwise a new one is made and takes over.
+  state::Writer own_parameters;
+  save_values(definition_, Causality::parameter, variables_.get(), own_parameters);
+  const bool in_place = model_ && saved.model && !model_is_stale_ && state_ != State::error &&
+                        start_ns_ == saved.start_ns && own_parameters.bytes() == saved.parameters;
+  if (in_place) {
+    try {
+      restore_all(variables_.get(), model_.get());
+    } catch (...) {
+      state_ = State::error;
+      throw;
+    }
+  } else {
+    const std::shared_ptr<void> variables = definition_.make_variables();
+    std::unique_ptr<Model> model;
+    if (saved.model) {
+      restore_into(variables.get(), Causality::parameter, saved.parameters);
+      restore_into(variables.get(), Causality::input, saved.inputs);
+      model = definition_.make_model(variables.get(), *this, saved.start_ns);
+    }
+    restore_all(variables.get(), model.get());
+    model_ = std::move(model);  // before its variables go
+    variables_ = variables;
+  }
+  state_ = saved.state;
+  experiment_is_set_ = saved.experiment_is_set;
+  model_is_stale_ = saved.model_is_stale;
+  start_ns_ = saved.start_ns;
+  time_ns_ = saved.time_ns;
+  stop_ns_ = saved.stop_ns;
+  last_step_status_ = fmi2OK;
+}
+
+}  // namespace mebots::shell

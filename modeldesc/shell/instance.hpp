@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "legal.hpp"
+#include "logger.hpp"
+#include "mebots/fmi2/types.hpp"
+#include "mebots/shell/definition.hpp"
+#include "saved_state.hpp"
+
+#include <deque>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+
+namespace mebots::shell {
+
+/// One instance of the FMU. Every method throws mebots::Error for what the caller can mend, and then has changed
+/// nothing, unless it says otherwise.
+class Instance final : public Host {
+ public:
+  Instance(const Definition& definition, Logger logger, std::filesystem::path resources);
+
+  void setup_experiment(double start_s, std::optional<double> stop_s);
+  void enter_initialization();
+  /// An error in the model's parameters leaves the state `error`.
+  void exit_initialization();
+  void terminate();
+  void reset();
+
+  using References = std::span<const fmi2ValueReference>;
+  void get(References references, std::span<fmi2Real> values);
+  void get(References references, std::span<fmi2Integer> values);
+  void get_booleans(References references, std::span<fmi2Boolean> values);
+  /// The texts stay valid until the next call.
+  void get(References references, std::span<fmi2String> values);
+  void set(References references, std::span<const fmi2Real> values);
+  void set(References references, std::span<const fmi2Integer> values);
+  void set_booleans(References references, std::span<const fmi2Boolean> values);
+  void set(References references, std::span<const fmi2String> values);
+
+  /// Wrong arguments change nothing; an error in the model leaves the state `error`.
+  void do_step(double point_s, double step_s);
+  double last_successful_time_s() const;
+  fmi2Status last_step_status() const { return last_step_status_; }
+
+  SavedState save() const;
+  /// An error after the checks leaves the state `error`.
+  void restore(const SavedState& saved);
+
+  State state() const { return state_; }
+  void set_state(State state) { state_ = state; }
+  Logger& logger() { return logger_; }
+  const Definition& definition() const { return definition_; }
+
+  const std::filesystem::path& resources() const override { return resources_; }
+  void log(Severity severity, std::string_view category, std::string_view message) override;
+
+ private:
+  template <typename T, typename Read>
+  void get_values(References references, std::span<T> values, Type type, Read read);
+  template <typename T, typename Check, typename Write>
+  void set_values(References references, std::span<const T> values, Type type, Check check, Write write);
+  void check_may_set(const Variable& variable) const;
+  /// In initialization mode, outputs exist once the model was made of the values set so far.
+  void bring_model_up_to_date();
+
+  const Definition& definition_;
+  Logger logger_;
+  std::filesystem::path resources_;
+  State state_ = State::instantiated;
+  bool experiment_is_set_ = false;
+  std::int64_t start_ns_ = 0;
+  std::int64_t time_ns_ = 0;
+  std::optional<std::int64_t> stop_ns_;
+  fmi2Status last_step_status_ = fmi2OK;
+  std::deque<std::string> texts_made_;  // on-demand texts of the last fmi2GetString; a deque keeps addresses
+  std::shared_ptr<void> variables_;     // outlives the model
+  std::unique_ptr<Model> model_;
+  bool model_is_stale_ = true;  // parameters or inputs were set since the model was made
+};
+
+}  // namespace mebots::shell

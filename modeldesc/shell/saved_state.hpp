@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "legal.hpp"
+#include "mebots/shell/definition.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace mebots::shell {
+
+/// What fmi2GetFMUstate hands out.
+struct SavedState {
+  State state = State::instantiated;
+  bool experiment_is_set = false;
+  bool model_is_stale = true;
+  std::int64_t start_ns = 0;
+  std::int64_t time_ns = 0;
+  std::optional<std::int64_t> stop_ns;
+  std::vector<std::byte> parameters;
+  std::vector<std::byte> inputs;
+  std::vector<std::byte> outputs;
+  std::optional<std::vector<std::byte>> model;  // none before the model came into life
+};
+
+/// The state as bytes that survive the process, behind a header that says whose they are.
+std::vector<std::byte> serialize(const Definition& definition, const SavedState& saved);
+
+/// Throws mebots::Error when the bytes are damaged or belong to another FMU or version.
+SavedState deserialize(const Definition& definition, std::span<const std::byte> bytes);
+
+}  // namespace mebots::shell

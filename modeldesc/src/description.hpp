@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "mebots/modeldesc/model_description.hpp"
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+/// description.json, read and checked: what every generator of ours starts from.
+namespace mebots::modeldesc {
+
+enum class FieldType { real, integer, boolean, string, binary, enumeration };
+
+struct Group {
+  std::string name;
+  std::vector<std::string> words;
+};
+
+struct Enumeration {
+  std::string name;
+  std::vector<EnumerationItem> items;
+};
+
+/// One entry of `variables`: a C++ field (an array for a group) and the FMI variables that it stands for.
+struct Field {
+  std::string name;                    // as written, `{load}.power`
+  std::optional<std::size_t> group;    // index in Description::groups
+  std::vector<std::string> fmi_names;  // one, or one per word of the group
+  std::string cpp_name;                // `load_power_w`; empty when on_demand
+  FieldType type = FieldType::real;
+  std::string enumeration;  // name of the type when it is one
+  Causality causality = Causality::parameter;
+  Variability variability = Variability::fixed;
+  std::string unit;
+  std::vector<Value> starts;  // as many as fmi_names; empty when there is none
+  std::optional<double> min;
+  std::optional<double> max;
+  std::optional<double> nominal;
+  std::string text;
+  std::vector<std::string> depends_on;  // FMI names of inputs, groups taken apart
+  std::string mime_type;
+  bool on_demand = false;
+};
+
+struct Description {
+  std::string source;  // file name without folder
+  std::string name;
+  std::string text;
+  std::string cpp_namespace;
+  double step_s = 0;
+  double stop_time_s = 0;
+  std::vector<LogCategory> log_categories;
+  std::vector<Group> groups;
+  std::vector<Enumeration> enumerations;
+  std::vector<Field> fields;
+
+  const Enumeration& enumeration(std::string_view name) const;
+};
+
+/// Reads description.json and, when `board` is not empty, joins the variables and enumerations of the board's
+/// devices to it. Throws mebots::Error naming file, variable, key and value.
+Description read_description(const std::filesystem::path& file, const std::filesystem::path& board = {});
+
+/// The parts of an OSMP binary, in the order in which they get value references.
+inline constexpr std::array<std::string_view, 3> kOsmpRoles = {"base.lo", "base.hi", "size"};
+
+}  // namespace mebots::modeldesc

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "elf_library.hpp"
+
+#include "mebots/error.hpp"
+
+#include <elf.h>
+#include <fmt/format.h>
+
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <string_view>
+
+namespace mebots::modeldesc {
+namespace {
+
+/// Bounds-checked reading of the structures in <elf.h>.
+class ElfFile {
+ public:
+  explicit ElfFile(const std::filesystem::path& file) : name_(file.string()) {
+    std::ifstream stream(file, std::ios::binary);
+    if (!stream) throw Error(fmt::format("{}: cannot be opened", name_));
+    bytes_.assign(std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>());
+    if (!std::string_view(bytes_).starts_with(ELFMAG)) fail("is no ELF file");
+    header_ = at<Elf64_Ehdr>(0);
+    if (header_.e_ident[EI_CLASS] != ELFCLASS64 || header_.e_ident[EI_DATA] != ELFDATA2LSB)
+      fail("is no 64-bit little-endian ELF file");
+    if (header_.e_type != ET_DYN) fail("is no shared library");
+  }
+
+  ElfLibrary read() const {
+    ElfLibrary library;
+    for (std::size_t i = 0; i < header_.e_shnum; ++i) {
+      const auto section = section_header(i);
+      if (section.sh_type != SHT_DYNAMIC) continue;
+      const Elf64_Shdr strings = section_header(section.sh_link);
+      for (std::uint64_t offset = 0; offset < section.sh_size; offset += sizeof(Elf64_Dyn)) {
+        const auto entry = at<Elf64_Dyn>(section.sh_offset + offset);
+        if (entry.d_tag == DT_NULL) break;
+        if (entry.d_tag == DT_SONAME) library.soname = text(strings.sh_offset + entry.d_un.d_val);
+        if (entry.d_tag == DT_NEEDED) library.needed.push_back(text(strings.sh_offset + entry.d_un.d_val));
+      }
+      return library;
+    }
+    fail("has no dynamic section");
+  }
+
+ private:
+  [[noreturn]] void fail(std::string_view what) const { throw Error(fmt::format("{}: {}", name_, what)); }
+
+  template <typename T>
+  T at(std::uint64_t offset) const {
+    if (offset > bytes_.size() || bytes_.size() - offset < sizeof(T)) fail("is cut short");
+    T value;
+    std::memcpy(&value, bytes_.data() + offset, sizeof value);
+    return value;
+  }
+
+  Elf64_Shdr section_header(std::size_t index) const {
+    return at<Elf64_Shdr>(header_.e_shoff + index * std::uint64_t{header_.e_shentsize});
+  }
+
+  std::string text(std::uint64_t offset) const {
+    const auto end = bytes_.find('\0', offset);
+    if (offset >= bytes_.size() || end == std::string::npos) fail("is cut short");
+    return bytes_.substr(offset, end - offset);
+  }
+
+  std::string name_;
+  std::string bytes_;
+  Elf64_Ehdr header_{};
+};
+
+}  // namespace
+
+ElfLibrary read_elf_library(const std::filesystem::path& file) {
+  return ElfFile(file).read();
+}
+
+}  // namespace mebots::modeldesc

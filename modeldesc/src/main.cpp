@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+// mebots-modeldesc: from an FMU's description to its generated files, and from those to the archive.
+#include "description.hpp"
+#include "generate.hpp"
+#include "mebots/error.hpp"
+#include "pack_fmu.hpp"
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include <cstdio>
+#include <exception>
+#include <string>
+
+int main(int argc, char** argv) {
+  using namespace mebots::modeldesc;
+  CLI::App app{"Makes the files of an FMU from its description, and packs them"};
+  app.require_subcommand(1);
+
+  std::string description;
+  std::string board;
+  std::string folder;
+  CLI::App* generate_command =
+      app.add_subcommand("generate", "Write modelDescription.xml, index.html and the C++ files");
+  generate_command->add_option("description", description, "description.json of the FMU")->required();
+  generate_command->add_option("--board", board, "board file whose devices' variables join in");
+  generate_command->add_option("--out", folder, "folder to write to")->required();
+  generate_command->callback([&] { generate(read_description(description, board), folder); });
+
+  std::string archive;
+  FmuParts parts;
+  CLI::App* pack_command = app.add_subcommand("pack", "Write an .fmu archive");
+  pack_command->add_option("archive", archive, "the .fmu to write")->required();
+  pack_command->add_option("--description", parts.description, "modelDescription.xml")->required();
+  pack_command->add_option("--documentation", parts.documentation, "index.html")->required();
+  pack_command->add_option("--binary", parts.binary, "shared library of the FMU")->required();
+  pack_command->add_option("--library", parts.libraries, "library that travels beside it (may repeat)");
+  pack_command->add_option("--resources", parts.resource_folders,
+                           "folder whose contents go to resources/ (may repeat)");
+  pack_command->add_option("--resource-file", parts.resource_files, "file that goes to resources/ (may repeat)");
+  pack_command->add_option("--icon", parts.icon, "picture that becomes model.png");
+  pack_command->add_option("--license", parts.license, "licence text of the FMU");
+  pack_command->add_option("--library-license", parts.library_licenses,
+                           "licence text of a library beside it, named after its folder (may repeat)");
+  pack_command->add_option("--reference", parts.reference, "folder with reference traces");
+  pack_command->callback([&] { pack_fmu(archive, parts); });
+
+  try {
+    app.parse(argc, argv);
+    return 0;
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  } catch (const mebots::Error& error) {
+    fmt::print(stderr, "mebots-modeldesc: {}\n", error.what());
+    return 1;
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "mebots-modeldesc: unexpected: {}\n", error.what());
+    return 1;
+  }
+}

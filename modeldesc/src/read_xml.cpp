@@ -1,0 +1,443 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mebots/error.hpp"
+#include "mebots/modeldesc/xml.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <fstream>
+#include <iterator>
+#include <limits>
+#include <map>
+#include <pugixml.hpp>
+#include <set>
+
+namespace mebots::modeldesc {
+namespace {
+
+std::string_view trimmed(std::string_view text) {
+  constexpr std::string_view kSpace = " \t\r\n";
+  const auto first = text.find_first_not_of(kSpace);
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(kSpace) - first + 1);
+}
+
+/// The whole text as a number, or nothing. XML Schema writes infinities as INF, and allows a plus sign.
+template <typename T>
+std::optional<T> parse_number(std::string_view text) {
+  text = trimmed(text);
+  if (text.starts_with('+')) text.remove_prefix(1);
+  T value{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+/// Where in which document an element stands, for messages.
+class Document {
+ public:
+  Document(std::string_view text, std::string_view source) : text_(text), source_(source) {
+    const pugi::xml_parse_result result = xml_.load_buffer(text.data(), text.size());
+    if (!result)
+      throw Error(
+          fmt::format("{}, line {}: not well-formed XML: {}", source_, line_of(result.offset), result.description()));
+  }
+
+  pugi::xml_node root() const { return xml_.document_element(); }
+
+  [[noreturn]] void fail(pugi::xml_node node, std::string_view what) const {
+    throw Error(fmt::format("{}, line {}, <{}>: {}", source_, line_of(node.offset_debug()), node.name(), what));
+  }
+
+ private:
+  std::ptrdiff_t line_of(std::ptrdiff_t offset) const {
+    const auto end = std::clamp<std::ptrdiff_t>(offset, 0, static_cast<std::ptrdiff_t>(text_.size()));
+    return 1 + std::count(text_.begin(), text_.begin() + end, '\n');
+  }
+
+  std::string_view text_;
+  std::string source_;
+  pugi::xml_document xml_;
+};
+
+/// One element with typed, checked access to its attributes.
+class Element {
+ public:
+  Element(const Document& document, pugi::xml_node node) : document_(&document), node_(node) {}
+
+  explicit operator bool() const { return static_cast<bool>(node_); }
+  std::string_view name() const { return node_.name(); }
+  Element child(const char* name) const { return {*document_, node_.child(name)}; }
+  bool has(const char* name) const { return static_cast<bool>(node_.attribute(name)); }
+  std::string text(const char* name) const { return node_.attribute(name).value(); }  // empty when missing
+
+  std::string required_text(const char* name) const {
+    if (!has(name)) fail(fmt::format("the attribute {} is missing", name));
+    return text(name);
+  }
+
+  bool flag(const char* name, bool fallback) const {
+    if (!has(name)) return fallback;
+    return *parse_flag(name);
+  }
+
+  template <typename T>
+  std::optional<T> number(const char* name, std::string_view expected) const {
+    if (!has(name)) return std::nullopt;
+    const auto value = parse_number<T>(text(name));
+    if (!value) fail(fmt::format("the attribute {} is \"{}\", but {} is expected", name, text(name), expected));
+    return value;
+  }
+  std::optional<double> real(const char* name) const { return number<double>(name, "a number"); }
+
+  /// The value that belongs to the attribute's word.
+  template <typename T, std::size_t N>
+  std::optional<T> word(const char* name, const T (&values)[N]) const {
+    if (!has(name)) return std::nullopt;
+    std::string known;
+    for (const T value : values) {
+      if (to_string(value) == text(name)) return value;
+      known += (known.empty() ? "" : ", ") + std::string(to_string(value));
+    }
+    fail(fmt::format("the attribute {} is \"{}\"; FMI 2.0 knows {}", name, text(name), known));
+  }
+
+  std::optional<bool> parse_flag(const char* name) const {
+    const std::string value(trimmed(text(name)));
+    if (value == "true" || value == "1") return true;
+    if (value == "false" || value == "0") return false;
+    fail(fmt::format("the attribute {} is \"{}\", but true or false is expected", name, value));
+  }
+
+  template <typename Action>
+  void each_child(Action action) const {
+    for (const pugi::xml_node node : node_.children())
+      if (node.type() == pugi::node_element) action(Element(*document_, node));
+  }
+  template <typename Action>
+  void each_child(const char* name, Action action) const {
+    for (const pugi::xml_node node : node_.children(name)) action(Element(*document_, node));
+  }
+
+  [[noreturn]] void fail(std::string_view what) const { document_->fail(node_, what); }
+
+ private:
+  const Document* document_;
+  pugi::xml_node node_;
+};
+
+constexpr Type kTypes[] = {Type::real, Type::integer, Type::boolean, Type::string, Type::enumeration};
+constexpr Causality kCausalities[] = {Causality::parameter, Causality::calculated_parameter,
+                                      Causality::input,     Causality::output,
+                                      Causality::local,     Causality::independent};
+constexpr Variability kVariabilities[] = {Variability::constant, Variability::fixed, Variability::tunable,
+                                          Variability::discrete, Variability::continuous};
+constexpr Initial kInitials[] = {Initial::exact, Initial::approx, Initial::calculated};
+
+/// The child that says the type, <Real> and so on.
+std::pair<Type, Element> type_child(const Element& parent) {
+  std::optional<std::pair<Type, Element>> found;
+  parent.each_child([&](const Element& child) {
+    const auto* const type = std::ranges::find(kTypes, child.name(), [](Type t) { return to_string(t); });
+    if (type == std::end(kTypes)) return;
+    if (found) child.fail(fmt::format("\"{}\" has two types", parent.text("name")));
+    found = {*type, child};
+  });
+  if (!found)
+    parent.fail(
+        fmt::format("\"{}\" has no type: one of <Real>, <Integer>, <Boolean>, <String>, <Enumeration> is expected",
+                    parent.text("name")));
+  return *found;
+}
+
+/// FMI 2.0.4, table on page 51.
+std::optional<Initial> default_initial(Causality causality, Variability variability) {
+  switch (causality) {
+    case Causality::parameter:
+      return Initial::exact;
+    case Causality::input:
+    case Causality::independent:
+      return std::nullopt;
+    case Causality::calculated_parameter:
+    case Causality::output:
+    case Causality::local:
+      break;
+  }
+  return variability == Variability::constant ? Initial::exact : Initial::calculated;
+}
+
+class DescriptionReader {
+ public:
+  explicit DescriptionReader(const Document& document) : root_(document, document.root()) {}
+
+  ModelDescription read() {
+    read_root();
+    read_co_simulation();
+    root_.child("UnitDefinitions").each_child("Unit", [&](const Element& e) { read_unit(e); });
+    root_.child("TypeDefinitions").each_child("SimpleType", [&](const Element& e) { read_type(e); });
+    root_.child("LogCategories").each_child("Category", [&](const Element& e) {
+      result_.log_categories.push_back({e.required_text("name"), e.text("description")});
+    });
+    if (const Element experiment = root_.child("DefaultExperiment"))
+      result_.default_experiment = {experiment.real("startTime"), experiment.real("stopTime"),
+                                    experiment.real("tolerance"), experiment.real("stepSize")};
+    const Element variables = root_.child("ModelVariables");
+    if (!variables) root_.fail("the element <ModelVariables> is missing");
+    variables.each_child("ScalarVariable", [&](const Element& e) { read_variable(e); });
+    check_derivatives(variables);
+    const Element structure = root_.child("ModelStructure");
+    if (!structure) root_.fail("the element <ModelStructure> is missing");
+    result_.outputs = read_unknowns(structure.child("Outputs"));
+    result_.derivatives = read_unknowns(structure.child("Derivatives"));
+    result_.initial_unknowns = read_unknowns(structure.child("InitialUnknowns"));
+    return std::move(result_);
+  }
+
+ private:
+  void read_root() {
+    if (root_.name() != "fmiModelDescription") root_.fail("the root element must be <fmiModelDescription>");
+    result_.fmi_version = root_.required_text("fmiVersion");
+    if (result_.fmi_version != "2.0")
+      root_.fail(fmt::format("the FMU is of FMI version {}; only 2.0 can be used", result_.fmi_version));
+    result_.model_name = root_.required_text("modelName");
+    result_.guid = root_.required_text("guid");
+    result_.text = root_.text("description");
+    result_.author = root_.text("author");
+    result_.version = root_.text("version");
+    result_.copyright = root_.text("copyright");
+    result_.license = root_.text("license");
+    result_.generation_tool = root_.text("generationTool");
+    result_.generation_date_and_time = root_.text("generationDateAndTime");
+    const std::string naming = root_.text("variableNamingConvention");
+    if (!naming.empty() && naming != "flat" && naming != "structured")
+      root_.fail(fmt::format("variableNamingConvention is \"{}\", but flat or structured is expected", naming));
+    result_.structured_names = naming == "structured";
+    result_.number_of_event_indicators = count(root_, "numberOfEventIndicators");
+  }
+
+  static std::uint32_t count(const Element& element, const char* name) {
+    return element.number<std::uint32_t>(name, "a count").value_or(0);
+  }
+
+  void read_co_simulation() {
+    result_.has_model_exchange = static_cast<bool>(root_.child("ModelExchange"));
+    const Element element = root_.child("CoSimulation");
+    if (!element) {
+      if (!result_.has_model_exchange) root_.fail("neither <CoSimulation> nor <ModelExchange> is there");
+      return;
+    }
+    CoSimulation& flags = result_.co_simulation.emplace();
+    flags.model_identifier = element.required_text("modelIdentifier");
+    // It becomes part of a path.
+    if (flags.model_identifier.empty() || flags.model_identifier.find_first_of("/\\") != std::string::npos)
+      element.fail(fmt::format("modelIdentifier is \"{}\", which is no C name", flags.model_identifier));
+    flags.needs_execution_tool = element.flag("needsExecutionTool", false);
+    flags.can_handle_variable_communication_step_size = element.flag("canHandleVariableCommunicationStepSize", false);
+    flags.can_interpolate_inputs = element.flag("canInterpolateInputs", false);
+    flags.max_output_derivative_order = count(element, "maxOutputDerivativeOrder");
+    flags.can_run_asynchronuously = element.flag("canRunAsynchronuously", false);
+    flags.can_be_instantiated_only_once_per_process = element.flag("canBeInstantiatedOnlyOncePerProcess", false);
+    flags.can_not_use_memory_management_functions = element.flag("canNotUseMemoryManagementFunctions", false);
+    flags.can_get_and_set_fmu_state = element.flag("canGetAndSetFMUstate", false);
+    flags.can_serialize_fmu_state = element.flag("canSerializeFMUstate", false);
+    flags.provides_directional_derivative = element.flag("providesDirectionalDerivative", false);
+    element.child("SourceFiles").each_child("File", [&](const Element& file) {
+      flags.source_files.push_back(file.required_text("name"));
+    });
+  }
+
+  void read_unit(const Element& element) {
+    Unit unit;
+    unit.name = element.required_text("name");
+    const Element base = element.child("BaseUnit");
+    unit.has_base = static_cast<bool>(base);
+    if (base) {
+      for (std::size_t i = 0; i < kBaseUnits.size(); ++i)
+        unit.exponents[i] = base.number<int>(std::string(kBaseUnits[i]).c_str(), "a whole exponent").value_or(0);
+      unit.factor = base.real("factor").value_or(1);
+      unit.offset = base.real("offset").value_or(0);
+    }
+    element.each_child("DisplayUnit", [&](const Element& display) {
+      unit.display_units.push_back(
+          {display.required_text("name"), display.real("factor").value_or(1), display.real("offset").value_or(0)});
+    });
+    if (result_.unit(unit.name) != nullptr) element.fail(fmt::format("the unit \"{}\" is defined twice", unit.name));
+    result_.units.push_back(std::move(unit));
+  }
+
+  void read_type(const Element& element) {
+    TypeDefinition type;
+    type.name = element.required_text("name");
+    type.text = element.text("description");
+    const auto [kind, details] = type_child(element);
+    type.type = kind;
+    type.quantity = details.text("quantity");
+    type.unit = details.text("unit");
+    type.display_unit = details.text("displayUnit");
+    type.min = details.real("min");
+    type.max = details.real("max");
+    type.nominal = details.real("nominal");
+    details.each_child("Item", [&](const Element& item) {
+      item.required_text("value");
+      type.items.push_back({item.required_text("name"),
+                            *item.number<std::int32_t>("value", "a whole number of 32 bits"),
+                            item.text("description")});
+    });
+    if (result_.type_definition(type.name) != nullptr)
+      element.fail(fmt::format("the type \"{}\" is defined twice", type.name));
+    result_.types.push_back(std::move(type));
+  }
+
+  void read_variable(const Element& element) {
+    Variable variable;
+    variable.name = element.required_text("name");
+    if (!names_.insert(variable.name).second)
+      element.fail(fmt::format("the variable \"{}\" is there twice", variable.name));
+    element.required_text("valueReference");
+    variable.value_reference = *element.number<std::uint32_t>("valueReference", "a whole number of 32 bits");
+    variable.text = element.text("description");
+    variable.can_handle_multiple_set_per_time_instant = element.flag("canHandleMultipleSetPerTimeInstant", true);
+
+    const auto [type, details] = type_child(element);
+    variable.type = type;
+    variable.causality = element.word("causality", kCausalities).value_or(Causality::local);
+    variable.variability = element.word("variability", kVariabilities).value_or(default_variability(variable));
+    if (variable.variability == Variability::continuous && type != Type::real)
+      element.fail(fmt::format("\"{}\" is of type {}, so it cannot be continuous", variable.name, to_string(type)));
+    variable.initial = element.word("initial", kInitials);
+    if (!variable.initial) variable.initial = default_initial(variable.causality, variable.variability);
+
+    variable.declared_type = details.text("declaredType");
+    variable.quantity = details.text("quantity");
+    variable.unit = details.text("unit");
+    variable.display_unit = details.text("displayUnit");
+    variable.min = details.real("min");
+    variable.max = details.real("max");
+    variable.nominal = details.real("nominal");
+    variable.relative_quantity = details.flag("relativeQuantity", false);
+    variable.reinit = details.flag("reinit", false);
+    variable.start = read_start(details, type);
+    if (const auto derivative = details.number<std::uint32_t>("derivative", "the index of a variable")) {
+      if (*derivative == 0) details.fail("derivative is 0, but indices count from 1");
+      variable.derivative_of = *derivative - 1;
+    }
+    if (!variable.declared_type.empty()) take_declared_type(element, variable);
+    read_osmp(element, variable);
+    result_.variables.push_back(std::move(variable));
+  }
+
+  static Variability default_variability(const Variable& variable) {
+    if (variable.causality == Causality::parameter || variable.causality == Causality::calculated_parameter)
+      return Variability::fixed;
+    return variable.type == Type::real ? Variability::continuous : Variability::discrete;
+  }
+
+  static Value read_start(const Element& details, Type type) {
+    if (!details.has("start")) return {};
+    switch (type) {
+      case Type::real:
+        return *details.real("start");
+      case Type::integer:
+      case Type::enumeration:
+        return *details.number<std::int32_t>("start", "a whole number of 32 bits");
+      case Type::boolean:
+        return *details.parse_flag("start");
+      case Type::string:
+        return details.text("start");
+    }
+    return {};
+  }
+
+  void take_declared_type(const Element& element, Variable& variable) const {
+    const TypeDefinition* type = result_.type_definition(variable.declared_type);
+    if (type == nullptr)
+      element.fail(fmt::format("\"{}\" is of declared type \"{}\", which <TypeDefinitions> does not define",
+                               variable.name, variable.declared_type));
+    if (type->type != variable.type)
+      element.fail(fmt::format("\"{}\" is of type {}, but its declared type \"{}\" is of type {}", variable.name,
+                               to_string(variable.type), type->name, to_string(type->type)));
+    if (variable.quantity.empty()) variable.quantity = type->quantity;
+    if (variable.unit.empty()) variable.unit = type->unit;
+    if (variable.display_unit.empty()) variable.display_unit = type->display_unit;
+    if (!variable.min) variable.min = type->min;
+    if (!variable.max) variable.max = type->max;
+    if (!variable.nominal) variable.nominal = type->nominal;
+  }
+
+  static void read_osmp(const Element& element, Variable& variable) {
+    element.child("Annotations").each_child("Tool", [&](const Element& tool) {
+      if (tool.text("name") != "net.pmsf.osmp") return;
+      tool.each_child([&](const Element& part) {
+        const std::string_view name = part.name();
+        // The prefix of the namespace is the writer's choice.
+        if (name.substr(name.find(':') + 1) != "osmp-binary-variable") return;
+        variable.osmp = OsmpPart{part.required_text("name"), part.required_text("role"), part.text("mime-type")};
+      });
+    });
+  }
+
+  void check_derivatives(const Element& variables) const {
+    for (const Variable& variable : result_.variables)
+      if (variable.derivative_of && *variable.derivative_of >= result_.variables.size())
+        variables.fail(fmt::format("\"{}\" is the derivative of variable {}, but there are only {}", variable.name,
+                                   *variable.derivative_of + 1, result_.variables.size()));
+  }
+
+  std::size_t index(const Element& element, std::string_view text) const {
+    const auto value = parse_number<std::size_t>(text);
+    if (!value || *value == 0 || *value > result_.variables.size())
+      element.fail(
+          fmt::format("\"{}\" is no index of a variable; they go from 1 to {}", text, result_.variables.size()));
+    return *value - 1;
+  }
+
+  std::vector<Unknown> read_unknowns(const Element& list) const {
+    std::vector<Unknown> unknowns;
+    list.each_child("Unknown", [&](const Element& element) {
+      Unknown unknown;
+      unknown.variable = index(element, element.required_text("index"));
+      if (element.has("dependencies")) {
+        unknown.dependencies.emplace();
+        for (const std::string& word : words(element.text("dependencies")))
+          unknown.dependencies->push_back(index(element, word));
+      }
+      unknown.dependency_kinds = words(element.text("dependenciesKind"));
+      if (!unknown.dependency_kinds.empty() &&
+          unknown.dependency_kinds.size() != unknown.dependencies.value_or(std::vector<std::size_t>{}).size())
+        element.fail("dependenciesKind and dependencies have different lengths");
+      unknowns.push_back(std::move(unknown));
+    });
+    return unknowns;
+  }
+
+  static std::vector<std::string> words(std::string_view text) {
+    std::vector<std::string> result;
+    for (text = trimmed(text); !text.empty();) {
+      const auto end = std::min(text.find_first_of(" \t\r\n"), text.size());
+      result.emplace_back(text.substr(0, end));
+      text = trimmed(text.substr(end));
+    }
+    return result;
+  }
+
+  Element root_;
+  ModelDescription result_;
+  std::set<std::string> names_;
+};
+
+}  // namespace
+
+ModelDescription read_xml_text(std::string_view text, std::string_view source) {
+  const Document document(text, source);
+  return DescriptionReader(document).read();
+}
+
+ModelDescription read_xml(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) throw Error(fmt::format("{}: cannot be opened; an FMU has this file at its top", file.string()));
+  const std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+  return read_xml_text(text, file.string());
+}
+
+}  // namespace mebots::modeldesc

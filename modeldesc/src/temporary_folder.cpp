@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mebots/error.hpp"
+#include "mebots/modeldesc/archive.hpp"
+
+#include <fmt/format.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <system_error>
+#include <utility>
+
+namespace mebots::modeldesc {
+
+TemporaryFolder::TemporaryFolder(std::string_view prefix, const std::filesystem::path& parent) {
+  std::error_code error;
+  const std::filesystem::path base = parent.empty() ? std::filesystem::temp_directory_path(error) : parent;
+  if (error) throw Error(fmt::format("there is no folder for temporary files: {}; set TMPDIR", error.message()));
+  std::string name = (base / fmt::format("{}-XXXXXX", prefix)).string();
+  if (mkdtemp(name.data()) == nullptr)
+    throw Error(fmt::format("{}: no temporary folder can be made there: {}; set TMPDIR to another place", base.string(),
+                            std::generic_category().message(errno)));
+  path_ = name;
+}
+
+TemporaryFolder::~TemporaryFolder() {
+  remove();
+}
+
+TemporaryFolder::TemporaryFolder(TemporaryFolder&& other) noexcept : path_(std::exchange(other.path_, {})) {}
+
+TemporaryFolder& TemporaryFolder::operator=(TemporaryFolder&& other) noexcept {
+  if (this != &other) {
+    remove();
+    path_ = std::exchange(other.path_, {});
+  }
+  return *this;
+}
+
+void TemporaryFolder::remove() noexcept {
+  if (path_.empty()) return;
+  std::error_code ignored;  // a leftover in the folder for temporary files harms nobody
+  std::filesystem::remove_all(path_, ignored);
+}
+
+}  // namespace mebots::modeldesc

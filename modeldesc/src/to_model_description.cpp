@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "generate.hpp"
+
+#include "mebots/modeldesc/xml.hpp"
+#include "sha256.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+namespace mebots::modeldesc {
+namespace {
+
+/// What a reader of the FMI standard expects beside our own categories.
+const std::vector<LogCategory>& standard_log_categories() {
+  static const std::vector<LogCategory> categories = {
+      {"logStatusWarning", "Warnings"},
+      {"logStatusError", "Errors; they are always logged"},
+      {"logStatusFatal", "Errors after which the instance cannot be used; they are always logged"},
+      {"logAll", "Everything"},
+  };
+  return categories;
+}
+
+Type type_of(FieldType type) {
+  switch (type) {
+    case FieldType::real:
+      return Type::real;
+    case FieldType::integer:
+      return Type::integer;
+    case FieldType::boolean:
+      return Type::boolean;
+    case FieldType::string:
+      return Type::string;
+    case FieldType::binary:
+      return Type::integer;
+    case FieldType::enumeration:
+      return Type::enumeration;
+  }
+  return Type::real;
+}
+
+void add_variables(const Field& field, ModelDescription& result) {
+  for (std::size_t i = 0; i < field.fmi_names.size(); ++i) {
+    Variable variable;
+    variable.name = field.fmi_names[i];
+    variable.type = type_of(field.type);
+    variable.causality = field.causality;
+    variable.variability = field.variability;
+    if (field.causality == Causality::parameter) variable.initial = Initial::exact;
+    if (field.causality == Causality::output) variable.initial = Initial::calculated;
+    if (!field.starts.empty()) variable.start = field.starts[i];
+    variable.declared_type = field.enumeration;
+    variable.unit = field.unit;
+    variable.min = field.min;
+    variable.max = field.max;
+    variable.nominal = field.nominal;
+    variable.text = field.text;
+    const auto add = [&](Variable v) {
+      v.value_reference = static_cast<std::uint32_t>(result.variables.size());
+      result.variables.push_back(std::move(v));
+    };
+    if (field.type != FieldType::binary) {
+      add(std::move(variable));
+      continue;
+    }
+    for (const std::string_view role : kOsmpRoles) {
+      Variable part = variable;
+      part.name = fmt::format("{}.{}", variable.name, role);
+      part.osmp = OsmpPart{variable.name, std::string(role), field.mime_type};
+      if (field.causality == Causality::input) part.start = std::int32_t{0};
+      add(std::move(part));
+    }
+  }
+}
+
+void add_structure(const Description& description, ModelDescription& result) {
+  std::map<std::string, std::vector<std::size_t>> by_name;
+  for (std::size_t i = 0; i < result.variables.size(); ++i) {
+    const Variable& variable = result.variables[i];
+    by_name[variable.osmp ? variable.osmp->name : variable.name].push_back(i);
+  }
+  for (const Field& field : description.fields) {
+    if (field.causality != Causality::output) continue;
+    std::vector<std::size_t> dependencies;
+    for (const std::string& name : field.depends_on)
+      dependencies.insert(dependencies.end(), by_name.at(name).begin(), by_name.at(name).end());
+    std::ranges::sort(dependencies);
+    for (const std::string& name : field.fmi_names) {
+      for (const std::size_t index : by_name.at(name)) {
+        result.outputs.push_back({index, dependencies, {}});
+        // The first outputs come from the whole model, made of every parameter and start input: any may count.
+        result.initial_unknowns.push_back({index, std::nullopt, {}});
+      }
+    }
+  }
+}
+
+std::string guid_of(const ModelDescription& description) {
+  const std::string digest = sha256_hex(write_xml(description));
+  return fmt::format("{{{}-{}-{}-{}-{}}}", digest.substr(0, 8), digest.substr(8, 4), digest.substr(12, 4),
+                     digest.substr(16, 4), digest.substr(20, 12));
+}
+
+}  // namespace
+
+ModelDescription to_model_description(const Description& description) {
+  ModelDescription result;
+  result.fmi_version = "2.0";
+  result.model_name = description.name;
+  result.text = description.text;
+  result.author = "The MEbots authors";
+  result.version = MEBOTS_VERSION;
+  result.copyright = "The MEbots authors";
+  result.license = "Apache-2.0";
+  result.generation_tool = "MEbots " MEBOTS_VERSION;
+  result.structured_names = true;
+  CoSimulation& flags = result.co_simulation.emplace();
+  flags.model_identifier = description.name;
+  flags.can_handle_variable_communication_step_size = true;
+  flags.can_get_and_set_fmu_state = true;
+  flags.can_serialize_fmu_state = true;
+  flags.can_not_use_memory_management_functions = true;
+
+  for (const Enumeration& enumeration : description.enumerations) {
+    TypeDefinition& type = result.types.emplace_back();
+    type.name = enumeration.name;
+    type.type = Type::enumeration;
+    type.items = enumeration.items;
+  }
+  result.log_categories = description.log_categories;
+  const auto& standard = standard_log_categories();
+  result.log_categories.insert(result.log_categories.end(), standard.begin(), standard.end());
+  result.default_experiment = {0.0, description.stop_time_s, std::nullopt, description.step_s};
+
+  std::set<std::string> used_units;
+  for (const Field& field : description.fields) {
+    add_variables(field, result);
+    used_units.insert(field.unit);
+  }
+  for (const KnownUnit& known : known_units())
+    if (used_units.contains(known.unit.name)) result.units.push_back(known.unit);
+  add_structure(description, result);
+  result.guid = guid_of(result);
+  return result;
+}
+
+}  // namespace mebots::modeldesc

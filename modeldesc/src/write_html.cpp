@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "generate.hpp"
+
+#include <fmt/format.h>
+
+namespace mebots::modeldesc {
+namespace {
+
+std::string escaped(std::string_view text) {
+  std::string result;
+  for (const char c : text) {
+    if (c == '<')
+      result += "&lt;";
+    else if (c == '>')
+      result += "&gt;";
+    else if (c == '&')
+      result += "&amp;";
+    else if (c == '"')
+      result += "&quot;";
+    else
+      result += c;
+  }
+  return result;
+}
+
+std::string start_text(const ModelDescription& description, const Variable& variable) {
+  if (const auto* real = std::get_if<double>(&variable.start)) return fmt::format("{:g}", *real);
+  if (const auto* boolean = std::get_if<bool>(&variable.start)) return *boolean ? "true" : "false";
+  if (const auto* text = std::get_if<std::string>(&variable.start)) return escaped("\"" + *text + "\"");
+  if (const auto* integer = std::get_if<std::int32_t>(&variable.start)) {
+    if (const TypeDefinition* type = description.type_definition(variable.declared_type))
+      for (const EnumerationItem& item : type->items)
+        if (item.value == *integer) return escaped(item.name);
+    return fmt::format("{}", *integer);
+  }
+  return "";
+}
+
+std::string range_text(const Variable& variable) {
+  if (variable.min && variable.max) return fmt::format("{:g} to {:g}", *variable.min, *variable.max);
+  if (variable.min) return fmt::format("&ge; {:g}", *variable.min);
+  if (variable.max) return fmt::format("&le; {:g}", *variable.max);
+  return "";
+}
+
+void write_table(std::string& out, const ModelDescription& description, Causality causality, const char* heading) {
+  std::string rows;
+  for (const Variable& variable : description.variables) {
+    if (variable.causality != causality) continue;
+    const std::string type =
+        variable.declared_type.empty() ? std::string(to_string(variable.type)) : variable.declared_type;
+    rows += fmt::format("<tr><td><code>{}</code></td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n",
+                        escaped(variable.name), escaped(variable.unit), escaped(type),
+                        start_text(description, variable), range_text(variable), escaped(variable.text));
+  }
+  if (rows.empty()) return;
+  out += fmt::format(
+      "<h2>{}</h2>\n<table>\n<tr><th>Name</th><th>Unit</th><th>Type</th><th>Start</th><th>Range</th><th>Meaning</th></"
+      "tr>\n"
+      "{}</table>\n",
+      heading, rows);
+}
+
+}  // namespace
+
+std::string write_html(const ModelDescription& description) {
+  std::string out = fmt::format(
+      "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<title>{0}</title>\n<style>\n"
+      "body {{ font-family: sans-serif; max-width: 70em; margin: 2em auto; padding: 0 1em; color: #222; }}\n"
+      "table {{ border-collapse: collapse; width: 100%; font-size: 0.9em; }}\n"
+      "th, td {{ border-bottom: 1px solid #ccc; padding: 0.3em 0.6em; text-align: left; vertical-align: top; }}\n"
+      "th {{ background: #f2f2f2; }}\n</style>\n</head>\n<body>\n<h1>{0}</h1>\n<p>{1}.</p>\n",
+      escaped(description.model_name), escaped(description.text));
+  out += fmt::format(
+      "<p>An FMI 2.0 co-simulation unit. Default step {:g} s, default stop time {:g} s; any step size works, state can "
+      "be "
+      "saved, restored and serialised, and one process may hold many instances.</p>\n",
+      description.default_experiment.step_size_s.value_or(0), description.default_experiment.stop_time_s.value_or(0));
+  write_table(out, description, Causality::parameter, "Parameters");
+  write_table(out, description, Causality::input, "Inputs");
+  write_table(out, description, Causality::output, "Outputs");
+  for (const TypeDefinition& type : description.types) {
+    if (type.type != Type::enumeration) continue;
+    out += fmt::format("<h2>Type {}</h2>\n<table>\n<tr><th>Value</th><th>Name</th></tr>\n", escaped(type.name));
+    for (const EnumerationItem& item : type.items)
+      out += fmt::format("<tr><td>{}</td><td>{}</td></tr>\n", item.value, escaped(item.name));
+    out += "</table>\n";
+  }
+  out += "<h2>Log categories</h2>\n<table>\n<tr><th>Name</th><th>Meaning</th></tr>\n";
+  for (const LogCategory& category : description.log_categories)
+    out +=
+        fmt::format("<tr><td><code>{}</code></td><td>{}</td></tr>\n", escaped(category.name), escaped(category.text));
+  out += fmt::format(
+      "</table>\n<p>Made with {}. Licence: {}, see <a "
+      "href=\"licenses/license.txt\">licenses/license.txt</a>.</p>\n</body>\n</html>\n",
+      escaped(description.generation_tool), escaped(description.license));
+  return out;
+}
+
+}  // namespace mebots::modeldesc

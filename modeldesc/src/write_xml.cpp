@@ -1,0 +1,212 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mebots/modeldesc/xml.hpp"
+
+#include <fmt/format.h>
+#include <pugixml.hpp>
+
+#include <sstream>
+
+namespace mebots::modeldesc {
+namespace {
+
+// pugixml prints doubles with fixed digits; fmt gives the shortest text that reads back as the same number.
+std::string number(double value) {
+  std::string text = fmt::format("{}", value);
+  if (text.ends_with(".0")) text.resize(text.size() - 2);
+  return text;
+}
+
+class Element {
+ public:
+  explicit Element(pugi::xml_node node) : node_(node) {}
+
+  Element child(const char* name) { return Element(node_.append_child(name)); }
+  Element& text(const char* name, const std::string& value) {
+    node_.append_attribute(name).set_value(value.c_str());
+    return *this;
+  }
+  Element& text_if(const char* name, const std::string& value) { return value.empty() ? *this : text(name, value); }
+  Element& number_if(const char* name, const std::optional<double>& value) {
+    return value ? text(name, number(*value)) : *this;
+  }
+  Element& flag_if(const char* name, bool value) { return value ? text(name, "true") : *this; }
+  void comment(const char* value) { node_.append_child(pugi::node_comment).set_value(value); }
+
+ private:
+  pugi::xml_node node_;
+};
+
+void write_co_simulation(Element root, const CoSimulation& flags) {
+  Element element = root.child("CoSimulation");
+  element.text("modelIdentifier", flags.model_identifier)
+      .flag_if("needsExecutionTool", flags.needs_execution_tool)
+      .flag_if("canHandleVariableCommunicationStepSize", flags.can_handle_variable_communication_step_size)
+      .flag_if("canInterpolateInputs", flags.can_interpolate_inputs);
+  if (flags.max_output_derivative_order != 0)
+    element.text("maxOutputDerivativeOrder", std::to_string(flags.max_output_derivative_order));
+  element.flag_if("canRunAsynchronuously", flags.can_run_asynchronuously)
+      .flag_if("canBeInstantiatedOnlyOncePerProcess", flags.can_be_instantiated_only_once_per_process)
+      .flag_if("canNotUseMemoryManagementFunctions", flags.can_not_use_memory_management_functions)
+      .flag_if("canGetAndSetFMUstate", flags.can_get_and_set_fmu_state)
+      .flag_if("canSerializeFMUstate", flags.can_serialize_fmu_state)
+      .flag_if("providesDirectionalDerivative", flags.provides_directional_derivative);
+  if (flags.source_files.empty()) return;
+  Element files = element.child("SourceFiles");
+  for (const std::string& file : flags.source_files) files.child("File").text("name", file);
+}
+
+void write_units(Element root, const std::vector<Unit>& units) {
+  if (units.empty()) return;
+  Element definitions = root.child("UnitDefinitions");
+  for (const Unit& unit : units) {
+    Element element = definitions.child("Unit").text("name", unit.name);
+    if (unit.has_base) {
+      Element base = element.child("BaseUnit");
+      for (std::size_t i = 0; i < kBaseUnits.size(); ++i)
+        if (unit.exponents[i] != 0) base.text(std::string(kBaseUnits[i]).c_str(), std::to_string(unit.exponents[i]));
+      if (unit.factor != 1) base.text("factor", number(unit.factor));
+      if (unit.offset != 0) base.text("offset", number(unit.offset));
+    }
+    for (const DisplayUnit& display : unit.display_units) {
+      Element shown = element.child("DisplayUnit").text("name", display.name);
+      if (display.factor != 1) shown.text("factor", number(display.factor));
+      if (display.offset != 0) shown.text("offset", number(display.offset));
+    }
+  }
+}
+
+/// A whole number as text when the type counts in them.
+std::string limit_text(double value, Type type) {
+  return type == Type::real ? number(value) : fmt::format("{}", static_cast<std::int64_t>(value));
+}
+
+template <typename Source>
+void write_limits(Element element, const Source& source, Type type) {
+  if (source.min) element.text("min", limit_text(*source.min, type));
+  if (source.max) element.text("max", limit_text(*source.max, type));
+  if (type == Type::real) element.number_if("nominal", source.nominal);
+}
+
+void write_types(Element root, const std::vector<TypeDefinition>& types) {
+  if (types.empty()) return;
+  Element definitions = root.child("TypeDefinitions");
+  for (const TypeDefinition& type : types) {
+    Element simple = definitions.child("SimpleType").text("name", type.name).text_if("description", type.text);
+    Element element = simple.child(std::string(to_string(type.type)).c_str()).text_if("quantity", type.quantity);
+    if (type.type == Type::real) element.text_if("unit", type.unit).text_if("displayUnit", type.display_unit);
+    if (type.type == Type::real || type.type == Type::integer) write_limits(element, type, type.type);
+    for (const EnumerationItem& item : type.items)
+      element.child("Item")
+          .text("name", item.name)
+          .text("value", std::to_string(item.value))
+          .text_if("description", item.text);
+  }
+}
+
+void write_start(Element element, const Value& start) {
+  if (const auto* real = std::get_if<double>(&start)) element.text("start", number(*real));
+  if (const auto* integer = std::get_if<std::int32_t>(&start)) element.text("start", std::to_string(*integer));
+  if (const auto* boolean = std::get_if<bool>(&start)) element.text("start", *boolean ? "true" : "false");
+  if (const auto* text = std::get_if<std::string>(&start)) element.text("start", *text);
+}
+
+void write_variable(Element variables, const Variable& variable, std::size_t index) {
+  variables.comment(fmt::format(" {} ", index + 1).c_str());
+  Element scalar = variables.child("ScalarVariable")
+                       .text("name", variable.name)
+                       .text("valueReference", std::to_string(variable.value_reference))
+                       .text_if("description", variable.text)
+                       .text("causality", std::string(to_string(variable.causality)))
+                       .text("variability", std::string(to_string(variable.variability)));
+  if (variable.initial) scalar.text("initial", std::string(to_string(*variable.initial)));
+  if (!variable.can_handle_multiple_set_per_time_instant) scalar.text("canHandleMultipleSetPerTimeInstant", "false");
+
+  Element element = scalar.child(std::string(to_string(variable.type)).c_str());
+  element.text_if("declaredType", variable.declared_type).text_if("quantity", variable.quantity);
+  if (variable.type == Type::real) element.text_if("unit", variable.unit).text_if("displayUnit", variable.display_unit);
+  element.flag_if("relativeQuantity", variable.relative_quantity);
+  // What the declared type says need not be said again; for an enumeration the items are the limits.
+  if (variable.type == Type::real || variable.type == Type::integer) write_limits(element, variable, variable.type);
+  write_start(element, variable.start);
+  if (variable.derivative_of) element.text("derivative", std::to_string(*variable.derivative_of + 1));
+  element.flag_if("reinit", variable.reinit);
+
+  if (variable.osmp) {
+    scalar.child("Annotations")
+        .child("Tool")
+        .text("name", "net.pmsf.osmp")
+        .child("osmp:osmp-binary-variable")
+        .text("xmlns:osmp", "http://xsd.pmsf.net/OSISensorModelPackaging")
+        .text("name", variable.osmp->name)
+        .text("role", variable.osmp->role)
+        .text("mime-type", variable.osmp->mime_type);
+  }
+}
+
+void write_unknowns(Element structure, const char* name, const std::vector<Unknown>& unknowns) {
+  if (unknowns.empty()) return;
+  Element list = structure.child(name);
+  for (const Unknown& unknown : unknowns) {
+    Element element = list.child("Unknown").text("index", std::to_string(unknown.variable + 1));
+    if (!unknown.dependencies) continue;
+    std::string indices;
+    for (const std::size_t dependency : *unknown.dependencies)
+      indices += (indices.empty() ? "" : " ") + std::to_string(dependency + 1);
+    element.text("dependencies", indices);
+    if (unknown.dependency_kinds.empty()) continue;
+    std::string kinds;
+    for (const std::string& kind : unknown.dependency_kinds) kinds += (kinds.empty() ? "" : " ") + kind;
+    element.text("dependenciesKind", kinds);
+  }
+}
+
+}  // namespace
+
+std::string write_xml(const ModelDescription& description) {
+  pugi::xml_document document;
+  pugi::xml_node declaration = document.append_child(pugi::node_declaration);
+  declaration.append_attribute("version") = "1.0";
+  declaration.append_attribute("encoding") = "UTF-8";
+
+  Element root(document.append_child("fmiModelDescription"));
+  root.text("fmiVersion", description.fmi_version)
+      .text("modelName", description.model_name)
+      .text("guid", description.guid)
+      .text_if("description", description.text)
+      .text_if("author", description.author)
+      .text_if("version", description.version)
+      .text_if("copyright", description.copyright)
+      .text_if("license", description.license)
+      .text_if("generationTool", description.generation_tool)
+      .text_if("generationDateAndTime", description.generation_date_and_time)
+      .text("variableNamingConvention", description.structured_names ? "structured" : "flat");
+  if (description.number_of_event_indicators != 0)
+    root.text("numberOfEventIndicators", std::to_string(description.number_of_event_indicators));
+  if (description.co_simulation) write_co_simulation(root, *description.co_simulation);
+  write_units(root, description.units);
+  write_types(root, description.types);
+  if (!description.log_categories.empty()) {
+    Element categories = root.child("LogCategories");
+    for (const LogCategory& category : description.log_categories)
+      categories.child("Category").text("name", category.name).text_if("description", category.text);
+  }
+  const DefaultExperiment& experiment = description.default_experiment;
+  if (experiment != DefaultExperiment{})
+    root.child("DefaultExperiment")
+        .number_if("startTime", experiment.start_time_s)
+        .number_if("stopTime", experiment.stop_time_s)
+        .number_if("tolerance", experiment.tolerance)
+        .number_if("stepSize", experiment.step_size_s);
+  Element variables = root.child("ModelVariables");
+  for (std::size_t i = 0; i < description.variables.size(); ++i) write_variable(variables, description.variables[i], i);
+  Element structure = root.child("ModelStructure");
+  write_unknowns(structure, "Outputs", description.outputs);
+  write_unknowns(structure, "Derivatives", description.derivatives);
+  write_unknowns(structure, "InitialUnknowns", description.initial_unknowns);
+
+  std::ostringstream text;
+  document.save(text, "  ", pugi::format_default, pugi::encoding_utf8);
+  return text.str();
+}
+
+}  // namespace mebots::modeldesc
