@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "curve.hpp"
+
+#include <filesystem>
+#include <string>
+
+namespace mebots::battery {
+
+/// Values of the equivalent circuit's elements at one state of charge:
+/// open-circuit source, series resistance and two parallel RC pairs in one loop.
+struct Circuit {
+  double open_circuit_v;
+  double series_ohm;
+  double pair1_ohm;
+  double pair1_farad;
+  double pair2_ohm;
+  double pair2_farad;
+};
+
+/// A cell as its data file describes it (fmu_battery/README.md documents the format).
+struct Cell {
+  std::string name;
+  double mass_kg = 0;
+  double capacity_c = 0;               // charge between s = 1 and s = 0
+  double cut_off_voltage_v = 0;        // the protection opens below it
+  double continuous_current_a = 0;     // above it over_current is raised; nothing else happens
+  double self_discharge_current_a = 0; // flows while s > 0
+  double hold_below_soc = 0;           // R and C keep their value at this s below it
+  Curve open_circuit_v;
+  Curve series_ohm;
+  Curve pair1_ohm;
+  Curve pair1_farad;
+  Curve pair2_ohm;
+  Curve pair2_farad;
+
+  Circuit circuit_at(double s) const;
+};
+
+/// Reads and checks a cell file. Throws mebots::Error naming file, key, value and limit when a key is missing
+/// or unknown, a type or unit is wrong, mass, capacity, a resistance or a capacitance is not positive, the
+/// open-circuit voltage falls with rising s, or the cut-off is not below the full cell's voltage.
+Cell load_cell(const std::filesystem::path& path);
+
+/// Current at the terminals [A, positive = discharge] when they give `power_w` (negative = charging) and the
+/// voltage behind the series resistance is `source_v`: the smaller root of R i^2 - E i + P = 0.
+/// Beyond the power that the circuit can give, E^2 / (4 R), it stays at the point of greatest power.
+double terminal_current_a(double source_v, double series_ohm, double power_w);
+
+/// The greatest terminal power [W] at which the terminal voltage is not below `cut_off_v`.
+double power_limit_w(double source_v, double series_ohm, double cut_off_v);
+
+}  // namespace mebots::battery

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+namespace mebots::data {
+class Node;
+}
+
+namespace mebots::battery {
+
+/// A quantity over state of charge s in [0, 1], in one of two forms:
+///   a exp(-b s) + c0 + c1 s + c2 s^2 + c3 s^3   (the form of Chen and Rincon-Mora 2006)
+///   a table, linear between its points
+class Curve {
+ public:
+  /// Reads {"unit", "exponential": [a, b], "polynomial": [c0, ...]} or {"unit", "state_of_charge", "value"}.
+  /// The table must rise from s = 0 to s = 1. `unit` is the unit that the file must state.
+  /// Throws mebots::Error naming file and key.
+  static Curve read(const data::Node& parent, std::string_view key, std::string_view unit);
+
+  static Curve analytic(double factor, double rate, std::vector<double> polynomial);
+
+  /// Value at s; the caller keeps s within [0, 1] (an integrator's trial points may leave it by a hair).
+  double operator()(double s) const;
+
+  /// The same curve with all values multiplied.
+  Curve scaled(double factor) const;
+
+ private:
+  double factor_ = 0;
+  double rate_ = 0;
+  double polynomial_[4] = {0, 0, 0, 0};
+  std::vector<double> table_s_;  // empty for the analytic form
+  std::vector<double> table_value_;
+};
+
+}  // namespace mebots::battery

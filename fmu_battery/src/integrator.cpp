@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "integrator.hpp"
+
+#include "mebots/error.hpp"
+
+#include <arkode/arkode_erkstep.h>
+#include <fmt/format.h>
+#include <nvector/nvector_serial.h>
+#include <sundials/sundials_context.h>
+
+#include <algorithm>
+#include <string>
+
+namespace mebots::battery {
+namespace {
+
+// The vector that SUNDIALS integrates. The ledger part starts at zero in every advance, so that its error
+// control looks at the step's energies and not at the sum since the start.
+enum Index : int {
+  kSoc,
+  kPair1,
+  kPair2,
+  kOpenCircuit,
+  kDelivered,
+  kSource,
+  kOhmic,
+  kPolarisation,
+  kConverters,
+  kSelfDischarge,
+  kSize
+};
+
+// Absolute tolerances: 1e-12 of the charge, 1e-10 V, 1e-10 J in one step.
+constexpr double kSocTolerance = 1e-12;
+constexpr double kVoltageTolerance = 1e-10;
+constexpr double kEnergyTolerance = 1e-10;
+constexpr long kMaxSteps = 1'000'000;
+
+enum Root : int { kPowerRoot, kEmptyRoot, kFullRoot, kRootCount };
+
+}  // namespace
+
+Ledger& Ledger::operator+=(const Ledger& other) {
+  open_circuit_j += other.open_circuit_j;
+  delivered_j += other.delivered_j;
+  source_j += other.source_j;
+  ohmic_j += other.ohmic_j;
+  polarisation_j += other.polarisation_j;
+  converters_j += other.converters_j;
+  self_discharge_j += other.self_discharge_j;
+  return *this;
+}
+
+double Ledger::imbalance_j() const {
+  return open_circuit_j + source_j - delivered_j - ohmic_j - polarisation_j - converters_j - self_discharge_j;
+}
+
+class Integrator::Solver {
+ public:
+  Solver(const Cell& cell, const Options& options) : cell_(cell) {
+    check(SUNContext_Create(nullptr, &context_), "SUNContext_Create");
+    y_ = N_VNew_Serial(kSize, context_);
+    N_Vector tolerances = N_VNew_Serial(kSize, context_);
+    memory_ = ERKStepCreate(&Solver::right_hand_side, 0, y_, context_);
+    if (y_ == nullptr || tolerances == nullptr || memory_ == nullptr) throw Error("SUNDIALS: out of memory");
+    double* tolerance = N_VGetArrayPointer(tolerances);
+    std::fill(tolerance, tolerance + kSize, kEnergyTolerance);
+    tolerance[kSoc] = kSocTolerance;
+    tolerance[kPair1] = tolerance[kPair2] = kVoltageTolerance;
+    check(ERKStepSVtolerances(memory_, options.relative_tolerance, tolerances), "ERKStepSVtolerances");
+    N_VDestroy(tolerances);
+    check(ERKStepSetErrHandlerFn(memory_, &Solver::on_error, this), "ERKStepSetErrHandlerFn");
+    check(ERKStepSetUserData(memory_, this), "ERKStepSetUserData");
+    check(ERKStepSetTableNum(memory_, ARKODE_ZONNEVELD_5_3_4), "ERKStepSetTableNum");
+    check(ERKStepSetMaxNumSteps(memory_, kMaxSteps), "ERKStepSetMaxNumSteps");
+    check(ERKStepRootInit(memory_, kRootCount, &Solver::root_functions), "ERKStepRootInit");
+    check(ERKStepSetNoInactiveRootWarn(memory_), "ERKStepSetNoInactiveRootWarn");
+    fixed_step_s_ = options.fixed_step_s;
+    if (fixed_step_s_ > 0) check(ERKStepSetFixedStep(memory_, fixed_step_s_), "ERKStepSetFixedStep");
+  }
+
+  ~Solver() {
+    if (memory_ != nullptr) ERKStepFree(&memory_);
+    if (y_ != nullptr) N_VDestroy(y_);
+    if (context_ != nullptr) SUNContext_Free(&context_);
+  }
+  Solver(const Solver&) = delete;
+  Solver& operator=(const Solver&) = delete;
+
+  Result advance(CellState& state, Ledger& ledger, const Demand& demand, bool connected, double duration_s) {
+    demand_ = connected ? demand : Demand{};
+    connected_ = connected;
+    charged_ = state.soc > 0;
+    charging_ = connected && demand_.terminal_w() < 0;
+    if (connected) {
+      if (!charged_) return {0, Event::empty};
+      if (charging_ && state.soc >= 1) return {0, Event::full};
+      if (power_margin_w(state.soc, state.pair1_v, state.pair2_v) < 0) return {0, Event::cut_off};
+    }
+
+    double* y = N_VGetArrayPointer(y_);
+    std::fill(y, y + kSize, 0.0);
+    y[kSoc] = state.soc;
+    y[kPair1] = state.pair1_v;
+    y[kPair2] = state.pair2_v;
+    // Starting afresh, with the whole duration as the first try, leaves no history of earlier calls.
+    check(ERKStepReInit(memory_, &Solver::right_hand_side, 0, y_), "ERKStepReInit");
+    if (fixed_step_s_ == 0) check(ERKStepSetInitStep(memory_, duration_s), "ERKStepSetInitStep");
+    check(ERKStepSetStopTime(memory_, duration_s), "ERKStepSetStopTime");
+    double reached_s = 0;
+    const int flag = ERKStepEvolve(memory_, duration_s, y_, &reached_s, ARK_NORMAL);
+    check(flag, "ERKStepEvolve");
+
+    state = {y[kSoc], y[kPair1], y[kPair2]};
+    ledger += Ledger{y[kOpenCircuit],  y[kDelivered],  y[kSource],        y[kOhmic],
+                     y[kPolarisation], y[kConverters], y[kSelfDischarge]};
+    return {reached_s, flag == ARK_ROOT_RETURN ? settle(state) : Event::none};
+  }
+
+  long evaluations() const { return evaluations_; }
+
+ private:
+  /// Which event it was; the state that root finding left within rounding of a limit is put on it.
+  Event settle(CellState& state) {
+    int found[kRootCount] = {};
+    check(ERKStepGetRootInfo(memory_, found), "ERKStepGetRootInfo");
+    if (found[kEmptyRoot] != 0) {
+      state.soc = 0;
+      return Event::empty;
+    }
+    if (found[kFullRoot] != 0) {
+      state.soc = 1;
+      return Event::full;
+    }
+    return Event::cut_off;
+  }
+
+  double power_margin_w(double soc, double pair1_v, double pair2_v) const {
+    const double held = std::max(soc, cell_.hold_below_soc);
+    const double source_v = cell_.open_circuit_v(soc) - pair1_v - pair2_v;
+    return power_limit_w(source_v, cell_.series_ohm(held), cell_.cut_off_voltage_v) - demand_.terminal_w();
+  }
+
+  static int right_hand_side(double /*t*/, N_Vector y_vector, N_Vector derivative_vector, void* self) {
+    auto& solver = *static_cast<Solver*>(self);
+    ++solver.evaluations_;
+    const double* y = N_VGetArrayPointer(y_vector);
+    double* dy = N_VGetArrayPointer(derivative_vector);
+    const Cell& cell = solver.cell_;
+    const Demand& demand = solver.demand_;
+
+    const Circuit circuit = cell.circuit_at(y[kSoc]);
+    const double source_v = circuit.open_circuit_v - y[kPair1] - y[kPair2];
+    const double current_a =
+        solver.connected_ ? terminal_current_a(source_v, circuit.series_ohm, demand.terminal_w()) : 0;
+    const double leak_a = solver.charged_ ? cell.self_discharge_current_a : 0;
+    const double resistor1_a = y[kPair1] / circuit.pair1_ohm;
+    const double resistor2_a = y[kPair2] / circuit.pair2_ohm;
+    const double capacitor1_a = current_a - resistor1_a;
+    const double capacitor2_a = current_a - resistor2_a;
+
+    dy[kSoc] = -(current_a + leak_a) / cell.capacity_c;
+    dy[kPair1] = capacitor1_a / circuit.pair1_farad;
+    dy[kPair2] = capacitor2_a / circuit.pair2_farad;
+    dy[kOpenCircuit] = circuit.open_circuit_v * (current_a + leak_a);
+    dy[kDelivered] = demand.delivered_w;
+    dy[kSource] = demand.source_w;
+    dy[kOhmic] = circuit.series_ohm * current_a * current_a + y[kPair1] * resistor1_a + y[kPair2] * resistor2_a;
+    dy[kPolarisation] = y[kPair1] * capacitor1_a + y[kPair2] * capacitor2_a;
+    dy[kConverters] = demand.converter_loss_w();
+    dy[kSelfDischarge] = circuit.open_circuit_v * leak_a;
+    return 0;
+  }
+
+  static int root_functions(double /*t*/, N_Vector y_vector, double* g, void* self) {
+    const auto& solver = *static_cast<const Solver*>(self);
+    const double* y = N_VGetArrayPointer(y_vector);
+    // A constant never crosses zero: it switches a function off.
+    g[kPowerRoot] = solver.connected_ ? solver.power_margin_w(y[kSoc], y[kPair1], y[kPair2]) : 1;
+    g[kEmptyRoot] = solver.charged_ ? y[kSoc] : 1;
+    g[kFullRoot] = solver.charging_ ? 1 - y[kSoc] : 1;
+    return 0;
+  }
+
+  static void on_error(int /*code*/, const char* /*module*/, const char* function, char* message, void* self) {
+    static_cast<Solver*>(self)->message_ = fmt::format("{}: {}", function, message);
+  }
+
+  void check(int flag, const char* function) const {
+    if (flag >= 0) return;
+    throw Error(fmt::format("the cell's equations cannot be integrated: {} gave {} ({}) at {} W terminal power", function,
+                            flag, message_, demand_.terminal_w()));
+  }
+
+  const Cell& cell_;
+  SUNContext context_ = nullptr;
+  N_Vector y_ = nullptr;
+  void* memory_ = nullptr;
+  double fixed_step_s_ = 0;
+  long evaluations_ = 0;
+  std::string message_;
+
+  // Held during one advance.
+  Demand demand_;
+  bool connected_ = true;
+  bool charged_ = true;
+  bool charging_ = false;
+};
+
+Integrator::Integrator(const Cell& cell, const Options& options) : solver_(std::make_unique<Solver>(cell, options)) {}
+Integrator::~Integrator() = default;
+
+Integrator::Result Integrator::advance(CellState& state, Ledger& ledger, const Demand& demand, bool connected,
+                                       double duration_s) {
+  return solver_->advance(state, ledger, demand, connected, duration_s);
+}
+
+long Integrator::evaluations() const { return solver_->evaluations(); }
+
+}  // namespace mebots::battery

@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "model.hpp"
+
+#include "mebots/data_file.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace mebots::battery {
+namespace {
+
+/// What is left of a step after an event and is too short to integrate: at 100 W it is 1e-10 J.
+constexpr double kShortest = 1e-12;
+
+constexpr double seconds(std::int64_t ns) { return static_cast<double>(ns) * 1e-9; }
+
+void check_power(double power_w, std::string_view name) {
+  if (std::isfinite(power_w) && power_w >= 0) return;
+  throw Error(fmt::format("{}.power = {} W must be finite and >= 0{}", name, power_w,
+                          power_w < 0 ? "; connect what gives power to source.power" : ""));
+}
+
+double checked_soc(double soc) {
+  if (std::isfinite(soc) && soc >= 0 && soc <= 1) return soc;
+  throw Error(fmt::format("cell.initial_state_of_charge = {} must be >= 0 and <= 1", soc));
+}
+
+}  // namespace
+
+Model::Model(const Parameters& parameters, const std::filesystem::path& resources, EventLog log)
+    : log_(std::move(log)),
+      cell_(load_cell(data::find_file(resources / "cells", parameters.cell_name, "cell.name"))),
+      source_converter_(
+          load_converter(resources / "converters.json", parameters.source_converter, "source.converter")),
+      integrator_(cell_) {
+  for (std::size_t i = 0; i < load::kCount; ++i) {
+    load_converter_[i] = load_converter(resources / "converters.json", parameters.load_converter[i],
+                                        fmt::format("{}.converter", load::kWords[i]));
+  }
+  state_.soc = checked_soc(parameters.cell_initial_state_of_charge);
+  full_ = state_.soc >= 1;
+}
+
+void Model::start(const Inputs& inputs, std::int64_t start_ns, Outputs& outputs) {
+  const Demand now = demand(inputs);
+  const Circuit circuit = cell_.circuit_at(state_.soc);
+  const double source_v = circuit.open_circuit_v - state_.pair1_v - state_.pair2_v;
+  if (state_.soc <= 0) {
+    handle(Event::empty, seconds(start_ns));
+  } else if (now.terminal_w() > power_limit_w(source_v, circuit.series_ohm, cell_.cut_off_voltage_v)) {
+    handle(Event::cut_off, seconds(start_ns));
+  }
+  write(inputs, seconds(start_ns), outputs);
+  outputs.losses_power_w = 0;
+}
+
+void Model::step(const Inputs& inputs, std::int64_t start_ns, std::int64_t duration_ns, Outputs& outputs) {
+  if (state_.soc < kResumeChargingBelow) full_ = false;
+  const Ledger before = ledger_;
+  const double duration_s = seconds(duration_ns);
+  double passed_s = 0;
+  while (duration_s - passed_s > kShortest) {
+    const auto [reached_s, event] =
+        integrator_.advance(state_, ledger_, demand(inputs), connected_, duration_s - passed_s);
+    if (connected_) {
+      for (std::size_t i = 0; i < load::kCount; ++i) load_energy_j_[i] += inputs.load_power_w[i] * reached_s;
+    }
+    if (event == Event::none) break;
+    passed_s += reached_s;
+    handle(event, seconds(start_ns) + passed_s);
+  }
+  const double lost_j =
+      (ledger_.ohmic_j - before.ohmic_j) + (ledger_.converters_j - before.converters_j);
+  write(inputs, seconds(start_ns + duration_ns), outputs);
+  outputs.losses_power_w = lost_j / duration_s;
+}
+
+Demand Model::demand(const Inputs& inputs) const {
+  Demand demand;
+  for (std::size_t i = 0; i < load::kCount; ++i) {
+    const double power_w = inputs.load_power_w[i];
+    check_power(power_w, load::kWords[i]);
+    demand.delivered_w += power_w;
+    demand.drawn_w += load_converter_[i].input_power_w(power_w);
+  }
+  check_power(inputs.source_power_w, "source");
+  demand.source_w = inputs.source_power_w;
+  demand.source_bus_w = source_converter_.output_power_w(inputs.source_power_w);
+  if (full_ && demand.source_bus_w > demand.drawn_w) {
+    demand.source_bus_w = demand.drawn_w;
+    demand.source_w = source_converter_.input_power_w(demand.drawn_w);
+  }
+  return demand;
+}
+
+void Model::handle(Event event, double time_s) {
+  if (event == Event::full) {
+    full_ = true;
+    log_(fmt::format("t = {:.9g} s: the cell is full and takes no more charge until it is below {}", time_s,
+                     kResumeChargingBelow));
+    return;
+  }
+  if (!connected_) return;  // emptied by self-discharge behind an open protection
+  connected_ = false;
+  if (event == Event::empty) {
+    log_(fmt::format("t = {:.9g} s: the cell is empty; the protection opens", time_s));
+  } else {
+    log_(fmt::format("t = {:.9g} s: the terminal voltage falls under the cut-off of {} V at a state of charge of {:.4f}; "
+                     "the protection opens",
+                     time_s, cell_.cut_off_voltage_v, state_.soc));
+  }
+}
+
+void Model::write(const Inputs& inputs, double time_s, Outputs& outputs) {
+  const Circuit circuit = cell_.circuit_at(state_.soc);
+  const double source_v = circuit.open_circuit_v - state_.pair1_v - state_.pair2_v;
+  const double current_a =
+      connected_ ? terminal_current_a(source_v, circuit.series_ohm, demand(inputs).terminal_w()) : 0;
+  const double voltage_v = source_v - circuit.series_ohm * current_a;
+
+  const bool over_current = std::abs(current_a) > cell_.continuous_current_a;
+  if (over_current && !over_current_) {
+    log_(fmt::format("t = {:.9g} s: the current of {:.3f} A is above the cell's continuous limit of {} A", time_s,
+                     current_a, cell_.continuous_current_a));
+  }
+  over_current_ = over_current;
+
+  outputs.bus_voltage_v = connected_ ? voltage_v : 0;
+  outputs.cell_voltage_v = voltage_v;
+  outputs.cell_open_circuit_voltage_v = circuit.open_circuit_v;
+  outputs.cell_current_a = current_a;
+  outputs.cell_state_of_charge = state_.soc;
+  outputs.cell_capacity_c = cell_.capacity_c;
+  outputs.cell_mass_kg = cell_.mass_kg;
+  outputs.cell_connected = connected_;
+  outputs.cell_over_current = over_current_;
+  outputs.load_energy_j = load_energy_j_;
+  outputs.energy_open_circuit_j = ledger_.open_circuit_j;
+  outputs.energy_delivered_j = ledger_.delivered_j;
+  outputs.energy_source_j = ledger_.source_j;
+  outputs.energy_ohmic_j = ledger_.ohmic_j;
+  outputs.energy_polarisation_j = ledger_.polarisation_j;
+  outputs.energy_converters_j = ledger_.converters_j;
+  outputs.energy_self_discharge_j = ledger_.self_discharge_j;
+  outputs.energy_imbalance_j = ledger_.imbalance_j();
+}
+
+void Model::save(state::Writer& writer) const {
+  writer.put(state_);
+  writer.put(ledger_);
+  writer.put(load_energy_j_);
+  writer.put(connected_);
+  writer.put(full_);
+  writer.put(over_current_);
+}
+
+void Model::restore(state::Reader& reader) {
+  reader.get(state_);
+  reader.get(ledger_);
+  reader.get(load_energy_j_);
+  reader.get(connected_);
+  reader.get(full_);
+  reader.get(over_current_);
+}
+
+}  // namespace mebots::battery

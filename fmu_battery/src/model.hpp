@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "cell.hpp"
+#include "converter.hpp"
+#include "fmu_battery/variables.hpp"
+#include "integrator.hpp"
+#include "mebots/state/bytes.hpp"
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string_view>
+
+namespace mebots::battery {
+
+/// Cell, protection, converters, loads and source of one power bus. Plain C++; fmu.cpp binds it to FMI.
+///
+/// Inputs are powers and are held during a step; outputs are values at the end of the step.
+/// The protection opens at the instant when the terminal voltage falls under the cut-off (or no current can give
+/// the power asked for) and at state of charge 0. It stays open: bus voltage, current and delivered power are
+/// 0 from then on, also for the rest of that step.
+/// A full cell takes no charge before its state of charge has fallen under kResumeChargingBelow; until then
+/// the source carries what the loads take and the rest of its power is not counted as given.
+class Model {
+ public:
+  static constexpr double kResumeChargingBelow = 0.999;
+
+  /// Told of events (protection, over-current, full cell), in the order of time.
+  using EventLog = std::function<void(std::string_view)>;
+
+  /// Reads `resources`/cells/<name>.json and `resources`/converters.json.
+  /// Throws mebots::Error naming parameter or file, key, value and limit.
+  Model(const Parameters& parameters, const std::filesystem::path& resources, EventLog log);
+
+  /// Writes the outputs at the start.
+  void start(const Inputs& inputs, std::int64_t start_ns, Outputs& outputs);
+
+  /// Goes from start_ns to start_ns + duration_ns (> 0).
+  /// Throws mebots::Error for a power that is negative or not finite.
+  void step(const Inputs& inputs, std::int64_t start_ns, std::int64_t duration_ns, Outputs& outputs);
+
+  void save(state::Writer& writer) const;
+  void restore(state::Reader& reader);
+
+  const Cell& cell() const { return cell_; }
+  const CellState& cell_state() const { return state_; }
+  const Ledger& ledger() const { return ledger_; }
+
+ private:
+  Demand demand(const Inputs& inputs) const;
+  void handle(Event event, double time_s);
+  void write(const Inputs& inputs, double time_s, Outputs& outputs);
+
+  EventLog log_;
+  Cell cell_;
+  std::array<Converter, load::kCount> load_converter_;
+  Converter source_converter_;
+  Integrator integrator_;
+
+  CellState state_;
+  Ledger ledger_;
+  std::array<double, load::kCount> load_energy_j_{};
+  bool connected_ = true;
+  bool full_ = false;
+  bool over_current_ = false;
+};
+
+}  // namespace mebots::battery

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "model.hpp"
+
+#include "hover_propel.hpp"
+#include "mebots/data_file.hpp"
+#include "rotor.hpp"
+
+#include <fmt/format.h>
+
+namespace mebots::motors {
+namespace {
+
+void check(double value, std::string_view name, std::string_view unit, const data::Limits& limits) {
+  if (limits.admit(value)) return;
+  throw Error(fmt::format("{} = {}{}{} must be {}", name, value, unit.empty() ? "" : " ", unit, limits.text()));
+}
+
+void check(const Inputs& inputs) {
+  using data::Limits;
+  for (std::size_t i = 0; i < rotor::kCount; ++i) {
+    const double command = inputs.rotor_command[i];
+    if (Limits::between(0, 1).admit(command)) continue;
+    throw Error(fmt::format("{}.command = {} must be >= 0 and <= 1: a duty cycle", rotor::kWords[i], command));
+  }
+  check(inputs.bus_voltage_v, "bus.voltage", "V", Limits::at_least(0));
+  check(inputs.air_density_kg_per_m3, "air.density", "kg/m3", Limits::positive());
+  check(inputs.body_mass_kg, "body.mass", "kg", Limits::at_least(0));
+  check(inputs.body_speed_m_per_s, "body.speed", "m/s", Limits::at_least(0));
+}
+
+PowerModel checked(PowerModel model) {
+  if (model == PowerModel::bench || model == PowerModel::hover_propel) return model;
+  throw Error(fmt::format("power_model = {} must be 1 (bench) or 2 (hover_propel)", static_cast<int>(model)));
+}
+
+}  // namespace
+
+Model::Model(const Parameters& parameters, const std::filesystem::path& resources)
+    : rotor_(load_rotor(data::find_file(resources / "rotors", parameters.rotor_data, "rotor_data"))),
+      power_model_(checked(parameters.power_model)),
+      avionics_base_power_w_(parameters.avionics_base_power_w) {
+  check(avionics_base_power_w_, "avionics.base_power", "W", data::Limits::at_least(0));
+}
+
+void Model::start(const Inputs& inputs, Outputs& outputs) {
+  check(inputs);
+  write(inputs, outputs);
+}
+
+void Model::step(const Inputs& inputs, std::int64_t duration_ns, Outputs& outputs) {
+  check(inputs);
+  const double duration_s = static_cast<double>(duration_ns) * 1e-9;
+  double bench_j = 0;
+  bool driven = false;
+  for (std::size_t i = 0; i < rotor::kCount; ++i) {
+    RotorDrive drive;
+    const double voltage_v = inputs.rotor_command[i] * inputs.bus_voltage_v;
+    drive.driven = voltage_v > 0;
+    drive.steady_speed_rad_per_s = rotor_.steady_speed_rad_per_s(voltage_v);
+    drive.thrust_coefficient = rotor_.thrust_coefficient_at(inputs.air_density_kg_per_m3);
+    const RotorStep step = advance_rotor(rotor_, drive, speed_rad_per_s_[i], duration_s);
+    speed_rad_per_s_[i] = step.speed_rad_per_s;
+    bench_j += step.energy_j;
+    driven = driven || drive.driven;
+  }
+  outputs.bench_power_w = bench_j / duration_s;
+  outputs.hover_power_w = driven ? hover_power_w(rotor_, inputs.body_mass_kg, inputs.air_density_kg_per_m3) : 0;
+  outputs.propel_power_w = driven ? propel_power_w(rotor_, inputs.body_mass_kg, inputs.body_speed_m_per_s) : 0;
+  outputs.power_w =
+      power_model_ == PowerModel::bench ? outputs.bench_power_w : outputs.hover_power_w + outputs.propel_power_w;
+  energy_j_ += outputs.power_w * duration_s;
+  write(inputs, outputs);
+}
+
+void Model::write(const Inputs& inputs, Outputs& outputs) const {
+  const double coefficient = rotor_.thrust_coefficient_at(inputs.air_density_kg_per_m3);
+  for (std::size_t i = 0; i < rotor::kCount; ++i) {
+    outputs.rotor_speed_rad_per_s[i] = speed_rad_per_s_[i];
+    outputs.rotor_thrust_n[i] = coefficient * speed_rad_per_s_[i] * speed_rad_per_s_[i];
+    outputs.rotor_torque_n_m[i] = rotor_.torque_per_thrust_m * outputs.rotor_thrust_n[i];
+  }
+  outputs.power_model_used = power_model_;
+  outputs.avionics_power_w = inputs.bus_voltage_v > 0 ? avionics_base_power_w_ : 0;
+  outputs.energy_j = energy_j_;
+}
+
+void Model::save(state::Writer& writer) const {
+  writer.put(speed_rad_per_s_);
+  writer.put(energy_j_);
+}
+
+void Model::restore(state::Reader& reader) {
+  reader.get(speed_rad_per_s_);
+  reader.get(energy_j_);
+}
+
+}  // namespace mebots::motors

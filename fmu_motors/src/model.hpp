@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "fmu_motors/variables.hpp"
+#include "mebots/state/bytes.hpp"
+#include "rotor_data.hpp"
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+
+namespace mebots::motors {
+
+/// Four rotors with their motors. Plain C++; fmu.cpp binds it to FMI.
+///
+/// A rotor's effective voltage is command times bus voltage. Inputs are held during a step; thrust, torque and
+/// speed are values at its end, powers are means over it.
+class Model {
+ public:
+  /// Reads `resources`/rotors/<name>.json. Throws mebots::Error naming parameter or file, key, value and limit.
+  Model(const Parameters& parameters, const std::filesystem::path& resources);
+
+  /// Writes the outputs at the start: standing rotors.
+  void start(const Inputs& inputs, Outputs& outputs);
+
+  /// Moves on by duration_ns > 0. Throws mebots::Error for an input outside its range.
+  void step(const Inputs& inputs, std::int64_t duration_ns, Outputs& outputs);
+
+  void save(state::Writer& writer) const;
+  void restore(state::Reader& reader);
+
+  const RotorData& rotor() const { return rotor_; }
+
+ private:
+  void write(const Inputs& inputs, Outputs& outputs) const;
+
+  RotorData rotor_;
+  PowerModel power_model_;
+  double avionics_base_power_w_;
+
+  std::array<double, rotor::kCount> speed_rad_per_s_{};
+  double energy_j_ = 0;
+};
+
+}  // namespace mebots::motors

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "rotor_data.hpp"
+
+namespace mebots::motors {
+
+/// What holds during a step for one rotor.
+struct RotorDrive {
+  double steady_speed_rad_per_s = 0;
+  double thrust_coefficient = 0;  // at the present air density [N s^2/rad^2]
+  bool driven = false;            // false: the driver is off and takes no power
+};
+
+struct RotorStep {
+  double speed_rad_per_s = 0;  // at the end of the step
+  double energy_j = 0;         // electrical, taken during the step, >= 0
+};
+
+/// Moves one rotor on by `duration_s`. The electrical power is
+///   P = max(0, a w + b F + J w dw/dt)
+/// the bench's power at that speed and the power into the rotor's inertia. A rotor that slows down covers part of
+/// its losses from its own kinetic energy, but never feeds the bus. Integrated in closed form, without a step size.
+RotorStep advance_rotor(const RotorData& rotor, const RotorDrive& drive, double speed_rad_per_s, double duration_s);
+
+}  // namespace mebots::motors

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace mebots::motors {
+
+/// Coefficients of  dw/dt = linear (u - w) + quadratic (u^2 - w^2),  u the steady speed of the held voltage.
+struct SpeedLaw {
+  double linear_per_s = 0;
+  double quadratic_per_rad = 0;
+};
+
+/// A rotor with its motor, as its data file describes it (fmu_motors/README.md documents the format).
+struct RotorData {
+  std::string name;
+  double thrust_coefficient = 0;             // F = k w^2 [N s^2/rad^2] at the reference density
+  double reference_density_kg_per_m3 = 0;
+  double torque_per_thrust_m = 0;
+  std::vector<double> effective_voltage_v;   // steady speed over effective voltage; both begin at 0
+  std::vector<double> speed_rad_per_s;
+  double slope_above_rad_per_sv = 0;         // beyond the last point
+  SpeedLaw spin_up;
+  SpeedLaw spin_down;
+  double inertia_kg_m2 = 0;
+  double power_per_speed_ws_per_rad = 0;     // P = a w + b F
+  double power_per_thrust_w_per_n = 0;
+  double propeller_pitch_m = 0;
+  double propulsion_efficiency = 0;
+  double lift_to_drag = 0;
+
+  /// Speed [rad/s] that the rotor settles at under a voltage [V, >= 0].
+  double steady_speed_rad_per_s(double voltage_v) const;
+
+  /// Thrust [N] over speed squared at an air density.
+  double thrust_coefficient_at(double density_kg_per_m3) const {
+    return thrust_coefficient * density_kg_per_m3 / reference_density_kg_per_m3;
+  }
+};
+
+/// Reads and checks a rotor file. Throws mebots::Error naming file, key, value and limit.
+RotorData load_rotor(const std::filesystem::path& path);
+
+}  // namespace mebots::motors

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "rotor_data.hpp"
+
+namespace mebots::motors {
+
+/// The course of a rotor's speed while its steady speed u is held, in closed form:
+///   dw/dt = a (u - w) + b (u^2 - w^2)
+/// With e = u - w this is Bernoulli's equation de/dt = -k e + b e^2, k = a + 2 b u. No step size enters.
+class SpeedCourse {
+ public:
+  /// From `initial` towards `steady` [rad/s, both >= 0]; a, b >= 0.
+  SpeedCourse(const SpeedLaw& law, double initial_rad_per_s, double steady_rad_per_s);
+
+  /// Speed [rad/s] after `time_s` >= 0.
+  double speed(double time_s) const;
+  /// Integral of w [rad] over the first `time_s`.
+  double speed_integral(double time_s) const;
+  /// Integral of w^2 [rad^2/s] over the first `time_s`.
+  double speed_squared_integral(double time_s) const;
+  /// Time [s] until the speed is `target`, which lies between the initial and the steady speed and is not the latter.
+  double time_to(double target_rad_per_s) const;
+
+ private:
+  double decay(double time_s) const;            // (1 - exp(-k t)) / k
+  double difference(double time_s) const;       // e(t)
+  double difference_integral(double time_s) const;
+
+  double linear_;
+  double quadratic_;
+  double initial_;
+  double steady_;
+  double initial_difference_;
+  double rate_;  // k
+};
+
+}  // namespace mebots::motors

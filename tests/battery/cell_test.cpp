@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "support.hpp"
+
+#include <cmath>
+
+namespace mebots::battery {
+namespace {
+
+TEST(Cell, PublishedCellHasThePublishedElements) {
+  // Chen and Rincon-Mora 2006, written out again here: an independent copy of the formulas.
+  const Cell cell = cell_named("chen_rincon_850");
+  for (const double s : {0.05, 0.3, 0.7, 1.0}) {
+    const Circuit c = cell.circuit_at(s);
+    EXPECT_NEAR(c.open_circuit_v, -1.031 * std::exp(-35 * s) + 3.685 + 0.2156 * s - 0.1178 * s * s + 0.3201 * s * s * s,
+                1e-14);
+    EXPECT_NEAR(c.series_ohm, 0.1562 * std::exp(-24.37 * s) + 0.07446, 1e-14);
+    EXPECT_NEAR(c.pair1_ohm, 0.3208 * std::exp(-29.14 * s) + 0.04669, 1e-14);
+    EXPECT_NEAR(c.pair1_farad, -752.9 * std::exp(-13.51 * s) + 703.6, 1e-10);
+    EXPECT_NEAR(c.pair2_ohm, 6.603 * std::exp(-155.2 * s) + 0.04984, 1e-14);
+    EXPECT_NEAR(c.pair2_farad, -6056 * std::exp(-27.12 * s) + 4475, 1e-9);
+  }
+}
+
+TEST(Cell, ElementsKeepTheirValueBelowTheEndOfTheirFitAndTheVoltageDoesNot) {
+  const Cell cell = cell_named("chen_rincon_850");
+  const Circuit held = cell.circuit_at(0.02);
+  const Circuit below = cell.circuit_at(0.001);
+  EXPECT_EQ(held.series_ohm, below.series_ohm);
+  EXPECT_EQ(held.pair1_farad, below.pair1_farad);
+  EXPECT_EQ(held.pair2_farad, below.pair2_farad);
+  EXPECT_GT(below.pair2_farad, 0);
+  EXPECT_LT(below.open_circuit_v, held.open_circuit_v - 0.3);
+}
+
+TEST(Cell, ScaledCellsKeepTheTimeConstantsOfThePublishedCell) {
+  const Circuit published = cell_named("chen_rincon_850").circuit_at(0.5);
+  for (const char* name : {"bitcraze_250", "ufx_250", "cyclone_300", "lipol_350"}) {
+    const Circuit scaled = cell_named(name).circuit_at(0.5);
+    // The two factors stand in the file with six decimals.
+    EXPECT_NEAR(scaled.pair1_ohm * scaled.pair1_farad, published.pair1_ohm * published.pair1_farad, 1e-4);
+    EXPECT_NEAR(scaled.pair2_ohm * scaled.pair2_farad, published.pair2_ohm * published.pair2_farad, 1e-3);
+  }
+}
+
+TEST(Cell, ThePapersFourCellsHaveThePapersMassAndCapacity) {
+  const auto is = [](const char* name, double capacity_mah, double mass_g) {
+    const Cell cell = cell_named(name);
+    EXPECT_DOUBLE_EQ(cell.capacity_c, capacity_mah * 3.6) << name;
+    EXPECT_DOUBLE_EQ(cell.mass_kg, mass_g / 1000) << name;
+  };
+  is("bitcraze_250", 250, 7.1);
+  is("ufx_250", 250, 5.8);
+  is("cyclone_300", 300, 8.1);
+  is("lipol_350", 350, 9.2);
+}
+
+TEST(Cell, CurrentSolvesThePowerBalanceOfTheSeriesResistance) {
+  for (const double power_w : {-5.0, -1e-9, 0.0, 1e-9, 3.0, 9.0, 30.0}) {
+    const double current_a = terminal_current_a(4.0, 0.1, power_w);
+    EXPECT_NEAR((4.0 - 0.1 * current_a) * current_a, power_w, 1e-13 * std::max(1.0, std::abs(power_w)));
+    EXPECT_LE(current_a, 20);  // the smaller root: at most the current of greatest power, E / (2 R)
+  }
+  // P / E with the next term of its series, R P^2 / E^3: no digit is lost to cancellation.
+  EXPECT_NEAR(terminal_current_a(4.0, 0.1, 1e-12), 2.5e-13 + 0.1 * 1e-24 / 64, 1e-28);
+  EXPECT_DOUBLE_EQ(terminal_current_a(4.0, 0.1, 41), 20);            // beyond E^2 / (4 R) = 40 W
+}
+
+TEST(Cell, PowerLimitIsThePowerAtTheCutOffOrTheGreatestPower) {
+  const double at_cut_off = power_limit_w(4.0, 0.1, 3.0);
+  EXPECT_DOUBLE_EQ(4.0 - 0.1 * terminal_current_a(4.0, 0.1, at_cut_off), 3.0);
+  EXPECT_DOUBLE_EQ(power_limit_w(4.0, 0.1, 0.5), 40);
+  EXPECT_LT(power_limit_w(2.7, 0.1, 2.8), 0);  // not even an open circuit keeps the voltage up
+}
+
+}  // namespace
+}  // namespace mebots::battery

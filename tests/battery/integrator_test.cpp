@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "support.hpp"
+
+#include <array>
+#include <cmath>
+
+namespace mebots::battery {
+namespace {
+
+Demand load_of(double power_w) { return {power_w, power_w, 0, 0}; }
+
+/// A cell whose elements do not depend on charge, so that relaxation has a closed form.
+Cell constant_cell() {
+  Cell cell = cell_named("bitcraze_250");
+  cell.open_circuit_v = Curve::analytic(0, 0, {3.8});
+  cell.series_ohm = Curve::analytic(0, 0, {0.1});
+  cell.pair1_ohm = Curve::analytic(0, 0, {0.05});
+  cell.pair1_farad = Curve::analytic(0, 0, {400});
+  cell.pair2_ohm = Curve::analytic(0, 0, {0.06});
+  cell.pair2_farad = Curve::analytic(0, 0, {3000});
+  return cell;
+}
+
+TEST(Integrator, RestingPairsDecayExponentially) {
+  const Cell cell = constant_cell();
+  Integrator integrator(cell);
+  CellState state{0.8, 0.12, 0.15};
+  Ledger ledger;
+  for (int i = 0; i < 30; ++i) integrator.advance(state, ledger, {}, true, 1.0);
+  // 30 s with a relative tolerance of 1e-9 per step of 1 s.
+  EXPECT_NEAR(state.pair1_v, 0.12 * std::exp(-30.0 / 20), 1e-9);
+  EXPECT_NEAR(state.pair2_v, 0.15 * std::exp(-30.0 / 180), 1e-9);
+  // The energy that left the capacitors is what the resistors beside them turned into heat.
+  const double stored_before = 0.5 * 400 * 0.12 * 0.12 + 0.5 * 3000 * 0.15 * 0.15;
+  const double stored_after =
+      0.5 * 400 * state.pair1_v * state.pair1_v + 0.5 * 3000 * state.pair2_v * state.pair2_v;
+  EXPECT_NEAR(ledger.polarisation_j, stored_after - stored_before, 1e-7);
+  EXPECT_NEAR(ledger.ohmic_j, stored_before - stored_after, 1e-7);
+}
+
+TEST(Integrator, ConvergesWithTheFourthOrderOfItsMethod) {
+  // Fixed steps so long that truncation is far above rounding. The result is compared with a run of tight tolerance.
+  const Cell cell = cell_named("bitcraze_250");
+  const auto run = [&](const Integrator::Options& options) {
+    Integrator integrator(cell, options);
+    CellState state{0.3, 0, 0};
+    Ledger ledger;
+    const auto result = integrator.advance(state, ledger, load_of(5), true, 64);
+    EXPECT_EQ(result.event, Event::none);
+    return std::array<double, 3>{state.soc, state.pair1_v, ledger.ohmic_j};
+  };
+  const auto exact = run({1e-13, 0});
+  const auto coarse = run({1e-9, 8});
+  const auto fine = run({1e-9, 4});
+  for (std::size_t i = 0; i < exact.size(); ++i) {
+    const double order = std::log2(std::abs(coarse[i] - exact[i]) / std::abs(fine[i] - exact[i]));
+    EXPECT_GT(order, 3.5) << "component " << i;  // 4, less what the next term of the error takes away
+    EXPECT_LT(order, 4.8) << "component " << i;
+  }
+}
+
+TEST(Integrator, TwoHalfStepsAgreeWithOneWithinTheTolerance) {
+  const Cell cell = cell_named("bitcraze_250");
+  Integrator integrator(cell);
+  CellState once{0.5, 0.02, 0.01};
+  CellState twice = once;
+  Ledger ledger_once;
+  Ledger ledger_twice;
+  integrator.advance(once, ledger_once, load_of(9), true, 0.1);
+  integrator.advance(twice, ledger_twice, load_of(9), true, 0.05);
+  integrator.advance(twice, ledger_twice, load_of(9), true, 0.05);
+  // Local error control: 1e-9 relative and 1e-12, 1e-10 V, 1e-10 J absolute, per component.
+  EXPECT_NEAR(once.soc, twice.soc, 1e-9);
+  EXPECT_NEAR(once.pair1_v, twice.pair1_v, 2e-10);
+  EXPECT_NEAR(once.pair2_v, twice.pair2_v, 2e-10);
+  EXPECT_NEAR(ledger_once.open_circuit_j, ledger_twice.open_circuit_j, 2e-9);
+}
+
+TEST(Integrator, ResultDependsOnItsArgumentsAlone) {
+  const Cell cell = cell_named("bitcraze_250");
+  Integrator used(cell);
+  Integrator fresh(cell);
+  CellState other{0.9, 0, 0};
+  Ledger ignored;
+  used.advance(other, ignored, load_of(12), true, 3.0);
+  used.advance(other, ignored, load_of(0), false, 0.001);
+  CellState a{0.4, 0.05, 0.03};
+  CellState b = a;
+  Ledger ledger_a;
+  Ledger ledger_b;
+  used.advance(a, ledger_a, load_of(7), true, 0.002);
+  fresh.advance(b, ledger_b, load_of(7), true, 0.002);
+  EXPECT_EQ(a.soc, b.soc);
+  EXPECT_EQ(a.pair1_v, b.pair1_v);
+  EXPECT_EQ(a.pair2_v, b.pair2_v);
+  EXPECT_EQ(ledger_a.ohmic_j, ledger_b.ohmic_j);
+}
+
+TEST(Integrator, CutOffIsLocatedWhereTheVoltageCrosses) {
+  const Cell cell = cell_named("bitcraze_250");
+  Integrator integrator(cell);
+  CellState state{0.12, 0.05, 0.05};
+  Ledger ledger;
+  const auto result = integrator.advance(state, ledger, load_of(9), true, 100);
+  ASSERT_EQ(result.event, Event::cut_off);
+  const Circuit c = cell.circuit_at(state.soc);
+  const double source_v = c.open_circuit_v - state.pair1_v - state.pair2_v;
+  const double voltage_v = source_v - c.series_ohm * terminal_current_a(source_v, c.series_ohm, 9);
+  // The voltage is that of the located instant; the interpolant between two steps is of third order.
+  EXPECT_NEAR(voltage_v, cell.cut_off_voltage_v, 1e-6);
+  // The same instant from steps of 1 ms.
+  CellState slow{0.12, 0.05, 0.05};
+  double passed_s = 0;
+  for (;;) {
+    const auto part = integrator.advance(slow, ledger, load_of(9), true, 0.001);
+    passed_s += part.reached_s;
+    if (part.event != Event::none) break;
+  }
+  EXPECT_NEAR(result.reached_s, passed_s, 1e-5);
+}
+
+}  // namespace
+}  // namespace mebots::battery

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "model.hpp"
+
+#include <gmock/gmock.h>
+
+#include <string>
+#include <vector>
+
+namespace mebots::battery {
+
+inline const std::filesystem::path kParams = MEBOTS_PARAMS;
+constexpr std::int64_t kMillisecond = 1'000'000;
+constexpr std::int64_t kSecond = 1'000'000'000;
+
+inline Cell cell_named(const std::string& name) { return load_cell(kParams / "cells" / (name + ".json")); }
+
+/// A model with its variables and the events it told of, as fmu.cpp holds them.
+struct Bench {
+  explicit Bench(const Parameters& chosen = {}, const Inputs& at_start = {})
+      : parameters(chosen), inputs(at_start), model(parameters, kParams, [this](std::string_view text) {
+          events.emplace_back(text);
+        }) {
+    model.start(inputs, 0, outputs);
+  }
+
+  void step(std::int64_t duration_ns) {
+    model.step(inputs, now_ns, duration_ns, outputs);
+    now_ns += duration_ns;
+  }
+
+  Parameters parameters;
+  Inputs inputs;
+  Outputs outputs;
+  std::vector<std::string> events;
+  Model model;
+  std::int64_t now_ns = 0;
+};
+
+inline Parameters parameters(const std::string& cell, double soc) {
+  Parameters made;
+  made.cell_name = cell;
+  made.cell_initial_state_of_charge = soc;
+  return made;
+}
+
+inline std::vector<std::byte> saved(const Model& model) {
+  state::Writer writer;
+  model.save(writer);
+  return writer.take();
+}
+
+/// Allocations on this thread since the program began; -1 where a sanitizer owns malloc.
+long allocations();
+
+/// The message of the mebots::Error that `call` throws; fails when it throws none.
+template <typename Call>
+std::string error_of(Call call) {
+  try {
+    call();
+  } catch (const Error& error) {
+    return error.what();
+  }
+  ADD_FAILURE() << "no mebots::Error was thrown";
+  return {};
+}
+
+}  // namespace mebots::battery
