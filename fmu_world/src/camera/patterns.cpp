@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "camera/hash.hpp"
+#include "camera/ripmap.hpp"
+#include "mebots/error.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace mebots::world::camera {
+namespace {
+
+using scene::Texture;
+
+constexpr int kCheckerTexelsPerSquare = 64;
+constexpr int kNoiseCells = 16;  // lattice cells along a tile's edge
+constexpr int kNoiseTexels = 256;
+constexpr int kNoiseOctaves = 3;  // each with half the amplitude and twice the frequency of the one before
+constexpr int kBrickRows = 8;     // rows in a tile, and half bricks along its edge
+constexpr int kBrickTexels = 256;
+constexpr double kBrickJoint = 0.125;  // width of a joint over the height of a row
+constexpr double kBrickSpread = 0.12;  // largest difference of a brick's grey level, relative
+
+/// Uniform in [0, 1) for a lattice point.
+double lattice(std::uint32_t seed, int layer, int x, int y) {
+  const std::uint64_t key = hashed((static_cast<std::uint64_t>(seed) << 32) + static_cast<std::uint32_t>(layer));
+  const std::uint64_t point =
+      (static_cast<std::uint64_t>(static_cast<std::uint32_t>(x)) << 32) + static_cast<std::uint32_t>(y);
+  return static_cast<double>(hashed(key ^ point) >> 11) * 0x1p-53;
+}
+
+double smooth(double t) {
+  return t * t * (3.0 - 2.0 * t);
+}
+
+/// Value noise in [0, 1) that repeats after `cells` lattice cells.
+double value_noise(std::uint32_t seed, int layer, int cells, double u, double v) {
+  const double x = u * cells;
+  const double y = v * cells;
+  const int x0 = static_cast<int>(x);
+  const int y0 = static_cast<int>(y);
+  const double fx = smooth(x - x0);
+  const double fy = smooth(y - y0);
+  const int x1 = (x0 + 1) % cells;
+  const int y1 = (y0 + 1) % cells;
+  const double upper = std::lerp(lattice(seed, layer, x0, y0), lattice(seed, layer, x1, y0), fx);
+  const double lower = std::lerp(lattice(seed, layer, x0, y1), lattice(seed, layer, x1, y1), fx);
+  return std::lerp(upper, lower, fy);
+}
+
+double layered_noise(const Texture& texture, double u, double v) {
+  double sum = 0.0;
+  double total = 0.0;
+  for (int octave = 0; octave < kNoiseOctaves; ++octave) {
+    const double amplitude = 1.0 / (1 << octave);
+    sum += amplitude * value_noise(texture.seed, octave, kNoiseCells << octave, u, v);
+    total += amplitude;
+  }
+  return std::lerp(texture.dark, texture.light, sum / total);
+}
+
+double bricks(const Texture& texture, double u, double v) {
+  const double y = v * kBrickRows;
+  const int row = static_cast<int>(y);
+  const double x = u * kBrickRows / 2 + 0.5 * (row % 2);
+  const int column = static_cast<int>(x);
+  const double from_bed = y - row;
+  const double from_side = 2.0 * (x - column);
+  if (from_bed < kBrickJoint || from_side < kBrickJoint) return texture.dark;
+  const double shade = 2.0 * lattice(texture.seed, 0, column % (kBrickRows / 2), row) - 1.0;
+  return std::clamp(texture.light * (1.0 + kBrickSpread * shade), 0.0, 255.0);
+}
+
+}  // namespace
+
+Tile make_tile(const Texture& texture) {
+  switch (texture.kind) {
+    case Texture::Kind::uniform:
+      return {Ripmap(1, 1, [&](double, double) { return texture.light; }), texture.scale_m};
+    case Texture::Kind::checker:
+      return {Ripmap(2 * kCheckerTexelsPerSquare, 1,
+                     [&](double u, double v) { return (u < 0.5) == (v < 0.5) ? texture.light : texture.dark; }),
+              2.0 * texture.scale_m};
+    case Texture::Kind::stripes:
+      return {Ripmap(2 * kCheckerTexelsPerSquare, 1,
+                     [&](double u, double) { return u < 0.5 ? texture.light : texture.dark; }),
+              2.0 * texture.scale_m};
+    case Texture::Kind::noise:
+      return {Ripmap(kNoiseTexels, 1, [&](double u, double v) { return layered_noise(texture, u, v); }),
+              kNoiseCells * texture.scale_m};
+    case Texture::Kind::bricks:
+      return {Ripmap(kBrickTexels, 2, [&](double u, double v) { return bricks(texture, u, v); }),
+              kBrickRows * texture.scale_m};
+  }
+  throw Error(fmt::format("camera: texture kind {} has no pattern", static_cast<int>(texture.kind)));
+}
+
+}  // namespace mebots::world::camera

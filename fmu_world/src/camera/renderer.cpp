@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "camera/renderer.hpp"
+
+#include "mebots/error.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace mebots::world::camera {
+namespace {
+
+using Eigen::Vector3d;
+
+/// A camera closer to a face's plane than this sees it edge-on: nothing.
+constexpr double kEdgeOn_m = 1e-9;
+
+void check(const Intrinsics& intrinsics) {
+  const auto check_size = [](const char* what, int pixels) {
+    if (pixels < 8 || pixels > 2048)
+      throw Error(fmt::format("camera: {} of {} pixels is outside 8..2048", what, pixels));
+  };
+  check_size("width", intrinsics.width);
+  check_size("height", intrinsics.height);
+  const double fov = intrinsics.horizontal_field_of_view_rad;
+  if (!(fov >= 0.1 && fov <= 3.0)) {
+    throw Error(fmt::format("camera: horizontal field of view of {} rad is outside 0.1..3.0 rad", fov));
+  }
+}
+
+void check(const Geometry& geometry) {
+  for (std::size_t i = 0; i < geometry.faces.size(); ++i) {
+    const Face& face = geometry.faces[i];
+    const std::size_t corners = face.corners_W_m.size();
+    if (corners < 3 || corners > kMaxCorners) {
+      throw Error(
+          fmt::format("camera: face {} has {} corners; it must have 3..{}, cut it up", i, corners, kMaxCorners));
+    }
+    if (face.tile >= geometry.tiles.size()) {
+      throw Error(fmt::format("camera: face {} asks for texture {} of {}", i, face.tile, geometry.tiles.size()));
+    }
+  }
+}
+
+/// A linear function of the viewing ray as a function of the pixel: value(x, y) = at_0 + x along_x + y along_y.
+struct PixelPlane {
+  double at_0, along_x, along_y;
+};
+
+/// direction . ray, for the ray (1, -x/f, -y/f) in the camera frame.
+PixelPlane along_ray(const Vector3d& direction_W, const Eigen::Matrix3d& R_WC, double focal_length_px) {
+  const Vector3d direction_C = R_WC.transpose() * direction_W;
+  return {direction_C.x(), -direction_C.y() / focal_length_px, -direction_C.z() / focal_length_px};
+}
+
+/// Texels per metre times the camera's place along an axis, brought back into the first tile.
+float eye_texel(double along_axis_m, const Tile& tile) {
+  const double tiles = along_axis_m / tile.edge_m;
+  return static_cast<float>((tiles - std::floor(tiles)) * tile.ripmap.size());
+}
+
+FaceView view_of(const Face& face, const Tile& tile, const Pose& pose, double height_over_plane_m,
+                 double focal_length_px) {
+  const double texels_per_m = tile.ripmap.size() / tile.edge_m;
+  // A point on the ray at depth d (along the optical axis) is in the plane if normal . (p_WC + d ray) = offset.
+  const PixelPlane n = along_ray(face.normal_W, pose.R_WC, focal_length_px);
+  const PixelPlane u = along_ray(face.u_axis_W, pose.R_WC, focal_length_px);
+  const PixelPlane v = along_ray(face.v_axis_W, pose.R_WC, focal_length_px);
+  const double per_height = -1.0 / height_over_plane_m;
+  const Vector3d from_origin = pose.p_WC_m - face.texture_origin_W_m;
+  FaceView view;
+  view.w_0 = n.at_0 * per_height;
+  view.w_x = static_cast<float>(n.along_x * per_height);
+  view.w_y = static_cast<float>(n.along_y * per_height);
+  view.u_0 = u.at_0 * texels_per_m;
+  view.u_x = static_cast<float>(u.along_x * texels_per_m);
+  view.u_y = static_cast<float>(u.along_y * texels_per_m);
+  view.v_0 = v.at_0 * texels_per_m;
+  view.v_x = static_cast<float>(v.along_x * texels_per_m);
+  view.v_y = static_cast<float>(v.along_y * texels_per_m);
+  view.u_eye = eye_texel(face.u_axis_W.dot(from_origin), tile);
+  view.v_eye = eye_texel(face.v_axis_W.dot(from_origin), tile);
+  view.light = static_cast<float>(face.light);
+  view.ripmap = &tile.ripmap;
+  return view;
+}
+
+}  // namespace
+
+Renderer::Renderer(const scene::Scene& scene, Intrinsics intrinsics, double noise_std)
+    : Renderer(make_geometry(scene), intrinsics, noise_std) {}
+
+Renderer::Renderer(Geometry geometry, Intrinsics intrinsics, double noise_std)
+    : geometry_(std::move(geometry)), intrinsics_(intrinsics), noise_(noise_std) {
+  check(intrinsics_);
+  check(geometry_);
+  workspace_ = make_workspace();
+}
+
+Renderer::Workspace Renderer::make_workspace() const {
+  Workspace workspace;
+  workspace.faces_.reserve(geometry_.faces.size());
+  workspace.inverse_depth_.resize(intrinsics_.width);
+  workspace.nearest_.resize(intrinsics_.width);
+  workspace.grey_.resize(intrinsics_.width);
+  return workspace;
+}
+
+void Renderer::find_visible(const Pose& pose, Workspace& workspace) const {
+  const double focal_length_px = intrinsics_.focal_length_px();
+  const Eigen::Matrix3d R_CW = pose.R_WC.transpose();
+  workspace.faces_.clear();
+  for (const Face& face : geometry_.faces) {
+    const double height_over_plane_m = face.normal_W.dot(pose.p_WC_m) - face.offset_m;
+    if (height_over_plane_m < kEdgeOn_m) continue;  // its back, or edge-on
+    std::array<Vector3d, kMaxCorners> corners_C;
+    for (std::size_t i = 0; i < face.corners_W_m.size(); ++i) corners_C[i] = R_CW * (face.corners_W_m[i] - pose.p_WC_m);
+    const Outline outline({corners_C.data(), face.corners_W_m.size()}, focal_length_px, 0.5 * intrinsics_.width,
+                          0.5 * intrinsics_.height, intrinsics_.height);
+    if (outline.first_row() >= outline.end_row()) continue;
+    workspace.faces_.push_back(
+        {outline, view_of(face, geometry_.tiles[face.tile], pose, height_over_plane_m, focal_length_px)});
+  }
+}
+
+void Renderer::render(const Pose& pose, std::uint64_t seed, std::uint64_t frame_index, std::span<std::uint8_t> pixels,
+                      Workspace& workspace) const {
+  const int width = intrinsics_.width;
+  const int height = intrinsics_.height;
+  if (pixels.size() != static_cast<std::size_t>(width) * height) {
+    throw Error(fmt::format("camera: a picture of {} x {} needs {} bytes, not {}", width, height,
+                            static_cast<std::size_t>(width) * height, pixels.size()));
+  }
+  find_visible(pose, workspace);
+
+  constexpr std::int32_t kNothing = -1;
+  float* const inverse_depth = workspace.inverse_depth_.data();
+  std::int32_t* const nearest = workspace.nearest_.data();
+  float* const grey = workspace.grey_.data();
+  const float x_0 = 0.5F - 0.5F * static_cast<float>(width);
+  for (int row = 0; row < height; ++row) {
+    const double y = row + 0.5 - 0.5 * height;
+    std::fill_n(inverse_depth, width, kFarthest_per_m);
+    std::fill_n(nearest, width, kNothing);
+    for (std::size_t i = 0; i < workspace.faces_.size(); ++i) {
+      const auto& [outline, view] = workspace.faces_[i];
+      if (row < outline.first_row() || row >= outline.end_row()) continue;
+      outline.spans(row, width,
+                    [&, w = static_cast<float>(view.w_0 + view.w_y * y), w_x = view.w_x](int begin, int end) {
+                      test_depth(w, w_x, x_0 + static_cast<float>(begin), end - begin, static_cast<std::int32_t>(i),
+                                 inverse_depth + begin, nearest + begin);
+                    });
+    }
+    for (int begin = 0; begin < width;) {
+      int end = begin + 1;
+      while (end < width && nearest[end] == nearest[begin]) ++end;
+      if (nearest[begin] == kNothing) {
+        std::fill(grey + begin, grey + end, static_cast<float>(geometry_.background));
+      } else {
+        shade(workspace.faces_[nearest[begin]].view, y, x_0 + static_cast<float>(begin), end - begin, grey + begin);
+      }
+      begin = end;
+    }
+    noise_.add({grey, static_cast<std::size_t>(width)}, seed, frame_index, row);
+    quantise(grey, width, pixels.data() + static_cast<std::size_t>(row) * width);
+  }
+}
+
+}  // namespace mebots::world::camera

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "camera/geometry.hpp"
+#include "camera/outline.hpp"
+#include "camera/pixel_noise.hpp"
+#include "camera/pose.hpp"
+#include "camera/shading.hpp"
+#include "scene/scene.hpp"
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace mebots::world::camera {
+
+/// The drone's camera: what a pinhole camera with an 8-bit grey sensor sees of a scene.
+///
+/// Row by row: every face's pixels are tested against the inverse depths of the row, then each visible pixel is
+/// textured once, exact in perspective, then noise is added and the row is rounded and saturated to 0..255.
+/// Same arguments, same bytes, whichever renderer, thread or vector unit made them. No heap after construction.
+class Renderer {
+ public:
+  /// What a call writes to besides the picture. One for each thread that renders at the same time.
+  class Workspace {
+    friend class Renderer;
+    struct VisibleFace {
+      Outline outline;
+      FaceView view;
+    };
+    std::vector<VisibleFace> faces_;
+    std::vector<float> inverse_depth_;
+    std::vector<std::int32_t> nearest_;
+    std::vector<float> grey_;
+  };
+
+  /// `noise_std` in grey levels. Throws mebots::Error for sizes outside 8..2048 pixels, a field of view outside
+  /// 0.1..3.0 rad, negative noise.
+  Renderer(const scene::Scene& scene, Intrinsics intrinsics, double noise_std);
+  /// The same for any geometry. Throws mebots::Error also for faces with fewer than 3 or more than 8 corners.
+  Renderer(Geometry geometry, Intrinsics intrinsics, double noise_std);
+
+  const Intrinsics& intrinsics() const { return intrinsics_; }
+
+  /// Writes width x height grey levels, row by row from the top left. The noise is a function of `seed`,
+  /// `frame_index` and the pixel's row and column. Throws mebots::Error if `pixels` has another size.
+  /// Uses this renderer's own workspace: one call at a time.
+  void render(const Pose& pose, std::uint64_t seed, std::uint64_t frame_index, std::span<std::uint8_t> pixels) {
+    render(pose, seed, frame_index, pixels, workspace_);
+  }
+
+  /// The same, safe from many threads at once if each brings its own workspace.
+  void render(const Pose& pose, std::uint64_t seed, std::uint64_t frame_index, std::span<std::uint8_t> pixels,
+              Workspace& workspace) const;
+  Workspace make_workspace() const;
+
+ private:
+  void find_visible(const Pose& pose, Workspace& workspace) const;
+
+  Geometry geometry_;
+  Intrinsics intrinsics_;
+  PixelNoise noise_;
+  Workspace workspace_;
+};
+
+}  // namespace mebots::world::camera

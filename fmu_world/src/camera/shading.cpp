@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "camera/shading.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cstddef>
+
+namespace mebots::world::camera {
+namespace {
+
+constexpr int kChunk = 64;  // pixels whose intermediate values stay in the first-level cache
+
+/// condition ? a : b, in bits. GCC turns the operator into a branch or a store under a condition in some of the
+/// loops below, and these then stay scalar.
+std::int32_t select(bool condition, std::int32_t a, std::int32_t b) {
+  const std::int32_t mask = -static_cast<std::int32_t>(condition);
+  return (mask & a) | (~mask & b);
+}
+float select(bool condition, float a, float b) {
+  return std::bit_cast<float>(select(condition, std::bit_cast<std::int32_t>(a), std::bit_cast<std::int32_t>(b)));
+}
+
+float magnitude(float x) {
+  return x < 0.0F ? -x : x;
+}
+float larger(float a, float b) {
+  return a > b ? a : b;
+}
+float smaller(float a, float b) {
+  return a < b ? a : b;
+}
+
+/// One axis of a texture look-up.
+struct Axis {
+  std::int32_t index;  // in the ripmap's array
+  float fraction;      // of the way to the next texel
+};
+
+/// `texels` is the coordinate in texels of level 0, `footprint` the pixel's extent in them, `size` the tile's
+/// size. The level is the power of two nearest to the footprint, on a logarithmic scale.
+Axis look_up(float texels, float footprint, float size) {
+  constexpr float kSqrt2 = 1.41421356F;
+  const float limited = smaller(larger(footprint * kSqrt2, 1.0F), size);
+  const std::int32_t power = std::bit_cast<std::int32_t>(limited) & 0x7F800000;  // 2^level, as a float
+  const float shrink = std::bit_cast<float>(0x7F000000 - power);                 // 2^-level
+  const float at = texels * shrink - 0.5F;
+  std::int32_t floor = static_cast<std::int32_t>(at);
+  floor -= at < static_cast<float>(floor) ? 1 : 0;
+  const std::int32_t level_size = static_cast<std::int32_t>(size * shrink);
+  const std::int32_t start = 2 * (static_cast<std::int32_t>(size) - level_size);
+  return {start + (floor & (level_size - 1)), at - static_cast<float>(floor)};
+}
+
+}  // namespace
+
+void test_depth(float w, float w_x, float x_0, int count, std::int32_t face, float* __restrict inverse_depth,
+                std::int32_t* __restrict faces) {
+  for (int i = 0; i < count; ++i) {
+    const float here = w + w_x * (x_0 + static_cast<float>(i));
+    const bool nearer = here > inverse_depth[i];
+    inverse_depth[i] = select(nearer, here, inverse_depth[i]);
+    faces[i] = select(nearer, face, faces[i]);
+  }
+}
+
+void shade(const FaceView& view, double y, float x_0, int count, float* __restrict grey) {
+  const Ripmap& ripmap = *view.ripmap;
+  if (ripmap.size() == 1) {
+    std::fill_n(grey, count, view.light * static_cast<float>(ripmap.texel(0, 0, 0, 0)));
+    return;
+  }
+  const FaceView f = view;
+  const float w = static_cast<float>(f.w_0 + f.w_y * y);
+  const float u = static_cast<float>(f.u_0 + f.u_y * y);
+  const float v = static_cast<float>(f.v_0 + f.v_y * y);
+  const float size = static_cast<float>(ripmap.size());
+  const int row_shift = ripmap.row_shift();
+  const std::uint32_t* const words = ripmap.words();
+
+  alignas(64) std::int32_t place[kChunk];
+  alignas(64) std::uint32_t word[kChunk];
+  alignas(64) float fraction_u[kChunk];
+  alignas(64) float fraction_v[kChunk];
+  for (int begin = 0; begin < count; begin += kChunk) {
+    const int n = std::min(kChunk, count - begin);
+    const float x_begin = x_0 + static_cast<float>(begin);
+    for (int i = 0; i < n; ++i) {
+      const float x = x_begin + static_cast<float>(i);
+      const float depth = 1.0F / (w + f.w_x * x);
+      const float du = depth * (u + f.u_x * x);
+      const float dv = depth * (v + f.v_x * x);
+      const float footprint_u = depth * larger(magnitude(f.u_x - du * f.w_x), magnitude(f.u_y - du * f.w_y));
+      const float footprint_v = depth * larger(magnitude(f.v_x - dv * f.w_x), magnitude(f.v_y - dv * f.w_y));
+      const Axis column = look_up(f.u_eye + du, footprint_u, size);
+      const Axis row = look_up(f.v_eye + dv, footprint_v, size);
+      place[i] = (row.index << row_shift) + column.index;
+      fraction_u[i] = column.fraction;
+      fraction_v[i] = row.fraction;
+    }
+    for (int i = 0; i < n; ++i) word[i] = words[place[i]];
+    for (int i = 0; i < n; ++i) {
+      const std::uint32_t four = word[i];
+      const float c00 = static_cast<float>(static_cast<std::int32_t>(four & 0xFFU));
+      const float c10 = static_cast<float>(static_cast<std::int32_t>((four >> 8) & 0xFFU));
+      const float c01 = static_cast<float>(static_cast<std::int32_t>((four >> 16) & 0xFFU));
+      const float c11 = static_cast<float>(static_cast<std::int32_t>(four >> 24));
+      const float upper = c00 + fraction_u[i] * (c10 - c00);
+      const float lower = c01 + fraction_u[i] * (c11 - c01);
+      grey[begin + i] = f.light * (upper + fraction_v[i] * (lower - upper));
+    }
+  }
+}
+
+void quantise(const float* __restrict grey, int count, std::uint8_t* __restrict pixels) {
+  for (int i = 0; i < count; ++i) {
+    const float rounded = grey[i] + 0.5F;
+    const float positive = select(rounded > 0.0F, rounded, 0.0F);
+    pixels[i] = static_cast<std::uint8_t>(static_cast<std::int32_t>(select(positive < 255.5F, positive, 255.0F)));
+  }
+}
+
+}  // namespace mebots::world::camera

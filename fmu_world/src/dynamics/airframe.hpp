@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "dynamics/rigid_state.hpp"
+#include "scene/scene.hpp"
+
+#include <Eigen/Core>
+#include <array>
+
+namespace mebots::world {
+
+inline constexpr int kRotors = 4;
+using RotorValues = std::array<double, kRotors>;
+
+/// Rotor positions as multiples of the arm, and the sign of the reaction torque on the body about z.
+/// Order as in docs/architecture.md: front right, rear right, rear left, front left. 1 and 3 turn
+/// counter-clockwise seen from above, so they push the body clockwise.
+inline constexpr std::array<double, kRotors> kRotorX{1.0, -1.0, -1.0, 1.0};
+inline constexpr std::array<double, kRotors> kRotorY{-1.0, -1.0, 1.0, 1.0};
+inline constexpr std::array<double, kRotors> kRotorYawSign{-1.0, 1.0, -1.0, 1.0};
+
+/// Force at the centre of mass and torque about it.
+struct Wrench {
+  Eigen::Vector3d force_n = Eigen::Vector3d::Zero();
+  Eigen::Vector3d torque_n_m = Eigen::Vector3d::Zero();
+};
+
+/// Principal moments of inertia about body axes for a drone of `mass_kg`: those of the measured drone,
+/// plus the mass beyond the measured one spread evenly over `drone.load_size_m` at the centre (a lighter
+/// drone lacks such a load). Throws mebots::Error when that leaves no body (mass or a moment not > 0).
+Eigen::Vector3d inertia_for(const scene::Drone& drone, double mass_kg);
+
+/// What the rotors do to the body, in body axes: thrusts along +z at the rotors' places, and reaction torques.
+Wrench rotor_wrench_B(const scene::Drone& drone, const RotorValues& thrust_n, const RotorValues& torque_n_m);
+
+/// Linear drag of the body in moving air, in world axes: F = -R diag(d) R^T (v - wind).
+Eigen::Vector3d drag_force_W(const scene::Drone& drone, const RigidState& state, const Eigen::Vector3d& wind_W_m_per_s);
+
+}  // namespace mebots::world

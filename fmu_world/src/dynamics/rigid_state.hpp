@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "math/eigen_state.hpp"
+
+#include <Eigen/Geometry>
+
+namespace mebots::world {
+
+/// Where the drone's body B is in the world W, and how it moves. The body's origin is its centre of mass.
+struct RigidState {
+  Eigen::Vector3d p_WB_m = Eigen::Vector3d::Zero();
+  Eigen::Quaterniond q_WB = Eigen::Quaterniond::Identity();
+  Eigen::Vector3d v_WB_m_per_s = Eigen::Vector3d::Zero();
+  Eigen::Vector3d w_WB_W_rad_per_s = Eigen::Vector3d::Zero();  ///< angular velocity, in world axes
+
+  Eigen::Matrix3d R_WB() const { return q_WB.toRotationMatrix(); }
+  Eigen::Vector3d w_WB_B_rad_per_s() const { return q_WB.conjugate() * w_WB_W_rad_per_s; }
+  bool is_finite() const {
+    return p_WB_m.allFinite() && q_WB.coeffs().allFinite() && v_WB_m_per_s.allFinite() && w_WB_W_rad_per_s.allFinite();
+  }
+};
+
+inline void put(state::Writer& writer, const RigidState& state) {
+  put(writer, state.p_WB_m);
+  put(writer, state.q_WB);
+  put(writer, state.v_WB_m_per_s);
+  put(writer, state.w_WB_W_rad_per_s);
+}
+
+inline void get(state::Reader& reader, RigidState& state) {
+  get(reader, state.p_WB_m);
+  get(reader, state.q_WB);
+  get(reader, state.v_WB_m_per_s);
+  get(reader, state.w_WB_W_rad_per_s);
+}
+
+}  // namespace mebots::world

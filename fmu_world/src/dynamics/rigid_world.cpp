@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "dynamics/rigid_world.hpp"
+
+#include "mebots/error.hpp"
+
+#include <fmt/format.h>
+#include <ode/ode.h>
+#include <array>
+#include <cmath>
+#include <mutex>
+
+static_assert(sizeof(dReal) == sizeof(double), "ODE must be built with double precision");
+
+namespace mebots::world {
+namespace {
+
+constexpr int kMaxContactsPerPair = 8;  // two boxes meet in at most eight points
+
+/// dInitODE2 sets up tables for the whole process and is not locked by itself. It is never undone: other
+/// instances, of this library or of another one that uses ODE, may live on.
+void start_ode() {
+  static std::once_flag once;
+  std::call_once(once, [] { dInitODE2(0); });
+  // Each thread that steps needs its own record; harmless when it has one.
+  thread_local const bool ready = dAllocateODEDataForThread(dAllocateMaskAll) != 0;
+  if (!ready) throw Error("ODE has no memory for a thread's data");
+}
+
+dQuaternion& to_ode(const Eigen::Quaterniond& q, dQuaternion& target) {
+  target[0] = q.w();
+  target[1] = q.x();
+  target[2] = q.y();
+  target[3] = q.z();
+  return target;
+}
+
+Eigen::Vector3d vector(const dReal* v) {
+  return {v[0], v[1], v[2]};
+}
+
+}  // namespace
+
+class RigidWorld::Impl {
+ public:
+  explicit Impl(const scene::Scene& scene) : contact_(scene.contact) {
+    start_ode();
+    world_ = dWorldCreate();
+    // The default of all worlds is one list of jobs that two threads must not share.
+    threading_ = dThreadingAllocateSelfThreadedImplementation();
+    dWorldSetStepThreadingImplementation(world_, dThreadingImplementationGetFunctions(threading_), threading_);
+    dWorldSetGravity(world_, 0.0, 0.0, -kGravity_m_per_s2);
+    dWorldSetERP(world_, contact_.erp);
+    dWorldSetCFM(world_, contact_.cfm);
+    joints_ = dJointGroupCreate(0);
+
+    body_ = dBodyCreate(world_);
+    dBodySetFiniteRotationMode(body_, 1);
+    const Eigen::Vector3d& size = scene.drone.body_size_m;
+    drone_ = dCreateBox(nullptr, size.x(), size.y(), size.z());
+    dGeomSetBody(drone_, body_);
+    drone_radius_m_ = 0.5 * size.norm();
+
+    obstacles_.push_back(
+        {dCreatePlane(nullptr, 0.0, 0.0, 1.0, 0.0), Touch::What::ground, 0, Eigen::Vector3d::Zero(), 0.0});
+    for (std::size_t i = 0; i < scene.boxes.size(); ++i) add(scene.boxes[i], Touch::What::box, i);
+    for (std::size_t i = 0; i < scene.gates.size(); ++i) {
+      for (const auto& beam : scene.gates[i].beams()) add(beam, Touch::What::gate, i);
+    }
+    touches_.reserve(kMaxContactsPerPair * obstacles_.size());
+  }
+
+  ~Impl() {
+    dJointGroupDestroy(joints_);
+    for (const auto& obstacle : obstacles_) dGeomDestroy(obstacle.geom);
+    dGeomDestroy(drone_);
+    dWorldDestroy(world_);
+    dThreadingFreeImplementation(threading_);
+  }
+
+  Impl(const Impl&) = delete;
+  Impl& operator=(const Impl&) = delete;
+
+  void set_mass(double mass_kg, const Eigen::Vector3d& inertia_kg_m2) {
+    dMass mass;
+    dMassSetParameters(&mass, mass_kg, 0.0, 0.0, 0.0, inertia_kg_m2.x(), inertia_kg_m2.y(), inertia_kg_m2.z(), 0.0, 0.0,
+                       0.0);
+    dBodySetMass(body_, &mass);
+  }
+
+  const std::vector<Touch>& step(RigidState& state, const Eigen::Vector3d& force_W, const Eigen::Vector3d& torque_B,
+                                 double dt_s) {
+    start_ode();
+    if (!state.is_finite() || !force_W.allFinite() || !torque_B.allFinite()) {
+      throw Error("the drone's state or the forces on it are not finite: no step is possible from here");
+    }
+    load(state);
+    collide(state);
+    dBodyAddForce(body_, force_W.x(), force_W.y(), force_W.z());
+    dBodyAddRelTorque(body_, torque_B.x(), torque_B.y(), torque_B.z());
+    if (dWorldStep(world_, dt_s) == 0) throw Error("ODE has no memory for a step");
+    dJointGroupEmpty(joints_);
+    unload(state);
+    if (!state.is_finite()) {
+      throw Error(
+          fmt::format("the drone's motion is not finite after a step of {} s: a smaller physics.step may help", dt_s));
+    }
+    return touches_;
+  }
+
+  const std::vector<Touch>& touches_at(const RigidState& state) {
+    start_ode();
+    load(state);
+    collide(state);
+    dJointGroupEmpty(joints_);
+    return touches_;
+  }
+
+ private:
+  struct Obstacle {
+    dGeomID geom;
+    Touch::What what;
+    std::size_t index;
+    Eigen::Vector3d p_W_m;
+    double radius_m;  ///< of a sphere around it
+  };
+
+  void add(const scene::Box& box, Touch::What what, std::size_t index) {
+    dGeomID geom = dCreateBox(nullptr, box.size_m.x(), box.size_m.y(), box.size_m.z());
+    dGeomSetPosition(geom, box.p_W_m.x(), box.p_W_m.y(), box.p_W_m.z());
+    dQuaternion q{std::cos(0.5 * box.yaw_rad), 0.0, 0.0, std::sin(0.5 * box.yaw_rad)};
+    dGeomSetQuaternion(geom, q);
+    obstacles_.push_back({geom, what, index, box.p_W_m, 0.5 * box.size_m.norm()});
+  }
+
+  void load(const RigidState& state) {
+    dQuaternion q;
+    dBodySetPosition(body_, state.p_WB_m.x(), state.p_WB_m.y(), state.p_WB_m.z());
+    dBodySetQuaternion(body_, to_ode(state.q_WB, q));
+    dBodySetLinearVel(body_, state.v_WB_m_per_s.x(), state.v_WB_m_per_s.y(), state.v_WB_m_per_s.z());
+    dBodySetAngularVel(body_, state.w_WB_W_rad_per_s.x(), state.w_WB_W_rad_per_s.y(), state.w_WB_W_rad_per_s.z());
+    dBodySetForce(body_, 0.0, 0.0, 0.0);
+    dBodySetTorque(body_, 0.0, 0.0, 0.0);
+  }
+
+  void unload(RigidState& state) const {
+    const dReal* q = dBodyGetQuaternion(body_);
+    state.p_WB_m = vector(dBodyGetPosition(body_));
+    state.q_WB = Eigen::Quaterniond(q[0], q[1], q[2], q[3]);
+    state.v_WB_m_per_s = vector(dBodyGetLinearVel(body_));
+    state.w_WB_W_rad_per_s = vector(dBodyGetAngularVel(body_));
+  }
+
+  bool is_near(const Obstacle& obstacle, const Eigen::Vector3d& p_W_m) const {
+    if (obstacle.what == Touch::What::ground) return p_W_m.z() < drone_radius_m_;
+    const double reach_m = drone_radius_m_ + obstacle.radius_m;
+    return (obstacle.p_W_m - p_W_m).squaredNorm() < reach_m * reach_m;
+  }
+
+  void collide(const RigidState& state) {
+    touches_.clear();
+    std::array<dContact, kMaxContactsPerPair> contacts;
+    for (const auto& obstacle : obstacles_) {
+      if (!is_near(obstacle, state.p_WB_m)) continue;
+      // Boxes and planes only: ODE's routines for these keep everything on the stack, so instances in
+      // several threads need no lock.
+      const int count = dCollide(drone_, obstacle.geom, kMaxContactsPerPair, &contacts[0].geom, sizeof(dContact));
+      for (int i = 0; i < count; ++i) attach(contacts[static_cast<std::size_t>(i)], obstacle, state);
+    }
+  }
+
+  void attach(dContact& contact, const Obstacle& obstacle, const RigidState& state) {
+    const Eigen::Vector3d p_W_m = vector(contact.geom.pos);
+    const Eigen::Vector3d normal_W = vector(contact.geom.normal);
+    const Eigen::Vector3d velocity_W = state.v_WB_m_per_s + state.w_WB_W_rad_per_s.cross(p_W_m - state.p_WB_m);
+    touches_.push_back({obstacle.what, obstacle.index, p_W_m, normal_W, contact.geom.depth, -velocity_W.dot(normal_W)});
+
+    contact.surface = {};
+    // Approx1 makes mu a coefficient of friction; without it ODE takes mu as a force.
+    contact.surface.mode = dContactBounce | dContactSoftERP | dContactSoftCFM | dContactApprox1;
+    contact.surface.mu = contact_.friction;
+    contact.surface.bounce = contact_.bounce;
+    contact.surface.bounce_vel = contact_.bounce_speed_m_per_s;
+    contact.surface.soft_erp = contact_.soft_erp;
+    contact.surface.soft_cfm = contact_.soft_cfm;
+    dJointAttach(dJointCreateContact(world_, joints_, &contact), body_, nullptr);
+  }
+
+  scene::Contact contact_;
+  dWorldID world_ = nullptr;
+  dThreadingImplementationID threading_ = nullptr;
+  dJointGroupID joints_ = nullptr;
+  dBodyID body_ = nullptr;
+  dGeomID drone_ = nullptr;
+  double drone_radius_m_ = 0.0;
+  std::vector<Obstacle> obstacles_;
+  std::vector<Touch> touches_;
+};
+
+RigidWorld::RigidWorld(const scene::Scene& scene) : impl_(std::make_unique<Impl>(scene)) {}
+RigidWorld::~RigidWorld() = default;
+
+void RigidWorld::set_mass(double mass_kg, const Eigen::Vector3d& inertia_kg_m2) {
+  impl_->set_mass(mass_kg, inertia_kg_m2);
+}
+
+const std::vector<Touch>& RigidWorld::step(RigidState& state, const Eigen::Vector3d& force_W_n,
+                                           const Eigen::Vector3d& torque_B_n_m, double dt_s) {
+  return impl_->step(state, force_W_n, torque_B_n_m, dt_s);
+}
+
+const std::vector<Touch>& RigidWorld::touches_at(const RigidState& state) {
+  return impl_->touches_at(state);
+}
+
+}  // namespace mebots::world

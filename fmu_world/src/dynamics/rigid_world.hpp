@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "dynamics/airframe.hpp"
+#include "dynamics/rigid_state.hpp"
+#include "scene/scene.hpp"
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+namespace mebots::world {
+
+/// Standard acceleration of free fall (3rd CGPM, 1901).
+inline constexpr double kGravity_m_per_s2 = 9.80665;
+
+/// One point where the drone touches something, found before a step.
+struct Touch {
+  enum class What { ground, box, gate };
+  What what = What::ground;
+  std::size_t index = 0;  ///< of the box or gate in the scene
+  Eigen::Vector3d p_W_m = Eigen::Vector3d::Zero();
+  Eigen::Vector3d normal_W = Eigen::Vector3d::UnitZ();  ///< towards the drone
+  double depth_m = 0.0;                                 ///< how far the bodies overlap
+  double closing_speed_m_per_s = 0.0;                   ///< along the normal, positive = moving into it
+};
+
+/// The drone as one rigid box among ground, boxes and gates, moved by ODE's dWorldStep.
+///
+/// The body's state lives with the caller: every step copies it into ODE and back, so ODE keeps no
+/// memory between steps and a restored state goes on with the same bits. Geometries stand in no ODE
+/// space (whose order depends on history) but in the scene's order. dWorldStep integrates semi-implicitly:
+/// v' = v + a dt, p' = p + v' dt, first order in dt; rotations are finite, gyroscopic torque implicit.
+class RigidWorld {
+ public:
+  explicit RigidWorld(const scene::Scene& scene);
+  ~RigidWorld();
+  RigidWorld(const RigidWorld&) = delete;
+  RigidWorld& operator=(const RigidWorld&) = delete;
+
+  /// Principal moments about body axes. Both must be positive.
+  void set_mass(double mass_kg, const Eigen::Vector3d& inertia_kg_m2);
+
+  /// Moves `state` by dt under gravity, contact and the given wrench (force in world axes, torque in body
+  /// axes). Returns the touches at the state before the move; valid until the next call.
+  /// Throws mebots::Error when the state is or becomes not finite.
+  const std::vector<Touch>& step(RigidState& state, const Eigen::Vector3d& force_W_n,
+                                 const Eigen::Vector3d& torque_B_n_m, double dt_s);
+
+  /// The touches at `state`, nothing moved; valid until the next call.
+  const std::vector<Touch>& touches_at(const RigidState& state);
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace mebots::world

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "flight/sequencer.hpp"
+
+#include <cmath>
+
+namespace mebots::world {
+namespace {
+
+constexpr double kReachedAltitude_m = 0.05;
+constexpr double kReachedClimb_m_per_s = 0.1;
+constexpr double kRestSpeed_m_per_s = 0.05;
+constexpr double kRestTime_s = 0.2;
+
+bool airborne(FlightPhase phase) {
+  return phase == FlightPhase::climbing || phase == FlightPhase::flying || phase == FlightPhase::descending;
+}
+
+}  // namespace
+
+void Sequencer::update(FlightMode mode, double altitude_goal_m, const Situation& situation, double dt_s) {
+  if (situation.crashed) phase_ = FlightPhase::crashed;
+  if (phase_ == FlightPhase::crashed) {
+    motors_on_ = false;
+    return;
+  }
+  switch (mode) {
+    case FlightMode::take_off:
+      if (phase_ == FlightPhase::on_ground || phase_ == FlightPhase::landed || phase_ == FlightPhase::descending)
+        phase_ = FlightPhase::climbing;
+      if (phase_ == FlightPhase::climbing && std::abs(altitude_goal_m - situation.altitude_m) < kReachedAltitude_m &&
+          std::abs(situation.climb_m_per_s) < kReachedClimb_m_per_s) {
+        phase_ = FlightPhase::flying;
+      }
+      break;
+    case FlightMode::fly:
+      phase_ = FlightPhase::flying;
+      break;
+    case FlightMode::off:
+    case FlightMode::land:
+      if (phase_ == FlightPhase::climbing || phase_ == FlightPhase::flying) phase_ = FlightPhase::descending;
+      break;
+  }
+  if (phase_ == FlightPhase::descending) {
+    descend(mode, situation, dt_s);
+  } else {
+    touched_down_ = false;
+    rest_s_ = 0.0;
+  }
+  motors_on_ = airborne(phase_) && mode != FlightMode::off && !touched_down_;
+}
+
+void Sequencer::descend(FlightMode mode, const Situation& situation, double dt_s) {
+  if (mode == FlightMode::land && situation.supported) touched_down_ = true;
+  const bool at_rest = situation.supported && situation.speed_m_per_s < kRestSpeed_m_per_s;
+  rest_s_ = at_rest ? rest_s_ + dt_s : 0.0;
+  if (rest_s_ >= kRestTime_s) phase_ = FlightPhase::landed;
+}
+
+void Sequencer::save(state::Writer& writer) const {
+  writer.put(phase_);
+  writer.put(motors_on_);
+  writer.put(touched_down_);
+  writer.put(rest_s_);
+}
+
+void Sequencer::restore(state::Reader& reader) {
+  reader.get(phase_);
+  reader.get(motors_on_);
+  reader.get(touched_down_);
+  reader.get(rest_s_);
+}
+
+}  // namespace mebots::world

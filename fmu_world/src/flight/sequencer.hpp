@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "fmu_world/variables.hpp"
+#include "mebots/state/bytes.hpp"
+
+namespace mebots::world {
+
+/// What the sequencer sees of the drone in one inner step.
+struct Situation {
+  bool supported = false;  ///< touches something below it
+  bool crashed = false;    ///< hit something too hard or tipped over
+  double altitude_m = 0.0;
+  double climb_m_per_s = 0.0;
+  double speed_m_per_s = 0.0;  ///< of all three axes
+};
+
+/// Take-off and landing: which phase follows from mode and situation, and whether the motors may turn.
+///
+///   on_ground, landed --take_off--> climbing --altitude reached--> flying
+///   on_ground, landed, climbing, descending --fly--> flying
+///   climbing, flying --land or off--> descending --at rest on something--> landed
+///   any --crash--> crashed (for good)
+///
+/// `land` sinks with the motors on until the first touch from below, which stops them; `off` stops them at once.
+class Sequencer {
+ public:
+  explicit Sequencer(bool starts_on_ground) : phase_(starts_on_ground ? FlightPhase::on_ground : FlightPhase::flying) {}
+
+  void update(FlightMode mode, double altitude_goal_m, const Situation& situation, double dt_s);
+
+  FlightPhase phase() const { return phase_; }
+  bool motors_on() const { return motors_on_; }
+
+  void save(state::Writer& writer) const;
+  void restore(state::Reader& reader);
+
+ private:
+  void descend(FlightMode mode, const Situation& situation, double dt_s);
+
+  FlightPhase phase_;
+  bool motors_on_ = false;
+  bool touched_down_ = false;
+  double rest_s_ = 0.0;  ///< how long it has been at rest on something
+};
+
+}  // namespace mebots::world

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "fmu_world/binding.hpp"
+#include "mebots/data_file.hpp"
+#include "model.hpp"
+#include "scene/load.hpp"
+#include "text/base64.hpp"
+
+namespace mebots::world {
+namespace {
+
+class Binding final : public shell::Model {
+ public:
+  Binding(Variables& variables, shell::Host& host, std::int64_t start_ns)
+      : world_(
+            read_scene(variables.parameters, host), variables.parameters, variables.inputs, variables.outputs,
+            [&host](std::string_view event) { host.log(shell::Severity::info, "events", event); }, start_ns) {}
+
+  void step(std::int64_t start_ns, std::int64_t duration_ns) override { world_.step(start_ns, duration_ns); }
+  void save(state::Writer& writer) const override { world_.save(writer); }
+  void restore(state::Reader& reader) override { world_.restore(reader); }
+  /// There is only one such output: camera.frame.base64.
+  std::string on_demand_text(std::string_view /*name*/) const override { return base64(world_.frame()); }
+
+ private:
+  static scene::Scene read_scene(const Parameters& parameters, const shell::Host& host) {
+    return scene::load_scene(data::find_file(host.resources() / "scenes", parameters.scene_name, "scene.name"));
+  }
+
+  World world_;
+};
+
+}  // namespace
+
+std::unique_ptr<shell::Model> make_model(Variables& variables, shell::Host& host, std::int64_t start_ns) {
+  return std::make_unique<Binding>(variables, host, start_ns);
+}
+
+}  // namespace mebots::world

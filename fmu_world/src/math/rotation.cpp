@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "math/rotation.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace mebots::world {
+
+Attitude attitude_of(const Eigen::Matrix3d& R_WB) {
+  // R = Rz(yaw) Ry(pitch) Rx(roll); the third row is (-sin p, cos p sin r, cos p cos r).
+  const double sin_pitch = std::clamp(-R_WB(2, 0), -1.0, 1.0);  // rounding may leave 1 + 1e-16
+  Attitude attitude;
+  attitude.pitch_rad = std::asin(sin_pitch);
+  attitude.roll_rad = std::atan2(R_WB(2, 1), R_WB(2, 2));
+  attitude.yaw_rad = wrapped_rad(std::atan2(R_WB(1, 0), R_WB(0, 0)));
+  return attitude;
+}
+
+double wrapped_rad(double angle_rad) {
+  const double wrapped = std::remainder(angle_rad, 2.0 * std::numbers::pi);
+  return wrapped <= -std::numbers::pi ? std::numbers::pi : wrapped;
+}
+
+Eigen::Quaterniond yaw_rotation(double yaw_rad) {
+  return {std::cos(0.5 * yaw_rad), 0.0, 0.0, std::sin(0.5 * yaw_rad)};
+}
+
+}  // namespace mebots::world

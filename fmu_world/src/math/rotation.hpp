@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Geometry>
+
+namespace mebots::world {
+
+/// Yaw about z, then pitch about the new y, then roll about the new x; right-handed, so that pitch is
+/// positive nose down and yaw positive to the left. All in rad.
+struct Attitude {
+  double roll_rad = 0.0;
+  double pitch_rad = 0.0;
+  double yaw_rad = 0.0;  ///< in (-pi, pi]
+};
+
+Attitude attitude_of(const Eigen::Matrix3d& R_WB);
+
+/// The same angle in (-pi, pi].
+double wrapped_rad(double angle_rad);
+
+Eigen::Quaterniond yaw_rotation(double yaw_rad);
+
+}  // namespace mebots::world

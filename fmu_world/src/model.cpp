@@ -1,0 +1,312 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "model.hpp"
+
+#include "math/rotation.hpp"
+#include "mebots/error.hpp"
+
+#include <fmt/format.h>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+namespace mebots::world {
+namespace {
+
+constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::min();
+/// Touches of a gate that follow within this time are one event in the log.
+constexpr std::int64_t kTouchPause_ns = 500'000'000;
+/// A touch supports the drone when its normal is within 45 degrees of straight up.
+constexpr double kSupportNormal_z = 0.7071;
+/// A start this far above the ground, or lower, is a start on the ground.
+constexpr double kOnGround_m = 0.01;
+/// Deepest overlap with anything that a start may have.
+constexpr double kStartOverlap_m = 0.001;
+
+/// `name` and `part` together are the variable's name, put together only when needed.
+void require_finite(double value, std::string_view name, std::string_view part = "") {
+  if (!std::isfinite(value)) throw Error(fmt::format("{}{} = {} must be a finite number", name, part, value));
+}
+
+void require_at_least_zero(double value, std::string_view name, std::string_view part = "") {
+  require_finite(value, name, part);
+  if (value < 0.0) throw Error(fmt::format("{}{} = {} must be at least 0", name, part, value));
+}
+
+Eigen::Vector3d vector(const std::array<double, 3>& v) {
+  return {v[0], v[1], v[2]};
+}
+std::array<double, 3> array(const Eigen::Vector3d& v) {
+  return {v.x(), v.y(), v.z()};
+}
+
+std::int64_t inner_step_of(const Parameters& parameters) {
+  constexpr double kLongest_s = 1.0;
+  const double step_s = parameters.physics_step_s;
+  if (!(step_s >= 1e-6 && step_s <= kLongest_s)) {
+    throw Error(fmt::format("physics.step = {} s must be from 1e-6 to {} s", step_s, kLongest_s));
+  }
+  return std::llround(step_s * 1e9);
+}
+
+CameraDevice::Settings camera_settings(const Parameters& parameters) {
+  CameraDevice::Settings settings;
+  settings.intrinsics.width = parameters.camera_width;
+  settings.intrinsics.height = parameters.camera_height;
+  settings.intrinsics.horizontal_field_of_view_rad = parameters.camera_field_of_view_rad;
+  settings.mounting.p_BC_m = vector(parameters.camera_position_m);
+  settings.mounting.pitch_rad = parameters.camera_pitch_rad;
+  settings.noise_std = parameters.camera_noise;
+  settings.seed = static_cast<std::uint32_t>(parameters.sensors_seed);
+  return settings;
+}
+
+RigidState start_of(const scene::Scene& scene, const Parameters& parameters) {
+  RigidState state;
+  for (std::size_t i = 0; i < 3; ++i) require_finite(parameters.start_offset_m[i], "start.offset.", axis::kWords[i]);
+  require_finite(parameters.start_yaw_offset_rad, "start.yaw_offset");
+  state.p_WB_m = scene.start.p_WB_m + vector(parameters.start_offset_m);
+  state.q_WB = yaw_rotation(wrapped_rad(scene.start.yaw_rad + parameters.start_yaw_offset_rad));
+  return state;
+}
+
+}  // namespace
+
+World::World(scene::Scene scene, const Parameters& parameters, const Inputs& inputs, Outputs& outputs, EventLog log,
+             std::int64_t start_ns)
+    : scene_(std::move(scene)),
+      in_(parameters),
+      inputs_(inputs),
+      outputs_(outputs),
+      log_(std::move(log)),
+      inner_step_ns_(inner_step_of(parameters)),
+      bodies_(scene_),
+      stabiliser_(scene_.drone),
+      camera_(scene_, camera_settings(parameters)),
+      range_(scene_, parameters.range_noise_m, static_cast<std::uint32_t>(parameters.sensors_seed)),
+      sequencer_(scene_.start.p_WB_m.z() + parameters.start_offset_m[axis::z] - 0.5 * scene_.drone.body_size_m.z() <=
+                 kOnGround_m),
+      gates_(scene_.gates),
+      state_(start_of(scene_, parameters)),
+      last_gate_touch_ns_(scene_.gates.size(), kNever) {
+  require_at_least_zero(in_.drone_dry_mass_kg, "drone.dry_mass");
+  require_at_least_zero(in_.range_noise_m, "range.noise");
+  check_inputs();
+  take_mass();
+  check_start();
+  range_.update(start_ns, state_);
+  write_outputs();
+}
+
+const std::string& World::name_of(const Touch& touch) const {
+  static const std::string ground = "the ground";
+  switch (touch.what) {
+    case Touch::What::box:
+      return scene_.boxes[touch.index].name;
+    case Touch::What::gate:
+      return scene_.gates[touch.index].name;
+    case Touch::What::ground:
+      break;
+  }
+  return ground;
+}
+
+void World::check_start() {
+  for (const Touch& touch : bodies_.touches_at(state_)) {
+    if (touch.depth_m <= kStartOverlap_m) continue;
+    throw Error(fmt::format(
+        "scene \"{}\": the drone would start {:.4f} m deep in {}, at ({}, {}, {}) m; change start.offset", scene_.name,
+        touch.depth_m, name_of(touch), state_.p_WB_m.x(), state_.p_WB_m.y(), state_.p_WB_m.z()));
+  }
+}
+
+void World::check_inputs() const {
+  for (std::size_t i = 0; i < rotor::kCount; ++i) {
+    require_at_least_zero(inputs_.rotor_thrust_n[i], rotor::kWords[i], ".thrust");
+    require_at_least_zero(inputs_.rotor_torque_n_m[i], rotor::kWords[i], ".torque");
+  }
+  for (std::size_t i = 0; i < axis::kCount; ++i)
+    require_finite(inputs_.wind_velocity_m_per_s[i], "wind.velocity.", axis::kWords[i]);
+  require_finite(inputs_.setpoint_velocity_x_m_per_s, "setpoint.velocity.x");
+  require_finite(inputs_.setpoint_velocity_y_m_per_s, "setpoint.velocity.y");
+  require_finite(inputs_.setpoint_yaw_rate_rad_per_s, "setpoint.yaw_rate");
+  require_at_least_zero(inputs_.setpoint_altitude_m, "setpoint.altitude");
+  require_at_least_zero(inputs_.cell_mass_kg, "cell.mass");
+  if (to_string(inputs_.setpoint_mode) == "?") {
+    throw Error(fmt::format("setpoint.mode = {} is no mode; off is 0, take_off 1, fly 2, land 3",
+                            static_cast<std::int32_t>(inputs_.setpoint_mode)));
+  }
+}
+
+void World::take_mass() {
+  const double mass_kg = in_.drone_dry_mass_kg + inputs_.cell_mass_kg;
+  if (mass_kg != mass_kg_) set_mass(mass_kg);
+}
+
+void World::set_mass(double mass_kg) {
+  const Eigen::Vector3d inertia_kg_m2 = inertia_for(scene_.drone, mass_kg);
+  bodies_.set_mass(mass_kg, inertia_kg_m2);
+  stabiliser_.set_mass(mass_kg, inertia_kg_m2);
+  mass_kg_ = mass_kg;
+}
+
+void World::step(std::int64_t start_ns, std::int64_t duration_ns) {
+  check_inputs();
+  take_mass();
+  camera_.see_trigger(inputs_.camera_trigger, state_);
+  const std::int64_t count = (duration_ns + inner_step_ns_ - 1) / inner_step_ns_;
+  const double dt_s = static_cast<double>(duration_ns) * 1e-9 / static_cast<double>(count);
+  for (std::int64_t i = 1; i <= count; ++i) inner_step(start_ns + duration_ns * i / count, dt_s);
+  write_outputs();
+}
+
+void World::inner_step(std::int64_t end_ns, double dt_s) {
+  const Wrench rotors_B = rotor_wrench_B(scene_.drone, inputs_.rotor_thrust_n, inputs_.rotor_torque_n_m);
+  const Eigen::Vector3d force_W_n =
+      state_.q_WB * rotors_B.force_n + drag_force_W(scene_.drone, state_, vector(inputs_.wind_velocity_m_per_s));
+  const Eigen::Vector3d from_W_m = state_.p_WB_m;
+  const auto& touches = bodies_.step(state_, force_W_n, rotors_B.torque_n_m, dt_s);
+  path_length_m_ += (state_.p_WB_m - from_W_m).norm();
+
+  Situation situation;
+  situation.altitude_m = state_.p_WB_m.z();
+  situation.climb_m_per_s = state_.v_WB_m_per_s.z();
+  situation.speed_m_per_s = state_.v_WB_m_per_s.norm();
+  const FlightPhase before = sequencer_.phase();
+  judge_touches(touches, end_ns, situation);
+  judge_gates(from_W_m, end_ns);
+  if (before != FlightPhase::crashed && state_.R_WB()(2, 2) < std::cos(scene_.contact.crash_tilt_rad)) {
+    situation.crashed = true;
+    report(end_ns, "crash: tipped over");
+  }
+  sequencer_.update(inputs_.setpoint_mode, inputs_.setpoint_altitude_m, situation, dt_s);
+  report_phase(before, end_ns);
+  stabiliser_.update(goal(), state_, dt_s);
+  range_.update(end_ns, state_);
+}
+
+void World::judge_touches(const std::vector<Touch>& touches, std::int64_t time_ns, Situation& situation) {
+  for (const Touch& touch : touches) {
+    situation.supported = situation.supported || touch.normal_W.z() > kSupportNormal_z;
+    if (touch.what == Touch::What::gate) {
+      gate_touched_ = true;
+      std::int64_t& last_ns = last_gate_touch_ns_[touch.index];
+      if (last_ns == kNever || time_ns - last_ns > kTouchPause_ns) {
+        report(time_ns,
+               fmt::format("touched {} with {:.3f} m/s", scene_.gates[touch.index].name, touch.closing_speed_m_per_s));
+      }
+      last_ns = time_ns;
+    }
+    if (touch.closing_speed_m_per_s <= scene_.contact.crash_speed_m_per_s) continue;
+    if (!situation.crashed && sequencer_.phase() != FlightPhase::crashed) {
+      report(time_ns, fmt::format("crash: hit {} with {:.3f} m/s", name_of(touch), touch.closing_speed_m_per_s));
+    }
+    situation.crashed = true;
+  }
+}
+
+void World::judge_gates(const Eigen::Vector3d& from_W_m, std::int64_t time_ns) {
+  const auto crossing = gates_.move(from_W_m, state_.p_WB_m);
+  if (!crossing) return;
+  report(time_ns,
+         fmt::format("{} {}: {:.3f} m left of its middle, {:.3f} m above", crossing->passed ? "passed" : "missed",
+                     scene_.gates[crossing->gate].name, crossing->lateral_m, crossing->vertical_m));
+}
+
+void World::report_phase(FlightPhase before, std::int64_t time_ns) {
+  const FlightPhase now = sequencer_.phase();
+  if (now == before) return;
+  switch (now) {
+    case FlightPhase::climbing:
+      return report(time_ns, "take-off");
+    case FlightPhase::flying:
+      return report(time_ns, "flying");
+    case FlightPhase::descending:
+      return report(time_ns, "landing");
+    case FlightPhase::landed:
+      return report(time_ns, "landed");
+    case FlightPhase::on_ground:
+    case FlightPhase::crashed:
+      return;  // a crash has told its cause
+  }
+}
+
+StabiliserGoal World::goal() const {
+  StabiliserGoal goal;
+  goal.motors_on = sequencer_.motors_on();
+  goal.hold_place = inputs_.setpoint_mode != FlightMode::fly;
+  goal.forward_m_per_s = inputs_.setpoint_velocity_x_m_per_s;
+  goal.left_m_per_s = inputs_.setpoint_velocity_y_m_per_s;
+  goal.yaw_rate_rad_per_s = inputs_.setpoint_yaw_rate_rad_per_s;
+  goal.descend = inputs_.setpoint_mode == FlightMode::land;
+  goal.altitude_m = inputs_.setpoint_altitude_m;
+  return goal;
+}
+
+void World::write_outputs() {
+  const Eigen::Matrix3d R_WB = state_.R_WB();
+  const Attitude attitude = attitude_of(R_WB);
+  outputs_.rotor_command = stabiliser_.command();
+  outputs_.drone_position_m = array(state_.p_WB_m);
+  outputs_.drone_velocity_m_per_s = array(state_.v_WB_m_per_s);
+  outputs_.drone_roll_rad = attitude.roll_rad;
+  outputs_.drone_pitch_rad = attitude.pitch_rad;
+  outputs_.drone_yaw_rad = attitude.yaw_rad;
+  outputs_.drone_angular_velocity_rad_per_s = array(state_.w_WB_B_rad_per_s());
+  outputs_.drone_forward_velocity_m_per_s =
+      std::cos(attitude.yaw_rad) * state_.v_WB_m_per_s.x() + std::sin(attitude.yaw_rad) * state_.v_WB_m_per_s.y();
+  outputs_.drone_speed_m_per_s = state_.v_WB_m_per_s.head<2>().norm();
+  outputs_.drone_mass_kg = mass_kg_;
+  outputs_.drone_path_length_m = path_length_m_;
+  outputs_.drone_phase = sequencer_.phase();
+  outputs_.drone_landed = sequencer_.phase() == FlightPhase::landed;
+  outputs_.drone_crashed = sequencer_.phase() == FlightPhase::crashed;
+  outputs_.range_down_m = range_.reading_m();
+  outputs_.gate_passed = gates_.all_passed();
+  outputs_.gate_touched = gate_touched_;
+  outputs_.gate_missed = gates_.missed();
+  outputs_.gate_distance_m = gates_.distance_m(state_.p_WB_m);
+  outputs_.gate_lateral_error_m = gates_.lateral_error_m();
+  outputs_.camera_frame = BinaryRef::to(camera_.frame());
+  outputs_.camera_frame_id = camera_.frame_id();
+}
+
+void World::report(std::int64_t time_ns, std::string_view what) const {
+  if (!log_) return;
+  log_(fmt::format("t = {:.4f} s, at ({:.3f}, {:.3f}, {:.3f}) m: {}", static_cast<double>(time_ns) * 1e-9,
+                   state_.p_WB_m.x(), state_.p_WB_m.y(), state_.p_WB_m.z(), what));
+}
+
+void World::save(state::Writer& writer) const {
+  put(writer, state_);
+  writer.put(mass_kg_);
+  writer.put(path_length_m_);
+  writer.put(gate_touched_);
+  writer.put(last_gate_touch_ns_);
+  stabiliser_.save(writer);
+  sequencer_.save(writer);
+  gates_.save(writer);
+  range_.save(writer);
+  camera_.save(writer);
+}
+
+void World::restore(state::Reader& reader) {
+  get(reader, state_);
+  const auto mass_kg = reader.get<double>();
+  reader.get(path_length_m_);
+  reader.get(gate_touched_);
+  reader.get(last_gate_touch_ns_);
+  if (last_gate_touch_ns_.size() != scene_.gates.size()) {
+    throw Error(fmt::format("a saved state of fmu_world has {} gates; scene \"{}\" has {}", last_gate_touch_ns_.size(),
+                            scene_.name, scene_.gates.size()));
+  }
+  stabiliser_.restore(reader);
+  sequencer_.restore(reader);
+  gates_.restore(reader);
+  range_.restore(reader);
+  camera_.restore(reader);
+  set_mass(mass_kg);
+  outputs_.camera_frame = BinaryRef::to(camera_.frame());
+}
+
+}  // namespace mebots::world

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "dynamics/rigid_world.hpp"
+#include "flight/gate_judge.hpp"
+#include "flight/sequencer.hpp"
+#include "fmu_world/variables.hpp"
+#include "mebots/state/bytes.hpp"
+#include "scene/scene.hpp"
+#include "sensors/camera_device.hpp"
+#include "sensors/range_sensor.hpp"
+#include "stabiliser/stabiliser.hpp"
+
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace mebots::world {
+
+/// Called with a sentence for each event of the flight.
+using EventLog = std::function<void(std::string_view)>;
+
+/// A drone in its world: rigid body, stabiliser, take-off and landing, gates, sensors.
+///
+/// A step of h is cut into n = ceil(h / physics.step) equal inner steps. Rotor thrusts, wind and set-points
+/// are held over the step; the stabiliser runs in every inner step on the state just reached. Outputs are those of
+/// the end of the step, except for the picture, which shows what the camera saw at its beginning.
+class World {
+ public:
+  /// Brings the drone to its start. Parameters, inputs and outputs outlive the world; the first outputs are
+  /// written. Throws mebots::Error for values that make no world.
+  World(scene::Scene scene, const Parameters& parameters, const Inputs& inputs, Outputs& outputs, EventLog log,
+        std::int64_t start_ns);
+
+  void step(std::int64_t start_ns, std::int64_t duration_ns);
+
+  /// The last picture; empty before the first.
+  std::span<const std::uint8_t> frame() const { return camera_.frame(); }
+
+  void save(state::Writer& writer) const;
+  void restore(state::Reader& reader);
+
+ private:
+  void check_inputs() const;
+  void take_mass();
+  void set_mass(double mass_kg);
+  const std::string& name_of(const Touch& touch) const;
+  void check_start();
+  void inner_step(std::int64_t end_ns, double dt_s);
+  void judge_touches(const std::vector<Touch>& touches, std::int64_t time_ns, Situation& situation);
+  void judge_gates(const Eigen::Vector3d& from_W_m, std::int64_t time_ns);
+  void report_phase(FlightPhase before, std::int64_t time_ns);
+  StabiliserGoal goal() const;
+  void write_outputs();
+  void report(std::int64_t time_ns, std::string_view what) const;
+
+  scene::Scene scene_;
+  const Parameters& in_;
+  const Inputs& inputs_;
+  Outputs& outputs_;
+  EventLog log_;
+  std::int64_t inner_step_ns_;
+
+  RigidWorld bodies_;
+  Stabiliser stabiliser_;
+  CameraDevice camera_;
+  RangeSensor range_;
+  Sequencer sequencer_;
+  GateJudge gates_;
+
+  RigidState state_;
+  double mass_kg_ = std::numeric_limits<double>::quiet_NaN();
+  double path_length_m_ = 0.0;
+  bool gate_touched_ = false;
+  std::vector<std::int64_t> last_gate_touch_ns_;  ///< kNever for a gate not yet touched
+};
+
+}  // namespace mebots::world

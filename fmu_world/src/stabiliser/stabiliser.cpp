@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "stabiliser/stabiliser.hpp"
+
+#include "dynamics/rigid_world.hpp"
+#include "math/rotation.hpp"
+#include "stabiliser/mixer.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace mebots::world {
+namespace {
+
+/// Below this speed a braking drone takes the place it is at as the one to hold.
+constexpr double kStoppedSpeed_m_per_s = 0.05;
+
+/// The horizontal part shortened to `limit`, the vertical one left alone.
+Eigen::Vector3d limited_horizontally(const Eigen::Vector3d& v, double limit) {
+  const double length = v.head<2>().norm();
+  if (length <= limit) return v;
+  return {v.x() * limit / length, v.y() * limit / length, v.z()};
+}
+
+}  // namespace
+
+Stabiliser::Stabiliser(const scene::Drone& drone)
+    : drone_(drone), curve_(drone.thrust_curve), gains_(Gains::for_lag(drone.rotor_lag_s)) {}
+
+void Stabiliser::set_mass(double mass_kg, const Eigen::Vector3d& inertia_kg_m2) {
+  mass_kg_ = mass_kg;
+  inertia_kg_m2_ = inertia_kg_m2;
+}
+
+void Stabiliser::start(const RigidState& state, double yaw_rad) {
+  memory_ = {};
+  memory_.running = true;
+  memory_.heading_rad = yaw_rad;
+  memory_.velocity_H_m_per_s = yaw_rotation(-yaw_rad) * state.v_WB_m_per_s;
+  memory_.last_rate_B_rad_per_s = state.w_WB_B_rad_per_s();
+}
+
+Eigen::Vector3d Stabiliser::wanted_velocity_H(const StabiliserGoal& goal, const RigidState& state, double yaw_rad) {
+  Eigen::Vector3d wanted_H{goal.forward_m_per_s, goal.left_m_per_s, 0.0};
+  if (goal.hold_place) {
+    if (!memory_.holding && state.v_WB_m_per_s.head<2>().norm() < kStoppedSpeed_m_per_s) {
+      memory_.holding = true;
+      memory_.hold_W_m = state.p_WB_m;
+    }
+    const Eigen::Vector3d back_W = memory_.holding
+                                       ? Eigen::Vector3d(gains_.position_per_s * (memory_.hold_W_m - state.p_WB_m))
+                                       : Eigen::Vector3d::Zero();
+    wanted_H = limited_horizontally(yaw_rotation(-yaw_rad) * back_W, gains_.max_hold_speed_m_per_s);
+  } else {
+    memory_.holding = false;
+  }
+  wanted_H.z() = goal.descend ? -gains_.max_descent_m_per_s
+                              : std::clamp(gains_.altitude_per_s * (goal.altitude_m - state.p_WB_m.z()),
+                                           -gains_.max_descent_m_per_s, gains_.max_climb_m_per_s);
+  return wanted_H;
+}
+
+Eigen::Vector3d Stabiliser::wanted_acceleration_W(const StabiliserGoal& goal, const RigidState& state, double yaw_rad,
+                                                  double dt_s) {
+  // The reference velocity follows the wish like the closed loop can, so that the integrator sees only
+  // what wind, sag and wrong constants do.
+  const Eigen::Vector3d follow_per_s{gains_.velocity_p_per_s, gains_.velocity_p_per_s, gains_.climb_p_per_s};
+  const Eigen::Vector3d pull_H = limited_horizontally(
+      follow_per_s.cwiseProduct(wanted_velocity_H(goal, state, yaw_rad) - memory_.velocity_H_m_per_s),
+      kGravity_m_per_s2 * std::tan(gains_.max_tilt_rad));
+  memory_.velocity_H_m_per_s += dt_s * pull_H;
+
+  const Eigen::Quaterniond R_WH = yaw_rotation(yaw_rad);
+  const double turn_rad_per_s = goal.hold_place ? 0.0 : goal.yaw_rate_rad_per_s;
+  const Eigen::Vector3d turn_H = turn_rad_per_s * Eigen::Vector3d::UnitZ().cross(memory_.velocity_H_m_per_s);
+  const Eigen::Vector3d error_W = R_WH * memory_.velocity_H_m_per_s - state.v_WB_m_per_s;
+
+  const Eigen::Vector3d integral_gain{gains_.velocity_i_per_s2, gains_.velocity_i_per_s2, gains_.climb_i_per_s2};
+  Eigen::Vector3d& integral = memory_.integral_W_m_per_s2;
+  integral = limited_horizontally(integral + dt_s * integral_gain.cwiseProduct(error_W),
+                                  gains_.max_horizontal_integral_m_per_s2);
+  integral.z() =
+      std::clamp(integral.z(), -gains_.max_vertical_integral_m_per_s2, gains_.max_vertical_integral_m_per_s2);
+
+  // In still air the drag at the reference velocity is known; the integrator need not wait for it.
+  const Eigen::Vector3d drag_H = drone_.drag_n_s_per_m.cwiseProduct(memory_.velocity_H_m_per_s) / mass_kg_;
+  const Eigen::Vector3d wanted_W = R_WH * (pull_H + turn_H + drag_H) + follow_per_s.cwiseProduct(error_W) + integral;
+  return limited_horizontally(wanted_W, kGravity_m_per_s2 * std::tan(gains_.max_tilt_rad));
+}
+
+Eigen::Vector3d Stabiliser::wanted_torque_B(const StabiliserGoal& goal, const RigidState& state, double yaw_rad,
+                                            const Eigen::Vector3d& up_W, double dt_s) {
+  const Eigen::Vector3d rate_B = state.w_WB_B_rad_per_s();
+  const Eigen::Vector3d measured_B = (rate_B - memory_.last_rate_B_rad_per_s) / dt_s;
+  memory_.last_rate_B_rad_per_s = rate_B;
+  memory_.acceleration_B_rad_per_s2 +=
+      dt_s / (gains_.acceleration_filter_s + dt_s) * (measured_B - memory_.acceleration_B_rad_per_s2);
+
+  // Shortest rotation from the body's z to the wanted one, as a vector in the body frame.
+  const Eigen::Vector3d up_B = state.q_WB.conjugate() * up_W;
+  const Eigen::Vector3d axis_B = Eigen::Vector3d::UnitZ().cross(up_B);
+  const double sine = axis_B.norm();
+  const double angle = std::atan2(sine, up_B.z());
+  const Eigen::Vector3d tilt_error_B =
+      sine > 1e-12 ? Eigen::Vector3d(axis_B * (angle / sine)) : Eigen::Vector3d::Zero();
+
+  const double turn_rad_per_s = goal.hold_place ? 0.0 : goal.yaw_rate_rad_per_s;
+  // The loop follows a wanted rate with the lag 1 / pole; a heading that ran ahead of it would be made up for
+  // by an overshoot.
+  memory_.yaw_rate_rad_per_s += dt_s * gains_.yaw_pole_per_s * (turn_rad_per_s - memory_.yaw_rate_rad_per_s);
+  const double lead_rad = std::clamp(wrapped_rad(memory_.heading_rad + dt_s * memory_.yaw_rate_rad_per_s - yaw_rad),
+                                     -gains_.max_yaw_lead_rad, gains_.max_yaw_lead_rad);
+  memory_.heading_rad = wrapped_rad(yaw_rad + lead_rad);
+
+  Eigen::Vector3d wanted_rate_B = gains_.tilt.angle_per_s * tilt_error_B;
+  const double tilt_rate = wanted_rate_B.norm();
+  if (tilt_rate > gains_.max_rate_rad_per_s) wanted_rate_B *= gains_.max_rate_rad_per_s / tilt_rate;
+  wanted_rate_B.z() = turn_rad_per_s + gains_.yaw.angle_per_s * lead_rad;
+
+  const Eigen::Vector3d rate_gain{gains_.tilt.rate_per_s, gains_.tilt.rate_per_s, gains_.yaw.rate_per_s};
+  const Eigen::Vector3d acceleration_gain{gains_.tilt.acceleration, gains_.tilt.acceleration, gains_.yaw.acceleration};
+  const Eigen::Vector3d acceleration_B = rate_gain.cwiseProduct(wanted_rate_B - rate_B) -
+                                         acceleration_gain.cwiseProduct(memory_.acceleration_B_rad_per_s2);
+  return inertia_kg_m2_.cwiseProduct(acceleration_B);
+}
+
+const RotorValues& Stabiliser::update(const StabiliserGoal& goal, const RigidState& state, double dt_s) {
+  if (!goal.motors_on) {
+    memory_ = {};
+    return memory_.command;
+  }
+  const Eigen::Matrix3d R_WB = state.R_WB();
+  const double yaw_rad = attitude_of(R_WB).yaw_rad;
+  if (!memory_.running) start(state, yaw_rad);
+
+  const Eigen::Vector3d lift_W =
+      wanted_acceleration_W(goal, state, yaw_rad, dt_s) + Eigen::Vector3d(0.0, 0.0, kGravity_m_per_s2);
+  // Falling faster than gravity is not asked for; the lower limit also keeps the direction meaningful.
+  const Eigen::Vector3d held_W{lift_W.x(), lift_W.y(),
+                               std::max(lift_W.z(), gains_.min_thrust_share * kGravity_m_per_s2)};
+  const Eigen::Vector3d up_W = limited_horizontally(held_W, held_W.z() * std::tan(gains_.max_tilt_rad)).normalized();
+  const double collective_n = mass_kg_ * std::max(held_W.dot(R_WB.col(2)), gains_.min_thrust_share * kGravity_m_per_s2);
+  const Eigen::Vector3d torque_B = wanted_torque_B(goal, state, yaw_rad, up_W, dt_s);
+
+  const RotorValues thrust = mix(drone_, curve_.max_thrust_n(), collective_n, torque_B);
+  for (std::size_t i = 0; i < kRotors; ++i) memory_.command[i] = curve_.command_for(thrust[i]);
+  return memory_.command;
+}
+
+void Stabiliser::save(state::Writer& writer) const {
+  writer.put(memory_.running);
+  writer.put(memory_.holding);
+  put(writer, memory_.hold_W_m);
+  writer.put(memory_.heading_rad);
+  writer.put(memory_.yaw_rate_rad_per_s);
+  put(writer, memory_.velocity_H_m_per_s);
+  put(writer, memory_.integral_W_m_per_s2);
+  put(writer, memory_.last_rate_B_rad_per_s);
+  put(writer, memory_.acceleration_B_rad_per_s2);
+  writer.put(memory_.command);
+}
+
+void Stabiliser::restore(state::Reader& reader) {
+  reader.get(memory_.running);
+  reader.get(memory_.holding);
+  get(reader, memory_.hold_W_m);
+  reader.get(memory_.heading_rad);
+  reader.get(memory_.yaw_rate_rad_per_s);
+  get(reader, memory_.velocity_H_m_per_s);
+  get(reader, memory_.integral_W_m_per_s2);
+  get(reader, memory_.last_rate_B_rad_per_s);
+  get(reader, memory_.acceleration_B_rad_per_s2);
+  reader.get(memory_.command);
+}
+
+}  // namespace mebots::world

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sensors/range_sensor.hpp"
+
+#include "support/flight_rig.hpp"
+
+#include <gtest/gtest.h>
+
+namespace mebots::world {
+namespace {
+
+RigidState at(double x, double y, double z, double roll_rad = 0.0) {
+  RigidState state;
+  state.p_WB_m = {x, y, z};
+  state.q_WB = Eigen::AngleAxisd(roll_rad, Eigen::Vector3d::UnitX());
+  return state;
+}
+
+TEST(RangeSensor, ReadsTheHeightAboveGroundWhenLevel) {
+  const RangeSensor sensor(test::shipped_scene("empty"), 0.0, 1);
+  EXPECT_DOUBLE_EQ(sensor.distance_m(at(0.0, 0.0, 1.25)), 1.25);
+}
+
+TEST(RangeSensor, ReadsTheSlantedDistanceWhenTilted) {
+  const RangeSensor sensor(test::shipped_scene("empty"), 0.0, 1);
+  EXPECT_NEAR(sensor.distance_m(at(0.0, 0.0, 1.0, 0.5)), 1.0 / std::cos(0.5), 1e-12);
+}
+
+TEST(RangeSensor, SeesTheGatesBeamsBelow) {
+  const auto scene = test::shipped_scene("gate_easy");
+  const RangeSensor sensor(scene, 0.0, 1);
+  const auto& gate = scene.gates[0].p_W_m;
+  // In the opening the lower beam's top is at 0.83 m; above the frame its top is at 1.33 m.
+  EXPECT_NEAR(sensor.distance_m(at(gate.x(), gate.y(), 1.0)), 1.0 - 0.83, 1e-12);
+  EXPECT_NEAR(sensor.distance_m(at(gate.x(), gate.y(), 1.5)), 1.5 - 1.33, 1e-12);
+  EXPECT_NEAR(sensor.distance_m(at(gate.x() - 0.016, gate.y(), 1.0)), 1.0, 1e-12);
+}
+
+TEST(RangeSensor, ReadsItsLimitWhereNothingIsNear) {
+  const RangeSensor sensor(test::shipped_scene("empty"), 0.0, 1);
+  EXPECT_EQ(sensor.distance_m(at(0.0, 0.0, 10.0)), 4.0);
+  EXPECT_EQ(sensor.distance_m(at(0.0, 0.0, 1.0, 3.0)), 4.0);  // looks up
+}
+
+TEST(RangeSensor, HoldsASampleFor25Milliseconds) {
+  RangeSensor sensor(test::shipped_scene("empty"), 0.01, 1);
+  sensor.update(0, at(0.0, 0.0, 1.0));
+  const double first = sensor.reading_m();
+  sensor.update(24'999'999, at(0.0, 0.0, 2.0));
+  EXPECT_EQ(sensor.reading_m(), first);
+  sensor.update(25'000'000, at(0.0, 0.0, 2.0));
+  EXPECT_NEAR(sensor.reading_m(), 2.0, 0.06);  // six standard deviations
+}
+
+TEST(RangeSensor, NoiseHasTheDeviationAskedFor) {
+  RangeSensor sensor(test::shipped_scene("empty"), 0.01, 3);
+  double sum = 0.0;
+  double squares = 0.0;
+  constexpr int kCount = 20'000;
+  for (int i = 0; i < kCount; ++i) {
+    sensor.update(i * RangeSensor::kPeriod_ns, at(0.0, 0.0, 1.0));
+    sum += sensor.reading_m() - 1.0;
+    squares += (sensor.reading_m() - 1.0) * (sensor.reading_m() - 1.0);
+  }
+  EXPECT_NEAR(sum / kCount, 0.0, 4.0 * 0.01 / std::sqrt(kCount));  // four standard errors
+  EXPECT_NEAR(std::sqrt(squares / kCount), 0.01, 4.0 * 0.01 / std::sqrt(2.0 * kCount));
+}
+
+TEST(RangeSensor, NeverReadsLessThanNothing) {
+  RangeSensor sensor(test::shipped_scene("empty"), 0.5, 3);
+  for (int i = 0; i < 100; ++i) {
+    sensor.update(i * RangeSensor::kPeriod_ns, at(0.0, 0.0, 0.01));
+    EXPECT_GE(sensor.reading_m(), 0.0);
+  }
+}
+
+}  // namespace
+}  // namespace mebots::world

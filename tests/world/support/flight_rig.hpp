@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "model.hpp"
+#include "scene/load.hpp"
+#include "stabiliser/thrust_curve.hpp"
+
+#include <cmath>
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace mebots::world::test {
+
+inline scene::Scene shipped_scene(const std::string& name) {
+  return scene::load_scene(std::string(MEBOTS_SOURCE_DIR) + "/fmu_world/params/scenes/" + name + ".json");
+}
+
+/// Four rotors that follow their commands with a first-order lag (solved exactly over a step), on a bus
+/// whose sag scales the thrust. Their true curve is the one that the stabiliser believes in, times `sag`.
+struct Rotors {
+  explicit Rotors(const scene::Drone& drone)
+      : curve(drone.thrust_curve), torque_per_thrust_m(drone.torque_per_thrust_m) {}
+
+  void step(const std::array<double, 4>& command, double h_s) {
+    const double share = lag_s > 0.0 ? -std::expm1(-h_s / lag_s) : 1.0;
+    for (std::size_t i = 0; i < 4; ++i) thrust_n[i] += share * (sag * curve.thrust_for(command[i]) - thrust_n[i]);
+  }
+
+  ThrustCurve curve;
+  double torque_per_thrust_m;
+  double lag_s = 0.1;
+  double sag = 1.0;
+  std::array<double, 4> thrust_n{};
+};
+
+/// World and rotors coupled as a Jacobi master does: both step from t_k with what the other put out at t_k.
+class FlightRig {
+ public:
+  explicit FlightRig(scene::Scene scene = shipped_scene("empty"), Parameters parameters = small_camera())
+      : rotors(scene.drone),
+        parameters_(std::move(parameters)),
+        world(
+            std::move(scene), parameters_, inputs, outputs,
+            [this](std::string_view text) { events.emplace_back(text); }, 0) {}
+
+  static Parameters small_camera() {
+    Parameters parameters;
+    parameters.camera_width = 16;  // these flights look at no pictures
+    parameters.camera_height = 16;
+    parameters.range_noise_m = 0.0;
+    return parameters;
+  }
+
+  void step(std::int64_t h_ns = 2'000'000) {
+    inputs.rotor_thrust_n = rotors.thrust_n;
+    for (std::size_t i = 0; i < 4; ++i) inputs.rotor_torque_n_m[i] = rotors.torque_per_thrust_m * rotors.thrust_n[i];
+    const auto command = outputs.rotor_command;
+    world.step(time_ns, h_ns);
+    rotors.step(command, static_cast<double>(h_ns) * 1e-9);
+    time_ns += h_ns;
+  }
+
+  /// Calls `watch()` after every step.
+  template <typename Watch>
+  void run(double seconds, Watch watch, std::int64_t h_ns = 2'000'000) {
+    const std::int64_t count = std::llround(seconds * 1e9) / h_ns;
+    for (std::int64_t i = 0; i < count; ++i) {
+      step(h_ns);
+      watch();
+    }
+  }
+  void run(double seconds, std::int64_t h_ns = 2'000'000) {
+    run(
+        seconds, [] {}, h_ns);
+  }
+
+  /// Up to the altitude, at rest, in mode fly.
+  void take_off_and_fly(double altitude_m = 1.0, std::int64_t h_ns = 2'000'000) {
+    inputs.setpoint_mode = FlightMode::take_off;
+    inputs.setpoint_altitude_m = altitude_m;
+    run(8.0, h_ns);
+    inputs.setpoint_mode = FlightMode::fly;
+  }
+
+  double time_s() const { return static_cast<double>(time_ns) * 1e-9; }
+  double altitude_m() const { return outputs.drone_position_m[2]; }
+
+  Inputs inputs;
+  Outputs outputs;
+  std::vector<std::string> events;
+  Rotors rotors;
+
+ private:
+  Parameters parameters_;
+
+ public:
+  World world;
+  std::int64_t time_ns = 0;
+};
+
+}  // namespace mebots::world::test

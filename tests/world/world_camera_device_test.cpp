@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "support/flight_rig.hpp"
+
+#include <gtest/gtest.h>
+#include <algorithm>
+
+namespace mebots::world {
+namespace {
+
+using test::FlightRig;
+using test::shipped_scene;
+
+std::vector<std::uint8_t> copy(const BinaryRef& frame) {
+  const auto bytes = frame.bytes();
+  return {bytes.begin(), bytes.end()};
+}
+
+Parameters parameters() {
+  Parameters p = FlightRig::small_camera();
+  p.camera_width = 64;
+  p.camera_height = 48;
+  p.camera_noise = 0.0;
+  return p;
+}
+
+TEST(CameraDevice, HasNoPictureBeforeTheFirstRequest) {
+  FlightRig rig(shipped_scene("gate_easy"), parameters());
+  rig.run(0.1);
+  EXPECT_EQ(rig.outputs.camera_frame_id, 0);
+  EXPECT_TRUE(rig.outputs.camera_frame.bytes().empty());
+}
+
+TEST(CameraDevice, AnswersARequestAtTheEndOfTheStepThatSeesIt) {
+  FlightRig rig(shipped_scene("gate_easy"), parameters());
+  rig.inputs.camera_trigger = 3;
+  rig.step();
+  EXPECT_EQ(rig.outputs.camera_frame_id, 3);
+  EXPECT_EQ(rig.outputs.camera_frame.bytes().size(), 64U * 48U);
+}
+
+TEST(CameraDevice, ShowsTheViewAtTheBeginningOfTheStep) {
+  // Falling from 1.3 m for half a second would change the picture a lot; asked at the start, it shows the start.
+  const auto picture_of_start = [] {
+    Parameters p = parameters();
+    p.start_offset_m = {2.0, 0.0, 1.3};
+    FlightRig rig(shipped_scene("gate_easy"), p);
+    rig.inputs.camera_trigger = 1;
+    rig.step(1'000'000);
+    return copy(rig.outputs.camera_frame);
+  };
+  Parameters p = parameters();
+  p.start_offset_m = {2.0, 0.0, 1.3};
+  FlightRig rig(shipped_scene("gate_easy"), p);
+  rig.inputs.camera_trigger = 1;
+  rig.step(100'000'000);
+  EXPECT_EQ(copy(rig.outputs.camera_frame), picture_of_start());
+  rig.inputs.camera_trigger = 2;
+  rig.step();
+  EXPECT_NE(copy(rig.outputs.camera_frame), picture_of_start());
+}
+
+TEST(CameraDevice, TakesNoPictureWhileTheCountStays) {
+  FlightRig rig(shipped_scene("gate_easy"), parameters());
+  rig.inputs.camera_trigger = 1;
+  rig.step();
+  const auto* data = rig.outputs.camera_frame.bytes().data();
+  rig.run(0.1);
+  EXPECT_EQ(rig.outputs.camera_frame_id, 1);
+  EXPECT_EQ(rig.outputs.camera_frame.bytes().data(), data);
+}
+
+TEST(CameraDevice, APictureStaysReadableUntilTheNextStepEnds) {
+  Parameters p = parameters();
+  p.camera_noise = 5.0;  // makes every picture another one
+  FlightRig rig(shipped_scene("gate_easy"), p);
+  rig.inputs.camera_trigger = 1;
+  rig.step();
+  const BinaryRef held = rig.outputs.camera_frame;
+  const auto before = copy(held);
+  rig.inputs.camera_trigger = 2;
+  rig.step();
+  EXPECT_EQ(copy(held), before);
+  EXPECT_NE(copy(rig.outputs.camera_frame), before);
+}
+
+TEST(CameraDevice, NoiseOfAPictureDependsOnItsNumberAlone) {
+  Parameters p = parameters();
+  p.camera_noise = 5.0;
+  FlightRig one(shipped_scene("gate_easy"), p);
+  one.inputs.camera_trigger = 7;
+  one.step();
+  FlightRig many(shipped_scene("gate_easy"), p);
+  for (int i = 5; i <= 7; ++i) {
+    many.inputs.camera_trigger = i;
+    many.step();
+  }
+  // On the ground at rest all poses agree to far less than a grey level.
+  const auto a = copy(one.outputs.camera_frame);
+  const auto b = copy(many.outputs.camera_frame);
+  int largest = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) largest = std::max(largest, std::abs(int{a[i]} - int{b[i]}));
+  EXPECT_LE(largest, 1);
+}
+
+TEST(CameraDevice, SeesTheGateInTheEasySceneAheadAtFlightAltitude) {
+  Parameters p = parameters();
+  p.start_offset_m = {0.0, 0.0, 1.0};
+  FlightRig rig(shipped_scene("gate_easy"), p);
+  rig.inputs.camera_trigger = 1;
+  rig.step();
+  const auto frame = copy(rig.outputs.camera_frame);
+  // The bright frame, 0.6 m wide at 5 m, lies near the picture's middle; nothing else is as bright.
+  const auto brightest = std::max_element(frame.begin(), frame.end());
+  const auto index = static_cast<int>(brightest - frame.begin());
+  EXPECT_NEAR(index % 64, 32, 6);
+  EXPECT_NEAR(index / 64, 24, 6);
+}
+
+}  // namespace
+}  // namespace mebots::world

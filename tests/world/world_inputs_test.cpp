@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mebots/error.hpp"
+#include "support/flight_rig.hpp"
+
+#include <gmock/gmock.h>
+#include <cmath>
+
+namespace mebots::world {
+namespace {
+
+using test::FlightRig;
+using test::shipped_scene;
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
+/// The text of the error of one step with inputs that `spoil` has changed.
+template <typename Spoil>
+std::string step_error(Spoil spoil) {
+  FlightRig rig;
+  spoil(rig.inputs);
+  try {
+    rig.world.step(0, 2'000'000);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(WorldInputs, NamesTheRotorWhoseThrustIsNotANumber) {
+  EXPECT_EQ(step_error([](Inputs& in) { in.rotor_thrust_n[2] = NAN; }),
+            "rotor[3].thrust = nan must be a finite number");
+}
+
+TEST(WorldInputs, RefusesNegativeTorque) {
+  EXPECT_EQ(step_error([](Inputs& in) { in.rotor_torque_n_m[0] = -1e-6; }),
+            "rotor[1].torque = -1e-06 must be at least 0");
+}
+
+TEST(WorldInputs, RefusesWindThatIsNotFinite) {
+  EXPECT_THAT(step_error([](Inputs& in) { in.wind_velocity_m_per_s[1] = INFINITY; }),
+              HasSubstr("wind.velocity.y = inf"));
+}
+
+TEST(WorldInputs, RefusesSetPointsThatAreNotNumbers) {
+  EXPECT_THAT(step_error([](Inputs& in) { in.setpoint_velocity_x_m_per_s = NAN; }), HasSubstr("setpoint.velocity.x"));
+  EXPECT_THAT(step_error([](Inputs& in) { in.setpoint_velocity_y_m_per_s = NAN; }), HasSubstr("setpoint.velocity.y"));
+  EXPECT_THAT(step_error([](Inputs& in) { in.setpoint_yaw_rate_rad_per_s = NAN; }), HasSubstr("setpoint.yaw_rate"));
+  EXPECT_THAT(step_error([](Inputs& in) { in.setpoint_altitude_m = NAN; }), HasSubstr("setpoint.altitude"));
+}
+
+TEST(WorldInputs, RefusesAModeThatDoesNotExist) {
+  EXPECT_THAT(step_error([](Inputs& in) { in.setpoint_mode = static_cast<FlightMode>(7); }),
+              HasSubstr("setpoint.mode = 7 is no mode"));
+}
+
+TEST(WorldInputs, RefusesACellOfNegativeMass) {
+  EXPECT_THAT(step_error([](Inputs& in) { in.cell_mass_kg = -0.01; }), HasSubstr("cell.mass = -0.01"));
+}
+
+TEST(WorldParameters, RefusesADroneOfNegativeMass) {
+  Parameters parameters = FlightRig::small_camera();
+  parameters.drone_dry_mass_kg = -0.02;
+  EXPECT_THAT([&] { FlightRig(shipped_scene("empty"), parameters); },
+              ThrowsMessage<Error>(HasSubstr("drone.dry_mass = -0.02 must be at least 0")));
+}
+
+TEST(WorldParameters, RefusesAnInnerStepOfNothing) {
+  Parameters parameters = FlightRig::small_camera();
+  parameters.physics_step_s = 0.0;
+  EXPECT_THAT([&] { FlightRig(shipped_scene("empty"), parameters); },
+              ThrowsMessage<Error>(HasSubstr("physics.step = 0 s must be from 1e-6")));
+}
+
+TEST(WorldParameters, RefusesAStartInsideAWall) {
+  Parameters parameters = FlightRig::small_camera();
+  parameters.start_offset_m = {10.05, 0.0, 1.0};
+  EXPECT_THAT([&] { FlightRig(shipped_scene("gate_easy"), parameters); },
+              ThrowsMessage<Error>(HasSubstr("deep in east wall")));
+}
+
+TEST(WorldParameters, RefusesAStartBelowTheGround) {
+  Parameters parameters = FlightRig::small_camera();
+  parameters.start_offset_m = {0.0, 0.0, -0.5};
+  EXPECT_THAT([&] { FlightRig(shipped_scene("empty"), parameters); },
+              ThrowsMessage<Error>(HasSubstr("deep in the ground")));
+}
+
+TEST(WorldMass, FollowsTheCell) {
+  FlightRig rig;
+  EXPECT_DOUBLE_EQ(rig.outputs.drone_mass_kg, 0.0329 + 0.0071);
+  rig.inputs.cell_mass_kg = 0.0092;
+  rig.step();
+  EXPECT_DOUBLE_EQ(rig.outputs.drone_mass_kg, 0.0329 + 0.0092);
+}
+
+TEST(WorldAlone, RunsAtStartValuesWithAnyStepUpToATenthOfASecond) {
+  for (const std::int64_t h_ns : {1'000'000LL, 2'000'000LL, 7'300'001LL, 100'000'000LL}) {
+    FlightRig rig(shipped_scene("gate_easy"));
+    for (std::int64_t t = 0; t < 2'000'000'000; t += h_ns) rig.world.step(t, h_ns);
+    EXPECT_EQ(rig.outputs.drone_phase, FlightPhase::on_ground);
+    EXPECT_NEAR(rig.outputs.drone_position_m[2], 0.0145, 1e-5);  // soft contact
+    EXPECT_FALSE(rig.outputs.drone_crashed);
+  }
+}
+
+TEST(WorldAlone, AskedToFlyWithoutRotorsItStaysOnTheGround) {
+  FlightRig rig(shipped_scene("gate_easy"));
+  rig.inputs.setpoint_mode = FlightMode::take_off;
+  for (std::int64_t t = 0; t < 5'000'000'000; t += 100'000'000) rig.world.step(t, 100'000'000);
+  EXPECT_EQ(rig.outputs.drone_phase, FlightPhase::climbing);
+  EXPECT_NEAR(rig.outputs.drone_position_m[2], 0.0145, 1e-5);
+  for (const double command : rig.outputs.rotor_command) {
+    EXPECT_GT(command, 0.5);
+    EXPECT_LE(command, 1.0);
+  }
+}
+
+}  // namespace
+}  // namespace mebots::world

@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mebots/error.hpp"
+#include "support/flight_rig.hpp"
+
+#include <gtest/gtest.h>
+#include <cstring>
+#include <thread>
+
+namespace mebots::world {
+namespace {
+
+using test::FlightRig;
+using test::shipped_scene;
+
+std::vector<std::byte> state_of(const FlightRig& rig) {
+  state::Writer writer;
+  rig.world.save(writer);
+  return writer.take();
+}
+
+/// Everything that a run leaves behind, pointers left out.
+bool same(const FlightRig& a, const FlightRig& b) {
+  return state_of(a) == state_of(b) && a.outputs.rotor_command == b.outputs.rotor_command &&
+         a.outputs.drone_position_m == b.outputs.drone_position_m && a.outputs.range_down_m == b.outputs.range_down_m &&
+         a.outputs.drone_path_length_m == b.outputs.drone_path_length_m &&
+         a.outputs.drone_phase == b.outputs.drone_phase && a.outputs.drone_yaw_rad == b.outputs.drone_yaw_rad &&
+         a.outputs.gate_lateral_error_m == b.outputs.gate_lateral_error_m;
+}
+
+Parameters noisy() {
+  Parameters p = FlightRig::small_camera();
+  p.range_noise_m = 0.01;
+  p.camera_noise = 3.0;
+  p.start_offset_m = {3.0, 0.355, 0.0};  // 5 mm outside of the clear opening: it will rub along the gate
+  return p;
+}
+
+/// Take-off, rub along the gate, landing, with pictures: set-points at the time of the step to come.
+void script(FlightRig& rig) {
+  const double t = rig.time_s();
+  rig.inputs.setpoint_mode = t < 5.0 ? FlightMode::take_off : t < 14.0 ? FlightMode::fly : FlightMode::land;
+  rig.inputs.setpoint_velocity_x_m_per_s = 0.3;
+  rig.inputs.setpoint_velocity_y_m_per_s = t > 11.0 ? -0.1 : 0.0;
+  rig.inputs.setpoint_yaw_rate_rad_per_s = t > 6.0 && t < 6.5 ? 0.02 : 0.0;
+  rig.inputs.wind_velocity_m_per_s = {0.1, 0.2, 0.0};
+  rig.inputs.camera_trigger = static_cast<std::int32_t>(t / 0.1);
+}
+
+void fly(FlightRig& rig, int steps) {
+  for (int i = 0; i < steps; ++i) {
+    script(rig);
+    rig.step();
+  }
+}
+
+constexpr int kSteps = 10'000;  // 20 s
+
+TEST(WorldState, ARestoredRunGoesOnWithTheSameBitsAlsoDuringContact) {
+  FlightRig straight(shipped_scene("gate_easy"), noisy());
+  // In climb, before the gate, in touch with it, after it, while landing, landed.
+  std::vector<std::unique_ptr<FlightRig>> restored;
+  for (const int cut : {700, 4000, 5300, 5800, 7600, 9800}) {
+    fly(straight, cut - static_cast<int>(straight.time_ns / 2'000'000));
+    auto& other = *restored.emplace_back(std::make_unique<FlightRig>(shipped_scene("gate_easy"), noisy()));
+    other.inputs = straight.inputs;
+    other.outputs = straight.outputs;
+    other.outputs.camera_frame = {};
+    other.rotors = straight.rotors;
+    other.time_ns = straight.time_ns;
+    const auto bytes = state_of(straight);
+    state::Reader reader(bytes);
+    other.world.restore(reader);
+    EXPECT_TRUE(reader.at_end());
+    EXPECT_TRUE(same(straight, other)) << "right after the cut at step " << cut;
+    const auto frame = other.outputs.camera_frame.bytes();
+    EXPECT_TRUE(std::equal(frame.begin(), frame.end(), straight.outputs.camera_frame.bytes().begin()));
+    fly(other, kSteps - cut);
+  }
+  fly(straight, kSteps - static_cast<int>(straight.time_ns / 2'000'000));
+  EXPECT_TRUE(straight.outputs.gate_touched);  // otherwise this test has not seen contact
+  EXPECT_TRUE(straight.outputs.drone_landed);
+  for (const auto& other : restored) EXPECT_TRUE(same(straight, *other));
+}
+
+TEST(WorldState, InterleavedInstancesGiveTheSameBitsAsAlone) {
+  FlightRig alone(shipped_scene("gate_easy"), noisy());
+  fly(alone, kSteps);
+  FlightRig one(shipped_scene("gate_easy"), noisy());
+  FlightRig two(shipped_scene("gate_easy"), noisy());
+  FlightRig other(shipped_scene("empty"));
+  for (int i = 0; i < kSteps; ++i) {
+    fly(one, 1);
+    fly(other, 1);
+    fly(two, 1);
+  }
+  EXPECT_TRUE(same(one, alone));
+  EXPECT_TRUE(same(two, alone));
+}
+
+TEST(WorldState, InstancesInThreadsGiveTheSameBitsAsAlone) {
+  FlightRig alone(shipped_scene("gate_easy"), noisy());
+  fly(alone, kSteps);
+  std::vector<std::unique_ptr<FlightRig>> rigs;
+  for (int i = 0; i < 3; ++i) rigs.push_back(std::make_unique<FlightRig>(shipped_scene("gate_easy"), noisy()));
+  std::vector<std::thread> threads;
+  for (auto& rig : rigs) threads.emplace_back([&rig] { fly(*rig, kSteps); });
+  for (auto& thread : threads) thread.join();
+  for (const auto& rig : rigs) EXPECT_TRUE(same(*rig, alone));
+}
+
+TEST(WorldState, OneStepAndTwoHalvesGiveTheSameBits) {
+  // Same inner steps, inputs held: nothing may depend on where communication steps end.
+  FlightRig whole(shipped_scene("gate_easy"), noisy());
+  FlightRig halves(shipped_scene("gate_easy"), noisy());
+  for (auto* rig : {&whole, &halves}) {
+    rig->inputs.setpoint_mode = FlightMode::take_off;
+    rig->inputs.rotor_thrust_n = {0.101, 0.1, 0.1, 0.101};
+    rig->inputs.rotor_torque_n_m = {7e-4, 7.1e-4, 7e-4, 7e-4};
+  }
+  for (std::int64_t t_ns = 0; t_ns < 500'000'000; t_ns += 4'000'000) {
+    whole.world.step(t_ns, 4'000'000);
+    halves.world.step(t_ns, 2'000'000);
+    halves.world.step(t_ns + 2'000'000, 2'000'000);
+    ASSERT_TRUE(same(whole, halves)) << "at " << t_ns << " ns";
+  }
+}
+
+TEST(WorldState, AFinerInnerStepConvergesWithFirstOrder) {
+  // Two seconds of climb and turn under fixed, slightly uneven thrust and wind, no stabiliser in the loop.
+  const auto end_of = [](double inner_step_s) {
+    Parameters p = FlightRig::small_camera();
+    p.physics_step_s = inner_step_s;
+    p.start_offset_m = {0.0, 0.0, 20.0};
+    FlightRig rig(shipped_scene("empty"), p);
+    rig.inputs.rotor_thrust_n = {0.1, 0.1, 0.1000001, 0.1000002};
+    rig.inputs.rotor_torque_n_m = {7e-4, 7.01e-4, 7e-4, 7e-4};
+    rig.inputs.wind_velocity_m_per_s = {1.0, 0.5, 0.0};
+    for (std::int64_t t_ns = 0; t_ns < 2'000'000'000; t_ns += 4'000'000) rig.world.step(t_ns, 4'000'000);
+    return Eigen::Vector3d(rig.outputs.drone_position_m.data());
+  };
+  const Eigen::Vector3d fine = end_of(1.25e-4);
+  const double at_2ms = (end_of(2e-3) - fine).norm();
+  const double at_1ms = (end_of(1e-3) - fine).norm();
+  // Errors against the finest: (2 - 1/8) / (1 - 1/8) = 2.14 for first order.
+  EXPECT_NEAR(at_2ms / at_1ms, 15.0 / 7.0, 0.1);
+  EXPECT_LT(at_1ms, 0.02);
+}
+
+TEST(WorldState, IsRefusedWhenCutShort) {
+  FlightRig rig(shipped_scene("gate_easy"));
+  auto bytes = state_of(rig);
+  bytes.resize(bytes.size() - 1);
+  state::Reader reader(bytes);
+  EXPECT_THROW(rig.world.restore(reader), Error);
+}
+
+TEST(WorldState, OfAnotherSceneIsRefused) {
+  FlightRig with_gate(shipped_scene("gate_easy"));
+  FlightRig without(shipped_scene("empty"));
+  const auto bytes = state_of(with_gate);
+  state::Reader reader(bytes);
+  EXPECT_THROW(without.world.restore(reader), Error);
+}
+
+}  // namespace
+}  // namespace mebots::world
