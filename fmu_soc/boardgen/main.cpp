@@ -1,0 +1,310 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// mebots-boardgen BOARD.json --c HEADER.h --cpp HEADER.hpp
+//
+// Writes what a board description says about addresses, register offsets, interrupts and named values
+// twice: as a C header for the firmware (also fit for the assembler) and as a C++ header for the device
+// models. Both come from the same table, so that software and hardware cannot disagree.
+
+#include "mebots/error.hpp"
+
+#include <fmt/core.h>
+#include <nlohmann/json.hpp>
+
+#include <cctype>
+#include <cstdint>
+#include <cstdio>
+#include <exception>
+#include <fstream>
+#include <set>
+#include <sstream>
+#include <string>
+#include <vector>
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+using mebots::Error;
+
+struct Register {
+  std::string name;
+  std::uint32_t offset;
+  std::string access;
+  std::string text;
+};
+
+struct State {
+  std::string name;
+  double current_a;
+  double delay_s;
+  std::string text;
+};
+
+struct NamedValue {
+  std::string name;
+  std::int32_t value;
+};
+
+struct Enumeration {
+  std::string name;
+  std::vector<NamedValue> items;
+};
+
+struct Device {
+  std::string name;
+  std::string text;
+  std::uint32_t base;
+  int interrupt;  // -1 = none
+  std::vector<Register> registers;
+  std::vector<State> states;
+  std::vector<Enumeration> enumerations;
+};
+
+struct Memory {
+  std::string name;
+  std::string text;
+  std::uint32_t base;
+  std::uint32_t size;
+};
+
+struct Board {
+  std::string name;
+  std::string text;
+  std::vector<Memory> memories;
+  std::vector<Device> devices;
+};
+
+/// "camera.STATUS" of the file, for error texts.
+std::uint32_t address_of(const Json& value, const std::string& where) {
+  const auto text = value.get<std::string>();
+  std::size_t used = 0;
+  unsigned long long number = 0;
+  try {
+    number = std::stoull(text, &used, 0);
+  } catch (const std::exception&) {
+    used = 0;
+  }
+  if (used == 0 || used != text.size() || number > 0xffffffffULL) {
+    throw Error(fmt::format("{}: \"{}\" is not a 32-bit address; write it as \"0x1A102000\"", where, text));
+  }
+  return static_cast<std::uint32_t>(number);
+}
+
+void check_name(const std::string& name, const std::string& where) {
+  bool good = !name.empty() && std::isalpha(static_cast<unsigned char>(name[0])) != 0;
+  for (const char c : name) good = good && (std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_');
+  if (!good) throw Error(fmt::format("{}: name \"{}\" must be letters, digits and '_', a letter first", where, name));
+}
+
+Device read_device(const Json& json) {
+  Device device;
+  device.name = json.at("name").get<std::string>();
+  check_name(device.name, "devices");
+  device.text = json.value("text", "");
+  device.base = address_of(json.at("base"), device.name + ".base");
+  device.interrupt = json.value("interrupt", -1);
+  if (device.interrupt != -1 && (device.interrupt < 0 || device.interrupt > 31)) {
+    throw Error(fmt::format("{}.interrupt: {} is outside 0 to 31", device.name, device.interrupt));
+  }
+  std::set<std::uint32_t> offsets;
+  for (const auto& entry : json.at("registers")) {
+    Register reg;
+    reg.name = entry.at("name").get<std::string>();
+    check_name(reg.name, device.name);
+    const auto where = fmt::format("{}.{}", device.name, reg.name);
+    reg.offset = address_of(entry.at("offset"), where + ".offset");
+    reg.access = entry.at("access").get<std::string>();
+    reg.text = entry.value("text", "");
+    if (reg.access != "r" && reg.access != "w" && reg.access != "rw") {
+      throw Error(fmt::format("{}.access: \"{}\" is none of r, w, rw", where, reg.access));
+    }
+    if (reg.offset % 4 != 0) throw Error(fmt::format("{}.offset: 0x{:x} is not a multiple of 4", where, reg.offset));
+    if (!offsets.insert(reg.offset).second) {
+      throw Error(fmt::format("{}.offset: 0x{:x} is taken by another register", where, reg.offset));
+    }
+    device.registers.push_back(reg);
+  }
+  if (json.contains("states")) {
+    for (const auto& [name, entry] : json.at("states").items()) {
+      check_name(name, device.name + ".states");
+      device.states.push_back(
+          {name, entry.at("current").get<double>(), entry.value("delay", 0.0), entry.value("text", "")});
+    }
+  }
+  if (json.contains("enumerations")) {
+    for (const auto& [name, items] : json.at("enumerations").items()) {
+      Enumeration enumeration{name, {}};
+      check_name(name, device.name + ".enumerations");
+      for (const auto& [item, value] : items.items()) enumeration.items.push_back({item, value.get<std::int32_t>()});
+      device.enumerations.push_back(enumeration);
+    }
+  }
+  return device;
+}
+
+Board read_board(const std::string& path) {
+  std::ifstream file(path);
+  if (!file) throw Error(fmt::format("{}: cannot be read", path));
+  try {
+    const auto json = Json::parse(file);
+    Board board;
+    board.name = json.at("name").get<std::string>();
+    board.text = json.value("text", "");
+    for (const auto& entry : json.at("memories")) {
+      Memory memory;
+      memory.name = entry.at("name").get<std::string>();
+      check_name(memory.name, "memories");
+      memory.text = entry.value("text", "");
+      memory.base = address_of(entry.at("base"), memory.name + ".base");
+      memory.size = entry.at("size").get<std::uint32_t>();
+      board.memories.push_back(memory);
+    }
+    for (const auto& entry : json.at("devices")) board.devices.push_back(read_device(entry));
+    return board;
+  } catch (const Error& error) {
+    throw Error(fmt::format("{}: {}", path, error.what()));
+  } catch (const nlohmann::json::exception& error) {
+    throw Error(fmt::format("{}: {}", path, error.what()));
+  }
+}
+
+/// FlightMode, take_off or TIME_LO -> {"flight", "mode"}, {"take", "off"}, {"time", "lo"}.
+std::vector<std::string> words_of(const std::string& name) {
+  std::vector<std::string> words(1);
+  char previous = '_';
+  for (const char c : name) {
+    const bool upper_after_lower = std::isupper(static_cast<unsigned char>(c)) != 0 &&
+                                   (std::islower(static_cast<unsigned char>(previous)) != 0);
+    if ((c == '_' || upper_after_lower) && !words.back().empty()) words.emplace_back();
+    if (c != '_') words.back() += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    previous = c;
+  }
+  return words;
+}
+
+std::string macro_case(const std::string& name) {
+  std::string result;
+  for (const auto& word : words_of(name)) {
+    if (!result.empty()) result += '_';
+    for (const char c : word) result += static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  }
+  return result;
+}
+
+std::string camel_case(const std::string& name) {
+  std::string result;
+  for (auto word : words_of(name)) {
+    word[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(word[0])));
+    result += word;
+  }
+  return result;
+}
+
+std::string c_header(const Board& board) {
+  std::ostringstream out;
+  out << "// SPDX-License-Identifier: Apache-2.0\n"
+      << "// Made from the board description \"" << board.name << "\" by mebots-boardgen. Do not edit.\n"
+      << "// " << board.text << "\n"
+      << "//\n"
+      << "// DEVICE_BASE, DEVICE_INTERRUPT, DEVICE_REGISTER_OFFSET are numbers, for the assembler too;\n"
+      << "// DEVICE_REGISTER is the register itself, to read or write as a 32-bit variable.\n"
+      << "#pragma once\n\n"
+      << "#ifndef __ASSEMBLER__\n#include <stdint.h>\n#endif\n\n";
+  for (const auto& memory : board.memories) {
+    const auto name = macro_case(memory.name);
+    out << fmt::format("// {}\n#define {}_BASE 0x{:08X}\n#define {}_SIZE {}\n\n", memory.text, name, memory.base, name,
+                       memory.size);
+  }
+  for (const auto& device : board.devices) {
+    const auto name = macro_case(device.name);
+    out << fmt::format("// {}\n#define {}_BASE 0x{:08X}\n", device.text, name, device.base);
+    if (device.interrupt >= 0) out << fmt::format("#define {}_INTERRUPT {}\n", name, device.interrupt);
+    for (const auto& reg : device.registers) {
+      out << fmt::format("#define {}_{}_OFFSET 0x{:X}  // {}: {}\n", name, macro_case(reg.name), reg.offset, reg.access,
+                         reg.text);
+    }
+    out << "#ifndef __ASSEMBLER__\n";
+    for (const auto& reg : device.registers) {
+      out << fmt::format("#define {0}_{1} (*({2}volatile uint32_t*)({0}_BASE + {0}_{1}_OFFSET))\n", name,
+                         macro_case(reg.name), reg.access == "r" ? "const " : "");
+    }
+    for (const auto& enumeration : device.enumerations) {
+      out << fmt::format("enum {} {{\n", enumeration.name);
+      for (const auto& item : enumeration.items) {
+        out << fmt::format("  {}_{} = {},\n", macro_case(enumeration.name), macro_case(item.name), item.value);
+      }
+      out << "};\n";
+    }
+    out << "#endif\n";
+    for (const auto& state : device.states) {
+      if (state.delay_s > 0) {
+        out << fmt::format("#define {}_{}_DELAY_NS {:.0f}  // {}\n", name, macro_case(state.name), state.delay_s * 1e9,
+                           state.text);
+      }
+    }
+    out << "\n";
+  }
+  return out.str();
+}
+
+std::string cpp_header(const Board& board) {
+  std::ostringstream out;
+  out << "// SPDX-License-Identifier: Apache-2.0\n"
+      << "// Made from the board description \"" << board.name << "\" by mebots-boardgen. Do not edit.\n"
+      << "#pragma once\n\n#include <array>\n#include <cstdint>\n#include <string_view>\n\n"
+      << "/// " << board.text << ".\n"
+      << "namespace mebots::soc::board {\n\n"
+      << "/// A register as the board file names it; the file read at start must agree.\n"
+      << "struct RegisterName {\n  std::string_view name;\n  std::uint32_t offset;\n};\n\n";
+  for (const auto& memory : board.memories) {
+    out << fmt::format("/// {}.\nnamespace {} {{\n", memory.text, memory.name);
+    out << fmt::format("inline constexpr std::uint32_t kBase = 0x{:08X};\n", memory.base);
+    out << fmt::format("inline constexpr std::uint32_t kSize = {};\n}}\n\n", memory.size);
+  }
+  for (const auto& device : board.devices) {
+    out << fmt::format("/// {}.\nnamespace {} {{\n", device.text, device.name);
+    out << fmt::format("inline constexpr std::uint32_t kBase = 0x{:08X};\n", device.base);
+    if (device.interrupt >= 0) out << fmt::format("inline constexpr int kInterrupt = {};\n", device.interrupt);
+    for (const auto& reg : device.registers) {
+      out << fmt::format("/// {}: {}.\ninline constexpr std::uint32_t k{} = 0x{:X};\n", reg.access, reg.text,
+                         camel_case(reg.name), reg.offset);
+    }
+    out << fmt::format("inline constexpr std::array<RegisterName, {}> kRegisters{{{{\n", device.registers.size());
+    for (const auto& reg : device.registers) out << fmt::format("    {{\"{}\", k{}}},\n", reg.name, camel_case(reg.name));
+    out << "}};\n";
+    for (const auto& enumeration : device.enumerations) {
+      out << fmt::format("enum class {} : std::int32_t {{\n", enumeration.name);
+      for (const auto& item : enumeration.items) out << fmt::format("  {} = {},\n", item.name, item.value);
+      out << "};\n";
+    }
+    out << "}\n\n";
+  }
+  out << "}  // namespace mebots::soc::board\n";
+  return out.str();
+}
+
+void write_file(const std::string& path, const std::string& text) {
+  std::ofstream file(path);
+  file << text;
+  file.close();
+  if (!file) throw Error(fmt::format("{}: cannot be written", path));
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const std::vector<std::string> arguments(argv + 1, argv + argc);
+  if (arguments.size() != 5 || arguments[1] != "--c" || arguments[3] != "--cpp") {
+    fmt::print(stderr, "usage: mebots-boardgen BOARD.json --c HEADER.h --cpp HEADER.hpp\n");
+    return 2;
+  }
+  try {
+    const auto board = read_board(arguments[0]);
+    write_file(arguments[2], c_header(board));
+    write_file(arguments[4], cpp_header(board));
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "mebots-boardgen: {}\n", error.what());
+    return 2;
+  }
+  return 0;
+}

@@ -1,0 +1,10 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the firmware knows beforehand of its camera and of gates.
+#pragma once
+
+// Focal length over half the picture's width, in thousandths: 1 / tan(fov / 2) for the 1.51844 rad of the AI-deck's
+// lens as Stargate recorded with it.
+#define CAMERA_FOCAL_OVER_HALF_WIDTH_MILLI 1054
+
+// Outer edge of a gate's frame [mm]; the paper's 60 cm.
+#define GATE_OUTER_MM 600

@@ -1,0 +1,339 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "app/gate_finder.h"
+
+#include <stddef.h>
+
+#include "app/work_picture.h"
+
+// A frame's border is a sixth of its outer edge: (60 cm - 40 cm) / 2 of 60 cm.
+#define BORDERS_PER_EDGE 6
+
+// Least score, in sixteenths of a grey level, of a frame that counts.
+#define LEAST_SCORE_Q4 (8 * 16)
+// Least contrast while scanning and while refining: a template beside its frame by half a step has half its contrast.
+#define LEAST_WHILE_SCANNING_Q4 (LEAST_SCORE_Q4 / 2)
+#define LEAST_WHILE_REFINING_Q4 (LEAST_SCORE_Q4 / 4)
+// Once a frame is found, only places of at least this part of its score are looked at any more.
+#define PART_OF_BEST 4
+
+// The camera flies about level and near the height of the gate's middle, so that the frame's middle lies within this
+// many work pixels (9 degrees) plus half its edge (0.3 m at the gate) of the picture's middle row.
+#define BAND 14
+
+// A template moves by a twelfth of its edge, half its border, at a time.
+#define PLACES_PER_EDGE 12
+
+// From this edge on, a template three quarters as wide is tried too: a frame seen from the side.
+#define LEAST_NARROW_EDGE 20
+
+// Outer edges that are tried, in work pixels; in steps of about a fifth, so that a template half a step off still lies
+// on its frame with two thirds of its border. With borders of one or two pixels there are no two thirds: every edge.
+static const uint8_t kEdges[] = {7, 8, 9, 10, 11, 12, 13, 15, 18, 21, 25, 30, 36, 43, 52, 62, 74, 89, 104};
+#define EDGE_COUNT ((int)(sizeof(kEdges) / sizeof(kEdges[0])))
+
+// A frame in the work picture: outer edges, in pixels.
+typedef struct {
+  int x;
+  int y;
+  int width;
+  int height;
+} frame_t;
+
+// What belongs to a size of frame: widths of its borders, and 2^16 over the area of a strip along its upright and its
+// level beams.
+typedef struct {
+  int border_x;
+  int border_y;
+  uint32_t upright_q16;
+  uint32_t level_q16;
+} sizes_t;
+
+// How well a template lies on a frame, in sixteenths of a grey level; all 0 where there is no frame.
+typedef struct {
+  int weakest_q4;  // contrast of the weakest beam
+  int sum_q4;      // contrast of all beams together
+  int spread_q4;   // brightest beam less darkest
+} fit_t;
+
+// What a frame is chosen by: the beams stand out, and they look alike.
+static inline int score_q4(const fit_t* fit) {
+  return fit->weakest_q4 - fit->spread_q4 / 2;
+}
+
+// Too large for a stack, and filled anew for each picture, so nobody needs to clear it.
+static work_picture_t work __attribute__((section(".noinit.work")));
+
+static inline int min_int(int a, int b) {
+  return a < b ? a : b;
+}
+static inline int max_int(int a, int b) {
+  return a > b ? a : b;
+}
+static inline int abs_int(int a) {
+  return a < 0 ? -a : a;
+}
+
+static sizes_t sizes_of(int width, int height) {
+  sizes_t sizes;
+  sizes.border_x = max_int(1, (width + BORDERS_PER_EDGE / 2) / BORDERS_PER_EDGE);
+  sizes.border_y = max_int(1, (height + BORDERS_PER_EDGE / 2) / BORDERS_PER_EDGE);
+  sizes.upright_q16 = 65536U / (uint32_t)(sizes.border_x * (height - 2 * sizes.border_y));
+  sizes.level_q16 = 65536U / (uint32_t)(sizes.border_y * (width - 2 * sizes.border_x));
+  return sizes;
+}
+
+// A beam and the strips on its two sides, all three of the same area: sums of grey levels.
+typedef struct {
+  int beam;
+  int before;  // beam - strip before it
+  int after;   // beam - strip after it
+} strips_t;
+
+// Three strips side by side, each `step` columns wide, between the rows of `top` and `bottom`.
+static inline strips_t upright_strips(const uint32_t* top, const uint32_t* bottom, ptrdiff_t step) {
+  const int c0 = (int)(bottom[0] - top[0]);
+  const int c1 = (int)(bottom[step] - top[step]);
+  const int c2 = (int)(bottom[2 * step] - top[2 * step]);
+  const int c3 = (int)(bottom[3 * step] - top[3 * step]);
+  const strips_t strips = {c2 - c1, (c2 - c1) - (c1 - c0), (c2 - c1) - (c3 - c2)};
+  return strips;
+}
+
+// Three strips one below the other, `width` columns wide; `step` is the pitch times their height.
+static inline strips_t level_strips(const uint32_t* left, int width, ptrdiff_t step) {
+  const int c0 = (int)(left[width] - left[0]);
+  const int c1 = (int)(left[step + width] - left[step]);
+  const int c2 = (int)(left[2 * step + width] - left[2 * step]);
+  const int c3 = (int)(left[3 * step + width] - left[3 * step]);
+  const strips_t strips = {c2 - c1, (c2 - c1) - (c1 - c0), (c2 - c1) - (c3 - c2)};
+  return strips;
+}
+
+// A mean of grey levels in sixteenths, from a sum and 2^16 over the area.
+static inline int mean_q4(int sum, uint32_t reciprocal_q16) {
+  return (sum * (int)reciprocal_q16) >> 12;
+}
+
+// What the beams looked at so far have in common.
+typedef struct {
+  int sign;         // 1: brighter than the opening, -1: darker
+  int weakest;      // least contrast with the opening
+  int outer_least;  // least contrast with what lies around the frame
+  int outer_next;   // second least
+  int sum;          // of all contrasts, those against the sign left out
+  int brightest;    // beam
+  int darkest;      // beam
+} beams_t;
+
+// Adds a beam; false if it cannot belong to a frame. All in sixteenths of a grey level. One beam may merge with what
+// lies around the frame, as a white one does before a white sky.
+static inline bool add_beam(beams_t* beams, int beam_q4, int inner_q4, int outer_q4, int least_q4) {
+  const int inner = beams->sign * inner_q4;
+  const int outer = beams->sign * outer_q4;
+  if (inner < least_q4) {
+    return false;
+  }
+  if (outer < beams->outer_least) {
+    beams->outer_next = beams->outer_least;
+    beams->outer_least = outer;
+  } else {
+    beams->outer_next = min_int(beams->outer_next, outer);
+  }
+  beams->weakest = min_int(beams->weakest, inner);
+  beams->sum += inner + max_int(outer, 0);
+  beams->brightest = max_int(beams->brightest, beam_q4);
+  beams->darkest = min_int(beams->darkest, beam_q4);
+  return beams->outer_next >= least_q4;
+}
+
+// Lays the template on a place. Gives up as soon as a beam stays below `least_q4`. The frame with a border's width
+// around it must lie in the picture.
+static fit_t fit_at(const frame_t* frame, const sizes_t* sizes, int least_q4) {
+  const fit_t none = {0, 0, 0};
+  const ptrdiff_t pitch = work.width + 1;
+  const int border_x = sizes->border_x;
+  const int border_y = sizes->border_y;
+  const int inner_width = frame->width - 2 * border_x;
+  const int inner_height = frame->height - 2 * border_y;
+  const uint32_t upright = sizes->upright_q16;
+  const uint32_t level = sizes->level_q16;
+
+  const uint32_t* top = &work.integral[(frame->y + border_y) * pitch + frame->x - border_x];
+  const uint32_t* bottom = top + inner_height * pitch;
+  strips_t strips = upright_strips(top, bottom, border_x);
+  beams_t beams = {strips.after < 0 ? -1 : 1, INT32_MAX, INT32_MAX, INT32_MAX, 0, 0, INT32_MAX};
+  if (!add_beam(&beams, mean_q4(strips.beam, upright), mean_q4(strips.after, upright), mean_q4(strips.before, upright),
+                least_q4)) {
+    return none;
+  }
+  const int to_right = frame->width - border_x;
+  strips = upright_strips(top + to_right, bottom + to_right, border_x);
+  if (!add_beam(&beams, mean_q4(strips.beam, upright), mean_q4(strips.before, upright), mean_q4(strips.after, upright),
+                least_q4)) {
+    return none;
+  }
+  const uint32_t* corner = &work.integral[(frame->y - border_y) * pitch + frame->x + border_x];
+  strips = level_strips(corner, inner_width, border_y * pitch);
+  if (!add_beam(&beams, mean_q4(strips.beam, level), mean_q4(strips.after, level), mean_q4(strips.before, level),
+                least_q4)) {
+    return none;
+  }
+  strips = level_strips(corner + (frame->height - border_y) * pitch, inner_width, border_y * pitch);
+  if (!add_beam(&beams, mean_q4(strips.beam, level), mean_q4(strips.before, level), mean_q4(strips.after, level),
+                least_q4)) {
+    return none;
+  }
+  const fit_t fit = {min_int(beams.weakest, beams.outer_next), beams.sum, beams.brightest - beams.darkest};
+  return fit;
+}
+
+static bool lies_inside(const frame_t* frame, const sizes_t* sizes) {
+  return frame->x >= sizes->border_x && frame->y >= sizes->border_y &&
+         frame->x + frame->width + sizes->border_x <= work.width &&
+         frame->y + frame->height + sizes->border_y <= work.height;
+}
+
+// Sums of all columns of the work picture between two rows of the integral image, added up from the left. Four columns
+// at a time; up to three more than there are come from the start of the next row and are not used.
+static void sum_columns(int32_t* columns, const uint32_t* top, const uint32_t* bottom) {
+  for (const int32_t* end = columns + work.width; columns <= end; columns += 4, top += 4, bottom += 4) {
+    columns[0] = (int32_t)(bottom[0] - top[0]);
+    columns[1] = (int32_t)(bottom[1] - top[1]);
+    columns[2] = (int32_t)(bottom[2] - top[2]);
+    columns[3] = (int32_t)(bottom[3] - top[3]);
+  }
+}
+
+// The scan of a row: places from `at` to `last`, `step` apart, each a pointer to its first column.
+typedef struct {
+  const int32_t* last;
+  ptrdiff_t step;
+  ptrdiff_t border;
+  ptrdiff_t to_right;  // from the left beam to the opening's end before the right beam
+  int32_t least_sum;   // contrast that both upright beams must have with the opening
+} row_t;
+
+// The first place from `at` on with two upright beams both brighter or both darker than the opening between them; null
+// if there is none. Looks at most of the places that the finder looks at: kept apart so that its loop stays short.
+static __attribute__((noinline)) const int32_t* next_place(const int32_t* at, const row_t* row) {
+  const ptrdiff_t border = row->border;
+  const ptrdiff_t step = row->step;
+  const int32_t least_sum = row->least_sum;
+  const int32_t* const last = row->last;
+  const int32_t* middle = at + border;
+  const int32_t* end = middle + border;
+  for (; at <= last; at += step, middle += step, end += step) {
+    // NOLINTNEXTLINE(clang-analyzer-core.UndefinedBinaryOperatorResult): sum_columns wrote all of the row
+    const int32_t left = 2 * *middle - *at - *end;  // left beam less opening
+    if (left < least_sum && left > -least_sum) {
+      continue;
+    }
+    const int32_t* const opposite = at + row->to_right;
+    const int32_t right = opposite[0] + opposite[2 * border] - 2 * opposite[border];  // right beam less opening
+    if (left > 0 ? right >= least_sum : right <= -least_sum) {
+      return at;
+    }
+  }
+  return NULL;
+}
+
+// Best place of a template of width x height pixels with beams of a contrast of at least `least_q4`.
+//
+// Nearly all places fail at an upright beam already, so that these come first, from sums that all places of a row
+// share: the left beam against the opening to its right, then the right beam against the opening to its left.
+static fit_t scan(int width, int height, int least_q4, frame_t* best) {
+  const sizes_t sizes = sizes_of(width, height);
+  const ptrdiff_t pitch = work.width + 1;
+  const int border = sizes.border_x;
+  const int inner_height = height - 2 * sizes.border_y;
+  const int step = max_int(1, height / PLACES_PER_EDGE);
+  const int middle_y = (work.height - height) / 2;
+  const int reach = BAND + height / 2;
+  const int first_y = max_int(sizes.border_y, middle_y - reach);
+  const int last_y = min_int(work.height - height - sizes.border_y, middle_y + reach);
+  fit_t best_fit = {0, 0, 0};
+  int32_t columns[WORK_MAX + 4];
+  row_t row = {&columns[work.width - width - border], step, border, width - 2 * border,
+               least_q4 * border * inner_height / 16};
+  for (int y = first_y; y <= last_y; y += step) {
+    const uint32_t* top = &work.integral[(y + sizes.border_y) * pitch];
+    sum_columns(columns, top, top + inner_height * pitch);
+    for (const int32_t* at = next_place(&columns[border], &row); at != NULL; at = next_place(at + step, &row)) {
+      const frame_t frame = {(int)(at - columns), y, width, height};
+      const fit_t fit = fit_at(&frame, &sizes, least_q4);
+      if (fit.weakest_q4 > best_fit.weakest_q4) {
+        best_fit = fit;
+        *best = frame;
+        least_q4 = fit.weakest_q4;
+        row.least_sum = least_q4 * border * inner_height / 16;
+      }
+    }
+  }
+  return best_fit;
+}
+
+// Moves and stretches the template, a pixel at a time, as long as its beams gain contrast.
+static fit_t refine(frame_t* frame, fit_t fit) {
+  static const int8_t kMoves[][4] = {{1, 0, 0, 0}, {-1, 0, 0, 0}, {0, 1, 0, 0},  {0, -1, 0, 0},
+                                     {0, 0, 1, 0}, {0, 0, -1, 0}, {-1, 0, 1, 0}, {1, 0, -1, 0},
+                                     {0, 0, 0, 1}, {0, 0, 0, -1}, {0, -1, 0, 1}, {0, 1, 0, -1}};
+  for (int round = 0; round < 24; ++round) {
+    frame_t best = *frame;
+    fit_t best_fit = fit;
+    for (unsigned i = 0; i < sizeof(kMoves) / sizeof(kMoves[0]); ++i) {
+      const frame_t moved = {frame->x + kMoves[i][0], frame->y + kMoves[i][1], frame->width + kMoves[i][2],
+                             frame->height + kMoves[i][3]};
+      if (moved.width < 6 || moved.height < 6 || 2 * moved.width < moved.height || 4 * moved.width > 5 * moved.height) {
+        continue;
+      }
+      const sizes_t sizes = sizes_of(moved.width, moved.height);
+      if (!lies_inside(&moved, &sizes)) {
+        continue;
+      }
+      const fit_t moved_fit = fit_at(&moved, &sizes, LEAST_WHILE_REFINING_Q4);
+      if (moved_fit.sum_q4 > best_fit.sum_q4) {
+        best_fit = moved_fit;
+        best = moved;
+      }
+    }
+    if (best_fit.sum_q4 == fit.sum_q4) {
+      break;
+    }
+    *frame = best;
+    fit = best_fit;
+  }
+  return fit;
+}
+
+bool find_gate(const uint8_t* frame, int width, int height, gate_view_t* view) {
+  if (!work_picture_make(&work, frame, width, height)) {
+    return false;
+  }
+  frame_t best = {0, 0, 0, 0};
+  fit_t best_fit = {0, 0, 0};
+  for (int i = EDGE_COUNT - 1; i >= 0; --i) {
+    for (int narrow = 0; narrow < (kEdges[i] >= LEAST_NARROW_EDGE ? 2 : 1); ++narrow) {
+      frame_t place = {0, 0, 0, 0};
+      const int least_q4 = max_int(LEAST_WHILE_SCANNING_Q4, score_q4(&best_fit) / PART_OF_BEST);
+      fit_t fit = scan(narrow ? (3 * kEdges[i] + 2) / 4 : kEdges[i], kEdges[i], least_q4, &place);
+      if (fit.weakest_q4 == 0) {
+        continue;
+      }
+      fit = refine(&place, fit);
+      if (score_q4(&fit) > score_q4(&best_fit)) {
+        best_fit = fit;
+        best = place;
+      }
+    }
+  }
+  if (score_q4(&best_fit) < LEAST_SCORE_Q4) {
+    return false;
+  }
+  const int scale_q4 = work.reduction * 16;
+  view->center_x_q4 = (2 * best.x + best.width) * scale_q4 / 2;
+  view->center_y_q4 = (2 * best.y + best.height) * scale_q4 / 2;
+  view->width_q4 = best.width * scale_q4;
+  view->height_q4 = best.height * scale_q4;
+  view->contrast = (uint8_t)min_int(255, score_q4(&best_fit) / 16);
+  return true;
+}

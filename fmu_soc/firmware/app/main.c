@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: Apache-2.0
+// The paper's flight: take off, then picture -> where is the gate -> speed policy -> set-points -> sleep until the
+// next picture; land behind the gate or when the charge runs low.
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "app/navigator.h"
+#include "app/pilot.h"
+#include "board.h"
+#include "drivers/camera.h"
+#include "drivers/flight.h"
+#include "drivers/timer.h"
+#include "runtime/console.h"
+#include "runtime/exit.h"
+#include "runtime/interrupt.h"
+
+// How often the flight phase is looked at while climbing and descending.
+#define PHASE_POLL_NS (20 * NS_PER_MS)
+// A line about the flight every so many pictures.
+#define PICTURES_PER_LINE 10
+
+typedef struct {
+  uint32_t pictures;
+  uint32_t sightings;     // pictures with a gate
+  uint32_t late;          // pictures that did not come in time
+  uint32_t overruns;      // frame periods missed since the work took too long
+  uint64_t instructions;  // of all inferences
+  uint32_t instructions_most;
+} statistics_t;
+
+static statistics_t statistics;
+
+static uint32_t retired_instructions(void) {
+  uint32_t count;
+  __asm__ volatile("csrr %0, minstret" : "=r"(count)::"memory");
+  return count;
+}
+
+static void command(uint32_t mode, int32_t velocity_um_s, int32_t yaw_rate_urad_s) {
+  const setpoint_t setpoint = {mode, velocity_um_s, yaw_rate_urad_s, (int32_t)MISSION_ALTITUDE};
+  flight_command(&setpoint);
+}
+
+// Sleeps until the phase is `wanted` or the drone crashed. True if it is.
+static bool wait_for_phase(uint32_t wanted) {
+  int64_t next_ns = timer_now_ns();
+  for (;;) {
+    const uint32_t phase = flight_phase();
+    if (phase == wanted) {
+      return true;
+    }
+    if (phase == FLIGHT_PHASE_CRASHED) {
+      return false;
+    }
+    next_ns += PHASE_POLL_NS;
+    timer_sleep_until(next_ns);
+  }
+}
+
+static navigator_output_t look(const picture_t* picture) {
+  const uint32_t before = retired_instructions();
+  const navigator_output_t seen = navigate(picture->pixels, picture->width, picture->height);
+  const uint32_t spent = retired_instructions() - before;
+  ++statistics.pictures;
+  statistics.sightings += seen.confidence > 0 ? 1 : 0;
+  statistics.instructions += spent;
+  if (spent > statistics.instructions_most) {
+    statistics.instructions_most = spent;
+  }
+  return seen;
+}
+
+static void tell(const pilot_t* pilot, const navigator_output_t* seen, const pilot_command_t* order) {
+  static const char* const kPhases[] = {"search", "approach", "through", "done"};
+  print("%m s  picture %u, %s", (int32_t)(timer_now_ns() / NS_PER_MS), statistics.pictures, kPhases[pilot->phase]);
+  if (seen->confidence > 0) {
+    print(", gate at %m m, output %m, confidence %u", (int32_t)seen->distance_mm, seen->yaw * 1000 / 127,
+          (uint32_t)seen->confidence);
+  } else {
+    print(", no gate in the picture");
+  }
+  print("; %M m to go, speed %M m/s, yaw rate %M rad/s, charge %M\n", pilot->remaining_um, order->velocity_um_s,
+        order->yaw_rate_urad_s, (int32_t)battery_charge_ppm());
+}
+
+// The loop from picture to set-points. Returns the exit code that the flight has earned so far.
+static int fly(pilot_t* pilot) {
+  const int64_t period_ns = (int64_t)MISSION_FRAME_PERIOD * NS_PER_US;
+  int64_t frame_ns = timer_now_ns();
+  int64_t last_ns = frame_ns;
+  for (;;) {
+    if (flight_phase() == FLIGHT_PHASE_CRASHED) {
+      return EXIT_CRASHED;
+    }
+    if (battery_charge_ppm() <= MISSION_LANDING_CHARGE) {
+      print("charge %M: time to land\n", (int32_t)battery_charge_ppm());
+      return EXIT_LANDED_EARLY;
+    }
+
+    picture_t picture;
+    navigator_output_t seen = {0, 0, 0};
+    const camera_result_t result = camera_take(&picture, frame_ns + 5 * period_ns);
+    if (result == PICTURE_REFUSED) {
+      print("the camera refuses to take pictures\n");
+      return EXIT_CAMERA;
+    }
+    if (result == PICTURE_TAKEN) {
+      seen = look(&picture);
+    } else {
+      ++statistics.late;
+    }
+
+    const int64_t now_ns = timer_now_ns();
+    const pilot_phase_t before = pilot->phase;
+    const pilot_command_t order =
+        pilot_step(pilot, &seen, flight_forward_velocity_um_s(), (int32_t)((now_ns - last_ns) / NS_PER_US));
+    last_ns = now_ns;
+    command(FLIGHT_MODE_FLY, order.velocity_um_s, order.yaw_rate_urad_s);
+    if (pilot->phase != before || statistics.pictures % PICTURES_PER_LINE == 1) {
+      tell(pilot, &seen, &order);
+    }
+    if (pilot->phase == PILOT_DONE) {
+      return EXIT_GATE_PASSED;
+    }
+
+    frame_ns += period_ns;
+    for (const int64_t end_ns = timer_now_ns(); frame_ns < end_ns; frame_ns += period_ns) {
+      ++statistics.overruns;
+    }
+    timer_sleep_until(frame_ns);
+  }
+}
+
+static void print_summary(int code) {
+  static const char* const kEnds[] = {"gate passed, landed", "landed without the gate", "crashed", "did not take off",
+                                      "landed, camera out of order"};
+  print("%s after %m s: %u pictures, %u with a gate, %u late, %u periods overrun\n", kEnds[code],
+        (int32_t)(timer_now_ns() / NS_PER_MS), statistics.pictures, statistics.sightings, statistics.late,
+        statistics.overruns);
+  if (statistics.pictures > 0) {
+    print("instructions per inference: mean %u, most %u\n", (uint32_t)(statistics.instructions / statistics.pictures),
+          statistics.instructions_most);
+  }
+  print("battery: %m V, charge %M\n", (int32_t)battery_voltage_mv(), (int32_t)battery_charge_ppm());
+}
+
+int main(void) {
+  interrupts_off();
+  timer_init();
+  camera_init();
+
+  print("gate firmware: %s speed policy, cruise %M m/s at %M m, a picture every %m ms, core at %M MHz\n",
+        MISSION_POLICY == POLICY_ADAPTIVE ? "adaptive" : "constant", (int32_t)MISSION_CRUISE_SPEED,
+        (int32_t)MISSION_ALTITUDE, (int32_t)MISSION_FRAME_PERIOD, (int32_t)POWER_MANAGER_CLOCK_HZ);
+  if (battery_charge_ppm() <= MISSION_LANDING_CHARGE) {
+    print("charge %M is too low to take off\n", (int32_t)battery_charge_ppm());
+    return EXIT_TOO_LOW_CHARGE;
+  }
+
+  command(FLIGHT_MODE_TAKE_OFF, 0, 0);
+  int code = EXIT_CRASHED;
+  if (wait_for_phase(FLIGHT_PHASE_FLYING)) {
+    print("%m s  flying at %M m\n", (int32_t)(timer_now_ns() / NS_PER_MS), flight_range_um());
+    pilot_t pilot;
+    pilot_init(&pilot, MISSION_POLICY == POLICY_ADAPTIVE, (int32_t)MISSION_CRUISE_SPEED,
+               (int32_t)MISSION_YAW_RATE_SCALE);
+    code = fly(&pilot);
+    command(FLIGHT_MODE_LAND, 0, 0);
+    if (code != EXIT_CRASHED && !wait_for_phase(FLIGHT_PHASE_LANDED)) {
+      code = EXIT_CRASHED;
+    }
+  }
+  print_summary(code);
+  return code;
+}

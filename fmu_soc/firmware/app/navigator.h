@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+// Where to fly, as a picture tells it: the place where one way of seeing (the gate finder, a neural network) is
+// exchanged for another.
+#pragma once
+
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct {
+  // Wanted yaw rate as a part of the mission's scale: 127 = all to the left, -127 = all to the right. Proportional to
+  // how far the gate lies from the middle of the picture; +-127 is the picture's edge. 0 if confidence is 0.
+  int8_t yaw;
+  // 0 = no gate in the picture, 255 = as sure as it gets.
+  uint8_t confidence;
+  // Distance from the camera to the gate's plane [mm] if the picture tells, else 0.
+  uint16_t distance_mm;
+} navigator_output_t;
+
+// Looks at one picture of 8-bit grey pixels, row by row from the top left. Keeps nothing from call to call.
+navigator_output_t navigate(const uint8_t* frame, int width, int height);
+
+#ifdef __cplusplus
+}
+#endif

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+// The navigator of the gate finder: steer at the middle of the frame, take the distance from its height.
+#include "app/calibration.h"
+#include "app/gate_finder.h"
+#include "app/navigator.h"
+
+// Contrast of the weakest side, in grey levels, that gives full confidence.
+#define FULL_CONFIDENCE_CONTRAST 32
+
+navigator_output_t navigate(const uint8_t* frame, int width, int height) {
+  navigator_output_t output = {0, 0, 0};
+  gate_view_t view;
+  if (!find_gate(frame, width, height, &view)) {
+    return output;
+  }
+  const int32_t middle_q4 = width * 8;
+  const int32_t yaw = (middle_q4 - view.center_x_q4) * 127 / middle_q4;
+  output.yaw = (int8_t)(yaw > 127 ? 127 : yaw < -127 ? -127 : yaw);
+  const int32_t confidence = view.contrast * 255 / FULL_CONFIDENCE_CONTRAST;
+  output.confidence = (uint8_t)(confidence > 255 ? 255 : confidence);
+  // A frame seen from the side gets narrow but not low, so the height tells the distance.
+  // distance = focal length [px] * outer edge [mm] / height [px], with the focal length = milli / 1000 * width / 2.
+  const int32_t numerator = CAMERA_FOCAL_OVER_HALF_WIDTH_MILLI * GATE_OUTER_MM / 1000 * middle_q4;
+  const int32_t distance_mm = numerator / view.height_q4;
+  output.distance_mm = (uint16_t)(distance_mm > UINT16_MAX ? UINT16_MAX : distance_mm);
+  return output;
+}

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+// The picture that the gate finder works on: the camera's, made smaller, as an integral image.
+#pragma once
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+// Largest edge of a work picture [px]: half the edge of the HM01B0's 324.
+#define WORK_MAX 162
+
+typedef struct {
+  int width;      // [px]
+  int height;     // [px]
+  int reduction;  // pixels of the camera per pixel of the work picture, along each axis
+  // integral[y * (width + 1) + x] = sum of all grey levels above row y and left of column x.
+  uint32_t integral[(WORK_MAX + 1) * (WORK_MAX + 1)];
+} work_picture_t;
+
+// Averages blocks of reduction x reduction pixels, where the reduction is the least that makes the picture fit, and
+// sums up. False if the picture is smaller than 64 pixels or larger than 4 x WORK_MAX along an axis.
+bool work_picture_make(work_picture_t* work, const uint8_t* frame, int width, int height);
+
+#ifdef __cplusplus
+}
+#endif

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+// Link to the flight controller, battery gauge and parameters of the mission.
+#pragma once
+
+#include <stdint.h>
+
+#include "board.h"
+
+// What the flight controller is asked to do.
+typedef struct {
+  uint32_t mode;            // FLIGHT_MODE_...
+  int32_t velocity_x_um_s;  // forward
+  int32_t yaw_rate_urad_s;  // positive = left
+  int32_t altitude_um;      // above ground
+} setpoint_t;
+
+// Sends all set-points together.
+static inline void flight_command(const setpoint_t* setpoint) {
+  FLIGHT_MODE = setpoint->mode;
+  FLIGHT_VELOCITY_X = (uint32_t)setpoint->velocity_x_um_s;
+  FLIGHT_VELOCITY_Y = 0;
+  FLIGHT_YAW_RATE = (uint32_t)setpoint->yaw_rate_urad_s;
+  FLIGHT_ALTITUDE = (uint32_t)setpoint->altitude_um;
+  FLIGHT_COMMIT = 1;
+}
+
+static inline uint32_t flight_phase(void) {
+  return FLIGHT_PHASE;
+}
+static inline int32_t flight_range_um(void) {
+  return (int32_t)FLIGHT_RANGE;
+}
+static inline int32_t flight_forward_velocity_um_s(void) {
+  return (int32_t)FLIGHT_FORWARD_VELOCITY;
+}
+static inline int32_t flight_yaw_urad(void) {
+  return (int32_t)FLIGHT_YAW;
+}
+
+static inline uint32_t battery_voltage_mv(void) {
+  return BATTERY_VOLTAGE;
+}
+static inline uint32_t battery_charge_ppm(void) {
+  return BATTERY_STATE_OF_CHARGE;
+}

@@ -1,0 +1,30 @@
+# SPDX-License-Identifier: Apache-2.0
+# First instructions after reset: stack, trap vector, cleared variables, main, exit.
+
+    .section .text.start, "ax"
+    .globl _start
+    .type _start, @function
+_start:
+    .option push
+    .option norelax
+    la      gp, __global_pointer$
+    .option pop
+    la      sp, __stack_top
+    la      t0, trap_entry
+    csrw    mtvec, t0              # direct mode: the address is a multiple of four
+    csrw    mie, zero
+
+    la      t0, __bss_start
+    la      t1, __bss_end
+1:  bgeu    t0, t1, 2f
+    sw      zero, 0(t0)
+    addi    t0, t0, 4
+    j       1b
+
+2:  li      a0, 0
+    li      a1, 0
+    call    main
+    call    firmware_exit          # does not return
+3:  wfi
+    j       3b
+    .size _start, . - _start

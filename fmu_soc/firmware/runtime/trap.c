@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+// Trap entry of the fabric controller: dispatches interrupts; an exception is the end of the firmware.
+#include <stddef.h>
+
+#include "runtime/console.h"
+#include "runtime/exit.h"
+#include "runtime/interrupt.h"
+
+#define INTERRUPT_COUNT 32
+
+static interrupt_handler_t handlers[INTERRUPT_COUNT];
+
+void interrupt_attach(unsigned number, interrupt_handler_t handler) {
+  handlers[number] = handler;
+  const uint32_t bit = UINT32_C(1) << number;
+  __asm__ volatile("csrs mie, %0" ::"r"(bit) : "memory");
+}
+
+static void end_on_exception(uint32_t cause) {
+  uint32_t pc;
+  uint32_t value;
+  __asm__ volatile("csrr %0, mepc" : "=r"(pc));
+  __asm__ volatile("csrr %0, mtval" : "=r"(value));
+  print("exception: mcause %u, mepc 0x%x, mtval 0x%x\n", cause, pc, value);
+  firmware_exit(EXIT_EXCEPTION);
+}
+
+void __attribute__((interrupt("machine"), aligned(4), used)) trap_entry(void) {
+  uint32_t cause;
+  __asm__ volatile("csrr %0, mcause" : "=r"(cause));
+  if ((cause >> 31) == 0) {
+    end_on_exception(cause);
+  }
+  const uint32_t number = cause & 0x7FFFFFFF;
+  if (number >= INTERRUPT_COUNT || handlers[number] == NULL) {
+    print("interrupt %u has no handler\n", number);
+    firmware_exit(EXIT_EXCEPTION);
+  }
+  handlers[number]();
+}

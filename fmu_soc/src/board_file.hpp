@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+/// A board description (configs/boards/*.json) as the simulation reads it when it starts: memories, where the
+/// devices stand, their interrupts and electrical states. Register offsets are compiled in, from the same file;
+/// the one read at start must agree with them.
+namespace mebots::soc {
+
+struct BoardMemory {
+  std::string name;
+  std::uint32_t base = 0;
+  std::uint32_t size = 0;  // bytes
+};
+
+struct BoardRegister {
+  std::string name;
+  std::uint32_t offset = 0;
+};
+
+struct BoardState {
+  std::string name;
+  double current_a = 0;
+  double delay_s = 0;
+};
+
+struct BoardDevice {
+  std::string name;
+  std::uint32_t base = 0;
+  int interrupt = -1;  // bit of mip, -1 = none
+  double supply_voltage_v = 0;
+  std::vector<BoardRegister> registers;
+  std::vector<BoardState> states;
+
+  /// Throws Error when the device has no such state.
+  const BoardState& state(const std::string& state_name) const;
+};
+
+struct BoardDescription {
+  std::string name;
+  std::vector<BoardMemory> memories;
+  std::vector<BoardDevice> devices;
+};
+
+/// Throws Error, naming file and key, for everything that does not fit.
+BoardDescription read_board(const std::filesystem::path& path);
+
+}  // namespace mebots::soc

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "chip.hpp"
+
+#include "fmu_soc_board/chip_data.hpp"
+
+#include "mebots/data_file.hpp"
+
+#include <cmath>
+
+namespace mebots::soc {
+namespace {
+
+constexpr double kPicojoule = 1e-12;
+constexpr double kFemtojoulesPerPicojoule = 1000;
+constexpr double kBankBytes = 4096;
+/// The most that a block's 32-bit energy sum can hold for each of its instructions.
+constexpr double kMaxInstructionPj = 60000;
+
+std::string_view class_of(Op op) {
+  if (op == Op::mul) return "multiply";
+  if (is_multiply_high(op)) return "multiply_high";
+  if (is_divide(op)) return "divide";
+  if (is_load(op)) return "load";
+  if (is_store(op)) return "store";
+  if (is_branch(op)) return "branch";
+  if (is_jump(op)) return "jump";
+  if (is_csr(op) || op == Op::fence || op == Op::fence_i || op == Op::mret || op == Op::wfi) return "system";
+  return "alu";
+}
+
+InstructionEnergy read_instruction_energy(const data::Node& node) {
+  node.only({"alu", "multiply", "multiply_high", "divide", "load", "store", "branch", "jump", "system"});
+  InstructionEnergy energy;
+  for (int i = 0; i < kOpCount; ++i) {
+    const auto op = static_cast<Op>(i);
+    const auto pj = node.quantity(class_of(op), "pJ", data::Limits::between(0, kMaxInstructionPj));
+    energy.fj[static_cast<std::size_t>(i)] = static_cast<std::uint32_t>(std::lround(pj * kFemtojoulesPerPicojoule));
+  }
+  return energy;
+}
+
+}  // namespace
+
+double Chip::highest_clock_hz(double voltage_v) const {
+  const auto share = (voltage_v - lowest_voltage_v) / (highest_voltage_v - lowest_voltage_v);
+  return clock_at_lowest_voltage_hz + share * (clock_at_highest_voltage_hz - clock_at_lowest_voltage_hz);
+}
+
+bool Chip::allows(std::uint32_t clock_hz, std::uint32_t voltage_mv) const {
+  const auto lowest_mv = static_cast<std::uint32_t>(std::lround(lowest_voltage_v * 1000));
+  const auto highest_mv = static_cast<std::uint32_t>(std::lround(highest_voltage_v * 1000));
+  if (voltage_mv < lowest_mv || voltage_mv > highest_mv) return false;
+  const auto highest_hz = std::llround(highest_clock_hz(voltage_mv / 1000.0));
+  return clock_hz >= minimum_clock_hz && std::int64_t{clock_hz} <= highest_hz;
+}
+
+Chip parse_chip(const std::string& json_text, const std::string& name) {
+  nlohmann::json json;
+  try {
+    json = nlohmann::json::parse(json_text);
+  } catch (const nlohmann::json::parse_error& error) {
+    throw Error(fmt::format("{}: is not JSON: {}", name, error.what()));
+  }
+  const data::Node root(name, "", json);
+  root.only({"name", "text", "core", "minimum_clock", "lowest_voltage", "highest_voltage", "clock_at_lowest_voltage",
+             "clock_at_highest_voltage", "reference_voltage", "instruction_energy", "memory_access", "device_access",
+             "core_leakage", "core_clock_gated", "memory_leakage"});
+  const auto positive = data::Limits::positive();
+  const auto not_negative = data::Limits::at_least(0);
+  Chip chip;
+  const auto core = root.text("core");
+  if (core != "ri5cy" && core != "cv32e40p") root.fail("core", fmt::format("= \"{}\" must be ri5cy or cv32e40p", core));
+  chip.timing.kind = core == "ri5cy" ? CoreKind::ri5cy : CoreKind::cv32e40p;
+  chip.minimum_clock_hz = root.quantity("minimum_clock", "Hz", positive);
+  chip.lowest_voltage_v = root.quantity("lowest_voltage", "V", positive);
+  chip.highest_voltage_v = root.quantity("highest_voltage", "V", positive);
+  if (chip.highest_voltage_v <= chip.lowest_voltage_v) root.fail("highest_voltage", "must be above lowest_voltage");
+  chip.clock_at_lowest_voltage_hz = root.quantity("clock_at_lowest_voltage", "Hz", positive);
+  chip.clock_at_highest_voltage_hz = root.quantity("clock_at_highest_voltage", "Hz", positive);
+  chip.reference_voltage_v = root.quantity("reference_voltage", "V", positive);
+  chip.instruction_energy = read_instruction_energy(root.object("instruction_energy"));
+  chip.memory_access_j = root.quantity("memory_access", "pJ", not_negative) * kPicojoule;
+  chip.device_access_j = root.quantity("device_access", "pJ", not_negative) * kPicojoule;
+  chip.core_leakage_w = root.quantity("core_leakage", "W", not_negative);
+  chip.core_clock_gated_w = root.quantity("core_clock_gated", "W", not_negative);
+  chip.memory_leakage_w_per_byte = root.quantity("memory_leakage", "W", not_negative) / kBankBytes;
+  return chip;
+}
+
+const Chip& gap8() {
+  static const Chip chip = parse_chip(kGap8Json, "gap8.json");
+  return chip;
+}
+
+}  // namespace mebots::soc

@@ -1,0 +1,9 @@
+// SPDX-License-Identifier: Apache-2.0
+// Made from params/gap8.json by CMake. Do not edit.
+#pragma once
+
+namespace mebots::soc {
+
+inline constexpr const char* kGap8Json = R"json(@MEBOTS_SOC_CHIP_JSON@)json";
+
+}  // namespace mebots::soc

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <limits>
+
+namespace mebots::soc {
+
+/// SoC time in whole picoseconds since reset (106 days fit).
+using Picoseconds = std::int64_t;
+inline constexpr Picoseconds kNever = std::numeric_limits<Picoseconds>::max();
+inline constexpr Picoseconds kPsPerNs = 1000;
+
+/// Turns the core's active cycles into time. Ticks are counted from the last change of frequency and
+/// multiplied by the period as one fraction, so that nothing drifts; a change of frequency rounds once,
+/// down to a picosecond.
+class Clock {
+ public:
+  void reset(std::uint32_t hz) {
+    hz_ = hz;
+    epoch_ps_ = 0;
+    skipped_ = 0;
+  }
+
+  std::uint32_t hz() const { return hz_; }
+
+  /// From the cycle with this number on, the clock has another frequency.
+  void change(std::uint32_t hz, std::uint64_t cycle) {
+    epoch_ps_ = time_of(cycle);
+    skipped_ = std::uint64_t{0} - cycle;
+    hz_ = hz;
+  }
+
+  /// When a cycle starts.
+  Picoseconds time_of(std::uint64_t cycle) const {
+    return epoch_ps_ + static_cast<Picoseconds>(Wide{cycle + skipped_} * kPsPerSecond / hz_);
+  }
+  /// The first cycle that starts at or after a time.
+  std::uint64_t first_at(Picoseconds time) const {
+    if (time <= epoch_ps_) return std::uint64_t{0} - skipped_;
+    const auto product = Wide{static_cast<std::uint64_t>(time - epoch_ps_)} * hz_;
+    return static_cast<std::uint64_t>((product + kPsPerSecond - 1) / kPsPerSecond) - skipped_;
+  }
+  /// The first cycle that starts after a time.
+  std::uint64_t first_after(Picoseconds time) const {
+    if (time < epoch_ps_) return std::uint64_t{0} - skipped_;
+    const auto product = Wide{static_cast<std::uint64_t>(time - epoch_ps_)} * hz_;
+    return static_cast<std::uint64_t>(product / kPsPerSecond) + 1 - skipped_;
+  }
+  /// The core slept: active cycle `cycle` starts at the first tick at or after `time`.
+  void wake(std::uint64_t cycle, Picoseconds time) {
+    const auto planned = first_at(time);
+    if (planned > cycle) skipped_ += planned - cycle;
+  }
+
+ private:
+  __extension__ using Wide = unsigned __int128;
+  static constexpr std::uint64_t kPsPerSecond = 1'000'000'000'000ULL;
+
+  std::uint32_t hz_ = 1;
+  Picoseconds epoch_ps_ = 0;
+  std::uint64_t skipped_ = 0;  // ticks slept since the epoch, less the active cycles before it (modulo 2^64)
+};
+
+}  // namespace mebots::soc

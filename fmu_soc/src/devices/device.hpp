@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "clock.hpp"
+
+#include "mebots/state/bytes.hpp"
+
+#include <cstdint>
+
+namespace mebots::soc {
+
+/// A device on the bus: registers, and what it does by itself as time goes on. Calls come in the order of time.
+class Device {
+ public:
+  Device() = default;
+  Device(const Device&) = delete;
+  Device& operator=(const Device&) = delete;
+  virtual ~Device() = default;
+
+  /// A register access of the core at `now`; false = no such register, or not this way.
+  virtual bool load(std::uint32_t offset, Picoseconds now, std::uint32_t& value) = 0;
+  virtual bool store(std::uint32_t offset, Picoseconds now, std::uint32_t value) = 0;
+
+  /// Time has reached `now`, which is never beyond next_event().
+  virtual void advance(Picoseconds /*now*/) {}
+  /// When the device wants to be advanced.
+  virtual Picoseconds next_event() const { return kNever; }
+  /// Level of its interrupt line.
+  virtual bool interrupt() const { return false; }
+
+  /// All that the device knows, its inputs included.
+  virtual void save(state::Writer& writer) const = 0;
+  virtual void restore(state::Reader& reader) = 0;
+};
+
+}  // namespace mebots::soc

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "devices/timer.hpp"
+
+#include "fmu_soc_board/board.hpp"
+
+namespace mebots::soc {
+
+bool Timer::load(std::uint32_t offset, Picoseconds now, std::uint32_t& value) {
+  const auto time_ns = static_cast<std::uint64_t>(now / kPsPerNs);
+  switch (offset) {
+    case board::timer::kTimeLo:
+      latched_high_ = static_cast<std::uint32_t>(time_ns >> 32);
+      value = static_cast<std::uint32_t>(time_ns);
+      return true;
+    case board::timer::kTimeHi:
+      value = latched_high_;
+      return true;
+    case board::timer::kCompareLo:
+      value = static_cast<std::uint32_t>(compare_ns_);
+      return true;
+    case board::timer::kCompareHi:
+      value = static_cast<std::uint32_t>(compare_ns_ >> 32);
+      return true;
+    default:
+      return false;
+  }
+}
+
+bool Timer::store(std::uint32_t offset, Picoseconds now, std::uint32_t value) {
+  if (offset == board::timer::kCompareLo) {
+    compare_ns_ = (compare_ns_ & ~std::uint64_t{0xffffffffU}) | value;
+  } else if (offset == board::timer::kCompareHi) {
+    compare_ns_ = (compare_ns_ & 0xffffffffU) | (std::uint64_t{value} << 32);
+  } else {
+    return false;
+  }
+  due_ = now >= compare_ps();
+  return true;
+}
+
+Picoseconds Timer::compare_ps() const {
+  if (compare_ns_ > static_cast<std::uint64_t>(kNever / kPsPerNs)) return kNever;
+  return static_cast<Picoseconds>(compare_ns_) * kPsPerNs;
+}
+
+void Timer::advance(Picoseconds now) { due_ = now >= compare_ps(); }
+
+Picoseconds Timer::next_event() const { return due_ ? kNever : compare_ps(); }
+
+void Timer::save(state::Writer& writer) const {
+  writer.put(compare_ns_);
+  writer.put(latched_high_);
+  writer.put(due_);
+}
+
+void Timer::restore(state::Reader& reader) {
+  reader.get(compare_ns_);
+  reader.get(latched_high_);
+  reader.get(due_);
+}
+
+}  // namespace mebots::soc

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "devices/device.hpp"
+
+namespace mebots::soc {
+
+/// Time since reset in nanoseconds, and one comparison: the interrupt line is up while time >= compare.
+class Timer final : public Device {
+ public:
+  bool load(std::uint32_t offset, Picoseconds now, std::uint32_t& value) override;
+  bool store(std::uint32_t offset, Picoseconds now, std::uint32_t value) override;
+  void advance(Picoseconds now) override;
+  Picoseconds next_event() const override;
+  bool interrupt() const override { return due_; }
+  void save(state::Writer& writer) const override;
+  void restore(state::Reader& reader) override;
+
+ private:
+  Picoseconds compare_ps() const;
+
+  static constexpr std::uint64_t kOff = ~std::uint64_t{0};
+  std::uint64_t compare_ns_ = kOff;
+  std::uint32_t latched_high_ = 0;
+  bool due_ = false;
+};
+
+}  // namespace mebots::soc

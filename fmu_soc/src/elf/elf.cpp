@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "elf/elf.hpp"
+
+#include "mebots/error.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+
+namespace mebots::soc {
+namespace {
+
+constexpr std::uint32_t kMaxFileSize = 1U << 30;
+
+struct FileHeader {
+  std::uint8_t ident[16];
+  std::uint16_t type, machine;
+  std::uint32_t version, entry, program_offset, section_offset, flags;
+  std::uint16_t header_size, program_size, program_count, section_size, section_count, name_index;
+};
+static_assert(sizeof(FileHeader) == 52);
+
+struct ProgramHeader {
+  std::uint32_t type, offset, virtual_address, physical_address, file_size, memory_size, flags, align;
+};
+
+struct SectionHeader {
+  std::uint32_t name, type, flags, address, offset, size, link, info, align, entry_size;
+};
+
+struct SymbolEntry {
+  std::uint32_t name, value, size;
+  std::uint8_t info, other;
+  std::uint16_t section;
+};
+
+constexpr std::uint16_t kExecutable = 2;
+constexpr std::uint16_t kRiscv = 243;
+constexpr std::uint32_t kLoad = 1;
+constexpr std::uint32_t kSymbolTable = 2;
+constexpr std::uint32_t kFloatAbi = 0x6;
+constexpr std::uint32_t kEmbeddedAbi = 0x8;
+
+/// Reads structures out of a file that may end anywhere.
+class File {
+ public:
+  File(std::span<const std::uint8_t> bytes, const std::string& origin) : bytes_(bytes), origin_(origin) {}
+
+  [[noreturn]] void fail(const std::string& what) const { throw Error(fmt::format("{}: {}", origin_, what)); }
+
+  std::span<const std::uint8_t> part(std::uint64_t offset, std::uint64_t size, std::string_view what) const {
+    if (offset > bytes_.size() || size > bytes_.size() - offset) {
+      fail(fmt::format("the file is cut short: {} needs bytes {} to {} of {}", what, offset, offset + size, bytes_.size()));
+    }
+    return bytes_.subspan(static_cast<std::size_t>(offset), static_cast<std::size_t>(size));
+  }
+
+  template <typename T>
+  T get(std::uint64_t offset, std::string_view what) const {
+    T value;
+    std::memcpy(&value, part(offset, sizeof value, what).data(), sizeof value);
+    return value;
+  }
+
+ private:
+  std::span<const std::uint8_t> bytes_;
+  const std::string& origin_;
+};
+
+FileHeader checked_header(const File& file) {
+  const auto ident = file.part(0, 16, "the ELF header");
+  if (ident[0] != 0x7f || ident[1] != 'E' || ident[2] != 'L' || ident[3] != 'F') {
+    file.fail("not an ELF file; give the linked firmware (.elf), not a .bin or .hex");
+  }
+  if (ident[4] != 1) file.fail("a 64-bit ELF file; the core has 32 bits: compile with -march=rv32imc -mabi=ilp32");
+  if (ident[5] != 1) file.fail("a big-endian ELF file; the core is little-endian");
+  const auto header = file.get<FileHeader>(0, "the ELF header");
+  if (header.machine != kRiscv) {
+    file.fail(fmt::format("an ELF file for machine {}; the core is RISC-V (243)", header.machine));
+  }
+  if (header.type != kExecutable) {
+    file.fail(fmt::format("an ELF file of type {}; the core needs a linked executable (2)", header.type));
+  }
+  if ((header.flags & kFloatAbi) != 0) {
+    file.fail("compiled for floating-point registers, which the core lacks: compile with -march=rv32imc -mabi=ilp32");
+  }
+  if (header.program_count != 0 && header.program_size != sizeof(ProgramHeader)) {
+    file.fail(fmt::format("program headers of {} bytes instead of {}", header.program_size, sizeof(ProgramHeader)));
+  }
+  return header;
+}
+
+std::vector<ElfSegment> read_segments(const File& file, const FileHeader& header) {
+  std::vector<ElfSegment> segments;
+  for (unsigned i = 0; i < header.program_count; ++i) {
+    const auto program = file.get<ProgramHeader>(header.program_offset + std::uint64_t{i} * sizeof(ProgramHeader),
+                                                 fmt::format("program header {}", i));
+    if (program.type != kLoad || program.memory_size == 0) continue;
+    if (program.file_size > program.memory_size) {
+      file.fail(fmt::format("segment {} has {} bytes in the file but {} in memory", i, program.file_size, program.memory_size));
+    }
+    if (std::uint64_t{program.physical_address} + program.memory_size > 0x1'0000'0000ULL) {
+      file.fail(fmt::format("segment {} at 0x{:08x} with {} bytes passes the end of the address space", i,
+                            program.physical_address, program.memory_size));
+    }
+    const auto bytes = file.part(program.offset, program.file_size, fmt::format("segment {}", i));
+    segments.push_back({program.physical_address, {bytes.begin(), bytes.end()}, program.memory_size});
+  }
+  if (segments.empty()) file.fail("no segment to load; link the program before running it");
+  auto sorted = segments;
+  std::sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) { return a.address < b.address; });
+  for (std::size_t i = 1; i < sorted.size(); ++i) {
+    if (sorted[i].address < std::uint64_t{sorted[i - 1].address} + sorted[i - 1].size) {
+      file.fail(fmt::format("segments at 0x{:08x} and 0x{:08x} overlap", sorted[i - 1].address, sorted[i].address));
+    }
+  }
+  return segments;
+}
+
+std::vector<ElfSymbol> read_symbols(const File& file, const FileHeader& header) {
+  std::vector<ElfSymbol> symbols;
+  if (header.section_count == 0) return symbols;
+  if (header.section_size != sizeof(SectionHeader)) {
+    file.fail(fmt::format("section headers of {} bytes instead of {}", header.section_size, sizeof(SectionHeader)));
+  }
+  const auto section_at = [&](std::uint32_t index) {
+    return file.get<SectionHeader>(header.section_offset + std::uint64_t{index} * sizeof(SectionHeader),
+                                   fmt::format("section header {}", index));
+  };
+  for (std::uint32_t i = 0; i < header.section_count; ++i) {
+    const auto section = section_at(i);
+    if (section.type != kSymbolTable) continue;
+    if (section.link >= header.section_count) file.fail(fmt::format("symbol table names section {}, which is not there", section.link));
+    const auto strings_header = section_at(section.link);
+    const auto strings = file.part(strings_header.offset, strings_header.size, "the symbol names");
+    const auto table = file.part(section.offset, section.size, "the symbol table");
+    for (std::size_t at = 0; at + sizeof(SymbolEntry) <= table.size(); at += sizeof(SymbolEntry)) {
+      SymbolEntry entry;
+      std::memcpy(&entry, table.data() + at, sizeof entry);
+      const auto type = entry.info & 0xfU;
+      if (entry.name == 0 || type > 2) continue;  // section and file names
+      if (entry.name >= strings.size()) file.fail(fmt::format("symbol {} has its name outside the names", at / sizeof entry));
+      const auto first = strings.begin() + entry.name;
+      const auto last = std::find(first, strings.end(), std::uint8_t{0});
+      symbols.push_back({{first, last}, entry.value, entry.size, type == 2});
+    }
+  }
+  std::stable_sort(symbols.begin(), symbols.end(), [](const auto& a, const auto& b) { return a.address < b.address; });
+  return symbols;
+}
+
+}  // namespace
+
+Elf Elf::parse(std::span<const std::uint8_t> bytes, const std::string& origin) {
+  const File file(bytes, origin);
+  const auto header = checked_header(file);
+  if ((header.flags & kEmbeddedAbi) != 0) file.fail("compiled for RV32E; compile with -march=rv32imc -mabi=ilp32");
+  Elf elf;
+  elf.origin_ = origin;
+  elf.entry_ = header.entry;
+  elf.segments_ = read_segments(file, header);
+  elf.symbols_ = read_symbols(file, header);
+  const bool inside = std::any_of(elf.segments_.begin(), elf.segments_.end(), [&](const ElfSegment& segment) {
+    return header.entry >= segment.address && header.entry - segment.address < segment.size;
+  });
+  if (!inside) file.fail(fmt::format("entry point 0x{:08x} lies in none of its segments", header.entry));
+  if (header.entry % 2 != 0) file.fail(fmt::format("entry point 0x{:08x} is odd", header.entry));
+  return elf;
+}
+
+Elf Elf::read(const std::filesystem::path& path) {
+  std::error_code code;
+  if (!std::filesystem::is_regular_file(path, code)) {
+    throw Error(fmt::format("{}: no such file; give the path of a linked RISC-V program", path.string()));
+  }
+  const auto size = std::filesystem::file_size(path, code);
+  if (code || size > kMaxFileSize) throw Error(fmt::format("{}: larger than 1 GiB, not a program for this core", path.string()));
+  std::ifstream stream(path, std::ios::binary);
+  const std::vector<char> text{std::istreambuf_iterator<char>(stream), {}};
+  if (!stream) throw Error(fmt::format("{}: cannot be read", path.string()));
+  return parse({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}, path.string());
+}
+
+std::optional<std::uint32_t> Elf::symbol(std::string_view name) const {
+  const auto found = std::find_if(symbols_.begin(), symbols_.end(), [&](const auto& symbol) { return symbol.name == name; });
+  if (found == symbols_.end()) return std::nullopt;
+  return found->address;
+}
+
+std::string Elf::where(std::uint32_t address) const {
+  const ElfSymbol* best = nullptr;
+  for (const auto& symbol : symbols_) {
+    if (symbol.address > address) break;
+    // Hand-written code has labels without size: they reach to the next one.
+    const bool covers = symbol.size == 0 || address - symbol.address < symbol.size;
+    if (covers && (best == nullptr || symbol.address > best->address || symbol.function)) best = &symbol;
+  }
+  if (best == nullptr) return {};
+  if (best->size == 0 && address - best->address > 0x10000U) return {};
+  return best->address == address ? best->name : fmt::format("{}+0x{:x}", best->name, address - best->address);
+}
+
+}  // namespace mebots::soc

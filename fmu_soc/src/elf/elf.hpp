@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+/// Programs as ELF32 files for RISC-V. Source: Tool Interface Standard, ELF 1.2; RISC-V ELF psABI 1.0.
+namespace mebots::soc {
+
+struct ElfSegment {
+  std::uint32_t address = 0;           // where it is loaded (p_paddr)
+  std::vector<std::uint8_t> bytes;     // from the file
+  std::uint32_t size = 0;              // in memory; what the file does not give is 0
+};
+
+struct ElfSymbol {
+  std::string name;
+  std::uint32_t address = 0;
+  std::uint32_t size = 0;
+  bool function = false;
+};
+
+/// A program, checked and taken out of its file.
+class Elf {
+ public:
+  /// Throws Error when the bytes are not a complete ELF32 little-endian executable for RISC-V (RV32, no
+  /// floating-point registers). `origin` names the file in the text.
+  static Elf parse(std::span<const std::uint8_t> file, const std::string& origin);
+  static Elf read(const std::filesystem::path& path);
+
+  const std::string& origin() const { return origin_; }
+  std::uint32_t entry() const { return entry_; }
+  const std::vector<ElfSegment>& segments() const { return segments_; }
+  std::optional<std::uint32_t> symbol(std::string_view name) const;
+  /// "camera_handler+0x12", or "" when no symbol covers the address.
+  std::string where(std::uint32_t address) const;
+
+ private:
+  std::string origin_;
+  std::uint32_t entry_ = 0;
+  std::vector<ElfSegment> segments_;
+  std::vector<ElfSymbol> symbols_;  // by address
+};
+
+}  // namespace mebots::soc

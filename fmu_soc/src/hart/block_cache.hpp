@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "hart/instruction.hpp"
+#include "hart/timing.hpp"
+#include "isa/encoding.hpp"
+#include "memory/memory.hpp"
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+namespace mebots::soc {
+
+struct InstructionEnergy;
+
+/// Straight code from one address, decoded once.
+struct Block {
+  std::uint32_t pc = 0;
+  std::uint32_t first = 0;            // index of its first Instruction
+  std::uint32_t last_start_bound = 0; // the most cycles from its start to the start of its last instruction
+  bool unaligned = false;             // starts with a 32-bit instruction at 2 mod 4
+  bool early_jump = false;            // a jump is among the first two: what ran before may delay it
+};
+
+/// Decoded blocks by address. All memory is taken at construction; when it is full, everything is
+/// forgotten and decoded again.
+class BlockCache {
+ public:
+  static constexpr std::uint32_t kMaxBlockLength = 64;
+
+  BlockCache(Memory& memory, Timing timing, const InstructionEnergy& energy);
+
+  /// Number of the block that starts at `pc`, decoded now if need be; 0 when `pc` cannot be fetched.
+  std::uint32_t find(std::uint32_t pc) {
+    auto slot = hash(pc);
+    while (table_[slot] != 0) {
+      if (blocks_[table_[slot]].pc == pc) return table_[slot];
+      slot = (slot + 1) & (kTableSize - 1);
+    }
+    return decode_block(pc);
+  }
+  const Block& block(std::uint32_t number) const { return blocks_[number]; }
+  const Instruction* instructions(const Block& block) const { return &arena_[block.first]; }
+
+  /// One instruction and the end of a block, decoded with what the pipeline holds. Null when it cannot be fetched.
+  const Instruction* single(std::uint32_t pc, const Previous& two_before, const Previous& before);
+
+  /// Forgets everything; links in instructions become void with it.
+  void clear();
+  /// Grows by one with every clear: a link noted before it is void.
+  std::uint64_t generation() const { return generation_; }
+
+  /// Reads an instruction word. False: it cannot be fetched, and `fault_address` is where.
+  static bool fetch(const Memory& memory, std::uint32_t pc, std::uint32_t& word, std::uint32_t& fault_address);
+
+ private:
+  static constexpr std::uint32_t kTableSize = 1U << 14;
+  static constexpr std::uint32_t kMaxBlocks = kTableSize / 2;
+  static constexpr std::uint32_t kArenaSize = 1U << 16;
+
+  static std::uint32_t hash(std::uint32_t pc) { return ((pc >> 1) * 0x9e3779b1U) >> 18; }
+  std::uint32_t decode_block(std::uint32_t pc);
+  Instruction translate(const Decoded& decoded, std::uint32_t pc) const;
+
+  Memory& memory_;
+  Timing timing_;
+  std::array<std::uint32_t, kOpCount> energy_fj_;
+  std::vector<Block> blocks_;          // number 0 is no block
+  std::vector<std::uint32_t> table_;   // open addressing, 0 = free
+  std::unique_ptr<Instruction[]> arena_;
+  std::uint32_t block_count_ = 1;
+  std::uint32_t arena_used_ = 0;
+  std::uint64_t generation_ = 0;
+  std::array<Instruction, 2> single_{};
+};
+
+}  // namespace mebots::soc

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "hart/instruction.hpp"
+
+#include <array>
+#include <cstdint>
+
+namespace mebots::soc {
+
+class Hart;
+
+/// A piece of RAM as the inner loop sees it.
+struct FastRegion {
+  std::uint32_t base = 0;
+  std::uint32_t span = 0;  // size - 3; 0 = no region
+  std::uint8_t* data = nullptr;
+  std::uint8_t* marks = nullptr;
+};
+
+/// Why a block was left other than by a branch or at its end.
+enum class Leave : std::uint8_t { normal, trap, device, stop, sleep };
+
+/// What the handlers work on.
+struct Execution {
+  std::array<std::uint32_t, 33> x{};  // x[0] stays 0; x[32] takes what is written to x0
+  std::uint32_t pc = 0;
+  FastRegion ram[2];
+  std::uint64_t far_accesses = 0;  // loads and stores that went to ram[1], since reset
+
+  // Of the block in progress.
+  std::uint32_t extra_cycles = 0;         // beyond the static ones
+  const Instruction* exit = nullptr;      // everything before it has retired
+  std::uint32_t* link = nullptr;          // where to note the block that follows
+  bool jumped = false;                    // an unaligned target costs a cycle
+  bool redirected = false;                // left by a branch, jump, trap or return from one
+  const Instruction* slow_load = nullptr; // the last misaligned load
+  Leave leave = Leave::normal;
+  std::uint32_t trap_cause = 0;
+  std::uint32_t trap_value = 0;
+  Hart* hart = nullptr;
+};
+
+}  // namespace mebots::soc

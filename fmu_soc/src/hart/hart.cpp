@@ -1,0 +1,346 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hart/hart.hpp"
+
+#include "hart/csr_numbers.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+namespace mebots::soc {
+namespace {
+
+/// An exception that comes back this often at the same place, with no return from a handler between, has no way out.
+constexpr std::uint32_t kHopelessRepeats = 16;
+
+FastRegion fast_region(Memory& memory, std::size_t index) {
+  if (index >= memory.regions().size()) return {};
+  auto& region = memory.regions()[index];
+  return {region.base, region.size - 3, region.data.get(), region.marks.get()};
+}
+
+std::uint32_t loaded(std::uint32_t value, unsigned size, bool sign) {
+  if (size == 1) return sign ? static_cast<std::uint32_t>(static_cast<std::int8_t>(value)) : value & 0xffU;
+  if (size == 2) return sign ? static_cast<std::uint32_t>(static_cast<std::int16_t>(value)) : value & 0xffffU;
+  return value;
+}
+
+}  // namespace
+
+Hart::Hart(Memory& memory, Bus& bus, Timing timing, const InstructionEnergy& energy)
+    : memory_(memory), bus_(bus), timing_(timing), cache_(memory, timing, energy) {
+  execution_.ram[0] = fast_region(memory, 0);
+  execution_.ram[1] = fast_region(memory, 1);
+  execution_.hart = this;
+}
+
+void Hart::reset(std::uint32_t pc) {
+  execution_.x = {};
+  execution_.pc = pc;
+  execution_.far_accesses = 0;
+  csrs_ = {};
+  counters_ = {};
+  fault_ = {};
+  before_ = {};
+  two_before_ = {};
+  sleeping_ = false;
+  interrupt_ready_ = false;
+  exception_repeats_ = 0;
+  cache_.clear();
+}
+
+Stop Hart::run(std::uint64_t limit) {
+  auto& e = execution_;
+  if (fault_.happened) return Stop::fault;
+  if (sleeping_) {
+    if ((csrs_.mip & csrs_.mie) == 0) return Stop::sleeping;
+    sleeping_ = false;
+  }
+  e.link = nullptr;
+  e.jumped = false;
+  for (;;) {
+    std::uint32_t number = 0;
+    if (e.jumped) {
+      e.jumped = false;
+      number = following_block(e.link);
+      if (number != 0 && cache_.block(number).unaligned) counters_.cycles += kUnalignedTargetExtra;
+    }
+    if (counters_.cycles >= limit) return Stop::limit;
+    if (interrupt_ready_) {
+      take_interrupt();
+      if (fault_.happened) return Stop::fault;
+      continue;
+    }
+    if (number == 0) number = following_block(e.link);
+    e.link = nullptr;
+    if (number == 0) {
+      std::uint32_t word = 0;
+      std::uint32_t address = 0;
+      BlockCache::fetch(memory_, e.pc, word, address);
+      take_trap(cause::kFetchAccess, address);
+      if (fault_.happened) return Stop::fault;
+      continue;
+    }
+    const auto& block = cache_.block(number);
+    const bool delayed = is_load(before_.op) || is_load(two_before_.op) ||
+                         (before_.op != Op::end_of_block && block.early_jump);
+    if (delayed || counters_.cycles + block.last_start_bound >= limit) [[unlikely]] {
+      execute(cache_.single(e.pc, two_before_, before_));
+      e.link = nullptr;
+    } else {
+      execute(cache_.instructions(block));
+    }
+    if (e.leave == Leave::normal) continue;
+    const auto leave = e.leave;
+    e.leave = Leave::normal;
+    switch (leave) {
+      case Leave::trap:
+        take_trap(e.trap_cause, e.trap_value);
+        if (fault_.happened) return Stop::fault;
+        break;
+      case Leave::device:
+        return Stop::device;
+      case Leave::stop:
+        return Stop::watch;
+      case Leave::sleep:
+        if ((csrs_.mip & csrs_.mie) == 0) {
+          sleeping_ = true;
+          return Stop::sleeping;
+        }
+        break;
+      case Leave::normal:
+        break;
+    }
+  }
+}
+
+/// The block at the pc, by way of the link of the instruction that led here when there is one.
+std::uint32_t Hart::following_block(std::uint32_t* link) {
+  if (link != nullptr && *link != 0) return *link;
+  const auto generation = cache_.generation();
+  const auto number = cache_.find(execution_.pc);
+  if (link != nullptr && cache_.generation() == generation) *link = number;
+  return number;
+}
+
+void Hart::execute(const Instruction* first) {
+  auto& e = execution_;
+  e.extra_cycles = 0;
+  e.redirected = false;
+  e.slow_load = nullptr;
+  for (const auto* at = first; at != nullptr;) at = at->run(e, at);
+  const auto& exit = *e.exit;
+  counters_.instructions += exit.index;
+  counters_.cycles += exit.cycles_before + e.extra_cycles;
+  counters_.instruction_fj += exit.energy_before_fj;
+  counters_.accesses += exit.accesses_before;
+  if (e.redirected) {
+    before_ = {};
+    two_before_ = {};
+  } else {
+    remember();
+  }
+}
+
+/// Notes the last two instructions of a block that was left straight on.
+void Hart::remember() {
+  const auto previous = [this](const Instruction& instruction) {
+    const bool slow =
+        is_multiply_high(instruction.op) || is_divide(instruction.op) || execution_.slow_load == &instruction;
+    return Previous{instruction.op, instruction.rd, slow};
+  };
+  const auto* exit = execution_.exit;
+  if (exit->index == 0) return;
+  two_before_ = exit->index >= 2 ? previous(exit[-2]) : before_;
+  before_ = previous(exit[-1]);
+}
+
+void Hart::set_interrupt(unsigned bit, bool level) {
+  const auto mask = 1U << bit;
+  csrs_.mip = level ? csrs_.mip | mask : csrs_.mip & ~mask;
+  update_interrupts();
+}
+
+void Hart::memory_changed(std::uint32_t address, std::uint32_t count) {
+  if (memory_.marked(address, count, Region::kCode)) cache_.clear();
+}
+
+const Instruction* Hart::raise(const Instruction* at, std::uint32_t cause, std::uint32_t value) {
+  auto& e = execution_;
+  e.pc = at->pc;
+  e.exit = at;
+  e.link = nullptr;
+  e.redirected = true;
+  e.leave = Leave::trap;
+  e.trap_cause = cause;
+  e.trap_value = value;
+  return nullptr;
+}
+
+const Instruction* Hart::leave_after(const Instruction* at, Leave why) {
+  auto& e = execution_;
+  e.pc = at[1].pc;
+  e.exit = at + 1;
+  e.link = nullptr;
+  e.leave = why;
+  return nullptr;
+}
+
+std::uint64_t Hart::cycle_of(const Instruction* at) const {
+  return counters_.cycles + at->cycles_before + execution_.extra_cycles;
+}
+
+const Instruction* Hart::slow_load(const Instruction* at, std::uint32_t address, unsigned size, bool sign) {
+  auto& e = execution_;
+  std::uint32_t value = 0;
+  if (const auto* region = memory_.find(address, size); region != nullptr) {
+    std::memcpy(&value, region->data.get() + (address - region->base), size);
+    e.x[at->rd] = loaded(value, size, sign);
+    if (region != &memory_.regions()[0]) ++e.far_accesses;
+    if (crosses_word(address, size)) {
+      e.extra_cycles += kMisalignedExtra;
+      e.slow_load = at;
+    }
+    return leave_after(at, Leave::normal);
+  }
+  if (size != 4 || address % 4 != 0 || !bus_.load(address, cycle_of(at), value)) {
+    return raise(at, cause::kLoadAccess, address);
+  }
+  e.x[at->rd] = value;
+  ++counters_.device_accesses;
+  return leave_after(at, Leave::device);
+}
+
+const Instruction* Hart::slow_store(const Instruction* at, std::uint32_t address, unsigned size, std::uint32_t value) {
+  auto& e = execution_;
+  if (auto* region = memory_.find(address, size); region != nullptr) {
+    std::memcpy(region->data.get() + (address - region->base), &value, size);
+    if (region != &memory_.regions()[0]) ++e.far_accesses;
+    if (crosses_word(address, size)) e.extra_cycles += kMisalignedExtra;
+    return marked_store(at, address, size);
+  }
+  if (size != 4 || address % 4 != 0 || !bus_.store(address, cycle_of(at), value)) {
+    return raise(at, cause::kStoreAccess, address);
+  }
+  ++counters_.device_accesses;
+  return leave_after(at, Leave::device);
+}
+
+const Instruction* Hart::marked_store(const Instruction* at, std::uint32_t address, unsigned size) {
+  memory_changed(address, size);
+  if (memory_.marked(address, size, Region::kWatch) && bus_.watched(address)) return leave_after(at, Leave::stop);
+  return leave_after(at, Leave::normal);
+}
+
+const Instruction* Hart::trap_return(const Instruction* at) {
+  auto& e = execution_;
+  e.pc = csrs_.mepc;
+  e.exit = at + 1;
+  e.link = nullptr;
+  e.redirected = true;
+  csrs_.interrupts_on = csrs_.interrupts_were_on;
+  csrs_.interrupts_were_on = true;
+  exception_repeats_ = 0;
+  update_interrupts();
+  return nullptr;
+}
+
+const Instruction* Hart::wait_for_interrupt(const Instruction* at) { return leave_after(at, Leave::sleep); }
+
+void Hart::fail(std::uint32_t cause, std::uint32_t value, bool double_trap) {
+  std::uint32_t address = 0;
+  fault_.happened = true;
+  fault_.double_trap = double_trap;
+  fault_.cause = cause;
+  fault_.pc = execution_.pc;
+  fault_.value = value;
+  if (!BlockCache::fetch(memory_, execution_.pc, fault_.instruction, address)) fault_.instruction = 0;
+}
+
+void Hart::take_trap(std::uint32_t cause, std::uint32_t value) {
+  const auto pc = execution_.pc;
+  const bool again = exception_repeats_ != 0 && exception_pc_ == pc && exception_cause_ == cause &&
+                     cause != cause::kMachineEcall && cause != cause::kBreakpoint;
+  exception_repeats_ = again ? exception_repeats_ + 1 : 1;
+  exception_pc_ = pc;
+  exception_cause_ = cause;
+  if (exception_repeats_ >= kHopelessRepeats) {
+    fail(cause, value, true);
+    return;
+  }
+  enter_handler(cause, value);
+}
+
+void Hart::take_interrupt() {
+  // Fast interrupts 31 to 16 come first, the highest number before the others; then external (11), software (3),
+  // timer (7). Source: CV32E40P user manual, chapter "Exceptions and interrupts".
+  const auto ready = csrs_.mip & csrs_.mie;
+  unsigned number = 0;
+  if ((ready >> 16) != 0) {
+    number = 31U - static_cast<unsigned>(std::countl_zero(ready));
+  } else {
+    for (const unsigned candidate : {11U, 3U, 7U, 15U, 14U, 13U, 12U, 10U, 9U, 8U, 6U, 5U, 4U, 2U, 1U, 0U}) {
+      if ((ready >> candidate & 1U) != 0) {
+        number = candidate;
+        break;
+      }
+    }
+  }
+  enter_handler(cause::kInterrupt | number, 0);
+}
+
+void Hart::enter_handler(std::uint32_t cause, std::uint32_t value) {
+  auto target = csrs_.mtvec & ~3U;
+  if ((csrs_.mtvec & 1U) != 0 && (cause & cause::kInterrupt) != 0) target += 4 * (cause & 31U);
+  std::uint32_t word = 0;
+  std::uint32_t address = 0;
+  if (!BlockCache::fetch(memory_, target, word, address)) {
+    fail(cause, value, false);
+    return;
+  }
+  csrs_.mepc = execution_.pc;
+  csrs_.mcause = cause;
+  csrs_.mtval = value;
+  csrs_.interrupts_were_on = csrs_.interrupts_on;
+  csrs_.interrupts_on = false;
+  update_interrupts();
+  execution_.pc = target;
+  execution_.link = nullptr;
+  before_ = {};
+  two_before_ = {};
+  counters_.cycles += kTrapEntryCycles;
+}
+
+void Hart::save(state::Writer& writer) const {
+  writer.put(execution_.x);
+  writer.put(execution_.pc);
+  writer.put(execution_.far_accesses);
+  writer.put(csrs_);
+  writer.put(counters_);
+  writer.put(fault_);
+  writer.put(before_);
+  writer.put(two_before_);
+  writer.put(sleeping_);
+  writer.put(interrupt_ready_);
+  writer.put(exception_pc_);
+  writer.put(exception_cause_);
+  writer.put(exception_repeats_);
+}
+
+void Hart::restore(state::Reader& reader) {
+  reader.get(execution_.x);
+  reader.get(execution_.pc);
+  reader.get(execution_.far_accesses);
+  reader.get(csrs_);
+  reader.get(counters_);
+  reader.get(fault_);
+  reader.get(before_);
+  reader.get(two_before_);
+  reader.get(sleeping_);
+  reader.get(interrupt_ready_);
+  reader.get(exception_pc_);
+  reader.get(exception_cause_);
+  reader.get(exception_repeats_);
+  cache_.clear();
+}
+
+}  // namespace mebots::soc

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "hart/block_cache.hpp"
+#include "hart/execution.hpp"
+#include "hart/timing.hpp"
+#include "memory/bus.hpp"
+#include "memory/memory.hpp"
+
+#include "mebots/state/bytes.hpp"
+
+#include <array>
+#include <cstdint>
+
+namespace mebots::soc {
+
+/// Why `Hart::run` came back.
+enum class Stop : std::uint8_t {
+  limit,     // the next instruction starts at or after the limit
+  device,    // a device register was touched: its schedule may have changed
+  sleeping,  // WFI, and no enabled interrupt is pending
+  watch,     // a watched word was stored and the bus said to end
+  fault,     // the core cannot go on
+};
+
+/// The end of a core: a trap without handler, or one that the handler itself cannot get past.
+struct Fault {
+  bool happened = false;
+  bool double_trap = false;
+  std::uint32_t cause = 0;
+  std::uint32_t pc = 0;
+  std::uint32_t value = 0;        // mtval
+  std::uint32_t instruction = 0;  // the word at pc, 0 when it cannot be fetched
+};
+
+/// Counters since reset that nothing in the core can write.
+struct Counters {
+  std::uint64_t instructions = 0;     // retired
+  std::uint64_t cycles = 0;           // active, sleep not counted
+  std::uint64_t instruction_fj = 0;   // energy of instructions at the reference voltage
+  std::uint64_t accesses = 0;         // loads and stores, all together
+  std::uint64_t device_accesses = 0;  // of these: to devices
+};
+
+/// Energy of one instruction by kind [fJ], at the reference voltage.
+struct InstructionEnergy {
+  std::array<std::uint32_t, kOpCount> fj{};
+};
+
+/// One RISC-V hardware thread: RV32IMC_Zicsr_Zifencei in machine mode, timed as RI5CY or CV32E40P.
+/// Straight code is decoded once into blocks; a block runs only when none of its instructions can start
+/// at or after the limit, otherwise one instruction at a time is taken, with the same counts.
+class Hart {
+ public:
+  /// The first two regions of the memory are the fast ones.
+  Hart(Memory& memory, Bus& bus, Timing timing, const InstructionEnergy& energy);
+  Hart(const Hart&) = delete;
+  Hart& operator=(const Hart&) = delete;
+
+  /// All registers 0, counters 0, and the next instruction at `pc`.
+  void reset(std::uint32_t pc);
+
+  /// Executes every instruction that starts before active cycle `limit`.
+  Stop run(std::uint64_t limit);
+
+  /// Level of an interrupt line (bit of mip).
+  void set_interrupt(unsigned bit, bool level);
+  bool sleeping() const { return sleeping_; }
+  /// Whether an enabled interrupt is pending, which ends a sleep.
+  bool wakes() const { return (csrs_.mip & csrs_.mie) != 0; }
+  const Fault& fault() const { return fault_; }
+  const Counters& counters() const { return counters_; }
+  /// Of the loads and stores: those that did not go to the first region of the memory, nor to a device.
+  std::uint64_t far_accesses() const { return execution_.far_accesses; }
+
+  std::uint32_t pc() const { return execution_.pc; }
+  std::uint32_t reg(unsigned index) const { return execution_.x[index]; }
+  void set_reg(unsigned index, std::uint32_t value) {
+    if (index != 0) execution_.x[index] = value;
+  }
+
+  /// Somebody else wrote into RAM: forget decoded instructions there.
+  void memory_changed(std::uint32_t address, std::uint32_t count);
+
+  void save(state::Writer& writer) const;
+  void restore(state::Reader& reader);
+
+  // For the handlers.
+  const Instruction* raise(const Instruction* at, std::uint32_t cause, std::uint32_t value);
+  const Instruction* slow_load(const Instruction* at, std::uint32_t address, unsigned size, bool sign);
+  const Instruction* slow_store(const Instruction* at, std::uint32_t address, unsigned size, std::uint32_t value);
+  const Instruction* marked_store(const Instruction* at, std::uint32_t address, unsigned size);
+  const Instruction* csr_access(const Instruction* at);
+  const Instruction* trap_return(const Instruction* at);
+  const Instruction* wait_for_interrupt(const Instruction* at);
+
+ private:
+  struct Csrs {
+    std::uint32_t mie = 0;
+    std::uint32_t mip = 0;
+    std::uint32_t mtvec = 0;
+    std::uint32_t mscratch = 0;
+    std::uint32_t mepc = 0;
+    std::uint32_t mcause = 0;
+    std::uint32_t mtval = 0;
+    std::uint32_t mcountinhibit = 0;
+    bool interrupts_on = false;        // mstatus.MIE
+    bool interrupts_were_on = false;   // mstatus.MPIE
+    std::uint64_t cycle_base = 0;      // mcycle = counter - base; while inhibited, mcycle = base
+    std::uint64_t instret_base = 0;
+  };
+
+  const Instruction* leave_after(const Instruction* at, Leave why);
+  std::uint64_t cycle_of(const Instruction* at) const;
+  void execute(const Instruction* first);
+  std::uint32_t following_block(std::uint32_t* link);
+  void take_trap(std::uint32_t cause, std::uint32_t value);
+  void fail(std::uint32_t cause, std::uint32_t value, bool double_trap);
+  void enter_handler(std::uint32_t cause, std::uint32_t value);
+  void take_interrupt();
+  void update_interrupts() { interrupt_ready_ = csrs_.interrupts_on && (csrs_.mip & csrs_.mie) != 0; }
+  bool read_csr(unsigned number, std::uint32_t& value) const;
+  bool write_csr(unsigned number, std::uint32_t value);
+  std::uint64_t read_counter(bool instret) const;
+  void write_counter(bool instret, std::uint32_t value, bool high);
+  void set_count_inhibit(std::uint32_t value);
+  void remember();
+
+  Memory& memory_;
+  Bus& bus_;
+  Timing timing_;
+  BlockCache cache_;
+  Execution execution_;
+  Csrs csrs_;
+  Counters counters_;
+  Fault fault_;
+  Previous before_;
+  Previous two_before_;
+  bool sleeping_ = false;
+  bool interrupt_ready_ = false;
+  // The same exception again and again without a return from its handler means no way out.
+  std::uint32_t exception_pc_ = 0;
+  std::uint32_t exception_cause_ = 0;
+  std::uint32_t exception_repeats_ = 0;
+};
+
+}  // namespace mebots::soc

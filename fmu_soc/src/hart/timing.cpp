@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hart/timing.hpp"
+
+#include "hart/csr_numbers.hpp"
+
+namespace mebots::soc {
+namespace {
+
+bool reads_rs1(Op op) {
+  switch (op) {
+    case Op::lui:
+    case Op::auipc:
+    case Op::jal:
+    case Op::csrrwi:
+    case Op::csrrsi:
+    case Op::csrrci:
+    case Op::fence:
+    case Op::fence_i:
+    case Op::ecall:
+    case Op::ebreak:
+    case Op::mret:
+    case Op::wfi:
+    case Op::illegal:
+    case Op::end_of_block:
+      return false;
+    default:
+      return true;
+  }
+}
+
+bool reads_rs2(Op op) {
+  return is_branch(op) || is_store(op) || (op >= Op::add && op <= Op::and_) || (op >= Op::mul && op <= Op::remu);
+}
+
+unsigned own_cycles(const Timing& timing, const Current& current) {
+  if (is_multiply_high(current.op)) return kMultiplyHighCycles;
+  if (is_divide(current.op)) return kDivideBaseCycles;
+  if (is_csr(current.op)) return timing.csr_cycles(static_cast<unsigned>(current.imm));
+  if (current.op == Op::fence || current.op == Op::fence_i) return kFenceCycles;
+  if (current.op == Op::mret) return kMretCycles;
+  return 1;
+}
+
+/// A register is needed from, or written after, a load that is one cycle away.
+bool load_stall(const Timing& timing, const Previous& load, const Current& current) {
+  if (!is_load(load.op) || load.rd == 0 || load.rd > 31) return false;
+  if (reads_rs1(current.op) && current.rs1 == load.rd) return true;
+  if (reads_rs2(current.op) && current.rs2 == load.rd) return true;
+  if (is_store(current.op)) {
+    return timing.store_offset_looks_like_rd() && (static_cast<unsigned>(current.imm) & 31U) == load.rd;
+  }
+  if (is_branch(current.op) || current.rd != load.rd) return false;
+  return !is_load(current.op) || timing.load_after_load_stalls();
+}
+
+unsigned jump_cycles(const Previous& two_before, const Previous& before, const Current& jump) {
+  const bool needs_before = jump.op == Op::jalr && before.rd != 0 && before.rd < 32 && jump.rs1 == before.rd;
+  if (needs_before) return is_load(before.op) ? 4 : 3;
+  if (before.slow) return 1;  // fetched while that one was busy
+  const bool needs_two_before = jump.op == Op::jalr && is_load(two_before.op) && two_before.rd != 0 &&
+                                two_before.rd < 32 && jump.rs1 == two_before.rd;
+  return needs_two_before ? 3 : 2;
+}
+
+}  // namespace
+
+unsigned Timing::csr_cycles(unsigned number) const {
+  if (kind == CoreKind::ri5cy) return number == csr::kMstatus ? 4 : 1;
+  const bool counter = (number >= csr::kMcycle && number < csr::kMcycle + 32) ||
+                       (number >= csr::kMcycleh && number < csr::kMcycleh + 32) ||
+                       (number >= csr::kMcountinhibit && number < csr::kMcountinhibit + 32) ||
+                       (number >= csr::kCycle && number < csr::kCycle + 32) ||
+                       (number >= csr::kCycleh && number < csr::kCycleh + 32);
+  const bool status = number == csr::kMstatus || number == csr::kMepc || number == csr::kMtvec || number == csr::kMcause;
+  return counter || status ? 4 : 1;
+}
+
+unsigned static_cycles(const Timing& timing, const Previous& two_before, const Previous& before, const Current& current) {
+  if (is_jump(current.op)) {
+    const bool overwrites_load = is_load(before.op) && before.rd != 0 && !before.slow &&
+                                 current.rd == before.rd && current.rs1 != before.rd;
+    return jump_cycles(two_before, before, current) + (overwrites_load ? 1U : 0U);
+  }
+  return own_cycles(timing, current) + (load_stall(timing, before, current) ? 1U : 0U);
+}
+
+unsigned most_extra_cycles(Op op) {
+  if (is_load(op) || is_store(op)) return kMisalignedExtra;
+  if (is_branch(op)) return kTakenBranchExtra;
+  if (is_divide(op)) return 32;
+  return 0;
+}
+
+}  // namespace mebots::soc

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "isa/op.hpp"
+
+#include <bit>
+#include <cstdint>
+
+/// Cycles of a single-issue, in-order, four-stage core with zero-wait memories, as measured on the RTL of
+/// CV32E40P 1.8.3 and of RI5CY (early 2018, the age of GAP8):
+///
+///   cycles = instructions + 2 x taken branches + 1 x jumps + load-use stalls + jalr stalls
+///          + 1 x (jump or taken branch to a 32-bit instruction at an address 2 mod 4)
+///          + extra cycles of multi-cycle instructions
+namespace mebots::soc {
+
+enum class CoreKind : std::uint8_t { cv32e40p, ri5cy };
+
+/// Where the two cores differ.
+struct Timing {
+  CoreKind kind = CoreKind::ri5cy;
+
+  bool load_after_load_stalls() const { return kind == CoreKind::ri5cy; }      // same destination register
+  bool store_offset_looks_like_rd() const { return kind == CoreKind::ri5cy; }  // imm[4:0] compared with the load's rd
+  bool multi_cycle_hides_unaligned_target() const { return kind == CoreKind::ri5cy; }
+  unsigned csr_cycles(unsigned csr) const;
+};
+
+inline constexpr unsigned kTakenBranchExtra = 2;
+inline constexpr unsigned kUnalignedTargetExtra = 1;
+inline constexpr unsigned kMisalignedExtra = 1;
+inline constexpr unsigned kMultiplyHighCycles = 5;
+inline constexpr unsigned kDivideBaseCycles = 3;
+inline constexpr unsigned kFenceCycles = 4;
+/// Measured together as 9 (ecall + mret); the split is ours.
+inline constexpr unsigned kTrapEntryCycles = 4;
+inline constexpr unsigned kMretCycles = 5;
+
+/// What the pipeline still knows of an earlier instruction.
+struct Previous {
+  Op op = Op::end_of_block;  // = nothing
+  std::uint8_t rd = 0;       // 0 or above 31 = none
+  bool slow = false;         // took several cycles: mulh, div, misaligned load
+};
+
+/// The instruction whose cycles are asked for.
+struct Current {
+  Op op = Op::end_of_block;
+  std::uint8_t rd = 0;
+  std::uint8_t rs1 = 0;
+  std::uint8_t rs2 = 0;
+  std::int32_t imm = 0;
+};
+
+/// Cycles that an instruction takes after the two before it, without what only its execution can tell:
+/// taken branches, operands of divisions, misaligned addresses, unaligned targets.
+unsigned static_cycles(const Timing& timing, const Previous& two_before, const Previous& before, const Current& current);
+
+/// The most cycles that execution can add to `static_cycles`, apart from an unaligned target.
+unsigned most_extra_cycles(Op op);
+
+/// Steps of the serial divider beyond kDivideBaseCycles.
+constexpr unsigned divide_extra_unsigned(std::uint32_t divisor) {
+  return static_cast<unsigned>(std::countl_zero(divisor));
+}
+constexpr unsigned divide_extra_signed(std::uint32_t divisor) {
+  return static_cast<std::int32_t>(divisor) < 0 ? static_cast<unsigned>(std::countl_one(divisor)) - 1
+                                                : divide_extra_unsigned(divisor);
+}
+
+/// True when an access touches two words, which costs a second bus access.
+constexpr bool crosses_word(std::uint32_t address, unsigned size) { return (address & 3U) + size > 4; }
+
+}  // namespace mebots::soc

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "memory/memory.hpp"
+
+#include <fmt/core.h>
+
+#include <cstring>
+
+namespace mebots::soc {
+
+Region& Memory::add(const std::string& name, std::uint32_t base, std::uint32_t size) {
+  if (size == 0 || size % 4 != 0 || base % 4 != 0) {
+    throw Error(fmt::format("memory {}: base 0x{:08x} and size {} must be multiples of 4, the size above 0", name, base, size));
+  }
+  if (std::uint64_t{base} + size > 0x1'0000'0000ULL) {
+    throw Error(fmt::format("memory {}: 0x{:08x} + {} bytes passes the end of the 32-bit address space", name, base, size));
+  }
+  for (const auto& other : regions_) {
+    if (base < std::uint64_t{other.base} + other.size && other.base < std::uint64_t{base} + size) {
+      throw Error(fmt::format("memory {} at 0x{:08x} overlaps memory {} at 0x{:08x}", name, base, other.name, other.base));
+    }
+  }
+  Region region;
+  region.name = name;
+  region.base = base;
+  region.size = size;
+  region.data = std::make_unique<std::uint8_t[]>(size);
+  region.marks = std::make_unique<std::uint8_t[]>(size / 4);
+  return regions_.emplace_back(std::move(region));
+}
+
+Region* Memory::find(std::uint32_t address, std::uint32_t count) {
+  for (auto& region : regions_) {
+    if (region.holds(address, count)) return &region;
+  }
+  return nullptr;
+}
+
+const Region* Memory::find(std::uint32_t address, std::uint32_t count) const {
+  for (const auto& region : regions_) {
+    if (region.holds(address, count)) return &region;
+  }
+  return nullptr;
+}
+
+bool Memory::read(std::uint32_t address, std::span<std::uint8_t> bytes) const {
+  if (bytes.size() > 0xffffffffU) return false;
+  const auto* region = find(address, static_cast<std::uint32_t>(bytes.size()));
+  if (region == nullptr) return false;
+  if (!bytes.empty()) std::memcpy(bytes.data(), region->data.get() + (address - region->base), bytes.size());
+  return true;
+}
+
+bool Memory::write(std::uint32_t address, std::span<const std::uint8_t> bytes) {
+  if (bytes.size() > 0xffffffffU) return false;
+  auto* region = find(address, static_cast<std::uint32_t>(bytes.size()));
+  if (region == nullptr) return false;
+  if (!bytes.empty()) std::memcpy(region->data.get() + (address - region->base), bytes.data(), bytes.size());
+  return true;
+}
+
+void Memory::mark(std::uint32_t address, std::uint32_t count, std::uint8_t marks) {
+  auto* region = find(address, count);
+  if (region == nullptr || count == 0) return;
+  const auto first = (address - region->base) / 4;
+  const auto last = (address - region->base + count - 1) / 4;
+  for (auto word = first; word <= last; ++word) region->marks[word] |= marks;
+}
+
+bool Memory::marked(std::uint32_t address, std::uint32_t count, std::uint8_t marks) const {
+  const auto* region = find(address, count);
+  if (region == nullptr || count == 0) return false;
+  const auto first = (address - region->base) / 4;
+  const auto last = (address - region->base + count - 1) / 4;
+  for (auto word = first; word <= last; ++word) {
+    if ((region->marks[word] & marks) != 0) return true;
+  }
+  return false;
+}
+
+void Memory::unmark_all(std::uint8_t marks) {
+  for (auto& region : regions_) {
+    for (std::uint32_t word = 0; word < region.size / 4; ++word) {
+      region.marks[word] = static_cast<std::uint8_t>(region.marks[word] & ~marks);
+    }
+  }
+}
+
+void Memory::save(state::Writer& writer) const {
+  for (const auto& region : regions_) writer.put(std::span<const std::uint8_t>(region.data.get(), region.size));
+}
+
+void Memory::restore(state::Reader& reader) {
+  std::vector<std::uint8_t> bytes;
+  for (auto& region : regions_) {
+    reader.get(bytes);
+    if (bytes.size() != region.size) throw Error(fmt::format("a saved state does not fit memory {}: another board?", region.name));
+    std::memcpy(region.data.get(), bytes.data(), bytes.size());
+  }
+}
+
+}  // namespace mebots::soc

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "fmu_soc/variables.hpp"
+#include "soc.hpp"
+
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+namespace mebots::soc {
+
+/// The chip as the FMU's variables see it: parameters and inputs go to the devices, devices and ledger to the
+/// outputs. Plain C++; fmu.cpp binds it to FMI.
+///
+/// Inputs are sampled at the start of a step and hold for the instructions that start after it, up to and with the
+/// step's end. What those instructions ask for is in the outputs at the end.
+class Model {
+ public:
+  /// Below this bus voltage the chip's converter gives up: the chip loses power and stays without until reset.
+  static constexpr double kPowerLossVoltageV = 2.5;
+
+  /// Reads `resources`/ai_deck.json and the firmware: the parameter's file, or `resources`/gate.elf.
+  /// Throws Error naming parameter or file, value and limit.
+  Model(const Parameters& parameters, const std::filesystem::path& resources, Listeners listeners);
+
+  /// Writes the outputs at the start.
+  void start(const Inputs& inputs, std::int64_t start_ns, Outputs& outputs);
+  /// Goes from start_ns to start_ns + duration_ns (> 0). Throws Error for an input that is no number.
+  void step(const Inputs& inputs, std::int64_t start_ns, std::int64_t duration_ns, Outputs& outputs);
+
+  void save(state::Writer& writer) const;
+  void restore(state::Reader& reader);
+
+  const Soc& soc() const { return soc_; }
+
+ private:
+  void take_inputs(const Inputs& inputs);
+  void offer_picture(const Inputs& inputs);
+  void write(Outputs& outputs) const;
+
+  Listeners listeners_;
+  Soc soc_;
+  std::int64_t origin_ns_ = 0;
+  std::vector<std::uint8_t> decoded_;
+};
+
+}  // namespace mebots::soc

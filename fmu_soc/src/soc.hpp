@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "board_file.hpp"
+#include "chip.hpp"
+#include "clock.hpp"
+#include "devices/battery_gauge.hpp"
+#include "devices/camera.hpp"
+#include "devices/console.hpp"
+#include "devices/flight.hpp"
+#include "devices/mission_parameters.hpp"
+#include "devices/power_manager.hpp"
+#include "devices/timer.hpp"
+#include "elf/elf.hpp"
+#include "energy.hpp"
+#include "hart/hart.hpp"
+#include "memory/bus.hpp"
+#include "memory/memory.hpp"
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace mebots::soc {
+
+/// What a system starts with.
+struct Settings {
+  double clock_hz = 100e6;
+  double voltage_v = 1.2;
+  std::uint32_t frame_width = 320;
+  MissionParameters::Values mission;
+};
+
+/// Who listens to a system. Either may be empty.
+struct Listeners {
+  std::function<void(std::string_view line)> console;
+  std::function<void(std::string_view text)> faults;
+};
+
+/// Why a system does not run any more.
+enum class End : std::uint8_t { none, exited, faulted, powered_off, host };
+
+/// The chip with its devices and its program: a core that runs while time goes on.
+///
+/// Time rule: `advance(t)` executes every instruction that starts at or before t, and every event of a device up
+/// to t. So a request made at SoC time s is out at the first call with t >= s.
+class Soc final : private Bus {
+ public:
+  /// Throws Error for a board, settings or a program that do not fit.
+  Soc(const BoardDescription& board, const Chip& chip, const Settings& settings, const Elf& program, Listeners listeners);
+  Soc(const Soc&) = delete;
+  Soc& operator=(const Soc&) = delete;
+
+  /// Goes on to `time_ns`, which may not lie in the past.
+  void advance(std::int64_t time_ns);
+  /// Goes on until `cycle_limit` active cycles, the end, or a sleep that nothing can end. For programs run alone.
+  void run_cycles(std::uint64_t cycle_limit);
+
+  /// Stops at the store that makes this word other than 0.
+  void stop_when_stored(std::uint32_t address);
+
+  End end() const { return end_; }
+  bool running() const { return end_ == End::none; }
+  /// The chip loses its supply: nothing runs and nothing is consumed any more.
+  void power_off();
+
+  Picoseconds now() const { return now_; }
+  const Hart& hart() const { return hart_; }
+  Hart& hart() { return hart_; }
+  const Memory& memory() const { return memory_; }
+  const Elf& program() const { return program_; }
+  EnergyLedger energy() const { return meter_.at(activity()); }
+  /// Energy of the camera since the start [J]; 0 without one.
+  double camera_energy_j() const { return camera_ ? camera_->energy_j(supplied_until()) : 0; }
+  /// Time the core slept, up to now.
+  Picoseconds sleep_time() const;
+  std::int32_t exit_code() const { return power_manager_ ? power_manager_->exit_code() : 0; }
+  /// Why the core cannot go on, with function and instruction; empty without a fault.
+  std::string fault_text() const;
+
+  /// The board's devices; null when it has none of the kind.
+  Camera* camera() { return camera_.get(); }
+  const Camera* camera() const { return camera_.get(); }
+  Flight* flight() { return flight_.get(); }
+  const Flight* flight() const { return flight_.get(); }
+  BatteryGauge* battery() { return battery_.get(); }
+
+  void save(state::Writer& writer) const;
+  void restore(state::Reader& reader);
+
+ private:
+  struct Slot {
+    std::string name;
+    std::uint32_t base = 0;
+    std::uint32_t size = 0;  // bytes
+    int interrupt = -1;
+    Device* device = nullptr;
+  };
+
+  void add_devices(const BoardDescription& board, const Settings& settings);
+  void load_program();
+
+  bool load(std::uint32_t address, std::uint64_t cycle, std::uint32_t& value) override;
+  bool store(std::uint32_t address, std::uint64_t cycle, std::uint32_t value) override;
+  bool watched(std::uint32_t address) override;
+  const Slot* slot_at(std::uint32_t address) const;
+
+  void go_on(Picoseconds until, std::uint64_t cycle_limit);
+  void handle(Stop stop);
+  Picoseconds next_event() const;
+  void advance_devices(Picoseconds time);
+  void update_lines();
+  void apply_power_settings();
+  void wake_if_interrupted(Picoseconds time);
+  void finish(End why);
+  Picoseconds core_time() const { return clock_.time_of(hart_.counters().cycles); }
+  Picoseconds supplied_until() const { return end_ == End::powered_off ? end_time_ : now_; }
+  Activity activity() const;
+
+  const Chip& chip_;
+  Listeners listeners_;
+  Elf program_;
+  Memory memory_;
+  std::vector<Slot> slots_;
+  std::unique_ptr<Console> console_;
+  std::unique_ptr<Timer> timer_;
+  std::unique_ptr<PowerManager> power_manager_;
+  std::unique_ptr<Camera> camera_;
+  std::unique_ptr<Flight> flight_;
+  std::unique_ptr<BatteryGauge> battery_;
+  std::unique_ptr<MissionParameters> mission_;
+  Hart hart_;
+  Clock clock_;
+  EnergyMeter meter_;
+  std::uint32_t voltage_mv_ = 0;
+  std::optional<std::uint32_t> stop_word_;
+
+  Picoseconds now_ = 0;
+  End end_ = End::none;
+  Picoseconds end_time_ = 0;
+  bool asleep_ = false;              // the core waits for an interrupt, or has ended
+  Picoseconds asleep_since_ = 0;
+  Picoseconds slept_ = 0;            // up to the last waking
+};
+
+}  // namespace mebots::soc

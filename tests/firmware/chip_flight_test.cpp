@@ -1,0 +1,247 @@
+// SPDX-License-Identifier: Apache-2.0
+// The built firmware on the simulated chip, with pictures of the real renderer and a plain model of the drone. Signals
+// cross between the two as under the master: what is out at a communication point acts from there on.
+
+#include "app/navigator.h"
+
+#include "plain_drone.hpp"
+#include "rendered_world.hpp"
+#include "soc.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <string>
+#include <vector>
+
+namespace mebots::firmware_test {
+namespace {
+
+using testing::Contains;
+using testing::HasSubstr;
+
+constexpr std::int64_t kStepNs = 2'000'000;
+constexpr double kStep_s = 0.002;
+
+enum Phase { kOnGround, kClimbing, kFlying, kDescending, kLanded, kCrashed };
+enum Mode { kOff, kTakeOff, kFly, kLand };
+
+double from_micro(std::uint32_t word) {
+  return static_cast<std::int32_t>(word) * 1e-6;
+}
+
+struct Surroundings {
+  bool with_gate = true;
+  bool with_pictures = true;
+  double charge = 1.0;
+  double charge_per_second = 0.0;  ///< that is used up
+  double crash_at_s = 1e9;
+  std::uint32_t picture_edge_px = 320;
+};
+
+struct Outcome {
+  std::vector<std::string> console;
+  std::vector<navigator_output_t> answers;  ///< of this machine to the pictures, in their order
+  Crossing crossing;
+  BodyPose last;
+  int phase = kOnGround;
+  int exit_code = -1;
+  bool ended = false;
+  std::string fault;
+  double time_s = 0.0;
+  std::uint64_t instructions = 0;
+};
+
+Outcome run(const soc::MissionParameters::Values& mission, const Surroundings& around, double limit_s) {
+  Outcome outcome;
+  soc::Settings settings;
+  settings.mission = mission;
+  settings.frame_width = around.picture_edge_px;
+  soc::Listeners listeners;
+  listeners.console = [&](std::string_view line) { outcome.console.emplace_back(line); };
+  const auto board = soc::read_board(std::string(MEBOTS_SOURCE_DIR) + "/configs/boards/ai_deck.json");
+  const auto program = soc::Elf::read(std::string(MEBOTS_BINARY_DIR) + "/firmware/gate.elf");
+  soc::Soc chip(board, soc::gap8(), settings, program, listeners);
+
+  auto scene = load_scene("gate_easy");
+  const auto gate = scene.gates.at(0);
+  if (!around.with_gate) scene.gates.clear();
+  const auto edge = static_cast<int>(around.picture_edge_px);
+  Camera camera(scene, 2.0, edge, edge);
+  PlainDrone drone;
+  drone.pose.p_WB_m = scene.start.p_WB_m;
+  drone.pose.yaw_rad = scene.start.yaw_rad;
+  std::vector<std::uint8_t> picture;
+  std::int32_t picture_id = 0;
+
+  for (std::int64_t k = 0; !outcome.ended && k * kStep_s < limit_s; ++k) {
+    outcome.time_s = k * kStep_s;
+    chip.battery()->set_voltage_v(3.7);
+    chip.battery()->set_state_of_charge(around.charge - around.charge_per_second * outcome.time_s);
+    auto& inputs = chip.flight()->inputs;
+    inputs = {outcome.phase, drone.pose.p_WB_m.z(), drone.velocity_m_s, drone.pose.yaw_rad};
+    if (chip.camera()->wants(picture_id)) chip.camera()->offer(picture, chip.now());
+    // What the chip put out up to here, before its next step.
+    const auto sent = chip.flight()->sent();
+    const auto requests = chip.camera()->requests();
+    chip.advance((k + 1) * kStepNs);
+
+    if (around.with_pictures && requests != picture_id) {
+      picture = camera.take(drone.pose, 1);
+      picture_id = requests;
+      outcome.answers.push_back(navigate(picture.data(), camera.width(), camera.height()));
+    }
+    const Eigen::Vector3d before_m = drone.pose.p_WB_m;
+    if (outcome.time_s >= around.crash_at_s) {
+      outcome.phase = kCrashed;
+    } else if (sent.mode == kTakeOff && outcome.phase <= kClimbing) {
+      outcome.phase = drone.climb(kStep_s, from_micro(sent.altitude)) ? kFlying : kClimbing;
+    } else if (sent.mode == kFly) {
+      drone.move(kStep_s, from_micro(sent.velocity_x), from_micro(sent.yaw_rate));
+    } else if (sent.mode == kLand && outcome.phase != kLanded) {
+      drone.move(kStep_s, 0.0, 0.0);
+      outcome.phase = drone.climb(kStep_s, 0.0145) ? kLanded : kDescending;
+    }
+    outcome.crossing.look(gate, before_m, drone.pose);
+    outcome.ended = !chip.running();
+  }
+  outcome.last = drone.pose;
+  outcome.exit_code = chip.exit_code();
+  outcome.fault = chip.fault_text();
+  outcome.instructions = chip.hart().counters().instructions;
+  return outcome;
+}
+
+constexpr soc::MissionParameters::Values kMission{0.2777778, 1.0, 0.1, 0.5, 0.1, 0};
+
+void show(const Outcome& outcome) {
+  for (const auto& line : outcome.console) std::printf("[ console  ] %s\n", line.c_str());
+}
+
+/// The flight with the mission's defaults, flown once.
+const Outcome& easy_flight() {
+  static const Outcome outcome = run(kMission, {}, 60.0);
+  return outcome;
+}
+
+TEST(ChipFlight, FirmwareTakesOffPassesTheEasyGateLandsAndExitsWithZero) {
+  const auto& outcome = easy_flight();
+  show(outcome);
+  std::printf("[ measured ] %.3f m left of the middle, %.0f million instructions in %.1f s\n",
+              outcome.crossing.lateral_m, outcome.instructions * 1e-6, outcome.time_s);
+  ASSERT_TRUE(outcome.ended) << outcome.fault;
+  EXPECT_EQ(outcome.exit_code, 0);
+  EXPECT_EQ(outcome.phase, kLanded);
+  EXPECT_TRUE(outcome.crossing.clear_of(load_scene("gate_easy").gates[0]));
+  EXPECT_THAT(outcome.console, Contains(HasSubstr("gate passed, landed after")));
+  EXPECT_THAT(outcome.console, Contains(HasSubstr("0 late, 0 periods overrun")));
+}
+
+TEST(ChipFlight, OneInferenceCostsLessThanThreeMillionInstructions) {
+  unsigned mean = 0;
+  unsigned most = 0;
+  for (const auto& line : easy_flight().console) {
+    std::sscanf(line.c_str(), "instructions per inference: mean %u, most %u", &mean, &most);
+  }
+  EXPECT_GT(mean, 100'000U);
+  EXPECT_LE(mean, most);
+  EXPECT_LT(most, 3'000'000U);
+}
+
+TEST(ChipFlight, TheChipSeesInEachPictureWhatTheSameCodeSeesOnThisMachine) {
+  const auto& outcome = easy_flight();
+  int compared = 0;
+  for (const auto& line : outcome.console) {
+    const auto at = line.find("picture ");
+    unsigned number = 0;
+    unsigned confidence = 0;
+    double distance_m = 0.0;
+    double yaw = 0.0;
+    if (at == std::string::npos || line.find("gate at") == std::string::npos) continue;
+    ASSERT_EQ(std::sscanf(line.c_str() + at, "picture %u, %*[a-z], gate at %lf m, output %lf, confidence %u", &number,
+                          &distance_m, &yaw, &confidence),
+              4)
+        << line;
+    ASSERT_LE(number, outcome.answers.size());
+    const auto& answer = outcome.answers[number - 1];
+    EXPECT_EQ(std::lround(1000.0 * distance_m), answer.distance_mm) << line;
+    EXPECT_EQ(std::lround(1000.0 * yaw), answer.yaw * 1000 / 127) << line;
+    EXPECT_EQ(confidence, answer.confidence) << line;
+    ++compared;
+  }
+  EXPECT_GE(compared, 8);
+}
+
+TEST(ChipFlight, TwoRunsPrintTheSameAndEndInTheSamePlace) {
+  const auto second = run(kMission, {}, 60.0);
+  EXPECT_EQ(easy_flight().console, second.console);
+  EXPECT_EQ(easy_flight().last.p_WB_m, second.last.p_WB_m);
+  EXPECT_EQ(easy_flight().instructions, second.instructions);
+}
+
+TEST(ChipFlight, FirmwareLandsAtTheLandingChargeWithoutAGateToPass) {
+  Surroundings around;
+  around.with_gate = false;
+  around.charge = 0.12;
+  around.charge_per_second = 0.002;
+  const auto outcome = run(kMission, around, 40.0);
+  ASSERT_TRUE(outcome.ended) << outcome.fault;
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_EQ(outcome.phase, kLanded);
+  EXPECT_THAT(outcome.console, Contains(HasSubstr("charge 0.100: time to land")));
+}
+
+TEST(ChipFlight, FirmwareStaysOnTheGroundAtTheLandingCharge) {
+  Surroundings around;
+  around.charge = 0.1;
+  const auto outcome = run(kMission, around, 2.0);
+  ASSERT_TRUE(outcome.ended) << outcome.fault;
+  EXPECT_EQ(outcome.exit_code, 3);
+  EXPECT_EQ(outcome.phase, kOnGround);
+}
+
+TEST(ChipFlight, FirmwareEndsWithTwoWhenTheDroneCrashes) {
+  for (const double crash_at_s : {1.0, 10.0}) {  // climbing, flying
+    SCOPED_TRACE(crash_at_s);
+    Surroundings around;
+    around.crash_at_s = crash_at_s;
+    const auto outcome = run(kMission, around, 20.0);
+    ASSERT_TRUE(outcome.ended) << outcome.fault;
+    EXPECT_EQ(outcome.exit_code, 2);
+  }
+}
+
+TEST(ChipFlight, FirmwareLandsWhenThePictureDoesNotFitItsBuffer) {
+  Surroundings around;
+  around.picture_edge_px = 400;
+  const auto outcome = run(kMission, around, 20.0);
+  ASSERT_TRUE(outcome.ended) << outcome.fault;
+  EXPECT_EQ(outcome.exit_code, 4);
+  EXPECT_EQ(outcome.phase, kLanded);
+}
+
+TEST(ChipFlight, FirmwareHoversAndCountsWhenNoPictureComes) {
+  Surroundings around;
+  around.with_pictures = false;
+  around.charge = 0.12;
+  around.charge_per_second = 0.002;
+  const auto outcome = run(kMission, around, 40.0);
+  ASSERT_TRUE(outcome.ended) << outcome.fault;
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_THAT(outcome.console, Contains(HasSubstr("0 pictures, 0 with a gate")));
+}
+
+TEST(ChipFlight, AdaptivePolicyPassesTheEasyGateToo) {
+  auto mission = kMission;
+  mission.policy = 1;
+  const auto outcome = run(mission, {}, 60.0);
+  ASSERT_TRUE(outcome.ended) << outcome.fault;
+  EXPECT_EQ(outcome.exit_code, 0);
+  EXPECT_TRUE(outcome.crossing.clear_of(load_scene("gate_easy").gates[0]));
+}
+
+}  // namespace
+}  // namespace mebots::firmware_test

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "assembler.hpp"
+
+#include "mebots/error.hpp"
+
+#include <fmt/core.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <sstream>
+
+namespace mebots::soc::test {
+namespace {
+
+/// A folder of its own that goes away.
+class TemporaryFolder {
+ public:
+  TemporaryFolder() {
+    auto name = (std::filesystem::temp_directory_path() / "mebots-soc-XXXXXX").string();
+    if (mkdtemp(name.data()) == nullptr) throw Error("no temporary folder");
+    path_ = name;
+  }
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  ~TemporaryFolder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  std::filesystem::path operator/(std::string_view name) const { return path_ / name; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+std::string output_of(const std::string& command) {
+  auto* pipe = popen(command.c_str(), "r");
+  if (pipe == nullptr) throw Error(fmt::format("cannot run {}", command));
+  std::string text;
+  char buffer[4096];
+  while (const auto count = std::fread(buffer, 1, sizeof buffer, pipe)) text.append(buffer, count);
+  if (pclose(pipe) != 0) throw Error(fmt::format("failed: {}\n{}", command, text));
+  return text;
+}
+
+std::vector<std::uint8_t> read_file(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  const std::vector<char> text{std::istreambuf_iterator<char>(file), {}};
+  return {text.begin(), text.end()};
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> assemble_file(std::string_view text, std::uint32_t address) {
+  const TemporaryFolder folder;
+  const auto source = folder / "program.S";
+  const auto program = folder / "program.elf";
+  std::ofstream(source) << ".globl _start\n" << text << "\n";
+  output_of(fmt::format("{} -march=rv32imc_zicsr_zifencei -mabi=ilp32 -nostdlib -nostartfiles -I{} "
+                        "-Wl,-n -Wl,-Ttext=0x{:x} -Wl,--no-relax -Wl,--build-id=none {} -o {} 2>&1",
+                        MEBOTS_RISCV_GCC, MEBOTS_BOARD_INCLUDE, address, source.string(), program.string()));
+  return read_file(program);
+}
+
+Elf assemble(std::string_view text, std::uint32_t address) { return Elf::parse(assemble_file(text, address), "test program"); }
+
+std::vector<std::string> disassemble_with_objdump(const std::vector<std::uint8_t>& code) {
+  const TemporaryFolder folder;
+  const auto path = folder / "code.bin";
+  {
+    std::ofstream file(path, std::ios::binary);
+    file.write(reinterpret_cast<const char*>(code.data()), static_cast<std::streamsize>(code.size()));
+  }
+  std::string tool = MEBOTS_RISCV_GCC;
+  tool.replace(tool.rfind("gcc"), 3, "objdump");
+  std::istringstream lines(output_of(fmt::format("{} -D -z -b binary -m riscv:rv32 -M no-aliases {}", tool, path.string())));
+  std::vector<std::string> found;
+  for (std::string line; std::getline(lines, line);) {
+    // "      2a:	0001                	c.addi	zero,0"
+    const auto colon = line.find(":\t");
+    if (colon == std::string::npos) continue;
+    const auto tab = line.find('\t', colon + 2);
+    found.push_back(tab == std::string::npos ? "" : line.substr(tab + 1));
+  }
+  return found;
+}
+
+}  // namespace mebots::soc::test

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "elf/elf.hpp"
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace mebots::soc::test {
+
+/// Assembles and links assembly text (through the C preprocessor) with Debian's cross compiler; `_start` is the entry.
+Elf assemble(std::string_view text, std::uint32_t address = 0x80000000);
+/// The same as the bytes of the ELF file.
+std::vector<std::uint8_t> assemble_file(std::string_view text, std::uint32_t address = 0x80000000);
+/// What objdump says of raw code bytes, one line each, at address 0.
+std::vector<std::string> disassemble_with_objdump(const std::vector<std::uint8_t>& code);
+
+}  // namespace mebots::soc::test

@@ -1,0 +1,292 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hart/csr_numbers.hpp"
+#include "isa/encoding.hpp"
+#include "machine.hpp"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+namespace mebots::soc::test {
+namespace {
+
+/// A handler that notes mcause, mepc and mtval in s2, s3, s4, and goes on after an instruction of 4 bytes.
+std::string with_handler(std::string_view body) {
+  return fmt::format(R"(
+_start: .option norvc
+    la t0, handler
+    csrw mtvec, t0
+    {}
+    {}
+    .balign 4
+handler: csrr s2, mcause
+    csrr s3, mepc
+    csrr s4, mtval
+    addi t1, s3, 4
+    csrw mepc, t1
+    mret
+)",
+                     body, kEnd);
+}
+
+struct Expected {
+  std::string body;
+  std::uint32_t cause;
+  std::uint32_t value;
+};
+
+TEST(Trap, TellsCauseAddressAndInstructionPrecisely) {
+  const std::vector<Expected> cases{
+      {"li a1, 7\nat: ecall\nli a1, 8", cause::kMachineEcall, 0},
+      {"li a1, 7\nat: .word 0xffffffff\nli a1, 8", cause::kIllegalInstruction, 0xffffffff},
+      {"li a1, 7\nat: .half 0\n.half 0x0001\nli a1, 8", cause::kIllegalInstruction, 0},
+      {"li a1, 7\nat: csrr a0, 0x7c0\nli a1, 8", cause::kIllegalInstruction, 0x7c002573},
+      {"li a1, 7\nat: csrw mhartid, a1\nli a1, 8", cause::kIllegalInstruction, 0xf1459073},
+      {"li a0, 0x1000\nli a1, 7\nat: lw a2, 4(a0)\nli a1, 8", cause::kLoadAccess, 0x1004},
+      {"li a0, 0x1000\nli a1, 7\nat: sb a2, -1(a0)\nli a1, 8", cause::kStoreAccess, 0xfff},
+      {"li a0, 0x800ffffe\nli a1, 7\nat: lw a2, 0(a0)\nli a1, 8", cause::kLoadAccess, 0x800ffffe},
+  };
+  for (const auto& expected : cases) {
+    Machine machine(with_handler(expected.body));
+    ASSERT_EQ(machine.run(), Stop::watch) << expected.body;
+    EXPECT_EQ(machine.reg(18), expected.cause) << expected.body;
+    EXPECT_EQ(machine.reg(19), *machine.program().symbol("at")) << expected.body;
+    EXPECT_EQ(machine.reg(20), expected.value) << expected.body;
+    EXPECT_EQ(machine.reg(11), 8U) << "went on after it: " << expected.body;
+  }
+}
+
+TEST(Trap, OfAFetchFromNothingHasTheTargetAsPc) {
+  Machine machine(fmt::format(R"(
+_start: la t0, handler
+    csrw mtvec, t0
+    li t1, 0x4000
+    la ra, back
+    jr t1
+back: {}
+    .balign 4
+handler: csrr s2, mcause
+    csrr s3, mepc
+    csrr s4, mtval
+    csrw mepc, ra
+    mret
+)",
+                              kEnd));
+  ASSERT_EQ(machine.run(), Stop::watch);
+  EXPECT_EQ(machine.reg(18), cause::kFetchAccess);
+  EXPECT_EQ(machine.reg(19), 0x4000U);
+  EXPECT_EQ(machine.reg(20), 0x4000U);
+}
+
+TEST(Trap, DoesNotCountTheInstructionAsRetired) {
+  Machine machine(with_handler("csrr s5, minstret\necall\ncsrr s6, minstret"));
+  ASSERT_EQ(machine.run(), Stop::watch);
+  // First csrr, six of the handler; the ecall itself not.
+  EXPECT_EQ(machine.reg(22) - machine.reg(21), 7U);
+}
+
+TEST(Trap, WithoutAHandlerEndsTheCoreWithItsCause) {
+  Machine machine("_start: nop\nat: .word 0xffffffff\n");
+  ASSERT_EQ(machine.run(), Stop::fault);
+  EXPECT_FALSE(machine.hart().fault().double_trap);
+  EXPECT_EQ(machine.hart().fault().cause, cause::kIllegalInstruction);
+  EXPECT_EQ(machine.hart().fault().pc, *machine.program().symbol("at"));
+  EXPECT_EQ(machine.hart().fault().instruction, 0xffffffffU);
+  EXPECT_EQ(machine.run(), Stop::fault) << "stays so";
+}
+
+TEST(Trap, InsideItsOwnHandlerForEverEndsTheCore) {
+  Machine machine("_start: la t0, handler\ncsrw mtvec, t0\nli sp, 0x100\nsw a0, 0(sp)\n.balign 4\nhandler: addi sp, sp, -16\n"
+                  "at: sw a0, 0(sp)\nmret\n");
+  ASSERT_EQ(machine.run(), Stop::fault) << "a stack that grew into nothing, met by a handler that pushes";
+  EXPECT_TRUE(machine.hart().fault().double_trap);
+  EXPECT_EQ(machine.hart().fault().cause, cause::kStoreAccess);
+  EXPECT_EQ(machine.hart().fault().pc, *machine.program().symbol("at"));
+}
+
+TEST(Csr, KeepsItsBitsAndNoOthers) {
+  Machine machine(fmt::format(R"(
+_start: li t0, -1
+    csrw mstatus, t0
+    csrr s2, mstatus
+    csrw mie, t0
+    csrr s3, mie
+    csrw mtvec, t0
+    csrr s4, mtvec
+    csrw mepc, t0
+    csrr s5, mepc
+    csrw mip, t0
+    csrr s6, mip
+    csrr s7, misa
+    csrr s8, mhartid
+    csrw mscratch, t0
+    csrrc s9, mscratch, 5
+    csrr s10, mscratch
+    csrrwi s11, mhpmcounter7, 31
+    csrr a0, mhpmcounter7
+    csrw mhpmevent31, t0
+    csrr a1, mhpmevent31
+    {}
+)",
+                              kEnd));
+  ASSERT_EQ(machine.run(), Stop::watch);
+  EXPECT_EQ(machine.reg(18), 0x00001888U) << "machine mode, MIE, MPIE";
+  EXPECT_EQ(machine.reg(19), 0xffff0888U);
+  EXPECT_EQ(machine.reg(20), 0xfffffffdU) << "direct or vectored";
+  EXPECT_EQ(machine.reg(21), 0xfffffffeU);
+  EXPECT_EQ(machine.reg(22), 0U);
+  EXPECT_EQ(machine.reg(23), 0x40001104U) << "RV32IMC";
+  EXPECT_EQ(machine.reg(24), 0U);
+  EXPECT_EQ(machine.reg(25), 0xffffffffU);
+  EXPECT_EQ(machine.reg(26), 0xfffffffaU);
+  EXPECT_EQ(machine.reg(27), 0U);
+  EXPECT_EQ(machine.reg(10), 0U);
+  EXPECT_EQ(machine.reg(11), 0U);
+}
+
+TEST(Csr, ReadOfAReadOnlyRegisterBySetWithX0IsNoWrite) {
+  Machine machine(fmt::format("_start: csrrs a0, mvendorid, zero\ncsrrci a1, marchid, 0\n{}", kEnd));
+  ASSERT_EQ(machine.run(), Stop::watch);
+  EXPECT_EQ(machine.reg(10), 0x602U);
+  EXPECT_EQ(machine.reg(11), 4U);
+}
+
+TEST(Counter, OfInstructionsCanBeSetStoppedAndRead) {
+  Machine machine(fmt::format(R"(
+_start: li t0, 100
+    csrw minstret, t0
+    csrr s2, minstret
+    csrwi mcountinhibit, 5
+    csrr s3, minstret
+    nop
+    nop
+    csrr s4, minstret
+    csrr s5, mcycle
+    csrr s6, mcycle
+    csrwi mcountinhibit, 0
+    csrr s7, minstret
+    csrr s8, minstreth
+    csrr s9, instret
+    {}
+)",
+                              kEnd));
+  ASSERT_EQ(machine.run(), Stop::watch);
+  EXPECT_EQ(machine.reg(18), 101U) << "the write itself counts";
+  EXPECT_EQ(machine.reg(19), machine.reg(20)) << "stands still";
+  EXPECT_EQ(machine.reg(21), machine.reg(22));
+  EXPECT_EQ(machine.reg(23), machine.reg(19) + 1) << "goes on where it stood, with the write that let it go";
+  EXPECT_EQ(machine.reg(24), 0U);
+  EXPECT_EQ(machine.reg(25), machine.reg(23) + 2);
+}
+
+TEST(Code, ThatIsWrittenOverRunsAsWritten) {
+  // The loop body changes from "addi a0, a0, 1" to "addi a0, a0, 16" after its first turn.
+  Machine machine(fmt::format(R"(
+_start: .option norvc
+    la s0, body
+    li s1, 0x01050513
+    li s2, 3
+body: addi a0, a0, 1
+    sw s1, 0(s0)
+    fence.i
+    addi s2, s2, -1
+    bnez s2, body
+    {}
+)",
+                              kEnd));
+  ASSERT_EQ(machine.run(), Stop::watch);
+  EXPECT_EQ(machine.reg(10), 1U + 16 + 16);
+}
+
+TEST(Code, ThatChangesItsOwnNextInstructionRunsAsWritten) {
+  Machine machine(fmt::format("_start: .option norvc\nla s0, next\nli s1, 0x01050513\nsw s1, 0(s0)\nnext: addi a0, a0, 1\n{}", kEnd));
+  ASSERT_EQ(machine.run(), Stop::watch);
+  EXPECT_EQ(machine.reg(10), 16U);
+}
+
+TEST(Code, LargerThanTheBlockCacheRuns) {
+  // 80000 instructions in a row, twice: more than the cache holds.
+  Machine machine(fmt::format("_start: li s0, 2\n2: .option norvc\n.rept 80000\naddi a0, a0, 1\n.endr\naddi s0, s0, -1\n"
+                              "beqz s0, 3f\nla t0, 2b\njr t0\n3: {}",
+                              kEnd));
+  ASSERT_EQ(machine.run(), Stop::watch);
+  EXPECT_EQ(machine.reg(10), 160000U);
+}
+
+TEST(Memory, OfTheSecondRegionWorksLikeTheFirst) {
+  Machine machine(fmt::format("_start: li s0, 0x70000ffc\nli a0, 0x12345678\nsw a0, 0(s0)\nlw a1, 0(s0)\nlbu a2, 3(s0)\n"
+                              "sb a0, 3(s0)\nlw a3, 0(s0)\n{}",
+                              kEnd));
+  ASSERT_EQ(machine.run(), Stop::watch);
+  EXPECT_EQ(machine.reg(11), 0x12345678U);
+  EXPECT_EQ(machine.reg(12), 0x12U);
+  EXPECT_EQ(machine.reg(13), 0x78345678U);
+}
+
+TEST(Run, EndsAtTheStoreIntoTohost) {
+  Machine machine("_start: la t0, tohost\nli a0, 3\nsw a0, 0(t0)\nli a0, 4\n1: j 1b\n.data\n.globl tohost\ntohost: .word 0, 0\n");
+  ASSERT_EQ(machine.run(), Stop::watch);
+  EXPECT_EQ(machine.reg(10), 3U) << "nothing later is executed";
+}
+
+TEST(Run, CountsTheSameHoweverItIsSplit) {
+  // Loads, dependent jumps, branches, divisions, misaligned accesses, calls: all that has a delay.
+  const auto program = assemble(fmt::format(R"(
+_start: la s0, data
+    li s1, 40
+2:  lw a0, 0(s0)
+    addi a0, a0, 3
+    sw a0, 2(s0)
+    lw a1, 2(s0)
+    div a2, a0, s1
+    jal helper
+    mulh a3, a0, a0
+    j 3f
+    nop
+3:  la t0, pointer
+    lw t1, 0(t0)
+    jalr t1
+    lh a4, 3(s0)
+    beqz a4, 4f
+    c.nop
+4:  addi s1, s1, -1
+    lw a5, 1(s0)
+    bnez s1, 2b
+    csrr s2, mcycle
+    csrr s3, minstret
+    {}
+helper: sw ra, 8(s0)
+    lw ra, 8(s0)
+    ret
+    .data
+    .balign 4
+pointer: .word helper
+data: .word 77, 0, 0, 0, 0, 0
+)",
+                                            kEnd));
+  for (const auto kind : {CoreKind::cv32e40p, CoreKind::ri5cy}) {
+    Machine straight(program, kind);
+    ASSERT_EQ(straight.run(), Stop::watch);
+    for (const std::uint64_t piece : {1U, 2U, 3U, 5U, 7U, 64U, 1000U}) {
+      Machine split(program, kind);
+      std::uint64_t limit = 0;
+      Stop stop = Stop::limit;
+      while (stop == Stop::limit) stop = split.run(limit += piece);
+      EXPECT_EQ(stop, Stop::watch);
+      EXPECT_EQ(split.hart().counters().cycles, straight.hart().counters().cycles) << "pieces of " << piece;
+      EXPECT_EQ(split.hart().counters().instructions, straight.hart().counters().instructions);
+      EXPECT_EQ(split.hart().counters().accesses, straight.hart().counters().accesses);
+      for (unsigned i = 0; i < 32; ++i) EXPECT_EQ(split.reg(i), straight.reg(i)) << register_name(i);
+    }
+  }
+}
+
+TEST(Run, StartsNoInstructionAtOrAfterTheLimit) {
+  Machine machine("_start: .option norvc\n.rept 100\naddi a0, a0, 1\n.endr\n1: j 1b\n");
+  EXPECT_EQ(machine.run(37), Stop::limit);
+  EXPECT_EQ(machine.reg(10), 37U);
+  EXPECT_EQ(machine.run(38), Stop::limit);
+  EXPECT_EQ(machine.reg(10), 38U);
+}
+
+}  // namespace
+}  // namespace mebots::soc::test

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "machine.hpp"
+
+#include "mebots/error.hpp"
+
+#include <fmt/core.h>
+
+namespace mebots::soc::test {
+
+Memory Machine::make_memory() {
+  Memory memory;
+  memory.add("ram", kRam, 1U << 20);
+  memory.add("small", kSmallRam, 4096);
+  return memory;
+}
+
+Machine::Machine(const Elf& program, CoreKind kind)
+    : program_(program), memory_(make_memory()), hart_(memory_, *this, Timing{kind}, InstructionEnergy{}) {
+  for (const auto& segment : program_.segments()) {
+    if (!memory_.write(segment.address, segment.bytes)) throw Error("test program outside the RAM");
+  }
+  if (const auto tohost = program_.symbol("tohost")) memory_.mark(*tohost, 4, Region::kWatch);
+  hart_.reset(program_.entry());
+}
+
+std::uint32_t Machine::word(std::uint32_t address) const {
+  std::uint32_t value = 0;
+  if (!memory_.read(address, {reinterpret_cast<std::uint8_t*>(&value), sizeof value})) {
+    throw Error(fmt::format("no RAM at 0x{:08x}", address));
+  }
+  return value;
+}
+
+std::uint32_t Machine::word(std::string_view symbol, std::uint32_t index) const {
+  const auto address = program_.symbol(symbol);
+  if (!address) throw Error(fmt::format("no symbol {}", symbol));
+  return word(*address + 4 * index);
+}
+
+}  // namespace mebots::soc::test
