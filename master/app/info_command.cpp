@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "info_command.hpp"
+
+#include "mebots/master/fmu.hpp"
+#include "mebots/master/input_error.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <vector>
+
+namespace mebots::app {
+namespace {
+
+using namespace mebots::modeldesc;
+
+std::string shown(const ModelDescription& model, const Variable& variable) {
+  struct Show {
+    std::string operator()(std::monostate) const { return {}; }
+    std::string operator()(double value) const { return fmt::format("{}", value); }
+    std::string operator()(std::int32_t value) const { return fmt::format("{}", value); }
+    std::string operator()(bool value) const { return value ? "true" : "false"; }
+    std::string operator()(const std::string& value) const { return fmt::format("\"{}\"", value); }
+  };
+  if (const auto* type = model.type_definition(variable.declared_type);
+      type != nullptr && std::holds_alternative<std::int32_t>(variable.start)) {
+    for (const auto& item : type->items) {
+      if (item.value == std::get<std::int32_t>(variable.start)) return item.name;
+    }
+  }
+  return std::visit(Show{}, variable.start);
+}
+
+std::string range_text(const Variable& variable) {
+  if (!variable.min && !variable.max) return {};
+  return fmt::format("{} .. {}", variable.min ? fmt::format("{}", *variable.min) : "",
+                     variable.max ? fmt::format("{}", *variable.max) : "");
+}
+
+void print_field(std::string_view label, std::string_view text) {
+  if (!text.empty()) fmt::print("{:<18}{}\n", label, text);
+}
+
+void print_flags(const CoSimulation& co_simulation) {
+  std::vector<std::string> yes;
+  const auto flag = [&](bool value, const char* name) {
+    if (value) yes.emplace_back(name);
+  };
+  flag(co_simulation.can_handle_variable_communication_step_size, "variable step");
+  flag(co_simulation.can_get_and_set_fmu_state, "saves state");
+  flag(co_simulation.can_serialize_fmu_state, "serialises state");
+  flag(co_simulation.can_interpolate_inputs, "interpolates inputs");
+  flag(co_simulation.provides_directional_derivative, "directional derivatives");
+  flag(co_simulation.can_run_asynchronuously, "asynchronous steps");
+  flag(co_simulation.can_be_instantiated_only_once_per_process, "one instance per process");
+  flag(co_simulation.needs_execution_tool, "needs its tool");
+  print_field("co-simulation", fmt::format("{} ({})", co_simulation.model_identifier, fmt::join(yes, ", ")));
+}
+
+/// A table whose columns are as wide as their longest cell; the last one runs free.
+void print_table(const std::vector<std::vector<std::string>>& rows) {
+  std::vector<std::size_t> widths;
+  for (const auto& row : rows) {
+    widths.resize(std::max(widths.size(), row.size()));
+    for (std::size_t i = 0; i + 1 < row.size(); ++i) widths[i] = std::max(widths[i], row[i].size());
+  }
+  for (const auto& row : rows) {
+    std::string line;
+    for (std::size_t i = 0; i < row.size(); ++i) line += fmt::format("{:<{}}  ", row[i], widths[i]);
+    line.erase(line.find_last_not_of(' ') + 1);
+    fmt::print("{}\n", line);
+  }
+}
+
+void print_variables(const ModelDescription& model) {
+  std::vector<std::vector<std::string>> rows = {
+      {"variable", "causality", "variability", "type", "unit", "start", "range", "text"}};
+  constexpr Causality kOrder[] = {Causality::parameter, Causality::input,
+                                  Causality::output,    Causality::calculated_parameter,
+                                  Causality::local,     Causality::independent};
+  for (const auto causality : kOrder) {
+    for (const auto& variable : model.variables) {
+      if (variable.causality != causality) continue;
+      const bool named_type = variable.type == Type::enumeration && !variable.declared_type.empty();
+      rows.push_back({variable.name, std::string(to_string(variable.causality)),
+                      std::string(to_string(variable.variability)),
+                      named_type ? variable.declared_type : std::string(to_string(variable.type)), variable.unit,
+                      shown(model, variable), range_text(variable), variable.text});
+    }
+  }
+  print_table(rows);
+}
+
+void print_types(const ModelDescription& model) {
+  for (const auto& type : model.types) {
+    if (type.items.empty()) continue;
+    std::vector<std::string> items;
+    for (const auto& item : type.items) items.push_back(fmt::format("{} = {}", item.name, item.value));
+    print_field("enumeration", fmt::format("{}: {}", type.name, fmt::join(items, ", ")));
+  }
+}
+
+void print_description(const ModelDescription& model) {
+  print_field("name", model.model_name);
+  print_field("text", model.text);
+  print_field("FMI version", model.fmi_version);
+  print_field("version", model.version);
+  print_field("GUID", model.guid);
+  print_field("author", model.author);
+  print_field("license", model.license);
+  print_field("made by", model.generation_tool);
+  print_field("made at", model.generation_date_and_time);
+  if (model.co_simulation) print_flags(*model.co_simulation);
+  if (model.has_model_exchange) print_field("model exchange", "yes (not used by mebots)");
+  const auto& experiment = model.default_experiment;
+  if (experiment.step_size_s) print_field("step", fmt::format("{} s", *experiment.step_size_s));
+  if (experiment.stop_time_s) print_field("stop time", fmt::format("{} s", *experiment.stop_time_s));
+  for (const auto& category : model.log_categories) {
+    print_field("log category",
+                category.text.empty() ? category.name : fmt::format("{}: {}", category.name, category.text));
+  }
+  print_types(model);
+  const auto count = [&](Causality causality) {
+    return std::count_if(model.variables.begin(), model.variables.end(),
+                         [&](const Variable& variable) { return variable.causality == causality; });
+  };
+  print_field("variables", fmt::format("{} ({} parameters, {} inputs, {} outputs)", model.variables.size(),
+                                       count(Causality::parameter), count(Causality::input), count(Causality::output)));
+}
+
+}  // namespace
+
+int info_command(const std::filesystem::path& fmu) {
+  try {
+    if (!std::filesystem::exists(fmu)) {
+      throw master::InputError(fmt::format("{}: there is no such file", fmu.string()));
+    }
+    const master::Fmu opened(fmu);
+    print_description(opened.description());
+    fmt::print("\n");
+    print_variables(opened.description());
+    return 0;
+  } catch (const Error& error) {
+    std::fprintf(stderr, "mebots: error: %s\n", error.what());
+    return 2;
+  }
+}
+
+}  // namespace mebots::app

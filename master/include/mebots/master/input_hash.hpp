@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "mebots/master/system_description.hpp"
+
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace mebots::master {
+
+/// SHA-256 as 64 hexadecimal digits.
+std::string sha256(std::string_view bytes);
+/// Throws InputError when the file cannot be read.
+std::string sha256_of_file(const std::filesystem::path& file);
+
+/// Fingerprint of all that a run depends on: the config's bytes, every FMU's bytes, and what the command
+/// line changed.
+struct InputHash {
+  std::string all;
+  std::string config;
+  std::vector<std::pair<std::string, std::string>> fmus;  ///< instance, hash of its FMU
+};
+
+InputHash hash_inputs(const SystemDescription& system, std::span<const std::string> overrides);
+
+}  // namespace mebots::master

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "mebots/state/bytes.hpp"
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+namespace mebots::master {
+
+/// A communication point that all slaves have reached.
+struct Point {
+  std::int64_t step = 0;
+  std::int64_t time_ns = 0;
+};
+
+/// Follows a run: records it, judges it, shows it. Reads values through the ensemble that it was made with.
+class Observer {
+ public:
+  virtual ~Observer() = default;
+
+  /// Called at t = 0 and after every communication step. A text asks for the run to end here, and says why.
+  virtual std::optional<std::string> reached(const Point& point) = 0;
+  /// The run ends at `point`, which was reached. Not called when it fails.
+  virtual void ended(const Point& /*point*/) {}
+
+  /// What an observer must remember to go on from a saved state.
+  virtual void save(state::Writer& /*writer*/) {}
+  virtual void restore(state::Reader& /*reader*/) {}
+};
+
+}  // namespace mebots::master

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+namespace mebots::master {
+
+/// A file that is written in large pieces and says so when a piece did not arrive.
+class OutputFile {
+ public:
+  /// Makes or empties the file. Throws InputError when that is not possible.
+  explicit OutputFile(std::filesystem::path path);
+  /// Writes what is left, in silence: call close() to hear of a failure.
+  ~OutputFile();
+  OutputFile(const OutputFile&) = delete;
+  OutputFile& operator=(const OutputFile&) = delete;
+
+  /// Where the next bytes go. Append freely, then call written().
+  std::string& buffer() { return buffer_; }
+  /// Hands the buffer on when it is large. Throws Error when the disk is full or broken.
+  void written() {
+    if (buffer_.size() >= kLargeBytes) flush();
+  }
+  void append(std::string_view bytes) {
+    buffer_ += bytes;
+    written();
+  }
+  /// Throws Error; what could not be written is dropped, so that it is complained about once.
+  void flush();
+  void close();
+
+  /// Bytes so far, those in the buffer included.
+  std::uint64_t size() const { return written_bytes_ + buffer_.size(); }
+  /// Cuts the file back (or, for a file that was written before, sets its length). Throws Error.
+  void truncate(std::uint64_t size);
+
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  static constexpr std::size_t kLargeBytes = 1 << 16;
+
+  [[noreturn]] void fail(int error_number);
+
+  std::filesystem::path path_;
+  int descriptor_ = -1;
+  std::string buffer_;
+  std::uint64_t written_bytes_ = 0;
+};
+
+}  // namespace mebots::master

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "mebots/master/ensemble.hpp"
+#include "mebots/master/observer.hpp"
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace mebots::master {
+
+/// Why a run ended.
+enum class EndReason { stop_time, stop_condition, terminated, interrupted };
+
+struct End {
+  EndReason reason = EndReason::stop_time;
+  std::string text;  ///< one sentence for people
+};
+
+/// Everything that is needed to go on from a communication point, within the same process.
+struct SimulationState {
+  std::int64_t step = 0;
+  std::vector<std::unique_ptr<SlaveState>> slaves;
+  std::vector<std::byte> master;  ///< last values and observers
+};
+
+/// A run of an ensemble: fixed steps in whole nanoseconds, t_k = k h, Jacobi coupling. At t_k every
+/// slave whose step begins there takes its inputs as all outputs stood at t_k; then all step. A slave
+/// with a longer step shows its new outputs when the others reach its time, not before. So the order of
+/// the instances and of the connections is nothing to the results.
+class Simulation {
+ public:
+  /// `system` and `messages` must outlive the simulation.
+  Simulation(const ResolvedSystem& system, MessageSink& messages);
+
+  Ensemble& ensemble() { return ensemble_; }
+  const Ensemble& ensemble() const { return ensemble_; }
+
+  /// Observers are told of every communication point in the order in which they were added. Add them
+  /// before initialize(); they must outlive the simulation's last step.
+  void add(Observer& observer) { observers_.push_back(&observer); }
+
+  /// To t = 0. Throws as Ensemble::initialize does.
+  void initialize();
+
+  /// Takes one communication step. Returns false, and takes no step, when the end was reached: see end().
+  bool step();
+
+  /// Steps until the end. `interrupted` is looked at before every step.
+  const End& run(const std::atomic<bool>& interrupted);
+
+  bool ended() const { return ended_; }
+  const End& end() const { return end_; }
+
+  /// Tells the slaves that the run is over. A slave that went wrong must not be told.
+  void terminate() { ensemble_.terminate(); }
+
+  std::int64_t steps_done() const { return step_; }
+  std::int64_t time_ns() const { return step_ * step_ns_; }
+
+  /// Throws Error for a slave that cannot save its state.
+  SimulationState save_state();
+  /// Goes back (or forth) to where save_state() was called; observers follow.
+  void restore_state(const SimulationState& state);
+  /// A state as bytes, for another process that runs the same config with the same FMUs, and back.
+  std::vector<std::byte> serialize(const SimulationState& state);
+  SimulationState deserialize(std::span<const std::byte> bytes);
+
+ private:
+  void reach_point();
+  bool step_slaves();
+  void finish(EndReason reason, std::string text);
+  bool begins_step(std::size_t instance, std::int64_t step) const { return step % multiples_[instance] == 0; }
+
+  const ResolvedSystem* system_;
+  Ensemble ensemble_;
+  std::vector<Observer*> observers_;
+  std::int64_t step_ns_;
+  std::int64_t last_step_;
+  std::vector<std::int64_t> multiples_;
+  std::int64_t step_ = 0;
+  bool ended_ = false;
+  End end_;
+};
+
+}  // namespace mebots::master

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "mebots/error.hpp"
+#include "mebots/modeldesc/model_description.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace mebots::master {
+
+using ValueReference = std::uint32_t;
+
+/// A call to an FMU failed. The text names instance, time, function, status and what the FMU logged.
+class SlaveError : public Error {
+ public:
+  using Error::Error;
+};
+
+/// An FMU gave NaN or infinity for one of its variables.
+class NotFiniteError : public SlaveError {
+ public:
+  using SlaveError::SlaveError;
+};
+
+/// What became of a step.
+struct StepResult {
+  bool done = true;
+  bool terminated = false;                  ///< not done, because the FMU wants the simulation to end
+  std::optional<double> last_successful_s;  ///< not done: how far the FMU came, when it says so
+  std::string messages;                     ///< not done: what the FMU logged about it
+};
+
+/// A slave's state at one moment, kept by the slave. Must not outlive it.
+class SlaveState {
+ public:
+  virtual ~SlaveState() = default;
+};
+
+/// One instance of an FMU, wherever it runs. Calls come in this order: set start values, setup_experiment,
+/// enter_initialization, get and set outputs and inputs, exit_initialization, then any number of
+/// (set inputs, step, get outputs), terminate. Every call throws SlaveError when the FMU refuses it;
+/// after that only destruction is allowed. Spans of references and values are of equal length.
+/// Not for use by two threads at once.
+class Slave {
+ public:
+  virtual ~Slave() = default;
+
+  virtual const std::string& name() const = 0;
+  virtual const modeldesc::ModelDescription& description() const = 0;
+
+  virtual void setup_experiment(std::int64_t start_ns, std::int64_t stop_ns) = 0;
+  virtual void enter_initialization() = 0;
+  virtual void exit_initialization() = 0;
+  virtual StepResult step(std::int64_t start_ns, std::int64_t duration_ns) = 0;
+  virtual void terminate() = 0;
+
+  virtual void get_reals(std::span<const ValueReference> references, std::span<double> values) = 0;
+  /// Enumerations too.
+  virtual void get_integers(std::span<const ValueReference> references, std::span<std::int32_t> values) = 0;
+  /// 0 is false, anything else true.
+  virtual void get_booleans(std::span<const ValueReference> references, std::span<std::int32_t> values) = 0;
+  virtual void get_strings(std::span<const ValueReference> references, std::span<std::string> values) = 0;
+
+  virtual void set_reals(std::span<const ValueReference> references, std::span<const double> values) = 0;
+  virtual void set_integers(std::span<const ValueReference> references, std::span<const std::int32_t> values) = 0;
+  virtual void set_booleans(std::span<const ValueReference> references, std::span<const std::int32_t> values) = 0;
+  virtual void set_strings(std::span<const ValueReference> references, std::span<const std::string> values) = 0;
+
+  /// Throws Error when the FMU cannot do it (canGetAndSetFMUstate is false).
+  virtual std::unique_ptr<SlaveState> save_state() = 0;
+  virtual void restore_state(const SlaveState& state) = 0;
+  /// Throws Error when the FMU cannot do it (canSerializeFMUstate is false).
+  virtual std::vector<std::byte> serialize(const SlaveState& state) = 0;
+  virtual std::unique_ptr<SlaveState> deserialize(std::span<const std::byte> bytes) = 0;
+};
+
+}  // namespace mebots::master

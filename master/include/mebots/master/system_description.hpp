@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "mebots/master/json_node.hpp"
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+/// What a user asks for, before any FMU was opened: instances, connections, and what to do with the
+/// results. The config file is one door to it; nothing here depends on the file's format.
+namespace mebots::master {
+
+/// A variable of an instance, as "instance.variable" names it. Instance names hold no dot.
+struct VariableName {
+  std::string instance;
+  std::string variable;
+
+  std::string text() const { return instance + "." + variable; }
+  bool operator==(const VariableName&) const = default;
+};
+
+/// Text of a value whose type is known only once the FMU is open (`--set`).
+struct UntypedText {
+  std::string text;
+};
+
+/// A value as the user wrote it.
+using WrittenValue = std::variant<double, std::int64_t, bool, std::string, UntypedText>;
+
+/// A start value for one variable. `place` says where it was written, for error messages.
+struct Assignment {
+  std::string variable;
+  WrittenValue value;
+  std::string place;
+};
+
+struct InstanceDescription {
+  std::string name;
+  std::string fmu;                 ///< as written
+  std::filesystem::path fmu_path;  ///< absolute
+  std::vector<Assignment> parameters;
+  std::int64_t step_ns = 0;  ///< a multiple of the system's step
+  std::string place;
+};
+
+struct ConnectionDescription {
+  VariableName from;
+  VariableName to;
+  std::string place;
+};
+
+enum class Comparison { equals, above, below };
+
+/// `variable` compared with `value`.
+struct ConditionDescription {
+  VariableName variable;
+  Comparison comparison = Comparison::equals;
+  WrittenValue value;
+  std::int64_t for_ns = 0;  ///< must have held without a break for so long
+  bool ever = false;        ///< counts once it held at any communication point
+  std::string place;
+};
+
+/// The run's outcome when all of `when` hold at its end. No condition at all always holds.
+struct OutcomeDescription {
+  std::string outcome;
+  std::vector<ConditionDescription> when;
+};
+
+/// A final value for summary.json, under `path` (labels from outside to inside).
+struct SummaryEntry {
+  std::vector<std::string> path;
+  VariableName variable;
+  std::string place;
+};
+
+/// `*` stands for any characters, `?` for one.
+struct RecordPattern {
+  std::string pattern;
+  std::string place;
+};
+
+struct RecordDescription {
+  std::optional<std::vector<RecordPattern>> patterns;  ///< nothing = every Real, Integer and Boolean output
+  std::int64_t interval_ns = 0;                        ///< 0 = every communication point
+};
+
+/// Log categories of one instance whose ordinary messages are shown; "*" = all.
+struct LogDescription {
+  std::string instance;
+  std::vector<std::string> categories;
+};
+
+/// Categories that are shown when the config says nothing else about an instance.
+inline constexpr std::string_view kDefaultLogCategories[] = {"console", "events", "faults"};
+
+struct SystemDescription {
+  std::filesystem::path file;  ///< the config
+  std::string name;            ///< its file name without extension
+  std::string source;          ///< its bytes, for the hash of the inputs
+  std::int64_t step_ns = 0;
+  std::int64_t stop_time_ns = 0;
+  std::vector<InstanceDescription> instances;
+  std::vector<ConnectionDescription> connections;
+  std::vector<ConditionDescription> stop_when;  ///< any one of them ends the run
+  std::vector<OutcomeDescription> outcomes;     ///< the first that holds is the outcome
+  std::vector<SummaryEntry> summary;
+  RecordDescription record;
+  std::vector<LogDescription> log;
+
+  const InstanceDescription* find_instance(std::string_view instance_name) const;
+  std::vector<std::string> instance_names() const;
+};
+
+/// Reads a config file. Throws InputError that names file, JSON pointer and the nearest valid key.
+SystemDescription read_config(const std::filesystem::path& file);
+
+/// Changes the end of the run, as `--stop-time` does. Throws InputError unless it is a multiple of all steps.
+void set_stop_time(SystemDescription& system, std::int64_t stop_time_ns, const std::string& place);
+
+}  // namespace mebots::master

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mebots/master/command_line.hpp"
+
+#include "mebots/master/nearest_names.hpp"
+#include "mebots/master/time.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+
+namespace mebots::master {
+
+void apply_set(SystemDescription& system, const std::string& text) {
+  const auto place = fmt::format("--set {}", text);
+  const auto equals = text.find('=');
+  const auto dot = text.find('.');
+  if (equals == std::string::npos || dot == std::string::npos || dot == 0 || equals <= dot + 1) {
+    throw InputError(fmt::format("{}: write INSTANCE.VARIABLE=VALUE", place));
+  }
+  const auto name = text.substr(0, dot);
+  const auto found = std::find_if(system.instances.begin(), system.instances.end(),
+                                  [&](const InstanceDescription& instance) { return instance.name == name; });
+  if (found == system.instances.end()) {
+    throw InputError(
+        fmt::format("{}: there is no instance '{}'. {}", place, name, suggest(name, system.instance_names())));
+  }
+  found->parameters.push_back({text.substr(dot + 1, equals - dot - 1), UntypedText{text.substr(equals + 1)}, place});
+}
+
+void apply_stop_time(SystemDescription& system, const std::string& text) {
+  const auto place = fmt::format("--stop-time {}", text);
+  double seconds = 0;
+  const auto result = std::from_chars(text.data(), text.data() + text.size(), seconds);
+  if (result.ec != std::errc{} || result.ptr != text.data() + text.size()) {
+    throw InputError(fmt::format("{}: this is not a number of seconds", place));
+  }
+  const auto time_ns = to_nanoseconds(seconds);
+  if (!time_ns) {
+    throw InputError(
+        fmt::format("{}: this is not a whole number of nanoseconds (or longer than {} s)", place, kLongestTimeS));
+  }
+  set_stop_time(system, *time_ns, place);
+}
+
+}  // namespace mebots::master

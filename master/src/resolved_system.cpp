@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mebots/master/resolved_system.hpp"
+
+#include "mebots/master/nearest_names.hpp"
+#include "mebots/master/time.hpp"
+
+#include "connection_check.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+namespace mebots::master {
+namespace {
+
+using modeldesc::Causality;
+using modeldesc::Initial;
+using modeldesc::Variability;
+using modeldesc::Variable;
+
+std::vector<std::string> variable_names(const modeldesc::ModelDescription& description) {
+  std::vector<std::string> names;
+  for (const auto& variable : description.variables) names.push_back(variable.name);
+  return names;
+}
+
+/// Why a variable cannot be given a value before initialisation; empty when it can.
+std::string why_not_settable(const Variable& variable) {
+  if (variable.variability == Variability::constant) return "it is a constant";
+  switch (variable.causality) {
+    case Causality::parameter:
+    case Causality::input:
+      return {};
+    case Causality::calculated_parameter:
+      return "it is calculated from other parameters";
+    case Causality::independent:
+      return "it is the FMU's time";
+    case Causality::output:
+    case Causality::local:
+      break;
+  }
+  if (variable.initial == Initial::exact || variable.initial == Initial::approx) return {};
+  return fmt::format("it is of causality {} and calculated by the FMU", modeldesc::to_string(variable.causality));
+}
+
+std::vector<std::string> settable_names(const modeldesc::ModelDescription& description) {
+  std::vector<std::string> names;
+  for (const auto& variable : description.variables) {
+    if (why_not_settable(variable).empty()) names.push_back(variable.name);
+  }
+  return names;
+}
+
+std::vector<StartValue> resolve_starts(const InstanceDescription& instance,
+                                       const modeldesc::ModelDescription& description) {
+  std::map<std::string, StartValue> starts;  // the last assignment to a name counts: --set comes after the config
+  for (const auto& assignment : instance.parameters) {
+    const auto* variable = description.find(assignment.variable);
+    if (variable == nullptr) {
+      throw InputError(fmt::format("{}: instance '{}' ({}) has no variable '{}'. {}", assignment.place, instance.name,
+                                   description.model_name, assignment.variable,
+                                   suggest(assignment.variable, settable_names(description))));
+    }
+    if (const auto why = why_not_settable(*variable); !why.empty()) {
+      throw InputError(
+          fmt::format("{}: '{}.{}' cannot be set: {}", assignment.place, instance.name, variable->name, why));
+    }
+    starts[assignment.variable] = {variable, typed_value(description, *variable, assignment.value, assignment.place)};
+  }
+  std::vector<StartValue> result;
+  for (const auto& variable : description.variables) {
+    const auto found = starts.find(variable.name);
+    if (found != starts.end()) result.push_back(found->second);
+  }
+  return result;
+}
+
+std::vector<std::string> log_categories(const SystemDescription& system, const InstanceDescription& instance) {
+  for (const auto& log : system.log) {
+    if (log.instance == instance.name) return log.categories;
+  }
+  return {std::begin(kDefaultLogCategories), std::end(kDefaultLogCategories)};
+}
+
+void check_single_use(const ResolvedSystem& system) {
+  std::map<const Fmu*, std::string> users;
+  for (const auto& instance : system.instances) {
+    const auto [user, first] = users.emplace(instance.fmu.get(), instance.description->name);
+    if (!first && instance.fmu->description().co_simulation->can_be_instantiated_only_once_per_process) {
+      throw InputError(fmt::format("{}: {} allows one instance per process, and instance '{}' is one already",
+                                   instance.description->place, instance.fmu->archive().string(), user->second));
+    }
+  }
+}
+
+/// The name of the binary variable that an Integer is a part of, else the variable's own.
+std::string whole_name(const modeldesc::ModelDescription& description, const Variable& variable) {
+  if (!is_osmp_part(description, variable)) return variable.name;
+  for (const std::string_view ending : kOsmpEndings) {
+    if (variable.name.ends_with(ending)) return variable.name.substr(0, variable.name.size() - ending.size());
+  }
+  return variable.name;
+}
+
+void note_open_inputs(ResolvedSystem& system) {
+  for (std::size_t i = 0; i < system.instances.size(); ++i) {
+    const auto& instance = system.instances[i];
+    std::set<const Variable*> served;
+    for (const auto& connection : system.connections) {
+      if (connection.to.instance == i) served.insert(connection.to.variable);
+    }
+    for (const auto& start : instance.starts) served.insert(start.variable);
+    std::vector<std::string> open;
+    for (const auto& variable : instance.fmu->description().variables) {
+      if (variable.causality != Causality::input || served.count(&variable) != 0) continue;
+      auto name = whole_name(instance.fmu->description(), variable);
+      if (open.empty() || open.back() != name) open.push_back(std::move(name));
+    }
+    if (open.empty()) continue;
+    system.notices.push_back(fmt::format("{}: not connected, so the FMU's start value holds: {}",
+                                         instance.description->name, fmt::join(open, ", ")));
+  }
+}
+
+}  // namespace
+
+ResolvedVariable ResolvedSystem::find(const VariableName& name, const std::string& place) const {
+  for (std::size_t i = 0; i < instances.size(); ++i) {
+    if (instances[i].description->name != name.instance) continue;
+    const auto& model = instances[i].fmu->description();
+    const auto* variable = model.find(name.variable);
+    if (variable == nullptr) {
+      throw InputError(fmt::format("{}: instance '{}' ({}) has no variable '{}'. {}", place, name.instance,
+                                   model.model_name, name.variable, suggest(name.variable, variable_names(model))));
+    }
+    return {i, variable};
+  }
+  throw InputError(fmt::format("{}: there is no instance '{}'. {}", place, name.instance,
+                               suggest(name.instance, description->instance_names())));
+}
+
+std::string ResolvedSystem::text(const ResolvedVariable& variable) const {
+  return instances[variable.instance].description->name + "." + variable.variable->name;
+}
+
+bool is_osmp_part(const modeldesc::ModelDescription& description, const Variable& variable) {
+  if (variable.osmp) return true;
+  if (variable.type != modeldesc::Type::integer) return false;
+  for (const auto* ending : kOsmpEndings) {
+    if (!variable.name.ends_with(ending)) continue;
+    const auto prefix = variable.name.substr(0, variable.name.size() - std::string_view(ending).size());
+    return std::all_of(std::begin(kOsmpEndings), std::end(kOsmpEndings), [&](const char* other) {
+      const auto* part = description.find(prefix + other);
+      return part != nullptr && part->type == modeldesc::Type::integer && part->causality == variable.causality;
+    });
+  }
+  return false;
+}
+
+ResolvedSystem resolve(const SystemDescription& description, FmuLibrary& library) {
+  ResolvedSystem system;
+  system.description = &description;
+  for (const auto& instance : description.instances) {
+    ResolvedInstance resolved;
+    resolved.description = &instance;
+    try {
+      resolved.fmu = library.open(instance.fmu_path);
+      resolved.fmu->functions();  // a missing library or function shows now
+    } catch (const InputError& error) {
+      throw InputError(fmt::format("{}/fmu: {}", instance.place, error.what()));
+    }
+    resolved.starts = resolve_starts(instance, resolved.fmu->description());
+    resolved.log_categories = log_categories(description, instance);
+    system.instances.push_back(std::move(resolved));
+  }
+  check_single_use(system);
+  resolve_connections(system);
+  note_open_inputs(system);
+  return system;
+}
+
+}  // namespace mebots::master

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mebots/master/time.hpp"
+
+#include <cmath>
+#include <limits>
+
+namespace mebots::master {
+
+std::optional<std::int64_t> to_nanoseconds(double seconds) {
+  if (!std::isfinite(seconds) || std::abs(seconds) > kLongestTimeS) return std::nullopt;
+  const double scaled = seconds * 1e9;
+  const double whole = std::round(scaled);
+  // Reading the decimal and multiplying by 1e9 each round once: two units in the last place at most.
+  const double rounding = 2 * std::numeric_limits<double>::epsilon() * std::abs(scaled);
+  if (std::abs(scaled - whole) > rounding + 1e-9) return std::nullopt;
+  return static_cast<std::int64_t>(whole);
+}
+
+double to_seconds(std::int64_t time_ns) {
+  if (time_ns % kNanosecondsPerSecond == 0) return static_cast<double>(time_ns / kNanosecondsPerSecond);
+  return static_cast<double>(time_ns) / 1e9;
+}
+
+}  // namespace mebots::master

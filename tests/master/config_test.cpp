@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mebots/master/command_line.hpp"
+#include "mebots/master/system_description.hpp"
+#include "test_system.hpp"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+namespace mebots::master {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+/// Reads a config from text; "PROBE" stands for the probe FMU.
+SystemDescription read(const std::string& text) {
+  const modeldesc::TemporaryFolder folder("mebots-test");
+  const auto file = folder.path() / "mission.json";
+  test::write_file(file, test::with_probe(text));
+  return read_config(file);
+}
+
+std::string error_of(const std::string& text) {
+  return test::input_error([&] { read(text); });
+}
+
+/// A good config with one more line at its top.
+std::string config_with(const std::string& line, const std::string& instance = R"("a": {"fmu": "PROBE"})",
+                        const std::string& step = R"("step": 0.1, "stop_time": 2)") {
+  return fmt::format(R"({{{} {}, "instances": {{{}}}, "connections": []}})", line, step, instance);
+}
+
+TEST(Config, TheSmallestConfigIsRead) {
+  const auto system = read(config_with(""));
+  EXPECT_EQ(system.step_ns, 100'000'000);
+  EXPECT_EQ(system.stop_time_ns, 2'000'000'000);
+  ASSERT_EQ(system.instances.size(), 1u);
+  EXPECT_EQ(system.instances[0].name, "a");
+  EXPECT_EQ(system.instances[0].step_ns, system.step_ns);
+  EXPECT_EQ(system.name, "mission");
+}
+
+TEST(Config, InstancesKeepTheirOrder) {
+  const auto system = read(config_with("", R"("z": {"fmu": "PROBE"}, "a": {"fmu": "PROBE"}, "m": {"fmu": "PROBE"})"));
+  EXPECT_THAT(system.instance_names(), testing::ElementsAre("z", "a", "m"));
+}
+
+TEST(Config, FmuPathsAreRelativeToTheConfig) {
+  const modeldesc::TemporaryFolder folder("mebots-test");
+  std::filesystem::create_directories(folder.path() / "configs");
+  std::filesystem::copy_file(PROBE_FMU, folder.path() / "beside.fmu");
+  test::write_file(folder.path() / "configs" / "x.json", config_with("", R"("a": {"fmu": "../beside.fmu"})"));
+  const auto system = read_config(folder.path() / "configs" / "x.json");
+  EXPECT_EQ(system.instances[0].fmu_path, std::filesystem::canonical(folder.path() / "beside.fmu"));
+}
+
+TEST(Config, AMissingFileIsNamed) {
+  EXPECT_THAT(test::input_error([] { read_config("/nowhere/mission.json"); }), HasSubstr("/nowhere/mission.json"));
+  EXPECT_THAT(test::input_error([] { read_config("/tmp"); }), HasSubstr("folder"));
+}
+
+TEST(Config, BrokenJsonIsAnsweredByLineAndColumn) {
+  EXPECT_THAT(error_of("{\n  \"step\": 0.1,\n  oops\n}"), AllOf(HasSubstr("mission.json"), HasSubstr("line 3")));
+}
+
+TEST(Config, AnUnknownKeyIsAnsweredByPointerAndNearestKey) {
+  EXPECT_THAT(error_of(config_with(R"("stop_tiem": 1,)")),
+              AllOf(HasSubstr("mission.json: /stop_tiem"), HasSubstr("'stop_time'")));
+  EXPECT_THAT(error_of(config_with("", R"("a": {"fmu": "PROBE", "paramters": {}})")),
+              AllOf(HasSubstr("/instances/a/paramters"), HasSubstr("'parameters'")));
+  EXPECT_THAT(error_of(config_with(R"("stop_when": [{"variable": "a.steps", "above": 1, "fro": 2}],)",
+                                   R"("a": {"fmu": "PROBE"})")),
+              AllOf(HasSubstr("/stop_when/0/fro"), HasSubstr("'for'")));
+}
+
+TEST(Config, AKeyThatStandsTwiceIsRefused) {
+  EXPECT_THAT(error_of(config_with("", R"("a": {"fmu": "PROBE"}, "a": {"fmu": "PROBE"})")),
+              HasSubstr("'a' stands twice"));
+}
+
+TEST(Config, MissingKeysAreNamed) {
+  EXPECT_THAT(error_of(R"({"stop_time": 1, "instances": {}, "connections": []})"), HasSubstr("'step' is missing"));
+  EXPECT_THAT(error_of(R"({"step": 1, "instances": {}, "connections": []})"), HasSubstr("'stop_time' is missing"));
+  EXPECT_THAT(error_of(R"({"step": 1, "stop_time": 1, "connections": []})"), HasSubstr("'instances' is missing"));
+  EXPECT_THAT(error_of(R"({"step": 1, "stop_time": 1, "instances": {"a": {"fmu": "PROBE"}}})"),
+              HasSubstr("'connections' is missing"));
+  EXPECT_THAT(error_of(R"({"step": 1, "stop_time": 1, "instances": {}, "connections": []})"),
+              HasSubstr("at least one instance"));
+  EXPECT_THAT(error_of(config_with("", R"("a": {})")), AllOf(HasSubstr("/instances/a"), HasSubstr("'fmu' is missing")));
+}
+
+TEST(Config, ValuesOfAnotherKindAreNamed) {
+  EXPECT_THAT(error_of("[]"), HasSubstr("an object is expected"));
+  EXPECT_THAT(error_of(config_with("", R"("a": {"fmu": 3})")),
+              AllOf(HasSubstr("/instances/a/fmu"), HasSubstr("a text is expected"), HasSubstr("3")));
+  EXPECT_THAT(error_of(config_with("", R"("a": {"fmu": "PROBE", "parameters": {"gain": [1]}})")),
+              HasSubstr("/instances/a/parameters/gain"));
+  EXPECT_THAT(error_of(config_with("", R"("a": {"fmu": "PROBE"})", R"("step": "0.1", "stop_time": 2)")),
+              AllOf(HasSubstr("/step"), HasSubstr("a number")));
+}
+
+TEST(Config, StepsAreWholeNanosecondsAndTheStopTimeAMultiple) {
+  const auto with_times = [](const std::string& times) {
+    return error_of(config_with("", R"("a": {"fmu": "PROBE"})", times));
+  };
+  EXPECT_THAT(with_times(R"("step": 1.5e-9, "stop_time": 3e-9)"),
+              AllOf(HasSubstr("/step"), HasSubstr("whole number of nanoseconds")));
+  EXPECT_THAT(with_times(R"("step": 0, "stop_time": 1)"), HasSubstr("greater than 0"));
+  EXPECT_THAT(with_times(R"("step": -0.1, "stop_time": 1)"), HasSubstr("greater than 0"));
+  EXPECT_THAT(with_times(R"("step": 0.1, "stop_time": 0)"), HasSubstr("greater than 0"));
+  EXPECT_THAT(with_times(R"("step": 0.3, "stop_time": 1)"),
+              AllOf(HasSubstr("/stop_time"), HasSubstr("not a multiple"), HasSubstr("0.9 s and 1.2 s")));
+}
+
+TEST(Config, AnInstanceStepIsAMultipleAndTheStopTimeFitsIt) {
+  EXPECT_THAT(error_of(config_with("", R"("a": {"fmu": "PROBE", "step": 0.15})")),
+              AllOf(HasSubstr("/instances/a/step"), HasSubstr("multiple")));
+  EXPECT_THAT(error_of(config_with("", R"("a": {"fmu": "PROBE", "step": 0.3})")),
+              AllOf(HasSubstr("/stop_time"), HasSubstr("instance 'a'")));
+}
+
+TEST(Config, AMissingFmuIsNamedWithItsPath) {
+  EXPECT_THAT(error_of(config_with("", R"("a": {"fmu": "nothing/here.fmu"})")),
+              AllOf(HasSubstr("/instances/a/fmu"), HasSubstr("nothing/here.fmu"), HasSubstr("relative to the config")));
+}
+
+TEST(Config, AnInstanceNameWithADotIsRefused) {
+  EXPECT_THAT(error_of(config_with("", R"("a.b": {"fmu": "PROBE"})")), HasSubstr("dot"));
+}
+
+TEST(Config, AConnectionNamesInstanceAndVariable) {
+  const auto connected = [](const std::string& from) {
+    return error_of(fmt::format(
+        R"({{"step": 0.1, "stop_time": 2, "instances": {{"motor": {{"fmu": "PROBE"}}}}, "connections": [{{"from": "{}", "to": "motor.real_in"}}]}})",
+        from));
+  };
+  EXPECT_THAT(connected("moter.real_out"), AllOf(HasSubstr("/connections/0/from"), HasSubstr("Did you mean 'motor'?")));
+  EXPECT_THAT(connected("motor"), HasSubstr("write instance.variable"));
+}
+
+TEST(Config, AConditionComparesOnce) {
+  EXPECT_THAT(error_of(config_with(R"("stop_when": [{"variable": "a.steps"}],)")), HasSubstr("exactly one of"));
+  EXPECT_THAT(error_of(config_with(R"("stop_when": [{"variable": "a.steps", "above": 1, "below": 3}],)")),
+              HasSubstr("exactly one of"));
+}
+
+TEST(CommandLine, SetNeedsInstanceVariableAndValue) {
+  auto system = read(config_with(""));
+  for (const char* text : {"gain=2", "a.gain", "a.=2", ".gain=2", "=2", ""}) {
+    EXPECT_THAT(test::input_error([&] { apply_set(system, text); }), HasSubstr("INSTANCE.VARIABLE=VALUE")) << text;
+  }
+  EXPECT_THAT(test::input_error([&] { apply_set(system, "bb.gain=2"); }), HasSubstr("no instance 'bb'"));
+}
+
+TEST(CommandLine, AValueMayHoldAnEqualsSign) {
+  auto system = read(config_with(""));
+  apply_set(system, "a.string_in=x=y");
+  EXPECT_EQ(std::get<UntypedText>(system.instances[0].parameters.back().value).text, "x=y");
+}
+
+TEST(CommandLine, StopTimeReplacesTheConfigsAndMustFitTheStep) {
+  auto system = read(config_with(""));
+  apply_stop_time(system, "0.5");
+  EXPECT_EQ(system.stop_time_ns, 500'000'000);
+  EXPECT_THAT(test::input_error([&] { apply_stop_time(system, "0.55"); }), HasSubstr("not a multiple"));
+  EXPECT_THAT(test::input_error([&] { apply_stop_time(system, "soon"); }), HasSubstr("not a number"));
+  EXPECT_THAT(test::input_error([&] { apply_stop_time(system, "-1"); }), HasSubstr("greater than 0"));
+}
+
+}  // namespace
+}  // namespace mebots::master

@@ -1,0 +1,292 @@
+// SPDX-License-Identifier: Apache-2.0
+// A small FMU that is nothing of MEbots' own: it computes a few things that a test can check by hand, and
+// misbehaves on request.
+//
+//   real_out = gain * real_in + offset     (direct, also in initialisation mode)
+//   integral += h * real_in                (forward Euler with the step's held input)
+//   integer_out = integer_in + 1, boolean_out = !boolean_in, string_out = string_in + "!"  (direct)
+//   steps counts steps, last_end and last_step hold t + h and h of the last one
+//   fault names what goes wrong in the step that reaches fault_time
+#include "fmi2.h"
+
+#include <math.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#ifndef GUID
+#define GUID "{probe}"
+#endif
+
+enum { REAL_IN, GAIN, OFFSET, FAULT_TIME, REAL_OUT, INTEGRAL, LAST_END, LAST_STEP, REALS };
+enum {
+  INTEGER_IN,
+  MODE_IN,
+  INTEGER_OUT,
+  MODE_OUT,
+  STEPS,
+  BUFFER_LO,
+  BUFFER_HI,
+  BUFFER_SIZE,
+  TAKEN_LO,
+  TAKEN_HI,
+  TAKEN_SIZE,
+  TAKEN_SUM,
+  INTEGERS
+};
+enum { BOOLEAN_IN, BOOLEAN_OUT, BOOLEANS };
+enum { STRING_IN, FAULT, STRING_OUT, RESOURCES, STRINGS };
+enum { TEXT_SIZE = 512 };
+
+typedef struct {
+  double reals[REALS];
+  int integers[INTEGERS];
+  int booleans[BOOLEANS];
+  char strings[STRINGS][TEXT_SIZE];
+  unsigned char buffers[2][16];
+  int buffer;
+  int terminated;
+  double time;
+} State;
+
+typedef struct {
+  State state;
+  fmi2CallbackFunctions callbacks;
+  char name[TEXT_SIZE];
+} Probe;
+
+static void say(Probe* p, fmi2Status status, const char* category, const char* text, double value) {
+  p->callbacks.logger(p->callbacks.componentEnvironment, p->name, status, category, "%s (%g)", text, value);
+}
+
+static void compute(Probe* p) {
+  State* s = &p->state;
+  s->reals[REAL_OUT] = s->reals[GAIN] * s->reals[REAL_IN] + s->reals[OFFSET];
+  s->integers[INTEGER_OUT] = s->integers[INTEGER_IN] + 1;
+  s->integers[MODE_OUT] = s->integers[MODE_IN];
+  s->booleans[BOOLEAN_OUT] = !s->booleans[BOOLEAN_IN];
+  strncpy(s->strings[STRING_OUT], s->strings[STRING_IN], TEXT_SIZE - 2);
+  strcat(s->strings[STRING_OUT], "!");
+}
+
+static void show_buffer(Probe* p) {
+  State* s = &p->state;
+  const unsigned long address = (unsigned long)s->buffers[s->buffer];
+  s->integers[BUFFER_LO] = (int)(unsigned int)address;
+  s->integers[BUFFER_HI] = (int)(unsigned int)(address >> 32);
+  s->integers[BUFFER_SIZE] = (int)sizeof s->buffers[0];
+}
+
+static void fill_buffer(Probe* p) {
+  State* s = &p->state;
+  s->buffer = !s->buffer;
+  memset(s->buffers[s->buffer], s->integers[STEPS] % 256, sizeof s->buffers[0]);
+  show_buffer(p);
+}
+
+static void take_buffer(Probe* p) {
+  State* s = &p->state;
+  const unsigned long address =
+      ((unsigned long)(unsigned int)s->integers[TAKEN_HI] << 32) | (unsigned int)s->integers[TAKEN_LO];
+  s->integers[TAKEN_SUM] = 0;
+  for (int i = 0; address != 0 && i < s->integers[TAKEN_SIZE]; ++i) {
+    s->integers[TAKEN_SUM] += ((const unsigned char*)address)[i];
+  }
+}
+
+FMI2_EXPORT const char* fmi2GetTypesPlatform(void) {
+  return "default";
+}
+FMI2_EXPORT const char* fmi2GetVersion(void) {
+  return "2.0";
+}
+
+FMI2_EXPORT fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, fmi2String resources,
+                                          const fmi2CallbackFunctions* callbacks, fmi2Boolean visible,
+                                          fmi2Boolean logging) {
+  (void)visible;
+  if (type != fmi2CoSimulation || strcmp(guid, GUID) != 0) {
+    if (logging)
+      callbacks->logger(callbacks->componentEnvironment, name, fmi2Error, "logStatusError", "the GUID is %s, not %s",
+                        guid, GUID);
+    return NULL;
+  }
+  Probe* p = callbacks->allocateMemory(1, sizeof *p);
+  p->callbacks = *callbacks;
+  strncpy(p->name, name, TEXT_SIZE - 1);
+  p->state.reals[GAIN] = 1;
+  p->state.reals[FAULT_TIME] = 1;
+  strncpy(p->state.strings[RESOURCES], resources, TEXT_SIZE - 1);
+  return p;
+}
+
+FMI2_EXPORT void fmi2FreeInstance(fmi2Component c) {
+  if (c != NULL) ((Probe*)c)->callbacks.freeMemory(c);
+}
+
+FMI2_EXPORT fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean on, size_t n, const fmi2String categories[]) {
+  (void)c, (void)on, (void)n, (void)categories;
+  return fmi2OK;
+}
+
+FMI2_EXPORT fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean has_tolerance, fmi2Real tolerance,
+                                           fmi2Real start, fmi2Boolean has_stop, fmi2Real stop) {
+  (void)tolerance, (void)stop;
+  ((Probe*)c)->state.time = start;
+  return has_tolerance || !has_stop ? fmi2Error : fmi2OK;
+}
+
+FMI2_EXPORT fmi2Status fmi2EnterInitializationMode(fmi2Component c) {
+  Probe* p = c;
+  compute(p);
+  if (strcmp(p->state.strings[FAULT], "initialisation") == 0) {
+    say(p, fmi2Error, "logStatusError", "this instance does not like its parameters", 0);
+    return fmi2Error;
+  }
+  return fmi2OK;
+}
+
+FMI2_EXPORT fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
+  fill_buffer(c);
+  return fmi2OK;
+}
+
+FMI2_EXPORT fmi2Status fmi2Terminate(fmi2Component c) {
+  say(c, fmi2OK, "console", "goodbye", ((Probe*)c)->state.time);
+  return fmi2OK;
+}
+
+FMI2_EXPORT fmi2Status fmi2Reset(fmi2Component c) {
+  (void)c;
+  return fmi2OK;
+}
+
+#define ACCESS(TYPE, FIELD, COUNT)                                                                                \
+  FMI2_EXPORT fmi2Status fmi2Get##TYPE(fmi2Component c, const fmi2ValueReference r[], size_t n, fmi2##TYPE v[]) { \
+    for (size_t i = 0; i < n; ++i) {                                                                              \
+      if (r[i] >= (COUNT)) return fmi2Error;                                                                      \
+      v[i] = ((Probe*)c)->state.FIELD[r[i]];                                                                      \
+    }                                                                                                             \
+    return fmi2OK;                                                                                                \
+  }                                                                                                               \
+  FMI2_EXPORT fmi2Status fmi2Set##TYPE(fmi2Component c, const fmi2ValueReference r[], size_t n,                   \
+                                       const fmi2##TYPE v[]) {                                                    \
+    for (size_t i = 0; i < n; ++i) {                                                                              \
+      if (r[i] >= (COUNT)) return fmi2Error;                                                                      \
+      ((Probe*)c)->state.FIELD[r[i]] = v[i];                                                                      \
+    }                                                                                                             \
+    compute(c);                                                                                                   \
+    return fmi2OK;                                                                                                \
+  }
+
+ACCESS(Real, reals, REALS)
+ACCESS(Integer, integers, INTEGERS)
+ACCESS(Boolean, booleans, BOOLEANS)
+
+FMI2_EXPORT fmi2Status fmi2GetString(fmi2Component c, const fmi2ValueReference r[], size_t n, fmi2String v[]) {
+  for (size_t i = 0; i < n; ++i) {
+    if (r[i] >= STRINGS) return fmi2Error;
+    v[i] = ((Probe*)c)->state.strings[r[i]];
+  }
+  return fmi2OK;
+}
+
+FMI2_EXPORT fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference r[], size_t n, const fmi2String v[]) {
+  for (size_t i = 0; i < n; ++i) {
+    if (r[i] >= STRINGS) return fmi2Error;
+    strncpy(((Probe*)c)->state.strings[r[i]], v[i], TEXT_SIZE - 1);
+  }
+  compute(c);
+  return fmi2OK;
+}
+
+static fmi2Status misbehave(Probe* p, const char* fault) {
+  if (strcmp(fault, "warning") == 0) {
+    say(p, fmi2Warning, "logStatusWarning", "something is odd", p->state.time);
+    return fmi2Warning;
+  }
+  if (strcmp(fault, "discard") == 0) return fmi2Discard;
+  if (strcmp(fault, "terminate") == 0) {
+    p->state.terminated = 1;
+    return fmi2Discard;
+  }
+  if (strcmp(fault, "error") == 0) {
+    say(p, fmi2Error, "logStatusError", "#r0# made it fail", p->state.reals[REAL_IN]);
+    return fmi2Error;
+  }
+  if (strcmp(fault, "fatal") == 0) return fmi2Fatal;
+  if (strcmp(fault, "nan") == 0) p->state.reals[REAL_OUT] = NAN;
+  if (strcmp(fault, "infinity") == 0) p->state.reals[INTEGRAL] = -INFINITY;
+  if (strcmp(fault, "slow") == 0) usleep(20000);
+  if (strcmp(fault, "crash") == 0) raise(SIGSEGV);
+  return fmi2OK;
+}
+
+FMI2_EXPORT fmi2Status fmi2DoStep(fmi2Component c, fmi2Real t, fmi2Real h, fmi2Boolean no_set) {
+  (void)no_set;
+  Probe* p = c;
+  State* s = &p->state;
+  s->time = t;
+  s->reals[INTEGRAL] += h * s->reals[REAL_IN];
+  s->reals[LAST_END] = t + h;
+  s->reals[LAST_STEP] = h;
+  s->integers[STEPS] += 1;
+  take_buffer(p);
+  fill_buffer(p);
+  if (s->integers[STEPS] == 1) say(p, fmi2OK, "console", "hello from the first step", h);
+  if (s->integers[STEPS] == 1) say(p, fmi2OK, "chatter", "nobody asked for this", h);
+  return t + h > s->reals[FAULT_TIME] - h / 2 ? misbehave(p, s->strings[FAULT]) : fmi2OK;
+}
+
+FMI2_EXPORT fmi2Status fmi2GetRealStatus(fmi2Component c, fmi2StatusKind kind, fmi2Real* value) {
+  if (kind != fmi2LastSuccessfulTime) return fmi2Discard;
+  *value = ((Probe*)c)->state.time + ((Probe*)c)->state.reals[LAST_STEP] / 4;
+  return fmi2OK;
+}
+
+FMI2_EXPORT fmi2Status fmi2GetBooleanStatus(fmi2Component c, fmi2StatusKind kind, fmi2Boolean* value) {
+  if (kind != fmi2Terminated) return fmi2Discard;
+  *value = ((Probe*)c)->state.terminated;
+  return fmi2OK;
+}
+
+FMI2_EXPORT fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate* state) {
+  if (*state == NULL) *state = malloc(sizeof(State));
+  memcpy(*state, &((Probe*)c)->state, sizeof(State));
+  return fmi2OK;
+}
+
+FMI2_EXPORT fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate state) {
+  memcpy(&((Probe*)c)->state, state, sizeof(State));
+  show_buffer(c);  // an address is no state: this instance has its own buffers
+  return fmi2OK;
+}
+
+FMI2_EXPORT fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate* state) {
+  (void)c;
+  free(*state);
+  *state = NULL;
+  return fmi2OK;
+}
+
+FMI2_EXPORT fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate state, size_t* size) {
+  (void)c, (void)state;
+  *size = sizeof(State);
+  return fmi2OK;
+}
+
+FMI2_EXPORT fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate state, fmi2Byte bytes[], size_t size) {
+  (void)c;
+  memcpy(bytes, state, size);
+  return fmi2OK;
+}
+
+FMI2_EXPORT fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte bytes[], size_t size,
+                                               fmi2FMUstate* state) {
+  (void)c;
+  if (size != sizeof(State)) return fmi2Error;
+  *state = malloc(size);
+  memcpy(*state, bytes, size);
+  return fmi2OK;
+}

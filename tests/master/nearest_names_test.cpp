@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mebots/master/nearest_names.hpp"
+
+#include <gmock/gmock.h>
+
+#include <vector>
+
+namespace mebots::master {
+namespace {
+
+const std::vector<std::string> kNames = {"step", "stop_time", "instances", "connections", "cell.voltage"};
+
+TEST(NearestNames, DistanceCountsEdits) {
+  EXPECT_EQ(edit_distance("", "abc"), 3u);
+  EXPECT_EQ(edit_distance("kitten", "sitting"), 3u);
+  EXPECT_EQ(edit_distance("Step", "sTEP"), 0u);
+  EXPECT_EQ(edit_distance("setp", "step"), 1u);  // neighbours swapped
+}
+
+TEST(NearestNames, ATypoIsAnsweredByTheNameThatWasMeant) {
+  EXPECT_EQ(suggest("conections", kNames), "Did you mean 'connections'?");
+  EXPECT_EQ(suggest("Instances", kNames), "Did you mean 'instances'?");
+}
+
+TEST(NearestNames, APartOfANameIsAnsweredByTheWholeName) {
+  EXPECT_EQ(suggest("voltage", kNames), "Did you mean 'cell.voltage'?");
+}
+
+TEST(NearestNames, WithoutAnythingNearTheKnownOnesAreListed) {
+  EXPECT_EQ(suggest("xyzzy", std::vector<std::string>{"a1", "b2"}), "Known are 'a1', 'b2'.");
+  EXPECT_EQ(suggest("x", std::vector<std::string>{}), "There are none.");
+}
+
+TEST(NearestNames, ALongListIsCutShort) {
+  std::vector<std::string> many;
+  for (int i = 0; i < 100; ++i) many.push_back("variable_" + std::to_string(i));
+  EXPECT_THAT(suggest("q", many), testing::EndsWith("and 88 more."));
+}
+
+}  // namespace
+}  // namespace mebots::master

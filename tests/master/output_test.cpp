@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mebots/master/input_hash.hpp"
+#include "mebots/master/summary.hpp"
+#include "test_system.hpp"
+
+#include <gmock/gmock.h>
+
+#include <charconv>
+
+namespace mebots::master {
+namespace {
+
+using test::TestRun;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+TEST(Recorder, HeaderNamesVariablesAndUnits) {
+  TestRun run(R"({"step": 0.1, "stop_time": 0.1, "instances": {"a": {"fmu": "PROBE"}}, "connections": []})");
+  run.to_end();
+  // Every Real, Integer, Boolean and enumeration output; no part of a buffer, no text, no parameter.
+  EXPECT_THAT(
+      run.csv(),
+      StartsWith(
+          "time [s],a.real_out [metre],a.integral [m.s],a.last_end [s],a.integer_out [-],a.mode_out [-],a.colour_out "
+          "[-],a.steps [-],a.taken_sum [-],a.boolean_out [-],\"a.odd name, with \"\"comma\"\" [metre]\"\n"
+          "0,0,0,0,1,0,0,0,0,1,0\n"));
+}
+
+TEST(Recorder, NumbersAreShortAndReadBackToTheSameBits) {
+  TestRun run(
+      R"({"step": 0.1, "stop_time": 1, "instances": {"a": {"fmu": "PROBE", "parameters": {"real_in": 0.1}}}, "connections": [], "record": ["a.integral"]})");
+  run.to_end();
+  EXPECT_THAT(run.csv(),
+              StartsWith("time [s],a.integral [m.s]\n0,0\n0.1,0.010000000000000002\n0.2,0.020000000000000004\n"));
+  double sum = 0;
+  for (const double value : run.column("a.integral")) {
+    EXPECT_EQ(value, sum);
+    sum += 0.1 * 0.1;
+  }
+}
+
+TEST(Recorder, PatternsAndIntervalChooseWhatIsWritten) {
+  TestRun run(
+      R"({"step": 0.1, "stop_time": 0.9, "instances": {"a": {"fmu": "PROBE"}, "b": {"fmu": "PROBE"}}, "connections": [],
+                  "record": {"variables": ["?.ste*", "a.last_step"], "interval": 0.4}})");
+  run.to_end();
+  EXPECT_EQ(run.csv(),
+            "time [s],a.last_step [s],a.steps [-],b.steps [-]\n0,0,0,0\n0.4,0.1,4,4\n0.8,0.1,8,8\n0.9,0.1,9,9\n");
+}
+
+TEST(Recorder, PatternsFit) {
+  EXPECT_TRUE(fits("motors.rotor[1].thrust", "motors.*"));
+  EXPECT_TRUE(fits("motors.rotor[1].thrust", "*.rotor[?].thrust"));
+  EXPECT_TRUE(fits("aXbXc", "a*X?"));
+  EXPECT_TRUE(fits("", "*"));
+  EXPECT_FALSE(fits("motors.power", "*.powe"));
+  EXPECT_FALSE(fits("abc", "a?"));
+  EXPECT_FALSE(fits("abc", ""));
+}
+
+TEST(OutputFile, AFullDiskIsReported) {
+  OutputFile file("/dev/full");
+  file.append("something");
+  try {
+    file.close();
+    FAIL() << "/dev/full takes nothing";
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), testing::AllOf(HasSubstr("/dev/full"), HasSubstr("No space left"), HasSubstr("--out")));
+  }
+}
+
+TEST(OutputFile, AFileThatCannotBeMadeIsBadInput) {
+  EXPECT_THAT(test::input_error([] { OutputFile file("/proc/nothing/results.csv"); }), HasSubstr("cannot be written"));
+}
+
+TEST(OutputFile, IsCutBackAndGoesOn) {
+  const modeldesc::TemporaryFolder folder("mebots-test");
+  OutputFile file(folder.path() / "x");
+  file.append("abcdef");
+  file.truncate(2);
+  file.append("Z");
+  EXPECT_EQ(file.size(), 3u);
+  file.close();
+  EXPECT_EQ(test::read_file(folder.path() / "x"), "abZ");
+}
+
+TEST(InputHash, IsSha256) {
+  // FIPS 180-4, example of one block.
+  EXPECT_EQ(sha256("abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+}
+
+TEST(InputHash, ChangesWithConfigAndCommandLine) {
+  SystemDescription system;
+  system.source = "{}";
+  const auto plain = hash_inputs(system, {}).all;
+  EXPECT_EQ(plain, hash_inputs(system, {}).all);
+  EXPECT_NE(plain, hash_inputs(system, std::vector<std::string>{"--set a.b=1"}).all);
+  system.source = "{ }";
+  EXPECT_NE(plain, hash_inputs(system, {}).all);
+}
+
+TEST(Summary, ALabelOfItsOwnIsRefused) {
+  TestRun run(
+      R"({"step": 0.1, "stop_time": 0.1, "instances": {"a": {"fmu": "PROBE"}}, "connections": [], "summary": {"outcome": "a.steps"}})");
+  EXPECT_THAT(test::input_error([&] { SummaryValues values(run.system, run.simulation().ensemble()); }),
+              HasSubstr("'outcome' is used"));
+}
+
+TEST(Summary, ValuesKeepTheirKind) {
+  TestRun run(
+      R"({"step": 0.1, "stop_time": 0.3, "instances": {"a": {"fmu": "PROBE", "parameters": {"mode_in": "both", "real_in": 1.5}}}, "connections": [],
+                  "summary": {"x": "a.real_out", "inner": {"mode": "a.mode_out", "flag": "a.boolean_out"}, "n": "a.steps", "text": "a.string_out"}})");
+  SummaryValues values(run.system, run.simulation().ensemble());
+  run.simulation().add(values);
+  EXPECT_EQ(values.values().dump(), "{}");
+  run.to_end();
+  EXPECT_EQ(values.values().dump(), R"({"x":1.5,"inner":{"mode":"both","flag":true},"n":3,"text":"!"})");
+  EXPECT_EQ(values.units().dump(), R"({"x":"metre"})");
+}
+
+}  // namespace
+}  // namespace mebots::master

@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: Apache-2.0
+// The program as a user meets it: arguments, exit codes, what stands on which stream and in which file.
+#include "test_system.hpp"
+
+#include <gmock/gmock.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+#include <nlohmann/json.hpp>
+
+#include <chrono>
+#include <thread>
+
+namespace mebots::test {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+
+class Program : public testing::Test {
+ protected:
+  Program() { write_file(folder.path() / "two.json", with_probe(kConfig)); }
+
+  ProgramResult run(std::vector<std::string> arguments) const { return run_program(arguments, folder.path()); }
+  ProgramResult run_config(std::vector<std::string> more = {}) const {
+    more.insert(more.begin(), {"run", "two.json"});
+    return run(more);
+  }
+  std::filesystem::path results() const { return folder.path() / "results" / "two"; }
+  nlohmann::json summary() const { return nlohmann::json::parse(read_file(results() / "summary.json")); }
+
+  static constexpr const char* kConfig = R"({"step": 0.1, "stop_time": 1, "instances": {
+      "a": {"fmu": "PROBE", "parameters": {"gain": 2, "real_in": 3}}, "b": {"fmu": "PROBE"}},
+    "connections": [{"from": "a.real_out", "to": "b.real_in"}],
+    "summary": {"length": "b.integral", "energy": {"motors": "a.real_out"}}})";
+
+  modeldesc::TemporaryFolder folder{"mebots-test"};
+};
+
+TEST_F(Program, ARunLeavesResultsAndSummary) {
+  const auto result = run_config();
+  EXPECT_EQ(result.code, 0);
+  EXPECT_THAT(result.err, IsEmpty());
+  EXPECT_THAT(result.out,
+              AllOf(HasSubstr("notice: a: not connected"), HasSubstr("[    0.000 s] a: hello from the first step"),
+                    HasSubstr("outcome: completed"), HasSubstr("results/two/results.csv")));
+  const auto json = summary();
+  EXPECT_EQ(json["outcome"], "completed");
+  EXPECT_EQ(json["end_reason"], "stop_time");
+  EXPECT_EQ(json["simulated_time"], 1.0);
+  EXPECT_EQ(json["steps"], 10);
+  EXPECT_EQ(json["rows"], 11);
+  EXPECT_GT(json["real_time_factor"], 0.0);
+  EXPECT_EQ(json["energy"]["motors"], 6.0);
+  EXPECT_EQ(json["units"]["length"], "m.s");
+  EXPECT_EQ(json["versions"]["instances"]["a"]["generation_tool"], "by hand");
+  EXPECT_EQ(json["inputs"]["sha256"].get<std::string>().size(), 64u);
+  EXPECT_THAT(read_file(results() / "log.txt"), HasSubstr("b: hello from the first step"));
+}
+
+TEST_F(Program, SummaryIsTheSameButForWallClockAndRealTimeFactor) {
+  const auto once = [&] {
+    run_config();
+    auto json = summary();
+    json.erase("wall_clock");
+    json.erase("real_time_factor");
+    return json;
+  };
+  EXPECT_EQ(once(), once());
+}
+
+TEST_F(Program, OptionsChangeTheRun) {
+  const auto result =
+      run_config({"--set", "a.gain=3", "--set", "a.offset=1", "--stop-time", "0.5", "--out", "elsewhere/deep"});
+  EXPECT_EQ(result.code, 0);
+  const auto json = nlohmann::json::parse(read_file(folder.path() / "elsewhere/deep/summary.json"));
+  EXPECT_EQ(json["energy"]["motors"], 10.0);
+  EXPECT_EQ(json["simulated_time"], 0.5);
+  EXPECT_EQ(json["inputs"]["changes"], nlohmann::json({"--set a.gain=3", "--set a.offset=1", "--stop-time 0.5"}));
+}
+
+TEST_F(Program, QuietShowsNothingButErrors) {
+  const auto fine = run_config({"--quiet"});
+  EXPECT_EQ(fine.code, 0);
+  EXPECT_THAT(fine.out + fine.err, IsEmpty());
+  const auto failing = run_config({"--quiet", "--set", "a.fault=error"});
+  EXPECT_EQ(failing.code, 1);
+  EXPECT_THAT(failing.out, IsEmpty());
+  EXPECT_THAT(failing.err, HasSubstr("fmi2Error"));
+}
+
+TEST_F(Program, AFailingRunKeepsItsRowsAndSaysWhy) {
+  const auto result = run_config({"--set", "b.fault=nan", "--set", "b.fault_time=0.4"});
+  EXPECT_EQ(result.code, 1);
+  EXPECT_THAT(result.err, AllOf(HasSubstr("instance 'b' at 0.4 s"), HasSubstr("'real_out' is nan")));
+  EXPECT_THAT(read_file(results() / "results.csv"), AllOf(HasSubstr("\n0.3"), Not(HasSubstr("\n0.4"))));
+  EXPECT_EQ(summary()["outcome"], "failed");
+  EXPECT_THAT(summary()["error"].get<std::string>(), HasSubstr("'real_out' is nan"));
+  EXPECT_EQ(summary()["simulated_time"], 0.3);
+}
+
+TEST_F(Program, BadUsageIsAnsweredByTwo) {
+  for (const auto& arguments :
+       {std::vector<std::string>{}, {"fly"}, {"run"}, {"run", "two.json", "--fast"}, {"info"}}) {
+    const auto result = run(arguments);
+    EXPECT_EQ(result.code, 2) << testing::PrintToString(arguments);
+    EXPECT_THAT(result.err, Not(IsEmpty()));
+  }
+  EXPECT_EQ(run({"--help"}).code, 0);
+  EXPECT_EQ(run({"--version"}).code, 0);
+}
+
+TEST_F(Program, BadInputIsAnsweredByTwoAndLeavesNoFolder) {
+  write_file(folder.path() / "typo.json", R"({"stpe": 0.1})");
+  EXPECT_EQ(run({"run", "typo.json"}).code, 2);
+  EXPECT_EQ(run({"run", "missing.json"}).code, 2);
+  EXPECT_EQ(run_config({"--set", "a.gian=3"}).code, 2);
+  EXPECT_EQ(run_config({"--stop-time", "0.55"}).code, 2);
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "results"));
+}
+
+TEST_F(Program, AnFmuThatRefusesItsParametersIsBadInput) {
+  const auto result = run_config({"--set", "a.fault=initialisation"});
+  EXPECT_EQ(result.code, 2);
+  EXPECT_THAT(result.err, HasSubstr("does not like its parameters"));
+  EXPECT_EQ(summary()["outcome"], "failed");
+}
+
+TEST_F(Program, AFolderThatCannotBeMadeIsBadInput) {
+  write_file(folder.path() / "file", "");
+  for (const char* out : {"file", "file/deeper", "/proc/nothing"}) {
+    const auto result = run_config({"--out", out});
+    EXPECT_EQ(result.code, 2) << out;
+    EXPECT_THAT(result.err, HasSubstr("the results folder cannot be made")) << out;
+  }
+}
+
+TEST_F(Program, AFullDiskIsReportedAndTheSummaryStillWritten) {
+  std::filesystem::create_directories(results());
+  std::filesystem::create_symlink("/dev/full", results() / "results.csv");
+  const auto result = run_config({"--stop-time", "1000"});
+  EXPECT_EQ(result.code, 1);
+  EXPECT_THAT(result.err, AllOf(HasSubstr("results.csv"), HasSubstr("No space left on device")));
+  EXPECT_EQ(summary()["outcome"], "failed");
+}
+
+TEST_F(Program, AFullDiskAtTheVeryEndIsReportedToo) {
+  std::filesystem::create_directories(results());
+  std::filesystem::create_symlink("/dev/full", results() / "results.csv");
+  const auto result = run_config();  // a few rows, written only when the file is closed
+  EXPECT_EQ(result.code, 1);
+  EXPECT_THAT(result.err, HasSubstr("No space left on device"));
+}
+
+TEST_F(Program, AnInterruptEndsCleanlyWithItsResults) {
+  const auto child = fork();
+  if (child == 0) {
+    if (chdir(folder.path().c_str()) != 0) _exit(99);
+    // Each step sleeps 20 ms: the whole run would take 20 s.
+    execl(MEBOTS_PROGRAM, MEBOTS_PROGRAM, "run", "two.json", "--quiet", "--stop-time", "100", "--set", "a.fault=slow",
+          "--set", "a.fault_time=0", nullptr);
+    _exit(98);
+  }
+  while (!std::filesystem::exists(results() / "log.txt")) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  kill(child, SIGINT);
+  int status = 0;
+  waitpid(child, &status, 0);
+  ASSERT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 1);
+  const auto json = summary();
+  EXPECT_EQ(json["outcome"], "interrupted");
+  EXPECT_EQ(json["end_reason"], "interrupted");
+  const auto csv = read_file(results() / "results.csv");
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), json["rows"].get<int>() + 1);
+  EXPECT_GT(json["rows"], 1);
+}
+
+TEST_F(Program, InfoShowsWhatAnFmuSaysOfItself) {
+  const auto result = run({"info", PROBE_FMU});
+  EXPECT_EQ(result.code, 0);
+  EXPECT_THAT(result.out, AllOf(HasSubstr("probe"), HasSubstr("{probe}"), HasSubstr("A foreign FMU for tests"),
+                                HasSubstr("by hand"), HasSubstr("saves state"),
+                                HasSubstr("Mode: off = 0, on = 1, both = 7"), HasSubstr("-10 .. 10")));
+  EXPECT_THAT(result.out, testing::ContainsRegex("real_in +input +continuous +Real +m +0"));
+}
+
+TEST_F(Program, InfoOnSomethingElseIsBadInput) {
+  EXPECT_EQ(run({"info", "nothing.fmu"}).code, 2);
+  const auto result = run({"info", "two.json"});
+  EXPECT_EQ(result.code, 2);
+  EXPECT_THAT(result.err, HasSubstr("two.json"));
+}
+
+}  // namespace
+}  // namespace mebots::test

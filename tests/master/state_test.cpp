@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "test_system.hpp"
+
+#include <gmock/gmock.h>
+
+namespace mebots::master {
+namespace {
+
+using test::TestRun;
+
+// Multirate, a buffer, a stop condition that counts time and an outcome that remembers: all have state.
+constexpr const char* kSystem = R"({"step": 0.01, "stop_time": 3, "instances": {
+    "a": {"fmu": "PROBE", "parameters": {"gain": -0.9, "offset": 0.3, "real_in": 0.1}},
+    "b": {"fmu": "PROBE", "parameters": {"gain": 0.8}, "step": 0.03}},
+  "connections": [{"from": "a.real_out", "to": "b.real_in"}, {"from": "b.real_out", "to": "a.real_in"},
+                  {"from": "a.buffer", "to": "b.taken"}, {"from": "a.steps", "to": "b.integer_in"}],
+  "stop_when": [{"variable": "a.steps", "above": 100, "for": 1}],
+  "outcomes": [{"outcome": "seen", "when": [{"variable": "a.steps", "equals": 100, "ever": true}]}]})";
+
+void step_to(TestRun& run, std::int64_t steps) {
+  while (run.simulation().steps_done() < steps && run.simulation().step()) {
+  }
+}
+
+TEST(State, ARunRestoredFromTheMiddleGivesTheSameBytes) {
+  TestRun straight(kSystem);
+  straight.to_end();
+
+  TestRun run(kSystem);
+  run.initialize();
+  step_to(run, 151);  // b stands in the middle of its step
+  const auto state = run.simulation().save_state();
+  step_to(run, 180);
+  EXPECT_FALSE(run.simulation().ended());
+  run.simulation().restore_state(state);
+  EXPECT_EQ(run.simulation().steps_done(), 151);
+  step_to(run, 1000);
+  EXPECT_EQ(run.csv(), straight.csv());
+  EXPECT_EQ(run.simulation().end().text, straight.simulation().end().text);
+  EXPECT_EQ(run.outcomes->outcome(), "seen");
+}
+
+TEST(State, AStateTravelsAsBytes) {
+  TestRun straight(kSystem);
+  straight.to_end();
+
+  std::vector<std::byte> bytes;
+  {
+    TestRun run(kSystem);
+    run.initialize();
+    step_to(run, 90);
+    bytes = run.simulation().serialize(run.simulation().save_state());
+  }
+  TestRun other(kSystem);
+  other.initialize();
+  step_to(other, 200);
+  other.simulation().restore_state(other.simulation().deserialize(bytes));
+  step_to(other, 1000);
+  EXPECT_EQ(other.csv(), straight.csv());
+}
+
+TEST(State, AStateOfAnotherEnsembleIsRefused) {
+  TestRun one(R"({"step": 0.1, "stop_time": 1, "instances": {"a": {"fmu": "PROBE"}}, "connections": []})");
+  one.initialize();
+  const auto state = one.simulation().save_state();
+  const auto bytes = one.simulation().serialize(state);
+  TestRun two(kSystem);
+  two.initialize();
+  EXPECT_THROW(two.simulation().restore_state(state), Error);
+  EXPECT_THROW(two.simulation().deserialize(bytes), Error);
+}
+
+}  // namespace
+}  // namespace mebots::master

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "test_system.hpp"
+
+#include <fmt/format.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <charconv>
+#include <cstdlib>
+#include <fstream>
+#include <sstream>
+
+namespace mebots::test {
+
+void write_file(const std::filesystem::path& file, std::string_view text) {
+  std::ofstream stream(file, std::ios::binary);
+  stream << text;
+  if (!stream) throw Error("a test file cannot be written: " + file.string());
+}
+
+std::string read_file(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  std::ostringstream text;
+  text << stream.rdbuf();
+  return text.str();
+}
+
+std::string with_probe(std::string text) {
+  const std::string word = "PROBE";
+  for (auto at = text.find(word); at != std::string::npos; at = text.find(word))
+    text.replace(at, word.size(), PROBE_FMU);
+  return text;
+}
+
+TestRun::TestRun(const std::string& config) {
+  const auto path = folder.path() / "test.json";
+  write_file(path, with_probe(config));
+  description = master::read_config(path);
+  system = master::resolve(description, library);
+  simulation_.emplace(system, messages);
+  auto& ensemble = simulation_->ensemble();
+  file.emplace(folder.path() / "results.csv");
+  recorder.emplace(system, ensemble, *file);
+  outcomes.emplace(system, ensemble);
+  stop_conditions.emplace(system, ensemble);
+  simulation_->add(*recorder);
+  simulation_->add(*outcomes);
+  simulation_->add(*stop_conditions);
+}
+
+TestRun& TestRun::initialize() {
+  simulation_->initialize();
+  return *this;
+}
+
+TestRun& TestRun::to_end() {
+  const std::atomic<bool> never{false};
+  initialize();
+  simulation_->run(never);
+  return *this;
+}
+
+std::string TestRun::csv() {
+  file->flush();
+  return read_file(file->path());
+}
+
+std::vector<double> TestRun::column(const std::string& name) {
+  std::istringstream lines(csv());
+  std::string line;
+  std::getline(lines, line);
+  const auto split = [](const std::string& text) {
+    std::vector<std::string> cells(1);
+    bool quoted = false;
+    for (const char c : text) {
+      if (c == '"') {
+        quoted = !quoted;
+      } else if (c == ',' && !quoted) {
+        cells.emplace_back();
+      } else {
+        cells.back() += c;
+      }
+    }
+    return cells;
+  };
+  const auto header = split(line);
+  std::size_t index = 0;
+  while (index < header.size() && header[index].substr(0, header[index].find(" [")) != name) ++index;
+  if (index == header.size()) throw Error("no column " + name + " in " + line);
+  std::vector<double> values;
+  while (std::getline(lines, line)) {
+    const auto cells = split(line);
+    double value = 0;
+    std::from_chars(cells.at(index).data(), cells.at(index).data() + cells.at(index).size(), value);
+    values.push_back(value);
+  }
+  return values;
+}
+
+ProgramResult run_program(const std::vector<std::string>& arguments, const std::filesystem::path& folder) {
+  const modeldesc::TemporaryFolder texts("mebots-test");
+  const auto out = texts.path() / "out";
+  const auto err = texts.path() / "err";
+  const auto child = fork();
+  if (child == 0) {
+    if (chdir(folder.c_str()) != 0 || freopen(out.c_str(), "w", stdout) == nullptr ||
+        freopen(err.c_str(), "w", stderr) == nullptr) {
+      _exit(99);
+    }
+    std::vector<char*> words{const_cast<char*>(MEBOTS_PROGRAM)};
+    for (const auto& argument : arguments) words.push_back(const_cast<char*>(argument.c_str()));
+    words.push_back(nullptr);
+    execv(MEBOTS_PROGRAM, words.data());
+    _exit(98);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), read_file(out), read_file(err)};
+}
+
+}  // namespace mebots::test

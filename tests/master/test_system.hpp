@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "mebots/master/conditions.hpp"
+#include "mebots/master/recorder.hpp"
+#include "mebots/master/simulation.hpp"
+#include "mebots/modeldesc/archive.hpp"
+
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+/// What the master's tests share: configs made on the fly that name the probe FMU (fmus/probe.c).
+namespace mebots::test {
+
+void write_file(const std::filesystem::path& file, std::string_view text);
+std::string read_file(const std::filesystem::path& file);
+
+/// `text` with the probe's path for every "PROBE".
+std::string with_probe(std::string text);
+
+/// The message of the InputError that `work` throws; fails the test when it throws none.
+template <typename Work>
+std::string input_error(Work work);
+
+/// Keeps what FMUs say.
+class Messages final : public master::MessageSink {
+ public:
+  void message(const master::Message& message) override {
+    lines.push_back(std::string(message.instance) + "/" + std::string(message.category) + ": " +
+                    std::string(message.text));
+    severities.push_back(message.severity);
+  }
+
+  std::vector<std::string> lines;
+  std::vector<master::Severity> severities;
+};
+
+/// A whole run in memory, from the text of a config to results.csv.
+class TestRun {
+ public:
+  explicit TestRun(const std::string& config);
+
+  master::Simulation& simulation() { return *simulation_; }
+  TestRun& initialize();
+  /// Initialises and steps to the end.
+  TestRun& to_end();
+  std::string csv();
+  /// The column of a variable, by its name without unit.
+  std::vector<double> column(const std::string& name);
+
+  modeldesc::TemporaryFolder folder{"mebots-test"};
+  Messages messages;
+  master::FmuLibrary library;
+  master::SystemDescription description;
+  master::ResolvedSystem system;
+  std::optional<master::OutputFile> file;
+  std::optional<master::Recorder> recorder;
+  std::optional<master::Outcomes> outcomes;
+  std::optional<master::StopConditions> stop_conditions;
+
+ private:
+  std::optional<master::Simulation> simulation_;
+};
+
+/// How the mebots program ended.
+struct ProgramResult {
+  int code = -1;
+  std::string out;
+  std::string err;
+};
+
+/// Runs the program with these arguments in `folder`.
+ProgramResult run_program(const std::vector<std::string>& arguments, const std::filesystem::path& folder);
+
+template <typename Work>
+std::string input_error(Work work) {
+  try {
+    work();
+  } catch (const master::InputError& error) {
+    return error.what();
+  }
+  return "no InputError was thrown";
+}
+
+}  // namespace mebots::test

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lag.hpp"
+#include "lag/binding.hpp"
+
+#include <fmt/format.h>
+
+namespace mebots::lag {
+namespace {
+
+class LagModel final : public shell::Model {
+ public:
+  LagModel(Variables& variables, shell::Host& host) : lag_(variables, host.resources()) {}
+
+  void step(std::int64_t /*start_ns*/, std::int64_t duration_ns) override { lag_.step(duration_ns); }
+  void save(state::Writer& writer) const override { lag_.save(writer); }
+  void restore(state::Reader& reader) override { lag_.restore(reader); }
+  std::string on_demand_text(std::string_view /*name*/) const override { return lag_.history_text(); }
+
+ private:
+  Lag lag_;
+};
+
+}  // namespace
+
+std::unique_ptr<shell::Model> make_model(Variables& variables, shell::Host& host, std::int64_t start_ns) {
+  host.log(shell::Severity::info, "events", fmt::format("starts at {} ns", start_ns));
+  return std::make_unique<LagModel>(variables, host);
+}
+
+}  // namespace mebots::lag

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "lag/variables.hpp"
+#include "mebots/state/bytes.hpp"
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace mebots::lag {
+
+/// y' = (gain u - y) / time_constant, stepped by its exact solution for held u.
+class Lag {
+ public:
+  /// Reads the label file. Throws mebots::Error when it is missing.
+  Lag(Variables& variables, const std::filesystem::path& resources);
+
+  void step(std::int64_t duration_ns);
+  void save(state::Writer& writer) const;
+  void restore(state::Reader& reader);
+  std::string history_text() const;
+
+ private:
+  void write_outputs();
+  std::vector<std::uint8_t>& history() { return histories_[static_cast<std::size_t>(steps_ % 2)]; }
+  const std::vector<std::uint8_t>& history() const { return histories_[static_cast<std::size_t>(steps_ % 2)]; }
+
+  Variables& variables_;
+  std::string label_;
+  std::array<double, channel::kCount> y_v_;
+  std::int32_t steps_ = 0;
+  std::array<std::vector<std::uint8_t>, 2> histories_;  // by turns: a reader may keep the last one through a step
+};
+
+}  // namespace mebots::lag

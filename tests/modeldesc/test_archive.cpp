@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mebots/error.hpp"
+#include "mebots/modeldesc/archive.hpp"
+#include "pack_fmu.hpp"
+
+#include <gmock/gmock.h>
+#include <sys/stat.h>
+#include <zip.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+namespace mebots::modeldesc {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+std::string read_file(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+}
+
+void write_file(const fs::path& file, const std::string& text) {
+  fs::create_directories(file.parent_path());
+  std::ofstream(file, std::ios::binary) << text;
+}
+
+class ArchiveTest : public testing::Test {
+ protected:
+  /// An archive with one honest entry and then this one, made with libzip itself so that any name goes.
+  fs::path with_entry(const std::string& name, const std::string& content, mode_t kind = S_IFREG) {
+    const fs::path file = folder_.path() / "evil.zip";
+    fs::remove(file);
+    int code = 0;
+    zip_t* zip = zip_open(file.c_str(), ZIP_CREATE, &code);
+    const auto add = [&](const std::string& entry, const std::string& bytes) {
+      zip_source_t* source = zip_source_buffer(zip, bytes.data(), bytes.size(), 0);
+      return static_cast<zip_uint64_t>(zip_file_add(zip, entry.c_str(), source, ZIP_FL_ENC_UTF_8));
+    };
+    const std::string honest = "honest";
+    add("honest.txt", honest);
+    const auto index = add(name, content);
+    zip_file_set_external_attributes(zip, index, 0, ZIP_OPSYS_UNIX, (kind | 0777U) << 16);
+    EXPECT_EQ(zip_close(zip), 0);
+    return file;
+  }
+
+  void expect_refused(const fs::path& archive, const char* text, const UnpackLimits& limits = {}) {
+    const fs::path target = folder_.path() / "target";
+    fs::remove_all(target);
+    try {
+      unpack(archive, target, limits);
+      ADD_FAILURE() << "was unpacked, expected: " << text;
+    } catch (const Error& error) {
+      EXPECT_THAT(error.what(), HasSubstr(text));
+      EXPECT_THAT(error.what(), HasSubstr(archive.filename().string()));
+    }
+    EXPECT_FALSE(fs::exists(target)) << "something was written before all entries were checked";
+  }
+
+  TemporaryFolder folder_{"archive"};
+};
+
+TEST_F(ArchiveTest, WhatIsPackedComesOutTheSame) {
+  std::string large(3 << 20, '\0');
+  for (std::size_t i = 0; i < large.size(); ++i) large[i] = static_cast<char>((i * i) >> 7);
+  write_file(folder_.path() / "a", "text");
+  write_file(folder_.path() / "b", large);
+  write_file(folder_.path() / "c", "");
+  const fs::path archive = folder_.path() / "x.fmu";
+  pack(archive, {{"z/gr\xC3\xBC\xC3\x9F"
+                  "e.txt",
+                  folder_.path() / "a"},
+                 {"b", folder_.path() / "b"},
+                 {"deep/er/c", folder_.path() / "c"}});
+  const fs::path out = folder_.path() / "out";
+  unpack(archive, out);
+  EXPECT_EQ(read_file(out / "z" /
+                      "gr\xC3\xBC\xC3\x9F"
+                      "e.txt"),
+            "text");
+  EXPECT_EQ(read_file(out / "b"), large);
+  EXPECT_TRUE(fs::exists(out / "deep/er/c"));
+}
+
+TEST_F(ArchiveTest, TheSameFilesGiveTheSameBytesWhateverTheirDatesAndOrder) {
+  write_file(folder_.path() / "a", "first");
+  write_file(folder_.path() / "b", "second");
+  const PackedFile a{"a", folder_.path() / "a"};
+  const PackedFile b{"b", folder_.path() / "b"};
+  pack(folder_.path() / "1.zip", {a, b});
+  fs::last_write_time(folder_.path() / "a", fs::file_time_type::clock::now() - std::chrono::hours(24 * 400));
+  fs::permissions(folder_.path() / "b", fs::perms::owner_all);
+  pack(folder_.path() / "2.zip", {b, a});
+  EXPECT_EQ(read_file(folder_.path() / "1.zip"), read_file(folder_.path() / "2.zip"));
+}
+
+TEST_F(ArchiveTest, PackTellsWhatIsMissingOrThereTwice) {
+  write_file(folder_.path() / "a", "x");
+  const fs::path archive = folder_.path() / "x.zip";
+  EXPECT_THROW(pack(archive, {{"a", folder_.path() / "missing"}}), Error);
+  EXPECT_THROW(pack(archive, {{"a", folder_.path() / "a"}, {"a", folder_.path() / "a"}}), Error);
+  EXPECT_FALSE(fs::exists(archive));
+  EXPECT_THROW(pack("/proc/nowhere/x.zip", {{"a", folder_.path() / "a"}}), Error);
+}
+
+TEST_F(ArchiveTest, EntriesThatWouldLeaveTheFolderAreRefusedByName) {
+  expect_refused(with_entry("../evil.txt", "x"), "the entry \"../evil.txt\" would leave the target folder");
+  expect_refused(with_entry("a/../../evil.txt", "x"), "would leave the target folder");
+  expect_refused(with_entry("a/..", "x"), "would leave the target folder");
+  expect_refused(with_entry("/etc/evil", "x"), "the entry \"/etc/evil\" is an absolute path");
+  expect_refused(with_entry("C:/evil", "x"), "drive letter");
+  expect_refused(with_entry("..\\evil", "x"), "backslash");
+  expect_refused(with_entry("link", "/etc/passwd", S_IFLNK), "the entry \"link\" is a symbolic link");
+  expect_refused(with_entry("pipe", "", S_IFIFO), "neither file nor folder");
+  expect_refused(with_entry("./honest.txt", "x"), "is there twice");
+}
+
+TEST_F(ArchiveTest, NamesThatOnlyLookDangerousPass) {
+  for (const char* name : {"a..b", "..a/b", "...", "a/.hidden"}) {
+    const fs::path out = folder_.path() / "fine";
+    fs::remove_all(out);
+    unpack(with_entry(name, "x"), out);
+    EXPECT_EQ(read_file(out / name), "x") << name;
+  }
+}
+
+TEST_F(ArchiveTest, DecompressionBombsAreRefused) {
+  const std::string zeros(20 << 20, '\0');
+  expect_refused(with_entry("bomb", zeros), "more than 1000 times");
+  expect_refused(with_entry("big", zeros), "over the limit of 1000000 bytes", {.total_bytes = 1'000'000});
+  expect_refused(with_entry("one", "x"), "2 entries are more than the limit of 1", {.entries = 1});
+}
+
+TEST_F(ArchiveTest, BrokenArchivesGiveAClearError) {
+  expect_refused(folder_.path() / "missing.fmu", "there is no such file");
+  fs::create_directories(folder_.path() / "folder.fmu");
+  expect_refused(folder_.path() / "folder.fmu", "this is a folder");
+  write_file(folder_.path() / "text.fmu", "this is no archive");
+  expect_refused(folder_.path() / "text.fmu", "was it copied completely?");
+  write_file(folder_.path() / "empty.fmu", "");
+  expect_refused(folder_.path() / "empty.fmu", "was it copied completely?");
+  const std::string whole = read_file(with_entry("a", std::string(5000, 'y')));
+  for (const std::size_t size : {whole.size() - 1, whole.size() / 2, std::size_t{30}}) {
+    write_file(folder_.path() / "cut.fmu", whole.substr(0, size));
+    expect_refused(folder_.path() / "cut.fmu", "was it copied completely?");
+  }
+}
+
+TEST_F(ArchiveTest, DamagedContentIsNoticed) {
+  std::string content(5000, ' ');
+  for (std::size_t i = 0; i < content.size(); ++i) content[i] = static_cast<char>('a' + i * i % 23);
+  std::string bytes = read_file(with_entry("a", content));
+  // Inside the packed bytes of the second entry, in front of the directory at the end.
+  bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 0x55);
+  write_file(folder_.path() / "damaged.fmu", bytes);
+  try {
+    unpack(folder_.path() / "damaged.fmu", folder_.path() / "out");
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("the entry \"a\" cannot be read"));
+  }
+}
+
+TEST_F(ArchiveTest, TemporaryFoldersAreUniqueAndGoWithTheirOwner) {
+  fs::path path;
+  {
+    TemporaryFolder one("same", folder_.path());
+    TemporaryFolder two("same", folder_.path());
+    EXPECT_NE(one.path(), two.path());
+    path = one.path();
+    write_file(path / "deep/file", "x");
+    const TemporaryFolder moved = std::move(one);
+    EXPECT_EQ(moved.path(), path);
+    EXPECT_TRUE(fs::exists(path));
+  }
+  EXPECT_FALSE(fs::exists(path));
+  EXPECT_THROW(TemporaryFolder("x", folder_.path() / "missing"), Error);
+}
+
+TEST_F(ArchiveTest, AnFmuWhoseLibrariesDoNotTravelAlongIsNotPacked) {
+  FmuParts parts;
+  parts.description = MEBOTS_BINARY_DIR "/generated/lag/modelDescription.xml";
+  parts.documentation = MEBOTS_BINARY_DIR "/generated/lag/index.html";
+  parts.binary = MEBOTS_BINARY_DIR "/fmu_binaries/lag.so";
+  parts.libraries = {LIBZIP_LIBRARY};  // needs a compression library, which is not given
+  try {
+    pack_fmu(folder_.path() / "x.fmu", parts);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("which does not travel in the FMU; add it with --library"));
+  }
+  parts.libraries.clear();
+  pack_fmu(folder_.path() / "x.fmu", parts);
+  unpack(folder_.path() / "x.fmu", folder_.path() / "x");
+  EXPECT_EQ(read_file(folder_.path() / "x/binaries/linux64/lag.so"), read_file(parts.binary));
+}
+
+}  // namespace
+}  // namespace mebots::modeldesc

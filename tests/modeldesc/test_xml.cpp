@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "description.hpp"
+#include "generate.hpp"
+#include "mebots/error.hpp"
+#include "mebots/modeldesc/xml.hpp"
+
+#include <gmock/gmock.h>
+
+#include <limits>
+
+namespace mebots::modeldesc {
+namespace {
+
+using testing::HasSubstr;
+
+ModelDescription of(const std::string& fmu, const std::string& board = "") {
+  const std::string root = MEBOTS_SOURCE_DIR;
+  return to_model_description(
+      read_description(root + "/" + fmu + "/description.json", board.empty() ? "" : root + "/" + board));
+}
+
+void expect_round_trip(const ModelDescription& written) {
+  const std::string text = write_xml(written);
+  const ModelDescription read = read_xml_text(text, "test");
+  EXPECT_EQ(read.variables.size(), written.variables.size());
+  for (std::size_t i = 0; i < read.variables.size(); ++i)
+    EXPECT_TRUE(read.variables[i] == written.variables[i]) << written.variables[i].name;
+  EXPECT_TRUE(read == written);
+  EXPECT_EQ(write_xml(read), text);
+}
+
+TEST(Xml, OfOurFmusReadsBackAsItWasWritten) {
+  expect_round_trip(of("fmu_battery"));
+  expect_round_trip(of("fmu_motors"));
+  expect_round_trip(of("fmu_world"));
+  expect_round_trip(of("fmu_soc", "configs/boards/ai_deck.json"));
+  expect_round_trip(of("tests/modeldesc/lag"));
+}
+
+TEST(Xml, KeepsNumbersToTheLastBitAndTextToTheLastCharacter) {
+  ModelDescription x = of("tests/modeldesc/lag");
+  x.text = "<\"quoted\" & 'marked'> \xC3\xA9\ntwo lines";
+  x.default_experiment.stop_time_s = 0.1 + 0.2;
+  x.default_experiment.tolerance = std::numeric_limits<double>::denorm_min();
+  x.units[0].factor = 1.0 / 3.0;
+  expect_round_trip(x);
+}
+
+/// A foreign description: flat names, defaults left out, attributes and elements that we do not know.
+std::string foreign(const std::string& variables, const std::string& structure = "") {
+  return R"(<?xml version="1.0"?>
+<!DOCTYPE fmiModelDescription [<!ENTITY secret SYSTEM "file:///etc/passwd">]>
+<fmiModelDescription fmiVersion="2.0" modelName="m" guid="g" xmlns:v="urn:v">
+  <ModelExchange modelIdentifier="m"/>
+  <CoSimulation modelIdentifier="m_cs" canHandleVariableCommunicationStepSize="1"/>
+  <UnitDefinitions><Unit name="V"><BaseUnit kg="1" m="2" s="-3" A="-1"/><DisplayUnit name="mV" factor="1000"/></Unit>
+    <Unit name="bag"/></UnitDefinitions>
+  <TypeDefinitions><SimpleType name="Voltage"><Real quantity="U" unit="V" displayUnit="mV" min="0" nominal="10"/></SimpleType></TypeDefinitions>
+  <VendorAnnotations><Tool name="t"><v:anything deep="1"/></Tool></VendorAnnotations>
+  <ModelVariables>)" +
+         variables + "</ModelVariables>\n<ModelStructure>" + structure + "</ModelStructure></fmiModelDescription>";
+}
+
+TEST(Xml, FillsInWhatFmiLeavesOut) {
+  const ModelDescription x = read_xml_text(foreign(R"xml(
+    <ScalarVariable name="a" valueReference="0"><Real declaredType="Voltage" max="5" start="+1e0"/></ScalarVariable>
+    <ScalarVariable name="n" valueReference="0" causality="parameter"><Integer start=" 3 "/></ScalarVariable>
+    <ScalarVariable name="b" valueReference="4294967295" causality="output"><Boolean/></ScalarVariable>
+    <ScalarVariable name="der(a)" valueReference="1"><Real derivative="1" unit="V"/></ScalarVariable>)xml",
+                                                   R"(<Outputs><Unknown index="3"/></Outputs>
+    <Derivatives><Unknown index="4" dependencies="1 2" dependenciesKind="dependent fixed"/></Derivatives>)"),
+                                           "foreign.xml");
+  EXPECT_TRUE(x.has_model_exchange);
+  EXPECT_EQ(x.co_simulation->model_identifier, "m_cs");
+  EXPECT_TRUE(x.co_simulation->can_handle_variable_communication_step_size);
+  EXPECT_FALSE(x.co_simulation->can_get_and_set_fmu_state);
+  const Variable& a = *x.find("a");
+  EXPECT_EQ(a.causality, Causality::local);
+  EXPECT_EQ(a.variability, Variability::continuous);
+  EXPECT_EQ(a.initial, Initial::calculated);
+  EXPECT_EQ(a.unit, "V");
+  EXPECT_EQ(a.min, 0);
+  EXPECT_EQ(a.max, 5);
+  EXPECT_EQ(a.nominal, 10);
+  EXPECT_EQ(std::get<double>(a.start), 1);
+  const Variable& n = *x.find("n");
+  EXPECT_EQ(n.variability, Variability::fixed);
+  EXPECT_EQ(n.initial, Initial::exact);
+  EXPECT_EQ(std::get<std::int32_t>(n.start), 3);
+  EXPECT_EQ(x.find("b")->value_reference, 4294967295U);
+  EXPECT_EQ(x.find("b")->variability, Variability::discrete);
+  EXPECT_EQ(x.find("der(a)")->derivative_of, 0U);
+  EXPECT_EQ(x.find("nobody"), nullptr);
+  EXPECT_FALSE(x.unit("bag")->has_base);
+  EXPECT_EQ(x.unit("V")->display_units.at(0).factor, 1000);
+  EXPECT_FALSE(x.outputs.at(0).dependencies.has_value());
+  EXPECT_THAT(*x.derivatives.at(0).dependencies, testing::ElementsAre(0U, 1U));
+  EXPECT_THAT(x.derivatives.at(0).dependency_kinds, testing::ElementsAre("dependent", "fixed"));
+}
+
+TEST(Xml, FindsOsmpBinariesWhateverTheirPrefix) {
+  const ModelDescription x = read_xml_text(foreign(R"(
+    <ScalarVariable name="p.base.lo" valueReference="0" causality="input"><Integer start="0"/>
+      <Annotations><Tool name="net.pmsf.osmp"><x:osmp-binary-variable xmlns:x="u" name="p" role="base.lo" mime-type="image/png"/></Tool></Annotations>
+    </ScalarVariable>)"),
+                                           "foreign.xml");
+  ASSERT_TRUE(x.variables[0].osmp.has_value());
+  EXPECT_EQ(x.variables[0].osmp->name, "p");
+  EXPECT_EQ(x.variables[0].osmp->role, "base.lo");
+  EXPECT_EQ(x.variables[0].osmp->mime_type, "image/png");
+}
+
+void expect_error(const std::string& text, const char* message) {
+  try {
+    read_xml_text(text, "f.xml");
+    ADD_FAILURE() << "no error, expected: " << message;
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), HasSubstr(message));
+    EXPECT_THAT(error.what(), HasSubstr("f.xml, line "));
+  }
+}
+
+TEST(Xml, ErrorsNameFileLineElementAttributeAndValue) {
+  const auto variable = [](const std::string& attributes, const std::string& type) {
+    return foreign("\n<ScalarVariable " + attributes + ">" + type + "</ScalarVariable>");
+  };
+  expect_error("", "not well-formed XML");
+  expect_error("<a>\n\n<b></a>", "line 3: not well-formed XML");
+  expect_error("<other/>", "the root element must be <fmiModelDescription>");
+  expect_error("<fmiModelDescription fmiVersion=\"3.0\"/>", "the FMU is of FMI version 3.0; only 2.0 can be used");
+  expect_error("<fmiModelDescription fmiVersion=\"2.0\" modelName=\"m\"/>", "the attribute guid is missing");
+  expect_error("<fmiModelDescription fmiVersion=\"2.0\" modelName=\"m\" guid=\"g\"/>", "neither <CoSimulation> nor");
+  expect_error(variable("valueReference=\"1\"", "<Real/>"), "line 11, <ScalarVariable>: the attribute name is missing");
+  expect_error(variable("name=\"a\"", "<Real/>"), "the attribute valueReference is missing");
+  expect_error(variable("name=\"a\" valueReference=\"-1\"", "<Real/>"), "valueReference is \"-1\"");
+  expect_error(variable("name=\"a\" valueReference=\"1\"", ""), "\"a\" has no type");
+  expect_error(variable("name=\"a\" valueReference=\"1\"", "<Real/><Integer/>"), "\"a\" has two types");
+  expect_error(variable("name=\"a\" valueReference=\"1\" causality=\"up\"", "<Real/>"),
+               "causality is \"up\"; FMI 2.0 knows parameter, ");
+  expect_error(variable("name=\"a\" valueReference=\"1\"", "<Real start=\"1,5\"/>"),
+               "start is \"1,5\", but a number is expected");
+  expect_error(variable("name=\"a\" valueReference=\"1\"", "<Integer start=\"1e3\"/>"), "start is \"1e3\"");
+  expect_error(variable("name=\"a\" valueReference=\"1\"", "<Boolean start=\"yes\"/>"),
+               "start is \"yes\", but true or false");
+  expect_error(variable("name=\"a\" valueReference=\"1\" variability=\"continuous\"", "<Integer/>"),
+               "cannot be continuous");
+  expect_error(variable("name=\"a\" valueReference=\"1\"", "<Real declaredType=\"T\"/>"),
+               "declared type \"T\", which <TypeDefinitions> does not define");
+  expect_error(variable("name=\"a\" valueReference=\"1\"", "<Integer declaredType=\"Voltage\"/>"),
+               "its declared type \"Voltage\" is of type Real");
+  const std::string a = "<ScalarVariable name=\"a\" valueReference=\"1\"><Real/></ScalarVariable>";
+  expect_error(foreign(a + a), "the variable \"a\" is there twice");
+  expect_error(foreign(a, "<Outputs><Unknown index=\"2\"/></Outputs>"),
+               "\"2\" is no index of a variable; they go from 1 to 1");
+  expect_error(foreign(a, "<Outputs><Unknown index=\"0\"/></Outputs>"), "\"0\" is no index");
+}
+
+TEST(Xml, ExternalEntitiesAreNotRead) {
+  const std::string a = "<ScalarVariable name=\"&secret;\" valueReference=\"1\"><Real/></ScalarVariable>";
+  EXPECT_EQ(read_xml_text(foreign(a), "f.xml").variables.at(0).name, "&secret;");
+}
+
+}  // namespace
+}  // namespace mebots::modeldesc
