@@ -33,12 +33,12 @@ def read_results(path):
 def draw_gates(axes, scene):
     """Top view: each gate as its two posts and the opening between them."""
     for gate in scene.get("gates", []):
-        x, y = gate["position_m"][:2]
-        yaw = gate.get("yaw_rad", 0.0)
+        x, y = gate["position"][:2]
+        yaw = gate.get("yaw", 0.0)
         along = np.array([-math.sin(yaw), math.cos(yaw)])
         for side in (-1, 1):
-            inner = np.array([x, y]) + side * along * gate["inner_m"] / 2
-            outer = np.array([x, y]) + side * along * gate["outer_m"] / 2
+            inner = np.array([x, y]) + side * along * gate["inner"] / 2
+            outer = np.array([x, y]) + side * along * gate["outer"] / 2
             axes.plot(*zip(inner, outer), color="tab:red", linewidth=4, solid_capstyle="butt")
 
 
@@ -93,14 +93,14 @@ def read_pgm(path):
 
 
 def plot_pictures(folder, path, count=8):
-    files = sorted(folder.glob("*.pgm"))
+    files = sorted(folder.rglob("*.pgm"))
     chosen = [files[round(i)] for i in np.linspace(0, len(files) - 1, min(count, len(files)))]
     figure, axes = plt.subplots(2, (len(chosen) + 1) // 2, figsize=(11, 5.8), constrained_layout=True, squeeze=False)
     for cell in axes.flat:
         cell.axis("off")
     for cell, file in zip(axes.flat, chosen):
         cell.imshow(read_pgm(file), cmap="gray", vmin=0, vmax=255)
-        cell.set_title(f"{file.stem} s", fontsize=9)
+        cell.set_title(f"{float(file.stem):.2f} s", fontsize=9)
     figure.suptitle("what the camera saw")
     figure.savefig(path, dpi=110)
     plt.close(figure)
@@ -117,7 +117,7 @@ def main():
     plot_mission(read_results(arguments.results / "results.csv"), scene, summary, arguments.results / "mission.png")
     print(f"wrote {arguments.results / 'mission.png'}")
     pictures = arguments.results / "pictures"
-    if any(pictures.glob("*.pgm")):
+    if any(pictures.rglob("*.pgm")):
         plot_pictures(pictures, arguments.results / "pictures.png")
         print(f"wrote {arguments.results / 'pictures.png'}")
 

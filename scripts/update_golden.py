@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Rewrites reference/<fmu>_in.csv and _out.csv of fmu_battery and fmu_motors by running the built FMUs.
+"""Rewrites reference/<fmu>_in.csv and _out.csv of fmu_battery, fmu_motors and fmu_world by running the built FMUs.
 
     .venv/bin/python scripts/update_golden.py build/release/fmus
 
@@ -47,6 +47,19 @@ def motors(k):
     }
 
 
+def world(k):
+    """Open loop from the ground: up in a side wind with a little yaw torque, then a drop that ends in a crash."""
+    thrust = 0.12 if k < 20 else 0.08 if k < 32 else 0.0
+    return {
+        **{f"rotor[{i}].thrust": thrust for i in (1, 2, 3, 4)},
+        **{f"rotor[{i}].torque": 0.0072 * thrust if i % 2 else 0.00735 * thrust for i in (1, 2, 3, 4)},
+        "wind.velocity.x": 0.0,
+        "wind.velocity.y": 1.0 if k >= 8 else 0.0,
+        "wind.velocity.z": 0.0,
+        "cell.mass": 0.0071,
+    }
+
+
 def write(path, header, rows):
     with open(path, "w", newline="") as stream:
         writer = csv.writer(stream, lineterminator="\n")
@@ -90,7 +103,8 @@ def run(archive, inputs_at, step, count):
 
 def main():
     fmus = Path(sys.argv[1] if len(sys.argv) > 1 else ROOT / "build/release/fmus")
-    for name, inputs_at, step, count in (("fmu_battery", battery, 2.0, 150), ("fmu_motors", motors, 0.0625, 192)):
+    for name, inputs_at, step, count in (("fmu_battery", battery, 2.0, 150), ("fmu_motors", motors, 0.0625, 192),
+                                         ("fmu_world", world, 0.0625, 64)):
         in_names, in_rows, out_names, out_rows = run(fmus / f"{name}.fmu", inputs_at, step, count)
         folder = ROOT / name / "reference"
         folder.mkdir(exist_ok=True)

@@ -110,9 +110,15 @@ void erkstep(benchmark::State& state, ARKODE_ERKTableID table) {
   ERKStepFree(&memory);
 }
 
-void erkstep_order_3(benchmark::State& state) { erkstep(state, ARKODE_BOGACKI_SHAMPINE_4_2_3); }
-void erkstep_order_4(benchmark::State& state) { erkstep(state, ARKODE_ZONNEVELD_5_3_4); }
-void erkstep_order_5(benchmark::State& state) { erkstep(state, ARKODE_DORMAND_PRINCE_7_4_5); }
+void erkstep_order_3(benchmark::State& state) {
+  erkstep(state, ARKODE_BOGACKI_SHAMPINE_4_2_3);
+}
+void erkstep_order_4(benchmark::State& state) {
+  erkstep(state, ARKODE_ZONNEVELD_5_3_4);
+}
+void erkstep_order_5(benchmark::State& state) {
+  erkstep(state, ARKODE_DORMAND_PRINCE_7_4_5);
+}
 
 void cvode_adams(benchmark::State& state) {
   Problem problem;

@@ -27,8 +27,9 @@ void check_open_circuit(const data::Node& file, const Curve& curve) {
     const double s = static_cast<double>(i) / kSamples;
     const double value = curve(s);
     if (!data::Limits::positive().admit(value) || value < before) {
-      file.fail("open_circuit_voltage",
-                fmt::format("is {} V at state of charge {}; it must be > 0 and never fall with rising charge", value, s));
+      file.fail(
+          "open_circuit_voltage",
+          fmt::format("is {} V at state of charge {}; it must be > 0 and never fall with rising charge", value, s));
     }
     before = value;
   }

@@ -23,11 +23,11 @@ struct Circuit {
 struct Cell {
   std::string name;
   double mass_kg = 0;
-  double capacity_c = 0;               // charge between s = 1 and s = 0
-  double cut_off_voltage_v = 0;        // the protection opens below it
-  double continuous_current_a = 0;     // above it over_current is raised; nothing else happens
-  double self_discharge_current_a = 0; // flows while s > 0
-  double hold_below_soc = 0;           // R and C keep their value at this s below it
+  double capacity_c = 0;                // charge between s = 1 and s = 0
+  double cut_off_voltage_v = 0;         // the protection opens below it
+  double continuous_current_a = 0;      // above it over_current is raised; nothing else happens
+  double self_discharge_current_a = 0;  // flows while s > 0
+  double hold_below_soc = 0;            // R and C keep their value at this s below it
   Curve open_circuit_v;
   Curve series_ohm;
   Curve pair1_ohm;

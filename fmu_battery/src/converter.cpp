@@ -60,8 +60,8 @@ Converter load_converter(const std::filesystem::path& file, const std::string& n
   efficiency_node.only({"unit", "value"}).require_unit("1");
   auto efficiency = efficiency_node.numbers("value", {0, 1, false});
   if (efficiency.size() != current_a.size()) {
-    efficiency_node.fail("value", fmt::format("has {} entries but output_current has {}", efficiency.size(),
-                                              current_a.size()));
+    efficiency_node.fail("value",
+                         fmt::format("has {} entries but output_current has {}", efficiency.size(), current_a.size()));
   }
   for (std::size_t i = 1; i < current_a.size(); ++i) {
     // More output must need more input, otherwise the converter cannot be read backwards. On a segment the

@@ -8,9 +8,9 @@ namespace {
 class Binding final : public shell::Model {
  public:
   Binding(Variables& variables, shell::Host& host, std::int64_t start_ns)
-      : variables_(variables),
-        model_(variables.parameters, host.resources(),
-               [&host](std::string_view message) { host.log(shell::Severity::warning, "events", message); }) {
+      : variables_(variables), model_(variables.parameters, host.resources(), [&host](std::string_view message) {
+          host.log(shell::Severity::warning, "events", message);
+        }) {
     model_.start(variables_.inputs, start_ns, variables_.outputs);
   }
 

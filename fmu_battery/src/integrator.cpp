@@ -112,7 +112,7 @@ class Integrator::Solver {
     check(flag, "ERKStepEvolve");
 
     state = {y[kSoc], y[kPair1], y[kPair2]};
-    ledger += Ledger{y[kOpenCircuit],  y[kDelivered],  y[kSource],        y[kOhmic],
+    ledger += Ledger{y[kOpenCircuit],  y[kDelivered],  y[kSource],       y[kOhmic],
                      y[kPolarisation], y[kConverters], y[kSelfDischarge]};
     return {reached_s, flag == ARK_ROOT_RETURN ? settle(state) : Event::none};
   }
@@ -188,8 +188,8 @@ class Integrator::Solver {
 
   void check(int flag, const char* function) const {
     if (flag >= 0) return;
-    throw Error(fmt::format("the cell's equations cannot be integrated: {} gave {} ({}) at {} W terminal power", function,
-                            flag, message_, demand_.terminal_w()));
+    throw Error(fmt::format("the cell's equations cannot be integrated: {} gave {} ({}) at {} W terminal power",
+                            function, flag, message_, demand_.terminal_w()));
   }
 
   const Cell& cell_;
@@ -215,6 +215,8 @@ Integrator::Result Integrator::advance(CellState& state, Ledger& ledger, const D
   return solver_->advance(state, ledger, demand, connected, duration_s);
 }
 
-long Integrator::evaluations() const { return solver_->evaluations(); }
+long Integrator::evaluations() const {
+  return solver_->evaluations();
+}
 
 }  // namespace mebots::battery

@@ -13,7 +13,9 @@ namespace {
 /// What is left of a step after an event and is too short to integrate: at 100 W it is 1e-10 J.
 constexpr double kShortest = 1e-12;
 
-constexpr double seconds(std::int64_t ns) { return static_cast<double>(ns) * 1e-9; }
+constexpr double seconds(std::int64_t ns) {
+  return static_cast<double>(ns) * 1e-9;
+}
 
 void check_power(double power_w, std::string_view name) {
   if (std::isfinite(power_w) && power_w >= 0) return;
@@ -31,8 +33,7 @@ double checked_soc(double soc) {
 Model::Model(const Parameters& parameters, const std::filesystem::path& resources, EventLog log)
     : log_(std::move(log)),
       cell_(load_cell(data::find_file(resources / "cells", parameters.cell_name, "cell.name"))),
-      source_converter_(
-          load_converter(resources / "converters.json", parameters.source_converter, "source.converter")),
+      source_converter_(load_converter(resources / "converters.json", parameters.source_converter, "source.converter")),
       integrator_(cell_) {
   for (std::size_t i = 0; i < load::kCount; ++i) {
     load_converter_[i] = load_converter(resources / "converters.json", parameters.load_converter[i],
@@ -70,8 +71,7 @@ void Model::step(const Inputs& inputs, std::int64_t start_ns, std::int64_t durat
     passed_s += reached_s;
     handle(event, seconds(start_ns) + passed_s);
   }
-  const double lost_j =
-      (ledger_.ohmic_j - before.ohmic_j) + (ledger_.converters_j - before.converters_j);
+  const double lost_j = (ledger_.ohmic_j - before.ohmic_j) + (ledger_.converters_j - before.converters_j);
   write(inputs, seconds(start_ns + duration_ns), outputs);
   outputs.losses_power_w = lost_j / duration_s;
 }
@@ -106,9 +106,10 @@ void Model::handle(Event event, double time_s) {
   if (event == Event::empty) {
     log_(fmt::format("t = {:.9g} s: the cell is empty; the protection opens", time_s));
   } else {
-    log_(fmt::format("t = {:.9g} s: the terminal voltage falls under the cut-off of {} V at a state of charge of {:.4f}; "
-                     "the protection opens",
-                     time_s, cell_.cut_off_voltage_v, state_.soc));
+    log_(fmt::format(
+        "t = {:.9g} s: the terminal voltage falls under the cut-off of {} V at a state of charge of {:.4f}; "
+        "the protection opens",
+        time_s, cell_.cut_off_voltage_v, state_.soc));
   }
 }
 

@@ -17,8 +17,8 @@ double speed_of_zero_power(const RotorData& rotor, const RotorDrive& drive, cons
   const double square = rotor.inertia_kg_m2 * law.quadratic_per_rad;  // times -w^2
   const double linear =
       rotor.power_per_thrust_w_per_n * drive.thrust_coefficient - rotor.inertia_kg_m2 * law.linear_per_s;
-  const double constant = rotor.power_per_speed_ws_per_rad +
-                          rotor.inertia_kg_m2 * (law.linear_per_s * u + law.quadratic_per_rad * u * u);
+  const double constant =
+      rotor.power_per_speed_ws_per_rad + rotor.inertia_kg_m2 * (law.linear_per_s * u + law.quadratic_per_rad * u * u);
   const double root = std::sqrt(linear * linear + 4 * square * constant);
   if (linear < 0) return 2 * constant / (root - linear);
   return square > 0 ? (linear + root) / (2 * square) : HUGE_VAL;

@@ -34,7 +34,8 @@ SpeedLaw read_law(const data::Node& root, const std::string& name) {
   const SpeedLaw law{root.quantity(name + "_linear", "1/s", Limits::at_least(0)),
                      root.quantity(name + "_quadratic", "1/rad", Limits::at_least(0))};
   if (law.linear_per_s == 0 && law.quadratic_per_rad == 0) {
-    root.fail(name + "_linear", fmt::format("and {}_quadratic are both 0: the rotor would never change its speed", name));
+    root.fail(name + "_linear",
+              fmt::format("and {}_quadratic are both 0: the rotor would never change its speed", name));
   }
   return law;
 }

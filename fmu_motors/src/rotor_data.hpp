@@ -16,16 +16,16 @@ struct SpeedLaw {
 /// A rotor with its motor, as its data file describes it (fmu_motors/README.md documents the format).
 struct RotorData {
   std::string name;
-  double thrust_coefficient = 0;             // F = k w^2 [N s^2/rad^2] at the reference density
+  double thrust_coefficient = 0;  // F = k w^2 [N s^2/rad^2] at the reference density
   double reference_density_kg_per_m3 = 0;
   double torque_per_thrust_m = 0;
-  std::vector<double> effective_voltage_v;   // steady speed over effective voltage; both begin at 0
+  std::vector<double> effective_voltage_v;  // steady speed over effective voltage; both begin at 0
   std::vector<double> speed_rad_per_s;
-  double slope_above_rad_per_sv = 0;         // beyond the last point
+  double slope_above_rad_per_sv = 0;  // beyond the last point
   SpeedLaw spin_up;
   SpeedLaw spin_down;
   double inertia_kg_m2 = 0;
-  double power_per_speed_ws_per_rad = 0;     // P = a w + b F
+  double power_per_speed_ws_per_rad = 0;  // P = a w + b F
   double power_per_thrust_w_per_n = 0;
   double propeller_pitch_m = 0;
   double propulsion_efficiency = 0;

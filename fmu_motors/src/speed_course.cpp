@@ -6,14 +6,15 @@
 namespace mebots::motors {
 
 SpeedCourse::SpeedCourse(const SpeedLaw& law, double initial_rad_per_s, double steady_rad_per_s)
-    : linear_(law.linear_per_s),
-      quadratic_(law.quadratic_per_rad),
+    : quadratic_(law.quadratic_per_rad),
       initial_(initial_rad_per_s),
       steady_(steady_rad_per_s),
       initial_difference_(steady_rad_per_s - initial_rad_per_s),
       rate_(law.linear_per_s + 2 * law.quadratic_per_rad * steady_rad_per_s) {}
 
-double SpeedCourse::decay(double time_s) const { return rate_ > 0 ? -std::expm1(-rate_ * time_s) / rate_ : time_s; }
+double SpeedCourse::decay(double time_s) const {
+  return rate_ > 0 ? -std::expm1(-rate_ * time_s) / rate_ : time_s;
+}
 
 double SpeedCourse::difference(double time_s) const {
   return initial_difference_ * std::exp(-rate_ * time_s) / (1 - quadratic_ * initial_difference_ * decay(time_s));
@@ -30,15 +31,16 @@ double SpeedCourse::difference_integral(double time_s) const {
   return bend == 0 ? straight : straight * (-std::log1p(-bend) / bend);
 }
 
-double SpeedCourse::speed_integral(double time_s) const { return steady_ * time_s - difference_integral(time_s); }
+double SpeedCourse::speed_integral(double time_s) const {
+  return steady_ * time_s - difference_integral(time_s);
+}
 
 double SpeedCourse::speed_squared_integral(double time_s) const {
   // w^2 = u^2 - 2 u e + e^2, and the equation itself gives b e^2 = de/dt + k e.
   const double first = difference_integral(time_s);
   const double squared =
-      quadratic_ > 0
-          ? (difference(time_s) - initial_difference_ + rate_ * first) / quadratic_
-          : initial_difference_ * initial_difference_ * -std::expm1(-2 * rate_ * time_s) / (2 * rate_);
+      quadratic_ > 0 ? (difference(time_s) - initial_difference_ + rate_ * first) / quadratic_
+                     : initial_difference_ * initial_difference_ * -std::expm1(-2 * rate_ * time_s) / (2 * rate_);
   return steady_ * steady_ * time_s - 2 * steady_ * first + squared;
 }
 

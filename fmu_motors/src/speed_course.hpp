@@ -23,11 +23,10 @@ class SpeedCourse {
   double time_to(double target_rad_per_s) const;
 
  private:
-  double decay(double time_s) const;            // (1 - exp(-k t)) / k
-  double difference(double time_s) const;       // e(t)
+  double decay(double time_s) const;       // (1 - exp(-k t)) / k
+  double difference(double time_s) const;  // e(t)
   double difference_integral(double time_s) const;
 
-  double linear_;
   double quadratic_;
   double initial_;
   double steady_;

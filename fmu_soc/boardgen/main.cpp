@@ -173,8 +173,8 @@ std::vector<std::string> words_of(const std::string& name) {
   std::vector<std::string> words(1);
   char previous = '_';
   for (const char c : name) {
-    const bool upper_after_lower = std::isupper(static_cast<unsigned char>(c)) != 0 &&
-                                   (std::islower(static_cast<unsigned char>(previous)) != 0);
+    const bool upper_after_lower =
+        std::isupper(static_cast<unsigned char>(c)) != 0 && (std::islower(static_cast<unsigned char>(previous)) != 0);
     if ((c == '_' || upper_after_lower) && !words.back().empty()) words.emplace_back();
     if (c != '_') words.back() += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
     previous = c;
@@ -270,7 +270,8 @@ std::string cpp_header(const Board& board) {
                          camel_case(reg.name), reg.offset);
     }
     out << fmt::format("inline constexpr std::array<RegisterName, {}> kRegisters{{{{\n", device.registers.size());
-    for (const auto& reg : device.registers) out << fmt::format("    {{\"{}\", k{}}},\n", reg.name, camel_case(reg.name));
+    for (const auto& reg : device.registers)
+      out << fmt::format("    {{\"{}\", k{}}},\n", reg.name, camel_case(reg.name));
     out << "}};\n";
     for (const auto& enumeration : device.enumerations) {
       out << fmt::format("enum class {} : std::int32_t {{\n", enumeration.name);

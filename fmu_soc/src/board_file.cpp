@@ -22,12 +22,14 @@ std::uint32_t address(const data::Node& node, std::string_view key) {
 }
 
 BoardDevice read_device(const data::Node& node) {
-  node.only({"name", "base", "interrupt", "text", "supply_voltage", "states", "registers", "enumerations", "variables"});
+  node.only(
+      {"name", "base", "interrupt", "text", "supply_voltage", "states", "registers", "enumerations", "variables"});
   BoardDevice device;
   device.name = node.text("name");
   device.base = address(node, "base");
   if (device.base % 4 != 0) node.fail("base", "must be a multiple of 4");
-  if (node.has("interrupt")) device.interrupt = static_cast<int>(node.number("interrupt", data::Limits::between(0, 31)));
+  if (node.has("interrupt"))
+    device.interrupt = static_cast<int>(node.number("interrupt", data::Limits::between(0, 31)));
   if (node.has("supply_voltage")) device.supply_voltage_v = node.number("supply_voltage", data::Limits::positive());
   for (const auto& entry : node.objects("registers")) {
     entry.only({"name", "offset", "access", "text"});

@@ -22,7 +22,7 @@ class Clock {
     skipped_ = 0;
   }
 
-  std::uint32_t hz() const { return hz_; }
+  std::uint32_t hz() const { return static_cast<std::uint32_t>(hz_); }
 
   /// From the cycle with this number on, the clock has another frequency.
   void change(std::uint32_t hz, std::uint64_t cycle) {
@@ -57,7 +57,7 @@ class Clock {
   __extension__ using Wide = unsigned __int128;
   static constexpr std::uint64_t kPsPerSecond = 1'000'000'000'000ULL;
 
-  std::uint32_t hz_ = 1;
+  std::uint64_t hz_ = 1;  // 64 bits: no padding, equal clocks are equal bytes
   Picoseconds epoch_ps_ = 0;
   std::uint64_t skipped_ = 0;  // ticks slept since the epoch, less the active cycles before it (modulo 2^64)
 };

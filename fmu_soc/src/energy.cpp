@@ -28,8 +28,8 @@ EnergyLedger EnergyMeter::at(const Activity& now) const {
   EnergyLedger ledger = settled_;
   ledger.core_active_j += instructions_j * dynamic_scale_;
   ledger.memory_j += memory_j * dynamic_scale_;
-  ledger.leakage_j += (chip_.core_leakage_w + memory_leakage_w_) * powered_s +
-                      chip_.core_clock_gated_w * dynamic_scale_ * asleep_s;
+  ledger.leakage_j +=
+      (chip_.core_leakage_w + memory_leakage_w_) * powered_s + chip_.core_clock_gated_w * dynamic_scale_ * asleep_s;
   return ledger;
 }
 

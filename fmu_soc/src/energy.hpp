@@ -46,8 +46,8 @@ class EnergyMeter {
   const Chip& chip_;
   double memory_leakage_w_;
   double dynamic_scale_ = 1;
-  Activity since_;         // at the last change of voltage
-  EnergyLedger settled_;   // up to then
+  Activity since_;        // at the last change of voltage
+  EnergyLedger settled_;  // up to then
 };
 
 }  // namespace mebots::soc

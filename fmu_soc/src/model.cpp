@@ -19,12 +19,9 @@ Settings settings_of(const Parameters& parameters) {
   settings.clock_hz = parameters.core_clock_hz;
   settings.voltage_v = parameters.core_supply_voltage_v;
   settings.frame_width = static_cast<std::uint32_t>(parameters.camera_frame_width);
-  settings.mission = {parameters.mission_cruise_speed_m_per_s,
-                      parameters.mission_altitude_m,
-                      parameters.mission_frame_period_s,
-                      parameters.mission_yaw_rate_scale_rad_per_s,
-                      parameters.mission_landing_charge,
-                      static_cast<std::int32_t>(parameters.mission_policy)};
+  settings.mission = {parameters.mission_cruise_speed_m_per_s, parameters.mission_altitude_m,
+                      parameters.mission_frame_period_s,       parameters.mission_yaw_rate_scale_rad_per_s,
+                      parameters.mission_landing_charge,       static_cast<std::int32_t>(parameters.mission_policy)};
   return settings;
 }
 

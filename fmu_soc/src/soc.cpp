@@ -10,6 +10,7 @@
 #include <cmath>
 #include <limits>
 #include <span>
+#include <type_traits>
 
 namespace mebots::soc {
 namespace {
@@ -33,10 +34,11 @@ std::uint32_t checked_clock(const Chip& chip, const Settings& settings) {
   const auto clock_hz = static_cast<std::uint32_t>(std::llround(settings.clock_hz));
   const auto voltage_mv = static_cast<std::uint32_t>(std::lround(settings.voltage_v * kMilli));
   if (!chip.allows(clock_hz, voltage_mv)) {
-    throw Error(fmt::format(
-        "core.clock {} Hz at core.supply_voltage {} V is outside the chip's limits: {} to {} V, and {} to {:.0f} Hz at {} V",
-        settings.clock_hz, settings.voltage_v, chip.lowest_voltage_v, chip.highest_voltage_v, chip.minimum_clock_hz,
-        chip.highest_clock_hz(settings.voltage_v), settings.voltage_v));
+    throw Error(
+        fmt::format("core.clock {} Hz at core.supply_voltage {} V is outside the chip's limits: {} to {} V, and {} to "
+                    "{:.0f} Hz at {} V",
+                    settings.clock_hz, settings.voltage_v, chip.lowest_voltage_v, chip.highest_voltage_v,
+                    chip.minimum_clock_hz, chip.highest_clock_hz(settings.voltage_v), settings.voltage_v));
   }
   return clock_hz;
 }
@@ -48,9 +50,10 @@ void check_registers(const BoardDevice& device, const std::array<board::Register
     same = device.registers[i].name == expected[i].name && device.registers[i].offset == expected[i].offset;
   }
   if (!same) {
-    throw Error(fmt::format("board: the registers of device {} are not those that this build was made with; build again "
-                            "with this board file",
-                            device.name));
+    throw Error(
+        fmt::format("board: the registers of device {} are not those that this build was made with; build again "
+                    "with this board file",
+                    device.name));
   }
 }
 
@@ -76,7 +79,8 @@ std::string_view cause_text(std::uint32_t cause) {
 
 }  // namespace
 
-Soc::Soc(const BoardDescription& board, const Chip& chip, const Settings& settings, const Elf& program, Listeners listeners)
+Soc::Soc(const BoardDescription& board, const Chip& chip, const Settings& settings, const Elf& program,
+         Listeners listeners)
     : chip_(chip),
       listeners_(std::move(listeners)),
       program_(program),
@@ -120,8 +124,7 @@ void Soc::add_devices(const BoardDescription& board, const Settings& settings) {
     } else if (entry.name == "camera") {
       camera_ = std::make_unique<Camera>(
           entry, settings.frame_width, memory_,
-          [this](std::uint32_t address, std::uint32_t count) { hart_.memory_changed(address, count); },
-          complain);
+          [this](std::uint32_t address, std::uint32_t count) { hart_.memory_changed(address, count); }, complain);
       add(entry, board::camera::kRegisters, *camera_);
     } else if (entry.name == "flight") {
       flight_ = std::make_unique<Flight>(complain);
@@ -133,9 +136,10 @@ void Soc::add_devices(const BoardDescription& board, const Settings& settings) {
       mission_ = std::make_unique<MissionParameters>(settings.mission);
       add(entry, board::mission::kRegisters, *mission_);
     } else {
-      throw Error(fmt::format("board: no model for device \"{}\"; known are console, timer, power_manager, camera, "
-                              "flight, battery and mission",
-                              entry.name));
+      throw Error(
+          fmt::format("board: no model for device \"{}\"; known are console, timer, power_manager, camera, "
+                      "flight, battery and mission",
+                      entry.name));
     }
   }
 }
@@ -144,9 +148,10 @@ void Soc::load_program() {
   for (const auto& segment : program_.segments()) {
     auto* region = memory_.find(segment.address, segment.size);
     if (region == nullptr) {
-      throw Error(fmt::format("{}: segment at 0x{:08x} with {} bytes lies outside the board's memories; link it with the "
-                              "board's addresses",
-                              program_.origin(), segment.address, segment.size));
+      throw Error(
+          fmt::format("{}: segment at 0x{:08x} with {} bytes lies outside the board's memories; link it with the "
+                      "board's addresses",
+                      program_.origin(), segment.address, segment.size));
     }
     memory_.write(segment.address, segment.bytes);
   }
@@ -179,9 +184,13 @@ bool Soc::watched(std::uint32_t /*address*/) {
   return stop_word_ && memory_.read(*stop_word_, {reinterpret_cast<std::uint8_t*>(&word), sizeof word}) && word != 0;
 }
 
-void Soc::advance(std::int64_t time_ns) { go_on(time_ns * kPsPerNs, std::numeric_limits<std::uint64_t>::max()); }
+void Soc::advance(std::int64_t time_ns) {
+  go_on(time_ns * kPsPerNs, std::numeric_limits<std::uint64_t>::max());
+}
 
-void Soc::run_cycles(std::uint64_t cycle_limit) { go_on(kNever - 1, cycle_limit); }
+void Soc::run_cycles(std::uint64_t cycle_limit) {
+  go_on(kNever - 1, cycle_limit);
+}
 
 void Soc::go_on(Picoseconds until, std::uint64_t cycle_limit) {
   for (;;) {
@@ -289,7 +298,9 @@ void Soc::wake_if_interrupted(Picoseconds time) {
   asleep_ = false;
 }
 
-Picoseconds Soc::sleep_time() const { return slept_ + (asleep_ && now_ > asleep_since_ ? now_ - asleep_since_ : 0); }
+Picoseconds Soc::sleep_time() const {
+  return slept_ + (asleep_ && now_ > asleep_since_ ? now_ - asleep_since_ : 0);
+}
 
 Activity Soc::activity() const {
   const auto& counters = hart_.counters();
@@ -314,6 +325,7 @@ std::string Soc::fault_text() const {
 }
 
 void Soc::save(state::Writer& writer) const {
+  static_assert(std::has_unique_object_representations_v<Clock>);
   memory_.save(writer);
   hart_.save(writer);
   for (const auto& slot : slots_) slot.device->save(writer);

@@ -51,7 +51,8 @@ enum class End : std::uint8_t { none, exited, faulted, powered_off, host };
 class Soc final : private Bus {
  public:
   /// Throws Error for a board, settings or a program that do not fit.
-  Soc(const BoardDescription& board, const Chip& chip, const Settings& settings, const Elf& program, Listeners listeners);
+  Soc(const BoardDescription& board, const Chip& chip, const Settings& settings, const Elf& program,
+      Listeners listeners);
   Soc(const Soc&) = delete;
   Soc& operator=(const Soc&) = delete;
 
@@ -142,9 +143,9 @@ class Soc final : private Bus {
   Picoseconds now_ = 0;
   End end_ = End::none;
   Picoseconds end_time_ = 0;
-  bool asleep_ = false;              // the core waits for an interrupt, or has ended
+  bool asleep_ = false;  // the core waits for an interrupt, or has ended
   Picoseconds asleep_since_ = 0;
-  Picoseconds slept_ = 0;            // up to the last waking
+  Picoseconds slept_ = 0;  // up to the last waking
 };
 
 }  // namespace mebots::soc

@@ -6,6 +6,7 @@
 #include "mebots/master/command_line.hpp"
 #include "mebots/master/conditions.hpp"
 #include "mebots/master/console.hpp"
+#include "mebots/master/picture_recorder.hpp"
 #include "mebots/master/progress.hpp"
 #include "mebots/master/recorder.hpp"
 #include "mebots/master/simulation.hpp"
@@ -16,6 +17,7 @@
 
 #include <chrono>
 #include <functional>
+#include <list>
 
 namespace mebots::app {
 namespace {
@@ -100,7 +102,8 @@ class Run {
     resolved_ = resolve(system_, library_);
     report_.notices = resolved_.notices;
     hash_ = hash_inputs(system_, report_.overrides);
-    recorded_variables(resolved_);  // a pattern that fits nothing is bad input: say so before any file is made
+    recorded_variables(resolved_);  // a name that fits nothing is bad input: say so before any file is made
+    for (const auto& pictures : system_.pictures) check_pictures(resolved_, pictures);
 
     out_ = options_.out.empty() ? std::filesystem::path("results") / system_.name : options_.out;
     prepare(out_);
@@ -115,6 +118,10 @@ class Run {
       simulation_.emplace(resolved_, console_);
       auto& ensemble = simulation_->ensemble();
       recorder_.emplace(resolved_, ensemble, *results_file_);
+      for (const auto& pictures : system_.pictures) {
+        simulation_->add(
+            picture_recorders_.emplace_back(resolved_, ensemble, pictures, out_ / "pictures" / pictures.frame.text()));
+      }
       values_.emplace(resolved_, ensemble);
       outcomes_.emplace(resolved_, ensemble);
       stop_conditions_.emplace(resolved_, ensemble);
@@ -230,6 +237,7 @@ class Run {
   std::optional<OutputFile> log_file_;
   std::optional<Simulation> simulation_;
   std::optional<Recorder> recorder_;
+  std::list<PictureRecorder> picture_recorders_;  // the simulation holds on to their addresses
   std::optional<SummaryValues> values_;
   std::optional<Outcomes> outcomes_;
   std::optional<StopConditions> stop_conditions_;

@@ -12,6 +12,8 @@
 namespace mebots::master {
 namespace {
 
+constexpr int kLargestPictureWidth = 65536;
+
 WrittenValue written_value(const JsonNode& node) {
   const auto& value = node.value();
   if (value.is_boolean()) return value.get<bool>();
@@ -129,7 +131,7 @@ OutcomeDescription read_outcome(const JsonNode& node, const SystemDescription& s
   return outcome;
 }
 
-void read_summary(const JsonNode& node, std::vector<std::string> path, SystemDescription& system) {
+void read_summary(const JsonNode& node, const std::vector<std::string>& path, SystemDescription& system) {
   for (const auto& [label, value] : node.members()) {
     auto inner = path;
     inner.push_back(label);
@@ -165,6 +167,24 @@ RecordDescription read_record(const JsonNode& node, const SystemDescription& sys
   return record;
 }
 
+PictureDescription read_pictures(const JsonNode& node, const SystemDescription& system) {
+  node.expect_keys({"frame", "id", "width", "interval"});
+  PictureDescription pictures;
+  pictures.place = node.place();
+  pictures.frame = variable_name(node.at("frame"), system);
+  pictures.id = variable_name(node.at("id"), system);
+  const auto width = node.at("width");
+  if (!width.value().is_number_integer() || width.number() < 1 || width.number() > kLargestPictureWidth) {
+    width.fail(fmt::format("the width must be a whole number of pixels from 1 to {}", kLargestPictureWidth));
+  }
+  pictures.width = static_cast<std::int32_t>(width.number());
+  if (const auto interval = node.find("interval")) {
+    pictures.interval_ns = interval->nanoseconds();
+    if (pictures.interval_ns < 0) interval->fail("a time cannot be negative");
+  }
+  return pictures;
+}
+
 LogDescription read_log(const std::string& instance, const JsonNode& node, const SystemDescription& system) {
   if (system.find_instance(instance) == nullptr) {
     node.fail(fmt::format("there is no instance '{}'. {}", instance, suggest(instance, system.instance_names())));
@@ -196,8 +216,8 @@ SystemDescription read_config(const std::filesystem::path& file) {
 
   const auto json = parse_json(system.source, file.string());
   const JsonNode root(json, file.string());
-  root.expect_keys(
-      {"text", "step", "stop_time", "instances", "connections", "stop_when", "outcomes", "summary", "record", "log"});
+  root.expect_keys({"text", "step", "stop_time", "instances", "connections", "stop_when", "outcomes", "summary",
+                    "record", "pictures", "log"});
   const auto step = root.at("step");
   system.step_ns = step.nanoseconds();
   if (system.step_ns <= 0) step.fail("the step must be greater than 0 s");
@@ -222,6 +242,9 @@ SystemDescription read_config(const std::filesystem::path& file) {
   }
   if (const auto node = root.find("summary")) read_summary(*node, {}, system);
   if (const auto node = root.find("record")) system.record = read_record(*node, system);
+  if (const auto nodes = root.find("pictures")) {
+    for (const auto& node : nodes->elements()) system.pictures.push_back(read_pictures(node, system));
+  }
   if (const auto node = root.find("log")) {
     for (const auto& [instance, categories] : node->members()) {
       system.log.push_back(read_log(instance, categories, system));

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <map>
+#include <tuple>
 
 namespace mebots::master {
 namespace {
@@ -13,7 +14,10 @@ using modeldesc::Variable;
 struct Node {
   std::size_t instance;
   const Variable* variable;
-  auto operator<=>(const Node&) const = default;
+  bool operator==(const Node&) const = default;
+  bool operator<(const Node& other) const {
+    return std::tie(instance, variable) < std::tie(other.instance, other.variable);
+  }
 };
 
 using Graph = std::map<Node, std::vector<Node>>;

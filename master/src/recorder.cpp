@@ -52,7 +52,7 @@ bool fits(std::string_view text, std::string_view pattern) {
 }
 
 std::string csv_header(std::string_view name, std::string_view unit) {
-  const auto text = fmt::format("{} [{}]", name, unit.empty() ? "-" : unit);
+  auto text = fmt::format("{} [{}]", name, unit.empty() ? "-" : unit);
   if (text.find_first_of(",\"\n") == std::string::npos) return text;
   std::string quoted = "\"";
   for (const char c : text) quoted += c == '"' ? "\"\"" : std::string(1, c);

@@ -17,7 +17,8 @@ std::optional<std::int64_t> to_nanoseconds(double seconds) {
 }
 
 double to_seconds(std::int64_t time_ns) {
-  if (time_ns % kNanosecondsPerSecond == 0) return static_cast<double>(time_ns / kNanosecondsPerSecond);
+  const auto whole_s = time_ns / kNanosecondsPerSecond;
+  if (time_ns % kNanosecondsPerSecond == 0) return static_cast<double>(whole_s);
   return static_cast<double>(time_ns) / 1e9;
 }
 

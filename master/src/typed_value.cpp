@@ -87,6 +87,7 @@ std::int32_t enumeration_value(const modeldesc::ModelDescription& description, c
   static const std::vector<modeldesc::EnumerationItem> kNone;
   const auto& items = type == nullptr ? kNone : type->items;
   std::vector<std::string> names;
+  names.reserve(items.size());
   for (const auto& item : items) names.push_back(item.name);
 
   const auto* name = std::get_if<std::string>(&written);

@@ -7,7 +7,9 @@
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 
 namespace mebots::battery {
-long allocations() { return -1; }
+long allocations() {
+  return -1;
+}
 }  // namespace mebots::battery
 
 #else
@@ -36,7 +38,9 @@ __attribute__((visibility("default"))) void* realloc(void* pointer, std::size_t 
 }
 
 namespace mebots::battery {
-long allocations() { return count; }
+long allocations() {
+  return count;
+}
 }  // namespace mebots::battery
 
 #endif

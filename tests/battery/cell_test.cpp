@@ -62,7 +62,7 @@ TEST(Cell, CurrentSolvesThePowerBalanceOfTheSeriesResistance) {
   }
   // P / E with the next term of its series, R P^2 / E^3: no digit is lost to cancellation.
   EXPECT_NEAR(terminal_current_a(4.0, 0.1, 1e-12), 2.5e-13 + 0.1 * 1e-24 / 64, 1e-28);
-  EXPECT_DOUBLE_EQ(terminal_current_a(4.0, 0.1, 41), 20);            // beyond E^2 / (4 R) = 40 W
+  EXPECT_DOUBLE_EQ(terminal_current_a(4.0, 0.1, 41), 20);  // beyond E^2 / (4 R) = 40 W
 }
 
 TEST(Cell, PowerLimitIsThePowerAtTheCutOffOrTheGreatestPower) {

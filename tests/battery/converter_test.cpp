@@ -4,7 +4,9 @@
 namespace mebots::battery {
 namespace {
 
-Converter core() { return load_converter(kParams / "converters.json", "core", "soc.converter"); }
+Converter core() {
+  return load_converter(kParams / "converters.json", "core", "soc.converter");
+}
 
 TEST(Converter, EfficiencyIsTheTablesAtItsPointsAndLinearBetween) {
   // MESSY's table, in ampere; the rail is at 1.2 V.

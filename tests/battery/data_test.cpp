@@ -74,7 +74,8 @@ TEST_F(DataFile, MissingSourceIsRefused) {
 
 TEST_F(DataFile, TableThatDoesNotRiseIsRefused) {
   json["open_circuit_voltage"] = {{"unit", "V"}, {"state_of_charge", {0, 0.6, 0.5, 1}}, {"value", {3, 3.5, 3.7, 4.2}}};
-  EXPECT_THAT(refused(), HasSubstr("open_circuit_voltage.state_of_charge[2] = 0.5 must be greater than the value before it, 0.6"));
+  EXPECT_THAT(refused(),
+              HasSubstr("open_circuit_voltage.state_of_charge[2] = 0.5 must be greater than the value before it, 0.6"));
 }
 
 TEST_F(DataFile, OpenCircuitVoltageThatFallsIsRefused) {

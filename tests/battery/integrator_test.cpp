@@ -7,7 +7,9 @@
 namespace mebots::battery {
 namespace {
 
-Demand load_of(double power_w) { return {power_w, power_w, 0, 0}; }
+Demand load_of(double power_w) {
+  return {power_w, power_w, 0, 0};
+}
 
 /// A cell whose elements do not depend on charge, so that relaxation has a closed form.
 Cell constant_cell() {
@@ -32,8 +34,7 @@ TEST(Integrator, RestingPairsDecayExponentially) {
   EXPECT_NEAR(state.pair2_v, 0.15 * std::exp(-30.0 / 180), 1e-9);
   // The energy that left the capacitors is what the resistors beside them turned into heat.
   const double stored_before = 0.5 * 400 * 0.12 * 0.12 + 0.5 * 3000 * 0.15 * 0.15;
-  const double stored_after =
-      0.5 * 400 * state.pair1_v * state.pair1_v + 0.5 * 3000 * state.pair2_v * state.pair2_v;
+  const double stored_after = 0.5 * 400 * state.pair1_v * state.pair1_v + 0.5 * 3000 * state.pair2_v * state.pair2_v;
   EXPECT_NEAR(ledger.polarisation_j, stored_after - stored_before, 1e-7);
   EXPECT_NEAR(ledger.ohmic_j, stored_before - stored_after, 1e-7);
 }

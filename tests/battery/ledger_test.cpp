@@ -17,7 +17,8 @@ double open_circuit_integral(double from_s, double to_s) {
 }
 
 /// A flight of sorts: loads that change at every communication point, a source now and then.
-void drive(Bench& bench, int steps, std::int64_t step_ns, const std::function<void()>& after_step = [] {}) {
+void drive(
+    Bench& bench, int steps, std::int64_t step_ns, const std::function<void()>& after_step = [] {}) {
   for (int i = 0; i < steps; ++i) {
     bench.inputs.load_power_w = {6 + 3 * std::sin(0.05 * i), 0.05 + 0.04 * std::cos(0.3 * i), 0.003, 0.96,
                                  i % 7 == 0 ? 0.4 : 0.0};

@@ -14,14 +14,16 @@ inline const std::filesystem::path kParams = MEBOTS_PARAMS;
 constexpr std::int64_t kMillisecond = 1'000'000;
 constexpr std::int64_t kSecond = 1'000'000'000;
 
-inline Cell cell_named(const std::string& name) { return load_cell(kParams / "cells" / (name + ".json")); }
+inline Cell cell_named(const std::string& name) {
+  return load_cell(kParams / "cells" / (name + ".json"));
+}
 
 /// A model with its variables and the events it told of, as fmu.cpp holds them.
 struct Bench {
   explicit Bench(const Parameters& chosen = {}, const Inputs& at_start = {})
-      : parameters(chosen), inputs(at_start), model(parameters, kParams, [this](std::string_view text) {
-          events.emplace_back(text);
-        }) {
+      : parameters(chosen),
+        inputs(at_start),
+        model(parameters, kParams, [this](std::string_view text) { events.emplace_back(text); }) {
     model.start(inputs, 0, outputs);
   }
 

@@ -93,9 +93,8 @@ TEST(Motors, ChosenModelDrivesThePowerAndBothAreAlwaysOut) {
     EXPECT_GT(stand.outputs.bench_power_w, 1);
     EXPECT_GT(stand.outputs.hover_power_w, 1);
     EXPECT_GT(stand.outputs.propel_power_w, 0.1);
-    const double expected_w = chosen == PowerModel::bench
-                                  ? stand.outputs.bench_power_w
-                                  : stand.outputs.hover_power_w + stand.outputs.propel_power_w;
+    const double expected_w = chosen == PowerModel::bench ? stand.outputs.bench_power_w
+                                                          : stand.outputs.hover_power_w + stand.outputs.propel_power_w;
     EXPECT_EQ(stand.outputs.power_w, expected_w);
     EXPECT_NEAR(stand.outputs.energy_j, energy_j, 1e-12 * energy_j);
   }
@@ -145,7 +144,8 @@ TEST(Motors, InputsOutsideTheirRangeAreRefused) {
               HasSubstr("rotor[1].command = nan"));
   EXPECT_THAT(message([](Inputs& in) { in.bus_voltage_v = -1; }), HasSubstr("bus.voltage = -1 V must be >= 0"));
   EXPECT_THAT(message([](Inputs& in) { in.body_mass_kg = -0.04; }), HasSubstr("body.mass = -0.04 kg must be >= 0"));
-  EXPECT_THAT(message([](Inputs& in) { in.air_density_kg_per_m3 = 0; }), HasSubstr("air.density = 0 kg/m3 must be > 0"));
+  EXPECT_THAT(message([](Inputs& in) { in.air_density_kg_per_m3 = 0; }),
+              HasSubstr("air.density = 0 kg/m3 must be > 0"));
 }
 
 TEST(Motors, UnknownPowerModelIsRefused) {

@@ -54,7 +54,8 @@ TEST(RotorData, PowerIsTheLeastSquaresFitOfTheBench) {
   }
   const double determinant = ww * ff - wf * wf;
   const RotorData rotor = bench_rotor();
-  EXPECT_NEAR(rotor.power_per_speed_ws_per_rad, (wp * ff - fp * wf) / determinant, 1e-5 * rotor.power_per_speed_ws_per_rad);
+  EXPECT_NEAR(rotor.power_per_speed_ws_per_rad, (wp * ff - fp * wf) / determinant,
+              1e-5 * rotor.power_per_speed_ws_per_rad);
   EXPECT_NEAR(rotor.power_per_thrust_w_per_n, (fp * ww - wp * wf) / determinant, 1e-5 * rotor.power_per_thrust_w_per_n);
 }
 

@@ -37,7 +37,8 @@ TEST(Rotor, EnergyIsTheIntegralOfThePowerUpDownAndThroughZero) {
   const double k = rotor.thrust_coefficient;
   for (const double inertia_factor : {1.0, 5.0}) {  // the heavy rotor has a stretch without power on the way down
     rotor.inertia_kg_m2 = 6.983466e-8 * inertia_factor;
-    for (const auto& [initial, steady] : {std::pair{0.0, 2000.0}, {1900.0, 2000.0}, {2500.0, 2000.0}, {2500.0, 300.0}}) {
+    for (const auto& [initial, steady] :
+         {std::pair{0.0, 2000.0}, {1900.0, 2000.0}, {2500.0, 2000.0}, {2500.0, 300.0}}) {
       const RotorDrive drive{steady, k, true};
       const double expected_j = numerical_energy_j(rotor, drive, initial, 0.2);
       // Trapezoids of 1 us: relative error about (k h)^2 / 12, and one kink.

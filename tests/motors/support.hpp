@@ -16,8 +16,12 @@ namespace mebots::motors {
 inline const std::filesystem::path kParams = MEBOTS_PARAMS;
 constexpr std::int64_t kMillisecond = 1'000'000;
 
-inline std::filesystem::path rotor_file(const std::string& name) { return kParams / "rotors" / (name + ".json"); }
-inline RotorData bench_rotor() { return load_rotor(rotor_file("crazyflie_bench")); }
+inline std::filesystem::path rotor_file(const std::string& name) {
+  return kParams / "rotors" / (name + ".json");
+}
+inline RotorData bench_rotor() {
+  return load_rotor(rotor_file("crazyflie_bench"));
+}
 
 inline nlohmann::json read_json(const std::filesystem::path& path) {
   std::ifstream stream(path);

@@ -58,13 +58,16 @@ std::vector<std::uint8_t> assemble_file(std::string_view text, std::uint32_t add
   const auto source = folder / "program.S";
   const auto program = folder / "program.elf";
   std::ofstream(source) << ".globl _start\n" << text << "\n";
-  output_of(fmt::format("{} -march=rv32imc_zicsr_zifencei -mabi=ilp32 -nostdlib -nostartfiles -I{} "
-                        "-Wl,-n -Wl,-Ttext=0x{:x} -Wl,--no-relax -Wl,--build-id=none {} -o {} 2>&1",
-                        MEBOTS_RISCV_GCC, MEBOTS_BOARD_INCLUDE, address, source.string(), program.string()));
+  output_of(
+      fmt::format("{} -march=rv32imc_zicsr_zifencei -mabi=ilp32 -nostdlib -nostartfiles -I{} "
+                  "-Wl,-n -Wl,-Ttext=0x{:x} -Wl,--no-relax -Wl,--build-id=none {} -o {} 2>&1",
+                  MEBOTS_RISCV_GCC, MEBOTS_BOARD_INCLUDE, address, source.string(), program.string()));
   return read_file(program);
 }
 
-Elf assemble(std::string_view text, std::uint32_t address) { return Elf::parse(assemble_file(text, address), "test program"); }
+Elf assemble(std::string_view text, std::uint32_t address) {
+  return Elf::parse(assemble_file(text, address), "test program");
+}
 
 std::vector<std::string> disassemble_with_objdump(const std::vector<std::uint8_t>& code) {
   const TemporaryFolder folder;
@@ -75,7 +78,8 @@ std::vector<std::string> disassemble_with_objdump(const std::vector<std::uint8_t
   }
   std::string tool = MEBOTS_RISCV_GCC;
   tool.replace(tool.rfind("gcc"), 3, "objdump");
-  std::istringstream lines(output_of(fmt::format("{} -D -z -b binary -m riscv:rv32 -M no-aliases {}", tool, path.string())));
+  std::istringstream lines(
+      output_of(fmt::format("{} -D -z -b binary -m riscv:rv32 -M no-aliases {}", tool, path.string())));
   std::vector<std::string> found;
   for (std::string line; std::getline(lines, line);) {
     // "      2a:	0001                	c.addi	zero,0"

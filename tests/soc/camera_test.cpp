@@ -1,1 +1,168 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "board_system.hpp"
 
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <numeric>
+
+namespace mebots::soc::test {
+namespace {
+
+constexpr std::int64_t kMs = 1'000'000;
+constexpr std::int64_t kDelayNs = 16'666'700;  // exposure and read-out of the board file
+
+/// Asks for a picture of {} bytes at once, sleeps until the interrupt, then notes STATUS, size, id and time.
+constexpr std::string_view kAsk = R"(
+_start: la t0, handler
+    csrw mtvec, t0
+    li s0, CAMERA_BASE
+    li s1, 0x1C060000
+    li a0, 0x1C040000
+    sw a0, CAMERA_BUFFER_OFFSET(s0)
+    li a0, {}
+    sw a0, CAMERA_BUFFER_SIZE_OFFSET(s0)
+    li a0, 1 << CAMERA_INTERRUPT
+    csrw mie, a0
+    csrwi mstatus, 8
+    li a0, 1
+    sw a0, CAMERA_CONTROL_OFFSET(s0)
+    lw a0, CAMERA_STATUS_OFFSET(s0)
+    sw a0, 0(s1)
+    li a0, {}
+    sw a0, CAMERA_CONTROL_OFFSET(s0)
+    lw a0, CAMERA_STATUS_OFFSET(s0)
+    sw a0, 4(s1)
+1:  wfi
+    j 1b
+    .balign 4
+handler: lw a0, CAMERA_STATUS_OFFSET(s0)
+    sw a0, 8(s1)
+    lw a0, CAMERA_WIDTH_OFFSET(s0)
+    sw a0, 12(s1)
+    lw a0, CAMERA_HEIGHT_OFFSET(s0)
+    sw a0, 16(s1)
+    lw a0, CAMERA_FRAME_ID_OFFSET(s0)
+    sw a0, 20(s1)
+    li s2, TIMER_BASE
+    lw a0, TIMER_TIME_LO_OFFSET(s2)
+    sw a0, 24(s1)
+    li a0, 6
+    sw a0, CAMERA_STATUS_OFFSET(s0)
+    lw a0, 28(s1)
+    addi a0, a0, 1
+    sw a0, 28(s1)
+    mret
+)";
+
+std::vector<std::uint8_t> picture(std::size_t size) {
+  std::vector<std::uint8_t> bytes(size);
+  std::iota(bytes.begin(), bytes.end(), std::uint8_t{3});
+  return bytes;
+}
+
+Settings narrow() {
+  Settings settings;
+  settings.frame_width = 64;
+  return settings;
+}
+
+TEST(Camera, BringsThePictureADelayAfterItCameAndRaisesItsInterruptOnce) {
+  BoardSystem system(fmt::format(fmt::runtime(kAsk), 4096, 0), narrow());
+  auto& camera = *system.soc.camera();
+  EXPECT_FALSE(camera.wants(0)) << "nothing asked";
+  system.soc.advance(2 * kMs);
+  EXPECT_EQ(camera.requests(), 1);
+  EXPECT_EQ(system.result(0), Camera::kBusy);
+  EXPECT_FALSE(camera.wants(0));
+  EXPECT_TRUE(camera.wants(1));
+  const auto bytes = picture(64 * 40);
+  camera.offer(bytes, system.soc.now());
+  EXPECT_FALSE(camera.wants(1)) << "taken once";
+  system.soc.advance(2 * kMs + kDelayNs - 1);
+  EXPECT_EQ(system.result(2), 0U) << "not a nanosecond early";
+  system.soc.advance(30 * kMs);
+  EXPECT_EQ(system.result(2), Camera::kReady);
+  EXPECT_EQ(system.result(3), 64U);
+  EXPECT_EQ(system.result(4), 40U);
+  EXPECT_EQ(system.result(5), 1U);
+  EXPECT_NEAR(system.result(6), 2e6 + kDelayNs, 500) << "ns: some tens of cycles of 10 ns into the handler";
+  EXPECT_EQ(system.result(7), 1U);
+  std::vector<std::uint8_t> found(bytes.size());
+  ASSERT_TRUE(system.soc.memory().read(0x1C040000, found));
+  EXPECT_EQ(found, bytes);
+}
+
+TEST(Camera, RefusesASecondRequestWhileBusyAndKeepsTheFirst) {
+  BoardSystem system(fmt::format(fmt::runtime(kAsk), 4096, 1), narrow());
+  system.soc.advance(2 * kMs);
+  EXPECT_EQ(system.result(1), Camera::kBusy | Camera::kRefused);
+  EXPECT_EQ(system.soc.camera()->requests(), 1);
+  EXPECT_EQ(system.result(7), 0U) << "a refusal on the spot raises no interrupt";
+}
+
+TEST(Camera, RefusesABufferOutsideTheRam) {
+  BoardSystem system(fmt::format(fmt::runtime(kAsk), 0x100000, 0), narrow());
+  system.soc.advance(2 * kMs);
+  EXPECT_EQ(system.result(0), Camera::kRefused);
+  EXPECT_EQ(system.soc.camera()->requests(), 0);
+}
+
+TEST(Camera, DropsAPictureThatDoesNotFitAndSaysSo) {
+  BoardSystem system(fmt::format(fmt::runtime(kAsk), 100, 0), narrow());
+  system.soc.advance(2 * kMs);
+  const auto bytes = picture(64 * 40);
+  system.soc.camera()->offer(bytes, system.soc.now());
+  system.soc.advance(30 * kMs);
+  EXPECT_EQ(system.result(2), Camera::kRefused);
+  EXPECT_EQ(system.result(7), 1U) << "interrupt, so that nobody waits for ever";
+  ASSERT_EQ(system.faults.size(), 1U);
+  EXPECT_THAT(system.faults[0], testing::HasSubstr("2560 bytes"));
+}
+
+TEST(Camera, DrawsItsActiveCurrentForTheDelayAndItsIdleCurrentOtherwise) {
+  BoardSystem system(fmt::format(fmt::runtime(kAsk), 4096, 0), narrow());
+  system.soc.advance(2 * kMs);
+  system.soc.camera()->offer(picture(64 * 40), system.soc.now());
+  system.soc.advance(100 * kMs);
+  const double active_s = 0.0166667;
+  const double expected_j = 2.8 * (1.75e-3 * active_s + 0.14e-3 * (0.1 - active_s));
+  EXPECT_NEAR(system.soc.camera_energy_j(), expected_j, 1e-15) << "rounding of sums of about 1e-4 J";
+}
+
+TEST(Camera, OverwritesCodeThatThenRunsAsWritten) {
+  // The picture goes over "target", which ran before as "addi a0, a0, 1; ret".
+  BoardSystem system(R"(
+_start: la s2, target
+    jalr s2
+    li s0, CAMERA_BASE
+    sw s2, CAMERA_BUFFER_OFFSET(s0)
+    li a1, 8
+    sw a1, CAMERA_BUFFER_SIZE_OFFSET(s0)
+    li a1, 1
+    sw a1, CAMERA_CONTROL_OFFSET(s0)
+1:  lw a1, CAMERA_STATUS_OFFSET(s0)
+    andi a1, a1, 2
+    beqz a1, 1b
+    jalr s2
+2:  j 2b
+    .balign 4
+target: .option norvc
+    addi a0, a0, 1
+    ret
+)",
+                     [] {
+                       Settings settings;
+                       settings.frame_width = 8;
+                       return settings;
+                     }());
+  system.soc.advance(1 * kMs);
+  EXPECT_EQ(system.soc.hart().reg(10), 1U);
+  const std::vector<std::uint8_t> code{0x13, 0x05, 0x05, 0x10, 0x67, 0x80, 0x00, 0x00};  // addi a0, a0, 256; ret
+  system.soc.camera()->offer(code, system.soc.now());
+  system.soc.advance(20 * kMs);
+  EXPECT_EQ(system.soc.hart().reg(10), 257U);
+}
+
+}  // namespace
+}  // namespace mebots::soc::test

@@ -1,1 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "elf/elf.hpp"
 
+#include "assembler.hpp"
+
+#include "mebots/error.hpp"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstring>
+#include <random>
+
+namespace mebots::soc::test {
+namespace {
+
+using testing::HasSubstr;
+
+const std::vector<std::uint8_t>& program() {
+  static const auto bytes = assemble_file(
+      "_start: nop\nadd_two: .type add_two, @function\naddi a0, a0, 2\nret\n.size add_two, . - add_two\n.data\n"
+      "numbers: .word 1, 2\n.bss\nroom: .space 100\n");
+  return bytes;
+}
+
+std::string error_of(const std::vector<std::uint8_t>& bytes) {
+  try {
+    Elf::parse(bytes, "fw.elf");
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+std::vector<std::uint8_t> with_byte(std::size_t at, std::uint8_t value) {
+  auto bytes = program();
+  bytes[at] = value;
+  return bytes;
+}
+
+TEST(Elf, GivesSegmentsEntryAndSymbols) {
+  const auto elf = Elf::parse(program(), "fw.elf");
+  EXPECT_EQ(elf.entry(), 0x80000000U);
+  EXPECT_EQ(elf.segments().front().address, 0x80000000U);
+  EXPECT_EQ(elf.symbol("_start"), 0x80000000U);
+  EXPECT_EQ(elf.symbol("nowhere"), std::nullopt);
+  const auto function = *elf.symbol("add_two");
+  EXPECT_EQ(elf.where(function), "add_two");
+  EXPECT_EQ(elf.where(function + 2), "add_two+0x2");
+  EXPECT_EQ(elf.where(0x1000), "");
+  std::uint64_t in_memory = 0;
+  for (const auto& segment : elf.segments()) in_memory += segment.size;
+  EXPECT_GE(in_memory, 100U + 8U) << "what the file does not give, too";
+}
+
+TEST(Elf, OfAnotherKindIsRefusedWithTheReason) {
+  EXPECT_THAT(error_of(with_byte(0, 0)), HasSubstr("not an ELF file"));
+  EXPECT_THAT(error_of(with_byte(4, 2)), HasSubstr("64-bit"));
+  EXPECT_THAT(error_of(with_byte(5, 2)), HasSubstr("big-endian"));
+  EXPECT_THAT(error_of(with_byte(18, 40)), HasSubstr("machine 40"));
+  EXPECT_THAT(error_of(with_byte(16, 1)), HasSubstr("type 1"));
+  EXPECT_THAT(error_of(with_byte(36, 5)), HasSubstr("floating-point"));
+  EXPECT_THAT(error_of(with_byte(27, 0x90)), HasSubstr("entry point 0x90000000"));
+  EXPECT_THAT(error_of({}), HasSubstr("cut short"));
+}
+
+TEST(Elf, OfAMissingFileNamesIt) {
+  try {
+    Elf::read("/nowhere/fw.elf");
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("/nowhere/fw.elf: no such file"));
+  }
+  EXPECT_THROW(Elf::read("/"), Error);
+}
+
+TEST(Elf, TruncatedAtAnyLengthIsAnErrorOrWhole) {
+  const auto& whole = program();
+  for (std::size_t length = 0; length < whole.size(); ++length) {
+    const std::vector<std::uint8_t> cut(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(length));
+    EXPECT_NE(error_of(cut), "no error") << length;  // section headers stand at its end
+  }
+}
+
+TEST(Elf, WithSegmentsOverEachOtherIsRefused) {
+  // A second program header that repeats the first: GNU ld writes code and data of this program as one segment.
+  auto bytes = program();
+  std::uint32_t table = 0;
+  std::uint16_t count = 0;
+  std::memcpy(&table, &bytes[28], 4);
+  std::memcpy(&count, &bytes[44], 2);
+  std::size_t load = 0;
+  while (bytes[table + 32 * load] != 1) ++load;
+  const std::size_t other = load == 0 ? 1 : 0;
+  ASSERT_LT(other, count);
+  std::copy_n(bytes.begin() + static_cast<std::ptrdiff_t>(table + 32 * load), 32,
+              bytes.begin() + static_cast<std::ptrdiff_t>(table + 32 * other));
+  EXPECT_THAT(error_of(bytes), HasSubstr("overlap"));
+}
+
+TEST(Elf, WithDamagedBytesNeverCrashes) {
+  std::mt19937 random(3);  // NOLINT: the same damage each time
+  int refused = 0;
+  for (int i = 0; i < 20000; ++i) {
+    auto bytes = program();
+    for (int k = 0; k < 3; ++k) bytes[random() % bytes.size()] = static_cast<std::uint8_t>(random());
+    if (error_of(bytes) != "no error") ++refused;
+  }
+  EXPECT_GT(refused, 100);
+}
+
+}  // namespace
+}  // namespace mebots::soc::test

@@ -64,13 +64,16 @@ std::string normal(const std::string& line, bool target_is_hex) {
     const bool last = i + 1 == tokens.size();
     char* end = nullptr;
     const auto number = std::strtoll(tokens[i].c_str(), &end, last && target_is_hex ? 16 : 0);
-    const bool digit = std::isdigit(static_cast<unsigned char>(tokens[i][0])) != 0 || tokens[i][0] == '-' || target_is_hex;
+    const bool digit =
+        std::isdigit(static_cast<unsigned char>(tokens[i][0])) != 0 || tokens[i][0] == '-' || target_is_hex;
     if (*end == '\0' && digit) tokens[i] = std::to_string(number & 0xffffffffLL);
   }
   return fmt::format("{}", fmt::join(tokens, " "));
 }
 
-bool has_target(const Decoded& decoded) { return decoded.op == Op::jal || is_branch(decoded.op); }
+bool has_target(const Decoded& decoded) {
+  return decoded.op == Op::jal || is_branch(decoded.op);
+}
 
 TEST(Disassembly, OfEveryCompressedWordIsThatOfBinutils) {
   std::vector<std::uint8_t> code;
@@ -92,12 +95,13 @@ TEST(Disassembly, OfEveryCompressedWordIsThatOfBinutils) {
         line.starts_with("c.s") && line.find(",0x") != std::string::npos && (words[i] & 0x1000U) != 0;
     // Reserved by the manual (table 16.6), though binutils gives it a text.
     const bool reserved = line == "c.addi16sp\tsp,0";
-    const bool illegal = line.starts_with("c.f") || line.starts_with(".2byte") || line.starts_with("c.unimp") ||
-                         long_shift || reserved;
+    const bool illegal =
+        line.starts_with("c.f") || line.starts_with(".2byte") || line.starts_with("c.unimp") || long_shift || reserved;
     ASSERT_EQ(decoded.op == Op::illegal, illegal) << fmt::format("0x{:04x}: {}", words[i], line);
     if (illegal) continue;
     // A shift by 0 is a hint in RV32; binutils names it after RV128.
-    if (const auto at = line.find("64\t"); at != std::string::npos && line.starts_with("c.s")) line = line.replace(at, 2, "") + ",0";
+    if (const auto at = line.find("64\t"); at != std::string::npos && line.starts_with("c.s"))
+      line = line.replace(at, 2, "") + ",0";
     const auto pc = static_cast<std::uint32_t>(2 * i);
     ASSERT_EQ(normal(disassemble(words[i], pc), has_target(decoded)), normal(line, has_target(decoded)))
         << fmt::format("0x{:04x}", words[i]);
@@ -130,7 +134,6 @@ TEST(Disassembly, OfRandomWordsIsThatOfBinutils) {
     ASSERT_EQ(normal(disassemble(words[i], pc), has_target(decoded)), normal(lines[i], has_target(decoded)));
   }
 }
-
 
 }  // namespace
 }  // namespace mebots::soc

@@ -95,8 +95,9 @@ TEST(Trap, WithoutAHandlerEndsTheCoreWithItsCause) {
 }
 
 TEST(Trap, InsideItsOwnHandlerForEverEndsTheCore) {
-  Machine machine("_start: la t0, handler\ncsrw mtvec, t0\nli sp, 0x100\nsw a0, 0(sp)\n.balign 4\nhandler: addi sp, sp, -16\n"
-                  "at: sw a0, 0(sp)\nmret\n");
+  Machine machine(
+      "_start: la t0, handler\ncsrw mtvec, t0\nli sp, 0x100\nsw a0, 0(sp)\n.balign 4\nhandler: addi sp, sp, -16\n"
+      "at: sw a0, 0(sp)\nmret\n");
   ASSERT_EQ(machine.run(), Stop::fault) << "a stack that grew into nothing, met by a handler that pushes";
   EXPECT_TRUE(machine.hart().fault().double_trap);
   EXPECT_EQ(machine.hart().fault().cause, cause::kStoreAccess);
@@ -198,24 +199,27 @@ body: addi a0, a0, 1
 }
 
 TEST(Code, ThatChangesItsOwnNextInstructionRunsAsWritten) {
-  Machine machine(fmt::format("_start: .option norvc\nla s0, next\nli s1, 0x01050513\nsw s1, 0(s0)\nnext: addi a0, a0, 1\n{}", kEnd));
+  Machine machine(fmt::format(
+      "_start: .option norvc\nla s0, next\nli s1, 0x01050513\nsw s1, 0(s0)\nnext: addi a0, a0, 1\n{}", kEnd));
   ASSERT_EQ(machine.run(), Stop::watch);
   EXPECT_EQ(machine.reg(10), 16U);
 }
 
 TEST(Code, LargerThanTheBlockCacheRuns) {
   // 80000 instructions in a row, twice: more than the cache holds.
-  Machine machine(fmt::format("_start: li s0, 2\n2: .option norvc\n.rept 80000\naddi a0, a0, 1\n.endr\naddi s0, s0, -1\n"
-                              "beqz s0, 3f\nla t0, 2b\njr t0\n3: {}",
-                              kEnd));
+  Machine machine(
+      fmt::format("_start: li s0, 2\n2: .option norvc\n.rept 80000\naddi a0, a0, 1\n.endr\naddi s0, s0, -1\n"
+                  "beqz s0, 3f\nla t0, 2b\njr t0\n3: {}",
+                  kEnd));
   ASSERT_EQ(machine.run(), Stop::watch);
   EXPECT_EQ(machine.reg(10), 160000U);
 }
 
 TEST(Memory, OfTheSecondRegionWorksLikeTheFirst) {
-  Machine machine(fmt::format("_start: li s0, 0x70000ffc\nli a0, 0x12345678\nsw a0, 0(s0)\nlw a1, 0(s0)\nlbu a2, 3(s0)\n"
-                              "sb a0, 3(s0)\nlw a3, 0(s0)\n{}",
-                              kEnd));
+  Machine machine(
+      fmt::format("_start: li s0, 0x70000ffc\nli a0, 0x12345678\nsw a0, 0(s0)\nlw a1, 0(s0)\nlbu a2, 3(s0)\n"
+                  "sb a0, 3(s0)\nlw a3, 0(s0)\n{}",
+                  kEnd));
   ASSERT_EQ(machine.run(), Stop::watch);
   EXPECT_EQ(machine.reg(11), 0x12345678U);
   EXPECT_EQ(machine.reg(12), 0x12U);
@@ -223,7 +227,8 @@ TEST(Memory, OfTheSecondRegionWorksLikeTheFirst) {
 }
 
 TEST(Run, EndsAtTheStoreIntoTohost) {
-  Machine machine("_start: la t0, tohost\nli a0, 3\nsw a0, 0(t0)\nli a0, 4\n1: j 1b\n.data\n.globl tohost\ntohost: .word 0, 0\n");
+  Machine machine(
+      "_start: la t0, tohost\nli a0, 3\nsw a0, 0(t0)\nli a0, 4\n1: j 1b\n.data\n.globl tohost\ntohost: .word 0, 0\n");
   ASSERT_EQ(machine.run(), Stop::watch);
   EXPECT_EQ(machine.reg(10), 3U) << "nothing later is executed";
 }

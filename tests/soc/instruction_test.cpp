@@ -24,7 +24,9 @@ Wide value_of(std::uint32_t word, bool with_sign) {
   return value;
 }
 
-std::uint32_t word_of(Wide value) { return static_cast<std::uint32_t>(value & Wide{0xffffffff}); }
+std::uint32_t word_of(Wide value) {
+  return static_cast<std::uint32_t>(value & Wide{0xffffffff});
+}
 
 /// Quotient rounded towards zero, by repeated subtraction of shifted divisors.
 Wide quotient(Wide dividend, Wide divisor) {
@@ -66,9 +68,9 @@ struct Operation {
   Rule rule;
 };
 
-const std::vector<std::uint32_t> kOperands{0,          1,          2,          5,          31,         32,
-                                           0x7ff,      0xfffff800, 0x12345678, 0x7fffffff, 0x80000000, 0x80000001,
-                                           0xdeadbeef, 0xfffffffe, 0xffffffff};
+const std::vector<std::uint32_t> kOperands{0,          1,          2,          5,          31,
+                                           32,         0x7ff,      0xfffff800, 0x12345678, 0x7fffffff,
+                                           0x80000000, 0x80000001, 0xdeadbeef, 0xfffffffe, 0xffffffff};
 
 std::vector<Operation> register_operations() {
   const auto high = [](bool a_sign, bool b_sign) {
@@ -115,10 +117,11 @@ std::vector<Operation> register_operations() {
 /// Runs "body" once for each pair of operands in a0 and a1; it leaves its result in a2.
 void expect_for_all_pairs(const std::string& name, const std::string& body, const Rule& rule) {
   std::string program = "_start: la s0, results\nla s1, operands\n";
-  program += fmt::format("li s2, {0}\nmv s3, s1\n2: lw a0, 0(s3)\naddi s3, s3, 4\nli s4, {0}\nmv s5, s1\n"
-                         "3: lw a1, 0(s5)\naddi s5, s5, 4\n{1}\nsw a2, 0(s0)\naddi s0, s0, 4\naddi s4, s4, -1\n"
-                         "bnez s4, 3b\naddi s2, s2, -1\nbnez s2, 2b\n",
-                         kOperands.size(), body);
+  program += fmt::format(
+      "li s2, {0}\nmv s3, s1\n2: lw a0, 0(s3)\naddi s3, s3, 4\nli s4, {0}\nmv s5, s1\n"
+      "3: lw a1, 0(s5)\naddi s5, s5, 4\n{1}\nsw a2, 0(s0)\naddi s0, s0, 4\naddi s4, s4, -1\n"
+      "bnez s4, 3b\naddi s2, s2, -1\nbnez s2, 2b\n",
+      kOperands.size(), body);
   program += kEnd;
   program += ".data\n.balign 4\noperands: ";
   for (const auto operand : kOperands) program += fmt::format(".word 0x{:x}\n", operand);
@@ -135,7 +138,8 @@ void expect_for_all_pairs(const std::string& name, const std::string& body, cons
 
 TEST(Instruction, OnTwoRegistersComputesWhatTheManualSays) {
   for (const auto& operation : register_operations()) {
-    expect_for_all_pairs(operation.name, ".option norvc\n" + operation.name + " a2, a0, a1\n.option rvc", operation.rule);
+    expect_for_all_pairs(operation.name, ".option norvc\n" + operation.name + " a2, a0, a1\n.option rvc",
+                         operation.rule);
   }
 }
 
@@ -145,7 +149,8 @@ TEST(Instruction, CompressedOnTwoRegistersComputesTheSame) {
         operation.name != "add") {
       continue;
     }
-    expect_for_all_pairs("c." + operation.name, fmt::format("c.mv a2, a0\nc.{} a2, a1", operation.name), operation.rule);
+    expect_for_all_pairs("c." + operation.name, fmt::format("c.mv a2, a0\nc.{} a2, a1", operation.name),
+                         operation.rule);
   }
 }
 
@@ -155,7 +160,8 @@ TEST(Instruction, WithAnImmediateComputesLikeItsRegisterForm) {
                                                                {"slli", "sll"}, {"srli", "srl"}, {"srai", "sra"}};
   const auto operations = register_operations();
   for (const auto& [name, register_name] : pairs) {
-    const auto found = std::find_if(operations.begin(), operations.end(), [&](const auto& o) { return o.name == register_name; });
+    const auto found =
+        std::find_if(operations.begin(), operations.end(), [&](const auto& o) { return o.name == register_name; });
     for (const int immediate : {0, 1, 17, 31, -1, -2048, 2047}) {
       if (name[0] == 's' && name[1] != 'l' && (immediate < 0 || immediate > 31)) continue;  // srli, srai
       if (name == "slli" && (immediate < 0 || immediate > 31)) continue;
@@ -175,8 +181,8 @@ TEST(Instruction, BranchesGoWhereTheirRelationHolds) {
       return holds != inverted ? 1U : 0U;
     };
   };
-  const std::vector<Operation> branches{{"beq", relation(true, 0, false)},  {"bne", relation(true, 0, true)},
-                                        {"blt", relation(true, -1, false)}, {"bge", relation(true, -1, true)},
+  const std::vector<Operation> branches{{"beq", relation(true, 0, false)},    {"bne", relation(true, 0, true)},
+                                        {"blt", relation(true, -1, false)},   {"bge", relation(true, -1, true)},
                                         {"bltu", relation(false, -1, false)}, {"bgeu", relation(false, -1, true)}};
   for (const auto& branch : branches) {
     expect_for_all_pairs(branch.name, fmt::format("li a2, 1\n{} a0, a1, 4f\nli a2, 0\n4:", branch.name), branch.rule);
@@ -282,9 +288,10 @@ stack: .space 64
 }
 
 TEST(Instruction, RegisterZeroTakesNothing) {
-  Machine machine(fmt::format("_start: .option norvc\nli a0, 5\nadd zero, a0, a0\nlui zero, 1\nlw zero, 0(sp)\n"
-                              "jal zero, 2f\n2: mv a1, zero\n{}",
-                              kEnd));
+  Machine machine(
+      fmt::format("_start: .option norvc\nli a0, 5\nadd zero, a0, a0\nlui zero, 1\nlw zero, 0(sp)\n"
+                  "jal zero, 2f\n2: mv a1, zero\n{}",
+                  kEnd));
   machine.hart().set_reg(2, Machine::kRam);
   ASSERT_EQ(machine.run(), Stop::watch);
   EXPECT_EQ(machine.reg(11), 0U);

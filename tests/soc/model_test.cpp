@@ -1,1 +1,260 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "model.hpp"
 
+#include "assembler.hpp"
+#include "base64.hpp"
+
+#include "mebots/error.hpp"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <new>
+
+namespace {
+std::atomic<long> allocations{0};
+}  // namespace
+
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC diagnostic ignored "-Wmismatched-new-delete"  // GCC inlines one of the pair and misses the other
+#endif
+
+// Counts what the heap is asked for, to show that a step asks for nothing.
+void* operator new(std::size_t size) {
+  ++allocations;
+  if (void* memory = std::malloc(size == 0 ? 1 : size)) return memory;
+  throw std::bad_alloc();
+}
+void operator delete(void* memory) noexcept {
+  std::free(memory);
+}
+void operator delete(void* memory, std::size_t) noexcept {
+  std::free(memory);
+}
+
+namespace mebots::soc::test {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr std::int64_t kMs = 1'000'000;
+
+/// A resources folder as the FMU has it: the board and the gate firmware that the build made.
+std::filesystem::path resources() {
+  static const auto folder = [] {
+    const auto path = std::filesystem::temp_directory_path() / fmt::format("mebots-soc-model-{}", getpid());
+    std::filesystem::create_directories(path);
+    const auto overwrite = std::filesystem::copy_options::overwrite_existing;
+    std::filesystem::copy_file(MEBOTS_SOURCE_DIR "/configs/boards/ai_deck.json", path / "ai_deck.json", overwrite);
+    std::filesystem::copy_file(MEBOTS_BINARY_DIR "/firmware/gate.elf", path / "gate.elf", overwrite);
+    return path;
+  }();
+  return folder;
+}
+
+/// Asks for a picture, waits for it, adds up its bytes into the altitude set-point [um], exits with code 9.
+std::string picture_program() {
+  const auto path = resources() / "picture.elf";
+  const auto bytes = assemble_file(R"(
+#include "board.h"
+_start: li s0, CAMERA_BASE
+    li s1, FLIGHT_BASE
+    li s2, 0x1C040000
+    sw s2, CAMERA_BUFFER_OFFSET(s0)
+    li a0, 4096
+    sw a0, CAMERA_BUFFER_SIZE_OFFSET(s0)
+    li a0, 1
+    sw a0, CAMERA_CONTROL_OFFSET(s0)
+1:  lw a0, CAMERA_STATUS_OFFSET(s0)
+    andi a0, a0, 2
+    beqz a0, 1b
+    li a1, 128
+    li a2, 0
+2:  lbu a3, 0(s2)
+    add a2, a2, a3
+    addi s2, s2, 1
+    addi a1, a1, -1
+    bnez a1, 2b
+    sw a2, FLIGHT_ALTITUDE_OFFSET(s1)
+    li a0, 2
+    sw a0, FLIGHT_MODE_OFFSET(s1)
+    sw zero, FLIGHT_COMMIT_OFFSET(s1)
+    li s0, POWER_MANAGER_BASE
+    li a0, 9
+    sw a0, POWER_MANAGER_EXIT_OFFSET(s0)
+3:  j 3b
+)",
+                                   0x1C000000);
+  std::ofstream(path, std::ios::binary)
+      .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  return path.string();
+}
+
+Variables picture_variables() {
+  Variables variables;
+  variables.parameters.firmware = picture_program();
+  variables.parameters.camera_frame_width = 16;
+  return variables;
+}
+
+TEST(Model, RunsTheGateFirmwareAloneWithInputsAtTheirStartValues) {
+  for (const std::int64_t h : {2 * kMs, 100 * kMs}) {
+    Variables variables;
+    std::vector<std::string> console;
+    std::vector<std::string> faults;
+    Model model(variables.parameters, resources(),
+                {[&](std::string_view line) { console.emplace_back(line); },
+                 [&](std::string_view text) { faults.emplace_back(text); }});
+    model.start(variables.inputs, 0, variables.outputs);
+    EXPECT_TRUE(variables.outputs.core_running);
+    for (std::int64_t t = 0; t < 1000 * kMs; t += h) model.step(variables.inputs, t, h, variables.outputs);
+    EXPECT_TRUE(variables.outputs.core_running);
+    EXPECT_FALSE(variables.outputs.core_faulted);
+    EXPECT_GT(variables.outputs.instructions, 1000);
+    EXPECT_FALSE(console.empty());
+    EXPECT_TRUE(faults.empty());
+  }
+}
+
+TEST(Model, PowerIsTheMeanOverTheStepSoThatItSumsToTheEnergy) {
+  Variables variables;
+  Model model(variables.parameters, resources(), {});
+  model.start(variables.inputs, 0, variables.outputs);
+  double chip_j = 0;
+  double camera_j = 0;
+  for (std::int64_t t = 0; t < 500 * kMs; t += 2 * kMs) {
+    model.step(variables.inputs, t, 2 * kMs, variables.outputs);
+    chip_j += variables.outputs.power_w * 2e-3;
+    camera_j += variables.outputs.camera_power_w * 2e-3;
+  }
+  EXPECT_NEAR(chip_j, variables.outputs.energy_total_j, 1e-12 * chip_j + 1e-16) << "rounding of 250 differences";
+  EXPECT_NEAR(camera_j, variables.outputs.camera_energy_j, 1e-12 * camera_j + 1e-16);
+  EXPECT_EQ(
+      variables.outputs.energy_total_j,
+      variables.outputs.energy_core_active_j + variables.outputs.energy_memory_j + variables.outputs.energy_leakage_j);
+}
+
+TEST(Model, PictureByPointerAndByBase64GiveTheSame) {
+  const std::vector<std::uint8_t> picture(128, 200);
+  std::string text;  // 128 bytes of 200: groups of "yMjI", then two bytes
+  for (int i = 0; i < 42; ++i) text += "yMjI";
+  text += "yMg=";
+  std::vector<double> answered_at;
+  for (const bool by_pointer : {true, false}) {
+    auto variables = picture_variables();
+    Model model(variables.parameters, resources(), {});
+    model.start(variables.inputs, 0, variables.outputs);
+    for (std::int64_t t = 0; t < 40 * kMs; t += 2 * kMs) {
+      model.step(variables.inputs, t, 2 * kMs, variables.outputs);
+      if (variables.outputs.core_exit_code != 0 && answered_at.size() == (by_pointer ? 0 : 1)) {
+        answered_at.push_back(static_cast<double>(t + 2 * kMs));
+      }
+      if (variables.outputs.camera_trigger != variables.inputs.camera_frame_id) {
+        // The world's part: the picture is out a step after the request.
+        variables.inputs.camera_frame_id = variables.outputs.camera_trigger;
+        if (by_pointer) {
+          variables.inputs.camera_frame = BinaryRef::to(picture);
+        } else {
+          variables.inputs.camera_frame_base64 = text;
+        }
+      }
+    }
+    EXPECT_EQ(variables.outputs.camera_trigger, 1);
+    EXPECT_EQ(variables.outputs.setpoint_mode, FlightMode::fly);
+    EXPECT_NEAR(variables.outputs.setpoint_altitude_m, 128 * 200e-6, 1e-15);
+    EXPECT_EQ(variables.outputs.core_exit_code, 9);
+    EXPECT_FALSE(variables.outputs.core_running);
+    EXPECT_FALSE(variables.outputs.core_faulted);
+  }
+  // Asked in the first step, out at 2 ms, offered in the step that starts there, + 16.6667 ms: out at 20 ms.
+  EXPECT_THAT(answered_at, testing::ElementsAre(20e6, 20e6));
+}
+
+TEST(Model, TextThatIsNoBase64IsAnError) {
+  auto variables = picture_variables();
+  Model model(variables.parameters, resources(), {});
+  model.start(variables.inputs, 0, variables.outputs);
+  model.step(variables.inputs, 0, 2 * kMs, variables.outputs);
+  variables.inputs.camera_frame_id = 1;
+  variables.inputs.camera_frame_base64 = "not base64!!";
+  EXPECT_THROW(model.step(variables.inputs, 2 * kMs, 2 * kMs, variables.outputs), Error);
+}
+
+TEST(Base64, DecodesTheVectorsOfItsStandard) {
+  const std::vector<std::pair<std::string, std::string>> vectors{{"", ""},
+                                                                 {"Zg==", "f"},
+                                                                 {"Zm8=", "fo"},
+                                                                 {"Zm9v", "foo"},
+                                                                 {"Zm9vYg==", "foob"},
+                                                                 {"Zm9vYmE=", "fooba"},
+                                                                 {"Zm9vYmFy", "foobar"}};
+  std::vector<std::uint8_t> bytes;
+  for (const auto& [text, plain] : vectors) {
+    EXPECT_TRUE(decode_base64(text, bytes)) << text;
+    EXPECT_EQ(std::string(bytes.begin(), bytes.end()), plain);
+  }
+  for (const auto* bad : {"Z", "Zg=", "Z===", "Zg==Zg==", "Z?==", "Zg=a"})
+    EXPECT_FALSE(decode_base64(bad, bytes)) << bad;
+}
+
+TEST(Model, LosesPowerUnder2Point5VoltForGood) {
+  Variables variables;
+  std::vector<std::string> faults;
+  Model model(variables.parameters, resources(), {{}, [&](std::string_view text) { faults.emplace_back(text); }});
+  model.start(variables.inputs, 0, variables.outputs);
+  model.step(variables.inputs, 0, 2 * kMs, variables.outputs);
+  EXPECT_GT(variables.outputs.power_w, 0);
+  variables.inputs.battery_voltage_v = 2.4;
+  model.step(variables.inputs, 2 * kMs, 2 * kMs, variables.outputs);
+  EXPECT_EQ(variables.outputs.power_w, 0);
+  EXPECT_EQ(variables.outputs.camera_power_w, 0);
+  EXPECT_FALSE(variables.outputs.core_running);
+  variables.inputs.battery_voltage_v = 3.7;
+  model.step(variables.inputs, 4 * kMs, 2 * kMs, variables.outputs);
+  EXPECT_EQ(variables.outputs.power_w, 0);
+  ASSERT_EQ(faults.size(), 1U) << "said once";
+  EXPECT_THAT(faults[0], HasSubstr("2.4 V is under 2.5 V"));
+}
+
+TEST(Model, NamesTheParameterWhenTheFirmwareIsNotThere) {
+  Variables variables;
+  variables.parameters.firmware = "/nowhere/fw.elf";
+  try {
+    const Model model(variables.parameters, resources(), {});
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("firmware = \"/nowhere/fw.elf\""));
+  }
+}
+
+TEST(Model, InputThatIsNoNumberIsAnError) {
+  Variables variables;
+  Model model(variables.parameters, resources(), {});
+  model.start(variables.inputs, 0, variables.outputs);
+  variables.inputs.flight_range_m = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(model.step(variables.inputs, 0, kMs, variables.outputs), Error);
+}
+
+TEST(Model, TakesNothingFromTheHeapInAStep) {
+  auto variables = picture_variables();
+  const std::vector<std::uint8_t> picture(128, 1);
+  Model model(variables.parameters, resources(), {});
+  model.start(variables.inputs, 0, variables.outputs);
+  variables.inputs.camera_frame = BinaryRef::to(picture);
+  variables.inputs.camera_frame_id = 1;
+  model.step(variables.inputs, 0, 2 * kMs, variables.outputs);  // first use of the decoder's tables
+  const long before = allocations;
+  for (std::int64_t t = 2 * kMs; t < 60 * kMs; t += 2 * kMs)
+    model.step(variables.inputs, t, 2 * kMs, variables.outputs);
+  EXPECT_EQ(allocations - before, 0);
+  EXPECT_EQ(variables.outputs.core_exit_code, 9) << "a whole picture went through";
+}
+
+}  // namespace
+}  // namespace mebots::soc::test

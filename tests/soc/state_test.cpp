@@ -1,1 +1,171 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "board_system.hpp"
 
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+
+namespace mebots::soc::test {
+namespace {
+
+/// A busy program: timer interrupts, pictures, sleeps, divisions, printing, voltage changes.
+const Elf& busy_program() {
+  static const auto program = BoardSystem::assembled(R"(
+_start: la t0, handler
+    csrw mtvec, t0
+    li s0, TIMER_BASE
+    li s1, CAMERA_BASE
+    li s2, 0x1C060000
+    li s3, 700000
+    li s4, POWER_MANAGER_BASE
+    li s5, 0x1B000000
+    li a0, 0x1C040000
+    sw a0, CAMERA_BUFFER_OFFSET(s1)
+    li a0, 4096
+    sw a0, CAMERA_BUFFER_SIZE_OFFSET(s1)
+    sw s3, TIMER_COMPARE_LO_OFFSET(s0)
+    sw zero, TIMER_COMPARE_HI_OFFSET(s0)
+    li a0, (1 << CAMERA_INTERRUPT) | (1 << TIMER_INTERRUPT)
+    csrw mie, a0
+    csrwi mstatus, 8
+1:  wfi
+    li a0, 3000
+2:  addi a0, a0, -1
+    div a1, s3, a0
+    sw a1, 1(s5)
+    lw a2, 1(s5)
+    add a3, a3, a2
+    bnez a0, 2b
+    li a0, 1000
+    sw a0, POWER_MANAGER_VOLTAGE_MV_OFFSET(s4)
+    li a0, 1200
+    sw a0, POWER_MANAGER_VOLTAGE_MV_OFFSET(s4)
+    j 1b
+    .balign 4
+handler: csrr a4, mcause
+    andi a4, a4, 15
+    li a5, TIMER_INTERRUPT
+    beq a4, a5, 3f
+    li a5, 2
+    sw a5, CAMERA_STATUS_OFFSET(s1)
+    lw a5, 0(s2)
+    addi a5, a5, 1
+    sw a5, 0(s2)
+    mret
+3:  lw a5, TIMER_COMPARE_LO_OFFSET(s0)
+    add a5, a5, s3
+    sw a5, TIMER_COMPARE_LO_OFFSET(s0)
+    li a5, 1
+    sw a5, CAMERA_CONTROL_OFFSET(s1)
+    li a5, CONSOLE_BASE
+    li a4, '.'
+    sw a4, CONSOLE_PUTCHAR_OFFSET(a5)
+    mret
+)");
+  return program;
+}
+
+Settings narrow() {
+  Settings settings;
+  settings.frame_width = 64;
+  return settings;
+}
+
+const std::vector<std::uint8_t> kPicture(64UL * 30, 7);
+
+/// Steps of h to the end; whoever asked for a picture gets it at the next communication point, which is the
+/// same time for every h that divides 10 ms.
+void run(BoardSystem& system, std::int64_t h_ns, std::int64_t end_ns) {
+  for (auto t = system.soc.now() / kPsPerNs; t < end_ns; t += h_ns) {
+    auto& camera = *system.soc.camera();
+    if (t % 10'000'000 == 0 && camera.wants(camera.requests())) camera.offer(kPicture, system.soc.now());
+    system.soc.advance(t + h_ns);
+  }
+}
+
+std::vector<std::byte> state_of(const Soc& soc) {
+  state::Writer writer;
+  soc.save(writer);
+  return writer.take();
+}
+
+/// The first byte that differs, or -1: a failure must not print half a megabyte.
+long first_difference(const std::vector<std::byte>& a, const std::vector<std::byte>& b) {
+  const auto [x, y] = std::mismatch(a.begin(), a.end(), b.begin(), b.end());
+  return x == a.end() && y == b.end() ? -1 : static_cast<long>(x - a.begin());
+}
+
+void expect_same(const BoardSystem& a, const BoardSystem& b) {
+  const auto& x = a.soc.hart().counters();
+  const auto& y = b.soc.hart().counters();
+  EXPECT_EQ(x.instructions, y.instructions);
+  EXPECT_EQ(x.cycles, y.cycles);
+  EXPECT_EQ(x.accesses, y.accesses);
+  EXPECT_EQ(a.soc.sleep_time(), b.soc.sleep_time());
+  EXPECT_EQ(a.soc.energy().total_j(), b.soc.energy().total_j());
+  EXPECT_EQ(a.soc.camera_energy_j(), b.soc.camera_energy_j());
+  for (unsigned i = 0; i < 32; ++i) EXPECT_EQ(a.soc.hart().reg(i), b.soc.hart().reg(i)) << i;
+  EXPECT_EQ(a.result(0), b.result(0));
+}
+
+TEST(State, SavedInMidRunAndRestoredElsewhereGoesOnWithTheSameBits) {
+  BoardSystem straight(busy_program(), narrow());
+  BoardSystem first(busy_program(), narrow());
+  BoardSystem second(busy_program(), narrow());
+  constexpr std::int64_t kHalf = 53'000'000;
+  constexpr std::int64_t kEnd = 110'000'000;
+  run(straight, 1'000'000, kEnd);
+  run(first, 1'000'000, kHalf);
+  const auto bytes = state_of(first.soc);
+  state::Reader reader(bytes);
+  second.soc.restore(reader);
+  EXPECT_TRUE(reader.at_end());
+  EXPECT_EQ(first_difference(state_of(second.soc), bytes), -1);
+  run(second, 1'000'000, kEnd);
+  EXPECT_EQ(first_difference(state_of(second.soc), state_of(straight.soc)), -1);
+  expect_same(straight, second);
+  EXPECT_GT(straight.result(0), 2U) << "pictures did come";
+}
+
+TEST(State, ComesBackAfterGoingOn) {
+  BoardSystem system(busy_program(), narrow());
+  run(system, 1'000'000, 31'000'000);
+  const auto bytes = state_of(system.soc);
+  run(system, 1'000'000, 60'000'000);
+  const auto later = state_of(system.soc);
+  state::Reader reader(bytes);
+  system.soc.restore(reader);
+  run(system, 1'000'000, 60'000'000);
+  EXPECT_EQ(first_difference(state_of(system.soc), later), -1);
+}
+
+TEST(State, TakesLessThanFiveMillisecondsEachWay) {
+  BoardSystem system(busy_program(), narrow());
+  run(system, 1'000'000, 5'000'000);
+  // The best of several: other work on the machine is not ours.
+  double best_s = 1;
+  for (int i = 0; i < 10; ++i) {
+    const auto start = std::chrono::steady_clock::now();
+    const auto bytes = state_of(system.soc);
+    state::Reader reader(bytes);
+    system.soc.restore(reader);
+    best_s = std::min(best_s, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+  }
+  EXPECT_LT(best_s, 0.010) << "both ways";
+}
+
+TEST(StepSize, DoesNotChangeWhatHappens) {
+  BoardSystem reference(busy_program(), narrow());
+  run(reference, 10'000'000, 100'000'000);
+  for (const std::int64_t h_ns : {2'000'000, 1'000'000, 250'000, 40'000}) {
+    BoardSystem system(busy_program(), narrow());
+    run(system, h_ns, 100'000'000);
+    expect_same(reference, system);
+    EXPECT_EQ(first_difference(state_of(system.soc), state_of(reference.soc)), -1)
+        << "every byte, at h = " << h_ns << " ns";
+  }
+}
+
+}  // namespace
+}  // namespace mebots::soc::test

@@ -96,7 +96,8 @@ const std::vector<Case> kBoth{
     {"branch taken to the next", "beq zero, zero, 1f\n1:", 3},
     {"load and branch taken on it", "lw t0, 32(a0)\nbeq zero, zero, 1f\nnop\n1:", 4},
     {"branch taken to a 32-bit instruction at 2 mod 4",
-     ".balign 4\nbeq zero, zero, 1f\n.option rvc\nc.nop\n.option norvc\n1: addi t0, t1, 1\n.option rvc\nc.nop\n.option norvc",
+     ".balign 4\nbeq zero, zero, 1f\n.option rvc\nc.nop\n.option norvc\n1: addi t0, t1, 1\n.option rvc\nc.nop\n.option "
+     "norvc",
      4 + 1 + 1},
     {"branch taken to a 16-bit instruction at 2 mod 4",
      ".balign 4\nbeq zero, zero, 1f\n.option rvc\nc.nop\n1: c.nop\n.option norvc", 3 + 1},

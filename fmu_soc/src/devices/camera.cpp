@@ -6,6 +6,7 @@
 #include <fmt/core.h>
 
 #include <cmath>
+#include <type_traits>
 
 namespace mebots::soc {
 namespace {
@@ -122,6 +123,7 @@ bool Camera::store(std::uint32_t offset, Picoseconds /*now*/, std::uint32_t valu
 }
 
 void Camera::save(state::Writer& writer) const {
+  static_assert(std::has_unique_object_representations_v<State>);
   writer.put(state_);
   writer.put(picture_);
 }

@@ -57,8 +57,10 @@ class Camera final : public Device {
   struct State {
     std::int32_t requests = 0;
     std::uint32_t status = 0;
-    bool waiting = false;    // for the picture
+    bool waiting = false;  // for the picture
     bool interrupt = false;
+    std::uint16_t unused = 0;  // no padding: equal states are equal bytes
+    std::int32_t frame_id = 0;
     Picoseconds done_at = kNever;
     Picoseconds active_since = 0;
     Picoseconds active_total = 0;  // up to the last end
@@ -66,7 +68,6 @@ class Camera final : public Device {
     std::uint32_t buffer_size = 0;
     std::uint32_t width = 0;
     std::uint32_t height = 0;
-    std::int32_t frame_id = 0;
   };
 
   void request();

@@ -5,9 +5,13 @@
 
 namespace mebots::soc {
 
-Console::Console(Sink sink) : sink_(std::move(sink)) { line_.reserve(kMaxLine); }
+Console::Console(Sink sink) : sink_(std::move(sink)) {
+  line_.reserve(kMaxLine);
+}
 
-bool Console::load(std::uint32_t /*offset*/, Picoseconds /*now*/, std::uint32_t& /*value*/) { return false; }
+bool Console::load(std::uint32_t /*offset*/, Picoseconds /*now*/, std::uint32_t& /*value*/) {
+  return false;
+}
 
 bool Console::store(std::uint32_t offset, Picoseconds /*now*/, std::uint32_t value) {
   if (offset != board::console::kPutchar) return false;
@@ -25,7 +29,11 @@ void Console::flush() {
   line_.clear();
 }
 
-void Console::save(state::Writer& writer) const { writer.put(line_); }
-void Console::restore(state::Reader& reader) { reader.get(line_); }
+void Console::save(state::Writer& writer) const {
+  writer.put(line_);
+}
+void Console::restore(state::Reader& reader) {
+  reader.get(line_);
+}
 
 }  // namespace mebots::soc

@@ -13,7 +13,7 @@ namespace mebots::soc {
 class Flight final : public Device {
  public:
   struct Inputs {
-    std::int32_t phase = 0;
+    std::int64_t phase = 0;
     double range_m = 0;
     double forward_velocity_m_per_s = 0;
     double yaw_rad = 0;

@@ -43,9 +43,13 @@ Picoseconds Timer::compare_ps() const {
   return static_cast<Picoseconds>(compare_ns_) * kPsPerNs;
 }
 
-void Timer::advance(Picoseconds now) { due_ = now >= compare_ps(); }
+void Timer::advance(Picoseconds now) {
+  due_ = now >= compare_ps();
+}
 
-Picoseconds Timer::next_event() const { return due_ ? kNever : compare_ps(); }
+Picoseconds Timer::next_event() const {
+  return due_ ? kNever : compare_ps();
+}
 
 void Timer::save(state::Writer& writer) const {
   writer.put(compare_ns_);

@@ -53,7 +53,8 @@ class File {
 
   std::span<const std::uint8_t> part(std::uint64_t offset, std::uint64_t size, std::string_view what) const {
     if (offset > bytes_.size() || size > bytes_.size() - offset) {
-      fail(fmt::format("the file is cut short: {} needs bytes {} to {} of {}", what, offset, offset + size, bytes_.size()));
+      fail(fmt::format("the file is cut short: {} needs bytes {} to {} of {}", what, offset, offset + size,
+                       bytes_.size()));
     }
     return bytes_.subspan(static_cast<std::size_t>(offset), static_cast<std::size_t>(size));
   }
@@ -100,7 +101,8 @@ std::vector<ElfSegment> read_segments(const File& file, const FileHeader& header
                                                  fmt::format("program header {}", i));
     if (program.type != kLoad || program.memory_size == 0) continue;
     if (program.file_size > program.memory_size) {
-      file.fail(fmt::format("segment {} has {} bytes in the file but {} in memory", i, program.file_size, program.memory_size));
+      file.fail(fmt::format("segment {} has {} bytes in the file but {} in memory", i, program.file_size,
+                            program.memory_size));
     }
     if (std::uint64_t{program.physical_address} + program.memory_size > 0x1'0000'0000ULL) {
       file.fail(fmt::format("segment {} at 0x{:08x} with {} bytes passes the end of the address space", i,
@@ -133,7 +135,8 @@ std::vector<ElfSymbol> read_symbols(const File& file, const FileHeader& header) 
   for (std::uint32_t i = 0; i < header.section_count; ++i) {
     const auto section = section_at(i);
     if (section.type != kSymbolTable) continue;
-    if (section.link >= header.section_count) file.fail(fmt::format("symbol table names section {}, which is not there", section.link));
+    if (section.link >= header.section_count)
+      file.fail(fmt::format("symbol table names section {}, which is not there", section.link));
     const auto strings_header = section_at(section.link);
     const auto strings = file.part(strings_header.offset, strings_header.size, "the symbol names");
     const auto table = file.part(section.offset, section.size, "the symbol table");
@@ -142,7 +145,8 @@ std::vector<ElfSymbol> read_symbols(const File& file, const FileHeader& header) 
       std::memcpy(&entry, table.data() + at, sizeof entry);
       const auto type = entry.info & 0xfU;
       if (entry.name == 0 || type > 2) continue;  // section and file names
-      if (entry.name >= strings.size()) file.fail(fmt::format("symbol {} has its name outside the names", at / sizeof entry));
+      if (entry.name >= strings.size())
+        file.fail(fmt::format("symbol {} has its name outside the names", at / sizeof entry));
       const auto first = strings.begin() + entry.name;
       const auto last = std::find(first, strings.end(), std::uint8_t{0});
       symbols.push_back({{first, last}, entry.value, entry.size, type == 2});
@@ -177,7 +181,8 @@ Elf Elf::read(const std::filesystem::path& path) {
     throw Error(fmt::format("{}: no such file; give the path of a linked RISC-V program", path.string()));
   }
   const auto size = std::filesystem::file_size(path, code);
-  if (code || size > kMaxFileSize) throw Error(fmt::format("{}: larger than 1 GiB, not a program for this core", path.string()));
+  if (code || size > kMaxFileSize)
+    throw Error(fmt::format("{}: larger than 1 GiB, not a program for this core", path.string()));
   std::ifstream stream(path, std::ios::binary);
   const std::vector<char> text{std::istreambuf_iterator<char>(stream), {}};
   if (!stream) throw Error(fmt::format("{}: cannot be read", path.string()));
@@ -185,7 +190,8 @@ Elf Elf::read(const std::filesystem::path& path) {
 }
 
 std::optional<std::uint32_t> Elf::symbol(std::string_view name) const {
-  const auto found = std::find_if(symbols_.begin(), symbols_.end(), [&](const auto& symbol) { return symbol.name == name; });
+  const auto found =
+      std::find_if(symbols_.begin(), symbols_.end(), [&](const auto& symbol) { return symbol.name == name; });
   if (found == symbols_.end()) return std::nullopt;
   return found->address;
 }

@@ -13,9 +13,9 @@
 namespace mebots::soc {
 
 struct ElfSegment {
-  std::uint32_t address = 0;           // where it is loaded (p_paddr)
-  std::vector<std::uint8_t> bytes;     // from the file
-  std::uint32_t size = 0;              // in memory; what the file does not give is 0
+  std::uint32_t address = 0;        // where it is loaded (p_paddr)
+  std::vector<std::uint8_t> bytes;  // from the file
+  std::uint32_t size = 0;           // in memory; what the file does not give is 0
 };
 
 struct ElfSymbol {

@@ -17,7 +17,9 @@ Previous previous_of(const Decoded& decoded) {
   return {decoded.op, decoded.rd, is_multiply_high(decoded.op) || is_divide(decoded.op)};
 }
 
-std::uint8_t accesses_of(Op op) { return is_load(op) || is_store(op) ? 1 : 0; }
+std::uint8_t accesses_of(Op op) {
+  return is_load(op) || is_store(op) ? 1 : 0;
+}
 
 }  // namespace
 

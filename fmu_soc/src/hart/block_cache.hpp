@@ -18,10 +18,10 @@ struct InstructionEnergy;
 /// Straight code from one address, decoded once.
 struct Block {
   std::uint32_t pc = 0;
-  std::uint32_t first = 0;            // index of its first Instruction
-  std::uint32_t last_start_bound = 0; // the most cycles from its start to the start of its last instruction
-  bool unaligned = false;             // starts with a 32-bit instruction at 2 mod 4
-  bool early_jump = false;            // a jump is among the first two: what ran before may delay it
+  std::uint32_t first = 0;             // index of its first Instruction
+  std::uint32_t last_start_bound = 0;  // the most cycles from its start to the start of its last instruction
+  bool unaligned = false;              // starts with a 32-bit instruction at 2 mod 4
+  bool early_jump = false;             // a jump is among the first two: what ran before may delay it
 };
 
 /// Decoded blocks by address. All memory is taken at construction; when it is full, everything is
@@ -67,8 +67,8 @@ class BlockCache {
   Memory& memory_;
   Timing timing_;
   std::array<std::uint32_t, kOpCount> energy_fj_;
-  std::vector<Block> blocks_;          // number 0 is no block
-  std::vector<std::uint32_t> table_;   // open addressing, 0 = free
+  std::vector<Block> blocks_;         // number 0 is no block
+  std::vector<std::uint32_t> table_;  // open addressing, 0 = free
   std::unique_ptr<Instruction[]> arena_;
   std::uint32_t block_count_ = 1;
   std::uint32_t arena_used_ = 0;

@@ -19,7 +19,9 @@ constexpr std::uint32_t kInterruptLines = 0xffff0000U | (1U << 11) | (1U << 7) |
 constexpr std::uint32_t kVendor = 0x602;
 constexpr std::uint32_t kArchitecture = 4;
 
-bool inside(unsigned number, unsigned first, unsigned count) { return number >= first && number < first + count; }
+bool inside(unsigned number, unsigned first, unsigned count) {
+  return number >= first && number < first + count;
+}
 
 /// Event counters 3 to 31 and their selectors: there, always 0.
 bool is_zero_register(unsigned number) {

@@ -29,12 +29,12 @@ struct Execution {
   std::uint64_t far_accesses = 0;  // loads and stores that went to ram[1], since reset
 
   // Of the block in progress.
-  std::uint32_t extra_cycles = 0;         // beyond the static ones
-  const Instruction* exit = nullptr;      // everything before it has retired
-  std::uint32_t* link = nullptr;          // where to note the block that follows
-  bool jumped = false;                    // an unaligned target costs a cycle
-  bool redirected = false;                // left by a branch, jump, trap or return from one
-  const Instruction* slow_load = nullptr; // the last misaligned load
+  std::uint32_t extra_cycles = 0;          // beyond the static ones
+  const Instruction* exit = nullptr;       // everything before it has retired
+  std::uint32_t* link = nullptr;           // where to note the block that follows
+  bool jumped = false;                     // an unaligned target costs a cycle
+  bool redirected = false;                 // left by a branch, jump, trap or return from one
+  const Instruction* slow_load = nullptr;  // the last misaligned load
   Leave leave = Leave::normal;
   std::uint32_t trap_cause = 0;
   std::uint32_t trap_value = 0;

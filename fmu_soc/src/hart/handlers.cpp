@@ -112,7 +112,8 @@ const Instruction* load(Execution& e, const Instruction* at) {
   std::memcpy(&value, data, sizeof value);
   e.x[at->rd] = static_cast<std::uint32_t>(static_cast<std::int32_t>(value));
   if constexpr (sizeof(T) > 1) {
-    if (crosses_word(address, sizeof(T))) [[unlikely]] misaligned_load(e, at);
+    if (crosses_word(address, sizeof(T))) [[unlikely]]
+      misaligned_load(e, at);
   }
   return next(e, at);
 }
@@ -137,12 +138,15 @@ const Instruction* store(Execution& e, const Instruction* at) {
       marks |= ram->marks[(offset + sizeof(T) - 1) / 4];
     }
   }
-  if (marks != 0) [[unlikely]] return e.hart->marked_store(at, address, sizeof(T));
+  if (marks != 0) [[unlikely]]
+    return e.hart->marked_store(at, address, sizeof(T));
   return next(e, at);
 }
 
 /// fence, fence.i: stores are seen at once, also by the decoder.
-const Instruction* nothing(Execution& e, const Instruction* at) { return next(e, at); }
+const Instruction* nothing(Execution& e, const Instruction* at) {
+  return next(e, at);
+}
 
 const Instruction* end_of_block(Execution& e, const Instruction* at) {
   e.pc = at->pc;
@@ -160,9 +164,15 @@ const Instruction* environment_call(Execution& e, const Instruction* at) {
 const Instruction* breakpoint(Execution& e, const Instruction* at) {
   return e.hart->raise(at, cause::kBreakpoint, at->pc);
 }
-const Instruction* csr_access(Execution& e, const Instruction* at) { return e.hart->csr_access(at); }
-const Instruction* trap_return(Execution& e, const Instruction* at) { return e.hart->trap_return(at); }
-const Instruction* wait_for_interrupt(Execution& e, const Instruction* at) { return e.hart->wait_for_interrupt(at); }
+const Instruction* csr_access(Execution& e, const Instruction* at) {
+  return e.hart->csr_access(at);
+}
+const Instruction* trap_return(Execution& e, const Instruction* at) {
+  return e.hart->trap_return(at);
+}
+const Instruction* wait_for_interrupt(Execution& e, const Instruction* at) {
+  return e.hart->wait_for_interrupt(at);
+}
 
 }  // namespace
 
@@ -170,64 +180,116 @@ Handler handler_of(Op op) {
   namespace f = operations;
   switch (op) {
     case Op::lui:
-    case Op::auipc: return constant;
-    case Op::jal: return jump;
-    case Op::jalr: return jump_register;
-    case Op::beq: return branch<f::equal>;
-    case Op::bne: return branch<f::not_equal>;
-    case Op::blt: return branch<f::less>;
-    case Op::bge: return branch<f::greater_equal>;
-    case Op::bltu: return branch<f::less_unsigned>;
-    case Op::bgeu: return branch<f::greater_equal_unsigned>;
-    case Op::lb: return load<std::int8_t>;
-    case Op::lh: return load<std::int16_t>;
-    case Op::lw: return load<std::int32_t>;
-    case Op::lbu: return load<std::uint8_t>;
-    case Op::lhu: return load<std::uint16_t>;
-    case Op::sb: return store<std::uint8_t>;
-    case Op::sh: return store<std::uint16_t>;
-    case Op::sw: return store<std::uint32_t>;
-    case Op::addi: return with_immediate<f::add>;
-    case Op::slti: return with_immediate<f::slt>;
-    case Op::sltiu: return with_immediate<f::sltu>;
-    case Op::xori: return with_immediate<f::bit_xor>;
-    case Op::ori: return with_immediate<f::bit_or>;
-    case Op::andi: return with_immediate<f::bit_and>;
-    case Op::slli: return with_immediate<f::sll>;
-    case Op::srli: return with_immediate<f::srl>;
-    case Op::srai: return with_immediate<f::sra>;
-    case Op::add: return with_register<f::add>;
-    case Op::sub: return with_register<f::sub>;
-    case Op::sll: return with_register<f::sll>;
-    case Op::slt: return with_register<f::slt>;
-    case Op::sltu: return with_register<f::sltu>;
-    case Op::xor_: return with_register<f::bit_xor>;
-    case Op::srl: return with_register<f::srl>;
-    case Op::sra: return with_register<f::sra>;
-    case Op::or_: return with_register<f::bit_or>;
-    case Op::and_: return with_register<f::bit_and>;
+    case Op::auipc:
+      return constant;
+    case Op::jal:
+      return jump;
+    case Op::jalr:
+      return jump_register;
+    case Op::beq:
+      return branch<f::equal>;
+    case Op::bne:
+      return branch<f::not_equal>;
+    case Op::blt:
+      return branch<f::less>;
+    case Op::bge:
+      return branch<f::greater_equal>;
+    case Op::bltu:
+      return branch<f::less_unsigned>;
+    case Op::bgeu:
+      return branch<f::greater_equal_unsigned>;
+    case Op::lb:
+      return load<std::int8_t>;
+    case Op::lh:
+      return load<std::int16_t>;
+    case Op::lw:
+      return load<std::int32_t>;
+    case Op::lbu:
+      return load<std::uint8_t>;
+    case Op::lhu:
+      return load<std::uint16_t>;
+    case Op::sb:
+      return store<std::uint8_t>;
+    case Op::sh:
+      return store<std::uint16_t>;
+    case Op::sw:
+      return store<std::uint32_t>;
+    case Op::addi:
+      return with_immediate<f::add>;
+    case Op::slti:
+      return with_immediate<f::slt>;
+    case Op::sltiu:
+      return with_immediate<f::sltu>;
+    case Op::xori:
+      return with_immediate<f::bit_xor>;
+    case Op::ori:
+      return with_immediate<f::bit_or>;
+    case Op::andi:
+      return with_immediate<f::bit_and>;
+    case Op::slli:
+      return with_immediate<f::sll>;
+    case Op::srli:
+      return with_immediate<f::srl>;
+    case Op::srai:
+      return with_immediate<f::sra>;
+    case Op::add:
+      return with_register<f::add>;
+    case Op::sub:
+      return with_register<f::sub>;
+    case Op::sll:
+      return with_register<f::sll>;
+    case Op::slt:
+      return with_register<f::slt>;
+    case Op::sltu:
+      return with_register<f::sltu>;
+    case Op::xor_:
+      return with_register<f::bit_xor>;
+    case Op::srl:
+      return with_register<f::srl>;
+    case Op::sra:
+      return with_register<f::sra>;
+    case Op::or_:
+      return with_register<f::bit_or>;
+    case Op::and_:
+      return with_register<f::bit_and>;
     case Op::fence:
-    case Op::fence_i: return nothing;
-    case Op::ecall: return environment_call;
-    case Op::ebreak: return breakpoint;
-    case Op::mul: return with_register<f::mul>;
-    case Op::mulh: return with_register<f::mulh>;
-    case Op::mulhsu: return with_register<f::mulhsu>;
-    case Op::mulhu: return with_register<f::mulhu>;
-    case Op::div: return divide<f::div, divide_extra_signed>;
-    case Op::divu: return divide<f::divu, divide_extra_unsigned>;
-    case Op::rem: return divide<f::rem, divide_extra_signed>;
-    case Op::remu: return divide<f::remu, divide_extra_unsigned>;
+    case Op::fence_i:
+      return nothing;
+    case Op::ecall:
+      return environment_call;
+    case Op::ebreak:
+      return breakpoint;
+    case Op::mul:
+      return with_register<f::mul>;
+    case Op::mulh:
+      return with_register<f::mulh>;
+    case Op::mulhsu:
+      return with_register<f::mulhsu>;
+    case Op::mulhu:
+      return with_register<f::mulhu>;
+    case Op::div:
+      return divide<f::div, divide_extra_signed>;
+    case Op::divu:
+      return divide<f::divu, divide_extra_unsigned>;
+    case Op::rem:
+      return divide<f::rem, divide_extra_signed>;
+    case Op::remu:
+      return divide<f::remu, divide_extra_unsigned>;
     case Op::csrrw:
     case Op::csrrs:
     case Op::csrrc:
     case Op::csrrwi:
     case Op::csrrsi:
-    case Op::csrrci: return csr_access;
-    case Op::mret: return trap_return;
-    case Op::wfi: return wait_for_interrupt;
-    case Op::end_of_block: return end_of_block;
-    case Op::illegal: break;
+    case Op::csrrci:
+      return csr_access;
+    case Op::mret:
+      return trap_return;
+    case Op::wfi:
+      return wait_for_interrupt;
+    case Op::end_of_block:
+      return end_of_block;
+    case Op::illegal:
+      break;
   }
   return illegal;
 }

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <type_traits>
 
 namespace mebots::soc {
 namespace {
@@ -81,8 +82,8 @@ Stop Hart::run(std::uint64_t limit) {
       continue;
     }
     const auto& block = cache_.block(number);
-    const bool delayed = is_load(before_.op) || is_load(two_before_.op) ||
-                         (before_.op != Op::end_of_block && block.early_jump);
+    const bool delayed =
+        is_load(before_.op) || is_load(two_before_.op) || (before_.op != Op::end_of_block && block.early_jump);
     if (delayed || counters_.cycles + block.last_start_bound >= limit) [[unlikely]] {
       execute(cache_.single(e.pc, two_before_, before_));
       e.link = nullptr;
@@ -244,7 +245,9 @@ const Instruction* Hart::trap_return(const Instruction* at) {
   return nullptr;
 }
 
-const Instruction* Hart::wait_for_interrupt(const Instruction* at) { return leave_after(at, Leave::sleep); }
+const Instruction* Hart::wait_for_interrupt(const Instruction* at) {
+  return leave_after(at, Leave::sleep);
+}
 
 void Hart::fail(std::uint32_t cause, std::uint32_t value, bool double_trap) {
   std::uint32_t address = 0;
@@ -311,6 +314,7 @@ void Hart::enter_handler(std::uint32_t cause, std::uint32_t value) {
 }
 
 void Hart::save(state::Writer& writer) const {
+  static_assert(std::has_unique_object_representations_v<Csrs> && std::has_unique_object_representations_v<Fault>);
   writer.put(execution_.x);
   writer.put(execution_.pc);
   writer.put(execution_.far_accesses);

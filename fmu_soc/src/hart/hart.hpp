@@ -27,6 +27,7 @@ enum class Stop : std::uint8_t {
 struct Fault {
   bool happened = false;
   bool double_trap = false;
+  std::uint16_t unused = 0;  // no padding: equal states are equal bytes
   std::uint32_t cause = 0;
   std::uint32_t pc = 0;
   std::uint32_t value = 0;        // mtval
@@ -104,9 +105,11 @@ class Hart {
     std::uint32_t mcause = 0;
     std::uint32_t mtval = 0;
     std::uint32_t mcountinhibit = 0;
-    bool interrupts_on = false;        // mstatus.MIE
-    bool interrupts_were_on = false;   // mstatus.MPIE
-    std::uint64_t cycle_base = 0;      // mcycle = counter - base; while inhibited, mcycle = base
+    bool interrupts_on = false;       // mstatus.MIE
+    bool interrupts_were_on = false;  // mstatus.MPIE
+    std::uint16_t unused = 0;         // no padding: equal states are equal bytes
+    std::uint32_t unused_too = 0;
+    std::uint64_t cycle_base = 0;  // mcycle = counter - base; while inhibited, mcycle = base
     std::uint64_t instret_base = 0;
   };
 

@@ -17,17 +17,17 @@ using Handler = const Instruction* (*)(Execution&, const Instruction*);
 /// make counting free: who leaves the block at this instruction adds them once.
 struct Instruction {
   Handler run = nullptr;
-  std::int32_t imm = 0;             // absolute address for jumps and branches, value for auipc
-  std::uint32_t pc = 0;             // the following Instruction's pc is this one's end
-  std::uint8_t rd = 0;              // 32 instead of 0: a register that nobody reads
+  std::int32_t imm = 0;  // absolute address for jumps and branches, value for auipc
+  std::uint32_t pc = 0;  // the following Instruction's pc is this one's end
+  std::uint8_t rd = 0;   // 32 instead of 0: a register that nobody reads
   std::uint8_t rs1 = 0;
   std::uint8_t rs2 = 0;
   Op op = Op::end_of_block;
-  std::uint16_t cycles_before = 0;  // static cycles
-  std::uint8_t index = 0;           // instructions
-  std::uint8_t accesses_before = 0; // loads and stores
+  std::uint16_t cycles_before = 0;   // static cycles
+  std::uint8_t index = 0;            // instructions
+  std::uint8_t accesses_before = 0;  // loads and stores
   std::uint32_t energy_before_fj = 0;
-  mutable std::uint32_t link = 0;   // block that follows when left here; 0 = not known yet
+  mutable std::uint32_t link = 0;  // block that follows when left here; 0 = not known yet
 };
 static_assert(sizeof(Instruction) == 32 || sizeof(void*) != 8);
 

@@ -71,14 +71,16 @@ unsigned Timing::csr_cycles(unsigned number) const {
                        (number >= csr::kMcountinhibit && number < csr::kMcountinhibit + 32) ||
                        (number >= csr::kCycle && number < csr::kCycle + 32) ||
                        (number >= csr::kCycleh && number < csr::kCycleh + 32);
-  const bool status = number == csr::kMstatus || number == csr::kMepc || number == csr::kMtvec || number == csr::kMcause;
+  const bool status =
+      number == csr::kMstatus || number == csr::kMepc || number == csr::kMtvec || number == csr::kMcause;
   return counter || status ? 4 : 1;
 }
 
-unsigned static_cycles(const Timing& timing, const Previous& two_before, const Previous& before, const Current& current) {
+unsigned static_cycles(const Timing& timing, const Previous& two_before, const Previous& before,
+                       const Current& current) {
   if (is_jump(current.op)) {
-    const bool overwrites_load = is_load(before.op) && before.rd != 0 && !before.slow &&
-                                 current.rd == before.rd && current.rs1 != before.rd;
+    const bool overwrites_load =
+        is_load(before.op) && before.rd != 0 && !before.slow && current.rd == before.rd && current.rs1 != before.rd;
     return jump_cycles(two_before, before, current) + (overwrites_load ? 1U : 0U);
   }
   return own_cycles(timing, current) + (load_stall(timing, before, current) ? 1U : 0U);

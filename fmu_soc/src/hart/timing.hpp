@@ -54,7 +54,8 @@ struct Current {
 
 /// Cycles that an instruction takes after the two before it, without what only its execution can tell:
 /// taken branches, operands of divisions, misaligned addresses, unaligned targets.
-unsigned static_cycles(const Timing& timing, const Previous& two_before, const Previous& before, const Current& current);
+unsigned static_cycles(const Timing& timing, const Previous& two_before, const Previous& before,
+                       const Current& current);
 
 /// The most cycles that execution can add to `static_cycles`, apart from an unaligned target.
 unsigned most_extra_cycles(Op op);
@@ -69,6 +70,8 @@ constexpr unsigned divide_extra_signed(std::uint32_t divisor) {
 }
 
 /// True when an access touches two words, which costs a second bus access.
-constexpr bool crosses_word(std::uint32_t address, unsigned size) { return (address & 3U) + size > 4; }
+constexpr bool crosses_word(std::uint32_t address, unsigned size) {
+  return (address & 3U) + size > 4;
+}
 
 }  // namespace mebots::soc

@@ -76,7 +76,9 @@ std::string operands(const Decoded& d, std::uint32_t pc) {
 
 }  // namespace
 
-std::string_view register_name(unsigned index) { return kNames[index]; }
+std::string_view register_name(unsigned index) {
+  return kNames[index];
+}
 
 std::string disassemble(std::uint32_t word, std::uint32_t pc) {
   const auto decoded = decode(word);

@@ -137,7 +137,8 @@ constexpr std::int32_t immediate(Format format, std::uint32_t w) {
     case Format::csr_imm:
       return static_cast<std::int32_t>(field(w, 31, 20));
     case Format::c_addi4spn:
-      return static_cast<std::int32_t>(field(w, 12, 11, 4) | field(w, 10, 7, 6) | field(w, 6, 6, 2) | field(w, 5, 5, 3));
+      return static_cast<std::int32_t>(field(w, 12, 11, 4) | field(w, 10, 7, 6) | field(w, 6, 6, 2) |
+                                       field(w, 5, 5, 3));
     case Format::c_load:
     case Format::c_store:
       return static_cast<std::int32_t>(field(w, 12, 10, 3) | field(w, 6, 6, 2) | field(w, 5, 5, 6));
@@ -159,9 +160,8 @@ constexpr std::int32_t immediate(Format format, std::uint32_t w) {
     case Format::c_slli:
       return static_cast<std::int32_t>(field(w, 12, 12, 5) | field(w, 6, 2));
     case Format::c_branch:
-      return sign_extend(field(w, 12, 12, 8) | field(w, 11, 10, 3) | field(w, 6, 5, 6) | field(w, 4, 3, 1) |
-                             field(w, 2, 2, 5),
-                         8);
+      return sign_extend(
+          field(w, 12, 12, 8) | field(w, 11, 10, 3) | field(w, 6, 5, 6) | field(w, 4, 3, 1) | field(w, 2, 2, 5), 8);
     case Format::c_lwsp:
       return static_cast<std::int32_t>(field(w, 12, 12, 5) | field(w, 6, 4, 2) | field(w, 3, 2, 6));
     case Format::c_swsp:
@@ -262,7 +262,9 @@ class Index {
 
 }  // namespace
 
-std::span<const Encoding> encodings() { return kEncodings; }
+std::span<const Encoding> encodings() {
+  return kEncodings;
+}
 
 bool is_reserved(const Encoding& encoding, std::uint32_t word) {
   const auto format = encoding.format;

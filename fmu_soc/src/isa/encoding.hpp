@@ -14,9 +14,40 @@ namespace mebots::soc {
 
 /// Where an encoding keeps its operands. Formats that start with `c` are 16 bits long.
 enum class Format : std::uint8_t {
-  none, r, i, shift, load, store, branch, u, jal, jalr, csr, csr_imm, fence,
-  c_none, c_addi4spn, c_load, c_store, c_addi, c_jump, c_jal, c_li, c_addi16sp, c_lui, c_shift, c_andi, c_alu, c_branch,
-  c_slli, c_lwsp, c_swsp, c_jr, c_jalr, c_mv, c_add,
+  none,
+  r,
+  i,
+  shift,
+  load,
+  store,
+  branch,
+  u,
+  jal,
+  jalr,
+  csr,
+  csr_imm,
+  fence,
+  c_none,
+  c_addi4spn,
+  c_load,
+  c_store,
+  c_addi,
+  c_jump,
+  c_jal,
+  c_li,
+  c_addi16sp,
+  c_lui,
+  c_shift,
+  c_andi,
+  c_alu,
+  c_branch,
+  c_slli,
+  c_lwsp,
+  c_swsp,
+  c_jr,
+  c_jalr,
+  c_mv,
+  c_add,
 };
 
 /// One row of the table: a word is this instruction when `(word & mask) == match` and the operands are not reserved.
@@ -43,9 +74,13 @@ struct Decoded {
 /// The whole table.
 std::span<const Encoding> encodings();
 
-constexpr bool is_compressed(Format format) { return format >= Format::c_none; }
+constexpr bool is_compressed(Format format) {
+  return format >= Format::c_none;
+}
 /// True when the low bits of a word say that the instruction has 16 bits.
-constexpr bool is_compressed(std::uint32_t word) { return (word & 3U) != 3U; }
+constexpr bool is_compressed(std::uint32_t word) {
+  return (word & 3U) != 3U;
+}
 
 /// Whether the word's operands make this encoding reserved (a zero shift of `c.addi4spn`, ...).
 bool is_reserved(const Encoding& encoding, std::uint32_t word);

@@ -9,14 +9,17 @@ namespace mebots::soc {
 
 Region& Memory::add(const std::string& name, std::uint32_t base, std::uint32_t size) {
   if (size == 0 || size % 4 != 0 || base % 4 != 0) {
-    throw Error(fmt::format("memory {}: base 0x{:08x} and size {} must be multiples of 4, the size above 0", name, base, size));
+    throw Error(
+        fmt::format("memory {}: base 0x{:08x} and size {} must be multiples of 4, the size above 0", name, base, size));
   }
   if (std::uint64_t{base} + size > 0x1'0000'0000ULL) {
-    throw Error(fmt::format("memory {}: 0x{:08x} + {} bytes passes the end of the 32-bit address space", name, base, size));
+    throw Error(
+        fmt::format("memory {}: 0x{:08x} + {} bytes passes the end of the 32-bit address space", name, base, size));
   }
   for (const auto& other : regions_) {
     if (base < std::uint64_t{other.base} + other.size && other.base < std::uint64_t{base} + size) {
-      throw Error(fmt::format("memory {} at 0x{:08x} overlaps memory {} at 0x{:08x}", name, base, other.name, other.base));
+      throw Error(
+          fmt::format("memory {} at 0x{:08x} overlaps memory {} at 0x{:08x}", name, base, other.name, other.base));
     }
   }
   Region region;
@@ -93,7 +96,8 @@ void Memory::restore(state::Reader& reader) {
   std::vector<std::uint8_t> bytes;
   for (auto& region : regions_) {
     reader.get(bytes);
-    if (bytes.size() != region.size) throw Error(fmt::format("a saved state does not fit memory {}: another board?", region.name));
+    if (bytes.size() != region.size)
+      throw Error(fmt::format("a saved state does not fit memory {}: another board?", region.name));
     std::memcpy(region.data.get(), bytes.data(), bytes.size());
   }
 }

@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// mebots-soc run PROGRAM.elf [--board FILE] [--max-instructions N]
+// mebots-soc run PROGRAM.elf [--board FILE] [--signature FILE] [--max-instructions N]
 //
 // Runs a bare-metal program outside any FMU. Exit code: tohost >> 1 or what the firmware passed to EXIT (low 8
 // bits), 101 after a fault or at a limit, 102 for bad input.
 #include "soc.hpp"
 
-#include <CLI/CLI.hpp>
 #include <fmt/core.h>
+#include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <chrono>
+#include <fstream>
 #include <limits>
 
 namespace {
@@ -46,6 +47,7 @@ BoardDescription board_around(const Elf& program) {
 struct Options {
   std::string program;
   std::string board;
+  std::string signature;
   std::uint64_t max_instructions = std::numeric_limits<std::uint64_t>::max() / 2;
 };
 
@@ -69,6 +71,26 @@ void report(const Soc& soc, double host_s) {
   fmt::print("energy {:.9g} J: core_active {:.9g} J, memory {:.9g} J, leakage {:.9g} J\n", energy.total_j(),
              energy.core_active_j, energy.memory_j, energy.leakage_j);
   fmt::print("host {:.1f} MIPS\n", static_cast<double>(counters.instructions) / host_s / 1e6);
+}
+
+/// The words between the symbols begin_signature and end_signature, 8 hexadecimal digits a line.
+void write_signature(const Soc& soc, const std::string& path) {
+  const auto begin = soc.program().symbol("begin_signature");
+  const auto end = soc.program().symbol("end_signature");
+  if (!begin || !end || *end < *begin) {
+    throw mebots::Error(fmt::format("--signature {}: {} has no symbols begin_signature and end_signature in this order",
+                                    path, soc.program().origin()));
+  }
+  std::ofstream file(path);
+  for (auto address = *begin; address < *end; address += 4) {
+    std::uint32_t word = 0;
+    if (!soc.memory().read(address, {reinterpret_cast<std::uint8_t*>(&word), sizeof word})) {
+      throw mebots::Error(fmt::format("--signature {}: no memory at 0x{:08x}", path, address));
+    }
+    file << fmt::format("{:08x}\n", word);
+  }
+  file.close();
+  if (!file) throw mebots::Error(fmt::format("--signature {}: cannot be written", path));
 }
 
 int run(const Options& options) {
@@ -97,6 +119,7 @@ int run(const Options& options) {
   const auto start = std::chrono::steady_clock::now();
   run_instructions(soc, options.max_instructions);
   report(soc, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+  if (!options.signature.empty()) write_signature(soc, options.signature);
   switch (soc.end()) {
     case End::host: {
       std::uint32_t value = 0;
@@ -114,7 +137,8 @@ int run(const Options& options) {
       break;
   }
   if (soc.hart().sleeping()) {
-    fmt::print(stderr, "mebots-soc: the core sleeps at pc 0x{:08x} and nothing is left that could wake it\n", soc.hart().pc());
+    fmt::print(stderr, "mebots-soc: the core sleeps at pc 0x{:08x} and nothing is left that could wake it\n",
+               soc.hart().pc());
   } else {
     fmt::print(stderr, "mebots-soc: limit of {} instructions reached at pc 0x{:08x} in {}\n", options.max_instructions,
                soc.hart().pc(), program.where(soc.hart().pc()));
@@ -131,6 +155,7 @@ int main(int argc, char** argv) {
   auto* command = app.add_subcommand("run", "Run a program until it stores to tohost, exits or faults");
   command->add_option("program", options.program, "ELF32 file for RV32IMC")->required();
   command->add_option("--board", options.board, "Board description; without one: RAM around the program's segments");
+  command->add_option("--signature", options.signature, "Write the program's signature into this file");
   command->add_option("--max-instructions", options.max_instructions, "Stop after this many");
   try {
     app.parse(argc, argv);

@@ -82,6 +82,7 @@ void add_gate(Geometry& geometry, const scene::Gate& gate, std::size_t tile, con
   for (const int far : {0, 1}) {
     const auto front = [&](const std::vector<std::pair<int, int>>& ring) {
       std::vector<Vector3d> corners;
+      corners.reserve(ring.size());
       for (const auto& [y, z] : ring) corners.push_back(at(far, y, z));
       add_side(geometry, solid, 0, far != 0 ? 1.0 : -1.0, std::move(corners));
       // One pattern over the whole frame.

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <bit>
+#include <cmath>
 #include <cstddef>
 
 namespace mebots::world::camera {
@@ -65,12 +66,13 @@ Ripmap::Ripmap(int size, int samples, const Pattern& pattern) : size_(size), row
 
   const auto store = [this](const Level& level) {
     const auto grey = [&level](int x, int y) {
-      return static_cast<std::uint32_t>(level.at(x % level.width, y % level.height) + 0.5F);
+      return static_cast<std::uint32_t>(std::lround(level.at(x % level.width, y % level.height)));
     };
+    const std::size_t first_column = static_cast<std::size_t>(size_ - level.width) * 2;
     for (int y = 0; y < level.height; ++y) {
       const std::size_t row = static_cast<std::size_t>(2 * size_ - 2 * level.height + y) << row_shift_;
       for (int x = 0; x < level.width; ++x) {
-        words_[row + 2 * size_ - 2 * level.width + x] =
+        words_[row + first_column + x] =
             grey(x, y) | grey(x + 1, y) << 8 | grey(x, y + 1) << 16 | grey(x + 1, y + 1) << 24;
       }
     }

@@ -13,8 +13,8 @@
 
 namespace mebots::world {
 
-/// Takes a picture when the count of requests changes. Two buffers: the bytes of a picture stay in place
-/// until the picture after it is taken and one step more, so a reader may hold them until the next step ends.
+/// Takes a picture when the count of requests changes. Two buffers: a picture's bytes stay in place while the
+/// next one is taken, so a reader may hold them until the next step ends.
 class CameraDevice {
  public:
   struct Settings {

@@ -89,9 +89,7 @@ class Node {
     return json.get<std::string>();
   }
 
-  double number(std::string_view key, const Limits& limits = {}) const {
-    return checked(key, get(key), limits);
-  }
+  double number(std::string_view key, const Limits& limits = {}) const { return checked(key, get(key), limits); }
 
   std::vector<double> numbers(std::string_view key, const Limits& limits = {}) const {
     const auto& json = get(key);

@@ -90,6 +90,15 @@ struct RecordDescription {
   std::int64_t interval_ns = 0;                        ///< 0 = every communication point
 };
 
+/// Frames to keep as picture files: 8-bit grey pixels that an OSMP binary carries.
+struct PictureDescription {
+  VariableName frame;            ///< name of the binary, without `.base.lo`
+  VariableName id;               ///< Integer that changes with every new frame
+  std::int32_t width = 0;        ///< pixels per row
+  std::int64_t interval_ns = 0;  ///< shortest time from picture to picture; 0 = every frame
+  std::string place;
+};
+
 /// Log categories of one instance whose ordinary messages are shown; "*" = all.
 struct LogDescription {
   std::string instance;
@@ -111,6 +120,7 @@ struct SystemDescription {
   std::vector<OutcomeDescription> outcomes;     ///< the first that holds is the outcome
   std::vector<SummaryEntry> summary;
   RecordDescription record;
+  std::vector<PictureDescription> pictures;
   std::vector<LogDescription> log;
 
   const InstanceDescription* find_instance(std::string_view instance_name) const;

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "assembler.hpp"
+#include "soc.hpp"
+
+#include <fmt/format.h>
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace mebots::soc::test {
+
+inline constexpr std::uint32_t kL2 = 0x1C000000;
+/// Where programs of these tests leave their results: three quarters up in L2.
+inline constexpr std::uint32_t kResults = 0x1C060000;
+
+/// The AI-deck with a program of assembly text, which may use the names of board.h.
+class BoardSystem {
+ public:
+  explicit BoardSystem(std::string_view text, const Settings& settings = {}) : BoardSystem(assembled(text), settings) {}
+  explicit BoardSystem(const Elf& program, const Settings& settings = {})
+      : soc(read_board(MEBOTS_SOURCE_DIR "/configs/boards/ai_deck.json"), gap8(), settings, program,
+            {[this](std::string_view line) { console.emplace_back(line); },
+             [this](std::string_view text) { faults.emplace_back(text); }}) {}
+
+  static Elf assembled(std::string_view text) { return assemble(fmt::format("#include \"board.h\"\n{}\n", text), kL2); }
+
+  std::uint32_t result(std::uint32_t index) const {
+    std::uint32_t value = 0;
+    soc.memory().read(kResults + 4 * index, {reinterpret_cast<std::uint8_t*>(&value), sizeof value});
+    return value;
+  }
+
+  std::vector<std::string> console;
+  std::vector<std::string> faults;
+  Soc soc;
+};
+
+}  // namespace mebots::soc::test

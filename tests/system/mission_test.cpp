@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "missions.hpp"
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+
+namespace mebots::system_test {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// Flies the easy mission once for all tests that look at it.
+class GateEasy : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = new Folder;
+    config_ = write(*folder_ / "gate_easy.json", shipped_config("gate_easy"));
+    flight_ = new Flight(fly(config_, *folder_ / "first"));
+  }
+  static void TearDownTestSuite() {
+    delete flight_;
+    delete folder_;
+  }
+
+  static std::vector<double> values(const std::string& name) { return column(flight_->results, name); }
+
+  static Folder* folder_;
+  static std::filesystem::path config_;
+  static Flight* flight_;
+};
+
+Folder* GateEasy::folder_ = nullptr;
+std::filesystem::path GateEasy::config_;
+Flight* GateEasy::flight_ = nullptr;
+
+TEST_F(GateEasy, DroneTakesOffPassesTheGateAndLands) {
+  ASSERT_EQ(flight_->exit_code, 0) << flight_->output;
+  EXPECT_EQ(flight_->summary.at("outcome"), "passed") << flight_->output;
+  const auto altitude = values("world.drone.position.z");
+  EXPECT_NEAR(*std::max_element(altitude.begin(), altitude.end()), 1.0, 0.1);
+  EXPECT_LT(altitude.back(), 0.05);
+  EXPECT_EQ(values("world.gate.touched").back(), 0);
+}
+
+TEST_F(GateEasy, DroneCruisesAtTheSpeedThatItsFirmwareAsksFor) {
+  const auto speed = values("world.drone.forward_velocity");
+  const auto mode = values("soc.setpoint.mode");
+  const auto asked = values("soc.setpoint.velocity.x");
+  double sum = 0;
+  int count = 0;
+  for (std::size_t i = 1500; i < speed.size(); ++i) {
+    // Three seconds after the set-point came, the stabiliser's transient is over.
+    if (mode[i] != 2 || asked[i] < 0.2 || asked[i] != asked[i - 1500]) continue;
+    sum += speed[i];
+    ++count;
+  }
+  ASSERT_GT(count, 1000);
+  EXPECT_NEAR(sum / count, 1.0 / 3.6, 0.01);
+}
+
+TEST_F(GateEasy, EveryJouleOfTheCellIsAccountedFor) {
+  const auto last = [&](const std::string& name) { return values("battery." + name).back(); };
+  const double consumers = last("motors.energy") + last("soc.energy") + last("camera.energy") + last("avionics.energy");
+  EXPECT_NEAR(consumers, last("energy.delivered"), 1e-6 * consumers);
+  EXPECT_LT(std::abs(last("energy.imbalance")), 1e-6 * last("energy.open_circuit"));
+}
+
+TEST_F(GateEasy, BatteryDeliversWhatTheLoadsReportOneStepLater) {
+  // The battery sees a load's mean power of a step in the step after it: all but the last step's energy arrived.
+  const double reported = values("motors.energy").back();
+  const double delivered = values("battery.motors.energy").back();
+  EXPECT_NEAR(delivered, reported, 0.002 * 50) << "one step of 2 ms at no more than 50 W may be under way";
+}
+
+TEST_F(GateEasy, ChipCountsWhatItsFirmwareExecutes) {
+  EXPECT_GT(flight_->summary.at("instructions").get<double>(), 1e8);
+  EXPECT_GE(flight_->summary.at("cycles").get<double>(), flight_->summary.at("instructions").get<double>());
+  const double awake = flight_->summary.at("cycles").get<double>() / 100e6;
+  EXPECT_NEAR(awake + flight_->summary.at("sleep_time").get<double>(), values("time").back(), 0.01)
+      << "at a constant 100 MHz, busy and sleep time add up to the simulated time";
+}
+
+TEST_F(GateEasy, FirmwareTalksToTheUser) {
+  EXPECT_THAT(flight_->output, HasSubstr("soc: "));
+  EXPECT_THAT(flight_->output, HasSubstr("gate passed, landed"));
+}
+
+TEST_F(GateEasy, SameInputGivesTheSameBits) {
+  const auto second = fly(config_, *folder_ / "second");
+  EXPECT_EQ(second.exit_code, 0);
+  EXPECT_TRUE(second.results == flight_->results) << "results.csv differs between two runs";
+}
+
+TEST_F(GateEasy, OrderOfInstancesAndConnectionsIsNothingToTheBits) {
+  auto config = shipped_config("gate_easy");
+  nlohmann::ordered_json reversed;
+  std::vector<std::string> names;
+  for (const auto& [name, entry] : config.at("instances").items()) names.push_back(name);
+  std::reverse(names.begin(), names.end());
+  for (const auto& name : names) reversed[name] = config.at("instances").at(name);
+  config.at("instances") = reversed;
+  std::reverse(config.at("connections").begin(), config.at("connections").end());
+  const auto other = fly(write(*folder_ / "reversed.json", config), *folder_ / "reversed");
+  ASSERT_EQ(other.exit_code, 0) << other.output;
+  for (const char* name : {"world.drone.position.x", "battery.cell.state_of_charge", "soc.instructions"}) {
+    EXPECT_EQ(column(other.results, name), values(name)) << name;
+  }
+}
+
+TEST_F(GateEasy, PicturesOfTheFlightAreKept) {
+  const auto folder = *folder_ / "first" / "pictures" / "world.camera.frame";
+  int count = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    const auto picture = read_file(entry.path());
+    EXPECT_EQ(picture.substr(0, 15), "P5\n320 320\n255\n");
+    EXPECT_EQ(picture.size(), 15U + 320U * 320U);
+    ++count;
+  }
+  EXPECT_GT(count, 10);
+}
+
+/// One mission that differs from the easy one in a single thing.
+Flight fly_changed(const std::vector<std::string>& sets) {
+  const Folder folder;
+  return fly(write(folder / "changed.json", shipped_config("gate_easy")), folder / "out", sets);
+}
+
+TEST(Mission, GateIsFoundByVisionFromATurnedStart) {
+  const auto flight = fly_changed({"world.start.yaw_offset=0.35"});
+  EXPECT_EQ(flight.exit_code, 0);
+  EXPECT_EQ(flight.summary.at("outcome"), "passed") << flight.output;
+}
+
+TEST(Mission, DroneThatSeesNothingDoesNotPass) {
+  const auto flight = fly_changed({"world.camera.noise=10000", "world.start.yaw_offset=0.35"});
+  EXPECT_EQ(flight.exit_code, 0) << flight.output;
+  EXPECT_NE(flight.summary.at("outcome"), "passed") << "with noise alone in its pictures only luck would pass the gate";
+}
+
+TEST(Mission, CellThatIsFlatInMidAirBringsTheDroneDown) {
+  const auto flight = fly_changed({"battery.cell.initial_state_of_charge=0.02", "soc.mission.landing_charge=0"});
+  EXPECT_EQ(flight.exit_code, 0) << "a flat cell is a result, not a failure\n" << flight.output;
+  EXPECT_EQ(flight.summary.at("outcome"), "battery_empty");
+  EXPECT_EQ(column(flight.results, "battery.bus.voltage").back(), 0);
+  EXPECT_LT(column(flight.results, "world.drone.position.z").back(), 0.1);
+}
+
+TEST(Mission, LowChargeMakesTheDroneLand) {
+  const auto flight = fly_changed({"battery.cell.initial_state_of_charge=0.13"});
+  EXPECT_EQ(flight.exit_code, 0);
+  EXPECT_EQ(flight.summary.at("outcome"), "battery_empty") << flight.output;
+  EXPECT_EQ(column(flight.results, "world.drone.landed").back(), 1);
+}
+
+TEST(Mission, FirmwareThatFaultsLeavesResultsAndAMessage) {
+  const Folder folder;
+  const auto elf = folder / "lost.elf";
+  const auto source = folder / "lost.S";
+  std::ofstream(source) << ".globl _start\n_start: lui t0, 0x40000\n jr t0\n";  // a jump to where nothing is
+  const std::string build =
+      "riscv64-unknown-elf-gcc -nostdlib -march=rv32imc_zicsr -mabi=ilp32 -Wl,-N,-Ttext=0x1C000000 '" +
+      source.string() + "' -o '" + elf.string() + "'";
+  ASSERT_EQ(std::system(build.c_str()), 0);
+  const auto flight = fly(write(folder / "c.json", shipped_config("gate_easy")), folder / "out",
+                          {"soc.firmware=" + elf.string()}, {"--stop-time", "0.1"});
+  EXPECT_EQ(flight.exit_code, 0) << "a fault of the firmware is model behaviour\n" << flight.output;
+  EXPECT_THAT(flight.output, HasSubstr("40000000")) << "the message names where the program counter went";
+  EXPECT_EQ(column(flight.results, "soc.core.faulted").back(), 1);
+  EXPECT_EQ(column(flight.results, "time").size(), 51U);
+}
+
+}  // namespace
+}  // namespace mebots::system_test

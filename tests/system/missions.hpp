@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+namespace mebots::system_test {
+
+/// A folder that goes with this object.
+class Folder {
+ public:
+  Folder();
+  ~Folder();
+  Folder(const Folder&) = delete;
+  Folder& operator=(const Folder&) = delete;
+
+  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+/// A config of the repository with the FMU paths of this build.
+nlohmann::ordered_json shipped_config(const std::string& name);
+
+/// Writes a config and returns its path.
+std::filesystem::path write(const std::filesystem::path& path, const nlohmann::ordered_json& config);
+
+std::string read_file(const std::filesystem::path& path);
+
+/// What one call of `mebots` left behind.
+struct Flight {
+  int exit_code = -1;
+  std::string output;  ///< stdout and stderr
+  nlohmann::json summary;
+  std::string results;  ///< results.csv
+};
+
+/// `mebots run CONFIG --out OUT --set ...`
+Flight fly(const std::filesystem::path& config, const std::filesystem::path& out,
+           const std::vector<std::string>& sets = {}, const std::vector<std::string>& more = {});
+
+/// A column of results.csv by "instance.variable".
+std::vector<double> column(const std::string& results, const std::string& name);
+
+}  // namespace mebots::system_test
