@@ -16,7 +16,14 @@ import fmpy.fmi2
 import fmpy.validation
 import numpy as np
 
-BASE_LIBRARIES = {"libc.so.6", "libm.so.6", "libstdc++.so.6", "libgcc_s.so.1", "ld-linux-x86-64.so.2"}
+BASE_LIBRARIES = {
+    "libc.so.6",
+    "libm.so.6",
+    "libpthread.so.0",
+    "libstdc++.so.6",
+    "libgcc_s.so.1",
+    "ld-linux-x86-64.so.2",
+}
 
 
 def check(condition, message):
@@ -90,7 +97,7 @@ def check_state(description, folder):
     first.close()
 
     second = Instance(description, folder, "second", start=False)
-    state = second.fmu.deSerializeFMUState(data)
+    state = second.fmu.deSerializeFMUstate(data)
     second.fmu.setFMUState(state)
     restored = second.run(half, end, h)
     second.fmu.freeFMUState(state)

@@ -1,0 +1,84 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Replays the reference traces that an FMU carries in documentation/reference, and reports the first divergence.
+
+Usage: replay_check.py FILE.fmu
+
+Row k of <fmu>_out.csv holds outputs at its time; the step from there to the next row holds the inputs of the last row
+of <fmu>_in.csv that is not later.
+"""
+
+import csv
+import pathlib
+import sys
+import tempfile
+
+import fmpy
+import fmpy.fmi2
+
+# The same source compiled by another compiler may round differently; anything larger is a changed model.
+RELATIVE = 1e-6
+ABSOLUTE = 1e-9
+
+
+def read_csv(path):
+    with path.open(newline="") as file:
+        rows = [{name: float(cell) for name, cell in row.items()} for row in csv.DictReader(file)]
+    if not rows:
+        sys.exit(f"FAILED: {path.name} has no rows")
+    return rows
+
+
+def main():
+    archive = pathlib.Path(sys.argv[1])
+    description = fmpy.read_model_description(str(archive))
+    variables = {v.name: v for v in description.modelVariables}
+    with tempfile.TemporaryDirectory() as folder:
+        fmpy.extract(str(archive), folder)
+        reference = pathlib.Path(folder) / "documentation" / "reference"
+        inputs = read_csv(reference / f"{archive.stem}_in.csv")
+        expected = read_csv(reference / f"{archive.stem}_out.csv")
+
+        fmu = fmpy.fmi2.FMU2Slave(guid=description.guid, unzipDirectory=folder, instanceName="replay",
+                                  modelIdentifier=description.coSimulation.modelIdentifier)
+
+        def apply(time):
+            row = [r for r in inputs if r["time"] <= time + 1e-9][-1]
+            for name, value in row.items():
+                if name == "time":
+                    continue
+                variable = variables[name]
+                if variable.type == "Real":
+                    fmu.setReal([variable.valueReference], [value])
+                elif variable.type == "Boolean":
+                    fmu.setBoolean([variable.valueReference], [bool(value)])
+                else:
+                    fmu.setInteger([variable.valueReference], [int(value)])
+
+        def read(name):
+            variable = variables[name]
+            getter = {"Real": fmu.getReal, "Boolean": fmu.getBoolean}.get(variable.type, fmu.getInteger)
+            return float(getter([variable.valueReference])[0])
+
+        fmu.instantiate()
+        fmu.setupExperiment(startTime=0.0)
+        fmu.enterInitializationMode()
+        apply(0.0)
+        fmu.exitInitializationMode()
+        for k, row in enumerate(expected):
+            for name, value in row.items():
+                if name == "time":
+                    continue
+                actual = read(name)
+                if abs(actual - value) > max(ABSOLUTE, RELATIVE * abs(value)):
+                    sys.exit(f"FAILED: first divergence at {row['time']} s: {name} is {actual!r}, the trace has {value!r}")
+            if k + 1 < len(expected):
+                apply(row["time"])
+                fmu.doStep(currentCommunicationPoint=row["time"], communicationStepSize=expected[k + 1]["time"] - row["time"])
+        fmu.terminate()
+        fmu.freeInstance()
+    print(f"ok: {len(expected)} rows, {len(expected[0]) - 1} outputs agree with the reference trace")
+
+
+if __name__ == "__main__":
+    main()
