@@ -161,9 +161,9 @@ void World::step(std::int64_t start_ns, std::int64_t duration_ns) {
 }
 
 void World::inner_step(std::int64_t end_ns, double dt_s) {
-  const Wrench rotors_B = rotor_wrench_B(scene_.drone, inputs_.rotor_thrust_n, inputs_.rotor_torque_n_m);
+  const Wrench rotors_B = rotor_wrench(scene_.drone, inputs_.rotor_thrust_n, inputs_.rotor_torque_n_m);
   const Eigen::Vector3d force_W_n =
-      state_.q_WB * rotors_B.force_n + drag_force_W(scene_.drone, state_, vector(inputs_.wind_velocity_m_per_s));
+      state_.q_WB * rotors_B.force_n + drag_force(scene_.drone, state_, vector(inputs_.wind_velocity_m_per_s));
   const Eigen::Vector3d from_W_m = state_.p_WB_m;
   const auto& touches = bodies_.step(state_, force_W_n, rotors_B.torque_n_m, dt_s);
   path_length_m_ += (state_.p_WB_m - from_W_m).norm();
@@ -175,7 +175,7 @@ void World::inner_step(std::int64_t end_ns, double dt_s) {
   const FlightPhase before = sequencer_.phase();
   judge_touches(touches, end_ns, situation);
   judge_gates(from_W_m, end_ns);
-  if (before != FlightPhase::crashed && state_.R_WB()(2, 2) < std::cos(scene_.contact.crash_tilt_rad)) {
+  if (before != FlightPhase::crashed && state_.rotation()(2, 2) < std::cos(scene_.contact.crash_tilt_rad)) {
     situation.crashed = true;
     report(end_ns, "crash: tipped over");
   }
@@ -244,7 +244,7 @@ StabiliserGoal World::goal() const {
 }
 
 void World::write_outputs() {
-  const Eigen::Matrix3d R_WB = state_.R_WB();
+  const Eigen::Matrix3d R_WB = state_.rotation();
   const Attitude attitude = attitude_of(R_WB);
   outputs_.rotor_command = stabiliser_.command();
   outputs_.drone_position_m = array(state_.p_WB_m);
@@ -252,7 +252,7 @@ void World::write_outputs() {
   outputs_.drone_roll_rad = attitude.roll_rad;
   outputs_.drone_pitch_rad = attitude.pitch_rad;
   outputs_.drone_yaw_rad = attitude.yaw_rad;
-  outputs_.drone_angular_velocity_rad_per_s = array(state_.w_WB_B_rad_per_s());
+  outputs_.drone_angular_velocity_rad_per_s = array(state_.body_rate_rad_per_s());
   outputs_.drone_forward_velocity_m_per_s =
       std::cos(attitude.yaw_rad) * state_.v_WB_m_per_s.x() + std::sin(attitude.yaw_rad) * state_.v_WB_m_per_s.y();
   outputs_.drone_speed_m_per_s = state_.v_WB_m_per_s.head<2>().norm();

@@ -15,7 +15,7 @@ const scene::Drone& drone() {
 }
 
 TEST(Airframe, EqualThrustsLiftWithoutTurning) {
-  const Wrench w = rotor_wrench_B(drone(), {0.1, 0.1, 0.1, 0.1}, {1e-3, 1e-3, 1e-3, 1e-3});
+  const Wrench w = rotor_wrench(drone(), {0.1, 0.1, 0.1, 0.1}, {1e-3, 1e-3, 1e-3, 1e-3});
   EXPECT_DOUBLE_EQ(w.force_n.z(), 0.4);
   EXPECT_EQ(w.force_n.head<2>().norm(), 0.0);
   EXPECT_NEAR(w.torque_n_m.norm(), 0.0, 1e-18);  // rounding of sums of 1e-3
@@ -23,22 +23,22 @@ TEST(Airframe, EqualThrustsLiftWithoutTurning) {
 
 TEST(Airframe, MoreThrustOnTheLeftRollsToTheRight) {
   // Rotors 3 (rear left) and 4 (front left); right-handed about x forward: left side up.
-  const Wrench w = rotor_wrench_B(drone(), {0.0, 0.0, 0.1, 0.1}, {});
+  const Wrench w = rotor_wrench(drone(), {0.0, 0.0, 0.1, 0.1}, {});
   EXPECT_DOUBLE_EQ(w.torque_n_m.x(), 0.2 * drone().arm_m);
   EXPECT_EQ(w.torque_n_m.y(), 0.0);
 }
 
 TEST(Airframe, MoreThrustAtTheRearPitchesNoseDown) {
   // Rotors 2 and 3 are at the rear; positive pitch is nose down.
-  const Wrench w = rotor_wrench_B(drone(), {0.0, 0.1, 0.1, 0.0}, {});
+  const Wrench w = rotor_wrench(drone(), {0.0, 0.1, 0.1, 0.0}, {});
   EXPECT_EQ(w.torque_n_m.x(), 0.0);
   EXPECT_DOUBLE_EQ(w.torque_n_m.y(), 0.2 * drone().arm_m);
 }
 
 TEST(Airframe, ClockwiseRotorsTurnTheBodyToTheLeft) {
   // 1 and 3 turn counter-clockwise seen from above, so the body feels 2 and 4 as positive yaw.
-  EXPECT_DOUBLE_EQ(rotor_wrench_B(drone(), {}, {0.0, 1e-3, 0.0, 1e-3}).torque_n_m.z(), 2e-3);
-  EXPECT_DOUBLE_EQ(rotor_wrench_B(drone(), {}, {1e-3, 0.0, 1e-3, 0.0}).torque_n_m.z(), -2e-3);
+  EXPECT_DOUBLE_EQ(rotor_wrench(drone(), {}, {0.0, 1e-3, 0.0, 1e-3}).torque_n_m.z(), 2e-3);
+  EXPECT_DOUBLE_EQ(rotor_wrench(drone(), {}, {1e-3, 0.0, 1e-3, 0.0}).torque_n_m.z(), -2e-3);
 }
 
 TEST(Airframe, InertiaAtTheReferenceMassIsTheMeasuredOne) {
@@ -64,14 +64,14 @@ TEST(Airframe, DragIsAgainstTheMotionThroughTheAirAlongBodyAxes) {
   RigidState state;
   state.q_WB = Eigen::AngleAxisd(0.5 * M_PI, Eigen::Vector3d::UnitZ());  // body x looks along world y
   state.v_WB_m_per_s = {1.0, 2.0, 3.0};
-  const Eigen::Vector3d f = drag_force_W(d, state, {0.0, 1.0, 3.0});
+  const Eigen::Vector3d f = drag_force(d, state, {0.0, 1.0, 3.0});
   EXPECT_TRUE(f.isApprox(Eigen::Vector3d(-0.02 * 1.0, -0.01 * 1.0, 0.0), 1e-12)) << f.transpose();
 }
 
 TEST(Airframe, AirThatMovesAlongPullsNothing) {
   RigidState state;
   state.v_WB_m_per_s = {1.0, 2.0, 3.0};
-  EXPECT_EQ(drag_force_W(drone(), state, state.v_WB_m_per_s).norm(), 0.0);
+  EXPECT_EQ(drag_force(drone(), state, state.v_WB_m_per_s).norm(), 0.0);
 }
 
 }  // namespace

@@ -20,7 +20,7 @@ const scene::Drone& drone() {
 Wrench wrench_of(const RotorValues& thrust_n) {
   RotorValues torque_n_m{};
   for (std::size_t i = 0; i < kRotors; ++i) torque_n_m[i] = drone().torque_per_thrust_m * thrust_n[i];
-  return rotor_wrench_B(drone(), thrust_n, torque_n_m);
+  return rotor_wrench(drone(), thrust_n, torque_n_m);
 }
 
 TEST(Mixer, InvertsTheRotorsWrench) {

@@ -23,9 +23,11 @@ class FreeFlight : public testing::Test {
     state_.p_WB_m = {0.0, 0.0, 1000.0};
   }
 
-  Eigen::Vector3d angular_momentum_W() const { return state_.q_WB * inertia_.cwiseProduct(state_.w_WB_B_rad_per_s()); }
+  Eigen::Vector3d angular_momentum_W() const {
+    return state_.q_WB * inertia_.cwiseProduct(state_.body_rate_rad_per_s());
+  }
   double rotation_energy_j() const {
-    const Eigen::Vector3d w = state_.w_WB_B_rad_per_s();
+    const Eigen::Vector3d w = state_.body_rate_rad_per_s();
     return 0.5 * w.dot(inertia_.cwiseProduct(w));
   }
   /// Largest relative change of angular momentum and rotation energy in a second of tumbling without torque.
@@ -77,7 +79,7 @@ TEST_F(FreeFlight, HoversWhenThrustIsTheWeight) {
 
 TEST_F(FreeFlight, SpinsUpAboutAnAxisAsTorqueOverInertiaSays) {
   for (int i = 0; i < 100; ++i) bodies_.step(state_, kNone, {0.0, 0.0, 1e-4}, 1e-3);
-  EXPECT_NEAR(state_.w_WB_B_rad_per_s().z(), 1e-4 * 0.1 / inertia_.z(), 1e-9);
+  EXPECT_NEAR(state_.body_rate_rad_per_s().z(), 1e-4 * 0.1 / inertia_.z(), 1e-9);
 }
 
 TEST_F(FreeFlight, TumblingKeepsMomentumAndEnergyUpToFirstOrder) {
@@ -96,7 +98,7 @@ TEST_F(FreeFlight, ApproachesTheTerminalSpeedOfLinearDrag) {
   state_.p_WB_m.z() = 2000.0;
   double t_s = 0.0;
   for (int i = 0; i < 3000; ++i, t_s += dt_s)
-    bodies_.step(state_, drag_force_W(scene_.drone, state_, kNone), kNone, dt_s);
+    bodies_.step(state_, drag_force(scene_.drone, state_, kNone), kNone, dt_s);
   const double terminal = kGravity_m_per_s2 * lag_s;
   // Explicit Euler on v' = g - v / lag is off by about dt / (2 lag) = 0.2 % of what is left to the terminal speed.
   const double exact = -terminal * (1.0 - std::exp(-t_s / lag_s));
@@ -106,7 +108,7 @@ TEST_F(FreeFlight, ApproachesTheTerminalSpeedOfLinearDrag) {
 TEST_F(FreeFlight, WindCarriesTheDroneAlong) {
   const Eigen::Vector3d wind{3.0, -2.0, 0.0};
   const Eigen::Vector3d lift{0.0, 0.0, kMass_kg * kGravity_m_per_s2};
-  for (int i = 0; i < 5000; ++i) bodies_.step(state_, lift + drag_force_W(scene_.drone, state_, wind), kNone, 1e-2);
+  for (int i = 0; i < 5000; ++i) bodies_.step(state_, lift + drag_force(scene_.drone, state_, wind), kNone, 1e-2);
   EXPECT_TRUE(state_.v_WB_m_per_s.isApprox(wind, 1e-6)) << state_.v_WB_m_per_s.transpose();
 }
 

@@ -182,11 +182,11 @@ TEST(Stabiliser, ComesBackFromATiltOf45Degrees) {
     rotors.step(command, 1e-3);
     RotorValues torque{};
     for (std::size_t k = 0; k < 4; ++k) torque[k] = rotors.torque_per_thrust_m * rotors.thrust_n[k];
-    const Wrench wrench = rotor_wrench_B(scene.drone, rotors.thrust_n, torque);
+    const Wrench wrench = rotor_wrench(scene.drone, rotors.thrust_n, torque);
     bodies.step(state, state.q_WB * wrench.force_n, wrench.torque_n_m, 1e-3);
     ASSERT_GT(state.p_WB_m.z(), 4.0);
   }
-  EXPECT_GT(state.R_WB()(2, 2), std::cos(0.01));
+  EXPECT_GT(state.rotation()(2, 2), std::cos(0.01));
   EXPECT_LT(state.v_WB_m_per_s.norm(), 0.02);
 }
 

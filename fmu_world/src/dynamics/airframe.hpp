@@ -31,9 +31,9 @@ struct Wrench {
 Eigen::Vector3d inertia_for(const scene::Drone& drone, double mass_kg);
 
 /// What the rotors do to the body, in body axes: thrusts along +z at the rotors' places, and reaction torques.
-Wrench rotor_wrench_B(const scene::Drone& drone, const RotorValues& thrust_n, const RotorValues& torque_n_m);
+Wrench rotor_wrench(const scene::Drone& drone, const RotorValues& thrust_n, const RotorValues& torque_n_m);
 
 /// Linear drag of the body in moving air, in world axes: F = -R diag(d) R^T (v - wind).
-Eigen::Vector3d drag_force_W(const scene::Drone& drone, const RigidState& state, const Eigen::Vector3d& wind_W_m_per_s);
+Eigen::Vector3d drag_force(const scene::Drone& drone, const RigidState& state, const Eigen::Vector3d& wind_W_m_per_s);
 
 }  // namespace mebots::world

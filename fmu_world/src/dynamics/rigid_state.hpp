@@ -14,8 +14,10 @@ struct RigidState {
   Eigen::Vector3d v_WB_m_per_s = Eigen::Vector3d::Zero();
   Eigen::Vector3d w_WB_W_rad_per_s = Eigen::Vector3d::Zero();  ///< angular velocity, in world axes
 
-  Eigen::Matrix3d R_WB() const { return q_WB.toRotationMatrix(); }
-  Eigen::Vector3d w_WB_B_rad_per_s() const { return q_WB.conjugate() * w_WB_W_rad_per_s; }
+  /// R_WB: turns body axes into world axes.
+  Eigen::Matrix3d rotation() const { return q_WB.toRotationMatrix(); }
+  /// Angular velocity in body axes.
+  Eigen::Vector3d body_rate_rad_per_s() const { return q_WB.conjugate() * w_WB_W_rad_per_s; }
   bool is_finite() const {
     return p_WB_m.allFinite() && q_WB.coeffs().allFinite() && v_WB_m_per_s.allFinite() && w_WB_W_rad_per_s.allFinite();
   }

@@ -21,7 +21,7 @@ void CameraDevice::see_trigger(std::int32_t count, const RigidState& body) {
   last_count_ = count;
   if (count == 0) return;
   front_ ^= 1U;
-  const auto pose = camera::camera_pose(settings_.mounting, body.p_WB_m, body.R_WB());
+  const auto pose = camera::camera_pose(settings_.mounting, body.p_WB_m, body.rotation());
   // The noise belongs to the picture's number, not to the number of pictures taken before it.
   renderer_.render(pose, noise::bits(settings_.seed, noise::Stream::camera, 0), static_cast<std::uint32_t>(count),
                    buffers_[front_]);

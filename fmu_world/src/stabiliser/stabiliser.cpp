@@ -36,10 +36,10 @@ void Stabiliser::start(const RigidState& state, double yaw_rad) {
   memory_.running = true;
   memory_.heading_rad = yaw_rad;
   memory_.velocity_H_m_per_s = yaw_rotation(-yaw_rad) * state.v_WB_m_per_s;
-  memory_.last_rate_B_rad_per_s = state.w_WB_B_rad_per_s();
+  memory_.last_rate_B_rad_per_s = state.body_rate_rad_per_s();
 }
 
-Eigen::Vector3d Stabiliser::wanted_velocity_H(const StabiliserGoal& goal, const RigidState& state, double yaw_rad) {
+Eigen::Vector3d Stabiliser::wanted_velocity(const StabiliserGoal& goal, const RigidState& state, double yaw_rad) {
   Eigen::Vector3d wanted_H{goal.forward_m_per_s, goal.left_m_per_s, 0.0};
   if (goal.hold_place) {
     if (!memory_.holding && state.v_WB_m_per_s.head<2>().norm() < kStoppedSpeed_m_per_s) {
@@ -59,13 +59,13 @@ Eigen::Vector3d Stabiliser::wanted_velocity_H(const StabiliserGoal& goal, const 
   return wanted_H;
 }
 
-Eigen::Vector3d Stabiliser::wanted_acceleration_W(const StabiliserGoal& goal, const RigidState& state, double yaw_rad,
-                                                  double dt_s) {
+Eigen::Vector3d Stabiliser::wanted_acceleration(const StabiliserGoal& goal, const RigidState& state, double yaw_rad,
+                                                double dt_s) {
   // The reference velocity follows the wish like the closed loop can, so that the integrator sees only
   // what wind, sag and wrong constants do.
   const Eigen::Vector3d follow_per_s{gains_.velocity_p_per_s, gains_.velocity_p_per_s, gains_.climb_p_per_s};
   const Eigen::Vector3d pull_H = limited_horizontally(
-      follow_per_s.cwiseProduct(wanted_velocity_H(goal, state, yaw_rad) - memory_.velocity_H_m_per_s),
+      follow_per_s.cwiseProduct(wanted_velocity(goal, state, yaw_rad) - memory_.velocity_H_m_per_s),
       kGravity_m_per_s2 * std::tan(gains_.max_tilt_rad));
   memory_.velocity_H_m_per_s += dt_s * pull_H;
 
@@ -87,9 +87,9 @@ Eigen::Vector3d Stabiliser::wanted_acceleration_W(const StabiliserGoal& goal, co
   return limited_horizontally(wanted_W, kGravity_m_per_s2 * std::tan(gains_.max_tilt_rad));
 }
 
-Eigen::Vector3d Stabiliser::wanted_torque_B(const StabiliserGoal& goal, const RigidState& state, double yaw_rad,
-                                            const Eigen::Vector3d& up_W, double dt_s) {
-  const Eigen::Vector3d rate_B = state.w_WB_B_rad_per_s();
+Eigen::Vector3d Stabiliser::wanted_torque(const StabiliserGoal& goal, const RigidState& state, double yaw_rad,
+                                          const Eigen::Vector3d& up_W, double dt_s) {
+  const Eigen::Vector3d rate_B = state.body_rate_rad_per_s();
   const Eigen::Vector3d measured_B = (rate_B - memory_.last_rate_B_rad_per_s) / dt_s;
   memory_.last_rate_B_rad_per_s = rate_B;
   memory_.acceleration_B_rad_per_s2 +=
@@ -128,18 +128,18 @@ const RotorValues& Stabiliser::update(const StabiliserGoal& goal, const RigidSta
     memory_ = {};
     return memory_.command;
   }
-  const Eigen::Matrix3d R_WB = state.R_WB();
+  const Eigen::Matrix3d R_WB = state.rotation();
   const double yaw_rad = attitude_of(R_WB).yaw_rad;
   if (!memory_.running) start(state, yaw_rad);
 
   const Eigen::Vector3d lift_W =
-      wanted_acceleration_W(goal, state, yaw_rad, dt_s) + Eigen::Vector3d(0.0, 0.0, kGravity_m_per_s2);
+      wanted_acceleration(goal, state, yaw_rad, dt_s) + Eigen::Vector3d(0.0, 0.0, kGravity_m_per_s2);
   // Falling faster than gravity is not asked for; the lower limit also keeps the direction meaningful.
   const Eigen::Vector3d held_W{lift_W.x(), lift_W.y(),
                                std::max(lift_W.z(), gains_.min_thrust_share * kGravity_m_per_s2)};
   const Eigen::Vector3d up_W = limited_horizontally(held_W, held_W.z() * std::tan(gains_.max_tilt_rad)).normalized();
   const double collective_n = mass_kg_ * std::max(held_W.dot(R_WB.col(2)), gains_.min_thrust_share * kGravity_m_per_s2);
-  const Eigen::Vector3d torque_B = wanted_torque_B(goal, state, yaw_rad, up_W, dt_s);
+  const Eigen::Vector3d torque_B = wanted_torque(goal, state, yaw_rad, up_W, dt_s);
 
   const RotorValues thrust = mix(drone_, curve_.max_thrust_n(), collective_n, torque_B);
   for (std::size_t i = 0; i < kRotors; ++i) memory_.command[i] = curve_.command_for(thrust[i]);

@@ -56,11 +56,10 @@ class Stabiliser {
   };
 
   void start(const RigidState& state, double yaw_rad);
-  Eigen::Vector3d wanted_velocity_H(const StabiliserGoal& goal, const RigidState& state, double yaw_rad);
-  Eigen::Vector3d wanted_acceleration_W(const StabiliserGoal& goal, const RigidState& state, double yaw_rad,
-                                        double dt_s);
-  Eigen::Vector3d wanted_torque_B(const StabiliserGoal& goal, const RigidState& state, double yaw_rad,
-                                  const Eigen::Vector3d& up_W, double dt_s);
+  Eigen::Vector3d wanted_velocity(const StabiliserGoal& goal, const RigidState& state, double yaw_rad);
+  Eigen::Vector3d wanted_acceleration(const StabiliserGoal& goal, const RigidState& state, double yaw_rad, double dt_s);
+  Eigen::Vector3d wanted_torque(const StabiliserGoal& goal, const RigidState& state, double yaw_rad,
+                                const Eigen::Vector3d& up_W, double dt_s);
 
   scene::Drone drone_;
   ThrustCurve curve_;
