@@ -42,6 +42,14 @@ def draw_gates(axes, scene):
             axes.plot(*zip(inner, outer), color="tab:red", linewidth=4, solid_capstyle="butt")
 
 
+def running_mean(time, values, window=1.0):
+    """Mean over the last `window` seconds: chip and camera switch many times a second."""
+    count = max(1, round(window / (time[1] - time[0])))
+    sums = np.concatenate(([0.0], np.cumsum(values)))
+    first = np.maximum(np.arange(len(values)) - count + 1, 0)
+    return (sums[1:] - sums[first]) / (np.arange(len(values)) + 1 - first)
+
+
 def plot_mission(data, scene, summary, path):
     time = data["time"]
     figure, axes = plt.subplots(2, 2, figsize=(11, 7), constrained_layout=True)
@@ -72,11 +80,10 @@ def plot_mission(data, scene, summary, path):
     charge.set_ylabel("state of charge [%]", color="tab:purple")
 
     power = axes[1, 1]
-    power.plot(time, data["motors.power"], label="motors", linewidth=0.8)
-    power.plot(time, data["motors.avionics.power"], label="avionics")
-    power.plot(time, data["soc.power"], label="chip", linewidth=0.8)
-    power.plot(time, data["soc.camera.power"], label="camera", linewidth=0.8)
-    power.set(xlabel="time [s]", ylabel="power [W]", yscale="log", ylim=(1e-4, 50), title="power of the loads")
+    for name, label in (("motors.power", "motors"), ("motors.avionics.power", "avionics"),
+                        ("soc.power", "chip"), ("soc.camera.power", "camera")):
+        power.plot(time, running_mean(time, data[name]), label=label, linewidth=1.2)
+    power.set(xlabel="time [s]", ylabel="power [W]", yscale="log", ylim=(1e-4, 50), title="power of the loads, mean over 1 s")
     power.legend()
 
     figure.savefig(path, dpi=110)

@@ -27,7 +27,7 @@ class Camera final : public Device {
   static constexpr std::uint32_t kReady = 2;
   static constexpr std::uint32_t kRefused = 4;
   /// Pictures up to this size are held without taking memory from the heap.
-  static constexpr std::size_t kReservedBytes = 512 * 512;
+  static constexpr std::size_t kReservedBytes = std::size_t{512} * 512;
 
   /// `memory_changed` is told of the bytes that the camera writes.
   using MemoryChanged = std::function<void(std::uint32_t address, std::uint32_t count)>;

@@ -32,7 +32,7 @@ BoardDescription board_around(const Elf& program) {
     highest = std::max<std::uint64_t>(highest, std::uint64_t{segment.address} + segment.size);
   }
   const auto base = lowest / kPage * kPage;
-  auto end = std::max(base + 4 * kMiB, (highest + kMiB + kPage - 1) / kPage * kPage);
+  auto end = std::max(base + std::uint64_t{4} * kMiB, (highest + kMiB + kPage - 1) / kPage * kPage);
   end = std::min<std::uint64_t>(end, std::uint64_t{1} << 32);
   if (end - base > 2048ULL * kMiB) {
     throw mebots::Error(fmt::format("{}: its segments span {} MiB, more than 2048: name a board", program.origin(),

@@ -22,10 +22,12 @@ struct BinaryRef {
 
   /// Empty when there is no buffer.
   std::span<const std::uint8_t> bytes() const {
-    const auto address = (static_cast<std::uint64_t>(static_cast<std::uint32_t>(base_hi)) << 32) |
-                         static_cast<std::uint32_t>(base_lo);
+    const auto address =
+        (static_cast<std::uint64_t>(static_cast<std::uint32_t>(base_hi)) << 32) | static_cast<std::uint32_t>(base_lo);
     if (address == 0 || size <= 0) return {};
-    return {reinterpret_cast<const std::uint8_t*>(static_cast<std::uintptr_t>(address)), static_cast<std::size_t>(size)};
+    // The pointer came as two integers: that is OSMP. NOLINTNEXTLINE(performance-no-int-to-ptr)
+    const auto* data = reinterpret_cast<const std::uint8_t*>(static_cast<std::uintptr_t>(address));
+    return {data, static_cast<std::size_t>(size)};
   }
 };
 

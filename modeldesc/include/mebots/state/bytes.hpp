@@ -19,16 +19,14 @@ namespace mebots::state {
 class Writer {
  public:
   template <typename T>
-    requires std::is_trivially_copyable_v<T>
-  void put(const T& value) {
-    append(&value, sizeof value);
-  }
+  requires std::is_trivially_copyable_v<T>
+  void put(const T& value) { append(&value, sizeof value); }
 
   void put(const std::string& text) { put(std::span<const char>(text)); }
 
   /// Writes the count, then the elements.
   template <typename T, std::size_t Extent>
-    requires std::is_trivially_copyable_v<T>
+  requires std::is_trivially_copyable_v<T>
   void put(std::span<T, Extent> values) {
     put(static_cast<std::uint64_t>(values.size()));
     append(values.data(), values.size_bytes());
@@ -57,18 +55,15 @@ class Reader {
   explicit Reader(std::span<const std::byte> bytes) : bytes_(bytes) {}
 
   template <typename T>
-    requires std::is_trivially_copyable_v<T>
-  T get() {
+  requires std::is_trivially_copyable_v<T> T get() {
     T value;
     copy_to(&value, sizeof value);
     return value;
   }
 
   template <typename T>
-    requires std::is_trivially_copyable_v<T>
-  void get(T& value) {
-    copy_to(&value, sizeof value);
-  }
+  requires std::is_trivially_copyable_v<T>
+  void get(T& value) { copy_to(&value, sizeof value); }
 
   void get(std::string& text) {
     text.resize(count(1));
@@ -86,7 +81,8 @@ class Reader {
  private:
   std::size_t count(std::size_t element_size) {
     const auto n = get<std::uint64_t>();
-    if (n > bytes_.size() / element_size) throw Error("a saved state is cut short or damaged: a list is longer than the bytes left");
+    if (n > bytes_.size() / element_size)
+      throw Error("a saved state is cut short or damaged: a list is longer than the bytes left");
     return static_cast<std::size_t>(n);
   }
 
