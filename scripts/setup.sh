@@ -10,7 +10,7 @@ packages=(
   clang-14 clang-format-14 clang-tidy-14                          # format and lint, as CI enforces them
   libeigen3-dev libsundials-dev libode-dev libccd-dev             # models
   libzip-dev libpugixml-dev nlohmann-json3-dev                    # FMU archives, XML, JSON
-  libcli11-dev libspdlog-dev libfmt-dev                           # command line, logs
+  libcli11-dev libfmt-dev                                         # command line, text
   libssl-dev                                                      # hash of a run's inputs
   libgtest-dev libgmock-dev libbenchmark-dev                      # tests, benchmarks
   gcc-riscv64-unknown-elf picolibc-riscv64-unknown-elf            # the drone's firmware

@@ -49,7 +49,10 @@ void Model::start(const Inputs& inputs, std::int64_t start_ns, Outputs& outputs)
   const double source_v = circuit.open_circuit_v - state_.pair1_v - state_.pair2_v;
   if (state_.soc <= 0) {
     handle(Event::empty, seconds(start_ns));
-  } else if (now.terminal_w() > power_limit_w(source_v, circuit.series_ohm, cell_.cut_off_voltage_v)) {
+  } else if (source_v < cell_.cut_off_voltage_v ||
+             now.terminal_w() > power_limit_w(source_v, circuit.series_ohm, source_v / 2)) {
+    // At t = 0 only what no load can mend opens the protection: a load that brings the voltage under cut-off does so in
+    // the first step. Else loads that need the bus, and a bus that gives way to them, would never agree on a start.
     handle(Event::cut_off, seconds(start_ns));
   }
   write(inputs, seconds(start_ns), outputs);

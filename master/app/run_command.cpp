@@ -84,6 +84,8 @@ class Run {
       code = fail(error.what(), kBadInput);
     } catch (const Error& error) {
       code = fail(error.what(), kFailed);
+    } catch (const std::exception& error) {  // out of memory, say: the results so far are kept all the same
+      code = fail(error.what(), kFailed);
     }
     return finish(code);
   }
@@ -187,6 +189,8 @@ class Run {
       file.append(json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
       file.close();
     } catch (const Error& error) {
+      std::error_code ignored;
+      std::filesystem::remove(out_ / "summary.json", ignored);  // half a summary would mislead
       console_.error(error.what());
       if (code == kRanToItsEnd) code = kFailed;
     }

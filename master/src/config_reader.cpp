@@ -65,11 +65,13 @@ InstanceDescription read_instance(const std::string& name, const JsonNode& node,
   const auto fmu = node.at("fmu");
   instance.fmu = readable_text(fmu);
   instance.fmu_path = system.file.parent_path() / instance.fmu;  // an absolute path stays as it is
-  if (!std::filesystem::exists(instance.fmu_path)) {
-    fmu.fail(fmt::format("there is no FMU at {}; paths are relative to the config",
-                         instance.fmu_path.lexically_normal().string()));
+  std::error_code error;
+  const auto path = std::filesystem::canonical(instance.fmu_path, error);
+  if (error) {
+    fmu.fail(fmt::format("there is no FMU at {} ({}); paths are relative to the config",
+                         instance.fmu_path.lexically_normal().string(), error.message()));
   }
-  instance.fmu_path = std::filesystem::canonical(instance.fmu_path);
+  instance.fmu_path = path;
   if (const auto parameters = node.find("parameters")) {
     for (const auto& [variable, value] : parameters->members()) {
       instance.parameters.push_back({variable, written_value(value), value.place()});

@@ -239,7 +239,16 @@ bool Ensemble::settled(const std::vector<Banks>& before) const {
 }
 
 void Ensemble::terminate() {
-  for (auto& member : members_) member.slave->terminate();
+  // Every slave is told, also after one that complains: some write their files only now.
+  std::exception_ptr first;
+  for (auto& member : members_) {
+    try {
+      member.slave->terminate();
+    } catch (const SlaveError&) {
+      if (!first) first = std::current_exception();
+    }
+  }
+  if (first) std::rethrow_exception(first);
 }
 
 void Ensemble::read_outputs(std::size_t instance, std::int64_t time_ns) {

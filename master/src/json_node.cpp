@@ -136,6 +136,8 @@ nlohmann::ordered_json parse_json(std::string_view text, const std::string& file
     const auto end_of_tag = what.find("] ");
     if (end_of_tag != std::string::npos) what = what.substr(end_of_tag + 2);
     throw InputError(fmt::format("{}: this is not JSON: {}", file, what));
+  } catch (const Json::out_of_range& error) {
+    throw InputError(fmt::format("{}: a number is too large: {}", file, error.what()));
   }
 }
 

@@ -31,6 +31,7 @@ OutputFile::~OutputFile() {
 }
 
 void OutputFile::flush() {
+  const auto before = static_cast<off_t>(written_bytes_);
   std::string_view left = buffer_;
   while (!left.empty()) {
     const auto count = ::write(descriptor_, left.data(), left.size());
@@ -38,6 +39,8 @@ void OutputFile::flush() {
     if (count < 0) {
       const int error_number = errno;
       buffer_.clear();
+      // Half a row would not be readable: back to where the last piece, which ended with a row, was whole.
+      if (::ftruncate(descriptor_, before) == 0) written_bytes_ = static_cast<std::uint64_t>(before);
       fail(error_number);
     }
     left.remove_prefix(static_cast<std::size_t>(count));

@@ -58,6 +58,7 @@ void Instance::enter_initialization() {
 void Instance::exit_initialization() {
   try {
     bring_model_up_to_date();
+    deliver_held_messages();
   } catch (const Error&) {
     state_ = State::error;
     throw;
@@ -86,11 +87,33 @@ void Instance::bring_model_up_to_date() {
   model_.reset();
   const std::shared_ptr<void> fresh = definition_.make_variables();
   copy_values(definition_, Causality::output, fresh.get(), variables_.get());
-  model_ = definition_.make_model(variables_.get(), *this, start_ns_);
+  model_ = make_model(variables_.get(), start_ns_);
   model_is_stale_ = false;
 }
 
+std::unique_ptr<Model> Instance::make_model(void* variables, std::int64_t start_ns) {
+  held_.clear();
+  holds_messages_ = true;
+  try {
+    auto model = definition_.make_model(variables, *this, start_ns);
+    holds_messages_ = false;
+    return model;
+  } catch (...) {
+    holds_messages_ = false;
+    throw;
+  }
+}
+
+void Instance::deliver_held_messages() {
+  for (const HeldMessage& held : held_) log(held.severity, held.category, held.text);
+  held_.clear();
+}
+
 void Instance::log(Severity severity, std::string_view category, std::string_view message) {
+  if (holds_messages_ && severity != Severity::error) {
+    held_.push_back({severity, std::string(category), std::string(message)});
+    return;
+  }
   const fmi2Status status = severity == Severity::error     ? fmi2Error
                             : severity == Severity::warning ? fmi2Warning
                                                             : fmi2OK;
@@ -259,7 +282,8 @@ void Instance::restore(const SavedState& saved) {
     if (saved.model) {
       restore_into(variables.get(), Causality::parameter, saved.parameters);
       restore_into(variables.get(), Causality::input, saved.inputs);
-      model = definition_.make_model(variables.get(), *this, saved.start_ns);
+      model = make_model(variables.get(), saved.start_ns);
+      held_.clear();  // old news
     }
     restore_all(variables.get(), model.get());
     model_ = std::move(model);  // before its variables go

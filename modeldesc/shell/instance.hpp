@@ -65,6 +65,10 @@ class Instance final : public Host {
   void check_may_set(const Variable& variable) const;
   /// In initialization mode, outputs exist once the model was made of the values set so far.
   void bring_model_up_to_date();
+  /// Makes a model and holds back what it says meanwhile, errors excepted.
+  std::unique_ptr<Model> make_model(void* variables, std::int64_t start_ns);
+  /// What the model said while it was made: told once, when initialisation ends, however often it was made.
+  void deliver_held_messages();
 
   const Definition& definition_;
   Logger logger_;
@@ -79,6 +83,14 @@ class Instance final : public Host {
   std::shared_ptr<void> variables_;     // outlives the model
   std::unique_ptr<Model> model_;
   bool model_is_stale_ = true;  // parameters or inputs were set since the model was made
+
+  struct HeldMessage {
+    Severity severity;
+    std::string category;
+    std::string text;
+  };
+  std::vector<HeldMessage> held_;
+  bool holds_messages_ = false;
 };
 
 }  // namespace mebots::shell

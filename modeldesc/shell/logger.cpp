@@ -53,8 +53,9 @@ void Logger::set_logging(bool on, std::span<const fmi2String> categories) {
     if (name == nullptr) throw Error("a log category is a null pointer");
     find(name);
   }
-  if (categories.empty())
-    for (Category& category : categories_) category.on = on;
+  // With a list, "on" means these and no others.
+  if (categories.empty() || on)
+    for (Category& category : categories_) category.on = on && categories.empty();
   for (const fmi2String name : categories) find(name)->on = on;
 }
 

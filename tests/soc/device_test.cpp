@@ -179,6 +179,11 @@ _start: li s0, FLIGHT_BASE
     li a0, 99
     sw a0, FLIGHT_MODE_OFFSET(s0)
     sw zero, FLIGHT_COMMIT_OFFSET(s0)
+    li a0, 3
+    sw a0, FLIGHT_MODE_OFFSET(s0)
+    li a0, -1000000
+    sw a0, FLIGHT_ALTITUDE_OFFSET(s0)
+    sw zero, FLIGHT_COMMIT_OFFSET(s0)
 2:  j 2b
 )");
   system.soc.advance(100'000);
@@ -186,8 +191,9 @@ _start: li s0, FLIGHT_BASE
   system.soc.advance(1 * kMs);
   EXPECT_EQ(system.soc.flight()->sent().mode, 2U);
   EXPECT_EQ(system.soc.flight()->sent().velocity_y, static_cast<std::uint32_t>(-250000));
-  ASSERT_EQ(system.faults.size(), 1U);
+  ASSERT_EQ(system.faults.size(), 2U);
   EXPECT_THAT(system.faults[0], HasSubstr("MODE 99"));
+  EXPECT_THAT(system.faults[1], HasSubstr("ALTITUDE -1000000"));
 }
 
 TEST(Registers, GiveInputsInTheirUnits) {

@@ -171,7 +171,7 @@ _start: li t0, 100
 )",
                               kEnd));
   ASSERT_EQ(machine.run(), Stop::watch);
-  EXPECT_EQ(machine.reg(18), 101U) << "the write itself counts";
+  EXPECT_EQ(machine.reg(18), 100U) << "a write takes the place of its own increment";
   EXPECT_EQ(machine.reg(19), machine.reg(20)) << "stands still";
   EXPECT_EQ(machine.reg(21), machine.reg(22));
   EXPECT_EQ(machine.reg(23), machine.reg(19) + 1) << "goes on where it stood, with the write that let it go";

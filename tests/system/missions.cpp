@@ -69,6 +69,14 @@ Flight fly(const std::filesystem::path& config, const std::filesystem::path& out
   return flight;
 }
 
+std::vector<std::string> column_names(const std::string& results) {
+  std::istringstream header(results.substr(0, results.find('\n')));
+  std::vector<std::string> names;
+  for (std::string cell; std::getline(header, cell, ',');) names.push_back(cell.substr(0, cell.rfind(" [")));
+  names.erase(names.begin());
+  return names;
+}
+
 std::vector<double> column(const std::string& results, const std::string& name) {
   std::istringstream lines(results);
   std::string line;

@@ -42,6 +42,9 @@ struct Flight {
 Flight fly(const std::filesystem::path& config, const std::filesystem::path& out,
            const std::vector<std::string>& sets = {}, const std::vector<std::string>& more = {});
 
+/// The names in the header of results.csv, units left out, but for the time.
+std::vector<std::string> column_names(const std::string& results);
+
 /// A column of results.csv by "instance.variable".
 std::vector<double> column(const std::string& results, const std::string& name);
 

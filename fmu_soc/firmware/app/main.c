@@ -41,15 +41,15 @@ static void command(uint32_t mode, int32_t velocity_um_s, int32_t yaw_rate_urad_
   flight_command(&setpoint);
 }
 
-// Sleeps until the phase is `wanted` or the drone crashed. True if it is.
-static bool wait_for_phase(uint32_t wanted) {
+// Sleeps until the phase is `wanted`. False if the drone crashed before, or the charge fell to `least_charge_ppm`.
+static bool wait_for_phase(uint32_t wanted, uint32_t least_charge_ppm) {
   int64_t next_ns = timer_now_ns();
   for (;;) {
     const uint32_t phase = flight_phase();
     if (phase == wanted) {
       return true;
     }
-    if (phase == FLIGHT_PHASE_CRASHED) {
+    if (phase == FLIGHT_PHASE_CRASHED || battery_charge_ppm() < least_charge_ppm) {
       return false;
     }
     next_ns += PHASE_POLL_NS;
@@ -158,17 +158,17 @@ int main(void) {
   }
 
   command(FLIGHT_MODE_TAKE_OFF, 0, 0);
-  int code = EXIT_CRASHED;
-  if (wait_for_phase(FLIGHT_PHASE_FLYING)) {
+  int code = EXIT_LANDED_EARLY;
+  if (wait_for_phase(FLIGHT_PHASE_FLYING, MISSION_LANDING_CHARGE)) {
     print("%m s  flying at %M m\n", (int32_t)(timer_now_ns() / NS_PER_MS), flight_range_um());
     pilot_t pilot;
     pilot_init(&pilot, MISSION_POLICY == POLICY_ADAPTIVE, (int32_t)MISSION_CRUISE_SPEED,
                (int32_t)MISSION_YAW_RATE_SCALE);
     code = fly(&pilot);
-    command(FLIGHT_MODE_LAND, 0, 0);
-    if (code != EXIT_CRASHED && !wait_for_phase(FLIGHT_PHASE_LANDED)) {
-      code = EXIT_CRASHED;
-    }
+  }
+  command(FLIGHT_MODE_LAND, 0, 0);
+  if (!wait_for_phase(FLIGHT_PHASE_LANDED, 0)) {
+    code = EXIT_CRASHED;
   }
   print_summary(code);
   return code;

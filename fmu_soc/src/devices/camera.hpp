@@ -19,8 +19,9 @@ namespace mebots::soc {
 ///   offer()       the picture with that count has come: exposure and read-out start.
 ///   + delay       the picture stands in the buffer, ready is set, the interrupt line goes up.
 ///
-/// Without a usable buffer the picture is dropped: refused is set, and the line goes up all the same, so that
-/// nobody waits for ever. The camera draws its active current from offer() to the end, its idle current otherwise.
+/// A request without a usable buffer, or while busy, is refused on the spot: the bit is set, no interrupt. A picture
+/// that does not fit when it comes is dropped: refused is set, and the line goes up, so that nobody waits for ever. The
+/// camera draws its active current from offer() to the end, its idle current otherwise.
 class Camera final : public Device {
  public:
   static constexpr std::uint32_t kBusy = 1;

@@ -64,10 +64,14 @@ bool Flight::store(std::uint32_t offset, Picoseconds /*now*/, std::uint32_t valu
 
 void Flight::commit() {
   constexpr auto kLastMode = static_cast<std::uint32_t>(board::flight::FlightMode::land);
-  if (draft_.mode <= kLastMode) {
+  const auto altitude_um = static_cast<std::int32_t>(draft_.altitude);
+  std::string fault;
+  if (draft_.mode > kLastMode) fault = fmt::format("MODE {} is above {}", draft_.mode, kLastMode);
+  if (altitude_um < 0) fault = fmt::format("ALTITUDE {} um is below the ground", altitude_um);
+  if (fault.empty()) {
     sent_ = draft_;
   } else if (complain_) {
-    complain_(fmt::format("flight link: MODE {} is above {}: set-points not sent", draft_.mode, kLastMode));
+    complain_(fmt::format("flight link: {}: set-points not sent", fault));
   }
 }
 

@@ -186,7 +186,8 @@ void Hart::write_counter(bool instret, std::uint32_t value, bool high) {
   wanted = high ? (wanted & 0xffffffffULL) | (std::uint64_t{value} << 32) : (wanted & ~0xffffffffULL) | value;
   auto& base = instret ? csrs_.instret_base : csrs_.cycle_base;
   const auto inhibit = instret ? kInhibitInstret : kInhibitCycle;
-  const auto count = instret ? counters_.instructions : counters_.cycles;
+  // A write takes the place of its own instruction's increment: the next instruction reads back what was written.
+  const auto count = instret ? counters_.instructions + 1 : counters_.cycles;
   base = (csrs_.mcountinhibit & inhibit) != 0 ? wanted : count - wanted;
 }
 
