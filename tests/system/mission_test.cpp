@@ -139,8 +139,8 @@ TEST(Mission, GateIsFoundByVisionFromATurnedStart) {
 TEST(Mission, DroneThatSeesNothingDoesNotPass) {
   const auto flight = fly_changed({"world.camera.noise=10000"});
   EXPECT_EQ(flight.exit_code, 0) << flight.output;
-  EXPECT_EQ(flight.summary.at("outcome"), "timeout") << "it looks for the gate, and turns, to the end";
-  EXPECT_EQ(column(flight.results, "world.gate.passed").back(), 0);
+  EXPECT_EQ(column(flight.results, "world.gate.passed").back(), 0)
+      << "started towards the gate, but with noise alone in its pictures";
 }
 
 TEST(Mission, CellThatIsFlatInMidAirBringsTheDroneDown) {
