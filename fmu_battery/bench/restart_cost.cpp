@@ -97,7 +97,7 @@ void erkstep(benchmark::State& state, ARKODE_ERKTableID table) {
   ERKStepSetTableNum(memory, table);
   ERKStepRootInit(memory, 3, root_functions);
   ERKStepSetNoInactiveRootWarn(memory);
-  for (auto _ : state) {
+  for ([[maybe_unused]] auto _ : state) {
     vectors.next(problem);
     double reached = 0;
     ERKStepReInit(memory, right_hand_side, 0, vectors.y);
@@ -131,7 +131,7 @@ void cvode_adams(benchmark::State& state) {
   CVodeSetNonlinearSolver(memory, solver);
   CVodeRootInit(memory, 3, root_functions);
   CVodeSetNoInactiveRootWarn(memory);
-  for (auto _ : state) {
+  for ([[maybe_unused]] auto _ : state) {
     vectors.next(problem);
     double reached = 0;
     CVodeReInit(memory, 0, vectors.y);
@@ -152,7 +152,7 @@ void whole_model_step(benchmark::State& state) {
   model.start(inputs, 0, outputs);
   std::int64_t now = 0;
   constexpr std::int64_t kStepNs = 2'000'000;
-  for (auto _ : state) {
+  for ([[maybe_unused]] auto _ : state) {
     const bool even = (now / kStepNs) % 2 == 0;
     inputs.load_power_w = {even ? 2.1 : 1.9, even ? 0.05 : 0.06, 0.003, 0.96, 0};
     // As much as the loads take, so that the run never ends in an empty cell.
