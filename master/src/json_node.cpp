@@ -53,7 +53,7 @@ JsonNode JsonNode::child(const std::string& key, const Json& value) const {
   return {value, file_, pointer_ + "/" + escaped(key)};
 }
 
-const JsonNode& JsonNode::expect_keys(std::initializer_list<std::string_view> allowed) const {
+const JsonNode& JsonNode::expect_keys(std::span<const std::string_view> allowed) const {
   if (!value_->is_object()) fail_kind("an object");
   const std::vector<std::string> names(allowed.begin(), allowed.end());
   for (const auto& [key, value] : value_->items()) {

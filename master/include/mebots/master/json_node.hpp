@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <initializer_list>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -25,7 +26,10 @@ class JsonNode {
       : value_(&value), file_(std::move(file)), pointer_(std::move(pointer)) {}
 
   /// Checks that this is an object with no other keys than these; a typo is answered by the nearest key.
-  const JsonNode& expect_keys(std::initializer_list<std::string_view> allowed) const;
+  const JsonNode& expect_keys(std::span<const std::string_view> allowed) const;
+  const JsonNode& expect_keys(std::initializer_list<std::string_view> allowed) const {
+    return expect_keys(std::span(allowed.begin(), allowed.size()));
+  }
   /// Throws when the key is missing.
   JsonNode at(std::string_view key) const;
   std::optional<JsonNode> find(std::string_view key) const;

@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "mebots/master/json_node.hpp"
+#include "mebots/master/system_description.hpp"
+
+namespace mebots::master::config {
+
+/// Reads `variable` and exactly one of `equals`, `above` and `below`; the caller checks for other keys.
+ConditionDescription read_condition(const JsonNode& node, const SystemDescription& system);
+
+}  // namespace mebots::master::config

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+// The section `instances`: a table of the keys of one instance, each with its own reader.
+#include "mebots/master/time.hpp"
+
+#include "reading.hpp"
+#include "sections.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace mebots::master::config {
+namespace {
+
+using ReadKey = void (*)(const JsonNode&, InstanceDescription&, const SystemDescription&);
+
+void check_name(const std::string& name, const JsonNode& node) {
+  if (name.empty()) node.fail("an instance needs a name");
+  if (name.find('.') != std::string::npos) {
+    node.fail(
+        fmt::format("the instance name '{}' holds a dot, which separates instance and variable; rename it", name));
+  }
+  const bool control =
+      std::any_of(name.begin(), name.end(), [](char c) { return static_cast<unsigned char>(c) < ' '; });
+  if (control) node.fail("the instance name holds a control character");
+}
+
+void read_fmu(const JsonNode& node, InstanceDescription& instance, const SystemDescription& system) {
+  instance.fmu = readable_text(node);
+  instance.fmu_path = system.file.parent_path() / instance.fmu;  // an absolute path stays as it is
+  std::error_code error;
+  const auto path = std::filesystem::canonical(instance.fmu_path, error);
+  if (error) {
+    node.fail(fmt::format("there is no FMU at {} ({}); paths are relative to the config",
+                          instance.fmu_path.lexically_normal().string(), error.message()));
+  }
+  instance.fmu_path = path;
+}
+
+void read_parameters(const JsonNode& node, InstanceDescription& instance, const SystemDescription& /*system*/) {
+  for (const auto& [variable, value] : node.members()) {
+    instance.parameters.push_back({variable, written_value(value), value.place()});
+  }
+}
+
+void read_step_multiple(const JsonNode& node, InstanceDescription& instance, const SystemDescription& system) {
+  instance.step_ns = node.nanoseconds();
+  if (instance.step_ns <= 0 || instance.step_ns % system.step_ns != 0) {
+    node.fail(fmt::format("the instance's step {} s is not a multiple of the system's step {} s",
+                          to_seconds(instance.step_ns), to_seconds(system.step_ns)));
+  }
+}
+
+void read_instance_text(const JsonNode& node, InstanceDescription& /*instance*/, const SystemDescription& /*system*/) {
+  node.string();  // for people only
+}
+
+struct Key {
+  std::string_view name;
+  bool required;
+  ReadKey read;
+};
+
+constexpr Key kKeys[] = {
+    {"fmu", true, &read_fmu},
+    {"parameters", false, &read_parameters},
+    {"step", false, &read_step_multiple},
+    {"text", false, &read_instance_text},
+};
+
+InstanceDescription read_instance(const std::string& name, const JsonNode& node, const SystemDescription& system) {
+  check_name(name, node);
+  std::vector<std::string_view> names;
+  for (const auto& key : kKeys) names.push_back(key.name);
+  node.expect_keys(names);
+  InstanceDescription instance;
+  instance.name = name;
+  instance.place = node.place();
+  instance.step_ns = system.step_ns;
+  for (const auto& key : kKeys) {
+    if (key.required || node.has(key.name)) key.read(node.at(key.name), instance, system);
+  }
+  return instance;
+}
+
+}  // namespace
+
+void read_instances(const JsonNode& node, SystemDescription& system) {
+  for (const auto& [name, instance] : node.members()) {
+    system.instances.push_back(read_instance(name, instance, system));
+  }
+  if (system.instances.empty()) node.fail("there is nothing to simulate; name at least one instance");
+}
+
+}  // namespace mebots::master::config
