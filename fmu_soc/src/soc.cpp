@@ -122,9 +122,7 @@ void Soc::add_devices(const BoardDescription& board, const Settings& settings) {
       power_manager_ = std::make_unique<PowerManager>(chip_, clock_.hz(), voltage_mv_);
       add(entry, board::power_manager::kRegisters, *power_manager_);
     } else if (entry.name == "camera") {
-      camera_ = std::make_unique<Camera>(
-          entry, settings.frame_width, memory_,
-          [this](std::uint32_t address, std::uint32_t count) { hart_.memory_changed(address, count); }, complain);
+      camera_ = std::make_unique<Camera>(entry, settings.frame_width, memory_, complain);
       add(entry, board::camera::kRegisters, *camera_);
     } else if (entry.name == "flight") {
       flight_ = std::make_unique<Flight>(complain);

@@ -15,14 +15,12 @@ constexpr double kPsPerSecond = 1e12;
 
 }  // namespace
 
-Camera::Camera(const BoardDevice& device, std::uint32_t frame_width, Memory& memory, MemoryChanged memory_changed,
-               Complain complain)
+Camera::Camera(const BoardDevice& device, std::uint32_t frame_width, Memory& memory, Complain complain)
     : idle_w_(device.state("idle").current_a * device.supply_voltage_v),
       active_w_(device.state("active").current_a * device.supply_voltage_v),
       delay_ps_(std::llround(device.state("active").delay_s * kPsPerSecond)),
       frame_width_(frame_width),
       memory_(memory),
-      memory_changed_(std::move(memory_changed)),
       complain_(std::move(complain)) {
   picture_.reserve(kReservedBytes);
 }
@@ -62,7 +60,7 @@ void Camera::finish() {
                             state_.requests, size, frame_width_, state_.buffer, state_.buffer_size));
     }
   } else {
-    memory_changed_(state_.buffer, size);
+    memory_.changed(state_.buffer, size);
     state_.status |= kReady;
     state_.width = frame_width_;
     state_.height = size / frame_width_;

@@ -30,12 +30,9 @@ class Camera final : public Device {
   /// Pictures up to this size are held without taking memory from the heap.
   static constexpr std::size_t kReservedBytes = std::size_t{512} * 512;
 
-  /// `memory_changed` is told of the bytes that the camera writes.
-  using MemoryChanged = std::function<void(std::uint32_t address, std::uint32_t count)>;
   using Complain = std::function<void(std::string_view text)>;
 
-  Camera(const BoardDevice& device, std::uint32_t frame_width, Memory& memory, MemoryChanged memory_changed,
-         Complain complain);
+  Camera(const BoardDevice& device, std::uint32_t frame_width, Memory& memory, Complain complain);
 
   /// A picture is there at the start of a step. Taken when it answers the request; returns whether it was.
   bool wants(std::int32_t frame_id) const { return state_.waiting && frame_id == state_.requests; }
@@ -79,7 +76,6 @@ class Camera final : public Device {
   Picoseconds delay_ps_;
   std::uint32_t frame_width_;
   Memory& memory_;
-  MemoryChanged memory_changed_;
   Complain complain_;
   State state_;
   std::vector<std::uint8_t> picture_;

@@ -91,7 +91,8 @@ std::uint32_t BlockCache::decode_block(std::uint32_t pc) {
     }
     const auto cycles = static_cycles(timing_, two_before, before, current_of(decoded));
     block.last_start_bound = bound;
-    bound += cycles + most_extra_cycles(decoded.op);
+    // A misaligned access goes twice.
+    bound += cycles + most_extra_cycles(decoded.op) + 2 * longest_wait_ * accesses_of(decoded.op);
     sums.cycles_before = static_cast<std::uint16_t>(sums.cycles_before + cycles);
     sums.index = static_cast<std::uint8_t>(sums.index + 1);
     sums.accesses_before = static_cast<std::uint8_t>(sums.accesses_before + accesses_of(decoded.op));
@@ -137,9 +138,20 @@ const Instruction* BlockCache::single(std::uint32_t pc, const Previous& two_befo
   return single_.data();
 }
 
+void BlockCache::set_longest_wait(std::uint32_t cycles) {
+  if (cycles == longest_wait_) return;
+  longest_wait_ = cycles;
+  forget();
+}
+
 void BlockCache::clear() {
+  memory_.forget_code();
+  forget();
+}
+
+void BlockCache::forget() {
+  code_generation_ = memory_.code_generation();
   std::fill(table_.begin(), table_.end(), 0U);
-  memory_.unmark_all(Region::kCode);
   block_count_ = 1;
   arena_used_ = 0;
   ++generation_;

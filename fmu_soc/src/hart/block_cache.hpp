@@ -47,8 +47,16 @@ class BlockCache {
   /// One instruction and the end of a block, decoded with what the pipeline holds. Null when it cannot be fetched.
   const Instruction* single(std::uint32_t pc, const Previous& two_before, const Previous& before);
 
-  /// Forgets everything; links in instructions become void with it.
+  /// Forgets everything; links in instructions become void with it. All cores that share the memory forget, since
+  /// the marks on code go too.
   void clear();
+  /// Forgets everything when somebody has stored into code since the last look, a device or another core too.
+  void forget_if_stale() {
+    if (code_generation_ != memory_.code_generation()) [[unlikely]]
+      forget();
+  }
+  /// The most that one bus access of the core waits for its way: limits are kept with it.
+  void set_longest_wait(std::uint32_t cycles);
   /// Grows by one with every clear: a link noted before it is void.
   std::uint64_t generation() const { return generation_; }
 
@@ -62,6 +70,7 @@ class BlockCache {
 
   static std::uint32_t hash(std::uint32_t pc) { return ((pc >> 1) * 0x9e3779b1U) >> 18; }
   std::uint32_t decode_block(std::uint32_t pc);
+  void forget();
   Instruction translate(const Decoded& decoded, std::uint32_t pc) const;
 
   Memory& memory_;
@@ -73,6 +82,8 @@ class BlockCache {
   std::uint32_t block_count_ = 1;
   std::uint32_t arena_used_ = 0;
   std::uint64_t generation_ = 0;
+  std::uint64_t code_generation_ = 0;  // of the memory, at the last look
+  std::uint32_t longest_wait_ = 0;
   std::array<Instruction, 2> single_{};
 };
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "hart/instruction.hpp"
+#include "memory/banks.hpp"
 
 #include <array>
 #include <cstdint>
@@ -16,6 +17,8 @@ struct FastRegion {
   std::uint32_t span = 0;  // size - 3; 0 = no region
   std::uint8_t* data = nullptr;
   std::uint8_t* marks = nullptr;
+  std::uint32_t wait_cycles = 0;  // added to every access: the way there and back
+  BankSchedule* banks = nullptr;  // who else uses it; null = nobody
 };
 
 /// Why a block was left other than by a branch or at its end.

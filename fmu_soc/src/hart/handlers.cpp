@@ -4,6 +4,7 @@
 // optimiser makes that a jump. Where it does not (no optimisation, sanitizers), it gives the next one back.
 #include "hart/csr_numbers.hpp"
 #include "hart/hart.hpp"
+#include "hart/ram_access.hpp"
 #include "isa/operations.hpp"
 
 #include <cstring>
@@ -98,18 +99,11 @@ const Instruction* jump_register(Execution& e, const Instruction* at) {
 template <typename T>
 const Instruction* load(Execution& e, const Instruction* at) {
   const auto address = e.x[at->rs1] + static_cast<std::uint32_t>(at->imm);
-  const std::uint8_t* data = nullptr;
-  auto offset = address - e.ram[0].base;
-  if (offset < e.ram[0].span) [[likely]] {
-    data = e.ram[0].data + offset;
-  } else {
-    offset = address - e.ram[1].base;
-    if (offset >= e.ram[1].span) return e.hart->slow_load(at, address, sizeof(T), std::is_signed_v<T>);
-    data = e.ram[1].data + offset;
-    ++e.far_accesses;
-  }
+  const auto ram = ram_access<sizeof(T)>(e, at, address);
+  if (ram.data == nullptr) [[unlikely]]
+    return e.hart->slow_load(at, address, sizeof(T), std::is_signed_v<T>);
   T value;
-  std::memcpy(&value, data, sizeof value);
+  std::memcpy(&value, ram.data, sizeof value);
   e.x[at->rd] = static_cast<std::uint32_t>(static_cast<std::int32_t>(value));
   if constexpr (sizeof(T) > 1) {
     if (crosses_word(address, sizeof(T))) [[unlikely]]
@@ -122,20 +116,15 @@ template <typename T>
 const Instruction* store(Execution& e, const Instruction* at) {
   const auto address = e.x[at->rs1] + static_cast<std::uint32_t>(at->imm);
   const auto value = static_cast<T>(e.x[at->rs2]);
-  const FastRegion* ram = &e.ram[0];
-  auto offset = address - ram->base;
-  if (offset >= ram->span) [[unlikely]] {
-    ram = &e.ram[1];
-    offset = address - ram->base;
-    if (offset >= ram->span) return e.hart->slow_store(at, address, sizeof(T), e.x[at->rs2]);
-    ++e.far_accesses;
-  }
-  std::memcpy(ram->data + offset, &value, sizeof value);
-  std::uint8_t marks = ram->marks[offset / 4];
+  const auto ram = ram_access<sizeof(T)>(e, at, address);
+  if (ram.data == nullptr) [[unlikely]]
+    return e.hart->slow_store(at, address, sizeof(T), e.x[at->rs2]);
+  std::memcpy(ram.data, &value, sizeof value);
+  std::uint8_t marks = ram.marks[0];
   if constexpr (sizeof(T) > 1) {
     if (crosses_word(address, sizeof(T))) [[unlikely]] {
       e.extra_cycles += kMisalignedExtra;
-      marks |= ram->marks[(offset + sizeof(T) - 1) / 4];
+      marks |= ram.marks[1];
     }
   }
   if (marks != 0) [[unlikely]]

@@ -13,10 +13,9 @@ namespace {
 /// An exception that comes back this often at the same place, with no return from a handler between, has no way out.
 constexpr std::uint32_t kHopelessRepeats = 16;
 
-FastRegion fast_region(Memory& memory, std::size_t index) {
-  if (index >= memory.regions().size()) return {};
-  auto& region = memory.regions()[index];
-  return {region.base, region.size - 3, region.data.get(), region.marks.get()};
+FastRegion fast_region(Memory& memory, const MemoryPort& port) {
+  auto& region = memory.regions()[port.region];
+  return {region.base, region.size - 3, region.data.get(), region.marks.get(), port.wait_cycles, port.banks};
 }
 
 std::uint32_t loaded(std::uint32_t value, unsigned size, bool sign) {
@@ -29,9 +28,39 @@ std::uint32_t loaded(std::uint32_t value, unsigned size, bool sign) {
 
 Hart::Hart(Memory& memory, Bus& bus, Timing timing, const InstructionEnergy& energy)
     : memory_(memory), bus_(bus), timing_(timing), cache_(memory, timing, energy) {
-  execution_.ram[0] = fast_region(memory, 0);
-  execution_.ram[1] = fast_region(memory, 1);
   execution_.hart = this;
+  std::vector<MemoryPort> ports(memory.regions().size());
+  for (std::size_t i = 0; i < ports.size(); ++i) ports[i].region = i;
+  connect(ports);
+}
+
+void Hart::connect(std::span<const MemoryPort> ports) {
+  ports_.assign(ports.begin(), ports.end());
+  std::uint32_t longest_wait = 0;
+  for (std::size_t i = 0; i < 2; ++i) {
+    execution_.ram[i] = i < ports.size() ? fast_region(memory_, ports[i]) : FastRegion{};
+  }
+  for (const auto& port : ports) longest_wait = std::max(longest_wait, port.wait_cycles);
+  cache_.set_longest_wait(longest_wait);
+}
+
+const MemoryPort* Hart::port_of(std::uint32_t address, unsigned size) const {
+  for (const auto& port : ports_) {
+    if (memory_.regions()[port.region].holds(address, size)) return &port;
+  }
+  return nullptr;
+}
+
+/// What ram_access does on the fast path.
+void Hart::wait_for_ram(const Instruction* at, const MemoryPort& port, std::uint32_t address, unsigned size) {
+  auto& e = execution_;
+  const bool twice = crosses_word(address, size);
+  e.extra_cycles += twice ? 2 * port.wait_cycles : port.wait_cycles;
+  if (port.banks != nullptr) {
+    e.extra_cycles += port.banks->claim(cycle_of(at), address);
+    if (twice) e.extra_cycles += port.banks->claim(cycle_of(at) + 1, address + 4);
+  }
+  if (&port != ports_.data()) ++e.far_accesses;
 }
 
 void Hart::reset(std::uint32_t pc) {
@@ -52,6 +81,7 @@ void Hart::reset(std::uint32_t pc) {
 Stop Hart::run(std::uint64_t limit) {
   auto& e = execution_;
   if (fault_.happened) return Stop::fault;
+  cache_.forget_if_stale();
   if (sleeping_) {
     if ((csrs_.mip & csrs_.mie) == 0) return Stop::sleeping;
     sleeping_ = false;
@@ -161,10 +191,6 @@ void Hart::set_interrupt(unsigned bit, bool level) {
   update_interrupts();
 }
 
-void Hart::memory_changed(std::uint32_t address, std::uint32_t count) {
-  if (memory_.marked(address, count, Region::kCode)) cache_.clear();
-}
-
 const Instruction* Hart::raise(const Instruction* at, std::uint32_t cause, std::uint32_t value) {
   auto& e = execution_;
   e.pc = at->pc;
@@ -186,17 +212,14 @@ const Instruction* Hart::leave_after(const Instruction* at, Leave why) {
   return nullptr;
 }
 
-std::uint64_t Hart::cycle_of(const Instruction* at) const {
-  return counters_.cycles + at->cycles_before + execution_.extra_cycles;
-}
-
 const Instruction* Hart::slow_load(const Instruction* at, std::uint32_t address, unsigned size, bool sign) {
   auto& e = execution_;
   std::uint32_t value = 0;
-  if (const auto* region = memory_.find(address, size); region != nullptr) {
-    std::memcpy(&value, region->data.get() + (address - region->base), size);
+  if (const auto* port = port_of(address, size); port != nullptr) {
+    const auto& region = memory_.regions()[port->region];
+    wait_for_ram(at, *port, address, size);
+    std::memcpy(&value, region.data.get() + (address - region.base), size);
     e.x[at->rd] = loaded(value, size, sign);
-    if (region != &memory_.regions()[0]) ++e.far_accesses;
     if (crosses_word(address, size)) {
       e.extra_cycles += kMisalignedExtra;
       e.slow_load = at;
@@ -213,9 +236,10 @@ const Instruction* Hart::slow_load(const Instruction* at, std::uint32_t address,
 
 const Instruction* Hart::slow_store(const Instruction* at, std::uint32_t address, unsigned size, std::uint32_t value) {
   auto& e = execution_;
-  if (auto* region = memory_.find(address, size); region != nullptr) {
-    std::memcpy(region->data.get() + (address - region->base), &value, size);
-    if (region != &memory_.regions()[0]) ++e.far_accesses;
+  if (const auto* port = port_of(address, size); port != nullptr) {
+    auto& region = memory_.regions()[port->region];
+    wait_for_ram(at, *port, address, size);
+    std::memcpy(region.data.get() + (address - region.base), &value, size);
     if (crosses_word(address, size)) e.extra_cycles += kMisalignedExtra;
     return marked_store(at, address, size);
   }
@@ -227,7 +251,7 @@ const Instruction* Hart::slow_store(const Instruction* at, std::uint32_t address
 }
 
 const Instruction* Hart::marked_store(const Instruction* at, std::uint32_t address, unsigned size) {
-  memory_changed(address, size);
+  if (memory_.changed(address, size)) cache_.forget_if_stale();
   if (memory_.marked(address, size, Region::kWatch) && bus_.watched(address)) return leave_after(at, Leave::stop);
   return leave_after(at, Leave::normal);
 }

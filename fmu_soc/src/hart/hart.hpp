@@ -11,6 +11,8 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
+#include <vector>
 
 namespace mebots::soc {
 
@@ -43,6 +45,13 @@ struct Counters {
   std::uint64_t device_accesses = 0;  // of these: to devices
 };
 
+/// A memory as one core reaches it.
+struct MemoryPort {
+  std::size_t region = 0;         // index in Memory::regions()
+  std::uint32_t wait_cycles = 0;  // added to every load and store
+  BankSchedule* banks = nullptr;  // who else uses it; null = nobody
+};
+
 /// Energy of one instruction by kind [fJ], at the reference voltage.
 struct InstructionEnergy {
   std::array<std::uint32_t, kOpCount> fj{};
@@ -53,13 +62,16 @@ struct InstructionEnergy {
 /// at or after the limit, otherwise one instruction at a time is taken, with the same counts.
 class Hart {
  public:
-  /// The first two regions of the memory are the fast ones.
+  /// Reaches all regions of the memory without waiting; the first two are the fast ones.
   Hart(Memory& memory, Bus& bus, Timing timing, const InstructionEnergy& energy);
   Hart(const Hart&) = delete;
   Hart& operator=(const Hart&) = delete;
 
   /// All registers 0, counters 0, and the next instruction at `pc`.
   void reset(std::uint32_t pc);
+
+  /// Says which memories the core reaches, and how; all others are nothing to it. The first two are the fast ones.
+  void connect(std::span<const MemoryPort> ports);
 
   /// Executes every instruction that starts before active cycle `limit`.
   Stop run(std::uint64_t limit);
@@ -80,13 +92,14 @@ class Hart {
     if (index != 0) execution_.x[index] = value;
   }
 
-  /// Somebody else wrote into RAM: forget decoded instructions there.
-  void memory_changed(std::uint32_t address, std::uint32_t count);
-
   void save(state::Writer& writer) const;
   void restore(state::Reader& reader);
 
   // For the handlers.
+  /// The active cycle in which an instruction of the block in progress starts.
+  std::uint64_t cycle_of(const Instruction* at) const {
+    return counters_.cycles + at->cycles_before + execution_.extra_cycles;
+  }
   const Instruction* raise(const Instruction* at, std::uint32_t cause, std::uint32_t value);
   const Instruction* slow_load(const Instruction* at, std::uint32_t address, unsigned size, bool sign);
   const Instruction* slow_store(const Instruction* at, std::uint32_t address, unsigned size, std::uint32_t value);
@@ -114,7 +127,6 @@ class Hart {
   };
 
   const Instruction* leave_after(const Instruction* at, Leave why);
-  std::uint64_t cycle_of(const Instruction* at) const;
   void execute(const Instruction* first);
   std::uint32_t following_block(std::uint32_t* link);
   void take_trap(std::uint32_t cause, std::uint32_t value);
@@ -128,10 +140,13 @@ class Hart {
   void write_counter(bool instret, std::uint32_t value, bool high);
   void set_count_inhibit(std::uint32_t value);
   void remember();
+  const MemoryPort* port_of(std::uint32_t address, unsigned size) const;
+  void wait_for_ram(const Instruction* at, const MemoryPort& port, std::uint32_t address, unsigned size);
 
   Memory& memory_;
   Bus& bus_;
   Timing timing_;
+  std::vector<MemoryPort> ports_;
   BlockCache cache_;
   Execution execution_;
   Csrs csrs_;

@@ -80,10 +80,17 @@ bool Memory::marked(std::uint32_t address, std::uint32_t count, std::uint8_t mar
   return false;
 }
 
-void Memory::unmark_all(std::uint8_t marks) {
+bool Memory::changed(std::uint32_t address, std::uint32_t count) {
+  if (!marked(address, count, Region::kCode)) return false;
+  forget_code();
+  return true;
+}
+
+void Memory::forget_code() {
+  ++code_generation_;
   for (auto& region : regions_) {
     for (std::uint32_t word = 0; word < region.size / 4; ++word) {
-      region.marks[word] = static_cast<std::uint8_t>(region.marks[word] & ~marks);
+      region.marks[word] = static_cast<std::uint8_t>(region.marks[word] & ~Region::kCode);
     }
   }
 }

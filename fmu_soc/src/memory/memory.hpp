@@ -49,8 +49,13 @@ class Memory {
   void mark(std::uint32_t address, std::uint32_t count, std::uint8_t marks);
   /// True when any word that the bytes touch has one of the marks.
   bool marked(std::uint32_t address, std::uint32_t count, std::uint8_t marks) const;
-  /// Takes marks away everywhere.
-  void unmark_all(std::uint8_t marks);
+  /// To be called after bytes in RAM changed other than by loading a program: cores must forget what they decoded
+  /// there. True when code stood there.
+  bool changed(std::uint32_t address, std::uint32_t count);
+  /// Grows whenever decoded instructions have become void. Cores compare it before they go on.
+  std::uint64_t code_generation() const { return code_generation_; }
+  /// Makes all decoded instructions void.
+  void forget_code();
 
   /// Contents of all regions; marks are not part of it.
   void save(state::Writer& writer) const;
@@ -58,6 +63,7 @@ class Memory {
 
  private:
   std::deque<Region> regions_;
+  std::uint64_t code_generation_ = 1;
 };
 
 }  // namespace mebots::soc

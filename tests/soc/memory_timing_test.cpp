@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "machine.hpp"
+
+#include <gtest/gtest.h>
+
+namespace mebots::soc::test {
+namespace {
+
+TEST(Banks, FirstComesFirstAndTheSecondWaitsACycle) {
+  Banks banks(16);
+  EXPECT_EQ(banks.claim(5, 0x10000000), 0U);
+  EXPECT_EQ(banks.claim(5, 0x10000040), 1U);  // 16 words on: the same bank
+  EXPECT_EQ(banks.claim(5, 0x10000004), 0U);
+  EXPECT_EQ(banks.claim(6, 0x10000000), 1U);  // 6 is taken by the one that waited
+}
+
+TEST(Banks, KeepWhatWasTakenWhenTheWindowMoves) {
+  Banks banks(16);
+  for (std::uint64_t tick = 0; tick < 100; ++tick) EXPECT_EQ(banks.claim(tick, 0), 0U);
+  banks.move_to(40);
+  EXPECT_EQ(banks.claim(40, 0), 60U);
+  EXPECT_EQ(banks.claim(60, 0), 41U);
+  banks.move_to(104);
+  EXPECT_EQ(banks.claim(104, 0), 0U);
+}
+
+TEST(Banks, FreeAgainFarBehindTheWindow) {
+  Banks banks(16);
+  EXPECT_EQ(banks.claim(0, 0), 0U);
+  EXPECT_EQ(banks.claim(Banks::kWindow, 0), 0U);
+  banks.move_to(1000);
+  EXPECT_EQ(banks.claim(1000, 0), 0U);
+}
+
+constexpr std::string_view kTwentyWords = R"(
+    la a0, data
+    li a1, 20
+1:  lw a2, 0(a0)
+    sw a2, 4(a0)
+    addi a1, a1, -1
+    bnez a1, 1b
+)";
+
+std::uint64_t cycles_with(std::uint32_t wait_cycles, BankSchedule* banks, std::string_view body = kTwentyWords) {
+  Machine machine(std::string(body) + std::string(kEnd) + ".data\n.balign 64\ndata: .zero 64\n");
+  const MemoryPort port{0, wait_cycles, banks};
+  machine.hart().connect({&port, 1});
+  EXPECT_EQ(machine.run(), Stop::watch);
+  return machine.hart().counters().cycles;
+}
+
+TEST(MemoryPort, WaitIsAddedToEveryLoadAndStore) {
+  EXPECT_EQ(cycles_with(7, nullptr), cycles_with(0, nullptr) + 7 * (20 + 20 + 1));
+}
+
+TEST(MemoryPort, MisalignedAccessWaitsTwice) {
+  constexpr std::string_view kBody = "la a0, data\n lw a1, 2(a0)\n sw a1, 6(a0)\n";
+  EXPECT_EQ(cycles_with(7, nullptr, kBody), cycles_with(0, nullptr, kBody) + 7 * (2 + 2 + 1));
+}
+
+TEST(MemoryPort, BanksThatNobodyElseUsesCostNothing) {
+  Banks banks;
+  BankSchedule schedule(banks);
+  EXPECT_EQ(cycles_with(0, &schedule), cycles_with(0, nullptr));
+}
+
+TEST(MemoryPort, LimitStopsAtTheSameInstructionWithWaits) {
+  // Wherever a run is cut, the instructions that started before the limit are those of a run in one go.
+  const auto program = assemble(std::string(kTwentyWords) + std::string(kEnd) + ".data\n.balign 64\ndata: .zero 64\n");
+  for (std::uint64_t limit = 1; limit < 120; ++limit) {
+    Machine cut(program);
+    Machine stepped(program);
+    const MemoryPort port{0, 7, nullptr};
+    cut.hart().connect({&port, 1});
+    stepped.hart().connect({&port, 1});
+    cut.run(limit);
+    for (std::uint64_t at = 1; at <= limit; ++at) stepped.run(at);
+    EXPECT_EQ(cut.hart().pc(), stepped.hart().pc()) << limit;
+    EXPECT_EQ(cut.hart().counters().cycles, stepped.hart().counters().cycles) << limit;
+  }
+}
+
+TEST(MemoryPort, WhatIsNotConnectedIsNotThere) {
+  Machine machine("li a0, 0x70000000\n lw a1, 0(a0)\n" + std::string(kEnd));
+  const MemoryPort port{0, 0, nullptr};
+  machine.hart().connect({&port, 1});
+  EXPECT_EQ(machine.run(), Stop::fault);
+  EXPECT_EQ(machine.hart().fault().value, 0x70000000U);
+}
+
+TEST(CodeGeneration, StoreOfOneCoreIsSeenByAnotherThatDecodedTheSameCode) {
+  Machine machine(R"(
+    li a0, 0
+again:
+    addi a0, a0, 1
+    j again
+)");
+  class Nothing final : public Bus {
+    bool load(std::uint32_t, std::uint64_t, std::uint32_t&) override { return false; }
+    bool store(std::uint32_t, std::uint64_t, std::uint32_t) override { return false; }
+    bool watched(std::uint32_t) override { return false; }
+  } nothing;
+  machine.run(100);
+  const auto writer =
+      assemble("la a0, 0x80000004\n la a1, 2f\n lw a1, 0(a1)\n sw a1, 0(a0)\n1: j 1b\n .option norvc\n2: j .");
+  for (const auto& segment : writer.segments()) machine.memory().write(0x80001000, segment.bytes);
+  Hart other(machine.memory(), nothing, Timing{}, InstructionEnergy{});
+  other.reset(0x80001000);
+  const auto before = machine.reg(10);
+  other.run(200);
+  machine.run(300);
+  EXPECT_LE(machine.reg(10), before + 1);
+}
+
+}  // namespace
+}  // namespace mebots::soc::test
