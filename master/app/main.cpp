@@ -24,6 +24,8 @@ int main(int argument_count, char** arguments) {
       ->allow_extra_args(false)
       ->take_all();
   run_app->add_option("--stop-time", run.stop_time_s, "End of the simulation [s], instead of the config's");
+  run_app->add_flag("--statistics", run.statistics,
+                    "Show calls, time and slowest step of every instance, and write them to summary.json");
   run_app->add_flag("--quiet", run.quiet, "Show warnings and errors only");
 
   std::filesystem::path fmu;

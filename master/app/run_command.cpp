@@ -6,9 +6,13 @@
 #include "mebots/master/command_line.hpp"
 #include "mebots/master/conditions.hpp"
 #include "mebots/master/console.hpp"
+#include "mebots/master/csv_sink.hpp"
+#include "mebots/master/parameter_recorder.hpp"
 #include "mebots/master/picture_recorder.hpp"
 #include "mebots/master/progress.hpp"
+#include "mebots/master/record_choice.hpp"
 #include "mebots/master/recorder.hpp"
+#include "mebots/master/result_folder.hpp"
 #include "mebots/master/simulation.hpp"
 #include "mebots/master/summary.hpp"
 #include "mebots/master/time.hpp"
@@ -48,20 +52,19 @@ std::string_view name_of(EndReason reason) {
   return "interrupted";
 }
 
-/// The results folder, made and emptied of what an earlier run left that would be wrong now.
-void prepare(const std::filesystem::path& folder) {
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error || !std::filesystem::is_directory(folder)) {
-    throw InputError(fmt::format("{}: the results folder cannot be made: {}. Choose another one with --out",
-                                 folder.string(), error ? error.message() : "there is a file of this name"));
+/// Puts this run's files in the place of an earlier run's, once it has come to t = 0.
+class KeepResults final : public Observer {
+ public:
+  explicit KeepResults(ResultFolder& folder) : folder_(&folder) {}
+
+  std::optional<std::string> reached(const Point& point) override {
+    if (point.step == 0) folder_->keep({"summary.json", "parameters.csv"});
+    return std::nullopt;
   }
-  std::filesystem::remove(folder / "summary.json", error);
-  if (error) {
-    throw InputError(
-        fmt::format("{}: an earlier summary.json cannot be removed: {}", folder.string(), error.message()));
-  }
-}
+
+ private:
+  ResultFolder* folder_;
+};
 
 /// One run from config to summary.
 class Run {
@@ -78,7 +81,8 @@ class Run {
     }
     int code = kRanToItsEnd;
     try {
-      simulate();
+      report_.wall.initialise_s = timed([&] { initialise(); });
+      step();
       if (report_.outcome == "interrupted") code = kFailed;
     } catch (const InputError& error) {
       code = fail(error.what(), kBadInput);
@@ -87,7 +91,9 @@ class Run {
     } catch (const std::exception& error) {  // out of memory, say: the results so far are kept all the same
       code = fail(error.what(), kFailed);
     }
-    return finish(code);
+    if (folder_->kept()) return finish(code);
+    console_.set_log_file(nullptr);  // t = 0 was never reached: the folder stays as it was found
+    return code;
   }
 
  private:
@@ -105,35 +111,44 @@ class Run {
     report_.notices = resolved_.notices;
     hash_ = hash_inputs(system_, report_.overrides);
     recorded_variables(resolved_);  // a name that fits nothing is bad input: say so before any file is made
+    recorded_parameters(resolved_);
     for (const auto& pictures : system_.pictures) check_pictures(resolved_, pictures);
 
-    out_ = options_.out.empty() ? std::filesystem::path("results") / system_.name : options_.out;
-    prepare(out_);
-    results_file_.emplace(out_ / "results.csv");
-    log_file_.emplace(out_ / "log.txt");
-    console_.set_log_file(&*log_file_);
+    folder_.emplace(options_.out.empty() ? std::filesystem::path("results") / system_.name : options_.out);
+    results_file_ = &folder_->create("results.csv");
+    log_file_ = &folder_->create("log.txt");
+    console_.set_log_file(log_file_);
     for (const auto& notice : resolved_.notices) console_.line("notice: " + notice);
   }
 
-  void simulate() {
-    report_.wall.initialise_s = timed([&] {
-      simulation_.emplace(resolved_, console_);
-      auto& ensemble = simulation_->ensemble();
-      recorder_.emplace(resolved_, ensemble, *results_file_);
-      for (const auto& pictures : system_.pictures) {
-        simulation_->add(
-            picture_recorders_.emplace_back(resolved_, ensemble, pictures, out_ / "pictures" / pictures.frame.text()));
-      }
-      values_.emplace(resolved_, ensemble);
-      outcomes_.emplace(resolved_, ensemble);
-      stop_conditions_.emplace(resolved_, ensemble);
-      progress_.emplace(console_, system_.stop_time_ns);
-      for (Observer* observer :
-           std::initializer_list<Observer*>{&*recorder_, &*values_, &*outcomes_, &*stop_conditions_, &*progress_}) {
-        simulation_->add(*observer);
-      }
-      simulation_->initialize();
-    });
+  void initialise() {
+    const SlaveOptions slaves{options_.statistics ? &statistics_ : nullptr};
+    simulation_.emplace(resolved_, console_, slaves);
+    auto& ensemble = simulation_->ensemble();
+    recorder_.emplace(resolved_, ensemble);
+    recorder_->add(std::make_unique<CsvSink>(recorder_->columns(), *results_file_));
+    keep_results_.emplace(*folder_);
+    simulation_->add(*keep_results_);
+    if (!system_.record.parameters.empty()) {
+      parameters_.emplace(resolved_, ensemble, folder_->path() / "parameters.csv");
+      simulation_->add(*parameters_);
+    }
+    for (const auto& pictures : system_.pictures) {
+      simulation_->add(picture_recorders_.emplace_back(resolved_, ensemble, pictures,
+                                                       folder_->path() / "pictures" / pictures.frame.text()));
+    }
+    values_.emplace(resolved_, ensemble);
+    outcomes_.emplace(resolved_, ensemble);
+    stop_conditions_.emplace(resolved_, ensemble);
+    progress_.emplace(console_, system_.stop_time_ns);
+    for (Observer* observer :
+         std::initializer_list<Observer*>{&*recorder_, &*values_, &*outcomes_, &*stop_conditions_, &*progress_}) {
+      simulation_->add(*observer);
+    }
+    simulation_->initialize();
+  }
+
+  void step() {
     // Counted even when a step fails.
     const auto start = std::chrono::steady_clock::now();
     const auto count_time = [&] {
@@ -169,42 +184,50 @@ class Run {
 
   /// Closes the files and writes the summary, whatever happened before.
   int finish(int code) {
-    if (simulation_) {
-      report_.simulated_ns = simulation_->time_ns();
-      report_.steps = simulation_->steps_done();
-    }
-    if (recorder_) report_.rows = recorder_->rows();
+    report_.simulated_ns = simulation_->time_ns();
+    report_.steps = simulation_->steps_done();
+    report_.rows = recorder_->rows();
     console_.set_log_file(nullptr);
-    for (auto* file : {&*results_file_, &*log_file_}) {
+    const std::initializer_list<std::function<void()>> endings = {
+        [&] { recorder_->flush(); }, [&] { results_file_->close(); }, [&] { log_file_->close(); }};
+    for (const auto& ending : endings) {
       try {
-        file->close();
+        ending();
       } catch (const Error& error) {
         if (report_.error.empty()) fail(error.what(), kFailed);
         if (code == kRanToItsEnd) code = kFailed;
       }
     }
-    const auto json = summary_json(resolved_, hash_, report_, values_ ? &*values_ : nullptr);
+    auto json = summary_json(resolved_, hash_, report_, *values_);
+    if (options_.statistics) json["statistics"] = statistics_json(statistics_, simulating_s());
     try {
-      OutputFile file(out_ / "summary.json");
+      OutputFile file(folder_->path() / "summary.json.new");
       file.append(json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
       file.close();
+      file.rename(folder_->path() / "summary.json");  // whole or not at all
     } catch (const Error& error) {
       std::error_code ignored;
-      std::filesystem::remove(out_ / "summary.json", ignored);  // half a summary would mislead
+      std::filesystem::remove(folder_->path() / "summary.json.new", ignored);
       console_.error(error.what());
       if (code == kRanToItsEnd) code = kFailed;
     }
     if (report_.error.empty()) show_end(json);
+    if (options_.statistics) {
+      for (const auto& line : statistics_table(statistics_, simulating_s())) console_.line(line);
+    }
     return code;
   }
+
+  /// Wall time in which instances are called [s].
+  double simulating_s() const { return report_.wall.initialise_s + report_.wall.stepping_s; }
 
   void show_end(const nlohmann::ordered_json& json) {
     console_.line(fmt::format("outcome: {} ({})", report_.outcome, report_.end_text));
     console_.line(fmt::format("simulated {} s in {} of stepping, {:.3g} x real time", to_seconds(report_.simulated_ns),
                               short_duration(report_.wall.stepping_s), report_.real_time_factor()));
-    if (values_) show_values(values_->values(), json.at("units"), "");
-    console_.line(fmt::format("results: {} ({} rows, {} columns), {}", (out_ / "results.csv").string(), report_.rows,
-                              recorder_ ? recorder_->columns() : 0, (out_ / "summary.json").string()));
+    show_values(values_->values(), json.at("units"), "");
+    console_.line(fmt::format("results: {} ({} rows, {} columns), {}", results_file_->path().string(), report_.rows,
+                              recorder_->columns().size(), (folder_->path() / "summary.json").string()));
   }
 
   static std::string short_duration(double seconds) {
@@ -236,10 +259,13 @@ class Run {
   ResolvedSystem resolved_;
   InputHash hash_;
   RunReport report_;
-  std::filesystem::path out_;
-  std::optional<OutputFile> results_file_;
-  std::optional<OutputFile> log_file_;
+  Statistics statistics_;
+  std::optional<ResultFolder> folder_;
+  OutputFile* results_file_ = nullptr;
+  OutputFile* log_file_ = nullptr;
   std::optional<Simulation> simulation_;
+  std::optional<KeepResults> keep_results_;
+  std::optional<ParameterRecorder> parameters_;
   std::optional<Recorder> recorder_;
   std::list<PictureRecorder> picture_recorders_;  // the simulation holds on to their addresses
   std::optional<SummaryValues> values_;

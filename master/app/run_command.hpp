@@ -14,6 +14,7 @@ struct RunOptions {
   std::filesystem::path out;               ///< empty = results/<name of the config>
   std::vector<std::string> sets;           ///< INSTANCE.VARIABLE=VALUE
   std::optional<std::string> stop_time_s;  ///< as typed
+  bool statistics = false;                 ///< show and write where the wall time went
   bool quiet = false;
 };
 

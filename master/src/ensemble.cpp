@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mebots/master/ensemble.hpp"
 
-#include "mebots/master/fmu_slave.hpp"
 #include "mebots/master/time.hpp"
+
+#include "slave_factory.hpp"
 
 #include <fmt/format.h>
 
@@ -91,13 +92,13 @@ void write(Slave& slave, const Banks& banks) {
 
 }  // namespace
 
-Ensemble::Ensemble(const ResolvedSystem& system, MessageSink& messages) : system_(&system) {
-  for (const auto& instance : system.instances) {
+Ensemble::Ensemble(const ResolvedSystem& system, MessageSink& messages, const SlaveOptions& options)
+    : system_(&system) {
+  auto slaves = as_input([&] { return make_slaves(system, messages, options); });
+  for (std::size_t i = 0; i < slaves.size(); ++i) {
     Member member;
-    member.slave = as_input([&] {
-      return std::make_unique<FmuSlave>(instance.description->name, instance.fmu, instance.log_categories, messages);
-    });
-    member.step_ns = instance.description->step_ns;
+    member.slave = std::move(slaves[i]);
+    member.step_ns = system.instances[i].description->step_ns;
     members_.push_back(std::move(member));
   }
   for (const auto& connection : system.connections) connect(connection);

@@ -13,13 +13,17 @@
 
 namespace mebots::master {
 
-OutputFile::OutputFile(std::filesystem::path path) : path_(std::move(path)) {
+OutputFile::OutputFile(std::filesystem::path path, Mode mode) : path_(std::move(path)) {
   constexpr int kReadableByAll = 0644;
-  descriptor_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, kReadableByAll);
+  const int how = mode == Mode::anew ? O_CREAT | O_TRUNC : 0;
+  descriptor_ = ::open(path_.c_str(), O_WRONLY | O_CLOEXEC | how, kReadableByAll);
   if (descriptor_ < 0) {
     throw InputError(fmt::format("{}: the file cannot be written: {}. Choose another folder with --out", path_.string(),
                                  std::strerror(errno)));
   }
+  if (mode == Mode::anew) return;
+  const auto size = ::lseek(descriptor_, 0, SEEK_END);
+  if (size > 0) written_bytes_ = static_cast<std::uint64_t>(size);
 }
 
 OutputFile::~OutputFile() {
@@ -49,6 +53,12 @@ void OutputFile::flush() {
   buffer_.clear();
 }
 
+void OutputFile::sync() {
+  flush();
+  // A pipe or a device cannot be synchronised and need not be.
+  if (::fdatasync(descriptor_) != 0 && errno != EINVAL && errno != EROFS) fail(errno);
+}
+
 void OutputFile::close() {
   if (descriptor_ < 0) return;
   try {
@@ -61,6 +71,13 @@ void OutputFile::close() {
   const int status = ::close(descriptor_);
   descriptor_ = -1;
   if (status != 0) fail(errno);  // some file systems report a full disk only now
+}
+
+void OutputFile::rename(std::filesystem::path path) {
+  std::error_code error;
+  std::filesystem::rename(path_, path, error);
+  if (error) throw InputError(fmt::format("{}: the file cannot be replaced: {}", path.string(), error.message()));
+  path_ = std::move(path);
 }
 
 void OutputFile::truncate(std::uint64_t size) {

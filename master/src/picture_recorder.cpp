@@ -46,7 +46,9 @@ PictureRecorder::PictureRecorder(const ResolvedSystem& system, Ensemble& ensembl
   base_hi_ = ensemble.watch(source.base_hi);
   size_ = ensemble.watch(source.size);
   id_ = ensemble.watch(source.id);
+}
 
+void PictureRecorder::make_folder() const {
   std::error_code error;
   std::filesystem::create_directories(folder_, error);
   if (error) throw InputError(fmt::format("{}: this folder cannot be made: {}", folder_.string(), error.message()));
@@ -57,6 +59,7 @@ PictureRecorder::PictureRecorder(const ResolvedSystem& system, Ensemble& ensembl
 }
 
 std::optional<std::string> PictureRecorder::reached(const Point& point) {
+  if (point.step == 0) make_folder();
   const auto id = ensemble_->integer(id_);
   if (id != last_id_) {
     last_id_ = id;

@@ -7,9 +7,9 @@
 
 namespace mebots::master {
 
-Simulation::Simulation(const ResolvedSystem& system, MessageSink& messages)
+Simulation::Simulation(const ResolvedSystem& system, MessageSink& messages, const SlaveOptions& options)
     : system_(&system),
-      ensemble_(system, messages),
+      ensemble_(system, messages, options),
       step_ns_(system.description->step_ns),
       last_step_(system.description->stop_time_ns / step_ns_) {
   for (std::size_t i = 0; i < ensemble_.size(); ++i) multiples_.push_back(ensemble_.step_ns(i) / step_ns_);

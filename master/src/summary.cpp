@@ -12,9 +12,10 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::string_view kOwnLabels[] = {"outcome",    "end_reason", "end_text", "error",  "simulated_time",
-                                           "stop_time",  "step",       "steps",    "rows",   "real_time_factor",
-                                           "wall_clock", "units",      "versions", "inputs", "notices"};
+constexpr std::string_view kOwnLabels[] = {"outcome",    "end_reason", "end_text",      "error",  "simulated_time",
+                                           "stop_time",  "step",       "steps",         "rows",   "real_time_factor",
+                                           "wall_clock", "units",      "versions",      "inputs", "notices",
+                                           "statistics", "scenario",   "lost_instances"};
 
 void put(Json& root, const std::vector<std::string>& path, Json value) {
   auto* node = &root;
@@ -95,7 +96,7 @@ double RunReport::real_time_factor() const {
 }
 
 Json summary_json(const ResolvedSystem& system, const InputHash& hash, const RunReport& report,
-                  const SummaryValues* values) {
+                  const SummaryValues& values) {
   const auto& description = *system.description;
   Json json;
   json["outcome"] = report.outcome;
@@ -104,14 +105,14 @@ Json summary_json(const ResolvedSystem& system, const InputHash& hash, const Run
   if (!report.error.empty()) json["error"] = report.error;
   json["simulated_time"] = to_seconds(report.simulated_ns);
   json["real_time_factor"] = report.real_time_factor();
-  if (values != nullptr) json.update(values->values());
+  json.update(values.values());
   json["step"] = to_seconds(description.step_ns);
   json["steps"] = report.steps;
   json["stop_time"] = to_seconds(description.stop_time_ns);
   json["rows"] = report.rows;
 
   Json units = {{"simulated_time", "s"}, {"step", "s"}, {"stop_time", "s"}, {"wall_clock", "s"}};
-  if (values != nullptr) units.update(values->units());
+  units.update(values.units());
   json["units"] = units;
   json["wall_clock"] = {{"open", report.wall.open_s},
                         {"initialise", report.wall.initialise_s},

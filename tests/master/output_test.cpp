@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mebots/master/input_hash.hpp"
+#include "mebots/master/parameter_recorder.hpp"
 #include "mebots/master/summary.hpp"
 #include "test_system.hpp"
 
@@ -56,6 +57,81 @@ TEST(Recorder, PatternsFit) {
   EXPECT_FALSE(fits("motors.power", "*.powe"));
   EXPECT_FALSE(fits("abc", "a?"));
   EXPECT_FALSE(fits("abc", ""));
+}
+
+TEST(Recorder, ExcludedVariablesAndTextsAreTheConfigsChoice) {
+  TestRun run(R"({"step": 0.1, "stop_time": 0.1, "instances": {
+      "a": {"fmu": "PROBE", "parameters": {"string_in": "one, \"two\"\nthree"}}}, "connections": [],
+      "record": {"variables": ["a.s*"], "exclude": ["*.steps"], "texts": true}})");
+  run.to_end();
+  EXPECT_EQ(run.csv(), "time [s],a.string_out [-]\n0,\"one, \"\"two\"\"\nthree!\"\n0.1,\"one, \"\"two\"\"\nthree!\"\n");
+}
+
+TEST(Recorder, AnExclusionThatFitsNothingIsRefused) {
+  EXPECT_THAT(test::input_error([] {
+                TestRun run(R"({"step": 0.1, "stop_time": 0.1, "instances": {"a": {"fmu": "PROBE"}},
+                    "connections": [], "record": {"exclude": ["a.stepz"]}})");
+              }),
+              testing::AllOf(HasSubstr("/record/exclude/0"), HasSubstr("nothing that is recorded fits 'a.stepz'"),
+                             HasSubstr("a.steps")));
+}
+
+TEST(Recorder, ManyBlocksOfRowsArriveWholeAndInOrder) {
+  TestRun run(R"({"step": 0.001, "stop_time": 30, "instances": {
+      "a": {"fmu": "PROBE", "parameters": {"real_in": 0.1}}}, "connections": [],
+      "record": ["a.steps", "a.integral", "a.last_end"]})");
+  run.to_end();
+  const auto steps = run.column("a.steps");
+  ASSERT_EQ(steps.size(), 30001u);
+  EXPECT_EQ(run.recorder->rows(), 30001);
+  const auto times = run.column("time");
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    ASSERT_EQ(steps[i], static_cast<double>(i));
+    ASSERT_EQ(times[i], static_cast<double>(i) / 1000);
+  }
+}
+
+TEST(Recorder, AFullDiskIsReportedByTheThreadThatSimulates) {
+  TestRun run(R"({"step": 0.001, "stop_time": 100, "instances": {"a": {"fmu": "PROBE"}}, "connections": []})");
+  OutputFile full("/dev/full");
+  run.recorder->add(std::make_unique<CsvSink>(run.recorder->columns(), full));
+  EXPECT_THROW(run.to_end(), Error);
+}
+
+TEST(ParameterRecorder, WritesEveryParameterOnce) {
+  TestRun run(R"({"step": 0.1, "stop_time": 0.2, "instances": {
+      "a": {"fmu": "PROBE", "parameters": {"gain": 2.5, "fault": "a, b"}}}, "connections": [],
+      "record": {"parameters": ["a.gain", "*.fault*"]}})");
+  ParameterRecorder parameters(run.system, run.simulation().ensemble(), run.folder.path() / "parameters.csv");
+  run.simulation().add(parameters);
+  run.to_end();
+  EXPECT_EQ(test::read_file(run.folder.path() / "parameters.csv"),
+            "parameter,unit,value\na.gain,,2.5\na.fault_time,s,1\na.fault,,\"a, b\"\n");
+}
+
+TEST(Statistics, CountTheCallsToEveryInstance) {
+  TestRun plain(R"({"step": 0.1, "stop_time": 1, "instances": {
+      "a": {"fmu": "PROBE", "parameters": {"fault": "slow", "fault_time": 0.5}}, "b": {"fmu": "PROBE", "step": 0.5}},
+      "connections": []})");
+  Statistics statistics;
+  Simulation simulation(plain.system, plain.messages, {&statistics});
+  simulation.initialize();
+  while (simulation.step()) {
+  }
+  ASSERT_EQ(statistics.instances.size(), 2u);
+  const auto& a = statistics.instances[0];
+  EXPECT_EQ(a.name, "a");
+  EXPECT_EQ(a.steps, 10);
+  EXPECT_EQ(statistics.instances[1].steps, 2);
+  EXPECT_GE(a.slowest_s, 0.02);  // the slow steps sleep so long
+  EXPECT_GE(a.slowest_at_ns, 400'000'000);
+  EXPECT_GE(a.time_s, a.step_time_s);
+  EXPECT_GT(a.calls, a.steps);
+  const auto json = statistics_json(statistics, 10);
+  EXPECT_EQ(json["instances"]["a"]["steps"], 10);
+  EXPECT_NEAR(json["master"]["share"].get<double>() + json["instances"]["a"]["share"].get<double>() +
+                  json["instances"]["b"]["share"].get<double>(),
+              1, 1e-12);  // rounding
 }
 
 TEST(OutputFile, AFullDiskIsReported) {

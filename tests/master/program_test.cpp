@@ -125,7 +125,21 @@ TEST_F(Program, AnFmuThatRefusesItsParametersIsBadInput) {
   const auto result = run_config({"--set", "a.fault=initialisation"});
   EXPECT_EQ(result.code, 2);
   EXPECT_THAT(result.err, HasSubstr("does not like its parameters"));
-  EXPECT_EQ(summary()["outcome"], "failed");
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "results"));
+}
+
+TEST_F(Program, ARefusedRunLeavesEarlierResultsAsTheyWere) {
+  ASSERT_EQ(run_config().code, 0);
+  const auto files = {"results.csv", "summary.json", "log.txt"};
+  std::vector<std::string> before;
+  for (const auto* file : files) before.push_back(read_file(results() / file));
+  EXPECT_EQ(run_config({"--set", "a.fault=initialisation"}).code, 2);
+  EXPECT_EQ(run_config({"--set", "a.gian=3"}).code, 2);
+  std::vector<std::string> after;
+  for (const auto* file : files) after.push_back(read_file(results() / file));
+  EXPECT_EQ(before, after);
+  const std::filesystem::directory_iterator left(results());
+  EXPECT_EQ(std::distance(begin(left), end(left)), 3);
 }
 
 TEST_F(Program, AFolderThatCannotBeMadeIsBadInput) {
@@ -139,7 +153,7 @@ TEST_F(Program, AFolderThatCannotBeMadeIsBadInput) {
 
 TEST_F(Program, AFullDiskIsReportedAndTheSummaryStillWritten) {
   std::filesystem::create_directories(results());
-  std::filesystem::create_symlink("/dev/full", results() / "results.csv");
+  std::filesystem::create_symlink("/dev/full", results() / "results.csv.new");
   const auto result = run_config({"--stop-time", "1000"});
   EXPECT_EQ(result.code, 1);
   EXPECT_THAT(result.err, AllOf(HasSubstr("results.csv"), HasSubstr("No space left on device")));
@@ -148,7 +162,7 @@ TEST_F(Program, AFullDiskIsReportedAndTheSummaryStillWritten) {
 
 TEST_F(Program, AFullDiskAtTheVeryEndIsReportedToo) {
   std::filesystem::create_directories(results());
-  std::filesystem::create_symlink("/dev/full", results() / "results.csv");
+  std::filesystem::create_symlink("/dev/full", results() / "results.csv.new");
   const auto result = run_config();  // a few rows, written only when the file is closed
   EXPECT_EQ(result.code, 1);
   EXPECT_THAT(result.err, HasSubstr("No space left on device"));

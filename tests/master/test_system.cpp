@@ -40,7 +40,8 @@ TestRun::TestRun(const std::string& config) {
   simulation_.emplace(system, messages);
   auto& ensemble = simulation_->ensemble();
   file.emplace(folder.path() / "results.csv");
-  recorder.emplace(system, ensemble, *file);
+  recorder.emplace(system, ensemble);
+  recorder->add(std::make_unique<master::CsvSink>(recorder->columns(), *file));
   outcomes.emplace(system, ensemble);
   stop_conditions.emplace(system, ensemble);
   simulation_->add(*recorder);
@@ -61,7 +62,7 @@ TestRun& TestRun::to_end() {
 }
 
 std::string TestRun::csv() {
-  file->flush();
+  recorder->flush();
   return read_file(file->path());
 }
 

@@ -2,6 +2,8 @@
 #pragma once
 
 #include "mebots/master/conditions.hpp"
+#include "mebots/master/csv_sink.hpp"
+#include "mebots/master/record_choice.hpp"
 #include "mebots/master/recorder.hpp"
 #include "mebots/master/simulation.hpp"
 #include "mebots/modeldesc/archive.hpp"

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "missions.hpp"
 
+#include "mebots/master/csv_sink.hpp"
 #include "mebots/master/output_file.hpp"
 #include "mebots/master/recorder.hpp"
 #include "mebots/master/simulation.hpp"
@@ -25,7 +26,8 @@ class Mission {
     master::set_stop_time(system_, 5'000'000'000, "this test");
     resolved_ = master::resolve(system_, library_);
     simulation_.emplace(resolved_, silent_);
-    recorder_.emplace(resolved_, simulation_->ensemble(), file_);
+    recorder_.emplace(resolved_, simulation_->ensemble());
+    recorder_->add(std::make_unique<master::CsvSink>(recorder_->columns(), file_));
     simulation_->add(*recorder_);
     simulation_->initialize();
   }
@@ -37,6 +39,7 @@ class Mission {
   void finish() {
     while (simulation_->step()) {
     }
+    recorder_->flush();
     file_.close();
   }
 

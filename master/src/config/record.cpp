@@ -8,27 +8,39 @@
 #include <fmt/format.h>
 
 namespace mebots::master::config {
+namespace {
+
+std::vector<RecordPattern> read_patterns(const JsonNode& node) {
+  std::vector<RecordPattern> patterns;
+  for (const auto& element : node.elements()) patterns.push_back({readable_text(element), element.place()});
+  return patterns;
+}
+
+/// `true` for all, or patterns.
+std::vector<RecordPattern> read_parameters(const JsonNode& node) {
+  if (!node.value().is_boolean()) return read_patterns(node);
+  return node.boolean() ? std::vector<RecordPattern>{{"*", node.place()}} : std::vector<RecordPattern>{};
+}
+
+}  // namespace
 
 void read_record(const JsonNode& node, SystemDescription& system) {
   auto& record = system.record;
-  std::optional<JsonNode> patterns;
   if (node.value().is_array()) {
-    patterns = node;
-  } else {
-    node.expect_keys({"variables", "interval"});
-    patterns = node.find("variables");
-    if (const auto interval = node.find("interval")) {
-      record.interval_ns = interval->nanoseconds();
-      if (record.interval_ns <= 0 || record.interval_ns % system.step_ns != 0) {
-        interval->fail(
-            fmt::format("the recording interval is not a multiple of the step {} s", to_seconds(system.step_ns)));
-      }
-    }
+    record.patterns = read_patterns(node);
+    return;
   }
-  if (patterns) {
-    record.patterns.emplace();
-    for (const auto& element : patterns->elements())
-      record.patterns->push_back({readable_text(element), element.place()});
+  node.expect_keys({"variables", "exclude", "interval", "parameters", "texts"});
+  if (const auto patterns = node.find("variables")) record.patterns = read_patterns(*patterns);
+  if (const auto patterns = node.find("exclude")) record.exclude = read_patterns(*patterns);
+  if (const auto parameters = node.find("parameters")) record.parameters = read_parameters(*parameters);
+  if (const auto texts = node.find("texts")) record.texts = texts->boolean();
+  if (const auto interval = node.find("interval")) {
+    record.interval_ns = interval->nanoseconds();
+    if (record.interval_ns <= 0 || record.interval_ns % system.step_ns != 0) {
+      interval->fail(
+          fmt::format("the recording interval is not a multiple of the step {} s", to_seconds(system.step_ns)));
+    }
   }
 }
 

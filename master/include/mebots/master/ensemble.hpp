@@ -4,6 +4,7 @@
 #include "mebots/master/message.hpp"
 #include "mebots/master/resolved_system.hpp"
 #include "mebots/master/slave.hpp"
+#include "mebots/master/slave_options.hpp"
 #include "mebots/state/bytes.hpp"
 
 #include <cstddef>
@@ -51,7 +52,7 @@ struct SignalId {
 class Ensemble {
  public:
   /// Makes the slaves, in the order of the config. `system` and `messages` must outlive the ensemble.
-  Ensemble(const ResolvedSystem& system, MessageSink& messages);
+  Ensemble(const ResolvedSystem& system, MessageSink& messages, const SlaveOptions& options = {});
 
   /// Asks for a variable to be read at every communication point. Only before initialize().
   SignalId watch(const ResolvedVariable& variable);

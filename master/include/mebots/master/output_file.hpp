@@ -11,8 +11,13 @@ namespace mebots::master {
 /// A file that is written in large pieces and says so when a piece did not arrive.
 class OutputFile {
  public:
-  /// Makes or empties the file. Throws InputError when that is not possible.
-  explicit OutputFile(std::filesystem::path path);
+  enum class Mode {
+    anew,   ///< makes or empties the file
+    go_on,  ///< opens a file that must be there, and writes at its end
+  };
+
+  /// Throws InputError when the file cannot be opened.
+  explicit OutputFile(std::filesystem::path path, Mode mode = Mode::anew);
   /// Writes what is left, in silence: call close() to hear of a failure.
   ~OutputFile();
   OutputFile(const OutputFile&) = delete;
@@ -31,6 +36,8 @@ class OutputFile {
   /// Throws Error; what could not be written is dropped, so that it is complained about once.
   void flush();
   void close();
+  /// Flushes, and waits until the bytes are on the disk.
+  void sync();
 
   /// Bytes so far, those in the buffer included.
   std::uint64_t size() const { return written_bytes_ + buffer_.size(); }
@@ -38,6 +45,8 @@ class OutputFile {
   void truncate(std::uint64_t size);
 
   const std::filesystem::path& path() const { return path_; }
+  /// Gives the file another name, on the same disk, in the place of any file of that name. Throws InputError.
+  void rename(std::filesystem::path path);
 
  private:
   static constexpr std::size_t kLargeBytes = 1 << 16;

@@ -13,17 +13,17 @@ namespace mebots::master {
 /// `0012.345000.pgm` is the frame that was out at 12.345 s.
 class PictureRecorder final : public Observer {
  public:
-  /// Throws InputError when the frame or its id is no variable of the kind that is needed, or the folder cannot be
-  /// made.
+  /// Throws InputError when the frame or its id is no variable of the kind that is needed.
   PictureRecorder(const ResolvedSystem& system, Ensemble& ensemble, const PictureDescription& pictures,
                   std::filesystem::path folder);
 
-  /// Throws Error when the frame is not made of whole rows or cannot be written.
+  /// Throws Error when the folder cannot be made, or the frame is not made of whole rows or cannot be written.
   std::optional<std::string> reached(const Point& point) override;
   void save(state::Writer& writer) override;
   void restore(state::Reader& reader) override;
 
  private:
+  void make_folder() const;
   void write(const Point& point) const;
 
   const Ensemble* ensemble_;

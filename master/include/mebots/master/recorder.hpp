@@ -1,60 +1,61 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "mebots/master/ensemble.hpp"
+#include "mebots/master/block_writer.hpp"
 #include "mebots/master/observer.hpp"
-#include "mebots/master/output_file.hpp"
+#include "mebots/master/row_block.hpp"
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
 
 namespace mebots::master {
 
-/// Writes results.csv: a header, then one row per communication point (or recording interval), the first
-/// at t = 0 and the last at the end. Numbers in their shortest form that reads back to the same bits,
-/// Booleans as 0 and 1, enumerations as their numbers.
+/// Records rows: one per communication point (or recording interval), the first at t = 0 and the last at the
+/// end. Costs the simulation a copy of the numbers; another thread makes files of them.
 class Recorder final : public Observer {
  public:
   /// Chooses the columns. Throws InputError for a pattern that fits nothing.
-  Recorder(const ResolvedSystem& system, Ensemble& ensemble, OutputFile& file);
+  Recorder(const ResolvedSystem& system, Ensemble& ensemble);
+
+  /// Where the rows go. Before the first point.
+  void add(std::unique_ptr<RowSink> sink);
 
   std::optional<std::string> reached(const Point& point) override;
   void ended(const Point& point) override;
+  /// All rows so far are in the files afterwards. Throws Error when the disk is full or broken.
+  void flush() { writer_.drain(block_); }
   void save(state::Writer& writer) override;
   void restore(state::Reader& reader) override;
 
-  std::size_t columns() const { return columns_.size(); }
+  const std::vector<RecordColumn>& columns() const { return columns_; }
   std::int64_t rows() const { return rows_; }
 
  private:
-  struct Column {
-    SignalId id;
-    const double* real = nullptr;  // one of the two, once the run has begun
+  /// Where a column's value lies; one of the three.
+  struct Source {
+    const double* real = nullptr;
     const std::int32_t* integer = nullptr;
+    const std::string* text = nullptr;
+    bool boolean = false;
   };
 
-  void begin();
+  void find_sources();
   void write_row(const Point& point);
 
   const Ensemble* ensemble_;
-  OutputFile* file_;
   std::int64_t every_steps_;
-  std::string header_;
-  std::vector<Column> columns_;
-  bool begun_ = false;
+  std::vector<RecordColumn> columns_;
+  std::vector<SignalId> signals_;
+  std::vector<Source> sources_;  // once the run has begun
+  RowBlock block_;
+  std::size_t text_bytes_ = 0;  // in the block
+  std::vector<std::unique_ptr<RowSink>> sinks_;
+  BlockWriter writer_;  // after the sinks, which it must not outlive
   std::int64_t rows_ = 0;
   std::int64_t last_step_ = -1;
 };
-
-/// The variables that a system records, in the order of instances and descriptions. Throws InputError.
-std::vector<ResolvedVariable> recorded_variables(const ResolvedSystem& system);
-
-/// "name [unit]", quoted as CSV asks when it holds a comma or a quotation mark.
-std::string csv_header(std::string_view name, std::string_view unit);
-
-/// True when `text` fits a pattern in which `*` stands for any characters and `?` for one.
-bool fits(std::string_view text, std::string_view pattern);
 
 }  // namespace mebots::master

@@ -34,7 +34,7 @@ struct SimulationState {
 class Simulation {
  public:
   /// `system` and `messages` must outlive the simulation.
-  Simulation(const ResolvedSystem& system, MessageSink& messages);
+  Simulation(const ResolvedSystem& system, MessageSink& messages, const SlaveOptions& options = {});
 
   Ensemble& ensemble() { return ensemble_; }
   const Ensemble& ensemble() const { return ensemble_; }

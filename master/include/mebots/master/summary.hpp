@@ -69,6 +69,6 @@ struct RunReport {
 
 /// The content of summary.json. All but `real_time_factor` and `wall_clock` is the same for the same inputs.
 nlohmann::ordered_json summary_json(const ResolvedSystem& system, const InputHash& hash, const RunReport& report,
-                                    const SummaryValues* values);
+                                    const SummaryValues& values);
 
 }  // namespace mebots::master

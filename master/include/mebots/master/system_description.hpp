@@ -87,6 +87,9 @@ struct RecordPattern {
 
 struct RecordDescription {
   std::optional<std::vector<RecordPattern>> patterns;  ///< nothing = every Real, Integer and Boolean output
+  std::vector<RecordPattern> exclude;                  ///< what fits one of these is left out
+  std::vector<RecordPattern> parameters;               ///< recorded once, at t = 0
+  bool texts = false;                                  ///< patterns, and the lack of them, choose texts too
   std::int64_t interval_ns = 0;                        ///< 0 = every communication point
 };
 

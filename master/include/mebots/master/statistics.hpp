@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace mebots::master {
+
+/// What one instance cost by the wall clock, over all calls to it.
+struct InstanceStatistics {
+  std::string name;
+  std::int64_t calls = 0;
+  std::int64_t steps = 0;
+  double time_s = 0;               ///< in all calls
+  double step_time_s = 0;          ///< in steps
+  double slowest_s = 0;            ///< the step that took longest
+  std::int64_t slowest_at_ns = 0;  ///< simulated time at which that step began
+};
+
+/// Where the wall time of a run went. Never part of results.csv.
+struct Statistics {
+  std::vector<InstanceStatistics> instances;  ///< in the order of the config
+};
+
+/// The table as JSON, times in seconds. `total_s` is the wall time of initialisation and stepping together;
+/// what no instance took of it is the master's.
+nlohmann::ordered_json statistics_json(const Statistics& statistics, double total_s);
+
+/// The same as lines of text.
+std::vector<std::string> statistics_table(const Statistics& statistics, double total_s);
+
+}  // namespace mebots::master

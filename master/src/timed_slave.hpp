@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "mebots/master/forwarding_slave.hpp"
+#include "mebots/master/statistics.hpp"
+
+#include <chrono>
+
+namespace mebots::master {
+
+/// Counts and times every call to the slave behind it.
+class TimedSlave final : public ForwardingSlave {
+ public:
+  /// `statistics` must outlive the slave.
+  TimedSlave(std::unique_ptr<Slave> inner, InstanceStatistics& statistics)
+      : ForwardingSlave(std::move(inner)), statistics_(&statistics) {}
+
+  void setup_experiment(std::int64_t start_ns, std::int64_t stop_ns) override {
+    timed([&] { inner().setup_experiment(start_ns, stop_ns); });
+  }
+  void enter_initialization() override {
+    timed([&] { inner().enter_initialization(); });
+  }
+  void exit_initialization() override {
+    timed([&] { inner().exit_initialization(); });
+  }
+  StepResult step(std::int64_t start_ns, std::int64_t duration_ns) override {
+    StepResult result;
+    const double time_s = timed([&] { result = inner().step(start_ns, duration_ns); });
+    ++statistics_->steps;
+    statistics_->step_time_s += time_s;
+    if (time_s > statistics_->slowest_s) {
+      statistics_->slowest_s = time_s;
+      statistics_->slowest_at_ns = start_ns;
+    }
+    return result;
+  }
+  void terminate() override {
+    timed([&] { inner().terminate(); });
+  }
+
+  void get_reals(std::span<const ValueReference> references, std::span<double> values) override {
+    timed([&] { inner().get_reals(references, values); });
+  }
+  void get_integers(std::span<const ValueReference> references, std::span<std::int32_t> values) override {
+    timed([&] { inner().get_integers(references, values); });
+  }
+  void get_booleans(std::span<const ValueReference> references, std::span<std::int32_t> values) override {
+    timed([&] { inner().get_booleans(references, values); });
+  }
+  void get_strings(std::span<const ValueReference> references, std::span<std::string> values) override {
+    timed([&] { inner().get_strings(references, values); });
+  }
+  void set_reals(std::span<const ValueReference> references, std::span<const double> values) override {
+    timed([&] { inner().set_reals(references, values); });
+  }
+  void set_integers(std::span<const ValueReference> references, std::span<const std::int32_t> values) override {
+    timed([&] { inner().set_integers(references, values); });
+  }
+  void set_booleans(std::span<const ValueReference> references, std::span<const std::int32_t> values) override {
+    timed([&] { inner().set_booleans(references, values); });
+  }
+  void set_strings(std::span<const ValueReference> references, std::span<const std::string> values) override {
+    timed([&] { inner().set_strings(references, values); });
+  }
+
+ private:
+  /// Does the work, counts it, and says how long it took [s].
+  template <typename Work>
+  double timed(Work work) {
+    const auto start = std::chrono::steady_clock::now();
+    ++statistics_->calls;
+    work();
+    const double time_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    statistics_->time_s += time_s;
+    return time_s;
+  }
+
+  InstanceStatistics* statistics_;
+};
+
+}  // namespace mebots::master
