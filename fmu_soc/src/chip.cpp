@@ -17,7 +17,7 @@ constexpr double kBankBytes = 4096;
 constexpr double kMaxInstructionPj = 60000;
 
 std::string_view class_of(Op op) {
-  if (op == Op::mul) return "multiply";
+  if (op == Op::mul || is_multiply_accumulate(op) || is_dot_product(op)) return "multiply";
   if (is_multiply_high(op)) return "multiply_high";
   if (is_divide(op)) return "divide";
   if (is_load(op)) return "load";

@@ -10,11 +10,12 @@ namespace mebots::soc {
 namespace {
 
 Current current_of(const Decoded& decoded) {
-  return {decoded.op, decoded.rd, decoded.rs1, decoded.rs2, decoded.imm};
+  return {decoded.op, decoded.rd, decoded.rs1, decoded.rs2, decoded.rs3, decoded.imm};
 }
 
 Previous previous_of(const Decoded& decoded) {
-  return {decoded.op, decoded.rd, is_multiply_high(decoded.op) || is_divide(decoded.op)};
+  return {decoded.op, decoded.rd, is_multiply_high(decoded.op) || is_divide(decoded.op),
+          is_post_increment(decoded.op) ? decoded.rs1 : std::uint8_t{0}};
 }
 
 std::uint8_t accesses_of(Op op) {
@@ -48,12 +49,15 @@ bool BlockCache::fetch(const Memory& memory, std::uint32_t pc, std::uint32_t& wo
 
 Instruction BlockCache::translate(const Decoded& decoded, std::uint32_t pc) const {
   Instruction instruction;
-  instruction.run = handler_of(decoded.op);
+  instruction.run = handler_of(decoded.op, decoded.operand);
   instruction.pc = pc;
   instruction.op = decoded.op;
-  instruction.imm = decoded.imm;
+  instruction.imm = operand_value(decoded);
   if (decoded.op == Op::auipc || decoded.op == Op::jal || is_branch(decoded.op)) {
     instruction.imm = static_cast<std::int32_t>(pc + static_cast<std::uint32_t>(decoded.imm));
+  }
+  if (decoded.encoding != nullptr && is_store(decoded.op) && has_register_offset(decoded.encoding->format)) {
+    instruction.imm = decoded.rs3;
   }
   instruction.rd = decoded.rd == 0 ? 32 : decoded.rd;
   instruction.rs1 = decoded.rs1;
@@ -65,7 +69,7 @@ std::uint32_t BlockCache::decode_block(std::uint32_t pc) {
   std::uint32_t word = 0;
   std::uint32_t fault_address = 0;
   if (!fetch(memory_, pc, word, fault_address)) return 0;
-  if (block_count_ == kMaxBlocks || arena_used_ + kMaxBlockLength + 1 > kArenaSize) clear();
+  if (block_count_ == kMaxBlocks || arena_used_ + kMaxBlockLength + 2 > kArenaSize) clear();
 
   Block block;
   block.pc = pc;
@@ -76,8 +80,9 @@ std::uint32_t BlockCache::decode_block(std::uint32_t pc) {
   Instruction sums;
   std::uint32_t bound = 0;
   auto at = pc;
+  bool loop = false;
   while (sums.index < kMaxBlockLength && fetch(memory_, at, word, fault_address)) {
-    const auto decoded = decode(word);
+    const auto decoded = decode_word(word);
     auto& instruction = arena_[arena_used_ + sums.index];
     instruction = translate(decoded, at);
     instruction.cycles_before = sums.cycles_before;
@@ -99,16 +104,19 @@ std::uint32_t BlockCache::decode_block(std::uint32_t pc) {
     sums.energy_before_fj += energy_fj_[static_cast<std::size_t>(decoded.op)];
     two_before = before;
     before = previous_of(decoded);
+    loop = may_end_loop(at);
     at += decoded.length;
-    if (ends_block(decoded.op)) break;
+    if (loop || ends_block(decoded.op)) break;
   }
   auto& end = arena_[arena_used_ + sums.index];
   end = sums;
-  end.run = handler_of(Op::end_of_block);
+  end.op = loop ? Op::loop_end : Op::end_of_block;
+  end.run = handler_of(end.op);
   end.pc = at;
+  arena_[arena_used_ + sums.index + 1] = Instruction{};  // holds the link of a loop's next turn
   memory_.mark(pc, at - pc, Region::kCode);
 
-  arena_used_ += sums.index + 1U;
+  arena_used_ += sums.index + 2U;
   const auto number = block_count_++;
   blocks_[number] = block;
   auto slot = hash(pc);
@@ -121,20 +129,22 @@ const Instruction* BlockCache::single(std::uint32_t pc, const Previous& two_befo
   std::uint32_t word = 0;
   std::uint32_t fault_address = 0;
   if (!fetch(memory_, pc, word, fault_address)) return nullptr;
-  const auto decoded = decode(word);
+  const auto decoded = decode_word(word);
   single_[0] = translate(decoded, pc);
   if (is_jump(decoded.op)) {
     const bool behind = is_multiply_high(before.op) || is_divide(before.op);
     single_[0].rs2 = behind && timing_.multi_cycle_hides_unaligned_target() ? 1 : 0;
   }
   single_[1] = Instruction{};
-  single_[1].run = handler_of(Op::end_of_block);
+  single_[1].op = may_end_loop(pc) ? Op::loop_end : Op::end_of_block;
+  single_[1].run = handler_of(single_[1].op);
   single_[1].pc = pc + decoded.length;
   single_[1].index = 1;
   single_[1].cycles_before =
       static_cast<std::uint16_t>(static_cycles(timing_, two_before, before, current_of(decoded)));
   single_[1].accesses_before = accesses_of(decoded.op);
   single_[1].energy_before_fj = energy_fj_[static_cast<std::size_t>(decoded.op)];
+  single_[2] = Instruction{};
   return single_.data();
 }
 
@@ -142,6 +152,14 @@ void BlockCache::set_longest_wait(std::uint32_t cycles) {
   if (cycles == longest_wait_) return;
   longest_wait_ = cycles;
   forget();
+}
+
+bool BlockCache::end_block_at(std::uint32_t pc) {
+  if (memory_.marked(pc, 2, Region::kLoop)) return false;
+  const bool decoded = memory_.marked(pc, 2, Region::kCode);
+  memory_.mark(pc, 2, Region::kLoop);
+  if (decoded) clear();
+  return decoded;
 }
 
 void BlockCache::clear() {

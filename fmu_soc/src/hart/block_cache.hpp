@@ -47,6 +47,10 @@ class BlockCache {
   /// One instruction and the end of a block, decoded with what the pipeline holds. Null when it cannot be fetched.
   const Instruction* single(std::uint32_t pc, const Previous& two_before, const Previous& before);
 
+  /// A hardware loop ends with the instruction at `pc`: blocks end there from now on. True: everything was
+  /// forgotten, because it had been decoded otherwise.
+  bool end_block_at(std::uint32_t pc);
+
   /// Forgets everything; links in instructions become void with it. All cores that share the memory forget, since
   /// the marks on code go too.
   void clear();
@@ -72,6 +76,11 @@ class BlockCache {
   std::uint32_t decode_block(std::uint32_t pc);
   void forget();
   Instruction translate(const Decoded& decoded, std::uint32_t pc) const;
+  Decoded decode_word(std::uint32_t word) const {
+    return decode(word, timing_.has_xpulp() ? Extension::xpulp : Extension::standard);
+  }
+  /// Whether the instruction at `pc` may be the last of a hardware loop.
+  bool may_end_loop(std::uint32_t pc) const { return timing_.has_xpulp() && memory_.marked(pc, 2, Region::kLoop); }
 
   Memory& memory_;
   Timing timing_;
@@ -84,7 +93,7 @@ class BlockCache {
   std::uint64_t generation_ = 0;
   std::uint64_t code_generation_ = 0;  // of the memory, at the last look
   std::uint32_t longest_wait_ = 0;
-  std::array<Instruction, 2> single_{};
+  std::array<Instruction, 3> single_{};
 };
 
 }  // namespace mebots::soc

@@ -32,6 +32,20 @@ inline constexpr unsigned kMarchid = 0xf12;
 inline constexpr unsigned kMimpid = 0xf13;
 inline constexpr unsigned kMhartid = 0xf14;
 
+// Of RI5CY. Source: RI5CY user manual 4.45, chapters "Control and status registers" and "Performance counters".
+inline constexpr unsigned kPccr = 0x780;     // event counters 0 to 30; 0 = cycles, 1 = instructions
+inline constexpr unsigned kPccrAll = 0x79f;  // writes them all
+inline constexpr unsigned kPcer = 0x7a0;     // which of them count
+inline constexpr unsigned kPcmr = 0x7a1;     // bit 0: any count at all; bit 1: they stop at their highest value
+inline constexpr unsigned kLoopStart0 = 0x7b0;
+inline constexpr unsigned kLoopEnd0 = 0x7b1;
+inline constexpr unsigned kLoopCount0 = 0x7b2;
+inline constexpr unsigned kLoopStart1 = 0x7b4;
+inline constexpr unsigned kLoopEnd1 = 0x7b5;
+inline constexpr unsigned kLoopCount1 = 0x7b6;
+inline constexpr unsigned kPrivilege = 0xc10;
+inline constexpr unsigned kUhartid = 0x014;
+
 }  // namespace mebots::soc::csr
 
 /// Values of mcause. Source: The same manual, table 3.6.

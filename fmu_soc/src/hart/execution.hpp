@@ -24,10 +24,18 @@ struct FastRegion {
 /// Why a block was left other than by a branch or at its end.
 enum class Leave : std::uint8_t { normal, trap, device, stop, sleep };
 
+/// Registers of a hardware loop. The body runs once more after its last instruction while the count is above 1.
+struct HardwareLoop {
+  std::uint32_t start = 0;
+  std::uint32_t end = 0;  // address of the last instruction of the body
+  std::uint32_t count = 0;
+};
+
 /// What the handlers work on.
 struct Execution {
   std::array<std::uint32_t, 33> x{};  // x[0] stays 0; x[32] takes what is written to x0
   std::uint32_t pc = 0;
+  std::array<HardwareLoop, 2> loops{};  // 0 is the inner one
   FastRegion ram[2];
   std::uint64_t far_accesses = 0;  // loads and stores that went to ram[1], since reset
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Binds the operations to decoded instructions. A handler ends by calling the next one of its block; the
-// optimiser makes that a jump. Where it does not (no optimisation, sanitizers), it gives the next one back.
+// Binds the operations of the standard instruction set to decoded instructions.
 #include "hart/csr_numbers.hpp"
+#include "hart/handler.hpp"
 #include "hart/hart.hpp"
 #include "hart/ram_access.hpp"
 #include "isa/operations.hpp"
@@ -12,20 +12,6 @@
 
 namespace mebots::soc {
 namespace {
-
-#if defined(__OPTIMIZE__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) && defined(__GNUC__)
-constexpr bool kChain = true;
-#else
-constexpr bool kChain = false;
-#endif
-
-[[gnu::always_inline]] inline const Instruction* next(Execution& e, const Instruction* at) {
-  if constexpr (kChain) {
-    return at[1].run(e, at + 1);
-  } else {
-    return at + 1;
-  }
-}
 
 template <auto Compute>
 const Instruction* with_register(Execution& e, const Instruction* at) {
@@ -85,15 +71,6 @@ const Instruction* jump_register(Execution& e, const Instruction* at) {
   e.redirected = true;
   e.exit = at + 1;
   return nullptr;
-}
-
-/// A load across two words: a cycle more, behind which a jump that follows hides all but one of its own.
-[[gnu::always_inline]] inline void misaligned_load(Execution& e, const Instruction* at) {
-  e.extra_cycles += kMisalignedExtra;
-  e.slow_load = at;
-  if (is_jump(at[1].op) && at[1].rs1 != at->rd) {
-    e.extra_cycles -= static_cast<std::uint32_t>(at[2].cycles_before - at[1].cycles_before - 1);
-  }
 }
 
 template <typename T>
@@ -165,8 +142,9 @@ const Instruction* wait_for_interrupt(Execution& e, const Instruction* at) {
 
 }  // namespace
 
-Handler handler_of(Op op) {
+Handler handler_of(Op op, Operand operand) {
   namespace f = operations;
+  if (const auto xpulp = xpulp_handler_of(op, operand); xpulp != nullptr) return xpulp;
   switch (op) {
     case Op::lui:
     case Op::auipc:
@@ -192,6 +170,7 @@ Handler handler_of(Op op) {
     case Op::lh:
       return load<std::int16_t>;
     case Op::lw:
+    case Op::p_elw:
       return load<std::int32_t>;
     case Op::lbu:
       return load<std::uint8_t>;
@@ -277,10 +256,9 @@ Handler handler_of(Op op) {
       return wait_for_interrupt;
     case Op::end_of_block:
       return end_of_block;
-    case Op::illegal:
-      break;
+    default:
+      return illegal;
   }
-  return illegal;
 }
 
 }  // namespace mebots::soc

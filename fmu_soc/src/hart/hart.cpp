@@ -66,6 +66,7 @@ void Hart::wait_for_ram(const Instruction* at, const MemoryPort& port, std::uint
 void Hart::reset(std::uint32_t pc) {
   execution_.x = {};
   execution_.pc = pc;
+  execution_.loops = {};
   execution_.far_accesses = 0;
   csrs_ = {};
   counters_ = {};
@@ -177,7 +178,8 @@ void Hart::remember() {
   const auto previous = [this](const Instruction& instruction) {
     const bool slow =
         is_multiply_high(instruction.op) || is_divide(instruction.op) || execution_.slow_load == &instruction;
-    return Previous{instruction.op, instruction.rd, slow};
+    return Previous{instruction.op, instruction.rd, slow,
+                    is_post_increment(instruction.op) ? instruction.rs1 : std::uint8_t{0}};
   };
   const auto* exit = execution_.exit;
   if (exit->index == 0) return;
@@ -207,6 +209,7 @@ const Instruction* Hart::leave_after(const Instruction* at, Leave why) {
   auto& e = execution_;
   e.pc = at[1].pc;
   e.exit = at + 1;
+  if (at[1].op == Op::loop_end) at[1].run(e, at + 1);
   e.link = nullptr;
   e.leave = why;
   return nullptr;
@@ -254,6 +257,11 @@ const Instruction* Hart::marked_store(const Instruction* at, std::uint32_t addre
   if (memory_.changed(address, size)) cache_.forget_if_stale();
   if (memory_.marked(address, size, Region::kWatch) && bus_.watched(address)) return leave_after(at, Leave::stop);
   return leave_after(at, Leave::normal);
+}
+
+const Instruction* Hart::set_loop_end(const Instruction* at, unsigned loop, std::uint32_t pc) {
+  execution_.loops[loop].end = pc;
+  return cache_.end_block_at(pc) ? leave_after(at, Leave::normal) : at + 1;
 }
 
 const Instruction* Hart::trap_return(const Instruction* at) {
@@ -341,6 +349,7 @@ void Hart::save(state::Writer& writer) const {
   static_assert(std::has_unique_object_representations_v<Csrs> && std::has_unique_object_representations_v<Fault>);
   writer.put(execution_.x);
   writer.put(execution_.pc);
+  writer.put(execution_.loops);
   writer.put(execution_.far_accesses);
   writer.put(csrs_);
   writer.put(counters_);
@@ -357,6 +366,7 @@ void Hart::save(state::Writer& writer) const {
 void Hart::restore(state::Reader& reader) {
   reader.get(execution_.x);
   reader.get(execution_.pc);
+  reader.get(execution_.loops);
   reader.get(execution_.far_accesses);
   reader.get(csrs_);
   reader.get(counters_);
@@ -369,6 +379,7 @@ void Hart::restore(state::Reader& reader) {
   reader.get(exception_cause_);
   reader.get(exception_repeats_);
   cache_.clear();
+  for (const auto& loop : execution_.loops) cache_.end_block_at(loop.end);
 }
 
 }  // namespace mebots::soc

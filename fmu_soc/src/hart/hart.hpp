@@ -57,7 +57,7 @@ struct InstructionEnergy {
   std::array<std::uint32_t, kOpCount> fj{};
 };
 
-/// One RISC-V hardware thread: RV32IMC_Zicsr_Zifencei in machine mode, timed as RI5CY or CV32E40P.
+/// One RISC-V hardware thread: RV32IMC_Zicsr_Zifencei in machine mode, timed as RI5CY (then with Xpulp v2) or CV32E40P.
 /// Straight code is decoded once into blocks; a block runs only when none of its instructions can start
 /// at or after the limit, otherwise one instruction at a time is taken, with the same counts.
 class Hart {
@@ -104,6 +104,13 @@ class Hart {
   const Instruction* slow_load(const Instruction* at, std::uint32_t address, unsigned size, bool sign);
   const Instruction* slow_store(const Instruction* at, std::uint32_t address, unsigned size, std::uint32_t value);
   const Instruction* marked_store(const Instruction* at, std::uint32_t address, unsigned size);
+  /// Sets where a hardware loop ends, and goes on behind `at`, which did it.
+  const Instruction* set_loop_end(const Instruction* at, unsigned loop, std::uint32_t pc);
+  /// Where to note the block of a loop's next turn, emptied when it holds that of another start.
+  std::uint32_t* loop_link(const Instruction& holder, std::uint32_t start) {
+    if (cache_.block(holder.link).pc != start) holder.link = 0;
+    return &holder.link;
+  }
   const Instruction* csr_access(const Instruction* at);
   const Instruction* trap_return(const Instruction* at);
   const Instruction* wait_for_interrupt(const Instruction* at);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "isa/encoding.hpp"
 #include "isa/op.hpp"
 
 #include <cstdint>
@@ -17,11 +18,11 @@ using Handler = const Instruction* (*)(Execution&, const Instruction*);
 /// make counting free: who leaves the block at this instruction adds them once.
 struct Instruction {
   Handler run = nullptr;
-  std::int32_t imm = 0;  // absolute address for jumps and branches, value for auipc
+  std::int32_t imm = 0;  // absolute address for jumps and branches, value for auipc; operand_value() of Xpulp
   std::uint32_t pc = 0;  // the following Instruction's pc is this one's end
   std::uint8_t rd = 0;   // 32 instead of 0: a register that nobody reads
   std::uint8_t rs1 = 0;
-  std::uint8_t rs2 = 0;
+  std::uint8_t rs2 = 0;  // Xpulp: also the number of a loop, the value of p.beqimm
   Op op = Op::end_of_block;
   std::uint16_t cycles_before = 0;   // static cycles
   std::uint8_t index = 0;            // instructions
@@ -31,7 +32,7 @@ struct Instruction {
 };
 static_assert(sizeof(Instruction) == 32 || sizeof(void*) != 8);
 
-/// Handler of an operation.
-Handler handler_of(Op op);
+/// Handler of an operation whose second operand comes from there.
+Handler handler_of(Op op, Operand operand = Operand::reg);
 
 }  // namespace mebots::soc

@@ -6,30 +6,12 @@
 namespace mebots::soc {
 namespace {
 
+/// Registers that an operation does not read are 0 in its decoded form, but for fields that hold something else.
 bool reads_rs1(Op op) {
-  switch (op) {
-    case Op::lui:
-    case Op::auipc:
-    case Op::jal:
-    case Op::csrrwi:
-    case Op::csrrsi:
-    case Op::csrrci:
-    case Op::fence:
-    case Op::fence_i:
-    case Op::ecall:
-    case Op::ebreak:
-    case Op::mret:
-    case Op::wfi:
-    case Op::illegal:
-    case Op::end_of_block:
-      return false;
-    default:
-      return true;
-  }
+  return op < Op::csrrwi || op > Op::csrrci;
 }
-
 bool reads_rs2(Op op) {
-  return is_branch(op) || is_store(op) || (op >= Op::add && op <= Op::and_) || (op >= Op::mul && op <= Op::remu);
+  return op != Op::p_beqimm && op != Op::p_bneimm && !is_hardware_loop(op);
 }
 
 unsigned own_cycles(const Timing& timing, const Current& current) {
@@ -46,15 +28,19 @@ bool load_stall(const Timing& timing, const Previous& load, const Current& curre
   if (!is_load(load.op) || load.rd == 0 || load.rd > 31) return false;
   if (reads_rs1(current.op) && current.rs1 == load.rd) return true;
   if (reads_rs2(current.op) && current.rs2 == load.rd) return true;
+  if (current.rs3 == load.rd) return true;
   if (is_store(current.op)) {
-    return timing.store_offset_looks_like_rd() && (static_cast<unsigned>(current.imm) & 31U) == load.rd;
+    const bool has_offset = current.op >= Op::sb && current.op <= Op::sw;
+    return has_offset && timing.store_offset_looks_like_rd() && (static_cast<unsigned>(current.imm) & 31U) == load.rd;
   }
   if (is_branch(current.op) || current.rd != load.rd) return false;
   return !is_load(current.op) || timing.load_after_load_stalls();
 }
 
 unsigned jump_cycles(const Previous& two_before, const Previous& before, const Current& jump) {
+  const bool needs_pointer = jump.op == Op::jalr && before.pointer != 0 && jump.rs1 == before.pointer;
   const bool needs_before = jump.op == Op::jalr && before.rd != 0 && before.rd < 32 && jump.rs1 == before.rd;
+  if (needs_pointer && !needs_before) return 3;
   if (needs_before) return is_load(before.op) ? 4 : 3;
   if (before.slow) return 1;  // fetched while that one was busy
   const bool needs_two_before = jump.op == Op::jalr && is_load(two_before.op) && two_before.rd != 0 &&

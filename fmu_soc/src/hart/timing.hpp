@@ -23,6 +23,8 @@ struct Timing {
   bool load_after_load_stalls() const { return kind == CoreKind::ri5cy; }      // same destination register
   bool store_offset_looks_like_rd() const { return kind == CoreKind::ri5cy; }  // imm[4:0] compared with the load's rd
   bool multi_cycle_hides_unaligned_target() const { return kind == CoreKind::ri5cy; }
+  /// Xpulp v2 in the encodings of RI5CY. (CV32E40P has its own.)
+  bool has_xpulp() const { return kind == CoreKind::ri5cy; }
   unsigned csr_cycles(unsigned csr) const;
 };
 
@@ -41,6 +43,7 @@ struct Previous {
   Op op = Op::end_of_block;  // = nothing
   std::uint8_t rd = 0;       // 0 or above 31 = none
   bool slow = false;         // took several cycles: mulh, div, misaligned load
+  std::uint8_t pointer = 0;  // the register that a post-increment wrote; 0 = none
 };
 
 /// The instruction whose cycles are asked for.
@@ -49,6 +52,7 @@ struct Current {
   std::uint8_t rd = 0;
   std::uint8_t rs1 = 0;
   std::uint8_t rs2 = 0;
+  std::uint8_t rs3 = 0;  // a third register that is read; 0 = none
   std::int32_t imm = 0;
 };
 

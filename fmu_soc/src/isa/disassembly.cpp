@@ -24,7 +24,47 @@ std::string operands(const Decoded& d, std::uint32_t pc) {
     case Format::fence:
       return {};
     case Format::r:
+    case Format::simd:
+    case Format::simd_scalar:
       return fmt::format(" {}, {}, {}", rd, rs1, rs2);
+    case Format::unary:
+      return fmt::format(" {}, {}", rd, rs1);
+    case Format::load_reg:
+      return fmt::format(" {}, {}({})", rd, rs2, rs1);
+    case Format::load_post:
+      return fmt::format(" {}, {}({}!)", rd, d.imm, rs1);
+    case Format::load_post_reg:
+      return fmt::format(" {}, {}({}!)", rd, rs2, rs1);
+    case Format::store_reg:
+      return fmt::format(" {}, {}({})", rs2, kNames[d.rs3], rs1);
+    case Format::store_post:
+      return fmt::format(" {}, {}({}!)", rs2, d.imm, rs1);
+    case Format::store_post_reg:
+      return fmt::format(" {}, {}({}!)", rs2, kNames[d.rs3], rs1);
+    case Format::branch_imm:
+      return fmt::format(" {}, {}, 0x{:08x}", rs1, d.rs2 < 16 ? d.rs2 : d.rs2 - 32, target);
+    case Format::loop_target:
+      return fmt::format(" x{}, 0x{:08x}", d.rs2, target);
+    case Format::loop_count:
+      return fmt::format(" x{}, {}", d.rs2, rs1);
+    case Format::loop_counti:
+      return fmt::format(" x{}, {}", d.rs2, d.imm);
+    case Format::loop_setup:
+      return fmt::format(" x{}, {}, 0x{:08x}", d.rs2, rs1, target);
+    case Format::loop_setupi:
+      return fmt::format(" x{}, {}, 0x{:08x}", d.rs2, d.imm & 0xffff, pc + (static_cast<std::uint32_t>(d.imm) >> 16));
+    case Format::bit_field:
+      return fmt::format(" {}, {}, {}, {}", rd, rs1, d.imm >> 5, d.imm & 31);
+    case Format::shifted:
+    case Format::shifted_some:
+      return fmt::format(" {}, {}, {}, {}", rd, rs1, rs2, d.imm);
+    case Format::shuffle_b:
+      return fmt::format(" {}, {}, {}", rd, rs1, d.imm & 63);
+    case Format::clip:
+    case Format::simd_imm:
+    case Format::simd_uimm:
+    case Format::simd_lane:
+    case Format::shuffle_h:
     case Format::i:
     case Format::shift:
       return fmt::format(" {}, {}, {}", rd, rs1, d.imm);
@@ -85,7 +125,7 @@ std::string disassemble(std::uint32_t word, std::uint32_t pc) {
   if (decoded.op == Op::illegal) {
     return decoded.length == 2 ? fmt::format(".half 0x{:04x}", word & 0xffffU) : fmt::format(".word 0x{:08x}", word);
   }
-  return fmt::format("{}{}", decoded.encoding->name, operands(decoded, pc));
+  return fmt::format("{}{}{}", decoded.encoding->name, decoded.encoding->suffix, operands(decoded, pc));
 }
 
 }  // namespace mebots::soc

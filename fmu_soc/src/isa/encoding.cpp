@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "isa/encoding.hpp"
 
+#include "isa/xpulp_encodings.hpp"
+
+#include <algorithm>
 #include <array>
 #include <vector>
 
@@ -13,7 +16,7 @@ constexpr std::uint32_t kFunct7 = 0xfe00707f;
 constexpr std::uint32_t kAll = 0xffffffff;
 
 // clang-format off
-constexpr std::array kEncodings = std::to_array<Encoding>({
+constexpr auto kStandardRows = std::to_array<Encoding>({
     // RV32I
     {"lui",    Op::lui,    Format::u,       kOpcode, 0x00000037},
     {"auipc",  Op::auipc,  Format::u,       kOpcode, 0x00000017},
@@ -107,6 +110,15 @@ constexpr std::array kEncodings = std::to_array<Encoding>({
 });
 // clang-format on
 
+constexpr auto all_rows() {
+  constexpr auto xpulp_rows = xpulp::rows();
+  std::array<Encoding, kStandardRows.size() + xpulp_rows.size()> rows{};
+  std::copy(xpulp_rows.begin(), xpulp_rows.end(), std::copy(kStandardRows.begin(), kStandardRows.end(), rows.begin()));
+  return rows;
+}
+
+constexpr auto kEncodings = all_rows();
+
 /// Bits [high:low] of a word, moved to bit `to`.
 constexpr std::uint32_t field(std::uint32_t word, unsigned high, unsigned low, unsigned to = 0) {
   return ((word >> low) & ((1U << (high - low + 1)) - 1U)) << to;
@@ -121,13 +133,17 @@ constexpr std::int32_t immediate(Format format, std::uint32_t w) {
   switch (format) {
     case Format::i:
     case Format::load:
+    case Format::load_post:
     case Format::jalr:
       return sign_extend(field(w, 31, 20), 11);
+    case Format::clip:
     case Format::shift:
       return static_cast<std::int32_t>(field(w, 24, 20));
     case Format::store:
+    case Format::store_post:
       return sign_extend(field(w, 31, 25, 5) | field(w, 11, 7), 11);
     case Format::branch:
+    case Format::branch_imm:
       return sign_extend(field(w, 31, 31, 12) | field(w, 7, 7, 11) | field(w, 30, 25, 5) | field(w, 11, 8, 1), 12);
     case Format::u:
       return static_cast<std::int32_t>(w & 0xfffff000U);
@@ -135,7 +151,26 @@ constexpr std::int32_t immediate(Format format, std::uint32_t w) {
       return sign_extend(field(w, 31, 31, 20) | field(w, 19, 12, 12) | field(w, 20, 20, 11) | field(w, 30, 21, 1), 20);
     case Format::csr:
     case Format::csr_imm:
+    case Format::loop_counti:
       return static_cast<std::int32_t>(field(w, 31, 20));
+    case Format::loop_target:
+    case Format::loop_setup:
+      return static_cast<std::int32_t>(field(w, 31, 20, 1));
+    case Format::loop_setupi:
+      return static_cast<std::int32_t>(field(w, 31, 20) | field(w, 19, 15, 17));
+    case Format::bit_field:
+      return static_cast<std::int32_t>(field(w, 29, 25, 5) | field(w, 24, 20));
+    case Format::shifted:
+    case Format::shifted_some:
+      return static_cast<std::int32_t>(field(w, 29, 25));
+    case Format::simd_imm:
+      return sign_extend(field(w, 24, 20, 1) | field(w, 25, 25), 5);
+    case Format::simd_uimm:
+    case Format::simd_lane:
+    case Format::shuffle_h:
+      return static_cast<std::int32_t>(field(w, 24, 20, 1) | field(w, 25, 25));
+    case Format::shuffle_b:
+      return static_cast<std::int32_t>(field(w, 28, 27, 6) | field(w, 24, 20, 1) | field(w, 25, 25));
     case Format::c_addi4spn:
       return static_cast<std::int32_t>(field(w, 12, 11, 4) | field(w, 10, 7, 6) | field(w, 6, 6, 2) |
                                        field(w, 5, 5, 3));
@@ -182,7 +217,30 @@ constexpr Registers registers(Format format, std::uint32_t w) {
   const auto prime = [w](unsigned low) { return static_cast<std::uint8_t>(8 + field(w, low + 2, low)); };
   switch (format) {
     case Format::r:
+    case Format::load_reg:
+    case Format::load_post_reg:
+    case Format::shifted:
+    case Format::shifted_some:
+    case Format::simd:
+    case Format::simd_scalar:
       return {full(7), full(15), full(20)};
+    case Format::unary:
+    case Format::load_post:
+    case Format::clip:
+    case Format::bit_field:
+    case Format::simd_imm:
+    case Format::simd_uimm:
+    case Format::simd_lane:
+    case Format::shuffle_h:
+    case Format::shuffle_b:
+      return {full(7), full(15), 0};
+    case Format::loop_target:
+    case Format::loop_counti:
+    case Format::loop_setupi:
+      return {0, 0, static_cast<std::uint8_t>(field(w, 7, 7))};
+    case Format::loop_count:
+    case Format::loop_setup:
+      return {0, full(15), static_cast<std::uint8_t>(field(w, 7, 7))};
     case Format::i:
     case Format::shift:
     case Format::load:
@@ -192,6 +250,10 @@ constexpr Registers registers(Format format, std::uint32_t w) {
       return {full(7), full(15), 0};
     case Format::store:
     case Format::branch:
+    case Format::store_reg:
+    case Format::store_post:
+    case Format::store_post_reg:
+    case Format::branch_imm:
       return {0, full(15), full(20)};
     case Format::u:
     case Format::jal:
@@ -234,6 +296,28 @@ constexpr Registers registers(Format format, std::uint32_t w) {
     default:
       return {};
   }
+}
+
+constexpr Operand operand_of(Format format) {
+  switch (format) {
+    case Format::simd_scalar:
+      return Operand::scalar;
+    case Format::simd_imm:
+    case Format::simd_uimm:
+    case Format::simd_lane:
+    case Format::shuffle_h:
+    case Format::shuffle_b:
+    case Format::clip:
+    case Format::bit_field:
+      return Operand::immediate;
+    default:
+      return Operand::reg;
+  }
+}
+
+constexpr std::uint8_t third_register(const Encoding& encoding, std::uint32_t w) {
+  const bool offset = is_store(encoding.op) && has_register_offset(encoding.format);
+  return offset || reads_rd(encoding.op) ? static_cast<std::uint8_t>(field(w, 11, 7)) : std::uint8_t{0};
 }
 
 /// Rows that can match a word, by its low bits: opcode (32 bits long) or quadrant and funct3 (16 bits long).
@@ -285,12 +369,14 @@ bool is_reserved(const Encoding& encoding, std::uint32_t word) {
     case Format::c_mv:
     case Format::c_add:
       return field(word, 6, 2) == 0;  // c.jr, c.jalr, c.ebreak
+    case Format::shifted_some:
+      return immediate(format, word) == 0;
     default:
       return false;
   }
 }
 
-Decoded decode(std::uint32_t word) {
+Decoded decode(std::uint32_t word, Extension most) {
   static const Index index;
   Decoded decoded;
   if (is_compressed(word)) {
@@ -298,18 +384,43 @@ Decoded decode(std::uint32_t word) {
     decoded.length = 2;
   }
   for (const auto* encoding : index.candidates(word)) {
-    if ((word & encoding->mask) != encoding->match || is_reserved(*encoding, word)) continue;
+    if ((word & encoding->mask) != encoding->match || encoding->extension > most) continue;
+    if (is_reserved(*encoding, word)) continue;
     const auto fields = registers(encoding->format, word);
     decoded.op = encoding->op;
     decoded.rd = fields.rd;
     decoded.rs1 = fields.rs1;
     decoded.rs2 = fields.rs2;
+    decoded.rs3 = third_register(*encoding, word);
+    decoded.operand = operand_of(encoding->format);
     decoded.imm = immediate(encoding->format, word);
     decoded.encoding = encoding;
     return decoded;
   }
   decoded.imm = static_cast<std::int32_t>(word);  // for mtval
   return decoded;
+}
+
+std::int32_t operand_value(const Decoded& decoded) {
+  if (decoded.operand != Operand::immediate) return decoded.imm;
+  const auto value = static_cast<std::uint32_t>(decoded.imm);
+  // Selectors of a shuffle, from the highest part down; each part's bits stand at the foot of the part.
+  switch (decoded.encoding->format) {
+    case Format::clip:
+      return static_cast<std::int32_t>(((1U << value) - 1U) >> 1);
+    case Format::shuffle_h:
+      return static_cast<std::int32_t>(field(value, 1, 1, 16) | field(value, 0, 0));
+    case Format::shuffle_b:
+      return static_cast<std::int32_t>(field(value, 7, 6, 24) | field(value, 5, 4, 16) | field(value, 3, 2, 8) |
+                                       field(value, 1, 0));
+    case Format::simd_imm:
+    case Format::simd_uimm: {
+      const bool bytes = (decoded.encoding->match >> 12 & 1U) != 0;
+      return static_cast<std::int32_t>(bytes ? (value & 0xffU) * 0x01010101U : (value & 0xffffU) * 0x00010001U);
+    }
+    default:
+      return decoded.imm;
+  }
 }
 
 }  // namespace mebots::soc

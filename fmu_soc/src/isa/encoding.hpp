@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-/// The encodings of RV32IMC_Zicsr_Zifencei and the machine-mode instructions.
+/// The encodings of RV32IMC_Zicsr_Zifencei, the machine-mode instructions and Xpulp v2 (xpulp_encodings.hpp).
 /// Source: The RISC-V Instruction Set Manual, volume I (20191213) chapters 2, 3, 7, 9, 16, 24 and volume II (20211203).
 namespace mebots::soc {
 
@@ -27,6 +27,31 @@ enum class Format : std::uint8_t {
   csr,
   csr_imm,
   fence,
+  // Xpulp
+  unary,           // rd, rs1
+  load_reg,        // rd, rs2(rs1)
+  load_post,       // rd, imm(rs1!)
+  load_post_reg,   // rd, rs2(rs1!)
+  store_reg,       // rs2, rs3(rs1); rs3 stands in the place of rd
+  store_post,      // rs2, imm(rs1!)
+  store_post_reg,  // rs2, rs3(rs1!)
+  branch_imm,      // rs1, 5-bit signed value, target
+  loop_target,     // loop, target
+  loop_count,      // loop, rs1
+  loop_counti,     // loop, 12-bit count
+  loop_setup,      // loop, rs1 = count, end
+  loop_setupi,     // loop, 12-bit count, end
+  clip,            // rd, rs1, bits
+  bit_field,       // rd, rs1, width - 1, position
+  shifted,         // rd, rs1, rs2, shift
+  shifted_some,    // likewise; a shift of 0 has its own row
+  simd,            // rd, rs1, rs2
+  simd_scalar,     // likewise; the low part of rs2 stands for all parts
+  simd_imm,        // rd, rs1, 6-bit signed value for all parts
+  simd_uimm,       // likewise, unsigned
+  simd_lane,       // rd, rs1, number of the part
+  shuffle_h,       // rd, rs1, one selecting bit a half
+  shuffle_b,       // rd, rs1, two selecting bits a byte; those of byte 3 are bits 28:27
   c_none,
   c_addi4spn,
   c_load,
@@ -50,6 +75,19 @@ enum class Format : std::uint8_t {
   c_add,
 };
 
+/// What a core must have so that a row of the table is an instruction for it.
+enum class Extension : std::uint8_t {
+  standard,  // RV32IMC_Zicsr_Zifencei, machine mode
+  xpulp,     // Xpulp v2 as in RI5CY
+};
+
+/// Where the second operand of an operation comes from.
+enum class Operand : std::uint8_t {
+  reg,        // register rs2
+  scalar,     // the low half or byte of register rs2, for all parts
+  immediate,  // the immediate
+};
+
 /// One row of the table: a word is this instruction when `(word & mask) == match` and the operands are not reserved.
 struct Encoding {
   std::string_view name;
@@ -57,15 +95,21 @@ struct Encoding {
   Format format;
   std::uint32_t mask;
   std::uint32_t match;
+  Extension extension = Extension::standard;
+  std::string_view suffix = {};  // of the name
 };
 
 /// An instruction taken out of its encoding. Branch and jump immediates are relative to the instruction;
-/// `imm` of a CSR instruction is the CSR's number, `rs1` of the immediate forms the 5-bit value.
+/// `imm` of a CSR instruction is the CSR's number, `rs1` of the immediate forms the 5-bit value. Of Xpulp: `rs2` of
+/// p.beqimm and p.bneimm is the 5-bit value, of lp.* the number of the loop; `imm` of lp.setupi is the count, with the
+/// distance of the end in the upper half; of a bit field: width - 1 << 5 | position.
 struct Decoded {
   Op op = Op::illegal;
   std::uint8_t rd = 0;
   std::uint8_t rs1 = 0;
   std::uint8_t rs2 = 0;
+  std::uint8_t rs3 = 0;  // a third register that is read: rd of an accumulation, offset of a store
+  Operand operand = Operand::reg;
   std::uint8_t length = 4;  // bytes
   std::int32_t imm = 0;
   const Encoding* encoding = nullptr;
@@ -74,6 +118,11 @@ struct Decoded {
 /// The whole table.
 std::span<const Encoding> encodings();
 
+/// A load or store whose offset or increment stands in a register.
+constexpr bool has_register_offset(Format format) {
+  return format == Format::load_reg || format == Format::load_post_reg || format == Format::store_reg ||
+         format == Format::store_post_reg;
+}
 constexpr bool is_compressed(Format format) {
   return format >= Format::c_none;
 }
@@ -85,8 +134,13 @@ constexpr bool is_compressed(std::uint32_t word) {
 /// Whether the word's operands make this encoding reserved (a zero shift of `c.addi4spn`, ...).
 bool is_reserved(const Encoding& encoding, std::uint32_t word);
 
-/// Decodes a 32-bit word, or the 16-bit instruction in its low half. Unknown or reserved: `Op::illegal`.
-Decoded decode(std::uint32_t word);
+/// Decodes a 32-bit word, or the 16-bit instruction in its low half. Unknown, reserved, or of an extension beyond
+/// `most`: `Op::illegal`.
+Decoded decode(std::uint32_t word, Extension most = Extension::xpulp);
+
+/// The immediate as the operation takes it: for all parts of a SIMD operation, the bound of a clip, the selectors of a
+/// shuffle. Other immediates as they are.
+std::int32_t operand_value(const Decoded& decoded);
 
 /// Assembly text of a word at an address: "addi sp, sp, -16"; ".word 0x..." when illegal.
 std::string disassemble(std::uint32_t word, std::uint32_t pc);

@@ -15,6 +15,7 @@ namespace mebots::soc {
 struct Region {
   static constexpr std::uint8_t kCode = 1;   // decoded instructions stand here
   static constexpr std::uint8_t kWatch = 2;  // the host wants to know
+  static constexpr std::uint8_t kLoop = 4;   // the last instruction of a hardware loop begins here
 
   std::string name;
   std::uint32_t base = 0;
