@@ -21,7 +21,9 @@ Settings settings_of(const Parameters& parameters) {
   settings.frame_width = static_cast<std::uint32_t>(parameters.camera_frame_width);
   settings.mission = {parameters.mission_cruise_speed_m_per_s, parameters.mission_altitude_m,
                       parameters.mission_frame_period_s,       parameters.mission_yaw_rate_scale_rad_per_s,
-                      parameters.mission_landing_charge,       static_cast<std::int32_t>(parameters.mission_policy)};
+                      parameters.mission_landing_charge,       static_cast<std::int32_t>(parameters.mission_policy),
+                      parameters.mission_initial_speed_m_per_s,
+                      static_cast<std::int32_t>(parameters.mission_navigator)};
   return settings;
 }
 
@@ -82,7 +84,8 @@ void Model::take_inputs(const Inputs& inputs) {
   }
   if (auto* flight = soc_.flight()) {
     flight->inputs = {static_cast<std::int32_t>(inputs.flight_phase), inputs.flight_range_m,
-                      inputs.flight_forward_velocity_m_per_s, inputs.flight_yaw_rad};
+                      inputs.flight_forward_velocity_m_per_s, inputs.flight_yaw_rad,
+                      inputs.flight_gate_passed ? 1 : 0};
   }
   offer_picture(inputs);
 }

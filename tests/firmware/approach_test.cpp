@@ -40,14 +40,16 @@ Flight fly(const world::scene::Scene& scene, const BodyPose& start, const Missio
   Camera camera(scene);
   PlainDrone drone{start};
   pilot_t pilot;
-  pilot_init(&pilot, mission.adaptive, micro(mission.cruise_m_s), micro(mission.yaw_rate_scale_rad_s));
+  policy_t policy;
+  policy_init(&policy, mission.adaptive, micro(mission.cruise_m_s), micro(mission.cruise_m_s));
+  pilot_init(&pilot, &policy, micro(mission.yaw_rate_scale_rad_s));
   Flight flight;
   pilot_command_t command{0, 0};
   for (int frame = 0; frame < 3000 && !flight.done; ++frame) {
     const auto& pixels = camera.take(drone.pose, seed);
     for (int step = 0; step < kStepsPerFrame; ++step) {
       if (step == kStepsOfDelay) {
-        const auto seen = navigate(pixels.data(), camera.width(), camera.height());
+        const auto seen = finder_navigate(pixels.data(), camera.width(), camera.height());
         command = pilot_step(&pilot, &seen, micro(drone.velocity_m_s), micro(kStep_s * kStepsPerFrame));
       }
       const Eigen::Vector3d before_m = drone.pose.p_WB_m;

@@ -82,7 +82,7 @@ Outcome run(const soc::MissionParameters::Values& mission, const Surroundings& a
     chip.battery()->set_voltage_v(3.7);
     chip.battery()->set_state_of_charge(around.charge - around.charge_per_second * outcome.time_s);
     auto& inputs = chip.flight()->inputs;
-    inputs = {outcome.phase, drone.pose.p_WB_m.z(), drone.velocity_m_s, drone.pose.yaw_rad};
+    inputs = {outcome.phase, drone.pose.p_WB_m.z(), drone.velocity_m_s, drone.pose.yaw_rad, 0};
     if (chip.camera()->wants(picture_id)) chip.camera()->offer(picture, chip.now());
     // What the chip put out up to here, before its next step.
     const auto sent = chip.flight()->sent();
@@ -92,7 +92,7 @@ Outcome run(const soc::MissionParameters::Values& mission, const Surroundings& a
     if (around.with_pictures && requests != picture_id) {
       picture = camera.take(drone.pose, 1);
       picture_id = requests;
-      outcome.answers.push_back(navigate(picture.data(), camera.width(), camera.height()));
+      outcome.answers.push_back(finder_navigate(picture.data(), camera.width(), camera.height()));
     }
     const Eigen::Vector3d before_m = drone.pose.p_WB_m;
     if (outcome.time_s >= around.crash_at_s) {
@@ -115,7 +115,7 @@ Outcome run(const soc::MissionParameters::Values& mission, const Surroundings& a
   return outcome;
 }
 
-constexpr soc::MissionParameters::Values kMission{0.2777778, 1.0, 0.1, 0.5, 0.1, 0};
+constexpr soc::MissionParameters::Values kMission{0.2777778, 1.0, 0.1, 0.5, 0.1, 0, 0.2777778, 0};
 
 void show(const Outcome& outcome) {
   for (const auto& line : outcome.console) std::printf("[ console  ] %s\n", line.c_str());

@@ -249,7 +249,7 @@ TEST(Navigator, TurnsLeftForAGateOnTheLeftAndTellsItsDistance) {
     SCOPED_TRACE(yaw);
     pose.yaw_rad = yaw * kDegree;
     const auto& pixels = camera.take(pose, 1);
-    const auto seen = navigate(pixels.data(), camera.width(), camera.height());
+    const auto seen = finder_navigate(pixels.data(), camera.width(), camera.height());
     const auto truth = project(camera, pose, gate);
     EXPECT_GT(seen.confidence, 128);
     EXPECT_NEAR(seen.yaw, 127.0 * (160.0 - truth.x_px) / 160.0, 127.0 * 0.02);
@@ -259,7 +259,7 @@ TEST(Navigator, TurnsLeftForAGateOnTheLeftAndTellsItsDistance) {
 
 TEST(Navigator, SaysNothingOfAPictureWithoutGate) {
   const std::vector<std::uint8_t> pixels(std::size_t{320} * 320, 100);
-  const auto seen = navigate(pixels.data(), 320, 320);
+  const auto seen = finder_navigate(pixels.data(), 320, 320);
   EXPECT_EQ(seen.confidence, 0);
   EXPECT_EQ(seen.yaw, 0);
   EXPECT_EQ(seen.distance_mm, 0);

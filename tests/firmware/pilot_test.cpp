@@ -17,7 +17,9 @@ constexpr navigator_output_t kNothing{0, 0, 0};
 
 pilot_t new_pilot(bool adaptive = false) {
   pilot_t pilot;
-  pilot_init(&pilot, adaptive, kCruise, kYawScale);
+  policy_t policy;
+  policy_init(&policy, adaptive, kCruise, kCruise);
+  pilot_init(&pilot, &policy, kYawScale);
   return pilot;
 }
 

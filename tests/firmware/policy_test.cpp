@@ -17,7 +17,7 @@ constexpr std::int8_t kAboveThreeTenths = 39;
 
 policy_t adaptive() {
   policy_t policy;
-  policy_init(&policy, true, kOneKmPerHour);
+  policy_init(&policy, true, kOneKmPerHour, kOneKmPerHour);
   return policy;
 }
 
@@ -29,7 +29,7 @@ std::int32_t after(policy_t& policy, int count, std::int8_t yaw) {
 
 TEST(Policy, ConstantSpeedIsTheCruiseSpeedWhereverTheGateIs) {
   policy_t policy;
-  policy_init(&policy, false, 123456);
+  policy_init(&policy, false, 123456, 0);
   for (int yaw = -127; yaw <= 127; ++yaw) {
     ASSERT_EQ(policy_speed_um_s(&policy, static_cast<std::int8_t>(yaw)), 123456);
   }

@@ -4,6 +4,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "app/follower.h"
 #include "app/navigator.h"
 #include "app/pilot.h"
 #include "board.h"
@@ -29,6 +30,15 @@ typedef struct {
 } statistics_t;
 
 static statistics_t statistics;
+
+// Who looks at the pictures and who steers by what was seen: the finder has a pilot that searches and measures its
+// way, the network one that follows.
+typedef struct {
+  navigator_t* navigate;
+  bool follows;
+  pilot_t pilot;
+  follower_t follower;
+} crew_t;
 
 static uint32_t retired_instructions(void) {
   uint32_t count;
@@ -57,9 +67,9 @@ static bool wait_for_phase(uint32_t wanted, uint32_t least_charge_ppm) {
   }
 }
 
-static navigator_output_t look(const picture_t* picture) {
+static navigator_output_t look(const crew_t* crew, const picture_t* picture) {
   const uint32_t before = retired_instructions();
-  const navigator_output_t seen = navigate(picture->pixels, picture->width, picture->height);
+  const navigator_output_t seen = crew->navigate(picture->pixels, picture->width, picture->height);
   const uint32_t spent = retired_instructions() - before;
   ++statistics.pictures;
   statistics.sightings += seen.confidence > 0 ? 1 : 0;
@@ -70,21 +80,48 @@ static navigator_output_t look(const picture_t* picture) {
   return seen;
 }
 
-static void tell(const pilot_t* pilot, const navigator_output_t* seen, const pilot_command_t* order) {
+static crew_t crew_of_mission(void) {
+  policy_t policy;
+  policy_init(&policy, MISSION_POLICY == POLICY_ADAPTIVE, (int32_t)MISSION_CRUISE_SPEED,
+              (int32_t)MISSION_INITIAL_SPEED);
+  crew_t crew;
+  crew.follows = MISSION_NAVIGATOR == NAVIGATOR_NETWORK;
+  crew.navigate = crew.follows ? network_navigate : finder_navigate;
+  pilot_init(&crew.pilot, &policy, (int32_t)MISSION_YAW_RATE_SCALE);
+  follower_init(&crew.follower, &policy, (int32_t)MISSION_YAW_RATE_SCALE);
+  return crew;
+}
+
+static pilot_phase_t phase_of(const crew_t* crew) {
+  return crew->follows ? crew->follower.phase : crew->pilot.phase;
+}
+
+static pilot_command_t steer(crew_t* crew, const navigator_output_t* seen, int32_t elapsed_us) {
+  const int32_t velocity_um_s = flight_forward_velocity_um_s();
+  return crew->follows ? follower_step(&crew->follower, seen->yaw, flight_gate_passed(), velocity_um_s, elapsed_us)
+                       : pilot_step(&crew->pilot, seen, velocity_um_s, elapsed_us);
+}
+
+static void tell(const crew_t* crew, const navigator_output_t* seen, const pilot_command_t* order) {
   static const char* const kPhases[] = {"search", "approach", "through", "done"};
-  print("%m s  picture %u, %s", (int32_t)(timer_now_ns() / NS_PER_MS), statistics.pictures, kPhases[pilot->phase]);
-  if (seen->confidence > 0) {
+  print("%m s  picture %u, %s", (int32_t)(timer_now_ns() / NS_PER_MS), statistics.pictures, kPhases[phase_of(crew)]);
+  if (crew->follows) {
+    print(", output %m", seen->yaw * 1000 / 127);
+  } else if (seen->confidence > 0) {
     print(", gate at %m m, output %m, confidence %u", (int32_t)seen->distance_mm, seen->yaw * 1000 / 127,
           (uint32_t)seen->confidence);
   } else {
     print(", no gate in the picture");
   }
-  print("; %M m to go, speed %M m/s, yaw rate %M rad/s, charge %M\n", pilot->remaining_um, order->velocity_um_s,
-        order->yaw_rate_urad_s, (int32_t)battery_charge_ppm());
+  if (!crew->follows) {
+    print("; %M m to go", crew->pilot.remaining_um);
+  }
+  print(", speed %M m/s, yaw rate %M rad/s, charge %M\n", order->velocity_um_s, order->yaw_rate_urad_s,
+        (int32_t)battery_charge_ppm());
 }
 
 // The loop from picture to set-points. Returns the exit code that the flight has earned so far.
-static int fly(pilot_t* pilot) {
+static int fly(crew_t* crew) {
   const int64_t period_ns = (int64_t)MISSION_FRAME_PERIOD * NS_PER_US;
   int64_t frame_ns = timer_now_ns();
   int64_t last_ns = frame_ns;
@@ -105,21 +142,20 @@ static int fly(pilot_t* pilot) {
       return EXIT_CAMERA;
     }
     if (result == PICTURE_TAKEN) {
-      seen = look(&picture);
+      seen = look(crew, &picture);
     } else {
       ++statistics.late;
     }
 
     const int64_t now_ns = timer_now_ns();
-    const pilot_phase_t before = pilot->phase;
-    const pilot_command_t order =
-        pilot_step(pilot, &seen, flight_forward_velocity_um_s(), (int32_t)((now_ns - last_ns) / NS_PER_US));
+    const pilot_phase_t before = phase_of(crew);
+    const pilot_command_t order = steer(crew, &seen, (int32_t)((now_ns - last_ns) / NS_PER_US));
     last_ns = now_ns;
     command(FLIGHT_MODE_FLY, order.velocity_um_s, order.yaw_rate_urad_s);
-    if (pilot->phase != before || statistics.pictures % PICTURES_PER_LINE == 1) {
-      tell(pilot, &seen, &order);
+    if (phase_of(crew) != before || statistics.pictures % PICTURES_PER_LINE == 1) {
+      tell(crew, &seen, &order);
     }
-    if (pilot->phase == PILOT_DONE) {
+    if (phase_of(crew) == PILOT_DONE) {
       return EXIT_GATE_PASSED;
     }
 
@@ -149,7 +185,8 @@ int main(void) {
   timer_init();
   camera_init();
 
-  print("gate firmware: %s speed policy, cruise %M m/s at %M m, a picture every %m ms, core at %M MHz\n",
+  print("gate firmware: %s, %s speed policy, cruise %M m/s at %M m, a picture every %m ms, core at %M MHz\n",
+        MISSION_NAVIGATOR == NAVIGATOR_NETWORK ? "neural network" : "gate finder",
         MISSION_POLICY == POLICY_ADAPTIVE ? "adaptive" : "constant", (int32_t)MISSION_CRUISE_SPEED,
         (int32_t)MISSION_ALTITUDE, (int32_t)MISSION_FRAME_PERIOD, (int32_t)POWER_MANAGER_CLOCK_HZ);
   if (battery_charge_ppm() <= MISSION_LANDING_CHARGE) {
@@ -161,10 +198,8 @@ int main(void) {
   int code = EXIT_LANDED_EARLY;
   if (wait_for_phase(FLIGHT_PHASE_FLYING, MISSION_LANDING_CHARGE)) {
     print("%m s  flying at %M m\n", (int32_t)(timer_now_ns() / NS_PER_MS), flight_range_um());
-    pilot_t pilot;
-    pilot_init(&pilot, MISSION_POLICY == POLICY_ADAPTIVE, (int32_t)MISSION_CRUISE_SPEED,
-               (int32_t)MISSION_YAW_RATE_SCALE);
-    code = fly(&pilot);
+    crew_t crew = crew_of_mission();
+    code = fly(&crew);
   }
   command(FLIGHT_MODE_LAND, 0, 0);
   if (!wait_for_phase(FLIGHT_PHASE_LANDED, 0)) {

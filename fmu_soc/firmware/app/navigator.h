@@ -20,7 +20,12 @@ typedef struct {
 } navigator_output_t;
 
 // Looks at one picture of 8-bit grey pixels, row by row from the top left. Keeps nothing from call to call.
-navigator_output_t navigate(const uint8_t* frame, int width, int height);
+typedef navigator_output_t navigator_t(const uint8_t* frame, int width, int height);
+
+// The classical gate finder: tells all three.
+navigator_t finder_navigate;
+// The neural network: tells the yaw alone, with full confidence; confidence 0 for a picture under 168 x 168.
+navigator_t network_navigate;
 
 #ifdef __cplusplus
 }

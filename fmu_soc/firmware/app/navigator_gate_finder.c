@@ -7,7 +7,7 @@
 // Contrast of the weakest side, in grey levels, that gives full confidence.
 #define FULL_CONFIDENCE_CONTRAST 32
 
-navigator_output_t navigate(const uint8_t* frame, int width, int height) {
+navigator_output_t finder_navigate(const uint8_t* frame, int width, int height) {
   navigator_output_t output = {0, 0, 0};
   gate_view_t view;
   if (!find_gate(frame, width, height, &view)) {

@@ -17,10 +17,10 @@ static int32_t abs_i32(int32_t a) {
   return a < 0 ? -a : a;
 }
 
-void pilot_init(pilot_t* pilot, bool adaptive, int32_t cruise_um_s, int32_t yaw_rate_scale_urad_s) {
+void pilot_init(pilot_t* pilot, const policy_t* policy, int32_t yaw_rate_scale_urad_s) {
   pilot->phase = PILOT_SEARCH;
   pilot->remaining_um = 0;
-  policy_init(&pilot->policy, adaptive, cruise_um_s);
+  pilot->policy = *policy;
   pilot->yaw_rate_scale_urad_s = yaw_rate_scale_urad_s;
   pilot->last_velocity_um_s = 0;
   pilot->sightings = 0;

@@ -43,8 +43,8 @@ typedef struct {
   int8_t last_yaw;
 } pilot_t;
 
-// Starts in PILOT_SEARCH. The scale is the yaw rate at navigator output 127.
-void pilot_init(pilot_t* pilot, bool adaptive, int32_t cruise_um_s, int32_t yaw_rate_scale_urad_s);
+// Starts in PILOT_SEARCH with the policy as it is. The scale is the yaw rate at navigator output 127.
+void pilot_init(pilot_t* pilot, const policy_t* policy, int32_t yaw_rate_scale_urad_s);
 
 // One picture: what the navigator saw in it, the velocity along the heading now, and the time since the last call.
 pilot_command_t pilot_step(pilot_t* pilot, const navigator_output_t* seen, int32_t forward_velocity_um_s,

@@ -4,10 +4,10 @@
 // 0.05 km/h.
 #define SPEED_STEP_UM_S 13889
 
-void policy_init(policy_t* policy, bool adaptive, int32_t cruise_um_s) {
+void policy_init(policy_t* policy, bool adaptive, int32_t cruise_um_s, int32_t first_um_s) {
   policy->adaptive = adaptive;
   policy->cruise_um_s = cruise_um_s;
-  policy->speed_um_s = cruise_um_s;
+  policy->speed_um_s = first_um_s;
   policy->count = 0;
   policy->next = 0;
 }

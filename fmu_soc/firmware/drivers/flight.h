@@ -2,6 +2,7 @@
 // Link to the flight controller, battery gauge and parameters of the mission.
 #pragma once
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "board.h"
@@ -35,6 +36,11 @@ static inline int32_t flight_forward_velocity_um_s(void) {
 }
 static inline int32_t flight_yaw_urad(void) {
   return (int32_t)FLIGHT_YAW;
+}
+
+// True once the referee saw the drone pass the gate.
+static inline bool flight_gate_passed(void) {
+  return FLIGHT_GATE_PASSED != 0;
 }
 
 static inline uint32_t battery_voltage_mv(void) {

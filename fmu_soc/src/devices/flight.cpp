@@ -42,6 +42,9 @@ bool Flight::load(std::uint32_t offset, Picoseconds /*now*/, std::uint32_t& valu
     case board::flight::kYaw:
       value = to_register(inputs.yaw_rad, kMicro);
       return true;
+    case board::flight::kGatePassed:
+      value = static_cast<std::uint32_t>(inputs.gate_passed);
+      return true;
     default:
       break;
   }

@@ -17,6 +17,7 @@ class Flight final : public Device {
     double range_m = 0;
     double forward_velocity_m_per_s = 0;
     double yaw_rad = 0;
+    std::int64_t gate_passed = 0;  ///< 0 or 1; a word, so that no byte of a saved state is padding
   };
   /// What was sent last; words as the firmware wrote them.
   struct SetPoint {

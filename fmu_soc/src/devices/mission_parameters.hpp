@@ -17,6 +17,8 @@ class MissionParameters final : public Readings<board::mission::kRegisters.size(
     double yaw_rate_scale_rad_per_s = 0;
     double landing_charge = 0;
     std::int32_t policy = 0;
+    double initial_speed_m_per_s = 0;
+    std::int32_t navigator = 0;
   };
 
   explicit MissionParameters(const Values& values) {
@@ -26,6 +28,8 @@ class MissionParameters final : public Readings<board::mission::kRegisters.size(
     set(board::mission::kYawRateScale, to_register(values.yaw_rate_scale_rad_per_s, kMicro));
     set(board::mission::kLandingCharge, to_register(values.landing_charge, kMicro));
     set(board::mission::kPolicy, static_cast<std::uint32_t>(values.policy));
+    set(board::mission::kInitialSpeed, to_register(values.initial_speed_m_per_s, kMicro));
+    set(board::mission::kNavigator, static_cast<std::uint32_t>(values.navigator));
   }
 };
 

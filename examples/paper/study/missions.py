@@ -1,0 +1,80 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The flights of the study: what differs from flight to flight, and how a flight becomes a config of `mebots run`."""
+
+import copy
+import dataclasses
+import json
+import pathlib
+
+ROOT = pathlib.Path(__file__).resolve().parents[3]
+KM_H = 1.0 / 3.6
+
+BATTERIES = {  # name in fmu_battery/params/cells -> (label, capacity mAh, mass g), after the paper
+    "bitcraze_250": ("Bitcraze", 250, 7.1),
+    "ufx_250": ("UFX", 250, 5.8),
+    "cyclone_300": ("Cyclone", 300, 8.1),
+    "lipol_350": ("Lipol", 350, 9.2),
+}
+HEAVIEST_G = max(mass for _, _, mass in BATTERIES.values())
+
+
+def scenario(name):
+    """What describes a scenario: the parameters in scenarios.json, without their sources."""
+    data = json.loads((ROOT / "examples/paper/scenarios.json").read_text())[name]
+    return {key: entry["value"] for key, entry in data.items()}
+
+
+@dataclasses.dataclass(frozen=True)
+class Flight:
+    """One flight. Speeds in km/h, as the paper gives them."""
+    name: str
+    scenario: str
+    speed_km_h: float
+    adaptive: bool = False
+    battery: str = "bitcraze_250"
+    equal_mass: bool = False
+    extra: tuple = ()       # more (variable, value) pairs
+    stop_time: float = 600.0
+    record: tuple = ()      # variables to record; none: the usual ones
+    pictures: bool = False
+
+    def parameters(self):
+        values = dict(scenario(self.scenario))
+        values["soc.mission.navigator"] = "network"
+        values["soc.mission.cruise_speed"] = self.speed_km_h * KM_H
+        values["soc.mission.initial_speed"] = self.speed_km_h * KM_H
+        values["soc.mission.policy"] = "adaptive" if self.adaptive else "constant"
+        values["battery.cell.name"] = self.battery
+        if self.equal_mass:
+            _, _, mass = BATTERIES[self.battery]
+            values["world.drone.dry_mass"] = DRY_MASS_KG + (HEAVIEST_G - mass) / 1000
+        values.update(self.extra)
+        return values
+
+
+DRY_MASS_KG = next(v["start"] for v in json.loads((ROOT / "fmu_world/description.json").read_text())["variables"]
+                   if v["name"] == "drone.dry_mass")
+
+RECORDED = ["world.drone.position.x", "world.drone.position.y", "world.drone.position.z", "world.drone.speed",
+            "world.drone.yaw", "world.drone.phase", "world.gate.passed", "world.gate.touched", "world.gate.distance",
+            "battery.cell.state_of_charge", "battery.cell.voltage", "soc.setpoint.yaw_rate",
+            "soc.setpoint.velocity.x", "motors.power", "motors.avionics.power", "soc.power", "soc.camera.power",
+            "battery.energy.open_circuit", "battery.energy.delivered", "battery.energy.converters",
+            "battery.energy.ohmic", "battery.energy.polarisation", "battery.motors.energy", "battery.soc.energy",
+            "battery.camera.energy", "battery.avionics.energy"]
+
+
+def config(flight, fmus):
+    """The config of a flight: that of the easy gate, changed."""
+    system = copy.deepcopy(json.loads((ROOT / "configs/gate_easy.json").read_text()))
+    system["text"] = flight.name
+    system["stop_time"] = flight.stop_time
+    for name, instance in system["instances"].items():
+        instance["fmu"] = str(pathlib.Path(fmus).resolve() / pathlib.Path(instance["fmu"]).name)
+    for variable, value in flight.parameters().items():
+        instance, name = variable.split(".", 1)
+        system["instances"][instance].setdefault("parameters", {})[name] = value
+    system["record"] = {"variables": list(flight.record) or RECORDED, "interval": 0.1}
+    if not flight.pictures:
+        del system["pictures"]
+    return system

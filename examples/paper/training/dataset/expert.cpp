@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "expert.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace mebots::training {
+namespace {
+
+using Eigen::Vector3d;
+
+/// Apparent edges of the frame, over half the picture's width, between which the command fades.
+constexpr double kFullCommandEdge = 1.05;
+constexpr double kNoCommandEdge = 2.1;
+constexpr double kLeastVisiblePart = 0.25;
+/// A gate seen at a flatter angle than this is a beam, not an opening.
+constexpr double kLeastCosine = 0.3;
+/// Nearer along the optical axis, a point is beside the camera.
+constexpr double kLeastDepth_m = 0.05;
+constexpr double kBeside = 100.0;
+
+}  // namespace
+
+Advice expert(const world::scene::Scene& scene, const world::camera::Intrinsics& intrinsics,
+              const world::camera::Pose& camera) {
+  Advice advice;
+  if (scene.gates.empty()) return advice;
+  const auto& gate = scene.gates[0];
+  const Vector3d ahead_W{std::cos(gate.yaw_rad), std::sin(gate.yaw_rad), 0.0};
+  const Vector3d left_W{-ahead_W.y(), ahead_W.x(), 0.0};
+  const Vector3d to_gate_W = gate.p_W_m - camera.p_WC_m;
+  advice.distance_m = ahead_W.dot(to_gate_W);
+  const double tangent = std::tan(0.5 * intrinsics.horizontal_field_of_view_rad);
+  // Offset of a point in half widths of the picture; beyond any edge if it lies beside or behind the camera.
+  const auto offset_of = [&](const Vector3d& p_W) {
+    const Vector3d p_C = camera.R_WC.transpose() * (p_W - camera.p_WC_m);
+    return p_C.x() > kLeastDepth_m ? p_C.y() / p_C.x() / tangent : std::copysign(kBeside, p_C.y());
+  };
+  advice.offset = offset_of(gate.p_W_m);
+  const double a = offset_of(gate.p_W_m + 0.5 * gate.outer_m * left_W);
+  const double b = offset_of(gate.p_W_m - 0.5 * gate.outer_m * left_W);
+  const double low = std::min(a, b);
+  const double high = std::max(a, b);
+  const double seen = std::min(high, 1.0) - std::max(low, -1.0);
+  if (seen <= 0.0) return advice;
+  // Inside the fading distance a frame may be out of view on both sides, with its middle still ahead.
+  const bool through = advice.distance_m > 0.0 && low < -1.0 && high > 1.0 && std::abs(advice.offset) < 1.0;
+  const bool flat = advice.distance_m < kLeastCosine * to_gate_W.norm();
+  if (!through && (flat || seen < kLeastVisiblePart * (high - low))) {
+    advice.visibility = Visibility::sliver;
+    return advice;
+  }
+  advice.visibility = Visibility::enough;
+  // Fades evenly over the distance, which is one over the apparent edge.
+  const double near = advice.distance_m * tangent / gate.outer_m;
+  advice.strength =
+      std::clamp((near - 1.0 / kNoCommandEdge) / (1.0 / kFullCommandEdge - 1.0 / kNoCommandEdge), 0.0, 1.0);
+  advice.yaw = advice.strength * std::clamp(advice.offset, -1.0, 1.0);
+  return advice;
+}
+
+}  // namespace mebots::training

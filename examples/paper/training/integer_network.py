@@ -1,0 +1,76 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The network in whole numbers, by numpy alone: this defines what every kernel of the firmware computes.
+
+Layers are (weights[out][row][column][in] int8, biases[out] int32, shifts[out] uint8). An output is
+clip((sum of weight x input + bias + half) >> shift): [0, 255] after a convolution, [-127, 127] after the dense layer.
+"""
+
+import numpy as np
+
+STRIDES = [2, 2, 1, 2, 1, 2, 1]
+EDGE = 168
+
+
+def shrink(picture):
+    """The network's picture (168 x 168, grey level less 128) from the camera's: rounded means of 2 x 2 pixels whose
+    places are spread evenly from edge to edge. As fmu_soc/firmware/nn/shrink.c."""
+    picture = np.asarray(picture).astype(np.int32)
+    rows, columns = (np.arange(EDGE) * (length - 2) // (EDGE - 1) for length in picture.shape)
+    total = sum(picture[np.ix_(rows + i, columns + j)] for i in (0, 1) for j in (0, 1))
+    return ((total + 2) >> 2).astype(np.int16) - 128
+
+
+def convolution(values, weights, stride):
+    """values[row][column][in] -> sums[row][column][out], zeros around."""
+    kernel = weights.shape[1]
+    padded = np.pad(values.astype(np.int64), ((kernel // 2,) * 2, (kernel // 2,) * 2, (0, 0)))
+    windows = np.lib.stride_tricks.sliding_window_view(padded, (kernel, kernel), axis=(0, 1))[::stride, ::stride]
+    return np.einsum("yxcij,oijc->yxo", windows, weights.astype(np.int64))
+
+
+def requantise(sums, biases, shifts, low, high):
+    half = np.int64(1) << (shifts.astype(np.int64) - 1)
+    return np.clip((sums + biases.astype(np.int64) + half) >> shifts.astype(np.int64), low, high)
+
+
+def infer(layers, picture):
+    """The yaw output of a picture (168 x 168, grey level less 128) and the outputs of all convolutions, the first
+    one's pooled."""
+    values = np.asarray(picture).reshape(EDGE, EDGE, 1)
+    activations = []
+    for i, stride in enumerate(STRIDES):
+        weights, biases, shifts = layers[i]
+        values = requantise(convolution(values, weights, stride), biases, shifts, 0, 255)
+        if i == 0:
+            edge, _, channels = values.shape
+            values = values.reshape(edge // 2, 2, edge // 2, 2, channels).max(axis=(1, 3))
+        activations.append(values.astype(np.uint8))
+    weights, biases, shifts = layers[-1]
+    total = np.array([np.sum(values * weights[0].astype(np.int64))])
+    return int(requantise(total, biases, shifts, -127, 127)[0]), activations
+
+
+def checksum(array, start=2166136261):
+    """FNV-1a over the array's bytes, 32 bits."""
+    value = start
+    for byte in np.ascontiguousarray(array).tobytes():
+        value = ((value ^ byte) * 16777619) & 0xFFFFFFFF
+    return value
+
+
+def load(path):
+    """Layers from the .npz that train.py writes."""
+    with np.load(path) as file:
+        return [tuple(file[f"{what}{i}"] for what in ("weights", "biases", "shifts")) for i in range(len(STRIDES) + 1)]
+
+
+def to_bytes(layers):
+    """The file that the firmware links: for each layer biases with the rounding half added, shifts, weights, each
+    part filled up with zeros to whole words."""
+    out = bytearray()
+    for weights, biases, shifts in layers:
+        rounded = biases.astype(np.int64) + (np.int64(1) << (shifts.astype(np.int64) - 1))
+        for part in (rounded.astype("<i4"), shifts.astype(np.uint8), weights.astype(np.int8)):
+            out += part.tobytes()
+            out += bytes(-len(out) % 4)
+    return bytes(out)

@@ -1,0 +1,109 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The Stargate navigator, camera only: its shape, in floating point for training and with integers for deployment."""
+
+import torch
+from torch import nn
+from torch.nn import functional
+
+# (input channels, output channels, kernel, stride, pooled by 2 afterwards)
+CONVOLUTIONS = [
+    (1, 4, 5, 2, True),
+    (4, 4, 3, 2, False), (4, 4, 3, 1, False),
+    (4, 16, 3, 2, False), (16, 16, 3, 1, False),
+    (16, 32, 3, 2, False), (32, 32, 3, 1, False),
+]
+EDGE = 168
+FEATURES = 6 * 6 * 32
+INPUT_STEP = 1.0 / 64       # real value of one grey level of the picture
+ACTIVATION_STEP = 6.0 / 255  # of one count of an activation: ReLU6 is 0..255
+OUTPUT_STEP = 1.0 / 127     # of one count of the yaw output
+
+
+class Navigator(nn.Module):
+    """Floating point, with batch normalisation. Takes pictures in grey levels less 128, gives yaw commands."""
+
+    def __init__(self):
+        super().__init__()
+        self.convolutions = nn.ModuleList(
+            nn.Conv2d(i, o, k, s, k // 2, bias=False) for i, o, k, s, _ in CONVOLUTIONS)
+        self.norms = nn.ModuleList(nn.BatchNorm2d(c[1]) for c in CONVOLUTIONS)
+        self.dense = nn.Linear(FEATURES, 1)
+
+    def forward(self, pictures):
+        x = pictures * INPUT_STEP
+        for convolution, norm, (*_, pooled) in zip(self.convolutions, self.norms, CONVOLUTIONS):
+            x = functional.relu6(norm(convolution(x)))
+            if pooled:
+                x = functional.max_pool2d(x, 2)
+        return self.dense(x.flatten(1)).squeeze(1)
+
+    def folded(self):
+        """Weights and biases with the batch normalisation multiplied in, layer by layer; the last is the dense one."""
+        layers = []
+        for convolution, norm in zip(self.convolutions, self.norms):
+            gain = norm.weight / torch.sqrt(norm.running_var + norm.eps)
+            layers.append((convolution.weight * gain.view(-1, 1, 1, 1), norm.bias - norm.running_mean * gain))
+        layers.append((self.dense.weight, self.dense.bias))
+        return layers
+
+
+class _Round(torch.autograd.Function):
+    """Rounds half up; the gradient passes as if it did not."""
+
+    @staticmethod
+    def forward(_, x):
+        return torch.floor(x + 0.5)
+
+    @staticmethod
+    def backward(_, gradient):
+        return gradient
+
+
+class IntegerNavigator(nn.Module):
+    """The network as the chip computes it, trainable: every value is a whole number held in a float, every sum below
+    2^24 and so exact. An output count is clip((sum of weight x input + bias + half) >> shift), with one shift for
+    each output channel: the weights' scale is a power of two times the steps' ratio, so no multiplier is needed."""
+
+    def __init__(self, navigator):
+        super().__init__()
+        self.weights = nn.ParameterList()
+        self.biases = nn.ParameterList()
+        for i, (weight, bias) in enumerate(navigator.folded()):
+            step_in = INPUT_STEP if i == 0 else ACTIVATION_STEP
+            step_out = OUTPUT_STEP if i == len(CONVOLUTIONS) else ACTIVATION_STEP
+            self.weights.append(nn.Parameter((weight * (step_in / step_out)).detach().clone()))
+            self.biases.append(nn.Parameter((bias / step_out).detach().clone()))
+
+    def layer(self, i):
+        """Whole-numbered weights and biases and the shifts of layer i."""
+        weight, bias = self.weights[i], self.biases[i]
+        largest = weight.detach().abs().flatten(1).amax(1).clamp(min=1e-6)
+        shift = torch.floor(torch.log2(127.0 / largest)).clamp(1, 15)
+        scale = 2.0 ** shift
+        shape = (-1,) + (1,) * (weight.dim() - 1)
+        return _Round.apply(weight * scale.view(shape)).clamp(-127, 127), _Round.apply(bias * scale), shift
+
+    def forward(self, pictures):
+        x = pictures
+        for i, (_, _, kernel, stride, pooled) in enumerate(CONVOLUTIONS):
+            weight, bias, shift = self.layer(i)
+            x = functional.conv2d(x, weight, bias, stride, kernel // 2)
+            x = _Round.apply(x * (2.0 ** -shift).view(1, -1, 1, 1)).clamp(0, 255)
+            if pooled:
+                x = functional.max_pool2d(x, 2)
+        weight, bias, shift = self.layer(len(CONVOLUTIONS))
+        # The chip's order of activations is row, column, channel; training keeps the usual channel, row, column.
+        x = functional.linear(x.flatten(1), weight, bias)
+        return _Round.apply(x * 2.0 ** -shift).squeeze(1)
+
+    def exported(self):
+        """(weights, biases, shifts) of every layer as integer arrays in the chip's order: output channel, row,
+        column, input channel."""
+        layers = []
+        for i in range(len(CONVOLUTIONS) + 1):
+            weight, bias, shift = (t.detach() for t in self.layer(i))
+            if i == len(CONVOLUTIONS):
+                weight = weight.view(1, CONVOLUTIONS[-1][1], 6, 6)
+            layers.append((weight.permute(0, 2, 3, 1).to(torch.int8).numpy(), bias.to(torch.int32).numpy(),
+                           shift.to(torch.uint8).numpy()))
+        return layers

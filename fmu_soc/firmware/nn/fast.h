@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+// The network with Xpulp instructions, split over any number of cores that share a memory: every core calls the same
+// function with its own number, and all wait for each other before the next one. Same results as nn_plain_infer.
+#pragma once
+
+#include "nn/network.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+// The picture with its border of zeros: 2 above and to the left, 1 below, 2 to the right.
+#define NN_PICTURE_PITCH (SHRUNK_EDGE + 4)
+#define NN_PICTURE_ROWS (SHRUNK_EDGE + 3)
+// Tensors with a border of one place around; one place more at the end, where a pair of places reaches beyond it.
+#define NN_BORDERED(edge, channels) (((edge) + 2) * ((edge) + 2) * (channels) + 2 * (channels))
+
+// First layer's weights as its kernel takes them: for each channel four weights of each of the five rows, the fifth
+// weights of the first four rows, the fifth weight of the last row.
+#define NN_FIRST_WORDS 7
+
+// Everything an inference works on, one after the other, in the cores' shared memory. The large weights take the
+// place of the picture once the first layer is done.
+typedef struct {
+  union {
+    int8_t picture[NN_PICTURE_ROWS * NN_PICTURE_PITCH];
+    uint32_t weights[(2304 + 4608 + 9216 + NN_FEATURES) / 4];
+  };
+  uint8_t pooled[NN_BORDERED(NN_POOLED_EDGE, 4)];
+  uint8_t second[NN_BORDERED(21, 4)];
+  uint8_t third[NN_BORDERED(21, 4)];
+  uint8_t fourth[NN_BORDERED(11, 16)];
+  uint8_t fifth[NN_BORDERED(11, 16)];
+  uint8_t sixth[NN_BORDERED(6, 32)];
+  uint8_t seventh[NN_FEATURES];
+  uint32_t first_weights[4 * NN_FIRST_WORDS];
+  uint32_t small_weights[(144 + 144 + 576) / 4];
+  int32_t partial_sums[8];  // of the dense layer, one for each core
+} nn_arena_t;
+
+// Who does a part of the work.
+typedef struct {
+  unsigned core;
+  unsigned cores;  // 1..8
+} nn_share_t;
+
+// Once, by one core: zeros into all borders.
+void nn_fast_clear(nn_arena_t* arena);
+// Before each picture: zeros into the picture's border, where the large weights lay.
+void nn_fast_border(nn_arena_t* arena, nn_share_t share);
+// Before the first layer, by one core: weights of layers 0 to 3.
+void nn_fast_load_small_weights(nn_arena_t* arena);
+
+// Rows `first` to `first + count - 1` of the picture from the camera's rows, of which `source` is the first one needed;
+// the camera's pictures are `width` x `height`.
+void nn_fast_shrink(nn_arena_t* arena, const uint8_t* source, int width, int height, const uint16_t* columns, int first,
+                    int count, nn_share_t share);
+// First layer with its pooling.
+void nn_fast_first(nn_arena_t* arena, nn_share_t share);
+// Layers 1 to 6. From layer 4 on the large weights must be in the arena: see nn_fast_large_weights.
+void nn_fast_convolution(nn_arena_t* arena, int layer, nn_share_t share);
+// The dense layer, in two steps: every core's part, then by one core the output of the network.
+void nn_fast_dense(nn_arena_t* arena, nn_share_t share);
+int8_t nn_fast_output(const nn_arena_t* arena, unsigned cores);
+
+// Where layers 4 to 7 have their weights in the file, and in the arena: words to move before layer 4.
+typedef struct {
+  const void* from;
+  void* to;
+  int bytes;
+} nn_move_t;
+nn_move_t nn_fast_large_weights(nn_arena_t* arena, int layer);
+
+// The whole network on the core that calls, alone, for a picture that lies in the arena with its border.
+int8_t nn_fast_infer_alone(nn_arena_t* arena);
+
+// Hash of layer 0 to 6's output without its border, as nn_checksum of the plain one.
+uint32_t nn_fast_checksum(const nn_arena_t* arena, int layer);
+
+#ifdef __cplusplus
+}
+#endif

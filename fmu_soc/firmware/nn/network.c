@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "nn/network.h"
+
+const nn_shape_t nn_shapes[NN_CONVOLUTIONS] = {
+    {168, 1, 84, 4, 5, 2},  {42, 4, 21, 4, 3, 2},  {21, 4, 21, 4, 3, 1}, {21, 4, 11, 16, 3, 2},
+    {11, 16, 11, 16, 3, 1}, {11, 16, 6, 32, 3, 2}, {6, 32, 6, 32, 3, 1},
+};
+
+// weights.S brings in the file that training wrote: for each layer biases, shifts, weights, each part filled up with
+// zeros to whole words.
+extern const uint8_t nn_weights_file[];
+
+static int words(int bytes) {
+  return (bytes + 3) & ~3;
+}
+
+nn_layer_t nn_layer(int index) {
+  const uint8_t* at = nn_weights_file;
+  for (int i = 0;; ++i) {
+    const nn_shape_t* shape = &nn_shapes[i];
+    const int channels = i < NN_CONVOLUTIONS ? shape->out_channels : 1;
+    const int per_channel = i < NN_CONVOLUTIONS ? shape->kernel * shape->kernel * shape->in_channels : NN_FEATURES;
+    const uint8_t* shifts = at + 4 * channels;
+    const uint8_t* weights = shifts + words(channels);
+    if (i == index) {
+      const nn_layer_t layer = {(const int32_t*)(const void*)at, shifts, (const int8_t*)weights};
+      return layer;
+    }
+    at = weights + words(channels * per_channel);
+  }
+}
+
+uint32_t nn_checksum(const void* bytes, int count, uint32_t hash) {
+  const uint8_t* b = bytes;
+  for (int i = 0; i < count; ++i) {
+    hash = (hash ^ b[i]) * 16777619U;
+  }
+  return hash;
+}

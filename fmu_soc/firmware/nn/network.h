@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+// The navigator network, Stargate's with the camera alone: its shape, its weights, and what all kernels compute.
+//
+//   picture 168x168x1 (int8) -> 5x5/2, 4 channels -> largest of 2x2 -> [3x3/2, 3x3] 4 -> [3x3/2, 3x3] 16
+//                            -> [3x3/2, 3x3] 32 -> dense 1152 -> 1
+//
+// A convolution's output is clip((sum of weight x input + bias) >> shift, 0, 255) with zeros around the picture and
+// one bias and shift for each output channel; half of 1 << shift is in the bias already, so the shift rounds half up.
+// The dense layer's is clip((sum + bias) >> shift, -127, 127). Tensors lie row by row, column by column, channels
+// together. examples/paper/training makes the weights and defines the same arithmetic in Python.
+#pragma once
+
+#include <stdint.h>
+
+#include "nn/shrink.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define NN_CONVOLUTIONS 7
+#define NN_LAYERS (NN_CONVOLUTIONS + 1)
+#define NN_PICTURE_BYTES (SHRUNK_EDGE * SHRUNK_EDGE)
+
+typedef struct {
+  uint8_t in_edge;
+  uint8_t in_channels;
+  uint8_t out_edge;  // before pooling
+  uint8_t out_channels;
+  uint8_t kernel;
+  uint8_t stride;
+} nn_shape_t;
+
+// The convolutions. The first one's output is pooled: the largest of each 2 x 2.
+extern const nn_shape_t nn_shapes[NN_CONVOLUTIONS];
+#define NN_POOLED_EDGE 42
+#define NN_FEATURES (6 * 6 * 32)
+
+typedef struct {
+  const int32_t* biases;  // one for each output channel
+  const uint8_t* shifts;  // 1..15
+  const int8_t* weights;  // output channel, row, column, input channel
+} nn_layer_t;
+
+// Layer 0 .. NN_CONVOLUTIONS - 1, and NN_CONVOLUTIONS for the dense one; each part starts on a word.
+nn_layer_t nn_layer(int index);
+
+// Hash of a tensor's bytes in their order (FNV-1a, 32 bits), to compare layers across machines.
+uint32_t nn_checksum(const void* bytes, int count, uint32_t hash);
+#define NN_CHECKSUM_START 2166136261U
+
+// The outputs of all convolutions, the first one pooled.
+typedef struct {
+  uint8_t pooled[NN_POOLED_EDGE * NN_POOLED_EDGE * 4];
+  uint8_t second[21 * 21 * 4];
+  uint8_t third[21 * 21 * 4];
+  uint8_t fourth[11 * 11 * 16];
+  uint8_t fifth[11 * 11 * 16];
+  uint8_t sixth[6 * 6 * 32];
+  uint8_t seventh[NN_FEATURES];
+} nn_activations_t;
+
+// The whole network in plain C, one core: the yaw output in [-127, 127], 127 = 1. `activations` is filled.
+int8_t nn_plain_infer(const int8_t picture[NN_PICTURE_BYTES], nn_activations_t* activations);
+
+#ifdef __cplusplus
+}
+#endif

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+// The neural network: one arithmetic, defined in Python, whoever computes it.
+
+#include "nn/network.h"
+
+#include "golden.hpp"
+#include "soc.hpp"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace mebots::firmware_test {
+namespace {
+
+using testing::HasSubstr;
+
+std::string plain_text_of(const std::vector<std::int8_t>& picture) {
+  const auto a = std::make_unique<nn_activations_t>();
+  auto text = fmt::format("{}", nn_plain_infer(picture.data(), a.get()));
+  const auto add = [&](const auto& layer) {
+    text += fmt::format(" {:x}", nn_checksum(layer, sizeof(layer), NN_CHECKSUM_START));
+  };
+  add(a->pooled);
+  add(a->second);
+  add(a->third);
+  add(a->fourth);
+  add(a->fifth);
+  add(a->sixth);
+  add(a->seventh);
+  return text;
+}
+
+TEST(Network, ThereAreAtLeastThirtyTwoGoldenVectorsAndTheyDiffer) {
+  const auto all = golden_vectors();
+  EXPECT_GE(all.size(), 32U);
+  std::vector<int> yaws;
+  for (const auto& golden : all) yaws.push_back(golden.yaw);
+  EXPECT_LT(*std::min_element(yaws.begin(), yaws.end()), -30);
+  EXPECT_GT(*std::max_element(yaws.begin(), yaws.end()), 30);
+}
+
+TEST(Network, PlainCodeAgreesWithTheDefinitionInPythonOnEveryGoldenVector) {
+  for (const auto& golden : golden_vectors()) EXPECT_EQ(plain_text_of(golden.picture), text_of(golden)) << golden.set;
+}
+
+TEST(Network, ShrunkPictureAgreesWithTheDefinitionInPython) {
+  // The same formula and hash as in examples/paper/training/export.py.
+  for (const auto [width, height, expected] : {std::array<std::uint32_t, 3>{320, 320, 0x5c9579f5},
+                                               std::array<std::uint32_t, 3>{324, 244, 0xb893bb05}}) {
+    std::vector<std::uint8_t> picture(static_cast<std::size_t>(width) * height);
+    for (std::uint32_t y = 0; y < height; ++y) {
+      for (std::uint32_t x = 0; x < width; ++x) {
+        picture[y * width + x] = static_cast<std::uint8_t>(3 * x * x + 7 * y + x * y);
+      }
+    }
+    std::array<std::uint16_t, SHRUNK_EDGE> columns{};
+    shrink_columns(static_cast<int>(width), columns.data());
+    std::vector<std::int8_t> small(NN_PICTURE_BYTES);
+    for (int y = 0; y < SHRUNK_EDGE; ++y) {
+      shrink_row(&picture[static_cast<std::size_t>(shrink_place(y, static_cast<int>(height))) * width],
+                 static_cast<int>(width), columns.data(), &small[static_cast<std::size_t>(y) * SHRUNK_EDGE]);
+    }
+    EXPECT_EQ(nn_checksum(small.data(), NN_PICTURE_BYTES, NN_CHECKSUM_START), expected) << width << " x " << height;
+  }
+}
+
+/// Lines that the check firmware prints for the pictures given.
+std::vector<std::string> on_chip(const std::vector<Golden>& pictures) {
+  std::vector<std::string> lines;
+  soc::Settings settings;
+  settings.frame_width = SHRUNK_EDGE;
+  soc::Listeners listeners;
+  listeners.console = [&](std::string_view line) { lines.emplace_back(line); };
+  const auto board = soc::read_board(std::string(MEBOTS_SOURCE_DIR) + "/configs/boards/ai_deck.json");
+  const auto program = soc::Elf::read(std::string(MEBOTS_BINARY_DIR) + "/firmware/network_check.elf");
+  soc::Soc chip(board, soc::gap8(), settings, program, listeners);
+  constexpr std::int64_t kStepNs = 2'000'000;
+  std::int32_t id = 0;
+  std::vector<std::uint8_t> grey(NN_PICTURE_BYTES);
+  for (std::int64_t k = 0; chip.running() && k < 100'000; ++k) {
+    chip.battery()->set_voltage_v(3.7);
+    chip.advance((k + 1) * kStepNs);
+    const auto requests = chip.camera()->requests();
+    if (requests != id && static_cast<std::size_t>(requests) <= pictures.size()) {
+      id = requests;
+      const auto& picture = pictures[static_cast<std::size_t>(id) - 1].picture;
+      std::transform(picture.begin(), picture.end(), grey.begin(),
+                     [](std::int8_t p) { return static_cast<std::uint8_t>(p + 128); });
+    }
+    if (chip.camera()->wants(id)) chip.camera()->offer(grey, chip.now());
+  }
+  if (!chip.fault_text().empty()) lines.push_back(chip.fault_text());
+  return lines;
+}
+
+TEST(Network, EveryKernelOnTheChipAgreesWithTheDefinitionInPythonOnEveryGoldenVector) {
+  const auto all = golden_vectors();
+  const auto lines = on_chip(all);
+  std::vector<std::size_t> seen(2, 0);
+  const std::array<std::string, 2> kernels{"plain ", "alone "};
+  for (const auto& line : lines) {
+    for (std::size_t k = 0; k < kernels.size(); ++k) {
+      if (line.rfind(kernels[k], 0) != 0) continue;
+      ASSERT_LT(seen[k], all.size());
+      EXPECT_EQ(line.substr(kernels[k].size()), text_of(all[seen[k]])) << kernels[k] << "picture " << seen[k];
+      ++seen[k];
+    }
+  }
+  EXPECT_EQ(seen[0], 2U);
+  EXPECT_EQ(seen[1], all.size());
+  ASSERT_FALSE(lines.empty());
+  EXPECT_THAT(lines.back(), HasSubstr(fmt::format("{} pictures", all.size())));
+}
+
+}  // namespace
+}  // namespace mebots::firmware_test
