@@ -1,7 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "board_file.hpp"
 
+#include "cluster/event_unit.hpp"
+#include "memory/banks.hpp"
+
 #include "mebots/data_file.hpp"
+
+#include <bit>
+#include <cmath>
 
 namespace mebots::soc {
 namespace {
@@ -19,6 +25,28 @@ std::uint32_t address(const data::Node& node, std::string_view key) {
     node.fail(key, fmt::format("= \"{}\" must be a 32-bit address such as \"0x1A102000\"", text));
   }
   return static_cast<std::uint32_t>(value);
+}
+
+unsigned whole(const data::Node& node, std::string_view key, unsigned most) {
+  const auto value = node.number(key, data::Limits::between(0, most));
+  if (value != std::floor(value)) node.fail(key, fmt::format("= {} must be a whole number", value));
+  return static_cast<unsigned>(value);
+}
+
+BoardMemory read_memory(const data::Node& node) {
+  node.only({"name", "base", "size", "place", "banks", "text"});
+  BoardMemory memory;
+  memory.name = node.text("name");
+  memory.base = address(node, "base");
+  memory.size = whole(node, "size", 1U << 30);
+  const auto place = node.has("place") ? node.text("place") : "fabric_controller";
+  if (place != "fabric_controller" && place != "cluster") {
+    node.fail("place", fmt::format("= \"{}\" must be fabric_controller or cluster", place));
+  }
+  memory.place = place == "cluster" ? Place::cluster : Place::fabric_controller;
+  if (node.has("banks")) memory.banks = whole(node, "banks", Banks::kMost);
+  if (!std::has_single_bit(memory.banks)) node.fail("banks", "must be a power of two");
+  return memory;
 }
 
 BoardDevice read_device(const data::Node& node) {
@@ -59,13 +87,12 @@ const BoardState& BoardDevice::state(const std::string& state_name) const {
 BoardDescription read_board(const std::filesystem::path& path) {
   const data::File file(path);
   const auto root = file.root();
-  root.only({"name", "text", "memories", "devices"});
+  root.only({"name", "text", "cluster_cores", "memories", "devices"});
   BoardDescription board;
+  if (root.has("cluster_cores")) board.cluster_cores = whole(root, "cluster_cores", kMostClusterCores);
   board.name = root.text("name");
   for (const auto& node : root.objects("memories")) {
-    node.only({"name", "base", "size", "text"});
-    const auto size = node.number("size", data::Limits::between(4, 1U << 30));
-    board.memories.push_back({node.text("name"), address(node, "base"), static_cast<std::uint32_t>(size)});
+    board.memories.push_back(read_memory(node));
   }
   if (board.memories.empty()) root.fail("memories", "is empty: a program needs RAM");
   for (const auto& node : root.objects("devices")) board.devices.push_back(read_device(node));

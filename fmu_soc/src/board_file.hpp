@@ -11,10 +11,15 @@
 /// the one read at start must agree with them.
 namespace mebots::soc {
 
+/// Where a memory stands, which says how long the way to it is.
+enum class Place : std::uint8_t { fabric_controller, cluster };
+
 struct BoardMemory {
   std::string name;
   std::uint32_t base = 0;
   std::uint32_t size = 0;  // bytes
+  Place place = Place::fabric_controller;
+  unsigned banks = 1;  // that serve a word per cycle each; told apart in the cluster only
 };
 
 struct BoardRegister {
@@ -42,6 +47,7 @@ struct BoardDevice {
 
 struct BoardDescription {
   std::string name;
+  unsigned cluster_cores = 0;  // the most that there are; 0 = no cluster
   std::vector<BoardMemory> memories;
   std::vector<BoardDevice> devices;
 };

@@ -5,6 +5,7 @@
 
 #include "mebots/data_file.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace mebots::soc {
@@ -39,6 +40,25 @@ InstructionEnergy read_instruction_energy(const data::Node& node) {
   return energy;
 }
 
+std::uint32_t whole(const data::Node& node, std::string_view key, std::string_view unit, double least) {
+  return static_cast<std::uint32_t>(std::lround(node.quantity(key, unit, data::Limits::between(least, 1e6))));
+}
+
+void read_interconnect(const data::Node& root, Chip& chip) {
+  const auto ways = root.object("interconnect");
+  ways.only({"fabric_controller_to_device", "fabric_controller_to_cluster", "cluster_to_soc", "dma_latency"});
+  chip.interconnect.fabric_controller_to_device = whole(ways, "fabric_controller_to_device", "cycle", 0);
+  chip.interconnect.fabric_controller_to_cluster = whole(ways, "fabric_controller_to_cluster", "cycle", 0);
+  chip.interconnect.cluster_to_soc = whole(ways, "cluster_to_soc", "cycle", 0);
+  chip.dma.latency = whole(ways, "dma_latency", "cycle", 0);
+  const auto dma = root.object("dma");
+  dma.only({"bytes_per_cycle", "burst", "outstanding"});
+  chip.dma.bytes_per_cycle = whole(dma, "bytes_per_cycle", "byte/cycle", 1);
+  chip.dma.most_burst_bytes = whole(dma, "burst", "byte", 1);
+  const auto outstanding = whole(dma, "outstanding", "1", 1);
+  chip.dma.least_burst_cycles = std::max(1U, (chip.dma.latency + outstanding - 1) / outstanding);
+}
+
 }  // namespace
 
 double Chip::highest_clock_hz(double voltage_v) const {
@@ -46,12 +66,26 @@ double Chip::highest_clock_hz(double voltage_v) const {
   return clock_at_lowest_voltage_hz + share * (clock_at_highest_voltage_hz - clock_at_lowest_voltage_hz);
 }
 
-bool Chip::allows(std::uint32_t clock_hz, std::uint32_t voltage_mv) const {
+double Chip::highest_cluster_clock_hz(double voltage_v) const {
+  const auto share = (voltage_v - lowest_voltage_v) / (highest_voltage_v - lowest_voltage_v);
+  return cluster_clock_at_lowest_voltage_hz +
+         share * (cluster_clock_at_highest_voltage_hz - cluster_clock_at_lowest_voltage_hz);
+}
+
+bool Chip::allows_voltage(std::uint32_t voltage_mv) const {
   const auto lowest_mv = static_cast<std::uint32_t>(std::lround(lowest_voltage_v * 1000));
   const auto highest_mv = static_cast<std::uint32_t>(std::lround(highest_voltage_v * 1000));
-  if (voltage_mv < lowest_mv || voltage_mv > highest_mv) return false;
-  const auto highest_hz = std::llround(highest_clock_hz(voltage_mv / 1000.0));
-  return clock_hz >= minimum_clock_hz && std::int64_t{clock_hz} <= highest_hz;
+  return voltage_mv >= lowest_mv && voltage_mv <= highest_mv && (voltage_mv - lowest_mv) % voltage_step_mv == 0;
+}
+
+bool Chip::allows(std::uint32_t clock_hz, std::uint32_t voltage_mv) const {
+  return allows_voltage(voltage_mv) && clock_hz >= minimum_clock_hz &&
+         std::int64_t{clock_hz} <= std::llround(highest_clock_hz(voltage_mv / 1000.0));
+}
+
+bool Chip::allows_cluster(std::uint32_t clock_hz, std::uint32_t voltage_mv) const {
+  return allows_voltage(voltage_mv) && clock_hz >= minimum_clock_hz &&
+         std::int64_t{clock_hz} <= std::llround(highest_cluster_clock_hz(voltage_mv / 1000.0));
 }
 
 Chip parse_chip(const std::string& json_text, const std::string& name) {
@@ -62,9 +96,26 @@ Chip parse_chip(const std::string& json_text, const std::string& name) {
     throw Error(fmt::format("{}: is not JSON: {}", name, error.what()));
   }
   const data::Node root(name, "", json);
-  root.only({"name", "text", "core", "minimum_clock", "lowest_voltage", "highest_voltage", "clock_at_lowest_voltage",
-             "clock_at_highest_voltage", "reference_voltage", "instruction_energy", "memory_access", "device_access",
-             "core_leakage", "core_clock_gated", "memory_leakage"});
+  root.only({"name",
+             "text",
+             "core",
+             "minimum_clock",
+             "lowest_voltage",
+             "highest_voltage",
+             "clock_at_lowest_voltage",
+             "clock_at_highest_voltage",
+             "cluster_clock_at_lowest_voltage",
+             "cluster_clock_at_highest_voltage",
+             "voltage_step",
+             "interconnect",
+             "dma",
+             "reference_voltage",
+             "instruction_energy",
+             "memory_access",
+             "device_access",
+             "core_leakage",
+             "core_clock_gated",
+             "memory_leakage"});
   const auto positive = data::Limits::positive();
   const auto not_negative = data::Limits::at_least(0);
   Chip chip;
@@ -77,6 +128,10 @@ Chip parse_chip(const std::string& json_text, const std::string& name) {
   if (chip.highest_voltage_v <= chip.lowest_voltage_v) root.fail("highest_voltage", "must be above lowest_voltage");
   chip.clock_at_lowest_voltage_hz = root.quantity("clock_at_lowest_voltage", "Hz", positive);
   chip.clock_at_highest_voltage_hz = root.quantity("clock_at_highest_voltage", "Hz", positive);
+  chip.cluster_clock_at_lowest_voltage_hz = root.quantity("cluster_clock_at_lowest_voltage", "Hz", positive);
+  chip.cluster_clock_at_highest_voltage_hz = root.quantity("cluster_clock_at_highest_voltage", "Hz", positive);
+  chip.voltage_step_mv = static_cast<std::uint32_t>(std::lround(root.quantity("voltage_step", "V", positive) * 1000));
+  read_interconnect(root, chip);
   chip.reference_voltage_v = root.quantity("reference_voltage", "V", positive);
   chip.instruction_energy = read_instruction_energy(root.object("instruction_energy"));
   chip.memory_access_j = root.quantity("memory_access", "pJ", not_negative) * kPicojoule;

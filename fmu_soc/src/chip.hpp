@@ -1,12 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "cluster/dma.hpp"
 #include "hart/hart.hpp"
 
 #include <cstdint>
 #include <string>
 
 namespace mebots::soc {
+
+/// Cycles that an access waits for its way there and back, in the clock of who asks.
+struct Interconnect {
+  std::uint32_t fabric_controller_to_device = 0;
+  std::uint32_t fabric_controller_to_cluster = 0;
+  std::uint32_t cluster_to_soc = 0;
+};
 
 /// What params/*.json says about a chip.
 struct Chip {
@@ -16,6 +24,11 @@ struct Chip {
   double highest_voltage_v = 0;
   double clock_at_lowest_voltage_hz = 0;
   double clock_at_highest_voltage_hz = 0;
+  double cluster_clock_at_lowest_voltage_hz = 0;
+  double cluster_clock_at_highest_voltage_hz = 0;
+  std::uint32_t voltage_step_mv = 1;
+  Interconnect interconnect;
+  DmaTiming dma;
   double reference_voltage_v = 0;
   InstructionEnergy instruction_energy;  // at the reference voltage
   double memory_access_j = 0;            // at the reference voltage
@@ -24,10 +37,13 @@ struct Chip {
   double core_clock_gated_w = 0;         // added while the core sleeps
   double memory_leakage_w_per_byte = 0;  // always
 
-  /// The highest clock at a voltage: linear between the two given points.
+  /// The highest clocks at a voltage: linear between the two given points.
   double highest_clock_hz(double voltage_v) const;
+  double highest_cluster_clock_hz(double voltage_v) const;
   /// Whether a voltage is allowed, and a clock at it. In millivolts and hertz, exact at the limits.
+  bool allows_voltage(std::uint32_t voltage_mv) const;
   bool allows(std::uint32_t clock_hz, std::uint32_t voltage_mv) const;
+  bool allows_cluster(std::uint32_t clock_hz, std::uint32_t voltage_mv) const;
 };
 
 /// Reads a chip file's text; `name` stands in errors.

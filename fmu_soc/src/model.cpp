@@ -17,6 +17,8 @@ constexpr double kNanosecond = 1e-9;
 Settings settings_of(const Parameters& parameters) {
   Settings settings;
   settings.clock_hz = parameters.core_clock_hz;
+  settings.cluster_clock_hz = parameters.cluster_clock_hz;
+  settings.cluster_cores = static_cast<unsigned>(parameters.cluster_cores);
   settings.voltage_v = parameters.core_supply_voltage_v;
   settings.frame_width = static_cast<std::uint32_t>(parameters.camera_frame_width);
   settings.mission = {parameters.mission_cruise_speed_m_per_s, parameters.mission_altitude_m,

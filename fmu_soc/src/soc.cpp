@@ -17,10 +17,7 @@ namespace {
 
 Memory make_memory(const BoardDescription& board) {
   Memory memory;
-  // The largest first: the core reaches the first one fastest.
-  auto sorted = board.memories;
-  std::stable_sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) { return a.size > b.size; });
-  for (const auto& entry : sorted) memory.add(entry.name, entry.base, entry.size);
+  for (const auto& entry : board.memories) memory.add(entry.name, entry.base, entry.size);
   return memory;
 }
 
@@ -34,11 +31,23 @@ std::uint32_t checked_clock(const Chip& chip, const Settings& settings) {
   const auto clock_hz = static_cast<std::uint32_t>(std::llround(settings.clock_hz));
   const auto voltage_mv = static_cast<std::uint32_t>(std::lround(settings.voltage_v * kMilli));
   if (!chip.allows(clock_hz, voltage_mv)) {
+    throw Error(fmt::format(
+        "core.clock {} Hz at core.supply_voltage {} V is outside the chip's limits: {} to {} V in steps of "
+        "{} mV, and {} to {:.0f} Hz at {} V",
+        settings.clock_hz, settings.voltage_v, chip.lowest_voltage_v, chip.highest_voltage_v, chip.voltage_step_mv,
+        chip.minimum_clock_hz, chip.highest_clock_hz(settings.voltage_v), settings.voltage_v));
+  }
+  return clock_hz;
+}
+
+std::uint32_t checked_cluster_clock(const Chip& chip, const Settings& settings) {
+  const auto clock_hz = static_cast<std::uint32_t>(std::llround(settings.cluster_clock_hz));
+  const auto voltage_mv = static_cast<std::uint32_t>(std::lround(settings.voltage_v * kMilli));
+  if (!chip.allows_cluster(clock_hz, voltage_mv)) {
     throw Error(
-        fmt::format("core.clock {} Hz at core.supply_voltage {} V is outside the chip's limits: {} to {} V, and {} to "
-                    "{:.0f} Hz at {} V",
-                    settings.clock_hz, settings.voltage_v, chip.lowest_voltage_v, chip.highest_voltage_v,
-                    chip.minimum_clock_hz, chip.highest_clock_hz(settings.voltage_v), settings.voltage_v));
+        fmt::format("cluster.clock {} Hz at core.supply_voltage {} V is outside the chip's limits: {} to {:.0f} Hz",
+                    settings.cluster_clock_hz, settings.voltage_v, chip.minimum_clock_hz,
+                    chip.highest_cluster_clock_hz(settings.voltage_v)));
   }
   return clock_hz;
 }
@@ -89,9 +98,77 @@ Soc::Soc(const BoardDescription& board, const Chip& chip, const Settings& settin
       meter_(chip, total_size(memory_), settings.voltage_v),
       voltage_mv_(static_cast<std::uint32_t>(std::lround(settings.voltage_v * kMilli))) {
   clock_.reset(checked_clock(chip, settings));
+  for (const auto& entry : board.memories) places_.push_back(entry.place);
+  add_cluster(board, settings);
   add_devices(board, settings);
+  connect_memories();
   load_program();
   hart_.reset(program_.entry());
+}
+
+/// The way of the fabric controller to the memories, the large near ones first: the first two are the fast ones.
+void Soc::connect_memories() {
+  std::vector<MemoryPort> ports;
+  for (std::size_t i = 0; i < places_.size(); ++i) {
+    if (places_[i] == Place::fabric_controller) ports.push_back({i, 0, nullptr});
+  }
+  std::stable_sort(ports.begin(), ports.end(), [this](const auto& a, const auto& b) {
+    return memory_.regions()[a.region].size > memory_.regions()[b.region].size;
+  });
+  for (std::size_t i = 0; i < places_.size(); ++i) {
+    if (places_[i] == Place::cluster && cluster_ && cluster_->powered()) {
+      ports.push_back({i, chip_.interconnect.fabric_controller_to_cluster, nullptr});
+    }
+  }
+  hart_.connect(ports);
+}
+
+void Soc::add_cluster(const BoardDescription& board, const Settings& settings) {
+  if (board.cluster_cores == 0 || settings.cluster_cores == 0) return;
+  if (settings.cluster_cores > board.cluster_cores) {
+    throw Error(fmt::format("cluster.cores {} is more than the {} of board {}", settings.cluster_cores,
+                            board.cluster_cores, board.name));
+  }
+  ClusterSettings cluster;
+  cluster.cores = settings.cluster_cores;
+  cluster.clock_hz = checked_cluster_clock(chip_, settings);
+  cluster.dma = chip_.dma;
+  cluster.timing = chip_.timing;
+  for (const auto place : {Place::cluster, Place::fabric_controller}) {
+    for (std::size_t i = 0; i < board.memories.size(); ++i) {
+      if (board.memories[i].place != place) continue;
+      const auto wait = place == Place::cluster ? 0 : chip_.interconnect.cluster_to_soc;
+      if (place == Place::cluster) cluster.l1_banks = board.memories[i].banks;
+      cluster.ports.push_back({i, wait, nullptr});
+    }
+    if (place == Place::cluster && cluster.ports.size() != 1) {
+      throw Error(fmt::format("board {}: a cluster needs one memory at place \"cluster\", not {}", board.name,
+                              cluster.ports.size()));
+    }
+  }
+  std::stable_sort(cluster.ports.begin() + 1, cluster.ports.end(), [this](const auto& a, const auto& b) {
+    return memory_.regions()[a.region].size > memory_.regions()[b.region].size;
+  });
+  cluster.l1_region = cluster.ports.front().region;
+  bool has_event_unit = false;
+  bool has_dma = false;
+  for (const auto& entry : board.devices) {
+    if (entry.name == "event_unit") {
+      check_registers(entry, board::event_unit::kRegisters);
+      cluster.event_unit_base = entry.base;
+      cluster_interrupt_ = entry.interrupt;
+      has_event_unit = true;
+    } else if (entry.name == "cluster_dma") {
+      check_registers(entry, board::cluster_dma::kRegisters);
+      cluster.dma_base = entry.base;
+      has_dma = true;
+    }
+  }
+  if (!has_event_unit || !has_dma) {
+    throw Error(fmt::format("board {}: a cluster needs the devices event_unit and cluster_dma", board.name));
+  }
+  cluster_ = std::make_unique<Cluster>(memory_, cluster, chip_.instruction_energy);
+  cluster_->set_watcher([this](std::uint32_t address) { return watched(address); });
 }
 
 void Soc::add_devices(const BoardDescription& board, const Settings& settings) {
@@ -119,7 +196,8 @@ void Soc::add_devices(const BoardDescription& board, const Settings& settings) {
       timer_ = std::make_unique<Timer>();
       add(entry, board::timer::kRegisters, *timer_);
     } else if (entry.name == "power_manager") {
-      power_manager_ = std::make_unique<PowerManager>(chip_, clock_.hz(), voltage_mv_);
+      const PowerSettings start{clock_.hz(), cluster_ ? cluster_->clock_hz() : 0, voltage_mv_, 0, 0};
+      power_manager_ = std::make_unique<PowerManager>(chip_, start, cluster_ != nullptr);
       add(entry, board::power_manager::kRegisters, *power_manager_);
     } else if (entry.name == "camera") {
       camera_ = std::make_unique<Camera>(entry, settings.frame_width, memory_, complain);
@@ -133,10 +211,10 @@ void Soc::add_devices(const BoardDescription& board, const Settings& settings) {
     } else if (entry.name == "mission") {
       mission_ = std::make_unique<MissionParameters>(settings.mission);
       add(entry, board::mission::kRegisters, *mission_);
-    } else {
+    } else if (entry.name != "event_unit" && entry.name != "cluster_dma") {
       throw Error(
-          fmt::format("board: no model for device \"{}\"; known are console, timer, power_manager, camera, "
-                      "flight, battery and mission",
+          fmt::format("board: no model for device \"{}\"; known are console, timer, power_manager, event_unit, "
+                      "cluster_dma, camera, flight, battery and mission",
                       entry.name));
     }
   }
@@ -167,14 +245,48 @@ const Soc::Slot* Soc::slot_at(std::uint32_t address) const {
   return nullptr;
 }
 
-bool Soc::load(std::uint32_t address, std::uint64_t cycle, std::uint32_t& value) {
+/// Whether the cluster must come to the same time before the fabric controller touches what they share.
+bool Soc::must_wait(std::uint32_t address, Picoseconds now) const {
+  if (cluster_next() >= now) return false;
+  if (cluster_->owns(address)) return true;
   const auto* slot = slot_at(address);
-  return slot != nullptr && slot->device->load(address - slot->base, clock_.time_of(cycle), value);
+  return slot != nullptr && slot->device == power_manager_.get();
 }
 
-bool Soc::store(std::uint32_t address, std::uint64_t cycle, std::uint32_t value) {
+BusReply Soc::load(std::uint32_t address, std::uint64_t cycle) {
+  const auto now = clock_.time_of(cycle);
+  if (must_wait(address, now)) return {BusReply::Kind::later};
+  if (cluster_ && cluster_->owns(address)) {
+    auto reply = cluster_->load(address, now);
+    reply.wait_cycles += chip_.interconnect.fabric_controller_to_cluster;
+    return reply;
+  }
   const auto* slot = slot_at(address);
-  return slot != nullptr && slot->device->store(address - slot->base, clock_.time_of(cycle), value);
+  std::uint32_t value = 0;
+  if (slot == nullptr || !slot->device->load(address - slot->base, now, value)) return {};
+  return BusReply::done(value, chip_.interconnect.fabric_controller_to_device);
+}
+
+BusReply Soc::load_event(std::uint32_t address, std::uint64_t cycle) {
+  const auto now = clock_.time_of(cycle);
+  if (!cluster_ || !cluster_->owns(address)) return load(address, cycle);
+  if (must_wait(address, now)) return {BusReply::Kind::later};
+  auto reply = cluster_->load_event(address, now);
+  reply.wait_cycles += chip_.interconnect.fabric_controller_to_cluster;
+  return reply;
+}
+
+BusReply Soc::store(std::uint32_t address, std::uint64_t cycle, std::uint32_t value) {
+  const auto now = clock_.time_of(cycle);
+  if (must_wait(address, now)) return {BusReply::Kind::later};
+  if (cluster_ && cluster_->owns(address)) {
+    auto reply = cluster_->store(address, now, value);
+    reply.wait_cycles += chip_.interconnect.fabric_controller_to_cluster;
+    return reply;
+  }
+  const auto* slot = slot_at(address);
+  if (slot == nullptr || !slot->device->store(address - slot->base, now, value)) return {};
+  return BusReply::done(0, chip_.interconnect.fabric_controller_to_device);
 }
 
 bool Soc::watched(std::uint32_t /*address*/) {
@@ -193,28 +305,63 @@ void Soc::run_cycles(std::uint64_t cycle_limit) {
 void Soc::go_on(Picoseconds until, std::uint64_t cycle_limit) {
   for (;;) {
     const auto event = next_event();
-    const bool event_comes = event <= until;
+    const auto cluster = cluster_next();
+    if (cluster_ && cluster_->longest_cycles() >= cycle_limit) break;
     if (asleep_) {
-      if (!event_comes) break;
-      advance_devices(event);
-      wake_if_interrupted(event);
+      const auto first = std::min(event, cluster);
+      if (first > until || first == kNever) break;
+      if (event <= cluster) {
+        advance_devices(event);
+        wake_if_interrupted(event);
+      } else {
+        advance_cluster(event);
+      }
       continue;
     }
-    const auto limit = event_comes ? clock_.first_at(event) : clock_.first_after(until);
+    // The fabric controller goes ahead of the cluster, but not far.
+    const auto lead = cluster == kNever ? kNever : cluster_->later(cluster, kLead);
+    const auto stop_at = std::min(event, lead);
+    const bool stop_comes = stop_at <= until;
+    const auto limit = stop_comes ? clock_.first_at(stop_at) : clock_.first_after(until);
     const auto stop = hart_.run(std::min(limit, cycle_limit));
     if (stop != Stop::limit) {
       handle(stop);
       continue;
     }
-    if (event_comes && hart_.counters().cycles >= limit) {
-      advance_devices(event);
-      continue;
+    if (hart_.counters().cycles < limit) {
+      now_ = core_time();  // the cycle limit
+      return;
     }
-    if (hart_.counters().cycles >= limit) break;
-    now_ = core_time();  // the cycle limit
-    return;
+    if (!stop_comes) break;
+    if (event <= lead) {
+      advance_devices(event);
+    } else {
+      advance_cluster(lead);
+    }
   }
   now_ = until == kNever - 1 ? (asleep_ ? std::max(now_, asleep_since_) : core_time()) : until;
+}
+
+Picoseconds Soc::cluster_next() const {
+  return cluster_ && running() ? cluster_->next() : kNever;
+}
+
+/// The cluster runs until it has caught up, or, while the fabric controller sleeps, until something wakes that one.
+void Soc::advance_cluster(Picoseconds until) {
+  do {
+    cluster_->advance(until);
+    update_lines();
+    if (cluster_->take_fabric_wake()) hart_.wake();
+    if (cluster_->faulted_core() >= 0) {
+      finish(End::faulted);
+      if (listeners_.faults) listeners_.faults(fault_text());
+    } else if (cluster_->stopped()) {
+      finish(End::host);
+    } else if (asleep_) {
+      wake_if_interrupted(cluster_->fabric_event_time());
+      return;
+    }
+  } while (cluster_next() < until);
 }
 
 void Soc::handle(Stop stop) {
@@ -234,6 +381,9 @@ void Soc::handle(Stop stop) {
     case Stop::fault:
       finish(End::faulted);
       if (listeners_.faults) listeners_.faults(fault_text());
+      break;
+    case Stop::turn:
+      advance_cluster(core_time());
       break;
     case Stop::limit:
       break;
@@ -274,22 +424,34 @@ void Soc::update_lines() {
   for (const auto& slot : slots_) {
     if (slot.interrupt >= 0) hart_.set_interrupt(static_cast<unsigned>(slot.interrupt), slot.device->interrupt());
   }
+  if (cluster_ && cluster_interrupt_ >= 0) {
+    hart_.set_interrupt(static_cast<unsigned>(cluster_interrupt_), cluster_->interrupt());
+  }
 }
 
 void Soc::apply_power_settings() {
   if (!power_manager_) return;
-  if (power_manager_->clock_hz() != clock_.hz()) {
-    clock_.change(power_manager_->clock_hz(), hart_.counters().cycles);
-  }
-  if (power_manager_->voltage_mv() != voltage_mv_) {
-    voltage_mv_ = power_manager_->voltage_mv();
-    now_ = core_time();
+  const auto& wanted = power_manager_->settings();
+  if (wanted.clock_hz != clock_.hz()) clock_.change(wanted.clock_hz, hart_.counters().cycles);
+  const auto now = core_time();
+  if (wanted.voltage_mv != voltage_mv_) {
+    voltage_mv_ = wanted.voltage_mv;
+    now_ = now;
     meter_.change_voltage(voltage_mv_ / kMilli, activity());
   }
+  if (!cluster_) return;
+  if (wanted.cluster_clock_hz != cluster_->clock_hz()) cluster_->set_clock(now, wanted.cluster_clock_hz);
+  if ((wanted.cluster_on != 0) == cluster_->powered()) return;
+  if (wanted.cluster_on != 0) {
+    cluster_->power_on(now, wanted.cluster_boot);
+  } else {
+    cluster_->power_off(now);
+  }
+  connect_memories();
 }
 
 void Soc::wake_if_interrupted(Picoseconds time) {
-  if (end_ != End::none || !hart_.wakes()) return;
+  if (end_ != End::none || (hart_.sleeping() && !hart_.wakes())) return;
   const auto wake = std::max(time, asleep_since_);
   clock_.wake(hart_.counters().cycles, wake);
   slept_ += core_time() - asleep_since_;
@@ -306,16 +468,28 @@ Activity Soc::activity() const {
   activity.instruction_fj = counters.instruction_fj;
   activity.memory_accesses = counters.accesses - counters.device_accesses;
   activity.device_accesses = counters.device_accesses;
+  if (cluster_) {
+    const auto cluster = cluster_->counters();
+    activity.instruction_fj += cluster.instruction_fj;
+    activity.memory_accesses += cluster.accesses - cluster.device_accesses;
+    activity.device_accesses += cluster.device_accesses;
+  }
   activity.powered = supplied_until();
   activity.asleep = sleep_time();
   return activity;
 }
 
+std::uint64_t Soc::instructions() const {
+  return hart_.counters().instructions + (cluster_ ? cluster_->counters().instructions : 0);
+}
+
 std::string Soc::fault_text() const {
-  const auto& fault = hart_.fault();
+  const int core = cluster_ ? cluster_->faulted_core() : -1;
+  const auto& fault = core >= 0 ? cluster_->hart(static_cast<unsigned>(core)).fault() : hart_.fault();
   if (!fault.happened) return {};
   const auto function = program_.where(fault.pc);
-  return fmt::format("{}: {} (mcause {}, mtval 0x{:08x}) at pc 0x{:08x} in {}: {}",
+  return fmt::format("{}{}: {} (mcause {}, mtval 0x{:08x}) at pc 0x{:08x} in {}: {}",
+                     core >= 0 ? fmt::format("cluster core {}: ", core) : "",
                      fault.double_trap ? "no way out of its own trap handler" : "trap without a handler",
                      cause_text(fault.cause), fault.cause, fault.value, fault.pc,
                      function.empty() ? "no function of the program" : function,
@@ -326,6 +500,7 @@ void Soc::save(state::Writer& writer) const {
   static_assert(std::has_unique_object_representations_v<Clock>);
   memory_.save(writer);
   hart_.save(writer);
+  if (cluster_) cluster_->save(writer);
   for (const auto& slot : slots_) slot.device->save(writer);
   meter_.save(writer);
   writer.put(clock_);
@@ -341,6 +516,7 @@ void Soc::save(state::Writer& writer) const {
 void Soc::restore(state::Reader& reader) {
   memory_.restore(reader);
   hart_.restore(reader);
+  if (cluster_) cluster_->restore(reader);
   for (const auto& slot : slots_) slot.device->restore(reader);
   meter_.restore(reader);
   reader.get(clock_);
@@ -351,6 +527,7 @@ void Soc::restore(state::Reader& reader) {
   reader.get(asleep_);
   reader.get(asleep_since_);
   reader.get(slept_);
+  connect_memories();
 }
 
 }  // namespace mebots::soc

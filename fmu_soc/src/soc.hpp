@@ -4,6 +4,7 @@
 #include "board_file.hpp"
 #include "chip.hpp"
 #include "clock.hpp"
+#include "cluster/cluster.hpp"
 #include "devices/battery_gauge.hpp"
 #include "devices/camera.hpp"
 #include "devices/console.hpp"
@@ -30,6 +31,8 @@ namespace mebots::soc {
 /// What a system starts with.
 struct Settings {
   double clock_hz = 100e6;
+  double cluster_clock_hz = 87e6;
+  unsigned cluster_cores = kMostClusterCores;  // at most as many as the board has
   double voltage_v = 1.2;
   std::uint32_t frame_width = 320;
   MissionParameters::Values mission;
@@ -46,8 +49,14 @@ enum class End : std::uint8_t { none, exited, faulted, powered_off, host };
 
 /// The chip with its devices and its program: a core that runs while time goes on.
 ///
-/// Time rule: `advance(t)` executes every instruction that starts at or before t, and every event of a device up
-/// to t. So a request made at SoC time s is out at the first call with t >= s.
+/// Time rule: `advance(t)` executes every instruction of the fabric controller that starts at or before t, and every
+/// event of a device up to t. So a request made at SoC time s is out at the first call with t >= s.
+///
+/// Fabric controller and cluster: awake, the fabric controller goes ahead, by at most kLead ticks of the cluster; the
+/// cluster follows and never passes it. Its access to the cluster's devices, or to the power manager, waits until the
+/// cluster has come to the same time. Asleep, it lets the cluster run up to the next event of a device; it wakes at the
+/// time of the cluster's event. So both see each other's events in the order of time; only an interrupt from the
+/// cluster may find an awake fabric controller up to kLead ticks further on.
 class Soc final : private Bus {
  public:
   /// Throws Error for a board, settings or a program that do not fit.
@@ -60,6 +69,8 @@ class Soc final : private Bus {
   void advance(std::int64_t time_ns);
   /// Goes on until `cycle_limit` active cycles, the end, or a sleep that nothing can end. For programs run alone.
   void run_cycles(std::uint64_t cycle_limit);
+  /// Retired by all cores since the start.
+  std::uint64_t instructions() const;
 
   /// Stops at the store that makes this word other than 0.
   void stop_when_stored(std::uint32_t address);
@@ -70,6 +81,8 @@ class Soc final : private Bus {
   void power_off();
 
   Picoseconds now() const { return now_; }
+  /// Null without one.
+  const Cluster* cluster() const { return cluster_.get(); }
   const Hart& hart() const { return hart_; }
   Hart& hart() { return hart_; }
   const Memory& memory() const { return memory_; }
@@ -102,16 +115,24 @@ class Soc final : private Bus {
     Device* device = nullptr;
   };
 
+  static constexpr std::uint64_t kLead = 256;
+
+  void connect_memories();
+  void add_cluster(const BoardDescription& board, const Settings& settings);
   void add_devices(const BoardDescription& board, const Settings& settings);
   void load_program();
 
-  bool load(std::uint32_t address, std::uint64_t cycle, std::uint32_t& value) override;
-  bool store(std::uint32_t address, std::uint64_t cycle, std::uint32_t value) override;
+  BusReply load(std::uint32_t address, std::uint64_t cycle) override;
+  BusReply load_event(std::uint32_t address, std::uint64_t cycle) override;
+  BusReply store(std::uint32_t address, std::uint64_t cycle, std::uint32_t value) override;
+  bool must_wait(std::uint32_t address, Picoseconds now) const;
   bool watched(std::uint32_t address) override;
   const Slot* slot_at(std::uint32_t address) const;
 
   void go_on(Picoseconds until, std::uint64_t cycle_limit);
   void handle(Stop stop);
+  Picoseconds cluster_next() const;
+  void advance_cluster(Picoseconds until);
   Picoseconds next_event() const;
   void advance_devices(Picoseconds time);
   void update_lines();
@@ -126,7 +147,10 @@ class Soc final : private Bus {
   Listeners listeners_;
   Elf program_;
   Memory memory_;
+  std::vector<Place> places_;  // of the memories
   std::vector<Slot> slots_;
+  std::unique_ptr<Cluster> cluster_;
+  int cluster_interrupt_ = -1;
   std::unique_ptr<Console> console_;
   std::unique_ptr<Timer> timer_;
   std::unique_ptr<PowerManager> power_manager_;

@@ -33,8 +33,8 @@ class Machine : private Bus {
 
  private:
   static Memory make_memory();
-  bool load(std::uint32_t, std::uint64_t, std::uint32_t&) override { return false; }
-  bool store(std::uint32_t, std::uint64_t, std::uint32_t) override { return false; }
+  BusReply load(std::uint32_t, std::uint64_t) override { return {}; }
+  BusReply store(std::uint32_t, std::uint64_t, std::uint32_t) override { return {}; }
   bool watched(std::uint32_t address) override { return word(address & ~3U) != 0; }
 
   Elf program_;

@@ -96,8 +96,8 @@ again:
     j again
 )");
   class Nothing final : public Bus {
-    bool load(std::uint32_t, std::uint64_t, std::uint32_t&) override { return false; }
-    bool store(std::uint32_t, std::uint64_t, std::uint32_t) override { return false; }
+    BusReply load(std::uint32_t, std::uint64_t) override { return {}; }
+    BusReply store(std::uint32_t, std::uint64_t, std::uint32_t) override { return {}; }
     bool watched(std::uint32_t) override { return false; }
   } nothing;
   machine.run(100);

@@ -5,44 +5,70 @@
 
 namespace mebots::soc {
 
+namespace reg = board::power_manager;
+
 bool PowerManager::load(std::uint32_t offset, Picoseconds /*now*/, std::uint32_t& value) {
   switch (offset) {
-    case board::power_manager::kClockHz:
-      value = clock_hz_;
+    case reg::kClockHz:
+      value = settings_.clock_hz;
       return true;
-    case board::power_manager::kVoltageMv:
-      value = voltage_mv_;
+    case reg::kVoltageMv:
+      value = settings_.voltage_mv;
       return true;
-    case board::power_manager::kStatus:
+    case reg::kStatus:
       value = status_;
+      return true;
+    case reg::kClusterPower:
+      value = settings_.cluster_on;
+      return true;
+    case reg::kClusterBoot:
+      value = settings_.cluster_boot;
+      return true;
+    case reg::kClusterClockHz:
+      value = settings_.cluster_clock_hz;
       return true;
     default:
       return false;
   }
 }
 
+/// All limits hold after the change, or there is none.
+void PowerManager::change(std::uint32_t PowerSettings::*what, std::uint32_t value) {
+  auto wanted = settings_;
+  wanted.*what = value;
+  const bool good = chip_.allows(wanted.clock_hz, wanted.voltage_mv) &&
+                    (!has_cluster_ || chip_.allows_cluster(wanted.cluster_clock_hz, wanted.voltage_mv)) &&
+                    wanted.cluster_on <= (has_cluster_ ? 1U : 0U);
+  if (good) {
+    settings_ = wanted;
+  } else {
+    status_ |= kRefused;
+  }
+}
+
 bool PowerManager::store(std::uint32_t offset, Picoseconds /*now*/, std::uint32_t value) {
   switch (offset) {
-    case board::power_manager::kClockHz:
-      if (chip_.allows(value, voltage_mv_)) {
-        clock_hz_ = value;
-      } else {
-        status_ |= kRefused;
-      }
+    case reg::kClockHz:
+      change(&PowerSettings::clock_hz, value);
       return true;
-    case board::power_manager::kVoltageMv:
-      if (chip_.allows(clock_hz_, value)) {
-        voltage_mv_ = value;
-      } else {
-        status_ |= kRefused;
-      }
+    case reg::kVoltageMv:
+      change(&PowerSettings::voltage_mv, value);
       return true;
-    case board::power_manager::kStatus:
+    case reg::kStatus:
       status_ &= ~value;
       return true;
-    case board::power_manager::kExit:
+    case reg::kExit:
       exited_ = true;
       exit_code_ = static_cast<std::int32_t>(value);
+      return true;
+    case reg::kClusterPower:
+      change(&PowerSettings::cluster_on, value);
+      return true;
+    case reg::kClusterBoot:
+      settings_.cluster_boot = value;
+      return true;
+    case reg::kClusterClockHz:
+      change(&PowerSettings::cluster_clock_hz, value);
       return true;
     default:
       return false;
@@ -50,16 +76,14 @@ bool PowerManager::store(std::uint32_t offset, Picoseconds /*now*/, std::uint32_
 }
 
 void PowerManager::save(state::Writer& writer) const {
-  writer.put(clock_hz_);
-  writer.put(voltage_mv_);
+  writer.put(settings_);
   writer.put(status_);
   writer.put(exited_);
   writer.put(exit_code_);
 }
 
 void PowerManager::restore(state::Reader& reader) {
-  reader.get(clock_hz_);
-  reader.get(voltage_mv_);
+  reader.get(settings_);
   reader.get(status_);
   reader.get(exited_);
   reader.get(exit_code_);

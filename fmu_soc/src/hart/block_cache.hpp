@@ -32,6 +32,8 @@ class BlockCache {
 
   BlockCache(Memory& memory, Timing timing, const InstructionEnergy& energy);
 
+  const Timing& timing() const { return timing_; }
+
   /// Number of the block that starts at `pc`, decoded now if need be; 0 when `pc` cannot be fetched.
   std::uint32_t find(std::uint32_t pc) {
     auto slot = hash(pc);

@@ -117,7 +117,9 @@ bool Hart::read_csr(unsigned number, std::uint32_t& value) const {
       value = kArchitecture;
       return true;
     case csr::kMimpid:
+      return true;
     case csr::kMhartid:
+      value = id_;
       return true;
     default:
       return is_zero_register(number);

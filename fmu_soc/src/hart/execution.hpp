@@ -22,7 +22,7 @@ struct FastRegion {
 };
 
 /// Why a block was left other than by a branch or at its end.
-enum class Leave : std::uint8_t { normal, trap, device, stop, sleep };
+enum class Leave : std::uint8_t { normal, trap, device, stop, sleep, event, turn };
 
 /// Registers of a hardware loop. The body runs once more after its last instruction while the count is above 1.
 struct HardwareLoop {

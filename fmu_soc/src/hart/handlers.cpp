@@ -133,6 +133,9 @@ const Instruction* breakpoint(Execution& e, const Instruction* at) {
 const Instruction* csr_access(Execution& e, const Instruction* at) {
   return e.hart->csr_access(at);
 }
+const Instruction* event_load(Execution& e, const Instruction* at) {
+  return e.hart->event_load(at);
+}
 const Instruction* trap_return(Execution& e, const Instruction* at) {
   return e.hart->trap_return(at);
 }
@@ -170,8 +173,9 @@ Handler handler_of(Op op, Operand operand) {
     case Op::lh:
       return load<std::int16_t>;
     case Op::lw:
-    case Op::p_elw:
       return load<std::int32_t>;
+    case Op::p_elw:
+      return event_load;
     case Op::lbu:
       return load<std::uint8_t>;
     case Op::lhu:

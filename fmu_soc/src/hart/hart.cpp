@@ -26,8 +26,8 @@ std::uint32_t loaded(std::uint32_t value, unsigned size, bool sign) {
 
 }  // namespace
 
-Hart::Hart(Memory& memory, Bus& bus, Timing timing, const InstructionEnergy& energy)
-    : memory_(memory), bus_(bus), timing_(timing), cache_(memory, timing, energy) {
+Hart::Hart(Memory& memory, Bus& bus, std::shared_ptr<BlockCache> decoded)
+    : memory_(memory), bus_(bus), timing_(decoded->timing()), decoded_(std::move(decoded)), cache_(*decoded_) {
   execution_.hart = this;
   std::vector<MemoryPort> ports(memory.regions().size());
   for (std::size_t i = 0; i < ports.size(); ++i) ports[i].region = i;
@@ -64,16 +64,22 @@ void Hart::wait_for_ram(const Instruction* at, const MemoryPort& port, std::uint
 }
 
 void Hart::reset(std::uint32_t pc) {
+  counters_ = {};
+  execution_.far_accesses = 0;
+  restart(pc);
+}
+
+void Hart::restart(std::uint32_t pc) {
   execution_.x = {};
   execution_.pc = pc;
   execution_.loops = {};
-  execution_.far_accesses = 0;
   csrs_ = {};
-  counters_ = {};
+  csrs_.cycle_base = counters_.cycles;
+  csrs_.instret_base = counters_.instructions;
   fault_ = {};
   before_ = {};
   two_before_ = {};
-  sleeping_ = false;
+  wake();
   interrupt_ready_ = false;
   exception_repeats_ = 0;
   cache_.clear();
@@ -84,8 +90,8 @@ Stop Hart::run(std::uint64_t limit) {
   if (fault_.happened) return Stop::fault;
   cache_.forget_if_stale();
   if (sleeping_) {
-    if ((csrs_.mip & csrs_.mie) == 0) return Stop::sleeping;
-    sleeping_ = false;
+    if (!wakes()) return Stop::sleeping;
+    wake();
   }
   e.link = nullptr;
   e.jumped = false;
@@ -115,7 +121,7 @@ Stop Hart::run(std::uint64_t limit) {
     const auto& block = cache_.block(number);
     const bool delayed =
         is_load(before_.op) || is_load(two_before_.op) || (before_.op != Op::end_of_block && block.early_jump);
-    if (delayed || counters_.cycles + block.last_start_bound >= limit) [[unlikely]] {
+    if (delayed || counters_.cycles + (block.last_start_bound & bound_mask_) >= limit) [[unlikely]] {
       execute(cache_.single(e.pc, two_before_, before_));
       e.link = nullptr;
     } else {
@@ -133,11 +139,16 @@ Stop Hart::run(std::uint64_t limit) {
         return Stop::device;
       case Leave::stop:
         return Stop::watch;
+      case Leave::turn:
+        return Stop::turn;
+      case Leave::event:
       case Leave::sleep:
-        if ((csrs_.mip & csrs_.mie) == 0) {
+        waits_for_event_ = leave == Leave::event;
+        if (!wakes()) {
           sleeping_ = true;
           return Stop::sleeping;
         }
+        waits_for_event_ = false;
         break;
       case Leave::normal:
         break;
@@ -215,6 +226,15 @@ const Instruction* Hart::leave_after(const Instruction* at, Leave why) {
   return nullptr;
 }
 
+const Instruction* Hart::leave_before(const Instruction* at, Leave why) {
+  auto& e = execution_;
+  e.pc = at->pc;
+  e.exit = at;
+  e.link = nullptr;
+  e.leave = why;
+  return nullptr;
+}
+
 const Instruction* Hart::slow_load(const Instruction* at, std::uint32_t address, unsigned size, bool sign) {
   auto& e = execution_;
   std::uint32_t value = 0;
@@ -229,10 +249,25 @@ const Instruction* Hart::slow_load(const Instruction* at, std::uint32_t address,
     }
     return leave_after(at, Leave::normal);
   }
-  if (size != 4 || address % 4 != 0 || !bus_.load(address, cycle_of(at), value)) {
-    return raise(at, cause::kLoadAccess, address);
-  }
-  e.x[at->rd] = value;
+  if (size != 4 || address % 4 != 0) return raise(at, cause::kLoadAccess, address);
+  return finish_load(at, address, bus_.load(address, cycle_of(at)));
+}
+
+const Instruction* Hart::event_load(const Instruction* at) {
+  auto& e = execution_;
+  const auto address = e.x[at->rs1] + static_cast<std::uint32_t>(at->imm);
+  if (address % 4 != 0 || port_of(address, 4) != nullptr) return slow_load(at, address, 4, true);
+  const auto reply = bus_.load_event(address, cycle_of(at));
+  if (reply.kind == BusReply::Kind::blocked) return leave_before(at, Leave::event);
+  return finish_load(at, address, reply);
+}
+
+const Instruction* Hart::finish_load(const Instruction* at, std::uint32_t address, const BusReply& reply) {
+  auto& e = execution_;
+  if (reply.kind == BusReply::Kind::later) return leave_before(at, Leave::turn);
+  if (reply.kind != BusReply::Kind::done) return raise(at, cause::kLoadAccess, address);
+  e.x[at->rd] = reply.value;
+  e.extra_cycles += reply.wait_cycles;
   ++counters_.device_accesses;
   return leave_after(at, Leave::device);
 }
@@ -246,9 +281,11 @@ const Instruction* Hart::slow_store(const Instruction* at, std::uint32_t address
     if (crosses_word(address, size)) e.extra_cycles += kMisalignedExtra;
     return marked_store(at, address, size);
   }
-  if (size != 4 || address % 4 != 0 || !bus_.store(address, cycle_of(at), value)) {
-    return raise(at, cause::kStoreAccess, address);
-  }
+  if (size != 4 || address % 4 != 0) return raise(at, cause::kStoreAccess, address);
+  const auto reply = bus_.store(address, cycle_of(at), value);
+  if (reply.kind == BusReply::Kind::later) return leave_before(at, Leave::turn);
+  if (reply.kind != BusReply::Kind::done) return raise(at, cause::kStoreAccess, address);
+  e.extra_cycles += reply.wait_cycles;
   ++counters_.device_accesses;
   return leave_after(at, Leave::device);
 }
@@ -357,6 +394,7 @@ void Hart::save(state::Writer& writer) const {
   writer.put(before_);
   writer.put(two_before_);
   writer.put(sleeping_);
+  writer.put(waits_for_event_);
   writer.put(interrupt_ready_);
   writer.put(exception_pc_);
   writer.put(exception_cause_);
@@ -374,6 +412,7 @@ void Hart::restore(state::Reader& reader) {
   reader.get(before_);
   reader.get(two_before_);
   reader.get(sleeping_);
+  reader.get(waits_for_event_);
   reader.get(interrupt_ready_);
   reader.get(exception_pc_);
   reader.get(exception_cause_);

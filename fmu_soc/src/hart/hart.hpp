@@ -11,6 +11,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -20,7 +21,8 @@ namespace mebots::soc {
 enum class Stop : std::uint8_t {
   limit,     // the next instruction starts at or after the limit
   device,    // a device register was touched: its schedule may have changed
-  sleeping,  // WFI, and no enabled interrupt is pending
+  turn,      // an access outside the RAM must let others go first: run again when it may
+  sleeping,  // WFI or an event load, and no enabled interrupt is pending
   watch,     // a watched word was stored and the bus said to end
   fault,     // the core cannot go on
 };
@@ -63,15 +65,25 @@ struct InstructionEnergy {
 class Hart {
  public:
   /// Reaches all regions of the memory without waiting; the first two are the fast ones.
-  Hart(Memory& memory, Bus& bus, Timing timing, const InstructionEnergy& energy);
+  Hart(Memory& memory, Bus& bus, Timing timing, const InstructionEnergy& energy)
+      : Hart(memory, bus, std::make_shared<BlockCache>(memory, timing, energy)) {}
+  /// Shares decoded code with other harts of the same kind that run in the same thread.
+  Hart(Memory& memory, Bus& bus, std::shared_ptr<BlockCache> decoded);
   Hart(const Hart&) = delete;
   Hart& operator=(const Hart&) = delete;
 
   /// All registers 0, counters 0, and the next instruction at `pc`.
   void reset(std::uint32_t pc);
+  /// Likewise, but the counters that nothing in the core can write go on.
+  void restart(std::uint32_t pc);
+  /// What mhartid reads; 0 unless set.
+  void set_id(std::uint32_t id) { id_ = id; }
 
   /// Says which memories the core reaches, and how; all others are nothing to it. The first two are the fast ones.
   void connect(std::span<const MemoryPort> ports);
+
+  /// With a loose limit, a block that starts before it runs to its end.
+  void set_loose_limit(bool loose) { bound_mask_ = loose ? 0 : ~std::uint32_t{0}; }
 
   /// Executes every instruction that starts before active cycle `limit`.
   Stop run(std::uint64_t limit);
@@ -79,8 +91,14 @@ class Hart {
   /// Level of an interrupt line (bit of mip).
   void set_interrupt(unsigned bit, bool level);
   bool sleeping() const { return sleeping_; }
-  /// Whether an enabled interrupt is pending, which ends a sleep.
-  bool wakes() const { return (csrs_.mip & csrs_.mie) != 0; }
+  /// The event that an event load waits for may have come: the sleep ends, and the load asks again.
+  void wake() {
+    sleeping_ = false;
+    waits_for_event_ = false;
+  }
+  /// Whether something is pending that ends a sleep: an enabled interrupt, which for an event load must also be let in
+  /// (mstatus), since the load would only fall asleep again.
+  bool wakes() const { return waits_for_event_ ? interrupt_ready_ : (csrs_.mip & csrs_.mie) != 0; }
   const Fault& fault() const { return fault_; }
   const Counters& counters() const { return counters_; }
   /// Of the loads and stores: those that did not go to the first region of the memory, nor to a device.
@@ -103,6 +121,7 @@ class Hart {
   const Instruction* raise(const Instruction* at, std::uint32_t cause, std::uint32_t value);
   const Instruction* slow_load(const Instruction* at, std::uint32_t address, unsigned size, bool sign);
   const Instruction* slow_store(const Instruction* at, std::uint32_t address, unsigned size, std::uint32_t value);
+  const Instruction* event_load(const Instruction* at);
   const Instruction* marked_store(const Instruction* at, std::uint32_t address, unsigned size);
   /// Sets where a hardware loop ends, and goes on behind `at`, which did it.
   const Instruction* set_loop_end(const Instruction* at, unsigned loop, std::uint32_t pc);
@@ -134,6 +153,8 @@ class Hart {
   };
 
   const Instruction* leave_after(const Instruction* at, Leave why);
+  const Instruction* leave_before(const Instruction* at, Leave why);
+  const Instruction* finish_load(const Instruction* at, std::uint32_t address, const BusReply& reply);
   void execute(const Instruction* first);
   std::uint32_t following_block(std::uint32_t* link);
   void take_trap(std::uint32_t cause, std::uint32_t value);
@@ -154,14 +175,18 @@ class Hart {
   Bus& bus_;
   Timing timing_;
   std::vector<MemoryPort> ports_;
-  BlockCache cache_;
+  std::shared_ptr<BlockCache> decoded_;
+  BlockCache& cache_;
   Execution execution_;
   Csrs csrs_;
   Counters counters_;
   Fault fault_;
   Previous before_;
   Previous two_before_;
+  std::uint32_t id_ = 0;
+  std::uint32_t bound_mask_ = ~std::uint32_t{0};
   bool sleeping_ = false;
+  bool waits_for_event_ = false;  // the sleep is that of an event load
   bool interrupt_ready_ = false;
   // The same exception again and again without a return from its handler means no way out.
   std::uint32_t exception_pc_ = 0;

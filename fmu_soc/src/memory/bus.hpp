@@ -5,14 +5,32 @@
 
 namespace mebots::soc {
 
+/// What comes back from an access outside the RAM.
+struct BusReply {
+  enum class Kind : std::uint8_t {
+    none,     // nothing answers there, or not to this kind of access: the instruction traps
+    done,     // carried out
+    blocked,  // an event load whose event has not come: the core sleeps before the instruction until it is woken
+    later,    // others must go first: nothing happened, the core stops before the instruction
+  };
+  Kind kind = Kind::none;
+  std::uint32_t value = 0;        // of a load
+  std::uint32_t wait_cycles = 0;  // of the way there and back
+
+  static BusReply done(std::uint32_t value = 0, std::uint32_t wait_cycles = 0) {
+    return {Kind::done, value, wait_cycles};
+  }
+};
+
 /// What a core reaches outside the RAM: registers of devices, words only.
 class Bus {
  public:
   virtual ~Bus() = default;
   /// A 4-byte aligned access by the instruction that starts in active cycle `cycle` of the core.
-  /// False: nothing answers there, or not to this kind of access.
-  virtual bool load(std::uint32_t address, std::uint64_t cycle, std::uint32_t& value) = 0;
-  virtual bool store(std::uint32_t address, std::uint64_t cycle, std::uint32_t value) = 0;
+  virtual BusReply load(std::uint32_t address, std::uint64_t cycle) = 0;
+  virtual BusReply store(std::uint32_t address, std::uint64_t cycle, std::uint32_t value) = 0;
+  /// Likewise a p.elw, which may wait for an event.
+  virtual BusReply load_event(std::uint32_t address, std::uint64_t cycle) { return load(address, cycle); }
   /// Called after a store into a watched word. True: the run ends with this store.
   virtual bool watched(std::uint32_t address) = 0;
 };

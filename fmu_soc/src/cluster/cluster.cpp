@@ -1,0 +1,230 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cluster/cluster.hpp"
+
+#include "cluster/core.hpp"
+#include "fmu_soc_board/board.hpp"
+
+#include <algorithm>
+
+namespace mebots::soc {
+namespace {
+
+template <std::size_t Count>
+constexpr std::uint32_t size_of(const std::array<board::RegisterName, Count>& registers) {
+  return registers.back().offset + 4;
+}
+
+}  // namespace
+
+Cluster::Cluster(Memory& memory, const ClusterSettings& settings, const InstructionEnergy& energy)
+    : memory_(memory),
+      settings_(settings),
+      decoded_(std::make_shared<BlockCache>(memory, settings.timing, energy)),
+      banks_(settings.l1_banks),
+      event_unit_(settings.cores),
+      dma_(memory, settings.l1_region, settings.dma) {
+  for (unsigned id = 0; id < settings.cores; ++id) {
+    cores_.push_back(std::make_unique<Core>(*this, id, memory, decoded_));
+  }
+  clock_.reset(settings.clock_hz);
+}
+
+Cluster::~Cluster() = default;
+
+void Cluster::power_on(Picoseconds now, std::uint32_t boot) {
+  if (powered_) return;
+  powered_ = true;
+  event_unit_ = EventUnit(cores());
+  dma_.reset();
+  const auto tick = tick_at(now);
+  for (auto& core : cores_) core->start(boot, tick);
+}
+
+void Cluster::power_off(Picoseconds /*now*/) {
+  powered_ = false;
+  interrupt_ = false;
+  fabric_woken_ = false;
+}
+
+void Cluster::set_clock(Picoseconds now, std::uint32_t hz) {
+  if (hz != clock_.hz()) clock_.change(hz, tick_at(now));
+}
+
+bool Cluster::awake(const Core& core, std::uint64_t end) const {
+  return !core.asleep() && core.ready() < end;
+}
+
+std::uint64_t Cluster::next_tick() const {
+  if (!powered_ || faulted_core_ >= 0 || stopped_) return kNoTick;
+  auto next = dma_.next_tick();
+  for (const auto& core : cores_) {
+    if (!core->asleep()) next = std::min(next, core->ready());
+  }
+  return next;
+}
+
+Picoseconds Cluster::next() const {
+  const auto tick = next_tick();
+  return tick == kNoTick ? kNever : clock_.time_of(tick);
+}
+
+void Cluster::advance(Picoseconds until) {
+  const auto start = next_tick();
+  const auto several =
+      std::count_if(cores_.begin(), cores_.end(), [](const auto& core) { return !core->asleep(); }) > 1;
+  const auto length = several ? kQuantum : kLongQuantum;
+  const auto end = std::min(start + length, std::max(until == kNever ? kNoTick : tick_at(until), start + 1));
+  if (start > banks_.start()) banks_.move_to(start);
+  // Alone, a core finds all banks free, but for the DMA's accesses, which are not counted.
+  for (auto& core : cores_) core->share_banks(several);
+
+  for (std::uint32_t i = 0; i < cores(); ++i) {
+    auto& core = *cores_[(first_core_ + i) % cores()];
+    if (awake(core, end) && !core.waits_for_turn()) run_core(core, end);
+  }
+  first_core_ = (first_core_ + 1) % cores();
+  for (;;) {
+    auto* core = next_core(end);
+    const auto transfer = dma_.next_tick();
+    if (transfer < end && (core == nullptr || transfer <= core->ready())) {
+      dma_.advance(transfer, event_unit_);
+      spread_events(transfer);
+      continue;
+    }
+    if (core == nullptr || faulted_core_ >= 0 || stopped_) break;
+    core->grant_turn();
+    run_core(*core, end);
+  }
+}
+
+/// The core that is farthest behind among those with something to do before `end`.
+Cluster::Core* Cluster::next_core(std::uint64_t end) {
+  Core* first = nullptr;
+  for (auto& core : cores_) {
+    if (awake(*core, end) && (first == nullptr || core->ready() < first->ready())) first = core.get();
+  }
+  return first;
+}
+
+void Cluster::run_core(Core& core, std::uint64_t end) {
+  const auto stop = core.run(end);
+  if (stop == Stop::device) spread_events(core.accessed());
+  if (stop == Stop::fault) faulted_core_ = static_cast<std::int32_t>(core.id());
+  if (stop == Stop::watch) stopped_ = true;
+}
+
+/// What happened in `tick` wakes who waited for it.
+void Cluster::spread_events(std::uint64_t tick) {
+  const auto woken = event_unit_.take_woken();
+  for (auto& core : cores_) {
+    if ((woken >> core->id() & 1U) != 0) core->wake(tick + kWakeLatency);
+  }
+  const bool fabric_woken = (woken >> kFabricController & 1U) != 0;
+  const bool raised = event_unit_.interrupt() && !interrupt_;
+  interrupt_ = event_unit_.interrupt();
+  fabric_woken_ = fabric_woken_ || fabric_woken;
+  if (fabric_woken || raised) fabric_event_time_ = clock_.time_of(tick);
+}
+
+bool Cluster::take_fabric_wake() {
+  const bool woken = fabric_woken_;
+  fabric_woken_ = false;
+  return woken;
+}
+
+BusReply Cluster::access(unsigned who, std::uint32_t address, std::uint64_t tick, const std::uint32_t* stored,
+                         bool event) {
+  if (const auto offset = address - settings_.event_unit_base; offset < size_of(board::event_unit::kRegisters)) {
+    if (stored == nullptr) return event ? event_unit_.load_event(who, offset) : event_unit_.load(who, offset);
+    return event_unit_.store(who, offset, *stored) ? BusReply::done() : BusReply{};
+  }
+  if (const auto offset = address - settings_.dma_base; offset < size_of(board::cluster_dma::kRegisters)) {
+    if (stored == nullptr) return dma_.load(who, offset);
+    return dma_.store(who, offset, *stored, tick) ? BusReply::done() : BusReply{};
+  }
+  return {};
+}
+
+bool Cluster::owns(std::uint32_t address) const {
+  return powered_ && (address - settings_.event_unit_base < size_of(board::event_unit::kRegisters) ||
+                      address - settings_.dma_base < size_of(board::cluster_dma::kRegisters));
+}
+
+BusReply Cluster::load(std::uint32_t address, Picoseconds now) {
+  return access(kFabricController, address, tick_at(now), nullptr, false);
+}
+
+BusReply Cluster::load_event(std::uint32_t address, Picoseconds now) {
+  const auto tick = tick_at(now);
+  const auto reply = access(kFabricController, address, tick, nullptr, true);
+  spread_events(tick);
+  return reply;
+}
+
+BusReply Cluster::store(std::uint32_t address, Picoseconds now, std::uint32_t value) {
+  const auto tick = tick_at(now);
+  const auto reply = access(kFabricController, address, tick, &value, false);
+  spread_events(tick);
+  return reply;
+}
+
+const Hart& Cluster::hart(unsigned core) const {
+  return cores_[core]->hart();
+}
+
+Counters Cluster::counters() const {
+  Counters sum;
+  for (const auto& core : cores_) {
+    const auto& counters = core->hart().counters();
+    sum.instructions += counters.instructions;
+    sum.cycles += counters.cycles;
+    sum.instruction_fj += counters.instruction_fj;
+    sum.accesses += counters.accesses;
+    sum.device_accesses += counters.device_accesses;
+  }
+  return sum;
+}
+
+std::uint64_t Cluster::far_accesses() const {
+  std::uint64_t sum = 0;
+  for (const auto& core : cores_) sum += core->hart().far_accesses();
+  return sum;
+}
+
+std::uint64_t Cluster::longest_cycles() const {
+  std::uint64_t longest = 0;
+  for (const auto& core : cores_) longest = std::max(longest, core->hart().counters().cycles);
+  return longest;
+}
+
+void Cluster::save(state::Writer& writer) const {
+  writer.put(banks_);
+  event_unit_.save(writer);
+  dma_.save(writer);
+  for (const auto& core : cores_) core->save(writer);
+  writer.put(clock_);
+  writer.put(powered_);
+  writer.put(interrupt_);
+  writer.put(fabric_woken_);
+  writer.put(stopped_);
+  writer.put(faulted_core_);
+  writer.put(first_core_);
+  writer.put(fabric_event_time_);
+}
+
+void Cluster::restore(state::Reader& reader) {
+  reader.get(banks_);
+  event_unit_.restore(reader);
+  dma_.restore(reader);
+  for (auto& core : cores_) core->restore(reader);
+  reader.get(clock_);
+  reader.get(powered_);
+  reader.get(interrupt_);
+  reader.get(fabric_woken_);
+  reader.get(stopped_);
+  reader.get(faulted_core_);
+  reader.get(first_core_);
+  reader.get(fabric_event_time_);
+}
+
+}  // namespace mebots::soc

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "clock.hpp"
+#include "cluster/dma.hpp"
+#include "cluster/event_unit.hpp"
+#include "hart/hart.hpp"
+#include "memory/banks.hpp"
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <vector>
+
+namespace mebots::soc {
+
+/// What a cluster is made of; from the board and its chip.
+struct ClusterSettings {
+  unsigned cores = 0;
+  std::size_t l1_region = 0;  // index in Memory::regions()
+  unsigned l1_banks = 16;
+  std::vector<MemoryPort> ports;  // of a core, L1 first; its banks are filled in here
+  std::uint32_t clock_hz = 0;
+  std::uint32_t event_unit_base = 0;
+  std::uint32_t dma_base = 0;
+  DmaTiming dma;
+  Timing timing;
+};
+
+/// Up to eight cores with their shared L1, event unit and DMA, in a clock domain of their own. Time is counted in ticks
+/// of the cluster's clock, which never stops; a core that sleeps does not count cycles.
+///
+/// The cores run one after the other for a quantum: kQuantum ticks when several are awake, kLongQuantum when one is.
+/// Who touches the event unit or the DMA stops before it and goes on when nobody is behind, so that those see all
+/// accesses in the order of their ticks (within a tick: of the cores). What a core stores in RAM another one
+/// may see up to a quantum late or early; cores that synchronise through the event unit see all of it.
+class Cluster {
+ public:
+  static constexpr std::uint64_t kQuantum = 64;
+  static constexpr std::uint64_t kLongQuantum = 1024;
+  /// Ticks from an event to the first instruction of the core that it wakes. Source: GVSoC, event unit of pulp_open.
+  static constexpr std::uint64_t kWakeLatency = 2;
+
+  Cluster(Memory& memory, const ClusterSettings& settings, const InstructionEnergy& energy);
+  ~Cluster();
+  Cluster(const Cluster&) = delete;
+  Cluster& operator=(const Cluster&) = delete;
+
+  /// Called after a core stored into a watched word; true ends the run.
+  void set_watcher(std::function<bool(std::uint32_t address)> watcher) { watcher_ = std::move(watcher); }
+
+  unsigned cores() const { return static_cast<unsigned>(cores_.size()); }
+  bool powered() const { return powered_; }
+
+  /// Off: what the cores and devices knew is lost. On: all cores start at `boot`, in the first tick at or after `now`.
+  void power_off(Picoseconds now);
+  void power_on(Picoseconds now, std::uint32_t boot);
+  /// Another frequency, from the first tick at or after `now` on.
+  void set_clock(Picoseconds now, std::uint32_t hz);
+  std::uint32_t clock_hz() const { return clock_.hz(); }
+
+  /// When the cluster next does something by itself; kNever while all cores sleep and no transfer runs.
+  Picoseconds next() const;
+  /// `ticks` after a time.
+  Picoseconds later(Picoseconds time, std::uint64_t ticks) const {
+    return clock_.time_of(clock_.first_at(time) + ticks);
+  }
+  /// Does it: a quantum of the cores that ends before what starts at `until`, which lies after next().
+  void advance(Picoseconds until);
+
+  /// Access of the fabric controller at `now`, up to which the cluster must have been advanced.
+  bool owns(std::uint32_t address) const;
+  BusReply load(std::uint32_t address, Picoseconds now);
+  BusReply load_event(std::uint32_t address, Picoseconds now);
+  BusReply store(std::uint32_t address, Picoseconds now, std::uint32_t value);
+
+  /// The fabric controller's event load can be answered; forgotten with the call.
+  bool take_fabric_wake();
+  /// When its interrupt line last went up, or its event load was answered.
+  Picoseconds fabric_event_time() const { return fabric_event_time_; }
+  bool interrupt() const { return powered_ && event_unit_.interrupt(); }
+
+  const Hart& hart(unsigned core) const;
+  /// Sum over the cores since reset of the chip.
+  Counters counters() const;
+  std::uint64_t far_accesses() const;
+  /// The most cycles that one of them was awake.
+  std::uint64_t longest_cycles() const;
+  /// The core that cannot go on; -1 = none.
+  int faulted_core() const { return faulted_core_; }
+  /// A core's store into a watched word ended the run.
+  bool stopped() const { return stopped_; }
+  const ClusterDma& dma() const { return dma_; }
+
+  void save(state::Writer& writer) const;
+  void restore(state::Reader& reader);
+
+ private:
+  class Core;
+
+  bool awake(const Core& core, std::uint64_t end) const;
+  Core* next_core(std::uint64_t end);
+  void run_core(Core& core, std::uint64_t end);
+  void spread_events(std::uint64_t tick);
+  std::uint64_t next_tick() const;
+  std::uint64_t tick_at(Picoseconds time) const { return clock_.first_at(time); }
+  BusReply access(unsigned who, std::uint32_t address, std::uint64_t tick, const std::uint32_t* stored, bool event);
+
+  Memory& memory_;
+  ClusterSettings settings_;
+  std::shared_ptr<BlockCache> decoded_;  // one for all cores: they run the same code
+  Banks banks_;
+  EventUnit event_unit_;
+  ClusterDma dma_;
+  std::vector<std::unique_ptr<Core>> cores_;
+  std::function<bool(std::uint32_t)> watcher_;
+  Clock clock_;
+  bool powered_ = false;
+  bool interrupt_ = false;  // what the line was
+  bool fabric_woken_ = false;
+  bool stopped_ = false;
+  std::int32_t faulted_core_ = -1;
+  std::uint32_t first_core_ = 0;  // of the next quantum
+  Picoseconds fabric_event_time_ = 0;
+};
+
+}  // namespace mebots::soc

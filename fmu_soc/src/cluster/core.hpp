@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "cluster/cluster.hpp"
+
+#include <memory>
+
+namespace mebots::soc {
+
+/// One core of the cluster: its hart, where its cycles lie in the cluster's ticks, and its turn at shared devices.
+class Cluster::Core final : private Bus {
+ public:
+  Core(Cluster& cluster, unsigned id, Memory& memory, std::shared_ptr<BlockCache> decoded)
+      : cluster_(cluster), id_(id), hart_(memory, *this, std::move(decoded)), schedule_(cluster.banks_) {
+    hart_.set_id(id);
+    hart_.set_loose_limit(true);
+    share_banks(false);
+  }
+
+  unsigned id() const { return id_; }
+  const Hart& hart() const { return hart_; }
+  bool asleep() const { return asleep_; }
+  /// The tick in which its next instruction starts.
+  std::uint64_t ready() const { return hart_.counters().cycles + offset_; }
+  bool waits_for_turn() const { return waits_for_turn_; }
+  void grant_turn() {
+    granted_ = waits_for_turn_;
+    waits_for_turn_ = false;
+  }
+  /// The tick of its last access to a shared device.
+  std::uint64_t accessed() const { return accessed_; }
+
+  /// All registers new, from `pc` on.
+  void start(std::uint32_t pc, std::uint64_t tick) {
+    hart_.restart(pc);
+    asleep_ = false;
+    waits_for_turn_ = false;
+    granted_ = false;
+    go_on_at(tick);
+  }
+
+  void wake(std::uint64_t tick) {
+    if (!asleep_) return;
+    asleep_ = false;
+    hart_.wake();
+    go_on_at(tick);
+  }
+
+  Stop run(std::uint64_t end) {
+    const auto stop = hart_.run(end - offset_);
+    asleep_ = stop == Stop::sleeping;
+    return stop;
+  }
+
+  /// Whether others use the banks of L1 at the same time.
+  void share_banks(bool several) {
+    if (connected_ && several == several_) return;
+    auto ports = cluster_.settings_.ports;
+    if (!ports.empty()) ports[0].banks = several ? &schedule_ : nullptr;
+    hart_.connect(ports);
+    connected_ = true;
+    several_ = several;
+  }
+
+  void save(state::Writer& writer) const {
+    hart_.save(writer);
+    writer.put(offset_);
+    writer.put(asleep_);
+    writer.put(waits_for_turn_);
+  }
+  void restore(state::Reader& reader) {
+    hart_.restore(reader);
+    reader.get(offset_);
+    reader.get(asleep_);
+    reader.get(waits_for_turn_);
+    granted_ = false;
+    schedule_.set_offset(offset_);
+  }
+
+ private:
+  void go_on_at(std::uint64_t tick) {
+    offset_ = tick - hart_.counters().cycles;
+    schedule_.set_offset(offset_);
+  }
+
+  BusReply turn(std::uint32_t address, std::uint64_t cycle, const std::uint32_t* stored, bool event) {
+    if (!granted_) {
+      waits_for_turn_ = true;
+      return {BusReply::Kind::later};
+    }
+    granted_ = false;
+    accessed_ = cycle + offset_;
+    return cluster_.access(id_, address, accessed_, stored, event);
+  }
+  BusReply load(std::uint32_t address, std::uint64_t cycle) override { return turn(address, cycle, nullptr, false); }
+  BusReply load_event(std::uint32_t address, std::uint64_t cycle) override {
+    return turn(address, cycle, nullptr, true);
+  }
+  BusReply store(std::uint32_t address, std::uint64_t cycle, std::uint32_t value) override {
+    return turn(address, cycle, &value, false);
+  }
+  bool watched(std::uint32_t address) override { return cluster_.watcher_ && cluster_.watcher_(address); }
+
+  Cluster& cluster_;
+  unsigned id_;
+  Hart hart_;
+  BankSchedule schedule_;
+  std::uint64_t offset_ = 0;
+  std::uint64_t accessed_ = 0;
+  bool asleep_ = true;
+  bool waits_for_turn_ = false;
+  bool granted_ = false;
+  bool several_ = false;
+  bool connected_ = false;
+};
+
+}  // namespace mebots::soc

@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cluster/dma.hpp"
+
+#include "fmu_soc_board/board.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <type_traits>
+
+namespace mebots::soc {
+namespace {
+
+namespace reg = board::cluster_dma;
+constexpr std::uint32_t kIn = 1;
+constexpr std::uint32_t kOut = 2;
+
+}  // namespace
+
+void ClusterDma::reset() {
+  drafts_ = {};
+  transfers_ = {};
+  free_from_ = 0;
+  status_ = 0;
+}
+
+BusReply ClusterDma::load(unsigned who, std::uint32_t offset) const {
+  const auto& draft = drafts_[who];
+  switch (offset) {
+    case reg::kL2Address:
+      return BusReply::done(draft.l2);
+    case reg::kL1Address:
+      return BusReply::done(draft.l1);
+    case reg::kSize:
+      return BusReply::done(draft.size);
+    case reg::kRow:
+      return BusReply::done(draft.row);
+    case reg::kStride:
+      return BusReply::done(draft.stride);
+    case reg::kStart:
+      return BusReply::done(draft.id);
+    case reg::kStatus: {
+      auto status = status_;
+      for (unsigned id = 0; id < kTransfers; ++id) status |= transfers_[id].end != kNoTick ? 1U << id : 0U;
+      return BusReply::done(status);
+    }
+    default:
+      return {};
+  }
+}
+
+bool ClusterDma::store(unsigned who, std::uint32_t offset, std::uint32_t value, std::uint64_t tick) {
+  auto& draft = drafts_[who];
+  switch (offset) {
+    case reg::kL2Address:
+      draft.l2 = value;
+      return true;
+    case reg::kL1Address:
+      draft.l1 = value;
+      return true;
+    case reg::kSize:
+      draft.size = value;
+      return true;
+    case reg::kRow:
+      draft.row = value;
+      return true;
+    case reg::kStride:
+      draft.stride = value;
+      return true;
+    case reg::kStart:
+      start(who, value, tick);
+      return true;
+    case reg::kStatus:
+      status_ &= ~(value & kRefused);
+      return true;
+    default:
+      return false;
+  }
+}
+
+bool ClusterDma::fits(const Draft& draft) const {
+  if (draft.size == 0) return false;
+  const auto row = draft.row == 0 ? draft.size : draft.row;
+  if (draft.size % row != 0) return false;
+  const auto span = std::uint64_t{draft.size / row - 1} * draft.stride + row;
+  if (span > 0xffffffffU) return false;
+  const auto* l2 = memory_.find(draft.l2, static_cast<std::uint32_t>(span));
+  const auto& l1 = memory_.regions()[l1_region_];
+  return l2 != nullptr && l2 != &l1 && l1.holds(draft.l1, draft.size);
+}
+
+std::uint32_t ClusterDma::cycles_of(const Draft& draft) const {
+  const auto cycles_of_bytes = [this](std::uint32_t bytes) {
+    const auto beats = (bytes + timing_.bytes_per_cycle - 1) / timing_.bytes_per_cycle;
+    return std::max(beats, timing_.least_burst_cycles);
+  };
+  const auto row = draft.row == 0 ? draft.size : draft.row;
+  const auto whole = row / timing_.most_burst_bytes;
+  const auto rest = row % timing_.most_burst_bytes;
+  const auto per_row = whole * cycles_of_bytes(timing_.most_burst_bytes) + (rest == 0 ? 0 : cycles_of_bytes(rest));
+  return draft.size / row * per_row;
+}
+
+void ClusterDma::start(unsigned who, std::uint32_t direction, std::uint64_t tick) {
+  auto& draft = drafts_[who];
+  const auto free = std::find_if(transfers_.begin(), transfers_.end(), [](const auto& t) { return t.end == kNoTick; });
+  if ((direction != kIn && direction != kOut) || free == transfers_.end() || !fits(draft)) {
+    status_ |= kRefused;
+    return;
+  }
+  const auto cycles = cycles_of(draft);
+  draft.id = static_cast<std::uint32_t>(free - transfers_.begin());
+  *free = {draft, direction == kOut ? 1U : 0U, who, std::max(free_from_, tick + timing_.latency) + cycles};
+  free_from_ = free->end;
+  counts_.busy_cycles += cycles;
+  counts_.bytes += draft.size;
+  ++counts_.transfers;
+}
+
+std::uint64_t ClusterDma::next_tick() const {
+  auto next = kNoTick;
+  for (const auto& transfer : transfers_) next = std::min(next, transfer.end);
+  return next;
+}
+
+void ClusterDma::advance(std::uint64_t tick, EventUnit& event_unit) {
+  for (auto due = next_tick(); due <= tick && due != kNoTick; due = next_tick()) {
+    const auto transfer =
+        std::find_if(transfers_.begin(), transfers_.end(), [due](const auto& t) { return t.end == due; });
+    move(*transfer);
+    transfer->end = kNoTick;
+    event_unit.raise(1U << transfer->who, event::kDmaDone);
+  }
+}
+
+void ClusterDma::move(const Transfer& transfer) {
+  const auto& what = transfer.what;
+  const auto row = what.row == 0 ? what.size : what.row;
+  auto* l1_region = &memory_.regions()[l1_region_];
+  auto* l2_region = memory_.find(what.l2, 1);
+  auto* l1 = l1_region->data.get() + (what.l1 - l1_region->base);
+  auto* l2 = l2_region->data.get() + (what.l2 - l2_region->base);
+  for (std::uint32_t done = 0; done < what.size; done += row, l1 += row, l2 += what.stride) {
+    std::memcpy(transfer.out != 0 ? l2 : l1, transfer.out != 0 ? l1 : l2, row);
+    if (transfer.out != 0) memory_.changed(what.l2 + done / row * what.stride, row);
+  }
+  if (transfer.out == 0) memory_.changed(what.l1, what.size);
+}
+
+void ClusterDma::save(state::Writer& writer) const {
+  static_assert(std::has_unique_object_representations_v<Draft> && std::has_unique_object_representations_v<Transfer>);
+  writer.put(drafts_);
+  writer.put(transfers_);
+  writer.put(free_from_);
+  writer.put(status_);
+  writer.put(counts_);
+}
+
+void ClusterDma::restore(state::Reader& reader) {
+  reader.get(drafts_);
+  reader.get(transfers_);
+  reader.get(free_from_);
+  reader.get(status_);
+  reader.get(counts_);
+}
+
+}  // namespace mebots::soc

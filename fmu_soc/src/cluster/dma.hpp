@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "cluster/event_unit.hpp"
+#include "memory/memory.hpp"
+
+#include <array>
+#include <cstdint>
+#include <limits>
+
+namespace mebots::soc {
+
+inline constexpr std::uint64_t kNoTick = std::numeric_limits<std::uint64_t>::max();
+
+/// Times of the cluster DMA, in cluster cycles.
+struct DmaTiming {
+  std::uint32_t bytes_per_cycle = 8;
+  std::uint32_t most_burst_bytes = 256;
+  std::uint32_t latency = 16;            // from the start to the first data
+  std::uint32_t least_burst_cycles = 2;  // latency over the bursts that can be on their way at once
+};
+
+/// Moves bytes between L2 and the cluster's L1 while the cores go on. Each requester has its own draft registers;
+/// START queues what they say. Transfers run one after the other in the order of their starts, in bursts: a row of a
+/// 2D transfer takes at least one. The latency of a queued transfer hides behind the one before it. Bytes are where
+/// they belong, all at once, when the transfer ends; then its requester gets the event.
+class ClusterDma {
+ public:
+  static constexpr unsigned kTransfers = 16;
+  /// START with addresses outside L1 and L2, no bytes, rows that do not divide the size, or all transfers in use.
+  static constexpr std::uint32_t kRefused = 1U << 31;
+
+  ClusterDma(Memory& memory, std::size_t l1_region, const DmaTiming& timing)
+      : memory_(memory), l1_region_(l1_region), timing_(timing) {}
+
+  BusReply load(unsigned who, std::uint32_t offset) const;
+  bool store(unsigned who, std::uint32_t offset, std::uint32_t value, std::uint64_t tick);
+
+  /// Forgets all transfers and drafts; counts stay.
+  void reset();
+
+  /// The tick in which the next transfer ends.
+  std::uint64_t next_tick() const;
+  /// Ends every transfer whose tick has come.
+  void advance(std::uint64_t tick, EventUnit& event_unit);
+
+  struct Counts {
+    std::uint64_t bytes = 0;
+    std::uint64_t busy_cycles = 0;  // moving data
+    std::uint64_t transfers = 0;
+  };
+  const Counts& counts() const { return counts_; }
+
+  void save(state::Writer& writer) const;
+  void restore(state::Reader& reader);
+
+ private:
+  struct Draft {
+    std::uint32_t l2 = 0;
+    std::uint32_t l1 = 0;
+    std::uint32_t size = 0;
+    std::uint32_t row = 0;     // bytes; 0 = one row
+    std::uint32_t stride = 0;  // bytes in L2 from row to row
+    std::uint32_t id = 0;      // of the last start
+  };
+  struct Transfer {
+    Draft what;
+    std::uint32_t out = 0;  // L1 to L2
+    std::uint32_t who = 0;
+    std::uint64_t end = kNoTick;  // kNoTick = free
+  };
+
+  void start(unsigned who, std::uint32_t direction, std::uint64_t tick);
+  bool fits(const Draft& draft) const;
+  std::uint32_t cycles_of(const Draft& draft) const;
+  void move(const Transfer& transfer);
+
+  Memory& memory_;
+  std::size_t l1_region_;
+  DmaTiming timing_;
+  std::array<Draft, kRequesters> drafts_{};
+  std::array<Transfer, kTransfers> transfers_{};
+  std::uint64_t free_from_ = 0;  // the tick in which the last queued transfer ends
+  std::uint32_t status_ = 0;
+  Counts counts_;
+};
+
+}  // namespace mebots::soc
