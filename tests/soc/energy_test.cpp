@@ -8,7 +8,7 @@
 namespace mebots::soc::test {
 namespace {
 
-constexpr double kMemoryLeakageW = 5.2e-6 * (524288 + 16384) / 4096;
+constexpr double kMemoryLeakageW = 5.2e-6 * (524288 + 65536 + 16384) / 4096;
 constexpr double kRounding = 1e-12;  // relative: sums of doubles
 
 TEST(Energy, OfAWorkingCoreIsInstructionsAndAccessesPlusLeakage) {

@@ -37,7 +37,7 @@ void cluster_wait(void);
 // p.elw: sleeps until the event unit answers.
 static inline uint32_t cluster_event_load(uint32_t address) {
   uint32_t value;
-  __asm__ volatile(".insn i 0x0b, 6, %0, 0(%1)" : "=r"(value) : "r"(address) : "memory");
+  __asm__ volatile(".insn i 0x03, 6, %0, 0(%1)" : "=r"(value) : "r"(address) : "memory");
   return value;
 }
 

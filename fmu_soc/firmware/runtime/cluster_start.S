@@ -20,7 +20,7 @@ cluster_start:
     j       1b
 
 2:  li      s0, EVENT_UNIT_BASE
-3:  .insn i 0x0b, 6, t0, EVENT_UNIT_DISPATCH_WAIT_OFFSET(s0)   # p.elw: sleeps until a fork names this core
+3:  .insn i 0x03, 6, t0, EVENT_UNIT_DISPATCH_WAIT_OFFSET(s0)   # p.elw: sleeps until a fork names this core
     lw      a0, EVENT_UNIT_DISPATCH_ARGUMENT_OFFSET(s0)
     jalr    t0
     sw      zero, EVENT_UNIT_JOB_DONE_OFFSET(s0)
