@@ -2,8 +2,10 @@
 // The neural network: one arithmetic, defined in Python, whoever computes it.
 
 #include "nn/network.h"
+#include "app/navigator.h"
 
 #include "golden.hpp"
+#include "rendered_world.hpp"
 #include "soc.hpp"
 
 #include <fmt/format.h>
@@ -53,8 +55,8 @@ TEST(Network, PlainCodeAgreesWithTheDefinitionInPythonOnEveryGoldenVector) {
 
 TEST(Network, ShrunkPictureAgreesWithTheDefinitionInPython) {
   // The same formula and hash as in examples/paper/training/export.py.
-  for (const auto [width, height, expected] : {std::array<std::uint32_t, 3>{320, 320, 0x5c9579f5},
-                                               std::array<std::uint32_t, 3>{324, 244, 0xb893bb05}}) {
+  for (const auto [width, height, expected] :
+       {std::array<std::uint32_t, 3>{320, 320, 0x5c9579f5}, std::array<std::uint32_t, 3>{324, 244, 0xb893bb05}}) {
     std::vector<std::uint8_t> picture(static_cast<std::size_t>(width) * height);
     for (std::uint32_t y = 0; y < height; ++y) {
       for (std::uint32_t x = 0; x < width; ++x) {
@@ -72,11 +74,11 @@ TEST(Network, ShrunkPictureAgreesWithTheDefinitionInPython) {
   }
 }
 
-/// Lines that the check firmware prints for the pictures given.
-std::vector<std::string> on_chip(const std::vector<Golden>& pictures) {
+/// Lines that the check firmware prints for the pictures given, all of `edge` x `edge` grey levels.
+std::vector<std::string> on_chip(const std::vector<std::vector<std::uint8_t>>& pictures, std::uint32_t edge) {
   std::vector<std::string> lines;
   soc::Settings settings;
-  settings.frame_width = SHRUNK_EDGE;
+  settings.frame_width = edge;
   soc::Listeners listeners;
   listeners.console = [&](std::string_view line) { lines.emplace_back(line); };
   const auto board = soc::read_board(std::string(MEBOTS_SOURCE_DIR) + "/configs/boards/ai_deck.json");
@@ -84,40 +86,59 @@ std::vector<std::string> on_chip(const std::vector<Golden>& pictures) {
   soc::Soc chip(board, soc::gap8(), settings, program, listeners);
   constexpr std::int64_t kStepNs = 2'000'000;
   std::int32_t id = 0;
-  std::vector<std::uint8_t> grey(NN_PICTURE_BYTES);
   for (std::int64_t k = 0; chip.running() && k < 100'000; ++k) {
     chip.battery()->set_voltage_v(3.7);
     chip.advance((k + 1) * kStepNs);
     const auto requests = chip.camera()->requests();
-    if (requests != id && static_cast<std::size_t>(requests) <= pictures.size()) {
-      id = requests;
-      const auto& picture = pictures[static_cast<std::size_t>(id) - 1].picture;
-      std::transform(picture.begin(), picture.end(), grey.begin(),
-                     [](std::int8_t p) { return static_cast<std::uint8_t>(p + 128); });
-    }
-    if (chip.camera()->wants(id)) chip.camera()->offer(grey, chip.now());
+    if (requests != id && static_cast<std::size_t>(requests) <= pictures.size()) id = requests;
+    if (chip.camera()->wants(id)) chip.camera()->offer(pictures[static_cast<std::size_t>(id) - 1], chip.now());
   }
   if (!chip.fault_text().empty()) lines.push_back(chip.fault_text());
   return lines;
 }
 
-TEST(Network, EveryKernelOnTheChipAgreesWithTheDefinitionInPythonOnEveryGoldenVector) {
-  const auto all = golden_vectors();
-  const auto lines = on_chip(all);
-  std::vector<std::size_t> seen(2, 0);
-  const std::array<std::string, 2> kernels{"plain ", "alone "};
+/// The rest of the lines that begin with a word, in their order.
+std::vector<std::string> lines_of(const std::vector<std::string>& lines, const std::string& word) {
+  std::vector<std::string> found;
   for (const auto& line : lines) {
-    for (std::size_t k = 0; k < kernels.size(); ++k) {
-      if (line.rfind(kernels[k], 0) != 0) continue;
-      ASSERT_LT(seen[k], all.size());
-      EXPECT_EQ(line.substr(kernels[k].size()), text_of(all[seen[k]])) << kernels[k] << "picture " << seen[k];
-      ++seen[k];
-    }
+    if (line.rfind(word + " ", 0) == 0) found.push_back(line.substr(word.size() + 1));
   }
-  EXPECT_EQ(seen[0], 2U);
-  EXPECT_EQ(seen[1], all.size());
+  return found;
+}
+
+TEST(Network, EveryKernelOnTheChipAgreesWithTheDefinitionInPythonOnEveryGoldenVector) {
+  std::vector<std::string> expected;
+  std::vector<std::vector<std::uint8_t>> pictures;
+  for (const auto& golden : golden_vectors()) {
+    expected.push_back(text_of(golden));
+    auto& grey = pictures.emplace_back(golden.picture.size());
+    std::transform(golden.picture.begin(), golden.picture.end(), grey.begin(),
+                   [](std::int8_t p) { return static_cast<std::uint8_t>(p + 128); });
+  }
+  const auto lines = on_chip(pictures, SHRUNK_EDGE);
   ASSERT_FALSE(lines.empty());
-  EXPECT_THAT(lines.back(), HasSubstr(fmt::format("{} pictures", all.size())));
+  EXPECT_THAT(lines.back(), HasSubstr(fmt::format("{} pictures", pictures.size())));
+  for (const auto* kernel : {"alone", "cluster1", "cluster2", "cluster4", "cluster8"}) {
+    EXPECT_EQ(lines_of(lines, kernel), expected) << kernel;
+  }
+  // Plain code is slow on the chip; the check runs it on the first two pictures.
+  EXPECT_EQ(lines_of(lines, "plain"), (std::vector<std::string>{expected[0], expected[1]}));
+}
+
+TEST(Network, ClusterMakesOfTheCamerasPictureWhatPlainCodeDoes) {
+  Camera camera(load_scene("gate_easy"));
+  Uniform random(7);
+  std::vector<std::vector<std::uint8_t>> pictures;
+  std::vector<std::string> expected;
+  for (int i = 0; i < 6; ++i) {
+    const BodyPose pose{{random(0.0, 4.0), random(-1.0, 1.0), 1.0}, random(-0.6, 0.6), 0.0, 0.0};
+    pictures.push_back(camera.take(pose, 3));
+    expected.push_back(fmt::format("{}", network_navigate(pictures.back().data(), 320, 320).yaw));
+  }
+  const auto lines = on_chip(pictures, 320);
+  for (const auto* kernel : {"whole1", "whole2", "whole4", "whole8"}) {
+    EXPECT_EQ(lines_of(lines, kernel), expected) << kernel;
+  }
 }
 
 }  // namespace

@@ -1,11 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// Takes pictures of 168 x 168 pixels by the camera, as many as there come, and tells what every kernel makes of each:
-//   plain|alone yaw checksum-of-each-layer
+// Takes pictures by the camera, as many as there come, and tells what every kernel makes of each. Of pictures of
+// 168 x 168 pixels, which are the network's already:
+//   plain|alone|cluster<cores> yaw checksum-of-each-layer
+// Of larger ones:
+//   whole<cores> yaw
 #include <stdint.h>
 
 #include "drivers/camera.h"
 #include "drivers/timer.h"
+#include "nn/cluster_net.h"
 #include "nn/fast.h"
+#include "runtime/cluster.h"
 #include "runtime/console.h"
 #include "runtime/interrupt.h"
 
@@ -15,6 +20,8 @@
 
 static nn_arena_t arena __attribute__((aligned(16), section(".noinit.arena")));
 static nn_activations_t activations __attribute__((aligned(4), section(".noinit.activations")));
+static nn_small_weights_t small_weights;
+static unsigned cluster_cores;
 static int8_t pixels[NN_PICTURE_BYTES] __attribute__((aligned(4), section(".noinit.pixels")));
 
 static void print_hex(uint32_t hash) {
@@ -26,9 +33,9 @@ static void check_plain(void) {
   const struct {
     const void* bytes;
     int count;
-  } layers[] = {{activations.pooled, sizeof(activations.pooled)}, {activations.second, sizeof(activations.second)},
-                {activations.third, sizeof(activations.third)},   {activations.fourth, sizeof(activations.fourth)},
-                {activations.fifth, sizeof(activations.fifth)},   {activations.sixth, sizeof(activations.sixth)},
+  } layers[] = {{activations.pooled, sizeof(activations.pooled)},  {activations.second, sizeof(activations.second)},
+                {activations.third, sizeof(activations.third)},    {activations.fourth, sizeof(activations.fourth)},
+                {activations.fifth, sizeof(activations.fifth)},    {activations.sixth, sizeof(activations.sixth)},
                 {activations.seventh, sizeof(activations.seventh)}};
   print("plain %d", (int32_t)yaw);
   for (int i = 0; i < NN_CONVOLUTIONS; ++i) {
@@ -37,36 +44,58 @@ static void check_plain(void) {
   print("\n");
 }
 
-static void put_picture(void) {
-  const nn_share_t all = {0, 1};
-  nn_fast_border(&arena, all);
+static void check_alone(void) {
   for (int y = 0; y < SHRUNK_EDGE; ++y) {
     for (int x = 0; x < SHRUNK_EDGE; ++x) {
       arena.picture[(y + 2) * NN_PICTURE_PITCH + 2 + x] = pixels[y * SHRUNK_EDGE + x];
     }
   }
-}
-
-static void check_alone(void) {
-  put_picture();
-  const int8_t yaw = nn_fast_infer_alone(&arena);
-  print("alone %d", (int32_t)yaw);
+  print("alone %d", (int32_t)nn_fast_infer_alone(&arena, &small_weights));
   for (int i = 0; i < NN_CONVOLUTIONS; ++i) {
     print_hex(nn_fast_checksum(&arena, i));
   }
   print("\n");
 }
 
+// Switched off and on for each picture, so that nothing is left in L1 from the one before.
+static void check_cluster(unsigned cores) {
+  cluster_on();
+  print("cluster%u %d", cores, (int32_t)nn_cluster_infer_shrunk(pixels, cores));
+  for (int i = 0; i < NN_CONVOLUTIONS; ++i) {
+    print_hex(nn_cluster_checksum(i));
+  }
+  print("\n");
+  cluster_off();
+}
+
+// A picture of the camera's own size, small only in L1.
+static void check_whole(const picture_t* picture) {
+  for (unsigned cores = 1; cores <= cluster_cores; cores *= 2) {
+    cluster_on();
+    print("whole%u %d\n", cores, (int32_t)nn_cluster_infer(picture->pixels, picture->width, picture->height, cores));
+    cluster_off();
+  }
+}
+
 int main(void) {
   interrupts_off();
   timer_init();
   camera_init();
-  nn_fast_clear(&arena);
+  nn_fast_make_small_weights(&small_weights);
+  nn_cluster_init();
+  if (cluster_on() == 0) {
+    cluster_cores = cluster_core_count();
+    cluster_off();
+  }
   for (int taken = 0;; ++taken) {
     picture_t picture;
     if (camera_take(&picture, timer_now_ns() + PATIENCE_NS) != PICTURE_TAKEN) {
       print("%d pictures\n", (int32_t)taken);
       return taken > 0 ? 0 : 1;
+    }
+    if (picture.width != SHRUNK_EDGE) {
+      check_whole(&picture);
+      continue;
     }
     for (int i = 0; i < NN_PICTURE_BYTES; ++i) {
       pixels[i] = (int8_t)(picture.pixels[i] - 128);
@@ -75,5 +104,8 @@ int main(void) {
       check_plain();
     }
     check_alone();
+    for (unsigned cores = 1; cores <= cluster_cores; cores *= 2) {
+      check_cluster(cores);
+    }
   }
 }

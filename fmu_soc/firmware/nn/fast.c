@@ -36,10 +36,13 @@ static int border_of(int layer) {
   return layer == NN_CONVOLUTIONS - 1 ? 0 : 1;
 }
 
+// Where the weights of layers 1 to 3 begin among the small ones, and those of layers 4 to 7 among the large ones
+// [words].
+static const uint16_t kSmall[] = {0, 0, 144 / 4, 288 / 4};
+static const uint16_t kLarge[] = {0, 2304 / 4, 6912 / 4, 16128 / 4};
+
 static const word_t* weights_of(const nn_arena_t* a, int layer) {
-  static const uint16_t kSmall[] = {0, 0, 144 / 4, 288 / 4};
-  static const uint16_t kLarge[] = {0, 2304 / 4, 6912 / 4, 16128 / 4};
-  return layer < 4 ? &a->small_weights[kSmall[layer]] : &a->weights[kLarge[layer - 4]];
+  return layer < 4 ? &a->small.others[kSmall[layer]] : &a->weights[kLarge[layer - 4]];
 }
 
 static int weight_bytes(int layer) {
@@ -61,21 +64,19 @@ static void copy_words(word_t* to, const word_t* from, int bytes) {
   }
 }
 
-void nn_fast_clear(nn_arena_t* arena) {
-  word_t* words = (word_t*)arena;
-  for (size_t i = 0; i < sizeof(*arena) / 4; ++i) {
-    words[i] = 0;
+static void clear_words(void* first, const void* end, nn_share_t share) {
+  for (word_t* at = (word_t*)first + share.core; at < (const word_t*)end; at += share.cores) {
+    *at = 0;
   }
 }
 
-void nn_fast_border(nn_arena_t* arena, nn_share_t share) {
+void nn_fast_clear_first(nn_arena_t* arena, nn_share_t share) {
+  clear_words(arena->pooled, arena->stripes, share);
   for (int y = (int)share.core; y < NN_PICTURE_ROWS; y += (int)share.cores) {
     int8_t* row = &arena->picture[y * NN_PICTURE_PITCH];
-    const int outside = y < 2 || y >= SHRUNK_EDGE + 2;
-    if (outside) {
-      for (int i = 0; i < NN_PICTURE_PITCH / 4; ++i) {
-        ((word_t*)(void*)row)[i] = 0;
-      }
+    if (y < 2 || y >= SHRUNK_EDGE + 2) {
+      const nn_share_t all = {0, 1};
+      clear_words(row, row + NN_PICTURE_PITCH, all);
     } else {
       *(xpulp_half*)(void*)row = 0;
       *(xpulp_half*)(void*)(row + NN_PICTURE_PITCH - 2) = 0;
@@ -83,10 +84,14 @@ void nn_fast_border(nn_arena_t* arena, nn_share_t share) {
   }
 }
 
-void nn_fast_load_small_weights(nn_arena_t* arena) {
+void nn_fast_clear_later(nn_arena_t* arena, nn_share_t share) {
+  clear_words(arena->second, arena->seventh, share);
+}
+
+void nn_fast_make_small_weights(nn_small_weights_t* small) {
   const uint8_t* from = (const uint8_t*)nn_layer(0).weights;
   for (int c = 0; c < 4; ++c, from += 25) {
-    uint32_t* to = &arena->first_weights[c * NN_FIRST_WORDS];
+    uint32_t* to = &small->first[c * NN_FIRST_WORDS];
     to[5] = 0;
     for (int row = 0; row < 5; ++row) {
       const uint8_t* w = from + 5 * row;
@@ -98,8 +103,7 @@ void nn_fast_load_small_weights(nn_arena_t* arena) {
     to[6] = from[24];
   }
   for (int layer = 1; layer < 4; ++layer) {
-    copy_words((word_t*)weights_of(arena, layer), (const word_t*)(const void*)nn_layer(layer).weights,
-               weight_bytes(layer));
+    copy_words(&small->others[kSmall[layer]], (const word_t*)(const void*)nn_layer(layer).weights, weight_bytes(layer));
   }
 }
 
@@ -187,7 +191,7 @@ void nn_fast_first(nn_arena_t* arena, nn_share_t share) {
   const nn_layer_t layer = nn_layer(0);
   const int32_t b0 = layer.biases[0], b1 = layer.biases[1], b2 = layer.biases[2], b3 = layer.biases[3];
   const int32_t s0 = layer.shifts[0], s1 = layer.shifts[1], s2 = layer.shifts[2], s3 = layer.shifts[3];
-  const word_t* const weights = arena->first_weights;
+  const word_t* const weights = arena->small.first;
   // Half rows, so that the last ones fall to more than two of eight cores.
   const int parts = 2 * NN_POOLED_EDGE;
   for (int part = (int)share.core; part < parts; part += (int)share.cores) {
@@ -331,9 +335,11 @@ int8_t nn_fast_output(const nn_arena_t* arena, unsigned cores) {
 
 // --- All of it on one core ------------------------------------------------------------------------------------------
 
-int8_t nn_fast_infer_alone(nn_arena_t* arena) {
+int8_t nn_fast_infer_alone(nn_arena_t* arena, const nn_small_weights_t* small) {
   const nn_share_t all = {0, 1};
-  nn_fast_load_small_weights(arena);
+  copy_words((word_t*)&arena->small, (const word_t*)small, sizeof(*small));
+  nn_fast_clear_first(arena, all);
+  nn_fast_clear_later(arena, all);
   nn_fast_first(arena, all);
   for (int layer = 4; layer <= NN_CONVOLUTIONS; ++layer) {
     const nn_move_t move = nn_fast_large_weights(arena, layer);

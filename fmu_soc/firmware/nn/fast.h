@@ -19,22 +19,37 @@ extern "C" {
 // weights of the first four rows, the fifth weight of the last row.
 #define NN_FIRST_WORDS 7
 
-// Everything an inference works on, one after the other, in the cores' shared memory. The large weights take the
-// place of the picture once the first layer is done.
+// Weights of the first four layers, as the kernels take them.
+typedef struct {
+  uint32_t first[4 * NN_FIRST_WORDS];
+  uint32_t others[(144 + 144 + 576) / 4];
+} nn_small_weights_t;
+
+// The camera's rows that eight rows of the picture are made of.
+#define NN_STRIPE_ROWS 8
+#define NN_STRIPE_BYTES (18 * 324)
+#define NN_STRIPES (SHRUNK_EDGE / NN_STRIPE_ROWS)
+
+// Everything an inference works on, in the cores' shared memory. What is not needed at the same time shares its place:
+// the large weights come where the picture was, the later layers' outputs where the camera's rows were.
 typedef struct {
   union {
     int8_t picture[NN_PICTURE_ROWS * NN_PICTURE_PITCH];
     uint32_t weights[(2304 + 4608 + 9216 + NN_FEATURES) / 4];
   };
   uint8_t pooled[NN_BORDERED(NN_POOLED_EDGE, 4)];
-  uint8_t second[NN_BORDERED(21, 4)];
-  uint8_t third[NN_BORDERED(21, 4)];
-  uint8_t fourth[NN_BORDERED(11, 16)];
-  uint8_t fifth[NN_BORDERED(11, 16)];
-  uint8_t sixth[NN_BORDERED(6, 32)];
-  uint8_t seventh[NN_FEATURES];
-  uint32_t first_weights[4 * NN_FIRST_WORDS];
-  uint32_t small_weights[(144 + 144 + 576) / 4];
+  union {
+    struct {
+      uint8_t second[NN_BORDERED(21, 4)];
+      uint8_t third[NN_BORDERED(21, 4)];
+      uint8_t fourth[NN_BORDERED(11, 16)];
+      uint8_t fifth[NN_BORDERED(11, 16)];
+      uint8_t sixth[NN_BORDERED(6, 32)];
+      uint8_t seventh[NN_FEATURES];
+    };
+    uint8_t stripes[2][NN_STRIPE_BYTES];
+  };
+  nn_small_weights_t small;
   int32_t partial_sums[8];  // of the dense layer, one for each core
 } nn_arena_t;
 
@@ -44,12 +59,13 @@ typedef struct {
   unsigned cores;  // 1..8
 } nn_share_t;
 
-// Once, by one core: zeros into all borders.
-void nn_fast_clear(nn_arena_t* arena);
-// Before each picture: zeros into the picture's border, where the large weights lay.
-void nn_fast_border(nn_arena_t* arena, nn_share_t share);
-// Before the first layer, by one core: weights of layers 0 to 3.
-void nn_fast_load_small_weights(nn_arena_t* arena);
+// Once: makes the small weights that the arena needs before the first layer.
+void nn_fast_make_small_weights(nn_small_weights_t* small);
+
+// Before each picture: zeros into the borders of the picture and of the first layer's output.
+void nn_fast_clear_first(nn_arena_t* arena, nn_share_t share);
+// After the picture is made: zeros into the borders of the later layers' outputs.
+void nn_fast_clear_later(nn_arena_t* arena, nn_share_t share);
 
 // Rows `first` to `first + count - 1` of the picture from the camera's rows, of which `source` is the first one needed;
 // the camera's pictures are `width` x `height`.
@@ -71,8 +87,8 @@ typedef struct {
 } nn_move_t;
 nn_move_t nn_fast_large_weights(nn_arena_t* arena, int layer);
 
-// The whole network on the core that calls, alone, for a picture that lies in the arena with its border.
-int8_t nn_fast_infer_alone(nn_arena_t* arena);
+// The whole network on the core that calls, alone, for a picture that lies in the arena; clears all borders itself.
+int8_t nn_fast_infer_alone(nn_arena_t* arena, const nn_small_weights_t* small);
 
 // Hash of layer 0 to 6's output without its border, as nn_checksum of the plain one.
 uint32_t nn_fast_checksum(const nn_arena_t* arena, int layer);
