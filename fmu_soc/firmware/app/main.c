@@ -86,7 +86,7 @@ static crew_t crew_of_mission(void) {
               (int32_t)MISSION_INITIAL_SPEED);
   crew_t crew;
   crew.follows = MISSION_NAVIGATOR == NAVIGATOR_NETWORK;
-  crew.navigate = crew.follows ? network_navigate : finder_navigate;
+  crew.navigate = crew.follows ? cluster_navigate : finder_navigate;
   pilot_init(&crew.pilot, &policy, (int32_t)MISSION_YAW_RATE_SCALE);
   follower_init(&crew.follower, &policy, (int32_t)MISSION_YAW_RATE_SCALE);
   return crew;

@@ -26,6 +26,8 @@ typedef navigator_output_t navigator_t(const uint8_t* frame, int width, int heig
 navigator_t finder_navigate;
 // The neural network: tells the yaw alone, with full confidence; confidence 0 for a picture under 168 x 168.
 navigator_t network_navigate;
+// The same network on the chip's cluster, for pictures up to 324 x 324.
+navigator_t cluster_navigate;
 
 #ifdef __cplusplus
 }

@@ -3,6 +3,8 @@
 // small, the large weights while the cores compute the layers before they are needed. For the fabric controller.
 #pragma once
 
+#include <stdbool.h>
+
 #include "nn/network.h"
 
 #ifdef __cplusplus
@@ -12,8 +14,13 @@ extern "C" {
 // Once, before the first inference.
 void nn_cluster_init(void);
 
-// The yaw output for a picture of 8-bit grey pixels in L2, `width` (168 to 324, a multiple of 4) x `height` (168 to
-// 324), on `cores` cores. The cluster must be on; L1 may hold anything.
+// Whether a picture has a size that nn_cluster_infer can take: 168 to 324 each way, the width a multiple of 4.
+static inline bool nn_cluster_takes(int width, int height) {
+  return width >= SHRUNK_EDGE && width <= 324 && width % 4 == 0 && height >= SHRUNK_EDGE && height <= 324;
+}
+
+// The yaw output for a picture of 8-bit grey pixels in L2, on `cores` cores. The cluster must be on; L1 may hold
+// anything.
 int8_t nn_cluster_infer(const uint8_t* frame, int width, int height, unsigned cores);
 
 // The same for a picture of 168 x 168 that is small already (grey level less 128), to compare with the golden vectors.

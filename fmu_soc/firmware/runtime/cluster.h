@@ -54,8 +54,8 @@ static inline void cluster_barrier(void) {
 }
 
 // For both: the DMA. A copy starts and runs by itself, after those started before it; its number is for dma_wait.
-// Every core, and the fabric controller, must wait for its own copies itself. When 16 copies are under way, the start of
-// another one sleeps until one has ended. DMA_REFUSED: addresses or sizes that do not fit.
+// Every core, and the fabric controller, must wait for its own copies itself. When 16 copies are under way, the start
+// of another one sleeps until one has ended. DMA_REFUSED: addresses or sizes that do not fit.
 #define DMA_REFUSED 0xffffffffu
 
 uint32_t dma_copy_in(void* l1, const void* l2, uint32_t bytes);

@@ -31,9 +31,8 @@
 // --- Pieces of asm blocks -------------------------------------------------------------------------------------------
 
 /// The next `body` instructions (a number in quotes, up to 2047), `count` (register) times. loop: "x0" or "x1".
-#define XPULP_LOOP(loop, count, body)                                       \
-  ".balign 4\n\t.option push\n\t.option norvc\n\t.insn i 0x7b, 4, " loop \
-  ", " count ", 2 * " body "\n\t"
+#define XPULP_LOOP(loop, count, body) \
+  ".balign 4\n\t.option push\n\t.option norvc\n\t.insn i 0x7b, 4, " loop ", " count ", 2 * " body "\n\t"
 #define XPULP_LOOP_END ".option pop\n\t"
 
 #define XPULP_LB_POST(rd, step, rs1) ".insn i 0x0b, 0, " rd ", " rs1 ", " step "\n\t"
@@ -59,19 +58,19 @@ typedef uint32_t __attribute__((may_alias)) xpulp_word;
 typedef uint16_t __attribute__((may_alias)) xpulp_half;
 typedef uint8_t __attribute__((may_alias)) xpulp_byte;
 
-#define XPULP_POST_LOAD_(type, memory, name, pointer, step)                                \
-  (__extension__({                                                                         \
-    type value_;                                                                           \
-    __asm__(XPULP_##name##_POST("%0", "%2", "%1")                                          \
-            : "=&r"(value_), "+r"(pointer)                                                 \
-            : "i"(step), "m"(*(const memory *)(pointer)));                                 \
-    value_;                                                                                \
+#define XPULP_POST_LOAD_(type, memory, name, pointer, step) \
+  (__extension__({                                          \
+    type value_;                                            \
+    __asm__(XPULP_##name##_POST("%0", "%2", "%1")           \
+            : "=&r"(value_), "+r"(pointer)                  \
+            : "i"(step), "m"(*(const memory*)(pointer)));   \
+    value_;                                                 \
   }))
-#define XPULP_POST_STORE_(memory, name, pointer, step, value)                              \
-  (__extension__({                                                                         \
-    __asm__ volatile(XPULP_##name##_POST("%2", "%3", "%0")                                 \
-                     : "+r"(pointer), "=m"(*(memory *)(pointer))                           \
-                     : "r"(value), "i"(step));                                             \
+#define XPULP_POST_STORE_(memory, name, pointer, step, value)   \
+  (__extension__({                                              \
+    __asm__ volatile(XPULP_##name##_POST("%2", "%3", "%0")      \
+                     : "+r"(pointer), "=m"(*(memory*)(pointer)) \
+                     : "r"(value), "i"(step));                  \
   }))
 
 #define xpulp_lb_post(pointer, step) XPULP_POST_LOAD_(int32_t, xpulp_byte, LB, pointer, step)
@@ -85,29 +84,29 @@ typedef uint8_t __attribute__((may_alias)) xpulp_byte;
 
 // --- One instruction, one function ----------------------------------------------------------------------------------
 
-#define XPULP_UNARY_(name, opcode, funct3, funct7)                                                       \
-  static inline uint32_t xpulp_##name(uint32_t a) {                                                      \
-    uint32_t d;                                                                                          \
-    __asm__(".insn r " #opcode ", " #funct3 ", " #funct7 ", %0, %1, x0" : "=r"(d) : "r"(a));             \
-    return d;                                                                                            \
+#define XPULP_UNARY_(name, opcode, funct3, funct7)                                           \
+  static inline uint32_t xpulp_##name(uint32_t a) {                                          \
+    uint32_t d;                                                                              \
+    __asm__(".insn r " #opcode ", " #funct3 ", " #funct7 ", %0, %1, x0" : "=r"(d) : "r"(a)); \
+    return d;                                                                                \
   }
-#define XPULP_BINARY_(name, opcode, funct3, funct7)                                                      \
-  static inline uint32_t xpulp_##name(uint32_t a, uint32_t b) {                                          \
-    uint32_t d;                                                                                          \
-    __asm__(".insn r " #opcode ", " #funct3 ", " #funct7 ", %0, %1, %2" : "=r"(d) : "r"(a), "r"(b));     \
-    return d;                                                                                            \
+#define XPULP_BINARY_(name, opcode, funct3, funct7)                                                  \
+  static inline uint32_t xpulp_##name(uint32_t a, uint32_t b) {                                      \
+    uint32_t d;                                                                                      \
+    __asm__(".insn r " #opcode ", " #funct3 ", " #funct7 ", %0, %1, %2" : "=r"(d) : "r"(a), "r"(b)); \
+    return d;                                                                                        \
   }
-#define XPULP_SIGNED_(name, opcode, funct3, funct7)                                                      \
-  static inline int32_t xpulp_##name(int32_t a, int32_t b) {                                             \
-    int32_t d;                                                                                           \
-    __asm__(".insn r " #opcode ", " #funct3 ", " #funct7 ", %0, %1, %2" : "=r"(d) : "r"(a), "r"(b));     \
-    return d;                                                                                            \
+#define XPULP_SIGNED_(name, opcode, funct3, funct7)                                                  \
+  static inline int32_t xpulp_##name(int32_t a, int32_t b) {                                         \
+    int32_t d;                                                                                       \
+    __asm__(".insn r " #opcode ", " #funct3 ", " #funct7 ", %0, %1, %2" : "=r"(d) : "r"(a), "r"(b)); \
+    return d;                                                                                        \
   }
 /// The first argument is also what the result goes on from.
-#define XPULP_INTO_(name, type, opcode, funct3, funct7)                                                  \
-  static inline type xpulp_##name(type into, uint32_t a, uint32_t b) {                                   \
-    __asm__(".insn r " #opcode ", " #funct3 ", " #funct7 ", %0, %1, %2" : "+r"(into) : "r"(a), "r"(b));  \
-    return into;                                                                                         \
+#define XPULP_INTO_(name, type, opcode, funct3, funct7)                                                 \
+  static inline type xpulp_##name(type into, uint32_t a, uint32_t b) {                                  \
+    __asm__(".insn r " #opcode ", " #funct3 ", " #funct7 ", %0, %1, %2" : "+r"(into) : "r"(a), "r"(b)); \
+    return into;                                                                                        \
   }
 
 // Scalar
@@ -164,34 +163,36 @@ XPULP_BINARY_(sra_sc_h, 0x57, 4, 0x24)
 XPULP_BINARY_(srl_sc_b, 0x57, 5, 0x20)
 
 // Parts in other places
-XPULP_BINARY_(shuffle_b, 0x57, 1, 0x60)                 // each part of b names a part of a
+XPULP_BINARY_(shuffle_b, 0x57, 1, 0x60)  // each part of b names a part of a
 XPULP_BINARY_(shuffle_h, 0x57, 0, 0x60)
-XPULP_INTO_(shuffle2_b, uint32_t, 0x57, 1, 0x64)        // b names parts of into (0 to 3) and a (4 to 7)
-XPULP_INTO_(shuffle2_h, uint32_t, 0x57, 0, 0x64)        // likewise 0, 1 and 2, 3
-XPULP_BINARY_(pack, 0x57, 0, 0x68)                      // low half of a above that of b
-XPULP_INTO_(packhi_b, uint32_t, 0x57, 1, 0x6c)          // low bytes of a and b in the upper half of into
-XPULP_INTO_(packlo_b, uint32_t, 0x57, 1, 0x70)          // likewise in the lower half
+XPULP_INTO_(shuffle2_b, uint32_t, 0x57, 1, 0x64)  // b names parts of into (0 to 3) and a (4 to 7)
+XPULP_INTO_(shuffle2_h, uint32_t, 0x57, 0, 0x64)  // likewise 0, 1 and 2, 3
+XPULP_BINARY_(pack, 0x57, 0, 0x68)                // low half of a above that of b
+XPULP_INTO_(packhi_b, uint32_t, 0x57, 1, 0x6c)    // low bytes of a and b in the upper half of into
+XPULP_INTO_(packlo_b, uint32_t, 0x57, 1, 0x70)    // likewise in the lower half
 
 // With constants
-#define XPULP_CONSTANT_(type, opcode, funct3, funct7, a, rs2)                                                       \
-  (__extension__({                                                                                                  \
-    type result_;                                                                                                   \
-    __asm__(".insn r " #opcode ", " #funct3 ", %3, %0, %1, x%2" : "=r"(result_) : "r"(a), "i"(rs2), "i"(funct7));   \
-    result_;                                                                                                        \
+#define XPULP_CONSTANT_(type, opcode, funct3, funct7, a, rs2)                                                     \
+  (__extension__({                                                                                                \
+    type result_;                                                                                                 \
+    __asm__(".insn r " #opcode ", " #funct3 ", %3, %0, %1, x%2" : "=r"(result_) : "r"(a), "i"(rs2), "i"(funct7)); \
+    result_;                                                                                                      \
   }))
-#define XPULP_SHIFTED_(type, opcode, funct3, top, a, b, shift)                                                      \
-  (__extension__({                                                                                                  \
-    type result_;                                                                                                   \
-    __asm__(".insn r " #opcode ", " #funct3 ", %3, %0, %1, %2" : "=r"(result_) : "r"(a), "r"(b), "i"((top) + (shift))); \
-    result_;                                                                                                        \
+#define XPULP_SHIFTED_(type, opcode, funct3, top, a, b, shift) \
+  (__extension__({                                             \
+    type result_;                                              \
+    __asm__(".insn r " #opcode ", " #funct3 ", %3, %0, %1, %2" \
+            : "=r"(result_)                                    \
+            : "r"(a), "r"(b), "i"((top) + (shift)));           \
+    result_;                                                   \
   }))
 
 /// Into [-2^(bits-1), 2^(bits-1) - 1], into [0, 2^(bits-1) - 1]; bits from 1 to 31.
 #define xpulp_clip(a, bits) XPULP_CONSTANT_(int32_t, 0x33, 1, 0x0a, (int32_t)(a), bits)
 #define xpulp_clipu(a, bits) XPULP_CONSTANT_(int32_t, 0x33, 2, 0x0a, (int32_t)(a), bits)
 /// `width` bits from `position`, with or without their sign.
-#define xpulp_extract(a, width, position) XPULP_CONSTANT_(int32_t, 0x33, 0, 0x60 + (width) - 1, (uint32_t)(a), position)
-#define xpulp_extractu(a, width, position) XPULP_CONSTANT_(uint32_t, 0x33, 1, 0x60 + (width) - 1, (uint32_t)(a), position)
+#define xpulp_extract(a, width, position) XPULP_CONSTANT_(int32_t, 0x33, 0, 0x60 + (width)-1, (uint32_t)(a), position)
+#define xpulp_extractu(a, width, position) XPULP_CONSTANT_(uint32_t, 0x33, 1, 0x60 + (width)-1, (uint32_t)(a), position)
 /// (a + b) >> shift, (a - b) >> shift; R: rounded to the nearest first.
 #define xpulp_addN(a, b, shift) XPULP_SHIFTED_(int32_t, 0x5b, 2, 0x00, (int32_t)(a), (int32_t)(b), shift)
 #define xpulp_addRN(a, b, shift) XPULP_SHIFTED_(int32_t, 0x5b, 6, 0x00, (int32_t)(a), (int32_t)(b), shift)

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+// Inferences without pause, for mebots-network-bench: a line before and after those of each number of cores, the
+// second one with the time that they took [ns].
+#include <stdint.h>
+
+#include "drivers/timer.h"
+#include "nn/cluster_net.h"
+#include "runtime/cluster.h"
+#include "runtime/console.h"
+#include "runtime/interrupt.h"
+
+#define WIDTH 320
+#define HEIGHT 320
+#define INFERENCES 8
+
+// The time does not depend on what the picture shows.
+static uint8_t frame[WIDTH * HEIGHT] __attribute__((aligned(4), section(".noinit.frame")));
+
+int main(void) {
+  interrupts_off();
+  nn_cluster_init();
+  for (unsigned cores = 1; cores <= 8; cores *= 2) {
+    if (cluster_on() != 0) {
+      print("no cluster\n");
+      return 1;
+    }
+    // Once before, so that instruction caches hold what they can.
+    nn_cluster_infer(frame, WIDTH, HEIGHT, cores);
+    const uint32_t begin_ns = (uint32_t)timer_now_ns();
+    print("begin %u %u\n", cores, (uint32_t)INFERENCES);
+    for (int i = 0; i < INFERENCES; ++i) {
+      nn_cluster_infer(frame, WIDTH, HEIGHT, cores);
+    }
+    print("end %u\n", (uint32_t)timer_now_ns() - begin_ns);
+    cluster_off();
+  }
+  return 0;
+}
