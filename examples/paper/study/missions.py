@@ -74,6 +74,7 @@ def config(flight, fmus):
     for variable, value in flight.parameters().items():
         instance, name = variable.split(".", 1)
         system["instances"][instance].setdefault("parameters", {})[name] = value
+    system["stop_when"].append({"variable": "world.gate.missed", "equals": True, "for": 2})
     system["record"] = {"variables": list(flight.record) or RECORDED, "interval": 0.1}
     if not flight.pictures:
         del system["pictures"]

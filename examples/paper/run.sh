@@ -1,0 +1,14 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# Flies both experiments of the paper with all cores and writes results/paper/report.html.
+# Options go to study/study.py: --jobs N, --build DIR, --out DIR.
+set -euo pipefail
+cd "$(dirname "$0")/../.."
+
+python=.venv/bin/python
+[ -x "$python" ] || { echo "run scripts/setup.sh first" >&2; exit 2; }
+case " $* " in
+  *" --build"*) ;;
+  *) cmake --preset release >/dev/null && cmake --build --preset release ;;
+esac
+exec "$python" examples/paper/study/study.py "$@"
