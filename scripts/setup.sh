@@ -14,6 +14,7 @@ packages=(
   libeigen3-dev libsundials-dev libode-dev libccd-dev             # models
   libzip-dev libpugixml-dev nlohmann-json3-dev                    # FMU archives, XML, JSON
   libcli11-dev libfmt-dev                                         # command line, text
+  libxbyak-dev                                                    # translation of firmware to host code
   libssl-dev                                                      # hash of a run's inputs
   libgtest-dev libgmock-dev libbenchmark-dev                      # tests, benchmarks
   gcc-riscv64-unknown-elf picolibc-riscv64-unknown-elf            # the drone's firmware

@@ -12,8 +12,8 @@ simulator on every program, one after the other, `repeats` times. The rate of a 
 
 so that start-up, loading and translation of cold code drop out, and other work on the host disturbs little.
 mebots-soc counts cycles, energy and memory accesses in every run. The instruction counts are its own; the others run
-the same binary, and every run must end with the same checksum. Exit code 1 when one does not, or when two
-runs of mebots-soc differ in instructions, cycles or energy.
+the same binary, and every run must end with the same checksum. Exit code 1 when one does not, or when the
+interpreter and the translated core of mebots-soc differ in instructions, cycles or energy.
 """
 
 import argparse
@@ -50,7 +50,8 @@ def simulators(build):
     qemu = ["qemu-system-riscv32", "-M", "virt", "-cpu", "rv32", "-m", "16", "-bios", "none", "-display", "none",
             "-serial", "none", "-monitor", "none"]
     found = {
-        "mebots interpreter": ([soc, "run"], False),
+        "mebots interpreter": ([soc, "run", "--interpret"], False),
+        "mebots translated": ([soc, "run"], False),
     }
     if shutil.which(qemu[0]):
         found["QEMU -icount"] = (qemu + ["-icount", "shift=0", "-kernel"], True)

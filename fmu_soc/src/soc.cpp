@@ -103,6 +103,7 @@ Soc::Soc(const BoardDescription& board, const Chip& chip, const Settings& settin
   add_devices(board, settings);
   connect_memories();
   load_program();
+  hart_.set_translation(settings.translate);
   hart_.reset(program_.entry());
 }
 

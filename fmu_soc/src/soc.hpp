@@ -36,6 +36,7 @@ struct Settings {
   double voltage_v = 1.2;
   std::uint32_t frame_width = 320;
   MissionParameters::Values mission;
+  bool translate = true;  // hot code to host code; counts are the same without
 };
 
 /// Who listens to a system. Either may be empty.

@@ -14,6 +14,7 @@ class Cluster::Core final : private Bus {
       : cluster_(cluster), id_(id), hart_(memory, *this, std::move(decoded)), schedule_(cluster.banks_) {
     hart_.set_id(id);
     hart_.set_loose_limit(true);
+    hart_.set_translation(false);  // not for shared banks yet
     share_banks(false);
   }
 

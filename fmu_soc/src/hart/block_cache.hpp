@@ -22,6 +22,7 @@ struct Block {
   std::uint32_t last_start_bound = 0;  // the most cycles from its start to the start of its last instruction
   bool unaligned = false;              // starts with a 32-bit instruction at 2 mod 4
   bool early_jump = false;             // a jump is among the first two: what ran before may delay it
+  mutable std::uint16_t heat = 0;      // how often it was interpreted, until it is translated
 };
 
 /// Decoded blocks by address. All memory is taken at construction; when it is full, everything is
@@ -29,6 +30,8 @@ struct Block {
 class BlockCache {
  public:
   static constexpr std::uint32_t kMaxBlockLength = 64;
+  static constexpr std::uint32_t kTableSize = 1U << 14;
+  static constexpr std::uint32_t kMaxBlocks = kTableSize / 2;
 
   BlockCache(Memory& memory, Timing timing, const InstructionEnergy& energy);
 
@@ -70,8 +73,6 @@ class BlockCache {
   static bool fetch(const Memory& memory, std::uint32_t pc, std::uint32_t& word, std::uint32_t& fault_address);
 
  private:
-  static constexpr std::uint32_t kTableSize = 1U << 14;
-  static constexpr std::uint32_t kMaxBlocks = kTableSize / 2;
   static constexpr std::uint32_t kArenaSize = 1U << 16;
 
   static std::uint32_t hash(std::uint32_t pc) { return ((pc >> 1) * 0x9e3779b1U) >> 18; }

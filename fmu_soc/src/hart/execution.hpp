@@ -31,6 +31,14 @@ struct HardwareLoop {
   std::uint32_t count = 0;
 };
 
+/// What translated code leaves behind, and what it finds its way with.
+struct HostState {
+  std::int64_t remaining = 0;        // of its budget of cycles
+  std::uint64_t instructions = 0;    // retired; upper half: loads and stores
+  std::uint64_t instruction_fj = 0;  // their energy
+  const void* targets = nullptr;     // code of indirect jumps
+};
+
 /// What the handlers work on.
 struct Execution {
   std::array<std::uint32_t, 33> x{};  // x[0] stays 0; x[32] takes what is written to x0
@@ -50,6 +58,7 @@ struct Execution {
   std::uint32_t trap_cause = 0;
   std::uint32_t trap_value = 0;
   Hart* hart = nullptr;
+  HostState host;
 };
 
 }  // namespace mebots::soc

@@ -70,6 +70,7 @@ const Instruction* jump_register(Execution& e, const Instruction* at) {
   e.jumped = at->rs2 == 0;
   e.redirected = true;
   e.exit = at + 1;
+  e.link = &at->link;  // where it went last
   return nullptr;
 }
 

@@ -6,12 +6,17 @@
 #include <algorithm>
 #include <cstring>
 #include <type_traits>
+#include <utility>
 
 namespace mebots::soc {
 namespace {
 
 /// An exception that comes back this often at the same place, with no return from a handler between, has no way out.
 constexpr std::uint32_t kHopelessRepeats = 16;
+/// A block is translated when it was interpreted this often.
+constexpr std::uint16_t kHot = 64;
+/// Most cycles of one stay in translated code: its counts have 32 bits.
+constexpr std::uint64_t kLongestRun = std::uint64_t{1} << 30;
 
 FastRegion fast_region(Memory& memory, const MemoryPort& port) {
   auto& region = memory.regions()[port.region];
@@ -38,7 +43,10 @@ void Hart::connect(std::span<const MemoryPort> ports) {
   ports_.assign(ports.begin(), ports.end());
   std::uint32_t longest_wait = 0;
   for (std::size_t i = 0; i < 2; ++i) {
-    execution_.ram[i] = i < ports.size() ? fast_region(memory_, ports[i]) : FastRegion{};
+    const auto ram = i < ports.size() ? fast_region(memory_, ports[i]) : FastRegion{};
+    // Translated code holds all of it but who else is there.
+    if (ram.data != execution_.ram[i].data || ram.wait_cycles != execution_.ram[i].wait_cycles) translator_.reset();
+    execution_.ram[i] = ram;
   }
   for (const auto& port : ports) longest_wait = std::max(longest_wait, port.wait_cycles);
   cache_.set_longest_wait(longest_wait);
@@ -95,6 +103,7 @@ Stop Hart::run(std::uint64_t limit) {
   }
   e.link = nullptr;
   e.jumped = false;
+  bool left_translated = false;  // and nothing has come between
   for (;;) {
     std::uint32_t number = 0;
     if (e.jumped) {
@@ -106,6 +115,7 @@ Stop Hart::run(std::uint64_t limit) {
     if (interrupt_ready_) {
       take_interrupt();
       if (fault_.happened) return Stop::fault;
+      left_translated = false;
       continue;
     }
     if (number == 0) number = following_block(e.link);
@@ -118,12 +128,16 @@ Stop Hart::run(std::uint64_t limit) {
       if (fault_.happened) return Stop::fault;
       continue;
     }
+    const bool from_translated = std::exchange(left_translated, false);
     const auto& block = cache_.block(number);
     const bool delayed =
         is_load(before_.op) || is_load(two_before_.op) || (before_.op != Op::end_of_block && block.early_jump);
     if (delayed || counters_.cycles + (block.last_start_bound & bound_mask_) >= limit) [[unlikely]] {
       execute(cache_.single(e.pc, two_before_, before_));
       e.link = nullptr;
+    } else if (const auto* entry = translated(number, block); entry != nullptr) {
+      if (from_translated) translator_->lead_on(block.pc, *entry);
+      left_translated = run_translated(*entry, limit);
     } else {
       execute(cache_.instructions(block));
     }
@@ -158,16 +172,63 @@ Stop Hart::run(std::uint64_t limit) {
 
 /// The block at the pc, by way of the link of the instruction that led here when there is one.
 std::uint32_t Hart::following_block(std::uint32_t* link) {
-  if (link != nullptr && *link != 0) return *link;
+  if (link != nullptr && *link != 0 && cache_.block(*link).pc == execution_.pc) return *link;
   const auto generation = cache_.generation();
   const auto number = cache_.find(execution_.pc);
   if (link != nullptr && cache_.generation() == generation) *link = number;
   return number;
 }
 
-void Hart::execute(const Instruction* first) {
+void Hart::set_translation(bool on) {
+  translation_on_ = on;
+  translator_.reset();
+}
+
+/// Code for a block that begins after a jump or taken branch, once it is hot.
+const translate::Entry* Hart::translated(std::uint32_t number, const Block& block) {
+  if (!translation_on_ || before_.op != Op::end_of_block || execution_.ram[0].banks != nullptr) return nullptr;
+  if (translator_ != nullptr) {
+    if (translated_generation_ != cache_.generation()) {
+      translator_->forget();
+      translated_generation_ = cache_.generation();
+    }
+    if (const auto* entry = translator_->find(number); entry != nullptr) return entry;
+  }
+  if (++block.heat < kHot) return nullptr;
+  block.heat = 0;
+  const auto first = cache_.instructions(block)->op;
+  if (ends_block(first) && !is_jump(first)) return nullptr;  // nothing to gain
+  if (translator_ == nullptr) {
+    translator_ = translate::make_translator(cache_, execution_);
+    translated_generation_ = cache_.generation();
+    translation_on_ = translator_ != nullptr;
+    if (!translation_on_) return nullptr;
+  }
+  return &translator_->translate(number);
+}
+
+/// True: the next block begins; false: the interpreter has finished one, and may have something to say.
+bool Hart::run_translated(const translate::Entry& entry, std::uint64_t limit) {
   auto& e = execution_;
-  e.extra_cycles = 0;
+  const auto budget = static_cast<std::int64_t>(std::min(limit - counters_.cycles, kLongestRun));
+  const auto exit = translator_->run(entry, budget);
+  counters_.cycles += static_cast<std::uint64_t>(budget - e.host.remaining);
+  counters_.instructions += e.host.instructions & 0xffffffffU;
+  counters_.accesses += e.host.instructions >> 32;
+  counters_.instruction_fj += e.host.instruction_fj;
+  if (exit.resumes) {
+    execute(exit.at, exit.wait_cycles);
+    return false;
+  }
+  if (!exit.indirect) e.pc = exit.pc;
+  e.jumped = exit.jumped;
+  e.link = exit.at != nullptr ? &exit.at->link : nullptr;
+  return true;
+}
+
+void Hart::execute(const Instruction* first, std::uint32_t extra_cycles) {
+  auto& e = execution_;
+  e.extra_cycles = extra_cycles;
   e.redirected = false;
   e.slow_load = nullptr;
   for (const auto* at = first; at != nullptr;) at = at->run(e, at);
@@ -384,7 +445,9 @@ void Hart::enter_handler(std::uint32_t cause, std::uint32_t value) {
 
 void Hart::save(state::Writer& writer) const {
   static_assert(std::has_unique_object_representations_v<Csrs> && std::has_unique_object_representations_v<Fault>);
-  writer.put(execution_.x);
+  auto registers = execution_.x;
+  registers.back() = 0;  // what was written to x0 is nothing
+  writer.put(registers);
   writer.put(execution_.pc);
   writer.put(execution_.loops);
   writer.put(execution_.far_accesses);

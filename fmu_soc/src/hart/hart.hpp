@@ -6,6 +6,7 @@
 #include "hart/timing.hpp"
 #include "memory/bus.hpp"
 #include "memory/memory.hpp"
+#include "translate/translator.hpp"
 
 #include "mebots/state/bytes.hpp"
 
@@ -85,6 +86,10 @@ class Hart {
   /// With a loose limit, a block that starts before it runs to its end.
   void set_loose_limit(bool loose) { bound_mask_ = loose ? 0 : ~std::uint32_t{0}; }
 
+  /// Whether hot code is translated to code of the host where that is possible; at the start it is. Counts are the
+  /// same with and without.
+  void set_translation(bool on);
+
   /// Executes every instruction that starts before active cycle `limit`.
   Stop run(std::uint64_t limit);
 
@@ -155,7 +160,9 @@ class Hart {
   const Instruction* leave_after(const Instruction* at, Leave why);
   const Instruction* leave_before(const Instruction* at, Leave why);
   const Instruction* finish_load(const Instruction* at, std::uint32_t address, const BusReply& reply);
-  void execute(const Instruction* first);
+  void execute(const Instruction* first, std::uint32_t extra_cycles = 0);
+  const translate::Entry* translated(std::uint32_t number, const Block& block);
+  bool run_translated(const translate::Entry& entry, std::uint64_t limit);
   std::uint32_t following_block(std::uint32_t* link);
   void take_trap(std::uint32_t cause, std::uint32_t value);
   void fail(std::uint32_t cause, std::uint32_t value, bool double_trap);
@@ -178,6 +185,9 @@ class Hart {
   std::shared_ptr<BlockCache> decoded_;
   BlockCache& cache_;
   Execution execution_;
+  std::unique_ptr<translate::Translator> translator_;  // made when the first block is hot
+  std::uint64_t translated_generation_ = 0;            // of the block cache
+  bool translation_on_ = true;
   Csrs csrs_;
   Counters counters_;
   Fault fault_;

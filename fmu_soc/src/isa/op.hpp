@@ -296,6 +296,11 @@ constexpr bool is_multiply_accumulate(Op op) {
   return op >= Op::p_mac && op <= Op::p_machhuRN;
 }
 
+/// Not an instruction: stands behind the last one of a decoded block.
+constexpr bool is_block_end(Op op) {
+  return op == Op::end_of_block || op == Op::loop_end;
+}
+
 /// Ends a block of straight code: the next instruction is not known, or what it does may depend on this one.
 constexpr bool ends_block(Op op) {
   return is_jump(op) || is_csr(op) || op == Op::illegal || op == Op::ecall || op == Op::ebreak || op == Op::fence_i ||

@@ -48,6 +48,7 @@ struct Options {
   std::string program;
   std::string board;
   std::string signature;
+  bool interpret = false;
   std::uint64_t max_instructions = std::numeric_limits<std::uint64_t>::max() / 2;
 };
 
@@ -106,6 +107,7 @@ int run(const Options& options) {
   }
   Settings settings;
   settings.mission = {0.2777778, 1.0, 0.1, 0.5, 0.1, 0};
+  settings.translate = !options.interpret;
   Listeners listeners;
   listeners.console = [](std::string_view line) { fmt::print("{}\n", line); };
   Soc soc(board, chip, settings, program, listeners);
@@ -156,6 +158,7 @@ int main(int argc, char** argv) {
   command->add_option("program", options.program, "ELF32 file for RV32IMC")->required();
   command->add_option("--board", options.board, "Board description; without one: RAM around the program's segments");
   command->add_option("--signature", options.signature, "Write the program's signature into this file");
+  command->add_flag("--interpret", options.interpret, "Do not translate hot code to host code; counts are the same");
   command->add_option("--max-instructions", options.max_instructions, "Stop after this many");
   try {
     app.parse(argc, argv);

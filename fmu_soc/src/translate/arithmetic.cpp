@@ -1,0 +1,252 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "translate/emitter.hpp"
+
+namespace mebots::soc::translate {
+
+/// False: not an instruction that only computes.
+bool Emitter::emit_arithmetic(const Instruction* at) {
+  const auto imm = static_cast<std::uint32_t>(at->imm);
+  switch (at->op) {
+    case Op::lui:
+    case Op::auipc:
+      set(at->rd, imm);
+      return true;
+    case Op::fence:
+      return true;
+    case Op::addi:
+      emit_add_immediate(at);
+      return true;
+    case Op::xori:
+      emit_immediate(at, [&](const auto& to) { xor_(to, imm); });
+      return true;
+    case Op::ori:
+      emit_immediate(at, [&](const auto& to) { or_(to, imm); });
+      return true;
+    case Op::andi:
+      emit_immediate(at, [&](const auto& to) { and_(to, imm); });
+      return true;
+    case Op::slli:
+      emit_immediate(at, [&](const auto& to) { shl(to, static_cast<int>(imm & 31U)); });
+      return true;
+    case Op::srli:
+      emit_immediate(at, [&](const auto& to) { shr(to, static_cast<int>(imm & 31U)); });
+      return true;
+    case Op::srai:
+      emit_immediate(at, [&](const auto& to) { sar(to, static_cast<int>(imm & 31U)); });
+      return true;
+    case Op::slti:
+      emit_set_less(at, true, true);
+      return true;
+    case Op::sltiu:
+      emit_set_less(at, false, true);
+      return true;
+    case Op::slt:
+      emit_set_less(at, true, false);
+      return true;
+    case Op::sltu:
+      emit_set_less(at, false, false);
+      return true;
+    case Op::add:
+      emit_add(at);
+      return true;
+    case Op::sub:
+      emit_binary(at, [&](const auto& to, const auto& from) { sub(to, from); });
+      return true;
+    case Op::xor_:
+      emit_binary(at, [&](const auto& to, const auto& from) { xor_(to, from); });
+      return true;
+    case Op::or_:
+      emit_binary(at, [&](const auto& to, const auto& from) { or_(to, from); });
+      return true;
+    case Op::and_:
+      emit_binary(at, [&](const auto& to, const auto& from) { and_(to, from); });
+      return true;
+    case Op::mul:
+      emit_binary(at, [&](const auto& to, const auto& from) { imul(to, from); });
+      return true;
+    case Op::sll:
+      emit_shift(at, [&](const auto& to, const auto& from, const auto& by) { shlx(to, from, by); });
+      return true;
+    case Op::srl:
+      emit_shift(at, [&](const auto& to, const auto& from, const auto& by) { shrx(to, from, by); });
+      return true;
+    case Op::sra:
+      emit_shift(at, [&](const auto& to, const auto& from, const auto& by) { sarx(to, from, by); });
+      return true;
+    case Op::mulh:
+    case Op::mulhu:
+    case Op::mulhsu:
+      emit_multiply_high(at);
+      return true;
+    case Op::div:
+      emit_divide(at, true, false);
+      return true;
+    case Op::divu:
+      emit_divide(at, false, false);
+      return true;
+    case Op::rem:
+      emit_divide(at, true, true);
+      return true;
+    case Op::remu:
+      emit_divide(at, false, true);
+      return true;
+    default:
+      return false;
+  }
+}
+
+void Emitter::emit_add_immediate(const Instruction* at) {
+  if (at->rs1 == 0) {
+    set(at->rd, static_cast<std::uint32_t>(at->imm));
+  } else if (at->rd == at->rs1) {
+    if (at->imm != 0) add(operand(at->rd), static_cast<std::uint32_t>(at->imm));
+  } else {
+    const auto to = place(at->rd, eax);
+    if (in_host(at->rs1) && at->imm != 0) {
+      lea(to, ptr[host(at->rs1).cvt64() + at->imm]);
+    } else {
+      copy(to, at->rs1);
+      if (at->imm != 0) add(to, static_cast<std::uint32_t>(at->imm));
+    }
+    finish(at->rd, to);
+  }
+}
+
+void Emitter::emit_add(const Instruction* at) {
+  const auto [a, b] = at->rd == at->rs2 ? std::pair{at->rs2, at->rs1} : std::pair{at->rs1, at->rs2};
+  if (a == 0 || b == 0) {  // mv
+    const auto to = place(at->rd, eax);
+    copy(to, a == 0 ? b : a);
+    finish(at->rd, to);
+  } else if (at->rd == a) {
+    add(operand(a), value(b, eax));
+  } else {
+    const auto left = value(a, eax);
+    const auto right = value(b, ecx);
+    const auto to = place(at->rd, eax);
+    lea(to, ptr[left.cvt64() + right.cvt64()]);
+    finish(at->rd, to);
+  }
+}
+
+template <typename Apply>
+void Emitter::emit_binary(const Instruction* at, Apply apply) {
+  const auto to = place(at->rd, eax, at->rd == at->rs2 && at->rd != at->rs1);
+  copy(to, at->rs1);
+  if (at->rs2 == 0) {
+    mov(ecx, 0);
+    apply(to, ecx);
+  } else {
+    apply(to, operand(at->rs2));
+  }
+  finish(at->rd, to);
+}
+
+template <typename Apply>
+void Emitter::emit_immediate(const Instruction* at, Apply apply) {
+  const auto to = place(at->rd, eax);
+  copy(to, at->rs1);
+  apply(to);
+  finish(at->rd, to);
+}
+
+template <typename Apply>
+void Emitter::emit_shift(const Instruction* at, Apply apply) {
+  const auto to = place(at->rd, eax);
+  const auto by = value(at->rs2, ecx);
+  apply(to, value(at->rs1, eax), by);
+  finish(at->rd, to);
+}
+
+/// Flags of rs1 - rs2.
+void Emitter::emit_compare(unsigned rs1, unsigned rs2) {
+  if (rs1 != 0 && rs2 == 0) {
+    if (in_host(rs1)) {
+      test(host(rs1), host(rs1));
+    } else {
+      cmp(operand(rs1), 0);
+    }
+    return;
+  }
+  const auto left = value(rs1, eax);
+  if (rs2 == 0) {
+    cmp(left, 0);
+  } else {
+    cmp(left, operand(rs2));
+  }
+}
+
+void Emitter::emit_set_less(const Instruction* at, bool is_signed, bool immediate) {
+  if (!immediate) {
+    emit_compare(at->rs1, at->rs2);
+  } else if (at->rs1 == 0) {
+    mov(eax, 0);
+    cmp(eax, static_cast<std::uint32_t>(at->imm));
+  } else {
+    cmp(operand(at->rs1), static_cast<std::uint32_t>(at->imm));
+  }
+  if (is_signed) {
+    setl(al);
+  } else {
+    setb(al);
+  }
+  const auto to = place(at->rd, eax);
+  movzx(to, al);
+  finish(at->rd, to);
+}
+
+void Emitter::emit_multiply_high(const Instruction* at) {
+  const auto widen = [this](const Xbyak::Reg64& to, unsigned reg, bool sign) {
+    if (sign && reg != 0) {
+      movsxd(to, operand(reg));
+    } else {
+      copy(to.cvt32(), reg);
+    }
+  };
+  widen(rax, at->rs1, at->op != Op::mulhu);
+  widen(rcx, at->rs2, at->op == Op::mulh);
+  imul(rax, rcx);
+  shr(rax, 32);
+  finish(at->rd, eax);
+}
+
+/// Cycles go with the divisor's leading zeros, or ones less one when it is negative: see divide_extra_signed.
+void Emitter::emit_divide(const Instruction* at, bool is_signed, bool remainder) {
+  copy(ecx, at->rs2);
+  if (is_signed) {
+    mov(edx, ecx);
+    sar(edx, 31);
+    mov(eax, edx);
+    xor_(edx, ecx);
+    lzcnt(edx, edx);
+    add(edx, eax);  // -1 when negative
+  } else {
+    lzcnt(edx, ecx);
+  }
+  sub(r15, rdx);
+  copy(eax, at->rs1);
+  Label by_zero;
+  Label done;
+  test(ecx, ecx);
+  jz(by_zero, T_NEAR);
+  if (is_signed) {
+    // In 64 bits, -2^31 / -1 is a number like any other.
+    movsxd(rax, eax);
+    movsxd(rcx, ecx);
+    cqo();
+    idiv(rcx);
+  } else {
+    xor_(edx, edx);
+    div(ecx);
+  }
+  if (remainder) mov(eax, edx);
+  L(done);
+  finish(at->rd, eax);
+  later([this, by_zero, done, remainder]() mutable {
+    L(by_zero);
+    if (!remainder) mov(eax, ~0U);  // the remainder is the dividend
+    jmp(done, T_NEAR);
+  });
+}
+
+}  // namespace mebots::soc::translate

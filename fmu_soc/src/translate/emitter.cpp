@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "translate/emitter.hpp"
+
+namespace mebots::soc::translate {
+namespace {
+
+using Xbyak::Operand;
+
+/// The registers of the host that hold guest registers, in the order of `Registers`. The first ones make the
+/// shortest code.
+constexpr std::array<int, kHostRegisters> kHosts{Operand::RSI, Operand::RDI, Operand::RBP, Operand::R8, Operand::R9,
+                                                 Operand::R10, Operand::R11, Operand::R12, Operand::R13};
+constexpr std::size_t kAlignment = 16;
+
+/// The compiler must not take offsets for those of another type.
+static_assert(std::is_standard_layout_v<Execution>);
+
+}  // namespace
+
+Emitter::Emitter(const CodeMemory& code_memory, std::size_t used, const Execution& execution, Exits& exits)
+    : CodeGenerator(code_memory.size() - used, code_memory.writable() + used),
+      ram_{execution.ram[0], execution.ram[1]},
+      code_memory_(code_memory),
+      exits_(exits.exits),
+      ways_(exits.ways) {
+  for (unsigned reg = 0; reg < execution.x.size(); ++reg) memory_operands_.push_back(memory(reg));
+}
+
+Emitter::Gates Emitter::emit_gates() {
+  Gates gates;
+  gates.enter = code_memory_.executable(getCurr());
+  // (Execution* rdi, code rsi, budget rdx) -> number of the exit. Saves what the caller owns (System V ABI).
+  const std::array saved{rbx, rbp, r12, r13, r14, r15};
+  for (const auto& reg : saved) push(reg);
+  mov(rbx, rdi);
+  mov(r14, ptr[rbx + static_cast<int>(offsetof(Execution, ram[0].data))]);
+  mov(r15, rdx);
+  pxor(xmm15, xmm15);
+  jmp(rsi);
+  gates.leave = getCurr();
+  mov(ptr[rbx + static_cast<int>(offsetof(Execution, host.remaining))], r15);
+  movdqu(ptr[rbx + static_cast<int>(offsetof(Execution, host.instructions))], xmm15);
+  for (auto reg = saved.rbegin(); reg != saved.rend(); ++reg) pop(*reg);
+  ret();
+  align(kAlignment);
+  return gates;
+}
+
+Entry Emitter::emit(const Region& region, const Registers& registers, const Gates& gates) {
+  region_ = &region;
+  registers_ = &registers;
+  gates_ = gates;
+  labels_ = std::vector<Label>(region.nodes.size());
+
+  const auto& head = region.nodes.front();
+  Entry entry;
+  entry.jumped = code_memory_.executable(getCurr());
+  if (head.block->unaligned) sub(r15, kUnalignedTargetExtra);
+  entry.plain = code_memory_.executable(getCurr());
+  Label stay;
+  cmp(r15, head.block->last_start_bound);
+  jg(stay);
+  Exit at_limit;
+  at_limit.pc = head.block->pc;
+  mov(eax, add_exit(at_limit));
+  jmp(gates_.leave);
+  L(stay);
+  load_registers();
+
+  for (std::size_t i = 0; i < region.nodes.size(); ++i) {
+    following_ = i + 1 < region.nodes.size() ? &region.nodes[i + 1] : nullptr;
+    L(labels_[i]);
+    emit_node(region.nodes[i]);
+  }
+  while (!cold_.empty()) {
+    const auto emit_cold = std::move(cold_.front());
+    cold_.pop_front();
+    emit_cold();
+  }
+  L(leave_all_);
+  store_registers();
+  jmp(gates_.leave);
+
+  align(kAlignment);
+  for (auto& [counts, label] : constants_) {
+    L(label);
+    dq(counts.first);
+    dq(counts.second);
+  }
+  return entry;
+}
+
+void Emitter::emit_node(const Node& node) {
+  const auto* at = node.first;
+  while (emit_instruction(at)) ++at;
+}
+
+/// False: the block is left here.
+bool Emitter::emit_instruction(const Instruction* at) {
+  if (emit_arithmetic(at) || emit_memory(at)) return true;
+  if (is_branch(at->op)) {
+    emit_branch(at);
+    return true;
+  }
+  if (at->op == Op::jal) {
+    emit_jump(at);
+  } else if (at->op == Op::jalr && at->rs2 == 0) {
+    emit_jump_register(at);
+  } else {
+    emit_resume(at);
+  }
+  return false;
+}
+
+void Emitter::load_registers() {
+  for (unsigned i = 0; i < registers_->count; ++i) mov(Reg32(kHosts[i]), memory(registers_->guest[i]));
+}
+
+void Emitter::store_registers() {
+  for (unsigned i = 0; i < registers_->count; ++i) {
+    const auto guest = registers_->guest[i];
+    if (registers_->written[guest]) mov(memory(guest), Reg32(kHosts[i]));
+  }
+}
+
+Xbyak::Reg32 Emitter::host(unsigned reg) const {
+  return Reg32(kHosts[static_cast<std::size_t>(registers_->host[reg])]);
+}
+
+const Xbyak::Operand& Emitter::operand(unsigned reg) {
+  static constexpr std::size_t kCount = kHosts.size();
+  static const std::array<Reg32, kCount> kOperands{Reg32(kHosts[0]), Reg32(kHosts[1]), Reg32(kHosts[2]),
+                                                   Reg32(kHosts[3]), Reg32(kHosts[4]), Reg32(kHosts[5]),
+                                                   Reg32(kHosts[6]), Reg32(kHosts[7]), Reg32(kHosts[8])};
+  if (in_host(reg)) return kOperands[static_cast<std::size_t>(registers_->host[reg])];
+  return memory_operands_[reg];
+}
+
+Xbyak::Reg32 Emitter::value(unsigned reg, const Reg32& scratch) {
+  if (in_host(reg)) return host(reg);
+  copy(scratch, reg);
+  return scratch;
+}
+
+Xbyak::Reg32 Emitter::place(unsigned rd, const Reg32& scratch, bool needed_later) const {
+  return in_host(rd) && !needed_later ? host(rd) : scratch;
+}
+
+void Emitter::finish(unsigned rd, const Reg32& result) {
+  if (in_host(rd)) {
+    if (host(rd).getIdx() != result.getIdx()) mov(host(rd), result);
+  } else {
+    mov(memory(rd), result);
+  }
+}
+
+void Emitter::set(unsigned rd, std::uint32_t constant) {
+  if (!in_host(rd)) {
+    mov(memory(rd), constant);
+  } else if (constant == 0) {
+    xor_(host(rd), host(rd));
+  } else {
+    mov(host(rd), constant);
+  }
+}
+
+void Emitter::copy(const Reg32& to, unsigned reg) {
+  if (reg == 0) {
+    mov(to, 0);  // not xor: flags stay
+  } else if (!in_host(reg) || host(reg).getIdx() != to.getIdx()) {
+    mov(to, operand(reg));
+  }
+}
+
+}  // namespace mebots::soc::translate

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "hart/execution.hpp"
+#include "translate/code_memory.hpp"
+#include "translate/region.hpp"
+#include "translate/registers.hpp"
+#include "translate/translator.hpp"
+
+#include <xbyak/xbyak.h>
+
+#include <array>
+#include <cstddef>
+#include <deque>
+#include <functional>
+#include <map>
+#include <utility>
+#include <vector>
+
+namespace mebots::soc::translate {
+
+/// Offset of a guest register from Execution.
+constexpr int offset_of_register(unsigned reg) {
+  return static_cast<int>(offsetof(Execution, x) + sizeof(std::uint32_t) * reg);
+}
+
+/// Writes the host code of one region. Needs a processor with BMI1, BMI2 and LZCNT.
+///
+///   rbx    Execution
+///   r14    bytes of the first fast memory
+///   r15    cycles that may still start, as of the start of the block less what came up by execution in it
+///   xmm15  counts: instructions and accesses (32 bits each), energy of instructions [fJ]
+///   rax, rcx, rdx, xmm0, xmm1  scratch; all others hold guest registers, zero-extended
+class Emitter : private Xbyak::CodeGenerator {
+ public:
+  /// Fixed pieces of code that all regions share.
+  struct Gates {
+    const std::uint8_t* enter = nullptr;  // to be executed
+    const std::uint8_t* leave = nullptr;  // as written; eax = number of the exit
+  };
+  /// What the code refers to and what outlives the emitter.
+  struct Exits {
+    std::vector<Exit> exits;
+    std::deque<const std::uint8_t*> ways;  // they stay where they are
+  };
+
+  /// Writes behind the first `used` bytes.
+  Emitter(const CodeMemory& code_memory, std::size_t used, const Execution& execution, Exits& exits);
+
+  /// The gates, at the start of the code memory.
+  Gates emit_gates();
+  /// A region.
+  Entry emit(const Region& region, const Registers& registers, const Gates& gates);
+  std::size_t size() const { return getSize(); }
+
+ private:
+  using Reg32 = Xbyak::Reg32;
+  using Label = Xbyak::Label;
+
+  // emitter.cpp: blocks, operands
+  void emit_node(const Node& node);
+  bool emit_instruction(const Instruction* at);
+  void load_registers();
+  void store_registers();
+  bool in_host(unsigned reg) const { return registers_->host[reg] != Registers::kInMemory; }
+  Reg32 host(unsigned reg) const;
+  Xbyak::Address memory(unsigned reg) { return dword[rbx + offset_of_register(reg)]; }
+  /// A register's value as an operand, never x0.
+  const Xbyak::Operand& operand(unsigned reg);
+  /// A register's value in a host register, which must not be changed unless it is `scratch`.
+  Reg32 value(unsigned reg, const Reg32& scratch);
+  /// Where to compute a result: the register's own place, or `scratch` when it has none or is needed until the end.
+  Reg32 place(unsigned rd, const Reg32& scratch, bool needed_later = false) const;
+  void finish(unsigned rd, const Reg32& result);
+  void set(unsigned rd, std::uint32_t constant);
+  void copy(const Reg32& to, unsigned reg);
+
+  // arithmetic.cpp
+  bool emit_arithmetic(const Instruction* at);
+  void emit_add_immediate(const Instruction* at);
+  void emit_add(const Instruction* at);
+  template <typename Apply>
+  void emit_binary(const Instruction* at, Apply apply);
+  template <typename Apply>
+  void emit_immediate(const Instruction* at, Apply apply);
+  template <typename Apply>
+  void emit_shift(const Instruction* at, Apply apply);
+  void emit_compare(unsigned rs1, unsigned rs2);
+  void emit_set_less(const Instruction* at, bool is_signed, bool immediate);
+  void emit_multiply_high(const Instruction* at);
+  void emit_divide(const Instruction* at, bool is_signed, bool remainder);
+
+  // memory.cpp
+  bool emit_memory(const Instruction* at);
+  void emit_load(const Instruction* at, unsigned size, bool sign);
+  void emit_store(const Instruction* at, unsigned size);
+  void emit_address(const Instruction* at, unsigned size, Label& other);
+  void check_address(const Reg32& offset, const Reg32& scratch, const FastRegion& ram, unsigned size, Label& other);
+  void fetch(const Reg32& to, const Xbyak::RegExp& from, unsigned size, bool sign);
+
+  // exits.cpp
+  void emit_branch(const Instruction* at);
+  void emit_jump(const Instruction* at);
+  void emit_jump_register(const Instruction* at);
+  void emit_edge(const Instruction* at, std::uint32_t pc, bool jumped);
+  void count(const Instruction* at, std::uint32_t extra_cycles);
+  void check_limit(const Node& node);
+  void emit_leave(const Exit& exit);
+  void emit_resume(const Instruction* at);
+  std::uint32_t waits_before(const Instruction* at) const { return ram_[0].wait_cycles * at->accesses_before; }
+  std::uint32_t add_exit(const Exit& exit);
+  Label& label_of(const Node& node) { return labels_[static_cast<std::size_t>(&node - region_->nodes.data())]; }
+  /// To be emitted behind the region's hot code.
+  void later(std::function<void()> emit) { cold_.push_back(std::move(emit)); }
+
+  const FastRegion ram_[2];
+  const CodeMemory& code_memory_;
+  std::vector<Exit>& exits_;
+  std::deque<const std::uint8_t*>& ways_;
+  const Region* region_ = nullptr;
+  const Registers* registers_ = nullptr;
+  Gates gates_;
+  std::vector<Label> labels_;
+  const Node* following_ = nullptr;  // emitted after the one in work
+  Label leave_all_;                  // stores the registers and leaves by exit eax
+  std::deque<std::function<void()>> cold_;
+  std::map<std::pair<std::uint64_t, std::uint64_t>, Label> constants_;
+  std::vector<Xbyak::Address> memory_operands_;  // by guest register
+};
+
+}  // namespace mebots::soc::translate

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Ways out of a block: to another one of the region, to other translated code, back to the interpreter.
+#include "translate/emitter.hpp"
+#include "translate/target_table.hpp"
+
+namespace mebots::soc::translate {
+
+/// Adds up what a block has done when it is left behind `at`.
+void Emitter::count(const Instruction* at, std::uint32_t extra_cycles) {
+  const auto& sums = at[1];
+  sub(r15, sums.cycles_before + waits_before(&sums) + extra_cycles);
+  const auto counts = std::uint64_t{sums.index} | std::uint64_t{sums.accesses_before} << 32;
+  paddq(xmm15, ptr[rip + constants_[{counts, sums.energy_before_fj}]]);
+}
+
+std::uint32_t Emitter::add_exit(const Exit& exit) {
+  exits_.push_back(exit);
+  return static_cast<std::uint32_t>(exits_.size() - 1);
+}
+
+void Emitter::emit_leave(const Exit& exit) {
+  mov(eax, add_exit(exit));
+  jmp(leave_all_, T_NEAR);
+}
+
+/// The interpreter goes on with `at` and finishes the block.
+void Emitter::emit_resume(const Instruction* at) {
+  Exit exit;
+  exit.resumes = true;
+  exit.at = at;
+  exit.wait_cycles = waits_before(at);
+  emit_leave(exit);
+}
+
+/// A block may only begin when none of its instructions can start too late.
+void Emitter::check_limit(const Node& node) {
+  cmp(r15, node.block->last_start_bound);
+  Label leave;
+  jle(leave, T_NEAR);
+  later([this, leave, &node]() mutable {
+    L(leave);
+    Exit exit;
+    exit.pc = node.block->pc;
+    emit_leave(exit);
+  });
+}
+
+/// Leaves the block behind `at`, which is counted already but for an unaligned target.
+void Emitter::emit_edge(const Instruction* at, std::uint32_t pc, bool jumped) {
+  const auto extra = is_branch(at->op) ? kTakenBranchExtra : 0U;
+  if (const auto* node = at->link != 0 ? region_->find(at->link) : nullptr; node != nullptr) {
+    count(at, extra + (jumped && node->block->unaligned ? kUnalignedTargetExtra : 0U));
+    check_limit(*node);
+    if (is_branch(at->op) || node != following_) jmp(label_of(*node), T_NEAR);
+    return;
+  }
+  count(at, extra);
+  store_registers();
+  Exit exit;
+  exit.pc = pc;
+  exit.at = at;
+  exit.jumped = jumped;
+  // To the next instruction until it is led elsewhere. The way stands in data: code is never changed.
+  exit.way = &ways_.emplace_back();
+  mov(rdx, reinterpret_cast<std::uint64_t>(exit.way));
+  jmp(ptr[rdx]);
+  *exit.way = code_memory_.executable(getCurr());
+  mov(eax, add_exit(exit));
+  jmp(gates_.leave, T_NEAR);
+}
+
+void Emitter::emit_branch(const Instruction* at) {
+  Label taken;
+  if (at->op == Op::p_beqimm || at->op == Op::p_bneimm) {
+    cmp(value(at->rs1, eax), static_cast<std::uint32_t>(static_cast<std::int32_t>(std::uint32_t{at->rs2} << 27) >> 27));
+  } else {
+    emit_compare(at->rs1, at->rs2);
+  }
+  switch (at->op) {
+    case Op::beq:
+    case Op::p_beqimm:
+      je(taken, T_NEAR);
+      break;
+    case Op::bne:
+    case Op::p_bneimm:
+      jne(taken, T_NEAR);
+      break;
+    case Op::blt:
+      jl(taken, T_NEAR);
+      break;
+    case Op::bge:
+      jge(taken, T_NEAR);
+      break;
+    case Op::bltu:
+      jb(taken, T_NEAR);
+      break;
+    default:
+      jae(taken, T_NEAR);
+      break;
+  }
+  later([this, at, taken]() mutable {
+    L(taken);
+    emit_edge(at, static_cast<std::uint32_t>(at->imm), true);
+  });
+}
+
+void Emitter::emit_jump(const Instruction* at) {
+  if (at->rd != 32) set(at->rd, at[1].pc);
+  emit_edge(at, static_cast<std::uint32_t>(at->imm), at->rs2 == 0);
+}
+
+void Emitter::emit_jump_register(const Instruction* at) {
+  const auto base = value(at->rs1, eax);
+  lea(eax, ptr[base.cvt64() + at->imm]);
+  and_(eax, ~1U);
+  if (at->rd != 32) set(at->rd, at[1].pc);
+  // Where it went last is the best guess.
+  if (const auto* node = at->link != 0 ? region_->find(at->link) : nullptr; node != nullptr) {
+    Label guessed;
+    cmp(eax, node->block->pc);
+    je(guessed, T_NEAR);
+    later([this, at, node, guessed]() mutable {
+      L(guessed);
+      count(at, node->block->unaligned ? kUnalignedTargetExtra : 0U);
+      check_limit(*node);
+      jmp(label_of(*node), T_NEAR);
+    });
+  }
+  count(at, 0);
+  store_registers();
+  mov(ptr[rbx + static_cast<int>(offsetof(Execution, pc))], eax);
+  Label unknown;
+  mov(ecx, eax);
+  and_(ecx, TargetTable::kMask);
+  mov(rdx, ptr[rbx + static_cast<int>(offsetof(Execution, host.targets))]);
+  static_assert(sizeof(TargetTable::Target) == 16 && TargetTable::kStep == 2);
+  cmp(ptr[rdx + rcx * 8], eax);
+  jne(unknown);
+  jmp(ptr[rdx + rcx * 8 + 8]);
+  L(unknown);
+  Exit exit;
+  exit.at = at;
+  exit.jumped = true;
+  exit.indirect = true;
+  mov(eax, add_exit(exit));
+  jmp(gates_.leave, T_NEAR);
+}
+
+}  // namespace mebots::soc::translate

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "translate/region.hpp"
+
+#include <algorithm>
+
+namespace mebots::soc::translate {
+namespace {
+
+constexpr std::size_t kMostNodes = 24;
+constexpr std::size_t kMostInstructions = 600;
+constexpr std::uint32_t kLoopWeight = 8;
+constexpr std::uint32_t kMostWeight = kLoopWeight * kLoopWeight * kLoopWeight * kLoopWeight;
+
+/// Calls `visit` with the number of every block that a branch or jump of this one has led to.
+template <typename Visit>
+void for_successors(const Node& node, Visit visit) {
+  for (const auto* at = node.first; !is_block_end(at->op); ++at) {
+    if ((is_branch(at->op) || is_jump(at->op)) && at->link != 0) visit(at->link);
+  }
+}
+
+/// Weighs the nodes by the loops they lie in: a loop is an edge back to a node that leads there.
+class LoopFinder {
+ public:
+  explicit LoopFinder(Region& region) : region_(region), states_(region.nodes.size(), State::unseen) {
+    from_.resize(region.nodes.size());
+    for (std::size_t i = 0; i < region.nodes.size(); ++i) {
+      for_successors(region.nodes[i], [&](std::uint32_t number) {
+        if (const auto* node = region.find(number); node != nullptr) from_[index_of(*node)].push_back(i);
+      });
+    }
+    descend(0);
+  }
+
+ private:
+  enum class State : std::uint8_t { unseen, open, done };
+
+  std::size_t index_of(const Node& node) const { return static_cast<std::size_t>(&node - region_.nodes.data()); }
+
+  void descend(std::size_t i) {
+    states_[i] = State::open;
+    for_successors(region_.nodes[i], [&](std::uint32_t number) {
+      const auto* node = region_.find(number);
+      if (node == nullptr) return;
+      const auto next = index_of(*node);
+      if (states_[next] == State::open) weigh(next, i);
+      if (states_[next] == State::unseen) descend(next);
+    });
+    states_[i] = State::done;
+  }
+
+  /// The body of the loop: everything that reaches `last` without passing `head`.
+  void weigh(std::size_t head, std::size_t last) {
+    std::vector<bool> inside(region_.nodes.size());
+    std::vector<std::size_t> waiting{last};
+    inside[head] = true;
+    while (!waiting.empty()) {
+      const auto i = waiting.back();
+      waiting.pop_back();
+      if (inside[i]) continue;
+      inside[i] = true;
+      waiting.insert(waiting.end(), from_[i].begin(), from_[i].end());
+    }
+    for (std::size_t i = 0; i < inside.size(); ++i) {
+      auto& weight = region_.nodes[i].weight;
+      if (inside[i]) weight = std::min(weight * kLoopWeight, kMostWeight);
+    }
+  }
+
+  Region& region_;
+  std::vector<State> states_;
+  std::vector<std::vector<std::size_t>> from_;
+};
+
+}  // namespace
+
+Region grow_region(const BlockCache& cache, std::uint32_t head) {
+  Region region;
+  std::size_t instructions = 0;
+  const auto add = [&](std::uint32_t number) {
+    if (region.nodes.size() == kMostNodes || instructions >= kMostInstructions) return;
+    if (region.find(number) != nullptr) return;
+    const auto& block = cache.block(number);
+    region.nodes.push_back({number, &block, cache.instructions(block)});
+    const auto* at = region.nodes.back().first;
+    while (!is_block_end(at->op)) ++at;
+    instructions += at->index;
+  };
+  add(head);
+  for (std::size_t i = 0; i < region.nodes.size(); ++i) for_successors(Node(region.nodes[i]), add);
+  LoopFinder{region};
+  return region;
+}
+
+}  // namespace mebots::soc::translate

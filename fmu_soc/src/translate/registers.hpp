@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "translate/region.hpp"
+
+#include <array>
+#include <cstdint>
+
+namespace mebots::soc::translate {
+
+/// Number of host registers that hold guest registers.
+inline constexpr unsigned kHostRegisters = 9;
+
+/// Which guest registers live in host registers all through a region; the others stay in memory.
+struct Registers {
+  static constexpr std::int8_t kInMemory = -1;
+
+  std::array<std::int8_t, 33> host;  // number of the host register, or kInMemory
+  std::array<std::uint8_t, kHostRegisters> guest{};
+  unsigned count = 0;              // of host registers in use
+  std::array<bool, 33> written{};  // somewhere in the region
+};
+
+/// Gives the host registers to those that are used most.
+Registers allocate(const Region& region);
+
+}  // namespace mebots::soc::translate

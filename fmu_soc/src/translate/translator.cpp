@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "translate/translator.hpp"
+
+#include "translate/code_memory.hpp"
+#include "translate/emitter.hpp"
+#include "translate/target_table.hpp"
+
+#include <xbyak/xbyak_util.h>
+
+#include <algorithm>
+#include <bit>
+
+namespace mebots::soc::translate {
+namespace {
+
+constexpr std::size_t kCodeBytes = std::size_t{4} << 20;
+/// More than any region takes: room that must be left before one is begun.
+constexpr std::size_t kMostRegionBytes = std::size_t{256} << 10;
+
+class HostTranslator : public Translator {
+ public:
+  HostTranslator(const BlockCache& cache, Execution& execution, std::unique_ptr<CodeMemory> memory)
+      : cache_(cache), execution_(execution), memory_(std::move(memory)) {
+    entries_.resize(BlockCache::kMaxBlocks);
+    execution_.host.targets = targets_.targets.data();
+    Emitter emitter(*memory_, 0, execution_, exits_);
+    gates_ = emitter.emit_gates();
+    gates_size_ = emitter.size();
+    used_ = gates_size_;
+  }
+
+  const Entry& translate(std::uint32_t block) override {
+    if (used_ + kMostRegionBytes > memory_->size()) forget();
+    const auto region = grow_region(cache_, block);
+    Emitter emitter(*memory_, used_, execution_, exits_);
+    entries_[block] = emitter.emit(region, allocate(region), gates_);
+    used_ += (emitter.size() + 15) / 16 * 16;
+    return entries_[block];
+  }
+
+  Exit run(const Entry& entry, std::int64_t budget) override {
+    using Enter = std::uint32_t (*)(Execution*, const std::uint8_t*, std::int64_t);
+    const auto enter = std::bit_cast<Enter>(gates_.enter);
+    last_exit_ = exits_.exits[enter(&execution_, entry.plain, budget)];
+    return last_exit_;
+  }
+
+  void lead_on(std::uint32_t pc, const Entry& entry) override {
+    const auto& exit = last_exit_;
+    if (exit.indirect) {
+      targets_.set(pc, entry.jumped);
+    } else if (exit.way != nullptr && exit.pc == pc) {
+      *exit.way = exit.jumped ? entry.jumped : entry.plain;
+    }
+  }
+
+  void forget() override {
+    if (used_ == gates_size_) return;
+    std::fill(entries_.begin(), entries_.end(), Entry{});
+    last_exit_ = {};
+    exits_.exits.clear();
+    exits_.ways.clear();
+    targets_.clear();
+    used_ = gates_size_;
+    CodeMemory::serialise();
+  }
+
+ private:
+  const BlockCache& cache_;
+  Execution& execution_;
+  std::unique_ptr<CodeMemory> memory_;
+  Emitter::Gates gates_;
+  std::size_t used_ = 0;
+  std::size_t gates_size_ = 0;
+  Emitter::Exits exits_;
+  Exit last_exit_;
+  TargetTable targets_;
+};
+
+}  // namespace
+
+std::unique_ptr<Translator> make_translator(const BlockCache& cache, Execution& execution) {
+  using Xbyak::util::Cpu;
+  const Cpu cpu;
+  if (!cpu.has(Cpu::tBMI1) || !cpu.has(Cpu::tBMI2) || !cpu.has(Cpu::tLZCNT)) return nullptr;
+  for (const auto& ram : execution.ram) {
+    if (ram.base % 4 != 0) return nullptr;
+  }
+  auto memory = CodeMemory::create(kCodeBytes);
+  if (memory == nullptr) return nullptr;
+  return std::make_unique<HostTranslator>(cache, execution, std::move(memory));
+}
+
+}  // namespace mebots::soc::translate

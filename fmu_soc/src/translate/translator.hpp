@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "hart/block_cache.hpp"
+#include "hart/execution.hpp"
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+/// Hot blocks as code of the host. Counts are those of the interpreter to the last unit: what is static in a block is
+/// added where it is left, what only execution tells is added when it happens, and everything that is rare goes back
+/// to the interpreter in front of the instruction that needs it.
+namespace mebots::soc::translate {
+
+/// How translated code was left.
+struct Exit {
+  bool resumes = false;   // at `at`, inside its block, which the interpreter finishes; else a block begins
+  bool indirect = false;  // the code has put the pc into Execution::pc
+  bool jumped = false;    // an unaligned target costs its cycle yet
+  std::uint32_t pc = 0;
+  const Instruction* at = nullptr;     // resumes: comes next; else: what led here, null when its link is of no interest
+  std::uint32_t wait_cycles = 0;       // resumes: what its block has waited for memories by rule
+  const std::uint8_t** way = nullptr;  // where the host goes on; can lead to translated code at `pc`
+};
+
+/// Where code of a block can be entered.
+struct Entry {
+  const std::uint8_t* plain = nullptr;
+  const std::uint8_t* jumped = nullptr;  // pays for an unaligned target first
+};
+
+/// Translations of one hart. They are void when the generation of its block cache has changed.
+class Translator {
+ public:
+  virtual ~Translator() = default;
+
+  /// Code of a block, or null.
+  const Entry* find(std::uint32_t block) const { return entries_[block].plain != nullptr ? &entries_[block] : nullptr; }
+  /// Makes code for a block.
+  virtual const Entry& translate(std::uint32_t block) = 0;
+  /// Runs it. At most `budget` cycles start; how it went is in Execution::host.
+  virtual Exit run(const Entry& entry, std::int64_t budget) = 0;
+  /// The last run was left to go on at the block at `pc`: the same way out leads on to its code from now on.
+  virtual void lead_on(std::uint32_t pc, const Entry& entry) = 0;
+  /// Drops everything.
+  virtual void forget() = 0;
+
+ protected:
+  std::vector<Entry> entries_;  // by number of block
+};
+
+/// Null where this host or this build cannot translate.
+std::unique_ptr<Translator> make_translator(const BlockCache& cache, Execution& execution);
+
+}  // namespace mebots::soc::translate

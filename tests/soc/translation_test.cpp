@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: Apache-2.0
+// Translated code against the interpreter: registers, memory, cycles, instructions, energy and accesses must be the
+// same at every limit.
+#include "board_system.hpp"
+#include "machine.hpp"
+#include "random_program.hpp"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+namespace mebots::soc::test {
+namespace {
+
+std::vector<std::byte> state_of(Machine& machine, bool with_memory) {
+  state::Writer writer;
+  if (with_memory) machine.memory().save(writer);
+  machine.hart().save(writer);
+  return writer.bytes();
+}
+
+std::string text_of(Machine& machine) {
+  const auto& c = machine.hart().counters();
+  auto text = fmt::format("pc {:08x}, {} instructions, {} cycles, {} fJ, {} accesses, {} far", machine.hart().pc(),
+                          c.instructions, c.cycles, c.instruction_fj, c.accesses, machine.hart().far_accesses());
+  for (unsigned i = 1; i < 32; ++i) text += fmt::format("{}x{} {:08x}", i % 8 == 1 ? "\n" : " ", i, machine.reg(i));
+  return text;
+}
+
+/// The same program twice.
+struct Pair {
+  explicit Pair(const Elf& program, CoreKind kind = CoreKind::cv32e40p)
+      : translated(program, kind), interpreted(program, kind) {
+    interpreted.hart().set_translation(false);
+  }
+
+  void wait_for_memory(std::uint32_t first, std::uint32_t second) {
+    for (auto* machine : {&translated, &interpreted}) {
+      const std::array ports{MemoryPort{0, first, nullptr}, MemoryPort{1, second, nullptr}};
+      machine->hart().connect(ports);
+    }
+  }
+
+  /// False when they differ, or have ended.
+  bool run(std::uint64_t limit) {
+    const auto stop = translated.run(limit);
+    EXPECT_EQ(stop, interpreted.run(limit));
+    // The memory is large, and a difference in it stays: now and then is enough.
+    const bool with_memory = stop != Stop::limit || ++stops_ % 256 == 0;
+    const bool same = state_of(translated, with_memory) == state_of(interpreted, with_memory);
+    EXPECT_TRUE(same) << "translated: " << text_of(translated) << "\ninterpreted: " << text_of(interpreted);
+    return same && stop == Stop::limit;
+  }
+
+  Machine translated;
+  Machine interpreted;
+
+ private:
+  int stops_ = 0;
+};
+
+/// Runs to the end with limits of all sizes, interrupts at any time, and states restored.
+void compare_at_random_limits(Pair& pair, std::uint32_t seed) {
+  std::mt19937 random(seed);
+  bool goes_on = true;
+  for (int stops = 0; goes_on && stops < 4000; ++stops) {
+    const auto limit = pair.translated.hart().counters().cycles + 1 + random() % (random() % 4 == 0 ? 20000 : 80);
+    goes_on = pair.run(limit);
+    const auto chance = random() % 256;
+    for (auto* machine : {&pair.translated, &pair.interpreted}) {
+      machine->hart().set_interrupt(chance % 2 == 0 ? 11 : 7, chance < 4);
+      if (chance == 255) {
+        state::Writer writer;
+        machine->hart().save(writer);
+        state::Reader reader(writer.bytes());
+        machine->hart().restore(reader);
+      }
+    }
+  }
+  for (auto* machine : {&pair.translated, &pair.interpreted}) {
+    machine->hart().set_interrupt(11, false);
+    machine->hart().set_interrupt(7, false);
+  }
+  if (goes_on) pair.run(1'000'000'000);
+  EXPECT_EQ(pair.translated.word("tohost"), 1U);
+}
+
+class RandomProgram : public testing::TestWithParam<std::uint32_t> {};
+
+TEST_P(RandomProgram, RunsTranslatedAsInterpreted) {
+  const auto seed = GetParam();
+  const auto program = assemble(random_program(seed));
+  Pair straight(program, seed % 2 == 0 ? CoreKind::cv32e40p : CoreKind::ri5cy);
+  straight.run(1'000'000'000);
+  EXPECT_EQ(straight.translated.word("tohost"), 1U);
+  Pair pair(program, seed % 2 == 0 ? CoreKind::ri5cy : CoreKind::cv32e40p);
+  compare_at_random_limits(pair, seed);
+  Pair waiting(program);
+  waiting.wait_for_memory(seed % 4, seed / 2 % 4);
+  compare_at_random_limits(waiting, seed + 1);
+}
+
+INSTANTIATE_TEST_SUITE_P(Translation, RandomProgram, testing::Range(1U, 41U));
+
+TEST(Translation, SeesCodeThatIsStoredOver) {
+  // A hot loop whose body is another one in every turn of the outer loop.
+  Pair pair(assemble(std::string(R"(
+_start: li s0, 40
+    la s1, patch
+    la s2, words
+1:  andi t0, s0, 4
+    add t0, t0, s2
+    lw t0, 0(t0)
+    sw t0, 0(s1)
+    li t1, 500
+2:
+    .balign 4
+    .option push
+    .option norvc
+patch: addi a0, a0, 1
+    .option pop
+    addi t1, t1, -1
+    bnez t1, 2b
+    addi s0, s0, -1
+    bnez s0, 1b
+    j done
+    .balign 4
+    .option norvc
+words: addi a0, a0, 3
+    xori a0, a0, 5
+    .option rvc
+done:
+)") + std::string(kEnd)));
+  for (std::uint64_t limit = 777; pair.run(limit); limit += 777) {
+  }
+  EXPECT_EQ(pair.translated.word("tohost"), 1U);
+}
+
+TEST(Translation, LeavesFaultsToTheInterpreter) {
+  // The hot loop's load walks out of the memory.
+  Pair pair(assemble(R"(
+_start: li s0, 0x800f0000
+1:  lw a0, 0(s0)
+    addi s0, s0, 4
+    j 1b
+)"));
+  pair.run(1'000'000'000);
+  EXPECT_TRUE(pair.translated.hart().fault().happened);
+  EXPECT_EQ(pair.translated.hart().fault().value, 0x80100000U);
+}
+
+TEST(Translation, OfABusyBoardKeepsEveryBitOfTheState) {
+  const auto program = BoardSystem::assembled(R"(
+_start: la t0, handler
+    csrw mtvec, t0
+    li s0, TIMER_BASE
+    li s4, POWER_MANAGER_BASE
+    li s5, 0x1B000000
+    li s3, 70000
+    sw s3, TIMER_COMPARE_LO_OFFSET(s0)
+    sw zero, TIMER_COMPARE_HI_OFFSET(s0)
+    li a0, 1 << TIMER_INTERRUPT
+    csrw mie, a0
+    csrwi mstatus, 8
+1:  li a0, 900
+2:  addi a0, a0, -1
+    div a1, s3, a0
+    sw a1, 1(s5)
+    lw a2, 1(s5)
+    sw a2, 8(s5)
+    add a3, a3, a2
+    andi a4, a0, 63
+    bnez a4, 3f
+    lw a5, TIMER_COMPARE_LO_OFFSET(s0)
+    add a3, a3, a5
+3:  bnez a0, 2b
+    li a0, 1000
+    sw a0, POWER_MANAGER_VOLTAGE_MV_OFFSET(s4)
+    li a0, 1200
+    sw a0, POWER_MANAGER_VOLTAGE_MV_OFFSET(s4)
+    wfi
+    j 1b
+    .balign 4
+handler: sw t0, 16(s5)
+    lw t0, TIMER_COMPARE_LO_OFFSET(s0)
+    add t0, t0, s3
+    sw t0, TIMER_COMPARE_LO_OFFSET(s0)
+    lw t0, 16(s5)
+    mret
+)");
+  Settings settings;
+  BoardSystem translated(program, settings);
+  settings.translate = false;
+  BoardSystem interpreted(program, settings);
+  for (std::int64_t time_ns = 0; time_ns < 20'000'000; time_ns += 333'333) {
+    translated.soc.advance(time_ns);
+    interpreted.soc.advance(time_ns);
+    state::Writer a;
+    state::Writer b;
+    translated.soc.save(a);
+    interpreted.soc.save(b);
+    ASSERT_EQ(a.bytes(), b.bytes()) << "at " << time_ns << " ns";
+    ASSERT_EQ(translated.soc.energy().total_j(), interpreted.soc.energy().total_j());
+  }
+  EXPECT_TRUE(translated.faults.empty());
+  EXPECT_GT(translated.soc.hart().counters().instructions, 300'000U);
+}
+
+}  // namespace
+}  // namespace mebots::soc::test
