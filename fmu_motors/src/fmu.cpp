@@ -1,32 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "fmu_motors/binding.hpp"
+#include "mebots/shell/bound_model.hpp"
 #include "model.hpp"
 
 namespace mebots::motors {
-namespace {
 
-class Binding final : public shell::Model {
- public:
-  Binding(Variables& variables, const shell::Host& host)
-      : variables_(variables), model_(variables.parameters, host.resources()) {
-    model_.start(variables_.inputs, variables_.outputs);
-  }
-
-  void step(std::int64_t /*start_ns*/, std::int64_t duration_ns) override {
-    model_.step(variables_.inputs, duration_ns, variables_.outputs);
-  }
-  void save(state::Writer& writer) const override { model_.save(writer); }
-  void restore(state::Reader& reader) override { model_.restore(reader); }
-
- private:
-  Variables& variables_;
-  motors::Model model_;
-};
-
-}  // namespace
-
-std::unique_ptr<shell::Model> make_model(Variables& variables, shell::Host& host, std::int64_t /*start_ns*/) {
-  return std::make_unique<Binding>(variables, host);
+std::unique_ptr<shell::Model> make_model(Variables& variables, shell::Host& host, std::int64_t start_ns) {
+  return std::make_unique<shell::BoundModel<Model, Variables>>(variables, host, start_ns);
 }
 
 }  // namespace mebots::motors

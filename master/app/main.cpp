@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "check_command.hpp"
 #include "info_command.hpp"
+#include "new_fmu_command.hpp"
 #include "run_command.hpp"
 
 #include <CLI/CLI.hpp>
@@ -32,6 +34,25 @@ int main(int argument_count, char** arguments) {
   auto* info_app = app.add_subcommand("info", "Show what an FMU says of itself");
   info_app->add_option("fmu", fmu, "FMU file")->required();
 
+  mebots::app::CheckOptions check;
+  auto* check_app = app.add_subcommand(
+      "check", "Look for mistakes in an FMU, from archive to behaviour (exit code 0 clean, 1 findings, 2 unreadable)");
+  check_app->add_option("fmu", check.fmu, "FMU file")->required();
+  check_app->add_flag("--json", check.json, "Print a report for machines");
+  check_app->add_flag("--files-only", check.files_only, "Run nothing of the FMU's code");
+  check_app
+      ->add_option("--half-step-tolerance", check.half_step_tolerance,
+                   "What two half steps may differ from one by, relative to an output's largest magnitude")
+      ->check(CLI::PositiveNumber);
+  check_app->add_option("--deadline", check.deadline_s, "Wall time for each experiment with the FMU [s]")
+      ->check(CLI::PositiveNumber);
+
+  std::filesystem::path description;
+  std::filesystem::path folder;
+  auto* new_fmu_app = app.add_subcommand("new-fmu", "Write the folder of a new FMU, which builds, from its description");
+  new_fmu_app->add_option("description", description, "description.json with the FMU's variables")->required();
+  new_fmu_app->add_option("--out", folder, "Folder to make; default: the FMU's name");
+
   try {
     app.parse(argument_count, arguments);
   } catch (const CLI::ParseError& error) {
@@ -40,6 +61,8 @@ int main(int argument_count, char** arguments) {
     return asked_for_text ? 0 : 2;
   }
   try {
+    if (new_fmu_app->parsed()) return mebots::app::new_fmu_command(description, folder);
+    if (check_app->parsed()) return mebots::app::check_command(check);
     return run_app->parsed() ? mebots::app::run_command(run) : mebots::app::info_command(fmu);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "mebots: error: %s\n", error.what());

@@ -30,6 +30,7 @@ constexpr Section kSections[] = {
     {"record", false, &config::read_record},
     {"pictures", false, &config::read_pictures},
     {"log", false, &config::read_log},
+    {"threads", false, &config::read_threads},
 };
 
 std::string read_bytes(const std::filesystem::path& file) {

@@ -83,11 +83,26 @@ std::size_t slot_in(Banks& banks, const Variable& variable) {
   return banks.strings.slot(variable);
 }
 
-void write(Slave& slave, const Banks& banks) {
-  if (!banks.reals.values.empty()) slave.set_reals(banks.reals.references, banks.reals.values);
-  if (!banks.integers.values.empty()) slave.set_integers(banks.integers.references, banks.integers.values);
-  if (!banks.booleans.values.empty()) slave.set_booleans(banks.booleans.references, banks.booleans.values);
-  if (!banks.strings.values.empty()) slave.set_strings(banks.strings.references, banks.strings.values);
+KindSet kinds_in(const Banks& banks) {
+  KindSet kinds = 0;
+  if (!banks.reals.values.empty()) kinds |= bit(ValueKind::real);
+  if (!banks.integers.values.empty()) kinds |= bit(ValueKind::integer);
+  if (!banks.booleans.values.empty()) kinds |= bit(ValueKind::boolean);
+  if (!banks.strings.values.empty()) kinds |= bit(ValueKind::string);
+  return kinds;
+}
+
+void write(Slave& slave, const Banks& banks, KindSet kinds) {
+  if ((kinds & bit(ValueKind::real)) != 0) slave.set_reals(banks.reals.references, banks.reals.values);
+  if ((kinds & bit(ValueKind::integer)) != 0) slave.set_integers(banks.integers.references, banks.integers.values);
+  if ((kinds & bit(ValueKind::boolean)) != 0) slave.set_booleans(banks.booleans.references, banks.booleans.values);
+  if ((kinds & bit(ValueKind::string)) != 0) slave.set_strings(banks.strings.references, banks.strings.values);
+}
+
+/// Moves the values of one kind along their connections.
+template <typename Copies>
+void move_all(const Copies& copies) {
+  for (const auto& copy : copies) *copy.to = *copy.from;
 }
 
 }  // namespace
@@ -116,16 +131,16 @@ void Ensemble::connect(const ResolvedConnection& connection) {
   const auto to = slot_in(target.inputs, *connection.to.variable);
   switch (from.kind) {
     case ValueKind::real:
-      target.real_copies.push_back({from, to});
+      target.real_copies.push_back({.signal = from, .slot = to});
       break;
     case ValueKind::integer:
-      target.integer_copies.push_back({from, to});
+      target.integer_copies.push_back({.signal = from, .slot = to});
       break;
     case ValueKind::boolean:
-      target.boolean_copies.push_back({from, to});
+      target.boolean_copies.push_back({.signal = from, .slot = to});
       break;
     case ValueKind::string:
-      target.string_copies.push_back({from, to});
+      target.string_copies.push_back({.signal = from, .slot = to});
       break;
   }
 }
@@ -175,7 +190,24 @@ void Ensemble::set_starts(std::size_t instance) {
         break;
     }
   }
-  write(*members_[instance].slave, banks);
+  write(*members_[instance].slave, banks, kinds_in(banks));
+}
+
+void Ensemble::lay_out() {
+  const auto addresses = [](auto& copies, auto source, auto& targets) {
+    for (auto& copy : copies) {
+      copy.from = source(copy.signal);
+      copy.to = &targets[copy.slot];
+    }
+  };
+  for (auto& member : members_) {
+    member.output_kinds = kinds_in(member.outputs);
+    member.input_kinds = kinds_in(member.inputs);
+    addresses(member.real_copies, [&](SignalId id) { return &real(id); }, member.inputs.reals.values);
+    addresses(member.integer_copies, [&](SignalId id) { return &integer(id); }, member.inputs.integers.values);
+    addresses(member.boolean_copies, [&](SignalId id) { return &integer(id); }, member.inputs.booleans.values);
+    addresses(member.string_copies, [&](SignalId id) { return &string(id); }, member.inputs.strings.values);
+  }
 }
 
 void Ensemble::initialize(std::int64_t stop_ns) {
@@ -183,6 +215,7 @@ void Ensemble::initialize(std::int64_t stop_ns) {
 }
 
 void Ensemble::initialize_slaves(std::int64_t stop_ns) {
+  lay_out();
   for (std::size_t i = 0; i < members_.size(); ++i) {
     set_starts(i);
     members_[i].slave->setup_experiment(0, stop_ns);
@@ -255,15 +288,18 @@ void Ensemble::terminate() {
 void Ensemble::read_outputs(std::size_t instance, std::int64_t time_ns) {
   auto& member = members_[instance];
   auto& outputs = member.outputs;
-  if (!outputs.reals.values.empty()) {
+  const auto kinds = member.output_kinds;
+  if (kinds == 0) return;
+  if ((kinds & bit(ValueKind::real)) != 0) {
     member.slave->get_reals(outputs.reals.references, outputs.reals.values);
     check_finite(member, time_ns);
   }
-  if (!outputs.integers.values.empty())
+  if ((kinds & bit(ValueKind::integer)) != 0)
     member.slave->get_integers(outputs.integers.references, outputs.integers.values);
-  if (!outputs.booleans.values.empty())
+  if ((kinds & bit(ValueKind::boolean)) != 0)
     member.slave->get_booleans(outputs.booleans.references, outputs.booleans.values);
-  if (!outputs.strings.values.empty()) member.slave->get_strings(outputs.strings.references, outputs.strings.values);
+  if ((kinds & bit(ValueKind::string)) != 0)
+    member.slave->get_strings(outputs.strings.references, outputs.strings.values);
 }
 
 void Ensemble::check_finite(const Member& member, std::int64_t time_ns) const {
@@ -279,12 +315,12 @@ void Ensemble::check_finite(const Member& member, std::int64_t time_ns) const {
 
 void Ensemble::write_inputs(std::size_t instance) {
   auto& member = members_[instance];
-  auto& inputs = member.inputs;
-  for (const auto& copy : member.real_copies) inputs.reals.values[copy.to] = real(copy.from);
-  for (const auto& copy : member.integer_copies) inputs.integers.values[copy.to] = integer(copy.from);
-  for (const auto& copy : member.boolean_copies) inputs.booleans.values[copy.to] = integer(copy.from);
-  for (const auto& copy : member.string_copies) inputs.strings.values[copy.to] = string(copy.from);
-  write(*member.slave, inputs);
+  if (member.input_kinds == 0) return;
+  move_all(member.real_copies);
+  move_all(member.integer_copies);
+  move_all(member.boolean_copies);
+  move_all(member.string_copies);
+  write(*member.slave, member.inputs, member.input_kinds);
 }
 
 void Ensemble::save_values(state::Writer& writer) const {

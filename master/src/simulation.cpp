@@ -3,16 +3,49 @@
 
 #include "mebots/master/time.hpp"
 
+#include "step_pool.hpp"
+#include "thread_policy.hpp"
+
 #include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <numeric>
+#include <thread>
 
 namespace mebots::master {
 
 Simulation::Simulation(const ResolvedSystem& system, MessageSink& messages, const SlaveOptions& options)
     : system_(&system),
-      ensemble_(system, messages, options),
+      messages_(messages),
+      ensemble_(system, messages_, options),
       step_ns_(system.description->step_ns),
       last_step_(system.description->stop_time_ns / step_ns_) {
   for (std::size_t i = 0; i < ensemble_.size(); ++i) multiples_.push_back(ensemble_.step_ns(i) / step_ns_);
+  group_slaves();
+}
+
+Simulation::~Simulation() = default;
+
+void Simulation::group_slaves() {
+  // The reader of a buffer must be done before its owner steps on: they stay on one thread, in their order.
+  std::vector<std::size_t> group(ensemble_.size());
+  std::iota(group.begin(), group.end(), std::size_t{0});
+  for (const auto& connection : system_->connections) {
+    if (!connection.pointer) continue;
+    const auto from = group[connection.from.instance];
+    std::replace(group.begin(), group.end(), from, group[connection.to.instance]);
+  }
+  std::map<std::size_t, std::vector<std::size_t>> members;
+  for (const auto i : ensemble_.step_order()) members[group[i]].push_back(i);
+  for (auto& [name, instances] : members) groups_.push_back(std::move(instances));
+
+  const auto threads = system_->description->threads;
+  const auto wanted = threads == kAutomaticThreads ? std::max(1U, std::thread::hardware_concurrency()) : threads;
+  if (std::min<std::size_t>(wanted, groups_.size()) < 2) return;
+  policy_ = std::make_unique<ThreadPolicy>();
+  threads_ = static_cast<unsigned>(std::min<std::size_t>(wanted, groups_.size()));
+  attempts_.resize(ensemble_.size());
 }
 
 void Simulation::initialize() {
@@ -57,25 +90,71 @@ bool Simulation::step_slaves() {
     if (begins_step(i, step_)) ensemble_.write_inputs(i);
   }
   std::string terminated;
-  for (const auto i : ensemble_.step_order()) {
-    if (!begins_step(i, step_)) continue;
-    const auto result = ensemble_.slave(i).step(time_ns(), ensemble_.step_ns(i));
-    if (result.done) continue;
-    const auto reached_s = result.last_successful_s.value_or(to_seconds(time_ns()));
-    if (!result.terminated) {
-      throw SlaveError(fmt::format(
-          "instance '{}' at {} s: fmi2DoStep refused a step of {} s (fmi2Discard; it came to {} s). A smaller "
-          "step may help. {}",
-          ensemble_.name(i), to_seconds(time_ns()), to_seconds(ensemble_.step_ns(i)), reached_s, result.messages));
+  const auto take = [&](std::size_t i, const StepResult& result) {
+    if (result.done) return;
+    auto text = judge(i, result);
+    if (terminated.empty()) terminated = std::move(text);
+  };
+  if (policy_ && policy_->parallel()) {
+    step_in_parallel();
+    for (const auto i : ensemble_.step_order()) {
+      if (begins_step(i, step_)) take(i, attempts_[i].result);
     }
-    if (terminated.empty()) {
-      terminated = fmt::format("instance '{}' ended the simulation at {} s", ensemble_.name(i), reached_s);
+  } else {
+    for (const auto i : ensemble_.step_order()) {
+      if (begins_step(i, step_)) take(i, step_slave(i));
     }
   }
+  if (policy_) policy_->stepped();
   if (terminated.empty()) return true;
   // The others stepped too, but the last point that all reached is this one: it is the end.
   finish(EndReason::terminated, terminated);
   return false;
+}
+
+StepResult Simulation::step_slave(std::size_t instance) {
+  return ensemble_.slave(instance).step(time_ns(), ensemble_.step_ns(instance));
+}
+
+std::string Simulation::judge(std::size_t instance, const StepResult& result) const {
+  const auto reached_s = result.last_successful_s.value_or(to_seconds(time_ns()));
+  if (!result.terminated) {
+    throw SlaveError(fmt::format(
+        "instance '{}' at {} s: fmi2DoStep refused a step of {} s (fmi2Discard; it came to {} s). A smaller "
+        "step may help. {}",
+        ensemble_.name(instance), to_seconds(time_ns()), to_seconds(ensemble_.step_ns(instance)), reached_s,
+        result.messages));
+  }
+  return fmt::format("instance '{}' ended the simulation at {} s", ensemble_.name(instance), reached_s);
+}
+
+void Simulation::step_in_parallel() {
+  if (!pool_) pool_ = std::make_unique<StepPool>(threads_);  // not before it is needed
+  messages_.hold();
+  pool_->run(groups_.size(), [this](std::size_t group) {
+    for (const auto i : groups_[group]) {
+      if (!begins_step(i, step_)) continue;
+      auto& attempt = attempts_[i];
+      attempt.error = nullptr;
+      try {
+        attempt.result = step_slave(i);
+      } catch (...) {
+        attempt.error = std::current_exception();
+        return;
+      }
+    }
+  });
+  // Messages and errors as they would have come one after the other.
+  std::vector<std::string> speakers;
+  std::exception_ptr first;
+  for (const auto i : ensemble_.step_order()) {
+    if (first || !begins_step(i, step_)) continue;
+    speakers.push_back(ensemble_.name(i));
+    first = attempts_[i].error;
+    if (!attempts_[i].result.done && !attempts_[i].result.terminated) break;  // the run ends with it
+  }
+  messages_.release(speakers);
+  if (first) std::rethrow_exception(first);
 }
 
 const End& Simulation::run(const std::atomic<bool>& interrupted) {

@@ -17,6 +17,9 @@ std::optional<std::int64_t> to_nanoseconds(double seconds) {
 }
 
 double to_seconds(std::int64_t time_ns) {
+  // Below 2^53 ns both numbers are exact, so one division rounds once, whole seconds included.
+  constexpr std::int64_t kExact_ns = std::int64_t{1} << 53;
+  if (time_ns < kExact_ns && time_ns > -kExact_ns) return static_cast<double>(time_ns) / 1e9;
   const auto whole_s = time_ns / kNanosecondsPerSecond;
   if (time_ns % kNanosecondsPerSecond == 0) return static_cast<double>(whole_s);
   return static_cast<double>(time_ns) / 1e9;

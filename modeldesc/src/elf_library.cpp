@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "elf_library.hpp"
+#include "mebots/modeldesc/elf_library.hpp"
 
 #include "mebots/error.hpp"
 
 #include <elf.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstring>
 #include <fstream>
 #include <iterator>
@@ -30,23 +31,58 @@ class ElfFile {
 
   ElfLibrary read() const {
     ElfLibrary library;
+    library.machine = header_.e_machine;
+    bool dynamic = false;
     for (std::size_t i = 0; i < header_.e_shnum; ++i) {
       const auto section = section_header(i);
-      if (section.sh_type != SHT_DYNAMIC) continue;
-      const Elf64_Shdr strings = section_header(section.sh_link);
-      for (std::uint64_t offset = 0; offset < section.sh_size; offset += sizeof(Elf64_Dyn)) {
-        const auto entry = at<Elf64_Dyn>(section.sh_offset + offset);
-        if (entry.d_tag == DT_NULL) break;
-        if (entry.d_tag == DT_SONAME) library.soname = text(strings.sh_offset + entry.d_un.d_val);
-        if (entry.d_tag == DT_NEEDED) library.needed.push_back(text(strings.sh_offset + entry.d_un.d_val));
-      }
-      return library;
+      if (section.sh_type == SHT_DYNSYM) read_symbols(section, library);
+      if (section.sh_type != SHT_DYNAMIC || dynamic) continue;
+      dynamic = true;
+      read_dynamic(section, library);
     }
-    fail("has no dynamic section");
+    if (!dynamic) fail("has no dynamic section");
+    return library;
   }
 
  private:
   [[noreturn]] void fail(std::string_view what) const { throw Error(fmt::format("{}: {}", name_, what)); }
+
+  void read_dynamic(const Elf64_Shdr& section, ElfLibrary& library) const {
+    const Elf64_Shdr strings = section_header(section.sh_link);
+    for (std::uint64_t offset = 0; offset < section.sh_size; offset += sizeof(Elf64_Dyn)) {
+      const auto entry = at<Elf64_Dyn>(section.sh_offset + offset);
+      if (entry.d_tag == DT_NULL) break;
+      const auto word = [&] { return text(strings.sh_offset + entry.d_un.d_val); };
+      if (entry.d_tag == DT_SONAME) library.soname = word();
+      if (entry.d_tag == DT_NEEDED) library.needed.push_back(word());
+      if (entry.d_tag == DT_RPATH) library.rpath = parts(word());
+      if (entry.d_tag == DT_RUNPATH) library.runpath = parts(word());
+    }
+  }
+
+  void read_symbols(const Elf64_Shdr& section, ElfLibrary& library) const {
+    const Elf64_Shdr strings = section_header(section.sh_link);
+    for (std::uint64_t offset = 0; offset < section.sh_size; offset += sizeof(Elf64_Sym)) {
+      const auto symbol = at<Elf64_Sym>(section.sh_offset + offset);
+      const auto binding = ELF64_ST_BIND(symbol.st_info);
+      const auto visibility = ELF64_ST_VISIBILITY(symbol.st_other);
+      const bool shown = (binding == STB_GLOBAL || binding == STB_WEAK || binding == STB_GNU_UNIQUE) &&
+                         (visibility == STV_DEFAULT || visibility == STV_PROTECTED);
+      if (shown && symbol.st_shndx != SHN_UNDEF) library.exports.push_back(text(strings.sh_offset + symbol.st_name));
+    }
+  }
+
+  /// A search path taken apart at its colons.
+  static std::vector<std::string> parts(const std::string& path) {
+    std::vector<std::string> found;
+    std::size_t at = 0;
+    while (at <= path.size()) {
+      const auto end = std::min(path.find(':', at), path.size());
+      if (end > at) found.push_back(path.substr(at, end - at));
+      at = end + 1;
+    }
+    return found;
+  }
 
   template <typename T>
   T at(std::uint64_t offset) const {

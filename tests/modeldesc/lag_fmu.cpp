@@ -11,16 +11,6 @@
 #include <stdexcept>
 
 namespace mebots::test {
-namespace {
-
-template <typename F>
-void load(void* handle, F& function, const char* name) {
-  function = reinterpret_cast<F>(dlsym(handle, name));
-  if (function == nullptr) throw std::runtime_error(fmt::format("{} is not exported", name));
-}
-
-}  // namespace
-
 const LagFmu& LagFmu::get() {
   static const LagFmu fmu;
   return fmu;
@@ -31,40 +21,10 @@ LagFmu::LagFmu() : folder_("lag f\xC3\xBCr tests") {
   description_ = modeldesc::read_xml(folder_.path() / "modelDescription.xml");
   void* handle = dlopen(binary().c_str(), RTLD_NOW | RTLD_LOCAL);
   if (handle == nullptr) throw std::runtime_error(dlerror());
-  load(handle, library_.get_types_platform, "fmi2GetTypesPlatform");
-  load(handle, library_.get_version, "fmi2GetVersion");
-  load(handle, library_.set_debug_logging, "fmi2SetDebugLogging");
-  load(handle, library_.instantiate, "fmi2Instantiate");
-  load(handle, library_.free_instance, "fmi2FreeInstance");
-  load(handle, library_.setup_experiment, "fmi2SetupExperiment");
-  load(handle, library_.enter_initialization_mode, "fmi2EnterInitializationMode");
-  load(handle, library_.exit_initialization_mode, "fmi2ExitInitializationMode");
-  load(handle, library_.terminate, "fmi2Terminate");
-  load(handle, library_.reset, "fmi2Reset");
-  load(handle, library_.get_real, "fmi2GetReal");
-  load(handle, library_.get_integer, "fmi2GetInteger");
-  load(handle, library_.get_boolean, "fmi2GetBoolean");
-  load(handle, library_.get_string, "fmi2GetString");
-  load(handle, library_.set_real, "fmi2SetReal");
-  load(handle, library_.set_integer, "fmi2SetInteger");
-  load(handle, library_.set_boolean, "fmi2SetBoolean");
-  load(handle, library_.set_string, "fmi2SetString");
-  load(handle, library_.get_fmu_state, "fmi2GetFMUstate");
-  load(handle, library_.set_fmu_state, "fmi2SetFMUstate");
-  load(handle, library_.free_fmu_state, "fmi2FreeFMUstate");
-  load(handle, library_.serialized_fmu_state_size, "fmi2SerializedFMUstateSize");
-  load(handle, library_.serialize_fmu_state, "fmi2SerializeFMUstate");
-  load(handle, library_.deserialize_fmu_state, "fmi2DeSerializeFMUstate");
-  load(handle, library_.get_directional_derivative, "fmi2GetDirectionalDerivative");
-  load(handle, library_.set_real_input_derivatives, "fmi2SetRealInputDerivatives");
-  load(handle, library_.get_real_output_derivatives, "fmi2GetRealOutputDerivatives");
-  load(handle, library_.do_step, "fmi2DoStep");
-  load(handle, library_.cancel_step, "fmi2CancelStep");
-  load(handle, library_.get_status, "fmi2GetStatus");
-  load(handle, library_.get_real_status, "fmi2GetRealStatus");
-  load(handle, library_.get_integer_status, "fmi2GetIntegerStatus");
-  load(handle, library_.get_boolean_status, "fmi2GetBooleanStatus");
-  load(handle, library_.get_string_status, "fmi2GetStringStatus");
+  library_ = fmi2::find_functions(handle);
+  fmi2::for_each_function([&](const char* name, auto member, fmi2::Need) {
+    if (library_.*member == nullptr) throw std::runtime_error(fmt::format("{} is not exported", name));
+  });
 }
 
 std::filesystem::path LagFmu::binary() const {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "mebots/fmi2/functions.hpp"
+#include "mebots/fmi2/library.hpp"
 #include "mebots/modeldesc/archive.hpp"
 #include "mebots/modeldesc/xml.hpp"
 
@@ -15,43 +15,7 @@
 /// The test FMU as an importing tool sees it: unpacked, loaded with dlopen, called through C.
 namespace mebots::test {
 
-/// Function pointers of the loaded library, all found by name.
-struct Library {
-  decltype(&fmi2GetTypesPlatform) get_types_platform;
-  decltype(&fmi2GetVersion) get_version;
-  decltype(&fmi2SetDebugLogging) set_debug_logging;
-  decltype(&fmi2Instantiate) instantiate;
-  decltype(&fmi2FreeInstance) free_instance;
-  decltype(&fmi2SetupExperiment) setup_experiment;
-  decltype(&fmi2EnterInitializationMode) enter_initialization_mode;
-  decltype(&fmi2ExitInitializationMode) exit_initialization_mode;
-  decltype(&fmi2Terminate) terminate;
-  decltype(&fmi2Reset) reset;
-  decltype(&fmi2GetReal) get_real;
-  decltype(&fmi2GetInteger) get_integer;
-  decltype(&fmi2GetBoolean) get_boolean;
-  decltype(&fmi2GetString) get_string;
-  decltype(&fmi2SetReal) set_real;
-  decltype(&fmi2SetInteger) set_integer;
-  decltype(&fmi2SetBoolean) set_boolean;
-  decltype(&fmi2SetString) set_string;
-  decltype(&fmi2GetFMUstate) get_fmu_state;
-  decltype(&fmi2SetFMUstate) set_fmu_state;
-  decltype(&fmi2FreeFMUstate) free_fmu_state;
-  decltype(&fmi2SerializedFMUstateSize) serialized_fmu_state_size;
-  decltype(&fmi2SerializeFMUstate) serialize_fmu_state;
-  decltype(&fmi2DeSerializeFMUstate) deserialize_fmu_state;
-  decltype(&fmi2GetDirectionalDerivative) get_directional_derivative;
-  decltype(&fmi2SetRealInputDerivatives) set_real_input_derivatives;
-  decltype(&fmi2GetRealOutputDerivatives) get_real_output_derivatives;
-  decltype(&fmi2DoStep) do_step;
-  decltype(&fmi2CancelStep) cancel_step;
-  decltype(&fmi2GetStatus) get_status;
-  decltype(&fmi2GetRealStatus) get_real_status;
-  decltype(&fmi2GetIntegerStatus) get_integer_status;
-  decltype(&fmi2GetBooleanStatus) get_boolean_status;
-  decltype(&fmi2GetStringStatus) get_string_status;
-};
+using Library = fmi2::Functions;
 
 /// Unpacked once per process, into a folder with a space and an umlaut in its name.
 class LagFmu {

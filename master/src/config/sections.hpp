@@ -19,5 +19,6 @@ void read_summary(const JsonNode& node, SystemDescription& system);
 void read_record(const JsonNode& node, SystemDescription& system);
 void read_pictures(const JsonNode& node, SystemDescription& system);
 void read_log(const JsonNode& node, SystemDescription& system);
+void read_threads(const JsonNode& node, SystemDescription& system);
 
 }  // namespace mebots::master::config

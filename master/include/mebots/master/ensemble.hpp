@@ -21,6 +21,12 @@ enum class ValueKind { real, integer, boolean, string };
 
 ValueKind kind_of(modeldesc::Type type);
 
+/// One bit per ValueKind.
+using KindSet = std::uint8_t;
+constexpr KindSet bit(ValueKind kind) {
+  return static_cast<KindSet>(1U << static_cast<unsigned>(kind));
+}
+
 /// Values of one type that are read from, or written to, one slave in one call.
 template <typename T>
 struct Bank {
@@ -90,15 +96,21 @@ class Ensemble {
   void restore_values(state::Reader& reader);
 
  private:
+  /// One value on its way from an output's bank to an input's. Addresses hold from initialize() on.
   template <typename T>
   struct Copy {
-    SignalId from;
-    std::size_t to;
+    SignalId signal;
+    std::size_t slot;
+    const T* from = nullptr;
+    T* to = nullptr;
   };
 
   struct Member {
     std::unique_ptr<Slave> slave;
     std::int64_t step_ns = 0;
+    // Which banks hold anything: one look instead of one per bank, in the loop that runs at every point.
+    KindSet output_kinds = 0;
+    KindSet input_kinds = 0;
     Banks outputs;
     Banks inputs;
     std::vector<Copy<double>> real_copies;
@@ -107,6 +119,7 @@ class Ensemble {
     std::vector<Copy<std::string>> string_copies;
   };
 
+  void lay_out();
   void connect(const ResolvedConnection& connection);
   void initialize_slaves(std::int64_t stop_ns);
   void set_starts(std::size_t instance);

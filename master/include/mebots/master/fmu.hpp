@@ -10,9 +10,13 @@
 #include <optional>
 #include <string>
 
+namespace mebots::fmi2 {
+struct Functions;
+}
+
 namespace mebots::master {
 
-struct Fmi2Functions;
+using Fmi2Functions = fmi2::Functions;
 
 /// An FMU archive unpacked into a folder of its own, which goes with this object: description at once,
 /// shared library when first asked for.

@@ -3,14 +3,19 @@
 
 #include "mebots/master/ensemble.hpp"
 #include "mebots/master/observer.hpp"
+#include "mebots/master/ordered_messages.hpp"
 
 #include <atomic>
 #include <cstdint>
+#include <exception>
 #include <memory>
 #include <string>
 #include <vector>
 
 namespace mebots::master {
+
+class StepPool;
+class ThreadPolicy;
 
 /// Why a run ended.
 enum class EndReason { stop_time, stop_condition, terminated, interrupted };
@@ -30,11 +35,13 @@ struct SimulationState {
 /// A run of an ensemble: fixed steps in whole nanoseconds, t_k = k h, Jacobi coupling. At t_k every
 /// slave whose step begins there takes its inputs as all outputs stood at t_k; then all step. A slave
 /// with a longer step shows its new outputs when the others reach its time, not before. So the order of
-/// the instances and of the connections is nothing to the results.
+/// the instances and of the connections is nothing to the results. With more than one thread slaves step at the same
+/// time where measured times say that it pays; the results are the same bits.
 class Simulation {
  public:
   /// `system` and `messages` must outlive the simulation.
   Simulation(const ResolvedSystem& system, MessageSink& messages, const SlaveOptions& options = {});
+  ~Simulation();
 
   Ensemble& ensemble() { return ensemble_; }
   const Ensemble& ensemble() const { return ensemble_; }
@@ -72,15 +79,35 @@ class Simulation {
  private:
   void reach_point();
   bool step_slaves();
+  StepResult step_slave(std::size_t instance);
+  /// About a slave that did not step: says that it wants the run to end, or throws SlaveError.
+  std::string judge(std::size_t instance, const StepResult& result) const;
+  void step_in_parallel();
+  void group_slaves();
   void finish(EndReason reason, std::string text);
-  bool begins_step(std::size_t instance, std::int64_t step) const { return step % multiples_[instance] == 0; }
+  /// A division costs as much as a small FMU's step: most instances have the system's own step.
+  bool begins_step(std::size_t instance, std::int64_t step) const {
+    return multiples_[instance] == 1 || step % multiples_[instance] == 0;
+  }
 
   const ResolvedSystem* system_;
+  OrderedMessages messages_;  // before the slaves, which write to it
   Ensemble ensemble_;
   std::vector<Observer*> observers_;
   std::int64_t step_ns_;
   std::int64_t last_step_;
   std::vector<std::int64_t> multiples_;
+  // Stepping at the same time; null with one thread.
+  struct Attempt {
+    StepResult result;
+    std::exception_ptr error;
+  };
+  std::unique_ptr<ThreadPolicy> policy_;
+  std::unique_ptr<StepPool> pool_;
+  unsigned threads_ = 1;
+  std::vector<std::vector<std::size_t>> groups_;  // each steps in order on one thread
+  std::vector<Attempt> attempts_;                 // by instance
+
   std::int64_t step_ = 0;
   bool ended_ = false;
   End end_;

@@ -111,6 +111,9 @@ struct LogDescription {
 /// Categories that are shown when the config says nothing else about an instance.
 inline constexpr std::string_view kDefaultLogCategories[] = {"console", "events", "faults"};
 
+/// SystemDescription::threads: as many as the machine runs at the same time.
+inline constexpr unsigned kAutomaticThreads = 0;
+
 struct SystemDescription {
   std::filesystem::path file;  ///< the config
   std::string name;            ///< its file name without extension
@@ -125,6 +128,7 @@ struct SystemDescription {
   RecordDescription record;
   std::vector<PictureDescription> pictures;
   std::vector<LogDescription> log;
+  unsigned threads = 1;  ///< the most that step slaves at the same time, where that is faster
 
   const InstanceDescription* find_instance(std::string_view instance_name) const;
   std::vector<std::string> instance_names() const;

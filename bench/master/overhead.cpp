@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the master costs beyond the FMU calls: the same FMU stepped by a bare loop over its C functions and by
+// Simulation, turn about, in one process. Usage: bench_master_overhead PASSTHROUGH.fmu [REPEATS]
+#include "mebots/master/simulation.hpp"
+
+#include "fmi2_functions.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <ctime>
+#include <vector>
+
+namespace {
+
+using namespace mebots::master;
+
+class Silent final : public MessageSink {
+ public:
+  void message(const Message&) override {}
+};
+
+struct Shape {
+  const char* name;
+  int instances;
+  int connections;
+};
+
+constexpr std::int64_t kStepNs = 100'000'000;
+constexpr std::int64_t kInstanceSteps = 4'000'000;  // per measurement: long against the clock's grain
+
+/// This thread's own processor time: what else the machine does counts only as far as it empties the caches.
+double cpu_seconds() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+double seconds_of(auto work) {
+  const double start = cpu_seconds();
+  work();
+  return cpu_seconds() - start;
+}
+
+SystemDescription system_of(const Shape& shape, const std::filesystem::path& fmu, std::int64_t steps) {
+  SystemDescription system;
+  system.name = shape.name;
+  system.step_ns = kStepNs;
+  system.stop_time_ns = steps * kStepNs;
+  for (int i = 0; i < shape.instances; ++i) {
+    system.instances.push_back({fmt::format("i{}", i), fmu.string(), fmu, {}, kStepNs, "bench"});
+  }
+  for (int i = 0; i < shape.connections; ++i) {
+    const int to = (i + 1) % shape.instances;
+    system.connections.push_back({{fmt::format("i{}", i), "y"}, {fmt::format("i{}", to), "u"}, "bench"});
+  }
+  system.instances[0].parameters.push_back({"u", 1.0, "bench"});
+  if (shape.connections == shape.instances) system.instances[0].parameters.clear();
+  return system;
+}
+
+/// ns per instance and step of the bare calls that the master must make: set u, step, get y.
+double bare(const Shape& shape, Fmu& fmu, std::int64_t steps) {
+  const auto& f = fmu.functions();
+  fmi2CallbackFunctions callbacks{};
+  callbacks.allocateMemory = &std::calloc;
+  callbacks.freeMemory = &std::free;
+  std::vector<fmi2Component> components;
+  for (int i = 0; i < shape.instances; ++i) {
+    components.push_back(f.instantiate("bare", fmi2CoSimulation, fmu.description().guid.c_str(),
+                                       fmu.resource_uri().c_str(), &callbacks, fmi2False, fmi2False));
+    f.setup_experiment(components.back(), fmi2False, 0, 0, fmi2False, 0);
+    f.enter_initialization_mode(components.back());
+    f.exit_initialization_mode(components.back());
+  }
+  const fmi2ValueReference u = fmu.description().find("u")->value_reference;
+  const fmi2ValueReference y = fmu.description().find("y")->value_reference;
+  const auto count = static_cast<std::size_t>(shape.instances);
+  const auto connections = static_cast<std::size_t>(shape.connections);
+  std::vector<double> values(count, 0.0);
+  const double h = 1e-9 * static_cast<double>(kStepNs);
+  const double time = seconds_of([&] {
+    for (std::int64_t k = 0; k < steps; ++k) {
+      for (std::size_t i = 0; i < connections; ++i) f.set_real(components[(i + 1) % count], &u, 1, &values[i]);
+      for (std::size_t i = 0; i < count; ++i) f.do_step(components[i], static_cast<double>(k) * h, h, fmi2False);
+      for (std::size_t i = 0; i < connections; ++i) f.get_real(components[i], &y, 1, &values[i]);
+    }
+  });
+  for (fmi2Component component : components) f.free_instance(component);
+  return time * 1e9 / static_cast<double>(steps * shape.instances);
+}
+
+double by_master(const Shape& shape, const std::filesystem::path& fmu, FmuLibrary& library, std::int64_t steps) {
+  const auto system = system_of(shape, fmu, steps);
+  const auto resolved = resolve(system, library);
+  Silent silent;
+  Simulation simulation(resolved, silent);
+  simulation.initialize();
+  const std::atomic<bool> interrupted{false};
+  const double time = seconds_of([&] { simulation.run(interrupted); });
+  return time * 1e9 / static_cast<double>(steps * shape.instances);
+}
+
+struct Spread {
+  double least, middle, most;
+};
+
+Spread spread(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  return {values.front(), values[values.size() / 2], values.back()};
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc < 2) {
+    std::fprintf(stderr, "usage: bench_master_overhead PASSTHROUGH.fmu [REPEATS]\n");
+    return 2;
+  }
+  const int repeats = argc > 2 ? std::atoi(argv[2]) : 5;
+  try {
+    FmuLibrary library;
+    const auto path = std::filesystem::absolute(argv[1]);
+    const auto fmu = library.open(path);
+    fmt::print("{:<22} {:>28} {:>28} {:>12} {:>8}\n", "ns per instance and step", "bare calls min/median/max",
+               "master min/median/max", "beyond", "target");
+    constexpr Shape kShapes[] = {{"one", 1, 0},
+                                 {"chain of four", 4, 3},
+                                 {"ring of sixteen", 16, 16},
+                                 {"1000 alone", 1000, 0},
+                                 {"ring of 1000", 1000, 1000}};
+    for (const auto& shape : kShapes) {
+      const auto steps = kInstanceSteps / shape.instances;
+      std::vector<double> bares;
+      std::vector<double> masters;
+      for (int repeat = 0; repeat < repeats; ++repeat) {
+        bares.push_back(bare(shape, *fmu, steps));
+        masters.push_back(by_master(shape, path, library, steps));
+      }
+      const auto a = spread(bares);
+      const auto b = spread(masters);
+      const double target = 50 + 10.0 * shape.connections / shape.instances;
+      fmt::print("{:<24} {:>26} {:>28} {:>12.1f} {:>8.1f}\n", shape.name,
+                 fmt::format("{:.1f} / {:.1f} / {:.1f}", a.least, a.middle, a.most),
+                 fmt::format("{:.1f} / {:.1f} / {:.1f}", b.least, b.middle, b.most), b.middle - a.middle, target);
+    }
+    return 0;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "bench_master_overhead: %s\n", error.what());
+    return 1;
+  }
+}

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "mebots/state/bytes.hpp"
+#include "motor_thermal/variables.hpp"
+
+#include <cstdint>
+#include <filesystem>
+
+namespace mebots::motor_thermal {
+
+/// Two bodies that store heat, one in the other:
+///
+///     C_w dT_w/dt = I^2 R (1 + a (T_w - 20 degC)) - G_w (T_w - T_c)
+///     C_c dT_c/dt = G_w (T_w - T_c) - G_c (T_c - T_air)
+///
+/// For inputs held over a step this is linear in (T_w, T_c), so a step is the exact solution, whatever its length.
+class Model {
+ public:
+  /// `resources` is not used. Every parameter is checked by its limits in the description.
+  Model(const Parameters& parameters, const std::filesystem::path& resources);
+
+  /// Writes the outputs at the start.
+  void start(const Inputs& inputs, Outputs& outputs);
+  /// Moves on by duration_ns > 0 with the inputs held. Throws mebots::Error when the winding runs away.
+  void step(const Inputs& inputs, std::int64_t duration_ns, Outputs& outputs);
+
+  void save(state::Writer& writer) const;
+  void restore(state::Reader& reader);
+
+ private:
+  void write(Outputs& outputs) const;
+
+  Parameters parameters_;
+  double winding_k_;
+  double case_k_;
+  double current_a_ = 0;
+  double copper_j_ = 0;
+  double air_j_ = 0;
+};
+
+}  // namespace mebots::motor_thermal

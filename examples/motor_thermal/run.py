@@ -1,0 +1,94 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Flies the easy gate mission with a thermal model of one motor beside it, and plots the temperatures.
+
+Usage: run.py [--build BUILD_FOLDER] [--out FOLDER] [--stop-time S]
+
+BUILD_FOLDER (build/release) holds a build of MEbots; the FMU is built there when it is missing.
+"""
+
+import argparse
+import csv
+import json
+import pathlib
+import subprocess
+import sys
+
+HERE = pathlib.Path(__file__).resolve().parent
+ROOT = HERE.parent.parent
+
+CONNECTIONS = {
+    "motors.power": "thermal.motor.power",
+    "world.rotor[1].command": "thermal.motor.command",
+    "battery.bus.voltage": "thermal.bus.voltage",
+}
+
+
+def mission(build, stop_time):
+    """The config of the easy gate mission with one instance more."""
+    config = json.loads((ROOT / "configs" / "gate_easy.json").read_text())
+    for instance in config["instances"].values():
+        instance["fmu"] = str(build / "fmus" / pathlib.Path(instance["fmu"]).name)
+    config["instances"]["thermal"] = {"fmu": str(build / "fmus" / "motor_thermal.fmu")}
+    config["connections"] += [{"from": a, "to": b} for a, b in CONNECTIONS.items()]
+    config["record"] = ["thermal.*", "motors.power", "world.drone.position.z", "world.rotor[1].command"]
+    config["summary"]["winding_temperature"] = "thermal.winding.temperature"
+    config["summary"]["case_temperature"] = "thermal.case.temperature"
+    config.pop("pictures", None)
+    if stop_time:
+        config["stop_time"] = stop_time
+    return config
+
+
+def read(path):
+    with path.open(newline="") as file:
+        rows = list(csv.reader(file))
+    names = [name.rsplit(" [", 1)[0] for name in rows[0]]
+    return {name: [float(row[i]) for row in rows[1:]] for i, name in enumerate(names)}
+
+
+def plot(columns, path):
+    import matplotlib
+
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+
+    figure, (top, bottom) = plt.subplots(2, 1, sharex=True, figsize=(8, 5), height_ratios=(2, 1))
+    for name in ("winding", "case"):
+        celsius = [kelvin - 273.15 for kelvin in columns[f"thermal.{name}.temperature"]]
+        top.plot(columns["time"], celsius, label=name)
+    top.set_ylabel("temperature [degC]")
+    top.legend()
+    bottom.plot(columns["time"], columns["thermal.motor.current"], color="tab:green")
+    bottom.set_ylabel("motor current [A]")
+    bottom.set_xlabel("time [s]")
+    figure.tight_layout()
+    figure.savefig(path, dpi=120)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build" / "release")
+    parser.add_argument("--out", type=pathlib.Path, default=ROOT / "results" / "motor_thermal")
+    parser.add_argument("--stop-time", type=float)
+    parser.add_argument("--no-plot", action="store_true")
+    arguments = parser.parse_args()
+    build = arguments.build.resolve()
+    if not (build / "fmus" / "motor_thermal.fmu").exists():
+        subprocess.run(["cmake", "--build", build, "--target", "motor_thermal_archive"], check=True)
+    arguments.out.mkdir(parents=True, exist_ok=True)
+    config = arguments.out / "motor_thermal.json"
+    config.write_text(json.dumps(mission(build, arguments.stop_time), indent=2) + "\n")
+    subprocess.run([build / "bin" / "mebots", "run", config, "--out", arguments.out], check=True)
+    columns = read(arguments.out / "results.csv")
+    winding, case = columns["thermal.winding.temperature"], columns["thermal.case.temperature"]
+    if not (winding[-1] > case[-1] > winding[0] and max(winding) < 400):
+        sys.exit("FAILED: a flight must warm the winding more than the case, and burn neither")
+    print(f"winding: at most {max(winding) - 273.15:.1f} degC, case: {max(case) - 273.15:.1f} degC")
+    if not arguments.no_plot:
+        plot(columns, arguments.out / "temperatures.png")
+        print(f"plot: {arguments.out / 'temperatures.png'}")
+
+
+if __name__ == "__main__":
+    main()

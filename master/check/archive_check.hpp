@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "finding.hpp"
+
+#include <filesystem>
+
+namespace mebots::check {
+
+/// Looks at the names, kinds and sizes of an archive's entries without unpacking anything.
+/// Throws mebots::Error when the file is no zip archive at all.
+void check_archive(const std::filesystem::path& archive, Findings findings);
+
+}  // namespace mebots::check

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "subject.hpp"
+
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace mebots::check {
+
+/// One experiment with the FMU, run in a child process of its own.
+struct Probe {
+  std::string name;  ///< what holds when it finds nothing
+  std::function<void(const Library&)> run;
+  std::string skipped;  ///< why it does not apply to this FMU; empty when it does
+  Severity crash = Severity::error;
+};
+
+/// Runs, resets, saves, halves steps, replays and counts what is left behind. The second is a plain run: when it fails,
+/// the others have nothing to say.
+std::vector<Probe> life_probes(const Target& target, double half_step_tolerance);
+/// Calls that the standard forbids, which must be answered by an error.
+std::vector<Probe> illegal_call_probes(const Target& target);
+
+}  // namespace mebots::check

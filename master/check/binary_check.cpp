@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "binary_check.hpp"
+
+#include "child.hpp"
+
+#include "mebots/error.hpp"
+#include "mebots/fmi2/library.hpp"
+#include "mebots/modeldesc/elf_library.hpp"
+
+#include <dlfcn.h>
+#include <elf.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <set>
+
+namespace mebots::check {
+namespace {
+
+namespace fs = std::filesystem;
+using modeldesc::ModelDescription;
+
+struct Platform {
+  const char* name;
+  const char* suffix;
+};
+constexpr Platform kPlatforms[] = {{"win32", ".dll"},  {"win64", ".dll"},      {"linux32", ".so"},
+                                   {"linux64", ".so"}, {"darwin32", ".dylib"}, {"darwin64", ".dylib"}};
+
+bool is_wanted(fmi2::Need need, const modeldesc::CoSimulation& flags) {
+  switch (need) {
+    case fmi2::Need::to_run:
+    case fmi2::Need::always:
+      return true;
+    case fmi2::Need::fmu_state:
+      return flags.can_get_and_set_fmu_state;
+    case fmi2::Need::serialization:
+      return flags.can_serialize_fmu_state;
+    case fmi2::Need::directional_derivative:
+      return flags.provides_directional_derivative;
+  }
+  return false;
+}
+
+/// Symbols that the linker makes.
+bool is_linkers_own(std::string_view name) {
+  constexpr std::string_view kOwn[] = {"_init", "_fini", "__bss_start", "_edata", "_end"};
+  return std::ranges::find(kOwn, name) != std::end(kOwn);
+}
+
+/// Follows the needed libraries as ld.so(8) does: RPATH of the library and of those that asked for it (unless the
+/// library has a RUNPATH), LD_LIBRARY_PATH, RUNPATH, then the system's folders, for which the loader itself is asked.
+class NeededLibraries {
+ public:
+  NeededLibraries(fs::path folder, Findings findings) : folder_(std::move(folder)), findings_(findings) {}
+
+  void follow(const fs::path& file, std::vector<std::string> inherited) {
+    if (!seen_.insert(file.filename().string()).second) return;
+    const auto library = modeldesc::read_elf_library(file);
+    auto rpath = expanded(library.rpath, file);
+    if (library.runpath.empty()) inherited.insert(inherited.begin(), rpath.begin(), rpath.end());
+    const auto runpath = expanded(library.runpath, file);
+    std::vector<std::string> folders = library.runpath.empty() ? inherited : runpath;
+    for (const auto& needed : library.needed) resolve(needed, file, folders, inherited);
+  }
+
+ private:
+  void resolve(const std::string& needed, const fs::path& asking, const std::vector<std::string>& folders,
+               const std::vector<std::string>& inherited) {
+    for (const auto& folder : folders) {
+      const auto candidate = fs::path(folder) / needed;
+      if (!fs::exists(candidate)) continue;
+      if (fs::weakly_canonical(candidate).string().starts_with(fs::weakly_canonical(folder_).string())) {
+        follow(candidate, inherited);
+      } else if (!folder.starts_with("/usr") && !folder.starts_with("/lib") && told_.insert(needed).second) {
+        findings_.warning(fmt::format("{} takes {} from {}, a folder of this machine only", asking.filename().string(),
+                                      needed, folder),
+                          "put the library beside the FMU's own, and link with -Wl,-rpath,'$ORIGIN'");
+      }
+      return;
+    }
+    if (system_has(needed) || !told_.insert(needed).second) return;
+    if (fs::exists(folder_ / needed)) {
+      findings_.error(fmt::format("{} is needed by {} and lies beside it, but nothing tells the loader to look there",
+                                  needed, asking.filename().string()),
+                      "link with -Wl,-rpath,'$ORIGIN' -Wl,--disable-new-dtags");
+      return;
+    }
+    findings_.error(
+        fmt::format("{} is needed by {} and found nowhere (looked in {}{}the system's folders)", needed,
+                    asking.filename().string(), fmt::join(folders, ", "), folders.empty() ? "" : ", "),
+        "install the package that holds it, or put it beside the FMU's own and link with -Wl,-rpath,'$ORIGIN'");
+  }
+
+  /// Loading runs the library's own start-up code, so a child does it.
+  static bool system_has(const std::string& needed) {
+    Check check;
+    run_in_child({.severity = Severity::error, .way_out = "", .deadline_s = 10}, check, [&](Witness& witness) {
+      witness.doing(fmt::format("loading {}", needed));
+      if (dlopen(needed.c_str(), RTLD_LAZY | RTLD_LOCAL) == nullptr) witness.error(dlerror(), "");
+    });
+    return check.findings.empty();
+  }
+
+  static std::vector<std::string> expanded(const std::vector<std::string>& paths, const fs::path& file) {
+    std::vector<std::string> result;
+    for (std::string path : paths) {
+      for (const std::string_view name : {"${ORIGIN}", "$ORIGIN"}) {
+        for (auto at = path.find(name); at != std::string::npos; at = path.find(name))
+          path.replace(at, name.size(), file.parent_path().string());
+      }
+      result.push_back(path);
+    }
+    return result;
+  }
+
+  fs::path folder_;
+  Findings findings_;
+  std::set<std::string> seen_;
+  std::set<std::string> told_;
+};
+
+}  // namespace
+
+fs::path library_path(const ModelDescription& model, const fs::path& folder) {
+  return folder / "binaries" / "linux64" / (model.co_simulation->model_identifier + ".so");
+}
+
+void check_platforms(const ModelDescription& model, const fs::path& folder, Findings findings) {
+  const auto& identifier = model.co_simulation->model_identifier;
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(folder / "binaries", ignored)) {
+    const auto name = entry.path().filename().string();
+    const auto* const platform =
+        std::ranges::find(kPlatforms, name, [](const Platform& p) { return std::string_view(p.name); });
+    if (platform == std::end(kPlatforms)) {
+      findings.warning(fmt::format("binaries/{} is no platform that FMI 2.0 names", name),
+                       "FMI 2.0 names win32, win64, linux32, linux64, darwin32, darwin64");
+    } else if (!fs::exists(entry.path() / (identifier + platform->suffix))) {
+      findings.error(fmt::format("binaries/{} holds no {}{}", name, identifier, platform->suffix),
+                     "name the library after modelIdentifier");
+    }
+  }
+  const auto library = library_path(model, folder);
+  if (!fs::exists(library)) {
+    findings.warning(fmt::format("there is no binary for 64-bit Linux (binaries/linux64/{}.so)", identifier),
+                     "build one: its behaviour cannot be checked here");
+    return;
+  }
+  const auto machine = modeldesc::read_elf_library(library).machine;
+  if (machine != EM_X86_64)
+    findings.error(fmt::format("binaries/linux64/{}.so is for ELF machine {}, not x86-64", identifier, machine),
+                   "linux64 means x86-64 Linux");
+}
+
+void check_symbols(const ModelDescription& model, const fs::path& library, Findings findings) {
+  const auto exports = modeldesc::read_elf_library(library).exports;
+  const std::set<std::string> names(exports.begin(), exports.end());
+  std::vector<std::string> missing;
+  std::vector<std::string> spared;
+  std::set<std::string> known;
+  fmi2::for_each_function([&](const char* name, auto, fmi2::Need need) {
+    known.insert(name);
+    if (!names.contains(name)) (is_wanted(need, *model.co_simulation) ? missing : spared).emplace_back(name);
+  });
+  if (!missing.empty())
+    findings.error(
+        fmt::format("{} lacks {}", library.filename().string(), fmt::join(missing, ", ")),
+        "export them with default visibility and C linkage; a function that is not offered answers fmi2Error");
+  if (!spared.empty())
+    findings.warning(
+        fmt::format("{} lacks {}; its description does not offer them, but some tools load no library without",
+                    library.filename().string(), fmt::join(spared, ", ")),
+        "export them all the same, and answer fmi2Error");
+  std::vector<std::string> extra;
+  for (const auto& name : names)
+    if (!known.contains(name) && !name.starts_with("fmi2") && !is_linkers_own(name)) extra.push_back(name);
+  if (extra.empty()) return;
+  constexpr std::size_t kShown = 5;
+  const auto count = extra.size();
+  if (count > kShown) extra.resize(kShown);
+  findings.warning(fmt::format("{} exports {} more names, such as {}: they can collide with another FMU's",
+                               library.filename().string(), count, fmt::join(extra, ", ")),
+                   "hide them: -fvisibility=hidden, or a linker version script that keeps fmi2*");
+}
+
+bool can_be_run(const ModelDescription& model, const fs::path& library) {
+  const auto exports = modeldesc::read_elf_library(library).exports;
+  const std::set<std::string> names(exports.begin(), exports.end());
+  bool all = names.contains("fmi2Reset");
+  fmi2::for_each_function([&](const char* name, auto, fmi2::Need need) {
+    const bool called = need != fmi2::Need::always && need != fmi2::Need::directional_derivative;
+    if (called && is_wanted(need, *model.co_simulation) && !names.contains(name)) all = false;
+  });
+  return all;
+}
+
+void check_needed_libraries(const fs::path& library, Findings findings) {
+  NeededLibraries(library.parent_path(), findings).follow(library, {});
+}
+
+}  // namespace mebots::check

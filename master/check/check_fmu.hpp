@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "finding.hpp"
+
+#include <filesystem>
+#include <string>
+
+namespace mebots::check {
+
+struct Options {
+  double half_step_tolerance = 1e-3;  ///< of an output's largest magnitude in the run
+  double deadline_s = 30;             ///< wall seconds for each experiment with the FMU
+  bool run = true;                    ///< false: look at the files only, run nothing of the FMU's
+};
+
+/// Looks at an FMU from its archive to its behaviour. What the FMU's code does, it does in child processes.
+/// Throws mebots::Error when the file cannot be read at all.
+Report check_fmu(const std::filesystem::path& fmu, const Options& options);
+
+/// The report for people: findings by group, with the way out.
+std::string to_text(const Report& report);
+/// The report for machines. Keys: fmu, summary, clean, errors, warnings, checks [{group, name, result, why, findings}].
+std::string to_json(const Report& report);
+
+}  // namespace mebots::check

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "finding.hpp"
+
+#include <functional>
+#include <string_view>
+
+namespace mebots::check {
+
+/// What code in a child process may tell its parent.
+class Witness {
+ public:
+  virtual ~Witness() = default;
+  virtual void error(std::string text, std::string way_out) = 0;
+  virtual void warning(std::string text, std::string way_out) = 0;
+  /// What is about to be called: the last words before a crash.
+  virtual void doing(std::string_view what) = 0;
+};
+
+/// How a crash, an exit or a hang in the child counts, and what to advise.
+struct CrashRule {
+  Severity severity = Severity::error;
+  std::string way_out = "run it under a debugger or with -fsanitize=address";
+  double deadline_s = 30;
+};
+
+/// Runs foreign code where it can do no harm: in a forked child, with a deadline, without standard output. Whatever
+/// becomes of it, the child's findings so far arrive, and a crash, an exit or a hang becomes a finding itself.
+/// The calling process must have one thread only. Throws mebots::Error when no child can be made.
+void run_in_child(const CrashRule& rule, Findings findings, const std::function<void(Witness&)>& work);
+
+}  // namespace mebots::check

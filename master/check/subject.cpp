@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "subject.hpp"
+
+#include "mebots/master/fmu.hpp"
+
+#include <dlfcn.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdarg>
+#include <cstdlib>
+
+namespace mebots::check {
+namespace {
+
+using modeldesc::Causality;
+using modeldesc::Type;
+
+std::vector<fmi2ValueReference> references(const std::vector<const Variable*>& variables) {
+  std::vector<fmi2ValueReference> result;
+  for (const auto* variable : variables) result.push_back(variable->value_reference);
+  return result;
+}
+
+template <typename T>
+std::string first_difference(const std::vector<const Variable*>& variables, const std::vector<T>& found,
+                             const std::vector<T>& wanted) {
+  for (std::size_t i = 0; i < variables.size(); ++i)
+    if (found[i] != wanted[i]) return fmt::format("{} is {} instead of {}", variables[i]->name, found[i], wanted[i]);
+  return {};
+}
+
+/// Names that FMI 2.0.4, section 2.2.4, proposes for any FMU.
+bool is_standard_category(std::string_view name) {
+  constexpr std::string_view kNames[] = {"logEvents",           "logSingularLinearSystems",
+                                         "logNonlinearSystems", "logDynamicStateSelection",
+                                         "logStatusWarning",    "logStatusDiscard",
+                                         "logStatusError",      "logStatusFatal",
+                                         "logStatusPending",    "logAll"};
+  return std::ranges::find(kNames, name) != std::end(kNames);
+}
+
+}  // namespace
+
+std::string_view status_name(fmi2Status status) {
+  switch (status) {
+    case fmi2OK:
+      return "fmi2OK";
+    case fmi2Warning:
+      return "fmi2Warning";
+    case fmi2Discard:
+      return "fmi2Discard";
+    case fmi2Error:
+      return "fmi2Error";
+    case fmi2Fatal:
+      return "fmi2Fatal";
+    case fmi2Pending:
+      return "fmi2Pending";
+  }
+  return "an unknown status";
+}
+
+Library::Library(const Target& target, Witness& witness) : target_(&target), witness_(&witness) {
+  witness.doing("loading the library");
+  void* library = dlopen(target.library.c_str(), RTLD_NOW | RTLD_LOCAL);
+  if (library == nullptr) throw Error(fmt::format("the library cannot be loaded: {}", dlerror()));
+  functions_ = fmi2::find_functions(library);
+  for (const auto& variable : target.model->variables) {
+    if (variable.causality != Causality::output || variable.osmp) continue;
+    auto& list = variable.type == Type::real      ? reals_
+                 : variable.type == Type::boolean ? booleans_
+                 : variable.type == Type::string  ? strings_
+                                                  : integers_;
+    list.push_back(&variable);
+  }
+}
+
+std::string Library::resource_uri() const {
+  return master::file_uri(target_->folder / "resources");
+}
+
+const std::vector<const Variable*>& Library::output_variables(Type type) const {
+  if (type == Type::real) return reals_;
+  if (type == Type::boolean) return booleans_;
+  return type == Type::string ? strings_ : integers_;
+}
+
+std::string Library::difference(const Outputs& found, const Outputs& wanted) const {
+  for (const auto& text : {first_difference(reals_, found.reals, wanted.reals),
+                           first_difference(integers_, found.integers, wanted.integers),
+                           first_difference(booleans_, found.booleans, wanted.booleans),
+                           first_difference(strings_, found.strings, wanted.strings)})
+    if (!text.empty()) return text;
+  return {};
+}
+
+Instance::Instance(const Library& library, std::string name) : library_(&library), name_(std::move(name)) {
+  callbacks_ = {&Instance::log, &std::calloc, &std::free, nullptr, this};
+  doing("fmi2Instantiate");
+  component_ = functions().instantiate(name_.c_str(), fmi2CoSimulation, library.target().model->guid.c_str(),
+                                       library.resource_uri().c_str(), &callbacks_, fmi2False, fmi2True);
+  if (component_ == nullptr) throw Refused(fmt::format("fmi2Instantiate gave no instance. {}", last_message()));
+}
+
+Instance::~Instance() {
+  free();
+}
+
+void Instance::free() {
+  if (component_ == nullptr) return;
+  doing("fmi2FreeInstance");
+  functions().free_instance(component_);
+  component_ = nullptr;
+}
+
+void Instance::log(fmi2ComponentEnvironment environment, fmi2String instance, fmi2Status status, fmi2String category,
+                   fmi2String message, ...) {
+  if (environment == nullptr) return;  // an FMU that hands over something else ends in a crash, which is a finding
+  auto& self = *static_cast<Instance*>(environment);
+  char text[1000];
+  std::va_list arguments;
+  va_start(arguments, message);
+  std::vsnprintf(text, sizeof text, message == nullptr ? "" : message, arguments);
+  va_end(arguments);
+  if (status != fmi2OK) self.messages_.emplace_back(text);
+  if (!self.told_name_ && (instance == nullptr || self.name_ != instance)) {
+    self.told_name_ = true;
+    self.library_->witness().error(
+        fmt::format("the logger was called with the instance name \"{}\" instead of \"{}\"",
+                    instance == nullptr ? "(null)" : instance, self.name_),
+        "hand the name given to fmi2Instantiate to the logger: copy it, for the caller's may be gone");
+  }
+  const std::string_view name = category == nullptr ? "" : category;
+  const auto& known = self.library_->target().model->log_categories;
+  if (!self.told_category_ && !name.empty() && !known.empty() && !is_standard_category(name) &&
+      std::ranges::find(known, name, &modeldesc::LogCategory::name) == known.end()) {
+    self.told_category_ = true;
+    self.library_->witness().warning(
+        fmt::format("a message is of category \"{}\", which LogCategories does not list", name),
+        "add the category to modelDescription.xml");
+  }
+}
+
+void Instance::require(const std::string& call, fmi2Status status) const {
+  if (status == fmi2OK || status == fmi2Warning) return;
+  throw Refused(fmt::format("{} answered {}{}", call, status_name(status),
+                            messages_.empty() ? ", and the FMU logged nothing" : ": " + last_message()));
+}
+
+void Instance::setup() {
+  doing("fmi2SetupExperiment");
+  require("fmi2SetupExperiment", functions().setup_experiment(component_, fmi2False, 0, 0, fmi2False, 0));
+}
+void Instance::enter() {
+  doing("fmi2EnterInitializationMode");
+  require("fmi2EnterInitializationMode", functions().enter_initialization_mode(component_));
+}
+void Instance::exit() {
+  doing("fmi2ExitInitializationMode");
+  require("fmi2ExitInitializationMode", functions().exit_initialization_mode(component_));
+}
+void Instance::start() {
+  setup();
+  enter();
+  exit();
+}
+
+void Instance::step(double point_s, double step_s) {
+  const auto call = fmt::format("fmi2DoStep(t = {}, h = {})", point_s, step_s);
+  doing(call);
+  require(call, functions().do_step(component_, point_s, step_s, fmi2True));
+}
+
+void Instance::run(int from, int to) {
+  const double h = library_->target().step_s;
+  for (int k = from; k < to; ++k) step(k * h, h);
+}
+
+void Instance::reset() {
+  doing("fmi2Reset");
+  require("fmi2Reset", functions().reset(component_));
+}
+void Instance::terminate() {
+  doing("fmi2Terminate");
+  require("fmi2Terminate", functions().terminate(component_));
+}
+
+Outputs Instance::outputs() {
+  Outputs result;
+  const auto get = [&](Type type, auto& values, const char* call, auto function) {
+    const auto& variables = library_->output_variables(type);
+    values.resize(variables.size());
+    if (variables.empty()) return;
+    doing(call);
+    require(call, function(component_, references(variables).data(), variables.size(), values.data()));
+  };
+  get(Type::real, result.reals, "fmi2GetReal", functions().get_real);
+  get(Type::integer, result.integers, "fmi2GetInteger", functions().get_integer);
+  get(Type::boolean, result.booleans, "fmi2GetBoolean", functions().get_boolean);
+  std::vector<fmi2String> texts;
+  get(Type::string, texts, "fmi2GetString", functions().get_string);
+  for (const auto* text : texts) result.strings.emplace_back(text == nullptr ? "" : text);
+  return result;
+}
+
+}  // namespace mebots::check

@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "trace_replay.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+
+namespace mebots::check {
+namespace {
+
+namespace fs = std::filesystem;
+using modeldesc::Type;
+
+constexpr double kRelative = 1e-6;
+constexpr double kAbsolute = 1e-9;
+
+struct Trace {
+  std::vector<const Variable*> variables;  // of the columns after time
+  std::vector<double> times;
+  std::vector<std::vector<double>> rows;
+};
+
+std::vector<std::string> cells(std::string line) {
+  if (!line.empty() && line.back() == '\r') line.pop_back();
+  std::vector<std::string> result(1);
+  bool quoted = false;
+  for (const char c : line) {
+    if (c == '"') {
+      quoted = !quoted;
+    } else if (c == ',' && !quoted) {
+      result.emplace_back();
+    } else {
+      result.back() += c;
+    }
+  }
+  return result;
+}
+
+Trace read_trace(const fs::path& file, const ModelDescription& model) {
+  std::ifstream stream(file);
+  const auto fail = [&](std::size_t line, const std::string& what) {
+    throw Error(fmt::format("{}, line {}: {}", file.filename().string(), line, what));
+  };
+  std::string line;
+  if (!std::getline(stream, line)) fail(1, "there is no header");
+  Trace trace;
+  const auto header = cells(line);
+  for (std::size_t i = 1; i < header.size(); ++i) {
+    const auto* variable = model.find(header[i]);
+    if (variable == nullptr || variable->type == Type::string)
+      fail(1, fmt::format("\"{}\" is no number of this FMU", header[i]));
+    trace.variables.push_back(variable);
+  }
+  for (std::size_t number = 2; std::getline(stream, line); ++number) {
+    const auto texts = cells(line);
+    if (texts.size() != header.size()) fail(number, fmt::format("{} cells instead of {}", texts.size(), header.size()));
+    std::vector<double> values;
+    for (const auto& text : texts) {
+      double value = 0;
+      const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+      if (error != std::errc{} || end != text.data() + text.size())
+        fail(number, fmt::format("\"{}\" is no number", text));
+      values.push_back(value);
+    }
+    trace.times.push_back(values.front());
+    trace.rows.emplace_back(values.begin() + 1, values.end());
+  }
+  if (trace.rows.empty()) fail(2, "there are no rows");
+  return trace;
+}
+
+void apply(Instance& instance, const Trace& trace, double time_s) {
+  std::size_t row = 0;
+  while (row + 1 < trace.times.size() && trace.times[row + 1] <= time_s + kAbsolute) ++row;
+  for (std::size_t i = 0; i < trace.variables.size(); ++i) {
+    const auto reference = trace.variables[i]->value_reference;
+    const double value = trace.rows[row][i];
+    const auto whole = static_cast<fmi2Integer>(value);
+    const auto& f = instance.functions();
+    const auto call = fmt::format("setting {} = {}", trace.variables[i]->name, value);
+    instance.doing(call);
+    switch (trace.variables[i]->type) {
+      case Type::real:
+        instance.require(call, f.set_real(instance.component(), &reference, 1, &value));
+        break;
+      case Type::boolean:
+        instance.require(call, f.set_boolean(instance.component(), &reference, 1, &whole));
+        break;
+      default:
+        instance.require(call, f.set_integer(instance.component(), &reference, 1, &whole));
+    }
+  }
+}
+
+double read(Instance& instance, const Variable& variable) {
+  const auto& f = instance.functions();
+  const auto call = fmt::format("getting {}", variable.name);
+  instance.doing(call);
+  if (variable.type == Type::real) {
+    fmi2Real value = 0;
+    instance.require(call, f.get_real(instance.component(), &variable.value_reference, 1, &value));
+    return value;
+  }
+  fmi2Integer value = 0;
+  const auto function = variable.type == Type::boolean ? f.get_boolean : f.get_integer;
+  instance.require(call, function(instance.component(), &variable.value_reference, 1, &value));
+  return value;
+}
+
+}  // namespace
+
+std::optional<TraceFiles> find_traces(const fs::path& folder) {
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(folder / "documentation" / "reference", ignored)) {
+    const auto name = entry.path().filename().string();
+    constexpr std::string_view kEnd = "_out.csv";
+    if (!name.ends_with(kEnd)) continue;
+    TraceFiles files{entry.path().parent_path() / (name.substr(0, name.size() - kEnd.size()) + "_in.csv"),
+                     entry.path()};
+    if (!fs::exists(files.inputs)) files.inputs.clear();
+    return files;
+  }
+  return std::nullopt;
+}
+
+void replay(const Library& library, const TraceFiles& files) {
+  const auto& model = *library.target().model;
+  const auto wanted = read_trace(files.outputs, model);
+  const auto inputs = files.inputs.empty() ? Trace{{}, {0}, {{}}} : read_trace(files.inputs, model);
+  Instance instance(library, "replay");
+  instance.setup();
+  instance.enter();
+  apply(instance, inputs, wanted.times.front());
+  instance.exit();
+  for (std::size_t row = 0; row < wanted.rows.size(); ++row) {
+    for (std::size_t i = 0; i < wanted.variables.size(); ++i) {
+      const auto& variable = *wanted.variables[i];
+      const double value = read(instance, variable);
+      const double trace = wanted.rows[row][i];
+      const double allowed = variable.type == Type::real ? std::max(kAbsolute, kRelative * std::abs(trace)) : 0;
+      if (std::abs(value - trace) <= allowed) continue;
+      library.witness().error(
+          fmt::format("{}: first divergence at {} s: {} is {}, the trace has {}", files.outputs.filename().string(),
+                      wanted.times[row], variable.name, value, trace),
+          "the model changed, or is not determined by its inputs: mend it, or make the traces anew");
+      return;
+    }
+    if (row + 1 == wanted.rows.size()) break;
+    apply(instance, inputs, wanted.times[row]);
+    instance.step(wanted.times[row], wanted.times[row + 1] - wanted.times[row]);
+  }
+  instance.terminate();
+}
+
+}  // namespace mebots::check

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <limits>
+
+namespace mebots::master {
+
+/// Finds out by trying whether stepping in parallel is faster, from the wall time of windows of steps. Its choice
+/// affects speed only: the results are the same bits either way.
+///
+/// Serial windows come first: the fastest of them is what parallel has to beat. When their steps are long enough for
+/// threads to have a chance, parallel is tried, and kept as long as every window wins; it is given up in the middle of
+/// a window that takes longer than a serial one, so that a trial costs one serial window at most. Trials that fail
+/// become rare.
+class ThreadPolicy {
+ public:
+  /// Steps in one window.
+  static constexpr int kWindow = 16;
+  /// Waking threads and waiting for them costs this much [s] at least: shorter steps are never tried in parallel.
+  static constexpr double kLeastStep_s = 20e-6;
+  /// Parallel must save at least a twentieth: what is within the noise stays serial.
+  static constexpr double kGain = 0.95;
+
+  /// How the next step is to be taken.
+  bool parallel() const { return parallel_; }
+  /// One more step was taken.
+  void stepped();
+  /// A window took so long [s], or was given up after so long.
+  void window_took(double time_s);
+
+ private:
+  static constexpr std::int64_t kFirstWindows = 2;  // serial ones, before the first trial and between parallel runs
+  static constexpr std::int64_t kParallelRun = 256;
+  static constexpr std::int64_t kFirstPause = 16;
+  static constexpr std::int64_t kLongestPause = 4096;
+
+  void go_serial(std::int64_t windows);
+
+  bool parallel_ = false;
+  std::int64_t left_ = kFirstWindows;                          // windows until the other way gets its turn
+  std::int64_t pause_ = kFirstPause;                           // serial windows after a trial that failed
+  double serial_s_ = std::numeric_limits<double>::infinity();  // the fastest serial window of the last serial run
+  int steps_ = 0;
+  std::chrono::steady_clock::time_point window_start_ = std::chrono::steady_clock::now();
+};
+
+}  // namespace mebots::master

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "mebots/fmi2/functions.hpp"
+
+#include <dlfcn.h>
+
+#include <type_traits>
+
+/// The functions of an FMU's shared library as a table of pointers, and what the standard says about each.
+namespace mebots::fmi2 {
+
+/// When the standard demands a function of a co-simulation library: always (`to_run`: no simulation does without it),
+/// or when modelDescription.xml claims a capability.
+enum class Need { to_run, always, fmu_state, serialization, directional_derivative };
+
+/// Null where the library does not bring the function.
+struct Functions {
+  decltype(&fmi2GetTypesPlatform) get_types_platform = nullptr;
+  decltype(&fmi2GetVersion) get_version = nullptr;
+  decltype(&fmi2SetDebugLogging) set_debug_logging = nullptr;
+  decltype(&fmi2Instantiate) instantiate = nullptr;
+  decltype(&fmi2FreeInstance) free_instance = nullptr;
+  decltype(&fmi2SetupExperiment) setup_experiment = nullptr;
+  decltype(&fmi2EnterInitializationMode) enter_initialization_mode = nullptr;
+  decltype(&fmi2ExitInitializationMode) exit_initialization_mode = nullptr;
+  decltype(&fmi2Terminate) terminate = nullptr;
+  decltype(&fmi2Reset) reset = nullptr;
+  decltype(&fmi2GetReal) get_real = nullptr;
+  decltype(&fmi2GetInteger) get_integer = nullptr;
+  decltype(&fmi2GetBoolean) get_boolean = nullptr;
+  decltype(&fmi2GetString) get_string = nullptr;
+  decltype(&fmi2SetReal) set_real = nullptr;
+  decltype(&fmi2SetInteger) set_integer = nullptr;
+  decltype(&fmi2SetBoolean) set_boolean = nullptr;
+  decltype(&fmi2SetString) set_string = nullptr;
+  decltype(&fmi2GetFMUstate) get_fmu_state = nullptr;
+  decltype(&fmi2SetFMUstate) set_fmu_state = nullptr;
+  decltype(&fmi2FreeFMUstate) free_fmu_state = nullptr;
+  decltype(&fmi2SerializedFMUstateSize) serialized_fmu_state_size = nullptr;
+  decltype(&fmi2SerializeFMUstate) serialize_fmu_state = nullptr;
+  decltype(&fmi2DeSerializeFMUstate) deserialize_fmu_state = nullptr;
+  decltype(&fmi2GetDirectionalDerivative) get_directional_derivative = nullptr;
+  decltype(&fmi2SetRealInputDerivatives) set_real_input_derivatives = nullptr;
+  decltype(&fmi2GetRealOutputDerivatives) get_real_output_derivatives = nullptr;
+  decltype(&fmi2DoStep) do_step = nullptr;
+  decltype(&fmi2CancelStep) cancel_step = nullptr;
+  decltype(&fmi2GetStatus) get_status = nullptr;
+  decltype(&fmi2GetRealStatus) get_real_status = nullptr;
+  decltype(&fmi2GetIntegerStatus) get_integer_status = nullptr;
+  decltype(&fmi2GetBooleanStatus) get_boolean_status = nullptr;
+  decltype(&fmi2GetStringStatus) get_string_status = nullptr;
+};
+
+/// Calls action(name, pointer to the member of Functions, Need) for every function of co-simulation.
+template <typename Action>
+void for_each_function(Action action) {
+  using F = Functions;
+  action("fmi2GetTypesPlatform", &F::get_types_platform, Need::to_run);
+  action("fmi2GetVersion", &F::get_version, Need::to_run);
+  action("fmi2SetDebugLogging", &F::set_debug_logging, Need::always);
+  action("fmi2Instantiate", &F::instantiate, Need::to_run);
+  action("fmi2FreeInstance", &F::free_instance, Need::to_run);
+  action("fmi2SetupExperiment", &F::setup_experiment, Need::to_run);
+  action("fmi2EnterInitializationMode", &F::enter_initialization_mode, Need::to_run);
+  action("fmi2ExitInitializationMode", &F::exit_initialization_mode, Need::to_run);
+  action("fmi2Terminate", &F::terminate, Need::to_run);
+  action("fmi2Reset", &F::reset, Need::always);
+  action("fmi2GetReal", &F::get_real, Need::to_run);
+  action("fmi2GetInteger", &F::get_integer, Need::to_run);
+  action("fmi2GetBoolean", &F::get_boolean, Need::to_run);
+  action("fmi2GetString", &F::get_string, Need::to_run);
+  action("fmi2SetReal", &F::set_real, Need::to_run);
+  action("fmi2SetInteger", &F::set_integer, Need::to_run);
+  action("fmi2SetBoolean", &F::set_boolean, Need::to_run);
+  action("fmi2SetString", &F::set_string, Need::to_run);
+  action("fmi2GetFMUstate", &F::get_fmu_state, Need::fmu_state);
+  action("fmi2SetFMUstate", &F::set_fmu_state, Need::fmu_state);
+  action("fmi2FreeFMUstate", &F::free_fmu_state, Need::fmu_state);
+  action("fmi2SerializedFMUstateSize", &F::serialized_fmu_state_size, Need::serialization);
+  action("fmi2SerializeFMUstate", &F::serialize_fmu_state, Need::serialization);
+  action("fmi2DeSerializeFMUstate", &F::deserialize_fmu_state, Need::serialization);
+  action("fmi2GetDirectionalDerivative", &F::get_directional_derivative, Need::directional_derivative);
+  action("fmi2SetRealInputDerivatives", &F::set_real_input_derivatives, Need::always);
+  action("fmi2GetRealOutputDerivatives", &F::get_real_output_derivatives, Need::always);
+  action("fmi2DoStep", &F::do_step, Need::to_run);
+  action("fmi2CancelStep", &F::cancel_step, Need::always);
+  action("fmi2GetStatus", &F::get_status, Need::always);
+  action("fmi2GetRealStatus", &F::get_real_status, Need::always);
+  action("fmi2GetIntegerStatus", &F::get_integer_status, Need::always);
+  action("fmi2GetBooleanStatus", &F::get_boolean_status, Need::always);
+  action("fmi2GetStringStatus", &F::get_string_status, Need::always);
+}
+
+/// Looks all functions up in a library from dlopen; those that it lacks stay null.
+inline Functions find_functions(void* library) {
+  Functions functions;
+  for_each_function([&](const char* name, auto member, Need) {
+    auto& function = functions.*member;
+    function = reinterpret_cast<std::remove_reference_t<decltype(function)>>(dlsym(library, name));
+  });
+  return functions;
+}
+
+}  // namespace mebots::fmi2

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "mebots/shell/model.hpp"
+
+#include <utility>
+
+namespace mebots::shell {
+
+/// Binds a plain C++ model of the usual shape to the shell:
+///
+///     Own(const Parameters&, const std::filesystem::path& resources, extras...)
+///     void start(const Inputs&, std::int64_t start_ns, Outputs&)
+///     void step(const Inputs&, std::int64_t start_ns, std::int64_t duration_ns, Outputs&)
+///     void save(state::Writer&) const;  void restore(state::Reader&)
+///
+/// A model that does not ask what time it is leaves start_ns out. `Variables` is the generated struct.
+template <typename Own, typename Variables>
+class BoundModel final : public Model {
+ public:
+  /// `extras` go to the model's constructor after the resources folder.
+  template <typename... Extras>
+  BoundModel(Variables& variables, const Host& host, std::int64_t start_ns, Extras&&... extras)
+      : variables_(variables), model_(variables.parameters, host.resources(), std::forward<Extras>(extras)...) {
+    if constexpr (requires { model_.start(variables_.inputs, start_ns, variables_.outputs); })
+      model_.start(variables_.inputs, start_ns, variables_.outputs);
+    else
+      model_.start(variables_.inputs, variables_.outputs);
+  }
+
+  void step(std::int64_t start_ns, std::int64_t duration_ns) override {
+    if constexpr (requires { model_.step(variables_.inputs, start_ns, duration_ns, variables_.outputs); })
+      model_.step(variables_.inputs, start_ns, duration_ns, variables_.outputs);
+    else
+      model_.step(variables_.inputs, duration_ns, variables_.outputs);
+  }
+  void save(state::Writer& writer) const override { model_.save(writer); }
+  void restore(state::Reader& reader) override { model_.restore(reader); }
+
+ private:
+  Variables& variables_;
+  Own model_;
+};
+
+}  // namespace mebots::shell

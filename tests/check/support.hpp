@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "check_fmu.hpp"
+
+#include "mebots/modeldesc/archive.hpp"
+
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace mebots::check {
+
+/// The description of culprit.cpp with its crime in the GUID.
+std::string culprit_description(const std::string& crime);
+
+/// A folder in which FMUs are made from texts, with any entry names.
+class Workshop {
+ public:
+  /// An archive of these entries (name, content), in this order.
+  std::filesystem::path archive(const std::vector<std::pair<std::string, std::string>>& entries);
+  /// A whole FMU with the culprit's library and more entries.
+  std::filesystem::path culprit(const std::string& crime, std::vector<std::pair<std::string, std::string>> more = {});
+  /// The culprit with another description.
+  std::filesystem::path described(const std::string& description);
+
+ private:
+  modeldesc::TemporaryFolder folder_{"mebots-check-test"};
+  int made_ = 0;
+};
+
+/// All findings as "error: text" and "warning: text".
+std::vector<std::string> findings(const Report& report);
+/// Those of one FMU; nothing of it is run unless asked for.
+std::vector<std::string> findings(const std::filesystem::path& fmu, bool run = false, double deadline_s = 30);
+
+}  // namespace mebots::check

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+// Many instances of one FMU: at the same time, and one after the other. scripts/scale.sh does the same in full length.
+#include "mebots/master/fmu_slave.hpp"
+#include "test_system.hpp"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <malloc.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+
+namespace mebots::test {
+namespace {
+
+using master::Fmu;
+using master::FmuSlave;
+
+struct Holdings {
+  std::size_t files;
+  std::size_t mappings;
+  std::size_t heap_bytes;
+};
+
+Holdings holdings() {
+  Holdings now{};
+  for ([[maybe_unused]] const auto& entry : std::filesystem::directory_iterator("/proc/self/fd")) ++now.files;
+  std::ifstream maps("/proc/self/maps");
+  for (std::string line; std::getline(maps, line);) ++now.mappings;
+  const auto info = mallinfo2();
+  now.heap_bytes = info.uordblks + info.hblkhd;
+  return now;
+}
+
+int cycles() {
+  const char* asked = std::getenv("MEBOTS_CYCLES");  // NOLINT(concurrency-mt-unsafe): before any thread
+  return asked == nullptr ? 1000 : std::atoi(asked);
+}
+
+TEST(Scale, AThousandInstancesOfOneFmuRunAsARing) {
+  constexpr int kCount = 1000;
+  std::string instances;
+  std::string connections;
+  for (int i = 0; i < kCount; ++i) {
+    instances += fmt::format(R"({}"i{}": {{"fmu": "{}"{}}})", i == 0 ? "" : ", ", i, PASSTHROUGH_FMU,
+                             i == 0 ? R"(, "parameters": {"u": 1})" : "");
+    if (i > 0) connections += fmt::format(R"({}{{"from": "i{}.y", "to": "i{}.u"}})", i == 1 ? "" : ", ", i - 1, i);
+  }
+  TestRun run(
+      fmt::format(R"({{"step": 1, "stop_time": {}, "record": ["i{}.y"], "instances": {{{}}}, "connections": [{}]}})",
+                  kCount + 10, kCount - 1, instances, connections));
+  const auto last = run.to_end().column(fmt::format("i{}.y", kCount - 1));
+  // The first one's input needs one step per instance to come out at the last.
+  EXPECT_EQ(last[kCount - 1], 0);
+  EXPECT_EQ(last[kCount], 1);
+}
+
+TEST(Scale, InstancesThatComeAndGoLeaveNothingBehind) {
+  const auto fmu = std::make_shared<Fmu>(PASSTHROUGH_FMU);
+  Messages messages;
+  const auto cycle = [&] {
+    FmuSlave slave("cycle", fmu, {}, messages);
+    slave.setup_experiment(0, 1'000'000'000);
+    slave.enter_initialization();
+    slave.exit_initialization();
+    slave.step(0, 1'000'000);
+    slave.terminate();
+  };
+  for (int i = 0; i < 10; ++i) cycle();
+  const auto before = holdings();
+  for (int i = 0; i < cycles(); ++i) cycle();
+  const auto after = holdings();
+  EXPECT_EQ(after.files, before.files);
+  EXPECT_LE(after.mappings, before.mappings);
+  EXPECT_LE(after.heap_bytes, before.heap_bytes + 1024) << "a byte per instance would show";
+}
+
+TEST(Scale, ArchivesThatAreOpenedAndClosedLeaveNothingBehind) {
+  const auto open = [] { Fmu(PASSTHROUGH_FMU).functions(); };
+  for (int i = 0; i < 5; ++i) open();
+  const auto before = holdings();
+  for (int i = 0; i < cycles() / 20; ++i) open();
+  const auto after = holdings();
+  EXPECT_EQ(after.files, before.files);
+  EXPECT_LE(after.mappings, before.mappings + 2) << "the heap may grow by itself";
+}
+
+}  // namespace
+}  // namespace mebots::test
