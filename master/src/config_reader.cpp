@@ -59,6 +59,9 @@ SystemDescription read_config(const std::filesystem::path& file) {
   for (const auto& section : kSections) keys.push_back(section.key);
   root.expect_keys(keys);
   for (const auto& section : kSections) {
+    if (section.required) static_cast<void>(root.at(section.key));  // what is missing is told before what is wrong
+  }
+  for (const auto& section : kSections) {
     if (section.required || root.has(section.key)) section.read(root.at(section.key), system);
   }
   return system;
