@@ -85,7 +85,11 @@ const BoardState& BoardDevice::state(const std::string& state_name) const {
 }
 
 BoardDescription read_board(const std::filesystem::path& path) {
-  const data::File file(path);
+  return parse_board(data::text_of(path), path.string());
+}
+
+BoardDescription parse_board(std::string_view text, const std::string& name) {
+  const data::File file(text, name);
   const auto root = file.root();
   root.only({"name", "text", "cluster_cores", "memories", "devices"});
   BoardDescription board;

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 /// A board description (configs/boards/*.json) as the simulation reads it when it starts: memories, where the
@@ -54,5 +55,7 @@ struct BoardDescription {
 
 /// Throws Error, naming file and key, for everything that does not fit.
 BoardDescription read_board(const std::filesystem::path& path);
+/// The same from the text of a board file; `name` stands in errors.
+BoardDescription parse_board(std::string_view text, const std::string& name);
 
 }  // namespace mebots::soc

@@ -6,9 +6,16 @@
 
 #include "mebots/state/bytes.hpp"
 
+#include <array>
 #include <cstdint>
+#include <string_view>
 
 namespace mebots::soc {
+
+struct EnergyComponent {
+  std::string_view name;
+  double energy_j = 0;
+};
 
 /// Joules of the chip by component, since reset.
 struct EnergyLedger {
@@ -17,6 +24,10 @@ struct EnergyLedger {
   double leakage_j = 0;
 
   double total_j() const { return core_active_j + memory_j + leakage_j; }
+  /// The parts of the total with their names, for whoever shows them.
+  std::array<EnergyComponent, 3> components() const {
+    return {{{"core_active", core_active_j}, {"memory", memory_j}, {"leakage", leakage_j}}};
+  }
 };
 
 /// What the energy of a span of time follows from: counts and durations, all integers.

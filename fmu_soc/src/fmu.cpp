@@ -9,6 +9,7 @@ Listeners listeners_of(shell::Host& host) {
   Listeners listeners;
   listeners.console = [&host](std::string_view line) { host.log(shell::Severity::info, "console", line); };
   listeners.faults = [&host](std::string_view text) { host.log(shell::Severity::warning, "faults", text); };
+  listeners.observe = [&host](std::string_view text) { host.log(shell::Severity::warning, "observe", text); };
   return listeners;
 }
 

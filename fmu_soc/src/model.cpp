@@ -38,6 +38,23 @@ Elf firmware_of(const Parameters& parameters, const std::filesystem::path& resou
   }
 }
 
+observe::Requests requests_of(const Parameters& parameters, const Listeners& listeners) {
+  const auto path = [](const std::string& text) {
+    return text.empty() ? std::nullopt : std::optional<std::string>(text);
+  };
+  observe::Requests requests;
+  requests.names = {"observe.trace", "observe.profile", "observe.power_trace"};
+  requests.trace = path(parameters.observe_trace);
+  requests.profile = path(parameters.observe_profile);
+  requests.power_trace = path(parameters.observe_power_trace);
+  if (parameters.gdb_port >= 0) requests.gdb_port = parameters.gdb_port;
+  requests.gdb_kill = debug::GdbServer::Kill::lets_go;
+  requests.announce = [&listeners](std::string_view text) {
+    if (listeners.observe) listeners.observe(text);
+  };
+  return requests;
+}
+
 void require_number(double value, std::string_view name) {
   if (!std::isfinite(value)) throw Error(fmt::format("{} = {} must be a finite number", name, value));
 }
@@ -47,7 +64,19 @@ void require_number(double value, std::string_view name) {
 Model::Model(const Parameters& parameters, const std::filesystem::path& resources, Listeners listeners)
     : listeners_(listeners),
       soc_(read_board(resources / "ai_deck.json"), gap8(), settings_of(parameters), firmware_of(parameters, resources),
-           std::move(listeners)) {}
+           std::move(listeners)) {
+  const auto requests = requests_of(parameters, listeners_);
+  if (requests.any()) session_ = std::make_unique<observe::Session>(requests, soc_);
+}
+
+Model::~Model() {
+  if (!session_) return;
+  try {
+    session_->finish(soc_.exit_code());
+  } catch (const std::exception& error) {
+    if (listeners_.observe) listeners_.observe(error.what());
+  }
+}
 
 void Model::start(const Inputs& inputs, std::int64_t start_ns, Outputs& outputs) {
   origin_ns_ = start_ns;
@@ -60,10 +89,22 @@ void Model::step(const Inputs& inputs, std::int64_t start_ns, std::int64_t durat
   const auto energy_before_j = soc_.energy().total_j();
   const auto camera_before_j = soc_.camera_energy_j();
   soc_.advance(start_ns - origin_ns_ + duration_ns);
+  say_when_spinning();
   write(outputs);
   const auto duration_s = static_cast<double>(duration_ns) * kNanosecond;
   outputs.power_w = (outputs.energy_total_j - energy_before_j) / duration_s;
   outputs.camera_power_w = (outputs.camera_energy_j - camera_before_j) / duration_s;
+}
+
+/// An endless loop is nothing that ends a mission, but somebody should know.
+void Model::say_when_spinning() {
+  if (said_spinning_ || !soc_.spins()) return;
+  said_spinning_ = true;
+  if (!listeners_.faults) return;
+  const auto pc = soc_.hart().pc();
+  listeners_.faults(
+      fmt::format("the core jumps to itself for ever at pc 0x{:08x} in {}: no interrupt is enabled that could end it",
+                  pc, soc_.program().where(pc)));
 }
 
 void Model::take_inputs(const Inputs& inputs) {
@@ -141,6 +182,7 @@ void Model::save(state::Writer& writer) const {
 void Model::restore(state::Reader& reader) {
   reader.get(origin_ns_);
   soc_.restore(reader);
+  if (session_) session_->restored();
 }
 
 }  // namespace mebots::soc

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "fmu_soc/variables.hpp"
+#include "observe/session.hpp"
 #include "soc.hpp"
 
 #include <cstdint>
@@ -23,6 +24,10 @@ class Model {
   /// Reads `resources`/ai_deck.json and the firmware: the parameter's file, or `resources`/gate.elf.
   /// Throws Error naming parameter or file, value and limit.
   Model(const Parameters& parameters, const std::filesystem::path& resources, Listeners listeners);
+  /// Finishes what the observe.* parameters asked for.
+  ~Model();
+  Model(const Model&) = delete;
+  Model& operator=(const Model&) = delete;
 
   /// Writes the outputs at the start.
   void start(const Inputs& inputs, std::int64_t start_ns, Outputs& outputs);
@@ -38,9 +43,12 @@ class Model {
   void take_inputs(const Inputs& inputs);
   void offer_picture(const Inputs& inputs);
   void write(Outputs& outputs) const;
+  void say_when_spinning();
 
   Listeners listeners_;
   Soc soc_;
+  std::unique_ptr<observe::Session> session_;
+  bool said_spinning_ = false;
   std::int64_t origin_ns_ = 0;
   std::vector<std::uint8_t> decoded_;
 };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "soc.hpp"
 
+#include "debug/backtrace.hpp"
 #include "hart/csr_numbers.hpp"
 #include "isa/encoding.hpp"
 
@@ -14,6 +15,8 @@
 
 namespace mebots::soc {
 namespace {
+
+constexpr unsigned kStackPointer = 2;
 
 Memory make_memory(const BoardDescription& board) {
   Memory memory;
@@ -235,8 +238,18 @@ void Soc::load_program() {
 }
 
 void Soc::stop_when_stored(std::uint32_t address) {
+  if (memory_.find(address, 4) == nullptr) {
+    throw Error(fmt::format("{}: its symbol tohost is at 0x{:08x}, where there is no memory to watch",
+                            program_.origin(), address));
+  }
   stop_word_ = address;
   memory_.mark(address, 4, Region::kWatch);
+}
+
+bool Soc::poke(std::uint32_t address, std::span<const std::uint8_t> bytes) {
+  if (!memory_.write(address, bytes)) return false;
+  memory_.changed(address, static_cast<std::uint32_t>(bytes.size()));
+  return true;
 }
 
 const Soc::Slot* Soc::slot_at(std::uint32_t address) const {
@@ -304,6 +317,7 @@ void Soc::run_cycles(std::uint64_t cycle_limit) {
 }
 
 void Soc::go_on(Picoseconds until, std::uint64_t cycle_limit) {
+  tell(now_);
   for (;;) {
     const auto event = next_event();
     const auto cluster = cluster_next();
@@ -317,6 +331,7 @@ void Soc::go_on(Picoseconds until, std::uint64_t cycle_limit) {
       } else {
         advance_cluster(event);
       }
+      tell(first);
       continue;
     }
     // The fabric controller goes ahead of the cluster, but not far.
@@ -327,10 +342,12 @@ void Soc::go_on(Picoseconds until, std::uint64_t cycle_limit) {
     const auto stop = hart_.run(std::min(limit, cycle_limit));
     if (stop != Stop::limit) {
       handle(stop);
+      tell(core_time());
       continue;
     }
     if (hart_.counters().cycles < limit) {
       now_ = core_time();  // the cycle limit
+      tell(now_);
       return;
     }
     if (!stop_comes) break;
@@ -339,8 +356,10 @@ void Soc::go_on(Picoseconds until, std::uint64_t cycle_limit) {
     } else {
       advance_cluster(lead);
     }
+    tell(core_time());
   }
   now_ = until == kNever - 1 ? (asleep_ ? std::max(now_, asleep_since_) : core_time()) : until;
+  tell(now_);
 }
 
 Picoseconds Soc::cluster_next() const {
@@ -386,9 +405,23 @@ void Soc::handle(Stop stop) {
     case Stop::turn:
       advance_cluster(core_time());
       break;
+    case Stop::observer:
+      finish(End::stopped);
+      break;
     case Stop::limit:
       break;
   }
+}
+
+bool Soc::spins() const {
+  if (end_ != End::none || hart_.sleeping() || hart_.interrupts_enabled()) return false;
+  std::uint32_t word = 0;
+  std::uint32_t fault_address = 0;
+  if (!BlockCache::fetch(memory_, hart_.pc(), word, fault_address)) return false;
+  const auto decoded = decode(word);
+  if (decoded.op == Op::jal) return decoded.imm == 0 && decoded.rd == 0;
+  return is_branch(decoded.op) && decoded.imm == 0 && decoded.rs1 == decoded.rs2 &&
+         (decoded.op == Op::beq || decoded.op == Op::bge || decoded.op == Op::bgeu);
 }
 
 void Soc::finish(End why) {
@@ -484,17 +517,45 @@ std::uint64_t Soc::instructions() const {
   return hart_.counters().instructions + (cluster_ ? cluster_->counters().instructions : 0);
 }
 
+EnergyLedger Soc::energy_at(Picoseconds time) const {
+  auto then = activity();
+  then.powered = std::min(time, end_ == End::powered_off ? end_time_ : time);
+  then.asleep = slept_ + (asleep_ && time > asleep_since_ ? time - asleep_since_ : 0);
+  return meter_.at(then);
+}
+
+std::vector<Soc::DeviceState> Soc::device_states() const {
+  std::vector<DeviceState> states;
+  for (const auto& slot : slots_) {
+    if (const auto state = slot.device->state_name(); !state.empty()) states.push_back({slot.name, state});
+  }
+  return states;
+}
+
 std::string Soc::fault_text() const {
   const int core = cluster_ ? cluster_->faulted_core() : -1;
-  const auto& fault = core >= 0 ? cluster_->hart(static_cast<unsigned>(core)).fault() : hart_.fault();
+  const auto& hart = core >= 0 ? cluster_->hart(static_cast<unsigned>(core)) : hart_;
+  const auto& fault = hart.fault();
   if (!fault.happened) return {};
-  const auto function = program_.where(fault.pc);
-  return fmt::format("{}{}: {} (mcause {}, mtval 0x{:08x}) at pc 0x{:08x} in {}: {}",
-                     core >= 0 ? fmt::format("cluster core {}: ", core) : "",
-                     fault.double_trap ? "no way out of its own trap handler" : "trap without a handler",
-                     cause_text(fault.cause), fault.cause, fault.value, fault.pc,
-                     function.empty() ? "no function of the program" : function,
-                     fault.instruction == 0 ? "no instruction there" : disassemble(fault.instruction, fault.pc));
+  const auto place = [this](std::uint32_t pc) {
+    const auto function = program_.where(pc);
+    return fmt::format("pc 0x{:08x} in {}", pc, function.empty() ? "no function of the program" : function);
+  };
+  auto text = fmt::format("{}{}: {} (mcause {}, mtval 0x{:08x}) at {}: {}",
+                          core >= 0 ? fmt::format("cluster core {}: ", core) : "",
+                          fault.double_trap ? "no way out of its own trap handler" : "trap without a handler",
+                          cause_text(fault.cause), fault.cause, fault.value, place(fault.pc),
+                          fault.instruction == 0 ? "no instruction there" : disassemble(fault.instruction, fault.pc));
+  if (fault.double_trap && fault.first_pc != fault.pc) {
+    text += fmt::format("; it began with {} (mtval 0x{:08x}) at {}", cause_text(fault.first_cause), fault.first_value,
+                        place(fault.first_pc));
+  }
+  const auto stack = hart.reg(kStackPointer);
+  if (stack != 0 && memory_.find(stack & ~3U, 4) == nullptr) {
+    text += fmt::format("; the stack pointer 0x{:08x} is outside the memory", stack);
+  }
+  const auto callers = debug::backtrace(program_, memory_, hart);
+  return callers.empty() ? text : fmt::format("{}; called from {}", text, callers);
 }
 
 void Soc::save(state::Writer& writer) const {

@@ -17,11 +17,13 @@
 #include "hart/hart.hpp"
 #include "memory/bus.hpp"
 #include "memory/memory.hpp"
+#include "observe/state_listener.hpp"
 
 #include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -39,14 +41,15 @@ struct Settings {
   bool translate = true;  // hot code to host code; counts are the same without
 };
 
-/// Who listens to a system. Either may be empty.
+/// Who listens to a system. Each may be empty.
 struct Listeners {
   std::function<void(std::string_view line)> console;
   std::function<void(std::string_view text)> faults;
+  std::function<void(std::string_view text)> observe;  // of debugger and profile
 };
 
 /// Why a system does not run any more.
-enum class End : std::uint8_t { none, exited, faulted, powered_off, host };
+enum class End : std::uint8_t { none, exited, faulted, powered_off, host, stopped };
 
 /// The chip with its devices and its program: a core that runs while time goes on.
 ///
@@ -73,8 +76,11 @@ class Soc final : private Bus {
   /// Retired by all cores since the start.
   std::uint64_t instructions() const;
 
-  /// Stops at the store that makes this word other than 0.
+  /// Stops at the store that makes this word other than 0. Throws Error when it is not in RAM.
   void stop_when_stored(std::uint32_t address);
+
+  /// Whether the core can only do the same for ever: it jumps to where it is, and no interrupt is enabled.
+  bool spins() const;
 
   End end() const { return end_; }
   bool running() const { return end_ == End::none; }
@@ -87,8 +93,25 @@ class Soc final : private Bus {
   const Hart& hart() const { return hart_; }
   Hart& hart() { return hart_; }
   const Memory& memory() const { return memory_; }
+  /// Changes RAM from outside, between instructions; false, with nothing done, when it is not all in one memory.
+  bool poke(std::uint32_t address, std::span<const std::uint8_t> bytes);
   const Elf& program() const { return program_; }
   EnergyLedger energy() const { return meter_.at(activity()); }
+  /// For observers, who look in the middle of a run: when the core's next instruction starts, or its sleep began, and
+  /// the energy up to then.
+  Picoseconds core_time() const { return clock_.time_of(hart_.counters().cycles); }
+  EnergyLedger energy_at_core() const { return energy_at(core_time()); }
+  EnergyLedger energy_at(Picoseconds time) const;
+  double clock_hz() const { return clock_.hz(); }
+  double voltage_v() const { return voltage_mv_ / 1e3; }
+  struct DeviceState {
+    std::string_view name;
+    std::string_view state;
+  };
+  /// Of those devices that have more than one.
+  std::vector<DeviceState> device_states() const;
+  /// Who hears of changes of state from now on, or null. Not part of a state.
+  void listen(StateListener* listener) { listener_ = listener; }
   /// Energy of the camera since the start [J]; 0 without one.
   double camera_energy_j() const { return camera_ ? camera_->energy_j(supplied_until()) : 0; }
   /// Time the core slept, up to now.
@@ -139,8 +162,10 @@ class Soc final : private Bus {
   void update_lines();
   void apply_power_settings();
   void wake_if_interrupted(Picoseconds time);
+  void tell(Picoseconds time) const {
+    if (listener_ != nullptr) listener_->changed(time);
+  }
   void finish(End why);
-  Picoseconds core_time() const { return clock_.time_of(hart_.counters().cycles); }
   Picoseconds supplied_until() const { return end_ == End::powered_off ? end_time_ : now_; }
   Activity activity() const;
 
@@ -160,6 +185,7 @@ class Soc final : private Bus {
   std::unique_ptr<BatteryGauge> battery_;
   std::unique_ptr<MissionParameters> mission_;
   Hart hart_;
+  StateListener* listener_ = nullptr;
   Clock clock_;
   EnergyMeter meter_;
   std::uint32_t voltage_mv_ = 0;

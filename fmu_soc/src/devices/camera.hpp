@@ -48,6 +48,9 @@ class Camera final : public Device {
   void advance(Picoseconds now) override;
   Picoseconds next_event() const override { return state_.done_at; }
   bool interrupt() const override { return state_.interrupt; }
+  std::string_view state_name() const override {
+    return state_.done_at != kNever ? "active" : state_.waiting ? "waiting for the picture" : "idle";
+  }
   void save(state::Writer& writer) const override;
   void restore(state::Reader& reader) override;
 

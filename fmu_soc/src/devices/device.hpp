@@ -6,6 +6,7 @@
 #include "mebots/state/bytes.hpp"
 
 #include <cstdint>
+#include <string_view>
 
 namespace mebots::soc {
 
@@ -27,6 +28,9 @@ class Device {
   virtual Picoseconds next_event() const { return kNever; }
   /// Level of its interrupt line.
   virtual bool interrupt() const { return false; }
+
+  /// Name of the state that it is in, for those who watch; empty for a device that has only one.
+  virtual std::string_view state_name() const { return {}; }
 
   /// All that the device knows, its inputs included.
   virtual void save(state::Writer& writer) const = 0;

@@ -41,6 +41,9 @@ constexpr std::uint16_t kExecutable = 2;
 constexpr std::uint16_t kRiscv = 243;
 constexpr std::uint32_t kLoad = 1;
 constexpr std::uint32_t kSymbolTable = 2;
+constexpr std::uint16_t kUndefined = 0;
+constexpr unsigned kFunction = 2;
+constexpr std::uint32_t kFarthestFromLabel = 0x10000;
 constexpr std::uint32_t kFloatAbi = 0x6;
 constexpr std::uint32_t kEmbeddedAbi = 0x8;
 
@@ -122,7 +125,14 @@ std::vector<ElfSegment> read_segments(const File& file, const FileHeader& header
   return segments;
 }
 
-std::vector<ElfSymbol> read_symbols(const File& file, const FileHeader& header) {
+/// psABI mapping symbols tell code from data; .L labels are the compiler's own. Neither names anything.
+bool names_nothing(std::string_view name) {
+  return name.starts_with("$x") || name.starts_with("$d") || name.starts_with(".L");
+}
+
+/// The symbols of the first symbol table; a file has one at most. `names` gets the text that they point into.
+std::vector<ElfSymbol> read_symbols(const File& file, const FileHeader& header,
+                                    std::shared_ptr<const std::string>& names) {
   std::vector<ElfSymbol> symbols;
   if (header.section_count == 0) return symbols;
   if (header.section_size != sizeof(SectionHeader)) {
@@ -132,24 +142,33 @@ std::vector<ElfSymbol> read_symbols(const File& file, const FileHeader& header) 
     return file.get<SectionHeader>(header.section_offset + std::uint64_t{index} * sizeof(SectionHeader),
                                    fmt::format("section header {}", index));
   };
-  for (std::uint32_t i = 0; i < header.section_count; ++i) {
-    const auto section = section_at(i);
-    if (section.type != kSymbolTable) continue;
-    if (section.link >= header.section_count)
-      file.fail(fmt::format("symbol table names section {}, which is not there", section.link));
-    const auto strings_header = section_at(section.link);
-    const auto strings = file.part(strings_header.offset, strings_header.size, "the symbol names");
-    const auto table = file.part(section.offset, section.size, "the symbol table");
-    for (std::size_t at = 0; at + sizeof(SymbolEntry) <= table.size(); at += sizeof(SymbolEntry)) {
-      SymbolEntry entry;
-      std::memcpy(&entry, table.data() + at, sizeof entry);
-      const auto type = entry.info & 0xfU;
-      if (entry.name == 0 || type > 2) continue;  // section and file names
-      if (entry.name >= strings.size())
-        file.fail(fmt::format("symbol {} has its name outside the names", at / sizeof entry));
-      const auto first = strings.begin() + entry.name;
-      const auto last = std::find(first, strings.end(), std::uint8_t{0});
-      symbols.push_back({{first, last}, entry.value, entry.size, type == 2});
+  file.part(header.section_offset, std::uint64_t{header.section_count} * sizeof(SectionHeader), "the section headers");
+  SectionHeader section{};
+  for (std::uint32_t i = 0; i < header.section_count && section.type != kSymbolTable; ++i) section = section_at(i);
+  if (section.type != kSymbolTable) return symbols;
+  if (section.link >= header.section_count)
+    file.fail(fmt::format("symbol table names section {}, which is not there", section.link));
+  const auto strings_header = section_at(section.link);
+  const auto strings = file.part(strings_header.offset, strings_header.size, "the symbol names");
+  const auto table = file.part(section.offset, section.size, "the symbol table");
+  names = std::make_shared<const std::string>(strings.begin(), strings.end());
+  const std::string_view text = *names;
+  std::vector<std::size_t> ends;  // of the names; searching each from its start would take a hostile file for ever
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (text[i] == '\0') ends.push_back(i);
+  }
+  ends.push_back(text.size());
+  for (std::size_t at = 0; at + sizeof(SymbolEntry) <= table.size(); at += sizeof(SymbolEntry)) {
+    SymbolEntry entry;
+    std::memcpy(&entry, table.data() + at, sizeof entry);
+    const auto type = entry.info & 0xfU;
+    if (entry.name == 0 || entry.section == kUndefined || type > kFunction) continue;  // section and file names too
+    if (entry.name >= text.size())
+      file.fail(fmt::format("symbol {} has its name outside the names", at / sizeof entry));
+    const auto end = *std::lower_bound(ends.begin(), ends.end(), entry.name);
+    const auto name = text.substr(entry.name, end - entry.name);
+    if (!name.empty() && !names_nothing(name)) {
+      symbols.push_back({name, entry.value, entry.size, type == kFunction});
     }
   }
   std::stable_sort(symbols.begin(), symbols.end(), [](const auto& a, const auto& b) { return a.address < b.address; });
@@ -166,7 +185,7 @@ Elf Elf::parse(std::span<const std::uint8_t> bytes, const std::string& origin) {
   elf.origin_ = origin;
   elf.entry_ = header.entry;
   elf.segments_ = read_segments(file, header);
-  elf.symbols_ = read_symbols(file, header);
+  elf.symbols_ = read_symbols(file, header, elf.names_);
   const bool inside = std::any_of(elf.segments_.begin(), elf.segments_.end(), [&](const ElfSegment& segment) {
     return header.entry >= segment.address && header.entry - segment.address < segment.size;
   });
@@ -177,8 +196,11 @@ Elf Elf::parse(std::span<const std::uint8_t> bytes, const std::string& origin) {
 
 Elf Elf::read(const std::filesystem::path& path) {
   std::error_code code;
-  if (!std::filesystem::is_regular_file(path, code)) {
+  if (!std::filesystem::exists(path, code)) {
     throw Error(fmt::format("{}: no such file; give the path of a linked RISC-V program", path.string()));
+  }
+  if (!std::filesystem::is_regular_file(path, code)) {
+    throw Error(fmt::format("{}: is not a regular file; give the path of a linked RISC-V program", path.string()));
   }
   const auto size = std::filesystem::file_size(path, code);
   if (code || size > kMaxFileSize)
@@ -196,17 +218,31 @@ std::optional<std::uint32_t> Elf::symbol(std::string_view name) const {
   return found->address;
 }
 
-std::string Elf::where(std::uint32_t address) const {
-  const ElfSymbol* best = nullptr;
-  for (const auto& symbol : symbols_) {
-    if (symbol.address > address) break;
-    // Hand-written code has labels without size: they reach to the next one.
-    const bool covers = symbol.size == 0 || address - symbol.address < symbol.size;
-    if (covers && (best == nullptr || symbol.address > best->address || symbol.function)) best = &symbol;
+const ElfSymbol* Elf::covering(std::uint32_t address) const {
+  const auto after = std::upper_bound(symbols_.begin(), symbols_.end(), address,
+                                      [](std::uint32_t value, const auto& symbol) { return value < symbol.address; });
+  // Hand-written code has labels without size: they reach to the next symbol with a size, or to the next function.
+  const ElfSymbol* label = nullptr;
+  bool labels_end = false;
+  for (auto at = after; at != symbols_.begin();) {
+    const auto& symbol = *--at;
+    const auto distance = address - symbol.address;
+    if (symbol.size != 0) {
+      if (distance < symbol.size) return &symbol;
+      labels_end = true;
+    } else if (!labels_end && distance < kFarthestFromLabel) {
+      if (symbol.function) return &symbol;
+      if (label == nullptr) label = &symbol;
+    }
   }
-  if (best == nullptr) return {};
-  if (best->size == 0 && address - best->address > 0x10000U) return {};
-  return best->address == address ? best->name : fmt::format("{}+0x{:x}", best->name, address - best->address);
+  return label;
+}
+
+std::string Elf::where(std::uint32_t address) const {
+  const auto* symbol = covering(address);
+  if (symbol == nullptr) return {};
+  if (symbol->address == address) return std::string(symbol->name);
+  return fmt::format("{}+0x{:x}", symbol->name, address - symbol->address);
 }
 
 }  // namespace mebots::soc

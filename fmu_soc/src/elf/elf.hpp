@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -19,7 +20,7 @@ struct ElfSegment {
 };
 
 struct ElfSymbol {
-  std::string name;
+  std::string_view name;  // valid as long as its Elf or a copy of it
   std::uint32_t address = 0;
   std::uint32_t size = 0;
   bool function = false;
@@ -37,6 +38,11 @@ class Elf {
   std::uint32_t entry() const { return entry_; }
   const std::vector<ElfSegment>& segments() const { return segments_; }
   std::optional<std::uint32_t> symbol(std::string_view name) const;
+  /// All symbols that stand for an address, sorted by it. The marks that tell code from data ($x, $d, $xrv32imc...)
+  /// and the compiler's local labels (.L...) are not among them.
+  const std::vector<ElfSymbol>& symbols() const { return symbols_; }
+  /// The function, or else the label, that covers an address; null when there is none.
+  const ElfSymbol* covering(std::uint32_t address) const;
   /// "camera_handler+0x12", or "" when no symbol covers the address.
   std::string where(std::uint32_t address) const;
 
@@ -44,7 +50,8 @@ class Elf {
   std::string origin_;
   std::uint32_t entry_ = 0;
   std::vector<ElfSegment> segments_;
-  std::vector<ElfSymbol> symbols_;  // by address
+  std::shared_ptr<const std::string> names_;  // of the symbols
+  std::vector<ElfSymbol> symbols_;            // by address
 };
 
 }  // namespace mebots::soc

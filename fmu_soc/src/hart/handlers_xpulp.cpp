@@ -423,8 +423,9 @@ Handler simd_handler_of(Op op, Operand operand) {
 
 template <bool kSigned, bool kHigh, bool kRounds>
 constexpr auto halves() {
-  constexpr auto kHalf = kSigned ? (kHigh ? f::high_signed : f::low_signed) : (kHigh ? f::high_unsigned : f::low_unsigned);
-  return f::multiply_halves<kHalf, kSigned ? f::sra : f::srl, kRounds>;
+  constexpr auto kHalf =
+      kSigned ? (kHigh ? f::high_signed : f::low_signed) : (kHigh ? f::high_unsigned : f::low_unsigned);
+  return f::multiply_halves < kHalf, kSigned ? f::sra : f::srl, kRounds > ;
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 #include "hart/hart.hpp"
 
 #include "hart/csr_numbers.hpp"
+#include "hart/observer.hpp"
 
 #include <algorithm>
 #include <cstring>
@@ -101,6 +102,10 @@ Stop Hart::run(std::uint64_t limit) {
     if (!wakes()) return Stop::sleeping;
     wake();
   }
+  if (observer_knows_of_sleep_) [[unlikely]] {
+    observer_knows_of_sleep_ = false;
+    if (observer_ != nullptr) observer_->woke(*this);
+  }
   e.link = nullptr;
   e.jumped = false;
   bool left_translated = false;  // and nothing has come between
@@ -118,6 +123,12 @@ Stop Hart::run(std::uint64_t limit) {
       left_translated = false;
       continue;
     }
+    if (observer_ != nullptr) [[unlikely]] {
+      if (!observer_->before(*this)) return Stop::observer;
+      cache_.forget_if_stale();  // a debugger may have changed code, or the pc
+      number = 0;
+      e.link = nullptr;
+    }
     if (number == 0) number = following_block(e.link);
     e.link = nullptr;
     if (number == 0) {
@@ -132,7 +143,10 @@ Stop Hart::run(std::uint64_t limit) {
     const auto& block = cache_.block(number);
     const bool delayed =
         is_load(before_.op) || is_load(two_before_.op) || (before_.op != Op::end_of_block && block.early_jump);
-    if (delayed || counters_.cycles + (block.last_start_bound & bound_mask_) >= limit) [[unlikely]] {
+    if (observer_ != nullptr) [[unlikely]] {
+      execute_observed();
+      e.link = nullptr;
+    } else if (delayed || counters_.cycles + (block.last_start_bound & bound_mask_) >= limit) [[unlikely]] {
       execute(cache_.single(e.pc, two_before_, before_));
       e.link = nullptr;
     } else if (const auto* entry = translated(number, block); entry != nullptr) {
@@ -160,6 +174,8 @@ Stop Hart::run(std::uint64_t limit) {
         waits_for_event_ = leave == Leave::event;
         if (!wakes()) {
           sleeping_ = true;
+          if (observer_ != nullptr) observer_->slept(*this);
+          observer_knows_of_sleep_ = observer_ != nullptr;
           return Stop::sleeping;
         }
         waits_for_event_ = false;
@@ -243,6 +259,28 @@ void Hart::execute(const Instruction* first, std::uint32_t extra_cycles) {
   } else {
     remember();
   }
+}
+
+void Hart::execute_observed() {
+  Retired retired;
+  std::uint32_t address = 0;
+  retired.pc = execution_.pc;
+  BlockCache::fetch(memory_, retired.pc, retired.word, address);
+  retired.decoded = decode(retired.word);
+  retired.access = access_of(retired.decoded, *this);
+  if (retired.access.store) retired.stored = execution_.x[retired.decoded.rs2];
+  const auto instructions = counters_.instructions;
+  execute(cache_.single(retired.pc, two_before_, before_));
+  if (counters_.instructions != instructions) observer_->retired(*this, retired);
+}
+
+/// A debugger moves the pc: what the pipeline held is gone.
+void Hart::set_pc(std::uint32_t pc) {
+  execution_.pc = pc & ~1U;
+  execution_.link = nullptr;
+  execution_.jumped = false;
+  before_ = {};
+  two_before_ = {};
 }
 
 /// Notes the last two instructions of a block that was left straight on.
@@ -391,8 +429,16 @@ void Hart::fail(std::uint32_t cause, std::uint32_t value, bool double_trap) {
 
 void Hart::take_trap(std::uint32_t cause, std::uint32_t value) {
   const auto pc = execution_.pc;
+  // A call of the handler, too, is hopeless when the handler begins with one.
+  const bool is_call = cause == cause::kMachineEcall || cause == cause::kBreakpoint;
   const bool again = exception_repeats_ != 0 && exception_pc_ == pc && exception_cause_ == cause &&
-                     cause != cause::kMachineEcall && cause != cause::kBreakpoint;
+                     (!is_call || exception_instructions_ == counters_.instructions);
+  if (exception_repeats_ == 0) {
+    fault_.first_cause = cause;
+    fault_.first_pc = pc;
+    fault_.first_value = value;
+  }
+  exception_instructions_ = counters_.instructions;
   exception_repeats_ = again ? exception_repeats_ + 1 : 1;
   exception_pc_ = pc;
   exception_cause_ = cause;
@@ -440,6 +486,7 @@ void Hart::enter_handler(std::uint32_t cause, std::uint32_t value) {
   execution_.link = nullptr;
   before_ = {};
   two_before_ = {};
+  if (observer_ != nullptr) observer_->trapped(*this, {csrs_.mepc, cause, value});
   counters_.cycles += kTrapEntryCycles;
 }
 
@@ -462,6 +509,7 @@ void Hart::save(state::Writer& writer) const {
   writer.put(exception_pc_);
   writer.put(exception_cause_);
   writer.put(exception_repeats_);
+  writer.put(exception_instructions_);
 }
 
 void Hart::restore(state::Reader& reader) {
@@ -480,6 +528,7 @@ void Hart::restore(state::Reader& reader) {
   reader.get(exception_pc_);
   reader.get(exception_cause_);
   reader.get(exception_repeats_);
+  reader.get(exception_instructions_);
   cache_.clear();
   for (const auto& loop : execution_.loops) cache_.end_block_at(loop.end);
 }

@@ -18,6 +18,8 @@
 
 namespace mebots::soc {
 
+class Observer;
+
 /// Why `Hart::run` came back.
 enum class Stop : std::uint8_t {
   limit,     // the next instruction starts at or after the limit
@@ -26,6 +28,7 @@ enum class Stop : std::uint8_t {
   sleeping,  // WFI or an event load, and no enabled interrupt is pending
   watch,     // a watched word was stored and the bus said to end
   fault,     // the core cannot go on
+  observer,  // the observer wants the run to end before the next instruction
 };
 
 /// The end of a core: a trap without handler, or one that the handler itself cannot get past.
@@ -37,6 +40,9 @@ struct Fault {
   std::uint32_t pc = 0;
   std::uint32_t value = 0;        // mtval
   std::uint32_t instruction = 0;  // the word at pc, 0 when it cannot be fetched
+  std::uint32_t first_cause = 0;  // the exception that it began with: the first one since a return from a handler
+  std::uint32_t first_pc = 0;
+  std::uint32_t first_value = 0;
 };
 
 /// Counters since reset that nothing in the core can write.
@@ -93,6 +99,9 @@ class Hart {
   /// Executes every instruction that starts before active cycle `limit`.
   Stop run(std::uint64_t limit);
 
+  /// Who watches every instruction from now on, or null. Not part of a state.
+  void observe(Observer* observer) { observer_ = observer; }
+
   /// Level of an interrupt line (bit of mip).
   void set_interrupt(unsigned bit, bool level);
   bool sleeping() const { return sleeping_; }
@@ -110,6 +119,12 @@ class Hart {
   std::uint64_t far_accesses() const { return execution_.far_accesses; }
 
   std::uint32_t pc() const { return execution_.pc; }
+  /// For debuggers, between instructions.
+  void set_pc(std::uint32_t pc);
+  /// Reads or writes a CSR as an instruction would, without its cycles; false = there is none, or not this way.
+  bool csr(unsigned number, std::uint32_t& value) const { return read_csr(number, value); }
+  bool set_csr(unsigned number, std::uint32_t value) { return write_csr(number, value); }
+  bool interrupts_enabled() const { return csrs_.interrupts_on && csrs_.mie != 0; }
   std::uint32_t reg(unsigned index) const { return execution_.x[index]; }
   void set_reg(unsigned index, std::uint32_t value) {
     if (index != 0) execution_.x[index] = value;
@@ -161,6 +176,7 @@ class Hart {
   const Instruction* leave_before(const Instruction* at, Leave why);
   const Instruction* finish_load(const Instruction* at, std::uint32_t address, const BusReply& reply);
   void execute(const Instruction* first, std::uint32_t extra_cycles = 0);
+  void execute_observed();
   const translate::Entry* translated(std::uint32_t number, const Block& block);
   bool run_translated(const translate::Entry& entry, std::uint64_t limit);
   std::uint32_t following_block(std::uint32_t* link);
@@ -195,6 +211,8 @@ class Hart {
   Previous two_before_;
   std::uint32_t id_ = 0;
   std::uint32_t bound_mask_ = ~std::uint32_t{0};
+  Observer* observer_ = nullptr;
+  bool observer_knows_of_sleep_ = false;
   bool sleeping_ = false;
   bool waits_for_event_ = false;  // the sleep is that of an event load
   bool interrupt_ready_ = false;
@@ -202,6 +220,7 @@ class Hart {
   std::uint32_t exception_pc_ = 0;
   std::uint32_t exception_cause_ = 0;
   std::uint32_t exception_repeats_ = 0;
+  std::uint64_t exception_instructions_ = 0;  // retired before the last one
 };
 
 }  // namespace mebots::soc

@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <fstream>
 #include <initializer_list>
+#include <iterator>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -136,6 +137,7 @@ class Node {
   }
 
   static std::string shown(const nlohmann::json& json) {
+    if (json.is_structured()) return json.type_name();  // may be deeper than dump can go
     std::string text = json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
     if (text.size() > 40) text = text.substr(0, 40) + "...";
     return text;
@@ -159,14 +161,24 @@ class Node {
   const nlohmann::json* json_;
 };
 
+/// The whole text of a file. Throws Error when it cannot be read.
+inline std::string text_of(const std::filesystem::path& path) {
+  std::error_code ignored;
+  std::ifstream stream(path, std::ios::binary);
+  if (!stream || std::filesystem::is_directory(path, ignored)) {
+    throw Error(fmt::format("{}: cannot be read", path.string()));
+  }
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
 /// A parsed data file; its root is an object.
 class File {
  public:
-  explicit File(const std::filesystem::path& path) : name_(path.string()) {
-    std::ifstream stream(path, std::ios::binary);
-    if (!stream || std::filesystem::is_directory(path)) throw Error(fmt::format("{}: cannot be read", name_));
+  explicit File(const std::filesystem::path& path) : File(text_of(path), path.string()) {}
+  /// `name` stands in errors.
+  File(std::string_view text, std::string name) : name_(std::move(name)) {
     try {
-      json_ = nlohmann::json::parse(stream);
+      json_ = nlohmann::json::parse(text);
     } catch (const nlohmann::json::parse_error& error) {
       throw Error(fmt::format("{}: is not JSON: {}", name_, error.what()));
     }

@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "debug/connection.hpp"
+
+#include "mebots/error.hpp"
+
+#include <arpa/inet.h>
+#include <fmt/core.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <utility>
+
+namespace mebots::soc::debug {
+namespace {
+
+constexpr char kInterrupt = '\x03';
+constexpr std::size_t kLongestPacket = 1U << 20;
+
+int hex_digit(char c) {
+  if (c >= '0' && c <= '9') return c - '0';
+  if (c >= 'a' && c <= 'f') return c - 'a' + 10;
+  if (c >= 'A' && c <= 'F') return c - 'A' + 10;
+  return -1;
+}
+
+}  // namespace
+
+Socket& Socket::operator=(Socket&& other) noexcept {
+  if (this != &other) {
+    if (open()) ::close(descriptor_);
+    descriptor_ = other.release();
+  }
+  return *this;
+}
+
+Socket::~Socket() {
+  if (open()) ::close(descriptor_);
+}
+
+int Socket::release() {
+  return std::exchange(descriptor_, -1);
+}
+
+Connection::Connection(int port) : listener_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+  const int yes = 1;
+  ::setsockopt(listener_.descriptor(), SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  address.sin_port = htons(static_cast<std::uint16_t>(port));
+  socklen_t size = sizeof address;
+  auto* any = reinterpret_cast<sockaddr*>(&address);
+  if (!listener_.open() || ::bind(listener_.descriptor(), any, size) != 0 || ::listen(listener_.descriptor(), 1) != 0 ||
+      ::getsockname(listener_.descriptor(), any, &size) != 0) {
+    throw Error(fmt::format("gdb port {}: cannot listen on 127.0.0.1: {}; take another port, or 0 for a free one", port,
+                            std::strerror(errno)));
+  }
+  port_ = ntohs(address.sin_port);
+}
+
+bool Connection::accept(bool wait) {
+  int descriptor = -1;
+  do {
+    if (!wait) {
+      timeval none{};
+      fd_set readable;
+      FD_ZERO(&readable);
+      FD_SET(listener_.descriptor(), &readable);
+      if (::select(listener_.descriptor() + 1, &readable, nullptr, nullptr, &none) <= 0) return false;
+    }
+    descriptor = ::accept4(listener_.descriptor(), nullptr, nullptr, SOCK_CLOEXEC);
+  } while (descriptor < 0 && errno == EINTR);
+  if (descriptor < 0) return false;
+  const int yes = 1;
+  ::setsockopt(descriptor, IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
+  client_ = Socket(descriptor);
+  acknowledges_ = true;
+  unread_.clear();
+  read_ = 0;
+  return true;
+}
+
+std::optional<char> Connection::next_byte() {
+  if (read_ == unread_.size()) {
+    char buffer[4096];
+    ssize_t count = 0;
+    do {
+      count = client_.open() ? ::recv(client_.descriptor(), buffer, sizeof buffer, 0) : 0;
+    } while (count < 0 && errno == EINTR);
+    if (count <= 0) {
+      disconnect();
+      return std::nullopt;
+    }
+    unread_.assign(buffer, static_cast<std::size_t>(count));
+    read_ = 0;
+  }
+  return unread_[read_++];
+}
+
+std::optional<std::string> Connection::receive() {
+  for (;;) {
+    auto byte = next_byte();
+    while (byte && *byte != '$' && *byte != kInterrupt) byte = next_byte();
+    if (!byte) return std::nullopt;
+    if (*byte == kInterrupt) return std::string(1, kInterrupt);
+    std::string content;
+    unsigned sum = 0;
+    bool escaped = false;
+    while ((byte = next_byte()) && *byte != '#' && content.size() < kLongestPacket) {
+      sum += static_cast<std::uint8_t>(*byte);
+      if (!escaped && *byte == '}') {
+        escaped = true;
+      } else {
+        content += escaped ? static_cast<char>(*byte ^ 0x20) : *byte;
+        escaped = false;
+      }
+    }
+    const auto high = next_byte();
+    const auto low = next_byte();
+    if (!high || !low) return std::nullopt;
+    const bool good = hex_digit(*high) * 16 + hex_digit(*low) == static_cast<int>(sum & 0xffU);
+    if (acknowledges_ && !write_all(good ? "+" : "-")) return std::nullopt;
+    if (good || !acknowledges_) return content;
+  }
+}
+
+void Connection::send(std::string_view content) {
+  std::string packet = "$";
+  unsigned sum = 0;
+  for (const char c : content) {
+    if (c == '$' || c == '#' || c == '}' || c == '*') {
+      packet += '}';
+      packet += static_cast<char>(c ^ 0x20);
+      sum += static_cast<unsigned>('}') + static_cast<std::uint8_t>(c ^ 0x20);
+    } else {
+      packet += c;
+      sum += static_cast<std::uint8_t>(c);
+    }
+  }
+  packet += fmt::format("#{:02x}", sum & 0xffU);
+  // A lost packet is impossible over TCP; one that the debugger calls damaged is sent again.
+  while (write_all(packet) && acknowledges_) {
+    auto answer = next_byte();
+    while (answer && *answer != '+' && *answer != '-') answer = next_byte();
+    if (!answer || *answer == '+') return;
+  }
+}
+
+bool Connection::write_all(std::string_view bytes) {
+  while (!bytes.empty()) {
+    const auto count =
+        client_.open() ? ::send(client_.descriptor(), bytes.data(), bytes.size(), MSG_NOSIGNAL) : ssize_t{0};
+    if (count < 0 && errno == EINTR) continue;
+    if (count <= 0) {
+      disconnect();
+      return false;
+    }
+    bytes.remove_prefix(static_cast<std::size_t>(count));
+  }
+  return true;
+}
+
+bool Connection::interrupted() {
+  if (!client_.open()) return false;
+  char byte = 0;
+  const auto count = ::recv(client_.descriptor(), &byte, 1, MSG_DONTWAIT | MSG_PEEK);
+  if (count == 0) {
+    disconnect();
+    return true;
+  }
+  if (count < 0) return false;
+  if (byte == kInterrupt || byte == '+') {
+    ::recv(client_.descriptor(), &byte, 1, MSG_DONTWAIT);
+    return byte == kInterrupt;
+  }
+  return true;  // a packet while the program runs: stop to answer it
+}
+
+}  // namespace mebots::soc::debug

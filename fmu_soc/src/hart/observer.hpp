@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "isa/encoding.hpp"
+
+#include <cstdint>
+
+namespace mebots::soc {
+
+class Hart;
+
+/// A load or store as the program asked for it.
+struct Access {
+  std::uint32_t address = 0;
+  unsigned size = 0;  // bytes; 0 = the instruction touches no memory
+  bool store = false;
+};
+
+/// The memory access that an instruction is about to make, from the registers before it runs.
+Access access_of(const Decoded& decoded, const Hart& hart);
+
+/// One instruction that has retired.
+struct Retired {
+  std::uint32_t pc = 0;
+  std::uint32_t word = 0;  // a compressed one in the low half
+  Decoded decoded;
+  Access access;
+  std::uint32_t stored = 0;  // by a store, in its low bytes
+};
+
+/// A trap or an interrupt that is taken: the hart's pc is at its handler now; the cycles of getting there follow.
+struct Trapped {
+  std::uint32_t pc = 0;  // of the instruction that did not run, or did not run yet
+  std::uint32_t cause = 0;
+  std::uint32_t value = 0;  // mtval
+};
+
+/// Somebody who watches a hart instruction by instruction. A hart with an observer runs one instruction at a time, with
+/// the same counts as without; one without an observer pays nothing for the possibility.
+/// An observer outlives the runs that it watches and throws nothing.
+class Observer {
+ public:
+  Observer() = default;
+  Observer(const Observer&) = delete;
+  Observer& operator=(const Observer&) = delete;
+  virtual ~Observer() = default;
+
+  /// The instruction at the hart's pc comes next, or a trap if it cannot run. False: the run ends before it.
+  virtual bool before(Hart& /*hart*/) { return true; }
+  virtual void retired(const Hart& /*hart*/, const Retired& /*instruction*/) {}
+  virtual void trapped(const Hart& /*hart*/, const Trapped& /*trap*/) {}
+  /// The hart waits for an interrupt from now on, or goes on after one.
+  virtual void slept(const Hart& /*hart*/) {}
+  virtual void woke(const Hart& /*hart*/) {}
+};
+
+}  // namespace mebots::soc

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <unordered_map>
+#include <vector>
+
+namespace mebots::soc::observe {
+
+/// What a profile counts. All whole numbers, so that the parts add up to the whole exactly.
+struct Cost {
+  std::int64_t cycles = 0;
+  std::int64_t instructions = 0;
+  std::int64_t time_ps = 0;
+  std::int64_t energy_fj = 0;
+
+  Cost& operator+=(const Cost& other) {
+    cycles += other.cycles;
+    instructions += other.instructions;
+    time_ps += other.time_ps;
+    energy_fj += other.energy_fj;
+    return *this;
+  }
+  friend Cost operator-(const Cost& a, const Cost& b) {
+    return {a.cycles - b.cycles, a.instructions - b.instructions, a.time_ps - b.time_ps, a.energy_fj - b.energy_fj};
+  }
+  friend bool operator==(const Cost&, const Cost&) = default;
+};
+
+/// Cost by call stack: a node is a place reached through the places above it.
+class CallTree {
+ public:
+  struct Node {
+    std::uint32_t parent = 0;  // the root is its own
+    std::uint32_t place = 0;
+    std::uint64_t calls = 0;
+    Cost self;
+  };
+
+  /// The root is the whole run, and no place of it.
+  CallTree() : nodes_(1) {}
+  static constexpr std::uint32_t kRoot = 0;
+
+  /// The node of `place` under `parent`, made when it is new. Numbers grow downwards: a child's is above its parent's.
+  std::uint32_t child(std::uint32_t parent, std::uint32_t place);
+
+  Node& node(std::uint32_t number) { return nodes_[number]; }
+  const std::vector<Node>& nodes() const { return nodes_; }
+
+  /// Of each node: its own cost and that of all below.
+  std::vector<Cost> inclusive() const;
+  /// Of each node: its children in the order of their coming.
+  std::vector<std::vector<std::uint32_t>> children() const;
+
+ private:
+  std::vector<Node> nodes_;
+  std::unordered_map<std::uint64_t, std::uint32_t> numbers_;  // never walked: its order reaches no result
+};
+
+}  // namespace mebots::soc::observe

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "observe/call_tree.hpp"
+#include "observe/functions.hpp"
+#include "observe/text_file.hpp"
+
+#include <string>
+
+namespace mebots::soc::observe {
+
+/// Three profiles, time [ns], energy [nJ] and cycles, over the same call tree, children in the order of their coming.
+/// Format: speedscope's file-format-schema.json, profiles of type "evented".
+void write_speedscope(const CallTree& tree, const Functions& functions, const std::string& program, TextFile& file);
+
+/// Self and inclusive costs by function and by call: cycles, instructions, ps and fJ.
+/// Format: Valgrind's "Callgrind Format Specification", version 1.
+void write_callgrind(const CallTree& tree, const Functions& functions, const std::string& program, TextFile& file);
+
+}  // namespace mebots::soc::observe

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "debug/gdb_server.hpp"
+#include "observe/observers.hpp"
+#include "observe/power_trace.hpp"
+#include "observe/profile.hpp"
+#include "observe/trace.hpp"
+#include "soc.hpp"
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace mebots::soc::observe {
+
+/// What a user wants to see of a run: a file each, or a port. `names` are the options or parameters that they stand in.
+struct Requests {
+  struct Names {
+    std::string trace = "--trace";
+    std::string profile = "--profile";
+    std::string power_trace = "--power-trace";
+  };
+  Names names;
+  std::optional<std::string> trace;
+  Trace::Columns trace_columns;
+  std::optional<std::string> profile;
+  std::optional<std::string> power_trace;
+  std::optional<int> gdb_port;
+  debug::GdbServer::Kill gdb_kill = debug::GdbServer::Kill::ends_run;
+  std::function<void(std::string_view)> announce;  // where gdb can call
+
+  bool any() const { return trace || profile || power_trace || gdb_port; }
+};
+
+/// Those who watch a run. Lives no longer than its chip.
+class Session {
+ public:
+  /// Throws Error when a file cannot be written or a port cannot be had.
+  Session(const Requests& requests, Soc& soc);
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
+  ~Session();
+
+  /// One more who watches the fabric controller, until removed.
+  void add(Observer& observer);
+  void remove(Observer& observer);
+  /// The chip was put into an earlier state.
+  void restored();
+  /// The run has ended: writes what is left to write, tells the debugger.
+  void finish(int exit_code);
+
+ private:
+  Soc& soc_;
+  std::optional<Trace> trace_;
+  std::optional<Profile> profile_;
+  std::optional<PowerTrace> power_trace_;
+  std::optional<debug::GdbServer> gdb_;
+  Observers observers_;
+};
+
+}  // namespace mebots::soc::observe

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "observe/profile_formats.hpp"
+
+#include <map>
+#include <string_view>
+
+namespace mebots::soc::observe {
+namespace {
+
+struct Call {
+  std::uint64_t count = 0;
+  Cost inclusive;
+};
+
+struct Function {
+  Cost self;
+  std::map<std::uint32_t, Call> calls;  // by the place that is called
+};
+
+void put_cost(TextFile& file, const Cost& cost) {
+  file.print("{} {} {} {}\n", cost.cycles, cost.instructions, cost.time_ps, cost.energy_fj);
+}
+
+}  // namespace
+
+void write_callgrind(const CallTree& tree, const Functions& functions, const std::string& program, TextFile& file) {
+  const auto inclusive = tree.inclusive();
+  std::map<std::uint32_t, Function> places;
+  for (std::uint32_t i = 1; i < tree.nodes().size(); ++i) {
+    const auto& node = tree.nodes()[i];
+    places[node.place].self += node.self;
+    if (node.parent == CallTree::kRoot) continue;
+    auto& call = places[tree.nodes()[node.parent].place].calls[node.place];
+    call.count += node.calls;
+    call.inclusive += inclusive[i];
+  }
+  file.print("# callgrind format\nversion: 1\ncreator: mebots-soc\ncmd: {}\npositions: line\n", program);
+  file.put(
+      "event: Cycles : active core cycles\nevent: Instructions : retired instructions\n"
+      "event: Time_ps : time with sleep [ps]\nevent: Energy_fJ : energy of the chip [fJ]\n"
+      "events: Cycles Instructions Time_ps Energy_fJ\nsummary: ");
+  put_cost(file, inclusive[CallTree::kRoot]);
+  const auto name = [&](std::string_view key, std::uint32_t place) {
+    file.print("{}=({}) {}\n", key, place + 1, functions.name(place));
+  };
+  for (const auto& [place, function] : places) {
+    file.print("\nfl=(1) {}\n", program);
+    name("fn", place);
+    file.put("0 ");
+    put_cost(file, function.self);
+    for (const auto& [callee, call] : function.calls) {
+      name("cfn", callee);
+      file.print("calls={} 0\n0 ", call.count);
+      put_cost(file, call.inclusive);
+    }
+  }
+  file.put("\ntotals: ");
+  put_cost(file, inclusive[CallTree::kRoot]);
+}
+
+}  // namespace mebots::soc::observe

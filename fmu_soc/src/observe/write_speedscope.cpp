@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "observe/profile_formats.hpp"
+
+#include <nlohmann/json.hpp>
+
+namespace mebots::soc::observe {
+namespace {
+
+struct Series {
+  const char* name;
+  const char* unit;
+  std::int64_t Cost::*part;
+  int decimals;  // how many of the last digits stand behind the point
+};
+
+/// Whole numbers with a point put in: exact, where a double would round.
+void put_value(TextFile& file, std::int64_t value, int decimals) {
+  std::int64_t scale = 1;
+  for (int i = 0; i < decimals; ++i) scale *= 10;
+  const char* sign = value < 0 ? "-" : "";
+  const auto size = value < 0 ? -value : value;
+  if (decimals == 0) {
+    file.print("{}{}", sign, size);
+  } else {
+    file.print("{}{}.{:0{}}", sign, size / scale, size % scale, decimals);
+  }
+}
+
+class Writer {
+ public:
+  Writer(const CallTree& tree, TextFile& file)
+      : tree_(tree), inclusive_(tree.inclusive()), children_(tree.children()), file_(file) {}
+
+  void write(const Series& series) {
+    file_.print(R"({{"type":"evented","name":"{}","unit":"{}","startValue":0,"endValue":)", series.name, series.unit);
+    put_value(file_, inclusive_[CallTree::kRoot].*series.part, series.decimals);
+    file_.put(",\"events\":[");
+    first_ = true;
+    std::int64_t at = 0;
+    // Depth first, by hand: a program that recurses without end must not take the writer with it.
+    struct Step {
+      std::uint32_t node;
+      std::size_t next_child;
+      std::int64_t end;
+    };
+    std::vector<Step> path{{CallTree::kRoot, 0, 0}};
+    while (!path.empty()) {
+      auto& top = path.back();
+      if (top.next_child < children_[top.node].size()) {
+        const auto node = children_[top.node][top.next_child++];
+        event('O', node, at, series);
+        path.push_back({node, 0, at + inclusive_[node].*series.part});
+      } else {
+        if (top.node != CallTree::kRoot) {
+          at = top.end;
+          event('C', top.node, at, series);
+        }
+        path.pop_back();
+      }
+    }
+    file_.put("]}");
+  }
+
+ private:
+  void event(char type, std::uint32_t node, std::int64_t at, const Series& series) {
+    file_.print("{}{{\"type\":\"{}\",\"frame\":{},\"at\":", first_ ? "\n" : ",\n", type, tree_.nodes()[node].place);
+    put_value(file_, at, series.decimals);
+    file_.put("}");
+    first_ = false;
+  }
+
+  const CallTree& tree_;
+  std::vector<Cost> inclusive_;
+  std::vector<std::vector<std::uint32_t>> children_;
+  TextFile& file_;
+  bool first_ = true;
+};
+
+std::string quoted(const std::string& text) {
+  return nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+}  // namespace
+
+void write_speedscope(const CallTree& tree, const Functions& functions, const std::string& program, TextFile& file) {
+  file.print(
+      "{{\"$schema\":\"https://www.speedscope.app/file-format-schema.json\",\"exporter\":\"mebots-soc\","
+      "\"name\":{},\"activeProfileIndex\":0,\"shared\":{{\"frames\":[",
+      quoted(program));
+  for (std::uint32_t i = 0; i < functions.count(); ++i) {
+    file.print("{}{{\"name\":{}}}", i == 0 ? "\n" : ",\n", quoted(functions.name(i)));
+  }
+  file.put("]},\"profiles\":[\n");
+  Writer writer(tree, file);
+  writer.write({"time", "nanoseconds", &Cost::time_ps, 3});
+  file.put(",\n");
+  writer.write({"energy [nJ]", "none", &Cost::energy_fj, 6});
+  file.put(",\n");
+  writer.write({"cycles", "none", &Cost::cycles, 0});
+  file.put("]}\n");
+}
+
+}  // namespace mebots::soc::observe

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+namespace mebots::soc::tool {
+
+/// What the user asked `mebots-soc run` for.
+struct Options {
+  std::string program;
+  std::optional<std::string> board;
+  std::optional<std::string> signature;
+  std::optional<std::string> trace;
+  bool trace_cycles = false;
+  std::optional<std::string> profile;
+  std::optional<std::string> power_trace;
+  bool interpret = false;
+  std::optional<int> gdb_port;
+  std::optional<std::uint64_t> max_instructions;
+};
+
+/// Throws Error for what cannot be meant: an empty name, one file for two things, a file that the run reads as output.
+void check(const Options& options);
+
+}  // namespace mebots::soc::tool

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tool/report.hpp"
+
+#include <fmt/core.h>
+
+#include <utility>
+
+namespace mebots::soc::tool {
+
+void print_report(const Soc& soc, double host_s, std::optional<std::uint32_t> tohost) {
+  const auto& counters = soc.hart().counters();
+  const auto energy = soc.energy();
+  fmt::print("instructions {}\n", counters.instructions);
+  fmt::print("cycles {}\n", counters.cycles);
+  fmt::print("time {:.9g} s, of it asleep {:.9g} s\n", static_cast<double>(soc.now()) * 1e-12,
+             static_cast<double>(soc.sleep_time()) * 1e-12);
+  fmt::print("energy {:.9g} J", energy.total_j());
+  const char* before = ": ";
+  for (const auto& component : energy.components()) {
+    fmt::print("{}{} {:.9g} J", std::exchange(before, ", "), component.name, component.energy_j);
+  }
+  fmt::print("\n");
+  fmt::print("host {:.1f} MIPS\n", static_cast<double>(counters.instructions) / host_s / 1e6);
+  if (tohost) fmt::print("tohost {}\n", *tohost);
+  if (soc.end() == End::exited) fmt::print("exit {}\n", soc.exit_code());
+}
+
+}  // namespace mebots::soc::tool

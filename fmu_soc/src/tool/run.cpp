@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tool/run.hpp"
+
+#include "observe/session.hpp"
+#include "tool/report.hpp"
+#include "tool/signature.hpp"
+#include "tool/standalone_board.hpp"
+
+#include "mebots/error.hpp"
+#include "soc.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <chrono>
+#include <limits>
+#include <optional>
+
+namespace mebots::soc::tool {
+namespace {
+
+/// How far a run without a limit goes before it looks whether anything can still happen.
+constexpr std::uint64_t kSlice = 1U << 26;
+/// The same where power over time is wanted: a point in every millisecond at 100 MHz, at least.
+constexpr std::uint64_t kFineSlice = 100'000;
+
+/// The most active cycles that a core has behind it.
+std::uint64_t busiest_cycles(const Soc& soc) {
+  const auto* cluster = soc.cluster();
+  return std::max(soc.hart().counters().cycles, cluster == nullptr ? 0 : cluster->longest_cycles());
+}
+
+/// Ends the run before the fabric controller's instruction after the last one.
+class InstructionLimit final : public Observer {
+ public:
+  explicit InstructionLimit(std::uint64_t last) : last_(last) {}
+  bool before(Hart& hart) override { return hart.counters().instructions < last_; }
+
+ private:
+  std::uint64_t last_;
+};
+
+/// Runs in pieces, because every instruction takes a cycle or more: with N instructions left, N cycles are safe. The
+/// limit counts the fabric controller's instructions.
+void run_instructions(Soc& soc, observe::Session& session, std::optional<std::uint64_t> limit, std::uint64_t slice) {
+  const auto& counters = soc.hart().counters();
+  std::optional<InstructionLimit> last;
+  while (soc.running()) {
+    const auto before = busiest_cycles(soc);
+    const auto cluster_lead = before - counters.cycles;
+    auto piece = slice;
+    if (limit && !last) {
+      const auto left = *limit - counters.instructions;
+      if (left == 0) return;
+      if (left > cluster_lead) {
+        piece = std::min(slice, left - cluster_lead);
+      } else {
+        session.add(last.emplace(*limit));  // cycles cannot tell any more
+      }
+    }
+    soc.run_cycles(before + piece);
+    if (busiest_cycles(soc) == before) break;  // asleep for good
+    if (!limit && soc.spins()) break;
+  }
+  if (last) session.remove(*last);
+}
+
+std::optional<std::uint32_t> tohost_of(const Soc& soc) {
+  const auto address = soc.program().symbol("tohost");
+  if (!address) return std::nullopt;
+  std::uint32_t value = 0;
+  soc.memory().read(*address, {reinterpret_cast<std::uint8_t*>(&value), sizeof value});
+  return value;
+}
+
+std::string why_no_end(const Soc& soc, const Options& options) {
+  const auto pc = soc.hart().pc();
+  const auto function = soc.program().where(pc);
+  const auto place = fmt::format("pc 0x{:08x} in {}", pc, function.empty() ? "no function of the program" : function);
+  const bool at_limit = options.max_instructions && soc.hart().counters().instructions == *options.max_instructions;
+  if (soc.end() == End::stopped && !at_limit) return fmt::format("stopped by the debugger at {}", place);
+  if (soc.hart().sleeping()) return fmt::format("the core sleeps at {} and nothing is left that could wake it", place);
+  auto text = options.max_instructions
+                  ? fmt::format("limit of {} instructions reached at {}", *options.max_instructions, place)
+                  : fmt::format("endless loop at {}", place);
+  if (soc.spins()) {
+    text += ", which jumps to itself for ever: no interrupt is enabled that could end it";
+    if (!soc.program().symbol("tohost")) text += "; the program has no symbol tohost to end by";
+  }
+  return text;
+}
+
+int exit_code(const Soc& soc, std::optional<std::uint32_t> tohost) {
+  if (soc.end() == End::host) return static_cast<int>(tohost.value_or(0) >> 1 & 0xffU);
+  return soc.end() == End::exited ? soc.exit_code() & 0xff : kFaultOrLimit;
+}
+
+observe::Requests requests_of(const Options& options) {
+  observe::Requests requests;
+  requests.trace = options.trace;
+  requests.trace_columns.cycles = options.trace_cycles;
+  requests.profile = options.profile;
+  requests.power_trace = options.power_trace;
+  requests.gdb_port = options.gdb_port;
+  requests.announce = [](std::string_view text) { fmt::print(stderr, "mebots-soc: {}\n", text); };
+  return requests;
+}
+
+}  // namespace
+
+int run(const Options& options) {
+  const auto program = Elf::read(options.program);
+  auto chip = gap8();
+  BoardDescription board;
+  if (options.board) {
+    board = read_board(*options.board);
+  } else {
+    board = board_around(program);
+    chip.timing.kind = CoreKind::cv32e40p;
+    chip.memory_leakage_w_per_byte = 0;  // this RAM is nobody's chip
+  }
+  Settings settings;
+  settings.mission = {0.2777778, 1.0, 0.1, 0.5, 0.1, 0};
+  settings.translate = !options.interpret;
+  Listeners listeners;
+  listeners.console = [](std::string_view line) { fmt::print("{}\n", line); };
+  Soc soc(board, chip, settings, program, listeners);
+  if (auto* battery = soc.battery()) {
+    battery->set_voltage_v(3.7);
+    battery->set_state_of_charge(1);
+  }
+  if (const auto tohost = program.symbol("tohost")) soc.stop_when_stored(*tohost);
+  std::optional<Signature> signature;
+  if (options.signature) signature.emplace(*options.signature, soc);
+  observe::Session session(requests_of(options), soc);
+
+  const auto start = std::chrono::steady_clock::now();
+  run_instructions(soc, session, options.max_instructions, options.power_trace ? kFineSlice : kSlice);
+  const auto host_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const auto tohost = tohost_of(soc);
+  const auto code = exit_code(soc, tohost);
+  print_report(soc, host_s, tohost);
+  if (code == kFaultOrLimit && soc.end() != End::host && soc.end() != End::exited) {
+    fmt::print(stderr, "mebots-soc: {}\n", soc.end() == End::faulted ? soc.fault_text() : why_no_end(soc, options));
+  }
+  session.finish(code);
+  if (signature) signature->write(soc);
+  return code;
+}
+
+}  // namespace mebots::soc::tool

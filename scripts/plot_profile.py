@@ -1,0 +1,114 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Draws a profile of `mebots-soc run --profile FILE.json` (or of the parameter observe.profile) as flame graphs.
+
+Usage: plot_profile.py PROFILE.json [--out PICTURE.png] [--profiles time energy]
+
+The file is speedscope's, so that speedscope.app shows it too; this script draws its call trees as a still picture:
+each box is a function, as wide as its share with all that it calls, standing on its caller.
+"""
+
+import argparse
+import collections
+import json
+import pathlib
+import zlib
+
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt
+from matplotlib.patches import Rectangle
+
+SCALES = {"nanoseconds": (1e-9, "s")}
+
+
+def read_stacks(profile, names, left_out):
+    """[(stack of frames, own cost)] of an evented profile, without stacks that hold a left-out name."""
+    stacks, stack, last = [], [], 0
+    for event in profile["events"]:
+        if stack and event["at"] > last and not any(names[frame] in left_out for frame in stack):
+            stacks.append((tuple(stack), event["at"] - last))
+        last = event["at"]
+        if event["type"] == "O":
+            stack.append(event["frame"])
+        else:
+            stack.pop()
+    return stacks
+
+
+def boxes(stacks):
+    """(depth, start, width, frame) of every box; stacks come in the order of the tree, so equal beginnings join."""
+    found, open_boxes, at = [], [], 0
+    for stack, cost in stacks + [((), 0)]:
+        same = 0
+        while same < min(len(open_boxes), len(stack)) and open_boxes[same][0] == stack[same]:
+            same += 1
+        while len(open_boxes) > same:
+            frame, start = open_boxes.pop()
+            found.append((len(open_boxes), start, at - start, frame))
+        open_boxes += [(frame, at) for frame in stack[same:]]
+        at += cost
+    return found
+
+
+def colour(name):
+    """The same for the same function in every picture; sleep is blue, interrupts are grey."""
+    if name == "[asleep]":
+        return "#9ecae1"
+    if name.startswith("["):
+        return "#bdbdbd"
+    return matplotlib.colormaps["autumn"](0.15 + 0.8 * (zlib.crc32(name.encode()) % 1000) / 1000)
+
+
+def draw(axes, profile, stacks, names):
+    total = sum(cost for _, cost in stacks) or 1
+    found = boxes(stacks)
+    depths = max((box[0] for box in found), default=0) + 1
+    axes.set(xlim=(0, 1), ylim=(0, depths), yticks=[])
+    axes.set_xticks([0, 0.25, 0.5, 0.75, 1], ["0", "25 %", "50 %", "75 %", "100 %"])
+    for depth, start, width, frame in found:
+        share = width / total
+        if share < 0.0005:
+            continue
+        axes.add_patch(Rectangle((start / total, depth), share, 1, facecolor=colour(names[frame]), edgecolor="white", linewidth=0.5))
+        room = int(share * 150)
+        if room >= 4:
+            text = f"{names[frame]} {100 * share:.1f} %" if room > len(names[frame]) + 7 else names[frame][:room]
+            axes.text(start / total + share / 2, depth + 0.5, text, ha="center", va="center", fontsize=7, clip_on=True)
+    factor, unit = SCALES.get(profile["unit"], (1e-9, "J") if "nJ" in profile["name"] else (1, ""))
+    axes.set_title(f"{profile['name'].split(' [')[0]}: {total * factor:.4g} {unit}", loc="left", fontsize=10)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("profile", type=pathlib.Path)
+    parser.add_argument("--out", type=pathlib.Path, help="default: beside the profile")
+    parser.add_argument("--leave-out", nargs="*", default=[], help="frames that are not drawn, such as '[asleep]'")
+    parser.add_argument("--profiles", nargs="+", default=["time", "energy"], help="names, as they begin")
+    arguments = parser.parse_args()
+
+    data = json.loads(arguments.profile.read_text())
+    names = [frame["name"] for frame in data["shared"]["frames"]]
+    chosen = [p for wanted in arguments.profiles for p in data["profiles"] if p["name"].startswith(wanted)]
+    if not chosen:
+        parser.error(f"{arguments.profile} has no profile named so; it has {', '.join(p['name'] for p in data['profiles'])}")
+    figure, axes = plt.subplots(len(chosen), 1, figsize=(12, 3.6 * len(chosen)), constrained_layout=True, squeeze=False)
+    for cell, profile in zip(axes.flat, chosen):
+        stacks = read_stacks(profile, names, arguments.leave_out)
+        draw(cell, profile, stacks, names)
+        costs = collections.Counter()
+        for stack, cost in stacks:
+            costs[stack[-1]] += cost
+        print(profile["name"])
+        for frame, cost in costs.most_common(8):
+            print(f"  {100 * cost / sum(costs.values()):6.2f} %  {names[frame]}")
+    without = f" without {', '.join(arguments.leave_out)}" if arguments.leave_out else ""
+    figure.suptitle(pathlib.Path(data["name"]).name + without)
+    out = arguments.out or arguments.profile.with_suffix(".png")
+    figure.savefig(out, dpi=110)
+    print(f"wrote {out}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,81 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Compares the instruction log of mebots-soc with Spike's, line by line.
+
+Usage: spike_trace.py PROGRAM.elf [--tool build/release/bin/mebots-soc] [--spike spike] [--keep FOLDER]
+
+Runs the program in both, cuts Spike's boot code and everything after the store to tohost, and leaves out what only
+Spike has: the value of mstatus after mret, the registers mstatush and tcontrol, reads of counters that run in cycles.
+Prints how many lines were compared and the first one that differs; exit code 1 when there is one.
+"""
+
+import argparse
+import itertools
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+
+ONLY_SPIKE = re.compile(r" c(?:784_mstatush|1957_tcontrol|768_mstatus) 0x[0-9a-f]+")
+
+
+def symbols(program):
+    listing = subprocess.run(["riscv64-unknown-elf-nm", program], check=True, capture_output=True, text=True).stdout
+    return {name: int(address, 16) for address, _, name in (line.split() for line in listing.splitlines() if len(line.split()) == 3)}
+
+
+def lines(path, tohost, first_pc=None):
+    """Lines of a log from the instruction at `first_pc` up to the store to tohost."""
+    started = first_pc is None
+    with path.open() as file:
+        for line in file:
+            if not line.startswith("core"):
+                continue
+            fields = line.split()
+            if len(fields) < 5 or fields[2] != "3":
+                continue
+            started = started or int(fields[3], 16) == first_pc
+            if not started:
+                continue
+            yield ONLY_SPIKE.sub("", line.split(" # ")[0].rstrip())
+            if tohost is not None and re.search(rf"mem 0x{tohost:08x} 0x0*[1-9a-f]", line):
+                return
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("program", type=pathlib.Path)
+    parser.add_argument("--tool", default="build/release/bin/mebots-soc")
+    parser.add_argument("--spike", default="spike")
+    parser.add_argument("--isa", default="rv32imc_zicsr_zifencei_zicntr_zihpm")
+    parser.add_argument("--max-instructions", type=int, default=100000)
+    parser.add_argument("--keep", type=pathlib.Path, help="folder for the two logs")
+    arguments = parser.parse_args()
+
+    table = symbols(arguments.program)
+    header = arguments.program.read_bytes()[:52]
+    entry = int.from_bytes(header[24:28], "little")
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = arguments.keep or pathlib.Path(temporary)
+        folder.mkdir(parents=True, exist_ok=True)
+        ours, theirs = folder / "mebots.log", folder / "spike.log"
+        subprocess.run([arguments.tool, "run", arguments.program, "--trace", ours,
+                        "--max-instructions", str(arguments.max_instructions)], check=False, stdout=subprocess.DEVNULL)
+        base = entry & ~0xFFF
+        subprocess.run(["timeout", "120", arguments.spike, f"--isa={arguments.isa}", "--priv=m", f"-m0x{base:x}:0x400000",
+                        "--log-commits", f"--log={theirs}", f"--instructions={arguments.max_instructions + 5}",
+                        arguments.program], check=False, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        count = 0
+        tohost = table.get("tohost")
+        for a, b in itertools.zip_longest(lines(ours, tohost), lines(theirs, tohost, entry)):
+            if a != b:
+                sys.exit(f"line {count + 1} differs\n  mebots: {a}\n  spike:  {b}")
+            count += 1
+    print(f"{arguments.program}: {count} lines the same")
+    if count == 0:
+        sys.exit("nothing was compared")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Whatever cannot be meant is refused before the run: exit code 102, a reason, no result printed.
+#include "support.hpp"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+
+namespace mebots::soc::test {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr std::string_view kOk = "_start: la t0, tohost\nli t1, 1\nsw t1, 0(t0)\n1: j 1b\n";
+
+class BadInput : public testing::Test {
+ protected:
+  BadInput() : program_(folder_.program(fmt::format("{}{}", kOk, kTohost))) {}
+
+  void expect_refused(const std::string& arguments, std::string_view reason) {
+    const auto run = run_tool(arguments);
+    EXPECT_EQ(run.exit_code, 102) << arguments << run.out << run.err;
+    EXPECT_THAT(run.out + run.err, HasSubstr(std::string(reason))) << arguments;
+    EXPECT_EQ(run.out.find("instructions "), std::string::npos) << "nothing ran: " << arguments;
+  }
+  /// The good program with some bytes changed.
+  std::string damaged(std::size_t at, const std::string& bytes) {
+    auto text = read_text(program_);
+    text.replace(at, bytes.size(), bytes);
+    write_text(folder_ / "damaged.elf", text);
+    return "run " + (folder_ / "damaged.elf");
+  }
+
+  Folder folder_;
+  std::string program_;
+};
+
+TEST_F(BadInput, OfTheCommandLineIsRefused) {
+  expect_refused("", "");
+  expect_refused("run", "required");
+  expect_refused("walk x", "");
+  expect_refused("run " + program_ + " --max-instructions many", "");
+  expect_refused("run " + program_ + " --max-instructions -1", "");
+  expect_refused("run " + program_ + " --gdb 65536", "");
+  expect_refused("run " + program_ + " --trace-cycles", "--trace FILE");
+  expect_refused("run ''", "empty file name");
+  for (const auto* option : {"--board", "--signature", "--trace", "--profile", "--power-trace"}) {
+    expect_refused(fmt::format("run {} {} ''", program_, option), fmt::format("{} has an empty file name", option));
+  }
+}
+
+TEST_F(BadInput, OfFilesThatCannotBeReadOrWrittenIsRefused) {
+  expect_refused("run /nowhere/x.elf", "/nowhere/x.elf: no such file");
+  expect_refused("run /", "is not a regular file");
+  expect_refused("run /dev/zero", "is not a regular file");
+  expect_refused("run /dev/null", "is not a regular file");
+  for (const auto* option : {"--trace", "--signature"}) {
+    expect_refused(fmt::format("run {} {} /nowhere/out", program_, option), option);
+  }
+  expect_refused(fmt::format("run {} --profile /nowhere/out.json", program_), "--profile /nowhere/out.json: cannot be");
+  expect_refused(fmt::format("run {} --trace /", program_), "--trace /: cannot be written");
+  expect_refused(fmt::format("run {} --board /nowhere", program_), "/nowhere: cannot be read");
+  expect_refused(fmt::format("run {} --board /", program_), "cannot be read");
+}
+
+TEST_F(BadInput, OfOneFileForTwoThingsIsRefusedAndNothingIsOverwritten) {
+  const auto before = read_text(program_);
+  expect_refused(fmt::format("run {} --trace {}", program_, program_), "is also the program");
+  EXPECT_EQ(read_text(program_), before);
+  const auto file = folder_ / "both";
+  expect_refused(fmt::format("run {} --trace {} --signature {}", program_, file, file), "both name");
+}
+
+TEST_F(BadInput, OfProfilesAndPowerTracesOfUnknownKindsIsRefused) {
+  expect_refused(fmt::format("run {} --profile {}", program_, folder_ / "p.txt"), "must end in .json");
+  expect_refused(fmt::format("run {} --power-trace {}", program_, folder_ / "p.txt"), "must end in .json");
+}
+
+TEST_F(BadInput, OfASignatureWithoutItsSymbolsIsRefused) {
+  expect_refused(fmt::format("run {} --signature {}", program_, folder_ / "s"), "has no symbol begin_signature");
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "s"));
+}
+
+TEST_F(BadInput, OfProgramsForAnotherMachineIsRefusedWithTheReason) {
+  expect_refused(damaged(0, "ELF"), "not an ELF file");
+  expect_refused(damaged(4, "\x02"), "64-bit");
+  expect_refused(damaged(5, "\x02"), "big-endian");
+  expect_refused(damaged(18, std::string("\x3e", 1)), "machine 62");
+  expect_refused(damaged(16, "\x01"), "type 1");
+  expect_refused(damaged(24, "\x01"), "entry point 0x80000001 is odd");
+  expect_refused(damaged(27, "\x10"), "entry point 0x10000000 lies in none of its segments");
+  write_text(folder_ / "empty.elf", "");
+  expect_refused("run " + (folder_ / "empty.elf"), "cut short");
+}
+
+TEST_F(BadInput, OfTohostOutsideTheMemoryIsRefused) {
+  const Folder folder;
+  expect_refused("run " + folder.program("_start: nop\n1: j 1b\n.globl tohost\n.set tohost, 0x10000000"),
+                 "tohost is at 0x10000000, where there is no memory");
+}
+
+TEST_F(BadInput, OfABoardThatDoesNotHoldTheProgramIsRefused) {
+  expect_refused(fmt::format("run {} --board {}/configs/boards/ai_deck.json", program_, MEBOTS_SOURCE_DIR),
+                 "lies outside the board's memories");
+}
+
+TEST_F(BadInput, AStrippedProgramStillRuns) {
+  std::string tool = MEBOTS_RISCV_STRIP;
+  ASSERT_EQ(std::system((tool + " " + program_).c_str()), 0);
+  const auto run = run_tool("run " + program_ + " --max-instructions 10");
+  EXPECT_EQ(run.exit_code, 101) << "without tohost nothing ends it";
+  EXPECT_THAT(run.err, HasSubstr("in no function of the program"));
+}
+
+}  // namespace
+}  // namespace mebots::soc::test

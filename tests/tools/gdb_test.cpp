@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// gdb-multiarch itself, in batch mode, against `mebots-soc run --gdb 0`.
+#include "support.hpp"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <sys/wait.h>
+
+#include <cstdlib>
+
+namespace mebots::soc::test {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+constexpr std::string_view kProgram = R"(
+    .globl _start, add_up, counter, finish
+    .type _start, @function
+_start: li sp, 0x80010000
+    li s0, 3
+loop: mv a0, s0
+    call add_up
+    addi s0, s0, -1
+    bnez s0, loop
+    j finish
+    .size _start, . - _start
+    .type add_up, @function
+add_up: addi sp, sp, -16
+    sw ra, 12(sp)
+    la t0, counter
+    lw t1, 0(t0)
+    add t1, t1, a0
+    sw t1, 0(t0)
+    lw ra, 12(sp)
+    addi sp, sp, 16
+    ret
+    .size add_up, . - add_up
+    .type finish, @function
+finish: la t0, tohost
+    li t1, 5
+    sw t1, 0(t0)
+1:  j 1b
+    .size finish, . - finish
+    .data
+    .balign 4
+counter: .word 10
+    .text
+)";
+
+/// What gdb and the run say when gdb obeys these commands.
+class Debugged {
+ public:
+  explicit Debugged(std::string_view commands, std::string_view program = kProgram, const std::string& options = "") {
+    const Folder folder;
+    const auto elf = folder.program(fmt::format("{}{}", program, kTohost));
+    write_text(folder / "commands", commands);
+    // The tool says on stderr where it waits; gdb starts when it has.
+    write_text(folder / "script", fmt::format(R"(
+{} run {} --gdb 0 {} > {}/out 2> {}/err &
+tool=$!
+port=
+for i in $(seq 600); do
+  port=$(sed -n 's/.*127.0.0.1:\([0-9]*\).*/\1/p' {}/err)
+  if [ -n "$port" ]; then break; fi
+  sleep 0.05
+done
+timeout 60 gdb-multiarch -nx -q -batch -ex "set architecture riscv:rv32" -ex "target remote 127.0.0.1:$port" -x {}/commands {} > {}/gdb 2>&1
+for i in $(seq 200); do
+  kill -0 $tool 2> /dev/null || break
+  sleep 0.05
+done
+kill $tool 2> /dev/null
+wait $tool
+)",
+                                              tool_path(), elf, options, folder / "", folder / "", folder / "",
+                                              folder / "", elf, folder / ""));
+    const auto status = std::system(("bash " + (folder / "script")).c_str());
+    exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+    gdb = read_text(folder / "gdb");
+    out = read_text(folder / "out");
+    err = read_text(folder / "err");
+  }
+
+  int exit_code = -1;
+  std::string gdb;
+  std::string out;
+  std::string err;
+};
+
+class Gdb : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (std::system("gdb-multiarch --version > /dev/null 2>&1") != 0) {
+      GTEST_SKIP() << "gdb-multiarch is not installed (Debian package gdb-multiarch): scripts/setup.sh installs it";
+    }
+  }
+};
+
+TEST_F(Gdb, StopsAtBreakpointsShowsRegistersMemoryAndTheCaller) {
+  const Debugged run(
+      "break add_up\ncontinue\nprint/x $a0\nprint/x *(int*)&counter\nbacktrace\nprint/x $mstatus\ninfo registers sp\n"
+      "continue\nprint/x $a0\ndelete\ncontinue\n");
+  EXPECT_THAT(run.gdb, HasSubstr("Breakpoint 1, 0x"));
+  EXPECT_THAT(run.gdb, HasSubstr("$1 = 0x3"));
+  EXPECT_THAT(run.gdb, HasSubstr("$2 = 0xa"));
+  EXPECT_THAT(run.gdb, HasSubstr("in add_up ()"));
+  EXPECT_THAT(run.gdb, HasSubstr("in _start ()"));
+  EXPECT_THAT(run.gdb, HasSubstr("$3 = 0x1800"));
+  EXPECT_THAT(run.gdb, HasSubstr("0x8000fff0"));
+  EXPECT_THAT(run.gdb, HasSubstr("$4 = 0x2"));
+  EXPECT_THAT(run.gdb, HasSubstr("exited with code 02")) << "tohost 5";
+  EXPECT_EQ(run.exit_code, 2) << run.err;
+}
+
+TEST_F(Gdb, StepsOneInstructionAtATime) {
+  const Debugged run("print/x $pc\nstepi\nprint/x $pc\nstepi\nstepi\nprint/x $s0\nprint/x $a0\ncontinue\n");
+  EXPECT_THAT(run.gdb, HasSubstr("$1 = 0x80000000"));
+  EXPECT_THAT(run.gdb, HasSubstr("$2 = 0x80000004"));
+  EXPECT_THAT(run.gdb, HasSubstr("$3 = 0x3"));
+  EXPECT_THAT(run.gdb, HasSubstr("$4 = 0x3"));
+}
+
+TEST_F(Gdb, StopsWhereAWatchedVariableChanges) {
+  const Debugged run("watch *(int*)&counter\ncontinue\ncontinue\nprint *(int*)&counter\ndelete\ncontinue\n");
+  EXPECT_THAT(run.gdb, HasSubstr("Hardware watchpoint 1"));
+  EXPECT_THAT(run.gdb, HasSubstr("Old value = 10\nNew value = 13"));
+  EXPECT_THAT(run.gdb, HasSubstr("Old value = 13\nNew value = 15"));
+  EXPECT_THAT(run.gdb, HasSubstr("$1 = 15"));
+}
+
+TEST_F(Gdb, ChangesRegistersMemoryAndCode) {
+  const Debugged run(
+      "set *(int*)&counter = 100\nbreak finish\ncontinue\nprint *(int*)&counter\nset $t6 = 0x55\nprint/x $t6\n"
+      "stepi\nstepi\nstepi\nset $t1 = 9\ncontinue\n");
+  EXPECT_THAT(run.gdb, HasSubstr("$1 = 106"));
+  EXPECT_THAT(run.gdb, HasSubstr("$2 = 0x55"));
+  EXPECT_EQ(run.exit_code, 4) << "tohost 9\n" << run.gdb;
+}
+
+TEST_F(Gdb, TellsCyclesAndEnergy) {
+  const Debugged run("stepi\nstepi\nmonitor cycles\nmonitor energy\nmonitor help\ncontinue\n");
+  EXPECT_THAT(run.gdb, HasSubstr("2 cycles, 2 instructions"));
+  EXPECT_THAT(run.gdb, HasSubstr("core_active"));
+  EXPECT_THAT(run.gdb, HasSubstr("monitor commands: cycles"));
+}
+
+TEST_F(Gdb, ThatGoesAwayLetsTheRunGoOnWithTheSameCounts) {
+  const Folder folder;
+  const auto plain = run_tool("run " + folder.program(fmt::format("{}{}", kProgram, kTohost)));
+  const Debugged run("break add_up\ncontinue\ndetach\n");
+  EXPECT_EQ(run.exit_code, 2) << run.err;
+  EXPECT_EQ(run.out.substr(0, run.out.find("host")), plain.out.substr(0, plain.out.find("host")));
+}
+
+TEST_F(Gdb, KillsTheRun) {
+  const Debugged run("break add_up\ncontinue\nkill\n");
+  EXPECT_EQ(run.exit_code, 101);
+  EXPECT_THAT(run.err, HasSubstr("stopped by the debugger at pc 0x"));
+}
+
+TEST_F(Gdb, SeesAFaultBeforeTheRunEnds) {
+  const Debugged run("continue\nprint/x $a0\nbacktrace\ncontinue\n",
+                     ".globl bad\n_start: li sp, 0x80010000\ncall bad\n.type bad, @function\nbad: lui a0, 0x40000\n"
+                     "lw a1, 0(a0)\nret\n.size bad, . - bad\n");
+  EXPECT_THAT(run.gdb, HasSubstr("SIGSEGV"));
+  EXPECT_THAT(run.gdb, HasSubstr("$1 = 0x40000000"));
+  EXPECT_THAT(run.gdb, HasSubstr("in bad ()"));
+  EXPECT_EQ(run.exit_code, 101);
+}
+
+TEST_F(Gdb, InterruptsARunningProgram) {
+  // Ctrl-C by gdb's own means: `interrupt` from the background, in asynchronous mode.
+  const Debugged run(
+      "python\nimport threading, os, signal, time\n"
+      "threading.Timer(1.0, lambda: os.kill(os.getpid(), signal.SIGINT)).start()\nend\n"
+      "continue\nprint/x $pc\nkill\n",
+      ".globl spin\n_start: nop\nspin: j spin\n");
+  EXPECT_THAT(run.gdb, HasSubstr("SIGINT"));
+  EXPECT_THAT(run.gdb, HasSubstr("$1 = 0x80000002"));
+  EXPECT_EQ(run.exit_code, 101);
+}
+
+}  // namespace
+}  // namespace mebots::soc::test

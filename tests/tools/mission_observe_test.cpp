@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The gate firmware inside the FMU's model: watched, it does what it does unwatched, to the last bit.
+#include "model.hpp"
+
+#include "support.hpp"
+
+#include "mebots/error.hpp"
+
+#include <arpa/inet.h>
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace mebots::soc::test {
+namespace {
+
+constexpr std::int64_t kStep = 2'000'000;
+
+/// The FMU's resources as the archive has them.
+class Resources {
+ public:
+  Resources() {
+    std::filesystem::copy(MEBOTS_SOURCE_DIR "/configs/boards/ai_deck.json", folder_ / "ai_deck.json");
+    std::filesystem::copy(MEBOTS_BINARY_DIR "/firmware/gate.elf", folder_ / "gate.elf");
+  }
+  std::filesystem::path path() const { return folder_ / ""; }
+
+ private:
+  Folder folder_;
+};
+
+/// Flies blind for a moment and gives everything that the model knows at the end.
+std::vector<std::byte> state_after(const Parameters& parameters, int steps,
+                                   const std::function<void(std::string_view)>& on_message = {}) {
+  const Resources resources;
+  Listeners listeners;
+  listeners.observe = on_message;
+  Model model(parameters, resources.path(), listeners);
+  Variables variables;
+  model.start(variables.inputs, 0, variables.outputs);
+  for (int i = 0; i < steps; ++i) model.step(variables.inputs, i * kStep, kStep, variables.outputs);
+  state::Writer writer;
+  model.save(writer);
+  return writer.take();
+}
+
+TEST(MissionObserve, ProfileTraceAndPowerTraceChangeNothingAndAreWritten) {
+  const Folder folder;
+  Parameters watched;
+  watched.observe_profile = folder / "profile.json";
+  watched.observe_trace = folder / "trace";
+  watched.observe_power_trace = folder / "power.vcd";
+  constexpr int kSteps = 40;
+  EXPECT_TRUE(state_after({}, kSteps) == state_after(watched, kSteps));
+  EXPECT_THAT(read_text(folder / "profile.json"), testing::HasSubstr("\"main\""));
+  EXPECT_THAT(read_text(folder / "profile.json"), testing::Not(testing::HasSubstr("\"$x")));
+  EXPECT_GT(read_text(folder / "trace").size(), 1000U);
+  EXPECT_THAT(read_text(folder / "power.vcd"), testing::HasSubstr("sasleep"));
+}
+
+TEST(MissionObserve, AnUnwritableFileIsRefusedAtTheStart) {
+  Parameters parameters;
+  parameters.observe_profile = "/nowhere/p.json";
+  try {
+    state_after(parameters, 1);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("observe.profile /nowhere/p.json: cannot be written"));
+  }
+}
+
+/// A debugger as far as this test needs one: says one packet, reads what comes.
+class Caller {
+ public:
+  explicit Caller(int port) : socket_(::socket(AF_INET, SOCK_STREAM, 0)) {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    address.sin_port = htons(static_cast<std::uint16_t>(port));
+    connected_ = ::connect(socket_, reinterpret_cast<sockaddr*>(&address), sizeof address) == 0;
+  }
+  Caller(const Caller&) = delete;
+  Caller& operator=(const Caller&) = delete;
+  ~Caller() { ::close(socket_); }
+
+  bool connected() const { return connected_; }
+  std::string ask(std::string_view content) {
+    unsigned sum = 0;
+    for (const char c : content) sum += static_cast<std::uint8_t>(c);
+    const auto packet = fmt::format("${}#{:02x}", content, sum & 0xffU);
+    ::send(socket_, packet.data(), packet.size(), 0);
+    return read_packet();
+  }
+  /// The content of the next packet, acknowledged.
+  std::string read_packet() {
+    std::string content;
+    char c = 0;
+    while (::recv(socket_, &c, 1, 0) == 1 && c != '$') continue;
+    while (::recv(socket_, &c, 1, 0) == 1 && c != '#') content += c;
+    ::recv(socket_, &c, 1, 0);
+    ::recv(socket_, &c, 1, 0);
+    ::send(socket_, "+", 1, 0);
+    return content;
+  }
+
+ private:
+  int socket_;
+  bool connected_ = false;
+};
+
+TEST(MissionObserve, ADebuggerHoldsTheMissionWhichThenGoesOnWithTheSameBits) {
+  Parameters debugged;
+  debugged.gdb_port = 0;
+  constexpr int kSteps = 20;
+  std::thread caller;
+  std::vector<std::string> answers;
+  const auto bytes = state_after(debugged, kSteps, [&](std::string_view message) {
+    const auto colon = message.rfind(':');
+    const auto port = std::stoi(std::string(message.substr(colon + 1)));
+    caller = std::thread([port, &answers] {
+      Caller gdb(port);
+      answers.push_back(gdb.ask("?"));
+      for (int i = 0; i < 100; ++i) answers.push_back(gdb.ask("s"));
+      answers.push_back(gdb.ask("m1c000000,4"));
+      answers.push_back(gdb.ask("D"));
+    });
+  });
+  caller.join();
+  ASSERT_EQ(answers.size(), 103U);
+  EXPECT_EQ(answers[0], "T05");
+  EXPECT_EQ(answers[100], "T05");
+  EXPECT_EQ(answers[101].size(), 8U);
+  EXPECT_EQ(answers[102], "OK");
+  EXPECT_TRUE(bytes == state_after({}, kSteps));
+}
+
+TEST(MissionObserve, ADebuggerThatVanishesLetsTheMissionGoOn) {
+  Parameters debugged;
+  debugged.gdb_port = 0;
+  std::thread caller;
+  const auto bytes = state_after(debugged, 5, [&](std::string_view message) {
+    const auto port = std::stoi(std::string(message.substr(message.rfind(':') + 1)));
+    caller = std::thread([port] { Caller(port).ask("?"); });
+  });
+  caller.join();
+  EXPECT_TRUE(bytes == state_after({}, 5));
+}
+
+}  // namespace
+}  // namespace mebots::soc::test

@@ -1,0 +1,246 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Time and energy per function and call stack: the parts are where the program was, and add up to the whole exactly.
+#include "observe/profile.hpp"
+
+#include "board_system.hpp"
+#include "support.hpp"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+#include <map>
+
+namespace mebots::soc::test {
+namespace {
+
+using observe::CallTree;
+using observe::Cost;
+using observe::Profile;
+
+/// A program on the board, profiled to its end: inclusive cost and calls by stack, as "main;leaf".
+struct Profiled {
+  explicit Profiled(std::string_view text, std::int64_t end_ns = 0, std::string_view file = "p.json")
+      : system(fmt::format("{}\n{}", text, kFunctions)) {
+    Profile profile("--profile", folder / file, system.soc);
+    system.soc.hart().observe(&profile);
+    if (end_ns > 0) {
+      system.soc.advance(end_ns);
+    } else {
+      system.soc.run_cycles(1'000'000);
+    }
+    system.soc.hart().observe(nullptr);
+    profile.finish();
+    written = read_text(folder / file);
+    total = profile.total();
+    const auto& nodes = profile.tree().nodes();
+    const auto inclusive = profile.tree().inclusive();
+    for (std::size_t i = 1; i < nodes.size(); ++i) {
+      std::string stack;
+      for (auto at = i; at != CallTree::kRoot; at = nodes[at].parent) {
+        const auto& name = profile.functions().name(nodes[at].place);
+        stack = stack.empty() ? name : name + ";" + stack;
+      }
+      stacks[stack] += inclusive[i];
+      calls[stack] += nodes[i].calls;
+    }
+  }
+
+  static constexpr std::string_view kFunctions = R"(
+    .macro function name
+    .globl \name
+    .type \name, @function
+    .endm
+    .section .text.functions, "ax"
+    function leaf
+leaf: addi a0, a0, 1
+    mul a0, a0, a0
+    ret
+    .size leaf, . - leaf
+    function middle
+middle: addi sp, sp, -16
+    sw ra, 12(sp)
+    call leaf
+    call leaf
+    lw ra, 12(sp)
+    addi sp, sp, 16
+    ret
+    .size middle, . - middle
+    function tail
+tail: addi a1, a1, 1
+    j leaf
+    .size tail, . - tail
+    function down
+down: addi sp, sp, -16
+    sw ra, 12(sp)
+    addi a5, a5, -1
+    beqz a5, 1f
+    call down
+1:  lw ra, 12(sp)
+    addi sp, sp, 16
+    ret
+    .size down, . - down
+    function finish
+finish: li t0, POWER_MANAGER_BASE
+    sw zero, POWER_MANAGER_EXIT_OFFSET(t0)
+    nop
+    .size finish, . - finish
+    .text
+)";
+
+  Folder folder;
+  BoardSystem system;
+  std::string written;
+  Cost total;
+  std::map<std::string, Cost> stacks;
+  std::map<std::string, std::uint64_t> calls;
+};
+
+void expect_whole(const Profiled& run) {
+  const auto& counters = run.system.soc.hart().counters();
+  EXPECT_EQ(run.total.cycles, static_cast<std::int64_t>(counters.cycles));
+  EXPECT_EQ(run.total.instructions, static_cast<std::int64_t>(counters.instructions));
+  EXPECT_EQ(run.total.time_ps, run.system.soc.now());
+  EXPECT_EQ(run.total.energy_fj, std::llround(run.system.soc.energy().total_j() * 1e15));
+}
+
+TEST(Profile, SplitsTheRunByCallStackAndAddsUpExactly) {
+  const Profiled run(
+      ".globl _start\n.type _start, @function\n_start: li sp, 0x1C070000\ncall middle\ncall leaf\nj finish\n"
+      ".size _start, . - _start\n");
+  expect_whole(run);
+  EXPECT_EQ(run.calls.at("_start;middle"), 1U);
+  EXPECT_EQ(run.calls.at("_start;middle;leaf"), 2U);
+  EXPECT_EQ(run.calls.at("_start;leaf"), 1U);
+  EXPECT_EQ(run.stacks.at("_start;middle;leaf").instructions, 6);
+  EXPECT_EQ(run.stacks.at("_start;leaf").instructions, 3);
+  EXPECT_EQ(run.stacks.at("_start;middle").instructions, 6 + 2 + 2 * 2 + 3) << "call is auipc and jalr";
+  EXPECT_EQ(run.stacks.at("_start;middle;leaf").energy_fj > 0, true);
+}
+
+TEST(Profile, OfATailCallPutsTheNewFunctionInThePlaceOfTheOld) {
+  const Profiled run(
+      ".globl _start\n.type _start, @function\n_start: li sp, 0x1C070000\ncall tail\nj finish\n.size _start, . - "
+      "_start\n");
+  expect_whole(run);
+  EXPECT_EQ(run.stacks.at("_start;tail").instructions, 2);
+  EXPECT_EQ(run.stacks.at("_start;leaf").instructions, 3) << "not below tail, which has gone";
+  EXPECT_EQ(run.stacks.count("_start;tail;leaf"), 0U);
+}
+
+TEST(Profile, OfRecursionHasAFrameForEveryLevel) {
+  const Profiled run(
+      ".globl _start\n.type _start, @function\n_start: li sp, 0x1C070000\nli a5, 4\ncall down\nj finish\n"
+      ".size _start, . - _start\n");
+  expect_whole(run);
+  EXPECT_EQ(run.calls.count("_start;down;down;down;down"), 1U);
+  EXPECT_EQ(run.calls.count("_start;down;down;down;down;down"), 0U);
+}
+
+TEST(Profile, GivesInterruptsAndSleepFramesOfTheirOwn) {
+  const Profiled run(R"(
+    .globl _start
+    .type _start, @function
+_start: la t0, handler
+    csrw mtvec, t0
+    li t0, TIMER_BASE
+    li t1, 1000000
+    sw t1, TIMER_COMPARE_LO_OFFSET(t0)
+    sw zero, TIMER_COMPARE_HI_OFFSET(t0)
+    li t1, 1 << TIMER_INTERRUPT
+    csrw mie, t1
+    csrwi mstatus, 8
+    wfi
+    nop
+    j finish
+    .size _start, . - _start
+    .balign 4
+    .globl handler
+    .type handler, @function
+handler: li t1, -1
+    sw t1, TIMER_COMPARE_HI_OFFSET(t0)
+    sw t1, TIMER_COMPARE_LO_OFFSET(t0)
+    mret
+    .size handler, . - handler
+)",
+                     2'000'000);
+  EXPECT_EQ(run.total.time_ps, 2'000'000'000) << "to the end of the step, asleep for good after finish";
+  const auto& asleep = run.stacks.at("_start;[asleep]");
+  EXPECT_EQ(asleep.cycles, 0);
+  EXPECT_NEAR(static_cast<double>(asleep.time_ps), 1e9, 1e6) << "1 ms less the first instructions";
+  EXPECT_GT(asleep.energy_fj, 0) << "leakage goes on";
+  EXPECT_EQ(run.stacks.at("_start;[interrupt 7];handler").instructions, 4);
+  EXPECT_EQ(run.stacks.at("_start;[interrupt 7]").cycles - run.stacks.at("_start;[interrupt 7];handler").cycles, 4)
+      << "getting there";
+  EXPECT_EQ(run.calls.count("finish"), 1U) << "after the interrupt the stack is as before";
+}
+
+TEST(Profile, ForSpeedscopeHoldsTheSameSums) {
+  const Profiled run(
+      ".globl _start\n.type _start, @function\n_start: li sp, 0x1C070000\ncall middle\nj finish\n.size _start, . - "
+      "_start\n");
+  const auto json = nlohmann::json::parse(run.written);
+  ASSERT_EQ(json["profiles"].size(), 3U);
+  const double ends[] = {static_cast<double>(run.total.time_ps) / 1e3, static_cast<double>(run.total.energy_fj) / 1e6,
+                         static_cast<double>(run.total.cycles)};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto& profile = json["profiles"][i];
+    EXPECT_DOUBLE_EQ(profile["endValue"].get<double>(), ends[i]);
+    // As speedscope checks it: opened and closed like brackets, never backwards, all inside the frames.
+    std::vector<int> open;
+    double last = 0;
+    double self = 0;
+    for (const auto& event : profile["events"]) {
+      const auto at = event["at"].get<double>();
+      EXPECT_GE(at, last);
+      if (!open.empty()) self += at - last;
+      last = at;
+      const auto frame = event["frame"].get<int>();
+      ASSERT_LT(frame, static_cast<int>(json["shared"]["frames"].size()));
+      if (event["type"] == "O") {
+        open.push_back(frame);
+      } else {
+        ASSERT_FALSE(open.empty());
+        EXPECT_EQ(open.back(), frame);
+        open.pop_back();
+      }
+    }
+    EXPECT_TRUE(open.empty());
+    EXPECT_NEAR(self, ends[i], 1e-9 * ends[i]) << "sums of doubles";
+  }
+}
+
+TEST(Profile, ForCallgrindHoldsTheSameSums) {
+  const Profiled run(
+      ".globl _start\n.type _start, @function\n_start: li sp, 0x1C070000\ncall middle\nj finish\n.size _start, . - "
+      "_start\n",
+      0, "p.callgrind");
+  EXPECT_THAT(run.written, testing::HasSubstr("events: Cycles Instructions Time_ps Energy_fJ\n"));
+  std::istringstream lines(run.written);
+  Cost self;
+  bool inclusive = false;
+  for (std::string line; std::getline(lines, line);) {
+    Cost cost;
+    int position = 0;
+    if (std::istringstream(line) >> position >> cost.cycles >> cost.instructions >> cost.time_ps >> cost.energy_fj) {
+      if (!inclusive) self += cost;
+    }
+    inclusive = line.starts_with("calls=");
+  }
+  EXPECT_EQ(self, run.total);
+}
+
+TEST(Profile, NeverShowsMarksOfCodeAndDataAndNamesNamelessCodeByItsAddress) {
+  const Profiled run(
+      ".globl _start\n.type _start, @function\n_start: li sp, 0x1C070000\nli t2, 0x1C020000\nli t1, 0x8082\n"
+      "sh t1, 0(t2)\nfence.i\njalr t2\nj finish\n.size _start, . - _start\n");
+  EXPECT_EQ(run.written.find("$x"), std::string::npos);
+  EXPECT_EQ(run.written.find("$d"), std::string::npos);
+  EXPECT_EQ(run.calls.count("_start;0x1c020000"), 1U);
+}
+
+}  // namespace
+}  // namespace mebots::soc::test

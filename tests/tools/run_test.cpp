@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// `mebots-soc run` as a user calls it: what it prints, where it ends, its exit code.
+#include "support.hpp"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace mebots::soc::test {
+namespace {
+
+using testing::ContainsRegex;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+/// Runs a program whose text stands before the definition of tohost.
+Outcome run_program(std::string_view text, const std::string& options = "") {
+  const Folder folder;
+  return run_tool(fmt::format("run {} {}", folder.program(fmt::format("{}\n{}", text, kTohost)), options));
+}
+
+TEST(Run, EndsWithTohostShiftedRightAsExitCode) {
+  const auto passed = run_program("_start: la t0, tohost\nli t1, 1\nsw t1, 0(t0)\n1: j 1b");
+  EXPECT_EQ(passed.exit_code, 0) << passed.err;
+  const auto failed = run_program("_start: la t0, tohost\nli t1, 0x1234007\nsw t1, 0(t0)\n1: j 1b");
+  EXPECT_EQ(failed.exit_code, 3) << "bits 8 to 1 of 0x...07";
+  EXPECT_THAT(failed.out, HasSubstr("tohost 19087367\n"));
+}
+
+TEST(Run, PrintsCountsEnergyByComponentAndSpeed) {
+  const auto run = run_program("_start: la t0, tohost\nli t1, 1\nsw t1, 0(t0)\n1: j 1b");
+  EXPECT_THAT(run.out, StartsWith("instructions 4\ncycles 4\n"));
+  EXPECT_THAT(run.out, ContainsRegex("energy [0-9.e-]+ J: core_active [0-9.e-]+ J, memory [0-9.e-]+ J"));
+  EXPECT_THAT(run.out, ContainsRegex("host [0-9.]+ MIPS\n"));
+  EXPECT_THAT(run.out, HasSubstr("tohost 1\n"));
+}
+
+// Each program is three instructions (la is two) and the store of interest; what follows must not run: it would
+// store 9, which is another exit code.
+TEST(Run, EndsAtTheStoreThatMakesTheLowWordOfTohostNonzeroHoweverItIsDone) {
+  const std::string_view after = "\nli t2, 9\nsw t2, 0(t0)\n1: j 1b";
+  const auto ends_after = [&](std::string_view store, int instructions, int exit_code) {
+    const auto run = run_program(fmt::format("_start: la t0, tohost\nli t1, 5\n{}{}", store, after));
+    EXPECT_THAT(run.out, StartsWith(fmt::format("instructions {}\n", instructions))) << store;
+    EXPECT_EQ(run.exit_code, exit_code) << store << run.err;
+  };
+  ends_after("sw t1, 0(t0)", 4, 2);
+  ends_after("sh t1, 0(t0)", 4, 2);
+  ends_after("sb t1, 0(t0)", 4, 2);
+  ends_after("sh t1, 2(t0)", 4, 0);  // 0x00050000: low byte of the value is 0
+  ends_after("sb t1, 3(t0)", 4, 0);
+  ends_after("sw t1, 4(t0)\nsw t1, 0(t0)", 5, 2);      // the high word first, as a 64-bit store may be done
+  ends_after("sw zero, 0(t0)\nsw t1, 0(t0)", 5, 2);    // storing 0 ends nothing
+  ends_after("slli t1, t1, 16\nsw t1, -2(t0)", 5, 2);  // across its border: the upper half is tohost's low half
+  ends_after("sw t1, -2(t0)\nsw t1, 0(t0)", 5, 2);     // the upper half is 0: not yet
+  ends_after("slli t1, t1, 8\nsw t1, 3(t0)\nsw t1, 0(t0)", 6, 0x80);  // into the high word: byte 3 gets 0
+}
+
+TEST(Run, StopsAtExactlyTheInstructionsThatItMay) {
+  const std::string_view text =
+      "_start: la sp, tohost\nli a1, 100000\n1: div a2, a1, a0\nlw a3, 1(sp)\nadd a4, a3, a3\nmulh a5, a4, a4\n"
+      "addi a1, a1, -1\nbnez a1, 1b\n2: j 2b";
+  for (const int limit : {0, 1, 2, 3, 7, 64, 65, 1000, 12345}) {
+    const auto run = run_program(text, fmt::format("--max-instructions {}", limit));
+    EXPECT_THAT(run.out, StartsWith(fmt::format("instructions {}\n", limit)));
+    EXPECT_EQ(run.exit_code, 101);
+    EXPECT_THAT(run.err, HasSubstr(fmt::format("limit of {} instructions reached", limit)));
+  }
+}
+
+TEST(Run, WritesTheSignatureWordsEightDigitsALine) {
+  const Folder folder;
+  const auto program = folder.program(fmt::format(
+      "_start: la t0, begin_signature\nli t1, 0xABCDEF01\nsw t1, 4(t0)\nla t0, tohost\nsw t1, 0(t0)\n1: j 1b\n"
+      ".data\n.balign 4\n.globl begin_signature, end_signature\nbegin_signature: .word 3, 0, 0x12\nend_signature: "
+      ".word 77\n.text\n{}",
+      kTohost));
+  const auto run = run_tool(fmt::format("run {} --signature {}", program, folder / "signature"));
+  EXPECT_EQ(run.exit_code, 0x80) << run.err;
+  EXPECT_EQ(read_text(folder / "signature"), "00000003\nabcdef01\n00000012\n");
+}
+
+TEST(Run, OfAProgramWithoutTohostThatSpinsEndsWithTheReason) {
+  const Folder folder;
+  const auto run = run_tool("run " + folder.program("_start: nop\nforever: j forever"));
+  EXPECT_EQ(run.exit_code, 101);
+  EXPECT_THAT(run.err, HasSubstr("endless loop at pc 0x80000002 in forever, which jumps to itself for ever"));
+  EXPECT_THAT(run.err, HasSubstr("no symbol tohost"));
+}
+
+TEST(Run, OfACoreThatSleepsForGoodEndsWithTheReason) {
+  const auto run = run_program("_start: nop\nwfi\n1: j 1b");
+  EXPECT_EQ(run.exit_code, 101);
+  EXPECT_THAT(run.err, HasSubstr("sleeps at pc 0x80000006"));
+  EXPECT_THAT(run.err, HasSubstr("nothing is left that could wake it"));
+}
+
+TEST(Run, SaysAtTheLimitWhenTheCoreSpins) {
+  const auto run = run_program("_start: nop\nstuck: beq a0, a0, stuck", "--max-instructions 50");
+  EXPECT_THAT(run.out, StartsWith("instructions 50\n"));
+  EXPECT_THAT(run.err, HasSubstr("in stuck, which jumps to itself for ever: no interrupt is enabled"));
+}
+
+struct FaultCase {
+  const char* text;
+  std::vector<const char*> says;
+};
+
+TEST(Run, AfterAFaultSaysPcFunctionInstructionCauseAndCallers) {
+  const std::string_view frame =
+      "_start: la sp, stack\ncall outer\n1: j 1b\n"
+      ".globl outer, inner\n.type outer, @function\nouter: addi sp, sp, -16\nsw ra, 12(sp)\ncall inner\nlw ra, 12(sp)\n"
+      "addi sp, sp, 16\nret\n.size outer, . - outer\n"
+      ".type inner, @function\ninner: addi sp, sp, -16\nsw ra, 12(sp)\nli a0, 0x40000001\n{}\nret\n.size inner, . - "
+      "inner\n"
+      ".bss\n.balign 16\n.space 1024\nstack:\n.text\n";
+  const FaultCase cases[] = {
+      {".word 0xffffffff", {"illegal instruction (mcause 2, mtval 0xffffffff)", ".word 0xffffffff"}},
+      {"lw a1, 3(a0)", {"load from nothing (mcause 5, mtval 0x40000004)", "lw a1, 3(a0)"}},
+      {"sh a1, 0(a0)", {"store into nothing (mcause 7, mtval 0x40000001)", "sh a1, 0(a0)"}},
+      {"ecall", {"ecall (mcause 11"}},
+      {"ebreak", {"ebreak (mcause 3"}},
+  };
+  for (const auto& fault : cases) {
+    const auto run = run_program(fmt::format(fmt::runtime(frame), fault.text));
+    EXPECT_EQ(run.exit_code, 101);
+    EXPECT_THAT(run.err, HasSubstr("in inner+0x")) << fault.text;
+    EXPECT_THAT(run.err, HasSubstr("called from outer+0x")) << fault.text;
+    EXPECT_THAT(run.err, HasSubstr("< _start+0x")) << fault.text;
+    for (const auto* text : fault.says) EXPECT_THAT(run.err, HasSubstr(text));
+    EXPECT_THAT(run.out, HasSubstr("energy ")) << "results are kept";
+  }
+}
+
+TEST(Run, OfAJumpToNowhereNamesTheCaller) {
+  const auto run =
+      run_program("_start: la sp, s\nli a0, 0x30000000\nsend: jalr a0\n1: j 1b\n.bss\n.space 64\ns:\n.text");
+  EXPECT_EQ(run.exit_code, 101);
+  EXPECT_THAT(run.err, HasSubstr("instruction fetch from nothing (mcause 1, mtval 0x30000000)"));
+  EXPECT_THAT(run.err, HasSubstr("called from send+0x2"));
+}
+
+TEST(Run, OfEndlessRecursionSaysWhereTheStackWent) {
+  const auto run = run_program(
+      "_start: li sp, 0x80001000\ncall deep\n1: j 1b\n.globl deep\n.type deep, @function\n"
+      "deep: addi sp, sp, -16\nsw ra, 12(sp)\ncall deep\nret\n.size deep, . - deep\n.space 8192");
+  EXPECT_EQ(run.exit_code, 101);
+  EXPECT_THAT(run.err, HasSubstr("in deep")) << "its stack grew over its code, or into nothing";
+}
+
+TEST(Run, OfAStackThatLeavesTheMemorySaysSo) {
+  const auto run = run_program(
+      "_start: lui sp, 0x80000\ncall deep\n1: j 1b\n.globl deep\n.type deep, @function\n"
+      "deep: addi sp, sp, -16\nsw ra, 12(sp)\ncall deep\nret\n.size deep, . - deep");
+  EXPECT_EQ(run.exit_code, 101);
+  EXPECT_THAT(run.err, HasSubstr("store into nothing (mcause 7, mtval 0x7ffffffc)"));
+  EXPECT_THAT(run.err, HasSubstr("the stack pointer 0x7ffffff0 is outside the memory"));
+}
+
+TEST(Run, OfAHandlerThatFaultsItselfTellsHowItBegan) {
+  const auto run = run_program(
+      "_start: la t0, handler\ncsrw mtvec, t0\nli a0, 0x40000000\nculprit: lw a1, 0(a0)\n1: j 1b\n.balign 4\n"
+      "handler: nop\nagain: sw a1, 8(a0)");
+  EXPECT_EQ(run.exit_code, 101);
+  EXPECT_THAT(run.err, HasSubstr("no way out of its own trap handler: store into nothing"));
+  EXPECT_THAT(run.err, HasSubstr("it began with load from nothing (mtval 0x40000000) at pc 0x80000010 in culprit"));
+}
+
+TEST(Run, OfAHandlerThatCallsItselfEndsToo) {
+  const auto run = run_program("_start: la t0, handler\ncsrw mtvec, t0\necall\n.balign 4\nhandler: ecall");
+  EXPECT_EQ(run.exit_code, 101);
+  EXPECT_THAT(run.err, HasSubstr("no way out of its own trap handler: ecall"));
+}
+
+TEST(Run, OnABoardEndsByItsExitRegister) {
+  const Folder folder;
+  const auto program = folder.program(
+      "#include \"board.h\"\n_start: li t0, POWER_MANAGER_BASE\nli t1, 42\nsw t1, POWER_MANAGER_EXIT_OFFSET(t0)\n1: j "
+      "1b",
+      0x1c000000);
+  const auto run = run_tool(fmt::format("run {} --board {}/configs/boards/ai_deck.json", program, MEBOTS_SOURCE_DIR));
+  EXPECT_EQ(run.exit_code, 42) << run.err;
+  EXPECT_THAT(run.out, HasSubstr("exit 42\n"));
+}
+
+}  // namespace
+}  // namespace mebots::soc::test
