@@ -23,7 +23,8 @@ class BoardSystem {
   explicit BoardSystem(const Elf& program, const Settings& settings = {})
       : soc(read_board(MEBOTS_SOURCE_DIR "/configs/boards/ai_deck.json"), gap8(), settings, program,
             {[this](std::string_view line) { console.emplace_back(line); },
-             [this](std::string_view text) { faults.emplace_back(text); }}) {}
+             [this](std::string_view text) { faults.emplace_back(text); },
+             {}}) {}
 
   static Elf assembled(std::string_view text) { return assemble(fmt::format("#include \"board.h\"\n{}\n", text), kL2); }
 
