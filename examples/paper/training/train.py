@@ -79,7 +79,8 @@ def main():
     integer = IntegerNavigator(navigator.cpu()).to(device)
     before = metrics(answers(integer, validation, device, OUTPUT_STEP), validation)
     print("integer, before fine-tuning:", before, flush=True)
-    fit(integer, train, validation, arguments.integer_epochs, 3e-4, 0.0, OUTPUT_STEP, device, "integer")
+    if arguments.integer_epochs:
+        fit(integer, train, validation, arguments.integer_epochs, 3e-4, 0.0, OUTPUT_STEP, device, "integer")
     integer.cpu()
     torch.save(integer.state_dict(), arguments.out / "integer.pt")
 
