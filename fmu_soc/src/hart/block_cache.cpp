@@ -18,6 +18,16 @@ Previous previous_of(const Decoded& decoded) {
           is_post_increment(decoded.op) ? decoded.rs1 : std::uint8_t{0}};
 }
 
+/// Bit r: a load of register r just before the instruction costs it a cycle.
+std::uint64_t loads_that_stall(const Timing& timing, const Current& current) {
+  std::uint64_t registers = 0;
+  const auto alone = static_cycles(timing, {}, {}, current);
+  for (std::uint8_t r = 1; r < 32; ++r) {
+    if (static_cycles(timing, {}, {Op::lw, r}, current) > alone) registers |= std::uint64_t{1} << r;
+  }
+  return registers;
+}
+
 std::uint8_t accesses_of(Op op) {
   return is_load(op) || is_store(op) ? 1 : 0;
 }
@@ -89,6 +99,7 @@ std::uint32_t BlockCache::decode_block(std::uint32_t pc) {
     instruction.index = sums.index;
     instruction.accesses_before = sums.accesses_before;
     instruction.energy_before_fj = sums.energy_before_fj;
+    if (sums.index == 0) block.stalled_by = loads_that_stall(timing_, current_of(decoded));
     if (is_jump(decoded.op)) {
       // What the jump's handler cannot see: whether a slow instruction hides an unaligned target.
       instruction.rs2 = before.slow && timing_.multi_cycle_hides_unaligned_target() ? 1 : 0;

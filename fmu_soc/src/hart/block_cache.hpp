@@ -22,6 +22,7 @@ struct Block {
   std::uint32_t last_start_bound = 0;  // the most cycles from its start to the start of its last instruction
   bool unaligned = false;              // starts with a 32-bit instruction at 2 mod 4
   bool early_jump = false;             // a jump is among the first two: what ran before may delay it
+  std::uint64_t stalled_by = 0;        // bit r: a load of register r just before costs its first instruction a cycle
   mutable std::uint16_t heat = 0;      // how often it was interpreted, until it is translated
 };
 

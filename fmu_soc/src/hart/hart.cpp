@@ -109,11 +109,15 @@ Stop Hart::run(std::uint64_t limit) {
   e.link = nullptr;
   e.jumped = false;
   bool left_translated = false;  // and nothing has come between
+  const auto following = [this](std::uint32_t* link) {
+    const bool known = link != nullptr && *link != 0 && cache_.block(*link).pc == execution_.pc;
+    return known ? *link : following_block(link);
+  };
   for (;;) {
     std::uint32_t number = 0;
     if (e.jumped) {
       e.jumped = false;
-      number = following_block(e.link);
+      number = following(e.link);
       if (number != 0 && cache_.block(number).unaligned) counters_.cycles += kUnalignedTargetExtra;
     }
     if (counters_.cycles >= limit) return Stop::limit;
@@ -129,7 +133,7 @@ Stop Hart::run(std::uint64_t limit) {
       number = 0;
       e.link = nullptr;
     }
-    if (number == 0) number = following_block(e.link);
+    if (number == 0) number = following(e.link);
     e.link = nullptr;
     if (number == 0) {
       std::uint32_t word = 0;
@@ -141,19 +145,32 @@ Stop Hart::run(std::uint64_t limit) {
     }
     const bool from_translated = std::exchange(left_translated, false);
     const auto& block = cache_.block(number);
-    const bool delayed =
-        is_load(before_.op) || is_load(two_before_.op) || (before_.op != Op::end_of_block && block.early_jump);
+    // What ran before can delay the first instruction if it was a load. A jump soon after it is another matter.
+    const bool early_jump = before_.op != Op::end_of_block && block.early_jump;
+    const auto stall = is_load(before_.op) ? static_cast<std::uint32_t>(block.stalled_by >> before_.rd & 1U) : 0U;
+    const auto bound = (block.last_start_bound + stall) & bound_mask_;
     if (observer_ != nullptr) [[unlikely]] {
       execute_observed();
       e.link = nullptr;
-    } else if (delayed || counters_.cycles + (block.last_start_bound & bound_mask_) >= limit) [[unlikely]] {
+    } else if (early_jump || counters_.cycles + bound >= limit) [[unlikely]] {
       execute(cache_.single(e.pc, two_before_, before_));
       e.link = nullptr;
-    } else if (const auto* entry = translated(number, block); entry != nullptr) {
+    } else if (const auto* entry = translation_on_ ? translated(number, block) : nullptr; entry != nullptr) {
       if (from_translated) translator_->lead_on(block.pc, *entry);
+      counters_.cycles += stall;
       left_translated = run_translated(*entry, limit);
     } else {
-      execute(cache_.instructions(block));
+      execute(cache_.instructions(block), stall);
+      // Short loops: behind a taken branch or jump to a known block, only the limit wants a look.
+      while (!translation_on_ && e.jumped && e.link != nullptr && *e.link != 0) {
+        const auto& next = cache_.block(*e.link);
+        const auto cycles = counters_.cycles + (next.unaligned ? kUnalignedTargetExtra : 0U);
+        if (next.pc != e.pc || cycles + (next.last_start_bound & bound_mask_) >= limit) break;
+        counters_.cycles = cycles;
+        e.jumped = false;
+        e.link = nullptr;
+        execute(cache_.instructions(next));
+      }
     }
     if (e.leave == Leave::normal) continue;
     const auto leave = e.leave;
@@ -186,9 +203,8 @@ Stop Hart::run(std::uint64_t limit) {
   }
 }
 
-/// The block at the pc, by way of the link of the instruction that led here when there is one.
+/// The block at the pc, noted in the link of the instruction that led here when there is one.
 std::uint32_t Hart::following_block(std::uint32_t* link) {
-  if (link != nullptr && *link != 0 && cache_.block(*link).pc == execution_.pc) return *link;
   const auto generation = cache_.generation();
   const auto number = cache_.find(execution_.pc);
   if (link != nullptr && cache_.generation() == generation) *link = number;
@@ -200,9 +216,9 @@ void Hart::set_translation(bool on) {
   translator_.reset();
 }
 
-/// Code for a block that begins after a jump or taken branch, once it is hot.
+/// Code for a block, once it is hot.
 const translate::Entry* Hart::translated(std::uint32_t number, const Block& block) {
-  if (!translation_on_ || before_.op != Op::end_of_block || execution_.ram[0].banks != nullptr) return nullptr;
+  if (execution_.ram[0].banks != nullptr) return nullptr;
   if (translator_ != nullptr) {
     if (translated_generation_ != cache_.generation()) {
       translator_->forget();
@@ -232,6 +248,10 @@ bool Hart::run_translated(const translate::Entry& entry, std::uint64_t limit) {
   counters_.instructions += e.host.instructions & 0xffffffffU;
   counters_.accesses += e.host.instructions >> 32;
   counters_.instruction_fj += e.host.instruction_fj;
+  if (e.host.instructions != 0) {  // another block was begun, by a jump or taken branch
+    before_ = {};
+    two_before_ = {};
+  }
   if (exit.resumes) {
     execute(exit.at, exit.wait_cycles);
     return false;
