@@ -48,7 +48,7 @@ def main():
     parser.add_argument("program", type=pathlib.Path)
     parser.add_argument("--tool", default="build/release/bin/mebots-soc")
     parser.add_argument("--spike", default="spike")
-    parser.add_argument("--isa", default="rv32imc_zicsr_zifencei_zicntr_zihpm")
+    parser.add_argument("--isa", default="rv32imc_zicsr_zifencei_zicntr_zihpm_zicclsm")
     parser.add_argument("--max-instructions", type=int, default=100000)
     parser.add_argument("--keep", type=pathlib.Path, help="folder for the two logs")
     arguments = parser.parse_args()
@@ -63,12 +63,13 @@ def main():
         subprocess.run([arguments.tool, "run", arguments.program, "--trace", ours,
                         "--max-instructions", str(arguments.max_instructions)], check=False, stdout=subprocess.DEVNULL)
         base = entry & ~0xFFF
-        subprocess.run(["timeout", "120", arguments.spike, f"--isa={arguments.isa}", "--priv=m", f"-m0x{base:x}:0x400000",
-                        "--log-commits", f"--log={theirs}", f"--instructions={arguments.max_instructions + 5}",
-                        arguments.program], check=False, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        subprocess.run(["timeout", "20", arguments.spike, f"--isa={arguments.isa}", "--priv=m", f"-m0x{base:x}:0x400000",
+                        "--log-commits", f"--log={theirs}", arguments.program], check=False, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         count = 0
         tohost = table.get("tohost")
-        for a, b in itertools.zip_longest(lines(ours, tohost), lines(theirs, tohost, entry)):
+        # At our limit Spike, which has none that works with traps, is further on.
+        expected = itertools.islice(lines(theirs, tohost, entry), arguments.max_instructions)
+        for a, b in itertools.zip_longest(lines(ours, tohost), expected):
             if a != b:
                 sys.exit(f"line {count + 1} differs\n  mebots: {a}\n  spike:  {b}")
             count += 1

@@ -45,7 +45,7 @@ struct Settings {
 struct Listeners {
   std::function<void(std::string_view line)> console;
   std::function<void(std::string_view text)> faults;
-  std::function<void(std::string_view text)> observe;  // of debugger and profile
+  std::function<void(std::string_view text)> observe = {};  // of debugger and profile
 };
 
 /// Why a system does not run any more.

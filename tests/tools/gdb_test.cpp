@@ -102,7 +102,8 @@ class Gdb : public testing::Test {
 
 TEST_F(Gdb, StopsAtBreakpointsShowsRegistersMemoryAndTheCaller) {
   const Debugged run(
-      "break add_up\ncontinue\nprint/x $a0\nprint/x *(int*)&counter\nbacktrace\nprint/x $mstatus\ninfo registers sp\n"
+      "break add_up\ncontinue\nprint/x $a0\nprint/x *(int*)&counter\nbacktrace 1\nup\ndown\nprint/x $mstatus\ninfo "
+      "registers sp\n"
       "continue\nprint/x $a0\ndelete\ncontinue\n");
   EXPECT_THAT(run.gdb, HasSubstr("Breakpoint 1, 0x"));
   EXPECT_THAT(run.gdb, HasSubstr("$1 = 0x3"));
@@ -134,7 +135,7 @@ TEST_F(Gdb, StopsWhereAWatchedVariableChanges) {
 
 TEST_F(Gdb, ChangesRegistersMemoryAndCode) {
   const Debugged run(
-      "set *(int*)&counter = 100\nbreak finish\ncontinue\nprint *(int*)&counter\nset $t6 = 0x55\nprint/x $t6\n"
+      "set *(int*)&counter = 100\nbreak *finish\ncontinue\nprint *(int*)&counter\nset $t6 = 0x55\nprint/x $t6\n"
       "stepi\nstepi\nstepi\nset $t1 = 9\ncontinue\n");
   EXPECT_THAT(run.gdb, HasSubstr("$1 = 106"));
   EXPECT_THAT(run.gdb, HasSubstr("$2 = 0x55"));
@@ -163,7 +164,7 @@ TEST_F(Gdb, KillsTheRun) {
 }
 
 TEST_F(Gdb, SeesAFaultBeforeTheRunEnds) {
-  const Debugged run("continue\nprint/x $a0\nbacktrace\ncontinue\n",
+  const Debugged run("continue\nprint/x $a0\nbacktrace 1\ncontinue\n",
                      ".globl bad\n_start: li sp, 0x80010000\ncall bad\n.type bad, @function\nbad: lui a0, 0x40000\n"
                      "lw a1, 0(a0)\nret\n.size bad, . - bad\n");
   EXPECT_THAT(run.gdb, HasSubstr("SIGSEGV"));
