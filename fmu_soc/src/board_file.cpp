@@ -91,8 +91,13 @@ BoardDescription read_board(const std::filesystem::path& path) {
 BoardDescription parse_board(std::string_view text, const std::string& name) {
   const data::File file(text, name);
   const auto root = file.root();
-  root.only({"name", "text", "cluster_cores", "memories", "devices"});
+  root.only({"name", "text", "core", "cluster_cores", "memories", "devices"});
   BoardDescription board;
+  if (root.has("core")) {
+    const auto core = core_kind(root.text("core"));
+    if (!core) root.fail("core", fmt::format("= \"{}\" must be ri5cy or cv32e40p", root.text("core")));
+    board.core = core;
+  }
   if (root.has("cluster_cores")) board.cluster_cores = whole(root, "cluster_cores", kMostClusterCores);
   board.name = root.text("name");
   for (const auto& node : root.objects("memories")) {

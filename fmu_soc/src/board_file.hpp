@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "hart/timing.hpp"
+
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -48,7 +51,8 @@ struct BoardDevice {
 
 struct BoardDescription {
   std::string name;
-  unsigned cluster_cores = 0;  // the most that there are; 0 = no cluster
+  std::optional<CoreKind> core;  // other than the chip's
+  unsigned cluster_cores = 0;    // the most that there are; 0 = no cluster
   std::vector<BoardMemory> memories;
   std::vector<BoardDevice> devices;
 };

@@ -119,9 +119,9 @@ Chip parse_chip(const std::string& json_text, const std::string& name) {
   const auto positive = data::Limits::positive();
   const auto not_negative = data::Limits::at_least(0);
   Chip chip;
-  const auto core = root.text("core");
-  if (core != "ri5cy" && core != "cv32e40p") root.fail("core", fmt::format("= \"{}\" must be ri5cy or cv32e40p", core));
-  chip.timing.kind = core == "ri5cy" ? CoreKind::ri5cy : CoreKind::cv32e40p;
+  const auto core = core_kind(root.text("core"));
+  if (!core) root.fail("core", fmt::format("= \"{}\" must be ri5cy or cv32e40p", root.text("core")));
+  chip.timing.kind = *core;
   chip.minimum_clock_hz = root.quantity("minimum_clock", "Hz", positive);
   chip.lowest_voltage_v = root.quantity("lowest_voltage", "V", positive);
   chip.highest_voltage_v = root.quantity("highest_voltage", "V", positive);

@@ -89,6 +89,13 @@ std::string_view cause_text(std::uint32_t cause) {
   }
 }
 
+/// The board's core, or the chip's when the board says nothing.
+Timing timing_of(const BoardDescription& board, const Chip& chip) {
+  auto timing = chip.timing;
+  timing.kind = board.core.value_or(timing.kind);
+  return timing;
+}
+
 }  // namespace
 
 Soc::Soc(const BoardDescription& board, const Chip& chip, const Settings& settings, const Elf& program,
@@ -97,7 +104,7 @@ Soc::Soc(const BoardDescription& board, const Chip& chip, const Settings& settin
       listeners_(std::move(listeners)),
       program_(program),
       memory_(make_memory(board)),
-      hart_(memory_, *this, chip.timing, chip.instruction_energy),
+      hart_(memory_, *this, timing_of(board, chip), chip.instruction_energy),
       meter_(chip, total_size(memory_), settings.voltage_v),
       voltage_mv_(static_cast<std::uint32_t>(std::lround(settings.voltage_v * kMilli))) {
   clock_.reset(checked_clock(chip, settings));
@@ -137,7 +144,7 @@ void Soc::add_cluster(const BoardDescription& board, const Settings& settings) {
   cluster.cores = settings.cluster_cores;
   cluster.clock_hz = checked_cluster_clock(chip_, settings);
   cluster.dma = chip_.dma;
-  cluster.timing = chip_.timing;
+  cluster.timing = timing_of(board, chip_);
   for (const auto place : {Place::cluster, Place::fabric_controller}) {
     for (std::size_t i = 0; i < board.memories.size(); ++i) {
       if (board.memories[i].place != place) continue;

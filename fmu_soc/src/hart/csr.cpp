@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Control and status registers: those of machine mode that CV32E40P has. All others trap.
+// Control and status registers: those of machine mode that CV32E40P has; with Xpulp also RI5CY's own. All others trap.
 #include "hart/csr_numbers.hpp"
 #include "hart/hart.hpp"
 
@@ -30,6 +30,15 @@ bool is_zero_register(unsigned number) {
          inside(number, csr::kHpmcounter3h, 29);
 }
 
+constexpr std::uint32_t kCountersOn = 1U << 0;      // PCMR
+constexpr std::uint32_t kCountersStop = 1U << 1;    // at their highest value
+constexpr std::uint32_t kEvents = (1U << 31) - 1U;  // of PCER
+constexpr std::uint32_t kMachineMode = 3;
+
+bool is_event_counter(unsigned number) {
+  return inside(number, csr::kPccr, csr::kPccrAll - csr::kPccr + 1);
+}
+
 }  // namespace
 
 const Instruction* Hart::csr_access(const Instruction* at) {
@@ -40,10 +49,12 @@ const Instruction* Hart::csr_access(const Instruction* at) {
   const bool replace = at->op == Op::csrrw || at->op == Op::csrrwi;
   const bool set = at->op == Op::csrrs || at->op == Op::csrrsi;
   // Set and clear with x0 (or 0) only read; replace into x0 only writes.
-  const bool writes = replace || at->rs1 != 0;
+  // RI5CY's event counters are written back even then, in the place of what this instruction would have counted.
+  const bool writes = replace || at->rs1 != 0 || (timing_.has_xpulp() && is_event_counter(number));
   const bool read_only = (number >> 10) == 3;
 
   // Counters count what retired before this instruction.
+  const auto generation = cache_.generation();
   const auto saved = counters_;
   counters_.instructions += at->index;
   counters_.cycles += at->cycles_before + e.extra_cycles;
@@ -58,7 +69,7 @@ const Instruction* Hart::csr_access(const Instruction* at) {
     return raise(at, cause::kIllegalInstruction, word);
   }
   e.x[at->rd] = old;
-  return at + 1;
+  return cache_.generation() == generation ? at + 1 : leave_after(at, Leave::normal);
 }
 
 bool Hart::read_csr(unsigned number, std::uint32_t& value) const {
@@ -122,7 +133,36 @@ bool Hart::read_csr(unsigned number, std::uint32_t& value) const {
       value = id_;
       return true;
     default:
-      return is_zero_register(number);
+      return is_zero_register(number) || (timing_.has_xpulp() && read_ri5cy_csr(number, value));
+  }
+}
+
+bool Hart::read_ri5cy_csr(unsigned number, std::uint32_t& value) const {
+  const auto& loops = execution_.loops;
+  if (inside(number, csr::kLoopStart0, 3) || inside(number, csr::kLoopStart1, 3)) {
+    const auto& loop = loops[number < csr::kLoopStart1 ? 0 : 1];
+    const auto which = (number - csr::kLoopStart0) & 3U;
+    value = which == 0 ? loop.start : which == 1 ? loop.end : loop.count;
+    return true;
+  }
+  switch (number) {
+    case csr::kPccr:
+    case csr::kPccr + 1:
+      value = read_event_counter(number - csr::kPccr);
+      return true;
+    case csr::kPcer:
+      value = csrs_.pcer;
+      return true;
+    case csr::kPcmr:
+      value = csrs_.pcmr;
+      return true;
+    case csr::kPrivilege:
+      value = kMachineMode;
+      return true;
+    case csr::kUhartid:
+      return read_csr(csr::kMhartid, value);
+    default:
+      return is_event_counter(number);  // other events are not counted: 0
   }
 }
 
@@ -171,8 +211,63 @@ bool Hart::write_csr(unsigned number, std::uint32_t value) {
     case csr::kMip:   // lines of devices
       return true;
     default:
-      return is_zero_register(number);
+      return is_zero_register(number) || (timing_.has_xpulp() && write_ri5cy_csr(number, value));
   }
+}
+
+bool Hart::write_ri5cy_csr(unsigned number, std::uint32_t value) {
+  auto& loops = execution_.loops;
+  if (inside(number, csr::kLoopStart0, 3) || inside(number, csr::kLoopStart1, 3)) {
+    auto& loop = loops[number < csr::kLoopStart1 ? 0 : 1];
+    const auto which = (number - csr::kLoopStart0) & 3U;
+    (which == 0 ? loop.start : which == 1 ? loop.end : loop.count) = value;
+    if (which == 1) cache_.end_block_at(value);
+    return true;
+  }
+  switch (number) {
+    case csr::kPccr:
+    case csr::kPccr + 1:
+      write_event_counter(number - csr::kPccr, value);
+      return true;
+    case csr::kPccrAll:
+      for (unsigned counter = 0; counter < csrs_.pccr_base.size(); ++counter) write_event_counter(counter, value);
+      return true;
+    case csr::kPcer:
+      set_event_enable(value & kEvents, csrs_.pcmr);
+      return true;
+    case csr::kPcmr:
+      set_event_enable(csrs_.pcer, value & (kCountersOn | kCountersStop));
+      return true;
+    case csr::kUhartid:
+      return true;
+    default:
+      return is_event_counter(number);
+  }
+}
+
+bool Hart::counts_event(unsigned counter) const {
+  return (csrs_.pcmr & kCountersOn) != 0 && (csrs_.pcer >> counter & 1U) != 0;
+}
+
+/// As of the standard counters: while one counts, its base is the distance; otherwise it is the value.
+std::uint32_t Hart::read_event_counter(unsigned counter) const {
+  const auto base = csrs_.pccr_base[counter];
+  if (!counts_event(counter)) return static_cast<std::uint32_t>(base);
+  const auto value = (counter == 0 ? counters_.cycles : counters_.instructions) - base;
+  const bool full = value > 0xffffffffU && (csrs_.pcmr & kCountersStop) != 0;
+  return full ? 0xffffffffU : static_cast<std::uint32_t>(value);
+}
+
+void Hart::write_event_counter(unsigned counter, std::uint32_t value) {
+  const auto next_count = (counter == 0 ? counters_.cycles : counters_.instructions) + 1;
+  csrs_.pccr_base[counter] = counts_event(counter) ? next_count - value : value;
+}
+
+void Hart::set_event_enable(std::uint32_t pcer, std::uint32_t pcmr) {
+  const std::array<std::uint32_t, 2> values{read_event_counter(0), read_event_counter(1)};
+  csrs_.pcer = pcer;
+  csrs_.pcmr = pcmr;
+  for (unsigned counter = 0; counter < values.size(); ++counter) write_event_counter(counter, values[counter]);
 }
 
 /// While a counter is inhibited its base holds its value; otherwise the value is the distance from the base.

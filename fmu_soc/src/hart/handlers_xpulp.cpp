@@ -86,6 +86,11 @@ const Instruction* branch_immediate(Execution& e, const Instruction* at) {
 
 enum class Mode : std::uint8_t { offset_register, post_immediate, post_register };
 
+/// After the slow way: whether the access took place, or is a trap or for another time.
+bool retired(const Execution& e, const Instruction* at) {
+  return e.exit == at + 1;
+}
+
 /// Writes back an address register; x0 stays 0.
 [[gnu::always_inline]] inline void increment(Execution& e, const Instruction* at, Word value) {
   e.x[at->rs1] = value;
@@ -100,7 +105,7 @@ const Instruction* load(Execution& e, const Instruction* at) {
   const auto ram = ram_access<sizeof(T)>(e, at, address);
   if (ram.data == nullptr) [[unlikely]] {
     const auto* left = e.hart->slow_load(at, address, sizeof(T), std::is_signed_v<T>);
-    if (kMode != Mode::offset_register && e.leave != Leave::trap && at->rd != at->rs1) increment(e, at, base + step);
+    if (kMode != Mode::offset_register && retired(e, at) && at->rd != at->rs1) increment(e, at, base + step);
     return left;
   }
   T value;
@@ -124,7 +129,7 @@ const Instruction* store(Execution& e, const Instruction* at) {
   const auto ram = ram_access<sizeof(T)>(e, at, address);
   if (ram.data == nullptr) [[unlikely]] {
     const auto* left = e.hart->slow_store(at, address, sizeof(T), word);
-    if (kMode != Mode::offset_register && e.leave != Leave::trap) increment(e, at, base + step);
+    if (kMode != Mode::offset_register && retired(e, at)) increment(e, at, base + step);
     return left;
   }
   const auto value = static_cast<T>(word);

@@ -170,6 +170,9 @@ class Hart {
     std::uint32_t unused_too = 0;
     std::uint64_t cycle_base = 0;  // mcycle = counter - base; while inhibited, mcycle = base
     std::uint64_t instret_base = 0;
+    std::uint32_t pcer = 0;  // RI5CY's event counters: which count
+    std::uint32_t pcmr = 3;  // how they count
+    std::array<std::uint64_t, 2> pccr_base{};
   };
 
   const Instruction* leave_after(const Instruction* at, Leave why);
@@ -190,6 +193,12 @@ class Hart {
   std::uint64_t read_counter(bool instret) const;
   void write_counter(bool instret, std::uint32_t value, bool high);
   void set_count_inhibit(std::uint32_t value);
+  bool read_ri5cy_csr(unsigned number, std::uint32_t& value) const;
+  bool write_ri5cy_csr(unsigned number, std::uint32_t value);
+  bool counts_event(unsigned counter) const;
+  std::uint32_t read_event_counter(unsigned counter) const;
+  void write_event_counter(unsigned counter, std::uint32_t value);
+  void set_event_enable(std::uint32_t pcer, std::uint32_t pcmr);
   void remember();
   const MemoryPort* port_of(std::uint32_t address, unsigned size) const;
   void wait_for_ram(const Instruction* at, const MemoryPort& port, std::uint32_t address, unsigned size);

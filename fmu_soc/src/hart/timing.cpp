@@ -30,10 +30,11 @@ bool load_stall(const Timing& timing, const Previous& load, const Current& curre
   if (reads_rs2(current.op) && current.rs2 == load.rd) return true;
   if (current.rs3 == load.rd) return true;
   if (is_store(current.op)) {
-    const bool has_offset = current.op >= Op::sb && current.op <= Op::sw;
+    const bool has_offset = current.op <= Op::sw;  // where others have rd
     return has_offset && timing.store_offset_looks_like_rd() && (static_cast<unsigned>(current.imm) & 31U) == load.rd;
   }
   if (is_branch(current.op) || current.rd != load.rd) return false;
+  if (is_post_increment(current.op)) return false;  // measured: RI5CY compares the pointer instead
   return !is_load(current.op) || timing.load_after_load_stalls();
 }
 
@@ -49,6 +50,12 @@ unsigned jump_cycles(const Previous& two_before, const Previous& before, const C
 }
 
 }  // namespace
+
+std::optional<CoreKind> core_kind(std::string_view name) {
+  if (name == "cv32e40p") return CoreKind::cv32e40p;
+  if (name == "ri5cy") return CoreKind::ri5cy;
+  return std::nullopt;
+}
 
 unsigned Timing::csr_cycles(unsigned number) const {
   if (kind == CoreKind::ri5cy) return number == csr::kMstatus ? 4 : 1;

@@ -5,6 +5,8 @@
 
 #include <bit>
 #include <cstdint>
+#include <optional>
+#include <string_view>
 
 /// Cycles of a single-issue, in-order, four-stage core with zero-wait memories, as measured on the RTL of
 /// CV32E40P 1.8.3 and of RI5CY (early 2018, the age of GAP8):
@@ -15,6 +17,9 @@
 namespace mebots::soc {
 
 enum class CoreKind : std::uint8_t { cv32e40p, ri5cy };
+
+/// "cv32e40p", "ri5cy"; nothing for other names.
+std::optional<CoreKind> core_kind(std::string_view name);
 
 /// Where the two cores differ.
 struct Timing {

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Cycles against those measured on the RTL of CV32E40P and RI5CY (rtl/README.md).
+#include "machine.hpp"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace mebots::soc {
+namespace {
+
+using test::Machine;
+
+struct Measured {
+  std::uint64_t instructions = 0;
+  std::uint64_t cycles = 0;
+  bool operator==(const Measured&) const = default;
+};
+
+std::ostream& operator<<(std::ostream& out, const Measured& value) {
+  return out << value.instructions << " instructions, " << value.cycles << " cycles";
+}
+
+using Table = std::vector<std::pair<std::string, Measured>>;  // in the order of the programs
+
+/// Columns of micro.csv: name, then instructions, cycles and both per repetition for CV32E40P, likewise for RI5CY.
+Table reference(CoreKind kind) {
+  const auto first = kind == CoreKind::cv32e40p ? 1U : 5U;
+  std::ifstream file(MEBOTS_RTL_DIR "/micro.csv");
+  Table table;
+  std::string line;
+  std::getline(file, line);
+  while (std::getline(file, line)) {
+    std::vector<std::string> fields;
+    std::istringstream stream(line);
+    for (std::string field; std::getline(stream, field, ',');) fields.push_back(field);
+    if (fields.size() <= first || fields[first].empty()) continue;
+    table.push_back({fields[0], {std::stoull(fields[first]), std::stoull(fields[first + 1])}});
+  }
+  return table;
+}
+
+/// What the micro programs noted about themselves: after a count, 64 bytes each: name, cycles, instructions,
+/// repetitions.
+Table measured(const Machine& machine) {
+  Table table;
+  const auto count = machine.word("results");
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const auto name_address = machine.word("results", 1 + 16 * i);
+    std::string name;
+    for (auto at = name_address;; ++at) {
+      const auto c = static_cast<char>(machine.word(at & ~3U) >> (8 * (at & 3U)));
+      if (c == '\0') break;
+      name += c;
+    }
+    table.push_back({name, {machine.word("results", 3 + 16 * i), machine.word("results", 2 + 16 * i)}});
+  }
+  return table;
+}
+
+/// The first programs of the reference, all that the machine has run.
+void expect_exact(const Table& found, const Table& expected) {
+  ASSERT_LE(found.size(), expected.size());
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    EXPECT_EQ(found[i].first, expected[i].first);
+    EXPECT_EQ(found[i].second, expected[i].second) << expected[i].first;
+  }
+}
+
+TEST(Rtl, StandardMicroProgramsTakeTheCyclesOfCv32e40p) {
+  // The rest of this build is Xpulp in CORE-V encodings, which this platform does not have: it ends in its trap
+  // handler.
+  Machine machine(Elf::read(MEBOTS_RTL_CV32E40P), CoreKind::cv32e40p);
+  EXPECT_EQ(machine.run(), Stop::watch);
+  EXPECT_EQ(machine.word("tohost"), 0xdead0001U);
+  const auto expected = reference(CoreKind::cv32e40p);
+  auto found = measured(machine);
+  EXPECT_EQ(expected.size(), 149U);
+  ASSERT_EQ(found.size(), 139U);
+  constexpr std::size_t kOverwritten = (0x704 - 4) / 64;  // the handler notes mepc where this program's name was
+  found[kOverwritten].first = expected[kOverwritten].first;
+  expect_exact(found, expected);
+}
+
+TEST(Rtl, AllMicroProgramsTakeTheCyclesOfRi5cy) {
+  Machine machine(Elf::read(MEBOTS_RTL_RI5CY), CoreKind::ri5cy);
+  ASSERT_EQ(machine.run(), Stop::watch);
+  ASSERT_EQ(machine.word("tohost"), 1U) << "the program says that it failed";
+  const auto found = measured(machine);
+  EXPECT_EQ(found.size(), 143U);
+  expect_exact(found, reference(CoreKind::ri5cy));
+}
+
+TEST(Rtl, TheConvolutionTakesTheCyclesOfCv32e40p) {
+  Machine machine(Elf::read(MEBOTS_RTL_CONV), CoreKind::cv32e40p);
+  ASSERT_EQ(machine.run(1'000'000'000), Stop::watch);
+  EXPECT_EQ(measured(machine).at(0).second, (Measured{8115914, 9529787}));
+}
+
+}  // namespace
+}  // namespace mebots::soc
