@@ -52,8 +52,7 @@ std::string to_text(const Report& report) {
     for (const auto& [why, what] : skipped)
       lines += fmt::format("  skipped  {}: {}\n",
                            what.size() == 1 ? what.front() : fmt::format("{} checks", what.size()), why);
-    text +=
-        fmt::format("{:<12} {} check{} passed\n{}", to_string(group), passed, passed == 1 ? "" : "s", lines);
+    text += fmt::format("{:<12} {} check{} passed\n{}", to_string(group), passed, passed == 1 ? "" : "s", lines);
   }
   const auto errors = report.count(Severity::error);
   const auto warnings = report.count(Severity::warning);

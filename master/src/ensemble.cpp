@@ -203,10 +203,14 @@ void Ensemble::lay_out() {
   for (auto& member : members_) {
     member.output_kinds = kinds_in(member.outputs);
     member.input_kinds = kinds_in(member.inputs);
-    addresses(member.real_copies, [&](SignalId id) { return &real(id); }, member.inputs.reals.values);
-    addresses(member.integer_copies, [&](SignalId id) { return &integer(id); }, member.inputs.integers.values);
-    addresses(member.boolean_copies, [&](SignalId id) { return &integer(id); }, member.inputs.booleans.values);
-    addresses(member.string_copies, [&](SignalId id) { return &string(id); }, member.inputs.strings.values);
+    addresses(
+        member.real_copies, [&](SignalId id) { return &real(id); }, member.inputs.reals.values);
+    addresses(
+        member.integer_copies, [&](SignalId id) { return &integer(id); }, member.inputs.integers.values);
+    addresses(
+        member.boolean_copies, [&](SignalId id) { return &integer(id); }, member.inputs.booleans.values);
+    addresses(
+        member.string_copies, [&](SignalId id) { return &string(id); }, member.inputs.strings.values);
   }
 }
 
