@@ -17,6 +17,7 @@ packages=(
   libcli11-dev libfmt-dev                                         # command line, text
   libxbyak-dev                                                    # translation of firmware to host code
   libssl-dev                                                      # hash of a run's inputs
+  libhdf5-dev                                                     # results as HDF5
   libgtest-dev libgmock-dev libbenchmark-dev                      # tests, benchmarks
   gcc-riscv64-unknown-elf picolibc-riscv64-unknown-elf            # the drone's firmware
   gdb-multiarch libclang-rt-14-dev                                # its debugger; fuzzing

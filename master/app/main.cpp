@@ -2,6 +2,7 @@
 #include "check_command.hpp"
 #include "info_command.hpp"
 #include "new_fmu_command.hpp"
+#include "resume_command.hpp"
 #include "run_command.hpp"
 
 #include <CLI/CLI.hpp>
@@ -25,10 +26,24 @@ int main(int argument_count, char** arguments) {
   run_app->add_option("--set", run.sets, "Give a parameter or a start value: INSTANCE.VARIABLE=VALUE (may be repeated)")
       ->allow_extra_args(false)
       ->take_all();
+  run_app
+      ->add_option("--scenario", run.scenarios,
+                   "Overrides of variables from a file, after those of the config (may be repeated)")
+      ->allow_extra_args(false)
+      ->take_all();
   run_app->add_option("--stop-time", run.stop_time_s, "End of the simulation [s], instead of the config's");
   run_app->add_flag("--statistics", run.statistics,
                     "Show calls, time and slowest step of every instance, and write them to summary.json");
+  run_app->add_option("--checkpoint-every", run.checkpoint_every_s,
+                      "Write a checkpoint at t = 0 and after every so many seconds of simulated time");
+  run_app->add_flag("--isolate", run.isolate, "Run every instance in a process of its own");
   run_app->add_flag("--quiet", run.quiet, "Show warnings and errors only");
+
+  std::filesystem::path results;
+  bool quiet_resume = false;
+  auto* resume_app = app.add_subcommand("resume", "Go on with a run from its last checkpoint");
+  resume_app->add_option("folder", results, "The results folder of the run")->required();
+  resume_app->add_flag("--quiet", quiet_resume, "Show warnings and errors only");
 
   std::filesystem::path fmu;
   auto* info_app = app.add_subcommand("info", "Show what an FMU says of itself");
@@ -63,6 +78,7 @@ int main(int argument_count, char** arguments) {
   try {
     if (new_fmu_app->parsed()) return mebots::app::new_fmu_command(description, folder);
     if (check_app->parsed()) return mebots::app::check_command(check);
+    if (resume_app->parsed()) return mebots::app::resume_command(results, quiet_resume);
     return run_app->parsed() ? mebots::app::run_command(run) : mebots::app::info_command(fmu);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "mebots: error: %s\n", error.what());

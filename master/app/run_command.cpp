@@ -6,13 +6,16 @@
 #include "mebots/master/command_line.hpp"
 #include "mebots/master/conditions.hpp"
 #include "mebots/master/console.hpp"
+#include "mebots/master/csv_rows.hpp"
 #include "mebots/master/csv_sink.hpp"
+#include "mebots/master/hdf5_sink.hpp"
 #include "mebots/master/parameter_recorder.hpp"
 #include "mebots/master/picture_recorder.hpp"
 #include "mebots/master/progress.hpp"
 #include "mebots/master/record_choice.hpp"
 #include "mebots/master/recorder.hpp"
 #include "mebots/master/result_folder.hpp"
+#include "mebots/master/scenario.hpp"
 #include "mebots/master/simulation.hpp"
 #include "mebots/master/summary.hpp"
 #include "mebots/master/time.hpp"
@@ -58,7 +61,8 @@ class KeepResults final : public Observer {
   explicit KeepResults(ResultFolder& folder) : folder_(&folder) {}
 
   std::optional<std::string> reached(const Point& point) override {
-    if (point.step == 0) folder_->keep({"summary.json", "parameters.csv"});
+    if (point.step == 0)
+      folder_->keep({"summary.json", "results.csv", "results.h5", "parameters.csv", kCheckpointFile});
     return std::nullopt;
   }
 
@@ -103,30 +107,72 @@ class Run {
       apply_set(system_, set);
       report_.overrides.push_back("--set " + set);
     }
+    for (const auto& file : options_.scenarios) report_.overrides.push_back(apply_scenario(system_, file));
     if (options_.stop_time_s) {
       apply_stop_time(system_, *options_.stop_time_s);
       report_.overrides.push_back("--stop-time " + *options_.stop_time_s);
     }
+    if (options_.isolate) {
+      for (auto& instance : system_.instances) instance.isolation.own_process = true;
+    }
+    const auto every_ns = checkpoint_interval_ns();
     resolved_ = resolve(system_, library_);
     report_.notices = resolved_.notices;
     hash_ = hash_inputs(system_, report_.overrides);
+    if (every_ns > 0) check_can_checkpoint(resolved_);
+    if (every_ns > 0 && !system_.record.csv) {
+      throw InputError(
+          "--checkpoint-every: checkpoints count on results.csv; let \"format\" under \"record\" be \"both\"");
+    }
+    if (options_.checkpoint) check_inputs(*options_.checkpoint, hash_.lines);
     recorded_variables(resolved_);  // a name that fits nothing is bad input: say so before any file is made
     recorded_parameters(resolved_);
     for (const auto& pictures : system_.pictures) check_pictures(resolved_, pictures);
+    scenario_.emplace(resolved_);
 
     folder_.emplace(options_.out.empty() ? std::filesystem::path("results") / system_.name : options_.out);
-    results_file_ = &folder_->create("results.csv");
+    if (options_.checkpoint) {
+      reopen_files();
+      return;
+    }
+    if (system_.record.csv) results_file_ = &folder_->create("results.csv");
     log_file_ = &folder_->create("log.txt");
     console_.set_log_file(log_file_);
     for (const auto& notice : resolved_.notices) console_.line("notice: " + notice);
   }
 
+  /// What `--checkpoint-every` asks for; 0 = none.
+  std::int64_t checkpoint_interval_ns() const {
+    if (options_.checkpoint) return options_.checkpoint->request.checkpoint_every_ns;
+    if (!options_.checkpoint_every_s) return 0;
+    return read_duration("--checkpoint-every", *options_.checkpoint_every_s);
+  }
+
+  /// The files of the run that is resumed; what came after its checkpoint is cut off later.
+  void reopen_files() {
+    results_file_ = &folder_->reopen("results.csv");
+    log_file_ = &folder_->reopen("log.txt");
+    if (results_file_->size() < options_.checkpoint->results_bytes ||
+        log_file_->size() < options_.checkpoint->log_bytes) {
+      throw InputError(
+          fmt::format("{}: results.csv or log.txt is shorter than it was at the checkpoint; run the config "
+                      "anew",
+                      folder_->path().string()));
+    }
+    console_.line(fmt::format("resuming at {} s", to_seconds(options_.checkpoint->time_ns)));
+  }
+
   void initialise() {
-    const SlaveOptions slaves{options_.statistics ? &statistics_ : nullptr};
+    SlaveOptions slaves;
+    slaves.statistics = options_.statistics ? &statistics_ : nullptr;
+    slaves.losses = &losses_;
+    slaves.scenario = &*scenario_;
+    slaves.interrupted = &interrupted_;
     simulation_.emplace(resolved_, console_, slaves);
     auto& ensemble = simulation_->ensemble();
+    scenario_->watch(resolved_, ensemble);
     recorder_.emplace(resolved_, ensemble);
-    recorder_->add(std::make_unique<CsvSink>(recorder_->columns(), *results_file_));
+    add_sinks();
     keep_results_.emplace(*folder_);
     simulation_->add(*keep_results_);
     if (!system_.record.parameters.empty()) {
@@ -141,11 +187,56 @@ class Run {
     outcomes_.emplace(resolved_, ensemble);
     stop_conditions_.emplace(resolved_, ensemble);
     progress_.emplace(console_, system_.stop_time_ns);
-    for (Observer* observer :
-         std::initializer_list<Observer*>{&*recorder_, &*values_, &*outcomes_, &*stop_conditions_, &*progress_}) {
+    for (Observer* observer : std::initializer_list<Observer*>{&*scenario_, &*recorder_, &*values_, &*outcomes_,
+                                                               &*stop_conditions_, &*progress_}) {
       simulation_->add(*observer);
     }
-    simulation_->initialize();
+    if (const auto every_ns = checkpoint_interval_ns(); every_ns > 0) {
+      checkpointer_.emplace(*simulation_, folder_->path(), blank_checkpoint(every_ns), *results_file_, *log_file_);
+      simulation_->add(*checkpointer_);
+    }
+    if (options_.checkpoint) {
+      simulation_->resume(options_.checkpoint->simulation);
+      log_file_->truncate(options_.checkpoint->log_bytes);
+      console_.set_log_file(log_file_);
+      folder_->keep({});
+    } else {
+      simulation_->initialize();
+    }
+    put_hdf5_parameters();
+  }
+
+  void add_sinks() {
+    const auto& columns = recorder_->columns();
+    if (system_.record.csv) recorder_->add(std::make_unique<CsvSink>(columns, *results_file_));
+    if (!system_.record.hdf5) return;
+    auto sink = std::make_unique<Hdf5Sink>(columns, folder_->reserve("results.h5"));
+    hdf5_ = sink.get();
+    // A file that was being written when its process was killed may be broken: its rows are in results.csv too.
+    if (options_.checkpoint) {
+      copy_csv_rows(results_file_->path(), options_.checkpoint->results_bytes, columns, *sink);
+    }
+    recorder_->add(std::move(sink));
+  }
+
+  /// Parameters of the initialised instances, into HDF5 as well.
+  void put_hdf5_parameters() {
+    if (hdf5_ != nullptr && !system_.record.parameters.empty()) {
+      hdf5_->put_parameters(read_parameters(resolved_, simulation_->ensemble()));
+    }
+  }
+
+  Checkpoint blank_checkpoint(std::int64_t every_ns) const {
+    Checkpoint checkpoint;
+    auto& request = checkpoint.request;
+    request.config = std::filesystem::absolute(options_.config).string();
+    request.sets = options_.sets;
+    for (const auto& file : options_.scenarios) request.scenarios.push_back(std::filesystem::absolute(file).string());
+    request.stop_time = options_.stop_time_s.value_or("");
+    request.isolate = options_.isolate;
+    request.checkpoint_every_ns = every_ns;
+    checkpoint.inputs = hash_.lines;
+    return checkpoint;
   }
 
   void step() {
@@ -188,8 +279,12 @@ class Run {
     report_.steps = simulation_->steps_done();
     report_.rows = recorder_->rows();
     console_.set_log_file(nullptr);
-    const std::initializer_list<std::function<void()>> endings = {
-        [&] { recorder_->flush(); }, [&] { results_file_->close(); }, [&] { log_file_->close(); }};
+    const std::initializer_list<std::function<void()>> endings = {[&] { recorder_->flush(); },
+                                                                  [&] {
+                                                                    if (results_file_ != nullptr)
+                                                                      results_file_->close();
+                                                                  },
+                                                                  [&] { log_file_->close(); }};
     for (const auto& ending : endings) {
       try {
         ending();
@@ -199,6 +294,13 @@ class Run {
       }
     }
     auto json = summary_json(resolved_, hash_, report_, *values_);
+    if (!system_.scenario.empty()) json["scenario"] = scenario_->report(resolved_, report_.simulated_ns);
+    for (const auto& loss : losses_) {
+      if (loss.at_ns < 0) continue;
+      json["lost_instances"][loss.name] = {{"at", to_seconds(loss.at_ns)}, {"error", loss.text}};
+      console_.warning(
+          fmt::format("'{}' was lost at {} s; the others went on without it", loss.name, to_seconds(loss.at_ns)));
+    }
     if (options_.statistics) json["statistics"] = statistics_json(statistics_, simulating_s());
     try {
       OutputFile file(folder_->path() / "summary.json.new");
@@ -210,6 +312,10 @@ class Run {
       std::filesystem::remove(folder_->path() / "summary.json.new", ignored);
       console_.error(error.what());
       if (code == kRanToItsEnd) code = kFailed;
+    }
+    if (code == kRanToItsEnd) {  // there is nothing to go on with
+      std::error_code ignored;
+      std::filesystem::remove(folder_->path() / kCheckpointFile, ignored);
     }
     if (report_.error.empty()) show_end(json);
     if (options_.statistics) {
@@ -226,7 +332,8 @@ class Run {
     console_.line(fmt::format("simulated {} s in {} of stepping, {:.3g} x real time", to_seconds(report_.simulated_ns),
                               short_duration(report_.wall.stepping_s), report_.real_time_factor()));
     show_values(values_->values(), json.at("units"), "");
-    console_.line(fmt::format("results: {} ({} rows, {} columns), {}", results_file_->path().string(), report_.rows,
+    const char* name = system_.record.csv ? "results.csv" : "results.h5";
+    console_.line(fmt::format("results: {} ({} rows, {} columns), {}", (folder_->path() / name).string(), report_.rows,
                               recorder_->columns().size(), (folder_->path() / "summary.json").string()));
   }
 
@@ -260,6 +367,8 @@ class Run {
   InputHash hash_;
   RunReport report_;
   Statistics statistics_;
+  std::vector<InstanceLoss> losses_;
+  std::optional<Scenario> scenario_;
   std::optional<ResultFolder> folder_;
   OutputFile* results_file_ = nullptr;
   OutputFile* log_file_ = nullptr;
@@ -267,6 +376,8 @@ class Run {
   std::optional<KeepResults> keep_results_;
   std::optional<ParameterRecorder> parameters_;
   std::optional<Recorder> recorder_;
+  Hdf5Sink* hdf5_ = nullptr;  // of the recorder; null without one
+  std::optional<Checkpointer> checkpointer_;
   std::list<PictureRecorder> picture_recorders_;  // the simulation holds on to their addresses
   std::optional<SummaryValues> values_;
   std::optional<Outcomes> outcomes_;

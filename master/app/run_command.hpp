@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "mebots/master/checkpoint.hpp"
+
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -11,10 +13,14 @@ namespace mebots::app {
 /// What `mebots run` was asked for.
 struct RunOptions {
   std::filesystem::path config;
-  std::filesystem::path out;               ///< empty = results/<name of the config>
-  std::vector<std::string> sets;           ///< INSTANCE.VARIABLE=VALUE
-  std::optional<std::string> stop_time_s;  ///< as typed
-  bool statistics = false;                 ///< show and write where the wall time went
+  std::filesystem::path out;                      ///< empty = results/<name of the config>
+  std::vector<std::string> sets;                  ///< INSTANCE.VARIABLE=VALUE
+  std::vector<std::string> scenarios;      ///< files with more overrides
+  std::optional<std::string> stop_time_s;         ///< as typed
+  bool statistics = false;                        ///< show and write where the wall time went
+  bool isolate = false;                           ///< every instance in a process of its own
+  std::optional<std::string> checkpoint_every_s;  ///< simulated time, as typed
+  std::optional<master::Checkpoint> checkpoint;   ///< to go on from, in the folder `out`
   bool quiet = false;
 };
 

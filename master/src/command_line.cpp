@@ -1,13 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mebots/master/command_line.hpp"
 
+#include "mebots/master/input_hash.hpp"
 #include "mebots/master/nearest_names.hpp"
 #include "mebots/master/time.hpp"
+
+#include "config/sections.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <charconv>
+#include <fstream>
+#include <sstream>
 
 namespace mebots::master {
 
@@ -28,8 +33,21 @@ void apply_set(SystemDescription& system, const std::string& text) {
   found->parameters.push_back({text.substr(dot + 1, equals - dot - 1), UntypedText{text.substr(equals + 1)}, place});
 }
 
-void apply_stop_time(SystemDescription& system, const std::string& text) {
-  const auto place = fmt::format("--stop-time {}", text);
+std::string apply_scenario(SystemDescription& system, const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  std::ostringstream bytes;
+  if (stream && !std::filesystem::is_directory(file)) bytes << stream.rdbuf();
+  if (!stream || std::filesystem::is_directory(file)) {
+    throw InputError(fmt::format("--scenario {}: this file cannot be read", file.string()));
+  }
+  const auto text = bytes.str();
+  const auto json = parse_json(text, file.string());
+  config::read_scenario_file(JsonNode(json, file.string()), system);
+  return fmt::format("--scenario {} {}", file.filename().string(), sha256(text));
+}
+
+std::int64_t read_duration(const std::string& option, const std::string& text) {
+  const auto place = fmt::format("{} {}", option, text);
   double seconds = 0;
   const auto result = std::from_chars(text.data(), text.data() + text.size(), seconds);
   if (result.ec != std::errc{} || result.ptr != text.data() + text.size()) {
@@ -40,7 +58,12 @@ void apply_stop_time(SystemDescription& system, const std::string& text) {
     throw InputError(
         fmt::format("{}: this is not a whole number of nanoseconds (or longer than {} s)", place, kLongestTimeS));
   }
-  set_stop_time(system, *time_ns, place);
+  if (*time_ns <= 0) throw InputError(fmt::format("{}: this must be a time greater than 0 s", place));
+  return *time_ns;
+}
+
+void apply_stop_time(SystemDescription& system, const std::string& text) {
+  set_stop_time(system, read_duration("--stop-time", text), "--stop-time " + text);
 }
 
 }  // namespace mebots::master

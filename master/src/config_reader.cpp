@@ -24,6 +24,7 @@ constexpr Section kSections[] = {
     {"instances", true, &config::read_instances},
     {"stop_time", true, &config::read_stop_time},
     {"connections", true, &config::read_connections},
+    {"scenario", false, &config::read_scenario},
     {"stop_when", false, &config::read_stop_when},
     {"outcomes", false, &config::read_outcomes},
     {"summary", false, &config::read_summary},

@@ -57,9 +57,17 @@ modeldesc::ModelDescription unpack_and_read(const std::filesystem::path& archive
 }  // namespace
 
 Fmu::Fmu(std::filesystem::path archive)
-    : archive_(std::move(archive)), folder_("mebots"), description_(unpack_and_read(archive_, folder_.path())) {
-  std::filesystem::create_directories(folder_.path() / "resources");  // an FMU may count on it
+    : archive_(std::move(archive)),
+      own_folder_(std::make_unique<UnpackFolder>()),
+      folder_(own_folder_->path()),
+      description_(unpack_and_read(archive_, folder_)) {
+  std::filesystem::create_directories(folder_ / "resources");  // an FMU may count on it
 }
+
+Fmu::Fmu(std::filesystem::path archive, std::filesystem::path folder)
+    : archive_(std::move(archive)),
+      folder_(std::move(folder)),
+      description_(modeldesc::read_xml(folder_ / "modelDescription.xml")) {}
 
 Fmu::~Fmu() {
   if (library_ != nullptr) dlclose(library_);
@@ -76,11 +84,11 @@ void Fmu::load() {
         fmt::format("{}: this FMU is for model exchange only; a co-simulation FMU is needed", archive_.string()));
   }
   const auto& identifier = description_.co_simulation->model_identifier;
-  const auto file = folder_.path() / "binaries" / "linux64" / (identifier + ".so");
+  const auto file = folder_ / "binaries" / "linux64" / (identifier + ".so");
   if (!std::filesystem::exists(file)) {
     throw InputError(
         fmt::format("{}: this FMU has no binary for 64-bit Linux (binaries/linux64/{}.so); its platforms: {}",
-                    archive_.string(), identifier, fmt::join(platforms(folder_.path()), ", ")));
+                    archive_.string(), identifier, fmt::join(platforms(folder_), ", ")));
   }
   library_ = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
   if (library_ == nullptr) {
@@ -103,7 +111,7 @@ void Fmu::load() {
 }
 
 std::string Fmu::resource_uri() const {
-  return file_uri(folder_.path() / "resources");
+  return file_uri(folder_ / "resources");
 }
 
 std::shared_ptr<Fmu> FmuLibrary::open(const std::filesystem::path& archive) {

@@ -37,6 +37,22 @@ class Sha256 {
   std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> context_;
 };
 
+/// Files that texts among the parameters name, as the FMU would open them: from the working folder.
+std::map<std::string, std::filesystem::path> named_files(const SystemDescription& system) {
+  std::map<std::string, std::filesystem::path> files;  // the last assignment to a parameter counts
+  for (const auto& instance : system.instances) {
+    for (const auto& assignment : instance.parameters) {
+      const auto name = instance.name + "." + assignment.variable;
+      files.erase(name);
+      const auto* text = std::get_if<std::string>(&assignment.value);
+      if (const auto* typed = std::get_if<UntypedText>(&assignment.value)) text = &typed->text;
+      std::error_code no_file;
+      if (text != nullptr && std::filesystem::is_regular_file(*text, no_file)) files[name] = *text;
+    }
+  }
+  return files;
+}
+
 }  // namespace
 
 std::string sha256(std::string_view bytes) {
@@ -67,8 +83,13 @@ InputHash hash_inputs(const SystemDescription& system, std::span<const std::stri
     hash.fmus.emplace_back(instance.name, digest);
     lines += fmt::format("fmu {} {}\n", instance.name, digest);
   }
+  for (const auto& [name, file] : named_files(system)) {
+    hash.files.emplace_back(name, sha256_of_file(file));
+    lines += fmt::format("file {} {}\n", name, hash.files.back().second);
+  }
   for (const auto& change : overrides) lines += fmt::format("change {}\n", change);
   hash.all = sha256(lines);
+  hash.lines = std::move(lines);
   return hash;
 }
 

@@ -4,6 +4,7 @@
 #include "mebots/master/input_error.hpp"
 #include "mebots/master/nearest_names.hpp"
 #include "mebots/master/record_choice.hpp"
+#include "mebots/master/scenario.hpp"
 #include "mebots/master/time.hpp"
 
 #include <fmt/format.h>
@@ -78,17 +79,25 @@ VariableName split(std::string_view text) {
   return {std::string(text.substr(0, dot)), std::string(text.substr(dot + 1))};
 }
 
+SlaveOptions changed_by(const Scenario& scenario) {
+  SlaveOptions options;
+  options.scenario = &scenario;
+  return options;
+}
+
 }  // namespace
 
 struct Mission::Running {
   Running(const SystemDescription& description, const std::function<void(const Message&)>& on_message)
       : listener(on_message),
         system(resolve(description, library)),
-        simulation(system, listener),
+        scenario(system),
+        simulation(system, listener, changed_by(scenario)),
         recorder(system, simulation.ensemble()),
         outcomes(system, simulation.ensemble()),
         stop_conditions(system, simulation.ensemble()) {
-    for (Observer* observer : std::initializer_list<Observer*>{&recorder, &outcomes, &stop_conditions})
+    scenario.watch(system, simulation.ensemble());
+    for (Observer* observer : std::initializer_list<Observer*>{&scenario, &recorder, &outcomes, &stop_conditions})
       simulation.add(*observer);
     simulation.initialize();
   }
@@ -96,6 +105,7 @@ struct Mission::Running {
   Listener listener;
   FmuLibrary library;
   ResolvedSystem system;
+  Scenario scenario;
   Simulation simulation;
   MemoryRecorder recorder;
   Outcomes outcomes;

@@ -88,10 +88,13 @@ std::vector<std::string> log_categories(const SystemDescription& system, const I
 void check_single_use(const ResolvedSystem& system) {
   std::map<const Fmu*, std::string> users;
   for (const auto& instance : system.instances) {
+    if (instance.description->isolation.alone()) continue;
     const auto [user, first] = users.emplace(instance.fmu.get(), instance.description->name);
     if (!first && instance.fmu->description().co_simulation->can_be_instantiated_only_once_per_process) {
-      throw InputError(fmt::format("{}: {} allows one instance per process, and instance '{}' is one already",
-                                   instance.description->place, instance.fmu->archive().string(), user->second));
+      throw InputError(
+          fmt::format("{}: {} allows one instance per process, and instance '{}' is one already; "
+                      "give one of them \"process\": \"own\"",
+                      instance.description->place, instance.fmu->archive().string(), user->second));
     }
   }
 }
@@ -168,7 +171,8 @@ ResolvedSystem resolve(const SystemDescription& description, FmuLibrary& library
     resolved.description = &instance;
     try {
       resolved.fmu = library.open(instance.fmu_path);
-      resolved.fmu->functions();  // a missing library or function shows now
+      // A missing library or function shows now; foreign code that gets its own process is never loaded in this one.
+      if (!instance.isolation.alone()) resolved.fmu->functions();
     } catch (const InputError& error) {
       throw InputError(fmt::format("{}/fmu: {}", instance.place, error.what()));
     }

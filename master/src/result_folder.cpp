@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 namespace mebots::master {
 ResultFolder::ResultFolder(std::filesystem::path path) : path_(std::move(path)) {
   std::error_code error;
@@ -21,15 +23,20 @@ ResultFolder::ResultFolder(std::filesystem::path path) : path_(std::move(path)) 
 ResultFolder::~ResultFolder() {
   if (kept_) return;
   std::error_code ignored;
-  for (const auto& [file, name] : waiting_) std::filesystem::remove(file->path(), ignored);
+  for (const auto& waiting : waiting_) std::filesystem::remove(waiting.now, ignored);
   for (const auto& folder : made_) std::filesystem::remove(folder, ignored);  // only where it is empty
 }
 
 OutputFile& ResultFolder::create(std::string_view name) {
-  const auto final_path = path_ / name;
-  auto& file = files_.emplace_back(final_path.string() + ".new");
-  waiting_.emplace_back(&file, final_path);
+  auto& file = files_.emplace_back(reserve(name));
+  waiting_.back().file = &file;
   return file;
+}
+
+std::filesystem::path ResultFolder::reserve(std::string_view name) {
+  const auto later = path_ / name;
+  waiting_.push_back({later.string() + ".new", later, nullptr});
+  return waiting_.back().now;
 }
 
 OutputFile& ResultFolder::reopen(std::string_view name) {
@@ -40,13 +47,22 @@ void ResultFolder::keep(std::initializer_list<std::string_view> outdated) {
   kept_ = true;
   std::error_code error;
   for (const auto name : outdated) {
+    const auto replaced = [&](const Waiting& waiting) { return waiting.later == path_ / name; };
+    if (std::any_of(waiting_.begin(), waiting_.end(), replaced)) continue;
     std::filesystem::remove(path_ / name, error);
     if (error) {
       throw InputError(fmt::format("{}: this file of an earlier run cannot be removed: {}", (path_ / name).string(),
                                    error.message()));
     }
   }
-  for (const auto& [file, name] : waiting_) file->rename(name);
+  for (const auto& [now, later, file] : waiting_) {
+    if (file != nullptr) {
+      file->rename(later);
+      continue;
+    }
+    std::filesystem::rename(now, later, error);
+    if (error) throw InputError(fmt::format("{}: the file cannot be replaced: {}", later.string(), error.message()));
+  }
   waiting_.clear();
 }
 

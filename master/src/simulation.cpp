@@ -53,6 +53,11 @@ void Simulation::initialize() {
   reach_point();
 }
 
+void Simulation::resume(std::span<const std::byte> bytes) {
+  ensemble_.initialize(system_->description->stop_time_ns);
+  restore_state(deserialize(bytes));
+}
+
 void Simulation::reach_point() {
   const Point point{step_, time_ns()};
   std::optional<std::string> wish;

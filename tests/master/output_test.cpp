@@ -114,7 +114,9 @@ TEST(Statistics, CountTheCallsToEveryInstance) {
       "a": {"fmu": "PROBE", "parameters": {"fault": "slow", "fault_time": 0.5}}, "b": {"fmu": "PROBE", "step": 0.5}},
       "connections": []})");
   Statistics statistics;
-  Simulation simulation(plain.system, plain.messages, {&statistics});
+  SlaveOptions options;
+  options.statistics = &statistics;
+  Simulation simulation(plain.system, plain.messages, options);
   simulation.initialize();
   while (simulation.step()) {
   }

@@ -37,8 +37,13 @@ TestRun::TestRun(const std::string& config) {
   write_file(path, with_probe(config));
   description = master::read_config(path);
   system = master::resolve(description, library);
-  simulation_.emplace(system, messages);
+  scenario.emplace(system);
+  master::SlaveOptions slaves;
+  slaves.scenario = &*scenario;
+  simulation_.emplace(system, messages, slaves);
   auto& ensemble = simulation_->ensemble();
+  scenario->watch(system, ensemble);
+  simulation_->add(*scenario);
   file.emplace(folder.path() / "results.csv");
   recorder.emplace(system, ensemble);
   recorder->add(std::make_unique<master::CsvSink>(recorder->columns(), *file));

@@ -5,6 +5,7 @@
 #include "mebots/master/csv_sink.hpp"
 #include "mebots/master/record_choice.hpp"
 #include "mebots/master/recorder.hpp"
+#include "mebots/master/scenario.hpp"
 #include "mebots/master/simulation.hpp"
 #include "mebots/modeldesc/archive.hpp"
 
@@ -61,6 +62,7 @@ class TestRun {
   master::SystemDescription description;
   master::ResolvedSystem system;
   std::optional<master::OutputFile> file;
+  std::optional<master::Scenario> scenario;
   std::optional<master::Recorder> recorder;
   std::optional<master::Outcomes> outcomes;
   std::optional<master::StopConditions> stop_conditions;

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace mebots::master::config {
 namespace {
@@ -51,6 +52,43 @@ void read_step_multiple(const JsonNode& node, InstanceDescription& instance, con
   }
 }
 
+void read_process(const JsonNode& node, InstanceDescription& instance, const SystemDescription& /*system*/) {
+  const auto process = node.string();
+  if (process != "own" && process != "shared") {
+    node.fail(fmt::format("'{}' is neither 'own' (a process for this instance) nor 'shared' (the master's)", process));
+  }
+  instance.isolation.own_process = process == "own";
+}
+
+/// Nobody can end a call, or bound the memory, of an FMU inside the master's process.
+void need_own_process(const JsonNode& node, const InstanceDescription& instance) {
+  if (instance.isolation.own_process == false) node.fail("this needs \"process\": \"own\"");
+}
+
+void read_deadline(const JsonNode& node, InstanceDescription& instance, const SystemDescription& /*system*/) {
+  need_own_process(node, instance);
+  instance.isolation.deadline_s = node.number();
+  if (!(*instance.isolation.deadline_s > 0)) node.fail("a deadline is a time greater than 0 s");
+}
+
+void read_memory_limit(const JsonNode& node, InstanceDescription& instance, const SystemDescription& /*system*/) {
+  constexpr double kLargestMb = 1 << 24;  // 16 TiB
+  need_own_process(node, instance);
+  const double limit_mb = node.number();
+  if (limit_mb < 1 || limit_mb > kLargestMb || limit_mb != std::floor(limit_mb)) {
+    node.fail(fmt::format("the limit must be a whole number of MiB from 1 to {}", kLargestMb));
+  }
+  instance.isolation.memory_bytes = static_cast<std::uint64_t>(limit_mb) << 20;
+}
+
+void read_on_failure(const JsonNode& node, InstanceDescription& instance, const SystemDescription& /*system*/) {
+  const auto wish = node.string();
+  if (wish != "stop" && wish != "continue") {
+    node.fail(fmt::format("'{}' is neither 'stop' (the run ends) nor 'continue' (the others go on)", wish));
+  }
+  instance.isolation.go_on_without = wish == "continue";
+}
+
 void read_instance_text(const JsonNode& node, InstanceDescription& /*instance*/, const SystemDescription& /*system*/) {
   node.string();  // for people only
 }
@@ -65,6 +103,10 @@ constexpr Key kKeys[] = {
     {"fmu", true, &read_fmu},
     {"parameters", false, &read_parameters},
     {"step", false, &read_step_multiple},
+    {"process", false, &read_process},  // before those that need one of its own
+    {"deadline", false, &read_deadline},
+    {"memory_limit_mb", false, &read_memory_limit},
+    {"on_failure", false, &read_on_failure},
     {"text", false, &read_instance_text},
 };
 

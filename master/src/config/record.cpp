@@ -22,6 +22,15 @@ std::vector<RecordPattern> read_parameters(const JsonNode& node) {
   return node.boolean() ? std::vector<RecordPattern>{{"*", node.place()}} : std::vector<RecordPattern>{};
 }
 
+void read_format(const JsonNode& node, RecordDescription& record) {
+  const auto format = node.string();
+  if (format != "csv" && format != "hdf5" && format != "both") {
+    node.fail(fmt::format("'{}' is none of 'csv', 'hdf5' and 'both'", format));
+  }
+  record.csv = format != "hdf5";
+  record.hdf5 = format != "csv";
+}
+
 }  // namespace
 
 void read_record(const JsonNode& node, SystemDescription& system) {
@@ -30,10 +39,11 @@ void read_record(const JsonNode& node, SystemDescription& system) {
     record.patterns = read_patterns(node);
     return;
   }
-  node.expect_keys({"variables", "exclude", "interval", "parameters", "texts"});
+  node.expect_keys({"variables", "exclude", "interval", "parameters", "texts", "format"});
   if (const auto patterns = node.find("variables")) record.patterns = read_patterns(*patterns);
   if (const auto patterns = node.find("exclude")) record.exclude = read_patterns(*patterns);
   if (const auto parameters = node.find("parameters")) record.parameters = read_parameters(*parameters);
+  if (const auto format = node.find("format")) read_format(*format, record);
   if (const auto texts = node.find("texts")) record.texts = texts->boolean();
   if (const auto interval = node.find("interval")) {
     record.interval_ns = interval->nanoseconds();

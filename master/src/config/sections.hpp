@@ -13,6 +13,9 @@ void read_step(const JsonNode& node, SystemDescription& system);
 void read_instances(const JsonNode& node, SystemDescription& system);
 void read_stop_time(const JsonNode& node, SystemDescription& system);
 void read_connections(const JsonNode& node, SystemDescription& system);
+void read_scenario(const JsonNode& node, SystemDescription& system);
+/// The whole of a scenario file: `text` and `scenario`.
+void read_scenario_file(const JsonNode& root, SystemDescription& system);
 void read_stop_when(const JsonNode& node, SystemDescription& system);
 void read_outcomes(const JsonNode& node, SystemDescription& system);
 void read_summary(const JsonNode& node, SystemDescription& system);

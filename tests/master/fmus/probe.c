@@ -11,8 +11,10 @@
 
 #include <math.h>
 #include <signal.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 #include <unistd.h>
 
 #ifndef GUID
@@ -54,6 +56,8 @@ typedef struct {
   State state;
   fmi2CallbackFunctions callbacks;
   char name[TEXT_SIZE];
+  int zero;    // what no compiler knows
+  int* null;
 } Probe;
 
 static void say(Probe* p, fmi2Status status, const char* category, const char* text, double value) {
@@ -201,6 +205,26 @@ FMI2_EXPORT fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference r
   return fmi2OK;
 }
 
+static void read_past_a_file(void) {
+  FILE* file = tmpfile();
+  volatile char* bytes = mmap(NULL, 4096, PROT_READ | PROT_WRITE, MAP_SHARED, fileno(file), 0);
+  bytes[0] = 1;
+}
+
+static int deeper(int depth) {
+  volatile char frame[4096];
+  frame[depth % 4096] = (char)depth;
+  return deeper(depth + 1) + frame[(depth + 1) % 4096];
+}
+
+// As many programs do: the memory that is not there is used all the same.
+static void take_all_memory(void) {
+  for (;;) {
+    const size_t size = 16 << 20;
+    memset(malloc(size), 1, size);
+  }
+}
+
 static fmi2Status misbehave(Probe* p, const char* fault) {
   if (strcmp(fault, "warning") == 0) {
     say(p, fmi2Warning, "logStatusWarning", "something is odd", p->state.time);
@@ -219,7 +243,30 @@ static fmi2Status misbehave(Probe* p, const char* fault) {
   if (strcmp(fault, "nan") == 0) p->state.reals[REAL_OUT] = NAN;
   if (strcmp(fault, "infinity") == 0) p->state.reals[INTEGRAL] = -INFINITY;
   if (strcmp(fault, "slow") == 0) usleep(20000);
+  if (strcmp(fault, "nap") == 0) usleep(1500);
   if (strcmp(fault, "crash") == 0) raise(SIGSEGV);
+  if (strcmp(fault, "null") == 0) *(volatile int*)p->null = 1;
+  if (strcmp(fault, "bus") == 0) read_past_a_file();
+  if (strcmp(fault, "division") == 0) p->state.integers[STEPS] /= p->zero;
+  if (strcmp(fault, "illegal") == 0) __builtin_trap();
+  if (strcmp(fault, "abort") == 0) abort();
+  if (strcmp(fault, "exit") == 0) exit(3);
+  if (strcmp(fault, "hang") == 0) {
+    while (p->zero == 0) usleep(1000);
+  }
+  if (strcmp(fault, "stack") == 0) p->state.integers[STEPS] = deeper(p->state.integers[STEPS]);
+  if (strcmp(fault, "memory") == 0) take_all_memory();
+  if (strcmp(fault, "close") == 0) {
+    for (int file = 0; file < 1024; ++file) close(file);
+  }
+  if (strcmp(fault, "kill_parent") == 0) {
+    kill(getppid(), SIGKILL);
+    kill(-getpgid(getppid()), SIGKILL);
+  }
+  if (strcmp(fault, "kill_group") == 0) kill(0, SIGKILL);
+  if (strcmp(fault, "orphan") == 0 && fork() == 0) {
+    for (;;) pause();
+  }
   return fmi2OK;
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "mebots/modeldesc/archive.hpp"
+#include "mebots/master/unpack_folder.hpp"
 #include "mebots/modeldesc/model_description.hpp"
 
 #include <filesystem>
@@ -24,11 +24,15 @@ class Fmu {
  public:
   /// Throws InputError for anything that is not an FMU of version 2.0 for co-simulation.
   explicit Fmu(std::filesystem::path archive);
+  /// One that another process has unpacked into `folder`, and will remove.
+  Fmu(std::filesystem::path archive, std::filesystem::path folder);
   ~Fmu();
   Fmu(const Fmu&) = delete;
   Fmu& operator=(const Fmu&) = delete;
 
   const std::filesystem::path& archive() const { return archive_; }
+  /// Where it is unpacked.
+  const std::filesystem::path& folder() const { return folder_; }
   const modeldesc::ModelDescription& description() const { return description_; }
   /// The FMU's functions. Loads its shared library on the first call; throws InputError naming the
   /// missing library or function when that fails.
@@ -40,7 +44,8 @@ class Fmu {
   void load();
 
   std::filesystem::path archive_;
-  modeldesc::TemporaryFolder folder_;
+  std::unique_ptr<UnpackFolder> own_folder_;  // null when another process unpacked it
+  std::filesystem::path folder_;
   modeldesc::ModelDescription description_;
   void* library_ = nullptr;
   std::unique_ptr<Fmi2Functions> functions_;

@@ -6,7 +6,6 @@
 #include <filesystem>
 #include <list>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 namespace mebots::master {
@@ -24,6 +23,8 @@ class ResultFolder {
 
   /// A new file of this name. Lives as long as the folder object. Throws InputError.
   OutputFile& create(std::string_view name);
+  /// The path of a new file that somebody else writes; it gets its name with keep(), too.
+  std::filesystem::path reserve(std::string_view name);
   /// A file that an earlier run left, to go on writing at its end. Throws InputError.
   OutputFile& reopen(std::string_view name);
 
@@ -38,7 +39,12 @@ class ResultFolder {
   std::filesystem::path path_;
   std::vector<std::filesystem::path> made_;  // folders, from the innermost outwards
   std::list<OutputFile> files_;
-  std::vector<std::pair<OutputFile*, std::filesystem::path>> waiting_;  // with the names that they shall have
+  struct Waiting {
+    std::filesystem::path now;
+    std::filesystem::path later;
+    OutputFile* file;  // null for one that somebody else writes
+  };
+  std::vector<Waiting> waiting_;
   bool kept_ = false;
 };
 

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <exception>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -52,6 +53,9 @@ class Simulation {
 
   /// To t = 0. Throws as Ensemble::initialize does.
   void initialize();
+
+  /// Instead of initialize(): to where serialize() was called, in this process or another. Throws as both do.
+  void resume(std::span<const std::byte> bytes);
 
   /// Takes one communication step. Returns false, and takes no step, when the end was reached: see end().
   bool step();

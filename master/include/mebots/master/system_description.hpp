@@ -39,12 +39,26 @@ struct Assignment {
   std::string place;
 };
 
+/// Where an instance runs, and what its failures may cost.
+struct IsolationDescription {
+  std::optional<bool> own_process;            ///< as written
+  std::optional<double> deadline_s;           ///< of each call, by the wall clock
+  std::optional<std::uint64_t> memory_bytes;  ///< of its own process
+  bool go_on_without = false;                 ///< when it fails, the others go on
+
+  static constexpr std::uint64_t kDefaultMemoryBytes = std::uint64_t{1024} << 20;
+
+  /// Whether it runs in a process of its own: where that is asked for, or needed for what is asked for.
+  bool alone() const { return own_process.value_or(deadline_s.has_value() || memory_bytes.has_value()); }
+};
+
 struct InstanceDescription {
   std::string name;
   std::string fmu;                 ///< as written
   std::filesystem::path fmu_path;  ///< absolute
   std::vector<Assignment> parameters;
   std::int64_t step_ns = 0;  ///< a multiple of the system's step
+  IsolationDescription isolation;
   std::string place;
 };
 
@@ -72,6 +86,25 @@ struct OutcomeDescription {
   std::vector<ConditionDescription> when;
 };
 
+enum class OverrideAction { set, offset, scale, freeze, noise, ramp };
+
+/// One entry of a scenario: what happens to a variable, and when.
+struct OverrideDescription {
+  std::string text;  ///< for people
+  VariableName variable;
+  OverrideAction action = OverrideAction::set;
+  WrittenValue value;                        ///< `set`
+  double number = 0;                         ///< `offset`, `scale`, standard deviation of `noise`, goal of `ramp`
+  std::string unit;                          ///< as written, to be checked; may be empty
+  std::uint64_t seed = 0;                    ///< `noise`
+  std::int64_t over_ns = 0;                  ///< `ramp`: time from the value found to the goal
+  std::int64_t from_ns = 0;                  ///< with `when`: the condition counts from then on
+  std::optional<std::int64_t> until_ns;      ///< not acting any more at this time
+  std::optional<ConditionDescription> when;  ///< begins when this has held for its time, once
+  std::optional<std::int64_t> duration_ns;   ///< from its beginning
+  std::string place;
+};
+
 /// A final value for summary.json, under `path` (labels from outside to inside).
 struct SummaryEntry {
   std::vector<std::string> path;
@@ -89,6 +122,8 @@ struct RecordDescription {
   std::optional<std::vector<RecordPattern>> patterns;  ///< nothing = every Real, Integer and Boolean output
   std::vector<RecordPattern> exclude;                  ///< what fits one of these is left out
   std::vector<RecordPattern> parameters;               ///< recorded once, at t = 0
+  bool csv = true;                                     ///< into results.csv
+  bool hdf5 = false;                                   ///< into results.h5
   bool texts = false;                                  ///< patterns, and the lack of them, choose texts too
   std::int64_t interval_ns = 0;                        ///< 0 = every communication point
 };
@@ -124,6 +159,7 @@ struct SystemDescription {
   std::vector<ConnectionDescription> connections;
   std::vector<ConditionDescription> stop_when;  ///< any one of them ends the run
   std::vector<OutcomeDescription> outcomes;     ///< the first that holds is the outcome
+  std::vector<OverrideDescription> scenario;    ///< overrides of one variable act in this order
   std::vector<SummaryEntry> summary;
   RecordDescription record;
   std::vector<PictureDescription> pictures;

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+// What recording costs the simulation per communication point: ten Real variables whose 17 digits change at every row.
+//
+//     recorder_cost FILE.fmu    (the probe of tests/master: build/release/tests/master/fmus/probe.fmu)
+#include "mebots/master/csv_sink.hpp"
+#include "mebots/master/recorder.hpp"
+#include "mebots/master/simulation.hpp"
+#include "mebots/modeldesc/archive.hpp"
+
+#include <benchmark/benchmark.h>
+#include <fmt/format.h>
+
+#include <fstream>
+
+namespace {
+
+using namespace mebots::master;
+
+std::string fmu;
+
+class Silent final : public MessageSink {
+ public:
+  void message(const Message& /*message*/) override {}
+};
+
+/// Five instances in a ring whose values never repeat.
+class Ring {
+ public:
+  Ring() {
+    std::string instances;
+    std::string connections;
+    for (int i = 0; i < 5; ++i) {
+      instances += fmt::format(
+          R"({}"i{}": {{"fmu": "{}", "parameters": {{"gain": -0.9, "offset": {}}}}})", i == 0 ? "" : ", ", i, fmu, 0.3 + i);
+      connections += fmt::format(R"({}{{"from": "i{}.real_out", "to": "i{}.real_in"}})", i == 0 ? "" : ", ", i, (i + 1) % 5);
+    }
+    const auto config = folder_.path() / "ring.json";
+    std::ofstream(config) << fmt::format(
+        R"({{"step": 0.001, "stop_time": 1000000, "instances": {{{}}}, "connections": [{}], "record": ["*.real_out", "*.integral"]}})",
+        instances, connections);
+    description_ = read_config(config);
+    system_ = resolve(description_, library_);
+    simulation_.emplace(system_, silent_);
+  }
+
+  Simulation& simulation() { return *simulation_; }
+  const ResolvedSystem& system() const { return system_; }
+  const std::filesystem::path& folder() const { return folder_.path(); }
+
+ private:
+  mebots::modeldesc::TemporaryFolder folder_{"mebots-bench"};
+  Silent silent_;
+  FmuLibrary library_;
+  SystemDescription description_;
+  ResolvedSystem system_;
+  std::optional<Simulation> simulation_;
+};
+
+/// Steps alone.
+void steps(benchmark::State& state) {
+  Ring ring;
+  const Recorder watched(ring.system(), ring.simulation().ensemble());  // the same values are read
+  ring.simulation().initialize();
+  for (auto _ : state) ring.simulation().step();
+}
+
+/// Steps with results.csv of every one. Less `steps`, this is what recording costs.
+void steps_with_csv(benchmark::State& state) {
+  Ring ring;
+  OutputFile file(ring.folder() / "results.csv");
+  Recorder recorder(ring.system(), ring.simulation().ensemble());
+  recorder.add(std::make_unique<CsvSink>(recorder.columns(), file));
+  ring.simulation().add(recorder);
+  ring.simulation().initialize();
+  for (auto _ : state) ring.simulation().step();
+  recorder.flush();
+}
+
+/// The recorder's share on the simulation's thread: one row of ten values.
+void rows(benchmark::State& state) {
+  Ring ring;
+  OutputFile file("/dev/null");
+  Recorder recorder(ring.system(), ring.simulation().ensemble());
+  recorder.add(std::make_unique<CsvSink>(recorder.columns(), file));
+  ring.simulation().initialize();
+  for (int i = 0; i < 1000; ++i) ring.simulation().step();
+  std::int64_t step = 0;
+  for (auto _ : state) {
+    recorder.reached({step, step * 1'000'000});
+    ++step;
+  }
+}
+
+BENCHMARK(steps);
+BENCHMARK(steps_with_csv);
+BENCHMARK(rows);
+
+}  // namespace
+
+int main(int argument_count, char** arguments) {
+  benchmark::Initialize(&argument_count, arguments);
+  if (argument_count != 2) {
+    fmt::print(stderr, "recorder_cost: name the probe FMU\n");
+    return 2;
+  }
+  fmu = std::filesystem::absolute(arguments[1]).string();
+  benchmark::RunSpecifiedBenchmarks();
+  return 0;
+}

@@ -1,0 +1,10 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+namespace mebots::master {
+
+/// What the program `mebots-fmu-host` does: runs one FMU on behalf of the master that started it, until that
+/// closes it. `arguments`: the master's process number and the memory limit in bytes. Returns the exit code.
+int run_fmu_host(int argument_count, char** arguments);
+
+}  // namespace mebots::master

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "mebots/modeldesc/archive.hpp"
+
+#include <filesystem>
+
+namespace mebots::master {
+
+/// A temporary folder for an unpacked FMU, which goes with this object. A process that is killed leaves its folders
+/// behind; whoever makes the next one removes those whose owner is gone.
+class UnpackFolder {
+ public:
+  /// Throws Error when there is no place for temporary files.
+  UnpackFolder();
+  ~UnpackFolder();
+  UnpackFolder(const UnpackFolder&) = delete;
+  UnpackFolder& operator=(const UnpackFolder&) = delete;
+
+  /// Where to unpack to.
+  std::filesystem::path path() const { return folder_.path() / "fmu"; }
+
+ private:
+  modeldesc::TemporaryFolder folder_;
+  int lock_ = -1;  // held for as long as this process lives
+};
+
+/// Removes the folders that processes of this user left behind when they were killed.
+void remove_abandoned_unpack_folders();
+
+}  // namespace mebots::master

@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "child_process.hpp"
+
+#include "mebots/error.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <dlfcn.h>
+#include <fcntl.h>
+#include <spawn.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <cstring>
+#include <thread>
+
+namespace mebots::master::isolation {
+namespace {
+
+/// Of what posix_spawn wants to know; frees itself.
+struct SpawnSettings {
+  posix_spawn_file_actions_t actions{};
+  posix_spawnattr_t attributes{};
+
+  SpawnSettings() {
+    posix_spawn_file_actions_init(&actions);
+    posix_spawnattr_init(&attributes);
+  }
+  ~SpawnSettings() {
+    posix_spawn_file_actions_destroy(&actions);
+    posix_spawnattr_destroy(&attributes);
+  }
+  SpawnSettings(const SpawnSettings&) = delete;
+  SpawnSettings& operator=(const SpawnSettings&) = delete;
+};
+
+}  // namespace
+
+ChildProcess::ChildProcess(const std::filesystem::path& program, const std::vector<std::string>& arguments,
+                           const std::array<int, 4>& descriptors) {
+  SpawnSettings settings;
+  posix_spawn_file_actions_addopen(&settings.actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+  int target = STDERR_FILENO + 1;
+  for (const int descriptor : descriptors) {
+    posix_spawn_file_actions_adddup2(&settings.actions, descriptor, target++);
+  }
+  posix_spawn_file_actions_addclosefrom_np(&settings.actions, target);
+  sigset_t none;
+  sigset_t all;
+  sigemptyset(&none);
+  sigfillset(&all);
+  posix_spawnattr_setsigmask(&settings.attributes, &none);
+  posix_spawnattr_setsigdefault(&settings.attributes, &all);
+  posix_spawnattr_setflags(&settings.attributes, POSIX_SPAWN_SETSID | POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
+  std::vector<std::string> words = arguments;
+  words.insert(words.begin(), program.string());
+  std::vector<char*> pointers;
+  for (auto& word : words) pointers.push_back(word.data());
+  pointers.push_back(nullptr);
+  const int error =
+      posix_spawn(&pid_, program.c_str(), &settings.actions, &settings.attributes, pointers.data(), environ);
+  if (error != 0) {
+    throw Error(fmt::format("{}: this program cannot be started: {}", program.string(), std::strerror(error)));
+  }
+}
+
+ChildProcess::~ChildProcess() {
+  kill();
+}
+
+std::optional<ProcessEnd> ChildProcess::ended() {
+  if (end_) return end_;
+  // The group is ended before its leader is forgotten: the number could belong to somebody else afterwards.
+  siginfo_t info{};
+  if (waitid(P_PID, static_cast<id_t>(pid_), &info, WEXITED | WNOHANG | WNOWAIT) != 0) {
+    end_ = ProcessEnd{};  // somebody else waited for it: how it ended is unknown
+    return end_;
+  }
+  if (info.si_pid == 0) return std::nullopt;
+  ::kill(-pid_, SIGKILL);
+  int status = 0;
+  rusage usage{};
+  while (wait4(pid_, &status, 0, &usage) < 0 && errno == EINTR) {
+  }
+  const bool by_signal = WIFSIGNALED(status);
+  end_ = ProcessEnd{by_signal, by_signal ? WTERMSIG(status) : WEXITSTATUS(status), usage.ru_maxrss};
+  return end_;
+}
+
+std::optional<ProcessEnd> ChildProcess::ended_within(double seconds) {
+  const auto until = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
+  while (!ended() && std::chrono::steady_clock::now() < until) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  return end_;
+}
+
+void ChildProcess::kill() {
+  if (ended()) return;
+  ::kill(-pid_, SIGKILL);
+  ::kill(pid_, SIGKILL);  // it may have left its group
+  while (!ended()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+}
+
+std::string signal_text(int signal) {
+  const auto* name = sigabbrev_np(signal);
+  const auto* meaning = [&] {
+    switch (signal) {
+      case SIGSEGV:
+        return "invalid memory access";
+      case SIGBUS:
+        return "memory that its file does not back";
+      case SIGFPE:
+        return "arithmetic error";
+      case SIGILL:
+        return "illegal instruction";
+      case SIGABRT:
+        return "abort";
+      case SIGKILL:
+        return "killed from outside, or for lack of memory";
+      default:
+        return sigdescr_np(signal);
+    }
+  }();
+  return fmt::format("signal {} (SIG{}, {})", signal, name == nullptr ? "?" : name, meaning == nullptr ? "?" : meaning);
+}
+
+std::filesystem::path find_fmu_host() {
+  std::vector<std::filesystem::path> folders;
+  std::error_code ignored;
+  if (const char* chosen = std::getenv("MEBOTS_FMU_HOST"); chosen != nullptr) return chosen;
+  const auto program = std::filesystem::read_symlink("/proc/self/exe", ignored);
+  if (!program.empty()) folders.push_back(program.parent_path());
+  Dl_info info{};
+  if (dladdr(reinterpret_cast<const void*>(&find_fmu_host), &info) != 0 && info.dli_fname != nullptr) {
+    const auto library = std::filesystem::weakly_canonical(info.dli_fname, ignored).parent_path();
+    folders.push_back(library);
+    folders.push_back(library.parent_path() / "bin");
+  }
+  for (const auto& folder : folders) {
+    if (std::filesystem::exists(folder / "mebots-fmu-host", ignored)) return folder / "mebots-fmu-host";
+  }
+  std::vector<std::string> names;
+  for (const auto& folder : folders) names.push_back(folder.string());
+  throw Error(
+      fmt::format("the program mebots-fmu-host, which runs an FMU in a process of its own, is in none of {}; set "
+                  "MEBOTS_FMU_HOST to its path",
+                  fmt::join(names, ", ")));
+}
+
+}  // namespace mebots::master::isolation

@@ -1,0 +1,315 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mebots/master/fmu_host.hpp"
+#include "mebots/master/fmu_slave.hpp"
+#include "mebots/master/input_error.hpp"
+
+#include "guard.hpp"
+#include "osmp.hpp"
+#include "protocol.hpp"
+
+#include <unistd.h>
+
+#include <charconv>
+#include <cstdio>
+#include <map>
+#include <mutex>
+#include <new>
+#include <string_view>
+
+namespace mebots::master {
+namespace {
+
+using namespace isolation;
+
+/// Puts the FMU's messages where the master finds them, even when the call never ends.
+class SharedLog final : public MessageSink {
+ public:
+  SharedLog(SharedBuffer& buffer, Control& control) : writer_(buffer), control_(&control) {}
+
+  void message(const Message& message) override {
+    const std::lock_guard lock(mutex_);  // an FMU may log from threads of its own
+    writer_.put(static_cast<std::uint8_t>(message.severity));
+    writer_.put(message.time_ns);
+    writer_.put(message.category);
+    writer_.put(message.text);
+    control_->log_bytes.store(writer_.size(), std::memory_order_release);
+  }
+  /// The master has read them all.
+  void clear() {
+    const std::lock_guard lock(mutex_);
+    writer_.clear();
+    control_->log_bytes.store(0, std::memory_order_release);
+  }
+
+ private:
+  std::mutex mutex_;
+  SharedWriter writer_;
+  Control* control_;
+};
+
+class Host {
+ public:
+  Host()
+      : control_buffer_(kHostDescriptors[0]),
+        command_buffer_(kHostDescriptors[1]),
+        answer_buffer_(kHostDescriptors[2]),
+        log_buffer_(kHostDescriptors[3]),
+        control_(reinterpret_cast<Control*>(control_buffer_.data())),
+        log_(log_buffer_, *control_),
+        answers_(answer_buffer_) {}
+
+  Control& control() { return *control_; }
+
+  /// Until the master closes the instance, or is gone.
+  void serve(pid_t master) {
+    constexpr std::int64_t kLookAroundNs = 1'000'000'000;
+    std::uint32_t batches = 0;
+    while (!closed_) {
+      while (!control_->asked.wait(batches, kLookAroundNs)) {
+        if (getppid() != master) return;
+      }
+      ++batches;
+      log_.clear();
+      answers_.clear();
+      do_batch();
+      control_->answer_bytes.store(answers_.size(), std::memory_order_relaxed);
+      control_->answered.pass();
+    }
+  }
+
+ private:
+  void do_batch() {
+    SharedReader commands(command_buffer_.bytes(control_->command_bytes.load(std::memory_order_relaxed)));
+    while (!commands.at_end()) {
+      const auto call = commands.get<Call>();
+      control_->call.store(call, std::memory_order_relaxed);
+      control_->calls.fetch_add(1, std::memory_order_release);
+      if (!answer(call, commands)) return;  // what was to follow makes no sense any more
+    }
+  }
+
+  /// Does one call and writes its answer. False when the batch ends with it.
+  bool answer(Call call, SharedReader& commands) {
+    try {
+      return dispatch(call, commands);
+    } catch (const SlaveError& error) {
+      put_error(Answer::slave_error, error.what());
+    } catch (const InputError& error) {
+      put_error(Answer::input_error, error.what());
+    } catch (const std::exception& error) {
+      put_error(Answer::error, error.what());
+    }
+    return false;
+  }
+
+  void put_error(Answer kind, std::string_view text) {
+    answers_.put(kind);
+    answers_.put(text);
+  }
+
+  void put_done() { answers_.put(Answer::done); }
+
+  bool dispatch(Call call, SharedReader& commands) {
+    switch (call) {
+      case Call::open:
+        open(commands);
+        break;
+      case Call::setup_experiment: {
+        const auto start_ns = commands.get<std::int64_t>();
+        slave_->setup_experiment(start_ns, commands.get<std::int64_t>());
+        break;
+      }
+      case Call::enter_initialization:
+        slave_->enter_initialization();
+        break;
+      case Call::exit_initialization:
+        slave_->exit_initialization();
+        break;
+      case Call::step:
+        return step(commands);
+      case Call::terminate:
+        slave_->terminate();
+        break;
+      case Call::get_reals:
+        get_numbers<double>(commands, [&](auto references, auto values) { slave_->get_reals(references, values); });
+        return true;
+      case Call::get_integers:
+        get_integers(commands);
+        return true;
+      case Call::get_booleans:
+        get_numbers<std::int32_t>(commands,
+                                  [&](auto references, auto values) { slave_->get_booleans(references, values); });
+        return true;
+      case Call::get_strings:
+        get_strings(commands);
+        return true;
+      case Call::set_reals: {
+        const auto references = commands.get_vector<ValueReference>();
+        slave_->set_reals(references, commands.get_vector<double>());
+        break;
+      }
+      case Call::set_integers:
+        set_integers(commands);
+        break;
+      case Call::set_booleans: {
+        const auto references = commands.get_vector<ValueReference>();
+        slave_->set_booleans(references, commands.get_vector<std::int32_t>());
+        break;
+      }
+      case Call::set_strings:
+        set_strings(commands);
+        break;
+      case Call::save_state:
+        states_[commands.get<std::uint64_t>()] = slave_->save_state();
+        break;
+      case Call::restore_state:
+        slave_->restore_state(*states_.at(commands.get<std::uint64_t>()));
+        break;
+      case Call::free_state:
+        states_.erase(commands.get<std::uint64_t>());
+        break;
+      case Call::serialize: {
+        const auto bytes = slave_->serialize(*states_.at(commands.get<std::uint64_t>()));
+        put_done();
+        answers_.put(std::span<const std::byte>(bytes));
+        return true;
+      }
+      case Call::deserialize: {
+        const auto id = commands.get<std::uint64_t>();
+        states_[id] = slave_->deserialize(commands.get_bytes());
+        break;
+      }
+      case Call::close:
+        states_.clear();
+        slave_.reset();
+        closed_ = true;
+        break;
+      case Call::none:
+        throw Error("the master asked for nothing");
+    }
+    put_done();
+    return true;
+  }
+
+  void open(SharedReader& commands) {
+    auto name = commands.get_text();
+    const auto archive = commands.get_text();
+    const auto folder = commands.get_text();
+    std::vector<std::string> categories;
+    for (auto count = commands.get<std::uint64_t>(); count > 0; --count) categories.push_back(commands.get_text());
+    auto fmu = std::make_shared<Fmu>(archive, folder);
+    triples_ = osmp_triples(fmu->description());
+    taken_.resize(triples_.size());
+    slave_ = std::make_unique<FmuSlave>(std::move(name), std::move(fmu), std::move(categories), log_);
+  }
+
+  bool step(SharedReader& commands) {
+    const auto start_ns = commands.get<std::int64_t>();
+    const auto result = slave_->step(start_ns, commands.get<std::int64_t>());
+    put_done();
+    answers_.put(result.done);
+    answers_.put(result.terminated);
+    answers_.put(result.last_successful_s.has_value());
+    answers_.put(result.last_successful_s.value_or(0));
+    answers_.put(std::string_view(result.messages));
+    return result.done;
+  }
+
+  template <typename T, typename Get>
+  void get_numbers(SharedReader& commands, Get get) {
+    const auto references = commands.get_vector<ValueReference>();
+    std::vector<T> values(references.size());
+    get(std::span<const ValueReference>(references), std::span<T>(values));
+    put_done();
+    answers_.put(std::span<const T>(values));
+  }
+
+  /// Integers, and behind them the bytes of every binary variable among them.
+  void get_integers(SharedReader& commands) {
+    const auto references = commands.get_vector<ValueReference>();
+    std::vector<std::int32_t> values(references.size());
+    slave_->get_integers(references, values);
+    put_done();
+    answers_.put(std::span<const std::int32_t>(values));
+    for (const auto& triple : triples_) {
+      const auto places = places_of(triple, references);
+      if (!places) continue;
+      answers_.put(BinaryRef{values[(*places)[0]], values[(*places)[1]], values[(*places)[2]]}.bytes());
+    }
+  }
+
+  void get_strings(SharedReader& commands) {
+    const auto references = commands.get_vector<ValueReference>();
+    std::vector<std::string> values(references.size());
+    slave_->get_strings(references, values);
+    put_done();
+    for (const auto& value : values) answers_.put(std::string_view(value));
+  }
+
+  void set_integers(SharedReader& commands) {
+    const auto references = commands.get_vector<ValueReference>();
+    auto values = commands.get_vector<std::int32_t>();
+    for (std::size_t i = 0; i < triples_.size(); ++i) {
+      const auto places = places_of(triples_[i], references);
+      if (!places) continue;
+      taken_[i] = commands.get_vector<std::uint8_t>();
+      const auto reference = taken_[i].empty() ? BinaryRef{} : BinaryRef::to(taken_[i]);
+      values.at((*places)[0]) = reference.base_lo;
+      values.at((*places)[1]) = reference.base_hi;
+      values.at((*places)[2]) = reference.size;
+    }
+    slave_->set_integers(references, values);
+  }
+
+  void set_strings(SharedReader& commands) {
+    const auto references = commands.get_vector<ValueReference>();
+    std::vector<std::string> values;
+    for (std::size_t i = 0; i < references.size(); ++i) values.push_back(commands.get_text());
+    slave_->set_strings(references, values);
+  }
+
+  SharedBuffer control_buffer_;
+  SharedBuffer command_buffer_;
+  SharedBuffer answer_buffer_;
+  SharedBuffer log_buffer_;
+  Control* control_;
+  SharedLog log_;
+  SharedWriter answers_;
+  std::vector<OsmpTriple> triples_;
+  std::vector<std::vector<std::uint8_t>> taken_;  // bytes of binary inputs, one per triple
+  std::unique_ptr<FmuSlave> slave_;
+  std::map<std::uint64_t, std::unique_ptr<SlaveState>> states_;
+  bool closed_ = false;
+};
+
+template <typename T>
+T number(const char* text) {
+  T value{};
+  const std::string_view digits = text;
+  if (std::from_chars(digits.data(), digits.data() + digits.size(), value).ec != std::errc{}) {
+    throw Error("a number is expected");
+  }
+  return value;
+}
+
+}  // namespace
+
+int run_fmu_host(int argument_count, char** arguments) {
+  if (argument_count != 3) {
+    std::fputs("mebots-fmu-host: runs one FMU for mebots, which starts it; there is nothing to call it for by hand\n",
+               stderr);
+    return 2;
+  }
+  try {
+    const auto master = number<pid_t>(arguments[1]);
+    Host host;
+    guard(master, number<std::uint64_t>(arguments[2]), host.control());
+    host.serve(master);
+    return 0;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "mebots-fmu-host: %s\n", error.what());
+    return 1;
+  }
+}
+
+}  // namespace mebots::master

@@ -1,0 +1,414 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "isolated_slave.hpp"
+
+#include "mebots/master/input_error.hpp"
+#include "mebots/master/time.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+
+namespace mebots::master::isolation {
+
+/// A state that the host process keeps.
+class IsolatedState final : public SlaveState {
+ public:
+  IsolatedState(IsolatedSlave& slave, std::uint64_t id) : slave_(&slave), id_(id) {}
+  ~IsolatedState() override { slave_->free_state(id_); }
+  IsolatedState(const IsolatedState&) = delete;
+  IsolatedState& operator=(const IsolatedState&) = delete;
+
+  std::uint64_t id() const { return id_; }
+
+ private:
+  IsolatedSlave* slave_;
+  std::uint64_t id_;
+};
+
+namespace {
+
+/// How often a waiting master looks whether the process still lives.
+constexpr std::int64_t kLookNs = 20'000'000;
+/// How long a call may go on after an interrupt, and how long an FMU may take to free itself [s].
+constexpr double kGraceS = 3;
+
+std::uint64_t id_of(const SlaveState& state) {
+  return static_cast<const IsolatedState&>(state).id();
+}
+
+}  // namespace
+
+IsolatedSlave::IsolatedSlave(const ResolvedInstance& instance, MessageSink& messages,
+                             const std::atomic<bool>* interrupted)
+    : instance_(&instance),
+      name_(instance.description->name),
+      messages_(&messages),
+      interrupted_(interrupted),
+      control_buffer_("mebots-control"),
+      command_buffer_("mebots-commands"),
+      answer_buffer_("mebots-answers"),
+      log_buffer_("mebots-log"),
+      control_(new (control_buffer_.data()) Control),
+      commands_(command_buffer_),
+      triples_(osmp_triples(instance.fmu->description())),
+      binaries_(triples_.size()) {
+  process_ = std::make_unique<ChildProcess>(
+      find_fmu_host(), std::vector<std::string>{fmt::format("{}", getpid()), fmt::format("{}", memory_bytes())},
+      std::array<int, 4>{control_buffer_.descriptor(), command_buffer_.descriptor(), answer_buffer_.descriptor(),
+                         log_buffer_.descriptor()});
+  open();
+}
+
+std::uint64_t IsolatedSlave::memory_bytes() const {
+  return instance_->description->isolation.memory_bytes.value_or(IsolationDescription::kDefaultMemoryBytes);
+}
+
+IsolatedSlave::~IsolatedSlave() {
+  if (!lost_.empty()) return;
+  try {
+    commands_.clear();  // values that nobody will read any more
+    pending_ = 0;
+    put(Call::close);
+    control_->command_bytes.store(commands_.size(), std::memory_order_relaxed);
+    control_->asked.pass();
+    process_->ended_within(kGraceS);
+    take_messages();
+  } catch (...) {  // NOLINT(bugprone-empty-catch): the process goes in any case
+  }
+}
+
+void IsolatedSlave::open() {
+  put(Call::open);
+  commands_.put(std::string_view(name_));
+  commands_.put(std::string_view(instance_->fmu->archive().native()));
+  commands_.put(std::string_view(instance_->fmu->folder().native()));
+  commands_.put(static_cast<std::uint64_t>(instance_->log_categories.size()));
+  for (const auto& category : instance_->log_categories) commands_.put(std::string_view(category));
+  hand_over(0);
+}
+
+void IsolatedSlave::put_references(Call call, std::span<const ValueReference> references) {
+  put(call);
+  commands_.put(references);
+}
+
+SharedReader IsolatedSlave::hand_over(std::size_t open_answers) {
+  if (!lost_.empty()) throw SlaveError(lost_);
+  const auto calls = pending_ + 1;
+  control_->command_bytes.store(commands_.size(), std::memory_order_relaxed);
+  control_->asked.pass();
+  wait();
+  ++batches_;
+  commands_.clear();
+  pending_ = 0;
+  take_messages();
+  SharedReader answers(answer_buffer_.bytes(control_->answer_bytes.load(std::memory_order_relaxed)));
+  for (auto left = calls - open_answers; left > 0; --left) check(answers);
+  return answers;
+}
+
+void IsolatedSlave::wait() {
+  using Clock = std::chrono::steady_clock;
+  const auto& isolation = instance_->description->isolation;
+  auto since = Clock::now();
+  std::optional<Clock::time_point> interrupted_at;
+  auto calls = control_->calls.load(std::memory_order_acquire);
+  auto look_ns = kLookNs;
+  if (isolation.deadline_s)
+    look_ns = std::clamp<std::int64_t>(static_cast<std::int64_t>(*isolation.deadline_s * 1e9 / 4), 1'000'000, kLookNs);
+  while (!control_->answered.wait(batches_, look_ns)) {
+    if (const auto end = process_->ended()) {
+      if (control_->answered.value() != batches_) return;  // it answered, and then went
+      lost(fault_text(*end));
+    }
+    const auto now = Clock::now();
+    if (const auto count = control_->calls.load(std::memory_order_acquire); count != calls) {
+      calls = count;  // every call has a deadline of its own
+      since = now;
+    }
+    const double waited_s = std::chrono::duration<double>(now - since).count();
+    if (isolation.deadline_s && waited_s > *isolation.deadline_s) {
+      process_->kill();
+      lost(fmt::format("{} did not come back within its deadline of {} s; its process was ended",
+                       name_of(control_->call.load()), *isolation.deadline_s));
+    }
+    if (interrupted_ != nullptr && interrupted_->load(std::memory_order_relaxed)) {
+      if (!interrupted_at) interrupted_at = now;
+      if (std::chrono::duration<double>(now - *interrupted_at).count() > kGraceS) {
+        process_->kill();
+        lost(fmt::format("{} did not come back within {} s after the interrupt; its process was ended",
+                         name_of(control_->call.load()), kGraceS));
+      }
+    }
+  }
+}
+
+std::string IsolatedSlave::fault_text(const ProcessEnd& end) const {
+  const auto call = name_of(control_->call.load());
+  std::string text;
+  if (!end.by_signal) {
+    text = fmt::format("its process ended itself with exit code {} in {}", end.number, call);
+  } else if (control_->fault_on_stack.load() != 0) {
+    text = fmt::format("its process died of {} in {}: its stack overflowed", signal_text(end.number), call);
+  } else {
+    text = fmt::format("its process died of {} in {}", signal_text(end.number), call);
+    if (control_->fault_seen.load() != 0) text += fmt::format(", at address {:#x}", control_->fault_address.load());
+  }
+  const auto limit = memory_bytes();
+  constexpr std::uint64_t kMebi = 1 << 20;
+  const auto peak = static_cast<std::uint64_t>(end.peak_memory_kb) * 1024;
+  if (peak > limit / 2) {
+    text += fmt::format("; it had taken {} MiB of memory, and memory_limit_mb allows {}", peak / kMebi, limit / kMebi);
+  }
+  return text;
+}
+
+void IsolatedSlave::lost(const std::string& how) {
+  std::string said;
+  try {
+    take_messages();
+  } catch (const Error&) {  // NOLINT(bugprone-empty-catch): what it said is lost too
+  }
+  lost_ = fmt::format("instance '{}' at {} s: {}", name_, to_seconds(time_ns_), how);
+  throw SlaveError(lost_);
+}
+
+void IsolatedSlave::check(SharedReader& answers) {
+  switch (answers.get<Answer>()) {
+    case Answer::done:
+      return;
+    case Answer::slave_error:
+      throw SlaveError(answers.get_text());
+    case Answer::input_error:
+      throw InputError(answers.get_text());
+    case Answer::error:
+      break;
+  }
+  throw Error(answers.get_text());
+}
+
+void IsolatedSlave::take_messages() {
+  SharedReader log(log_buffer_.bytes(control_->log_bytes.exchange(0, std::memory_order_acq_rel)));
+  while (!log.at_end()) {
+    const auto severity = static_cast<Severity>(log.get<std::uint8_t>());
+    const auto time_ns = log.get<std::int64_t>();
+    const auto category = log.get_text();
+    const auto text = log.get_text();
+    messages_->message({name_, severity, category, text, time_ns});
+  }
+}
+
+void IsolatedSlave::setup_experiment(std::int64_t start_ns, std::int64_t stop_ns) {
+  time_ns_ = start_ns;
+  put(Call::setup_experiment);
+  commands_.put(start_ns);
+  commands_.put(stop_ns);
+  hand_over(0);
+}
+
+void IsolatedSlave::enter_initialization() {
+  put(Call::enter_initialization);
+  hand_over(0);
+}
+
+void IsolatedSlave::exit_initialization() {
+  put(Call::exit_initialization);
+  hand_over(0);
+}
+
+void IsolatedSlave::terminate() {
+  put(Call::terminate);
+  hand_over(0);
+}
+
+StepResult IsolatedSlave::step(std::int64_t start_ns, std::int64_t duration_ns) {
+  time_ns_ = start_ns;
+  put(Call::step);
+  commands_.put(start_ns);
+  commands_.put(duration_ns);
+  std::erase_if(reads_, [](const Read& read) { return !read.used; });
+  for (const auto& read : reads_) put_references(read.call, read.references);
+  pending_ += reads_.size();
+  auto answers = hand_over(reads_.size());
+  StepResult result;
+  result.done = answers.get<bool>();
+  result.terminated = answers.get<bool>();
+  const bool has_time = answers.get<bool>();
+  const auto last_successful_s = answers.get<double>();
+  if (has_time) result.last_successful_s = last_successful_s;
+  result.messages = answers.get_text();
+  if (!result.done) {
+    forget_reads();
+    return result;
+  }
+  time_ns_ = start_ns + duration_ns;
+  turn_ ^= 1;
+  auto read = reads_.begin();
+  while (read != reads_.end()) {
+    read->used = false;
+    read->fresh = true;
+    read->failure = nullptr;
+    try {
+      check(answers);
+      take(*read, answers);
+    } catch (const Error&) {
+      read->failure = std::current_exception();  // for the one who reads it, if anybody does
+      reads_.erase(read + 1, reads_.end());      // the host went no further
+      break;
+    }
+    ++read;
+  }
+  return result;
+}
+
+void IsolatedSlave::take(Read& read, SharedReader& answers) {
+  const auto count = read.references.size();
+  switch (read.call) {
+    case Call::get_reals:
+      read.reals.resize(count);
+      answers.get(std::span(read.reals));
+      return;
+    case Call::get_strings:
+      read.strings.resize(count);
+      for (auto& text : read.strings) text = answers.get_text();
+      return;
+    default:
+      read.integers.resize(count);
+      answers.get(std::span(read.integers));
+  }
+  if (read.call == Call::get_integers) take_binaries(read, answers);
+}
+
+void IsolatedSlave::take_binaries(Read& read, SharedReader& answers) {
+  for (std::size_t i = 0; i < triples_.size(); ++i) {
+    const auto places = places_of(triples_[i], read.references);
+    if (!places) continue;
+    const auto bytes = answers.get_bytes();
+    auto& kept = binaries_[i][turn_];
+    const auto* first = reinterpret_cast<const std::uint8_t*>(bytes.data());
+    kept.assign(first, first + bytes.size());
+    const auto reference = kept.empty() ? BinaryRef{} : BinaryRef::to(kept);
+    read.integers[(*places)[0]] = reference.base_lo;
+    read.integers[(*places)[1]] = reference.base_hi;
+    if (!kept.empty()) read.integers[(*places)[2]] = reference.size;
+  }
+}
+
+void IsolatedSlave::forget_reads() {
+  for (auto& read : reads_) read.fresh = false;
+}
+
+IsolatedSlave::Read& IsolatedSlave::read(Call call, std::span<const ValueReference> references) {
+  const auto found = std::find_if(reads_.begin(), reads_.end(), [&](const Read& other) {
+    return other.call == call && std::ranges::equal(other.references, references);
+  });
+  if (found != reads_.end() && found->fresh && pending_ == 0) {
+    found->used = true;
+    if (found->failure) std::rethrow_exception(found->failure);
+    return *found;
+  }
+  put_references(call, references);
+  auto answers = hand_over(0);
+  auto& asked = found != reads_.end() ? *found : reads_.emplace_back();
+  asked.call = call;
+  asked.references.assign(references.begin(), references.end());
+  take(asked, answers);
+  asked.used = true;
+  asked.fresh = false;  // the next read of the same asks again: values may change without a step
+  asked.failure = nullptr;
+  return asked;
+}
+
+void IsolatedSlave::get_reals(std::span<const ValueReference> references, std::span<double> values) {
+  std::ranges::copy(read(Call::get_reals, references).reals, values.begin());
+}
+
+void IsolatedSlave::get_integers(std::span<const ValueReference> references, std::span<std::int32_t> values) {
+  std::ranges::copy(read(Call::get_integers, references).integers, values.begin());
+}
+
+void IsolatedSlave::get_booleans(std::span<const ValueReference> references, std::span<std::int32_t> values) {
+  std::ranges::copy(read(Call::get_booleans, references).integers, values.begin());
+}
+
+void IsolatedSlave::get_strings(std::span<const ValueReference> references, std::span<std::string> values) {
+  std::ranges::copy(read(Call::get_strings, references).strings, values.begin());
+}
+
+void IsolatedSlave::set_reals(std::span<const ValueReference> references, std::span<const double> values) {
+  forget_reads();
+  put_references(Call::set_reals, references);
+  commands_.put(values);
+  ++pending_;
+}
+
+void IsolatedSlave::set_integers(std::span<const ValueReference> references, std::span<const std::int32_t> values) {
+  forget_reads();
+  put_references(Call::set_integers, references);
+  commands_.put(values);
+  for (const auto& triple : triples_) {
+    const auto places = places_of(triple, references);
+    if (!places) continue;
+    commands_.put(BinaryRef{values[(*places)[0]], values[(*places)[1]], values[(*places)[2]]}.bytes());
+  }
+  ++pending_;
+}
+
+void IsolatedSlave::set_booleans(std::span<const ValueReference> references, std::span<const std::int32_t> values) {
+  forget_reads();
+  put_references(Call::set_booleans, references);
+  commands_.put(values);
+  ++pending_;
+}
+
+void IsolatedSlave::set_strings(std::span<const ValueReference> references, std::span<const std::string> values) {
+  forget_reads();
+  put_references(Call::set_strings, references);
+  for (const auto& value : values) commands_.put(std::string_view(value));
+  ++pending_;
+}
+
+std::unique_ptr<SlaveState> IsolatedSlave::save_state() {
+  const auto id = states_++;
+  put(Call::save_state);
+  commands_.put(id);
+  hand_over(0);
+  return std::make_unique<IsolatedState>(*this, id);
+}
+
+void IsolatedSlave::restore_state(const SlaveState& state) {
+  forget_reads();
+  put(Call::restore_state);
+  commands_.put(id_of(state));
+  hand_over(0);
+}
+
+std::vector<std::byte> IsolatedSlave::serialize(const SlaveState& state) {
+  put(Call::serialize);
+  commands_.put(id_of(state));
+  auto answers = hand_over(0);
+  return answers.get_vector<std::byte>();
+}
+
+std::unique_ptr<SlaveState> IsolatedSlave::deserialize(std::span<const std::byte> bytes) {
+  const auto id = states_++;
+  put(Call::deserialize);
+  commands_.put(id);
+  commands_.put(bytes);
+  hand_over(0);
+  return std::make_unique<IsolatedState>(*this, id);
+}
+
+void IsolatedSlave::free_state(std::uint64_t id) noexcept {
+  try {
+    put(Call::free_state);
+    commands_.put(id);
+    ++pending_;
+  } catch (const Error&) {  // NOLINT(bugprone-empty-catch): it goes with the process
+  }
+}
+
+}  // namespace mebots::master::isolation

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "mebots/binary_ref.hpp"
+#include "mebots/master/slave.hpp"
+
+#include <array>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace mebots::master::isolation {
+
+/// The three Integers of one OSMP binary variable, whose address means nothing in another process.
+struct OsmpTriple {
+  std::array<ValueReference, 3> references;  // base.lo, base.hi, size
+};
+
+/// All binary variables of an FMU.
+std::vector<OsmpTriple> osmp_triples(const modeldesc::ModelDescription& description);
+
+/// Where the three stand in a list of references; nothing when one of them is not there.
+std::optional<std::array<std::size_t, 3>> places_of(const OsmpTriple& triple,
+                                                    std::span<const ValueReference> references);
+
+}  // namespace mebots::master::isolation

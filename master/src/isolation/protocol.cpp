@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "protocol.hpp"
+
+#include <linux/futex.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <climits>
+#include <ctime>
+#include <thread>
+
+namespace mebots::master::isolation {
+namespace {
+
+/// About 10 us: as long as falling asleep and being woken takes.
+constexpr int kSpins = 300;
+
+void pause() {
+#if defined(__x86_64__)
+  __builtin_ia32_pause();
+#endif
+}
+
+long futex(std::atomic<std::uint32_t>& word, int operation, std::uint32_t value, const timespec* timeout) {
+  return syscall(SYS_futex, &word, operation, value, timeout, nullptr, 0);
+}
+
+}  // namespace
+
+const char* name_of(Call call) {
+  switch (call) {
+    case Call::none:
+      return "the start of its process";
+    case Call::open:
+      return "loading or fmi2Instantiate";
+    case Call::setup_experiment:
+      return "fmi2SetupExperiment";
+    case Call::enter_initialization:
+      return "fmi2EnterInitializationMode";
+    case Call::exit_initialization:
+      return "fmi2ExitInitializationMode";
+    case Call::step:
+      return "fmi2DoStep";
+    case Call::terminate:
+      return "fmi2Terminate";
+    case Call::get_reals:
+      return "fmi2GetReal";
+    case Call::get_integers:
+      return "fmi2GetInteger";
+    case Call::get_booleans:
+      return "fmi2GetBoolean";
+    case Call::get_strings:
+      return "fmi2GetString";
+    case Call::set_reals:
+      return "fmi2SetReal";
+    case Call::set_integers:
+      return "fmi2SetInteger";
+    case Call::set_booleans:
+      return "fmi2SetBoolean";
+    case Call::set_strings:
+      return "fmi2SetString";
+    case Call::save_state:
+      return "fmi2GetFMUstate";
+    case Call::restore_state:
+      return "fmi2SetFMUstate";
+    case Call::free_state:
+      return "fmi2FreeFMUstate";
+    case Call::serialize:
+      return "fmi2SerializeFMUstate";
+    case Call::deserialize:
+      return "fmi2DeSerializeFMUstate";
+    case Call::close:
+      break;
+  }
+  return "fmi2FreeInstance";
+}
+
+void Turn::pass() {
+  value_.fetch_add(1, std::memory_order_seq_cst);
+  if (sleeping_.load(std::memory_order_seq_cst) != 0) futex(value_, FUTEX_WAKE, INT_MAX, nullptr);
+}
+
+bool Turn::wait(std::uint32_t seen, std::int64_t timeout_ns) {
+  static const int spins = std::thread::hardware_concurrency() > 1 ? kSpins : 0;
+  for (int i = 0; i < spins; ++i) {
+    if (value() != seen) return true;
+    pause();
+  }
+  constexpr std::int64_t kPerSecond = 1'000'000'000;
+  const timespec timeout{timeout_ns / kPerSecond, timeout_ns % kPerSecond};
+  sleeping_.store(1, std::memory_order_seq_cst);
+  if (value_.load(std::memory_order_seq_cst) == seen) futex(value_, FUTEX_WAIT, seen, &timeout);
+  sleeping_.store(0, std::memory_order_seq_cst);
+  return value() != seen;
+}
+
+}  // namespace mebots::master::isolation

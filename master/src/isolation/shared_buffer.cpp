@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "shared_buffer.hpp"
+
+#include <fmt/format.h>
+
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <bit>
+#include <cerrno>
+
+namespace mebots::master::isolation {
+namespace {
+
+constexpr std::size_t kFirstSize = 1 << 16;
+/// Descriptors of the master's side lie above those that a child process gets.
+constexpr int kLowestDescriptor = 16;
+
+[[noreturn]] void fail(const char* what) {
+  throw Error(fmt::format("shared memory for an FMU's process: {}: {}", what, std::strerror(errno)));
+}
+
+}  // namespace
+
+SharedBuffer::SharedBuffer(const char* name) {
+  const int made = memfd_create(name, MFD_CLOEXEC | MFD_ALLOW_SEALING);
+  if (made < 0) fail("it cannot be made");
+  descriptor_ = fcntl(made, F_DUPFD_CLOEXEC, kLowestDescriptor);
+  ::close(made);
+  if (descriptor_ < 0 || fcntl(descriptor_, F_ADD_SEALS, F_SEAL_SHRINK) != 0) fail("it cannot be set up");
+  reserve(kFirstSize);
+}
+
+SharedBuffer::SharedBuffer(int descriptor) : descriptor_(descriptor) {
+  fcntl(descriptor_, F_SETFD, FD_CLOEXEC);
+  reserve(kFirstSize);
+}
+
+SharedBuffer::~SharedBuffer() {
+  if (data_ != nullptr) munmap(data_, mapped_);
+  ::close(descriptor_);
+}
+
+void SharedBuffer::reserve(std::size_t size) {
+  if (size <= mapped_) return;
+  const auto wanted = std::bit_ceil(std::max(size, kFirstSize));
+  struct stat info {};
+  if (fstat(descriptor_, &info) != 0) fail("its size cannot be read");
+  if (static_cast<std::size_t>(info.st_size) < wanted && ftruncate(descriptor_, static_cast<off_t>(wanted)) != 0) {
+    fail("it cannot grow");
+  }
+  map(wanted);
+}
+
+std::span<const std::byte> SharedBuffer::bytes(std::size_t size) {
+  if (size > mapped_) {
+    struct stat info {};
+    if (fstat(descriptor_, &info) != 0 || static_cast<std::size_t>(info.st_size) < size) {
+      throw Error("the shared memory between master and FMU process is damaged: it is shorter than it says");
+    }
+    map(static_cast<std::size_t>(info.st_size));
+  }
+  return {data_, size};
+}
+
+void SharedBuffer::map(std::size_t size) {
+  void* const address = data_ == nullptr ? mmap(nullptr, size, PROT_READ | PROT_WRITE, MAP_SHARED, descriptor_, 0)
+                                         : mremap(data_, mapped_, size, MREMAP_MAYMOVE);
+  if (address == MAP_FAILED) fail("it cannot be mapped");
+  data_ = static_cast<std::byte*>(address);
+  mapped_ = size;
+}
+
+}  // namespace mebots::master::isolation

@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: Apache-2.0
+// A run that is killed at any moment goes on from its last checkpoint to the bits of an undisturbed one.
+#include "test_system.hpp"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <sys/wait.h>
+#include <unistd.h>
+#include <nlohmann/json.hpp>
+
+#include <chrono>
+#include <csignal>
+#include <random>
+#include <thread>
+
+namespace mebots::test {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+// Each step of a sleeps: the run takes about half a second, so that kills find it at work.
+constexpr const char* kSystem = R"({"step": 0.01, "stop_time": 3, "instances": {
+    "a": {"fmu": "PROBE", "parameters": {"gain": -0.9, "offset": 0.3, "real_in": 0.1, "fault": "nap", "fault_time": 0}},
+    "b": {"fmu": "PROBE", "parameters": {"gain": 0.8}, "step": 0.03}},
+  "connections": [{"from": "a.real_out", "to": "b.real_in"}, {"from": "b.real_out", "to": "a.real_in"},
+                  {"from": "a.buffer", "to": "b.taken"}, {"from": "a.steps", "to": "b.integer_in"}],
+  "stop_when": [{"variable": "a.steps", "above": 100, "for": 1.5}],
+  "outcomes": [{"outcome": "seen", "when": [{"variable": "a.steps", "equals": 100, "ever": true}]}],
+  "summary": {"sum": "b.integral", "taken": "b.taken_sum"}})";
+
+class Checkpoints : public testing::Test {
+ protected:
+  Checkpoints() { write_file(folder.path() / "two.json", with_probe(kSystem)); }
+
+  pid_t start(const std::vector<std::string>& arguments) const {
+    const auto child = fork();
+    if (child != 0) return child;
+    std::vector<char*> words{const_cast<char*>(MEBOTS_PROGRAM)};
+    for (const auto& argument : arguments) words.push_back(const_cast<char*>(argument.c_str()));
+    words.push_back(nullptr);
+    if (chdir(folder.path().c_str()) == 0) execv(MEBOTS_PROGRAM, words.data());
+    _exit(98);
+  }
+  static int wait(pid_t child) {
+    int status = 0;
+    waitpid(child, &status, 0);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  }
+  std::string result(const std::string& run, const std::string& file) const {
+    return read_file(folder.path() / run / file);
+  }
+  nlohmann::json summary(const std::string& run) const {
+    auto json = nlohmann::json::parse(result(run, "summary.json"));
+    json.erase("wall_clock");
+    json.erase("real_time_factor");
+    return json;
+  }
+  ProgramResult run(const std::vector<std::string>& arguments) const { return run_program(arguments, folder.path()); }
+
+  /// Kills the run and its resumed successors again and again, each after another time, until one comes to its end.
+  /// Returns how often one was killed.
+  int run_with_kills(const std::vector<std::string>& begin, unsigned seed) const {
+    std::mt19937 random(seed);
+    std::uniform_int_distribution<int> delay_us(1'000, 150'000);
+    int kills = 0;
+    bool begun = false;
+    while (true) {
+      const auto child = start(begun ? std::vector<std::string>{"resume", "killed", "--quiet"} : begin);
+      std::this_thread::sleep_for(std::chrono::microseconds(delay_us(random)));
+      kill(child, SIGKILL);
+      const int code = wait(child);
+      if (code == 0) return kills;
+      EXPECT_EQ(code, 128 + SIGKILL);
+      ++kills;
+      begun = std::filesystem::exists(folder.path() / "killed" / "checkpoint.bin");
+      if (kills > 60) delay_us = std::uniform_int_distribution<int>(1'000'000, 2'000'000);  // a very slow machine
+      if (kills > 100) throw Error("the run never comes to its end");
+    }
+  }
+
+  modeldesc::TemporaryFolder folder{"mebots-test"};
+};
+
+TEST_F(Checkpoints, ARunKilledAtAnyMomentIsResumedToTheSameBits) {
+  ASSERT_EQ(run({"run", "two.json", "--out", "straight"}).code, 0);
+  int kills = 0;
+  for (const unsigned seed : {1u, 2u, 3u}) {
+    std::filesystem::remove_all(folder.path() / "killed");
+    kills += run_with_kills({"run", "two.json", "--out", "killed", "--quiet", "--checkpoint-every", "0.05"}, seed);
+    EXPECT_TRUE(result("killed", "results.csv") == result("straight", "results.csv"));
+    EXPECT_EQ(result("killed", "log.txt"), result("straight", "log.txt"));
+    EXPECT_EQ(summary("killed"), summary("straight"));
+    EXPECT_FALSE(std::filesystem::exists(folder.path() / "killed" / "checkpoint.bin"));
+  }
+  EXPECT_GE(kills, 6);
+}
+
+TEST_F(Checkpoints, InstancesInOwnProcessesAreResumedToo) {
+  ASSERT_EQ(run({"run", "two.json", "--out", "straight"}).code, 0);
+  run_with_kills({"run", "two.json", "--out", "killed", "--quiet", "--isolate", "--checkpoint-every", "0.1"}, 4);
+  EXPECT_TRUE(result("killed", "results.csv") == result("straight", "results.csv"));
+  EXPECT_EQ(summary("killed"), summary("straight"));
+}
+
+TEST_F(Checkpoints, WhatWasWrittenAfterTheLastCheckpointIsCutOff) {
+  ASSERT_EQ(run({"run", "two.json", "--out", "straight"}).code, 0);
+  const auto child = start({"run", "two.json", "--out", "killed", "--quiet", "--checkpoint-every", "0.5"});
+  while (!std::filesystem::exists(folder.path() / "killed" / "checkpoint.bin")) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  kill(child, SIGKILL);
+  wait(child);
+  // Rows and half a row that came after the checkpoint, and a checkpoint that was never finished.
+  write_file(folder.path() / "killed/results.csv", result("killed", "results.csv") + "7,7,7\n0.123,4");
+  write_file(folder.path() / "killed/log.txt", result("killed", "log.txt") + "[ half");
+  write_file(folder.path() / "killed/checkpoint.bin.new", "half a checkp");
+  EXPECT_EQ(run({"resume", "killed"}).code, 0);
+  EXPECT_TRUE(result("killed", "results.csv") == result("straight", "results.csv"));
+  EXPECT_EQ(result("killed", "log.txt"), result("straight", "log.txt"));
+}
+
+TEST_F(Checkpoints, AnInterruptedRunCanBeResumed) {
+  ASSERT_EQ(run({"run", "two.json", "--out", "straight"}).code, 0);
+  const auto child = start({"run", "two.json", "--out", "killed", "--quiet", "--checkpoint-every", "0.1"});
+  while (!std::filesystem::exists(folder.path() / "killed" / "checkpoint.bin")) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  kill(child, SIGINT);
+  if (wait(child) == 0) GTEST_SKIP() << "the run was faster than the interrupt";
+  EXPECT_EQ(run({"resume", "killed"}).code, 0);
+  EXPECT_TRUE(result("killed", "results.csv") == result("straight", "results.csv"));
+}
+
+TEST_F(Checkpoints, ChangedInputsAreRefusedByName) {
+  write_file(folder.path() / "program.elf", "one");
+  const std::vector<std::string> begin = {
+      "run", "two.json", "--out", "killed", "--quiet", "--checkpoint-every", "0.1", "--set", "b.string_in=program.elf"};
+  const auto child = start(begin);
+  while (!std::filesystem::exists(folder.path() / "killed" / "checkpoint.bin")) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  kill(child, SIGKILL);
+  wait(child);
+  write_file(folder.path() / "program.elf", "two");
+  auto refused = run({"resume", "killed"});
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_THAT(refused.err, AllOf(HasSubstr("not those of the checkpoint"), HasSubstr("file b.string_in")));
+  write_file(folder.path() / "program.elf", "one");
+  write_file(folder.path() / "two.json", with_probe(kSystem) + "\n");
+  refused = run({"resume", "killed"});
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_THAT(refused.err, HasSubstr("config"));
+  write_file(folder.path() / "two.json", with_probe(kSystem));
+  EXPECT_EQ(run({"resume", "killed"}).code, 0);
+}
+
+TEST_F(Checkpoints, NoCheckpointAndADamagedOneAreBadInput) {
+  auto refused = run({"resume", "."});
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_THAT(refused.err, HasSubstr("there is no checkpoint"));
+  const auto child = start({"run", "two.json", "--out", "killed", "--quiet", "--checkpoint-every", "0.1"});
+  while (!std::filesystem::exists(folder.path() / "killed" / "checkpoint.bin")) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  kill(child, SIGKILL);
+  wait(child);
+  auto bytes = result("killed", "checkpoint.bin");
+  bytes[bytes.size() / 2] ^= 1;
+  write_file(folder.path() / "killed/checkpoint.bin", bytes);
+  refused = run({"resume", "killed"});
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_THAT(refused.err, HasSubstr("damaged"));
+}
+
+TEST_F(Checkpoints, FmusThatCannotSerialiseAreNamedAtTheStart) {
+  auto description = read_file(PROBE_DESCRIPTION);
+  const std::string ability = R"( canSerializeFMUstate="true")";
+  description.erase(description.find(ability), ability.size());
+  write_file(folder.path() / "plain.xml", description);
+  modeldesc::pack(folder.path() / "plain.fmu", {{"modelDescription.xml", folder.path() / "plain.xml"},
+                                                {"binaries/linux64/probe.so", PROBE_LIBRARY}});
+  write_file(folder.path() / "plain.json", R"({"step": 0.1, "stop_time": 1, "connections": [],
+      "instances": {"odd one": {"fmu": "plain.fmu"}}})");
+  const auto refused = run({"run", "plain.json", "--checkpoint-every", "0.1"});
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_THAT(refused.err, AllOf(HasSubstr("'odd one' (probe)"), HasSubstr("canSerializeFMUstate")));
+}
+
+}  // namespace
+}  // namespace mebots::test

@@ -1,0 +1,246 @@
+// SPDX-License-Identifier: Apache-2.0
+// FMUs in processes of their own: the same bits as in the master's, and nothing that they do takes it down.
+#include "mebots/master/unpack_folder.hpp"
+#include "test_system.hpp"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <sys/wait.h>
+#include <unistd.h>
+#include <nlohmann/json.hpp>
+
+#include <chrono>
+#include <csignal>
+#include <thread>
+
+namespace mebots::test {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+
+// Buffers, texts, two steps, all types along connections.
+constexpr const char* kSystem = R"({"step": 0.01, "stop_time": 1, "instances": {
+    "a": {"fmu": "PROBE", "parameters": {"gain": -0.9, "offset": 0.3, "real_in": 0.1, "string_in": "a, b"}},
+    "b": {"fmu": "PROBE", "parameters": {"gain": 0.8}, "step": 0.02}},
+  "connections": [{"from": "a.real_out", "to": "b.real_in"}, {"from": "b.real_out", "to": "a.real_in"},
+                  {"from": "a.buffer", "to": "b.taken"}, {"from": "a.steps", "to": "b.integer_in"},
+                  {"from": "a.string_out", "to": "b.string_in"}, {"from": "a.boolean_out", "to": "b.boolean_in"}],
+  "record": {"texts": true}})";
+
+class Isolation : public testing::Test {
+ protected:
+  Isolation() { write_file(folder.path() / "two.json", with_probe(kSystem)); }
+
+  ProgramResult run(std::vector<std::string> more) const {
+    more.insert(more.begin(), {"run", "two.json"});
+    return run_program(more, folder.path());
+  }
+  std::string result(const std::string& file) const { return read_file(folder.path() / "results" / "two" / file); }
+  nlohmann::json summary() const { return nlohmann::json::parse(result("summary.json")); }
+  /// The config with more keys for instance b.
+  void give_b(const std::string& keys) {
+    std::string text = kSystem;
+    text.insert(text.find(R"("step": 0.02)"), keys + ", ");
+    write_file(folder.path() / "two.json", with_probe(text));
+  }
+  /// Processes whose environment names this test's folder: those that it started.
+  std::vector<pid_t> processes_left() const {
+    std::vector<pid_t> found;
+    for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
+      const auto name = entry.path().filename().string();
+      if (name.find_first_not_of("0123456789") != std::string::npos) continue;
+      const auto number = static_cast<pid_t>(std::stol(name));
+      if (number != getpid() && read_file(entry.path() / "environ").find(mark()) != std::string::npos) {
+        found.push_back(number);
+      }
+    }
+    return found;
+  }
+  std::string mark() const { return "MEBOTS_TEST=" + folder.path().string(); }
+
+  modeldesc::TemporaryFolder folder{"mebots-test"};
+};
+
+TEST_F(Isolation, OwnProcessesGiveTheSameBits) {
+  ASSERT_EQ(run({}).code, 0);
+  const auto csv = result("results.csv");
+  const auto log = result("log.txt");
+  const auto isolated = run({"--isolate"});
+  EXPECT_EQ(isolated.code, 0) << isolated.err;
+  EXPECT_TRUE(result("results.csv") == csv);
+  const auto lines = [](const std::string& text) {  // each instance's own are in order
+    std::istringstream stream(text);
+    std::map<std::string, std::string> by_instance;
+    for (std::string line; std::getline(stream, line);) by_instance[line.substr(14, 1)] += line + "\n";
+    return by_instance;
+  };
+  EXPECT_EQ(lines(result("log.txt")), lines(log));
+}
+
+TEST_F(Isolation, StatesGoAlongWithTheProcess) {
+  TestRun straight(kSystem);
+  straight.to_end();
+  std::string config = kSystem;
+  for (const auto* fmu :
+       {R"("fmu": "PROBE", "parameters": {"gain": -0.9)", R"("fmu": "PROBE", "parameters": {"gain": 0.8})"})
+    config.insert(config.find(fmu), R"("process": "own", )");
+  std::vector<std::byte> bytes;
+  {
+    TestRun first(config);
+    first.initialize();
+    for (int i = 0; i < 51; ++i) first.simulation().step();
+    const auto state = first.simulation().save_state();
+    for (int i = 0; i < 20; ++i) first.simulation().step();
+    first.simulation().restore_state(state);
+    bytes = first.simulation().serialize(state);
+    while (first.simulation().step()) {
+    }
+    EXPECT_EQ(first.csv(), straight.csv());
+  }
+  TestRun second(config);
+  second.initialize();
+  for (int i = 0; i < 70; ++i) second.simulation().step();
+  second.simulation().restore_state(second.simulation().deserialize(bytes));
+  while (second.simulation().step()) {
+  }
+  EXPECT_EQ(second.csv(), straight.csv());
+}
+
+struct Fault {
+  const char* name;
+  const char* message;
+};
+
+class IsolationFault : public Isolation, public testing::WithParamInterface<Fault> {};
+
+TEST_P(IsolationFault, EndsTheRunWithItsReasonAndTheResultsSoFar) {
+  const auto [name, message] = GetParam();
+  give_b(R"("memory_limit_mb": 200, "deadline": 2)");
+  const auto run_result = run({"--set", fmt::format("b.fault={}", name), "--set", "b.fault_time=0.5"});
+  EXPECT_EQ(run_result.code, 1);
+  EXPECT_THAT(run_result.err, AllOf(HasSubstr("instance 'b' at 0.48 s"), HasSubstr(message), HasSubstr("fmi2DoStep")));
+  EXPECT_THAT(result("results.csv"), AllOf(HasSubstr("\n0.48,"), Not(HasSubstr("\n0.49,"))));
+  EXPECT_EQ(result("results.csv").back(), '\n');
+  EXPECT_EQ(summary()["outcome"], "failed");
+  EXPECT_THAT(summary()["error"].get<std::string>(), HasSubstr(message));
+}
+
+TEST_P(IsolationFault, LeavesTheOthersGoingOnWhereTheConfigAllows) {
+  const auto [name, message] = GetParam();
+  give_b(R"("memory_limit_mb": 200, "deadline": 2, "on_failure": "continue")");
+  const auto run_result = run({"--set", fmt::format("b.fault={}", name), "--set", "b.fault_time=0.5"});
+  EXPECT_EQ(run_result.code, 0) << run_result.err;
+  EXPECT_THAT(run_result.err, AllOf(HasSubstr(message), HasSubstr("'b' was lost at 0.48 s")));
+  const auto json = summary();
+  EXPECT_EQ(json["simulated_time"], 1.0);
+  EXPECT_EQ(json["lost_instances"]["b"]["at"], 0.48);
+  EXPECT_THAT(json["lost_instances"]["b"]["error"].get<std::string>(), HasSubstr(message));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Each, IsolationFault,
+    testing::Values(Fault{"crash", "signal 11 (SIGSEGV"}, Fault{"null", "signal 11 (SIGSEGV, invalid memory access)"},
+                    Fault{"bus", "signal 7 (SIGBUS"}, Fault{"division", "signal 8 (SIGFPE"},
+                    Fault{"illegal", "signal 4 (SIGILL"}, Fault{"abort", "signal 6 (SIGABRT, abort)"},
+                    Fault{"exit", "ended itself with exit code 3"}, Fault{"hang", "within its deadline of 2 s"},
+                    Fault{"stack", "its stack overflowed"}, Fault{"memory", "memory_limit_mb allows 200"},
+                    Fault{"kill_group", "signal 9 (SIGKILL"}),
+    [](const auto& fault) { return std::string(fault.param.name); });
+
+TEST_F(Isolation, AnFmuThatClosesAllFilesOrKillsItsParentHarmsNobody) {
+  ASSERT_EQ(run({}).code, 0);
+  const auto csv = result("results.csv");
+  for (const std::string fault : {"close", "kill_parent"}) {
+    give_b(R"("process": "own")");
+    const auto run_result = run({"--set", "b.fault=" + fault, "--set", "b.fault_time=0.5"});
+    EXPECT_EQ(run_result.code, 0) << fault << run_result.err;
+    EXPECT_EQ(result("results.csv"), csv);
+  }
+}
+
+TEST_F(Isolation, ProcessesThatAnFmuLeavesBehindGoWithTheRun) {
+  setenv("MEBOTS_TEST", folder.path().c_str(), 1);
+  give_b(R"("process": "own")");
+  EXPECT_EQ(run({"--set", "b.fault=orphan", "--set", "b.fault_time=0.9"}).code, 0);
+  std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  EXPECT_TRUE(processes_left().empty());
+  unsetenv("MEBOTS_TEST");
+}
+
+TEST_F(Isolation, HalfALibraryEndsTheRunBeforeItBegins) {
+  const auto binary = read_file(PROBE_LIBRARY);
+  for (const double part : {0.1, 0.5}) {
+    write_file(folder.path() / "half.so",
+               binary.substr(0, static_cast<std::size_t>(part * static_cast<double>(binary.size()))));
+    modeldesc::pack(folder.path() / "half.fmu", {{"modelDescription.xml", PROBE_DESCRIPTION},
+                                                 {"binaries/linux64/probe.so", folder.path() / "half.so"}});
+    write_file(folder.path() / "two.json", R"({"step": 0.1, "stop_time": 1, "connections": [],
+      "instances": {"a": {"fmu": "half.fmu", "process": "own"}}})");
+    const auto run_result = run({});
+    EXPECT_EQ(run_result.code, 2) << part << run_result.err;
+    EXPECT_THAT(run_result.err, HasSubstr("a"));
+    EXPECT_FALSE(std::filesystem::exists(folder.path() / "results"));
+  }
+}
+
+TEST_F(Isolation, AKilledMasterLeavesNoProcessAndTheNextOneCleansUp) {
+  setenv("MEBOTS_TEST", folder.path().c_str(), 1);
+  const auto temporary = folder.path() / "tmp";
+  std::filesystem::create_directory(temporary);
+  setenv("TMPDIR", temporary.c_str(), 1);
+  give_b(R"("process": "own")");
+  const auto child = fork();
+  if (child == 0) {
+    if (chdir(folder.path().c_str()) != 0) _exit(99);
+    execl(MEBOTS_PROGRAM, MEBOTS_PROGRAM, "run", "two.json", "--quiet", "--set", "b.fault=hang", "--set",
+          "b.fault_time=0.1", nullptr);
+    _exit(98);
+  }
+  while (!std::filesystem::exists(folder.path() / "results/two/results.csv")) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  EXPECT_GE(processes_left().size(), 2u);
+  kill(child, SIGKILL);
+  waitpid(child, nullptr, 0);
+  for (int i = 0; i < 100 && !processes_left().empty(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  EXPECT_TRUE(processes_left().empty());
+  EXPECT_FALSE(std::filesystem::is_empty(temporary));
+  EXPECT_EQ(run({"--quiet"}).code, 0);
+  EXPECT_TRUE(std::filesystem::is_empty(temporary));
+  unsetenv("TMPDIR");
+  unsetenv("MEBOTS_TEST");
+}
+
+TEST_F(Isolation, AnInterruptEndsAnFmuThatHangs) {
+  give_b(R"("process": "own")");
+  const auto child = fork();
+  if (child == 0) {
+    if (chdir(folder.path().c_str()) != 0) _exit(99);
+    execl(MEBOTS_PROGRAM, MEBOTS_PROGRAM, "run", "two.json", "--quiet", "--set", "b.fault=hang", "--set",
+          "b.fault_time=0.5", nullptr);
+    _exit(98);
+  }
+  while (!std::filesystem::exists(folder.path() / "results/two/results.csv")) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  kill(child, SIGINT);
+  int status = 0;
+  waitpid(child, &status, 0);
+  ASSERT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 1);
+  EXPECT_THAT(summary()["error"].get<std::string>(), HasSubstr("after the interrupt"));
+}
+
+TEST_F(Isolation, ADeadlineNeedsAnOwnProcess) {
+  give_b(R"("process": "shared", "deadline": 1)");
+  const auto run_result = run({});
+  EXPECT_EQ(run_result.code, 2);
+  EXPECT_THAT(run_result.err, AllOf(HasSubstr("/instances/b/deadline"), HasSubstr("\"process\": \"own\"")));
+}
+
+}  // namespace
+}  // namespace mebots::test
