@@ -2,6 +2,7 @@
 #include "mebots/master/command_line.hpp"
 
 #include "mebots/master/input_hash.hpp"
+#include "mebots/master/json_document.hpp"
 #include "mebots/master/nearest_names.hpp"
 #include "mebots/master/time.hpp"
 
@@ -23,14 +24,16 @@ void apply_set(SystemDescription& system, const std::string& text) {
   if (equals == std::string::npos || dot == std::string::npos || dot == 0 || equals <= dot + 1) {
     throw InputError(fmt::format("{}: write INSTANCE.VARIABLE=VALUE", place));
   }
-  const auto name = text.substr(0, dot);
+  const auto target = system.split(text.substr(0, equals))
+                          .value_or(VariableName{text.substr(0, dot), text.substr(dot + 1, equals - dot - 1)});
+  const auto& name = target.instance;
   const auto found = std::find_if(system.instances.begin(), system.instances.end(),
                                   [&](const InstanceDescription& instance) { return instance.name == name; });
   if (found == system.instances.end()) {
     throw InputError(
         fmt::format("{}: there is no instance '{}'. {}", place, name, suggest(name, system.instance_names())));
   }
-  found->parameters.push_back({text.substr(dot + 1, equals - dot - 1), UntypedText{text.substr(equals + 1)}, place});
+  found->parameters.push_back({target.variable, UntypedText{text.substr(equals + 1)}, place});
 }
 
 std::string apply_scenario(SystemDescription& system, const std::filesystem::path& file) {
@@ -41,8 +44,8 @@ std::string apply_scenario(SystemDescription& system, const std::filesystem::pat
     throw InputError(fmt::format("--scenario {}: this file cannot be read", file.string()));
   }
   const auto text = bytes.str();
-  const auto json = parse_json(text, file.string());
-  config::read_scenario_file(JsonNode(json, file.string()), system);
+  const JsonDocument document(text, file.string());
+  config::read_scenario_file(document.root(), system);
   return fmt::format("--scenario {} {}", file.filename().string(), sha256(text));
 }
 

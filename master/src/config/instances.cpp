@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The section `instances`: a table of the keys of one instance, each with its own reader.
+#include "mebots/master/config_schema.hpp"
 #include "mebots/master/time.hpp"
 
 #include "reading.hpp"
@@ -15,11 +16,14 @@ namespace {
 
 using ReadKey = void (*)(const JsonNode&, InstanceDescription&, const SystemDescription&);
 
-void check_name(const std::string& name, const JsonNode& node) {
+void check_name(const std::string& name, const JsonNode& node, const SystemDescription& system) {
   if (name.empty()) node.fail("an instance needs a name");
-  if (name.find('.') != std::string::npos) {
+  for (const auto& other : system.instances) {
+    const auto& [shorter, longer] =
+        std::minmax(name, other.name, [](const std::string& a, const std::string& b) { return a.size() < b.size(); });
+    if (!longer.starts_with(shorter + ".")) continue;
     node.fail(
-        fmt::format("the instance name '{}' holds a dot, which separates instance and variable; rename it", name));
+        fmt::format("the instance '{}' could be a variable of the instance '{}'; rename one of them", longer, shorter));
   }
   const bool control =
       std::any_of(name.begin(), name.end(), [](char c) { return static_cast<unsigned char>(c) < ' '; });
@@ -89,6 +93,15 @@ void read_on_failure(const JsonNode& node, InstanceDescription& instance, const 
   instance.isolation.go_on_without = wish == "continue";
 }
 
+void read_on_discard(const JsonNode& node, InstanceDescription& instance, const SystemDescription& /*system*/) {
+  const auto text = node.string();
+  if (text != "end" && text != "divide") {
+    node.fail(fmt::format("'{}' is unknown here; write \"end\" (the run ends) or \"divide\" (repeat the step in parts)",
+                          text));
+  }
+  instance.divide_discarded = text == "divide";
+}
+
 void read_instance_text(const JsonNode& node, InstanceDescription& /*instance*/, const SystemDescription& /*system*/) {
   node.string();  // for people only
 }
@@ -107,11 +120,12 @@ constexpr Key kKeys[] = {
     {"deadline", false, &read_deadline},
     {"memory_limit_mb", false, &read_memory_limit},
     {"on_failure", false, &read_on_failure},
+    {"on_discard", false, &read_on_discard},
     {"text", false, &read_instance_text},
 };
 
 InstanceDescription read_instance(const std::string& name, const JsonNode& node, const SystemDescription& system) {
-  check_name(name, node);
+  check_name(name, node, system);
   std::vector<std::string_view> names;
   for (const auto& key : kKeys) names.push_back(key.name);
   node.expect_keys(names);
@@ -135,3 +149,13 @@ void read_instances(const JsonNode& node, SystemDescription& system) {
 }
 
 }  // namespace mebots::master::config
+
+namespace mebots::master {
+
+std::vector<std::string> instance_keys() {
+  std::vector<std::string> keys;
+  for (const auto& key : config::kKeys) keys.emplace_back(key.name);
+  return keys;
+}
+
+}  // namespace mebots::master

@@ -16,6 +16,7 @@ void read_connections(const JsonNode& node, SystemDescription& system);
 void read_scenario(const JsonNode& node, SystemDescription& system);
 /// The whole of a scenario file: `text` and `scenario`.
 void read_scenario_file(const JsonNode& root, SystemDescription& system);
+void read_algorithm(const JsonNode& node, SystemDescription& system);
 void read_stop_when(const JsonNode& node, SystemDescription& system);
 void read_outcomes(const JsonNode& node, SystemDescription& system);
 void read_summary(const JsonNode& node, SystemDescription& system);
