@@ -20,7 +20,8 @@ int main(int argc, char** argv) {
     mission.run();
 
     const auto& voltage = mission.series().front();
-    std::printf("outcome: %s after %.3f s (%s)\n", mission.outcome().c_str(), mission.time_s(), mission.end_text().c_str());
+    std::printf("outcome: %s after %.3f s (%s)\n", mission.outcome().c_str(), mission.time_s(),
+                mission.end_text().c_str());
     std::printf("lowest cell voltage: %.3f %s, the lamp took %.3f J\n",
                 *std::min_element(voltage.values.begin(), voltage.values.end()), voltage.unit.c_str(),
                 mission.value("battery.auxiliary.energy"));

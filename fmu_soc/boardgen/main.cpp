@@ -6,167 +6,26 @@
 // twice: as a C header for the firmware (also fit for the assembler) and as a C++ header for the device
 // models. Both come from the same table, so that software and hardware cannot disagree.
 
+#include "board_file.hpp"
+
 #include "mebots/error.hpp"
 
 #include <fmt/core.h>
-#include <nlohmann/json.hpp>
 
 #include <cctype>
 #include <cstdint>
 #include <cstdio>
 #include <exception>
 #include <fstream>
-#include <set>
 #include <sstream>
 #include <string>
 #include <vector>
 
 namespace {
 
-using Json = nlohmann::ordered_json;
 using mebots::Error;
-
-struct Register {
-  std::string name;
-  std::uint32_t offset;
-  std::string access;
-  std::string text;
-};
-
-struct State {
-  std::string name;
-  double current_a;
-  double delay_s;
-  std::string text;
-};
-
-struct NamedValue {
-  std::string name;
-  std::int32_t value;
-};
-
-struct Enumeration {
-  std::string name;
-  std::vector<NamedValue> items;
-};
-
-struct Device {
-  std::string name;
-  std::string text;
-  std::uint32_t base;
-  int interrupt;  // -1 = none
-  std::vector<Register> registers;
-  std::vector<State> states;
-  std::vector<Enumeration> enumerations;
-};
-
-struct Memory {
-  std::string name;
-  std::string text;
-  std::uint32_t base;
-  std::uint32_t size;
-};
-
-struct Board {
-  std::string name;
-  std::string text;
-  std::vector<Memory> memories;
-  std::vector<Device> devices;
-};
-
-/// "camera.STATUS" of the file, for error texts.
-std::uint32_t address_of(const Json& value, const std::string& where) {
-  const auto text = value.get<std::string>();
-  std::size_t used = 0;
-  unsigned long long number = 0;
-  try {
-    number = std::stoull(text, &used, 0);
-  } catch (const std::exception&) {
-    used = 0;
-  }
-  if (used == 0 || used != text.size() || number > 0xffffffffULL) {
-    throw Error(fmt::format("{}: \"{}\" is not a 32-bit address; write it as \"0x1A102000\"", where, text));
-  }
-  return static_cast<std::uint32_t>(number);
-}
-
-void check_name(const std::string& name, const std::string& where) {
-  bool good = !name.empty() && std::isalpha(static_cast<unsigned char>(name[0])) != 0;
-  for (const char c : name) good = good && (std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_');
-  if (!good) throw Error(fmt::format("{}: name \"{}\" must be letters, digits and '_', a letter first", where, name));
-}
-
-Device read_device(const Json& json) {
-  Device device;
-  device.name = json.at("name").get<std::string>();
-  check_name(device.name, "devices");
-  device.text = json.value("text", "");
-  device.base = address_of(json.at("base"), device.name + ".base");
-  device.interrupt = json.value("interrupt", -1);
-  if (device.interrupt != -1 && (device.interrupt < 0 || device.interrupt > 31)) {
-    throw Error(fmt::format("{}.interrupt: {} is outside 0 to 31", device.name, device.interrupt));
-  }
-  std::set<std::uint32_t> offsets;
-  for (const auto& entry : json.at("registers")) {
-    Register reg;
-    reg.name = entry.at("name").get<std::string>();
-    check_name(reg.name, device.name);
-    const auto where = fmt::format("{}.{}", device.name, reg.name);
-    reg.offset = address_of(entry.at("offset"), where + ".offset");
-    reg.access = entry.at("access").get<std::string>();
-    reg.text = entry.value("text", "");
-    if (reg.access != "r" && reg.access != "w" && reg.access != "rw") {
-      throw Error(fmt::format("{}.access: \"{}\" is none of r, w, rw", where, reg.access));
-    }
-    if (reg.offset % 4 != 0) throw Error(fmt::format("{}.offset: 0x{:x} is not a multiple of 4", where, reg.offset));
-    if (!offsets.insert(reg.offset).second) {
-      throw Error(fmt::format("{}.offset: 0x{:x} is taken by another register", where, reg.offset));
-    }
-    device.registers.push_back(reg);
-  }
-  if (json.contains("states")) {
-    for (const auto& [name, entry] : json.at("states").items()) {
-      check_name(name, device.name + ".states");
-      device.states.push_back(
-          {name, entry.at("current").get<double>(), entry.value("delay", 0.0), entry.value("text", "")});
-    }
-  }
-  if (json.contains("enumerations")) {
-    for (const auto& [name, items] : json.at("enumerations").items()) {
-      Enumeration enumeration{name, {}};
-      check_name(name, device.name + ".enumerations");
-      for (const auto& [item, value] : items.items()) enumeration.items.push_back({item, value.get<std::int32_t>()});
-      device.enumerations.push_back(enumeration);
-    }
-  }
-  return device;
-}
-
-Board read_board(const std::string& path) {
-  std::ifstream file(path);
-  if (!file) throw Error(fmt::format("{}: cannot be read", path));
-  try {
-    const auto json = Json::parse(file);
-    Board board;
-    board.name = json.at("name").get<std::string>();
-    board.text = json.value("text", "");
-    for (const auto& entry : json.at("memories")) {
-      Memory memory;
-      memory.name = entry.at("name").get<std::string>();
-      check_name(memory.name, "memories");
-      memory.text = entry.value("text", "");
-      memory.base = address_of(entry.at("base"), memory.name + ".base");
-      memory.size = entry.at("size").get<std::uint32_t>();
-      board.memories.push_back(memory);
-    }
-    for (const auto& entry : json.at("devices")) board.devices.push_back(read_device(entry));
-    return board;
-  } catch (const Error& error) {
-    throw Error(fmt::format("{}: {}", path, error.what()));
-  } catch (const nlohmann::json::exception& error) {
-    throw Error(fmt::format("{}: {}", path, error.what()));
-  }
-}
+using mebots::soc::BoardDescription;
+using mebots::soc::read_board;
 
 /// FlightMode, take_off or TIME_LO -> {"flight", "mode"}, {"take", "off"}, {"time", "lo"}.
 std::vector<std::string> words_of(const std::string& name) {
@@ -200,7 +59,7 @@ std::string camel_case(const std::string& name) {
   return result;
 }
 
-std::string c_header(const Board& board) {
+std::string c_header(const BoardDescription& board) {
   std::ostringstream out;
   out << "// SPDX-License-Identifier: Apache-2.0\n"
       << "// Made from the board description \"" << board.name << "\" by mebots-boardgen. Do not edit.\n"
@@ -247,7 +106,7 @@ std::string c_header(const Board& board) {
   return out.str();
 }
 
-std::string cpp_header(const Board& board) {
+std::string cpp_header(const BoardDescription& board) {
   std::ostringstream out;
   out << "// SPDX-License-Identifier: Apache-2.0\n"
       << "// Made from the board description \"" << board.name << "\" by mebots-boardgen. Do not edit.\n"

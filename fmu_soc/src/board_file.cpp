@@ -6,8 +6,11 @@
 
 #include "mebots/data_file.hpp"
 
+#include <algorithm>
 #include <bit>
+#include <cctype>
 #include <cmath>
+#include <set>
 
 namespace mebots::soc {
 namespace {
@@ -24,21 +27,46 @@ std::uint32_t address(const data::Node& node, std::string_view key) {
   if (used == 0 || used != text.size() || value > 0xffffffffULL) {
     node.fail(key, fmt::format("= \"{}\" must be a 32-bit address such as \"0x1A102000\"", text));
   }
+  if (value % 4 != 0) node.fail(key, fmt::format("= \"{}\" must be a multiple of 4", text));
   return static_cast<std::uint32_t>(value);
 }
 
-unsigned whole(const data::Node& node, std::string_view key, unsigned most) {
-  const auto value = node.number(key, data::Limits::between(0, most));
+double whole_number(const data::Node& node, std::string_view key, const data::Limits& limits) {
+  const auto value = node.number(key, limits);
   if (value != std::floor(value)) node.fail(key, fmt::format("= {} must be a whole number", value));
-  return static_cast<unsigned>(value);
+  return value;
 }
 
-BoardMemory read_memory(const data::Node& node) {
-  node.only({"name", "base", "size", "place", "banks", "text"});
+unsigned whole(const data::Node& node, std::string_view key, unsigned most) {
+  return static_cast<unsigned>(whole_number(node, key, data::Limits::between(0, most)));
+}
+
+std::string text_or_nothing(const data::Node& node) {
+  return node.has("text") ? node.text("text") : std::string();
+}
+
+/// Names become names in C and C++.
+std::string checked_name(const data::Node& node, std::string_view key, const std::string& name) {
+  bool good = !name.empty() && std::isalpha(static_cast<unsigned char>(name[0])) != 0;
+  for (const char c : name) good = good && (std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_');
+  if (!good) node.fail(key, fmt::format("= \"{}\" must be letters, digits and '_', a letter first", name));
+  return name;
+}
+
+/// A name that no other of its list has.
+std::string new_name(const data::Node& node, std::set<std::string>& taken) {
+  auto name = checked_name(node, "name", node.text("name"));
+  if (!taken.insert(name).second) node.fail("name", fmt::format("= \"{}\" is taken by another one", name));
+  return name;
+}
+
+BoardMemory read_memory(const data::Node& node, std::set<std::string>& names) {
+  node.only({"name", "base", "size", "place", "banks", "leaks", "text"});
   BoardMemory memory;
-  memory.name = node.text("name");
+  memory.name = new_name(node, names);
   memory.base = address(node, "base");
   memory.size = whole(node, "size", 1U << 30);
+  if (memory.size == 0 || memory.size % 4 != 0) node.fail("size", "must be a multiple of 4 above 0");
   const auto place = node.has("place") ? node.text("place") : "fabric_controller";
   if (place != "fabric_controller" && place != "cluster") {
     node.fail("place", fmt::format("= \"{}\" must be fabric_controller or cluster", place));
@@ -46,33 +74,112 @@ BoardMemory read_memory(const data::Node& node) {
   memory.place = place == "cluster" ? Place::cluster : Place::fabric_controller;
   if (node.has("banks")) memory.banks = whole(node, "banks", Banks::kMost);
   if (!std::has_single_bit(memory.banks)) node.fail("banks", "must be a power of two");
+  if (node.has("leaks")) memory.leaks = node.flag("leaks");
+  memory.text = text_or_nothing(node);
   return memory;
 }
 
-BoardDevice read_device(const data::Node& node) {
+/// The lines of RI5CY and CV32E40P: software, timer, external, and 16 fast ones.
+int read_interrupt(const data::Node& node) {
+  const auto line = static_cast<int>(whole(node, "interrupt", 31));
+  if (line != 3 && line != 7 && line != 11 && line < 16) {
+    node.fail("interrupt", fmt::format("= {}: the core has no such line; it has 3, 7, 11 and 16 to 31", line));
+  }
+  return line;
+}
+
+std::vector<BoardRegister> read_registers(const data::Node& device) {
+  std::vector<BoardRegister> registers;
+  std::set<std::string> names;
+  for (const auto& node : device.objects("registers")) {
+    node.only({"name", "offset", "access", "text"});
+    BoardRegister entry{new_name(node, names), address(node, "offset"), node.text("access"), text_or_nothing(node)};
+    if (entry.access != "r" && entry.access != "w" && entry.access != "rw") {
+      node.fail("access", fmt::format("= \"{}\" must be r, w or rw", entry.access));
+    }
+    for (const auto& other : registers) {
+      if (other.offset == entry.offset) node.fail("offset", fmt::format("is that of {} too", other.name));
+    }
+    registers.push_back(entry);
+  }
+  if (registers.empty()) device.fail("registers", "is empty: nothing could be said to the device");
+  std::sort(registers.begin(), registers.end(), [](const auto& a, const auto& b) { return a.offset < b.offset; });
+  return registers;
+}
+
+std::vector<BoardState> read_states(const data::Node& states) {
+  std::vector<BoardState> found;
+  for (const auto& name : states.keys()) {
+    const auto node = states.object(name);
+    node.only({"current", "delay", "text"});
+    const auto delay_s = node.has("delay") ? node.number("delay", data::Limits::between(0, 3600)) : 0.0;
+    found.push_back({checked_name(states, name, name), node.number("current", data::Limits::at_least(0)), delay_s,
+                     text_or_nothing(node)});
+  }
+  return found;
+}
+
+std::vector<BoardEnumeration> read_enumerations(const data::Node& enumerations) {
+  std::vector<BoardEnumeration> found;
+  for (const auto& name : enumerations.keys()) {
+    const auto node = enumerations.object(name);
+    BoardEnumeration enumeration{checked_name(enumerations, name, name), {}};
+    for (const auto& item : node.keys()) {
+      const auto value = whole_number(node, item, data::Limits::between(-2147483648.0, 2147483647.0));
+      enumeration.items.push_back({checked_name(node, item, item), static_cast<std::int32_t>(value)});
+    }
+    std::stable_sort(enumeration.items.begin(), enumeration.items.end(),
+                     [](const auto& a, const auto& b) { return a.value < b.value; });
+    found.push_back(enumeration);
+  }
+  return found;
+}
+
+BoardDevice read_device(const data::Node& node, std::set<std::string>& names) {
   node.only(
       {"name", "base", "interrupt", "text", "supply_voltage", "states", "registers", "enumerations", "variables"});
   BoardDevice device;
-  device.name = node.text("name");
+  device.name = new_name(node, names);
+  device.text = text_or_nothing(node);
   device.base = address(node, "base");
-  if (device.base % 4 != 0) node.fail("base", "must be a multiple of 4");
-  if (node.has("interrupt"))
-    device.interrupt = static_cast<int>(node.number("interrupt", data::Limits::between(0, 31)));
+  if (node.has("interrupt")) device.interrupt = read_interrupt(node);
   if (node.has("supply_voltage")) device.supply_voltage_v = node.number("supply_voltage", data::Limits::positive());
-  for (const auto& entry : node.objects("registers")) {
-    entry.only({"name", "offset", "access", "text"});
-    device.registers.push_back({entry.text("name"), address(entry, "offset")});
+  device.registers = read_registers(node);
+  if (node.has("states")) device.states = read_states(node.object("states"));
+  if (!device.states.empty() && device.supply_voltage_v == 0) {
+    node.fail("supply_voltage", "is missing: the currents of the states need it");
   }
-  if (node.has("states")) {
-    const auto states = node.object("states");
-    for (const auto& name : states.keys()) {
-      const auto entry = states.object(name);
-      entry.only({"current", "delay", "text"});
-      const auto delay_s = entry.has("delay") ? entry.number("delay", data::Limits::between(0, 3600)) : 0.0;
-      device.states.push_back({name, entry.number("current", data::Limits::at_least(0)), delay_s});
-    }
-  }
+  if (node.has("enumerations")) device.enumerations = read_enumerations(node.object("enumerations"));
   return device;
+}
+
+/// A piece of the address space.
+struct Span {
+  std::string name;
+  std::uint64_t base;
+  std::uint64_t size;
+};
+
+void check_overlaps(const data::Node& root, const BoardDescription& board) {
+  std::vector<Span> taken;
+  const auto take = [&](const std::string& key, const Span& span) {
+    if (span.base + span.size > 0x1'0000'0000ULL) root.fail(key, "passes the end of the 32-bit address space");
+    for (const auto& other : taken) {
+      if (span.base < other.base + other.size && other.base < span.base + span.size) {
+        root.fail(key, fmt::format("({}, 0x{:08x} to 0x{:08x}) overlaps {} at 0x{:08x}", span.name, span.base,
+                                   span.base + span.size - 1, other.name, other.base));
+      }
+    }
+    taken.push_back(span);
+  };
+  for (std::size_t i = 0; i < board.memories.size(); ++i) {
+    const auto& memory = board.memories[i];
+    take(fmt::format("memories[{}]", i), {memory.name, memory.base, memory.size});
+  }
+  for (std::size_t i = 0; i < board.devices.size(); ++i) {
+    const auto& device = board.devices[i];
+    take(fmt::format("devices[{}]", i), {device.name, device.base, device.size()});
+  }
 }
 
 }  // namespace
@@ -91,20 +198,22 @@ BoardDescription read_board(const std::filesystem::path& path) {
 BoardDescription parse_board(std::string_view text, const std::string& name) {
   const data::File file(text, name);
   const auto root = file.root();
-  root.only({"name", "text", "core", "cluster_cores", "memories", "devices"});
+  root.only({"name", "text", "chip", "core", "cluster_cores", "memories", "devices"});
   BoardDescription board;
-  if (root.has("core")) {
-    const auto core = core_kind(root.text("core"));
-    if (!core) root.fail("core", fmt::format("= \"{}\" must be ri5cy or cv32e40p", root.text("core")));
-    board.core = core;
+  board.name = checked_name(root, "name", root.text("name"));
+  board.text = text_or_nothing(root);
+  if (root.has("chip")) board.chip = root.text("chip");
+  if (board.chip != "gap8") root.fail("chip", fmt::format("= \"{}\" is not known; known is gap8", board.chip));
+  if (root.has("core")) board.core = root.text("core");
+  if (!board.core.empty() && board.core != "ri5cy" && board.core != "cv32e40p") {
+    root.fail("core", fmt::format("= \"{}\" must be ri5cy or cv32e40p", board.core));
   }
   if (root.has("cluster_cores")) board.cluster_cores = whole(root, "cluster_cores", kMostClusterCores);
-  board.name = root.text("name");
-  for (const auto& node : root.objects("memories")) {
-    board.memories.push_back(read_memory(node));
-  }
+  std::set<std::string> names;
+  for (const auto& node : root.objects("memories")) board.memories.push_back(read_memory(node, names));
   if (board.memories.empty()) root.fail("memories", "is empty: a program needs RAM");
-  for (const auto& node : root.objects("devices")) board.devices.push_back(read_device(node));
+  for (const auto& node : root.objects("devices")) board.devices.push_back(read_device(node, names));
+  check_overlaps(root, board);
   return board;
 }
 

@@ -1,18 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "hart/timing.hpp"
-
 #include <cstdint>
 #include <filesystem>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
-/// A board description (configs/boards/*.json) as the simulation reads it when it starts: memories, where the
-/// devices stand, their interrupts and electrical states. Register offsets are compiled in, from the same file;
-/// the one read at start must agree with them.
+/// A board description (configs/boards/*.json): the one reader of it, for the simulation that starts with it, and for
+/// mebots-boardgen, which makes headers and device skeletons of it.
 namespace mebots::soc {
 
 /// Where a memory stands, which says how long the way to it is.
@@ -23,41 +19,64 @@ struct BoardMemory {
   std::uint32_t base = 0;
   std::uint32_t size = 0;  // bytes
   Place place = Place::fabric_controller;
+  bool leaks = true;   // false: stands for no real memory
   unsigned banks = 1;  // that serve a word per cycle each; told apart in the cluster only
+  std::string text;
 };
 
 struct BoardRegister {
   std::string name;
   std::uint32_t offset = 0;
+  std::string access;  // r, w or rw
+  std::string text;
 };
 
 struct BoardState {
   std::string name;
   double current_a = 0;
   double delay_s = 0;
+  std::string text;
+};
+
+struct BoardValue {
+  std::string name;
+  std::int32_t value = 0;
+};
+
+/// Names of values that a register takes.
+struct BoardEnumeration {
+  std::string name;
+  std::vector<BoardValue> items;  // by value
 };
 
 struct BoardDevice {
   std::string name;
+  std::string text;
   std::uint32_t base = 0;
   int interrupt = -1;  // bit of mip, -1 = none
   double supply_voltage_v = 0;
-  std::vector<BoardRegister> registers;
+  std::vector<BoardRegister> registers;  // by offset
   std::vector<BoardState> states;
+  std::vector<BoardEnumeration> enumerations;
 
+  /// Bytes that the registers take.
+  std::uint32_t size() const { return registers.empty() ? 0 : registers.back().offset + 4; }
   /// Throws Error when the device has no such state.
   const BoardState& state(const std::string& state_name) const;
 };
 
 struct BoardDescription {
   std::string name;
-  std::optional<CoreKind> core;  // other than the chip's
-  unsigned cluster_cores = 0;    // the most that there are; 0 = no cluster
+  std::string text;
+  std::string chip = "gap8";   // whose clocks, ways and energies
+  std::string core;            // ri5cy or cv32e40p; empty = the chip's
+  unsigned cluster_cores = 0;  // the most that there are; 0 = no cluster
   std::vector<BoardMemory> memories;
   std::vector<BoardDevice> devices;
 };
 
-/// Throws Error, naming file and key, for everything that does not fit.
+/// Throws Error, naming file and key, for everything that does not fit: unknown keys and keys that stand twice, names
+/// that are none or are taken, memories and devices that overlap, interrupts that the core does not have.
 BoardDescription read_board(const std::filesystem::path& path);
 /// The same from the text of a board file; `name` stands in errors.
 BoardDescription parse_board(std::string_view text, const std::string& name);

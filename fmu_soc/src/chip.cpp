@@ -11,11 +11,9 @@
 namespace mebots::soc {
 namespace {
 
-constexpr double kPicojoule = 1e-12;
-constexpr double kFemtojoulesPerPicojoule = 1000;
-constexpr double kBankBytes = 4096;
-/// The most that a block's 32-bit energy sum can hold for each of its instructions.
-constexpr double kMaxInstructionPj = 60000;
+constexpr double kFemtojoule = 1e-15;
+/// With it a block's 32-bit sum of femtojoules holds.
+constexpr double kMostWeight = 100;
 
 std::string_view class_of(Op op) {
   if (op == Op::mul || is_multiply_accumulate(op) || is_dot_product(op)) return "multiply";
@@ -29,13 +27,15 @@ std::string_view class_of(Op op) {
   return "alu";
 }
 
-InstructionEnergy read_instruction_energy(const data::Node& node) {
-  node.only({"alu", "multiply", "multiply_high", "divide", "load", "store", "branch", "jump", "system"});
+/// Femtojoules of every operation at the reference point.
+InstructionEnergy instruction_energy(const data::Node& weights, double reference_j) {
+  weights.only({"alu", "multiply", "multiply_high", "divide", "load", "store", "branch", "jump", "system"});
   InstructionEnergy energy;
   for (int i = 0; i < kOpCount; ++i) {
     const auto op = static_cast<Op>(i);
-    const auto pj = node.quantity(class_of(op), "pJ", data::Limits::between(0, kMaxInstructionPj));
-    energy.fj[static_cast<std::size_t>(i)] = static_cast<std::uint32_t>(std::lround(pj * kFemtojoulesPerPicojoule));
+    const auto weight = weights.number(class_of(op), data::Limits::between(0, kMostWeight));
+    energy.fj[static_cast<std::size_t>(i)] =
+        static_cast<std::uint32_t>(std::lround(weight * reference_j / kFemtojoule));
   }
   return energy;
 }
@@ -96,29 +96,11 @@ Chip parse_chip(const std::string& json_text, const std::string& name) {
     throw Error(fmt::format("{}: is not JSON: {}", name, error.what()));
   }
   const data::Node root(name, "", json);
-  root.only({"name",
-             "text",
-             "core",
-             "minimum_clock",
-             "lowest_voltage",
-             "highest_voltage",
-             "clock_at_lowest_voltage",
-             "clock_at_highest_voltage",
-             "cluster_clock_at_lowest_voltage",
-             "cluster_clock_at_highest_voltage",
-             "voltage_step",
-             "interconnect",
-             "dma",
-             "reference_voltage",
-             "instruction_energy",
-             "memory_access",
-             "device_access",
-             "core_leakage",
-             "core_clock_gated",
-             "memory_leakage"});
+  root.only({"name", "text", "core", "minimum_clock", "lowest_voltage", "highest_voltage", "clock_at_lowest_voltage",
+             "clock_at_highest_voltage", "cluster_clock_at_lowest_voltage", "cluster_clock_at_highest_voltage",
+             "voltage_step", "interconnect", "dma", "wake_up", "instruction_weight", "energy"});
   const auto positive = data::Limits::positive();
-  const auto not_negative = data::Limits::at_least(0);
-  Chip chip;
+  Chip chip(root.object("energy"));
   const auto core = core_kind(root.text("core"));
   if (!core) root.fail("core", fmt::format("= \"{}\" must be ri5cy or cv32e40p", root.text("core")));
   chip.timing.kind = *core;
@@ -132,13 +114,8 @@ Chip parse_chip(const std::string& json_text, const std::string& name) {
   chip.cluster_clock_at_highest_voltage_hz = root.quantity("cluster_clock_at_highest_voltage", "Hz", positive);
   chip.voltage_step_mv = static_cast<std::uint32_t>(std::lround(root.quantity("voltage_step", "V", positive) * 1000));
   read_interconnect(root, chip);
-  chip.reference_voltage_v = root.quantity("reference_voltage", "V", positive);
-  chip.instruction_energy = read_instruction_energy(root.object("instruction_energy"));
-  chip.memory_access_j = root.quantity("memory_access", "pJ", not_negative) * kPicojoule;
-  chip.device_access_j = root.quantity("device_access", "pJ", not_negative) * kPicojoule;
-  chip.core_leakage_w = root.quantity("core_leakage", "W", not_negative);
-  chip.core_clock_gated_w = root.quantity("core_clock_gated", "W", not_negative);
-  chip.memory_leakage_w_per_byte = root.quantity("memory_leakage", "W", not_negative) / kBankBytes;
+  chip.wake_up_s = root.quantity("wake_up", "s", data::Limits::between(0, 1));
+  chip.instruction_energy = instruction_energy(root.object("instruction_weight"), chip.energy.reference_instruction_j);
   return chip;
 }
 

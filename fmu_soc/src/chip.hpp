@@ -2,6 +2,7 @@
 #pragma once
 
 #include "cluster/dma.hpp"
+#include "energy/meter.hpp"
 #include "hart/hart.hpp"
 
 #include <cstdint>
@@ -18,6 +19,8 @@ struct Interconnect {
 
 /// What params/*.json says about a chip.
 struct Chip {
+  explicit Chip(const data::Node& energy_node) : energy(energy_node) {}
+
   Timing timing;
   double minimum_clock_hz = 0;
   double lowest_voltage_v = 0;
@@ -29,13 +32,9 @@ struct Chip {
   std::uint32_t voltage_step_mv = 1;
   Interconnect interconnect;
   DmaTiming dma;
-  double reference_voltage_v = 0;
-  InstructionEnergy instruction_energy;  // at the reference voltage
-  double memory_access_j = 0;            // at the reference voltage
-  double device_access_j = 0;            // at the reference voltage
-  double core_leakage_w = 0;             // always
-  double core_clock_gated_w = 0;         // added while the core sleeps
-  double memory_leakage_w_per_byte = 0;  // always
+  double wake_up_s = 0;                  // from the interrupt that ends retention sleep to the first instruction
+  InstructionEnergy instruction_energy;  // at the reference point
+  EnergyTables energy;
 
   /// The highest clocks at a voltage: linear between the two given points.
   double highest_clock_hz(double voltage_v) const;

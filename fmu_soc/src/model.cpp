@@ -14,18 +14,35 @@ namespace {
 constexpr double kPicosecond = 1e-12;
 constexpr double kNanosecond = 1e-9;
 
+/// In the order of Part.
+constexpr std::array<double Outputs::*, kParts> kPartPowers{
+    &Outputs::power_fabric_controller_w,
+    &Outputs::power_cluster_cores_w,
+    &Outputs::power_fc_memory_w,
+    &Outputs::power_l2_w,
+    &Outputs::power_l1_w,
+    &Outputs::power_interconnect_w,
+    &Outputs::power_dma_w,
+    &Outputs::power_fc_background_w,
+    &Outputs::power_cluster_background_w,
+    &Outputs::power_leakage_w,
+    &Outputs::power_retention_w,
+};
+static_assert(std::tuple_size_v<decltype(Outputs::energy_j)> == kParts);
+
 Settings settings_of(const Parameters& parameters) {
   Settings settings;
   settings.clock_hz = parameters.core_clock_hz;
   settings.cluster_clock_hz = parameters.cluster_clock_hz;
   settings.cluster_cores = static_cast<unsigned>(parameters.cluster_cores);
+  settings.temperature_c = parameters.temperature_degc;
   settings.voltage_v = parameters.core_supply_voltage_v;
   settings.frame_width = static_cast<std::uint32_t>(parameters.camera_frame_width);
-  settings.mission = {parameters.mission_cruise_speed_m_per_s, parameters.mission_altitude_m,
-                      parameters.mission_frame_period_s,       parameters.mission_yaw_rate_scale_rad_per_s,
-                      parameters.mission_landing_charge,       static_cast<std::int32_t>(parameters.mission_policy),
-                      parameters.mission_initial_speed_m_per_s,
-                      static_cast<std::int32_t>(parameters.mission_navigator)};
+  settings.mission = {
+      parameters.mission_cruise_speed_m_per_s,  parameters.mission_altitude_m,
+      parameters.mission_frame_period_s,        parameters.mission_yaw_rate_scale_rad_per_s,
+      parameters.mission_landing_charge,        static_cast<std::int32_t>(parameters.mission_policy),
+      parameters.mission_initial_speed_m_per_s, static_cast<std::int32_t>(parameters.mission_navigator)};
   return settings;
 }
 
@@ -86,13 +103,17 @@ void Model::start(const Inputs& inputs, std::int64_t start_ns, Outputs& outputs)
 
 void Model::step(const Inputs& inputs, std::int64_t start_ns, std::int64_t duration_ns, Outputs& outputs) {
   take_inputs(inputs);
-  const auto energy_before_j = soc_.energy().total_j();
+  const auto energy_before = soc_.energy();
   const auto camera_before_j = soc_.camera_energy_j();
   soc_.advance(start_ns - origin_ns_ + duration_ns);
   say_when_spinning();
   write(outputs);
   const auto duration_s = static_cast<double>(duration_ns) * kNanosecond;
-  outputs.power_w = (outputs.energy_total_j - energy_before_j) / duration_s;
+  const auto energy_after = soc_.energy();
+  outputs.power_w = (energy_after.total_j() - energy_before.total_j()) / duration_s;
+  for (std::size_t i = 0; i < kParts; ++i) {
+    outputs.*kPartPowers[i] = (energy_after.by_part_j[i] - energy_before.by_part_j[i]) / duration_s;
+  }
   outputs.camera_power_w = (outputs.camera_energy_j - camera_before_j) / duration_s;
 }
 
@@ -127,8 +148,7 @@ void Model::take_inputs(const Inputs& inputs) {
   }
   if (auto* flight = soc_.flight()) {
     flight->inputs = {static_cast<std::int32_t>(inputs.flight_phase), inputs.flight_range_m,
-                      inputs.flight_forward_velocity_m_per_s, inputs.flight_yaw_rad,
-                      inputs.flight_gate_passed ? 1 : 0};
+                      inputs.flight_forward_velocity_m_per_s, inputs.flight_yaw_rad, inputs.flight_gate_passed ? 1 : 0};
   }
   offer_picture(inputs);
 }
@@ -157,9 +177,16 @@ void Model::write(Outputs& outputs) const {
   outputs.core_faulted = soc_.hart().fault().happened;
   outputs.core_exit_code = soc_.exit_code();
   outputs.energy_total_j = energy.total_j();
-  outputs.energy_core_active_j = energy.core_active_j;
-  outputs.energy_memory_j = energy.memory_j;
-  outputs.energy_leakage_j = energy.leakage_j;
+  for (std::size_t i = 0; i < kParts; ++i) outputs.energy_j[i] = energy.by_part_j[i];
+  outputs.energy_core_active_j = energy.core_active_j();
+  outputs.energy_memory_j = energy.memory_j();
+  outputs.energy_leakage_j = energy.leakage_j();
+  if (const auto* cluster = soc_.cluster()) {
+    const auto sums = cluster->counters();
+    outputs.cluster_instructions = static_cast<double>(sums.instructions);
+    outputs.cluster_cycles = static_cast<double>(sums.cycles);
+    outputs.cluster_powered = cluster->powered();
+  }
   if (const auto* camera = soc_.camera()) {
     outputs.camera_trigger = camera->requests();
     outputs.camera_energy_j = soc_.camera_energy_j();

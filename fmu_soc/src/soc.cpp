@@ -17,6 +17,7 @@ namespace mebots::soc {
 namespace {
 
 constexpr unsigned kStackPointer = 2;
+constexpr double kPsPerSecond = 1e12;
 
 Memory make_memory(const BoardDescription& board) {
   Memory memory;
@@ -24,10 +25,21 @@ Memory make_memory(const BoardDescription& board) {
   return memory;
 }
 
-std::uint32_t total_size(const Memory& memory) {
-  std::uint32_t total = 0;
-  for (const auto& region : memory.regions()) total += region.size;
-  return total;
+/// The board's core, or the chip's when the board says nothing.
+Timing timing_of(const BoardDescription& board, const Chip& chip) {
+  auto timing = chip.timing;
+  timing.kind = core_kind(board.core).value_or(timing.kind);
+  return timing;
+}
+
+Inventory inventory_of(const BoardDescription& board, const Settings& settings) {
+  Inventory inventory;
+  if (board.cluster_cores != 0) inventory.cluster_cores = settings.cluster_cores;
+  for (const auto& memory : board.memories) {
+    if (!memory.leaks) continue;
+    (memory.place == Place::cluster ? inventory.l1_bytes : inventory.fc_memory_bytes) += memory.size;
+  }
+  return inventory;
 }
 
 std::uint32_t checked_clock(const Chip& chip, const Settings& settings) {
@@ -89,13 +101,6 @@ std::string_view cause_text(std::uint32_t cause) {
   }
 }
 
-/// The board's core, or the chip's when the board says nothing.
-Timing timing_of(const BoardDescription& board, const Chip& chip) {
-  auto timing = chip.timing;
-  timing.kind = board.core.value_or(timing.kind);
-  return timing;
-}
-
 }  // namespace
 
 Soc::Soc(const BoardDescription& board, const Chip& chip, const Settings& settings, const Elf& program,
@@ -105,7 +110,9 @@ Soc::Soc(const BoardDescription& board, const Chip& chip, const Settings& settin
       program_(program),
       memory_(make_memory(board)),
       hart_(memory_, *this, timing_of(board, chip), chip.instruction_energy),
-      meter_(chip, total_size(memory_), settings.voltage_v),
+      meter_(chip.energy, inventory_of(board, settings),
+             {settings.temperature_c, settings.voltage_v, settings.clock_hz, settings.cluster_clock_hz}),
+      temperature_c_(settings.temperature_c),
       voltage_mv_(static_cast<std::uint32_t>(std::lround(settings.voltage_v * kMilli))) {
   clock_.reset(checked_clock(chip, settings));
   for (const auto& entry : board.memories) places_.push_back(entry.place);
@@ -185,16 +192,7 @@ void Soc::add_cluster(const BoardDescription& board, const Settings& settings) {
 void Soc::add_devices(const BoardDescription& board, const Settings& settings) {
   const auto add = [this](const BoardDevice& entry, const auto& registers, Device& device) {
     check_registers(entry, registers);
-    const auto size = registers.back().offset + 4;
-    for (const auto& slot : slots_) {
-      if (entry.base < slot.base + slot.size && slot.base < entry.base + size) {
-        throw Error(fmt::format("board: devices {} and {} overlap at 0x{:08x}", entry.name, slot.name, entry.base));
-      }
-    }
-    if (memory_.find(entry.base, 4) != nullptr) {
-      throw Error(fmt::format("board: device {} at 0x{:08x} lies inside a memory", entry.name, entry.base));
-    }
-    slots_.push_back({entry.name, entry.base, size, entry.interrupt, &device});
+    slots_.push_back({entry.name, entry.base, entry.size(), entry.interrupt, &device});
   };
   const auto complain = [this](std::string_view text) {
     if (listeners_.faults) listeners_.faults(text);
@@ -401,6 +399,7 @@ void Soc::handle(Stop stop) {
     case Stop::sleeping:
       asleep_ = true;
       asleep_since_ = core_time();
+      retained_ = power_manager_ && power_manager_->settings().retention != 0;
       break;
     case Stop::watch:
       finish(End::host);
@@ -442,6 +441,8 @@ void Soc::finish(End why) {
 void Soc::power_off() {
   if (end_ == End::powered_off) return;
   if (asleep_ && now_ > asleep_since_) slept_ += now_ - asleep_since_;
+  retention_ = retention_time(now_);
+  retained_ = false;
   end_ = End::powered_off;
   end_time_ = now_;
   asleep_ = true;
@@ -473,15 +474,15 @@ void Soc::update_lines() {
 void Soc::apply_power_settings() {
   if (!power_manager_) return;
   const auto& wanted = power_manager_->settings();
-  if (wanted.clock_hz != clock_.hz()) clock_.change(wanted.clock_hz, hart_.counters().cycles);
+  const bool changed = wanted.clock_hz != clock_.hz() || wanted.voltage_mv != voltage_mv_ ||
+                       (cluster_ && wanted.cluster_clock_hz != cluster_->clock_hz());
   const auto now = core_time();
-  if (wanted.voltage_mv != voltage_mv_) {
-    voltage_mv_ = wanted.voltage_mv;
-    now_ = now;
-    meter_.change_voltage(voltage_mv_ / kMilli, activity());
-  }
+  const auto before = changed ? activity_at(now) : Activity{};
+  if (wanted.clock_hz != clock_.hz()) clock_.change(wanted.clock_hz, hart_.counters().cycles);
+  if (cluster_ && wanted.cluster_clock_hz != cluster_->clock_hz()) cluster_->set_clock(now, wanted.cluster_clock_hz);
+  voltage_mv_ = wanted.voltage_mv;
+  if (changed) meter_.change(power_state(), before);
   if (!cluster_) return;
-  if (wanted.cluster_clock_hz != cluster_->clock_hz()) cluster_->set_clock(now, wanted.cluster_clock_hz);
   if ((wanted.cluster_on != 0) == cluster_->powered()) return;
   if (wanted.cluster_on != 0) {
     cluster_->power_on(now, wanted.cluster_boot);
@@ -493,7 +494,13 @@ void Soc::apply_power_settings() {
 
 void Soc::wake_if_interrupted(Picoseconds time) {
   if (end_ != End::none || (hart_.sleeping() && !hart_.wakes())) return;
-  const auto wake = std::max(time, asleep_since_);
+  auto wake = std::max(time, asleep_since_);
+  if (retained_) {
+    retention_ += wake - asleep_since_;
+    retained_ = false;
+    power_manager_->woken();
+    wake += std::llround(chip_.wake_up_s * kPsPerSecond);
+  }
   clock_.wake(hart_.counters().cycles, wake);
   slept_ += core_time() - asleep_since_;
   asleep_ = false;
@@ -503,20 +510,40 @@ Picoseconds Soc::sleep_time() const {
   return slept_ + (asleep_ && now_ > asleep_since_ ? now_ - asleep_since_ : 0);
 }
 
-Activity Soc::activity() const {
+Picoseconds Soc::retention_time(Picoseconds now) const {
+  return retention_ + (retained_ && now > asleep_since_ ? now - asleep_since_ : 0);
+}
+
+PowerState Soc::power_state() const {
+  return {temperature_c_, voltage_mv_ / kMilli, static_cast<double>(clock_.hz()),
+          cluster_ ? static_cast<double>(cluster_->clock_hz()) : 0.0};
+}
+
+/// What the chip did up to `now`. Of the fabric controller's accesses, the first memory is L2; those to L1 count as its
+/// own memory's, over the interconnect. Of a cluster core's, the first is L1, all others are L2.
+Activity Soc::activity_at(Picoseconds now) const {
   const auto& counters = hart_.counters();
+  const auto far = hart_.far_accesses();
   Activity activity;
-  activity.instruction_fj = counters.instruction_fj;
-  activity.memory_accesses = counters.accesses - counters.device_accesses;
-  activity.device_accesses = counters.device_accesses;
-  if (cluster_) {
-    const auto cluster = cluster_->counters();
-    activity.instruction_fj += cluster.instruction_fj;
-    activity.memory_accesses += cluster.accesses - cluster.device_accesses;
-    activity.device_accesses += cluster.device_accesses;
-  }
-  activity.powered = supplied_until();
-  activity.asleep = sleep_time();
+  activity.fc_instruction_fj = counters.instruction_fj;
+  activity.fc_memory_accesses = far;
+  activity.l2_accesses = counters.accesses - counters.device_accesses - far;
+  activity.far_words = counters.device_accesses;
+  activity.powered = now;
+  activity.fc_asleep = slept_ + (asleep_ && now > asleep_since_ ? now - asleep_since_ : 0);
+  activity.retained = retention_time(now);
+  if (!cluster_) return activity;
+  const auto cluster = cluster_->counters();
+  const auto cluster_far = cluster_->far_accesses();
+  const auto& dma = cluster_->dma().counts();
+  const auto dma_words = dma.bytes / 4;
+  activity.cluster_instruction_fj = cluster.instruction_fj;
+  activity.cluster_cycles = cluster.cycles;
+  activity.l1_accesses = cluster.accesses - cluster.device_accesses - cluster_far + dma_words;
+  activity.l2_accesses += cluster_far + dma_words;
+  activity.far_words += cluster_far + dma_words;
+  activity.dma_cycles = dma.busy_cycles;
+  activity.cluster_powered = cluster_->powered_time(now);
   return activity;
 }
 
@@ -525,10 +552,7 @@ std::uint64_t Soc::instructions() const {
 }
 
 EnergyLedger Soc::energy_at(Picoseconds time) const {
-  auto then = activity();
-  then.powered = std::min(time, end_ == End::powered_off ? end_time_ : time);
-  then.asleep = slept_ + (asleep_ && time > asleep_since_ ? time - asleep_since_ : 0);
-  return meter_.at(then);
+  return meter_.at(activity_at(end_ == End::powered_off ? std::min(time, end_time_) : time));
 }
 
 std::vector<Soc::DeviceState> Soc::device_states() const {
@@ -580,6 +604,8 @@ void Soc::save(state::Writer& writer) const {
   writer.put(asleep_);
   writer.put(asleep_since_);
   writer.put(slept_);
+  writer.put(retained_);
+  writer.put(retention_);
 }
 
 void Soc::restore(state::Reader& reader) {
@@ -596,6 +622,8 @@ void Soc::restore(state::Reader& reader) {
   reader.get(asleep_);
   reader.get(asleep_since_);
   reader.get(slept_);
+  reader.get(retained_);
+  reader.get(retention_);
   connect_memories();
 }
 

@@ -13,7 +13,7 @@
 #include "devices/power_manager.hpp"
 #include "devices/timer.hpp"
 #include "elf/elf.hpp"
-#include "energy.hpp"
+#include "energy/meter.hpp"
 #include "hart/hart.hpp"
 #include "memory/bus.hpp"
 #include "memory/memory.hpp"
@@ -35,6 +35,7 @@ struct Settings {
   double clock_hz = 100e6;
   double cluster_clock_hz = 87e6;
   unsigned cluster_cores = kMostClusterCores;  // at most as many as the board has
+  double temperature_c = 25;
   double voltage_v = 1.2;
   std::uint32_t frame_width = 320;
   MissionParameters::Values mission;
@@ -71,7 +72,8 @@ class Soc final : private Bus {
 
   /// Goes on to `time_ns`, which may not lie in the past.
   void advance(std::int64_t time_ns);
-  /// Goes on until `cycle_limit` active cycles, the end, or a sleep that nothing can end. For programs run alone.
+  /// Goes on until a core has `cycle_limit` active cycles behind it, the end, or a sleep that nothing can end. For
+  /// programs run alone.
   void run_cycles(std::uint64_t cycle_limit);
   /// Retired by all cores since the start.
   std::uint64_t instructions() const;
@@ -96,7 +98,7 @@ class Soc final : private Bus {
   /// Changes RAM from outside, between instructions; false, with nothing done, when it is not all in one memory.
   bool poke(std::uint32_t address, std::span<const std::uint8_t> bytes);
   const Elf& program() const { return program_; }
-  EnergyLedger energy() const { return meter_.at(activity()); }
+  EnergyLedger energy() const { return meter_.at(activity_at(supplied_until())); }
   /// For observers, who look in the middle of a run: when the core's next instruction starts, or its sleep began, and
   /// the energy up to then.
   Picoseconds core_time() const { return clock_.time_of(hart_.counters().cycles); }
@@ -166,8 +168,10 @@ class Soc final : private Bus {
     if (listener_ != nullptr) listener_->changed(time);
   }
   void finish(End why);
+  Picoseconds retention_time(Picoseconds now) const;
   Picoseconds supplied_until() const { return end_ == End::powered_off ? end_time_ : now_; }
-  Activity activity() const;
+  PowerState power_state() const;
+  Activity activity_at(Picoseconds now) const;
 
   const Chip& chip_;
   Listeners listeners_;
@@ -188,6 +192,7 @@ class Soc final : private Bus {
   StateListener* listener_ = nullptr;
   Clock clock_;
   EnergyMeter meter_;
+  double temperature_c_;
   std::uint32_t voltage_mv_ = 0;
   std::optional<std::uint32_t> stop_word_;
 
@@ -196,7 +201,9 @@ class Soc final : private Bus {
   Picoseconds end_time_ = 0;
   bool asleep_ = false;  // the core waits for an interrupt, or has ended
   Picoseconds asleep_since_ = 0;
-  Picoseconds slept_ = 0;  // up to the last waking
+  Picoseconds slept_ = 0;      // up to the last waking
+  bool retained_ = false;      // this sleep is retention sleep
+  Picoseconds retention_ = 0;  // time in it, up to the last waking
 };
 
 }  // namespace mebots::soc

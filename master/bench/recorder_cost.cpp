@@ -30,9 +30,10 @@ class Ring {
     std::string instances;
     std::string connections;
     for (int i = 0; i < 5; ++i) {
-      instances += fmt::format(
-          R"({}"i{}": {{"fmu": "{}", "parameters": {{"gain": -0.9, "offset": {}}}}})", i == 0 ? "" : ", ", i, fmu, 0.3 + i);
-      connections += fmt::format(R"({}{{"from": "i{}.real_out", "to": "i{}.real_in"}})", i == 0 ? "" : ", ", i, (i + 1) % 5);
+      instances += fmt::format(R"({}"i{}": {{"fmu": "{}", "parameters": {{"gain": -0.9, "offset": {}}}}})",
+                               i == 0 ? "" : ", ", i, fmu, 0.3 + i);
+      connections +=
+          fmt::format(R"({}{{"from": "i{}.real_out", "to": "i{}.real_in"}})", i == 0 ? "" : ", ", i, (i + 1) % 5);
     }
     const auto config = folder_.path() / "ring.json";
     std::ofstream(config) << fmt::format(

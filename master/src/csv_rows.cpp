@@ -64,7 +64,9 @@ void copy_csv_rows(const std::filesystem::path& file, std::uint64_t bytes, const
   if (!stream.read(text.data(), static_cast<std::streamsize>(bytes))) {
     throw Error(fmt::format("{}: this file cannot be read", file.string()));
   }
-  const auto fail = [&] { throw Error(fmt::format("{}: this file does not hold the rows that were written", file.string())); };
+  const auto fail = [&] {
+    throw Error(fmt::format("{}: this file does not hold the rows that were written", file.string()));
+  };
   Cells cells(text);
   for (std::size_t i = 0; i <= columns.size(); ++i) cells.next();  // the header
   RowBlock block;

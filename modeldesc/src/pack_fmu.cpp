@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pack_fmu.hpp"
 
-#include "mebots/modeldesc/elf_library.hpp"
 #include "mebots/error.hpp"
 #include "mebots/modeldesc/archive.hpp"
+#include "mebots/modeldesc/elf_library.hpp"
 #include "mebots/modeldesc/xml.hpp"
 
 #include <fmt/format.h>

@@ -88,7 +88,8 @@ TEST(Hdf5, GoesBackToASavedState) {
   while (run.simulation().step()) {
   }
   run.csv();
-  EXPECT_EQ(dataset<double>(two, "/a/real_out", H5T_NATIVE_DOUBLE), dataset<double>(one, "/a/real_out", H5T_NATIVE_DOUBLE));
+  EXPECT_EQ(dataset<double>(two, "/a/real_out", H5T_NATIVE_DOUBLE),
+            dataset<double>(one, "/a/real_out", H5T_NATIVE_DOUBLE));
 }
 
 }  // namespace

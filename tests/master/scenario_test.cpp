@@ -72,8 +72,8 @@ TEST(Scenario, AFrozenVariableKeepsTheValueOfTheFirstMoment) {
 }
 
 TEST(Scenario, ARampGoesFromTheValueFoundToItsGoalAndStaysThere) {
-  const auto values = column(R"({"variable": "a.real_out", "ramp": 4, "over": 0.4, "from": 0.2, "until": 0.9})",
-                             "a.real_out");
+  const auto values =
+      column(R"({"variable": "a.real_out", "ramp": 4, "over": 0.4, "from": 0.2, "until": 0.9})", "a.real_out");
   const std::vector<double> expected = {2, 2, 2, 2.5, 3, 3.5, 4, 4, 4, 2, 2};
   for (std::size_t i = 0; i < expected.size(); ++i) EXPECT_NEAR(values[i], expected[i], 1e-15) << i;  // rounding
 }
@@ -135,7 +135,8 @@ TEST(Scenario, WhatMakesNoSenseIsRefusedBeforeTheFirstStep) {
       const Scenario checked(run.system);
     });
   };
-  EXPECT_THAT(refused(R"({"variable": "a.real_uot", "set": 1})"), AllOf(HasSubstr("/scenario/0"), HasSubstr("real_out")));
+  EXPECT_THAT(refused(R"({"variable": "a.real_uot", "set": 1})"),
+              AllOf(HasSubstr("/scenario/0"), HasSubstr("real_out")));
   EXPECT_THAT(refused(R"({"variable": "a.gain", "set": 1})"), HasSubstr("causality parameter"));
   EXPECT_THAT(refused(R"({"variable": "a.real_out", "set": "high"})"), HasSubstr("takes a finite number"));
   EXPECT_THAT(refused(R"({"variable": "a.steps", "offset": 1})"), HasSubstr("works on Real variables"));
@@ -163,7 +164,8 @@ TEST(Scenario, ReportSaysWhatActedWhen) {
 TEST(Scenario, ItsStateIsSavedWithTheRun) {
   const auto text = system_with(R"({"variable": "a.steps", "freeze": true, "from": 0.3, "until": 0.8},
       {"variable": "a.real_in", "ramp": 9, "over": 0.4, "when": {"variable": "a.steps", "above": 1, "for": 0.1}},
-      {"variable": "b.real_in", "noise": 1, "seed": 1})", R"(, "process": "own")");
+      {"variable": "b.real_in", "noise": 1, "seed": 1})",
+                                R"(, "process": "own")");
   TestRun straight(text);
   straight.to_end();
   std::vector<std::byte> bytes;

@@ -238,7 +238,8 @@ TEST(Request, IsOutAtTheFirstCommunicationPointAtOrAfterIt) {
   std::int64_t at = 0;
   while (probe.soc.flight()->sent().mode == 0) probe.soc.advance(at += 1);
   EXPECT_EQ(at % 10, 0) << "starts on a clock edge and is out at that very nanosecond";
-  EXPECT_NEAR(static_cast<double>(at), 1065, 6) << "ns: 98 or 99 cycles before it, and 8 for the way of the first store";
+  EXPECT_NEAR(static_cast<double>(at), 1065, 6)
+      << "ns: 98 or 99 cycles before it, and 8 for the way of the first store";
   BoardSystem late(program);
   late.soc.advance(at - 1);
   EXPECT_EQ(late.soc.flight()->sent().mode, 0U) << "a nanosecond early: stays pending";

@@ -29,8 +29,8 @@ TEST(EncodingTable, HasNoTwoRowsForOneWordOf32Bits) {
       const auto common = table[i].mask & table[j].mask;
       if ((table[i].match & common) != (table[j].match & common)) continue;
       // One may be a special case of the other, with operands that the other one calls reserved.
-      const bool special = table[i].mask != common ? is_reserved(table[j], table[i].match)
-                                                   : is_reserved(table[i], table[j].match);
+      const bool special =
+          table[i].mask != common ? is_reserved(table[j], table[i].match) : is_reserved(table[i], table[j].match);
       EXPECT_TRUE(special) << full_name(table[i]) << " overlaps " << full_name(table[j]);
     }
   }

@@ -5,48 +5,86 @@
 
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
 namespace mebots::soc::test {
 namespace {
 
-constexpr double kMemoryLeakageW = 5.2e-6 * (524288 + 65536 + 16384) / 4096;
+// Figures of params/gap8.json at 1.2 V and 25 C.
+constexpr double kInstructionJ = 30.03e-12;
+constexpr double kAccessJ = 12.81e-12;
+constexpr double kGatedW = 9.648e-6;
+constexpr double kBackgroundW = 17.13e-3 * 100 / 250;  // at 100 of 250 MHz
+constexpr double kLeakageW = 35.5e-6 + 5.2e-6 * (524288 + 16384) / 4096;
 constexpr double kRounding = 1e-12;  // relative: sums of doubles
 
-TEST(Energy, OfAWorkingCoreIsInstructionsAndAccessesPlusLeakage) {
+constexpr auto kForEver = "_start: addi a0, a0, 1\nj _start\n";
+
+TEST(EnergyTable, IsLinearBetweenItsPointsAndRefusesWhatLiesOutside) {
+  const auto json = nlohmann::json::parse(R"({"unit": "W", "source": "here", "values": {
+      "0": {"1.0": {"any": 1}, "1.2": {"0": 2, "100": 4}}, "50": {"1.0": {"any": 3}, "1.2": {"any": 5}}}})");
+  const std::string file = "x.json";
+  const EnergyTable table(data::Node(file, "", json), "W", 10);
+  EXPECT_DOUBLE_EQ(table.at({0, 1.0, 7}), 10);
+  EXPECT_DOUBLE_EQ(table.at({0, 1.2, 50}), 30);
+  EXPECT_DOUBLE_EQ(table.at({0, 1.1, 50}), 20);
+  EXPECT_DOUBLE_EQ(table.at({25, 1.1, 50}), 30);
+  EXPECT_THROW(table.at({51, 1.1, 50}), Error);
+  EXPECT_THROW(table.at({0, 1.3, 50}), Error);
+  EXPECT_THROW(table.at({0, 1.2, 101}), Error);
+  EXPECT_THROW(EnergyTable(data::Node(file, "", json), "J", 1), Error);
+}
+
+TEST(Energy, OfAWorkingCoreIsInstructionsAccessesBackgroundAndLeakage) {
   // Turns of one load, one store, one addition, one jump.
   BoardSystem system("_start: li s0, 0x1C060000\n1: lw a0, 0(s0)\nsw a1, 4(s0)\naddi a2, a2, 1\nj 1b\n");
   system.soc.advance(10'000'000);
   const auto& counters = system.soc.hart().counters();
   const auto ledger = system.soc.energy();
   EXPECT_NEAR(static_cast<double>(counters.accesses), static_cast<double>(counters.instructions) / 2, 2);
-  const auto instructions_j = 4.98e-12 * static_cast<double>(counters.instructions);
-  const auto memory_j = 2.124e-12 * static_cast<double>(counters.accesses);
-  EXPECT_NEAR(ledger.core_active_j, instructions_j, kRounding * instructions_j);
-  EXPECT_NEAR(ledger.memory_j, memory_j, kRounding * memory_j);
-  const auto leakage_j = (35.5e-6 + kMemoryLeakageW) * 0.01;
-  EXPECT_NEAR(ledger.leakage_j, leakage_j, kRounding * leakage_j);
-  EXPECT_EQ(ledger.total_j(), ledger.core_active_j + ledger.memory_j + ledger.leakage_j);
+  const auto instructions_j = kInstructionJ * static_cast<double>(counters.instructions);
+  const auto memory_j = kAccessJ * static_cast<double>(counters.accesses);
+  EXPECT_NEAR(ledger[Part::fabric_controller], instructions_j, kRounding * instructions_j);
+  EXPECT_NEAR(ledger[Part::l2], memory_j, kRounding * memory_j);
+  EXPECT_NEAR(ledger[Part::fc_background], kBackgroundW * 0.01, kRounding * kBackgroundW);
+  EXPECT_NEAR(ledger[Part::leakage], kLeakageW * 0.01, kRounding * kLeakageW);
+  for (const auto part : {Part::cluster_cores, Part::fc_memory, Part::l1, Part::interconnect, Part::dma,
+                          Part::cluster_background, Part::retention}) {
+    EXPECT_EQ(ledger[part], 0) << kPartNames[static_cast<std::size_t>(part)];
+  }
+  EXPECT_EQ(ledger.total_j(), ledger.core_active_j() + ledger.memory_j() + ledger.leakage_j());
 }
 
-TEST(Energy, OfASleepingCoreIsLeakageAndItsGatedClock) {
+TEST(Energy, OfASleepingCoreIsItsGatedClockBackgroundAndLeakage) {
   BoardSystem system("_start: wfi\nj _start\n");
   system.soc.advance(1'000'000'000);
   const auto before = system.soc.energy();
   system.soc.advance(3'000'000'000);
-  const auto after = system.soc.energy();
-  const auto expected_j = 2 * (35.5e-6 + kMemoryLeakageW + 1.6e-6);
-  EXPECT_NEAR(after.leakage_j - before.leakage_j, expected_j, kRounding * expected_j);
-  EXPECT_EQ(after.core_active_j, before.core_active_j);
+  const auto spent_j = system.soc.energy().total_j() - before.total_j();
+  const auto expected_j = 2 * (kGatedW + kBackgroundW + kLeakageW);
+  EXPECT_NEAR(spent_j, expected_j, 1e-9 * expected_j) << "difference of two sums";
 }
 
 TEST(Energy, OfInstructionsGoesWithTheSquareOfTheVoltage) {
-  constexpr auto kLoop = "_start: addi a0, a0, 1\nj _start\n";
   Settings low;
   low.voltage_v = 1.0;
-  BoardSystem at_1v2(kLoop);
-  BoardSystem at_1v0(kLoop, low);
+  BoardSystem at_1v2(kForEver);
+  BoardSystem at_1v0(kForEver, low);
   at_1v2.soc.advance(1'000'000);
   at_1v0.soc.advance(1'000'000);
-  EXPECT_NEAR(at_1v0.soc.energy().core_active_j / at_1v2.soc.energy().core_active_j, 1 / 1.44, kRounding);
+  EXPECT_NEAR(at_1v0.soc.energy().core_active_j() / at_1v2.soc.energy().core_active_j(), 1 / 1.44, 1e-3)
+      << "the table has four digits";
+}
+
+TEST(Energy, OfLeakageDoublesFromRoomTemperatureToFifty) {
+  Settings warm;
+  warm.temperature_c = 50;
+  BoardSystem at_25(kForEver);
+  BoardSystem at_50(kForEver, warm);
+  at_25.soc.advance(1'000'000);
+  at_50.soc.advance(1'000'000);
+  EXPECT_NEAR(at_50.soc.energy()[Part::leakage], 2 * at_25.soc.energy()[Part::leakage], 1e-12);
+  EXPECT_EQ(at_50.soc.energy()[Part::fabric_controller], at_25.soc.energy()[Part::fabric_controller]);
 }
 
 TEST(Energy, ChangesItsPriceWhenTheFirmwareChangesTheVoltage) {
@@ -61,10 +99,87 @@ _start: li s0, POWER_MANAGER_BASE
   const auto before = system.soc.energy();
   const auto instructions = system.soc.hart().counters().instructions;
   system.soc.advance(2'000'000);
-  const auto spent_j = system.soc.energy().core_active_j - before.core_active_j;
-  const auto expected_j =
-      4.98e-12 / 1.44 * static_cast<double>(system.soc.hart().counters().instructions - instructions);
+  const auto spent_j = system.soc.energy().core_active_j() - before.core_active_j();
+  const auto expected_j = 20.85e-12 * static_cast<double>(system.soc.hart().counters().instructions - instructions);
   EXPECT_NEAR(spent_j, expected_j, 1e-9 * expected_j) << "difference of two sums";
+}
+
+TEST(Energy, OfTheClusterIsThereOnlyWhileItIsOn) {
+  BoardSystem system(R"(
+_start: li s0, POWER_MANAGER_BASE
+    la a0, core
+    sw a0, POWER_MANAGER_CLUSTER_BOOT_OFFSET(s0)
+    li a0, 1
+    sw a0, POWER_MANAGER_CLUSTER_POWER_OFFSET(s0)
+    li a1, 50000
+1:  addi a1, a1, -1
+    bnez a1, 1b
+    sw zero, POWER_MANAGER_CLUSTER_POWER_OFFSET(s0)
+2:  wfi
+    j 2b
+core: wfi
+    j core
+)");
+  // 50000 turns of 4 cycles at 100 MHz: 2 ms, and some cycles of the way.
+  system.soc.advance(5'000'000);
+  const auto ledger = system.soc.energy();
+  constexpr double kOnS = 2e-3;
+  EXPECT_NEAR(ledger[Part::cluster_background], 17.13e-3 * 87 / 175 * kOnS, 1e-7 * 17.13e-3);
+  EXPECT_NEAR(ledger[Part::cluster_cores], 8 * kGatedW * kOnS, 0.01 * 8 * kGatedW * kOnS) << "and 8 instructions";
+  const auto cluster_leakage_w = 1.105e-3 + 8 * 35.5e-6 + 16 * 5.2e-6;
+  EXPECT_NEAR(ledger[Part::leakage], kLeakageW * 5e-3 + cluster_leakage_w * kOnS, 1e-9);
+  system.soc.advance(9'000'000);
+  EXPECT_EQ(system.soc.energy()[Part::cluster_background], ledger[Part::cluster_background]);
+}
+
+TEST(Retention, SleepsOnTheMemoriesAloneAndTakesItsTimeToWake) {
+  // Asks for retention, sleeps until the timer at 3 ms, and notes when it goes on.
+  BoardSystem system(R"(
+_start: li s0, POWER_MANAGER_BASE
+    li s1, TIMER_BASE
+    li s2, 0x1C060000
+    li a0, 3000000
+    sw a0, TIMER_COMPARE_LO_OFFSET(s1)
+    sw zero, TIMER_COMPARE_HI_OFFSET(s1)
+    li a0, 1 << TIMER_INTERRUPT
+    csrw mie, a0
+    li a0, 1
+    sw a0, POWER_MANAGER_RETENTION_OFFSET(s0)
+    wfi
+    lw a0, TIMER_TIME_LO_OFFSET(s1)
+    sw a0, 0(s2)
+    lw a0, POWER_MANAGER_RETENTION_OFFSET(s0)
+    sw a0, 4(s2)
+1:  j 1b
+)");
+  system.soc.advance(2'000'000);
+  const auto early = system.soc.energy();
+  system.soc.advance(2'900'000);
+  const auto spent_j = system.soc.energy().total_j() - early.total_j();
+  const auto expected_j = 0.9e-3 * 2.311e-6 * (524288 + 16384) / 4096;  // at 0.8 V
+  EXPECT_NEAR(spent_j, expected_j, 1e-6 * expected_j) << "difference of two sums, and the gated clock of no core";
+  system.soc.advance(6'000'000);
+  EXPECT_NEAR(system.result(0), 3'000'000 + 1'200'000, 200) << "ns: the timer, and the wake-up of 1.2 ms";
+  EXPECT_EQ(system.result(1), 0U) << "to be asked for again";
+}
+
+TEST(Retention, IsRefusedWhileTheClusterIsOn) {
+  BoardSystem system(R"(
+_start: li s0, POWER_MANAGER_BASE
+    li s2, 0x1C060000
+    la a0, core
+    sw a0, POWER_MANAGER_CLUSTER_BOOT_OFFSET(s0)
+    li a0, 1
+    sw a0, POWER_MANAGER_CLUSTER_POWER_OFFSET(s0)
+    sw a0, POWER_MANAGER_RETENTION_OFFSET(s0)
+    lw a0, POWER_MANAGER_STATUS_OFFSET(s0)
+    sw a0, 0(s2)
+1:  j 1b
+core: wfi
+    j core
+)");
+  system.soc.advance(10'000);
+  EXPECT_EQ(system.result(0), 1U);
 }
 
 TEST(Energy, StopsWhenThePowerIsGone) {

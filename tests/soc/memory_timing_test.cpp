@@ -24,6 +24,15 @@ TEST(Banks, KeepWhatWasTakenWhenTheWindowMoves) {
   EXPECT_EQ(banks.claim(104, 0), 0U);
 }
 
+TEST(Banks, ServeALongQueueOneByOne) {
+  Banks banks(16);
+  banks.move_to(1000);
+  for (std::uint64_t turn = 0; turn < 700; ++turn) EXPECT_EQ(banks.claim(1000, 0), turn);
+  banks.move_to(1200);
+  EXPECT_EQ(banks.claim(1200, 0), 500U);
+  EXPECT_EQ(banks.claim(1200, 4), 0U);
+}
+
 TEST(Banks, FreeAgainFarBehindTheWindow) {
   Banks banks(16);
   EXPECT_EQ(banks.claim(0, 0), 0U);

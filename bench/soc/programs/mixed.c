@@ -45,11 +45,16 @@ static __attribute__((noinline)) struct node* reverse(struct node* list) {
   return done;
 }
 
-static int by_key(const struct node* x, const struct node* y) { return x->key - y->key; }
-static int by_data(const struct node* x, const struct node* y) { return (x->data & 0xff) - (y->data & 0xff); }
+static int by_key(const struct node* x, const struct node* y) {
+  return x->key - y->key;
+}
+static int by_data(const struct node* x, const struct node* y) {
+  return (x->data & 0xff) - (y->data & 0xff);
+}
 
 /// Merge sort from the bottom up.
-static __attribute__((noinline)) struct node* sort(struct node* list, int (*order)(const struct node*, const struct node*)) {
+static __attribute__((noinline)) struct node* sort(struct node* list,
+                                                   int (*order)(const struct node*, const struct node*)) {
   for (int width = 1;; width *= 2) {
     struct node* rest = list;
     struct node** tail = &list;

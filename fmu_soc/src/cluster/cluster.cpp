@@ -34,14 +34,17 @@ Cluster::~Cluster() = default;
 void Cluster::power_on(Picoseconds now, std::uint32_t boot) {
   if (powered_) return;
   powered_ = true;
+  powered_since_ = now;
   event_unit_ = EventUnit(cores());
   dma_.reset();
   const auto tick = tick_at(now);
   for (auto& core : cores_) core->start(boot, tick);
 }
 
-void Cluster::power_off(Picoseconds /*now*/) {
+void Cluster::power_off(Picoseconds now) {
+  if (!powered_) return;
   powered_ = false;
+  powered_total_ += now - powered_since_;
   interrupt_ = false;
   fabric_woken_ = false;
 }
@@ -210,6 +213,8 @@ void Cluster::save(state::Writer& writer) const {
   writer.put(faulted_core_);
   writer.put(first_core_);
   writer.put(fabric_event_time_);
+  writer.put(powered_since_);
+  writer.put(powered_total_);
 }
 
 void Cluster::restore(state::Reader& reader) {
@@ -225,6 +230,8 @@ void Cluster::restore(state::Reader& reader) {
   reader.get(faulted_core_);
   reader.get(first_core_);
   reader.get(fabric_event_time_);
+  reader.get(powered_since_);
+  reader.get(powered_total_);
 }
 
 }  // namespace mebots::soc

@@ -86,6 +86,8 @@ class Cluster {
   std::uint64_t far_accesses() const;
   /// The most cycles that one of them was awake.
   std::uint64_t longest_cycles() const;
+  /// Time it was on, up to `now`.
+  Picoseconds powered_time(Picoseconds now) const { return powered_total_ + (powered_ ? now - powered_since_ : 0); }
   /// The core that cannot go on; -1 = none.
   int faulted_core() const { return faulted_core_; }
   /// A core's store into a watched word ended the run.
@@ -122,6 +124,8 @@ class Cluster {
   std::int32_t faulted_core_ = -1;
   std::uint32_t first_core_ = 0;  // of the next quantum
   Picoseconds fabric_event_time_ = 0;
+  Picoseconds powered_since_ = 0;
+  Picoseconds powered_total_ = 0;  // up to the last time it went off
 };
 
 }  // namespace mebots::soc

@@ -27,6 +27,9 @@ bool PowerManager::load(std::uint32_t offset, Picoseconds /*now*/, std::uint32_t
     case reg::kClusterClockHz:
       value = settings_.cluster_clock_hz;
       return true;
+    case reg::kRetention:
+      value = settings_.retention;
+      return true;
     default:
       return false;
   }
@@ -38,7 +41,8 @@ void PowerManager::change(std::uint32_t PowerSettings::*what, std::uint32_t valu
   wanted.*what = value;
   const bool good = chip_.allows(wanted.clock_hz, wanted.voltage_mv) &&
                     (!has_cluster_ || chip_.allows_cluster(wanted.cluster_clock_hz, wanted.voltage_mv)) &&
-                    wanted.cluster_on <= (has_cluster_ ? 1U : 0U);
+                    wanted.cluster_on <= (has_cluster_ ? 1U : 0U) && wanted.retention + wanted.cluster_on <= 1 &&
+                    wanted.retention <= 1;
   if (good) {
     settings_ = wanted;
   } else {
@@ -69,6 +73,9 @@ bool PowerManager::store(std::uint32_t offset, Picoseconds /*now*/, std::uint32_
       return true;
     case reg::kClusterClockHz:
       change(&PowerSettings::cluster_clock_hz, value);
+      return true;
+    case reg::kRetention:
+      change(&PowerSettings::retention, value);
       return true;
     default:
       return false;

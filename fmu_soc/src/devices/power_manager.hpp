@@ -13,6 +13,7 @@ struct PowerSettings {
   std::uint32_t voltage_mv = 0;
   std::uint32_t cluster_boot = 0;
   std::uint32_t cluster_on = 0;
+  std::uint32_t retention = 0;  // the next sleep is retention sleep
 };
 
 /// Clocks, voltage and the cluster's switch as the firmware asks for them, and the way out of the firmware. A request
@@ -30,6 +31,8 @@ class PowerManager final : public Device {
   void restore(state::Reader& reader) override;
 
   const PowerSettings& settings() const { return settings_; }
+  /// The chip has woken from retention sleep: the next one must be asked for again.
+  void woken() { settings_.retention = 0; }
   bool exited() const { return exited_; }
   std::int32_t exit_code() const { return exit_code_; }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstdint>
@@ -12,7 +13,8 @@ namespace mebots::soc {
 class Banks {
  public:
   static constexpr unsigned kMost = 32;
-  static constexpr unsigned kWindow = 128;
+  /// Wide enough for eight cores that each run a block of 64 accesses past the end of their quantum.
+  static constexpr std::uint64_t kWindow = 1024;
 
   /// `count` must be a power of two, at most kMost.
   explicit Banks(unsigned count = 16) : mask_(count - 1) {}
@@ -20,45 +22,35 @@ class Banks {
   /// Takes the first free cycle of the bank at or after `tick`; the answer is how long to wait for it. A tick before
   /// the window counts as its start; behind the window nobody is in the way.
   std::uint32_t claim(std::uint64_t tick, std::uint32_t address) {
-    const auto position = tick < start_ ? 0 : tick - start_;
-    if (position >= kWindow) return 0;
     auto& bank = busy_[address / 4 & mask_];
-    auto at = static_cast<unsigned>(position);
-    if (at < 64) {
-      const auto free = ~bank[0] >> at;
-      if (free != 0) {
-        const auto wait = static_cast<unsigned>(std::countr_zero(free));
-        bank[0] |= std::uint64_t{1} << (at + wait);
-        return wait;
-      }
-      at = 64;
+    const auto end = start_ + kWindow - 64;
+    for (auto at = tick < start_ ? start_ : tick; at < end; at = (at | 63U) + 1) {
+      auto& word = bank[at / 64 % kWords];
+      const auto free = ~word >> (at & 63U);
+      if (free == 0) continue;
+      const auto slot = at + static_cast<unsigned>(std::countr_zero(free));
+      word |= std::uint64_t{1} << (slot & 63U);
+      return static_cast<std::uint32_t>(slot - tick);
     }
-    const auto free = ~bank[1] >> (at - 64);
-    const auto slot = free == 0 ? kWindow : at + static_cast<unsigned>(std::countr_zero(free));
-    if (slot < kWindow) bank[1] |= std::uint64_t{1} << (slot - 64);
-    return slot - static_cast<unsigned>(position);
+    return tick < end ? static_cast<std::uint32_t>(end - tick) : 0;
   }
 
   /// The window starts at `tick` from now on; ticks do not go back.
   void move_to(std::uint64_t tick) {
-    const auto steps = tick - start_;
-    start_ = tick;
-    for (auto& bank : busy_) {
-      if (steps >= kWindow) {
-        bank = {};
-      } else if (steps >= 64) {
-        bank = {bank[1] >> (steps - 64), 0};
-      } else if (steps > 0) {
-        bank = {bank[0] >> steps | bank[1] << (64 - steps), bank[1] >> steps};
-      }
+    const auto last = std::min(tick / 64, start_ / 64 + kWords);
+    for (auto word = start_ / 64; word < last; ++word) {
+      for (auto& bank : busy_) bank[word % kWords] = 0;
     }
+    start_ = tick;
   }
 
   std::uint64_t start() const { return start_; }
 
  private:
+  static constexpr std::uint64_t kWords = kWindow / 64;
+
   std::uint64_t start_ = 0;
-  std::array<std::array<std::uint64_t, 2>, kMost> busy_{};
+  std::array<std::array<std::uint64_t, kWords>, kMost> busy_{};  // by tick / 64, round and round; a bit set = taken
   std::uint64_t mask_;
 };
 

@@ -12,6 +12,11 @@ void print_report(const Soc& soc, double host_s, std::optional<std::uint32_t> to
   const auto energy = soc.energy();
   fmt::print("instructions {}\n", counters.instructions);
   fmt::print("cycles {}\n", counters.cycles);
+  if (const auto* cluster = soc.cluster()) {
+    const auto sums = cluster->counters();
+    fmt::print("cluster instructions {}, cycles {} of {} cores together\n", sums.instructions, sums.cycles,
+               cluster->cores());
+  }
   fmt::print("time {:.9g} s, of it asleep {:.9g} s\n", static_cast<double>(soc.now()) * 1e-12,
              static_cast<double>(soc.sleep_time()) * 1e-12);
   fmt::print("energy {:.9g} J", energy.total_j());
@@ -20,7 +25,7 @@ void print_report(const Soc& soc, double host_s, std::optional<std::uint32_t> to
     fmt::print("{}{} {:.9g} J", std::exchange(before, ", "), component.name, component.energy_j);
   }
   fmt::print("\n");
-  fmt::print("host {:.1f} MIPS\n", static_cast<double>(counters.instructions) / host_s / 1e6);
+  fmt::print("host {:.1f} MIPS\n", static_cast<double>(soc.instructions()) / host_s / 1e6);
   if (tohost) fmt::print("tohost {}\n", *tohost);
   if (soc.end() == End::exited) fmt::print("exit {}\n", soc.exit_code());
 }

@@ -117,7 +117,6 @@ int run(const Options& options) {
   } else {
     board = board_around(program);
     chip.timing.kind = CoreKind::cv32e40p;
-    chip.memory_leakage_w_per_byte = 0;  // this RAM is nobody's chip
   }
   Settings settings;
   settings.mission = {0.2777778, 1.0, 0.1, 0.5, 0.1, 0};

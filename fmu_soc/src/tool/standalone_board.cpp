@@ -34,7 +34,12 @@ BoardDescription board_around(const Elf& program) {
   }
   BoardDescription board;
   board.name = "none";
-  board.memories.push_back({"ram", static_cast<std::uint32_t>(base), static_cast<std::uint32_t>(end - base)});
+  BoardMemory ram;
+  ram.name = "ram";
+  ram.base = static_cast<std::uint32_t>(base);
+  ram.size = static_cast<std::uint32_t>(end - base);
+  ram.leaks = false;  // it is nobody's chip
+  board.memories.push_back(ram);
   return board;
 }
 

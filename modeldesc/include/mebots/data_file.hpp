@@ -57,6 +57,8 @@ class Node {
   }
 
   bool has(std::string_view key) const { return json_->contains(key); }
+  /// File and key, as errors name it.
+  std::string name() const { return path_.empty() ? *file_ : fmt::format("{}: {}", *file_, path_); }
 
   /// Keys in the order of the alphabet.
   std::vector<std::string> keys() const {
@@ -88,6 +90,12 @@ class Node {
     const auto& json = get(key);
     if (!json.is_string()) fail(key, fmt::format("= {} must be a text", shown(json)));
     return json.get<std::string>();
+  }
+
+  bool flag(std::string_view key) const {
+    const auto& json = get(key);
+    if (!json.is_boolean()) fail(key, fmt::format("= {} must be true or false", shown(json)));
+    return json.get<bool>();
   }
 
   double number(std::string_view key, const Limits& limits = {}) const { return checked(key, get(key), limits); }
@@ -171,6 +179,32 @@ inline std::string text_of(const std::filesystem::path& path) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
+/// Told of every step of the parser; throws when an object has the same key twice, where the last one would win unseen.
+class NoKeyTwice {
+ public:
+  explicit NoKeyTwice(std::string file) : file_(std::move(file)) {}
+
+  bool operator()(int depth, nlohmann::json::parse_event_t event, nlohmann::json& parsed) {
+    using Event = nlohmann::json::parse_event_t;
+    const auto level = static_cast<std::size_t>(depth);
+    if (event == Event::object_start) {
+      if (keys_.size() <= level + 1) keys_.resize(level + 2);
+      keys_[level + 1].clear();
+    } else if (event == Event::key) {
+      const auto key = parsed.get<std::string>();
+      if (std::find(keys_[level].begin(), keys_[level].end(), key) != keys_[level].end()) {
+        throw Error(fmt::format("{}: {} stands twice in the same object", file_, key));
+      }
+      keys_[level].push_back(key);
+    }
+    return true;
+  }
+
+ private:
+  std::string file_;
+  std::vector<std::vector<std::string>> keys_;  // by depth
+};
+
 /// A parsed data file; its root is an object.
 class File {
  public:
@@ -178,7 +212,7 @@ class File {
   /// `name` stands in errors.
   File(std::string_view text, std::string name) : name_(std::move(name)) {
     try {
-      json_ = nlohmann::json::parse(text);
+      json_ = nlohmann::json::parse(text, NoKeyTwice{name_});
     } catch (const nlohmann::json::parse_error& error) {
       throw Error(fmt::format("{}: is not JSON: {}", name_, error.what()));
     }

@@ -56,7 +56,7 @@ typedef struct {
   State state;
   fmi2CallbackFunctions callbacks;
   char name[TEXT_SIZE];
-  int zero;    // what no compiler knows
+  int zero;  // what no compiler knows
   int* null;
 } Probe;
 

@@ -21,7 +21,7 @@ struct RunRequest {
   std::string config;  ///< absolute path
   std::vector<std::string> sets;
   std::vector<std::string> scenarios;  ///< absolute paths
-  std::string stop_time;  ///< as typed; empty = the config's
+  std::string stop_time;               ///< as typed; empty = the config's
   bool isolate = false;
   std::int64_t checkpoint_every_ns = 0;
 };

@@ -14,7 +14,8 @@ namespace mebots::master {
 /// Throws InputError for a text of another form or an unknown instance.
 void apply_set(SystemDescription& system, const std::string& text);
 
-/// Appends the overrides of a scenario file. Returns what to note among the changes: its name and hash. Throws InputError.
+/// Appends the overrides of a scenario file. Returns what to note among the changes: its name and hash. Throws
+/// InputError.
 std::string apply_scenario(SystemDescription& system, const std::filesystem::path& file);
 
 /// A time greater than 0, as typed in seconds, in nanoseconds. Throws InputError that names the option.

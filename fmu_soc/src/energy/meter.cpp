@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "energy/meter.hpp"
+
+namespace mebots::soc {
+namespace {
+
+constexpr double kPicojoule = 1e-12;
+constexpr double kFemtojoule = 1e-15;
+constexpr double kPicosecond = 1e-12;
+constexpr double kBankBytes = 4096;
+
+double count(std::uint64_t now, std::uint64_t before) {
+  return static_cast<double>(now - before);
+}
+double seconds(Picoseconds now, Picoseconds before) {
+  return static_cast<double>(now - before) * kPicosecond;
+}
+
+}  // namespace
+
+double EnergyLedger::total_j() const {
+  return core_active_j() + memory_j() + leakage_j();
+}
+
+double EnergyLedger::leakage_j() const {
+  return (*this)[Part::fc_background] + (*this)[Part::cluster_background] + (*this)[Part::leakage] +
+         (*this)[Part::retention];
+}
+
+std::array<EnergyComponent, kParts> EnergyLedger::components() const {
+  std::array<EnergyComponent, kParts> found;
+  for (std::size_t i = 0; i < kParts; ++i) found[i] = {kPartNames[i], by_part_j[i]};
+  return found;
+}
+
+double EnergyLedger::core_active_j() const {
+  return (*this)[Part::fabric_controller] + (*this)[Part::cluster_cores];
+}
+
+double EnergyLedger::memory_j() const {
+  return (*this)[Part::fc_memory] + (*this)[Part::l2] + (*this)[Part::l1] + (*this)[Part::interconnect] +
+         (*this)[Part::dma];
+}
+
+EnergyTables::EnergyTables(const data::Node& node)
+    : instruction(node.object("instruction"), "pJ", kPicojoule),
+      core_clock_gated(node.object("core_clock_gated"), "W", 1),
+      core_leakage(node.object("core_leakage"), "W", 1),
+      memory_access(node.object("memory_access"), "pJ", kPicojoule),
+      l1_access(node.object("l1_access"), "pJ", kPicojoule),
+      memory_leakage(node.object("memory_leakage"), "W", 1),
+      interconnect_word(node.object("interconnect_word"), "pJ", kPicojoule),
+      dma_active(node.object("dma_active"), "W", 1),
+      dma_background(node.object("dma_background"), "W", 1),
+      fc_background(node.object("fc_background"), "W", 1),
+      cluster_background(node.object("cluster_background"), "W", 1),
+      cluster_leakage(node.object("cluster_leakage"), "W", 1) {
+  node.only({"instruction", "core_clock_gated", "core_leakage", "memory_access", "l1_access", "memory_leakage",
+             "interconnect_word", "dma_active", "dma_background", "fc_background", "cluster_background",
+             "cluster_leakage", "reference_temperature", "reference_voltage", "retention_voltage"});
+  OperatingPoint reference;
+  reference.temperature_c = node.quantity("reference_temperature", "C");
+  reference.voltage_v = node.quantity("reference_voltage", "V", data::Limits::positive());
+  retention_voltage_v = node.quantity("retention_voltage", "V", data::Limits::positive());
+  reference_instruction_j = instruction.at(reference);
+  if (!(reference_instruction_j > 0)) node.fail("instruction", "must be above 0 at the reference point");
+}
+
+EnergyMeter::EnergyMeter(const EnergyTables& tables, const Inventory& inventory, const PowerState& state)
+    : tables_(tables), inventory_(inventory), state_(state), rates_(rates_at(state)) {}
+
+EnergyMeter::Rates EnergyMeter::rates_at(const PowerState& state) const {
+  const OperatingPoint fc{state.temperature_c, state.voltage_v, state.clock_hz};
+  const OperatingPoint cluster{state.temperature_c, state.voltage_v, state.cluster_clock_hz};
+  const OperatingPoint retention{state.temperature_c, tables_.retention_voltage_v, 0};
+  const auto fc_banks = inventory_.fc_memory_bytes / kBankBytes;
+  Rates rates;
+  rates.instruction = tables_.instruction.at(fc) / tables_.reference_instruction_j;
+  rates.core_gated_w = tables_.core_clock_gated.at(fc);
+  rates.memory_access_j = tables_.memory_access.at(fc);
+  rates.far_word_j = tables_.interconnect_word.at(fc);
+  rates.fc_background_w = tables_.fc_background.at(fc);
+  rates.leakage_w = tables_.core_leakage.at(fc) + tables_.memory_leakage.at(fc) * fc_banks;
+  rates.retention_w = tables_.memory_leakage.at(retention) * fc_banks;
+  if (inventory_.cluster_cores == 0) return rates;
+  rates.l1_access_j = tables_.l1_access.at(cluster);
+  rates.dma_active_w = tables_.dma_active.at(cluster);
+  rates.dma_background_w = tables_.dma_background.at(cluster);
+  rates.cluster_background_w = tables_.cluster_background.at(cluster);
+  rates.cluster_leakage_w = tables_.cluster_leakage.at(cluster) +
+                            tables_.core_leakage.at(cluster) * inventory_.cluster_cores +
+                            tables_.memory_leakage.at(cluster) * inventory_.l1_bytes / kBankBytes;
+  return rates;
+}
+
+EnergyLedger EnergyMeter::at(const Activity& now) const {
+  const auto awake_s = seconds(now.powered - now.retained, since_.powered - since_.retained);
+  const auto cluster_s = seconds(now.cluster_powered, since_.cluster_powered);
+  const auto per_cluster_cycle_s = inventory_.cluster_cores == 0 ? 0.0 : 1 / state_.cluster_clock_hz;
+  const auto cluster_asleep_s =
+      inventory_.cluster_cores * cluster_s - count(now.cluster_cycles, since_.cluster_cycles) * per_cluster_cycle_s;
+  const auto instruction_j = rates_.instruction * kFemtojoule;
+  EnergyLedger ledger = settled_;
+  ledger[Part::fabric_controller] +=
+      count(now.fc_instruction_fj, since_.fc_instruction_fj) * instruction_j +
+      rates_.core_gated_w * seconds(now.fc_asleep - now.retained, since_.fc_asleep - since_.retained);
+  ledger[Part::cluster_cores] += count(now.cluster_instruction_fj, since_.cluster_instruction_fj) * instruction_j +
+                                 rates_.core_gated_w * cluster_asleep_s;
+  ledger[Part::fc_memory] += count(now.fc_memory_accesses, since_.fc_memory_accesses) * rates_.memory_access_j;
+  ledger[Part::l2] += count(now.l2_accesses, since_.l2_accesses) * rates_.memory_access_j;
+  ledger[Part::l1] += count(now.l1_accesses, since_.l1_accesses) * rates_.l1_access_j;
+  ledger[Part::interconnect] += count(now.far_words, since_.far_words) * rates_.far_word_j;
+  ledger[Part::dma] += rates_.dma_active_w * count(now.dma_cycles, since_.dma_cycles) * per_cluster_cycle_s +
+                       rates_.dma_background_w * cluster_s;
+  ledger[Part::fc_background] += rates_.fc_background_w * awake_s;
+  ledger[Part::cluster_background] += rates_.cluster_background_w * cluster_s;
+  ledger[Part::leakage] += rates_.leakage_w * awake_s + rates_.cluster_leakage_w * cluster_s;
+  ledger[Part::retention] += rates_.retention_w * seconds(now.retained, since_.retained);
+  return ledger;
+}
+
+void EnergyMeter::change(const PowerState& state, const Activity& now) {
+  settled_ = at(now);
+  since_ = now;
+  state_ = state;
+  rates_ = rates_at(state);
+}
+
+void EnergyMeter::save(state::Writer& writer) const {
+  writer.put(state_);
+  writer.put(since_);
+  writer.put(settled_);
+}
+
+void EnergyMeter::restore(state::Reader& reader) {
+  reader.get(state_);
+  reader.get(since_);
+  reader.get(settled_);
+  rates_ = rates_at(state_);
+}
+
+}  // namespace mebots::soc

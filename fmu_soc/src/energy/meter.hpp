@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "clock.hpp"
+#include "energy/table.hpp"
+
+#include "mebots/state/bytes.hpp"
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+
+namespace mebots::soc {
+
+/// Where the chip's joules go.
+enum class Part : std::uint8_t {
+  fabric_controller,   // its instructions, and its clock gate while it sleeps
+  cluster_cores,       // likewise, all together
+  fc_memory,           // accesses to the near memory of the fabric controller
+  l2,                  // accesses
+  l1,                  // accesses to banks
+  interconnect,        // words between cluster and the rest, accesses to devices
+  dma,                 // its transfers, and its clock
+  fc_background,       // clock tree, bus and peripherals of the fabric controller's domain
+  cluster_background,  // clock tree and bus of the cluster, while it is on
+  leakage,             // of everything that has its supply
+  retention,           // of what keeps its contents in retention sleep
+};
+inline constexpr std::size_t kParts = 11;
+
+/// Names of the parts, as they stand in the FMU's variables.
+inline constexpr std::array<std::string_view, kParts> kPartNames{
+    "fabric_controller", "cluster_cores",      "fc_memory", "l2",       "l1", "interconnect", "dma",
+    "fc_background",     "cluster_background", "leakage",   "retention"};
+
+struct EnergyComponent {
+  std::string_view name;
+  double energy_j = 0;
+};
+
+/// Joules by part, since reset.
+struct EnergyLedger {
+  std::array<double, kParts> by_part_j{};
+
+  double operator[](Part part) const { return by_part_j[static_cast<std::size_t>(part)]; }
+  double& operator[](Part part) { return by_part_j[static_cast<std::size_t>(part)]; }
+  double total_j() const;
+  /// The parts of the total with their names, for whoever shows them.
+  std::array<EnergyComponent, kParts> components() const;
+  /// Executed instructions, accesses and transfers, and all the rest.
+  double core_active_j() const;
+  double memory_j() const;
+  double leakage_j() const;
+};
+
+/// What the chip did, in counts and durations; all integers, since reset.
+struct Activity {
+  std::uint64_t fc_instruction_fj = 0;       // at the reference point
+  std::uint64_t cluster_instruction_fj = 0;  // likewise
+  std::uint64_t fc_memory_accesses = 0;
+  std::uint64_t l2_accesses = 0;
+  std::uint64_t l1_accesses = 0;
+  std::uint64_t far_words = 0;       // over the interconnect
+  std::uint64_t dma_cycles = 0;      // of the cluster, moving data
+  std::uint64_t cluster_cycles = 0;  // of all cores together, awake
+  Picoseconds powered = 0;
+  Picoseconds fc_asleep = 0;
+  Picoseconds cluster_powered = 0;
+  Picoseconds retained = 0;  // in retention sleep; of `powered`
+};
+
+/// The chip's figures; params/*.json, object "energy".
+struct EnergyTables {
+  EnergyTable instruction;  // J at the point, over J at the reference point is what an instruction costs more
+  double reference_instruction_j = 0;
+  EnergyTable core_clock_gated;    // W of a core that sleeps
+  EnergyTable core_leakage;        // W of a core
+  EnergyTable memory_access;       // J of a word in L2 or the fabric controller's memory
+  EnergyTable l1_access;           // J of a word
+  EnergyTable memory_leakage;      // W of 4 KiB
+  EnergyTable interconnect_word;   // J
+  EnergyTable dma_active;          // W while it moves data
+  EnergyTable dma_background;      // W while the cluster is on
+  EnergyTable fc_background;       // W
+  EnergyTable cluster_background;  // W while the cluster is on
+  EnergyTable cluster_leakage;     // W while the cluster is on, beside cores and L1
+  double retention_voltage_v = 0;
+
+  explicit EnergyTables(const data::Node& node);
+};
+
+/// How the chip is set.
+struct PowerState {
+  double temperature_c = 25;
+  double voltage_v = 1.2;
+  double clock_hz = 0;
+  double cluster_clock_hz = 0;
+};
+
+/// What there is of each part.
+struct Inventory {
+  std::uint32_t fc_memory_bytes = 0;  // memories of the fabric controller's domain, L2 included
+  std::uint32_t l1_bytes = 0;
+  unsigned cluster_cores = 0;
+};
+
+/// Turns activity into joules. While the chip's settings stay the same, energy is computed from the integers since
+/// their last change, never summed up step by step: the result does not depend on how often somebody looks.
+class EnergyMeter {
+ public:
+  EnergyMeter(const EnergyTables& tables, const Inventory& inventory, const PowerState& state);
+
+  EnergyLedger at(const Activity& now) const;
+  /// From `now` on, the chip is set otherwise. Call it before a clock changes what cycles mean.
+  void change(const PowerState& state, const Activity& now);
+
+  void save(state::Writer& writer) const;
+  void restore(state::Reader& reader);
+
+ private:
+  /// Joules and watts at the present settings.
+  struct Rates {
+    double instruction = 1;  // over the reference point
+    double core_gated_w = 0;
+    double memory_access_j = 0;
+    double l1_access_j = 0;
+    double far_word_j = 0;
+    double dma_active_w = 0;
+    double dma_background_w = 0;
+    double fc_background_w = 0;
+    double cluster_background_w = 0;
+    double leakage_w = 0;          // of what always has its supply
+    double cluster_leakage_w = 0;  // of what has it while the cluster is on
+    double retention_w = 0;
+  };
+  Rates rates_at(const PowerState& state) const;
+
+  const EnergyTables& tables_;
+  Inventory inventory_;
+  PowerState state_;
+  Rates rates_;
+  Activity since_;        // at the last change
+  EnergyLedger settled_;  // up to then
+};
+
+}  // namespace mebots::soc

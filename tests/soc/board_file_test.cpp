@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "board_file.hpp"
+
+#include "mebots/error.hpp"
+
+#include <fmt/core.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <unistd.h>
+#include <filesystem>
+#include <fstream>
+
+namespace mebots::soc::test {
+namespace {
+
+using testing::HasSubstr;
+
+/// What the reader says to a board with these memories and devices; empty when it takes it.
+std::string complaint(std::string_view memories, std::string_view devices, std::string_view more = "") {
+  const auto path = std::filesystem::temp_directory_path() / fmt::format("mebots-board-{}.json", getpid());
+  std::ofstream(path) << fmt::format(R"({{"name": "b", {} "memories": [{}], "devices": [{}]}})", more, memories,
+                                     devices);
+  std::string text;
+  try {
+    read_board(path);
+  } catch (const Error& error) {
+    text = error.what();
+    EXPECT_THAT(text, HasSubstr(path.filename().string())) << "names the file";
+  }
+  std::filesystem::remove(path);
+  return text;
+}
+
+constexpr auto kRam = R"({"name": "ram", "base": "0x1000", "size": 4096})";
+
+std::string device(std::string_view more, std::string_view name = "d", std::string_view base = "0x8000") {
+  return fmt::format(
+      R"({{"name": "{}", "base": "{}", {} "registers": [{{"name": "R", "offset": "0x4", "access": "r"}}]}})", name,
+      base, more);
+}
+
+TEST(BoardFile, OfTheRepositoryAreGood) {
+  for (const auto* name : {"ai_deck", "gap8_bare", "ri5cy"}) {
+    EXPECT_EQ(read_board(fmt::format("{}/configs/boards/{}.json", MEBOTS_SOURCE_DIR, name)).name, name);
+  }
+}
+
+TEST(BoardFile, TakesOnlyInterruptsThatTheCoreHas) {
+  for (const int line : {3, 7, 11, 16, 31}) {
+    EXPECT_EQ(complaint(kRam, device(fmt::format("\"interrupt\": {},", line))), "");
+  }
+  for (const int line : {0, 4, 12, 15}) {
+    EXPECT_THAT(complaint(kRam, device(fmt::format("\"interrupt\": {},", line))),
+                HasSubstr("devices[0].interrupt = " + std::to_string(line)));
+  }
+  EXPECT_THAT(complaint(kRam, device("\"interrupt\": 32,")), HasSubstr("devices[0].interrupt"));
+  EXPECT_THAT(complaint(kRam, device("\"interrupt\": 7.5,")), HasSubstr("whole number"));
+}
+
+TEST(BoardFile, RefusesOverlaps) {
+  EXPECT_THAT(complaint(std::string(kRam) + R"(, {"name": "more", "base": "0x1FFC", "size": 16})", ""),
+              HasSubstr("memories[1] (more, 0x00001ffc to 0x0000200b) overlaps ram"));
+  EXPECT_THAT(complaint(kRam, device("", "d", "0x1FFC")), HasSubstr("devices[0] (d, "));
+  EXPECT_THAT(complaint(kRam, device("") + "," + device("", "e", "0x8004")), HasSubstr("overlaps d"));
+  EXPECT_THAT(complaint(kRam, device("", "d", "0xFFFFFFFC")), HasSubstr("end of the 32-bit address space"));
+}
+
+TEST(BoardFile, RefusesUnknownAndRepeatedKeysAndNames) {
+  EXPECT_THAT(complaint(kRam, device("\"irq\": 7,")), HasSubstr("devices[0].irq"));
+  EXPECT_THAT(complaint(R"({"name": "ram", "name": "ram", "base": "0x1000", "size": 4096})", ""),
+              HasSubstr("name stands twice"));
+  EXPECT_THAT(complaint(kRam, device("") + "," + device("", "d", "0x9000")), HasSubstr("is taken by another one"));
+  EXPECT_THAT(complaint(kRam, device("", "2nd")), HasSubstr("a letter first"));
+  EXPECT_THAT(complaint(kRam, "", R"("core": "z80",)"), HasSubstr("core = \"z80\""));
+  EXPECT_THAT(complaint(kRam, "", R"("cluster_cores": 9,)"), HasSubstr("cluster_cores"));
+}
+
+TEST(BoardFile, RefusesAddressesThatAreNone) {
+  EXPECT_THAT(complaint(R"({"name": "ram", "base": "0x1001", "size": 4096})", ""), HasSubstr("multiple of 4"));
+  EXPECT_THAT(complaint(R"({"name": "ram", "base": "here", "size": 4096})", ""), HasSubstr("32-bit address"));
+  EXPECT_THAT(complaint(R"({"name": "ram", "base": "0x1000", "size": 4098})", ""), HasSubstr("memories[0].size"));
+}
+
+TEST(BoardFile, WantsAVoltageWhereStatesHaveCurrents) {
+  EXPECT_THAT(complaint(kRam, device(R"("states": {"on": {"current": 1e-3}},)")),
+              HasSubstr("supply_voltage is missing"));
+}
+
+}  // namespace
+}  // namespace mebots::soc::test

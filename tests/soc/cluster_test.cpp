@@ -1,0 +1,292 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "board_system.hpp"
+
+#include "mebots/error.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace mebots::soc::test {
+namespace {
+
+constexpr double kClusterHz = 87e6;  // of the settings' start
+
+/// The fabric controller switches the cluster on and sleeps; each core runs `body` with its number in s0, then leaves
+/// the cycles that it took in result(number).
+BoardSystem cores_run(std::string_view body, unsigned cores) {
+  Settings settings;
+  settings.cluster_cores = cores;
+  return BoardSystem(BoardSystem::assembled(fmt::format(R"(
+_start: li s0, POWER_MANAGER_BASE
+    la a0, core
+    sw a0, POWER_MANAGER_CLUSTER_BOOT_OFFSET(s0)
+    li a0, 1
+    sw a0, POWER_MANAGER_CLUSTER_POWER_OFFSET(s0)
+1:  wfi
+    j 1b
+core: csrr s0, mhartid
+    li s1, L1_BASE
+    csrr s10, mcycle
+{}
+    csrr s11, mcycle
+    sub s11, s11, s10
+    li t0, 0x1C060000
+    slli t1, s0, 2
+    add t0, t0, t1
+    sw s11, 0(t0)
+2:  wfi
+    j 2b
+)",
+                                                        body)),
+                     settings);
+}
+
+/// 256 loads that take a cycle each when nobody is in the way.
+constexpr std::string_view kHammer = ".rept 128\n lw a1, 0(a0)\n lw a2, 0(a0)\n.endr\n";
+
+std::vector<std::uint32_t> cycles_of(std::string_view body, unsigned cores) {
+  auto system = cores_run(body, cores);
+  system.soc.advance(1'000'000);
+  std::vector<std::uint32_t> cycles;
+  for (unsigned core = 0; core < cores; ++core) cycles.push_back(system.result(core));
+  return cycles;
+}
+
+TEST(ClusterBanks, OneCoreAloneNeverWaits) {
+  EXPECT_EQ(cycles_of("mv a0, s1\n" + std::string(kHammer), 1)[0], 256U + 2U) << "and the move and one counter read";
+}
+
+TEST(ClusterBanks, TwoCoresOnOneBankTakeTwiceAsLong) {
+  const auto cycles = cycles_of("mv a0, s1\n" + std::string(kHammer), 2);
+  const auto last = std::max(cycles[0], cycles[1]);
+  EXPECT_GE(last, 512U);
+  EXPECT_LE(last, 512U + 4U) << "the bank is never idle: it serves 512 words, one a cycle";
+}
+
+TEST(ClusterBanks, EightCoresOnOneBankTakeEightTimesAsLong) {
+  const auto cycles = cycles_of("mv a0, s1\n" + std::string(kHammer), 8);
+  const auto last = *std::max_element(cycles.begin(), cycles.end());
+  EXPECT_GE(last, 8 * 256U);
+  EXPECT_LE(last, 8 * 256U + 10U);
+}
+
+TEST(ClusterBanks, CoresOnBanksOfTheirOwnDoNotSeeEachOther) {
+  // Neighbouring words lie in neighbouring banks.
+  const auto cycles = cycles_of("slli a0, s0, 2\n add a0, a0, s1\n" + std::string(kHammer), 8);
+  for (const auto own : cycles) EXPECT_EQ(own, 256U + 3U);
+}
+
+TEST(ClusterBanks, SixteenWordsApartIsTheSameBank) {
+  const auto cycles = cycles_of("slli a0, s0, 6\n add a0, a0, s1\n" + std::string(kHammer), 2);
+  EXPECT_GE(std::max(cycles[0], cycles[1]), 512U);
+}
+
+TEST(ClusterCore, WaitsForL2ThatLiesFarAway) {
+  const auto near = cycles_of("li a0, L1_BASE\n.rept 10\n lw a1, 0(a0)\n lw a2, 0(a0)\n.endr\n", 1)[0];
+  const auto far = cycles_of("li a0, 0x1C070000\n.rept 10\n lw a1, 0(a0)\n lw a2, 0(a0)\n.endr\n", 1)[0];
+  EXPECT_EQ(far, near + 20 * 14) << "14 cycles each: cluster router 2, AXI 12";
+}
+
+/// The fabric controller forks `body` on two cores and sleeps until both are done; the answer is how long it slept and
+/// worked, in nanoseconds of the timer. What the body may use: a0 = argument, s2 = event unit, s3 = DMA, s1 = L1.
+std::uint32_t job_ns(std::string_view body, std::uint32_t argument, std::uint32_t cluster_hz = 87'000'000) {
+  Settings settings;
+  settings.cluster_clock_hz = cluster_hz;
+  BoardSystem system(BoardSystem::assembled(fmt::format(R"(
+_start: li s0, POWER_MANAGER_BASE
+    la a0, core
+    sw a0, POWER_MANAGER_CLUSTER_BOOT_OFFSET(s0)
+    li a0, 1
+    sw a0, POWER_MANAGER_CLUSTER_POWER_OFFSET(s0)
+    li s2, EVENT_UNIT_BASE
+    li s4, TIMER_BASE
+    li a0, 1000
+1:  addi a0, a0, -1                 # the cores go to sleep meanwhile
+    bnez a0, 1b
+    la a0, job
+    sw a0, EVENT_UNIT_FORK_ENTRY_OFFSET(s2)
+    li a0, {}
+    sw a0, EVENT_UNIT_FORK_ARGUMENT_OFFSET(s2)
+    li a0, 1 << 17
+    sw a0, EVENT_UNIT_EVENT_MASK_OFFSET(s2)
+    lw s5, TIMER_TIME_LO_OFFSET(s4)
+    li a0, 3
+    sw a0, EVENT_UNIT_FORK_CORES_OFFSET(s2)
+    .insn i 0x03, 6, a0, EVENT_UNIT_EVENT_WAIT_OFFSET(s2)
+    lw s6, TIMER_TIME_LO_OFFSET(s4)
+    sub s6, s6, s5
+    li a1, 0x1C060000
+    sw s6, 0(a1)
+    sw a0, 4(a1)
+2:  wfi
+    j 2b
+core: li s2, EVENT_UNIT_BASE
+    li s3, CLUSTER_DMA_BASE
+    li s1, L1_BASE
+    csrr s0, mhartid
+3:  .insn i 0x03, 6, t0, EVENT_UNIT_DISPATCH_WAIT_OFFSET(s2)
+    lw a0, EVENT_UNIT_DISPATCH_ARGUMENT_OFFSET(s2)
+    jalr t0
+    sw zero, EVENT_UNIT_JOB_DONE_OFFSET(s2)
+    j 3b
+job:
+{}
+    ret
+)",
+                                                        argument, body)),
+                     settings);
+  system.soc.advance(10'000'000);
+  EXPECT_EQ(system.result(1), 1U << 17) << "the event that woke the fabric controller";
+  return system.result(0);
+}
+
+constexpr std::string_view kDelay = "1: addi a0, a0, -1\n bnez a0, 1b\n";
+
+TEST(Fork, TakesAsLongAsItsCoresWork) {
+  // A turn of the delay takes 4 cycles: an addition, and a taken branch of 3. The fabric controller's cycle is 10 ns.
+  const auto longer = job_ns(kDelay, 2000) - job_ns(kDelay, 1000);
+  EXPECT_NEAR(longer, 4000 / kClusterHz * 1e9, 10 + 1);
+}
+
+TEST(Fork, TakesHalfTheTimeAtTwiceTheClock) {
+  const auto longer = job_ns(kDelay, 2000, 174'000'000) - job_ns(kDelay, 1000, 174'000'000);
+  EXPECT_NEAR(longer, 4000 / (2 * kClusterHz) * 1e9, 10 + 1);
+}
+
+TEST(Barrier, LetsTheFastWaitForTheSlow) {
+  // Core 0 runs 1 turn and waits, core 1 `argument` turns; behind the barrier both run as many again.
+  constexpr std::string_view kMeet =
+      "mv a1, a0\n bnez s0, 1f\n li a0, 1\n1: addi a0, a0, -1\n bnez a0, 1b\n"
+      ".insn i 0x03, 6, a2, EVENT_UNIT_BARRIER_WAIT_OFFSET(s2)\n2: addi a1, a1, -1\n bnez a1, 2b\n";
+  const auto longer = job_ns(kMeet, 2000) - job_ns(kMeet, 1000);
+  EXPECT_NEAR(longer, 8000 / kClusterHz * 1e9, 10 + 1);
+}
+
+std::string copy(std::string_view size, std::string_view row) {
+  return fmt::format(R"(
+    bnez s0, 2f
+    li a1, 0x1C040000
+    sw a1, CLUSTER_DMA_L2_ADDRESS_OFFSET(s3)
+    sw s1, CLUSTER_DMA_L1_ADDRESS_OFFSET(s3)
+    li a1, {}
+    sw a1, CLUSTER_DMA_SIZE_OFFSET(s3)
+    li a1, {}
+    sw a1, CLUSTER_DMA_ROW_OFFSET(s3)
+    li a1, 512
+    sw a1, CLUSTER_DMA_STRIDE_OFFSET(s3)
+    li a1, 1 << 8
+    sw a1, EVENT_UNIT_EVENT_MASK_OFFSET(s2)
+    li a1, 1
+    sw a1, CLUSTER_DMA_START_OFFSET(s3)
+    .insn i 0x03, 6, a2, EVENT_UNIT_EVENT_WAIT_OFFSET(s2)
+2:
+)",
+                     size, row);
+}
+
+TEST(Dma, MovesEightBytesACycle) {
+  const auto longer = job_ns(copy("8192", "0"), 0) - job_ns(copy("4096", "0"), 0);
+  EXPECT_NEAR(longer, 512 / kClusterHz * 1e9, 10 + 1);
+}
+
+TEST(Dma, TakesTwoCyclesForAShortRow) {
+  // 64 rows of 4 bytes: half a beat each, but the latency of 16 over 8 bursts on their way is 2 cycles.
+  const auto longer = job_ns(copy("512", "4"), 0) - job_ns(copy("256", "4"), 0);
+  EXPECT_NEAR(longer, 128 / kClusterHz * 1e9, 10 + 1);
+}
+
+TEST(Cluster, LeavesL1OnlyWhileItIsOn) {
+  BoardSystem system("_start: li a0, L1_BASE\n lw a1, 0(a0)\n");
+  system.soc.advance(1'000'000);
+  EXPECT_EQ(system.soc.end(), End::faulted);
+  ASSERT_EQ(system.faults.size(), 1U);
+  EXPECT_NE(system.faults[0].find("load from nothing"), std::string::npos) << system.faults[0];
+}
+
+TEST(Cluster, SaysWhichCoreFaulted) {
+  auto system = cores_run("li a1, 2\n bne s0, a1, 1f\n .word 0\n1:\n", 4);
+  system.soc.advance(1'000'000);
+  EXPECT_EQ(system.soc.end(), End::faulted);
+  ASSERT_EQ(system.faults.size(), 1U);
+  EXPECT_NE(system.faults[0].find("cluster core 2: trap without a handler: illegal instruction"), std::string::npos)
+      << system.faults[0];
+}
+
+TEST(Cluster, MoreCoresThanTheBoardHasAreRefused) {
+  Settings settings;
+  settings.cluster_cores = 9;
+  EXPECT_THROW(BoardSystem("_start: j _start\n", settings), Error);
+}
+
+TEST(Cluster, OfNoCoresIsNone) {
+  Settings settings;
+  settings.cluster_cores = 0;
+  BoardSystem system(R"(
+_start: li s0, POWER_MANAGER_BASE
+    li a0, 1
+    sw a0, POWER_MANAGER_CLUSTER_POWER_OFFSET(s0)
+    lw a1, POWER_MANAGER_STATUS_OFFSET(s0)
+    li t0, 0x1C060000
+    sw a1, 0(t0)
+1:  wfi
+    j 1b
+)",
+                     settings);
+  system.soc.advance(1'000'000);
+  EXPECT_EQ(system.soc.cluster(), nullptr);
+  EXPECT_EQ(system.result(0), 1U) << "refused";
+}
+
+Elf selftest() {
+  return Elf::read(MEBOTS_BINARY_DIR "/firmware/cluster_selftest.elf");
+}
+
+/// What a run came to, to the last bit.
+std::vector<std::byte> state_of(const Soc& soc) {
+  state::Writer writer;
+  soc.save(writer);
+  return writer.take();
+}
+
+constexpr std::int64_t kMiddle = 2'000'000;
+constexpr std::int64_t kEnd = 20'000'000;
+
+TEST(ClusterRuntime, ForksMeetsCopiesAndRestarts) {
+  BoardSystem system(selftest());
+  system.soc.advance(kEnd);
+  EXPECT_EQ(system.soc.end(), End::exited);
+  EXPECT_EQ(system.soc.exit_code(), 0);
+  EXPECT_EQ(system.console, std::vector<std::string>{"cluster: all right"});
+}
+
+TEST(ClusterRuntime, ComesToTheSameBitsForEverySplitOfTheTime) {
+  BoardSystem whole(selftest());
+  whole.soc.advance(kEnd);
+  for (const std::int64_t step : {std::int64_t{777}, std::int64_t{10'000}, std::int64_t{1'999'999}}) {
+    BoardSystem split(selftest());
+    for (std::int64_t t = step; t < kEnd; t += step) split.soc.advance(t);
+    split.soc.advance(kEnd);
+    EXPECT_EQ(state_of(split.soc), state_of(whole.soc)) << step;
+    EXPECT_EQ(split.soc.energy().total_j(), whole.soc.energy().total_j());
+  }
+}
+
+TEST(ClusterRuntime, GoesOnWithTheSameBitsFromAStateInTheMiddleOfAJob) {
+  BoardSystem straight(selftest());
+  straight.soc.advance(kMiddle);
+  ASSERT_TRUE(straight.soc.cluster()->powered());
+  const auto middle = state_of(straight.soc);
+  straight.soc.advance(kEnd);
+  BoardSystem other(selftest());
+  other.soc.advance(kMiddle / 3);
+  state::Reader reader(middle);
+  other.soc.restore(reader);
+  EXPECT_TRUE(reader.at_end());
+  other.soc.advance(kEnd);
+  EXPECT_EQ(state_of(other.soc), state_of(straight.soc));
+}
+
+}  // namespace
+}  // namespace mebots::soc::test
