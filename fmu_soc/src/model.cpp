@@ -180,7 +180,6 @@ void Model::write(Outputs& outputs) const {
   for (std::size_t i = 0; i < kParts; ++i) outputs.energy_j[i] = energy.by_part_j[i];
   outputs.energy_core_active_j = energy.core_active_j();
   outputs.energy_memory_j = energy.memory_j();
-  outputs.energy_leakage_j = energy.leakage_j();
   if (const auto* cluster = soc_.cluster()) {
     const auto sums = cluster->counters();
     outputs.cluster_instructions = static_cast<double>(sums.instructions);

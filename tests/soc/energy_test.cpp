@@ -52,7 +52,7 @@ TEST(Energy, OfAWorkingCoreIsInstructionsAccessesBackgroundAndLeakage) {
                           Part::cluster_background, Part::retention}) {
     EXPECT_EQ(ledger[part], 0) << kPartNames[static_cast<std::size_t>(part)];
   }
-  EXPECT_EQ(ledger.total_j(), ledger.core_active_j() + ledger.memory_j() + ledger.leakage_j());
+  EXPECT_EQ(ledger.total_j(), ledger.core_active_j() + ledger.memory_j() + ledger.standing_j());
 }
 
 TEST(Energy, OfASleepingCoreIsItsGatedClockBackgroundAndLeakage) {

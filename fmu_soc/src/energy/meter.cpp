@@ -19,10 +19,10 @@ double seconds(Picoseconds now, Picoseconds before) {
 }  // namespace
 
 double EnergyLedger::total_j() const {
-  return core_active_j() + memory_j() + leakage_j();
+  return core_active_j() + memory_j() + standing_j();
 }
 
-double EnergyLedger::leakage_j() const {
+double EnergyLedger::standing_j() const {
   return (*this)[Part::fc_background] + (*this)[Part::cluster_background] + (*this)[Part::leakage] +
          (*this)[Part::retention];
 }

@@ -50,7 +50,7 @@ struct EnergyLedger {
   /// Executed instructions, accesses and transfers, and all the rest.
   double core_active_j() const;
   double memory_j() const;
-  double leakage_j() const;
+  double standing_j() const;
 };
 
 /// What the chip did, in counts and durations; all integers, since reset.

@@ -94,12 +94,6 @@ void Hart::restart(std::uint32_t pc) {
   cache_.clear();
 }
 
-void Hart::set_pc(std::uint32_t pc) {
-  execution_.pc = pc & ~1U;
-  before_ = {};
-  two_before_ = {};
-}
-
 Stop Hart::run(std::uint64_t limit) {
   auto& e = execution_;
   if (fault_.happened) return Stop::fault;
