@@ -83,7 +83,7 @@ TEST_F(CheckDescription, UnitsAndTypes) {
   EXPECT_THAT(with("<Unit name=\"m\">", "<Unit name=\"km\">"), Contains(HasSubstr("the unit \"m\" is not defined")));
   EXPECT_THAT(with("unit=\"m\"", "unit=\"m\" displayUnit=\"mile\""),
               Contains(HasSubstr("the display unit \"mile\" is not defined")));
-  EXPECT_THAT(with("<BaseUnit m=\"1\"/>", "<BaseUnit m=\"1\" factor=\"0\"/>"), Contains(HasSubstr("has factor 0")));
+  EXPECT_THAT(with("<BaseUnit m=\"1\"/>", "<BaseUnit m=\"1\" factor=\"0\"/>"), Contains(HasSubstr("has the factor 0")));
   EXPECT_THAT(with("max=\"100\"", "max=\"100\" min=\"200\""), Contains(HasSubstr("min 200 is above max 100")));
   EXPECT_THAT(with("max=\"100\"", "nominal=\"0\""), Contains(HasSubstr("nominal is 0")));
 }

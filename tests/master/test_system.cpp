@@ -5,6 +5,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cstdlib>
 #include <fstream>
@@ -75,7 +76,14 @@ std::string TestRun::csv() {
 std::vector<double> TestRun::column(const std::string& name) {
   std::istringstream lines(csv());
   std::string line;
-  std::getline(lines, line);
+  const auto next_row = [&lines, &line] {
+    if (!std::getline(lines, line)) return false;
+    for (std::string more; std::count(line.begin(), line.end(), '"') % 2 != 0 && std::getline(lines, more);) {
+      line += '\n' + more;  // a text with line breaks
+    }
+    return true;
+  };
+  next_row();
   const auto split = [](const std::string& text) {
     std::vector<std::string> cells(1);
     bool quoted = false;
@@ -95,7 +103,7 @@ std::vector<double> TestRun::column(const std::string& name) {
   while (index < header.size() && header[index].substr(0, header[index].find(" [")) != name) ++index;
   if (index == header.size()) throw Error("no column " + name + " in " + line);
   std::vector<double> values;
-  while (std::getline(lines, line)) {
+  while (next_row()) {
     const auto cells = split(line);
     double value = 0;
     std::from_chars(cells.at(index).data(), cells.at(index).data() + cells.at(index).size(), value);

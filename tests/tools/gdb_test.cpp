@@ -145,7 +145,7 @@ TEST_F(Gdb, ChangesRegistersMemoryAndCode) {
 TEST_F(Gdb, TellsCyclesAndEnergy) {
   const Debugged run("stepi\nstepi\nmonitor cycles\nmonitor energy\nmonitor help\ncontinue\n");
   EXPECT_THAT(run.gdb, HasSubstr("2 cycles, 2 instructions"));
-  EXPECT_THAT(run.gdb, HasSubstr("core_active"));
+  EXPECT_THAT(run.gdb, HasSubstr("fabric_controller "));
   EXPECT_THAT(run.gdb, HasSubstr("monitor commands: cycles"));
 }
 

@@ -31,7 +31,7 @@ TEST(Run, EndsWithTohostShiftedRightAsExitCode) {
 TEST(Run, PrintsCountsEnergyByComponentAndSpeed) {
   const auto run = run_program("_start: la t0, tohost\nli t1, 1\nsw t1, 0(t0)\n1: j 1b");
   EXPECT_THAT(run.out, StartsWith("instructions 4\ncycles 4\n"));
-  EXPECT_THAT(run.out, ContainsRegex("energy [0-9.e-]+ J: core_active [0-9.e-]+ J, memory [0-9.e-]+ J"));
+  EXPECT_THAT(run.out, ContainsRegex("energy [0-9.e-]+ J: fabric_controller [0-9.e-]+ J, cluster_cores [0-9.e-]+ J"));
   EXPECT_THAT(run.out, ContainsRegex("host [0-9.]+ MIPS\n"));
   EXPECT_THAT(run.out, HasSubstr("tohost 1\n"));
 }

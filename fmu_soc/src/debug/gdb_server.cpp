@@ -43,6 +43,7 @@ bool GdbServer::meet_debugger() {
 
 bool GdbServer::before(Hart& hart) {
   const bool look = (++ticks_ & (kPatience - 1)) == 0;
+  // NOLINTBEGIN(bugprone-branch-clone): the order of the questions is the rule
   if (!connection_.connected()) {
     if (!(awaited_ || look) || !meet_debugger()) return true;
     stop_reply_ = kTrap;
@@ -60,6 +61,7 @@ bool GdbServer::before(Hart& hart) {
   } else {
     return true;
   }
+  // NOLINTEND(bugprone-branch-clone)
   const bool goes_on = serve() != Resume::end;
   resumed_ = true;
   resumed_pc_ = hart.pc();

@@ -13,14 +13,16 @@ namespace mebots::soc::operations {
 /// The type of a part: std::int16_t or std::uint16_t for halves, std::int8_t or std::uint8_t for bytes.
 template <typename T>
 inline constexpr unsigned kParts = 4 / sizeof(T);
+template <typename T>
+inline constexpr unsigned kPartBits = 8 * sizeof(T);
 
 template <typename T>
 constexpr T part(Word a, unsigned index) {
-  return static_cast<T>(a >> (index * 8 * sizeof(T)));
+  return static_cast<T>(a >> (index * kPartBits<T>));
 }
 template <typename T>
 constexpr Word at_part(T value, unsigned index) {
-  return Word{static_cast<std::make_unsigned_t<T>>(value)} << (index * 8 * sizeof(T));
+  return Word{static_cast<std::make_unsigned_t<T>>(value)} << (index * kPartBits<T>);
 }
 
 /// The low part of a word in all its parts.

@@ -61,6 +61,7 @@ constexpr Word clipu(Word a, Word bound) {
 constexpr Word rounding(Word shift) {
   return (Word{1} << shift) >> 1;
 }
+// NOLINTBEGIN(readability-identifier-naming): as the instructions are called
 constexpr Word addN(Word a, Word b, Word shift) {
   return sra(a + b, shift);
 }
@@ -85,6 +86,7 @@ constexpr Word subRN(Word a, Word b, Word shift) {
 constexpr Word subuRN(Word a, Word b, Word shift) {
   return srl(a - b + rounding(shift), shift);
 }
+// NOLINTEND(readability-identifier-naming)
 
 /// A bit field is width - 1 << 5 | position. Its mask at position 0:
 constexpr Word field_mask(Word bits) {

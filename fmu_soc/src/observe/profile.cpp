@@ -74,9 +74,7 @@ void Profile::retired(const Hart& hart, const Retired& instruction) {
     return_from_trap(next);
   } else if (decoded.op == Op::jalr && is_link(decoded.rs1) && return_to(next)) {
     return;
-  } else if (next != after) {
-    go_to(next);
-  } else if (!functions_.inside(stack_.back().place, next)) {
+  } else if (next != after || !functions_.inside(stack_.back().place, next)) {
     go_to(next);
   }
 }
