@@ -11,7 +11,7 @@ install(TARGETS mebots mebots-modeldesc mebots_master mebots_modeldesc mebots_sh
   OBJECTS DESTINATION ${CMAKE_INSTALL_LIBDIR}/mebots)
 install(EXPORT mebotsTargets NAMESPACE mebots:: DESTINATION ${package_dir})
 install(DIRECTORY modeldesc/include/ master/include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
-install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/mebots)
+install(FILES LICENSE configs/mebots-config.schema.json DESTINATION ${CMAKE_INSTALL_DATADIR}/mebots)
 install(DIRECTORY ${MEBOTS_FMU_DIR}/ DESTINATION ${CMAKE_INSTALL_DATADIR}/mebots/fmus
   FILES_MATCHING PATTERN "fmu_*.fmu")
 

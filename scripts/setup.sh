@@ -21,7 +21,7 @@ packages=(
   gcc-riscv64-unknown-elf picolibc-riscv64-unknown-elf            # the drone's firmware
   gdb-multiarch libclang-rt-14-dev                                # its debugger; fuzzing
   python3 python3-venv                                            # interoperability tests, plots
-  python3-dev pybind11-dev                                        # the Python package
+  python3-dev pybind11-dev                                        # the Python package; foreign FMUs written in Python
 )
 
 python_requirements=(scripts/requirements.txt)

@@ -3,6 +3,8 @@
 
 #include "mebots/master/fmu.hpp"
 #include "mebots/master/input_error.hpp"
+#include "mebots/master/system_description.hpp"
+#include "mebots/master/time.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -130,14 +132,41 @@ void print_description(const ModelDescription& model) {
                                        count(Causality::parameter), count(Causality::input), count(Causality::output)));
 }
 
+void print_system(const master::SystemDescription& system) {
+  print_field("step", fmt::format("{} s", master::to_seconds(system.step_ns)));
+  print_field("stop time", fmt::format("{} s", master::to_seconds(system.stop_time_ns)));
+  const bool jacobi = system.algorithm.kind == master::AlgorithmDescription::Kind::jacobi;
+  print_field("algorithm", jacobi ? "Jacobi" : "Gauss-Seidel");
+  for (const auto& notice : system.notices) print_field("notice", notice);
+  fmt::print("\n");
+  std::vector<std::vector<std::string>> instances{{"instance", "fmu", "step [s]", "values given"}};
+  for (const auto& instance : system.instances) {
+    instances.push_back({instance.name, instance.fmu_path.filename().string(),
+                         fmt::format("{}", master::to_seconds(instance.step_ns)),
+                         fmt::format("{}", instance.parameters.size())});
+  }
+  print_table(instances);
+  fmt::print("\n");
+  std::vector<std::vector<std::string>> connections{{"from", "to", "factor", "offset"}};
+  for (const auto& connection : system.connections) {
+    connections.push_back({connection.from.text(), connection.to.text(), fmt::format("{}", connection.factor),
+                           fmt::format("{}", connection.offset)});
+  }
+  print_table(connections);
+}
+
 }  // namespace
 
-int info_command(const std::filesystem::path& fmu) {
+int info_command(const std::filesystem::path& file) {
   try {
-    if (!std::filesystem::exists(fmu)) {
-      throw master::InputError(fmt::format("{}: there is no such file", fmu.string()));
+    if (!std::filesystem::exists(file)) {
+      throw master::InputError(fmt::format("{}: there is no such file", file.string()));
     }
-    const master::Fmu opened(fmu);
+    if (file.extension() == ".json" || file.extension() == ".ssp") {
+      print_system(master::load_system(file).system);
+      return 0;
+    }
+    const master::Fmu opened(file);
     print_description(opened.description());
     fmt::print("\n");
     print_variables(opened.description());

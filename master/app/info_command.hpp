@@ -5,7 +5,8 @@
 
 namespace mebots::app {
 
-/// Prints what an FMU says of itself. Returns the exit code: 0, or 2 when it is no usable FMU.
-int info_command(const std::filesystem::path& fmu);
+/// Prints what an FMU, a config or an SSP (by its ending) says of itself. Returns the exit code: 0, or 2 when it
+/// cannot be used.
+int info_command(const std::filesystem::path& file);
 
 }  // namespace mebots::app

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "check_command.hpp"
+#include "convert_command.hpp"
 #include "info_command.hpp"
 #include "new_fmu_command.hpp"
 #include "run_command.hpp"
+
+#include "mebots/master/config_schema.hpp"
 
 #include <CLI/CLI.hpp>
 
@@ -18,21 +21,30 @@ int main(int argument_count, char** arguments) {
       "Exit codes: 0 the simulation ran to its end, 1 it failed or was interrupted, 2 the input cannot be used.");
 
   mebots::app::RunOptions run;
-  auto* run_app = app.add_subcommand("run", "Run the ensemble of FMUs that a config file describes");
-  run_app->add_option("config", run.config, "Config file (JSON)")->required();
+  auto* run_app = app.add_subcommand("run", "Run the ensemble of FMUs that a config or an SSP describes");
+  run_app->add_option("config", run.config, "Config (.json) or SSP 1.0 (.ssp)")->required();
   run_app->add_option("--out", run.out,
                       "Folder for results.csv, summary.json and log.txt; default: results/<name of the config>");
   run_app->add_option("--set", run.sets, "Give a parameter or a start value: INSTANCE.VARIABLE=VALUE (may be repeated)")
       ->allow_extra_args(false)
       ->take_all();
   run_app->add_option("--stop-time", run.stop_time_s, "End of the simulation [s], instead of the config's");
+  run_app->add_option("--step", run.step_s, "Communication step [s], for an SSP that does not say it");
   run_app->add_flag("--statistics", run.statistics,
                     "Show calls, time and slowest step of every instance, and write them to summary.json");
   run_app->add_flag("--quiet", run.quiet, "Show warnings and errors only");
 
-  std::filesystem::path fmu;
-  auto* info_app = app.add_subcommand("info", "Show what an FMU says of itself");
-  info_app->add_option("fmu", fmu, "FMU file")->required();
+  std::filesystem::path file;
+  auto* info_app = app.add_subcommand("info", "Show what an FMU, a config or an SSP says of itself");
+  info_app->add_option("file", file, "FMU (.fmu), config (.json) or SSP (.ssp)")->required();
+
+  std::filesystem::path from;
+  std::filesystem::path to;
+  auto* convert_app = app.add_subcommand("convert", "Turn a config into an SSP 1.0, or an SSP into a config");
+  convert_app->add_option("from", from, "Config (.json) or SSP (.ssp)")->required();
+  convert_app->add_option("to", to, "SSP (.ssp) or config (.json) to write")->required();
+
+  auto* schema_app = app.add_subcommand("schema", "Print the JSON schema of a config");
 
   mebots::app::CheckOptions check;
   auto* check_app = app.add_subcommand(
@@ -49,7 +61,8 @@ int main(int argument_count, char** arguments) {
 
   std::filesystem::path description;
   std::filesystem::path folder;
-  auto* new_fmu_app = app.add_subcommand("new-fmu", "Write the folder of a new FMU, which builds, from its description");
+  auto* new_fmu_app =
+      app.add_subcommand("new-fmu", "Write the folder of a new FMU, which builds, from its description");
   new_fmu_app->add_option("description", description, "description.json with the FMU's variables")->required();
   new_fmu_app->add_option("--out", folder, "Folder to make; default: the FMU's name");
 
@@ -61,9 +74,16 @@ int main(int argument_count, char** arguments) {
     return asked_for_text ? 0 : 2;
   }
   try {
-    if (new_fmu_app->parsed()) return mebots::app::new_fmu_command(description, folder);
+    if (run_app->parsed()) return mebots::app::run_command(run);
+    if (info_app->parsed()) return mebots::app::info_command(file);
     if (check_app->parsed()) return mebots::app::check_command(check);
-    return run_app->parsed() ? mebots::app::run_command(run) : mebots::app::info_command(fmu);
+    if (new_fmu_app->parsed()) return mebots::app::new_fmu_command(description, folder);
+    if (convert_app->parsed()) return mebots::app::convert_command(from, to);
+    if (schema_app->parsed()) {
+      const auto schema = mebots::master::config_schema();
+      return std::fwrite(schema.data(), 1, schema.size(), stdout) == schema.size() ? 0 : 1;
+    }
+    return 2;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "mebots: error: %s\n", error.what());
     return 1;

@@ -19,6 +19,7 @@
 
 #include <fmt/format.h>
 
+#include <charconv>
 #include <chrono>
 #include <functional>
 #include <list>
@@ -66,6 +67,20 @@ class KeepResults final : public Observer {
   ResultFolder* folder_;
 };
 
+/// An SSP may lack both; a config has its own and is checked against the options later.
+GivenTimes given_times(const RunOptions& options) {
+  GivenTimes times;
+  times.step_s = options.step_s;
+  if (options.config.extension() == ".ssp" && options.stop_time_s) {
+    const auto& text = *options.stop_time_s;
+    double stop_time_s = 0;  // what is no number is refused by apply_stop_time
+    if (std::from_chars(text.data(), text.data() + text.size(), stop_time_s).ec == std::errc{}) {
+      times.stop_time_s = stop_time_s;
+    }
+  }
+  return times;
+}
+
 /// One run from config to summary.
 class Run {
  public:
@@ -98,7 +113,8 @@ class Run {
 
  private:
   void open() {
-    system_ = read_config(options_.config);
+    system_ = load_system(options_.config, given_times(options_)).system;
+    if (options_.step_s) report_.overrides.push_back(fmt::format("--step {}", *options_.step_s));
     for (const auto& set : options_.sets) {
       apply_set(system_, set);
       report_.overrides.push_back("--set " + set);

@@ -14,6 +14,7 @@ struct RunOptions {
   std::filesystem::path out;               ///< empty = results/<name of the config>
   std::vector<std::string> sets;           ///< INSTANCE.VARIABLE=VALUE
   std::optional<std::string> stop_time_s;  ///< as typed
+  std::optional<double> step_s;            ///< for an SSP that says none
   bool statistics = false;                 ///< show and write where the wall time went
   bool quiet = false;
 };

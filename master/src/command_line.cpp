@@ -18,14 +18,16 @@ void apply_set(SystemDescription& system, const std::string& text) {
   if (equals == std::string::npos || dot == std::string::npos || dot == 0 || equals <= dot + 1) {
     throw InputError(fmt::format("{}: write INSTANCE.VARIABLE=VALUE", place));
   }
-  const auto name = text.substr(0, dot);
+  const auto target = system.split(text.substr(0, equals))
+                          .value_or(VariableName{text.substr(0, dot), text.substr(dot + 1, equals - dot - 1)});
+  const auto& name = target.instance;
   const auto found = std::find_if(system.instances.begin(), system.instances.end(),
                                   [&](const InstanceDescription& instance) { return instance.name == name; });
   if (found == system.instances.end()) {
     throw InputError(
         fmt::format("{}: there is no instance '{}'. {}", place, name, suggest(name, system.instance_names())));
   }
-  found->parameters.push_back({text.substr(dot + 1, equals - dot - 1), UntypedText{text.substr(equals + 1)}, place});
+  found->parameters.push_back({target.variable, UntypedText{text.substr(equals + 1)}, place});
 }
 
 void apply_stop_time(SystemDescription& system, const std::string& text) {

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // A config is a list of sections; each has its reader in config/. A new section is a line in the table below,
 // a reader in a file of its own, and a property in configs/mebots-config.schema.json.
+#include "mebots/master/config_schema.hpp"
+#include "mebots/master/json_document.hpp"
+#include "mebots/master/ssp.hpp"
+
 #include "config/sections.hpp"
 
 #include <fmt/format.h>
@@ -19,11 +23,13 @@ struct Section {
 
 // In the order of reading, which is not that of the file: a reader may count on those before it.
 constexpr Section kSections[] = {
+    {"$schema", false, &config::read_text},
     {"text", false, &config::read_text},
     {"step", true, &config::read_step},
     {"instances", true, &config::read_instances},
     {"stop_time", true, &config::read_stop_time},
     {"connections", true, &config::read_connections},
+    {"algorithm", false, &config::read_algorithm},
     {"stop_when", false, &config::read_stop_when},
     {"outcomes", false, &config::read_outcomes},
     {"summary", false, &config::read_summary},
@@ -45,16 +51,29 @@ std::string read_bytes(const std::filesystem::path& file) {
   return bytes.str();
 }
 
-}  // namespace
+nlohmann::ordered_json give(nlohmann::ordered_json config, const GivenTimes& times) {
+  if (times.step_s) config["step"] = *times.step_s;
+  if (times.stop_time_s) config["stop_time"] = *times.stop_time_s;
+  return config;
+}
 
-SystemDescription read_config(const std::filesystem::path& file) {
-  SystemDescription system;
-  system.source = read_bytes(file);
-  system.file = std::filesystem::absolute(file);
-  system.name = file.stem().string();
+SspConfig open_ssp(const std::filesystem::path& file, SystemDescription& system) {
+  auto folder = std::make_shared<const modeldesc::TemporaryFolder>("mebots");
+  system.unpacked = folder;
+  try {
+    modeldesc::unpack(file, folder->path());
+    auto ssp = read_ssp(folder->path(), file);
+    system.notices = ssp.notices;
+    return ssp;
+  } catch (const InputError&) {
+    throw;
+  } catch (const Error& error) {
+    throw InputError(error.what());
+  }
+}
 
-  const auto json = parse_json(system.source, file.string());
-  const JsonNode root(json, file.string());
+void read_sections(const JsonDocument& document, SystemDescription& system) {
+  const auto root = document.root();
   std::vector<std::string_view> keys;
   for (const auto& section : kSections) keys.push_back(section.key);
   root.expect_keys(keys);
@@ -64,7 +83,48 @@ SystemDescription read_config(const std::filesystem::path& file) {
   for (const auto& section : kSections) {
     if (section.required || root.has(section.key)) section.read(root.at(section.key), system);
   }
-  return system;
+}
+
+}  // namespace
+
+std::vector<std::string> config_keys() {
+  std::vector<std::string> keys;
+  for (const auto& section : kSections) keys.emplace_back(section.key);
+  return keys;
+}
+
+LoadedSystem load_system(const std::filesystem::path& file, const GivenTimes& times) {
+  LoadedSystem loaded;
+  auto& system = loaded.system;
+  system.source = read_bytes(file);
+  system.file = std::filesystem::absolute(file);
+  system.name = file.stem().string();
+  if (file.extension() == ".ssp") {
+    auto ssp = open_ssp(file, system);
+    loaded.config = give(std::move(ssp.config), times);
+    for (const auto* key : {"step", "stop_time"}) {
+      if (loaded.config.contains(key)) continue;
+      throw InputError(fmt::format("{}: the SSP does not say its {}; give it with --{}", file.string(),
+                                   key == std::string_view("step") ? "communication step" : "stop time",
+                                   key == std::string_view("step") ? "step" : "stop-time"));
+    }
+    const JsonDocument document(loaded.config, file.string(), std::move(ssp.places));
+    read_sections(document, system);
+  } else {
+    JsonDocument document(system.source, file.string());
+    loaded.config = document.value();
+    if (times.step_s || times.stop_time_s) {
+      loaded.config = give(std::move(loaded.config), times);
+      read_sections(JsonDocument(loaded.config, file.string(), {}), system);
+    } else {
+      read_sections(document, system);
+    }
+  }
+  return loaded;
+}
+
+SystemDescription read_config(const std::filesystem::path& file) {
+  return load_system(file).system;
 }
 
 }  // namespace mebots::master

@@ -17,21 +17,41 @@ using modeldesc::Causality;
 using modeldesc::Type;
 using modeldesc::Variable;
 
-/// Checks one scalar connection.
+/// The FMI types whose every value is also one of `to`: going there loses nothing.
+bool widens(Type from, Type to) {
+  if (to == Type::real) return from == Type::integer || from == Type::enumeration || from == Type::boolean;
+  return to == Type::integer && (from == Type::enumeration || from == Type::boolean);
+}
+
+/// Checks one scalar connection and finds out what is to be done to the value on its way.
 class ConnectionCheck {
  public:
-  ConnectionCheck(const ResolvedSystem& system, const ResolvedConnection& connection, const std::string& place)
-      : system_(system), from_(connection.from), to_(connection.to), place_(place) {}
+  ConnectionCheck(const ResolvedSystem& system, const ConnectionDescription& description,
+                  const ResolvedConnection& connection)
+      : system_(system),
+        description_(description),
+        connection_(connection),
+        from_(*connection.from.variable),
+        to_(*connection.to.variable) {}
 
-  void run() const {
+  ResolvedConnection run() {
     check_causalities();
     check_types();
     check_units();
+    apply_transformation();
+    return connection_;
   }
 
+  /// What the user should know about this connection; empty when nothing.
+  const std::string& notice() const { return notice_; }
+
  private:
+  std::string names() const {
+    return fmt::format("{} -> {}", system_.text(connection_.from), system_.text(connection_.to));
+  }
+
   [[noreturn]] void fail(const std::string& what) const {
-    throw InputError(fmt::format("{}: {} -> {}: {}", place_, system_.text(from_), system_.text(to_), what));
+    throw InputError(fmt::format("{}: {}: {}", description_.place, names(), what));
   }
 
   const modeldesc::ModelDescription& model(const ResolvedVariable& variable) const {
@@ -39,25 +59,31 @@ class ConnectionCheck {
   }
 
   void check_causalities() const {
-    const auto name = [](const ResolvedVariable& end) { return modeldesc::to_string(end.variable->causality); };
-    if (from_.variable->causality != Causality::output) {
-      fail(fmt::format("a connection starts at an output, and '{}' is of causality {}", from_.variable->name,
-                       name(from_)));
+    if (from_.causality != Causality::output) {
+      fail(fmt::format("a connection starts at an output, and '{}' is of causality {}", from_.name,
+                       modeldesc::to_string(from_.causality)));
     }
-    if (to_.variable->causality != Causality::input) {
-      fail(fmt::format("a connection ends at an input, and '{}' is of causality {}", to_.variable->name, name(to_)));
+    if (to_.causality != Causality::input) {
+      fail(fmt::format("a connection ends at an input, and '{}' is of causality {}", to_.name,
+                       modeldesc::to_string(to_.causality)));
     }
   }
 
-  void check_types() const {
-    const auto& from = *from_.variable;
-    const auto& to = *to_.variable;
-    if (from.type != to.type) {
-      fail(fmt::format("the types differ: {} and {}", modeldesc::to_string(from.type), modeldesc::to_string(to.type)));
-    }
-    if (from.type == Type::enumeration && items(from_) != items(to_)) {
-      fail(fmt::format("the enumerations differ: '{}' with {} and '{}' with {}", from.declared_type,
-                       fmt::join(items(from_), ", "), to.declared_type, fmt::join(items(to_), ", ")));
+  void check_types() {
+    if (from_.type != to_.type) {
+      const auto from_type = modeldesc::to_string(from_.type);
+      const auto to_type = modeldesc::to_string(to_.type);
+      if (connection_.pointer || !widens(from_.type, to_.type)) {
+        fail(
+            fmt::format("the types differ: {} and {}; only Boolean and Enumeration go into an Integer, and these and "
+                        "Integer into a Real",
+                        from_type, to_type));
+      }
+      notice_ = fmt::format("{}: {} becomes {}", names(), from_type, to_type);
+    } else if (from_.type == Type::enumeration && items(connection_.from) != items(connection_.to)) {
+      fail(fmt::format("the enumerations differ: '{}' with {} and '{}' with {}", from_.declared_type,
+                       fmt::join(items(connection_.from), ", "), to_.declared_type,
+                       fmt::join(items(connection_.to), ", ")));
     }
   }
 
@@ -69,21 +95,55 @@ class ConnectionCheck {
     return result;
   }
 
-  void check_units() const {
-    const auto& from = *from_.variable;
-    const auto& to = *to_.variable;
-    if (from.unit.empty() || to.unit.empty() || from.unit == to.unit) return;
-    const auto* from_unit = model(from_).unit(from.unit);
-    const auto* to_unit = model(to_).unit(to.unit);
-    const bool known = from_unit != nullptr && to_unit != nullptr && from_unit->has_base && to_unit->has_base;
-    if (known && modeldesc::same_unit(*from_unit, *to_unit)) return;  // two names of one unit
-    fail(fmt::format("the units differ: [{}] and [{}]", from.unit, to.unit));
+  /// Rules: a variable without a unit takes and gives numbers as they are; one name without definitions is one
+  /// unit; else both units must be defined, of the same dimension, and values are converted.
+  void check_units() {
+    if (!description_.convert_units || from_.unit.empty() || to_.unit.empty()) return;
+    const auto* from_unit = model(connection_.from).unit(from_.unit);
+    const auto* to_unit = model(connection_.to).unit(to_.unit);
+    const bool from_known = from_unit != nullptr && from_unit->has_base;
+    const bool to_known = to_unit != nullptr && to_unit->has_base;
+    constexpr const char* kWayOut = "Connect others, or give factor and offset yourself with \"convert_units\": false";
+    if (!from_known || !to_known) {
+      if (from_.unit == to_.unit) return;
+      fail(fmt::format("the units differ: [{}] and [{}], and {} does not say what [{}] is. {}", from_.unit, to_.unit,
+                       model(from_known ? connection_.to : connection_.from).model_name,
+                       from_known ? to_.unit : from_.unit, kWayOut));
+    }
+    if (!modeldesc::same_dimension(*from_unit, *to_unit)) {
+      fail(fmt::format("the units differ in dimension: [{}] is {} and [{}] is {}. {}", from_.unit,
+                       modeldesc::base_unit_text(*from_unit), to_.unit, modeldesc::base_unit_text(*to_unit), kWayOut));
+    }
+    const auto conversion =
+        modeldesc::unit_conversion(*from_unit, *to_unit, from_.relative_quantity && to_.relative_quantity);
+    if (conversion.offset != 0 && from_.relative_quantity != to_.relative_quantity) {
+      fail(
+          fmt::format("one of them is a difference (relativeQuantity) and the other is not, so [{}] cannot be "
+                      "converted to [{}]. {}",
+                      from_.unit, to_.unit, kWayOut));
+    }
+    connection_.factor = conversion.factor;
+    connection_.offset = conversion.offset;
+    if (!connection_.changes_value()) return;
+    notice_ = fmt::format("{}: converted from [{}] to [{}]", names(), from_.unit, to_.unit);
+  }
+
+  void apply_transformation() {
+    if (description_.factor == 1 && description_.offset == 0) return;
+    if (to_.type != Type::real) {
+      fail(fmt::format("factor and offset need an input of type Real, and '{}' is of type {}", to_.name,
+                       modeldesc::to_string(to_.type)));
+    }
+    connection_.factor *= description_.factor;
+    connection_.offset = connection_.offset * description_.factor + description_.offset;
   }
 
   const ResolvedSystem& system_;
-  ResolvedVariable from_;
-  ResolvedVariable to_;
-  const std::string& place_;
+  const ConnectionDescription& description_;
+  ResolvedConnection connection_;
+  const Variable& from_;
+  const Variable& to_;
+  std::string notice_;
 };
 
 /// The variables named `name.base.lo`, `name.base.hi` and `name.size`, if all are there.
@@ -150,8 +210,10 @@ std::vector<ResolvedConnection> scalars_of(const ResolvedSystem& system, const C
 void resolve_connections(ResolvedSystem& system) {
   std::map<std::pair<std::size_t, const Variable*>, std::pair<ResolvedConnection, std::string>> by_target;
   for (const auto& description : system.description->connections) {
-    for (const auto& connection : scalars_of(system, description)) {
-      ConnectionCheck(system, connection, description.place).run();
+    for (const auto& scalar : scalars_of(system, description)) {
+      ConnectionCheck check(system, description, scalar);
+      const auto connection = check.run();
+      if (!check.notice().empty()) system.notices.push_back(check.notice());
       if (connection.pointer) check_buffer_lives(system, connection, description.place);
       const auto [existing, added] = by_target.emplace(std::pair(connection.to.instance, connection.to.variable),
                                                        std::pair(connection, description.place));

@@ -3,12 +3,14 @@
 
 #include "mebots/master/time.hpp"
 
+#include "initial_values.hpp"
 #include "slave_factory.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <set>
 
 namespace mebots::master {
@@ -16,10 +18,6 @@ namespace {
 
 using modeldesc::Type;
 using modeldesc::Variable;
-
-/// Values settle in as many sweeps as the longest chain of connections has links; a loop that converges
-/// gets some more. Both together stay far below this for any ensemble whose loop is a contraction.
-constexpr int kExtraSweeps = 200;
 
 /// Before t = 0 a slave that refuses something refuses what it was given: its files, parameters, start values.
 template <typename Work>
@@ -31,13 +29,6 @@ auto as_input(Work work) {
   } catch (const SlaveError& error) {
     throw InputError(error.what());
   }
-}
-
-/// Relative change below which a loop of initial values counts as settled.
-constexpr double kSettled = 1e-12;
-
-bool close(double a, double b) {
-  return a == b || std::abs(a - b) <= kSettled * std::max(std::abs(a), std::abs(b));
 }
 
 }  // namespace
@@ -59,12 +50,12 @@ ValueKind kind_of(Type type) {
 
 template <typename T>
 std::size_t Bank<T>::slot(const Variable& variable) {
-  const auto found = std::find(variables.begin(), variables.end(), &variable);
-  if (found != variables.end()) return static_cast<std::size_t>(found - variables.begin());
+  const auto [found, added] = slots.emplace(&variable, values.size());
+  if (!added) return found->second;
   references.push_back(variable.value_reference);
   variables.push_back(&variable);
   values.emplace_back();
-  return values.size() - 1;
+  return found->second;
 }
 
 namespace {
@@ -129,12 +120,18 @@ void Ensemble::connect(const ResolvedConnection& connection) {
   const auto from = watch(connection.from);
   auto& target = members_[connection.to.instance];
   const auto to = slot_in(target.inputs, *connection.to.variable);
-  switch (from.kind) {
+  switch (kind_of(connection.to.variable->type)) {
     case ValueKind::real:
-      target.real_copies.push_back({.signal = from, .slot = to});
+      if (from.kind == ValueKind::real && !connection.changes_value()) {
+        target.real_copies.push_back({.signal = from, .slot = to});
+      } else {
+        target.conversions.push_back({from, to, connection.factor, connection.offset});
+      }
+      if (from.kind == ValueKind::real) link_derivatives(connection);
       break;
     case ValueKind::integer:
-      target.integer_copies.push_back({.signal = from, .slot = to});
+      (from.kind == ValueKind::boolean ? target.flag_copies : target.integer_copies)
+          .push_back({.signal = from, .slot = to});
       break;
     case ValueKind::boolean:
       target.boolean_copies.push_back({.signal = from, .slot = to});
@@ -143,6 +140,17 @@ void Ensemble::connect(const ResolvedConnection& connection) {
       target.string_copies.push_back({.signal = from, .slot = to});
       break;
   }
+}
+
+void Ensemble::link_derivatives(const ResolvedConnection& connection) {
+  using modeldesc::Variability;
+  auto& target = members_[connection.to.instance];
+  const auto orders = members_[connection.from.instance].slave->output_derivative_order();
+  const bool continuous = connection.from.variable->variability == Variability::continuous &&
+                          connection.to.variable->variability == Variability::continuous;
+  if (orders == 0 || !continuous || !target.slave->takes_input_derivatives()) return;
+  target.derivatives.push_back({connection.from.instance, connection.from.variable->value_reference,
+                                connection.to.variable->value_reference, connection.factor, orders});
 }
 
 void Ensemble::order_steps() {
@@ -203,10 +211,16 @@ void Ensemble::lay_out() {
   for (auto& member : members_) {
     member.output_kinds = kinds_in(member.outputs);
     member.input_kinds = kinds_in(member.inputs);
-    addresses(member.real_copies, [&](SignalId id) { return &real(id); }, member.inputs.reals.values);
-    addresses(member.integer_copies, [&](SignalId id) { return &integer(id); }, member.inputs.integers.values);
-    addresses(member.boolean_copies, [&](SignalId id) { return &integer(id); }, member.inputs.booleans.values);
-    addresses(member.string_copies, [&](SignalId id) { return &string(id); }, member.inputs.strings.values);
+    addresses(
+        member.real_copies, [&](SignalId id) { return &real(id); }, member.inputs.reals.values);
+    addresses(
+        member.integer_copies, [&](SignalId id) { return &integer(id); }, member.inputs.integers.values);
+    addresses(
+        member.flag_copies, [&](SignalId id) { return &integer(id); }, member.inputs.integers.values);
+    addresses(
+        member.boolean_copies, [&](SignalId id) { return &integer(id); }, member.inputs.booleans.values);
+    addresses(
+        member.string_copies, [&](SignalId id) { return &string(id); }, member.inputs.strings.values);
   }
 }
 
@@ -221,55 +235,9 @@ void Ensemble::initialize_slaves(std::int64_t stop_ns) {
     members_[i].slave->setup_experiment(0, stop_ns);
     members_[i].slave->enter_initialization();
   }
-  propagate_initial_values();
+  InitialValues(*this).settle();
   for (auto& member : members_) member.slave->exit_initialization();
   for (std::size_t i = 0; i < members_.size(); ++i) read_outputs(i, 0);
-}
-
-void Ensemble::propagate_initial_values() {
-  // All outputs are read before any input is set, so that the order of the instances is nothing.
-  // Without a loop the values stand still after as many sweeps as the longest chain has links.
-  if (system_->connections.empty()) return;
-  const auto sweeps = static_cast<int>(members_.size()) + kExtraSweeps;
-  std::vector<Banks> before;
-  for (int sweep = 0; sweep < sweeps; ++sweep) {
-    before.clear();
-    for (const auto& member : members_) before.push_back(member.outputs);
-    for (std::size_t i = 0; i < members_.size(); ++i) read_outputs(i, 0);
-    if (sweep > 0 && settled(before)) return;
-    for (std::size_t i = 0; i < members_.size(); ++i) write_inputs(i);
-  }
-  const auto loop = initial_loop(*system_);
-  throw Error(
-      fmt::format("the initial values do not settle after {} sweeps along the connections{}. Cut the loop, or give the "
-                  "FMUs other start values",
-                  sweeps, loop.empty() ? "" : fmt::format("; they run in a loop: {}", loop)));
-}
-
-bool Ensemble::settled(const std::vector<Banks>& before) const {
-  // Only what travels counts: a watched variable that nobody takes may be a clock of the FMU's own.
-  return std::all_of(
-      system_->connections.begin(), system_->connections.end(), [&](const ResolvedConnection& connection) {
-        if (connection.pointer) return true;  // an FMU may hand out another buffer at each call
-        const auto& old = before[connection.from.instance];
-        const auto& now = members_[connection.from.instance].outputs;
-        const auto same = [&](const auto& old_bank, const auto& bank, auto equal) {
-          const auto found = std::find(bank.variables.begin(), bank.variables.end(), connection.from.variable);
-          const auto slot = static_cast<std::size_t>(found - bank.variables.begin());
-          return equal(old_bank.values[slot], bank.values[slot]);
-        };
-        switch (kind_of(connection.from.variable->type)) {
-          case ValueKind::real:
-            return same(old.reals, now.reals, close);
-          case ValueKind::integer:
-            return same(old.integers, now.integers, std::equal_to<>());
-          case ValueKind::boolean:
-            return same(old.booleans, now.booleans, std::equal_to<>());
-          case ValueKind::string:
-            break;
-        }
-        return same(old.strings, now.strings, std::equal_to<>());
-      });
 }
 
 void Ensemble::terminate() {
@@ -288,6 +256,7 @@ void Ensemble::terminate() {
 void Ensemble::read_outputs(std::size_t instance, std::int64_t time_ns) {
   auto& member = members_[instance];
   auto& outputs = member.outputs;
+  member.outputs_time_ns = time_ns;
   const auto kinds = member.output_kinds;
   if (kinds == 0) return;
   if ((kinds & bit(ValueKind::real)) != 0) {
@@ -313,14 +282,79 @@ void Ensemble::check_finite(const Member& member, std::int64_t time_ns) const {
   }
 }
 
-void Ensemble::write_inputs(std::size_t instance) {
+double Ensemble::number(SignalId id) const {
+  if (id.kind == ValueKind::real) return real(id);
+  return id.kind == ValueKind::boolean && integer(id) != 0 ? 1 : integer(id);
+}
+
+void Ensemble::collect_inputs(std::size_t instance) {
   auto& member = members_[instance];
-  if (member.input_kinds == 0) return;
   move_all(member.real_copies);
   move_all(member.integer_copies);
   move_all(member.boolean_copies);
   move_all(member.string_copies);
+  for (const auto& copy : member.flag_copies) *copy.to = *copy.from == 0 ? 0 : 1;
+  if (!member.conversions.empty()) convert(member);
+}
+
+void Ensemble::convert(Member& member) const {
+  for (const auto& conversion : member.conversions) {
+    const double value = conversion.factor * number(conversion.from) + conversion.offset;
+    if (!std::isfinite(value)) {
+      throw NotFiniteError(fmt::format("instance '{}' at {} s: the input '{}' would be {}, as {} x {} + {}",
+                                       member.slave->name(), to_seconds(member.outputs_time_ns),
+                                       member.inputs.reals.variables[conversion.to]->name, value, conversion.factor,
+                                       number(conversion.from), conversion.offset));
+    }
+    member.inputs.reals.values[conversion.to] = value;
+  }
+}
+
+void Ensemble::hand_inputs(std::size_t instance) {
+  auto& member = members_[instance];
   write(*member.slave, member.inputs, member.input_kinds);
+}
+
+void Ensemble::write_inputs(std::size_t instance, std::int64_t time_ns) {
+  if (members_[instance].input_kinds == 0) return;
+  collect_inputs(instance);
+  hand_inputs(instance);
+  // Before the first step no FMU knows derivatives.
+  if (time_ns > 0 && !members_[instance].derivatives.empty()) write_derivatives(members_[instance], time_ns);
+}
+
+void Ensemble::write_derivatives(Member& member, std::int64_t time_ns) {
+  for (const auto& link : member.derivatives) {
+    std::vector<std::int32_t> orders(link.orders);
+    std::iota(orders.begin(), orders.end(), 1);
+    std::vector<double> values(link.orders, 0);
+    auto& source = members_[link.from_instance];
+    // A source that stands at another time holds its value as far as this slave can see.
+    if (source.outputs_time_ns == time_ns) {
+      const std::vector<ValueReference> references(link.orders, link.from);
+      source.slave->get_output_derivatives(references, orders, values);
+      for (auto& value : values) value *= link.factor;
+    }
+    member.slave->set_input_derivatives(std::vector<ValueReference>(link.orders, link.to), orders, values);
+  }
+}
+
+std::vector<Banks> Ensemble::outputs() const {
+  std::vector<Banks> result;
+  result.reserve(members_.size());
+  for (const auto& member : members_) result.push_back(member.outputs);
+  return result;
+}
+
+void Ensemble::bring_back(const std::vector<Banks>& outputs) {
+  // Only values: observers hold on to their addresses.
+  for (std::size_t i = 0; i < members_.size(); ++i) {
+    auto& now = members_[i].outputs;
+    std::ranges::copy(outputs[i].reals.values, now.reals.values.begin());
+    std::ranges::copy(outputs[i].integers.values, now.integers.values.begin());
+    std::ranges::copy(outputs[i].booleans.values, now.booleans.values.begin());
+    std::ranges::copy(outputs[i].strings.values, now.strings.values.begin());
+  }
 }
 
 void Ensemble::save_values(state::Writer& writer) const {

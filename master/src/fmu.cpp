@@ -29,6 +29,16 @@ std::vector<std::string> platforms(const std::filesystem::path& folder) {
   return names;
 }
 
+/// What to do about a library that cannot be loaded.
+std::string_view way_out(std::string_view why) {
+  if (why.find("undefined symbol: Py") != std::string_view::npos ||
+      why.find("undefined symbol: _Py") != std::string_view::npos) {
+    return "The FMU expects a Python interpreter in the process: start mebots with LD_PRELOAD=libpython3.11.so.1.0 (or "
+           "your version of it)";
+  }
+  return "Install the missing library, or put it beside the FMU's own in binaries/linux64";
+}
+
 modeldesc::ModelDescription unpack_and_read(const std::filesystem::path& archive, const std::filesystem::path& folder) {
   const auto file = folder / "modelDescription.xml";
   try {
@@ -78,16 +88,16 @@ void Fmu::load() {
   const auto& identifier = description_.co_simulation->model_identifier;
   const auto file = folder_.path() / "binaries" / "linux64" / (identifier + ".so");
   if (!std::filesystem::exists(file)) {
+    const auto found = platforms(folder_.path());
     throw InputError(
         fmt::format("{}: this FMU has no binary for 64-bit Linux (binaries/linux64/{}.so); its platforms: {}",
-                    archive_.string(), identifier, fmt::join(platforms(folder_.path()), ", ")));
+                    archive_.string(), identifier, found.empty() ? "none" : fmt::format("{}", fmt::join(found, ", "))));
   }
   library_ = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
   if (library_ == nullptr) {
+    const std::string why = dlerror();
     throw InputError(
-        fmt::format("{}: the FMU's shared library cannot be loaded: {}. Install the missing library, or put "
-                    "it beside the FMU's own in binaries/linux64",
-                    archive_.string(), dlerror()));
+        fmt::format("{}: the FMU's shared library cannot be loaded: {}. {}", archive_.string(), why, way_out(why)));
   }
   functions_ = std::make_unique<Fmi2Functions>(load_functions(library_, archive_.string()));
   const char* version = functions_->get_version();

@@ -9,6 +9,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
+#include <cmath>
 #include <cstdarg>
 #include <cstdio>
 #include <cstdlib>
@@ -91,6 +93,10 @@ struct FmuSlave::Fmi {
     }
     va_end(arguments);
   }
+
+  static void step_finished(fmi2ComponentEnvironment environment, fmi2Status status) {
+    if (environment != nullptr) static_cast<FmuSlave*>(environment)->step_finished(status);
+  }
 };
 
 namespace {
@@ -126,7 +132,8 @@ FmuSlave::FmuSlave(std::string name, std::shared_ptr<Fmu> fmu, std::vector<std::
   fmi_->callbacks.logger = &Fmi::log;
   fmi_->callbacks.allocateMemory = &std::calloc;
   fmi_->callbacks.freeMemory = &std::free;
-  fmi_->callbacks.stepFinished = nullptr;  // steps are synchronous
+  const bool asynchronous = description().co_simulation->can_run_asynchronuously;
+  fmi_->callbacks.stepFinished = asynchronous ? &Fmi::step_finished : nullptr;
   fmi_->callbacks.componentEnvironment = this;
   // Logging is on from the start: many FMUs say nothing about a failing instantiation otherwise.
   fmi_->component = functions_->instantiate(name_.c_str(), fmi2CoSimulation, description().guid.c_str(),
@@ -137,7 +144,9 @@ FmuSlave::FmuSlave(std::string name, std::shared_ptr<Fmu> fmu, std::vector<std::
 }
 
 FmuSlave::~FmuSlave() {
-  if (fmi_->component != nullptr && !unusable_) functions_->free_instance(fmi_->component);
+  if (fmi_->component == nullptr || unusable_ || fmu_->corrupted()) return;
+  if (pending_ && functions_->cancel_step != nullptr) functions_->cancel_step(fmi_->component);
+  functions_->free_instance(fmi_->component);
 }
 
 void FmuSlave::choose_categories() {
@@ -239,7 +248,10 @@ void FmuSlave::check(int status, const char* function) {
     if (!held_.empty()) deliver_held();
     return;
   }
-  unusable_ = unusable_ || status == fmi2Fatal;
+  if (status == fmi2Fatal) {
+    unusable_ = true;
+    fmu_->set_corrupted();  // the standard says so of all instances of this FMU
+  }
   fail(function, fmt::format("answered {}", status_name(status)));
 }
 
@@ -260,10 +272,67 @@ void FmuSlave::exit_initialization() {
 
 StepResult FmuSlave::step(std::int64_t start_ns, std::int64_t duration_ns) {
   time_ns_ = start_ns;
+  step_end_ns_ = start_ns + duration_ns;
+  {
+    const std::lock_guard lock(step_mutex_);
+    step_status_.reset();
+  }
   const auto status = functions_->do_step(fmi_->component, to_seconds(start_ns), to_seconds(duration_ns), fmi2False);
+  if (status != fmi2Pending) return step_ended(status);
+  if (functions_->get_status == nullptr && fmi_->callbacks.stepFinished == nullptr) {
+    fail("fmi2DoStep", "answered fmi2Pending, but the FMU has no fmi2GetStatus to ask when the step is over");
+  }
+  pending_ = true;
+  StepResult result;
+  result.done = false;
+  result.pending = true;
+  return result;
+}
+
+void FmuSlave::step_finished(int status) {
+  {
+    const std::lock_guard lock(step_mutex_);
+    step_status_ = status;
+  }
+  step_over_.notify_all();
+}
+
+/// The status of a pending step once it is over; fmi2Pending when it was given up. An FMU says that it is over by
+/// its callback, when asked by fmi2GetStatus, or both; asking gets rarer, from every 20 us to every 2 ms.
+int FmuSlave::wait_for_step(const std::atomic<bool>& cancel) {
+  constexpr std::chrono::microseconds kLongestPause{2000};
+  std::chrono::microseconds pause{20};
+  while (!cancel.load(std::memory_order_relaxed)) {
+    {
+      std::unique_lock lock(step_mutex_);
+      if (step_over_.wait_for(lock, pause, [this] { return step_status_.has_value(); })) return *step_status_;
+    }
+    pause = std::min(2 * pause, kLongestPause);
+    if (functions_->get_status == nullptr) continue;
+    fmi2Status status = fmi2Pending;
+    if (functions_->get_status(fmi_->component, fmi2DoStepStatus, &status) == fmi2OK && status != fmi2Pending) {
+      return status;
+    }
+  }
+  return fmi2Pending;
+}
+
+StepResult FmuSlave::finish_step(const std::atomic<bool>& cancel) {
+  if (!pending_) return Slave::finish_step(cancel);
+  const auto status = wait_for_step(cancel);
+  pending_ = false;
+  if (status != fmi2Pending) return step_ended(status);
+  if (functions_->cancel_step != nullptr) check(functions_->cancel_step(fmi_->component), "fmi2CancelStep");
+  StepResult result;
+  result.done = false;
+  result.cancelled = true;
+  return result;
+}
+
+StepResult FmuSlave::step_ended(int status) {
   if (status != fmi2Discard) {
     check(status, "fmi2DoStep");
-    time_ns_ = start_ns + duration_ns;  // what is said and asked next belongs to the step's end
+    time_ns_ = step_end_ns_;  // what is said and asked next belongs to the step's end
     return {};
   }
   deliver_held();
@@ -285,6 +354,39 @@ StepResult FmuSlave::step(std::int64_t start_ns, std::int64_t duration_ns) {
 
 void FmuSlave::terminate() {
   check(functions_->terminate(fmi_->component), "fmi2Terminate");
+}
+
+std::uint32_t FmuSlave::output_derivative_order() const {
+  return functions_->get_real_output_derivatives == nullptr ? 0
+                                                            : description().co_simulation->max_output_derivative_order;
+}
+
+bool FmuSlave::takes_input_derivatives() const {
+  return description().co_simulation->can_interpolate_inputs && functions_->set_real_input_derivatives != nullptr;
+}
+
+void FmuSlave::get_output_derivatives(std::span<const ValueReference> references, std::span<const std::int32_t> orders,
+                                      std::span<double> values) {
+  check(functions_->get_real_output_derivatives(fmi_->component, references.data(), references.size(), orders.data(),
+                                                values.data()),
+        "fmi2GetRealOutputDerivatives");
+  const auto bad = std::ranges::find_if(values, [](double value) { return !std::isfinite(value); });
+  if (bad == values.end()) return;
+  const auto index = static_cast<std::size_t>(bad - values.begin());
+  const auto& variables = description().variables;
+  const auto variable = std::ranges::find_if(variables, [&](const modeldesc::Variable& one) {
+    return one.type == modeldesc::Type::real && one.value_reference == references[index];
+  });
+  throw NotFiniteError(fmt::format("instance '{}' at {} s: the time derivative (order {}) of '{}' is {}", name_,
+                                   to_seconds(time_ns_), orders[index],
+                                   variable == variables.end() ? "?" : variable->name, *bad));
+}
+
+void FmuSlave::set_input_derivatives(std::span<const ValueReference> references, std::span<const std::int32_t> orders,
+                                     std::span<const double> values) {
+  check(functions_->set_real_input_derivatives(fmi_->component, references.data(), references.size(), orders.data(),
+                                               values.data()),
+        "fmi2SetRealInputDerivatives");
 }
 
 void FmuSlave::get_reals(std::span<const ValueReference> references, std::span<double> values) {

@@ -62,8 +62,10 @@ Graph dependency_graph(const ResolvedSystem& system) {
   return graph;
 }
 
-/// Depth-first search with an explicit stack: ensembles may be long chains.
-std::vector<Node> find_loop(const Graph& graph) {
+/// Depth-first search with an explicit stack: ensembles may be long chains. Calls back(path) for every edge that
+/// closes a loop; the path goes from where the edge ends to where it begins. Stops when `back` returns false.
+template <typename Back>
+void search(const Graph& graph, Back back) {
   enum class Colour { unseen, open, done };
   std::map<Node, Colour> colours;
   struct Visit {
@@ -90,7 +92,7 @@ std::vector<Node> find_loop(const Graph& graph) {
           if (at->node == follower) break;
         }
         std::reverse(loop.begin(), loop.end());
-        return loop;
+        if (!back(loop)) return;
       }
       if (colours[follower] == Colour::unseen) {
         colours[follower] = Colour::open;
@@ -98,10 +100,30 @@ std::vector<Node> find_loop(const Graph& graph) {
       }
     }
   }
-  return {};
+}
+
+std::vector<Node> find_loop(const Graph& graph) {
+  std::vector<Node> found;
+  search(graph, [&](const std::vector<Node>& loop) {
+    found = loop;
+    return false;
+  });
+  return found;
 }
 
 }  // namespace
+
+std::vector<ResolvedVariable> torn_inputs(const ResolvedSystem& system) {
+  std::vector<ResolvedVariable> inputs;
+  search(dependency_graph(system), [&](const std::vector<Node>& loop) {
+    // The closing edge is a connection into the path's first node, or hangs on its last, an input.
+    const auto& input = loop.front().variable->causality == Causality::input ? loop.front() : loop.back();
+    const ResolvedVariable torn{input.instance, input.variable};
+    if (std::find(inputs.begin(), inputs.end(), torn) == inputs.end()) inputs.push_back(torn);
+    return true;
+  });
+  return inputs;
+}
 
 std::string initial_loop(const ResolvedSystem& system) {
   const auto loop = find_loop(dependency_graph(system));

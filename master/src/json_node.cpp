@@ -1,21 +1,30 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mebots/master/json_node.hpp"
 
+#include "mebots/master/json_document.hpp"
 #include "mebots/master/nearest_names.hpp"
 #include "mebots/master/time.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <set>
 
 namespace mebots::master {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-std::string escaped(std::string_view key) {
-  std::string text;
+std::string shortened(const Json& value) {
+  constexpr std::size_t kLongest = 60;
+  auto text = value.dump(-1, ' ', false, Json::error_handler_t::replace);
+  if (text.size() > kLongest) text = text.substr(0, kLongest) + "...";
+  return text;
+}
+
+}  // namespace
+
+std::string pointer_step(std::string_view key) {
+  std::string text = "/";
   for (const char c : key) {
     if (c == '~') {
       text += "~0";
@@ -28,17 +37,8 @@ std::string escaped(std::string_view key) {
   return text;
 }
 
-std::string shortened(const Json& value) {
-  constexpr std::size_t kLongest = 60;
-  auto text = value.dump(-1, ' ', false, Json::error_handler_t::replace);
-  if (text.size() > kLongest) text = text.substr(0, kLongest) + "...";
-  return text;
-}
-
-}  // namespace
-
 std::string JsonNode::place() const {
-  return fmt::format("{}: {}", file_, pointer_.empty() ? "/" : pointer_);
+  return document_->place(*value_, pointer_);
 }
 
 void JsonNode::fail(const std::string& what) const {
@@ -50,7 +50,7 @@ void JsonNode::fail_kind(std::string_view wanted) const {
 }
 
 JsonNode JsonNode::child(const std::string& key, const Json& value) const {
-  return {value, file_, pointer_ + "/" + escaped(key)};
+  return {value, *document_, pointer_ + pointer_step(key)};
 }
 
 const JsonNode& JsonNode::expect_keys(std::span<const std::string_view> allowed) const {
@@ -112,33 +112,6 @@ std::int64_t JsonNode::nanoseconds() const {
                      shortened(*value_), kLongestTimeS));
   }
   return *time;
-}
-
-nlohmann::ordered_json parse_json(std::string_view text, const std::string& file) {
-  // The keys seen so far in each object that is still open, innermost last.
-  std::vector<std::set<std::string>> open_objects;
-  const Json::parser_callback_t watch_keys = [&](int /*depth*/, Json::parse_event_t event, Json& parsed) {
-    if (event == Json::parse_event_t::object_start) {
-      open_objects.emplace_back();
-    } else if (event == Json::parse_event_t::object_end) {
-      open_objects.pop_back();
-    } else if (event == Json::parse_event_t::key && !open_objects.back().insert(parsed.get<std::string>()).second) {
-      throw InputError(fmt::format("{}: the key '{}' stands twice in one object; remove one of them", file,
-                                   parsed.get<std::string>()));
-    }
-    return true;
-  };
-  try {
-    return Json::parse(text, watch_keys);
-  } catch (const Json::parse_error& error) {
-    // The library's text reads "[json.exception.parse_error.101] parse error at line 3, column 5: ...".
-    std::string what = error.what();
-    const auto end_of_tag = what.find("] ");
-    if (end_of_tag != std::string::npos) what = what.substr(end_of_tag + 2);
-    throw InputError(fmt::format("{}: this is not JSON: {}", file, what));
-  } catch (const Json::out_of_range& error) {
-    throw InputError(fmt::format("{}: a number is too large: {}", file, error.what()));
-  }
 }
 
 }  // namespace mebots::master

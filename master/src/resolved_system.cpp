@@ -96,6 +96,28 @@ void check_single_use(const ResolvedSystem& system) {
   }
 }
 
+/// Repeating a step in parts takes an FMU that can go back and take steps of any length.
+void check_division(const ResolvedInstance& instance) {
+  if (!instance.description->divide_discarded) return;
+  const auto& flags = *instance.fmu->description().co_simulation;
+  if (flags.can_get_and_set_fmu_state && flags.can_handle_variable_communication_step_size) return;
+  throw InputError(
+      fmt::format("{}/on_discard: a step of '{}' cannot be divided: its FMU says {} = false",
+                  instance.description->place, instance.description->name,
+                  flags.can_get_and_set_fmu_state ? "canHandleVariableCommunicationStepSize" : "canGetAndSetFMUstate"));
+}
+
+void resolve_order(ResolvedSystem& system) {
+  const auto& algorithm = system.description->algorithm;
+  if (algorithm.kind == AlgorithmDescription::Kind::jacobi) return;
+  const auto names = algorithm.order.empty() ? system.description->instance_names() : algorithm.order;
+  for (const auto& name : names) {
+    const auto found = std::ranges::find(system.instances, name,
+                                         [](const ResolvedInstance& instance) { return instance.description->name; });
+    system.order.push_back(static_cast<std::size_t>(found - system.instances.begin()));
+  }
+}
+
 /// The name of the binary variable that an Integer is a part of, else the variable's own.
 std::string whole_name(const modeldesc::ModelDescription& description, const Variable& variable) {
   if (!is_osmp_part(description, variable)) return variable.name;
@@ -163,6 +185,7 @@ bool is_osmp_part(const modeldesc::ModelDescription& description, const Variable
 ResolvedSystem resolve(const SystemDescription& description, FmuLibrary& library) {
   ResolvedSystem system;
   system.description = &description;
+  system.notices = description.notices;
   for (const auto& instance : description.instances) {
     ResolvedInstance resolved;
     resolved.description = &instance;
@@ -172,11 +195,17 @@ ResolvedSystem resolve(const SystemDescription& description, FmuLibrary& library
     } catch (const InputError& error) {
       throw InputError(fmt::format("{}/fmu: {}", instance.place, error.what()));
     }
+    if (resolved.fmu->description().co_simulation->needs_execution_tool) {
+      system.notices.push_back(fmt::format(
+          "{}: its FMU is a wrapper for a tool that must be installed (needsExecutionTool)", instance.name));
+    }
     resolved.starts = resolve_starts(instance, resolved.fmu->description());
     resolved.log_categories = log_categories(description, instance);
     system.instances.push_back(std::move(resolved));
   }
   check_single_use(system);
+  for (const auto& instance : system.instances) check_division(instance);
+  resolve_order(system);
   resolve_connections(system);
   note_open_inputs(system);
   return system;

@@ -3,6 +3,7 @@
 
 #include "mebots/master/time.hpp"
 
+#include "step_in_parts.hpp"
 #include "step_pool.hpp"
 #include "thread_policy.hpp"
 
@@ -14,13 +15,20 @@
 #include <thread>
 
 namespace mebots::master {
+namespace {
+
+const std::atomic<bool> kNeverInterrupted{false};
+
+}  // namespace
 
 Simulation::Simulation(const ResolvedSystem& system, MessageSink& messages, const SlaveOptions& options)
     : system_(&system),
       messages_(messages),
       ensemble_(system, messages_, options),
       step_ns_(system.description->step_ns),
-      last_step_(system.description->stop_time_ns / step_ns_) {
+      last_step_(system.description->stop_time_ns / step_ns_),
+      order_(system.order),
+      interrupted_(&kNeverInterrupted) {
   for (std::size_t i = 0; i < ensemble_.size(); ++i) multiples_.push_back(ensemble_.step_ns(i) / step_ns_);
   group_slaves();
 }
@@ -76,24 +84,47 @@ void Simulation::finish(EndReason reason, std::string text) {
 bool Simulation::step() {
   if (ended_) return false;
   if (!step_slaves()) return false;
-  const auto next = step_ + 1;
-  for (std::size_t i = 0; i < ensemble_.size(); ++i) {
-    if (begins_step(i, next)) ensemble_.read_outputs(i, next * step_ns_);
-  }
-  step_ = next;  // only now: a point with a value that makes no sense was not reached
+  ++step_;  // only now: a point with a value that makes no sense was not reached
   reach_point();
   return true;
 }
 
 bool Simulation::step_slaves() {
-  for (std::size_t i = 0; i < ensemble_.size(); ++i) {
-    if (begins_step(i, step_)) ensemble_.write_inputs(i);
+  return order_.empty() ? step_jacobi() : step_gauss_seidel();
+}
+
+void Simulation::read_outputs_at(std::int64_t step, std::size_t instance) {
+  if (begins_step(instance, step)) ensemble_.read_outputs(instance, step * step_ns_);
+}
+
+StepResult Simulation::step_slave(std::size_t instance) {
+  auto& slave = ensemble_.slave(instance);
+  const auto duration_ns = ensemble_.step_ns(instance);
+  if (system_->instances[instance].description->divide_discarded) {
+    return step_in_parts(slave, time_ns(), duration_ns, *interrupted_);
   }
-  std::string terminated;
-  const auto take = [&](std::size_t i, const StepResult& result) {
-    if (result.done) return;
-    auto text = judge(i, result);
-    if (terminated.empty()) terminated = std::move(text);
+  return slave.step(time_ns(), duration_ns);
+}
+
+StepResult Simulation::finish_slave(std::size_t instance, StepResult result) {
+  if (result.pending) result = ensemble_.slave(instance).finish_step(*interrupted_);
+  if (result.done || result.terminated || result.cancelled) return result;
+  throw SlaveError(fmt::format(
+      "instance '{}' at {} s: fmi2DoStep refused a step of {} s (fmi2Discard; it came to {} s). Take a smaller step, "
+      "or set \"on_discard\": \"divide\" for the instance. {}",
+      ensemble_.name(instance), to_seconds(time_ns()), to_seconds(ensemble_.step_ns(instance)),
+      result.last_successful_s.value_or(to_seconds(time_ns())), result.messages));
+}
+
+bool Simulation::step_jacobi() {
+  for (std::size_t i = 0; i < ensemble_.size(); ++i) {
+    if (begins_step(i, step_)) ensemble_.write_inputs(i, time_ns());
+  }
+  // Those that are not done at once: slaves that step on their own time do so side by side, all started before any is
+  // waited for.
+  results_.clear();
+  const auto take = [&](std::size_t i, StepResult result) {
+    if (!result.done) results_.emplace_back(i, std::move(result));
   };
   if (policy_ && policy_->parallel()) {
     step_in_parallel();
@@ -105,27 +136,43 @@ bool Simulation::step_slaves() {
       if (begins_step(i, step_)) take(i, step_slave(i));
     }
   }
+  for (auto& [i, result] : results_) result = finish_slave(i, std::move(result));
   if (policy_) policy_->stepped();
-  if (terminated.empty()) return true;
-  // The others stepped too, but the last point that all reached is this one: it is the end.
-  finish(EndReason::terminated, terminated);
-  return false;
+  if (ended_by_slave()) return false;
+  for (std::size_t i = 0; i < ensemble_.size(); ++i) read_outputs_at(step_ + 1, i);
+  return true;
 }
 
-StepResult Simulation::step_slave(std::size_t instance) {
-  return ensemble_.slave(instance).step(time_ns(), ensemble_.step_ns(instance));
-}
-
-std::string Simulation::judge(std::size_t instance, const StepResult& result) const {
-  const auto reached_s = result.last_successful_s.value_or(to_seconds(time_ns()));
-  if (!result.terminated) {
-    throw SlaveError(fmt::format(
-        "instance '{}' at {} s: fmi2DoStep refused a step of {} s (fmi2Discard; it came to {} s). A smaller "
-        "step may help. {}",
-        ensemble_.name(instance), to_seconds(time_ns()), to_seconds(ensemble_.step_ns(instance)), reached_s,
-        result.messages));
+bool Simulation::step_gauss_seidel() {
+  const auto before = ensemble_.outputs();
+  for (const auto i : order_) {
+    if (begins_step(i, step_)) {
+      ensemble_.write_inputs(i, time_ns());
+      results_.clear();
+      const auto& result = results_.emplace_back(i, finish_slave(i, step_slave(i))).second;
+      if (result.terminated || result.cancelled) ensemble_.bring_back(before);  // to the last point that all reached
+      if (ended_by_slave()) return false;
+    }
+    read_outputs_at(step_ + 1, i);
   }
-  return fmt::format("instance '{}' ended the simulation at {} s", ensemble_.name(instance), reached_s);
+  return true;
+}
+
+bool Simulation::ended_by_slave() {
+  for (const auto& [i, result] : results_) {
+    if (result.cancelled) {
+      finish(EndReason::interrupted, fmt::format("interrupted at {} s", to_seconds(time_ns())));
+      return true;
+    }
+  }
+  for (const auto& [i, result] : results_) {
+    if (!result.terminated) continue;
+    // Others may have stepped on, but the last point that all reached is this one: it is the end.
+    finish(EndReason::terminated, fmt::format("instance '{}' ended the simulation at {} s", ensemble_.name(i),
+                                              result.last_successful_s.value_or(to_seconds(time_ns()))));
+    return true;
+  }
+  return false;
 }
 
 void Simulation::step_in_parallel() {
@@ -151,13 +198,15 @@ void Simulation::step_in_parallel() {
     if (first || !begins_step(i, step_)) continue;
     speakers.push_back(ensemble_.name(i));
     first = attempts_[i].error;
-    if (!attempts_[i].result.done && !attempts_[i].result.terminated) break;  // the run ends with it
+    const auto& result = attempts_[i].result;
+    if (!result.done && !result.pending && !result.terminated) break;  // the run ends with it
   }
   messages_.release(speakers);
   if (first) std::rethrow_exception(first);
 }
 
 const End& Simulation::run(const std::atomic<bool>& interrupted) {
+  interrupted_ = &interrupted;
   while (!ended_) {
     if (interrupted.load(std::memory_order_relaxed)) {
       finish(EndReason::interrupted, fmt::format("interrupted at {} s", to_seconds(time_ns())));

@@ -21,6 +21,17 @@ std::vector<std::string> SystemDescription::instance_names() const {
   return names;
 }
 
+std::optional<VariableName> SystemDescription::split(std::string_view text) const {
+  // No instance's name is the beginning of another's, so at most one fits.
+  for (auto dot = text.find('.'); dot != std::string_view::npos; dot = text.find('.', dot + 1)) {
+    const auto instance = text.substr(0, dot);
+    if (dot + 1 < text.size() && find_instance(instance) != nullptr) {
+      return VariableName{std::string(instance), std::string(text.substr(dot + 1))};
+    }
+  }
+  return std::nullopt;
+}
+
 void set_stop_time(SystemDescription& system, std::int64_t stop_time_ns, const std::string& place) {
   if (stop_time_ns <= 0) throw InputError(fmt::format("{}: the stop time must be greater than 0 s", place));
   const auto check = [&](std::int64_t step_ns, const std::string& whose) {

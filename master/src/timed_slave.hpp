@@ -35,6 +35,11 @@ class TimedSlave final : public ForwardingSlave {
     }
     return result;
   }
+  StepResult finish_step(const std::atomic<bool>& cancel) override {
+    StepResult result;
+    statistics_->step_time_s += timed([&] { result = inner().finish_step(cancel); });
+    return result;
+  }
   void terminate() override {
     timed([&] { inner().terminate(); });
   }

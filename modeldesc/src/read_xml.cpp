@@ -1,17 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mebots/error.hpp"
 #include "mebots/modeldesc/xml.hpp"
+#include "mebots/modeldesc/xml_text.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <fstream>
 #include <iterator>
 #include <limits>
 #include <map>
 #include <pugixml.hpp>
 #include <set>
+#include <unordered_map>
+#include <unordered_set>
 
 namespace mebots::modeldesc {
 namespace {
@@ -38,24 +42,16 @@ std::optional<T> parse_number(std::string_view text) {
 class Document {
  public:
   Document(std::string_view text, std::string_view source) : text_(text), source_(source) {
-    const pugi::xml_parse_result result = xml_.load_buffer(text.data(), text.size());
-    if (!result)
-      throw Error(
-          fmt::format("{}, line {}: not well-formed XML: {}", source_, line_of(result.offset), result.description()));
+    parse_xml(xml_, text, source);
   }
 
   pugi::xml_node root() const { return xml_.document_element(); }
 
   [[noreturn]] void fail(pugi::xml_node node, std::string_view what) const {
-    throw Error(fmt::format("{}, line {}, <{}>: {}", source_, line_of(node.offset_debug()), node.name(), what));
+    throw Error(fmt::format("{}, line {}, <{}>: {}", source_, line_of(text_, node.offset_debug()), node.name(), what));
   }
 
  private:
-  std::ptrdiff_t line_of(std::ptrdiff_t offset) const {
-    const auto end = std::clamp<std::ptrdiff_t>(offset, 0, static_cast<std::ptrdiff_t>(text_.size()));
-    return 1 + std::count(text_.begin(), text_.begin() + end, '\n');
-  }
-
   std::string_view text_;
   std::string source_;
   pugi::xml_document xml_;
@@ -257,12 +253,15 @@ class DescriptionReader {
         unit.exponents[i] = base.number<int>(std::string(kBaseUnits[i]).c_str(), "a whole exponent").value_or(0);
       unit.factor = base.real("factor").value_or(1);
       unit.offset = base.real("offset").value_or(0);
+      if (unit.factor == 0 || !std::isfinite(unit.factor) || !std::isfinite(unit.offset))
+        base.fail(fmt::format("the unit \"{}\" has the factor {} and the offset {}, which convert nothing", unit.name,
+                              unit.factor, unit.offset));
     }
     element.each_child("DisplayUnit", [&](const Element& display) {
       unit.display_units.push_back(
           {display.required_text("name"), display.real("factor").value_or(1), display.real("offset").value_or(0)});
     });
-    if (result_.unit(unit.name) != nullptr) element.fail(fmt::format("the unit \"{}\" is defined twice", unit.name));
+    if (!unit_names_.insert(unit.name).second) element.fail(fmt::format("the unit \"{}\" is defined twice", unit.name));
     result_.units.push_back(std::move(unit));
   }
 
@@ -284,7 +283,7 @@ class DescriptionReader {
                             *item.number<std::int32_t>("value", "a whole number of 32 bits"),
                             item.text("description")});
     });
-    if (result_.type_definition(type.name) != nullptr)
+    if (!types_.emplace(type.name, result_.types.size()).second)
       element.fail(fmt::format("the type \"{}\" is defined twice", type.name));
     result_.types.push_back(std::move(type));
   }
@@ -350,7 +349,8 @@ class DescriptionReader {
   }
 
   void take_declared_type(const Element& element, Variable& variable) const {
-    const TypeDefinition* type = result_.type_definition(variable.declared_type);
+    const auto known = types_.find(variable.declared_type);
+    const TypeDefinition* type = known == types_.end() ? nullptr : &result_.types[known->second];
     if (type == nullptr)
       element.fail(fmt::format("\"{}\" is of declared type \"{}\", which <TypeDefinitions> does not define",
                                variable.name, variable.declared_type));
@@ -423,13 +423,16 @@ class DescriptionReader {
 
   Element root_;
   ModelDescription result_;
-  std::set<std::string> names_;
+  std::unordered_set<std::string> names_;
+  std::set<std::string> unit_names_;
+  std::unordered_map<std::string, std::size_t> types_;  // name, index; descriptions may have thousands
 };
 
 }  // namespace
 
 ModelDescription read_xml_text(std::string_view text, std::string_view source) {
-  const Document document(text, source);
+  const auto utf8 = xml_as_utf8(text, source);
+  const Document document(utf8, source);
   return DescriptionReader(document).read();
 }
 

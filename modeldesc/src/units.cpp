@@ -136,6 +136,12 @@ bool same_unit(const Unit& a, const Unit& b) {
   return same_dimension(a, b) && close(a.factor, b.factor) && close(a.offset, b.offset);
 }
 
+UnitConversion unit_conversion(const Unit& from, const Unit& to, bool difference) {
+  // FMI 2.0: value_SI = factor * value + offset.
+  if (same_unit(from, to)) return {};
+  return {from.factor / to.factor, difference ? 0 : (from.offset - to.offset) / to.factor};
+}
+
 std::span<const KnownUnit> known_units() {
   static const std::vector<KnownUnit> table = make_table();
   return table;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mebots/master/command_line.hpp"
+#include "mebots/master/config_schema.hpp"
 #include "mebots/master/system_description.hpp"
 #include "test_system.hpp"
 
@@ -60,12 +61,13 @@ TEST(Config, AMissingFileIsNamed) {
 }
 
 TEST(Config, BrokenJsonIsAnsweredByLineAndColumn) {
-  EXPECT_THAT(error_of("{\n  \"step\": 0.1,\n  oops\n}"), AllOf(HasSubstr("mission.json"), HasSubstr("line 3")));
+  EXPECT_THAT(error_of("{\n  \"step\": 0.1,\n  oops\n}"),
+              AllOf(HasSubstr("mission.json"), HasSubstr("mission.json:3:3: this is not JSON")));
 }
 
 TEST(Config, AnUnknownKeyIsAnsweredByPointerAndNearestKey) {
   EXPECT_THAT(error_of(config_with(R"("stop_tiem": 1,)")),
-              AllOf(HasSubstr("mission.json: /stop_tiem"), HasSubstr("'stop_time'")));
+              AllOf(HasSubstr("mission.json:1:2: /stop_tiem"), HasSubstr("'stop_time'")));
   EXPECT_THAT(error_of(config_with("", R"("a": {"fmu": "PROBE", "paramters": {}})")),
               AllOf(HasSubstr("/instances/a/paramters"), HasSubstr("'parameters'")));
   EXPECT_THAT(error_of(config_with(R"("stop_when": [{"variable": "a.steps", "above": 1, "fro": 2}],)",
@@ -76,6 +78,36 @@ TEST(Config, AnUnknownKeyIsAnsweredByPointerAndNearestKey) {
 TEST(Config, AKeyThatStandsTwiceIsRefused) {
   EXPECT_THAT(error_of(config_with("", R"("a": {"fmu": "PROBE"}, "a": {"fmu": "PROBE"})")),
               HasSubstr("'a' stands twice"));
+}
+
+TEST(Config, TheSchemaKnowsTheKeysThatTheReaderKnows) {
+  const auto schema = nlohmann::json::parse(config_schema());
+  const auto names = [](const nlohmann::json& properties) {
+    std::vector<std::string> result;
+    for (const auto& [name, value] : properties.items()) result.push_back(name);
+    return result;
+  };
+  EXPECT_THAT(names(schema["properties"]), testing::UnorderedElementsAreArray(config_keys()));
+  EXPECT_THAT(names(schema["$defs"]["instance"]["properties"]), testing::UnorderedElementsAreArray(instance_keys()));
+}
+
+TEST(Config, EveryComplaintHasLineAndColumn) {
+  EXPECT_THAT(
+      error_of("{\"step\": 0.1,\n \"stop_time\": 2, \"connections\": [],\n  \"instances\": {\"ä\": {}, \"b\": 3}}"),
+      HasSubstr("mission.json:3:17: /instances/ä: the key 'fmu' is missing"));
+  EXPECT_THAT(error_of("{\"step\": 0.1,\n\n   \"step\": 0.2}"),
+              HasSubstr("mission.json:3:4: the key 'step' stands twice"));
+  EXPECT_THAT(error_of("{\"step\": 0.1,\n\"st\\u0065p\": 0.2}"), HasSubstr(":2:1: the key 'step' stands twice"));
+  EXPECT_THAT(error_of("{\"text\": \"1e999\",\n \"step\": 1e999}"),
+              HasSubstr("mission.json:2:10: the number 1e999 is too large"));
+}
+
+TEST(Config, DeepNestingIsRefusedAndNeitherCrashesNorHangs) {
+  const std::string deep = std::string(100'000, '[') + std::string(100'000, ']');
+  EXPECT_THAT(error_of(deep), HasSubstr("mission.json:1:101: this is nested more than 100 levels deep"));
+  std::string objects;
+  for (int i = 0; i < 100'000; ++i) objects += R"({"a":)";
+  EXPECT_THAT(error_of(objects), HasSubstr("nested more than"));
 }
 
 TEST(Config, MissingKeysAreNamed) {
@@ -124,8 +156,11 @@ TEST(Config, AMissingFmuIsNamedWithItsPath) {
               AllOf(HasSubstr("/instances/a/fmu"), HasSubstr("nothing/here.fmu"), HasSubstr("relative to the config")));
 }
 
-TEST(Config, AnInstanceNameWithADotIsRefused) {
-  EXPECT_THAT(error_of(config_with("", R"("a.b": {"fmu": "PROBE"})")), HasSubstr("dot"));
+TEST(Config, AnInstanceNameMayHoldDotsUnlessAnotherIsItsBeginning) {
+  const auto system = read(config_with(R"("summary": {"x": "left.arm.real_out"},)", R"("left.arm": {"fmu": "PROBE"})"));
+  EXPECT_EQ(system.summary[0].variable, (VariableName{"left.arm", "real_out"}));
+  EXPECT_THAT(error_of(config_with("", R"("a.b": {"fmu": "PROBE"}, "a": {"fmu": "PROBE"})")),
+              HasSubstr("'a.b' could be a variable of the instance 'a'"));
 }
 
 TEST(Config, AConnectionNamesInstanceAndVariable) {

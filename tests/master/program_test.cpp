@@ -203,9 +203,22 @@ TEST_F(Program, InfoShowsWhatAnFmuSaysOfItself) {
 
 TEST_F(Program, InfoOnSomethingElseIsBadInput) {
   EXPECT_EQ(run({"info", "nothing.fmu"}).code, 2);
-  const auto result = run({"info", "two.json"});
+  write_file(folder.path() / "text.fmu", "no archive");
+  const auto result = run({"info", "text.fmu"});
   EXPECT_EQ(result.code, 2);
-  EXPECT_THAT(result.err, HasSubstr("two.json"));
+  EXPECT_THAT(result.err, HasSubstr("text.fmu"));
+}
+
+TEST_F(Program, InfoOnAConfigShowsTheSystem) {
+  const auto result = run({"info", "two.json"});
+  EXPECT_EQ(result.code, 0);
+  EXPECT_THAT(result.out, testing::ContainsRegex("a.real_out +b.real_in +1 +0"));
+}
+
+TEST_F(Program, SchemaPrintsTheSchema) {
+  const auto result = run({"schema"});
+  EXPECT_EQ(result.code, 0);
+  EXPECT_EQ(nlohmann::json::parse(result.out)["title"], "MEbots config");
 }
 
 }  // namespace

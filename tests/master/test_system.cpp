@@ -26,9 +26,10 @@ std::string read_file(const std::filesystem::path& file) {
 }
 
 std::string with_probe(std::string text) {
-  const std::string word = "PROBE";
-  for (auto at = text.find(word); at != std::string::npos; at = text.find(word))
-    text.replace(at, word.size(), PROBE_FMU);
+  for (const auto& [word, path] :
+       {std::pair<std::string, std::string>{"PROBE", PROBE_FMU}, {"COUPLING", COUPLING_FMU}}) {
+    for (auto at = text.find(word); at != std::string::npos; at = text.find(word)) text.replace(at, word.size(), path);
+  }
   return text;
 }
 

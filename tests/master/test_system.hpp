@@ -22,7 +22,7 @@ namespace mebots::test {
 void write_file(const std::filesystem::path& file, std::string_view text);
 std::string read_file(const std::filesystem::path& file);
 
-/// `text` with the probe's path for every "PROBE".
+/// `text` with the path of the FMU made from fmus/probe.c for every "PROBE", and of coupling.c for "COUPLING".
 std::string with_probe(std::string text);
 
 /// The message of the InputError that `work` throws; fails the test when it throws none.

@@ -155,9 +155,70 @@ TEST(Xml, ErrorsNameFileLineElementAttributeAndValue) {
   expect_error(foreign(a, "<Outputs><Unknown index=\"0\"/></Outputs>"), "\"0\" is no index");
 }
 
-TEST(Xml, ExternalEntitiesAreNotRead) {
+TEST(Xml, EntitiesOfADtdAreNeverExpanded) {
   const std::string a = "<ScalarVariable name=\"&secret;\" valueReference=\"1\"><Real/></ScalarVariable>";
-  EXPECT_EQ(read_xml_text(foreign(a), "f.xml").variables.at(0).name, "&secret;");
+  expect_error(foreign(a), "the entity &secret; of the DTD is not expanded");
+  std::string bomb = "<?xml version=\"1.0\"?><!DOCTYPE a [<!ENTITY l0 \"lol\">";
+  for (int i = 1; i < 10; ++i) {
+    bomb += "<!ENTITY l" + std::to_string(i) + " \"";
+    for (int j = 0; j < 10; ++j) bomb += "&l" + std::to_string(i - 1) + ";";
+    bomb += "\">";
+  }
+  expect_error(bomb + "]><fmiModelDescription modelName=\"&l9;\"/>", "is not expanded");
+}
+
+constexpr const char* kUnicode =
+    R"xml(<ScalarVariable name="Größe" valueReference="0" description="10 µm"><Real/></ScalarVariable>)xml";
+
+/// UTF-8 below U+0100 as code points.
+std::u32string code_points(const std::string& text) {
+  std::u32string result;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const auto byte = static_cast<unsigned char>(text[i]);
+    result +=
+        byte < 0x80 ? char32_t{byte} : (char32_t{byte} & 0x1FU) << 6U | (static_cast<unsigned char>(text[++i]) & 0x3FU);
+  }
+  return result;
+}
+
+TEST(Xml, IsReadInWhateverEncodingItIsWritten) {
+  const auto text = foreign(kUnicode);
+  const auto expected = read_xml_text(text, "f.xml");
+  EXPECT_EQ(expected.variables.at(0).name, "Größe");
+  EXPECT_TRUE(read_xml_text("\xEF\xBB\xBF" + text, "f.xml") == expected);
+
+  const auto points = code_points(text);
+  std::string latin;
+  std::string little = "\xFF\xFE";
+  std::string big;  // without a mark
+  for (const auto point : points) {
+    latin += static_cast<char>(point);
+    little += {static_cast<char>(point), '\0'};
+    big += {'\0', static_cast<char>(point)};
+  }
+  for (const char* name : {"ISO-8859-1", "Windows-1252", "latin1"}) {
+    auto declared = latin;
+    declared.replace(0, std::string("<?xml version=\"1.0\"?>").size(),
+                     std::string("<?xml version=\"1.0\" encoding='") + name + "'?>");
+    EXPECT_TRUE(read_xml_text(declared, "f.xml") == expected) << name;
+  }
+  EXPECT_TRUE(read_xml_text(little, "f.xml") == expected);
+  EXPECT_TRUE(read_xml_text(big, "f.xml") == expected);
+  expect_error(latin, "no UTF-8 text");
+  expect_error("<?xml version=\"1.0\" encoding=\"klingon\"?><a/>", "the encoding \"klingon\" is unknown");
+}
+
+TEST(Xml, DeepNestingIsRefusedAndDoesNotCrash) {
+  std::string deep;
+  for (int i = 0; i < 100'000; ++i) deep += "<a>";
+  for (int i = 0; i < 100'000; ++i) deep += "</a>";
+  expect_error(deep, "nested more than 200 levels deep");
+}
+
+TEST(Xml, AUnitThatConvertsNothingIsRefused) {
+  auto text = foreign("");
+  text.replace(text.find("A=\"-1\""), 6, "A=\"-1\" factor=\"0\"");
+  expect_error(text, "the factor 0");
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The section `instances`: a table of the keys of one instance, each with its own reader.
+#include "mebots/master/config_schema.hpp"
 #include "mebots/master/time.hpp"
 
 #include "reading.hpp"
@@ -14,11 +15,14 @@ namespace {
 
 using ReadKey = void (*)(const JsonNode&, InstanceDescription&, const SystemDescription&);
 
-void check_name(const std::string& name, const JsonNode& node) {
+void check_name(const std::string& name, const JsonNode& node, const SystemDescription& system) {
   if (name.empty()) node.fail("an instance needs a name");
-  if (name.find('.') != std::string::npos) {
+  for (const auto& other : system.instances) {
+    const auto& [shorter, longer] =
+        std::minmax(name, other.name, [](const std::string& a, const std::string& b) { return a.size() < b.size(); });
+    if (!longer.starts_with(shorter + ".")) continue;
     node.fail(
-        fmt::format("the instance name '{}' holds a dot, which separates instance and variable; rename it", name));
+        fmt::format("the instance '{}' could be a variable of the instance '{}'; rename one of them", longer, shorter));
   }
   const bool control =
       std::any_of(name.begin(), name.end(), [](char c) { return static_cast<unsigned char>(c) < ' '; });
@@ -51,6 +55,15 @@ void read_step_multiple(const JsonNode& node, InstanceDescription& instance, con
   }
 }
 
+void read_on_discard(const JsonNode& node, InstanceDescription& instance, const SystemDescription& /*system*/) {
+  const auto text = node.string();
+  if (text != "end" && text != "divide") {
+    node.fail(fmt::format("'{}' is unknown here; write \"end\" (the run ends) or \"divide\" (repeat the step in parts)",
+                          text));
+  }
+  instance.divide_discarded = text == "divide";
+}
+
 void read_instance_text(const JsonNode& node, InstanceDescription& /*instance*/, const SystemDescription& /*system*/) {
   node.string();  // for people only
 }
@@ -65,11 +78,12 @@ constexpr Key kKeys[] = {
     {"fmu", true, &read_fmu},
     {"parameters", false, &read_parameters},
     {"step", false, &read_step_multiple},
+    {"on_discard", false, &read_on_discard},
     {"text", false, &read_instance_text},
 };
 
 InstanceDescription read_instance(const std::string& name, const JsonNode& node, const SystemDescription& system) {
-  check_name(name, node);
+  check_name(name, node, system);
   std::vector<std::string_view> names;
   for (const auto& key : kKeys) names.push_back(key.name);
   node.expect_keys(names);
@@ -93,3 +107,13 @@ void read_instances(const JsonNode& node, SystemDescription& system) {
 }
 
 }  // namespace mebots::master::config
+
+namespace mebots::master {
+
+std::vector<std::string> instance_keys() {
+  std::vector<std::string> keys;
+  for (const auto& key : config::kKeys) keys.emplace_back(key.name);
+  return keys;
+}
+
+}  // namespace mebots::master

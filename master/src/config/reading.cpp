@@ -20,6 +20,7 @@ WrittenValue written_value(const JsonNode& node) {
 
 VariableName variable_name(const JsonNode& node, const SystemDescription& system) {
   const auto text = node.string();
+  if (auto name = system.split(text)) return *name;
   const auto dot = text.find('.');
   if (dot == std::string::npos || dot == 0 || dot + 1 == text.size()) {
     node.fail(fmt::format("'{}' does not name a variable; write instance.variable", text));

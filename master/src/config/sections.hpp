@@ -13,6 +13,7 @@ void read_step(const JsonNode& node, SystemDescription& system);
 void read_instances(const JsonNode& node, SystemDescription& system);
 void read_stop_time(const JsonNode& node, SystemDescription& system);
 void read_connections(const JsonNode& node, SystemDescription& system);
+void read_algorithm(const JsonNode& node, SystemDescription& system);
 void read_stop_when(const JsonNode& node, SystemDescription& system);
 void read_outcomes(const JsonNode& node, SystemDescription& system);
 void read_summary(const JsonNode& node, SystemDescription& system);

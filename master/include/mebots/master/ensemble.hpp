@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -33,6 +34,7 @@ struct Bank {
   std::vector<ValueReference> references;
   std::vector<const modeldesc::Variable*> variables;
   std::vector<T> values;
+  std::unordered_map<const modeldesc::Variable*, std::size_t> slots;
 
   /// The slot of a variable, made if missing.
   std::size_t slot(const modeldesc::Variable& variable);
@@ -77,8 +79,10 @@ class Ensemble {
   /// Fetches a slave's watched and connected outputs. Throws Error for NaN or infinity in one of them;
   /// `time_ns` is the time they are valid at.
   void read_outputs(std::size_t instance, std::int64_t time_ns);
-  /// Hands a slave its connected inputs, as last read from their sources.
-  void write_inputs(std::size_t instance);
+  /// Hands a slave its connected inputs, as last read from their sources; `time_ns` is the start of its step. Where
+  /// the slave takes time derivatives of inputs and a source gives them, these too. Throws NotFiniteError when a
+  /// conversion overflows.
+  void write_inputs(std::size_t instance, std::int64_t time_ns);
 
   /// Valid after initialize(), for as long as the ensemble lives.
   const double& real(SignalId id) const { return members_[id.instance].outputs.reals.values[id.slot]; }
@@ -88,6 +92,10 @@ class Ensemble {
   }
   const std::string& string(SignalId id) const { return members_[id.instance].outputs.strings.values[id.slot]; }
 
+  /// All outputs as last read, to go back to when a step comes to nothing.
+  std::vector<Banks> outputs() const;
+  void bring_back(const std::vector<Banks>& outputs);
+
   /// An order of stepping in which the reader of a buffer comes before its owner steps on.
   const std::vector<std::size_t>& step_order() const { return step_order_; }
 
@@ -96,13 +104,30 @@ class Ensemble {
   void restore_values(state::Reader& reader);
 
  private:
-  /// One value on its way from an output's bank to an input's. Addresses hold from initialize() on.
+  /// A value that an input takes as it is, from an output's bank to an input's. Addresses hold from initialize() on.
   template <typename T>
   struct Copy {
     SignalId signal;
     std::size_t slot;
     const T* from = nullptr;
     T* to = nullptr;
+  };
+
+  /// A Real input that takes factor * value + offset.
+  struct Conversion {
+    SignalId from;
+    std::size_t to;
+    double factor;
+    double offset;
+  };
+
+  /// Time derivatives that go from one output to one input, of orders 1 to `orders`.
+  struct DerivativeLink {
+    std::size_t from_instance;
+    ValueReference from;
+    ValueReference to;
+    double factor;
+    std::uint32_t orders;
   };
 
   struct Member {
@@ -113,25 +138,39 @@ class Ensemble {
     KindSet input_kinds = 0;
     Banks outputs;
     Banks inputs;
+    std::int64_t outputs_time_ns = 0;  // what `outputs` was read at
     std::vector<Copy<double>> real_copies;
     std::vector<Copy<std::int32_t>> integer_copies;
+    std::vector<Copy<std::int32_t>> flag_copies;  // Booleans into Integers, as 0 and 1
     std::vector<Copy<std::int32_t>> boolean_copies;
     std::vector<Copy<std::string>> string_copies;
+    std::vector<Conversion> conversions;
+    std::vector<DerivativeLink> derivatives;
   };
 
   void lay_out();
   void connect(const ResolvedConnection& connection);
   void initialize_slaves(std::int64_t stop_ns);
   void set_starts(std::size_t instance);
-  void propagate_initial_values();
-  bool settled(const std::vector<Banks>& before) const;
+  void link_derivatives(const ResolvedConnection& connection);
+  void collect_inputs(std::size_t instance);
+  void convert(Member& member) const;
+  void hand_inputs(std::size_t instance);
+  void write_derivatives(Member& member, std::int64_t time_ns);
+  double number(SignalId id) const;
   void order_steps();
   void check_finite(const Member& member, std::int64_t time_ns) const;
+
+  friend class InitialValues;
 
   const ResolvedSystem* system_;
   std::vector<Member> members_;
   std::vector<std::size_t> step_order_;
 };
+
+/// Inputs of connections that, held fast, leave no loop among connections and direct dependencies of initial
+/// values; one or more per loop.
+std::vector<ResolvedVariable> torn_inputs(const ResolvedSystem& system);
 
 /// A loop among connections and direct dependencies of initial values, as "a.y -> b.u -> b.y -> a.u -> a.y";
 /// empty when there is none.

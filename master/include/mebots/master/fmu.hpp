@@ -33,6 +33,9 @@ class Fmu {
   /// The FMU's functions. Loads its shared library on the first call; throws InputError naming the
   /// missing library or function when that fails.
   const Fmi2Functions& functions();
+  /// After an fmi2Fatal no instance of this FMU may be called any more.
+  bool corrupted() const { return corrupted_; }
+  void set_corrupted() { corrupted_ = true; }
   /// Where the FMU finds its files, as fmi2Instantiate wants it: a `file:///` URI.
   std::string resource_uri() const;
 
@@ -43,6 +46,7 @@ class Fmu {
   modeldesc::TemporaryFolder folder_;
   modeldesc::ModelDescription description_;
   void* library_ = nullptr;
+  bool corrupted_ = false;
   std::unique_ptr<Fmi2Functions> functions_;
 };
 

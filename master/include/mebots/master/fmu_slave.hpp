@@ -5,8 +5,11 @@
 #include "mebots/master/message.hpp"
 #include "mebots/master/slave.hpp"
 
+#include <atomic>
+#include <condition_variable>
 #include <deque>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -29,7 +32,15 @@ class FmuSlave final : public Slave {
   void enter_initialization() override;
   void exit_initialization() override;
   StepResult step(std::int64_t start_ns, std::int64_t duration_ns) override;
+  StepResult finish_step(const std::atomic<bool>& cancel) override;
   void terminate() override;
+
+  std::uint32_t output_derivative_order() const override;
+  bool takes_input_derivatives() const override;
+  void get_output_derivatives(std::span<const ValueReference> references, std::span<const std::int32_t> orders,
+                              std::span<double> values) override;
+  void set_input_derivatives(std::span<const ValueReference> references, std::span<const std::int32_t> orders,
+                             std::span<const double> values) override;
 
   void get_reals(std::span<const ValueReference> references, std::span<double> values) override;
   void get_integers(std::span<const ValueReference> references, std::span<std::int32_t> values) override;
@@ -52,6 +63,9 @@ class FmuSlave final : public Slave {
   void logged(int status, std::string_view category, std::string text);
   std::string with_names(std::string_view text) const;
   void check(int status, const char* function);
+  StepResult step_ended(int status);
+  void step_finished(int status);
+  int wait_for_step(const std::atomic<bool>& cancel);
   void deliver_held();
   std::string said() const;
   [[noreturn]] void fail(const char* function, std::string_view what);
@@ -64,8 +78,15 @@ class FmuSlave final : public Slave {
   std::unique_ptr<Fmi> fmi_;
 
   std::int64_t time_ns_ = 0;
+  std::int64_t step_end_ns_ = 0;
   bool unusable_ = false;  // after fmi2Fatal no call is allowed, not even freeing
+  bool pending_ = false;   // a step goes on by itself
   std::vector<const char*> texts_;
+
+  // An asynchronous FMU tells from a thread of its own that its step is over.
+  std::mutex step_mutex_;
+  std::condition_variable step_over_;
+  std::optional<int> step_status_;
 
   // The FMU may log from threads of its own.
   std::mutex log_mutex_;

@@ -23,7 +23,19 @@ class ForwardingSlave : public Slave {
   StepResult step(std::int64_t start_ns, std::int64_t duration_ns) override {
     return inner_->step(start_ns, duration_ns);
   }
+  StepResult finish_step(const std::atomic<bool>& cancel) override { return inner_->finish_step(cancel); }
   void terminate() override { inner_->terminate(); }
+
+  std::uint32_t output_derivative_order() const override { return inner_->output_derivative_order(); }
+  bool takes_input_derivatives() const override { return inner_->takes_input_derivatives(); }
+  void get_output_derivatives(std::span<const ValueReference> references, std::span<const std::int32_t> orders,
+                              std::span<double> values) override {
+    inner_->get_output_derivatives(references, orders, values);
+  }
+  void set_input_derivatives(std::span<const ValueReference> references, std::span<const std::int32_t> orders,
+                             std::span<const double> values) override {
+    inner_->set_input_derivatives(references, orders, values);
+  }
 
   void get_reals(std::span<const ValueReference> references, std::span<double> values) override {
     inner_->get_reals(references, values);

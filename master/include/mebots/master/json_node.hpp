@@ -16,14 +16,15 @@
 
 namespace mebots::master {
 
-/// One value inside a JSON file together with its place, so that every complaint names file and JSON
-/// pointer. Keeps the order of an object's keys. All readers throw InputError when the value is of
-/// another kind than asked for.
+class JsonDocument;
+
+/// One value inside a JsonDocument together with its place, so that every complaint names file, line, column
+/// and JSON pointer. Keeps the order of an object's keys. All readers throw InputError when the value is of
+/// another kind than asked for. Must not outlive the document.
 class JsonNode {
  public:
-  /// `value` must outlive the node.
-  JsonNode(const nlohmann::ordered_json& value, std::string file, std::string pointer = {})
-      : value_(&value), file_(std::move(file)), pointer_(std::move(pointer)) {}
+  JsonNode(const nlohmann::ordered_json& value, const JsonDocument& document, std::string pointer)
+      : value_(&value), document_(&document), pointer_(std::move(pointer)) {}
 
   /// Checks that this is an object with no other keys than these; a typo is answered by the nearest key.
   const JsonNode& expect_keys(std::span<const std::string_view> allowed) const;
@@ -44,7 +45,8 @@ class JsonNode {
   std::int64_t nanoseconds() const;
 
   const nlohmann::ordered_json& value() const { return *value_; }
-  /// "file.json: /pointer/to/it"
+  const std::string& pointer() const { return pointer_; }
+  /// "file.json:12:5: /pointer/to/it"
   std::string place() const;
   [[noreturn]] void fail(const std::string& what) const;
 
@@ -53,11 +55,11 @@ class JsonNode {
   [[noreturn]] void fail_kind(std::string_view wanted) const;
 
   const nlohmann::ordered_json* value_;
-  std::string file_;
+  const JsonDocument* document_;
   std::string pointer_;
 };
 
-/// Parses JSON text; refuses broken syntax (with line and column) and an object that has a key twice.
-nlohmann::ordered_json parse_json(std::string_view text, const std::string& file);
+/// One step of a JSON pointer (RFC 6901).
+std::string pointer_step(std::string_view key);
 
 }  // namespace mebots::master

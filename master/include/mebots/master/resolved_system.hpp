@@ -27,11 +27,16 @@ struct StartValue {
   modeldesc::Value value;
 };
 
-/// One scalar connection; a connection of OSMP binaries becomes three.
+/// One scalar connection; a connection of OSMP binaries becomes three. The input gets factor * value + offset,
+/// conversion of units included; anything but 1 and 0 only where the input is a Real.
 struct ResolvedConnection {
   ResolvedVariable from;
   ResolvedVariable to;
   bool pointer = false;  ///< part of an OSMP binary: valid only in this process, for a while
+  double factor = 1;
+  double offset = 0;
+
+  bool changes_value() const { return factor != 1 || offset != 0; }
 };
 
 struct ResolvedInstance {
@@ -45,6 +50,7 @@ struct ResolvedSystem {
   const SystemDescription* description = nullptr;
   std::vector<ResolvedInstance> instances;      ///< in the order of the config
   std::vector<ResolvedConnection> connections;  ///< ordered by target, so that their order in the config is nothing
+  std::vector<std::size_t> order;               ///< Gauss-Seidel: who steps when; empty for Jacobi
   std::vector<std::string> notices;             ///< what the user should know, such as open inputs
 
   /// Looks up a variable. Throws InputError with the nearest names; `place` says where it was written.

@@ -10,6 +10,7 @@
 #include <exception>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace mebots::master {
@@ -32,11 +33,12 @@ struct SimulationState {
   std::vector<std::byte> master;  ///< last values and observers
 };
 
-/// A run of an ensemble: fixed steps in whole nanoseconds, t_k = k h, Jacobi coupling. At t_k every
-/// slave whose step begins there takes its inputs as all outputs stood at t_k; then all step. A slave
-/// with a longer step shows its new outputs when the others reach its time, not before. So the order of
-/// the instances and of the connections is nothing to the results. With more than one thread slaves step at the same
-/// time where measured times say that it pays; the results are the same bits.
+/// A run of an ensemble: fixed steps in whole nanoseconds, t_k = k h. Jacobi: at t_k every slave whose step
+/// begins there takes its inputs as all outputs stood at t_k; then all step, so that the order of the instances
+/// is nothing to the results. Gauss-Seidel: in the declared order each takes its inputs and steps, those before it
+/// standing at t_k+1 already. In both, the order of the connections is nothing, and a slave with a longer step
+/// shows its new outputs when the others reach its time, not before. With more than one thread slaves step at the same
+/// time (Jacobi only) where measured times say that it pays; the results are the same bits.
 class Simulation {
  public:
   /// `system` and `messages` must outlive the simulation.
@@ -79,9 +81,12 @@ class Simulation {
  private:
   void reach_point();
   bool step_slaves();
+  bool step_jacobi();
+  bool step_gauss_seidel();
   StepResult step_slave(std::size_t instance);
-  /// About a slave that did not step: says that it wants the run to end, or throws SlaveError.
-  std::string judge(std::size_t instance, const StepResult& result) const;
+  StepResult finish_slave(std::size_t instance, StepResult result);
+  void read_outputs_at(std::int64_t step, std::size_t instance);
+  bool ended_by_slave();
   void step_in_parallel();
   void group_slaves();
   void finish(EndReason reason, std::string text);
@@ -108,6 +113,9 @@ class Simulation {
   std::vector<std::vector<std::size_t>> groups_;  // each steps in order on one thread
   std::vector<Attempt> attempts_;                 // by instance
 
+  std::vector<std::size_t> order_;  // Gauss-Seidel; empty = Jacobi
+  const std::atomic<bool>* interrupted_;
+  std::vector<std::pair<std::size_t, StepResult>> results_;  // of the step that is being taken
   std::int64_t step_ = 0;
   bool ended_ = false;
   End end_;

@@ -4,6 +4,7 @@
 #include "mebots/error.hpp"
 #include "mebots/modeldesc/model_description.hpp"
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -31,6 +32,8 @@ class NotFiniteError : public SlaveError {
 /// What became of a step.
 struct StepResult {
   bool done = true;
+  bool pending = false;                     ///< not done yet: it goes on by itself, see Slave::finish_step
+  bool cancelled = false;                   ///< not done, because the master gave up on a pending step
   bool terminated = false;                  ///< not done, because the FMU wants the simulation to end
   std::optional<double> last_successful_s;  ///< not done: how far the FMU came, when it says so
   std::string messages;                     ///< not done: what the FMU logged about it
@@ -58,6 +61,9 @@ class Slave {
   virtual void enter_initialization() = 0;
   virtual void exit_initialization() = 0;
   virtual StepResult step(std::int64_t start_ns, std::int64_t duration_ns) = 0;
+  /// Waits for a step that step() left pending. When `cancel` turns true the step is given up (fmi2CancelStep);
+  /// after that only reading, terminate() and destruction are allowed.
+  virtual StepResult finish_step(const std::atomic<bool>& cancel);
   virtual void terminate() = 0;
 
   virtual void get_reals(std::span<const ValueReference> references, std::span<double> values) = 0;
@@ -71,6 +77,17 @@ class Slave {
   virtual void set_integers(std::span<const ValueReference> references, std::span<const std::int32_t> values) = 0;
   virtual void set_booleans(std::span<const ValueReference> references, std::span<const std::int32_t> values) = 0;
   virtual void set_strings(std::span<const ValueReference> references, std::span<const std::string> values) = 0;
+
+  /// Highest order of time derivatives of its outputs that the FMU gives; 0 = none.
+  virtual std::uint32_t output_derivative_order() const { return 0; }
+  /// Whether the FMU makes use of time derivatives of its inputs.
+  virtual bool takes_input_derivatives() const { return false; }
+  /// Derivatives of Real outputs at the end of the last step, `orders` (from 1) one per reference.
+  virtual void get_output_derivatives(std::span<const ValueReference> references, std::span<const std::int32_t> orders,
+                                      std::span<double> values);
+  /// Derivatives of Real inputs at the start of the next step.
+  virtual void set_input_derivatives(std::span<const ValueReference> references, std::span<const std::int32_t> orders,
+                                     std::span<const double> values);
 
   /// Throws Error when the FMU cannot do it (canGetAndSetFMUstate is false).
   virtual std::unique_ptr<SlaveState> save_state() = 0;

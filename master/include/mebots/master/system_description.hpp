@@ -2,9 +2,11 @@
 #pragma once
 
 #include "mebots/master/json_node.hpp"
+#include "mebots/modeldesc/archive.hpp"
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -15,7 +17,7 @@
 /// results. The config file is one door to it; nothing here depends on the file's format.
 namespace mebots::master {
 
-/// A variable of an instance, as "instance.variable" names it. Instance names hold no dot.
+/// A variable of an instance, as "instance.variable" names it. Both may hold dots.
 struct VariableName {
   std::string instance;
   std::string variable;
@@ -44,14 +46,26 @@ struct InstanceDescription {
   std::string fmu;                 ///< as written
   std::filesystem::path fmu_path;  ///< absolute
   std::vector<Assignment> parameters;
-  std::int64_t step_ns = 0;  ///< a multiple of the system's step
+  std::int64_t step_ns = 0;       ///< a multiple of the system's step
+  bool divide_discarded = false;  ///< repeat a discarded step in parts instead of ending the run
   std::string place;
 };
 
+/// The input gets factor * x + offset, with x the output's value in the input's unit.
 struct ConnectionDescription {
   VariableName from;
   VariableName to;
   std::string place;
+  double factor = 1;
+  double offset = 0;
+  bool convert_units = true;  ///< false: x is the output's value as it is, whatever the units
+};
+
+/// Who sees whose outputs within a communication step.
+struct AlgorithmDescription {
+  enum class Kind { jacobi, gauss_seidel };
+  Kind kind = Kind::jacobi;
+  std::vector<std::string> order;  ///< Gauss-Seidel: every instance once; empty = the order of the instances
 };
 
 enum class Comparison { equals, above, below };
@@ -115,26 +129,46 @@ inline constexpr std::string_view kDefaultLogCategories[] = {"console", "events"
 inline constexpr unsigned kAutomaticThreads = 0;
 
 struct SystemDescription {
-  std::filesystem::path file;  ///< the config
+  std::filesystem::path file;  ///< the config or SSP
   std::string name;            ///< its file name without extension
   std::string source;          ///< its bytes, for the hash of the inputs
   std::int64_t step_ns = 0;
   std::int64_t stop_time_ns = 0;
   std::vector<InstanceDescription> instances;
   std::vector<ConnectionDescription> connections;
+  AlgorithmDescription algorithm;
   std::vector<ConditionDescription> stop_when;  ///< any one of them ends the run
   std::vector<OutcomeDescription> outcomes;     ///< the first that holds is the outcome
   std::vector<SummaryEntry> summary;
   RecordDescription record;
   std::vector<PictureDescription> pictures;
   std::vector<LogDescription> log;
-  unsigned threads = 1;  ///< the most that step slaves at the same time, where that is faster
+  unsigned threads = 1;              ///< the most that step slaves at the same time, where that is faster
+  std::vector<std::string> notices;  ///< of the reader, for the user
+  std::shared_ptr<const modeldesc::TemporaryFolder> unpacked;  ///< where an SSP's FMUs lie
 
   const InstanceDescription* find_instance(std::string_view instance_name) const;
   std::vector<std::string> instance_names() const;
+  /// "instance.variable" apart, by the names of the instances; nothing when no instance fits.
+  std::optional<VariableName> split(std::string_view text) const;
 };
 
-/// Reads a config file. Throws InputError that names file, JSON pointer and the nearest valid key.
+/// Times that are given instead of those in the file, or because it has none [s].
+struct GivenTimes {
+  std::optional<double> step_s;
+  std::optional<double> stop_time_s;
+};
+
+/// A system together with the JSON that it was read from, or that stands for its SSP.
+struct LoadedSystem {
+  SystemDescription system;
+  nlohmann::ordered_json config;
+};
+
+/// Reads a system from a config file, or from an SSP when its name ends in `.ssp`. Throws InputError that names
+/// file, line and column, JSON pointer and the nearest valid key.
+LoadedSystem load_system(const std::filesystem::path& file, const GivenTimes& times = {});
+/// The same without the JSON.
 SystemDescription read_config(const std::filesystem::path& file);
 
 /// Changes the end of the run, as `--stop-time` does. Throws InputError unless it is a multiple of all steps.

@@ -39,6 +39,16 @@ bool same_dimension(const Unit& a, const Unit& b);
 /// True when a number means the same in both: same dimension, factor (to 1e-12 relative) and offset.
 bool same_unit(const Unit& a, const Unit& b);
 
+/// value in `to` = factor * value in `from` + offset; exactly 1 and 0 for the same unit.
+struct UnitConversion {
+  double factor = 1;
+  double offset = 0;
+};
+
+/// Between units of the same dimension, both with a base. `difference`: the value is a difference of two (FMI's
+/// relativeQuantity), so that offsets fall out.
+UnitConversion unit_conversion(const Unit& from, const Unit& to, bool difference);
+
 /// A unit of our own table, with the suffix that C++ names carry.
 struct KnownUnit {
   Unit unit;

@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "parameters.hpp"
+
+#include "mebots/master/input_error.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <memory>
+
+namespace mebots::master::ssp {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string percent_decoded(const std::string& uri) {
+  std::string text;
+  for (std::size_t i = 0; i < uri.size(); ++i) {
+    unsigned value = 0;
+    if (uri[i] == '%' && i + 2 < uri.size()) {
+      const auto* digits = uri.data() + i + 1;
+      if (std::from_chars(digits, digits + 2, value, 16).ptr == digits + 2) {
+        text += static_cast<char>(value);
+        i += 2;
+        continue;
+      }
+    }
+    text += uri[i];
+  }
+  return text;
+}
+
+/// An inline element, or the root of the file that `source` names. Keeps the file while it is read.
+struct Part {
+  const XmlFile* file;
+  pugi::xml_node node;
+  std::unique_ptr<XmlFile> own;
+};
+
+Part part(const Source& source, const XmlFile& file, pugi::xml_node node, const char* inline_holder,
+          std::string_view root_name) {
+  if (const auto uri = node.attribute("source")) {
+    const auto base = std::string_view(node.attribute("sourceBase").as_string("SSD"));
+    if (base != "SSD")
+      file.fail(node, fmt::format("sourceBase=\"{}\" is not supported; put the file into the SSP", base));
+    const auto path = resolve_uri(source, file, node, uri.value());
+    auto own = std::make_unique<XmlFile>(
+        path, fmt::format("{}: {}", source.archive, path.lexically_relative(source.folder).string()));
+    const auto root = own->root();
+    if (local_name(root) != root_name) own->fail(root, fmt::format("the root element must be {}", root_name));
+    const auto* raw = own.get();
+    return {raw, root, std::move(own)};
+  }
+  const auto holder = inline_holder == nullptr ? node : child(node, inline_holder);
+  const auto found = child(holder, root_name);
+  if (!found) file.fail(node, fmt::format("neither a source nor an inline {} is there", root_name));
+  return {&file, found, nullptr};
+}
+
+Json value_of(const XmlFile& file, pugi::xml_node parameter) {
+  for (const auto node : parameter.children()) {
+    const auto type = local_name(node);
+    const auto text = [&] { return file.required(node, "value"); };
+    if (type == "Real" || type == "Float64" || type == "Float32") {
+      const auto value = parse_number(text());
+      if (!value) file.fail(node, fmt::format("\"{}\" is no number", text()));
+      return *value;
+    }
+    if (type == "Integer" || type.starts_with("Int") || type.starts_with("UInt")) {
+      const auto value = parse_number(text());
+      if (!value || *value != static_cast<double>(static_cast<std::int32_t>(*value))) {
+        file.fail(node, fmt::format("\"{}\" is no whole number of 32 bits", text()));
+      }
+      return static_cast<std::int32_t>(*value);
+    }
+    if (type == "Boolean") {
+      text();
+      return file.flag(node, "value", false);
+    }
+    if (type == "String" || type == "Enumeration") {
+      // Tools that know no items write an enumeration's number.
+      const auto word = text();
+      const auto number = type == "Enumeration" ? parse_number(word) : std::nullopt;
+      if (number) return static_cast<std::int64_t>(*number);
+      return word;
+    }
+    if (type == "Binary") file.fail(node, "binary parameters are nothing that FMI 2.0 knows");
+  }
+  file.fail(parameter, "it has no value: one of Real, Integer, Boolean, String and Enumeration is expected");
+}
+
+void transform(const XmlFile& file, pugi::xml_node entry, Json& value) {
+  for (const auto* unsupported :
+       {"BooleanMappingTransformation", "IntegerMappingTransformation", "EnumerationMappingTransformation"}) {
+    const auto node = child(entry, unsupported);
+    if (!node) continue;
+    const auto shown = value.is_string() ? value.get<std::string>() : value.dump();
+    for (const auto map : children(node, "MapEntry")) {
+      auto source = file.required(map, "source");
+      if (value.is_boolean()) source = source == "1" || source == "true" ? "true" : "false";
+      if (source != shown) continue;
+      const auto target = file.required(map, "target");
+      if (value.is_boolean()) {
+        value = target == "true" || target == "1";
+      } else if (value.is_string()) {
+        value = target;
+      } else {
+        value = static_cast<std::int64_t>(parse_number(target).value_or(0));
+      }
+      return;
+    }
+    file.fail(node, fmt::format("no MapEntry is for the value {}", shown));
+  }
+  const auto linear = child(entry, "LinearTransformation");
+  if (!linear) return;
+  if (!value.is_number()) file.fail(linear, "only numbers can be transformed linearly");
+  const double factor = file.number(linear, "factor", 1);
+  const double offset = file.number(linear, "offset", 0);
+  if (factor != 1 || offset != 0) value = factor * value.get<double>() + offset;
+}
+
+std::vector<Parameter> read_values(const Part& values, const std::string& prefix) {
+  std::vector<Parameter> result;
+  for (const auto node : children(child(values.node, "Parameters"), "Parameter")) {
+    result.push_back(
+        {prefix + values.file->required(node, "name"), value_of(*values.file, node), values.file->place(node)});
+  }
+  return result;
+}
+
+/// SSP 1.0: with a mapping, the parameters that it names take their new names and values, one for each entry;
+/// the others are left as they are.
+std::vector<Parameter> mapped(const std::vector<Parameter>& parameters, const Part& mapping) {
+  std::vector<Parameter> result;
+  const auto entries = children(mapping.node, "MappingEntry");
+  for (const auto& parameter : parameters) {
+    bool found = false;
+    for (const auto entry : entries) {
+      if (mapping.file->required(entry, "source") != parameter.name) continue;
+      auto copy = parameter;
+      copy.name = mapping.file->required(entry, "target");
+      transform(*mapping.file, entry, copy.value);
+      result.push_back(std::move(copy));
+      found = true;
+    }
+    if (!found) result.push_back(parameter);
+  }
+  return result;
+}
+
+}  // namespace
+
+std::filesystem::path resolve_uri(const Source& source, const XmlFile& file, pugi::xml_node node,
+                                  const std::string& uri) {
+  const std::filesystem::path relative = percent_decoded(uri);
+  if (uri.find("://") != std::string::npos || relative.is_absolute()) {
+    file.fail(node, fmt::format("the source \"{}\" is absolute; only files inside the SSP can be used", uri));
+  }
+  const auto normal = relative.lexically_normal();
+  if (normal.empty() || *normal.begin() == "..") {
+    file.fail(node, fmt::format("the source \"{}\" is not inside the SSP", uri));
+  }
+  auto path = source.folder / normal;
+  if (!std::filesystem::is_regular_file(path)) file.fail(node, fmt::format("the SSP holds no file \"{}\"", uri));
+  return path;
+}
+
+std::vector<Parameter> read_parameter_bindings(const Source& source, const XmlFile& file, pugi::xml_node element) {
+  std::vector<Parameter> result;
+  for (const auto binding : children(child(element, "ParameterBindings"), "ParameterBinding")) {
+    const auto type = std::string_view(binding.attribute("type").as_string("application/x-ssp-parameter-set"));
+    if (type != "application/x-ssp-parameter-set") {
+      file.fail(binding, fmt::format("parameters of type {} cannot be read; only SSV can", type));
+    }
+    const auto values = part(source, file, binding, "ParameterValues", "ParameterSet");
+    auto parameters = read_values(values, binding.attribute("prefix").value());
+    if (const auto node = child(binding, "ParameterMapping")) {
+      parameters = mapped(parameters, part(source, file, node, nullptr, "ParameterMapping"));
+    }
+    result.insert(result.end(), parameters.begin(), parameters.end());
+  }
+  return result;
+}
+
+}  // namespace mebots::master::ssp

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <pugixml.hpp>
+
+#include <string>
+#include <string_view>
+
+namespace mebots::modeldesc {
+
+/// Elements deeper than this are refused: no format that we read needs more, and whoever walks one may recurse.
+inline constexpr int kDeepestXml = 200;
+
+/// The text as UTF-8 without byte order mark, whatever its mark or its XML declaration says: UTF-16, UTF-32, ISO
+/// 8859-1, Windows-1252 and whatever else iconv knows. Throws Error naming `source` for an unknown encoding, or bytes
+/// that are none of it.
+std::string xml_as_utf8(std::string_view bytes, std::string_view source);
+
+/// Parses UTF-8 text. Nothing outside of it is ever loaded. Throws Error naming `source` and line for text that is
+/// not well-formed, for a use of an entity of the DTD (it could multiply, or fetch files), and for elements nested
+/// deeper than kDeepestXml.
+void parse_xml(pugi::xml_document& document, std::string_view text, std::string_view source);
+
+/// Line of an offset, from 1.
+std::ptrdiff_t line_of(std::string_view text, std::ptrdiff_t offset);
+
+}  // namespace mebots::modeldesc

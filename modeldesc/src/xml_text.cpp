@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mebots/modeldesc/xml_text.hpp"
+
+#include "mebots/error.hpp"
+
+#include <fmt/format.h>
+#include <iconv.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+
+namespace mebots::modeldesc {
+namespace {
+
+/// By byte order mark, or by what "<" looks like; empty = a superset of ASCII.
+std::string_view wide_encoding(std::string_view bytes) {
+  using namespace std::string_view_literals;
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 8> kStarts = {{
+      {"\xFF\xFE\0\0"sv, "UTF-32LE"},
+      {"\0\0\xFE\xFF"sv, "UTF-32BE"},
+      {"<\0\0\0"sv, "UTF-32LE"},
+      {"\0\0\0<"sv, "UTF-32BE"},
+      {"\xFF\xFE"sv, "UTF-16LE"},
+      {"\xFE\xFF"sv, "UTF-16BE"},
+      {"<\0"sv, "UTF-16LE"},
+      {"\0<"sv, "UTF-16BE"},
+  }};
+  for (const auto& [start, encoding] : kStarts) {
+    if (bytes.starts_with(start)) return encoding;
+  }
+  return {};
+}
+
+/// What `<?xml ... encoding="..."?>` says; empty when it says nothing.
+std::string declared_encoding(std::string_view text) {
+  if (!text.starts_with("<?xml")) return {};
+  const auto declaration = text.substr(0, std::min(text.find("?>"), text.size()));
+  const auto at = declaration.find("encoding");
+  const auto open = at == std::string_view::npos ? at : declaration.find_first_of("\"'", at);
+  if (open == std::string_view::npos) return {};
+  const auto close = declaration.find(declaration[open], open + 1);
+  return std::string(declaration.substr(open + 1, close == std::string_view::npos ? close : close - open - 1));
+}
+
+class Converter {
+ public:
+  explicit Converter(const std::string& from) : handle_(iconv_open("UTF-8", from.c_str())) {}
+  ~Converter() {
+    if (known()) iconv_close(handle_);
+  }
+  Converter(const Converter&) = delete;
+  Converter& operator=(const Converter&) = delete;
+
+  bool known() const { return handle_ != reinterpret_cast<iconv_t>(-1); }
+
+  /// False for bytes that are nothing in the encoding.
+  bool convert(std::string_view bytes, std::string& text) {
+    std::array<char, 65536> buffer;              // NOLINT(cppcoreguidelines-pro-type-member-init): filled by iconv
+    auto* in = const_cast<char*>(bytes.data());  // NOLINT(cppcoreguidelines-pro-type-const-cast): iconv only reads
+    auto left = bytes.size();
+    while (left > 0) {
+      auto* out = buffer.data();
+      auto room = buffer.size();
+      const auto result = iconv(handle_, &in, &left, &out, &room);
+      text.append(buffer.data(), buffer.size() - room);
+      if (result == static_cast<std::size_t>(-1) && errno != E2BIG) return false;
+    }
+    return true;
+  }
+
+ private:
+  iconv_t handle_;
+};
+
+/// Depth by one walk without recursion: stops at the first element that is too deep.
+pugi::xml_node too_deep(const pugi::xml_document& document) {
+  int depth = 0;
+  for (auto node = document.first_child(); node;) {
+    if (depth > kDeepestXml) return node;
+    if (node.first_child()) {
+      node = node.first_child();
+      ++depth;
+      continue;
+    }
+    while (node && !node.next_sibling()) {
+      node = node.parent();
+      if (--depth < 0) return {};
+    }
+    node = node.next_sibling();
+  }
+  return {};
+}
+
+/// pugixml leaves a reference to an entity of the DTD as it stands, so what a writer meant would be lost in silence.
+void refuse_entities(const pugi::xml_document& document, std::string_view text, std::string_view source) {
+  constexpr std::string_view kDefinition = "<!ENTITY";
+  constexpr std::string_view kSpace = " \t\r\n";
+  for (const auto node : document.children()) {
+    if (node.type() != pugi::node_doctype) continue;
+    const std::string_view dtd = node.value();
+    for (auto at = dtd.find(kDefinition); at != std::string_view::npos; at = dtd.find(kDefinition, at + 1)) {
+      const auto first = std::min(dtd.find_first_not_of(kSpace, at + kDefinition.size()), dtd.size());
+      const auto last = std::min(dtd.find_first_of(kSpace, first), dtd.size());
+      const auto name = dtd.substr(first, last - first);
+      const auto used = text.find(fmt::format("&{};", name));
+      if (used == std::string_view::npos) continue;
+      throw Error(
+          fmt::format("{}, line {}: the entity &{}; of the DTD is not expanded, as it could multiply or fetch "
+                      "files; write out what it stands for",
+                      source, line_of(text, static_cast<std::ptrdiff_t>(used)), name));
+    }
+  }
+}
+
+}  // namespace
+
+std::string xml_as_utf8(std::string_view bytes, std::string_view source) {
+  std::string encoding(wide_encoding(bytes));
+  if (encoding.empty()) encoding = declared_encoding(bytes.substr(bytes.starts_with("\xEF\xBB\xBF") ? 3 : 0));
+  if (encoding.empty() || bytes.starts_with("\xEF\xBB\xBF")) encoding = "UTF-8";
+  Converter converter(encoding);
+  if (!converter.known()) throw Error(fmt::format("{}, line 1: the encoding \"{}\" is unknown", source, encoding));
+  std::string text;
+  text.reserve(bytes.size());
+  if (!converter.convert(bytes, text)) {
+    throw Error(fmt::format("{}, line {}: there are bytes that are no {} text; save the file in UTF-8", source,
+                            line_of(text, static_cast<std::ptrdiff_t>(text.size())), encoding));
+  }
+  if (text.starts_with("\xEF\xBB\xBF")) text.erase(0, 3);
+  return text;
+}
+
+void parse_xml(pugi::xml_document& document, std::string_view text, std::string_view source) {
+  const auto result =
+      document.load_buffer(text.data(), text.size(), pugi::parse_default | pugi::parse_doctype, pugi::encoding_utf8);
+  if (!result) {
+    throw Error(fmt::format("{}, line {}: not well-formed XML: {}", source, line_of(text, result.offset),
+                            result.description()));
+  }
+  refuse_entities(document, text, source);
+  if (const auto node = too_deep(document)) {
+    throw Error(fmt::format("{}, line {}: elements are nested more than {} levels deep", source,
+                            line_of(text, node.offset_debug()), kDeepestXml));
+  }
+}
+
+std::ptrdiff_t line_of(std::string_view text, std::ptrdiff_t offset) {
+  const auto end = std::clamp<std::ptrdiff_t>(offset, 0, std::ssize(text));
+  return 1 + std::count(text.begin(), text.begin() + end, '\n');
+}
+
+}  // namespace mebots::modeldesc

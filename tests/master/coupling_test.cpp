@@ -1,0 +1,279 @@
+// SPDX-License-Identifier: Apache-2.0
+// What happens to a value between an output and an input, and to steps that do not simply succeed.
+#include "test_system.hpp"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <numbers>
+#include <thread>
+
+namespace mebots::master {
+namespace {
+
+using test::TestRun;
+using testing::AllOf;
+using testing::DoubleNear;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+/// Two instances of the coupling FMU (fmus/coupling.c), a -> b.
+std::string pair(const std::string& parameters, const std::string& connections, const std::string& more = "",
+                 const std::string& times = R"("step": 0.1, "stop_time": 0.2)") {
+  return fmt::format(
+      R"({{{}, "instances": {{"a": {{"fmu": "COUPLING", "parameters": {{{}}}}}, "b": {{"fmu": "COUPLING"}}}}, "connections": [{}]{}}})",
+      times, parameters, connections, more);
+}
+
+std::string refused(const std::string& connection) {
+  return test::input_error([&] { TestRun(pair("", connection)); });
+}
+
+double at_start(const std::string& config, const std::string& column) {
+  return TestRun(config).initialize().column(column).front();
+}
+
+TEST(Units, CelsiusBecomesKelvin) {
+  EXPECT_DOUBLE_EQ(
+      at_start(pair(R"("celsius": 21.5)", R"({"from": "a.celsius", "to": "b.kelvin_in"})"), "b.kelvin_out"), 294.65);
+}
+
+TEST(Units, KilometresPerHourBecomeMetresPerSecond) {
+  EXPECT_DOUBLE_EQ(
+      at_start(pair(R"("speed_kmh": 36)", R"({"from": "a.speed_kmh", "to": "b.speed_in"})"), "b.speed_out"), 10);
+}
+
+TEST(Units, DegreesBecomeRadians) {
+  EXPECT_DOUBLE_EQ(
+      at_start(pair(R"("angle_deg": 180)", R"({"from": "a.angle_deg", "to": "b.angle_in"})"), "b.angle_out"),
+      std::numbers::pi);
+}
+
+TEST(Units, MilliampereHoursBecomeCoulombs) {
+  EXPECT_DOUBLE_EQ(
+      at_start(pair(R"("charge_mah": 250)", R"({"from": "a.charge_mah", "to": "b.charge_in"})"), "b.charge_out"), 900);
+}
+
+TEST(Units, AConversionIsSaid) {
+  TestRun run(pair("", R"({"from": "a.celsius", "to": "b.kelvin_in"})"));
+  EXPECT_THAT(run.system.notices, testing::Contains("a.celsius -> b.kelvin_in: converted from [degC] to [K]"));
+}
+
+TEST(Units, AnotherDimensionIsRefusedWithBothBases) {
+  EXPECT_THAT(refused(R"({"from": "a.celsius", "to": "b.charge_in"})"),
+              AllOf(HasSubstr("a.celsius -> b.charge_in"), HasSubstr("differ in dimension"), HasSubstr("[degC] is K"),
+                    HasSubstr("[C] is s.A"), HasSubstr("convert_units")));
+}
+
+TEST(Units, AUnitThatNobodyDefinesIsRefused) {
+  EXPECT_THAT(refused(R"({"from": "a.furlong", "to": "b.speed_in"})"), HasSubstr("does not say what [furlong] is"));
+}
+
+TEST(Units, ADifferenceOfTemperaturesIsNoTemperature) {
+  EXPECT_THAT(refused(R"({"from": "a.difference", "to": "b.kelvin_in"})"), HasSubstr("relativeQuantity"));
+}
+
+TEST(Units, AVariableWithoutAUnitTakesTheNumberAsItIs) {
+  EXPECT_EQ(at_start(pair(R"("celsius": 21.5)", R"({"from": "a.celsius", "to": "b.bare_in"})"), "b.bare_out"), 21.5);
+}
+
+TEST(Units, ConversionCanBeSwitchedOff) {
+  EXPECT_EQ(at_start(pair(R"("celsius": 21.5)",
+                          R"({"from": "a.celsius", "to": "b.charge_in", "convert_units": false, "factor": 2})"),
+                     "b.charge_out"),
+            43);
+}
+
+TEST(Transformation, FactorAndOffsetComeAfterTheConversionOfUnits) {
+  // As SSP 1.0 has it: target = factor * (source in the target's unit) + offset.
+  EXPECT_DOUBLE_EQ(
+      at_start(pair(R"("celsius": 10)", R"({"from": "a.celsius", "to": "b.kelvin_in", "factor": 2, "offset": -5})"),
+               "b.kelvin_out"),
+      2 * 283.15 - 5);
+}
+
+TEST(Transformation, AnInputThatIsNoRealTakesNone) {
+  EXPECT_THAT(refused(R"({"from": "a.count", "to": "b.count_in", "factor": 2})"),
+              HasSubstr("need an input of type Real"));
+}
+
+TEST(Transformation, AnOverflowIsCaughtWhereItHappens) {
+  TestRun run(pair(R"("celsius": 1e300)", R"({"from": "a.celsius", "to": "b.bare_in", "factor": 1e300})"));
+  try {
+    run.initialize();
+    FAIL() << "1e600 is no double";
+  } catch (const NotFiniteError& error) {
+    EXPECT_THAT(error.what(), AllOf(HasSubstr("instance 'b'"), HasSubstr("'bare_in' would be inf")));
+  }
+}
+
+TEST(Types, WiderTypesTakeNarrowerOnes) {
+  const std::string values = R"("count": -7, "flag": true, "level": "high")";
+  const auto real = [&](const std::string& from) {
+    return at_start(pair(values, fmt::format(R"({{"from": "a.{}", "to": "b.bare_in"}})", from)), "b.bare_out");
+  };
+  EXPECT_EQ(real("count"), -7);
+  EXPECT_EQ(real("flag"), 1);
+  EXPECT_EQ(real("level"), 5);
+  for (const char* from : {"flag", "level"}) {
+    TestRun run(pair(values, fmt::format(R"({{"from": "a.{}", "to": "b.count_in"}})", from)));
+    EXPECT_THAT(run.system.notices, testing::Contains(HasSubstr("becomes Integer")));
+    EXPECT_NO_THROW(run.to_end());
+  }
+  EXPECT_EQ(
+      at_start(pair(values, R"({"from": "a.count", "to": "b.bare_in", "factor": 0.5, "offset": 1})"), "b.bare_out"),
+      -2.5);
+}
+
+TEST(Types, NarrowerTypesDoNotTakeWiderOnes) {
+  EXPECT_THAT(refused(R"({"from": "a.bare_out", "to": "b.count_in"})"),
+              HasSubstr("the types differ: Real and Integer"));
+}
+
+/// A loop through both instances: x = G(x) with G quadratic in a, and b passing on what it gets.
+std::string loop(const std::string& parameters) {
+  return fmt::format(
+      R"({{"step": 0.1, "stop_time": 0.1, "instances": {{"a": {{"fmu": "COUPLING", "parameters": {{{}}}}}, "b": {{"fmu": "COUPLING", "parameters": {{"b": 1}}}}}},
+      "connections": [{{"from": "a.loop_out", "to": "b.loop_in"}}, {{"from": "b.loop_out", "to": "a.loop_in"}}]}})",
+      parameters);
+}
+
+TEST(InitialLoops, ALinearLoopThatSweepingDrivesApartIsSolved) {
+  // x = 4 - 3 x
+  EXPECT_NEAR(at_start(loop(R"("a": 4, "b": -3)"), "b.loop_out"), 1, 1e-11);  // Newton stops at 1e-12 relative
+}
+
+TEST(InitialLoops, AQuadraticLoopIsSolved) {
+  // x = 1.9 - x^2: sweeping from 0 hops for ever, as the slope at both roots is steeper than 1.
+  const double x = at_start(loop(R"("a": 1.9, "c": -1)"), "b.loop_out");
+  EXPECT_NEAR(x + x * x, 1.9, 1e-11);
+}
+
+TEST(InitialLoops, ALoopWithoutSolutionIsReportedWithItsPath) {
+  TestRun run(loop(R"("a": 1, "b": 1)"));  // x = 1 + x
+  try {
+    run.initialize();
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), AllOf(HasSubstr("do not settle"),
+                                    HasSubstr("a.loop_in -> a.loop_out -> b.loop_in -> b.loop_out -> a.loop_in")));
+  }
+}
+
+TEST(GaussSeidel, LaterInstancesSeeWhatEarlierOnesJustPutOut) {
+  const auto chain = [](const std::string& algorithm) {
+    TestRun run(fmt::format(
+        R"({{"step": 0.5, "stop_time": 1.5, {} "instances": {{"a": {{"fmu": "PROBE"}}, "b": {{"fmu": "PROBE"}}}},
+        "connections": [{{"from": "a.steps", "to": "b.integer_in"}}]}})",
+        algorithm));
+    return run.to_end().column("b.integer_out");  // the steps of a that b saw, plus one
+  };
+  EXPECT_THAT(chain(""), ElementsAre(1, 1, 2, 3));
+  EXPECT_THAT(chain(R"("algorithm": "jacobi",)"), ElementsAre(1, 1, 2, 3));
+  EXPECT_THAT(chain(R"("algorithm": "gauss-seidel",)"), ElementsAre(1, 2, 3, 4));
+  EXPECT_THAT(chain(R"("algorithm": {"type": "gauss-seidel", "order": ["b", "a"]},)"), ElementsAre(1, 1, 2, 3));
+}
+
+TEST(GaussSeidel, AnInstanceWithALongerStepShowsItsOutputsWhenTheOthersArrive) {
+  TestRun run(R"({"step": 0.1, "stop_time": 0.6, "algorithm": {"type": "gauss-seidel", "order": ["slow", "fast"]},
+    "instances": {"fast": {"fmu": "PROBE"}, "slow": {"fmu": "PROBE", "step": 0.3}},
+    "connections": [{"from": "slow.steps", "to": "fast.integer_in"}], "record": ["slow.steps", "fast.integer_out"]})");
+  run.to_end();
+  EXPECT_THAT(run.column("slow.steps"), ElementsAre(0, 0, 0, 1, 1, 1, 2));
+  EXPECT_THAT(run.column("fast.integer_out"), ElementsAre(1, 1, 1, 2, 2, 2, 3));
+}
+
+TEST(GaussSeidel, ARunThatAnFmuEndsShowsTheLastPointThatAllReached) {
+  TestRun run(R"({"step": 0.1, "stop_time": 1, "algorithm": "gauss-seidel", "instances": {
+    "a": {"fmu": "PROBE"}, "b": {"fmu": "PROBE", "parameters": {"fault": "terminate", "fault_time": 0.5}}},
+    "connections": [], "record": {"variables": ["a.steps"], "interval": 0.3}})");
+  run.to_end();
+  EXPECT_EQ(run.simulation().end().reason, EndReason::terminated);
+  EXPECT_THAT(run.column("a.steps"), ElementsAre(0, 3, 4));
+}
+
+TEST(GaussSeidel, TheOrderNamesEveryInstanceOnce) {
+  const auto error = [](const std::string& order) {
+    return test::input_error([&] {
+      TestRun(pair("", "", fmt::format(R"(, "algorithm": {{"type": "gauss-seidel", "order": [{}]}})", order)));
+    });
+  };
+  EXPECT_THAT(error(R"("a")"), AllOf(HasSubstr("/algorithm/order"), HasSubstr("missing: b")));
+  EXPECT_THAT(error(R"("a", "b", "a")"), HasSubstr("'a' is there twice"));
+  EXPECT_THAT(error(R"("a", "c")"), HasSubstr("no instance 'c'"));
+}
+
+TEST(InputDerivatives, AnFmuThatTakesThemGetsThoseOfItsSource) {
+  // The area under t^2, taken by the value and the slope at each step's start: t^2 h + t h^2 falls short of the
+  // integral by h^3/3 a step. With held values it would be 0.285.
+  TestRun run(pair("", R"({"from": "a.ramp_out", "to": "b.ramp_in"})", "", R"("step": 0.1, "stop_time": 1)"));
+  run.to_end();
+  EXPECT_NEAR(run.column("b.ramp_area").back(), 1.0 / 3 - 10 * 0.001 / 3, 1e-15 * 10);
+}
+
+TEST(InputDerivatives, TheyAreScaledAsTheValueIs) {
+  TestRun run(pair("", R"({"from": "a.ramp_out", "to": "b.ramp_in", "factor": 3, "offset": 1})", "",
+                   R"("step": 0.1, "stop_time": 1)"));
+  run.to_end();
+  EXPECT_NEAR(run.column("b.ramp_area").back(), 3 * (1.0 / 3 - 10 * 0.001 / 3) + 1, 1e-14);
+}
+
+TEST(Pending, AStepThatGoesOnByItselfIsWaitedFor) {
+  for (const char* behaviour : {"callback", "poll"}) {
+    TestRun run(pair(fmt::format(R"("behaviour": "{}", "pause": 0.002)", behaviour), ""));
+    run.to_end();
+    EXPECT_THAT(run.column("a.steps"), ElementsAre(0, 1, 2)) << behaviour;
+    EXPECT_THAT(run.column("a.now"), ElementsAre(0, 0.1, 0.2)) << behaviour;
+  }
+}
+
+TEST(Pending, ADiscardThatComesLateIsADiscard) {
+  TestRun run(pair(R"("behaviour": "late_discard")", ""));
+  try {
+    run.to_end();
+    FAIL();
+  } catch (const SlaveError& error) {
+    EXPECT_THAT(error.what(), AllOf(HasSubstr("instance 'a' at 0 s"), HasSubstr("fmi2Discard")));
+  }
+}
+
+TEST(Pending, AnInterruptCancelsAStepThatNeverEnds) {
+  TestRun run(pair(R"("behaviour": "never")", ""));
+  run.initialize();
+  std::atomic<bool> interrupted{false};
+  std::jthread user([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    interrupted = true;
+  });
+  EXPECT_EQ(run.simulation().run(interrupted).reason, EndReason::interrupted);
+  EXPECT_NO_THROW(run.simulation().terminate());
+}
+
+TEST(Discard, AStepIsDividedWhereTheConfigAllows) {
+  const auto config = [](const std::string& more) {
+    return fmt::format(
+        R"({{"step": 0.1, "stop_time": 0.2, "instances": {{"a": {{"fmu": "COUPLING", "parameters": {{"behaviour": "short", "max_step": 0.025}}{}}}}}, "connections": []}})",
+        more);
+  };
+  TestRun run(config(R"(, "on_discard": "divide")"));
+  run.to_end();
+  EXPECT_THAT(run.column("a.steps"), ElementsAre(0, 4, 8));
+  EXPECT_NEAR(run.column("a.now").back(), 0.2, 1e-15);  // the FMU adds t and h itself
+  TestRun undivided(config(""));
+  try {
+    undivided.to_end();
+    FAIL();
+  } catch (const SlaveError& error) {
+    EXPECT_THAT(error.what(), AllOf(HasSubstr("it came to 0.025 s"), HasSubstr("on_discard")));
+  }
+}
+
+TEST(Discard, DividingEndsWhenNothingHelps) {
+  TestRun run(
+      R"({"step": 0.1, "stop_time": 0.2, "instances": {"a": {"fmu": "COUPLING", "parameters": {"behaviour": "refuse"}, "on_discard": "divide"}}, "connections": []})");
+  EXPECT_THROW(run.to_end(), SlaveError);
+}
+
+}  // namespace
+}  // namespace mebots::master

@@ -1,0 +1,277 @@
+// SPDX-License-Identifier: Apache-2.0
+// A foreign FMU that tries out what couples FMUs: units, conversions, loops, derivatives of inputs, steps that are
+// pending, discarded or ended.
+//
+//   loop_out = a + b * loop_in + c * loop_in^2     (direct, also in initialisation mode)
+//   ramp_out = t^2, with its derivatives 2 t and 2
+//   ramp_area += h u + h^2/2 u' of ramp_in and its first derivative
+//   kelvin_out and so on repeat their inputs (direct)
+//   behaviour: "" | callback | poll | never | late_discard  -> the step is fmi2Pending and takes pause wall seconds
+//              short   -> steps longer than max_step stop at t + max_step with fmi2Discard
+//              refuse  -> every step of any length is discarded
+#include "fmi2.h"
+
+#include <math.h>
+#include <pthread.h>
+#include <stdatomic.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+enum {
+  LOOP_IN,
+  LOOP_OUT,
+  A,
+  B,
+  C,
+  RAMP_IN,
+  RAMP_OUT,
+  RAMP_AREA,
+  MAX_STEP,
+  PAUSE,
+  CELSIUS,
+  SPEED_KMH,
+  ANGLE_DEG,
+  CHARGE_MAH,
+  KELVIN_IN,
+  SPEED_IN,
+  ANGLE_IN,
+  CHARGE_IN,
+  KELVIN_OUT,
+  SPEED_OUT,
+  ANGLE_OUT,
+  CHARGE_OUT,
+  BARE_IN,
+  BARE_OUT,
+  FURLONG,
+  DIFFERENCE,
+  TIME,
+  REALS
+};
+enum { COUNT, LEVEL, COUNT_IN, STEPS, CANCELLED, INTEGERS };
+enum { FLAG, BOOLEANS };
+enum { BEHAVIOUR, STRINGS };
+enum { TEXT_SIZE = 64 };
+
+typedef struct {
+  double reals[REALS];
+  int integers[INTEGERS];
+  int booleans[BOOLEANS];
+  char strings[STRINGS][TEXT_SIZE];
+  double ramp_slope;
+} State;
+
+typedef struct {
+  State state;
+  fmi2CallbackFunctions callbacks;
+  double last_successful;
+  double h;
+  pthread_t thread;
+  int running;
+  atomic_int status;  // of the step, fmi2Pending while it goes on
+  atomic_int cancelled;
+} Model;
+
+static void compute(Model* m) {
+  double* r = m->state.reals;
+  r[LOOP_OUT] = r[A] + r[B] * r[LOOP_IN] + r[C] * r[LOOP_IN] * r[LOOP_IN];
+  r[KELVIN_OUT] = r[KELVIN_IN];
+  r[SPEED_OUT] = r[SPEED_IN];
+  r[ANGLE_OUT] = r[ANGLE_IN];
+  r[CHARGE_OUT] = r[CHARGE_IN];
+  r[BARE_OUT] = r[BARE_IN];
+}
+
+static void join(Model* m) {
+  if (m->running) pthread_join(m->thread, NULL);
+  m->running = 0;
+}
+
+FMI2_EXPORT const char* fmi2GetTypesPlatform(void) {
+  return "default";
+}
+FMI2_EXPORT const char* fmi2GetVersion(void) {
+  return "2.0";
+}
+
+FMI2_EXPORT fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, fmi2String resources,
+                                          const fmi2CallbackFunctions* callbacks, fmi2Boolean visible,
+                                          fmi2Boolean logging) {
+  (void)name, (void)type, (void)guid, (void)resources, (void)visible, (void)logging;
+  Model* m = calloc(1, sizeof *m);
+  m->callbacks = *callbacks;
+  m->state.reals[MAX_STEP] = 1;
+  return m;
+}
+
+FMI2_EXPORT void fmi2FreeInstance(fmi2Component c) {
+  if (c == NULL) return;
+  join(c);
+  free(c);
+}
+
+FMI2_EXPORT fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean on, size_t n, const fmi2String categories[]) {
+  (void)c, (void)on, (void)n, (void)categories;
+  return fmi2OK;
+}
+
+FMI2_EXPORT fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean has_tolerance, fmi2Real tolerance,
+                                           fmi2Real start, fmi2Boolean has_stop, fmi2Real stop) {
+  (void)has_tolerance, (void)tolerance, (void)has_stop, (void)stop;
+  ((Model*)c)->state.reals[TIME] = start;
+  return fmi2OK;
+}
+
+FMI2_EXPORT fmi2Status fmi2EnterInitializationMode(fmi2Component c) {
+  compute(c);
+  return fmi2OK;
+}
+FMI2_EXPORT fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
+  (void)c;
+  return fmi2OK;
+}
+FMI2_EXPORT fmi2Status fmi2Terminate(fmi2Component c) {
+  (void)c;
+  return fmi2OK;
+}
+FMI2_EXPORT fmi2Status fmi2Reset(fmi2Component c) {
+  (void)c;
+  return fmi2OK;
+}
+
+#define ACCESS(TYPE, FIELD, NUMBER)                                                                               \
+  FMI2_EXPORT fmi2Status fmi2Get##TYPE(fmi2Component c, const fmi2ValueReference r[], size_t n, fmi2##TYPE v[]) { \
+    for (size_t i = 0; i < n; ++i) {                                                                              \
+      if (r[i] >= (NUMBER)) return fmi2Error;                                                                     \
+      v[i] = ((Model*)c)->state.FIELD[r[i]];                                                                      \
+    }                                                                                                             \
+    return fmi2OK;                                                                                                \
+  }                                                                                                               \
+  FMI2_EXPORT fmi2Status fmi2Set##TYPE(fmi2Component c, const fmi2ValueReference r[], size_t n,                   \
+                                       const fmi2##TYPE v[]) {                                                    \
+    for (size_t i = 0; i < n; ++i) {                                                                              \
+      if (r[i] >= (NUMBER)) return fmi2Error;                                                                     \
+      ((Model*)c)->state.FIELD[r[i]] = v[i];                                                                      \
+    }                                                                                                             \
+    compute(c);                                                                                                   \
+    return fmi2OK;                                                                                                \
+  }
+
+ACCESS(Real, reals, REALS)
+ACCESS(Integer, integers, INTEGERS)
+ACCESS(Boolean, booleans, BOOLEANS)
+
+FMI2_EXPORT fmi2Status fmi2GetString(fmi2Component c, const fmi2ValueReference r[], size_t n, fmi2String v[]) {
+  for (size_t i = 0; i < n; ++i) v[i] = ((Model*)c)->state.strings[r[i]];
+  return fmi2OK;
+}
+FMI2_EXPORT fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference r[], size_t n, const fmi2String v[]) {
+  for (size_t i = 0; i < n; ++i) strncpy(((Model*)c)->state.strings[r[i]], v[i], TEXT_SIZE - 1);
+  return fmi2OK;
+}
+
+FMI2_EXPORT fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference r[], size_t n,
+                                                   const fmi2Integer order[], const fmi2Real value[]) {
+  for (size_t i = 0; i < n; ++i) {
+    if (r[i] != RAMP_IN) return fmi2Error;
+    if (order[i] == 1) ((Model*)c)->state.ramp_slope = value[i];
+  }
+  return fmi2OK;
+}
+
+FMI2_EXPORT fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReference r[], size_t n,
+                                                    const fmi2Integer order[], fmi2Real value[]) {
+  const double t = ((Model*)c)->state.reals[TIME];
+  for (size_t i = 0; i < n; ++i) {
+    if (r[i] != RAMP_OUT) return fmi2Error;
+    value[i] = order[i] == 1 ? 2 * t : 2;
+  }
+  return fmi2OK;
+}
+
+static void advance(Model* m, double t, double h) {
+  double* r = m->state.reals;
+  r[RAMP_AREA] += h * r[RAMP_IN] + h * h / 2 * m->state.ramp_slope;
+  r[TIME] = t + h;
+  r[RAMP_OUT] = r[TIME] * r[TIME];
+  m->state.integers[STEPS] += 1;
+  m->last_successful = t + h;
+}
+
+static void* later(void* argument) {
+  Model* m = argument;
+  const char* behaviour = m->state.strings[BEHAVIOUR];
+  if (strcmp(behaviour, "never") == 0) {
+    while (!m->cancelled) usleep(1000);
+    return NULL;
+  }
+  usleep((unsigned)(m->state.reals[PAUSE] * 1e6));
+  fmi2Status status = fmi2OK;
+  if (strcmp(behaviour, "late_discard") == 0) {
+    status = fmi2Discard;
+  } else {
+    advance(m, m->state.reals[TIME], m->h);
+  }
+  m->status = status;
+  if (strcmp(behaviour, "poll") != 0) m->callbacks.stepFinished(m->callbacks.componentEnvironment, status);
+  return NULL;
+}
+
+FMI2_EXPORT fmi2Status fmi2DoStep(fmi2Component c, fmi2Real t, fmi2Real h, fmi2Boolean no_set) {
+  (void)no_set;
+  Model* m = c;
+  join(m);
+  const char* behaviour = m->state.strings[BEHAVIOUR];
+  m->last_successful = t;
+  m->h = h;
+  if (strcmp(behaviour, "refuse") == 0) return fmi2Discard;
+  if (strcmp(behaviour, "short") == 0 && h > m->state.reals[MAX_STEP] * (1 + 1e-9)) {
+    advance(m, t, m->state.reals[MAX_STEP]);
+    return fmi2Discard;
+  }
+  if (behaviour[0] == 0 || strcmp(behaviour, "short") == 0) {
+    advance(m, t, h);
+    return fmi2OK;
+  }
+  m->state.reals[TIME] = t;
+  m->status = fmi2Pending;
+  m->running = 1;
+  pthread_create(&m->thread, NULL, later, m);
+  return fmi2Pending;
+}
+
+FMI2_EXPORT fmi2Status fmi2CancelStep(fmi2Component c) {
+  Model* m = c;
+  m->cancelled = 1;
+  join(m);
+  m->state.integers[CANCELLED] += 1;
+  return fmi2OK;
+}
+
+FMI2_EXPORT fmi2Status fmi2GetStatus(fmi2Component c, fmi2StatusKind kind, fmi2Status* value) {
+  if (kind != fmi2DoStepStatus) return fmi2Discard;
+  *value = (fmi2Status)((Model*)c)->status;
+  return fmi2OK;
+}
+
+FMI2_EXPORT fmi2Status fmi2GetRealStatus(fmi2Component c, fmi2StatusKind kind, fmi2Real* value) {
+  if (kind != fmi2LastSuccessfulTime) return fmi2Discard;
+  *value = ((Model*)c)->last_successful;
+  return fmi2OK;
+}
+
+FMI2_EXPORT fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate* state) {
+  if (*state == NULL) *state = malloc(sizeof(State));
+  memcpy(*state, &((Model*)c)->state, sizeof(State));
+  return fmi2OK;
+}
+FMI2_EXPORT fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate state) {
+  memcpy(&((Model*)c)->state, state, sizeof(State));
+  return fmi2OK;
+}
+FMI2_EXPORT fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate* state) {
+  (void)c;
+  free(*state);
+  *state = NULL;
+  return fmi2OK;
+}

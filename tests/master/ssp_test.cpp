@@ -1,0 +1,217 @@
+// SPDX-License-Identifier: Apache-2.0
+// SSP 1.0 as a second door: what others write runs here, and what we write says the same as the config.
+#include "mebots/master/ssp.hpp"
+#include "test_system.hpp"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+namespace mebots::master {
+namespace {
+
+using test::ProgramResult;
+using testing::AllOf;
+using testing::HasSubstr;
+
+constexpr const char* kHead = R"(<?xml version="1.0" encoding="UTF-8"?>
+<ssd:SystemStructureDescription xmlns:ssd="http://ssp-standard.org/SSP1/SystemStructureDescription"
+  xmlns:ssc="http://ssp-standard.org/SSP1/SystemStructureCommon" xmlns:ssv="http://ssp-standard.org/SSP1/SystemStructureParameterValues"
+  xmlns:ssm="http://ssp-standard.org/SSP1/SystemStructureParameterMapping" version="1.0" name="test">
+<ssd:System name="root">)";
+constexpr const char* kTail = R"(</ssd:System>
+<ssd:DefaultExperiment startTime="0" stopTime="0.4"/>
+<ssd:Annotations><ssc:Annotation type="org.mebots.config">{"step": 0.1}</ssc:Annotation></ssd:Annotations>
+</ssd:SystemStructureDescription>)";
+
+class Ssp : public testing::Test {
+ protected:
+  /// Packs an SSP: an SSD around `system`, the test FMUs, and more files.
+  std::filesystem::path ssp(const std::string& system, const std::map<std::string, std::string>& files = {},
+                            const std::string& tail = kTail) {
+    test::write_file(folder.path() / "SystemStructure.ssd", kHead + system + tail);
+    std::vector<modeldesc::PackedFile> packed{{"SystemStructure.ssd", folder.path() / "SystemStructure.ssd"},
+                                              {"resources/coupling.fmu", COUPLING_FMU},
+                                              {"resources/my probe.fmu", PROBE_FMU}};
+    for (const auto& [name, text] : files) {
+      const auto file = folder.path() / std::filesystem::path(name).filename();
+      test::write_file(file, text);
+      packed.push_back({name, file});
+    }
+    auto archive = folder.path() / "test.ssp";
+    std::filesystem::remove(archive);
+    modeldesc::pack(archive, packed);
+    return archive;
+  }
+
+  LoadedSystem load(const std::string& system, const std::map<std::string, std::string>& files = {}) {
+    return load_system(ssp(system, files));
+  }
+  std::string error_of(const std::string& system, const std::string& tail = kTail) {
+    return test::input_error([&] { load_system(ssp(system, {}, tail)); });
+  }
+  ProgramResult run(std::vector<std::string> arguments) const { return test::run_program(arguments, folder.path()); }
+
+  modeldesc::TemporaryFolder folder{"mebots test"};
+};
+
+const std::string kTwo = R"(<ssd:Elements>
+  <ssd:Component name="a" type="application/x-fmu-sharedlibrary" source="resources/coupling.fmu">{}</ssd:Component>
+  <ssd:Component name="b" source="resources/my%20probe.fmu"/></ssd:Elements>)";
+
+std::string two(const std::string& inside_a = "") {
+  return fmt::format(fmt::runtime(kTwo), inside_a);
+}
+
+TEST_F(Ssp, ComponentsConnectionsAndTimesAreRead) {
+  const auto system = load(two() + R"(<ssd:Connections>
+    <ssd:Connection startElement="a" startConnector="celsius" endElement="b" endConnector="real_in" suppressUnitConversion="true">
+      <ssc:LinearTransformation factor="2" offset="-1"/></ssd:Connection></ssd:Connections>)")
+                          .system;
+  EXPECT_EQ(system.instance_names(), (std::vector<std::string>{"a", "b"}));
+  EXPECT_EQ(system.instances[1].fmu_path.filename(), "my probe.fmu");
+  EXPECT_EQ(system.step_ns, 100'000'000);
+  EXPECT_EQ(system.stop_time_ns, 400'000'000);
+  ASSERT_EQ(system.connections.size(), 1u);
+  EXPECT_EQ(system.connections[0].factor, 2);
+  EXPECT_EQ(system.connections[0].offset, -1);
+  EXPECT_FALSE(system.connections[0].convert_units);
+}
+
+TEST_F(Ssp, NestedSystemsAreFlattenedAndTheirConnectorsPassedThrough) {
+  const auto loaded = load(R"(<ssd:Elements>
+    <ssd:System name="left"><ssd:Connectors><ssd:Connector name="y" kind="output"><ssc:Real/></ssd:Connector></ssd:Connectors>
+      <ssd:Elements><ssd:System name="deep"><ssd:Connectors><ssd:Connector name="z" kind="output"><ssc:Real/></ssd:Connector></ssd:Connectors>
+        <ssd:Elements><ssd:Component name="source" source="resources/coupling.fmu"/></ssd:Elements>
+        <ssd:Connections><ssd:Connection startElement="source" startConnector="bare_out" endConnector="z"><ssc:LinearTransformation factor="3"/></ssd:Connection></ssd:Connections>
+      </ssd:System></ssd:Elements>
+      <ssd:Connections><ssd:Connection startElement="deep" startConnector="z" endConnector="y"><ssc:LinearTransformation offset="1"/></ssd:Connection></ssd:Connections>
+    </ssd:System>
+    <ssd:Component name="sink" source="resources/coupling.fmu"/></ssd:Elements>
+    <ssd:Connections><ssd:Connection startElement="left" startConnector="y" endElement="sink" endConnector="bare_in"><ssc:LinearTransformation factor="10"/></ssd:Connection></ssd:Connections>)");
+  const auto& system = loaded.system;
+  EXPECT_EQ(system.instance_names(), (std::vector<std::string>{"left.deep.source", "sink"}));
+  ASSERT_EQ(system.connections.size(), 1u);
+  EXPECT_EQ(system.connections[0].from, (VariableName{"left.deep.source", "bare_out"}));
+  EXPECT_EQ(system.connections[0].factor, 30);  // 10 (3 x + 1)
+  EXPECT_EQ(system.connections[0].offset, 10);
+}
+
+TEST_F(Ssp, ParametersComeInlineAndFromFilesAndOuterOnesWin) {
+  const std::string inline_values = R"(<ssd:ParameterBindings><ssd:ParameterBinding><ssd:ParameterValues>
+      <ssv:ParameterSet version="1.0" name="p"><ssv:Parameters>
+        <ssv:Parameter name="celsius"><ssv:Real value="1.5"/></ssv:Parameter><ssv:Parameter name="count"><ssv:Integer value="7"/></ssv:Parameter>
+        <ssv:Parameter name="flag"><ssv:Boolean value="true"/></ssv:Parameter><ssv:Parameter name="level"><ssv:Enumeration value="high"/></ssv:Parameter>
+        <ssv:Parameter name="behaviour"><ssv:String value="a &lt; b"/></ssv:Parameter></ssv:Parameters></ssv:ParameterSet>
+      </ssd:ParameterValues></ssd:ParameterBinding></ssd:ParameterBindings>)";
+  const auto loaded = load(
+      R"(<ssd:ParameterBindings><ssd:ParameterBinding source="resources/outer.ssv" prefix="a."/></ssd:ParameterBindings>)" +
+          two(inline_values),
+      {{"resources/outer.ssv",
+        R"(<ParameterSet xmlns="http://ssp-standard.org/SSP1/SystemStructureParameterValues" version="1.0" name="o">
+               <Parameters><Parameter name="celsius"><Real value="2.5"/></Parameter></Parameters></ParameterSet>)"}});
+  const auto& parameters = loaded.config["instances"]["a"]["parameters"];
+  EXPECT_EQ(parameters["celsius"], 2.5);
+  EXPECT_EQ(parameters["count"], 7);
+  EXPECT_EQ(parameters["flag"], true);
+  EXPECT_EQ(parameters["level"], "high");
+  EXPECT_EQ(parameters["behaviour"], "a < b");
+}
+
+TEST_F(Ssp, AMappingRenamesAndTransforms) {
+  const auto loaded = load(
+      two(R"(<ssd:ParameterBindings><ssd:ParameterBinding source="resources/values.ssv">
+        <ssd:ParameterMapping source="resources/names.ssm"/></ssd:ParameterBinding></ssd:ParameterBindings>)"),
+      {{"resources/values.ssv",
+        R"(<ssv:ParameterSet xmlns:ssv="http://ssp-standard.org/SSP1/SystemStructureParameterValues" version="1.0" name="o">
+          <ssv:Parameters><ssv:Parameter name="warmth"><ssv:Real value="20"/></ssv:Parameter></ssv:Parameters></ssv:ParameterSet>)"},
+       {"resources/names.ssm",
+        R"(<ssm:ParameterMapping xmlns:ssm="http://ssp-standard.org/SSP1/SystemStructureParameterMapping"
+            xmlns:ssc="http://ssp-standard.org/SSP1/SystemStructureCommon" version="1.0">
+          <ssm:MappingEntry source="warmth" target="celsius"><ssc:LinearTransformation factor="0.5" offset="1"/></ssm:MappingEntry>
+          <ssm:MappingEntry source="warmth" target="speed_kmh"/></ssm:ParameterMapping>)"}});
+  EXPECT_EQ(loaded.config["instances"]["a"]["parameters"]["celsius"], 11.0);
+  EXPECT_EQ(loaded.config["instances"]["a"]["parameters"]["speed_kmh"], 20.0);
+}
+
+TEST_F(Ssp, AValueOfTheSystemsConnectorGoesToWhatHangsOnIt) {
+  const auto loaded = load(
+      R"(<ssd:Connectors><ssd:Connector name="u" kind="input"><ssc:Real/></ssd:Connector></ssd:Connectors>
+      <ssd:ParameterBindings><ssd:ParameterBinding><ssd:ParameterValues><ssv:ParameterSet version="1.0" name="p"><ssv:Parameters>
+        <ssv:Parameter name="u"><ssv:Real value="4"/></ssv:Parameter></ssv:Parameters></ssv:ParameterSet></ssd:ParameterValues></ssd:ParameterBinding></ssd:ParameterBindings>)" +
+      two() +
+      R"(<ssd:Connections><ssd:Connection startConnector="u" endElement="a" endConnector="bare_in"/></ssd:Connections>)");
+  EXPECT_EQ(loaded.config["instances"]["a"]["parameters"]["bare_in"], 4.0);
+  EXPECT_TRUE(loaded.system.connections.empty());
+}
+
+TEST_F(Ssp, OMSimulatorsStepIsUnderstood) {
+  const auto loaded = load_system(
+      ssp(two() + R"(<ssd:Annotations><ssc:Annotation type="org.openmodelica"><oms:Annotations xmlns:oms="x">
+        <oms:SimulationInformation><oms:FixedStepMaster description="oms-ma" stepSize="1e-2"/></oms:SimulationInformation></oms:Annotations></ssc:Annotation></ssd:Annotations>)",
+          {}, R"(</ssd:System><ssd:DefaultExperiment stopTime="1"/></ssd:SystemStructureDescription>)"));
+  EXPECT_EQ(loaded.system.step_ns, 10'000'000);
+}
+
+TEST_F(Ssp, WhatCannotBeUsedIsSaidWithFileAndLine) {
+  EXPECT_THAT(error_of(R"(<ssd:Elements><ssd:Component name="a"/></ssd:Elements>)"),
+              AllOf(HasSubstr("test.ssp: SystemStructure.ssd, line 5"), HasSubstr("\"a\" has no source")));
+  EXPECT_THAT(error_of(R"(<ssd:Elements><ssd:Component name="a" source="../x.fmu"/></ssd:Elements>)"),
+              HasSubstr("is not inside the SSP"));
+  EXPECT_THAT(error_of(R"(<ssd:Elements><ssd:Component name="a" source="file:///etc/passwd"/></ssd:Elements>)"),
+              HasSubstr("is absolute"));
+  EXPECT_THAT(error_of(R"(<ssd:Elements><ssd:Component name="a" source="resources/none.fmu"/></ssd:Elements>)"),
+              HasSubstr("holds no file \"resources/none.fmu\""));
+  EXPECT_THAT(
+      error_of(
+          two() +
+          R"(<ssd:Connections><ssd:Connection startElement="c" startConnector="y" endElement="a" endConnector="u"/></ssd:Connections>)"),
+      HasSubstr("no element \"c\""));
+  EXPECT_THAT(error_of(two(), R"(</ssd:System></ssd:SystemStructureDescription>)"), HasSubstr("give it with --step"));
+  EXPECT_THAT(error_of("<broken"), HasSubstr("not well-formed"));
+  EXPECT_THAT(
+      error_of(two(),
+               R"(</ssd:System><ssd:DefaultExperiment startTime="5" stopTime="9"/></ssd:SystemStructureDescription>)"),
+      HasSubstr("mebots starts at 0"));
+}
+
+TEST_F(Ssp, AnInputThatFitsNothingIsAnsweredWithThePlaceInTheSsd) {
+  FmuLibrary library;
+  const auto loaded = load(two() + R"(
+    <ssd:Connections><ssd:Connection startElement="a" startConnector="bare_oot" endElement="b" endConnector="real_in"/></ssd:Connections>)");
+  EXPECT_THAT(test::input_error([&] { resolve(loaded.system, library); }),
+              AllOf(HasSubstr("SystemStructure.ssd, line 8"), HasSubstr("'bare_out'")));
+}
+
+TEST_F(Ssp, ThereAndBackGivesTheSameResults) {
+  test::write_file(folder.path() / "first.json", test::with_probe(R"({"text": "round trip", "step": 0.1, "stop_time": 1,
+    "algorithm": {"type": "gauss-seidel", "order": ["b", "a", "c"]},
+    "instances": {"a": {"fmu": "PROBE", "text": "the first", "parameters": {"gain": 0.1, "string_in": "ä < \"b\"", "mode_in": "both", "boolean_in": true, "integer_in": -3}},
+      "b": {"fmu": "PROBE", "step": 0.2}, "c": {"fmu": "COUPLING", "on_discard": "divide", "parameters": {"level": "high", "celsius": 21.1}}},
+    "connections": [{"from": "a.real_out", "to": "b.real_in", "factor": 0.3, "offset": -0.7, "text": "scaled"}, {"from": "a.buffer", "to": "b.taken"},
+      {"from": "c.celsius", "to": "a.real_in", "convert_units": false}, {"from": "a.string_out", "to": "b.string_in"}, {"from": "a.mode_out", "to": "b.mode_in"}],
+    "stop_when": [{"variable": "b.steps", "equals": 4}], "summary": {"x": "b.integral"}, "record": ["*"], "log": {"a": []}})"));
+  EXPECT_EQ(run({"run", "first.json", "--out", "one"}).code, 0);
+  auto result = run({"convert", "first.json", "second.ssp"});
+  EXPECT_EQ(result.code, 0) << result.err;
+  result = run({"run", "second.ssp", "--out", "two"});
+  EXPECT_EQ(result.code, 0) << result.err;
+  result = run({"convert", "second.ssp", "third.json"});
+  EXPECT_EQ(result.code, 0) << result.err;
+  EXPECT_EQ(run({"run", "third.json", "--out", "three"}).code, 0);
+  const auto first = test::read_file(folder.path() / "one/results.csv");
+  EXPECT_GT(first.size(), 500u);
+  EXPECT_EQ(first, test::read_file(folder.path() / "two/results.csv"));
+  EXPECT_EQ(first, test::read_file(folder.path() / "three/results.csv"));
+  // Written twice, the same bytes.
+  EXPECT_EQ(run({"convert", "third.json", "fourth.ssp"}).code, 0);
+  EXPECT_EQ(run({"convert", "fourth.ssp", "fifth.json"}).code, 0);
+  const auto json = [&](const std::string& name) {
+    auto config = nlohmann::json::parse(test::read_file(folder.path() / name));
+    for (auto& instance : config["instances"]) instance.erase("fmu");
+    return config;
+  };
+  EXPECT_EQ(json("third.json"), json("fifth.json"));
+}
+
+}  // namespace
+}  // namespace mebots::master
