@@ -52,6 +52,7 @@ class Converter {
   Converter(const Converter&) = delete;
   Converter& operator=(const Converter&) = delete;
 
+  // NOLINTNEXTLINE(performance-no-int-to-ptr): so iconv_open says that it failed
   bool known() const { return handle_ != reinterpret_cast<iconv_t>(-1); }
 
   /// False for bytes that are nothing in the encoding.

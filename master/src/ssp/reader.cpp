@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <set>
+#include <tuple>
 
 namespace mebots::master {
 namespace {
@@ -21,7 +22,9 @@ struct Endpoint {
   std::string element;  // dotted path, empty = the root system
   std::string connector;
 
-  auto operator<=>(const Endpoint&) const = default;
+  bool operator<(const Endpoint& other) const {
+    return std::tie(element, connector) < std::tie(other.element, other.connector);
+  }
   std::string text() const { return element.empty() ? connector : element + "." + connector; }
 };
 
@@ -162,7 +165,7 @@ class SspReader {
     if (system_connectors_.count({path, name}) != 0 || component_paths_.count(path) != 0) return {path, name};
     // The longest element path wins, so that names with dots find their way.
     for (auto dot = name.rfind('.'); dot != std::string::npos && dot > 0; dot = name.rfind('.', dot - 1)) {
-      const Endpoint endpoint{join(path, name.substr(0, dot)), name.substr(dot + 1)};
+      Endpoint endpoint{join(path, name.substr(0, dot)), name.substr(dot + 1)};
       if (component_paths_.count(endpoint.element) != 0 || system_connectors_.count(endpoint) != 0) return endpoint;
     }
     return {path, name};
