@@ -98,33 +98,18 @@ Stop Hart::run(std::uint64_t limit) {
   auto& e = execution_;
   if (fault_.happened) return Stop::fault;
   cache_.forget_if_stale();
-  if (sleeping_) {
-    if (!wakes()) return Stop::sleeping;
-    wake();
-  }
-  if (observer_knows_of_sleep_) [[unlikely]] {
-    observer_knows_of_sleep_ = false;
-    if (observer_ != nullptr) observer_->woke(*this);
-  }
+  if (!stays_awake()) return Stop::sleeping;
   e.link = nullptr;
   e.jumped = false;
-  bool left_translated = false;  // and nothing has come between
-  const auto following = [this](std::uint32_t* link) {
-    const bool known = link != nullptr && *link != 0 && cache_.block(*link).pc == execution_.pc;
-    return known ? *link : following_block(link);
-  };
+  bool translated_led_here = false;
   for (;;) {
     std::uint32_t number = 0;
-    if (e.jumped) {
-      e.jumped = false;
-      number = following(e.link);
-      if (number != 0 && cache_.block(number).unaligned) counters_.cycles += kUnalignedTargetExtra;
-    }
+    if (e.jumped) number = land();
     if (counters_.cycles >= limit) return Stop::limit;
     if (interrupt_ready_) {
       take_interrupt();
       if (fault_.happened) return Stop::fault;
-      left_translated = false;
+      translated_led_here = false;
       continue;
     }
     if (observer_ != nullptr) [[unlikely]] {
@@ -133,74 +118,131 @@ Stop Hart::run(std::uint64_t limit) {
       number = 0;
       e.link = nullptr;
     }
-    if (number == 0) number = following(e.link);
+    if (number == 0) number = following();
     e.link = nullptr;
-    if (number == 0) {
-      std::uint32_t word = 0;
-      std::uint32_t address = 0;
-      BlockCache::fetch(memory_, e.pc, word, address);
-      take_trap(cause::kFetchAccess, address);
-      if (fault_.happened) return Stop::fault;
-      continue;
-    }
-    const bool from_translated = std::exchange(left_translated, false);
-    const auto& block = cache_.block(number);
-    // What ran before can delay the first instruction if it was a load. A jump soon after it is another matter.
-    const bool early_jump = before_.op != Op::end_of_block && block.early_jump;
-    const auto stall = is_load(before_.op) ? static_cast<std::uint32_t>(block.stalled_by >> before_.rd & 1U) : 0U;
-    const auto bound = (block.last_start_bound + stall) & bound_mask_;
-    if (observer_ != nullptr) [[unlikely]] {
-      execute_observed();
-      e.link = nullptr;
-    } else if (early_jump || counters_.cycles + bound >= limit) [[unlikely]] {
-      execute(cache_.single(e.pc, two_before_, before_));
-      e.link = nullptr;
-    } else if (const auto* entry = translation_on_ ? translated(number, block) : nullptr; entry != nullptr) {
-      if (from_translated) translator_->lead_on(block.pc, *entry);
-      counters_.cycles += stall;
-      left_translated = run_translated(*entry, limit);
+    if (number != 0) [[likely]] {
+      translated_led_here = run_block(number, limit, translated_led_here);
     } else {
-      execute(cache_.instructions(block), stall);
-      // Short loops: behind a taken branch or jump to a known block, only the limit wants a look.
-      while (!translation_on_ && e.jumped && e.link != nullptr && *e.link != 0) {
-        const auto& next = cache_.block(*e.link);
-        const auto cycles = counters_.cycles + (next.unaligned ? kUnalignedTargetExtra : 0U);
-        if (next.pc != e.pc || cycles + (next.last_start_bound & bound_mask_) >= limit) break;
-        counters_.cycles = cycles;
-        e.jumped = false;
-        e.link = nullptr;
-        execute(cache_.instructions(next));
-      }
+      translated_led_here = false;
+      fail_to_fetch();
     }
     if (e.leave == Leave::normal) continue;
-    const auto leave = e.leave;
-    e.leave = Leave::normal;
-    switch (leave) {
-      case Leave::trap:
-        take_trap(e.trap_cause, e.trap_value);
-        if (fault_.happened) return Stop::fault;
-        break;
-      case Leave::device:
-        return Stop::device;
-      case Leave::stop:
-        return Stop::watch;
-      case Leave::turn:
-        return Stop::turn;
-      case Leave::event:
-      case Leave::sleep:
-        waits_for_event_ = leave == Leave::event;
-        if (!wakes()) {
-          sleeping_ = true;
-          if (observer_ != nullptr) observer_->slept(*this);
-          observer_knows_of_sleep_ = observer_ != nullptr;
-          return Stop::sleeping;
-        }
-        waits_for_event_ = false;
-        break;
-      case Leave::normal:
-        break;
-    }
+    if (const auto stop = leave(); stop != Stop::limit) return stop;
   }
+}
+
+/// At the start of a run: false while nothing ends the sleep.
+bool Hart::stays_awake() {
+  if (sleeping_) {
+    if (!wakes()) return false;
+    wake();
+  }
+  if (observer_knows_of_sleep_) [[unlikely]] {
+    observer_knows_of_sleep_ = false;
+    if (observer_ != nullptr) observer_->woke(*this);
+  }
+  return true;
+}
+
+/// The block at the pc, by the link of what led here if it knows; 0 when nothing can be fetched there.
+inline std::uint32_t Hart::following() {
+  const auto* link = execution_.link;
+  const bool known = link != nullptr && *link != 0 && cache_.block(*link).pc == execution_.pc;
+  return known ? *link : following_block(execution_.link);
+}
+
+/// The target of a jump or taken branch, which costs a cycle when it is unaligned.
+inline std::uint32_t Hart::land() {
+  execution_.jumped = false;
+  const auto number = following();
+  if (number != 0 && cache_.block(number).unaligned) counters_.cycles += kUnalignedTargetExtra;
+  return number;
+}
+
+void Hart::fail_to_fetch() {
+  std::uint32_t word = 0;
+  BlockCache::fetch(memory_, execution_.pc, word, execution_.trap_value);
+  execution_.trap_cause = cause::kFetchAccess;
+  execution_.leave = Leave::trap;
+}
+
+/// Runs a block in the way that fits, or only its first instruction. True: translated code did, and begins no other
+/// block only because it does not know the way.
+inline bool Hart::run_block(std::uint32_t number, std::uint64_t limit, bool translated_led_here) {
+  auto& e = execution_;
+  const auto& block = cache_.block(number);
+  // What ran before can delay the first instruction if it was a load. A jump soon after it is another matter.
+  const bool early_jump = before_.op != Op::end_of_block && block.early_jump;
+  const auto stall = is_load(before_.op) ? static_cast<std::uint32_t>(block.stalled_by >> before_.rd & 1U) : 0U;
+  const auto bound = (block.last_start_bound + stall) & bound_mask_;
+  if (observer_ != nullptr) [[unlikely]] {
+    execute_observed();
+    e.link = nullptr;
+    return false;
+  }
+  if (early_jump || counters_.cycles + bound >= limit) [[unlikely]] {
+    execute(cache_.single(e.pc, two_before_, before_));
+    e.link = nullptr;
+    return false;
+  }
+  if (translation_on_) {
+    if (const auto* entry = translated(number, block); entry != nullptr) {
+      if (translated_led_here) translator_->lead_on(block.pc, *entry);
+      counters_.cycles += stall;
+      return run_translated(*entry, limit);
+    }
+    execute(cache_.instructions(block), stall);
+  } else {
+    interpret(block, stall, limit);
+  }
+  return false;
+}
+
+/// A block, and behind it what follows by links without anything to decide: short loops stay here.
+inline void Hart::interpret(const Block& block, std::uint32_t stall, std::uint64_t limit) {
+  auto& e = execution_;
+  execute(cache_.instructions(block), stall);
+  // Behind a taken branch or jump to a known block, only the limit wants a look.
+  while (e.jumped && e.link != nullptr && *e.link != 0) {
+    const auto& next = cache_.block(*e.link);
+    const auto cycles = counters_.cycles + (next.unaligned ? kUnalignedTargetExtra : 0U);
+    if (next.pc != e.pc || cycles + (next.last_start_bound & bound_mask_) >= limit) return;
+    counters_.cycles = cycles;
+    e.jumped = false;
+    e.link = nullptr;
+    execute(cache_.instructions(next));
+  }
+}
+
+/// What a block was left for other than the next one. Stop::limit: the core goes on.
+Stop Hart::leave() {
+  auto& e = execution_;
+  const auto why = std::exchange(e.leave, Leave::normal);
+  switch (why) {
+    case Leave::trap:
+      take_trap(e.trap_cause, e.trap_value);
+      return fault_.happened ? Stop::fault : Stop::limit;
+    case Leave::device:
+      return Stop::device;
+    case Leave::stop:
+      return Stop::watch;
+    case Leave::turn:
+      return Stop::turn;
+    case Leave::event:
+    case Leave::sleep:
+      waits_for_event_ = why == Leave::event;
+      if (!wakes()) {
+        sleeping_ = true;
+        if (observer_ != nullptr) observer_->slept(*this);
+        observer_knows_of_sleep_ = observer_ != nullptr;
+        return Stop::sleeping;
+      }
+      waits_for_event_ = false;
+      return Stop::limit;
+    case Leave::normal:
+      break;
+  }
+  return Stop::limit;
 }
 
 /// The block at the pc, noted in the link of the instruction that led here when there is one.

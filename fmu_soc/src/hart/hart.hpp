@@ -178,6 +178,13 @@ class Hart {
   const Instruction* leave_after(const Instruction* at, Leave why);
   const Instruction* leave_before(const Instruction* at, Leave why);
   const Instruction* finish_load(const Instruction* at, std::uint32_t address, const BusReply& reply);
+  bool stays_awake();
+  std::uint32_t following();
+  std::uint32_t land();
+  void fail_to_fetch();
+  bool run_block(std::uint32_t number, std::uint64_t limit, bool translated_led_here);
+  void interpret(const Block& block, std::uint32_t stall, std::uint64_t limit);
+  Stop leave();
   void execute(const Instruction* first, std::uint32_t extra_cycles = 0);
   void execute_observed();
   const translate::Entry* translated(std::uint32_t number, const Block& block);
