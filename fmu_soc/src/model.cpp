@@ -38,11 +38,11 @@ Settings settings_of(const Parameters& parameters) {
   settings.temperature_c = parameters.temperature_degc;
   settings.voltage_v = parameters.core_supply_voltage_v;
   settings.frame_width = static_cast<std::uint32_t>(parameters.camera_frame_width);
-  settings.mission = {
-      parameters.mission_cruise_speed_m_per_s,  parameters.mission_altitude_m,
-      parameters.mission_frame_period_s,        parameters.mission_yaw_rate_scale_rad_per_s,
-      parameters.mission_landing_charge,        static_cast<std::int32_t>(parameters.mission_policy),
-      parameters.mission_initial_speed_m_per_s, static_cast<std::int32_t>(parameters.mission_navigator)};
+  settings.mission = {parameters.mission_cruise_speed_m_per_s,  parameters.mission_altitude_m,
+                      parameters.mission_frame_period_s,        parameters.mission_yaw_rate_scale_rad_per_s,
+                      parameters.mission_landing_charge,        static_cast<std::int32_t>(parameters.mission_policy),
+                      parameters.mission_initial_speed_m_per_s, static_cast<std::int32_t>(parameters.mission_navigator),
+                      parameters.mission_sleep_clock_hz};
   return settings;
 }
 

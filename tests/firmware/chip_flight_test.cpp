@@ -53,6 +53,7 @@ struct Outcome {
   std::string fault;
   double time_s = 0.0;
   std::uint64_t instructions = 0;
+  soc::EnergyLedger energy;
 };
 
 Outcome run(const soc::MissionParameters::Values& mission, const Surroundings& around, double limit_s) {
@@ -112,10 +113,11 @@ Outcome run(const soc::MissionParameters::Values& mission, const Surroundings& a
   outcome.exit_code = chip.exit_code();
   outcome.fault = chip.fault_text();
   outcome.instructions = chip.hart().counters().instructions;
+  outcome.energy = chip.energy();
   return outcome;
 }
 
-constexpr soc::MissionParameters::Values kMission{0.2777778, 1.0, 0.1, 0.5, 0.1, 0, 0.2777778, 0};
+constexpr soc::MissionParameters::Values kMission{0.2777778, 1.0, 0.1, 0.5, 0.1, 0, 0.2777778, 0, 10e6};
 
 void show(const Outcome& outcome) {
   for (const auto& line : outcome.console) std::printf("[ console  ] %s\n", line.c_str());
@@ -232,6 +234,45 @@ TEST(ChipFlight, FirmwareHoversAndCountsWhenNoPictureComes) {
   ASSERT_TRUE(outcome.ended) << outcome.fault;
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_THAT(outcome.console, Contains(HasSubstr("0 pictures, 0 with a gate")));
+}
+
+TEST(ChipFlight, APictureIsExposedWhileTheOneBeforeIsLookedAt) {
+  // Exposure, read-out and the way of the request take 18 ms, a look 25 to 33 ms: one after the other would be 46 ms
+  // and more.
+  auto mission = kMission;
+  mission.frame_period_s = 0.035;
+  const auto outcome = run(mission, {}, 60.0);
+  ASSERT_TRUE(outcome.ended) << outcome.fault;
+  EXPECT_EQ(outcome.exit_code, 0);
+  unsigned pictures = 0;
+  unsigned overruns = 0;
+  unsigned overlapped = 0;
+  for (const auto& line : outcome.console) {
+    std::sscanf(line.c_str(),
+                "gate passed, landed after %*[0-9.] s: %u pictures, %*u with a gate, %*u late, %u periods", &pictures,
+                &overruns);
+    std::sscanf(line.c_str(), "a look took %*[0-9.] ms at most; %u pictures", &overlapped);
+  }
+  EXPECT_LE(overruns, 1U) << "at most for the first look, of which nobody knew how long it takes";
+  EXPECT_GE(overlapped, pictures / 2) << "those whose look is longer than 17 ms; near the gate none is";
+  EXPECT_GT(pictures, 550U) << "20 s of flight";
+}
+
+TEST(ChipFlight, TheClockIsLowWhileTheCoreSleeps) {
+  auto mission = kMission;
+  mission.sleep_clock_hz = 100e6;
+  const auto always = run(mission, {}, 60.0);
+  ASSERT_TRUE(always.ended) << always.fault;
+  const auto& lowered = easy_flight();
+  EXPECT_EQ(always.exit_code, 0);
+  EXPECT_NEAR(always.crossing.lateral_m, lowered.crossing.lateral_m, 0.005);
+  // The clock tree draws in proportion to the clock, and the core sleeps more than two thirds of the flight.
+  const double high_j = always.energy[soc::Part::fc_background];
+  const double low_j = lowered.energy[soc::Part::fc_background];
+  std::printf("[ measured ] clock tree %.1f mJ with the clock lowered, %.1f mJ without\n", 1e3 * low_j, 1e3 * high_j);
+  EXPECT_LT(low_j, 0.45 * high_j);
+  // What the program executes costs the same.
+  EXPECT_NEAR(lowered.energy.core_active_j(), always.energy.core_active_j(), 0.02 * always.energy.core_active_j());
 }
 
 TEST(ChipFlight, AdaptivePolicyPassesTheEasyGateToo) {

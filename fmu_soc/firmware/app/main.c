@@ -24,9 +24,11 @@ typedef struct {
   uint32_t pictures;
   uint32_t sightings;     // pictures with a gate
   uint32_t late;          // pictures that did not come in time
-  uint32_t overruns;      // frame periods missed since the work took too long
+  uint32_t overruns;      // frame periods without a picture since the work took too long
+  uint32_t overlapped;    // pictures that were exposed while the one before was looked at
   uint64_t instructions;  // of all inferences
   uint32_t instructions_most;
+  int64_t look_most_ns;  // longest time that a look took
 } statistics_t;
 
 static statistics_t statistics;
@@ -68,9 +70,14 @@ static bool wait_for_phase(uint32_t wanted, uint32_t least_charge_ppm) {
 }
 
 static navigator_output_t look(const crew_t* crew, const picture_t* picture) {
+  const int64_t start_ns = timer_now_ns();
   const uint32_t before = retired_instructions();
   const navigator_output_t seen = crew->navigate(picture->pixels, picture->width, picture->height);
   const uint32_t spent = retired_instructions() - before;
+  const int64_t took_ns = timer_now_ns() - start_ns;
+  if (took_ns > statistics.look_most_ns) {
+    statistics.look_most_ns = took_ns;
+  }
   ++statistics.pictures;
   statistics.sightings += seen.confidence > 0 ? 1 : 0;
   statistics.instructions += spent;
@@ -123,8 +130,9 @@ static void tell(const crew_t* crew, const navigator_output_t* seen, const pilot
 // The loop from picture to set-points. Returns the exit code that the flight has earned so far.
 static int fly(crew_t* crew) {
   const int64_t period_ns = (int64_t)MISSION_FRAME_PERIOD * NS_PER_US;
-  int64_t frame_ns = timer_now_ns();
+  int64_t frame_ns = timer_now_ns();  // when to ask for the next picture
   int64_t last_ns = frame_ns;
+  bool asked = false;
   for (;;) {
     if (flight_phase() == FLIGHT_PHASE_CRASHED) {
       return EXIT_CRASHED;
@@ -136,15 +144,25 @@ static int fly(crew_t* crew) {
 
     picture_t picture;
     navigator_output_t seen = {0, 0, 0};
-    const camera_result_t result = camera_take(&picture, frame_ns + 5 * period_ns);
-    if (result == PICTURE_REFUSED) {
-      print("the camera refuses to take pictures\n");
-      return EXIT_CAMERA;
+    camera_result_t result = PICTURE_REFUSED;
+    if (asked || camera_ask()) {
+      result = camera_wait(&picture, frame_ns + 5 * period_ns);
+    }
+    const int64_t here_ns = timer_now_ns();
+    for (frame_ns += period_ns; frame_ns + period_ns <= here_ns; frame_ns += period_ns) {
+      ++statistics.overruns;
     }
     if (result == PICTURE_TAKEN) {
+      // A picture that would be due before this look ends is exposed and read out meanwhile.
+      asked = here_ns + statistics.look_most_ns > frame_ns && camera_ask();
+      statistics.overlapped += asked ? 1 : 0;
       seen = look(crew, &picture);
-    } else {
+    } else if (result == PICTURE_LATE) {
+      asked = true;
       ++statistics.late;
+    } else {
+      print("the camera refuses to take pictures\n");
+      return EXIT_CAMERA;
     }
 
     const int64_t now_ns = timer_now_ns();
@@ -159,11 +177,9 @@ static int fly(crew_t* crew) {
       return EXIT_GATE_PASSED;
     }
 
-    frame_ns += period_ns;
-    for (const int64_t end_ns = timer_now_ns(); frame_ns < end_ns; frame_ns += period_ns) {
-      ++statistics.overruns;
+    if (!asked) {
+      timer_sleep_until(frame_ns);
     }
-    timer_sleep_until(frame_ns);
   }
 }
 
@@ -173,6 +189,8 @@ static void print_summary(int code) {
   print("%s after %m s: %u pictures, %u with a gate, %u late, %u periods overrun\n", kEnds[code],
         (int32_t)(timer_now_ns() / NS_PER_MS), statistics.pictures, statistics.sightings, statistics.late,
         statistics.overruns);
+  print("a look took %m ms at most; %u pictures were exposed during one\n",
+        (int32_t)(statistics.look_most_ns / NS_PER_US), statistics.overlapped);
   if (statistics.pictures > 0) {
     print("instructions per inference: mean %u, most %u\n", (uint32_t)(statistics.instructions / statistics.pictures),
           statistics.instructions_most);
@@ -184,6 +202,7 @@ int main(void) {
   interrupts_off();
   timer_init();
   camera_init();
+  sleep_clock_set(MISSION_SLEEP_CLOCK);
 
   print("gate firmware: %s, %s speed policy, cruise %M m/s at %M m, a picture every %m ms, core at %M MHz\n",
         MISSION_NAVIGATOR == NAVIGATOR_NETWORK ? "neural network" : "gate finder",

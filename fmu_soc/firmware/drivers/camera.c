@@ -6,14 +6,16 @@
 #include "runtime/interrupt.h"
 
 #define CONTROL_TAKE 1U
-#define STATUS_BUSY 1U
 #define STATUS_READY 2U
 #define STATUS_REFUSED 4U
 
 // The sensor's largest picture.
 #define BUFFER_BYTES (324 * 324)
 
-static uint8_t buffer[BUFFER_BYTES] __attribute__((aligned(4), section(".noinit.camera")));
+static uint8_t buffers[2][BUFFER_BYTES] __attribute__((aligned(4), section(".noinit.camera")));
+// The buffer that the picture on its way goes to, or went to last.
+static unsigned filling;
+static bool on_its_way;
 // STATUS bits that the interrupt brought.
 static volatile uint32_t outcome;
 
@@ -25,20 +27,27 @@ static void on_camera(void) {
 }
 
 void camera_init(void) {
-  CAMERA_BUFFER = (uint32_t)(uintptr_t)buffer;
   CAMERA_BUFFER_SIZE = BUFFER_BYTES;
   interrupt_attach(CAMERA_INTERRUPT, on_camera);
 }
 
-camera_result_t camera_take(picture_t* picture, int64_t deadline_ns) {
-  outcome = 0;
-  if ((CAMERA_STATUS & STATUS_BUSY) == 0) {  // busy: the picture that came too late last time is still on its way
-    CAMERA_CONTROL = CONTROL_TAKE;
-    if ((CAMERA_STATUS & STATUS_REFUSED) != 0) {
-      CAMERA_STATUS = STATUS_REFUSED;
-      return PICTURE_REFUSED;
-    }
+bool camera_ask(void) {
+  if (on_its_way) {
+    return true;
   }
+  outcome = 0;
+  filling ^= 1;
+  CAMERA_BUFFER = (uint32_t)(uintptr_t)buffers[filling];
+  CAMERA_CONTROL = CONTROL_TAKE;
+  if ((CAMERA_STATUS & STATUS_REFUSED) != 0) {
+    CAMERA_STATUS = STATUS_REFUSED;
+    return false;
+  }
+  on_its_way = true;
+  return true;
+}
+
+camera_result_t camera_wait(picture_t* picture, int64_t deadline_ns) {
   timer_set_alarm(deadline_ns);
   while (outcome == 0 && !timer_alarm_came()) {
     sleep_until_interrupt();
@@ -46,12 +55,17 @@ camera_result_t camera_take(picture_t* picture, int64_t deadline_ns) {
   if (outcome == 0) {
     return PICTURE_LATE;
   }
+  on_its_way = false;
   if ((outcome & STATUS_READY) == 0) {
     return PICTURE_REFUSED;
   }
-  picture->pixels = buffer;
+  picture->pixels = buffers[filling];
   picture->width = (int)CAMERA_WIDTH;
   picture->height = (int)CAMERA_HEIGHT;
   picture->id = CAMERA_FRAME_ID;
   return PICTURE_TAKEN;
+}
+
+camera_result_t camera_take(picture_t* picture, int64_t deadline_ns) {
+  return camera_ask() ? camera_wait(picture, deadline_ns) : PICTURE_REFUSED;
 }

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Himax HM01B0 behind the chip's camera device: ask for a picture, sleep until it lies in memory.
+// Himax HM01B0 behind the chip's camera device: ask for a picture, sleep until it lies in memory. Pictures go to two
+// buffers in turn: one is exposed and read out while the program works on the one before it.
 #pragma once
 
+#include <stdbool.h>
 #include <stdint.h>
 
 typedef enum {
@@ -17,8 +19,15 @@ typedef struct {
   uint32_t id;            // count of the picture
 } picture_t;
 
-// Names the buffer and attaches the interrupt. Call once, with interrupts off.
+// Attaches the interrupt. Call once, with interrupts off.
 void camera_init(void);
 
-// Takes a picture and sleeps until it is there or `deadline_ns` has come. Uses the timer's alarm.
+// Asks for a picture and returns at once; one that is on its way already stays the one asked for. False: refused.
+bool camera_ask(void);
+
+// Sleeps until the picture asked for is there or `deadline_ns` has come, after which it is still on its way. Uses the
+// timer's alarm. The picture's pixels stay until the one after the next is asked for.
+camera_result_t camera_wait(picture_t* picture, int64_t deadline_ns);
+
+// Both at once.
 camera_result_t camera_take(picture_t* picture, int64_t deadline_ns);

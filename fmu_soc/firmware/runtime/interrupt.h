@@ -21,10 +21,10 @@ static inline void interrupts_on(void) {
   __asm__ volatile("csrsi mstatus, 8" ::: "memory");
 }
 
+// Clock of the core while it sleeps [Hz]; at first, and when it is not below the clock at which the core goes to sleep,
+// the clock stays as it is.
+void sleep_clock_set(uint32_t hz);
+
 // Sleeps until an attached interrupt is pending, then lets its handler run.
 // Call with interrupts off; they are off again on return.
-static inline void sleep_until_interrupt(void) {
-  __asm__ volatile("wfi" ::: "memory");
-  interrupts_on();
-  interrupts_off();
-}
+void sleep_until_interrupt(void);

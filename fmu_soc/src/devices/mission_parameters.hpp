@@ -19,6 +19,7 @@ class MissionParameters final : public Readings<board::mission::kRegisters.size(
     std::int32_t policy = 0;
     double initial_speed_m_per_s = 0;
     std::int32_t navigator = 0;
+    double sleep_clock_hz = 10e6;
   };
 
   explicit MissionParameters(const Values& values) {
@@ -30,6 +31,7 @@ class MissionParameters final : public Readings<board::mission::kRegisters.size(
     set(board::mission::kPolicy, static_cast<std::uint32_t>(values.policy));
     set(board::mission::kInitialSpeed, to_register(values.initial_speed_m_per_s, kMicro));
     set(board::mission::kNavigator, static_cast<std::uint32_t>(values.navigator));
+    set(board::mission::kSleepClock, to_register(values.sleep_clock_hz, 1.0));
   }
 };
 

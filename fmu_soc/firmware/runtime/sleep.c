@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "board.h"
+#include "runtime/interrupt.h"
+
+static uint32_t sleep_clock_hz = UINT32_MAX;
+
+void sleep_clock_set(uint32_t hz) {
+  sleep_clock_hz = hz;
+}
+
+void sleep_until_interrupt(void) {
+  const uint32_t awake_clock_hz = POWER_MANAGER_CLOCK_HZ;
+  // The clock tree draws in proportion to the clock, also while nothing runs on it.
+  if (sleep_clock_hz < awake_clock_hz) {
+    POWER_MANAGER_CLOCK_HZ = sleep_clock_hz;
+  }
+  __asm__ volatile("wfi" ::: "memory");
+  if (sleep_clock_hz < awake_clock_hz) {
+    POWER_MANAGER_CLOCK_HZ = awake_clock_hz;
+  }
+  interrupts_on();
+  interrupts_off();
+}
