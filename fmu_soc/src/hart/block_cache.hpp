@@ -23,7 +23,8 @@ struct Block {
   bool unaligned = false;              // starts with a 32-bit instruction at 2 mod 4
   bool early_jump = false;             // a jump is among the first two: what ran before may delay it
   std::uint64_t stalled_by = 0;        // bit r: a load of register r just before costs its first instruction a cycle
-  mutable std::uint16_t heat = 0;      // how often it was interpreted, until it is translated
+  mutable std::uint16_t heat = 0;      // how often it was interpreted in its epoch
+  mutable std::uint32_t epoch = 0;     // of the core's cycles
 };
 
 /// Decoded blocks by address. All memory is taken at construction; when it is full, everything is
@@ -40,12 +41,14 @@ class BlockCache {
 
   /// Number of the block that starts at `pc`, decoded now if need be; 0 when `pc` cannot be fetched.
   std::uint32_t find(std::uint32_t pc) {
+    const auto number = known(pc);
+    return number != 0 ? number : decode_block(pc);
+  }
+  /// Likewise, 0 when it has not been decoded.
+  std::uint32_t known(std::uint32_t pc) const {
     auto slot = hash(pc);
-    while (table_[slot] != 0) {
-      if (blocks_[table_[slot]].pc == pc) return table_[slot];
-      slot = (slot + 1) & (kTableSize - 1);
-    }
-    return decode_block(pc);
+    while (table_[slot] != 0 && blocks_[table_[slot]].pc != pc) slot = (slot + 1) & (kTableSize - 1);
+    return table_[slot];
   }
   const Block& block(std::uint32_t number) const { return blocks_[number]; }
   const Instruction* instructions(const Block& block) const { return &arena_[block.first]; }

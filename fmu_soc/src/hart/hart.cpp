@@ -14,8 +14,10 @@ namespace {
 
 /// An exception that comes back this often at the same place, with no return from a handler between, has no way out.
 constexpr std::uint32_t kHopelessRepeats = 16;
-/// A block is translated when it was interpreted this often.
+/// A block is translated when it was interpreted this often in one epoch: what runs now and then, for however long, is
+/// not worth it.
 constexpr std::uint16_t kHot = 64;
+constexpr unsigned kEpochBits = 24;  // of cycles
 /// Most cycles of one stay in translated code: its counts have 32 bits.
 constexpr std::uint64_t kLongestRun = std::uint64_t{1} << 30;
 
@@ -76,6 +78,7 @@ void Hart::reset(std::uint32_t pc) {
   counters_ = {};
   execution_.far_accesses = 0;
   restart(pc);
+  cache_.clear();
 }
 
 void Hart::restart(std::uint32_t pc) {
@@ -91,7 +94,6 @@ void Hart::restart(std::uint32_t pc) {
   wake();
   interrupt_ready_ = false;
   exception_repeats_ = 0;
-  cache_.clear();
 }
 
 Stop Hart::run(std::uint64_t limit) {
@@ -117,6 +119,7 @@ Stop Hart::run(std::uint64_t limit) {
       cache_.forget_if_stale();  // a debugger may have changed code, or the pc
       number = 0;
       e.link = nullptr;
+      cut_pc_ = kNoPc;
     }
     if (number == 0) number = following();
     e.link = nullptr;
@@ -124,7 +127,7 @@ Stop Hart::run(std::uint64_t limit) {
       translated_led_here = run_block(number, limit, translated_led_here);
     } else {
       translated_led_here = false;
-      fail_to_fetch();
+      step();
     }
     if (e.leave == Leave::normal) continue;
     if (const auto stop = leave(); stop != Stop::limit) return stop;
@@ -144,26 +147,40 @@ bool Hart::stays_awake() {
   return true;
 }
 
-/// The block at the pc, by the link of what led here if it knows; 0 when nothing can be fetched there.
+/// The block at the pc, by the link of what led here if it knows. 0: nothing can be fetched there, or only a limit or a
+/// return from a trap has led there, and no block begins there otherwise. Limits cut anywhere: blocks from all of these
+/// places would fill the cache and, one after the other, get hot.
 inline std::uint32_t Hart::following() {
   const auto* link = execution_.link;
-  const bool known = link != nullptr && *link != 0 && cache_.block(*link).pc == execution_.pc;
-  return known ? *link : following_block(execution_.link);
+  if (link != nullptr && *link != 0 && cache_.block(*link).pc == execution_.pc) return *link;
+  if (link == nullptr && execution_.pc == cut_pc_) return cache_.known(cut_pc_);
+  return following_block(execution_.link);
 }
 
 /// The target of a jump or taken branch, which costs a cycle when it is unaligned.
 inline std::uint32_t Hart::land() {
   execution_.jumped = false;
-  const auto number = following();
+  const auto* link = execution_.link;
+  const bool known = link != nullptr && *link != 0 && cache_.block(*link).pc == execution_.pc;
+  const auto number = known ? *link : following_block(execution_.link);
   if (number != 0 && cache_.block(number).unaligned) counters_.cycles += kUnalignedTargetExtra;
   return number;
 }
 
-void Hart::fail_to_fetch() {
-  std::uint32_t word = 0;
-  BlockCache::fetch(memory_, execution_.pc, word, execution_.trap_value);
-  execution_.trap_cause = cause::kFetchAccess;
-  execution_.leave = Leave::trap;
+/// One instruction, decoded with what the pipeline holds.
+void Hart::step() {
+  auto& e = execution_;
+  const auto* first = cache_.single(e.pc, two_before_, before_);
+  if (first == nullptr) {
+    std::uint32_t word = 0;
+    BlockCache::fetch(memory_, e.pc, word, e.trap_value);
+    e.trap_cause = cause::kFetchAccess;
+    e.leave = Leave::trap;
+    return;
+  }
+  cut_pc_ = first[1].pc;
+  execute(first);
+  e.link = nullptr;
 }
 
 /// Runs a block in the way that fits, or only its first instruction. True: translated code did, and begins no other
@@ -181,8 +198,7 @@ inline bool Hart::run_block(std::uint32_t number, std::uint64_t limit, bool tran
     return false;
   }
   if (early_jump || counters_.cycles + bound >= limit) [[unlikely]] {
-    execute(cache_.single(e.pc, two_before_, before_));
-    e.link = nullptr;
+    step();
     return false;
   }
   if (translation_on_) {
@@ -267,6 +283,10 @@ const translate::Entry* Hart::translated(std::uint32_t number, const Block& bloc
       translated_generation_ = cache_.generation();
     }
     if (const auto* entry = translator_->find(number); entry != nullptr) return entry;
+  }
+  if (const auto epoch = static_cast<std::uint32_t>(counters_.cycles >> kEpochBits); epoch != block.epoch) {
+    block.epoch = epoch;
+    block.heat = 0;
   }
   if (++block.heat < kHot) return nullptr;
   block.heat = 0;
@@ -465,6 +485,7 @@ const Instruction* Hart::set_loop_end(const Instruction* at, unsigned loop, std:
 const Instruction* Hart::trap_return(const Instruction* at) {
   auto& e = execution_;
   e.pc = csrs_.mepc;
+  cut_pc_ = e.pc;
   e.exit = at + 1;
   e.link = nullptr;
   e.redirected = true;

@@ -79,9 +79,10 @@ class Hart {
   Hart(const Hart&) = delete;
   Hart& operator=(const Hart&) = delete;
 
-  /// All registers 0, counters 0, and the next instruction at `pc`.
+  /// All registers 0, counters 0, and the next instruction at `pc`. What was decoded before is forgotten: a program may
+  /// have been loaded.
   void reset(std::uint32_t pc);
-  /// Likewise, but the counters that nothing in the core can write go on.
+  /// Likewise, but the counters that nothing in the core can write go on, and memory is as it was.
   void restart(std::uint32_t pc);
   /// What mhartid reads; 0 unless set.
   void set_id(std::uint32_t id) { id_ = id; }
@@ -175,13 +176,15 @@ class Hart {
     std::array<std::uint64_t, 2> pccr_base{};
   };
 
+  static constexpr std::uint32_t kNoPc = 1;  // no pc is odd
+
   const Instruction* leave_after(const Instruction* at, Leave why);
   const Instruction* leave_before(const Instruction* at, Leave why);
   const Instruction* finish_load(const Instruction* at, std::uint32_t address, const BusReply& reply);
   bool stays_awake();
   std::uint32_t following();
   std::uint32_t land();
-  void fail_to_fetch();
+  void step();
   bool run_block(std::uint32_t number, std::uint64_t limit, bool translated_led_here);
   void interpret(const Block& block, std::uint32_t stall, std::uint64_t limit);
   Stop leave();
@@ -226,6 +229,7 @@ class Hart {
   Previous before_;
   Previous two_before_;
   std::uint32_t id_ = 0;
+  std::uint32_t cut_pc_ = kNoPc;  // behind an instruction that ran alone, or where a trap returned to
   std::uint32_t bound_mask_ = ~std::uint32_t{0};
   Observer* observer_ = nullptr;
   bool observer_knows_of_sleep_ = false;
