@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "archive_check.hpp"
 
-#include "mebots/error.hpp"
-#include "mebots/modeldesc/archive.hpp"
+#include "mebots/modeldesc/archive_reader.hpp"
 
 #include <fmt/format.h>
 #include <sys/stat.h>
@@ -10,25 +9,12 @@
 
 #include <algorithm>
 #include <map>
-#include <memory>
 #include <set>
 
 namespace mebots::check {
 namespace {
 
 namespace fs = std::filesystem;
-
-struct Discard {
-  void operator()(zip_t* archive) const { zip_discard(archive); }
-};
-
-std::string zip_error(int code) {
-  zip_error_t error;
-  zip_error_init_with_code(&error, code);
-  std::string text = zip_error_strerror(&error);
-  zip_error_fini(&error);
-  return text;
-}
 
 std::string folded(std::string_view name) {
   std::string lower(name);
@@ -151,11 +137,12 @@ class ArchiveCheck {
 
 }  // namespace
 
+void check_archive(zip& archive, Findings findings) {
+  ArchiveCheck(archive, findings).run();
+}
+
 void check_archive(const fs::path& archive, Findings findings) {
-  int code = 0;
-  const std::unique_ptr<zip_t, Discard> zip(zip_open(archive.c_str(), ZIP_RDONLY, &code));
-  if (!zip) throw Error(fmt::format("{}: {}; an FMU is a zip archive", archive.string(), zip_error(code)));
-  ArchiveCheck(*zip, findings).run();
+  check_archive(*modeldesc::open_zip(archive), findings);
 }
 
 }  // namespace mebots::check

@@ -5,6 +5,7 @@
 #include "mebots/master/json_document.hpp"
 #include "mebots/master/ssp.hpp"
 
+#include "config/from_memory.hpp"
 #include "config/sections.hpp"
 
 #include <fmt/format.h>
@@ -63,9 +64,7 @@ SspConfig open_ssp(const std::filesystem::path& file, SystemDescription& system)
   system.unpacked = folder;
   try {
     modeldesc::unpack(file, folder->path());
-    auto ssp = read_ssp(folder->path(), file);
-    system.notices = ssp.notices;
-    return ssp;
+    return read_ssp(folder->path(), file);
   } catch (const InputError&) {
     throw;
   } catch (const Error& error) {
@@ -86,6 +85,37 @@ void read_sections(const JsonDocument& document, SystemDescription& system) {
   }
 }
 
+void read_config_text(LoadedSystem& loaded, const std::string& file, const GivenTimes& times) {
+  const JsonDocument document(loaded.system.source, file);
+  loaded.config = document.value();
+  if (times.step_s || times.stop_time_s) {
+    loaded.config = give(std::move(loaded.config), times);
+    read_sections(JsonDocument(loaded.config, file, {}), loaded.system);
+  } else {
+    read_sections(document, loaded.system);
+  }
+}
+
+void read_ssp_config(LoadedSystem& loaded, SspConfig ssp, const std::string& file, const GivenTimes& times) {
+  loaded.system.notices = std::move(ssp.notices);
+  loaded.config = give(std::move(ssp.config), times);
+  for (const auto* key : {"step", "stop_time"}) {
+    if (loaded.config.contains(key)) continue;
+    throw InputError(fmt::format("{}: the SSP does not say its {}; give it with --{}", file,
+                                 key == std::string_view("step") ? "communication step" : "stop time",
+                                 key == std::string_view("step") ? "step" : "stop-time"));
+  }
+  read_sections(JsonDocument(loaded.config, file, std::move(ssp.places)), loaded.system);
+}
+
+LoadedSystem named(std::string source, const std::filesystem::path& file) {
+  LoadedSystem loaded;
+  loaded.system.source = std::move(source);
+  loaded.system.file = std::filesystem::absolute(file);
+  loaded.system.name = file.stem().string();
+  return loaded;
+}
+
 }  // namespace
 
 std::vector<std::string> config_keys() {
@@ -94,32 +124,24 @@ std::vector<std::string> config_keys() {
   return keys;
 }
 
+LoadedSystem config::load_text(std::string text, const std::filesystem::path& file) {
+  auto loaded = named(std::move(text), file);
+  read_config_text(loaded, file.string(), {});
+  return loaded;
+}
+
+LoadedSystem config::load_ssp_config(SspConfig ssp, const std::filesystem::path& file, const GivenTimes& times) {
+  auto loaded = named({}, file);
+  read_ssp_config(loaded, std::move(ssp), file.string(), times);
+  return loaded;
+}
+
 LoadedSystem load_system(const std::filesystem::path& file, const GivenTimes& times) {
-  LoadedSystem loaded;
-  auto& system = loaded.system;
-  system.source = read_bytes(file);
-  system.file = std::filesystem::absolute(file);
-  system.name = file.stem().string();
+  auto loaded = named(read_bytes(file), file);
   if (file.extension() == ".ssp") {
-    auto ssp = open_ssp(file, system);
-    loaded.config = give(std::move(ssp.config), times);
-    for (const auto* key : {"step", "stop_time"}) {
-      if (loaded.config.contains(key)) continue;
-      throw InputError(fmt::format("{}: the SSP does not say its {}; give it with --{}", file.string(),
-                                   key == std::string_view("step") ? "communication step" : "stop time",
-                                   key == std::string_view("step") ? "step" : "stop-time"));
-    }
-    const JsonDocument document(loaded.config, file.string(), std::move(ssp.places));
-    read_sections(document, system);
+    read_ssp_config(loaded, open_ssp(file, loaded.system), file.string(), times);
   } else {
-    JsonDocument document(system.source, file.string());
-    loaded.config = document.value();
-    if (times.step_s || times.stop_time_s) {
-      loaded.config = give(std::move(loaded.config), times);
-      read_sections(JsonDocument(loaded.config, file.string(), {}), system);
-    } else {
-      read_sections(document, system);
-    }
+    read_config_text(loaded, file.string(), times);
   }
   return loaded;
 }

@@ -11,30 +11,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Where lines start, to turn an offset into line and column, both from 1; columns count characters of UTF-8.
-class Lines {
- public:
-  explicit Lines(std::string_view text) : text_(text) {
-    for (std::size_t at = text.find('\n'); at != std::string_view::npos; at = text.find('\n', at + 1)) {
-      starts_.push_back(at + 1);
-    }
-  }
-
-  std::string place(std::size_t offset) const {
-    offset = std::min(offset, text_.size());
-    const auto next = std::upper_bound(starts_.begin(), starts_.end(), offset);
-    const auto line = static_cast<std::size_t>(next - starts_.begin());
-    const auto before = text_.substr(starts_[line - 1], offset - starts_[line - 1]);
-    const auto column = std::count_if(before.begin(), before.end(),
-                                      [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; });
-    return fmt::format(":{}:{}", line, column + 1);
-  }
-
- private:
-  std::string_view text_;
-  std::vector<std::size_t> starts_{0};
-};
-
 /// Offset after the string that begins at `at`.
 std::size_t string_end(std::string_view text, std::size_t at) {
   for (++at; at < text.size() && text[at] != '"'; ++at) {
@@ -104,7 +80,9 @@ void walk(std::string_view text, Value value, Twice twice) {
       ++at;
     } else if (c == '"' && !open.empty() && open.back().key_next) {
       const auto end = string_end(text, at);
-      auto key = Json::parse(text.substr(at, end - at)).get<std::string>();
+      const auto quoted = text.substr(at, end - at);
+      auto key = quoted.find('\\') == std::string_view::npos ? std::string(quoted.substr(1, quoted.size() - 2))
+                                                             : Json::parse(quoted).get<std::string>();
       if (!open.back().keys.insert(key).second) twice(at, key);
       open.back().key_next = false;
       key_offset = at;
@@ -133,7 +111,12 @@ std::vector<const Json*> all_values(const Json& root) {
   return result;
 }
 
-Json parsed(std::string_view text, const std::string& file, const Lines& lines) {
+Json parsed(std::string_view text, const std::string& file, const TextLines& lines) {
+  // The library takes a zero byte for the end, and would leave out what follows without a word.
+  if (const auto zero = text.find('\0'); zero != std::string_view::npos) {
+    throw InputError(fmt::format("{}{}: there is a zero byte, so this is no text; save the file as UTF-8", file,
+                                 lines.place(zero)));
+  }
   if (const auto offset = too_deep(text)) {
     throw InputError(fmt::format("{}{}: this is nested more than {} levels deep, which no config needs", file,
                                  lines.place(*offset), JsonDocument::kDeepest));
@@ -160,18 +143,35 @@ Json parsed(std::string_view text, const std::string& file, const Lines& lines) 
 
 }  // namespace
 
-JsonDocument::JsonDocument(std::string_view text, std::string file) : file_(std::move(file)) {
-  const Lines lines(text);
-  value_ = parsed(text, file_, lines);
+TextLines::TextLines(std::string text) : text_(std::move(text)) {
+  for (std::size_t at = text_.find('\n'); at != std::string::npos; at = text_.find('\n', at + 1)) {
+    starts_.push_back(at + 1);
+  }
+}
+
+std::string TextLines::place(std::size_t offset) const {
+  offset = std::min(offset, text_.size());
+  const auto next = std::upper_bound(starts_.begin(), starts_.end(), offset);
+  const auto line = static_cast<std::size_t>(next - starts_.begin());
+  const auto before = std::string_view(text_).substr(starts_[line - 1], offset - starts_[line - 1]);
+  const auto column = std::count_if(before.begin(), before.end(),
+                                    [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; });
+  return fmt::format(":{}:{}", line, column + 1);
+}
+
+JsonDocument::JsonDocument(std::string_view text, std::string file)
+    : file_(std::move(file)), lines_(std::string(text)) {
+  value_ = parsed(text, file_, lines_);
   std::vector<std::size_t> offsets;
   walk(
       text, [&](std::size_t offset) { offsets.push_back(offset); },
       [&](std::size_t offset, const std::string& key) {
         throw InputError(fmt::format("{}{}: the key '{}' stands twice in one object; remove one of them", file_,
-                                     lines.place(offset), key));
+                                     lines_.place(offset), key));
       });
   const auto values = all_values(value_);
-  for (std::size_t i = 0; i < values.size(); ++i) positions_[values[i]] = lines.place(offsets[i]);
+  offsets_.reserve(values.size());
+  for (std::size_t i = 0; i < values.size(); ++i) offsets_[values[i]] = offsets[i];
 }
 
 JsonDocument::JsonDocument(Json value, std::string file, std::map<std::string, std::string> places)
@@ -179,8 +179,8 @@ JsonDocument::JsonDocument(Json value, std::string file, std::map<std::string, s
 
 std::string JsonDocument::place(const Json& value, const std::string& pointer) const {
   const auto* const shown = pointer.empty() ? "/" : pointer.c_str();
-  if (const auto found = positions_.find(&value); found != positions_.end()) {
-    return fmt::format("{}{}: {}", file_, found->second, shown);
+  if (const auto found = offsets_.find(&value); found != offsets_.end()) {
+    return fmt::format("{}{}: {}", file_, lines_.place(found->second), shown);
   }
   for (auto outer = pointer;; outer.resize(outer.rfind('/'))) {
     if (const auto found = places_.find(outer); found != places_.end()) {

@@ -9,6 +9,8 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <charconv>
+#include <cstdint>
 
 namespace mebots::modeldesc {
 namespace {
@@ -114,6 +116,26 @@ void refuse_entities(const pugi::xml_document& document, std::string_view text, 
   }
 }
 
+/// XML 1.0, section 2.2.
+bool is_xml_character(std::uint32_t code) {
+  return code == 0x9 || code == 0xA || code == 0xD || (code >= 0x20 && code <= 0xD7FF) ||
+         (code >= 0xE000 && code <= 0xFFFD) || (code >= 0x10000 && code <= 0x10FFFF);
+}
+
+/// pugixml makes bytes of any number in a reference such as &#xD800;, also of those that are no character.
+void refuse_references(std::string_view text, std::string_view source) {
+  for (auto at = text.find("&#"); at != std::string_view::npos; at = text.find("&#", at + 1)) {
+    const bool hex = text.substr(at + 2).starts_with('x');
+    const auto* first = text.data() + at + (hex ? 3 : 2);
+    std::uint32_t code = 0;
+    const auto [end, error] = std::from_chars(first, text.data() + text.size(), code, hex ? 16 : 10);
+    if (end == first || (error == std::errc{} && is_xml_character(code))) continue;
+    throw Error(fmt::format("{}, line {}: &#{}; is no character of XML", source,
+                            line_of(text, static_cast<std::ptrdiff_t>(at)),
+                            std::string_view(hex ? first - 1 : first, end)));
+  }
+}
+
 }  // namespace
 
 std::string xml_as_utf8(std::string_view bytes, std::string_view source) {
@@ -140,6 +162,7 @@ void parse_xml(pugi::xml_document& document, std::string_view text, std::string_
                             result.description()));
   }
   refuse_entities(document, text, source);
+  refuse_references(text, source);
   if (const auto node = too_deep(document)) {
     throw Error(fmt::format("{}, line {}: elements are nested more than {} levels deep", source,
                             line_of(text, node.offset_debug()), kDeepestXml));

@@ -53,6 +53,19 @@ TEST(CheckSchema, MistakesAreNamedWithTheirLine) {
   EXPECT_THAT(with("<ModelStructure>", "<ModelStructure><Inputs/>"), Contains(HasSubstr("no such child")));
 }
 
+TEST(CheckSchema, DatesAreThoseOfXmlSchema) {
+  const auto dated = [](const std::string& date) {
+    return with("guid=", "generationDateAndTime=\"" + date + "\" guid=");
+  };
+  for (const char* good : {"2024-05-01T12:00:00Z", "-12024-05-01T12:00:00", "2024-05-01T12:00:00.25+02:00"})
+    EXPECT_THAT(dated(good), IsEmpty()) << good;
+  for (const char* bad :
+       {"24-05-01T12:00:00Z", "2024-05-01 12:00:00", "2024-05-01T12:00:00.Z", "2024-05-01T12:00:00+2"})
+    EXPECT_THAT(dated(bad), Contains(HasSubstr("generationDateAndTime is"))) << bad;
+  EXPECT_THAT(dated(std::string(1'000'000, '1')), Contains(HasSubstr("generationDateAndTime is")))
+      << "however long it is";
+}
+
 TEST(CheckSchema, OrderAndEncodingCount) {
   auto text = culprit_description("none");
   EXPECT_THAT(with("  <UnitDefinitions><Unit name=\"m\"><BaseUnit m=\"1\"/></Unit></UnitDefinitions>\n  "

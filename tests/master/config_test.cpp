@@ -173,6 +173,10 @@ TEST(Config, AConnectionNamesInstanceAndVariable) {
   EXPECT_THAT(connected("motor"), HasSubstr("write instance.variable"));
 }
 
+TEST(Config, AZeroByteIsNoEndOfTheFile) {
+  EXPECT_THAT(error_of(std::string("3\0 }}", 5)), AllOf(HasSubstr(":1:2"), HasSubstr("zero byte")));
+}
+
 TEST(Config, AConditionComparesOnce) {
   EXPECT_THAT(error_of(config_with(R"("stop_when": [{"variable": "a.steps"}],)")), HasSubstr("exactly one of"));
   EXPECT_THAT(error_of(config_with(R"("stop_when": [{"variable": "a.steps", "above": 1, "below": 3}],)")),

@@ -174,6 +174,28 @@ TEST_F(Ssp, WhatCannotBeUsedIsSaidWithFileAndLine) {
       HasSubstr("mebots starts at 0"));
 }
 
+/// A value of a connector of the root system, with what hangs on it.
+std::string with_value(const std::string& value, const std::string& transformation) {
+  return fmt::format(
+      R"(<ssd:Connectors><ssd:Connector name="u" kind="input"/></ssd:Connectors>
+      <ssd:ParameterBindings><ssd:ParameterBinding><ssd:ParameterValues><ssv:ParameterSet><ssv:Parameters>
+        <ssv:Parameter name="u">{}</ssv:Parameter></ssv:Parameters></ssv:ParameterSet></ssd:ParameterValues></ssd:ParameterBinding></ssd:ParameterBindings>{}
+      <ssd:Connections><ssd:Connection startConnector="u" endElement="a" endConnector="bare_in">{}</ssd:Connection></ssd:Connections>)",
+      value, two(), transformation);
+}
+
+TEST_F(Ssp, ValuesThatNoFmuCanTakeAreRefused) {
+  const std::string twice = R"(<ssc:LinearTransformation factor="2"/>)";
+  EXPECT_THAT(error_of(with_value(R"(<ssv:String value="much"/>)", twice)),
+              AllOf(HasSubstr("\"u\" is \"much\""), HasSubstr("only numbers")));
+  EXPECT_THAT(error_of(with_value(R"(<ssv:Real value="1e308"/>)", R"(<ssc:LinearTransformation factor="1e9"/>)")),
+              HasSubstr("range of numbers"));
+  EXPECT_THAT(error_of(with_value(R"(<ssv:Real value="INF"/>)", "")), HasSubstr("no finite number"));
+  EXPECT_THAT(error_of(with_value(R"(<ssv:Integer value="3e9"/>)", "")), HasSubstr("whole number of 32 bits"));
+  EXPECT_THAT(error_of(with_value(R"(<ssv:Enumeration value="1.5"/>)", "")), HasSubstr("whole number of 32 bits"));
+  EXPECT_THAT(error_of(with_value(R"(<ssv:String value="&#xD800;"/>)", "")), HasSubstr("no character of XML"));
+}
+
 TEST_F(Ssp, AnInputThatFitsNothingIsAnsweredWithThePlaceInTheSsd) {
   FmuLibrary library;
   const auto loaded = load(two() + R"(

@@ -7,6 +7,8 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
+#include <limits>
 #include <memory>
 
 namespace mebots::master::ssp {
@@ -45,8 +47,7 @@ Part part(const Source& source, const XmlFile& file, pugi::xml_node node, const 
     if (base != "SSD")
       file.fail(node, fmt::format("sourceBase=\"{}\" is not supported; put the file into the SSP", base));
     const auto path = resolve_uri(source, file, node, uri.value());
-    auto own = std::make_unique<XmlFile>(
-        path, fmt::format("{}: {}", source.archive, path.lexically_relative(source.folder).string()));
+    auto own = std::make_unique<XmlFile>(source.files.read(path), fmt::format("{}: {}", source.archive, path.string()));
     const auto root = own->root();
     if (local_name(root) != root_name) own->fail(root, fmt::format("the root element must be {}", root_name));
     const auto* raw = own.get();
@@ -58,21 +59,27 @@ Part part(const Source& source, const XmlFile& file, pugi::xml_node node, const 
   return {&file, found, nullptr};
 }
 
+std::int32_t whole_number(const XmlFile& file, pugi::xml_node node, const std::string& text) {
+  using Limits = std::numeric_limits<std::int32_t>;
+  const auto value = parse_number(text);
+  // Comparisons first: a number that does not fit, or NaN, must not be converted.
+  if (!value || !(*value >= Limits::min() && *value <= Limits::max()) || *value != std::floor(*value)) {
+    file.fail(node, fmt::format("\"{}\" is no whole number of 32 bits", text));
+  }
+  return static_cast<std::int32_t>(*value);
+}
+
 Json value_of(const XmlFile& file, pugi::xml_node parameter) {
   for (const auto node : parameter.children()) {
     const auto type = local_name(node);
     const auto text = [&] { return file.required(node, "value"); };
     if (type == "Real" || type == "Float64" || type == "Float32") {
       const auto value = parse_number(text());
-      if (!value) file.fail(node, fmt::format("\"{}\" is no number", text()));
+      if (!value) file.fail(node, fmt::format("\"{}\" is no finite number", text()));
       return *value;
     }
     if (type == "Integer" || type.starts_with("Int") || type.starts_with("UInt")) {
-      const auto value = parse_number(text());
-      if (!value || *value != static_cast<double>(static_cast<std::int32_t>(*value))) {
-        file.fail(node, fmt::format("\"{}\" is no whole number of 32 bits", text()));
-      }
-      return static_cast<std::int32_t>(*value);
+      return whole_number(file, node, text());
     }
     if (type == "Boolean") {
       text();
@@ -81,8 +88,7 @@ Json value_of(const XmlFile& file, pugi::xml_node parameter) {
     if (type == "String" || type == "Enumeration") {
       // Tools that know no items write an enumeration's number.
       const auto word = text();
-      const auto number = type == "Enumeration" ? parse_number(word) : std::nullopt;
-      if (number) return static_cast<std::int64_t>(*number);
+      if (type == "Enumeration" && parse_number(word)) return whole_number(file, node, word);
       return word;
     }
     if (type == "Binary") file.fail(node, "binary parameters are nothing that FMI 2.0 knows");
@@ -106,7 +112,7 @@ void transform(const XmlFile& file, pugi::xml_node entry, Json& value) {
       } else if (value.is_string()) {
         value = target;
       } else {
-        value = static_cast<std::int64_t>(parse_number(target).value_or(0));
+        value = whole_number(file, map, target);
       }
       return;
     }
@@ -117,7 +123,9 @@ void transform(const XmlFile& file, pugi::xml_node entry, Json& value) {
   if (!value.is_number()) file.fail(linear, "only numbers can be transformed linearly");
   const double factor = file.number(linear, "factor", 1);
   const double offset = file.number(linear, "offset", 0);
-  if (factor != 1 || offset != 0) value = factor * value.get<double>() + offset;
+  if (factor == 1 && offset == 0) return;
+  value = factor * value.get<double>() + offset;
+  if (!std::isfinite(value.get<double>())) file.fail(linear, "the value leaves the range of numbers");
 }
 
 std::vector<Parameter> read_values(const Part& values, const std::string& prefix) {
@@ -161,9 +169,8 @@ std::filesystem::path resolve_uri(const Source& source, const XmlFile& file, pug
   if (normal.empty() || *normal.begin() == "..") {
     file.fail(node, fmt::format("the source \"{}\" is not inside the SSP", uri));
   }
-  auto path = source.folder / normal;
-  if (!std::filesystem::is_regular_file(path)) file.fail(node, fmt::format("the SSP holds no file \"{}\"", uri));
-  return path;
+  if (!source.files.holds(normal)) file.fail(node, fmt::format("the SSP holds no file \"{}\"", uri));
+  return normal;
 }
 
 std::vector<Parameter> read_parameter_bindings(const Source& source, const XmlFile& file, pugi::xml_node element) {

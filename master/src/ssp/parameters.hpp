@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "files.hpp"
 #include "xml_file.hpp"
 
 #include <nlohmann/json.hpp>
@@ -18,14 +19,14 @@ struct Parameter {
   std::string place;
 };
 
-/// Where the files of an SSP lie, and what the SSP is called.
+/// The files of an SSP, and what the SSP is called.
 struct Source {
-  std::filesystem::path folder;  ///< of the SSD
+  const Files& files;
   std::string archive;
 };
 
-/// A relative URI inside the SSP as a path in its folder. Throws InputError for one that is absolute, leaves the
-/// folder, or names no file.
+/// A relative URI as a path inside the SSP. Throws InputError for one that is absolute, leaves the SSP, or names no
+/// file.
 std::filesystem::path resolve_uri(const Source& source, const XmlFile& file, pugi::xml_node node,
                                   const std::string& uri);
 

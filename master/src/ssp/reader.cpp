@@ -3,11 +3,13 @@
 #include "mebots/master/ssp.hpp"
 
 #include "parameters.hpp"
+#include "read.hpp"
 #include "xml_file.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 #include <tuple>
 
@@ -15,6 +17,7 @@ namespace mebots::master {
 namespace {
 
 using namespace ssp;
+constexpr auto kSsd = "SystemStructure.ssd";
 using Json = nlohmann::ordered_json;
 
 /// A connector: of a component, or of a system as seen from inside and outside.
@@ -47,9 +50,8 @@ struct Component {
 
 class SspReader {
  public:
-  SspReader(const std::filesystem::path& folder, const std::filesystem::path& archive)
-      : source_{folder, archive.string()},
-        file_(folder / "SystemStructure.ssd", archive.string() + ": SystemStructure.ssd") {}
+  SspReader(const Files& files, const std::string& archive)
+      : source_{files, archive}, file_(files.read(kSsd), archive + ": " + kSsd) {}
 
   SspConfig read() {
     const auto root = file_.root();
@@ -118,8 +120,9 @@ class SspReader {
     if (!element.attribute("source")) {
       file_.fail(element, fmt::format("\"{}\" has no source, so there is nothing to simulate", path));
     }
-    components_.push_back({path, resolve_uri(source_, file_, element, element.attribute("source").value()),
-                           element.attribute("description").value(), file_.place(element)});
+    const auto inside = resolve_uri(source_, file_, element, element.attribute("source").value());
+    components_.push_back(
+        {path, source_.files.place(inside), element.attribute("description").value(), file_.place(element)});
     component_paths_.insert(path);
     for (auto& parameter : read_parameter_bindings(source_, file_, element)) {
       assign(path, parameter.name, parameter.value, parameter.place);
@@ -173,7 +176,7 @@ class SspReader {
 
   void write_instances() {
     auto& instances = result_.config["instances"] = Json::object();
-    result_.places["/instances"] = "SystemStructure.ssd";
+    result_.places["/instances"] = kSsd;
     for (const auto& component : components_) {
       auto& instance = instances[component.path] = Json::object();
       const auto pointer = "/instances" + pointer_step(component.path);
@@ -216,6 +219,7 @@ class SspReader {
         whole.factor *= before->second.factor;
         whole.convert_units = whole.convert_units && before->second.convert_units;
         whole.from = before->second.from;
+        if (!std::isfinite(whole.factor) || !std::isfinite(whole.offset)) throw out_of_range(whole, to);
       }
       if (component_paths_.count(whole.from.element) == 0) {
         feed_from_outside(to, whole);
@@ -242,8 +246,20 @@ class SspReader {
       return;
     }
     auto number = value->second.value;
-    if (edge.factor != 1 || edge.offset != 0) number = edge.factor * number.get<double>() + edge.offset;
+    if (edge.factor != 1 || edge.offset != 0) {
+      if (!number.is_number()) {
+        throw InputError(fmt::format("{}: the value of \"{}\" is {}, but only numbers can be transformed linearly",
+                                     edge.place, edge.from.text(), number.dump()));
+      }
+      number = edge.factor * number.get<double>() + edge.offset;
+      if (!std::isfinite(number.get<double>())) throw out_of_range(edge, to);
+    }
     set_parameter(to, number, value->second.place);
+  }
+
+  static InputError out_of_range(const Edge& edge, const Endpoint& to) {
+    return InputError(
+        fmt::format("{}: the transformations on the way to {} leave the range of numbers", edge.place, to.text()));
   }
 
   void read_experiment(pugi::xml_node node) {
@@ -319,11 +335,15 @@ class SspReader {
 
 }  // namespace
 
-SspConfig read_ssp(const std::filesystem::path& folder, const std::filesystem::path& archive) {
-  if (!std::filesystem::exists(folder / "SystemStructure.ssd")) {
-    throw InputError(fmt::format("{}: this is not an SSP: it holds no SystemStructure.ssd", archive.string()));
+SspConfig ssp::read(const Files& files, const std::string& archive) {
+  if (!files.holds(kSsd)) {
+    throw InputError(fmt::format("{}: this is not an SSP: it holds no {}", archive, kSsd));
   }
-  return SspReader(folder, archive).read();
+  return SspReader(files, archive).read();
+}
+
+SspConfig read_ssp(const std::filesystem::path& folder, const std::filesystem::path& archive) {
+  return ssp::read(FolderFiles(folder), archive.string());
 }
 
 }  // namespace mebots::master

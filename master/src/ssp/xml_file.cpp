@@ -7,15 +7,11 @@
 #include <fmt/format.h>
 
 #include <charconv>
-#include <fstream>
-#include <iterator>
+#include <cmath>
 
 namespace mebots::master::ssp {
 
-XmlFile::XmlFile(const std::filesystem::path& file, std::string name) : name_(std::move(name)) {
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) throw InputError(fmt::format("{}: the file is missing", name_));
-  const std::string bytes(std::istreambuf_iterator<char>(stream), {});
+XmlFile::XmlFile(std::string_view bytes, std::string name) : name_(std::move(name)) {
   try {
     text_ = modeldesc::xml_as_utf8(bytes, name_);
     modeldesc::parse_xml(document_, text_, name_);
@@ -42,7 +38,8 @@ double XmlFile::number(pugi::xml_node node, const char* attribute, double fallba
   const auto found = node.attribute(attribute);
   if (!found) return fallback;
   const auto value = parse_number(found.value());
-  if (!value) fail(node, fmt::format("the attribute {} is \"{}\", but a number is expected", attribute, found.value()));
+  if (!value)
+    fail(node, fmt::format("the attribute {} is \"{}\", but a finite number is expected", attribute, found.value()));
   return *value;
 }
 
@@ -80,7 +77,7 @@ std::optional<double> parse_number(std::string_view text) {
   if (text.starts_with('+')) text.remove_prefix(1);
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
+  if (error != std::errc{} || end != text.data() + text.size() || !std::isfinite(value)) return std::nullopt;
   return value;
 }
 

@@ -3,7 +3,6 @@
 
 #include <pugixml.hpp>
 
-#include <filesystem>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -15,7 +14,7 @@ namespace mebots::master::ssp {
 class XmlFile {
  public:
   /// `name` names the file in messages. Throws InputError with the line of what is not well-formed.
-  XmlFile(const std::filesystem::path& file, std::string name);
+  XmlFile(std::string_view bytes, std::string name);
   XmlFile(const XmlFile&) = delete;
   XmlFile& operator=(const XmlFile&) = delete;
 
@@ -40,7 +39,7 @@ std::string_view local_name(pugi::xml_node node);
 pugi::xml_node child(pugi::xml_node node, std::string_view name);
 std::vector<pugi::xml_node> children(pugi::xml_node node, std::string_view name);
 
-/// The whole text as a number of XML Schema, or nothing.
+/// The whole text as a finite number, or nothing.
 std::optional<double> parse_number(std::string_view text);
 
 }  // namespace mebots::master::ssp

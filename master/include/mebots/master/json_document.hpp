@@ -10,8 +10,23 @@
 #include <string>
 #include <string_view>
 #include <unordered_map>
+#include <vector>
 
 namespace mebots::master {
+
+/// Where the lines of a text start, to turn an offset into line and column.
+class TextLines {
+ public:
+  TextLines() = default;
+  explicit TextLines(std::string text);
+
+  /// ":line:column", both from 1; columns count characters of UTF-8.
+  std::string place(std::size_t offset) const;
+
+ private:
+  std::string text_;
+  std::vector<std::size_t> starts_{0};
+};
 
 /// A JSON text that knows where each of its values stands, so that every complaint names file, line, column
 /// and JSON pointer. Lives as long as any JsonNode of it.
@@ -40,7 +55,8 @@ class JsonDocument {
  private:
   nlohmann::ordered_json value_;
   std::string file_;
-  std::unordered_map<const nlohmann::ordered_json*, std::string> positions_;  // ":line:column"
+  TextLines lines_;
+  std::unordered_map<const nlohmann::ordered_json*, std::size_t> offsets_;  // of values in the text
   std::map<std::string, std::string> places_;
 };
 

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "files.hpp"
+
+#include "mebots/master/input_error.hpp"
+
+#include <fmt/format.h>
+
+#include <fstream>
+#include <iterator>
+
+namespace mebots::master::ssp {
+
+bool FolderFiles::holds(const std::filesystem::path& inside) const {
+  return std::filesystem::is_regular_file(folder_ / inside);
+}
+
+std::string FolderFiles::read(const std::filesystem::path& inside) const {
+  std::ifstream stream(folder_ / inside, std::ios::binary);
+  if (!stream) throw InputError(fmt::format("{}: the file is missing", inside.string()));
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+}  // namespace mebots::master::ssp

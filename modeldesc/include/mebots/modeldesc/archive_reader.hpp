@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "mebots/modeldesc/archive.hpp"
+
+#include <functional>
+#include <memory>
+
+struct zip;  // libzip's zip_t
+
+namespace mebots::modeldesc {
+
+struct DiscardZip {
+  void operator()(zip* archive) const;
+};
+using ZipHandle = std::unique_ptr<zip, DiscardZip>;
+
+/// Opens a zip archive for reading. Throws mebots::Error with libzip's reason.
+ZipHandle open_zip(const std::filesystem::path& archive);
+/// The same from memory, which must outlive the handle; `name` stands for the archive in messages.
+ZipHandle open_zip(std::string_view bytes, std::string_view name);
+
+/// An archive whose names, kinds and declared sizes have passed: see unpack().
+class ArchiveReader {
+ public:
+  struct Entry {
+    std::uint64_t index = 0;
+    std::string name;        ///< leads to no place outside of the folder that it is unpacked to
+    std::uint64_t size = 0;  ///< unpacked bytes, as declared
+    bool is_folder = false;
+  };
+
+  /// Throws mebots::Error as unpack() does. `name` stands for the archive in messages.
+  ArchiveReader(ZipHandle archive, std::string name, const UnpackLimits& limits = {});
+
+  const std::vector<Entry>& entries() const { return entries_; }
+  /// Hands over the entry's bytes, part by part. Throws mebots::Error when they are damaged, or more or fewer than
+  /// declared; never hands over more.
+  void read(const Entry& entry, const std::function<void(std::string_view)>& take) const;
+
+ private:
+  [[noreturn]] void refuse(std::string_view name, std::string_view why) const;
+  void check_name(std::string_view name) const;
+  void check_kind(const Entry& entry) const;
+  void check_size(const Entry& entry, std::uint64_t packed, std::uint64_t& total) const;
+
+  ZipHandle archive_;
+  std::string name_;
+  UnpackLimits limits_;
+  std::vector<Entry> entries_;
+};
+
+}  // namespace mebots::modeldesc

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mebots/modeldesc/archive_reader.hpp"
+
+#include "mebots/error.hpp"
+
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <zip.h>
+
+#include <array>
+#include <set>
+
+namespace mebots::modeldesc {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct CloseFile {
+  void operator()(zip_file_t* file) const { zip_fclose(file); }
+};
+using ArchiveFile = std::unique_ptr<zip_file_t, CloseFile>;
+
+[[noreturn]] void cannot_open(std::string_view name, const char* reason) {
+  throw Error(fmt::format("{}: {}; an FMU is a zip archive; was it copied completely?", name, reason));
+}
+
+class ZipError {
+ public:
+  ZipError() { zip_error_init(&error_); }
+  explicit ZipError(int code) { zip_error_init_with_code(&error_, code); }
+  ~ZipError() { zip_error_fini(&error_); }
+  ZipError(const ZipError&) = delete;
+  ZipError& operator=(const ZipError&) = delete;
+
+  zip_error_t* get() { return &error_; }
+  const char* text() { return zip_error_strerror(&error_); }
+
+ private:
+  zip_error_t error_{};
+};
+
+}  // namespace
+
+void DiscardZip::operator()(zip* archive) const {
+  zip_discard(archive);
+}
+
+ZipHandle open_zip(const fs::path& archive) {
+  if (!fs::exists(archive)) throw Error(fmt::format("{}: there is no such file", archive.string()));
+  if (fs::is_directory(archive)) throw Error(fmt::format("{}: this is a folder, not an archive", archive.string()));
+  int code = 0;
+  ZipHandle handle(zip_open(archive.c_str(), ZIP_RDONLY, &code));
+  if (!handle) cannot_open(archive.string(), ZipError(code).text());
+  return handle;
+}
+
+ZipHandle open_zip(std::string_view bytes, std::string_view name) {
+  ZipError error;
+  zip_source_t* source = zip_source_buffer_create(bytes.data(), bytes.size(), 0, error.get());
+  if (source == nullptr) cannot_open(name, error.text());
+  ZipHandle handle(zip_open_from_source(source, ZIP_RDONLY, error.get()));
+  if (handle) return handle;
+  zip_source_free(source);
+  cannot_open(name, error.text());
+}
+
+ArchiveReader::ArchiveReader(ZipHandle archive, std::string name, const UnpackLimits& limits)
+    : archive_(std::move(archive)), name_(std::move(name)), limits_(limits) {
+  const zip_int64_t count = zip_get_num_entries(archive_.get(), 0);
+  if (count < 0 || static_cast<std::uint64_t>(count) > limits_.entries)
+    throw Error(fmt::format("{}: {} entries are more than the limit of {}", name_, count, limits_.entries));
+  std::set<std::string> names;
+  std::uint64_t total = 0;
+  for (zip_int64_t i = 0; i < count; ++i) {
+    zip_stat_t stat;
+    const auto index = static_cast<zip_uint64_t>(i);
+    if (zip_stat_index(archive_.get(), index, 0, &stat) != 0)
+      throw Error(fmt::format("{}: entry {}: {}", name_, i, zip_strerror(archive_.get())));
+    const Entry entry{index, stat.name, stat.size, std::string_view(stat.name).ends_with('/')};
+    check_name(entry.name);
+    check_kind(entry);
+    if (!names.insert(fs::path(entry.name).lexically_normal()).second) refuse(entry.name, "is there twice");
+    check_size(entry, stat.comp_size, total);
+    entries_.push_back(entry);
+  }
+}
+
+void ArchiveReader::refuse(std::string_view name, std::string_view why) const {
+  throw Error(fmt::format("{}: the entry \"{}\" {}; the archive is refused", name_, name, why));
+}
+
+void ArchiveReader::check_name(std::string_view name) const {
+  if (name.empty()) refuse(name, "has no name");
+  if (name.find('\\') != std::string_view::npos) refuse(name, "has a backslash in its name");
+  if (name.front() == '/') refuse(name, "is an absolute path");
+  if (name.size() >= 2 && name[1] == ':') refuse(name, "starts with a drive letter");
+  for (const fs::path& part : fs::path(name))
+    if (part == "..") refuse(name, "would leave the target folder");
+}
+
+void ArchiveReader::check_kind(const Entry& entry) const {
+  zip_uint8_t system = 0;
+  zip_uint32_t attributes = 0;
+  if (zip_file_get_external_attributes(archive_.get(), entry.index, 0, &system, &attributes) != 0) return;
+  if (system != ZIP_OPSYS_UNIX && system != ZIP_OPSYS_OS_X) return;
+  const auto kind = static_cast<mode_t>(attributes >> 16) & S_IFMT;
+  if (kind == S_IFLNK) refuse(entry.name, "is a symbolic link");
+  if (kind != 0 && kind != S_IFREG && kind != S_IFDIR) refuse(entry.name, "is neither file nor folder");
+}
+
+void ArchiveReader::check_size(const Entry& entry, std::uint64_t packed, std::uint64_t& total) const {
+  constexpr std::uint64_t kSmall = std::uint64_t{16} << 20;
+  if (entry.size > limits_.total_bytes - total)
+    refuse(entry.name, fmt::format("takes the unpacked size over the limit of {} bytes", limits_.total_bytes));
+  total += entry.size;
+  if (entry.size > kSmall && static_cast<double>(entry.size) > limits_.ratio * static_cast<double>(packed))
+    refuse(entry.name, fmt::format("unpacks {} bytes to {}, more than {} times", packed, entry.size, limits_.ratio));
+}
+
+void ArchiveReader::read(const Entry& entry, const std::function<void(std::string_view)>& take) const {
+  const auto damaged = [&](std::string_view text) {
+    throw Error(fmt::format("{}: the entry \"{}\" cannot be read: {}; was the file copied completely?", name_,
+                            entry.name, text));
+  };
+  const ArchiveFile file(zip_fopen_index(archive_.get(), entry.index, 0));
+  if (!file) damaged(zip_strerror(archive_.get()));
+  std::array<char, 65536> buffer;  // NOLINT(cppcoreguidelines-pro-type-member-init): filled by zip_fread
+  std::uint64_t taken = 0;
+  for (;;) {
+    const zip_int64_t size = zip_fread(file.get(), buffer.data(), buffer.size());
+    if (size < 0) damaged(zip_file_strerror(file.get()));
+    if (size == 0) break;
+    taken += static_cast<std::uint64_t>(size);
+    if (taken > entry.size) damaged(fmt::format("it holds more than the {} bytes that it declares", entry.size));
+    take({buffer.data(), static_cast<std::size_t>(size)});
+  }
+  if (taken != entry.size) damaged(fmt::format("{} of {} bytes are there", taken, entry.size));
+}
+
+}  // namespace mebots::modeldesc

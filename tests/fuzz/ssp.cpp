@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Any text as the files of an SSP: refused with an InputError, or a config that is JSON and, read on, a system whose
+// parts fit each other. An input is SystemStructure.ssd, then further files, each after a line "=== path".
+#include "mebots/master/input_error.hpp"
+
+#include "config/from_memory.hpp"
+#include "ssp/read.hpp"
+#include "system.hpp"
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <string_view>
+
+namespace {
+
+using mebots::master::InputError;
+
+class MemoryFiles final : public mebots::master::ssp::Files {
+ public:
+  explicit MemoryFiles(std::string_view input) {
+    constexpr std::string_view kMark = "\n=== ";
+    std::string name = "SystemStructure.ssd";
+    while (true) {
+      const auto end = input.find(kMark);
+      files_.emplace(name, input.substr(0, end));
+      if (end == std::string_view::npos) return;
+      input.remove_prefix(end + kMark.size());
+      const auto line = input.find('\n');
+      name = input.substr(0, line);
+      input.remove_prefix(line == std::string_view::npos ? input.size() : line + 1);
+    }
+  }
+
+  bool holds(const std::filesystem::path& inside) const override { return files_.contains(inside); }
+  std::string read(const std::filesystem::path& inside) const override { return files_.at(inside); }
+  /// The reader of configs asks only whether it exists.
+  std::filesystem::path place(const std::filesystem::path& /*inside*/) const override { return "/"; }
+
+ private:
+  std::map<std::filesystem::path, std::string> files_;
+};
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  try {
+    auto config = mebots::master::ssp::read(MemoryFiles({reinterpret_cast<const char*>(data), size}), "input.ssp");
+    config.config.dump();  // convert writes it: throws for text that is no UTF-8
+    const auto loaded = mebots::master::config::load_ssp_config(std::move(config), "/input.ssp", {0.001, {}});
+    mebots::fuzz::require_sound(loaded.system);
+  } catch (const InputError&) {
+  }
+  return 0;
+}
