@@ -8,6 +8,5 @@ scripts/setup.sh
 scripts/format.sh --check
 cmake --preset ci
 cmake --build --preset ci
-# Shown, not yet enforced: the newest sources have not all been looked at by the linter.
-scripts/lint.sh build/ci || echo "clang-tidy has findings (above); the tests go on"
+scripts/lint.sh build/ci
 ctest --preset ci -j "$(nproc)"

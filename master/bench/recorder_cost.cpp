@@ -62,7 +62,7 @@ void steps(benchmark::State& state) {
   Ring ring;
   const Recorder watched(ring.system(), ring.simulation().ensemble());  // the same values are read
   ring.simulation().initialize();
-  for (auto _ : state) ring.simulation().step();
+  for ([[maybe_unused]] auto _ : state) ring.simulation().step();
 }
 
 /// Steps with results.csv of every one. Less `steps`, this is what recording costs.
@@ -73,7 +73,7 @@ void steps_with_csv(benchmark::State& state) {
   recorder.add(std::make_unique<CsvSink>(recorder.columns(), file));
   ring.simulation().add(recorder);
   ring.simulation().initialize();
-  for (auto _ : state) ring.simulation().step();
+  for ([[maybe_unused]] auto _ : state) ring.simulation().step();
   recorder.flush();
 }
 
@@ -86,7 +86,7 @@ void rows(benchmark::State& state) {
   ring.simulation().initialize();
   for (int i = 0; i < 1000; ++i) ring.simulation().step();
   std::int64_t step = 0;
-  for (auto _ : state) {
+  for ([[maybe_unused]] auto _ : state) {
     recorder.reached({step, step * 1'000'000});
     ++step;
   }

@@ -18,6 +18,7 @@ using modeldesc::Type;
 
 std::vector<fmi2ValueReference> references(const std::vector<const Variable*>& variables) {
   std::vector<fmi2ValueReference> result;
+  result.reserve(variables.size());
   for (const auto* variable : variables) result.push_back(variable->value_reference);
   return result;
 }

@@ -18,13 +18,13 @@ char lower(char c) {
   return static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
 }
 
-std::string quoted(std::string_view name) {
+std::string in_quotes(std::string_view name) {
   return fmt::format("'{}'", name);
 }
 
 std::string one_of(const std::vector<std::string>& names) {
-  std::string text = quoted(names.front());
-  for (std::size_t i = 1; i < names.size(); ++i) text += (i + 1 == names.size() ? " or " : ", ") + quoted(names[i]);
+  std::string text = in_quotes(names.front());
+  for (std::size_t i = 1; i < names.size(); ++i) text += (i + 1 == names.size() ? " or " : ", ") + in_quotes(names[i]);
   return text;
 }
 
@@ -78,7 +78,7 @@ std::string suggest(std::string_view wrong, std::span<const std::string> known) 
   std::vector<std::string> listed;
   for (const auto& name : known) {
     if (listed.size() == kListed) break;
-    listed.push_back(quoted(name));
+    listed.push_back(in_quotes(name));
   }
   const auto more = known.size() - listed.size();
   return fmt::format("Known are {}{}.", fmt::join(listed, ", "), more == 0 ? "" : fmt::format(" and {} more", more));

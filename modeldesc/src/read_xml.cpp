@@ -163,9 +163,9 @@ std::optional<Initial> default_initial(Causality causality, Variability variabil
   return variability == Variability::constant ? Initial::exact : Initial::calculated;
 }
 
-class DescriptionReader {
+class XmlReader {
  public:
-  explicit DescriptionReader(const Document& document) : root_(document, document.root()) {}
+  explicit XmlReader(const Document& document) : root_(document, document.root()) {}
 
   ModelDescription read() {
     read_root();
@@ -433,7 +433,7 @@ class DescriptionReader {
 ModelDescription read_xml_text(std::string_view text, std::string_view source) {
   const auto utf8 = xml_as_utf8(text, source);
   const Document document(utf8, source);
-  return DescriptionReader(document).read();
+  return XmlReader(document).read();
 }
 
 ModelDescription read_xml(const std::filesystem::path& file) {

@@ -10,7 +10,7 @@
 namespace mebots::soc {
 namespace {
 
-namespace reg = board::cluster_dma;
+namespace dma_reg = board::cluster_dma;
 constexpr std::uint32_t kIn = 1;
 constexpr std::uint32_t kOut = 2;
 
@@ -26,19 +26,19 @@ void ClusterDma::reset() {
 BusReply ClusterDma::load(unsigned who, std::uint32_t offset) const {
   const auto& draft = drafts_[who];
   switch (offset) {
-    case reg::kL2Address:
+    case dma_reg::kL2Address:
       return BusReply::done(draft.l2);
-    case reg::kL1Address:
+    case dma_reg::kL1Address:
       return BusReply::done(draft.l1);
-    case reg::kSize:
+    case dma_reg::kSize:
       return BusReply::done(draft.size);
-    case reg::kRow:
+    case dma_reg::kRow:
       return BusReply::done(draft.row);
-    case reg::kStride:
+    case dma_reg::kStride:
       return BusReply::done(draft.stride);
-    case reg::kStart:
+    case dma_reg::kStart:
       return BusReply::done(draft.id);
-    case reg::kStatus: {
+    case dma_reg::kStatus: {
       auto status = status_;
       for (unsigned id = 0; id < kTransfers; ++id) status |= transfers_[id].end != kNoTick ? 1U << id : 0U;
       return BusReply::done(status);
@@ -51,25 +51,25 @@ BusReply ClusterDma::load(unsigned who, std::uint32_t offset) const {
 bool ClusterDma::store(unsigned who, std::uint32_t offset, std::uint32_t value, std::uint64_t tick) {
   auto& draft = drafts_[who];
   switch (offset) {
-    case reg::kL2Address:
+    case dma_reg::kL2Address:
       draft.l2 = value;
       return true;
-    case reg::kL1Address:
+    case dma_reg::kL1Address:
       draft.l1 = value;
       return true;
-    case reg::kSize:
+    case dma_reg::kSize:
       draft.size = value;
       return true;
-    case reg::kRow:
+    case dma_reg::kRow:
       draft.row = value;
       return true;
-    case reg::kStride:
+    case dma_reg::kStride:
       draft.stride = value;
       return true;
-    case reg::kStart:
+    case dma_reg::kStart:
       start(who, value, tick);
       return true;
-    case reg::kStatus:
+    case dma_reg::kStatus:
       status_ &= ~(value & kRefused);
       return true;
     default:

@@ -8,7 +8,7 @@
 namespace mebots::soc {
 namespace {
 
-namespace reg = board::event_unit;
+namespace event_reg = board::event_unit;
 
 /// Cycles of an event load beyond the first, when its answer is there: 4 in all. Source: CV32E40P user manual.
 constexpr std::uint32_t kEventLoadExtra = 3;
@@ -19,27 +19,27 @@ constexpr unsigned kSoftwareEventShift = 16;
 BusReply EventUnit::load(unsigned who, std::uint32_t offset) const {
   const auto& self = of_[who];
   switch (offset) {
-    case reg::kEventWait:
+    case event_reg::kEventWait:
       return BusReply::done(self.buffer & self.mask);
-    case reg::kEventMask:
+    case event_reg::kEventMask:
       return BusReply::done(self.mask);
-    case reg::kEventBuffer:
+    case event_reg::kEventBuffer:
       return BusReply::done(self.buffer);
-    case reg::kBarrierCores:
+    case event_reg::kBarrierCores:
       return BusReply::done(barrier_cores_);
-    case reg::kForkEntry:
+    case event_reg::kForkEntry:
       return BusReply::done(fork_entry_);
-    case reg::kForkArgument:
+    case event_reg::kForkArgument:
       return BusReply::done(fork_argument_);
-    case reg::kForkCores:
+    case event_reg::kForkCores:
       return BusReply::done(at_work_);
-    case reg::kDispatchArgument:
+    case event_reg::kDispatchArgument:
       return BusReply::done(self.argument);
-    case reg::kCoreId:
+    case event_reg::kCoreId:
       return BusReply::done(who);
-    case reg::kCoreCount:
+    case event_reg::kCoreCount:
       return BusReply::done(cores_);
-    case reg::kStatus:
+    case event_reg::kStatus:
       return BusReply::done(status_);
     default:
       return {};
@@ -49,19 +49,19 @@ BusReply EventUnit::load(unsigned who, std::uint32_t offset) const {
 BusReply EventUnit::load_event(unsigned who, std::uint32_t offset) {
   auto& self = of_[who];
   switch (offset) {
-    case reg::kEventWait: {
+    case event_reg::kEventWait: {
       const auto events = self.buffer & self.mask;
       self.buffer &= ~events;
       return answer_or_sleep(self, events != 0, Wait::event, events);
     }
-    case reg::kBarrierWait: {
+    case event_reg::kBarrierWait: {
       if (who == kFabricController) return {};
       if (self.waits_for != Wait::barrier) arrive(who);
       const bool open = self.barrier_open != 0;
       self.barrier_open = 0;
       return answer_or_sleep(self, open, Wait::barrier, 0);
     }
-    case reg::kDispatchWait: {
+    case event_reg::kDispatchWait: {
       if (who == kFabricController) return {};
       const bool ready = self.dispatched != 0;
       self.dispatched = 0;
@@ -82,31 +82,31 @@ BusReply EventUnit::answer_or_sleep(Requester& requester, bool ready, Wait what,
 bool EventUnit::store(unsigned who, std::uint32_t offset, std::uint32_t value) {
   auto& self = of_[who];
   switch (offset) {
-    case reg::kEventMask:
+    case event_reg::kEventMask:
       self.mask = value;
       return true;
-    case reg::kEventClear:
+    case event_reg::kEventClear:
       self.buffer &= ~value;
       return true;
-    case reg::kSoftwareEvent:
+    case event_reg::kSoftwareEvent:
       raise(value & ((1U << kRequesters) - 1), value >> kSoftwareEventShift & (event::kSoftwareEvents - 1));
       return true;
-    case reg::kBarrierCores:
+    case event_reg::kBarrierCores:
       barrier_cores_ = value & ((1U << cores_) - 1);
       return true;
-    case reg::kForkEntry:
+    case event_reg::kForkEntry:
       fork_entry_ = value;
       return true;
-    case reg::kForkArgument:
+    case event_reg::kForkArgument:
       fork_argument_ = value;
       return true;
-    case reg::kForkCores:
+    case event_reg::kForkCores:
       fork(who, value);
       return true;
-    case reg::kJobDone:
+    case event_reg::kJobDone:
       job_done(who);
       return true;
-    case reg::kStatus:
+    case event_reg::kStatus:
       status_ &= ~value;
       return true;
     default:

@@ -124,7 +124,7 @@ void Emitter::store_registers() {
 }
 
 Xbyak::Reg32 Emitter::host(unsigned reg) const {
-  return Reg32(kHosts[static_cast<std::size_t>(registers_->host[reg])]);
+  return Reg32(kHosts[static_cast<std::uint8_t>(registers_->host[reg])]);
 }
 
 const Xbyak::Operand& Emitter::operand(unsigned reg) {
@@ -132,7 +132,7 @@ const Xbyak::Operand& Emitter::operand(unsigned reg) {
   static const std::array<Reg32, kCount> kOperands{Reg32(kHosts[0]), Reg32(kHosts[1]), Reg32(kHosts[2]),
                                                    Reg32(kHosts[3]), Reg32(kHosts[4]), Reg32(kHosts[5]),
                                                    Reg32(kHosts[6]), Reg32(kHosts[7]), Reg32(kHosts[8])};
-  if (in_host(reg)) return kOperands[static_cast<std::size_t>(registers_->host[reg])];
+  if (in_host(reg)) return kOperands[static_cast<std::uint8_t>(registers_->host[reg])];
   return memory_operands_[reg];
 }
 

@@ -29,8 +29,9 @@ class LoopFinder {
         if (const auto* node = region.find(number); node != nullptr) from_[index_of(*node)].push_back(i);
       });
     }
-    descend(0);
   }
+
+  void weigh_loops() { descend(0); }
 
  private:
   enum class State : std::uint8_t { unseen, open, done };
@@ -88,7 +89,7 @@ Region grow_region(const BlockCache& cache, std::uint32_t head) {
   };
   add(head);
   for (std::size_t i = 0; i < region.nodes.size(); ++i) for_successors(Node(region.nodes[i]), add);
-  LoopFinder{region};
+  LoopFinder(region).weigh_loops();
   return region;
 }
 

@@ -61,6 +61,7 @@ ChildProcess::ChildProcess(const std::filesystem::path& program, const std::vect
   std::vector<std::string> words = arguments;
   words.insert(words.begin(), program.string());
   std::vector<char*> pointers;
+  pointers.reserve(words.size() + 1);
   for (auto& word : words) pointers.push_back(word.data());
   pointers.push_back(nullptr);
   const int error =
@@ -147,6 +148,7 @@ std::filesystem::path find_fmu_host() {
     if (std::filesystem::exists(folder / "mebots-fmu-host", ignored)) return folder / "mebots-fmu-host";
   }
   std::vector<std::string> names;
+  names.reserve(folders.size());
   for (const auto& folder : folders) names.push_back(folder.string());
   throw Error(
       fmt::format("the program mebots-fmu-host, which runs an FMU in a process of its own, is in none of {}; set "

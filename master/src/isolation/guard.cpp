@@ -84,7 +84,7 @@ void forbid_signals_to(pid_t master) {
   std::vector<sock_filter> program = {BPF_STMT(BPF_LD | BPF_W | BPF_ABS, arch),
                                       BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, AUDIT_ARCH_X86_64, 1, 0),
                                       BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ALLOW)};
-  const auto forbid = [&](long call, std::vector<pid_t> targets) {
+  const auto forbid = [&](long call, const std::vector<pid_t>& targets) {
     const auto count = static_cast<std::uint8_t>(2 * targets.size() + 1);
     program.push_back(BPF_STMT(BPF_LD | BPF_W | BPF_ABS, number));
     program.push_back(BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, static_cast<unsigned>(call), 0, count));
