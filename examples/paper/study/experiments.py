@@ -1,41 +1,65 @@
 # SPDX-License-Identifier: Apache-2.0
 """The flights of the paper's two experiments, and of the questions beyond them."""
 
-from missions import BATTERIES, Flight
+import random
+
+from missions import BATTERIES, CHIP_PARTS, RECORDED, Flight, scenario
 
 EASY_SPEEDS = (0.5, 1.0, 1.5)   # km/h
 HARD_SPEEDS = (0.1, 0.2, 0.3, 0.4, 0.5)
 ADAPTIVE_SPEED = 1.0
 CLOCKS_MHZ = (25, 50, 87, 131, 175)
+CORES = (8, 1)
+# Largest offsets of a start drawn at random, each uniform to both sides: forwards and sideways [m], turned [rad].
+SPREAD = {"shipped": (0.5, 0.5, 0.3), "easy": (0.5, 0.05, 0.02), "hard": (0.3, 0.1, 0.02)}
 
 
-def experiment_a():
-    """Batteries: consumed charge of the easy flight, with real and with equal masses."""
+def batteries():
+    """Consumed charge of the easy flight, with real and with equal masses."""
     return [Flight(f"a-{battery}-{speed}-{'equal' if equal else 'real'}", "easy", speed, battery=battery,
                    equal_mass=equal)
             for battery in BATTERIES for speed in EASY_SPEEDS for equal in (False, True)]
 
 
 def endurance():
-    """Batteries: time from take-off to landing at 10 % charge, hovering and cruising, in a world without gates. A
-    picture a second, since there is nothing to see."""
+    """Time from take-off to landing at 10 % charge, hovering and cruising, in a world without gates. A picture a
+    second, since there is nothing to see."""
     nothing = (("world.scene.name", "empty"), ("world.start.offset.y", 0.0), ("soc.mission.frame_period", 1.0))
     return [Flight(f"endurance-{battery}-{name}", "easy", speed, battery=battery, extra=nothing, stop_time=1200.0)
             for battery in BATTERIES for name, speed in (("hover", 0.0), ("cruise", 1.5))]
 
 
-def experiment_b():
-    """Speeds: the hard flight at constant speeds and with the adaptive policy."""
+def speeds():
+    """The hard flight at constant speeds and with the adaptive policy."""
+    record = tuple(RECORDED + CHIP_PARTS)
     flights = [Flight(f"b-{speed}", "hard", speed, pictures=True) for speed in HARD_SPEEDS]
-    return [*flights, Flight("b-adaptive", "hard", ADAPTIVE_SPEED, adaptive=True, pictures=True)]
+    return [*flights, Flight("b-adaptive", "hard", ADAPTIVE_SPEED, adaptive=True, pictures=True, record=record)]
+
+
+def least_voltage(clock_mhz):
+    """The least of the chip's voltages, which are 50 mV apart, that allows a clock of the cluster [V]."""
+    return next(v for v in (1.0, 1.05, 1.1, 1.15, 1.2) if clock_mhz <= 87 + (v - 1.0) / 0.2 * (175 - 87) + 1e-6)
 
 
 def clocks():
-    """What the cluster's clock does to the hard adaptive flight. The voltage is the least that allows the clock."""
+    """The hard adaptive flight with the cluster at several clocks, on eight cores and on one."""
+    return [Flight(f"clock-{clock}-{cores}", "hard", ADAPTIVE_SPEED, adaptive=True,
+                   extra=(("soc.cluster.clock", clock * 1e6), ("soc.cluster.cores", cores),
+                          ("soc.core.supply_voltage", least_voltage(clock)), ("soc.core.clock", 50e6)))
+            for cores in CORES for clock in CLOCKS_MHZ]
+
+
+def starts(name, count, seed):
+    """Flights from starts around the scenario's own; the camera's noise differs too."""
+    draw = random.Random(f"{name} {seed}")
+    own = scenario(name)
+    forwards, sideways, turned = SPREAD[name]
     flights = []
-    for clock in CLOCKS_MHZ:
-        voltage = 1.0 if clock <= 87 else round(1.0 + 0.2 * (clock - 87) / (175 - 87) + 0.0005, 3)
-        flights.append(Flight(f"clock-{clock}", "hard", ADAPTIVE_SPEED, adaptive=True,
-                              extra=(("soc.cluster.clock", clock * 1e6), ("soc.core.supply_voltage", min(voltage, 1.2)),
-                                     ("soc.core.clock", 50e6))))
+    for i in range(count):
+        extra = (("world.start.offset.x", draw.uniform(-forwards, forwards)),
+                 ("world.start.offset.y", own.get("world.start.offset.y", 0.0) + draw.uniform(-sideways, sideways)),
+                 ("world.start.yaw_offset", draw.uniform(-turned, turned)), ("world.sensors.seed", i + 1))
+        flights.append(Flight(f"{name}-{seed}-{i:03}", name, ADAPTIVE_SPEED, adaptive=name == "hard", extra=extra,
+                              stop_time=300.0, record=("world.drone.position.x", "world.drone.position.y",
+                                                       "world.gate.distance")))
     return flights

@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The study's figures, as SVG texts."""
+"""The study's figures, drawn from its data."""
 
+import base64
 import io
-import json
-import pathlib
 
 import matplotlib
 
@@ -11,114 +10,133 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
 from matplotlib.collections import LineCollection  # noqa: E402
+from PIL import Image  # noqa: E402
 
 from experiments import EASY_SPEEDS  # noqa: E402
-from missions import BATTERIES, ROOT  # noqa: E402
+from missions import BATTERIES, scene  # noqa: E402
 
 COLOURS = {"bitcraze_250": "#4878a8", "ufx_250": "#6aa84f", "cyclone_300": "#e69138", "lipol_350": "#a64d79"}
+PASSED, FAILED = "#2e8b57", "#c0392b"
 plt.rcParams.update({"font.size": 10, "svg.hashsalt": "mebots", "axes.spines.top": False, "axes.spines.right": False})
 
 
 def svg(figure):
+    """A figure as an SVG text for a page."""
     out = io.StringIO()
     figure.savefig(out, format="svg", metadata={"Date": None})
-    plt.close(figure)
     text = out.getvalue()
     return text[text.index("<svg"):]
 
 
-def batteries(consumed):
-    """consumed[battery][speed] = (real, equal mass) charge used in %."""
+def batteries(used):
+    """used[battery][speed] = {real, equal}: charge used in %."""
     figure, axes = plt.subplots(figsize=(8, 4.2), constrained_layout=True)
     width = 0.2
     for i, (battery, (label, _, mass)) in enumerate(BATTERIES.items()):
         places = np.arange(len(EASY_SPEEDS)) + (i - 1.5) * width
-        real = [consumed[battery][speed][0] for speed in EASY_SPEEDS]
-        equal = [consumed[battery][speed][1] for speed in EASY_SPEEDS]
+        real, equal = ([used[battery][str(speed)][kind] for speed in EASY_SPEEDS] for kind in ("real", "equal"))
         axes.bar(places, equal, 0.9 * width, color=COLOURS[battery], alpha=0.35)
         axes.bar(places, real, 0.9 * width, color=COLOURS[battery], label=f"{label}, {mass} g")
         for x, high in zip(places, real):
             axes.text(x, high / 2, f"{high:.2f}", ha="center", va="center", rotation=90, color="white", fontsize=9)
     axes.set(xticks=range(len(EASY_SPEEDS)), xticklabels=[f"{s} km/h" for s in EASY_SPEEDS],
              ylabel="charge used [%]", xlabel="cruise speed")
-    axes.set_title("Charge used by the easy flight (light: all batteries as heavy as the heaviest)", fontsize=11)
+    axes.set_title("Charge used by the easy flight; light: all batteries as heavy as the heaviest", fontsize=11)
     axes.legend(frameon=False)
-    return svg(figure)
+    return figure
 
 
-def gate_of(scene):
-    gate = json.loads((ROOT / f"fmu_world/params/scenes/{scene}.json").read_text())["gates"][0]
-    return gate["position"], gate.get("inner", 0.4), gate.get("outer", 0.6)
-
-
-def draw_gate(axes, scene):
-    (x, y), inner, outer = gate_of(scene)
+def draw_gate(axes, name):
+    gate = scene(name)["gates"][0]
+    x, y = gate["position"]
     for side in (-1, 1):
-        axes.plot([x, x], [y + side * inner / 2, y + side * outer / 2], color="black", linewidth=4,
+        axes.plot([x, x], [y + side * gate["inner"] / 2, y + side * gate["outer"] / 2], color="black", linewidth=4,
                   solid_capstyle="butt")
 
 
-def read_pgm(path):
-    magic, size, limit, pixels = path.read_bytes().split(b"\n", 3)
-    width, height = (int(n) for n in size.split())
-    if magic != b"P5" or limit != b"255":
-        raise ValueError(f"{path}: not an 8-bit binary PGM")
-    return np.frombuffer(pixels, np.uint8, width * height).reshape(height, width)
+def decoded(url):
+    return np.asarray(Image.open(io.BytesIO(base64.b64decode(url.split(",", 1)[1]))))
 
 
-def trajectories(traces, titles, scene, first_picture):
-    """Four flights seen from above, coloured by speed, with the first picture in the first plot."""
-    figure, axes = plt.subplots(2, 2, figsize=(10, 6.6), constrained_layout=True, sharex=True, sharey=True)
+def trajectories(flights, titles, name, first_view):
+    """Four flights seen from above, coloured by speed, with the first view in the first plot."""
+    figure, axes = plt.subplots(2, 2, figsize=(10, 6.2), constrained_layout=True, sharex=True, sharey=True)
     lines = None
-    for plot, trace, title in zip(axes.flat, traces, titles):
-        x, y = trace["world.drone.position.x"], trace["world.drone.position.y"]
-        points = np.column_stack([x, y]).reshape(-1, 1, 2)
+    for plot, flight, title in zip(axes.flat, flights, titles):
+        way = flight["way"]
+        points = np.column_stack([way["x"], way["y"]]).reshape(-1, 1, 2)
         lines = LineCollection(np.concatenate([points[:-1], points[1:]], axis=1), cmap="viridis",
                                norm=plt.Normalize(0, 1.0), linewidth=2.5)
-        lines.set_array(3.6 * trace["world.drone.speed"][1:])
+        lines.set_array(np.array(way["km_h"])[1:])
         plot.add_collection(lines)
-        draw_gate(plot, scene)
-        plot.plot(x[0], y[0], "o", color="tab:red", markersize=5)
+        draw_gate(plot, name)
+        plot.plot(way["x"][0], way["y"][0], "o", color="tab:red", markersize=5)
         plot.set_title(title, fontsize=10)
         plot.set_aspect("equal")
         plot.set_xlim(-0.4, 7.0)
-        plot.set_ylim(-0.7, 3.2)
+        plot.set_ylim(-0.5, 3.0)
     for plot in axes[1]:
         plot.set_xlabel("x [m]")
     for plot in axes[:, 0]:
         plot.set_ylabel("y [m]")
-    if first_picture is not None:
-        inset = axes[0, 0].inset_axes([0.02, 0.55, 0.3, 0.43])
-        inset.imshow(read_pgm(pathlib.Path(first_picture)), cmap="gray", vmin=0, vmax=255)
-        inset.set(xticks=[], yticks=[])
-        inset.set_title("first view", fontsize=8)
+    inset = axes[0, 0].inset_axes([0.03, 0.44, 0.26, 0.53])
+    inset.imshow(decoded(first_view), cmap="gray", vmin=0, vmax=255)
+    inset.set(xticks=[], yticks=[])
+    inset.spines[["top", "right"]].set_visible(True)
+    inset.set_xlabel("first view", fontsize=8)
     figure.colorbar(lines, ax=axes, label="speed [km/h]", shrink=0.8)
-    return svg(figure)
+    return figure
 
 
-def phases(table):
-    """Energy by phase and consumer: {phase: {consumer: J}}."""
+def phases(tables):
+    """Energy by phase and consumer: {flight: {phase: {consumer: J}}}. The right side leaves out the motors."""
+    figure, axes = plt.subplots(len(tables), 2, figsize=(10, 2.3 * len(tables)), constrained_layout=True,
+                                squeeze=False)
+    for row, (flight, table) in zip(axes, tables.items()):
+        consumers = list(next(iter(table.values())))
+        colours = dict(zip(consumers, plt.cm.Set2.colors))
+        for plot, shown in zip(row, (consumers, consumers[1:])):
+            left = np.zeros(len(table))
+            for consumer in shown:
+                joules = np.array([table[phase][consumer] for phase in table])
+                plot.barh(list(table), joules, left=left, label=consumer, color=colours[consumer])
+                left += joules
+            plot.invert_yaxis()
+            plot.set_xlabel("energy [J]")
+        row[0].set_title(f"{flight}: all", fontsize=10)
+        row[1].set_title(f"{flight}: without the motors", fontsize=10)
+        row[1].set_yticklabels([])
+    handles, labels = axes[0, 0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncol=len(labels), frameon=False)
+    return figure
+
+
+def clocks(rows):
+    """Time to the gate and the chip's energy at each clock; hollow: the gate was missed."""
+    figure, axes = plt.subplots(figsize=(8, 4.2), constrained_layout=True)
+    for cores, colour, marker in ((8, "#4878a8", "o"), (1, "#e69138", "s")):
+        for row in (row for row in rows if row["cores"] == cores and row["gate_s"] is not None):
+            axes.plot(row["gate_s"], row["chip_j"], marker, color=colour, markersize=8,
+                      fillstyle="full" if row["passed"] else "none")
+            axes.annotate(f"{row['clock_mhz']:.0f}", (row["gate_s"], row["chip_j"]), xytext=(6, 4),
+                          textcoords="offset points", fontsize=9, color=colour)
+        axes.plot([], [], marker, color=colour, label=f"{cores} core{'s' if cores > 1 else ''}; number: MHz")
+    front = sorted((row["gate_s"], row["chip_j"]) for row in rows if row["front"])
+    axes.plot(*zip(*front), color="black", linewidth=1, linestyle="--", label="Pareto front")
+    axes.set(xlabel="time to the gate [s]", ylabel="energy of the chip, whole flight [J]")
+    axes.margins(0.12)
+    axes.legend(frameon=False)
+    return figure
+
+
+def starts(ways, name):
+    """Ways of flights from random starts, seen from above."""
     figure, axes = plt.subplots(figsize=(8, 3.6), constrained_layout=True)
-    consumers = list(next(iter(table.values())))
-    names = [name for name in table if sum(table[name].values()) > 0.01]
-    left = np.zeros(len(names))
-    for consumer, colour in zip(consumers, plt.cm.Set2.colors):
-        joules = np.array([table[name][consumer] for name in names])
-        axes.barh(names, joules, left=left, label=consumer, color=colour)
-        left += joules
-    axes.invert_yaxis()
-    axes.set_xlabel("energy [J]")
-    axes.legend(frameon=False, ncol=3)
-    return svg(figure)
-
-
-def starts(points, scene):
-    """Ways of randomised flights: [(trace x, trace y, passed)]."""
-    figure, axes = plt.subplots(figsize=(8, 4.6), constrained_layout=True)
-    for x, y, passed in points:
-        axes.plot(x, y, color="tab:green" if passed else "tab:red", linewidth=0.7 if passed else 1.4,
-                  alpha=0.5 if passed else 1.0, zorder=1 if passed else 2)
-    draw_gate(axes, scene)
+    for way in ways:
+        passed = way["passed"]
+        axes.plot(way["x"], way["y"], color=PASSED if passed else FAILED, linewidth=0.7 if passed else 1.4,
+                  alpha=0.35 if passed else 1.0, zorder=1 if passed else 2)
+    draw_gate(axes, name)
     axes.set_aspect("equal")
     axes.set(xlabel="x [m]", ylabel="y [m]")
-    return svg(figure)
+    return figure

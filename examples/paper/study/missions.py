@@ -18,6 +18,11 @@ BATTERIES = {  # name in fmu_battery/params/cells -> (label, capacity mAh, mass 
 HEAVIEST_G = max(mass for _, _, mass in BATTERIES.values())
 
 
+def scene(name):
+    """What fmu_world builds its world from."""
+    return json.loads((ROOT / f"fmu_world/params/scenes/{name}.json").read_text())
+
+
 def scenario(name):
     """What describes a scenario: the parameters in scenarios.json, without their sources."""
     data = json.loads((ROOT / "examples/paper/scenarios.json").read_text())[name]
@@ -62,6 +67,9 @@ RECORDED = ["world.drone.position.x", "world.drone.position.y", "world.drone.pos
             "battery.energy.open_circuit", "battery.energy.delivered", "battery.energy.converters",
             "battery.energy.ohmic", "battery.energy.polarisation", "battery.motors.energy", "battery.soc.energy",
             "battery.camera.energy", "battery.avionics.energy"]
+CHIP_PARTS = [f"soc.energy.{part}" for part in ("fabric_controller", "cluster_cores", "fc_memory", "l2", "l1",
+                                                "interconnect", "dma", "fc_background", "cluster_background", "leakage",
+                                                "retention")]
 
 
 def config(flight, fmus):

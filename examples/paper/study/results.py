@@ -6,7 +6,10 @@ import pathlib
 
 import numpy as np
 
-PHASES = ("on ground", "climb", "cruise", "landing", "landed", "crashed")
+TAKE_OFF, CRUISE, LANDING = 1, 2, 3  # world.drone.phase
+# The gate's part of a flight: from so far before its plane until the landing [m].
+NEAR_GATE_M = 0.5
+PASSED = ("passed", "touched_passed")
 
 
 class Trace:
@@ -30,7 +33,7 @@ class Trace:
 
     def flown(self):
         """First and last time in the air [s]."""
-        air = (self["world.drone.phase"] >= 1) & (self["world.drone.phase"] <= 3)
+        air = (self["world.drone.phase"] >= TAKE_OFF) & (self["world.drone.phase"] <= LANDING)
         return float(self.time[air][0]), float(self.time[air][-1])
 
     def path_to(self, end_s):
@@ -39,24 +42,35 @@ class Trace:
         x, y = self["world.drone.position.x"][chosen], self["world.drone.position.y"][chosen]
         return float(np.hypot(np.diff(x), np.diff(y)).sum())
 
+    def distance_in_20_s(self):
+        """Distance flown in 20 s in the middle of the cruise [m]."""
+        cruise = self["world.drone.phase"] == CRUISE
+        middle = (self.time[cruise][0] + (self.time_at_gate() or self.time[cruise][-1])) / 2
+        return self.path_to(middle + 10) - self.path_to(middle - 10)
+
+    def way(self, points):
+        """Where the drone was and how fast [km/h], at so many times, rounded for a report."""
+        chosen = np.unique(np.linspace(0, len(self.time) - 1, points).astype(int))
+        way = {"x": np.round(self["world.drone.position.x"][chosen], 3).tolist(),
+               "y": np.round(self["world.drone.position.y"][chosen], 3).tolist()}
+        if "world.drone.speed" in self.columns:
+            way["km_h"] = np.round(3.6 * self["world.drone.speed"][chosen], 3).tolist()
+        return way
+
 
 ENERGIES = {  # what a joule of the cell became -> recorded energies
-    "motors": ["battery.motors.energy"], "avionics": ["battery.avionics.energy"], "chip": ["battery.soc.energy"],
-    "camera": ["battery.camera.energy"], "converters": ["battery.energy.converters"],
+    "motors": ["battery.motors.energy"], "flight controller": ["battery.avionics.energy"],
+    "chip": ["battery.soc.energy"], "camera": ["battery.camera.energy"], "converters": ["battery.energy.converters"],
     "cell": ["battery.energy.ohmic", "battery.energy.polarisation"],
 }
 
 
 def energy_by_phase(trace):
-    """{phase: {consumer: J}} for the phases of the flight; the cruise is cut at the gate."""
-    gate = trace.time_at_gate()
+    """{phase: {consumer: J}}: take-off, cruise up to the gate, the gate, landing. Every sample counts in one."""
     phase = trace["world.drone.phase"]
-    names = np.array([PHASES[int(p)] for p in phase], dtype=object)
-    if gate is not None:
-        names[(phase == 2) & (trace.time > gate)] = "behind the gate"
-    table = {}
-    for consumer, columns in ENERGIES.items():
-        spent = np.diff(sum(trace[c] for c in columns), prepend=0.0)
-        for name in dict.fromkeys(names):
-            table.setdefault(name, {})[consumer] = float(spent[names == name].sum())
-    return table
+    near = np.maximum.accumulate(trace["world.gate.distance"] < NEAR_GATE_M)
+    masks = {"take-off": phase <= TAKE_OFF, "cruise": (phase == CRUISE) & ~near, "gate": (phase == CRUISE) & near,
+             "landing": phase >= LANDING}
+    spent = {consumer: np.diff(sum(trace[c] for c in columns), prepend=0.0) for consumer, columns in ENERGIES.items()}
+    return {name: {consumer: float(joules[mask].sum()) for consumer, joules in spent.items()}
+            for name, mask in masks.items()}

@@ -1,16 +1,56 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Flies the paper's two experiments and writes the report."""
+"""Flies the paper's two experiments, and what goes beyond them when asked for, and writes the report.
+
+What was flown before with the same programs is not flown again, so a study that was interrupted goes on where it was.
+"""
 
 import argparse
+import dataclasses
 import json
 import os
 import pathlib
 import time
 
+import collect
 import experiments
 import report
 from missions import ROOT
-from run import fly_all
+from results import PASSED
+from run import Place, fly_all
+
+PARTS = ("experiments", "clocks", "robustness")
+PICTURED_FAILURES = 6
+
+
+def fly_experiments(place, data, _):
+    flights = experiments.speeds() + experiments.endurance() + experiments.batteries()
+    started = time.monotonic()
+    summaries = fly_all(flights, place)
+    if all(s["fresh"] for s in summaries.values()):
+        data["wall_s"], data["jobs"] = time.monotonic() - started, place.jobs
+    data["costs"] = collect.costs(summaries)
+    data["batteries"] = collect.batteries({n: s for n, s in summaries.items() if n.startswith("a-")})
+    data["endurance"] = collect.endurance(summaries)
+    data["speeds"] = collect.speeds(summaries)
+
+
+def fly_clocks(place, data, _):
+    flights = experiments.clocks()
+    data["clocks"] = collect.clocks(fly_all(flights, place), flights)
+
+
+def fly_robustness(place, data, count):
+    data.setdefault("robustness", {})
+    for name in experiments.SPREAD:
+        flights = experiments.starts(name, count, seed=1)
+        summaries = fly_all(flights, place)
+        part = collect.robustness(name, flights, summaries)
+        failed = [f for f in flights if summaries[f.name]["outcome"] not in PASSED][:PICTURED_FAILURES]
+        again = [dataclasses.replace(f, name=f"{f.name}-pictures", pictures=True) for f in failed]
+        if again:
+            pictured = fly_all(again, place)
+            part["failures"] = [collect.failure(f, pictured[f.name]) for f in again]
+        data["robustness"][name] = part
 
 
 def main():
@@ -18,18 +58,24 @@ def main():
     parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build/release", help="folder of the build")
     parser.add_argument("--out", type=pathlib.Path, default=ROOT / "results/paper", help="folder to write to")
     parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="flights at a time")
+    parser.add_argument("--parts", nargs="*", choices=PARTS, default=["experiments"], help="what to fly; none: report only")
+    parser.add_argument("--count", type=int, default=200, help="random starts of each scenario")
+    parser.add_argument("--data", type=pathlib.Path, help="what was found, added to: default OUT/data.json")
     arguments = parser.parse_args()
 
-    flights = experiments.experiment_b() + experiments.endurance() + experiments.experiment_a()
-    started = time.monotonic()
-    summaries = fly_all(flights, arguments.build.resolve(), arguments.out.resolve(), arguments.jobs)
-    seconds = time.monotonic() - started
-    (arguments.out / "summaries.json").write_text(json.dumps({"seconds": seconds, "flights": summaries}, indent=1) + "\n")
-    figures = report.write(summaries, arguments.out / "report.html", seconds)
-    (arguments.out / "figures.json").write_text(json.dumps(figures, indent=1) + "\n")
-    for target, what, paper, ours, difference, _ in figures["targets"]:
-        print(f"{target:18} {what:52} paper {paper:16} ours {ours:16} {difference}")
-    print(f"wrote {arguments.out / 'report.html'}")
+    out = arguments.out.resolve()
+    out.mkdir(parents=True, exist_ok=True)
+    place = Place(arguments.build.resolve(), out / "flights", arguments.jobs)
+    kept = arguments.data or out / "data.json"
+    data = json.loads(kept.read_text()) if kept.exists() else {}
+    for part in PARTS:
+        if part in arguments.parts:
+            {"experiments": fly_experiments, "clocks": fly_clocks, "robustness": fly_robustness}[part](
+                place, data, arguments.count)
+            kept.write_text(json.dumps(data) + "\n")
+    for line in report.write(data, out):
+        print(line)
+    print(f"wrote {out / 'report.html'}")
 
 
 if __name__ == "__main__":

@@ -24,6 +24,8 @@ static inline void interrupts_on(void) {
 // Clock of the core while it sleeps [Hz]; at first, and when it is not below the clock at which the core goes to sleep,
 // the clock stays as it is.
 void sleep_clock_set(uint32_t hz);
+// Takes that clock, for a sleep for good; returns the clock before [Hz].
+uint32_t sleep_clock_lower(void);
 
 // Sleeps until an attached interrupt is pending, then lets its handler run.
 // Call with interrupts off; they are off again on return.

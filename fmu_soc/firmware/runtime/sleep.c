@@ -8,12 +8,17 @@ void sleep_clock_set(uint32_t hz) {
   sleep_clock_hz = hz;
 }
 
-void sleep_until_interrupt(void) {
+uint32_t sleep_clock_lower(void) {
   const uint32_t awake_clock_hz = POWER_MANAGER_CLOCK_HZ;
   // The clock tree draws in proportion to the clock, also while nothing runs on it.
   if (sleep_clock_hz < awake_clock_hz) {
     POWER_MANAGER_CLOCK_HZ = sleep_clock_hz;
   }
+  return awake_clock_hz;
+}
+
+void sleep_until_interrupt(void) {
+  const uint32_t awake_clock_hz = sleep_clock_lower();
   __asm__ volatile("wfi" ::: "memory");
   if (sleep_clock_hz < awake_clock_hz) {
     POWER_MANAGER_CLOCK_HZ = awake_clock_hz;
