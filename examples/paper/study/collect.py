@@ -78,6 +78,14 @@ def speeds(summaries):
             "stepping_s": adaptive["wall_clock"]["stepping"]}
 
 
+def front(rows):
+    """Which of the flights that passed no other one beats: at least as good in time and the chip's energy, and better in
+    one."""
+    keys = [(row["gate_s"], row["chip_j"]) for row in rows if row["passed"]]
+    return [row["passed"] and not any(key != (row["gate_s"], row["chip_j"]) and key[0] <= row["gate_s"]
+                                      and key[1] <= row["chip_j"] for key in keys) for row in rows]
+
+
 def clocks(summaries, flights):
     rows = []
     for flight in flights:
@@ -89,11 +97,8 @@ def clocks(summaries, flights):
                      "pictures_per_s": summary["pictures"] / summary["simulated_time"],
                      "lateral_m": summary["lateral_error"], "chip_j": summary["energy"]["soc"],
                      "all_j": summary["energy"]["open_circuit"], "simulated_s": summary["simulated_time"]})
-    # On the front: no other flight is at least as good in success, time and the chip's energy, and better in one.
-    keys = [(not row["passed"], row["gate_s"] or math.inf, row["chip_j"]) for row in rows]
-    for row, key in zip(rows, keys):
-        row["front"] = row["passed"] and not any(
-            other != key and all(a <= b for a, b in zip(other, key)) for other in keys)
+    for row, on_front in zip(rows, front(rows)):
+        row["front"] = on_front
     return rows
 
 

@@ -16,6 +16,7 @@ from experiments import EASY_SPEEDS  # noqa: E402
 from missions import BATTERIES, scene  # noqa: E402
 
 COLOURS = {"bitcraze_250": "#4878a8", "ufx_250": "#6aa84f", "cyclone_300": "#e69138", "lipol_350": "#a64d79"}
+SMALL = ("chip", "camera", "converters")  # consumers too small to see beside the motors
 PASSED, FAILED = "#2e8b57", "#c0392b"
 plt.rcParams.update({"font.size": 10, "svg.hashsalt": "mebots", "axes.spines.top": False, "axes.spines.right": False})
 
@@ -60,7 +61,7 @@ def decoded(url):
 
 def trajectories(flights, titles, name, first_view):
     """Four flights seen from above, coloured by speed, with the first view in the first plot."""
-    figure, axes = plt.subplots(2, 2, figsize=(10, 6.2), constrained_layout=True, sharex=True, sharey=True)
+    figure, axes = plt.subplots(2, 2, figsize=(10, 6.4), constrained_layout=True, sharex=True, sharey=True)
     lines = None
     for plot, flight, title in zip(axes.flat, flights, titles):
         way = flight["way"]
@@ -74,12 +75,12 @@ def trajectories(flights, titles, name, first_view):
         plot.set_title(title, fontsize=10)
         plot.set_aspect("equal")
         plot.set_xlim(-0.4, 7.0)
-        plot.set_ylim(-0.5, 3.0)
+        plot.set_ylim(-0.5, 3.6)
     for plot in axes[1]:
         plot.set_xlabel("x [m]")
     for plot in axes[:, 0]:
         plot.set_ylabel("y [m]")
-    inset = axes[0, 0].inset_axes([0.03, 0.44, 0.26, 0.53])
+    inset = axes[0, 0].inset_axes([0.03, 0.46, 0.28, 0.5])
     inset.imshow(decoded(first_view), cmap="gray", vmin=0, vmax=255)
     inset.set(xticks=[], yticks=[])
     inset.spines[["top", "right"]].set_visible(True)
@@ -89,22 +90,22 @@ def trajectories(flights, titles, name, first_view):
 
 
 def phases(tables):
-    """Energy by phase and consumer: {flight: {phase: {consumer: J}}}. The right side leaves out the motors."""
+    """Energy by phase and consumer: {flight: {phase: {consumer: J}}}. The right side shows the small ones alone."""
     figure, axes = plt.subplots(len(tables), 2, figsize=(10, 2.3 * len(tables)), constrained_layout=True,
                                 squeeze=False)
     for row, (flight, table) in zip(axes, tables.items()):
         consumers = list(next(iter(table.values())))
         colours = dict(zip(consumers, plt.cm.Set2.colors))
-        for plot, shown in zip(row, (consumers, consumers[1:])):
+        for plot, shown, unit, scale in zip(row, (consumers, SMALL), ("J", "mJ"), (1, 1e3)):
             left = np.zeros(len(table))
             for consumer in shown:
-                joules = np.array([table[phase][consumer] for phase in table])
+                joules = scale * np.array([table[phase][consumer] for phase in table])
                 plot.barh(list(table), joules, left=left, label=consumer, color=colours[consumer])
                 left += joules
             plot.invert_yaxis()
-            plot.set_xlabel("energy [J]")
+            plot.set_xlabel(f"energy [{unit}]")
         row[0].set_title(f"{flight}: all", fontsize=10)
-        row[1].set_title(f"{flight}: without the motors", fontsize=10)
+        row[1].set_title(f"{flight}: {', '.join(SMALL)} alone", fontsize=10)
         row[1].set_yticklabels([])
     handles, labels = axes[0, 0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncol=len(labels), frameon=False)

@@ -63,8 +63,9 @@ def experiment_a(page, data):
 
 
 def title(name, flight):
-    return ((name if name == "adaptive" else f"{name} km/h") + f": {flight['outcome'].replace('_', ' and ')}"
-            + (f", gate after {flight['gate_s']:.0f} s" if flight["gate_s"] else "") + f", {flight['charge']:.1f} % left")
+    gate = f"gate after {flight['gate_s']:.0f} s, " if flight["gate_s"] else ""
+    return ((name if name == "adaptive" else f"{name} km/h") + f": {flight['outcome'].replace('_', ' and ')}\n"
+            + f"{gate}{flight['charge']:.1f} % left")
 
 
 def experiment_b(page, data):

@@ -1,0 +1,121 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the paper's study claims, checked on a handful of its flights with the study's own tools."""
+
+import dataclasses
+import os
+import pathlib
+import sys
+import unittest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "examples/paper/study"))
+
+import collect  # noqa: E402
+import experiments  # noqa: E402
+from missions import KM_H, Flight  # noqa: E402
+from results import CRUISE, Trace, energy_by_phase  # noqa: E402
+from run import Place, fly  # noqa: E402
+
+BUILD = pathlib.Path(os.environ["MEBOTS_BUILD"])
+PLACE = Place(BUILD, BUILD / "tests/casestudy/flights", 1)
+MACS_PER_INFERENCE = 1_679_904
+
+
+def flown(flight):
+    summary = fly(flight, PLACE)
+    return summary, Trace(summary["folder"])
+
+
+class Batteries(unittest.TestCase):
+    """Ten seconds in the air of the endurance flights: a cell's charge goes by mass and capacity."""
+
+    HOVER_S = 10.0
+
+    def charge_used(self, battery, equal_mass):
+        base = next(f for f in experiments.endurance() if f.name == f"endurance-{battery}-hover")
+        flight = dataclasses.replace(base, name=f"{base.name}-{equal_mass}-short", equal_mass=equal_mass,
+                                     stop_time=self.HOVER_S)
+        return 1 - flown(flight)[0]["state_of_charge"]
+
+    def test_a_lighter_cell_of_the_same_capacity_uses_less(self):
+        saved = 1 - self.charge_used("ufx_250", False) / self.charge_used("bitcraze_250", False)
+        # 1.3 g of 40 g at a power that goes with mass to the power of 1 to 1.5, less what does not depend on it.
+        self.assertGreater(saved, 0.025)
+        self.assertLess(saved, 0.05)
+
+    def test_at_equal_mass_the_charge_used_goes_with_one_over_the_capacity(self):
+        ratio = self.charge_used("cyclone_300", True) / self.charge_used("lipol_350", True)
+        # The rest is the cells' resistance, which takes a few percent of the energy.
+        self.assertAlmostEqual(ratio, 350 / 300, delta=0.03)
+
+    def test_a_lighter_cell_uses_less_with_its_own_mass_than_with_the_heaviests(self):
+        self.assertLess(self.charge_used("bitcraze_250", False), self.charge_used("bitcraze_250", True))
+
+
+class EasyFlight(unittest.TestCase):
+    def test_the_network_flies_through_the_easy_gate_at_the_highest_speed(self):
+        base = next(f for f in experiments.batteries() if f.name == "a-bitcraze_250-1.5-real")
+        summary, trace = flown(dataclasses.replace(base, record=("world.*", "battery.*", "soc.*", "motors.*")))
+        self.assertEqual(summary["outcome"], "passed")
+        self.assertLess(abs(summary["lateral_error"]), 0.10)
+        cruise = trace["world.drone.phase"] == CRUISE
+        self.assertGreater(summary["pictures"], 29 * trace.time[cruise].size * 0.1)
+        # A dot product makes four products.
+        self.assertGreater(trace["soc.cluster.instructions"][-1], summary["pictures"] * MACS_PER_INFERENCE / 4)
+        phases = energy_by_phase(trace)
+        for consumer in ("motors", "chip", "camera", "converters", "cell"):
+            self.assertGreater(phases["cruise"][consumer], 0)
+        everything = sum(sum(consumers.values()) for consumers in phases.values())
+        # What the table leaves out: self-discharge, and the instant before the first sample.
+        self.assertAlmostEqual(everything / summary["energy"]["open_circuit"], 1, delta=1e-3)
+
+
+class HardFlightAdaptive(unittest.TestCase):
+    def test_the_adaptive_policy_slows_down_to_turn_and_passes_the_hard_gate(self):
+        base = next(f for f in experiments.speeds() if f.name == "b-adaptive")
+        summary, trace = flown(base)
+        self.assertIn(summary["outcome"], ("passed", "touched_passed"))
+        asked = trace["soc.setpoint.velocity.x"][trace["world.drone.phase"] == CRUISE]
+        self.assertEqual(asked[: len(asked) // 3].min(), 0.0, "the gate at the edge of the picture stops the drone")
+        self.assertAlmostEqual(asked.max(), 1.0 * KM_H, delta=1e-4)
+        # 0.3 km/h, the fastest constant speed that passes, needs 5.8 m / 0.083 m/s from the start of its cruise.
+        self.assertLess(trace.time_at_gate(), 5.8 / (0.3 * KM_H))
+
+
+class HardFlightTooFast(unittest.TestCase):
+    def test_the_hard_gate_is_missed_at_half_a_kilometre_an_hour(self):
+        base = next(f for f in experiments.speeds() if f.name == "b-0.5")
+        summary, _ = flown(base)
+        self.assertEqual(summary["outcome"], "missed")
+        self.assertLess(summary["lateral_error"], -0.2, "the turn is too slow: it passes to the right of the opening")
+
+
+class Arithmetic(unittest.TestCase):
+    def test_wilsons_interval_is_that_of_the_textbook(self):
+        low, high = collect.wilson(81, 263)
+        # Newcombe, Two-sided confidence intervals for the single proportion, Statistics in Medicine 17 (1998), table I.
+        self.assertAlmostEqual(low, 0.2553, delta=1e-4)
+        self.assertAlmostEqual(high, 0.3662, delta=1e-4)
+
+    def test_the_front_has_the_flights_that_none_beats_in_time_and_energy(self):
+        flights = [Flight(f"f{i}", "hard", 1.0, extra=(("soc.cluster.clock", 1e6), ("soc.cluster.cores", 1),
+                                                       ("soc.core.supply_voltage", 1.0))) for i in range(4)]
+        found = {"f0": (50, 1.0, True), "f1": (40, 2.0, True), "f2": (55, 1.5, True), "f3": (10, 0.1, False)}
+
+        def row(name):
+            gate_s, chip_j, passed = found[name]
+            return {"gate_s": gate_s, "chip_j": chip_j, "passed": passed}
+
+        self.assertEqual(collect.front([row(flight.name) for flight in flights]), [True, True, False, False])
+
+    def test_a_straight_flight_meets_the_opening_only_when_it_points_there(self):
+        def start(y, yaw):
+            return Flight("s", "easy", 1.0, extra=(("world.start.offset.x", 0.0), ("world.start.offset.y", y),
+                                                   ("world.start.yaw_offset", yaw)))
+
+        self.assertEqual(collect.straight("easy", [start(0.2, 0.0)]), 1.0)
+        self.assertEqual(collect.straight("easy", [start(0.2, 0.1)]), 0.0)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
