@@ -60,6 +60,14 @@ std::string new_name(const data::Node& node, std::set<std::string>& taken) {
   return name;
 }
 
+Place read_place(const data::Node& node) {
+  const auto place = node.text("place");
+  if (place != "fabric_controller" && place != "cluster") {
+    node.fail("place", fmt::format("= \"{}\" must be fabric_controller or cluster", place));
+  }
+  return place == "cluster" ? Place::cluster : Place::fabric_controller;
+}
+
 BoardMemory read_memory(const data::Node& node, std::set<std::string>& names) {
   node.only({"name", "base", "size", "place", "banks", "leaks", "text"});
   BoardMemory memory;
@@ -67,16 +75,32 @@ BoardMemory read_memory(const data::Node& node, std::set<std::string>& names) {
   memory.base = address(node, "base");
   memory.size = whole(node, "size", 1U << 30);
   if (memory.size == 0 || memory.size % 4 != 0) node.fail("size", "must be a multiple of 4 above 0");
-  const auto place = node.has("place") ? node.text("place") : "fabric_controller";
-  if (place != "fabric_controller" && place != "cluster") {
-    node.fail("place", fmt::format("= \"{}\" must be fabric_controller or cluster", place));
-  }
-  memory.place = place == "cluster" ? Place::cluster : Place::fabric_controller;
+  if (node.has("place")) memory.place = read_place(node);
   if (node.has("banks")) memory.banks = whole(node, "banks", Banks::kMost);
   if (!std::has_single_bit(memory.banks)) node.fail("banks", "must be a power of two");
   if (node.has("leaks")) memory.leaks = node.flag("leaks");
   memory.text = text_or_nothing(node);
   return memory;
+}
+
+constexpr std::uint32_t kMostCacheBytes = 1U << 20;
+constexpr std::uint32_t kMostRefillCycles = 10'000;
+
+void read_instruction_cache(const data::Node& node, BoardInstructionCaches& caches) {
+  node.only({"place", "size", "line", "ways", "refill_cycles", "text"});
+  auto& cache = caches[static_cast<std::size_t>(read_place(node))];
+  if (cache.size != 0) node.fail("place", "has an instruction cache already");
+  const auto power_of_two = [&](std::string_view key, unsigned least, unsigned most) {
+    const auto value = whole(node, key, most);
+    if (value < least || !std::has_single_bit(value)) {
+      node.fail(key, fmt::format("= {} must be a power of two from {} to {}", value, least, most));
+    }
+    return value;
+  };
+  cache.line = power_of_two("line", 4, 1024);
+  cache.ways = power_of_two("ways", 1, 64);
+  cache.size = power_of_two("size", cache.line * cache.ways, kMostCacheBytes);
+  cache.refill_cycles = whole(node, "refill_cycles", kMostRefillCycles);
 }
 
 /// The lines of RI5CY and CV32E40P: software, timer, external, and 16 fast ones.
@@ -198,7 +222,7 @@ BoardDescription read_board(const std::filesystem::path& path) {
 BoardDescription parse_board(std::string_view text, const std::string& name) {
   const data::File file(text, name);
   const auto root = file.root();
-  root.only({"name", "text", "chip", "core", "cluster_cores", "memories", "devices"});
+  root.only({"name", "text", "chip", "core", "cluster_cores", "memories", "instruction_caches", "devices"});
   BoardDescription board;
   board.name = checked_name(root, "name", root.text("name"));
   board.text = text_or_nothing(root);
@@ -212,6 +236,9 @@ BoardDescription parse_board(std::string_view text, const std::string& name) {
   std::set<std::string> names;
   for (const auto& node : root.objects("memories")) board.memories.push_back(read_memory(node, names));
   if (board.memories.empty()) root.fail("memories", "is empty: a program needs RAM");
+  if (root.has("instruction_caches")) {
+    for (const auto& node : root.objects("instruction_caches")) read_instruction_cache(node, board.instruction_caches);
+  }
   for (const auto& node : root.objects("devices")) board.devices.push_back(read_device(node, names));
   check_overlaps(root, board);
   return board;

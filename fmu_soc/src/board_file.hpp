@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "memory/instruction_cache.hpp"
+
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <string>
@@ -23,6 +26,9 @@ struct BoardMemory {
   unsigned banks = 1;  // that serve a word per cycle each; told apart in the cluster only
   std::string text;
 };
+
+/// By Place: of the fabric controller, and what the cluster's cores share.
+using BoardInstructionCaches = std::array<InstructionCacheSettings, 2>;
 
 struct BoardRegister {
   std::string name;
@@ -72,7 +78,12 @@ struct BoardDescription {
   std::string core;            // ri5cy or cv32e40p; empty = the chip's
   unsigned cluster_cores = 0;  // the most that there are; 0 = no cluster
   std::vector<BoardMemory> memories;
+  BoardInstructionCaches instruction_caches;
   std::vector<BoardDevice> devices;
+
+  const InstructionCacheSettings& instruction_cache(Place place) const {
+    return instruction_caches[static_cast<std::size_t>(place)];
+  }
 };
 
 /// Throws Error, naming file and key, for everything that does not fit: unknown keys and keys that stand twice, names

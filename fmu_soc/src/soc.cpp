@@ -120,6 +120,9 @@ Soc::Soc(const BoardDescription& board, const Chip& chip, const Settings& settin
   add_devices(board, settings);
   connect_memories();
   load_program();
+  if (const auto& cache = board.instruction_cache(Place::fabric_controller); cache.size != 0) {
+    hart_.fetch_through(instruction_cache_.emplace(cache));
+  }
   hart_.set_translation(settings.translate);
   hart_.reset(program_.entry());
 }
@@ -152,6 +155,7 @@ void Soc::add_cluster(const BoardDescription& board, const Settings& settings) {
   cluster.clock_hz = checked_cluster_clock(chip_, settings);
   cluster.dma = chip_.dma;
   cluster.timing = timing_of(board, chip_);
+  cluster.instruction_cache = board.instruction_cache(Place::cluster);
   for (const auto place : {Place::cluster, Place::fabric_controller}) {
     for (std::size_t i = 0; i < board.memories.size(); ++i) {
       if (board.memories[i].place != place) continue;
@@ -499,6 +503,7 @@ void Soc::wake_if_interrupted(Picoseconds time) {
     retention_ += wake - asleep_since_;
     retained_ = false;
     power_manager_->woken();
+    hart_.flush_fetched();  // the memories are kept, the cache is not
     wake += std::llround(chip_.wake_up_s * kPsPerSecond);
   }
   clock_.wake(hart_.counters().cycles, wake);
@@ -529,6 +534,7 @@ Activity Soc::activity_at(Picoseconds now) const {
   activity.fc_memory_accesses = far;
   activity.l2_accesses = counters.accesses - counters.device_accesses - far;
   activity.far_words = counters.device_accesses;
+  if (instruction_cache_) activity.l2_accesses += instruction_cache_->refills() * instruction_cache_->words_per_line();
   activity.powered = now;
   activity.fc_asleep = slept_ + (asleep_ && now > asleep_since_ ? now - asleep_since_ : 0);
   activity.retained = retention_time(now);
@@ -543,6 +549,11 @@ Activity Soc::activity_at(Picoseconds now) const {
   activity.l2_accesses += cluster_far + dma_words;
   activity.far_words += cluster_far + dma_words;
   activity.dma_cycles = dma.busy_cycles;
+  if (const auto* cache = cluster_->instruction_cache(); cache != nullptr) {
+    const auto words = cache->refills() * cache->words_per_line();
+    activity.l2_accesses += words;
+    activity.far_words += words;
+  }
   activity.cluster_powered = cluster_->powered_time(now);
   return activity;
 }
@@ -592,6 +603,7 @@ std::string Soc::fault_text() const {
 void Soc::save(state::Writer& writer) const {
   static_assert(std::has_unique_object_representations_v<Clock>);
   memory_.save(writer);
+  if (instruction_cache_) instruction_cache_->save(writer);
   hart_.save(writer);
   if (cluster_) cluster_->save(writer);
   for (const auto& slot : slots_) slot.device->save(writer);
@@ -610,6 +622,7 @@ void Soc::save(state::Writer& writer) const {
 
 void Soc::restore(state::Reader& reader) {
   memory_.restore(reader);
+  if (instruction_cache_) instruction_cache_->restore(reader);
   hart_.restore(reader);
   if (cluster_) cluster_->restore(reader);
   for (const auto& slot : slots_) slot.device->restore(reader);

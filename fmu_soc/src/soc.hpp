@@ -16,6 +16,7 @@
 #include "energy/meter.hpp"
 #include "hart/hart.hpp"
 #include "memory/bus.hpp"
+#include "memory/instruction_cache.hpp"
 #include "memory/memory.hpp"
 #include "observe/state_listener.hpp"
 
@@ -94,6 +95,8 @@ class Soc final : private Bus {
   const Cluster* cluster() const { return cluster_.get(); }
   const Hart& hart() const { return hart_; }
   Hart& hart() { return hart_; }
+  /// Of the fabric controller; null without one.
+  const InstructionCache* instruction_cache() const { return instruction_cache_ ? &*instruction_cache_ : nullptr; }
   const Memory& memory() const { return memory_; }
   /// Changes RAM from outside, between instructions; false, with nothing done, when it is not all in one memory.
   bool poke(std::uint32_t address, std::span<const std::uint8_t> bytes);
@@ -188,6 +191,7 @@ class Soc final : private Bus {
   std::unique_ptr<Flight> flight_;
   std::unique_ptr<BatteryGauge> battery_;
   std::unique_ptr<MissionParameters> mission_;
+  std::optional<InstructionCache> instruction_cache_;  // of the fabric controller
   Hart hart_;
   StateListener* listener_ = nullptr;
   Clock clock_;

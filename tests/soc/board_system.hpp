@@ -20,12 +20,19 @@ inline constexpr std::uint32_t kResults = 0x1C060000;
 class BoardSystem {
  public:
   explicit BoardSystem(std::string_view text, const Settings& settings = {}) : BoardSystem(assembled(text), settings) {}
-  explicit BoardSystem(const Elf& program, const Settings& settings = {})
-      : soc(read_board(MEBOTS_SOURCE_DIR "/configs/boards/ai_deck.json"), gap8(), settings, program,
+  explicit BoardSystem(const Elf& program, const Settings& settings = {}, const BoardDescription& board = ai_deck())
+      : soc(board, gap8(), settings, program,
             {[this](std::string_view line) { console.emplace_back(line); },
              [this](std::string_view text) { faults.emplace_back(text); },
              {}}) {}
 
+  static BoardDescription ai_deck() { return read_board(MEBOTS_SOURCE_DIR "/configs/boards/ai_deck.json"); }
+  /// The same without instruction caches, for tests that count every cycle of code that runs once.
+  static BoardDescription without_caches() {
+    auto board = ai_deck();
+    board.instruction_caches = {};
+    return board;
+  }
   static Elf assembled(std::string_view text) { return assemble(fmt::format("#include \"board.h\"\n{}\n", text), kL2); }
 
   std::uint32_t result(std::uint32_t index) const {

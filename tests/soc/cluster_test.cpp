@@ -40,7 +40,7 @@ core: csrr s0, mhartid
     j 2b
 )",
                                                         body)),
-                     settings);
+                     settings, BoardSystem::without_caches());
 }
 
 /// 256 loads that take a cycle each when nobody is in the way.

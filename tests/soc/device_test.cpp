@@ -234,13 +234,13 @@ TEST(Request, IsOutAtTheFirstCommunicationPointAtOrAfterIt) {
       "95\nnop\n.endr\n"
       "sw zero, FLIGHT_COMMIT_OFFSET(s0)\n1: j 1b\n");
   // li of FLIGHT_BASE is one lui and one addi, or one lui alone.
-  BoardSystem probe(program);
+  BoardSystem probe(program, {}, BoardSystem::without_caches());
   std::int64_t at = 0;
   while (probe.soc.flight()->sent().mode == 0) probe.soc.advance(at += 1);
   EXPECT_EQ(at % 10, 0) << "starts on a clock edge and is out at that very nanosecond";
   EXPECT_NEAR(static_cast<double>(at), 1065, 6)
       << "ns: 98 or 99 cycles before it, and 8 for the way of the first store";
-  BoardSystem late(program);
+  BoardSystem late(program, {}, BoardSystem::without_caches());
   late.soc.advance(at - 1);
   EXPECT_EQ(late.soc.flight()->sent().mode, 0U) << "a nanosecond early: stays pending";
   late.soc.advance(at);

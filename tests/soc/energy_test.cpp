@@ -37,7 +37,9 @@ TEST(EnergyTable, IsLinearBetweenItsPointsAndRefusesWhatLiesOutside) {
 
 TEST(Energy, OfAWorkingCoreIsInstructionsAccessesBackgroundAndLeakage) {
   // Turns of one load, one store, one addition, one jump.
-  BoardSystem system("_start: li s0, 0x1C060000\n1: lw a0, 0(s0)\nsw a1, 4(s0)\naddi a2, a2, 1\nj 1b\n");
+  BoardSystem system(
+      BoardSystem::assembled("_start: li s0, 0x1C060000\n1: lw a0, 0(s0)\nsw a1, 4(s0)\naddi a2, a2, 1\nj 1b\n"), {},
+      BoardSystem::without_caches());
   system.soc.advance(10'000'000);
   const auto& counters = system.soc.hart().counters();
   const auto ledger = system.soc.energy();

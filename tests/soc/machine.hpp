@@ -4,9 +4,11 @@
 #include "assembler.hpp"
 #include "hart/hart.hpp"
 #include "memory/bus.hpp"
+#include "memory/instruction_cache.hpp"
 #include "memory/memory.hpp"
 
 #include <cstdint>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -24,7 +26,14 @@ class Machine : private Bus {
   /// Runs until tohost is stored, the core faults or sleeps, or `limit` cycles.
   Stop run(std::uint64_t limit = 10'000'000) { return hart_.run(limit); }
 
+  /// Its code comes through an instruction cache from now on.
+  InstructionCache& fetch_through(const InstructionCacheSettings& settings) {
+    hart_.fetch_through(instruction_cache_.emplace(settings));
+    return *instruction_cache_;
+  }
+
   Hart& hart() { return hart_; }
+  InstructionCache* instruction_cache() { return instruction_cache_ ? &*instruction_cache_ : nullptr; }
   Memory& memory() { return memory_; }
   const Elf& program() const { return program_; }
   std::uint32_t reg(unsigned index) const { return hart_.reg(index); }
@@ -39,6 +48,7 @@ class Machine : private Bus {
 
   Elf program_;
   Memory memory_;
+  std::optional<InstructionCache> instruction_cache_;
   Hart hart_;
 };
 

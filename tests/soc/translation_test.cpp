@@ -15,6 +15,7 @@ namespace {
 std::vector<std::byte> state_of(Machine& machine, bool with_memory) {
   state::Writer writer;
   if (with_memory) machine.memory().save(writer);
+  if (auto* cache = machine.instruction_cache(); cache != nullptr) cache->save(writer);
   machine.hart().save(writer);
   return writer.bytes();
 }
@@ -39,6 +40,11 @@ struct Pair {
       const std::array ports{MemoryPort{0, first, nullptr}, MemoryPort{1, second, nullptr}};
       machine->hart().connect(ports);
     }
+  }
+
+  /// Small, so that lines leave it all the time.
+  void fetch_through_cache(std::uint32_t bytes) {
+    for (auto* machine : {&translated, &interpreted}) machine->fetch_through({bytes, 16, 2, 7});
   }
 
   /// False when they differ, or have ended.
@@ -98,6 +104,9 @@ TEST_P(RandomProgram, RunsTranslatedAsInterpreted) {
   Pair waiting(program);
   waiting.wait_for_memory(seed % 4, seed / 2 % 4);
   compare_at_random_limits(waiting, seed + 1);
+  Pair fetching(program);
+  fetching.fetch_through_cache(128U << seed % 6);
+  compare_at_random_limits(fetching, seed + 2);
 }
 
 INSTANTIATE_TEST_SUITE_P(Translation, RandomProgram, testing::Range(1U, 41U));

@@ -20,6 +20,9 @@ Cluster::Cluster(Memory& memory, const ClusterSettings& settings, const Instruct
     : memory_(memory),
       settings_(settings),
       decoded_(std::make_shared<BlockCache>(memory, settings.timing, energy)),
+      instruction_cache_(settings.instruction_cache.size == 0
+                             ? std::nullopt
+                             : std::optional<InstructionCache>(settings.instruction_cache)),
       banks_(settings.l1_banks),
       event_unit_(settings.cores),
       dma_(memory, settings.l1_region, settings.dma) {
@@ -37,6 +40,10 @@ void Cluster::power_on(Picoseconds now, std::uint32_t boot) {
   powered_since_ = now;
   event_unit_ = EventUnit(cores());
   dma_.reset();
+  if (instruction_cache_) {
+    instruction_cache_->flush();
+    decoded_->left_all();
+  }
   const auto tick = tick_at(now);
   for (auto& core : cores_) core->start(boot, tick);
 }
@@ -184,6 +191,7 @@ Counters Cluster::counters() const {
     sum.instruction_fj += counters.instruction_fj;
     sum.accesses += counters.accesses;
     sum.device_accesses += counters.device_accesses;
+    sum.fetch_cycles += counters.fetch_cycles;
   }
   return sum;
 }
@@ -202,6 +210,7 @@ std::uint64_t Cluster::longest_cycles() const {
 
 void Cluster::save(state::Writer& writer) const {
   writer.put(banks_);
+  if (instruction_cache_) instruction_cache_->save(writer);
   event_unit_.save(writer);
   dma_.save(writer);
   for (const auto& core : cores_) core->save(writer);
@@ -219,6 +228,7 @@ void Cluster::save(state::Writer& writer) const {
 
 void Cluster::restore(state::Reader& reader) {
   reader.get(banks_);
+  if (instruction_cache_) instruction_cache_->restore(reader);
   event_unit_.restore(reader);
   dma_.restore(reader);
   for (auto& core : cores_) core->restore(reader);

@@ -6,10 +6,12 @@
 #include "cluster/event_unit.hpp"
 #include "hart/hart.hpp"
 #include "memory/banks.hpp"
+#include "memory/instruction_cache.hpp"
 
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <vector>
 
 namespace mebots::soc {
@@ -20,6 +22,7 @@ struct ClusterSettings {
   std::size_t l1_region = 0;  // index in Memory::regions()
   unsigned l1_banks = 16;
   std::vector<MemoryPort> ports;  // of a core, L1 first; its banks are filled in here
+  InstructionCacheSettings instruction_cache;
   std::uint32_t clock_hz = 0;
   std::uint32_t event_unit_base = 0;
   std::uint32_t dma_base = 0;
@@ -93,6 +96,8 @@ class Cluster {
   /// A core's store into a watched word ended the run.
   bool stopped() const { return stopped_; }
   const ClusterDma& dma() const { return dma_; }
+  /// That all cores share; null without one.
+  const InstructionCache* instruction_cache() const { return instruction_cache_ ? &*instruction_cache_ : nullptr; }
 
   void save(state::Writer& writer) const;
   void restore(state::Reader& reader);
@@ -111,6 +116,7 @@ class Cluster {
   Memory& memory_;
   ClusterSettings settings_;
   std::shared_ptr<BlockCache> decoded_;  // one for all cores: they run the same code
+  std::optional<InstructionCache> instruction_cache_;
   Banks banks_;
   EventUnit event_unit_;
   ClusterDma dma_;

@@ -14,6 +14,7 @@ class Cluster::Core final : private Bus {
       : cluster_(cluster), id_(id), hart_(memory, *this, std::move(decoded)), schedule_(cluster.banks_) {
     hart_.set_id(id);
     hart_.set_loose_limit(true);
+    if (cluster.instruction_cache_) hart_.fetch_through(*cluster.instruction_cache_);
     hart_.set_translation(false);  // not for shared banks yet
     share_banks(false);
   }
@@ -75,13 +76,17 @@ class Cluster::Core final : private Bus {
     reader.get(asleep_);
     reader.get(waits_for_turn_);
     granted_ = false;
-    schedule_.set_offset(offset_);
+    apply_offset();
   }
 
  private:
   void go_on_at(std::uint64_t tick) {
     offset_ = tick - hart_.counters().cycles;
+    apply_offset();
+  }
+  void apply_offset() {
     schedule_.set_offset(offset_);
+    hart_.set_fetch_offset(offset_);
   }
 
   BusReply turn(std::uint32_t address, std::uint64_t cycle, const std::uint32_t* stored, bool event) {

@@ -124,6 +124,8 @@ std::uint32_t BlockCache::decode_block(std::uint32_t pc) {
   end.op = loop ? Op::loop_end : Op::end_of_block;
   end.run = handler_of(end.op);
   end.pc = at;
+  block.end = at;
+  block.entry_bound = fetches() ? kAbsent : block.last_start_bound;
   arena_[arena_used_ + sums.index + 1] = Instruction{};  // holds the link of a loop's next turn
   memory_.mark(pc, at - pc, Region::kCode);
 
@@ -165,6 +167,34 @@ void BlockCache::set_longest_wait(std::uint32_t cycles) {
   forget();
 }
 
+void BlockCache::fetch_through(const InstructionCache& cache) {
+  cached_lines_ = &cache;
+  present_.reserve(kMaxBlocks);
+  forget();
+}
+
+void BlockCache::arrived(std::uint32_t number) {
+  auto& block = blocks_[number];
+  if (block.entry_bound != kAbsent) return;
+  block.entry_bound = block.last_start_bound;
+  present_.push_back(number);
+}
+
+void BlockCache::left(std::uint32_t line) {
+  if (line == InstructionCache::kNoLine) return;
+  std::erase_if(present_, [&](std::uint32_t number) {
+    const auto& block = blocks_[number];
+    const bool gone = cached_lines_->line_of(block.pc) <= line && line <= cached_lines_->line_of(block.end - 1);
+    if (gone) block.entry_bound = kAbsent;
+    return gone;
+  });
+}
+
+void BlockCache::left_all() {
+  for (const auto number : present_) blocks_[number].entry_bound = kAbsent;
+  present_.clear();
+}
+
 bool BlockCache::end_block_at(std::uint32_t pc) {
   if (memory_.marked(pc, 2, Region::kLoop)) return false;
   const bool decoded = memory_.marked(pc, 2, Region::kCode);
@@ -183,6 +213,7 @@ void BlockCache::forget() {
   std::fill(table_.begin(), table_.end(), 0U);
   block_count_ = 1;
   arena_used_ = 0;
+  present_.clear();
   ++generation_;
 }
 

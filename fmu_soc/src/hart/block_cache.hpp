@@ -4,11 +4,13 @@
 #include "hart/instruction.hpp"
 #include "hart/timing.hpp"
 #include "isa/encoding.hpp"
+#include "memory/instruction_cache.hpp"
 #include "memory/memory.hpp"
 
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <utility>
 #include <vector>
 
 namespace mebots::soc {
@@ -18,14 +20,21 @@ struct InstructionEnergy;
 /// Straight code from one address, decoded once.
 struct Block {
   std::uint32_t pc = 0;
+  std::uint32_t end = 0;               // address behind it
   std::uint32_t first = 0;             // index of its first Instruction
   std::uint32_t last_start_bound = 0;  // the most cycles from its start to the start of its last instruction
-  bool unaligned = false;              // starts with a 32-bit instruction at 2 mod 4
-  bool early_jump = false;             // a jump is among the first two: what ran before may delay it
-  std::uint64_t stalled_by = 0;        // bit r: a load of register r just before costs its first instruction a cycle
-  mutable std::uint16_t heat = 0;      // how often it was interpreted in its epoch
-  mutable std::uint32_t epoch = 0;     // of the core's cycles
+  /// The same while all its lines are known to be in the instruction cache, else kAbsent: whoever has fewer cycles left
+  /// cannot just run it. So asking for both costs one comparison, here and in translated code.
+  mutable std::uint64_t entry_bound = 0;
+  bool unaligned = false;           // starts with a 32-bit instruction at 2 mod 4
+  bool early_jump = false;          // a jump is among the first two: what ran before may delay it
+  std::uint64_t stalled_by = 0;     // bit r: a load of register r just before costs its first instruction a cycle
+  mutable std::uint16_t heat = 0;   // how often it was interpreted in its epoch
+  mutable std::uint32_t epoch = 0;  // of the core's cycles
 };
+
+/// More cycles than any core will see.
+inline constexpr std::uint64_t kAbsent = std::uint64_t{1} << 62;
 
 /// Decoded blocks by address. All memory is taken at construction; when it is full, everything is
 /// forgotten and decoded again.
@@ -52,6 +61,8 @@ class BlockCache {
   }
   const Block& block(std::uint32_t number) const { return blocks_[number]; }
   const Instruction* instructions(const Block& block) const { return &arena_[block.first]; }
+  /// Puts another handler in the place of an instruction's, and gives that one back.
+  Handler exchange(const Instruction* at, Handler handler) { return std::exchange(arena_[index_of(at)].run, handler); }
 
   /// One instruction and the end of a block, decoded with what the pipeline holds. Null when it cannot be fetched.
   const Instruction* single(std::uint32_t pc, const Previous& two_before, const Previous& before);
@@ -70,6 +81,15 @@ class BlockCache {
   }
   /// The most that one bus access of the core waits for its way: limits are kept with it.
   void set_longest_wait(std::uint32_t cycles);
+  /// Code comes through a cache with these lines from now on: a block is absent until `arrived` says otherwise.
+  void fetch_through(const InstructionCache& cache);
+  bool fetches() const { return cached_lines_ != nullptr; }
+  /// All lines of the block are in the instruction cache.
+  void arrived(std::uint32_t number);
+  /// A line has left it: blocks in it are absent. kNoLine is none.
+  void left(std::uint32_t line);
+  /// All lines have.
+  void left_all();
   /// Grows by one with every clear: a link noted before it is void.
   std::uint64_t generation() const { return generation_; }
 
@@ -79,6 +99,7 @@ class BlockCache {
  private:
   static constexpr std::uint32_t kArenaSize = 1U << 16;
 
+  std::size_t index_of(const Instruction* at) const { return static_cast<std::size_t>(at - arena_.get()); }
   static std::uint32_t hash(std::uint32_t pc) { return ((pc >> 1) * 0x9e3779b1U) >> 18; }
   std::uint32_t decode_block(std::uint32_t pc);
   void forget();
@@ -100,6 +121,8 @@ class BlockCache {
   std::uint64_t generation_ = 0;
   std::uint64_t code_generation_ = 0;  // of the memory, at the last look
   std::uint32_t longest_wait_ = 0;
+  const InstructionCache* cached_lines_ = nullptr;
+  std::vector<std::uint32_t> present_;  // blocks that are not absent
   std::array<Instruction, 3> single_{};
 };
 

@@ -54,6 +54,7 @@ struct Execution {
   bool jumped = false;                     // an unaligned target costs a cycle
   bool redirected = false;                 // left by a branch, jump, trap or return from one
   const Instruction* slow_load = nullptr;  // the last misaligned load
+  const Instruction* to_fetch = nullptr;   // the run was stopped before it: its line is not there yet
   Leave leave = Leave::normal;
   std::uint32_t trap_cause = 0;
   std::uint32_t trap_value = 0;

@@ -110,8 +110,13 @@ const Instruction* store(Execution& e, const Instruction* at) {
   return next(e, at);
 }
 
-/// fence, fence.i: stores are seen at once, also by the decoder.
+/// fence: stores are seen at once, also by the decoder.
 const Instruction* nothing(Execution& e, const Instruction* at) {
+  return next(e, at);
+}
+
+const Instruction* fence_instructions(Execution& e, const Instruction* at) {
+  e.hart->flush_fetched();
   return next(e, at);
 }
 
@@ -226,8 +231,9 @@ Handler handler_of(Op op, Operand operand) {
     case Op::and_:
       return with_register<f::bit_and>;
     case Op::fence:
-    case Op::fence_i:
       return nothing;
+    case Op::fence_i:
+      return fence_instructions;
     case Op::ecall:
       return environment_call;
     case Op::ebreak:

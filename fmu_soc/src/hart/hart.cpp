@@ -103,6 +103,8 @@ Stop Hart::run(std::uint64_t limit) {
   if (!stays_awake()) return Stop::sleeping;
   e.link = nullptr;
   e.jumped = false;
+  limit = std::min(limit, kAbsent);
+  unsettled_ = fetch_unsettled() ? kAbsent : 0;
   bool translated_led_here = false;
   for (;;) {
     std::uint32_t number = 0;
@@ -179,7 +181,7 @@ void Hart::step() {
     return;
   }
   cut_pc_ = first[1].pc;
-  execute(first);
+  execute(first, fetched_ != nullptr ? fetch(first, counters_.cycles) : 0);
   e.link = nullptr;
 }
 
@@ -191,14 +193,15 @@ inline bool Hart::run_block(std::uint32_t number, std::uint64_t limit, bool tran
   // What ran before can delay the first instruction if it was a load. A jump soon after it is another matter.
   const bool early_jump = before_.op != Op::end_of_block && block.early_jump;
   const auto stall = is_load(before_.op) ? static_cast<std::uint32_t>(block.stalled_by >> before_.rd & 1U) : 0U;
-  const auto bound = (block.last_start_bound + stall) & bound_mask_;
+  const auto bound = ((block.entry_bound + stall) & bound_mask_) | unsettled_;
   if (observer_ != nullptr) [[unlikely]] {
     execute_observed();
     e.link = nullptr;
     return false;
   }
   if (early_jump || counters_.cycles + bound >= limit) [[unlikely]] {
-    step();
+    if (early_jump || bound < kAbsent || !fetch_and_execute(number, stall, limit)) step();
+    unsettled_ = fetch_unsettled() ? kAbsent : 0;
     return false;
   }
   if (translation_on_) {
@@ -222,7 +225,7 @@ inline void Hart::interpret(const Block& block, std::uint32_t stall, std::uint64
   while (e.jumped && e.link != nullptr && *e.link != 0) {
     const auto& next = cache_.block(*e.link);
     const auto cycles = counters_.cycles + (next.unaligned ? kUnalignedTargetExtra : 0U);
-    if (next.pc != e.pc || cycles + (next.last_start_bound & bound_mask_) >= limit) return;
+    if (next.pc != e.pc || cycles + (next.entry_bound & bound_mask_) >= limit) return;
     counters_.cycles = cycles;
     e.jumped = false;
     e.link = nullptr;
@@ -330,6 +333,12 @@ void Hart::execute(const Instruction* first, std::uint32_t extra_cycles) {
   e.redirected = false;
   e.slow_load = nullptr;
   for (const auto* at = first; at != nullptr;) at = at->run(e, at);
+  finish_block();
+}
+
+/// Adds up what a block has done until it was left.
+void Hart::finish_block() {
+  auto& e = execution_;
   const auto& exit = *e.exit;
   counters_.instructions += exit.index;
   counters_.cycles += exit.cycles_before + e.extra_cycles;
@@ -352,7 +361,7 @@ void Hart::execute_observed() {
   retired.access = access_of(retired.decoded, *this);
   if (retired.access.store) retired.stored = execution_.x[retired.decoded.rs2];
   const auto instructions = counters_.instructions;
-  execute(cache_.single(retired.pc, two_before_, before_));
+  step();
   if (counters_.instructions != instructions) observer_->retired(*this, retired);
 }
 

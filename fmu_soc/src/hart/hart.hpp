@@ -5,6 +5,7 @@
 #include "hart/execution.hpp"
 #include "hart/timing.hpp"
 #include "memory/bus.hpp"
+#include "memory/instruction_cache.hpp"
 #include "memory/memory.hpp"
 #include "translate/translator.hpp"
 
@@ -52,6 +53,7 @@ struct Counters {
   std::uint64_t instruction_fj = 0;   // energy of instructions at the reference voltage
   std::uint64_t accesses = 0;         // loads and stores, all together
   std::uint64_t device_accesses = 0;  // of these: to devices
+  std::uint64_t fetch_cycles = 0;     // of the cycles: waiting for the instruction cache
 };
 
 /// A memory as one core reaches it.
@@ -90,8 +92,14 @@ class Hart {
   /// Says which memories the core reaches, and how; all others are nothing to it. The first two are the fast ones.
   void connect(std::span<const MemoryPort> ports);
 
+  /// Instructions come through this cache from now on, which harts with the same decoded code may share. Without one,
+  /// fetching never waits.
+  void fetch_through(InstructionCache& cache);
+  /// Active cycle c of this core is tick c + offset (modulo 2^64) of a cache that it shares.
+  void set_fetch_offset(std::uint64_t offset) { fetch_offset_ = offset; }
+
   /// With a loose limit, a block that starts before it runs to its end.
-  void set_loose_limit(bool loose) { bound_mask_ = loose ? 0 : ~std::uint32_t{0}; }
+  void set_loose_limit(bool loose) { bound_mask_ = loose ? ~std::uint64_t{0xffffffff} : ~std::uint64_t{0}; }
 
   /// Whether hot code is translated to code of the host where that is possible; at the start it is. Counts are the
   /// same with and without.
@@ -151,6 +159,8 @@ class Hart {
     if (cache_.block(holder.link).pc != start) holder.link = 0;
     return &holder.link;
   }
+  /// fence.i
+  void flush_fetched();
   const Instruction* csr_access(const Instruction* at);
   const Instruction* trap_return(const Instruction* at);
   const Instruction* wait_for_interrupt(const Instruction* at);
@@ -189,7 +199,13 @@ class Hart {
   void interpret(const Block& block, std::uint32_t stall, std::uint64_t limit);
   Stop leave();
   void execute(const Instruction* first, std::uint32_t extra_cycles = 0);
+  void finish_block();
   void execute_observed();
+  bool fetch_and_execute(std::uint32_t number, std::uint32_t stall, std::uint64_t limit);
+  void execute_fetching(const Instruction* first, std::uint32_t stall);
+  std::uint32_t fetch(const Instruction* at, std::uint64_t cycle);
+  const Instruction* next_to_fetch(const Instruction* at) const;
+  bool fetch_unsettled() const { return fetched_ != nullptr && counters_.cycles + fetch_offset_ < fetched_->settled(); }
   const translate::Entry* translated(std::uint32_t number, const Block& block);
   bool run_translated(const translate::Entry& entry, std::uint64_t limit);
   std::uint32_t following_block(std::uint32_t* link);
@@ -230,7 +246,10 @@ class Hart {
   Previous two_before_;
   std::uint32_t id_ = 0;
   std::uint32_t cut_pc_ = kNoPc;  // behind an instruction that ran alone, or where a trap returned to
-  std::uint32_t bound_mask_ = ~std::uint32_t{0};
+  std::uint64_t bound_mask_ = ~std::uint64_t{0};
+  InstructionCache* fetched_ = nullptr;
+  std::uint64_t fetch_offset_ = 0;
+  std::uint64_t unsettled_ = 0;  // kAbsent while lines that another core asked for may be on their way, else 0
   Observer* observer_ = nullptr;
   bool observer_knows_of_sleep_ = false;
   bool sleeping_ = false;

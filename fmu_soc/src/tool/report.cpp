@@ -3,6 +3,7 @@
 
 #include <fmt/core.h>
 
+#include <string_view>
 #include <utility>
 
 namespace mebots::soc::tool {
@@ -16,6 +17,14 @@ void print_report(const Soc& soc, double host_s, std::optional<std::uint32_t> to
     const auto sums = cluster->counters();
     fmt::print("cluster instructions {}, cycles {} of {} cores together\n", sums.instructions, sums.cycles,
                cluster->cores());
+  }
+  const auto print_cache = [](std::string_view owner, const InstructionCache* cache, std::uint64_t cycles) {
+    if (cache == nullptr) return;
+    fmt::print("{} instruction cache refills {}, cycles waited {}\n", owner, cache->refills(), cycles);
+  };
+  print_cache("fabric controller's", soc.instruction_cache(), counters.fetch_cycles);
+  if (const auto* cluster = soc.cluster()) {
+    print_cache("cluster's", cluster->instruction_cache(), cluster->counters().fetch_cycles);
   }
   fmt::print("time {:.9g} s, of it asleep {:.9g} s\n", static_cast<double>(soc.now()) * 1e-12,
              static_cast<double>(soc.sleep_time()) * 1e-12);

@@ -17,9 +17,11 @@ static_assert(std::is_standard_layout_v<Execution>);
 
 }  // namespace
 
-Emitter::Emitter(const CodeMemory& code_memory, std::size_t used, const Execution& execution, Exits& exits)
+Emitter::Emitter(const CodeMemory& code_memory, std::size_t used, const BlockCache& cache, const Execution& execution,
+                 Exits& exits)
     : CodeGenerator(code_memory.size() - used, code_memory.writable() + used),
       ram_{execution.ram[0], execution.ram[1]},
+      fetches_(cache.fetches()),
       code_memory_(code_memory),
       exits_(exits.exits),
       ways_(exits.ways) {
@@ -58,7 +60,7 @@ Entry Emitter::emit(const Region& region, const Registers& registers, const Gate
   if (head.block->unaligned) sub(r15, kUnalignedTargetExtra);
   entry.plain = code_memory_.executable(getCurr());
   Label stay;
-  cmp(r15, head.block->last_start_bound);
+  compare_budget(*head.block);
   jg(stay);
   Exit at_limit;
   at_limit.pc = head.block->pc;

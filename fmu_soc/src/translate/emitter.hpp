@@ -45,7 +45,8 @@ class Emitter : private Xbyak::CodeGenerator {
   };
 
   /// Writes behind the first `used` bytes.
-  Emitter(const CodeMemory& code_memory, std::size_t used, const Execution& execution, Exits& exits);
+  Emitter(const CodeMemory& code_memory, std::size_t used, const BlockCache& cache, const Execution& execution,
+          Exits& exits);
 
   /// The gates, at the start of the code memory.
   Gates emit_gates();
@@ -105,6 +106,7 @@ class Emitter : private Xbyak::CodeGenerator {
   void emit_edge(const Instruction* at, std::uint32_t pc, bool jumped);
   void count(const Instruction* at, std::uint32_t extra_cycles);
   void check_limit(const Node& node);
+  void compare_budget(const Block& block);
   void emit_leave(const Exit& exit);
   void emit_resume(const Instruction* at);
   std::uint32_t waits_before(const Instruction* at) const { return ram_[0].wait_cycles * at->accesses_before; }
@@ -114,6 +116,7 @@ class Emitter : private Xbyak::CodeGenerator {
   void later(std::function<void()> emit) { cold_.push_back(std::move(emit)); }
 
   const FastRegion ram_[2];
+  const bool fetches_;  // code comes through an instruction cache
   const CodeMemory& code_memory_;
   std::vector<Exit>& exits_;
   std::deque<const std::uint8_t*>& ways_;

@@ -33,9 +33,20 @@ void Emitter::emit_resume(const Instruction* at) {
   emit_leave(exit);
 }
 
+/// Compares the cycles that may still start with those that the block asks for. A block that must be fetched first asks
+/// for more than there are.
+void Emitter::compare_budget(const Block& block) {
+  if (fetches_) {
+    mov(rax, reinterpret_cast<std::uint64_t>(&block.entry_bound));
+    cmp(r15, ptr[rax]);
+  } else {
+    cmp(r15, block.last_start_bound);
+  }
+}
+
 /// A block may only begin when none of its instructions can start too late.
 void Emitter::check_limit(const Node& node) {
-  cmp(r15, node.block->last_start_bound);
+  compare_budget(*node.block);
   Label leave;
   jle(leave, T_NEAR);
   later([this, leave, &node]() mutable {

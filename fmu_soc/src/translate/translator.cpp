@@ -23,7 +23,7 @@ class HostTranslator : public Translator {
       : cache_(cache), execution_(execution), memory_(std::move(memory)) {
     entries_.resize(BlockCache::kMaxBlocks);
     execution_.host.targets = targets_.targets.data();
-    Emitter emitter(*memory_, 0, execution_, exits_);
+    Emitter emitter(*memory_, 0, cache, execution_, exits_);
     gates_ = emitter.emit_gates();
     gates_size_ = emitter.size();
     used_ = gates_size_;
@@ -32,7 +32,7 @@ class HostTranslator : public Translator {
   const Entry& translate(std::uint32_t block) override {
     if (used_ + kMostRegionBytes > memory_->size()) forget();
     const auto region = grow_region(cache_, block);
-    Emitter emitter(*memory_, used_, execution_, exits_);
+    Emitter emitter(*memory_, used_, cache_, execution_, exits_);
     entries_[block] = emitter.emit(region, allocate(region), gates_);
     used_ += (emitter.size() + 15) / 16 * 16;
     return entries_[block];

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// How code comes through the instruction cache. An instruction waits for its lines when it is reached, never before: so
+// a core that was stopped anywhere has made the same refills in the same cycles. Blocks whose lines are all there run
+// as if there were no cache; only the others come here.
+#include "hart/hart.hpp"
+
+namespace mebots::soc {
+namespace {
+
+/// In place of an instruction that must be fetched first.
+const Instruction* stop_to_fetch(Execution& e, const Instruction* at) {
+  e.exit = at;
+  e.to_fetch = at;
+  return nullptr;
+}
+
+}  // namespace
+
+void Hart::fetch_through(InstructionCache& cache) {
+  fetched_ = &cache;
+  cache_.fetch_through(cache);
+}
+
+void Hart::flush_fetched() {
+  if (fetched_ == nullptr) return;
+  fetched_->flush();
+  cache_.left_all();
+}
+
+/// Cycles that the instruction waits for its lines when it is reached in active cycle `cycle`.
+std::uint32_t Hart::fetch(const Instruction* at, std::uint64_t cycle) {
+  std::uint32_t wait = 0;
+  for (auto line = fetched_->line_of(at->pc); line <= fetched_->line_of(at[1].pc - 1); ++line) {
+    const auto refills = fetched_->refills();
+    wait += fetched_->fetch(line, cycle + wait + fetch_offset_);
+    if (fetched_->refills() != refills) cache_.left(fetched_->evicted());
+  }
+  counters_.fetch_cycles += wait;
+  return wait;
+}
+
+/// The first instruction of the block behind `at` that may have to wait, or the end of the block.
+const Instruction* Hart::next_to_fetch(const Instruction* at) const {
+  const bool all = fetch_unsettled();  // a line that is here may not have arrived yet
+  auto line = fetched_->line_of(at[1].pc - 1);
+  for (++at; !is_block_end(at->op); ++at) {
+    const auto last = fetched_->line_of(at[1].pc - 1);
+    if (last == line) continue;
+    if (all || !fetched_->holds(last) || !fetched_->holds(fetched_->line_of(at->pc))) return at;
+    line = last;
+  }
+  return at;
+}
+
+/// Runs a block that is absent, and is none any more when all its lines are there. False: it might reach the limit, and
+/// nothing has happened.
+bool Hart::fetch_and_execute(std::uint32_t number, std::uint32_t stall, std::uint64_t limit) {
+  const auto& block = cache_.block(number);
+  const bool unsettled = fetch_unsettled();
+  std::uint64_t missing = 0;
+  for (auto line = fetched_->line_of(block.pc); line <= fetched_->line_of(block.end - 1); ++line) {
+    if (unsettled || !fetched_->holds(line)) ++missing;
+  }
+  const auto bound = block.last_start_bound + stall + missing * fetched_->refill_cycles();
+  if (counters_.cycles + (bound & bound_mask_) >= limit) return false;
+  const auto* first = cache_.instructions(block);
+  if (missing == 0) {
+    cache_.arrived(number);
+    execute(first, stall);
+  } else {
+    execute_fetching(first, stall);
+  }
+  return true;
+}
+
+/// As `execute`, but the lines come one by one: it goes on to the next instruction that needs one, and waits there.
+void Hart::execute_fetching(const Instruction* first, std::uint32_t stall) {
+  auto& e = execution_;
+  // The first instruction is fetched before it stalls for a load, as all others are.
+  e.extra_cycles = fetch(first, counters_.cycles) + stall;
+  e.redirected = false;
+  e.slow_load = nullptr;
+  for (const auto* begin = first; begin != nullptr;) {
+    if (begin != first) e.extra_cycles += fetch(begin, cycle_of(begin));
+    const auto* stop = next_to_fetch(begin);
+    e.to_fetch = nullptr;
+    const bool to_end = is_block_end(stop->op);
+    const auto handler = to_end ? nullptr : cache_.exchange(stop, stop_to_fetch);
+    for (const auto* at = begin; at != nullptr;) at = at->run(e, at);
+    if (!to_end) cache_.exchange(stop, handler);
+    begin = e.to_fetch;
+  }
+  finish_block();
+}
+
+}  // namespace mebots::soc

@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "board_system.hpp"
+#include "machine.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <set>
+
+namespace mebots::soc::test {
+namespace {
+
+/// 64 sets of 4 ways with lines of 16 bytes, as GAP8.
+constexpr InstructionCacheSettings kGap8{4096, 16, 4, 9};
+
+TEST(InstructionCache, MissesOnceAndThenHits) {
+  InstructionCache cache(kGap8);
+  EXPECT_EQ(cache.fetch(cache.line_of(0x1C000010), 100), 9U);
+  EXPECT_EQ(cache.fetch(cache.line_of(0x1C00001E), 109), 0U);
+  EXPECT_EQ(cache.refills(), 1U);
+}
+
+TEST(InstructionCache, ALineOnItsWayIsWaitedForButNotFetchedAgain) {
+  InstructionCache cache(kGap8);
+  cache.fetch(5, 100);
+  EXPECT_EQ(cache.settled(), 109U);
+  EXPECT_EQ(cache.fetch(5, 103), 6U);
+  EXPECT_EQ(cache.fetch(5, 50), 9U) << "who is behind in time waits no longer than had it asked itself";
+  EXPECT_EQ(cache.refills(), 1U);
+}
+
+TEST(InstructionCache, ARefillTakesTheWayOfTheShiftRegister) {
+  // 8 bits, shifted to the left; the new bit 0 is set while an even number of bits 7, 3, 2, 1 is. From 0 it becomes
+  // 1, 3, 6, 0xd, 0x1b: bits 2 and 1 are 0, 1, 3, 2, 1. So the fifth line takes the place of the second.
+  InstructionCache cache({64, 16, 4, 9});
+  for (std::uint32_t line = 1; line <= 4; ++line) {
+    cache.fetch(line, 0);
+    EXPECT_EQ(cache.evicted(), InstructionCache::kNoLine);
+  }
+  cache.fetch(5, 0);
+  EXPECT_EQ(cache.evicted(), 2U);
+  EXPECT_FALSE(cache.holds(2));
+  EXPECT_TRUE(cache.holds(1) && cache.holds(3) && cache.holds(4) && cache.holds(5));
+}
+
+TEST(InstructionCache, HoldsNothingAfterAFlush) {
+  InstructionCache cache(kGap8);
+  for (std::uint32_t line = 0; line < 256; ++line) cache.fetch(line, 0);
+  cache.flush();
+  for (std::uint32_t line = 0; line < 256; ++line) EXPECT_FALSE(cache.holds(line));
+}
+
+/// 64 instructions of 4 bytes: 16 lines, run through `turns` times.
+std::string straight_code(int turns, std::string_view end_of_turn = "") {
+  return fmt::format(R"(
+    .option norvc
+_start: li s0, {}
+    j 1f
+    .balign 16
+1:  .rept 60
+    addi a0, a0, 1
+    .endr
+    {}
+    addi s0, s0, -1
+    nop
+    bnez s0, 1b
+    nop
+)",
+                     turns, end_of_turn) +
+         std::string(kEnd);
+}
+
+Counters counters_of(const Elf& program, std::uint64_t* refills, bool translated = true) {
+  Machine machine(program);
+  const auto& cache = machine.fetch_through(kGap8);
+  machine.hart().set_translation(translated);
+  EXPECT_EQ(machine.run(), Stop::watch);
+  *refills = cache.refills();
+  return machine.hart().counters();
+}
+
+TEST(Fetch, CostsARefillForEveryLineTheFirstTime) {
+  for (const int turns : {1, 2, 1000}) {
+    const auto program = assemble(straight_code(turns));
+    Machine free_of_waits(program);
+    free_of_waits.run();
+    std::uint64_t refills = 0;
+    const auto counters = counters_of(program, &refills);
+    // li and j in one line, 16 lines of the loop, its nop among them, and the 4 words of the end in one.
+    EXPECT_EQ(refills, 1U + 16U + 1U);
+    EXPECT_EQ(counters.fetch_cycles, 9 * refills);
+    EXPECT_EQ(counters.cycles, free_of_waits.hart().counters().cycles + counters.fetch_cycles);
+    EXPECT_EQ(counters.instructions, free_of_waits.hart().counters().instructions);
+  }
+}
+
+TEST(Fetch, FenceOfInstructionsEmptiesTheCache) {
+  std::uint64_t without = 0;
+  std::uint64_t with = 0;
+  counters_of(assemble(straight_code(10, "nop")), &without);
+  counters_of(assemble(straight_code(10, "fence.i")), &with);
+  // Every turn brings its 16 lines again: the line of the fence is fetched in front of it and again behind it.
+  EXPECT_EQ(with, without + 10 * 1 + 9 * 15);
+}
+
+TEST(Fetch, OfALoopThatDoesNotFitMissesInEveryTurn) {
+  // 8 KiB of straight code through 4 KiB.
+  const auto program = assemble(R"(
+    .option norvc
+_start: li s0, 50
+1:  .rept 2044
+    addi a0, a0, 1
+    .endr
+    addi s0, s0, -1
+    beqz s0, 2f
+    j 1b
+2:
+)" + std::string(kEnd));
+  std::uint64_t refills = 0;
+  std::uint64_t interpreted = 0;
+  EXPECT_EQ(counters_of(program, &refills).cycles, counters_of(program, &interpreted, false).cycles);
+  EXPECT_EQ(refills, interpreted);
+  EXPECT_GT(refills, 50U * 512U / 2) << "twice as much code as room: at least half of it is never there";
+  EXPECT_LT(refills, 50U * 513U);
+}
+
+/// Branches over cold code, calls, device-free loads and stores, 32-bit instructions across lines.
+constexpr std::string_view kWanderer = R"(
+_start: li s0, 30
+    la s1, data
+1:  andi t0, s0, 3
+    beqz t0, 2f
+    lw a0, 2(s1)
+    jal ra, far_away
+    .rept 9
+    c.addi a0, 1
+    .endr
+    addi a1, a0, 1000
+    sw a1, 4(s1)
+2:  addi s0, s0, -1
+    mulh a2, a1, s0
+    jal ra, near
+    bnez s0, 1b
+    j 3f
+near: div a3, a1, s0
+    ret
+    .space 4000
+far_away: lw a4, 0(s1)
+    add a4, a4, a0
+    ret
+3:
+)";
+
+TEST(Fetch, ARunCutAnywhereMakesTheSameRefillsInTheSameCycles) {
+  const auto program = assemble(std::string(kWanderer) + std::string(kEnd) + ".data\n.balign 64\ndata: .zero 64\n");
+  for (const std::uint32_t bytes : {64U, 256U, 4096U}) {
+    Machine whole(program);
+    const auto& refills = whole.fetch_through({bytes, 16, 2, 9});
+    EXPECT_EQ(whole.run(), Stop::watch);
+    Machine cut(program);
+    const auto& cut_refills = cut.fetch_through({bytes, 16, 2, 9});
+    for (std::uint64_t limit = 1; cut.run(limit) == Stop::limit; ++limit) {
+    }
+    EXPECT_EQ(cut.hart().counters().cycles, whole.hart().counters().cycles) << bytes;
+    EXPECT_EQ(cut.hart().counters().fetch_cycles, whole.hart().counters().fetch_cycles) << bytes;
+    EXPECT_EQ(cut_refills.refills(), refills.refills()) << bytes;
+    EXPECT_EQ(cut.word("data", 1), whole.word("data", 1));
+  }
+}
+
+TEST(Fetch, CoresOfAClusterFetchSharedCodeOnce) {
+  // All eight run the same cold code in step: one asks for a line, the others wait for it to arrive.
+  constexpr std::string_view kText = R"(
+_start: li s0, POWER_MANAGER_BASE
+    la a0, core
+    sw a0, POWER_MANAGER_CLUSTER_BOOT_OFFSET(s0)
+    li a0, 1
+    sw a0, POWER_MANAGER_CLUSTER_POWER_OFFSET(s0)
+1:  wfi
+    j 1b
+    .balign 16
+core: .rept 400
+    addi a0, a0, 1000
+    .endr
+    csrr a1, mcycle
+2:  wfi
+    j 2b
+)";
+  BoardSystem system(kText);
+  system.soc.advance(1'000'000);
+  const auto& cluster = *system.soc.cluster();
+  ASSERT_NE(cluster.instruction_cache(), nullptr);
+  const auto refills = cluster.instruction_cache()->refills();
+  EXPECT_EQ(refills, 101U) << "400 words, and the word behind them";
+  for (unsigned core = 0; core < cluster.cores(); ++core) {
+    const auto& counters = cluster.hart(core).counters();
+    // Nobody gets a line for nothing, and nobody waits longer than for a refill of its own.
+    EXPECT_GT(counters.fetch_cycles, 101U * 20U / 2) << core;
+    EXPECT_LE(counters.fetch_cycles, 101U * 20U) << core;
+  }
+}
+
+TEST(Fetch, RefillsAreAccessesToL2) {
+  // 200 turns through 16 lines: with a flush in each turn, its refills are all that L2 has more to do.
+  const auto l2_energy = [](std::string_view end_of_turn) {
+    BoardSystem system(fmt::format(R"(
+    .option norvc
+_start: li s0, 200
+1:  .rept 60
+    addi a0, a0, 1
+    .endr
+    {}
+    addi s0, s0, -1
+    bnez s0, 1b
+2:  wfi
+    j 2b
+)",
+                                   end_of_turn));
+    system.soc.advance(1'000'000);
+    return std::pair(system.soc.energy()[Part::l2], system.soc.instruction_cache()->refills());
+  };
+  const auto [warm_j, warm] = l2_energy("nop");
+  const auto [cold_j, cold] = l2_energy("fence.i");
+  EXPECT_GT(cold, warm + 3000);
+  const auto word_j = gap8().energy.memory_access.at({25, 1.2, 100e6});
+  // The sums are differences of doubles.
+  EXPECT_NEAR(cold_j - warm_j, static_cast<double>(cold - warm) * 4 * word_j, 1e-9 * cold_j);
+}
+
+}  // namespace
+}  // namespace mebots::soc::test
