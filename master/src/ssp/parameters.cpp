@@ -165,7 +165,7 @@ std::filesystem::path resolve_uri(const Source& source, const XmlFile& file, pug
   if (uri.find("://") != std::string::npos || relative.is_absolute()) {
     file.fail(node, fmt::format("the source \"{}\" is absolute; only files inside the SSP can be used", uri));
   }
-  const auto normal = relative.lexically_normal();
+  auto normal = relative.lexically_normal();
   if (normal.empty() || *normal.begin() == "..") {
     file.fail(node, fmt::format("the source \"{}\" is not inside the SSP", uri));
   }
