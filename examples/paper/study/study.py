@@ -9,6 +9,7 @@ import dataclasses
 import json
 import os
 import pathlib
+import sys
 import time
 
 import collect
@@ -18,11 +19,12 @@ from missions import ROOT
 from results import PASSED
 from run import Place, fly_all
 
-PARTS = ("experiments", "clocks", "robustness")
+PARTS = ("experiments", "clocks", *experiments.SPREAD)
 PICTURED_FAILURES = 6
 
 
-def fly_experiments(place, data, _):
+def fly_experiments(place, data):
+    """Both experiments of the paper. The time they took is kept when none was left over from an earlier run."""
     flights = experiments.speeds() + experiments.endurance() + experiments.batteries()
     started = time.monotonic()
     summaries = fly_all(flights, place)
@@ -34,23 +36,22 @@ def fly_experiments(place, data, _):
     data["speeds"] = collect.speeds(summaries)
 
 
-def fly_clocks(place, data, _):
+def fly_clocks(place, data):
     flights = experiments.clocks()
     data["clocks"] = collect.clocks(fly_all(flights, place), flights)
 
 
-def fly_robustness(place, data, count):
-    data.setdefault("robustness", {})
-    for name in experiments.SPREAD:
-        flights = experiments.starts(name, count, seed=1)
-        summaries = fly_all(flights, place)
-        part = collect.robustness(name, flights, summaries)
-        failed = [f for f in flights if summaries[f.name]["outcome"] not in PASSED][:PICTURED_FAILURES]
-        again = [dataclasses.replace(f, name=f"{f.name}-pictures", pictures=True) for f in failed]
-        if again:
-            pictured = fly_all(again, place)
-            part["failures"] = [collect.failure(f, pictured[f.name]) for f in again]
-        data["robustness"][name] = part
+def fly_starts(place, data, name, count):
+    """Random starts of a scenario; a few of those that fail are flown again with pictures."""
+    flights = experiments.starts(name, count, seed=1)
+    summaries = fly_all(flights, place)
+    part = collect.robustness(name, flights, summaries)
+    failed = [f for f in flights if summaries[f.name]["outcome"] not in PASSED][:PICTURED_FAILURES]
+    again = [dataclasses.replace(f, name=f"{f.name}-pictures", pictures=True) for f in failed]
+    if again:
+        pictured = fly_all(again, place)
+        part["failures"] = [collect.failure(f, pictured[f.name]) for f in again]
+    data.setdefault("robustness", {})[name] = part
 
 
 def main():
@@ -58,7 +59,7 @@ def main():
     parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build/release", help="folder of the build")
     parser.add_argument("--out", type=pathlib.Path, default=ROOT / "results/paper", help="folder to write to")
     parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="flights at a time")
-    parser.add_argument("--parts", nargs="*", choices=PARTS, default=["experiments"], help="what to fly; none: report only")
+    parser.add_argument("--parts", nargs="*", choices=PARTS, default=["experiments"], help="what to fly; shipped, easy and hard are random starts; none: report only")
     parser.add_argument("--count", type=int, default=200, help="random starts of each scenario")
     parser.add_argument("--data", type=pathlib.Path, help="what was found, added to: default OUT/data.json")
     arguments = parser.parse_args()
@@ -68,11 +69,15 @@ def main():
     place = Place(arguments.build.resolve(), out / "flights", arguments.jobs)
     kept = arguments.data or out / "data.json"
     data = json.loads(kept.read_text()) if kept.exists() else {}
-    for part in PARTS:
-        if part in arguments.parts:
-            {"experiments": fly_experiments, "clocks": fly_clocks, "robustness": fly_robustness}[part](
-                place, data, arguments.count)
-            kept.write_text(json.dumps(data) + "\n")
+    for part in (part for part in PARTS if part in arguments.parts):
+        print(f"{part}:", file=sys.stderr)
+        if part == "experiments":
+            fly_experiments(place, data)
+        elif part == "clocks":
+            fly_clocks(place, data)
+        else:
+            fly_starts(place, data, part, arguments.count)
+        kept.write_text(json.dumps(data) + "\n")
     for line in report.write(data, out):
         print(line)
     print(f"wrote {out / 'report.html'}")
