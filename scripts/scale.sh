@@ -1,7 +1,16 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# 10000 instances that come and go, and 500 archives that are opened and closed, without growth: the tests Scale.* in full length.
+# 1000 instances in one run; then, without growth: 10000 instances that come and go, 500 archives that are opened and
+# closed, 200 runs in processes of their own; with the cheapest FMU and with each of ours. The tests Scale.* in full length.
 # Usage: scripts/scale.sh [BUILD_FOLDER]    (build/ci)
 set -euo pipefail
 cd "$(dirname "$0")/.."
-MEBOTS_CYCLES=10000 "${1:-build/ci}/bin/master_test" --gtest_filter='Scale.*'
+build=${1:-build/ci}
+run() {
+  MEBOTS_CYCLES=10000 "$build/bin/master_test" --gtest_brief=1 --gtest_filter="$1" | grep -v '^Running main'
+}
+run 'Scale.*'
+for fmu in "$build"/fmus/fmu_*.fmu; do
+  echo "$(basename "$fmu"):"
+  MEBOTS_CYCLED_FMU=$(realpath "$fmu") run 'Scale.InstancesThatComeAndGo*'
+done

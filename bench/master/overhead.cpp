@@ -50,11 +50,17 @@ SystemDescription system_of(const Shape& shape, const std::filesystem::path& fmu
   system.step_ns = kStepNs;
   system.stop_time_ns = steps * kStepNs;
   for (int i = 0; i < shape.instances; ++i) {
-    system.instances.push_back({fmt::format("i{}", i), fmu.string(), fmu, {}, kStepNs, "bench"});
+    auto& instance = system.instances.emplace_back();
+    instance.name = fmt::format("i{}", i);
+    instance.fmu = fmu.string();
+    instance.fmu_path = fmu;
+    instance.step_ns = kStepNs;
   }
   for (int i = 0; i < shape.connections; ++i) {
     const int to = (i + 1) % shape.instances;
-    system.connections.push_back({{fmt::format("i{}", i), "y"}, {fmt::format("i{}", to), "u"}, "bench"});
+    auto& connection = system.connections.emplace_back();
+    connection.from = {fmt::format("i{}", i), "y"};
+    connection.to = {fmt::format("i{}", to), "u"};
   }
   system.instances[0].parameters.push_back({"u", 1.0, "bench"});
   if (shape.connections == shape.instances) system.instances[0].parameters.clear();

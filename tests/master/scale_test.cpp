@@ -33,6 +33,18 @@ Holdings holdings() {
   return now;
 }
 
+/// For scripts/scale.sh, which shows them.
+void report(const char* what, int count, const Holdings& before, const Holdings& after) {
+  fmt::print("{} {}: files {} -> {}, mappings {} -> {}, heap {} -> {} bytes\n", count, what, before.files, after.files,
+             before.mappings, after.mappings, before.heap_bytes, after.heap_bytes);
+}
+
+/// The FMU that comes and goes: the cheapest, or the one that scripts/scale.sh names.
+std::filesystem::path cycled_fmu() {
+  const char* asked = std::getenv("MEBOTS_CYCLED_FMU");  // NOLINT(concurrency-mt-unsafe): before any thread
+  return asked == nullptr ? PASSTHROUGH_FMU : asked;
+}
+
 int cycles() {
   const char* asked = std::getenv("MEBOTS_CYCLES");  // NOLINT(concurrency-mt-unsafe): before any thread
   return asked == nullptr ? 1000 : std::atoi(asked);
@@ -57,33 +69,52 @@ TEST(Scale, AThousandInstancesOfOneFmuRunAsARing) {
 }
 
 TEST(Scale, InstancesThatComeAndGoLeaveNothingBehind) {
-  const auto fmu = std::make_shared<Fmu>(PASSTHROUGH_FMU);
+  const auto fmu = std::make_shared<Fmu>(cycled_fmu());
   Messages messages;
   const auto cycle = [&] {
     FmuSlave slave("cycle", fmu, {}, messages);
     slave.setup_experiment(0, 1'000'000'000);
     slave.enter_initialization();
     slave.exit_initialization();
-    slave.step(0, 1'000'000);
+    slave.step(0, 2'000'000);
     slave.terminate();
   };
   for (int i = 0; i < 10; ++i) cycle();
   const auto before = holdings();
   for (int i = 0; i < cycles(); ++i) cycle();
   const auto after = holdings();
+  report("instances one after the other", cycles(), before, after);
   EXPECT_EQ(after.files, before.files);
   EXPECT_LE(after.mappings, before.mappings);
   EXPECT_LE(after.heap_bytes, before.heap_bytes + 1024) << "a byte per instance would show";
 }
 
 TEST(Scale, ArchivesThatAreOpenedAndClosedLeaveNothingBehind) {
-  const auto open = [] { Fmu(PASSTHROUGH_FMU).functions(); };
+  const auto open = [] { Fmu(cycled_fmu()).functions(); };
   for (int i = 0; i < 5; ++i) open();
   const auto before = holdings();
   for (int i = 0; i < cycles() / 20; ++i) open();
   const auto after = holdings();
+  report("archives opened and closed", cycles() / 20, before, after);
   EXPECT_EQ(after.files, before.files);
   EXPECT_LE(after.mappings, before.mappings + 2) << "the heap may grow by itself";
+}
+
+TEST(Scale, ProcessesThatComeAndGoLeaveNothingBehind) {
+  const auto whole_run = [] {
+    TestRun run(fmt::format(
+        R"({{"step": 1, "stop_time": 2, "instances": {{"a": {{"fmu": "{}", "process": "own"}}}}, "connections": []}})",
+        PASSTHROUGH_FMU));
+    run.to_end();
+  };
+  for (int i = 0; i < 3; ++i) whole_run();
+  const auto before = holdings();
+  for (int i = 0; i < cycles() / 50; ++i) whole_run();
+  const auto after = holdings();
+  report("runs in a process of their own", cycles() / 50, before, after);
+  EXPECT_EQ(after.files, before.files);
+  EXPECT_LE(after.mappings, before.mappings + 2) << "the heap may grow by itself";
+  EXPECT_LE(after.heap_bytes, before.heap_bytes + 4096) << "a hundred bytes per run would show";
 }
 
 }  // namespace

@@ -13,7 +13,6 @@ class UnpackFolder {
  public:
   /// Throws Error when there is no place for temporary files.
   UnpackFolder();
-  ~UnpackFolder();
   UnpackFolder(const UnpackFolder&) = delete;
   UnpackFolder& operator=(const UnpackFolder&) = delete;
 
@@ -21,8 +20,17 @@ class UnpackFolder {
   std::filesystem::path path() const { return folder_.path() / "fmu"; }
 
  private:
+  struct Lock {
+    Lock() = default;
+    ~Lock();
+    Lock(const Lock&) = delete;
+    Lock& operator=(const Lock&) = delete;
+
+    int file = -1;
+  };
+
+  Lock lock_;  // held until the folder is gone, so that nobody else removes it at the same time
   modeldesc::TemporaryFolder folder_;
-  int lock_ = -1;  // held for as long as this process lives
 };
 
 /// Removes the folders that processes of this user left behind when they were killed.
