@@ -156,6 +156,7 @@ void Soc::add_cluster(const BoardDescription& board, const Settings& settings) {
   cluster.dma = chip_.dma;
   cluster.timing = timing_of(board, chip_);
   cluster.instruction_cache = board.instruction_cache(Place::cluster);
+  cluster.translate = settings.translate;
   for (const auto place : {Place::cluster, Place::fabric_controller}) {
     for (std::size_t i = 0; i < board.memories.size(); ++i) {
       if (board.memories[i].place != place) continue;

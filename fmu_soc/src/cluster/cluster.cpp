@@ -19,7 +19,7 @@ constexpr std::uint32_t size_of(const std::array<board::RegisterName, Count>& re
 Cluster::Cluster(Memory& memory, const ClusterSettings& settings, const InstructionEnergy& energy)
     : memory_(memory),
       settings_(settings),
-      decoded_(std::make_shared<BlockCache>(memory, settings.timing, energy)),
+      decoded_(std::make_shared<DecodedCode>(memory, settings.timing, energy, settings.l1_banks)),
       instruction_cache_(settings.instruction_cache.size == 0
                              ? std::nullopt
                              : std::optional<InstructionCache>(settings.instruction_cache)),
@@ -42,7 +42,7 @@ void Cluster::power_on(Picoseconds now, std::uint32_t boot) {
   dma_.reset();
   if (instruction_cache_) {
     instruction_cache_->flush();
-    decoded_->left_all();
+    decoded_->blocks.left_all();
   }
   const auto tick = tick_at(now);
   for (auto& core : cores_) core->start(boot, tick);

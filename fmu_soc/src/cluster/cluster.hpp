@@ -28,6 +28,7 @@ struct ClusterSettings {
   std::uint32_t dma_base = 0;
   DmaTiming dma;
   Timing timing;
+  bool translate = true;  // hot code to host code; counts are the same without
 };
 
 /// Up to eight cores with their shared L1, event unit and DMA, in a clock domain of their own. Time is counted in ticks
@@ -115,7 +116,7 @@ class Cluster {
 
   Memory& memory_;
   ClusterSettings settings_;
-  std::shared_ptr<BlockCache> decoded_;  // one for all cores: they run the same code
+  std::shared_ptr<DecodedCode> decoded_;  // one for all cores: they run the same code
   std::optional<InstructionCache> instruction_cache_;
   Banks banks_;
   EventUnit event_unit_;

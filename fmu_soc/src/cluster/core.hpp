@@ -10,12 +10,12 @@ namespace mebots::soc {
 /// One core of the cluster: its hart, where its cycles lie in the cluster's ticks, and its turn at shared devices.
 class Cluster::Core final : private Bus {
  public:
-  Core(Cluster& cluster, unsigned id, Memory& memory, std::shared_ptr<BlockCache> decoded)
+  Core(Cluster& cluster, unsigned id, Memory& memory, std::shared_ptr<DecodedCode> decoded)
       : cluster_(cluster), id_(id), hart_(memory, *this, std::move(decoded)), schedule_(cluster.banks_) {
     hart_.set_id(id);
     hart_.set_loose_limit(true);
     if (cluster.instruction_cache_) hart_.fetch_through(*cluster.instruction_cache_);
-    hart_.set_translation(false);  // not for shared banks yet
+    hart_.set_translation(cluster.settings_.translate);
     share_banks(false);
   }
 

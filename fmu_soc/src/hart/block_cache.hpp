@@ -71,6 +71,9 @@ class BlockCache {
   /// forgotten, because it had been decoded otherwise.
   bool end_block_at(std::uint32_t pc);
 
+  /// Whether the instruction at `pc` may be the last of a hardware loop: blocks end there.
+  bool may_end_loop(std::uint32_t pc) const { return timing_.has_xpulp() && memory_.marked(pc, 2, Region::kLoop); }
+
   /// Forgets everything; links in instructions become void with it. All cores that share the memory forget, since
   /// the marks on code go too.
   void clear();
@@ -107,8 +110,6 @@ class BlockCache {
   Decoded decode_word(std::uint32_t word) const {
     return decode(word, timing_.has_xpulp() ? Extension::xpulp : Extension::standard);
   }
-  /// Whether the instruction at `pc` may be the last of a hardware loop.
-  bool may_end_loop(std::uint32_t pc) const { return timing_.has_xpulp() && memory_.marked(pc, 2, Region::kLoop); }
 
   Memory& memory_;
   Timing timing_;

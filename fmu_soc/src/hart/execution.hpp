@@ -33,10 +33,15 @@ struct HardwareLoop {
 
 /// What translated code leaves behind, and what it finds its way with.
 struct HostState {
-  std::int64_t remaining = 0;        // of its budget of cycles
-  std::uint64_t instructions = 0;    // retired; upper half: loads and stores
-  std::uint64_t instruction_fj = 0;  // their energy
-  const void* targets = nullptr;     // code of indirect jumps
+  std::int64_t remaining = 0;              // of its budget of cycles
+  std::uint64_t instructions = 0;          // retired; upper half: loads and stores
+  std::uint64_t instruction_fj = 0;        // their energy
+  const void* targets = nullptr;           // code of indirect jumps
+  const Instruction* came_from = nullptr;  // the end of the block from which a region's block was reached straight
+  // Of the banks of the first memory, null when nobody else uses it.
+  std::uint64_t* banks = nullptr;
+  std::uint64_t limit_tick = 0;  // the tick of the limit
+  std::uint64_t first_tick = 0;  // of their window
 };
 
 /// What the handlers work on.

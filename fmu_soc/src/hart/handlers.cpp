@@ -151,6 +151,15 @@ const Instruction* wait_for_interrupt(Execution& e, const Instruction* at) {
 
 }  // namespace
 
+Operand operand_of(const Instruction& instruction) {
+  for (const auto operand : {Operand::immediate, Operand::scalar}) {
+    if (instruction.run != handler_of(instruction.op) && instruction.run == handler_of(instruction.op, operand)) {
+      return operand;
+    }
+  }
+  return Operand::reg;
+}
+
 Handler handler_of(Op op, Operand operand) {
   namespace f = operations;
   if (const auto xpulp = xpulp_handler_of(op, operand); xpulp != nullptr) return xpulp;

@@ -34,8 +34,12 @@ std::uint32_t loaded(std::uint32_t value, unsigned size, bool sign) {
 
 }  // namespace
 
-Hart::Hart(Memory& memory, Bus& bus, std::shared_ptr<BlockCache> decoded)
-    : memory_(memory), bus_(bus), timing_(decoded->timing()), decoded_(std::move(decoded)), cache_(*decoded_) {
+Hart::Hart(Memory& memory, Bus& bus, std::shared_ptr<DecodedCode> decoded)
+    : memory_(memory),
+      bus_(bus),
+      timing_(decoded->blocks.timing()),
+      decoded_(std::move(decoded)),
+      cache_(decoded_->blocks) {
   execution_.hart = this;
   std::vector<MemoryPort> ports(memory.regions().size());
   for (std::size_t i = 0; i < ports.size(); ++i) ports[i].region = i;
@@ -48,7 +52,9 @@ void Hart::connect(std::span<const MemoryPort> ports) {
   for (std::size_t i = 0; i < 2; ++i) {
     const auto ram = i < ports.size() ? fast_region(memory_, ports[i]) : FastRegion{};
     // Translated code holds all of it but who else is there.
-    if (ram.data != execution_.ram[i].data || ram.wait_cycles != execution_.ram[i].wait_cycles) translator_.reset();
+    if (ram.data != execution_.ram[i].data || ram.wait_cycles != execution_.ram[i].wait_cycles) {
+      decoded_->translator.reset();
+    }
     execution_.ram[i] = ram;
   }
   for (const auto& port : ports) longest_wait = std::max(longest_wait, port.wait_cycles);
@@ -205,8 +211,10 @@ inline bool Hart::run_block(std::uint32_t number, std::uint64_t limit, bool tran
     return false;
   }
   if (translation_on_) {
-    if (const auto* entry = translated(number, block); entry != nullptr) {
-      if (translated_led_here) translator_->lead_on(block.pc, *entry);
+    // With a loose limit, a stall may reach it; translated code would not begin then.
+    const auto* entry = counters_.cycles + stall < limit ? translated(number, block) : nullptr;
+    if (entry != nullptr) {
+      if (translated_led_here && stall == 0) decoded_->translator->lead_on(block.pc, *entry);
       counters_.cycles += stall;
       return run_translated(*entry, limit);
     }
@@ -274,18 +282,19 @@ std::uint32_t Hart::following_block(std::uint32_t* link) {
 
 void Hart::set_translation(bool on) {
   translation_on_ = on;
-  translator_.reset();
+  decoded_->translator.reset();
 }
 
 /// Code for a block, once it is hot.
 const translate::Entry* Hart::translated(std::uint32_t number, const Block& block) {
-  if (execution_.ram[0].banks != nullptr) return nullptr;
-  if (translator_ != nullptr) {
-    if (translated_generation_ != cache_.generation()) {
-      translator_->forget();
-      translated_generation_ = cache_.generation();
+  auto& translator = decoded_->translator;
+  auto& generation = decoded_->translated_generation;
+  if (translator != nullptr) {
+    if (generation != cache_.generation()) {
+      translator->forget();
+      generation = cache_.generation();
     }
-    if (const auto* entry = translator_->find(number); entry != nullptr) return entry;
+    if (const auto* entry = translator->find(number); entry != nullptr) return entry;
   }
   if (const auto epoch = static_cast<std::uint32_t>(counters_.cycles >> kEpochBits); epoch != block.epoch) {
     block.epoch = epoch;
@@ -294,34 +303,52 @@ const translate::Entry* Hart::translated(std::uint32_t number, const Block& bloc
   if (++block.heat < kHot) return nullptr;
   block.heat = 0;
   const auto first = cache_.instructions(block)->op;
-  if (ends_block(first) && !is_jump(first)) return nullptr;  // nothing to gain
-  if (translator_ == nullptr) {
-    translator_ = translate::make_translator(cache_, execution_);
-    translated_generation_ = cache_.generation();
-    translation_on_ = translator_ != nullptr;
+  if (ends_block(first) && !is_jump(first) && !is_hardware_loop(first)) return nullptr;  // nothing to gain
+  if (translator == nullptr) {
+    const auto banks = decoded_->banks;
+    translator = translate::make_translator(cache_, execution_,
+                                            {bound_mask_ != ~std::uint64_t{0}, banks != 0, banks != 0 ? banks - 1 : 0});
+    generation = cache_.generation();
+    translation_on_ = translator != nullptr;
     if (!translation_on_) return nullptr;
   }
-  return &translator_->translate(number);
+  return &translator->translate(number);
 }
 
 /// True: the next block begins; false: the interpreter has finished one, and may have something to say.
 bool Hart::run_translated(const translate::Entry& entry, std::uint64_t limit) {
   auto& e = execution_;
+  auto& host = e.host;
   const auto budget = static_cast<std::int64_t>(std::min(limit - counters_.cycles, kLongestRun));
-  const auto exit = translator_->run(entry, budget);
-  counters_.cycles += static_cast<std::uint64_t>(budget - e.host.remaining);
-  counters_.instructions += e.host.instructions & 0xffffffffU;
-  counters_.accesses += e.host.instructions >> 32;
-  counters_.instruction_fj += e.host.instruction_fj;
-  if (e.host.instructions != 0) {  // another block was begun, by a jump or taken branch
+  host.banks = nullptr;
+  if (auto* schedule = e.ram[0].banks; schedule != nullptr) {
+    host.banks = schedule->banks().taken();
+    host.first_tick = schedule->banks().start();
+    host.limit_tick = schedule->tick_of(counters_.cycles + static_cast<std::uint64_t>(budget));
+  }
+  const auto exit = decoded_->translator->run(e, entry, budget);
+  counters_.cycles += static_cast<std::uint64_t>(budget - host.remaining);
+  counters_.instructions += host.instructions & 0xffffffffU;
+  counters_.accesses += host.instructions >> 32;
+  counters_.instruction_fj += host.instruction_fj;
+  // What came before the block that was left, or that begins: nothing when another block led there by a jump.
+  if ((host.instructions & 0xffffffffU) != (exit.straight ? exit.at->index : 0U)) {
     before_ = {};
     two_before_ = {};
   }
+  if (exit.is_reached_straight && host.came_from != nullptr) remember(host.came_from);
   if (exit.resumes) {
     execute(exit.at, exit.wait_cycles);
     return false;
   }
   if (!exit.indirect) e.pc = exit.pc;
+  if (exit.straight) {
+    e.slow_load = nullptr;
+    remember(exit.at);
+    const bool turns = exit.at->op == Op::loop_end && e.pc != exit.at->pc;
+    e.link = turns ? loop_link(exit.at[1], e.pc) : &exit.at->link;
+    return true;
+  }
   e.jumped = exit.jumped;
   e.link = exit.at != nullptr ? &exit.at->link : nullptr;
   return true;
@@ -348,7 +375,7 @@ void Hart::finish_block() {
     before_ = {};
     two_before_ = {};
   } else {
-    remember();
+    remember(e.exit);
   }
 }
 
@@ -374,15 +401,14 @@ void Hart::set_pc(std::uint32_t pc) {
   two_before_ = {};
 }
 
-/// Notes the last two instructions of a block that was left straight on.
-void Hart::remember() {
+/// Notes the last two instructions of a block that was left straight on, before `exit`.
+void Hart::remember(const Instruction* exit) {
   const auto previous = [this](const Instruction& instruction) {
     const bool slow =
         is_multiply_high(instruction.op) || is_divide(instruction.op) || execution_.slow_load == &instruction;
     return Previous{instruction.op, instruction.rd, slow,
                     is_post_increment(instruction.op) ? instruction.rs1 : std::uint8_t{0}};
   };
-  const auto* exit = execution_.exit;
   if (exit->index == 0) return;
   two_before_ = exit->index >= 2 ? previous(exit[-2]) : before_;
   before_ = previous(exit[-1]);

@@ -68,6 +68,18 @@ struct InstructionEnergy {
   std::array<std::uint32_t, kOpCount> fj{};
 };
 
+/// Code as harts of one kind share it that run in the same thread and reach the same memories.
+struct DecodedCode {
+  /// `banks`: of the first memory, when its users may have to wait for each other; 0 = one user.
+  DecodedCode(Memory& memory, Timing timing, const InstructionEnergy& energy, std::uint32_t shared_banks = 0)
+      : blocks(memory, timing, energy), banks(shared_banks) {}
+
+  BlockCache blocks;
+  std::uint32_t banks;
+  std::unique_ptr<translate::Translator> translator;  // made when the first block is hot
+  std::uint64_t translated_generation = 0;            // of the blocks
+};
+
 /// One RISC-V hardware thread: RV32IMC_Zicsr_Zifencei in machine mode, timed as RI5CY (then with Xpulp v2) or CV32E40P.
 /// Straight code is decoded once into blocks; a block runs only when none of its instructions can start
 /// at or after the limit, otherwise one instruction at a time is taken, with the same counts.
@@ -75,9 +87,9 @@ class Hart {
  public:
   /// Reaches all regions of the memory without waiting; the first two are the fast ones.
   Hart(Memory& memory, Bus& bus, Timing timing, const InstructionEnergy& energy)
-      : Hart(memory, bus, std::make_shared<BlockCache>(memory, timing, energy)) {}
+      : Hart(memory, bus, std::make_shared<DecodedCode>(memory, timing, energy)) {}
   /// Shares decoded code with other harts of the same kind that run in the same thread.
-  Hart(Memory& memory, Bus& bus, std::shared_ptr<BlockCache> decoded);
+  Hart(Memory& memory, Bus& bus, std::shared_ptr<DecodedCode> decoded);
   Hart(const Hart&) = delete;
   Hart& operator=(const Hart&) = delete;
 
@@ -225,7 +237,7 @@ class Hart {
   std::uint32_t read_event_counter(unsigned counter) const;
   void write_event_counter(unsigned counter, std::uint32_t value);
   void set_event_enable(std::uint32_t pcer, std::uint32_t pcmr);
-  void remember();
+  void remember(const Instruction* exit);
   const MemoryPort* port_of(std::uint32_t address, unsigned size) const;
   void wait_for_ram(const Instruction* at, const MemoryPort& port, std::uint32_t address, unsigned size);
 
@@ -233,11 +245,9 @@ class Hart {
   Bus& bus_;
   Timing timing_;
   std::vector<MemoryPort> ports_;
-  std::shared_ptr<BlockCache> decoded_;
-  BlockCache& cache_;
+  std::shared_ptr<DecodedCode> decoded_;
+  BlockCache& cache_;  // of it
   Execution execution_;
-  std::unique_ptr<translate::Translator> translator_;  // made when the first block is hot
-  std::uint64_t translated_generation_ = 0;            // of the block cache
   bool translation_on_ = true;
   Csrs csrs_;
   Counters counters_;

@@ -35,4 +35,7 @@ static_assert(sizeof(Instruction) == 32 || sizeof(void*) != 8);
 /// Handler of an operation whose second operand comes from there.
 Handler handler_of(Op op, Operand operand = Operand::reg);
 
+/// Where the second operand of a decoded instruction comes from: its handler knows.
+Operand operand_of(const Instruction& instruction);
+
 }  // namespace mebots::soc

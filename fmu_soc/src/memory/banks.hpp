@@ -15,6 +15,9 @@ class Banks {
   static constexpr unsigned kMost = 32;
   /// Wide enough for eight cores that each run a block of 64 accesses past the end of their quantum.
   static constexpr std::uint64_t kWindow = 1024;
+  /// Ticks from the window's start on that can be taken.
+  static constexpr std::uint32_t kReach = kWindow - 64;
+  static constexpr std::uint32_t kBytesPerBank = kWindow / 8;
 
   /// `count` must be a power of two, at most kMost.
   explicit Banks(unsigned count = 16) : mask_(count - 1) {}
@@ -23,7 +26,7 @@ class Banks {
   /// the window counts as its start; behind the window nobody is in the way.
   std::uint32_t claim(std::uint64_t tick, std::uint32_t address) {
     auto& bank = busy_[address / 4 & mask_];
-    const auto end = start_ + kWindow - 64;
+    const auto end = start_ + kReach;
     for (auto at = tick < start_ ? start_ : tick; at < end; at = (at | 63U) + 1) {
       auto& word = bank[at / 64 % kWords];
       const auto free = ~word >> (at & 63U);
@@ -46,6 +49,9 @@ class Banks {
 
   std::uint64_t start() const { return start_; }
 
+  /// For translated code: kBytesPerBank bytes of each bank in turn, bit `tick % kWindow` of them for each tick.
+  std::uint64_t* taken() { return busy_.front().data(); }
+
  private:
   static constexpr std::uint64_t kWords = kWindow / 64;
 
@@ -64,6 +70,10 @@ class BankSchedule {
 
   /// Extra cycles of an access in active cycle `cycle`.
   std::uint32_t claim(std::uint64_t cycle, std::uint32_t address) { return banks_->claim(cycle + offset_, address); }
+  std::uint32_t claim_at(std::uint64_t tick, std::uint32_t address) { return banks_->claim(tick, address); }
+
+  std::uint64_t tick_of(std::uint64_t cycle) const { return cycle + offset_; }
+  Banks& banks() { return *banks_; }
 
  private:
   Banks* banks_;

@@ -12,17 +12,28 @@ constexpr std::array<int, kHostRegisters> kHosts{Operand::RSI, Operand::RDI, Ope
                                                  Operand::R10, Operand::R11, Operand::R12, Operand::R13};
 constexpr std::size_t kAlignment = 16;
 
+/// The slow way of emit_claim: cycles until the bank is free for an access at `offset` of the first memory, in the tick
+/// of which these are the low bits.
+std::uint32_t claim_bank(Execution* execution, std::uint32_t offset, std::uint32_t tick) {
+  const auto& ram = execution->ram[0];
+  const auto limit = execution->host.limit_tick;
+  const auto ago = static_cast<std::uint32_t>(limit) - tick;
+  return ram.banks->claim_at(limit - static_cast<std::uint64_t>(std::int64_t{static_cast<std::int32_t>(ago)}),
+                             ram.base + offset);
+}
+
 /// The compiler must not take offsets for those of another type.
 static_assert(std::is_standard_layout_v<Execution>);
 
 }  // namespace
 
 Emitter::Emitter(const CodeMemory& code_memory, std::size_t used, const BlockCache& cache, const Execution& execution,
-                 Exits& exits)
+                 const Manner& manner, Exits& exits)
     : CodeGenerator(code_memory.size() - used, code_memory.writable() + used),
       ram_{execution.ram[0], execution.ram[1]},
-      fetches_(cache.fetches()),
       code_memory_(code_memory),
+      cache_(cache),
+      manner_(manner),
       exits_(exits.exits),
       ways_(exits.ways) {
   for (unsigned reg = 0; reg < execution.x.size(); ++reg) memory_operands_.push_back(memory(reg));
@@ -44,6 +55,22 @@ Emitter::Gates Emitter::emit_gates() {
   movdqu(ptr[rbx + static_cast<int>(offsetof(Execution, host.instructions))], xmm15);
   for (auto reg = saved.rbegin(); reg != saved.rend(); ++reg) pop(*reg);
   ret();
+  gates.claim = getCurr();
+  const std::array volatiles{rax, rsi, rdi, r8, r9, r10, r11};
+  for (const auto& reg : volatiles) push(reg);
+  sub(rsp, 8);  // aligned to 16 again
+  movdqu(ptr[rbx + static_cast<int>(offsetof(Execution, host.instructions))], xmm15);
+  mov(rdi, rbx);
+  mov(esi, eax);
+  mov(edx, ecx);
+  mov(rax, reinterpret_cast<std::uint64_t>(&claim_bank));
+  call(rax);
+  movdqu(xmm15, ptr[rbx + static_cast<int>(offsetof(Execution, host.instructions))]);
+  mov(ecx, eax);
+  sub(r15, rcx);
+  add(rsp, 8);
+  for (auto reg = volatiles.rbegin(); reg != volatiles.rend(); ++reg) pop(*reg);
+  ret();
   align(kAlignment);
   return gates;
 }
@@ -53,6 +80,7 @@ Entry Emitter::emit(const Region& region, const Registers& registers, const Gate
   registers_ = &registers;
   gates_ = gates;
   labels_ = std::vector<Label>(region.nodes.size());
+  find_straight_targets();
 
   const auto& head = region.nodes.front();
   Entry entry;
@@ -60,13 +88,16 @@ Entry Emitter::emit(const Region& region, const Registers& registers, const Gate
   if (head.block->unaligned) sub(r15, kUnalignedTargetExtra);
   entry.plain = code_memory_.executable(getCurr());
   Label stay;
-  compare_budget(*head.block);
+  compare_budget(*head.block, 0);
   jg(stay);
   Exit at_limit;
   at_limit.pc = head.block->pc;
   mov(eax, add_exit(at_limit));
   jmp(gates_.leave);
   L(stay);
+  forget_what_came(head);
+  Label inside;
+  L(inside);
   load_registers();
 
   for (std::size_t i = 0; i < region.nodes.size(); ++i) {
@@ -81,6 +112,13 @@ Entry Emitter::emit(const Region& region, const Registers& registers, const Gate
   }
   L(leave_all_);
   store_registers();
+  jmp(gates_.leave);
+
+  entry.straight = code_memory_.executable(getCurr());
+  compare_budget(*head.block, 0);
+  jg(inside, T_NEAR);
+  at_limit.is_reached_straight = true;
+  mov(eax, add_exit(at_limit));
   jmp(gates_.leave);
 
   align(kAlignment);
@@ -99,12 +137,14 @@ void Emitter::emit_node(const Node& node) {
 
 /// False: the block is left here.
 bool Emitter::emit_instruction(const Instruction* at) {
-  if (emit_arithmetic(at) || emit_memory(at)) return true;
+  if (emit_arithmetic(at) || emit_memory(at) || emit_loop_setup(at) || emit_xpulp(at)) return true;
   if (is_branch(at->op)) {
     emit_branch(at);
     return true;
   }
-  if (at->op == Op::jal) {
+  if (is_block_end(at->op)) {
+    emit_end(at);
+  } else if (at->op == Op::jal) {
     emit_jump(at);
   } else if (at->op == Op::jalr && at->rs2 == 0) {
     emit_jump_register(at);

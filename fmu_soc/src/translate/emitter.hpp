@@ -31,12 +31,16 @@ constexpr int offset_of_register(unsigned reg) {
 ///   r15    cycles that may still start, as of the start of the block less what came up by execution in it
 ///   xmm15  counts: instructions and accesses (32 bits each), energy of instructions [fJ]
 ///   rax, rcx, rdx, xmm0, xmm1  scratch; all others hold guest registers, zero-extended
+///
+/// A block that is left by a jump forgets what came before it. One that is left straight on may delay the next one:
+/// that is added on the edge, and `HostState::came_from` says which it was, for who leaves that next one early.
 class Emitter : private Xbyak::CodeGenerator {
  public:
   /// Fixed pieces of code that all regions share.
   struct Gates {
     const std::uint8_t* enter = nullptr;  // to be executed
     const std::uint8_t* leave = nullptr;  // as written; eax = number of the exit
+    const std::uint8_t* claim = nullptr;  // as written, to be called: a bank for the access at eax in tick ecx
   };
   /// What the code refers to and what outlives the emitter.
   struct Exits {
@@ -46,7 +50,7 @@ class Emitter : private Xbyak::CodeGenerator {
 
   /// Writes behind the first `used` bytes.
   Emitter(const CodeMemory& code_memory, std::size_t used, const BlockCache& cache, const Execution& execution,
-          Exits& exits);
+          const Manner& manner, Exits& exits);
 
   /// The gates, at the start of the code memory.
   Gates emit_gates();
@@ -91,11 +95,40 @@ class Emitter : private Xbyak::CodeGenerator {
   void emit_multiply_high(const Instruction* at);
   void emit_divide(const Instruction* at, bool is_signed, bool remainder);
 
+  // xpulp.cpp
+  bool emit_xpulp(const Instruction* at);
+  void emit_clip(const Instruction* at);
+  void emit_bit_field(const Instruction* at, unsigned position, unsigned width);
+  void emit_shifted_sum(const Instruction* at);
+  void emit_multiply_halves(const Instruction* at);
+
+  // simd.cpp
+  bool emit_simd(const Instruction* at);
+  void load_second(const Instruction* at);
+  void emit_simd_compare(const Instruction* at);
+  bool emit_simd_shift(const Instruction* at);
+  void emit_dot(const Instruction* at);
+  void emit_parts(const Instruction* at);
+
+  // loops.cpp
+  bool emit_loop_setup(const Instruction* at);
+  void emit_end(const Instruction* at);
+  void emit_turn(const Instruction* at, unsigned loop);
+  const Node* straight_successor(const Instruction* end, std::uint32_t link) const;
+  void emit_straight_edge(const Instruction* at, std::uint32_t link, std::uint32_t pc);
+  void emit_straight_to(const Instruction* at, const Node& node);
+  void set_where_from(const Instruction* end);
+  void find_straight_targets();
+  void forget_what_came(const Node& node);
+
   // memory.cpp
   bool emit_memory(const Instruction* at);
   void emit_load(const Instruction* at, unsigned size, bool sign);
   void emit_store(const Instruction* at, unsigned size);
-  void emit_address(const Instruction* at, unsigned size, Label& other);
+  Label emit_address(const Instruction* at, unsigned size, Label& other);
+  void emit_middle_of_word(unsigned size, Label& inside);
+  void emit_increment(const Instruction* at);
+  void emit_claim(const Instruction* at);
   void check_address(const Reg32& offset, const Reg32& scratch, const FastRegion& ram, unsigned size, Label& other);
   void fetch(const Reg32& to, const Xbyak::RegExp& from, unsigned size, bool sign);
 
@@ -105,27 +138,32 @@ class Emitter : private Xbyak::CodeGenerator {
   void emit_jump_register(const Instruction* at);
   void emit_edge(const Instruction* at, std::uint32_t pc, bool jumped);
   void count(const Instruction* at, std::uint32_t extra_cycles);
+  void check_limit(const Node& node, std::uint32_t stall, const Exit& at_limit);
   void check_limit(const Node& node);
-  void compare_budget(const Block& block);
+  void compare_budget(const Block& block, std::uint32_t stall);
   void emit_leave(const Exit& exit);
+  void emit_way(Exit exit);
   void emit_resume(const Instruction* at);
   std::uint32_t waits_before(const Instruction* at) const { return ram_[0].wait_cycles * at->accesses_before; }
   std::uint32_t add_exit(const Exit& exit);
-  Label& label_of(const Node& node) { return labels_[static_cast<std::size_t>(&node - region_->nodes.data())]; }
+  std::size_t index_of(const Node& node) const { return static_cast<std::size_t>(&node - region_->nodes.data()); }
+  Label& label_of(const Node& node) { return labels_[index_of(node)]; }
   /// To be emitted behind the region's hot code.
   void later(std::function<void()> emit) { cold_.push_back(std::move(emit)); }
 
   const FastRegion ram_[2];
-  const bool fetches_;  // code comes through an instruction cache
   const CodeMemory& code_memory_;
+  const BlockCache& cache_;
+  const Manner manner_;
   std::vector<Exit>& exits_;
   std::deque<const std::uint8_t*>& ways_;
   const Region* region_ = nullptr;
   const Registers* registers_ = nullptr;
   Gates gates_;
   std::vector<Label> labels_;
-  const Node* following_ = nullptr;  // emitted after the one in work
-  Label leave_all_;                  // stores the registers and leaves by exit eax
+  std::vector<bool> straight_targets_;  // by node: reached straight from another one
+  const Node* following_ = nullptr;     // emitted after the one in work
+  Label leave_all_;                     // stores the registers and leaves by exit eax
   std::deque<std::function<void()>> cold_;
   std::map<std::pair<std::uint64_t, std::uint64_t>, Label> constants_;
   std::vector<Xbyak::Address> memory_operands_;  // by guest register

@@ -16,6 +16,11 @@ void Emitter::count(const Instruction* at, std::uint32_t extra_cycles) {
 
 std::uint32_t Emitter::add_exit(const Exit& exit) {
   exits_.push_back(exit);
+  if (exit.resumes || exit.straight) {
+    for (const auto& node : region_->nodes) {
+      if (exit.at - exit.at->index == node.first) exits_.back().is_reached_straight = straight_targets_[index_of(node)];
+    }
+  }
   return static_cast<std::uint32_t>(exits_.size() - 1);
 }
 
@@ -33,28 +38,43 @@ void Emitter::emit_resume(const Instruction* at) {
   emit_leave(exit);
 }
 
-/// Compares the cycles that may still start with those that the block asks for. A block that must be fetched first asks
-/// for more than there are.
-void Emitter::compare_budget(const Block& block) {
-  if (fetches_) {
-    mov(rax, reinterpret_cast<std::uint64_t>(&block.entry_bound));
-    cmp(r15, ptr[rax]);
-  } else {
-    cmp(r15, block.last_start_bound);
+/// Compares the cycles that may still start with those that the block asks for, of which the first stall. A block that
+/// must be fetched first asks for more than there are.
+void Emitter::compare_budget(const Block& block, std::uint32_t stall) {
+  if (!cache_.fetches()) {
+    cmp(r15, manner_.loose_limit ? 0 : block.last_start_bound + stall);
+    return;
   }
+  const auto bound = reinterpret_cast<std::uint64_t>(&block.entry_bound);
+  if (manner_.loose_limit) {
+    static_assert(kAbsent >> 32 >= std::uint64_t{1} << 30, "the upper half is more than the longest run");
+    mov(rdx, bound + 4);
+    mov(edx, dword[rdx]);
+  } else {
+    mov(rdx, bound);
+    mov(rdx, qword[rdx]);
+    if (stall != 0) add(rdx, stall);
+  }
+  cmp(r15, rdx);
 }
 
 /// A block may only begin when none of its instructions can start too late.
-void Emitter::check_limit(const Node& node) {
-  compare_budget(*node.block);
+void Emitter::check_limit(const Node& node, std::uint32_t stall, const Exit& at_limit) {
+  compare_budget(*node.block, stall);
   Label leave;
   jle(leave, T_NEAR);
-  later([this, leave, &node]() mutable {
+  later([this, leave, at_limit]() mutable {
     L(leave);
-    Exit exit;
-    exit.pc = node.block->pc;
-    emit_leave(exit);
+    emit_leave(at_limit);
   });
+}
+
+/// Behind a jump.
+void Emitter::check_limit(const Node& node) {
+  Exit exit;
+  exit.pc = node.block->pc;
+  check_limit(node, 0, exit);
+  forget_what_came(node);
 }
 
 /// Leaves the block behind `at`, which is counted already but for an unaligned target.
@@ -67,11 +87,16 @@ void Emitter::emit_edge(const Instruction* at, std::uint32_t pc, bool jumped) {
     return;
   }
   count(at, extra);
-  store_registers();
   Exit exit;
   exit.pc = pc;
   exit.at = at;
   exit.jumped = jumped;
+  emit_way(exit);
+}
+
+/// Leaves by an exit that may be led on.
+void Emitter::emit_way(Exit exit) {
+  store_registers();
   // To the next instruction until it is led elsewhere. The way stands in data: code is never changed.
   exit.way = &ways_.emplace_back();
   mov(rdx, reinterpret_cast<std::uint64_t>(exit.way));

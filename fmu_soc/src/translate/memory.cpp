@@ -4,54 +4,95 @@
 // goes to the interpreter.
 #include "translate/emitter.hpp"
 
+#include <array>
 #include <bit>
 #include <limits>
 
 namespace mebots::soc::translate {
 
+namespace {
+
+/// What a load or store does with its address register.
+enum class Mode : std::uint8_t { offset, offset_register, post_immediate, post_register };
+
+/// The loads are five sizes in each mode, the stores three.
+struct Kind {
+  explicit Kind(Op op) {
+    static constexpr std::array<std::uint8_t, 5> kSizes{1, 2, 4, 1, 2};  // the last two unsigned
+    const auto number = static_cast<unsigned>(op) - static_cast<unsigned>(is_store(op) ? Op::sb : Op::lb);
+    const auto kinds = is_store(op) ? 3U : 5U;
+    mode = static_cast<Mode>(number / kinds);
+    size = kSizes[number % kinds];
+    sign = number % kinds < 2;
+  }
+  Mode mode;
+  unsigned size;
+  bool sign;
+};
+
+/// The register with the offset or the increment.
+unsigned step_register(const Instruction* at) {
+  return is_store(at->op) ? static_cast<unsigned>(at->imm) : at->rs2;
+}
+
+}  // namespace
+
 /// False: not a load or store, or one that the interpreter had better do.
 bool Emitter::emit_memory(const Instruction* at) {
-  if (ram_[0].banks != nullptr || ram_[0].span == 0) return false;
-  switch (at->op) {
-    case Op::lb:
-      emit_load(at, 1, true);
-      return true;
-    case Op::lbu:
-      emit_load(at, 1, false);
-      return true;
-    case Op::lh:
-      emit_load(at, 2, true);
-      return true;
-    case Op::lhu:
-      emit_load(at, 2, false);
-      return true;
-    case Op::lw:
-      emit_load(at, 4, false);
-      return true;
-    case Op::sb:
-      emit_store(at, 1);
-      return true;
-    case Op::sh:
-      emit_store(at, 2);
-      return true;
-    case Op::sw:
-      emit_store(at, 4);
-      return true;
-    default:
-      return false;
+  if (ram_[0].span == 0 || at->op == Op::p_elw) return false;
+  if (is_load(at->op)) {
+    const Kind kind(at->op);
+    emit_load(at, kind.size, kind.sign);
+    return true;
   }
+  if (is_store(at->op)) {
+    emit_store(at, Kind(at->op).size);
+    return true;
+  }
+  return false;
 }
 
 /// eax = where the address lies in the first memory; goes to `other` when it does not, or is misaligned.
-void Emitter::emit_address(const Instruction* at, unsigned size, Label& other) {
-  const auto distance = static_cast<std::uint32_t>(at->imm) - ram_[0].base;
+/// Behind the label that comes back it does.
+Xbyak::Label Emitter::emit_address(const Instruction* at, unsigned size, Label& other) {
+  const auto mode = Kind(at->op).mode;
+  const auto imm = mode == Mode::offset ? static_cast<std::uint32_t>(at->imm) : 0U;
+  const auto distance = imm - ram_[0].base;
   if (at->rs1 == 0) {
     mov(eax, distance);
   } else {
     const auto base = value(at->rs1, eax);
     lea(eax, ptr[base.cvt64() + static_cast<std::int32_t>(distance)]);
   }
+  if (const auto step = step_register(at); mode == Mode::offset_register && step != 0) add(eax, operand(step));
+  Label inside;
   check_address(eax, ecx, ram_[0], size, other);
+  L(inside);
+  return inside;
+}
+
+/// In place of an address check that failed: half a word in the middle of a word is one access like any other.
+void Emitter::emit_middle_of_word(unsigned size, Label& inside) {
+  if (size != 2) return;
+  Label other;
+  mov(ecx, eax);
+  and_(ecx, 3);
+  cmp(ecx, 1);
+  jne(other);
+  cmp(eax, ram_[0].span);
+  jb(inside, T_NEAR);
+  L(other);
+}
+
+/// Adds to the address register of a post-increment.
+void Emitter::emit_increment(const Instruction* at) {
+  const auto mode = Kind(at->op).mode;
+  if (at->rs1 == 0 || (is_load(at->op) && at->rd == at->rs1)) return;  // what is loaded wins
+  if (mode == Mode::post_immediate) {
+    add(operand(at->rs1), static_cast<std::uint32_t>(at->imm));
+  } else if (mode == Mode::post_register && step_register(at) != 0) {
+    add(operand(at->rs1), value(step_register(at), ecx));
+  }
 }
 
 /// Leaves the number of the word that an aligned access touches in `scratch` for words, else nothing of use.
@@ -82,13 +123,17 @@ void Emitter::fetch(const Reg32& to, const Xbyak::RegExp& from, unsigned size, b
 void Emitter::emit_load(const Instruction* at, unsigned size, bool sign) {
   Label other;
   Label done;
-  emit_address(at, size, other);
-  const auto to = place(at->rd, eax);
+  auto inside = emit_address(at, size, other);
+  emit_claim(at);
+  // The increment reads its registers before the load writes its own.
+  const auto to = is_post_increment(at->op) ? eax : place(at->rd, eax);
   fetch(to, r14 + rax, size, sign);
   L(done);
+  emit_increment(at);
   finish(at->rd, to);
-  later([this, at, size, sign, to, other, done]() mutable {
+  later([this, at, size, sign, to, other, done, inside]() mutable {
     L(other);
+    emit_middle_of_word(size, inside);
     const auto& ram = ram_[1];
     if (ram.span == 0 || ram.banks != nullptr) {
       emit_resume(at);
@@ -123,7 +168,7 @@ void Emitter::emit_store(const Instruction* at, unsigned size) {
       mov(byte[where], from.cvt8());
     }
   };
-  emit_address(at, size, other);
+  auto inside = emit_address(at, size, other);
   if (size != 4) {
     mov(ecx, eax);
     shr(ecx, 2);
@@ -136,10 +181,13 @@ void Emitter::emit_store(const Instruction* at, unsigned size) {
     cmp(byte[rdx + rcx], 0);
   }
   jne(marked, T_NEAR);
+  emit_claim(at);
   store(r14 + rax, ecx);
   L(done);
-  later([this, at, size, store, other, marked, done]() mutable {
+  emit_increment(at);
+  later([this, at, size, store, other, marked, done, inside]() mutable {
     L(other);
+    emit_middle_of_word(size, inside);
     const auto& ram = ram_[1];
     if (ram.span != 0 && ram.banks == nullptr) {
       lea(ecx, ptr[rax + static_cast<std::int32_t>(ram_[0].base - ram.base)]);
@@ -159,6 +207,43 @@ void Emitter::emit_store(const Instruction* at, unsigned size) {
     }
     L(marked);
     emit_resume(at);
+  });
+}
+
+/// Takes a cycle of a bank of the first memory for the access at offset eax, when others use it too. What it waits
+/// comes off r15; ecx and edx are lost.
+void Emitter::emit_claim(const Instruction* at) {
+  if (!manner_.shares_banks) return;
+  const auto host = [](std::size_t offset) { return static_cast<int>(offsetof(Execution, host) + offset); };
+  Label taken;
+  Label done;
+  cmp(qword[rbx + host(offsetof(HostState, banks))], 0);
+  je(done, T_NEAR);
+  mov(ecx, dword[rbx + host(offsetof(HostState, limit_tick))]);
+  sub(ecx, r15d);
+  if (at->cycles_before != 0) add(ecx, at->cycles_before);
+  mov(edx, ecx);
+  sub(edx, dword[rbx + host(offsetof(HostState, first_tick))]);
+  cmp(edx, Banks::kReach);
+  jae(taken, T_NEAR);
+  push(rax);
+  and_(eax, manner_.bank_mask * 4);
+  shl(eax, std::countr_zero(Banks::kBytesPerBank) - 2);
+  mov(edx, ecx);
+  shr(edx, 3);
+  and_(edx, Banks::kBytesPerBank - 8);
+  add(edx, eax);
+  add(rdx, qword[rbx + host(offsetof(HostState, banks))]);
+  mov(rax, qword[rdx]);
+  bts(rax, rcx);
+  mov(qword[rdx], rax);  // where the cycle is taken this changes nothing
+  pop(rax);
+  jc(taken, T_NEAR);
+  L(done);
+  later([this, taken, done]() mutable {
+    L(taken);
+    call(gates_.claim);
+    jmp(done, T_NEAR);
   });
 }
 

@@ -5,7 +5,8 @@
 
 namespace mebots::soc::translate {
 
-std::unique_ptr<Translator> make_translator(const BlockCache& /*cache*/, Execution& /*execution*/) {
+std::unique_ptr<Translator> make_translator(const BlockCache& /*cache*/, const Execution& /*execution*/,
+                                            const Manner& /*manner*/) {
   return nullptr;
 }
 

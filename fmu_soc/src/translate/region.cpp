@@ -11,12 +11,15 @@ constexpr std::size_t kMostInstructions = 600;
 constexpr std::uint32_t kLoopWeight = 8;
 constexpr std::uint32_t kMostWeight = kLoopWeight * kLoopWeight * kLoopWeight * kLoopWeight;
 
-/// Calls `visit` with the number of every block that a branch or jump of this one has led to.
+/// Calls `visit` with the number of every block that this one has led to.
 template <typename Visit>
 void for_successors(const Node& node, Visit visit) {
-  for (const auto* at = node.first; !is_block_end(at->op); ++at) {
+  const auto* at = node.first;
+  for (; !is_block_end(at->op); ++at) {
     if ((is_branch(at->op) || is_jump(at->op)) && at->link != 0) visit(at->link);
   }
+  if (at->op == Op::loop_end && at[1].link != 0) visit(at[1].link);  // another turn
+  if (at->link != 0) visit(at->link);
 }
 
 /// Weighs the nodes by the loops they lie in: a loop is an edge back to a node that leads there.

@@ -16,8 +16,7 @@ struct Node {
   std::uint32_t weight = 1;  // how often it runs, guessed: 8 to the power of the loops it lies in
 };
 
-/// Blocks that are translated together, so that registers stay in host registers from one to the next. All are
-/// entered by a jump or a taken branch, so nothing before them delays their first instructions.
+/// Blocks that are translated together, so that registers stay in host registers from one to the next.
 struct Region {
   std::vector<Node> nodes;  // the first is where the region is entered
 

@@ -5,6 +5,14 @@
 #include <numeric>
 
 namespace mebots::soc::translate {
+namespace {
+
+/// Of a store: post-increment by an immediate.
+bool is_immediate_step(Op op) {
+  return op >= Op::p_sb_post && op <= Op::p_sw_post;
+}
+
+}  // namespace
 
 Registers allocate(const Region& region) {
   Registers registers;
@@ -12,8 +20,14 @@ Registers allocate(const Region& region) {
   std::array<std::uint64_t, 33> uses{};
   for (const auto& node : region.nodes) {
     for (const auto* at = node.first; !is_block_end(at->op); ++at) {
-      for (const auto reg : {at->rd, at->rs1, at->rs2}) uses[reg] += node.weight;
+      uses[at->rd] += node.weight;
+      uses[at->rs1] += node.weight;
+      if (!is_hardware_loop(at->op)) uses[at->rs2] += node.weight;
+      if (is_store(at->op) && at->op > Op::sw && !is_immediate_step(at->op)) {
+        uses[static_cast<std::size_t>(at->imm)] += node.weight;  // offset or increment
+      }
       registers.written[at->rd] = true;
+      if (is_post_increment(at->op)) registers.written[at->rs1] = true;
     }
   }
   uses[0] = 0;   // a constant

@@ -19,11 +19,13 @@ constexpr std::size_t kMostRegionBytes = std::size_t{256} << 10;
 
 class HostTranslator : public Translator {
  public:
-  HostTranslator(const BlockCache& cache, Execution& execution, std::unique_ptr<CodeMemory> memory)
-      : cache_(cache), execution_(execution), memory_(std::move(memory)) {
+  HostTranslator(const BlockCache& cache, const Execution& execution, const Manner& manner,
+                 std::unique_ptr<CodeMemory> memory)
+      : cache_(cache), manner_(manner), memory_(std::move(memory)) {
+    memories_.ram[0] = execution.ram[0];
+    memories_.ram[1] = execution.ram[1];
     entries_.resize(BlockCache::kMaxBlocks);
-    execution_.host.targets = targets_.targets.data();
-    Emitter emitter(*memory_, 0, cache, execution_, exits_);
+    Emitter emitter(*memory_, 0, cache_, memories_, manner_, exits_);
     gates_ = emitter.emit_gates();
     gates_size_ = emitter.size();
     used_ = gates_size_;
@@ -32,25 +34,27 @@ class HostTranslator : public Translator {
   const Entry& translate(std::uint32_t block) override {
     if (used_ + kMostRegionBytes > memory_->size()) forget();
     const auto region = grow_region(cache_, block);
-    Emitter emitter(*memory_, used_, cache_, execution_, exits_);
+    Emitter emitter(*memory_, used_, cache_, memories_, manner_, exits_);
     entries_[block] = emitter.emit(region, allocate(region), gates_);
     used_ += (emitter.size() + 15) / 16 * 16;
     return entries_[block];
   }
 
-  Exit run(const Entry& entry, std::int64_t budget) override {
+  Exit run(Execution& execution, const Entry& entry, std::int64_t budget) override {
     using Enter = std::uint32_t (*)(Execution*, const std::uint8_t*, std::int64_t);
     const auto enter = std::bit_cast<Enter>(gates_.enter);
-    last_exit_ = exits_.exits[enter(&execution_, entry.plain, budget)];
+    execution.host.targets = targets_.targets.data();
+    execution.host.came_from = nullptr;
+    last_exit_ = exits_.exits[enter(&execution, entry.plain, budget)];
     return last_exit_;
   }
 
   void lead_on(std::uint32_t pc, const Entry& entry) override {
     const auto& exit = last_exit_;
     if (exit.indirect) {
-      targets_.set(pc, entry.jumped);
+      if (!exit.straight) targets_.set(pc, entry.jumped);
     } else if (exit.way != nullptr && exit.pc == pc) {
-      *exit.way = exit.jumped ? entry.jumped : entry.plain;
+      *exit.way = exit.straight ? entry.straight : exit.jumped ? entry.jumped : entry.plain;
     }
   }
 
@@ -67,7 +71,8 @@ class HostTranslator : public Translator {
 
  private:
   const BlockCache& cache_;
-  Execution& execution_;
+  Execution memories_;  // only these of it
+  Manner manner_;
   std::unique_ptr<CodeMemory> memory_;
   Emitter::Gates gates_;
   std::size_t used_ = 0;
@@ -79,16 +84,20 @@ class HostTranslator : public Translator {
 
 }  // namespace
 
-std::unique_ptr<Translator> make_translator(const BlockCache& cache, Execution& execution) {
+std::unique_ptr<Translator> make_translator(const BlockCache& cache, const Execution& execution, const Manner& manner) {
   using Xbyak::util::Cpu;
   const Cpu cpu;
   if (!cpu.has(Cpu::tBMI1) || !cpu.has(Cpu::tBMI2) || !cpu.has(Cpu::tLZCNT)) return nullptr;
+  if (!cpu.has(Cpu::tSSE41) || !cpu.has(Cpu::tPOPCNT)) return nullptr;
   for (const auto& ram : execution.ram) {
     if (ram.base % 4 != 0) return nullptr;
   }
+  if (manner.shares_banks) {  // whose ticks and banks the code computes
+    if (execution.ram[0].wait_cycles != 0 || (execution.ram[0].base / 4 & manner.bank_mask) != 0) return nullptr;
+  }
   auto memory = CodeMemory::create(kCodeBytes);
   if (memory == nullptr) return nullptr;
-  return std::make_unique<HostTranslator>(cache, execution, std::move(memory));
+  return std::make_unique<HostTranslator>(cache, execution, manner, std::move(memory));
 }
 
 }  // namespace mebots::soc::translate

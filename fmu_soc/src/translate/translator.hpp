@@ -15,9 +15,11 @@ namespace mebots::soc::translate {
 
 /// How translated code was left.
 struct Exit {
-  bool resumes = false;   // at `at`, inside its block, which the interpreter finishes; else a block begins
-  bool indirect = false;  // the code has put the pc into Execution::pc
-  bool jumped = false;    // an unaligned target costs its cycle yet
+  bool resumes = false;              // at `at`, inside its block, which the interpreter finishes; else a block begins
+  bool indirect = false;             // the code has put the pc into Execution::pc
+  bool jumped = false;               // an unaligned target costs its cycle yet
+  bool straight = false;             // behind the last instruction of a block, which `at` stands behind
+  bool is_reached_straight = false;  // its block is, now and then: HostState::came_from says from where
   std::uint32_t pc = 0;
   const Instruction* at = nullptr;     // resumes: comes next; else: what led here, null when its link is of no interest
   std::uint32_t wait_cycles = 0;       // resumes: what its block has waited for memories by rule
@@ -27,10 +29,19 @@ struct Exit {
 /// Where code of a block can be entered.
 struct Entry {
   const std::uint8_t* plain = nullptr;
-  const std::uint8_t* jumped = nullptr;  // pays for an unaligned target first
+  const std::uint8_t* jumped = nullptr;    // pays for an unaligned target first
+  const std::uint8_t* straight = nullptr;  // from the end of a block, which HostState::came_from says
 };
 
-/// Translations of one hart. They are void when the generation of its block cache has changed.
+/// What the harts have in common that the code runs on.
+struct Manner {
+  bool loose_limit = false;     // a block that starts before the limit runs to its end
+  bool shares_banks = false;    // others use the first memory at the same time, now and then
+  std::uint32_t bank_mask = 0;  // banks of the first memory less one
+};
+
+/// Translations of a block cache, for harts that reach the same memories at the same place. They are void when the
+/// generation of the block cache has changed.
 class Translator {
  public:
   virtual ~Translator() = default;
@@ -40,7 +51,7 @@ class Translator {
   /// Makes code for a block.
   virtual const Entry& translate(std::uint32_t block) = 0;
   /// Runs it. At most `budget` cycles start; how it went is in Execution::host.
-  virtual Exit run(const Entry& entry, std::int64_t budget) = 0;
+  virtual Exit run(Execution& execution, const Entry& entry, std::int64_t budget) = 0;
   /// The last run was left to go on at the block at `pc`: the same way out leads on to its code from now on.
   virtual void lead_on(std::uint32_t pc, const Entry& entry) = 0;
   /// Drops everything.
@@ -50,7 +61,7 @@ class Translator {
   std::vector<Entry> entries_;  // by number of block
 };
 
-/// Null where this host or this build cannot translate.
-std::unique_ptr<Translator> make_translator(const BlockCache& cache, Execution& execution);
+/// Null where this host or this build cannot translate. `execution` says where the memories are.
+std::unique_ptr<Translator> make_translator(const BlockCache& cache, const Execution& execution, const Manner& manner);
 
 }  // namespace mebots::soc::translate

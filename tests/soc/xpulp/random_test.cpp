@@ -2,10 +2,8 @@
 //
 // Random Xpulp programs on the platform and on a second description of the instruction set (reference.hpp). The number
 // of executed instructions comes from MEBOTS_LOCKSTEP_INSTRUCTIONS; scripts/lockstep.sh asks for many.
+#include "random_xpulp.hpp"
 #include "reference.hpp"
-
-#include "hart/hart.hpp"
-#include "isa/encoding.hpp"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -23,196 +21,25 @@
 namespace mebots::soc {
 namespace {
 
+using test::Generator;
+using test::kFirstOffset;
+using test::kFirstPointer;
+using test::kLastOffset;
+using test::kLastPointer;
+using test::kLeave;
+using test::kMiddle;
+using test::kTurns;
+using test::listing;
+using test::Platform;
+using test::Random;
 using test::XpulpReference;
 
-constexpr std::uint32_t kRam = 0x80000000;
-constexpr std::uint32_t kRamBytes = 4U << 20;            // further than post-increments get in one program
-constexpr std::uint32_t kMiddle = kRam + kRamBytes / 2;  // where pointers start
-constexpr std::uint32_t kLeave = 0xfe002e23;             // sw zero, -4(zero): to a device, which ends the run
-constexpr unsigned kFirstPointer = 10;                   // x10 to x13
-constexpr unsigned kLastPointer = 13;
-constexpr unsigned kFirstOffset = 14;  // x14, x15: small numbers
-constexpr unsigned kLastOffset = 15;
-constexpr unsigned kTurns = 16;  // x16: small numbers above or equal 0
-
-class Random {
- public:
-  explicit Random(std::uint64_t seed) : engine_(seed) {}
-  std::uint32_t word() { return static_cast<std::uint32_t>(engine_()); }
-  std::uint32_t below(std::uint32_t count) { return word() % count; }
-  /// Numbers as kernels and corners have them.
-  std::uint32_t operand() {
-    constexpr std::array<std::uint32_t, 12> kCorners{0,          1,          0xffffffff, 0x80000000, 0x7fffffff, 0x8000,
-                                                     0x80007fff, 0x7fff8000, 0x80808080, 0x7f7f7f7f, 0x00ff00ff, 31};
-    switch (below(8)) {
-      case 0:
-        return kCorners[below(kCorners.size())];
-      case 1:
-        return word() & 0x3ffU;
-      case 2:
-        return 0U - (word() & 0xffU);
-      default:
-        return word();
-    }
-  }
-
- private:
-  std::mt19937_64 engine_;
-};
-
-/// Makes words of instructions out of the rows of the encoding table, with operands that keep accesses inside the RAM.
-class Generator {
- public:
-  explicit Generator(Random& random) : random_(random) {
-    for (const auto& row : encodings()) {
-      if (row.extension != Extension::xpulp || is_hardware_loop(row.op) || is_branch(row.op)) continue;
-      (is_load(row.op) || is_store(row.op) ? accesses_ : computing_).push_back(&row);
-    }
-  }
-
-  /// One instruction that goes straight on.
-  std::uint32_t plain() {
-    const bool access = random_.below(4) == 0;
-    const auto& rows = access ? accesses_ : computing_;
-    const auto& row = *rows[random_.below(static_cast<std::uint32_t>(rows.size()))];
-    for (;;) {
-      auto word = (random_.word() & ~row.mask) | row.match;
-      if (access) {
-        word = with(word, 15, kFirstPointer + random_.below(kLastPointer - kFirstPointer + 1));
-        const auto offset = kFirstOffset + random_.below(kLastOffset - kFirstOffset + 1);
-        const bool by_register = has_register_offset(row.format);
-        if (is_store(row.op) && by_register) word = with(word, 7, offset);
-        if (is_load(row.op) && by_register) word = with(word, 20, offset);
-        if (is_load(row.op)) word = with(word, 7, free_register());
-      } else {
-        word = with(word, 7, free_register());
-      }
-      if (!is_reserved(row, word)) return word;
-    }
-  }
-
-  std::vector<std::uint32_t> program(std::size_t length) {
-    std::vector<std::uint32_t> words;
-    while (words.size() < length) {
-      switch (random_.below(16)) {
-        case 0:
-          branch(words);
-          break;
-        case 1:
-          loop(words, random_.below(2), false);
-          break;
-        case 2:
-          loop(words, 1, true);
-          break;
-        default:
-          words.push_back(plain());
-          break;
-      }
-    }
-    words.push_back(plain());
-    return words;
-  }
-
- private:
-  static std::uint32_t with(std::uint32_t word, unsigned low, std::uint32_t value) {
-    return (word & ~(31U << low)) | value << low;
-  }
-  /// Not one of those that keep addresses and counts sensible.
-  std::uint32_t free_register() {
-    for (;;) {
-      const auto index = random_.below(32);
-      if (index < kFirstPointer || index > kTurns) return index;
-    }
-  }
-
-  void branch(std::vector<std::uint32_t>& words) {
-    const auto skipped = random_.below(3);
-    const auto distance = 4 * (skipped + 1);
-    words.push_back(0x63U | (2U + random_.below(2)) << 12 | random_.below(32) << 15 | random_.below(32) << 20 |
-                    (distance >> 1 & 15U) << 8 | (distance >> 5) << 25);
-    for (std::uint32_t i = 0; i < skipped; ++i) words.push_back(plain());
-  }
-
-  void loop(std::vector<std::uint32_t>& words, std::uint32_t number, bool nested) {
-    std::vector<std::uint32_t> body;
-    const auto before = random_.below(3);
-    for (std::uint32_t i = 0; i < before; ++i) body.push_back(plain());
-    if (nested) loop(body, 0, false);
-    const auto after = 1 + random_.below(4);
-    for (std::uint32_t i = 0; i < after; ++i) body.push_back(plain());
-
-    const auto size = static_cast<std::uint32_t>(body.size());
-    const auto lp = [&](std::uint32_t kind, std::uint32_t rs1, std::uint32_t immediate) {
-      words.push_back(0x7bU | kind << 12 | number << 7 | rs1 << 15 | immediate << 20);
-    };
-    const auto turns = random_.below(5);
-    switch (random_.below(3)) {
-      case 0:
-        lp(4, kTurns, 2 * size);
-        break;
-      case 1:
-        if (2 * size < 32) {
-          lp(5, 2 * size, turns);
-          break;
-        }
-        [[fallthrough]];
-      default:
-        // Three instructions, the end last or first.
-        if (random_.below(2) == 0) {
-          lp(0, 0, 6);
-          lp(3, 0, turns);
-          lp(1, 0, 2 * size);
-        } else {
-          lp(1, 0, 4 + 2 * size);
-          lp(0, 0, 4);
-          lp(2, kTurns, 0);
-        }
-        break;
-    }
-    words.insert(words.end(), body.begin(), body.end());
-  }
-
-  Random& random_;
-  std::vector<const Encoding*> computing_;
-  std::vector<const Encoding*> accesses_;
-};
-
-/// A hart that leaves at a store into nothing.
-class Platform : public Bus {
- public:
-  Platform() : memory_(make_memory()), hart_(memory_, *this, Timing{CoreKind::ri5cy}, InstructionEnergy{}) {
-    hart_.reset(kRam);
-  }
-  Hart& hart() { return hart_; }
-  Memory& memory() { return memory_; }
-  std::uint8_t* ram() { return memory_.regions()[0].data.get(); }
-
-  BusReply load(std::uint32_t, std::uint64_t) override { return {}; }
-  BusReply store(std::uint32_t, std::uint64_t, std::uint32_t) override { return BusReply::done(); }
-  bool watched(std::uint32_t) override { return false; }
-
- private:
-  static Memory make_memory() {
-    Memory memory;
-    memory.add("ram", kRam, kRamBytes);
-    return memory;
-  }
-  Memory memory_;
-  Hart hart_;
-};
+constexpr std::uint32_t kRam = test::kXpulpRam;
+constexpr std::uint32_t kRamBytes = test::kXpulpRamBytes;
 
 std::uint64_t wanted_instructions() {
   const auto* text = std::getenv("MEBOTS_LOCKSTEP_INSTRUCTIONS");
   return text == nullptr ? 300'000 : std::strtoull(text, nullptr, 10);
-}
-
-std::string listing(const std::vector<std::uint32_t>& words) {
-  std::string text;
-  for (std::size_t i = 0; i < words.size(); ++i) {
-    const auto pc = kRam + 4 * static_cast<std::uint32_t>(i);
-    text += fmt::format("  {:08x} {:08x} {}\n", pc, words[i], disassemble(words[i], pc));
-  }
-  return text;
 }
 
 TEST(Xpulp, RandomProgramsDoTheSameOnASecondDescription) {

@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Hardware loops, and the end of a block that goes straight on.
+#include "translate/emitter.hpp"
+
+namespace mebots::soc::translate {
+namespace {
+
+int offset_of_loop(unsigned loop) {
+  return static_cast<int>(offsetof(Execution, loops) + sizeof(HardwareLoop) * loop);
+}
+
+}  // namespace
+
+/// Registers of a hardware loop. False: another instruction, or one that makes a block end where none does yet.
+bool Emitter::emit_loop_setup(const Instruction* at) {
+  if (!is_hardware_loop(at->op)) return false;
+  const auto loop = offset_of_loop(at->rs2);
+  const auto start = dword[rbx + loop + static_cast<int>(offsetof(HardwareLoop, start))];
+  const auto end = dword[rbx + loop + static_cast<int>(offsetof(HardwareLoop, end))];
+  const auto count = dword[rbx + loop + static_cast<int>(offsetof(HardwareLoop, count))];
+  const auto imm = static_cast<std::uint32_t>(at->imm);
+  const auto set_end = [&](std::uint32_t pc) {
+    if (!cache_.may_end_loop(pc)) return false;
+    mov(end, pc);
+    return true;
+  };
+  switch (at->op) {
+    case Op::lp_starti:
+      mov(start, at->pc + imm);
+      return true;
+    case Op::lp_endi:
+      return set_end(at->pc + imm);
+    case Op::lp_count:
+      mov(count, value(at->rs1, eax));
+      return true;
+    case Op::lp_counti:
+      mov(count, imm);
+      return true;
+    case Op::lp_setup:
+      if (!set_end(at->pc + imm)) return false;
+      mov(start, at->pc + 4);
+      mov(count, value(at->rs1, eax));
+      return true;
+    default:  // lp.setupi
+      if (!set_end(at->pc + (imm >> 16))) return false;
+      mov(start, at->pc + 4);
+      mov(count, imm & 0xffffU);
+      return true;
+  }
+}
+
+/// The end of a block: a turn of the inner loop (0) or the outer one, or straight on.
+void Emitter::emit_end(const Instruction* at) {
+  if (at->op == Op::loop_end) {
+    for (unsigned loop = 0; loop < 2; ++loop) {
+      const auto count = dword[rbx + offset_of_loop(loop) + static_cast<int>(offsetof(HardwareLoop, count))];
+      Label other;
+      cmp(dword[rbx + offset_of_loop(loop) + static_cast<int>(offsetof(HardwareLoop, end))], at[-1].pc);
+      jne(other, T_NEAR);
+      cmp(count, 1);
+      jbe(other, T_NEAR);
+      dec(count);
+      emit_turn(at, loop);
+      L(other);
+    }
+  }
+  emit_straight_edge(at, at->link, at->pc);
+}
+
+/// To the start of a loop, which is where it was last time or not.
+void Emitter::emit_turn(const Instruction* at, unsigned loop) {
+  const auto start = dword[rbx + offset_of_loop(loop) + static_cast<int>(offsetof(HardwareLoop, start))];
+  if (const auto* node = straight_successor(at, at[1].link); node != nullptr) {
+    Label elsewhere;
+    cmp(start, node->block->pc);
+    jne(elsewhere, T_NEAR);
+    emit_straight_to(at, *node);
+    L(elsewhere);
+  }
+  count(at - 1, 0);
+  mov(eax, start);
+  mov(ptr[rbx + static_cast<int>(offsetof(Execution, pc))], eax);
+  Exit exit;
+  exit.straight = true;
+  exit.indirect = true;
+  exit.at = at;
+  emit_leave(exit);
+}
+
+/// Where the end of a block leads by a link, if that is in the region and nothing but a stall depends on what came
+/// before it. A block of one instruction knows too little of what came before.
+const Node* Emitter::straight_successor(const Instruction* end, std::uint32_t link) const {
+  if (link == 0 || end->index < 2) return nullptr;
+  const auto* node = region_->find(link);
+  return node != nullptr && !node->block->early_jump ? node : nullptr;
+}
+
+void Emitter::emit_straight_edge(const Instruction* at, std::uint32_t link, std::uint32_t pc) {
+  const auto* node = straight_successor(at, link);
+  if (node != nullptr && node->block->pc == pc) {
+    emit_straight_to(at, *node);
+    return;
+  }
+  count(at - 1, 0);
+  Exit exit;
+  exit.straight = true;
+  exit.pc = pc;
+  exit.at = at;
+  if (at->index < 2) {
+    emit_leave(exit);
+    return;
+  }
+  set_where_from(at);
+  emit_way(exit);
+}
+
+/// Notes that the next block is reached straight from this end of another one.
+void Emitter::set_where_from(const Instruction* end) {
+  mov(rdx, reinterpret_cast<std::uint64_t>(end));
+  mov(ptr[rbx + static_cast<int>(offsetof(Execution, host.came_from))], rdx);
+}
+
+void Emitter::emit_straight_to(const Instruction* at, const Node& node) {
+  count(at - 1, 0);
+  const bool stalls = is_load(at[-1].op) && (node.block->stalled_by >> at[-1].rd & 1U) != 0;
+  Exit at_limit;
+  at_limit.straight = true;
+  at_limit.pc = node.block->pc;
+  at_limit.at = at;
+  check_limit(node, stalls ? 1U : 0U, at_limit);
+  set_where_from(at);
+  if (stalls) sub(r15, 1);
+  jmp(label_of(node), T_NEAR);
+}
+
+/// Which nodes are reached straight from another one: leaving them needs to know what came before. The first one may
+/// be, from another region.
+void Emitter::find_straight_targets() {
+  straight_targets_.assign(region_->nodes.size(), false);
+  straight_targets_.front() = true;
+  for (const auto& node : region_->nodes) {
+    const auto* end = node.first;
+    while (!is_block_end(end->op)) ++end;
+    const auto note = [&](std::uint32_t link) {
+      if (const auto* next = straight_successor(end, link); next != nullptr) straight_targets_[index_of(*next)] = true;
+    };
+    note(end->link);
+    if (end->op == Op::loop_end) note(end[1].link);
+  }
+}
+
+/// Before a jump to a node: nothing came straight.
+void Emitter::forget_what_came(const Node& node) {
+  if (!straight_targets_[index_of(node)]) return;
+  mov(qword[rbx + static_cast<int>(offsetof(Execution, host.came_from))], 0);
+}
+
+}  // namespace mebots::soc::translate

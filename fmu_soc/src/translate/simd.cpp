@@ -1,0 +1,331 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The SIMD computing of Xpulp v2, in the low 32 bits of SSE registers. Meanings: isa/operations_simd.hpp.
+#include "translate/emitter.hpp"
+
+namespace mebots::soc::translate {
+namespace {
+
+/// The operations on halves and on bytes take turns, but for the packs.
+bool on_bytes(Op op) {
+  const auto first = op < Op::pv_cmpeq_h ? Op::pv_add_h : Op::pv_cmpeq_h;
+  return ((static_cast<unsigned>(op) - static_cast<unsigned>(first)) & 1U) != 0;
+}
+constexpr std::uint32_t kSignOfBytes = 0x80808080U;
+constexpr std::uint32_t kSignOfHalves = 0x80008000U;
+
+}  // namespace
+
+/// The second operand, from where the instruction has it, in ecx.
+void Emitter::load_second(const Instruction* at) {
+  const auto from = operand_of(*at);
+  if (from == Operand::immediate) {
+    mov(ecx, static_cast<std::uint32_t>(at->imm));
+    return;
+  }
+  copy(ecx, at->rs2);
+  if (from != Operand::scalar) return;
+  if (on_bytes(at->op)) {
+    movzx(ecx, cl);
+    imul(ecx, ecx, 0x01010101);
+  } else {
+    movzx(ecx, cx);
+    imul(ecx, ecx, 0x00010001);
+  }
+}
+
+/// False: one of the rare ones that the interpreter does.
+bool Emitter::emit_simd(const Instruction* at) {
+  if (is_dot_product(at->op)) {
+    emit_dot(at);
+    return true;
+  }
+  if (at->op >= Op::pv_cmpeq_h && at->op <= Op::pv_cmpleu_b) {
+    emit_simd_compare(at);
+    return true;
+  }
+  if (at->op >= Op::pv_srl_h && at->op <= Op::pv_sll_b) return emit_simd_shift(at);
+  if (at->op >= Op::pv_extract_h && at->op <= Op::pv_packlo_b) {
+    emit_parts(at);
+    return true;
+  }
+  copy(eax, at->rs1);
+  if (at->op == Op::pv_abs_h || at->op == Op::pv_abs_b) {
+    movd(xmm0, eax);
+    at->op == Op::pv_abs_h ? pabsw(xmm0, xmm0) : pabsb(xmm0, xmm0);
+    movd(eax, xmm0);
+    finish(at->rd, eax);
+    return true;
+  }
+  load_second(at);
+  if (at->op >= Op::pv_or_h && at->op <= Op::pv_and_b) {
+    if (at->op <= Op::pv_or_b) {
+      or_(eax, ecx);
+    } else if (at->op <= Op::pv_xor_b) {
+      xor_(eax, ecx);
+    } else {
+      and_(eax, ecx);
+    }
+    finish(at->rd, eax);
+    return true;
+  }
+  movd(xmm0, eax);
+  movd(xmm1, ecx);
+  switch (at->op) {
+    case Op::pv_add_h:
+      paddw(xmm0, xmm1);
+      break;
+    case Op::pv_add_b:
+      paddb(xmm0, xmm1);
+      break;
+    case Op::pv_sub_h:
+      psubw(xmm0, xmm1);
+      break;
+    case Op::pv_sub_b:
+      psubb(xmm0, xmm1);
+      break;
+    case Op::pv_avg_h:
+      paddw(xmm0, xmm1);
+      psraw(xmm0, 1);
+      break;
+    case Op::pv_avgu_h:
+      paddw(xmm0, xmm1);
+      psrlw(xmm0, 1);
+      break;
+    case Op::pv_avg_b:
+      paddb(xmm0, xmm1);
+      punpcklbw(xmm0, xmm0);  // each byte in the upper half of a word
+      psraw(xmm0, 9);
+      packsswb(xmm0, xmm0);
+      break;
+    case Op::pv_avgu_b:
+      paddb(xmm0, xmm1);
+      punpcklbw(xmm0, xmm0);
+      psrlw(xmm0, 9);
+      packuswb(xmm0, xmm0);
+      break;
+    case Op::pv_min_h:
+      pminsw(xmm0, xmm1);
+      break;
+    case Op::pv_min_b:
+      pminsb(xmm0, xmm1);
+      break;
+    case Op::pv_minu_h:
+      pminuw(xmm0, xmm1);
+      break;
+    case Op::pv_minu_b:
+      pminub(xmm0, xmm1);
+      break;
+    case Op::pv_max_h:
+      pmaxsw(xmm0, xmm1);
+      break;
+    case Op::pv_max_b:
+      pmaxsb(xmm0, xmm1);
+      break;
+    case Op::pv_maxu_h:
+      pmaxuw(xmm0, xmm1);
+      break;
+    default:  // pv.maxu.b
+      pmaxub(xmm0, xmm1);
+      break;
+  }
+  movd(eax, xmm0);
+  finish(at->rd, eax);
+  return true;
+}
+
+/// a == b, !=; a > b, >=, <, <= signed; the same unsigned: with turned signs.
+void Emitter::emit_simd_compare(const Instruction* at) {
+  const bool bytes = on_bytes(at->op);
+  copy(eax, at->rs1);
+  load_second(at);
+  if (at->op >= Op::pv_cmpgtu_h) {
+    const auto sign = bytes ? kSignOfBytes : kSignOfHalves;
+    xor_(eax, sign);
+    xor_(ecx, sign);
+  }
+  movd(xmm0, eax);
+  movd(xmm1, ecx);
+  const auto first = at->op >= Op::pv_cmpgtu_h ? Op::pv_cmpgtu_h : Op::pv_cmpgt_h;
+  const auto kind = (static_cast<int>(at->op) - static_cast<int>(first)) / 2;  // gt, ge, lt, le
+  const bool equal = at->op <= Op::pv_cmpne_b;
+  const bool swapped = !equal && (kind == 1 || kind == 2);
+  const bool inverted = equal ? at->op >= Op::pv_cmpne_h : (kind == 1 || kind == 3);
+  const auto& left = swapped ? xmm1 : xmm0;
+  const auto& right = swapped ? xmm0 : xmm1;
+  if (equal) {
+    bytes ? pcmpeqb(left, right) : pcmpeqw(left, right);
+  } else {
+    bytes ? pcmpgtb(left, right) : pcmpgtw(left, right);
+  }
+  movd(eax, left);
+  if (inverted) not_(eax);
+  finish(at->rd, eax);
+}
+
+/// By the same number of places in all parts; other shifts are rare.
+bool Emitter::emit_simd_shift(const Instruction* at) {
+  const bool bytes = on_bytes(at->op);
+  const auto from = operand_of(*at);
+  if (from == Operand::reg || (from == Operand::scalar && bytes)) return false;
+  copy(eax, at->rs1);
+  if (from == Operand::scalar) {
+    copy(ecx, at->rs2);
+    and_(ecx, 15);
+    movd(xmm0, eax);
+    movd(xmm1, ecx);
+    if (at->op == Op::pv_srl_h) psrlw(xmm0, xmm1);
+    if (at->op == Op::pv_sra_h) psraw(xmm0, xmm1);
+    if (at->op == Op::pv_sll_h) psllw(xmm0, xmm1);
+    movd(eax, xmm0);
+    finish(at->rd, eax);
+    return true;
+  }
+  const auto shift = static_cast<int>(static_cast<unsigned>(at->imm) & (bytes ? 7U : 15U));
+  const auto in_all = [bytes](std::uint32_t part) {
+    return bytes ? (part & 0xffU) * 0x01010101U : (part & 0xffffU) * 0x00010001U;
+  };
+  if (at->op == Op::pv_srl_h || at->op == Op::pv_srl_b) {
+    shr(eax, shift);
+    and_(eax, in_all((bytes ? 0xffU : 0xffffU) >> shift));
+  } else if (at->op == Op::pv_sll_h || at->op == Op::pv_sll_b) {
+    shl(eax, shift);
+    and_(eax, in_all((bytes ? 0xffU : 0xffffU) << shift));
+  } else {
+    movd(xmm0, eax);
+    if (bytes) {
+      punpcklbw(xmm0, xmm0);
+      psraw(xmm0, 8 + shift);
+      packsswb(xmm0, xmm0);
+    } else {
+      psraw(xmm0, shift);
+    }
+    movd(eax, xmm0);
+  }
+  finish(at->rd, eax);
+  return true;
+}
+
+/// Products of halves by pmaddwd where both are signed, else one by one; bytes are widened to halves first: pmaddubsw
+/// would saturate.
+void Emitter::emit_dot(const Instruction* at) {
+  const auto kind = (static_cast<unsigned>(at->op) - static_cast<unsigned>(Op::pv_dotup_h)) / 2;
+  const bool accumulates = kind >= 3;
+  const bool left_signed = kind % 3 == 2;  // up, usp, sp
+  const bool right_signed = kind % 3 != 0;
+  copy(eax, at->rs1);
+  load_second(at);
+  if (on_bytes(at->op)) {
+    movd(xmm0, eax);
+    movd(xmm1, ecx);
+    left_signed ? pmovsxbw(xmm0, xmm0) : pmovzxbw(xmm0, xmm0);
+    right_signed ? pmovsxbw(xmm1, xmm1) : pmovzxbw(xmm1, xmm1);
+    pmaddwd(xmm0, xmm1);
+    pshufd(xmm1, xmm0, 1);
+    paddd(xmm0, xmm1);
+    movd(eax, xmm0);
+  } else if (left_signed) {
+    movd(xmm0, eax);
+    movd(xmm1, ecx);
+    pmaddwd(xmm0, xmm1);
+    movd(eax, xmm0);
+  } else {
+    mov(edx, eax);
+    movzx(eax, ax);
+    shr(edx, 16);
+    push(rsi);
+    mov(esi, ecx);
+    right_signed ? movsx(ecx, cx) : movzx(ecx, cx);
+    imul(eax, ecx);
+    right_signed ? sar(esi, 16) : shr(esi, 16);
+    imul(edx, esi);
+    pop(rsi);
+    add(eax, edx);
+  }
+  if (accumulates) {
+    add(operand(at->rd), eax);
+  } else {
+    finish(at->rd, eax);
+  }
+}
+
+/// Extract, insert, shuffle and pack.
+void Emitter::emit_parts(const Instruction* at) {
+  const bool bytes = on_bytes(at->op);
+  const auto bits = bytes ? 8U : 16U;
+  const auto place = static_cast<int>((static_cast<unsigned>(at->imm) % (32 / bits)) * bits);
+  const auto low = bytes ? 0xffU : 0xffffU;
+  copy(eax, at->rs1);
+  switch (at->op) {
+    case Op::pv_extract_h:
+    case Op::pv_extract_b:
+    case Op::pv_extractu_h:
+    case Op::pv_extractu_b: {
+      const bool sign = at->op <= Op::pv_extract_b;
+      shr(eax, place);
+      if (bytes) {
+        sign ? movsx(eax, al) : movzx(eax, al);
+      } else {
+        sign ? movsx(eax, ax) : movzx(eax, ax);
+      }
+      break;
+    }
+    case Op::pv_insert_h:
+    case Op::pv_insert_b:
+      and_(eax, low);
+      shl(eax, place);
+      copy(ecx, at->rd);
+      and_(ecx, ~(low << place));
+      or_(eax, ecx);
+      break;
+    case Op::pv_shuffle_h:
+    case Op::pv_shuffle_b:
+    case Op::pv_shuffle2_h:
+    case Op::pv_shuffle2_b: {
+      const bool two = at->op >= Op::pv_shuffle2_h;
+      if (operand_of(*at) == Operand::immediate) {
+        mov(ecx, static_cast<std::uint32_t>(at->imm));
+      } else {
+        copy(ecx, at->rs2);
+      }
+      if (two) {  // rd below, rs1 above
+        copy(edx, at->rd);
+        shl(rax, 32);
+        or_(rax, rdx);
+      }
+      movq(xmm0, rax);
+      const auto selects = (bytes ? 3U : 1U) << (two ? 1 : 0) | 1U;
+      and_(ecx, selects * (bytes ? 0x01010101U : 0x00010001U));
+      if (!bytes) {  // half n is bytes 2 n and 2 n + 1
+        imul(ecx, ecx, 0x0202);
+        add(ecx, 0x01000100);
+      }
+      movd(xmm1, ecx);
+      pshufb(xmm0, xmm1);
+      movd(eax, xmm0);
+      break;
+    }
+    case Op::pv_pack_h:
+      shl(eax, 16);
+      copy(ecx, at->rs2);
+      movzx(ecx, cx);
+      or_(eax, ecx);
+      break;
+    default: {  // pv.packhi.b, pv.packlo.b
+      const bool high = at->op == Op::pv_packhi_b;
+      movzx(eax, al);
+      shl(eax, 8);
+      copy(ecx, at->rs2);
+      movzx(ecx, cl);
+      or_(eax, ecx);
+      if (high) shl(eax, 16);
+      copy(ecx, at->rd);
+      and_(ecx, high ? 0x0000ffffU : 0xffff0000U);
+      or_(eax, ecx);
+      break;
+    }
+  }
+  finish(at->rd, eax);
+}
+
+}  // namespace mebots::soc::translate

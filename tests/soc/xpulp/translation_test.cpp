@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Xpulp in translated code against the interpreter: the same state at every limit, for all rows of the table.
+#include "random_xpulp.hpp"
+
+#include "hart/csr_numbers.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstring>
+#include <set>
+
+namespace mebots::soc::test {
+namespace {
+
+constexpr unsigned kOuterTurns = kFirstSpare;
+constexpr unsigned kPointerStart = kLastSpare;
+
+std::uint32_t addi(unsigned rd, unsigned rs1, std::uint32_t imm) {
+  return 0x13U | rd << 7 | rs1 << 15 | imm << 20;
+}
+
+/// Turns and turns of a random program, then its end; behind it a handler that only returns.
+std::vector<std::uint32_t> hot_program(Generator& generator) {
+  std::vector<std::uint32_t> words;
+  for (auto pointer = kFirstPointer; pointer <= kLastPointer; ++pointer) {
+    words.push_back(addi(pointer, kPointerStart, 16 * pointer));
+  }
+  const auto body = generator.program(64);
+  words.insert(words.end(), body.begin(), body.end());
+  words.push_back(addi(kOuterTurns, kOuterTurns, 0xfff));
+  words.push_back(0x00088463U);  // beqz x17, over the jump
+  const auto back = 0U - 4U * static_cast<std::uint32_t>(words.size());
+  words.push_back(0x6fU | (back & 0x7feU) << 20 | (back & 0x800U) << 9 | (back & 0xff000U) | (back & 0x100000U) << 11);
+  words.push_back(kLeave);
+  words.push_back(0x0000006fU);  // j .
+  words.push_back(0x30200073U);  // mret
+  return words;
+}
+
+void start(Platform& platform, const std::vector<std::uint32_t>& words, Random random, std::uint32_t pointers) {
+  const auto bytes = 4 * static_cast<std::uint32_t>(words.size());
+  platform.memory().write(kXpulpRam, {reinterpret_cast<const std::uint8_t*>(words.data()), bytes});
+  platform.memory().changed(kXpulpRam, bytes);
+  auto& hart = platform.hart();
+  for (unsigned i = 1; i < 32; ++i) hart.set_reg(i, random.operand());
+  for (auto i = kFirstOffset; i <= kLastOffset; ++i) hart.set_reg(i, random.below(64) - 32U);
+  hart.set_reg(kTurns, random.below(5));
+  hart.set_reg(kOuterTurns, 300);
+  hart.set_reg(kPointerStart, pointers);
+  hart.set_pc(kXpulpRam);
+  hart.set_csr(csr::kMtvec, kXpulpRam + bytes - 4);
+  hart.set_csr(csr::kMie, 1U << 11);
+  hart.set_csr(csr::kMstatus, 8);
+}
+
+std::vector<std::byte> state_of(const Hart& hart) {
+  state::Writer writer;
+  hart.save(writer);
+  return writer.bytes();
+}
+
+/// Programs that run until they are hot and beyond, cut at random limits, with interrupts between.
+void compare(std::uint64_t seed, int programs, std::uint32_t pointers, std::set<const Encoding*>& seen) {
+  Random random(seed);
+  Generator generator(random);
+  const auto platforms = std::make_unique<std::array<Platform, 2>>();
+  auto& translated = (*platforms)[0];
+  auto& interpreted = (*platforms)[1];
+  interpreted.hart().set_translation(false);
+  for (std::uint32_t i = 0; i < kXpulpRamBytes; ++i) translated.ram()[i] = static_cast<std::uint8_t>(random.word());
+  std::memcpy(interpreted.ram(), translated.ram(), kXpulpRamBytes);
+  for (int program = 0; program < programs; ++program) {
+    const auto words = hot_program(generator);
+    for (const auto word : words) seen.insert(decode(word).encoding);
+    const Random registers(random.word());
+    for (auto* platform : {&translated, &interpreted}) start(*platform, words, registers, pointers);
+    auto stop = Stop::limit;
+    while (stop == Stop::limit) {
+      const auto longest = random.below(4) == 0 ? 20'000U : 90U;
+      const auto limit = translated.hart().counters().cycles + 1 + random.below(longest);
+      stop = translated.hart().run(limit);
+      ASSERT_EQ(interpreted.hart().run(limit), stop);
+      ASSERT_EQ(state_of(translated.hart()), state_of(interpreted.hart()))
+          << "at cycle " << limit << ", pc "
+          << fmt::format("{:x} and {:x}", translated.hart().pc(), interpreted.hart().pc()) << " of\n"
+          << listing(words);
+      const bool interrupt = random.below(16) == 0;
+      for (auto* platform : {&translated, &interpreted}) platform->hart().set_interrupt(11, interrupt);
+    }
+    ASSERT_EQ(stop, Stop::device) << listing(words);
+    ASSERT_EQ(std::memcmp(translated.ram(), interpreted.ram(), kXpulpRamBytes), 0) << listing(words);
+    for (auto* platform : {&translated, &interpreted}) platform->hart().set_interrupt(11, false);
+  }
+}
+
+TEST(XpulpTranslation, RunsAsInterpreted) {
+  std::set<const Encoding*> seen;
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    compare(seed, 4, kMiddle, seen);
+    if (HasFatalFailure()) return;
+  }
+  for (const auto& row : encodings()) {
+    if (row.extension != Extension::xpulp) continue;
+    EXPECT_TRUE(seen.contains(&row)) << row.name << row.suffix;
+  }
+}
+
+/// A post-increment whose access faults leaves its pointer as it was.
+TEST(XpulpTranslation, FaultsInAPostIncrementAsInterpreted) {
+  constexpr std::uint32_t kEnd = kXpulpRam + kXpulpRamBytes;
+  for (const std::uint32_t access : {
+           0x0045250bU,  // p.lw x10, 4(x10!): what is loaded wins
+           0x0045258bU,  // p.lw x11, 4(x10!)
+           0x00b5222bU,  // p.sw x11, 4(x10!)
+           0x00b5162bU,  // p.sh x11, 12(x10!)
+       }) {
+    std::array<std::vector<std::byte>, 2> states;
+    for (const bool translate : {false, true}) {
+      Platform platform;
+      auto& hart = platform.hart();
+      hart.set_translation(translate);
+      const std::array<std::uint32_t, 3> words{access, 0x00160613U, 0xff9ff06fU};  // addi x12, x12, 1; j back
+      platform.memory().write(kXpulpRam, {reinterpret_cast<const std::uint8_t*>(words.data()), sizeof words});
+      // A word that points to the next one, for the load into its own pointer.
+      for (auto at = kEnd - 4000; at < kEnd; at += 4) {
+        const auto next = at + 4;
+        std::memcpy(platform.ram() + (at - kXpulpRam), &next, 4);
+      }
+      hart.set_reg(10, kEnd - 4000);
+      const auto stop = hart.run(1'000'000);
+      if (stop == Stop::fault) {
+        EXPECT_EQ(hart.fault().value, hart.reg(10));
+      } else {
+        EXPECT_EQ(stop, Stop::device) << "a word is stored there";
+      }
+      EXPECT_GE(hart.reg(10), kEnd);
+      states[translate ? 1 : 0] = state_of(hart);
+    }
+    EXPECT_EQ(states[0], states[1]) << disassemble(access, 0);
+  }
+}
+
+}  // namespace
+}  // namespace mebots::soc::test
