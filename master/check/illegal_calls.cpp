@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "behaviour_check.hpp"
+#include "mebots/fmi2/status_name.hpp"
 
 #include <fmt/format.h>
 
@@ -21,7 +22,7 @@ void ignore_message(fmi2ComponentEnvironment, fmi2String, fmi2Status, fmi2String
 /// An illegal call must be answered by something other than success.
 void expect_refusal(const Library& library, const std::string& call, fmi2Status status) {
   if (status != fmi2OK && status != fmi2Warning) return;
-  library.witness().warning(fmt::format("{} was answered {}", call, status_name(status)), kAnswerError);
+  library.witness().warning(fmt::format("{} was answered {}", call, fmi2::status_name(status)), kAnswerError);
 }
 
 fmi2ValueReference unknown_reference(const ModelDescription& model) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "subject.hpp"
 
+#include "mebots/fmi2/status_name.hpp"
 #include "mebots/master/fmu.hpp"
 
 #include <dlfcn.h>
@@ -42,24 +43,6 @@ bool is_standard_category(std::string_view name) {
 }
 
 }  // namespace
-
-std::string_view status_name(fmi2Status status) {
-  switch (status) {
-    case fmi2OK:
-      return "fmi2OK";
-    case fmi2Warning:
-      return "fmi2Warning";
-    case fmi2Discard:
-      return "fmi2Discard";
-    case fmi2Error:
-      return "fmi2Error";
-    case fmi2Fatal:
-      return "fmi2Fatal";
-    case fmi2Pending:
-      return "fmi2Pending";
-  }
-  return "an unknown status";
-}
 
 Library::Library(const Target& target, Witness& witness) : target_(&target), witness_(&witness) {
   witness.doing("loading the library");
@@ -144,7 +127,7 @@ void Instance::log(fmi2ComponentEnvironment environment, fmi2String instance, fm
 
 void Instance::require(const std::string& call, fmi2Status status) const {
   if (status == fmi2OK || status == fmi2Warning) return;
-  throw Refused(fmt::format("{} answered {}{}", call, status_name(status),
+  throw Refused(fmt::format("{} answered {}{}", call, fmi2::status_name(status),
                             messages_.empty() ? ", and the FMU logged nothing" : ": " + last_message()));
 }
 

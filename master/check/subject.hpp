@@ -112,6 +112,4 @@ class Instance {
   bool told_category_ = false;
 };
 
-std::string_view status_name(fmi2Status status);
-
 }  // namespace mebots::check

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mebots/master/fmu_slave.hpp"
 
+#include "mebots/fmi2/status_name.hpp"
 #include "mebots/master/input_error.hpp"
 #include "mebots/master/time.hpp"
 
@@ -24,25 +25,6 @@ static_assert(std::is_same_v<fmi2Boolean, std::int32_t>);
 static_assert(std::is_same_v<fmi2ValueReference, ValueReference>);
 
 constexpr std::size_t kLastWords = 5;
-
-std::string_view status_name(int status) {
-  switch (status) {
-    case fmi2OK:
-      return "fmi2OK";
-    case fmi2Warning:
-      return "fmi2Warning";
-    case fmi2Discard:
-      return "fmi2Discard";
-    case fmi2Error:
-      return "fmi2Error";
-    case fmi2Fatal:
-      return "fmi2Fatal";
-    case fmi2Pending:
-      return "fmi2Pending";
-    default:
-      return "a status that FMI 2.0 does not know";
-  }
-}
 
 Severity severity_of(int status) {
   if (status == fmi2OK) return Severity::info;
@@ -252,7 +234,7 @@ void FmuSlave::check(int status, const char* function) {
     unusable_ = true;
     fmu_->set_corrupted();  // the standard says so of all instances of this FMU
   }
-  fail(function, fmt::format("answered {}", status_name(status)));
+  fail(function, fmt::format("answered {}", fmi2::status_name(static_cast<fmi2Status>(status))));
 }
 
 void FmuSlave::setup_experiment(std::int64_t start_ns, std::int64_t stop_ns) {

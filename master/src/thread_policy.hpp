@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 
@@ -10,7 +12,8 @@ namespace mebots::master {
 /// Finds out by trying whether stepping in parallel is faster, from the wall time of windows of steps. Its choice
 /// affects speed only: the results are the same bits either way.
 ///
-/// Serial windows come first: the fastest of them is what parallel has to beat. When their steps are long enough for
+/// Serial windows come first: the fastest of the last few serial runs is what parallel has to beat, so that cheap steps
+/// are never compared with dear ones that went before. When their steps are long enough for
 /// threads to have a chance, parallel is tried, and kept as long as every window wins; it is given up in the middle of
 /// a window that takes longer than a serial one, so that a trial costs one serial window at most. Trials that fail
 /// become rare.
@@ -32,16 +35,27 @@ class ThreadPolicy {
 
  private:
   static constexpr std::int64_t kFirstWindows = 2;  // serial ones, before the first trial and between parallel runs
-  static constexpr std::int64_t kParallelRun = 256;
+  static constexpr std::int64_t kParallelRun = 64;
+  static constexpr std::size_t kRemembered = 8;  // serial runs; what was faster before them no longer counts
   static constexpr std::int64_t kFirstPause = 16;
   static constexpr std::int64_t kLongestPause = 4096;
 
+  static constexpr std::array<double, kRemembered> all_unknown() {
+    std::array<double, kRemembered> all{};
+    all.fill(std::numeric_limits<double>::infinity());
+    return all;
+  }
+
   void go_serial(std::int64_t windows);
+  double to_beat_s() const;
 
   bool parallel_ = false;
-  std::int64_t left_ = kFirstWindows;                          // windows until the other way gets its turn
-  std::int64_t pause_ = kFirstPause;                           // serial windows after a trial that failed
-  double serial_s_ = std::numeric_limits<double>::infinity();  // the fastest serial window of the last serial run
+  std::int64_t left_ = kFirstWindows;  // windows until the other way gets its turn
+  std::int64_t pause_ = kFirstPause;   // serial windows after a trial that failed
+  double serial_s_ =
+      std::numeric_limits<double>::infinity();  // the fastest serial window of this or the last serial run
+  std::array<double, kRemembered> earlier_s_ = all_unknown();  // the same of the runs before, in turn
+  std::size_t turn_ = 0;
   int steps_ = 0;
   std::chrono::steady_clock::time_point window_start_ = std::chrono::steady_clock::now();
 };
