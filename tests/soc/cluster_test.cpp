@@ -288,5 +288,21 @@ TEST(ClusterRuntime, GoesOnWithTheSameBitsFromAStateInTheMiddleOfAJob) {
   EXPECT_EQ(state_of(other.soc), state_of(straight.soc));
 }
 
+/// The whole network on 1, 2, 4 and 8 cores: banks, instruction caches, barriers, DMA.
+TEST(ClusterRuntime, TranslatedCoresKeepTheInterpretersBits) {
+  const auto program = Elf::read(MEBOTS_BINARY_DIR "/firmware/network_bench.elf");
+  Settings settings;
+  BoardSystem translated(program, settings);
+  settings.translate = false;
+  BoardSystem interpreted(program, settings);
+  for (std::int64_t t = 17'777'777; t < 400'000'000; t += 17'777'777) {
+    translated.soc.advance(t);
+    interpreted.soc.advance(t);
+    ASSERT_EQ(state_of(translated.soc), state_of(interpreted.soc)) << "at " << t << " ns";
+    ASSERT_EQ(translated.soc.energy().total_j(), interpreted.soc.energy().total_j());
+  }
+  EXPECT_GT(translated.soc.cluster()->counters().instructions, 40'000'000U);
+}
+
 }  // namespace
 }  // namespace mebots::soc::test
