@@ -138,6 +138,9 @@ def starts(ways, name):
         axes.plot(way["x"], way["y"], color=PASSED if passed else FAILED, linewidth=0.7 if passed else 1.4,
                   alpha=0.35 if passed else 1.0, zorder=1 if passed else 2)
     draw_gate(axes, name)
-    axes.set_aspect("equal")
-    axes.set(xlabel="x [m]", ylabel="y [m]")
+    # A flight straight ahead is a thin line: its width is stretched.
+    wide = max(max(way["y"]) for way in ways) - min(min(way["y"]) for way in ways)
+    stretched = 3 if wide < 1.0 else 1
+    axes.set_aspect(stretched)
+    axes.set(xlabel="x [m]", ylabel="y [m]" + (f", stretched {stretched} times" if stretched > 1 else ""))
     return figure

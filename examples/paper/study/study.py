@@ -9,6 +9,7 @@ import dataclasses
 import json
 import os
 import pathlib
+import shutil
 import sys
 import time
 
@@ -62,6 +63,7 @@ def main():
     parser.add_argument("--parts", nargs="*", choices=PARTS, default=["experiments"], help="what to fly; shipped, easy and hard are random starts; none: report only")
     parser.add_argument("--count", type=int, default=200, help="random starts of each scenario")
     parser.add_argument("--data", type=pathlib.Path, help="what was found, added to: default OUT/data.json")
+    parser.add_argument("--publish", action="store_true", help="also put data and figures where the README shows them")
     arguments = parser.parse_args()
 
     out = arguments.out.resolve()
@@ -80,6 +82,10 @@ def main():
         kept.write_text(json.dumps(data) + "\n")
     for line in report.write(data, out):
         print(line)
+    if arguments.publish:
+        (ROOT / "examples/paper/results.json").write_text(json.dumps(data) + "\n")
+        for figure in (out / "figures").glob("*.png"):
+            shutil.copyfile(figure, ROOT / f"docs/img/paper_{figure.name}")
     print(f"wrote {out / 'report.html'}")
 
 
