@@ -3,6 +3,7 @@
 
 #include "mebots/state/bytes.hpp"
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -55,7 +56,7 @@ class InstructionCache {
   };
 
   const Entry* find(std::uint32_t line) const {
-    const auto* set = &entries_[(line & set_mask_) * ways_];
+    const auto* set = &entries_[std::size_t{line & set_mask_} * ways_];
     for (std::uint32_t way = 0; way < ways_; ++way) {
       if (set[way].line == line) return &set[way];
     }
