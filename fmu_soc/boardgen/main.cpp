@@ -7,6 +7,7 @@
 // models. Both come from the same table, so that software and hardware cannot disagree.
 
 #include "board_file.hpp"
+#include "devices/described_device.hpp"
 
 #include "mebots/error.hpp"
 
@@ -81,6 +82,15 @@ std::string c_header(const BoardDescription& board) {
     for (const auto& reg : device.registers) {
       out << fmt::format("#define {}_{}_OFFSET 0x{:X}  // {}: {}\n", name, macro_case(reg.name), reg.offset, reg.access,
                          reg.text);
+    }
+    for (const auto& opcode : device.opcodes) {
+      out << fmt::format("#define {}_OPCODE_{} {}  // into {}: {}\n", name, macro_case(opcode.name), opcode.value,
+                         opcode.register_name, opcode.text);
+    }
+    if (!device.initial_state.empty()) {
+      using Described = mebots::soc::DescribedDevice;
+      out << fmt::format("#define {0}_STATUS_BUSY {1}\n#define {0}_STATUS_READY {2}\n#define {0}_STATUS_REFUSED {3}\n",
+                         name, Described::kBusy, Described::kReady, Described::kRefused);
     }
     out << "#ifndef __ASSEMBLER__\n";
     for (const auto& reg : device.registers) {

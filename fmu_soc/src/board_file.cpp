@@ -116,8 +116,14 @@ std::vector<BoardRegister> read_registers(const data::Node& device) {
   std::vector<BoardRegister> registers;
   std::set<std::string> names;
   for (const auto& node : device.objects("registers")) {
-    node.only({"name", "offset", "access", "text"});
-    BoardRegister entry{new_name(node, names), address(node, "offset"), node.text("access"), text_or_nothing(node)};
+    node.only({"name", "offset", "access", "text", "shows", "units_per_si"});
+    BoardRegister entry;
+    entry.name = new_name(node, names);
+    entry.offset = address(node, "offset");
+    entry.access = node.text("access");
+    entry.text = text_or_nothing(node);
+    if (node.has("shows")) entry.shows = node.text("shows");
+    if (node.has("units_per_si")) entry.units_per_si = node.number("units_per_si", data::Limits::positive());
     if (entry.access != "r" && entry.access != "w" && entry.access != "rw") {
       node.fail("access", fmt::format("= \"{}\" must be r, w or rw", entry.access));
     }
@@ -135,10 +141,71 @@ std::vector<BoardState> read_states(const data::Node& states) {
   std::vector<BoardState> found;
   for (const auto& name : states.keys()) {
     const auto node = states.object(name);
-    node.only({"current", "delay", "text"});
+    node.only({"current", "delay", "then", "text"});
     const auto delay_s = node.has("delay") ? node.number("delay", data::Limits::between(0, 3600)) : 0.0;
     found.push_back({checked_name(states, name, name), node.number("current", data::Limits::at_least(0)), delay_s,
-                     text_or_nothing(node)});
+                     text_or_nothing(node), node.has("then") ? node.text("then") : std::string()});
+  }
+  return found;
+}
+
+std::vector<BoardOpcode> read_opcodes(const data::Node& opcodes) {
+  std::vector<BoardOpcode> found;
+  for (const auto& name : opcodes.keys()) {
+    const auto node = opcodes.object(name);
+    node.only({"register", "value", "state", "text"});
+    const auto value = whole_number(node, "value", data::Limits::between(0, 4294967295.0));
+    found.push_back({checked_name(opcodes, name, name), node.text("register"), static_cast<std::uint32_t>(value),
+                     node.text("state"), text_or_nothing(node)});
+  }
+  return found;
+}
+
+/// A described device that goes from delay to delay must leave time for something else.
+constexpr double kLeastDelayS = 1e-6;
+
+/// What of a described device names something that must be there.
+void check_description(const data::Node& node, const BoardDevice& device) {
+  const auto require_state = [&](const std::string& key, const std::string& name) {
+    const bool known =
+        std::any_of(device.states.begin(), device.states.end(), [&](const auto& s) { return s.name == name; });
+    if (!known) node.fail(key, fmt::format("names state \"{}\", which the device does not have", name));
+  };
+  require_state("initial_state", device.initial_state);
+  for (const auto& state : device.states) {
+    if (!state.then.empty()) require_state("states." + state.name + ".then", state.then);
+    if (state.delay_s > 0 && state.delay_s < kLeastDelayS) {
+      node.fail("states." + state.name + ".delay",
+                fmt::format("= {} s must be 0 or at least {} s", state.delay_s, kLeastDelayS));
+    }
+    if (state.delay_s > 0 && state.then.empty())
+      node.fail("states." + state.name + ".then", "is missing: the state has a delay");
+  }
+  for (const auto& opcode : device.opcodes) {
+    require_state("opcodes." + opcode.name + ".state", opcode.state);
+    const bool writable = std::any_of(device.registers.begin(), device.registers.end(),
+                                      [&](const auto& r) { return r.name == opcode.register_name && r.access != "r"; });
+    if (!writable) {
+      node.fail("opcodes." + opcode.name + ".register",
+                fmt::format("= \"{}\" is no register that can be written", opcode.register_name));
+    }
+  }
+  for (const auto& reg : device.registers) {
+    const bool sensed =
+        std::any_of(device.sensed.begin(), device.sensed.end(), [&](const auto& v) { return v.name == reg.shows; });
+    if (reg.shows.empty() || reg.shows == "status") continue;
+    if (!sensed)
+      node.fail("registers",
+                fmt::format("{} shows \"{}\", which is no input among the device's variables", reg.name, reg.shows));
+    if (reg.access != "r") node.fail("registers", fmt::format("{} shows a variable: its access must be r", reg.name));
+  }
+}
+
+std::vector<BoardVariable> read_sensed(const data::Node& device) {
+  std::vector<BoardVariable> found;
+  for (const auto& node : device.objects("variables")) {
+    if (node.text("causality") != "input") continue;
+    found.push_back({node.text("name"), node.number("start")});
   }
   return found;
 }
@@ -160,8 +227,8 @@ std::vector<BoardEnumeration> read_enumerations(const data::Node& enumerations) 
 }
 
 BoardDevice read_device(const data::Node& node, std::set<std::string>& names) {
-  node.only(
-      {"name", "base", "interrupt", "text", "supply_voltage", "states", "registers", "enumerations", "variables"});
+  node.only({"name", "base", "interrupt", "text", "supply_voltage", "states", "registers", "enumerations", "variables",
+             "initial_state", "opcodes"});
   BoardDevice device;
   device.name = new_name(node, names);
   device.text = text_or_nothing(node);
@@ -172,6 +239,14 @@ BoardDevice read_device(const data::Node& node, std::set<std::string>& names) {
   if (node.has("states")) device.states = read_states(node.object("states"));
   if (!device.states.empty() && device.supply_voltage_v == 0) {
     node.fail("supply_voltage", "is missing: the currents of the states need it");
+  }
+  if (node.has("initial_state")) {
+    device.initial_state = node.text("initial_state");
+    if (node.has("opcodes")) device.opcodes = read_opcodes(node.object("opcodes"));
+    if (node.has("variables")) device.sensed = read_sensed(node);
+    check_description(node, device);
+  } else if (node.has("opcodes")) {
+    node.fail("opcodes", "are for a device with an initial_state");
   }
   if (node.has("enumerations")) device.enumerations = read_enumerations(node.object("enumerations"));
   return device;

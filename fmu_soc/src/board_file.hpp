@@ -35,6 +35,23 @@ struct BoardRegister {
   std::uint32_t offset = 0;
   std::string access;  // r, w or rw
   std::string text;
+  std::string shows;        // of a described device: "status" or one of its variables; empty = what was stored
+  double units_per_si = 1;  // of the variable that it shows
+};
+
+/// A value that means something when it is stored into a register: the device goes into a state.
+struct BoardOpcode {
+  std::string name;
+  std::string register_name;
+  std::uint32_t value = 0;
+  std::string state;
+  std::string text;
+};
+
+/// A variable of the surroundings that a described device senses.
+struct BoardVariable {
+  std::string name;
+  double start = 0;
 };
 
 struct BoardState {
@@ -42,6 +59,7 @@ struct BoardState {
   double current_a = 0;
   double delay_s = 0;
   std::string text;
+  std::string then;  // the state behind the delay; empty = it stays
 };
 
 struct BoardValue {
@@ -64,6 +82,10 @@ struct BoardDevice {
   std::vector<BoardRegister> registers;  // by offset
   std::vector<BoardState> states;
   std::vector<BoardEnumeration> enumerations;
+  /// Not empty: the device is described wholly by its entry, and begins in this state.
+  std::string initial_state;
+  std::vector<BoardOpcode> opcodes;
+  std::vector<BoardVariable> sensed;  // its variables with causality input
 
   /// Bytes that the registers take.
   std::uint32_t size() const { return registers.empty() ? 0 : registers.back().offset + 4; }

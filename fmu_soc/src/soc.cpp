@@ -203,7 +203,10 @@ void Soc::add_devices(const BoardDescription& board, const Settings& settings) {
     if (listeners_.faults) listeners_.faults(text);
   };
   for (const auto& entry : board.devices) {
-    if (entry.name == "console") {
+    if (!entry.initial_state.empty()) {
+      auto& device = *described_.emplace_back(std::make_unique<DescribedDevice>(entry));
+      slots_.push_back({entry.name, entry.base, entry.size(), entry.interrupt, &device});
+    } else if (entry.name == "console") {
       console_ = std::make_unique<Console>(listeners_.console);
       add(entry, board::console::kRegisters, *console_);
     } else if (entry.name == "timer") {
@@ -226,10 +229,11 @@ void Soc::add_devices(const BoardDescription& board, const Settings& settings) {
       mission_ = std::make_unique<MissionParameters>(settings.mission);
       add(entry, board::mission::kRegisters, *mission_);
     } else if (entry.name != "event_unit" && entry.name != "cluster_dma") {
-      throw Error(
-          fmt::format("board: no model for device \"{}\"; known are console, timer, power_manager, event_unit, "
-                      "cluster_dma, camera, flight, battery and mission",
-                      entry.name));
+      throw Error(fmt::format(
+          "board: no model for device \"{}\"; known are console, timer, power_manager, event_unit, "
+          "cluster_dma, camera, flight, battery and mission; another one needs an initial_state and is described "
+          "by its registers, opcodes and states",
+          entry.name));
     }
   }
 }
@@ -245,6 +249,19 @@ void Soc::load_program() {
     }
     memory_.write(segment.address, segment.bytes);
   }
+}
+
+bool Soc::set_sensed(std::string_view variable, double value) {
+  bool known = false;
+  for (const auto& device : described_) known = device->set_sensed(variable, value) || known;
+  return known;
+}
+
+const DescribedDevice* Soc::described(std::string_view name) const {
+  for (const auto& device : described_) {
+    if (device->name() == name) return device.get();
+  }
+  return nullptr;
 }
 
 void Soc::stop_when_stored(std::uint32_t address) {

@@ -8,6 +8,7 @@
 #include "devices/battery_gauge.hpp"
 #include "devices/camera.hpp"
 #include "devices/console.hpp"
+#include "devices/described_device.hpp"
 #include "devices/flight.hpp"
 #include "devices/mission_parameters.hpp"
 #include "devices/power_manager.hpp"
@@ -130,6 +131,10 @@ class Soc final : private Bus {
   const Camera* camera() const { return camera_.get(); }
   Flight* flight() { return flight_.get(); }
   const Flight* flight() const { return flight_.get(); }
+  /// Gives the devices that the board describes wholly a variable that they sense; false = none of them does.
+  bool set_sensed(std::string_view variable, double value);
+  /// Such a device by its name; null = there is none.
+  const DescribedDevice* described(std::string_view name) const;
   BatteryGauge* battery() { return battery_.get(); }
 
   void save(state::Writer& writer) const;
@@ -191,6 +196,7 @@ class Soc final : private Bus {
   std::unique_ptr<Flight> flight_;
   std::unique_ptr<BatteryGauge> battery_;
   std::unique_ptr<MissionParameters> mission_;
+  std::vector<std::unique_ptr<DescribedDevice>> described_;
   std::optional<InstructionCache> instruction_cache_;  // of the fabric controller
   Hart hart_;
   StateListener* listener_ = nullptr;

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+// Asks the range finder for five distances, sleeping while it measures. Exit code 0: five came.
+#include "board.h"
+#include "runtime/console.h"
+#include "runtime/interrupt.h"
+
+#define MEASUREMENTS 5
+
+static volatile uint32_t measured;
+
+static void on_ready(void) {
+  RANGE_FINDER_STATUS = RANGE_FINDER_STATUS_READY;
+  ++measured;
+}
+
+int main(void) {
+  interrupt_attach(RANGE_FINDER_INTERRUPT, on_ready);
+  for (uint32_t count = 1; count <= MEASUREMENTS; ++count) {
+    RANGE_FINDER_COMMAND = RANGE_FINDER_OPCODE_START;
+    while (measured < count) {
+      sleep_until_interrupt();
+    }
+    print("distance %u mm\n", (unsigned)RANGE_FINDER_DISTANCE);
+  }
+  RANGE_FINDER_COMMAND = 99;  // no opcode
+  return (RANGE_FINDER_STATUS & RANGE_FINDER_STATUS_REFUSED) != 0 ? 0 : 1;
+}

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "devices/described_device.hpp"
+
+#include "devices/fixed_point.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace mebots::soc {
+namespace {
+
+constexpr double kPsPerSecond = 1e12;
+constexpr std::string_view kStatus = "status";
+
+}  // namespace
+
+DescribedDevice::DescribedDevice(const BoardDevice& description)
+    : description_(description),
+      values_(description.registers.size()),
+      spent_(description.states.size()),
+      state_(state_index(description.initial_state)) {
+  for (const auto& variable : description_.sensed) sensed_.push_back(variable.start);
+}
+
+std::size_t DescribedDevice::register_at(std::uint32_t offset) const {
+  const auto& registers = description_.registers;
+  const auto found =
+      std::find_if(registers.begin(), registers.end(), [&](const auto& r) { return r.offset == offset; });
+  return static_cast<std::size_t>(found - registers.begin());
+}
+
+std::size_t DescribedDevice::state_index(std::string_view name) const {
+  const auto& states = description_.states;
+  const auto found = std::find_if(states.begin(), states.end(), [&](const auto& s) { return s.name == name; });
+  return static_cast<std::size_t>(found - states.begin());
+}
+
+bool DescribedDevice::set_sensed(std::string_view variable, double value) {
+  for (std::size_t i = 0; i < sensed_.size(); ++i) {
+    if (description_.sensed[i].name != variable) continue;
+    sensed_[i] = value;
+    return true;
+  }
+  return false;
+}
+
+bool DescribedDevice::load(std::uint32_t offset, Picoseconds /*now*/, std::uint32_t& value) {
+  const auto index = register_at(offset);
+  if (index == values_.size()) return false;
+  const auto& reg = description_.registers[index];
+  if (reg.access == "w") return false;
+  value = reg.shows == kStatus ? status_ : values_[index];
+  return true;
+}
+
+bool DescribedDevice::store(std::uint32_t offset, Picoseconds now, std::uint32_t value) {
+  const auto index = register_at(offset);
+  if (index == values_.size()) return false;
+  const auto& reg = description_.registers[index];
+  if (reg.access == "r") return false;
+  if (reg.shows == kStatus) {
+    status_ &= ~(value & (kReady | kRefused));
+    return true;
+  }
+  bool takes_opcodes = false;
+  const BoardOpcode* found = nullptr;
+  for (const auto& opcode : description_.opcodes) {
+    if (opcode.register_name != reg.name) continue;
+    takes_opcodes = true;
+    if (opcode.value == value) found = &opcode;
+  }
+  if (takes_opcodes) {
+    obey(found, now);
+  } else {
+    values_[index] = value;
+  }
+  return true;
+}
+
+void DescribedDevice::obey(const BoardOpcode* opcode, Picoseconds now) {
+  const auto state = opcode == nullptr ? description_.states.size() : state_index(opcode->state);
+  if (opcode == nullptr || (done_at_ != kNever && description_.states[state].delay_s > 0)) {
+    status_ |= kRefused;
+    return;
+  }
+  enter(state, now);
+}
+
+void DescribedDevice::enter(std::size_t state, Picoseconds now) {
+  spent_[state_] += now - since_;
+  since_ = now;
+  state_ = state;
+  const auto delay_s = description_.states[state].delay_s;
+  done_at_ = delay_s > 0 ? now + std::llround(delay_s * kPsPerSecond) : kNever;
+  status_ = delay_s > 0 ? status_ | kBusy : status_ & ~kBusy;
+}
+
+void DescribedDevice::advance(Picoseconds now) {
+  if (now < done_at_) return;
+  measure();
+  status_ |= kReady;
+  enter(state_index(description_.states[state_].then), done_at_);
+}
+
+void DescribedDevice::measure() {
+  for (std::size_t i = 0; i < values_.size(); ++i) {
+    const auto& reg = description_.registers[i];
+    for (std::size_t k = 0; k < sensed_.size(); ++k) {
+      if (description_.sensed[k].name == reg.shows) values_[i] = to_register(sensed_[k], reg.units_per_si);
+    }
+  }
+}
+
+double DescribedDevice::energy_j(Picoseconds now) const {
+  double charge_as = 0;
+  for (std::size_t i = 0; i < spent_.size(); ++i) {
+    const auto time = spent_[i] + (i == state_ ? now - since_ : 0);
+    charge_as += description_.states[i].current_a * static_cast<double>(time) / kPsPerSecond;
+  }
+  return charge_as * description_.supply_voltage_v;
+}
+
+void DescribedDevice::save(state::Writer& writer) const {
+  for (const auto value : sensed_) writer.put(value);
+  for (const auto value : values_) writer.put(value);
+  for (const auto time : spent_) writer.put(time);
+  writer.put(state_);
+  writer.put(status_);
+  writer.put(since_);
+  writer.put(done_at_);
+}
+
+void DescribedDevice::restore(state::Reader& reader) {
+  for (auto& value : sensed_) reader.get(value);
+  for (auto& value : values_) reader.get(value);
+  for (auto& time : spent_) reader.get(time);
+  reader.get(state_);
+  reader.get(status_);
+  reader.get(since_);
+  reader.get(done_at_);
+}
+
+}  // namespace mebots::soc

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+// A device that exists in the board file only: the time-of-flight sensor of examples/time_of_flight.
+#include "soc.hpp"
+
+#include "mebots/data_file.hpp"
+#include "mebots/error.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace mebots::soc {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr std::uint32_t kCommand = 0;
+constexpr std::uint32_t kStatus = 4;
+constexpr std::uint32_t kDistance = 8;
+constexpr Picoseconds kMs = 1'000'000'000;
+
+std::string board_text() {
+  return data::text_of(MEBOTS_SOURCE_DIR "/examples/time_of_flight/board.json");
+}
+
+DescribedDevice range_finder() {
+  return DescribedDevice(parse_board(board_text(), "board.json").devices.back());
+}
+
+std::uint32_t read(DescribedDevice& device, std::uint32_t offset) {
+  std::uint32_t value = 0;
+  EXPECT_TRUE(device.load(offset, 0, value));
+  return value;
+}
+
+TEST(DescribedDevice, ShowsTheVariableAsItIsWhenTheDelayEnds) {
+  auto device = range_finder();
+  EXPECT_EQ(device.next_event(), kNever);
+  EXPECT_TRUE(device.store(kCommand, 10 * kMs, 1));
+  EXPECT_EQ(device.state_name(), "ranging");
+  EXPECT_EQ(read(device, kStatus), DescribedDevice::kBusy);
+  EXPECT_EQ(device.next_event(), 43 * kMs);
+  EXPECT_TRUE(device.set_sensed("range_finder.distance", 0.4567));
+  EXPECT_EQ(read(device, kDistance), 0U) << "not measured yet";
+  device.advance(43 * kMs);
+  EXPECT_TRUE(device.interrupt());
+  EXPECT_EQ(device.state_name(), "standby");
+  device.set_sensed("range_finder.distance", 3);
+  EXPECT_EQ(read(device, kDistance), 457U);
+  EXPECT_EQ(read(device, kStatus), DescribedDevice::kReady);
+  device.store(kStatus, 44 * kMs, DescribedDevice::kReady);
+  EXPECT_FALSE(device.interrupt());
+  EXPECT_FALSE(device.set_sensed("range_finder.colour", 1));
+}
+
+TEST(DescribedDevice, RefusesWhatIsNoOpcodeAndASecondMeasurementButStops) {
+  auto device = range_finder();
+  device.store(kCommand, 0, 7);
+  EXPECT_EQ(read(device, kStatus), DescribedDevice::kRefused);
+  device.store(kStatus, 0, DescribedDevice::kRefused);
+  device.store(kCommand, 0, 1);
+  device.store(kCommand, kMs, 1);
+  EXPECT_EQ(read(device, kStatus), DescribedDevice::kBusy | DescribedDevice::kRefused);
+  EXPECT_EQ(device.next_event(), 33 * kMs) << "the first goes on";
+  device.store(kCommand, 2 * kMs, 2);
+  EXPECT_EQ(device.next_event(), kNever);
+  EXPECT_FALSE(device.interrupt());
+}
+
+TEST(DescribedDevice, RefusesOtherWaysOfAccess) {
+  auto device = range_finder();
+  std::uint32_t value = 0;
+  EXPECT_FALSE(device.load(kCommand, 0, value)) << "write only";
+  EXPECT_FALSE(device.store(kDistance, 0, 1)) << "read only";
+  EXPECT_FALSE(device.load(0xc, 0, value));
+}
+
+TEST(DescribedDevice, DrawsTheCurrentOfItsStates) {
+  auto device = range_finder();
+  device.store(kCommand, 10 * kMs, 1);
+  device.advance(43 * kMs);
+  const auto expected_j = 2.8 * (16e-3 * 33e-3 + 5e-6 * 67e-3);
+  EXPECT_NEAR(device.energy_j(100 * kMs), expected_j, 1e-12 * expected_j) << "sums of doubles";
+}
+
+TEST(DescribedDevice, GoesOnFromAState) {
+  auto device = range_finder();
+  device.set_sensed("range_finder.distance", 2);
+  device.store(kCommand, 5 * kMs, 1);
+  state::Writer writer;
+  device.save(writer);
+  auto other = range_finder();
+  state::Reader reader(writer.bytes());
+  other.restore(reader);
+  EXPECT_TRUE(reader.at_end());
+  other.advance(38 * kMs);
+  EXPECT_EQ(read(other, kDistance), 2000U);
+}
+
+struct Mistake {
+  std::string from;
+  std::string to;
+  std::string complaint;
+};
+
+TEST(DescribedDevice, WhoseDescriptionDoesNotHoldTogetherIsRefused) {
+  for (const auto& mistake :
+       {Mistake{"\"then\": \"standby\"", "\"then\": \"asleep\"", "names state \"asleep\""},
+        Mistake{"\"then\": \"standby\", ", "", "is missing: the state has a delay"},
+        Mistake{"\"delay\": 0.033", "\"delay\": 1e-9", "at least 1e-06 s"},
+        Mistake{"\"register\": \"COMMAND\"", "\"register\": \"DISTANCE\"", "no register that can be written"},
+        Mistake{"\"shows\": \"range_finder.distance\"", "\"shows\": \"colour\"", "no input among"},
+        Mistake{"\"initial_state\": \"standby\"", "\"initial_state\": \"on\"", "names state \"on\""}}) {
+    auto text = board_text();
+    const auto at = text.find(mistake.from);
+    ASSERT_NE(at, std::string::npos) << mistake.from;
+    text.replace(at, mistake.from.size(), mistake.to);
+    try {
+      parse_board(text, "board.json");
+      ADD_FAILURE() << mistake.to;
+    } catch (const Error& error) {
+      EXPECT_THAT(error.what(), HasSubstr(mistake.complaint));
+      EXPECT_THAT(error.what(), HasSubstr("board.json"));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace mebots::soc
