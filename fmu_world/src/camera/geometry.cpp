@@ -108,14 +108,10 @@ void add_gate(Geometry& geometry, const scene::Gate& gate, std::size_t tile, con
 
 /// The place of the texture's tile in `geometry`, drawn if it is new. `known` are the textures drawn so far.
 std::size_t add_tile(Geometry& geometry, std::vector<scene::Texture>& known, const scene::Texture& texture) {
-  const auto same = [&](const scene::Texture& other) {
-    return other.kind == texture.kind && other.light == texture.light && other.dark == texture.dark &&
-           other.scale_m == texture.scale_m && other.seed == texture.seed;
-  };
-  const auto found = std::find_if(known.begin(), known.end(), same);
+  const auto found = std::find(known.begin(), known.end(), texture);
   if (found != known.end()) return static_cast<std::size_t>(found - known.begin());
   known.push_back(texture);
-  geometry.tiles.push_back(make_tile(texture));
+  geometry.tiles.push_back(shared_tile(texture));
   return known.size() - 1;
 }
 

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "camera/ripmap.hpp"
+#include "camera/tile.hpp"
 #include "scene/scene.hpp"
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <memory>
 #include <vector>
 
 namespace mebots::world::camera {
@@ -30,7 +31,7 @@ struct Face {
 
 /// What the camera can see.
 struct Geometry {
-  std::vector<Tile> tiles;
+  std::vector<std::shared_ptr<const Tile>> tiles;
   std::vector<Face> faces;
   double background = 0.0;  ///< grey level where there is no face
 };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "camera/hash.hpp"
-#include "camera/ripmap.hpp"
+#include "camera/tile.hpp"
 #include "mebots/error.hpp"
 
 #include <fmt/format.h>

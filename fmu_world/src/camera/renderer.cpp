@@ -121,7 +121,7 @@ void Renderer::find_visible(const Pose& pose, Workspace& workspace) const {
                           0.5 * intrinsics_.height, intrinsics_.height);
     if (outline.first_row() >= outline.end_row()) continue;
     workspace.faces_.push_back(
-        {outline, view_of(face, geometry_.tiles[face.tile], pose, height_over_plane_m, focal_length_px)});
+        {outline, view_of(face, *geometry_.tiles[face.tile], pose, height_over_plane_m, focal_length_px)});
   }
 }
 

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "scene/scene.hpp"
-
 #include <cstdint>
 #include <functional>
 #include <vector>
@@ -37,14 +35,5 @@ class Ripmap {
   int row_shift_;
   std::vector<std::uint32_t> words_;
 };
-
-/// A texture of the scene as a tile, and the length of the tile's edge.
-struct Tile {
-  Ripmap ripmap;
-  double edge_m;
-};
-
-/// Draws the tile of a scene's texture. The surface's first axis is u, its second one v.
-Tile make_tile(const scene::Texture& texture);
 
 }  // namespace mebots::world::camera

@@ -26,6 +26,8 @@ struct Texture {
   double dark = 100.0;     ///< grey level, 0..255
   double scale_m = 0.5;    ///< size of the pattern's element, > 0
   std::uint32_t seed = 0;  ///< of `noise`, and of the small differences between bricks
+
+  bool operator==(const Texture&) const = default;
 };
 
 /// The plane z = 0, endless for contact; the camera may stop drawing it at `half_size_m`.

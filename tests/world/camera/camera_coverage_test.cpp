@@ -123,7 +123,7 @@ TEST(CameraCoverage, TrianglesThroughTheCamerasPlaneLeaveNoHole) {
 
 Geometry one_face(const Face& face) {
   Geometry geometry;
-  geometry.tiles.push_back(make_tile(testing::patterned(scene::Texture::Kind::noise, 250.0, 20.0, 0.05)));
+  geometry.tiles.push_back(shared_tile(testing::patterned(scene::Texture::Kind::noise, 250.0, 20.0, 0.05)));
   geometry.background = 3.0;
   geometry.faces.push_back(face);
   return geometry;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "camera/ripmap.hpp"
+#include "camera/tile.hpp"
 #include "camera_scenes.hpp"
 #include "mebots/error.hpp"
 
@@ -134,6 +134,16 @@ TEST(CameraTexture, GroundAcrossTheViewIsNotSmearedAlongTheView) {
     }
   }
   EXPECT_GT(most - least, 120);
+}
+
+TEST(CameraTexture, IsDrawnOnceForAllWorldsThatUseIt) {
+  const auto texture = testing::patterned(scene::Texture::Kind::noise, 200.0, 40.0, 0.5);
+  auto other = texture;
+  other.seed = 7;
+  const auto first = shared_tile(texture);
+  EXPECT_EQ(shared_tile(texture), first);
+  EXPECT_NE(shared_tile(other), first);
+  EXPECT_EQ(shared_tile(texture)->ripmap.texel(0, 0, 100, 37), make_tile(texture).ripmap.texel(0, 0, 100, 37));
 }
 
 }  // namespace

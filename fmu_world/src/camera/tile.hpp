@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "camera/ripmap.hpp"
+#include "scene/scene.hpp"
+
+#include <memory>
+
+namespace mebots::world::camera {
+
+/// A texture of the scene as a tile, and the length of the tile's edge.
+struct Tile {
+  Ripmap ripmap;
+  double edge_m;
+};
+
+/// Draws the tile of a scene's texture. The surface's first axis is u, its second one v.
+Tile make_tile(const scene::Texture& texture);
+
+/// The same, drawn once for all worlds of the process that use it at the time.
+std::shared_ptr<const Tile> shared_tile(const scene::Texture& texture);
+
+}  // namespace mebots::world::camera
