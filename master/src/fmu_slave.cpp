@@ -4,6 +4,7 @@
 #include "mebots/fmi2/status_name.hpp"
 #include "mebots/master/input_error.hpp"
 #include "mebots/master/time.hpp"
+#include "mebots/state/bytes.hpp"
 
 #include "fmi2_functions.hpp"
 
@@ -83,11 +84,11 @@ struct FmuSlave::Fmi {
 
 namespace {
 
-/// State handle of an in-process FMU.
+/// State handle of an in-process FMU, and the time that its messages have.
 class FmuSlaveState final : public SlaveState {
  public:
-  FmuSlaveState(const Fmi2Functions& functions, fmi2Component component)
-      : functions_(&functions), component_(component) {}
+  FmuSlaveState(const Fmi2Functions& functions, fmi2Component component, std::int64_t message_time_ns)
+      : time_ns(message_time_ns), functions_(&functions), component_(component) {}
   ~FmuSlaveState() override {
     if (state != nullptr && functions_->free_fmu_state != nullptr) functions_->free_fmu_state(component_, &state);
   }
@@ -95,6 +96,7 @@ class FmuSlaveState final : public SlaveState {
   FmuSlaveState& operator=(const FmuSlaveState&) = delete;
 
   fmi2FMUstate state = nullptr;
+  std::int64_t time_ns;
 
  private:
   const Fmi2Functions* functions_;
@@ -416,13 +418,15 @@ std::unique_ptr<SlaveState> FmuSlave::save_state() {
       functions_->set_fmu_state == nullptr || functions_->free_fmu_state == nullptr) {
     throw Error(fmt::format("instance '{}': its FMU cannot save its state (canGetAndSetFMUstate is false)", name_));
   }
-  auto state = std::make_unique<FmuSlaveState>(*functions_, fmi_->component);
+  auto state = std::make_unique<FmuSlaveState>(*functions_, fmi_->component, time_ns_);
   check(functions_->get_fmu_state(fmi_->component, &state->state), "fmi2GetFMUstate");
   return state;
 }
 
 void FmuSlave::restore_state(const SlaveState& state) {
-  check(functions_->set_fmu_state(fmi_->component, static_cast<const FmuSlaveState&>(state).state), "fmi2SetFMUstate");
+  const auto& saved = static_cast<const FmuSlaveState&>(state);
+  check(functions_->set_fmu_state(fmi_->component, saved.state), "fmi2SetFMUstate");
+  time_ns_ = saved.time_ns;
 }
 
 std::vector<std::byte> FmuSlave::serialize(const SlaveState& state) {
@@ -431,13 +435,16 @@ std::vector<std::byte> FmuSlave::serialize(const SlaveState& state) {
     throw Error(
         fmt::format("instance '{}': its FMU cannot write its state as bytes (canSerializeFMUstate is false)", name_));
   }
-  const auto handle = static_cast<const FmuSlaveState&>(state).state;
+  const auto& saved = static_cast<const FmuSlaveState&>(state);
   std::size_t size = 0;
-  check(functions_->serialized_fmu_state_size(fmi_->component, handle, &size), "fmi2SerializedFMUstateSize");
+  check(functions_->serialized_fmu_state_size(fmi_->component, saved.state, &size), "fmi2SerializedFMUstateSize");
   std::vector<std::byte> bytes(size);
-  check(functions_->serialize_fmu_state(fmi_->component, handle, reinterpret_cast<fmi2Byte*>(bytes.data()), size),
+  check(functions_->serialize_fmu_state(fmi_->component, saved.state, reinterpret_cast<fmi2Byte*>(bytes.data()), size),
         "fmi2SerializeFMUstate");
-  return bytes;
+  state::Writer writer;
+  writer.put(saved.time_ns);
+  writer.put(bytes);
+  return writer.take();
 }
 
 std::unique_ptr<SlaveState> FmuSlave::deserialize(std::span<const std::byte> bytes) {
@@ -445,9 +452,12 @@ std::unique_ptr<SlaveState> FmuSlave::deserialize(std::span<const std::byte> byt
     throw Error(
         fmt::format("instance '{}': its FMU cannot read its state from bytes (canSerializeFMUstate is false)", name_));
   }
-  auto state = std::make_unique<FmuSlaveState>(*functions_, fmi_->component);
-  check(functions_->deserialize_fmu_state(fmi_->component, reinterpret_cast<const fmi2Byte*>(bytes.data()),
-                                          bytes.size(), &state->state),
+  state::Reader reader(bytes);
+  auto state = std::make_unique<FmuSlaveState>(*functions_, fmi_->component, reader.get<std::int64_t>());
+  std::vector<std::byte> own;
+  reader.get(own);
+  check(functions_->deserialize_fmu_state(fmi_->component, reinterpret_cast<const fmi2Byte*>(own.data()), own.size(),
+                                          &state->state),
         "fmi2DeSerializeFMUstate");
   return state;
 }
