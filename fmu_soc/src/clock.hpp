@@ -10,6 +10,7 @@ namespace mebots::soc {
 using Picoseconds = std::int64_t;
 inline constexpr Picoseconds kNever = std::numeric_limits<Picoseconds>::max();
 inline constexpr Picoseconds kPsPerNs = 1000;
+inline constexpr double kPsPerS = 1e12;
 
 /// Turns the core's active cycles into time. Ticks are counted from the last change of frequency and
 /// multiplied by the period as one fraction, so that nothing drifts; a change of frequency rounds once,

@@ -17,7 +17,6 @@ namespace mebots::soc {
 namespace {
 
 constexpr unsigned kStackPointer = 2;
-constexpr double kPsPerSecond = 1e12;
 
 Memory make_memory(const BoardDescription& board) {
   Memory memory;
@@ -522,7 +521,7 @@ void Soc::wake_if_interrupted(Picoseconds time) {
     retained_ = false;
     power_manager_->woken();
     hart_.flush_fetched();  // the memories are kept, the cache is not
-    wake += std::llround(chip_.wake_up_s * kPsPerSecond);
+    wake += std::llround(chip_.wake_up_s * kPsPerS);
   }
   clock_.wake(hart_.counters().cycles, wake);
   slept_ += core_time() - asleep_since_;

@@ -114,8 +114,8 @@ std::vector<const Json*> all_values(const Json& root) {
 Json parsed(std::string_view text, const std::string& file, const TextLines& lines) {
   // The library takes a zero byte for the end, and would leave out what follows without a word.
   if (const auto zero = text.find('\0'); zero != std::string_view::npos) {
-    throw InputError(fmt::format("{}{}: there is a zero byte, so this is no text; save the file as UTF-8", file,
-                                 lines.place(zero)));
+    throw InputError(
+        fmt::format("{}{}: there is a zero byte, so this is no text; save the file as UTF-8", file, lines.place(zero)));
   }
   if (const auto offset = too_deep(text)) {
     throw InputError(fmt::format("{}{}: this is nested more than {} levels deep, which no config needs", file,

@@ -9,16 +9,11 @@
 #include <type_traits>
 
 namespace mebots::soc {
-namespace {
-
-constexpr double kPsPerSecond = 1e12;
-
-}  // namespace
 
 Camera::Camera(const BoardDevice& device, std::uint32_t frame_width, Memory& memory, Complain complain)
     : idle_w_(device.state("idle").current_a * device.supply_voltage_v),
       active_w_(device.state("active").current_a * device.supply_voltage_v),
-      delay_ps_(std::llround(device.state("active").delay_s * kPsPerSecond)),
+      delay_ps_(std::llround(device.state("active").delay_s * kPsPerS)),
       frame_width_(frame_width),
       memory_(memory),
       complain_(std::move(complain)) {
@@ -72,7 +67,7 @@ void Camera::finish() {
 double Camera::energy_j(Picoseconds now) const {
   const bool active = state_.done_at != kNever;
   const auto active_ps = state_.active_total + (active ? now - state_.active_since : 0);
-  return (active_w_ * static_cast<double>(active_ps) + idle_w_ * static_cast<double>(now - active_ps)) / kPsPerSecond;
+  return (active_w_ * static_cast<double>(active_ps) + idle_w_ * static_cast<double>(now - active_ps)) / kPsPerS;
 }
 
 bool Camera::load(std::uint32_t offset, Picoseconds /*now*/, std::uint32_t& value) {

@@ -9,7 +9,6 @@
 namespace mebots::soc {
 namespace {
 
-constexpr double kPsPerSecond = 1e12;
 constexpr std::string_view kStatus = "status";
 
 }  // namespace
@@ -91,7 +90,7 @@ void DescribedDevice::enter(std::size_t state, Picoseconds now) {
   since_ = now;
   state_ = state;
   const auto delay_s = description_.states[state].delay_s;
-  done_at_ = delay_s > 0 ? now + std::llround(delay_s * kPsPerSecond) : kNever;
+  done_at_ = delay_s > 0 ? now + std::llround(delay_s * kPsPerS) : kNever;
   status_ = delay_s > 0 ? status_ | kBusy : status_ & ~kBusy;
 }
 
@@ -115,7 +114,7 @@ double DescribedDevice::energy_j(Picoseconds now) const {
   double charge_as = 0;
   for (std::size_t i = 0; i < spent_.size(); ++i) {
     const auto time = spent_[i] + (i == state_ ? now - since_ : 0);
-    charge_as += description_.states[i].current_a * static_cast<double>(time) / kPsPerSecond;
+    charge_as += description_.states[i].current_a * static_cast<double>(time) / kPsPerS;
   }
   return charge_as * description_.supply_voltage_v;
 }

@@ -4,12 +4,11 @@
 namespace mebots::soc::translate {
 namespace {
 
-using Xbyak::Operand;
-
 /// The registers of the host that hold guest registers, in the order of `Registers`. The first ones make the
 /// shortest code.
-constexpr std::array<int, kHostRegisters> kHosts{Operand::RSI, Operand::RDI, Operand::RBP, Operand::R8, Operand::R9,
-                                                 Operand::R10, Operand::R11, Operand::R12, Operand::R13};
+constexpr std::array<int, kHostRegisters> kHosts{Xbyak::Operand::RSI, Xbyak::Operand::RDI, Xbyak::Operand::RBP,
+                                                 Xbyak::Operand::R8,  Xbyak::Operand::R9,  Xbyak::Operand::R10,
+                                                 Xbyak::Operand::R11, Xbyak::Operand::R12, Xbyak::Operand::R13};
 constexpr std::size_t kAlignment = 16;
 
 /// The slow way of emit_claim: cycles until the bank is free for an access at `offset` of the first memory, in the tick
