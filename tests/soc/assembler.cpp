@@ -59,7 +59,7 @@ std::vector<std::uint8_t> assemble_file(std::string_view text, std::uint32_t add
   const auto program = folder / "program.elf";
   std::ofstream(source) << ".globl _start\n" << text << "\n";
   output_of(
-      fmt::format("{} -march=rv32imc_zicsr_zifencei -mabi=ilp32 -nostdlib -nostartfiles -I{} "
+      fmt::format("{} -march=rv32imc_zicsr_zifencei -mabi=ilp32 -nostdlib -nostartfiles '-I{}' "
                   "-Wl,-n -Wl,-Ttext=0x{:x} -Wl,--no-relax -Wl,--build-id=none {} -o {} 2>&1",
                   MEBOTS_RISCV_GCC, MEBOTS_BOARD_INCLUDE, address, source.string(), program.string()));
   return read_file(program);

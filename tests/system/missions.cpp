@@ -48,8 +48,7 @@ std::string read_file(const std::filesystem::path& path) {
 Flight fly(const std::filesystem::path& config, const std::filesystem::path& out, const std::vector<std::string>& sets,
            const std::vector<std::string>& more) {
   const auto quoted = [](const std::string& text) { return " '" + text + "'"; };
-  std::string command =
-      std::string(MEBOTS_PROGRAM) + " run" + quoted(config.string()) + " --out" + quoted(out.string());
+  std::string command = quoted(MEBOTS_PROGRAM) + " run" + quoted(config.string()) + " --out" + quoted(out.string());
   for (const auto& set : sets) command += " --set" + quoted(set);
   for (const auto& option : more) command += quoted(option);
   command += " 2>&1";

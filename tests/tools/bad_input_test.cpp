@@ -104,7 +104,7 @@ TEST_F(BadInput, OfTohostOutsideTheMemoryIsRefused) {
 }
 
 TEST_F(BadInput, OfABoardThatDoesNotHoldTheProgramIsRefused) {
-  expect_refused(fmt::format("run {} --board {}/configs/boards/ai_deck.json", program_, MEBOTS_SOURCE_DIR),
+  expect_refused(fmt::format("run {} --board '{}/configs/boards/ai_deck.json'", program_, MEBOTS_SOURCE_DIR),
                  "lies outside the board's memories");
 }
 

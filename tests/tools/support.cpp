@@ -36,7 +36,7 @@ Outcome run_tool(const std::string& arguments) {
   const auto out = folder / "out";
   const auto err = folder / "err";
   const auto status =
-      std::system(fmt::format("timeout 100 {} {} > {} 2> {}", MEBOTS_SOC_TOOL, arguments, out, err).c_str());
+      std::system(fmt::format("timeout 100 '{}' {} > {} 2> {}", MEBOTS_SOC_TOOL, arguments, out, err).c_str());
   return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read_text(out), read_text(err)};
 }
 
