@@ -106,13 +106,14 @@ void add_gate(Geometry& geometry, const scene::Gate& gate, std::size_t tile, con
   }
 }
 
-/// The place of the texture's tile in `geometry`, drawn if it is new. `known` are the textures drawn so far.
-std::size_t add_tile(Geometry& geometry, std::vector<scene::Texture>& known, const scene::Texture& texture) {
-  const auto found = std::find(known.begin(), known.end(), texture);
-  if (found != known.end()) return static_cast<std::size_t>(found - known.begin());
-  known.push_back(texture);
-  geometry.tiles.push_back(shared_tile(texture));
-  return known.size() - 1;
+/// The place of the texture's tile in `geometry`, added if it is new.
+std::size_t add_tile(Geometry& geometry, const scene::Texture& texture) {
+  auto& tiles = geometry.tiles;
+  const auto tile = shared_tile(texture);  // one for equal textures
+  const auto found = std::find(tiles.begin(), tiles.end(), tile);
+  const auto place = static_cast<std::size_t>(found - tiles.begin());
+  if (found == tiles.end()) tiles.push_back(tile);
+  return place;
 }
 
 }  // namespace
@@ -124,19 +125,18 @@ double lambert(const scene::Lighting& lighting, const Vector3d& normal_W) {
 Geometry make_geometry(const scene::Scene& scene) {
   Geometry geometry;
   geometry.background = scene.lighting.background;
-  std::vector<scene::Texture> known;
 
-  const Solid earth{turned_axes(0.0), add_tile(geometry, known, scene.ground.texture), scene.lighting};
+  const Solid earth{turned_axes(0.0), add_tile(geometry, scene.ground.texture), scene.lighting};
   const double half_m = scene.ground.half_size_m;
   add_side(geometry, earth, 2, 1.0,
            {{-half_m, -half_m, 0.0}, {half_m, -half_m, 0.0}, {half_m, half_m, 0.0}, {-half_m, half_m, 0.0}});
   geometry.faces.back().texture_origin_W_m = Vector3d::Zero();
 
   for (const scene::Box& box : scene.boxes) {
-    add_box(geometry, box, add_tile(geometry, known, box.texture), scene.lighting);
+    add_box(geometry, box, add_tile(geometry, box.texture), scene.lighting);
   }
   for (const scene::Gate& gate : scene.gates) {
-    add_gate(geometry, gate, add_tile(geometry, known, gate.texture), scene.lighting);
+    add_gate(geometry, gate, add_tile(geometry, gate.texture), scene.lighting);
   }
   return geometry;
 }
