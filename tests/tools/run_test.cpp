@@ -179,7 +179,7 @@ TEST(Run, OnABoardEndsByItsExitRegister) {
       "#include \"board.h\"\n_start: li t0, POWER_MANAGER_BASE\nli t1, 42\nsw t1, POWER_MANAGER_EXIT_OFFSET(t0)\n1: j "
       "1b",
       0x1c000000);
-  const auto run = run_tool(fmt::format("run {} --board {}/configs/boards/ai_deck.json", program, MEBOTS_SOURCE_DIR));
+  const auto run = run_tool(fmt::format("run {} --board '{}/configs/boards/ai_deck.json'", program, MEBOTS_SOURCE_DIR));
   EXPECT_EQ(run.exit_code, 42) << run.err;
   EXPECT_THAT(run.out, HasSubstr("exit 42\n"));
 }

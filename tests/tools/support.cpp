@@ -36,12 +36,12 @@ Outcome run_tool(const std::string& arguments) {
   const auto out = folder / "out";
   const auto err = folder / "err";
   const auto status =
-      std::system(fmt::format("timeout 100 '{}' {} > {} 2> {}", MEBOTS_SOC_TOOL, arguments, out, err).c_str());
+      std::system(fmt::format("timeout 100 {} {} > {} 2> {}", tool_path(), arguments, out, err).c_str());
   return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read_text(out), read_text(err)};
 }
 
 std::string tool_path() {
-  return MEBOTS_SOC_TOOL;
+  return "'" MEBOTS_SOC_TOOL "'";
 }
 
 std::string read_text(const std::string& path) {

@@ -33,7 +33,7 @@ struct Outcome {
 
 /// Runs `mebots-soc` with these arguments (as the shell reads them).
 Outcome run_tool(const std::string& arguments);
-/// Its path.
+/// Its path, quoted for the shell.
 std::string tool_path();
 
 std::string read_text(const std::string& path);

@@ -121,7 +121,7 @@ stack: .space 64
     .text
 {})",
                                                   kTohost));
-  const auto command = fmt::format("python3 {}/scripts/spike_trace.py {} --tool {} --spike {} > {} 2>&1",
+  const auto command = fmt::format("python3 '{}/scripts/spike_trace.py' {} --tool {} --spike '{}' > {} 2>&1",
                                    MEBOTS_SOURCE_DIR, program, tool_path(), spike, folder / "said");
   EXPECT_EQ(std::system(command.c_str()), 0) << read_text(folder / "said");
   EXPECT_THAT(read_text(folder / "said"), testing::ContainsRegex("[0-9][0-9][0-9][0-9] lines the same"));
