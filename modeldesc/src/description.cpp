@@ -54,14 +54,20 @@ class DescriptionReader {
   }
 
   Description finish() {
-    for (const Field& field : result_.fields)
-      for (const std::string& name : field.depends_on)
-        if (!inputs_.contains(name))
-          throw Error(fmt::format("{}: depends_on names {}, which is no input", where_.at(field.name), name));
+    for (const Field& field : result_.fields) {
+      check_inputs(field, "depends_on", field.depends_on);
+      if (field.first_depends_on) check_inputs(field, "first_depends_on", *field.first_depends_on);
+    }
     return std::move(result_);
   }
 
  private:
+  void check_inputs(const Field& field, const char* key, const std::vector<std::string>& names) const {
+    for (const std::string& name : names)
+      if (!inputs_.contains(name))
+        throw Error(fmt::format("{}: {} names {}, which is no input", where_.at(field.name), key, name));
+  }
+
   static double positive(const JsonObject& object, std::string_view key) {
     const double value = object.number(key);
     if (!(value > 0)) object.fail(fmt::format("\"{}\" is {} s; it must be above 0", key, value));
@@ -119,7 +125,7 @@ class DescriptionReader {
 
   void read_variable(const JsonObject& json) {
     json.allow_only({"name", "type", "causality", "variability", "unit", "start", "min", "max", "nominal", "text",
-                     "depends_on", "mime_type", "on_demand"});
+                     "depends_on", "first_depends_on", "mime_type", "on_demand"});
     Field field;
     field.name = json.text("name");
     field.text = json.text("text");
@@ -191,13 +197,20 @@ class DescriptionReader {
                       "tunable, the rest is discrete, or continuous if Real",
                       variability, causality, json.text_or("type", "Real")));
     if (field.type == FieldType::binary && parameter) json.fail("a Binary cannot be a parameter");
-    if (!json.has("depends_on")) return;
-    if (field.causality != Causality::output) json.fail("\"depends_on\" is for outputs only");
-    for (const Json& name : json.list("depends_on")) {
-      if (!name.is_string()) json.fail(fmt::format("\"depends_on\" must list names, not {}", name.dump()));
+    if (json.has("depends_on")) field.depends_on = read_dependencies(json, "depends_on", field);
+    if (json.has("first_depends_on")) field.first_depends_on = read_dependencies(json, "first_depends_on", field);
+  }
+
+  /// Names of inputs, groups taken apart.
+  std::vector<std::string> read_dependencies(const JsonObject& json, const char* key, const Field& field) const {
+    if (field.causality != Causality::output) json.fail(fmt::format("\"{}\" is for outputs only", key));
+    std::vector<std::string> result;
+    for (const Json& name : json.list(key)) {
+      if (!name.is_string()) json.fail(fmt::format("\"{}\" must list names, not {}", key, name.dump()));
       const auto names = expand(json, name.get<std::string>()).second;
-      field.depends_on.insert(field.depends_on.end(), names.begin(), names.end());
+      result.insert(result.end(), names.begin(), names.end());
     }
+    return result;
   }
 
   /// Takes `{group}` apart: the group's index and one name per word.

@@ -40,7 +40,8 @@ struct Field {
   std::optional<double> max;
   std::optional<double> nominal;
   std::string text;
-  std::vector<std::string> depends_on;  // FMI names of inputs, groups taken apart
+  std::vector<std::string> depends_on;                       // FMI names of inputs, groups taken apart
+  std::optional<std::vector<std::string>> first_depends_on;  // of the value at t = 0; nothing: on any input
   std::string mime_type;
   bool on_demand = false;
 };

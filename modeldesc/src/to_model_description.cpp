@@ -78,21 +78,29 @@ void add_variables(const Field& field, ModelDescription& result) {
 
 void add_structure(const Description& description, ModelDescription& result) {
   std::map<std::string, std::vector<std::size_t>> by_name;
+  std::vector<std::size_t> parameters;
   for (std::size_t i = 0; i < result.variables.size(); ++i) {
     const Variable& variable = result.variables[i];
     by_name[variable.osmp ? variable.osmp->name : variable.name].push_back(i);
+    if (variable.causality == Causality::parameter) parameters.push_back(i);
   }
+  const auto with_indices = [&](std::vector<std::size_t> indices, const std::vector<std::string>& names) {
+    for (const std::string& name : names)
+      indices.insert(indices.end(), by_name.at(name).begin(), by_name.at(name).end());
+    std::ranges::sort(indices);
+    return indices;
+  };
   for (const Field& field : description.fields) {
     if (field.causality != Causality::output) continue;
-    std::vector<std::size_t> dependencies;
-    for (const std::string& name : field.depends_on)
-      dependencies.insert(dependencies.end(), by_name.at(name).begin(), by_name.at(name).end());
-    std::ranges::sort(dependencies);
+    const auto dependencies = with_indices({}, field.depends_on);
+    // The first outputs come from the whole model, made of every parameter: any may count, and any input of which
+    // nothing is said.
+    std::optional<std::vector<std::size_t>> first;
+    if (field.first_depends_on) first = with_indices(parameters, *field.first_depends_on);
     for (const std::string& name : field.fmi_names) {
       for (const std::size_t index : by_name.at(name)) {
         result.outputs.push_back({index, dependencies, {}});
-        // The first outputs come from the whole model, made of every parameter and start input: any may count.
-        result.initial_unknowns.push_back({index, std::nullopt, {}});
+        result.initial_unknowns.push_back({index, first, {}});
       }
     }
   }

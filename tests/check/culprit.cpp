@@ -2,6 +2,8 @@
 // A lag, dy/dt = (u - y) / 1 s, that does right by default and one thing wrong when its GUID says so: "{culprit:leak}".
 #include "mebots/fmi2/functions.hpp"
 
+#include "frame.h"
+
 #include <fcntl.h>
 
 #include <cmath>
@@ -65,15 +67,7 @@ fmi2Status refuse_any(fmi2Component component, std::size_t count) {
 
 }  // namespace
 
-const char* fmi2GetTypesPlatform() {
-  return "default";
-}
-const char* fmi2GetVersion() {
-  return "2.0";
-}
-fmi2Status fmi2SetDebugLogging(fmi2Component, fmi2Boolean, std::size_t, const fmi2String[]) {
-  return fmi2OK;
-}
+FMI2_VERSIONS
 
 fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, fmi2String,
                               const fmi2CallbackFunctions* callbacks, fmi2Boolean, fmi2Boolean) {
@@ -232,33 +226,8 @@ fmi2Status fmi2DoStep(fmi2Component component, fmi2Real point, fmi2Real h, fmi2B
   return fmi2OK;
 }
 
-fmi2Status fmi2GetDirectionalDerivative(fmi2Component, const fmi2ValueReference[], std::size_t,
-                                        const fmi2ValueReference[], std::size_t, const fmi2Real[], fmi2Real[]) {
-  return fmi2Error;
-}
-fmi2Status fmi2SetRealInputDerivatives(fmi2Component, const fmi2ValueReference[], std::size_t, const fmi2Integer[],
-                                       const fmi2Real[]) {
-  return fmi2Error;
-}
-fmi2Status fmi2GetRealOutputDerivatives(fmi2Component, const fmi2ValueReference[], std::size_t, const fmi2Integer[],
-                                        fmi2Real[]) {
-  return fmi2Error;
-}
-fmi2Status fmi2CancelStep(fmi2Component) {
-  return fmi2Error;
-}
-fmi2Status fmi2GetStatus(fmi2Component, fmi2StatusKind, fmi2Status*) {
-  return fmi2Discard;
-}
-fmi2Status fmi2GetRealStatus(fmi2Component, fmi2StatusKind, fmi2Real*) {
-  return fmi2Discard;
-}
-fmi2Status fmi2GetIntegerStatus(fmi2Component, fmi2StatusKind, fmi2Integer*) {
-  return fmi2Discard;
-}
-fmi2Status fmi2GetBooleanStatus(fmi2Component, fmi2StatusKind, fmi2Boolean*) {
-  return fmi2Discard;
-}
-fmi2Status fmi2GetStringStatus(fmi2Component, fmi2StatusKind, fmi2String*) {
-  return fmi2Discard;
-}
+FMI2_NO_DIRECTIONAL_DERIVATIVE
+FMI2_NO_TIME_DERIVATIVES
+FMI2_NO_PENDING_STEPS
+FMI2_NO_REAL_STATUS
+FMI2_NO_OTHER_STATUS

@@ -5,6 +5,7 @@
 Usage: fmpy_check.py FILE.fmu
 """
 
+import math
 import pathlib
 import shutil
 import subprocess
@@ -105,6 +106,53 @@ def check_state(description, folder):
     check(restored == expected[half:], "a run restored from serialised state goes on with the same bits")
 
 
+def first_value(description, folder, variable, changes):
+    """What an output is at t = 0 with other start values of some inputs."""
+    instance = Instance(description, folder, "first", start=False)
+    instance.fmu.setupExperiment(startTime=0.0)
+    instance.fmu.enterInitializationMode()
+    for changed, value in changes:
+        setter = {"Real": instance.fmu.setReal, "Boolean": instance.fmu.setBoolean}.get(changed.type, instance.fmu.setInteger)
+        setter([changed.valueReference], [value])
+    getter = {"Real": instance.fmu.getReal, "Boolean": instance.fmu.getBoolean}.get(variable.type, instance.fmu.getInteger)
+    value = getter([variable.valueReference])[0]
+    instance.fmu.freeInstance()
+    return value
+
+
+def other_start(variable):
+    """A start value that the variable may have, not its own."""
+    if variable.type == "Boolean":
+        return variable.start == "false"
+    if variable.type == "Enumeration":
+        return next(int(i.value) for i in variable.declaredType.items if i.value != variable.start)
+    if variable.type == "Integer":
+        return int(variable.start) + 1
+    start = float(variable.start)
+    larger = start + 0.4 * abs(start) + 0.3
+    top = math.inf if variable.max is None else float(variable.max)
+    return larger if larger <= top else (start + float(variable.min)) / 2
+
+
+def check_first_outputs(description, folder):
+    """What ModelStructure says about values at t = 0: other inputs change nothing, each one alone and all together."""
+    inputs = [v for v in description.modelVariables if v.causality == "input" and v.type != "String"
+              and not v.name.endswith((".base.lo", ".base.hi", ".size"))]
+    stated = 0
+    for unknown in description.initialUnknowns:
+        output = unknown.variable
+        if unknown.dependencies is None or output.type == "String" or output.name.endswith((".base.lo", ".base.hi")):
+            continue
+        stated += 1
+        others = [(v, other_start(v)) for v in inputs if v not in unknown.dependencies]
+        value = first_value(description, folder, output, [])
+        for changes in [[change] for change in others] + [others]:
+            now = first_value(description, folder, output, changes)
+            if now != value:
+                sys.exit(f"FAILED: {output.name} is {now}, not {value}, at t = 0 with other {[v.name for v, _ in changes]}")
+    print(f"ok: {stated} of {len(description.initialUnknowns)} first outputs say which inputs count, and others do not")
+
+
 def check_instances(description, folder):
     """Two instances stepped in turn do not disturb each other."""
     h, end = 0.02, 10
@@ -146,6 +194,7 @@ def main():
         check_binary(unpacked, description.coSimulation.modelIdentifier)
         check_state(description, unpacked)
         check_instances(description, unpacked)
+        check_first_outputs(description, unpacked)
 
 
 if __name__ == "__main__":

@@ -4,18 +4,19 @@
 
 Usage: ssp_check.py MEBOTS CONFIG.json FMU_DIR
 
-Looks for OMSimulator as omsimulator_check.py does; skipped (77) without it.
+Looks for OMSimulator in $OMSIMULATOR and on PATH; skipped (77) without it.
 """
 
 import json
-import os
 import pathlib
-import shutil
 import subprocess
 import sys
 import tempfile
 
-import omsimulator_check as oms
+import tools
+
+SKIPPED = 77
+RELATIVE = 1e-11  # both hand the same doubles to the same FMUs; OMSimulator writes 12 significant digits
 
 
 def run(program, folder, script):
@@ -28,8 +29,7 @@ def run(program, folder, script):
 
 def worst_difference(a, b, names, step, intervals):
     worst, where = 0.0, ""
-    for k in range(0, intervals + 1, max(1, intervals // 50)):
-        i, j = oms.at_time(a, k * step), oms.at_time(b, k * step)
+    for k, (i, j) in enumerate(zip(*(tools.at_points(columns["time"], step, intervals) for columns in (a, b)))):
         for name in names:
             x, y = a[name][i], b[name][j]
             error = abs(x - y) / max(abs(x), abs(y), 1e-9)
@@ -40,10 +40,10 @@ def worst_difference(a, b, names, step, intervals):
 
 def main():
     mebots, config_path, fmu_dir = (pathlib.Path(argument).resolve() for argument in sys.argv[1:4])
-    program = os.environ.get("OMSIMULATOR") or shutil.which("OMSimulator")
+    program = tools.OMSimulator().program
     if not program:
         print("skipped: OMSimulator is not installed (set OMSIMULATOR to its program to run this test)")
-        sys.exit(oms.SKIPPED)
+        sys.exit(SKIPPED)
     config = json.loads(config_path.read_text())
     config["stop_time"] = 1
     for instance in config["instances"].values():
@@ -54,7 +54,7 @@ def main():
         folder = pathlib.Path(folder)
         (folder / "ours.json").write_text(json.dumps(config))
         subprocess.run([mebots, "run", "ours.json", "--out", "ours", "--quiet"], check=True, cwd=folder)
-        ours = oms.read_csv(folder / "ours" / "results.csv", lambda name: name.rsplit(" [", 1)[0])
+        ours = tools.read_csv(folder / "ours" / "results.csv", lambda name: name.rsplit(" [", 1)[0])
 
         subprocess.run([mebots, "convert", "ours.json", "ours.ssp"], check=True, cwd=folder)
         run(program, folder, f"""
@@ -69,20 +69,20 @@ oms_terminate("ours")
 oms_export("ours", "{folder}/back.ssp")
 oms_delete("ours")
 """)
-        theirs = oms.read_csv(folder / "theirs.csv",
+        theirs = tools.read_csv(folder / "theirs.csv",
                               lambda name: name.strip('"').removeprefix("ours.root.").removeprefix("root."))
         shared = [name for name in ours if name in theirs and name != "time"]
         worst, where = worst_difference(ours, theirs, shared, step, intervals)
         print(f"our SSP in OMSimulator: {len(shared)} variables, largest relative difference {worst:.3g} {where}")
-        if not shared or not worst <= oms.RELATIVE:
+        if not shared or not worst <= RELATIVE:
             sys.exit("FAILED: OMSimulator makes other numbers of our SSP")
 
         subprocess.run([mebots, "run", "back.ssp", "--out", "back", "--quiet"], check=True, cwd=folder)
         same = (folder / "back" / "results.csv").read_bytes() == (folder / "ours" / "results.csv").read_bytes()
-        back = oms.read_csv(folder / "back" / "results.csv", lambda name: name.rsplit(" [", 1)[0])
+        back = tools.read_csv(folder / "back" / "results.csv", lambda name: name.rsplit(" [", 1)[0])
         worst, where = worst_difference(ours, back, [name for name in ours if name != "time"], step, intervals)
         print(f"OMSimulator's SSP here: largest relative difference {worst:.3g} {where}; same bytes: {same}")
-        if not worst <= oms.RELATIVE:
+        if not worst <= RELATIVE:
             sys.exit("FAILED: an SSP that went through OMSimulator runs otherwise here")
 
 

@@ -107,6 +107,10 @@ TEST_F(DescriptionTest, TellsWhatIsWrongWithAVariable) {
          "for String outputs only");
   expect(R"({"name": "a", "causality": "output", "unit": "V", "depends_on": ["b"], "text": "t"})",
          "depends_on names b, which is no input");
+  expect(R"({"name": "a", "causality": "output", "unit": "V", "first_depends_on": ["b"], "text": "t"})",
+         "first_depends_on names b, which is no input");
+  expect(R"({"name": "a", "causality": "input", "unit": "V", "start": 0, "first_depends_on": [], "text": "t"})",
+         "\"first_depends_on\" is for outputs only");
 }
 
 TEST_F(DescriptionTest, RefusesTheSameNameTwice) {
@@ -181,6 +185,19 @@ TEST_F(DescriptionTest, ListsEveryOutputInTheModelStructure) {
   EXPECT_EQ(x.variables[x.outputs[2].variable].name, "picture.base.lo");
   EXPECT_EQ(x.initial_unknowns.size(), 5U);
   EXPECT_FALSE(x.initial_unknowns[0].dependencies.has_value());
+}
+
+TEST_F(DescriptionTest, FirstValuesDependOnAllParametersAndOnTheInputsThatAreNamed) {
+  const ModelDescription x = to_model_description(read(R"(
+    {"name": "u", "causality": "input", "unit": "V", "start": 0, "text": "t"},
+    {"name": "p", "causality": "parameter", "unit": "V", "start": 0, "text": "t"},
+    {"name": "v", "causality": "input", "unit": "V", "start": 0, "text": "t"},
+    {"name": "still", "causality": "output", "unit": "V", "first_depends_on": [], "text": "t"},
+    {"name": "first", "causality": "output", "unit": "V", "first_depends_on": ["u"], "text": "t"})"));
+  ASSERT_EQ(x.initial_unknowns.size(), 2U);
+  EXPECT_THAT(*x.initial_unknowns[0].dependencies, testing::ElementsAre(1U));
+  EXPECT_THAT(*x.initial_unknowns[1].dependencies, testing::ElementsAre(0U, 1U));
+  EXPECT_TRUE(x.outputs[1].dependencies->empty());
 }
 
 }  // namespace

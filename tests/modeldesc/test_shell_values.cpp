@@ -139,6 +139,15 @@ TEST(ShellValues, TextsAndBytesTravelBothWays) {
   EXPECT_EQ(lag.string("history.text"), "1 2");
 }
 
+TEST(ShellValues, AStepThatEndsInTheNanosecondReachedAlreadyChangesNothing) {
+  Lag lag;
+  lag.start(10);
+  EXPECT_EQ(lag.step(10, 2e-13), fmi2OK);  // what is left when a tool adds up its steps
+  EXPECT_EQ(lag.integer("steps"), 0);
+  EXPECT_EQ(lag.step(10, 1e-9), fmi2OK);
+  EXPECT_EQ(lag.integer("steps"), 1);
+}
+
 TEST(ShellValues, AStepThatDisagreesAboutTheTimeIsRefused) {
   Lag lag;
   lag.start(10);
@@ -148,8 +157,6 @@ TEST(ShellValues, AStepThatDisagreesAboutTheTimeIsRefused) {
   EXPECT_EQ(lag.step(10, -0.1), fmi2Error);
   EXPECT_EQ(lag.step(10, std::nan("")), fmi2Error);
   EXPECT_EQ(lag.step(std::nan(""), 0.1), fmi2Error);
-  EXPECT_EQ(lag.step(10, 1e-10), fmi2Error);
-  EXPECT_THAT(lag.last_message(), HasSubstr("less than a nanosecond"));
   EXPECT_EQ(lag.integer("steps"), 0);
   EXPECT_EQ(lag.step(10, 0.1), fmi2OK);
   double last = 0;

@@ -3,6 +3,8 @@
 // `work` makes a step longer by so many multiplications that depend on each other, to weigh threads.
 #include "mebots/fmi2/functions.hpp"
 
+#include "frame.h"
+
 #include <cstring>
 #include <new>
 
@@ -21,15 +23,8 @@ Passthrough& self(fmi2Component component) {
 
 }  // namespace
 
-const char* fmi2GetTypesPlatform() {
-  return "default";
-}
-const char* fmi2GetVersion() {
-  return "2.0";
-}
-fmi2Status fmi2SetDebugLogging(fmi2Component, fmi2Boolean, std::size_t, const fmi2String[]) {
-  return fmi2OK;
-}
+FMI2_VERSIONS
+
 fmi2Component fmi2Instantiate(fmi2String, fmi2Type, fmi2String guid, fmi2String, const fmi2CallbackFunctions*,
                               fmi2Boolean, fmi2Boolean) {
   return std::strcmp(guid, "{passthrough}") == 0 ? new (std::nothrow) Passthrough : nullptr;
@@ -37,18 +32,10 @@ fmi2Component fmi2Instantiate(fmi2String, fmi2Type, fmi2String guid, fmi2String,
 void fmi2FreeInstance(fmi2Component component) {
   delete static_cast<Passthrough*>(component);
 }
-fmi2Status fmi2SetupExperiment(fmi2Component, fmi2Boolean, fmi2Real, fmi2Real, fmi2Boolean, fmi2Real) {
-  return fmi2OK;
-}
-fmi2Status fmi2EnterInitializationMode(fmi2Component) {
-  return fmi2OK;
-}
-fmi2Status fmi2ExitInitializationMode(fmi2Component) {
-  return fmi2OK;
-}
-fmi2Status fmi2Terminate(fmi2Component) {
-  return fmi2OK;
-}
+FMI2_ANSWER(fmi2OK, fmi2SetupExperiment, fmi2Component, fmi2Boolean, fmi2Real, fmi2Real, fmi2Boolean, fmi2Real)
+FMI2_ANSWER(fmi2OK, fmi2EnterInitializationMode, fmi2Component)
+FMI2_ANSWER(fmi2OK, fmi2ExitInitializationMode, fmi2Component)
+FMI2_ANSWER(fmi2OK, fmi2Terminate, fmi2Component)
 fmi2Status fmi2Reset(fmi2Component component) {
   self(component) = {};
   return fmi2OK;
@@ -86,50 +73,9 @@ fmi2Status fmi2SetInteger(fmi2Component component, const fmi2ValueReference refe
   }
   return fmi2OK;
 }
-fmi2Status fmi2GetBoolean(fmi2Component, const fmi2ValueReference[], std::size_t count, fmi2Boolean[]) {
-  return count == 0 ? fmi2OK : fmi2Error;
-}
-fmi2Status fmi2SetBoolean(fmi2Component, const fmi2ValueReference[], std::size_t count, const fmi2Boolean[]) {
-  return count == 0 ? fmi2OK : fmi2Error;
-}
-fmi2Status fmi2GetString(fmi2Component, const fmi2ValueReference[], std::size_t count, fmi2String[]) {
-  return count == 0 ? fmi2OK : fmi2Error;
-}
-fmi2Status fmi2SetString(fmi2Component, const fmi2ValueReference[], std::size_t count, const fmi2String[]) {
-  return count == 0 ? fmi2OK : fmi2Error;
-}
+FMI2_NO_VALUES(Boolean)
+FMI2_NO_VALUES(String)
 
-// Not offered, but some tools load a library only with all functions of the standard.
-fmi2Status fmi2GetFMUstate(fmi2Component, fmi2FMUstate*) {
-  return fmi2Error;
-}
-fmi2Status fmi2SetFMUstate(fmi2Component, fmi2FMUstate) {
-  return fmi2Error;
-}
-fmi2Status fmi2FreeFMUstate(fmi2Component, fmi2FMUstate*) {
-  return fmi2Error;
-}
-fmi2Status fmi2SerializedFMUstateSize(fmi2Component, fmi2FMUstate, std::size_t*) {
-  return fmi2Error;
-}
-fmi2Status fmi2SerializeFMUstate(fmi2Component, fmi2FMUstate, fmi2Byte[], std::size_t) {
-  return fmi2Error;
-}
-fmi2Status fmi2DeSerializeFMUstate(fmi2Component, const fmi2Byte[], std::size_t, fmi2FMUstate*) {
-  return fmi2Error;
-}
-fmi2Status fmi2GetDirectionalDerivative(fmi2Component, const fmi2ValueReference[], std::size_t,
-                                        const fmi2ValueReference[], std::size_t, const fmi2Real[], fmi2Real[]) {
-  return fmi2Error;
-}
-fmi2Status fmi2SetRealInputDerivatives(fmi2Component, const fmi2ValueReference[], std::size_t, const fmi2Integer[],
-                                       const fmi2Real[]) {
-  return fmi2Error;
-}
-fmi2Status fmi2GetRealOutputDerivatives(fmi2Component, const fmi2ValueReference[], std::size_t, const fmi2Integer[],
-                                        fmi2Real[]) {
-  return fmi2Error;
-}
 fmi2Status fmi2DoStep(fmi2Component component, fmi2Real, fmi2Real, fmi2Boolean) {
   Passthrough& p = self(component);
   fmi2Real x = p.reals[kU];
@@ -138,21 +84,11 @@ fmi2Status fmi2DoStep(fmi2Component component, fmi2Real, fmi2Real, fmi2Boolean) 
   p.reals[kSum] += p.reals[kU];
   return fmi2OK;
 }
-fmi2Status fmi2CancelStep(fmi2Component) {
-  return fmi2Error;
-}
-fmi2Status fmi2GetStatus(fmi2Component, fmi2StatusKind, fmi2Status*) {
-  return fmi2Discard;
-}
-fmi2Status fmi2GetRealStatus(fmi2Component, fmi2StatusKind, fmi2Real*) {
-  return fmi2Discard;
-}
-fmi2Status fmi2GetIntegerStatus(fmi2Component, fmi2StatusKind, fmi2Integer*) {
-  return fmi2Discard;
-}
-fmi2Status fmi2GetBooleanStatus(fmi2Component, fmi2StatusKind, fmi2Boolean*) {
-  return fmi2Discard;
-}
-fmi2Status fmi2GetStringStatus(fmi2Component, fmi2StatusKind, fmi2String*) {
-  return fmi2Discard;
-}
+
+FMI2_NO_STATE
+FMI2_NO_BYTES
+FMI2_NO_DIRECTIONAL_DERIVATIVE
+FMI2_NO_TIME_DERIVATIVES
+FMI2_NO_PENDING_STEPS
+FMI2_NO_REAL_STATUS
+FMI2_NO_OTHER_STATUS

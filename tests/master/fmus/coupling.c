@@ -11,6 +11,8 @@
 //              refuse  -> every step of any length is discarded
 #include "fmi2.h"
 
+#include "frame.h"
+
 #include <math.h>
 #include <pthread.h>
 #include <stdatomic.h>
@@ -87,12 +89,7 @@ static void join(Model* m) {
   m->running = 0;
 }
 
-FMI2_EXPORT const char* fmi2GetTypesPlatform(void) {
-  return "default";
-}
-FMI2_EXPORT const char* fmi2GetVersion(void) {
-  return "2.0";
-}
+FMI2_VERSIONS
 
 FMI2_EXPORT fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, fmi2String resources,
                                           const fmi2CallbackFunctions* callbacks, fmi2Boolean visible,
@@ -110,11 +107,6 @@ FMI2_EXPORT void fmi2FreeInstance(fmi2Component c) {
   free(c);
 }
 
-FMI2_EXPORT fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean on, size_t n, const fmi2String categories[]) {
-  (void)c, (void)on, (void)n, (void)categories;
-  return fmi2OK;
-}
-
 FMI2_EXPORT fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean has_tolerance, fmi2Real tolerance,
                                            fmi2Real start, fmi2Boolean has_stop, fmi2Real stop) {
   (void)has_tolerance, (void)tolerance, (void)has_stop, (void)stop;
@@ -126,40 +118,16 @@ FMI2_EXPORT fmi2Status fmi2EnterInitializationMode(fmi2Component c) {
   compute(c);
   return fmi2OK;
 }
-FMI2_EXPORT fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
-  (void)c;
-  return fmi2OK;
-}
-FMI2_EXPORT fmi2Status fmi2Terminate(fmi2Component c) {
-  (void)c;
-  return fmi2OK;
-}
-FMI2_EXPORT fmi2Status fmi2Reset(fmi2Component c) {
-  (void)c;
-  return fmi2OK;
-}
+FMI2_ANSWER(fmi2OK, fmi2ExitInitializationMode, fmi2Component)
+FMI2_ANSWER(fmi2OK, fmi2Terminate, fmi2Component)
+FMI2_ANSWER(fmi2OK, fmi2Reset, fmi2Component)
 
-#define ACCESS(TYPE, FIELD, NUMBER)                                                                               \
-  FMI2_EXPORT fmi2Status fmi2Get##TYPE(fmi2Component c, const fmi2ValueReference r[], size_t n, fmi2##TYPE v[]) { \
-    for (size_t i = 0; i < n; ++i) {                                                                              \
-      if (r[i] >= (NUMBER)) return fmi2Error;                                                                     \
-      v[i] = ((Model*)c)->state.FIELD[r[i]];                                                                      \
-    }                                                                                                             \
-    return fmi2OK;                                                                                                \
-  }                                                                                                               \
-  FMI2_EXPORT fmi2Status fmi2Set##TYPE(fmi2Component c, const fmi2ValueReference r[], size_t n,                   \
-                                       const fmi2##TYPE v[]) {                                                    \
-    for (size_t i = 0; i < n; ++i) {                                                                              \
-      if (r[i] >= (NUMBER)) return fmi2Error;                                                                     \
-      ((Model*)c)->state.FIELD[r[i]] = v[i];                                                                      \
-    }                                                                                                             \
-    compute(c);                                                                                                   \
-    return fmi2OK;                                                                                                \
-  }
-
-ACCESS(Real, reals, REALS)
-ACCESS(Integer, integers, INTEGERS)
-ACCESS(Boolean, booleans, BOOLEANS)
+#define REALS_OF(c) (((Model*)(c))->state.reals)
+#define INTEGERS_OF(c) (((Model*)(c))->state.integers)
+#define BOOLEANS_OF(c) (((Model*)(c))->state.booleans)
+FMI2_VALUES(Real, REALS_OF, REALS, compute)
+FMI2_VALUES(Integer, INTEGERS_OF, INTEGERS, compute)
+FMI2_VALUES(Boolean, BOOLEANS_OF, BOOLEANS, compute)
 
 FMI2_EXPORT fmi2Status fmi2GetString(fmi2Component c, const fmi2ValueReference r[], size_t n, fmi2String v[]) {
   for (size_t i = 0; i < n; ++i) v[i] = ((Model*)c)->state.strings[r[i]];
@@ -275,3 +243,7 @@ FMI2_EXPORT fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate* state) {
   *state = NULL;
   return fmi2OK;
 }
+
+FMI2_NO_BYTES
+FMI2_NO_DIRECTIONAL_DERIVATIVE
+FMI2_NO_OTHER_STATUS

@@ -7,7 +7,10 @@
 //   integer_out = integer_in + 1, boolean_out = !boolean_in, string_out = string_in + "!"  (direct)
 //   steps counts steps, last_end and last_step hold t + h and h of the last one
 //   fault names what goes wrong in the step that reaches fault_time
+// It lacks the functions of what it does not offer, as some FMUs do.
 #include "fmi2.h"
+
+#include "frame.h"
 
 #include <math.h>
 #include <signal.h>
@@ -99,12 +102,7 @@ static void take_buffer(Probe* p) {
   }
 }
 
-FMI2_EXPORT const char* fmi2GetTypesPlatform(void) {
-  return "default";
-}
-FMI2_EXPORT const char* fmi2GetVersion(void) {
-  return "2.0";
-}
+FMI2_VERSIONS
 
 FMI2_EXPORT fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, fmi2String resources,
                                           const fmi2CallbackFunctions* callbacks, fmi2Boolean visible,
@@ -127,11 +125,6 @@ FMI2_EXPORT fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2St
 
 FMI2_EXPORT void fmi2FreeInstance(fmi2Component c) {
   if (c != NULL) ((Probe*)c)->callbacks.freeMemory(c);
-}
-
-FMI2_EXPORT fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean on, size_t n, const fmi2String categories[]) {
-  (void)c, (void)on, (void)n, (void)categories;
-  return fmi2OK;
 }
 
 FMI2_EXPORT fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean has_tolerance, fmi2Real tolerance,
@@ -161,32 +154,14 @@ FMI2_EXPORT fmi2Status fmi2Terminate(fmi2Component c) {
   return fmi2OK;
 }
 
-FMI2_EXPORT fmi2Status fmi2Reset(fmi2Component c) {
-  (void)c;
-  return fmi2OK;
-}
+FMI2_ANSWER(fmi2OK, fmi2Reset, fmi2Component)
 
-#define ACCESS(TYPE, FIELD, COUNT)                                                                                \
-  FMI2_EXPORT fmi2Status fmi2Get##TYPE(fmi2Component c, const fmi2ValueReference r[], size_t n, fmi2##TYPE v[]) { \
-    for (size_t i = 0; i < n; ++i) {                                                                              \
-      if (r[i] >= (COUNT)) return fmi2Error;                                                                      \
-      v[i] = ((Probe*)c)->state.FIELD[r[i]];                                                                      \
-    }                                                                                                             \
-    return fmi2OK;                                                                                                \
-  }                                                                                                               \
-  FMI2_EXPORT fmi2Status fmi2Set##TYPE(fmi2Component c, const fmi2ValueReference r[], size_t n,                   \
-                                       const fmi2##TYPE v[]) {                                                    \
-    for (size_t i = 0; i < n; ++i) {                                                                              \
-      if (r[i] >= (COUNT)) return fmi2Error;                                                                      \
-      ((Probe*)c)->state.FIELD[r[i]] = v[i];                                                                      \
-    }                                                                                                             \
-    compute(c);                                                                                                   \
-    return fmi2OK;                                                                                                \
-  }
-
-ACCESS(Real, reals, REALS)
-ACCESS(Integer, integers, INTEGERS)
-ACCESS(Boolean, booleans, BOOLEANS)
+#define REALS_OF(c) (((Probe*)(c))->state.reals)
+#define INTEGERS_OF(c) (((Probe*)(c))->state.integers)
+#define BOOLEANS_OF(c) (((Probe*)(c))->state.booleans)
+FMI2_VALUES(Real, REALS_OF, REALS, compute)
+FMI2_VALUES(Integer, INTEGERS_OF, INTEGERS, compute)
+FMI2_VALUES(Boolean, BOOLEANS_OF, BOOLEANS, compute)
 
 FMI2_EXPORT fmi2Status fmi2GetString(fmi2Component c, const fmi2ValueReference r[], size_t n, fmi2String v[]) {
   for (size_t i = 0; i < n; ++i) {

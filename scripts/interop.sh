@@ -1,0 +1,12 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# Runs our FMUs and others' in mebots, FMPy, OMSimulator and libcosim, alone and connected, and prints as a Markdown table how
+# far the results are from mebots' own (docs/interop.md). OMSimulator is looked for in $OMSIMULATOR and on PATH.
+# Usage: scripts/interop.sh [BUILD_FOLDER] [--tool NAME] [--system NAME]    (build/release)
+set -euo pipefail
+cd "$(dirname "$0")/.."
+build=build/release
+if [[ $# -gt 0 && $1 != --* ]]; then build=$1; shift; fi
+cmake --build "$build" --target mebots fmu_battery_archive fmu_motors_archive fmu_world_archive fmu_soc_archive \
+  motor_thermal_archive passthrough_archive probe_archive coupling_archive > /dev/null
+.venv/bin/python tests/interop/compare.py "$build" "$@"
