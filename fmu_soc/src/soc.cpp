@@ -335,7 +335,7 @@ bool Soc::watched(std::uint32_t /*address*/) {
 }
 
 void Soc::advance(std::int64_t time_ns) {
-  go_on(time_ns * kPsPerNs, std::numeric_limits<std::uint64_t>::max());
+  go_on(time_ns * kPsPerNs, kNoLimit);
 }
 
 void Soc::run_cycles(std::uint64_t cycle_limit) {
@@ -355,7 +355,8 @@ void Soc::go_on(Picoseconds until, std::uint64_t cycle_limit) {
         advance_devices(event);
         wake_if_interrupted(event);
       } else {
-        advance_cluster(event);
+        // With a listener, one quantum after the other, so that it hears of each.
+        advance_cluster(event, listener_ != nullptr ? cluster : until, cycle_limit);
       }
       tell(first);
       continue;
@@ -380,7 +381,7 @@ void Soc::go_on(Picoseconds until, std::uint64_t cycle_limit) {
     if (event <= lead) {
       advance_devices(event);
     } else {
-      advance_cluster(lead);
+      advance_cluster(lead, lead);
     }
     tell(core_time());
   }
@@ -392,10 +393,11 @@ Picoseconds Soc::cluster_next() const {
   return cluster_ && running() ? cluster_->next() : kNever;
 }
 
-/// The cluster runs until it has caught up, or, while the fabric controller sleeps, until something wakes that one.
-void Soc::advance_cluster(Picoseconds until) {
+/// The cluster runs until it has caught up, or, while the fabric controller sleeps, for quanta that begin up to `last`
+/// or until something may wake that one.
+void Soc::advance_cluster(Picoseconds until, Picoseconds last, std::uint64_t cycle_limit) {
   do {
-    cluster_->advance(until);
+    cluster_->advance(until, last, cycle_limit);
     update_lines();
     if (cluster_->take_fabric_wake()) hart_.wake();
     if (cluster_->faulted_core() >= 0) {
@@ -430,7 +432,7 @@ void Soc::handle(Stop stop) {
       if (listeners_.faults) listeners_.faults(fault_text());
       break;
     case Stop::turn:
-      advance_cluster(core_time());
+      advance_cluster(core_time(), core_time());
       break;
     case Stop::observer:
       finish(End::stopped);

@@ -23,6 +23,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -150,6 +151,7 @@ class Soc final : private Bus {
   };
 
   static constexpr std::uint64_t kLead = 256;
+  static constexpr std::uint64_t kNoLimit = std::numeric_limits<std::uint64_t>::max();
 
   void connect_memories();
   void add_cluster(const BoardDescription& board, const Settings& settings);
@@ -166,7 +168,7 @@ class Soc final : private Bus {
   void go_on(Picoseconds until, std::uint64_t cycle_limit);
   void handle(Stop stop);
   Picoseconds cluster_next() const;
-  void advance_cluster(Picoseconds until);
+  void advance_cluster(Picoseconds until, Picoseconds last, std::uint64_t cycle_limit = kNoLimit);
   Picoseconds next_event() const;
   void advance_devices(Picoseconds time);
   void update_lines();

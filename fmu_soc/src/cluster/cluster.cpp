@@ -19,7 +19,7 @@ constexpr std::uint32_t size_of(const std::array<board::RegisterName, Count>& re
 Cluster::Cluster(Memory& memory, const ClusterSettings& settings, const InstructionEnergy& energy)
     : memory_(memory),
       settings_(settings),
-      decoded_(std::make_shared<DecodedCode>(memory, settings.timing, energy, settings.l1_banks)),
+      decoded_(std::make_shared<DecodedCode>(memory, settings.timing, energy, settings.cores > 1 ? &banks_ : nullptr)),
       instruction_cache_(settings.instruction_cache.size == 0
                              ? std::nullopt
                              : std::optional<InstructionCache>(settings.instruction_cache)),
@@ -78,21 +78,37 @@ Picoseconds Cluster::next() const {
   return tick == kNoTick ? kNever : clock_.time_of(tick);
 }
 
-void Cluster::advance(Picoseconds until) {
-  const auto start = next_tick();
-  const auto several =
-      std::count_if(cores_.begin(), cores_.end(), [](const auto& core) { return !core->asleep(); }) > 1;
-  const auto length = several ? kQuantum : kLongQuantum;
-  const auto end = std::min(start + length, std::max(until == kNever ? kNoTick : tick_at(until), start + 1));
-  if (start > banks_.start()) banks_.move_to(start);
-  // Alone, a core finds all banks free, but for the DMA's accesses, which are not counted.
-  for (auto& core : cores_) core->share_banks(several);
+void Cluster::advance(Picoseconds until, Picoseconds last, std::uint64_t cycle_limit) {
+  const auto end = until == kNever ? kNoTick : tick_at(until);
+  const auto stop = std::min(end, clock_.first_after(last));
+  has_news_ = false;
+  auto start = next_tick();
+  do {
+    run_quantum(start, std::max(end, start + 1));
+    start = next_tick();
+  } while (start < stop && !has_news_ && longest_cycles() < cycle_limit);
+}
 
+/// Alone, a core finds all banks free, but for the DMA's accesses, which are not counted.
+void Cluster::share_banks() {
+  const bool several =
+      std::count_if(cores_.begin(), cores_.end(), [](const auto& core) { return !core->asleep(); }) > 1;
+  if (several == sharing_banks_) return;
+  sharing_banks_ = several;
+  for (auto& core : cores_) core->share_banks(several);
+}
+
+void Cluster::run_quantum(std::uint64_t start, std::uint64_t until) {
+  share_banks();
+  const auto end = std::min(start + (sharing_banks_ ? kQuantum : kLongQuantum), until);
+  if (start > banks_.start()) banks_.move_to(start);
+  auto next = first_core_;
   for (std::uint32_t i = 0; i < cores(); ++i) {
-    auto& core = *cores_[(first_core_ + i) % cores()];
+    auto& core = *cores_[next];
     if (awake(core, end) && !core.waits_for_turn()) run_core(core, end);
+    if (++next == cores()) next = 0;
   }
-  first_core_ = (first_core_ + 1) % cores();
+  if (++first_core_ == cores()) first_core_ = 0;
   for (;;) {
     auto* core = next_core(end);
     const auto transfer = dma_.next_tick();
@@ -121,6 +137,7 @@ void Cluster::run_core(Core& core, std::uint64_t end) {
   if (stop == Stop::device) spread_events(core.accessed());
   if (stop == Stop::fault) faulted_core_ = static_cast<std::int32_t>(core.id());
   if (stop == Stop::watch) stopped_ = true;
+  if (stop == Stop::fault || stop == Stop::watch) has_news_ = true;
 }
 
 /// What happened in `tick` wakes who waited for it.
@@ -131,6 +148,7 @@ void Cluster::spread_events(std::uint64_t tick) {
   }
   const bool fabric_woken = (woken >> kFabricController & 1U) != 0;
   const bool raised = event_unit_.interrupt() && !interrupt_;
+  if (fabric_woken || event_unit_.interrupt() != interrupt_) has_news_ = true;
   interrupt_ = event_unit_.interrupt();
   fabric_woken_ = fabric_woken_ || fabric_woken;
   if (fabric_woken || raised) fabric_event_time_ = clock_.time_of(tick);
@@ -209,7 +227,7 @@ std::uint64_t Cluster::longest_cycles() const {
 }
 
 void Cluster::save(state::Writer& writer) const {
-  writer.put(banks_);
+  banks_.save(writer);
   if (instruction_cache_) instruction_cache_->save(writer);
   event_unit_.save(writer);
   dma_.save(writer);
@@ -227,7 +245,7 @@ void Cluster::save(state::Writer& writer) const {
 }
 
 void Cluster::restore(state::Reader& reader) {
-  reader.get(banks_);
+  banks_.restore(reader);
   if (instruction_cache_) instruction_cache_->restore(reader);
   event_unit_.restore(reader);
   dma_.restore(reader);

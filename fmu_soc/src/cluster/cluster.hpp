@@ -69,8 +69,10 @@ class Cluster {
   Picoseconds later(Picoseconds time, std::uint64_t ticks) const {
     return clock_.time_of(clock_.first_at(time) + ticks);
   }
-  /// Does it: a quantum of the cores that ends before what starts at `until`, which lies after next().
-  void advance(Picoseconds until);
+  /// Does it: quantum after quantum, none of which goes on behind `until`, which lies after next(). The last one is
+  /// that behind which the next would start after `last`, or in which something happened that the rest of the chip must
+  /// know of, or a core's active cycles reached `cycle_limit`.
+  void advance(Picoseconds until, Picoseconds last, std::uint64_t cycle_limit);
 
   /// Access of the fabric controller at `now`, up to which the cluster must have been advanced.
   bool owns(std::uint32_t address) const;
@@ -107,6 +109,8 @@ class Cluster {
   class Core;
 
   bool awake(const Core& core, std::uint64_t end) const;
+  void run_quantum(std::uint64_t start, std::uint64_t until);
+  void share_banks();
   Core* next_core(std::uint64_t end);
   void run_core(Core& core, std::uint64_t end);
   void spread_events(std::uint64_t tick);
@@ -128,6 +132,8 @@ class Cluster {
   bool interrupt_ = false;  // what the line was
   bool fabric_woken_ = false;
   bool stopped_ = false;
+  bool has_news_ = false;  // for the rest of the chip, in this quantum
+  bool sharing_banks_ = false;
   std::int32_t faulted_core_ = -1;
   std::uint32_t first_core_ = 0;  // of the next quantum
   Picoseconds fabric_event_time_ = 0;

@@ -16,7 +16,7 @@ class Cluster::Core final : private Bus {
     hart_.set_loose_limit(true);
     if (cluster.instruction_cache_) hart_.fetch_through(*cluster.instruction_cache_);
     hart_.set_translation(cluster.settings_.translate);
-    share_banks(false);
+    hart_.connect(cluster.settings_.ports);
   }
 
   unsigned id() const { return id_; }
@@ -55,14 +55,7 @@ class Cluster::Core final : private Bus {
   }
 
   /// Whether others use the banks of L1 at the same time.
-  void share_banks(bool several) {
-    if (connected_ && several == several_) return;
-    auto ports = cluster_.settings_.ports;
-    if (!ports.empty()) ports[0].banks = several ? &schedule_ : nullptr;
-    hart_.connect(ports);
-    connected_ = true;
-    several_ = several;
-  }
+  void share_banks(bool several) { hart_.share_first(several ? &schedule_ : nullptr); }
 
   void save(state::Writer& writer) const {
     hart_.save(writer);
@@ -116,8 +109,6 @@ class Cluster::Core final : private Bus {
   bool asleep_ = true;
   bool waits_for_turn_ = false;
   bool granted_ = false;
-  bool several_ = false;
-  bool connected_ = false;
 };
 
 }  // namespace mebots::soc

@@ -19,6 +19,7 @@ constexpr std::uint32_t kOut = 2;
 void ClusterDma::reset() {
   drafts_ = {};
   transfers_ = {};
+  next_ = kNoTick;
   free_from_ = 0;
   status_ = 0;
 }
@@ -111,23 +112,25 @@ void ClusterDma::start(unsigned who, std::uint32_t direction, std::uint64_t tick
   draft.id = static_cast<std::uint32_t>(free - transfers_.begin());
   *free = {draft, direction == kOut ? 1U : 0U, who, std::max(free_from_, tick + timing_.latency) + cycles};
   free_from_ = free->end;
+  find_next();
   counts_.busy_cycles += cycles;
   counts_.bytes += draft.size;
   ++counts_.transfers;
 }
 
-std::uint64_t ClusterDma::next_tick() const {
-  auto next = kNoTick;
-  for (const auto& transfer : transfers_) next = std::min(next, transfer.end);
-  return next;
+void ClusterDma::find_next() {
+  next_ = kNoTick;
+  for (const auto& transfer : transfers_) next_ = std::min(next_, transfer.end);
 }
 
 void ClusterDma::advance(std::uint64_t tick, EventUnit& event_unit) {
-  for (auto due = next_tick(); due <= tick && due != kNoTick; due = next_tick()) {
+  while (next_ <= tick && next_ != kNoTick) {
+    const auto due = next_;
     const auto transfer =
         std::find_if(transfers_.begin(), transfers_.end(), [due](const auto& t) { return t.end == due; });
     move(*transfer);
     transfer->end = kNoTick;
+    find_next();
     event_unit.raise(1U << transfer->who, event::kDmaDone);
   }
 }
@@ -158,6 +161,7 @@ void ClusterDma::save(state::Writer& writer) const {
 void ClusterDma::restore(state::Reader& reader) {
   reader.get(drafts_);
   reader.get(transfers_);
+  find_next();
   reader.get(free_from_);
   reader.get(status_);
   reader.get(counts_);

@@ -40,7 +40,7 @@ class ClusterDma {
   void reset();
 
   /// The tick in which the next transfer ends.
-  std::uint64_t next_tick() const;
+  std::uint64_t next_tick() const { return next_; }
   /// Ends every transfer whose tick has come.
   void advance(std::uint64_t tick, EventUnit& event_unit);
 
@@ -74,13 +74,15 @@ class ClusterDma {
   bool fits(const Draft& draft) const;
   std::uint32_t cycles_of(const Draft& draft) const;
   void move(const Transfer& transfer);
+  void find_next();
 
   Memory& memory_;
   std::size_t l1_region_;
   DmaTiming timing_;
   std::array<Draft, kRequesters> drafts_{};
   std::array<Transfer, kTransfers> transfers_{};
-  std::uint64_t free_from_ = 0;  // the tick in which the last queued transfer ends
+  std::uint64_t next_ = kNoTick;  // the least end of all
+  std::uint64_t free_from_ = 0;   // the tick in which the last queued transfer ends
   std::uint32_t status_ = 0;
   Counts counts_;
 };

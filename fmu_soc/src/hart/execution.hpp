@@ -38,10 +38,10 @@ struct HostState {
   std::uint64_t instruction_fj = 0;        // their energy
   const void* targets = nullptr;           // code of indirect jumps
   const Instruction* came_from = nullptr;  // the end of the block from which a region's block was reached straight
-  // Of the banks of the first memory, null when nobody else uses it.
-  std::uint64_t* banks = nullptr;
-  std::uint64_t limit_tick = 0;  // the tick of the limit
-  std::uint64_t first_tick = 0;  // of their window
+  // Of the banks of the first memory.
+  std::uint8_t* taken = nullptr;  // Banks::taken(), null when nobody else uses it
+  std::uint64_t limit_tick = 0;   // the tick of the limit
+  std::int64_t claims_above = 0;  // with more cycles remaining, no claim of a block lies outside the banks' window
 };
 
 /// What the handlers work on.

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <limits>
 #include <type_traits>
 #include <utility>
 
@@ -59,6 +60,11 @@ void Hart::connect(std::span<const MemoryPort> ports) {
   }
   for (const auto& port : ports) longest_wait = std::max(longest_wait, port.wait_cycles);
   cache_.set_longest_wait(longest_wait);
+}
+
+void Hart::share_first(BankSchedule* banks) {
+  ports_.front().banks = banks;
+  execution_.ram[0].banks = banks;
 }
 
 const MemoryPort* Hart::port_of(std::uint32_t address, unsigned size) const {
@@ -305,9 +311,7 @@ const translate::Entry* Hart::translated(std::uint32_t number, const Block& bloc
   const auto first = cache_.instructions(block)->op;
   if (ends_block(first) && !is_jump(first) && !is_hardware_loop(first)) return nullptr;  // nothing to gain
   if (translator == nullptr) {
-    const auto banks = decoded_->banks;
-    translator = translate::make_translator(cache_, execution_,
-                                            {bound_mask_ != ~std::uint64_t{0}, banks != 0, banks != 0 ? banks - 1 : 0});
+    translator = translate::make_translator(cache_, execution_, {bound_mask_ != ~std::uint64_t{0}, decoded_->banks});
     generation = cache_.generation();
     translation_on_ = translator != nullptr;
     if (!translation_on_) return nullptr;
@@ -320,11 +324,17 @@ bool Hart::run_translated(const translate::Entry& entry, std::uint64_t limit) {
   auto& e = execution_;
   auto& host = e.host;
   const auto budget = static_cast<std::int64_t>(std::min(limit - counters_.cycles, kLongestRun));
-  host.banks = nullptr;
+  host.taken = nullptr;
+  host.claims_above = std::numeric_limits<std::int64_t>::max();
   if (auto* schedule = e.ram[0].banks; schedule != nullptr) {
-    host.banks = schedule->banks().taken();
-    host.first_tick = schedule->banks().start();
-    host.limit_tick = schedule->tick_of(counters_.cycles + static_cast<std::uint64_t>(budget));
+    auto& banks = schedule->banks();
+    const auto tick = schedule->tick_of(counters_.cycles);
+    host.taken = banks.taken();
+    host.limit_tick = tick + static_cast<std::uint64_t>(budget);
+    if (tick >= banks.start()) {
+      constexpr auto kLastTick = static_cast<std::int64_t>(Banks::kReach - translate::kMostStaticCycles);
+      host.claims_above = static_cast<std::int64_t>(host.limit_tick - banks.start()) - kLastTick;
+    }
   }
   const auto exit = decoded_->translator->run(e, entry, budget);
   counters_.cycles += static_cast<std::uint64_t>(budget - host.remaining);

@@ -70,12 +70,12 @@ struct InstructionEnergy {
 
 /// Code as harts of one kind share it that run in the same thread and reach the same memories.
 struct DecodedCode {
-  /// `banks`: of the first memory, when its users may have to wait for each other; 0 = one user.
-  DecodedCode(Memory& memory, Timing timing, const InstructionEnergy& energy, std::uint32_t shared_banks = 0)
+  /// `banks`: of the first memory, when its users may have to wait for each other; null = one user.
+  DecodedCode(Memory& memory, Timing timing, const InstructionEnergy& energy, Banks* shared_banks = nullptr)
       : blocks(memory, timing, energy), banks(shared_banks) {}
 
   BlockCache blocks;
-  std::uint32_t banks;
+  Banks* banks;
   std::unique_ptr<translate::Translator> translator;  // made when the first block is hot
   std::uint64_t translated_generation = 0;            // of the blocks
 };
@@ -103,6 +103,8 @@ class Hart {
 
   /// Says which memories the core reaches, and how; all others are nothing to it. The first two are the fast ones.
   void connect(std::span<const MemoryPort> ports);
+  /// Who else uses the first memory from now on; null = nobody.
+  void share_first(BankSchedule* banks);
 
   /// Instructions come through this cache from now on, which harts with the same decoded code may share. Without one,
   /// fetching never waits.

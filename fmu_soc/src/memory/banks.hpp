@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "mebots/state/bytes.hpp"
+
 #include <algorithm>
-#include <array>
-#include <bit>
 #include <cstdint>
+#include <vector>
 
 namespace mebots::soc {
 
-/// Which cycles of the banks of a shared memory are taken, over a window of kWindow cycles that moves with time.
+/// Which cycles of the banks of a shared memory are taken, over a window of kReach cycles that moves with time.
 /// A bank serves one word per cycle; consecutive words lie in consecutive banks.
 class Banks {
  public:
@@ -17,47 +18,57 @@ class Banks {
   static constexpr std::uint64_t kWindow = 1024;
   /// Ticks from the window's start on that can be taken.
   static constexpr std::uint32_t kReach = kWindow - 64;
-  static constexpr std::uint32_t kBytesPerBank = kWindow / 8;
 
   /// `count` must be a power of two, at most kMost.
-  explicit Banks(unsigned count = 16) : mask_(count - 1) {}
+  explicit Banks(unsigned count = 16) : count_(count), taken_(kWindow * count) {}
+
+  unsigned count() const { return count_; }
 
   /// Takes the first free cycle of the bank at or after `tick`; the answer is how long to wait for it. A tick before
   /// the window counts as its start; behind the window nobody is in the way.
   std::uint32_t claim(std::uint64_t tick, std::uint32_t address) {
-    auto& bank = busy_[address / 4 & mask_];
     const auto end = start_ + kReach;
-    for (auto at = tick < start_ ? start_ : tick; at < end; at = (at | 63U) + 1) {
-      auto& word = bank[at / 64 % kWords];
-      const auto free = ~word >> (at & 63U);
-      if (free == 0) continue;
-      const auto slot = at + static_cast<unsigned>(std::countr_zero(free));
-      word |= std::uint64_t{1} << (slot & 63U);
-      return static_cast<std::uint32_t>(slot - tick);
+    const auto bank = address / 4 % count_;
+    for (auto at = std::max(tick, start_); at < end; ++at) {
+      auto& taken = taken_[at % kWindow * count_ + bank];
+      if (taken != 0) continue;
+      taken = 1;
+      return static_cast<std::uint32_t>(at - tick);
     }
     return tick < end ? static_cast<std::uint32_t>(end - tick) : 0;
   }
 
   /// The window starts at `tick` from now on; ticks do not go back.
   void move_to(std::uint64_t tick) {
-    const auto last = std::min(tick / 64, start_ / 64 + kWords);
-    for (auto word = start_ / 64; word < last; ++word) {
-      for (auto& bank : busy_) bank[word % kWords] = 0;
-    }
+    const auto first = start_ % kWindow;
+    const auto gone = std::min(tick - start_, kWindow);
+    const auto in_one_piece = std::min(gone, kWindow - first);
+    std::fill_n(&taken_[first * count_], in_one_piece * count_, std::uint8_t{0});
+    std::fill_n(taken_.begin(), (gone - in_one_piece) * count_, std::uint8_t{0});
     start_ = tick;
   }
 
   std::uint64_t start() const { return start_; }
 
-  /// For translated code: kBytesPerBank bytes of each bank in turn, bit `tick % kWindow` of them for each tick.
-  std::uint64_t* taken() { return busy_.front().data(); }
+  /// For translated code: a byte of each bank for tick % kWindow = 0, then for 1 and so on; not 0 = taken.
+  std::uint8_t* taken() { return taken_.data(); }
+
+  void save(state::Writer& writer) const {
+    writer.put(start_);
+    writer.put(taken_);
+  }
+  void restore(state::Reader& reader) {
+    reader.get(start_);
+    std::vector<std::uint8_t> taken;
+    reader.get(taken);
+    if (taken.size() != taken_.size()) throw Error("a saved state is damaged: it has banks of another memory");
+    std::copy(taken.begin(), taken.end(), taken_.begin());
+  }
 
  private:
-  static constexpr std::uint64_t kWords = kWindow / 64;
-
+  unsigned count_;
   std::uint64_t start_ = 0;
-  std::array<std::array<std::uint64_t, kWords>, kMost> busy_{};  // by tick / 64, round and round; a bit set = taken
-  std::uint64_t mask_;
+  std::vector<std::uint8_t> taken_;  // as many as at construction, always: translated code knows where they are
 };
 
 /// Banks as one core sees them: it counts its own active cycles.

@@ -15,6 +15,7 @@ constexpr std::size_t kAlignment = 16;
 /// of which these are the low bits.
 std::uint32_t claim_bank(Execution* execution, std::uint32_t offset, std::uint32_t tick) {
   const auto& ram = execution->ram[0];
+  if (ram.banks == nullptr) return 0;
   const auto limit = execution->host.limit_tick;
   const auto ago = static_cast<std::uint32_t>(limit) - tick;
   return ram.banks->claim_at(limit - static_cast<std::uint64_t>(std::int64_t{static_cast<std::int32_t>(ago)}),

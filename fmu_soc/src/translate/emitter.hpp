@@ -128,7 +128,7 @@ class Emitter : private Xbyak::CodeGenerator {
   Label emit_address(const Instruction* at, unsigned size, Label& other);
   void emit_middle_of_word(unsigned size, Label& inside);
   void emit_increment(const Instruction* at);
-  void emit_claim(const Instruction* at);
+  void emit_claim(const Instruction* at, bool word_in_ecx);
   void check_address(const Reg32& offset, const Reg32& scratch, const FastRegion& ram, unsigned size, Label& other);
   void fetch(const Reg32& to, const Xbyak::RegExp& from, unsigned size, bool sign);
 

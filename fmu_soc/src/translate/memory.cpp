@@ -124,7 +124,7 @@ void Emitter::emit_load(const Instruction* at, unsigned size, bool sign) {
   Label other;
   Label done;
   auto inside = emit_address(at, size, other);
-  emit_claim(at);
+  emit_claim(at, size == 4);
   // The increment reads its registers before the load writes its own.
   const auto to = is_post_increment(at->op) ? eax : place(at->rd, eax);
   fetch(to, r14 + rax, size, sign);
@@ -181,7 +181,7 @@ void Emitter::emit_store(const Instruction* at, unsigned size) {
     cmp(byte[rdx + rcx], 0);
   }
   jne(marked, T_NEAR);
-  emit_claim(at);
+  emit_claim(at, true);
   store(r14 + rax, ecx);
   L(done);
   emit_increment(at);
@@ -211,37 +211,54 @@ void Emitter::emit_store(const Instruction* at, unsigned size) {
 }
 
 /// Takes a cycle of a bank of the first memory for the access at offset eax, when others use it too. What it waits
-/// comes off r15; ecx and edx are lost.
-void Emitter::emit_claim(const Instruction* at) {
-  if (!manner_.shares_banks) return;
+/// comes off r15; ecx, which may hold the number of the word already, and edx are lost.
+void Emitter::emit_claim(const Instruction* at, bool word_in_ecx) {
+  if (manner_.banks == nullptr) return;
   const auto host = [](std::size_t offset) { return static_cast<int>(offsetof(Execution, host) + offset); };
+  const auto count = manner_.banks->count();
+  const auto bytes = static_cast<std::uint32_t>(Banks::kWindow) * count;  // of all ticks and banks
+  const auto tick_into = [this, at, host](const Reg32& to) {
+    mov(to, dword[rbx + host(offsetof(HostState, limit_tick))]);
+    sub(to, r15d);
+    if (at->cycles_before != 0) add(to, at->cycles_before);
+  };
+  Label look;
   Label taken;
+  Label away;
   Label done;
-  cmp(qword[rbx + host(offsetof(HostState, banks))], 0);
-  je(done, T_NEAR);
-  mov(ecx, dword[rbx + host(offsetof(HostState, limit_tick))]);
-  sub(ecx, r15d);
-  if (at->cycles_before != 0) add(ecx, at->cycles_before);
-  mov(edx, ecx);
-  sub(edx, dword[rbx + host(offsetof(HostState, first_tick))]);
-  cmp(edx, Banks::kReach);
-  jae(taken, T_NEAR);
-  push(rax);
-  and_(eax, manner_.bank_mask * 4);
-  shl(eax, std::countr_zero(Banks::kBytesPerBank) - 2);
-  mov(edx, ecx);
-  shr(edx, 3);
-  and_(edx, Banks::kBytesPerBank - 8);
-  add(edx, eax);
-  add(rdx, qword[rbx + host(offsetof(HostState, banks))]);
-  mov(rax, qword[rdx]);
-  bts(rax, rcx);
-  mov(qword[rdx], rax);  // where the cycle is taken this changes nothing
-  pop(rax);
-  jc(taken, T_NEAR);
+  if (!word_in_ecx) {
+    mov(ecx, eax);
+    shr(ecx, 2);
+  }
+  and_(ecx, count - 1);
+  L(look);
+  if (at->cycles_before < kMostStaticCycles) {
+    cmp(r15, qword[rbx + host(offsetof(HostState, claims_above))]);
+    jle(away, T_NEAR);
+    tick_into(edx);
+    shl(edx, std::countr_zero(count));
+    and_(edx, bytes - count);
+    or_(edx, ecx);
+    const auto distance = manner_.banks->taken() - ram_[0].data;
+    const bool near = distance >= std::numeric_limits<std::int32_t>::min() &&
+                      distance + static_cast<std::ptrdiff_t>(bytes) <= std::numeric_limits<std::int32_t>::max();
+    if (!near) add(rdx, qword[rbx + host(offsetof(HostState, taken))]);
+    const auto cycle = near ? byte[r14 + rdx + static_cast<int>(distance)] : byte[rdx];
+    cmp(cycle, 0);
+    jne(taken, T_NEAR);
+    mov(cycle, 1);
+  } else {
+    jmp(away, T_NEAR);
+  }
   L(done);
-  later([this, taken, done]() mutable {
+  later([this, look, taken, away, done, tick_into, host]() mutable {
     L(taken);
+    sub(r15, 1);
+    jmp(look, T_NEAR);
+    L(away);
+    cmp(qword[rbx + host(offsetof(HostState, taken))], 0);
+    je(done, T_NEAR);
+    tick_into(ecx);
     call(gates_.claim);
     jmp(done, T_NEAR);
   });

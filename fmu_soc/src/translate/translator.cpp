@@ -92,8 +92,8 @@ std::unique_ptr<Translator> make_translator(const BlockCache& cache, const Execu
   for (const auto& ram : execution.ram) {
     if (ram.base % 4 != 0) return nullptr;
   }
-  if (manner.shares_banks) {  // whose ticks and banks the code computes
-    if (execution.ram[0].wait_cycles != 0 || (execution.ram[0].base / 4 & manner.bank_mask) != 0) return nullptr;
+  if (manner.banks != nullptr) {  // whose ticks and banks the code computes
+    if (execution.ram[0].wait_cycles != 0 || execution.ram[0].base / 4 % manner.banks->count() != 0) return nullptr;
   }
   auto memory = CodeMemory::create(kCodeBytes);
   if (memory == nullptr) return nullptr;

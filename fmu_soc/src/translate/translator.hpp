@@ -35,10 +35,12 @@ struct Entry {
 
 /// What the harts have in common that the code runs on.
 struct Manner {
-  bool loose_limit = false;     // a block that starts before the limit runs to its end
-  bool shares_banks = false;    // others use the first memory at the same time, now and then
-  std::uint32_t bank_mask = 0;  // banks of the first memory less one
+  bool loose_limit = false;  // a block that starts before the limit runs to its end
+  Banks* banks = nullptr;    // of the first memory, when others use it at the same time, now and then
 };
+
+/// More static cycles than a block has, but for one full of divisions: those claim banks the slow way.
+inline constexpr std::uint32_t kMostStaticCycles = 512;
 
 /// Translations of a block cache, for harts that reach the same memories at the same place. They are void when the
 /// generation of the block cache has changed.
