@@ -13,6 +13,13 @@ namespace {
 
 constexpr double kClusterHz = 87e6;  // of the settings' start
 
+/// What a run came to, to the last bit.
+std::vector<std::byte> state_of(const Soc& soc) {
+  state::Writer writer;
+  soc.save(writer);
+  return writer.take();
+}
+
 /// The fabric controller switches the cluster on and sleeps; each core runs `body` with its number in s0, then leaves
 /// the cycles that it took in result(number).
 BoardSystem cores_run(std::string_view body, unsigned cores) {
@@ -197,6 +204,53 @@ TEST(Dma, TakesTwoCyclesForAShortRow) {
   EXPECT_NEAR(longer, 128 / kClusterHz * 1e9, 10 + 1);
 }
 
+/// Core 0 starts a copy of 16 KiB into L1 and waits for it; core 1 loads 256 words from one bank meanwhile.
+struct Rivals {
+  std::uint32_t core_cycles = 0;
+  std::uint64_t dma_cycles = 0;
+};
+Rivals core_beside_dma(bool copies) {
+  const auto body = fmt::format(R"(
+    li s3, CLUSTER_DMA_BASE
+    li s2, EVENT_UNIT_BASE
+    bnez s0, 3f
+    li a1, 0x1C040000
+    sw a1, CLUSTER_DMA_L2_ADDRESS_OFFSET(s3)
+    sw s1, CLUSTER_DMA_L1_ADDRESS_OFFSET(s3)
+    li a1, 16384
+    sw a1, CLUSTER_DMA_SIZE_OFFSET(s3)
+    li a1, 1 << 8
+    sw a1, EVENT_UNIT_EVENT_MASK_OFFSET(s2)
+    li a1, {}
+    sw a1, CLUSTER_DMA_START_OFFSET(s3)
+    .insn i 0x03, 6, a2, EVENT_UNIT_EVENT_WAIT_OFFSET(s2)
+3:  li a0, 200
+4:  addi a0, a0, -1
+    bnez a0, 4b
+    csrr s10, mcycle
+    mv a0, s1
+    {}
+)",
+                                copies ? 1 : 0, kHammer);
+  auto system = cores_run(body, 2);
+  system.soc.advance(1'000'000);
+  return {system.result(1), system.soc.cluster()->dma().counts().busy_cycles};
+}
+
+TEST(Dma, TakesCyclesOfTheBanksFromTheCores) {
+  // Two words a cycle over 16 banks: an eighth of the cycles of each bank. A core that asks for one bank in every cycle
+  // meets the DMA every 8 cycles, and either of them waits a cycle.
+  const auto alone = core_beside_dma(false);
+  const auto beside = core_beside_dma(true);
+  EXPECT_EQ(alone.core_cycles, 256U + 2U);
+  EXPECT_EQ(alone.dma_cycles, 0U);
+  const auto core_waited = beside.core_cycles - alone.core_cycles;
+  const auto dma_waited = beside.dma_cycles - 16384 / 8;
+  EXPECT_GT(core_waited, 0U);
+  EXPECT_GT(dma_waited, 0U);
+  EXPECT_NEAR(static_cast<double>(core_waited + dma_waited), 256 / 8, 4) << "a cycle shifts which words meet";
+}
+
 TEST(Cluster, LeavesL1OnlyWhileItIsOn) {
   BoardSystem system("_start: li a0, L1_BASE\n lw a1, 0(a0)\n");
   system.soc.advance(1'000'000);
@@ -243,13 +297,6 @@ Elf selftest() {
   return Elf::read(MEBOTS_BINARY_DIR "/firmware/cluster_selftest.elf");
 }
 
-/// What a run came to, to the last bit.
-std::vector<std::byte> state_of(const Soc& soc) {
-  state::Writer writer;
-  soc.save(writer);
-  return writer.take();
-}
-
 constexpr std::int64_t kMiddle = 2'000'000;
 constexpr std::int64_t kEnd = 20'000'000;
 
@@ -286,6 +333,91 @@ TEST(ClusterRuntime, GoesOnWithTheSameBitsFromAStateInTheMiddleOfAJob) {
   EXPECT_TRUE(reader.at_end());
   other.soc.advance(kEnd);
   EXPECT_EQ(state_of(other.soc), state_of(straight.soc));
+}
+
+/// Eight cores on one bank whose code comes to the same instructions in every way: into the middle of straight code,
+/// to a jump right behind other code, back from a trap, over the end of a hardware loop that is none any more.
+TEST(ClusterRuntime, TakesItsTurnsTheSameWithAndWithoutDecodedCode) {
+  constexpr std::string_view kMixed = R"(
+    mv a0, s1
+    la s2, late
+    la s3, mark
+    la s4, handler
+    csrw mtvec, s4
+    csrwi 0x7B2, 1
+    csrw 0x7B1, s3                  # a hardware loop ends at mark ...
+    csrwi 0x7B1, 0                  # ... and does not any more
+    addi s4, s0, 3
+again: addi s4, s4, 13
+    andi s5, s4, 7
+    lw a1, 0(a0)
+    beqz s5, early
+    addi s6, s5, -1
+    beqz s6, late
+    addi s6, s5, -2
+    beqz s6, mark
+    .rept 20
+    lw a1, 0(a0)
+    add a2, a2, a1
+    .endr
+early: addi a2, a2, 1
+    ecall
+mark: lw a3, 0(a0)
+    .rept 9
+    sw a2, 0(a0)
+    .endr
+late: lw a4, 64(a0)
+    bltz a2, early
+    addi a2, a2, 3
+    j 5f
+5:  lw a4, 64(a0)
+    beqz s6, 6f
+6:  j 7f
+    nop
+7:  andi s7, s4, 24
+    beqz s7, again
+    jal ra, 8f
+    j again
+8:  lw a4, 128(a0)
+    ret
+    .balign 4
+handler: csrr a5, mepc
+    addi a5, a5, 4
+    csrw mepc, a5
+    mret
+)";
+  auto straight = cores_run(kMixed, 8);
+  for (std::int64_t t = 24'003; t < 1'000'000; t += 24'003) {
+    const auto saved = state_of(straight.soc);
+    straight.soc.advance(t);
+    auto other = cores_run(kMixed, 8);
+    state::Reader reader(saved);
+    other.soc.restore(reader);
+    other.soc.advance(t);
+    ASSERT_TRUE(state_of(other.soc) == state_of(straight.soc)) << "up to " << t << " ns";
+  }
+  EXPECT_TRUE(straight.faults.empty());
+  EXPECT_GT(straight.soc.cluster()->counters().instructions, 100'000U);
+}
+
+/// The network on 1, 2, 4 and 8 cores, saved again and again, most of the time in the middle of a layer: what goes on
+/// from the state in another system, which has decoded and translated other code, comes to the bits of the straight
+/// run.
+TEST(ClusterRuntime, GoesOnWithTheSameBitsFromStatesAllOverAnInference) {
+  const auto program = Elf::read(MEBOTS_BINARY_DIR "/firmware/network_bench.elf");
+  BoardSystem straight(program);
+  constexpr std::int64_t kStep = 1'937'003;
+  straight.soc.advance(kStep);
+  for (std::int64_t t = 2 * kStep; t < 400'000'000; t += kStep) {
+    const auto saved = state_of(straight.soc);
+    straight.soc.advance(t);
+    BoardSystem other(program);
+    state::Reader reader(saved);
+    other.soc.restore(reader);
+    other.soc.advance(t);
+    ASSERT_TRUE(state_of(other.soc) == state_of(straight.soc)) << "from " << t - kStep << " to " << t << " ns";
+    ASSERT_EQ(other.soc.energy().total_j(), straight.soc.energy().total_j());
+  }
 }
 
 /// The whole network on 1, 2, 4 and 8 cores: banks, instruction caches, barriers, DMA.

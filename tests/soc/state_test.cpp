@@ -167,5 +167,42 @@ TEST(StepSize, DoesNotChangeWhatHappens) {
   }
 }
 
+/// A load right before a device's register is read costs a cycle, whatever of the two begins a block: blocks are cut by
+/// limits, and after 64 instructions.
+TEST(StepSize, DoesNotChangeTheTimeThatADeviceSeesBehindALoad) {
+  for (int before = 60; before < 68; ++before) {
+    const auto program = BoardSystem::assembled(fmt::format(R"(
+_start: la s1, pointer
+    li s2, 0x1C060000
+    li a3, 500
+1:  .rept {}
+    addi a1, a1, 1
+    .endr
+    lw a0, 0(s1)
+    lw a2, TIMER_TIME_LO_OFFSET(a0)
+    lw a0, 0(s1)
+    lw a4, TIMER_TIME_LO_OFFSET(a0)
+    add a5, a2, a5
+    xor a5, a5, a4
+    addi a3, a3, -1
+    bnez a3, 1b
+    sw a5, 0(s2)
+2:  wfi
+    j 2b
+    .balign 4
+pointer: .word TIMER_BASE
+)",
+                                                            before));
+    BoardSystem whole(program);
+    whole.soc.advance(2'000'000);
+    BoardSystem split(program);
+    for (std::int64_t t = 10; t < 400'000; t += 10) split.soc.advance(t);
+    split.soc.advance(2'000'000);
+    ASSERT_NE(whole.result(0), 0U);
+    EXPECT_EQ(split.result(0), whole.result(0)) << before << " instructions before";
+    EXPECT_EQ(first_difference(state_of(split.soc), state_of(whole.soc)), -1);
+  }
+}
+
 }  // namespace
 }  // namespace mebots::soc::test

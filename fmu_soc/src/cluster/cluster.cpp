@@ -19,7 +19,7 @@ constexpr std::uint32_t size_of(const std::array<board::RegisterName, Count>& re
 Cluster::Cluster(Memory& memory, const ClusterSettings& settings, const InstructionEnergy& energy)
     : memory_(memory),
       settings_(settings),
-      decoded_(std::make_shared<DecodedCode>(memory, settings.timing, energy, settings.cores > 1 ? &banks_ : nullptr)),
+      decoded_(std::make_shared<DecodedCode>(memory, settings.timing, energy, &banks_)),
       instruction_cache_(settings.instruction_cache.size == 0
                              ? std::nullopt
                              : std::optional<InstructionCache>(settings.instruction_cache)),
@@ -89,19 +89,23 @@ void Cluster::advance(Picoseconds until, Picoseconds last, std::uint64_t cycle_l
   } while (start < stop && !has_news_ && longest_cycles() < cycle_limit);
 }
 
-/// Alone, a core finds all banks free, but for the DMA's accesses, which are not counted.
+/// Whether somebody can find a bank of L1 taken: alone, a core finds all of them free.
 void Cluster::share_banks() {
   const bool several =
-      std::count_if(cores_.begin(), cores_.end(), [](const auto& core) { return !core->asleep(); }) > 1;
+      dma_.busy() || std::count_if(cores_.begin(), cores_.end(), [](const auto& core) { return !core->asleep(); }) > 1;
   if (several == sharing_banks_) return;
   sharing_banks_ = several;
   for (auto& core : cores_) core->share_banks(several);
 }
 
 void Cluster::run_quantum(std::uint64_t start, std::uint64_t until) {
+  if (start > banks_.start()) {
+    dma_.occupy(banks_, start);  // what it moved while all slept
+    banks_.move_to(start);
+  }
   share_banks();
-  const auto end = std::min(start + (sharing_banks_ ? kQuantum : kLongQuantum), until);
-  if (start > banks_.start()) banks_.move_to(start);
+  auto end = std::min(start + (sharing_banks_ ? kQuantum : kLongQuantum), until);
+  if (dma_first_) dma_.occupy(banks_, end);
   auto next = first_core_;
   for (std::uint32_t i = 0; i < cores(); ++i) {
     auto& core = *cores_[next];
@@ -109,7 +113,17 @@ void Cluster::run_quantum(std::uint64_t start, std::uint64_t until) {
     if (++next == cores()) next = 0;
   }
   if (++first_core_ == cores()) first_core_ = 0;
-  for (;;) {
+  dma_first_ = !dma_first_;
+  while (faulted_core_ < 0 && !stopped_) {
+    if (!sharing_banks_) {
+      share_banks();
+      if (sharing_banks_) {  // the only core has woken others, or started a transfer
+        const auto now = next_tick();
+        end = std::min(end, now + kQuantum);
+        banks_.move_to(std::max(banks_.start(), now));
+      }
+    }
+    dma_.occupy(banks_, end);
     auto* core = next_core(end);
     const auto transfer = dma_.next_tick();
     if (transfer < end && (core == nullptr || transfer <= core->ready())) {
@@ -117,7 +131,7 @@ void Cluster::run_quantum(std::uint64_t start, std::uint64_t until) {
       spread_events(transfer);
       continue;
     }
-    if (core == nullptr || faulted_core_ >= 0 || stopped_) break;
+    if (core == nullptr) break;
     core->grant_turn();
     run_core(*core, end);
   }
@@ -239,6 +253,7 @@ void Cluster::save(state::Writer& writer) const {
   writer.put(stopped_);
   writer.put(faulted_core_);
   writer.put(first_core_);
+  writer.put(dma_first_);
   writer.put(fabric_event_time_);
   writer.put(powered_since_);
   writer.put(powered_total_);
@@ -257,6 +272,7 @@ void Cluster::restore(state::Reader& reader) {
   reader.get(stopped_);
   reader.get(faulted_core_);
   reader.get(first_core_);
+  reader.get(dma_first_);
   reader.get(fabric_event_time_);
   reader.get(powered_since_);
   reader.get(powered_total_);

@@ -34,10 +34,13 @@ struct ClusterSettings {
 /// Up to eight cores with their shared L1, event unit and DMA, in a clock domain of their own. Time is counted in ticks
 /// of the cluster's clock, which never stops; a core that sleeps does not count cycles.
 ///
-/// The cores run one after the other for a quantum: kQuantum ticks when several are awake, kLongQuantum when one is.
-/// Who touches the event unit or the DMA stops before it and goes on when nobody is behind, so that those see all
-/// accesses in the order of their ticks (within a tick: of the cores). What a core stores in RAM another one
-/// may see up to a quantum late or early; cores that synchronise through the event unit see all of it.
+/// The cores run one after the other for a quantum: kQuantum ticks when several are awake or the DMA moves data,
+/// kLongQuantum when one is alone. The banks of L1 serve cores and DMA in turns (source: MUX2_REQ of the PULP
+/// platform's cluster_interconnect, a round robin between the channel of the cores and that of the DMA): here the DMA
+/// takes its cycles before the cores in one quantum, so that they wait, and behind them in the next one, so that it
+/// waits, a cycle at most. Who touches the event unit or the DMA stops before it and goes on when nobody is behind, so
+/// that those see all accesses in the order of their ticks (within a tick: of the cores). What a core stores in RAM
+/// another one may see up to a quantum late or early; cores that synchronise through the event unit see all of it.
 class Cluster {
  public:
   static constexpr std::uint64_t kQuantum = 64;
@@ -136,6 +139,7 @@ class Cluster {
   bool sharing_banks_ = false;
   std::int32_t faulted_core_ = -1;
   std::uint32_t first_core_ = 0;  // of the next quantum
+  bool dma_first_ = false;        // in it, before the cores; else behind them
   Picoseconds fabric_event_time_ = 0;
   Picoseconds powered_since_ = 0;
   Picoseconds powered_total_ = 0;  // up to the last time it went off

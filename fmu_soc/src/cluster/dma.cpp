@@ -110,7 +110,8 @@ void ClusterDma::start(unsigned who, std::uint32_t direction, std::uint64_t tick
   }
   const auto cycles = cycles_of(draft);
   draft.id = static_cast<std::uint32_t>(free - transfers_.begin());
-  *free = {draft, direction == kOut ? 1U : 0U, who, std::max(free_from_, tick + timing_.latency) + cycles};
+  const auto first_beat = std::max(free_from_, tick + timing_.latency);
+  *free = {draft, direction == kOut ? 1U : 0U, who, first_beat + cycles, first_beat};
   free_from_ = free->end;
   find_next();
   counts_.busy_cycles += cycles;
@@ -121,6 +122,59 @@ void ClusterDma::start(unsigned who, std::uint32_t direction, std::uint64_t tick
 void ClusterDma::find_next() {
   next_ = kNoTick;
   for (const auto& transfer : transfers_) next_ = std::min(next_, transfer.end);
+}
+
+/// Of the transfers with beats to come, the one whose turn it is.
+ClusterDma::Transfer* ClusterDma::first_unmoved() {
+  Transfer* first = nullptr;
+  for (auto& transfer : transfers_) {
+    if (transfer.end == kNoTick || transfer.moved == transfer.what.size) continue;
+    if (first == nullptr || transfer.end < first->end) first = &transfer;
+  }
+  return first;
+}
+
+void ClusterDma::occupy(Banks& banks, std::uint64_t until) {
+  for (auto* transfer = first_unmoved(); transfer != nullptr && transfer->next_beat < until;
+       transfer = first_unmoved()) {
+    std::uint64_t waited = 0;
+    while (transfer->moved < transfer->what.size && transfer->next_beat < until) {
+      waited += occupy_beat(banks, *transfer);
+    }
+    if (waited == 0) continue;
+    // Those behind it wait with it.
+    for (auto& other : transfers_) {
+      if (other.end == kNoTick || other.end < transfer->end || &other == transfer) continue;
+      other.next_beat += waited;
+      other.end += waited;
+    }
+    transfer->end += waited;
+    free_from_ += waited;
+    counts_.busy_cycles += waited;
+    find_next();
+  }
+}
+
+/// The next beat takes its words; the answer is how many ticks it waits.
+std::uint64_t ClusterDma::occupy_beat(Banks& banks, Transfer& transfer) const {
+  const auto& what = transfer.what;
+  const auto row = what.row == 0 ? what.size : what.row;
+  const auto in_row = transfer.moved % row;
+  const auto in_burst = in_row % timing_.most_burst_bytes;
+  const auto bytes = std::min({timing_.bytes_per_cycle, row - in_row, timing_.most_burst_bytes - in_burst});
+  const auto first = what.l1 + transfer.moved;
+  std::uint32_t wait = 0;
+  for (auto word = first & ~3U; word < first + bytes; word += 4) {
+    wait = std::max(wait, banks.claim_soon(transfer.next_beat, word));
+  }
+  transfer.moved += bytes;
+  transfer.next_beat += wait + 1;
+  const bool ends_burst = in_row + bytes == row || in_burst + bytes == timing_.most_burst_bytes;
+  if (ends_burst) {
+    const auto beats = in_burst / timing_.bytes_per_cycle + 1;
+    transfer.next_beat += std::max(beats, timing_.least_burst_cycles) - beats;
+  }
+  return wait;
 }
 
 void ClusterDma::advance(std::uint64_t tick, EventUnit& event_unit) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "cluster/event_unit.hpp"
+#include "memory/banks.hpp"
 #include "memory/memory.hpp"
 
 #include <array>
@@ -22,8 +23,9 @@ struct DmaTiming {
 
 /// Moves bytes between L2 and the cluster's L1 while the cores go on. Each requester has its own draft registers;
 /// START queues what they say. Transfers run one after the other in the order of their starts, in bursts: a row of a
-/// 2D transfer takes at least one. The latency of a queued transfer hides behind the one before it. Bytes are where
-/// they belong, all at once, when the transfer ends; then its requester gets the event.
+/// 2D transfer takes at least one. The latency of a queued transfer hides behind the one before it. Its words take
+/// cycles of L1's banks like those of the cores; a beat waits at most a cycle, and the others behind it. Bytes are
+/// where they belong, all at once, when the transfer ends; then its requester gets the event.
 class ClusterDma {
  public:
   static constexpr unsigned kTransfers = 16;
@@ -39,14 +41,19 @@ class ClusterDma {
   /// Forgets all transfers and drafts; counts stay.
   void reset();
 
-  /// The tick in which the next transfer ends.
+  /// Whether transfers are queued or under way.
+  bool busy() const { return next_ != kNoTick; }
+  /// Takes the banks for all beats that start before `until` and have none yet. To be called before `advance` for any
+  /// tick up to there.
+  void occupy(Banks& banks, std::uint64_t until);
+  /// The tick in which the next transfer ends: no earlier, and with `occupy` up to there not later either.
   std::uint64_t next_tick() const { return next_; }
   /// Ends every transfer whose tick has come.
   void advance(std::uint64_t tick, EventUnit& event_unit);
 
   struct Counts {
     std::uint64_t bytes = 0;
-    std::uint64_t busy_cycles = 0;  // moving data
+    std::uint64_t busy_cycles = 0;  // moving data, and waiting for banks with it
     std::uint64_t transfers = 0;
   };
   const Counts& counts() const { return counts_; }
@@ -68,11 +75,16 @@ class ClusterDma {
     std::uint32_t out = 0;  // L1 to L2
     std::uint32_t who = 0;
     std::uint64_t end = kNoTick;  // kNoTick = free
+    std::uint64_t next_beat = 0;
+    std::uint32_t moved = 0;   // bytes of the beats before
+    std::uint32_t unused = 0;  // no padding: equal states are equal bytes
   };
 
   void start(unsigned who, std::uint32_t direction, std::uint64_t tick);
   bool fits(const Draft& draft) const;
   std::uint32_t cycles_of(const Draft& draft) const;
+  Transfer* first_unmoved();
+  std::uint64_t occupy_beat(Banks& banks, Transfer& transfer) const;
   void move(const Transfer& transfer);
   void find_next();
 

@@ -57,7 +57,7 @@ const Instruction* Hart::csr_access(const Instruction* at) {
   const auto generation = cache_.generation();
   const auto saved = counters_;
   counters_.instructions += at->index;
-  counters_.cycles += at->cycles_before + e.extra_cycles;
+  counters_.cycles = start_of(at);
   std::uint32_t old = 0;
   bool good = read_csr(number, old) && !(writes && read_only);
   if (good && writes) good = write_csr(number, replace ? operand : set ? old | operand : old & ~operand);

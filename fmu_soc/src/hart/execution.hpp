@@ -54,6 +54,7 @@ struct Execution {
 
   // Of the block in progress.
   std::uint32_t extra_cycles = 0;          // beyond the static ones
+  std::uint32_t first_stall = 0;           // of them: what the first instruction waits for a load, from its start on
   const Instruction* exit = nullptr;       // everything before it has retired
   std::uint32_t* link = nullptr;           // where to note the block that follows
   bool jumped = false;                     // an unaligned target costs a cycle

@@ -67,7 +67,7 @@ bool Hart::fetch_and_execute(std::uint32_t number, std::uint32_t stall, std::uin
   const auto* first = cache_.instructions(block);
   if (missing == 0) {
     cache_.arrived(number);
-    execute(first, stall);
+    execute(first, 0, stall);
   } else {
     execute_fetching(first, stall);
   }
@@ -79,6 +79,7 @@ void Hart::execute_fetching(const Instruction* first, std::uint32_t stall) {
   auto& e = execution_;
   // The first instruction is fetched before it stalls for a load, as all others are.
   e.extra_cycles = fetch(first, counters_.cycles) + stall;
+  e.first_stall = stall;
   e.redirected = false;
   e.slow_load = nullptr;
   for (const auto* begin = first; begin != nullptr;) {

@@ -163,11 +163,12 @@ bool Hart::stays_awake() {
 
 /// The block at the pc, by the link of what led here if it knows. 0: nothing can be fetched there, or only a limit or a
 /// return from a trap has led there, and no block begins there otherwise. Limits cut anywhere: blocks from all of these
-/// places would fill the cache and, one after the other, get hot.
+/// places would fill the cache and, one after the other, get hot. With a loose limit blocks say where a core stops, so
+/// they must not depend on what is decoded: a core restored from a state has decoded nothing.
 inline std::uint32_t Hart::following() {
   const auto* link = execution_.link;
   if (link != nullptr && *link != 0 && cache_.block(*link).pc == execution_.pc) return *link;
-  if (link == nullptr && execution_.pc == cut_pc_) return cache_.known(cut_pc_);
+  if (link == nullptr && execution_.pc == cut_pc_ && !has_loose_limit()) return cache_.known(cut_pc_);
   return following_block(execution_.link);
 }
 
@@ -204,7 +205,7 @@ inline bool Hart::run_block(std::uint32_t number, std::uint64_t limit, bool tran
   const auto& block = cache_.block(number);
   // What ran before can delay the first instruction if it was a load. A jump soon after it is another matter.
   const bool early_jump = before_.op != Op::end_of_block && block.early_jump;
-  const auto stall = is_load(before_.op) ? static_cast<std::uint32_t>(block.stalled_by >> before_.rd & 1U) : 0U;
+  const auto stall = stall_of(block);
   const auto bound = ((block.entry_bound + stall) & bound_mask_) | unsettled_;
   if (observer_ != nullptr) [[unlikely]] {
     execute_observed();
@@ -224,7 +225,7 @@ inline bool Hart::run_block(std::uint32_t number, std::uint64_t limit, bool tran
       counters_.cycles += stall;
       return run_translated(*entry, limit);
     }
-    execute(cache_.instructions(block), stall);
+    execute(cache_.instructions(block), 0, stall);
   } else {
     interpret(block, stall, limit);
   }
@@ -234,7 +235,7 @@ inline bool Hart::run_block(std::uint32_t number, std::uint64_t limit, bool tran
 /// A block, and behind it what follows by links without anything to decide: short loops stay here.
 inline void Hart::interpret(const Block& block, std::uint32_t stall, std::uint64_t limit) {
   auto& e = execution_;
-  execute(cache_.instructions(block), stall);
+  execute(cache_.instructions(block), 0, stall);
   // Behind a taken branch or jump to a known block, only the limit wants a look.
   while (e.jumped && e.link != nullptr && *e.link != 0) {
     const auto& next = cache_.block(*e.link);
@@ -311,7 +312,7 @@ const translate::Entry* Hart::translated(std::uint32_t number, const Block& bloc
   const auto first = cache_.instructions(block)->op;
   if (ends_block(first) && !is_jump(first) && !is_hardware_loop(first)) return nullptr;  // nothing to gain
   if (translator == nullptr) {
-    translator = translate::make_translator(cache_, execution_, {bound_mask_ != ~std::uint64_t{0}, decoded_->banks});
+    translator = translate::make_translator(cache_, execution_, {has_loose_limit(), decoded_->banks});
     generation = cache_.generation();
     translation_on_ = translator != nullptr;
     if (!translation_on_) return nullptr;
@@ -348,7 +349,12 @@ bool Hart::run_translated(const translate::Entry& entry, std::uint64_t limit) {
   }
   if (exit.is_reached_straight && host.came_from != nullptr) remember(host.came_from);
   if (exit.resumes) {
-    execute(exit.at, exit.wait_cycles);
+    std::uint32_t stall = 0;
+    if (exit.at->index == 0) {  // counted already, but it has not begun
+      stall = stall_of(cache_.block(cache_.known(exit.at->pc)));
+      counters_.cycles -= stall;
+    }
+    execute(exit.at, exit.wait_cycles, stall);
     return false;
   }
   if (!exit.indirect) e.pc = exit.pc;
@@ -364,9 +370,10 @@ bool Hart::run_translated(const translate::Entry& entry, std::uint64_t limit) {
   return true;
 }
 
-void Hart::execute(const Instruction* first, std::uint32_t extra_cycles) {
+void Hart::execute(const Instruction* first, std::uint32_t extra_cycles, std::uint32_t stall) {
   auto& e = execution_;
-  e.extra_cycles = extra_cycles;
+  e.extra_cycles = extra_cycles + stall;
+  e.first_stall = stall;
   e.redirected = false;
   e.slow_load = nullptr;
   for (const auto* at = first; at != nullptr;) at = at->run(e, at);
@@ -432,6 +439,7 @@ void Hart::set_interrupt(unsigned bit, bool level) {
 
 const Instruction* Hart::raise(const Instruction* at, std::uint32_t cause, std::uint32_t value) {
   auto& e = execution_;
+  e.extra_cycles -= stalled_before(at);
   e.pc = at->pc;
   e.exit = at;
   e.link = nullptr;
@@ -454,6 +462,7 @@ const Instruction* Hart::leave_after(const Instruction* at, Leave why) {
 
 const Instruction* Hart::leave_before(const Instruction* at, Leave why) {
   auto& e = execution_;
+  e.extra_cycles -= stalled_before(at);
   e.pc = at->pc;
   e.exit = at;
   e.link = nullptr;
@@ -476,14 +485,14 @@ const Instruction* Hart::slow_load(const Instruction* at, std::uint32_t address,
     return leave_after(at, Leave::normal);
   }
   if (size != 4 || address % 4 != 0) return raise(at, cause::kLoadAccess, address);
-  return finish_load(at, address, bus_.load(address, cycle_of(at)));
+  return finish_load(at, address, bus_.load(address, start_of(at)));
 }
 
 const Instruction* Hart::event_load(const Instruction* at) {
   auto& e = execution_;
   const auto address = e.x[at->rs1] + static_cast<std::uint32_t>(at->imm);
   if (address % 4 != 0 || port_of(address, 4) != nullptr) return slow_load(at, address, 4, true);
-  const auto reply = bus_.load_event(address, cycle_of(at));
+  const auto reply = bus_.load_event(address, start_of(at));
   if (reply.kind == BusReply::Kind::blocked) return leave_before(at, Leave::event);
   return finish_load(at, address, reply);
 }
@@ -508,7 +517,7 @@ const Instruction* Hart::slow_store(const Instruction* at, std::uint32_t address
     return marked_store(at, address, size);
   }
   if (size != 4 || address % 4 != 0) return raise(at, cause::kStoreAccess, address);
-  const auto reply = bus_.store(address, cycle_of(at), value);
+  const auto reply = bus_.store(address, start_of(at), value);
   if (reply.kind == BusReply::Kind::later) return leave_before(at, Leave::turn);
   if (reply.kind != BusReply::Kind::done) return raise(at, cause::kStoreAccess, address);
   e.extra_cycles += reply.wait_cycles;
@@ -657,8 +666,9 @@ void Hart::restore(state::Reader& reader) {
   reader.get(exception_cause_);
   reader.get(exception_repeats_);
   reader.get(exception_instructions_);
+  cut_pc_ = kNoPc;
   cache_.clear();
-  for (const auto& loop : execution_.loops) cache_.end_block_at(loop.end);
+  for (const auto& loop : execution_.loops) cache_.end_block_at(loop.end);  // for a hart restored without its memory
 }
 
 }  // namespace mebots::soc

@@ -161,6 +161,10 @@ class Hart {
   std::uint64_t cycle_of(const Instruction* at) const {
     return counters_.cycles + at->cycles_before + execution_.extra_cycles;
   }
+  /// Likewise, as devices and counters see it: a stall for the load before comes from the instruction's start on, at
+  /// the start of a block as in its middle. An instruction that is left before it has done anything has not stalled
+  /// yet.
+  std::uint64_t start_of(const Instruction* at) const { return cycle_of(at) - stalled_before(at); }
   const Instruction* raise(const Instruction* at, std::uint32_t cause, std::uint32_t value);
   const Instruction* slow_load(const Instruction* at, std::uint32_t address, unsigned size, bool sign);
   const Instruction* slow_store(const Instruction* at, std::uint32_t address, unsigned size, std::uint32_t value);
@@ -212,7 +216,12 @@ class Hart {
   bool run_block(std::uint32_t number, std::uint64_t limit, bool translated_led_here);
   void interpret(const Block& block, std::uint32_t stall, std::uint64_t limit);
   Stop leave();
-  void execute(const Instruction* first, std::uint32_t extra_cycles = 0);
+  void execute(const Instruction* first, std::uint32_t extra_cycles = 0, std::uint32_t stall = 0);
+  std::uint32_t stall_of(const Block& block) const {
+    return is_load(before_.op) ? static_cast<std::uint32_t>(block.stalled_by >> before_.rd & 1U) : 0U;
+  }
+  bool has_loose_limit() const { return bound_mask_ != ~std::uint64_t{0}; }
+  std::uint32_t stalled_before(const Instruction* at) const { return at->index == 0 ? execution_.first_stall : 0U; }
   void finish_block();
   void execute_observed();
   bool fetch_and_execute(std::uint32_t number, std::uint32_t stall, std::uint64_t limit);

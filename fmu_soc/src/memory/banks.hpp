@@ -38,6 +38,18 @@ class Banks {
     return tick < end ? static_cast<std::uint32_t>(end - tick) : 0;
   }
 
+  /// For who has its turn at the latest after one other: takes the bank's cycle in `tick`, or when that is taken the
+  /// next one in any case. The answer is 0 or 1.
+  std::uint32_t claim_soon(std::uint64_t tick, std::uint32_t address) {
+    if (tick < start_ || tick + 1 >= start_ + kReach) return 0;
+    const auto byte_of = [this, address](std::uint64_t at) -> std::uint8_t& {
+      return taken_[at % kWindow * count_ + address / 4 % count_];
+    };
+    const std::uint32_t wait = byte_of(tick) != 0 ? 1 : 0;
+    byte_of(tick + wait) = 1;
+    return wait;
+  }
+
   /// The window starts at `tick` from now on; ticks do not go back.
   void move_to(std::uint64_t tick) {
     const auto first = start_ % kWindow;

@@ -3,9 +3,29 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cstring>
 
 namespace mebots::soc {
+namespace {
+
+/// Calls `visit` with every word of the region that has one of the marks. Few have: eight words are looked at together.
+template <typename Visit>
+void for_marked(const Region& region, std::uint8_t marks, Visit visit) {
+  const auto pattern = 0x0101'0101'0101'0101ULL * marks;
+  const auto count = region.size / 4;
+  for (std::uint32_t first = 0; first < count; first += 8) {
+    const auto words = std::min(count - first, std::uint32_t{8});
+    std::uint64_t several = 0;
+    std::memcpy(&several, region.marks.get() + first, words);
+    if ((several & pattern) == 0) continue;
+    for (auto word = first; word < first + words; ++word) {
+      if ((region.marks[word] & marks) != 0) visit(word);
+    }
+  }
+}
+
+}  // namespace
 
 Region& Memory::add(const std::string& name, std::uint32_t base, std::uint32_t size) {
   if (size == 0 || size % 4 != 0 || base % 4 != 0) {
@@ -96,17 +116,31 @@ void Memory::forget_code() {
 }
 
 void Memory::save(state::Writer& writer) const {
-  for (const auto& region : regions_) writer.put(std::span<const std::uint8_t>(region.data.get(), region.size));
+  std::vector<std::uint32_t> loop_ends;  // words of the region
+  for (const auto& region : regions_) {
+    writer.put(std::span<const std::uint8_t>(region.data.get(), region.size));
+    loop_ends.clear();
+    for_marked(region, Region::kLoop, [&](std::uint32_t word) { loop_ends.push_back(word); });
+    writer.put(loop_ends);
+  }
 }
 
 void Memory::restore(state::Reader& reader) {
   std::vector<std::uint8_t> bytes;
+  std::vector<std::uint32_t> loop_ends;
   for (auto& region : regions_) {
     reader.get(bytes);
+    reader.get(loop_ends);
     if (bytes.size() != region.size)
       throw Error(fmt::format("a saved state does not fit memory {}: another board?", region.name));
     std::memcpy(region.data.get(), bytes.data(), bytes.size());
+    for_marked(region, Region::kLoop, [&](std::uint32_t word) { region.marks[word] ^= Region::kLoop; });
+    for (const auto word : loop_ends) {
+      if (word >= region.size / 4) throw Error(fmt::format("a saved state has a loop outside memory {}", region.name));
+      region.marks[word] |= Region::kLoop;
+    }
   }
+  forget_code();  // blocks ended elsewhere
 }
 
 }  // namespace mebots::soc

@@ -58,7 +58,8 @@ class Memory {
   /// Makes all decoded instructions void.
   void forget_code();
 
-  /// Contents of all regions; marks are not part of it.
+  /// Contents of all regions, and where hardware loops end: blocks end there, and with them the steps in which the
+  /// cores of a cluster take turns. The other marks are not part of it.
   void save(state::Writer& writer) const;
   void restore(state::Reader& reader);
 
