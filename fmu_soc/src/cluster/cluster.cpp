@@ -99,11 +99,11 @@ void Cluster::share_banks() {
 }
 
 void Cluster::run_quantum(std::uint64_t start, std::uint64_t until) {
-  if (start > banks_.start()) {
+  share_banks();
+  if (sharing_banks_ && start > banks_.start()) {
     dma_.occupy(banks_, start);  // what it moved while all slept
     banks_.move_to(start);
   }
-  share_banks();
   auto end = std::min(start + (sharing_banks_ ? kQuantum : kLongQuantum), until);
   if (dma_first_) dma_.occupy(banks_, end);
   auto next = first_core_;

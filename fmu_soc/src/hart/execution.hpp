@@ -38,6 +38,8 @@ struct HostState {
   std::uint64_t instruction_fj = 0;        // their energy
   const void* targets = nullptr;           // code of indirect jumps
   const Instruction* came_from = nullptr;  // the end of the block from which a region's block was reached straight
+  const Instruction* slow_load = nullptr;  // the last load across two words
+  std::uint64_t slow_load_when = 0;        // what `instructions` was then: of its block if they still are
   // Of the banks of the first memory.
   std::uint8_t* taken = nullptr;  // Banks::taken(), null when nobody else uses it
   std::uint64_t limit_tick = 0;   // the tick of the limit

@@ -325,6 +325,7 @@ bool Hart::run_translated(const translate::Entry& entry, std::uint64_t limit) {
   auto& e = execution_;
   auto& host = e.host;
   const auto budget = static_cast<std::int64_t>(std::min(limit - counters_.cycles, kLongestRun));
+  host.slow_load = nullptr;
   host.taken = nullptr;
   host.claims_above = std::numeric_limits<std::int64_t>::max();
   if (auto* schedule = e.ram[0].banks; schedule != nullptr) {
@@ -354,7 +355,7 @@ bool Hart::run_translated(const translate::Entry& entry, std::uint64_t limit) {
       stall = stall_of(cache_.block(cache_.known(exit.at->pc)));
       counters_.cycles -= stall;
     }
-    execute(exit.at, exit.wait_cycles, stall);
+    execute(exit.at, exit.wait_cycles, stall, host.slow_load_when == host.instructions ? host.slow_load : nullptr);
     return false;
   }
   if (!exit.indirect) e.pc = exit.pc;
@@ -370,12 +371,13 @@ bool Hart::run_translated(const translate::Entry& entry, std::uint64_t limit) {
   return true;
 }
 
-void Hart::execute(const Instruction* first, std::uint32_t extra_cycles, std::uint32_t stall) {
+void Hart::execute(const Instruction* first, std::uint32_t extra_cycles, std::uint32_t stall,
+                   const Instruction* slow_load) {
   auto& e = execution_;
   e.extra_cycles = extra_cycles + stall;
   e.first_stall = stall;
   e.redirected = false;
-  e.slow_load = nullptr;
+  e.slow_load = slow_load;
   for (const auto* at = first; at != nullptr;) at = at->run(e, at);
   finish_block();
 }

@@ -216,7 +216,8 @@ class Hart {
   bool run_block(std::uint32_t number, std::uint64_t limit, bool translated_led_here);
   void interpret(const Block& block, std::uint32_t stall, std::uint64_t limit);
   Stop leave();
-  void execute(const Instruction* first, std::uint32_t extra_cycles = 0, std::uint32_t stall = 0);
+  void execute(const Instruction* first, std::uint32_t extra_cycles = 0, std::uint32_t stall = 0,
+               const Instruction* slow_load = nullptr);
   std::uint32_t stall_of(const Block& block) const {
     return is_load(before_.op) ? static_cast<std::uint32_t>(block.stalled_by >> before_.rd & 1U) : 0U;
   }

@@ -30,7 +30,7 @@ constexpr int offset_of_register(unsigned reg) {
 ///   r14    bytes of the first fast memory
 ///   r15    cycles that may still start, as of the start of the block less what came up by execution in it
 ///   xmm15  counts: instructions and accesses (32 bits each), energy of instructions [fJ]
-///   rax, rcx, rdx, xmm0, xmm1  scratch; all others hold guest registers, zero-extended
+///   rax, rcx, rdx, xmm0 to xmm2  scratch; all others hold guest registers, zero-extended
 ///
 /// A block that is left by a jump forgets what came before it. One that is left straight on may delay the next one:
 /// that is added on the edge, and `HostState::came_from` says which it was, for who leaves that next one early.
@@ -127,6 +127,9 @@ class Emitter : private Xbyak::CodeGenerator {
   void emit_store(const Instruction* at, unsigned size);
   Label emit_address(const Instruction* at, unsigned size, Label& other);
   void emit_middle_of_word(unsigned size, Label& inside);
+  void emit_across_words(const Instruction* at, unsigned size, Label& marked, Label& claimed);
+  bool near(const std::uint8_t* table, std::size_t size) const;
+  Xbyak::Address marks_of_word(unsigned words);
   void emit_increment(const Instruction* at);
   void emit_claim(const Instruction* at, bool word_in_ecx);
   void check_address(const Reg32& offset, const Reg32& scratch, const FastRegion& ram, unsigned size, Label& other);

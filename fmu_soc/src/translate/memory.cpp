@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Loads and stores in the two fast memories. What is misaligned, elsewhere, or stored where somebody must hear of it
-// goes to the interpreter.
+// Loads and stores in the two fast memories. What is misaligned in the second one, elsewhere, or stored where somebody
+// must hear of it goes to the interpreter.
 #include "translate/emitter.hpp"
 
 #include <array>
@@ -84,6 +84,49 @@ void Emitter::emit_middle_of_word(unsigned size, Label& inside) {
   L(other);
 }
 
+/// Likewise for bytes of two words: two accesses. Stores go to `marked` when somebody must hear of them. A load near
+/// the end of its block is left to the interpreter, since what comes behind may depend on it.
+void Emitter::emit_across_words(const Instruction* at, unsigned size, Label& marked, Label& claimed) {
+  if (size == 1 || (is_load(at->op) && (is_block_end(at[1].op) || is_block_end(at[2].op)))) return;
+  Label other;
+  cmp(eax, ram_[0].span);
+  jae(other, T_NEAR);
+  if (is_store(at->op)) {
+    mov(ecx, eax);
+    shr(ecx, 2);
+    cmp(marks_of_word(2), 0);
+    jne(marked, T_NEAR);
+  } else {
+    mov(rdx, reinterpret_cast<std::uint64_t>(at));
+    mov(ptr[rbx + static_cast<int>(offsetof(Execution, host.slow_load))], rdx);
+    movq(ptr[rbx + static_cast<int>(offsetof(Execution, host.slow_load_when))], xmm15);
+  }
+  emit_claim(at, false);
+  sub(r15, kMisalignedExtra + ram_[0].wait_cycles);
+  if (manner_.banks != nullptr) {
+    add(eax, 4);
+    emit_claim(at, false);
+    sub(eax, 4);
+  }
+  jmp(claimed, T_NEAR);
+  L(other);
+}
+
+/// Whether a table lies where r14 reaches it.
+bool Emitter::near(const std::uint8_t* table, std::size_t size) const {
+  const auto distance = table - ram_[0].data;
+  return distance >= std::numeric_limits<std::int32_t>::min() &&
+         distance + static_cast<std::ptrdiff_t>(size) <= std::numeric_limits<std::int32_t>::max();
+}
+
+/// The marks of one or two words of the first memory from that with number ecx; rdx may be lost.
+Xbyak::Address Emitter::marks_of_word(unsigned words) {
+  const auto& frame = words == 1 ? byte : word;
+  if (near(ram_[0].marks, ram_[0].span)) return frame[r14 + rcx + static_cast<int>(ram_[0].marks - ram_[0].data)];
+  mov(rdx, ptr[rbx + static_cast<int>(offsetof(Execution, ram[0].marks))]);
+  return frame[rdx + rcx];
+}
+
 /// Adds to the address register of a post-increment.
 void Emitter::emit_increment(const Instruction* at) {
   const auto mode = Kind(at->op).mode;
@@ -122,18 +165,21 @@ void Emitter::fetch(const Reg32& to, const Xbyak::RegExp& from, unsigned size, b
 
 void Emitter::emit_load(const Instruction* at, unsigned size, bool sign) {
   Label other;
+  Label claimed;
   Label done;
   auto inside = emit_address(at, size, other);
   emit_claim(at, size == 4);
+  L(claimed);
   // The increment reads its registers before the load writes its own.
   const auto to = is_post_increment(at->op) ? eax : place(at->rd, eax);
   fetch(to, r14 + rax, size, sign);
   L(done);
   emit_increment(at);
   finish(at->rd, to);
-  later([this, at, size, sign, to, other, done, inside]() mutable {
+  later([this, at, size, sign, to, other, claimed, done, inside]() mutable {
     L(other);
     emit_middle_of_word(size, inside);
+    emit_across_words(at, size, claimed, claimed);
     const auto& ram = ram_[1];
     if (ram.span == 0 || ram.banks != nullptr) {
       emit_resume(at);
@@ -157,6 +203,7 @@ void Emitter::emit_load(const Instruction* at, unsigned size, bool sign) {
 void Emitter::emit_store(const Instruction* at, unsigned size) {
   Label other;
   Label marked;
+  Label claimed;
   Label done;
   const auto store = [this, at, size](const Xbyak::RegExp& where, const Reg32& scratch) {
     const auto from = value(at->rs2, scratch);
@@ -173,21 +220,17 @@ void Emitter::emit_store(const Instruction* at, unsigned size) {
     mov(ecx, eax);
     shr(ecx, 2);
   }
-  const auto distance = ram_[0].marks - ram_[0].data;
-  if (distance >= std::numeric_limits<std::int32_t>::min() && distance <= std::numeric_limits<std::int32_t>::max()) {
-    cmp(byte[r14 + rcx + static_cast<int>(distance)], 0);
-  } else {
-    mov(rdx, ptr[rbx + static_cast<int>(offsetof(Execution, ram[0].marks))]);
-    cmp(byte[rdx + rcx], 0);
-  }
+  cmp(marks_of_word(1), 0);
   jne(marked, T_NEAR);
   emit_claim(at, true);
+  L(claimed);
   store(r14 + rax, ecx);
   L(done);
   emit_increment(at);
-  later([this, at, size, store, other, marked, done, inside]() mutable {
+  later([this, at, size, store, other, marked, claimed, done, inside]() mutable {
     L(other);
     emit_middle_of_word(size, inside);
+    emit_across_words(at, size, marked, claimed);
     const auto& ram = ram_[1];
     if (ram.span != 0 && ram.banks == nullptr) {
       lea(ecx, ptr[rax + static_cast<std::int32_t>(ram_[0].base - ram.base)]);
@@ -239,11 +282,10 @@ void Emitter::emit_claim(const Instruction* at, bool word_in_ecx) {
     shl(edx, std::countr_zero(count));
     and_(edx, bytes - count);
     or_(edx, ecx);
-    const auto distance = manner_.banks->taken() - ram_[0].data;
-    const bool near = distance >= std::numeric_limits<std::int32_t>::min() &&
-                      distance + static_cast<std::ptrdiff_t>(bytes) <= std::numeric_limits<std::int32_t>::max();
-    if (!near) add(rdx, qword[rbx + host(offsetof(HostState, taken))]);
-    const auto cycle = near ? byte[r14 + rdx + static_cast<int>(distance)] : byte[rdx];
+    const auto* table = manner_.banks->taken();
+    const bool is_near = near(table, bytes);
+    if (!is_near) add(rdx, qword[rbx + host(offsetof(HostState, taken))]);
+    const auto cycle = is_near ? byte[r14 + rdx + static_cast<int>(table - ram_[0].data)] : byte[rdx];
     cmp(cycle, 0);
     jne(taken, T_NEAR);
     mov(cycle, 1);

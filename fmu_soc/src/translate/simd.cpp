@@ -3,6 +3,10 @@
 // The SIMD computing of Xpulp v2, in the low 32 bits of SSE registers. Meanings: isa/operations_simd.hpp.
 #include "translate/emitter.hpp"
 
+#include <xbyak/xbyak_util.h>
+
+#include <optional>
+
 namespace mebots::soc::translate {
 namespace {
 
@@ -11,6 +15,15 @@ bool on_bytes(Op op) {
   const auto first = op < Op::pv_cmpeq_h ? Op::pv_add_h : Op::pv_cmpeq_h;
   return ((static_cast<unsigned>(op) - static_cast<unsigned>(first)) & 1U) != 0;
 }
+/// How the host does a dot product of unsigned by signed bytes in one instruction, if it can.
+std::optional<Xbyak::PreferredEncoding> host_dot_product() {
+  using Xbyak::util::Cpu;
+  static const Cpu cpu;
+  if (cpu.has(Cpu::tAVX_VNNI)) return Xbyak::VexEncoding;
+  if (cpu.has(Cpu::tAVX512_VNNI) && cpu.has(Cpu::tAVX512VL)) return Xbyak::EvexEncoding;
+  return std::nullopt;
+}
+
 constexpr std::uint32_t kSignOfBytes = 0x80808080U;
 constexpr std::uint32_t kSignOfHalves = 0x80008000U;
 
@@ -206,18 +219,40 @@ bool Emitter::emit_simd_shift(const Instruction* at) {
   return true;
 }
 
-/// Products of halves by pmaddwd where both are signed, else one by one; bytes are widened to halves first: pmaddubsw
-/// would saturate.
+/// Products of halves by pmaddwd where both are signed, else one by one. Bytes are widened to halves first, since
+/// pmaddubsw would saturate, but for unsigned by signed ones, for which newer hosts have an instruction.
 void Emitter::emit_dot(const Instruction* at) {
   const auto kind = (static_cast<unsigned>(at->op) - static_cast<unsigned>(Op::pv_dotup_h)) / 2;
   const bool accumulates = kind >= 3;
   const bool left_signed = kind % 3 == 2;  // up, usp, sp
   const bool right_signed = kind % 3 != 0;
-  copy(eax, at->rs1);
-  load_second(at);
   if (on_bytes(at->op)) {
-    movd(xmm0, eax);
-    movd(xmm1, ecx);
+    const auto into = [this](const Xbyak::Xmm& to, unsigned reg) {
+      if (reg == 0) {
+        pxor(to, to);
+      } else if (in_host(reg)) {
+        movd(to, host(reg));
+      } else {
+        movd(to, memory(reg));
+      }
+    };
+    into(xmm0, at->rs1);
+    if (operand_of(*at) == Operand::reg) {
+      into(xmm1, at->rs2);
+    } else {
+      load_second(at);
+      movd(xmm1, ecx);
+    }
+    if (const auto encoding = host_dot_product(); encoding && !left_signed && right_signed) {
+      into(xmm2, accumulates ? at->rd : 0U);
+      vpdpbusd(xmm2, xmm0, xmm1, *encoding);
+      if (in_host(at->rd)) {
+        movd(host(at->rd), xmm2);
+      } else {
+        movd(memory(at->rd), xmm2);
+      }
+      return;
+    }
     left_signed ? pmovsxbw(xmm0, xmm0) : pmovzxbw(xmm0, xmm0);
     right_signed ? pmovsxbw(xmm1, xmm1) : pmovzxbw(xmm1, xmm1);
     pmaddwd(xmm0, xmm1);
@@ -225,11 +260,15 @@ void Emitter::emit_dot(const Instruction* at) {
     paddd(xmm0, xmm1);
     movd(eax, xmm0);
   } else if (left_signed) {
+    copy(eax, at->rs1);
+    load_second(at);
     movd(xmm0, eax);
     movd(xmm1, ecx);
     pmaddwd(xmm0, xmm1);
     movd(eax, xmm0);
   } else {
+    copy(eax, at->rs1);
+    load_second(at);
     mov(edx, eax);
     movzx(eax, ax);
     shr(edx, 16);
