@@ -71,14 +71,16 @@ TEST(Scale, AThousandInstancesOfOneFmuRunAsARing) {
 TEST(Scale, InstancesThatComeAndGoLeaveNothingBehind) {
   const auto fmu = std::make_shared<Fmu>(cycled_fmu());
   Messages messages;
-  const auto cycle = [&] {
-    FmuSlave slave("cycle", fmu, {}, messages);
-    slave.setup_experiment(0, 1'000'000'000);
-    slave.enter_initialization();
-    slave.exit_initialization();
-    slave.step(0, 2'000'000);
-    slave.terminate();
+  const auto start = [&](const char* name) {
+    auto slave = std::make_unique<FmuSlave>(name, fmu, std::vector<std::string>{}, messages);
+    slave->setup_experiment(0, 1'000'000'000);
+    slave->enter_initialization();
+    slave->exit_initialization();
+    slave->step(0, 2'000'000);
+    return slave;
   };
+  const auto cycle = [&] { start("cycle")->terminate(); };
+  const auto stays = start("stays");                // and with it what the instances of an FMU share
   for (int i = 0; i < cycles() / 10; ++i) cycle();  // what is made once, late, is no growth
   const auto before = holdings();
   for (int i = 0; i < cycles(); ++i) cycle();
