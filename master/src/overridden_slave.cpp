@@ -56,7 +56,7 @@ std::variant<double, std::int32_t, std::string> plain(const modeldesc::Value& va
 }  // namespace
 
 OverriddenSlave::OverriddenSlave(std::unique_ptr<Slave> inner, const Scenario& scenario, std::size_t instance)
-    : ForwardingSlave(std::move(inner)), scenario_(&scenario) {
+    : AccessSlave(std::move(inner)), scenario_(&scenario) {
   const auto& overrides = scenario.overrides();
   for (std::size_t i = 0; i < overrides.size(); ++i) {
     if (overrides[i].variable.instance != instance) continue;
@@ -165,52 +165,26 @@ StepResult OverriddenSlave::step(std::int64_t start_ns, std::int64_t duration_ns
 }
 
 void OverriddenSlave::set_one(const Target& target, const Value& value) {
-  const std::span<const ValueReference> reference(&target.reference, 1);
-  if (const auto* number = std::get_if<double>(&value)) return inner().set_reals(reference, {number, 1});
-  if (const auto* text = std::get_if<std::string>(&value)) return inner().set_strings(reference, {text, 1});
-  const std::span<const std::int32_t> number(&std::get<std::int32_t>(value), 1);
-  if (target.kind == ValueKind::boolean) {
-    inner().set_booleans(reference, number);
-  } else {
-    inner().set_integers(reference, number);
-  }
+  std::visit(
+      [&]<typename T>(const T& one) {
+        pass_set(target.kind, {&target.reference, 1}, std::span<const T>(&one, 1));
+      },
+      value);
 }
 
-void OverriddenSlave::get_reals(std::span<const ValueReference> references, std::span<double> values) {
-  inner().get_reals(references, values);
-  change_outputs(ValueKind::real, references, values);
+void OverriddenSlave::get(ValueKind kind, std::span<const ValueReference> references, Destination destination) {
+  pass_get(kind, references, destination);
+  std::visit([&](auto values) { change_outputs(kind, references, values); }, destination);
 }
-void OverriddenSlave::get_integers(std::span<const ValueReference> references, std::span<std::int32_t> values) {
-  inner().get_integers(references, values);
-  change_outputs(ValueKind::integer, references, values);
-}
-void OverriddenSlave::get_booleans(std::span<const ValueReference> references, std::span<std::int32_t> values) {
-  inner().get_booleans(references, values);
-  change_outputs(ValueKind::boolean, references, values);
-}
-void OverriddenSlave::get_strings(std::span<const ValueReference> references, std::span<std::string> values) {
-  inner().get_strings(references, values);
-  change_outputs(ValueKind::string, references, values);
-}
-void OverriddenSlave::set_reals(std::span<const ValueReference> references, std::span<const double> values) {
-  std::vector<double> changed(values.begin(), values.end());
-  const bool any = change_inputs(ValueKind::real, references, changed);
-  inner().set_reals(references, any ? std::span<const double>(changed) : values);
-}
-void OverriddenSlave::set_integers(std::span<const ValueReference> references, std::span<const std::int32_t> values) {
-  std::vector<std::int32_t> changed(values.begin(), values.end());
-  change_inputs(ValueKind::integer, references, changed);
-  inner().set_integers(references, changed);
-}
-void OverriddenSlave::set_booleans(std::span<const ValueReference> references, std::span<const std::int32_t> values) {
-  std::vector<std::int32_t> changed(values.begin(), values.end());
-  change_inputs(ValueKind::boolean, references, changed);
-  inner().set_booleans(references, changed);
-}
-void OverriddenSlave::set_strings(std::span<const ValueReference> references, std::span<const std::string> values) {
-  std::vector<std::string> changed(values.begin(), values.end());
-  change_inputs(ValueKind::string, references, changed);
-  inner().set_strings(references, changed);
+
+void OverriddenSlave::set(ValueKind kind, std::span<const ValueReference> references, Source source) {
+  std::visit(
+      [&]<typename T>(std::span<const T> values) {
+        std::vector<T> changed(values.begin(), values.end());
+        const bool any = change_inputs(kind, references, changed);
+        pass_set(kind, references, any ? std::span<const T>(changed) : values);
+      },
+      source);
 }
 
 void OverriddenSlave::save_own(state::Writer& writer) const {

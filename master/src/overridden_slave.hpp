@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "mebots/master/forwarding_slave.hpp"
+#include "access_slave.hpp"
 #include "mebots/master/scenario.hpp"
 
 #include <optional>
@@ -11,21 +11,12 @@ namespace mebots::master {
 
 /// Changes some variables of the slave behind it on their way, as a scenario says: inputs as the slave sees them,
 /// outputs as all others see them. Times are those of the slave's own communication points.
-class OverriddenSlave final : public ForwardingSlave {
+class OverriddenSlave final : public AccessSlave {
  public:
   /// `scenario` must outlive the slave.
   OverriddenSlave(std::unique_ptr<Slave> inner, const Scenario& scenario, std::size_t instance);
 
   StepResult step(std::int64_t start_ns, std::int64_t duration_ns) override;
-
-  void get_reals(std::span<const ValueReference> references, std::span<double> values) override;
-  void get_integers(std::span<const ValueReference> references, std::span<std::int32_t> values) override;
-  void get_booleans(std::span<const ValueReference> references, std::span<std::int32_t> values) override;
-  void get_strings(std::span<const ValueReference> references, std::span<std::string> values) override;
-  void set_reals(std::span<const ValueReference> references, std::span<const double> values) override;
-  void set_integers(std::span<const ValueReference> references, std::span<const std::int32_t> values) override;
-  void set_booleans(std::span<const ValueReference> references, std::span<const std::int32_t> values) override;
-  void set_strings(std::span<const ValueReference> references, std::span<const std::string> values) override;
 
   std::unique_ptr<SlaveState> save_state() override;
   void restore_state(const SlaveState& state) override;
@@ -33,6 +24,9 @@ class OverriddenSlave final : public ForwardingSlave {
   std::unique_ptr<SlaveState> deserialize(std::span<const std::byte> bytes) override;
 
  private:
+  void get(ValueKind kind, std::span<const ValueReference> references, Destination values) override;
+  void set(ValueKind kind, std::span<const ValueReference> references, Source values) override;
+
   using Value = std::variant<double, std::int32_t, std::string>;
 
   /// One override, with the value that it found at the point where it began to act.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "mebots/master/forwarding_slave.hpp"
+#include "access_slave.hpp"
 #include "mebots/master/statistics.hpp"
 
 #include <chrono>
@@ -9,11 +9,11 @@
 namespace mebots::master {
 
 /// Counts and times every call to the slave behind it.
-class TimedSlave final : public ForwardingSlave {
+class TimedSlave final : public AccessSlave {
  public:
   /// `statistics` must outlive the slave.
   TimedSlave(std::unique_ptr<Slave> inner, InstanceStatistics& statistics)
-      : ForwardingSlave(std::move(inner)), statistics_(&statistics) {}
+      : AccessSlave(std::move(inner)), statistics_(&statistics) {}
 
   void setup_experiment(std::int64_t start_ns, std::int64_t stop_ns) override {
     timed([&] { inner().setup_experiment(start_ns, stop_ns); });
@@ -44,32 +44,14 @@ class TimedSlave final : public ForwardingSlave {
     timed([&] { inner().terminate(); });
   }
 
-  void get_reals(std::span<const ValueReference> references, std::span<double> values) override {
-    timed([&] { inner().get_reals(references, values); });
+ private:
+  void get(ValueKind kind, std::span<const ValueReference> references, Destination values) override {
+    timed([&] { pass_get(kind, references, values); });
   }
-  void get_integers(std::span<const ValueReference> references, std::span<std::int32_t> values) override {
-    timed([&] { inner().get_integers(references, values); });
-  }
-  void get_booleans(std::span<const ValueReference> references, std::span<std::int32_t> values) override {
-    timed([&] { inner().get_booleans(references, values); });
-  }
-  void get_strings(std::span<const ValueReference> references, std::span<std::string> values) override {
-    timed([&] { inner().get_strings(references, values); });
-  }
-  void set_reals(std::span<const ValueReference> references, std::span<const double> values) override {
-    timed([&] { inner().set_reals(references, values); });
-  }
-  void set_integers(std::span<const ValueReference> references, std::span<const std::int32_t> values) override {
-    timed([&] { inner().set_integers(references, values); });
-  }
-  void set_booleans(std::span<const ValueReference> references, std::span<const std::int32_t> values) override {
-    timed([&] { inner().set_booleans(references, values); });
-  }
-  void set_strings(std::span<const ValueReference> references, std::span<const std::string> values) override {
-    timed([&] { inner().set_strings(references, values); });
+  void set(ValueKind kind, std::span<const ValueReference> references, Source values) override {
+    timed([&] { pass_set(kind, references, values); });
   }
 
- private:
   /// Does the work, counts it, and says how long it took [s].
   template <typename Work>
   double timed(Work work) {

@@ -34,21 +34,35 @@ void TolerantSlave::attempt(Work work) {
   }
 }
 
-template <typename T, typename Get>
-void TolerantSlave::get(std::vector<Kept<T>>& all, std::span<const ValueReference> references, std::span<T> values,
-                        Get get) {
-  auto found = std::find_if(all.begin(), all.end(), [&](const Kept<T>& kept) {
-    return std::equal(kept.references.begin(), kept.references.end(), references.begin(), references.end());
-  });
-  if (found == all.end()) {
-    all.push_back({{references.begin(), references.end()}, std::vector<T>(values.size())});
-    found = all.end() - 1;
-  }
-  attempt([&] {
-    get();
-    std::copy(values.begin(), values.end(), found->values.begin());
-  });
-  if (lost()) std::copy(found->values.begin(), found->values.end(), values.begin());
+template <typename T>
+std::vector<TolerantSlave::Kept<T>>& TolerantSlave::kept_of(ValueKind kind) {
+  if constexpr (std::is_same_v<T, double>) return reals_;
+  if constexpr (std::is_same_v<T, std::string>) return strings_;
+  if constexpr (std::is_same_v<T, std::int32_t>) return kind == ValueKind::boolean ? booleans_ : integers_;
+}
+
+void TolerantSlave::get(ValueKind kind, std::span<const ValueReference> references, Destination destination) {
+  std::visit(
+      [&]<typename T>(std::span<T> values) {
+        auto& all = kept_of<T>(kind);
+        auto found = std::find_if(all.begin(), all.end(), [&](const Kept<T>& kept) {
+          return std::equal(kept.references.begin(), kept.references.end(), references.begin(), references.end());
+        });
+        if (found == all.end()) {
+          all.push_back({{references.begin(), references.end()}, std::vector<T>(values.size())});
+          found = all.end() - 1;
+        }
+        attempt([&] {
+          pass_get(kind, references, destination);
+          std::copy(values.begin(), values.end(), found->values.begin());
+        });
+        if (lost()) std::copy(found->values.begin(), found->values.end(), values.begin());
+      },
+      destination);
+}
+
+void TolerantSlave::set(ValueKind kind, std::span<const ValueReference> references, Source values) {
+  attempt([&] { pass_set(kind, references, values); });
 }
 
 StepResult TolerantSlave::step(std::int64_t start_ns, std::int64_t duration_ns) {
@@ -62,31 +76,6 @@ StepResult TolerantSlave::step(std::int64_t start_ns, std::int64_t duration_ns) 
 
 void TolerantSlave::terminate() {
   if (!lost()) inner().terminate();
-}
-
-void TolerantSlave::get_reals(std::span<const ValueReference> references, std::span<double> values) {
-  get(reals_, references, values, [&] { inner().get_reals(references, values); });
-}
-void TolerantSlave::get_integers(std::span<const ValueReference> references, std::span<std::int32_t> values) {
-  get(integers_, references, values, [&] { inner().get_integers(references, values); });
-}
-void TolerantSlave::get_booleans(std::span<const ValueReference> references, std::span<std::int32_t> values) {
-  get(booleans_, references, values, [&] { inner().get_booleans(references, values); });
-}
-void TolerantSlave::get_strings(std::span<const ValueReference> references, std::span<std::string> values) {
-  get(strings_, references, values, [&] { inner().get_strings(references, values); });
-}
-void TolerantSlave::set_reals(std::span<const ValueReference> references, std::span<const double> values) {
-  attempt([&] { inner().set_reals(references, values); });
-}
-void TolerantSlave::set_integers(std::span<const ValueReference> references, std::span<const std::int32_t> values) {
-  attempt([&] { inner().set_integers(references, values); });
-}
-void TolerantSlave::set_booleans(std::span<const ValueReference> references, std::span<const std::int32_t> values) {
-  attempt([&] { inner().set_booleans(references, values); });
-}
-void TolerantSlave::set_strings(std::span<const ValueReference> references, std::span<const std::string> values) {
-  attempt([&] { inner().set_strings(references, values); });
 }
 
 void TolerantSlave::save_kept(state::Writer& writer) const {
