@@ -14,11 +14,12 @@ import mebots
 FMU_DIR = pathlib.Path(sys.argv[1]).resolve()
 
 
-def config(folder):
+def config(folder, **battery):
     path = pathlib.Path(folder) / "config.json"
     path.write_text(json.dumps({
         "step": 0.01, "stop_time": 1,
-        "instances": {"battery": {"fmu": str(FMU_DIR / "fmu_battery.fmu"), "parameters": {"cell.name": "bitcraze_250"}},
+        "instances": {"battery": {"fmu": str(FMU_DIR / "fmu_battery.fmu"),
+                                  "parameters": {"cell.name": "bitcraze_250"}} | battery,
                       "motors": {"fmu": str(FMU_DIR / "fmu_motors.fmu")}},
         "connections": [{"from": "motors.power", "to": "battery.motors.power"},
                         {"from": "battery.bus.voltage", "to": "motors.bus.voltage"}],
@@ -69,9 +70,16 @@ def main():
             runs.append(again["battery.cell.voltage"])
         assert (runs[0] == runs[1]).all() and len(runs[0]) == 31
 
+        # And so does an instance in a process of its own, whose program stands beside the package.
+        isolated = mebots.Mission(config(folder, process="own"))
+        isolated.set("motors.rotor[1].command", 0.5)
+        isolated.set_stop_time(0.3)
+        isolated.run()
+        assert (isolated["battery.cell.voltage"] == runs[0]).all()
+
         # Mistakes are told.
         raises(mebots.InputError, lambda: mebots.Mission("nowhere.json"), "nowhere.json")
-        fresh = mebots.Mission(path)
+        fresh = mebots.Mission(config(folder))
         raises(mebots.InputError, lambda: fresh.set("batery.x", 1), "battery")
         raises(mebots.InputError, lambda: fresh.value("battery.cell.voltag"), "cell.voltage")
         raises(mebots.InputError, lambda: fresh.write("battery.motors.power", 1), "is connected to 'motors.power'")
