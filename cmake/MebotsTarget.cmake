@@ -6,6 +6,9 @@ function(mebots_target target)
   target_compile_features(${target} PUBLIC cxx_std_20)
   target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wshadow -ffp-contract=off
     $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>)  # GCC 12 warns falsely at string + string, GCC bug 105651
+  if(CMAKE_UNITY_BUILD)  # to GCC a source is then a header, in which a member from an anonymous namespace is suspicious
+    target_compile_options(${target} PRIVATE $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-Wno-subobject-linkage>)
+  endif()
   set_target_properties(${target} PROPERTIES CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
   if(MEBOTS_WARNINGS_AS_ERRORS)
     target_compile_options(${target} PRIVATE -Werror)

@@ -38,6 +38,9 @@ TEST(CheckBehaviour, StateThatLeaksBetweenRunsAndInstancesIsFound) {
 }
 
 TEST(CheckBehaviour, WhatIsLeftBehindIsCounted) {
+#ifdef __SANITIZE_ADDRESS__
+  GTEST_SKIP() << "the address sanitizer owns malloc, which the check asks for its count";
+#endif
   EXPECT_THAT(of("leak"),
               Contains(testing::ContainsRegex("100 instances that came and went left 1[0-9]{5} bytes of heap")));
   EXPECT_THAT(of("file"), Contains(HasSubstr("100 instances that came and went left 100 open files behind")));
@@ -50,6 +53,9 @@ TEST(CheckBehaviour, IllegalCallsThatAreAcceptedAreFound) {
 }
 
 TEST(CheckBehaviour, ACrashIsAFindingThatNamesSignalAndCall) {
+#ifdef __SANITIZE_ADDRESS__
+  GTEST_SKIP() << "the address sanitizer answers a crash's signal before the check can";
+#endif
   EXPECT_THAT(
       of("crash"),
       Contains(HasSubstr("error: crashed with SIGSEGV (Segmentation fault) in fmi2DoStep before initialisation")));

@@ -16,8 +16,7 @@
 namespace mebots::firmware_test {
 namespace {
 
-constexpr double kDegree = M_PI / 180.0;
-constexpr double kStep_s = 0.01;
+constexpr double kApproachStep_s = 0.01;
 constexpr int kStepsPerFrame = 10;
 constexpr int kStepsOfDelay = 3;  // communication step, exposure, inference
 
@@ -50,13 +49,13 @@ Flight fly(const world::scene::Scene& scene, const BodyPose& start, const Missio
     for (int step = 0; step < kStepsPerFrame; ++step) {
       if (step == kStepsOfDelay) {
         const auto seen = finder_navigate(pixels.data(), camera.width(), camera.height());
-        command = pilot_step(&pilot, &seen, micro(drone.velocity_m_s), micro(kStep_s * kStepsPerFrame));
+        command = pilot_step(&pilot, &seen, micro(drone.velocity_m_s), micro(kApproachStep_s * kStepsPerFrame));
       }
       const Eigen::Vector3d before_m = drone.pose.p_WB_m;
-      drone.move(kStep_s, command.velocity_um_s * 1e-6, command.yaw_rate_urad_s * 1e-6);
+      drone.move(kApproachStep_s, command.velocity_um_s * 1e-6, command.yaw_rate_urad_s * 1e-6);
       flight.crossing.look(gate, before_m, drone.pose);
     }
-    flight.time_s += kStep_s * kStepsPerFrame;
+    flight.time_s += kApproachStep_s * kStepsPerFrame;
     flight.done = pilot.phase == PILOT_DONE;
   }
   flight.behind_m = drone.pose.p_WB_m.x() - gate.p_W_m.x();

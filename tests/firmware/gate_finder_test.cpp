@@ -18,8 +18,6 @@
 namespace mebots::firmware_test {
 namespace {
 
-constexpr double kDegree = M_PI / 180.0;
-
 /// What a set of pictures with one gate each gave.
 struct Statistics {
   int pictures = 0;

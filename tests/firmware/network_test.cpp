@@ -84,11 +84,11 @@ std::vector<std::string> on_chip(const std::vector<std::vector<std::uint8_t>>& p
   const auto board = soc::read_board(std::string(MEBOTS_SOURCE_DIR) + "/configs/boards/ai_deck.json");
   const auto program = soc::Elf::read(std::string(MEBOTS_BINARY_DIR) + "/firmware/network_check.elf");
   soc::Soc chip(board, soc::gap8(), settings, program, listeners);
-  constexpr std::int64_t kStepNs = 2'000'000;
+  constexpr std::int64_t kStep = 2'000'000;
   std::int32_t id = 0;
   for (std::int64_t k = 0; chip.running() && k < 100'000; ++k) {
     chip.battery()->set_voltage_v(3.7);
-    chip.advance((k + 1) * kStepNs);
+    chip.advance((k + 1) * kStep);
     const auto requests = chip.camera()->requests();
     if (requests != id && static_cast<std::size_t>(requests) <= pictures.size()) id = requests;
     if (chip.camera()->wants(id)) chip.camera()->offer(pictures[static_cast<std::size_t>(id) - 1], chip.now());

@@ -15,6 +15,9 @@
 
 namespace mebots::firmware_test {
 
+/// A degree in radians.
+inline constexpr double kDegree = M_PI / 180.0;
+
 /// Uniform numbers that are the same on every machine, unlike std::uniform_real_distribution.
 class Uniform {
  public:

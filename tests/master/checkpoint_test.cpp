@@ -20,7 +20,7 @@ using testing::AllOf;
 using testing::HasSubstr;
 
 // Each step of a sleeps: the run takes about half a second, so that kills find it at work.
-constexpr const char* kSystem = R"({"step": 0.01, "stop_time": 3, "instances": {
+constexpr const char* kSavedSystem = R"({"step": 0.01, "stop_time": 3, "instances": {
     "a": {"fmu": "PROBE", "parameters": {"gain": -0.9, "offset": 0.3, "real_in": 0.1, "fault": "nap", "fault_time": 0}},
     "b": {"fmu": "PROBE", "parameters": {"gain": 0.8}, "step": 0.03}},
   "connections": [{"from": "a.real_out", "to": "b.real_in"}, {"from": "b.real_out", "to": "a.real_in"},
@@ -31,7 +31,7 @@ constexpr const char* kSystem = R"({"step": 0.01, "stop_time": 3, "instances": {
 
 class Checkpoints : public testing::Test {
  protected:
-  Checkpoints() { write_file(folder.path() / "two.json", with_probe(kSystem)); }
+  Checkpoints() { write_file(folder.path() / "two.json", with_probe(kSavedSystem)); }
 
   pid_t start(const std::vector<std::string>& arguments) const {
     const auto child = fork();
@@ -147,11 +147,11 @@ TEST_F(Checkpoints, ChangedInputsAreRefusedByName) {
   EXPECT_EQ(refused.code, 2);
   EXPECT_THAT(refused.err, AllOf(HasSubstr("not those of the checkpoint"), HasSubstr("file b.string_in")));
   write_file(folder.path() / "program.elf", "one");
-  write_file(folder.path() / "two.json", with_probe(kSystem) + "\n");
+  write_file(folder.path() / "two.json", with_probe(kSavedSystem) + "\n");
   refused = run({"resume", "killed"});
   EXPECT_EQ(refused.code, 2);
   EXPECT_THAT(refused.err, HasSubstr("config"));
-  write_file(folder.path() / "two.json", with_probe(kSystem));
+  write_file(folder.path() / "two.json", with_probe(kSavedSystem));
   EXPECT_EQ(run({"resume", "killed"}).code, 0);
 }
 

@@ -21,7 +21,7 @@ SystemDescription read(const std::string& text) {
   return read_config(file);
 }
 
-std::string error_of(const std::string& text) {
+std::string reading_error(const std::string& text) {
   return test::input_error([&] { read(text); });
 }
 
@@ -61,22 +61,22 @@ TEST(Config, AMissingFileIsNamed) {
 }
 
 TEST(Config, BrokenJsonIsAnsweredByLineAndColumn) {
-  EXPECT_THAT(error_of("{\n  \"step\": 0.1,\n  oops\n}"),
+  EXPECT_THAT(reading_error("{\n  \"step\": 0.1,\n  oops\n}"),
               AllOf(HasSubstr("mission.json"), HasSubstr("mission.json:3:3: this is not JSON")));
 }
 
 TEST(Config, AnUnknownKeyIsAnsweredByPointerAndNearestKey) {
-  EXPECT_THAT(error_of(config_with(R"("stop_tiem": 1,)")),
+  EXPECT_THAT(reading_error(config_with(R"("stop_tiem": 1,)")),
               AllOf(HasSubstr("mission.json:1:2: /stop_tiem"), HasSubstr("'stop_time'")));
-  EXPECT_THAT(error_of(config_with("", R"("a": {"fmu": "PROBE", "paramters": {}})")),
+  EXPECT_THAT(reading_error(config_with("", R"("a": {"fmu": "PROBE", "paramters": {}})")),
               AllOf(HasSubstr("/instances/a/paramters"), HasSubstr("'parameters'")));
-  EXPECT_THAT(error_of(config_with(R"("stop_when": [{"variable": "a.steps", "above": 1, "fro": 2}],)",
-                                   R"("a": {"fmu": "PROBE"})")),
+  EXPECT_THAT(reading_error(config_with(R"("stop_when": [{"variable": "a.steps", "above": 1, "fro": 2}],)",
+                                        R"("a": {"fmu": "PROBE"})")),
               AllOf(HasSubstr("/stop_when/0/fro"), HasSubstr("'for'")));
 }
 
 TEST(Config, AKeyThatStandsTwiceIsRefused) {
-  EXPECT_THAT(error_of(config_with("", R"("a": {"fmu": "PROBE"}, "a": {"fmu": "PROBE"})")),
+  EXPECT_THAT(reading_error(config_with("", R"("a": {"fmu": "PROBE"}, "a": {"fmu": "PROBE"})")),
               HasSubstr("'a' stands twice"));
 }
 
@@ -92,48 +92,49 @@ TEST(Config, TheSchemaKnowsTheKeysThatTheReaderKnows) {
 }
 
 TEST(Config, EveryComplaintHasLineAndColumn) {
-  EXPECT_THAT(
-      error_of("{\"step\": 0.1,\n \"stop_time\": 2, \"connections\": [],\n  \"instances\": {\"ä\": {}, \"b\": 3}}"),
-      HasSubstr("mission.json:3:17: /instances/ä: the key 'fmu' is missing"));
-  EXPECT_THAT(error_of("{\"step\": 0.1,\n\n   \"step\": 0.2}"),
+  EXPECT_THAT(reading_error(
+                  "{\"step\": 0.1,\n \"stop_time\": 2, \"connections\": [],\n  \"instances\": {\"ä\": {}, \"b\": 3}}"),
+              HasSubstr("mission.json:3:17: /instances/ä: the key 'fmu' is missing"));
+  EXPECT_THAT(reading_error("{\"step\": 0.1,\n\n   \"step\": 0.2}"),
               HasSubstr("mission.json:3:4: the key 'step' stands twice"));
-  EXPECT_THAT(error_of("{\"step\": 0.1,\n\"st\\u0065p\": 0.2}"), HasSubstr(":2:1: the key 'step' stands twice"));
-  EXPECT_THAT(error_of("{\"text\": \"1e999\",\n \"step\": 1e999}"),
+  EXPECT_THAT(reading_error("{\"step\": 0.1,\n\"st\\u0065p\": 0.2}"), HasSubstr(":2:1: the key 'step' stands twice"));
+  EXPECT_THAT(reading_error("{\"text\": \"1e999\",\n \"step\": 1e999}"),
               HasSubstr("mission.json:2:10: the number 1e999 is too large"));
 }
 
 TEST(Config, DeepNestingIsRefusedAndNeitherCrashesNorHangs) {
   const std::string deep = std::string(100'000, '[') + std::string(100'000, ']');
-  EXPECT_THAT(error_of(deep), HasSubstr("mission.json:1:101: this is nested more than 100 levels deep"));
+  EXPECT_THAT(reading_error(deep), HasSubstr("mission.json:1:101: this is nested more than 100 levels deep"));
   std::string objects;
   for (int i = 0; i < 100'000; ++i) objects += R"({"a":)";
-  EXPECT_THAT(error_of(objects), HasSubstr("nested more than"));
+  EXPECT_THAT(reading_error(objects), HasSubstr("nested more than"));
 }
 
 TEST(Config, MissingKeysAreNamed) {
-  EXPECT_THAT(error_of(R"({"stop_time": 1, "instances": {}, "connections": []})"), HasSubstr("'step' is missing"));
-  EXPECT_THAT(error_of(R"({"step": 1, "instances": {}, "connections": []})"), HasSubstr("'stop_time' is missing"));
-  EXPECT_THAT(error_of(R"({"step": 1, "stop_time": 1, "connections": []})"), HasSubstr("'instances' is missing"));
-  EXPECT_THAT(error_of(R"({"step": 1, "stop_time": 1, "instances": {"a": {"fmu": "PROBE"}}})"),
+  EXPECT_THAT(reading_error(R"({"stop_time": 1, "instances": {}, "connections": []})"), HasSubstr("'step' is missing"));
+  EXPECT_THAT(reading_error(R"({"step": 1, "instances": {}, "connections": []})"), HasSubstr("'stop_time' is missing"));
+  EXPECT_THAT(reading_error(R"({"step": 1, "stop_time": 1, "connections": []})"), HasSubstr("'instances' is missing"));
+  EXPECT_THAT(reading_error(R"({"step": 1, "stop_time": 1, "instances": {"a": {"fmu": "PROBE"}}})"),
               HasSubstr("'connections' is missing"));
-  EXPECT_THAT(error_of(R"({"step": 1, "stop_time": 1, "instances": {}, "connections": []})"),
+  EXPECT_THAT(reading_error(R"({"step": 1, "stop_time": 1, "instances": {}, "connections": []})"),
               HasSubstr("at least one instance"));
-  EXPECT_THAT(error_of(config_with("", R"("a": {})")), AllOf(HasSubstr("/instances/a"), HasSubstr("'fmu' is missing")));
+  EXPECT_THAT(reading_error(config_with("", R"("a": {})")),
+              AllOf(HasSubstr("/instances/a"), HasSubstr("'fmu' is missing")));
 }
 
 TEST(Config, ValuesOfAnotherKindAreNamed) {
-  EXPECT_THAT(error_of("[]"), HasSubstr("an object is expected"));
-  EXPECT_THAT(error_of(config_with("", R"("a": {"fmu": 3})")),
+  EXPECT_THAT(reading_error("[]"), HasSubstr("an object is expected"));
+  EXPECT_THAT(reading_error(config_with("", R"("a": {"fmu": 3})")),
               AllOf(HasSubstr("/instances/a/fmu"), HasSubstr("a text is expected"), HasSubstr("3")));
-  EXPECT_THAT(error_of(config_with("", R"("a": {"fmu": "PROBE", "parameters": {"gain": [1]}})")),
+  EXPECT_THAT(reading_error(config_with("", R"("a": {"fmu": "PROBE", "parameters": {"gain": [1]}})")),
               HasSubstr("/instances/a/parameters/gain"));
-  EXPECT_THAT(error_of(config_with("", R"("a": {"fmu": "PROBE"})", R"("step": "0.1", "stop_time": 2)")),
+  EXPECT_THAT(reading_error(config_with("", R"("a": {"fmu": "PROBE"})", R"("step": "0.1", "stop_time": 2)")),
               AllOf(HasSubstr("/step"), HasSubstr("a number")));
 }
 
 TEST(Config, StepsAreWholeNanosecondsAndTheStopTimeAMultiple) {
   const auto with_times = [](const std::string& times) {
-    return error_of(config_with("", R"("a": {"fmu": "PROBE"})", times));
+    return reading_error(config_with("", R"("a": {"fmu": "PROBE"})", times));
   };
   EXPECT_THAT(with_times(R"("step": 1.5e-9, "stop_time": 3e-9)"),
               AllOf(HasSubstr("/step"), HasSubstr("whole number of nanoseconds")));
@@ -145,27 +146,27 @@ TEST(Config, StepsAreWholeNanosecondsAndTheStopTimeAMultiple) {
 }
 
 TEST(Config, AnInstanceStepIsAMultipleAndTheStopTimeFitsIt) {
-  EXPECT_THAT(error_of(config_with("", R"("a": {"fmu": "PROBE", "step": 0.15})")),
+  EXPECT_THAT(reading_error(config_with("", R"("a": {"fmu": "PROBE", "step": 0.15})")),
               AllOf(HasSubstr("/instances/a/step"), HasSubstr("multiple")));
-  EXPECT_THAT(error_of(config_with("", R"("a": {"fmu": "PROBE", "step": 0.3})")),
+  EXPECT_THAT(reading_error(config_with("", R"("a": {"fmu": "PROBE", "step": 0.3})")),
               AllOf(HasSubstr("/stop_time"), HasSubstr("instance 'a'")));
 }
 
 TEST(Config, AMissingFmuIsNamedWithItsPath) {
-  EXPECT_THAT(error_of(config_with("", R"("a": {"fmu": "nothing/here.fmu"})")),
+  EXPECT_THAT(reading_error(config_with("", R"("a": {"fmu": "nothing/here.fmu"})")),
               AllOf(HasSubstr("/instances/a/fmu"), HasSubstr("nothing/here.fmu"), HasSubstr("relative to the config")));
 }
 
 TEST(Config, AnInstanceNameMayHoldDotsUnlessAnotherIsItsBeginning) {
   const auto system = read(config_with(R"("summary": {"x": "left.arm.real_out"},)", R"("left.arm": {"fmu": "PROBE"})"));
   EXPECT_EQ(system.summary[0].variable, (VariableName{"left.arm", "real_out"}));
-  EXPECT_THAT(error_of(config_with("", R"("a.b": {"fmu": "PROBE"}, "a": {"fmu": "PROBE"})")),
+  EXPECT_THAT(reading_error(config_with("", R"("a.b": {"fmu": "PROBE"}, "a": {"fmu": "PROBE"})")),
               HasSubstr("'a.b' could be a variable of the instance 'a'"));
 }
 
 TEST(Config, AConnectionNamesInstanceAndVariable) {
   const auto connected = [](const std::string& from) {
-    return error_of(fmt::format(
+    return reading_error(fmt::format(
         R"({{"step": 0.1, "stop_time": 2, "instances": {{"motor": {{"fmu": "PROBE"}}}}, "connections": [{{"from": "{}", "to": "motor.real_in"}}]}})",
         from));
   };
@@ -174,12 +175,12 @@ TEST(Config, AConnectionNamesInstanceAndVariable) {
 }
 
 TEST(Config, AZeroByteIsNoEndOfTheFile) {
-  EXPECT_THAT(error_of(std::string("3\0 }}", 5)), AllOf(HasSubstr(":1:2"), HasSubstr("zero byte")));
+  EXPECT_THAT(reading_error(std::string("3\0 }}", 5)), AllOf(HasSubstr(":1:2"), HasSubstr("zero byte")));
 }
 
 TEST(Config, AConditionComparesOnce) {
-  EXPECT_THAT(error_of(config_with(R"("stop_when": [{"variable": "a.steps"}],)")), HasSubstr("exactly one of"));
-  EXPECT_THAT(error_of(config_with(R"("stop_when": [{"variable": "a.steps", "above": 1, "below": 3}],)")),
+  EXPECT_THAT(reading_error(config_with(R"("stop_when": [{"variable": "a.steps"}],)")), HasSubstr("exactly one of"));
+  EXPECT_THAT(reading_error(config_with(R"("stop_when": [{"variable": "a.steps", "above": 1, "below": 3}],)")),
               HasSubstr("exactly one of"));
 }
 

@@ -13,7 +13,7 @@ namespace {
 
 using test::TestRun;
 
-constexpr const char* kSystem = R"({"step": 0.001, "stop_time": 9, "instances": {
+constexpr const char* kRecordedSystem = R"({"step": 0.001, "stop_time": 9, "instances": {
     "a": {"fmu": "PROBE", "parameters": {"gain": -0.9, "offset": 0.3, "real_in": 0.1, "string_in": "ä, \"b\"\nc"}},
     "b": {"fmu": "PROBE", "parameters": {"gain": 0.8}}},
   "connections": [{"from": "a.real_out", "to": "b.real_in"}, {"from": "b.real_out", "to": "a.real_in"}],
@@ -33,7 +33,7 @@ std::vector<T> dataset(const std::filesystem::path& file, const char* name, hid_
 }
 
 TEST(Hdf5, HoldsTheBitsOfTheCsv) {
-  TestRun run(kSystem);
+  TestRun run(kRecordedSystem);
   const auto file = run.folder.path() / "results.h5";
   run.recorder->add(std::make_unique<Hdf5Sink>(run.recorder->columns(), file));
   run.to_end();
@@ -47,7 +47,7 @@ TEST(Hdf5, HoldsTheBitsOfTheCsv) {
 }
 
 TEST(Hdf5, IsMadeAnewFromACsv) {
-  TestRun run(kSystem);
+  TestRun run(kRecordedSystem);
   const auto straight = run.folder.path() / "straight.h5";
   const auto copied = run.folder.path() / "copied.h5";
   run.recorder->add(std::make_unique<Hdf5Sink>(run.recorder->columns(), straight));
@@ -71,13 +71,13 @@ TEST(Hdf5, IsMadeAnewFromACsv) {
 }
 
 TEST(Hdf5, GoesBackToASavedState) {
-  TestRun straight(kSystem);
+  TestRun straight(kRecordedSystem);
   const auto one = straight.folder.path() / "one.h5";
   straight.recorder->add(std::make_unique<Hdf5Sink>(straight.recorder->columns(), one));
   straight.to_end();
   straight.csv();
 
-  TestRun run(kSystem);
+  TestRun run(kRecordedSystem);
   const auto two = run.folder.path() / "two.h5";
   run.recorder->add(std::make_unique<Hdf5Sink>(run.recorder->columns(), two));
   run.initialize();

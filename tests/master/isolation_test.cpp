@@ -21,7 +21,7 @@ using testing::HasSubstr;
 using testing::Not;
 
 // Buffers, texts, two steps, all types along connections.
-constexpr const char* kSystem = R"({"step": 0.01, "stop_time": 1, "instances": {
+constexpr const char* kIsolatedSystem = R"({"step": 0.01, "stop_time": 1, "instances": {
     "a": {"fmu": "PROBE", "parameters": {"gain": -0.9, "offset": 0.3, "real_in": 0.1, "string_in": "a, b"}},
     "b": {"fmu": "PROBE", "parameters": {"gain": 0.8}, "step": 0.02}},
   "connections": [{"from": "a.real_out", "to": "b.real_in"}, {"from": "b.real_out", "to": "a.real_in"},
@@ -31,7 +31,7 @@ constexpr const char* kSystem = R"({"step": 0.01, "stop_time": 1, "instances": {
 
 class Isolation : public testing::Test {
  protected:
-  Isolation() { write_file(folder.path() / "two.json", with_probe(kSystem)); }
+  Isolation() { write_file(folder.path() / "two.json", with_probe(kIsolatedSystem)); }
 
   ProgramResult run(std::vector<std::string> more) const {
     more.insert(more.begin(), {"run", "two.json"});
@@ -41,7 +41,7 @@ class Isolation : public testing::Test {
   nlohmann::json summary() const { return nlohmann::json::parse(result("summary.json")); }
   /// The config with more keys for instance b.
   void give_b(const std::string& keys) {
-    std::string text = kSystem;
+    std::string text = kIsolatedSystem;
     text.insert(text.find(R"("step": 0.02)"), keys + ", ");
     write_file(folder.path() / "two.json", with_probe(text));
   }
@@ -80,9 +80,9 @@ TEST_F(Isolation, OwnProcessesGiveTheSameBits) {
 }
 
 TEST_F(Isolation, StatesGoAlongWithTheProcess) {
-  TestRun straight(kSystem);
+  TestRun straight(kIsolatedSystem);
   straight.to_end();
-  std::string config = kSystem;
+  std::string config = kIsolatedSystem;
   for (const auto* fmu :
        {R"("fmu": "PROBE", "parameters": {"gain": -0.9)", R"("fmu": "PROBE", "parameters": {"gain": 0.8})"})
     config.insert(config.find(fmu), R"("process": "own", )");

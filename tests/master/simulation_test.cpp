@@ -6,6 +6,10 @@
 
 #include <cmath>
 
+#ifdef __SANITIZE_ADDRESS__
+#include <sanitizer/lsan_interface.h>
+#endif
+
 namespace mebots::master {
 namespace {
 
@@ -172,6 +176,9 @@ TEST(Faults, AnErrorNamesInstanceTimeFunctionAndTheFmusWords) {
 }
 
 TEST(Faults, AFatalErrorIsNotFollowedByAnotherCall) {
+#ifdef __SANITIZE_ADDRESS__
+  const __lsan::ScopedDisabler unfreed;  // fmi2FreeInstance is among the calls that must not follow
+#endif
   EXPECT_THAT(failure("fatal"), HasSubstr("fmi2Fatal"));
 }
 

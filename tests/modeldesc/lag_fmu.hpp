@@ -37,6 +37,11 @@ class LagFmu {
   Library library_{};
 };
 
+/// Its C functions.
+inline const Library& library() {
+  return LagFmu::get().library();
+}
+
 struct Message {
   std::string instance;
   fmi2Status status;

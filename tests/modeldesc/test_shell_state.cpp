@@ -15,10 +15,6 @@ namespace {
 
 using testing::HasSubstr;
 
-const Library& library() {
-  return LagFmu::get().library();
-}
-
 /// Drives the lag with a changing input; the same call gives the same bits.
 void drive(Lag& lag, int from, int to) {
   for (int i = from; i < to; ++i) {

@@ -11,10 +11,6 @@ namespace {
 
 using testing::HasSubstr;
 
-const Library& library() {
-  return LagFmu::get().library();
-}
-
 fmi2Component instantiate(std::vector<Message>& messages, const char* name, fmi2Type type, const char* guid,
                           const char* uri) {
   const fmi2CallbackFunctions callbacks = Lag::callbacks(messages);

@@ -14,10 +14,6 @@ namespace {
 
 using testing::HasSubstr;
 
-const Library& library() {
-  return LagFmu::get().library();
-}
-
 BinaryRef binary(Lag& lag, const std::string& name) {
   return {lag.integer(name + ".base.lo"), lag.integer(name + ".base.hi"), lag.integer(name + ".size")};
 }

@@ -68,7 +68,8 @@ TEST(RotorData, SpeedGoesOnStraightBeyondTheTable) {
 class RotorFile : public testing::Test {
  protected:
   std::string refused() const {
-    const auto path = std::filesystem::path(testing::TempDir()) / "rotor_file_test.json";
+    const std::string test = testing::UnitTest::GetInstance()->current_test_info()->name();
+    const auto path = std::filesystem::path(testing::TempDir()) / ("rotor_file_" + test + ".json");
     std::ofstream(path) << json.dump();
     return error_of([&] { load_rotor(path); });
   }
@@ -77,7 +78,8 @@ class RotorFile : public testing::Test {
 
 TEST_F(RotorFile, NegativeInertiaIsRefused) {
   json["inertia"]["value"] = -1e-8;
-  EXPECT_THAT(refused(), AllOf(HasSubstr("rotor_file_test.json"), HasSubstr("inertia.value = -1e-08 must be > 0")));
+  EXPECT_THAT(refused(), AllOf(HasSubstr("rotor_file_NegativeInertiaIsRefused.json"),
+                               HasSubstr("inertia.value = -1e-08 must be > 0")));
 }
 
 TEST_F(RotorFile, MissingKeyIsRefused) {

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -13,6 +14,8 @@
 namespace mebots::soc::test {
 
 inline constexpr std::uint32_t kL2 = 0x1C000000;
+/// A millisecond in nanoseconds.
+inline constexpr std::int64_t kMs = 1'000'000;
 /// Where programs of these tests leave their results: three quarters up in L2.
 inline constexpr std::uint32_t kResults = 0x1C060000;
 
@@ -32,6 +35,12 @@ class BoardSystem {
     auto board = ai_deck();
     board.instruction_caches = {};
     return board;
+  }
+  /// A camera of narrow pictures.
+  static Settings narrow() {
+    Settings settings;
+    settings.frame_width = 64;
+    return settings;
   }
   static Elf assembled(std::string_view text) { return assemble(fmt::format("#include \"board.h\"\n{}\n", text), kL2); }
 

@@ -9,7 +9,6 @@
 namespace mebots::soc::test {
 namespace {
 
-constexpr std::int64_t kMs = 1'000'000;
 constexpr std::int64_t kDelayNs = 16'666'700;  // exposure and read-out of the board file
 
 /// Asks for a picture of {} bytes at once, sleeps until the interrupt, then notes STATUS, size, id and time.
@@ -61,14 +60,8 @@ std::vector<std::uint8_t> picture(std::size_t size) {
   return bytes;
 }
 
-Settings narrow() {
-  Settings settings;
-  settings.frame_width = 64;
-  return settings;
-}
-
 TEST(Camera, BringsThePictureADelayAfterItCameAndRaisesItsInterruptOnce) {
-  BoardSystem system(fmt::format(fmt::runtime(kAsk), 4096, 0), narrow());
+  BoardSystem system(fmt::format(fmt::runtime(kAsk), 4096, 0), BoardSystem::narrow());
   auto& camera = *system.soc.camera();
   EXPECT_FALSE(camera.wants(0)) << "nothing asked";
   system.soc.advance(2 * kMs);
@@ -95,7 +88,7 @@ TEST(Camera, BringsThePictureADelayAfterItCameAndRaisesItsInterruptOnce) {
 }
 
 TEST(Camera, RefusesASecondRequestWhileBusyAndKeepsTheFirst) {
-  BoardSystem system(fmt::format(fmt::runtime(kAsk), 4096, 1), narrow());
+  BoardSystem system(fmt::format(fmt::runtime(kAsk), 4096, 1), BoardSystem::narrow());
   system.soc.advance(2 * kMs);
   EXPECT_EQ(system.result(1), Camera::kBusy | Camera::kRefused);
   EXPECT_EQ(system.soc.camera()->requests(), 1);
@@ -103,14 +96,14 @@ TEST(Camera, RefusesASecondRequestWhileBusyAndKeepsTheFirst) {
 }
 
 TEST(Camera, RefusesABufferOutsideTheRam) {
-  BoardSystem system(fmt::format(fmt::runtime(kAsk), 0x100000, 0), narrow());
+  BoardSystem system(fmt::format(fmt::runtime(kAsk), 0x100000, 0), BoardSystem::narrow());
   system.soc.advance(2 * kMs);
   EXPECT_EQ(system.result(0), Camera::kRefused);
   EXPECT_EQ(system.soc.camera()->requests(), 0);
 }
 
 TEST(Camera, DropsAPictureThatDoesNotFitAndSaysSo) {
-  BoardSystem system(fmt::format(fmt::runtime(kAsk), 100, 0), narrow());
+  BoardSystem system(fmt::format(fmt::runtime(kAsk), 100, 0), BoardSystem::narrow());
   system.soc.advance(2 * kMs);
   const auto bytes = picture(64 * 40);
   system.soc.camera()->offer(bytes, system.soc.now());
@@ -122,7 +115,7 @@ TEST(Camera, DropsAPictureThatDoesNotFitAndSaysSo) {
 }
 
 TEST(Camera, DrawsItsActiveCurrentForTheDelayAndItsIdleCurrentOtherwise) {
-  BoardSystem system(fmt::format(fmt::runtime(kAsk), 4096, 0), narrow());
+  BoardSystem system(fmt::format(fmt::runtime(kAsk), 4096, 0), BoardSystem::narrow());
   system.soc.advance(2 * kMs);
   system.soc.camera()->offer(picture(64 * 40), system.soc.now());
   system.soc.advance(100 * kMs);

@@ -16,7 +16,7 @@ using testing::HasSubstr;
 constexpr std::uint32_t kCommand = 0;
 constexpr std::uint32_t kStatus = 4;
 constexpr std::uint32_t kDistance = 8;
-constexpr Picoseconds kMs = 1'000'000'000;
+constexpr Picoseconds kMillisecond = 1'000'000'000;
 
 std::string board_text() {
   return data::text_of(MEBOTS_SOURCE_DIR "/examples/time_of_flight/board.json");
@@ -35,19 +35,19 @@ std::uint32_t read(DescribedDevice& device, std::uint32_t offset) {
 TEST(DescribedDevice, ShowsTheVariableAsItIsWhenTheDelayEnds) {
   auto device = range_finder();
   EXPECT_EQ(device.next_event(), kNever);
-  EXPECT_TRUE(device.store(kCommand, 10 * kMs, 1));
+  EXPECT_TRUE(device.store(kCommand, 10 * kMillisecond, 1));
   EXPECT_EQ(device.state_name(), "ranging");
   EXPECT_EQ(read(device, kStatus), DescribedDevice::kBusy);
-  EXPECT_EQ(device.next_event(), 43 * kMs);
+  EXPECT_EQ(device.next_event(), 43 * kMillisecond);
   EXPECT_TRUE(device.set_sensed("range_finder.distance", 0.4567));
   EXPECT_EQ(read(device, kDistance), 0U) << "not measured yet";
-  device.advance(43 * kMs);
+  device.advance(43 * kMillisecond);
   EXPECT_TRUE(device.interrupt());
   EXPECT_EQ(device.state_name(), "standby");
   device.set_sensed("range_finder.distance", 3);
   EXPECT_EQ(read(device, kDistance), 457U);
   EXPECT_EQ(read(device, kStatus), DescribedDevice::kReady);
-  device.store(kStatus, 44 * kMs, DescribedDevice::kReady);
+  device.store(kStatus, 44 * kMillisecond, DescribedDevice::kReady);
   EXPECT_FALSE(device.interrupt());
   EXPECT_FALSE(device.set_sensed("range_finder.colour", 1));
 }
@@ -58,10 +58,10 @@ TEST(DescribedDevice, RefusesWhatIsNoOpcodeAndASecondMeasurementButStops) {
   EXPECT_EQ(read(device, kStatus), DescribedDevice::kRefused);
   device.store(kStatus, 0, DescribedDevice::kRefused);
   device.store(kCommand, 0, 1);
-  device.store(kCommand, kMs, 1);
+  device.store(kCommand, kMillisecond, 1);
   EXPECT_EQ(read(device, kStatus), DescribedDevice::kBusy | DescribedDevice::kRefused);
-  EXPECT_EQ(device.next_event(), 33 * kMs) << "the first goes on";
-  device.store(kCommand, 2 * kMs, 2);
+  EXPECT_EQ(device.next_event(), 33 * kMillisecond) << "the first goes on";
+  device.store(kCommand, 2 * kMillisecond, 2);
   EXPECT_EQ(device.next_event(), kNever);
   EXPECT_FALSE(device.interrupt());
 }
@@ -76,23 +76,23 @@ TEST(DescribedDevice, RefusesOtherWaysOfAccess) {
 
 TEST(DescribedDevice, DrawsTheCurrentOfItsStates) {
   auto device = range_finder();
-  device.store(kCommand, 10 * kMs, 1);
-  device.advance(43 * kMs);
+  device.store(kCommand, 10 * kMillisecond, 1);
+  device.advance(43 * kMillisecond);
   const auto expected_j = 2.8 * (16e-3 * 33e-3 + 5e-6 * 67e-3);
-  EXPECT_NEAR(device.energy_j(100 * kMs), expected_j, 1e-12 * expected_j) << "sums of doubles";
+  EXPECT_NEAR(device.energy_j(100 * kMillisecond), expected_j, 1e-12 * expected_j) << "sums of doubles";
 }
 
 TEST(DescribedDevice, GoesOnFromAState) {
   auto device = range_finder();
   device.set_sensed("range_finder.distance", 2);
-  device.store(kCommand, 5 * kMs, 1);
+  device.store(kCommand, 5 * kMillisecond, 1);
   state::Writer writer;
   device.save(writer);
   auto other = range_finder();
   state::Reader reader(writer.bytes());
   other.restore(reader);
   EXPECT_TRUE(reader.at_end());
-  other.advance(38 * kMs);
+  other.advance(38 * kMillisecond);
   EXPECT_EQ(read(other, kDistance), 2000U);
 }
 

@@ -12,8 +12,6 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-constexpr std::int64_t kMs = 1'000'000;
-
 TEST(Console, HandsOutLines) {
   BoardSystem system(R"(
 _start: li s0, CONSOLE_BASE

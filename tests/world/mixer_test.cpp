@@ -12,20 +12,20 @@
 namespace mebots::world {
 namespace {
 
-const scene::Drone& drone() {
+const scene::Drone& mixed_drone() {
   static const scene::Drone d = test::shipped_scene("empty").drone;
   return d;
 }
 
 Wrench wrench_of(const RotorValues& thrust_n) {
   RotorValues torque_n_m{};
-  for (std::size_t i = 0; i < kRotors; ++i) torque_n_m[i] = drone().torque_per_thrust_m * thrust_n[i];
-  return rotor_wrench(drone(), thrust_n, torque_n_m);
+  for (std::size_t i = 0; i < kRotors; ++i) torque_n_m[i] = mixed_drone().torque_per_thrust_m * thrust_n[i];
+  return rotor_wrench(mixed_drone(), thrust_n, torque_n_m);
 }
 
 TEST(Mixer, InvertsTheRotorsWrench) {
   const Eigen::Vector3d torque_n_m{1e-3, -5e-4, 1e-4};
-  const Wrench w = wrench_of(mix(drone(), 0.15, 0.4, torque_n_m));
+  const Wrench w = wrench_of(mix(mixed_drone(), 0.15, 0.4, torque_n_m));
   EXPECT_NEAR(w.force_n.z(), 0.4, 1e-15);
   EXPECT_TRUE(w.torque_n_m.isApprox(torque_n_m, 1e-12)) << w.torque_n_m.transpose();
 }
@@ -34,7 +34,7 @@ TEST(Mixer, EveryRotorStaysWithinItsLimits) {
   for (const double collective_n : {-1.0, 0.0, 0.1, 0.5, 3.0}) {
     for (const double roll : {-1.0, -1e-3, 0.0, 2e-3}) {
       for (const double yaw : {-1e-1, 0.0, 1e-4}) {
-        const auto thrust = mix(drone(), 0.15, collective_n, {roll, 0.5 * roll, yaw});
+        const auto thrust = mix(mixed_drone(), 0.15, collective_n, {roll, 0.5 * roll, yaw});
         EXPECT_GE(*std::min_element(thrust.begin(), thrust.end()), 0.0);
         EXPECT_LE(*std::max_element(thrust.begin(), thrust.end()), 0.15);
       }
@@ -44,7 +44,7 @@ TEST(Mixer, EveryRotorStaysWithinItsLimits) {
 
 TEST(Mixer, YawGivesWayToRollAndPitch) {
   const Eigen::Vector3d torque_n_m{4e-3, 0.0, 1e-2};
-  const Wrench w = wrench_of(mix(drone(), 0.15, 0.3, torque_n_m));
+  const Wrench w = wrench_of(mix(mixed_drone(), 0.15, 0.3, torque_n_m));
   EXPECT_NEAR(w.torque_n_m.x(), 4e-3, 1e-15);
   EXPECT_NEAR(w.force_n.z(), 0.3, 1e-15);
   EXPECT_LT(w.torque_n_m.z(), 1e-2);
@@ -52,13 +52,13 @@ TEST(Mixer, YawGivesWayToRollAndPitch) {
 }
 
 TEST(Mixer, HeightGivesWayToRollAndPitch) {
-  const Wrench w = wrench_of(mix(drone(), 0.15, 0.6, {4e-3, 0.0, 0.0}));
+  const Wrench w = wrench_of(mix(mixed_drone(), 0.15, 0.6, {4e-3, 0.0, 0.0}));
   EXPECT_NEAR(w.torque_n_m.x(), 4e-3, 1e-15);
   EXPECT_LT(w.force_n.z(), 0.6);
 }
 
 TEST(ThrustCurve, CommandAndThrustInvertEachOther) {
-  const ThrustCurve curve(drone().thrust_curve);
+  const ThrustCurve curve(mixed_drone().thrust_curve);
   for (double command = 0.0; command <= 1.0; command += 0.01) {
     EXPECT_NEAR(curve.command_for(curve.thrust_for(command)), command, 1e-12);
   }
@@ -68,7 +68,8 @@ TEST(ThrustCurve, CommandAndThrustInvertEachOther) {
 
 TEST(ThrustCurve, GivesTheBenchRows) {
   // 41.7 g of the whole drone at 75 % duty.
-  EXPECT_NEAR(ThrustCurve(drone().thrust_curve).thrust_for(0.75), 0.0417 * 9.80665 / 4.0, 1e-6);  // rounded in the file
+  EXPECT_NEAR(ThrustCurve(mixed_drone().thrust_curve).thrust_for(0.75), 0.0417 * 9.80665 / 4.0,
+              1e-6);  // rounded in the file
 }
 
 TEST(Gains, PutAllThreePolesWhereTheyShallBe) {

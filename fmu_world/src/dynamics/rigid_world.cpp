@@ -7,7 +7,6 @@
 #include <ode/ode.h>
 #include <array>
 #include <cmath>
-#include <mutex>
 
 static_assert(sizeof(dReal) == sizeof(double), "ODE must be built with double precision");
 
@@ -16,11 +15,18 @@ namespace {
 
 constexpr int kMaxContactsPerPair = 8;  // two boxes meet in at most eight points
 
-/// dInitODE2 sets up tables for the whole process and is not locked by itself. It is never undone: other
-/// instances, of this library or of another one that uses ODE, may live on.
+/// ODE's tables for the whole process. ODE counts who asked for them, since another library may use it too; ours are
+/// given back when this library is unloaded.
+class OdeTables {
+ public:
+  OdeTables() { dInitODE2(0); }
+  ~OdeTables() { dCloseODE(); }
+  OdeTables(const OdeTables&) = delete;
+  OdeTables& operator=(const OdeTables&) = delete;
+};
+
 void start_ode() {
-  static std::once_flag once;
-  std::call_once(once, [] { dInitODE2(0); });
+  static const OdeTables tables;
   // Each thread that steps needs its own record; harmless when it has one.
   thread_local const bool ready = dAllocateODEDataForThread(dAllocateMaskAll) != 0;
   if (!ready) throw Error("ODE has no memory for a thread's data");

@@ -55,12 +55,12 @@ double correlation(const std::vector<float>& a, const std::vector<float>& b, dou
 
 // Bounds below are five standard errors for n = 10^6 samples of a normal distribution: mean 1/sqrt(n), variance
 // sqrt(2/n), skewness sqrt(6/n), kurtosis sqrt(24/n), correlation 1/sqrt(n).
-constexpr int kSize = 1000;
-constexpr double kFive = 5.0 / kSize;
+constexpr int kNoisySize = 1000;
+constexpr double kFive = 5.0 / kNoisySize;
 
 TEST(CameraNoise, IsGaussianWithTheStatedDeviation) {
   const PixelNoise noise(2.0);
-  const Moments m = moments(noise_frame(noise, kSize, 4, 17));
+  const Moments m = moments(noise_frame(noise, kNoisySize, 4, 17));
   EXPECT_NEAR(m.mean / 2.0, 0.0, kFive);
   EXPECT_NEAR(m.variance / 4.0, 1.0, kFive * std::sqrt(2.0));
   EXPECT_NEAR(m.skewness, 0.0, kFive * std::sqrt(6.0));
@@ -70,27 +70,27 @@ TEST(CameraNoise, IsGaussianWithTheStatedDeviation) {
 
 TEST(CameraNoise, FollowsTheNormalDistributionFunction) {
   const PixelNoise noise(1.0);
-  const std::vector<float> all = noise_frame(noise, kSize, 9, 0);
+  const std::vector<float> all = noise_frame(noise, kNoisySize, 9, 0);
   for (double x = -3.0; x <= 3.0; x += 0.5) {
     const double below = static_cast<double>(std::count_if(all.begin(), all.end(), [=](float v) { return v < x; }));
     const double expected = 0.5 * std::erfc(-x / std::sqrt(2.0));
     // Five standard errors of a share, and the step of the table of 4096 values.
-    const double bound = 5.0 * std::sqrt(expected * (1.0 - expected)) / kSize + 0.5 / 4096;
-    EXPECT_NEAR(below / (kSize * static_cast<double>(kSize)), expected, bound) << "below " << x;
+    const double bound = 5.0 * std::sqrt(expected * (1.0 - expected)) / kNoisySize + 0.5 / 4096;
+    EXPECT_NEAR(below / (kNoisySize * static_cast<double>(kNoisySize)), expected, bound) << "below " << x;
   }
 }
 
 TEST(CameraNoise, IsUncorrelatedBetweenNeighboursRowsFramesAndSeeds) {
   const PixelNoise noise(1.0);
-  const std::vector<float> frame = noise_frame(noise, kSize, 4, 17);
-  for (const int shift : {1, 2, 3, 4, 5, 8, kSize, 2 * kSize, 4 * kSize + 4}) {
+  const std::vector<float> frame = noise_frame(noise, kNoisySize, 4, 17);
+  for (const int shift : {1, 2, 3, 4, 5, 8, kNoisySize, 2 * kNoisySize, 4 * kNoisySize + 4}) {
     std::vector<float> shifted(frame.begin() + shift, frame.end());
     shifted.insert(shifted.end(), frame.begin(), frame.begin() + shift);
     EXPECT_NEAR(correlation(frame, shifted, 1.0), 0.0, kFive) << "shift " << shift;
   }
-  EXPECT_NEAR(correlation(frame, noise_frame(noise, kSize, 4, 18), 1.0), 0.0, kFive);
-  EXPECT_NEAR(correlation(frame, noise_frame(noise, kSize, 5, 17), 1.0), 0.0, kFive);
-  EXPECT_NEAR(correlation(frame, noise_frame(noise, kSize, 17, 4), 1.0), 0.0, kFive);
+  EXPECT_NEAR(correlation(frame, noise_frame(noise, kNoisySize, 4, 18), 1.0), 0.0, kFive);
+  EXPECT_NEAR(correlation(frame, noise_frame(noise, kNoisySize, 5, 17), 1.0), 0.0, kFive);
+  EXPECT_NEAR(correlation(frame, noise_frame(noise, kNoisySize, 17, 4), 1.0), 0.0, kFive);
 }
 
 TEST(CameraNoise, OfAPixelDoesNotDependOnTheSizeOfThePicture) {
