@@ -3,19 +3,34 @@
 # mebots_add_fmu(<name>
 #   MODEL_SOURCES <file>...       plain C++ model, free of FMI: becomes the library <name>_model
 #   [MODEL_LIBRARIES <target>...] what the model links
+#   [MODEL_DEFINITIONS <NAME=value>...] macros that its sources are compiled with
 #   [BUNDLE <file>...]            shared libraries that travel beside the FMU's own
 #   [BOARD <file>]                board description whose variables join description.json
 #   [RESOURCES <dir>...]          folders whose contents go to resources/
 #   [RESOURCE_FILES <file>...]    single files that go to resources/; built ones too
+#   [SOURCE_DIR <dir>]            where everything is looked for, instead of the calling folder
+#   [IDENTIFIER <name>]           the "name" of description.json, when the archive has another one
 # )
-# Looks in the calling folder for description.json, src/fmu.cpp, LICENSE, model.png and reference/.
+# Looks in the calling folder for description.json, src/fmu.cpp, LICENSE, model.png and reference/; reference/ is that of
+# the FMU whose archive has the name of description.json.
 # Builds ${MEBOTS_FMU_DIR}/<name>.fmu; fmus/ in the build folder when that is not set.
 # The same inside this tree and after find_package(mebots).
 function(mebots_add_fmu name)
-  cmake_parse_arguments(ARG "" "BOARD" "MODEL_SOURCES;MODEL_LIBRARIES;BUNDLE;RESOURCES;RESOURCE_FILES" ${ARGN})
+  cmake_parse_arguments(ARG "" "BOARD;SOURCE_DIR;IDENTIFIER"
+    "MODEL_SOURCES;MODEL_LIBRARIES;MODEL_DEFINITIONS;BUNDLE;RESOURCES;RESOURCE_FILES" ${ARGN})
   set(source_dir ${CMAKE_CURRENT_SOURCE_DIR})
+  if(ARG_SOURCE_DIR)
+    get_filename_component(source_dir ${ARG_SOURCE_DIR} ABSOLUTE)
+  endif()
   set(generated_dir ${PROJECT_BINARY_DIR}/generated)
-  set(out_dir ${generated_dir}/${name})
+  set(binary_dir ${PROJECT_BINARY_DIR}/fmu_binaries)
+  set(identifier ${name})
+  if(ARG_IDENTIFIER AND NOT ARG_IDENTIFIER STREQUAL name)
+    set(identifier ${ARG_IDENTIFIER})
+    set(generated_dir ${generated_dir}/${name})
+    set(binary_dir ${binary_dir}/${name})
+  endif()
+  set(out_dir ${generated_dir}/${identifier})
   if(NOT MEBOTS_FMU_DIR)
     set(MEBOTS_FMU_DIR ${PROJECT_BINARY_DIR}/fmus)
   endif()
@@ -37,13 +52,14 @@ function(mebots_add_fmu name)
   add_library(${name}_model STATIC ${ARG_MODEL_SOURCES})
   mebots_target(${name}_model)
   add_dependencies(${name}_model ${name}_description)
-  target_include_directories(${name}_model PUBLIC ${source_dir}/src ${generated_dir})
+  target_include_directories(${name}_model PUBLIC ${generated_dir} ${source_dir}/src)
+  target_compile_definitions(${name}_model PRIVATE ${ARG_MODEL_DEFINITIONS})
   target_link_libraries(${name}_model PUBLIC mebots::interface ${ARG_MODEL_LIBRARIES} PRIVATE fmt::fmt-header-only nlohmann_json::nlohmann_json)
 
-  add_library(${name} MODULE src/fmu.cpp ${out_dir}/variable_table.cpp)
+  add_library(${name} MODULE ${source_dir}/src/fmu.cpp ${out_dir}/variable_table.cpp)
   mebots_target(${name})
-  set_target_properties(${name} PROPERTIES PREFIX "" BUILD_RPATH "\$ORIGIN" BUILD_RPATH_USE_ORIGIN ON
-    SKIP_BUILD_RPATH OFF LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/fmu_binaries)
+  set_target_properties(${name} PROPERTIES PREFIX "" OUTPUT_NAME ${identifier} BUILD_RPATH "\$ORIGIN" BUILD_RPATH_USE_ORIGIN ON
+    SKIP_BUILD_RPATH OFF LIBRARY_OUTPUT_DIRECTORY ${binary_dir})
   target_link_libraries(${name} PRIVATE mebots::shell ${name}_model fmt::fmt-header-only)
   set(version_script ${CMAKE_CURRENT_FUNCTION_LIST_DIR}/fmi2.map)
   target_link_options(${name} PRIVATE -Wl,--version-script=${version_script} -Wl,--disable-new-dtags)
@@ -84,7 +100,7 @@ function(mebots_add_fmu name)
     list(APPEND pack_options --icon ${source_dir}/model.png)
     list(APPEND optional_files ${source_dir}/model.png)
   endif()
-  if(IS_DIRECTORY ${source_dir}/reference)
+  if(identifier STREQUAL name AND IS_DIRECTORY ${source_dir}/reference)
     list(APPEND pack_options --reference ${source_dir}/reference)
     file(GLOB files CONFIGURE_DEPENDS ${source_dir}/reference/*)
     list(APPEND optional_files ${files})

@@ -1,19 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // mebots-boardgen BOARD.json --c HEADER.h --cpp HEADER.hpp
+// mebots-boardgen BOARD.json --skeleton DEVICE FILE.hpp
 //
-// Writes what a board description says about addresses, register offsets, interrupts and named values
+// The first writes what a board description says about addresses, register offsets, interrupts and named values
 // twice: as a C header for the firmware (also fit for the assembler) and as a C++ header for the device
-// models. Both come from the same table, so that software and hardware cannot disagree.
+// models. Both come from the same table, so that software and hardware cannot disagree. The second one writes a device
+// model in C++ that lacks only what the device does by itself.
 
 #include "board_file.hpp"
 #include "devices/described_device.hpp"
+#include "names.hpp"
+#include "skeleton.hpp"
 
 #include "mebots/error.hpp"
 
 #include <fmt/core.h>
 
-#include <cctype>
 #include <cstdint>
 #include <cstdio>
 #include <exception>
@@ -25,40 +28,10 @@
 namespace {
 
 using mebots::Error;
+using mebots::boardgen::camel_case;
+using mebots::boardgen::macro_case;
 using mebots::soc::BoardDescription;
 using mebots::soc::read_board;
-
-/// FlightMode, take_off or TIME_LO -> {"flight", "mode"}, {"take", "off"}, {"time", "lo"}.
-std::vector<std::string> words_of(const std::string& name) {
-  std::vector<std::string> words(1);
-  char previous = '_';
-  for (const char c : name) {
-    const bool upper_after_lower =
-        std::isupper(static_cast<unsigned char>(c)) != 0 && (std::islower(static_cast<unsigned char>(previous)) != 0);
-    if ((c == '_' || upper_after_lower) && !words.back().empty()) words.emplace_back();
-    if (c != '_') words.back() += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    previous = c;
-  }
-  return words;
-}
-
-std::string macro_case(const std::string& name) {
-  std::string result;
-  for (const auto& word : words_of(name)) {
-    if (!result.empty()) result += '_';
-    for (const char c : word) result += static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
-  }
-  return result;
-}
-
-std::string camel_case(const std::string& name) {
-  std::string result;
-  for (auto word : words_of(name)) {
-    word[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(word[0])));
-    result += word;
-  }
-  return result;
-}
 
 std::string c_header(const BoardDescription& board) {
   std::ostringstream out;
@@ -160,18 +133,33 @@ void write_file(const std::string& path, const std::string& text) {
   if (!file) throw Error(fmt::format("{}: cannot be written", path));
 }
 
+const mebots::soc::BoardDevice& device_of(const BoardDescription& board, const std::string& name) {
+  for (const auto& device : board.devices) {
+    if (device.name == name) return device;
+  }
+  throw Error(fmt::format("board {} has no device \"{}\"", board.name, name));
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   const std::vector<std::string> arguments(argv + 1, argv + argc);
-  if (arguments.size() != 5 || arguments[1] != "--c" || arguments[3] != "--cpp") {
-    fmt::print(stderr, "usage: mebots-boardgen BOARD.json --c HEADER.h --cpp HEADER.hpp\n");
+  const bool headers = arguments.size() == 5 && arguments[1] == "--c" && arguments[3] == "--cpp";
+  const bool skeleton = arguments.size() == 4 && arguments[1] == "--skeleton";
+  if (!headers && !skeleton) {
+    fmt::print(stderr,
+               "usage: mebots-boardgen BOARD.json --c HEADER.h --cpp HEADER.hpp\n"
+               "       mebots-boardgen BOARD.json --skeleton DEVICE FILE.hpp\n");
     return 2;
   }
   try {
     const auto board = read_board(arguments[0]);
-    write_file(arguments[2], c_header(board));
-    write_file(arguments[4], cpp_header(board));
+    if (skeleton) {
+      write_file(arguments[3], mebots::boardgen::skeleton(board, device_of(board, arguments[2])));
+    } else {
+      write_file(arguments[2], c_header(board));
+      write_file(arguments[4], cpp_header(board));
+    }
   } catch (const std::exception& error) {
     fmt::print(stderr, "mebots-boardgen: {}\n", error.what());
     return 2;

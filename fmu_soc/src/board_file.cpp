@@ -116,13 +116,14 @@ std::vector<BoardRegister> read_registers(const data::Node& device) {
   std::vector<BoardRegister> registers;
   std::set<std::string> names;
   for (const auto& node : device.objects("registers")) {
-    node.only({"name", "offset", "access", "text", "shows", "units_per_si"});
+    node.only({"name", "offset", "access", "text", "shows", "sends", "units_per_si"});
     BoardRegister entry;
     entry.name = new_name(node, names);
     entry.offset = address(node, "offset");
     entry.access = node.text("access");
     entry.text = text_or_nothing(node);
     if (node.has("shows")) entry.shows = node.text("shows");
+    if (node.has("sends")) entry.sends = node.text("sends");
     if (node.has("units_per_si")) entry.units_per_si = node.number("units_per_si", data::Limits::positive());
     if (entry.access != "r" && entry.access != "w" && entry.access != "rw") {
       node.fail("access", fmt::format("= \"{}\" must be r, w or rw", entry.access));
@@ -164,31 +165,58 @@ std::vector<BoardOpcode> read_opcodes(const data::Node& opcodes) {
 /// A described device that goes from delay to delay must leave time for something else.
 constexpr double kLeastDelayS = 1e-6;
 
-/// What of a described device names something that must be there.
-void check_description(const data::Node& node, const BoardDevice& device) {
-  const auto require_state = [&](const std::string& key, const std::string& name) {
-    const bool known =
-        std::any_of(device.states.begin(), device.states.end(), [&](const auto& s) { return s.name == name; });
-    if (!known) node.fail(key, fmt::format("names state \"{}\", which the device does not have", name));
-  };
-  require_state("initial_state", device.initial_state);
-  for (const auto& state : device.states) {
-    if (!state.then.empty()) require_state("states." + state.name + ".then", state.then);
-    if (state.delay_s > 0 && state.delay_s < kLeastDelayS) {
-      node.fail("states." + state.name + ".delay",
-                fmt::format("= {} s must be 0 or at least {} s", state.delay_s, kLeastDelayS));
+/// Every output of a described device has one source, and every register that sends has its output.
+void check_outputs(const data::Node& node, const BoardDevice& device) {
+  for (const auto& reg : device.registers) {
+    if (reg.sends.empty()) continue;
+    if (reg.access == "r" || !reg.shows.empty()) {
+      node.fail("registers", fmt::format("{} sends a variable: it must be writable and show nothing", reg.name));
     }
-    if (state.delay_s > 0 && state.then.empty())
-      node.fail("states." + state.name + ".then", "is missing: the state has a delay");
+    if (std::find(device.sent.begin(), device.sent.end(), reg.sends) == device.sent.end()) {
+      node.fail("registers",
+                fmt::format("{} sends \"{}\", which is no output among the device's variables", reg.name, reg.sends));
+    }
   }
+  for (const auto& name : device.sent) {
+    const auto senders =
+        std::count_if(device.registers.begin(), device.registers.end(), [&](const auto& r) { return r.sends == name; });
+    const bool is_own = name == device.power_variable() || name == device.energy_variable();
+    if (senders + (is_own ? 1 : 0) != 1) {
+      node.fail("variables", fmt::format("{} must be sent by one register, or be {} or {}", name,
+                                         device.power_variable(), device.energy_variable()));
+    }
+  }
+}
+
+void require_state(const data::Node& node, const BoardDevice& device, const std::string& key, const std::string& name) {
+  const bool known =
+      std::any_of(device.states.begin(), device.states.end(), [&](const auto& s) { return s.name == name; });
+  if (!known) node.fail(key, fmt::format("names state \"{}\", which the device does not have", name));
+}
+
+void check_opcodes(const data::Node& node, const BoardDevice& device) {
   for (const auto& opcode : device.opcodes) {
-    require_state("opcodes." + opcode.name + ".state", opcode.state);
+    require_state(node, device, "opcodes." + opcode.name + ".state", opcode.state);
     const bool writable = std::any_of(device.registers.begin(), device.registers.end(),
                                       [&](const auto& r) { return r.name == opcode.register_name && r.access != "r"; });
     if (!writable) {
       node.fail("opcodes." + opcode.name + ".register",
                 fmt::format("= \"{}\" is no register that can be written", opcode.register_name));
     }
+  }
+}
+
+/// What of a described device names something that must be there.
+void check_description(const data::Node& node, const BoardDevice& device) {
+  require_state(node, device, "initial_state", device.initial_state);
+  for (const auto& state : device.states) {
+    if (!state.then.empty()) require_state(node, device, "states." + state.name + ".then", state.then);
+    if (state.delay_s > 0 && state.delay_s < kLeastDelayS) {
+      node.fail("states." + state.name + ".delay",
+                fmt::format("= {} s must be 0 or at least {} s", state.delay_s, kLeastDelayS));
+    }
+    if (state.delay_s > 0 && state.then.empty())
+      node.fail("states." + state.name + ".then", "is missing: the state has a delay");
   }
   for (const auto& reg : device.registers) {
     const bool sensed =
@@ -199,15 +227,25 @@ void check_description(const data::Node& node, const BoardDevice& device) {
                 fmt::format("{} shows \"{}\", which is no input among the device's variables", reg.name, reg.shows));
     if (reg.access != "r") node.fail("registers", fmt::format("{} shows a variable: its access must be r", reg.name));
   }
+  check_outputs(node, device);
 }
 
-std::vector<BoardVariable> read_sensed(const data::Node& device) {
-  std::vector<BoardVariable> found;
-  for (const auto& node : device.objects("variables")) {
-    if (node.text("causality") != "input") continue;
-    found.push_back({node.text("name"), node.number("start")});
+/// Real inputs and outputs. A described device has no other variables.
+void read_variables(const data::Node& entry, BoardDevice& device) {
+  const bool described = !device.initial_state.empty();
+  for (const auto& node : entry.objects("variables")) {
+    const auto causality = node.text("causality");
+    if (node.has("type") && node.text("type") != "Real") {
+      if (described) node.fail("type", "must be Real in a device with an initial_state");
+    } else if (causality == "input") {
+      device.sensed.push_back({node.text("name"), node.number("start")});
+    } else if (causality == "output") {
+      device.sent.push_back(node.text("name"));
+    } else if (described) {
+      node.fail("causality",
+                fmt::format("= \"{}\" must be input or output in a device with an initial_state", causality));
+    }
   }
-  return found;
 }
 
 std::vector<BoardEnumeration> read_enumerations(const data::Node& enumerations) {
@@ -240,14 +278,14 @@ BoardDevice read_device(const data::Node& node, std::set<std::string>& names) {
   if (!device.states.empty() && device.supply_voltage_v == 0) {
     node.fail("supply_voltage", "is missing: the currents of the states need it");
   }
+  if (node.has("opcodes")) device.opcodes = read_opcodes(node.object("opcodes"));
+  check_opcodes(node, device);
   if (node.has("initial_state")) {
     device.initial_state = node.text("initial_state");
-    if (node.has("opcodes")) device.opcodes = read_opcodes(node.object("opcodes"));
-    if (node.has("variables")) device.sensed = read_sensed(node);
-    check_description(node, device);
-  } else if (node.has("opcodes")) {
-    node.fail("opcodes", "are for a device with an initial_state");
+    if (device.initial_state.empty()) node.fail("initial_state", "is empty");
   }
+  if (node.has("variables")) read_variables(node, device);
+  if (!device.initial_state.empty()) check_description(node, device);
   if (node.has("enumerations")) device.enumerations = read_enumerations(node.object("enumerations"));
   return device;
 }

@@ -36,7 +36,8 @@ struct BoardRegister {
   std::string access;  // r, w or rw
   std::string text;
   std::string shows;        // of a described device: "status" or one of its variables; empty = what was stored
-  double units_per_si = 1;  // of the variable that it shows
+  std::string sends;        // of a described device: the variable that what is stored goes out as; empty = none
+  double units_per_si = 1;  // of the variable that it shows or sends
 };
 
 /// A value that means something when it is stored into a register: the device goes into a state.
@@ -85,7 +86,12 @@ struct BoardDevice {
   /// Not empty: the device is described wholly by its entry, and begins in this state.
   std::string initial_state;
   std::vector<BoardOpcode> opcodes;
-  std::vector<BoardVariable> sensed;  // its variables with causality input
+  std::vector<BoardVariable> sensed;  // its Real variables with causality input
+  std::vector<std::string> sent;      // those with causality output; a described device's registers send them, but for
+                                      // its power and energy
+
+  std::string power_variable() const { return name + ".power"; }
+  std::string energy_variable() const { return name + ".energy"; }
 
   /// Bytes that the registers take.
   std::uint32_t size() const { return registers.empty() ? 0 : registers.back().offset + 4; }

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "model.hpp"
 
-#include "base64.hpp"
-#include "devices/fixed_point.hpp"
+#include "exchange.hpp"
 
 #include <fmt/core.h>
 
-#include <cmath>
+#include <array>
+#include <utility>
 
 namespace mebots::soc {
 namespace {
@@ -31,23 +31,13 @@ constexpr std::array<double Outputs::*, kParts> kPartPowers{
 static_assert(std::tuple_size_v<decltype(Outputs::energy_j)> == kParts);
 
 Settings settings_of(const Parameters& parameters) {
-  Settings settings;
-  settings.clock_hz = parameters.core_clock_hz;
-  settings.cluster_clock_hz = parameters.cluster_clock_hz;
-  settings.cluster_cores = static_cast<unsigned>(parameters.cluster_cores);
-  settings.temperature_c = parameters.temperature_degc;
-  settings.voltage_v = parameters.core_supply_voltage_v;
-  settings.frame_width = static_cast<std::uint32_t>(parameters.camera_frame_width);
-  settings.mission = {parameters.mission_cruise_speed_m_per_s,  parameters.mission_altitude_m,
-                      parameters.mission_frame_period_s,        parameters.mission_yaw_rate_scale_rad_per_s,
-                      parameters.mission_landing_charge,        static_cast<std::int32_t>(parameters.mission_policy),
-                      parameters.mission_initial_speed_m_per_s, static_cast<std::int32_t>(parameters.mission_navigator),
-                      parameters.mission_sleep_clock_hz};
+  auto settings = exchange::settings_of(parameters);
+  settings.make_device = make_own_device;
   return settings;
 }
 
 Elf firmware_of(const Parameters& parameters, const std::filesystem::path& resources) {
-  if (parameters.firmware.empty()) return Elf::read(resources / "gate.elf");
+  if (parameters.firmware.empty()) return Elf::read(resources / MEBOTS_SOC_FIRMWARE);
   try {
     return Elf::read(parameters.firmware);
   } catch (const Error& error) {
@@ -72,18 +62,45 @@ observe::Requests requests_of(const Parameters& parameters, const Listeners& lis
   return requests;
 }
 
-void require_number(double value, std::string_view name) {
-  if (!std::isfinite(value)) throw Error(fmt::format("{} = {} must be a finite number", name, value));
-}
-
 }  // namespace
 
-Model::Model(const Parameters& parameters, const std::filesystem::path& resources, Listeners listeners)
+Model::Model(const Parameters& parameters, const std::filesystem::path& resources, Listeners listeners,
+             const Fields& fields)
     : listeners_(listeners),
-      soc_(read_board(resources / "ai_deck.json"), gap8(), settings_of(parameters), firmware_of(parameters, resources),
-           std::move(listeners)) {
+      soc_(read_board(resources / MEBOTS_SOC_BOARD), gap8(), settings_of(parameters),
+           firmware_of(parameters, resources), std::move(listeners)) {
+  find_fields(fields);
   const auto requests = requests_of(parameters, listeners_);
   if (requests.any()) session_ = std::make_unique<observe::Session>(requests, soc_);
+}
+
+/// The variables of the board's own devices: the board file that is read now must be the one that the FMU was built
+/// with.
+void Model::find_fields(const Fields& fields) {
+  const auto require = [](auto* field, const std::string& name) {
+    if (field == nullptr) {
+      throw Error(fmt::format("{}: its variable {} is none of this FMU; build the FMU again with this board file",
+                              MEBOTS_SOC_BOARD, name));
+    }
+    return field;
+  };
+  for (const auto& device : soc_.own_devices()) {
+    const auto& description = device->description();
+    for (const auto& variable : description.sensed) {
+      sensed_.push_back({variable.name, require(fields.input(variable.name), variable.name)});
+    }
+    auto& own = own_.emplace_back(Own{device.get()});
+    for (const auto& name : description.sent) {
+      auto* field = require(fields.output(name), name);
+      if (name == description.power_variable()) {
+        own.power_w = field;
+      } else if (name == description.energy_variable()) {
+        own.energy_j = field;
+      } else {
+        sent_.push_back({device.get(), name, field});
+      }
+    }
+  }
 }
 
 Model::~Model() {
@@ -105,6 +122,7 @@ void Model::step(const Inputs& inputs, std::int64_t start_ns, std::int64_t durat
   take_inputs(inputs);
   const auto energy_before = soc_.energy();
   const auto camera_before_j = soc_.camera_energy_j();
+  for (auto& own : own_) own.energy_before_j = soc_.energy_j(*own.device);
   soc_.advance(start_ns - origin_ns_ + duration_ns);
   say_when_spinning();
   write(outputs);
@@ -114,7 +132,10 @@ void Model::step(const Inputs& inputs, std::int64_t start_ns, std::int64_t durat
   for (std::size_t i = 0; i < kParts; ++i) {
     outputs.*kPartPowers[i] = (energy_after.by_part_j[i] - energy_before.by_part_j[i]) / duration_s;
   }
-  outputs.camera_power_w = (outputs.camera_energy_j - camera_before_j) / duration_s;
+  exchange::write_camera_power(soc_, camera_before_j, duration_s, outputs);
+  for (const auto& own : own_) {
+    if (own.power_w != nullptr) *own.power_w = (soc_.energy_j(*own.device) - own.energy_before_j) / duration_s;
+  }
 }
 
 /// An endless loop is nothing that ends a mission, but somebody should know.
@@ -129,42 +150,20 @@ void Model::say_when_spinning() {
 }
 
 void Model::take_inputs(const Inputs& inputs) {
-  require_number(inputs.battery_voltage_v, "battery.voltage");
-  require_number(inputs.battery_state_of_charge, "battery.state_of_charge");
-  require_number(inputs.flight_range_m, "flight.range");
-  require_number(inputs.flight_forward_velocity_m_per_s, "flight.forward_velocity");
-  require_number(inputs.flight_yaw_rad, "flight.yaw");
-  if (inputs.battery_voltage_v < kPowerLossVoltageV && soc_.end() != End::powered_off) {
+  if (!exchange::take_battery(inputs, soc_, kPowerLossVoltageV) && soc_.end() != End::powered_off) {
     soc_.power_off();
     if (listeners_.faults) {
       listeners_.faults(fmt::format("battery.voltage {} V is under {} V: the chip lost its power at {:.9g} s",
-                                    inputs.battery_voltage_v, kPowerLossVoltageV,
+                                    exchange::battery_voltage_v(inputs), kPowerLossVoltageV,
                                     static_cast<double>(soc_.now()) * kPicosecond));
     }
   }
-  if (auto* battery = soc_.battery()) {
-    battery->set_voltage_v(inputs.battery_voltage_v);
-    battery->set_state_of_charge(inputs.battery_state_of_charge);
+  exchange::take_flight(inputs, soc_);
+  for (const auto& sensed : sensed_) {
+    exchange::require_number(*sensed.value, sensed.name);
+    soc_.set_sensed(sensed.name, *sensed.value);
   }
-  if (auto* flight = soc_.flight()) {
-    flight->inputs = {static_cast<std::int32_t>(inputs.flight_phase), inputs.flight_range_m,
-                      inputs.flight_forward_velocity_m_per_s, inputs.flight_yaw_rad, inputs.flight_gate_passed ? 1 : 0};
-  }
-  offer_picture(inputs);
-}
-
-void Model::offer_picture(const Inputs& inputs) {
-  auto* camera = soc_.camera();
-  if (camera == nullptr || soc_.end() == End::powered_off || !camera->wants(inputs.camera_frame_id)) return;
-  auto picture = inputs.camera_frame.bytes();
-  if (picture.empty()) {
-    if (!decode_base64(inputs.camera_frame_base64, decoded_)) {
-      throw Error(fmt::format("camera.frame.base64 of {} characters is not base64 (RFC 4648)",
-                              inputs.camera_frame_base64.size()));
-    }
-    picture = decoded_;
-  }
-  if (!picture.empty()) camera->offer(picture, soc_.now());
+  exchange::offer_picture(inputs, soc_, decoded_);
 }
 
 void Model::write(Outputs& outputs) const {
@@ -186,18 +185,12 @@ void Model::write(Outputs& outputs) const {
     outputs.cluster_cycles = static_cast<double>(sums.cycles);
     outputs.cluster_powered = cluster->powered();
   }
-  if (const auto* camera = soc_.camera()) {
-    outputs.camera_trigger = camera->requests();
-    outputs.camera_energy_j = soc_.camera_energy_j();
+  exchange::write_camera(soc_, outputs);
+  exchange::write_flight(soc_, outputs);
+  for (const auto& own : own_) {
+    if (own.energy_j != nullptr) *own.energy_j = soc_.energy_j(*own.device);
   }
-  if (const auto* flight = soc_.flight()) {
-    const auto& sent = flight->sent();
-    outputs.setpoint_mode = static_cast<FlightMode>(sent.mode);
-    outputs.setpoint_velocity_x_m_per_s = from_register(sent.velocity_x, kMicro);
-    outputs.setpoint_velocity_y_m_per_s = from_register(sent.velocity_y, kMicro);
-    outputs.setpoint_yaw_rate_rad_per_s = from_register(sent.yaw_rate, kMicro);
-    outputs.setpoint_altitude_m = from_register(sent.altitude, kMicro);
-  }
+  for (const auto& sent : sent_) *sent.value = sent.device->sent(sent.name).value_or(0);
 }
 
 void Model::save(state::Writer& writer) const {

@@ -7,9 +7,18 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
+#include <string>
+#include <string_view>
 #include <vector>
 
 namespace mebots::soc {
+
+/// Where the FMU keeps the variables that only the board file names; null for a name that it does not have.
+struct Fields {
+  std::function<const double*(std::string_view)> input = [](std::string_view) { return nullptr; };
+  std::function<double*(std::string_view)> output = [](std::string_view) { return nullptr; };
+};
 
 /// The chip as the FMU's variables see it: parameters and inputs go to the devices, devices and ledger to the
 /// outputs. Plain C++; fmu.cpp binds it to FMI.
@@ -21,9 +30,11 @@ class Model {
   /// Below this bus voltage the chip's converter gives up: the chip loses power and stays without until reset.
   static constexpr double kPowerLossVoltageV = 2.5;
 
-  /// Reads `resources`/ai_deck.json and the firmware: the parameter's file, or `resources`/gate.elf.
+  /// Reads the board file in `resources`, and the firmware: the parameter's file, or the one in `resources`. The fields
+  /// are asked for the variables of the board's own devices, and must stay where they are.
   /// Throws Error naming parameter or file, value and limit.
-  Model(const Parameters& parameters, const std::filesystem::path& resources, Listeners listeners);
+  Model(const Parameters& parameters, const std::filesystem::path& resources, Listeners listeners,
+        const Fields& fields = {});
   /// Finishes what the observe.* parameters asked for.
   ~Model();
   Model(const Model&) = delete;
@@ -40,8 +51,25 @@ class Model {
   const Soc& soc() const { return soc_; }
 
  private:
+  /// A device of the board's own and its outputs; null where the board file names none.
+  struct Own {
+    const OwnDevice* device = nullptr;
+    double* power_w = nullptr;
+    double* energy_j = nullptr;
+    double energy_before_j = 0;  // at the start of the step
+  };
+  struct Sensed {
+    std::string name;
+    const double* value = nullptr;
+  };
+  struct Sent {
+    const OwnDevice* device = nullptr;
+    std::string name;
+    double* value = nullptr;
+  };
+
+  void find_fields(const Fields& fields);
   void take_inputs(const Inputs& inputs);
-  void offer_picture(const Inputs& inputs);
   void write(Outputs& outputs) const;
   void say_when_spinning();
 
@@ -51,6 +79,9 @@ class Model {
   bool said_spinning_ = false;
   std::int64_t origin_ns_ = 0;
   std::vector<std::uint8_t> decoded_;
+  std::vector<Own> own_;
+  std::vector<Sensed> sensed_;
+  std::vector<Sent> sent_;
 };
 
 }  // namespace mebots::soc

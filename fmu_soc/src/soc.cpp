@@ -2,6 +2,7 @@
 #include "soc.hpp"
 
 #include "debug/backtrace.hpp"
+#include "devices/described_device.hpp"
 #include "hart/csr_numbers.hpp"
 #include "isa/encoding.hpp"
 
@@ -78,6 +79,12 @@ void check_registers(const BoardDevice& device, const std::array<board::Register
                     "with this board file",
                     device.name));
   }
+}
+
+/// A device that the platform has no model of: with C++ of its own, or described wholly by its entry; null for others.
+std::unique_ptr<OwnDevice> own_device_of(const BoardDevice& entry, const Settings& settings) {
+  if (!entry.initial_state.empty()) return std::make_unique<DescribedDevice>(entry);
+  return settings.make_device ? settings.make_device(entry) : nullptr;
 }
 
 std::string_view cause_text(std::uint32_t cause) {
@@ -202,9 +209,10 @@ void Soc::add_devices(const BoardDescription& board, const Settings& settings) {
     if (listeners_.faults) listeners_.faults(text);
   };
   for (const auto& entry : board.devices) {
-    if (!entry.initial_state.empty()) {
-      auto& device = *described_.emplace_back(std::make_unique<DescribedDevice>(entry));
-      slots_.push_back({entry.name, entry.base, entry.size(), entry.interrupt, &device});
+    auto own = own_device_of(entry, settings);
+    if (own != nullptr) {
+      slots_.push_back({entry.name, entry.base, entry.size(), entry.interrupt, own.get()});
+      own_devices_.push_back(std::move(own));
     } else if (entry.name == "console") {
       console_ = std::make_unique<Console>(listeners_.console);
       add(entry, board::console::kRegisters, *console_);
@@ -231,7 +239,7 @@ void Soc::add_devices(const BoardDescription& board, const Settings& settings) {
       throw Error(fmt::format(
           "board: no model for device \"{}\"; known are console, timer, power_manager, event_unit, "
           "cluster_dma, camera, flight, battery and mission; another one needs an initial_state and is described "
-          "by its registers, opcodes and states",
+          "by its registers, opcodes and states, or C++ of its own (mebots-boardgen --skeleton)",
           entry.name));
     }
   }
@@ -252,13 +260,13 @@ void Soc::load_program() {
 
 bool Soc::set_sensed(std::string_view variable, double value) {
   bool known = false;
-  for (const auto& device : described_) known = device->set_sensed(variable, value) || known;
+  for (const auto& device : own_devices_) known = device->set_sensed(variable, value) || known;
   return known;
 }
 
-const DescribedDevice* Soc::described(std::string_view name) const {
-  for (const auto& device : described_) {
-    if (device->name() == name) return device.get();
+const OwnDevice* Soc::own_device(std::string_view name) const {
+  for (const auto& device : own_devices_) {
+    if (device->description().name == name) return device.get();
   }
   return nullptr;
 }

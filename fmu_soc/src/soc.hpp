@@ -8,9 +8,9 @@
 #include "devices/battery_gauge.hpp"
 #include "devices/camera.hpp"
 #include "devices/console.hpp"
-#include "devices/described_device.hpp"
 #include "devices/flight.hpp"
 #include "devices/mission_parameters.hpp"
+#include "devices/own_device.hpp"
 #include "devices/power_manager.hpp"
 #include "devices/timer.hpp"
 #include "elf/elf.hpp"
@@ -42,6 +42,8 @@ struct Settings {
   double voltage_v = 1.2;
   std::uint32_t frame_width = 320;
   MissionParameters::Values mission;
+  /// Makes devices that have C++ of their own, which the platform does not know; null for an entry that is none.
+  std::function<std::unique_ptr<OwnDevice>(const BoardDevice& entry)> make_device = {};
   bool translate = true;  // hot code to host code; counts are the same without
 };
 
@@ -132,10 +134,14 @@ class Soc final : private Bus {
   const Camera* camera() const { return camera_.get(); }
   Flight* flight() { return flight_.get(); }
   const Flight* flight() const { return flight_.get(); }
-  /// Gives the devices that the board describes wholly a variable that they sense; false = none of them does.
+  /// Gives the board's own devices a variable that they sense; false = none of them does.
   bool set_sensed(std::string_view variable, double value);
+  /// Those devices that the platform knows from the board file only.
+  std::span<const std::unique_ptr<OwnDevice>> own_devices() const { return own_devices_; }
   /// Such a device by its name; null = there is none.
-  const DescribedDevice* described(std::string_view name) const;
+  const OwnDevice* own_device(std::string_view name) const;
+  /// Energy of such a device since the start [J].
+  double energy_j(const OwnDevice& device) const { return device.energy_j(supplied_until()); }
   BatteryGauge* battery() { return battery_.get(); }
 
   void save(state::Writer& writer) const;
@@ -198,7 +204,7 @@ class Soc final : private Bus {
   std::unique_ptr<Flight> flight_;
   std::unique_ptr<BatteryGauge> battery_;
   std::unique_ptr<MissionParameters> mission_;
-  std::vector<std::unique_ptr<DescribedDevice>> described_;
+  std::vector<std::unique_ptr<OwnDevice>> own_devices_;
   std::optional<InstructionCache> instruction_cache_;  // of the fabric controller
   Hart hart_;
   StateListener* listener_ = nullptr;

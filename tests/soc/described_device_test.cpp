@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A device that exists in the board file only: the time-of-flight sensor of examples/time_of_flight.
-#include "soc.hpp"
+#include "devices/described_device.hpp"
 
 #include "mebots/data_file.hpp"
 #include "mebots/error.hpp"
@@ -16,6 +16,7 @@ using testing::HasSubstr;
 constexpr std::uint32_t kCommand = 0;
 constexpr std::uint32_t kStatus = 4;
 constexpr std::uint32_t kDistance = 8;
+constexpr std::uint32_t kReport = 12;
 constexpr Picoseconds kMillisecond = 1'000'000'000;
 
 std::string board_text() {
@@ -71,14 +72,14 @@ TEST(DescribedDevice, RefusesOtherWaysOfAccess) {
   std::uint32_t value = 0;
   EXPECT_FALSE(device.load(kCommand, 0, value)) << "write only";
   EXPECT_FALSE(device.store(kDistance, 0, 1)) << "read only";
-  EXPECT_FALSE(device.load(0xc, 0, value));
+  EXPECT_FALSE(device.load(0x10, 0, value));
 }
 
 TEST(DescribedDevice, DrawsTheCurrentOfItsStates) {
   auto device = range_finder();
   device.store(kCommand, 10 * kMillisecond, 1);
   device.advance(43 * kMillisecond);
-  const auto expected_j = 2.8 * (16e-3 * 33e-3 + 5e-6 * 67e-3);
+  const auto expected_j = 2.8 * (16e-3 * 33e-3 + 6e-6 * 67e-3);
   EXPECT_NEAR(device.energy_j(100 * kMillisecond), expected_j, 1e-12 * expected_j) << "sums of doubles";
 }
 
@@ -109,6 +110,9 @@ TEST(DescribedDevice, WhoseDescriptionDoesNotHoldTogetherIsRefused) {
         Mistake{"\"delay\": 0.033", "\"delay\": 1e-9", "at least 1e-06 s"},
         Mistake{"\"register\": \"COMMAND\"", "\"register\": \"DISTANCE\"", "no register that can be written"},
         Mistake{"\"shows\": \"range_finder.distance\"", "\"shows\": \"colour\"", "no input among"},
+        Mistake{"\"sends\": \"range_finder.reported\"", "\"sends\": \"colour\"", "no output among"},
+        Mistake{"\"access\": \"rw\", \"sends\"", "\"access\": \"r\", \"sends\"", "must be writable and show nothing"},
+        Mistake{"\"causality\": \"input\"", "\"causality\": \"parameter\"", "must be input or output"},
         Mistake{"\"initial_state\": \"standby\"", "\"initial_state\": \"on\"", "names state \"on\""}}) {
     auto text = board_text();
     const auto at = text.find(mistake.from);
@@ -122,6 +126,25 @@ TEST(DescribedDevice, WhoseDescriptionDoesNotHoldTogetherIsRefused) {
       EXPECT_THAT(error.what(), HasSubstr("board.json"));
     }
   }
+}
+
+TEST(DescribedDevice, SendsWhatIsStoredIntoARegister) {
+  auto device = range_finder();
+  EXPECT_EQ(device.sent("range_finder.reported"), 0.0);
+  EXPECT_TRUE(device.store(kReport, 0, 1234));
+  EXPECT_EQ(device.sent("range_finder.reported"), 1.234);
+  EXPECT_EQ(read(device, kReport), 1234U);
+  EXPECT_TRUE(device.store(kReport, 0, 0xffffffffU));
+  EXPECT_EQ(device.sent("range_finder.reported"), -0.001) << "with a sign";
+  EXPECT_FALSE(device.sent("range_finder.power")) << "no register sends it";
+}
+
+TEST(BoardFile, RefusesAnOutputThatNothingSends) {
+  auto text = board_text();
+  const std::string sends = "\"sends\": \"range_finder.reported\", ";
+  text.erase(text.find(sends), sends.size());
+  EXPECT_THAT([&] { parse_board(text, "board.json"); },
+              testing::ThrowsMessage<Error>(HasSubstr("range_finder.reported must be sent by one register")));
 }
 
 }  // namespace

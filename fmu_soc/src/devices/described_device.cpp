@@ -43,6 +43,14 @@ bool DescribedDevice::set_sensed(std::string_view variable, double value) {
   return false;
 }
 
+std::optional<double> DescribedDevice::sent(std::string_view variable) const {
+  for (std::size_t i = 0; i < values_.size(); ++i) {
+    const auto& reg = description_.registers[i];
+    if (reg.sends == variable) return from_register(values_[i], reg.units_per_si);
+  }
+  return std::nullopt;
+}
+
 bool DescribedDevice::load(std::uint32_t offset, Picoseconds /*now*/, std::uint32_t& value) {
   const auto index = register_at(offset);
   if (index == values_.size()) return false;

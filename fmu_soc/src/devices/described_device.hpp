@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "board_file.hpp"
-#include "devices/device.hpp"
+#include "devices/own_device.hpp"
 
 #include <cstdint>
-#include <string>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -21,8 +20,9 @@ namespace mebots::soc {
 ///                    state that follows begins.
 ///
 /// A register that shows "status" has bit 0 busy (a delay runs), bit 1 ready (write 1 to clear, which also clears the
-/// interrupt) and bit 2 refused (write 1 to clear). Registers that show nothing keep what is stored into them.
-class DescribedDevice final : public Device {
+/// interrupt) and bit 2 refused (write 1 to clear). Registers that show nothing keep what is stored into them; those
+/// that send a variable put it out.
+class DescribedDevice final : public OwnDevice {
  public:
   static constexpr std::uint32_t kBusy = 1;
   static constexpr std::uint32_t kReady = 2;
@@ -30,11 +30,11 @@ class DescribedDevice final : public Device {
 
   explicit DescribedDevice(const BoardDevice& description);
 
-  const std::string& name() const { return description_.name; }
-  /// False when it senses no such variable.
-  bool set_sensed(std::string_view variable, double value);
-  /// Energy since reset [J], at `now`.
-  double energy_j(Picoseconds now) const;
+  const BoardDevice& description() const override { return description_; }
+  bool set_sensed(std::string_view variable, double value) override;
+  /// As a register sends it, 0 before anything was stored.
+  std::optional<double> sent(std::string_view variable) const override;
+  double energy_j(Picoseconds now) const override;
 
   bool load(std::uint32_t offset, Picoseconds now, std::uint32_t& value) override;
   bool store(std::uint32_t offset, Picoseconds now, std::uint32_t value) override;

@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "skeleton.hpp"
+
+#include "names.hpp"
+
+#include <fmt/core.h>
+
+namespace mebots::boardgen {
+namespace {
+
+using soc::BoardDevice;
+using soc::BoardRegister;
+
+std::string constant(const std::string& name) {
+  return "k" + camel_case(name);
+}
+
+/// The member that keeps a register's word or a variable.
+std::string member(const std::string& name) {
+  return snake_case(name) + "_";
+}
+
+std::string state(const std::string& name) {
+  return "State::" + snake_case(name);
+}
+
+/// The outputs that the device itself decides on: power and energy follow from its states.
+std::vector<std::string> sent_by_hand(const BoardDevice& device) {
+  std::vector<std::string> names;
+  for (const auto& name : device.sent) {
+    if (name != device.power_variable() && name != device.energy_variable()) names.push_back(name);
+  }
+  return names;
+}
+
+std::string constants(const BoardDevice& device) {
+  std::string out;
+  for (const auto& reg : device.registers) {
+    out += fmt::format("  static constexpr std::uint32_t {} = 0x{:X};  // {}: {}\n", constant(reg.name), reg.offset,
+                       reg.access, reg.text);
+  }
+  for (const auto& opcode : device.opcodes) {
+    out += fmt::format("  static constexpr std::uint32_t kOpcode{} = {};  // into {}: {}\n", camel_case(opcode.name),
+                       opcode.value, opcode.register_name, opcode.text);
+  }
+  if (!device.states.empty()) {
+    out += "  enum class State : std::uint8_t {\n";
+    for (const auto& entry : device.states) out += fmt::format("    {},  // {}\n", snake_case(entry.name), entry.text);
+    out += "  };\n";
+  }
+  return out;
+}
+
+std::string variables(const BoardDevice& device) {
+  std::string out =
+      "  bool set_sensed([[maybe_unused]] std::string_view variable, [[maybe_unused]] double value) override {\n";
+  for (const auto& variable : device.sensed) {
+    out += fmt::format("    if (variable == \"{}\") {{\n      {} = value;\n      return true;\n    }}\n", variable.name,
+                       member(variable.name));
+  }
+  out += "    return false;\n  }\n";
+  out += "  std::optional<double> sent([[maybe_unused]] std::string_view variable) const override {\n";
+  for (const auto& name : sent_by_hand(device)) {
+    out += fmt::format("    if (variable == \"{}\") return {};\n", name, member(name));
+  }
+  return out + "    return std::nullopt;\n  }\n";
+}
+
+std::string energy(const BoardDevice& device) {
+  std::string out = "  double energy_j([[maybe_unused]] Picoseconds now) const override {\n";
+  if (device.states.empty()) return out + "    return 0;\n  }\n";
+  return out +
+         "    double charge_as = 0;\n"
+         "    for (std::size_t i = 0; i < spent_.size(); ++i) {\n"
+         "      const auto time = spent_[i] + (i == static_cast<std::size_t>(state_) ? now - since_ : 0);\n"
+         "      charge_as += description_.states[i].current_a * static_cast<double>(time) / kPsPerS;\n"
+         "    }\n"
+         "    return charge_as * description_.supply_voltage_v;\n  }\n";
+}
+
+std::string load(const BoardDevice& device) {
+  std::string out =
+      "  bool load(std::uint32_t offset, Picoseconds /*now*/, std::uint32_t& value) override {\n"
+      "    switch (offset) {\n";
+  for (const auto& reg : device.registers) {
+    if (reg.access == "w") continue;
+    out += fmt::format("      case {}:\n        value = {};\n        return true;\n", constant(reg.name),
+                       member(reg.name));
+  }
+  return out + "      default:\n        return false;\n    }\n  }\n";
+}
+
+std::string store(const BoardDevice& device) {
+  std::string out =
+      "  bool store(std::uint32_t offset, [[maybe_unused]] Picoseconds now, std::uint32_t value) override {\n"
+      "    switch (offset) {\n";
+  for (const auto& reg : device.registers) {
+    if (reg.access == "r") continue;
+    out += fmt::format("      case {}:\n        {} = value;\n", constant(reg.name), member(reg.name));
+    for (const auto& opcode : device.opcodes) {
+      if (opcode.register_name != reg.name) continue;
+      out += fmt::format("        if (value == kOpcode{}) enter({}, now);\n", camel_case(opcode.name),
+                         state(opcode.state));
+    }
+    if (!reg.sends.empty()) {
+      out += fmt::format("        {} = from_register(value, {});\n", member(reg.sends), reg.units_per_si);
+    }
+    out += "        return true;\n";
+  }
+  return out + "      default:\n        return false;\n    }\n  }\n";
+}
+
+std::string time(const BoardDevice& device) {
+  if (device.states.empty()) return {};
+  std::string out =
+      "  void advance(Picoseconds now) override {\n"
+      "    if (now < done_at_) return;\n"
+      "    switch (state_) {\n";
+  for (const auto& entry : device.states) {
+    if (entry.then.empty()) continue;
+    out += fmt::format("      case {}:  // its delay is over\n", state(entry.name));
+    for (const auto& reg : device.registers) {
+      if (reg.shows.empty() || reg.shows == "status") continue;
+      out += fmt::format("        {} = to_register({}, {});\n", member(reg.name), member(reg.shows), reg.units_per_si);
+    }
+    out += fmt::format("        enter({}, done_at_);\n        break;\n", state(entry.then));
+  }
+  return out +
+         "      default:\n        done_at_ = kNever;\n        break;\n    }\n  }\n"
+         "  Picoseconds next_event() const override { return done_at_; }\n"
+         "  std::string_view state_name() const override {\n"
+         "    return description_.states[static_cast<std::size_t>(state_)].name;\n  }\n";
+}
+
+std::vector<std::string> members_of(const BoardDevice& device) {
+  std::vector<std::string> names;
+  for (const auto& reg : device.registers) names.push_back(member(reg.name));
+  for (const auto& variable : device.sensed) names.push_back(member(variable.name));
+  for (const auto& name : sent_by_hand(device)) names.push_back(member(name));
+  if (!device.states.empty()) names.insert(names.end(), {"state_", "spent_", "since_", "done_at_"});
+  return names;
+}
+
+std::string saving(const BoardDevice& device) {
+  std::string out = "  void save(state::Writer& writer) const override {\n";
+  for (const auto& name : members_of(device)) out += fmt::format("    writer.put({});\n", name);
+  out += "  }\n  void restore(state::Reader& reader) override {\n";
+  for (const auto& name : members_of(device)) out += fmt::format("    reader.get({});\n", name);
+  return out + "  }\n";
+}
+
+std::string private_part(const BoardDevice& device) {
+  std::string out = "\n private:\n";
+  if (!device.states.empty()) {
+    out +=
+        "  void enter(State state, Picoseconds now) {\n"
+        "    spent_[static_cast<std::size_t>(state_)] += now - since_;\n"
+        "    since_ = now;\n"
+        "    state_ = state;\n"
+        "    const auto delay_s = description_.states[static_cast<std::size_t>(state)].delay_s;\n"
+        "    done_at_ = delay_s > 0 ? now + std::llround(delay_s * kPsPerS) : kNever;\n  }\n\n";
+  }
+  out += "  BoardDevice description_;\n";
+  for (const auto& reg : device.registers) out += fmt::format("  std::uint32_t {} = 0;\n", member(reg.name));
+  for (const auto& variable : device.sensed) {
+    out += fmt::format("  double {} = {};\n", member(variable.name), variable.start);
+  }
+  for (const auto& name : sent_by_hand(device)) out += fmt::format("  double {} = 0;\n", member(name));
+  if (!device.states.empty()) {
+    const auto first = device.initial_state.empty() ? device.states.front().name : device.initial_state;
+    out += fmt::format("  State state_ = {};\n", state(first));
+    out += fmt::format("  std::array<Picoseconds, {}> spent_{{}};  // in each state, up to the last change\n",
+                       device.states.size());
+    out += "  Picoseconds since_ = 0;\n  Picoseconds done_at_ = kNever;\n";
+  }
+  return out;
+}
+
+}  // namespace
+
+std::string skeleton(const soc::BoardDescription& board, const BoardDevice& device) {
+  const auto name = camel_case(device.name);
+  std::string out = fmt::format(
+      "// SPDX-License-Identifier: Apache-2.0\n"
+      "// Skeleton of the device \"{}\" of board \"{}\", made by mebots-boardgen. Yours to change: it keeps what is\n"
+      "// stored, obeys opcodes and spends its energy; what it does beside that is to be written.\n"
+      "#pragma once\n\n"
+      "#include \"devices/fixed_point.hpp\"\n#include \"devices/own_device.hpp\"\n\n"
+      "#include <array>\n#include <cmath>\n#include <cstddef>\n#include <cstdint>\n#include <optional>\n"
+      "#include <string_view>\n\n"
+      "namespace mebots::soc {{\n\n"
+      "/// {}\n"
+      "class {} final : public OwnDevice {{\n public:\n",
+      device.name, board.name, device.text, name);
+  out += constants(device);
+  out += fmt::format("\n  explicit {}(const BoardDevice& description) : description_(description) {{}}\n\n", name);
+  out += "  const BoardDevice& description() const override { return description_; }\n";
+  out += variables(device) + energy(device) + "\n" + load(device) + store(device) + time(device) + saving(device);
+  return out + private_part(device) + "};\n\n}  // namespace mebots::soc\n";
+}
+
+}  // namespace mebots::boardgen

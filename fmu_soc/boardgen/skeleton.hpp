@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "board_file.hpp"
+
+#include <string>
+
+namespace mebots::boardgen {
+
+/// A device model in C++ that is complete but for what the device does by itself: registers, states with their energy
+/// and delays, opcodes, variables, saving and restoring are there.
+std::string skeleton(const soc::BoardDescription& board, const soc::BoardDevice& device);
+
+}  // namespace mebots::boardgen

@@ -1,0 +1,10 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "devices/own_device.hpp"
+
+namespace mebots::soc {
+
+std::unique_ptr<OwnDevice> make_own_device(const BoardDevice& /*entry*/) {
+  return nullptr;
+}
+
+}  // namespace mebots::soc
