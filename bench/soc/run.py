@@ -14,6 +14,9 @@ so that start-up, loading and translation of cold code drop out, and other work 
 mebots-soc counts cycles, energy and memory accesses in every run. The instruction counts are its own; the others run
 the same binary, and every run must end with the same checksum. Exit code 1 when one does not, or when the
 interpreter and the translated core of mebots-soc differ in instructions, cycles or energy.
+
+In the same rounds, mebots-soc runs programs/cluster.c on one core of the cluster and on eight: the rate is that of all
+its cores together.
 """
 
 import argparse
@@ -30,6 +33,8 @@ HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
 # Turns of the long version; the short one has a tenth.
 TURNS = {"convolution": 800, "sieve": 1200, "mixed": 70000}
+CLUSTER_TURNS = 400
+CLUSTER_CORES = (1, 8)
 GCC = ["riscv64-unknown-elf-gcc", "-O2", "-march=rv32imc_zicsr", "-mabi=ilp32", "-ffreestanding", "-nostdlib",
        "-Wl,--no-warn-rwx-segments"]
 
@@ -81,6 +86,40 @@ def build_programs(names, scale, folder):
     return files
 
 
+def build_cluster_programs(build, scale, folder):
+    """(cores, long) -> ELF file of programs/cluster.c with the firmware's runtime."""
+    firmware = ROOT / "fmu_soc/firmware"
+    board_h = build / "generated/fmu_soc_board/board.h"
+    script = folder / "cluster.ld"
+    subprocess.run([GCC[0], "-E", "-P", "-x", "assembler-with-cpp", "-include", board_h,
+                    firmware / "runtime/link.ld.in", "-o", script], check=True)
+    runtime = [firmware / "runtime" / name for name in ("crt0.S", "cluster_start.S", "cluster.c", "console.c", "exit.c",
+                                                        "memory.c", "sleep.c", "trap.c")]
+    files = {}
+    for cores in CLUSTER_CORES:
+        for is_long in (False, True):
+            turns = max(2, round(CLUSTER_TURNS * scale * (1 if is_long else 0.1)))
+            path = folder / f"cluster-{cores}-{'long' if is_long else 'short'}.elf"
+            subprocess.run(GCC + ["-mcmodel=medany", "-std=c11", "-ffunction-sections", "-fdata-sections",
+                                  "-Wl,--gc-sections", f"-I{firmware}", f"-I{board_h.parent}", f"-DTURNS={turns}",
+                                  f"-DCORES={cores}", "-T", script, *runtime, HERE / "programs/cluster.c", "-lgcc",
+                                  "-o", path], check=True)
+            files[cores, is_long] = path
+    return files
+
+
+def cluster_rate(build, files, cores):
+    """Million instructions per second of processor time, of all cores together; the checksums of the two runs."""
+    done, seconds, codes = {}, {}, {}
+    for is_long in (False, True):
+        text, codes[is_long], seconds[is_long] = run(
+            [build / "bin/mebots-soc", "run", files[cores, is_long], "--board", ROOT / "configs/boards/ai_deck.json",
+             "--max-instructions", "1000000000"])
+        line = next(line for line in text.splitlines() if line.startswith("cluster instructions "))
+        done[is_long] = int(line.split()[2].rstrip(","))
+    return (done[True] - done[False]) / (seconds[True] - seconds[False]) / 1e6, codes
+
+
 def run(command):
     """Output, exit code and processor time [s] of a command."""
     with tempfile.TemporaryFile() as output:
@@ -110,8 +149,12 @@ def main():
     checksums = {}
     counted = {}
     rates = {(name, sim): [] for name in names for sim in contenders}
+    cluster_rates = {cores: [] for cores in CLUSTER_CORES}
+    cluster_codes = None
     with tempfile.TemporaryDirectory() as folder:
+        build = options.build.resolve()
         files = build_programs(names, options.scale, pathlib.Path(folder))
+        cluster_files = build_cluster_programs(build, options.scale, pathlib.Path(folder))
         start = time.monotonic()
         for repeat in range(options.repeats):
             for name in names:
@@ -131,6 +174,13 @@ def main():
                             instructions[name, is_long] = int(counts[0].split()[1])
                     done = instructions[name, True] - instructions[name, False]
                     rates[name, sim].append(done / (seconds[True] - seconds[False]) / 1e6)
+            for cores in CLUSTER_CORES:
+                rate, codes = cluster_rate(build, cluster_files, cores)
+                cluster_rates[cores].append(rate)
+                cluster_codes = cluster_codes or codes
+                if codes != cluster_codes:
+                    print(f"cluster: {cores} cores end with {codes}, not {cluster_codes}")
+                    good = False
             print(f"round {repeat + 1} of {options.repeats} done after {time.monotonic() - start:.0f} s",
                   file=sys.stderr)
 
@@ -149,6 +199,11 @@ def main():
             ratios = (f"{n} {statistics.median(rates[n, ours]) / statistics.median(rates[n, other]):.2f}"
                       for n in names)
             print(f"{ours} / {other}: " + ", ".join(ratios))
+    print("\nCluster, all cores together: " +
+          ", ".join(f"{cores} awake: {statistics.median(r):.0f} ({min(r):.0f} to {max(r):.0f})"
+                    for cores, r in cluster_rates.items()))
+    eight, one = (statistics.median(cluster_rates[cores]) for cores in (8, 1))
+    print(f"eight / one: {eight / one:.2f}")
     return 0 if good else 1
 
 
