@@ -26,6 +26,7 @@ Cluster::Cluster(Memory& memory, const ClusterSettings& settings, const Instruct
       banks_(settings.l1_banks),
       event_unit_(settings.cores),
       dma_(memory, settings.l1_region, settings.dma) {
+  ready_.fill(kNoTick);
   for (unsigned id = 0; id < settings.cores; ++id) {
     cores_.push_back(std::make_unique<Core>(*this, id, memory, decoded_));
   }
@@ -60,17 +61,9 @@ void Cluster::set_clock(Picoseconds now, std::uint32_t hz) {
   if (hz != clock_.hz()) clock_.change(hz, tick_at(now));
 }
 
-bool Cluster::awake(const Core& core, std::uint64_t end) const {
-  return !core.asleep() && core.ready() < end;
-}
-
 std::uint64_t Cluster::next_tick() const {
   if (!powered_ || faulted_core_ >= 0 || stopped_) return kNoTick;
-  auto next = dma_.next_tick();
-  for (const auto& core : cores_) {
-    if (!core->asleep()) next = std::min(next, core->ready());
-  }
-  return next;
+  return std::min(dma_.next_tick(), *std::min_element(ready_.begin(), ready_.end()));
 }
 
 Picoseconds Cluster::next() const {
@@ -92,7 +85,7 @@ void Cluster::advance(Picoseconds until, Picoseconds last, std::uint64_t cycle_l
 /// Whether somebody can find a bank of L1 taken: alone, a core finds all of them free.
 void Cluster::share_banks() {
   const bool several =
-      dma_.busy() || std::count_if(cores_.begin(), cores_.end(), [](const auto& core) { return !core->asleep(); }) > 1;
+      dma_.busy() || std::count_if(ready_.begin(), ready_.end(), [](auto ready) { return ready != kNoTick; }) > 1;
   if (several == sharing_banks_) return;
   sharing_banks_ = several;
   for (auto& core : cores_) core->share_banks(several);
@@ -108,8 +101,7 @@ void Cluster::run_quantum(std::uint64_t start, std::uint64_t until) {
   if (dma_first_) dma_.occupy(banks_, end);
   auto next = first_core_;
   for (std::uint32_t i = 0; i < cores(); ++i) {
-    auto& core = *cores_[next];
-    if (awake(core, end) && !core.waits_for_turn()) run_core(core, end);
+    if (ready_[next] < end && !cores_[next]->waits_for_turn()) run_core(*cores_[next], end);
     if (++next == cores()) next = 0;
   }
   if (++first_core_ == cores()) first_core_ = 0;
@@ -124,26 +116,19 @@ void Cluster::run_quantum(std::uint64_t start, std::uint64_t until) {
       }
     }
     dma_.occupy(banks_, end);
-    auto* core = next_core(end);
+    // The core that is farthest behind.
+    const auto first = std::min_element(ready_.begin(), ready_.end());
     const auto transfer = dma_.next_tick();
-    if (transfer < end && (core == nullptr || transfer <= core->ready())) {
+    if (transfer < end && transfer <= *first) {
       dma_.advance(transfer, event_unit_);
       spread_events(transfer);
       continue;
     }
-    if (core == nullptr) break;
-    core->grant_turn();
-    run_core(*core, end);
+    if (*first >= end) break;
+    auto& core = *cores_[static_cast<std::size_t>(first - ready_.begin())];
+    core.grant_turn();
+    run_core(core, end);
   }
-}
-
-/// The core that is farthest behind among those with something to do before `end`.
-Cluster::Core* Cluster::next_core(std::uint64_t end) {
-  Core* first = nullptr;
-  for (auto& core : cores_) {
-    if (awake(*core, end) && (first == nullptr || core->ready() < first->ready())) first = core.get();
-  }
-  return first;
 }
 
 void Cluster::run_core(Core& core, std::uint64_t end) {

@@ -8,6 +8,7 @@
 #include "memory/banks.hpp"
 #include "memory/instruction_cache.hpp"
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -111,10 +112,8 @@ class Cluster {
  private:
   class Core;
 
-  bool awake(const Core& core, std::uint64_t end) const;
   void run_quantum(std::uint64_t start, std::uint64_t until);
   void share_banks();
-  Core* next_core(std::uint64_t end);
   void run_core(Core& core, std::uint64_t end);
   void spread_events(std::uint64_t tick);
   std::uint64_t next_tick() const;
@@ -128,6 +127,8 @@ class Cluster {
   Banks banks_;
   EventUnit event_unit_;
   ClusterDma dma_;
+  /// Of each core: the tick in which its next instruction starts; kNoTick while it sleeps, or when there is none.
+  std::array<std::uint64_t, kMostClusterCores> ready_{};
   std::vector<std::unique_ptr<Core>> cores_;
   std::function<bool(std::uint32_t)> watcher_;
   Clock clock_;

@@ -11,7 +11,11 @@ namespace mebots::soc {
 class Cluster::Core final : private Bus {
  public:
   Core(Cluster& cluster, unsigned id, Memory& memory, std::shared_ptr<DecodedCode> decoded)
-      : cluster_(cluster), id_(id), hart_(memory, *this, std::move(decoded)), schedule_(cluster.banks_) {
+      : cluster_(cluster),
+        id_(id),
+        hart_(memory, *this, std::move(decoded)),
+        schedule_(cluster.banks_),
+        ready_(cluster.ready_[id]) {
     hart_.set_id(id);
     hart_.set_loose_limit(true);
     if (cluster.instruction_cache_) hart_.fetch_through(*cluster.instruction_cache_);
@@ -21,9 +25,6 @@ class Cluster::Core final : private Bus {
 
   unsigned id() const { return id_; }
   const Hart& hart() const { return hart_; }
-  bool asleep() const { return asleep_; }
-  /// The tick in which its next instruction starts.
-  std::uint64_t ready() const { return hart_.counters().cycles + offset_; }
   bool waits_for_turn() const { return waits_for_turn_; }
   void grant_turn() {
     granted_ = waits_for_turn_;
@@ -51,6 +52,7 @@ class Cluster::Core final : private Bus {
   Stop run(std::uint64_t end) {
     const auto stop = hart_.run(end - offset_);
     asleep_ = stop == Stop::sleeping;
+    find_ready();
     return stop;
   }
 
@@ -70,12 +72,15 @@ class Cluster::Core final : private Bus {
     reader.get(waits_for_turn_);
     granted_ = false;
     apply_offset();
+    find_ready();
   }
 
  private:
+  void find_ready() { ready_ = asleep_ ? kNoTick : hart_.counters().cycles + offset_; }
   void go_on_at(std::uint64_t tick) {
     offset_ = tick - hart_.counters().cycles;
     apply_offset();
+    find_ready();
   }
   void apply_offset() {
     schedule_.set_offset(offset_);
@@ -104,6 +109,7 @@ class Cluster::Core final : private Bus {
   unsigned id_;
   Hart hart_;
   BankSchedule schedule_;
+  std::uint64_t& ready_;  // of the cluster's
   std::uint64_t offset_ = 0;
   std::uint64_t accessed_ = 0;
   bool asleep_ = true;

@@ -135,6 +135,7 @@ ClusterDma::Transfer* ClusterDma::first_unmoved() {
 }
 
 void ClusterDma::occupy(Banks& banks, std::uint64_t until) {
+  if (!busy()) return;
   for (auto* transfer = first_unmoved(); transfer != nullptr && transfer->next_beat < until;
        transfer = first_unmoved()) {
     std::uint64_t waited = 0;

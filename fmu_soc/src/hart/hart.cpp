@@ -167,6 +167,10 @@ bool Hart::stays_awake() {
 /// they must not depend on what is decoded: a core restored from a state has decoded nothing.
 inline std::uint32_t Hart::following() {
   const auto* link = execution_.link;
+  if (link == nullptr && next_block_ != 0 && next_generation_ == cache_.generation() &&
+      cache_.block(next_block_).pc == execution_.pc) {
+    return next_block_;
+  }
   if (link != nullptr && *link != 0 && cache_.block(*link).pc == execution_.pc) return *link;
   if (link == nullptr && execution_.pc == cut_pc_ && !has_loose_limit()) return cache_.known(cut_pc_);
   return following_block(execution_.link);
@@ -293,15 +297,20 @@ void Hart::set_translation(bool on) {
 }
 
 /// Code for a block, once it is hot.
-const translate::Entry* Hart::translated(std::uint32_t number, const Block& block) {
+inline const translate::Entry* Hart::translated(std::uint32_t number, const Block& block) {
+  auto& translator = decoded_->translator;
+  if (translator != nullptr && decoded_->translated_generation == cache_.generation()) [[likely]] {
+    if (const auto* entry = translator->find(number); entry != nullptr) return entry;
+  }
+  return translate_when_hot(number, block);
+}
+
+const translate::Entry* Hart::translate_when_hot(std::uint32_t number, const Block& block) {
   auto& translator = decoded_->translator;
   auto& generation = decoded_->translated_generation;
-  if (translator != nullptr) {
-    if (generation != cache_.generation()) {
-      translator->forget();
-      generation = cache_.generation();
-    }
-    if (const auto* entry = translator->find(number); entry != nullptr) return entry;
+  if (translator != nullptr && generation != cache_.generation()) {
+    translator->forget();
+    generation = cache_.generation();
   }
   if (const auto epoch = static_cast<std::uint32_t>(counters_.cycles >> kEpochBits); epoch != block.epoch) {
     block.epoch = epoch;
@@ -338,7 +347,7 @@ bool Hart::run_translated(const translate::Entry& entry, std::uint64_t limit) {
       host.claims_above = static_cast<std::int64_t>(host.limit_tick - banks.start()) - kLastTick;
     }
   }
-  const auto exit = decoded_->translator->run(e, entry, budget);
+  const auto& exit = decoded_->translator->run(e, entry, budget);
   counters_.cycles += static_cast<std::uint64_t>(budget - host.remaining);
   counters_.instructions += host.instructions & 0xffffffffU;
   counters_.accesses += host.instructions >> 32;
@@ -364,10 +373,12 @@ bool Hart::run_translated(const translate::Entry& entry, std::uint64_t limit) {
     remember(exit.at);
     const bool turns = exit.at->op == Op::loop_end && e.pc != exit.at->pc;
     e.link = turns ? loop_link(exit.at[1], e.pc) : &exit.at->link;
+    note_next(*e.link);
     return true;
   }
   e.jumped = exit.jumped;
   e.link = exit.at != nullptr ? &exit.at->link : nullptr;
+  note_next(exit.block);
   return true;
 }
 

@@ -231,6 +231,11 @@ class Hart {
   const Instruction* next_to_fetch(const Instruction* at) const;
   bool fetch_unsettled() const { return fetched_ != nullptr && counters_.cycles + fetch_offset_ < fetched_->settled(); }
   const translate::Entry* translated(std::uint32_t number, const Block& block);
+  const translate::Entry* translate_when_hot(std::uint32_t number, const Block& block);
+  void note_next(std::uint32_t block) {
+    next_block_ = block;
+    next_generation_ = cache_.generation();
+  }
   bool run_translated(const translate::Entry& entry, std::uint64_t limit);
   std::uint32_t following_block(std::uint32_t* link);
   void take_trap(std::uint32_t cause, std::uint32_t value);
@@ -267,6 +272,9 @@ class Hart {
   Previous before_;
   Previous two_before_;
   std::uint32_t id_ = 0;
+  // Translated code was left for the block with this number, if its pc is the present one in this generation; 0 = none.
+  std::uint32_t next_block_ = 0;
+  std::uint64_t next_generation_ = 0;
   std::uint32_t cut_pc_ = kNoPc;  // behind an instruction that ran alone, or where a trap returned to
   std::uint64_t bound_mask_ = ~std::uint64_t{0};
   InstructionCache* fetched_ = nullptr;

@@ -75,30 +75,13 @@ Emitter::Gates Emitter::emit_gates() {
   return gates;
 }
 
-Entry Emitter::emit(const Region& region, const Registers& registers, const Gates& gates) {
+std::vector<Entry> Emitter::emit(const Region& region, const Registers& registers, const Gates& gates) {
   region_ = &region;
   registers_ = &registers;
   gates_ = gates;
   labels_ = std::vector<Label>(region.nodes.size());
-  find_straight_targets();
-
-  const auto& head = region.nodes.front();
-  Entry entry;
-  entry.jumped = code_memory_.executable(getCurr());
-  if (head.block->unaligned) sub(r15, kUnalignedTargetExtra);
-  entry.plain = code_memory_.executable(getCurr());
-  Label stay;
-  compare_budget(*head.block, 0);
-  jg(stay);
-  Exit at_limit;
-  at_limit.pc = head.block->pc;
-  mov(eax, add_exit(at_limit));
-  jmp(gates_.leave);
-  L(stay);
-  forget_what_came(head);
-  Label inside;
-  L(inside);
-  load_registers();
+  std::vector<Entry> entries(region.nodes.size());
+  for (std::size_t i = entries.size(); i-- > 0;) entries[i] = emit_entry(region.nodes[i], i == 0);
 
   for (std::size_t i = 0; i < region.nodes.size(); ++i) {
     following_ = i + 1 < region.nodes.size() ? &region.nodes[i + 1] : nullptr;
@@ -114,19 +97,43 @@ Entry Emitter::emit(const Region& region, const Registers& registers, const Gate
   store_registers();
   jmp(gates_.leave);
 
-  entry.straight = code_memory_.executable(getCurr());
-  compare_budget(*head.block, 0);
-  jg(inside, T_NEAR);
-  at_limit.is_reached_straight = true;
-  mov(eax, add_exit(at_limit));
-  jmp(gates_.leave);
-
   align(kAlignment);
   for (auto& [counts, label] : constants_) {
     L(label);
     dq(counts.first);
     dq(counts.second);
   }
+  return entries;
+}
+
+/// The ways into a node from outside. The code goes on with it, when that is what comes next, or jumps there.
+Entry Emitter::emit_entry(const Node& node, bool runs_into_node) {
+  Entry entry;
+  Exit at_limit;
+  at_limit.pc = node.block->pc;
+  at_limit.block = node.number;
+  const auto leave_at_limit = [this, &at_limit] {
+    mov(eax, add_exit(at_limit));
+    jmp(gates_.leave);
+  };
+  Label stay;
+  Label inside;
+  entry.jumped = code_memory_.executable(getCurr());
+  if (node.block->unaligned) sub(r15, kUnalignedTargetExtra);
+  entry.plain = code_memory_.executable(getCurr());
+  compare_budget(*node.block, 0);
+  jg(stay);
+  leave_at_limit();
+  entry.straight = code_memory_.executable(getCurr());
+  compare_budget(*node.block, 0);
+  jg(inside);
+  at_limit.is_reached_straight = true;
+  leave_at_limit();
+  L(stay);
+  forget_what_came();
+  L(inside);
+  load_registers();
+  if (!runs_into_node) jmp(label_of(node), T_NEAR);
   return entry;
 }
 

@@ -54,8 +54,8 @@ class Emitter : private Xbyak::CodeGenerator {
 
   /// The gates, at the start of the code memory.
   Gates emit_gates();
-  /// A region.
-  Entry emit(const Region& region, const Registers& registers, const Gates& gates);
+  /// A region, which can be entered at each of its nodes.
+  std::vector<Entry> emit(const Region& region, const Registers& registers, const Gates& gates);
   std::size_t size() const { return getSize(); }
 
  private:
@@ -65,6 +65,7 @@ class Emitter : private Xbyak::CodeGenerator {
   // emitter.cpp: blocks, operands
   void emit_node(const Node& node);
   bool emit_instruction(const Instruction* at);
+  Entry emit_entry(const Node& node, bool runs_into_node);
   void load_registers();
   void store_registers();
   bool in_host(unsigned reg) const { return registers_->host[reg] != Registers::kInMemory; }
@@ -118,8 +119,7 @@ class Emitter : private Xbyak::CodeGenerator {
   void emit_straight_edge(const Instruction* at, std::uint32_t link, std::uint32_t pc);
   void emit_straight_to(const Instruction* at, const Node& node);
   void set_where_from(const Instruction* end);
-  void find_straight_targets();
-  void forget_what_came(const Node& node);
+  void forget_what_came();
 
   // memory.cpp
   bool emit_memory(const Instruction* at);
@@ -164,9 +164,8 @@ class Emitter : private Xbyak::CodeGenerator {
   const Registers* registers_ = nullptr;
   Gates gates_;
   std::vector<Label> labels_;
-  std::vector<bool> straight_targets_;  // by node: reached straight from another one
-  const Node* following_ = nullptr;     // emitted after the one in work
-  Label leave_all_;                     // stores the registers and leaves by exit eax
+  const Node* following_ = nullptr;  // emitted after the one in work
+  Label leave_all_;                  // stores the registers and leaves by exit eax
   std::deque<std::function<void()>> cold_;
   std::map<std::pair<std::uint64_t, std::uint64_t>, Label> constants_;
   std::vector<Xbyak::Address> memory_operands_;  // by guest register

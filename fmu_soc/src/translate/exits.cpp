@@ -16,11 +16,7 @@ void Emitter::count(const Instruction* at, std::uint32_t extra_cycles) {
 
 std::uint32_t Emitter::add_exit(const Exit& exit) {
   exits_.push_back(exit);
-  if (exit.resumes || exit.straight) {
-    for (const auto& node : region_->nodes) {
-      if (exit.at - exit.at->index == node.first) exits_.back().is_reached_straight = straight_targets_[index_of(node)];
-    }
-  }
+  if (exit.resumes || exit.straight) exits_.back().is_reached_straight = true;
   return static_cast<std::uint32_t>(exits_.size() - 1);
 }
 
@@ -73,8 +69,9 @@ void Emitter::check_limit(const Node& node, std::uint32_t stall, const Exit& at_
 void Emitter::check_limit(const Node& node) {
   Exit exit;
   exit.pc = node.block->pc;
+  exit.block = node.number;
   check_limit(node, 0, exit);
-  forget_what_came(node);
+  forget_what_came();
 }
 
 /// Leaves the block behind `at`, which is counted already but for an unaligned target.

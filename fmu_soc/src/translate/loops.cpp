@@ -127,6 +127,7 @@ void Emitter::emit_straight_to(const Instruction* at, const Node& node) {
   Exit at_limit;
   at_limit.straight = true;
   at_limit.pc = node.block->pc;
+  at_limit.block = node.number;
   at_limit.at = at;
   check_limit(node, stalls ? 1U : 0U, at_limit);
   set_where_from(at);
@@ -134,25 +135,8 @@ void Emitter::emit_straight_to(const Instruction* at, const Node& node) {
   jmp(label_of(node), T_NEAR);
 }
 
-/// Which nodes are reached straight from another one: leaving them needs to know what came before. The first one may
-/// be, from another region.
-void Emitter::find_straight_targets() {
-  straight_targets_.assign(region_->nodes.size(), false);
-  straight_targets_.front() = true;
-  for (const auto& node : region_->nodes) {
-    const auto* end = node.first;
-    while (!is_block_end(end->op)) ++end;
-    const auto note = [&](std::uint32_t link) {
-      if (const auto* next = straight_successor(end, link); next != nullptr) straight_targets_[index_of(*next)] = true;
-    };
-    note(end->link);
-    if (end->op == Op::loop_end) note(end[1].link);
-  }
-}
-
 /// Before a jump to a node: nothing came straight.
-void Emitter::forget_what_came(const Node& node) {
-  if (!straight_targets_[index_of(node)]) return;
+void Emitter::forget_what_came() {
   mov(qword[rbx + static_cast<int>(offsetof(Execution, host.came_from))], 0);
 }
 

@@ -35,22 +35,27 @@ class HostTranslator : public Translator {
     if (used_ + kMostRegionBytes > memory_->size()) forget();
     const auto region = grow_region(cache_, block);
     Emitter emitter(*memory_, used_, cache_, memories_, manner_, exits_);
-    entries_[block] = emitter.emit(region, allocate(region), gates_);
+    const auto entries = emitter.emit(region, allocate(region), gates_);
+    for (std::size_t i = 0; i < entries.size(); ++i) {
+      auto& entry = entries_[region.nodes[i].number];
+      if (entry.plain == nullptr) entry = entries[i];
+    }
     used_ += (emitter.size() + 15) / 16 * 16;
     return entries_[block];
   }
 
-  Exit run(Execution& execution, const Entry& entry, std::int64_t budget) override {
+  const Exit& run(Execution& execution, const Entry& entry, std::int64_t budget) override {
     using Enter = std::uint32_t (*)(Execution*, const std::uint8_t*, std::int64_t);
     const auto enter = std::bit_cast<Enter>(gates_.enter);
     execution.host.targets = targets_.targets.data();
     execution.host.came_from = nullptr;
-    last_exit_ = exits_.exits[enter(&execution, entry.plain, budget)];
-    return last_exit_;
+    last_exit_ = enter(&execution, entry.plain, budget);
+    return exits_.exits[last_exit_];
   }
 
   void lead_on(std::uint32_t pc, const Entry& entry) override {
-    const auto& exit = last_exit_;
+    if (exits_.exits.empty()) return;  // forgotten meanwhile
+    const auto& exit = exits_.exits[last_exit_];
     if (exit.indirect) {
       if (!exit.straight) targets_.set(pc, entry.jumped);
     } else if (exit.way != nullptr && exit.pc == pc) {
@@ -61,7 +66,6 @@ class HostTranslator : public Translator {
   void forget() override {
     if (used_ == gates_size_) return;
     std::fill(entries_.begin(), entries_.end(), Entry{});
-    last_exit_ = {};
     exits_.exits.clear();
     exits_.ways.clear();
     targets_.clear();
@@ -78,7 +82,7 @@ class HostTranslator : public Translator {
   std::size_t used_ = 0;
   std::size_t gates_size_ = 0;
   Emitter::Exits exits_;
-  Exit last_exit_;
+  std::uint32_t last_exit_ = 0;
   TargetTable targets_;
 };
 

@@ -19,8 +19,9 @@ struct Exit {
   bool indirect = false;             // the code has put the pc into Execution::pc
   bool jumped = false;               // an unaligned target costs its cycle yet
   bool straight = false;             // behind the last instruction of a block, which `at` stands behind
-  bool is_reached_straight = false;  // its block is, now and then: HostState::came_from says from where
+  bool is_reached_straight = false;  // its block may be: HostState::came_from says from where
   std::uint32_t pc = 0;
+  std::uint32_t block = 0;             // that begins at `pc`; 0 = not known
   const Instruction* at = nullptr;     // resumes: comes next; else: what led here, null when its link is of no interest
   std::uint32_t wait_cycles = 0;       // resumes: what its block has waited for memories by rule
   const std::uint8_t** way = nullptr;  // where the host goes on; can lead to translated code at `pc`
@@ -52,8 +53,9 @@ class Translator {
   const Entry* find(std::uint32_t block) const { return entries_[block].plain != nullptr ? &entries_[block] : nullptr; }
   /// Makes code for a block.
   virtual const Entry& translate(std::uint32_t block) = 0;
-  /// Runs it. At most `budget` cycles start; how it went is in Execution::host.
-  virtual Exit run(Execution& execution, const Entry& entry, std::int64_t budget) = 0;
+  /// Runs it. At most `budget` cycles start; how it went is in Execution::host. The answer holds until the next
+  /// translation.
+  virtual const Exit& run(Execution& execution, const Entry& entry, std::int64_t budget) = 0;
   /// The last run was left to go on at the block at `pc`: the same way out leads on to its code from now on.
   virtual void lead_on(std::uint32_t pc, const Entry& entry) = 0;
   /// Drops everything.
