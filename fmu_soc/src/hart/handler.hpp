@@ -2,7 +2,6 @@
 #pragma once
 
 #include "hart/execution.hpp"
-#include "hart/timing.hpp"
 
 namespace mebots::soc {
 
@@ -22,16 +21,11 @@ inline constexpr bool kChain = false;
   }
 }
 
-/// A load across two words: a cycle more, behind which a jump that follows hides all but one of its own.
-[[gnu::always_inline]] inline void misaligned_load(Execution& e, const Instruction* at) {
-  e.extra_cycles += kMisalignedExtra;
-  e.slow_load = at;
-  if (is_jump(at[1].op) && at[1].rs1 != at->rd) {
-    e.extra_cycles -= static_cast<std::uint32_t>(at[2].cycles_before - at[1].cycles_before - 1);
-  }
-}
-
-/// Handler of an Xpulp operation, and of the end of a block that a hardware loop may end; null for others.
+/// Handlers by subject. Of a load or store:
+Handler memory_handler_of(Op op);
+/// Of pv.*; null for others.
+Handler simd_handler_of(Op op, Operand operand);
+/// Of another Xpulp operation, and of the end of a block that a hardware loop may end; null for others.
 Handler xpulp_handler_of(Op op, Operand operand);
 
 }  // namespace mebots::soc

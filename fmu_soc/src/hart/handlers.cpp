@@ -1,29 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Binds the operations of the standard instruction set to decoded instructions.
+// Binds the operations of the standard instruction set, loads and stores apart, to decoded instructions.
+#include "hart/bind.hpp"
 #include "hart/csr_numbers.hpp"
-#include "hart/handler.hpp"
 #include "hart/hart.hpp"
-#include "hart/ram_access.hpp"
 #include "isa/operations.hpp"
-
-#include <cstring>
-#include <type_traits>
 
 namespace mebots::soc {
 namespace {
-
-template <auto Compute>
-const Instruction* with_register(Execution& e, const Instruction* at) {
-  e.x[at->rd] = Compute(e.x[at->rs1], e.x[at->rs2]);
-  return next(e, at);
-}
-
-template <auto Compute>
-const Instruction* with_immediate(Execution& e, const Instruction* at) {
-  e.x[at->rd] = Compute(e.x[at->rs1], static_cast<std::uint32_t>(at->imm));
-  return next(e, at);
-}
 
 /// lui, auipc
 const Instruction* constant(Execution& e, const Instruction* at) {
@@ -74,42 +58,6 @@ const Instruction* jump_register(Execution& e, const Instruction* at) {
   return nullptr;
 }
 
-template <typename T>
-const Instruction* load(Execution& e, const Instruction* at) {
-  const auto address = e.x[at->rs1] + static_cast<std::uint32_t>(at->imm);
-  const auto ram = ram_access<sizeof(T)>(e, at, address);
-  if (ram.data == nullptr) [[unlikely]]
-    return e.hart->slow_load(at, address, sizeof(T), std::is_signed_v<T>);
-  T value;
-  std::memcpy(&value, ram.data, sizeof value);
-  e.x[at->rd] = static_cast<std::uint32_t>(static_cast<std::int32_t>(value));
-  if constexpr (sizeof(T) > 1) {
-    if (crosses_word(address, sizeof(T))) [[unlikely]]
-      misaligned_load(e, at);
-  }
-  return next(e, at);
-}
-
-template <typename T>
-const Instruction* store(Execution& e, const Instruction* at) {
-  const auto address = e.x[at->rs1] + static_cast<std::uint32_t>(at->imm);
-  const auto value = static_cast<T>(e.x[at->rs2]);
-  const auto ram = ram_access<sizeof(T)>(e, at, address);
-  if (ram.data == nullptr) [[unlikely]]
-    return e.hart->slow_store(at, address, sizeof(T), e.x[at->rs2]);
-  std::memcpy(ram.data, &value, sizeof value);
-  std::uint8_t marks = ram.marks[0];
-  if constexpr (sizeof(T) > 1) {
-    if (crosses_word(address, sizeof(T))) [[unlikely]] {
-      e.extra_cycles += kMisalignedExtra;
-      marks |= ram.marks[1];
-    }
-  }
-  if (marks != 0) [[unlikely]]
-    return e.hart->marked_store(at, address, sizeof(T));
-  return next(e, at);
-}
-
 /// fence: stores are seen at once, also by the decoder.
 const Instruction* nothing(Execution& e, const Instruction* at) {
   return next(e, at);
@@ -139,9 +87,6 @@ const Instruction* breakpoint(Execution& e, const Instruction* at) {
 const Instruction* csr_access(Execution& e, const Instruction* at) {
   return e.hart->csr_access(at);
 }
-const Instruction* event_load(Execution& e, const Instruction* at) {
-  return e.hart->event_load(at);
-}
 const Instruction* trap_return(Execution& e, const Instruction* at) {
   return e.hart->trap_return(at);
 }
@@ -162,6 +107,8 @@ Operand operand_of(const Instruction& instruction) {
 
 Handler handler_of(Op op, Operand operand) {
   namespace f = operations;
+  if (is_load(op) || is_store(op)) return memory_handler_of(op);
+  if (is_simd(op)) return simd_handler_of(op, operand);
   if (const auto xpulp = xpulp_handler_of(op, operand); xpulp != nullptr) return xpulp;
   switch (op) {
     case Op::lui:
@@ -183,62 +130,44 @@ Handler handler_of(Op op, Operand operand) {
       return branch<f::less_unsigned>;
     case Op::bgeu:
       return branch<f::greater_equal_unsigned>;
-    case Op::lb:
-      return load<std::int8_t>;
-    case Op::lh:
-      return load<std::int16_t>;
-    case Op::lw:
-      return load<std::int32_t>;
-    case Op::p_elw:
-      return event_load;
-    case Op::lbu:
-      return load<std::uint8_t>;
-    case Op::lhu:
-      return load<std::uint16_t>;
-    case Op::sb:
-      return store<std::uint8_t>;
-    case Op::sh:
-      return store<std::uint16_t>;
-    case Op::sw:
-      return store<std::uint32_t>;
     case Op::addi:
-      return with_immediate<f::add>;
+      return binary<f::add, Operand::immediate>;
     case Op::slti:
-      return with_immediate<f::slt>;
+      return binary<f::slt, Operand::immediate>;
     case Op::sltiu:
-      return with_immediate<f::sltu>;
+      return binary<f::sltu, Operand::immediate>;
     case Op::xori:
-      return with_immediate<f::bit_xor>;
+      return binary<f::bit_xor, Operand::immediate>;
     case Op::ori:
-      return with_immediate<f::bit_or>;
+      return binary<f::bit_or, Operand::immediate>;
     case Op::andi:
-      return with_immediate<f::bit_and>;
+      return binary<f::bit_and, Operand::immediate>;
     case Op::slli:
-      return with_immediate<f::sll>;
+      return binary<f::sll, Operand::immediate>;
     case Op::srli:
-      return with_immediate<f::srl>;
+      return binary<f::srl, Operand::immediate>;
     case Op::srai:
-      return with_immediate<f::sra>;
+      return binary<f::sra, Operand::immediate>;
     case Op::add:
-      return with_register<f::add>;
+      return binary<f::add>;
     case Op::sub:
-      return with_register<f::sub>;
+      return binary<f::sub>;
     case Op::sll:
-      return with_register<f::sll>;
+      return binary<f::sll>;
     case Op::slt:
-      return with_register<f::slt>;
+      return binary<f::slt>;
     case Op::sltu:
-      return with_register<f::sltu>;
+      return binary<f::sltu>;
     case Op::xor_:
-      return with_register<f::bit_xor>;
+      return binary<f::bit_xor>;
     case Op::srl:
-      return with_register<f::srl>;
+      return binary<f::srl>;
     case Op::sra:
-      return with_register<f::sra>;
+      return binary<f::sra>;
     case Op::or_:
-      return with_register<f::bit_or>;
+      return binary<f::bit_or>;
     case Op::and_:
-      return with_register<f::bit_and>;
+      return binary<f::bit_and>;
     case Op::fence:
       return nothing;
     case Op::fence_i:
@@ -248,13 +177,13 @@ Handler handler_of(Op op, Operand operand) {
     case Op::ebreak:
       return breakpoint;
     case Op::mul:
-      return with_register<f::mul>;
+      return binary<f::mul>;
     case Op::mulh:
-      return with_register<f::mulh>;
+      return binary<f::mulh>;
     case Op::mulhsu:
-      return with_register<f::mulhsu>;
+      return binary<f::mulhsu>;
     case Op::mulhu:
-      return with_register<f::mulhu>;
+      return binary<f::mulhu>;
     case Op::div:
       return divide<f::div, divide_extra_signed>;
     case Op::divu:

@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Loads and stores, standard ones and those of Xpulp v2.
+#include "hart/handler.hpp"
+#include "hart/hart.hpp"
+#include "hart/ram_access.hpp"
+
+#include <array>
+#include <cstring>
+#include <type_traits>
+
+namespace mebots::soc {
+namespace {
+
+/// What an access does with its address register.
+enum class Mode : std::uint8_t { offset, offset_register, post_immediate, post_register };
+
+constexpr bool is_post(Mode mode) {
+  return mode == Mode::post_immediate || mode == Mode::post_register;
+}
+constexpr bool has_step_register(Mode mode) {
+  return mode == Mode::offset_register || mode == Mode::post_register;
+}
+
+/// A load across two words: a cycle more, behind which a jump that follows hides all but one of its own.
+[[gnu::always_inline]] inline void misaligned_load(Execution& e, const Instruction* at) {
+  e.extra_cycles += kMisalignedExtra;
+  e.slow_load = at;
+  if (is_jump(at[1].op) && at[1].rs1 != at->rd) {
+    e.extra_cycles -= static_cast<std::uint32_t>(at[2].cycles_before - at[1].cycles_before - 1);
+  }
+}
+
+/// After the slow way: whether the access took place, or is a trap or for another time.
+bool retired(const Execution& e, const Instruction* at) {
+  return e.exit == at + 1;
+}
+
+/// Writes back an address register; x0 stays 0.
+[[gnu::always_inline]] inline void increment(Execution& e, const Instruction* at, std::uint32_t value) {
+  e.x[at->rs1] = value;
+  e.x[0] = 0;
+}
+
+template <typename T, Mode kMode>
+const Instruction* load(Execution& e, const Instruction* at) {
+  const auto base = e.x[at->rs1];
+  const auto step = has_step_register(kMode) ? e.x[at->rs2] : static_cast<std::uint32_t>(at->imm);
+  const auto address = is_post(kMode) ? base : base + step;
+  const auto ram = ram_access<sizeof(T)>(e, at, address);
+  if (ram.data == nullptr) [[unlikely]] {
+    const auto* left = e.hart->slow_load(at, address, sizeof(T), std::is_signed_v<T>);
+    if (is_post(kMode) && retired(e, at) && at->rd != at->rs1) increment(e, at, base + step);
+    return left;
+  }
+  T value;
+  std::memcpy(&value, ram.data, sizeof value);
+  if constexpr (is_post(kMode)) increment(e, at, base + step);
+  e.x[at->rd] = static_cast<std::uint32_t>(static_cast<std::int32_t>(value));  // after the increment: the load wins
+  if constexpr (sizeof(T) > 1) {
+    if (crosses_word(address, sizeof(T))) [[unlikely]]
+      misaligned_load(e, at);
+  }
+  return next(e, at);
+}
+
+/// The register of an offset or increment stands in imm.
+template <typename T, Mode kMode>
+const Instruction* store(Execution& e, const Instruction* at) {
+  const auto base = e.x[at->rs1];
+  const auto imm = static_cast<std::uint32_t>(at->imm);
+  const auto step = has_step_register(kMode) ? e.x[imm] : imm;
+  const auto address = is_post(kMode) ? base : base + step;
+  const auto word = e.x[at->rs2];
+  const auto ram = ram_access<sizeof(T)>(e, at, address);
+  if (ram.data == nullptr) [[unlikely]] {
+    const auto* left = e.hart->slow_store(at, address, sizeof(T), word);
+    if (is_post(kMode) && retired(e, at)) increment(e, at, base + step);
+    return left;
+  }
+  const auto value = static_cast<T>(word);
+  std::memcpy(ram.data, &value, sizeof value);
+  if constexpr (is_post(kMode)) increment(e, at, base + step);
+  std::uint8_t marks = ram.marks[0];
+  if constexpr (sizeof(T) > 1) {
+    if (crosses_word(address, sizeof(T))) [[unlikely]] {
+      e.extra_cycles += kMisalignedExtra;
+      marks |= ram.marks[1];
+    }
+  }
+  if (marks != 0) [[unlikely]]
+    return e.hart->marked_store(at, address, sizeof(T));
+  return next(e, at);
+}
+
+template <Mode kMode>
+Handler load_handler(unsigned number) {
+  static constexpr std::array<Handler, 5> kHandlers{load<std::int8_t, kMode>, load<std::int16_t, kMode>,
+                                                    load<std::int32_t, kMode>, load<std::uint8_t, kMode>,
+                                                    load<std::uint16_t, kMode>};
+  return kHandlers[number];
+}
+template <Mode kMode>
+Handler store_handler(unsigned number) {
+  static constexpr std::array<Handler, 3> kHandlers{store<std::uint8_t, kMode>, store<std::uint16_t, kMode>,
+                                                    store<std::uint32_t, kMode>};
+  return kHandlers[number];
+}
+
+const Instruction* event_load(Execution& e, const Instruction* at) {
+  return e.hart->event_load(at);
+}
+
+}  // namespace
+
+/// The loads are five sizes in each mode, the stores three, in the order of `Op`.
+Handler memory_handler_of(Op op) {
+  if (op == Op::p_elw) return event_load;
+  const bool stores = is_store(op);
+  const auto number = static_cast<unsigned>(op) - static_cast<unsigned>(stores ? Op::sb : Op::lb);
+  const auto sizes = stores ? 3U : 5U;
+  const auto size = number % sizes;
+  switch (static_cast<Mode>(number / sizes)) {
+    case Mode::offset:
+      return stores ? store_handler<Mode::offset>(size) : load_handler<Mode::offset>(size);
+    case Mode::offset_register:
+      return stores ? store_handler<Mode::offset_register>(size) : load_handler<Mode::offset_register>(size);
+    case Mode::post_immediate:
+      return stores ? store_handler<Mode::post_immediate>(size) : load_handler<Mode::post_immediate>(size);
+    default:
+      return stores ? store_handler<Mode::post_register>(size) : load_handler<Mode::post_register>(size);
+  }
+}
+
+}  // namespace mebots::soc
