@@ -50,22 +50,6 @@ void with_type(Type type, Action action) {
 
 }  // namespace
 
-std::string_view to_string(Type type) {
-  switch (type) {
-    case Type::real:
-      return "Real";
-    case Type::integer:
-      return "Integer";
-    case Type::boolean:
-      return "Boolean";
-    case Type::string:
-      return "String";
-    case Type::enumeration:
-      return "Enumeration";
-  }
-  return "?";
-}
-
 const Variable& find_variable(const Definition& definition, fmi2ValueReference reference, Type type) {
   const auto count = definition.variables.size();
   if (reference >= count)

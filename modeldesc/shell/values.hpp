@@ -20,8 +20,6 @@ const T& field(const void* variables, const Variable& variable) {
   return *reinterpret_cast<const T*>(static_cast<const std::byte*>(variables) + variable.offset);
 }
 
-std::string_view to_string(Type type);
-
 /// The variable of this reference if it is of this type (enumerations count as Integer). Throws mebots::Error.
 const Variable& find_variable(const Definition& definition, fmi2ValueReference reference, Type type);
 

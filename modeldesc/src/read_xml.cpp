@@ -4,6 +4,7 @@
 #include "mebots/modeldesc/xml_text.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <charconv>
@@ -14,6 +15,7 @@
 #include <map>
 #include <pugixml.hpp>
 #include <set>
+#include <span>
 #include <unordered_map>
 #include <unordered_set>
 
@@ -88,15 +90,13 @@ class Element {
   std::optional<double> real(const char* name) const { return number<double>(name, "a number"); }
 
   /// The value that belongs to the attribute's word.
-  template <typename T, std::size_t N>
-  std::optional<T> word(const char* name, const T (&values)[N]) const {
+  template <typename T>
+  std::optional<T> word(const char* name, std::span<const std::string_view> words) const {
     if (!has(name)) return std::nullopt;
-    std::string known;
-    for (const T value : values) {
-      if (to_string(value) == text(name)) return value;
-      known += (known.empty() ? "" : ", ") + std::string(to_string(value));
-    }
-    fail(fmt::format("the attribute {} is \"{}\"; FMI 2.0 knows {}", name, text(name), known));
+    const auto found = std::ranges::find(words, text(name));
+    if (found == words.end())
+      fail(fmt::format("the attribute {} is \"{}\"; FMI 2.0 knows {}", name, text(name), fmt::join(words, ", ")));
+    return static_cast<T>(found - words.begin());
   }
 
   std::optional<bool> parse_flag(const char* name) const {
@@ -123,22 +123,14 @@ class Element {
   pugi::xml_node node_;
 };
 
-constexpr Type kTypes[] = {Type::real, Type::integer, Type::boolean, Type::string, Type::enumeration};
-constexpr Causality kCausalities[] = {Causality::parameter, Causality::calculated_parameter,
-                                      Causality::input,     Causality::output,
-                                      Causality::local,     Causality::independent};
-constexpr Variability kVariabilities[] = {Variability::constant, Variability::fixed, Variability::tunable,
-                                          Variability::discrete, Variability::continuous};
-constexpr Initial kInitials[] = {Initial::exact, Initial::approx, Initial::calculated};
-
 /// The child that says the type, <Real> and so on.
 std::pair<Type, Element> type_child(const Element& parent) {
   std::optional<std::pair<Type, Element>> found;
   parent.each_child([&](const Element& child) {
-    const auto* const type = std::ranges::find(kTypes, child.name(), [](Type t) { return to_string(t); });
-    if (type == std::end(kTypes)) return;
+    const auto* const word = std::ranges::find(fmi2::kTypeWords, child.name());
+    if (word == std::end(fmi2::kTypeWords)) return;
     if (found) child.fail(fmt::format("\"{}\" has two types", parent.text("name")));
-    found = {*type, child};
+    found = {static_cast<Type>(word - std::begin(fmi2::kTypeWords)), child};
   });
   if (!found)
     parent.fail(
@@ -300,11 +292,12 @@ class XmlReader {
 
     const auto [type, details] = type_child(element);
     variable.type = type;
-    variable.causality = element.word("causality", kCausalities).value_or(Causality::local);
-    variable.variability = element.word("variability", kVariabilities).value_or(default_variability(variable));
+    variable.causality = element.word<Causality>("causality", fmi2::kCausalityWords).value_or(Causality::local);
+    variable.variability =
+        element.word<Variability>("variability", fmi2::kVariabilityWords).value_or(default_variability(variable));
     if (variable.variability == Variability::continuous && type != Type::real)
       element.fail(fmt::format("\"{}\" is of type {}, so it cannot be continuous", variable.name, to_string(type)));
-    variable.initial = element.word("initial", kInitials);
+    variable.initial = element.word<Initial>("initial", fmi2::kInitialWords);
     if (!variable.initial) variable.initial = default_initial(variable.causality, variable.variability);
 
     variable.declared_type = details.text("declaredType");

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "mebots/fmi2/variable_kinds.hpp"
 #include "mebots/modeldesc/units.hpp"
 
 #include <cstddef>
@@ -15,15 +16,11 @@
 /// What a modelDescription.xml of FMI 2.0 says, as plain data: ours and foreign ones alike.
 namespace mebots::modeldesc {
 
-enum class Type { real, integer, boolean, string, enumeration };
-enum class Causality { parameter, calculated_parameter, input, output, local, independent };
-enum class Variability { constant, fixed, tunable, discrete, continuous };
-enum class Initial { exact, approx, calculated };
-
-std::string_view to_string(Type type);
-std::string_view to_string(Causality causality);
-std::string_view to_string(Variability variability);
-std::string_view to_string(Initial initial);
+using fmi2::Causality;
+using fmi2::Initial;
+using fmi2::to_string;
+using fmi2::Type;
+using fmi2::Variability;
 
 /// A start value; Integer and Enumeration both hold std::int32_t. Empty when none is given.
 using Value = std::variant<std::monostate, double, std::int32_t, bool, std::string>;

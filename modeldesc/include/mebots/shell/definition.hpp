@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "mebots/fmi2/variable_kinds.hpp"
 #include "mebots/shell/model.hpp"
 
 #include <cstddef>
@@ -12,9 +13,9 @@
 /// What the shell knows of the FMU that it serves: constant tables that the build generates.
 namespace mebots::shell {
 
-enum class Type : std::uint8_t { real, integer, boolean, string, enumeration };
-enum class Causality : std::uint8_t { parameter, input, output };
-enum class Variability : std::uint8_t { fixed, tunable, discrete, continuous };
+using fmi2::Causality;
+using fmi2::Type;
+using fmi2::Variability;
 
 struct EnumerationItem {
   std::int32_t value;
