@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "value_forms.hpp"
+
+#include "mebots/error.hpp"
+#include "mebots/fmi2/variable_kinds.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cstdint>
+#include <span>
+
+namespace mebots::check {
+namespace {
+
+constexpr std::string_view kSpace = " \t\r\n";
+constexpr std::string_view kFlagWords[] = {"true", "false", "0", "1"};
+constexpr std::string_view kNamingWords[] = {"flat", "structured"};
+constexpr std::string_view kDependencyWords[] = {"dependent", "constant", "fixed", "tunable", "discrete"};
+
+template <const auto& words>
+bool is_one_of(std::string_view text) {
+  return std::ranges::find(words, text) != std::end(words);
+}
+
+/// a, b or c.
+std::string either(std::span<const std::string_view> words) {
+  std::string text;
+  for (std::size_t i = 0; i < words.size(); ++i)
+    text += fmt::format("{}{}", i == 0 ? "" : i + 1 == words.size() ? " or " : ", ", words[i]);
+  return text;
+}
+
+template <typename T>
+bool is_number(std::string_view text) {
+  if (text.starts_with('+')) text.remove_prefix(1);
+  T value{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc{} && end == text.data() + text.size();
+}
+
+/// XML Schema writes INF, and knows no "inf" or "nan" of other spellings.
+bool is_real(std::string_view text) {
+  static constexpr std::string_view kNotFinite[] = {"INF", "-INF", "NaN"};
+  return is_one_of<kNotFinite>(text) || (is_number<double>(text) && text.find_first_of("iInN") == std::string::npos);
+}
+
+/// Takes leading digits off the text and counts them.
+std::size_t take_digits(std::string_view& text) {
+  const auto end = std::min(text.find_first_not_of("0123456789"), text.size());
+  text.remove_prefix(end);
+  return end;
+}
+
+/// 2024-05-01T12:00:00, with an optional fraction and zone. By hand: std::regex recurses for every character.
+bool is_date(std::string_view text) {
+  const auto take = [&](std::string_view shape) {
+    if (text.size() < shape.size()) return false;
+    for (std::size_t i = 0; i < shape.size(); ++i) {
+      const bool digit = text[i] >= '0' && text[i] <= '9';
+      if (shape[i] == '0' ? !digit : text[i] != shape[i]) return false;
+    }
+    text.remove_prefix(shape.size());
+    return true;
+  };
+  if (text.starts_with('-')) text.remove_prefix(1);
+  if (take_digits(text) < 4 || !take("-00-00T00:00:00")) return false;
+  if (text.starts_with('.')) {
+    text.remove_prefix(1);
+    if (take_digits(text) == 0) return false;
+  }
+  return text.empty() || ((take("Z") || take("+00:00") || take("-00:00")) && text.empty());
+}
+
+bool is_list_of_dependencies(std::string_view text) {
+  for (text = trimmed(text); !text.empty(); text = trimmed(text)) {
+    const auto end = std::min(text.find_first_of(kSpace), text.size());
+    if (!is_one_of<kDependencyWords>(text.substr(0, end))) return false;
+    text.remove_prefix(end);
+  }
+  return true;
+}
+
+}  // namespace
+
+const Form& find_form(std::string_view name) {
+  static const Form kForms[] = {
+      {"text", [](std::string_view) { return true; }, "a text"},
+      {"number", is_real, "a number such as 0.5, 1e-3 or INF"},
+      {"whole", is_number<std::int32_t>, "a whole number of 32 bits"},
+      {"count", is_number<std::uint32_t>, "a whole number from 0 to 4294967295"},
+      {"flag", is_one_of<kFlagWords>, "true or false"},
+      {"date", is_date, "a date and time such as 2024-05-01T12:00:00Z"},
+      {"naming", is_one_of<kNamingWords>, either(kNamingWords)},
+      {"causality", is_one_of<fmi2::kCausalityWords>, either(fmi2::kCausalityWords)},
+      {"variability", is_one_of<fmi2::kVariabilityWords>, either(fmi2::kVariabilityWords)},
+      {"initial", is_one_of<fmi2::kInitialWords>, either(fmi2::kInitialWords)},
+      {"dependencies", is_list_of_dependencies, "a list of " + either(kDependencyWords)},
+  };
+  const auto* const found = std::ranges::find(kForms, name, &Form::name);
+  if (found == std::end(kForms)) throw Error(fmt::format("no form of values is called '{}'", name));
+  return *found;
+}
+
+std::string_view trimmed(std::string_view text) {
+  const auto first = text.find_first_not_of(kSpace);
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(kSpace) - first + 1);
+}
+
+}  // namespace mebots::check
