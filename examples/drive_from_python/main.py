@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Flies the easy gate mission from Python, switches a lamp on in mid-air, and asks what it cost.
 
-Usage: PYTHONPATH=build/release/python python3 main.py CONFIG.json
+Usage: PYTHONPATH=build/release/python .venv/bin/python examples/drive_from_python/main.py CONFIG.json
 """
 
 import sys
