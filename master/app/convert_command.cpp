@@ -17,6 +17,13 @@ void convert(const std::filesystem::path& from, const std::filesystem::path& to)
   if (ending != ".ssp" && ending != ".json") {
     throw InputError(fmt::format("{}: name a file that ends in .ssp or .json", to.string()));
   }
+  if (from.extension() == ending) {
+    throw InputError(fmt::format("{}: both files are {}; convert goes from .json to .ssp or from .ssp to .json",
+                                 to.string(), ending.string()));
+  }
+  if (const auto folder = to.parent_path(); !folder.empty() && !std::filesystem::is_directory(folder)) {
+    throw InputError(fmt::format("{}: there is no folder {}; make it first", to.string(), folder.string()));
+  }
   const auto loaded = load_system(from);
   FmuLibrary library;
   const auto resolved = resolve(loaded.system, library);  // nothing broken is handed on

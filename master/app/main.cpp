@@ -7,13 +7,42 @@
 #include "run_command.hpp"
 
 #include "mebots/master/config_schema.hpp"
+#include "mebots/master/nearest_names.hpp"
 
 #include <CLI/CLI.hpp>
 
+#include <fcntl.h>
+
+#include <cmath>
 #include <cstdio>
 #include <exception>
+#include <string>
+#include <vector>
+
+namespace {
+
+const CLI::Validator kPositive(
+    [](std::string& text) -> std::string {
+      double number = 0;
+      if (CLI::detail::lexical_cast(text, number) && std::isfinite(number) && number > 0) return "";
+      return text + " is no number greater than 0";
+    },
+    "POSITIVE");
+
+const CLI::Validator kNotEmpty([](std::string& text) -> std::string { return text.empty() ? "the name is empty" : ""; },
+                               "");
+
+/// Where a stream is closed (`>&-`), the next file to be opened would get its number, and what is printed.
+void open_standard_streams() {
+  for (int stream = 0; stream <= 2; ++stream) {
+    if (fcntl(stream, F_GETFD) == -1 && open("/dev/null", O_RDWR) != stream) return;
+  }
+}
+
+}  // namespace
 
 int main(int argument_count, char** arguments) {
+  open_standard_streams();
   CLI::App app{"MEbots: co-simulation of FMI 2.0 FMUs"};
   app.name("mebots");
   app.set_version_flag("--version", MEBOTS_VERSION);
@@ -24,8 +53,10 @@ int main(int argument_count, char** arguments) {
   mebots::app::RunOptions run;
   auto* run_app = app.add_subcommand("run", "Run the ensemble of FMUs that a config or an SSP describes");
   run_app->add_option("config", run.config, "Config (.json) or SSP 1.0 (.ssp)")->required();
-  run_app->add_option("--out", run.out,
-                      "Folder for results.csv, summary.json and log.txt; default: results/<name of the config>");
+  run_app
+      ->add_option("--out", run.out,
+                   "Folder for results.csv, summary.json and log.txt; default: results/<name of the config>")
+      ->check(kNotEmpty);
   run_app->add_option("--set", run.sets, "Give a parameter or a start value: INSTANCE.VARIABLE=VALUE (may be repeated)")
       ->allow_extra_args(false)
       ->take_all();
@@ -70,20 +101,27 @@ int main(int argument_count, char** arguments) {
   check_app
       ->add_option("--half-step-tolerance", check.half_step_tolerance,
                    "What two half steps may differ from one by, relative to an output's largest magnitude")
-      ->check(CLI::PositiveNumber);
+      ->check(kPositive);
   check_app->add_option("--deadline", check.deadline_s, "Wall time for each experiment with the FMU [s]")
-      ->check(CLI::PositiveNumber);
+      ->check(kPositive);
 
   std::filesystem::path description;
   std::filesystem::path folder;
   auto* new_fmu_app =
       app.add_subcommand("new-fmu", "Write the folder of a new FMU, which builds, from its description");
   new_fmu_app->add_option("description", description, "description.json with the FMU's variables")->required();
-  new_fmu_app->add_option("--out", folder, "Folder to make; default: the FMU's name");
+  new_fmu_app->add_option("--out", folder, "Folder to make; default: the FMU's name")->check(kNotEmpty);
 
   try {
     app.parse(argument_count, arguments);
   } catch (const CLI::ParseError& error) {
+    if (const auto strange = app.remaining(); app.get_subcommands().empty() && !strange.empty()) {
+      std::vector<std::string> known;
+      for (const auto* command : app.get_subcommands({})) known.push_back(command->get_name());
+      std::fprintf(stderr, "mebots: error: there is no command '%s'. %s\n", strange.front().c_str(),
+                   mebots::master::suggest(strange.front(), known).c_str());
+      return 2;
+    }
     const bool asked_for_text = error.get_exit_code() == 0;
     app.exit(error);
     return asked_for_text ? 0 : 2;

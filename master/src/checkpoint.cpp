@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mebots/master/checkpoint.hpp"
 
-#include "mebots/master/input_error.hpp"
 #include "mebots/master/input_hash.hpp"
 #include "mebots/master/time.hpp"
+
+#include "input_text.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -12,8 +13,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <fstream>
-#include <sstream>
 
 namespace mebots::master {
 namespace {
@@ -81,17 +80,15 @@ void write_checkpoint(const std::filesystem::path& folder, const Checkpoint& che
 
 Checkpoint read_checkpoint(const std::filesystem::path& folder) {
   const auto path = folder / kCheckpointFile;
-  std::ifstream stream(path, std::ios::binary);
-  if (!stream) {
+  std::error_code ignored;
+  if (!std::filesystem::exists(path, ignored)) {
     throw InputError(
         fmt::format("{}: there is no checkpoint to go on from. A run writes them with --checkpoint-every, from t = 0 "
                     "until it comes to "
                     "its end; run the config anew",
                     path.string()));
   }
-  std::ostringstream text;
-  text << stream.rdbuf();
-  const auto all = text.str();
+  const auto all = input_text(path);
   constexpr std::size_t kHashSize = 64;
   if (all.compare(0, kMagic.size(), kMagic) != 0 || all.size() < kMagic.size() + kHashSize) {
     throw InputError(fmt::format("{}: this is no checkpoint of this version of mebots", path.string()));

@@ -7,13 +7,12 @@
 #include "mebots/master/time.hpp"
 
 #include "config/sections.hpp"
+#include "input_text.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <charconv>
-#include <fstream>
-#include <sstream>
 
 namespace mebots::master {
 
@@ -37,13 +36,7 @@ void apply_set(SystemDescription& system, const std::string& text) {
 }
 
 std::string apply_scenario(SystemDescription& system, const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  std::ostringstream bytes;
-  if (stream && !std::filesystem::is_directory(file)) bytes << stream.rdbuf();
-  if (!stream || std::filesystem::is_directory(file)) {
-    throw InputError(fmt::format("--scenario {}: this file cannot be read", file.string()));
-  }
-  const auto text = bytes.str();
+  const auto text = input_text(file);
   const JsonDocument document(text, file.string());
   config::read_scenario_file(document.root(), system);
   return fmt::format("--scenario {} {}", file.filename().string(), sha256(text));

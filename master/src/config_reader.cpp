@@ -7,11 +7,9 @@
 
 #include "config/from_memory.hpp"
 #include "config/sections.hpp"
+#include "input_text.hpp"
 
 #include <fmt/format.h>
-
-#include <fstream>
-#include <sstream>
 
 namespace mebots::master {
 namespace {
@@ -41,16 +39,12 @@ constexpr Section kSections[] = {
     {"threads", false, &config::read_threads},
 };
 
-std::string read_bytes(const std::filesystem::path& file) {
-  if (std::filesystem::is_directory(file)) {
-    throw InputError(fmt::format("{}: this is a folder; name a config file", file.string()));
-  }
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) throw InputError(fmt::format("{}: this config cannot be opened; does the file exist?", file.string()));
-  std::ostringstream bytes;
-  bytes << stream.rdbuf();
-  if (stream.bad()) throw InputError(fmt::format("{}: this config cannot be read", file.string()));
-  return bytes.str();
+void refuse_archive(std::string_view text, const std::filesystem::path& file) {
+  if (!text.starts_with("PK\x03\x04")) return;
+  throw InputError(fmt::format(
+      "{}: this is an archive, and no config; of an FMU `mebots info` tells its variables, and an SSP has a "
+      "name that ends in .ssp",
+      file.string()));
 }
 
 nlohmann::ordered_json give(nlohmann::ordered_json config, const GivenTimes& times) {
@@ -137,10 +131,11 @@ LoadedSystem config::load_ssp_config(SspConfig ssp, const std::filesystem::path&
 }
 
 LoadedSystem load_system(const std::filesystem::path& file, const GivenTimes& times) {
-  auto loaded = named(read_bytes(file), file);
+  auto loaded = named(input_text(file), file);
   if (file.extension() == ".ssp") {
     read_ssp_config(loaded, open_ssp(file, loaded.system), file.string(), times);
   } else {
+    refuse_archive(loaded.system.source, file);
     read_config_text(loaded, file.string(), times);
   }
   return loaded;

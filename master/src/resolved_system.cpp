@@ -85,6 +85,22 @@ std::vector<std::string> log_categories(const SystemDescription& system, const I
   return {std::begin(kDefaultLogCategories), std::end(kDefaultLogCategories)};
 }
 
+/// A category that is misspelt shows nothing. It may be right all the same: not every FMU declares all of its own.
+void note_unknown_categories(ResolvedSystem& system) {
+  for (const auto& log : system.description->log) {
+    const auto& instance = *std::ranges::find(system.instances, log.instance, [](const ResolvedInstance& resolved) {
+      return std::string_view(resolved.description->name);
+    });
+    std::vector<std::string> known;
+    for (const auto& category : instance.fmu->description().log_categories) known.push_back(category.name);
+    for (const auto& category : log.categories) {
+      if (known.empty() || category == "*" || std::ranges::find(known, category) != known.end()) continue;
+      system.notices.push_back(fmt::format("{}: its FMU declares no log category '{}'. {}", log.instance, category,
+                                           suggest(category, known)));
+    }
+  }
+}
+
 void check_single_use(const ResolvedSystem& system) {
   std::map<const Fmu*, std::string> users;
   for (const auto& instance : system.instances) {
@@ -208,6 +224,7 @@ ResolvedSystem resolve(const SystemDescription& description, FmuLibrary& library
     system.instances.push_back(std::move(resolved));
   }
   check_single_use(system);
+  note_unknown_categories(system);
   for (const auto& instance : system.instances) check_division(instance);
   resolve_order(system);
   resolve_connections(system);

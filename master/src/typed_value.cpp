@@ -140,9 +140,13 @@ modeldesc::Value typed_value(const modeldesc::ModelDescription& description, con
     case Type::string:
       break;
   }
-  if (const auto* text = std::get_if<std::string>(&written)) return *text;
-  if (const auto* text = std::get_if<UntypedText>(&written)) return text->text;
-  complaint.wrong_type("a text");
+  const auto* text = std::get_if<std::string>(&written);
+  if (const auto* untyped = std::get_if<UntypedText>(&written)) text = &untyped->text;
+  if (text == nullptr) complaint.wrong_type("a text");
+  if (text->find('\0') != std::string::npos) {
+    complaint.fail(fmt::format("the text for '{}' holds a zero byte, which ends a text in FMI", variable.name));
+  }
+  return *text;
 }
 
 }  // namespace mebots::master

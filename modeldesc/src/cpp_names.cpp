@@ -70,10 +70,9 @@ bool is_cpp_identifier(std::string_view name) {
 }
 
 bool is_cpp_namespace(std::string_view name) {
-  do {
-    if (!take_word(name)) return false;
-  } while (take(name, "::"));
-  return name.empty();
+  const auto end = name.find("::");
+  if (end == std::string_view::npos) return is_cpp_identifier(name);
+  return is_cpp_identifier(name.substr(0, end)) && is_cpp_namespace(name.substr(end + 2));
 }
 
 bool is_structured_name(std::string_view name) {

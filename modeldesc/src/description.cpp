@@ -117,6 +117,7 @@ class DescriptionReader {
   }
 
   void read_variables(const JsonObject& object) {
+    if (object.list("variables").empty()) object.fail("\"variables\" is empty; FMI 2.0 asks for one at least");
     for (const Json& entry : object.list("variables")) {
       const JsonObject unnamed(entry, object.where() + ", variables");
       read_variable(JsonObject(entry, fmt::format("{}, variable {}", object.where(), unnamed.text("name"))));

@@ -1,24 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "json_object.hpp"
 
-#include "mebots/error.hpp"
+#include "mebots/data_file.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <fstream>
-#include <iterator>
 
 namespace mebots::modeldesc {
 
 Json read_json(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream)
-    throw Error(fmt::format("{}: cannot be opened; check that the file exists and can be read", file.string()));
-  const std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+  const auto text = text_of(file);
   try {
-    return Json::parse(text);
+    return Json::parse(text, data::CarefulParsing(file.string()));
   } catch (const Json::parse_error& error) {
     const auto end = text.begin() + static_cast<std::ptrdiff_t>(std::min(error.byte, text.size()));
     const auto line = 1 + std::count(text.begin(), end, '\n');

@@ -98,6 +98,10 @@ TEST(Config, EveryComplaintHasLineAndColumn) {
   EXPECT_THAT(reading_error("{\"step\": 0.1,\n\n   \"step\": 0.2}"),
               HasSubstr("mission.json:3:4: the key 'step' stands twice"));
   EXPECT_THAT(reading_error("{\"step\": 0.1,\n\"st\\u0065p\": 0.2}"), HasSubstr(":2:1: the key 'step' stands twice"));
+  std::string umlauts;
+  for (int i = 0; i < 3000; ++i) umlauts += "ä";
+  EXPECT_THAT(reading_error("{\"text\": \"" + umlauts + "\", \"stpe\": 1}"), HasSubstr("mission.json:1:3014: /stpe"))
+      << "characters are counted, in long lines too";
   EXPECT_THAT(reading_error("{\"text\": \"1e999\",\n \"step\": 1e999}"),
               HasSubstr("mission.json:2:10: the number 1e999 is too large"));
 }

@@ -2,6 +2,7 @@
 // The program as a user meets it: arguments, exit codes, what stands on which stream and in which file.
 #include "test_system.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <signal.h>
 #include <sys/wait.h>
@@ -9,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include <chrono>
+#include <cstdlib>
 #include <thread>
 
 namespace mebots::test {
@@ -110,6 +112,41 @@ TEST_F(Program, BadUsageIsAnsweredByTwo) {
   }
   EXPECT_EQ(run({"--help"}).code, 0);
   EXPECT_EQ(run({"--version"}).code, 0);
+}
+
+TEST_F(Program, MistakesOnTheCommandLineAreNamedWithTheWayOut) {
+  const auto expect = [&](const std::vector<std::string>& arguments, const char* text) {
+    const auto result = run(arguments);
+    EXPECT_EQ(result.code, 2) << testing::PrintToString(arguments);
+    EXPECT_THAT(result.err, HasSubstr(text)) << testing::PrintToString(arguments);
+  };
+  expect({"rnu", "two.json"}, "there is no command 'rnu'. Did you mean 'run'?");
+  expect({"run", PROBE_FMU}, "`mebots info` tells its variables");
+  expect({"run", "/dev/zero"}, "/dev/zero: cannot be read: it is a device");
+  expect({"run", "two.json", "--scenario", "/dev/zero"}, "it is a device");
+  expect({"run", "two.json", "--out", ""}, "--out: the name is empty");
+  expect({"check", PROBE_FMU, "--deadline", "nan"}, "--deadline: nan is no number greater than 0");
+  expect({"convert", "two.json", "two.json"}, "both files are .json");
+  expect({"convert", "two.json", "nowhere/two.ssp"}, "there is no folder nowhere");
+  write_file(folder.path() / "deep.json", std::string(1'000'000, '['));
+  expect({"new-fmu", "deep.json"}, "deep.json: is nested deeper than 100 levels");
+  expect({"new-fmu", "."}, "it is a folder");
+  std::filesystem::create_directories(folder.path() / "strange");
+  std::filesystem::create_symlink("/dev/zero", folder.path() / "strange/checkpoint.bin");
+  expect({"resume", "strange"}, "checkpoint.bin: cannot be read: it is a device");
+}
+
+TEST_F(Program, ClosedStreamsGetIntoNoFile) {
+  const auto command = fmt::format("cd '{}' && '{}' run two.json <&- >&- 2>&-", folder.path().string(), MEBOTS_PROGRAM);
+  ASSERT_EQ(std::system(command.c_str()), 0);
+  EXPECT_THAT(read_file(results() / "results.csv"), testing::StartsWith("time [s],"));
+}
+
+TEST_F(Program, ALogCategoryThatTheFmuDoesNotDeclareIsNoticed) {
+  write_file(folder.path() / "log.json", with_probe(R"({"step": 0.1, "stop_time": 1, "connections": [],
+      "instances": {"a": {"fmu": "PROBE"}}, "log": {"a": ["consol", "*"]}})"));
+  EXPECT_THAT(run({"run", "log.json"}).out,
+              HasSubstr("a: its FMU declares no log category 'consol'. Did you mean 'console'?"));
 }
 
 TEST_F(Program, BadInputIsAnsweredByTwoAndLeavesNoFolder) {

@@ -29,6 +29,11 @@ std::string connecting(const std::string& from, const std::string& to) {
   return error_of("", fmt::format(R"({{"from": "a.{}", "to": "b.{}"}})", from, to));
 }
 
+TEST(Parameters, ATextEndsAtNoZeroByte) {
+  EXPECT_THAT(error_of(R"("string_in": "a\u0000b")"),
+              AllOf(HasSubstr("/instances/a/parameters/string_in"), HasSubstr("holds a zero byte")));
+}
+
 TEST(Connections, AnUnknownVariableIsAnsweredByTheNearestOne) {
   EXPECT_THAT(connecting("real_oot", "real_in"),
               AllOf(HasSubstr("/connections/0/from"), HasSubstr("no variable 'real_oot'"), HasSubstr("'real_out'")));

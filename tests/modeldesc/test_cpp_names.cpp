@@ -22,6 +22,7 @@ TEST(CppNames, IdentifiersAreNoKeywords) {
   EXPECT_TRUE(is_cpp_namespace("mebots::lag"));
   EXPECT_FALSE(is_cpp_namespace("mebots::"));
   EXPECT_FALSE(is_cpp_namespace("mebots:lag"));
+  EXPECT_FALSE(is_cpp_namespace("mebots::class"));
 }
 
 TEST(CppNames, MarksBecomeOneUnderscore) {

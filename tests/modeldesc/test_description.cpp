@@ -65,6 +65,12 @@ TEST_F(DescriptionTest, NamesCppFieldsAfterTheFmiNameAndTheUnit) {
   EXPECT_THAT(header, HasSubstr("enum Index : std::size_t { soc, camera };"));
 }
 
+TEST_F(DescriptionTest, RefusesNoVariablesKeysThatStandTwiceAndDeepNesting) {
+  EXPECT_THAT(error_of(""), HasSubstr("\"variables\" is empty"));
+  EXPECT_THAT(error_of("", R"("step": 0.2, )"), HasSubstr("description.json: step stands twice"));
+  EXPECT_THAT(error_of(std::string(100'000, '[')), HasSubstr("is nested deeper than 100 levels"));
+}
+
 TEST_F(DescriptionTest, TellsWhatIsWrongWithAVariable) {
   const auto expect = [this](const std::string& variable, const char* text) {
     EXPECT_THAT(error_of(variable), HasSubstr(text)) << variable;

@@ -2,15 +2,14 @@
 #pragma once
 
 #include "mebots/error.hpp"
+#include "mebots/text_file.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <initializer_list>
-#include <iterator>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -20,6 +19,8 @@
 /// Reading the data files that stand beside a model: JSON in which every quantity is an object
 /// {"value", "unit", "source"}. Whatever is wrong becomes an Error that names file, key, value and limit.
 namespace mebots::data {
+
+using mebots::text_of;
 
 /// What a number may be. The default allows every finite number.
 struct Limits {
@@ -169,29 +170,23 @@ class Node {
   const nlohmann::json* json_;
 };
 
-/// The whole text of a file. Throws Error when it cannot be read.
-inline std::string text_of(const std::filesystem::path& path) {
-  std::error_code ignored;
-  std::ifstream stream(path, std::ios::binary);
-  if (!stream || std::filesystem::is_directory(path, ignored)) {
-    throw Error(fmt::format("{}: cannot be read", path.string()));
-  }
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
-
-/// Told of every step of the parser; throws when an object has the same key twice, where the last one would win unseen.
-class NoKeyTwice {
+/// Told of every step of the parser; throws when an object has the same key twice, where the last one would win unseen,
+/// and when brackets stand in brackets so often that the functions that walk down into them need too much stack.
+class CarefulParsing {
  public:
-  explicit NoKeyTwice(std::string file) : file_(std::move(file)) {}
+  explicit CarefulParsing(std::string file) : file_(std::move(file)) {}
 
-  bool operator()(int depth, nlohmann::json::parse_event_t event, nlohmann::json& parsed) {
+  template <typename Json>
+  bool operator()(int depth, nlohmann::json::parse_event_t event, Json& parsed) {
     using Event = nlohmann::json::parse_event_t;
+    constexpr int kDeepest = 100;
+    if (depth > kDeepest) throw Error(fmt::format("{}: is nested deeper than {} levels", file_, kDeepest));
     const auto level = static_cast<std::size_t>(depth);
     if (event == Event::object_start) {
       if (keys_.size() <= level + 1) keys_.resize(level + 2);
       keys_[level + 1].clear();
     } else if (event == Event::key) {
-      const auto key = parsed.get<std::string>();
+      const auto key = parsed.template get<std::string>();
       if (std::find(keys_[level].begin(), keys_[level].end(), key) != keys_[level].end()) {
         throw Error(fmt::format("{}: {} stands twice in the same object", file_, key));
       }
@@ -212,7 +207,7 @@ class File {
   /// `name` stands in errors.
   File(std::string_view text, std::string name) : name_(std::move(name)) {
     try {
-      json_ = nlohmann::json::parse(text, NoKeyTwice{name_});
+      json_ = nlohmann::json::parse(text, CarefulParsing(name_));
     } catch (const nlohmann::json::parse_error& error) {
       throw Error(fmt::format("{}: is not JSON: {}", name_, error.what()));
     }

@@ -14,7 +14,7 @@
 
 namespace mebots::master {
 
-/// Where the lines of a text start, to turn an offset into line and column.
+/// Where the lines of a text start, to turn an offset into line and column; fast also where all is one long line.
 class TextLines {
  public:
   TextLines() = default;
@@ -24,8 +24,11 @@ class TextLines {
   std::string place(std::size_t offset) const;
 
  private:
+  std::size_t characters_before(std::size_t offset) const;
+
   std::string text_;
   std::vector<std::size_t> starts_{0};
+  std::vector<std::size_t> characters_;  // of UTF-8 before each block of the text
 };
 
 /// A JSON text that knows where each of its values stands, so that every complaint names file, line, column
