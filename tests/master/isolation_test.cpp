@@ -112,7 +112,9 @@ struct Fault {
   const char* name;
   const char* message;
 };
-void PrintTo(const Fault& fault, std::ostream* out) { *out << fault.message; }
+void PrintTo(const Fault& fault, std::ostream* out) {
+  *out << fault.message;
+}
 
 class IsolationFault : public Isolation, public testing::WithParamInterface<Fault> {
  protected:
