@@ -80,7 +80,7 @@ std::string energy(const BoardDevice& device) {
 
 std::string load(const BoardDevice& device) {
   std::string out =
-      "  bool load(std::uint32_t offset, Picoseconds /*now*/, std::uint32_t& value) override {\n"
+      "  bool load(std::uint32_t offset, Picoseconds /*now*/, [[maybe_unused]] std::uint32_t& value) override {\n"
       "    switch (offset) {\n";
   for (const auto& reg : device.registers) {
     if (reg.access == "w") continue;
@@ -92,7 +92,8 @@ std::string load(const BoardDevice& device) {
 
 std::string store(const BoardDevice& device) {
   std::string out =
-      "  bool store(std::uint32_t offset, [[maybe_unused]] Picoseconds now, std::uint32_t value) override {\n"
+      "  bool store(std::uint32_t offset, [[maybe_unused]] Picoseconds now, [[maybe_unused]] std::uint32_t value) "
+      "override {\n"
       "    switch (offset) {\n";
   for (const auto& reg : device.registers) {
     if (reg.access == "r") continue;

@@ -176,6 +176,10 @@ void check_outputs(const data::Node& node, const BoardDevice& device) {
       node.fail("registers",
                 fmt::format("{} sends \"{}\", which is no output among the device's variables", reg.name, reg.sends));
     }
+    if (std::any_of(device.opcodes.begin(), device.opcodes.end(),
+                    [&](const auto& opcode) { return opcode.register_name == reg.name; })) {
+      node.fail("registers", fmt::format("{} sends a variable: it must take no opcodes", reg.name));
+    }
   }
   for (const auto& name : device.sent) {
     const auto senders =

@@ -115,7 +115,8 @@ int main(int argument_count, char** arguments) {
   try {
     app.parse(argument_count, arguments);
   } catch (const CLI::ParseError& error) {
-    if (const auto strange = app.remaining(); app.get_subcommands().empty() && !strange.empty()) {
+    const auto strange = app.remaining();
+    if (app.get_subcommands().empty() && !strange.empty() && !strange.front().starts_with('-')) {
       std::vector<std::string> known;
       for (const auto* command : app.get_subcommands({})) known.push_back(command->get_name());
       std::fprintf(stderr, "mebots: error: there is no command '%s'. %s\n", strange.front().c_str(),

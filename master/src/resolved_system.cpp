@@ -88,11 +88,14 @@ std::vector<std::string> log_categories(const SystemDescription& system, const I
 /// A category that is misspelt shows nothing. It may be right all the same: not every FMU declares all of its own.
 void note_unknown_categories(ResolvedSystem& system) {
   for (const auto& log : system.description->log) {
-    const auto& instance = *std::ranges::find(system.instances, log.instance, [](const ResolvedInstance& resolved) {
+    const auto instance = std::ranges::find(system.instances, log.instance, [](const ResolvedInstance& resolved) {
       return std::string_view(resolved.description->name);
     });
+    if (instance == system.instances.end()) {
+      throw InputError(fmt::format("log: there is no instance '{}'", log.instance));
+    }
     std::vector<std::string> known;
-    for (const auto& category : instance.fmu->description().log_categories) known.push_back(category.name);
+    for (const auto& category : instance->fmu->description().log_categories) known.push_back(category.name);
     for (const auto& category : log.categories) {
       if (known.empty() || category == "*" || std::ranges::find(known, category) != known.end()) continue;
       system.notices.push_back(fmt::format("{}: its FMU declares no log category '{}'. {}", log.instance, category,

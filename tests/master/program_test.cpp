@@ -137,9 +137,11 @@ TEST_F(Program, MistakesOnTheCommandLineAreNamedWithTheWayOut) {
 }
 
 TEST_F(Program, ClosedStreamsGetIntoNoFile) {
+  ASSERT_EQ(run({"run", "two.json"}).code, 0);
+  const auto csv = read_file(results() / "results.csv");
   const auto command = fmt::format("cd '{}' && '{}' run two.json <&- >&- 2>&-", folder.path().string(), MEBOTS_PROGRAM);
   ASSERT_EQ(std::system(command.c_str()), 0);
-  EXPECT_THAT(read_file(results() / "results.csv"), testing::StartsWith("time [s],"));
+  EXPECT_EQ(read_file(results() / "results.csv"), csv);
 }
 
 TEST_F(Program, ALogCategoryThatTheFmuDoesNotDeclareIsNoticed) {

@@ -147,6 +147,7 @@ data: .word 0
   for (int stops = 0; same && stops < 20000; ++stops) {
     same = pair.run(pair.translated.hart().counters().cycles + 1 + random() % 90);
   }
+  EXPECT_TRUE(same) << "the program, which never ends, ended";
 }
 
 TEST(Translation, SeesCodeThatIsStoredOver) {

@@ -54,7 +54,7 @@ class HostTranslator : public Translator {
   }
 
   void lead_on(std::uint32_t pc, const Entry& entry) override {
-    if (exits_.exits.empty()) return;  // forgotten meanwhile
+    if (last_exit_ == kForgotten) return;
     const auto& exit = exits_.exits[last_exit_];
     if (exit.indirect) {
       if (!exit.straight) targets_.set(pc, entry.jumped);
@@ -66,6 +66,7 @@ class HostTranslator : public Translator {
   void forget() override {
     if (used_ == gates_size_) return;
     std::fill(entries_.begin(), entries_.end(), Entry{});
+    last_exit_ = kForgotten;
     exits_.exits.clear();
     exits_.ways.clear();
     targets_.clear();
@@ -74,6 +75,8 @@ class HostTranslator : public Translator {
   }
 
  private:
+  static constexpr auto kForgotten = ~std::uint32_t{0};
+
   const BlockCache& cache_;
   Execution memories_;  // only these of it
   Manner manner_;
@@ -82,7 +85,7 @@ class HostTranslator : public Translator {
   std::size_t used_ = 0;
   std::size_t gates_size_ = 0;
   Emitter::Exits exits_;
-  std::uint32_t last_exit_ = 0;
+  std::uint32_t last_exit_ = kForgotten;
   TargetTable targets_;
 };
 

@@ -17,7 +17,7 @@ namespace mebots::master {
 /// Where the lines of a text start, to turn an offset into line and column; fast also where all is one long line.
 class TextLines {
  public:
-  TextLines() = default;
+  TextLines() : TextLines(std::string()) {}
   explicit TextLines(std::string text);
 
   /// ":line:column", both from 1; columns count characters of UTF-8.
