@@ -9,7 +9,6 @@ namespace mebots::boardgen {
 namespace {
 
 using soc::BoardDevice;
-using soc::BoardRegister;
 
 std::string constant(const std::string& name) {
   return "k" + camel_case(name);

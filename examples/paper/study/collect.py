@@ -78,36 +78,50 @@ def speeds(summaries):
             "stepping_s": adaptive["wall_clock"]["stepping"]}
 
 
-def front(rows):
-    """Which of the flights that passed no other one beats: at least as good in time and the chip's energy, and better in
-    one."""
-    keys = [(row["gate_s"], row["chip_j"]) for row in rows if row["passed"]]
-    return [row["passed"] and not any(key != (row["gate_s"], row["chip_j"]) and key[0] <= row["gate_s"]
-                                      and key[1] <= row["chip_j"] for key in keys) for row in rows]
-
-
-def clocks(summaries, flights):
-    rows = []
-    for flight in flights:
-        summary = summaries[flight.name]
-        extra = dict(flight.extra)
-        rows.append({"clock_mhz": extra["soc.cluster.clock"] / 1e6, "cores": extra["soc.cluster.cores"],
-                     "voltage_v": extra["soc.core.supply_voltage"], "outcome": summary["outcome"],
-                     "passed": summary["outcome"] in PASSED, "gate_s": Trace(summary["folder"]).time_at_gate(),
-                     "pictures_per_s": summary["pictures"] / summary["simulated_time"],
-                     "lateral_m": summary["lateral_error"], "chip_j": summary["energy"]["soc"],
-                     "all_j": summary["energy"]["open_circuit"], "simulated_s": summary["simulated_time"]})
-    for row, on_front in zip(rows, front(rows)):
-        row["front"] = on_front
-    return rows
-
-
 def wilson(passed, count, z=1.96):
     """Confidence interval of a share, 95 % (Wilson 1927)."""
     share = passed / count
     middle = (share + z * z / (2 * count)) / (1 + z * z / count)
     half = z / (1 + z * z / count) * math.sqrt(share * (1 - share) / count + z * z / (4 * count * count))
     return middle - half, middle + half
+
+
+def front(rows):
+    """Which rows no other one beats: at least as good in time, the chip's energy and success, and better in one. A row
+    none of whose flights passed is on no front."""
+    keys = [(row["gate_s"], row["chip_j"], -row["passed"]) for row in rows if row["passed"]]
+
+    def beaten(key):
+        return any(other != key and all(a <= b for a, b in zip(other, key)) for other in keys)
+    return [row["passed"] > 0 and not beaten((row["gate_s"], row["chip_j"], -row["passed"])) for row in rows]
+
+
+def clocks(flights, summaries):
+    """A row for each of flights' {(cores, clock): flights}. Times and energies are means over the flights that passed. The
+    energy up to the gate is the flight's mean power times the time: what comes after a touch is long or short by chance."""
+    rows = []
+    for (cores, clock), group in flights.items():
+        flown = [summaries[flight.name] for flight in group]
+        passed = [s for s in flown if s["outcome"] in PASSED]
+        low, high = wilson(len(passed), len(flown))
+
+        def mean(value, of=passed):
+            return float(np.mean([value(s) for s in of])) if of else None
+
+        def gate_s(summary):
+            return Trace(summary["folder"]).time_at_gate()
+
+        def power_w(summary):
+            return summary["energy"]["soc"] / summary["simulated_time"]
+        rows.append({"clock_mhz": clock, "cores": cores, "voltage_v": dict(group[0].extra)["soc.core.supply_voltage"],
+                     "flights": len(flown), "passed": len(passed), "low": low, "high": high,
+                     "touched": sum(s["outcome"] == "touched_passed" for s in flown),
+                     "pictures_per_s": mean(lambda s: s["pictures"] / s["simulated_time"], flown),
+                     "chip_mw": mean(lambda s: 1000 * power_w(s), flown), "gate_s": mean(gate_s),
+                     "chip_j": mean(lambda s: power_w(s) * gate_s(s))})
+    for row, on_front in zip(rows, front(rows)):
+        row["front"] = on_front
+    return rows
 
 
 def straight(name, flights):

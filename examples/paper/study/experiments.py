@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The flights of the paper's two experiments, and of the questions beyond them."""
 
+import dataclasses
 import random
 
 from missions import BATTERIES, CHIP_PARTS, RECORDED, Flight, scenario
@@ -41,14 +42,6 @@ def least_voltage(clock_mhz):
     return next(v for v in (1.0, 1.05, 1.1, 1.15, 1.2) if clock_mhz <= 87 + (v - 1.0) / 0.2 * (175 - 87) + 1e-6)
 
 
-def clocks():
-    """The hard adaptive flight with the cluster at several clocks, on eight cores and on one."""
-    return [Flight(f"clock-{clock}-{cores}", "hard", ADAPTIVE_SPEED, adaptive=True,
-                   extra=(("soc.cluster.clock", clock * 1e6), ("soc.cluster.cores", cores),
-                          ("soc.core.supply_voltage", least_voltage(clock)), ("soc.core.clock", 50e6)))
-            for cores in CORES for clock in CLOCKS_MHZ]
-
-
 def starts(name, count, seed):
     """Flights from starts around the scenario's own; the camera's noise differs too."""
     draw = random.Random(f"{name} {seed}")
@@ -63,3 +56,16 @@ def starts(name, count, seed):
                               stop_time=300.0, record=("world.drone.position.x", "world.drone.position.y",
                                                        "world.gate.distance")))
     return flights
+
+
+def clocks(count):
+    """{(cores, clock MHz): flights}: the same random starts of the hard scenario, with the adaptive policy, at several
+    clocks of the cluster, on eight cores and on one."""
+    drawn = starts("hard", count, seed=2)
+
+    def at(clock, cores):
+        chip = (("soc.cluster.clock", clock * 1e6), ("soc.cluster.cores", cores),
+                ("soc.core.supply_voltage", least_voltage(clock)), ("soc.core.clock", 50e6))
+        return [dataclasses.replace(flight, name=f"clock-{clock}-{cores}-{i:02}", extra=(*flight.extra, *chip))
+                for i, flight in enumerate(drawn)]
+    return {(cores, clock): at(clock, cores) for cores in CORES for clock in CLOCKS_MHZ}

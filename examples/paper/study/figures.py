@@ -113,18 +113,21 @@ def phases(tables):
 
 
 def clocks(rows):
-    """Time to the gate and the chip's energy at each clock; hollow: the gate was missed."""
+    """Mean time to the gate, the chip's mean energy until then and the share of flights that passed, at each clock."""
     figure, axes = plt.subplots(figsize=(8, 4.2), constrained_layout=True)
-    for cores, colour, marker in ((8, "#4878a8", "o"), (1, "#e69138", "s")):
-        for row in (row for row in rows if row["cores"] == cores and row["gate_s"] is not None):
-            axes.plot(row["gate_s"], row["chip_j"], marker, color=colour, markersize=8,
-                      fillstyle="full" if row["passed"] else "none")
-            axes.annotate(f"{row['clock_mhz']:.0f}", (row["gate_s"], row["chip_j"]), xytext=(6, 4),
-                          textcoords="offset points", fontsize=9, color=colour)
-        axes.plot([], [], marker, color=colour, label=f"{cores} core{'s' if cores > 1 else ''}; number: MHz")
-    front = sorted((row["gate_s"], row["chip_j"]) for row in rows if row["front"])
-    axes.plot(*zip(*front), color="black", linewidth=1, linestyle="--", label="Pareto front")
-    axes.set(xlabel="time to the gate [s]", ylabel="energy of the chip, whole flight [J]")
+    shown = [row for row in rows if row["passed"]]
+    for cores, marker in ((8, "o"), (1, "s")):
+        group = [row for row in shown if row["cores"] == cores]
+        dots = axes.scatter([row["gate_s"] for row in group], [row["chip_j"] for row in group], s=70, marker=marker,
+                            c=[100 * row["passed"] / row["flights"] for row in group], cmap="viridis", vmin=0, vmax=100,
+                            edgecolors=["black" if row["front"] else "none" for row in group],
+                            label=f"{cores} core{'s' if cores > 1 else ''}; number: MHz", zorder=2)
+        for row in group:
+            axes.annotate(row["clock_mhz"], (row["gate_s"], row["chip_j"]), xytext=(7, 4),
+                          textcoords="offset points", fontsize=9)
+    axes.set(xlabel="mean time to the gate [s]", ylabel="mean energy of the chip up to the gate [J]")
+    axes.set_title("Ringed: on the front of time, energy and success", fontsize=11)
+    figure.colorbar(dots, ax=axes, label="passed [%]")
     axes.margins(0.12)
     axes.legend(frameon=False)
     return figure

@@ -22,6 +22,7 @@ from run import Place, fly_all
 
 PARTS = ("experiments", "clocks", *experiments.SPREAD)
 PICTURED_FAILURES = 6
+STARTS_PER_CLOCK = 20  # a clock flies one in so many of the random starts of a scenario
 
 
 def fly_experiments(place, data):
@@ -37,9 +38,9 @@ def fly_experiments(place, data):
     data["speeds"] = collect.speeds(summaries)
 
 
-def fly_clocks(place, data):
-    flights = experiments.clocks()
-    data["clocks"] = collect.clocks(fly_all(flights, place), flights)
+def fly_clocks(place, data, count):
+    flights = experiments.clocks(count)
+    data["clocks"] = collect.clocks(flights, fly_all([f for group in flights.values() for f in group], place))
 
 
 def fly_starts(place, data, name, count):
@@ -76,7 +77,7 @@ def main():
         if part == "experiments":
             fly_experiments(place, data)
         elif part == "clocks":
-            fly_clocks(place, data)
+            fly_clocks(place, data, max(1, arguments.count // STARTS_PER_CLOCK))
         else:
             fly_starts(place, data, part, arguments.count)
         kept.write_text(json.dumps(data) + "\n")
