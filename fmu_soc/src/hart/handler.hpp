@@ -2,6 +2,7 @@
 #pragma once
 
 #include "hart/execution.hpp"
+#include "hart/timing.hpp"
 
 namespace mebots::soc {
 
@@ -19,6 +20,17 @@ inline constexpr bool kChain = false;
   } else {
     return at + 1;
   }
+}
+
+/// How a conditional branch ends that is taken.
+[[gnu::always_inline]] inline const Instruction* take_branch(Execution& e, const Instruction* at) {
+  e.pc = static_cast<std::uint32_t>(at->imm);
+  e.extra_cycles += kTakenBranchExtra;
+  e.jumped = true;
+  e.redirected = true;
+  e.exit = at + 1;
+  e.link = &at->link;
+  return nullptr;
 }
 
 /// Handlers by subject. Of a load or store:

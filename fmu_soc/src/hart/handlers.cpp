@@ -25,16 +25,7 @@ const Instruction* divide(Execution& e, const Instruction* at) {
 
 template <auto Holds>
 const Instruction* branch(Execution& e, const Instruction* at) {
-  if (Holds(e.x[at->rs1], e.x[at->rs2])) {
-    e.pc = static_cast<std::uint32_t>(at->imm);
-    e.extra_cycles += kTakenBranchExtra;
-    e.jumped = true;
-    e.redirected = true;
-    e.exit = at + 1;
-    e.link = &at->link;
-    return nullptr;
-  }
-  return next(e, at);
+  return Holds(e.x[at->rs1], e.x[at->rs2]) ? take_branch(e, at) : next(e, at);
 }
 
 const Instruction* jump(Execution& e, const Instruction* at) {

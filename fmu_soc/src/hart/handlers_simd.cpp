@@ -10,31 +10,29 @@ namespace {
 namespace f = operations;
 using Word = std::uint32_t;
 
+/// Compute with a second operand from where its form has it; a scalar is copied into parts of type T.
+template <auto Compute, typename T>
+Handler with_operand(Operand operand) {
+  switch (operand) {
+    case Operand::scalar:
+      return binary<Compute, Operand::scalar, T>;
+    case Operand::immediate:
+      return binary<Compute, Operand::immediate>;
+    default:
+      return binary<Compute, Operand::reg>;
+  }
+}
+
 /// A SIMD operation on parts of type T; Parts is what happens to a pair of them.
 template <typename T, auto Parts>
 Handler simd(Operand operand) {
-  constexpr auto kCompute = f::simd<T, Parts>;
-  switch (operand) {
-    case Operand::scalar:
-      return binary<kCompute, Operand::scalar, T>;
-    case Operand::immediate:
-      return binary<kCompute, Operand::immediate>;
-    default:
-      return binary<kCompute, Operand::reg>;
-  }
+  return with_operand<f::simd<T, Parts>, T>(operand);
 }
 
 template <typename A, typename B>
 Handler dot(Operand operand) {
   constexpr Word (*kCompute)(Word, Word) = f::dot<A, B>;
-  switch (operand) {
-    case Operand::scalar:
-      return binary<kCompute, Operand::scalar, B>;
-    case Operand::immediate:
-      return binary<kCompute, Operand::immediate>;
-    default:
-      return binary<kCompute, Operand::reg>;
-  }
+  return with_operand<kCompute, B>(operand);
 }
 template <typename A, typename B>
 Handler sum_dot(Operand operand) {

@@ -39,16 +39,7 @@ const Instruction* accumulate_halves(Execution& e, const Instruction* at) {
 template <bool kEqual>
 const Instruction* branch_immediate(Execution& e, const Instruction* at) {
   const auto value = static_cast<Word>(static_cast<std::int32_t>(Word{at->rs2} << 27) >> 27);
-  if ((e.x[at->rs1] == value) == kEqual) {
-    e.pc = static_cast<Word>(at->imm);
-    e.extra_cycles += kTakenBranchExtra;
-    e.jumped = true;
-    e.redirected = true;
-    e.exit = at + 1;
-    e.link = &at->link;
-    return nullptr;
-  }
-  return next(e, at);
+  return (e.x[at->rs1] == value) == kEqual ? take_branch(e, at) : next(e, at);
 }
 
 // Hardware loops. Number of the loop: rs2.
