@@ -85,14 +85,17 @@ def main():
     parser.add_argument("profile", type=pathlib.Path)
     parser.add_argument("--out", type=pathlib.Path, help="default: beside the profile")
     parser.add_argument("--leave-out", nargs="*", default=[], help="frames that are not drawn, such as '[asleep]'")
-    parser.add_argument("--profiles", nargs="+", default=["time", "energy"], help="names, as they begin")
+    parser.add_argument("--profiles", nargs="+", default=["time", "energy"], help="names, as they begin, such as 'energy [nJ], cluster core 0'")
     arguments = parser.parse_args()
 
     data = json.loads(arguments.profile.read_text())
     names = [frame["name"] for frame in data["shared"]["frames"]]
-    chosen = [p for wanted in arguments.profiles for p in data["profiles"] if p["name"].startswith(wanted)]
-    if not chosen:
-        parser.error(f"{arguments.profile} has no profile named so; it has {', '.join(p['name'] for p in data['profiles'])}")
+    chosen = []
+    for wanted in arguments.profiles:
+        named = [p for p in data["profiles"] if p["name"].startswith(wanted)]
+        if not named:
+            parser.error(f"{arguments.profile} has no profile \"{wanted}\"; it has {'; '.join(p['name'] for p in data['profiles'])}")
+        chosen.append(named[0])  # the fabric controller's come before those of the cluster's cores
     figure, axes = plt.subplots(len(chosen), 1, figsize=(12, 3.6 * len(chosen)), constrained_layout=True, squeeze=False)
     for cell, profile in zip(axes.flat, chosen):
         stacks = read_stacks(profile, names, arguments.leave_out)

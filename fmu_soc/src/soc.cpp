@@ -582,7 +582,23 @@ Activity Soc::activity_at(Picoseconds now) const {
     activity.far_words += words;
   }
   activity.cluster_powered = cluster_->powered_time(now);
+  for (unsigned core = 0; core < cluster_->cores(); ++core) activity.of_cores[core] = core_activity(core);
   return activity;
+}
+
+CoreActivity Soc::core_activity(unsigned core) const {
+  const auto& hart = cluster_->hart(core);
+  const auto& counters = hart.counters();
+  const auto far = hart.far_accesses();
+  return {counters.instruction_fj, counters.cycles, counters.accesses - counters.device_accesses - far, far};
+}
+
+void Soc::observe(unsigned number, Observer* observer) {
+  if (number == 0) {
+    hart_.observe(observer);
+  } else {
+    cluster_->observe(number - 1, observer);
+  }
 }
 
 std::uint64_t Soc::instructions() const {

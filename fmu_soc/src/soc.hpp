@@ -99,6 +99,13 @@ class Soc final : private Bus {
   const Cluster* cluster() const { return cluster_.get(); }
   const Hart& hart() const { return hart_; }
   Hart& hart() { return hart_; }
+  /// All harts by number: 0 is the fabric controller, n + 1 core n of the cluster.
+  unsigned harts() const { return 1 + (cluster_ ? cluster_->cores() : 0); }
+  const Hart& hart(unsigned number) const { return number == 0 ? hart_ : cluster_->hart(number - 1); }
+  /// Whether it can run: a cluster that is off is forgotten.
+  bool is_on(unsigned number) const { return number == 0 || cluster_->powered(); }
+  /// Who watches a hart from now on, or null. Only the fabric controller's can end the run. Not part of a state.
+  void observe(unsigned number, Observer* observer);
   /// Of the fabric controller; null without one.
   const InstructionCache* instruction_cache() const { return instruction_cache_ ? &*instruction_cache_ : nullptr; }
   const Memory& memory() const { return memory_; }
@@ -111,6 +118,10 @@ class Soc final : private Bus {
   Picoseconds core_time() const { return clock_.time_of(hart_.counters().cycles); }
   EnergyLedger energy_at_core() const { return energy_at(core_time()); }
   EnergyLedger energy_at(Picoseconds time) const;
+  /// Likewise of any hart that is on.
+  Picoseconds core_time(unsigned number) const { return number == 0 ? core_time() : cluster_->core_time(number - 1); }
+  /// What core `core` of the cluster takes for what it does itself [J], over what it takes with its clock gated.
+  double cluster_core_energy_j(unsigned core) const { return meter_.core_j(core, core_activity(core)); }
   double clock_hz() const { return clock_.hz(); }
   double voltage_v() const { return voltage_mv_ / 1e3; }
   struct DeviceState {
@@ -188,6 +199,7 @@ class Soc final : private Bus {
   Picoseconds supplied_until() const { return end_ == End::powered_off ? end_time_ : now_; }
   PowerState power_state() const;
   Activity activity_at(Picoseconds now) const;
+  CoreActivity core_activity(unsigned core) const;
 
   const Chip& chip_;
   Listeners listeners_;

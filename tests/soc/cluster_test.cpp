@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "board_system.hpp"
+#include "hart/observer.hpp"
 
 #include "mebots/error.hpp"
 
@@ -337,8 +338,7 @@ TEST(ClusterRuntime, GoesOnWithTheSameBitsFromAStateInTheMiddleOfAJob) {
 
 /// Eight cores on one bank whose code comes to the same instructions in every way: into the middle of straight code,
 /// to a jump right behind other code, back from a trap, over the end of a hardware loop that is none any more.
-TEST(ClusterRuntime, TakesItsTurnsTheSameWithAndWithoutDecodedCode) {
-  constexpr std::string_view kMixed = R"(
+constexpr std::string_view kMixed = R"(
     mv a0, s1
     la s2, late
     la s3, mark
@@ -386,6 +386,8 @@ handler: csrr a5, mepc
     csrw mepc, a5
     mret
 )";
+
+TEST(ClusterRuntime, TakesItsTurnsTheSameWithAndWithoutDecodedCode) {
   auto straight = cores_run(kMixed, 8);
   for (std::int64_t t = 24'003; t < 1'000'000; t += 24'003) {
     const auto saved = state_of(straight.soc);
@@ -418,6 +420,46 @@ TEST(ClusterRuntime, GoesOnWithTheSameBitsFromStatesAllOverAnInference) {
     ASSERT_TRUE(state_of(other.soc) == state_of(straight.soc)) << "from " << t - kStep << " to " << t << " ns";
     ASSERT_EQ(other.soc.energy().total_j(), straight.soc.energy().total_j());
   }
+}
+
+/// Somebody who watches every instruction of every hart, and does nothing.
+class Watcher final : public Observer {
+ public:
+  explicit Watcher(Soc& soc) {
+    for (unsigned number = 0; number < soc.harts(); ++number) soc.observe(number, this);
+  }
+  void retired(const Hart& /*hart*/, const Retired& /*instruction*/) override { ++retired_; }
+  std::uint64_t count() const { return retired_; }
+
+ private:
+  std::uint64_t retired_ = 0;
+};
+
+/// Both are of the same program; only one is watched.
+void expect_same_bits(Soc& plain, Soc& watched, std::int64_t step_ns, std::int64_t end_ns) {
+  const Watcher watcher(watched);
+  for (std::int64_t t = step_ns; t < end_ns; t += step_ns) {
+    plain.advance(t);
+    watched.advance(t);
+    ASSERT_TRUE(state_of(plain) == state_of(watched)) << "at " << t << " ns";
+  }
+  EXPECT_EQ(watcher.count(), watched.instructions());
+  for (unsigned number = 0; number < watched.harts(); ++number) watched.observe(number, nullptr);
+}
+
+TEST(ClusterRuntime, WatchedKeepsTheBitsOfAnUnwatchedRun) {
+  auto plain = cores_run(kMixed, 8);
+  auto watched = cores_run(kMixed, 8);
+  expect_same_bits(plain.soc, watched.soc, 9'973, 400'000);
+  EXPECT_GT(watched.soc.cluster()->counters().instructions, 40'000U);
+}
+
+TEST(ClusterRuntime, WatchedInAnInferenceKeepsItsBits) {
+  const auto program = Elf::read(MEBOTS_BINARY_DIR "/firmware/network_bench.elf");
+  BoardSystem plain(program);
+  BoardSystem watched(program);
+  expect_same_bits(plain.soc, watched.soc, 1'937'003, 40 * kMs);
+  EXPECT_GT(watched.soc.cluster()->counters().instructions, 2'000'000U);
 }
 
 /// The whole network on 1, 2, 4 and 8 cores: banks, instruction caches, barriers, DMA.

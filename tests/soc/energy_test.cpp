@@ -134,6 +134,36 @@ core: wfi
   EXPECT_EQ(system.soc.energy()[Part::cluster_background], ledger[Part::cluster_background]);
 }
 
+/// Counts of one core, at some moment.
+void add(Activity& all, unsigned core, const CoreActivity& one) {
+  auto& sum = all.of_cores[core];
+  sum.instruction_fj += one.instruction_fj;
+  sum.cycles += one.cycles;
+  sum.l1_accesses += one.l1_accesses;
+  sum.far_accesses += one.far_accesses;
+  all.cluster_instruction_fj += one.instruction_fj;
+  all.cluster_cycles += one.cycles;
+  all.l1_accesses += one.l1_accesses;
+  all.l2_accesses += one.far_accesses;
+  all.far_words += one.far_accesses;
+}
+
+TEST(Energy, OfTheClustersCoresTogetherIsTheLedgersAtAllSettings) {
+  EnergyMeter meter(gap8().energy, {0, 65536, 2}, {25, 1.2, 100e6, 175e6});
+  Activity now;
+  add(now, 0, {30'000'000, 1'000, 400, 7});
+  add(now, 1, {7'000'000, 300, 20, 90});
+  meter.change({25, 1.0, 50e6, 87e6}, now);
+  const auto before_j = meter.core_j(1, now.of_cores[1]);
+  add(now, 0, {5'000'000, 170, 30, 2});
+  EXPECT_EQ(meter.core_j(1, now.of_cores[1]), before_j) << "it did nothing";
+  // No time has gone by, so that of gated clocks there is only what awake cores do not take.
+  const auto ledger = meter.at(now);
+  const auto all_j = ledger[Part::cluster_cores] + ledger[Part::l1] + ledger[Part::l2] + ledger[Part::interconnect];
+  EXPECT_NEAR(meter.core_j(0, now.of_cores[0]) + before_j, all_j, kRounding * all_j);
+  EXPECT_GT(meter.core_j(0, now.of_cores[0]), before_j);
+}
+
 TEST(Retention, SleepsOnTheMemoriesAloneAndTakesItsTimeToWake) {
   // Asks for retention, sleeps until the timer at 3 ms, and notes when it goes on.
   BoardSystem system(R"(

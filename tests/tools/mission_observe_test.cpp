@@ -16,6 +16,7 @@
 #include <unistd.h>
 
 #include <filesystem>
+#include <span>
 #include <string>
 #include <thread>
 #include <vector>
@@ -38,16 +39,23 @@ class Resources {
   Folder folder_;
 };
 
-/// Flies blind for a moment and gives everything that the model knows at the end.
+/// Waits on the ground for a moment, or with a picture flies and sees it again and again; gives everything that the
+/// model knows at the end.
 std::vector<std::byte> state_after(const Parameters& parameters, int steps,
-                                   const std::function<void(std::string_view)>& on_message = {}) {
+                                   const std::function<void(std::string_view)>& on_message = {},
+                                   std::span<const std::uint8_t> picture = {}) {
   const Resources resources;
   Listeners listeners;
   listeners.observe = on_message;
   Model model(parameters, resources.path(), listeners);
   Variables variables;
   model.start(variables.inputs, 0, variables.outputs);
-  for (int i = 0; i < steps; ++i) model.step(variables.inputs, i * kStep, kStep, variables.outputs);
+  if (!picture.empty()) variables.inputs.flight_phase = FlightPhase::flying;
+  for (int i = 0; i < steps; ++i) {
+    variables.inputs.camera_frame = BinaryRef::to(picture);
+    variables.inputs.camera_frame_id = variables.outputs.camera_trigger;
+    model.step(variables.inputs, i * kStep, kStep, variables.outputs);
+  }
   state::Writer writer;
   model.save(writer);
   return writer.take();
@@ -65,6 +73,18 @@ TEST(MissionObserve, ProfileTraceAndPowerTraceChangeNothingAndAreWritten) {
   EXPECT_THAT(read_text(folder / "profile.json"), testing::Not(testing::HasSubstr("\"$x")));
   EXPECT_GT(read_text(folder / "trace").size(), 1000U);
   EXPECT_THAT(read_text(folder / "power.vcd"), testing::HasSubstr("sasleep"));
+}
+
+TEST(MissionObserve, ProfileOfAnInferenceHasTheClustersCoresAndChangesNothing) {
+  const Folder folder;
+  Parameters unwatched;
+  unwatched.mission_navigator = Navigator::network;
+  auto watched = unwatched;
+  watched.observe_profile = folder / "profile.json";
+  const std::vector<std::uint8_t> picture(std::size_t{320} * 240, 100);
+  constexpr int kSteps = 60;
+  EXPECT_TRUE(state_after(unwatched, kSteps, {}, picture) == state_after(watched, kSteps, {}, picture));
+  EXPECT_TRUE(read_text(folder / "profile.json").find("\"cycles, cluster core 7\"") != std::string::npos);
 }
 
 TEST(MissionObserve, AnUnwritableFileIsRefusedAtTheStart) {

@@ -21,31 +21,38 @@ using observe::CallTree;
 using observe::Cost;
 using observe::Profile;
 
-/// A program on the board, profiled to its end: inclusive cost and calls by stack, as "main;leaf".
+/// Names from the outermost frame on, as "main;leaf".
+std::string stack_text(Profile& profile, std::size_t node) {
+  const auto& nodes = profile.hart(0).tree().nodes();
+  std::string text;
+  for (; node != CallTree::kRoot; node = nodes[node].parent) {
+    const auto& name = profile.functions().name(nodes[node].place);
+    text = text.empty() ? name : fmt::format("{};{}", name, text);
+  }
+  return text;
+}
+
+/// A program on the board, profiled to its end: inclusive cost and calls by stack.
 struct Profiled {
   explicit Profiled(std::string_view text, std::int64_t end_ns = 0, std::string_view file = "p.json")
       : system(fmt::format("{}\n{}", text, kFunctions)) {
     Profile profile("--profile", folder / file, system.soc);
-    system.soc.hart().observe(&profile);
+    auto& fabric_controller = profile.hart(0);
+    system.soc.observe(0, &fabric_controller);
     if (end_ns > 0) {
       system.soc.advance(end_ns);
     } else {
       system.soc.run_cycles(1'000'000);
     }
-    system.soc.hart().observe(nullptr);
+    system.soc.observe(0, nullptr);
     profile.finish();
     written = read_text(folder / file);
-    total = profile.total();
-    const auto& nodes = profile.tree().nodes();
-    const auto inclusive = profile.tree().inclusive();
-    for (std::size_t i = 1; i < nodes.size(); ++i) {
-      std::string stack;
-      for (auto at = i; at != CallTree::kRoot; at = nodes[at].parent) {
-        const auto& name = profile.functions().name(nodes[at].place);
-        stack = stack.empty() ? name : name + ";" + stack;
-      }
+    total = fabric_controller.total();
+    const auto inclusive = fabric_controller.tree().inclusive();
+    for (std::size_t i = 1; i < inclusive.size(); ++i) {
+      const auto stack = stack_text(profile, i);
       stacks[stack] += inclusive[i];
-      calls[stack] += nodes[i].calls;
+      calls[stack] += fabric_controller.tree().nodes()[i].calls;
     }
   }
 
@@ -140,8 +147,8 @@ TEST(Profile, OfRecursionHasAFrameForEveryLevel) {
   EXPECT_EQ(run.calls.count("_start;down;down;down;down;down"), 0U);
 }
 
-TEST(Profile, GivesInterruptsAndSleepFramesOfTheirOwn) {
-  const Profiled run(R"(
+/// Of 1 ms.
+constexpr std::string_view kSleepsUntilATimer = R"(
     .globl _start
     .type _start, @function
 _start: la t0, handler
@@ -165,8 +172,10 @@ handler: li t1, -1
     sw t1, TIMER_COMPARE_LO_OFFSET(t0)
     mret
     .size handler, . - handler
-)",
-                     2'000'000);
+)";
+
+TEST(Profile, GivesInterruptsAndSleepFramesOfTheirOwn) {
+  const Profiled run(kSleepsUntilATimer, 2'000'000);
   EXPECT_EQ(run.total.time_ps, 2'000'000'000) << "to the end of the step, asleep for good after finish";
   const auto& asleep = run.stacks.at("_start;[asleep]");
   EXPECT_EQ(asleep.cycles, 0);
@@ -176,6 +185,33 @@ handler: li t1, -1
   EXPECT_EQ(run.stacks.at("_start;[interrupt 7]"), run.stacks.at("_start;[interrupt 7];handler"))
       << "the cycles of getting there are the handler's";
   EXPECT_EQ(run.calls.count("finish"), 1U) << "after the interrupt the stack is as before";
+}
+
+TEST(Profile, HearsThatACoreWokeWhichSleptInARestoredState) {
+  const auto text = fmt::format("{}\n{}", kSleepsUntilATimer, Profiled::kFunctions);
+  BoardSystem earlier(text);
+  earlier.soc.advance(500'000);
+  ASSERT_TRUE(earlier.soc.hart().sleeping());
+  state::Writer writer;
+  earlier.soc.save(writer);
+  const auto state = writer.take();
+
+  const Folder folder;
+  BoardSystem system(text);
+  Profile profile("--profile", folder / "p.json", system.soc);
+  system.soc.observe(0, &profile.hart(0));
+  state::Reader reader(state);
+  system.soc.restore(reader);
+  profile.restored();
+  system.soc.advance(2'000'000);
+  system.soc.observe(0, nullptr);
+  profile.finish();
+  std::map<std::string, Cost> stacks;
+  const auto& nodes = profile.hart(0).tree().nodes();
+  for (std::size_t i = 1; i < nodes.size(); ++i) stacks[stack_text(profile, i)] += nodes[i].self;
+  EXPECT_EQ(stacks.count("_start;[interrupt 7];handler"), 1U);
+  EXPECT_EQ(stacks.count("_start;[asleep];[interrupt 7]"), 0U);
+  EXPECT_NEAR(static_cast<double>(stacks.at("_start;[asleep]").time_ps), 0.5e9, 1e6) << "from 0.5 ms to 1 ms";
 }
 
 TEST(Profile, ForSpeedscopeHoldsTheSameSums) {

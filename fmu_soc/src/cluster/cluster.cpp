@@ -53,6 +53,7 @@ void Cluster::power_off(Picoseconds now) {
   if (!powered_) return;
   powered_ = false;
   powered_total_ += now - powered_since_;
+  for (auto& core : cores_) core->stop();
   interrupt_ = false;
   fabric_woken_ = false;
 }
@@ -197,6 +198,14 @@ BusReply Cluster::store(std::uint32_t address, Picoseconds now, std::uint32_t va
 
 const Hart& Cluster::hart(unsigned core) const {
   return cores_[core]->hart();
+}
+
+Picoseconds Cluster::core_time(unsigned core) const {
+  return clock_.time_of(cores_[core]->tick());
+}
+
+void Cluster::observe(unsigned core, Observer* observer) {
+  cores_[core]->observe(observer);
 }
 
 Counters Cluster::counters() const {

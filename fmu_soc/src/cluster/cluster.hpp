@@ -91,6 +91,10 @@ class Cluster {
   bool interrupt() const { return powered_ && event_unit_.interrupt(); }
 
   const Hart& hart(unsigned core) const;
+  /// When the core's next instruction starts, or its sleep began; while it is on.
+  Picoseconds core_time(unsigned core) const;
+  /// Who watches this core from now on, or null. It cannot end the run. Not part of a state.
+  void observe(unsigned core, Observer* observer);
   /// Sum over the cores since reset of the chip.
   Counters counters() const;
   std::uint64_t far_accesses() const;

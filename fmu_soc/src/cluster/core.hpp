@@ -2,6 +2,7 @@
 #pragma once
 
 #include "cluster/cluster.hpp"
+#include "hart/observer.hpp"
 
 #include <memory>
 
@@ -25,6 +26,8 @@ class Cluster::Core final : private Bus {
 
   unsigned id() const { return id_; }
   const Hart& hart() const { return hart_; }
+  /// The tick in which its next instruction starts, or its sleep began.
+  std::uint64_t tick() const { return hart_.counters().cycles + offset_; }
   bool waits_for_turn() const { return waits_for_turn_; }
   void grant_turn() {
     granted_ = waits_for_turn_;
@@ -40,6 +43,15 @@ class Cluster::Core final : private Bus {
     waits_for_turn_ = false;
     granted_ = false;
     go_on_at(tick);
+    if (observer_ != nullptr) observer_->switched(hart_, true);
+  }
+  void stop() {
+    if (observer_ != nullptr) observer_->switched(hart_, false);
+  }
+
+  void observe(Observer* observer) {
+    observer_ = observer;
+    hart_.observe(observer);
   }
 
   void wake(std::uint64_t tick) {
@@ -76,7 +88,7 @@ class Cluster::Core final : private Bus {
   }
 
  private:
-  void find_ready() { ready_ = asleep_ ? kNoTick : hart_.counters().cycles + offset_; }
+  void find_ready() { ready_ = asleep_ ? kNoTick : tick(); }
   void go_on_at(std::uint64_t tick) {
     offset_ = tick - hart_.counters().cycles;
     apply_offset();
@@ -110,6 +122,7 @@ class Cluster::Core final : private Bus {
   Hart hart_;
   BankSchedule schedule_;
   std::uint64_t& ready_;  // of the cluster's
+  Observer* observer_ = nullptr;
   std::uint64_t offset_ = 0;
   std::uint64_t accessed_ = 0;
   bool asleep_ = true;

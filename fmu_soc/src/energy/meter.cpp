@@ -119,7 +119,19 @@ EnergyLedger EnergyMeter::at(const Activity& now) const {
   return ledger;
 }
 
+double EnergyMeter::core_j(unsigned number, const CoreActivity& now) const {
+  const auto& before = since_.of_cores[number];
+  return settled_of_cores_j_[number] +
+         count(now.instruction_fj, before.instruction_fj) * rates_.instruction * kFemtojoule +
+         count(now.l1_accesses, before.l1_accesses) * rates_.l1_access_j +
+         count(now.far_accesses, before.far_accesses) * (rates_.memory_access_j + rates_.far_word_j) -
+         count(now.cycles, before.cycles) * rates_.core_gated_w / state_.cluster_clock_hz;
+}
+
 void EnergyMeter::change(const PowerState& state, const Activity& now) {
+  for (unsigned core = 0; core < inventory_.cluster_cores; ++core) {
+    settled_of_cores_j_[core] = core_j(core, now.of_cores[core]);
+  }
   settled_ = at(now);
   since_ = now;
   state_ = state;
@@ -130,12 +142,14 @@ void EnergyMeter::save(state::Writer& writer) const {
   writer.put(state_);
   writer.put(since_);
   writer.put(settled_);
+  writer.put(settled_of_cores_j_);
 }
 
 void EnergyMeter::restore(state::Reader& reader) {
   reader.get(state_);
   reader.get(since_);
   reader.get(settled_);
+  reader.get(settled_of_cores_j_);
   rates_ = rates_at(state_);
 }
 

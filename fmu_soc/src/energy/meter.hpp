@@ -2,6 +2,7 @@
 #pragma once
 
 #include "clock.hpp"
+#include "cluster/event_unit.hpp"
 #include "energy/table.hpp"
 
 #include "mebots/state/bytes.hpp"
@@ -53,6 +54,14 @@ struct EnergyLedger {
   double standing_j() const;
 };
 
+/// What one core of the cluster did itself, since reset.
+struct CoreActivity {
+  std::uint64_t instruction_fj = 0;  // at the reference point
+  std::uint64_t cycles = 0;          // awake
+  std::uint64_t l1_accesses = 0;
+  std::uint64_t far_accesses = 0;  // to L2, over the interconnect
+};
+
 /// What the chip did, in counts and durations; all integers, since reset.
 struct Activity {
   std::uint64_t fc_instruction_fj = 0;       // at the reference point
@@ -66,7 +75,8 @@ struct Activity {
   Picoseconds powered = 0;
   Picoseconds fc_asleep = 0;
   Picoseconds cluster_powered = 0;
-  Picoseconds retained = 0;  // in retention sleep; of `powered`
+  Picoseconds retained = 0;                                // in retention sleep; of `powered`
+  std::array<CoreActivity, kMostClusterCores> of_cores{};  // the cluster's, one by one; they are in the sums above
 };
 
 /// The chip's figures; params/*.json, object "energy".
@@ -111,6 +121,9 @@ class EnergyMeter {
   EnergyMeter(const EnergyTables& tables, const Inventory& inventory, const PowerState& state);
 
   EnergyLedger at(const Activity& now) const;
+  /// Of the ledger: what core `number` of the cluster takes for what it does itself [J], its instructions and accesses,
+  /// over what it takes with its clock gated.
+  double core_j(unsigned number, const CoreActivity& now) const;
   /// From `now` on, the chip is set otherwise. Call it before a clock changes what cycles mean.
   void change(const PowerState& state, const Activity& now);
 
@@ -141,6 +154,7 @@ class EnergyMeter {
   Rates rates_;
   Activity since_;        // at the last change
   EnergyLedger settled_;  // up to then
+  std::array<double, kMostClusterCores> settled_of_cores_j_{};
 };
 
 }  // namespace mebots::soc

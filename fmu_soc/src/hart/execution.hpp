@@ -62,7 +62,7 @@ struct Execution {
   bool jumped = false;                     // an unaligned target costs a cycle
   bool redirected = false;                 // left by a branch, jump, trap or return from one
   const Instruction* slow_load = nullptr;  // the last misaligned load
-  const Instruction* to_fetch = nullptr;   // the run was stopped before it: its line is not there yet
+  const Instruction* waits_at = nullptr;   // the block stands before it: its line is not there yet, or somebody looks
   Leave leave = Leave::normal;
   std::uint32_t trap_cause = 0;
   std::uint32_t trap_value = 0;

@@ -8,10 +8,10 @@
 namespace mebots::soc {
 namespace {
 
-/// In place of an instruction that must be fetched first.
-const Instruction* stop_to_fetch(Execution& e, const Instruction* at) {
+/// In place of an instruction that must wait.
+const Instruction* stop_here(Execution& e, const Instruction* at) {
   e.exit = at;
-  e.to_fetch = at;
+  e.waits_at = at;
   return nullptr;
 }
 
@@ -53,6 +53,17 @@ const Instruction* Hart::next_to_fetch(const Instruction* at) const {
   return at;
 }
 
+/// From one instruction of a block on up to before another, which comes back then; null when the block was left.
+const Instruction* Hart::run_until(const Instruction* at, const Instruction* stop) {
+  auto& e = execution_;
+  e.waits_at = nullptr;
+  const bool to_end = is_block_end(stop->op);
+  const auto handler = to_end ? nullptr : cache_.exchange(stop, stop_here);
+  while (at != nullptr) at = at->run(e, at);
+  if (!to_end) cache_.exchange(stop, handler);
+  return e.waits_at;
+}
+
 /// Runs a block that is absent, and is none any more when all its lines are there. False: it might reach the limit, and
 /// nothing has happened.
 bool Hart::fetch_and_execute(std::uint32_t number, std::uint32_t stall, std::uint64_t limit) {
@@ -67,7 +78,11 @@ bool Hart::fetch_and_execute(std::uint32_t number, std::uint32_t stall, std::uin
   const auto* first = cache_.instructions(block);
   if (missing == 0) {
     cache_.arrived(number);
-    execute(first, 0, stall);
+    if (observer_ != nullptr) {
+      execute_observed(first, stall);
+    } else {
+      execute(first, 0, stall);
+    }
   } else {
     execute_fetching(first, stall);
   }
@@ -76,21 +91,12 @@ bool Hart::fetch_and_execute(std::uint32_t number, std::uint32_t stall, std::uin
 
 /// As `execute`, but the lines come one by one: it goes on to the next instruction that needs one, and waits there.
 void Hart::execute_fetching(const Instruction* first, std::uint32_t stall) {
-  auto& e = execution_;
   // The first instruction is fetched before it stalls for a load, as all others are.
-  e.extra_cycles = fetch(first, counters_.cycles) + stall;
-  e.first_stall = stall;
-  e.redirected = false;
-  e.slow_load = nullptr;
+  begin_block(fetch(first, counters_.cycles), stall, nullptr);
   for (const auto* begin = first; begin != nullptr;) {
-    if (begin != first) e.extra_cycles += fetch(begin, cycle_of(begin));
+    if (begin != first) execution_.extra_cycles += fetch(begin, cycle_of(begin));
     const auto* stop = next_to_fetch(begin);
-    e.to_fetch = nullptr;
-    const bool to_end = is_block_end(stop->op);
-    const auto handler = to_end ? nullptr : cache_.exchange(stop, stop_to_fetch);
-    for (const auto* at = begin; at != nullptr;) at = at->run(e, at);
-    if (!to_end) cache_.exchange(stop, handler);
-    begin = e.to_fetch;
+    begin = observer_ != nullptr ? run_until_observed(begin, stop) : run_until(begin, stop);
   }
   finish_block();
 }

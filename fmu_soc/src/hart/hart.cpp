@@ -129,7 +129,7 @@ Stop Hart::run(std::uint64_t limit) {
       continue;
     }
     if (observer_ != nullptr) [[unlikely]] {
-      if (!observer_->before(*this)) return Stop::observer;
+      if (!observer_->before(*this) && !has_loose_limit()) return Stop::observer;
       cache_.forget_if_stale();  // a debugger may have changed code, or the pc
       number = 0;
       e.link = nullptr;
@@ -205,15 +205,13 @@ void Hart::step() {
 /// Runs a block in the way that fits, or only its first instruction. True: translated code did, and begins no other
 /// block only because it does not know the way.
 inline bool Hart::run_block(std::uint32_t number, std::uint64_t limit, bool translated_led_here) {
-  auto& e = execution_;
   const auto& block = cache_.block(number);
   // What ran before can delay the first instruction if it was a load. A jump soon after it is another matter.
   const bool early_jump = before_.op != Op::end_of_block && block.early_jump;
   const auto stall = stall_of(block);
   const auto bound = ((block.entry_bound + stall) & bound_mask_) | unsettled_;
   if (observer_ != nullptr) [[unlikely]] {
-    execute_observed();
-    e.link = nullptr;
+    run_block_observed(number, stall, limit, early_jump || !has_loose_limit());
     return false;
   }
   if (early_jump || counters_.cycles + bound >= limit) [[unlikely]] {
@@ -384,42 +382,20 @@ bool Hart::run_translated(const translate::Entry& entry, std::uint64_t limit) {
 
 void Hart::execute(const Instruction* first, std::uint32_t extra_cycles, std::uint32_t stall,
                    const Instruction* slow_load) {
-  auto& e = execution_;
-  e.extra_cycles = extra_cycles + stall;
-  e.first_stall = stall;
-  e.redirected = false;
-  e.slow_load = slow_load;
-  for (const auto* at = first; at != nullptr;) at = at->run(e, at);
+  begin_block(extra_cycles, stall, slow_load);
+  for (const auto* at = first; at != nullptr;) at = at->run(execution_, at);
   finish_block();
 }
 
 /// Adds up what a block has done until it was left.
 void Hart::finish_block() {
-  auto& e = execution_;
-  const auto& exit = *e.exit;
-  counters_.instructions += exit.index;
-  counters_.cycles += exit.cycles_before + e.extra_cycles;
-  counters_.instruction_fj += exit.energy_before_fj;
-  counters_.accesses += exit.accesses_before;
-  if (e.redirected) {
+  count_up_to(*execution_.exit);
+  if (execution_.redirected) {
     before_ = {};
     two_before_ = {};
   } else {
-    remember(e.exit);
+    remember(execution_.exit);
   }
-}
-
-void Hart::execute_observed() {
-  Retired retired;
-  std::uint32_t address = 0;
-  retired.pc = execution_.pc;
-  BlockCache::fetch(memory_, retired.pc, retired.word, address);
-  retired.decoded = decode(retired.word);
-  retired.access = access_of(retired.decoded, *this);
-  if (retired.access.store) retired.stored = execution_.x[retired.decoded.rs2];
-  const auto instructions = counters_.instructions;
-  step();
-  if (counters_.instructions != instructions) observer_->retired(*this, retired);
 }
 
 /// A debugger moves the pc: what the pipeline held is gone.
@@ -680,6 +656,7 @@ void Hart::restore(state::Reader& reader) {
   reader.get(exception_repeats_);
   reader.get(exception_instructions_);
   cut_pc_ = kNoPc;
+  observer_knows_of_sleep_ = observer_ != nullptr && sleeping_;
   cache_.clear();
   for (const auto& loop : execution_.loops) cache_.end_block_at(loop.end);  // for a hart restored without its memory
 }

@@ -20,6 +20,7 @@
 namespace mebots::soc {
 
 class Observer;
+struct Retired;
 
 /// Why `Hart::run` came back.
 enum class Stop : std::uint8_t {
@@ -223,8 +224,24 @@ class Hart {
   }
   bool has_loose_limit() const { return bound_mask_ != ~std::uint64_t{0}; }
   std::uint32_t stalled_before(const Instruction* at) const { return at->index == 0 ? execution_.first_stall : 0U; }
+  void begin_block(std::uint32_t extra_cycles, std::uint32_t stall, const Instruction* slow_load) {
+    execution_.extra_cycles = extra_cycles + stall;
+    execution_.first_stall = stall;
+    execution_.redirected = false;
+    execution_.slow_load = slow_load;
+  }
+  void count_up_to(const Instruction& exit) {
+    counters_.instructions += exit.index;
+    counters_.cycles += exit.cycles_before + execution_.extra_cycles;
+    counters_.instruction_fj += exit.energy_before_fj;
+    counters_.accesses += exit.accesses_before;
+  }
   void finish_block();
-  void execute_observed();
+  const Instruction* run_until(const Instruction* at, const Instruction* stop);
+  Retired foresee(std::uint32_t pc) const;
+  void run_block_observed(std::uint32_t number, std::uint32_t stall, std::uint64_t limit, bool alone);
+  void execute_observed(const Instruction* first, std::uint32_t stall);
+  const Instruction* run_until_observed(const Instruction* at, const Instruction* stop);
   bool fetch_and_execute(std::uint32_t number, std::uint32_t stall, std::uint64_t limit);
   void execute_fetching(const Instruction* first, std::uint32_t stall);
   std::uint32_t fetch(const Instruction* at, std::uint64_t cycle);

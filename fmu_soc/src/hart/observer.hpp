@@ -35,8 +35,8 @@ struct Trapped {
   std::uint32_t value = 0;  // mtval
 };
 
-/// Somebody who watches a hart instruction by instruction. A hart with an observer runs one instruction at a time, with
-/// the same counts as without; one without an observer pays nothing for the possibility.
+/// Somebody who watches a hart instruction by instruction. A hart with an observer pauses behind each of them, with the
+/// same counts as without; one without an observer pays nothing for the possibility.
 /// An observer outlives the runs that it watches and throws nothing.
 class Observer {
  public:
@@ -45,13 +45,16 @@ class Observer {
   Observer& operator=(const Observer&) = delete;
   virtual ~Observer() = default;
 
-  /// The instruction at the hart's pc comes next, or a trap if it cannot run. False: the run ends before it.
+  /// The instruction at the hart's pc comes next, or a trap if it cannot run. False: the run ends before it, if the
+  /// hart can stop anywhere; with a loose limit it goes on.
   virtual bool before(Hart& /*hart*/) { return true; }
   virtual void retired(const Hart& /*hart*/, const Retired& /*instruction*/) {}
   virtual void trapped(const Hart& /*hart*/, const Trapped& /*trap*/) {}
   /// The hart waits for an interrupt from now on, or goes on after one.
   virtual void slept(const Hart& /*hart*/) {}
   virtual void woke(const Hart& /*hart*/) {}
+  /// The hart was switched off, or on: then it begins anew at its pc.
+  virtual void switched(const Hart& /*hart*/, bool /*on*/) {}
 };
 
 }  // namespace mebots::soc

@@ -32,6 +32,9 @@ class Observers final : public Observer {
   void woke(const Hart& hart) override {
     for (auto* observer : list_) observer->woke(hart);
   }
+  void switched(const Hart& hart, bool on) override {
+    for (auto* observer : list_) observer->switched(hart, on);
+  }
 
  private:
   std::vector<Observer*> list_;

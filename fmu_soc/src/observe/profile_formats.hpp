@@ -5,16 +5,26 @@
 #include "observe/functions.hpp"
 #include "observe/text_file.hpp"
 
+#include <span>
 #include <string>
 
 namespace mebots::soc::observe {
 
-/// Three profiles, time [ns], energy [nJ] and cycles, over the same call tree, children in the order of their coming.
-/// Format: speedscope's file-format-schema.json, profiles of type "evented".
-void write_speedscope(const CallTree& tree, const Functions& functions, const std::string& program, TextFile& file);
+struct HartTree {
+  unsigned number = 0;
+  std::string name;  // empty for the fabric controller
+  const CallTree* tree = nullptr;
+};
 
-/// Self and inclusive costs by function and by call: cycles, instructions, ps and fJ.
+/// By hart three profiles, time [ns], energy [nJ] and cycles, over the same call tree, children in the order of their
+/// coming. Format: speedscope's file-format-schema.json, profiles of type "evented".
+void write_speedscope(std::span<const HartTree> harts, const Functions& functions, const std::string& program,
+                      TextFile& file);
+
+/// Self and inclusive costs by function and by call: cycles, instructions, ps and fJ. A part of the file by hart, as a
+/// thread.
 /// Format: Valgrind's "Callgrind Format Specification", version 1.
-void write_callgrind(const CallTree& tree, const Functions& functions, const std::string& program, TextFile& file);
+void write_callgrind(std::span<const HartTree> harts, const Functions& functions, const std::string& program,
+                     TextFile& file);
 
 }  // namespace mebots::soc::observe

@@ -3,29 +3,38 @@
 
 namespace mebots::soc::observe {
 
-Session::Session(const Requests& requests, Soc& soc) : soc_(soc) {
-  if (requests.trace) observers_.add(trace_.emplace(requests.names.trace, *requests.trace, requests.trace_columns));
-  if (requests.profile) observers_.add(profile_.emplace(requests.names.profile, *requests.profile, soc));
+Session::Session(const Requests& requests, Soc& soc) : soc_(soc), observers_(soc.harts()) {
+  if (requests.trace) trace_.emplace(requests.names.trace, *requests.trace, requests.trace_columns, soc.harts());
+  if (requests.profile) profile_.emplace(requests.names.profile, *requests.profile, soc);
+  for (unsigned number = 0; number < soc.harts(); ++number) {
+    if (trace_) observers_[number].add(trace_->hart(number));
+    if (profile_) observers_[number].add(profile_->hart(number));
+  }
   if (requests.power_trace) soc.listen(&power_trace_.emplace(requests.names.power_trace, *requests.power_trace, soc));
   if (requests.gdb_port) {
-    observers_.add(gdb_.emplace(*requests.gdb_port, soc, requests.gdb_kill, requests.announce));
+    observers_[0].add(gdb_.emplace(*requests.gdb_port, soc, requests.gdb_kill, requests.announce));
   }
-  if (!observers_.empty()) soc.hart().observe(&observers_);
+  for (unsigned number = 0; number < soc.harts(); ++number) attach(number);
 }
 
 Session::~Session() {
-  soc_.hart().observe(nullptr);
+  for (unsigned number = 0; number < soc_.harts(); ++number) soc_.observe(number, nullptr);
   soc_.listen(nullptr);
 }
 
+/// Nobody costs nothing.
+void Session::attach(unsigned number) {
+  soc_.observe(number, observers_[number].empty() ? nullptr : &observers_[number]);
+}
+
 void Session::add(Observer& observer) {
-  observers_.add(observer);
-  soc_.hart().observe(&observers_);
+  observers_[0].add(observer);
+  attach(0);
 }
 
 void Session::remove(Observer& observer) {
-  observers_.remove(observer);
-  if (observers_.empty()) soc_.hart().observe(nullptr);
+  observers_[0].remove(observer);
+  attach(0);
 }
 
 void Session::restored() {

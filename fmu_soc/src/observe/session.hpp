@@ -8,6 +8,7 @@
 #include "observe/trace.hpp"
 #include "soc.hpp"
 
+#include <deque>
 #include <functional>
 #include <optional>
 #include <string>
@@ -52,12 +53,14 @@ class Session {
   void finish(int exit_code);
 
  private:
+  void attach(unsigned number);
+
   Soc& soc_;
   std::optional<Trace> trace_;
   std::optional<Profile> profile_;
   std::optional<PowerTrace> power_trace_;
   std::optional<debug::GdbServer> gdb_;
-  Observers observers_;
+  std::deque<Observers> observers_;  // by hart
 };
 
 }  // namespace mebots::soc::observe

@@ -20,21 +20,26 @@ bool writes_csr(const Decoded& decoded) {
 
 }  // namespace
 
-void Trace::retired(const Hart& hart, const Retired& instruction) {
+Trace::Trace(const std::string& option, const std::string& path, Columns columns, unsigned harts)
+    : columns_(columns), file_(option, path) {
+  for (unsigned number = 0; number < harts; ++number) harts_.emplace_back(*this, number);
+}
+
+void Trace::put(unsigned number, const Hart& hart, const Retired& instruction) {
   const auto& decoded = instruction.decoded;
   const auto& access = instruction.access;
   if (decoded.length == 2) {
-    file_.print("core{:4}: 3 0x{:08x} (0x{:04x})", 0, instruction.pc, instruction.word & 0xffffU);
+    file_.print("core{:4}: 3 0x{:08x} (0x{:04x})", number, instruction.pc, instruction.word & 0xffffU);
   } else {
-    file_.print("core{:4}: 3 0x{:08x} (0x{:08x})", 0, instruction.pc, instruction.word);
+    file_.print("core{:4}: 3 0x{:08x} (0x{:08x})", number, instruction.pc, instruction.word);
   }
   if (writes_register(decoded)) file_.print(" x{:<2} 0x{:08x}", decoded.rd, hart.reg(decoded.rd));
   if (is_post_increment(decoded.op)) file_.print(" x{:<2} 0x{:08x}", decoded.rs1, hart.reg(decoded.rs1));
   if (writes_csr(decoded)) {
-    const auto number = static_cast<unsigned>(decoded.imm);
+    const auto index = static_cast<unsigned>(decoded.imm);
     std::uint32_t value = 0;
-    hart.csr(number, value);
-    file_.print(" c{}_{} 0x{:08x}", number, csr::name(number), value);
+    hart.csr(index, value);
+    file_.print(" c{}_{} 0x{:08x}", index, csr::name(index), value);
   }
   if (decoded.op == Op::mret) {
     std::uint32_t value = 0;

@@ -5,27 +5,42 @@
 #include "hart/observer.hpp"
 #include "observe/text_file.hpp"
 
+#include <deque>
 #include <string>
 
 namespace mebots::soc::observe {
 
-/// Writes every retired instruction as Spike's `--log-commits` does, one line each:
+/// Writes every instruction that a hart retires as Spike's `--log-commits` does, one line each:
 /// `core   0: 3 0x80000008 (0x00c5a603) x12 0x00000007 mem 0x80001100`: privilege mode, pc, instruction word, register
 /// written, CSR written, address of a load, address and value of a store. Xpulp's post-increments, which Spike does not
-/// know, show the address register as a second one.
-class Trace final : public Observer {
+/// know, show the address register as a second one. Harts are numbered as in the chip. Lines come as the harts are run:
+/// in the order of time for each of them, not among them.
+class Trace {
  public:
   struct Columns {
     bool cycles = false;  // "# cycle" at the end of a line: the active cycle after the instruction
   };
-  Trace(const std::string& option, const std::string& path, Columns columns) : columns_(columns), file_(option, path) {}
+  Trace(const std::string& option, const std::string& path, Columns columns, unsigned harts);
 
-  void retired(const Hart& hart, const Retired& instruction) override;
+  /// Who watches a hart.
+  Observer& hart(unsigned number) { return harts_[number]; }
   void close() { file_.close(); }
 
  private:
+  class OfHart final : public Observer {
+   public:
+    OfHart(Trace& trace, unsigned number) : trace_(trace), number_(number) {}
+    void retired(const Hart& hart, const Retired& instruction) override { trace_.put(number_, hart, instruction); }
+
+   private:
+    Trace& trace_;
+    unsigned number_;
+  };
+  void put(unsigned number, const Hart& hart, const Retired& instruction);
+
   Columns columns_;
   TextFile file_;
+  std::deque<OfHart> harts_;
 };
 
 }  // namespace mebots::soc::observe

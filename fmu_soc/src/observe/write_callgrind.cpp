@@ -21,23 +21,25 @@ void put_cost(TextFile& file, const Cost& cost) {
   file.print("{} {} {} {}\n", cost.cycles, cost.instructions, cost.time_ps, cost.energy_fj);
 }
 
-}  // namespace
-
-void write_callgrind(const CallTree& tree, const Functions& functions, const std::string& program, TextFile& file) {
-  const auto inclusive = tree.inclusive();
+/// Names stand in full every time: viewers forget them with each part.
+void write_part(const HartTree& hart, std::size_t part, const Functions& functions, const std::string& program,
+                TextFile& file) {
+  const auto& nodes = hart.tree->nodes();
+  const auto inclusive = hart.tree->inclusive();
   std::map<std::uint32_t, Function> places;
-  for (std::uint32_t i = 1; i < tree.nodes().size(); ++i) {
-    const auto& node = tree.nodes()[i];
+  for (std::uint32_t i = 1; i < nodes.size(); ++i) {
+    const auto& node = nodes[i];
     places[node.place].self += node.self;
     if (node.parent == CallTree::kRoot) continue;
-    auto& call = places[tree.nodes()[node.parent].place].calls[node.place];
+    auto& call = places[nodes[node.parent].place].calls[node.place];
     call.count += node.calls;
     call.inclusive += inclusive[i];
   }
-  file.print("# callgrind format\nversion: 1\ncreator: mebots-soc\ncmd: {}\npositions: line\n", program);
+  file.print("\ncmd: {}\npart: {}\nthread: {}\n", program, part, hart.number + 1);
+  file.print("desc: Hart: {}\npositions: line\n", hart.name.empty() ? "fabric controller" : hart.name);
   file.put(
       "event: Cycles : active core cycles\nevent: Instructions : retired instructions\n"
-      "event: Time_ps : time with sleep [ps]\nevent: Energy_fJ : energy of the chip [fJ]\n"
+      "event: Time_ps : time with sleep [ps]\nevent: Energy_fJ : energy [fJ]\n"
       "events: Cycles Instructions Time_ps Energy_fJ\nsummary: ");
   put_cost(file, inclusive[CallTree::kRoot]);
   const auto name = [&](std::string_view key, std::uint32_t place) {
@@ -56,6 +58,14 @@ void write_callgrind(const CallTree& tree, const Functions& functions, const std
   }
   file.put("\ntotals: ");
   put_cost(file, inclusive[CallTree::kRoot]);
+}
+
+}  // namespace
+
+void write_callgrind(std::span<const HartTree> harts, const Functions& functions, const std::string& program,
+                     TextFile& file) {
+  file.put("# callgrind format\nversion: 1\ncreator: mebots-soc\n");
+  for (std::size_t i = 0; i < harts.size(); ++i) write_part(harts[i], i + 1, functions, program, file);
 }
 
 }  // namespace mebots::soc::observe

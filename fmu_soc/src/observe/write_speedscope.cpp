@@ -31,8 +31,10 @@ class Writer {
   Writer(const CallTree& tree, TextFile& file)
       : tree_(tree), inclusive_(tree.inclusive()), children_(tree.children()), file_(file) {}
 
-  void write(const Series& series) {
-    file_.print(R"({{"type":"evented","name":"{}","unit":"{}","startValue":0,"endValue":)", series.name, series.unit);
+  /// `whose`: a hart's name, empty = said by nothing.
+  void write(const Series& series, const std::string& whose) {
+    file_.print(R"({{"type":"evented","name":"{}{}{}","unit":"{}","startValue":0,"endValue":)", series.name,
+                whose.empty() ? "" : ", ", whose, series.unit);
     put_value(file_, inclusive_[CallTree::kRoot].*series.part, series.decimals);
     file_.put(",\"events\":[");
     first_ = true;
@@ -82,7 +84,8 @@ std::string quoted(const std::string& text) {
 
 }  // namespace
 
-void write_speedscope(const CallTree& tree, const Functions& functions, const std::string& program, TextFile& file) {
+void write_speedscope(std::span<const HartTree> harts, const Functions& functions, const std::string& program,
+                      TextFile& file) {
   file.print(
       "{{\"$schema\":\"https://www.speedscope.app/file-format-schema.json\",\"exporter\":\"mebots-soc\","
       "\"name\":{},\"activeProfileIndex\":0,\"shared\":{{\"frames\":[",
@@ -91,12 +94,15 @@ void write_speedscope(const CallTree& tree, const Functions& functions, const st
     file.print("{}{{\"name\":{}}}", i == 0 ? "\n" : ",\n", quoted(functions.name(i)));
   }
   file.put("]},\"profiles\":[\n");
-  Writer writer(tree, file);
-  writer.write({"time", "nanoseconds", &Cost::time_ps, 3});
-  file.put(",\n");
-  writer.write({"energy [nJ]", "none", &Cost::energy_fj, 6});
-  file.put(",\n");
-  writer.write({"cycles", "none", &Cost::cycles, 0});
+  for (const auto& hart : harts) {
+    Writer writer(*hart.tree, file);
+    if (&hart != &harts.front()) file.put(",\n");
+    writer.write({"time", "nanoseconds", &Cost::time_ps, 3}, hart.name);
+    file.put(",\n");
+    writer.write({"energy [nJ]", "none", &Cost::energy_fj, 6}, hart.name);
+    file.put(",\n");
+    writer.write({"cycles", "none", &Cost::cycles, 0}, hart.name);
+  }
   file.put("]}\n");
 }
 

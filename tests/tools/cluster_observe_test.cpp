@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The cluster's cores in profile and trace: each has its own, and together they are what the chip did.
+#include "board_system.hpp"
+#include "observe/profile.hpp"
+#include "observe/session.hpp"
+#include "observe/trace.hpp"
+#include "support.hpp"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+#include <deque>
+#include <map>
+#include <sstream>
+
+namespace mebots::soc::test {
+namespace {
+
+/// The self-test of the cluster's runtime (forks, barriers, DMA, off and on again), profiled to its end.
+struct ProfiledCluster {
+  explicit ProfiledCluster(std::string_view file)
+      : system(Elf::read(MEBOTS_BINARY_DIR "/firmware/cluster_selftest.elf")),
+        profile("--profile", folder / file, system.soc) {
+    auto& soc = system.soc;
+    for (unsigned number = 0; number < soc.harts(); ++number) soc.observe(number, &profile.hart(number));
+    soc.advance(20 * kMs);
+    for (unsigned number = 0; number < soc.harts(); ++number) soc.observe(number, nullptr);
+    profile.finish();
+    written = read_text(folder / file);
+  }
+
+  Folder folder;
+  BoardSystem system;
+  observe::Profile profile;
+  std::string written;
+};
+
+/// By name of the function, summed over all stacks.
+std::map<std::string, observe::Cost> self_costs(observe::Profile& profile, unsigned number) {
+  std::map<std::string, observe::Cost> costs;
+  const auto& nodes = profile.hart(number).tree().nodes();
+  for (std::size_t i = 1; i < nodes.size(); ++i) costs[profile.functions().name(nodes[i].place)] += nodes[i].self;
+  return costs;
+}
+
+TEST(ClusterProfile, HartsAddUpToTheChipExactly) {
+  ProfiledCluster run("p.json");
+  auto& soc = run.system.soc;
+  ASSERT_EQ(soc.end(), End::exited);
+  ASSERT_EQ(soc.harts(), 9U);
+  std::int64_t energy_fj = 0;
+  std::int64_t instructions = 0;
+  for (unsigned number = 0; number < soc.harts(); ++number) {
+    const auto total = run.profile.hart(number).total();
+    EXPECT_EQ(total.cycles, static_cast<std::int64_t>(soc.hart(number).counters().cycles)) << number;
+    EXPECT_EQ(total.time_ps, soc.now()) << number;
+    energy_fj += total.energy_fj;
+    instructions += total.instructions;
+  }
+  EXPECT_EQ(instructions, static_cast<std::int64_t>(soc.instructions()));
+  EXPECT_EQ(energy_fj, std::llround(soc.energy().total_j() * 1e15));
+}
+
+TEST(ClusterProfile, GivesACoreTheEnergyOfItsFunctionsAndTheRestToTheFabricController) {
+  ProfiledCluster run("p.json");
+  std::int64_t of_cores_fj = 0;
+  for (unsigned number = 1; number < run.system.soc.harts(); ++number) {
+    const auto costs = self_costs(run.profile, number);
+    for (const auto& [name, cost] : costs) {
+      EXPECT_GE(cost.energy_fj, 0) << name;
+      EXPECT_GE(cost.time_ps, 0) << name;
+    }
+    EXPECT_GT(costs.at("[off]").time_ps, 0) << "before the firmware switches it on";
+    EXPECT_EQ(costs.at("[off]").energy_fj, 0);
+    EXPECT_EQ(costs.at("[asleep]").energy_fj, 0) << "what a gated core takes is no work of its own";
+    EXPECT_GT(costs.at("[asleep]").time_ps, 0);
+    of_cores_fj += run.profile.hart(number).total().energy_fj;
+  }
+  const auto ledger = run.system.soc.energy();
+  const auto most_j = ledger[Part::cluster_cores] + ledger[Part::l1] + ledger[Part::l2] + ledger[Part::interconnect];
+  EXPECT_GT(of_cores_fj, 0);
+  EXPECT_LT(static_cast<double>(of_cores_fj) * 1e-15, most_j) << "of these parts, DMA and gated cores have some too";
+}
+
+TEST(ClusterProfile, ForSpeedscopeHasThreeProfilesForEachHartThatRan) {
+  ProfiledCluster run("p.json");
+  const auto json = nlohmann::json::parse(run.written);
+  ASSERT_EQ(json["profiles"].size(), 3U * 9U);
+  EXPECT_EQ(json["profiles"][0]["name"], "time");
+  EXPECT_EQ(json["profiles"][3]["name"], "time, cluster core 0");
+  EXPECT_EQ(json["profiles"][26]["name"], "cycles, cluster core 7");
+  for (unsigned number = 0; number < 9; ++number) {
+    const auto total = run.profile.hart(number).total();
+    EXPECT_EQ(json["profiles"][3 * number + 2]["endValue"].get<std::int64_t>(), total.cycles);
+    for (unsigned i = 0; i < 3; ++i) {
+      double last = 0;
+      for (const auto& event : json["profiles"][3 * number + i]["events"]) {
+        ASSERT_GE(event["at"].get<double>(), last) << "speedscope wants it never to go back";
+        last = event["at"].get<double>();
+      }
+    }
+  }
+}
+
+TEST(ClusterProfile, ForCallgrindHasAPartForEachHartThatRan) {
+  ProfiledCluster run("p.callgrind");
+  std::istringstream lines(run.written);
+  std::map<unsigned, observe::Cost> self;
+  unsigned thread = 0;
+  bool inclusive = false;
+  for (std::string line; std::getline(lines, line);) {
+    if (line.starts_with("thread: ")) thread = static_cast<unsigned>(std::stoul(line.substr(8)));
+    observe::Cost cost;
+    int position = 0;
+    if (std::istringstream(line) >> position >> cost.cycles >> cost.instructions >> cost.time_ps >> cost.energy_fj) {
+      if (!inclusive) self[thread] += cost;
+    }
+    inclusive = line.starts_with("calls=");
+  }
+  ASSERT_EQ(self.size(), 9U);
+  for (unsigned number = 0; number < 9; ++number) EXPECT_EQ(self.at(number + 1), run.profile.hart(number).total());
+}
+
+TEST(ClusterProfile, LeavesOutCoresThatRanNothing) {
+  const Folder folder;
+  BoardSystem system("_start: li t0, POWER_MANAGER_BASE\nsw zero, POWER_MANAGER_EXIT_OFFSET(t0)\nnop\n");
+  observe::Profile profile("--profile", folder / "p.json", system.soc);
+  system.soc.advance(kMs);
+  profile.finish();
+  EXPECT_EQ(nlohmann::json::parse(read_text(folder / "p.json"))["profiles"].size(), 3U);
+}
+
+TEST(ClusterTrace, HasALineForEveryInstructionOfEveryHart) {
+  const Folder folder;
+  BoardSystem system(Elf::read(MEBOTS_BINARY_DIR "/firmware/cluster_selftest.elf"));
+  auto& soc = system.soc;
+  observe::Trace trace("--trace", folder / "trace", {}, soc.harts());
+  for (unsigned number = 0; number < soc.harts(); ++number) soc.observe(number, &trace.hart(number));
+  soc.advance(20 * kMs);
+  trace.close();
+  std::istringstream file(read_text(folder / "trace"));
+  std::map<unsigned, std::uint64_t> lines;
+  for (std::string line; std::getline(file, line);) {
+    ASSERT_THAT(line, testing::StartsWith("core "));
+    ++lines[static_cast<unsigned>(std::stoul(line.substr(4, 4)))];
+  }
+  ASSERT_EQ(lines.size(), soc.harts());
+  for (const auto& [number, count] : lines) EXPECT_EQ(count, soc.hart(number).counters().instructions) << number;
+}
+
+std::vector<std::byte> state_of_chip(const Soc& soc) {
+  state::Writer writer;
+  soc.save(writer);
+  return writer.take();
+}
+
+/// Instruction cache, banks, DMA, turns at devices: watched at times, the chip is at all times as it is unwatched.
+TEST(ClusterObservers, ComeAndGoWithoutChangingABitOfTheRun) {
+  for (const bool translate : {true, false}) {
+    const Folder folder;
+    Settings settings;
+    settings.translate = translate;
+    const auto program = Elf::read(MEBOTS_BINARY_DIR "/firmware/cluster_selftest.elf");
+    BoardSystem plain(program, settings);
+    BoardSystem watched(program, settings);
+    observe::Requests requests;
+    requests.trace = folder / "trace";
+    requests.profile = folder / "p.json";
+    std::optional<observe::Session> session;
+    constexpr std::int64_t kStep = 97'001;
+    for (std::int64_t t = kStep, step = 0; plain.soc.end() == End::none; t += kStep, ++step) {
+      ASSERT_LT(t, 20 * kMs);
+      if (step % 7 == 0) session.emplace(requests, watched.soc);
+      if (step % 7 == 5) session.reset();
+      plain.soc.advance(t);
+      watched.soc.advance(t);
+      ASSERT_TRUE(state_of_chip(plain.soc) == state_of_chip(watched.soc)) << "at " << t << " ns";
+      ASSERT_EQ(plain.soc.energy().total_j(), watched.soc.energy().total_j()) << "at " << t << " ns";
+    }
+    EXPECT_GT(watched.soc.cluster()->counters().instructions, 300'000U);
+  }
+}
+
+}  // namespace
+}  // namespace mebots::soc::test
