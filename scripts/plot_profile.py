@@ -77,7 +77,7 @@ def draw(axes, profile, stacks, names):
             text = f"{names[frame]} {100 * share:.1f} %" if room > len(names[frame]) + 7 else names[frame][:room]
             axes.text(start / total + share / 2, depth + 0.5, text, ha="center", va="center", fontsize=7, clip_on=True)
     factor, unit = SCALES.get(profile["unit"], (1e-9, "J") if "nJ" in profile["name"] else (1, ""))
-    axes.set_title(f"{profile['name'].split(' [')[0]}: {total * factor:.4g} {unit}", loc="left", fontsize=10)
+    axes.set_title(f"{profile['name'].replace(' [nJ]', '')}: {total * factor:.4g} {unit}", loc="left", fontsize=10)
 
 
 def main():
