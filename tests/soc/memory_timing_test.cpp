@@ -33,12 +33,45 @@ TEST(Banks, ServeALongQueueOneByOne) {
   EXPECT_EQ(banks.claim(1200, 4), 0U);
 }
 
-TEST(Banks, FreeAgainFarBehindTheWindow) {
+TEST(Banks, KeepWhatWasTakenWhenTheTableStartsOver) {
   Banks banks(16);
-  EXPECT_EQ(banks.claim(0, 0), 0U);
-  EXPECT_EQ(banks.claim(Banks::kWindow, 0), 0U);
-  banks.move_to(1000);
-  EXPECT_EQ(banks.claim(1000, 0), 0U);
+  std::uint64_t start = 0;
+  while (!banks.must_start_over(start)) banks.move_to(++start);
+  for (std::uint64_t tick = start; tick < start + 100; ++tick) EXPECT_EQ(banks.claim(tick, 0), 0U);
+  banks.start_over(start + 10, start + 99);
+  EXPECT_FALSE(banks.must_start_over(start + 10));
+  EXPECT_EQ(banks.claim(start + 10, 0), 90U);
+  EXPECT_EQ(banks.claim(start + 10, 4), 0U);
+  for (std::uint64_t tick = start + 101; tick < start + 4000; ++tick) EXPECT_EQ(banks.claim(tick, 0), 0U) << tick;
+}
+
+TEST(Banks, AreFreeAfterALongSleep) {
+  Banks banks(16);
+  for (std::uint64_t tick = 0; tick < 100; ++tick) EXPECT_EQ(banks.claim(tick, 0), 0U);
+  banks.start_over(1'000'000'000, 99);
+  for (std::uint64_t tick = 0; tick < 2000; ++tick) EXPECT_EQ(banks.claim(1'000'000'000 + tick, 0), 0U) << tick;
+}
+
+TEST(Banks, StateIsTheSameWhereverTheTableBegan) {
+  Banks early(16);
+  Banks late(16);
+  early.move_to(5000);
+  late.start_over(5000, 0);
+  for (auto* banks : {&early, &late}) {
+    banks->claim(5003, 8);
+    banks->claim(5003, 8);
+  }
+  state::Writer one;
+  state::Writer other;
+  early.save(one);
+  late.save(other);
+  EXPECT_EQ(one.bytes(), other.bytes());
+  Banks restored(16);
+  restored.claim(7, 8);
+  state::Reader reader(one.bytes());
+  restored.restore(reader);
+  EXPECT_EQ(restored.claim(5003, 8), 2U);
+  EXPECT_EQ(restored.claim(5007, 8), 0U);
 }
 
 constexpr std::string_view kTwentyWords = R"(

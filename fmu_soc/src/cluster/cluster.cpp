@@ -78,33 +78,46 @@ void Cluster::advance(Picoseconds until, Picoseconds last, std::uint64_t cycle_l
   has_news_ = false;
   auto start = next_tick();
   do {
-    run_quantum(start, std::max(end, start + 1));
-    start = next_tick();
+    start = run_quantum(start, std::max(end, start + 1));
   } while (start < stop && !has_news_ && longest_cycles() < cycle_limit);
 }
 
 /// Whether somebody can find a bank of L1 taken: alone, a core finds all of them free.
 void Cluster::share_banks() {
-  const bool several =
-      dma_.busy() || std::count_if(ready_.begin(), ready_.end(), [](auto ready) { return ready != kNoTick; }) > 1;
+  const bool several = awake_ > 1 || dma_.busy();
   if (several == sharing_banks_) return;
   sharing_banks_ = several;
   for (auto& core : cores_) core->share_banks(several);
+  break_row();
 }
 
-void Cluster::run_quantum(std::uint64_t start, std::uint64_t until) {
+/// Every core begins its next run with a look.
+void Cluster::break_row() {
+  for (auto& core : cores_) core->hart().leave_row();
+}
+
+void Cluster::move_banks(std::uint64_t tick) {
+  if (!banks_.must_start_over(tick)) {
+    banks_.move_to(tick);
+    return;
+  }
+  // The DMA takes nothing behind the last quantum's end, and no core anything behind where it stands.
+  auto last = tick + kQuantum;
+  for (const auto& core : cores_) last = std::max(last, core->tick());
+  banks_.start_over(tick, last);
+  break_row();
+}
+
+/// The answer is when the next one starts.
+std::uint64_t Cluster::run_quantum(std::uint64_t start, std::uint64_t until) {
   share_banks();
   if (sharing_banks_ && start > banks_.start()) {
     dma_.occupy(banks_, start);  // what it moved while all slept
-    banks_.move_to(start);
+    move_banks(start);
   }
   auto end = std::min(start + (sharing_banks_ ? kQuantum : kLongQuantum), until);
   if (dma_first_) dma_.occupy(banks_, end);
-  auto next = first_core_;
-  for (std::uint32_t i = 0; i < cores(); ++i) {
-    if (ready_[next] < end && !cores_[next]->waits_for_turn()) run_core(*cores_[next], end);
-    if (++next == cores()) next = 0;
-  }
+  run_cores(start, end);
   if (++first_core_ == cores()) first_core_ = 0;
   dma_first_ = !dma_first_;
   while (faulted_core_ < 0 && !stopped_) {
@@ -113,7 +126,7 @@ void Cluster::run_quantum(std::uint64_t start, std::uint64_t until) {
       if (sharing_banks_) {  // the only core has woken others, or started a transfer
         const auto now = next_tick();
         end = std::min(end, now + kQuantum);
-        banks_.move_to(std::max(banks_.start(), now));
+        move_banks(std::max(banks_.start(), now));
       }
     }
     dma_.occupy(banks_, end);
@@ -125,15 +138,57 @@ void Cluster::run_quantum(std::uint64_t start, std::uint64_t until) {
       spread_events(transfer);
       continue;
     }
-    if (*first >= end) break;
+    if (*first >= end) return std::min(transfer, *first);
     auto& core = *cores_[static_cast<std::size_t>(first - ready_.begin())];
     core.grant_turn();
     run_core(core, end);
   }
+  return kNoTick;
+}
+
+/// Every core that may run without asking, up to `end`.
+void Cluster::run_cores(std::uint64_t start, std::uint64_t end) {
+  std::array<Core*, kMostClusterCores> row;
+  std::size_t count = 0;
+  auto next = first_core_;
+  for (std::uint32_t i = 0; i < cores(); ++i) {
+    auto& core = *cores_[next];
+    if (ready_[next] < end && !core.waits_for_turn()) {
+      if (count != 0) row[count - 1]->hart().set_next(&core.hart());
+      row[count++] = &core;
+    }
+    if (++next == cores()) next = 0;
+  }
+  if (count == 0) return;
+  row[count - 1]->hart().set_next(nullptr);
+  for (std::size_t i = 0; i < count;) {
+    if (!in_row(row[i]->hart(), start)) {
+      run_core(*row[i++], end);
+      continue;
+    }
+    const auto turns = Hart::take_turns(row[i]->hart(), end);
+    while (i < count && &row[i]->hart() != turns.broke_off) row[i++]->stopped(Stop::limit);
+    if (turns.ran) note_stop(*row[i++], turns.stop);
+  }
+}
+
+/// Whether the hart, and who comes behind it, may take turns from `start` on.
+bool Cluster::in_row(const Hart& hart, std::uint64_t start) {
+  if (!sharing_banks_ || !hart.in_row()) return false;
+  if (instruction_cache_ && start < instruction_cache_->settled()) return false;
+  decoded_->blocks.forget_if_stale();
+  if (version_ == decoded_->version()) return true;
+  version_ = decoded_->version();
+  break_row();
+  return false;
 }
 
 void Cluster::run_core(Core& core, std::uint64_t end) {
-  const auto stop = core.run(end);
+  note_stop(core, core.run(end));
+}
+
+void Cluster::note_stop(Core& core, Stop stop) {
+  core.stopped(stop);
   if (stop == Stop::device) spread_events(core.accessed());
   if (stop == Stop::fault) faulted_core_ = static_cast<std::int32_t>(core.id());
   if (stop == Stop::watch) stopped_ = true;

@@ -116,9 +116,14 @@ class Cluster {
  private:
   class Core;
 
-  void run_quantum(std::uint64_t start, std::uint64_t until);
+  std::uint64_t run_quantum(std::uint64_t start, std::uint64_t until);
   void share_banks();
+  void break_row();
+  void move_banks(std::uint64_t tick);
+  void run_cores(std::uint64_t start, std::uint64_t end);
+  bool in_row(const Hart& hart, std::uint64_t start);
   void run_core(Core& core, std::uint64_t end);
+  void note_stop(Core& core, Stop stop);
   void spread_events(std::uint64_t tick);
   std::uint64_t next_tick() const;
   std::uint64_t tick_at(Picoseconds time) const { return clock_.first_at(time); }
@@ -134,13 +139,15 @@ class Cluster {
   /// Of each core: the tick in which its next instruction starts; kNoTick while it sleeps, or when there is none.
   std::array<std::uint64_t, kMostClusterCores> ready_{};
   std::vector<std::unique_ptr<Core>> cores_;
+  unsigned awake_ = 0;  // of them
   std::function<bool(std::uint32_t)> watcher_;
   Clock clock_;
   bool powered_ = false;
   bool interrupt_ = false;  // what the line was
   bool fabric_woken_ = false;
   bool stopped_ = false;
-  bool has_news_ = false;  // for the rest of the chip, in this quantum
+  std::uint64_t version_ = 0;  // of the decoded code, in which harts stand in a row
+  bool has_news_ = false;      // for the rest of the chip, in this quantum
   bool sharing_banks_ = false;
   std::int32_t faulted_core_ = -1;
   std::uint32_t first_core_ = 0;  // of the next quantum

@@ -26,6 +26,7 @@ class Cluster::Core final : private Bus {
 
   unsigned id() const { return id_; }
   const Hart& hart() const { return hart_; }
+  Hart& hart() { return hart_; }
   /// The tick in which its next instruction starts, or its sleep began.
   std::uint64_t tick() const { return hart_.counters().cycles + offset_; }
   bool waits_for_turn() const { return waits_for_turn_; }
@@ -39,7 +40,7 @@ class Cluster::Core final : private Bus {
   /// All registers new, from `pc` on.
   void start(std::uint32_t pc, std::uint64_t tick) {
     hart_.restart(pc);
-    asleep_ = false;
+    set_asleep(false);
     waits_for_turn_ = false;
     granted_ = false;
     go_on_at(tick);
@@ -56,16 +57,16 @@ class Cluster::Core final : private Bus {
 
   void wake(std::uint64_t tick) {
     if (!asleep_) return;
-    asleep_ = false;
+    set_asleep(false);
     hart_.wake();
     go_on_at(tick);
   }
 
-  Stop run(std::uint64_t end) {
-    const auto stop = hart_.run(end - offset_);
-    asleep_ = stop == Stop::sleeping;
+  Stop run(std::uint64_t end) { return hart_.run(end - offset_); }
+  /// Its hart has run, and came back so.
+  void stopped(Stop stop) {
+    set_asleep(stop == Stop::sleeping);
     find_ready();
-    return stop;
   }
 
   /// Whether others use the banks of L1 at the same time.
@@ -80,7 +81,7 @@ class Cluster::Core final : private Bus {
   void restore(state::Reader& reader) {
     hart_.restore(reader);
     reader.get(offset_);
-    reader.get(asleep_);
+    set_asleep(reader.get<bool>());
     reader.get(waits_for_turn_);
     granted_ = false;
     apply_offset();
@@ -88,6 +89,11 @@ class Cluster::Core final : private Bus {
   }
 
  private:
+  void set_asleep(bool asleep) {
+    if (asleep == asleep_) return;
+    asleep_ = asleep;
+    asleep ? --cluster_.awake_ : ++cluster_.awake_;
+  }
   void find_ready() { ready_ = asleep_ ? kNoTick : tick(); }
   void go_on_at(std::uint64_t tick) {
     offset_ = tick - hart_.counters().cycles;

@@ -55,13 +55,13 @@ const Instruction* Hart::csr_access(const Instruction* at) {
 
   // Counters count what retired before this instruction.
   const auto generation = cache_.generation();
-  const auto saved = counters_;
-  counters_.instructions += at->index;
-  counters_.cycles = start_of(at);
+  const auto saved = execution_.counters;
+  execution_.counters.instructions += at->index;
+  execution_.counters.cycles = start_of(at);
   std::uint32_t old = 0;
   bool good = read_csr(number, old) && !(writes && read_only);
   if (good && writes) good = write_csr(number, replace ? operand : set ? old | operand : old & ~operand);
-  counters_ = saved;
+  execution_.counters = saved;
   if (!good) {
     std::uint32_t word = 0;
     std::uint32_t address = 0;
@@ -253,13 +253,13 @@ bool Hart::counts_event(unsigned counter) const {
 std::uint32_t Hart::read_event_counter(unsigned counter) const {
   const auto base = csrs_.pccr_base[counter];
   if (!counts_event(counter)) return static_cast<std::uint32_t>(base);
-  const auto value = (counter == 0 ? counters_.cycles : counters_.instructions) - base;
+  const auto value = (counter == 0 ? execution_.counters.cycles : execution_.counters.instructions) - base;
   const bool full = value > 0xffffffffU && (csrs_.pcmr & kCountersStop) != 0;
   return full ? 0xffffffffU : static_cast<std::uint32_t>(value);
 }
 
 void Hart::write_event_counter(unsigned counter, std::uint32_t value) {
-  const auto next_count = (counter == 0 ? counters_.cycles : counters_.instructions) + 1;
+  const auto next_count = (counter == 0 ? execution_.counters.cycles : execution_.counters.instructions) + 1;
   csrs_.pccr_base[counter] = counts_event(counter) ? next_count - value : value;
 }
 
@@ -275,7 +275,7 @@ std::uint64_t Hart::read_counter(bool instret) const {
   const auto base = instret ? csrs_.instret_base : csrs_.cycle_base;
   const auto inhibit = instret ? kInhibitInstret : kInhibitCycle;
   if ((csrs_.mcountinhibit & inhibit) != 0) return base;
-  return (instret ? counters_.instructions : counters_.cycles) - base;
+  return (instret ? execution_.counters.instructions : execution_.counters.cycles) - base;
 }
 
 void Hart::write_counter(bool instret, std::uint32_t value, bool high) {
@@ -284,7 +284,7 @@ void Hart::write_counter(bool instret, std::uint32_t value, bool high) {
   auto& base = instret ? csrs_.instret_base : csrs_.cycle_base;
   const auto inhibit = instret ? kInhibitInstret : kInhibitCycle;
   // A write takes the place of its own instruction's increment: the next instruction reads back what was written.
-  const auto count = instret ? counters_.instructions + 1 : counters_.cycles;
+  const auto count = instret ? execution_.counters.instructions + 1 : execution_.counters.cycles;
   base = (csrs_.mcountinhibit & inhibit) != 0 ? wanted : count - wanted;
 }
 
@@ -292,8 +292,8 @@ void Hart::set_count_inhibit(std::uint32_t value) {
   const auto cycle = read_counter(false);
   const auto instret = read_counter(true);
   csrs_.mcountinhibit = value;
-  csrs_.cycle_base = (value & kInhibitCycle) != 0 ? cycle : counters_.cycles - cycle;
-  csrs_.instret_base = (value & kInhibitInstret) != 0 ? instret : counters_.instructions - instret;
+  csrs_.cycle_base = (value & kInhibitCycle) != 0 ? cycle : execution_.counters.cycles - cycle;
+  csrs_.instret_base = (value & kInhibitInstret) != 0 ? instret : execution_.counters.instructions - instret;
 }
 
 }  // namespace mebots::soc

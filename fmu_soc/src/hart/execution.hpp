@@ -2,6 +2,7 @@
 #pragma once
 
 #include "hart/instruction.hpp"
+#include "hart/timing.hpp"
 #include "memory/banks.hpp"
 
 #include <array>
@@ -31,19 +32,46 @@ struct HardwareLoop {
   std::uint32_t count = 0;
 };
 
+/// Counters since reset that nothing in the core can write.
+struct Counters {
+  std::uint64_t instructions = 0;     // retired
+  std::uint64_t cycles = 0;           // active, sleep not counted
+  std::uint64_t instruction_fj = 0;   // energy of instructions at the reference voltage
+  std::uint64_t accesses = 0;         // loads and stores, all together
+  std::uint64_t device_accesses = 0;  // of these: to devices
+  std::uint64_t fetch_cycles = 0;     // of the cycles: waiting for the instruction cache
+};
+
+/// What the pipeline still knows.
+struct Pipeline {
+  Previous before;
+  Previous two_before;
+};
+
+/// What the pipeline knows of an instruction that it has executed.
+inline Previous executed(const Instruction& instruction, bool across_words) {
+  return {instruction.op, instruction.rd, is_multiply_high(instruction.op) || is_divide(instruction.op) || across_words,
+          is_post_increment(instruction.op) ? instruction.rs1 : std::uint8_t{0}};
+}
+
+struct Execution;
+
 /// What translated code leaves behind, and what it finds its way with.
 struct HostState {
-  std::int64_t remaining = 0;              // of its budget of cycles
-  std::uint64_t instructions = 0;          // retired; upper half: loads and stores
-  std::uint64_t instruction_fj = 0;        // their energy
-  const void* targets = nullptr;           // code of indirect jumps
+  /// Where its count of cycles starts and ends: from those that may start down to 0, or where banks are shared, from
+  /// one row of their table to another.
+  std::uint64_t begin = 0;
+  std::uint64_t end = 0;
+  /// Where to go on when it was left only for the end of its budget, and nothing has happened since; else null.
+  const std::uint8_t* again = nullptr;
+  Execution* next = nullptr;               // whose turn comes then, without leaving translated code; null = nobody's
+  std::uint64_t instructions = 0;          // of the last run; upper half: loads and stores
   const Instruction* came_from = nullptr;  // the end of the block from which a region's block was reached straight
   const Instruction* slow_load = nullptr;  // the last load across two words
   std::uint64_t slow_load_when = 0;        // what `instructions` was then: of its block if they still are
   // Of the banks of the first memory.
-  std::uint8_t* taken = nullptr;  // Banks::taken(), null when nobody else uses it
-  std::uint64_t limit_tick = 0;   // the tick of the limit
-  std::int64_t claims_above = 0;  // with more cycles remaining, no claim of a block lies outside the banks' window
+  std::uint64_t horizon = 0;  // the row behind the last one that can be waited for
+  bool alone = false;         // nobody else uses them: what is taken in the table means nothing
 };
 
 /// What the handlers work on.
@@ -52,6 +80,8 @@ struct Execution {
   std::uint32_t pc = 0;
   std::array<HardwareLoop, 2> loops{};  // 0 is the inner one
   FastRegion ram[2];
+  Counters counters;
+  Pipeline pipeline;
   std::uint64_t far_accesses = 0;  // loads and stores that went to ram[1], since reset
 
   // Of the block in progress.
@@ -59,6 +89,7 @@ struct Execution {
   std::uint32_t first_stall = 0;           // of them: what the first instruction waits for a load, from its start on
   const Instruction* exit = nullptr;       // everything before it has retired
   std::uint32_t* link = nullptr;           // where to note the block that follows
+  std::uint32_t next_block = 0;            // that translated code was left for; 0 = not known
   bool jumped = false;                     // an unaligned target costs a cycle
   bool redirected = false;                 // left by a branch, jump, trap or return from one
   const Instruction* slow_load = nullptr;  // the last misaligned load

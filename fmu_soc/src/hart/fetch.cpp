@@ -36,7 +36,7 @@ std::uint32_t Hart::fetch(const Instruction* at, std::uint64_t cycle) {
     wait += fetched_->fetch(line, cycle + wait + fetch_offset_);
     if (fetched_->refills() != refills) cache_.left(fetched_->evicted());
   }
-  counters_.fetch_cycles += wait;
+  execution_.counters.fetch_cycles += wait;
   return wait;
 }
 
@@ -74,7 +74,7 @@ bool Hart::fetch_and_execute(std::uint32_t number, std::uint32_t stall, std::uin
     if (unsettled || !fetched_->holds(line)) ++missing;
   }
   const auto bound = block.last_start_bound + stall + missing * fetched_->refill_cycles();
-  if (counters_.cycles + (bound & bound_mask_) >= limit) return false;
+  if (execution_.counters.cycles + (bound & bound_mask_) >= limit) return false;
   const auto* first = cache_.instructions(block);
   if (missing == 0) {
     cache_.arrived(number);
@@ -92,7 +92,7 @@ bool Hart::fetch_and_execute(std::uint32_t number, std::uint32_t stall, std::uin
 /// As `execute`, but the lines come one by one: it goes on to the next instruction that needs one, and waits there.
 void Hart::execute_fetching(const Instruction* first, std::uint32_t stall) {
   // The first instruction is fetched before it stalls for a load, as all others are.
-  begin_block(fetch(first, counters_.cycles), stall, nullptr);
+  begin_block(fetch(first, execution_.counters.cycles), stall, nullptr);
   for (const auto* begin = first; begin != nullptr;) {
     if (begin != first) execution_.extra_cycles += fetch(begin, cycle_of(begin));
     const auto* stop = next_to_fetch(begin);

@@ -54,7 +54,7 @@ void Hart::connect(std::span<const MemoryPort> ports) {
     const auto ram = i < ports.size() ? fast_region(memory_, ports[i]) : FastRegion{};
     // Translated code holds all of it but who else is there.
     if (ram.data != execution_.ram[i].data || ram.wait_cycles != execution_.ram[i].wait_cycles) {
-      decoded_->translator.reset();
+      decoded_->drop_translations();
     }
     execution_.ram[i] = ram;
   }
@@ -86,8 +86,20 @@ void Hart::wait_for_ram(const Instruction* at, const MemoryPort& port, std::uint
   if (&port != ports_.data()) ++e.far_accesses;
 }
 
+Hart::Turns Hart::take_turns(Hart& first, std::uint64_t limit_tick) {
+  auto& decoded = *first.decoded_;
+  auto& host = first.execution_.host;
+  host.end = reinterpret_cast<std::uintptr_t>(decoded.banks->row(limit_tick));
+  const auto [exit, execution] = decoded.translator->run(first.execution_, host.again);
+  if (execution == nullptr) return {};
+  auto& hart = *execution->hart;
+  if (exit == nullptr) return {&hart};
+  const bool begins = hart.finish_translated(*exit);
+  return {&hart, true, hart.go_on(limit_tick - hart.fetch_offset_, begins)};
+}
+
 void Hart::reset(std::uint32_t pc) {
-  counters_ = {};
+  execution_.counters = {};
   execution_.far_accesses = 0;
   restart(pc);
   cache_.clear();
@@ -98,14 +110,14 @@ void Hart::restart(std::uint32_t pc) {
   execution_.pc = pc;
   execution_.loops = {};
   csrs_ = {};
-  csrs_.cycle_base = counters_.cycles;
-  csrs_.instret_base = counters_.instructions;
+  csrs_.cycle_base = execution_.counters.cycles;
+  csrs_.instret_base = execution_.counters.instructions;
   fault_ = {};
-  before_ = {};
-  two_before_ = {};
+  execution_.pipeline = {};
   wake();
   interrupt_ready_ = false;
   exception_repeats_ = 0;
+  leave_row();
 }
 
 Stop Hart::run(std::uint64_t limit) {
@@ -115,13 +127,22 @@ Stop Hart::run(std::uint64_t limit) {
   if (!stays_awake()) return Stop::sleeping;
   e.link = nullptr;
   e.jumped = false;
+  return go_on(limit, false);
+}
+
+/// To the limit, or whatever else stops it. `translated_led_here`: translated code has just been left.
+inline Stop Hart::go_on(std::uint64_t limit, bool translated_led_here) {
+  auto& e = execution_;
   limit = std::min(limit, kAbsent);
   unsettled_ = fetch_unsettled() ? kAbsent : 0;
-  bool translated_led_here = false;
   for (;;) {
+    if (e.leave != Leave::normal) {
+      if (const auto stop = leave(); stop != Stop::limit) return stop;
+    }
     std::uint32_t number = 0;
     if (e.jumped) number = land();
-    if (counters_.cycles >= limit) return Stop::limit;
+    if (e.counters.cycles >= limit) return Stop::limit;
+    e.host.again = nullptr;
     if (interrupt_ready_) {
       take_interrupt();
       if (fault_.happened) return Stop::fault;
@@ -143,8 +164,6 @@ Stop Hart::run(std::uint64_t limit) {
       translated_led_here = false;
       step();
     }
-    if (e.leave == Leave::normal) continue;
-    if (const auto stop = leave(); stop != Stop::limit) return stop;
   }
 }
 
@@ -167,9 +186,10 @@ bool Hart::stays_awake() {
 /// they must not depend on what is decoded: a core restored from a state has decoded nothing.
 inline std::uint32_t Hart::following() {
   const auto* link = execution_.link;
-  if (link == nullptr && next_block_ != 0 && next_generation_ == cache_.generation() &&
-      cache_.block(next_block_).pc == execution_.pc) {
-    return next_block_;
+  const auto next = execution_.next_block;
+  if (link == nullptr && next != 0 && next_generation_ == cache_.generation() &&
+      cache_.block(next).pc == execution_.pc) {
+    return next;
   }
   if (link != nullptr && *link != 0 && cache_.block(*link).pc == execution_.pc) return *link;
   if (link == nullptr && execution_.pc == cut_pc_ && !has_loose_limit()) return cache_.known(cut_pc_);
@@ -182,14 +202,14 @@ inline std::uint32_t Hart::land() {
   const auto* link = execution_.link;
   const bool known = link != nullptr && *link != 0 && cache_.block(*link).pc == execution_.pc;
   const auto number = known ? *link : following_block(execution_.link);
-  if (number != 0 && cache_.block(number).unaligned) counters_.cycles += kUnalignedTargetExtra;
+  if (number != 0 && cache_.block(number).unaligned) execution_.counters.cycles += kUnalignedTargetExtra;
   return number;
 }
 
 /// One instruction, decoded with what the pipeline holds.
 void Hart::step() {
   auto& e = execution_;
-  const auto* first = cache_.single(e.pc, two_before_, before_);
+  const auto* first = cache_.single(e.pc, e.pipeline.two_before, e.pipeline.before);
   if (first == nullptr) {
     std::uint32_t word = 0;
     BlockCache::fetch(memory_, e.pc, word, e.trap_value);
@@ -198,33 +218,34 @@ void Hart::step() {
     return;
   }
   cut_pc_ = first[1].pc;
-  execute(first, fetched_ != nullptr ? fetch(first, counters_.cycles) : 0);
+  execute(first, fetched_ != nullptr ? fetch(first, e.counters.cycles) : 0);
   e.link = nullptr;
 }
 
 /// Runs a block in the way that fits, or only its first instruction. True: translated code did, and begins no other
 /// block only because it does not know the way.
 inline bool Hart::run_block(std::uint32_t number, std::uint64_t limit, bool translated_led_here) {
+  auto& e = execution_;
   const auto& block = cache_.block(number);
   // What ran before can delay the first instruction if it was a load. A jump soon after it is another matter.
-  const bool early_jump = before_.op != Op::end_of_block && block.early_jump;
+  const bool early_jump = e.pipeline.before.op != Op::end_of_block && block.early_jump;
   const auto stall = stall_of(block);
   const auto bound = ((block.entry_bound + stall) & bound_mask_) | unsettled_;
   if (observer_ != nullptr) [[unlikely]] {
     run_block_observed(number, stall, limit, early_jump || !has_loose_limit());
     return false;
   }
-  if (early_jump || counters_.cycles + bound >= limit) [[unlikely]] {
+  if (early_jump || e.counters.cycles + bound >= limit) [[unlikely]] {
     if (early_jump || bound < kAbsent || !fetch_and_execute(number, stall, limit)) step();
     unsettled_ = fetch_unsettled() ? kAbsent : 0;
     return false;
   }
   if (translation_on_) {
     // With a loose limit, a stall may reach it; translated code would not begin then.
-    const auto* entry = counters_.cycles + stall < limit ? translated(number, block) : nullptr;
+    const auto* entry = e.counters.cycles + stall < limit ? translated(number, block) : nullptr;
     if (entry != nullptr) {
       if (translated_led_here && stall == 0) decoded_->translator->lead_on(block.pc, *entry);
-      counters_.cycles += stall;
+      e.counters.cycles += stall;
       return run_translated(*entry, limit);
     }
     execute(cache_.instructions(block), 0, stall);
@@ -241,9 +262,9 @@ inline void Hart::interpret(const Block& block, std::uint32_t stall, std::uint64
   // Behind a taken branch or jump to a known block, only the limit wants a look.
   while (e.jumped && e.link != nullptr && *e.link != 0) {
     const auto& next = cache_.block(*e.link);
-    const auto cycles = counters_.cycles + (next.unaligned ? kUnalignedTargetExtra : 0U);
+    const auto cycles = e.counters.cycles + (next.unaligned ? kUnalignedTargetExtra : 0U);
     if (next.pc != e.pc || cycles + (next.entry_bound & bound_mask_) >= limit) return;
-    counters_.cycles = cycles;
+    e.counters.cycles = cycles;
     e.jumped = false;
     e.link = nullptr;
     execute(cache_.instructions(next));
@@ -291,7 +312,7 @@ std::uint32_t Hart::following_block(std::uint32_t* link) {
 
 void Hart::set_translation(bool on) {
   translation_on_ = on;
-  decoded_->translator.reset();
+  decoded_->drop_translations();
 }
 
 /// Code for a block, once it is hot.
@@ -306,11 +327,12 @@ inline const translate::Entry* Hart::translated(std::uint32_t number, const Bloc
 const translate::Entry* Hart::translate_when_hot(std::uint32_t number, const Block& block) {
   auto& translator = decoded_->translator;
   auto& generation = decoded_->translated_generation;
-  if (translator != nullptr && generation != cache_.generation()) {
+  if (translator != nullptr && (generation != cache_.generation() || translator->full())) {
     translator->forget();
+    ++decoded_->times_forgotten;
     generation = cache_.generation();
   }
-  if (const auto epoch = static_cast<std::uint32_t>(counters_.cycles >> kEpochBits); epoch != block.epoch) {
+  if (const auto epoch = static_cast<std::uint32_t>(execution_.counters.cycles >> kEpochBits); epoch != block.epoch) {
     block.epoch = epoch;
     block.heat = 0;
   }
@@ -329,38 +351,42 @@ const translate::Entry* Hart::translate_when_hot(std::uint32_t number, const Blo
 
 /// True: the next block begins; false: the interpreter has finished one, and may have something to say.
 bool Hart::run_translated(const translate::Entry& entry, std::uint64_t limit) {
+  set_budget(limit);
+  execution_.host.next = nullptr;
+  return finish_translated(*decoded_->translator->run(execution_, entry.plain).exit);
+}
+
+/// Tells translated code how far it may go.
+void Hart::set_budget(std::uint64_t limit) {
+  auto& host = execution_.host;
+  const auto cycles = limit - execution_.counters.cycles;
+  auto* banks = decoded_->banks;
+  if (banks == nullptr) {
+    host.begin = std::min(cycles, kLongestRun);
+    return;
+  }
+  const auto* schedule = execution_.ram[0].banks;
+  host.alone = schedule == nullptr;
+  const auto* row = host.alone ? banks->unread() : banks->row(schedule->tick_of(execution_.counters.cycles));
+  host.begin = reinterpret_cast<std::uintptr_t>(row);
+  host.end = host.begin + std::min(cycles, Banks::kLongestRun) * banks->count();
+  host.horizon = reinterpret_cast<std::uintptr_t>(banks->horizon());
+}
+
+/// What translated code leaves to do; as run_translated.
+bool Hart::finish_translated(const translate::Exit& exit) {
   auto& e = execution_;
   auto& host = e.host;
-  const auto budget = static_cast<std::int64_t>(std::min(limit - counters_.cycles, kLongestRun));
-  host.slow_load = nullptr;
-  host.taken = nullptr;
-  host.claims_above = std::numeric_limits<std::int64_t>::max();
-  if (auto* schedule = e.ram[0].banks; schedule != nullptr) {
-    auto& banks = schedule->banks();
-    const auto tick = schedule->tick_of(counters_.cycles);
-    host.taken = banks.taken();
-    host.limit_tick = tick + static_cast<std::uint64_t>(budget);
-    if (tick >= banks.start()) {
-      constexpr auto kLastTick = static_cast<std::int64_t>(Banks::kReach - translate::kMostStaticCycles);
-      host.claims_above = static_cast<std::int64_t>(host.limit_tick - banks.start()) - kLastTick;
-    }
-  }
-  const auto& exit = decoded_->translator->run(e, entry, budget);
-  counters_.cycles += static_cast<std::uint64_t>(budget - host.remaining);
-  counters_.instructions += host.instructions & 0xffffffffU;
-  counters_.accesses += host.instructions >> 32;
-  counters_.instruction_fj += host.instruction_fj;
   // What came before the block that was left, or that begins: nothing when another block led there by a jump.
   if ((host.instructions & 0xffffffffU) != (exit.straight ? exit.at->index : 0U)) {
-    before_ = {};
-    two_before_ = {};
+    e.pipeline = {};
   }
   if (exit.is_reached_straight && host.came_from != nullptr) remember(host.came_from);
   if (exit.resumes) {
     std::uint32_t stall = 0;
     if (exit.at->index == 0) {  // counted already, but it has not begun
       stall = stall_of(cache_.block(cache_.known(exit.at->pc)));
-      counters_.cycles -= stall;
+      e.counters.cycles -= stall;
     }
     execute(exit.at, exit.wait_cycles, stall, host.slow_load_when == host.instructions ? host.slow_load : nullptr);
     return false;
@@ -391,8 +417,7 @@ void Hart::execute(const Instruction* first, std::uint32_t extra_cycles, std::ui
 void Hart::finish_block() {
   count_up_to(*execution_.exit);
   if (execution_.redirected) {
-    before_ = {};
-    two_before_ = {};
+    execution_.pipeline = {};
   } else {
     remember(execution_.exit);
   }
@@ -403,21 +428,18 @@ void Hart::set_pc(std::uint32_t pc) {
   execution_.pc = pc & ~1U;
   execution_.link = nullptr;
   execution_.jumped = false;
-  before_ = {};
-  two_before_ = {};
+  execution_.pipeline = {};
+  leave_row();
 }
 
 /// Notes the last two instructions of a block that was left straight on, before `exit`.
 void Hart::remember(const Instruction* exit) {
   const auto previous = [this](const Instruction& instruction) {
-    const bool slow =
-        is_multiply_high(instruction.op) || is_divide(instruction.op) || execution_.slow_load == &instruction;
-    return Previous{instruction.op, instruction.rd, slow,
-                    is_post_increment(instruction.op) ? instruction.rs1 : std::uint8_t{0}};
+    return executed(instruction, execution_.slow_load == &instruction);
   };
   if (exit->index == 0) return;
-  two_before_ = exit->index >= 2 ? previous(exit[-2]) : before_;
-  before_ = previous(exit[-1]);
+  execution_.pipeline.two_before = exit->index >= 2 ? previous(exit[-2]) : execution_.pipeline.before;
+  execution_.pipeline.before = previous(exit[-1]);
 }
 
 void Hart::set_interrupt(unsigned bit, bool level) {
@@ -492,7 +514,7 @@ const Instruction* Hart::finish_load(const Instruction* at, std::uint32_t addres
   if (reply.kind != BusReply::Kind::done) return raise(at, cause::kLoadAccess, address);
   e.x[at->rd] = reply.value;
   e.extra_cycles += reply.wait_cycles;
-  ++counters_.device_accesses;
+  ++e.counters.device_accesses;
   return leave_after(at, Leave::device);
 }
 
@@ -510,7 +532,7 @@ const Instruction* Hart::slow_store(const Instruction* at, std::uint32_t address
   if (reply.kind == BusReply::Kind::later) return leave_before(at, Leave::turn);
   if (reply.kind != BusReply::Kind::done) return raise(at, cause::kStoreAccess, address);
   e.extra_cycles += reply.wait_cycles;
-  ++counters_.device_accesses;
+  ++e.counters.device_accesses;
   return leave_after(at, Leave::device);
 }
 
@@ -558,13 +580,13 @@ void Hart::take_trap(std::uint32_t cause, std::uint32_t value) {
   // A call of the handler, too, is hopeless when the handler begins with one.
   const bool is_call = cause == cause::kMachineEcall || cause == cause::kBreakpoint;
   const bool again = exception_repeats_ != 0 && exception_pc_ == pc && exception_cause_ == cause &&
-                     (!is_call || exception_instructions_ == counters_.instructions);
+                     (!is_call || exception_instructions_ == execution_.counters.instructions);
   if (exception_repeats_ == 0) {
     fault_.first_cause = cause;
     fault_.first_pc = pc;
     fault_.first_value = value;
   }
-  exception_instructions_ = counters_.instructions;
+  exception_instructions_ = execution_.counters.instructions;
   exception_repeats_ = again ? exception_repeats_ + 1 : 1;
   exception_pc_ = pc;
   exception_cause_ = cause;
@@ -610,10 +632,9 @@ void Hart::enter_handler(std::uint32_t cause, std::uint32_t value) {
   update_interrupts();
   execution_.pc = target;
   execution_.link = nullptr;
-  before_ = {};
-  two_before_ = {};
+  execution_.pipeline = {};
   if (observer_ != nullptr) observer_->trapped(*this, {csrs_.mepc, cause, value});
-  counters_.cycles += kTrapEntryCycles;
+  execution_.counters.cycles += kTrapEntryCycles;
 }
 
 void Hart::save(state::Writer& writer) const {
@@ -625,10 +646,9 @@ void Hart::save(state::Writer& writer) const {
   writer.put(execution_.loops);
   writer.put(execution_.far_accesses);
   writer.put(csrs_);
-  writer.put(counters_);
+  writer.put(execution_.counters);
   writer.put(fault_);
-  writer.put(before_);
-  writer.put(two_before_);
+  writer.put(execution_.pipeline);
   writer.put(sleeping_);
   writer.put(waits_for_event_);
   writer.put(interrupt_ready_);
@@ -644,10 +664,9 @@ void Hart::restore(state::Reader& reader) {
   reader.get(execution_.loops);
   reader.get(execution_.far_accesses);
   reader.get(csrs_);
-  reader.get(counters_);
+  reader.get(execution_.counters);
   reader.get(fault_);
-  reader.get(before_);
-  reader.get(two_before_);
+  reader.get(execution_.pipeline);
   reader.get(sleeping_);
   reader.get(waits_for_event_);
   reader.get(interrupt_ready_);
@@ -657,6 +676,7 @@ void Hart::restore(state::Reader& reader) {
   reader.get(exception_instructions_);
   cut_pc_ = kNoPc;
   observer_knows_of_sleep_ = observer_ != nullptr && sleeping_;
+  leave_row();
   cache_.clear();
   for (const auto& loop : execution_.loops) cache_.end_block_at(loop.end);  // for a hart restored without its memory
 }

@@ -47,16 +47,6 @@ struct Fault {
   std::uint32_t first_value = 0;
 };
 
-/// Counters since reset that nothing in the core can write.
-struct Counters {
-  std::uint64_t instructions = 0;     // retired
-  std::uint64_t cycles = 0;           // active, sleep not counted
-  std::uint64_t instruction_fj = 0;   // energy of instructions at the reference voltage
-  std::uint64_t accesses = 0;         // loads and stores, all together
-  std::uint64_t device_accesses = 0;  // of these: to devices
-  std::uint64_t fetch_cycles = 0;     // of the cycles: waiting for the instruction cache
-};
-
 /// A memory as one core reaches it.
 struct MemoryPort {
   std::size_t region = 0;         // index in Memory::regions()
@@ -79,6 +69,14 @@ struct DecodedCode {
   Banks* banks;
   std::unique_ptr<translate::Translator> translator;  // made when the first block is hot
   std::uint64_t translated_generation = 0;            // of the blocks
+  std::uint64_t times_forgotten = 0;                  // that translations were thrown away
+
+  void drop_translations() {
+    translator.reset();
+    ++times_forgotten;
+  }
+  /// Grows whenever code that a hart has left to go on there may be gone.
+  std::uint64_t version() const { return blocks.generation() + times_forgotten; }
 };
 
 /// One RISC-V hardware thread: RV32IMC_Zicsr_Zifencei in machine mode, timed as RI5CY (then with Xpulp v2) or CV32E40P.
@@ -123,8 +121,28 @@ class Hart {
   /// Executes every instruction that starts before active cycle `limit`.
   Stop run(std::uint64_t limit);
 
+  /// How harts took their turns.
+  struct Turns {
+    Hart* broke_off = nullptr;  // who did not come to the limit in translated code; null = all did
+    bool ran = false;           // it had its turn
+    Stop stop = Stop::limit;    // and came back so
+  };
+  /// As `run` up to the same tick (active cycle + fetch offset) of harts in a row, one after the other. It is quick
+  /// while they stay in translated code, and ends with the first that does not. For harts that share banks and decoded
+  /// code.
+  static Turns take_turns(Hart& first, std::uint64_t limit_tick);
+  /// Whose turn comes after this one's; null = nobody's.
+  void set_next(Hart* next) { execution_.host.next = next == nullptr ? nullptr : &next->execution_; }
+  /// Whether its last run stopped at the limit in translated code, where it only has to go on.
+  bool in_row() const { return execution_.host.again != nullptr; }
+  /// Something has changed: the next run begins with a look.
+  void leave_row() { execution_.host.again = nullptr; }
+
   /// Who watches every instruction from now on, or null. Not part of a state.
-  void observe(Observer* observer) { observer_ = observer; }
+  void observe(Observer* observer) {
+    observer_ = observer;
+    leave_row();
+  }
 
   /// Level of an interrupt line (bit of mip).
   void set_interrupt(unsigned bit, bool level);
@@ -138,7 +156,7 @@ class Hart {
   /// (mstatus), since the load would only fall asleep again.
   bool wakes() const { return waits_for_event_ ? interrupt_ready_ : (csrs_.mip & csrs_.mie) != 0; }
   const Fault& fault() const { return fault_; }
-  const Counters& counters() const { return counters_; }
+  const Counters& counters() const { return execution_.counters; }
   /// Of the loads and stores: those that did not go to the first region of the memory, nor to a device.
   std::uint64_t far_accesses() const { return execution_.far_accesses; }
 
@@ -160,7 +178,7 @@ class Hart {
   // For the handlers.
   /// The active cycle in which an instruction of the block in progress starts.
   std::uint64_t cycle_of(const Instruction* at) const {
-    return counters_.cycles + at->cycles_before + execution_.extra_cycles;
+    return execution_.counters.cycles + at->cycles_before + execution_.extra_cycles;
   }
   /// Likewise, as devices and counters see it: a stall for the load before comes from the instruction's start on, at
   /// the start of a block as in its middle. An instruction that is left before it has done anything has not stalled
@@ -213,6 +231,7 @@ class Hart {
   bool stays_awake();
   std::uint32_t following();
   std::uint32_t land();
+  Stop go_on(std::uint64_t limit, bool translated_led_here);
   void step();
   bool run_block(std::uint32_t number, std::uint64_t limit, bool translated_led_here);
   void interpret(const Block& block, std::uint32_t stall, std::uint64_t limit);
@@ -220,7 +239,9 @@ class Hart {
   void execute(const Instruction* first, std::uint32_t extra_cycles = 0, std::uint32_t stall = 0,
                const Instruction* slow_load = nullptr);
   std::uint32_t stall_of(const Block& block) const {
-    return is_load(before_.op) ? static_cast<std::uint32_t>(block.stalled_by >> before_.rd & 1U) : 0U;
+    return is_load(execution_.pipeline.before.op)
+               ? static_cast<std::uint32_t>(block.stalled_by >> execution_.pipeline.before.rd & 1U)
+               : 0U;
   }
   bool has_loose_limit() const { return bound_mask_ != ~std::uint64_t{0}; }
   std::uint32_t stalled_before(const Instruction* at) const { return at->index == 0 ? execution_.first_stall : 0U; }
@@ -231,10 +252,10 @@ class Hart {
     execution_.slow_load = slow_load;
   }
   void count_up_to(const Instruction& exit) {
-    counters_.instructions += exit.index;
-    counters_.cycles += exit.cycles_before + execution_.extra_cycles;
-    counters_.instruction_fj += exit.energy_before_fj;
-    counters_.accesses += exit.accesses_before;
+    execution_.counters.instructions += exit.index;
+    execution_.counters.cycles += exit.cycles_before + execution_.extra_cycles;
+    execution_.counters.instruction_fj += exit.energy_before_fj;
+    execution_.counters.accesses += exit.accesses_before;
   }
   void finish_block();
   const Instruction* run_until(const Instruction* at, const Instruction* stop);
@@ -246,20 +267,27 @@ class Hart {
   void execute_fetching(const Instruction* first, std::uint32_t stall);
   std::uint32_t fetch(const Instruction* at, std::uint64_t cycle);
   const Instruction* next_to_fetch(const Instruction* at) const;
-  bool fetch_unsettled() const { return fetched_ != nullptr && counters_.cycles + fetch_offset_ < fetched_->settled(); }
+  bool fetch_unsettled() const {
+    return fetched_ != nullptr && execution_.counters.cycles + fetch_offset_ < fetched_->settled();
+  }
   const translate::Entry* translated(std::uint32_t number, const Block& block);
   const translate::Entry* translate_when_hot(std::uint32_t number, const Block& block);
   void note_next(std::uint32_t block) {
-    next_block_ = block;
+    execution_.next_block = block;
     next_generation_ = cache_.generation();
   }
   bool run_translated(const translate::Entry& entry, std::uint64_t limit);
+  void set_budget(std::uint64_t limit);
+  bool finish_translated(const translate::Exit& exit);
   std::uint32_t following_block(std::uint32_t* link);
   void take_trap(std::uint32_t cause, std::uint32_t value);
   void fail(std::uint32_t cause, std::uint32_t value, bool double_trap);
   void enter_handler(std::uint32_t cause, std::uint32_t value);
   void take_interrupt();
-  void update_interrupts() { interrupt_ready_ = csrs_.interrupts_on && (csrs_.mip & csrs_.mie) != 0; }
+  void update_interrupts() {
+    interrupt_ready_ = csrs_.interrupts_on && (csrs_.mip & csrs_.mie) != 0;
+    if (interrupt_ready_) leave_row();
+  }
   bool read_csr(unsigned number, std::uint32_t& value) const;
   bool write_csr(unsigned number, std::uint32_t value);
   std::uint64_t read_counter(bool instret) const;
@@ -284,15 +312,10 @@ class Hart {
   Execution execution_;
   bool translation_on_ = true;
   Csrs csrs_;
-  Counters counters_;
   Fault fault_;
-  Previous before_;
-  Previous two_before_;
   std::uint32_t id_ = 0;
-  // Translated code was left for the block with this number, if its pc is the present one in this generation; 0 = none.
-  std::uint32_t next_block_ = 0;
-  std::uint64_t next_generation_ = 0;
-  std::uint32_t cut_pc_ = kNoPc;  // behind an instruction that ran alone, or where a trap returned to
+  std::uint64_t next_generation_ = 0;  // of blocks, in which Execution::next_block is meant
+  std::uint32_t cut_pc_ = kNoPc;       // behind an instruction that ran alone, or where a trap returned to
   std::uint64_t bound_mask_ = ~std::uint64_t{0};
   InstructionCache* fetched_ = nullptr;
   std::uint64_t fetch_offset_ = 0;

@@ -23,9 +23,9 @@ Retired Hart::foresee(std::uint32_t pc) const {
 void Hart::run_block_observed(std::uint32_t number, std::uint32_t stall, std::uint64_t limit, bool alone) {
   if (alone) {
     const auto retired = foresee(execution_.pc);
-    const auto instructions = counters_.instructions;
+    const auto instructions = execution_.counters.instructions;
     step();
-    if (counters_.instructions != instructions) observer_->retired(*this, retired);
+    if (execution_.counters.instructions != instructions) observer_->retired(*this, retired);
   } else if (const auto& block = cache_.block(number); block.entry_bound == kAbsent || unsettled_ != 0) {
     fetch_and_execute(number, stall, limit);
   } else {
@@ -52,11 +52,11 @@ const Instruction* Hart::run_until_observed(const Instruction* at, const Instruc
     if (next != nullptr) e.pc = next->pc;
     const bool has_retired = e.exit->index > at->index;
     if (!has_retired) return nullptr;
-    const auto at_start = counters_;
+    const auto at_start = execution_.counters;
     count_up_to(*e.exit);
     observer_->retired(*this, retired);
     if (next != nullptr) observer_->before(*this);
-    counters_ = at_start;
+    execution_.counters = at_start;
     at = next;
   }
   return at;

@@ -223,7 +223,12 @@ void Emitter::emit_divide(const Instruction* at, bool is_signed, bool remainder)
   } else {
     lzcnt(edx, ecx);
   }
-  sub(r15, rdx);
+  if (manner_.banks != nullptr) {
+    shl(edx, std::countr_zero(manner_.banks->count()));
+    add(r15, rdx);
+  } else {
+    sub(r15, rdx);
+  }
   copy(eax, at->rs1);
   Label by_zero;
   Label done;

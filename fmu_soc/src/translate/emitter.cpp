@@ -11,17 +11,6 @@ constexpr std::array<int, kHostRegisters> kHosts{Xbyak::Operand::RSI, Xbyak::Ope
                                                  Xbyak::Operand::R11, Xbyak::Operand::R12, Xbyak::Operand::R13};
 constexpr std::size_t kAlignment = 16;
 
-/// The slow way of emit_claim: cycles until the bank is free for an access at `offset` of the first memory, in the tick
-/// of which these are the low bits.
-std::uint32_t claim_bank(Execution* execution, std::uint32_t offset, std::uint32_t tick) {
-  const auto& ram = execution->ram[0];
-  if (ram.banks == nullptr) return 0;
-  const auto limit = execution->host.limit_tick;
-  const auto ago = static_cast<std::uint32_t>(limit) - tick;
-  return ram.banks->claim_at(limit - static_cast<std::uint64_t>(std::int64_t{static_cast<std::int32_t>(ago)}),
-                             ram.base + offset);
-}
-
 /// The compiler must not take offsets for those of another type.
 static_assert(std::is_standard_layout_v<Execution>);
 
@@ -35,44 +24,9 @@ Emitter::Emitter(const CodeMemory& code_memory, std::size_t used, const BlockCac
       cache_(cache),
       manner_(manner),
       exits_(exits.exits),
-      ways_(exits.ways) {
+      ways_(exits.ways),
+      targets_(exits.targets) {
   for (unsigned reg = 0; reg < execution.x.size(); ++reg) memory_operands_.push_back(memory(reg));
-}
-
-Emitter::Gates Emitter::emit_gates() {
-  Gates gates;
-  gates.enter = code_memory_.executable(getCurr());
-  // (Execution* rdi, code rsi, budget rdx) -> number of the exit. Saves what the caller owns (System V ABI).
-  const std::array saved{rbx, rbp, r12, r13, r14, r15};
-  for (const auto& reg : saved) push(reg);
-  mov(rbx, rdi);
-  mov(r14, ptr[rbx + static_cast<int>(offsetof(Execution, ram[0].data))]);
-  mov(r15, rdx);
-  pxor(xmm15, xmm15);
-  jmp(rsi);
-  gates.leave = getCurr();
-  mov(ptr[rbx + static_cast<int>(offsetof(Execution, host.remaining))], r15);
-  movdqu(ptr[rbx + static_cast<int>(offsetof(Execution, host.instructions))], xmm15);
-  for (auto reg = saved.rbegin(); reg != saved.rend(); ++reg) pop(*reg);
-  ret();
-  gates.claim = getCurr();
-  const std::array volatiles{rax, rsi, rdi, r8, r9, r10, r11};
-  for (const auto& reg : volatiles) push(reg);
-  sub(rsp, 8);  // aligned to 16 again
-  movdqu(ptr[rbx + static_cast<int>(offsetof(Execution, host.instructions))], xmm15);
-  mov(rdi, rbx);
-  mov(esi, eax);
-  mov(edx, ecx);
-  mov(rax, reinterpret_cast<std::uint64_t>(&claim_bank));
-  call(rax);
-  movdqu(xmm15, ptr[rbx + static_cast<int>(offsetof(Execution, host.instructions))]);
-  mov(ecx, eax);
-  sub(r15, rcx);
-  add(rsp, 8);
-  for (auto reg = volatiles.rbegin(); reg != volatiles.rend(); ++reg) pop(*reg);
-  ret();
-  align(kAlignment);
-  return gates;
 }
 
 std::vector<Entry> Emitter::emit(const Region& region, const Registers& registers, const Gates& gates) {
@@ -80,6 +34,7 @@ std::vector<Entry> Emitter::emit(const Region& region, const Registers& register
   registers_ = &registers;
   gates_ = gates;
   labels_ = std::vector<Label>(region.nodes.size());
+  entries_ = std::vector<Label>(region.nodes.size());
   std::vector<Entry> entries(region.nodes.size());
   for (std::size_t i = entries.size(); i-- > 0;) entries[i] = emit_entry(region.nodes[i], i == 0);
 
@@ -96,6 +51,9 @@ std::vector<Entry> Emitter::emit(const Region& region, const Registers& register
   L(leave_all_);
   store_registers();
   jmp(gates_.leave);
+  L(park_all_);
+  store_registers();
+  jmp(gates_.park);
 
   align(kAlignment);
   for (auto& [counts, label] : constants_) {
@@ -112,24 +70,25 @@ Entry Emitter::emit_entry(const Node& node, bool runs_into_node) {
   Exit at_limit;
   at_limit.pc = node.block->pc;
   at_limit.block = node.number;
-  const auto leave_at_limit = [this, &at_limit] {
-    mov(eax, add_exit(at_limit));
-    jmp(gates_.leave);
+  const auto check = [this, &node, at_limit](bool is_reached_straight) {
+    Label leave;
+    jump_at_limit(*node.block, 0, leave);
+    later([this, at_limit, is_reached_straight, leave]() mutable {
+      L(leave);
+      at_limit.is_reached_straight = is_reached_straight;
+      mov(eax, add_exit(at_limit));
+      jmp(gates_.leave, T_NEAR);
+    });
   };
-  Label stay;
   Label inside;
-  entry.jumped = code_memory_.executable(getCurr());
-  if (node.block->unaligned) sub(r15, kUnalignedTargetExtra);
-  entry.plain = code_memory_.executable(getCurr());
-  compare_budget(*node.block, 0);
-  jg(stay);
-  leave_at_limit();
   entry.straight = code_memory_.executable(getCurr());
-  compare_budget(*node.block, 0);
-  jg(inside);
-  at_limit.is_reached_straight = true;
-  leave_at_limit();
-  L(stay);
+  check(true);
+  jmp(inside);
+  entry.jumped = code_memory_.executable(getCurr());
+  if (node.block->unaligned) spend(kUnalignedTargetExtra);
+  entry.plain = code_memory_.executable(getCurr());
+  L(entries_[index_of(node)]);
+  check(false);
   forget_what_came();
   L(inside);
   load_registers();

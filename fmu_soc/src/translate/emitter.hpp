@@ -5,6 +5,7 @@
 #include "translate/code_memory.hpp"
 #include "translate/region.hpp"
 #include "translate/registers.hpp"
+#include "translate/target_table.hpp"
 #include "translate/translator.hpp"
 
 #include <xbyak/xbyak.h>
@@ -28,7 +29,8 @@ constexpr int offset_of_register(unsigned reg) {
 ///
 ///   rbx    Execution
 ///   r14    bytes of the first fast memory
-///   r15    cycles that may still start, as of the start of the block less what came up by execution in it
+///   r15    where the count of cycles stands, as of the start of the block and what came up by execution in it: cycles
+///          that may still start; where banks are shared, the row of their table, which is one on for each cycle
 ///   xmm15  counts: instructions and accesses (32 bits each), energy of instructions [fJ]
 ///   rax, rcx, rdx, xmm0 to xmm2  scratch; all others hold guest registers, zero-extended
 ///
@@ -40,13 +42,17 @@ class Emitter : private Xbyak::CodeGenerator {
   struct Gates {
     const std::uint8_t* enter = nullptr;  // to be executed
     const std::uint8_t* leave = nullptr;  // as written; eax = number of the exit
-    const std::uint8_t* claim = nullptr;  // as written, to be called: a bank for the access at eax in tick ecx
+    const std::uint8_t* park = nullptr;   // likewise, for a block that may not begin; rdx = where it does
   };
   /// What the code refers to and what outlives the emitter.
   struct Exits {
     std::vector<Exit> exits;
     std::deque<const std::uint8_t*> ways;  // they stay where they are
+    TargetTable targets;
   };
+
+  /// In place of the number of an exit: not in translated code.
+  static constexpr std::uint64_t kNoExit = 0xffffffff;
 
   /// Writes behind the first `used` bytes.
   Emitter(const CodeMemory& code_memory, std::size_t used, const BlockCache& cache, const Execution& execution,
@@ -61,6 +67,9 @@ class Emitter : private Xbyak::CodeGenerator {
  private:
   using Reg32 = Xbyak::Reg32;
   using Label = Xbyak::Label;
+
+  // gates.cpp
+  void emit_account();
 
   // emitter.cpp: blocks, operands
   void emit_node(const Node& node);
@@ -128,7 +137,8 @@ class Emitter : private Xbyak::CodeGenerator {
   Label emit_address(const Instruction* at, unsigned size, Label& other);
   void emit_middle_of_word(unsigned size, Label& inside);
   void emit_across_words(const Instruction* at, unsigned size, Label& marked, Label& claimed);
-  bool near(const std::uint8_t* table, std::size_t size) const;
+  bool near(const void* table, std::size_t size) const;
+  int from_first_memory(const void* table) const;
   Xbyak::Address marks_of_word(unsigned words);
   void emit_increment(const Instruction* at);
   void emit_claim(const Instruction* at, bool word_in_ecx);
@@ -141,10 +151,13 @@ class Emitter : private Xbyak::CodeGenerator {
   void emit_jump_register(const Instruction* at);
   void emit_edge(const Instruction* at, std::uint32_t pc, bool jumped);
   void count(const Instruction* at, std::uint32_t extra_cycles);
-  void check_limit(const Node& node, std::uint32_t stall, const Exit& at_limit);
+  void spend(std::uint32_t cycles);
+  void check_limit(const Node& node, std::uint32_t stall, const Exit& at_limit, const Pipeline& pipeline);
   void check_limit(const Node& node);
-  void compare_budget(const Block& block, std::uint32_t stall);
+  void jump_at_limit(const Block& block, std::uint32_t stall, Label& leave);
+  Xbyak::Address entry_bound(const Block& block, unsigned offset, unsigned size);
   void emit_leave(const Exit& exit);
+  void emit_park(const Node& node, const Exit& exit, const Pipeline& pipeline);
   void emit_way(Exit exit);
   void emit_resume(const Instruction* at);
   std::uint32_t waits_before(const Instruction* at) const { return ram_[0].wait_cycles * at->accesses_before; }
@@ -160,12 +173,15 @@ class Emitter : private Xbyak::CodeGenerator {
   const Manner manner_;
   std::vector<Exit>& exits_;
   std::deque<const std::uint8_t*>& ways_;
+  const TargetTable& targets_;
   const Region* region_ = nullptr;
   const Registers* registers_ = nullptr;
   Gates gates_;
   std::vector<Label> labels_;
   const Node* following_ = nullptr;  // emitted after the one in work
+  std::vector<Label> entries_;       // plain ones
   Label leave_all_;                  // stores the registers and leaves by exit eax
+  Label park_all_;                   // likewise, to go on at rdx
   std::deque<std::function<void()>> cold_;
   std::map<std::pair<std::uint64_t, std::uint64_t>, Label> constants_;
   std::vector<Xbyak::Address> memory_operands_;  // by guest register

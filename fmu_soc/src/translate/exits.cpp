@@ -2,16 +2,25 @@
 //
 // Ways out of a block: to another one of the region, to other translated code, back to the interpreter.
 #include "translate/emitter.hpp"
-#include "translate/target_table.hpp"
+
+#include <bit>
 
 namespace mebots::soc::translate {
 
 /// Adds up what a block has done when it is left behind `at`.
 void Emitter::count(const Instruction* at, std::uint32_t extra_cycles) {
   const auto& sums = at[1];
-  sub(r15, sums.cycles_before + waits_before(&sums) + extra_cycles);
+  spend(sums.cycles_before + waits_before(&sums) + extra_cycles);
   const auto counts = std::uint64_t{sums.index} | std::uint64_t{sums.accesses_before} << 32;
   paddq(xmm15, ptr[rip + constants_[{counts, sums.energy_before_fj}]]);
+}
+
+void Emitter::spend(std::uint32_t cycles) {
+  if (manner_.banks != nullptr) {
+    add(r15, cycles * manner_.banks->count());
+  } else {
+    sub(r15, cycles);
+  }
 }
 
 std::uint32_t Emitter::add_exit(const Exit& exit) {
@@ -34,35 +43,69 @@ void Emitter::emit_resume(const Instruction* at) {
   emit_leave(exit);
 }
 
-/// Compares the cycles that may still start with those that the block asks for, of which the first stall. A block that
-/// must be fetched first asks for more than there are.
-void Emitter::compare_budget(const Block& block, std::uint32_t stall) {
-  if (!cache_.fetches()) {
-    cmp(r15, manner_.loose_limit ? 0 : block.last_start_bound + stall);
+/// Jumps when fewer cycles may still start than the block asks for, of which the first stall; with a loose limit it
+/// asks for one. A block that must be fetched first asks for more than there are.
+void Emitter::jump_at_limit(const Block& block, std::uint32_t stall, Label& leave) {
+  if (manner_.loose_limit) {
+    if (manner_.banks != nullptr) {
+      cmp(r15, ptr[rbx + static_cast<int>(offsetof(Execution, host.end))]);
+      jae(leave, T_NEAR);
+    } else {
+      cmp(r15, 0);
+      jle(leave, T_NEAR);
+    }
+    if (!cache_.fetches()) return;
+    static_assert(kAbsent >> 32 != 0, "the upper half says it");
+    cmp(entry_bound(block, 4, 4), 0);
+    jne(leave, T_NEAR);
     return;
   }
-  const auto bound = reinterpret_cast<std::uint64_t>(&block.entry_bound);
-  if (manner_.loose_limit) {
-    static_assert(kAbsent >> 32 >= std::uint64_t{1} << 30, "the upper half is more than the longest run");
-    mov(rdx, bound + 4);
-    mov(edx, dword[rdx]);
+  if (!cache_.fetches()) {
+    cmp(r15, block.last_start_bound + stall);
+  } else if (stall == 0) {
+    cmp(r15, entry_bound(block, 0, 8));
   } else {
-    mov(rdx, bound);
-    mov(rdx, qword[rdx]);
-    if (stall != 0) add(rdx, stall);
+    mov(rdx, entry_bound(block, 0, 8));
+    add(rdx, stall);
+    cmp(r15, rdx);
   }
-  cmp(r15, rdx);
+  jle(leave, T_NEAR);
 }
 
-/// A block may only begin when none of its instructions can start too late.
-void Emitter::check_limit(const Node& node, std::uint32_t stall, const Exit& at_limit) {
-  compare_budget(*node.block, stall);
+/// Bytes of what the block asks for; rdx may be lost.
+Xbyak::Address Emitter::entry_bound(const Block& block, unsigned offset, unsigned size) {
+  const auto* at = reinterpret_cast<const std::uint8_t*>(&block.entry_bound) + offset;
+  const auto& frame = size == 4 ? dword : qword;
+  if (near(at, size)) return frame[r14 + from_first_memory(at)];
+  mov(rdx, reinterpret_cast<std::uint64_t>(at));
+  return frame[rdx];
+}
+
+/// A block may only begin when none of its instructions can start too late. `pipeline` is how it finds the pipeline.
+void Emitter::check_limit(const Node& node, std::uint32_t stall, const Exit& at_limit, const Pipeline& pipeline) {
   Label leave;
-  jle(leave, T_NEAR);
-  later([this, leave, at_limit]() mutable {
+  jump_at_limit(*node.block, stall, leave);
+  later([this, &node, stall, at_limit, pipeline, leave]() mutable {
     L(leave);
-    emit_leave(at_limit);
+    // With a stall, the next run may have to begin otherwise.
+    if (stall == 0) {
+      emit_park(node, at_limit, pipeline);
+    } else {
+      emit_leave(at_limit);
+    }
   });
+}
+
+/// Leaves in front of a block so that the next run can begin with it without a look.
+void Emitter::emit_park(const Node& node, const Exit& exit, const Pipeline& pipeline) {
+  static_assert(sizeof(Pipeline) == sizeof(std::uint64_t));
+  mov(dword[rbx + static_cast<int>(offsetof(Execution, pc))], node.block->pc);
+  mov(dword[rbx + static_cast<int>(offsetof(Execution, next_block))], node.number);
+  mov(rdx, std::bit_cast<std::uint64_t>(pipeline));
+  mov(ptr[rbx + static_cast<int>(offsetof(Execution, pipeline))], rdx);
+  mov(eax, add_exit(exit));
+  lea(rdx, ptr[rip + entries_[index_of(node)]]);
+  jmp(park_all_, T_NEAR);
 }
 
 /// Behind a jump.
@@ -70,7 +113,7 @@ void Emitter::check_limit(const Node& node) {
   Exit exit;
   exit.pc = node.block->pc;
   exit.block = node.number;
-  check_limit(node, 0, exit);
+  check_limit(node, 0, exit, {});
   forget_what_came();
 }
 
@@ -166,7 +209,7 @@ void Emitter::emit_jump_register(const Instruction* at) {
   Label unknown;
   mov(ecx, eax);
   and_(ecx, TargetTable::kMask);
-  mov(rdx, ptr[rbx + static_cast<int>(offsetof(Execution, host.targets))]);
+  mov(rdx, reinterpret_cast<std::uint64_t>(targets_.targets.data()));
   static_assert(sizeof(TargetTable::Target) == 16 && TargetTable::kStep == 2);
   cmp(ptr[rdx + rcx * 8], eax);
   jne(unknown);

@@ -129,9 +129,9 @@ void Emitter::emit_straight_to(const Instruction* at, const Node& node) {
   at_limit.pc = node.block->pc;
   at_limit.block = node.number;
   at_limit.at = at;
-  check_limit(node, stalls ? 1U : 0U, at_limit);
+  check_limit(node, stalls ? 1U : 0U, at_limit, {executed(at[-1], false), executed(at[-2], false)});
   set_where_from(at);
-  if (stalls) sub(r15, 1);
+  if (stalls) spend(1);
   jmp(label_of(node), T_NEAR);
 }
 

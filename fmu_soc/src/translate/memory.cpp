@@ -102,7 +102,7 @@ void Emitter::emit_across_words(const Instruction* at, unsigned size, Label& mar
     movq(ptr[rbx + static_cast<int>(offsetof(Execution, host.slow_load_when))], xmm15);
   }
   emit_claim(at, false);
-  sub(r15, kMisalignedExtra + ram_[0].wait_cycles);
+  spend(kMisalignedExtra + ram_[0].wait_cycles);
   if (manner_.banks != nullptr) {
     add(eax, 4);
     emit_claim(at, false);
@@ -113,16 +113,20 @@ void Emitter::emit_across_words(const Instruction* at, unsigned size, Label& mar
 }
 
 /// Whether a table lies where r14 reaches it.
-bool Emitter::near(const std::uint8_t* table, std::size_t size) const {
-  const auto distance = table - ram_[0].data;
+bool Emitter::near(const void* table, std::size_t size) const {
+  const auto distance = static_cast<const std::uint8_t*>(table) - ram_[0].data;
   return distance >= std::numeric_limits<std::int32_t>::min() &&
          distance + static_cast<std::ptrdiff_t>(size) <= std::numeric_limits<std::int32_t>::max();
+}
+
+int Emitter::from_first_memory(const void* table) const {
+  return static_cast<int>(static_cast<const std::uint8_t*>(table) - ram_[0].data);
 }
 
 /// The marks of one or two words of the first memory from that with number ecx; rdx may be lost.
 Xbyak::Address Emitter::marks_of_word(unsigned words) {
   const auto& frame = words == 1 ? byte : word;
-  if (near(ram_[0].marks, ram_[0].span)) return frame[r14 + rcx + static_cast<int>(ram_[0].marks - ram_[0].data)];
+  if (near(ram_[0].marks, ram_[0].span)) return frame[r14 + rcx + from_first_memory(ram_[0].marks)];
   mov(rdx, ptr[rbx + static_cast<int>(offsetof(Execution, ram[0].marks))]);
   return frame[rdx + rcx];
 }
@@ -190,7 +194,7 @@ void Emitter::emit_load(const Instruction* at, unsigned size, bool sign) {
     check_address(ecx, edx, ram, size, neither);
     inc(qword[rbx + static_cast<int>(offsetof(Execution, far_accesses))]);
     if (ram.wait_cycles != ram_[0].wait_cycles) {
-      sub(r15, static_cast<std::int32_t>(ram.wait_cycles - ram_[0].wait_cycles));
+      spend(ram.wait_cycles - ram_[0].wait_cycles);
     }
     mov(rdx, reinterpret_cast<std::uint64_t>(ram.data));
     fetch(to, rdx + rcx, size, sign);
@@ -242,7 +246,7 @@ void Emitter::emit_store(const Instruction* at, unsigned size) {
       jne(marked, T_NEAR);
       inc(qword[rbx + static_cast<int>(offsetof(Execution, far_accesses))]);
       if (ram.wait_cycles != ram_[0].wait_cycles) {
-        sub(r15, static_cast<std::int32_t>(ram.wait_cycles - ram_[0].wait_cycles));
+        spend(ram.wait_cycles - ram_[0].wait_cycles);
       }
       mov(rdx, reinterpret_cast<std::uint64_t>(ram.data));
       store(rdx + rcx, eax);
@@ -253,55 +257,31 @@ void Emitter::emit_store(const Instruction* at, unsigned size) {
   });
 }
 
-/// Takes a cycle of a bank of the first memory for the access at offset eax, when others use it too. What it waits
-/// comes off r15; ecx, which may hold the number of the word already, and edx are lost.
+/// Takes a cycle of a bank of the first memory for the access at offset eax, when others use it too. ecx, which may
+/// hold the number of the word already, and edx are lost.
 void Emitter::emit_claim(const Instruction* at, bool word_in_ecx) {
   if (manner_.banks == nullptr) return;
   const auto host = [](std::size_t offset) { return static_cast<int>(offsetof(Execution, host) + offset); };
-  const auto count = manner_.banks->count();
-  const auto bytes = static_cast<std::uint32_t>(Banks::kWindow) * count;  // of all ticks and banks
-  const auto tick_into = [this, at, host](const Reg32& to) {
-    mov(to, dword[rbx + host(offsetof(HostState, limit_tick))]);
-    sub(to, r15d);
-    if (at->cycles_before != 0) add(to, at->cycles_before);
-  };
+  const auto count = static_cast<int>(manner_.banks->count());
+  const auto distance = at->cycles_before * count;
   Label look;
   Label taken;
-  Label away;
   Label done;
-  if (!word_in_ecx) {
-    mov(ecx, eax);
-    shr(ecx, 2);
-  }
+  if (!word_in_ecx) rorx(ecx, eax, 2);
   and_(ecx, count - 1);
   L(look);
-  if (at->cycles_before < kMostStaticCycles) {
-    cmp(r15, qword[rbx + host(offsetof(HostState, claims_above))]);
-    jle(away, T_NEAR);
-    tick_into(edx);
-    shl(edx, std::countr_zero(count));
-    and_(edx, bytes - count);
-    or_(edx, ecx);
-    const auto* table = manner_.banks->taken();
-    const bool is_near = near(table, bytes);
-    if (!is_near) add(rdx, qword[rbx + host(offsetof(HostState, taken))]);
-    const auto cycle = is_near ? byte[r14 + rdx + static_cast<int>(table - ram_[0].data)] : byte[rdx];
-    cmp(cycle, 0);
-    jne(taken, T_NEAR);
-    mov(cycle, 1);
-  } else {
-    jmp(away, T_NEAR);
-  }
+  cmp(byte[r15 + rcx + distance], 0);
+  jne(taken, T_NEAR);
+  mov(byte[r15 + rcx + distance], 1);
   L(done);
-  later([this, look, taken, away, done, tick_into, host]() mutable {
+  later([this, look, taken, done, host, count, distance]() mutable {
     L(taken);
-    sub(r15, 1);
-    jmp(look, T_NEAR);
-    L(away);
-    cmp(qword[rbx + host(offsetof(HostState, taken))], 0);
-    je(done, T_NEAR);
-    tick_into(ecx);
-    call(gates_.claim);
+    cmp(byte[rbx + host(offsetof(HostState, alone))], 0);
+    jne(done, T_NEAR);
+    add(r15, count);
+    lea(rdx, ptr[r15 + distance]);
+    cmp(rdx, ptr[rbx + host(offsetof(HostState, horizon))]);
+    jb(look, T_NEAR);
     jmp(done, T_NEAR);
   });
 }

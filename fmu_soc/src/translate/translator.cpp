@@ -3,7 +3,6 @@
 
 #include "translate/code_memory.hpp"
 #include "translate/emitter.hpp"
-#include "translate/target_table.hpp"
 
 #include <xbyak/xbyak_util.h>
 
@@ -31,8 +30,9 @@ class HostTranslator : public Translator {
     used_ = gates_size_;
   }
 
+  bool full() const override { return used_ + kMostRegionBytes > memory_->size(); }
+
   const Entry& translate(std::uint32_t block) override {
-    if (used_ + kMostRegionBytes > memory_->size()) forget();
     const auto region = grow_region(cache_, block);
     Emitter emitter(*memory_, used_, cache_, memories_, manner_, exits_);
     const auto entries = emitter.emit(region, allocate(region), gates_);
@@ -44,20 +44,23 @@ class HostTranslator : public Translator {
     return entries_[block];
   }
 
-  const Exit& run(Execution& execution, const Entry& entry, std::int64_t budget) override {
-    using Enter = std::uint32_t (*)(Execution*, const std::uint8_t*, std::int64_t);
-    const auto enter = std::bit_cast<Enter>(gates_.enter);
-    execution.host.targets = targets_.targets.data();
-    execution.host.came_from = nullptr;
-    last_exit_ = enter(&execution, entry.plain, budget);
-    return exits_.exits[last_exit_];
+  Left run(Execution& execution, const std::uint8_t* code) override {
+    struct Return {  // in rax and rdx
+      std::uint64_t exit;
+      Execution* execution;
+    };
+    using Enter = Return (*)(Execution*, const std::uint8_t*);
+    const auto [exit, stopped] = std::bit_cast<Enter>(gates_.enter)(&execution, code);
+    if (exit == Emitter::kNoExit) return {nullptr, stopped};
+    last_exit_ = static_cast<std::uint32_t>(exit);
+    return {&exits_.exits[last_exit_], stopped};
   }
 
   void lead_on(std::uint32_t pc, const Entry& entry) override {
     if (last_exit_ == kForgotten) return;
     const auto& exit = exits_.exits[last_exit_];
     if (exit.indirect) {
-      if (!exit.straight) targets_.set(pc, entry.jumped);
+      if (!exit.straight) exits_.targets.set(pc, entry.jumped);
     } else if (exit.way != nullptr && exit.pc == pc) {
       *exit.way = exit.straight ? entry.straight : exit.jumped ? entry.jumped : entry.plain;
     }
@@ -69,7 +72,7 @@ class HostTranslator : public Translator {
     last_exit_ = kForgotten;
     exits_.exits.clear();
     exits_.ways.clear();
-    targets_.clear();
+    exits_.targets.clear();
     used_ = gates_size_;
     CodeMemory::serialise();
   }
@@ -86,7 +89,6 @@ class HostTranslator : public Translator {
   std::size_t gates_size_ = 0;
   Emitter::Exits exits_;
   std::uint32_t last_exit_ = kForgotten;
-  TargetTable targets_;
 };
 
 }  // namespace
@@ -100,7 +102,11 @@ std::unique_ptr<Translator> make_translator(const BlockCache& cache, const Execu
     if (ram.base % 4 != 0) return nullptr;
   }
   if (manner.banks != nullptr) {  // whose ticks and banks the code computes
+    if (!manner.loose_limit) return nullptr;
     if (execution.ram[0].wait_cycles != 0 || execution.ram[0].base / 4 % manner.banks->count() != 0) return nullptr;
+    // No block goes on in the table farther than there is room: a division is the longest, an access can go twice.
+    const std::uint64_t longest = kDivideBaseCycles + 32 + 2 * (execution.ram[1].wait_cycles + 1);
+    if (BlockCache::kMaxBlockLength * longest > Banks::kLongestBlock) return nullptr;
   }
   auto memory = CodeMemory::create(kCodeBytes);
   if (memory == nullptr) return nullptr;

@@ -34,14 +34,17 @@ struct Entry {
   const std::uint8_t* straight = nullptr;  // from the end of a block, which HostState::came_from says
 };
 
+/// How a run ended.
+struct Left {
+  const Exit* exit = nullptr;      // the last one; null = somebody's turn came who was not in translated code
+  Execution* execution = nullptr;  // whose it was; null = all have come to the end of their budgets
+};
+
 /// What the harts have in common that the code runs on.
 struct Manner {
   bool loose_limit = false;  // a block that starts before the limit runs to its end
   Banks* banks = nullptr;    // of the first memory, when others use it at the same time, now and then
 };
-
-/// More static cycles than a block has, but for one full of divisions: those claim banks the slow way.
-inline constexpr std::uint32_t kMostStaticCycles = 512;
 
 /// Translations of a block cache, for harts that reach the same memories at the same place. They are void when the
 /// generation of the block cache has changed.
@@ -51,11 +54,13 @@ class Translator {
 
   /// Code of a block, or null.
   const Entry* find(std::uint32_t block) const { return entries_[block].plain != nullptr ? &entries_[block] : nullptr; }
+  /// No room is left to make code: forget first.
+  virtual bool full() const = 0;
   /// Makes code for a block.
   virtual const Entry& translate(std::uint32_t block) = 0;
-  /// Runs it. At most `budget` cycles start; how it went is in Execution::host. The answer holds until the next
-  /// translation.
-  virtual const Exit& run(Execution& execution, const Entry& entry, std::int64_t budget) = 0;
+  /// Goes on at `code` of an entry with its budget, and when it was left only for the end of that, with those whose
+  /// turn is next. The answer holds until the next translation.
+  virtual Left run(Execution& execution, const std::uint8_t* code) = 0;
   /// The last run was left to go on at the block at `pc`: the same way out leads on to its code from now on.
   virtual void lead_on(std::uint32_t pc, const Entry& entry) = 0;
   /// Drops everything.
