@@ -29,6 +29,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace mebots::soc {
@@ -101,10 +102,11 @@ class Soc final : private Bus {
   Hart& hart() { return hart_; }
   /// All harts by number: 0 is the fabric controller, n + 1 core n of the cluster.
   unsigned harts() const { return 1 + (cluster_ ? cluster_->cores() : 0); }
-  const Hart& hart(unsigned number) const { return number == 0 ? hart_ : cluster_->hart(number - 1); }
+  const Hart& hart(unsigned number) const { return number == 0 ? hart_ : std::as_const(*cluster_).hart(number - 1); }
+  Hart& hart(unsigned number) { return number == 0 ? hart_ : cluster_->hart(number - 1); }
   /// Whether it can run: a cluster that is off is forgotten.
   bool is_on(unsigned number) const { return number == 0 || cluster_->powered(); }
-  /// Who watches a hart from now on, or null. Only the fabric controller's can end the run. Not part of a state.
+  /// Who watches a hart from now on, or null. Not part of a state.
   void observe(unsigned number, Observer* observer);
   /// Of the fabric controller; null without one.
   const InstructionCache* instruction_cache() const { return instruction_cache_ ? &*instruction_cache_ : nullptr; }

@@ -15,7 +15,6 @@ namespace mebots::soc::test {
 namespace {
 
 using testing::HasSubstr;
-using testing::Not;
 
 constexpr std::string_view kProgram = R"(
     .globl _start, add_up, counter, finish
@@ -54,9 +53,22 @@ counter: .word 10
 /// What gdb and the run say when gdb obeys these commands.
 class Debugged {
  public:
-  explicit Debugged(std::string_view commands, std::string_view program = kProgram, const std::string& options = "") {
+  explicit Debugged(std::string_view commands, std::string_view program = kProgram) {
     const Folder folder;
-    const auto elf = folder.program(fmt::format("{}{}", program, kTohost));
+    obey(commands, folder.program(fmt::format("{}{}", program, kTohost)), "");
+  }
+  Debugged(std::string_view commands, const std::string& elf, const std::string& options) {
+    obey(commands, elf, options);
+  }
+
+  int exit_code = -1;
+  std::string gdb;
+  std::string out;
+  std::string err;
+
+ private:
+  void obey(std::string_view commands, const std::string& elf, const std::string& options) {
+    const Folder folder;
     write_text(folder / "commands", commands);
     // The tool says on stderr where it waits; gdb starts when it has.
     write_text(folder / "script", fmt::format(R"(
@@ -84,12 +96,11 @@ wait $tool
     out = read_text(folder / "out");
     err = read_text(folder / "err");
   }
-
-  int exit_code = -1;
-  std::string gdb;
-  std::string out;
-  std::string err;
 };
+
+/// The self-test of the cluster's runtime, on the AI-deck.
+const std::string kClusterProgram = MEBOTS_BINARY_DIR "/firmware/cluster_selftest.elf";
+const std::string kBoard = "--board " MEBOTS_SOURCE_DIR "/configs/boards/ai_deck.json";
 
 class Gdb : public testing::Test {
  protected:
@@ -182,6 +193,50 @@ TEST_F(Gdb, InterruptsARunningProgram) {
       ".globl spin\n_start: nop\nspin: j spin\n");
   EXPECT_THAT(run.gdb, HasSubstr("SIGINT"));
   EXPECT_THAT(run.gdb, HasSubstr("$1 = 0x80000002"));
+  EXPECT_EQ(run.exit_code, 101);
+}
+
+TEST_F(Gdb, ShowsTheClustersCoresAsThreadsAndLeavesTheirCountsAlone) {
+  const Debugged run(
+      "info threads\nbreak meet\ncontinue\ncontinue\ncontinue\ncontinue\ncontinue\ncontinue\ncontinue\ncontinue\n"
+      "info threads\ndelete\nset $before = $pc\nstepi\nprint $pc != $before\nthread 9\nprint $mhartid\nbacktrace 2\n"
+      "thread 1\nmonitor cycles\ncontinue\n",
+      kClusterProgram, kBoard);
+  EXPECT_THAT(run.gdb, HasSubstr("* 1    Thread 1 (fabric controller) "));
+  EXPECT_THAT(run.gdb, HasSubstr("  9    Thread 9 (cluster core 7, off) "));
+  for (int thread = 2; thread <= 9; ++thread) {
+    EXPECT_THAT(run.gdb, HasSubstr(fmt::format("Thread {} hit Breakpoint 1, meet", thread)));
+  }
+  EXPECT_THAT(run.gdb, HasSubstr("* 9    Thread 9 (cluster core 7)"));
+  EXPECT_THAT(run.gdb, HasSubstr("$1 = 1"));
+  EXPECT_THAT(run.gdb, HasSubstr("$2 = 7"));
+  EXPECT_THAT(run.gdb, HasSubstr("#1  meet (argument=0x8)"));
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  const auto plain = run_tool(fmt::format("run {} {}", kClusterProgram, kBoard));
+  EXPECT_EQ(run.out.substr(0, run.out.find("host")), plain.out.substr(0, plain.out.find("host")));
+}
+
+TEST_F(Gdb, StopsTheCoreOfTheClusterThatChangesAWatchedVariable) {
+  const Debugged run(
+      "watch *((int*)&seen + 3)\ncontinue\ninfo threads\nprint/x $mhartid\nprint *((int*)&seen + 3)\nset $pc = $pc + "
+      "4\nkill\n",
+      kClusterProgram, kBoard);
+  EXPECT_THAT(run.gdb, HasSubstr("Old value = 0\nNew value = 20"));
+  EXPECT_THAT(run.gdb, HasSubstr("Thread 1 (fabric controller, asleep)"));
+  EXPECT_THAT(run.gdb, HasSubstr("* 5    Thread 5 (cluster core 3)"));
+  EXPECT_THAT(run.gdb, HasSubstr("$1 = 0x3"));
+  EXPECT_THAT(run.gdb, HasSubstr("$2 = 20"));
+  EXPECT_THAT(run.gdb, HasSubstr("Could not write register \"pc\""));
+  EXPECT_EQ(run.exit_code, 101) << "killed while a core of the cluster runs";
+  EXPECT_THAT(run.err, HasSubstr("stopped by the debugger at pc 0x"));
+}
+
+TEST_F(Gdb, ShowsWhichCoreOfTheClusterFaulted) {
+  const Debugged run("break meet\ncontinue\ncontinue\nset $sp = 0x1000\ndelete\ncontinue\ninfo threads\ncontinue\n",
+                     kClusterProgram, kBoard);
+  EXPECT_THAT(run.gdb, HasSubstr("Thread 3 received signal SIGSEGV"));
+  EXPECT_THAT(run.gdb, HasSubstr("* 3    Thread 3 (cluster core 1)"));
+  EXPECT_THAT(run.err, HasSubstr("cluster core 1: trap without a handler: store into nothing"));
   EXPECT_EQ(run.exit_code, 101);
 }
 

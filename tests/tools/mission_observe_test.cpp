@@ -156,8 +156,8 @@ TEST(MissionObserve, ADebuggerHoldsTheMissionWhichThenGoesOnWithTheSameBits) {
   });
   caller.join();
   ASSERT_EQ(answers.size(), 103U);
-  EXPECT_EQ(answers[0], "T05");
-  EXPECT_EQ(answers[100], "T05");
+  EXPECT_EQ(answers[0], "T05thread:1;");
+  EXPECT_EQ(answers[100], "T05thread:1;");
   EXPECT_EQ(answers[101].size(), 8U);
   EXPECT_EQ(answers[102], "OK");
   EXPECT_TRUE(bytes == state_after({}, kSteps));

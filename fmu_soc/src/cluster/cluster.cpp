@@ -191,8 +191,9 @@ void Cluster::note_stop(Core& core, Stop stop) {
   core.stopped(stop);
   if (stop == Stop::device) spread_events(core.accessed());
   if (stop == Stop::fault) faulted_core_ = static_cast<std::int32_t>(core.id());
-  if (stop == Stop::watch) stopped_ = true;
-  if (stop == Stop::fault || stop == Stop::watch) has_news_ = true;
+  if (stop == Stop::watch || stop == Stop::observer) stopped_ = true;
+  if (stop == Stop::observer) stopped_by_observer_ = true;
+  if (stop == Stop::fault || stopped_) has_news_ = true;
 }
 
 /// What happened in `tick` wakes who waited for it.
@@ -252,6 +253,10 @@ BusReply Cluster::store(std::uint32_t address, Picoseconds now, std::uint32_t va
 }
 
 const Hart& Cluster::hart(unsigned core) const {
+  return cores_[core]->hart();
+}
+
+Hart& Cluster::hart(unsigned core) {
   return cores_[core]->hart();
 }
 

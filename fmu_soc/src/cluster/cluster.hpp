@@ -91,9 +91,10 @@ class Cluster {
   bool interrupt() const { return powered_ && event_unit_.interrupt(); }
 
   const Hart& hart(unsigned core) const;
+  Hart& hart(unsigned core);
   /// When the core's next instruction starts, or its sleep began; while it is on.
   Picoseconds core_time(unsigned core) const;
-  /// Who watches this core from now on, or null. It cannot end the run. Not part of a state.
+  /// Who watches this core from now on, or null. Not part of a state.
   void observe(unsigned core, Observer* observer);
   /// Sum over the cores since reset of the chip.
   Counters counters() const;
@@ -106,6 +107,8 @@ class Cluster {
   int faulted_core() const { return faulted_core_; }
   /// A core's store into a watched word ended the run.
   bool stopped() const { return stopped_; }
+  /// Likewise, but a core's observer did.
+  bool stopped_by_observer() const { return stopped_by_observer_; }
   const ClusterDma& dma() const { return dma_; }
   /// That all cores share; null without one.
   const InstructionCache* instruction_cache() const { return instruction_cache_ ? &*instruction_cache_ : nullptr; }
@@ -146,8 +149,9 @@ class Cluster {
   bool interrupt_ = false;  // what the line was
   bool fabric_woken_ = false;
   bool stopped_ = false;
-  std::uint64_t version_ = 0;  // of the decoded code, in which harts stand in a row
-  bool has_news_ = false;      // for the rest of the chip, in this quantum
+  bool stopped_by_observer_ = false;  // so the run has no later state
+  std::uint64_t version_ = 0;         // of the decoded code, in which harts stand in a row
+  bool has_news_ = false;             // for the rest of the chip, in this quantum
   bool sharing_banks_ = false;
   std::int32_t faulted_core_ = -1;
   std::uint32_t first_core_ = 0;  // of the next quantum

@@ -13,88 +13,45 @@
 namespace mebots::soc::debug {
 namespace {
 
-/// How many instructions pass between two looks for Ctrl-C or a new debugger.
-constexpr std::uint32_t kPatience = 1U << 12;
 constexpr std::string_view kError = "E01";
-constexpr std::string_view kTrap = "T05";
-constexpr std::string_view kInterrupted = "T02";
+constexpr std::string_view kContinue = "vCont;";
 constexpr std::uint32_t kLongestRead = 1U << 16;
 
-std::string fault_reply(std::uint32_t cause) {
+std::string_view fault_signal(std::uint32_t cause) {
   return cause == cause::kIllegalInstruction ? "T04" : cause == cause::kBreakpoint ? "T05" : "T0b";
 }
 
 }  // namespace
 
 GdbServer::GdbServer(int port, Soc& soc, Kill kill, std::function<void(std::string_view)> announce)
-    : soc_(soc), kill_(kill), connection_(port), announce_(std::move(announce)), stop_reply_(kTrap) {
+    : soc_(soc), kill_(kill), connection_(port), announce_(std::move(announce)), threads_(soc) {
+  for (unsigned number = 0; number < soc.harts(); ++number) harts_.emplace_back(*this, number);
   announce_(fmt::format("waiting for gdb: target remote 127.0.0.1:{}", connection_.port()));
 }
 
 bool GdbServer::meet_debugger() {
   if (!connection_.accept(awaited_)) return false;
   awaited_ = false;
-  stepping_ = false;
+  stepping_.reset();
+  alone_.reset();
   breakpoints_.clear();
   watches_.clear();
-  watch_reply_.clear();
   return true;
-}
-
-bool GdbServer::before(Hart& hart) {
-  const bool look = (++ticks_ & (kPatience - 1)) == 0;
-  // NOLINTBEGIN(bugprone-branch-clone): the order of the questions is the rule
-  if (!connection_.connected()) {
-    if (!(awaited_ || look) || !meet_debugger()) return true;
-    stop_reply_ = kTrap;
-    held_ = true;  // gdb asks why by itself
-  } else if (!watch_reply_.empty()) {
-    stop_reply_ = std::exchange(watch_reply_, {});
-  } else if (resumed_ && hart.pc() == resumed_pc_ && hart.counters().instructions == resumed_instructions_) {
-    return true;
-  } else if (stepping_) {
-    stop_reply_ = kTrap;
-  } else if (breakpoints_.contains(hart.pc())) {
-    stop_reply_ = "T05swbreak:;";
-  } else if (look && connection_.interrupted()) {
-    stop_reply_ = kInterrupted;
-  } else {
-    return true;
-  }
-  // NOLINTEND(bugprone-branch-clone)
-  const bool goes_on = serve() != Resume::end;
-  resumed_ = true;
-  resumed_pc_ = hart.pc();
-  resumed_instructions_ = hart.counters().instructions;
-  return goes_on;
-}
-
-void GdbServer::retired(const Hart& /*hart*/, const Retired& instruction) {
-  const auto& access = instruction.access;
-  if (watches_.empty() || access.size == 0) return;
-  for (const auto& watch : watches_) {
-    if (watch.kind == (access.store ? '3' : '2')) continue;
-    if (access.address < std::uint64_t{watch.address} + watch.size &&
-        watch.address < std::uint64_t{access.address} + access.size) {
-      const auto* name = watch.kind == '2' ? "watch" : watch.kind == '3' ? "rwatch" : "awatch";
-      watch_reply_ = fmt::format("T05{}:{:08x};", name, watch.address);
-      return;
-    }
-  }
 }
 
 /// Answers gdb until it lets the program go on.
 GdbServer::Resume GdbServer::serve() {
   if (!held_) connection_.send(stop_reply_);
   held_ = true;
-  stepping_ = false;
+  stepping_.reset();
+  alone_.reset();
   for (;;) {
     const auto packet = connection_.receive();
     if (!packet) break;  // gone: the run goes on without
     const auto resume = obey(*packet);
     if (resume == Resume::no) continue;
     held_ = false;
-    stepping_ = resume == Resume::step;
+    if (resume == Resume::step) stepping_ = threads_.chosen();
     return resume;
   }
   held_ = false;
@@ -104,7 +61,7 @@ GdbServer::Resume GdbServer::serve() {
 /// Does what a packet says; anything but `no` ends the conversation for now.
 GdbServer::Resume GdbServer::obey(const std::string& packet) {
   const auto go_on_at = [this](std::string_view text) {
-    if (const auto address = parse_hex(text)) soc_.hart().set_pc(*address);
+    if (const auto address = parse_hex(text)) write_register(kPcNumber, *address);
   };
   switch (packet.empty() ? '\0' : packet[0]) {
     case '\x03':
@@ -129,8 +86,7 @@ GdbServer::Resume GdbServer::obey(const std::string& packet) {
     default:
       break;
   }
-  if (packet.starts_with("vCont;c") || packet.starts_with("vCont;C")) return Resume::go_on;
-  if (packet.starts_with("vCont;s") || packet.starts_with("vCont;S")) return Resume::step;
+  if (packet.starts_with(kContinue)) return resume(std::string_view(packet).substr(kContinue.size()));
   if (packet.starts_with("vKill")) {
     connection_.send("OK");
     connection_.disconnect();
@@ -139,6 +95,20 @@ GdbServer::Resume GdbServer::obey(const std::string& packet) {
   connection_.send(answer(packet));
   if (packet == "QStartNoAckMode") connection_.stop_acknowledging();
   return Resume::no;
+}
+
+/// "s:2;c": one thread steps, all others go on. With "s:2" or "c:2" they should stand, but none can while a core waits
+/// for them: they go on unseen.
+GdbServer::Resume GdbServer::resume(std::string_view actions) {
+  const auto step = actions.find_first_of("sS");
+  const auto begin = step == std::string_view::npos ? 0 : step;
+  const auto action = actions.substr(begin, actions.find(';', begin) - begin);
+  if (const auto colon = action.find(':'); colon != std::string_view::npos) {
+    const auto text = action.substr(colon + 1);
+    if (const auto number = threads_.parse(text)) threads_.choose(*number);
+    if (action.size() == actions.size() && text != "-1") alone_ = threads_.chosen();
+  }
+  return step == std::string_view::npos ? Resume::go_on : Resume::step;
 }
 
 std::string GdbServer::answer(const std::string& packet) {
@@ -174,9 +144,14 @@ std::string GdbServer::answer(const std::string& packet) {
       return change_point(rest, true);
     case 'z':
       return change_point(rest, false);
-    case 'H':
+    case 'H': {
+      const auto number = threads_.parse(rest.substr(std::min<std::size_t>(1, rest.size())));
+      // What goes on is said by vCont.
+      if (number && rest.starts_with('g')) threads_.choose(*number);
+      return number ? "OK" : std::string(kError);
+    }
     case 'T':
-      return "OK";
+      return threads_.parse(rest) ? "OK" : std::string(kError);
     case 'q':
       return query(packet);
     default:
@@ -190,6 +165,7 @@ std::string GdbServer::answer(const std::string& packet) {
 std::string GdbServer::query(std::string_view text) {
   constexpr std::string_view kDescription = "qXfer:features:read:target.xml:";
   constexpr std::string_view kCommand = "qRcmd,";
+  constexpr std::string_view kThreadText = "qThreadExtraInfo,";
   if (text.starts_with("qSupported")) {
     return "PacketSize=4000;qXfer:features:read+;QStartNoAckMode+;vContSupported+;swbreak+;hwbreak+";
   }
@@ -205,8 +181,12 @@ std::string GdbServer::query(std::string_view text) {
     return (last ? "l" : "m") + whole.substr(*offset, *length);
   }
   if (text.starts_with(kCommand)) return to_hex(monitor(from_hex(text.substr(kCommand.size())).value_or("")));
-  if (text == "qC") return "QC1";
-  if (text == "qfThreadInfo") return "m1";
+  if (text.starts_with(kThreadText)) {
+    const auto number = threads_.parse(text.substr(kThreadText.size()));
+    return number ? to_hex(threads_.describe(*number)) : std::string(kError);
+  }
+  if (text == "qC") return fmt::format("QC{:x}", threads_.chosen() + 1);
+  if (text == "qfThreadInfo") return threads_.list();
   if (text == "qsThreadInfo") return "l";
   if (text.starts_with("qAttached")) return kill_ == Kill::ends_run ? "0" : "1";
   if (text == "qOffsets") return "Text=0;Data=0;Bss=0";
@@ -214,16 +194,16 @@ std::string GdbServer::query(std::string_view text) {
 }
 
 std::string GdbServer::monitor(std::string_view command) const {
-  const auto& counters = soc_.hart().counters();
+  const auto& counters = threads_.hart().counters();
   if (command == "cycles") {
     return fmt::format("{} cycles, {} instructions\n", counters.cycles, counters.instructions);
   }
   if (command == "time") {
-    return fmt::format("{:.9g} s, of it asleep {:.9g} s\n", static_cast<double>(soc_.core_time()) * 1e-12,
+    return fmt::format("{:.9g} s, of it asleep {:.9g} s\n", static_cast<double>(threads_.time()) * 1e-12,
                        static_cast<double>(soc_.sleep_time()) * 1e-12);
   }
   if (command == "energy") {
-    const auto energy = soc_.energy_at_core();
+    const auto energy = soc_.energy_at(threads_.time());
     auto text = fmt::format("total {:.9g} J\n", energy.total_j());
     for (const auto& component : energy.components()) {
       text += fmt::format("{} {:.9g} J\n", component.name, component.energy_j);
@@ -240,7 +220,7 @@ std::string GdbServer::read_registers() const {
 }
 
 std::string GdbServer::read_register(unsigned number) const {
-  const auto& hart = soc_.hart();
+  const auto& hart = threads_.hart();
   if (number < kPcNumber) return little_endian(hart.reg(number));
   if (number == kPcNumber) return little_endian(hart.pc());
   std::uint32_t value = 0;
@@ -249,11 +229,13 @@ std::string GdbServer::read_register(unsigned number) const {
 }
 
 bool GdbServer::write_register(unsigned number, std::uint32_t value) {
-  auto& hart = soc_.hart();
+  auto& hart = threads_.hart();
   if (number < kPcNumber) {
     hart.set_reg(number, value);
   } else if (number == kPcNumber) {
-    if (value != hart.pc()) hart.set_pc(value);
+    if (value == hart.pc()) return true;
+    if (threads_.chosen() != 0) return false;  // a core of the cluster stands in the middle of a block, which goes on
+    hart.set_pc(value);
   } else {
     return number >= kFirstCsrNumber && hart.set_csr(number - kFirstCsrNumber, value);
   }
@@ -305,7 +287,8 @@ std::string GdbServer::change_point(std::string_view text, bool insert) {
 void GdbServer::finish(int exit_code) {
   if (std::exchange(ended_, true) || !connection_.connected()) return;
   if (soc_.end() == End::faulted) {
-    stop_reply_ = fault_reply(soc_.hart().fault().cause);
+    const auto number = soc_.cluster() == nullptr ? 0U : static_cast<unsigned>(soc_.cluster()->faulted_core() + 1);
+    stop(number, fault_signal(std::as_const(soc_).hart(number).fault().cause));
     announce_(soc_.fault_text());
     serve();
   }

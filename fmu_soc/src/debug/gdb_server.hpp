@@ -2,11 +2,14 @@
 #pragma once
 
 #include "debug/connection.hpp"
+#include "debug/threads.hpp"
 #include "hart/observer.hpp"
 #include "soc.hpp"
 
 #include <cstdint>
+#include <deque>
 #include <functional>
+#include <optional>
 #include <set>
 #include <string>
 #include <string_view>
@@ -14,9 +17,10 @@
 
 namespace mebots::soc::debug {
 
-/// Lets gdb hold, look into and change the core. While it is held, whoever runs the chip waits in `before`: the whole
-/// simulation stands still, and goes on with the same results when gdb has changed nothing.
-class GdbServer final : public Observer {
+/// Lets gdb hold, look into and change the cores, each of which is a thread to it. While one is held, whoever runs the
+/// chip waits in its observer's `before`: the whole simulation stands still, all cores with it, and goes on with the
+/// same results when gdb has changed nothing.
+class GdbServer {
  public:
   /// What gdb's `kill` means: the run ends, or it goes on without the debugger.
   enum class Kill : std::uint8_t { ends_run, lets_go };
@@ -25,9 +29,8 @@ class GdbServer final : public Observer {
   /// Throws Error when the port cannot be had.
   GdbServer(int port, Soc& soc, Kill kill, std::function<void(std::string_view)> announce);
 
-  bool before(Hart& hart) override;
-  void retired(const Hart& hart, const Retired& instruction) override;
-  void trapped(const Hart& /*hart*/, const Trapped& /*trap*/) override { resumed_ = false; }
+  /// Who watches a hart, numbered as in the chip.
+  Observer& hart(unsigned number) { return harts_[number]; }
 
   /// The program has ended: gdb hears it, and after a fault may look around first.
   void finish(int exit_code);
@@ -41,9 +44,31 @@ class GdbServer final : public Observer {
   };
   enum class Resume : std::uint8_t { no, go_on, step, end };
 
+  class OfHart final : public Observer {
+   public:
+    OfHart(GdbServer& server, unsigned number) : server_(server), number_(number) {}
+    bool before(Hart& hart) override;
+    void retired(const Hart& hart, const Retired& instruction) override;
+    void trapped(const Hart& /*hart*/, const Trapped& /*trap*/) override { has_stood_ = false; }
+    void switched(const Hart& hart, bool on) override;
+
+   private:
+    bool heard() const { return !server_.alone_ || server_.alone_ == number_; }
+    void hold(const Hart& hart);
+
+    GdbServer& server_;
+    unsigned number_;
+    // It has been held before this instruction, which may come again: it let others go first, or sleeps before it.
+    bool has_stood_ = false;
+    std::uint32_t stood_at_ = 0;
+    std::uint64_t stood_after_ = 0;  // instructions
+  };
+
   bool meet_debugger();
+  void stop(unsigned number, std::string_view signal, std::string_view why = {});
   Resume serve();
   Resume obey(const std::string& packet);
+  Resume resume(std::string_view actions);
   std::string answer(const std::string& packet);
   std::string query(std::string_view text);
   std::string monitor(std::string_view command) const;
@@ -53,24 +78,24 @@ class GdbServer final : public Observer {
   std::string read_memory(std::string_view text) const;
   std::string write_memory(std::string_view text, bool binary);
   std::string change_point(std::string_view text, bool insert);
+  std::string watch_touched(const Access& access) const;
 
   Soc& soc_;
   Kill kill_;
   Connection connection_;
   std::function<void(std::string_view)> announce_;
+  Threads threads_;
+  std::deque<OfHart> harts_;
   std::set<std::uint32_t> breakpoints_;
   std::vector<Watch> watches_;
   std::string stop_reply_;
-  std::string watch_reply_;  // a watched place was touched by the last instruction
-  bool awaited_ = true;      // the run has not begun: wait for the debugger
-  bool stepping_ = false;
-  bool held_ = false;  // gdb believes that the program stands
+  std::optional<unsigned> stepping_;  // the hart
+  std::optional<unsigned> alone_;     // likewise: gdb wants to hear of no other one meanwhile
+  bool awaited_ = true;               // the run has not begun: wait for the debugger
+  bool held_ = false;                 // gdb believes that the program stands
+  bool killed_ = false;
   bool ended_ = false;
   std::uint32_t ticks_ = 0;
-  // An instruction that must let others go first comes again before it retires: it has been stopped at already.
-  std::uint32_t resumed_pc_ = 0;
-  std::uint64_t resumed_instructions_ = 0;
-  bool resumed_ = false;
 };
 
 }  // namespace mebots::soc::debug

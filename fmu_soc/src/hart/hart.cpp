@@ -150,7 +150,7 @@ inline Stop Hart::go_on(std::uint64_t limit, bool translated_led_here) {
       continue;
     }
     if (observer_ != nullptr) [[unlikely]] {
-      if (!observer_->before(*this) && !has_loose_limit()) return Stop::observer;
+      if (!observer_->before(*this)) return Stop::observer;
       cache_.forget_if_stale();  // a debugger may have changed code, or the pc
       number = 0;
       e.link = nullptr;

@@ -45,8 +45,8 @@ class Observer {
   Observer& operator=(const Observer&) = delete;
   virtual ~Observer() = default;
 
-  /// The instruction at the hart's pc comes next, or a trap if it cannot run. False: the run ends before it, if the
-  /// hart can stop anywhere; with a loose limit it goes on.
+  /// The instruction at the hart's pc comes next, or a trap if it cannot run. False: the run ends before it; with a
+  /// loose limit, before the next block for whose first instruction the answer is false.
   virtual bool before(Hart& /*hart*/) { return true; }
   virtual void retired(const Hart& /*hart*/, const Retired& /*instruction*/) {}
   virtual void trapped(const Hart& /*hart*/, const Trapped& /*trap*/) {}

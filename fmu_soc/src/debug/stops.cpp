@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// When a hart is held for gdb, and what gdb hears then.
+#include "debug/gdb_server.hpp"
+
+#include <fmt/core.h>
+
+#include <utility>
+
+namespace mebots::soc::debug {
+namespace {
+
+/// How many instructions pass between two looks for Ctrl-C or a new debugger.
+constexpr std::uint32_t kPatience = 1U << 12;
+constexpr std::string_view kTrap = "T05";
+constexpr std::string_view kInterrupted = "T02";
+constexpr std::string_view kAtBreakpoint = "swbreak:;";
+
+}  // namespace
+
+/// What gdb hears when it is told why the hart stands.
+void GdbServer::stop(unsigned number, std::string_view signal, std::string_view why) {
+  threads_.choose(number);
+  stop_reply_ = fmt::format("{}thread:{:x};{}", signal, number + 1, why);
+}
+
+bool GdbServer::OfHart::before(Hart& hart) {
+  auto& server = server_;
+  auto& connection = server.connection_;
+  if (server.killed_) return false;
+  const bool look = (++server.ticks_ & (kPatience - 1)) == 0;
+  // NOLINTBEGIN(bugprone-branch-clone): the order of the questions is the rule
+  if (!connection.connected()) {
+    if (!(server.awaited_ || look) || !server.meet_debugger()) return true;
+    server.stop(number_, kTrap);
+    server.held_ = true;  // gdb asks why by itself
+  } else if (look && connection.interrupted()) {
+    server.stop(server.alone_.value_or(number_), kInterrupted);
+  } else if (has_stood_ && hart.pc() == stood_at_ && hart.counters().instructions == stood_after_) {
+    return true;
+  } else if (server.stepping_ == number_) {
+    server.stop(number_, kTrap);  // in a handler: the instruction itself has not retired
+  } else if (heard() && server.breakpoints_.contains(hart.pc())) {
+    server.stop(number_, kTrap, kAtBreakpoint);
+  } else {
+    return true;
+  }
+  // NOLINTEND(bugprone-branch-clone)
+  hold(hart);
+  return !server.killed_;
+}
+
+/// A step ends, and a watched place is reported, before any other hart goes on: gdb takes a step for the work of one
+/// thread. It makes steps of its own from breakpoints, too, letting one thread go on alone.
+void GdbServer::OfHart::retired(const Hart& hart, const Retired& instruction) {
+  if (!server_.connection_.connected() || !heard()) return;
+  const auto touched = server_.watch_touched(instruction.access);
+  if (!touched.empty() || server_.stepping_ == number_) {
+    server_.stop(number_, kTrap, touched);
+  } else if (server_.alone_ == number_ && server_.breakpoints_.contains(hart.pc())) {
+    server_.stop(number_, kTrap, kAtBreakpoint);
+  } else {
+    return;
+  }
+  hold(hart);
+}
+
+/// A core that is switched off ends no step.
+void GdbServer::OfHart::switched(const Hart& /*hart*/, bool /*on*/) {
+  has_stood_ = false;
+  if (server_.stepping_ == number_) server_.stepping_.reset();
+  if (server_.alone_ == number_) server_.alone_.reset();
+}
+
+void GdbServer::OfHart::hold(const Hart& hart) {
+  server_.killed_ = server_.serve() == Resume::end;
+  has_stood_ = true;
+  stood_at_ = hart.pc();
+  stood_after_ = hart.counters().instructions;
+}
+
+/// Which watched place the access touches, as gdb wants to hear it; empty = none.
+std::string GdbServer::watch_touched(const Access& access) const {
+  if (access.size == 0) return {};
+  for (const auto& watch : watches_) {
+    if (watch.kind == (access.store ? '3' : '2')) continue;
+    if (access.address < std::uint64_t{watch.address} + watch.size &&
+        watch.address < std::uint64_t{access.address} + access.size) {
+      const auto* name = watch.kind == '2' ? "watch" : watch.kind == '3' ? "rwatch" : "awatch";
+      return fmt::format("{}:{:08x};", name, watch.address);
+    }
+  }
+  return {};
+}
+
+}  // namespace mebots::soc::debug

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "soc.hpp"
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+
+namespace mebots::soc::debug {
+
+/// The chip's harts as gdb's threads: thread n + 1 is hart n. Those of a cluster that is off are there, too: so gdb
+/// numbers them as we do.
+class Threads {
+ public:
+  explicit Threads(Soc& soc) : soc_(soc) {}
+
+  /// The hart that gdb looks at: the one that was stopped, unless gdb chose another.
+  unsigned chosen() const { return chosen_; }
+  Hart& hart() { return soc_.hart(chosen_); }
+  const Hart& hart() const { return std::as_const(soc_).hart(chosen_); }
+  void choose(unsigned number) { chosen_ = number; }
+
+  /// The hart of a thread's number as gdb writes it; its 0 and -1, any and all, are the chosen one. Nothing when there
+  /// is none.
+  std::optional<unsigned> parse(std::string_view text) const;
+  /// "m1,2,3"
+  std::string list() const;
+  /// What `info threads` shows behind the number.
+  std::string describe(unsigned number) const;
+  /// When the chosen hart's next instruction starts, or its sleep began; of the fabric controller when that one is off.
+  Picoseconds time() const { return soc_.core_time(soc_.is_on(chosen_) ? chosen_ : 0); }
+
+ private:
+  Soc& soc_;
+  unsigned chosen_ = 0;
+};
+
+}  // namespace mebots::soc::debug
