@@ -20,14 +20,16 @@
 namespace mebots::soc::test {
 namespace {
 
-/// The self-test of the cluster's runtime (forks, barriers, DMA, off and on again), profiled to its end.
+/// A program profiled: by default the self-test of the cluster's runtime (forks, barriers, DMA, off and on again), to
+/// its end.
 struct ProfiledCluster {
-  explicit ProfiledCluster(std::string_view file)
-      : system(Elf::read(MEBOTS_BINARY_DIR "/firmware/cluster_selftest.elf")),
+  explicit ProfiledCluster(std::string_view file, std::string_view program = "cluster_selftest",
+                           std::int64_t end_ns = 20 * kMs)
+      : system(Elf::read(fmt::format("{}/firmware/{}.elf", MEBOTS_BINARY_DIR, program))),
         profile("--profile", folder / file, system.soc) {
     auto& soc = system.soc;
     for (unsigned number = 0; number < soc.harts(); ++number) soc.observe(number, &profile.hart(number));
-    soc.advance(20 * kMs);
+    soc.advance(end_ns);
     for (unsigned number = 0; number < soc.harts(); ++number) soc.observe(number, nullptr);
     profile.finish();
     written = read_text(folder / file);
@@ -47,22 +49,35 @@ std::map<std::string, observe::Cost> self_costs(observe::Profile& profile, unsig
   return costs;
 }
 
-TEST(ClusterProfile, HartsAddUpToTheChipExactly) {
-  ProfiledCluster run("p.json");
+void expect_whole_chip(ProfiledCluster& run) {
   auto& soc = run.system.soc;
-  ASSERT_EQ(soc.end(), End::exited);
   ASSERT_EQ(soc.harts(), 9U);
   std::int64_t energy_fj = 0;
   std::int64_t instructions = 0;
   for (unsigned number = 0; number < soc.harts(); ++number) {
     const auto total = run.profile.hart(number).total();
     EXPECT_EQ(total.cycles, static_cast<std::int64_t>(soc.hart(number).counters().cycles)) << number;
-    EXPECT_EQ(total.time_ps, soc.now()) << number;
     energy_fj += total.energy_fj;
     instructions += total.instructions;
   }
   EXPECT_EQ(instructions, static_cast<std::int64_t>(soc.instructions()));
   EXPECT_EQ(energy_fj, std::llround(soc.energy().total_j() * 1e15));
+}
+
+TEST(ClusterProfile, HartsAddUpToTheChipExactly) {
+  ProfiledCluster run("p.json");
+  const auto& soc = run.system.soc;
+  ASSERT_EQ(soc.end(), End::exited);
+  expect_whole_chip(run);
+  for (unsigned number = 0; number < soc.harts(); ++number) {
+    EXPECT_EQ(run.profile.hart(number).total().time_ps, soc.now()) << number;
+  }
+}
+
+TEST(ClusterProfile, HartsAddUpToTheChipInTheMiddleOfAnInference) {
+  ProfiledCluster run("p.json", "network_bench", 30 * kMs);
+  expect_whole_chip(run);
+  EXPECT_GT(self_costs(run.profile, 1).at("nn_fast_first").energy_fj, 0);
 }
 
 TEST(ClusterProfile, GivesACoreTheEnergyOfItsFunctionsAndTheRestToTheFabricController) {
