@@ -42,54 +42,89 @@ bool retired(const Execution& e, const Instruction* at) {
   e.x[0] = 0;
 }
 
-template <typename T, Mode kMode>
-const Instruction* load(Execution& e, const Instruction* at) {
+/// Address of an access, and what its address register becomes by an increment.
+struct Addresses {
+  std::uint32_t access;
+  std::uint32_t moved;
+};
+
+/// The register of an offset or increment stands in rs2, for stores in imm.
+template <Mode kMode>
+[[gnu::always_inline]] inline Addresses addresses_of(const Execution& e, const Instruction* at, std::uint32_t in) {
   const auto base = e.x[at->rs1];
-  const auto step = has_step_register(kMode) ? e.x[at->rs2] : static_cast<std::uint32_t>(at->imm);
-  const auto address = is_post(kMode) ? base : base + step;
-  const auto ram = ram_access<sizeof(T)>(e, at, address);
-  if (ram.data == nullptr) [[unlikely]] {
-    const auto* left = e.hart->slow_load(at, address, sizeof(T), std::is_signed_v<T>);
-    if (is_post(kMode) && retired(e, at) && at->rd != at->rs1) increment(e, at, base + step);
+  const auto moved = base + (has_step_register(kMode) ? e.x[in] : static_cast<std::uint32_t>(at->imm));
+  return {is_post(kMode) ? base : moved, moved};
+}
+
+/// The load wins when it writes its own address register.
+template <typename T, Mode kMode>
+[[gnu::always_inline]] inline void finish_load(Execution& e, const Instruction* at, const std::uint8_t* data,
+                                               std::uint32_t moved) {
+  T value;
+  std::memcpy(&value, data, sizeof value);
+  if constexpr (is_post(kMode)) increment(e, at, moved);
+  e.x[at->rd] = static_cast<std::uint32_t>(static_cast<std::int32_t>(value));
+}
+
+template <typename T, Mode kMode>
+[[gnu::noinline]] const Instruction* careful_load(Execution& e, const Instruction* at) {
+  const auto address = addresses_of<kMode>(e, at, at->rs2);
+  const auto ram = ram_access<sizeof(T)>(e, at, address.access);
+  if (ram.data == nullptr) {
+    const auto* left = e.hart->slow_load(at, address.access, sizeof(T), std::is_signed_v<T>);
+    if (is_post(kMode) && retired(e, at) && at->rd != at->rs1) increment(e, at, address.moved);
     return left;
   }
-  T value;
-  std::memcpy(&value, ram.data, sizeof value);
-  if constexpr (is_post(kMode)) increment(e, at, base + step);
-  e.x[at->rd] = static_cast<std::uint32_t>(static_cast<std::int32_t>(value));  // after the increment: the load wins
-  if constexpr (sizeof(T) > 1) {
-    if (crosses_word(address, sizeof(T))) [[unlikely]]
-      misaligned_load(e, at);
-  }
+  finish_load<T, kMode>(e, at, ram.data, address.moved);
+  if (crosses_word(address.access, sizeof(T))) misaligned_load(e, at);
   return next(e, at);
 }
 
-/// The register of an offset or increment stands in imm.
 template <typename T, Mode kMode>
-const Instruction* store(Execution& e, const Instruction* at) {
-  const auto base = e.x[at->rs1];
-  const auto imm = static_cast<std::uint32_t>(at->imm);
-  const auto step = has_step_register(kMode) ? e.x[imm] : imm;
-  const auto address = is_post(kMode) ? base : base + step;
-  const auto word = e.x[at->rs2];
-  const auto ram = ram_access<sizeof(T)>(e, at, address);
-  if (ram.data == nullptr) [[unlikely]] {
-    const auto* left = e.hart->slow_store(at, address, sizeof(T), word);
-    if (is_post(kMode) && retired(e, at)) increment(e, at, base + step);
+const Instruction* load(Execution& e, const Instruction* at) {
+  const auto address = addresses_of<kMode>(e, at, at->rs2);
+  const auto ram = quick_access<sizeof(T)>(e, address.access);
+  if (ram.data == nullptr) [[unlikely]]
+    return careful_load<T, kMode>(e, at);
+  finish_load<T, kMode>(e, at, ram.data, address.moved);
+  return next(e, at);
+}
+
+template <typename T, Mode kMode>
+[[gnu::always_inline]] inline void finish_store(Execution& e, const Instruction* at, std::uint8_t* data,
+                                                std::uint32_t moved) {
+  const auto value = static_cast<T>(e.x[at->rs2]);
+  std::memcpy(data, &value, sizeof value);
+  if constexpr (is_post(kMode)) increment(e, at, moved);
+}
+
+template <typename T, Mode kMode>
+[[gnu::noinline]] const Instruction* careful_store(Execution& e, const Instruction* at) {
+  const auto address = addresses_of<kMode>(e, at, static_cast<std::uint32_t>(at->imm));
+  const auto ram = ram_access<sizeof(T)>(e, at, address.access);
+  if (ram.data == nullptr) {
+    const auto* left = e.hart->slow_store(at, address.access, sizeof(T), e.x[at->rs2]);
+    if (is_post(kMode) && retired(e, at)) increment(e, at, address.moved);
     return left;
   }
-  const auto value = static_cast<T>(word);
-  std::memcpy(ram.data, &value, sizeof value);
-  if constexpr (is_post(kMode)) increment(e, at, base + step);
+  finish_store<T, kMode>(e, at, ram.data, address.moved);
   std::uint8_t marks = ram.marks[0];
-  if constexpr (sizeof(T) > 1) {
-    if (crosses_word(address, sizeof(T))) [[unlikely]] {
-      e.extra_cycles += kMisalignedExtra;
-      marks |= ram.marks[1];
-    }
+  if (crosses_word(address.access, sizeof(T))) {
+    e.extra_cycles += kMisalignedExtra;
+    marks |= ram.marks[1];
   }
-  if (marks != 0) [[unlikely]]
-    return e.hart->marked_store(at, address, sizeof(T));
+  return marks != 0 ? e.hart->marked_store(at, address.access, sizeof(T)) : next(e, at);
+}
+
+template <typename T, Mode kMode>
+const Instruction* store(Execution& e, const Instruction* at) {
+  const auto address = addresses_of<kMode>(e, at, static_cast<std::uint32_t>(at->imm));
+  const auto ram = quick_access<sizeof(T)>(e, address.access);
+  if (ram.data == nullptr) [[unlikely]]
+    return careful_store<T, kMode>(e, at);
+  finish_store<T, kMode>(e, at, ram.data, address.moved);
+  if (*ram.marks != 0) [[unlikely]]
+    return e.hart->marked_store(at, address.access, sizeof(T));
   return next(e, at);
 }
 

@@ -11,29 +11,56 @@ struct RamAccess {
   std::uint8_t* marks = nullptr;  // of the first word that the bytes touch
 };
 
+/// The fast region of an access and where in it; region null = none.
+struct RamPlace {
+  const FastRegion* region = nullptr;
+  std::uint32_t offset = 0;
+};
+
+[[gnu::always_inline]] inline RamPlace find_ram(const Execution& e, std::uint32_t address) {
+  for (const auto& ram : e.ram) {
+    const auto offset = address - ram.base;
+    if (offset < ram.span) [[likely]]
+      return {&ram, offset};
+  }
+  return {};
+}
+
+/// Counts an access to one word but for its bank.
+[[gnu::always_inline]] inline RamAccess count_access(Execution& e, const RamPlace& place) {
+  const auto& ram = *place.region;
+  if (&ram != &e.ram[0]) ++e.far_accesses;
+  if (ram.wait_cycles != 0) e.extra_cycles += ram.wait_cycles;
+  return {ram.data + place.offset, ram.marks + place.offset / 4};
+}
+
+/// An access that is over with one look: in fast RAM, in banks that nobody else uses, within a word. Of all others,
+/// nothing has happened. No function is called, so that a handler keeps nothing on the stack.
+template <unsigned Size>
+[[gnu::always_inline]] inline RamAccess quick_access(Execution& e, std::uint32_t address) {
+  const auto place = find_ram(e, address);
+  if (place.region == nullptr || place.region->banks != nullptr) return {};
+  if (Size > 1 && crosses_word(address, Size)) return {};
+  return count_access(e, place);
+}
+
 /// Finds the bytes of an access in the two fast regions and adds what it waits for: the way there, and the bank when
 /// others use it too. Bytes across two words are two bus accesses, each with its wait; the extra cycle of the second
-/// one (kMisalignedExtra) is left to the caller. Every handler that loads or stores goes through here.
+/// one (kMisalignedExtra) is left to the caller.
 template <unsigned Size>
 [[gnu::always_inline]] inline RamAccess ram_access(Execution& e, const Instruction* at, std::uint32_t address) {
-  const auto* ram = &e.ram[0];
-  auto offset = address - ram->base;
-  if (offset >= ram->span) [[unlikely]] {
-    ram = &e.ram[1];
-    offset = address - ram->base;
-    if (offset >= ram->span) return {};
-    ++e.far_accesses;
-  }
-  e.extra_cycles += ram->wait_cycles;
-  if (ram->banks != nullptr) [[unlikely]]
-    e.extra_cycles += ram->banks->claim(e.hart->cycle_of(at), address);
+  const auto place = find_ram(e, address);
+  if (place.region == nullptr) return {};
+  const auto access = count_access(e, place);
+  const auto& ram = *place.region;
+  if (ram.banks != nullptr) e.extra_cycles += ram.banks->claim(e.hart->cycle_of(at), address);
   if constexpr (Size > 1) {
-    if (crosses_word(address, Size)) [[unlikely]] {
-      e.extra_cycles += ram->wait_cycles;
-      if (ram->banks != nullptr) e.extra_cycles += ram->banks->claim(e.hart->cycle_of(at) + 1, address + 4);
+    if (crosses_word(address, Size)) {
+      e.extra_cycles += ram.wait_cycles;
+      if (ram.banks != nullptr) e.extra_cycles += ram.banks->claim(e.hart->cycle_of(at) + 1, address + 4);
     }
   }
-  return {ram->data + offset, ram->marks + offset / 4};
+  return access;
 }
 
 }  // namespace mebots::soc
