@@ -117,6 +117,7 @@ std::uint32_t BlockCache::decode_block(std::uint32_t pc) {
     before = previous_of(decoded);
     loop = may_end_loop(at);
     at += decoded.length;
+    if (is_branch(decoded.op) && block.front_end == 0) block.front_end = at;
     if (loop || ends_block(decoded.op)) break;
   }
   auto& end = arena_[arena_used_ + sums.index];
@@ -126,6 +127,13 @@ std::uint32_t BlockCache::decode_block(std::uint32_t pc) {
   end.pc = at;
   block.end = at;
   block.entry_bound = fetches() ? kAbsent : block.last_start_bound;
+  block.present_end = fetches() ? pc : at;
+  if (block.front_end == 0) block.front_end = at;
+  block.front_bound = block.last_start_bound;
+  if (fetches()) {
+    const auto lines_behind = cached_lines_->line_of(at - 1) - cached_lines_->line_of(block.front_end - 1);
+    block.front_bound += lines_behind * cached_lines_->refill_cycles();
+  }
   arena_[arena_used_ + sums.index + 1] = Instruction{};  // holds the link of a loop's next turn
   memory_.mark(pc, at - pc, Region::kCode);
 
@@ -173,25 +181,34 @@ void BlockCache::fetch_through(const InstructionCache& cache) {
   forget();
 }
 
-void BlockCache::arrived(std::uint32_t number) {
-  auto& block = blocks_[number];
-  if (block.entry_bound != kAbsent) return;
-  block.entry_bound = block.last_start_bound;
-  present_.push_back(number);
+void BlockCache::look_for(std::uint32_t number) {
+  const auto& block = blocks_[number];
+  const bool is_known = block.present_end > block.pc;
+  auto line = cached_lines_->line_of(block.present_end);
+  while (block.present_end < block.end && cached_lines_->holds(line)) {
+    block.present_end = std::min(cached_lines_->address_of(++line), block.end);
+  }
+  if (block.present_end == block.end) block.entry_bound = block.last_start_bound;
+  if (!is_known && block.present_end > block.pc) present_.push_back(number);
 }
 
 void BlockCache::left(std::uint32_t line) {
   if (line == InstructionCache::kNoLine) return;
+  const auto address = cached_lines_->address_of(line);
   std::erase_if(present_, [&](std::uint32_t number) {
     const auto& block = blocks_[number];
-    const bool gone = cached_lines_->line_of(block.pc) <= line && line <= cached_lines_->line_of(block.end - 1);
-    if (gone) block.entry_bound = kAbsent;
-    return gone;
+    if (block.present_end <= address || line < cached_lines_->line_of(block.pc)) return false;
+    block.entry_bound = kAbsent;
+    block.present_end = std::max(address, block.pc);
+    return block.present_end == block.pc;
   });
 }
 
 void BlockCache::left_all() {
-  for (const auto number : present_) blocks_[number].entry_bound = kAbsent;
+  for (const auto number : present_) {
+    blocks_[number].entry_bound = kAbsent;
+    blocks_[number].present_end = blocks_[number].pc;
+  }
   present_.clear();
 }
 

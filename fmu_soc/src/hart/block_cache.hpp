@@ -23,8 +23,13 @@ struct Block {
   std::uint32_t end = 0;               // address behind it
   std::uint32_t first = 0;             // index of its first Instruction
   std::uint32_t last_start_bound = 0;  // the most cycles from its start to the start of its last instruction
-  /// The same while all its lines are known to be in the instruction cache, else kAbsent: whoever has fewer cycles left
-  /// cannot just run it. So asking for both costs one comparison, here and in translated code.
+  std::uint32_t front_end = 0;         // address behind the first branch that may lead out of it, or `end`
+  std::uint32_t front_bound = 0;       // last_start_bound, and what the code behind front_end can wait for its lines
+  /// Its code before this address is known to be in the instruction cache; `end` without one. What lies behind a branch
+  /// that is always taken never comes there.
+  mutable std::uint32_t present_end = 0;
+  /// last_start_bound while all of it is known to be there, else kAbsent: whoever has fewer cycles left cannot just run
+  /// it. So asking for both costs one comparison.
   mutable std::uint64_t entry_bound = 0;
   bool unaligned = false;           // starts with a 32-bit instruction at 2 mod 4
   bool early_jump = false;          // a jump is among the first two: what ran before may delay it
@@ -84,12 +89,14 @@ class BlockCache {
   }
   /// The most that one bus access of the core waits for its way: limits are kept with it.
   void set_longest_wait(std::uint32_t cycles);
-  /// Code comes through a cache with these lines from now on: a block is absent until `arrived` says otherwise.
+  /// Code comes through a cache with these lines from now on: a block is absent until `look_for` finds it.
   void fetch_through(const InstructionCache& cache);
   bool fetches() const { return cached_lines_ != nullptr; }
-  /// All lines of the block are in the instruction cache.
-  void arrived(std::uint32_t number);
-  /// A line has left it: blocks in it are absent. kNoLine is none.
+  /// Notes how much of the block is in the instruction cache.
+  void look_for(std::uint32_t number);
+  /// Whether the front of the block is there.
+  bool is_front_present(const Block& block) const { return block.present_end >= block.front_end; }
+  /// A line has left it: blocks are absent from there on. kNoLine is none.
   void left(std::uint32_t line);
   /// All lines have.
   void left_all();
@@ -123,7 +130,7 @@ class BlockCache {
   std::uint64_t code_generation_ = 0;  // of the memory, at the last look
   std::uint32_t longest_wait_ = 0;
   const InstructionCache* cached_lines_ = nullptr;
-  std::vector<std::uint32_t> present_;  // blocks that are not absent
+  std::vector<std::uint32_t> present_;  // blocks of which something is there
   std::array<Instruction, 3> single_{};
 };
 

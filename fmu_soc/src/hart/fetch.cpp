@@ -64,8 +64,8 @@ const Instruction* Hart::run_until(const Instruction* at, const Instruction* sto
   return e.waits_at;
 }
 
-/// Runs a block that is absent, and is none any more when all its lines are there. False: it might reach the limit, and
-/// nothing has happened.
+/// Runs a block that is absent, and notes what of it is there then. False: it might reach the limit, and nothing has
+/// happened.
 bool Hart::fetch_and_execute(std::uint32_t number, std::uint32_t stall, std::uint64_t limit) {
   const auto& block = cache_.block(number);
   const bool unsettled = fetch_unsettled();
@@ -77,26 +77,40 @@ bool Hart::fetch_and_execute(std::uint32_t number, std::uint32_t stall, std::uin
   if (execution_.counters.cycles + (bound & bound_mask_) >= limit) return false;
   const auto* first = cache_.instructions(block);
   if (missing == 0) {
-    cache_.arrived(number);
+    cache_.look_for(number);
     if (observer_ != nullptr) {
       execute_observed(first, stall);
     } else {
       execute(first, 0, stall);
     }
   } else {
-    execute_fetching(first, stall);
+    // The first instruction is fetched before it stalls for a load, as all others are.
+    const auto generation = cache_.generation();
+    begin_block(fetch(first, execution_.counters.cycles), stall, nullptr);
+    execute_fetching(first);
+    if (cache_.generation() == generation) cache_.look_for(number);
   }
   return true;
 }
 
-/// As `execute`, but the lines come one by one: it goes on to the next instruction that needs one, and waits there.
-void Hart::execute_fetching(const Instruction* first, std::uint32_t stall) {
-  // The first instruction is fetched before it stalls for a load, as all others are.
-  begin_block(fetch(first, execution_.counters.cycles), stall, nullptr);
-  for (const auto* begin = first; begin != nullptr;) {
-    if (begin != first) execution_.extra_cycles += fetch(begin, cycle_of(begin));
-    const auto* stop = next_to_fetch(begin);
-    begin = observer_ != nullptr ? run_until_observed(begin, stop) : run_until(begin, stop);
+/// Goes on in a block that translated code has left because what comes next may be absent.
+void Hart::resume_fetching(const Instruction* at, std::uint32_t wait_cycles, const Instruction* slow_load) {
+  const auto number = cache_.known((at - at->index)->pc);
+  const auto generation = cache_.generation();
+  begin_block(wait_cycles, 0, slow_load);
+  execution_.extra_cycles += fetch(at, cycle_of(at));
+  execute_fetching(at);
+  if (cache_.generation() == generation) cache_.look_for(number);
+  unsettled_ = fetch_unsettled() ? kAbsent : 0;
+}
+
+/// As `execute` of an instruction that is fetched, but lines come one by one: it goes on to the next instruction that
+/// needs one, and waits there.
+void Hart::execute_fetching(const Instruction* at) {
+  while (at != nullptr) {
+    const auto* stop = next_to_fetch(at);
+    at = observer_ != nullptr ? run_until_observed(at, stop) : run_until(at, stop);
+    if (at != nullptr) execution_.extra_cycles += fetch(at, cycle_of(at));
   }
   finish_block();
 }

@@ -235,12 +235,8 @@ inline bool Hart::run_block(std::uint32_t number, std::uint64_t limit, bool tran
     run_block_observed(number, stall, limit, early_jump || !has_loose_limit());
     return false;
   }
-  if (early_jump || e.counters.cycles + bound >= limit) [[unlikely]] {
-    if (early_jump || bound < kAbsent || !fetch_and_execute(number, stall, limit)) step();
-    unsettled_ = fetch_unsettled() ? kAbsent : 0;
-    return false;
-  }
-  if (translation_on_) {
+  const bool may_run = e.counters.cycles + bound < limit;
+  if (!early_jump && translation_on_ && may_begin(block, stall, limit)) {
     // With a loose limit, a stall may reach it; translated code would not begin then.
     const auto* entry = e.counters.cycles + stall < limit ? translated(number, block) : nullptr;
     if (entry != nullptr) {
@@ -248,11 +244,23 @@ inline bool Hart::run_block(std::uint32_t number, std::uint64_t limit, bool tran
       e.counters.cycles += stall;
       return run_translated(*entry, limit);
     }
+  }
+  if (early_jump || !may_run) [[unlikely]] {
+    if (early_jump || bound < kAbsent || !fetch_and_execute(number, stall, limit)) step();
+    unsettled_ = fetch_unsettled() ? kAbsent : 0;
+  } else if (translation_on_) {
     execute(cache_.instructions(block), 0, stall);
   } else {
     interpret(block, stall, limit);
   }
   return false;
+}
+
+/// Whether translated code may begin a block. Only its front must be present: it asks for the rest when it gets there.
+inline bool Hart::may_begin(const Block& block, std::uint32_t stall, std::uint64_t limit) const {
+  if (unsettled_ != 0 || !cache_.is_front_present(block)) return false;
+  const auto bound = std::uint64_t{block.front_bound} + stall;
+  return execution_.counters.cycles + (bound & bound_mask_) < limit;
 }
 
 /// A block, and behind it what follows by links without anything to decide: short loops stay here.
@@ -388,7 +396,12 @@ bool Hart::finish_translated(const translate::Exit& exit) {
       stall = stall_of(cache_.block(cache_.known(exit.at->pc)));
       e.counters.cycles -= stall;
     }
-    execute(exit.at, exit.wait_cycles, stall, host.slow_load_when == host.instructions ? host.slow_load : nullptr);
+    const auto* slow_load = host.slow_load_when == host.instructions ? host.slow_load : nullptr;
+    if (exit.fetches) {
+      resume_fetching(exit.at, exit.wait_cycles, slow_load);
+    } else {
+      execute(exit.at, exit.wait_cycles, stall, slow_load);
+    }
     return false;
   }
   if (!exit.indirect) e.pc = exit.pc;

@@ -264,7 +264,9 @@ class Hart {
   void execute_observed(const Instruction* first, std::uint32_t stall);
   const Instruction* run_until_observed(const Instruction* at, const Instruction* stop);
   bool fetch_and_execute(std::uint32_t number, std::uint32_t stall, std::uint64_t limit);
-  void execute_fetching(const Instruction* first, std::uint32_t stall);
+  void execute_fetching(const Instruction* at);
+  void resume_fetching(const Instruction* at, std::uint32_t wait_cycles, const Instruction* slow_load);
+  bool may_begin(const Block& block, std::uint32_t stall, std::uint64_t limit) const;
   std::uint32_t fetch(const Instruction* at, std::uint64_t cycle);
   const Instruction* next_to_fetch(const Instruction* at) const;
   bool fetch_unsettled() const {

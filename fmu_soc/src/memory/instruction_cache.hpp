@@ -30,6 +30,7 @@ class InstructionCache {
   explicit InstructionCache(const InstructionCacheSettings& settings);
 
   std::uint32_t line_of(std::uint32_t address) const { return address >> line_bits_; }
+  std::uint32_t address_of(std::uint32_t line) const { return line << line_bits_; }
   std::uint32_t words_per_line() const { return 1U << (line_bits_ - 2); }
   std::uint32_t refill_cycles() const { return refill_cycles_; }
 

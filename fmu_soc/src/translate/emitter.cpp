@@ -97,6 +97,7 @@ Entry Emitter::emit_entry(const Node& node, bool runs_into_node) {
 }
 
 void Emitter::emit_node(const Node& node) {
+  block_ = node.block;
   const auto* at = node.first;
   while (emit_instruction(at)) ++at;
 }

@@ -155,7 +155,8 @@ class Emitter : private Xbyak::CodeGenerator {
   void check_limit(const Node& node, std::uint32_t stall, const Exit& at_limit, const Pipeline& pipeline);
   void check_limit(const Node& node);
   void jump_at_limit(const Block& block, std::uint32_t stall, Label& leave);
-  Xbyak::Address entry_bound(const Block& block, unsigned offset, unsigned size);
+  void jump_when_absent(const Block& block, std::uint32_t end, Label& leave);
+  void emit_fetch(const Instruction* at);
   void emit_leave(const Exit& exit);
   void emit_park(const Node& node, const Exit& exit, const Pipeline& pipeline);
   void emit_way(Exit exit);
@@ -178,7 +179,8 @@ class Emitter : private Xbyak::CodeGenerator {
   const Registers* registers_ = nullptr;
   Gates gates_;
   std::vector<Label> labels_;
-  const Node* following_ = nullptr;  // emitted after the one in work
+  const Block* block_ = nullptr;     // of the node in work
+  const Node* following_ = nullptr;  // emitted after it
   std::vector<Label> entries_;       // plain ones
   Label leave_all_;                  // stores the registers and leaves by exit eax
   Label park_all_;                   // likewise, to go on at rdx

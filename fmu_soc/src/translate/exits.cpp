@@ -43,42 +43,32 @@ void Emitter::emit_resume(const Instruction* at) {
   emit_leave(exit);
 }
 
-/// Jumps when fewer cycles may still start than the block asks for, of which the first stall; with a loose limit it
-/// asks for one. A block that must be fetched first asks for more than there are.
+/// Jumps when fewer cycles may still start than the block asks for, of which the first stall, or when its front must be
+/// fetched first. With a loose limit a block asks for one cycle.
 void Emitter::jump_at_limit(const Block& block, std::uint32_t stall, Label& leave) {
-  if (manner_.loose_limit) {
-    if (manner_.banks != nullptr) {
-      cmp(r15, ptr[rbx + static_cast<int>(offsetof(Execution, host.end))]);
-      jae(leave, T_NEAR);
-    } else {
-      cmp(r15, 0);
-      jle(leave, T_NEAR);
-    }
-    if (!cache_.fetches()) return;
-    static_assert(kAbsent >> 32 != 0, "the upper half says it");
-    cmp(entry_bound(block, 4, 4), 0);
-    jne(leave, T_NEAR);
-    return;
-  }
-  if (!cache_.fetches()) {
-    cmp(r15, block.last_start_bound + stall);
-  } else if (stall == 0) {
-    cmp(r15, entry_bound(block, 0, 8));
+  if (!manner_.loose_limit) {
+    cmp(r15, block.front_bound + stall);
+    jle(leave, T_NEAR);
+  } else if (manner_.banks != nullptr) {
+    cmp(r15, ptr[rbx + static_cast<int>(offsetof(Execution, host.end))]);
+    jae(leave, T_NEAR);
   } else {
-    mov(rdx, entry_bound(block, 0, 8));
-    add(rdx, stall);
-    cmp(r15, rdx);
+    cmp(r15, 0);
+    jle(leave, T_NEAR);
   }
-  jle(leave, T_NEAR);
+  if (cache_.fetches()) jump_when_absent(block, block.front_end, leave);
 }
 
-/// Bytes of what the block asks for; rdx may be lost.
-Xbyak::Address Emitter::entry_bound(const Block& block, unsigned offset, unsigned size) {
-  const auto* at = reinterpret_cast<const std::uint8_t*>(&block.entry_bound) + offset;
-  const auto& frame = size == 4 ? dword : qword;
-  if (near(at, size)) return frame[r14 + from_first_memory(at)];
-  mov(rdx, reinterpret_cast<std::uint64_t>(at));
-  return frame[rdx];
+/// Jumps when the block's code before `end` may not be in the instruction cache; rdx may be lost.
+void Emitter::jump_when_absent(const Block& block, std::uint32_t end, Label& leave) {
+  const auto* present_end = &block.present_end;
+  if (near(present_end, sizeof *present_end)) {
+    cmp(dword[r14 + from_first_memory(present_end)], end);
+  } else {
+    mov(rdx, reinterpret_cast<std::uint64_t>(present_end));
+    cmp(dword[rdx], end);
+  }
+  jb(leave, T_NEAR);
 }
 
 /// A block may only begin when none of its instructions can start too late. `pipeline` is how it finds the pipeline.
@@ -178,6 +168,25 @@ void Emitter::emit_branch(const Instruction* at) {
   later([this, at, taken]() mutable {
     L(taken);
     emit_edge(at, static_cast<std::uint32_t>(at->imm), true);
+  });
+  if (cache_.fetches()) emit_fetch(at + 1);
+}
+
+/// Behind a branch that was not taken: goes on in the block when its code is there up to the next one.
+void Emitter::emit_fetch(const Instruction* at) {
+  if (is_block_end(at->op)) return;
+  const auto* last = at;
+  while (!is_block_end(last[1].op) && !is_branch(last->op)) ++last;
+  Label absent;
+  jump_when_absent(*block_, last[1].pc, absent);
+  later([this, at, absent]() mutable {
+    L(absent);
+    Exit exit;
+    exit.resumes = true;
+    exit.fetches = true;
+    exit.at = at;
+    exit.wait_cycles = waits_before(at);
+    emit_leave(exit);
   });
 }
 

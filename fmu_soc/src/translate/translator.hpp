@@ -16,6 +16,7 @@ namespace mebots::soc::translate {
 /// How translated code was left.
 struct Exit {
   bool resumes = false;              // at `at`, inside its block, which the interpreter finishes; else a block begins
+  bool fetches = false;              // resumes: `at` may not be in the instruction cache
   bool indirect = false;             // the code has put the pc into Execution::pc
   bool jumped = false;               // an unaligned target costs its cycle yet
   bool straight = false;             // behind the last instruction of a block, which `at` stands behind
