@@ -140,7 +140,7 @@ void ClusterDma::occupy(Banks& banks, std::uint64_t until) {
        transfer = first_unmoved()) {
     std::uint64_t waited = 0;
     while (transfer->moved < transfer->what.size && transfer->next_beat < until) {
-      waited += occupy_beat(banks, *transfer);
+      waited += occupy_burst(banks, *transfer, until);
     }
     if (waited == 0) continue;
     // Those behind it wait with it.
@@ -156,26 +156,32 @@ void ClusterDma::occupy(Banks& banks, std::uint64_t until) {
   }
 }
 
-/// The next beat takes its words; the answer is how many ticks it waits.
-std::uint64_t ClusterDma::occupy_beat(Banks& banks, Transfer& transfer) const {
+/// The next beats up to the end of a burst, as far as they start before `until`, take their words; the answer is how
+/// many ticks they wait.
+std::uint64_t ClusterDma::occupy_burst(Banks& banks, Transfer& transfer, std::uint64_t until) const {
   const auto& what = transfer.what;
   const auto row = what.row == 0 ? what.size : what.row;
   const auto in_row = transfer.moved % row;
-  const auto in_burst = in_row % timing_.most_burst_bytes;
-  const auto bytes = std::min({timing_.bytes_per_cycle, row - in_row, timing_.most_burst_bytes - in_burst});
-  const auto first = what.l1 + transfer.moved;
-  std::uint32_t wait = 0;
-  for (auto word = first & ~3U; word < first + bytes; word += 4) {
-    wait = std::max(wait, banks.claim_soon(transfer.next_beat, word));
+  auto in_burst = in_row % timing_.most_burst_bytes;
+  const auto burst = std::min(row - in_row + in_burst, timing_.most_burst_bytes);
+  const auto begin = what.l1 + transfer.moved - in_burst;
+  std::uint64_t waited = 0;
+  while (in_burst < burst && transfer.next_beat < until) {
+    const auto end = std::min(in_burst + timing_.bytes_per_cycle, burst);
+    std::uint32_t wait = 0;
+    for (auto word = (begin + in_burst) & ~3U; word < begin + end; word += 4) {
+      wait = std::max(wait, banks.claim_soon(transfer.next_beat, word));
+    }
+    transfer.moved += end - in_burst;
+    transfer.next_beat += wait + 1;
+    waited += wait;
+    in_burst = end;
   }
-  transfer.moved += bytes;
-  transfer.next_beat += wait + 1;
-  const bool ends_burst = in_row + bytes == row || in_burst + bytes == timing_.most_burst_bytes;
-  if (ends_burst) {
-    const auto beats = in_burst / timing_.bytes_per_cycle + 1;
+  if (in_burst == burst) {
+    const auto beats = (burst - 1) / timing_.bytes_per_cycle + 1;
     transfer.next_beat += std::max(beats, timing_.least_burst_cycles) - beats;
   }
-  return wait;
+  return waited;
 }
 
 void ClusterDma::advance(std::uint64_t tick, EventUnit& event_unit) {

@@ -84,7 +84,7 @@ class ClusterDma {
   bool fits(const Draft& draft) const;
   std::uint32_t cycles_of(const Draft& draft) const;
   Transfer* first_unmoved();
-  std::uint64_t occupy_beat(Banks& banks, Transfer& transfer) const;
+  std::uint64_t occupy_burst(Banks& banks, Transfer& transfer, std::uint64_t until) const;
   void move(const Transfer& transfer);
   void find_next();
 
