@@ -93,11 +93,17 @@ bool Hart::fetch_and_execute(std::uint32_t number, std::uint32_t stall, std::uin
   return true;
 }
 
-/// Goes on in a block that translated code has left because what comes next may be absent.
-void Hart::resume_fetching(const Instruction* at, std::uint32_t wait_cycles, const Instruction* slow_load) {
+/// Whether all of the instruction's block is known to be in the cache, not only its front.
+bool Hart::is_present(const Instruction* at) const {
+  return fetched_ == nullptr || cache_.block(cache_.known((at - at->index)->pc)).entry_bound != kAbsent;
+}
+
+/// Goes on in a block that translated code has left, of which what comes may be absent.
+void Hart::resume_fetching(const Instruction* at, std::uint32_t wait_cycles, std::uint32_t stall,
+                           const Instruction* slow_load) {
   const auto number = cache_.known((at - at->index)->pc);
   const auto generation = cache_.generation();
-  begin_block(wait_cycles, 0, slow_load);
+  begin_block(wait_cycles, stall, slow_load);
   execution_.extra_cycles += fetch(at, cycle_of(at));
   execute_fetching(at);
   if (cache_.generation() == generation) cache_.look_for(number);

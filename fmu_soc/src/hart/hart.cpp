@@ -397,8 +397,8 @@ bool Hart::finish_translated(const translate::Exit& exit) {
       e.counters.cycles -= stall;
     }
     const auto* slow_load = host.slow_load_when == host.instructions ? host.slow_load : nullptr;
-    if (exit.fetches) {
-      resume_fetching(exit.at, exit.wait_cycles, slow_load);
+    if (exit.fetches || !is_present(exit.at)) {
+      resume_fetching(exit.at, exit.wait_cycles, stall, slow_load);
     } else {
       execute(exit.at, exit.wait_cycles, stall, slow_load);
     }

@@ -265,7 +265,9 @@ class Hart {
   const Instruction* run_until_observed(const Instruction* at, const Instruction* stop);
   bool fetch_and_execute(std::uint32_t number, std::uint32_t stall, std::uint64_t limit);
   void execute_fetching(const Instruction* at);
-  void resume_fetching(const Instruction* at, std::uint32_t wait_cycles, const Instruction* slow_load);
+  bool is_present(const Instruction* at) const;
+  void resume_fetching(const Instruction* at, std::uint32_t wait_cycles, std::uint32_t stall,
+                       const Instruction* slow_load);
   bool may_begin(const Block& block, std::uint32_t stall, std::uint64_t limit) const;
   std::uint32_t fetch(const Instruction* at, std::uint64_t cycle);
   const Instruction* next_to_fetch(const Instruction* at) const;
