@@ -15,6 +15,12 @@ const Instruction* stop_here(Execution& e, const Instruction* at) {
   return nullptr;
 }
 
+/// A jump hides some of its cycles behind a load across two words, which has given them back already.
+std::uint32_t hidden_in(const Execution& e, const Instruction* jump) {
+  const bool hides = jump->index != 0 && is_jump(jump->op) && e.slow_load == jump - 1 && jump->rs1 != jump[-1].rd;
+  return hides ? jump[1].cycles_before - jump->cycles_before - 1U : 0U;
+}
+
 }  // namespace
 
 void Hart::fetch_through(InstructionCache& cache) {
@@ -116,7 +122,7 @@ void Hart::execute_fetching(const Instruction* at) {
   while (at != nullptr) {
     const auto* stop = next_to_fetch(at);
     at = observer_ != nullptr ? run_until_observed(at, stop) : run_until(at, stop);
-    if (at != nullptr) execution_.extra_cycles += fetch(at, cycle_of(at));
+    if (at != nullptr) execution_.extra_cycles += fetch(at, cycle_of(at) + hidden_in(execution_, at));
   }
   finish_block();
 }
