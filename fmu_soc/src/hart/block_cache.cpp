@@ -214,10 +214,9 @@ void BlockCache::left_all() {
 
 bool BlockCache::end_block_at(std::uint32_t pc) {
   if (memory_.marked(pc, 2, Region::kLoop)) return false;
-  const bool decoded = memory_.marked(pc, 2, Region::kCode);
   memory_.mark(pc, 2, Region::kLoop);
-  if (decoded) clear();
-  return decoded;
+  clear();
+  return true;
 }
 
 void BlockCache::clear() {

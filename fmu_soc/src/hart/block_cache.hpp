@@ -72,8 +72,8 @@ class BlockCache {
   /// One instruction and the end of a block, decoded with what the pipeline holds. Null when it cannot be fetched.
   const Instruction* single(std::uint32_t pc, const Previous& two_before, const Previous& before);
 
-  /// A hardware loop ends with the instruction at `pc`: blocks end there from now on. True: everything was
-  /// forgotten, because it had been decoded otherwise.
+  /// A hardware loop ends with the instruction at `pc`: blocks end there from now on. True: they did not before, and
+  /// everything was forgotten, whether or not something had been decoded otherwise.
   bool end_block_at(std::uint32_t pc);
 
   /// Whether the instruction at `pc` may be the last of a hardware loop: blocks end there.
@@ -82,10 +82,14 @@ class BlockCache {
   /// Forgets everything; links in instructions become void with it. All cores that share the memory forget, since
   /// the marks on code go too.
   void clear();
-  /// Forgets everything when somebody has stored into code since the last look, a device or another core too.
-  void forget_if_stale() {
-    if (code_generation_ != memory_.code_generation()) [[unlikely]]
-      forget();
+  /// Whether somebody has stored into code since the last look, a device or another core too.
+  bool is_stale() const { return code_generation_ != memory_.code_generation(); }
+  /// Forgets everything then; true: it has.
+  bool forget_if_stale() {
+    if (!is_stale()) [[likely]]
+      return false;
+    forget();
+    return true;
   }
   /// The most that one bus access of the core waits for its way: limits are kept with it.
   void set_longest_wait(std::uint32_t cycles);

@@ -136,6 +136,8 @@ inline Stop Hart::go_on(std::uint64_t limit, bool translated_led_here) {
   limit = std::min(limit, kAbsent);
   unsettled_ = fetch_unsettled() ? kAbsent : 0;
   for (;;) {
+    if (cache_.forget_if_stale()) [[unlikely]]
+      e.link = nullptr;
     if (e.leave != Leave::normal) {
       if (const auto stop = leave(); stop != Stop::limit) return stop;
     }
@@ -268,7 +270,7 @@ inline void Hart::interpret(const Block& block, std::uint32_t stall, std::uint64
   auto& e = execution_;
   execute(cache_.instructions(block), 0, stall);
   // Behind a taken branch or jump to a known block, only the limit wants a look.
-  while (e.jumped && e.link != nullptr && *e.link != 0) {
+  while (e.jumped && e.link != nullptr && *e.link != 0 && !cache_.is_stale()) {
     const auto& next = cache_.block(*e.link);
     const auto cycles = e.counters.cycles + (next.unaligned ? kUnalignedTargetExtra : 0U);
     if (next.pc != e.pc || cycles + (next.entry_bound & bound_mask_) >= limit) return;
@@ -538,7 +540,8 @@ const Instruction* Hart::slow_store(const Instruction* at, std::uint32_t address
     wait_for_ram(at, *port, address, size);
     std::memcpy(region.data.get() + (address - region.base), &value, size);
     if (crosses_word(address, size)) e.extra_cycles += kMisalignedExtra;
-    return marked_store(at, address, size);
+    const auto* next = marked_store(at, address, size);
+    return next == nullptr ? nullptr : leave_after(at, Leave::normal);
   }
   if (size != 4 || address % 4 != 0) return raise(at, cause::kStoreAccess, address);
   const auto reply = bus_.store(address, start_of(at), value);
@@ -550,9 +553,11 @@ const Instruction* Hart::slow_store(const Instruction* at, std::uint32_t address
 }
 
 const Instruction* Hart::marked_store(const Instruction* at, std::uint32_t address, unsigned size) {
-  if (memory_.changed(address, size)) cache_.forget_if_stale();
+  memory_.changed(address, size);
   if (memory_.marked(address, size, Region::kWatch) && bus_.watched(address)) return leave_after(at, Leave::stop);
-  return leave_after(at, Leave::normal);
+  // With a loose limit the block runs to its end as it was at its start, and is forgotten then: where a core stops must
+  // not depend on what has been decoded.
+  return has_loose_limit() ? at + 1 : leave_after(at, Leave::normal);
 }
 
 const Instruction* Hart::set_loop_end(const Instruction* at, unsigned loop, std::uint32_t pc) {
