@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: Apache-2.0
+// Random programs of fabric controller and cluster, run in every way that must come to the same bits.
+#include "board_system.hpp"
+#include "hart/observer.hpp"
+#include "random_cluster_program.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <memory>
+#include <random>
+
+namespace mebots::soc::test {
+namespace {
+
+std::vector<std::byte> bytes_of(const Soc& soc) {
+  state::Writer writer;
+  soc.save(writer);
+  return writer.take();
+}
+
+/// Watches, and does nothing.
+class Onlooker final : public Observer {
+ public:
+  void retired(const Hart& /*hart*/, const Retired& /*instruction*/) override { ++count_; }
+
+ private:
+  std::uint64_t count_ = 0;
+};
+
+/// One program four times: straight on in translated code, interpreted, watched now and then, and restored now and then
+/// from the state of the first, in a fresh system or in one that has run something else.
+class Comparison {
+ public:
+  explicit Comparison(std::uint32_t seed)
+      : random_(seed), program_(BoardSystem::assembled(random_cluster_program(seed))) {
+    settings_.cluster_cores = below(3) == 0 ? 1 + below(8) : 8;
+    straight_ = made();
+    restored_ = made();
+    watched_ = made();
+    settings_.translate = false;
+    interpreted_ = made();
+    settings_.translate = true;
+  }
+
+  /// Ends early when the program does: by a trap that comes again for ever.
+  void run(std::int64_t end_ns, unsigned stops) {
+    watch(true);
+    for (unsigned stop = 0; stop < stops && straight_->soc.running(); ++stop) {
+      const auto longest = below(4) == 0 ? 1000 : 2 * end_ns / stops;
+      now_ += 1 + static_cast<std::int64_t>(random_() % static_cast<std::uint64_t>(longest));
+      go_on(*straight_);
+      const auto state = bytes_of(straight_->soc);
+      expect_same("interpreted", *interpreted_, state);
+      expect_same("watched", *watched_, state);
+      expect_same("restored", *restored_, state);
+      if (testing::Test::HasFailure()) return;
+      if (below(3) == 0) {
+        if (below(2) == 0) restored_ = made();
+        state::Reader reader(state);
+        restored_->soc.restore(reader);
+        restored_at_ = now_;
+      }
+      if (below(4) == 0) watch(!watching_);
+    }
+  }
+
+  std::uint64_t instructions() const { return straight_->soc.instructions(); }
+
+ private:
+  unsigned below(unsigned count) { return static_cast<unsigned>(random_() % count); }
+  std::unique_ptr<BoardSystem> made() { return std::make_unique<BoardSystem>(program_, settings_); }
+
+  void watch(bool on) {
+    watching_ = on;
+    for (unsigned number = 0; number < watched_->soc.harts(); ++number) {
+      watched_->soc.observe(number, on ? &onlooker_ : nullptr);
+    }
+  }
+
+  /// To now, in steps of its own.
+  void go_on(BoardSystem& system) {
+    auto time = system.soc.now() / 1000;
+    for (auto cuts = below(3) == 0 ? below(20) : 0; cuts-- > 0;) {
+      time += 1 + below(below(2) == 0 ? 100 : 5000);
+      if (time >= now_) break;
+      system.soc.advance(time);
+    }
+    system.soc.advance(now_);
+  }
+
+  void expect_same(std::string_view who, BoardSystem& system, const std::vector<std::byte>& state) {
+    go_on(system);
+    const bool same =
+        bytes_of(system.soc) == state && system.soc.energy().total_j() == straight_->soc.energy().total_j();
+    EXPECT_TRUE(same) << who << ", at " << now_ << " ns, restored at " << restored_at_ << " ns"
+                      << difference(system.soc);
+  }
+
+  std::string difference(const Soc& other) const {
+    std::string text;
+    for (unsigned number = 0; number < other.harts(); ++number) {
+      const auto& a = straight_->soc.hart(number);
+      const auto& b = other.hart(number);
+      text += fmt::format("\nhart {}: pc {:08x} {:08x}, cycles {} {}, instructions {} {}, fetching {} {}", number,
+                          a.pc(), b.pc(), a.counters().cycles, b.counters().cycles, a.counters().instructions,
+                          b.counters().instructions, a.counters().fetch_cycles, b.counters().fetch_cycles);
+      for (unsigned i = 1; i < 32; ++i) {
+        if (a.reg(i) != b.reg(i)) text += fmt::format(", x{} {:x} {:x}", i, a.reg(i), b.reg(i));
+      }
+    }
+    return text;
+  }
+
+  std::mt19937_64 random_;
+  Elf program_;
+  Settings settings_;
+  Onlooker onlooker_;
+  std::unique_ptr<BoardSystem> straight_;
+  std::unique_ptr<BoardSystem> interpreted_;
+  std::unique_ptr<BoardSystem> watched_;
+  std::unique_ptr<BoardSystem> restored_;
+  std::int64_t now_ = 0;
+  std::int64_t restored_at_ = 0;
+  bool watching_ = false;
+};
+
+unsigned number_from(const char* variable, unsigned otherwise) {
+  const char* text = std::getenv(variable);
+  return text != nullptr ? static_cast<unsigned>(std::stoul(text)) : otherwise;
+}
+
+/// scripts/random_cluster.sh runs as many as one likes.
+TEST(ClusterRandom, ProgramsKeepTheirBitsInEveryWayToRunThem) {
+  const auto first = number_from("MEBOTS_CLUSTER_FIRST", 1);
+  const auto end = first + number_from("MEBOTS_CLUSTER_PROGRAMS", 24);
+  std::uint64_t instructions = 0;
+  for (auto seed = first; seed < end && !HasFailure(); ++seed) {
+    const testing::ScopedTrace trace(__FILE__, __LINE__, fmt::format("program {}", seed));
+    Comparison comparison(seed);
+    comparison.run(2 * kMs, 30);
+    instructions += comparison.instructions();
+  }
+  EXPECT_GT(instructions, 10'000U * (end - first));
+  RecordProperty("instructions", std::to_string(instructions));
+}
+
+}  // namespace
+}  // namespace mebots::soc::test
