@@ -103,6 +103,12 @@ TEST_F(DataFile, TruncatedFileIsRefused) {
   EXPECT_THAT(error_of([&] { load_cell(path); }), AllOf(HasSubstr(path.string()), HasSubstr("is not JSON")));
 }
 
+TEST_F(DataFile, NumberBeyondAllNumbersIsRefused) {
+  write(R"({"cut_off_voltage": 1e999})");
+  EXPECT_THAT(error_of([&] { load_cell(path); }),
+              AllOf(HasSubstr(path.string()), HasSubstr("too large"), HasSubstr("1e999")));
+}
+
 TEST_F(DataFile, TablesGiveACellThatWorks) {
   json["open_circuit_voltage"] = {{"unit", "V"}, {"state_of_charge", {0, 0.5, 1}}, {"value", {3.2, 3.8, 4.2}}};
   write(json.dump());

@@ -210,6 +210,8 @@ class File {
       json_ = nlohmann::json::parse(text, CarefulParsing(name_));
     } catch (const nlohmann::json::parse_error& error) {
       throw Error(fmt::format("{}: is not JSON: {}", name_, error.what()));
+    } catch (const nlohmann::json::out_of_range& error) {
+      throw Error(fmt::format("{}: a number is too large: {}", name_, error.what()));
     }
     if (!json_.is_object()) throw Error(fmt::format("{}: must hold a JSON object", name_));
   }
