@@ -31,12 +31,12 @@ function(mebots_soc_board name file)
   set_target_properties(${name}_headers PROPERTIES MEBOTS_BOARD_FILE ${file})
 endfunction()
 
-# mebots_add_firmware(<name> SOURCES <file>... [BOARD <name of mebots_soc_board>] [NO_CLUSTER])
+# mebots_add_firmware(<name> SOURCES <file>... [DATA <file>...] [BOARD <name of mebots_soc_board>] [NO_CLUSTER])
 # Compiles C and assembler sources, links them with the runtime of fmu_soc/firmware, and makes
 # ${PROJECT_BINARY_DIR}/firmware/<name>.elf as target <name>_firmware. BOARD is the AI-deck when not said; NO_CLUSTER is
 # for a board without one.
 function(mebots_add_firmware name)
-  cmake_parse_arguments(ARG "NO_CLUSTER" "BOARD" "SOURCES" ${ARGN})
+  cmake_parse_arguments(ARG "NO_CLUSTER" "BOARD" "SOURCES;DATA" ${ARGN})
   if(NOT ARG_BOARD)
     set(ARG_BOARD fmu_soc_board)
   endif()
@@ -59,25 +59,29 @@ function(mebots_add_firmware name)
     get_filename_component(source ${source} ABSOLUTE)
     list(APPEND sources ${source})
   endforeach()
+  set(data)
+  foreach(file IN LISTS ARG_DATA)
+    get_filename_component(file ${file} ABSOLUTE)
+    list(APPEND data ${file})
+  endforeach()
   set(objects)
   foreach(source IN LISTS sources)
     file(RELATIVE_PATH object ${PROJECT_SOURCE_DIR} ${source})
     string(REPLACE "/" "_" object ${object})
     set(object ${MEBOTS_FIRMWARE_DIR}/${name}/${object}.o)
-    set(standard)
-    set(data)  # a binary that assembler brings in, which no dependency file tells of
-    if(source MATCHES "weights.S$")
-      set(data ${MEBOTS_FIRMWARE_SOURCE_DIR}/nn/navigator.weights)
-    endif()
     if(source MATCHES "\\.c$")
       set(standard -std=c11)
+      set(brought_in)
+    else()
+      set(standard)
+      set(brought_in ${data})
     endif()
     file(RELATIVE_PATH shown ${PROJECT_SOURCE_DIR} ${source})
     add_custom_command(
       OUTPUT ${object}
       COMMAND ${CMAKE_COMMAND} -E make_directory ${MEBOTS_FIRMWARE_DIR}/${name}
       COMMAND ${MEBOTS_RISCV_GCC} ${options} ${standard} -MMD -MF ${object}.d -c ${source} -o ${object}
-      DEPENDS ${source} ${ARG_BOARD}_headers ${data}
+      DEPENDS ${source} ${ARG_BOARD}_headers ${brought_in}
       DEPFILE ${object}.d
       COMMENT "Firmware ${name}: ${shown}"
       VERBATIM)

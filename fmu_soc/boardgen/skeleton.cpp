@@ -3,7 +3,11 @@
 
 #include "names.hpp"
 
+#include "mebots/error.hpp"
+
 #include <fmt/core.h>
+
+#include <set>
 
 namespace mebots::boardgen {
 namespace {
@@ -141,6 +145,16 @@ std::vector<std::string> members_of(const BoardDevice& device) {
   return names;
 }
 
+/// Registers and variables become members: no two may have the same name, nor that of a member of every skeleton.
+void require_different_members(const BoardDevice& device) {
+  std::set<std::string> names{"description_"};
+  for (const auto& name : members_of(device)) {
+    if (names.insert(name).second) continue;
+    throw Error(fmt::format("device {}: the skeleton would have two members {}; rename the register or variable",
+                            device.name, name));
+  }
+}
+
 std::string saving(const BoardDevice& device) {
   std::string out = "  void save(state::Writer& writer) const override {\n";
   for (const auto& name : members_of(device)) out += fmt::format("    writer.put({});\n", name);
@@ -179,6 +193,7 @@ std::string private_part(const BoardDevice& device) {
 }  // namespace
 
 std::string skeleton(const soc::BoardDescription& board, const BoardDevice& device) {
+  require_different_members(device);
   const auto name = camel_case(device.name);
   std::string out = fmt::format(
       "// SPDX-License-Identifier: Apache-2.0\n"

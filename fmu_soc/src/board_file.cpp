@@ -165,22 +165,34 @@ std::vector<BoardOpcode> read_opcodes(const data::Node& opcodes) {
 /// A described device that goes from delay to delay must leave time for something else.
 constexpr double kLeastDelayS = 1e-6;
 
-/// Every output of a described device has one source, and every register that sends has its output.
-void check_outputs(const data::Node& node, const BoardDevice& device) {
-  for (const auto& reg : device.registers) {
-    if (reg.sends.empty()) continue;
-    if (reg.access == "r" || !reg.shows.empty()) {
-      node.fail("registers", fmt::format("{} sends a variable: it must be writable and show nothing", reg.name));
-    }
-    if (std::find(device.sent.begin(), device.sent.end(), reg.sends) == device.sent.end()) {
-      node.fail("registers",
-                fmt::format("{} sends \"{}\", which is no output among the device's variables", reg.name, reg.sends));
-    }
-    if (std::any_of(device.opcodes.begin(), device.opcodes.end(),
-                    [&](const auto& opcode) { return opcode.register_name == reg.name; })) {
-      node.fail("registers", fmt::format("{} sends a variable: it must take no opcodes", reg.name));
-    }
+/// A register that sends has its output, and nothing else to do.
+void check_sender(const data::Node& node, const BoardDevice& device, const BoardRegister& reg) {
+  if (reg.access == "r" || !reg.shows.empty()) {
+    node.fail("registers", fmt::format("{} sends a variable: it must be writable and show nothing", reg.name));
   }
+  if (std::find(device.sent.begin(), device.sent.end(), reg.sends) == device.sent.end()) {
+    node.fail("registers",
+              fmt::format("{} sends \"{}\", which is no output among the device's variables", reg.name, reg.sends));
+  }
+  if (std::any_of(device.opcodes.begin(), device.opcodes.end(),
+                  [&](const auto& opcode) { return opcode.register_name == reg.name; })) {
+    node.fail("registers", fmt::format("{} sends a variable: it must take no opcodes", reg.name));
+  }
+}
+
+/// A register that shows a variable has its input.
+void check_display(const data::Node& node, const BoardDevice& device, const BoardRegister& reg) {
+  const bool sensed =
+      std::any_of(device.sensed.begin(), device.sensed.end(), [&](const auto& v) { return v.name == reg.shows; });
+  if (!sensed) {
+    node.fail("registers",
+              fmt::format("{} shows \"{}\", which is no input among the device's variables", reg.name, reg.shows));
+  }
+  if (reg.access != "r") node.fail("registers", fmt::format("{} shows a variable: its access must be r", reg.name));
+}
+
+/// Every output of a described device has one source.
+void check_outputs(const data::Node& node, const BoardDevice& device) {
   for (const auto& name : device.sent) {
     const auto senders =
         std::count_if(device.registers.begin(), device.registers.end(), [&](const auto& r) { return r.sends == name; });
@@ -210,26 +222,28 @@ void check_opcodes(const data::Node& node, const BoardDevice& device) {
   }
 }
 
-/// What of a described device names something that must be there.
+/// What names something must find it, in a described device as in one whose C++ begins as a skeleton.
+void check_names(const data::Node& node, const BoardDevice& device) {
+  check_opcodes(node, device);
+  for (const auto& state : device.states) {
+    if (!state.then.empty()) require_state(node, device, "states." + state.name + ".then", state.then);
+  }
+  for (const auto& reg : device.registers) {
+    if (!reg.sends.empty()) check_sender(node, device, reg);
+    if (!reg.shows.empty() && reg.shows != "status") check_display(node, device, reg);
+  }
+}
+
+/// What a device needs that has no C++.
 void check_description(const data::Node& node, const BoardDevice& device) {
   require_state(node, device, "initial_state", device.initial_state);
   for (const auto& state : device.states) {
-    if (!state.then.empty()) require_state(node, device, "states." + state.name + ".then", state.then);
     if (state.delay_s > 0 && state.delay_s < kLeastDelayS) {
       node.fail("states." + state.name + ".delay",
                 fmt::format("= {} s must be 0 or at least {} s", state.delay_s, kLeastDelayS));
     }
     if (state.delay_s > 0 && state.then.empty())
       node.fail("states." + state.name + ".then", "is missing: the state has a delay");
-  }
-  for (const auto& reg : device.registers) {
-    const bool sensed =
-        std::any_of(device.sensed.begin(), device.sensed.end(), [&](const auto& v) { return v.name == reg.shows; });
-    if (reg.shows.empty() || reg.shows == "status") continue;
-    if (!sensed)
-      node.fail("registers",
-                fmt::format("{} shows \"{}\", which is no input among the device's variables", reg.name, reg.shows));
-    if (reg.access != "r") node.fail("registers", fmt::format("{} shows a variable: its access must be r", reg.name));
   }
   check_outputs(node, device);
 }
@@ -283,12 +297,12 @@ BoardDevice read_device(const data::Node& node, std::set<std::string>& names) {
     node.fail("supply_voltage", "is missing: the currents of the states need it");
   }
   if (node.has("opcodes")) device.opcodes = read_opcodes(node.object("opcodes"));
-  check_opcodes(node, device);
   if (node.has("initial_state")) {
     device.initial_state = node.text("initial_state");
     if (device.initial_state.empty()) node.fail("initial_state", "is empty");
   }
   if (node.has("variables")) read_variables(node, device);
+  check_names(node, device);
   if (!device.initial_state.empty()) check_description(node, device);
   if (node.has("enumerations")) device.enumerations = read_enumerations(node.object("enumerations"));
   return device;

@@ -11,7 +11,6 @@
 namespace mebots::soc {
 namespace {
 
-constexpr double kFemtojoule = 1e-15;
 /// With it a block's 32-bit sum of femtojoules holds.
 constexpr double kMostWeight = 100;
 

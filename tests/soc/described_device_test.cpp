@@ -128,6 +128,20 @@ TEST(DescribedDevice, WhoseDescriptionDoesNotHoldTogetherIsRefused) {
   }
 }
 
+TEST(BoardFile, RefusesNamesThatNothingHasAlsoInADeviceWithItsOwnModel) {
+  for (const auto& mistake :
+       {Mistake{"\"then\": \"standby\"", "\"then\": \"asleep\"", "names state \"asleep\""},
+        Mistake{"\"shows\": \"range_finder.distance\"", "\"shows\": \"colour\"", "no input among"},
+        Mistake{"\"sends\": \"range_finder.reported\"", "\"sends\": \"colour\"", "no output among"}}) {
+    auto text = board_text();
+    const std::string described = "\"initial_state\": \"standby\",";
+    text.erase(text.find(described), described.size());
+    EXPECT_NO_THROW(parse_board(text, "board.json"));
+    text.replace(text.find(mistake.from), mistake.from.size(), mistake.to);
+    EXPECT_THAT([&] { parse_board(text, "board.json"); }, testing::ThrowsMessage<Error>(HasSubstr(mistake.complaint)));
+  }
+}
+
 TEST(DescribedDevice, SendsWhatIsStoredIntoARegister) {
   auto device = range_finder();
   EXPECT_EQ(device.sent("range_finder.reported"), 0.0);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The skeleton that mebots-boardgen writes of a device (generated/range_finder.hpp), compiled and in a chip: it is a
 // device that lacks only what it does by itself.
+#include "skeleton.hpp"
 #include "board_system.hpp"
 #include "range_finder.hpp"
 
@@ -65,6 +66,16 @@ TEST(Skeleton, ObeysOpcodesKeepsRegistersAndSpendsItsEnergy) {
 
 TEST(Skeleton, IsNeededForADeviceThatNothingDescribes) {
   EXPECT_THROW(BoardSystem(BoardSystem::assembled(kMeasure), {}, board_without_initial_state()), Error);
+}
+
+TEST(Skeleton, RefusesRegistersAndVariablesThatWouldBeOneMember) {
+  const auto board = board_without_initial_state();
+  for (const auto& name : {"STATE", "SINCE", "RANGE_FINDER_DISTANCE"}) {
+    auto device = board.devices.back();
+    device.registers.front().name = name;
+    EXPECT_THROW(boardgen::skeleton(board, device), Error) << name;
+  }
+  EXPECT_NO_THROW(boardgen::skeleton(board, board.devices.back()));
 }
 
 }  // namespace

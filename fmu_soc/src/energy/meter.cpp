@@ -5,7 +5,6 @@ namespace mebots::soc {
 namespace {
 
 constexpr double kPicojoule = 1e-12;
-constexpr double kFemtojoule = 1e-15;
 constexpr double kPicosecond = 1e-12;
 constexpr double kBankBytes = 4096;
 

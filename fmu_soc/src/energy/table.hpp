@@ -8,6 +8,8 @@
 
 namespace mebots::soc {
 
+inline constexpr double kFemtojoule = 1e-15;  // J
+
 /// The conditions that a figure of the chip holds for.
 struct OperatingPoint {
   double temperature_c = 25;

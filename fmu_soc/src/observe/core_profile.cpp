@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "observe/core_profile.hpp"
 
+#include "energy/table.hpp"
 #include "hart/csr_numbers.hpp"
 
 #include <fmt/core.h>
@@ -10,8 +11,6 @@
 
 namespace mebots::soc::observe {
 namespace {
-
-constexpr double kFemtojoule = 1e-15;
 
 bool is_link(unsigned reg) {
   return reg == 1 || reg == 5;
