@@ -412,7 +412,7 @@ void Soc::advance_cluster(Picoseconds until, Picoseconds last, std::uint64_t cyc
       finish(End::faulted);
       if (listeners_.faults) listeners_.faults(fault_text());
     } else if (cluster_->stopped()) {
-      finish(cluster_->stopped_by_observer() ? End::stopped : End::host);
+      finish(cluster_->core_stopped_by_observer() >= 0 ? End::stopped : End::host);
     } else if (asleep_) {
       wake_if_interrupted(cluster_->fabric_event_time());
       return;

@@ -464,8 +464,28 @@ TEST(ClusterRuntime, TranslatedCoresSeeCodeThatOneOfThemChanges) {
     ASSERT_TRUE(state_of(translated.soc) == state_of(interpreted.soc)) << "at " << t << " ns";
   }
   const auto& core = translated.soc.cluster()->hart(5);
+  EXPECT_EQ(core.translates(), translate::can_translate());
+  EXPECT_FALSE(interpreted.soc.cluster()->hart(5).translates());
   EXPECT_GT(core.reg(13), core.reg(21) + 1000U) << "a3 grows by 1 and 3 in turns, s5 always by 1";
   EXPECT_TRUE(translated.faults.empty());
+}
+
+/// Blocks of 64 divisions and of loads from L2 go on for thousands of ticks behind a quantum's end, where other cores
+/// ask for banks.
+TEST(ClusterRuntime, TranslatedCoresWaitAsInterpretedInTheLongestBlocks) {
+  std::string body = "mv a0, s1\nli a1, 0x1C050000\nli a2, 0x7fffffff\nadd a3, s0, s0\nadd a3, a3, s1\nagain:\n";
+  for (int i = 0; i < 60; ++i) body += "divu a4, a2, s0\n";
+  body += "sw a4, 0(a0)\nlw a5, 2(a0)\nj 3f\n3:\n";
+  for (int i = 0; i < 60; ++i) body += i % 4 == 3 ? "lw a4, 0(a0)\n" : "lw a4, 4(a1)\n";
+  body += "lh a5, 1(a3)\nj again\n";
+  auto translated = cores_run(body, 8);
+  auto interpreted = cores_run(body, 8, false);
+  for (std::int64_t t = 99'991; t < 10'000'000; t += 99'991) {
+    translated.soc.advance(t);
+    interpreted.soc.advance(t);
+    ASSERT_TRUE(state_of(translated.soc) == state_of(interpreted.soc)) << "at " << t << " ns";
+  }
+  EXPECT_EQ(translated.soc.cluster()->hart(0).translates(), translate::can_translate());
 }
 
 /// Somebody who watches every instruction of every hart, and does nothing.
@@ -530,6 +550,7 @@ TEST(ClusterRuntime, TranslatedCoresKeepTheInterpretersBits) {
     ASSERT_EQ(translated.soc.energy().total_j(), interpreted.soc.energy().total_j());
   }
   EXPECT_GT(translated.soc.cluster()->counters().instructions, 40'000'000U);
+  EXPECT_EQ(translated.soc.cluster()->hart(0).translates(), translate::can_translate());
 }
 
 }  // namespace

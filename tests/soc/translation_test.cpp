@@ -150,6 +150,33 @@ data: .word 0
   EXPECT_TRUE(same) << "the program, which never ends, ended";
 }
 
+/// A hot block whose rear comes every 64th turn, and is not in the instruction cache then: translated code begins with
+/// the front, and stops in front of the rest when there is room for that and all its refills, at whatever limit.
+TEST(Translation, FetchesTheRearOfABlockThatIsSeldomReached) {
+  const auto program = assemble(R"(
+    li a3, 40
+again: addi a0, a0, 1
+    andi a1, a0, 63
+    bnez a1, again
+    .rept 30
+    addi a2, a2, 3
+    mul a4, a2, a0
+    .endr
+    fence.i
+    addi a3, a3, -1
+    bnez a3, again
+)" + std::string(kEnd));
+  for (const std::uint64_t step : {1, 61, 211, 307, 997}) {
+    Pair pair(program);
+    pair.fetch_through_cache(1024);
+    for (std::uint64_t limit = step; pair.run(limit); limit += step) ASSERT_LT(limit, 100'000U);
+    EXPECT_EQ(pair.translated.word("tohost"), 1U);
+    const bool has_room = step > 200;
+    EXPECT_EQ(pair.translated.hart().translates(), has_room && translate::can_translate()) << step;
+    EXPECT_FALSE(pair.interpreted.hart().translates());
+  }
+}
+
 TEST(Translation, SeesCodeThatIsStoredOver) {
   // A hot loop whose body is another one in every turn of the outer loop.
   Pair pair(assemble(std::string(R"(

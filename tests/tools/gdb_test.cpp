@@ -228,7 +228,7 @@ TEST_F(Gdb, StopsTheCoreOfTheClusterThatChangesAWatchedVariable) {
   EXPECT_THAT(run.gdb, HasSubstr("$2 = 20"));
   EXPECT_THAT(run.gdb, HasSubstr("Could not write register \"pc\""));
   EXPECT_EQ(run.exit_code, 101) << "killed while a core of the cluster runs";
-  EXPECT_THAT(run.err, HasSubstr("stopped by the debugger at pc 0x"));
+  EXPECT_THAT(run.err, HasSubstr("stopped by the debugger at cluster core 3, pc 0x"));
 }
 
 TEST_F(Gdb, ShowsWhichCoreOfTheClusterFaulted) {

@@ -193,7 +193,7 @@ void Cluster::note_stop(Core& core, Stop stop) {
   if (stop == Stop::device) spread_events(core.accessed());
   if (stop == Stop::fault) faulted_core_ = static_cast<std::int32_t>(core.id());
   if (stop == Stop::watch || stop == Stop::observer) stopped_ = true;
-  if (stop == Stop::observer) stopped_by_observer_ = true;
+  if (stop == Stop::observer) core_stopped_by_observer_ = static_cast<std::int32_t>(core.id());
   if (stop == Stop::fault || stopped_) has_news_ = true;
 }
 
@@ -331,6 +331,7 @@ void Cluster::restore(state::Reader& reader) {
   reader.get(fabric_event_time_);
   reader.get(powered_since_);
   reader.get(powered_total_);
+  core_stopped_by_observer_ = -1;
 }
 
 }  // namespace mebots::soc

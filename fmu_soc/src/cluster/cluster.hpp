@@ -107,8 +107,8 @@ class Cluster {
   int faulted_core() const { return faulted_core_; }
   /// A core's store into a watched word ended the run.
   bool stopped() const { return stopped_; }
-  /// Likewise, but a core's observer did.
-  bool stopped_by_observer() const { return stopped_by_observer_; }
+  /// The core whose observer did; -1 = none.
+  int core_stopped_by_observer() const { return core_stopped_by_observer_; }
   const ClusterDma& dma() const { return dma_; }
   /// That all cores share; null without one.
   const InstructionCache* instruction_cache() const { return instruction_cache_ ? &*instruction_cache_ : nullptr; }
@@ -149,13 +149,14 @@ class Cluster {
   bool interrupt_ = false;  // what the line was
   bool fabric_woken_ = false;
   bool stopped_ = false;
-  bool stopped_by_observer_ = false;  // so the run has no later state
-  std::uint64_t version_ = 0;         // of the decoded code, in which harts stand in a row
-  bool has_news_ = false;             // for the rest of the chip, in this quantum
+  /// DecodedCode::version() when the row was last broken for it: where a hart goes on is good in this one only.
+  std::uint64_t version_ = 0;
+  bool has_news_ = false;  // for the rest of the chip, in this quantum
   bool sharing_banks_ = false;
   std::int32_t faulted_core_ = -1;
-  std::uint32_t first_core_ = 0;  // of the next quantum
-  bool dma_first_ = false;        // in it, before the cores; else behind them
+  std::int32_t core_stopped_by_observer_ = -1;  // not part of a state
+  std::uint32_t first_core_ = 0;                // of the next quantum
+  bool dma_first_ = false;                      // in it, before the cores; else behind them
   Picoseconds fabric_event_time_ = 0;
   Picoseconds powered_since_ = 0;
   Picoseconds powered_total_ = 0;  // up to the last time it went off

@@ -102,7 +102,7 @@ class Cluster::Core final : private Bus {
   }
   void apply_offset() {
     schedule_.set_offset(offset_);
-    hart_.set_fetch_offset(offset_);
+    hart_.set_tick_offset(offset_);
   }
 
   BusReply turn(std::uint32_t address, std::uint64_t cycle, const std::uint32_t* stored, bool event) {

@@ -69,9 +69,7 @@ struct HostState {
   const Instruction* came_from = nullptr;  // the end of the block from which a region's block was reached straight
   const Instruction* slow_load = nullptr;  // the last load across two words
   std::uint64_t slow_load_when = 0;        // what `instructions` was then: of its block if they still are
-  // Of the banks of the first memory.
-  std::uint64_t horizon = 0;  // the row behind the last one that can be waited for
-  bool alone = false;         // nobody else uses them: what is taken in the table means nothing
+  bool alone = false;                      // nobody else uses the banks: what is taken in the table means nothing
 };
 
 /// What the handlers work on.

@@ -2,7 +2,7 @@
 //
 // How code comes through the instruction cache. An instruction waits for its lines when it is reached, never before: so
 // a core that was stopped anywhere has made the same refills in the same cycles. Blocks whose lines are all there run
-// as if there were no cache; only the others come here.
+// as if there were no cache; of the others translated code runs the front, if that is there, and the rest comes here.
 #include "hart/hart.hpp"
 
 namespace mebots::soc {
@@ -39,7 +39,7 @@ std::uint32_t Hart::fetch(const Instruction* at, std::uint64_t cycle) {
   std::uint32_t wait = 0;
   for (auto line = fetched_->line_of(at->pc); line <= fetched_->line_of(at[1].pc - 1); ++line) {
     const auto refills = fetched_->refills();
-    wait += fetched_->fetch(line, cycle + wait + fetch_offset_);
+    wait += fetched_->fetch(line, cycle + wait + tick_offset_);
     if (fetched_->refills() != refills) cache_.left(fetched_->evicted());
   }
   execution_.counters.fetch_cycles += wait;
@@ -75,9 +75,9 @@ const Instruction* Hart::run_until(const Instruction* at, const Instruction* sto
 bool Hart::fetch_and_execute(std::uint32_t number, std::uint32_t stall, std::uint64_t limit) {
   const auto& block = cache_.block(number);
   const bool unsettled = fetch_unsettled();
-  std::uint64_t missing = 0;
+  std::uint64_t missing = 0;  // at most: what is brought can drive out what comes behind it
   for (auto line = fetched_->line_of(block.pc); line <= fetched_->line_of(block.end - 1); ++line) {
-    if (unsettled || !fetched_->holds(line)) ++missing;
+    if (missing != 0 || unsettled || !fetched_->holds(line)) ++missing;
   }
   const auto bound = block.last_start_bound + stall + missing * fetched_->refill_cycles();
   if (execution_.counters.cycles + (bound & bound_mask_) >= limit) return false;

@@ -95,7 +95,7 @@ Hart::Turns Hart::take_turns(Hart& first, std::uint64_t limit_tick) {
   auto& hart = *execution->hart;
   if (exit == nullptr) return {&hart};
   const bool begins = hart.finish_translated(*exit);
-  return {&hart, true, hart.go_on(limit_tick - hart.fetch_offset_, begins)};
+  return {&hart, true, hart.go_on(limit_tick - hart.tick_offset_, begins)};
 }
 
 void Hart::reset(std::uint32_t pc) {
@@ -337,11 +337,12 @@ inline const translate::Entry* Hart::translated(std::uint32_t number, const Bloc
 const translate::Entry* Hart::translate_when_hot(std::uint32_t number, const Block& block) {
   auto& translator = decoded_->translator;
   auto& generation = decoded_->translated_generation;
-  if (translator != nullptr && (generation != cache_.generation() || translator->full())) {
+  const auto forget = [&] {
     translator->forget();
     ++decoded_->times_forgotten;
     generation = cache_.generation();
-  }
+  };
+  if (translator != nullptr && generation != cache_.generation()) forget();
   if (const auto epoch = static_cast<std::uint32_t>(execution_.counters.cycles >> kEpochBits); epoch != block.epoch) {
     block.epoch = epoch;
     block.heat = 0;
@@ -356,6 +357,7 @@ const translate::Entry* Hart::translate_when_hot(std::uint32_t number, const Blo
     translation_on_ = translator != nullptr;
     if (!translation_on_) return nullptr;
   }
+  if (translator->full()) forget();
   return &translator->translate(number);
 }
 
@@ -375,12 +377,10 @@ void Hart::set_budget(std::uint64_t limit) {
     host.begin = std::min(cycles, kLongestRun);
     return;
   }
-  const auto* schedule = execution_.ram[0].banks;
-  host.alone = schedule == nullptr;
-  const auto* row = host.alone ? banks->unread() : banks->row(schedule->tick_of(execution_.counters.cycles));
+  host.alone = execution_.ram[0].banks == nullptr;
+  const auto* row = host.alone ? banks->unread() : banks->row(execution_.counters.cycles + tick_offset_);
   host.begin = reinterpret_cast<std::uintptr_t>(row);
   host.end = host.begin + std::min(cycles, Banks::kLongestRun) * banks->count();
-  host.horizon = reinterpret_cast<std::uintptr_t>(banks->horizon());
 }
 
 /// What translated code leaves to do; as run_translated.
@@ -391,6 +391,7 @@ bool Hart::finish_translated(const translate::Exit& exit) {
   if ((host.instructions & 0xffffffffU) != (exit.straight ? exit.at->index : 0U)) {
     e.pipeline = {};
   }
+  e.slow_load = nullptr;
   if (exit.is_reached_straight && host.came_from != nullptr) remember(host.came_from);
   if (exit.resumes) {
     std::uint32_t stall = 0;
@@ -408,7 +409,6 @@ bool Hart::finish_translated(const translate::Exit& exit) {
   }
   if (!exit.indirect) e.pc = exit.pc;
   if (exit.straight) {
-    e.slow_load = nullptr;
     remember(exit.at);
     const bool turns = exit.at->op == Op::loop_end && e.pc != exit.at->pc;
     e.link = turns ? loop_link(exit.at[1], e.pc) : &exit.at->link;

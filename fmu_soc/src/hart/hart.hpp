@@ -108,12 +108,14 @@ class Hart {
   /// Instructions come through this cache from now on, which harts with the same decoded code may share. Without one,
   /// fetching never waits.
   void fetch_through(InstructionCache& cache);
-  /// Active cycle c of this core is tick c + offset (modulo 2^64) of a cache that it shares.
-  void set_fetch_offset(std::uint64_t offset) { fetch_offset_ = offset; }
+  /// Active cycle c of this core is tick c + offset (modulo 2^64) of what it shares with others: cache, banks.
+  void set_tick_offset(std::uint64_t offset) { tick_offset_ = offset; }
 
   /// With a loose limit, a block that starts before it runs to its end.
   void set_loose_limit(bool loose) { bound_mask_ = loose ? ~std::uint64_t{0xffffffff} : ~std::uint64_t{0}; }
 
+  /// Whether code of this hart, or of one that shares its decoded code, has been translated.
+  bool translates() const { return decoded_->translator != nullptr; }
   /// Whether hot code is translated to code of the host where that is possible; at the start it is. Counts are the
   /// same with and without.
   void set_translation(bool on);
@@ -127,7 +129,7 @@ class Hart {
     bool ran = false;           // it had its turn
     Stop stop = Stop::limit;    // and came back so
   };
-  /// As `run` up to the same tick (active cycle + fetch offset) of harts in a row, one after the other. It is quick
+  /// As `run` up to the same tick (active cycle + offset) of harts in a row, one after the other. It is quick
   /// while they stay in translated code, and ends with the first that does not. For harts that share banks and decoded
   /// code.
   static Turns take_turns(Hart& first, std::uint64_t limit_tick);
@@ -141,6 +143,7 @@ class Hart {
   /// Who watches every instruction from now on, or null. Not part of a state.
   void observe(Observer* observer) {
     observer_ = observer;
+    observer_knows_of_sleep_ = observer != nullptr && sleeping_;
     leave_row();
   }
 
@@ -272,7 +275,7 @@ class Hart {
   std::uint32_t fetch(const Instruction* at, std::uint64_t cycle);
   const Instruction* next_to_fetch(const Instruction* at) const;
   bool fetch_unsettled() const {
-    return fetched_ != nullptr && execution_.counters.cycles + fetch_offset_ < fetched_->settled();
+    return fetched_ != nullptr && execution_.counters.cycles + tick_offset_ < fetched_->settled();
   }
   const translate::Entry* translated(std::uint32_t number, const Block& block);
   const translate::Entry* translate_when_hot(std::uint32_t number, const Block& block);
@@ -322,7 +325,7 @@ class Hart {
   std::uint32_t cut_pc_ = kNoPc;       // behind an instruction that ran alone, or where a trap returned to
   std::uint64_t bound_mask_ = ~std::uint64_t{0};
   InstructionCache* fetched_ = nullptr;
-  std::uint64_t fetch_offset_ = 0;
+  std::uint64_t tick_offset_ = 0;
   std::uint64_t unsettled_ = 0;  // kAbsent while lines that another core asked for may be on their way, else 0
   Observer* observer_ = nullptr;
   bool observer_knows_of_sleep_ = false;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <span>
 #include <vector>
 
@@ -27,14 +28,18 @@ class Banks {
 
   /// `count` must be a power of two, at most kMost.
   explicit Banks(unsigned count = 16)
-      : count_(count), taken_(kRows * count), unread_((kLongestRun + kLongestBlock) * count) {}
+      : count_(count), taken_(kRows * count), unread_((kLongestRun + kLongestBlock) * count) {
+    set_horizon();
+  }
+  Banks(const Banks&) = delete;
+  Banks& operator=(const Banks&) = delete;
 
   unsigned count() const { return count_; }
 
   /// Takes the first free cycle of the bank at or after `tick`; the answer is how long to wait for it. A tick before
-  /// the start counts as the start; behind the horizon nobody is in the way.
+  /// the start counts as the start; kReach behind it nobody is in the way.
   std::uint32_t claim(std::uint64_t tick, std::uint32_t address) {
-    const auto end = base_ + kHorizon;
+    const auto end = start_ + kReach;
     for (auto at = std::max(tick, start_); at < end; ++at) {
       auto& taken = byte_of(at, address);
       if (taken != 0) continue;
@@ -47,7 +52,7 @@ class Banks {
   /// For who has its turn at the latest after one other: takes the bank's cycle in `tick`, or when that is taken the
   /// next one in any case. The answer is 0 or 1.
   std::uint32_t claim_soon(std::uint64_t tick, std::uint32_t address) {
-    if (tick < start_ || tick + 1 >= base_ + kHorizon) return 0;
+    if (tick < start_ || tick + 1 >= start_ + kReach) return 0;
     const std::uint32_t wait = byte_of(tick, address) != 0 ? 1 : 0;
     byte_of(tick + wait, address) = 1;
     return wait;
@@ -57,6 +62,7 @@ class Banks {
   void move_to(std::uint64_t tick) {
     clear(start_, tick);
     start_ = tick;
+    set_horizon();
   }
   std::uint64_t start() const { return start_; }
 
@@ -67,22 +73,27 @@ class Banks {
     move_to(tick);
     const auto first = std::min(tick - base_, kRows);
     const auto rows = last < tick ? 0 : std::min(last + 1 - tick, kRows - first);
-    std::copy_n(&taken_[first * count_], rows * count_, taken_.begin());  // kTurn rows lie between, or none
+    std::copy_n(taken_.data() + first * count_, rows * count_, taken_.begin());  // kTurn rows lie between, or none
     clear(base_ + std::max(first, rows), base_ + first + rows);
     base_ = tick;
+    set_horizon();
   }
 
   /// For translated code: the byte of the first bank in a tick. The next tick's are count() on.
   std::uint8_t* row(std::uint64_t tick) { return &byte_of(std::max(tick, start_), 0); }
-  /// The row behind the last one that can be waited for.
-  const std::uint8_t* horizon() const { return &taken_[kHorizon * count_]; }
+  /// Where the row behind the last one stands that can be waited for.
+  const std::uint8_t* const* horizon() const { return &horizon_; }
   /// A table to write to for who is alone. It is not cleared, so what stands in it means nothing.
   std::uint8_t* unread() { return unread_.data(); }
 
   void save(state::Writer& writer) const {
-    const auto last = std::find_if(taken_.rbegin(), taken_.rend(), [](auto taken) { return taken != 0; });
     const auto begin = std::min<std::uint64_t>((start_ - base_) * count_, taken_.size());
-    const auto end = std::max<std::uint64_t>(begin, static_cast<std::uint64_t>(taken_.rend() - last));
+    std::uint64_t end = taken_.size();
+    for (std::uint64_t eight = 0; end >= begin + sizeof eight; end -= sizeof eight) {  // nearly all is free
+      std::memcpy(&eight, &taken_[end - sizeof eight], sizeof eight);
+      if (eight != 0) break;
+    }
+    while (end > begin && taken_[end - 1] == 0) --end;
     writer.put(start_);
     writer.put(std::span(taken_).subspan(begin, end - begin));
   }
@@ -90,15 +101,16 @@ class Banks {
     std::vector<std::uint8_t> taken;
     reader.get(start_);
     reader.get(taken);
-    if (taken.size() > kHorizon * count_) throw Error("a saved state is damaged: it has banks of another memory");
+    if (taken.size() > taken_.size()) throw Error("a saved state is damaged: it has banks of another memory");
     base_ = start_;
+    set_horizon();
     std::fill(std::copy(taken.begin(), taken.end(), taken_.begin()), taken_.end(), std::uint8_t{0});
   }
 
  private:
-  /// What waits beyond a run may wait this long.
-  static constexpr std::uint64_t kHorizon = kTurn + kLongestRun + kLongestBlock + 1024;
-  static constexpr std::uint64_t kRows = kHorizon + kLongestBlock;
+  /// Ticks from the start on that can be taken: cores come as far in their last block, and may wait there.
+  static constexpr std::uint64_t kReach = kLongestRun + kLongestBlock + 1024;
+  static constexpr std::uint64_t kRows = kTurn + kReach + kLongestBlock;
 
   std::uint8_t& byte_of(std::uint64_t tick, std::uint32_t address) {
     return taken_[(tick - base_) * count_ + address / 4 % count_];
@@ -110,11 +122,14 @@ class Banks {
               taken_.begin() + static_cast<std::ptrdiff_t>(last * count_), std::uint8_t{0});
   }
 
+  void set_horizon() { horizon_ = taken_.data() + std::min(start_ - base_ + kReach, kRows) * count_; }
+
   unsigned count_;
   std::uint64_t base_ = 0;   // tick of the first row
   std::uint64_t start_ = 0;  // what came before is cleared
   std::vector<std::uint8_t> taken_;
   std::vector<std::uint8_t> unread_;
+  const std::uint8_t* horizon_ = nullptr;
 };
 
 /// Banks as one core sees them: it counts its own active cycles.
@@ -127,9 +142,6 @@ class BankSchedule {
 
   /// Extra cycles of an access in active cycle `cycle`.
   std::uint32_t claim(std::uint64_t cycle, std::uint32_t address) { return banks_->claim(cycle + offset_, address); }
-
-  std::uint64_t tick_of(std::uint64_t cycle) const { return cycle + offset_; }
-  Banks& banks() { return *banks_; }
 
  private:
   Banks* banks_;

@@ -73,10 +73,18 @@ std::optional<std::uint32_t> tohost_of(const Soc& soc) {
   return value;
 }
 
+/// The hart that a message of the end is about: the fabric controller, or the core at which a debugger ended the run.
+unsigned last_hart(const Soc& soc) {
+  const auto* cluster = soc.cluster();
+  return cluster == nullptr ? 0 : static_cast<unsigned>(cluster->core_stopped_by_observer() + 1);
+}
+
 std::string why_no_end(const Soc& soc, const Options& options) {
-  const auto pc = soc.hart().pc();
+  const auto number = last_hart(soc);
+  const auto pc = soc.hart(number).pc();
   const auto function = soc.program().where(pc);
-  const auto place = fmt::format("pc 0x{:08x} in {}", pc, function.empty() ? "no function of the program" : function);
+  const auto place = fmt::format("{}pc 0x{:08x} in {}", number == 0 ? "" : fmt::format("cluster core {}, ", number - 1),
+                                 pc, function.empty() ? "no function of the program" : function);
   const bool at_limit = options.max_instructions && soc.hart().counters().instructions == *options.max_instructions;
   if (soc.end() == End::stopped && !at_limit) return fmt::format("stopped by the debugger at {}", place);
   if (soc.hart().sleeping()) return fmt::format("the core sleeps at {} and nothing is left that could wake it", place);

@@ -279,8 +279,10 @@ void Emitter::emit_claim(const Instruction* at, bool word_in_ecx) {
     cmp(byte[rbx + host(offsetof(HostState, alone))], 0);
     jne(done, T_NEAR);
     add(r15, count);
-    lea(rdx, ptr[r15 + distance]);
-    cmp(rdx, ptr[rbx + host(offsetof(HostState, horizon))]);
+    mov(rdx, reinterpret_cast<std::uint64_t>(manner_.banks->horizon()));
+    mov(rdx, ptr[rdx]);
+    sub(rdx, distance);
+    cmp(r15, rdx);
     jb(look, T_NEAR);
     jmp(done, T_NEAR);
   });

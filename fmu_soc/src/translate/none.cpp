@@ -5,6 +5,10 @@
 
 namespace mebots::soc::translate {
 
+bool can_translate() {
+  return false;
+}
+
 std::unique_ptr<Translator> make_translator(const BlockCache& /*cache*/, const Execution& /*execution*/,
                                             const Manner& /*manner*/) {
   return nullptr;

@@ -93,11 +93,15 @@ class HostTranslator : public Translator {
 
 }  // namespace
 
-std::unique_ptr<Translator> make_translator(const BlockCache& cache, const Execution& execution, const Manner& manner) {
+bool can_translate() {
   using Xbyak::util::Cpu;
   const Cpu cpu;
-  if (!cpu.has(Cpu::tBMI1) || !cpu.has(Cpu::tBMI2) || !cpu.has(Cpu::tLZCNT)) return nullptr;
-  if (!cpu.has(Cpu::tSSE41) || !cpu.has(Cpu::tPOPCNT)) return nullptr;
+  return cpu.has(Cpu::tBMI1) && cpu.has(Cpu::tBMI2) && cpu.has(Cpu::tLZCNT) && cpu.has(Cpu::tSSE41) &&
+         cpu.has(Cpu::tPOPCNT);
+}
+
+std::unique_ptr<Translator> make_translator(const BlockCache& cache, const Execution& execution, const Manner& manner) {
+  if (!can_translate()) return nullptr;
   for (const auto& ram : execution.ram) {
     if (ram.base % 4 != 0) return nullptr;
   }

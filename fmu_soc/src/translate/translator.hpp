@@ -71,7 +71,10 @@ class Translator {
   std::vector<Entry> entries_;  // by number of block
 };
 
-/// Null where this host or this build cannot translate. `execution` says where the memories are.
+/// Whether this build translates, and this host has the instructions for it.
+bool can_translate();
+
+/// Null where that is not so, or code cannot be made for such memories. `execution` says where the memories are.
 std::unique_ptr<Translator> make_translator(const BlockCache& cache, const Execution& execution, const Manner& manner);
 
 }  // namespace mebots::soc::translate
