@@ -41,7 +41,7 @@ void Cluster::power_on(Picoseconds now, std::uint32_t boot) {
   powered_since_ = now;
   event_unit_ = EventUnit(cores());
   dma_.reset();
-  banks_ = Banks(settings_.l1_banks);  // nothing of what cores had claimed ahead of time when they were switched off
+  banks_.free_all();  // nothing of what cores had claimed ahead of time when they were switched off
   if (instruction_cache_) {
     instruction_cache_->flush();
     decoded_->blocks.left_all();

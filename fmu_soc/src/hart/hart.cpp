@@ -6,21 +6,11 @@
 
 #include <algorithm>
 #include <cstring>
-#include <limits>
 #include <type_traits>
 #include <utility>
 
 namespace mebots::soc {
 namespace {
-
-/// An exception that comes back this often at the same place, with no return from a handler between, has no way out.
-constexpr std::uint32_t kHopelessRepeats = 16;
-/// A block is translated when it was interpreted this often in one epoch: what runs now and then, for however long, is
-/// not worth it.
-constexpr std::uint16_t kHot = 64;
-constexpr unsigned kEpochBits = 24;  // of cycles
-/// Most cycles of one stay in translated code: its counts have 32 bits.
-constexpr std::uint64_t kLongestRun = std::uint64_t{1} << 30;
 
 FastRegion fast_region(Memory& memory, const MemoryPort& port) {
   auto& region = memory.regions()[port.region];
@@ -86,18 +76,6 @@ void Hart::wait_for_ram(const Instruction* at, const MemoryPort& port, std::uint
   if (&port != ports_.data()) ++e.far_accesses;
 }
 
-Hart::Turns Hart::take_turns(Hart& first, std::uint64_t limit_tick) {
-  auto& decoded = *first.decoded_;
-  auto& host = first.execution_.host;
-  host.end = reinterpret_cast<std::uintptr_t>(decoded.banks->row(limit_tick));
-  const auto [exit, execution] = decoded.translator->run(first.execution_, host.again);
-  if (execution == nullptr) return {};
-  auto& hart = *execution->hart;
-  if (exit == nullptr) return {&hart};
-  const bool begins = hart.finish_translated(*exit);
-  return {&hart, true, hart.go_on(limit_tick - hart.tick_offset_, begins)};
-}
-
 void Hart::reset(std::uint32_t pc) {
   execution_.counters = {};
   execution_.far_accesses = 0;
@@ -131,7 +109,7 @@ Stop Hart::run(std::uint64_t limit) {
 }
 
 /// To the limit, or whatever else stops it. `translated_led_here`: translated code has just been left.
-inline Stop Hart::go_on(std::uint64_t limit, bool translated_led_here) {
+Stop Hart::go_on(std::uint64_t limit, bool translated_led_here) {
   auto& e = execution_;
   limit = std::min(limit, kAbsent);
   unsettled_ = fetch_unsettled() ? kAbsent : 0;
@@ -320,11 +298,6 @@ std::uint32_t Hart::following_block(std::uint32_t* link) {
   return number;
 }
 
-void Hart::set_translation(bool on) {
-  translation_on_ = on;
-  decoded_->drop_translations();
-}
-
 /// Code for a block, once it is hot.
 inline const translate::Entry* Hart::translated(std::uint32_t number, const Block& block) {
   auto& translator = decoded_->translator;
@@ -332,93 +305,6 @@ inline const translate::Entry* Hart::translated(std::uint32_t number, const Bloc
     if (const auto* entry = translator->find(number); entry != nullptr) return entry;
   }
   return translate_when_hot(number, block);
-}
-
-const translate::Entry* Hart::translate_when_hot(std::uint32_t number, const Block& block) {
-  auto& translator = decoded_->translator;
-  auto& generation = decoded_->translated_generation;
-  const auto forget = [&] {
-    translator->forget();
-    ++decoded_->times_forgotten;
-    generation = cache_.generation();
-  };
-  if (translator != nullptr && generation != cache_.generation()) forget();
-  if (const auto epoch = static_cast<std::uint32_t>(execution_.counters.cycles >> kEpochBits); epoch != block.epoch) {
-    block.epoch = epoch;
-    block.heat = 0;
-  }
-  if (++block.heat < kHot) return nullptr;
-  block.heat = 0;
-  const auto first = cache_.instructions(block)->op;
-  if (ends_block(first) && !is_jump(first) && !is_hardware_loop(first)) return nullptr;  // nothing to gain
-  if (translator == nullptr) {
-    translator = translate::make_translator(cache_, execution_, {has_loose_limit(), decoded_->banks});
-    generation = cache_.generation();
-    translation_on_ = translator != nullptr;
-    if (!translation_on_) return nullptr;
-  }
-  if (translator->full()) forget();
-  return &translator->translate(number);
-}
-
-/// True: the next block begins; false: the interpreter has finished one, and may have something to say.
-bool Hart::run_translated(const translate::Entry& entry, std::uint64_t limit) {
-  set_budget(limit);
-  execution_.host.next = nullptr;
-  return finish_translated(*decoded_->translator->run(execution_, entry.plain).exit);
-}
-
-/// Tells translated code how far it may go.
-void Hart::set_budget(std::uint64_t limit) {
-  auto& host = execution_.host;
-  const auto cycles = limit - execution_.counters.cycles;
-  auto* banks = decoded_->banks;
-  if (banks == nullptr) {
-    host.begin = std::min(cycles, kLongestRun);
-    return;
-  }
-  host.alone = execution_.ram[0].banks == nullptr;
-  const auto* row = host.alone ? banks->unread() : banks->row(execution_.counters.cycles + tick_offset_);
-  host.begin = reinterpret_cast<std::uintptr_t>(row);
-  host.end = host.begin + std::min(cycles, Banks::kLongestRun) * banks->count();
-}
-
-/// What translated code leaves to do; as run_translated.
-bool Hart::finish_translated(const translate::Exit& exit) {
-  auto& e = execution_;
-  auto& host = e.host;
-  // What came before the block that was left, or that begins: nothing when another block led there by a jump.
-  if ((host.instructions & 0xffffffffU) != (exit.straight ? exit.at->index : 0U)) {
-    e.pipeline = {};
-  }
-  e.slow_load = nullptr;
-  if (exit.is_reached_straight && host.came_from != nullptr) remember(host.came_from);
-  if (exit.resumes) {
-    std::uint32_t stall = 0;
-    if (exit.at->index == 0) {  // counted already, but it has not begun
-      stall = stall_of(cache_.block(cache_.known(exit.at->pc)));
-      e.counters.cycles -= stall;
-    }
-    const auto* slow_load = host.slow_load_when == host.instructions ? host.slow_load : nullptr;
-    if (exit.fetches || !is_present(exit.at)) {
-      resume_fetching(exit.at, exit.wait_cycles, stall, slow_load);
-    } else {
-      execute(exit.at, exit.wait_cycles, stall, slow_load);
-    }
-    return false;
-  }
-  if (!exit.indirect) e.pc = exit.pc;
-  if (exit.straight) {
-    remember(exit.at);
-    const bool turns = exit.at->op == Op::loop_end && e.pc != exit.at->pc;
-    e.link = turns ? loop_link(exit.at[1], e.pc) : &exit.at->link;
-    note_next(*e.link);
-    return true;
-  }
-  e.jumped = exit.jumped;
-  e.link = exit.at != nullptr ? &exit.at->link : nullptr;
-  note_next(exit.block);
-  return true;
 }
 
 void Hart::execute(const Instruction* first, std::uint32_t extra_cycles, std::uint32_t stall,
@@ -461,19 +347,6 @@ void Hart::set_interrupt(unsigned bit, bool level) {
   const auto mask = 1U << bit;
   csrs_.mip = level ? csrs_.mip | mask : csrs_.mip & ~mask;
   update_interrupts();
-}
-
-const Instruction* Hart::raise(const Instruction* at, std::uint32_t cause, std::uint32_t value) {
-  auto& e = execution_;
-  e.extra_cycles -= stalled_before(at);
-  e.pc = at->pc;
-  e.exit = at;
-  e.link = nullptr;
-  e.redirected = true;
-  e.leave = Leave::trap;
-  e.trap_cause = cause;
-  e.trap_value = value;
-  return nullptr;
 }
 
 const Instruction* Hart::leave_after(const Instruction* at, Leave why) {
@@ -565,94 +438,8 @@ const Instruction* Hart::set_loop_end(const Instruction* at, unsigned loop, std:
   return cache_.end_block_at(pc) ? leave_after(at, Leave::normal) : at + 1;
 }
 
-const Instruction* Hart::trap_return(const Instruction* at) {
-  auto& e = execution_;
-  e.pc = csrs_.mepc;
-  cut_pc_ = e.pc;
-  e.exit = at + 1;
-  e.link = nullptr;
-  e.redirected = true;
-  csrs_.interrupts_on = csrs_.interrupts_were_on;
-  csrs_.interrupts_were_on = true;
-  exception_repeats_ = 0;
-  update_interrupts();
-  return nullptr;
-}
-
 const Instruction* Hart::wait_for_interrupt(const Instruction* at) {
   return leave_after(at, Leave::sleep);
-}
-
-void Hart::fail(std::uint32_t cause, std::uint32_t value, bool double_trap) {
-  std::uint32_t address = 0;
-  fault_.happened = true;
-  fault_.double_trap = double_trap;
-  fault_.cause = cause;
-  fault_.pc = execution_.pc;
-  fault_.value = value;
-  if (!BlockCache::fetch(memory_, execution_.pc, fault_.instruction, address)) fault_.instruction = 0;
-}
-
-void Hart::take_trap(std::uint32_t cause, std::uint32_t value) {
-  const auto pc = execution_.pc;
-  // A call of the handler, too, is hopeless when the handler begins with one.
-  const bool is_call = cause == cause::kMachineEcall || cause == cause::kBreakpoint;
-  const bool again = exception_repeats_ != 0 && exception_pc_ == pc && exception_cause_ == cause &&
-                     (!is_call || exception_instructions_ == execution_.counters.instructions);
-  if (exception_repeats_ == 0) {
-    fault_.first_cause = cause;
-    fault_.first_pc = pc;
-    fault_.first_value = value;
-  }
-  exception_instructions_ = execution_.counters.instructions;
-  exception_repeats_ = again ? exception_repeats_ + 1 : 1;
-  exception_pc_ = pc;
-  exception_cause_ = cause;
-  if (exception_repeats_ >= kHopelessRepeats) {
-    fail(cause, value, true);
-    return;
-  }
-  enter_handler(cause, value);
-}
-
-void Hart::take_interrupt() {
-  // Fast interrupts 31 to 16 come first, the highest number before the others; then external (11), software (3),
-  // timer (7). Source: CV32E40P user manual, chapter "Exceptions and interrupts".
-  const auto ready = csrs_.mip & csrs_.mie;
-  unsigned number = 0;
-  if ((ready >> 16) != 0) {
-    number = 31U - static_cast<unsigned>(std::countl_zero(ready));
-  } else {
-    for (const unsigned candidate : {11U, 3U, 7U, 15U, 14U, 13U, 12U, 10U, 9U, 8U, 6U, 5U, 4U, 2U, 1U, 0U}) {
-      if ((ready >> candidate & 1U) != 0) {
-        number = candidate;
-        break;
-      }
-    }
-  }
-  enter_handler(cause::kInterrupt | number, 0);
-}
-
-void Hart::enter_handler(std::uint32_t cause, std::uint32_t value) {
-  auto target = csrs_.mtvec & ~3U;
-  if ((csrs_.mtvec & 1U) != 0 && (cause & cause::kInterrupt) != 0) target += 4 * (cause & 31U);
-  std::uint32_t word = 0;
-  std::uint32_t address = 0;
-  if (!BlockCache::fetch(memory_, target, word, address)) {
-    fail(cause, value, false);
-    return;
-  }
-  csrs_.mepc = execution_.pc;
-  csrs_.mcause = cause;
-  csrs_.mtval = value;
-  csrs_.interrupts_were_on = csrs_.interrupts_on;
-  csrs_.interrupts_on = false;
-  update_interrupts();
-  execution_.pc = target;
-  execution_.link = nullptr;
-  execution_.pipeline = {};
-  if (observer_ != nullptr) observer_->trapped(*this, {csrs_.mepc, cause, value});
-  execution_.counters.cycles += kTrapEntryCycles;
 }
 
 void Hart::save(state::Writer& writer) const {

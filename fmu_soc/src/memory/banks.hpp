@@ -65,6 +65,8 @@ class Banks {
     set_horizon();
   }
   std::uint64_t start() const { return start_; }
+  /// Nothing is taken any more.
+  void free_all() { std::fill(taken_.begin(), taken_.end(), std::uint8_t{0}); }
 
   /// Whether the table must start over before it can move to `tick`.
   bool must_start_over(std::uint64_t tick) const { return tick >= base_ + kTurn; }
