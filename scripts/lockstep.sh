@@ -4,11 +4,11 @@
 # Compares the SoC's instruction set with independent references over many random instructions: the standard part with
 # QEMU, Xpulp v2 with a second description (tests/soc/lockstep, tests/soc/xpulp). Prints the counts.
 #
-#   scripts/lockstep.sh [INSTRUCTIONS] [BUILD_FOLDER]     (default 10 million, build/release)
+#   scripts/lockstep.sh [INSTRUCTIONS] [BUILD_FOLDER]     (default 10 million, build/ci)
 set -euo pipefail
 cd "$(dirname "$0")/.."
 instructions=${1:-10000000}
-build=${2:-build/release}
+build=${2:-build/ci}
 cmake --build "$build" --target soc_lockstep_test soc_xpulp_test
 export MEBOTS_LOCKSTEP_INSTRUCTIONS=$instructions
 "$build/bin/soc_lockstep_test"

@@ -4,10 +4,10 @@
 # Runs random programs on the SoC's cluster in every way that must come to the same bits (tests/soc/cluster_random_test),
 # many more of them than the test does. Stops at the first that differs.
 #
-#   scripts/random_cluster.sh [PROGRAMS] [FIRST] [BUILD_FOLDER]     (default 1000 from 1, build/release)
+#   scripts/random_cluster.sh [PROGRAMS] [FIRST] [BUILD_FOLDER]     (default 1000 from 1, build/ci)
 set -euo pipefail
 cd "$(dirname "$0")/.."
-build=${3:-build/release}
+build=${3:-build/ci}
 cmake --build "$build" --target soc_cluster_random_test
 export MEBOTS_CLUSTER_PROGRAMS=${1:-1000} MEBOTS_CLUSTER_FIRST=${2:-1}
 "$build/bin/soc_cluster_random_test"
