@@ -98,9 +98,9 @@ wait $tool
   }
 };
 
-/// The self-test of the cluster's runtime, on the AI-deck.
-const std::string kClusterProgram = MEBOTS_BINARY_DIR "/firmware/cluster_selftest.elf";
-const std::string kBoard = "--board " MEBOTS_SOURCE_DIR "/configs/boards/ai_deck.json";
+/// The self-test of the cluster's runtime, on the AI-deck; as a shell takes them.
+const std::string kClusterProgram = "'" MEBOTS_BINARY_DIR "/firmware/cluster_selftest.elf'";
+const std::string kBoard = "--board '" MEBOTS_SOURCE_DIR "/configs/boards/ai_deck.json'";
 
 class Gdb : public testing::Test {
  protected:
