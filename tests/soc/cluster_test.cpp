@@ -21,6 +21,16 @@ std::vector<std::byte> state_of(const Soc& soc) {
   return writer.take();
 }
 
+/// Two runs of one program, at the same time: their states and energies agree at every step up to `end_ns`.
+void expect_same_bits(Soc& one, Soc& other, std::int64_t step_ns, std::int64_t end_ns) {
+  for (auto t = one.now() / 1000 + step_ns; t < end_ns; t += step_ns) {
+    one.advance(t);
+    other.advance(t);
+    ASSERT_TRUE(state_of(one) == state_of(other)) << "at " << t << " ns";
+    ASSERT_EQ(one.energy().total_j(), other.energy().total_j()) << "at " << t << " ns";
+  }
+}
+
 /// The fabric controller switches the cluster on and sleeps; each core runs `body` with its number in s0, then leaves
 /// the cycles that it took in result(number).
 BoardSystem cores_run(std::string_view body, unsigned cores, bool translate = true) {
@@ -458,11 +468,7 @@ other: addi a3, a3, 3
 TEST(ClusterRuntime, TranslatedCoresSeeCodeThatOneOfThemChanges) {
   auto translated = cores_run(kPatching, 8);
   auto interpreted = cores_run(kPatching, 8, false);
-  for (std::int64_t t = 99'991; t < 3'000'000; t += 99'991) {
-    translated.soc.advance(t);
-    interpreted.soc.advance(t);
-    ASSERT_TRUE(state_of(translated.soc) == state_of(interpreted.soc)) << "at " << t << " ns";
-  }
+  expect_same_bits(translated.soc, interpreted.soc, 99'991, 3'000'000);
   const auto& core = translated.soc.cluster()->hart(5);
   EXPECT_EQ(core.translates(), translate::can_translate());
   EXPECT_FALSE(interpreted.soc.cluster()->hart(5).translates());
@@ -480,11 +486,7 @@ TEST(ClusterRuntime, TranslatedCoresWaitAsInterpretedInTheLongestBlocks) {
   body += "lh a5, 1(a3)\nj again\n";
   auto translated = cores_run(body, 8);
   auto interpreted = cores_run(body, 8, false);
-  for (std::int64_t t = 99'991; t < 10'000'000; t += 99'991) {
-    translated.soc.advance(t);
-    interpreted.soc.advance(t);
-    ASSERT_TRUE(state_of(translated.soc) == state_of(interpreted.soc)) << "at " << t << " ns";
-  }
+  expect_same_bits(translated.soc, interpreted.soc, 99'991, 10'000'000);
   EXPECT_EQ(translated.soc.cluster()->hart(0).translates(), translate::can_translate());
 }
 
@@ -502,14 +504,10 @@ class Watcher final : public Observer {
 };
 
 /// Both are of the same program, at the same time; only one is watched from now on.
-void expect_same_bits(Soc& plain, Soc& watched, std::int64_t step_ns, std::int64_t end_ns) {
+void expect_same_bits_watched(Soc& plain, Soc& watched, std::int64_t step_ns, std::int64_t end_ns) {
   const auto unseen = watched.instructions();
   const Watcher watcher(watched);
-  for (auto t = plain.now() / 1000 + step_ns; t < end_ns; t += step_ns) {
-    plain.advance(t);
-    watched.advance(t);
-    ASSERT_TRUE(state_of(plain) == state_of(watched)) << "at " << t << " ns";
-  }
+  expect_same_bits(plain, watched, step_ns, end_ns);
   EXPECT_EQ(watcher.count(), watched.instructions() - unseen);
   for (unsigned number = 0; number < watched.harts(); ++number) watched.observe(number, nullptr);
 }
@@ -517,7 +515,7 @@ void expect_same_bits(Soc& plain, Soc& watched, std::int64_t step_ns, std::int64
 TEST(ClusterRuntime, WatchedKeepsTheBitsOfAnUnwatchedRun) {
   auto plain = cores_run(kMixed, 8);
   auto watched = cores_run(kMixed, 8);
-  expect_same_bits(plain.soc, watched.soc, 9'973, 400'000);
+  expect_same_bits_watched(plain.soc, watched.soc, 9'973, 400'000);
   EXPECT_GT(watched.soc.cluster()->counters().instructions, 40'000U);
 }
 
@@ -531,7 +529,7 @@ TEST(ClusterRuntime, WatchedInAnInferenceKeepsItsBits) {
   const auto& last = watched.soc.hart(8).counters();
   const auto on_four = first.instructions;
   ASSERT_LT(last.instructions, 1'000U) << "it has only been switched on and off";
-  expect_same_bits(plain.soc, watched.soc, 371'003, 342 * kMs);
+  expect_same_bits_watched(plain.soc, watched.soc, 371'003, 342 * kMs);
   EXPECT_GT(last.instructions, 100'000U);
   EXPECT_GT(first.instructions - on_four, last.instructions + 100'000U) << "some of them on four cores";
 }
@@ -543,12 +541,7 @@ TEST(ClusterRuntime, TranslatedCoresKeepTheInterpretersBits) {
   BoardSystem translated(program, settings);
   settings.translate = false;
   BoardSystem interpreted(program, settings);
-  for (std::int64_t t = 17'777'777; t < 400'000'000; t += 17'777'777) {
-    translated.soc.advance(t);
-    interpreted.soc.advance(t);
-    ASSERT_EQ(state_of(translated.soc), state_of(interpreted.soc)) << "at " << t << " ns";
-    ASSERT_EQ(translated.soc.energy().total_j(), interpreted.soc.energy().total_j());
-  }
+  expect_same_bits(translated.soc, interpreted.soc, 17'777'777, 400'000'000);
   EXPECT_GT(translated.soc.cluster()->counters().instructions, 40'000'000U);
   EXPECT_EQ(translated.soc.cluster()->hart(0).translates(), translate::can_translate());
 }

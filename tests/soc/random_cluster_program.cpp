@@ -1,21 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "random_cluster_program.hpp"
 
+#include "random_text.hpp"
+
 #include "isa/encoding.hpp"
 
 #include <fmt/format.h>
 
 #include <array>
-#include <random>
 #include <string_view>
 #include <vector>
 
 namespace mebots::soc::test {
 namespace {
 
-class ClusterAuthor {
+class ClusterAuthor : RandomText {
  public:
-  explicit ClusterAuthor(std::uint32_t seed) : random_(seed) {
+  explicit ClusterAuthor(std::uint32_t seed) : RandomText(seed) {
     for (const auto& row : encodings()) {
       if (row.extension != Extension::xpulp || is_hardware_loop(row.op) || is_branch(row.op)) continue;
       (is_load(row.op) || is_store(row.op) ? accesses_ : computing_).push_back(&row);
@@ -40,25 +41,12 @@ class ClusterAuthor {
   static constexpr std::array<std::string_view, 15> kRegisters{"a0", "a1", "a2", "a3", "a4",  "a5",  "a6", "a7",
                                                                "t3", "t4", "s8", "s9", "s10", "s11", "t6"};
   static constexpr std::array<unsigned, 15> kNumbers{10, 11, 12, 13, 14, 15, 16, 17, 28, 29, 24, 25, 26, 27, 31};
-  static constexpr std::array<std::string_view, 18> kTwoSources{"add",   "sub",    "sll", "slt",  "sltu", "xor",
-                                                                "srl",   "sra",    "or",  "and",  "mul",  "mulh",
-                                                                "mulhu", "mulhsu", "div", "divu", "rem",  "remu"};
-  static constexpr std::array<std::string_view, 6> kImmediates{"addi", "slti", "sltiu", "xori", "ori", "andi"};
-  static constexpr std::array<std::string_view, 6> kBranches{"beq", "bne", "blt", "bge", "bltu", "bgeu"};
-  static constexpr std::array<std::string_view, 5> kLoads{"lw", "lh", "lhu", "lb", "lbu"};
-  static constexpr std::array<std::string_view, 3> kStores{"sw", "sh", "sb"};
   static constexpr std::array<std::string_view, 9> kCounters{"mcycle", "minstret", "0x780", "0x781",  "0x784",
                                                              "0x79e",  "cycle",    "mepc",  "mhartid"};
   static constexpr unsigned kLeaves = 4;
 
-  unsigned below(unsigned count) { return static_cast<unsigned>(random_() % count); }
-  template <std::size_t Count>
-  std::string_view any(const std::array<std::string_view, Count>& list) {
-    return list[below(Count)];
-  }
   std::string_view source() { return below(12) == 0 ? "zero" : any(kRegisters); }
   std::string_view target() { return any(kRegisters); }
-  int immediate() { return static_cast<int>(below(4096)) - 2048; }
 
   std::string items(unsigned count, int depth) {
     std::string text;
@@ -432,7 +420,6 @@ pool_of_halves: c.addi a1, 3
 )";
   }
 
-  std::mt19937 random_;
   std::vector<const Encoding*> computing_;
   std::vector<const Encoding*> accesses_;
   unsigned routines_ = 0;

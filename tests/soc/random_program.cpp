@@ -2,11 +2,11 @@
 #include "random_program.hpp"
 
 #include "machine.hpp"
+#include "random_text.hpp"
 
 #include <fmt/format.h>
 
 #include <array>
-#include <random>
 #include <string_view>
 
 namespace mebots::soc::test {
@@ -14,9 +14,9 @@ namespace {
 
 constexpr int kFunctions = 4;
 
-class Author {
+class Author : RandomText {
  public:
-  explicit Author(std::uint32_t seed) : random_(seed) {}
+  explicit Author(std::uint32_t seed) : RandomText(seed) {}
 
   std::string write() {
     std::string text = R"(
@@ -64,24 +64,11 @@ stack_top:
   // More than the host has. t0, t1, t2, gp and s0 to s2 have their own work.
   static constexpr std::array<std::string_view, 18> kRegisters{"a0", "a1", "a2", "a3", "a4", "a5", "a6",  "a7",  "s3",
                                                                "s4", "s5", "s6", "s7", "s8", "s9", "s10", "s11", "tp"};
-  static constexpr std::array<std::string_view, 18> kTwoSources{"add",   "sub",    "sll", "slt",  "sltu", "xor",
-                                                                "srl",   "sra",    "or",  "and",  "mul",  "mulh",
-                                                                "mulhu", "mulhsu", "div", "divu", "rem",  "remu"};
-  static constexpr std::array<std::string_view, 6> kImmediates{"addi", "slti", "sltiu", "xori", "ori", "andi"};
   static constexpr std::array<std::string_view, 3> kShifts{"slli", "srli", "srai"};
-  static constexpr std::array<std::string_view, 6> kBranches{"beq", "bne", "blt", "bge", "bltu", "bgeu"};
-  static constexpr std::array<std::string_view, 5> kLoads{"lw", "lh", "lhu", "lb", "lbu"};
-  static constexpr std::array<std::string_view, 3> kStores{"sw", "sh", "sb"};
 
-  unsigned below(unsigned count) { return static_cast<unsigned>(random_() % count); }
-  template <std::size_t Count>
-  std::string_view any(const std::array<std::string_view, Count>& list) {
-    return list[below(Count)];
-  }
   /// A source: now and then x0.
   std::string_view source() { return below(12) == 0 ? "zero" : any(kRegisters); }
   std::string_view target() { return below(25) == 0 ? "zero" : any(kRegisters); }
-  int immediate() { return static_cast<int>(below(4096)) - 2048; }
 
   std::string items(unsigned count, int depth) {
     std::string text;
@@ -177,7 +164,6 @@ stack_top:
     }
   }
 
-  std::mt19937 random_;
   int labels_ = 0;
 };
 

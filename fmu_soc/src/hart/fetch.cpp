@@ -91,40 +91,37 @@ bool Hart::fetch_and_execute(std::uint32_t number, std::uint32_t stall, std::uin
     }
   } else {
     // The first instruction is fetched before it stalls for a load, as all others are.
-    const auto generation = cache_.generation();
     begin_block(fetch(first, execution_.counters.cycles), stall, nullptr);
-    execute_fetching(first);
-    if (cache_.generation() == generation) cache_.look_for(number);
+    execute_fetching(first, number);
   }
   return true;
 }
 
 /// Whether all of the instruction's block is known to be in the cache, not only its front.
 bool Hart::is_present(const Instruction* at) const {
-  return fetched_ == nullptr || cache_.block(cache_.known((at - at->index)->pc)).entry_bound != kAbsent;
+  return fetched_ == nullptr || cache_.block(block_of(at)).entry_bound != kAbsent;
 }
 
 /// Goes on in a block that translated code has left, of which what comes may be absent.
 void Hart::resume_fetching(const Instruction* at, std::uint32_t wait_cycles, std::uint32_t stall,
                            const Instruction* slow_load) {
-  const auto number = cache_.known((at - at->index)->pc);
-  const auto generation = cache_.generation();
   begin_block(wait_cycles, stall, slow_load);
   execution_.extra_cycles += fetch(at, cycle_of(at));
-  execute_fetching(at);
-  if (cache_.generation() == generation) cache_.look_for(number);
+  execute_fetching(at, block_of(at));
   unsettled_ = fetch_unsettled() ? kAbsent : 0;
 }
 
 /// As `execute` of an instruction that is fetched, but lines come one by one: it goes on to the next instruction that
-/// needs one, and waits there.
-void Hart::execute_fetching(const Instruction* at) {
+/// needs one, and waits there. `number` is its block, of which more may be there then.
+void Hart::execute_fetching(const Instruction* at, std::uint32_t number) {
+  const auto generation = cache_.generation();
   while (at != nullptr) {
     const auto* stop = next_to_fetch(at);
     at = observer_ != nullptr ? run_until_observed(at, stop) : run_until(at, stop);
     if (at != nullptr) execution_.extra_cycles += fetch(at, cycle_of(at) + hidden_in(execution_, at));
   }
   finish_block();
+  if (cache_.generation() == generation) cache_.look_for(number);
 }
 
 }  // namespace mebots::soc

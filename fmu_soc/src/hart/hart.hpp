@@ -267,7 +267,8 @@ class Hart {
   void execute_observed(const Instruction* first, std::uint32_t stall);
   const Instruction* run_until_observed(const Instruction* at, const Instruction* stop);
   bool fetch_and_execute(std::uint32_t number, std::uint32_t stall, std::uint64_t limit);
-  void execute_fetching(const Instruction* at);
+  void execute_fetching(const Instruction* at, std::uint32_t number);
+  std::uint32_t block_of(const Instruction* at) const { return cache_.known((at - at->index)->pc); }
   bool is_present(const Instruction* at) const;
   void resume_fetching(const Instruction* at, std::uint32_t wait_cycles, std::uint32_t stall,
                        const Instruction* slow_load);

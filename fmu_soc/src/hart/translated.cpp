@@ -84,7 +84,7 @@ bool Hart::finish_translated(const translate::Exit& exit) {
   if (exit.resumes) {
     std::uint32_t stall = 0;
     if (exit.at->index == 0) {  // counted already, but it has not begun
-      stall = stall_of(cache_.block(cache_.known(exit.at->pc)));
+      stall = stall_of(cache_.block(block_of(exit.at)));
       e.counters.cycles -= stall;
     }
     const auto* slow_load = host.slow_load_when == host.instructions ? host.slow_load : nullptr;
