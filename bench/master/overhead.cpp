@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the master costs beyond the FMU calls: the same FMU stepped by a bare loop over its C functions and by
 // Simulation, turn about, in one process. Usage: bench_master_overhead PASSTHROUGH.fmu [REPEATS]
-#include "mebots/master/simulation.hpp"
+#include "run/simulation.hpp"
 
 #include "fmi2_functions.hpp"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Flies the easy gate mission from C++, switches a lamp on in mid-air, and asks what it cost.
 #include <mebots/error.hpp>
-#include <mebots/master/mission.hpp>
+#include <run/mission.hpp>
 
 #include <algorithm>
 #include <cstdio>

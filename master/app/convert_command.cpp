@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "convert_command.hpp"
 
-#include "mebots/master/ssp.hpp"
+#include "ssp/ssp.hpp"
 
 #include <fmt/format.h>
 

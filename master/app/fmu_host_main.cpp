@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mebots/master/fmu_host.hpp"
+#include "isolation/fmu_host.hpp"
 
 int main(int argument_count, char** arguments) {
   return mebots::master::run_fmu_host(argument_count, arguments);

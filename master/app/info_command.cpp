@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "info_command.hpp"
 
-#include "mebots/master/fmu.hpp"
-#include "mebots/master/input_error.hpp"
-#include "mebots/master/system_description.hpp"
-#include "mebots/master/time.hpp"
+#include "base/input_error.hpp"
+#include "base/time.hpp"
+#include "config/system_description.hpp"
+#include "slave/fmu.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

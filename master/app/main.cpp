@@ -6,8 +6,8 @@
 #include "resume_command.hpp"
 #include "run_command.hpp"
 
-#include "mebots/master/config_schema.hpp"
-#include "mebots/master/nearest_names.hpp"
+#include "base/nearest_names.hpp"
+#include "config/config_schema.hpp"
 
 #include <CLI/CLI.hpp>
 

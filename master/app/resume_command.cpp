@@ -3,7 +3,7 @@
 
 #include "run_command.hpp"
 
-#include "mebots/master/input_error.hpp"
+#include "base/input_error.hpp"
 
 #include <cstdio>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "mebots/master/checkpoint.hpp"
+#include "run/checkpoint.hpp"
 
 #include <filesystem>
 #include <optional>

@@ -2,10 +2,10 @@
 // What recording costs the simulation per communication point: ten Real variables whose 17 digits change at every row.
 //
 //     recorder_cost FILE.fmu    (the probe of tests/master: build/release/tests/master/fmus/probe.fmu)
-#include "mebots/master/csv_sink.hpp"
-#include "mebots/master/recorder.hpp"
-#include "mebots/master/simulation.hpp"
 #include "mebots/modeldesc/archive.hpp"
+#include "observer/recorder.hpp"
+#include "run/simulation.hpp"
+#include "sink/csv_sink.hpp"
 
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>

@@ -2,7 +2,7 @@
 #include "subject.hpp"
 
 #include "mebots/fmi2/status_name.hpp"
-#include "mebots/master/fmu.hpp"
+#include "slave/fmu.hpp"
 
 #include <dlfcn.h>
 #include <fmt/format.h>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The Python module mebots._mebots: a thin face of master::Mission. Names and texts for people are in
 // mebots/__init__.pyi.
-#include "mebots/master/input_error.hpp"
-#include "mebots/master/mission.hpp"
+#include "base/input_error.hpp"
+#include "run/mission.hpp"
 
 #include <pybind11/functional.h>
 #include <pybind11/pybind11.h>

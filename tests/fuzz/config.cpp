@@ -2,7 +2,7 @@
 //
 // Any text as a config: refused with an InputError, or a system whose parts fit each other. FMUs must exist, so the
 // corpus names the root folder as one: the reader of configs does not open them.
-#include "mebots/master/input_error.hpp"
+#include "base/input_error.hpp"
 
 #include "config/from_memory.hpp"
 #include "system.hpp"

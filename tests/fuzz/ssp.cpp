@@ -2,7 +2,7 @@
 //
 // Any text as the files of an SSP: refused with an InputError, or a config that is JSON and, read on, a system whose
 // parts fit each other. An input is SystemStructure.ssd, then further files, each after a line "=== path".
-#include "mebots/master/input_error.hpp"
+#include "base/input_error.hpp"
 
 #include "config/from_memory.hpp"
 #include "ssp/read.hpp"

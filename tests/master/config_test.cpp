@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mebots/master/command_line.hpp"
-#include "mebots/master/config_schema.hpp"
-#include "mebots/master/system_description.hpp"
+#include "config/command_line.hpp"
+#include "config/config_schema.hpp"
+#include "config/system_description.hpp"
 #include "test_system.hpp"
 
 #include <fmt/format.h>

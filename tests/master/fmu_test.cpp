@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mebots/master/fmu.hpp"
-#include "mebots/master/fmu_slave.hpp"
-#include "mebots/master/input_error.hpp"
+#include "slave/fmu.hpp"
+#include "base/input_error.hpp"
+#include "slave/fmu_slave.hpp"
 #include "test_system.hpp"
 
 #include <gmock/gmock.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mebots/master/csv_rows.hpp"
-#include "mebots/master/hdf5_sink.hpp"
+#include "sink/csv_rows.hpp"
+#include "sink/hdf5_sink.hpp"
 #include "test_system.hpp"
 
 #include <gmock/gmock.h>

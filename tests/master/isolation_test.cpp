@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // FMUs in processes of their own: the same bits as in the master's, and nothing that they do takes it down.
-#include "mebots/master/unpack_folder.hpp"
+#include "slave/unpack_folder.hpp"
 #include "test_system.hpp"
 
 #include <fmt/format.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mebots/master/nearest_names.hpp"
+#include "base/nearest_names.hpp"
 
 #include <gmock/gmock.h>
 

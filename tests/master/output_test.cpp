@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mebots/master/input_hash.hpp"
-#include "mebots/master/parameter_recorder.hpp"
-#include "mebots/master/summary.hpp"
+#include "observer/parameter_recorder.hpp"
+#include "run/input_hash.hpp"
+#include "run/summary.hpp"
 #include "test_system.hpp"
 
 #include <gmock/gmock.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Many instances of one FMU: at the same time, and one after the other. scripts/scale.sh does the same in full length.
-#include "mebots/master/fmu_slave.hpp"
+#include "slave/fmu_slave.hpp"
 #include "test_system.hpp"
 
 #include <fmt/format.h>

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "mebots/master/conditions.hpp"
-#include "mebots/master/csv_sink.hpp"
-#include "mebots/master/record_choice.hpp"
-#include "mebots/master/recorder.hpp"
-#include "mebots/master/scenario.hpp"
-#include "mebots/master/simulation.hpp"
 #include "mebots/modeldesc/archive.hpp"
+#include "observer/conditions.hpp"
+#include "observer/recorder.hpp"
+#include "observer/scenario.hpp"
+#include "run/simulation.hpp"
+#include "sink/csv_sink.hpp"
+#include "system/record_choice.hpp"
 
 #include <filesystem>
 #include <map>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "step_pool.hpp"
+#include "algorithm/step_pool.hpp"
+#include "algorithm/thread_policy.hpp"
 #include "test_system.hpp"
-#include "thread_policy.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mebots/master/time.hpp"
+#include "base/time.hpp"
 
 #include <gmock/gmock.h>
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "missions.hpp"
 
-#include "mebots/master/csv_sink.hpp"
-#include "mebots/master/output_file.hpp"
-#include "mebots/master/recorder.hpp"
-#include "mebots/master/simulation.hpp"
+#include "observer/recorder.hpp"
+#include "run/simulation.hpp"
+#include "sink/csv_sink.hpp"
+#include "sink/output_file.hpp"
 
 #include <gtest/gtest.h>
 

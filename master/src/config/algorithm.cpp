@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The section `algorithm`.
-#include "mebots/master/nearest_names.hpp"
+#include "base/nearest_names.hpp"
 
 #include "reading.hpp"
 #include "sections.hpp"

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "mebots/master/json_node.hpp"
-#include "mebots/master/system_description.hpp"
+#include "config/json_node.hpp"
+#include "config/system_description.hpp"
 
 namespace mebots::master::config {
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "mebots/master/ssp.hpp"
-#include "mebots/master/system_description.hpp"
+#include "config/system_description.hpp"
+#include "ssp/ssp.hpp"
 
 /// load_system() for what is in memory already. `file` names it in messages; paths of FMUs are relative to it.
 namespace mebots::master::config {

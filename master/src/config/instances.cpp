@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The section `instances`: a table of the keys of one instance, each with its own reader.
-#include "mebots/master/config_schema.hpp"
-#include "mebots/master/time.hpp"
+#include "base/time.hpp"
+#include "config/config_schema.hpp"
 
 #include "reading.hpp"
 #include "sections.hpp"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The section `record`.
-#include "mebots/master/time.hpp"
+#include "base/time.hpp"
 
 #include "reading.hpp"
 #include "sections.hpp"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The section `scenario`.
-#include "conditions.hpp"
+#include "config/conditions.hpp"
 #include "reading.hpp"
 #include "sections.hpp"
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "mebots/master/json_node.hpp"
-#include "mebots/master/system_description.hpp"
+#include "config/json_node.hpp"
+#include "config/system_description.hpp"
 
 /// The sections of a config, one reader each. A reader finds what stands before its own key in the table of
 /// config_reader.cpp already in `system`. All throw InputError with the place of what is wrong.

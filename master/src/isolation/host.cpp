@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mebots/master/fmu_host.hpp"
-#include "mebots/master/fmu_slave.hpp"
-#include "mebots/master/input_error.hpp"
+#include "base/input_error.hpp"
+#include "isolation/fmu_host.hpp"
+#include "slave/fmu_slave.hpp"
 
 #include "guard.hpp"
 #include "osmp.hpp"

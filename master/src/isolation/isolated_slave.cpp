@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "isolated_slave.hpp"
 
-#include "mebots/master/input_error.hpp"
-#include "mebots/master/time.hpp"
+#include "base/input_error.hpp"
+#include "base/time.hpp"
 
 #include <fmt/format.h>
 #include <unistd.h>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "mebots/master/message.hpp"
-#include "mebots/master/resolved_system.hpp"
-#include "mebots/master/slave.hpp"
+#include "message/message.hpp"
+#include "slave/slave.hpp"
+#include "system/resolved_system.hpp"
 
 #include "child_process.hpp"
 #include "osmp.hpp"

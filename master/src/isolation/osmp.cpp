@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "osmp.hpp"
 
-#include "mebots/master/resolved_system.hpp"
+#include "system/resolved_system.hpp"
 
-#include "../connection_check.hpp"
+#include "system/connection_check.hpp"
 
 #include <algorithm>
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "mebots/binary_ref.hpp"
-#include "mebots/master/slave.hpp"
+#include "slave/slave.hpp"
 
 #include <array>
 #include <optional>

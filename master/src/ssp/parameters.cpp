@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "parameters.hpp"
 
-#include "mebots/master/input_error.hpp"
+#include "base/input_error.hpp"
 
 #include <fmt/format.h>
 

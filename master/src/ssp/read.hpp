@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "mebots/master/ssp.hpp"
+#include "ssp/ssp.hpp"
 
 #include "files.hpp"
 

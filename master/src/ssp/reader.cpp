@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mebots/master/json_document.hpp"
-#include "mebots/master/ssp.hpp"
+#include "config/json_document.hpp"
+#include "ssp/ssp.hpp"
 
 #include "parameters.hpp"
 #include "read.hpp"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mebots/master/ssp.hpp"
-#include "mebots/master/time.hpp"
+#include "base/time.hpp"
 #include "mebots/modeldesc/archive.hpp"
+#include "ssp/ssp.hpp"
 
 #include <fmt/format.h>
 #include <pugixml.hpp>

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "algorithm/step_in_parts.hpp"
+
+#include "base/time.hpp"
+
+#include <cmath>
+
+namespace mebots::master {
+namespace {
+
+constexpr std::int64_t kShortestPartNs = 1000;
+
+/// How much of a discarded part to try next.
+std::int64_t shorter_part(const StepResult& result, std::int64_t at_ns, std::int64_t part_ns) {
+  if (result.last_successful_s) {
+    const double reached_ns = *result.last_successful_s * 1e9 - static_cast<double>(at_ns);
+    if (reached_ns >= kShortestPartNs && reached_ns < static_cast<double>(part_ns)) {
+      return static_cast<std::int64_t>(std::round(reached_ns));
+    }
+  }
+  return part_ns / 2;
+}
+
+}  // namespace
+
+StepResult step_in_parts(Slave& slave, std::int64_t start_ns, std::int64_t duration_ns,
+                         const std::atomic<bool>& cancel) {
+  const auto end_ns = start_ns + duration_ns;
+  auto at_ns = start_ns;
+  auto part_ns = duration_ns;
+  while (true) {
+    const auto state = slave.save_state();
+    auto result = slave.step(at_ns, part_ns);
+    if (result.pending) result = slave.finish_step(cancel);
+    if (result.done) {
+      at_ns += part_ns;
+      if (at_ns == end_ns) return result;
+      part_ns = end_ns - at_ns;
+      continue;
+    }
+    if (result.terminated || result.cancelled) return result;
+    part_ns = shorter_part(result, at_ns, part_ns);
+    if (part_ns < kShortestPartNs) return result;
+    slave.restore_state(*state);
+  }
+}
+
+}  // namespace mebots::master

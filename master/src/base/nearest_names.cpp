@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "base/nearest_names.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cctype>
+#include <vector>
+
+namespace mebots::master {
+namespace {
+
+constexpr std::size_t kOffered = 3;
+constexpr std::size_t kListed = 12;
+
+char lower(char c) {
+  return static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+}
+
+std::string in_quotes(std::string_view name) {
+  return fmt::format("'{}'", name);
+}
+
+std::string one_of(const std::vector<std::string>& names) {
+  std::string text = in_quotes(names.front());
+  for (std::size_t i = 1; i < names.size(); ++i) text += (i + 1 == names.size() ? " or " : ", ") + in_quotes(names[i]);
+  return text;
+}
+
+}  // namespace
+
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> before_last(b.size() + 1);
+  std::vector<std::size_t> last(b.size() + 1);
+  std::vector<std::size_t> row(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    before_last.swap(last);
+    last.swap(row);
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const bool same = lower(a[i - 1]) == lower(b[j - 1]);
+      row[j] = std::min({last[j] + 1, row[j - 1] + 1, last[j - 1] + (same ? 0 : 1)});
+      const bool swapped = i > 1 && j > 1 && lower(a[i - 1]) == lower(b[j - 2]) && lower(a[i - 2]) == lower(b[j - 1]);
+      if (swapped) row[j] = std::min(row[j], before_last[j - 2] + 1);
+    }
+  }
+  return row.back();
+}
+
+std::string suggest(std::string_view wrong, std::span<const std::string> known) {
+  if (known.empty()) return "There are none.";
+  struct Candidate {
+    std::size_t distance;
+    const std::string* name;
+  };
+  std::vector<Candidate> candidates;
+  for (const auto& name : known) {
+    // A name that contains what was typed, or the other way round, is near however much is missing.
+    const bool contained = wrong.size() >= 3 && name.size() >= 3 &&
+                           (name.find(wrong) != std::string::npos || wrong.find(name) != std::string_view::npos);
+    const auto distance = edit_distance(wrong, name);
+    if (contained || distance <= std::max<std::size_t>(1, std::max(wrong.size(), name.size()) / 3)) {
+      candidates.push_back({contained ? std::min<std::size_t>(distance, 2) : distance, &name});
+    }
+  }
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [](const Candidate& a, const Candidate& b) { return a.distance < b.distance; });
+  if (!candidates.empty()) {
+    std::vector<std::string> nearest;
+    for (const auto& candidate : candidates) {
+      if (nearest.size() == kOffered) break;
+      nearest.push_back(*candidate.name);
+    }
+    return fmt::format("Did you mean {}?", one_of(nearest));
+  }
+  std::vector<std::string> listed;
+  for (const auto& name : known) {
+    if (listed.size() == kListed) break;
+    listed.push_back(in_quotes(name));
+  }
+  const auto more = known.size() - listed.size();
+  return fmt::format("Known are {}{}.", fmt::join(listed, ", "), more == 0 ? "" : fmt::format(" and {} more", more));
+}
+
+}  // namespace mebots::master

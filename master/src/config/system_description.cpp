@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "config/system_description.hpp"
+
+#include "base/time.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace mebots::master {
+
+const InstanceDescription* SystemDescription::find_instance(std::string_view instance_name) const {
+  const auto found = std::find_if(instances.begin(), instances.end(),
+                                  [&](const InstanceDescription& instance) { return instance.name == instance_name; });
+  return found == instances.end() ? nullptr : &*found;
+}
+
+std::vector<std::string> SystemDescription::instance_names() const {
+  std::vector<std::string> names;
+  for (const auto& instance : instances) names.push_back(instance.name);
+  return names;
+}
+
+std::optional<VariableName> SystemDescription::split(std::string_view text) const {
+  // No instance's name is the beginning of another's, so at most one fits.
+  for (auto dot = text.find('.'); dot != std::string_view::npos; dot = text.find('.', dot + 1)) {
+    const auto instance = text.substr(0, dot);
+    if (dot + 1 < text.size() && find_instance(instance) != nullptr) {
+      return VariableName{std::string(instance), std::string(text.substr(dot + 1))};
+    }
+  }
+  return std::nullopt;
+}
+
+void set_stop_time(SystemDescription& system, std::int64_t stop_time_ns, const std::string& place) {
+  if (stop_time_ns <= 0) throw InputError(fmt::format("{}: the stop time must be greater than 0 s", place));
+  const auto check = [&](std::int64_t step_ns, const std::string& whose) {
+    if (stop_time_ns % step_ns == 0) return;
+    const auto below_ns = stop_time_ns / step_ns * step_ns;
+    throw InputError(fmt::format(
+        "{}: the stop time {} s is not a multiple of the step {} s{}; the nearest are {} s and {} s", place,
+        to_seconds(stop_time_ns), to_seconds(step_ns), whose, to_seconds(below_ns), to_seconds(below_ns + step_ns)));
+  };
+  check(system.step_ns, "");
+  for (const auto& instance : system.instances) {
+    check(instance.step_ns, fmt::format(" of instance '{}'", instance.name));
+  }
+  system.stop_time_ns = stop_time_ns;
+}
+
+}  // namespace mebots::master

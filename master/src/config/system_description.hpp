@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "config/json_node.hpp"
+#include "mebots/modeldesc/archive.hpp"
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+/// What a user asks for, before any FMU was opened: instances, connections, and what to do with the
+/// results. The config file is one door to it; nothing here depends on the file's format.
+namespace mebots::master {
+
+/// A variable of an instance, as "instance.variable" names it. Both may hold dots.
+struct VariableName {
+  std::string instance;
+  std::string variable;
+
+  std::string text() const { return instance + "." + variable; }
+  bool operator==(const VariableName&) const = default;
+};
+
+/// Text of a value whose type is known only once the FMU is open (`--set`).
+struct UntypedText {
+  std::string text;
+};
+
+/// A value as the user wrote it.
+using WrittenValue = std::variant<double, std::int64_t, bool, std::string, UntypedText>;
+
+/// A start value for one variable. `place` says where it was written, for error messages.
+struct Assignment {
+  std::string variable;
+  WrittenValue value;
+  std::string place;
+};
+
+/// Where an instance runs, and what its failures may cost.
+struct IsolationDescription {
+  std::optional<bool> own_process;            ///< as written
+  std::optional<double> deadline_s;           ///< of each call, by the wall clock
+  std::optional<std::uint64_t> memory_bytes;  ///< of its own process
+  bool go_on_without = false;                 ///< when it fails, the others go on
+
+  static constexpr std::uint64_t kDefaultMemoryBytes = std::uint64_t{1024} << 20;
+
+  /// Whether it runs in a process of its own: where that is asked for, or needed for what is asked for.
+  bool alone() const { return own_process.value_or(deadline_s.has_value() || memory_bytes.has_value()); }
+};
+
+struct InstanceDescription {
+  std::string name;
+  std::string fmu;                 ///< as written
+  std::filesystem::path fmu_path;  ///< absolute
+  std::vector<Assignment> parameters;
+  std::int64_t step_ns = 0;       ///< a multiple of the system's step
+  bool divide_discarded = false;  ///< repeat a discarded step in parts instead of ending the run
+  IsolationDescription isolation;
+  std::string place;
+};
+
+/// The input gets factor * x + offset, with x the output's value in the input's unit.
+struct ConnectionDescription {
+  VariableName from;
+  VariableName to;
+  std::string place;
+  double factor = 1;
+  double offset = 0;
+  bool convert_units = true;  ///< false: x is the output's value as it is, whatever the units
+};
+
+/// Who sees whose outputs within a communication step.
+struct AlgorithmDescription {
+  enum class Kind { jacobi, gauss_seidel };
+  Kind kind = Kind::jacobi;
+  std::vector<std::string> order;  ///< Gauss-Seidel: every instance once; empty = the order of the instances
+};
+
+enum class Comparison { equals, above, below };
+
+/// `variable` compared with `value`.
+struct ConditionDescription {
+  VariableName variable;
+  Comparison comparison = Comparison::equals;
+  WrittenValue value;
+  std::int64_t for_ns = 0;  ///< must have held without a break for so long
+  bool ever = false;        ///< counts once it held at any communication point
+  std::string place;
+};
+
+/// The run's outcome when all of `when` hold at its end. No condition at all always holds.
+struct OutcomeDescription {
+  std::string outcome;
+  std::vector<ConditionDescription> when;
+};
+
+enum class OverrideAction { set, offset, scale, freeze, noise, ramp };
+
+/// One entry of a scenario: what happens to a variable, and when.
+struct OverrideDescription {
+  std::string text;  ///< for people
+  VariableName variable;
+  OverrideAction action = OverrideAction::set;
+  WrittenValue value;                        ///< `set`
+  double number = 0;                         ///< `offset`, `scale`, standard deviation of `noise`, goal of `ramp`
+  std::string unit;                          ///< as written, to be checked; may be empty
+  std::uint64_t seed = 0;                    ///< `noise`
+  std::int64_t over_ns = 0;                  ///< `ramp`: time from the value found to the goal
+  std::int64_t from_ns = 0;                  ///< with `when`: the condition counts from then on
+  std::optional<std::int64_t> until_ns;      ///< not acting any more at this time
+  std::optional<ConditionDescription> when;  ///< begins when this has held for its time, once
+  std::optional<std::int64_t> duration_ns;   ///< from its beginning
+  std::string place;
+};
+
+/// A final value for summary.json, under `path` (labels from outside to inside).
+struct SummaryEntry {
+  std::vector<std::string> path;
+  VariableName variable;
+  std::string place;
+};
+
+/// `*` stands for any characters, `?` for one.
+struct RecordPattern {
+  std::string pattern;
+  std::string place;
+};
+
+struct RecordDescription {
+  std::optional<std::vector<RecordPattern>> patterns;  ///< nothing = every Real, Integer and Boolean output
+  std::vector<RecordPattern> exclude;                  ///< what fits one of these is left out
+  std::vector<RecordPattern> parameters;               ///< recorded once, at t = 0
+  bool csv = true;                                     ///< into results.csv
+  bool hdf5 = false;                                   ///< into results.h5
+  bool texts = false;                                  ///< patterns, and the lack of them, choose texts too
+  std::int64_t interval_ns = 0;                        ///< 0 = every communication point
+};
+
+/// Frames to keep as picture files: 8-bit grey pixels that an OSMP binary carries.
+struct PictureDescription {
+  VariableName frame;            ///< name of the binary, without `.base.lo`
+  VariableName id;               ///< Integer that changes with every new frame
+  std::int32_t width = 0;        ///< pixels per row
+  std::int64_t interval_ns = 0;  ///< shortest time from picture to picture; 0 = every frame
+  std::string place;
+};
+
+/// Log categories of one instance whose ordinary messages are shown; "*" = all.
+struct LogDescription {
+  std::string instance;
+  std::vector<std::string> categories;
+};
+
+/// Categories that are shown when the config says nothing else about an instance.
+inline constexpr std::string_view kDefaultLogCategories[] = {"console", "events", "faults"};
+
+/// SystemDescription::threads: as many as the machine runs at the same time.
+inline constexpr unsigned kAutomaticThreads = 0;
+
+struct SystemDescription {
+  std::filesystem::path file;  ///< the config or SSP
+  std::string name;            ///< its file name without extension
+  std::string source;          ///< its bytes, for the hash of the inputs
+  std::int64_t step_ns = 0;
+  std::int64_t stop_time_ns = 0;
+  std::vector<InstanceDescription> instances;
+  std::vector<ConnectionDescription> connections;
+  AlgorithmDescription algorithm;
+  std::vector<ConditionDescription> stop_when;  ///< any one of them ends the run
+  std::vector<OutcomeDescription> outcomes;     ///< the first that holds is the outcome
+  std::vector<OverrideDescription> scenario;    ///< overrides of one variable act in this order
+  std::vector<SummaryEntry> summary;
+  RecordDescription record;
+  std::vector<PictureDescription> pictures;
+  std::vector<LogDescription> log;
+  unsigned threads = 1;              ///< the most that step slaves at the same time, where that is faster
+  std::vector<std::string> notices;  ///< of the reader, for the user
+  std::shared_ptr<const modeldesc::TemporaryFolder> unpacked;  ///< where an SSP's FMUs lie
+
+  const InstanceDescription* find_instance(std::string_view instance_name) const;
+  std::vector<std::string> instance_names() const;
+  /// "instance.variable" apart, by the names of the instances; nothing when no instance fits.
+  std::optional<VariableName> split(std::string_view text) const;
+};
+
+/// Times that are given instead of those in the file, or because it has none [s].
+struct GivenTimes {
+  std::optional<double> step_s;
+  std::optional<double> stop_time_s;
+};
+
+/// A system together with the JSON that it was read from, or that stands for its SSP.
+struct LoadedSystem {
+  SystemDescription system;
+  nlohmann::ordered_json config;
+};
+
+/// Reads a system from a config file, or from an SSP when its name ends in `.ssp`. Throws InputError that names
+/// file, line and column, JSON pointer and the nearest valid key.
+LoadedSystem load_system(const std::filesystem::path& file, const GivenTimes& times = {});
+/// The same without the JSON.
+SystemDescription read_config(const std::filesystem::path& file);
+
+/// Changes the end of the run, as `--stop-time` does. Throws InputError unless it is a multiple of all steps.
+void set_stop_time(SystemDescription& system, std::int64_t stop_time_ns, const std::string& place);
+
+}  // namespace mebots::master

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "observer/picture_recorder.hpp"
+
+#include "base/time.hpp"
+#include "mebots/binary_ref.hpp"
+#include "sink/output_file.hpp"
+
+#include <fmt/format.h>
+
+namespace mebots::master {
+namespace {
+
+struct Source {
+  ResolvedVariable base_lo;
+  ResolvedVariable base_hi;
+  ResolvedVariable size;
+  ResolvedVariable id;
+};
+
+Source find_source(const ResolvedSystem& system, const PictureDescription& pictures) {
+  const auto find = [&](const VariableName& name) {
+    const auto found = system.find(name, pictures.place);
+    if (found.variable->type != modeldesc::Type::integer) {
+      throw InputError(
+          fmt::format("{}: {} is not an Integer, as a part of a picture must be", pictures.place, name.text()));
+    }
+    return found;
+  };
+  const auto part = [&](const char* ending) {
+    return find({pictures.frame.instance, pictures.frame.variable + ending});
+  };
+  return {part(".base.lo"), part(".base.hi"), part(".size"), find(pictures.id)};
+}
+
+}  // namespace
+
+void check_pictures(const ResolvedSystem& system, const PictureDescription& pictures) {
+  find_source(system, pictures);
+}
+
+PictureRecorder::PictureRecorder(const ResolvedSystem& system, Ensemble& ensemble, const PictureDescription& pictures,
+                                 std::filesystem::path folder)
+    : ensemble_(&ensemble), pictures_(pictures), folder_(std::move(folder)) {
+  const auto source = find_source(system, pictures_);
+  base_lo_ = ensemble.watch(source.base_lo);
+  base_hi_ = ensemble.watch(source.base_hi);
+  size_ = ensemble.watch(source.size);
+  id_ = ensemble.watch(source.id);
+}
+
+void PictureRecorder::make_folder() const {
+  std::error_code error;
+  std::filesystem::create_directories(folder_, error);
+  if (error) throw InputError(fmt::format("{}: this folder cannot be made: {}", folder_.string(), error.message()));
+  // An earlier run's pictures would look like this one's.
+  for (const auto& entry : std::filesystem::directory_iterator(folder_)) {
+    if (entry.path().extension() == ".pgm") std::filesystem::remove(entry.path(), error);
+  }
+}
+
+std::optional<std::string> PictureRecorder::reached(const Point& point) {
+  if (point.step == 0) make_folder();
+  const auto id = ensemble_->integer(id_);
+  if (id != last_id_) {
+    last_id_ = id;
+    if (point.time_ns >= next_ns_) {
+      write(point);
+      next_ns_ = point.time_ns + pictures_.interval_ns;
+    }
+  }
+  return std::nullopt;
+}
+
+void PictureRecorder::write(const Point& point) const {
+  const BinaryRef frame{ensemble_->integer(base_lo_), ensemble_->integer(base_hi_), ensemble_->integer(size_)};
+  const auto pixels = frame.bytes();
+  if (pixels.empty()) return;
+  const auto width = static_cast<std::size_t>(pictures_.width);
+  if (pixels.size() % width != 0) {
+    throw Error(fmt::format("{}: {} holds {} bytes at {} s, which are not whole rows of {} pixels; correct 'width'",
+                            pictures_.place, pictures_.frame.text(), pixels.size(), to_seconds(point.time_ns), width));
+  }
+  OutputFile file(folder_ / fmt::format("{:011.6f}.pgm", to_seconds(point.time_ns)));
+  file.append(fmt::format("P5\n{} {}\n255\n", width, pixels.size() / width));
+  file.append({reinterpret_cast<const char*>(pixels.data()), pixels.size()});
+  file.close();
+}
+
+void PictureRecorder::save(state::Writer& writer) {
+  writer.put(last_id_);
+  writer.put(next_ns_);
+}
+
+void PictureRecorder::restore(state::Reader& reader) {
+  reader.get(last_id_);
+  reader.get(next_ns_);
+}
+
+}  // namespace mebots::master

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "observer/observer.hpp"
+#include "system/ensemble.hpp"
+
+#include <cstdint>
+#include <filesystem>
+
+namespace mebots::master {
+
+/// Keeps the frames that an OSMP binary carries, as 8-bit binary PGM files named by their time:
+/// `0012.345000.pgm` is the frame that was out at 12.345 s.
+class PictureRecorder final : public Observer {
+ public:
+  /// Throws InputError when the frame or its id is no variable of the kind that is needed.
+  PictureRecorder(const ResolvedSystem& system, Ensemble& ensemble, const PictureDescription& pictures,
+                  std::filesystem::path folder);
+
+  /// Throws Error when the folder cannot be made, or the frame is not made of whole rows or cannot be written.
+  std::optional<std::string> reached(const Point& point) override;
+  void save(state::Writer& writer) override;
+  void restore(state::Reader& reader) override;
+
+ private:
+  void make_folder() const;
+  void write(const Point& point) const;
+
+  const Ensemble* ensemble_;
+  PictureDescription pictures_;
+  std::filesystem::path folder_;
+  SignalId base_lo_;
+  SignalId base_hi_;
+  SignalId size_;
+  SignalId id_;
+  std::int32_t last_id_ = 0;
+  std::int64_t next_ns_ = 0;
+};
+
+/// Throws InputError when the variables do not exist or are of the wrong kind.
+void check_pictures(const ResolvedSystem& system, const PictureDescription& pictures);
+
+}  // namespace mebots::master

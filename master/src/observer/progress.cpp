@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "observer/progress.hpp"
+
+#include "base/time.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace mebots::master {
+namespace {
+
+constexpr double kLookEveryS = 0.1;    // how often the bar moves
+constexpr double kLineEveryS = 5.0;    // a plain line at least so often in a long run
+constexpr double kLineSoonestS = 1.0;  // and for every tenth of the run, but not more often than this
+constexpr int kBarWidth = 30;
+constexpr std::int64_t kLongestStride = 1 << 16;
+
+}  // namespace
+
+std::string duration_text(double seconds) {
+  const auto whole = static_cast<std::int64_t>(std::ceil(std::min(seconds, 1e9)));
+  if (whole >= 3600) return fmt::format("{} h {:02} min", whole / 3600, whole % 3600 / 60);
+  if (whole >= 60) return fmt::format("{} min {:02} s", whole / 60, whole % 60);
+  return fmt::format("{} s", whole);
+}
+
+Progress::Progress(Console& console, std::int64_t stop_time_ns)
+    : console_(&console), stop_time_ns_(stop_time_ns), start_(Clock::now()), last_look_(start_), last_shown_(start_) {}
+
+std::optional<std::string> Progress::reached(const Point& point) {
+  if (point.step == 0 || start_ns_ > point.time_ns) {
+    start_ = last_look_ = last_shown_ = Clock::now();
+    start_ns_ = point.time_ns;
+    next_look_ = point.step + 1;
+  } else if (point.step >= next_look_) {
+    look(point);
+  }
+  return std::nullopt;
+}
+
+void Progress::look(const Point& point) {
+  const auto now = Clock::now();
+  const double since_look_s = std::chrono::duration<double>(now - last_look_).count();
+  // Aim at one look per kLookEveryS whatever a step costs.
+  if (since_look_s < kLookEveryS / 2) stride_ = std::min(stride_ * 2, kLongestStride);
+  if (since_look_s > kLookEveryS * 2) stride_ = std::max<std::int64_t>(stride_ / 2, 1);
+  last_look_ = now;
+  next_look_ = point.step + stride_;
+
+  const double since_shown_s = std::chrono::duration<double>(now - last_shown_).count();
+  const auto tenths = static_cast<int>(10 * point.time_ns / stop_time_ns_);
+  const bool due = console_->is_terminal()
+                       ? since_shown_s >= kLookEveryS
+                       : since_shown_s >= kLineEveryS || (tenths > shown_tenths_ && since_shown_s >= kLineSoonestS);
+  if (!due) return;
+  last_shown_ = now;
+  shown_tenths_ = tenths;
+  show(point, std::chrono::duration<double>(now - start_).count());
+}
+
+void Progress::show(const Point& point, double elapsed_s) {
+  const double done = static_cast<double>(point.time_ns) / static_cast<double>(stop_time_ns_);
+  const double factor = to_seconds(point.time_ns - start_ns_) / elapsed_s;
+  const auto text = fmt::format("{:3.0f} %  {:.3f} of {} s  {:.3g} x real time  {} left", std::floor(done * 100),
+                                to_seconds(point.time_ns), to_seconds(stop_time_ns_), factor,
+                                duration_text(to_seconds(stop_time_ns_ - point.time_ns) / factor));
+  if (!console_->is_terminal()) {
+    console_->line(text);
+    return;
+  }
+  const auto filled = static_cast<int>(done * kBarWidth);
+  console_->redraw(fmt::format("[{}{}] {}", std::string(static_cast<std::size_t>(filled), '#'),
+                               std::string(static_cast<std::size_t>(kBarWidth - filled), '.'), text));
+}
+
+void Progress::ended(const Point& /*point*/) {
+  console_->redraw("");
+}
+
+}  // namespace mebots::master

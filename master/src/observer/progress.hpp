@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "message/console.hpp"
+#include "observer/observer.hpp"
+
+#include <chrono>
+#include <cstdint>
+
+namespace mebots::master {
+
+/// Shows how far a run is: a bar on a terminal, a line now and then elsewhere. Looks at the wall clock
+/// only every so many steps, so that short steps do not pay for it.
+class Progress final : public Observer {
+ public:
+  Progress(Console& console, std::int64_t stop_time_ns);
+
+  std::optional<std::string> reached(const Point& point) override;
+  void ended(const Point& point) override;
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  void look(const Point& point);
+  void show(const Point& point, double elapsed_s);
+
+  Console* console_;
+  std::int64_t stop_time_ns_;
+  Clock::time_point start_;
+  Clock::time_point last_look_;
+  Clock::time_point last_shown_;
+  std::int64_t start_ns_ = 0;
+  std::int64_t next_look_ = 0;
+  std::int64_t stride_ = 1;
+  int shown_tenths_ = 0;
+};
+
+/// "1 h 02 min", "3 min 05 s", "12 s".
+std::string duration_text(double seconds);
+
+}  // namespace mebots::master

@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "observer/scenario.hpp"
+
+#include "base/time.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace mebots::master {
+namespace {
+
+using modeldesc::Causality;
+using modeldesc::Type;
+
+[[noreturn]] void fail(const OverrideDescription& override, const std::string& what) {
+  throw InputError(fmt::format("{}: '{}' {}", override.place, override.variable.text(), what));
+}
+
+std::string shown(const WrittenValue& value) {
+  struct Show {
+    std::string operator()(double number) const { return fmt::format("{}", number); }
+    std::string operator()(std::int64_t number) const { return fmt::format("{}", number); }
+    std::string operator()(bool flag) const { return flag ? "true" : "false"; }
+    std::string operator()(const std::string& text) const { return fmt::format("\"{}\"", text); }
+    std::string operator()(const UntypedText& text) const { return text.text; }
+  };
+  return std::visit(Show{}, value);
+}
+
+void check_limits(const OverrideDescription& override, const modeldesc::Variable& variable, double value) {
+  if (variable.min && value < *variable.min) {
+    fail(override, fmt::format("would go to {}, below its minimum {}", value, *variable.min));
+  }
+  if (variable.max && value > *variable.max) {
+    fail(override, fmt::format("would go to {}, above its maximum {}", value, *variable.max));
+  }
+}
+
+Override checked(const ResolvedSystem& system, const OverrideDescription& description) {
+  Override override{&description, system.find(description.variable, description.place + "/variable"), {}};
+  const auto& variable = *override.variable.variable;
+  const auto& model = system.instances[override.variable.instance].fmu->description();
+  if (variable.causality != Causality::input && variable.causality != Causality::output) {
+    fail(description, fmt::format("is of causality {}; inputs and outputs can be overridden",
+                                  modeldesc::to_string(variable.causality)));
+  }
+  if (is_osmp_part(model, variable)) fail(description, "is part of a binary variable, which cannot be overridden");
+  if (!description.unit.empty() && description.unit != variable.unit) {
+    fail(description, fmt::format("is in [{}], and the entry says [{}]", variable.unit.empty() ? "-" : variable.unit,
+                                  description.unit));
+  }
+  switch (description.action) {
+    case OverrideAction::set:
+      override.value = typed_value(model, variable, description.value, description.place + "/set");
+      break;
+    case OverrideAction::freeze:
+      break;
+    case OverrideAction::ramp:
+      check_limits(description, variable, description.number);
+      [[fallthrough]];
+    default:
+      if (variable.type != Type::real) {
+        fail(description, fmt::format("is of type {}; '{}' works on Real variables. Use 'set' or 'freeze'",
+                                      modeldesc::to_string(variable.type), action_text(description)));
+      }
+  }
+  return override;
+}
+
+}  // namespace
+
+std::string action_text(const OverrideDescription& override) {
+  switch (override.action) {
+    case OverrideAction::set:
+      return "set " + shown(override.value);
+    case OverrideAction::offset:
+      return fmt::format("offset {}", override.number);
+    case OverrideAction::scale:
+      return fmt::format("scale {}", override.number);
+    case OverrideAction::freeze:
+      return "freeze";
+    case OverrideAction::noise:
+      return fmt::format("noise {}", override.number);
+    case OverrideAction::ramp:
+      break;
+  }
+  return fmt::format("ramp to {}", override.number);
+}
+
+Scenario::Scenario(const ResolvedSystem& system) {
+  for (const auto& description : system.description->scenario) overrides_.push_back(checked(system, description));
+  triggers_.resize(overrides_.size());
+}
+
+void Scenario::watch(const ResolvedSystem& system, Ensemble& ensemble) {
+  for (std::size_t i = 0; i < overrides_.size(); ++i) {
+    const auto& when = overrides_[i].description->when;
+    if (when) triggers_[i].condition.emplace(system, ensemble, *when);
+  }
+}
+
+std::optional<std::int64_t> Scenario::since(std::size_t override, std::int64_t time_ns) const {
+  const auto& description = *overrides_[override].description;
+  const auto start_ns = description.when ? triggers_[override].started_ns : description.from_ns;
+  if (start_ns < 0 || time_ns < start_ns) return std::nullopt;
+  if (description.until_ns && time_ns >= *description.until_ns) return std::nullopt;
+  if (description.duration_ns && time_ns - start_ns >= *description.duration_ns) return std::nullopt;
+  return start_ns;
+}
+
+std::optional<std::string> Scenario::reached(const Point& point) {
+  for (std::size_t i = 0; i < triggers_.size(); ++i) {
+    auto& trigger = triggers_[i];
+    const auto& description = *overrides_[i].description;
+    if (!trigger.condition || trigger.started_ns >= 0 || point.time_ns < description.from_ns) continue;
+    if (!trigger.condition->holds()) {
+      trigger.holds_since_ns = -1;
+      continue;
+    }
+    if (trigger.holds_since_ns < 0) trigger.holds_since_ns = point.time_ns;
+    if (point.time_ns - trigger.holds_since_ns >= description.when->for_ns) trigger.started_ns = point.time_ns;
+  }
+  return std::nullopt;
+}
+
+void Scenario::save(state::Writer& writer) {
+  for (const auto& trigger : triggers_) {
+    writer.put(trigger.holds_since_ns);
+    writer.put(trigger.started_ns);
+  }
+}
+
+void Scenario::restore(state::Reader& reader) {
+  for (auto& trigger : triggers_) {
+    reader.get(trigger.holds_since_ns);
+    reader.get(trigger.started_ns);
+  }
+}
+
+nlohmann::ordered_json Scenario::report(const ResolvedSystem& system, std::int64_t end_ns) const {
+  auto json = nlohmann::ordered_json::array();
+  for (std::size_t i = 0; i < overrides_.size(); ++i) {
+    const auto& description = *overrides_[i].description;
+    nlohmann::ordered_json entry = {{"variable", system.text(overrides_[i].variable)},
+                                    {"action", action_text(description)}};
+    if (!description.text.empty()) entry["text"] = description.text;
+    const auto start_ns = description.when ? triggers_[i].started_ns : description.from_ns;
+    const bool applied = start_ns >= 0 && start_ns <= end_ns;
+    entry["applied"] = applied;
+    if (applied) {
+      auto until_ns = end_ns;
+      if (description.until_ns) until_ns = std::min(until_ns, *description.until_ns);
+      if (description.duration_ns) until_ns = std::min(until_ns, start_ns + *description.duration_ns);
+      entry["from"] = to_seconds(start_ns);
+      entry["until"] = to_seconds(until_ns);
+    }
+    json.push_back(std::move(entry));
+  }
+  return json;
+}
+
+}  // namespace mebots::master

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "observer/conditions.hpp"
+#include "observer/observer.hpp"
+#include "system/ensemble.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace mebots::master {
+
+/// One override of a variable, checked.
+struct Override {
+  const OverrideDescription* description = nullptr;
+  ResolvedVariable variable;
+  std::optional<modeldesc::Value> value;  ///< for `set`
+};
+
+/// Which overrides act when. Slaves whose variables are overridden ask it (see OverriddenSlave); as an observer it
+/// finds the moments at which conditions hold: such an override acts on inputs from that communication point on,
+/// and on outputs from the next one.
+class Scenario final : public Observer {
+ public:
+  /// Throws InputError for unknown variables, those that cannot be overridden, and values of the wrong type or unit.
+  explicit Scenario(const ResolvedSystem& system);
+
+  /// Looks the conditions' variables up. Before the ensemble is initialised.
+  void watch(const ResolvedSystem& system, Ensemble& ensemble);
+
+  const std::vector<Override>& overrides() const { return overrides_; }
+  /// Since when an override acts, if it does at this time.
+  std::optional<std::int64_t> since(std::size_t override, std::int64_t time_ns) const;
+
+  std::optional<std::string> reached(const Point& point) override;
+  void save(state::Writer& writer) override;
+  void restore(state::Reader& reader) override;
+
+  /// What acted when, for summary.json; `end_ns` is the last point reached.
+  nlohmann::ordered_json report(const ResolvedSystem& system, std::int64_t end_ns) const;
+
+ private:
+  struct Trigger {
+    std::optional<Condition> condition;
+    std::int64_t holds_since_ns = -1;
+    std::int64_t started_ns = -1;
+  };
+
+  std::vector<Override> overrides_;
+  std::vector<Trigger> triggers_;  // one per override; without a condition where there is none
+};
+
+/// "offset 3", for people.
+std::string action_text(const OverrideDescription& override);
+
+}  // namespace mebots::master

@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "run/checkpoint.hpp"
+
+#include "base/time.hpp"
+#include "run/input_hash.hpp"
+
+#include "base/input_text.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <algorithm>
+
+namespace mebots::master {
+namespace {
+
+constexpr std::string_view kMagic = "mebots checkpoint 1\n";
+
+void put(state::Writer& writer, const RunRequest& request) {
+  writer.put(request.config);
+  for (const auto* list : {&request.sets, &request.scenarios}) {
+    writer.put(static_cast<std::uint64_t>(list->size()));
+    for (const auto& text : *list) writer.put(text);
+  }
+  writer.put(request.stop_time);
+  writer.put(request.isolate);
+  writer.put(request.checkpoint_every_ns);
+}
+
+void get(state::Reader& reader, RunRequest& request) {
+  reader.get(request.config);
+  for (auto* list : {&request.sets, &request.scenarios}) {
+    for (auto count = reader.get<std::uint64_t>(); count > 0; --count) reader.get(list->emplace_back());
+  }
+  reader.get(request.stop_time);
+  reader.get(request.isolate);
+  reader.get(request.checkpoint_every_ns);
+}
+
+std::vector<std::string> lines_of(const std::string& text) {
+  std::istringstream stream(text);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return lines;
+}
+
+/// Makes a rename survive a power failure.
+void sync_folder(const std::filesystem::path& folder) {
+  const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor < 0) return;  // the folder takes files but shows nothing: then it is as good as it gets
+  ::fsync(descriptor);
+  ::close(descriptor);
+}
+
+}  // namespace
+
+void write_checkpoint(const std::filesystem::path& folder, const Checkpoint& checkpoint) {
+  state::Writer writer;
+  put(writer, checkpoint.request);
+  writer.put(checkpoint.inputs);
+  writer.put(checkpoint.time_ns);
+  writer.put(checkpoint.results_bytes);
+  writer.put(checkpoint.log_bytes);
+  writer.put(checkpoint.simulation);
+  const auto bytes = writer.take();
+  const std::string_view content(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  const auto path = folder / kCheckpointFile;
+  OutputFile file(path.string() + ".new");
+  file.append(kMagic);
+  file.append(sha256(content));
+  file.append(content);
+  file.sync();
+  file.close();
+  file.rename(path);
+  sync_folder(folder);
+}
+
+Checkpoint read_checkpoint(const std::filesystem::path& folder) {
+  const auto path = folder / kCheckpointFile;
+  std::error_code ignored;
+  if (!std::filesystem::exists(path, ignored)) {
+    throw InputError(
+        fmt::format("{}: there is no checkpoint to go on from. A run writes them with --checkpoint-every, from t = 0 "
+                    "until it comes to "
+                    "its end; run the config anew",
+                    path.string()));
+  }
+  const auto all = input_text(path);
+  constexpr std::size_t kHashSize = 64;
+  if (all.compare(0, kMagic.size(), kMagic) != 0 || all.size() < kMagic.size() + kHashSize) {
+    throw InputError(fmt::format("{}: this is no checkpoint of this version of mebots", path.string()));
+  }
+  const auto content = std::string_view(all).substr(kMagic.size() + kHashSize);
+  if (all.compare(kMagic.size(), kHashSize, sha256(content)) != 0) {
+    throw InputError(fmt::format("{}: this checkpoint is damaged; run the config anew", path.string()));
+  }
+  state::Reader reader(std::as_bytes(std::span(content)));
+  Checkpoint checkpoint;
+  get(reader, checkpoint.request);
+  reader.get(checkpoint.inputs);
+  reader.get(checkpoint.time_ns);
+  reader.get(checkpoint.results_bytes);
+  reader.get(checkpoint.log_bytes);
+  reader.get(checkpoint.simulation);
+  return checkpoint;
+}
+
+void check_can_checkpoint(const ResolvedSystem& system) {
+  std::vector<std::string> names;
+  for (const auto& instance : system.instances) {
+    const auto& ability = *instance.fmu->description().co_simulation;
+    if (ability.can_get_and_set_fmu_state && ability.can_serialize_fmu_state) continue;
+    names.push_back(fmt::format("'{}' ({})", instance.description->name, instance.fmu->description().model_name));
+  }
+  if (names.empty()) return;
+  throw InputError(
+      fmt::format("--checkpoint-every: these instances cannot write their state as bytes "
+                  "(canGetAndSetFMUstate or canSerializeFMUstate is false): {}. Run without checkpoints",
+                  fmt::join(names, ", ")));
+}
+
+void check_inputs(const Checkpoint& checkpoint, const std::string& inputs_now) {
+  if (checkpoint.inputs == inputs_now) return;
+  const auto before = lines_of(checkpoint.inputs);
+  const auto now = lines_of(inputs_now);
+  std::vector<std::string> changed;
+  for (const auto& line : before) {
+    if (std::find(now.begin(), now.end(), line) == now.end()) changed.push_back(line.substr(0, line.rfind(' ')));
+  }
+  for (const auto& line : now) {
+    const auto name = line.substr(0, line.rfind(' '));
+    const bool told = std::find(changed.begin(), changed.end(), name) != changed.end();
+    if (!told && std::find(before.begin(), before.end(), line) == before.end()) changed.push_back(name);
+  }
+  throw InputError(
+      fmt::format("the inputs are not those of the checkpoint any more: {}. Put them back as they were, or "
+                  "run the config anew",
+                  fmt::join(changed, ", ")));
+}
+
+Checkpointer::Checkpointer(Simulation& simulation, std::filesystem::path folder, Checkpoint blank, OutputFile& results,
+                           OutputFile& log)
+    : simulation_(&simulation),
+      folder_(std::move(folder)),
+      checkpoint_(std::move(blank)),
+      results_(&results),
+      log_(&log) {}
+
+std::optional<std::string> Checkpointer::reached(const Point& point) {
+  if (point.time_ns < next_ns_) return std::nullopt;
+  const auto every_ns = checkpoint_.request.checkpoint_every_ns;
+  next_ns_ = (point.time_ns / every_ns + 1) * every_ns;
+  const auto state = simulation_->save_state();  // the recorder hands its rows to the file
+  checkpoint_.simulation = simulation_->serialize(state);
+  checkpoint_.time_ns = point.time_ns;
+  // What the checkpoint counts on must be on the disk before it is.
+  results_->sync();
+  log_->sync();
+  checkpoint_.results_bytes = results_->size();
+  checkpoint_.log_bytes = log_->size();
+  write_checkpoint(folder_, checkpoint_);
+  return std::nullopt;
+}
+
+}  // namespace mebots::master

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "observer/observer.hpp"
+#include "run/simulation.hpp"
+#include "sink/output_file.hpp"
+#include "system/resolved_system.hpp"
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace mebots::master {
+
+inline constexpr const char* kCheckpointFile = "checkpoint.bin";
+
+/// What was asked for when a run began, so that another process can go on with it.
+struct RunRequest {
+  std::string config;  ///< absolute path
+  std::vector<std::string> sets;
+  std::vector<std::string> scenarios;  ///< absolute paths
+  std::string stop_time;               ///< as typed; empty = the config's
+  bool isolate = false;
+  std::int64_t checkpoint_every_ns = 0;
+};
+
+/// A run as it stood at one communication point, complete enough for another process to go on with it.
+struct Checkpoint {
+  RunRequest request;
+  std::string inputs;  ///< the lines that the hash of the inputs is made of
+  std::int64_t time_ns = 0;
+  std::uint64_t results_bytes = 0;  ///< of results.csv up to here
+  std::uint64_t log_bytes = 0;      ///< of log.txt
+  std::vector<std::byte> simulation;
+};
+
+/// Writes a checkpoint so that the file is the old one or the new one at every moment. Throws Error.
+void write_checkpoint(const std::filesystem::path& folder, const Checkpoint& checkpoint);
+
+/// Throws InputError when there is none, or it is damaged or of another version.
+Checkpoint read_checkpoint(const std::filesystem::path& folder);
+
+/// Throws InputError that names the instances whose FMUs cannot write their state as bytes.
+void check_can_checkpoint(const ResolvedSystem& system);
+
+/// Throws InputError that says what is not as it was when the checkpoint was written.
+void check_inputs(const Checkpoint& checkpoint, const std::string& inputs_now);
+
+/// Writes a checkpoint at t = 0 and then at the first communication point after each interval of simulated time.
+/// To be the last observer: what the others have written of a point must be in their files.
+class Checkpointer final : public Observer {
+ public:
+  /// `blank` holds all that does not change on the way. All others must outlive the checkpointer.
+  Checkpointer(Simulation& simulation, std::filesystem::path folder, Checkpoint blank, OutputFile& results,
+               OutputFile& log);
+
+  std::optional<std::string> reached(const Point& point) override;
+  void save(state::Writer& writer) override { writer.put(next_ns_); }
+  void restore(state::Reader& reader) override { reader.get(next_ns_); }
+
+ private:
+  Simulation* simulation_;
+  std::filesystem::path folder_;
+  Checkpoint checkpoint_;
+  OutputFile* results_;
+  OutputFile* log_;
+  std::int64_t next_ns_ = 0;
+};
+
+}  // namespace mebots::master

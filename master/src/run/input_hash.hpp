@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "config/system_description.hpp"
+
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace mebots::master {
+
+/// SHA-256 as 64 hexadecimal digits.
+std::string sha256(std::string_view bytes);
+/// Throws InputError when the file cannot be read.
+std::string sha256_of_file(const std::filesystem::path& file);
+
+/// Fingerprint of all that a run depends on: the config's bytes, every FMU's bytes, the bytes of files that texts
+/// among the parameters name (a program for a chip, say), and what the command line changed.
+struct InputHash {
+  std::string all;
+  std::string lines;  ///< what `all` is the hash of: one line per input, its own hash last
+  std::string config;
+  std::vector<std::pair<std::string, std::string>> fmus;   ///< instance, hash of its FMU
+  std::vector<std::pair<std::string, std::string>> files;  ///< instance.parameter, hash of the file that it names
+};
+
+InputHash hash_inputs(const SystemDescription& system, std::span<const std::string> overrides);
+
+}  // namespace mebots::master

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "sink/output_file.hpp"
+
+#include <filesystem>
+#include <list>
+#include <string_view>
+#include <vector>
+
+namespace mebots::master {
+
+/// The folder of a run's results. An earlier run's results stay in it untouched until this run has reached t = 0:
+/// files are written under another name first and take their place with keep().
+class ResultFolder {
+ public:
+  /// Makes the folder if need be. Throws InputError when it cannot be made.
+  explicit ResultFolder(std::filesystem::path path);
+  /// Without keep(): removes what was made, and leaves the rest as it was found.
+  ~ResultFolder();
+  ResultFolder(const ResultFolder&) = delete;
+  ResultFolder& operator=(const ResultFolder&) = delete;
+
+  /// A new file of this name. Lives as long as the folder object. Throws InputError.
+  OutputFile& create(std::string_view name);
+  /// The path of a new file that somebody else writes; it gets its name with keep(), too.
+  std::filesystem::path reserve(std::string_view name);
+  /// A file that an earlier run left, to go on writing at its end. Throws InputError.
+  OutputFile& reopen(std::string_view name);
+
+  /// From now on the results are this run's: the new files take their places, and what an earlier run left
+  /// under `outdated` goes. Throws InputError.
+  void keep(std::initializer_list<std::string_view> outdated);
+
+  bool kept() const { return kept_; }
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+  std::vector<std::filesystem::path> made_;  // folders, from the innermost outwards
+  std::list<OutputFile> files_;
+  struct Waiting {
+    std::filesystem::path now;
+    std::filesystem::path later;
+    OutputFile* file;  // null for one that somebody else writes
+  };
+  std::vector<Waiting> waiting_;
+  bool kept_ = false;
+};
+
+}  // namespace mebots::master

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "run/summary.hpp"
+
+#include "base/time.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace mebots::master {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::string_view kOwnLabels[] = {"outcome",    "end_reason", "end_text",      "error",  "simulated_time",
+                                           "stop_time",  "step",       "steps",         "rows",   "real_time_factor",
+                                           "wall_clock", "units",      "versions",      "inputs", "notices",
+                                           "statistics", "scenario",   "lost_instances"};
+
+void put(Json& root, const std::vector<std::string>& path, Json value) {
+  auto* node = &root;
+  for (const auto& label : path) node = &(*node)[label];
+  *node = std::move(value);
+}
+
+}  // namespace
+
+SummaryValues::SummaryValues(const ResolvedSystem& system, Ensemble& ensemble) : ensemble_(&ensemble) {
+  for (const auto& entry : system.description->summary) {
+    const auto resolved = system.find(entry.variable, entry.place);
+    const auto& model = system.instances[resolved.instance].fmu->description();
+    if (std::find(std::begin(kOwnLabels), std::end(kOwnLabels), entry.path.front()) != std::end(kOwnLabels)) {
+      throw InputError(fmt::format("{}: the label '{}' is used by summary.json itself; choose another one", entry.place,
+                                   entry.path.front()));
+    }
+    entries_.push_back({entry.path, &model, resolved.variable, ensemble.watch(resolved), 0, {}});
+  }
+}
+
+std::optional<std::string> SummaryValues::reached(const Point& /*point*/) {
+  any_point_ = true;
+  for (auto& entry : entries_) {
+    switch (entry.signal.kind) {
+      case ValueKind::real:
+        entry.number = ensemble_->real(entry.signal);
+        break;
+      case ValueKind::integer:
+      case ValueKind::boolean:
+        entry.number = ensemble_->integer(entry.signal);
+        break;
+      case ValueKind::string:
+        entry.text = ensemble_->string(entry.signal);
+        break;
+    }
+  }
+  return std::nullopt;
+}
+
+Json SummaryValues::value_of(const Entry& entry) const {
+  switch (entry.signal.kind) {
+    case ValueKind::real:
+      return entry.number;
+    case ValueKind::boolean:
+      return entry.number != 0;
+    case ValueKind::string:
+      return entry.text;
+    case ValueKind::integer:
+      break;
+  }
+  const auto number = static_cast<std::int32_t>(entry.number);
+  if (const auto* type = entry.model->type_definition(entry.variable->declared_type); type != nullptr) {
+    for (const auto& item : type->items) {
+      if (item.value == number) return item.name;
+    }
+  }
+  return number;
+}
+
+Json SummaryValues::values() const {
+  auto result = Json::object();
+  if (!any_point_) return result;
+  for (const auto& entry : entries_) put(result, entry.path, value_of(entry));
+  return result;
+}
+
+Json SummaryValues::units() const {
+  auto result = Json::object();
+  for (const auto& entry : entries_) {
+    if (!entry.variable->unit.empty()) put(result, entry.path, entry.variable->unit);
+  }
+  return result;
+}
+
+double RunReport::real_time_factor() const {
+  return wall.stepping_s > 0 ? to_seconds(simulated_ns) / wall.stepping_s : 0;
+}
+
+Json summary_json(const ResolvedSystem& system, const InputHash& hash, const RunReport& report,
+                  const SummaryValues& values) {
+  const auto& description = *system.description;
+  Json json;
+  json["outcome"] = report.outcome;
+  json["end_reason"] = report.end_reason;
+  json["end_text"] = report.end_text;
+  if (!report.error.empty()) json["error"] = report.error;
+  json["simulated_time"] = to_seconds(report.simulated_ns);
+  json["real_time_factor"] = report.real_time_factor();
+  json.update(values.values());
+  json["step"] = to_seconds(description.step_ns);
+  json["steps"] = report.steps;
+  json["stop_time"] = to_seconds(description.stop_time_ns);
+  json["rows"] = report.rows;
+
+  Json units = {{"simulated_time", "s"}, {"step", "s"}, {"stop_time", "s"}, {"wall_clock", "s"}};
+  units.update(values.units());
+  json["units"] = units;
+  json["wall_clock"] = {{"open", report.wall.open_s},
+                        {"initialise", report.wall.initialise_s},
+                        {"stepping", report.wall.stepping_s},
+                        {"total", report.wall.open_s + report.wall.initialise_s + report.wall.stepping_s}};
+
+  auto& versions = json["versions"];
+  versions["mebots"] = MEBOTS_VERSION;
+  auto& inputs = json["inputs"];
+  inputs["sha256"] = hash.all;
+  inputs["config"] = {{"file", description.file.filename().string()}, {"sha256", hash.config}};
+  inputs["changes"] = report.overrides;
+  for (const auto& [name, digest] : hash.files) inputs["files"][name] = {{"sha256", digest}};
+  for (std::size_t i = 0; i < system.instances.size(); ++i) {
+    const auto& instance = *system.instances[i].description;
+    const auto& model = system.instances[i].fmu->description();
+    versions["instances"][instance.name] = {{"model", model.model_name},
+                                            {"version", model.version},
+                                            {"generation_tool", model.generation_tool},
+                                            {"guid", model.guid}};
+    inputs["fmus"][instance.name] = {{"file", instance.fmu}, {"sha256", hash.fmus[i].second}};
+  }
+  json["notices"] = report.notices;
+  return json;
+}
+
+}  // namespace mebots::master

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sink/block_writer.hpp"
+
+#include <utility>
+
+namespace mebots::master {
+
+BlockWriter::~BlockWriter() {
+  if (!thread_.joinable()) return;
+  {
+    const std::lock_guard lock(mutex_);
+    stopping_ = true;
+  }
+  changed_.notify_all();
+  thread_.join();
+}
+
+void BlockWriter::submit(RowBlock& block) {
+  {
+    std::unique_lock lock(mutex_);
+    wait_until_idle(lock);
+    pending_.clear();
+    pending_.cells_per_row = block.cells_per_row;
+    std::swap(pending_, block);
+    busy_ = true;
+  }
+  if (!thread_.joinable()) thread_ = std::thread([this] { work(); });
+  changed_.notify_all();
+}
+
+void BlockWriter::drain(RowBlock& block) {
+  {
+    std::unique_lock lock(mutex_);
+    wait_until_idle(lock);
+  }
+  // The thread sleeps now, and stays asleep until the next submit().
+  const auto rows = std::exchange(block, RowBlock{block.cells_per_row, {}, {}});  // gone also when a sink throws
+  write(rows);
+  for (auto* sink : sinks_) sink->flush();
+}
+
+void BlockWriter::wait_until_idle(std::unique_lock<std::mutex>& lock) {
+  changed_.wait(lock, [&] { return !busy_; });
+  if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
+}
+
+void BlockWriter::work() {
+  std::unique_lock lock(mutex_);
+  while (true) {
+    changed_.wait(lock, [&] { return busy_ || stopping_; });
+    if (!busy_) return;
+    lock.unlock();
+    std::exception_ptr failure;
+    try {
+      write(pending_);
+    } catch (...) {
+      failure = std::current_exception();
+    }
+    lock.lock();
+    failure_ = failure;
+    busy_ = false;
+    changed_.notify_all();
+  }
+}
+
+void BlockWriter::write(const RowBlock& block) {
+  for (auto* sink : sinks_) sink->write(block);
+}
+
+}  // namespace mebots::master

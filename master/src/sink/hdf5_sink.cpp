@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sink/hdf5_sink.hpp"
+
+#include "base/input_error.hpp"
+#include "base/time.hpp"
+
+#include <fmt/format.h>
+#include <hdf5.h>
+
+#include <algorithm>
+#include <bit>
+#include <charconv>
+#include <mutex>
+#include <set>
+#include <string>
+#include <utility>
+
+namespace mebots::master {
+namespace {
+
+constexpr hsize_t kChunkRows = 4096;
+
+/// Debian's HDF5 is not made for threads: one call at a time in the whole process.
+std::mutex& library() {
+  static std::mutex mutex;
+  return mutex;
+}
+
+/// An HDF5 identifier that closes itself.
+class Handle {
+ public:
+  Handle(hid_t id, herr_t (*close)(hid_t)) : id_(id), close_(close) {}
+  Handle(Handle&& other) noexcept : id_(std::exchange(other.id_, -1)), close_(other.close_) {}
+  Handle& operator=(Handle&&) = delete;
+  Handle(const Handle&) = delete;
+  Handle& operator=(const Handle&) = delete;
+  ~Handle() {
+    if (id_ >= 0) close_(id_);
+  }
+  operator hid_t() const { return id_; }  // NOLINT(google-explicit-constructor): that is what it stands for
+
+ private:
+  hid_t id_;
+  herr_t (*close_)(hid_t);
+};
+
+hid_t memory_type(ValueKind kind) {
+  switch (kind) {
+    case ValueKind::real:
+      return H5Tcopy(H5T_NATIVE_DOUBLE);
+    case ValueKind::integer:
+      return H5Tcopy(H5T_NATIVE_INT32);
+    case ValueKind::boolean:
+      return H5Tcopy(H5T_NATIVE_UINT8);
+    case ValueKind::string:
+      break;
+  }
+  const auto type = H5Tcopy(H5T_C_S1);
+  H5Tset_size(type, H5T_VARIABLE);
+  H5Tset_cset(type, H5T_CSET_UTF8);
+  return type;
+}
+
+void put_attribute(hid_t object, const char* name, const std::string& text) {
+  const Handle type(memory_type(ValueKind::string), &H5Tclose);
+  const Handle space(H5Screate(H5S_SCALAR), &H5Sclose);
+  const Handle attribute(H5Acreate2(object, name, type, space, H5P_DEFAULT, H5P_DEFAULT), &H5Aclose);
+  const char* content = text.c_str();
+  H5Awrite(attribute, type, &content);
+}
+
+/// `instance/variable`, with what HDF5 takes for a separator replaced.
+std::string link_name(const std::string& name) {
+  auto link = name;
+  std::replace(link.begin(), link.end(), '/', '|');
+  const auto dot = link.find('.');
+  if (dot != std::string::npos) link[dot] = '/';
+  return link;
+}
+
+}  // namespace
+
+struct Hdf5Sink::File {
+  struct Column {
+    ValueKind kind;
+    Handle type;
+    Handle dataset;
+  };
+
+  std::string path;
+  Handle file;
+  std::vector<Column> columns;  // the first is the time
+  hsize_t rows = 0;
+  std::vector<double> reals;
+  std::vector<std::int32_t> integers;
+  std::vector<std::uint8_t> booleans;
+  std::vector<const char*> texts;
+
+  explicit File(const std::filesystem::path& name)
+      : path(name.string()), file(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), &H5Fclose) {}
+
+  [[noreturn]] void fail() const { throw Error(fmt::format("{}: writing failed (HDF5). Is the disk full?", path)); }
+
+  void add(const std::string& link, const RecordColumn& column) {
+    constexpr hsize_t kNone = 0;
+    constexpr hsize_t kUnlimited = H5S_UNLIMITED;
+    Handle type(memory_type(column.kind), &H5Tclose);
+    const Handle space(H5Screate_simple(1, &kNone, &kUnlimited), &H5Sclose);
+    const Handle creation(H5Pcreate(H5P_DATASET_CREATE), &H5Pclose);
+    H5Pset_chunk(creation, 1, &kChunkRows);
+    if (column.kind != ValueKind::string) {
+      H5Pset_shuffle(creation);
+      H5Pset_deflate(creation, 1);
+    }
+    H5Pset_obj_track_times(creation, false);  // the same run gives the same file
+    const Handle links(H5Pcreate(H5P_LINK_CREATE), &H5Pclose);
+    H5Pset_create_intermediate_group(links, 1);
+    Handle dataset(H5Dcreate2(file, link.c_str(), type, space, links, creation, H5P_DEFAULT), &H5Dclose);
+    if (dataset < 0) fail();
+    put_attribute(dataset, "name", column.name);
+    put_attribute(dataset, "unit", column.unit);
+    columns.push_back({column.kind, std::move(type), std::move(dataset)});
+  }
+
+  void append(Column& column, hsize_t count, const void* values) {
+    const auto total = rows + count;
+    if (H5Dset_extent(column.dataset, &total) < 0) fail();
+    const Handle space(H5Dget_space(column.dataset), &H5Sclose);
+    H5Sselect_hyperslab(space, H5S_SELECT_SET, &rows, nullptr, &count, nullptr);
+    const Handle memory(H5Screate_simple(1, &count, nullptr), &H5Sclose);
+    if (H5Dwrite(column.dataset, column.type, memory, space, H5P_DEFAULT, values) < 0) fail();
+  }
+
+  /// The cells of one column, in the type of its dataset.
+  const void* gather(const Column& column, const RowBlock& block, std::size_t index) {
+    const auto cell = [&](std::size_t row) { return block.cells[row * block.cells_per_row + index]; };
+    const auto fill = [&](auto& values, auto convert) -> const void* {
+      values.resize(block.rows());
+      for (std::size_t row = 0; row < values.size(); ++row) values[row] = convert(cell(row));
+      return values.data();
+    };
+    if (index == 0) return fill(reals, [](auto bits) { return to_seconds(static_cast<std::int64_t>(bits)); });
+    switch (column.kind) {
+      case ValueKind::real:
+        return fill(reals, [](auto bits) { return std::bit_cast<double>(bits); });
+      case ValueKind::integer:
+        return fill(integers, [](auto bits) { return static_cast<std::int32_t>(bits); });
+      case ValueKind::boolean:
+        return fill(booleans, [](auto bits) { return static_cast<std::uint8_t>(bits); });
+      case ValueKind::string:
+        break;
+    }
+    return fill(texts, [&](auto place) { return block.texts[place].c_str(); });
+  }
+};
+
+Hdf5Sink::Hdf5Sink(const std::vector<RecordColumn>& columns, const std::filesystem::path& file) {
+  const std::lock_guard lock(library());
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // we say ourselves what went wrong
+  file_ = std::make_unique<File>(file);
+  if (file_->file < 0) {
+    throw InputError(
+        fmt::format("{}: the file cannot be written (HDF5). Choose another folder with --out", file.string()));
+  }
+  file_->add("time", {"time", "s", ValueKind::real});
+  std::set<std::string> used;
+  for (const auto& column : columns) {
+    auto link = link_name(column.name);
+    while (!used.insert(link).second) link += '|';  // two names that differ in `/` and `|` only
+    file_->add(link, column);
+  }
+}
+
+Hdf5Sink::~Hdf5Sink() {
+  const std::lock_guard lock(library());
+  file_.reset();
+}
+
+void Hdf5Sink::put_parameters(const std::vector<ParameterValue>& parameters) {
+  const std::lock_guard lock(library());
+  if (H5Lexists(file_->file, "parameters", H5P_DEFAULT) > 0) return;
+  const Handle group(H5Gcreate2(file_->file, "parameters", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), &H5Gclose);
+  for (const auto& [name, unit, value] : parameters) {
+    auto link = name;
+    std::replace(link.begin(), link.end(), '/', '|');
+    double number = 0;
+    const auto parsed = std::from_chars(value.data(), value.data() + value.size(), number);
+    const bool is_number = parsed.ec == std::errc{} && parsed.ptr == value.data() + value.size();
+    const Handle type(memory_type(is_number ? ValueKind::real : ValueKind::string), &H5Tclose);
+    const Handle space(H5Screate(H5S_SCALAR), &H5Sclose);
+    const Handle set(H5Dcreate2(group, link.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), &H5Dclose);
+    const char* text = value.c_str();
+    const void* content = is_number ? static_cast<const void*>(&number) : static_cast<const void*>(&text);
+    if (set < 0 || H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, content) < 0) file_->fail();
+    put_attribute(set, "unit", unit);
+  }
+}
+
+void Hdf5Sink::write(const RowBlock& block) {
+  if (block.rows() == 0) return;
+  const std::lock_guard lock(library());
+  for (std::size_t i = 0; i < file_->columns.size(); ++i) {
+    auto& column = file_->columns[i];
+    file_->append(column, block.rows(), file_->gather(column, block, i));
+  }
+  file_->rows += block.rows();
+}
+
+void Hdf5Sink::flush() {
+  const std::lock_guard lock(library());
+  if (H5Fflush(file_->file, H5F_SCOPE_GLOBAL) < 0) file_->fail();
+}
+
+void Hdf5Sink::save(state::Writer& writer) {
+  writer.put(static_cast<std::uint64_t>(file_->rows));
+}
+
+void Hdf5Sink::restore(state::Reader& reader) {
+  const std::lock_guard lock(library());
+  const hsize_t rows = reader.get<std::uint64_t>();
+  if (rows > file_->rows) throw Error(fmt::format("{}: this file has fewer rows than the saved state", file_->path));
+  for (const auto& column : file_->columns) {
+    if (H5Dset_extent(column.dataset, &rows) < 0) file_->fail();
+  }
+  file_->rows = rows;
+}
+
+}  // namespace mebots::master

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "slave/fmu.hpp"
+
+#include "base/input_error.hpp"
+#include "mebots/modeldesc/xml.hpp"
+
+#include "slave/fmi2_functions.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <dlfcn.h>
+
+#include <algorithm>
+#include <cstring>
+#include <vector>
+
+namespace mebots::master {
+namespace {
+
+/// Names of the platforms that an unpacked FMU has binaries for.
+std::vector<std::string> platforms(const std::filesystem::path& folder) {
+  std::vector<std::string> names;
+  std::error_code ignored;
+  for (const auto& entry : std::filesystem::directory_iterator(folder / "binaries", ignored)) {
+    names.push_back(entry.path().filename().string());
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+/// What to do about a library that cannot be loaded.
+std::string_view way_out(std::string_view why) {
+  if (why.find("undefined symbol: Py") != std::string_view::npos ||
+      why.find("undefined symbol: _Py") != std::string_view::npos) {
+    return "The FMU expects a Python interpreter in the process: start mebots with LD_PRELOAD=libpython3.11.so.1.0 (or "
+           "your version of it)";
+  }
+  return "Install the missing library, or put it beside the FMU's own in binaries/linux64";
+}
+
+modeldesc::ModelDescription unpack_and_read(const std::filesystem::path& archive, const std::filesystem::path& folder) {
+  const auto file = folder / "modelDescription.xml";
+  try {
+    modeldesc::unpack(archive, folder);
+    if (!std::filesystem::exists(file)) {
+      throw InputError(fmt::format("{}: this is not an FMU: it holds no modelDescription.xml", archive.string()));
+    }
+    auto description = modeldesc::read_xml(file);
+    if (description.fmi_version != "2.0") {
+      throw InputError(fmt::format("{}: this FMU is of FMI version '{}'; FMI 2.0 is supported", archive.string(),
+                                   description.fmi_version));
+    }
+    return description;
+  } catch (const InputError&) {
+    throw;
+  } catch (const Error& error) {
+    // Name the archive rather than the temporary copy of the file inside it.
+    std::string what = error.what();
+    const auto at = what.find(file.string());
+    if (at != std::string::npos) what.replace(at, file.string().size(), "modelDescription.xml");
+    if (what.find(archive.string()) == std::string::npos) what = fmt::format("{}: {}", archive.string(), what);
+    throw InputError(what);
+  }
+}
+
+}  // namespace
+
+Fmu::Fmu(std::filesystem::path archive)
+    : archive_(std::move(archive)),
+      own_folder_(std::make_unique<UnpackFolder>()),
+      folder_(own_folder_->path()),
+      description_(unpack_and_read(archive_, folder_)) {
+  std::filesystem::create_directories(folder_ / "resources");  // an FMU may count on it
+}
+
+Fmu::Fmu(std::filesystem::path archive, std::filesystem::path folder)
+    : archive_(std::move(archive)),
+      folder_(std::move(folder)),
+      description_(modeldesc::read_xml(folder_ / "modelDescription.xml")) {}
+
+Fmu::~Fmu() {
+  if (library_ != nullptr) dlclose(library_);
+}
+
+const Fmi2Functions& Fmu::functions() {
+  if (!functions_) load();
+  return *functions_;
+}
+
+void Fmu::load() {
+  if (!description_.co_simulation) {
+    throw InputError(
+        fmt::format("{}: this FMU is for model exchange only; a co-simulation FMU is needed", archive_.string()));
+  }
+  const auto& identifier = description_.co_simulation->model_identifier;
+  const auto file = folder_ / "binaries" / "linux64" / (identifier + ".so");
+  if (!std::filesystem::exists(file)) {
+    const auto found = platforms(folder_);
+    throw InputError(
+        fmt::format("{}: this FMU has no binary for 64-bit Linux (binaries/linux64/{}.so); its platforms: {}",
+                    archive_.string(), identifier, found.empty() ? "none" : fmt::format("{}", fmt::join(found, ", "))));
+  }
+  library_ = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
+  if (library_ == nullptr) {
+    const std::string why = dlerror();
+    throw InputError(
+        fmt::format("{}: the FMU's shared library cannot be loaded: {}. {}", archive_.string(), why, way_out(why)));
+  }
+  functions_ = std::make_unique<Fmi2Functions>(load_functions(library_, archive_.string()));
+  const char* version = functions_->get_version();
+  if (version == nullptr || std::strcmp(version, "2.0") != 0) {
+    throw InputError(fmt::format("{}: fmi2GetVersion says '{}' instead of '2.0'", archive_.string(),
+                                 version == nullptr ? "nothing" : version));
+  }
+  const char* platform = functions_->get_types_platform();
+  if (platform == nullptr || std::strcmp(platform, kTypesPlatform) != 0) {
+    throw InputError(fmt::format("{}: fmi2GetTypesPlatform says '{}' instead of '{}': its numbers are of other sizes",
+                                 archive_.string(), platform == nullptr ? "nothing" : platform, kTypesPlatform));
+  }
+}
+
+std::string Fmu::resource_uri() const {
+  return file_uri(folder_ / "resources");
+}
+
+std::shared_ptr<Fmu> FmuLibrary::open(const std::filesystem::path& archive) {
+  auto& fmu = fmus_[archive];
+  if (!fmu) fmu = std::make_shared<Fmu>(archive);
+  return fmu;
+}
+
+std::string file_uri(const std::filesystem::path& path) {
+  std::string uri = "file://";
+  for (const char c : std::filesystem::absolute(path).string()) {
+    const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+                       std::strchr("/-._~", c) != nullptr;
+    uri += plain ? std::string(1, c) : fmt::format("%{:02X}", static_cast<unsigned char>(c));
+  }
+  return uri;
+}
+
+}  // namespace mebots::master

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "mebots/modeldesc/model_description.hpp"
+#include "slave/unpack_folder.hpp"
+
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+
+namespace mebots::fmi2 {
+struct Functions;
+}
+
+namespace mebots::master {
+
+using Fmi2Functions = fmi2::Functions;
+
+/// An FMU archive unpacked into a folder of its own, which goes with this object: description at once,
+/// shared library when first asked for.
+class Fmu {
+ public:
+  /// Throws InputError for anything that is not an FMU of version 2.0 for co-simulation.
+  explicit Fmu(std::filesystem::path archive);
+  /// One that another process has unpacked into `folder`, and will remove.
+  Fmu(std::filesystem::path archive, std::filesystem::path folder);
+  ~Fmu();
+  Fmu(const Fmu&) = delete;
+  Fmu& operator=(const Fmu&) = delete;
+
+  const std::filesystem::path& archive() const { return archive_; }
+  /// Where it is unpacked.
+  const std::filesystem::path& folder() const { return folder_; }
+  const modeldesc::ModelDescription& description() const { return description_; }
+  /// The FMU's functions. Loads its shared library on the first call; throws InputError naming the
+  /// missing library or function when that fails.
+  const Fmi2Functions& functions();
+  /// After an fmi2Fatal no instance of this FMU may be called any more.
+  bool corrupted() const { return corrupted_; }
+  void set_corrupted() { corrupted_ = true; }
+  /// Where the FMU finds its files, as fmi2Instantiate wants it: a `file:///` URI.
+  std::string resource_uri() const;
+
+ private:
+  void load();
+
+  std::filesystem::path archive_;
+  std::unique_ptr<UnpackFolder> own_folder_;  // null when another process unpacked it
+  std::filesystem::path folder_;
+  modeldesc::ModelDescription description_;
+  void* library_ = nullptr;
+  bool corrupted_ = false;
+  std::unique_ptr<Fmi2Functions> functions_;
+};
+
+/// Opens each archive once, however many instances come from it.
+class FmuLibrary {
+ public:
+  std::shared_ptr<Fmu> open(const std::filesystem::path& archive);
+
+ private:
+  std::map<std::filesystem::path, std::shared_ptr<Fmu>> fmus_;
+};
+
+/// A path as a `file:///` URI, everything unusual percent-encoded.
+std::string file_uri(const std::filesystem::path& path);
+
+}  // namespace mebots::master

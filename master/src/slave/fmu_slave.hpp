@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "message/message.hpp"
+#include "slave/fmu.hpp"
+#include "slave/slave.hpp"
+
+#include <atomic>
+#include <condition_variable>
+#include <deque>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace mebots::master {
+
+/// A slave that runs inside this process: calls go straight into the FMU's shared library.
+class FmuSlave final : public Slave {
+ public:
+  /// Instantiates. `log_categories` are the categories whose ordinary messages (fmi2OK) go to `messages`,
+  /// "*" for all; warnings and errors always go there. `messages` must outlive the slave.
+  FmuSlave(std::string name, std::shared_ptr<Fmu> fmu, std::vector<std::string> log_categories, MessageSink& messages);
+  ~FmuSlave() override;
+  FmuSlave(const FmuSlave&) = delete;
+  FmuSlave& operator=(const FmuSlave&) = delete;
+
+  const std::string& name() const override { return name_; }
+  const modeldesc::ModelDescription& description() const override { return fmu_->description(); }
+
+  void setup_experiment(std::int64_t start_ns, std::int64_t stop_ns) override;
+  void enter_initialization() override;
+  void exit_initialization() override;
+  StepResult step(std::int64_t start_ns, std::int64_t duration_ns) override;
+  StepResult finish_step(const std::atomic<bool>& cancel) override;
+  void terminate() override;
+
+  std::uint32_t output_derivative_order() const override;
+  bool takes_input_derivatives() const override;
+  void get_output_derivatives(std::span<const ValueReference> references, std::span<const std::int32_t> orders,
+                              std::span<double> values) override;
+  void set_input_derivatives(std::span<const ValueReference> references, std::span<const std::int32_t> orders,
+                             std::span<const double> values) override;
+
+  void get_reals(std::span<const ValueReference> references, std::span<double> values) override;
+  void get_integers(std::span<const ValueReference> references, std::span<std::int32_t> values) override;
+  void get_booleans(std::span<const ValueReference> references, std::span<std::int32_t> values) override;
+  void get_strings(std::span<const ValueReference> references, std::span<std::string> values) override;
+  void set_reals(std::span<const ValueReference> references, std::span<const double> values) override;
+  void set_integers(std::span<const ValueReference> references, std::span<const std::int32_t> values) override;
+  void set_booleans(std::span<const ValueReference> references, std::span<const std::int32_t> values) override;
+  void set_strings(std::span<const ValueReference> references, std::span<const std::string> values) override;
+
+  std::unique_ptr<SlaveState> save_state() override;
+  void restore_state(const SlaveState& state) override;
+  std::vector<std::byte> serialize(const SlaveState& state) override;
+  std::unique_ptr<SlaveState> deserialize(std::span<const std::byte> bytes) override;
+
+ private:
+  struct Fmi;  // what needs FMI's C types
+
+  void choose_categories();
+  void logged(int status, std::string_view category, std::string text);
+  std::string with_names(std::string_view text) const;
+  void check(int status, const char* function);
+  StepResult step_ended(int status);
+  void step_finished(int status);
+  int wait_for_step(const std::atomic<bool>& cancel);
+  void deliver_held();
+  std::string said() const;
+  [[noreturn]] void fail(const char* function, std::string_view what);
+
+  std::string name_;
+  std::shared_ptr<Fmu> fmu_;
+  std::vector<std::string> log_categories_;
+  MessageSink* sink_;
+  const Fmi2Functions* functions_;
+  std::unique_ptr<Fmi> fmi_;
+
+  std::int64_t time_ns_ = 0;
+  std::int64_t step_end_ns_ = 0;
+  bool unusable_ = false;  // after fmi2Fatal no call is allowed, not even freeing
+  bool pending_ = false;   // a step goes on by itself
+  std::vector<const char*> texts_;
+
+  // An asynchronous FMU tells from a thread of its own that its step is over.
+  std::mutex step_mutex_;
+  std::condition_variable step_over_;
+  std::optional<int> step_status_;
+
+  // The FMU may log from threads of its own.
+  std::mutex log_mutex_;
+  // Errors are held until the call is over: a call that fails carries them in its exception.
+  struct Held {
+    std::string category;
+    std::string text;
+  };
+  std::vector<Held> held_;
+  std::deque<std::string> last_words_;
+};
+
+}  // namespace mebots::master

@@ -1,0 +1,270 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "slave/overridden_slave.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace mebots::master {
+namespace {
+
+/// Finaliser of SplitMix64 (Steele, Lea, Flood 2014): every bit of the input reaches every bit of the output.
+std::uint64_t mixed(std::uint64_t x) {
+  x += 0x9e3779b97f4a7c15;
+  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9;
+  x = (x ^ (x >> 27)) * 0x94d049bb133111eb;
+  return x ^ (x >> 31);
+}
+
+/// A number of (0, 1), both ends excluded.
+double uniform(std::uint64_t bits) {
+  return (static_cast<double>(bits >> 11) + 0.5) * 0x1p-53;
+}
+
+/// Normally distributed, mean 0, deviation 1: a function of key and time, so that it needs no state and the
+/// order of calls is nothing to it. Box and Muller, 1958.
+double gaussian(std::uint64_t key, std::int64_t time_ns) {
+  const auto first = mixed(key ^ mixed(static_cast<std::uint64_t>(time_ns)));
+  const auto second = mixed(first);
+  return std::sqrt(-2 * std::log(uniform(first))) * std::cos(2 * std::numbers::pi * uniform(second));
+}
+
+/// From the seed and the variable's name: two variables with the same seed have noises of their own.
+std::uint64_t noise_key(const OverrideDescription& description) {
+  auto key = mixed(description.seed);
+  for (const char c : description.variable.text()) key = mixed(key ^ static_cast<unsigned char>(c));
+  return key;
+}
+
+/// State of the slave behind, and what is remembered here.
+class OverriddenState final : public SlaveState {
+ public:
+  std::unique_ptr<SlaveState> inner;
+  std::vector<std::byte> own;
+};
+
+std::variant<double, std::int32_t, std::string> plain(const modeldesc::Value& value, ValueKind kind) {
+  if (const auto* number = std::get_if<double>(&value)) return *number;
+  if (const auto* number = std::get_if<std::int32_t>(&value)) return *number;
+  if (const auto* flag = std::get_if<bool>(&value)) return *flag ? 1 : 0;
+  if (const auto* text = std::get_if<std::string>(&value)) return *text;
+  if (kind == ValueKind::real) return 0.0;
+  if (kind == ValueKind::string) return std::string();
+  return 0;
+}
+
+}  // namespace
+
+OverriddenSlave::OverriddenSlave(std::unique_ptr<Slave> inner, const Scenario& scenario, std::size_t instance)
+    : AccessSlave(std::move(inner)), scenario_(&scenario) {
+  const auto& overrides = scenario.overrides();
+  for (std::size_t i = 0; i < overrides.size(); ++i) {
+    if (overrides[i].variable.instance != instance) continue;
+    const auto& variable = *overrides[i].variable.variable;
+    const auto kind = kind_of(variable.type);
+    auto target = std::find_if(targets_.begin(), targets_.end(), [&](const Target& other) {
+      return other.reference == variable.value_reference && other.kind == kind;
+    });
+    if (target == targets_.end()) {
+      Target added;
+      added.reference = variable.value_reference;
+      added.kind = kind;
+      added.input = variable.causality == modeldesc::Causality::input;
+      added.base = plain(variable.start, kind);
+      target = targets_.insert(targets_.end(), std::move(added));
+    }
+    target->layers.push_back({i, noise_key(*overrides[i].description), -1, {}});
+  }
+}
+
+OverriddenSlave::Value OverriddenSlave::apply(const Layer& layer, const Value& value, std::int64_t since_ns) const {
+  const auto& override = scenario_->overrides()[layer.override];
+  const auto& description = *override.description;
+  switch (description.action) {
+    case OverrideAction::set:
+      return plain(*override.value, ValueKind::real);
+    case OverrideAction::freeze:
+      return layer.found;
+    case OverrideAction::offset:
+      return std::get<double>(value) + description.number;
+    case OverrideAction::scale:
+      return std::get<double>(value) * description.number;
+    case OverrideAction::noise:
+      return std::get<double>(value) + description.number * gaussian(layer.noise_key, time_ns_);
+    case OverrideAction::ramp:
+      break;
+  }
+  const auto passed_ns = time_ns_ - since_ns;
+  if (passed_ns >= description.over_ns) return description.number;
+  const double part = static_cast<double>(passed_ns) / static_cast<double>(description.over_ns);
+  const double found = std::get<double>(layer.found);
+  return found + part * (description.number - found);
+}
+
+OverriddenSlave::Value OverriddenSlave::apply(Target& target, const Value& value) {
+  Value result = value;
+  target.acted = false;
+  for (auto& layer : target.layers) {
+    const auto since_ns = scenario_->since(layer.override, time_ns_);
+    if (!since_ns) {
+      layer.found_at_ns = -1;
+      continue;
+    }
+    target.acted = true;
+    // The first value at the point where it begins; of several at one point, as in initialisation, the last.
+    if (layer.found_at_ns < 0 || layer.found_at_ns == time_ns_) {
+      layer.found_at_ns = time_ns_;
+      layer.found = result;
+    }
+    result = apply(layer, result, *since_ns);
+  }
+  return result;
+}
+
+template <typename T>
+void OverriddenSlave::change_outputs(ValueKind kind, std::span<const ValueReference> references, std::span<T> values) {
+  for (auto& target : targets_) {
+    if (target.kind != kind || target.input) continue;
+    for (std::size_t i = 0; i < references.size(); ++i) {
+      if (references[i] == target.reference) values[i] = std::get<T>(apply(target, values[i]));
+    }
+  }
+}
+
+template <typename T>
+bool OverriddenSlave::change_inputs(ValueKind kind, std::span<const ValueReference> references,
+                                    std::vector<T>& values) {
+  bool changed = false;
+  for (auto& target : targets_) {
+    if (target.kind != kind || !target.input) continue;
+    for (std::size_t i = 0; i < references.size(); ++i) {
+      if (references[i] != target.reference) continue;
+      target.base = values[i];
+      target.fresh = true;
+      values[i] = std::get<T>(apply(target, values[i]));
+      changed = true;
+    }
+  }
+  return changed;
+}
+
+StepResult OverriddenSlave::step(std::int64_t start_ns, std::int64_t duration_ns) {
+  time_ns_ = start_ns;
+  for (auto& target : targets_) {
+    if (!target.input) continue;
+    if (!target.fresh) {  // nobody sets it: the scenario is its only source
+      const bool acted = target.acted;
+      const auto value = apply(target, target.base);
+      if (target.acted || acted) set_one(target, value);
+    }
+    target.fresh = false;
+  }
+  auto result = inner().step(start_ns, duration_ns);
+  time_ns_ = start_ns + duration_ns;
+  return result;
+}
+
+void OverriddenSlave::set_one(const Target& target, const Value& value) {
+  std::visit(
+      [&]<typename T>(const T& one) {
+        pass_set(target.kind, {&target.reference, 1}, std::span<const T>(&one, 1));
+      },
+      value);
+}
+
+void OverriddenSlave::get(ValueKind kind, std::span<const ValueReference> references, Destination destination) {
+  pass_get(kind, references, destination);
+  std::visit([&](auto values) { change_outputs(kind, references, values); }, destination);
+}
+
+void OverriddenSlave::set(ValueKind kind, std::span<const ValueReference> references, Source source) {
+  std::visit(
+      [&]<typename T>(std::span<const T> values) {
+        std::vector<T> changed(values.begin(), values.end());
+        const bool any = change_inputs(kind, references, changed);
+        pass_set(kind, references, any ? std::span<const T>(changed) : values);
+      },
+      source);
+}
+
+void OverriddenSlave::save_own(state::Writer& writer) const {
+  const auto put = [&](const Value& value) {
+    writer.put(static_cast<std::uint8_t>(value.index()));
+    if (const auto* number = std::get_if<double>(&value)) writer.put(*number);
+    if (const auto* number = std::get_if<std::int32_t>(&value)) writer.put(*number);
+    if (const auto* text = std::get_if<std::string>(&value)) writer.put(*text);
+  };
+  writer.put(time_ns_);
+  for (const auto& target : targets_) {
+    put(target.base);
+    writer.put(target.fresh);
+    writer.put(target.acted);
+    for (const auto& layer : target.layers) {
+      writer.put(layer.found_at_ns);
+      put(layer.found);
+    }
+  }
+}
+
+void OverriddenSlave::restore_own(state::Reader& reader) {
+  const auto get = [&](Value& value) {
+    switch (reader.get<std::uint8_t>()) {
+      case 0:
+        value = reader.get<double>();
+        return;
+      case 1:
+        value = reader.get<std::int32_t>();
+        return;
+      default:
+        std::string text;
+        reader.get(text);
+        value = std::move(text);
+    }
+  };
+  reader.get(time_ns_);
+  for (auto& target : targets_) {
+    get(target.base);
+    reader.get(target.fresh);
+    reader.get(target.acted);
+    for (auto& layer : target.layers) {
+      reader.get(layer.found_at_ns);
+      get(layer.found);
+    }
+  }
+}
+
+std::unique_ptr<SlaveState> OverriddenSlave::save_state() {
+  auto state = std::make_unique<OverriddenState>();
+  state->inner = inner().save_state();
+  state::Writer writer;
+  save_own(writer);
+  state->own = writer.take();
+  return state;
+}
+
+void OverriddenSlave::restore_state(const SlaveState& state) {
+  const auto& overridden = static_cast<const OverriddenState&>(state);
+  inner().restore_state(*overridden.inner);
+  state::Reader reader(overridden.own);
+  restore_own(reader);
+}
+
+std::vector<std::byte> OverriddenSlave::serialize(const SlaveState& state) {
+  const auto& overridden = static_cast<const OverriddenState&>(state);
+  state::Writer writer;
+  writer.put(overridden.own);
+  writer.put(inner().serialize(*overridden.inner));
+  return writer.take();
+}
+
+std::unique_ptr<SlaveState> OverriddenSlave::deserialize(std::span<const std::byte> bytes) {
+  state::Reader reader(bytes);
+  auto state = std::make_unique<OverriddenState>();
+  reader.get(state->own);
+  std::vector<std::byte> content;
+  reader.get(content);
+  state->inner = inner().deserialize(content);
+  return state;
+}
+
+}  // namespace mebots::master

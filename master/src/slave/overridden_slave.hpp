@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "observer/scenario.hpp"
+#include "slave/access_slave.hpp"
+
+#include <optional>
+#include <variant>
+
+namespace mebots::master {
+
+/// Changes some variables of the slave behind it on their way, as a scenario says: inputs as the slave sees them,
+/// outputs as all others see them. Times are those of the slave's own communication points.
+class OverriddenSlave final : public AccessSlave {
+ public:
+  /// `scenario` must outlive the slave.
+  OverriddenSlave(std::unique_ptr<Slave> inner, const Scenario& scenario, std::size_t instance);
+
+  StepResult step(std::int64_t start_ns, std::int64_t duration_ns) override;
+
+  std::unique_ptr<SlaveState> save_state() override;
+  void restore_state(const SlaveState& state) override;
+  std::vector<std::byte> serialize(const SlaveState& state) override;
+  std::unique_ptr<SlaveState> deserialize(std::span<const std::byte> bytes) override;
+
+ private:
+  void get(ValueKind kind, std::span<const ValueReference> references, Destination values) override;
+  void set(ValueKind kind, std::span<const ValueReference> references, Source values) override;
+
+  using Value = std::variant<double, std::int32_t, std::string>;
+
+  /// One override, with the value that it found at the point where it began to act.
+  struct Layer {
+    std::size_t override = 0;
+    std::uint64_t noise_key = 0;
+    std::int64_t found_at_ns = -1;  // -1 = it does not act
+    Value found;
+  };
+  /// One variable with all its overrides, in the order in which they were declared.
+  struct Target {
+    ValueReference reference = 0;
+    ValueKind kind = ValueKind::real;
+    bool input = false;
+    std::vector<Layer> layers;
+    Value base;          // what the input would be without overrides
+    bool fresh = false;  // it was set since the last step
+    bool acted = false;  // the slave has another value than the base
+  };
+
+  Value apply(Target& target, const Value& value);
+  Value apply(const Layer& layer, const Value& value, std::int64_t since_ns) const;
+  template <typename T>
+  void change_outputs(ValueKind kind, std::span<const ValueReference> references, std::span<T> values);
+  template <typename T>
+  bool change_inputs(ValueKind kind, std::span<const ValueReference> references, std::vector<T>& values);
+  void set_one(const Target& target, const Value& value);
+  void save_own(state::Writer& writer) const;
+  void restore_own(state::Reader& reader);
+
+  const Scenario* scenario_;
+  std::vector<Target> targets_;
+  std::int64_t time_ns_ = 0;
+};
+
+}  // namespace mebots::master

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "observer/statistics.hpp"
+
+#include <atomic>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace mebots::master {
+
+/// An instance that failed on the way, while the others went on.
+struct InstanceLoss {
+  std::string name;
+  std::int64_t at_ns = -1;  ///< start of the step, or communication point, at which it failed; -1 = it did not
+  std::string text;
+};
+
+class Scenario;
+
+/// What stands between an ensemble and its slaves. All that is pointed to must outlive the ensemble.
+struct SlaveOptions {
+  Statistics* statistics = nullptr;                ///< where calls are counted; null = nowhere
+  std::vector<InstanceLoss>* losses = nullptr;     ///< one per instance; null = every failure ends the run
+  const Scenario* scenario = nullptr;              ///< changes variables on their way; null = nothing does
+  const std::atomic<bool>* interrupted = nullptr;  ///< ends calls of isolated instances that do not come back
+};
+
+}  // namespace mebots::master

@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "slave/tolerant_slave.hpp"
+
+#include "isolation/osmp.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <type_traits>
+
+namespace mebots::master {
+namespace {
+
+/// Of a slave that was there, its state; of one that was lost, when and why, and its last values.
+class TolerantState final : public SlaveState {
+ public:
+  std::unique_ptr<SlaveState> inner;  // null = lost
+  std::vector<std::byte> own;
+};
+
+}  // namespace
+
+template <typename Work>
+void TolerantSlave::attempt(Work work) {
+  if (lost()) return;
+  if (!running_) return work();
+  try {
+    work();
+  } catch (const Error& error) {
+    loss_->at_ns = time_ns_;
+    loss_->text = error.what();
+    messages_->message({name(), Severity::error, "",
+                        fmt::format("{}. The others go on; its outputs stand still", error.what()), time_ns_});
+  }
+}
+
+template <typename T>
+std::vector<TolerantSlave::Kept<T>>& TolerantSlave::kept_of(ValueKind kind) {
+  if constexpr (std::is_same_v<T, double>) return reals_;
+  if constexpr (std::is_same_v<T, std::string>) return strings_;
+  if constexpr (std::is_same_v<T, std::int32_t>) return kind == ValueKind::boolean ? booleans_ : integers_;
+}
+
+void TolerantSlave::get(ValueKind kind, std::span<const ValueReference> references, Destination destination) {
+  std::visit(
+      [&]<typename T>(std::span<T> values) {
+        auto& all = kept_of<T>(kind);
+        auto found = std::find_if(all.begin(), all.end(), [&](const Kept<T>& kept) {
+          return std::equal(kept.references.begin(), kept.references.end(), references.begin(), references.end());
+        });
+        if (found == all.end()) {
+          all.push_back({{references.begin(), references.end()}, std::vector<T>(values.size())});
+          found = all.end() - 1;
+        }
+        attempt([&] {
+          pass_get(kind, references, destination);
+          std::copy(values.begin(), values.end(), found->values.begin());
+        });
+        if (lost()) std::copy(found->values.begin(), found->values.end(), values.begin());
+      },
+      destination);
+}
+
+void TolerantSlave::set(ValueKind kind, std::span<const ValueReference> references, Source values) {
+  attempt([&] { pass_set(kind, references, values); });
+}
+
+StepResult TolerantSlave::step(std::int64_t start_ns, std::int64_t duration_ns) {
+  running_ = true;
+  time_ns_ = start_ns;
+  StepResult result;
+  attempt([&] { result = inner().step(start_ns, duration_ns); });
+  time_ns_ = start_ns + duration_ns;
+  return result;
+}
+
+void TolerantSlave::terminate() {
+  if (!lost()) inner().terminate();
+}
+
+void TolerantSlave::save_kept(state::Writer& writer) const {
+  const auto put = [&](const auto& all) {
+    writer.put(static_cast<std::uint64_t>(all.size()));
+    for (const auto& kept : all) {
+      writer.put(kept.references);
+      if constexpr (std::is_same_v<std::decay_t<decltype(kept.values.front())>, std::string>) {
+        for (const auto& text : kept.values) writer.put(text);
+      } else {
+        writer.put(kept.values);
+      }
+    }
+  };
+  put(reals_);
+  put(integers_);
+  put(booleans_);
+  put(strings_);
+}
+
+void TolerantSlave::restore_kept(state::Reader& reader) {
+  const auto get = [&](auto& all) {
+    all.clear();
+    for (auto count = reader.get<std::uint64_t>(); count > 0; --count) {
+      auto& kept = all.emplace_back();
+      reader.get(kept.references);
+      if constexpr (std::is_same_v<std::decay_t<decltype(kept.values.front())>, std::string>) {
+        kept.values.resize(kept.references.size());
+        for (auto& text : kept.values) reader.get(text);
+      } else {
+        reader.get(kept.values);
+      }
+    }
+  };
+  get(reals_);
+  get(integers_);
+  get(booleans_);
+  get(strings_);
+  // Addresses are no part of a state, and nobody is left to ask for them anew.
+  for (const auto& triple : isolation::osmp_triples(description())) {
+    for (auto& kept : integers_) {
+      if (const auto places = isolation::places_of(triple, kept.references)) {
+        for (const auto place : *places) kept.values.at(place) = 0;
+      }
+    }
+  }
+}
+
+std::unique_ptr<SlaveState> TolerantSlave::save_state() {
+  auto state = std::make_unique<TolerantState>();
+  if (!lost()) {
+    state->inner = inner().save_state();
+    return state;
+  }
+  state::Writer writer;
+  writer.put(loss_->at_ns);
+  writer.put(loss_->text);
+  save_kept(writer);
+  state->own = writer.take();
+  return state;
+}
+
+void TolerantSlave::restore_state(const SlaveState& state) {
+  running_ = true;
+  const auto& tolerant = static_cast<const TolerantState&>(state);
+  if (tolerant.inner != nullptr) {
+    if (lost()) throw Error(fmt::format("instance '{}' is lost and cannot go back: {}", name(), loss_->text));
+    inner().restore_state(*tolerant.inner);
+    return;
+  }
+  state::Reader reader(tolerant.own);
+  reader.get(loss_->at_ns);
+  reader.get(loss_->text);
+  restore_kept(reader);
+}
+
+std::vector<std::byte> TolerantSlave::serialize(const SlaveState& state) {
+  const auto& tolerant = static_cast<const TolerantState&>(state);
+  state::Writer writer;
+  writer.put(tolerant.inner != nullptr);
+  writer.put(tolerant.inner != nullptr ? inner().serialize(*tolerant.inner) : tolerant.own);
+  return writer.take();
+}
+
+std::unique_ptr<SlaveState> TolerantSlave::deserialize(std::span<const std::byte> bytes) {
+  state::Reader reader(bytes);
+  auto state = std::make_unique<TolerantState>();
+  const auto alive = reader.get<bool>();
+  std::vector<std::byte> content;
+  reader.get(content);
+  if (alive) {
+    state->inner = inner().deserialize(content);
+  } else {
+    state->own = std::move(content);
+  }
+  return state;
+}
+
+}  // namespace mebots::master

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "mebots/state/bytes.hpp"
+#include "message/message.hpp"
+#include "slave/access_slave.hpp"
+#include "slave/slave_options.hpp"
+
+namespace mebots::master {
+
+/// Lets the others go on when the slave behind it fails in or after its first step: from then on its outputs stand
+/// still at what was read last, and what it is given is dropped.
+class TolerantSlave final : public AccessSlave {
+ public:
+  /// `messages` hears of the loss, and `loss` says of it; both must outlive the slave.
+  TolerantSlave(std::unique_ptr<Slave> inner, MessageSink& messages, InstanceLoss& loss)
+      : AccessSlave(std::move(inner)), messages_(&messages), loss_(&loss) {}
+
+  StepResult step(std::int64_t start_ns, std::int64_t duration_ns) override;
+  void terminate() override;
+
+  std::unique_ptr<SlaveState> save_state() override;
+  void restore_state(const SlaveState& state) override;
+  std::vector<std::byte> serialize(const SlaveState& state) override;
+  std::unique_ptr<SlaveState> deserialize(std::span<const std::byte> bytes) override;
+
+ private:
+  void get(ValueKind kind, std::span<const ValueReference> references, Destination values) override;
+  void set(ValueKind kind, std::span<const ValueReference> references, Source values) override;
+
+  /// Values as they were read last, by the references they were asked for by.
+  template <typename T>
+  struct Kept {
+    std::vector<ValueReference> references;
+    std::vector<T> values;
+  };
+
+  bool lost() const { return loss_->at_ns >= 0; }
+  template <typename Work>
+  void attempt(Work work);
+  template <typename T>
+  std::vector<Kept<T>>& kept_of(ValueKind kind);
+  void save_kept(state::Writer& writer) const;
+  void restore_kept(state::Reader& reader);
+
+  MessageSink* messages_;
+  InstanceLoss* loss_;
+  bool running_ = false;
+  std::int64_t time_ns_ = 0;
+  std::vector<Kept<double>> reals_;
+  std::vector<Kept<std::int32_t>> integers_;
+  std::vector<Kept<std::int32_t>> booleans_;
+  std::vector<Kept<std::string>> strings_;
+};
+
+}  // namespace mebots::master

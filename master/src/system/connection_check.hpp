@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "system/resolved_system.hpp"
+
+namespace mebots::master {
+
+/// What follows a binary variable's name in the names of its three Integers.
+inline constexpr const char* kOsmpEndings[] = {".base.lo", ".base.hi", ".size"};
+
+/// Looks up both ends of every connection of `system.description`, checks that they fit, and fills
+/// `system.connections`. Throws InputError.
+void resolve_connections(ResolvedSystem& system);
+
+}  // namespace mebots::master

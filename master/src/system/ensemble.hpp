@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "mebots/state/bytes.hpp"
+#include "message/message.hpp"
+#include "slave/slave.hpp"
+#include "slave/slave_options.hpp"
+#include "system/resolved_system.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+namespace mebots::master {
+
+/// How values travel: enumerations as Integers, Booleans as 0 and 1.
+enum class ValueKind { real, integer, boolean, string };
+
+ValueKind kind_of(modeldesc::Type type);
+
+/// One bit per ValueKind.
+using KindSet = std::uint8_t;
+constexpr KindSet bit(ValueKind kind) {
+  return static_cast<KindSet>(1U << static_cast<unsigned>(kind));
+}
+
+/// Values of one type that are read from, or written to, one slave in one call.
+template <typename T>
+struct Bank {
+  std::vector<ValueReference> references;
+  std::vector<const modeldesc::Variable*> variables;
+  std::vector<T> values;
+  std::unordered_map<const modeldesc::Variable*, std::size_t> slots;
+
+  /// The slot of a variable, made if missing.
+  std::size_t slot(const modeldesc::Variable& variable);
+};
+
+/// All values that travel in one direction between the master and one slave.
+struct Banks {
+  Bank<double> reals;
+  Bank<std::int32_t> integers;
+  Bank<std::int32_t> booleans;
+  Bank<std::string> strings;
+};
+
+/// Where the ensemble keeps the last known value of an output.
+struct SignalId {
+  std::size_t instance = 0;
+  ValueKind kind = ValueKind::real;
+  std::size_t slot = 0;
+};
+
+/// The slaves and the values that travel between them: one read and one write per slave, type and
+/// communication point, on arrays laid out before the first step. Knows nothing of the order of steps.
+class Ensemble {
+ public:
+  /// Makes the slaves, in the order of the config. `system` and `messages` must outlive the ensemble.
+  Ensemble(const ResolvedSystem& system, MessageSink& messages, const SlaveOptions& options = {});
+
+  /// Asks for a variable to be read at every communication point. Only before initialize().
+  SignalId watch(const ResolvedVariable& variable);
+
+  /// Start values, initialisation mode, initial values along the connections, and the outputs at t = 0.
+  /// Throws InputError when a slave refuses what it was given, NotFiniteError for NaN or infinity in an initial
+  /// value, Error when a loop of connections does not settle.
+  void initialize(std::int64_t stop_ns);
+  void terminate();
+
+  std::size_t size() const { return members_.size(); }
+  Slave& slave(std::size_t instance) { return *members_[instance].slave; }
+  const std::string& name(std::size_t instance) const { return members_[instance].slave->name(); }
+  std::int64_t step_ns(std::size_t instance) const { return members_[instance].step_ns; }
+
+  /// Fetches a slave's watched and connected outputs. Throws Error for NaN or infinity in one of them;
+  /// `time_ns` is the time they are valid at.
+  void read_outputs(std::size_t instance, std::int64_t time_ns);
+  /// Hands a slave its connected inputs, as last read from their sources; `time_ns` is the start of its step. Where
+  /// the slave takes time derivatives of inputs and a source gives them, these too. Throws NotFiniteError when a
+  /// conversion overflows.
+  void write_inputs(std::size_t instance, std::int64_t time_ns);
+
+  /// Valid after initialize(), for as long as the ensemble lives.
+  const double& real(SignalId id) const { return members_[id.instance].outputs.reals.values[id.slot]; }
+  const std::int32_t& integer(SignalId id) const {
+    const auto& outputs = members_[id.instance].outputs;
+    return (id.kind == ValueKind::boolean ? outputs.booleans : outputs.integers).values[id.slot];
+  }
+  const std::string& string(SignalId id) const { return members_[id.instance].outputs.strings.values[id.slot]; }
+
+  /// All outputs as last read, to go back to when a step comes to nothing.
+  std::vector<Banks> outputs() const;
+  void bring_back(const std::vector<Banks>& outputs);
+
+  /// An order of stepping in which the reader of a buffer comes before its owner steps on.
+  const std::vector<std::size_t>& step_order() const { return step_order_; }
+
+  /// The last read outputs, which an instance with a longer step keeps between its steps.
+  void save_values(state::Writer& writer) const;
+  void restore_values(state::Reader& reader);
+
+ private:
+  /// A value that an input takes as it is, from an output's bank to an input's. Addresses hold from initialize() on.
+  template <typename T>
+  struct Copy {
+    SignalId signal;
+    std::size_t slot;
+    const T* from = nullptr;
+    T* to = nullptr;
+  };
+
+  /// A Real input that takes factor * value + offset.
+  struct Conversion {
+    SignalId from;
+    std::size_t to;
+    double factor;
+    double offset;
+  };
+
+  /// Time derivatives that go from one output to one input, of orders 1 to `orders`.
+  struct DerivativeLink {
+    std::size_t from_instance;
+    ValueReference from;
+    ValueReference to;
+    double factor;
+    std::uint32_t orders;
+  };
+
+  struct Member {
+    std::unique_ptr<Slave> slave;
+    std::int64_t step_ns = 0;
+    // Which banks hold anything: one look instead of one per bank, in the loop that runs at every point.
+    KindSet output_kinds = 0;
+    KindSet input_kinds = 0;
+    Banks outputs;
+    Banks inputs;
+    std::int64_t outputs_time_ns = 0;  // what `outputs` was read at
+    std::vector<Copy<double>> real_copies;
+    std::vector<Copy<std::int32_t>> integer_copies;
+    std::vector<Copy<std::int32_t>> flag_copies;  // Booleans into Integers, as 0 and 1
+    std::vector<Copy<std::int32_t>> boolean_copies;
+    std::vector<Copy<std::string>> string_copies;
+    std::vector<Conversion> conversions;
+    std::vector<DerivativeLink> derivatives;
+  };
+
+  void lay_out();
+  void connect(const ResolvedConnection& connection);
+  void initialize_slaves(std::int64_t stop_ns);
+  void set_starts(std::size_t instance);
+  void link_derivatives(const ResolvedConnection& connection);
+  void collect_inputs(std::size_t instance);
+  void convert(Member& member) const;
+  void hand_inputs(std::size_t instance);
+  void write_derivatives(Member& member, std::int64_t time_ns);
+  double number(SignalId id) const;
+  void order_steps();
+  void check_finite(const Member& member, std::int64_t time_ns) const;
+
+  friend class InitialValues;
+
+  const ResolvedSystem* system_;
+  std::vector<Member> members_;
+  std::vector<std::size_t> step_order_;
+};
+
+/// Inputs of connections that, held fast, leave no loop among connections and direct dependencies of initial
+/// values; one or more per loop.
+std::vector<ResolvedVariable> torn_inputs(const ResolvedSystem& system);
+
+/// A loop among connections and direct dependencies of initial values, as "a.y -> b.u -> b.y -> a.u -> a.y";
+/// empty when there is none.
+std::string initial_loop(const ResolvedSystem& system);
+
+}  // namespace mebots::master

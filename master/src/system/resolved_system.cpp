@@ -1,0 +1,238 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "system/resolved_system.hpp"
+
+#include "base/nearest_names.hpp"
+#include "base/time.hpp"
+
+#include "system/connection_check.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+namespace mebots::master {
+namespace {
+
+using modeldesc::Causality;
+using modeldesc::Initial;
+using modeldesc::Variability;
+using modeldesc::Variable;
+
+std::vector<std::string> variable_names(const modeldesc::ModelDescription& description) {
+  std::vector<std::string> names;
+  for (const auto& variable : description.variables) names.push_back(variable.name);
+  return names;
+}
+
+/// Why a variable cannot be given a value before initialisation; empty when it can.
+std::string why_not_settable(const Variable& variable) {
+  if (variable.variability == Variability::constant) return "it is a constant";
+  switch (variable.causality) {
+    case Causality::parameter:
+    case Causality::input:
+      return {};
+    case Causality::calculated_parameter:
+      return "it is calculated from other parameters";
+    case Causality::independent:
+      return "it is the FMU's time";
+    case Causality::output:
+    case Causality::local:
+      break;
+  }
+  if (variable.initial == Initial::exact || variable.initial == Initial::approx) return {};
+  return fmt::format("it is of causality {} and calculated by the FMU", modeldesc::to_string(variable.causality));
+}
+
+std::vector<std::string> settable_names(const modeldesc::ModelDescription& description) {
+  std::vector<std::string> names;
+  for (const auto& variable : description.variables) {
+    if (why_not_settable(variable).empty()) names.push_back(variable.name);
+  }
+  return names;
+}
+
+std::vector<StartValue> resolve_starts(const InstanceDescription& instance,
+                                       const modeldesc::ModelDescription& description) {
+  std::map<std::string, StartValue> starts;  // the last assignment to a name counts: --set comes after the config
+  for (const auto& assignment : instance.parameters) {
+    const auto* variable = description.find(assignment.variable);
+    if (variable == nullptr) {
+      throw InputError(fmt::format("{}: instance '{}' ({}) has no variable '{}'. {}", assignment.place, instance.name,
+                                   description.model_name, assignment.variable,
+                                   suggest(assignment.variable, settable_names(description))));
+    }
+    if (const auto why = why_not_settable(*variable); !why.empty()) {
+      throw InputError(
+          fmt::format("{}: '{}.{}' cannot be set: {}", assignment.place, instance.name, variable->name, why));
+    }
+    starts[assignment.variable] = {variable, typed_value(description, *variable, assignment.value, assignment.place)};
+  }
+  std::vector<StartValue> result;
+  for (const auto& variable : description.variables) {
+    const auto found = starts.find(variable.name);
+    if (found != starts.end()) result.push_back(found->second);
+  }
+  return result;
+}
+
+std::vector<std::string> log_categories(const SystemDescription& system, const InstanceDescription& instance) {
+  for (const auto& log : system.log) {
+    if (log.instance == instance.name) return log.categories;
+  }
+  return {std::begin(kDefaultLogCategories), std::end(kDefaultLogCategories)};
+}
+
+/// A category that is misspelt shows nothing. It may be right all the same: not every FMU declares all of its own.
+void note_unknown_categories(ResolvedSystem& system) {
+  for (const auto& log : system.description->log) {
+    const auto instance = std::ranges::find(system.instances, log.instance, [](const ResolvedInstance& resolved) {
+      return std::string_view(resolved.description->name);
+    });
+    if (instance == system.instances.end()) {
+      throw InputError(fmt::format("log: there is no instance '{}'", log.instance));
+    }
+    std::vector<std::string> known;
+    for (const auto& category : instance->fmu->description().log_categories) known.push_back(category.name);
+    for (const auto& category : log.categories) {
+      if (known.empty() || category == "*" || std::ranges::find(known, category) != known.end()) continue;
+      system.notices.push_back(fmt::format("{}: its FMU declares no log category '{}'. {}", log.instance, category,
+                                           suggest(category, known)));
+    }
+  }
+}
+
+void check_single_use(const ResolvedSystem& system) {
+  std::map<const Fmu*, std::string> users;
+  for (const auto& instance : system.instances) {
+    if (instance.description->isolation.alone()) continue;
+    const auto [user, first] = users.emplace(instance.fmu.get(), instance.description->name);
+    if (!first && instance.fmu->description().co_simulation->can_be_instantiated_only_once_per_process) {
+      throw InputError(
+          fmt::format("{}: {} allows one instance per process, and instance '{}' is one already; "
+                      "give one of them \"process\": \"own\"",
+                      instance.description->place, instance.fmu->archive().string(), user->second));
+    }
+  }
+}
+
+/// Repeating a step in parts takes an FMU that can go back and take steps of any length.
+void check_division(const ResolvedInstance& instance) {
+  if (!instance.description->divide_discarded) return;
+  const auto& flags = *instance.fmu->description().co_simulation;
+  if (flags.can_get_and_set_fmu_state && flags.can_handle_variable_communication_step_size) return;
+  throw InputError(
+      fmt::format("{}/on_discard: a step of '{}' cannot be divided: its FMU says {} = false",
+                  instance.description->place, instance.description->name,
+                  flags.can_get_and_set_fmu_state ? "canHandleVariableCommunicationStepSize" : "canGetAndSetFMUstate"));
+}
+
+void resolve_order(ResolvedSystem& system) {
+  const auto& algorithm = system.description->algorithm;
+  if (algorithm.kind == AlgorithmDescription::Kind::jacobi) return;
+  const auto names = algorithm.order.empty() ? system.description->instance_names() : algorithm.order;
+  for (const auto& name : names) {
+    const auto found = std::ranges::find(system.instances, name,
+                                         [](const ResolvedInstance& instance) { return instance.description->name; });
+    system.order.push_back(static_cast<std::size_t>(found - system.instances.begin()));
+  }
+}
+
+/// The name of the binary variable that an Integer is a part of, else the variable's own.
+std::string whole_name(const modeldesc::ModelDescription& description, const Variable& variable) {
+  if (!is_osmp_part(description, variable)) return variable.name;
+  for (const std::string_view ending : kOsmpEndings) {
+    if (variable.name.ends_with(ending)) return variable.name.substr(0, variable.name.size() - ending.size());
+  }
+  return variable.name;
+}
+
+void note_open_inputs(ResolvedSystem& system) {
+  for (std::size_t i = 0; i < system.instances.size(); ++i) {
+    const auto& instance = system.instances[i];
+    std::set<const Variable*> served;
+    for (const auto& connection : system.connections) {
+      if (connection.to.instance == i) served.insert(connection.to.variable);
+    }
+    for (const auto& start : instance.starts) served.insert(start.variable);
+    std::vector<std::string> open;
+    for (const auto& variable : instance.fmu->description().variables) {
+      if (variable.causality != Causality::input || served.count(&variable) != 0) continue;
+      auto name = whole_name(instance.fmu->description(), variable);
+      if (open.empty() || open.back() != name) open.push_back(std::move(name));
+    }
+    if (open.empty()) continue;
+    system.notices.push_back(fmt::format("{}: not connected, so the FMU's start value holds: {}",
+                                         instance.description->name, fmt::join(open, ", ")));
+  }
+}
+
+}  // namespace
+
+ResolvedVariable ResolvedSystem::find(const VariableName& name, const std::string& place) const {
+  for (std::size_t i = 0; i < instances.size(); ++i) {
+    if (instances[i].description->name != name.instance) continue;
+    const auto& model = instances[i].fmu->description();
+    const auto* variable = model.find(name.variable);
+    if (variable == nullptr) {
+      throw InputError(fmt::format("{}: instance '{}' ({}) has no variable '{}'. {}", place, name.instance,
+                                   model.model_name, name.variable, suggest(name.variable, variable_names(model))));
+    }
+    return {i, variable};
+  }
+  throw InputError(fmt::format("{}: there is no instance '{}'. {}", place, name.instance,
+                               suggest(name.instance, description->instance_names())));
+}
+
+std::string ResolvedSystem::text(const ResolvedVariable& variable) const {
+  return instances[variable.instance].description->name + "." + variable.variable->name;
+}
+
+bool is_osmp_part(const modeldesc::ModelDescription& description, const Variable& variable) {
+  if (variable.osmp) return true;
+  if (variable.type != modeldesc::Type::integer) return false;
+  for (const auto* ending : kOsmpEndings) {
+    if (!variable.name.ends_with(ending)) continue;
+    const auto prefix = variable.name.substr(0, variable.name.size() - std::string_view(ending).size());
+    return std::all_of(std::begin(kOsmpEndings), std::end(kOsmpEndings), [&](const char* other) {
+      const auto* part = description.find(prefix + other);
+      return part != nullptr && part->type == modeldesc::Type::integer && part->causality == variable.causality;
+    });
+  }
+  return false;
+}
+
+ResolvedSystem resolve(const SystemDescription& description, FmuLibrary& library) {
+  ResolvedSystem system;
+  system.description = &description;
+  system.notices = description.notices;
+  for (const auto& instance : description.instances) {
+    ResolvedInstance resolved;
+    resolved.description = &instance;
+    try {
+      resolved.fmu = library.open(instance.fmu_path);
+      // A missing library or function shows now; foreign code that gets its own process is never loaded in this one.
+      if (!instance.isolation.alone()) resolved.fmu->functions();
+    } catch (const InputError& error) {
+      throw InputError(fmt::format("{}/fmu: {}", instance.place, error.what()));
+    }
+    if (resolved.fmu->description().co_simulation->needs_execution_tool) {
+      system.notices.push_back(fmt::format(
+          "{}: its FMU is a wrapper for a tool that must be installed (needsExecutionTool)", instance.name));
+    }
+    resolved.starts = resolve_starts(instance, resolved.fmu->description());
+    resolved.log_categories = log_categories(description, instance);
+    system.instances.push_back(std::move(resolved));
+  }
+  check_single_use(system);
+  note_unknown_categories(system);
+  for (const auto& instance : system.instances) check_division(instance);
+  resolve_order(system);
+  resolve_connections(system);
+  note_open_inputs(system);
+  return system;
+}
+
+}  // namespace mebots::master

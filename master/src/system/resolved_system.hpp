@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "config/system_description.hpp"
+#include "mebots/modeldesc/model_description.hpp"
+#include "slave/fmu.hpp"
+
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <vector>
+
+/// The system with every name looked up and everything checked that can be checked before the first step.
+namespace mebots::master {
+
+/// A variable of one instance. Points into the instance's description, which the system keeps alive.
+struct ResolvedVariable {
+  std::size_t instance = 0;
+  const modeldesc::Variable* variable = nullptr;
+
+  bool operator==(const ResolvedVariable&) const = default;
+};
+
+/// One scalar to set before initialisation.
+struct StartValue {
+  const modeldesc::Variable* variable = nullptr;
+  modeldesc::Value value;
+};
+
+/// One scalar connection; a connection of OSMP binaries becomes three. The input gets factor * value + offset,
+/// conversion of units included; anything but 1 and 0 only where the input is a Real.
+struct ResolvedConnection {
+  ResolvedVariable from;
+  ResolvedVariable to;
+  bool pointer = false;  ///< part of an OSMP binary: valid only in this process, for a while
+  double factor = 1;
+  double offset = 0;
+
+  bool changes_value() const { return factor != 1 || offset != 0; }
+};
+
+struct ResolvedInstance {
+  const InstanceDescription* description = nullptr;
+  std::shared_ptr<Fmu> fmu;
+  std::vector<StartValue> starts;
+  std::vector<std::string> log_categories;
+};
+
+struct ResolvedSystem {
+  const SystemDescription* description = nullptr;
+  std::vector<ResolvedInstance> instances;      ///< in the order of the config
+  std::vector<ResolvedConnection> connections;  ///< ordered by target, so that their order in the config is nothing
+  std::vector<std::size_t> order;               ///< Gauss-Seidel: who steps when; empty for Jacobi
+  std::vector<std::string> notices;             ///< what the user should know, such as open inputs
+
+  /// Looks up a variable. Throws InputError with the nearest names; `place` says where it was written.
+  ResolvedVariable find(const VariableName& name, const std::string& place) const;
+  std::string text(const ResolvedVariable& variable) const;
+};
+
+/// Opens the FMUs, looks up all names and checks types, causalities, units, start values and connections.
+/// `description` must outlive the result. Throws InputError.
+ResolvedSystem resolve(const SystemDescription& description, FmuLibrary& library);
+
+/// A written value as a value of the variable's type; enumerations by item or number. Throws InputError
+/// for another type, an unknown item, or a value outside of the variable's min and max.
+modeldesc::Value typed_value(const modeldesc::ModelDescription& description, const modeldesc::Variable& variable,
+                             const WrittenValue& written, const std::string& place);
+
+/// True for Integers that carry a pointer's half or a buffer's size, by their OSMP mark or, lacking one,
+/// by their names `x.base.lo`, `x.base.hi` and `x.size`.
+bool is_osmp_part(const modeldesc::ModelDescription& description, const modeldesc::Variable& variable);
+
+}  // namespace mebots::master
