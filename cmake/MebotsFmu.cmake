@@ -70,7 +70,7 @@ function(mebots_add_fmu name)
 
   set(archive ${MEBOTS_FMU_DIR}/${name}.fmu)
   set(pack_options)
-  foreach(license ${source_dir}/LICENSE ${PROJECT_SOURCE_DIR}/LICENSE)
+  foreach(license ${source_dir}/LICENSE ${source_dir}/../LICENSE ${PROJECT_SOURCE_DIR}/LICENSE)
     if(EXISTS ${license})
       list(APPEND pack_options --license ${license})
       break()
