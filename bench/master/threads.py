@@ -37,7 +37,9 @@ def run(mebots, config, threads, folder):
 def absolute(config, file):
     """The same config anywhere."""
     for instance in config["instances"].values():
-        instance["fmu"] = str((file.parent / instance["fmu"]).resolve())
+        path = (file.parent / instance["fmu"]).resolve()
+        if path.is_file():  # not a name
+            instance["fmu"] = str(path)
     return config
 
 

@@ -27,9 +27,7 @@ CONNECTIONS = {
 def mission(build, stop_time):
     """The config of the easy gate mission with one instance more."""
     config = json.loads((ROOT / "configs" / "gate_easy.json").read_text())
-    for instance in config["instances"].values():
-        instance["fmu"] = str(build / "fmus" / pathlib.Path(instance["fmu"]).name)
-    config["instances"]["thermal"] = {"fmu": str(build / "fmus" / "motor_thermal.fmu")}
+    config["instances"]["thermal"] = {"fmu": "motor_thermal"}
     config["connections"] += [{"from": a, "to": b} for a, b in CONNECTIONS.items()]
     config["record"] = ["thermal.*", "motors.power", "world.drone.position.z", "world.rotor[1].command"]
     config["summary"]["winding_temperature"] = "thermal.winding.temperature"

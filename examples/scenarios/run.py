@@ -24,8 +24,6 @@ COLUMNS = ["world.drone.position.*", "motors.power"]
 def fly(build, scenario, out):
     """Results and summary of one flight; the config is that of the mission, with what is drawn here recorded."""
     config = json.loads((ROOT / "configs" / "gate_easy.json").read_text())
-    for instance in config["instances"].values():
-        instance["fmu"] = str(build / "fmus" / pathlib.Path(instance["fmu"]).name)
     config["record"] = COLUMNS
     config.pop("pictures")
     out.mkdir(parents=True, exist_ok=True)

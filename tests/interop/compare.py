@@ -36,7 +36,7 @@ def of_config(file, fmus, seconds):
     """A config of ours, some seconds of it."""
     config = json.loads(file.read_text())
     for instance in config["instances"].values():
-        instance["fmu"] = str(fmus / pathlib.Path(instance["fmu"]).name)
+        instance["fmu"] = str(fmus / f"{instance['fmu']}.fmu")
     return {key: config[key] for key in ("step", "instances", "connections")} | {"steps": round(seconds / config["step"])}
 
 

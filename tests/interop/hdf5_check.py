@@ -11,12 +11,10 @@ import tempfile
 import h5py
 import numpy as np
 
-mebots, config, fmus = sys.argv[1], pathlib.Path(sys.argv[2]), pathlib.Path(sys.argv[3])
+mebots, config = sys.argv[1], pathlib.Path(sys.argv[2])
 with tempfile.TemporaryDirectory() as folder:
     folder = pathlib.Path(folder)
     system = json.loads(config.read_text())
-    for instance in system["instances"].values():
-        instance["fmu"] = str(fmus / pathlib.Path(instance["fmu"]).name)
     system["record"] = {"format": "both", "parameters": ["battery.cell.name", "battery.*converter*", "motors.*"]}
     system["stop_time"] = 2
     (folder / "both.json").write_text(json.dumps(system))

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """SSP between tools: ours opens in OMSimulator with the same numbers, and one that OMSimulator writes runs here.
 
-Usage: ssp_check.py MEBOTS CONFIG.json FMU_DIR
+Usage: ssp_check.py MEBOTS CONFIG.json
 
 Looks for OMSimulator in $OMSIMULATOR and on PATH; skipped (77) without it.
 """
@@ -39,15 +39,13 @@ def worst_difference(a, b, names, step, intervals):
 
 
 def main():
-    mebots, config_path, fmu_dir = (pathlib.Path(argument).resolve() for argument in sys.argv[1:4])
+    mebots, config_path = (pathlib.Path(argument).resolve() for argument in sys.argv[1:3])
     program = tools.OMSimulator().program
     if not program:
         print("skipped: OMSimulator is not installed (set OMSIMULATOR to its program to run this test)")
         sys.exit(SKIPPED)
     config = json.loads(config_path.read_text())
     config["stop_time"] = 1
-    for instance in config["instances"].values():
-        instance["fmu"] = str(fmu_dir / pathlib.Path(instance["fmu"]).name)
     step, intervals = config["step"], round(1 / config["step"])
 
     with tempfile.TemporaryDirectory() as folder:

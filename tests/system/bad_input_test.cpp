@@ -77,7 +77,7 @@ TEST(BadInput, SceneWithANegativeSizeIsRefused) {
 TEST(BadInput, TruncatedFmuIsNamed) {
   const Folder folder;
   auto config = shipped_config("gate_easy");
-  const auto whole = read_file(config.at("instances").at("motors").at("fmu").get<std::string>());
+  const auto whole = read_file(MEBOTS_FMU_DIR "/fmu_motors.fmu");
   const auto path = folder / "half.fmu";
   std::ofstream(path, std::ios::binary) << whole.substr(0, whole.size() / 2);
   config.at("instances").at("motors").at("fmu") = path.string();

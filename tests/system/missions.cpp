@@ -24,13 +24,8 @@ Folder::~Folder() {
 }
 
 nlohmann::ordered_json shipped_config(const std::string& name) {
-  auto config =
-      nlohmann::ordered_json::parse(read_file(std::filesystem::path(MEBOTS_SOURCE_DIR) / "configs" / (name + ".json")));
-  for (auto& [instance, entry] : config.at("instances").items()) {
-    const auto file = std::filesystem::path(entry.at("fmu").get<std::string>()).filename();
-    entry.at("fmu") = (std::filesystem::path(MEBOTS_FMU_DIR) / file).string();
-  }
-  return config;
+  return nlohmann::ordered_json::parse(
+      read_file(std::filesystem::path(MEBOTS_SOURCE_DIR) / "configs" / (name + ".json")));
 }
 
 std::filesystem::path write(const std::filesystem::path& path, const nlohmann::ordered_json& config) {

@@ -22,7 +22,7 @@ class Folder {
   std::filesystem::path path_;
 };
 
-/// A config of the repository with the FMU paths of this build.
+/// A config of the repository. Programs and FMUs of one build find each other by name.
 nlohmann::ordered_json shipped_config(const std::string& name);
 
 /// Writes a config and returns its path.

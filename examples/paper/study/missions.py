@@ -72,13 +72,11 @@ CHIP_PARTS = [f"soc.energy.{part}" for part in ("fabric_controller", "cluster_co
                                                 "retention")]
 
 
-def config(flight, fmus):
+def config(flight):
     """The config of a flight: that of the easy gate, changed."""
     system = copy.deepcopy(json.loads((ROOT / "configs/gate_easy.json").read_text()))
     system["text"] = flight.name
     system["stop_time"] = flight.stop_time
-    for name, instance in system["instances"].items():
-        instance["fmu"] = str(pathlib.Path(fmus).resolve() / pathlib.Path(instance["fmu"]).name)
     for variable, value in flight.parameters().items():
         instance, name = variable.split(".", 1)
         system["instances"][instance].setdefault("parameters", {})[name] = value

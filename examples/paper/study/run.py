@@ -45,7 +45,7 @@ def fly(flight, place):
     flight that was flown with the same config and programs is not flown again."""
     folder = place.results / flight.name
     folder.mkdir(parents=True, exist_ok=True)
-    text = json.dumps(config(flight, place.build / "fmus"), indent=2) + "\n"
+    text = json.dumps(config(flight), indent=2) + "\n"
     fresh = False
     key = hashlib.sha256((text + place.programs).encode()).hexdigest()
     done = folder / "done.json"

@@ -2,6 +2,7 @@
 // The section `instances`: a table of the keys of one instance, each with its own reader.
 #include "base/time.hpp"
 #include "config/config_schema.hpp"
+#include "slave/find_fmu.hpp"
 
 #include "reading.hpp"
 #include "sections.hpp"
@@ -32,14 +33,11 @@ void check_name(const std::string& name, const JsonNode& node, const SystemDescr
 
 void read_fmu(const JsonNode& node, InstanceDescription& instance, const SystemDescription& system) {
   instance.fmu = readable_text(node);
-  instance.fmu_path = system.file.parent_path() / instance.fmu;  // an absolute path stays as it is
-  std::error_code error;
-  const auto path = std::filesystem::canonical(instance.fmu_path, error);
-  if (error) {
-    node.fail(fmt::format("there is no FMU at {} ({}); paths are relative to the config",
-                          instance.fmu_path.lexically_normal().string(), error.message()));
+  try {
+    instance.fmu_path = find_fmu(instance.fmu, system.file.parent_path());
+  } catch (const InputError& error) {
+    node.fail(error.what());
   }
-  instance.fmu_path = path;
 }
 
 void read_parameters(const JsonNode& node, InstanceDescription& instance, const SystemDescription& /*system*/) {

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "child_process.hpp"
 
+#include "base/installation.hpp"
+
 #include "mebots/error.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <dlfcn.h>
 #include <fcntl.h>
 #include <spawn.h>
 #include <sys/resource.h>
@@ -133,27 +134,17 @@ std::string signal_text(int signal) {
 }
 
 std::filesystem::path find_fmu_host() {
-  std::vector<std::filesystem::path> folders;
-  std::error_code ignored;
   if (const char* chosen = std::getenv("MEBOTS_FMU_HOST"); chosen != nullptr) return chosen;
-  const auto program = std::filesystem::read_symlink("/proc/self/exe", ignored);
-  if (!program.empty()) folders.push_back(program.parent_path());
-  Dl_info info{};
-  if (dladdr(reinterpret_cast<const void*>(&find_fmu_host), &info) != 0 && info.dli_fname != nullptr) {
-    const auto library = std::filesystem::weakly_canonical(info.dli_fname, ignored).parent_path();
-    folders.push_back(library);
-    folders.push_back(library.parent_path() / "bin");
+  const auto places = program_places("mebots-fmu-host");
+  std::error_code ignored;
+  for (const auto& place : places) {
+    if (std::filesystem::exists(place, ignored)) return place;
   }
-  for (const auto& folder : folders) {
-    if (std::filesystem::exists(folder / "mebots-fmu-host", ignored)) return folder / "mebots-fmu-host";
-  }
-  std::vector<std::string> names;
-  names.reserve(folders.size());
-  for (const auto& folder : folders) names.push_back(folder.string());
   throw Error(
-      fmt::format("the program mebots-fmu-host, which runs an FMU in a process of its own, is in none of {}; set "
+      ErrorCode::file_not_found,
+      fmt::format("the program mebots-fmu-host, which runs an FMU in a process of its own, is at none of {}; set "
                   "MEBOTS_FMU_HOST to its path",
-                  fmt::join(names, ", ")));
+                  fmt::join(as_texts(places), ", ")));
 }
 
 }  // namespace mebots::master::isolation

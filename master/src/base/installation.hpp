@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+/// Where the files lie that belong to the running program. No path is compiled in: a build, an installation and a
+/// Python package can be moved, and each finds its own.
+///
+/// |                             | this code is in                         | data: fmus, configs, templates |
+/// |-----------------------------|-----------------------------------------|--------------------------------|
+/// | program of a build          | `bin/`                                  | `./`                           |
+/// | program of an installation  | `bin/`                                  | `share/mebots/`                |
+/// | Python package of a build   | `python/mebots/`                        | `./`                           |
+/// | that of an installation     | `lib/python3.x/site-packages/mebots/`   | `share/mebots/`                |
+/// | wheel                       | `mebots/`                               | `mebots/`                      |
+/// | somebody's own program      | anywhere                                | those of the `mebots` in PATH  |
+namespace mebots::master {
+
+/// Where a file or folder `name` of the data may lie, best first; they need not exist.
+std::vector<std::filesystem::path> data_places(std::string_view name);
+
+/// Where another program of ours may lie, best first; they need not exist.
+std::vector<std::filesystem::path> program_places(std::string_view name);
+
+/// As an error lists them.
+std::vector<std::string> as_texts(const std::vector<std::filesystem::path>& places);
+
+/// The first of data_places(name) that exists. Throws Error naming the places when none does.
+std::filesystem::path own_data(std::string_view name);
+
+}  // namespace mebots::master
