@@ -8,12 +8,12 @@
 namespace mebots::world {
 namespace {
 
-class Binding final : public shell::Model {
+class Binding final : public fmu::Model {
  public:
-  Binding(Variables& variables, shell::Host& host, std::int64_t start_ns)
+  Binding(Variables& variables, fmu::Host& host, std::int64_t start_ns)
       : world_(
             read_scene(variables.parameters, host), variables.parameters, variables.inputs, variables.outputs,
-            [&host](std::string_view event) { host.log(shell::Severity::info, "events", event); }, start_ns) {}
+            [&host](std::string_view event) { host.log(fmu::Severity::info, "events", event); }, start_ns) {}
 
   void step(std::int64_t start_ns, std::int64_t duration_ns) override { world_.step(start_ns, duration_ns); }
   void save(state::Writer& writer) const override { world_.save(writer); }
@@ -22,7 +22,7 @@ class Binding final : public shell::Model {
   std::string on_demand_text(std::string_view /*name*/) const override { return base64(world_.frame()); }
 
  private:
-  static scene::Scene read_scene(const Parameters& parameters, const shell::Host& host) {
+  static scene::Scene read_scene(const Parameters& parameters, const fmu::Host& host) {
     return scene::load_scene(data::find_file(host.resources() / "scenes", parameters.scene_name, "scene.name"));
   }
 
@@ -31,7 +31,7 @@ class Binding final : public shell::Model {
 
 }  // namespace
 
-std::unique_ptr<shell::Model> make_model(Variables& variables, shell::Host& host, std::int64_t start_ns) {
+std::unique_ptr<fmu::Model> make_model(Variables& variables, fmu::Host& host, std::int64_t start_ns) {
   return std::make_unique<Binding>(variables, host, start_ns);
 }
 

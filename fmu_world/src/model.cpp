@@ -267,7 +267,7 @@ void World::write_outputs() {
   outputs_.gate_missed = gates_.missed();
   outputs_.gate_distance_m = gates_.distance_m(state_.p_WB_m);
   outputs_.gate_lateral_error_m = gates_.lateral_error_m();
-  outputs_.camera_frame = BinaryRef::to(camera_.frame());
+  outputs_.camera_frame = fmu::BinaryRef::to(camera_.frame());
   outputs_.camera_frame_id = camera_.frame_id();
 }
 
@@ -306,7 +306,7 @@ void World::restore(state::Reader& reader) {
   range_.restore(reader);
   camera_.restore(reader);
   set_mass(mass_kg);
-  outputs_.camera_frame = BinaryRef::to(camera_.frame());
+  outputs_.camera_frame = fmu::BinaryRef::to(camera_.frame());
 }
 
 }  // namespace mebots::world

@@ -197,13 +197,13 @@ void Model::restore(state::Reader& {reader}) {{
 std::string binding_source(const Plan& plan) {
   return fmt::format(R"(// SPDX-License-Identifier: Apache-2.0
 #include "{name}/binding.hpp"
-#include "mebots/shell/bound_model.hpp"
+#include "mebots/fmu/bound_model.hpp"
 #include "model.hpp"
 
 namespace {space} {{
 
-std::unique_ptr<shell::Model> make_model(Variables& variables, shell::Host& host, std::int64_t start_ns) {{
-  return std::make_unique<shell::BoundModel<Model, Variables>>(variables, host, start_ns);
+std::unique_ptr<mebots::fmu::Model> make_model(Variables& variables, mebots::fmu::Host& host, std::int64_t start_ns) {{
+  return std::make_unique<mebots::fmu::BoundModel<Model, Variables>>(variables, host, start_ns);
 }}
 
 }}  // namespace {space}

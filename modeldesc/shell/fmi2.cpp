@@ -94,7 +94,7 @@ const char* fmi2GetVersion() {
 fmi2Component fmi2Instantiate(fmi2String instance_name, fmi2Type type, fmi2String guid, fmi2String resource_location,
                               const fmi2CallbackFunctions* functions, fmi2Boolean /*visible*/, fmi2Boolean logging_on) {
   if (functions == nullptr) return nullptr;
-  const auto& definition = mebots::shell::kDefinition;
+  const auto& definition = mebots::fmu::kDefinition;
   const std::string name = instance_name == nullptr ? "" : instance_name;
   try {
     Logger logger(*functions, name, logging_on != fmi2False, definition.log_categories);
@@ -244,7 +244,7 @@ fmi2Status fmi2DeSerializeFMUstate(fmi2Component component, const fmi2Byte bytes
                                    fmi2FMUstate* state) {
   return guarded(component, function::kDeSerializeFmuState, [&](Instance& instance) {
     const auto serialized = checked_array(bytes, size, "serializedState");
-    hand_out(deserialize(instance.definition(), std::as_bytes(serialized)), checked(state, "FMUstate"));
+    hand_out(mebots::shell::deserialize(instance.definition(), std::as_bytes(serialized)), checked(state, "FMUstate"));
   });
 }
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "face.hpp"
 #include "legal.hpp"
 #include "logger.hpp"
 #include "mebots/fmi2/types.hpp"
-#include "mebots/shell/definition.hpp"
 #include "saved_state.hpp"
 
 #include <deque>

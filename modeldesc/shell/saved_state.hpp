@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "face.hpp"
 #include "legal.hpp"
-#include "mebots/shell/definition.hpp"
 
 #include <cstddef>
 #include <cstdint>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "face.hpp"
 #include "mebots/fmi2/types.hpp"
-#include "mebots/shell/definition.hpp"
 #include "mebots/state/bytes.hpp"
 
 #include <string>

@@ -38,7 +38,7 @@ std::string element_type(const Field& field) {
     case FieldType::string:
       return "std::string";
     case FieldType::binary:
-      return "mebots::BinaryRef";
+      return "mebots::fmu::BinaryRef";
     case FieldType::enumeration:
       return field.enumeration;
   }
@@ -154,7 +154,7 @@ void write_rows(std::string& out, const Field& field) {
   for (std::size_t i = 0; i < field.fmi_names.size(); ++i) {
     const auto row = [&](std::string_view part, std::string_view part_field) {
       const std::string name = field.fmi_names[i] + (part.empty() ? "" : fmt::format(".{}", part));
-      std::string offset = "shell::kNoField";
+      std::string offset = "mebots::fmu::kNoField";
       if (!field.on_demand) {
         offset = fmt::format("offsetof(V, {}.{}{})", member_of(field.causality), field.cpp_name, part_field);
         if (field.group && part_field.empty()) {
@@ -163,9 +163,9 @@ void write_rows(std::string& out, const Field& field) {
         }
       }
       line(out, "    {{.name = {},", cpp_literal(name));
-      line(out, "     .type = shell::Type::{},", table_type(field.type));
-      line(out, "     .causality = shell::Causality::{},", to_string(field.causality));
-      line(out, "     .variability = shell::Variability::{},", to_string(field.variability));
+      line(out, "     .type = mebots::fmu::Type::{},", table_type(field.type));
+      line(out, "     .causality = mebots::fmu::Causality::{},", to_string(field.causality));
+      line(out, "     .variability = mebots::fmu::Variability::{},", to_string(field.variability));
       line(out, "     .offset = {},", offset);
       line(out, "     .min = {},", limit(field.min, "-kInfinity"));
       line(out, "     .max = {},", limit(field.max, "kInfinity"));
@@ -195,7 +195,7 @@ std::string variables_header(const Description& description) {
   line(out, "#pragma once\n");
   const bool has_binary =
       std::ranges::any_of(description.fields, [](const Field& f) { return f.type == FieldType::binary; });
-  if (has_binary) line(out, "#include \"mebots/binary_ref.hpp\"\n");
+  if (has_binary) line(out, "#include \"mebots/fmu/binary_ref.hpp\"\n");
   line(out, "#include <array>\n#include <cstddef>\n#include <cstdint>\n#include <string>\n#include <string_view>\n");
   line(out, "namespace {} {{\n", description.cpp_namespace);
   for (const Enumeration& type : description.enumerations) write_enumeration(out, type);
@@ -214,14 +214,14 @@ std::string binding_header(const Description& description) {
   file_head(out, description);
   line(out, "#pragma once\n");
   line(out, "#include \"{}/variables.hpp\"", description.name);
-  line(out, "#include \"mebots/shell/model.hpp\"\n");
+  line(out, "#include \"mebots/fmu/model.hpp\"\n");
   line(out, "#include <cstdint>\n#include <memory>\n");
   line(out, "namespace {} {{\n", description.cpp_namespace);
   line(out,
        "/// Brings an instance to life at `start_ns` with its parameters and inputs known, and writes its first "
        "outputs.");
   line(out, "/// `variables` and `host` outlive the model. Defined in fmu.cpp. Throws mebots::Error.");
-  line(out, "std::unique_ptr<mebots::shell::Model> make_model(Variables& variables, mebots::shell::Host& host,");
+  line(out, "std::unique_ptr<mebots::fmu::Model> make_model(Variables& variables, mebots::fmu::Host& host,");
   line(out, "                                                 std::int64_t start_ns);\n");
   line(out, "}}  // namespace {}", description.cpp_namespace);
   return out;
@@ -231,21 +231,20 @@ std::string variable_table_source(const Description& description, const std::str
   std::string out;
   file_head(out, description);
   line(out, "#include \"{}/binding.hpp\"", description.name);
-  line(out, "#include \"mebots/shell/definition.hpp\"\n");
+  line(out, "#include \"mebots/fmu/definition.hpp\"\n");
   line(out, "#include <cstddef>\n#include <limits>\n#include <type_traits>\n");
   line(out, "namespace {{\n");
   line(out, "namespace binding = {};", description.cpp_namespace);
-  line(out, "namespace shell = mebots::shell;");
   line(out, "using V = binding::Variables;");
   line(out, "static_assert(std::is_standard_layout_v<V>, \"the table below counts on offsetof\");");
   line(out, "[[maybe_unused]] constexpr double kInfinity = std::numeric_limits<double>::infinity();\n");
   for (const Enumeration& type : description.enumerations) {
-    line(out, "[[maybe_unused]] constexpr shell::EnumerationItem k{}Items[] = {{", type.name);
+    line(out, "[[maybe_unused]] constexpr mebots::fmu::EnumerationItem k{}Items[] = {{", type.name);
     for (const EnumerationItem& item : type.items) line(out, "    {{{}, {}}},", item.value, cpp_literal(item.name));
     line(out, "}};\n");
   }
   line(out, "// The value reference is the index.");
-  line(out, "constexpr shell::Variable kVariables[] = {{");
+  line(out, "constexpr mebots::fmu::Variable kVariables[] = {{");
   for (const Field& field : description.fields) write_rows(out, field);
   line(out, "}};\n");
   if (!description.log_categories.empty()) {
@@ -254,7 +253,7 @@ std::string variable_table_source(const Description& description, const std::str
     line(out, "}};\n");
   }
   line(out, "}}  // namespace\n");
-  line(out, "const mebots::shell::Definition mebots::shell::kDefinition = {{");
+  line(out, "const mebots::fmu::Definition mebots::fmu::kDefinition = {{");
   line(out, "    .model_identifier = {},", cpp_literal(description.name));
   line(out, "    .guid = {},", cpp_literal(guid));
   line(out, "    .variables = kVariables,");

@@ -14,7 +14,7 @@ std::string variables_header(const Description& description);
 /// binding.hpp: declares the make_model() that fmu.cpp defines.
 std::string binding_header(const Description& description);
 
-/// variable_table.cpp: defines the mebots::shell::Definition that the shell serves.
+/// variable_table.cpp: defines the mebots::fmu::Definition that the shell serves.
 std::string variable_table_source(const Description& description, const std::string& guid);
 
 }  // namespace mebots::modeldesc

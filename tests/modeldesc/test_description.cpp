@@ -166,7 +166,7 @@ TEST_F(DescriptionTest, KeepsFmiAndTheShellOutOfTheModelsHeader) {
   const std::string header = variables_header(x);
   EXPECT_THAT(header, Not(HasSubstr("fmi")));
   EXPECT_THAT(header, Not(HasSubstr("shell")));
-  EXPECT_THAT(header, HasSubstr("mebots::BinaryRef a = {};"));
+  EXPECT_THAT(header, HasSubstr("mebots::fmu::BinaryRef a = {};"));
 }
 
 TEST_F(DescriptionTest, GivesAGuidThatFollowsTheContent) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lag_fmu.hpp"
 
-#include "mebots/binary_ref.hpp"
+#include "mebots/fmu/binary_ref.hpp"
 
 #include <gmock/gmock.h>
 
@@ -125,7 +125,7 @@ TEST(ShellState, DoesNotCarryPointers) {
   Lag lag;
   lag.start();
   const std::array<std::uint8_t, 2> message = {5, 6};
-  const BinaryRef sent = BinaryRef::to(message);
+  const fmu::BinaryRef sent = fmu::BinaryRef::to(message);
   ASSERT_EQ(lag.set_integer("message.base.lo", sent.base_lo), fmi2OK);
   ASSERT_EQ(lag.set_integer("message.base.hi", sent.base_hi), fmi2OK);
   ASSERT_EQ(lag.set_integer("message.size", sent.size), fmi2OK);
@@ -139,8 +139,8 @@ TEST(ShellState, DoesNotCarryPointers) {
 
   Lag other;
   ASSERT_EQ(library().set_fmu_state(other.component(), state), fmi2OK);
-  const BinaryRef history{other.integer("history.base.lo"), other.integer("history.base.hi"),
-                          other.integer("history.size")};
+  const fmu::BinaryRef history{other.integer("history.base.lo"), other.integer("history.base.hi"),
+                               other.integer("history.size")};
   EXPECT_THAT(history.bytes(), testing::ElementsAre(1, 2));
   EXPECT_NE(other.integer("history.base.lo"), lag.integer("history.base.lo"));
   ASSERT_EQ(library().free_fmu_state(lag.component(), &state), fmi2OK);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lag_fmu.hpp"
 
-#include "mebots/binary_ref.hpp"
+#include "mebots/fmu/binary_ref.hpp"
 
 #include <gmock/gmock.h>
 
@@ -14,7 +14,7 @@ namespace {
 
 using testing::HasSubstr;
 
-BinaryRef binary(Lag& lag, const std::string& name) {
+fmu::BinaryRef binary(Lag& lag, const std::string& name) {
   return {lag.integer(name + ".base.lo"), lag.integer(name + ".base.hi"), lag.integer(name + ".size")};
 }
 
@@ -123,7 +123,7 @@ TEST(ShellValues, TextsAndBytesTravelBothWays) {
             "a lag: Gr\xC3\xBC\xC3\x9F"
             "e, 50 %");
   const std::array<std::uint8_t, 3> message = {1, 2, 250};
-  const BinaryRef sent = BinaryRef::to(message);
+  const fmu::BinaryRef sent = fmu::BinaryRef::to(message);
   const std::array references = {LagFmu::get().reference("message.base.lo"), LagFmu::get().reference("message.base.hi"),
                                  LagFmu::get().reference("message.size")};
   const std::array values = {sent.base_lo, sent.base_hi, sent.size};

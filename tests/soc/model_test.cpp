@@ -166,7 +166,7 @@ TEST(Model, PictureByPointerAndByBase64GiveTheSame) {
         // The world's part: the picture is out a step after the request.
         variables.inputs.camera_frame_id = variables.outputs.camera_trigger;
         if (by_pointer) {
-          variables.inputs.camera_frame = BinaryRef::to(picture);
+          variables.inputs.camera_frame = fmu::BinaryRef::to(picture);
         } else {
           variables.inputs.camera_frame_base64 = text;
         }
@@ -262,7 +262,7 @@ TEST(Model, TakesNothingFromTheHeapInAStepOnceItsCodeIsTranslated) {
     if (step == 10'000) before = allocations;
     // The drone is off the ground after a second.
     variables.inputs.flight_phase = step < 500 ? FlightPhase::climbing : FlightPhase::flying;
-    variables.inputs.camera_frame = BinaryRef::to(picture);
+    variables.inputs.camera_frame = fmu::BinaryRef::to(picture);
     variables.inputs.camera_frame_id = variables.outputs.camera_trigger;
     model.step(variables.inputs, step * 2 * kMs, 2 * kMs, variables.outputs);
   }

@@ -52,7 +52,7 @@ std::vector<std::byte> state_after(const Parameters& parameters, int steps,
   model.start(variables.inputs, 0, variables.outputs);
   if (!picture.empty()) variables.inputs.flight_phase = FlightPhase::flying;
   for (int i = 0; i < steps; ++i) {
-    variables.inputs.camera_frame = BinaryRef::to(picture);
+    variables.inputs.camera_frame = fmu::BinaryRef::to(picture);
     variables.inputs.camera_frame_id = variables.outputs.camera_trigger;
     model.step(variables.inputs, i * kStep, kStep, variables.outputs);
   }

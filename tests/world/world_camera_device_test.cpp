@@ -10,7 +10,7 @@ namespace {
 using test::FlightRig;
 using test::shipped_scene;
 
-std::vector<std::uint8_t> copy(const BinaryRef& frame) {
+std::vector<std::uint8_t> copy(const fmu::BinaryRef& frame) {
   const auto bytes = frame.bytes();
   return {bytes.begin(), bytes.end()};
 }
@@ -75,7 +75,7 @@ TEST(CameraDevice, APictureStaysReadableUntilTheNextStepEnds) {
   FlightRig rig(shipped_scene("gate_easy"), p);
   rig.inputs.camera_trigger = 1;
   rig.step();
-  const BinaryRef held = rig.outputs.camera_frame;
+  const fmu::BinaryRef held = rig.outputs.camera_frame;
   const auto before = copy(held);
   rig.inputs.camera_trigger = 2;
   rig.step();

@@ -234,7 +234,7 @@ class Host {
     for (const auto& triple : triples_) {
       const auto places = places_of(triple, references);
       if (!places) continue;
-      answers_.put(BinaryRef{values[(*places)[0]], values[(*places)[1]], values[(*places)[2]]}.bytes());
+      answers_.put(fmu::BinaryRef{values[(*places)[0]], values[(*places)[1]], values[(*places)[2]]}.bytes());
     }
   }
 
@@ -253,7 +253,7 @@ class Host {
       const auto places = places_of(triples_[i], references);
       if (!places) continue;
       taken_[i] = commands.get_vector<std::uint8_t>();
-      const auto reference = taken_[i].empty() ? BinaryRef{} : BinaryRef::to(taken_[i]);
+      const auto reference = taken_[i].empty() ? fmu::BinaryRef{} : fmu::BinaryRef::to(taken_[i]);
       values.at((*places)[0]) = reference.base_lo;
       values.at((*places)[1]) = reference.base_hi;
       values.at((*places)[2]) = reference.size;

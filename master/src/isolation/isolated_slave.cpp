@@ -290,7 +290,7 @@ void IsolatedSlave::take_binaries(Read& read, SharedReader& answers) {
     auto& kept = binaries_[i][turn_];
     const auto* first = reinterpret_cast<const std::uint8_t*>(bytes.data());
     kept.assign(first, first + bytes.size());
-    const auto reference = kept.empty() ? BinaryRef{} : BinaryRef::to(kept);
+    const auto reference = kept.empty() ? fmu::BinaryRef{} : fmu::BinaryRef::to(kept);
     read.integers[(*places)[0]] = reference.base_lo;
     read.integers[(*places)[1]] = reference.base_hi;
     if (!kept.empty()) read.integers[(*places)[2]] = reference.size;
@@ -352,7 +352,7 @@ void IsolatedSlave::set_integers(std::span<const ValueReference> references, std
   for (const auto& triple : triples_) {
     const auto places = places_of(triple, references);
     if (!places) continue;
-    commands_.put(BinaryRef{values[(*places)[0]], values[(*places)[1]], values[(*places)[2]]}.bytes());
+    commands_.put(fmu::BinaryRef{values[(*places)[0]], values[(*places)[1]], values[(*places)[2]]}.bytes());
   }
   ++pending_;
 }

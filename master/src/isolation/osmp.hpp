@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "mebots/binary_ref.hpp"
+#include "mebots/fmu/binary_ref.hpp"
 #include "slave/slave.hpp"
 
 #include <array>

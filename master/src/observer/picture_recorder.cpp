@@ -2,7 +2,7 @@
 #include "observer/picture_recorder.hpp"
 
 #include "base/time.hpp"
-#include "mebots/binary_ref.hpp"
+#include "mebots/fmu/binary_ref.hpp"
 #include "sink/output_file.hpp"
 
 #include <fmt/format.h>
@@ -72,7 +72,7 @@ std::optional<std::string> PictureRecorder::reached(const Point& point) {
 }
 
 void PictureRecorder::write(const Point& point) const {
-  const BinaryRef frame{ensemble_->integer(base_lo_), ensemble_->integer(base_hi_), ensemble_->integer(size_)};
+  const fmu::BinaryRef frame{ensemble_->integer(base_lo_), ensemble_->integer(base_hi_), ensemble_->integer(size_)};
   const auto pixels = frame.bytes();
   if (pixels.empty()) return;
   const auto width = static_cast<std::size_t>(pictures_.width);

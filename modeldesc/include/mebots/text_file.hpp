@@ -3,8 +3,6 @@
 
 #include "mebots/error.hpp"
 
-#include <fmt/format.h>
-
 #include <cerrno>
 #include <filesystem>
 #include <fstream>
@@ -18,12 +16,13 @@ namespace mebots {
 /// The whole content of a file or a pipe. Throws Error naming it and why it cannot be read; a device such as /dev/zero,
 /// which may never end, is no file.
 inline std::string text_of(const std::filesystem::path& path) {
-  const auto refuse = [&](std::string_view why) {
-    throw Error(fmt::format("{}: cannot be read: {}", path.string(), why));
+  const auto refuse = [&](std::string_view why, ErrorCode code = ErrorCode::file_unreadable) {
+    throw Error(code, path.string() + ": cannot be read: " + std::string(why));
   };
   std::error_code failure;
   const auto status = std::filesystem::status(path, failure);
-  if (status.type() == std::filesystem::file_type::not_found) refuse("there is no such file");
+  if (status.type() == std::filesystem::file_type::not_found)
+    refuse("there is no such file", ErrorCode::file_not_found);
   if (std::filesystem::is_directory(status)) refuse("it is a folder");
   if (std::filesystem::is_character_file(status) || std::filesystem::is_block_file(status)) refuse("it is a device");
   errno = 0;

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mebots/shell/bound_model.hpp"
+#include "mebots/fmu/bound_model.hpp"
 #include "model.hpp"
 #include "motor_thermal/binding.hpp"
 
 namespace mebots::motor_thermal {
 
-std::unique_ptr<shell::Model> make_model(Variables& variables, shell::Host& host, std::int64_t start_ns) {
-  return std::make_unique<shell::BoundModel<Model, Variables>>(variables, host, start_ns);
+std::unique_ptr<fmu::Model> make_model(Variables& variables, fmu::Host& host, std::int64_t start_ns) {
+  return std::make_unique<fmu::BoundModel<Model, Variables>>(variables, host, start_ns);
 }
 
 }  // namespace mebots::motor_thermal

@@ -7,9 +7,9 @@
 namespace mebots::lag {
 namespace {
 
-class LagModel final : public shell::Model {
+class LagModel final : public fmu::Model {
  public:
-  LagModel(Variables& variables, shell::Host& host) : lag_(variables, host.resources()) {}
+  LagModel(Variables& variables, fmu::Host& host) : lag_(variables, host.resources()) {}
 
   void step(std::int64_t /*start_ns*/, std::int64_t duration_ns) override { lag_.step(duration_ns); }
   void save(state::Writer& writer) const override { lag_.save(writer); }
@@ -22,8 +22,8 @@ class LagModel final : public shell::Model {
 
 }  // namespace
 
-std::unique_ptr<shell::Model> make_model(Variables& variables, shell::Host& host, std::int64_t start_ns) {
-  host.log(shell::Severity::info, "events", fmt::format("starts at {} ns", start_ns));
+std::unique_ptr<fmu::Model> make_model(Variables& variables, fmu::Host& host, std::int64_t start_ns) {
+  host.log(fmu::Severity::info, "events", fmt::format("starts at {} ns", start_ns));
   return std::make_unique<LagModel>(variables, host);
 }
 

@@ -48,7 +48,7 @@ void Lag::write_outputs() {
   const auto message = inputs.message.bytes();
   outputs.message_sum = std::accumulate(message.begin(), message.end(), std::int32_t{0});
   outputs.label = inputs.note.empty() ? label_ : label_ + ": " + inputs.note;
-  outputs.history = BinaryRef::to(history());
+  outputs.history = fmu::BinaryRef::to(history());
 }
 
 void Lag::save(state::Writer& writer) const {
@@ -61,7 +61,7 @@ void Lag::restore(state::Reader& reader) {
   reader.get(y_v_);
   reader.get(steps_);
   reader.get(history());
-  variables_.outputs.history = BinaryRef::to(history());
+  variables_.outputs.history = fmu::BinaryRef::to(history());
 }
 
 std::string Lag::history_text() const {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "mebots/shell/definition.hpp"
+#include "mebots/fmu/definition.hpp"
 
 #include <cstddef>
 #include <string_view>
 
-namespace mebots::shell {
+namespace mebots::fmu {
 
 /// Where an instance keeps a Real variable, for models that learn the names of some of their variables from data. Null
 /// when the FMU has no Real variable of this name and causality. `variables` is the instance's generated struct.
@@ -18,4 +18,4 @@ inline double* real_field(void* variables, Causality causality, std::string_view
   return nullptr;
 }
 
-}  // namespace mebots::shell
+}  // namespace mebots::fmu

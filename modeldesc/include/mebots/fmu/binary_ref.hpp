@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <span>
 
-namespace mebots {
+namespace mebots::fmu {
 
 /// A block of bytes that somebody else owns, as the OSMP triple of three FMI Integers carries it.
 /// The owner keeps it valid until its next step ends.
@@ -31,4 +31,4 @@ struct BinaryRef {
   }
 };
 
-}  // namespace mebots
+}  // namespace mebots::fmu

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "mebots/shell/model.hpp"
+#include "mebots/fmu/model.hpp"
 
 #include <utility>
 
-namespace mebots::shell {
+namespace mebots::fmu {
 
 /// Binds a plain C++ model of the usual shape to the shell:
 ///
@@ -42,4 +42,4 @@ class BoundModel final : public Model {
   Own model_;
 };
 
-}  // namespace mebots::shell
+}  // namespace mebots::fmu

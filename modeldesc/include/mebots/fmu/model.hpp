@@ -10,7 +10,7 @@
 #include <string_view>
 
 /// What an FMU's binding (`fmu.cpp`) and the FMI shell know of each other.
-namespace mebots::shell {
+namespace mebots::fmu {
 
 enum class Severity { info, warning, error };
 
@@ -39,4 +39,4 @@ class Model {
   virtual std::string on_demand_text(std::string_view /*name*/) const { return {}; }
 };
 
-}  // namespace mebots::shell
+}  // namespace mebots::fmu

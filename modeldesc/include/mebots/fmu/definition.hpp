@@ -2,7 +2,7 @@
 #pragma once
 
 #include "mebots/fmi2/variable_kinds.hpp"
-#include "mebots/shell/model.hpp"
+#include "mebots/fmu/model.hpp"
 
 #include <cstddef>
 #include <cstdint>
@@ -11,7 +11,7 @@
 #include <string_view>
 
 /// What the shell knows of the FMU that it serves: constant tables that the build generates.
-namespace mebots::shell {
+namespace mebots::fmu {
 
 using fmi2::Causality;
 using fmi2::Type;
@@ -51,4 +51,4 @@ struct Definition {
 /// Defined once per FMU, in the generated variable_table.cpp.
 extern const Definition kDefinition;
 
-}  // namespace mebots::shell
+}  // namespace mebots::fmu

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "mebots/fmu/definition.hpp"
+#include "mebots/fmu/model.hpp"
+
+/// What the shell and an FMU's author both speak of.
+namespace mebots::shell {
+
+using fmu::Causality;
+using fmu::Definition;
+using fmu::EnumerationItem;
+using fmu::Host;
+using fmu::kNoField;
+using fmu::Model;
+using fmu::Severity;
+using fmu::Type;
+using fmu::Variability;
+using fmu::Variable;
+
+}  // namespace mebots::shell
