@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 
 # mebots_target(<target>)
-# Our own code's compile options: warnings, hidden symbols, the same floating point everywhere, sanitizers.
+# Our own code's compile options: warnings, hidden symbols, the same floating point everywhere, assertions, sanitizers.
 function(mebots_target target)
   target_compile_features(${target} PUBLIC cxx_std_20)
   target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wshadow -ffp-contract=off
@@ -12,6 +12,9 @@ function(mebots_target target)
   set_target_properties(${target} PROPERTIES CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
   if(MEBOTS_WARNINGS_AS_ERRORS)
     target_compile_options(${target} PRIVATE -Werror)
+  endif()
+  if(MEBOTS_ASSERTIONS)
+    target_compile_definitions(${target} PRIVATE MEBOTS_ASSERTIONS _GLIBCXX_ASSERTIONS)
   endif()
   if(MEBOTS_SANITIZE)
     target_compile_options(${target} PRIVATE -fsanitize=${MEBOTS_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
