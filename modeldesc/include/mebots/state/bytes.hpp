@@ -11,8 +11,7 @@
 #include <type_traits>
 #include <vector>
 
-/// Saving and restoring a model's state as bytes. Values are written in host byte order: a state is
-/// read back by the same build of the same FMU, which the shell's header makes sure of.
+/// Values as bytes, in host byte order: a state is read back on the same kind of machine.
 namespace mebots::state {
 
 /// Appends values to a byte vector.
@@ -37,19 +36,19 @@ class Writer {
     put(std::span<const T>(values));
   }
 
-  const std::vector<std::byte>& bytes() const { return bytes_; }
-  std::vector<std::byte> take() { return std::move(bytes_); }
-
- private:
   void append(const void* data, std::size_t size) {
     const auto* first = static_cast<const std::byte*>(data);
     bytes_.insert(bytes_.end(), first, first + size);
   }
 
+  const std::vector<std::byte>& bytes() const { return bytes_; }
+  std::vector<std::byte> take() { return std::move(bytes_); }
+
+ private:
   std::vector<std::byte> bytes_;
 };
 
-/// Reads back what a Writer wrote, in the same order. Throws Error when the bytes end too early.
+/// Reads back what a Writer wrote, in the same order. Throws Error (state_damaged) when the bytes end too early.
 class Reader {
  public:
   explicit Reader(std::span<const std::byte> bytes) : bytes_(bytes) {}
@@ -78,20 +77,23 @@ class Reader {
 
   bool at_end() const { return bytes_.empty(); }
 
- private:
+  /// The length of a list, each element of which takes at least so many of the bytes left.
   std::size_t count(std::size_t element_size) {
     const auto n = get<std::uint64_t>();
     if (n > bytes_.size() / element_size)
-      throw Error("a saved state is cut short or damaged: a list is longer than the bytes left");
+      throw Error(ErrorCode::state_damaged,
+                  "a saved state is cut short or damaged: a list is longer than the bytes left");
     return static_cast<std::size_t>(n);
   }
 
   void copy_to(void* target, std::size_t size) {
-    if (size > bytes_.size()) throw Error("a saved state is cut short or damaged: bytes are missing at its end");
+    if (size > bytes_.size())
+      throw Error(ErrorCode::state_damaged, "a saved state is cut short or damaged: bytes are missing at its end");
     if (size != 0) std::memcpy(target, bytes_.data(), size);
     bytes_ = bytes_.subspan(size);
   }
 
+ private:
   std::span<const std::byte> bytes_;
 };
 
