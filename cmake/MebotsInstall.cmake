@@ -10,8 +10,7 @@ install(TARGETS mebots mebots-fmu-host mebots-modeldesc mebots_master mebots_mod
   ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
   OBJECTS DESTINATION ${CMAKE_INSTALL_LIBDIR}/mebots)
 install(EXPORT mebotsTargets NAMESPACE mebots:: DESTINATION ${package_dir})
-install(DIRECTORY modeldesc/include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
-install(DIRECTORY master/src/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/mebots/master FILES_MATCHING PATTERN "*.hpp")
+install(DIRECTORY modeldesc/include/ master/include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(FILES LICENSE configs/mebots-config.schema.json DESTINATION ${CMAKE_INSTALL_DATADIR}/mebots)
 install(DIRECTORY ${MEBOTS_FMU_DIR}/ DESTINATION ${CMAKE_INSTALL_DATADIR}/mebots/fmus
   FILES_MATCHING PATTERN "fmu_*.fmu")

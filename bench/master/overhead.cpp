@@ -104,8 +104,7 @@ double by_master(const Shape& shape, const std::filesystem::path& fmu, FmuLibrar
   Silent silent;
   Simulation simulation(resolved, silent);
   simulation.initialize();
-  const std::atomic<bool> interrupted{false};
-  const double time = seconds_of([&] { simulation.run(interrupted); });
+  const double time = seconds_of([&] { simulation.run(); });
   return time * 1e9 / static_cast<double>(steps * shape.instances);
 }
 

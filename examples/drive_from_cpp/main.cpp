@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Flies the easy gate mission from C++, switches a lamp on in mid-air, and asks what it cost.
-#include <mebots/error.hpp>
-#include <run/mission.hpp>
+#include <mebots/run.hpp>
 
 #include <algorithm>
 #include <cstdio>
@@ -12,14 +11,14 @@ int main(int argc, char** argv) {
     return 2;
   }
   try {
-    mebots::master::Mission mission(argv[1]);
+    mebots::Mission mission(argv[1]);
     mission.set("soc.core.clock", 150e6);  // [Hz], instead of the config's
     mission.record({"battery.cell.voltage"});
     mission.run_until(2.0);
     mission.write("battery.auxiliary.power", 0.5);  // [W], a lamp
     mission.run();
 
-    const auto& voltage = mission.series().front();
+    const auto voltage = mission.series("battery.cell.voltage");
     std::printf("outcome: %s after %.3f s (%s)\n", mission.outcome().c_str(), mission.time_s(),
                 mission.end_text().c_str());
     std::printf("lowest cell voltage: %.3f %s, the lamp took %.3f J\n",

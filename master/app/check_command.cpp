@@ -1,12 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "check_command.hpp"
+#include "command.hpp"
 
 #include "check_fmu.hpp"
 #include "mebots/error.hpp"
 
 #include <cstdio>
+#include <filesystem>
+#include <memory>
 
 namespace mebots::app {
+namespace {
+
+struct CheckOptions {
+  std::filesystem::path fmu;
+  bool json = false;
+  bool files_only = false;
+  double half_step_tolerance = 1e-3;
+  double deadline_s = 30;
+};
 
 int check_command(const CheckOptions& options) {
   try {
@@ -19,9 +30,28 @@ int check_command(const CheckOptions& options) {
     std::fputs(text.c_str(), stdout);
     return report.clean() ? 0 : 1;
   } catch (const Error& error) {
-    std::fprintf(stderr, "mebots: error: %s\n", error.what());
+    print_error(error.what());
     return 2;
   }
+}
+
+}  // namespace
+
+void add_check(CLI::App& app, Action& action) {
+  const auto options = std::make_shared<CheckOptions>();
+  auto* command = app.add_subcommand("check", "Look for mistakes in an FMU, from archive to behaviour");
+  command->add_option("fmu", options->fmu, "FMU file")->required();
+  command->add_flag("--json", options->json, "Print a report for machines");
+  command->add_flag("--files-only", options->files_only, "Run nothing of the FMU's code");
+  command
+      ->add_option("--half-step-tolerance", options->half_step_tolerance,
+                   "What two half steps may differ from one by, relative to an output's largest magnitude")
+      ->check(positive());
+  command->add_option("--deadline", options->deadline_s, "Wall time for each experiment with the FMU [s]")
+      ->check(positive());
+  command->footer(help_footer({"0 clean", "1 findings", "2 the file cannot be read"},
+                              {"mebots check yours.fmu", "mebots check yours.fmu --json > report.json"}));
+  command->callback([options, &action] { action = [options] { return check_command(*options); }; });
 }
 
 }  // namespace mebots::app

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "convert_command.hpp"
+#include "command.hpp"
 
 #include "ssp/ssp.hpp"
 
@@ -37,19 +37,22 @@ void convert(const std::filesystem::path& from, const std::filesystem::path& to)
              loaded.system.connections.size());
 }
 
+struct ConvertOptions {
+  std::filesystem::path from;
+  std::filesystem::path to;
+};
+
 }  // namespace
 
-int convert_command(const std::filesystem::path& from, const std::filesystem::path& to) {
-  try {
-    convert(from, to);
-    return 0;
-  } catch (const InputError& error) {
-    std::fprintf(stderr, "mebots: error: %s\n", error.what());
-    return 2;
-  } catch (const Error& error) {
-    std::fprintf(stderr, "mebots: error: %s\n", error.what());
-    return 1;
-  }
+void add_convert(CLI::App& app, Action& action) {
+  const auto options = std::make_shared<ConvertOptions>();
+  auto* command = app.add_subcommand("convert", "Turn a config into an SSP 1.0, or an SSP into a config");
+  command->add_option("from", options->from, "Config (.json) or SSP (.ssp)")->required();
+  command->add_option("to", options->to, "SSP (.ssp) or config (.json) to write")->required();
+  command->footer(help_footer({"0 written", "1 the file could not be written", "2 the input cannot be used"},
+                              {"mebots convert configs/gate_easy.json gate.ssp", "mebots convert gate.ssp gate.json"}));
+  command->callback(
+      [options, &action] { action = [options] { return guarded([&] { convert(options->from, options->to); }); }; });
 }
 
 }  // namespace mebots::app

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "info_command.hpp"
+#include "command.hpp"
 
-#include "base/input_error.hpp"
 #include "base/time.hpp"
 #include "config/system_description.hpp"
+#include "mebots/input_error.hpp"
 #include "slave/fmu.hpp"
 
 #include <fmt/format.h>
@@ -135,7 +135,7 @@ void print_description(const ModelDescription& model) {
 void print_system(const master::SystemDescription& system) {
   print_field("step", fmt::format("{} s", master::to_seconds(system.step_ns)));
   print_field("stop time", fmt::format("{} s", master::to_seconds(system.stop_time_ns)));
-  const bool jacobi = system.algorithm.kind == master::AlgorithmDescription::Kind::jacobi;
+  const bool jacobi = system.algorithm.type == "jacobi";
   print_field("algorithm", jacobi ? "Jacobi" : "Gauss-Seidel");
   for (const auto& notice : system.notices) print_field("notice", notice);
   fmt::print("\n");
@@ -155,26 +155,29 @@ void print_system(const master::SystemDescription& system) {
   print_table(connections);
 }
 
+void info(const std::filesystem::path& file) {
+  if (!std::filesystem::exists(file)) {
+    throw InputError(ErrorCode::file_not_found, fmt::format("{}: there is no such file", file.string()));
+  }
+  if (file.extension() == ".json" || file.extension() == ".ssp") {
+    print_system(master::load_system(file).system);
+    return;
+  }
+  const master::Fmu opened(file);
+  print_description(opened.description());
+  fmt::print("\n");
+  print_variables(opened.description());
+}
+
 }  // namespace
 
-int info_command(const std::filesystem::path& file) {
-  try {
-    if (!std::filesystem::exists(file)) {
-      throw master::InputError(fmt::format("{}: there is no such file", file.string()));
-    }
-    if (file.extension() == ".json" || file.extension() == ".ssp") {
-      print_system(master::load_system(file).system);
-      return 0;
-    }
-    const master::Fmu opened(file);
-    print_description(opened.description());
-    fmt::print("\n");
-    print_variables(opened.description());
-    return 0;
-  } catch (const Error& error) {
-    std::fprintf(stderr, "mebots: error: %s\n", error.what());
-    return 2;
-  }
+void add_info(CLI::App& app, Action& action) {
+  const auto file = std::make_shared<std::filesystem::path>();
+  auto* command = app.add_subcommand("info", "Show what an FMU, a config or an SSP says of itself");
+  command->add_option("file", *file, "FMU (.fmu), config (.json) or SSP (.ssp)")->required();
+  command->footer(help_footer({"0 shown", "2 the file cannot be used"},
+                              {"mebots info fmu_battery.fmu", "mebots info configs/gate_easy.json"}));
+  command->callback([file, &action] { action = [file] { return guarded([&] { info(*file); }); }; });
 }
 
 }  // namespace mebots::app

@@ -1,17 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "new_fmu_command.hpp"
+#include "command.hpp"
 
-#include "mebots/error.hpp"
 #include "new_fmu.hpp"
 
 #include <cstdio>
-#include <exception>
+#include <filesystem>
+#include <memory>
 
 namespace mebots::app {
+namespace {
 
-int new_fmu_command(const std::filesystem::path& description, const std::filesystem::path& out) {
+struct NewFmuOptions {
+  std::filesystem::path description;
+  std::filesystem::path out;
+};
+
+int new_fmu_command(const NewFmuOptions& options) {
   try {
-    const auto folder = new_fmu::new_fmu(description, out).string();
+    const auto folder = new_fmu::new_fmu(options.description, options.out).string();
     std::printf(
         "%s is written. Next:\n"
         "  cmake -S %s -B %s/build -DCMAKE_BUILD_TYPE=Release && cmake --build %s/build && ctest --test-dir %s/build\n"
@@ -20,9 +26,21 @@ int new_fmu_command(const std::filesystem::path& description, const std::filesys
         folder.c_str(), folder.c_str(), folder.c_str(), folder.c_str(), folder.c_str(), folder.c_str(), folder.c_str());
     return 0;
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "mebots: error: %s\n", error.what());
+    print_error(error.what());
     return 2;
   }
+}
+
+}  // namespace
+
+void add_new_fmu(CLI::App& app, Action& action) {
+  const auto options = std::make_shared<NewFmuOptions>();
+  auto* command = app.add_subcommand("new-fmu", "Write the folder of a new FMU, which builds, from its description");
+  command->add_option("description", options->description, "description.json with the FMU's variables")->required();
+  command->add_option("--out", options->out, "Folder to make; default: the FMU's name")->check(not_empty());
+  command->footer(help_footer({"0 written", "2 the description cannot be used, or the folder is there"},
+                              {"mebots new-fmu description.json --out my_fmu"}));
+  command->callback([options, &action] { action = [options] { return new_fmu_command(*options); }; });
 }
 
 }  // namespace mebots::app

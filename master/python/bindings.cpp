@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// The Python module mebots._mebots: a thin face of master::Mission. Names and texts for people are in
-// mebots/__init__.pyi.
-#include "base/input_error.hpp"
-#include "run/mission.hpp"
+// The Python module mebots._mebots: mebots::Mission as it is. Texts for people, defaults and NumPy stand in
+// mebots/*.py.
+#include <mebots/run.hpp>
 
 #include <pybind11/functional.h>
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
 
+#include <csignal>
 #include <string>
 
 namespace py = pybind11;
@@ -15,20 +16,20 @@ using namespace pybind11::literals;
 
 namespace {
 
-using mebots::master::Message;
-using mebots::master::Mission;
-using mebots::master::Series;
-using mebots::master::Severity;
-using mebots::master::WrittenValue;
+using mebots::InterruptOnSignals;
+using mebots::Message;
+using mebots::Mission;
+using mebots::MissionOptions;
+using mebots::RunState;
+using mebots::Severity;
 
-/// A NumPy array of its own: the mission may go on and grow its series. Made by NumPy from bytes, so that any NumPy
-/// will do: the binary interface changed from 1 to 2, and Debian's pybind11 knows the first one only.
-py::object array_of(std::span<const double> values) {
-  const py::bytes bytes(reinterpret_cast<const char*>(values.data()), values.size_bytes());
-  return py::module_::import("numpy").attr("frombuffer")(bytes, "float64").attr("copy")();
+/// The bytes of a column, of which NumPy makes an array: so any NumPy will do. The binary interface changed from 1 to
+/// 2, and Debian's pybind11 knows the first one only.
+py::bytes bytes_of(const std::vector<double>& values) {
+  return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(double)};
 }
 
-WrittenValue written(const py::object& value) {
+mebots::Value value_of(const py::object& value) {
   if (py::isinstance<py::bool_>(value)) return value.cast<bool>();
   if (py::isinstance<py::int_>(value)) return value.cast<std::int64_t>();
   if (py::isinstance<py::str>(value)) return value.cast<std::string>();
@@ -40,22 +41,23 @@ const char* name_of(Severity severity) {
   return severity == Severity::warning ? "warning" : "error";
 }
 
-const Series& series_of(const Mission& mission, const std::string& variable) {
-  for (const auto& series : mission.series())
-    if (series.name == variable) return series;
-  throw py::key_error(variable + " is not recorded: name it in record() before start()");
-}
-
-/// Steps to the end; Ctrl-C ends it as it ends any Python loop.
-void run(Mission& mission) {
-  constexpr int kStepsBetweenLooks = 1000;
-  for (bool more = true; more;) {
-    {
-      const py::gil_scoped_release release;
-      for (int i = 0; more && i < kStepsBetweenLooks; ++i) more = mission.step();
-    }
+/// Steps without the interpreter's lock. Ctrl-C ends the run between two calls to FMUs, with its reports written; then
+/// the signal goes on to whoever had it before: to Python, whose KeyboardInterrupt this throws.
+template <typename Work>
+auto stepping(Mission& mission, Work work) {
+  int signal = 0;
+  const auto result = [&] {
+    const py::gil_scoped_release release;
+    const InterruptOnSignals guard(mission);
+    auto stepped = work();
+    signal = guard.signal();
+    return stepped;
+  }();
+  if (signal != 0) {
+    std::raise(signal);
     if (PyErr_CheckSignals() != 0) throw py::error_already_set();
   }
+  return result;
 }
 
 void on_message(
@@ -68,56 +70,92 @@ void on_message(
   });
 }
 
+void on_point(Mission& mission, const std::function<void(double)>& listener) {
+  mission.on_point([listener](double time_s) {
+    const py::gil_scoped_acquire acquire;
+    listener(time_s);
+  });
+}
+
+/// The Python classes of errors are written in Python: mebots/errors.py.
+void raise_as(const char* type, const mebots::Error& error) {
+  const auto kind = py::module_::import("mebots.errors").attr(type);
+  const auto raised = kind(error.what(), std::string(mebots::name_of(error.code())));
+  PyErr_SetObject(kind.ptr(), raised.ptr());
+}
+
+void translate(std::exception_ptr thrown) {
+  try {
+    if (thrown) std::rethrow_exception(thrown);
+  } catch (const mebots::InputError& error) {
+    raise_as("InputError", error);
+  } catch (const mebots::Error& error) {
+    raise_as("Error", error);
+  }
+}
+
 }  // namespace
 
 PYBIND11_MODULE(_mebots, module) {
-  module.doc() = "Drives MEbots missions. See mebots/__init__.pyi.";
-  module.attr("__version__") = MEBOTS_VERSION;
-  const auto& error = py::register_exception<mebots::Error>(module, "Error", PyExc_RuntimeError);
-  py::register_exception<mebots::master::InputError>(module, "InputError", error);
+  module.attr("__version__") = std::string(mebots::version());
+  py::register_exception_translator(&translate);
 
   py::class_<Mission>(module, "Mission")
-      .def(py::init([](const py::object& config) {
-             return std::make_unique<Mission>(
-                 py::str(py::module_::import("os").attr("fspath")(config)).cast<std::string>());
+      .def(py::init([](const std::filesystem::path& config, const std::optional<std::filesystem::path>& out,
+                       bool in_memory, const std::vector<std::filesystem::path>& scenarios,
+                       std::optional<double> stop_time_s, std::optional<double> step_s, bool isolate, bool statistics,
+                       std::optional<double> checkpoint_every_s) {
+             MissionOptions options;
+             if (out) options.out = *out;
+             options.in_memory = in_memory;
+             options.scenarios = scenarios;
+             options.stop_time_s = stop_time_s;
+             options.step_s = step_s;
+             options.isolate = isolate;
+             options.statistics = statistics;
+             options.checkpoint_every_s = checkpoint_every_s;
+             return std::make_unique<Mission>(config, options);
            }),
-           "config"_a)
-      .def("on_message", &on_message, "listener"_a)
-      .def(
-          "set",
-          [](Mission& mission, const std::string& variable, const py::object& value) {
-            mission.set(variable, written(value));
-          },
-          "variable"_a, "value"_a)
-      .def("set_stop_time", &Mission::set_stop_time, "stop_time_s"_a)
-      .def("record", &Mission::record, "patterns"_a)
-      .def("start", &Mission::start, py::call_guard<py::gil_scoped_release>())
-      .def("step", &Mission::step, py::call_guard<py::gil_scoped_release>())
-      .def("run", &run)
-      .def("run_until", &Mission::run_until, "time_s"_a, py::call_guard<py::gil_scoped_release>())
-      .def("value", &Mission::value, "variable"_a)
-      .def("text", &Mission::text, "variable"_a)
-      .def("write", &Mission::write, "variable"_a, "value"_a)
+           "config"_a, "out"_a, "in_memory"_a, "scenarios"_a, "stop_time"_a, "step"_a, "isolate"_a, "statistics"_a,
+           "checkpoint_every"_a)
+      .def_static("resume", &Mission::resume, "folder"_a)
+      .def("on_message", &on_message)
+      .def("on_point", &on_point)
+      .def("set", [](Mission& mission, const std::string& variable,
+                     const py::object& value) { mission.set(variable, value_of(value)); })
+      .def("add_scenario", &Mission::add_scenario)
+      .def("set_stop_time", &Mission::set_stop_time)
+      .def("record", &Mission::record)
+      .def("start", [](Mission& mission) { stepping(mission, [&] { return mission.start(), true; }); })
+      .def("step", [](Mission& mission) { return stepping(mission, [&] { return mission.step(); }); })
+      .def("run", [](Mission& mission) { stepping(mission, [&] { return mission.run(), true; }); })
+      .def("run_until",
+           [](Mission& mission, double time_s) { stepping(mission, [&] { return mission.run_until(time_s), true; }); })
+      .def("close", &Mission::close, py::call_guard<py::gil_scoped_release>())
+      .def("interrupt", &Mission::interrupt)
+      .def("value", &Mission::value)
+      .def("text", &Mission::text)
+      .def("write", &Mission::write)
       .def_property_readonly("time", &Mission::time_s)
       .def_property_readonly("step_size", &Mission::step_s)
       .def_property_readonly("stop_time", &Mission::stop_time_s)
+      .def_property_readonly("state",
+                             [](const Mission& mission) { return std::string(mebots::name_of(mission.state())); })
       .def_property_readonly("ended", &Mission::ended)
       .def_property_readonly("outcome", &Mission::outcome)
-      .def_property_readonly("end_text", &Mission::end_text)
-      .def_property_readonly("times", [](const Mission& mission) { return array_of(mission.times()); })
-      .def_property_readonly("variables",
-                             [](const Mission& mission) {
-                               std::vector<std::string> names;
-                               for (const auto& series : mission.series()) names.push_back(series.name);
-                               return names;
+      .def_property_readonly("end_reason",
+                             [](const Mission& mission) -> std::optional<std::string> {
+                               const auto reason = mission.end_reason();
+                               if (!reason) return std::nullopt;
+                               return std::string(mebots::name_of(*reason));
                              })
-      .def(
-          "__getitem__",
-          [](const Mission& mission, const std::string& variable) {
-            return array_of(series_of(mission, variable).values);
-          },
-          "variable"_a)
-      .def(
-          "unit", [](const Mission& mission, const std::string& variable) { return series_of(mission, variable).unit; },
-          "variable"_a);
+      .def_property_readonly("end_text", &Mission::end_text)
+      .def_property_readonly("error", &Mission::error)
+      .def_property_readonly("summary", &Mission::summary)
+      .def_property_readonly("variables", &Mission::variables)
+      .def_property_readonly("times", [](Mission& mission) { return bytes_of(mission.times()); })
+      .def("series", [](Mission& mission, const std::string& variable) {
+        const auto series = mission.series(variable);
+        return py::make_tuple(series.unit, bytes_of(series.values));
+      });
 }

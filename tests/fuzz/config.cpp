@@ -2,7 +2,7 @@
 //
 // Any text as a config: refused with an InputError, or a system whose parts fit each other. FMUs must exist, so the
 // corpus names the root folder as one: the reader of configs does not open them.
-#include "base/input_error.hpp"
+#include "mebots/input_error.hpp"
 
 #include "config/from_memory.hpp"
 #include "system.hpp"
@@ -14,7 +14,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   try {
     const auto loaded = mebots::master::config::load_text({reinterpret_cast<const char*>(data), size}, "/config.json");
     mebots::fuzz::require_sound(loaded.system);
-  } catch (const mebots::master::InputError&) {
+  } catch (const mebots::InputError&) {
   }
   return 0;
 }

@@ -2,7 +2,7 @@
 //
 // Any text as the files of an SSP: refused with an InputError, or a config that is JSON and, read on, a system whose
 // parts fit each other. An input is SystemStructure.ssd, then further files, each after a line "=== path".
-#include "base/input_error.hpp"
+#include "mebots/input_error.hpp"
 
 #include "config/from_memory.hpp"
 #include "ssp/read.hpp"
@@ -15,7 +15,7 @@
 
 namespace {
 
-using mebots::master::InputError;
+using mebots::InputError;
 
 class MemoryFiles final : public mebots::master::ssp::Files {
  public:

@@ -191,24 +191,26 @@ TEST(Config, AConditionComparesOnce) {
 TEST(CommandLine, SetNeedsInstanceVariableAndValue) {
   auto system = read(config_with(""));
   for (const char* text : {"gain=2", "a.gain", "a.=2", ".gain=2", "=2", ""}) {
-    EXPECT_THAT(test::input_error([&] { apply_set(system, text); }), HasSubstr("INSTANCE.VARIABLE=VALUE")) << text;
+    EXPECT_THAT(test::input_error([&] { test::apply_set(system, text); }), HasSubstr("INSTANCE.VARIABLE=VALUE"))
+        << text;
   }
-  EXPECT_THAT(test::input_error([&] { apply_set(system, "bb.gain=2"); }), HasSubstr("no instance 'bb'"));
+  EXPECT_THAT(test::input_error([&] { test::apply_set(system, "bb.gain=2"); }), HasSubstr("no instance 'bb'"));
 }
 
 TEST(CommandLine, AValueMayHoldAnEqualsSign) {
   auto system = read(config_with(""));
-  apply_set(system, "a.string_in=x=y");
+  test::apply_set(system, "a.string_in=x=y");
   EXPECT_EQ(std::get<UntypedText>(system.instances[0].parameters.back().value).text, "x=y");
 }
 
 TEST(CommandLine, StopTimeReplacesTheConfigsAndMustFitTheStep) {
   auto system = read(config_with(""));
-  apply_stop_time(system, "0.5");
+  set_stop_time(system, read_duration("--stop-time", "0.5"), "--stop-time");
   EXPECT_EQ(system.stop_time_ns, 500'000'000);
-  EXPECT_THAT(test::input_error([&] { apply_stop_time(system, "0.55"); }), HasSubstr("not a multiple"));
-  EXPECT_THAT(test::input_error([&] { apply_stop_time(system, "soon"); }), HasSubstr("not a number"));
-  EXPECT_THAT(test::input_error([&] { apply_stop_time(system, "-1"); }), HasSubstr("greater than 0"));
+  EXPECT_THAT(test::input_error([&] { set_stop_time(system, 550'000'000, "--stop-time"); }),
+              HasSubstr("not a multiple"));
+  EXPECT_THAT(test::input_error([&] { read_duration("--stop-time", "soon"); }), HasSubstr("not a number"));
+  EXPECT_THAT(test::input_error([&] { read_duration("--stop-time", "-1"); }), HasSubstr("greater than 0"));
 }
 
 }  // namespace

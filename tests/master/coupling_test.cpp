@@ -241,12 +241,11 @@ TEST(Pending, ADiscardThatComesLateIsADiscard) {
 TEST(Pending, AnInterruptCancelsAStepThatNeverEnds) {
   TestRun run(pair(R"("behaviour": "never")", ""));
   run.initialize();
-  std::atomic<bool> interrupted{false};
   std::jthread user([&] {
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
-    interrupted = true;
+    run.interrupted = true;
   });
-  EXPECT_EQ(run.simulation().run(interrupted).reason, EndReason::interrupted);
+  EXPECT_EQ(run.simulation().run().reason, EndReason::interrupted);
   EXPECT_NO_THROW(run.simulation().terminate());
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "slave/fmu.hpp"
-#include "base/input_error.hpp"
+#include "mebots/input_error.hpp"
 #include "slave/fmu_slave.hpp"
 #include "test_system.hpp"
 

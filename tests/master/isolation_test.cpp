@@ -245,7 +245,8 @@ TEST_F(Isolation, AnInterruptEndsAnFmuThatHangs) {
   waitpid(child, &status, 0);
   ASSERT_TRUE(WIFEXITED(status));
   EXPECT_EQ(WEXITSTATUS(status), 1);
-  EXPECT_THAT(summary()["error"].get<std::string>(), HasSubstr("after the interrupt"));
+  EXPECT_EQ(summary()["outcome"], "interrupted");
+  EXPECT_THAT(summary()["end_text"].get<std::string>(), AllOf(HasSubstr("'b'"), HasSubstr("after the interrupt")));
 }
 
 TEST_F(Isolation, ADeadlineNeedsAnOwnProcess) {

@@ -80,7 +80,7 @@ TEST_F(Program, OptionsChangeTheRun) {
   const auto json = nlohmann::json::parse(read_file(folder.path() / "elsewhere/deep/summary.json"));
   EXPECT_EQ(json["energy"]["motors"], 10.0);
   EXPECT_EQ(json["simulated_time"], 0.5);
-  EXPECT_EQ(json["inputs"]["changes"], nlohmann::json({"--set a.gain=3", "--set a.offset=1", "--stop-time 0.5"}));
+  EXPECT_EQ(json["inputs"]["changes"], nlohmann::json({"set a.gain=3", "set a.offset=1", "stop_time 0.5"}));
 }
 
 TEST_F(Program, QuietShowsNothingButErrors) {
@@ -125,7 +125,7 @@ TEST_F(Program, MistakesOnTheCommandLineAreNamedWithTheWayOut) {
   expect({"run", "/dev/zero"}, "/dev/zero: cannot be read: it is a device");
   expect({"run", "two.json", "--scenario", "/dev/zero"}, "it is a device");
   expect({"run", "two.json", "--out", ""}, "--out: the name is empty");
-  expect({"check", PROBE_FMU, "--deadline", "nan"}, "--deadline: nan is no number greater than 0");
+  expect({"check", PROBE_FMU, "--deadline", "nan"}, "--deadline: nan is not a number greater than 0");
   expect({"convert", "two.json", "two.json"}, "both files are .json");
   expect({"convert", "two.json", "nowhere/two.ssp"}, "there is no folder nowhere");
   write_file(folder.path() / "deep.json", std::string(1'000'000, '['));

@@ -134,7 +134,7 @@ TEST(StartValues, TheCommandLineWinsOverTheConfig) {
   auto description = read_config(folder.path() / "x.json");
   for (const char* set :
        {"a.gain=3e0", "a.mode_in=both", "a.boolean_in=true", "a.string_in=hello there", "a.integer_in=-4"}) {
-    apply_set(description, set);
+    test::apply_set(description, set);
   }
   FmuLibrary library;
   const auto system = resolve(description, library);
@@ -149,7 +149,7 @@ TEST(StartValues, TextOnTheCommandLineIsCheckedToo) {
   test::write_file(folder.path() / "x.json", test::with_probe(two_probes("", "")));
   const auto setting = [&](const char* text) {
     auto description = read_config(folder.path() / "x.json");
-    apply_set(description, text);
+    test::apply_set(description, text);
     FmuLibrary library;
     return test::input_error([&] { resolve(description, library); });
   };

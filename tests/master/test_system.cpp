@@ -34,6 +34,11 @@ std::string with_probe(std::string text) {
   return text;
 }
 
+void apply_set(master::SystemDescription& system, const std::string& text) {
+  const auto [instance, assignment] = master::locate(system, master::read_set(text));
+  instance->parameters.push_back(assignment);
+}
+
 TestRun::TestRun(const std::string& config) {
   const auto path = folder.path() / "test.json";
   write_file(path, with_probe(config));
@@ -42,6 +47,7 @@ TestRun::TestRun(const std::string& config) {
   scenario.emplace(system);
   master::SlaveOptions slaves;
   slaves.scenario = &*scenario;
+  slaves.interrupted = &interrupted;
   simulation_.emplace(system, messages, slaves);
   auto& ensemble = simulation_->ensemble();
   scenario->watch(system, ensemble);
@@ -62,9 +68,8 @@ TestRun& TestRun::initialize() {
 }
 
 TestRun& TestRun::to_end() {
-  const std::atomic<bool> never{false};
   initialize();
-  simulation_->run(never);
+  simulation_->run();
   return *this;
 }
 

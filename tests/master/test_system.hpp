@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "config/command_line.hpp"
 #include "mebots/modeldesc/archive.hpp"
 #include "observer/conditions.hpp"
 #include "observer/recorder.hpp"
@@ -9,6 +10,7 @@
 #include "sink/csv_sink.hpp"
 #include "system/record_choice.hpp"
 
+#include <atomic>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -30,17 +32,20 @@ std::string with_probe(std::string text);
 template <typename Work>
 std::string input_error(Work work);
 
+/// Applies INSTANCE.VARIABLE=VALUE, as `--set` does.
+void apply_set(master::SystemDescription& system, const std::string& text);
+
 /// Keeps what FMUs say.
 class Messages final : public master::MessageSink {
  public:
-  void message(const master::Message& message) override {
+  void message(const Message& message) override {
     lines.push_back(std::string(message.instance) + "/" + std::string(message.category) + ": " +
                     std::string(message.text));
     severities.push_back(message.severity);
   }
 
   std::vector<std::string> lines;
-  std::vector<master::Severity> severities;
+  std::vector<Severity> severities;
 };
 
 /// A whole run in memory, from the text of a config to results.csv.
@@ -58,6 +63,7 @@ class TestRun {
 
   modeldesc::TemporaryFolder folder{"mebots-test"};
   Messages messages;
+  std::atomic<bool> interrupted{false};
   master::FmuLibrary library;
   master::SystemDescription description;
   master::ResolvedSystem system;
@@ -85,7 +91,7 @@ template <typename Work>
 std::string input_error(Work work) {
   try {
     work();
-  } catch (const master::InputError& error) {
+  } catch (const InputError& error) {
     return error.what();
   }
   return "no InputError was thrown";

@@ -15,7 +15,7 @@ namespace {
 
 class Silent final : public master::MessageSink {
  public:
-  void message(const master::Message& /*message*/) override {}
+  void message(const Message& /*message*/) override {}
 };
 
 /// The easy mission in this process, up to 5 s: take-off, and the first pictures while flying.

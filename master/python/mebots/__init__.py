@@ -1,6 +1,19 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Drives MEbots missions from Python. The types and texts of everything here are in __init__.pyi."""
+"""Runs systems of FMUs from Python, and reads their results.
 
-from ._mebots import Error, InputError, Mission, __version__
+    import mebots
 
-__all__ = ["Error", "InputError", "Mission", "__version__"]
+    with mebots.Mission("configs/gate_easy.json", set={"soc.core.clock": 150e6}) as mission:
+        mission.run()
+        print(mission.outcome, mission["battery.cell.voltage"].min(), mission.unit("battery.cell.voltage"))
+
+    results = mebots.read("results/gate_easy")
+    print(results.summary["outcome"], results["world.drone.speed"].max())
+"""
+
+from mebots._mebots import __version__
+from mebots.errors import Error, InputError
+from mebots.mission import Mission
+from mebots.results import Results, read
+
+__all__ = ["Error", "InputError", "Mission", "Results", "read", "__version__"]

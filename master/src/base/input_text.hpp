@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "base/input_error.hpp"
+#include "mebots/input_error.hpp"
 #include "mebots/text_file.hpp"
 
 namespace mebots::master {

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // The section `algorithm`.
-#include "base/nearest_names.hpp"
-
 #include "reading.hpp"
 #include "sections.hpp"
 
@@ -12,14 +10,6 @@
 
 namespace mebots::master::config {
 namespace {
-
-AlgorithmDescription::Kind read_kind(const JsonNode& node) {
-  const auto text = node.string();
-  if (text == "jacobi") return AlgorithmDescription::Kind::jacobi;
-  if (text == "gauss-seidel") return AlgorithmDescription::Kind::gauss_seidel;
-  static const std::vector<std::string> kKinds = {"jacobi", "gauss-seidel"};
-  node.fail(fmt::format("there is no algorithm '{}'. {}", text, suggest(text, kKinds)));
-}
 
 std::vector<std::string> read_order(const JsonNode& node, const SystemDescription& system) {
   std::vector<std::string> order;
@@ -44,17 +34,15 @@ std::vector<std::string> read_order(const JsonNode& node, const SystemDescriptio
 
 void read_algorithm(const JsonNode& node, SystemDescription& system) {
   auto& algorithm = system.algorithm;
+  algorithm.place = node.place();
   if (node.value().is_string()) {
-    algorithm.kind = read_kind(node);
+    algorithm.type = node.string();
     return;
   }
   node.expect_keys({"type", "order"});
-  algorithm.kind = read_kind(node.at("type"));
+  algorithm.type = node.at("type").string();
   const auto order = node.find("order");
   if (!order) return;
-  if (algorithm.kind == AlgorithmDescription::Kind::jacobi) {
-    order->fail("Jacobi steps all instances on the same values, so it takes no order");
-  }
   algorithm.order = read_order(*order, system);
 }
 

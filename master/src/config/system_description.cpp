@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "config/system_description.hpp"
 
+#include "base/nearest_names.hpp"
 #include "base/time.hpp"
 
 #include <fmt/format.h>
@@ -46,6 +47,23 @@ void set_stop_time(SystemDescription& system, std::int64_t stop_time_ns, const s
     check(instance.step_ns, fmt::format(" of instance '{}'", instance.name));
   }
   system.stop_time_ns = stop_time_ns;
+}
+
+LocatedSetting locate(SystemDescription& system, const Setting& setting) {
+  const auto& text = setting.variable;
+  const auto dot = text.find('.');
+  if (dot == std::string::npos || dot == 0 || dot + 1 == text.size()) {
+    throw InputError(ErrorCode::syntax_error,
+                     fmt::format("{}: '{}' does not name a variable; write instance.variable", setting.place, text));
+  }
+  const auto name = system.split(text).value_or(VariableName{text.substr(0, dot), text.substr(dot + 1)});
+  const auto found = std::ranges::find(system.instances, name.instance, &InstanceDescription::name);
+  if (found == system.instances.end()) {
+    throw InputError(ErrorCode::unknown_name,
+                     fmt::format("{}: there is no instance '{}'. {}", setting.place, name.instance,
+                                 suggest(name.instance, system.instance_names())));
+  }
+  return {&*found, {name.variable, setting.value, setting.place}};
 }
 
 }  // namespace mebots::master

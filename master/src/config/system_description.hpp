@@ -41,6 +41,13 @@ struct Assignment {
   std::string place;
 };
 
+/// A start value from outside of the config, for a variable of the whole system.
+struct Setting {
+  std::string variable;  ///< "instance.variable"
+  WrittenValue value;
+  std::string place;  ///< who asked for it, for error messages: "--set a.b=3"
+};
+
 /// Where an instance runs, and what its failures may cost.
 struct IsolationDescription {
   std::optional<bool> own_process;            ///< as written
@@ -77,9 +84,9 @@ struct ConnectionDescription {
 
 /// Who sees whose outputs within a communication step.
 struct AlgorithmDescription {
-  enum class Kind { jacobi, gauss_seidel };
-  Kind kind = Kind::jacobi;
-  std::vector<std::string> order;  ///< Gauss-Seidel: every instance once; empty = the order of the instances
+  std::string type = "jacobi";     ///< one of those that are registered; looked up when the run is opened
+  std::vector<std::string> order;  ///< every instance once; empty = none given
+  std::string place;
 };
 
 enum class Comparison { equals, above, below };
@@ -206,6 +213,15 @@ struct LoadedSystem {
 LoadedSystem load_system(const std::filesystem::path& file, const GivenTimes& times = {});
 /// The same without the JSON.
 SystemDescription read_config(const std::filesystem::path& file);
+
+/// A setting with its instance found.
+struct LocatedSetting {
+  InstanceDescription* instance = nullptr;
+  Assignment assignment;
+};
+
+/// Throws InputError, with the nearest names, when the system has no such instance.
+LocatedSetting locate(SystemDescription& system, const Setting& setting);
 
 /// Changes the end of the run, as `--stop-time` does. Throws InputError unless it is a multiple of all steps.
 void set_stop_time(SystemDescription& system, std::int64_t stop_time_ns, const std::string& place);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "base/input_error.hpp"
 #include "isolation/fmu_host.hpp"
+#include "mebots/input_error.hpp"
 #include "slave/fmu_slave.hpp"
 
 #include "guard.hpp"

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "isolated_slave.hpp"
 
-#include "base/input_error.hpp"
+#include "base/interrupt.hpp"
 #include "base/time.hpp"
+#include "mebots/input_error.hpp"
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -32,7 +33,9 @@ namespace {
 
 /// How often a waiting master looks whether the process still lives.
 constexpr std::int64_t kLookNs = 20'000'000;
-/// How long a call may go on after an interrupt, and how long an FMU may take to free itself [s].
+/// How long a call may go on after an interrupt [s]: a call that is about to end is not torn apart.
+constexpr double kInterruptGraceS = 0.1;
+/// How long an FMU may take to free itself [s].
 constexpr double kGraceS = 3;
 
 std::uint64_t id_of(const SlaveState& state) {
@@ -137,10 +140,13 @@ void IsolatedSlave::wait() {
     }
     if (interrupted_ != nullptr && interrupted_->load(std::memory_order_relaxed)) {
       if (!interrupted_at) interrupted_at = now;
-      if (std::chrono::duration<double>(now - *interrupted_at).count() > kGraceS) {
+      if (std::chrono::duration<double>(now - *interrupted_at).count() > kInterruptGraceS) {
         process_->kill();
-        lost(fmt::format("{} did not come back within {} s after the interrupt; its process was ended",
-                         name_of(control_->call.load()), kGraceS));
+        lost_ = fmt::format(
+            "instance '{}' at {} s: {} did not come back within {} s after the interrupt; its process "
+            "was ended",
+            name_, to_seconds(time_ns_), name_of(control_->call.load()), kInterruptGraceS);
+        throw InterruptedError(lost_);
       }
     }
   }

@@ -17,28 +17,7 @@
 namespace mebots::master {
 namespace {
 
-constexpr std::string_view kMagic = "mebots checkpoint 1\n";
-
-void put(state::Writer& writer, const RunRequest& request) {
-  writer.put(request.config);
-  for (const auto* list : {&request.sets, &request.scenarios}) {
-    writer.put(static_cast<std::uint64_t>(list->size()));
-    for (const auto& text : *list) writer.put(text);
-  }
-  writer.put(request.stop_time);
-  writer.put(request.isolate);
-  writer.put(request.checkpoint_every_ns);
-}
-
-void get(state::Reader& reader, RunRequest& request) {
-  reader.get(request.config);
-  for (auto* list : {&request.sets, &request.scenarios}) {
-    for (auto count = reader.get<std::uint64_t>(); count > 0; --count) reader.get(list->emplace_back());
-  }
-  reader.get(request.stop_time);
-  reader.get(request.isolate);
-  reader.get(request.checkpoint_every_ns);
-}
+constexpr std::string_view kMagic = "mebots checkpoint 2\n";
 
 std::vector<std::string> lines_of(const std::string& text) {
   std::istringstream stream(text);
@@ -99,7 +78,7 @@ Checkpoint read_checkpoint(const std::filesystem::path& folder) {
   }
   state::Reader reader(std::as_bytes(std::span(content)));
   Checkpoint checkpoint;
-  get(reader, checkpoint.request);
+  checkpoint.request = get_run_request(reader);
   reader.get(checkpoint.inputs);
   reader.get(checkpoint.time_ns);
   reader.get(checkpoint.results_bytes);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "observer/observer.hpp"
+#include "run/run_request.hpp"
 #include "run/simulation.hpp"
 #include "sink/output_file.hpp"
 #include "system/resolved_system.hpp"
@@ -15,16 +16,6 @@
 namespace mebots::master {
 
 inline constexpr const char* kCheckpointFile = "checkpoint.bin";
-
-/// What was asked for when a run began, so that another process can go on with it.
-struct RunRequest {
-  std::string config;  ///< absolute path
-  std::vector<std::string> sets;
-  std::vector<std::string> scenarios;  ///< absolute paths
-  std::string stop_time;               ///< as typed; empty = the config's
-  bool isolate = false;
-  std::int64_t checkpoint_every_ns = 0;
-};
 
 /// A run as it stood at one communication point, complete enough for another process to go on with it.
 struct Checkpoint {

@@ -1,264 +1,275 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "run/mission.hpp"
+// The C++ door to a Run: names and values as programs have them.
+#include "mebots/mission.hpp"
 
-#include "base/input_error.hpp"
 #include "base/nearest_names.hpp"
+#include "base/signal_guard.hpp"
 #include "base/time.hpp"
-#include "observer/scenario.hpp"
-#include "system/record_choice.hpp"
+#include "mebots/version.hpp"
+#include "run/run.hpp"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
-#include <algorithm>
 #include <cmath>
+#include <list>
+#include <span>
 
-namespace mebots::master {
+namespace mebots {
 namespace {
 
+using namespace master;
 using modeldesc::Causality;
 using modeldesc::Type;
 using modeldesc::Variability;
 
-class Listener final : public MessageSink {
- public:
-  explicit Listener(const std::function<void(const Message&)>& listener) : listener_(&listener) {}
-  void message(const Message& message) override {
-    if (*listener_) (*listener_)(message);
+std::int64_t nanoseconds(double time_s, std::string_view what) {
+  const auto time_ns = to_nanoseconds(time_s);
+  if (!time_ns) {
+    throw InputError(ErrorCode::invalid_argument,
+                     fmt::format("{}: {} s is not a whole number of nanoseconds", what, time_s));
   }
-
- private:
-  const std::function<void(const Message&)>* listener_;
-};
-
-/// Keeps what the config records.
-class MemoryRecorder final : public Observer {
- public:
-  MemoryRecorder(const ResolvedSystem& system, Ensemble& ensemble) : ensemble_(&ensemble) {
-    const auto& description = *system.description;
-    if (description.record.interval_ns > 0) every_steps_ = description.record.interval_ns / description.step_ns;
-    for (const auto& variable : recorded_variables(system)) {
-      if (variable.variable->type == Type::string) continue;
-      signals_.push_back(ensemble.watch(variable));
-      series_.push_back({system.text(variable), variable.variable->unit, {}});
-    }
-  }
-
-  std::optional<std::string> reached(const Point& point) override {
-    if (point.step % every_steps_ == 0) keep(point);
-    return std::nullopt;
-  }
-  void ended(const Point& point) override {
-    if (last_step_ != point.step) keep(point);
-  }
-
-  const std::vector<double>& times() const { return times_; }
-  const std::vector<Series>& series() const { return series_; }
-
- private:
-  void keep(const Point& point) {
-    times_.push_back(to_seconds(point.time_ns));
-    for (std::size_t i = 0; i < signals_.size(); ++i) {
-      const auto id = signals_[i];
-      series_[i].values.push_back(id.kind == ValueKind::real ? ensemble_->real(id) : ensemble_->integer(id));
-    }
-    last_step_ = point.step;
-  }
-
-  const Ensemble* ensemble_;
-  std::int64_t every_steps_ = 1;
-  std::int64_t last_step_ = -1;
-  std::vector<SignalId> signals_;
-  std::vector<double> times_;
-  std::vector<Series> series_;
-};
-
-VariableName split(std::string_view text) {
-  const auto dot = text.find('.');
-  if (dot == std::string_view::npos || dot == 0 || dot + 1 == text.size())
-    throw InputError(fmt::format("'{}' is no variable: write instance.variable", text));
-  return {std::string(text.substr(0, dot)), std::string(text.substr(dot + 1))};
+  return *time_ns;
 }
 
-SlaveOptions changed_by(const Scenario& scenario) {
-  SlaveOptions options;
-  options.scenario = &scenario;
-  return options;
+std::int64_t duration(double time_s, std::string_view what) {
+  const auto time_ns = nanoseconds(time_s, what);
+  if (time_ns <= 0) {
+    throw InputError(ErrorCode::invalid_argument, fmt::format("{}: {} s must be greater than 0 s", what, time_s));
+  }
+  return time_ns;
+}
+
+RunRequest request_of(const std::filesystem::path& config, const MissionOptions& options) {
+  RunRequest request;
+  request.config = config;
+  request.folder = options.out;
+  request.in_memory = options.in_memory;
+  request.scenarios = options.scenarios;
+  if (options.stop_time_s) request.stop_time_ns = duration(*options.stop_time_s, "stop time");
+  if (options.step_s) request.step_ns = duration(*options.step_s, "step");
+  request.isolate = options.isolate;
+  request.statistics = options.statistics;
+  if (options.checkpoint_every_s) {
+    request.checkpoint_every_ns = duration(*options.checkpoint_every_s, "time from checkpoint to checkpoint");
+  }
+  return request;
+}
+
+class PointListener final : public Observer {
+ public:
+  explicit PointListener(std::function<void(double)> listener) : listener_(std::move(listener)) {}
+
+  std::optional<std::string> reached(const Point& point) override {
+    listener_(to_seconds(point.time_ns));
+    return std::nullopt;
+  }
+
+ private:
+  std::function<void(double)> listener_;
+};
+
+/// A number as the type of the variable that it is for: 1.0 is a whole number to an Integer and true to a Boolean.
+WrittenValue as_written(const modeldesc::Variable& variable, double value) {
+  const bool whole = value == std::floor(value) && std::abs(value) < 1e15;
+  switch (variable.type) {
+    case Type::integer:
+    case Type::enumeration:
+      if (whole) return static_cast<std::int64_t>(value);
+      break;
+    case Type::boolean:
+      if (value == 0 || value == 1) return value != 0;
+      break;
+    case Type::real:
+    case Type::string:
+      break;
+  }
+  return value;
 }
 
 }  // namespace
 
-struct Mission::Running {
-  Running(const SystemDescription& description, const std::function<void(const Message&)>& on_message)
-      : listener(on_message),
-        system(resolve(description, library)),
-        scenario(system),
-        simulation(system, listener, changed_by(scenario)),
-        recorder(system, simulation.ensemble()),
-        outcomes(system, simulation.ensemble()),
-        stop_conditions(system, simulation.ensemble()) {
-    scenario.watch(system, simulation.ensemble());
-    for (Observer* observer : std::initializer_list<Observer*>{&scenario, &recorder, &outcomes, &stop_conditions})
-      simulation.add(*observer);
-    simulation.initialize();
+class Mission::Door {
+ public:
+  explicit Door(std::unique_ptr<Run> opened) : run(std::move(opened)) {}
+
+  ResolvedVariable find(std::string_view variable) {
+    run->start();
+    const auto& system = run->resolved();
+    const auto name = system.description->split(variable);
+    const auto dot = variable.find('.');
+    if (!name && (dot == std::string_view::npos || dot == 0 || dot + 1 == variable.size())) {
+      throw InputError(ErrorCode::invalid_argument,
+                       fmt::format("'{}' does not name a variable; write instance.variable", variable));
+    }
+    return system.find(
+        name ? *name : VariableName{std::string(variable.substr(0, dot)), std::string(variable.substr(dot + 1))},
+        fmt::format("'{}'", variable));
   }
 
-  Listener listener;
-  FmuLibrary library;
-  ResolvedSystem system;
-  Scenario scenario;
-  Simulation simulation;
-  MemoryRecorder recorder;
-  Outcomes outcomes;
-  StopConditions stop_conditions;
-  bool terminated = false;
+  std::list<PointListener> listeners;  // before the run, which holds on to their addresses
+  std::unique_ptr<Run> run;
 };
 
-Mission::Mission(const std::filesystem::path& config) : description_(read_config(config)) {}
+Mission::Mission(const std::filesystem::path& config, const MissionOptions& options)
+    : Mission(std::make_unique<Door>(std::make_unique<Run>(request_of(config, options)))) {}
+Mission::Mission(std::unique_ptr<Door> door) : door_(std::move(door)) {}
 Mission::~Mission() = default;
+Mission::Mission(Mission&& other) noexcept = default;
+Mission& Mission::operator=(Mission&& other) noexcept = default;
 
-void Mission::require_not_started(const char* what) const {
-  if (running_) throw InputError(fmt::format("{} comes too late: the mission stands at {} s", what, time_s()));
+Mission Mission::resume(const std::filesystem::path& folder) {
+  return Mission(std::make_unique<Door>(Run::resume(folder)));
 }
 
 void Mission::on_message(std::function<void(const Message&)> listener) {
-  require_not_started("on_message");
-  listener_ = std::move(listener);
+  door_->run->listen(std::move(listener));
 }
 
-void Mission::set(std::string_view variable, WrittenValue value) {
-  require_not_started("set");
-  const auto name = split(variable);
-  const auto found = std::ranges::find(description_.instances, name.instance, &InstanceDescription::name);
-  if (found == description_.instances.end())
-    throw InputError(fmt::format("'{}': there is no instance '{}'. {}", variable, name.instance,
-                                 suggest(name.instance, description_.instance_names())));
-  found->parameters.push_back({name.variable, std::move(value), fmt::format("set(\"{}\")", variable)});
+void Mission::on_point(std::function<void(double)> listener) {
+  door_->run->add(door_->listeners.emplace_back(std::move(listener)));
+}
+
+void Mission::set(std::string_view variable, const Value& value) {
+  const auto written = std::visit([](const auto& held) -> WrittenValue { return held; }, value);
+  door_->run->set({std::string(variable), written, fmt::format("set(\"{}\")", variable)});
+}
+
+void Mission::add_scenario(const std::filesystem::path& file) {
+  door_->run->add_scenario(file);
 }
 
 void Mission::set_stop_time(double stop_time_s) {
-  require_not_started("set_stop_time");
-  const auto time_ns = to_nanoseconds(stop_time_s);
-  if (!time_ns) throw InputError(fmt::format("stop time {} s is not a whole number of nanoseconds", stop_time_s));
-  master::set_stop_time(description_, *time_ns, "set_stop_time");
+  door_->run->set_stop_time(duration(stop_time_s, "set_stop_time"), "set_stop_time");
 }
 
 void Mission::record(const std::vector<std::string>& patterns) {
-  require_not_started("record");
-  description_.record.patterns.emplace();
-  for (const auto& pattern : patterns) description_.record.patterns->push_back({pattern, "record"});
+  door_->run->record(patterns);
 }
 
 void Mission::start() {
-  if (!running_) running_ = std::make_unique<Running>(description_, listener_);
+  door_->run->start();
 }
 
 bool Mission::step() {
-  start();
-  const bool stepped = running_->simulation.step();
-  if (running_->simulation.ended() && !running_->terminated) {
-    running_->terminated = true;
-    running_->simulation.terminate();
-  }
-  return stepped;
+  return door_->run->step();
 }
 
 void Mission::run() {
-  while (step()) {
-  }
+  door_->run->run();
 }
 
 void Mission::run_until(double time_s) {
-  const auto until_ns = to_nanoseconds(time_s);
-  if (!until_ns) throw InputError(fmt::format("the time {} s is not a whole number of nanoseconds", time_s));
-  start();
-  while (running_->simulation.time_ns() < *until_ns && step()) {
-  }
+  door_->run->run_until(nanoseconds(time_s, "run_until"));
+}
+
+void Mission::close() noexcept {
+  if (door_) door_->run->close();
+}
+
+void Mission::interrupt() noexcept {
+  door_->run->interrupt();
+}
+
+RunState Mission::state() const {
+  return door_->run->state();
 }
 
 double Mission::time_s() const {
-  return running_ ? to_seconds(running_->simulation.time_ns()) : 0;
-}
-double Mission::step_s() const {
-  return to_seconds(description_.step_ns);
-}
-double Mission::stop_time_s() const {
-  return to_seconds(description_.stop_time_ns);
-}
-bool Mission::ended() const {
-  return running_ && running_->simulation.ended();
-}
-std::string Mission::outcome() const {
-  return running_ ? running_->outcomes.outcome() : "";
-}
-std::string Mission::end_text() const {
-  return ended() ? running_->simulation.end().text : "";
+  return to_seconds(door_->run->time_ns());
 }
 
-ResolvedVariable Mission::find(std::string_view variable) const {
-  return running_->system.find(split(variable), fmt::format("'{}'", variable));
+double Mission::step_s() const {
+  return to_seconds(door_->run->system().step_ns);
+}
+
+double Mission::stop_time_s() const {
+  return to_seconds(door_->run->system().stop_time_ns);
+}
+
+bool Mission::ended() const {
+  return state() == RunState::ended || state() == RunState::failed;
+}
+
+std::string Mission::outcome() const {
+  return door_->run->outcome();
+}
+
+std::optional<EndReason> Mission::end_reason() const {
+  return door_->run->report().end_reason;
+}
+
+std::string Mission::end_text() const {
+  return door_->run->report().end_text;
+}
+
+std::string Mission::error() const {
+  return door_->run->report().error;
+}
+
+std::string Mission::summary() const {
+  return door_->run->summary().dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 
 double Mission::value(std::string_view variable) {
-  start();
-  const auto [instance, found] = find(variable);
-  auto& slave = running_->simulation.ensemble().slave(instance);
+  const auto [instance, found] = door_->find(variable);
+  auto& slave = door_->run->slave(instance);
   const ValueReference reference[] = {found->value_reference};
+  std::int32_t number[1] = {};
   switch (kind_of(found->type)) {
     case ValueKind::real: {
-      double value[1] = {};
-      slave.get_reals(reference, value);
-      return value[0];
+      double real[1] = {};
+      slave.get_reals(reference, real);
+      return real[0];
     }
-    case ValueKind::integer: {
-      std::int32_t value[1] = {};
-      slave.get_integers(reference, value);
-      return value[0];
-    }
-    case ValueKind::boolean: {
-      std::int32_t value[1] = {};
-      slave.get_booleans(reference, value);
-      return value[0] == 0 ? 0 : 1;
-    }
+    case ValueKind::integer:
+      slave.get_integers(reference, number);
+      return number[0];
+    case ValueKind::boolean:
+      slave.get_booleans(reference, number);
+      return number[0] == 0 ? 0 : 1;
     case ValueKind::string:
       break;
   }
-  throw InputError(fmt::format("'{}' is a String: ask for its text", variable));
+  throw InputError(ErrorCode::wrong_type, fmt::format("'{}' is a String: ask for its text", variable));
 }
 
 std::string Mission::text(std::string_view variable) {
-  start();
-  const auto [instance, found] = find(variable);
-  if (found->type != Type::string) throw InputError(fmt::format("'{}' is no String: ask for its value", variable));
+  const auto [instance, found] = door_->find(variable);
+  if (found->type != Type::string) {
+    throw InputError(ErrorCode::wrong_type, fmt::format("'{}' is not a String: ask for its value", variable));
+  }
   const ValueReference reference[] = {found->value_reference};
   std::string value[1];
-  running_->simulation.ensemble().slave(instance).get_strings(reference, value);
+  door_->run->slave(instance).get_strings(reference, value);
   return value[0];
 }
 
 void Mission::write(std::string_view variable, double value) {
-  start();
-  const auto target = find(variable);
-  const bool settable =
-      target.variable->causality == Causality::input ||
-      (target.variable->causality == Causality::parameter && target.variable->variability == Variability::tunable);
-  if (!settable)
-    throw InputError(fmt::format("'{}' is {} of variability {}: only inputs and tunable parameters can be set in a run",
-                                 variable, to_string(target.variable->causality),
-                                 to_string(target.variable->variability)));
-  for (const auto& connection : running_->system.connections)
-    if (connection.to == target)
-      throw InputError(fmt::format("'{}' is connected to '{}', which would overwrite the value", variable,
-                                   running_->system.text(connection.from)));
+  const auto target = door_->find(variable);
+  const auto& system = door_->run->resolved();
+  if (door_->run->state() == RunState::ended) {
+    throw InputError(ErrorCode::wrong_call_order, fmt::format("'{}' cannot be set: the run has ended", variable));
+  }
+  const auto& [instance, found] = target;
+  const bool settable = found->causality == Causality::input ||
+                        (found->causality == Causality::parameter && found->variability == Variability::tunable);
+  if (!settable) {
+    throw InputError(ErrorCode::invalid_argument,
+                     fmt::format("'{}' is {} of variability {}: only inputs and tunable parameters can be set in a run",
+                                 variable, to_string(found->causality), to_string(found->variability)));
+  }
+  for (const auto& connection : system.connections) {
+    if (connection.to != target) continue;
+    throw InputError(ErrorCode::invalid_argument,
+                     fmt::format("'{}' is connected to '{}', which would overwrite the value", variable,
+                                 system.text(connection.from)));
+  }
   // The same rules as for values of a config: type, limits, items.
-  const auto& model = running_->system.instances[target.instance].fmu->description();
-  const auto place = fmt::format("write(\"{}\")", variable);
-  const bool whole = target.variable->type == Type::integer || target.variable->type == Type::enumeration;
-  WrittenValue written = value;
-  if (whole && value == std::floor(value) && std::abs(value) < 1e15) written = static_cast<std::int64_t>(value);
-  if (target.variable->type == Type::boolean && (value == 0 || value == 1)) written = value != 0;
-  const auto typed = typed_value(model, *target.variable, written, place);
-  auto& slave = running_->simulation.ensemble().slave(target.instance);
-  const ValueReference reference[] = {target.variable->value_reference};
+  const auto typed = typed_value(system.instances[instance].fmu->description(), *found, as_written(*found, value),
+                                 fmt::format("write(\"{}\")", variable));
+  auto& slave = door_->run->slave(instance);
+  const ValueReference reference[] = {found->value_reference};
   if (const auto* real = std::get_if<double>(&typed)) slave.set_reals(reference, {real, 1});
   if (const auto* integer = std::get_if<std::int32_t>(&typed)) slave.set_integers(reference, {integer, 1});
   if (const auto* boolean = std::get_if<bool>(&typed)) {
@@ -267,13 +278,48 @@ void Mission::write(std::string_view variable, double value) {
   }
 }
 
-std::span<const double> Mission::times() const {
-  if (!running_) return {};
-  return running_->recorder.times();
-}
-std::span<const Series> Mission::series() const {
-  if (!running_) return {};
-  return running_->recorder.series();
+std::vector<std::string> Mission::variables() {
+  std::vector<std::string> names;
+  for (const auto& one : door_->run->memory().series()) names.push_back(one.name);
+  return names;
 }
 
-}  // namespace mebots::master
+std::vector<double> Mission::times() {
+  return door_->run->memory().times_s();
+}
+
+Series Mission::series(std::string_view variable) {
+  const auto* found = door_->run->memory().find(variable);
+  if (found == nullptr) {
+    throw InputError(ErrorCode::unknown_name,
+                     fmt::format("'{}' is not recorded. {}; record() chooses what is, before the start", variable,
+                                 suggest(variable, variables())));
+  }
+  return {found->name, found->unit, found->values};
+}
+
+std::vector<Series> Mission::series() {
+  std::vector<Series> all;
+  for (const auto& one : door_->run->memory().series()) all.push_back({one.name, one.unit, one.values});
+  return all;
+}
+
+class InterruptOnSignals::Guard {
+ public:
+  explicit Guard(std::atomic<bool>& flag) : guard(flag) {}
+  SignalGuard guard;
+};
+
+InterruptOnSignals::InterruptOnSignals(Mission& mission)
+    : guard_(std::make_unique<Guard>(mission.door_->run->interrupt_flag())) {}
+InterruptOnSignals::~InterruptOnSignals() = default;
+
+int InterruptOnSignals::signal() const noexcept {
+  return SignalGuard::signal();
+}
+
+std::string_view version() noexcept {
+  return MEBOTS_VERSION;
+}
+
+}  // namespace mebots

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "run/result_folder.hpp"
 
-#include "base/input_error.hpp"
+#include "mebots/input_error.hpp"
 
 #include <fmt/format.h>
 

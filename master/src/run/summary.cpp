@@ -23,6 +23,14 @@ void put(Json& root, const std::vector<std::string>& path, Json value) {
   *node = std::move(value);
 }
 
+/// The FMU as its config names it; one from an SSP by its place in the archive, not by where that happens to be
+/// unpacked.
+std::string fmu_text(const SystemDescription& system, const InstanceDescription& instance) {
+  if (!system.unpacked) return instance.fmu;
+  const auto inside = instance.fmu_path.lexically_relative(system.unpacked->path());
+  return inside.empty() || inside.begin()->string() == ".." ? instance.fmu : inside.string();
+}
+
 }  // namespace
 
 SummaryValues::SummaryValues(const ResolvedSystem& system, Ensemble& ensemble) : ensemble_(&ensemble) {
@@ -100,7 +108,7 @@ Json summary_json(const ResolvedSystem& system, const InputHash& hash, const Run
   const auto& description = *system.description;
   Json json;
   json["outcome"] = report.outcome;
-  json["end_reason"] = report.end_reason;
+  if (report.end_reason) json["end_reason"] = name_of(*report.end_reason);
   json["end_text"] = report.end_text;
   if (!report.error.empty()) json["error"] = report.error;
   json["simulated_time"] = to_seconds(report.simulated_ns);
@@ -133,7 +141,7 @@ Json summary_json(const ResolvedSystem& system, const InputHash& hash, const Run
                                             {"version", model.version},
                                             {"generation_tool", model.generation_tool},
                                             {"guid", model.guid}};
-    inputs["fmus"][instance.name] = {{"file", instance.fmu}, {"sha256", hash.fmus[i].second}};
+    inputs["fmus"][instance.name] = {{"file", fmu_text(description, instance)}, {"sha256", hash.fmus[i].second}};
   }
   json["notices"] = report.notices;
   return json;

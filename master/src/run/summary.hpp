@@ -5,9 +5,12 @@
 #include "run/input_hash.hpp"
 #include "system/ensemble.hpp"
 
+#include "mebots/run_state.hpp"
+
 #include <nlohmann/json.hpp>
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -48,19 +51,22 @@ struct WallTimes {
   double open_s = 0;  ///< read the config, unpack and load the FMUs, check
   double initialise_s = 0;
   double stepping_s = 0;
+
+  /// In which instances are called.
+  double simulating_s() const { return initialise_s + stepping_s; }
 };
 
 /// What came of a run.
 struct RunReport {
-  std::string outcome;     ///< of the config's outcomes, or "completed", "interrupted", "failed"
-  std::string end_reason;  ///< stop_time, stop_condition, terminated, interrupted or failed
+  std::string outcome;                  ///< of the config's outcomes, or "completed"; "interrupted", "closed", "failed"
+  std::optional<EndReason> end_reason;  ///< nothing before the end
   std::string end_text;
   std::string error;  ///< empty unless failed
   std::int64_t simulated_ns = 0;
   std::int64_t steps = 0;
   std::int64_t rows = 0;
   WallTimes wall;
-  std::vector<std::string> overrides;  ///< as the command line gave them
+  std::vector<std::string> overrides;  ///< what was asked for beyond the config, the same text from every door
   std::vector<std::string> notices;
 
   /// Simulated time over stepping time; 0 when nothing was stepped.

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sink/hdf5_sink.hpp"
 
-#include "base/input_error.hpp"
 #include "base/time.hpp"
+#include "mebots/input_error.hpp"
 
 #include <fmt/format.h>
 #include <hdf5.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "slave/fmu.hpp"
 
-#include "base/input_error.hpp"
+#include "mebots/input_error.hpp"
 #include "mebots/modeldesc/xml.hpp"
 
 #include "slave/fmi2_functions.hpp"

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "slave/fmu_slave.hpp"
 
-#include "base/input_error.hpp"
 #include "base/time.hpp"
 #include "mebots/fmi2/status_name.hpp"
+#include "mebots/input_error.hpp"
 #include "mebots/state/bytes.hpp"
 
 #include "slave/fmi2_functions.hpp"

@@ -24,7 +24,7 @@ struct SlaveOptions {
   Statistics* statistics = nullptr;                ///< where calls are counted; null = nowhere
   std::vector<InstanceLoss>* losses = nullptr;     ///< one per instance; null = every failure ends the run
   const Scenario* scenario = nullptr;              ///< changes variables on their way; null = nothing does
-  const std::atomic<bool>* interrupted = nullptr;  ///< ends calls of isolated instances that do not come back
+  const std::atomic<bool>* interrupted = nullptr;  ///< set by whoever wants the end; null = nobody does
 };
 
 }  // namespace mebots::master

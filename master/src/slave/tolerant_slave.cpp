@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "slave/tolerant_slave.hpp"
 
+#include "base/interrupt.hpp"
 #include "isolation/osmp.hpp"
 
 #include <fmt/format.h>
@@ -26,6 +27,8 @@ void TolerantSlave::attempt(Work work) {
   if (!running_) return work();
   try {
     work();
+  } catch (const InterruptedError&) {
+    throw;  // not the instance's failure
   } catch (const Error& error) {
     loss_->at_ns = time_ns_;
     loss_->text = error.what();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "xml_file.hpp"
 
-#include "base/input_error.hpp"
+#include "mebots/input_error.hpp"
 #include "mebots/modeldesc/xml_text.hpp"
 
 #include <fmt/format.h>

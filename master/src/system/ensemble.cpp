@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "system/ensemble.hpp"
 
+#include "base/interrupt.hpp"
 #include "base/time.hpp"
 
 #include "slave/slave_factory.hpp"
@@ -99,7 +100,7 @@ void move_all(const Copies& copies) {
 }  // namespace
 
 Ensemble::Ensemble(const ResolvedSystem& system, MessageSink& messages, const SlaveOptions& options)
-    : system_(&system) {
+    : system_(&system), interrupted_(options.interrupted != nullptr ? options.interrupted : &kNeverInterrupted) {
   auto slaves = as_input([&] { return make_slaves(system, messages, options); });
   for (std::size_t i = 0; i < slaves.size(); ++i) {
     Member member;
@@ -231,12 +232,16 @@ void Ensemble::initialize(std::int64_t stop_ns) {
 void Ensemble::initialize_slaves(std::int64_t stop_ns) {
   lay_out();
   for (std::size_t i = 0; i < members_.size(); ++i) {
+    stop_if_interrupted(*interrupted_);
     set_starts(i);
     members_[i].slave->setup_experiment(0, stop_ns);
     members_[i].slave->enter_initialization();
   }
   InitialValues(*this).settle();
-  for (auto& member : members_) member.slave->exit_initialization();
+  for (auto& member : members_) {
+    stop_if_interrupted(*interrupted_);
+    member.slave->exit_initialization();
+  }
   for (std::size_t i = 0; i < members_.size(); ++i) read_outputs(i, 0);
 }
 

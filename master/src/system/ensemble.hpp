@@ -65,7 +65,8 @@ class Ensemble {
   /// Asks for a variable to be read at every communication point. Only before initialize().
   SignalId watch(const ResolvedVariable& variable);
 
-  /// Start values, initialisation mode, initial values along the connections, and the outputs at t = 0.
+  /// Start values, initialisation mode, initial values along the connections, and the outputs at t = 0. Throws
+  /// InterruptedError between two calls.
   /// Throws InputError when a slave refuses what it was given, NotFiniteError for NaN or infinity in an initial
   /// value, Error when a loop of connections does not settle.
   void initialize(std::int64_t stop_ns);
@@ -164,6 +165,7 @@ class Ensemble {
   friend class InitialValues;
 
   const ResolvedSystem* system_;
+  const std::atomic<bool>* interrupted_;
   std::vector<Member> members_;
   std::vector<std::size_t> step_order_;
 };

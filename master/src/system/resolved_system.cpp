@@ -56,19 +56,9 @@ std::vector<std::string> settable_names(const modeldesc::ModelDescription& descr
 
 std::vector<StartValue> resolve_starts(const InstanceDescription& instance,
                                        const modeldesc::ModelDescription& description) {
-  std::map<std::string, StartValue> starts;  // the last assignment to a name counts: --set comes after the config
+  std::map<std::string, StartValue> starts;  // the last assignment to a name counts: settings come after the config
   for (const auto& assignment : instance.parameters) {
-    const auto* variable = description.find(assignment.variable);
-    if (variable == nullptr) {
-      throw InputError(fmt::format("{}: instance '{}' ({}) has no variable '{}'. {}", assignment.place, instance.name,
-                                   description.model_name, assignment.variable,
-                                   suggest(assignment.variable, settable_names(description))));
-    }
-    if (const auto why = why_not_settable(*variable); !why.empty()) {
-      throw InputError(
-          fmt::format("{}: '{}.{}' cannot be set: {}", assignment.place, instance.name, variable->name, why));
-    }
-    starts[assignment.variable] = {variable, typed_value(description, *variable, assignment.value, assignment.place)};
+    starts[assignment.variable] = checked_start(instance, description, assignment);
   }
   std::vector<StartValue> result;
   for (const auto& variable : description.variables) {
@@ -104,6 +94,14 @@ void note_unknown_categories(ResolvedSystem& system) {
   }
 }
 
+void load_functions_of(const InstanceDescription& instance, Fmu& fmu) {
+  try {
+    fmu.functions();
+  } catch (const InputError& error) {
+    throw InputError(error.code(), fmt::format("{}/fmu: {}", instance.place, error.what()));
+  }
+}
+
 void check_single_use(const ResolvedSystem& system) {
   std::map<const Fmu*, std::string> users;
   for (const auto& instance : system.instances) {
@@ -127,17 +125,6 @@ void check_division(const ResolvedInstance& instance) {
       fmt::format("{}/on_discard: a step of '{}' cannot be divided: its FMU says {} = false",
                   instance.description->place, instance.description->name,
                   flags.can_get_and_set_fmu_state ? "canHandleVariableCommunicationStepSize" : "canGetAndSetFMUstate"));
-}
-
-void resolve_order(ResolvedSystem& system) {
-  const auto& algorithm = system.description->algorithm;
-  if (algorithm.kind == AlgorithmDescription::Kind::jacobi) return;
-  const auto names = algorithm.order.empty() ? system.description->instance_names() : algorithm.order;
-  for (const auto& name : names) {
-    const auto found = std::ranges::find(system.instances, name,
-                                         [](const ResolvedInstance& instance) { return instance.description->name; });
-    system.order.push_back(static_cast<std::size_t>(found - system.instances.begin()));
-  }
 }
 
 /// The name of the binary variable that an Integer is a part of, else the variable's own.
@@ -204,20 +191,42 @@ bool is_osmp_part(const modeldesc::ModelDescription& description, const Variable
   return false;
 }
 
-ResolvedSystem resolve(const SystemDescription& description, FmuLibrary& library) {
+std::shared_ptr<Fmu> open_fmu(const InstanceDescription& instance, FmuLibrary& library) {
+  try {
+    return library.open(instance.fmu_path);
+  } catch (const InputError& error) {
+    throw InputError(error.code(), fmt::format("{}/fmu: {}", instance.place, error.what()));
+  }
+}
+
+StartValue checked_start(const InstanceDescription& instance, const modeldesc::ModelDescription& description,
+                         const Assignment& assignment) {
+  const auto* variable = description.find(assignment.variable);
+  if (variable == nullptr) {
+    throw InputError(ErrorCode::unknown_name,
+                     fmt::format("{}: instance '{}' ({}) has no variable '{}'. {}", assignment.place, instance.name,
+                                 description.model_name, assignment.variable,
+                                 suggest(assignment.variable, settable_names(description))));
+  }
+  if (const auto why = why_not_settable(*variable); !why.empty()) {
+    throw InputError(ErrorCode::invalid_value, fmt::format("{}: '{}.{}' cannot be set: {}", assignment.place,
+                                                           instance.name, variable->name, why));
+  }
+  return {variable, typed_value(description, *variable, assignment.value, assignment.place)};
+}
+
+ResolvedSystem resolve(const SystemDescription& description, FmuLibrary& library,
+                       const std::atomic<bool>& interrupted) {
   ResolvedSystem system;
   system.description = &description;
   system.notices = description.notices;
   for (const auto& instance : description.instances) {
     ResolvedInstance resolved;
+    stop_if_interrupted(interrupted);
     resolved.description = &instance;
-    try {
-      resolved.fmu = library.open(instance.fmu_path);
-      // A missing library or function shows now; foreign code that gets its own process is never loaded in this one.
-      if (!instance.isolation.alone()) resolved.fmu->functions();
-    } catch (const InputError& error) {
-      throw InputError(fmt::format("{}/fmu: {}", instance.place, error.what()));
-    }
+    resolved.fmu = open_fmu(instance, library);
+    // A missing library or function shows now; foreign code that gets its own process is never loaded in this one.
+    if (!instance.isolation.alone()) load_functions_of(instance, *resolved.fmu);
     if (resolved.fmu->description().co_simulation->needs_execution_tool) {
       system.notices.push_back(fmt::format(
           "{}: its FMU is a wrapper for a tool that must be installed (needsExecutionTool)", instance.name));
@@ -229,7 +238,6 @@ ResolvedSystem resolve(const SystemDescription& description, FmuLibrary& library
   check_single_use(system);
   note_unknown_categories(system);
   for (const auto& instance : system.instances) check_division(instance);
-  resolve_order(system);
   resolve_connections(system);
   note_open_inputs(system);
   return system;

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "base/interrupt.hpp"
 #include "config/system_description.hpp"
 #include "mebots/modeldesc/model_description.hpp"
 #include "slave/fmu.hpp"
 
+#include <atomic>
 #include <cstddef>
 #include <memory>
 #include <string>
@@ -50,7 +52,6 @@ struct ResolvedSystem {
   const SystemDescription* description = nullptr;
   std::vector<ResolvedInstance> instances;      ///< in the order of the config
   std::vector<ResolvedConnection> connections;  ///< ordered by target, so that their order in the config is nothing
-  std::vector<std::size_t> order;               ///< Gauss-Seidel: who steps when; empty for Jacobi
   std::vector<std::string> notices;             ///< what the user should know, such as open inputs
 
   /// Looks up a variable. Throws InputError with the nearest names; `place` says where it was written.
@@ -59,13 +60,25 @@ struct ResolvedSystem {
 };
 
 /// Opens the FMUs, looks up all names and checks types, causalities, units, start values and connections.
-/// `description` must outlive the result. Throws InputError.
-ResolvedSystem resolve(const SystemDescription& description, FmuLibrary& library);
+/// `description` must outlive the result. Throws InputError, and InterruptedError between two FMUs.
+ResolvedSystem resolve(const SystemDescription& description, FmuLibrary& library,
+                       const std::atomic<bool>& interrupted = kNeverInterrupted);
+
+/// The FMU of an instance, unpacked and described; its library is not loaded. Throws InputError that names the
+/// instance.
+std::shared_ptr<Fmu> open_fmu(const InstanceDescription& instance, FmuLibrary& library);
+
+/// A start value, looked up and checked. Throws InputError that names the place, and the nearest variables.
+StartValue checked_start(const InstanceDescription& instance, const modeldesc::ModelDescription& description,
+                         const Assignment& assignment);
 
 /// A written value as a value of the variable's type; enumerations by item or number. Throws InputError
 /// for another type, an unknown item, or a value outside of the variable's min and max.
 modeldesc::Value typed_value(const modeldesc::ModelDescription& description, const modeldesc::Variable& variable,
                              const WrittenValue& written, const std::string& place);
+
+/// "1.5e+08", "true", "lipol_350": the shortest form that reads back to the same bits.
+std::string value_text(const modeldesc::Value& value);
 
 /// True for Integers that carry a pointer's half or a buffer's size, by their OSMP mark or, lacking one,
 /// by their names `x.base.lo`, `x.base.hi` and `x.size`.

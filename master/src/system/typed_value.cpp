@@ -149,4 +149,15 @@ modeldesc::Value typed_value(const modeldesc::ModelDescription& description, con
   return *text;
 }
 
+std::string value_text(const modeldesc::Value& value) {
+  struct Text {
+    std::string operator()(std::monostate /*none*/) const { return ""; }
+    std::string operator()(double number) const { return fmt::format("{}", number); }
+    std::string operator()(std::int32_t number) const { return fmt::format("{}", number); }
+    std::string operator()(bool flag) const { return flag ? "true" : "false"; }
+    std::string operator()(const std::string& text) const { return text; }
+  };
+  return std::visit(Text{}, value);
+}
+
 }  // namespace mebots::master

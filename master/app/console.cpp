@@ -1,29 +1,46 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "message/console.hpp"
+#include "console.hpp"
 
-#include "base/time.hpp"
+#include "message/message_text.hpp"
 
 #include <fmt/format.h>
 
+#include <sys/ioctl.h>
 #include <unistd.h>
 
-#include <cstdio>
+#include <cstdlib>
 
-namespace mebots::master {
+namespace mebots::app {
 namespace {
 
 /// An FMU that warns at every step must not bury everything else.
 constexpr int kWarningsShown = 20;
 
 constexpr std::string_view kClearLine = "\r\x1b[K";
+constexpr std::size_t kUsualWidth = 80;
+
+bool wants_colour(int stream) {
+  const char* no_colour = std::getenv("NO_COLOR");
+  const char* terminal = std::getenv("TERM");
+  if (no_colour != nullptr && *no_colour != '\0') return false;
+  return ::isatty(stream) == 1 && (terminal == nullptr || std::string_view(terminal) != "dumb");
+}
 
 }  // namespace
 
-std::string time_stamp(std::int64_t time_ns) {
-  return fmt::format("[{:>9.3f} s]", to_seconds(time_ns));
+Console::Console(bool quiet)
+    : quiet_(quiet), terminal_(::isatty(STDOUT_FILENO) == 1), colour_(wants_colour(STDERR_FILENO)) {}
+
+std::size_t Console::width() {
+  winsize size{};
+  if (::ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0) return size.ws_col;
+  return kUsualWidth;
 }
 
-Console::Console(bool quiet) : quiet_(quiet), terminal_(::isatty(STDOUT_FILENO) == 1) {}
+std::string Console::coloured(Severity severity, std::string text) const {
+  if (!colour_ || severity == Severity::info) return text;
+  return fmt::format("\x1b[{}m{}\x1b[0m", severity == Severity::warning ? "33" : "31", text);
+}
 
 void Console::put(std::FILE* stream, std::string_view text) {
   if (!drawn_.empty()) std::fwrite(kClearLine.data(), 1, kClearLine.size(), stdout);
@@ -37,11 +54,7 @@ void Console::put(std::FILE* stream, std::string_view text) {
 
 void Console::message(const Message& message) {
   const std::lock_guard lock(mutex_);
-  const char* kind = message.severity == Severity::info      ? ""
-                     : message.severity == Severity::warning ? "warning: "
-                                                             : "error: ";
-  const auto text = fmt::format("{} {}: {}{}", time_stamp(message.time_ns), message.instance, kind, message.text);
-  if (log_file_ != nullptr) log_file_->append(text + "\n");
+  const auto text = master::message_text(message);
   if (message.severity == Severity::info) {
     if (!quiet_) put(stdout, text);
     return;
@@ -49,12 +62,12 @@ void Console::message(const Message& message) {
   if (message.severity == Severity::warning) {
     const auto count = ++warnings_[std::string(message.instance)];
     if (count == kWarningsShown + 1) {
-      put(stderr, fmt::format("{} {}: more warnings follow; they are in log.txt only", time_stamp(message.time_ns),
-                              message.instance));
+      put(stderr, coloured(message.severity, fmt::format("{} {}: more warnings follow; they are in log.txt only",
+                                                         master::time_stamp(message.time_ns), message.instance)));
     }
     if (count > kWarningsShown) return;
   }
-  put(stderr, text);
+  put(stderr, coloured(message.severity, text));
 }
 
 void Console::line(std::string_view text) {
@@ -64,12 +77,12 @@ void Console::line(std::string_view text) {
 
 void Console::warning(std::string_view text) {
   const std::lock_guard lock(mutex_);
-  put(stderr, fmt::format("mebots: warning: {}", text));
+  put(stderr, coloured(Severity::warning, fmt::format("mebots: warning: {}", text)));
 }
 
 void Console::error(std::string_view text) {
   const std::lock_guard lock(mutex_);
-  put(stderr, fmt::format("mebots: error: {}", text));
+  put(stderr, coloured(Severity::error, fmt::format("mebots: error: {}", text)));
 }
 
 void Console::redraw(std::string_view text) {
@@ -81,4 +94,4 @@ void Console::redraw(std::string_view text) {
   drawn_ = text;
 }
 
-}  // namespace mebots::master
+}  // namespace mebots::app

@@ -1,28 +1,29 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "message/console.hpp"
+#include "console.hpp"
+
 #include "observer/observer.hpp"
 
 #include <chrono>
 #include <cstdint>
 
-namespace mebots::master {
+namespace mebots::app {
 
 /// Shows how far a run is: a bar on a terminal, a line now and then elsewhere. Looks at the wall clock
 /// only every so many steps, so that short steps do not pay for it.
-class Progress final : public Observer {
+class Progress final : public master::Observer {
  public:
   Progress(Console& console, std::int64_t stop_time_ns);
 
-  std::optional<std::string> reached(const Point& point) override;
-  void ended(const Point& point) override;
+  std::optional<std::string> reached(const master::Point& point) override;
+  void ended(const master::Point& point) override;
 
  private:
   using Clock = std::chrono::steady_clock;
 
-  void look(const Point& point);
-  void show(const Point& point, double elapsed_s);
+  void look(const master::Point& point);
+  void show(const master::Point& point, double elapsed_s);
 
   Console* console_;
   std::int64_t stop_time_ns_;
@@ -38,4 +39,4 @@ class Progress final : public Observer {
 /// "1 h 02 min", "3 min 05 s", "12 s".
 std::string duration_text(double seconds);
 
-}  // namespace mebots::master
+}  // namespace mebots::app

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "observer/progress.hpp"
+#include "progress.hpp"
 
 #include "base/time.hpp"
 
@@ -8,13 +8,16 @@
 #include <algorithm>
 #include <cmath>
 
-namespace mebots::master {
+namespace mebots::app {
 namespace {
+
+using master::to_seconds;
 
 constexpr double kLookEveryS = 0.1;    // how often the bar moves
 constexpr double kLineEveryS = 5.0;    // a plain line at least so often in a long run
 constexpr double kLineSoonestS = 1.0;  // and for every tenth of the run, but not more often than this
-constexpr int kBarWidth = 30;
+constexpr std::size_t kWidestBar = 40;
+constexpr std::size_t kNarrowestBar = 5;
 constexpr std::int64_t kLongestStride = 1 << 16;
 
 }  // namespace
@@ -29,7 +32,7 @@ std::string duration_text(double seconds) {
 Progress::Progress(Console& console, std::int64_t stop_time_ns)
     : console_(&console), stop_time_ns_(stop_time_ns), start_(Clock::now()), last_look_(start_), last_shown_(start_) {}
 
-std::optional<std::string> Progress::reached(const Point& point) {
+std::optional<std::string> Progress::reached(const master::Point& point) {
   if (point.step == 0 || start_ns_ > point.time_ns) {
     start_ = last_look_ = last_shown_ = Clock::now();
     start_ns_ = point.time_ns;
@@ -40,7 +43,7 @@ std::optional<std::string> Progress::reached(const Point& point) {
   return std::nullopt;
 }
 
-void Progress::look(const Point& point) {
+void Progress::look(const master::Point& point) {
   const auto now = Clock::now();
   const double since_look_s = std::chrono::duration<double>(now - last_look_).count();
   // Aim at one look per kLookEveryS whatever a step costs.
@@ -60,7 +63,7 @@ void Progress::look(const Point& point) {
   show(point, std::chrono::duration<double>(now - start_).count());
 }
 
-void Progress::show(const Point& point, double elapsed_s) {
+void Progress::show(const master::Point& point, double elapsed_s) {
   const double done = static_cast<double>(point.time_ns) / static_cast<double>(stop_time_ns_);
   const double factor = to_seconds(point.time_ns - start_ns_) / elapsed_s;
   const auto text = fmt::format("{:3.0f} %  {:.3f} of {} s  {:.3g} x real time  {} left", std::floor(done * 100),
@@ -70,13 +73,20 @@ void Progress::show(const Point& point, double elapsed_s) {
     console_->line(text);
     return;
   }
-  const auto filled = static_cast<int>(done * kBarWidth);
-  console_->redraw(fmt::format("[{}{}] {}", std::string(static_cast<std::size_t>(filled), '#'),
-                               std::string(static_cast<std::size_t>(kBarWidth - filled), '.'), text));
+  // The line must not wrap: one that does cannot be redrawn. The bar takes what the text leaves, then the text is cut.
+  const auto width = Console::width() - 1;
+  const auto room = width > text.size() + 3 ? width - text.size() - 3 : 0;
+  if (room < kNarrowestBar) {
+    console_->redraw(text.substr(0, width));
+    return;
+  }
+  const auto bar = std::min(room, kWidestBar);
+  const auto filled = static_cast<std::size_t>(done * static_cast<double>(bar));
+  console_->redraw(fmt::format("[{}{}] {}", std::string(filled, '#'), std::string(bar - filled, '.'), text));
 }
 
-void Progress::ended(const Point& /*point*/) {
+void Progress::ended(const master::Point& /*point*/) {
   console_->redraw("");
 }
 
-}  // namespace mebots::master
+}  // namespace mebots::app

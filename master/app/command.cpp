@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "command.hpp"
+
+#include "mebots/input_error.hpp"
+
+#include <cmath>
+#include <cstdio>
+#include <exception>
+
+namespace mebots::app {
+
+void print_error(const std::string& text) {
+  std::fprintf(stderr, "mebots: error: %s\n", text.c_str());
+}
+
+int guarded(const std::function<void()>& work) {
+  try {
+    work();
+    return 0;
+  } catch (const InputError& error) {
+    print_error(error.what());
+    return 2;
+  } catch (const std::exception& error) {
+    print_error(error.what());
+    return 1;
+  }
+}
+
+std::string help_footer(const std::vector<std::string>& exit_codes, const std::vector<std::string>& examples) {
+  std::string text = "Exit codes:\n";
+  for (const auto& code : exit_codes) text += "  " + code + "\n";
+  text += "Examples:\n";
+  for (const auto& example : examples) text += "  " + example + "\n";
+  return text;
+}
+
+const CLI::Validator& positive() {
+  static const CLI::Validator kPositive(
+      [](std::string& text) -> std::string {
+        double number = 0;
+        if (CLI::detail::lexical_cast(text, number) && std::isfinite(number) && number > 0) return "";
+        return text + " is not a number greater than 0";
+      },
+      "POSITIVE");
+  return kPositive;
+}
+
+const CLI::Validator& not_empty() {
+  static const CLI::Validator kNotEmpty(
+      [](std::string& text) -> std::string { return text.empty() ? "the name is empty" : ""; }, "");
+  return kNotEmpty;
+}
+
+}  // namespace mebots::app

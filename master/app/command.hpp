@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include <functional>
+#include <string>
+
+namespace mebots::app {
+
+/// What a command does once the command line is read. Returns the program's exit code.
+using Action = std::function<int()>;
+
+/// Adds one command to the parser. When that command is given, the parser stores what it does in `action`, which
+/// outlives the parsing.
+using AddCommand = void (*)(CLI::App& app, Action& action);
+
+// One per command, each in a file of its own: <name>_command.cpp.
+void add_check(CLI::App& app, Action& action);
+void add_convert(CLI::App& app, Action& action);
+void add_info(CLI::App& app, Action& action);
+void add_new_fmu(CLI::App& app, Action& action);
+void add_resume(CLI::App& app, Action& action);
+void add_run(CLI::App& app, Action& action);
+void add_schema(CLI::App& app, Action& action);
+
+/// Does the work and returns 0; prints what it throws, and returns 2 for InputError, 1 for anything else.
+int guarded(const std::function<void()>& work);
+
+/// Prints "mebots: error: ..." to standard error.
+void print_error(const std::string& text);
+
+/// The footer of a command's help: "Exit codes: ..." and "Examples: ...", one per line.
+std::string help_footer(const std::vector<std::string>& exit_codes, const std::vector<std::string>& examples);
+
+/// A number greater than 0.
+const CLI::Validator& positive();
+/// Any text but the empty one.
+const CLI::Validator& not_empty();
+
+}  // namespace mebots::app

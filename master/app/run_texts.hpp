@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "run/run.hpp"
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace mebots::app {
+
+/// What is shown of a run that is over: outcome, speed, the summary's values with their units, where the files are.
+std::vector<std::string> end_lines(const master::Run& run);
+
+/// A text as one word of a POSIX shell, quoted where it must be.
+std::string shell_word(std::string_view text);
+
+}  // namespace mebots::app

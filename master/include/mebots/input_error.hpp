@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "mebots/error.hpp"
+
+namespace mebots {
+
+/// Something that the user handed in cannot be used: a call, the command line, the config, an FMU, a start value,
+/// the results folder. `mebots` answers it with exit code 2.
+class InputError : public Error {
+ public:
+  using Error::Error;
+};
+
+}  // namespace mebots

@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "mebots/input_error.hpp"
+#include "mebots/message.hpp"
+#include "mebots/run_state.hpp"
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+namespace mebots {
+
+/// A value to set: true and false for Booleans, item name or number for enumerations.
+using Value = std::variant<bool, std::int64_t, double, std::string>;
+
+/// One recorded variable, with a value for every entry of Mission::times().
+struct Series {
+  std::string name;  ///< instance.variable
+  std::string unit;  ///< empty = none
+  std::vector<double> values;
+};
+
+/// What a mission is asked for beyond its config. The defaults write no files and keep the recorded rows in memory.
+struct MissionOptions {
+  std::filesystem::path out;                     ///< folder for results.csv, summary.json, log.txt; empty = no files
+  bool in_memory = true;                         ///< keep recorded rows for times() and series()
+  std::vector<std::filesystem::path> scenarios;  ///< overrides from files, after the config's
+  std::optional<double> stop_time_s;             ///< instead of the config's
+  std::optional<double> step_s;                  ///< communication step, for an SSP that says none
+  bool isolate = false;                          ///< every instance in a process of its own
+  bool statistics = false;                       ///< measure calls and wall time of every instance, for the summary
+  std::optional<double> checkpoint_every_s;      ///< checkpoints in `out`, after every so much simulated time
+};
+
+/// A run of an ensemble of FMUs that a config or an SSP describes: the same run as `mebots run` makes, step by step.
+///
+/// Times are in seconds, values in the unit of their variable. Everything throws InputError for what the caller can
+/// mend and Error for a run that went wrong; after the latter the run is `failed`, and step() and value() throw.
+/// What is returned is a copy and belongs to the caller.
+///
+/// One thread at a time per mission; several missions on several threads. interrupt() from any thread.
+class Mission {
+ public:
+  /// Reads and checks a config (.json) or an SSP 1.0 (.ssp). No FMU is started yet.
+  explicit Mission(const std::filesystem::path& config, const MissionOptions& options = {});
+  /// A mission that goes on from the last checkpoint in a results folder.
+  static Mission resume(const std::filesystem::path& folder);
+  /// Closes the mission.
+  ~Mission();
+  Mission(Mission&& other) noexcept;
+  Mission& operator=(Mission&& other) noexcept;
+
+  // Before start().
+
+  /// Hears what FMUs say, and the run's own notices (instance ""). Called on the thread that steps. An exception from
+  /// it fails the run.
+  void on_message(std::function<void(const Message&)> listener);
+  /// Hears of every communication point with its time [s], t = 0 included, after the point was recorded.
+  void on_point(std::function<void(double)> listener);
+  /// A parameter or start value for "instance.variable", in place of the config's. Name, type and limits are checked at
+  /// once.
+  void set(std::string_view variable, const Value& value);
+  /// Overrides from a file, after those of the config.
+  void add_scenario(const std::filesystem::path& file);
+  /// The end of the run [s].
+  void set_stop_time(double stop_time_s);
+  /// Records these variables (patterns with * and ?) instead of the config's choice.
+  void record(const std::vector<std::string>& patterns);
+
+  // The run. Each starts the mission if that was not done.
+
+  /// Opens the FMUs, checks everything that can be checked, and goes to t = 0 (or to the checkpoint).
+  void start();
+  /// One communication step. False when no step was taken, because the end was reached.
+  bool step();
+  /// To the end.
+  void run();
+  /// Steps until `time_s`, or to the end when that comes first.
+  void run_until(double time_s);
+  /// Ends the run where it stands and writes its reports. Nothing, when it is over.
+  void close() noexcept;
+  /// Asks for the end: between two calls to FMUs, and within 0.1 s in a call to an isolated one. The run then ends
+  /// well, with outcome "interrupted". Safe in signal handlers.
+  void interrupt() noexcept;
+
+  // At any time.
+
+  RunState state() const;
+  double time_s() const;
+  double step_s() const;
+  double stop_time_s() const;
+  /// Over, well or not.
+  bool ended() const;
+  /// The config's outcome at the point reached last, "completed" when none of its conditions hold; "interrupted",
+  /// "closed" and "failed" for a run that was. Empty before the start.
+  std::string outcome() const;
+  /// Nothing before the end.
+  std::optional<EndReason> end_reason() const;
+  /// One sentence on why the run ended; empty before.
+  std::string end_text() const;
+  /// What went wrong; empty unless `failed`.
+  std::string error() const;
+  /// The content of summary.json as JSON text, as far as it is known: "{}" before the start.
+  std::string summary() const;
+
+  // Variables, from the start on (start() is done if need be).
+
+  /// The value now: Reals, Integers, enumerations, Booleans as 0 and 1.
+  double value(std::string_view variable);
+  std::string text(std::string_view variable);
+  /// Sets an input that nothing is connected to, or a tunable parameter, from now on.
+  void write(std::string_view variable, double value);
+
+  // What was recorded so far, with `in_memory`. Texts are not kept in memory.
+
+  /// Names of the recorded variables, in the order of the columns.
+  std::vector<std::string> variables();
+  /// The times of the recorded points [s].
+  std::vector<double> times();
+  Series series(std::string_view variable);
+  std::vector<Series> series();
+
+ private:
+  friend class InterruptOnSignals;
+  class Door;
+  explicit Mission(std::unique_ptr<Door> door);
+
+  std::unique_ptr<Door> door_;
+};
+
+/// While it lives, the first SIGINT, SIGTERM or SIGHUP of the process interrupts the mission (and all others that have
+/// one of these); the second ends the process at once. Afterwards the handlers are those of before.
+class InterruptOnSignals {
+ public:
+  /// `mission` must outlive this object and must not be moved meanwhile.
+  explicit InterruptOnSignals(Mission& mission);
+  ~InterruptOnSignals();
+  InterruptOnSignals(const InterruptOnSignals&) = delete;
+  InterruptOnSignals& operator=(const InterruptOnSignals&) = delete;
+
+  /// The signal that came; 0 = none.
+  int signal() const noexcept;
+
+ private:
+  class Guard;
+  std::unique_ptr<Guard> guard_;
+};
+
+}  // namespace mebots

@@ -1,0 +1,124 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Reads the results folder of a run."""
+
+from __future__ import annotations
+
+import csv
+import difflib
+import json
+import os
+import pathlib
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from mebots.errors import InputError
+
+
+class Results:
+    """What a run left in its folder: ``results[variable]`` is what was recorded of a variable.
+
+    Numbers come as float64 arrays with one value per entry of ``times``, String variables as lists of str.
+    """
+
+    def __init__(self, folder: str | os.PathLike[str]) -> None:
+        """Reads summary.json and results.csv. Raises InputError."""
+        self.folder = pathlib.Path(folder)
+        if not self.folder.is_dir():
+            raise InputError(f"{folder}: there is no such folder", "file_not_found")
+        self.summary: dict[str, Any] = _summary(self.folder)
+        self._units, self._columns = _columns(self.folder)
+        self.times: npt.NDArray[np.float64] = self._columns.pop("time")
+        """The times of the rows [s]."""
+        self._units.pop("time")
+
+    def __repr__(self) -> str:
+        return f"<mebots.Results of {self.folder}: {len(self._columns)} variables, {len(self.times)} rows>"
+
+    def __getitem__(self, variable: str) -> npt.NDArray[np.float64] | list[str]:
+        """What was recorded of a variable. Raises KeyError, with the nearest names."""
+        self._require(variable)
+        return self._columns[variable]
+
+    def __contains__(self, variable: str) -> bool:
+        return variable in self._columns
+
+    def unit(self, variable: str) -> str:
+        """The unit of a variable; "" = none."""
+        self._require(variable)
+        return self._units[variable]
+
+    @property
+    def variables(self) -> list[str]:
+        """The names of the recorded variables, in the order of the file."""
+        return list(self._columns)
+
+    @property
+    def outcome(self) -> str:
+        """What came of the run."""
+        return self.summary.get("outcome", "")
+
+    def to_pandas(self):
+        """All columns as a pandas.DataFrame with the times as index. Needs pandas."""
+        return data_frame(self.times, self._columns)
+
+    def _require(self, variable: str) -> None:
+        if variable not in self._columns:
+            raise not_recorded(variable, self._columns)
+
+
+def read(folder: str | os.PathLike[str]) -> Results:
+    """The results of a run, from the folder that ``mebots run --out`` or ``Mission(..., out=...)`` wrote."""
+    return Results(folder)
+
+
+def not_recorded(variable: str, recorded: Iterable[str]) -> KeyError:
+    """The error for a name that is not among the recorded ones, with the nearest of them."""
+    nearest = difflib.get_close_matches(variable, list(recorded), n=3, cutoff=0.4)
+    hint = f"; nearest: {', '.join(nearest)}" if nearest else ""
+    return KeyError(f"'{variable}' is not recorded{hint}")
+
+
+def data_frame(times: npt.NDArray[np.float64], columns: Mapping[str, Any]):
+    try:
+        import pandas
+    except ImportError as error:
+        raise InputError("to_pandas() needs pandas: pip install pandas", "not_offered") from error
+    return pandas.DataFrame(dict(columns), index=pandas.Index(times, name="time [s]"))
+
+
+def _summary(folder: pathlib.Path) -> dict[str, Any]:
+    file = folder / "summary.json"
+    try:
+        return json.loads(file.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise InputError(f"{file}: there is no such file; is this the folder of a run?", "file_not_found") from None
+    except ValueError as error:
+        raise InputError(f"{file}: this is not a summary of a run: {error}", "syntax_error") from None
+
+
+def _columns(folder: pathlib.Path) -> tuple[dict[str, str], dict[str, Any]]:
+    """Units and values by name. Texts are found by trying: a column that is not all numbers is one of texts."""
+    file = folder / "results.csv"
+    try:
+        with open(file, newline="", encoding="utf-8") as stream:
+            rows = csv.reader(stream)
+            header = next(rows, [])
+            cells = list(zip(*rows, strict=True)) or [() for _ in header]
+    except FileNotFoundError:
+        raise InputError(f"{file}: there is no such file; did the run record as \"hdf5\" only?", "file_not_found") from None
+    except ValueError:
+        raise InputError(f"{file}: the rows are not of one length; was the run killed?", "syntax_error") from None
+    units, columns = {}, {}
+    for title, values in zip(header, cells, strict=True):
+        name, _, unit = title.rpartition(" [")
+        units[name] = "" if unit == "-]" else unit.removesuffix("]")
+        try:
+            columns[name] = np.array(values, dtype="float64")
+        except ValueError:
+            columns[name] = list(values)
+    if "time" not in columns:
+        raise InputError(f"{file}: there is no column of times; this is not a file of mebots", "syntax_error")
+    return units, columns

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "run/result_files.hpp"
+
+#include "mebots/input_error.hpp"
+#include "message/message_text.hpp"
+#include "sink/csv_rows.hpp"
+#include "sink/csv_sink.hpp"
+
+#include <fmt/format.h>
+
+#include <functional>
+
+namespace mebots::master {
+
+std::optional<std::string> ResultFiles::KeepResults::reached(const Point& point) {
+  if (point.step == 0) folder_->keep({"summary.json", "results.csv", "results.h5", "parameters.csv", kCheckpointFile});
+  return std::nullopt;
+}
+
+ResultFiles::ResultFiles(const std::filesystem::path& folder, const ResolvedSystem& system, const Checkpoint* resumed)
+    : system_(&system), resumed_(resumed), folder_(folder) {
+  if (resumed == nullptr) {
+    if (system.description->record.csv) results_ = &folder_.create("results.csv");
+    log_ = &folder_.create("log.txt");
+    logging_ = true;
+    return;
+  }
+  results_ = &folder_.reopen("results.csv");
+  log_ = &folder_.reopen("log.txt");  // silent until it is cut back: what is said on the way there stands in it already
+  if (results_->size() < resumed->results_bytes || log_->size() < resumed->log_bytes) {
+    throw InputError(fmt::format(
+        "{}: results.csv or log.txt is shorter than it was at the checkpoint; run the config anew", folder.string()));
+  }
+}
+
+std::filesystem::path ResultFiles::rows_file() const {
+  return folder_.path() / (results_ != nullptr ? "results.csv" : "results.h5");
+}
+
+void ResultFiles::add_sinks(Recorder& recorder) {
+  const auto& columns = recorder.columns();
+  if (results_ != nullptr) recorder.add(std::make_unique<CsvSink>(columns, *results_));
+  if (!system_->description->record.hdf5) return;
+  auto sink = std::make_unique<Hdf5Sink>(columns, folder_.reserve("results.h5"));
+  hdf5_ = sink.get();
+  // A file that was being written when its process was killed may be broken: its rows are in results.csv too.
+  if (resumed_ != nullptr) copy_csv_rows(results_->path(), resumed_->results_bytes, columns, *sink);
+  recorder.add(std::move(sink));
+}
+
+std::vector<Observer*> ResultFiles::make_observers(Ensemble& ensemble) {
+  std::vector<Observer*> observers{&keep_};
+  if (!system_->description->record.parameters.empty()) {
+    observers.push_back(&parameters_.emplace(*system_, ensemble, folder() / "parameters.csv"));
+  }
+  for (const auto& pictures : system_->description->pictures) {
+    observers.push_back(
+        &pictures_.emplace_back(*system_, ensemble, pictures, folder() / "pictures" / pictures.frame.text()));
+  }
+  return observers;
+}
+
+Observer& ResultFiles::make_checkpointer(Simulation& simulation, const RunRequest& request, const std::string& inputs) {
+  Checkpoint blank;
+  blank.request = with_absolute_paths(request);
+  blank.inputs = inputs;
+  return checkpointer_.emplace(simulation, folder(), std::move(blank), *results_, *log_);
+}
+
+void ResultFiles::started(Ensemble& ensemble) {
+  if (resumed_ != nullptr) {
+    log_->truncate(resumed_->log_bytes);
+    logging_ = true;
+    folder_.keep({});
+  }
+  if (hdf5_ != nullptr && !system_->description->record.parameters.empty()) {
+    hdf5_->put_parameters(read_parameters(*system_, ensemble));
+  }
+}
+
+void ResultFiles::log(const Message& message) {
+  if (logging_) log_->append(message_text(message) + "\n");
+}
+
+std::optional<std::string> ResultFiles::close(Recorder& recorder) {
+  logging_ = false;
+  std::optional<std::string> first;
+  const std::function<void()> endings[] = {[&] { recorder.flush(); },
+                                           [&] {
+                                             if (results_ != nullptr) results_->close();
+                                           },
+                                           [&] { log_->close(); }};
+  for (const auto& ending : endings) {
+    try {
+      ending();
+    } catch (const Error& error) {
+      if (!first) first = error.what();
+    }
+  }
+  return first;
+}
+
+void ResultFiles::write_summary(const std::string& text) {
+  const auto waiting = folder() / "summary.json.new";
+  try {
+    OutputFile file(waiting);
+    file.append(text);
+    file.close();
+    file.rename(folder() / "summary.json");
+  } catch (const Error&) {
+    std::error_code ignored;
+    std::filesystem::remove(waiting, ignored);
+    throw;
+  }
+}
+
+void ResultFiles::remove_checkpoint() {
+  std::error_code ignored;
+  std::filesystem::remove(folder() / kCheckpointFile, ignored);
+}
+
+}  // namespace mebots::master

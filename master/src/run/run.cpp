@@ -1,0 +1,368 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "run/run.hpp"
+
+#include "base/interrupt.hpp"
+#include "base/nearest_names.hpp"
+#include "base/time.hpp"
+#include "config/scenario_file.hpp"
+#include "mebots/input_error.hpp"
+#include "sink/csv_rows.hpp"
+#include "system/record_choice.hpp"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <chrono>
+#include <iterator>
+#include <limits>
+
+namespace mebots::master {
+namespace {
+
+/// Adds the wall time from here to the end of the scope, also when that is left by an exception.
+class Stopwatch {
+ public:
+  explicit Stopwatch(double& total_s) : total_s_(&total_s) {}
+  ~Stopwatch() { *total_s_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
+  Stopwatch(const Stopwatch&) = delete;
+  Stopwatch& operator=(const Stopwatch&) = delete;
+
+ private:
+  double* total_s_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+/// An SSP may lack both; a config has its own.
+GivenTimes given_times(const RunRequest& request) {
+  GivenTimes times;
+  if (request.step_ns) times.step_s = to_seconds(*request.step_ns);
+  if (request.stop_time_ns && request.config.extension() == ".ssp")
+    times.stop_time_s = to_seconds(*request.stop_time_ns);
+  return times;
+}
+
+}  // namespace
+
+Run::Run(RunRequest request) : request_(std::move(request)) {
+  auto wanted = std::exchange(request_, {});
+  request_.config = wanted.config;
+  request_.folder = wanted.folder;
+  request_.step_ns = wanted.step_ns;
+  request_.stop_time_ns = wanted.stop_time_ns;
+  request_.in_memory = wanted.in_memory;
+  request_.isolate = wanted.isolate;
+  request_.statistics = wanted.statistics;
+  request_.checkpoint_every_ns = wanted.checkpoint_every_ns;
+  system_ = load_system(request_.config, given_times(request_)).system;
+  if (request_.step_ns) report_.overrides.push_back(fmt::format("step {}", to_seconds(*request_.step_ns)));
+  for (const auto& setting : wanted.settings) set(setting);
+  for (const auto& file : wanted.scenarios) add_scenario(file);
+  if (wanted.stop_time_ns) set_stop_time(*wanted.stop_time_ns, "stop time");
+  if (wanted.record) record(*wanted.record);
+}
+
+Run::Run(Checkpoint checkpoint, const std::filesystem::path& folder) : Run(checkpoint.request) {
+  request_.folder = folder;
+  checkpoint_ = std::move(checkpoint);
+}
+
+std::unique_ptr<Run> Run::resume(const std::filesystem::path& folder) {
+  return std::unique_ptr<Run>(new Run(read_checkpoint(folder), folder));
+}
+
+Run::~Run() {
+  close();
+}
+
+void Run::require_open(std::string_view what) const {
+  if (state_ == RunState::open) return;
+  throw InputError(fmt::format("{} comes too late: the run is {} at {} s, and settings change before its start", what,
+                               name_of(state_), to_seconds(time_ns())));
+}
+
+void Run::require_alive(std::string_view what) const {
+  if (state_ == RunState::failed) {
+    throw InputError(fmt::format("{}: the run failed, and its FMUs are not called any more: {}", what, report_.error));
+  }
+  if (state_ == RunState::open) throw InputError(fmt::format("{}: the run is not started yet", what));
+}
+
+void Run::listen(MessageHub::Listener listener) {
+  require_open("listen");
+  messages_.add(std::move(listener));
+}
+
+void Run::set(const Setting& setting) {
+  require_open(setting.place);
+  const auto [instance, assignment] = locate(system_, setting);
+  const auto start = checked_start(*instance, open_fmu(*instance, library_)->description(), assignment);
+  instance->parameters.push_back(assignment);
+  request_.settings.push_back(setting);
+  report_.overrides.push_back(
+      fmt::format("set {}.{}={}", instance->name, assignment.variable, value_text(start.value)));
+}
+
+void Run::add_scenario(const std::filesystem::path& file) {
+  require_open("a scenario");
+  report_.overrides.push_back(apply_scenario(system_, file));
+  request_.scenarios.push_back(file);
+}
+
+void Run::set_stop_time(std::int64_t stop_time_ns, const std::string& place) {
+  require_open(place);
+  master::set_stop_time(system_, stop_time_ns, place);
+  request_.stop_time_ns = stop_time_ns;
+  report_.overrides.push_back(fmt::format("stop_time {}", to_seconds(stop_time_ns)));
+}
+
+void Run::record(const std::vector<std::string>& patterns) {
+  require_open("record");
+  system_.record.patterns.emplace();
+  for (const auto& pattern : patterns) system_.record.patterns->push_back({pattern, "record"});
+  request_.record = patterns;
+  report_.overrides.push_back(fmt::format("record {}", nlohmann::json(patterns).dump()));
+}
+
+void Run::add(Observer& observer) {
+  require_open("an observer");
+  added_.push_back(&observer);
+}
+
+void Run::say(Severity severity, std::string_view category, const std::string& text) {
+  messages_.message({{}, severity, category, text, time_ns()});
+}
+
+template <typename Work>
+void Run::attempt(Work work) {
+  try {
+    work();
+  } catch (const InterruptedError&) {  // on the way to t = 0: there is no point to end at
+    report_.end_reason = EndReason::interrupted;
+    report_.outcome = name_of(EndReason::interrupted);
+    report_.end_text = "interrupted before t = 0";
+    state_ = RunState::ended;
+  } catch (const std::exception& error) {
+    fail(error.what());
+    throw;
+  }
+}
+
+void Run::start() {
+  if (state_ == RunState::failed) require_alive("start");
+  if (state_ != RunState::open) return;
+  attempt([this] {
+    {
+      const Stopwatch watch(report_.wall.open_s);
+      open();
+    }
+    {
+      const Stopwatch watch(report_.wall.initialise_s);
+      initialise();
+    }
+    state_ = RunState::ready;
+  });
+  if (state_ == RunState::ready && simulation_->ended()) finish();
+}
+
+void Run::open() {
+  if (request_.isolate) {
+    for (auto& instance : system_.instances) instance.isolation.own_process = true;
+  }
+  find_algorithm(system_.algorithm);  // one that does not exist is bad input: say so before any file is made
+  resolved_ = resolve(system_, library_, interrupted_);
+  hash_ = hash_inputs(system_, report_.overrides);
+  if (request_.checkpoint_every_ns > 0) {
+    check_can_checkpoint(resolved_);
+    if (request_.folder.empty()) throw InputError("checkpoints need a folder for the results");
+    if (!system_.record.csv) {
+      throw InputError("checkpoints count on results.csv; let \"format\" under \"record\" be \"both\"");
+    }
+  }
+  if (checkpoint_) check_inputs(*checkpoint_, hash_.lines);
+  recorded_variables(resolved_);  // the same of a name that fits nothing
+  recorded_parameters(resolved_);
+  for (const auto& pictures : system_.pictures) check_pictures(resolved_, pictures);
+  scenario_.emplace(resolved_);
+  if (!request_.folder.empty()) {
+    files_.emplace(request_.folder, resolved_, checkpoint_ ? &*checkpoint_ : nullptr);
+    messages_.add([this](const Message& message) { files_->log(message); });
+  }
+  report_.notices = resolved_.notices;
+  for (const auto& notice : resolved_.notices) say(Severity::info, "notice", notice);
+}
+
+void Run::initialise() {
+  SlaveOptions slaves;
+  slaves.statistics = request_.statistics ? &statistics_ : nullptr;
+  slaves.losses = &losses_;
+  slaves.scenario = &*scenario_;
+  slaves.interrupted = &interrupted_;
+  simulation_.emplace(resolved_, messages_, slaves);
+  auto& ensemble = simulation_->ensemble();
+  scenario_->watch(resolved_, ensemble);
+  recorder_.emplace(resolved_, ensemble);
+  if (request_.in_memory) {
+    auto sink = std::make_unique<MemorySink>(recorder_->columns());
+    memory_ = sink.get();
+    if (checkpoint_) {
+      copy_csv_rows(request_.folder / "results.csv", checkpoint_->results_bytes, recorder_->columns(), *sink);
+    }
+    recorder_->add(std::move(sink));
+  }
+  if (files_) files_->add_sinks(*recorder_);
+  values_.emplace(resolved_, ensemble);
+  outcomes_.emplace(resolved_, ensemble);
+  stop_conditions_.emplace(resolved_, ensemble);
+
+  simulation_->add(*scenario_);
+  if (files_) {
+    for (auto* observer : files_->make_observers(ensemble)) simulation_->add(*observer);
+  }
+  for (Observer* observer : std::initializer_list<Observer*>{&*recorder_, &*values_, &*outcomes_, &*stop_conditions_}) {
+    simulation_->add(*observer);
+  }
+  for (auto* observer : added_) simulation_->add(*observer);
+  if (request_.checkpoint_every_ns > 0) {
+    simulation_->add(files_->make_checkpointer(*simulation_, request_, hash_.lines));
+  }
+
+  if (checkpoint_) {
+    simulation_->resume(checkpoint_->simulation);
+  } else {
+    simulation_->initialize();
+  }
+  // Said before the log goes on: it ends as the log of a run that nobody disturbed.
+  if (checkpoint_) say(Severity::info, "notice", fmt::format("resumed at {} s", to_seconds(time_ns())));
+  if (files_) files_->started(ensemble);
+}
+
+void Run::advance(std::int64_t until_ns) {
+  start();
+  if (state_ == RunState::ended) return;
+  attempt([&] {
+    const Stopwatch watch(report_.wall.stepping_s);
+    while (simulation_->time_ns() < until_ns && simulation_->step()) state_ = RunState::running;
+  });
+  if (simulation_->ended()) finish();
+}
+
+bool Run::step() {
+  start();
+  const auto before = simulation_ ? simulation_->steps_done() : 0;
+  advance(time_ns() + system_.step_ns);
+  return simulation_ && simulation_->steps_done() > before;
+}
+
+void Run::run_until(std::int64_t time_ns) {
+  advance(time_ns);
+}
+
+void Run::run() {
+  advance(std::numeric_limits<std::int64_t>::max());
+}
+
+void Run::finish() {
+  const auto& end = simulation_->end();
+  report_.end_reason = end.reason;
+  report_.end_text = end.text;
+  const bool cut_short = end.reason == EndReason::interrupted || end.reason == EndReason::closed;
+  report_.outcome = cut_short ? std::string(name_of(end.reason)) : outcomes_->outcome();
+  try {
+    simulation_->terminate();
+  } catch (const Error& error) {
+    report_.notices.push_back(fmt::format("after the end: {}", error.what()));
+    say(Severity::warning, "notice", report_.notices.back());
+  }
+  state_ = RunState::ended;
+  write_reports();
+  if (state_ == RunState::failed) throw Error(report_.error);
+}
+
+void Run::fail(const std::string& what) noexcept {
+  state_ = RunState::failed;
+  report_.end_reason = EndReason::failed;
+  report_.outcome = name_of(EndReason::failed);
+  report_.end_text = "the simulation failed";
+  report_.error = what;
+  write_reports();
+}
+
+void Run::write_reports() noexcept {
+  if (!simulation_) return;
+  report_.simulated_ns = simulation_->time_ns();
+  report_.steps = simulation_->steps_done();
+  report_.rows = recorder_ ? recorder_->rows() : 0;
+  if (!files_ || !files_->kept()) return;  // t = 0 was never reached: the folder stays as it was found
+  const auto note = [this](const std::string& problem) {
+    if (!report_.error.empty()) return;
+    state_ = RunState::failed;
+    report_.end_reason = EndReason::failed;
+    report_.outcome = name_of(EndReason::failed);
+    report_.error = problem;
+  };
+  if (const auto problem = files_->close(*recorder_)) note(*problem);
+  try {
+    files_->write_summary(summary().dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
+  } catch (const std::exception& error) {
+    note(error.what());
+  }
+  const bool to_go_on_with = report_.end_reason == EndReason::failed || report_.end_reason == EndReason::interrupted ||
+                             report_.end_reason == EndReason::closed;
+  if (!to_go_on_with) files_->remove_checkpoint();
+}
+
+void Run::close() noexcept {
+  if (state_ != RunState::ready && state_ != RunState::running) return;
+  try {
+    simulation_->finish({EndReason::closed, fmt::format("closed at {} s", to_seconds(time_ns()))});
+    finish();
+  } catch (const std::exception& error) {
+    fail(error.what());
+  }
+}
+
+std::string Run::outcome() const {
+  if (state_ == RunState::ended || state_ == RunState::failed) return report_.outcome;
+  return outcomes_ ? outcomes_->outcome() : "";
+}
+
+nlohmann::ordered_json Run::summary() const {
+  if (!values_) return nlohmann::ordered_json::object();
+  auto report = report_;
+  report.outcome = outcome();
+  report.simulated_ns = simulation_->time_ns();
+  report.steps = simulation_->steps_done();
+  report.rows = recorder_->rows();
+  auto json = summary_json(resolved_, hash_, report, *values_);
+  if (!system_.scenario.empty()) json["scenario"] = scenario_->report(resolved_, report.simulated_ns);
+  for (const auto& loss : losses()) {
+    json["lost_instances"][loss.name] = {{"at", to_seconds(loss.at_ns)}, {"error", loss.text}};
+  }
+  if (request_.statistics) json["statistics"] = statistics_json(statistics_, report.wall.simulating_s());
+  return json;
+}
+
+std::vector<InstanceLoss> Run::losses() const {
+  std::vector<InstanceLoss> lost;
+  std::ranges::copy_if(losses_, std::back_inserter(lost), [](const InstanceLoss& loss) { return loss.at_ns >= 0; });
+  return lost;
+}
+
+const ResolvedSystem& Run::resolved() const {
+  require_alive("a variable is read");
+  return resolved_;
+}
+
+Slave& Run::slave(std::size_t instance) {
+  require_alive("a variable is read");
+  return simulation_->ensemble().slave(instance);
+}
+
+const MemorySink& Run::memory() {
+  if (memory_ == nullptr) throw InputError("nothing is recorded in memory: the run is not started, or keeps no rows");
+  if (state_ == RunState::ready || state_ == RunState::running) recorder_->flush();
+  return *memory_;
+}
+
+}  // namespace mebots::master

@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "mebots/run_state.hpp"
+#include "message/message_hub.hpp"
+#include "observer/conditions.hpp"
+#include "observer/recorder.hpp"
+#include "observer/scenario.hpp"
+#include "observer/statistics.hpp"
+#include "run/checkpoint.hpp"
+#include "run/input_hash.hpp"
+#include "run/result_files.hpp"
+#include "run/run_request.hpp"
+#include "run/simulation.hpp"
+#include "run/summary.hpp"
+#include "sink/memory_sink.hpp"
+
+#include <nlohmann/json_fwd.hpp>
+
+#include <atomic>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace mebots::master {
+
+/// One run, from what is asked for to the report. The command line, C++ and Python are doors to it.
+///
+/// RunState says where it stands. An error in start(), step() and the like makes the run `failed` and is thrown; the
+/// files hold what was reached until then. After that the FMUs are not called any more: step() throws.
+///
+/// Observers hear of each communication point in this order: scenario, files of the start, pictures, recorder, values
+/// of the summary, outcomes, stop conditions, those of add(), checkpoint. So a checkpoint holds what all others made of
+/// its point.
+///
+/// One thread at a time; interrupt() from any thread and from signal handlers.
+class Run {
+ public:
+  /// Reads the config and applies the request to it. Throws InputError; no file is made.
+  explicit Run(RunRequest request);
+  /// The run whose checkpoint is in this folder, as it stood there, once it is started. Throws InputError.
+  static std::unique_ptr<Run> resume(const std::filesystem::path& folder);
+  /// Closes the run.
+  ~Run();
+  Run(const Run&) = delete;
+  Run& operator=(const Run&) = delete;
+
+  // While it is open.
+
+  /// Who hears messages of FMUs and notices of the run.
+  void listen(MessageHub::Listener listener);
+  /// A parameter or start value, in place of the config's. Opens the instance's FMU and checks name, type and limits.
+  void set(const Setting& setting);
+  /// Appends the overrides of a file.
+  void add_scenario(const std::filesystem::path& file);
+  void set_stop_time(std::int64_t stop_time_ns, const std::string& place);
+  /// Records these variables (patterns with * and ?) instead of the config's choice.
+  void record(const std::vector<std::string>& patterns);
+  /// Must outlive the run's last step.
+  void add(Observer& observer);
+
+  // On the way.
+
+  /// Opens the FMUs, checks everything that can be checked, and goes to t = 0 or to the checkpoint. Nothing, when that
+  /// was done. Throws InputError and Error.
+  void start();
+  /// One communication step. False when the end was reached before, or in this step without a new point (an FMU that
+  /// ended the run, an interrupt). Starts the run if need be.
+  bool step();
+  /// Steps until `time_ns`, or to the end if that comes first.
+  void run_until(std::int64_t time_ns);
+  /// To the end.
+  void run();
+  /// Asks for the end at the last point that all instances reached: within the next call to an FMU that returns. A
+  /// call to an isolated instance is ended. Safe in signal handlers.
+  void interrupt() noexcept { interrupted_.store(true, std::memory_order_relaxed); }
+  /// For a SignalGuard.
+  std::atomic<bool>& interrupt_flag() { return interrupted_; }
+  /// Ends the run where it stands, and writes its reports. Nothing, when it is over. Never throws; what goes wrong is
+  /// in the report.
+  void close() noexcept;
+
+  // At any time.
+
+  RunState state() const { return state_; }
+  const RunRequest& request() const { return request_; }
+  const SystemDescription& system() const { return system_; }
+  std::int64_t time_ns() const { return simulation_ ? simulation_->time_ns() : 0; }
+  /// The config's outcome at the point reached last ("completed" when none fits); "interrupted" and "failed" where the
+  /// run was. Empty before the start.
+  std::string outcome() const;
+  /// What is known so far; complete once the run is over.
+  const RunReport& report() const { return report_; }
+  /// The content of summary.json, as far as it is known. From the start on.
+  nlohmann::ordered_json summary() const;
+  const Statistics& statistics() const { return statistics_; }
+  /// The values that the config asks for under `summary`. From the start on.
+  const SummaryValues& values() const { return *values_; }
+  /// Instances that failed while the others went on.
+  std::vector<InstanceLoss> losses() const;
+  /// Null without files.
+  const ResultFiles* files() const { return files_ ? &*files_ : nullptr; }
+  /// How many columns a row has, the time left out.
+  std::size_t columns() const { return recorder_ ? recorder_->columns().size() : 0; }
+
+  // From the start on. These throw InputError before, and after a failure.
+
+  const ResolvedSystem& resolved() const;
+  /// An instance, to read its variables; not for stepping.
+  Slave& slave(std::size_t instance);
+  /// Rows so far. Throws InputError when the request has no `in_memory`.
+  const MemorySink& memory();
+
+ private:
+  Run(Checkpoint checkpoint, const std::filesystem::path& folder);
+
+  void require_open(std::string_view what) const;
+  void require_alive(std::string_view what) const;
+  template <typename Work>
+  void attempt(Work work);
+  void open();
+  void initialise();
+  void advance(std::int64_t until_ns);
+  void finish();
+  void fail(const std::string& what) noexcept;
+  void write_reports() noexcept;
+  void say(Severity severity, std::string_view category, const std::string& text);
+
+  RunRequest request_;
+  std::optional<Checkpoint> checkpoint_;  ///< to go on from
+  RunState state_ = RunState::open;
+  std::atomic<bool> interrupted_{false};
+  MessageHub messages_;
+  std::vector<Observer*> added_;
+  FmuLibrary library_;
+  SystemDescription system_;
+  RunReport report_;
+  // From the start on, in the order in which they depend on each other.
+  ResolvedSystem resolved_;
+  InputHash hash_;
+  Statistics statistics_;
+  std::vector<InstanceLoss> losses_;
+  std::optional<Scenario> scenario_;
+  std::optional<ResultFiles> files_;
+  std::optional<Simulation> simulation_;
+  std::optional<Recorder> recorder_;
+  MemorySink* memory_ = nullptr;  // of the recorder; null without one
+  std::optional<SummaryValues> values_;
+  std::optional<Outcomes> outcomes_;
+  std::optional<StopConditions> stop_conditions_;
+};
+
+}  // namespace mebots::master

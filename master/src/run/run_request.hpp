@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "config/system_description.hpp"
+#include "mebots/state/bytes.hpp"
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace mebots::master {
+
+/// Everything that a run is asked for, by whichever door: with the files that it names, the run is made of nothing
+/// else. A checkpoint carries it, so that another process can go on.
+struct RunRequest {
+  std::filesystem::path config;                    ///< config or SSP
+  std::vector<Setting> settings;                   ///< later ones win
+  std::vector<std::filesystem::path> scenarios;    ///< files with more overrides, after the config's
+  std::optional<std::int64_t> stop_time_ns;        ///< instead of the config's
+  std::optional<std::int64_t> step_ns;             ///< communication step, for an SSP that says none
+  std::optional<std::vector<std::string>> record;  ///< name patterns instead of the config's `record.variables`
+  std::filesystem::path folder;                    ///< where the result files go; empty = no files
+  bool in_memory = false;                          ///< keep the recorded rows in memory, too
+  bool isolate = false;                            ///< every instance in a process of its own
+  bool statistics = false;                         ///< measure where the wall time goes
+  std::int64_t checkpoint_every_ns = 0;            ///< simulated time from checkpoint to checkpoint; 0 = none
+};
+
+/// With every path made absolute: what stands in a checkpoint must hold from any working folder.
+RunRequest with_absolute_paths(RunRequest request);
+
+void put(state::Writer& writer, const RunRequest& request);
+RunRequest get_run_request(state::Reader& reader);
+
+}  // namespace mebots::master

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sink/memory_sink.hpp"
+
+#include "base/time.hpp"
+#include "mebots/error.hpp"
+
+#include <algorithm>
+#include <bit>
+
+namespace mebots::master {
+
+MemorySink::MemorySink(const std::vector<RecordColumn>& columns) {
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    if (columns[i].kind == ValueKind::string) continue;
+    sources_.push_back({i, columns[i].kind});
+    series_.push_back({columns[i].name, columns[i].unit, {}});
+  }
+}
+
+const MemorySink::Series* MemorySink::find(std::string_view name) const {
+  const auto found = std::ranges::find(series_, name, [](const Series& one) { return std::string_view(one.name); });
+  return found == series_.end() ? nullptr : &*found;
+}
+
+void MemorySink::write(const RowBlock& block) {
+  for (std::size_t row = 0; row < block.rows(); ++row) {
+    const auto* cells = block.cells.data() + row * block.cells_per_row;
+    times_s_.push_back(to_seconds(static_cast<std::int64_t>(cells[0])));
+    for (std::size_t i = 0; i < sources_.size(); ++i) {
+      const auto cell = cells[1 + sources_[i].cell];
+      series_[i].values.push_back(sources_[i].kind == ValueKind::real
+                                      ? std::bit_cast<double>(cell)
+                                      : static_cast<double>(static_cast<std::int64_t>(cell)));
+    }
+  }
+}
+
+void MemorySink::restore(state::Reader& reader) {
+  const auto rows = reader.get<std::uint64_t>();
+  if (rows > times_s_.size()) throw Error("a saved state has more rows than are in memory");
+  times_s_.resize(rows);
+  for (auto& one : series_) one.values.resize(rows);
+}
+
+}  // namespace mebots::master
