@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+// The C++ door for doors_test.py: runs a config as a program of a user's would, and prints what came of it as JSON.
+//   door CONFIG OUT [--set NAME=NUMBER|TEXT] [--scenario FILE] [--stop-time S] [--checkpoint-every S] [--isolate]
+//                   [--statistics] [--record PATTERN] [--step-by-step]
+//   door --resume OUT
+#include <mebots/run.hpp>
+
+#include <charconv>
+#include <cstdio>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace {
+
+struct Wish {
+  mebots::MissionOptions options;
+  std::vector<std::pair<std::string, mebots::Value>> settings;
+  std::vector<std::string> record;
+  bool step_by_step = false;
+};
+
+mebots::Value value_of(const std::string& text) {
+  if (text == "true" || text == "false") return text == "true";
+  const auto* const end = text.data() + text.size();
+  std::int64_t whole = 0;
+  if (std::from_chars(text.data(), end, whole).ptr == end && !text.empty()) return whole;
+  double number = 0;
+  if (std::from_chars(text.data(), end, number).ptr == end && !text.empty()) return number;
+  return text;
+}
+
+Wish read(const std::vector<std::string>& words) {
+  Wish wish;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    const auto& word = words[i];
+    if (word == "--isolate") wish.options.isolate = true;
+    if (word == "--statistics") wish.options.statistics = true;
+    if (word == "--step-by-step") wish.step_by_step = true;
+    if (word == "--scenario") wish.options.scenarios.emplace_back(words.at(++i));
+    if (word == "--stop-time") wish.options.stop_time_s = std::stod(words.at(++i));
+    if (word == "--checkpoint-every") wish.options.checkpoint_every_s = std::stod(words.at(++i));
+    if (word == "--record") wish.record.push_back(words.at(++i));
+    if (word == "--set") {
+      const auto& text = words.at(++i);
+      const auto equals = text.find('=');
+      wish.settings.emplace_back(text.substr(0, equals), value_of(text.substr(equals + 1)));
+    }
+  }
+  return wish;
+}
+
+mebots::Mission open(const std::vector<std::string>& words, const Wish& wish) {
+  if (words[0] == "--resume") return mebots::Mission::resume(words.at(1));
+  auto options = wish.options;
+  options.out = words.at(1);
+  mebots::Mission mission(words[0], options);
+  for (const auto& [name, value] : wish.settings) mission.set(name, value);
+  if (!wish.record.empty()) mission.record(wish.record);
+  return mission;
+}
+
+void print(const char* code, const char* state, const std::string& outcome, const std::string& error) {
+  std::printf("%s\n%s\n%s\n%s\n", code, state, outcome.c_str(), error.c_str());
+}
+
+}  // namespace
+
+int main(int count, char** arguments) {
+  const std::vector<std::string> words(arguments + 1, arguments + count);
+  const auto wish = read(words);
+  try {
+    auto mission = open(words, wish);
+    const mebots::InterruptOnSignals guard(mission);
+    const char* code = "";
+    try {
+      if (wish.step_by_step) {
+        while (mission.step()) {
+        }
+      } else {
+        mission.run();
+      }
+    } catch (const mebots::Error& error) {
+      code = mebots::name_of(error.code()).data();
+    }
+    print(code, mebots::name_of(mission.state()).data(), mission.outcome(), mission.error());
+    return 0;
+  } catch (const mebots::InputError& error) {
+    print(mebots::name_of(error.code()).data(), "refused", "", error.what());
+    return 2;
+  }
+}
