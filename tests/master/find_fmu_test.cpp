@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "slave/find_fmu.hpp"
 
-#include "base/input_error.hpp"
 #include "base/installation.hpp"
+#include "mebots/input_error.hpp"
 #include "run/input_hash.hpp"
 #include "test_system.hpp"
 

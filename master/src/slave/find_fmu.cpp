@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "slave/find_fmu.hpp"
 
-#include "base/input_error.hpp"
 #include "base/installation.hpp"
 #include "base/nearest_names.hpp"
+#include "mebots/input_error.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
