@@ -13,9 +13,6 @@
 namespace mebots::world {
 namespace {
 
-constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::min();
-/// Touches of a gate that follow within this time are one event in the log.
-constexpr std::int64_t kTouchPause_ns = 500'000'000;
 /// A touch supports the drone when its normal is within 45 degrees of straight up.
 constexpr double kSupportNormal_z = 0.7071;
 /// A start this far above the ground, or lower, is a start on the ground.
@@ -86,9 +83,8 @@ World::World(scene::Scene scene, const Parameters& parameters, const Inputs& inp
       range_(scene_, parameters.range_noise_m, static_cast<std::uint32_t>(parameters.sensors_seed)),
       sequencer_(scene_.start.p_WB_m.z() + parameters.start_offset_m[axis::z] - 0.5 * scene_.drone.body_size_m.z() <=
                  kOnGround_m),
-      gates_(scene_.gates),
-      state_(start_of(scene_, parameters)),
-      last_gate_touch_ns_(scene_.gates.size(), kNever) {
+      gates_({scene_.gates.begin(), scene_.gates.end()}, scene_.drone.body_size_m),
+      state_(start_of(scene_, parameters)) {
   require_at_least_zero(in_.drone_dry_mass_kg, "drone.dry_mass");
   require_at_least_zero(in_.range_noise_m, "range.noise");
   check_inputs();
@@ -164,9 +160,9 @@ void World::inner_step(std::int64_t end_ns, double dt_s) {
   const Wrench rotors_B = rotor_wrench(scene_.drone, inputs_.rotor_thrust_n, inputs_.rotor_torque_n_m);
   const Eigen::Vector3d force_W_n =
       state_.q_WB * rotors_B.force_n + drag_force(scene_.drone, state_, vector(inputs_.wind_velocity_m_per_s));
-  const Eigen::Vector3d from_W_m = state_.p_WB_m;
+  const RigidState from = state_;
   const auto& touches = bodies_.step(state_, force_W_n, rotors_B.torque_n_m, dt_s);
-  path_length_m_ += (state_.p_WB_m - from_W_m).norm();
+  path_length_m_ += (state_.p_WB_m - from.p_WB_m).norm();
 
   Situation situation;
   situation.altitude_m = state_.p_WB_m.z();
@@ -174,13 +170,19 @@ void World::inner_step(std::int64_t end_ns, double dt_s) {
   situation.speed_m_per_s = state_.v_WB_m_per_s.norm();
   const FlightPhase before = sequencer_.phase();
   judge_touches(touches, end_ns, situation);
-  judge_gates(from_W_m, end_ns);
+  // What a wreck does counts for nothing.
+  if (before != FlightPhase::crashed) {
+    if (const auto event = gates_.move(from, state_)) report_gate(end_ns, *event);
+  }
   if (before != FlightPhase::crashed && state_.rotation()(2, 2) < std::cos(scene_.contact.crash_tilt_rad)) {
     situation.crashed = true;
     report(end_ns, "crash: tipped over");
   }
   sequencer_.update(inputs_.setpoint_mode, inputs_.setpoint_altitude_m, situation, dt_s);
   report_phase(before, end_ns);
+  if (before != FlightPhase::landed && sequencer_.phase() == FlightPhase::landed) {
+    if (const auto event = gates_.land(state_, end_ns)) report_gate(end_ns, *event);
+  }
   stabiliser_.update(goal(), state_, dt_s);
   range_.update(end_ns, state_);
 }
@@ -188,14 +190,10 @@ void World::inner_step(std::int64_t end_ns, double dt_s) {
 void World::judge_touches(const std::vector<Touch>& touches, std::int64_t time_ns, Situation& situation) {
   for (const Touch& touch : touches) {
     situation.supported = situation.supported || touch.normal_W.z() > kSupportNormal_z;
-    if (touch.what == Touch::What::gate) {
-      gate_touched_ = true;
-      std::int64_t& last_ns = last_gate_touch_ns_[touch.index];
-      if (last_ns == kNever || time_ns - last_ns > kTouchPause_ns) {
-        report(time_ns,
-               fmt::format("touched {} with {:.3f} m/s", scene_.gates[touch.index].name, touch.closing_speed_m_per_s));
+    if (touch.what == Touch::What::gate && sequencer_.phase() != FlightPhase::crashed) {
+      if (const auto event = gates_.touch(touch.index, time_ns)) {
+        report_gate(time_ns, *event, touch.closing_speed_m_per_s);
       }
-      last_ns = time_ns;
     }
     if (touch.closing_speed_m_per_s <= scene_.contact.crash_speed_m_per_s) continue;
     if (!situation.crashed && sequencer_.phase() != FlightPhase::crashed) {
@@ -205,12 +203,24 @@ void World::judge_touches(const std::vector<Touch>& touches, std::int64_t time_n
   }
 }
 
-void World::judge_gates(const Eigen::Vector3d& from_W_m, std::int64_t time_ns) {
-  const auto crossing = gates_.move(from_W_m, state_.p_WB_m);
-  if (!crossing) return;
-  report(time_ns,
-         fmt::format("{} {}: {:.3f} m left of its middle, {:.3f} m above", crossing->passed ? "passed" : "missed",
-                     scene_.gates[crossing->gate].name, crossing->lateral_m, crossing->vertical_m));
+void World::report_gate(std::int64_t time_ns, const GateEvent& event, double closing_speed_m_per_s) const {
+  const std::string& name = scene_.gates[event.gate].name;
+  const auto crossing = [&](std::string_view how) {
+    report(time_ns, fmt::format("{} {}: {:.3f} m left of its middle, {:.3f} m above", how, name, event.lateral_m,
+                                event.vertical_m));
+  };
+  switch (event.kind) {
+    case GateEvent::Kind::crossed:
+      return crossing("crossed");
+    case GateEvent::Kind::missed:
+      return crossing("missed");
+    case GateEvent::Kind::turned_back:
+      return report(time_ns, fmt::format("turned back: in front of {} again", name));
+    case GateEvent::Kind::touched:
+      return report(time_ns, fmt::format("touched {} with {:.3f} m/s", name, closing_speed_m_per_s));
+    case GateEvent::Kind::stuck:
+      return report(time_ns, fmt::format("stuck in {}", name));
+  }
 }
 
 void World::report_phase(FlightPhase before, std::int64_t time_ns) {
@@ -262,9 +272,13 @@ void World::write_outputs() {
   outputs_.drone_landed = sequencer_.phase() == FlightPhase::landed;
   outputs_.drone_crashed = sequencer_.phase() == FlightPhase::crashed;
   outputs_.range_down_m = range_.reading_m();
-  outputs_.gate_passed = gates_.all_passed();
-  outputs_.gate_touched = gate_touched_;
+  outputs_.gate_reached = gates_.reached();
+  outputs_.gate_crossed = gates_.crossed();
+  outputs_.gate_passed = gates_.passed();
+  outputs_.gate_touched = gates_.touched();
   outputs_.gate_missed = gates_.missed();
+  outputs_.gate_turned_back = gates_.turned_back();
+  outputs_.gate_stuck = gates_.stuck();
   outputs_.gate_distance_m = gates_.distance_m(state_.p_WB_m);
   outputs_.gate_lateral_error_m = gates_.lateral_error_m();
   outputs_.camera_frame = fmu::BinaryRef::to(camera_.frame());
@@ -281,8 +295,6 @@ void World::save(state::Writer& writer) const {
   put(writer, state_);
   writer.put(mass_kg_);
   writer.put(path_length_m_);
-  writer.put(gate_touched_);
-  writer.put(last_gate_touch_ns_);
   stabiliser_.save(writer);
   sequencer_.save(writer);
   gates_.save(writer);
@@ -294,12 +306,6 @@ void World::restore(state::Reader& reader) {
   get(reader, state_);
   const auto mass_kg = reader.get<double>();
   reader.get(path_length_m_);
-  reader.get(gate_touched_);
-  reader.get(last_gate_touch_ns_);
-  if (last_gate_touch_ns_.size() != scene_.gates.size()) {
-    throw Error(fmt::format("a saved state of fmu_world has {} gates; scene \"{}\" has {}", last_gate_touch_ns_.size(),
-                            scene_.name, scene_.gates.size()));
-  }
   stabiliser_.restore(reader);
   sequencer_.restore(reader);
   gates_.restore(reader);

@@ -52,7 +52,7 @@ class World {
   void check_start();
   void inner_step(std::int64_t end_ns, double dt_s);
   void judge_touches(const std::vector<Touch>& touches, std::int64_t time_ns, Situation& situation);
-  void judge_gates(const Eigen::Vector3d& from_W_m, std::int64_t time_ns);
+  void report_gate(std::int64_t time_ns, const GateEvent& event, double closing_speed_m_per_s = 0.0) const;
   void report_phase(FlightPhase before, std::int64_t time_ns);
   StabiliserGoal goal() const;
   void write_outputs();
@@ -75,8 +75,6 @@ class World {
   RigidState state_;
   double mass_kg_ = std::numeric_limits<double>::quiet_NaN();
   double path_length_m_ = 0.0;
-  bool gate_touched_ = false;
-  std::vector<std::int64_t> last_gate_touch_ns_;  ///< kNever for a gate not yet touched
 };
 
 }  // namespace mebots::world

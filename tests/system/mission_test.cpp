@@ -146,6 +146,32 @@ TEST(Mission, DroneThatSeesNothingDoesNotPass) {
       << "started towards the gate, but with noise alone in its pictures";
 }
 
+TEST(Mission, DroneThatHangsOnTheFrameIsStuckHoweverItsCellEnds) {
+  // Started a metre before the left upright, with nobody steering.
+  const auto flight = fly_changed({"world.start.offset.x=4", "world.start.offset.y=0.45",
+                                   "soc.mission.yaw_rate_scale=0", "battery.cell.initial_state_of_charge=0.2"});
+  EXPECT_EQ(flight.exit_code, 0) << flight.output;
+  EXPECT_EQ(flight.summary.at("outcome"), "stuck") << flight.output;
+  EXPECT_EQ(flight.summary.at("gate").at("passed"), false);
+}
+
+TEST(Mission, DroneThatComesBackThroughTheGateIsTurnedBack) {
+  // Somebody pulls it back as soon as it is behind the gate, and lands it where it started.
+  auto config = shipped_config("gate_easy");
+  config["scenario"] = nlohmann::ordered_json::parse(R"([
+    {"variable": "world.setpoint.velocity.x", "set": -0.3,
+     "when": {"variable": "world.gate.passed", "equals": true}},
+    {"variable": "world.setpoint.mode", "set": "land",
+     "when": {"variable": "world.gate.turned_back", "equals": true, "for": 1}}
+  ])");
+  const Folder folder;
+  const auto flight = fly(write(folder / "pulled.json", config), folder / "out", {"world.start.offset.x=4"});
+  EXPECT_EQ(flight.exit_code, 0) << flight.output;
+  EXPECT_EQ(flight.summary.at("outcome"), "turned_back") << flight.output;
+  EXPECT_EQ(flight.summary.at("gate").at("crossed"), true);
+  EXPECT_EQ(flight.summary.at("landed"), true);
+}
+
 TEST(Mission, CellThatIsFlatInMidAirBringsTheDroneDown) {
   const auto flight = fly_changed({"battery.cell.initial_state_of_charge=0.02", "soc.mission.landing_charge=0"});
   EXPECT_EQ(flight.exit_code, 0) << "a flat cell is a result, not a failure\n" << flight.output;

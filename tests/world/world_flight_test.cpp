@@ -27,9 +27,13 @@ TEST(Flight, TakesOffFliesThroughTheGateAndLands) {
   EXPECT_NEAR(rig.altitude_m(), 1.0, 0.01);
   rig.inputs.setpoint_velocity_x_m_per_s = 0.3;
   rig.run(20.0);
+  EXPECT_TRUE(rig.outputs.gate_reached);
+  EXPECT_TRUE(rig.outputs.gate_crossed);
   EXPECT_TRUE(rig.outputs.gate_passed);
   EXPECT_FALSE(rig.outputs.gate_touched);
   EXPECT_FALSE(rig.outputs.gate_missed);
+  EXPECT_FALSE(rig.outputs.gate_turned_back);
+  EXPECT_FALSE(rig.outputs.gate_stuck);
   EXPECT_NEAR(rig.outputs.gate_lateral_error_m, -0.1, 1e-3);  // the gate's middle is 0.1 m to the left
   EXPECT_LT(rig.outputs.gate_distance_m, -0.3);
   rig.inputs.setpoint_mode = FlightMode::land;
@@ -39,7 +43,7 @@ TEST(Flight, TakesOffFliesThroughTheGateAndLands) {
   EXPECT_FALSE(rig.outputs.drone_crashed);
   for (const double command : rig.outputs.rotor_command) EXPECT_EQ(command, 0.0);
   EXPECT_NEAR(rig.altitude_m(), 0.0145, 1e-4);
-  EXPECT_THAT(rig.events, ElementsAre(HasSubstr("take-off"), HasSubstr("flying"), HasSubstr("passed gate 1"),
+  EXPECT_THAT(rig.events, ElementsAre(HasSubstr("take-off"), HasSubstr("flying"), HasSubstr("crossed gate 1"),
                                       HasSubstr("landing"), HasSubstr("landed")));
 }
 
@@ -111,16 +115,22 @@ TEST(Flight, ALightTouchOfTheFrameIsSurvivedAndSeen) {
   FlightRig rig(shipped_scene("gate_easy"), starting_at(0.0, 0.2 + 0.160, 0.0));
   rig.take_off_and_fly();
   rig.inputs.setpoint_velocity_x_m_per_s = 0.3;
-  rig.run(18.0);
-  EXPECT_TRUE(rig.outputs.gate_touched);
+  while (!rig.outputs.gate_touched) rig.step();
+  rig.run(0.2);
   EXPECT_FALSE(rig.outputs.drone_crashed);
   EXPECT_THAT(rig.events, Contains(HasSubstr("touched gate 1")));
-  // It still flies: drawn to the middle it comes through.
+  // It still flies: drawn back and to the middle it comes through.
+  rig.inputs.setpoint_velocity_x_m_per_s = -0.3;
+  rig.run(2.0);
+  rig.inputs.setpoint_velocity_x_m_per_s = 0.0;
   rig.inputs.setpoint_velocity_y_m_per_s = -0.15;
   rig.run(1.5);
+  rig.inputs.setpoint_velocity_x_m_per_s = 0.3;
   rig.inputs.setpoint_velocity_y_m_per_s = 0.0;
-  rig.run(5.0);
+  rig.run(6.0);
   EXPECT_TRUE(rig.outputs.gate_passed);
+  EXPECT_TRUE(rig.outputs.gate_touched);
+  EXPECT_FALSE(rig.outputs.gate_stuck);
   EXPECT_FALSE(rig.outputs.drone_crashed);
   EXPECT_NEAR(rig.altitude_m(), 1.0, 0.05);
 }
@@ -131,6 +141,7 @@ TEST(Flight, PassingTheGateOutsideIsAMiss) {
   rig.inputs.setpoint_velocity_x_m_per_s = 0.5;
   rig.run(5.0);
   EXPECT_TRUE(rig.outputs.gate_missed);
+  EXPECT_FALSE(rig.outputs.gate_crossed);
   EXPECT_FALSE(rig.outputs.gate_passed);
   EXPECT_NEAR(rig.outputs.gate_lateral_error_m, -1.2, 0.01);
   EXPECT_THAT(rig.events, Contains(HasSubstr("missed gate 1")));

@@ -24,7 +24,9 @@ bool same(const FlightRig& a, const FlightRig& b) {
          a.outputs.drone_position_m == b.outputs.drone_position_m && a.outputs.range_down_m == b.outputs.range_down_m &&
          a.outputs.drone_path_length_m == b.outputs.drone_path_length_m &&
          a.outputs.drone_phase == b.outputs.drone_phase && a.outputs.drone_yaw_rad == b.outputs.drone_yaw_rad &&
-         a.outputs.gate_lateral_error_m == b.outputs.gate_lateral_error_m;
+         a.outputs.gate_lateral_error_m == b.outputs.gate_lateral_error_m &&
+         a.outputs.gate_passed == b.outputs.gate_passed && a.outputs.gate_crossed == b.outputs.gate_crossed &&
+         a.outputs.gate_stuck == b.outputs.gate_stuck && a.outputs.gate_turned_back == b.outputs.gate_turned_back;
 }
 
 Parameters noisy() {

@@ -1,64 +1,154 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "flight/gate_judge.hpp"
 
+#include "math/rotation.hpp"
 #include "mebots/error.hpp"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <utility>
 
 namespace mebots::world {
 namespace {
 
-/// A point of the world in the gate's frame.
-Eigen::Vector3d in_gate(const scene::Gate& gate, const Eigen::Vector3d& p_W_m) {
-  const double c = std::cos(gate.yaw_rad);
-  const double s = std::sin(gate.yaw_rad);
-  const Eigen::Vector3d d = p_W_m - gate.p_W_m;
-  return {c * d.x() + s * d.y(), -s * d.x() + c * d.y(), d.z()};
+constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::min();
+/// Touches that follow within this time are one contact.
+constexpr std::int64_t kTouchPause_ns = 500'000'000;
+/// A contact of this length holds the drone.
+constexpr std::int64_t kStuckAfter_ns = 10'000'000'000;
+
+bool within_square(const Eigen::Vector3d& p_G_m, double edge_m) {
+  return std::abs(p_G_m.y()) <= 0.5 * edge_m && std::abs(p_G_m.z()) <= 0.5 * edge_m;
 }
 
 }  // namespace
 
-std::optional<Crossing> GateJudge::move(const Eigen::Vector3d& from_W_m, const Eigen::Vector3d& to_W_m) {
-  if (next_ >= gates_.size()) return std::nullopt;
-  const scene::Gate& gate = gates_[next_];
-  const Eigen::Vector3d a = in_gate(gate, from_W_m);
-  const Eigen::Vector3d b = in_gate(gate, to_W_m);
+GateFrame::GateFrame(const scene::Gate& gate)
+    : p_WG_m(gate.p_W_m),
+      R_WG(yaw_rotation(gate.yaw_rad).toRotationMatrix()),
+      inner_m(gate.inner_m),
+      outer_m(gate.outer_m),
+      thickness_m(gate.thickness_m) {}
+
+GateJudge::GateJudge(std::vector<GateFrame> gates, const Eigen::Vector3d& body_size_m)
+    : gates_(std::move(gates)), body_size_m_(body_size_m), contacts_(gates_.size(), Contact{kNever, kNever}) {}
+
+double GateJudge::reach_m(const GateFrame& gate, const RigidState& state) const {
+  const Eigen::Vector3d n_B = state.q_WB.conjugate() * gate.R_WG.col(0);
+  return 0.5 * n_B.cwiseAbs().dot(body_size_m_);
+}
+
+bool GateJudge::whole_drone_in_front(const GateFrame& gate, const RigidState& state) const {
+  return gate.in_gate(state.p_WB_m).x() + reach_m(gate, state) <= -0.5 * gate.thickness_m;
+}
+
+bool GateJudge::whole_drone_behind(const GateFrame& gate, const RigidState& state) const {
+  return gate.in_gate(state.p_WB_m).x() - reach_m(gate, state) >= 0.5 * gate.thickness_m;
+}
+
+bool GateJudge::comes_back(const RigidState& from, const RigidState& to) const {
+  if (next_ == 0) return false;
+  const GateFrame& gate = gates_[next_ - 1];
+  if (!whole_drone_in_front(gate, to) || whole_drone_in_front(gate, from)) return false;
+  return next_ == gates_.size() || within_square(gate.in_gate(to.p_WB_m), gate.outer_m);
+}
+
+std::optional<GateEvent> GateJudge::move(const RigidState& from, const RigidState& to) {
+  std::optional<GateEvent> event;
+  if (comes_back(from, to)) {
+    --next_;
+    turned_back_ = true;
+    event = GateEvent{GateEvent::Kind::turned_back, next_};
+  } else if (next_ < gates_.size()) {
+    event = cross(from, to);
+  }
+  behind_ = crossed_all() && whole_drone_behind(gates_.back(), to);
+  return event;
+}
+
+std::optional<GateEvent> GateJudge::cross(const RigidState& from, const RigidState& to) {
+  const GateFrame& gate = gates_[next_];
+  const Eigen::Vector3d a = gate.in_gate(from.p_WB_m);
+  const Eigen::Vector3d b = gate.in_gate(to.p_WB_m);
   if (!(a.x() < 0.0 && b.x() >= 0.0)) return std::nullopt;
 
-  const double share = a.x() / (a.x() - b.x());
-  const Eigen::Vector3d at = a + share * (b - a);
-  const double half_m = 0.5 * gate.inner_m;
-  Crossing crossing;
-  crossing.gate = next_;
-  crossing.passed = std::abs(at.y()) <= half_m && std::abs(at.z()) <= half_m;
-  crossing.lateral_m = at.y();
-  crossing.vertical_m = at.z();
-  crossing.p_W_m = from_W_m + share * (to_W_m - from_W_m);
-  lateral_error_m_ = crossing.lateral_m;
-  if (crossing.passed) {
+  const Eigen::Vector3d at = a + a.x() / (a.x() - b.x()) * (b - a);
+  const bool through = within_square(at, gate.inner_m);
+  const GateEvent event{through ? GateEvent::Kind::crossed : GateEvent::Kind::missed, next_, at.y(), at.z()};
+  reached_ = true;
+  lateral_error_m_ = at.y();
+  if (through) {
     ++next_;
+    crossed_ = crossed_ || crossed_all();
   } else {
     missed_ = true;
   }
-  return crossing;
+  return event;
+}
+
+std::optional<GateEvent> GateJudge::touch(std::size_t gate, std::int64_t time_ns) {
+  touched_ = true;
+  Contact& contact = contacts_[gate];
+  const bool first = contact.last_ns == kNever || time_ns - contact.last_ns > kTouchPause_ns;
+  if (first) contact.since_ns = time_ns;
+  contact.last_ns = time_ns;
+  if (first) return GateEvent{GateEvent::Kind::touched, gate};
+  if (time_ns - contact.since_ns >= kStuckAfter_ns) return get_stuck(gate);
+  return std::nullopt;
+}
+
+std::optional<GateEvent> GateJudge::land(const RigidState& at, std::int64_t time_ns) {
+  for (std::size_t i = 0; i < contacts_.size(); ++i) {
+    if (contacts_[i].last_ns != kNever && time_ns - contacts_[i].last_ns <= kTouchPause_ns) return get_stuck(i);
+  }
+  const bool in_the_plane = crossed_all() && !whole_drone_behind(gates_.back(), at);
+  return in_the_plane ? get_stuck(gates_.size() - 1) : std::nullopt;
+}
+
+std::optional<GateEvent> GateJudge::get_stuck(std::size_t gate) {
+  if (stuck_) return std::nullopt;
+  stuck_ = true;
+  return GateEvent{GateEvent::Kind::stuck, gate};
 }
 
 double GateJudge::distance_m(const Eigen::Vector3d& p_W_m) const {
   if (gates_.empty()) return 0.0;
-  return -in_gate(gates_[std::min<std::size_t>(next_, gates_.size() - 1)], p_W_m).x();
+  return -gates_[std::min<std::size_t>(next_, gates_.size() - 1)].in_gate(p_W_m).x();
 }
 
 void GateJudge::save(state::Writer& writer) const {
+  writer.put(contacts_);
   writer.put(next_);
+  writer.put(crossed_);
+  writer.put(behind_);
+  writer.put(touched_);
   writer.put(missed_);
+  writer.put(turned_back_);
+  writer.put(stuck_);
+  writer.put(reached_);
   writer.put(lateral_error_m_);
 }
 
 void GateJudge::restore(state::Reader& reader) {
+  std::vector<Contact> contacts;
+  reader.get(contacts);
+  if (contacts.size() != gates_.size()) {
+    throw Error(
+        fmt::format("a saved state of fmu_world has {} gates; this scene has {}", contacts.size(), gates_.size()));
+  }
+  contacts_ = std::move(contacts);
   reader.get(next_);
-  if (next_ > gates_.size()) throw Error("a saved state of fmu_world belongs to a scene with more gates");
+  if (next_ > gates_.size())
+    throw Error("a saved state of fmu_world is damaged: it has crossed more gates than there are");
+  reader.get(crossed_);
+  reader.get(behind_);
+  reader.get(touched_);
   reader.get(missed_);
+  reader.get(turned_back_);
+  reader.get(stuck_);
+  reader.get(reached_);
   reader.get(lateral_error_m_);
 }
 
