@@ -73,6 +73,38 @@ TEST_F(Program, SummaryIsTheSameButForWallClockAndRealTimeFactor) {
   EXPECT_EQ(once(), once());
 }
 
+TEST_F(Program, AValueThatWasNotMeasuredIsLeftOutOfTheSummary) {
+  const auto summary_when = [&](const std::string& limit) {
+    write_file(folder.path() / "measured.json",
+               with_probe(R"({"step": 0.1, "stop_time": 1, "instances": {"a": {"fmu": "PROBE"}}, "connections": [],
+                 "summary": {"length": {"variable": "a.last_end", "when": [{"variable": "a.steps", "above": )" +
+                          limit + "}]}}}"));
+    EXPECT_EQ(run({"run", "measured.json", "--quiet"}).code, 0);
+    return nlohmann::json::parse(read_file(folder.path() / "results/measured/summary.json"));
+  };
+  EXPECT_EQ(summary_when("9")["length"], 1.0);
+  EXPECT_EQ(summary_when("9")["units"]["length"], "s");
+  EXPECT_FALSE(summary_when("10").contains("length"));
+  EXPECT_FALSE(summary_when("10")["units"].contains("length"));
+}
+
+TEST_F(Program, TheSummaryTellsWhatTheRunStartedFrom) {
+  run_config({"--set", "b.mode_in=both"});
+  EXPECT_EQ(summary()["parameters"]["a"]["gain"], 2.0);
+  EXPECT_EQ(summary()["parameters"]["b"]["mode_in"], 7);
+}
+
+TEST_F(Program, AnOutcomeOtherThanExpectedIsAnsweredByOne) {
+  EXPECT_EQ(run_config({"--expect", "completed", "--junit", "pass.xml"}).code, 0);
+  EXPECT_THAT(read_file(folder.path() / "pass.xml"), AllOf(HasSubstr("failures=\"0\""), HasSubstr("name=\"two\"")));
+  const auto other = run_config({"--expect", "far", "--expect", "near", "--junit", "fail.xml"});
+  EXPECT_EQ(other.code, 1);
+  EXPECT_THAT(other.err, AllOf(HasSubstr("'completed'"), HasSubstr("far or near")));
+  EXPECT_THAT(read_file(folder.path() / "fail.xml"), HasSubstr("failures=\"1\""));
+  EXPECT_EQ(run_config({"--set", "a.fault=error", "--junit", "error.xml"}).code, 1);
+  EXPECT_THAT(read_file(folder.path() / "error.xml"), AllOf(HasSubstr("errors=\"1\""), HasSubstr("fmi2Error")));
+}
+
 TEST_F(Program, OptionsChangeTheRun) {
   const auto result =
       run_config({"--set", "a.gain=3", "--set", "a.offset=1", "--stop-time", "0.5", "--out", "elsewhere/deep"});

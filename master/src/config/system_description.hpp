@@ -130,6 +130,7 @@ struct OverrideDescription {
 struct SummaryEntry {
   std::vector<std::string> path;
   VariableName variable;
+  std::vector<ConditionDescription> when;  ///< all must hold at the end; else the value is left out
   std::string place;
 };
 

@@ -12,15 +12,27 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::string_view kOwnLabels[] = {"outcome",    "end_reason", "end_text",      "error",  "simulated_time",
-                                           "stop_time",  "step",       "steps",         "rows",   "real_time_factor",
-                                           "wall_clock", "units",      "versions",      "inputs", "notices",
-                                           "statistics", "scenario",   "lost_instances"};
+constexpr std::string_view kOwnLabels[] = {
+    "outcome", "end_reason", "end_text",         "error",          "simulated_time", "stop_time", "step",
+    "steps",   "rows",       "real_time_factor", "wall_clock",     "units",          "versions",  "inputs",
+    "notices", "statistics", "scenario",         "lost_instances", "parameters"};
 
 void put(Json& root, const std::vector<std::string>& path, Json value) {
   auto* node = &root;
   for (const auto& label : path) node = &(*node)[label];
   *node = std::move(value);
+}
+
+Json json_of(const modeldesc::Value& value) {
+  return std::visit(
+      []<typename T>(const T& held) -> Json {
+        if constexpr (std::is_same_v<T, std::monostate>) {
+          return nullptr;
+        } else {
+          return held;
+        }
+      },
+      value);
 }
 
 /// The FMU as its config names it; one from an SSP by its place in the archive, not by where that happens to be
@@ -41,13 +53,16 @@ SummaryValues::SummaryValues(const ResolvedSystem& system, Ensemble& ensemble) :
       throw InputError(fmt::format("{}: the label '{}' is used by summary.json itself; choose another one", entry.place,
                                    entry.path.front()));
     }
-    entries_.push_back({entry.path, &model, resolved.variable, ensemble.watch(resolved), 0, {}});
+    auto& added =
+        entries_.emplace_back(Entry{entry.path, &model, resolved.variable, ensemble.watch(resolved), {}, true, 0, {}});
+    for (const auto& condition : entry.when) added.when.emplace_back(system, ensemble, condition);
   }
 }
 
 std::optional<std::string> SummaryValues::reached(const Point& /*point*/) {
   any_point_ = true;
   for (auto& entry : entries_) {
+    entry.shown = std::ranges::all_of(entry.when, &Condition::holds);
     switch (entry.signal.kind) {
       case ValueKind::real:
         entry.number = ensemble_->real(entry.signal);
@@ -87,14 +102,16 @@ Json SummaryValues::value_of(const Entry& entry) const {
 Json SummaryValues::values() const {
   auto result = Json::object();
   if (!any_point_) return result;
-  for (const auto& entry : entries_) put(result, entry.path, value_of(entry));
+  for (const auto& entry : entries_) {
+    if (entry.shown) put(result, entry.path, value_of(entry));
+  }
   return result;
 }
 
 Json SummaryValues::units() const {
   auto result = Json::object();
   for (const auto& entry : entries_) {
-    if (!entry.variable->unit.empty()) put(result, entry.path, entry.variable->unit);
+    if (entry.shown && !entry.variable->unit.empty()) put(result, entry.path, entry.variable->unit);
   }
   return result;
 }
@@ -129,6 +146,12 @@ Json summary_json(const ResolvedSystem& system, const InputHash& hash, const Run
 
   auto& versions = json["versions"];
   versions["mebots"] = MEBOTS_VERSION;
+  // What the run started from beyond its FMUs' own start values: what a comparison of two runs asks first.
+  for (const auto& instance : system.instances) {
+    for (const auto& start : instance.starts) {
+      json["parameters"][instance.description->name][start.variable->name] = json_of(start.value);
+    }
+  }
   auto& inputs = json["inputs"];
   inputs["sha256"] = hash.all;
   inputs["config"] = {{"file", description.file.filename().string()}, {"sha256", hash.config}};

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "observer/conditions.hpp"
 #include "observer/observer.hpp"
 #include "run/input_hash.hpp"
 #include "system/ensemble.hpp"
@@ -24,7 +25,8 @@ class SummaryValues final : public Observer {
 
   std::optional<std::string> reached(const Point& point) override;
 
-  /// Labels to values (numbers, true and false, texts, enumerations as their item's name); empty before t = 0.
+  /// Labels to values (numbers, true and false, texts, enumerations as their item's name); empty before t = 0. What was
+  /// not measured, by the conditions of its entry, is left out.
   nlohmann::ordered_json values() const;
   /// The same labels to units, without those that have none.
   nlohmann::ordered_json units() const;
@@ -35,6 +37,8 @@ class SummaryValues final : public Observer {
     const modeldesc::ModelDescription* model;
     const modeldesc::Variable* variable;
     SignalId signal;
+    std::vector<Condition> when;
+    bool shown = true;
     double number = 0;
     std::string text;
   };
