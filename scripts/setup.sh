@@ -18,6 +18,7 @@ packages=(
   libxbyak-dev                                                    # translation of firmware to host code
   libssl-dev                                                      # hash of a run's inputs
   libhdf5-dev                                                     # results as HDF5
+  libpng-dev                                                      # pictures of a flight
   libgtest-dev libgmock-dev libbenchmark-dev                      # tests, benchmarks
   gcc-riscv64-unknown-elf picolibc-riscv64-unknown-elf            # the drone's firmware
   gdb-multiarch libclang-rt-14-dev                                # its debugger; fuzzing

@@ -3,7 +3,7 @@
 
 #include "base/time.hpp"
 #include "mebots/fmu/binary_ref.hpp"
-#include "sink/output_file.hpp"
+#include "sink/png_file.hpp"
 
 #include <fmt/format.h>
 
@@ -54,7 +54,7 @@ void PictureRecorder::make_folder() const {
   if (error) throw InputError(fmt::format("{}: this folder cannot be made: {}", folder_.string(), error.message()));
   // An earlier run's pictures would look like this one's.
   for (const auto& entry : std::filesystem::directory_iterator(folder_)) {
-    if (entry.path().extension() == ".pgm") std::filesystem::remove(entry.path(), error);
+    if (entry.path().extension() == ".png") std::filesystem::remove(entry.path(), error);
   }
 }
 
@@ -80,10 +80,7 @@ void PictureRecorder::write(const Point& point) const {
     throw Error(fmt::format("{}: {} holds {} bytes at {} s, which are not whole rows of {} pixels; correct 'width'",
                             pictures_.place, pictures_.frame.text(), pixels.size(), to_seconds(point.time_ns), width));
   }
-  OutputFile file(folder_ / fmt::format("{:011.6f}.pgm", to_seconds(point.time_ns)));
-  file.append(fmt::format("P5\n{} {}\n255\n", width, pixels.size() / width));
-  file.append({reinterpret_cast<const char*>(pixels.data()), pixels.size()});
-  file.close();
+  write_png(folder_ / fmt::format("{:011.6f}.png", to_seconds(point.time_ns)), pixels, width);
 }
 
 void PictureRecorder::save(state::Writer& writer) {

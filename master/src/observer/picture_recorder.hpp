@@ -9,8 +9,8 @@
 
 namespace mebots::master {
 
-/// Keeps the frames that an OSMP binary carries, as 8-bit binary PGM files named by their time:
-/// `0012.345000.pgm` is the frame that was out at 12.345 s.
+/// Keeps the frames that an OSMP binary carries, as PNG files named by their time:
+/// `0012.345000.png` is the frame that was out at 12.345 s.
 class PictureRecorder final : public Observer {
  public:
   /// Throws InputError when the frame or its id is no variable of the kind that is needed.
