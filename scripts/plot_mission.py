@@ -18,6 +18,9 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 
+NEEDED = ["world.drone.position.x", "world.drone.position.y", "world.drone.position.z", "world.drone.speed",
+          "soc.setpoint.yaw_rate", "battery.cell.voltage", "battery.cell.state_of_charge", "battery.motors.energy",
+          "battery.avionics.energy", "battery.soc.energy", "battery.camera.energy"]
 SCENES = pathlib.Path(__file__).resolve().parent.parent / "fmu_world" / "params" / "scenes"
 
 
@@ -42,12 +45,23 @@ def draw_gates(axes, scene):
             axes.plot(*zip(inner, outer), color="tab:red", linewidth=4, solid_capstyle="butt")
 
 
-def running_mean(time, values, window=1.0):
-    """Mean over the last `window` seconds: chip and camera switch many times a second."""
-    count = max(1, round(window / (time[1] - time[0])))
-    sums = np.concatenate(([0.0], np.cumsum(values)))
-    first = np.maximum(np.arange(len(values)) - count + 1, 0)
-    return (sums[1:] - sums[first]) / (np.arange(len(values)) + 1 - first)
+def mean_power(time, energy, window=1.0):
+    """Mean power over the last `window` seconds, from the energy since the start. Chip and camera switch many times
+    between two rows, which samples of their power would miss; the energy counts everything."""
+    first = np.searchsorted(time, time - window)
+    first[0] = 0
+    span = time - time[first]
+    return np.where(span > 0, energy - energy[first], np.nan) / np.where(span > 0, span, 1)
+
+
+def find_scene(summary, path):
+    """The scene that the run flew in, by its own summary."""
+    world = summary.get("parameters", {}).get("world", {})
+    file = path or world.get("scene.file") or SCENES / f"{world.get('scene.name', 'gate_easy')}.json"
+    try:
+        return json.loads(pathlib.Path(file).read_text())
+    except (OSError, ValueError) as error:
+        sys.exit(f"plot_mission.py: {file}: the scene cannot be read: {error}. Name it with --scene")
 
 
 def plot_mission(data, scene, summary, path):
@@ -80,9 +94,8 @@ def plot_mission(data, scene, summary, path):
     charge.set_ylabel("state of charge [%]", color="tab:purple")
 
     power = axes[1, 1]
-    for name, label in (("motors.power", "motors"), ("motors.avionics.power", "avionics"),
-                        ("soc.power", "chip"), ("soc.camera.power", "camera")):
-        power.plot(time, running_mean(time, data[name]), label=label, linewidth=1.2)
+    for name, label in (("motors", "motors"), ("avionics", "avionics"), ("soc", "chip"), ("camera", "camera")):
+        power.plot(time, mean_power(time, data[f"battery.{name}.energy"]), label=label, linewidth=1.2)
     power.set(xlabel="time [s]", ylabel="power [W]", yscale="log", ylim=(1e-4, 50), title="power of the loads, mean over 1 s")
     power.legend()
 
@@ -90,23 +103,14 @@ def plot_mission(data, scene, summary, path):
     plt.close(figure)
 
 
-def read_pgm(path):
-    """An 8-bit binary PGM as a 2-d array."""
-    magic, size, limit, pixels = path.read_bytes().split(b"\n", 3)
-    width, height = (int(n) for n in size.split())
-    if magic != b"P5" or limit != b"255":
-        sys.exit(f"{path}: not an 8-bit binary PGM")
-    return np.frombuffer(pixels, np.uint8, width * height).reshape(height, width)
-
-
 def plot_pictures(folder, path, count=8):
-    files = sorted(folder.rglob("*.pgm"))
+    files = sorted(folder.rglob("*.png"))
     chosen = [files[round(i)] for i in np.linspace(0, len(files) - 1, min(count, len(files)))]
     figure, axes = plt.subplots(2, (len(chosen) + 1) // 2, figsize=(11, 5.8), constrained_layout=True, squeeze=False)
     for cell in axes.flat:
         cell.axis("off")
     for cell, file in zip(axes.flat, chosen):
-        cell.imshow(read_pgm(file), cmap="gray", vmin=0, vmax=255)
+        cell.imshow(plt.imread(file), cmap="gray", vmin=0, vmax=1)
         cell.set_title(f"{float(file.stem):.2f} s", fontsize=9)
     figure.suptitle("what the camera saw")
     figure.savefig(path, dpi=110)
@@ -116,15 +120,23 @@ def plot_pictures(folder, path, count=8):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("results", type=pathlib.Path)
-    parser.add_argument("--scene", type=pathlib.Path, help="scene file; default: the easy gate")
+    parser.add_argument("--scene", type=pathlib.Path, help="scene file; default: the one that the run flew in")
     arguments = parser.parse_args()
 
-    summary = json.loads((arguments.results / "summary.json").read_text())
-    scene = json.loads((arguments.scene or SCENES / "gate_easy.json").read_text())
-    plot_mission(read_results(arguments.results / "results.csv"), scene, summary, arguments.results / "mission.png")
+    try:
+        summary = json.loads((arguments.results / "summary.json").read_text())
+        data = read_results(arguments.results / "results.csv")
+    except (OSError, ValueError, StopIteration) as error:
+        sys.exit(f"plot_mission.py: {arguments.results}: this is not the results folder of a run: {error}")
+    missing = [name for name in NEEDED if name not in data]
+    if missing:
+        sys.exit(f"plot_mission.py: {arguments.results}: this is not the flight of a drone, or it did not record "
+                 f"{', '.join(missing)}")
+    scene = find_scene(summary, arguments.scene)
+    plot_mission(data, scene, summary, arguments.results / "mission.png")
     print(f"wrote {arguments.results / 'mission.png'}")
     pictures = arguments.results / "pictures"
-    if any(pictures.rglob("*.pgm")):
+    if any(pictures.rglob("*.png")):
         plot_pictures(pictures, arguments.results / "pictures.png")
         print(f"wrote {arguments.results / 'pictures.png'}")
 

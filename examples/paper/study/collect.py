@@ -54,7 +54,7 @@ def embedded(path, edge):
 
 def pictures(folder):
     """[(time s, path)] of the pictures that a flight kept."""
-    found = sorted(pathlib.Path(folder, "pictures").rglob("*.pgm"))
+    found = sorted(pathlib.Path(folder, "pictures").rglob("*.png"))
     return [(float(path.stem), path) for path in found]
 
 
