@@ -144,12 +144,17 @@ const mebots::soc::BoardDevice& device_of(const BoardDescription& board, const s
 
 int main(int argc, char** argv) {
   const std::vector<std::string> arguments(argv + 1, argv + argc);
+  if (arguments.size() == 1 && arguments[0] == "--version") {
+    fmt::print("mebots-boardgen {}\n", MEBOTS_VERSION);
+    return 0;
+  }
   const bool headers = arguments.size() == 5 && arguments[1] == "--c" && arguments[3] == "--cpp";
   const bool skeleton = arguments.size() == 4 && arguments[1] == "--skeleton";
   if (!headers && !skeleton) {
     fmt::print(stderr,
                "usage: mebots-boardgen BOARD.json --c HEADER.h --cpp HEADER.hpp\n"
-               "       mebots-boardgen BOARD.json --skeleton DEVICE FILE.hpp\n");
+               "       mebots-boardgen BOARD.json --skeleton DEVICE FILE.hpp\n"
+               "       mebots-boardgen --version\n");
     return 2;
   }
   try {

@@ -15,6 +15,7 @@
 int main(int argc, char** argv) {
   using namespace mebots::modeldesc;
   CLI::App app{"Makes the files of an FMU from its description, and packs them"};
+  app.set_version_flag("--version", "mebots-modeldesc " MEBOTS_VERSION);
   app.require_subcommand(1);
 
   std::string description;

@@ -135,6 +135,37 @@ TEST_F(Program, AFailingRunKeepsItsRowsAndSaysWhy) {
   EXPECT_EQ(summary()["simulated_time"], 0.3);
 }
 
+TEST_F(Program, AnInterruptIsAnsweredBetweenTwoCallsToFmus) {
+  // 60 instances whose steps take 20 ms each: a communication step takes 1.2 s.
+  std::string instances;
+  for (int i = 0; i < 60; ++i) {
+    instances += fmt::format(R"({}"i{}": {{"fmu": "PROBE", "parameters": {{"fault": "slow", "fault_time": 0}}}})",
+                             i == 0 ? "" : ", ", i);
+  }
+  write_file(folder.path() / "slow.json",
+             with_probe(fmt::format(R"({{"step": 0.1, "stop_time": 10, "instances": {{{}}}, "connections": []}})",
+                                    instances)));
+  const auto child = fork();
+  if (child == 0) {
+    if (chdir(folder.path().c_str()) != 0) _exit(99);
+    execl(MEBOTS_PROGRAM, MEBOTS_PROGRAM, "run", "slow.json", "--quiet", nullptr);
+    _exit(98);
+  }
+  while (!std::filesystem::exists(folder.path() / "results/slow/results.csv")) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  const auto asked = std::chrono::steady_clock::now();
+  kill(child, SIGTERM);
+  int status = 0;
+  waitpid(child, &status, 0);
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - asked;
+  EXPECT_EQ(WEXITSTATUS(status), 1);
+  EXPECT_EQ(nlohmann::json::parse(read_file(folder.path() / "results/slow/summary.json"))["outcome"], "interrupted");
+  EXPECT_LT(took.count(), 1.0) << "it waited for the whole communication step";
+  RecordProperty("seconds", std::to_string(took.count()));
+}
+
 TEST_F(Program, BadUsageIsAnsweredByTwo) {
   for (const auto& arguments :
        {std::vector<std::string>{}, {"fly"}, {"run"}, {"run", "two.json", "--fast"}, {"info"}}) {

@@ -11,6 +11,7 @@
 int main(int argc, char** argv) {
   using namespace mebots::soc::tool;
   CLI::App app{"Runs bare-metal RISC-V programs on the simulated chip"};
+  app.set_version_flag("--version", "mebots-soc " MEBOTS_VERSION);
   app.require_subcommand(1);
   Options options;
   auto* command = app.add_subcommand("run", "Run a program until it stores to tohost, exits or faults");

@@ -295,6 +295,10 @@ T number(const char* text) {
 }  // namespace
 
 int run_fmu_host(int argument_count, char** arguments) {
+  if (argument_count == 2 && std::string_view(arguments[1]) == "--version") {
+    std::puts("mebots-fmu-host " MEBOTS_VERSION);
+    return 0;
+  }
   if (argument_count != 3) {
     std::fputs("mebots-fmu-host: runs one FMU for mebots, which starts it; there is nothing to call it for by hand\n",
                stderr);

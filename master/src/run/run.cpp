@@ -271,8 +271,11 @@ void Run::finish() {
   try {
     simulation_->terminate();
   } catch (const Error& error) {
-    report_.notices.push_back(fmt::format("after the end: {}", error.what()));
-    say(Severity::warning, "notice", report_.notices.back());
+    // An instance whose call an interrupt ended is told already, in the text of the end.
+    if (end.reason != EndReason::interrupted) {
+      report_.notices.push_back(fmt::format("after the end: {}", error.what()));
+      say(Severity::warning, "notice", report_.notices.back());
+    }
   }
   state_ = RunState::ended;
   write_reports();
