@@ -2,8 +2,10 @@
 """What the paper's study claims, checked on a handful of its flights with the study's own tools."""
 
 import dataclasses
+import json
 import os
 import pathlib
+import subprocess
 import sys
 import unittest
 
@@ -12,7 +14,7 @@ sys.path.insert(0, str(ROOT / "examples/paper/study"))
 
 import collect  # noqa: E402
 import experiments  # noqa: E402
-from missions import KM_H, Flight  # noqa: E402
+from missions import KM_H, Flight, config  # noqa: E402
 from results import CRUISE, Trace, energy_by_phase  # noqa: E402
 from run import Place, fly  # noqa: E402
 
@@ -81,6 +83,38 @@ class HardFlightAdaptive(unittest.TestCase):
         self.assertAlmostEqual(asked.max(), 1.0 * KM_H, delta=1e-4)
         # 0.3 km/h, the fastest constant speed that passes, needs 5.8 m / 0.083 m/s from the start of its cruise.
         self.assertLess(trace.time_at_gate(), 5.8 / (0.3 * KM_H))
+
+
+class HardMission(unittest.TestCase):
+    """configs/gate_hard.json, which is what a user flies."""
+
+    SHIPPED = ROOT / "configs/gate_hard.json"
+    FLIGHT_S = 8.0
+
+    def test_it_is_the_studys_adaptive_flight(self):
+        shipped = json.loads(self.SHIPPED.read_text())
+        base = next(f for f in experiments.speeds() if f.name == "b-adaptive")
+        study = config(base)
+        for key in ("step", "stop_time", "instances", "connections", "stop_when", "outcomes", "summary", "pictures"):
+            self.assertEqual(shipped[key], study[key], key)
+
+    def test_its_first_seconds_turn_towards_the_gate_and_slow_down(self):
+        out = BUILD / "tests/casestudy/gate_hard"
+        command = [str(BUILD / "bin/mebots"), "run", str(self.SHIPPED), "--out", str(out), "--quiet",
+                   "--stop-time", str(self.FLIGHT_S)]
+        subprocess.run(command, check=True)
+        summary, trace = json.loads((out / "summary.json").read_text()), Trace(out)
+        self.assertEqual(summary["outcome"], "timeout")
+        self.assertFalse(summary["gate"]["reached"])
+        flying = trace["world.drone.phase"] == CRUISE
+        self.assertGreater(summary["pictures"], 0.9 * (trace.time[-1] - trace.time[flying][0]) / 0.033)
+        asked = trace["soc.setpoint.velocity.x"][flying]
+        self.assertGreater(asked.max(), 0.7 * KM_H)
+        self.assertEqual(asked[-1], 0.0, "the gate at the edge of the picture stops it")
+        # To the left, at more than half of the scale that the network's output of 1 stands for.
+        turned = trace["world.drone.yaw"][-1] / (trace.time[-1] - trace.time[flying][0])
+        self.assertGreater(turned, 0.5 * 0.0235)
+        self.assertLess(turned, 1.05 * 0.0235)
 
 
 class HardFlightTooFast(unittest.TestCase):
