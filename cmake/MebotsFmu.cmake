@@ -54,7 +54,7 @@ function(mebots_add_fmu name)
   add_dependencies(${name}_model ${name}_description)
   target_include_directories(${name}_model PUBLIC ${generated_dir} ${source_dir}/src)
   target_compile_definitions(${name}_model PRIVATE ${ARG_MODEL_DEFINITIONS})
-  target_link_libraries(${name}_model PUBLIC mebots::interface ${ARG_MODEL_LIBRARIES} PRIVATE fmt::fmt-header-only nlohmann_json::nlohmann_json)
+  target_link_libraries(${name}_model PUBLIC mebots::interface mebots::data ${ARG_MODEL_LIBRARIES} PRIVATE fmt::fmt-header-only nlohmann_json::nlohmann_json)
 
   add_library(${name} MODULE ${source_dir}/src/fmu.cpp ${out_dir}/variable_table.cpp)
   mebots_target(${name})

@@ -4,7 +4,7 @@ include(CMakePackageConfigHelpers)
 include(GNUInstallDirs)
 
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/mebots)
-install(TARGETS mebots mebots-fmu-host mebots-modeldesc mebots_master mebots_modeldesc mebots_shell mebots_interface
+install(TARGETS mebots mebots-fmu-host mebots-modeldesc mebots_master mebots_modeldesc mebots_shell mebots_data mebots_interface
   EXPORT mebotsTargets
   RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR}
   ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cell.hpp"
 
-#include "mebots/data_file.hpp"
+#include "mebots/data/document.hpp"
+#include "mebots/data/object.hpp"
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -12,27 +15,70 @@ namespace {
 /// Fine enough to see a wrong sign or a falling stretch of any curve that is meant for a battery.
 constexpr int kSamples = 1000;
 
-void check_positive(const data::Node& file, const char* key, const Curve& curve, double from_s) {
+/// A curve that is > 0 wherever the model evaluates it.
+Curve read_positive(const data::Node& node, std::string_view unit, double from_s) {
+  const auto mistakes_before = node.noted();
+  Curve curve = Curve::read(node, unit);
+  if (node.noted() != mistakes_before) return curve;
   for (int i = 0; i <= kSamples; ++i) {
     const double s = from_s + (1 - from_s) * i / kSamples;
-    if (!data::Limits::positive().admit(curve(s))) {
-      file.fail(key, fmt::format("is {} at state of charge {}; it must be > 0 between {} and 1", curve(s), s, from_s));
-    }
+    if (data::Limits::positive().admit(curve(s))) continue;
+    node.fail(
+        ErrorCode::value_out_of_range,
+        fmt::format("the curve is {} at state of charge {}; it must be > 0 between {} and 1", curve(s), s, from_s));
   }
+  return curve;
 }
 
-void check_open_circuit(const data::Node& file, const Curve& curve) {
-  double before = 0;
-  for (int i = 0; i <= kSamples; ++i) {
+Curve read_open_circuit(const data::Node& node) {
+  Curve curve = read_positive(node, "V", 0);
+  for (int i = 1; i <= kSamples; ++i) {
     const double s = static_cast<double>(i) / kSamples;
-    const double value = curve(s);
-    if (!data::Limits::positive().admit(value) || value < before) {
-      file.fail(
-          "open_circuit_voltage",
-          fmt::format("is {} V at state of charge {}; it must be > 0 and never fall with rising charge", value, s));
-    }
-    before = value;
+    if (!(curve(s) < curve(static_cast<double>(i - 1) / kSamples))) continue;
+    node.fail(ErrorCode::invalid_value,
+              fmt::format("the curve falls at state of charge {}; it must never fall with rising charge", s));
   }
+  return curve;
+}
+
+Cell read_cell(const data::Node& node) {
+  using data::Limits;
+  using data::quantity;
+  data::Object object(node);
+  Cell cell;
+  object.comment("$schema");
+  object.read("name", cell.name, &data::Node::text);
+  object.comment("notes");
+  object.read("mass", cell.mass_kg, quantity("kg", Limits::positive()));
+  object.read("capacity", cell.capacity_c, quantity("C", Limits::positive()));
+  object.read("cut_off_voltage", cell.cut_off_voltage_v, quantity("V", Limits::at_least(0)));
+  object.read("continuous_current", cell.continuous_current_a, quantity("A", Limits::positive()));
+  object.read("self_discharge_current", cell.self_discharge_current_a, quantity("A", Limits::at_least(0)));
+  object.read("hold_below_state_of_charge", cell.hold_below_soc, quantity("1", Limits::between(0, 1)));
+  double ohms = 1;
+  double farads = 1;
+  object.read("resistance_factor", ohms, quantity("1", Limits::positive()));
+  object.read("capacitance_factor", farads, quantity("1", Limits::positive()));
+  object.read("open_circuit_voltage", cell.open_circuit_v, &read_open_circuit);
+  const auto element = [&](std::string_view key, std::string_view unit, double factor, Curve& curve) {
+    object.read(key, curve, [&](const data::Node& member) {
+      return read_positive(member, unit, cell.hold_below_soc).scaled(factor);
+    });
+  };
+  element("series_resistance", "Ohm", ohms, cell.series_ohm);
+  element("pair1_resistance", "Ohm", ohms, cell.pair1_ohm);
+  element("pair1_capacitance", "F", farads, cell.pair1_farad);
+  element("pair2_resistance", "Ohm", ohms, cell.pair2_ohm);
+  element("pair2_capacitance", "F", farads, cell.pair2_farad);
+  object.finish();
+
+  if (object.sound() && cell.cut_off_voltage_v >= cell.open_circuit_v(1)) {
+    node.at("cut_off_voltage")
+        .fail(ErrorCode::invalid_value,
+              fmt::format("the cut-off of {} V must be below the full cell's open-circuit voltage, {} V",
+                          cell.cut_off_voltage_v, cell.open_circuit_v(1)));
+  }
+  return cell;
 }
 
 }  // namespace
@@ -43,42 +89,7 @@ Circuit Cell::circuit_at(double s) const {
 }
 
 Cell load_cell(const std::filesystem::path& path) {
-  const data::File file(path);
-  const data::Node root = file.root();
-  root.only({"name", "notes", "mass", "capacity", "cut_off_voltage", "continuous_current", "self_discharge_current",
-             "hold_below_state_of_charge", "resistance_factor", "capacitance_factor", "open_circuit_voltage",
-             "series_resistance", "pair1_resistance", "pair1_capacitance", "pair2_resistance", "pair2_capacitance"});
-  using data::Limits;
-  Cell cell;
-  cell.name = root.text("name");
-  cell.mass_kg = root.quantity("mass", "kg", Limits::positive());
-  cell.capacity_c = root.quantity("capacity", "C", Limits::positive());
-  cell.cut_off_voltage_v = root.quantity("cut_off_voltage", "V", Limits::at_least(0));
-  cell.continuous_current_a = root.quantity("continuous_current", "A", Limits::positive());
-  cell.self_discharge_current_a = root.quantity("self_discharge_current", "A", Limits::at_least(0));
-  cell.hold_below_soc = root.quantity("hold_below_state_of_charge", "1", Limits::between(0, 1));
-  const double ohms = root.quantity("resistance_factor", "1", Limits::positive());
-  const double farads = root.quantity("capacitance_factor", "1", Limits::positive());
-
-  cell.open_circuit_v = Curve::read(root, "open_circuit_voltage", "V");
-  check_open_circuit(root, cell.open_circuit_v);
-  const auto element = [&](const char* key, const char* unit, double factor) {
-    const Curve curve = Curve::read(root, key, unit);
-    check_positive(root, key, curve, cell.hold_below_soc);
-    return curve.scaled(factor);
-  };
-  cell.series_ohm = element("series_resistance", "Ohm", ohms);
-  cell.pair1_ohm = element("pair1_resistance", "Ohm", ohms);
-  cell.pair1_farad = element("pair1_capacitance", "F", farads);
-  cell.pair2_ohm = element("pair2_resistance", "Ohm", ohms);
-  cell.pair2_farad = element("pair2_capacitance", "F", farads);
-
-  const double full_v = cell.open_circuit_v(1);
-  if (cell.cut_off_voltage_v >= full_v) {
-    root.fail("cut_off_voltage", fmt::format("= {} V must be below the full cell's open-circuit voltage, {} V",
-                                             cell.cut_off_voltage_v, full_v));
-  }
-  return cell;
+  return data::Document(path).read(&read_cell);
 }
 
 double terminal_current_a(double source_v, double series_ohm, double power_w) {

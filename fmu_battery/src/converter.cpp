@@ -1,11 +1,74 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "converter.hpp"
 
-#include "mebots/data_file.hpp"
+#include "mebots/data/document.hpp"
+#include "mebots/data/object.hpp"
+#include "mebots/nearest_names.hpp"
+
+#include <fmt/format.h>
 
 #include <algorithm>
+#include <string_view>
+#include <utility>
 
 namespace mebots::battery {
+namespace {
+
+/// {"unit", "value": [...]}
+auto table(std::string_view unit, std::vector<double> (*read)(const data::Node&, const data::Limits&),
+           const data::Limits& limits) {
+  return [=](const data::Node& node) {
+    data::Object object(node);
+    std::vector<double> values;
+    data::read_unit(object, unit);
+    object.read("value", values, [&](const data::Node& list) { return read(list, limits); });
+    object.finish();
+    return values;
+  };
+}
+
+/// More output must need more input, otherwise the converter cannot be read backwards. On a segment the input
+/// I / eta(I) with linear eta = a + b I has the sign of a as its slope, so the ends decide.
+void check_rising_input(const data::Node& efficiencies, const std::vector<double>& current_a,
+                        const std::vector<double>& efficiency) {
+  for (std::size_t i = 1; i < current_a.size(); ++i) {
+    const double slope = (efficiency[i] - efficiency[i - 1]) / (current_a[i] - current_a[i - 1]);
+    if (efficiency[i] - slope * current_a[i] > 0) continue;
+    efficiencies.elements()[i].complain(ErrorCode::invalid_value,
+                                        "this rises so fast that more output would need less input");
+  }
+}
+
+Converter read_converter(const std::string& name, const data::Node& node) {
+  using data::Limits;
+  data::Object object(node);
+  object.comment("notes");
+  data::read_source(object);
+  if (!object.has("output_current")) {
+    double one = 1;
+    object.read("efficiency", one, data::number(Limits::between(1, 1)));
+    object.allow({"output_voltage", "output_current"});
+    object.finish();
+    return {};
+  }
+  double voltage_v = 1;
+  std::vector<double> current_a;
+  std::vector<double> efficiency;
+  object.read("output_voltage", voltage_v, data::quantity("V", Limits::positive()));
+  object.read("output_current", current_a, table("A", &data::read_rising_numbers, Limits::at_least(0)));
+  object.read("efficiency", efficiency, table("1", &data::read_numbers, {0, 1, false}));
+  object.finish();
+  if (!object.sound()) return {};
+  const auto efficiencies = node.at("efficiency").at("value");
+  if (efficiency.size() != current_a.size()) {
+    efficiencies.fail(ErrorCode::invalid_value,
+                      fmt::format("{} entries for {} of output_current", efficiency.size(), current_a.size()));
+  }
+  check_rising_input(efficiencies, current_a, efficiency);
+  return {name, voltage_v, std::move(current_a), std::move(efficiency)};
+}
+
+}  // namespace
 
 Converter::Converter(std::string name, double output_voltage_v, std::vector<double> output_current_a,
                      std::vector<double> efficiency)
@@ -38,40 +101,29 @@ double Converter::output_power_w(double input_power_w) const {
   }
 }
 
-Converter load_converter(const std::filesystem::path& file, const std::string& name, const std::string& variable) {
-  const data::File json(file);
-  const data::Node root = json.root();
-  if (!root.has(name)) {
-    throw Error(fmt::format("{} = \"{}\": {} knows no such converter; take one of {}", variable, name, file.string(),
-                            fmt::join(root.keys(), ", ")));
-  }
-  const data::Node node = root.object(name);
-  node.only({"notes", "source", "output_voltage", "output_current", "efficiency"});
-  if (node.text("source").empty()) node.fail("source", "is empty: say where the values come from");
-  using data::Limits;
-  if (!node.has("output_current")) {
-    if (node.number("efficiency", Limits::between(1, 1)) == 1) return {};
-  }
-  const double voltage_v = node.quantity("output_voltage", "V", Limits::positive());
-  const data::Node current = node.object("output_current");
-  current.only({"unit", "value"}).require_unit("A");
-  auto current_a = current.rising_numbers("value", Limits::at_least(0));
-  const data::Node efficiency_node = node.object("efficiency");
-  efficiency_node.only({"unit", "value"}).require_unit("1");
-  auto efficiency = efficiency_node.numbers("value", {0, 1, false});
-  if (efficiency.size() != current_a.size()) {
-    efficiency_node.fail("value",
-                         fmt::format("has {} entries but output_current has {}", efficiency.size(), current_a.size()));
-  }
-  for (std::size_t i = 1; i < current_a.size(); ++i) {
-    // More output must need more input, otherwise the converter cannot be read backwards. On a segment the
-    // input I / eta(I) with linear eta = a + b I has the sign of a as its slope, so the ends decide.
-    const double slope = (efficiency[i] - efficiency[i - 1]) / (current_a[i] - current_a[i - 1]);
-    if (efficiency[i] - slope * current_a[i] <= 0) {
-      efficiency_node.fail(fmt::format("value[{}]", i), "rises so fast that more output would need less input");
+std::map<std::string, Converter> load_converters(const std::filesystem::path& file) {
+  return data::Document(file).read([](const data::Node& root) {
+    std::map<std::string, Converter> converters;
+    for (const auto& [name, node] : root.members()) {
+      node.attempt([&] {
+        if (name == "$schema") {
+          static_cast<void>(node.text());
+        } else {
+          converters.emplace(name, read_converter(name, node));
+        }
+      });
     }
-  }
-  return {name, voltage_v, std::move(current_a), std::move(efficiency)};
+    return converters;
+  });
+}
+
+Converter load_converter(const std::filesystem::path& file, const std::string& name, const std::string& variable) {
+  const auto converters = load_converters(file);
+  if (const auto found = converters.find(name); found != converters.end()) return found->second;
+  std::vector<std::string> known;
+  for (const auto& [other, converter] : converters) known.push_back(other);
+  throw Error(ErrorCode::unknown_name, fmt::format("{} = \"{}\": {} knows no such converter. {}", variable, name,
+                                                   file.string(), suggest(name, known)));
 }
 
 }  // namespace mebots::battery

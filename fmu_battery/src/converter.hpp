@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -35,6 +36,9 @@ class Converter {
   std::vector<double> output_current_a_;  // empty: efficiency 1
   std::vector<double> efficiency_;
 };
+
+/// Every converter of a converters.json. Throws mebots::Error naming everything that is wrong in it.
+std::map<std::string, Converter> load_converters(const std::filesystem::path& file);
 
 /// The converter called `name` in a converters.json. `variable` is the parameter that asked for it.
 /// Throws mebots::Error naming file, key, value and limit, or the known names.

@@ -1,15 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "curve.hpp"
 
-#include "mebots/data_file.hpp"
+#include "mebots/data/object.hpp"
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
 namespace mebots::battery {
+namespace {
+
+constexpr std::size_t kCoefficients = 4;
+
+}  // namespace
 
 Curve Curve::analytic(double factor, double rate, std::vector<double> polynomial) {
-  if (polynomial.size() > 4) throw Error("a curve's polynomial has at most 4 coefficients");
+  if (polynomial.size() > kCoefficients) throw Error("a curve's polynomial has at most 4 coefficients");
   Curve curve;
   curve.factor_ = factor;
   curve.rate_ = rate;
@@ -17,25 +24,37 @@ Curve Curve::analytic(double factor, double rate, std::vector<double> polynomial
   return curve;
 }
 
-Curve Curve::read(const data::Node& parent, std::string_view key, std::string_view unit) {
-  const data::Node node = parent.object(key);
-  node.only({"unit", "source", "exponential", "polynomial", "state_of_charge", "value"});
-  node.require_unit(unit);
-  if (!node.has("state_of_charge")) {
-    const auto exponential = node.numbers("exponential");
-    if (exponential.size() != 2) node.fail("exponential", "must hold two numbers: factor and rate");
-    const auto polynomial = node.numbers("polynomial");
-    if (polynomial.size() > 4) node.fail("polynomial", "must hold at most 4 coefficients");
+Curve Curve::read(const data::Node& node, std::string_view unit) {
+  data::Object object(node);
+  data::read_unit(object, unit);
+  object.comment("source");
+  std::vector<double> exponential;
+  std::vector<double> polynomial;
+  Curve curve;
+  if (object.has("state_of_charge")) {
+    object.read("state_of_charge", curve.table_s_, data::rising_numbers(data::Limits::between(0, 1)));
+    object.read("value", curve.table_value_, data::numbers());
+    object.allow({"exponential", "polynomial"});
+  } else {
+    object.read("exponential", exponential, data::numbers());
+    object.read("polynomial", polynomial, data::numbers());
+    object.allow({"state_of_charge", "value"});
+  }
+  object.finish();
+  if (!object.sound()) return curve;
+  if (curve.table_s_.empty()) {
+    if (exponential.size() != 2)
+      node.at("exponential").fail(ErrorCode::invalid_value, "two numbers are needed: factor and rate");
+    if (polynomial.size() > kCoefficients)
+      node.at("polynomial").fail(ErrorCode::invalid_value, "4 coefficients are the most");
     return analytic(exponential[0], exponential[1], polynomial);
   }
-  Curve curve;
-  curve.table_s_ = node.rising_numbers("state_of_charge", data::Limits::between(0, 1));
-  curve.table_value_ = node.numbers("value");
-  if (curve.table_s_.front() != 0) node.fail("state_of_charge", "must begin at 0");
-  if (curve.table_s_.back() != 1) node.fail("state_of_charge", "must end at 1");
+  const auto table = node.at("state_of_charge");
+  if (curve.table_s_.front() != 0) table.complain(ErrorCode::invalid_value, "the table must begin at 0");
+  if (curve.table_s_.back() != 1) table.complain(ErrorCode::invalid_value, "the table must end at 1");
   if (curve.table_value_.size() != curve.table_s_.size()) {
-    node.fail("value", fmt::format("has {} entries but state_of_charge has {}", curve.table_value_.size(),
-                                   curve.table_s_.size()));
+    node.at("value").fail(ErrorCode::invalid_value, fmt::format("{} entries for {} of state_of_charge",
+                                                                curve.table_value_.size(), curve.table_s_.size()));
   }
   return curve;
 }

@@ -17,8 +17,8 @@ class Curve {
  public:
   /// Reads {"unit", "exponential": [a, b], "polynomial": [c0, ...]} or {"unit", "state_of_charge", "value"}.
   /// The table must rise from s = 0 to s = 1. `unit` is the unit that the file must state.
-  /// Throws mebots::Error naming file and key.
-  static Curve read(const data::Node& parent, std::string_view key, std::string_view unit);
+  /// Notes what is wrong in the node's document.
+  static Curve read(const data::Node& node, std::string_view unit);
 
   static Curve analytic(double factor, double rate, std::vector<double> polynomial);
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "model.hpp"
 
-#include "mebots/data_file.hpp"
+#include "mebots/data/find_file.hpp"
 
 #include <fmt/format.h>
 

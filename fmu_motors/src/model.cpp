@@ -2,7 +2,8 @@
 #include "model.hpp"
 
 #include "hover_propel.hpp"
-#include "mebots/data_file.hpp"
+#include "mebots/data/find_file.hpp"
+#include "mebots/data/limits.hpp"
 #include "rotor.hpp"
 
 #include <fmt/format.h>

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "rotor_data.hpp"
 
-#include "mebots/data_file.hpp"
+#include "mebots/data/document.hpp"
+#include "mebots/data/object.hpp"
+
+#include <fmt/format.h>
 
 #include <algorithm>
 
@@ -10,34 +13,71 @@ namespace {
 
 using data::Limits;
 
-void read_steady_speed(const data::Node& root, RotorData& rotor) {
-  const data::Node node = root.object("steady_speed");
-  node.only({"source", "effective_voltage", "speed", "slope_above"});
-  if (node.text("source").empty()) node.fail("source", "is empty: say where the values come from");
-  const data::Node voltage = node.object("effective_voltage");
-  voltage.only({"unit", "value"}).require_unit("V");
-  rotor.effective_voltage_v = voltage.rising_numbers("value", Limits::at_least(0));
-  const data::Node speed = node.object("speed");
-  speed.only({"unit", "value"}).require_unit("rad/s");
-  rotor.speed_rad_per_s = speed.rising_numbers("value", Limits::at_least(0));
-  if (rotor.speed_rad_per_s.size() != rotor.effective_voltage_v.size()) {
-    speed.fail("value", fmt::format("has {} entries but effective_voltage has {}", rotor.speed_rad_per_s.size(),
-                                    rotor.effective_voltage_v.size()));
-  }
-  if (rotor.speed_rad_per_s.size() < 2) speed.fail("value", "needs at least two points");
-  if (rotor.effective_voltage_v.front() != 0) voltage.fail("value[0]", "must be 0: standstill");
-  if (rotor.speed_rad_per_s.front() != 0) speed.fail("value[0]", "must be 0: standstill");
-  rotor.slope_above_rad_per_sv = node.quantity("slope_above", "rad/(s.V)", Limits::at_least(0));
+/// {"unit", "value": [...]}, rising from 0.
+auto table_from_rest(std::string_view unit) {
+  return [unit](const data::Node& node) {
+    data::Object object(node);
+    std::vector<double> values;
+    data::read_unit(object, unit);
+    if (object.read("value", values, data::rising_numbers(Limits::at_least(0)))) {
+      const auto list = node.at("value");
+      if (values.size() < 2) list.complain(ErrorCode::invalid_value, "two points are the least");
+      if (values.front() != 0) list.elements()[0].complain(ErrorCode::invalid_value, "this must be 0: standstill");
+    }
+    object.finish();
+    return values;
+  };
 }
 
-SpeedLaw read_law(const data::Node& root, const std::string& name) {
-  const SpeedLaw law{root.quantity(name + "_linear", "1/s", Limits::at_least(0)),
-                     root.quantity(name + "_quadratic", "1/rad", Limits::at_least(0))};
-  if (law.linear_per_s == 0 && law.quadratic_per_rad == 0) {
-    root.fail(name + "_linear",
-              fmt::format("and {}_quadratic are both 0: the rotor would never change its speed", name));
+void read_steady_speed(const data::Node& node, RotorData& rotor) {
+  data::Object object(node);
+  data::read_source(object);
+  object.read("effective_voltage", rotor.effective_voltage_v, table_from_rest("V"));
+  object.read("speed", rotor.speed_rad_per_s, table_from_rest("rad/s"));
+  object.read("slope_above", rotor.slope_above_rad_per_sv, data::quantity("rad/(s.V)", Limits::at_least(0)));
+  object.finish();
+  if (object.sound() && rotor.speed_rad_per_s.size() != rotor.effective_voltage_v.size()) {
+    node.at("speed").at("value").fail(
+        ErrorCode::invalid_value, fmt::format("{} entries for {} of effective_voltage", rotor.speed_rad_per_s.size(),
+                                              rotor.effective_voltage_v.size()));
   }
-  return law;
+}
+
+void read_law(data::Object& object, const std::string& name, SpeedLaw& law) {
+  const bool linear = object.read(name + "_linear", law.linear_per_s, data::quantity("1/s", Limits::at_least(0)));
+  const bool quadratic =
+      object.read(name + "_quadratic", law.quadratic_per_rad, data::quantity("1/rad", Limits::at_least(0)));
+  if (linear && quadratic && law.linear_per_s == 0 && law.quadratic_per_rad == 0) {
+    object.node()
+        .at(name + "_linear")
+        .complain(ErrorCode::invalid_value,
+                  fmt::format("this and {}_quadratic are both 0: the rotor would never change its speed", name));
+  }
+}
+
+RotorData read_rotor(const data::Node& node) {
+  using data::quantity;
+  const auto positive = Limits::positive();
+  data::Object object(node);
+  RotorData rotor;
+  object.comment("$schema");
+  object.read("name", rotor.name, &data::Node::text);
+  object.comment("notes");
+  object.read("thrust_coefficient", rotor.thrust_coefficient, quantity("N.s2/rad2", positive));
+  object.read("reference_density", rotor.reference_density_kg_per_m3, quantity("kg/m3", positive));
+  object.read("torque_per_thrust", rotor.torque_per_thrust_m, quantity("m", positive));
+  object.visit("steady_speed", [&](const data::Node& member) { return read_steady_speed(member, rotor); });
+  read_law(object, "spin_up", rotor.spin_up);
+  read_law(object, "spin_down", rotor.spin_down);
+  object.read("inertia", rotor.inertia_kg_m2, quantity("kg.m2", positive));
+  object.read("power_per_speed", rotor.power_per_speed_ws_per_rad, quantity("W.s/rad", Limits::at_least(0)));
+  object.read("power_per_thrust", rotor.power_per_thrust_w_per_n, quantity("W/N", positive));
+  object.read("propeller_pitch", rotor.propeller_pitch_m, quantity("m", positive));
+  object.read("propulsion_efficiency", rotor.propulsion_efficiency, quantity("1", {0, 1, false}));
+  object.read("lift_to_drag", rotor.lift_to_drag, quantity("1", positive));
+  object.allow({"bench"});  // what the figures come from; for people and tests
+  object.finish();
+  return rotor;
 }
 
 }  // namespace
@@ -55,27 +95,7 @@ double RotorData::steady_speed_rad_per_s(double voltage_v) const {
 }
 
 RotorData load_rotor(const std::filesystem::path& path) {
-  const data::File file(path);
-  const data::Node root = file.root();
-  root.only({"name", "notes", "thrust_coefficient", "reference_density", "torque_per_thrust", "steady_speed",
-             "spin_up_linear", "spin_up_quadratic", "spin_down_linear", "spin_down_quadratic", "inertia",
-             "power_per_speed", "power_per_thrust", "propeller_pitch", "propulsion_efficiency", "lift_to_drag",
-             "bench"});
-  RotorData rotor;
-  rotor.name = root.text("name");
-  rotor.thrust_coefficient = root.quantity("thrust_coefficient", "N.s2/rad2", Limits::positive());
-  rotor.reference_density_kg_per_m3 = root.quantity("reference_density", "kg/m3", Limits::positive());
-  rotor.torque_per_thrust_m = root.quantity("torque_per_thrust", "m", Limits::positive());
-  read_steady_speed(root, rotor);
-  rotor.spin_up = read_law(root, "spin_up");
-  rotor.spin_down = read_law(root, "spin_down");
-  rotor.inertia_kg_m2 = root.quantity("inertia", "kg.m2", Limits::positive());
-  rotor.power_per_speed_ws_per_rad = root.quantity("power_per_speed", "W.s/rad", Limits::at_least(0));
-  rotor.power_per_thrust_w_per_n = root.quantity("power_per_thrust", "W/N", Limits::positive());
-  rotor.propeller_pitch_m = root.quantity("propeller_pitch", "m", Limits::positive());
-  rotor.propulsion_efficiency = root.quantity("propulsion_efficiency", "1", {0, 1, false});
-  rotor.lift_to_drag = root.quantity("lift_to_drag", "1", Limits::positive());
-  return rotor;
+  return data::Document(path).read(&read_rotor);
 }
 
 }  // namespace mebots::motors

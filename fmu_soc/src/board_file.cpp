@@ -4,19 +4,29 @@
 #include "cluster/event_unit.hpp"
 #include "memory/banks.hpp"
 
-#include "mebots/data_file.hpp"
+#include "mebots/data/document.hpp"
+#include "mebots/data/object.hpp"
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <bit>
 #include <cctype>
-#include <cmath>
+#include <initializer_list>
+#include <limits>
+#include <map>
 #include <set>
+#include <tuple>
+#include <utility>
 
 namespace mebots::soc {
 namespace {
 
-std::uint32_t address(const data::Node& node, std::string_view key) {
-  const auto text = node.text(key);
+using data::Node;
+using data::Object;
+
+std::uint32_t read_address(const Node& node) {
+  const auto text = node.text();
   std::size_t used = 0;
   unsigned long long value = 0;
   try {
@@ -25,208 +35,287 @@ std::uint32_t address(const data::Node& node, std::string_view key) {
     used = 0;
   }
   if (used == 0 || used != text.size() || value > 0xffffffffULL) {
-    node.fail(key, fmt::format("= \"{}\" must be a 32-bit address such as \"0x1A102000\"", text));
+    node.fail(ErrorCode::invalid_value, fmt::format("\"{}\" must be a 32-bit address such as \"0x1A102000\"", text));
   }
-  if (value % 4 != 0) node.fail(key, fmt::format("= \"{}\" must be a multiple of 4", text));
+  if (value % 4 != 0) node.fail(ErrorCode::invalid_value, fmt::format("\"{}\" must be a multiple of 4", text));
   return static_cast<std::uint32_t>(value);
 }
 
-double whole_number(const data::Node& node, std::string_view key, const data::Limits& limits) {
-  const auto value = node.number(key, limits);
-  if (value != std::floor(value)) node.fail(key, fmt::format("= {} must be a whole number", value));
-  return value;
+auto count_up_to(std::uint32_t most) {
+  return [=](const Node& node) { return static_cast<std::uint32_t>(node.whole_number(0, most)); };
 }
 
-unsigned whole(const data::Node& node, std::string_view key, unsigned most) {
-  return static_cast<unsigned>(whole_number(node, key, data::Limits::between(0, most)));
-}
-
-std::string text_or_nothing(const data::Node& node) {
-  return node.has("text") ? node.text("text") : std::string();
+auto power_of_two(std::uint32_t least, std::uint32_t most) {
+  return [=](const Node& node) {
+    const auto value = static_cast<std::uint32_t>(node.whole_number(least, most));
+    if (!std::has_single_bit(value)) {
+      node.fail(ErrorCode::invalid_value, fmt::format("{} must be a power of two from {} to {}", value, least, most));
+    }
+    return value;
+  };
 }
 
 /// Names become names in C and C++.
-std::string checked_name(const data::Node& node, std::string_view key, const std::string& name) {
+std::string checked_name(const Node& node, const std::string& name) {
   bool good = !name.empty() && std::isalpha(static_cast<unsigned char>(name[0])) != 0;
   for (const char c : name) good = good && (std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_');
-  if (!good) node.fail(key, fmt::format("= \"{}\" must be letters, digits and '_', a letter first", name));
+  if (!good) {
+    node.fail(ErrorCode::invalid_value,
+              fmt::format("the name \"{}\" must be letters, digits and '_', a letter first", name));
+  }
   return name;
+}
+
+std::string read_name(const Node& node) {
+  return checked_name(node, node.text());
 }
 
 /// A name that no other of its list has.
-std::string new_name(const data::Node& node, std::set<std::string>& taken) {
-  auto name = checked_name(node, "name", node.text("name"));
-  if (!taken.insert(name).second) node.fail("name", fmt::format("= \"{}\" is taken by another one", name));
-  return name;
+auto new_name(std::set<std::string>& taken) {
+  return [&taken](const Node& node) {
+    auto name = read_name(node);
+    if (!taken.insert(name).second) {
+      node.fail(ErrorCode::duplicate_name, fmt::format("the name \"{}\" is taken by another one", name));
+    }
+    return name;
+  };
 }
 
-Place read_place(const data::Node& node) {
-  const auto place = node.text("place");
-  if (place != "fabric_controller" && place != "cluster") {
-    node.fail("place", fmt::format("= \"{}\" must be fabric_controller or cluster", place));
-  }
-  return place == "cluster" ? Place::cluster : Place::fabric_controller;
+const auto& read_place() {
+  static const auto place =
+      data::word_of<Place>({{"fabric_controller", Place::fabric_controller}, {"cluster", Place::cluster}});
+  return place;
 }
 
-BoardMemory read_memory(const data::Node& node, std::set<std::string>& names) {
-  node.only({"name", "base", "size", "place", "banks", "leaks", "text"});
+BoardMemory read_memory(const Node& node, std::set<std::string>& names) {
+  Object object(node);
   BoardMemory memory;
-  memory.name = new_name(node, names);
-  memory.base = address(node, "base");
-  memory.size = whole(node, "size", 1U << 30);
-  if (memory.size == 0 || memory.size % 4 != 0) node.fail("size", "must be a multiple of 4 above 0");
-  if (node.has("place")) memory.place = read_place(node);
-  if (node.has("banks")) memory.banks = whole(node, "banks", Banks::kMost);
-  if (!std::has_single_bit(memory.banks)) node.fail("banks", "must be a power of two");
-  if (node.has("leaks")) memory.leaks = node.flag("leaks");
-  memory.text = text_or_nothing(node);
+  object.read("name", memory.name, new_name(names));
+  object.read("base", memory.base, &read_address);
+  object.read("size", memory.size, [](const Node& member) {
+    const auto size = static_cast<std::uint32_t>(member.whole_number(4, 1U << 30));
+    if (size % 4 != 0) member.fail(ErrorCode::invalid_value, "the size must be a multiple of 4");
+    return size;
+  });
+  object.read_if("place", memory.place, read_place());
+  object.read_if("banks", memory.banks, power_of_two(1, Banks::kMost));
+  object.read_if("leaks", memory.leaks, &Node::flag);
+  object.read_if("text", memory.text, &Node::text);
+  object.finish();
   return memory;
 }
 
 constexpr std::uint32_t kMostCacheBytes = 1U << 20;
 constexpr std::uint32_t kMostRefillCycles = 10'000;
 
-void read_instruction_cache(const data::Node& node, BoardInstructionCaches& caches) {
-  node.only({"place", "size", "line", "ways", "refill_cycles", "text"});
-  auto& cache = caches[static_cast<std::size_t>(read_place(node))];
-  if (cache.size != 0) node.fail("place", "has an instruction cache already");
-  const auto power_of_two = [&](std::string_view key, unsigned least, unsigned most) {
-    const auto value = whole(node, key, most);
-    if (value < least || !std::has_single_bit(value)) {
-      node.fail(key, fmt::format("= {} must be a power of two from {} to {}", value, least, most));
-    }
-    return value;
-  };
-  cache.line = power_of_two("line", 4, 1024);
-  cache.ways = power_of_two("ways", 1, 64);
-  cache.size = power_of_two("size", cache.line * cache.ways, kMostCacheBytes);
-  cache.refill_cycles = whole(node, "refill_cycles", kMostRefillCycles);
+void read_instruction_cache(const Node& node, BoardInstructionCaches& caches) {
+  Object object(node);
+  Place place = Place::fabric_controller;
+  InstructionCacheSettings cache;
+  object.read("place", place, read_place());
+  object.read("line", cache.line, power_of_two(4, 1024));
+  object.read("ways", cache.ways, power_of_two(1, 64));
+  object.read("size", cache.size, power_of_two(object.sound() ? cache.line * cache.ways : 1, kMostCacheBytes));
+  object.read("refill_cycles", cache.refill_cycles, count_up_to(kMostRefillCycles));
+  object.comment("text");
+  object.finish();
+  if (!object.sound()) return;
+  auto& taken = caches[static_cast<std::size_t>(place)];
+  if (taken.size != 0) {
+    node.at("place").fail(ErrorCode::duplicate_name, "this place has an instruction cache already");
+  }
+  taken = cache;
 }
 
 /// The lines of RI5CY and CV32E40P: software, timer, external, and 16 fast ones.
-int read_interrupt(const data::Node& node) {
-  const auto line = static_cast<int>(whole(node, "interrupt", 31));
+int read_interrupt(const Node& node) {
+  const auto line = static_cast<int>(node.whole_number(0, 31));
   if (line != 3 && line != 7 && line != 11 && line < 16) {
-    node.fail("interrupt", fmt::format("= {}: the core has no such line; it has 3, 7, 11 and 16 to 31", line));
+    node.fail(ErrorCode::value_out_of_range,
+              fmt::format("the core has no interrupt {}; it has 3, 7, 11 and 16 to 31", line));
   }
   return line;
 }
 
-std::vector<BoardRegister> read_registers(const data::Node& device) {
+BoardRegister read_register(const Node& node, std::set<std::string>& names) {
+  static const auto access = data::word_of<std::string>({{"r", "r"}, {"w", "w"}, {"rw", "rw"}});
+  Object object(node);
+  BoardRegister entry;
+  object.read("name", entry.name, new_name(names));
+  object.read("offset", entry.offset, &read_address);
+  object.read("access", entry.access, access);
+  object.read_if("text", entry.text, &Node::text);
+  object.read_if("shows", entry.shows, &Node::text);
+  object.read_if("sends", entry.sends, &Node::text);
+  object.read_if("units_per_si", entry.units_per_si, data::number(data::Limits::positive()));
+  object.finish();
+  return entry;
+}
+
+std::vector<BoardRegister> read_registers(const Node& node) {
   std::vector<BoardRegister> registers;
   std::set<std::string> names;
-  for (const auto& node : device.objects("registers")) {
-    node.only({"name", "offset", "access", "text", "shows", "sends", "units_per_si"});
-    BoardRegister entry;
-    entry.name = new_name(node, names);
-    entry.offset = address(node, "offset");
-    entry.access = node.text("access");
-    entry.text = text_or_nothing(node);
-    if (node.has("shows")) entry.shows = node.text("shows");
-    if (node.has("sends")) entry.sends = node.text("sends");
-    if (node.has("units_per_si")) entry.units_per_si = node.number("units_per_si", data::Limits::positive());
-    if (entry.access != "r" && entry.access != "w" && entry.access != "rw") {
-      node.fail("access", fmt::format("= \"{}\" must be r, w or rw", entry.access));
-    }
-    for (const auto& other : registers) {
-      if (other.offset == entry.offset) node.fail("offset", fmt::format("is that of {} too", other.name));
-    }
-    registers.push_back(entry);
+  std::map<std::uint32_t, std::string> offsets;
+  for (const auto& element : node.elements()) {
+    element.attempt([&] {
+      auto entry = read_register(element, names);
+      const auto [taken, is_new] = offsets.emplace(entry.offset, entry.name);
+      if (!is_new && element.has("offset")) {
+        element.at("offset").complain(ErrorCode::duplicate_name, fmt::format("{} has this offset too", taken->second));
+      }
+      registers.push_back(std::move(entry));
+    });
   }
-  if (registers.empty()) device.fail("registers", "is empty: nothing could be said to the device");
-  std::sort(registers.begin(), registers.end(), [](const auto& a, const auto& b) { return a.offset < b.offset; });
+  if (node.elements().empty()) {
+    node.fail(ErrorCode::invalid_value, "the list is empty: nothing could be said to the device");
+  }
+  std::ranges::sort(registers, {}, &BoardRegister::offset);
   return registers;
 }
 
-std::vector<BoardState> read_states(const data::Node& states) {
-  std::vector<BoardState> found;
-  for (const auto& name : states.keys()) {
-    const auto node = states.object(name);
-    node.only({"current", "delay", "then", "text"});
-    const auto delay_s = node.has("delay") ? node.number("delay", data::Limits::between(0, 3600)) : 0.0;
-    found.push_back({checked_name(states, name, name), node.number("current", data::Limits::at_least(0)), delay_s,
-                     text_or_nothing(node), node.has("then") ? node.text("then") : std::string()});
-  }
-  return found;
+/// What `read` makes of each member of an object, whose key becomes a name.
+template <typename T, typename Read>
+auto by_name(Read read) {
+  return [read](const Node& node) {
+    std::vector<T> found;
+    for (const auto& [key, member] : node.members()) {
+      member.attempt([&, &key = key, &member = member] {
+        checked_name(member, key);
+        found.push_back(read(key, member));
+      });
+    }
+    // The order of the alphabet, whatever that of the file.
+    std::ranges::stable_sort(found, {}, &T::name);
+    return found;
+  };
 }
 
-std::vector<BoardOpcode> read_opcodes(const data::Node& opcodes) {
-  std::vector<BoardOpcode> found;
-  for (const auto& name : opcodes.keys()) {
-    const auto node = opcodes.object(name);
-    node.only({"register", "value", "state", "text"});
-    const auto value = whole_number(node, "value", data::Limits::between(0, 4294967295.0));
-    found.push_back({checked_name(opcodes, name, name), node.text("register"), static_cast<std::uint32_t>(value),
-                     node.text("state"), text_or_nothing(node)});
+BoardState read_state(const std::string& name, const Node& node) {
+  Object object(node);
+  BoardState state;
+  state.name = name;
+  object.read("current", state.current_a, data::number(data::Limits::at_least(0)));
+  object.read_if("delay", state.delay_s, data::number(data::Limits::between(0, 3600)));
+  object.read_if("then", state.then, &Node::text);
+  object.read_if("text", state.text, &Node::text);
+  object.finish();
+  return state;
+}
+
+BoardOpcode read_opcode(const std::string& name, const Node& node) {
+  Object object(node);
+  BoardOpcode opcode;
+  opcode.name = name;
+  object.read("register", opcode.register_name, &Node::text);
+  object.read("value", opcode.value, count_up_to(std::numeric_limits<std::uint32_t>::max()));
+  object.read("state", opcode.state, &Node::text);
+  object.read_if("text", opcode.text, &Node::text);
+  object.finish();
+  return opcode;
+}
+
+BoardEnumeration read_enumeration(const std::string& name, const Node& node) {
+  BoardEnumeration enumeration{name, {}};
+  for (const auto& [item, member] : node.members()) {
+    member.attempt([&, &item = item, &member = member] {
+      const auto value =
+          member.whole_number(std::numeric_limits<std::int32_t>::min(), std::numeric_limits<std::int32_t>::max());
+      enumeration.items.push_back({checked_name(member, item), static_cast<std::int32_t>(value)});
+    });
   }
-  return found;
+  // By value; of the same value by name.
+  std::ranges::sort(enumeration.items, {}, [](const BoardValue& item) { return std::tie(item.value, item.name); });
+  return enumeration;
 }
 
 /// A described device that goes from delay to delay must leave time for something else.
 constexpr double kLeastDelayS = 1e-6;
 
+/// What is behind a key and in it behind another, for complaints: the nearest of them that stands in the file.
+Node nearest(const Node& node, std::initializer_list<std::string_view> keys) {
+  Node found = node;
+  for (const auto key : keys) {
+    const auto member = found.find(key);
+    if (!member) break;
+    found = *member;
+  }
+  return found;
+}
+
+/// The entry of a register, for complaints.
+Node entry_of(const Node& device, const BoardRegister& reg) {
+  const auto entries = device.at("registers").elements();
+  const auto found =
+      std::ranges::find_if(entries, [&](const Node& entry) { return entry.at("name").text() == reg.name; });
+  return found == entries.end() ? device : *found;
+}
+
 /// A register that sends has its output, and nothing else to do.
-void check_sender(const data::Node& node, const BoardDevice& device, const BoardRegister& reg) {
+void check_sender(const Node& node, const BoardDevice& device, const BoardRegister& reg) {
+  const auto entry = entry_of(node, reg);
   if (reg.access == "r" || !reg.shows.empty()) {
-    node.fail("registers", fmt::format("{} sends a variable: it must be writable and show nothing", reg.name));
+    entry.complain(ErrorCode::invalid_value,
+                   fmt::format("{} sends a variable: it must be writable and show nothing", reg.name));
   }
-  if (std::find(device.sent.begin(), device.sent.end(), reg.sends) == device.sent.end()) {
-    node.fail("registers",
-              fmt::format("{} sends \"{}\", which is no output among the device's variables", reg.name, reg.sends));
+  if (std::ranges::find(device.sent, reg.sends) == device.sent.end()) {
+    nearest(entry, {"sends"}).complain_unknown("the device's output", reg.sends, device.sent);
   }
-  if (std::any_of(device.opcodes.begin(), device.opcodes.end(),
-                  [&](const auto& opcode) { return opcode.register_name == reg.name; })) {
-    node.fail("registers", fmt::format("{} sends a variable: it must take no opcodes", reg.name));
+  if (std::ranges::find(device.opcodes, reg.name, &BoardOpcode::register_name) != device.opcodes.end()) {
+    entry.complain(ErrorCode::invalid_value, fmt::format("{} sends a variable: it must take no opcodes", reg.name));
   }
 }
 
 /// A register that shows a variable has its input.
-void check_display(const data::Node& node, const BoardDevice& device, const BoardRegister& reg) {
-  const bool sensed =
-      std::any_of(device.sensed.begin(), device.sensed.end(), [&](const auto& v) { return v.name == reg.shows; });
-  if (!sensed) {
-    node.fail("registers",
-              fmt::format("{} shows \"{}\", which is no input among the device's variables", reg.name, reg.shows));
+void check_display(const Node& node, const BoardDevice& device, const BoardRegister& reg) {
+  const auto entry = entry_of(node, reg);
+  if (std::ranges::find(device.sensed, reg.shows, &BoardVariable::name) == device.sensed.end()) {
+    std::vector<std::string> known = {"status"};
+    for (const auto& variable : device.sensed) known.push_back(variable.name);
+    nearest(entry, {"shows"}).complain_unknown("the device's input", reg.shows, known);
   }
-  if (reg.access != "r") node.fail("registers", fmt::format("{} shows a variable: its access must be r", reg.name));
+  if (reg.access != "r") {
+    entry.complain(ErrorCode::invalid_value, fmt::format("{} shows a variable: its access must be r", reg.name));
+  }
 }
 
 /// Every output of a described device has one source.
-void check_outputs(const data::Node& node, const BoardDevice& device) {
+void check_outputs(const Node& node, const BoardDevice& device) {
   for (const auto& name : device.sent) {
-    const auto senders =
-        std::count_if(device.registers.begin(), device.registers.end(), [&](const auto& r) { return r.sends == name; });
+    const auto senders = std::ranges::count(device.registers, name, &BoardRegister::sends);
     const bool is_own = name == device.power_variable() || name == device.energy_variable();
     if (senders + (is_own ? 1 : 0) != 1) {
-      node.fail("variables", fmt::format("{} must be sent by one register, or be {} or {}", name,
-                                         device.power_variable(), device.energy_variable()));
+      node.at("variables")
+          .complain(ErrorCode::invalid_value, fmt::format("{} must be sent by one register, or be {} or {}", name,
+                                                          device.power_variable(), device.energy_variable()));
     }
   }
 }
 
-void require_state(const data::Node& node, const BoardDevice& device, const std::string& key, const std::string& name) {
-  const bool known =
-      std::any_of(device.states.begin(), device.states.end(), [&](const auto& s) { return s.name == name; });
-  if (!known) node.fail(key, fmt::format("names state \"{}\", which the device does not have", name));
+void require_state(const Node& node, const BoardDevice& device, const std::string& name) {
+  if (std::ranges::find(device.states, name, &BoardState::name) != device.states.end()) return;
+  std::vector<std::string> known;
+  for (const auto& state : device.states) known.push_back(state.name);
+  node.complain_unknown("the device's state", name, known);
 }
 
-void check_opcodes(const data::Node& node, const BoardDevice& device) {
+void check_opcodes(const Node& node, const BoardDevice& device) {
+  std::vector<std::string> writable;
+  for (const auto& reg : device.registers) {
+    if (reg.access != "r") writable.push_back(reg.name);
+  }
   for (const auto& opcode : device.opcodes) {
-    require_state(node, device, "opcodes." + opcode.name + ".state", opcode.state);
-    const bool writable = std::any_of(device.registers.begin(), device.registers.end(),
-                                      [&](const auto& r) { return r.name == opcode.register_name && r.access != "r"; });
-    if (!writable) {
-      node.fail("opcodes." + opcode.name + ".register",
-                fmt::format("= \"{}\" is no register that can be written", opcode.register_name));
-    }
+    require_state(nearest(node, {"opcodes", opcode.name, "state"}), device, opcode.state);
+    if (std::ranges::find(writable, opcode.register_name) != writable.end()) continue;
+    nearest(node, {"opcodes", opcode.name, "register"})
+        .complain_unknown("the writable register", opcode.register_name, writable);
   }
 }
 
 /// What names something must find it, in a described device as in one whose C++ begins as a skeleton.
-void check_names(const data::Node& node, const BoardDevice& device) {
+void check_names(const Node& node, const BoardDevice& device) {
   check_opcodes(node, device);
   for (const auto& state : device.states) {
-    if (!state.then.empty()) require_state(node, device, "states." + state.name + ".then", state.then);
+    if (!state.then.empty()) require_state(nearest(node, {"states", state.name, "then"}), device, state.then);
   }
   for (const auto& reg : device.registers) {
     if (!reg.sends.empty()) check_sender(node, device, reg);
@@ -235,76 +324,65 @@ void check_names(const data::Node& node, const BoardDevice& device) {
 }
 
 /// What a device needs that has no C++.
-void check_description(const data::Node& node, const BoardDevice& device) {
-  require_state(node, device, "initial_state", device.initial_state);
+void check_description(const Node& node, const BoardDevice& device) {
+  require_state(node.at("initial_state"), device, device.initial_state);
   for (const auto& state : device.states) {
+    const auto entry = nearest(node, {"states", state.name});
     if (state.delay_s > 0 && state.delay_s < kLeastDelayS) {
-      node.fail("states." + state.name + ".delay",
-                fmt::format("= {} s must be 0 or at least {} s", state.delay_s, kLeastDelayS));
+      nearest(entry, {"delay"})
+          .complain(ErrorCode::value_out_of_range,
+                    fmt::format("{} s must be 0 or at least {} s", state.delay_s, kLeastDelayS));
     }
-    if (state.delay_s > 0 && state.then.empty())
-      node.fail("states." + state.name + ".then", "is missing: the state has a delay");
+    if (state.delay_s > 0 && state.then.empty()) {
+      entry.complain(ErrorCode::invalid_value, "the key 'then' is missing: the state has a delay");
+    }
   }
   check_outputs(node, device);
 }
 
-/// Real inputs and outputs. A described device has no other variables.
-void read_variables(const data::Node& entry, BoardDevice& device) {
+/// Real inputs and outputs; a described device has no other variables. The generator of descriptions reads and checks
+/// all that they have (modeldesc).
+void read_variable(const Node& node, BoardDevice& device) {
   const bool described = !device.initial_state.empty();
-  for (const auto& node : entry.objects("variables")) {
-    const auto causality = node.text("causality");
-    if (node.has("type") && node.text("type") != "Real") {
-      if (described) node.fail("type", "must be Real in a device with an initial_state");
-    } else if (causality == "input") {
-      device.sensed.push_back({node.text("name"), node.number("start")});
-    } else if (causality == "output") {
-      device.sent.push_back(node.text("name"));
-    } else if (described) {
-      node.fail("causality",
-                fmt::format("= \"{}\" must be input or output in a device with an initial_state", causality));
+  const auto causality = node.at("causality").text();
+  if (node.has("type") && node.at("type").text() != "Real") {
+    if (described) {
+      node.at("type").fail(ErrorCode::invalid_value, "this must be Real in a device with an initial_state");
     }
+  } else if (causality == "input") {
+    device.sensed.push_back({node.at("name").text(), node.at("start").number()});
+  } else if (causality == "output") {
+    device.sent.push_back(node.at("name").text());
+  } else if (described) {
+    node.at("causality")
+        .fail(ErrorCode::invalid_value,
+              fmt::format("\"{}\" must be input or output in a device with an initial_state", causality));
   }
 }
 
-std::vector<BoardEnumeration> read_enumerations(const data::Node& enumerations) {
-  std::vector<BoardEnumeration> found;
-  for (const auto& name : enumerations.keys()) {
-    const auto node = enumerations.object(name);
-    BoardEnumeration enumeration{checked_name(enumerations, name, name), {}};
-    for (const auto& item : node.keys()) {
-      const auto value = whole_number(node, item, data::Limits::between(-2147483648.0, 2147483647.0));
-      enumeration.items.push_back({checked_name(node, item, item), static_cast<std::int32_t>(value)});
-    }
-    std::stable_sort(enumeration.items.begin(), enumeration.items.end(),
-                     [](const auto& a, const auto& b) { return a.value < b.value; });
-    found.push_back(enumeration);
-  }
-  return found;
-}
-
-BoardDevice read_device(const data::Node& node, std::set<std::string>& names) {
-  node.only({"name", "base", "interrupt", "text", "supply_voltage", "states", "registers", "enumerations", "variables",
-             "initial_state", "opcodes"});
+BoardDevice read_device(const Node& node, std::set<std::string>& names) {
+  Object object(node);
   BoardDevice device;
-  device.name = new_name(node, names);
-  device.text = text_or_nothing(node);
-  device.base = address(node, "base");
-  if (node.has("interrupt")) device.interrupt = read_interrupt(node);
-  if (node.has("supply_voltage")) device.supply_voltage_v = node.number("supply_voltage", data::Limits::positive());
-  device.registers = read_registers(node);
-  if (node.has("states")) device.states = read_states(node.object("states"));
-  if (!device.states.empty() && device.supply_voltage_v == 0) {
-    node.fail("supply_voltage", "is missing: the currents of the states need it");
+  object.read("name", device.name, new_name(names));
+  object.read_if("text", device.text, &Node::text);
+  object.read("base", device.base, &read_address);
+  object.read_if("interrupt", device.interrupt, &read_interrupt);
+  object.read_if("supply_voltage", device.supply_voltage_v, data::number(data::Limits::positive()));
+  object.read("registers", device.registers, &read_registers);
+  object.read_if("states", device.states, by_name<BoardState>(&read_state));
+  if (!device.states.empty() && !object.has("supply_voltage")) {
+    node.complain(ErrorCode::missing_key, "the key 'supply_voltage' is missing: the currents of the states need it");
   }
-  if (node.has("opcodes")) device.opcodes = read_opcodes(node.object("opcodes"));
-  if (node.has("initial_state")) {
-    device.initial_state = node.text("initial_state");
-    if (device.initial_state.empty()) node.fail("initial_state", "is empty");
-  }
-  if (node.has("variables")) read_variables(node, device);
+  object.read_if("opcodes", device.opcodes, by_name<BoardOpcode>(&read_opcode));
+  object.read_if("initial_state", device.initial_state, &Node::readable_text);
+  object.visit_if("variables", [&](const Node& member) {
+    for (const auto& entry : member.elements()) entry.attempt([&] { read_variable(entry, device); });
+  });
+  object.read_if("enumerations", device.enumerations, by_name<BoardEnumeration>(&read_enumeration));
+  object.finish();
+  if (!object.sound()) return device;
   check_names(node, device);
   if (!device.initial_state.empty()) check_description(node, device);
-  if (node.has("enumerations")) device.enumerations = read_enumerations(node.object("enumerations"));
   return device;
 }
 
@@ -315,26 +393,61 @@ struct Span {
   std::uint64_t size;
 };
 
-void check_overlaps(const data::Node& root, const BoardDescription& board) {
+void check_overlaps(const Node& root, const BoardDescription& board) {
   std::vector<Span> taken;
-  const auto take = [&](const std::string& key, const Span& span) {
-    if (span.base + span.size > 0x1'0000'0000ULL) root.fail(key, "passes the end of the 32-bit address space");
+  const auto take = [&](const Node& node, const Span& span) {
+    if (span.base + span.size > 0x1'0000'0000ULL) {
+      node.complain(ErrorCode::value_out_of_range,
+                    fmt::format("{} passes the end of the 32-bit address space", span.name));
+    }
     for (const auto& other : taken) {
       if (span.base < other.base + other.size && other.base < span.base + span.size) {
-        root.fail(key, fmt::format("({}, 0x{:08x} to 0x{:08x}) overlaps {} at 0x{:08x}", span.name, span.base,
-                                   span.base + span.size - 1, other.name, other.base));
+        node.complain(ErrorCode::invalid_value,
+                      fmt::format("{} (0x{:08x} to 0x{:08x}) overlaps {} at 0x{:08x}", span.name, span.base,
+                                  span.base + span.size - 1, other.name, other.base));
       }
     }
     taken.push_back(span);
   };
+  const auto memories = root.at("memories").elements();
   for (std::size_t i = 0; i < board.memories.size(); ++i) {
     const auto& memory = board.memories[i];
-    take(fmt::format("memories[{}]", i), {memory.name, memory.base, memory.size});
+    take(memories[i], {memory.name, memory.base, memory.size});
   }
+  const auto devices = root.at("devices").elements();
   for (std::size_t i = 0; i < board.devices.size(); ++i) {
     const auto& device = board.devices[i];
-    take(fmt::format("devices[{}]", i), {device.name, device.base, device.size()});
+    take(devices[i], {device.name, device.base, device.size()});
   }
+}
+
+BoardDescription read_root(const Node& root) {
+  static const auto chip = data::word_of<std::string>({{"gap8", "gap8"}});
+  static const auto core = data::word_of<std::string>({{"ri5cy", "ri5cy"}, {"cv32e40p", "cv32e40p"}});
+  Object object(root);
+  BoardDescription board;
+  std::set<std::string> names;
+  object.comment("$schema");
+  object.read("name", board.name, &read_name);
+  object.read_if("text", board.text, &Node::text);
+  object.read_if("chip", board.chip, chip);
+  object.read_if("core", board.core, core);
+  object.read_if("cluster_cores", board.cluster_cores, count_up_to(kMostClusterCores));
+  const bool has_memories = object.read("memories", board.memories,
+                                        data::list_of([&](const Node& node) { return read_memory(node, names); }));
+  if (has_memories && board.memories.empty()) {
+    root.at("memories").complain(ErrorCode::invalid_value, "the list is empty: a program needs RAM");
+  }
+  object.visit_if("instruction_caches", [&](const Node& member) {
+    for (const auto& entry : member.elements()) {
+      entry.attempt([&] { read_instruction_cache(entry, board.instruction_caches); });
+    }
+  });
+  const bool has_devices =
+      object.read("devices", board.devices, data::list_of([&](const Node& node) { return read_device(node, names); }));
+  object.finish();
+  if (has_memories && has_devices) check_overlaps(root, board);
+  return board;
 }
 
 }  // namespace
@@ -347,32 +460,11 @@ const BoardState& BoardDevice::state(const std::string& state_name) const {
 }
 
 BoardDescription read_board(const std::filesystem::path& path) {
-  return parse_board(data::text_of(path), path.string());
+  return data::Document(path).read(&read_root);
 }
 
 BoardDescription parse_board(std::string_view text, const std::string& name) {
-  const data::File file(text, name);
-  const auto root = file.root();
-  root.only({"name", "text", "chip", "core", "cluster_cores", "memories", "instruction_caches", "devices"});
-  BoardDescription board;
-  board.name = checked_name(root, "name", root.text("name"));
-  board.text = text_or_nothing(root);
-  if (root.has("chip")) board.chip = root.text("chip");
-  if (board.chip != "gap8") root.fail("chip", fmt::format("= \"{}\" is not known; known is gap8", board.chip));
-  if (root.has("core")) board.core = root.text("core");
-  if (!board.core.empty() && board.core != "ri5cy" && board.core != "cv32e40p") {
-    root.fail("core", fmt::format("= \"{}\" must be ri5cy or cv32e40p", board.core));
-  }
-  if (root.has("cluster_cores")) board.cluster_cores = whole(root, "cluster_cores", kMostClusterCores);
-  std::set<std::string> names;
-  for (const auto& node : root.objects("memories")) board.memories.push_back(read_memory(node, names));
-  if (board.memories.empty()) root.fail("memories", "is empty: a program needs RAM");
-  if (root.has("instruction_caches")) {
-    for (const auto& node : root.objects("instruction_caches")) read_instruction_cache(node, board.instruction_caches);
-  }
-  for (const auto& node : root.objects("devices")) board.devices.push_back(read_device(node, names));
-  check_overlaps(root, board);
-  return board;
+  return data::Document(text, name).read(&read_root);
 }
 
 }  // namespace mebots::soc

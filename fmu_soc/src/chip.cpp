@@ -3,10 +3,15 @@
 
 #include "fmu_soc_board/chip_data.hpp"
 
-#include "mebots/data_file.hpp"
+#include "mebots/data/document.hpp"
+#include "mebots/data/object.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <string>
+#include <string_view>
+#include <vector>
 
 namespace mebots::soc {
 namespace {
@@ -27,35 +32,87 @@ std::string_view class_of(Op op) {
 }
 
 /// Femtojoules of every operation at the reference point.
-InstructionEnergy instruction_energy(const data::Node& weights, double reference_j) {
-  weights.only({"alu", "multiply", "multiply_high", "divide", "load", "store", "branch", "jump", "system"});
+InstructionEnergy read_instruction_energy(const data::Node& node, double reference_j) {
+  static constexpr std::array<std::string_view, 9> kClasses = {"alu",   "multiply", "multiply_high", "divide", "load",
+                                                               "store", "branch",   "jump",          "system"};
+  std::array<double, kClasses.size()> weights{};
+  data::Object object(node);
+  for (std::size_t i = 0; i < kClasses.size(); ++i) {
+    object.read(kClasses[i], weights[i], data::number(data::Limits::between(0, kMostWeight)));
+  }
+  object.finish();
   InstructionEnergy energy;
   for (int i = 0; i < kOpCount; ++i) {
-    const auto op = static_cast<Op>(i);
-    const auto weight = weights.number(class_of(op), data::Limits::between(0, kMostWeight));
+    const auto* const found = std::ranges::find(kClasses, class_of(static_cast<Op>(i)));
+    const auto weight = weights[static_cast<std::size_t>(found - kClasses.begin())];
     energy.fj[static_cast<std::size_t>(i)] =
         static_cast<std::uint32_t>(std::lround(weight * reference_j / kFemtojoule));
   }
   return energy;
 }
 
-std::uint32_t whole(const data::Node& node, std::string_view key, std::string_view unit, double least) {
-  return static_cast<std::uint32_t>(std::lround(node.quantity(key, unit, data::Limits::between(least, 1e6))));
+auto count(std::string_view unit, double least) {
+  return [=](const data::Node& node) {
+    return static_cast<std::uint32_t>(std::lround(data::read_quantity(node, unit, data::Limits::between(least, 1e6))));
+  };
 }
 
-void read_interconnect(const data::Node& root, Chip& chip) {
-  const auto ways = root.object("interconnect");
-  ways.only({"fabric_controller_to_device", "fabric_controller_to_cluster", "cluster_to_soc", "dma_latency"});
-  chip.interconnect.fabric_controller_to_device = whole(ways, "fabric_controller_to_device", "cycle", 0);
-  chip.interconnect.fabric_controller_to_cluster = whole(ways, "fabric_controller_to_cluster", "cycle", 0);
-  chip.interconnect.cluster_to_soc = whole(ways, "cluster_to_soc", "cycle", 0);
-  chip.dma.latency = whole(ways, "dma_latency", "cycle", 0);
-  const auto dma = root.object("dma");
-  dma.only({"bytes_per_cycle", "burst", "outstanding"});
-  chip.dma.bytes_per_cycle = whole(dma, "bytes_per_cycle", "byte/cycle", 1);
-  chip.dma.most_burst_bytes = whole(dma, "burst", "byte", 1);
-  const auto outstanding = whole(dma, "outstanding", "1", 1);
+void read_interconnect(const data::Node& node, Chip& chip) {
+  data::Object object(node);
+  object.read("fabric_controller_to_device", chip.interconnect.fabric_controller_to_device, count("cycle", 0));
+  object.read("fabric_controller_to_cluster", chip.interconnect.fabric_controller_to_cluster, count("cycle", 0));
+  object.read("cluster_to_soc", chip.interconnect.cluster_to_soc, count("cycle", 0));
+  object.read("dma_latency", chip.dma.latency, count("cycle", 0));
+  object.finish();
+}
+
+void read_dma(const data::Node& node, Chip& chip) {
+  data::Object object(node);
+  std::uint32_t outstanding = 1;
+  object.read("bytes_per_cycle", chip.dma.bytes_per_cycle, count("byte/cycle", 1));
+  object.read("burst", chip.dma.most_burst_bytes, count("byte", 1));
+  object.read("outstanding", outstanding, count("1", 1));
+  object.finish();
   chip.dma.least_burst_cycles = std::max(1U, (chip.dma.latency + outstanding - 1) / outstanding);
+}
+
+Chip read_chip(const data::Node& node) {
+  const auto positive = data::Limits::positive();
+  data::Object object(node);
+  Chip chip;
+  object.comment("$schema");
+  object.comment("name");
+  object.comment("text");
+  object.read("core", chip.timing.kind, [](const data::Node& member) {
+    const auto core = core_kind(member.text());
+    if (!core) member.fail_unknown("the core", member.text(), std::vector<std::string>{"ri5cy", "cv32e40p"});
+    return *core;
+  });
+  const auto quantity = [&](std::string_view key, double& into, std::string_view unit) {
+    return object.read(key, into, data::quantity(unit, positive));
+  };
+  quantity("minimum_clock", chip.minimum_clock_hz, "Hz");
+  quantity("lowest_voltage", chip.lowest_voltage_v, "V");
+  if (quantity("highest_voltage", chip.highest_voltage_v, "V") && chip.highest_voltage_v <= chip.lowest_voltage_v) {
+    node.at("highest_voltage").complain(ErrorCode::invalid_value, "this must be above lowest_voltage");
+  }
+  quantity("clock_at_lowest_voltage", chip.clock_at_lowest_voltage_hz, "Hz");
+  quantity("clock_at_highest_voltage", chip.clock_at_highest_voltage_hz, "Hz");
+  quantity("cluster_clock_at_lowest_voltage", chip.cluster_clock_at_lowest_voltage_hz, "Hz");
+  quantity("cluster_clock_at_highest_voltage", chip.cluster_clock_at_highest_voltage_hz, "Hz");
+  object.read("voltage_step", chip.voltage_step_mv, [](const data::Node& member) {
+    return static_cast<std::uint32_t>(
+        std::lround(data::read_quantity(member, "V", data::Limits::between(0.001, 10)) * 1000));
+  });
+  object.visit("interconnect", [&](const data::Node& member) { read_interconnect(member, chip); });
+  object.visit("dma", [&](const data::Node& member) { read_dma(member, chip); });
+  object.read("wake_up", chip.wake_up_s, data::quantity("s", data::Limits::between(0, 1)));
+  object.read("energy", chip.energy, &EnergyTables::read);
+  object.read("instruction_weight", chip.instruction_energy, [&](const data::Node& member) {
+    return read_instruction_energy(member, chip.energy.reference_instruction_j);
+  });
+  object.finish();
+  return chip;
 }
 
 }  // namespace
@@ -88,34 +145,7 @@ bool Chip::allows_cluster(std::uint32_t clock_hz, std::uint32_t voltage_mv) cons
 }
 
 Chip parse_chip(const std::string& json_text, const std::string& name) {
-  nlohmann::json json;
-  try {
-    json = nlohmann::json::parse(json_text);
-  } catch (const nlohmann::json::parse_error& error) {
-    throw Error(fmt::format("{}: is not JSON: {}", name, error.what()));
-  }
-  const data::Node root(name, "", json);
-  root.only({"name", "text", "core", "minimum_clock", "lowest_voltage", "highest_voltage", "clock_at_lowest_voltage",
-             "clock_at_highest_voltage", "cluster_clock_at_lowest_voltage", "cluster_clock_at_highest_voltage",
-             "voltage_step", "interconnect", "dma", "wake_up", "instruction_weight", "energy"});
-  const auto positive = data::Limits::positive();
-  Chip chip(root.object("energy"));
-  const auto core = core_kind(root.text("core"));
-  if (!core) root.fail("core", fmt::format("= \"{}\" must be ri5cy or cv32e40p", root.text("core")));
-  chip.timing.kind = *core;
-  chip.minimum_clock_hz = root.quantity("minimum_clock", "Hz", positive);
-  chip.lowest_voltage_v = root.quantity("lowest_voltage", "V", positive);
-  chip.highest_voltage_v = root.quantity("highest_voltage", "V", positive);
-  if (chip.highest_voltage_v <= chip.lowest_voltage_v) root.fail("highest_voltage", "must be above lowest_voltage");
-  chip.clock_at_lowest_voltage_hz = root.quantity("clock_at_lowest_voltage", "Hz", positive);
-  chip.clock_at_highest_voltage_hz = root.quantity("clock_at_highest_voltage", "Hz", positive);
-  chip.cluster_clock_at_lowest_voltage_hz = root.quantity("cluster_clock_at_lowest_voltage", "Hz", positive);
-  chip.cluster_clock_at_highest_voltage_hz = root.quantity("cluster_clock_at_highest_voltage", "Hz", positive);
-  chip.voltage_step_mv = static_cast<std::uint32_t>(std::lround(root.quantity("voltage_step", "V", positive) * 1000));
-  read_interconnect(root, chip);
-  chip.wake_up_s = root.quantity("wake_up", "s", data::Limits::between(0, 1));
-  chip.instruction_energy = instruction_energy(root.object("instruction_weight"), chip.energy.reference_instruction_j);
-  return chip;
+  return data::Document(json_text, name).read(&read_chip);
 }
 
 const Chip& gap8() {

@@ -19,8 +19,6 @@ struct Interconnect {
 
 /// What params/*.json says about a chip.
 struct Chip {
-  explicit Chip(const data::Node& energy_node) : energy(energy_node) {}
-
   Timing timing;
   double minimum_clock_hz = 0;
   double lowest_voltage_v = 0;
@@ -45,7 +43,7 @@ struct Chip {
   bool allows_cluster(std::uint32_t clock_hz, std::uint32_t voltage_mv) const;
 };
 
-/// Reads a chip file's text; `name` stands in errors.
+/// Reads a chip file's text; `name` stands in errors. Throws Error naming everything that is wrong in it.
 Chip parse_chip(const std::string& json_text, const std::string& name);
 
 /// The chip of the AI-deck, from the data built into this library.

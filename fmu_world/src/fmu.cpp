@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "fmu_world/binding.hpp"
-#include "mebots/data_file.hpp"
+#include "mebots/data/find_file.hpp"
 #include "model.hpp"
 #include "scene/load.hpp"
 #include "text/base64.hpp"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "command.hpp"
 
-#include "base/nearest_names.hpp"
+#include "mebots/nearest_names.hpp"
 #include "mebots/version.hpp"
 
 #include <fcntl.h>
@@ -50,11 +50,11 @@ std::string complaint(CLI::App& app, const CLI::ParseError& error) {
     const auto strange = app.remaining();
     if (!strange.empty() && !strange.front().starts_with('-')) {
       return "there is no command '" + strange.front() + "'. " +
-             mebots::master::suggest(strange.front(), names_of_commands(app));
+             mebots::suggest(strange.front(), names_of_commands(app));
     }
     if (!strange.empty()) {
       return "there is no option '" + strange.front() + "' before the command. " +
-             mebots::master::suggest(strange.front(), names_of_options(app));
+             mebots::suggest(strange.front(), names_of_options(app));
     }
     return "a command is missing. `mebots --help` lists them";
   }
@@ -65,7 +65,7 @@ std::string complaint(CLI::App& app, const CLI::ParseError& error) {
     const auto& word = strange.front();
     if (!word.starts_with('-')) return "'" + word + "' is one argument too many" + help;
     return "there is no option '" + word.substr(0, word.find('=')) + "' of '" + command.get_name() + "'. " +
-           mebots::master::suggest(word.substr(0, word.find('=')), names_of_options(command));
+           mebots::suggest(word.substr(0, word.find('=')), names_of_options(command));
   }
   return std::string(error.what()) + help;
 }

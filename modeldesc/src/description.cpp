@@ -2,327 +2,395 @@
 #include "description.hpp"
 
 #include "cpp_names.hpp"
-#include "json_object.hpp"
+#include "mebots/data/document.hpp"
+#include "mebots/data/object.hpp"
 #include "mebots/error.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cmath>
+#include <array>
 #include <limits>
 #include <map>
+#include <set>
+#include <tuple>
 
 namespace mebots::modeldesc {
 namespace {
 
-/// Builds a Description piece by piece and keeps the names unique.
+using data::Node;
+using data::Object;
+
+/// Builds a Description piece by piece and keeps the names unique. Whatever is wrong is noted in the documents that the
+/// nodes are of.
 class DescriptionReader {
  public:
-  void read_own(const std::filesystem::path& file) {
-    const Json json = read_json(file);
-    const JsonObject object(json, file.string());
-    object.allow_only(
-        {"name", "text", "namespace", "step", "stop_time", "log_categories", "groups", "enumerations", "variables"});
+  void read_own(const Node& root, const std::filesystem::path& file) {
+    Object object(root);
     result_.source = file.filename().string();
-    result_.name = object.text("name");
-    if (!is_cpp_identifier(result_.name))
-      object.fail(fmt::format("\"name\" is {}, but it names a library and C functions: use letters, digits and _",
-                              cpp_literal(result_.name)));
-    result_.text = object.text("text");
-    result_.cpp_namespace = object.text("namespace");
-    if (!is_cpp_namespace(result_.cpp_namespace))
-      object.fail(fmt::format("\"namespace\" is \"{}\", which is no C++ namespace", result_.cpp_namespace));
-    result_.step_s = positive(object, "step");
-    result_.stop_time_s = positive(object, "stop_time");
-    if (object.has("log_categories")) read_log_categories(object);
-    if (object.has("groups")) read_groups(object);
-    if (object.has("enumerations")) read_enumerations(object);
-    read_variables(object);
+    object.comment("$schema");
+    object.read("name", result_.name, [](const Node& node) {
+      auto name = node.text();
+      if (is_cpp_identifier(name)) return name;
+      node.fail(ErrorCode::invalid_value,
+                fmt::format("{} must name a library and C functions: use letters, digits and _", node.shown()));
+    });
+    object.read("text", result_.text, &Node::text);
+    object.read("namespace", result_.cpp_namespace, [](const Node& node) {
+      auto name = node.text();
+      if (is_cpp_namespace(name)) return name;
+      node.fail(ErrorCode::invalid_value, fmt::format("{} is not a C++ namespace", node.shown()));
+    });
+    object.read("step", result_.step_s, data::number(data::Limits::positive()));
+    object.read("stop_time", result_.stop_time_s, data::number(data::Limits::positive()));
+    object.visit_if("log_categories", [this](const Node& node) {
+      for (const auto& [name, text] : node.members()) {
+        text.attempt([&, &name = name, &text = text] { result_.log_categories.push_back({name, text.text()}); });
+      }
+    });
+    object.visit_if("groups", [this](const Node& node) { read_groups(node); });
+    object.visit_if("enumerations", [this](const Node& node) { read_enumerations(node); });
+    object.visit("variables", [this](const Node& node) { read_variables(node); });
+    object.finish();
   }
 
-  void join_board(const std::filesystem::path& file) {
-    const Json json = read_json(file);
-    const JsonObject board(json, file.string());
-    for (const Json& entry : board.list("devices")) {
-      const JsonObject unnamed(entry, board.where());
-      const JsonObject device(entry, fmt::format("{}, device {}", board.where(), unnamed.text("name")));
-      if (device.has("enumerations")) read_enumerations(device);
-      if (device.has("variables")) read_variables(device);
+  /// What is not of the variables is for the reader of boards (fmu_soc).
+  void join_board(const Node& root, const std::filesystem::path& file) {
+    for (const auto& device : root.at("devices").elements()) {
+      device.attempt([&] {
+        if (const auto types = device.find("enumerations")) types->attempt([&] { read_enumerations(*types); });
+        if (const auto variables = device.find("variables")) variables->attempt([&] { read_variables(*variables); });
+      });
     }
     result_.source += " and " + file.filename().string();
   }
 
-  Description finish() {
-    for (const Field& field : result_.fields) {
-      check_inputs(field, "depends_on", field.depends_on);
-      if (field.first_depends_on) check_inputs(field, "first_depends_on", *field.first_depends_on);
+  /// Once all inputs are known.
+  void check_dependencies() const {
+    for (const auto& [node, names] : dependencies_) {
+      for (const auto& name : names) {
+        if (inputs_.contains(name)) continue;
+        const std::vector<std::string> known(inputs_.begin(), inputs_.end());
+        node.complain_unknown("the input", name, known);
+      }
     }
-    return std::move(result_);
   }
+
+  Description take() { return std::move(result_); }
 
  private:
-  void check_inputs(const Field& field, const char* key, const std::vector<std::string>& names) const {
-    for (const std::string& name : names)
-      if (!inputs_.contains(name))
-        throw Error(fmt::format("{}: {} names {}, which is no input", where_.at(field.name), key, name));
-  }
+  using Names = std::map<std::string, std::string>;  // name -> where it was declared
 
-  static double positive(const JsonObject& object, std::string_view key) {
-    const double value = object.number(key);
-    if (!(value > 0)) object.fail(fmt::format("\"{}\" is {} s; it must be above 0", key, value));
-    return value;
-  }
-
-  void read_log_categories(const JsonObject& object) {
-    const JsonObject categories(object.at("log_categories"), object.where() + ", log_categories");
-    for (const auto& item : categories.json().items())
-      result_.log_categories.push_back({item.key(), categories.text(item.key())});
-  }
-
-  void read_groups(const JsonObject& object) {
-    const JsonObject groups(object.at("groups"), object.where() + ", groups");
-    for (const auto& item : groups.json().items()) {
-      Group group{item.key(), {}};
-      if (!is_cpp_identifier(group.name)) groups.fail(fmt::format("\"{}\" is no C++ name", group.name));
-      for (const Json& word : groups.list(item.key())) {
-        if (!word.is_string() || !is_structured_name(word.get<std::string>()))
-          groups.fail(fmt::format("{} in \"{}\" is not part of a variable's name", word.dump(), group.name));
-        group.words.push_back(word.get<std::string>());
-      }
-      if (group.words.empty()) groups.fail(fmt::format("\"{}\" has no words", group.name));
-      claim(cpp_names_, group.name, groups.where());
-      result_.groups.push_back(std::move(group));
+  void read_groups(const Node& node) {
+    for (const auto& [name, words] : node.members()) {
+      words.attempt([&, &name = name, &words = words] {
+        check_cpp_name(words, name);
+        claim(cpp_names_, name, words);
+        result_.groups.push_back({name, data::list_of(&read_word)(words)});
+        if (words.elements().empty()) words.fail(ErrorCode::invalid_value, "a group needs a word at least");
+      });
     }
   }
 
-  void read_enumerations(const JsonObject& object) {
-    const JsonObject types(object.at("enumerations"), object.where() + ", enumerations");
-    for (const auto& item : types.json().items()) {
-      const JsonObject items(item.value(), fmt::format("{}, {}", types.where(), item.key()));
-      Enumeration type{item.key(), {}};
-      if (!is_cpp_identifier(type.name)) types.fail(fmt::format("\"{}\" is no C++ name", type.name));
-      std::map<std::int32_t, std::string> values;
-      for (const auto& entry : items.json().items()) {
-        if (!is_cpp_identifier(entry.key())) items.fail(fmt::format("\"{}\" is no C++ name", entry.key()));
-        const std::int32_t value = integer(items, entry.key(), entry.value());
-        if (!values.emplace(value, entry.key()).second)
-          items.fail(fmt::format("{} and {} have the same value {}", values[value], entry.key(), value));
-        type.items.push_back({entry.key(), value, ""});
-      }
-      if (type.items.empty()) items.fail("an enumeration needs at least one item");
-      claim(cpp_names_, type.name, types.where());
-      result_.enumerations.push_back(std::move(type));
+  static std::string read_word(const Node& node) {
+    auto word = node.text();
+    if (!is_structured_name(word)) {
+      node.fail(ErrorCode::invalid_value, fmt::format("{} is not part of a variable's name", node.shown()));
+    }
+    return word;
+  }
+
+  void read_enumerations(const Node& node) {
+    for (const auto& [name, items] : node.members()) {
+      items.attempt([&, &name = name, &items = items] {
+        check_cpp_name(items, name);
+        claim(cpp_names_, name, items);
+        result_.enumerations.push_back({name, read_items(items)});
+      });
     }
   }
 
-  void read_variables(const JsonObject& object) {
-    if (object.list("variables").empty()) object.fail("\"variables\" is empty; FMI 2.0 asks for one at least");
-    for (const Json& entry : object.list("variables")) {
-      const JsonObject unnamed(entry, object.where() + ", variables");
-      read_variable(JsonObject(entry, fmt::format("{}, variable {}", object.where(), unnamed.text("name"))));
+  static std::vector<EnumerationItem> read_items(const Node& node) {
+    std::vector<EnumerationItem> items;
+    std::map<std::int32_t, std::string> values;
+    for (const auto& [name, member] : node.members()) {
+      member.attempt([&, &name = name, &member = member] {
+        check_cpp_name(member, name);
+        const std::int32_t value = integer(member);
+        const auto [other, is_new] = values.emplace(value, name);
+        if (!is_new) {
+          member.fail(ErrorCode::duplicate_name,
+                      fmt::format("{} and {} have the same value {}", other->second, name, value));
+        }
+        items.push_back({name, value, ""});
+      });
+    }
+    if (node.members().empty()) node.fail(ErrorCode::invalid_value, "an enumeration needs at least one item");
+    return items;
+  }
+
+  void read_variables(const Node& node) {
+    if (node.elements().empty()) {
+      node.fail(ErrorCode::invalid_value, "the list is empty; FMI 2.0 asks for one variable at least");
+    }
+    for (const auto& entry : node.elements()) {
+      entry.attempt([&] { read_variable(entry); });
     }
   }
 
-  void read_variable(const JsonObject& json) {
-    json.allow_only({"name", "type", "causality", "variability", "unit", "start", "min", "max", "nominal", "text",
-                     "depends_on", "first_depends_on", "mime_type", "on_demand"});
+  void read_variable(const Node& node) {
+    static const auto causality = data::word_of<Causality>(
+        {{"parameter", Causality::parameter}, {"input", Causality::input}, {"output", Causality::output}});
+    Object object(node);
     Field field;
-    field.name = json.text("name");
-    field.text = json.text("text");
-    read_type(json, field);
-    read_causality(json, field);
-    read_names(json, field);
-    read_numbers(json, field);
-    read_starts(json, field);
-    field.on_demand = json.flag("on_demand");
-    if (field.on_demand && (field.type != FieldType::string || field.causality != Causality::output))
-      json.fail("\"on_demand\" is for String outputs only");
+    bool sound = object.read("name", field.name, &Node::readable_text);
+    object.read("text", field.text, &Node::text);
+    sound &= read_type(object, field);
+    sound &= object.read("causality", field.causality, causality);
+    object.allow({"variability", "unit", "start", "min", "max", "nominal", "depends_on", "first_depends_on",
+                  "mime_type", "on_demand"});
+    object.finish();
+    if (!sound) return;  // what the rest may be follows from these
+    node.attempt([&] { read_names(node, field); });
+    read_variability(object, field);
+    read_dependencies(object, field);
+    read_unit(object, field);
+    read_numbers(object, field);
+    read_starts(object, field);
+    read_kind(object, field);
+    if (!object.sound()) return;
     if (!field.on_demand) {
       field.cpp_name = cpp_name(field);
-      if (!is_cpp_identifier(field.cpp_name)) json.fail(fmt::format("\"{}\" is no C++ name", field.cpp_name));
+      check_cpp_name(node.at("name"), field.cpp_name);
       // Three structs, so the same name in two of them would compile; but it would mislead a reader.
-      claim(cpp_names_, field.cpp_name, json.where());
+      claim(cpp_names_, field.cpp_name, node.at("name"));
     }
-    where_[field.name] = json.where();
     result_.fields.push_back(std::move(field));
   }
 
-  void read_type(const JsonObject& json, Field& field) {
-    static const std::map<std::string, FieldType, std::less<>> types = {{"Real", FieldType::real},
-                                                                        {"Integer", FieldType::integer},
-                                                                        {"Boolean", FieldType::boolean},
-                                                                        {"String", FieldType::string},
-                                                                        {"Binary", FieldType::binary}};
-    const std::string type = json.text_or("type", "Real");
-    if (const auto found = types.find(type); found != types.end()) {
-      field.type = found->second;
-    } else if (std::ranges::find(result_.enumerations, type, &Enumeration::name) != result_.enumerations.end()) {
-      field.type = FieldType::enumeration;
+  /// False when the type is not one. Absent, it is Real.
+  bool read_type(Object& object, Field& field) const {
+    static constexpr std::array<std::pair<std::string_view, FieldType>, 5> kTypes{{{"Real", FieldType::real},
+                                                                                   {"Integer", FieldType::integer},
+                                                                                   {"Boolean", FieldType::boolean},
+                                                                                   {"String", FieldType::string},
+                                                                                   {"Binary", FieldType::binary}}};
+    const bool absent = !object.has("type");
+    return object.read_if("type", field.type, [&](const Node& node) {
+      const auto type = node.text();
+      std::vector<std::string> known;
+      for (const auto& [name, meaning] : kTypes) {
+        if (name == type) return meaning;
+        known.emplace_back(name);
+      }
+      for (const auto& enumeration : result_.enumerations) known.push_back(enumeration.name);
+      if (std::ranges::find(result_.enumerations, type, &Enumeration::name) == result_.enumerations.end()) {
+        node.fail_unknown("the type", type, known);
+      }
       field.enumeration = type;
-    } else {
-      json.fail(fmt::format("unknown type \"{}\"; use Real, Integer, Boolean, String, Binary or an enumeration", type));
-    }
-    if (field.type == FieldType::binary)
-      field.mime_type = json.text("mime_type");
-    else if (json.has("mime_type"))
-      json.fail("\"mime_type\" is for Binary only");
+      return FieldType::enumeration;
+    }) || absent;
   }
 
-  void read_causality(const JsonObject& json, Field& field) {
-    const std::string causality = json.text("causality");
-    if (causality == "parameter")
-      field.causality = Causality::parameter;
-    else if (causality == "input")
-      field.causality = Causality::input;
-    else if (causality == "output")
-      field.causality = Causality::output;
-    else
-      json.fail(fmt::format("\"causality\" is \"{}\"; use parameter, input or output", causality));
-
+  static void read_variability(Object& object, Field& field) {
+    static const auto words = data::word_of<Variability>({{"fixed", Variability::fixed},
+                                                          {"tunable", Variability::tunable},
+                                                          {"discrete", Variability::discrete},
+                                                          {"continuous", Variability::continuous}});
     const bool parameter = field.causality == Causality::parameter;
     const bool real = field.type == FieldType::real;
-    const std::string fallback = parameter ? "fixed" : real ? "continuous" : "discrete";
-    const std::string variability = json.text_or("variability", fallback);
-    if (parameter && variability == "fixed")
-      field.variability = Variability::fixed;
-    else if (parameter && variability == "tunable")
-      field.variability = Variability::tunable;
-    else if (!parameter && variability == "discrete")
-      field.variability = Variability::discrete;
-    else if (!parameter && real && variability == "continuous")
-      field.variability = Variability::continuous;
-    else
-      json.fail(
-          fmt::format("\"variability\" \"{}\" does not go with causality {} and type {}; parameters are fixed or "
-                      "tunable, the rest is discrete, or continuous if Real",
-                      variability, causality, json.text_or("type", "Real")));
-    if (field.type == FieldType::binary && parameter) json.fail("a Binary cannot be a parameter");
-    if (json.has("depends_on")) field.depends_on = read_dependencies(json, "depends_on", field);
-    if (json.has("first_depends_on")) field.first_depends_on = read_dependencies(json, "first_depends_on", field);
+    field.variability = parameter ? Variability::fixed : real ? Variability::continuous : Variability::discrete;
+    object.read_if("variability", field.variability, [&](const Node& node) {
+      const auto found = words(node);
+      const bool of_parameter = found == Variability::fixed || found == Variability::tunable;
+      if (of_parameter != parameter || (found == Variability::continuous && !real)) {
+        node.fail(
+            ErrorCode::invalid_value,
+            fmt::format("{} does not go with this causality and type; parameters are fixed or tunable, the rest is "
+                        "discrete, or continuous if Real",
+                        node.shown()));
+      }
+      return found;
+    });
+    if (field.type == FieldType::binary && parameter) {
+      object.node().at("causality").complain(ErrorCode::invalid_value, "a Binary cannot be a parameter");
+    }
   }
 
   /// Names of inputs, groups taken apart.
-  std::vector<std::string> read_dependencies(const JsonObject& json, const char* key, const Field& field) const {
-    if (field.causality != Causality::output) json.fail(fmt::format("\"{}\" is for outputs only", key));
-    std::vector<std::string> result;
-    for (const Json& name : json.list(key)) {
-      if (!name.is_string()) json.fail(fmt::format("\"{}\" must list names, not {}", key, name.dump()));
-      const auto names = expand(json, name.get<std::string>()).second;
-      result.insert(result.end(), names.begin(), names.end());
-    }
-    return result;
+  void read_dependencies(Object& object, Field& field) {
+    const auto names = [&](const Node& node) {
+      if (field.causality != Causality::output) node.fail(ErrorCode::invalid_value, "this is for outputs only");
+      std::vector<std::string> result;
+      for (const auto& element : node.elements()) {
+        element.attempt([&] {
+          const auto expanded = expand(element, element.text()).second;
+          dependencies_.emplace_back(element, expanded);
+          result.insert(result.end(), expanded.begin(), expanded.end());
+        });
+      }
+      return result;
+    };
+    object.read_if("depends_on", field.depends_on, names);
+    object.read_if("first_depends_on", field.first_depends_on, names);
   }
 
   /// Takes `{group}` apart: the group's index and one name per word.
-  std::pair<std::optional<std::size_t>, std::vector<std::string>> expand(const JsonObject& json,
+  std::pair<std::optional<std::size_t>, std::vector<std::string>> expand(const Node& node,
                                                                          const std::string& name) const {
     const auto open = name.find('{');
     if (open == std::string::npos) return {std::nullopt, {name}};
     const auto close = name.find('}', open);
-    if (close == std::string::npos || name.find('{', open + 1) != std::string::npos)
-      json.fail("a name may hold one {group} only");
+    if (close == std::string::npos || name.find('{', open + 1) != std::string::npos) {
+      node.fail(ErrorCode::invalid_value, "a name may hold one {group} only");
+    }
     const std::string group_name = name.substr(open + 1, close - open - 1);
     const auto group = std::ranges::find(result_.groups, group_name, &Group::name);
-    if (group == result_.groups.end()) json.fail(fmt::format("there is no group \"{}\" in \"groups\"", group_name));
+    if (group == result_.groups.end()) {
+      std::vector<std::string> known;
+      for (const auto& other : result_.groups) known.push_back(other.name);
+      node.fail_unknown("the group", group_name, known);
+    }
     std::vector<std::string> names;
     for (const std::string& word : group->words) names.push_back(name.substr(0, open) + word + name.substr(close + 1));
     return {static_cast<std::size_t>(group - result_.groups.begin()), names};
   }
 
-  void read_names(const JsonObject& json, Field& field) {
-    std::tie(field.group, field.fmi_names) = expand(json, field.name);
+  void read_names(const Node& variable, Field& field) {
+    const Node node = variable.at("name");
+    std::tie(field.group, field.fmi_names) = expand(node, field.name);
     for (const std::string& name : field.fmi_names) {
-      if (!is_structured_name(name))
-        json.fail(fmt::format("\"{}\" is no structured FMI name such as cell.voltage or rotor[1].thrust", name));
-      if (field.type == FieldType::binary)
-        for (const std::string_view role : kOsmpRoles)
-          claim(fmi_names_, fmt::format("{}.{}", name, role), json.where());
-      claim(fmi_names_, name, json.where());
-      if (field.causality == Causality::input) inputs_.emplace(name, json.where());
+      if (!is_structured_name(name)) {
+        node.fail(ErrorCode::invalid_value,
+                  fmt::format("\"{}\" is not a structured FMI name such as cell.voltage or rotor[1].thrust", name));
+      }
+      if (field.type == FieldType::binary) {
+        for (const std::string_view role : kOsmpRoles) claim(fmi_names_, fmt::format("{}.{}", name, role), node);
+      }
+      claim(fmi_names_, name, node);
+      if (field.causality == Causality::input) inputs_.insert(name);
     }
   }
 
-  static void read_numbers(const JsonObject& json, Field& field) {
-    const bool real = field.type == FieldType::real;
-    const bool numeric = real || field.type == FieldType::integer;
-    for (const char* key : {"min", "max"})
-      if (json.has(key) && !numeric) json.fail(fmt::format("\"{}\" is for Real and Integer only", key));
-    for (const char* key : {"unit", "nominal"})
-      if (json.has(key) && !real) json.fail(fmt::format("\"{}\" is for Real only", key));
-    field.min = json.optional_number("min");
-    field.max = json.optional_number("max");
-    field.nominal = json.optional_number("nominal");
-    if (field.nominal && !(*field.nominal > 0)) json.fail("\"nominal\" must be above 0");
-    if (field.min && field.max && *field.min > *field.max)
-      json.fail(fmt::format("\"min\" {} is above \"max\" {}", *field.min, *field.max));
-    field.unit = json.text_or("unit", "");
-    if (real && field.unit.empty()) json.fail("a Real needs a \"unit\"; use \"1\" for a plain number");
-    if (real && find_known_unit(field.unit) == nullptr)
-      json.fail(
-          fmt::format("unknown unit \"{}\"; add it to modeldesc/src/units.cpp or use one from there", field.unit));
-  }
-
-  void read_starts(const JsonObject& json, Field& field) const {
-    const bool wanted = field.causality != Causality::output && field.type != FieldType::binary;
-    if (!wanted) {
-      if (json.has("start"))
-        json.fail("\"start\" is for parameters and inputs: the model computes outputs, a Binary starts as null");
+  static void read_unit(Object& object, Field& field) {
+    if (field.type != FieldType::real) {
+      refuse(object, "unit", "this is for Real only");
       return;
     }
-    const Json& start = json.at("start");
-    if (start.is_array()) {
-      if (!field.group || start.size() != field.fmi_names.size())
-        json.fail(fmt::format("\"start\" lists {} values for {} variables", start.size(), field.fmi_names.size()));
-      for (const Json& value : start) field.starts.push_back(start_value(json, field, value));
+    object.read("unit", field.unit, [](const Node& node) {
+      auto unit = node.text();
+      try {
+        static_cast<void>(parse_unit(unit));
+      } catch (const Error& error) {
+        node.fail(error.code(), error.what());
+      }
+      return unit;
+    });
+  }
+
+  static void read_numbers(Object& object, Field& field) {
+    const bool real = field.type == FieldType::real;
+    if (!real && field.type != FieldType::integer) {
+      refuse(object, "min", "this is for Real and Integer only");
+      refuse(object, "max", "this is for Real and Integer only");
     } else {
-      field.starts.assign(field.fmi_names.size(), start_value(json, field, start));
+      object.read_if("min", field.min, data::number());
+      object.read_if("max", field.max, data::number());
+    }
+    if (real) {
+      object.read_if("nominal", field.nominal, data::number(data::Limits::positive()));
+    } else {
+      refuse(object, "nominal", "this is for Real only");
+    }
+    if (field.min && field.max && *field.min > *field.max) {
+      object.node().at("min").complain(ErrorCode::invalid_value,
+                                       fmt::format("min {} is above max {}", *field.min, *field.max));
     }
   }
 
-  Value start_value(const JsonObject& json, const Field& field, const Json& value) const {
-    switch (field.type) {
-      case FieldType::real: {
-        if (!value.is_number()) json.fail(fmt::format("\"start\" must be a number, not {}", value.dump()));
-        check_limits(json, field, value.get<double>());
-        return value.get<double>();
+  void read_starts(Object& object, Field& field) const {
+    const bool wanted = field.causality != Causality::output && field.type != FieldType::binary;
+    if (!wanted) {
+      refuse(object, "start", "this is for parameters and inputs: the model computes outputs, a Binary starts as null");
+      return;
+    }
+    object.read("start", field.starts, [&](const Node& start) {
+      if (!start.is(data::Kind::list)) {
+        return std::vector<Value>(field.fmi_names.size(), start_value(start, field));
       }
+      const auto elements = start.elements();
+      if (!field.group || elements.size() != field.fmi_names.size()) {
+        start.fail(ErrorCode::invalid_value,
+                   fmt::format("{} values for {} variables", elements.size(), field.fmi_names.size()));
+      }
+      return data::list_of([&](const Node& value) { return start_value(value, field); })(start);
+    });
+  }
+
+  Value start_value(const Node& node, const Field& field) const {
+    switch (field.type) {
+      case FieldType::real:
+        check_limits(node, field, node.number());
+        return node.number();
       case FieldType::integer: {
-        const std::int32_t number = integer(json, "start", value);
-        check_limits(json, field, number);
+        const std::int32_t number = integer(node);
+        check_limits(node, field, number);
         return number;
       }
       case FieldType::enumeration: {
-        const std::int32_t number = integer(json, "start", value);
+        const std::int32_t number = integer(node);
         const auto& items = result_.enumeration(field.enumeration).items;
-        if (std::ranges::find(items, number, &EnumerationItem::value) == items.end())
-          json.fail(fmt::format("\"start\" {} is no value of {}", number, field.enumeration));
+        if (std::ranges::find(items, number, &EnumerationItem::value) == items.end()) {
+          node.fail(ErrorCode::value_out_of_range, fmt::format("{} is not a value of {}", number, field.enumeration));
+        }
         return number;
       }
       case FieldType::boolean:
-        if (!value.is_boolean()) json.fail(fmt::format("\"start\" must be true or false, not {}", value.dump()));
-        return value.get<bool>();
+        return node.flag();
       case FieldType::string:
-        if (!value.is_string()) json.fail(fmt::format("\"start\" must be a text, not {}", value.dump()));
-        return value.get<std::string>();
+        return node.text();
       case FieldType::binary:
         break;
     }
     return {};
   }
 
-  static void check_limits(const JsonObject& json, const Field& field, double value) {
-    if (field.min && value < *field.min) json.fail(fmt::format("\"start\" {} is below \"min\" {}", value, *field.min));
-    if (field.max && value > *field.max) json.fail(fmt::format("\"start\" {} is above \"max\" {}", value, *field.max));
+  /// What only one kind of variable has.
+  static void read_kind(Object& object, Field& field) {
+    if (field.type == FieldType::binary) {
+      object.read("mime_type", field.mime_type, &Node::text);
+    } else {
+      refuse(object, "mime_type", "this is for Binary only");
+    }
+    object.read_if("on_demand", field.on_demand, [&](const Node& node) {
+      const bool on_demand = node.flag();
+      if (on_demand && (field.type != FieldType::string || field.causality != Causality::output)) {
+        node.fail(ErrorCode::invalid_value, "this is for String outputs only");
+      }
+      return on_demand;
+    });
   }
 
-  static std::int32_t integer(const JsonObject& json, std::string_view key, const Json& value) {
-    constexpr double kMin = std::numeric_limits<std::int32_t>::min();
-    constexpr double kMax = std::numeric_limits<std::int32_t>::max();
-    const double number = value.is_number() ? value.get<double>() : std::nan("");
-    if (!(number >= kMin && number <= kMax) || number != std::floor(number))
-      json.fail(fmt::format("\"{}\" must be a whole number of 32 bits, not {}", key, value.dump()));
-    return static_cast<std::int32_t>(number);
+  static void check_limits(const Node& node, const Field& field, double value) {
+    if (field.min && value < *field.min) {
+      node.fail(ErrorCode::value_out_of_range, fmt::format("{} is below min {}", value, *field.min));
+    }
+    if (field.max && value > *field.max) {
+      node.fail(ErrorCode::value_out_of_range, fmt::format("{} is above max {}", value, *field.max));
+    }
+  }
+
+  static std::int32_t integer(const Node& node) {
+    using Limits = std::numeric_limits<std::int32_t>;
+    return static_cast<std::int32_t>(node.whole_number(Limits::min(), Limits::max()));
+  }
+
+  static void refuse(const Object& object, std::string_view key, std::string_view why) {
+    if (const auto member = object.node().find(key)) member->complain(ErrorCode::invalid_value, why);
+  }
+
+  static void check_cpp_name(const Node& node, const std::string& name) {
+    if (!is_cpp_identifier(name)) node.fail(ErrorCode::invalid_value, fmt::format("\"{}\" is not a C++ name", name));
   }
 
   std::string cpp_name(const Field& field) const {
@@ -334,22 +402,20 @@ class DescriptionReader {
       // (drone_position_m).
       name.replace(open, group.size() + 2, open == 0 ? group : "");
     }
-    const std::string base = to_cpp_name(name);
-    const KnownUnit* unit = find_known_unit(field.unit);
-    const std::string suffix = unit == nullptr ? "" : unit->suffix;
-    return base + suffix;
+    return to_cpp_name(name) + (field.unit.empty() ? "" : unit_suffix(field.unit));
   }
 
-  static void claim(std::map<std::string, std::string>& names, const std::string& name, const std::string& where) {
-    const auto [found, fresh] = names.emplace(name, where);
-    if (!fresh) throw Error(fmt::format("{}: the name {} is already taken by {}", where, name, found->second));
+  static void claim(Names& names, const std::string& name, const Node& node) {
+    const auto [found, is_new] = names.emplace(name, node.place());
+    if (is_new) return;
+    node.fail(ErrorCode::duplicate_name, fmt::format("the name {} is already taken by {}", name, found->second));
   }
 
   Description result_;
-  std::map<std::string, std::string> fmi_names_;  // name -> where it was declared
-  std::map<std::string, std::string> cpp_names_;
-  std::map<std::string, std::string> inputs_;
-  std::map<std::string, std::string> where_;
+  Names fmi_names_;
+  Names cpp_names_;
+  std::set<std::string> inputs_;
+  std::vector<std::pair<Node, std::vector<std::string>>> dependencies_;
 };
 
 }  // namespace
@@ -361,10 +427,30 @@ const Enumeration& Description::enumeration(std::string_view type) const {
 }
 
 Description read_description(const std::filesystem::path& file, const std::filesystem::path& board) {
+  data::Document own(file);
+  std::optional<data::Document> joined;
+  if (!board.empty()) joined.emplace(board);
   DescriptionReader reader;
-  reader.read_own(file);
-  if (!board.empty()) reader.join_board(board);
-  return reader.finish();
+  own.read([&](const Node& root) {
+    reader.read_own(root, file);
+    const auto check_dependencies = [&] {
+      if (root.noted() == 0) reader.check_dependencies();  // else inputs may be missing
+    };
+    if (!joined) {
+      check_dependencies();
+      return;
+    }
+    joined->read([&](const Node& board_root) {
+      reader.join_board(board_root, board);
+      if (board_root.noted() == 0) check_dependencies();
+    });
+  });
+  return reader.take();
+}
+
+void check_board_variables(const std::filesystem::path& board) {
+  DescriptionReader reader;
+  data::Document(board).read([&](const Node& root) { reader.join_board(root, board); });
 }
 
 }  // namespace mebots::modeldesc

@@ -62,8 +62,12 @@ struct Description {
 };
 
 /// Reads description.json and, when `board` is not empty, joins the variables and enumerations of the board's
-/// devices to it. Throws mebots::Error naming file, variable, key and value.
+/// devices to it. Throws mebots::Error naming everything that is wrong, with file, line and key.
 Description read_description(const std::filesystem::path& file, const std::filesystem::path& board = {});
+
+/// Reads the variables and enumerations of a board's devices alone. Throws mebots::Error naming everything that is
+/// wrong with them.
+void check_board_variables(const std::filesystem::path& board);
 
 /// The parts of an OSMP binary, in the order in which they get value references.
 inline constexpr std::array<std::string_view, 3> kOsmpRoles = {"base.lo", "base.hi", "size"};

@@ -148,8 +148,8 @@ ModelDescription to_model_description(const Description& description) {
     add_variables(field, result);
     used_units.insert(field.unit);
   }
-  for (const KnownUnit& known : known_units())
-    if (used_units.contains(known.unit.name)) result.units.push_back(known.unit);
+  for (const std::string& unit : used_units)
+    if (!unit.empty()) result.units.push_back(parse_unit(unit));
   add_structure(description, result);
   result.guid = guid_of(result);
   return result;

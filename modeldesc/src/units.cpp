@@ -1,8 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mebots/modeldesc/units.hpp"
 
+#include "mebots/error.hpp"
+#include "mebots/nearest_names.hpp"
+
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cctype>
 #include <cmath>
+#include <cstdlib>
 #include <numbers>
 
 namespace mebots::modeldesc {
@@ -20,8 +27,6 @@ constexpr Exponents kTemperature = {0, 0, 0, 0, 1};
 constexpr Exponents kAngle = {0, 0, 0, 0, 0, 0, 0, 1};
 constexpr Exponents kRate = {0, 0, -1};
 constexpr Exponents kAngularRate = {0, 0, -1, 0, 0, 0, 0, 1};
-constexpr Exponents kVelocity = {0, 1, -1};
-constexpr Exponents kAcceleration = {0, 1, -2};
 constexpr Exponents kForce = {1, 1, -2};
 constexpr Exponents kEnergy = {1, 2, -2};
 constexpr Exponents kPower = {1, 2, -3};
@@ -54,12 +59,11 @@ std::vector<KnownUnit> make_table() {
       known("kg", "_kg", "kilogram", kMass),
       known("g", "_g", "gram", kMass, 1e-3),
       known("m", "_m", "metre", kLength),
+      known("l", "_l", "litre", {0, 3}, 1e-3),
       known("km", "_km", "kilometre", kLength, 1e3),
       known("cm", "_cm", "centimetre", kLength, 1e-2),
       known("mm", "_mm", "millimetre", kLength, 1e-3),
       known("um", "_um", "micrometre", kLength, 1e-6),
-      known("m2", "_m2", "square metre", {0, 2}),
-      known("m3", "_m3", "cubic metre", {0, 3}),
       known("s", "_s", "second", kTime),
       known("ms", "_ms", "millisecond", kTime, 1e-3),
       known("us", "_us", "microsecond", kTime, 1e-6),
@@ -70,59 +74,177 @@ std::vector<KnownUnit> make_table() {
       known("kHz", "_khz", "kilohertz", kRate, 1e3),
       known("MHz", "_mhz", "megahertz", kRate, 1e6),
       known("GHz", "_ghz", "gigahertz", kRate, 1e9),
-      known("1/s", "_per_s", "per second", kRate),
       known("rad", "_rad", "radian", kAngle),
       known("deg", "_deg", "degree", kAngle, kDegree),
-      known("rad/s", "_rad_per_s", "radian per second", kAngularRate),
-      known("deg/s", "_deg_per_s", "degree per second", kAngularRate, kDegree),
       known("rpm", "_rpm", "revolutions per minute", kAngularRate, 2 * std::numbers::pi / 60),
-      known("rad/s2", "_rad_per_s2", "radian per second squared", {0, 0, -2, 0, 0, 0, 0, 1}),
-      known("m/s", "_m_per_s", "metre per second", kVelocity),
-      known("km/h", "_km_per_h", "kilometre per hour", kVelocity, 1 / 3.6),
-      known("m/s2", "_m_per_s2", "metre per second squared", kAcceleration),
       known("N", "_n", "newton", kForce),
       known("mN", "_mn", "millinewton", kForce, 1e-3),
-      known("N.m", "_n_m", "newton metre", kEnergy),
-      known("kg.m2", "_kg_m2", "kilogram square metre", {1, 2}),
-      known("kg/m3", "_kg_per_m3", "kilogram per cubic metre", {1, -3}),
       known("Pa", "_pa", "pascal", kPressure),
       known("hPa", "_hpa", "hectopascal", kPressure, 100),
       known("kPa", "_kpa", "kilopascal", kPressure, 1e3),
       known("bar", "_bar", "bar", kPressure, 1e5),
       known("J", "_j", "joule", kEnergy),
       known("mJ", "_mj", "millijoule", kEnergy, 1e-3),
+      known("uJ", "_uj", "microjoule", kEnergy, 1e-6),
+      known("nJ", "_nj", "nanojoule", kEnergy, 1e-9),
+      known("pJ", "_pj", "picojoule", kEnergy, 1e-12),
       known("kJ", "_kj", "kilojoule", kEnergy, 1e3),
       known("Wh", "_wh", "watt hour", kEnergy, 3600),
       known("mWh", "_mwh", "milliwatt hour", kEnergy, 3.6),
       known("kWh", "_kwh", "kilowatt hour", kEnergy, 3.6e6),
       known("W", "_w", "watt", kPower),
       known("mW", "_mw", "milliwatt", kPower, 1e-3),
+      known("nW", "_nw", "nanowatt", kPower, 1e-9),
       known("uW", "_uw", "microwatt", kPower, 1e-6),
       known("kW", "_kw", "kilowatt", kPower, 1e3),
       known("A", "_a", "ampere", kCurrent),
       known("mA", "_ma", "milliampere", kCurrent, 1e-3),
+      known("nA", "_na", "nanoampere", kCurrent, 1e-9),
       known("uA", "_ua", "microampere", kCurrent, 1e-6),
       known("C", "_c", "coulomb", kCharge),
       known("Ah", "_ah", "ampere hour", kCharge, 3600),
       known("mAh", "_mah", "milliampere hour", kCharge, 3.6),
       known("V", "_v", "volt", kVoltage),
+      known("uV", "_uv", "microvolt", kVoltage, 1e-6),
       known("mV", "_mv", "millivolt", kVoltage, 1e-3),
       known("kV", "_kv", "kilovolt", kVoltage, 1e3),
       known("Ohm", "_ohm", "ohm", kResistance),
       known("mOhm", "_mohm", "milliohm", kResistance, 1e-3),
       known("kOhm", "_kohm", "kiloohm", kResistance, 1e3),
       known("F", "_f", "farad", kCapacitance),
+      known("mF", "_mf", "millifarad", kCapacitance, 1e-3),
+      known("uF", "_uf", "microfarad", kCapacitance, 1e-6),
+      known("nF", "_nf", "nanofarad", kCapacitance, 1e-9),
+      known("pF", "_pf", "picofarad", kCapacitance, 1e-12),
       known("H", "_henry", "henry", kInductance),
+      known("mH", "_millihenry", "millihenry", kInductance, 1e-3),
+      known("uH", "_microhenry", "microhenry", kInductance, 1e-6),
       known("T", "_t", "tesla", kMagneticFlux),
       known("K", "_k", "kelvin", kTemperature),
       known("degC", "_degc", "degree Celsius", kTemperature, 1, 273.15),
-      known("W/K", "_w_per_k", "watt per kelvin", {1, 2, -3, 0, -1}),
-      known("J/K", "_j_per_k", "joule per kelvin", {1, 2, -2, 0, -1}),
       known("lx", "_lx", "lux", {0, -2, 0, 0, 0, 0, 1}),
       known("cd", "_cd", "candela", {0, 0, 0, 0, 0, 0, 1}),
       known("mol", "_mol", "mole", {0, 0, 0, 0, 0, 1}),
   };
 }
+
+/// The unit of this name in our table, or null.
+const KnownUnit* find_known_unit(std::string_view name) {
+  const auto units = known_units();
+  const auto found = std::ranges::find_if(units, [&](const KnownUnit& known) { return known.unit.name == name; });
+  return found == units.end() ? nullptr : &*found;
+}
+
+struct Factor {
+  const KnownUnit* unit;
+  int exponent;
+};
+
+/// A unit expression as FMI 2.0 takes it over from Modelica:
+///
+///     expression = numerator [ "/" denominator ]
+///     numerator = "1" | factor { "." factor } | "(" expression ")"
+///     denominator = factor | "(" expression ")"
+///     factor = known unit [ [ "+" | "-" ] digits ]
+class UnitParser {
+ public:
+  explicit UnitParser(std::string_view text) : text_(text) {}
+
+  std::vector<Factor> factors() {
+    constexpr std::size_t kLongest = 100;  // which bounds the depth of brackets, too
+    if (text_.size() > kLongest) fail(fmt::format("longer than {} characters", kLongest));
+    expression(1);
+    if (at_ < text_.size()) {
+      fail(text_[at_] == '/' ? "a second '/'; put what is below the line into brackets, as in J/(kg.K)"
+                             : expected("'.' or '/'"));
+    }
+    return std::move(factors_);
+  }
+
+ private:
+  void expression(int sign) {
+    if (take('(')) {
+      expression(sign);
+      close();
+    } else if (peek() == '1' && !is_digit(at_ + 1)) {
+      ++at_;
+    } else {
+      do {
+        factor(sign);
+      } while (take('.'));
+    }
+    if (!take('/')) return;
+    if (take('(')) {
+      expression(-sign);
+      close();
+    } else {
+      factor(-sign);
+      if (peek() == '.') fail("a product behind '/'; put what is below the line into brackets, as in J/(kg.K)");
+    }
+  }
+
+  void factor(int sign) {
+    const auto begin = at_;
+    while (at_ < text_.size() && (std::isalpha(static_cast<unsigned char>(text_[at_])) != 0 || text_[at_] == '%'))
+      ++at_;
+    if (at_ == begin) fail(expected("a unit"));
+    const auto name = text_.substr(begin, at_ - begin);
+    const auto* const unit = find_known_unit(name);
+    if (unit == nullptr) fail_unknown(name);
+    factors_.push_back({unit, sign * exponent()});
+  }
+
+  int exponent() {
+    constexpr int kMost = 20;
+    const bool negative = peek() == '-';
+    if (negative || peek() == '+') {
+      ++at_;
+      if (!is_digit(at_)) fail(expected("an exponent"));
+    } else if (!is_digit(at_)) {
+      return 1;
+    }
+    int value = 0;
+    for (; is_digit(at_); ++at_) {
+      value = 10 * value + (text_[at_] - '0');
+      if (value > kMost) fail(fmt::format("an exponent above {}", kMost));
+    }
+    if (value == 0) fail("an exponent of 0");
+    return negative ? -value : value;
+  }
+
+  void close() {
+    if (!take(')')) fail(expected("')'"));
+  }
+  char peek() const { return at_ < text_.size() ? text_[at_] : '\0'; }
+  bool is_digit(std::size_t at) const { return at < text_.size() && text_[at] >= '0' && text_[at] <= '9'; }
+  bool take(char wanted) {
+    if (peek() != wanted) return false;
+    ++at_;
+    return true;
+  }
+
+  std::string expected(std::string_view what) const {
+    return at_ == 0 ? fmt::format("{} is expected at its start", what)
+                    : fmt::format("{} is expected behind '{}'", what, text_.substr(0, at_));
+  }
+  [[noreturn]] void fail(const std::string& why) const {
+    throw Error(ErrorCode::wrong_unit,
+                fmt::format("\"{}\" is not a unit: {}; units are products such as m/s2, kg.m2 or rad/(s.V), and 1",
+                            text_, why));
+  }
+  [[noreturn]] void fail_unknown(std::string_view name) const {
+    std::vector<std::string> known;
+    for (const auto& unit : known_units()) known.push_back(unit.unit.name);
+    throw Error(ErrorCode::wrong_unit,
+                name == text_
+                    ? fmt::format("the unit '{}' is unknown. {}", name, suggest(name, known))
+                    : fmt::format("the unit '{}' in \"{}\" is unknown. {}", name, text_, suggest(name, known)));
+  }
+
+  std::string_view text_;
+  std::size_t at_ = 0;
+  std::vector<Factor> factors_;
+};
 
 }  // namespace
 
@@ -147,10 +269,32 @@ std::span<const KnownUnit> known_units() {
   return table;
 }
 
-const KnownUnit* find_known_unit(std::string_view name) {
-  const auto units = known_units();
-  const auto found = std::ranges::find_if(units, [&](const KnownUnit& known) { return known.unit.name == name; });
-  return found == units.end() ? nullptr : &*found;
+Unit parse_unit(std::string_view text) {
+  const auto factors = UnitParser(text).factors();
+  Unit result;
+  result.name = text;
+  for (const auto& [known, exponent] : factors) {
+    for (std::size_t i = 0; i < result.exponents.size(); ++i)
+      result.exponents[i] += exponent * known->unit.exponents[i];
+    for (int i = 0; i < exponent; ++i) result.factor *= known->unit.factor;
+    for (int i = 0; i > exponent; --i) result.factor /= known->unit.factor;
+  }
+  if (factors.size() == 1 && factors[0].exponent == 1) result.offset = factors[0].unit->unit.offset;
+  if (!std::isnormal(result.factor)) {
+    throw Error(ErrorCode::wrong_unit, fmt::format("\"{}\" is beyond all numbers in SI units", text));
+  }
+  return result;
+}
+
+std::string unit_suffix(std::string_view text) {
+  std::string above;
+  std::string below;
+  for (const auto& [known, exponent] : UnitParser(text).factors()) {
+    std::string& side = exponent > 0 ? above : below;
+    side += known->suffix;
+    if (std::abs(exponent) != 1) side += std::to_string(std::abs(exponent));
+  }
+  return below.empty() ? above : above + "_per" + below;
 }
 
 std::string base_unit_text(const Unit& unit) {

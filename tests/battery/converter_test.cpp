@@ -44,8 +44,8 @@ TEST(Converter, DirectLosesNothing) {
 TEST(Converter, UnknownNameListsTheKnownOnes) {
   Parameters wrong;
   wrong.load_converter[load::camera] = "buck";
-  EXPECT_THAT(error_of([&] { Bench{wrong}; }),
-              testing::AllOf(testing::HasSubstr("camera.converter = \"buck\""), testing::HasSubstr("core, direct")));
+  EXPECT_THAT(error_of([&] { Bench{wrong}; }), testing::AllOf(testing::HasSubstr("camera.converter = \"buck\""),
+                                                              testing::HasSubstr("'core', 'direct'")));
 }
 
 }  // namespace

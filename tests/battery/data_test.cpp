@@ -37,65 +37,65 @@ TEST_F(DataFile, UnchangedIsAccepted) {
 
 TEST_F(DataFile, NegativeMassIsRefused) {
   json["mass"]["value"] = -0.0071;
-  EXPECT_THAT(refused(), AllOf(HasSubstr(path.string()), HasSubstr("mass.value = -0.0071 must be > 0")));
+  EXPECT_THAT(refused(), AllOf(HasSubstr(path.string()), HasSubstr("/mass/value: -0.0071 must be > 0")));
 }
 
 TEST_F(DataFile, ZeroCapacityIsRefused) {
   json["capacity"]["value"] = 0;
-  EXPECT_THAT(refused(), HasSubstr("capacity.value = 0 must be > 0"));
+  EXPECT_THAT(refused(), HasSubstr("/capacity/value: 0 must be > 0"));
 }
 
 TEST_F(DataFile, MissingKeyIsRefused) {
   json.erase("cut_off_voltage");
-  EXPECT_THAT(refused(), HasSubstr("cut_off_voltage is missing"));
+  EXPECT_THAT(refused(), HasSubstr("the key 'cut_off_voltage' is missing"));
 }
 
 TEST_F(DataFile, MistypedKeyIsRefused) {
   json["pair3_resistance"] = json["pair2_resistance"];
-  EXPECT_THAT(refused(), HasSubstr("pair3_resistance is not a key of this object"));
+  EXPECT_THAT(refused(), HasSubstr("/pair3_resistance: the key 'pair3_resistance' is unknown. Did you mean"));
 }
 
 TEST_F(DataFile, WrongTypeIsRefused) {
   json["capacity"]["value"] = "250 mAh";
-  EXPECT_THAT(refused(), HasSubstr("capacity.value = \"250 mAh\" must be a number"));
+  EXPECT_THAT(refused(), HasSubstr("/capacity/value: a number is expected here, not \"250 mAh\""));
   json["capacity"] = 900;
-  EXPECT_THAT(refused(), HasSubstr("capacity = 900 must be an object"));
+  EXPECT_THAT(refused(), HasSubstr("/capacity: an object is expected here, not 900"));
 }
 
 TEST_F(DataFile, WrongUnitIsRefused) {
   json["capacity"] = {{"value", 250}, {"unit", "mAh"}, {"source", "label"}};
-  EXPECT_THAT(refused(), HasSubstr("capacity.unit = \"mAh\" must be \"C\""));
+  EXPECT_THAT(refused(), HasSubstr("/capacity/unit: the unit \"mAh\" must be \"C\""));
 }
 
 TEST_F(DataFile, MissingSourceIsRefused) {
   json["mass"]["source"] = "";
-  EXPECT_THAT(refused(), HasSubstr("mass.source is empty"));
+  EXPECT_THAT(refused(), HasSubstr("/mass/source: the source is empty"));
 }
 
 TEST_F(DataFile, TableThatDoesNotRiseIsRefused) {
   json["open_circuit_voltage"] = {{"unit", "V"}, {"state_of_charge", {0, 0.6, 0.5, 1}}, {"value", {3, 3.5, 3.7, 4.2}}};
   EXPECT_THAT(refused(),
-              HasSubstr("open_circuit_voltage.state_of_charge[2] = 0.5 must be greater than the value before it, 0.6"));
+              HasSubstr("/open_circuit_voltage/state_of_charge/2: 0.5 must be greater than the value before it, 0.6"));
 }
 
 TEST_F(DataFile, OpenCircuitVoltageThatFallsIsRefused) {
   json["open_circuit_voltage"] = {{"unit", "V"}, {"state_of_charge", {0, 0.5, 1}}, {"value", {3, 3.9, 3.8}}};
-  EXPECT_THAT(refused(), HasSubstr("never fall with rising charge"));
+  EXPECT_THAT(refused(), HasSubstr("/open_circuit_voltage: the curve falls"));
 }
 
 TEST_F(DataFile, TableOfUnequalLengthsIsRefused) {
   json["series_resistance"] = {{"unit", "Ohm"}, {"state_of_charge", {0, 1}}, {"value", {0.1, 0.1, 0.1}}};
-  EXPECT_THAT(refused(), HasSubstr("series_resistance.value has 3 entries but state_of_charge has 2"));
+  EXPECT_THAT(refused(), HasSubstr("/series_resistance/value: 3 entries for 2 of state_of_charge"));
 }
 
 TEST_F(DataFile, NegativeResistanceAnywhereIsRefused) {
   json["series_resistance"] = {{"unit", "Ohm"}, {"exponential", {0, 1}}, {"polynomial", {0.1, -0.2}}};
-  EXPECT_THAT(refused(), HasSubstr("series_resistance is"));
+  EXPECT_THAT(refused(), HasSubstr("/series_resistance: the curve is"));
 }
 
 TEST_F(DataFile, CutOffAboveTheFullCellIsRefused) {
   json["cut_off_voltage"]["value"] = 4.5;
-  EXPECT_THAT(refused(), HasSubstr("cut_off_voltage = 4.5 V must be below"));
+  EXPECT_THAT(refused(), HasSubstr("/cut_off_voltage: the cut-off of 4.5 V must be below"));
 }
 
 TEST_F(DataFile, TruncatedFileIsRefused) {
@@ -125,7 +125,7 @@ TEST_F(DataFile, TablesGiveACellThatWorks) {
 
 TEST_F(DataFile, UnknownCellListsTheKnownOnes) {
   EXPECT_THAT(error_of([] { Bench{parameters("bitcraze", 1)}; }),
-              AllOf(HasSubstr("cell.name = \"bitcraze\""), HasSubstr("bitcraze_250, chen_rincon_850")));
+              AllOf(HasSubstr("cell.name = \"bitcraze\""), HasSubstr("Did you mean 'bitcraze_250'")));
   EXPECT_THAT(error_of([] { Bench{parameters("/nowhere/cell.json", 1)}; }), HasSubstr("there is no such file"));
 }
 
@@ -133,7 +133,7 @@ TEST_F(DataFile, ConverterTableAboveUnityIsRefused) {
   write(R"({"core": {"source": "x", "output_voltage": {"value": 1, "unit": "V", "source": "x"},
             "output_current": {"unit": "A", "value": [0.1, 0.2]}, "efficiency": {"unit": "1", "value": [0.9, 1.1]}}})");
   EXPECT_THAT(error_of([&] { load_converter(path, "core", "soc.converter"); }),
-              HasSubstr("core.efficiency.value[1] = 1.1 must be > 0 and <= 1"));
+              HasSubstr("/core/efficiency/value/1: 1.1 must be > 0 and <= 1"));
 }
 
 TEST_F(DataFile, ConverterTableThatCannotBeInvertedIsRefused) {

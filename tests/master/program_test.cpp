@@ -192,7 +192,7 @@ TEST_F(Program, MistakesOnTheCommandLineAreNamedWithTheWayOut) {
   expect({"convert", "two.json", "two.json"}, "both files are .json");
   expect({"convert", "two.json", "nowhere/two.ssp"}, "there is no folder nowhere");
   write_file(folder.path() / "deep.json", std::string(1'000'000, '['));
-  expect({"new-fmu", "deep.json"}, "deep.json: is nested deeper than 100 levels");
+  expect({"new-fmu", "deep.json"}, "this is nested more than 100 levels deep");
   expect({"new-fmu", "."}, "it is a folder");
   std::filesystem::create_directories(folder.path() / "strange");
   std::filesystem::create_symlink("/dev/zero", folder.path() / "strange/checkpoint.bin");

@@ -2,6 +2,7 @@
 #include "description.hpp"
 #include "generate.hpp"
 #include "generate_cpp.hpp"
+#include "mebots/data/mistakes.hpp"
 #include "mebots/error.hpp"
 #include "mebots/modeldesc/archive.hpp"
 
@@ -66,57 +67,61 @@ TEST_F(DescriptionTest, NamesCppFieldsAfterTheFmiNameAndTheUnit) {
 }
 
 TEST_F(DescriptionTest, RefusesNoVariablesKeysThatStandTwiceAndDeepNesting) {
-  EXPECT_THAT(error_of(""), HasSubstr("\"variables\" is empty"));
-  EXPECT_THAT(error_of("", R"("step": 0.2, )"), HasSubstr("description.json: step stands twice"));
-  EXPECT_THAT(error_of(std::string(100'000, '[')), HasSubstr("is nested deeper than 100 levels"));
+  EXPECT_THAT(error_of(""), HasSubstr("/variables: the list is empty"));
+  EXPECT_THAT(error_of("", R"("step": 0.2, )"), HasSubstr("/step: the key 'step' stands twice"));
+  EXPECT_THAT(error_of(std::string(100'000, '[')), HasSubstr("nested more than 100 levels deep"));
 }
 
 TEST_F(DescriptionTest, TellsWhatIsWrongWithAVariable) {
   const auto expect = [this](const std::string& variable, const char* text) {
     EXPECT_THAT(error_of(variable), HasSubstr(text)) << variable;
   };
-  expect(R"({"name": "a", "causality": "output", "text": "t"})", "variable a: a Real needs a \"unit\"");
-  expect(R"({"name": "a", "causality": "output", "unit": "furlong", "text": "t"})", "unknown unit \"furlong\"");
-  expect(R"({"name": "a", "causality": "input", "unit": "V", "text": "t"})", "the key \"start\" is missing");
-  expect(R"({"name": "a", "causality": "output", "unit": "V"})", "the key \"text\" is missing");
-  expect(R"({"name": "a", "causality": "outptu", "unit": "V", "text": "t"})", "\"causality\" is \"outptu\"");
-  expect(R"({"name": "a", "type": "Rael", "causality": "output", "text": "t"})", "unknown type \"Rael\"");
+  expect(R"({"name": "a", "causality": "output", "text": "t"})", "/variables/0: the key 'unit' is missing");
+  expect(R"({"name": "a", "causality": "output", "unit": "furlong", "text": "t"})",
+         "/variables/0/unit: the unit 'furlong' is unknown");
+  expect(R"({"name": "a", "causality": "input", "unit": "V", "text": "t"})", "the key 'start' is missing");
+  expect(R"({"name": "a", "causality": "output", "unit": "V"})", "the key 'text' is missing");
+  expect(R"({"name": "a", "causality": "outptu", "unit": "V", "text": "t"})",
+         "the word 'outptu' is unknown. Did you mean 'output'?");
+  expect(R"({"name": "a", "type": "Rael", "causality": "output", "text": "t"})",
+         "the type 'Rael' is unknown. Did you mean 'Real'?");
   expect(R"({"name": "a", "causality": "output", "unit": "V", "text": "t", "mni": 0})",
-         "unknown key \"mni\"; known are name");
+         "the key 'mni' is unknown. Did you mean 'min'?");
   expect(R"({"name": "a", "causality": "output", "unit": "V", "start": 1, "text": "t"})",
-         "\"start\" is for parameters and inputs");
+         "/start: this is for parameters and inputs");
   expect(R"({"name": "a", "causality": "input", "unit": "V", "start": -1, "min": 0, "text": "t"})",
-         "\"start\" -1 is below \"min\" 0");
+         "/start: -1 is below min 0");
   expect(R"({"name": "a", "causality": "input", "unit": "V", "start": 3, "max": 2, "text": "t"})",
-         "\"start\" 3 is above \"max\" 2");
+         "/start: 3 is above max 2");
   expect(R"({"name": "a", "causality": "input", "unit": "V", "start": 3, "min": 2, "max": 1, "text": "t"})",
-         "is above \"max\" 1");
+         "min 2 is above max 1");
   expect(R"({"name": "a", "causality": "input", "unit": "V", "start": "3", "text": "t"})",
-         "must be a number, not \"3\"");
+         "a number is expected here, not \"3\"");
   expect(R"({"name": "a", "type": "Integer", "causality": "input", "start": 1.5, "text": "t"})",
-         "whole number of 32 bits");
+         "must be a whole number from -2147483648 to 2147483647");
   expect(R"({"name": "a", "type": "Integer", "causality": "input", "start": 3000000000, "text": "t"})",
-         "whole number of 32 bits");
+         "must be a whole number from -2147483648 to 2147483647");
   expect(R"({"name": "a", "type": "Integer", "unit": "V", "causality": "output", "text": "t"})",
-         "\"unit\" is for Real only");
-  expect(R"({"name": "a", "type": "Boolean", "causality": "input", "start": 1, "text": "t"})", "must be true or false");
+         "/unit: this is for Real only");
+  expect(R"({"name": "a", "type": "Boolean", "causality": "input", "start": 1, "text": "t"})",
+         "true or false is expected here");
   expect(
       R"({"name": "a", "type": "Boolean", "variability": "continuous", "causality": "input", "start": true, "text": "t"})",
       "does not go with");
-  expect(R"({"name": "a b", "causality": "output", "unit": "V", "text": "t"})", "no structured FMI name");
-  expect(R"({"name": "class", "type": "Boolean", "causality": "output", "text": "t"})", "\"class\" is no C++ name");
-  expect(R"({"name": "{g}.a", "causality": "output", "unit": "V", "text": "t"})", "there is no group \"g\"");
+  expect(R"({"name": "a b", "causality": "output", "unit": "V", "text": "t"})", "is not a structured FMI name");
+  expect(R"({"name": "class", "type": "Boolean", "causality": "output", "text": "t"})", "\"class\" is not a C++ name");
+  expect(R"({"name": "{g}.a", "causality": "output", "unit": "V", "text": "t"})", "the group 'g' is unknown");
   expect(R"({"name": "a", "causality": "input", "unit": "V", "start": [1, 2], "text": "t"})",
-         "lists 2 values for 1 variables");
-  expect(R"({"name": "a", "type": "Binary", "causality": "output", "text": "t"})", "the key \"mime_type\" is missing");
+         "2 values for 1 variables");
+  expect(R"({"name": "a", "type": "Binary", "causality": "output", "text": "t"})", "the key 'mime_type' is missing");
   expect(R"({"name": "a", "type": "Boolean", "causality": "output", "on_demand": true, "text": "t"})",
-         "for String outputs only");
+         "/on_demand: this is for String outputs only");
   expect(R"({"name": "a", "causality": "output", "unit": "V", "depends_on": ["b"], "text": "t"})",
-         "depends_on names b, which is no input");
+         "/depends_on/0: the input 'b' is unknown");
   expect(R"({"name": "a", "causality": "output", "unit": "V", "first_depends_on": ["b"], "text": "t"})",
-         "first_depends_on names b, which is no input");
+         "/first_depends_on/0: the input 'b' is unknown");
   expect(R"({"name": "a", "causality": "input", "unit": "V", "start": 0, "first_depends_on": [], "text": "t"})",
-         "\"first_depends_on\" is for outputs only");
+         "/first_depends_on: this is for outputs only");
 }
 
 TEST_F(DescriptionTest, RefusesTheSameNameTwice) {
@@ -127,13 +132,47 @@ TEST_F(DescriptionTest, RefusesTheSameNameTwice) {
               HasSubstr("the name a_b_v is already taken"));
 }
 
+TEST_F(DescriptionTest, TellsAllMistakesOfOwnFileAndBoardAtOnce) {
+  const auto own = write("description.json", R"({"name": "1x", "text": 2, "namespace": "x", "step": 0, "stop_time": 1,
+    "variables": [{"name": "a", "causality": "output", "unit": "V/furlong", "text": "t"},
+                  {"name": "b", "causality": "input", "unit": "m3/s", "text": "t", "strat": 1}]})");
+  const auto board = write("board.json", R"({"devices": [{"variables": [{"name": "c", "type": "Boolean"}]}]})");
+  try {
+    read_description(own, board);
+    FAIL();
+  } catch (const data::Mistakes& mistakes) {
+    std::vector<std::pair<ErrorCode, std::string>> found;
+    for (const auto& mistake : mistakes.list()) {
+      found.emplace_back(mistake.code, mistake.place.substr(mistake.place.find(": /") + 2));
+    }
+    EXPECT_THAT(found, testing::UnorderedElementsAre(std::pair(ErrorCode::invalid_value, "/name"),
+                                                     std::pair(ErrorCode::wrong_type, "/text"),
+                                                     std::pair(ErrorCode::value_out_of_range, "/step"),
+                                                     std::pair(ErrorCode::wrong_unit, "/variables/0/unit"),
+                                                     std::pair(ErrorCode::missing_key, "/variables/1"),
+                                                     std::pair(ErrorCode::unknown_key, "/variables/1/strat"),
+                                                     std::pair(ErrorCode::missing_key, "/devices/0/variables/0"),
+                                                     std::pair(ErrorCode::missing_key, "/devices/0/variables/0")));
+  }
+}
+
+TEST_F(DescriptionTest, TakesProductsOfPowersOfKnownUnits) {
+  const Description x = read(R"x({"name": "flow", "causality": "output", "unit": "m3/s", "text": "t"},
+    {"name": "gain", "causality": "output", "unit": "rad/(s.V)", "text": "t"})x");
+  EXPECT_EQ(x.fields[0].cpp_name, "flow_m3_per_s");
+  EXPECT_EQ(x.fields[1].cpp_name, "gain_rad_per_s_v");
+  const auto units = to_model_description(x).units;
+  ASSERT_EQ(units.size(), 2U);
+  EXPECT_EQ(base_unit_text(units[0]), "m3/s");
+}
+
 TEST_F(DescriptionTest, TellsTheLineOfBrokenJson) {
   const auto file = write("broken.json", "{\n  \"name\": \"x\",\n  oops\n}");
   try {
     read_description(file);
     FAIL();
   } catch (const Error& error) {
-    EXPECT_THAT(error.what(), HasSubstr("broken.json, line 3: not JSON"));
+    EXPECT_THAT(error.what(), HasSubstr("broken.json:3:3: this is not JSON"));
   }
   EXPECT_THROW(read_description(folder_.path() / "missing.json"), Error);
 }
@@ -155,9 +194,8 @@ TEST_F(DescriptionTest, JoinsTheVariablesOfABoardsDevices) {
     read_description(own, twice);
     FAIL();
   } catch (const Error& error) {
-    EXPECT_THAT(error.what(),
-                HasSubstr("twice.json, device gauge, variable power: the name power is already taken by"));
-    EXPECT_THAT(error.what(), HasSubstr("description.json, variable power"));
+    EXPECT_THAT(error.what(), HasSubstr("/devices/0/variables/0/name: the name power is already taken by"));
+    EXPECT_THAT(error.what(), HasSubstr("description.json:2:20: /variables/0/name"));
   }
 }
 

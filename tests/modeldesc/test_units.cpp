@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mebots/modeldesc/units.hpp"
 
+#include "mebots/error.hpp"
+
 #include <gmock/gmock.h>
 
 #include <numbers>
@@ -9,10 +11,8 @@
 namespace mebots::modeldesc {
 namespace {
 
-const Unit& unit(const char* name) {
-  const KnownUnit* known = find_known_unit(name);
-  if (known == nullptr) throw std::runtime_error(name);
-  return known->unit;
+Unit unit(const char* name) {
+  return parse_unit(name);
 }
 
 TEST(Units, HaveTheDimensionsOfTheirDefinitions) {
@@ -65,6 +65,57 @@ TEST(Units, AreTheSameWhenANumberMeansTheSame) {
   foreign.has_base = false;
   EXPECT_TRUE(same_unit(foreign, foreign));
   EXPECT_FALSE(same_dimension(foreign, unit("m")));
+}
+
+TEST(Units, AreProductsOfPowersOfKnownUnits) {
+  EXPECT_EQ(base_unit_text(unit("m3/s")), "m3/s");
+  EXPECT_EQ(base_unit_text(unit("rad/(s.V)")), "s2.A.rad/(kg.m2)");
+  EXPECT_EQ(base_unit_text(unit("(kg.m)/(s2)")), "kg.m/s2");
+  EXPECT_EQ(unit("s-1").exponents, unit("1/s").exponents);
+  EXPECT_EQ(unit("m+2").exponents, unit("m2").exponents);
+  EXPECT_EQ(unit("1/((m.s)/kg)").exponents, unit("kg/(m.s)").exponents) << "brackets in brackets";
+  EXPECT_TRUE(same_unit(unit("W.h"), unit("Wh")));
+  EXPECT_TRUE(same_unit(unit("N.m"), unit("J")));
+  EXPECT_TRUE(same_unit(unit("l/min"), unit("l/min")));
+  EXPECT_DOUBLE_EQ(unit("l/min").factor, 1e-3 / 60);
+  EXPECT_DOUBLE_EQ(unit("mm2/ms").factor, 1e-3);
+  EXPECT_DOUBLE_EQ(unit("%/degC").factor, 0.01);
+  EXPECT_EQ(unit("J/degC").offset, 0) << "in a product a difference";
+  EXPECT_EQ(unit("degC2").offset, 0);
+  EXPECT_EQ(unit("degC").offset, 273.15);
+}
+
+TEST(Units, ThatAreNoneAreAnsweredByTheNearest) {
+  const auto error_of = [](const char* text) -> std::string {
+    try {
+      parse_unit(text);
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::wrong_unit);
+      return error.what();
+    }
+    return "accepted";
+  };
+  EXPECT_THAT(error_of("kg.ohm"), testing::AllOf(testing::HasSubstr("the unit 'ohm' in \"kg.ohm\" is unknown"),
+                                                 testing::HasSubstr("'Ohm'")));
+  EXPECT_THAT(error_of("furlong"), testing::HasSubstr("the unit 'furlong' is unknown"));
+  for (const char* wrong :
+       {"",        "/s", "m/", "m//s", "m/s/s", "m/s.kg", "m.",  ".m", "m s", "(m",
+        "m)",      "2",  "m0", "m21",  "m-",    "m^2",    "m*s", "1m", "m/1", "km20.km20.km20.km20.km20.km20",
+        "\xc2\xb0"}) {
+    EXPECT_THAT(error_of(wrong), testing::Not("accepted")) << wrong;
+  }
+  EXPECT_THAT(error_of(std::string(200, '(').c_str()), testing::HasSubstr("longer than"));
+}
+
+TEST(Units, GiveSuffixesOfCppNames) {
+  EXPECT_EQ(unit_suffix("V"), "_v");
+  EXPECT_EQ(unit_suffix("1"), "");
+  EXPECT_EQ(unit_suffix("m/s2"), "_m_per_s2");
+  EXPECT_EQ(unit_suffix("1/s"), "_per_s");
+  EXPECT_EQ(unit_suffix("s-1"), "_per_s");
+  EXPECT_EQ(unit_suffix("kg.m2"), "_kg_m2");
+  EXPECT_EQ(unit_suffix("rad/(s.V)"), "_rad_per_s_v");
+  EXPECT_EQ(unit_suffix("N.s2/rad2"), "_n_s2_per_rad2");
 }
 
 TEST(Units, HaveUniqueNamesAndSuffixes) {

@@ -52,39 +52,39 @@ TEST(BoardFile, TakesOnlyInterruptsThatTheCoreHas) {
   }
   for (const int line : {0, 4, 12, 15}) {
     EXPECT_THAT(complaint(kRam, device(fmt::format("\"interrupt\": {},", line))),
-                HasSubstr("devices[0].interrupt = " + std::to_string(line)));
+                HasSubstr("/devices/0/interrupt: the core has no interrupt " + std::to_string(line)));
   }
-  EXPECT_THAT(complaint(kRam, device("\"interrupt\": 32,")), HasSubstr("devices[0].interrupt"));
+  EXPECT_THAT(complaint(kRam, device("\"interrupt\": 32,")), HasSubstr("/devices/0/interrupt: 32"));
   EXPECT_THAT(complaint(kRam, device("\"interrupt\": 7.5,")), HasSubstr("whole number"));
 }
 
 TEST(BoardFile, RefusesOverlaps) {
   EXPECT_THAT(complaint(std::string(kRam) + R"(, {"name": "more", "base": "0x1FFC", "size": 16})", ""),
-              HasSubstr("memories[1] (more, 0x00001ffc to 0x0000200b) overlaps ram"));
-  EXPECT_THAT(complaint(kRam, device("", "d", "0x1FFC")), HasSubstr("devices[0] (d, "));
+              HasSubstr("/memories/1: more (0x00001ffc to 0x0000200b) overlaps ram"));
+  EXPECT_THAT(complaint(kRam, device("", "d", "0x1FFC")), HasSubstr("/devices/0: d ("));
   EXPECT_THAT(complaint(kRam, device("") + "," + device("", "e", "0x8004")), HasSubstr("overlaps d"));
   EXPECT_THAT(complaint(kRam, device("", "d", "0xFFFFFFFC")), HasSubstr("end of the 32-bit address space"));
 }
 
 TEST(BoardFile, RefusesUnknownAndRepeatedKeysAndNames) {
-  EXPECT_THAT(complaint(kRam, device("\"irq\": 7,")), HasSubstr("devices[0].irq"));
+  EXPECT_THAT(complaint(kRam, device("\"irq\": 7,")), HasSubstr("/devices/0/irq"));
   EXPECT_THAT(complaint(R"({"name": "ram", "name": "ram", "base": "0x1000", "size": 4096})", ""),
-              HasSubstr("name stands twice"));
+              HasSubstr("/memories/0/name: the key 'name' stands twice"));
   EXPECT_THAT(complaint(kRam, device("") + "," + device("", "d", "0x9000")), HasSubstr("is taken by another one"));
   EXPECT_THAT(complaint(kRam, device("", "2nd")), HasSubstr("a letter first"));
-  EXPECT_THAT(complaint(kRam, "", R"("core": "z80",)"), HasSubstr("core = \"z80\""));
-  EXPECT_THAT(complaint(kRam, "", R"("cluster_cores": 9,)"), HasSubstr("cluster_cores"));
+  EXPECT_THAT(complaint(kRam, "", R"("core": "z80",)"), HasSubstr("/core: the word 'z80'"));
+  EXPECT_THAT(complaint(kRam, "", R"("cluster_cores": 9,)"), HasSubstr("/cluster_cores: 9"));
 }
 
 TEST(BoardFile, RefusesAddressesThatAreNone) {
   EXPECT_THAT(complaint(R"({"name": "ram", "base": "0x1001", "size": 4096})", ""), HasSubstr("multiple of 4"));
   EXPECT_THAT(complaint(R"({"name": "ram", "base": "here", "size": 4096})", ""), HasSubstr("32-bit address"));
-  EXPECT_THAT(complaint(R"({"name": "ram", "base": "0x1000", "size": 4098})", ""), HasSubstr("memories[0].size"));
+  EXPECT_THAT(complaint(R"({"name": "ram", "base": "0x1000", "size": 4098})", ""), HasSubstr("/memories/0/size"));
 }
 
 TEST(BoardFile, WantsAVoltageWhereStatesHaveCurrents) {
   EXPECT_THAT(complaint(kRam, device(R"("states": {"on": {"current": 1e-3}},)")),
-              HasSubstr("supply_voltage is missing"));
+              HasSubstr("the key 'supply_voltage' is missing"));
 }
 
 }  // namespace

@@ -2,8 +2,8 @@
 // A device that exists in the board file only: the time-of-flight sensor of examples/time_of_flight.
 #include "devices/described_device.hpp"
 
-#include "mebots/data_file.hpp"
 #include "mebots/error.hpp"
+#include "mebots/text_file.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@ constexpr std::uint32_t kReport = 12;
 constexpr Picoseconds kMillisecond = 1'000'000'000;
 
 std::string board_text() {
-  return data::text_of(MEBOTS_SOURCE_DIR "/examples/time_of_flight/board.json");
+  return text_of(MEBOTS_SOURCE_DIR "/examples/time_of_flight/board.json");
 }
 
 DescribedDevice range_finder() {
@@ -105,15 +105,18 @@ struct Mistake {
 
 TEST(DescribedDevice, WhoseDescriptionDoesNotHoldTogetherIsRefused) {
   for (const auto& mistake :
-       {Mistake{"\"then\": \"standby\"", "\"then\": \"asleep\"", "names state \"asleep\""},
-        Mistake{"\"then\": \"standby\", ", "", "is missing: the state has a delay"},
+       {Mistake{"\"then\": \"standby\"", "\"then\": \"asleep\"", "the device's state 'asleep' is unknown"},
+        Mistake{"\"then\": \"standby\", ", "", "'then' is missing: the state has a delay"},
         Mistake{"\"delay\": 0.033", "\"delay\": 1e-9", "at least 1e-06 s"},
-        Mistake{"\"register\": \"COMMAND\"", "\"register\": \"DISTANCE\"", "no register that can be written"},
-        Mistake{"\"shows\": \"range_finder.distance\"", "\"shows\": \"colour\"", "no input among"},
-        Mistake{"\"sends\": \"range_finder.reported\"", "\"sends\": \"colour\"", "no output among"},
+        Mistake{"\"register\": \"COMMAND\"", "\"register\": \"DISTANCE\"",
+                "the writable register 'DISTANCE' is unknown"},
+        Mistake{"\"shows\": \"range_finder.distance\"", "\"shows\": \"colour\"",
+                "the device's input 'colour' is unknown"},
+        Mistake{"\"sends\": \"range_finder.reported\"", "\"sends\": \"colour\"",
+                "the device's output 'colour' is unknown"},
         Mistake{"\"access\": \"rw\", \"sends\"", "\"access\": \"r\", \"sends\"", "must be writable and show nothing"},
         Mistake{"\"causality\": \"input\"", "\"causality\": \"parameter\"", "must be input or output"},
-        Mistake{"\"initial_state\": \"standby\"", "\"initial_state\": \"on\"", "names state \"on\""}}) {
+        Mistake{"\"initial_state\": \"standby\"", "\"initial_state\": \"on\"", "the device's state 'on' is unknown"}}) {
     auto text = board_text();
     const auto at = text.find(mistake.from);
     ASSERT_NE(at, std::string::npos) << mistake.from;
@@ -130,9 +133,11 @@ TEST(DescribedDevice, WhoseDescriptionDoesNotHoldTogetherIsRefused) {
 
 TEST(BoardFile, RefusesNamesThatNothingHasAlsoInADeviceWithItsOwnModel) {
   for (const auto& mistake :
-       {Mistake{"\"then\": \"standby\"", "\"then\": \"asleep\"", "names state \"asleep\""},
-        Mistake{"\"shows\": \"range_finder.distance\"", "\"shows\": \"colour\"", "no input among"},
-        Mistake{"\"sends\": \"range_finder.reported\"", "\"sends\": \"colour\"", "no output among"}}) {
+       {Mistake{"\"then\": \"standby\"", "\"then\": \"asleep\"", "the device's state 'asleep' is unknown"},
+        Mistake{"\"shows\": \"range_finder.distance\"", "\"shows\": \"colour\"",
+                "the device's input 'colour' is unknown"},
+        Mistake{"\"sends\": \"range_finder.reported\"", "\"sends\": \"colour\"",
+                "the device's output 'colour' is unknown"}}) {
     auto text = board_text();
     const std::string described = "\"initial_state\": \"standby\",";
     text.erase(text.find(described), described.size());

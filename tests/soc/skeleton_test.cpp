@@ -5,7 +5,7 @@
 #include "board_system.hpp"
 #include "range_finder.hpp"
 
-#include "mebots/data_file.hpp"
+#include "mebots/text_file.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "energy/meter.hpp"
 
+#include "mebots/data/object.hpp"
+
 namespace mebots::soc {
 namespace {
 
@@ -41,28 +43,38 @@ double EnergyLedger::memory_j() const {
          (*this)[Part::dma];
 }
 
-EnergyTables::EnergyTables(const data::Node& node)
-    : instruction(node.object("instruction"), "pJ", kPicojoule),
-      core_clock_gated(node.object("core_clock_gated"), "W", 1),
-      core_leakage(node.object("core_leakage"), "W", 1),
-      memory_access(node.object("memory_access"), "pJ", kPicojoule),
-      l1_access(node.object("l1_access"), "pJ", kPicojoule),
-      memory_leakage(node.object("memory_leakage"), "W", 1),
-      interconnect_word(node.object("interconnect_word"), "pJ", kPicojoule),
-      dma_active(node.object("dma_active"), "W", 1),
-      dma_background(node.object("dma_background"), "W", 1),
-      fc_background(node.object("fc_background"), "W", 1),
-      cluster_background(node.object("cluster_background"), "W", 1),
-      cluster_leakage(node.object("cluster_leakage"), "W", 1) {
-  node.only({"instruction", "core_clock_gated", "core_leakage", "memory_access", "l1_access", "memory_leakage",
-             "interconnect_word", "dma_active", "dma_background", "fc_background", "cluster_background",
-             "cluster_leakage", "reference_temperature", "reference_voltage", "retention_voltage"});
+EnergyTables EnergyTables::read(const data::Node& node) {
+  EnergyTables tables;
+  data::Object object(node);
+  const auto table = [&](std::string_view key, EnergyTable& into, std::string_view unit) {
+    const double scale = unit == "pJ" ? kPicojoule : 1;
+    return object.read(key, into, [&](const data::Node& member) { return EnergyTable::read(member, unit, scale); });
+  };
+  const bool has_instruction = table("instruction", tables.instruction, "pJ");
+  table("core_clock_gated", tables.core_clock_gated, "W");
+  table("core_leakage", tables.core_leakage, "W");
+  table("memory_access", tables.memory_access, "pJ");
+  table("l1_access", tables.l1_access, "pJ");
+  table("memory_leakage", tables.memory_leakage, "W");
+  table("interconnect_word", tables.interconnect_word, "pJ");
+  table("dma_active", tables.dma_active, "W");
+  table("dma_background", tables.dma_background, "W");
+  table("fc_background", tables.fc_background, "W");
+  table("cluster_background", tables.cluster_background, "W");
+  table("cluster_leakage", tables.cluster_leakage, "W");
   OperatingPoint reference;
-  reference.temperature_c = node.quantity("reference_temperature", "C");
-  reference.voltage_v = node.quantity("reference_voltage", "V", data::Limits::positive());
-  retention_voltage_v = node.quantity("retention_voltage", "V", data::Limits::positive());
-  reference_instruction_j = instruction.at(reference);
-  if (!(reference_instruction_j > 0)) node.fail("instruction", "must be above 0 at the reference point");
+  const auto positive = data::Limits::positive();
+  bool has_reference = object.read("reference_temperature", reference.temperature_c, data::quantity("C"));
+  has_reference &= object.read("reference_voltage", reference.voltage_v, data::quantity("V", positive));
+  object.read("retention_voltage", tables.retention_voltage_v, data::quantity("V", positive));
+  object.finish();
+  if (has_instruction && has_reference) {
+    tables.reference_instruction_j = tables.instruction.at(reference);
+    if (!(tables.reference_instruction_j > 0)) {
+      node.at("instruction").complain(ErrorCode::invalid_value, "this must be above 0 at the reference point");
+    }
+  }
+  return tables;
 }
 
 EnergyMeter::EnergyMeter(const EnergyTables& tables, const Inventory& inventory, const PowerState& state)

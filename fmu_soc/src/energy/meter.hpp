@@ -96,7 +96,8 @@ struct EnergyTables {
   EnergyTable cluster_leakage;     // W while the cluster is on, beside cores and L1
   double retention_voltage_v = 0;
 
-  explicit EnergyTables(const data::Node& node);
+  /// Notes what is wrong in the node's document.
+  static EnergyTables read(const data::Node& node);
 };
 
 /// How the chip is set.

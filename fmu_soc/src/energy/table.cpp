@@ -1,32 +1,60 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "energy/table.hpp"
 
+#include "mebots/data/object.hpp"
+#include "mebots/error.hpp"
+
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cmath>
+#include <utility>
 
 namespace mebots::soc {
 namespace {
 
+struct Point {
+  double where = 0;
+  data::Node node;
+};
+
 /// Keys are numbers, written as JSON wants it: as text.
-double number_of(const data::Node& node, const std::string& key) {
+double number_of(const data::Member& member) {
   std::size_t used = 0;
   double value = 0;
   try {
-    value = std::stod(key, &used);
+    value = std::stod(member.key, &used);
   } catch (const std::exception&) {
     used = 0;
   }
-  if (used == 0 || used != key.size()) node.fail(key, "must be a number, the point of an axis");
+  if (used == 0 || used != member.key.size() || !std::isfinite(value)) {
+    member.value.fail(ErrorCode::invalid_value, fmt::format("'{}' must be a number, the point of an axis", member.key));
+  }
   return value;
 }
 
-std::vector<std::pair<double, std::string>> sorted_keys(const data::Node& node) {
-  std::vector<std::pair<double, std::string>> keys;
-  for (const auto& key : node.keys()) keys.emplace_back(key == "any" ? 0.0 : number_of(node, key), key);
-  std::sort(keys.begin(), keys.end());
-  for (std::size_t i = 1; i < keys.size(); ++i) {
-    if (keys[i].first == keys[i - 1].first) node.fail(keys[i].second, "is a point that stands twice");
+/// The members of an axis by their points, at least one.
+std::vector<Point> sorted_points(const data::Node& node) {
+  std::vector<Point> points;
+  for (const auto& member : node.members()) {
+    member.value.attempt([&] { points.push_back({member.key == "any" ? 0.0 : number_of(member), member.value}); });
   }
-  return keys;
+  if (node.members().empty()) node.fail(ErrorCode::invalid_value, "there is no point on this axis");
+  std::ranges::stable_sort(points, {}, &Point::where);
+  for (std::size_t i = 1; i < points.size(); ++i) {
+    if (points[i].where == points[i - 1].where) {
+      points[i].node.complain(ErrorCode::duplicate_key, "this point stands twice on its axis");
+    }
+  }
+  return points;
+}
+
+/// Calls take(where, node) for each point of an axis. What it refuses is noted.
+template <typename Take>
+void for_each_point(const data::Node& axis, const Take& take) {
+  for (const auto& point : sorted_points(axis)) {
+    point.node.attempt([&] { take(point.where, point.node); });
+  }
 }
 
 /// Figure at `where` on an axis, each of its points' figures given by `figure_at(index)`.
@@ -36,7 +64,8 @@ double between(const std::vector<double>& axis, double where, const std::string&
   if (axis.size() == 1) return figure_at(0);
   const auto above = std::upper_bound(axis.begin(), axis.end(), where);
   if (where < axis.front() || where > axis.back()) {
-    throw Error(fmt::format("{} goes from {} to {} {}; asked for {}", table, axis.front(), axis.back(), what, where));
+    throw Error(ErrorCode::value_out_of_range,
+                fmt::format("{} goes from {} to {} {}; asked for {}", table, axis.front(), axis.back(), what, where));
   }
   const auto high = above == axis.end() ? axis.size() - 1 : static_cast<std::size_t>(above - axis.begin());
   const auto low = high - 1;
@@ -47,31 +76,32 @@ double between(const std::vector<double>& axis, double where, const std::string&
 
 }  // namespace
 
-EnergyTable::EnergyTable(const data::Node& node, std::string_view unit, double scale) {
-  node.only({"unit", "source", "values"});
-  node.require_unit(unit);
-  if (node.text("source").empty()) node.fail("source", "is empty: say where the values come from");
-  const auto values = node.object("values");
-  name_ = values.name();
-  for (const auto& [temperature_c, temperature_key] : sorted_keys(values)) {
-    const auto by_voltage = values.object(temperature_key);
-    Surface surface;
-    for (const auto& [voltage_v, voltage_key] : sorted_keys(by_voltage)) {
-      const auto by_clock = by_voltage.object(voltage_key);
-      Curve curve;
-      for (const auto& [clock_hz, clock_key] : sorted_keys(by_clock)) {
-        curve.clocks_hz.push_back(clock_hz);
-        curve.figures.push_back(scale * by_clock.number(clock_key, data::Limits::at_least(0)));
-      }
-      if (curve.figures.empty()) by_voltage.fail(voltage_key, "is empty");
+EnergyTable EnergyTable::read(const data::Node& node, std::string_view unit, double scale) {
+  EnergyTable table;
+  data::Object object(node);
+  data::read_unit(object, unit);
+  data::read_source(object);
+  object.read("values", table, [&](const data::Node& values) { return read_values(values, scale); });
+  object.finish();
+  return table;
+}
+
+EnergyTable EnergyTable::read_values(const data::Node& values, double scale) {
+  EnergyTable table;
+  table.name_ = values.place();
+  for_each_point(values, [&](double temperature_c, const data::Node& by_voltage) {
+    table.temperatures_c_.push_back(temperature_c);
+    Surface& surface = table.surfaces_.emplace_back();
+    for_each_point(by_voltage, [&](double voltage_v, const data::Node& by_clock) {
       surface.voltages_v.push_back(voltage_v);
-      surface.curves.push_back(curve);
-    }
-    if (surface.curves.empty()) values.fail(temperature_key, "is empty");
-    temperatures_c_.push_back(temperature_c);
-    surfaces_.push_back(surface);
-  }
-  if (surfaces_.empty()) node.fail("values", "is empty");
+      Curve& curve = surface.curves.emplace_back();
+      for_each_point(by_clock, [&](double clock_hz, const data::Node& figure) {
+        curve.clocks_hz.push_back(clock_hz);
+        curve.figures.push_back(scale * figure.number(data::Limits::at_least(0)));
+      });
+    });
+  });
+  return table;
 }
 
 double EnergyTable::at(const OperatingPoint& point) const {

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "mebots/data_file.hpp"
+#include "mebots/data/node.hpp"
 
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -22,9 +23,8 @@ struct OperatingPoint {
 /// each axis, frequency first, then voltage, then temperature. An axis with one point holds everywhere.
 class EnergyTable {
  public:
-  EnergyTable() = default;
-  /// The figure must have this unit; the table holds it times `scale`. Throws Error that names file and key.
-  EnergyTable(const data::Node& node, std::string_view unit, double scale);
+  /// The figure must have this unit; the table holds it times `scale`. Notes what is wrong in the node's document.
+  static EnergyTable read(const data::Node& node, std::string_view unit, double scale);
 
   /// Throws Error when the point lies outside an axis of several points.
   double at(const OperatingPoint& point) const;
@@ -39,7 +39,7 @@ class EnergyTable {
     Axis voltages_v;
     std::vector<Curve> curves;
   };
-  static Axis axis_of(const data::Node& node, double any);
+  static EnergyTable read_values(const data::Node& values, double scale);
 
   Axis temperatures_c_;
   std::vector<Surface> surfaces_;

@@ -1,196 +1,238 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "scene/load.hpp"
 
-#include "mebots/data_file.hpp"
+#include "mebots/data/document.hpp"
+#include "mebots/data/object.hpp"
 
 #include <fmt/format.h>
-#include <array>
-#include <cmath>
-#include <string>
-#include <utility>
+#include <cstdint>
+#include <limits>
+#include <string_view>
+#include <vector>
 
 namespace mebots::world::scene {
 namespace {
 
 using data::Limits;
 using data::Node;
+using data::number;
+using data::Object;
+using data::quantity;
 
 const Limits kUnit = Limits::between(0.0, 1.0);
 const Limits kGrey = Limits::between(0.0, 255.0);
 
-double number_or(const Node& node, std::string_view key, double otherwise, const Limits& limits = {}) {
-  return node.has(key) ? node.number(key, limits) : otherwise;
-}
-
-std::vector<double> numbers(const Node& node, std::string_view key, std::size_t count, const Limits& limits = {}) {
-  auto values = node.numbers(key, limits);
-  if (values.size() != count) node.fail(key, fmt::format("has {} numbers; {} are needed", values.size(), count));
-  return values;
-}
-
-Eigen::Vector3d vector3(const Node& node, std::string_view key, const Limits& limits = {}) {
-  return Eigen::Vector3d(numbers(node, key, 3, limits).data());
+template <int Size>
+auto vector(const Limits& limits = {}) {
+  return [limits](const Node& node) {
+    const auto values = data::read_numbers(node, limits);
+    if (node.elements().size() != Size) {
+      node.fail(ErrorCode::invalid_value,
+                fmt::format("{} numbers are needed here, not {}", Size, node.elements().size()));
+    }
+    Eigen::Matrix<double, Size, 1> vector = Eigen::Matrix<double, Size, 1>::Zero();
+    if (values.size() == Size) vector = Eigen::Matrix<double, Size, 1>(values.data());
+    return vector;
+  };
 }
 
 /// The values of {"values": [x, y, z], "unit": text, "source": text}.
-Eigen::Vector3d sourced_vector3(const Node& node, std::string_view key, std::string_view unit, const Limits& limits) {
-  const Node quantity = node.object(key);
-  quantity.only({"values", "unit", "source"}).require_unit(unit);
-  if (quantity.text("source").empty()) quantity.fail("source", "is empty: say where the values come from");
-  return vector3(quantity, "values", limits);
-}
-
-std::uint32_t read_seed(const Node& node) {
-  if (!node.has("seed")) return 0;
-  const double seed = node.number("seed", Limits::between(0.0, 4294967295.0));
-  if (seed != std::floor(seed)) node.fail("seed", fmt::format("= {} must be a whole number", seed));
-  return static_cast<std::uint32_t>(seed);
+auto sourced_vector(std::string_view unit, const Limits& limits) {
+  return [=](const Node& node) {
+    Object object(node);
+    Eigen::Vector3d values = Eigen::Vector3d::Zero();
+    object.read("values", values, vector<3>(limits));
+    data::read_unit(object, unit);
+    data::read_source(object);
+    object.finish();
+    return values;
+  };
 }
 
 Texture read_texture(const Node& node) {
-  constexpr std::array<std::pair<std::string_view, Texture::Kind>, 5> kinds{{{"uniform", Texture::Kind::uniform},
-                                                                             {"checker", Texture::Kind::checker},
-                                                                             {"stripes", Texture::Kind::stripes},
-                                                                             {"noise", Texture::Kind::noise},
-                                                                             {"bricks", Texture::Kind::bricks}}};
-  node.only({"kind", "light", "dark", "scale", "seed"});
-  const std::string wanted = node.text("kind");
-  const auto kind = std::find_if(kinds.begin(), kinds.end(), [&](const auto& k) { return k.first == wanted; });
-  if (kind == kinds.end()) {
-    node.fail("kind", fmt::format("= \"{}\" must be uniform, checker, stripes, noise or bricks", wanted));
-  }
+  static const auto kind = data::word_of<Texture::Kind>({{"uniform", Texture::Kind::uniform},
+                                                         {"checker", Texture::Kind::checker},
+                                                         {"stripes", Texture::Kind::stripes},
+                                                         {"noise", Texture::Kind::noise},
+                                                         {"bricks", Texture::Kind::bricks}});
+  Object object(node);
   Texture texture;
-  texture.kind = kind->second;
-  texture.light = node.number("light", kGrey);
-  texture.dark = number_or(node, "dark", texture.light, kGrey);
-  texture.scale_m = number_or(node, "scale", texture.scale_m, Limits::positive());
-  texture.seed = read_seed(node);
+  object.read("kind", texture.kind, kind);
+  object.read("light", texture.light, number(kGrey));
+  texture.dark = texture.light;
+  object.read_if("dark", texture.dark, number(kGrey));
+  object.read_if("scale", texture.scale_m, number(Limits::positive()));
+  object.read_if("seed", texture.seed, data::whole_number(0, std::numeric_limits<std::uint32_t>::max()));
+  object.finish();
   return texture;
 }
 
 Ground read_ground(const Node& node) {
-  node.only({"half_size", "texture"});
-  return {node.number("half_size", Limits::positive()), read_texture(node.object("texture"))};
+  Object object(node);
+  Ground ground;
+  object.read("half_size", ground.half_size_m, number(Limits::positive()));
+  object.read("texture", ground.texture, &read_texture);
+  object.finish();
+  return ground;
 }
 
 Box read_box(const Node& node) {
-  node.only({"name", "position", "size", "yaw", "texture"});
-  return {node.text("name"), vector3(node, "position"), vector3(node, "size", Limits::positive()),
-          number_or(node, "yaw", 0.0), read_texture(node.object("texture"))};
+  Object object(node);
+  Box box;
+  object.read("name", box.name, &Node::text);
+  object.read("position", box.p_W_m, vector<3>());
+  object.read("size", box.size_m, vector<3>(Limits::positive()));
+  object.read_if("yaw", box.yaw_rad, number());
+  object.read("texture", box.texture, &read_texture);
+  object.finish();
+  return box;
 }
 
 Gate read_gate(const Node& node) {
-  node.only({"name", "position", "opening_lower_edge", "yaw", "inner", "outer", "thickness", "texture"});
+  Object object(node);
   Gate gate;
-  gate.name = node.text("name");
-  gate.inner_m = number_or(node, "inner", gate.inner_m, Limits::positive());
-  gate.outer_m = number_or(node, "outer", gate.outer_m, Limits::positive());
-  if (gate.outer_m <= gate.inner_m) {
-    node.fail("outer", fmt::format("= {} must be greater than inner = {}", gate.outer_m, gate.inner_m));
+  object.read("name", gate.name, &Node::text);
+  object.read_if("inner", gate.inner_m, number(Limits::positive()));
+  object.read_if("outer", gate.outer_m, number(Limits::positive()));
+  object.read_if("thickness", gate.thickness_m, number(Limits::positive()));
+  if (object.sound() && gate.outer_m <= gate.inner_m) {
+    const auto wrong = node.find("outer").value_or(node.find("inner").value_or(node));
+    wrong.complain(ErrorCode::invalid_value,
+                   fmt::format("outer = {} must be greater than inner = {}", gate.outer_m, gate.inner_m));
   }
-  gate.thickness_m = number_or(node, "thickness", gate.thickness_m, Limits::positive());
-  const auto place = numbers(node, "position", 2);
+  Eigen::Vector2d place = Eigen::Vector2d::Zero();
+  double lower_edge_m = 0;
+  object.read("position", place, vector<2>());
   const double border_m = 0.5 * (gate.outer_m - gate.inner_m);
-  const double lower_edge_m = node.number("opening_lower_edge", Limits::at_least(border_m));
+  object.read("opening_lower_edge", lower_edge_m, number(Limits::at_least(border_m)));
   gate.p_W_m = {place[0], place[1], lower_edge_m + 0.5 * gate.inner_m};
-  gate.yaw_rad = number_or(node, "yaw", 0.0);
-  gate.texture = read_texture(node.object("texture"));
+  object.read_if("yaw", gate.yaw_rad, number());
+  object.read("texture", gate.texture, &read_texture);
+  object.finish();
   return gate;
 }
 
 Lighting read_lighting(const Node& node) {
-  node.only({"ambient", "sun", "to_sun", "background"});
+  Object object(node);
   Lighting lighting;
-  lighting.ambient = node.number("ambient", Limits::at_least(0.0));
-  lighting.sun = node.number("sun", Limits::at_least(0.0));
-  lighting.to_sun_W = vector3(node, "to_sun");
-  if (lighting.to_sun_W.norm() < 1e-9) node.fail("to_sun", "must not be the zero vector");
-  lighting.to_sun_W.normalize();
-  lighting.background = node.number("background", kGrey);
+  object.read("ambient", lighting.ambient, number(Limits::at_least(0.0)));
+  object.read("sun", lighting.sun, number(Limits::at_least(0.0)));
+  object.read("to_sun", lighting.to_sun_W, [](const Node& member) {
+    const Eigen::Vector3d to_sun = vector<3>()(member);
+    if (to_sun.norm() < 1e-9) member.fail(ErrorCode::invalid_value, "this must not be the zero vector");
+    return Eigen::Vector3d(to_sun.normalized());
+  });
+  object.read("background", lighting.background, number(kGrey));
+  object.finish();
   return lighting;
 }
 
 StartPose read_start(const Node& node) {
-  node.only({"position", "yaw"});
-  return {vector3(node, "position"), number_or(node, "yaw", 0.0)};
+  Object object(node);
+  StartPose start;
+  object.read("position", start.p_WB_m, vector<3>());
+  object.read_if("yaw", start.yaw_rad, number());
+  object.finish();
+  return start;
 }
 
 Contact read_contact(const Node& node) {
-  node.only({"friction", "bounce", "bounce_speed", "soft_erp", "soft_cfm", "erp", "cfm", "crash_speed", "crash_tilt",
-             "source"});
+  Object object(node);
   Contact contact;
-  contact.friction = node.number("friction", Limits::at_least(0.0));
-  contact.bounce = node.number("bounce", kUnit);
-  contact.bounce_speed_m_per_s = node.number("bounce_speed", Limits::at_least(0.0));
-  contact.soft_erp = node.number("soft_erp", kUnit);
-  contact.soft_cfm = node.number("soft_cfm", Limits::at_least(0.0));
-  contact.erp = node.number("erp", kUnit);
-  contact.cfm = node.number("cfm", Limits::at_least(0.0));
-  contact.crash_speed_m_per_s = node.number("crash_speed", Limits::positive());
-  contact.crash_tilt_rad = node.number("crash_tilt", {0.0, 3.1416, false});
+  object.read("friction", contact.friction, number(Limits::at_least(0.0)));
+  object.read("bounce", contact.bounce, number(kUnit));
+  object.read("bounce_speed", contact.bounce_speed_m_per_s, number(Limits::at_least(0.0)));
+  object.read("soft_erp", contact.soft_erp, number(kUnit));
+  object.read("soft_cfm", contact.soft_cfm, number(Limits::at_least(0.0)));
+  object.read("erp", contact.erp, number(kUnit));
+  object.read("cfm", contact.cfm, number(Limits::at_least(0.0)));
+  object.read("crash_speed", contact.crash_speed_m_per_s, number(Limits::positive()));
+  object.read("crash_tilt", contact.crash_tilt_rad, number({0.0, 3.1416, false}));
+  object.comment("source");
+  object.finish();
   return contact;
 }
 
 std::vector<ThrustPoint> read_thrust_curve(const Node& node) {
-  node.only({"command", "thrust", "unit", "source"}).require_unit("N");
-  const auto command = node.rising_numbers("command", kUnit);
-  const auto thrust = node.rising_numbers("thrust", Limits::at_least(0.0));
-  if (command.size() < 2) node.fail("command", "needs at least two numbers");
-  if (thrust.size() != command.size()) {
-    node.fail("thrust",
-              fmt::format("has {} numbers; {} are needed, one for each command", thrust.size(), command.size()));
-  }
-  if (command[0] != 0.0 || thrust[0] != 0.0) node.fail("command", "and thrust must both begin with 0");
+  Object object(node);
+  std::vector<double> command;
+  std::vector<double> thrust;
+  data::read_unit(object, "N");
+  object.comment("source");
+  object.read("command", command, data::rising_numbers(kUnit));
+  object.read("thrust", thrust, data::rising_numbers(Limits::at_least(0.0)));
+  object.finish();
   std::vector<ThrustPoint> curve;
+  if (!object.sound()) return curve;
+  if (command.size() < 2) node.at("command").complain(ErrorCode::invalid_value, "two numbers are the least");
+  if (thrust.size() != command.size()) {
+    node.at("thrust").fail(ErrorCode::invalid_value, fmt::format("{} numbers for {} of command; each needs its own",
+                                                                 thrust.size(), command.size()));
+  }
+  if (command[0] != 0.0 || thrust[0] != 0.0) {
+    node.at("command").complain(ErrorCode::invalid_value, "command and thrust must both begin with 0");
+  }
   for (std::size_t i = 0; i < command.size(); ++i) curve.push_back({command[i], thrust[i]});
   return curve;
 }
 
-Drone read_drone(const Node& node) {
-  node.only({"name", "body_size", "reference_mass", "inertia", "load_size", "arm", "drag", "torque_per_thrust",
-             "rotor_lag", "range_limit", "thrust_curve"});
-  Drone drone;
-  drone.name = node.text("name");
-  drone.body_size_m = sourced_vector3(node, "body_size", "m", Limits::positive());
-  drone.reference_mass_kg = node.quantity("reference_mass", "kg", Limits::positive());
-  drone.inertia_kg_m2 = sourced_vector3(node, "inertia", "kg.m2", Limits::positive());
-  const Eigen::Vector3d& j = drone.inertia_kg_m2;
+/// A body's largest moment of inertia is at most the sum of the other two.
+Eigen::Vector3d read_inertia(const Node& node) {
+  const Eigen::Vector3d j = sourced_vector("kg.m2", Limits::positive())(node);
   if (2.0 * j.maxCoeff() > j.sum()) {
-    node.fail("inertia", fmt::format("= [{}, {}, {}] is no body's: each moment is at most the sum of the other two",
-                                     j.x(), j.y(), j.z()));
+    node.fail(ErrorCode::invalid_value,
+              fmt::format("[{}, {}, {}] is not any body's: each moment is at most the sum of the other two", j.x(),
+                          j.y(), j.z()));
   }
-  drone.load_size_m = sourced_vector3(node, "load_size", "m", Limits::positive());
-  drone.arm_m = node.quantity("arm", "m", Limits::positive());
-  drone.drag_n_s_per_m = sourced_vector3(node, "drag", "N.s/m", Limits::at_least(0.0));
-  drone.torque_per_thrust_m = node.quantity("torque_per_thrust", "m", Limits::positive());
-  drone.rotor_lag_s = node.quantity("rotor_lag", "s", Limits::at_least(0.0));
-  drone.range_limit_m = node.quantity("range_limit", "m", Limits::positive());
-  drone.thrust_curve = read_thrust_curve(node.object("thrust_curve"));
+  return j;
+}
+
+Drone read_drone(const Node& node) {
+  const auto positive = Limits::positive();
+  Object object(node);
+  Drone drone;
+  object.comment("$schema");
+  object.read("name", drone.name, &Node::text);
+  object.read("body_size", drone.body_size_m, sourced_vector("m", positive));
+  object.read("reference_mass", drone.reference_mass_kg, quantity("kg", positive));
+  object.read("inertia", drone.inertia_kg_m2, &read_inertia);
+  object.read("load_size", drone.load_size_m, sourced_vector("m", positive));
+  object.read("arm", drone.arm_m, quantity("m", positive));
+  object.read("drag", drone.drag_n_s_per_m, sourced_vector("N.s/m", Limits::at_least(0.0)));
+  object.read("torque_per_thrust", drone.torque_per_thrust_m, quantity("m", positive));
+  object.read("rotor_lag", drone.rotor_lag_s, quantity("s", Limits::at_least(0.0)));
+  object.read("range_limit", drone.range_limit_m, quantity("m", positive));
+  object.read("thrust_curve", drone.thrust_curve, &read_thrust_curve);
+  object.finish();
   return drone;
+}
+
+Scene read_scene(const Node& node, const std::filesystem::path& folder) {
+  Object object(node);
+  Scene scene;
+  object.comment("$schema");
+  object.read("name", scene.name, &Node::text);
+  object.read("text", scene.text, &Node::text);
+  object.read("drone", scene.drone,
+              [&](const Node& member) { return load_drone((folder / member.text()).lexically_normal()); });
+  object.read("start", scene.start, &read_start);
+  object.read("ground", scene.ground, &read_ground);
+  object.read("boxes", scene.boxes, data::list_of(&read_box));
+  object.read("gates", scene.gates, data::list_of(&read_gate));
+  object.read("lighting", scene.lighting, &read_lighting);
+  object.read("contact", scene.contact, &read_contact);
+  object.finish();
+  return scene;
 }
 
 }  // namespace
 
 Drone load_drone(const std::filesystem::path& file) {
-  const data::File source(file);
-  return read_drone(source.root());
+  return data::Document(file).read(&read_drone);
 }
 
 Scene load_scene(const std::filesystem::path& file) {
-  const data::File source(file);
-  const Node node = source.root();
-  node.only({"name", "text", "drone", "start", "ground", "boxes", "gates", "lighting", "contact"});
-  Scene scene;
-  scene.name = node.text("name");
-  scene.text = node.text("text");
-  scene.drone = load_drone((file.parent_path() / node.text("drone")).lexically_normal());
-  scene.start = read_start(node.object("start"));
-  scene.ground = read_ground(node.object("ground"));
-  for (const Node& box : node.objects("boxes")) scene.boxes.push_back(read_box(box));
-  for (const Node& gate : node.objects("gates")) scene.gates.push_back(read_gate(gate));
-  scene.lighting = read_lighting(node.object("lighting"));
-  scene.contact = read_contact(node.object("contact"));
-  return scene;
+  return data::Document(file).read([&](const Node& root) { return read_scene(root, file.parent_path()); });
 }
 
 }  // namespace mebots::world::scene

@@ -2,8 +2,8 @@
 // The algorithms that a config can name, one row each.
 #include "algorithm/gauss_seidel.hpp"
 #include "algorithm/jacobi.hpp"
-#include "base/nearest_names.hpp"
 #include "mebots/input_error.hpp"
+#include "mebots/nearest_names.hpp"
 
 #include <fmt/format.h>
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "config/json_node.hpp"
 
-#include "base/nearest_names.hpp"
 #include "base/time.hpp"
 #include "config/json_document.hpp"
+#include "mebots/nearest_names.hpp"
 
 #include <fmt/format.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reading.hpp"
 
-#include "base/nearest_names.hpp"
+#include "mebots/nearest_names.hpp"
 
 #include <fmt/format.h>
 

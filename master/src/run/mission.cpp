@@ -2,9 +2,9 @@
 // The C++ door to a Run: names and values as programs have them.
 #include "mebots/mission.hpp"
 
-#include "base/nearest_names.hpp"
 #include "base/signal_guard.hpp"
 #include "base/time.hpp"
+#include "mebots/nearest_names.hpp"
 #include "mebots/version.hpp"
 #include "run/run.hpp"
 

@@ -2,10 +2,10 @@
 #include "run/run.hpp"
 
 #include "base/interrupt.hpp"
-#include "base/nearest_names.hpp"
 #include "base/time.hpp"
 #include "config/scenario_file.hpp"
 #include "mebots/input_error.hpp"
+#include "mebots/nearest_names.hpp"
 #include "sink/csv_rows.hpp"
 #include "system/record_choice.hpp"
 

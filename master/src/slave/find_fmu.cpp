@@ -2,8 +2,8 @@
 #include "slave/find_fmu.hpp"
 
 #include "base/installation.hpp"
-#include "base/nearest_names.hpp"
 #include "mebots/input_error.hpp"
+#include "mebots/nearest_names.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

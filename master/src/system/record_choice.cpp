@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "system/record_choice.hpp"
 
-#include "base/nearest_names.hpp"
+#include "mebots/nearest_names.hpp"
 
 #include <fmt/format.h>
 

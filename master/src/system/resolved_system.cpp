@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "system/resolved_system.hpp"
 
-#include "base/nearest_names.hpp"
 #include "base/time.hpp"
+#include "mebots/nearest_names.hpp"
 
 #include "system/connection_check.hpp"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "base/nearest_names.hpp"
+#include "mebots/nearest_names.hpp"
 #include "system/resolved_system.hpp"
 
 #include <fmt/format.h>

@@ -56,11 +56,16 @@ struct KnownUnit {
   std::string text;    // "volt"
 };
 
-/// Every unit that a description.json may use.
+/// The units that a description.json may use, and products of powers of them.
 std::span<const KnownUnit> known_units();
 
-/// The unit of this name in our table, or null.
-const KnownUnit* find_known_unit(std::string_view name);
+/// The unit of a product of powers of known units, in the notation of FMI and Modelica: "m3/s", "rad/(s.V)", "kg.m2",
+/// "1/s", "s-1", "1". In a product a unit with an offset, such as degC, counts as a difference. Throws Error
+/// (wrong_unit) that says what is wrong, with the nearest known unit.
+Unit parse_unit(std::string_view text);
+
+/// The suffix that the C++ name of a variable in this unit carries: "_m3_per_s". Throws as parse_unit does.
+std::string unit_suffix(std::string_view text);
 
 /// Exponents as text, "kg.m2/s3"; "1" when all are zero.
 std::string base_unit_text(const Unit& unit);

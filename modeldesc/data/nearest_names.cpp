@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "base/nearest_names.hpp"
+#include "mebots/nearest_names.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -8,7 +8,7 @@
 #include <cctype>
 #include <vector>
 
-namespace mebots::master {
+namespace mebots {
 namespace {
 
 constexpr std::size_t kOffered = 3;
@@ -84,4 +84,4 @@ std::string suggest(std::string_view wrong, std::span<const std::string> known) 
   return fmt::format("Known are {}{}.", fmt::join(listed, ", "), more == 0 ? "" : fmt::format(" and {} more", more));
 }
 
-}  // namespace mebots::master
+}  // namespace mebots

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "base/nearest_names.hpp"
+#include "mebots/nearest_names.hpp"
 
 #include <gmock/gmock.h>
 
 #include <vector>
 
-namespace mebots::master {
+namespace mebots {
 namespace {
 
 const std::vector<std::string> kNames = {"step", "stop_time", "instances", "connections", "cell.voltage"};
@@ -38,4 +38,4 @@ TEST(NearestNames, ALongListIsCutShort) {
 }
 
 }  // namespace
-}  // namespace mebots::master
+}  // namespace mebots

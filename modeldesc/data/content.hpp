@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "mebots/data/document.hpp"
+
+#include "text_lines.hpp"
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace mebots::data {
+
+/// One value. The values of a document stand in the order of its text, an object or list before what is in it: the
+/// first inside of value i is i + 1, and behind a value with all that is in it comes `end`.
+struct Value {
+  Kind kind = Kind::null;
+  bool flag = false;
+  bool is_literal = false;   // a whole number without point and exponent
+  bool negative = false;     // of a whole number
+  std::size_t parent = 0;    // of the root: itself
+  std::size_t end = 0;       // index
+  std::size_t position = 0;  // in its list
+  std::size_t offset = 0;    // bytes into the text; of a member that of its key
+  std::uint64_t whole = 0;   // of a whole number, in two's complement
+  double number = 0;         // of any number
+  std::string key;           // of a member
+  std::string text;          // of a text
+};
+
+struct Document::Content {
+  std::string name;
+  TextLines lines;
+  std::vector<Value> values;
+  std::map<std::string, std::string> places;  // by JSON pointer; empty: of the text itself
+  std::vector<Mistake> mistakes;
+
+  /// "file.json:12:5" of an offset into the text.
+  std::string place(std::size_t offset) const { return name + lines.place(offset); }
+};
+
+/// Takes the text apart. Throws Mistakes when it is not JSON; notes each key that stands twice in one object.
+std::vector<Value> parse(std::string_view text, const std::string& name, const TextLines& lines,
+                         std::vector<Mistake>& mistakes);
+
+/// Of the value of this index; empty for the root.
+std::string pointer_of(const std::vector<Value>& values, std::size_t index);
+
+}  // namespace mebots::data

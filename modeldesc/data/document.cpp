@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mebots/data/document.hpp"
+
+#include "content.hpp"
+#include "mebots/text_file.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace mebots::data {
+namespace {
+
+constexpr std::size_t kMostLines = 20;
+
+std::string text_of_all(const std::vector<Mistake>& mistakes) {
+  std::string text;
+  for (std::size_t i = 0; i < std::min(mistakes.size(), kMostLines); ++i) {
+    if (i > 0) text += '\n';
+    text += mistakes[i].place + ": " + mistakes[i].text;
+  }
+  if (mistakes.size() > kMostLines) text += fmt::format("\nand {} more", mistakes.size() - kMostLines);
+  return text;
+}
+
+}  // namespace
+
+Mistakes::Mistakes(std::vector<Mistake> mistakes)
+    : Error(mistakes.at(0).code, text_of_all(mistakes)), mistakes_(std::move(mistakes)) {}
+
+Document::Document(const std::filesystem::path& file) : Document(text_of(file), file.string()) {}
+
+Document::Document(std::string_view text, std::string name) : Document(text, std::move(name), {}) {}
+
+Document::Document(std::string_view text, std::string name, std::map<std::string, std::string> places)
+    : content_(std::make_unique<Content>()) {
+  content_->name = std::move(name);
+  content_->lines = TextLines(std::string(text));
+  content_->places = std::move(places);
+  content_->values = parse(text, content_->name, content_->lines, content_->mistakes);
+}
+
+Document::~Document() = default;
+
+Node Document::root() {
+  return {*this, 0};
+}
+
+void Document::check() const {
+  if (content_->mistakes.empty()) return;
+  auto mistakes = content_->mistakes;
+  std::ranges::stable_sort(mistakes, {}, &Mistake::offset);
+  throw Mistakes(std::move(mistakes));
+}
+
+}  // namespace mebots::data

@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: Apache-2.0
+// The library's parser calls back for every value, but does not say where it stands. A cursor goes over the same text
+// behind it, one token a call: what it passes is known to be valid, so that it needs to know very little of JSON.
+#include "content.hpp"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+namespace mebots::data {
+namespace {
+
+/// Offset after the string that begins at `at`.
+std::size_t string_end(std::string_view text, std::size_t at) {
+  for (++at; at < text.size() && text[at] != '"'; ++at) {
+    if (text[at] == '\\') ++at;
+  }
+  return std::min(at + 1, text.size());
+}
+
+class Builder : public nlohmann::json_sax<nlohmann::json> {
+ public:
+  Builder(std::string_view text, const std::string& name, const TextLines& lines, std::vector<Mistake>& mistakes)
+      : text_(text), name_(name), lines_(lines), mistakes_(mistakes) {
+    if (text_.starts_with("\xEF\xBB\xBF")) cursor_ = 3;
+  }
+
+  std::vector<Value> values() { return std::move(values_); }
+
+  bool null() override {
+    begin_value(Kind::null);
+    return true;
+  }
+  bool boolean(bool flag) override {
+    begin_value(Kind::boolean).flag = flag;
+    return true;
+  }
+  bool number_integer(std::int64_t whole) override {
+    auto& value = begin_value(Kind::whole_number);
+    value.whole = static_cast<std::uint64_t>(whole);
+    value.is_literal = true;
+    value.negative = whole < 0;
+    value.number = static_cast<double>(whole);
+    return true;
+  }
+  bool number_unsigned(std::uint64_t whole) override {
+    auto& value = begin_value(Kind::whole_number);
+    value.whole = whole;
+    value.is_literal = true;
+    value.number = static_cast<double>(whole);
+    return true;
+  }
+  bool number_float(double number, const std::string& /*token*/) override {
+    constexpr double kAllWhole = 9007199254740992;  // 2^53: up to it a double tells neighbouring whole numbers apart
+    const bool is_whole = number == std::floor(number) && std::abs(number) <= kAllWhole;
+    auto& value = begin_value(is_whole ? Kind::whole_number : Kind::number);
+    value.number = number;
+    if (is_whole) {
+      value.whole = static_cast<std::uint64_t>(static_cast<std::int64_t>(number));
+      value.negative = number < 0;
+    }
+    return true;
+  }
+  bool string(std::string& text) override {
+    begin_value(Kind::text).text = std::move(text);
+    return true;
+  }
+  bool binary(nlohmann::json::binary_t& /*value*/) override { return false; }  // JSON text has none
+
+  bool start_object(std::size_t /*size*/) override { return open(Kind::object); }
+  bool start_array(std::size_t /*size*/) override { return open(Kind::list); }
+  bool end_object() override { return close(); }
+  bool end_array() override { return close(); }
+
+  bool key(std::string& key) override {
+    key_offset_ = next_token();
+    if (!open_.back().keys.insert(key).second) {
+      note(ErrorCode::duplicate_key, key_offset_,
+           fmt::format("the key '{}' stands twice in one object; remove one of them", key),
+           pointer_of(values_, open_.back().value) + pointer_step(key));
+    }
+    key_ = std::move(key);
+    has_key_ = true;
+    return true;
+  }
+
+  bool parse_error(std::size_t position, const std::string& token, const nlohmann::json::exception& error) override {
+    constexpr int kNumberOverflow = 406;
+    if (error.id == kNumberOverflow) {
+      refuse(ErrorCode::value_out_of_range, next_token(), fmt::format("the number {} is too large", token));
+    }
+    // The library's text reads "[json.exception.parse_error.101] parse error at line 3, column 5: ...".
+    std::string what = error.what();
+    const auto end_of_tag = what.find(": ");
+    if (end_of_tag != std::string::npos) what = what.substr(end_of_tag + 2);
+    refuse(ErrorCode::syntax_error, std::max<std::size_t>(position, 1) - 1, "this is not JSON: " + what);
+  }
+
+  [[noreturn]] void refuse(ErrorCode code, std::size_t offset, const std::string& what) {
+    note(code, offset, what);
+    throw Mistakes({mistakes_.back()});
+  }
+
+ private:
+  struct Open {
+    std::size_t value;
+    std::size_t size = 0;
+    std::set<std::string> keys;
+  };
+
+  void note(ErrorCode code, std::size_t offset, std::string what, const std::string& pointer = {}) {
+    auto place = name_ + lines_.place(offset) + (pointer.empty() ? "" : ": " + pointer);
+    mistakes_.push_back({code, std::move(place), std::move(what), offset});
+  }
+
+  /// Offset of the token that the parser read last; the cursor goes behind it.
+  std::size_t next_token() {
+    const auto start = std::min(text_.find_first_not_of(" \t\r\n,:", cursor_), text_.size());
+    if (start == text_.size()) return start;
+    const char first = text_[start];
+    if (first == '"') {
+      cursor_ = string_end(text_, start);
+    } else if (first == '{' || first == '}' || first == '[' || first == ']') {
+      cursor_ = start + 1;
+    } else {
+      cursor_ = std::min(text_.find_first_of(",]} \t\r\n", start), text_.size());
+    }
+    return start;
+  }
+
+  Value& begin_value(Kind kind) {
+    const auto offset = next_token();
+    Value value;
+    value.kind = kind;
+    value.offset = has_key_ ? key_offset_ : offset;
+    value.end = values_.size() + 1;
+    if (!open_.empty()) {
+      value.parent = open_.back().value;
+      value.position = open_.back().size++;
+    }
+    if (has_key_) value.key = std::move(key_);
+    has_key_ = false;
+    return values_.emplace_back(std::move(value));
+  }
+
+  bool open(Kind kind) {
+    if (open_.size() == Document::kDeepest) {
+      refuse(ErrorCode::syntax_error, next_token(),
+             fmt::format("this is nested more than {} levels deep, which no file of ours needs", Document::kDeepest));
+    }
+    begin_value(kind);
+    open_.push_back({values_.size() - 1, 0, {}});
+    return true;
+  }
+
+  bool close() {
+    next_token();
+    values_[open_.back().value].end = values_.size();
+    open_.pop_back();
+    return true;
+  }
+
+  std::string_view text_;
+  const std::string& name_;
+  const TextLines& lines_;
+  std::vector<Mistake>& mistakes_;
+  std::size_t cursor_ = 0;
+  std::vector<Value> values_;
+  std::vector<Open> open_;
+  std::string key_;
+  std::size_t key_offset_ = 0;
+  bool has_key_ = false;
+};
+
+}  // namespace
+
+std::vector<Value> parse(std::string_view text, const std::string& name, const TextLines& lines,
+                         std::vector<Mistake>& mistakes) {
+  Builder builder(text, name, lines, mistakes);
+  // The library takes a zero byte for the end, and would leave out what follows without a word.
+  if (const auto zero = text.find('\0'); zero != std::string_view::npos) {
+    builder.refuse(ErrorCode::syntax_error, zero,
+                   "there is a zero byte, so this is not JSON text; save the file as UTF-8");
+  }
+  nlohmann::json::sax_parse(text, &builder);
+  return builder.values();
+}
+
+}  // namespace mebots::data

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mebots/text_file.hpp"
+
+#include "mebots/error.hpp"
+
+#include <fmt/format.h>
+
+#include <cerrno>
+#include <fstream>
+#include <string_view>
+#include <system_error>
+#include <vector>
+
+namespace mebots {
+
+std::string text_of(const std::filesystem::path& path) {
+  const auto refuse = [&](ErrorCode code, std::string_view why) {
+    throw Error(code, fmt::format("{}: cannot be read: {}", path.string(), why));
+  };
+  std::error_code failure;
+  const auto status = std::filesystem::status(path, failure);
+  if (status.type() == std::filesystem::file_type::not_found) {
+    refuse(ErrorCode::file_not_found, "there is no such file");
+  }
+  if (std::filesystem::is_directory(status)) refuse(ErrorCode::file_unreadable, "it is a folder");
+  if (std::filesystem::is_character_file(status) || std::filesystem::is_block_file(status)) {
+    refuse(ErrorCode::file_unreadable, "it is a device");
+  }
+  errno = 0;
+  std::ifstream stream(path, std::ios::binary);
+  if (!stream) refuse(ErrorCode::file_unreadable, std::generic_category().message(errno));
+  std::string text;
+  std::vector<char> block(1 << 16);
+  while (stream.read(block.data(), static_cast<std::streamsize>(block.size())) || stream.gcount() > 0) {
+    text.append(block.data(), static_cast<std::size_t>(stream.gcount()));
+  }
+  if (stream.bad()) refuse(ErrorCode::file_unreadable, "the device that it lies on reports an error");
+  return text;
+}
+
+}  // namespace mebots
