@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "command.hpp"
 
+#include "algorithm/algorithm.hpp"
+
 #include "ssp/ssp.hpp"
 
 #include <fmt/format.h>
@@ -26,6 +28,7 @@ void convert(const std::filesystem::path& from, const std::filesystem::path& to)
   }
   const auto loaded = load_system(from);
   FmuLibrary library;
+  find_algorithm(loaded.system.algorithm);
   const auto resolved = resolve(loaded.system, library);  // nothing broken is handed on
   if (ending == ".ssp") {
     write_ssp(resolved, loaded.config, to);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "command.hpp"
 
+#include "algorithm/algorithm.hpp"
 #include "base/time.hpp"
 #include "config/system_description.hpp"
 #include "mebots/input_error.hpp"
@@ -135,8 +136,7 @@ void print_description(const ModelDescription& model) {
 void print_system(const master::SystemDescription& system) {
   print_field("step", fmt::format("{} s", master::to_seconds(system.step_ns)));
   print_field("stop time", fmt::format("{} s", master::to_seconds(system.stop_time_ns)));
-  const bool jacobi = system.algorithm.type == "jacobi";
-  print_field("algorithm", jacobi ? "Jacobi" : "Gauss-Seidel");
+  print_field("algorithm", std::string(master::find_algorithm(system.algorithm).name));
   for (const auto& notice : system.notices) print_field("notice", notice);
   fmt::print("\n");
   std::vector<std::vector<std::string>> instances{{"instance", "fmu", "step [s]", "values given"}};

@@ -86,6 +86,40 @@ def main():
         raises(mebots.InputError, lambda: fresh.write("battery.cell.voltage", 1), "only inputs")
         raises(mebots.InputError, lambda: fresh.set("motors.rotor[1].command", 1), "too late")
         raises(KeyError, lambda: fresh["world.drone"], "is not recorded")
+        raises(KeyError, lambda: fresh["battery.cell.voltag"], "battery.cell.voltage")
+
+        # All in keywords; closed before its end; files as the command line's, read back to the same bits.
+        out = pathlib.Path(folder) / "out"
+        points = []
+        with mebots.Mission(path, set={"motors.rotor[1].command": 0.5, "battery.cell.name": "lipol_350"}, stop_time=0.5,
+                            record=["battery.cell.voltage", "battery.cell.connected"], out=out, statistics=True) as short:
+            assert short.state == "open" and short.outcome == "" and short.times.size == 0 and short.summary == {}
+            short.on_point(points.append)
+            short.run_until(0.2)
+            assert short.state == "running" and short.end_reason is None
+            voltage = short["battery.cell.voltage"]
+        assert short.state == "ended" and short.outcome == short.end_reason == "closed" and len(points) == 21
+        results = mebots.read(out)
+        assert results.outcome == "closed" and results.variables == ["battery.cell.voltage", "battery.cell.connected"]
+        assert (results["battery.cell.voltage"] == voltage).all() and (results.times == short.times).all()
+        assert results.unit("battery.cell.voltage") == "V" and results["battery.cell.connected"].all()
+        assert results.summary["parameters"]["battery"]["cell.name"] == "lipol_350"
+        assert results.summary["statistics"]["instances"]["motors"]["steps"] == 20
+        raises(KeyError, lambda: results["battery.cell.volt"], "battery.cell.voltage")
+        raises(mebots.InputError, lambda: mebots.read(folder), "is this the folder of a run?")
+        raises(mebots.InputError, lambda: mebots.read("nowhere"), "no such folder")
+        assert mebots.Mission.run.__doc__ and mebots.Mission.__doc__ and mebots.read.__doc__
+
+        # A listener that raises fails the mission, which then calls no FMU any more; errors have codes.
+        bad = mebots.Mission(path)
+        bad.on_point(lambda time: 1 / 0)
+        raises(ZeroDivisionError, bad.run, "division")
+        assert bad.state == "failed" and bad.outcome == "failed"
+        raises(mebots.InputError, bad.step, "failed")
+        try:
+            mebots.Mission(path, set={"battery.cell.nam": "x"})
+        except mebots.InputError as error:
+            assert error.code == "unknown_name" and "cell.name" in str(error)
     print("ok: missions can be driven from Python")
 
 

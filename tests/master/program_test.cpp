@@ -135,6 +135,25 @@ TEST_F(Program, AFailingRunKeepsItsRowsAndSaysWhy) {
   EXPECT_EQ(summary()["simulated_time"], 0.3);
 }
 
+TEST_F(Program, ASecondRunIntoTheSameFolderIsRefusedByTheFirstOnesNumber) {
+  const auto child = fork();
+  if (child == 0) {
+    if (chdir(folder.path().c_str()) != 0) _exit(99);
+    execl(MEBOTS_PROGRAM, MEBOTS_PROGRAM, "run", "two.json", "--quiet", "--set", "a.fault=slow", "--set",
+          "a.fault_time=0", "--stop-time", "100", nullptr);
+    _exit(98);
+  }
+  while (!std::filesystem::exists(results() / "results.csv"))
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  const auto second = run_config();
+  EXPECT_EQ(second.code, 2);
+  EXPECT_THAT(second.err, HasSubstr(fmt::format("(process {})", child)));
+  kill(child, SIGKILL);
+  waitpid(child, nullptr, 0);
+  EXPECT_EQ(run_config().code, 0) << "a run that was killed keeps the folder from nobody";
+  EXPECT_FALSE(std::filesystem::exists(results() / ".mebots.lock"));
+}
+
 TEST_F(Program, AnInterruptIsAnsweredBetweenTwoCallsToFmus) {
   // 60 instances whose steps take 20 ms each: a communication step takes 1.2 s.
   std::string instances;

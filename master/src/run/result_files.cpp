@@ -8,8 +8,6 @@
 
 #include <fmt/format.h>
 
-#include <functional>
-
 namespace mebots::master {
 
 std::optional<std::string> ResultFiles::KeepResults::reached(const Point& point) {
@@ -82,17 +80,12 @@ void ResultFiles::log(const Message& message) {
   if (logging_) log_->append(message_text(message) + "\n");
 }
 
-std::optional<std::string> ResultFiles::close(Recorder& recorder) {
+std::optional<std::string> ResultFiles::close() {
   logging_ = false;
   std::optional<std::string> first;
-  const std::function<void()> endings[] = {[&] { recorder.flush(); },
-                                           [&] {
-                                             if (results_ != nullptr) results_->close();
-                                           },
-                                           [&] { log_->close(); }};
-  for (const auto& ending : endings) {
+  for (auto* file : {results_, log_}) {
     try {
-      ending();
+      if (file != nullptr) file->close();
     } catch (const Error& error) {
       if (!first) first = error.what();
     }

@@ -45,12 +45,15 @@ class ResultFiles {
   /// A line of log.txt.
   void log(const Message& message);
 
-  /// Closes results and log. Returns what went wrong first; nothing when all is on the disk.
-  std::optional<std::string> close(Recorder& recorder);
+  /// Closes results and log, once the recorder has handed over its rows. Returns what went wrong first; nothing when all
+  /// is on the disk.
+  std::optional<std::string> close();
   /// Writes summary.json, whole or not at all. Throws Error.
   void write_summary(const std::string& text);
   /// There is nothing to go on with.
   void remove_checkpoint();
+  /// All is written: another run may use the folder.
+  void release() { folder_.release(); }
 
  private:
   /// Puts this run's files in the place of an earlier run's, once it has come to t = 0.

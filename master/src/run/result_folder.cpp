@@ -18,10 +18,12 @@ ResultFolder::ResultFolder(std::filesystem::path path) : path_(std::move(path)) 
     throw InputError(fmt::format("{}: the results folder cannot be made: {}. Choose another one with --out",
                                  path_.string(), error ? error.message() : "there is a file of this name"));
   }
+  lock_.emplace(path_);
 }
 
 ResultFolder::~ResultFolder() {
   if (kept_) return;
+  lock_.reset();  // its file would keep the folder
   std::error_code ignored;
   for (const auto& waiting : waiting_) std::filesystem::remove(waiting.now, ignored);
   for (const auto& folder : made_) std::filesystem::remove(folder, ignored);  // only where it is empty

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "run/folder_lock.hpp"
 #include "sink/output_file.hpp"
 
 #include <filesystem>
 #include <list>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -14,7 +16,7 @@ namespace mebots::master {
 /// files are written under another name first and take their place with keep().
 class ResultFolder {
  public:
-  /// Makes the folder if need be. Throws InputError when it cannot be made.
+  /// Makes the folder if need be. Throws InputError when it cannot be made, or when another run writes into it.
   explicit ResultFolder(std::filesystem::path path);
   /// Without keep(): removes what was made, and leaves the rest as it was found.
   ~ResultFolder();
@@ -32,12 +34,16 @@ class ResultFolder {
   /// under `outdated` goes. Throws InputError.
   void keep(std::initializer_list<std::string_view> outdated);
 
+  /// The run is over: another one may write here.
+  void release() { lock_.reset(); }
+
   bool kept() const { return kept_; }
   const std::filesystem::path& path() const { return path_; }
 
  private:
   std::filesystem::path path_;
   std::vector<std::filesystem::path> made_;  // folders, from the innermost outwards
+  std::optional<FolderLock> lock_;
   std::list<OutputFile> files_;
   struct Waiting {
     std::filesystem::path now;

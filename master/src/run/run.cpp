@@ -296,7 +296,7 @@ void Run::write_reports() noexcept {
   report_.simulated_ns = simulation_->time_ns();
   report_.steps = simulation_->steps_done();
   report_.rows = recorder_ ? recorder_->rows() : 0;
-  if (!files_ || !files_->kept()) return;  // t = 0 was never reached: the folder stays as it was found
+  if (files_ && !files_->kept()) return;  // t = 0 was never reached: the folder stays as it was found
   const auto note = [this](const std::string& problem) {
     if (!report_.error.empty()) return;
     state_ = RunState::failed;
@@ -304,7 +304,13 @@ void Run::write_reports() noexcept {
     report_.outcome = name_of(EndReason::failed);
     report_.error = problem;
   };
-  if (const auto problem = files_->close(*recorder_)) note(*problem);
+  try {
+    if (recorder_) recorder_->flush();
+  } catch (const std::exception& error) {
+    note(error.what());
+  }
+  if (!files_) return;
+  if (const auto problem = files_->close()) note(*problem);
   try {
     files_->write_summary(summary().dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
   } catch (const std::exception& error) {
@@ -313,6 +319,7 @@ void Run::write_reports() noexcept {
   const bool to_go_on_with = report_.end_reason == EndReason::failed || report_.end_reason == EndReason::interrupted ||
                              report_.end_reason == EndReason::closed;
   if (!to_go_on_with) files_->remove_checkpoint();
+  files_->release();
 }
 
 void Run::close() noexcept {
