@@ -12,8 +12,12 @@
 
 #include <array>
 #include <cerrno>
+#include <charconv>
+#include <chrono>
+#include <csignal>
 #include <cstring>
 #include <string>
+#include <thread>
 
 namespace mebots::master {
 namespace {
@@ -32,10 +36,22 @@ std::string owner_of(int descriptor) {
   return size > 0 ? std::string(text.data(), static_cast<std::size_t>(size)) : "unknown";
 }
 
+/// Whether no process of this number is there. A process that a killed run was just starting keeps its lock for a
+/// moment.
+bool is_gone(const std::string& owner) {
+  pid_t number = 0;
+  const auto* const end = owner.data() + owner.size();
+  if (std::from_chars(owner.data(), end, number).ptr != end || number <= 0) return false;
+  return ::kill(number, 0) != 0 && errno == ESRCH;
+}
+
+constexpr std::chrono::milliseconds kWait{10};
+constexpr int kMostWaits = 300;
+
 }  // namespace
 
 FolderLock::FolderLock(const std::filesystem::path& folder) : file_(folder / ".mebots.lock") {
-  for (;;) {
+  for (int waits = 0;;) {
     descriptor_ = ::open(file_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
     if (descriptor_ < 0) {
       throw InputError(ErrorCode::file_unwritable,
@@ -44,6 +60,10 @@ FolderLock::FolderLock(const std::filesystem::path& folder) : file_(folder / ".m
     if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
       const auto owner = owner_of(descriptor_);
       ::close(descriptor_);
+      if (is_gone(owner) && ++waits < kMostWaits) {
+        std::this_thread::sleep_for(kWait);
+        continue;
+      }
       throw InputError(ErrorCode::file_unwritable,
                        fmt::format("{}: another run writes into this folder (process {}). Wait for its end, or choose "
                                    "another folder with --out",

@@ -45,8 +45,8 @@ class ResultFiles {
   /// A line of log.txt.
   void log(const Message& message);
 
-  /// Closes results and log, once the recorder has handed over its rows. Returns what went wrong first; nothing when all
-  /// is on the disk.
+  /// Closes results and log, once the recorder has handed over its rows. Returns what went wrong first; nothing when
+  /// all is on the disk.
   std::optional<std::string> close();
   /// Writes summary.json, whole or not at all. Throws Error.
   void write_summary(const std::string& text);
