@@ -200,7 +200,7 @@ std::string skeleton(const soc::BoardDescription& board, const BoardDevice& devi
       "// Skeleton of the device \"{}\" of board \"{}\", made by mebots-boardgen. Yours to change: it keeps what is\n"
       "// stored, obeys opcodes and spends its energy; what it does beside that is to be written.\n"
       "#pragma once\n\n"
-      "#include \"devices/fixed_point.hpp\"\n#include \"devices/own_device.hpp\"\n\n"
+      "#include \"mebots/soc/fixed_point.hpp\"\n#include \"mebots/soc/own_device.hpp\"\n\n"
       "#include <array>\n#include <cmath>\n#include <cstddef>\n#include <cstdint>\n#include <optional>\n"
       "#include <string_view>\n\n"
       "namespace mebots::soc {{\n\n"

@@ -1,16 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "mebots/soc/time.hpp"
+
 #include <cstdint>
-#include <limits>
 
 namespace mebots::soc {
-
-/// SoC time in whole picoseconds since reset (106 days fit).
-using Picoseconds = std::int64_t;
-inline constexpr Picoseconds kNever = std::numeric_limits<Picoseconds>::max();
-inline constexpr Picoseconds kPsPerNs = 1000;
-inline constexpr double kPsPerS = 1e12;
 
 /// Turns the core's active cycles into time. Ticks are counted from the last change of frequency and
 /// multiplied by the period as one fraction, so that nothing drifts; a change of frequency rounds once,

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "base64.hpp"
-#include "devices/fixed_point.hpp"
+#include "mebots/soc/fixed_point.hpp"
 #include "soc.hpp"
 
 #include "mebots/error.hpp"

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "board_file.hpp"
-#include "devices/device.hpp"
+#include "mebots/soc/device.hpp"
 #include "memory/memory.hpp"
 
 #include <cstddef>

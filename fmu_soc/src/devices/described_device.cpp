@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "devices/described_device.hpp"
 
-#include "devices/fixed_point.hpp"
+#include "mebots/soc/fixed_point.hpp"
 
 #include <algorithm>
 #include <cmath>

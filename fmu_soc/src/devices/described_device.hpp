@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "devices/own_device.hpp"
+#include "mebots/soc/own_device.hpp"
 
 #include <cstdint>
 #include <optional>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "devices/flight.hpp"
 
-#include "devices/fixed_point.hpp"
 #include "fmu_soc_board/board.hpp"
+#include "mebots/soc/fixed_point.hpp"
 
 #include <fmt/core.h>
 

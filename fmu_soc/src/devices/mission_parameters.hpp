@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "devices/fixed_point.hpp"
 #include "devices/readings.hpp"
 #include "fmu_soc_board/board.hpp"
+#include "mebots/soc/fixed_point.hpp"
 
 namespace mebots::soc {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "devices/own_device.hpp"
+#include "mebots/soc/own_device.hpp"
 
 namespace mebots::soc {
 

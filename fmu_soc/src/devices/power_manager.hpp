@@ -2,7 +2,7 @@
 #pragma once
 
 #include "chip.hpp"
-#include "devices/device.hpp"
+#include "mebots/soc/device.hpp"
 
 namespace mebots::soc {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "devices/device.hpp"
+#include "mebots/soc/device.hpp"
 
 namespace mebots::soc {
 

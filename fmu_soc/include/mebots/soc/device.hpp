@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "clock.hpp"
+#include "mebots/soc/time.hpp"
 
 #include "mebots/state/bytes.hpp"
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "board_file.hpp"
-#include "devices/device.hpp"
+#include "mebots/soc/board_device.hpp"
+#include "mebots/soc/device.hpp"
 
 #include <memory>
 #include <optional>
