@@ -4,9 +4,9 @@
 # Usage: scripts/fuzz.sh NAME [EXECUTIONS] [OPTION...]
 #   NAME        a mebots_fuzz() of tests/fuzz/CMakeLists.txt (elf, board, archive, config, ssp, model_description)
 #   OPTION      of libFuzzer, after those of this script: -max_len=16384, -max_total_time=3600 ...
-# Starts from tests/fuzz/corpus/NAME, collects in build/fuzz/corpus/NAME, prints statistics and adds them to
-# build/fuzz/NAME.runs. An input that does harm is left in build/fuzz/found/NAME: mend the code, then keep the input in
-# tests/fuzz/corpus/NAME, where ctest replays it.
+# Starts from the inputs that are kept (scripts/corpus.sh), collects in build/fuzz/corpus/NAME, prints statistics and adds them to
+# build/fuzz/NAME.runs. An input that does harm is left in build/fuzz/found/NAME: mend the code, then keep the input by
+# scripts/corpus.sh add NAME FILE; ctest replays it.
 #
 # Options that a profile chose: most of the time goes into libFuzzer's own bookkeeping, which grows with the features
 # that an input shows (-entropic=0, inputs of at most 2 KiB), and into the sanitizer's stacks of every allocation
@@ -21,6 +21,8 @@ build=build/fuzz
 cmake -S . -B "$build" -G Ninja -DMEBOTS_FUZZ=ON -DCMAKE_BUILD_TYPE=RelWithDebInfo -DCMAKE_CXX_COMPILER=clang++-14 > /dev/null
 ninja -C "$build" "fuzz_$name" > "$build/$name.log" || { tail -30 "$build/$name.log" >&2; exit 1; }
 mkdir -p "$build/corpus/$name" "$build/found/$name"
+rm -rf "$build/kept/$name"
+scripts/corpus.sh unpack "$name" "$build/kept/$name"
 dictionary=()
 if [[ -f tests/fuzz/$name.dict ]]; then dictionary=(-dict="tests/fuzz/$name.dict"); fi
 longest=2048
@@ -29,6 +31,6 @@ export ASAN_OPTIONS=detect_leaks=1:quarantine_size_mb=1:malloc_context_size=1
 result=0
 "$build/bin/fuzz_$name" -runs="$executions" -max_len=$longest -entropic=0 -timeout=20 -rss_limit_mb=2048 \
   -print_final_stats=1 "${dictionary[@]}" -artifact_prefix="$build/found/$name/" "$@" \
-  "$build/corpus/$name" "tests/fuzz/corpus/$name" > "$build/$name.output" 2>&1 || result=$?
+  "$build/corpus/$name" "$build/kept/$name" > "$build/$name.output" 2>&1 || result=$?
 grep -E '^#[0-9]+.*(INITED|pulse|DONE)|^stat::|ERROR|SUMMARY|Test unit' "$build/$name.output" | tee -a "$build/$name.runs"
 exit $result

@@ -21,7 +21,7 @@ packages=(
   libpng-dev                                                      # pictures of a flight
   libgtest-dev libgmock-dev libbenchmark-dev                      # tests, benchmarks
   gcc-riscv64-unknown-elf picolibc-riscv64-unknown-elf            # the drone's firmware
-  gdb-multiarch libclang-rt-14-dev                                # its debugger; fuzzing
+  gdb-multiarch libclang-rt-14-dev xz-utils                       # its debugger; fuzzing
   python3 python3-venv                                            # interoperability tests, plots
   python3-dev pybind11-dev                                        # the Python package; foreign FMUs written in Python
 )
