@@ -14,6 +14,7 @@ sys.path.insert(0, str(ROOT / "examples/paper/study"))
 
 import collect  # noqa: E402
 import experiments  # noqa: E402
+import landing  # noqa: E402
 from missions import KM_H, Flight, config  # noqa: E402
 from results import CRUISE, Trace, energy_by_phase  # noqa: E402
 from run import Place, fly  # noqa: E402
@@ -132,10 +133,13 @@ class Arithmetic(unittest.TestCase):
         self.assertAlmostEqual(low, 0.2553, delta=1e-4)
         self.assertAlmostEqual(high, 0.3662, delta=1e-4)
 
-    def test_the_front_has_the_rows_that_none_beats_in_time_energy_and_success(self):
-        rows = [{"gate_s": gate_s, "chip_j": chip_j, "passed": passed}
-                for gate_s, chip_j, passed in ((50, 1.0, 7), (40, 2.0, 7), (55, 1.5, 7), (55, 1.5, 8), (None, None, 0))]
-        self.assertEqual(collect.front(rows), [True, True, False, True, False])
+    def test_the_least_charge_for_landing_stands_between_one_that_landed_and_one_that_fell(self):
+        def found(**flights):
+            return {"opens": 9.0, "flights": [{"charge": float(c[1:]) / 10, "landed": ok} for c, ok in flights.items()]}
+
+        self.assertEqual(landing.least(found(c105=False, c110=True, c115=True)), 11.0)
+        self.assertIsNone(landing.least(found(c100=False, c110=True)), "10.5 % was not flown")
+        self.assertIsNone(landing.least(found(c110=True)))
 
     def test_a_straight_flight_meets_the_opening_only_when_it_points_there(self):
         def start(y, yaw):

@@ -9,12 +9,16 @@ import pathlib
 import numpy as np
 from PIL import Image
 
-from experiments import ADAPTIVE_SPEED, EASY_SPEEDS, HARD_SPEEDS, SPREAD
-from missions import BATTERIES, CHIP_PARTS, scene, scenario
-from results import PASSED, Trace, energy_by_phase
+from experiments import ADAPTIVE_SPEED, EASY_SPEEDS, HARD_SPEEDS, SPREAD, named
+from landing import opening_charge
+from missions import BATTERIES, CHIP_PARTS, scenario, scene
+from replay import READINGS, Battery, paper_power
+from results import CRUISE, PASSED, Trace, energy_by_phase
 
 HARD_NAMES = [*(str(speed) for speed in HARD_SPEEDS), "adaptive"]
-WAY_POINTS = {"shown": 300, "start": 30}
+WAY_POINTS = {"shown": 300, "start": 60}
+COURSE_POINTS = 400
+LAST_SECONDS = 15.0  # of a flight in which the cell gives out
 
 
 def costs(summaries):
@@ -24,25 +28,70 @@ def costs(summaries):
             "processor_s": sum(s["processor_s"] for s in values), "memory_mb": max(s["memory_mb"] for s in values)}
 
 
+def outcomes(summaries):
+    """{outcome: flights}"""
+    values = [s["outcome"] for s in summaries.values()]
+    return {outcome: values.count(outcome) for outcome in sorted(set(values))}
+
+
 def batteries(summaries):
     """{battery: {speed: {kind: charge used in %}}} and the outcomes."""
-    used = {battery: {str(speed): {kind: 100 * (1 - summaries[f"a-{battery}-{speed}-{kind}"]["state_of_charge"])
-                                   for kind in ("real", "equal")}
+    used = {battery: {str(speed): {kind: 100 * (1 - summaries[f"a-{battery}-{speed}-{kind}"]["state_of_charge"]) for kind in ("real", "equal")}
                       for speed in EASY_SPEEDS} for battery in BATTERIES}
-    outcomes = [s["outcome"] for s in summaries.values()]
     phases = energy_by_phase(Trace(summaries["a-bitcraze_250-1.0-real"]["folder"]))
-    return {"used": used, "outcomes": {o: outcomes.count(o) for o in sorted(set(outcomes))}, "phases": phases}
+    return {"used": used, "outcomes": outcomes(summaries), "phases": phases}
 
 
-def endurance(summaries):
-    """{battery: {hover, cruise: s}} from leaving the ground to being back on it."""
-    times = {}
-    for battery in BATTERIES:
-        times[battery] = {}
-        for kind in ("hover", "cruise"):
-            start, end = Trace(summaries[f"endurance-{battery}-{kind}"]["folder"]).flown()
-            times[battery][kind] = end - start
-    return times
+def life(summary):
+    """How long a flight in the air lasted, told by two clocks that begin when it leaves the ground: until 10 % of the
+    charge are left and until it is on the ground [s]; and how it ended."""
+    trace = Trace(summary["folder"])
+    start, end = trace.flown()
+    charge = trace["battery.cell.state_of_charge"]
+    ten = trace.first(charge <= 0.10)
+    return {"to_ten_s": None if ten is None else ten - start, "air_s": end - start, "crashed": summary["crashed"],
+            "connected": bool(trace["battery.cell.connected"][-1] > 0), "charge": float(100 * charge[-1]),
+            "opens": opening_charge(summary)}
+
+
+def lives(summaries, motors):
+    """{battery: {hover, cruise, empty: life}}"""
+    return {battery: {kind: life(summaries[named(motors, f"endurance-{battery}-{kind}")])
+                      for kind in ("hover", "cruise", "empty")} for battery in BATTERIES}
+
+
+def last_seconds(summary):
+    """The end of a flight whose landing the cell decides."""
+    trace = Trace(summary["folder"])
+    return trace.course(COURSE_POINTS, trace.flown()[1] - LAST_SECONDS)
+
+
+def readings(fmu, summaries):
+    """What the battery's FMU says of the paper's motors: seconds of hovering until 10 % are left {battery: {reading: s}},
+    the hard flights' charge at the gate and at the end {speed: {reading: %}}, and how far the replay of a flight's own
+    loads is from the flight's own charge [%]."""
+    battery = Battery(fmu)
+
+    def hovering(name, kind="hover"):
+        return Trace(summaries[named("paper", f"endurance-{name}-{kind}")]["folder"])
+
+    ten = {name: {reading: battery.to_ten_s(hovering(name), name, avionics, resistance)
+                  for reading, (_, avionics, resistance) in READINGS.items()} for name in BATTERIES}
+    left, error = {}, 0.0
+    standard = "bitcraze_250"
+    for name in HARD_NAMES:
+        trace = Trace(summaries[f"b-{name}"]["folder"])
+        gate = trace.time_at_gate()
+        at = None if gate is None else np.searchsorted(trace.time, gate)
+        own = trace["battery.cell.state_of_charge"]
+        again = battery.of_flight(trace, trace["motors.power"], standard, True, True)
+        error = max(error, float(100 * np.abs(again - own).max()))
+        motors_w = paper_power(trace, hovering(standard), hovering(standard, "cruise"))
+        charges = {"bench": own, **{reading: battery.of_flight(trace, motors_w, standard, avionics, resistance)
+                                    for reading, (_, avionics, resistance) in READINGS.items()}}
+        left[name] = {reading: {"gate": None if at is None else float(100 * charge[at]), "end": float(100 * charge[-1])}
+                      for reading, charge in charges.items()}
+    return {"ten": ten, "left": left, "error": error}
 
 
 def embedded(path, edge):
@@ -58,24 +107,37 @@ def pictures(folder):
     return [(float(path.stem), path) for path in found]
 
 
+def lateral_m(summary):
+    """Offset from the opening's middle where the gate's plane was crossed [m]; none for a drone that never came there."""
+    return summary.get("lateral_error")
+
+
 def speeds(summaries):
+    """{speed: what the hard flight gave}"""
     flights = {}
     for name in HARD_NAMES:
         summary = summaries[f"b-{name}"]
         trace = Trace(summary["folder"])
         gate = trace.time_at_gate()
-        flights[name] = {"outcome": summary["outcome"], "gate_s": gate, "lateral_m": summary["lateral_error"],
-                         "path_m": trace.path_to(gate) if gate is not None else None,
-                         "in_20_s_m": trace.distance_in_20_s(), "charge": 100 * summary["state_of_charge"],
-                         "way": trace.way(WAY_POINTS["shown"]), **costs({name: summary})}
-    adaptive = summaries["b-adaptive"]
-    trace = Trace(adaptive["folder"])
-    first = pictures(adaptive["folder"])[0][1]
-    shares = {name: entry["time"] for name, entry in adaptive["statistics"]["instances"].items()}
-    return {"flights": flights, "first_view": embedded(first, 240), "phases": energy_by_phase(trace),
+        flights[name] = {
+            "outcome": summary["outcome"], "crashed": summary["crashed"], "touched": summary["gate"]["touched"],
+            "lateral_m": lateral_m(summary), "cruise_from_s": trace.first(trace["world.drone.phase"] == CRUISE),
+            "gate_s": gate, "end_s": trace.flown()[1], "path_m": trace.path_to(gate) if gate is not None else None,
+            "in_20_s_m": trace.distance_in_20_s(), "charge": 100 * summary["state_of_charge"],
+            "charge_at_gate": None if gate is None else
+            float(100 * trace["battery.cell.state_of_charge"][np.searchsorted(trace.time, gate)]),
+            "way": trace.way(WAY_POINTS["shown"]), **costs({name: summary})}
+    return flights
+
+
+def adaptive(summary):
+    """What is told of the hard adaptive flight alone."""
+    trace = Trace(summary["folder"])
+    shares = {name: entry["time"] for name, entry in summary["statistics"]["instances"].items()}
+    return {"first_view": embedded(pictures(summary["folder"])[0][1], 240), "phases": energy_by_phase(trace),
+            "course": trace.course(COURSE_POINTS),
             "chip": {name.rsplit(".", 1)[1]: float(trace[name][-1]) for name in CHIP_PARTS},
-            "pictures": adaptive["pictures"], "profile": {**shares, "master": adaptive["statistics"]["master"]["time"]},
-            "stepping_s": adaptive["wall_clock"]["stepping"]}
+            "pictures": summary["pictures"], "profile": {**shares, "master": summary["statistics"]["master"]["time"]}}
 
 
 def wilson(passed, count, z=1.96):
@@ -86,26 +148,16 @@ def wilson(passed, count, z=1.96):
     return middle - half, middle + half
 
 
-def front(rows):
-    """Which rows no other one beats: at least as good in time, the chip's energy and success, and better in one. A row
-    none of whose flights passed is on no front."""
-    keys = [(row["gate_s"], row["chip_j"], -row["passed"]) for row in rows if row["passed"]]
-
-    def beaten(key):
-        return any(other != key and all(a <= b for a, b in zip(other, key)) for other in keys)
-    return [row["passed"] > 0 and not beaten((row["gate_s"], row["chip_j"], -row["passed"])) for row in rows]
-
-
 def clocks(flights, summaries):
-    """A row for each of flights' {(cores, clock): flights}. Times and energies are means over the flights that passed. The
-    energy up to the gate is the flight's mean power times the time: what comes after a touch is long or short by chance."""
+    """A row for each of flights' {(cores, clock): flights}. Times and energies are means over the flights that crossed the
+    opening; the energy up to the gate is the flight's mean power times the time: what comes after a touch is long or
+    short by chance."""
     rows = []
     for (cores, clock), group in flights.items():
         flown = [summaries[flight.name] for flight in group]
-        passed = [s for s in flown if s["outcome"] in PASSED]
-        low, high = wilson(len(passed), len(flown))
+        crossed = [s for s in flown if s["gate"]["crossed"]]
 
-        def mean(value, of=passed):
+        def mean(value, of):
             return float(np.mean([value(s) for s in of])) if of else None
 
         def gate_s(summary):
@@ -114,13 +166,10 @@ def clocks(flights, summaries):
         def power_w(summary):
             return summary["energy"]["soc"] / summary["simulated_time"]
         rows.append({"clock_mhz": clock, "cores": cores, "voltage_v": dict(group[0].extra)["soc.core.supply_voltage"],
-                     "flights": len(flown), "passed": len(passed), "low": low, "high": high,
-                     "touched": sum(s["outcome"] == "touched_passed" for s in flown),
+                     "flights": len(flown), "crossed": len(crossed),
                      "pictures_per_s": mean(lambda s: s["pictures"] / s["simulated_time"], flown),
-                     "chip_mw": mean(lambda s: 1000 * power_w(s), flown), "gate_s": mean(gate_s),
-                     "chip_j": mean(lambda s: power_w(s) * gate_s(s))})
-    for row, on_front in zip(rows, front(rows)):
-        row["front"] = on_front
+                     "chip_mw": mean(lambda s: 1000 * power_w(s), flown), "gate_s": mean(gate_s, crossed),
+                     "chip_j": mean(lambda s: power_w(s) * gate_s(s), crossed)})
     return rows
 
 
@@ -139,25 +188,26 @@ def straight(name, flights):
 
 
 def robustness(name, flights, summaries):
-    outcomes = [s["outcome"] for s in summaries.values()]
-    passed = sum(outcome in PASSED for outcome in outcomes)
-    low, high = wilson(passed, len(outcomes))
-    ways = [{**Trace(s["folder"]).way(WAY_POINTS["start"]), "passed": s["outcome"] in PASSED}
-            for s in summaries.values()]
-    return {"flights": len(outcomes), "passed": passed, "low": low, "high": high, "spread": SPREAD[name],
+    through = [s for s in summaries.values() if s["outcome"] in PASSED]
+    clean = sum(s["outcome"] == "passed" for s in through)
+    ways = [{"name": name, **Trace(s["folder"]).way(WAY_POINTS["start"]), "outcome": s["outcome"]}
+            for name, s in summaries.items()]
+    return {"flights": len(flights), "passed": len(through), "interval": wilson(len(through), len(flights)),
+            "clean": clean, "clean_interval": wilson(clean, len(flights)), "spread": SPREAD[name],
             "straight": straight(name, flights), "speed_km_h": ADAPTIVE_SPEED,
-            "lateral_m": np.round([s["lateral_error"] for s in summaries.values()], 3).tolist(),
-            "outcomes": {o: outcomes.count(o) for o in sorted(set(outcomes))}, "ways": ways, "failures": []}
+            "crossed": sum(s["gate"]["crossed"] for s in summaries.values()),
+            "lateral_m": [None if x is None else round(x, 3) for x in map(lateral_m, summaries.values())],
+            "outcomes": outcomes(summaries), "ways": ways, "failures": []}
 
 
 def failure(flight, summary):
-    """What the camera saw a metre before the gate, or at the end when the drone never came so near."""
+    """What the camera saw a metre before the gate, or at the end when the drone never came so near; and the way."""
     trace = Trace(summary["folder"])
-    near = trace["world.gate.distance"] < 1.0
-    when = trace.time[np.argmax(near)] if near.any() else trace.time[-1]
+    near = trace.first(trace["world.gate.distance"] < 1.0)
+    when = trace.time[-1] if near is None else near
     _, path = min(pictures(summary["folder"]), key=lambda entry: abs(entry[0] - when))
     extra = dict(flight.extra)
-    return {"name": flight.name, "outcome": summary["outcome"], "lateral_m": summary["lateral_error"],
+    return {"name": flight.name, "outcome": summary["outcome"], "lateral_m": lateral_m(summary),
             "start": [round(extra[key], 3) for key in ("world.start.offset.x", "world.start.offset.y",
                                                        "world.start.yaw_offset")],
             "picture": embedded(path, 200)}

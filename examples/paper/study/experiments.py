@@ -11,8 +11,17 @@ HARD_SPEEDS = (0.1, 0.2, 0.3, 0.4, 0.5)
 ADAPTIVE_SPEED = 1.0
 CLOCKS_MHZ = (25, 50, 87, 131, 175)
 CORES = (8, 1)
+# A drone that hangs on the frame is left there for so long after the referee called it stuck; some get free.
+STUCK_S = 30.0
+STARTS_RECORDED = ("world.drone.position.x", "world.drone.position.y", "world.drone.position.z", "world.gate.crossed",
+                   "world.gate.distance")
 # Largest offsets of a start drawn at random, each uniform to both sides: forwards and sideways [m], turned [rad].
 SPREAD = {"shipped": (0.5, 0.5, 0.3), "easy": (0.5, 0.05, 0.02), "hard": (0.3, 0.1, 0.02)}
+
+
+def named(motors, name):
+    """A flight's name; those with the bench's motors have no prefix."""
+    return name if motors == "bench" else f"{motors}-{name}"
 
 
 def batteries():
@@ -22,12 +31,29 @@ def batteries():
             for battery in BATTERIES for speed in EASY_SPEEDS for equal in (False, True)]
 
 
-def endurance():
-    """Time from take-off to landing at 10 % charge, hovering and cruising, in a world without gates. A picture a
-    second, since there is nothing to see."""
-    nothing = (("world.scene.name", "empty"), ("world.start.offset.y", 0.0), ("soc.mission.frame_period", 1.0))
-    return [Flight(f"endurance-{battery}-{name}", "easy", speed, battery=battery, extra=nothing, stop_time=1200.0)
+def in_the_air(motors, battery, name, speed, landing_charge):
+    """One flight in a world without gates, from take-off until it lands at a charge. Five pictures a second: there is
+    nothing to see, but the firmware looks at its gauge once a picture."""
+    extra = (("world.scene.name", "empty"), ("world.start.offset.y", 0.0), ("soc.mission.frame_period", 0.2),
+             ("soc.mission.landing_charge", landing_charge))
+    return Flight(named(motors, f"endurance-{battery}-{name}"), "easy", speed, battery=battery, motors=motors,
+                  extra=extra, stop_time=1200.0)
+
+
+def endurance(motors="bench"):
+    """Landing at 10 % charge, hovering and cruising."""
+    return [in_the_air(motors, battery, name, speed, 0.10)
             for battery in BATTERIES for name, speed in (("hover", 0.0), ("cruise", 1.5))]
+
+
+def empties(motors="bench"):
+    """Hovering until the protection opens."""
+    return [in_the_air(motors, battery, "empty", 0.0, 0.0) for battery in BATTERIES]
+
+
+def landing(motors, battery, percent):
+    """Hovering until a landing begins at a charge."""
+    return in_the_air(motors, battery, f"landing-{percent:.1f}", 0.0, percent / 100)
 
 
 def speeds():
@@ -53,8 +79,7 @@ def starts(name, count, seed):
                  ("world.start.offset.y", own.get("world.start.offset.y", 0.0) + draw.uniform(-sideways, sideways)),
                  ("world.start.yaw_offset", draw.uniform(-turned, turned)), ("world.sensors.seed", i + 1))
         flights.append(Flight(f"{name}-{seed}-{i:03}", name, ADAPTIVE_SPEED, adaptive=name == "hard", extra=extra,
-                              stop_time=300.0, record=("world.drone.position.x", "world.drone.position.y",
-                                                       "world.gate.distance")))
+                              stop_time=300.0, stuck_s=STUCK_S, record=STARTS_RECORDED))
     return flights
 
 

@@ -17,7 +17,7 @@ from missions import BATTERIES, scene  # noqa: E402
 
 COLOURS = {"bitcraze_250": "#4878a8", "ufx_250": "#6aa84f", "cyclone_300": "#e69138", "lipol_350": "#a64d79"}
 SMALL = ("chip", "camera", "converters")  # consumers too small to see beside the motors
-PASSED, FAILED = "#2e8b57", "#c0392b"
+PASSED, TOUCHED, FAILED = "#2e8b57", "#4878a8", "#c0392b"
 plt.rcParams.update({"font.size": 10, "svg.hashsalt": "mebots", "axes.spines.top": False, "axes.spines.right": False})
 
 
@@ -113,37 +113,90 @@ def phases(tables):
 
 
 def clocks(rows):
-    """Mean time to the gate, the chip's mean energy until then and the share of flights that passed, at each clock."""
-    figure, axes = plt.subplots(figsize=(8, 4.2), constrained_layout=True)
-    shown = [row for row in rows if row["passed"]]
-    for cores, marker in ((8, "o"), (1, "s")):
-        group = [row for row in shown if row["cores"] == cores]
-        dots = axes.scatter([row["gate_s"] for row in group], [row["chip_j"] for row in group], s=70, marker=marker,
-                            c=[100 * row["passed"] / row["flights"] for row in group], cmap="viridis", vmin=0, vmax=100,
-                            edgecolors=["black" if row["front"] else "none" for row in group],
-                            label=f"{cores} core{'s' if cores > 1 else ''}; number: MHz", zorder=2)
-        for row in group:
-            axes.annotate(row["clock_mhz"], (row["gate_s"], row["chip_j"]), xytext=(7, 4),
-                          textcoords="offset points", fontsize=9)
-    axes.set(xlabel="mean time to the gate [s]", ylabel="mean energy of the chip up to the gate [J]")
-    axes.set_title("Ringed: on the front of time, energy and success", fontsize=11)
-    figure.colorbar(dots, ax=axes, label="passed [%]")
-    axes.margins(0.12)
+    """The chip's mean energy up to the gate at each clock, on eight cores and on one."""
+    figure, axes = plt.subplots(figsize=(8, 3.6), constrained_layout=True)
+    for cores, marker, colour in ((8, "o", "#4878a8"), (1, "s", "#e69138")):
+        group = [row for row in rows if row["cores"] == cores and row["crossed"]]
+        axes.plot([row["clock_mhz"] for row in group], [row["chip_j"] for row in group], marker, color=colour,
+                  linestyle="-", label=f"{cores} core{'s' if cores > 1 else ''}")
+    axes.set(xlabel="clock of the cluster [MHz]", ylabel="chip, energy up to the gate [J]", ylim=(0, None))
     axes.legend(frameon=False)
     return figure
 
 
 def starts(ways, name):
-    """Ways of flights from random starts, seen from above."""
-    figure, axes = plt.subplots(figsize=(8, 3.6), constrained_layout=True)
-    for way in ways:
-        passed = way["passed"]
-        axes.plot(way["x"], way["y"], color=PASSED if passed else FAILED, linewidth=0.7 if passed else 1.4,
-                  alpha=0.35 if passed else 1.0, zorder=1 if passed else 2)
-    draw_gate(axes, name)
-    # A flight straight ahead is a thin line: its width is stretched.
+    """Ways of flights from random starts, seen from above: those that passed, and apart from them those that did not."""
+    through = {"passed": PASSED, "touched_passed": TOUCHED}
+    groups = [("passed", [w for w in ways if w["outcome"] in through]),
+              ("not passed", [w for w in ways if w["outcome"] not in through])]
+    groups = [(label, group) for label, group in groups if group]
     wide = max(max(way["y"]) for way in ways) - min(min(way["y"]) for way in ways)
-    stretched = 3 if wide < 1.0 else 1
-    axes.set_aspect(stretched)
-    axes.set(xlabel="x [m]", ylabel="y [m]" + (f", stretched {stretched} times" if stretched > 1 else ""))
+    stretched = 3 if wide < 1.0 else 1  # a flight straight ahead is a thin line
+    figure, axes = plt.subplots(1, len(groups), figsize=(10, 3.4), constrained_layout=True, sharex=True, sharey=True,
+                                squeeze=False)
+    for plot, (label, group) in zip(axes[0], groups):
+        for way in group:
+            colour = through.get(way["outcome"], FAILED)
+            plot.plot(way["x"], way["y"], color=colour, linewidth=0.6, alpha=0.6)
+            plot.plot(way["x"][-1], way["y"][-1], ".", color=colour, markersize=4)
+        draw_gate(plot, name)
+        touched = sum(way["outcome"] == "touched_passed" for way in group)
+        more = f", {touched} of them touched the frame" if touched else ""
+        plot.set_title(f"{label}: {len(group)} of {len(ways)}{more}; dot: the end", fontsize=10)
+        plot.set_aspect(stretched)
+        plot.set_xlabel("x [m]")
+    axes[0, 0].set_ylabel("y [m]" + (f", stretched {stretched} times" if stretched > 1 else ""))
+    return figure
+
+
+def landing(found):
+    """Charges at which landings began, by cell and motors, and whether the drone came down under power."""
+    figure, axes = plt.subplots(figsize=(8, 3.6), constrained_layout=True)
+    places = {}
+    for i, (battery, (label, _, _)) in enumerate(BATTERIES.items()):
+        for j, (motors, cells) in enumerate(found.items()):
+            x = i + 0.4 * (j - 0.5 * (len(found) - 1))
+            places[x] = f"{label}\n{motors}"
+            entry = cells[battery]
+            axes.plot([x - 0.1, x + 0.1], [entry["opens"]] * 2, color="black", linewidth=1.5)
+            for flight in entry["flights"]:
+                axes.plot(x, flight["charge"], "o" if flight["landed"] else "x",
+                          color=PASSED if flight["landed"] else FAILED, markersize=7)
+    axes.axhline(10, color="#999999", linewidth=0.8, linestyle="--")
+    axes.plot([], [], color="black", label="protection opens in hover")
+    axes.plot([], [], "o", color=PASSED, label="landed under power")
+    axes.plot([], [], "x", color=FAILED, label="fell")
+    axes.plot([], [], color="#999999", linewidth=0.8, linestyle="--", label="the paper's 10 %")
+    axes.set(ylabel="charge when the landing begins [%]", ylim=(4, 13))
+    axes.set_xticks(list(places), list(places.values()), fontsize=7)
+    axes.legend(frameon=False, fontsize=8, ncol=2)
+    return figure
+
+
+COURSE = (("z_m", "altitude [m]"), ("km_h", "speed [km/h]"), ("v", "cell [V]"), ("w", "power [W]"))
+
+
+def draw_course(column, course, quantities, colour="#4878a8"):
+    for plot, (name, label) in zip(column, quantities):
+        plot.plot(course["s"], course[name], color=colour, linewidth=1.2)
+        plot.set_ylabel(label)
+    column[-1].set_xlabel("time [s]")
+
+
+def course(values):
+    """Altitude, speed, voltage and power of a flight over time."""
+    figure, axes = plt.subplots(len(COURSE), 1, figsize=(8, 6), constrained_layout=True, sharex=True)
+    draw_course(axes, values, COURSE)
+    return figure
+
+
+def ends(flights):
+    """The last seconds of flights, side by side: [{charge at which the landing begins [%], landed, course}]."""
+    quantities = [q for q in COURSE if q[0] != "km_h"]
+    figure, axes = plt.subplots(len(quantities), len(flights), figsize=(8, 5), constrained_layout=True, sharex="col",
+                                sharey="row", squeeze=False)
+    for column, flight in zip(axes.T, flights):
+        draw_course(column, flight["course"], quantities, PASSED if flight["landed"] else FAILED)
+        how = "lands under power" if flight["landed"] else "falls"
+        column[0].set_title(f"landing begins at {flight['charge']:.1f} %: {how}", fontsize=10)
     return figure

@@ -17,6 +17,9 @@ BATTERIES = {  # name in fmu_battery/params/cells -> (label, capacity mAh, mass 
 }
 HEAVIEST_G = max(mass for _, _, mass in BATTERIES.values())
 
+# Both motor models are flown; what else the paper may leave out is computed from the loads of a flight (replay.py).
+MOTORS = {"bench": "bench motors", "paper": "paper's motors"}
+
 
 def scene(name):
     """What fmu_world builds its world from."""
@@ -38,8 +41,10 @@ class Flight:
     adaptive: bool = False
     battery: str = "bitcraze_250"
     equal_mass: bool = False
+    motors: str = "bench"
     extra: tuple = ()       # more (variable, value) pairs
     stop_time: float = 600.0
+    stuck_s: float = None   # ends so long after the referee said that it is stuck; none: goes on
     record: tuple = ()      # variables to record; none: the usual ones
     pictures: bool = False
 
@@ -50,6 +55,7 @@ class Flight:
         values["soc.mission.initial_speed"] = self.speed_km_h * KM_H
         values["soc.mission.policy"] = "adaptive" if self.adaptive else "constant"
         values["battery.cell.name"] = self.battery
+        values["motors.power_model"] = "hover_propel" if self.motors == "paper" else "bench"
         if self.equal_mass:
             _, _, mass = BATTERIES[self.battery]
             values["world.drone.dry_mass"] = DRY_MASS_KG + (HEAVIEST_G - mass) / 1000
@@ -61,8 +67,8 @@ DRY_MASS_KG = next(v["start"] for v in json.loads((ROOT / "fmu_world/description
                    if v["name"] == "drone.dry_mass")
 
 RECORDED = ["world.drone.position.x", "world.drone.position.y", "world.drone.position.z", "world.drone.speed",
-            "world.drone.yaw", "world.drone.phase", "world.gate.passed", "world.gate.touched", "world.gate.distance",
-            "battery.cell.state_of_charge", "battery.cell.voltage", "soc.setpoint.yaw_rate",
+            "world.drone.yaw", "world.drone.phase", "world.gate.crossed", "world.gate.passed", "world.gate.touched",
+            "world.gate.distance", "battery.cell.connected", "battery.cell.state_of_charge", "battery.cell.voltage", "soc.setpoint.yaw_rate",
             "soc.setpoint.velocity.x", "motors.power", "motors.avionics.power", "soc.power", "soc.camera.power",
             "battery.energy.open_circuit", "battery.energy.delivered", "battery.energy.converters",
             "battery.energy.ohmic", "battery.energy.polarisation", "battery.motors.energy", "battery.soc.energy",
@@ -81,6 +87,8 @@ def config(flight):
         instance, name = variable.split(".", 1)
         system["instances"][instance].setdefault("parameters", {})[name] = value
     system["stop_when"].append({"variable": "world.gate.missed", "equals": True, "for": 2})
+    if flight.stuck_s is not None:
+        system["stop_when"].append({"variable": "world.gate.stuck", "equals": True, "for": flight.stuck_s})
     system["record"] = {"variables": list(flight.record) or RECORDED, "interval": 0.1}
     if not flight.pictures:
         del system["pictures"]

@@ -26,10 +26,13 @@ class Trace:
     def __getitem__(self, name):
         return self.columns[name]
 
+    def first(self, condition):
+        """When a condition first held [s]; none if it never did."""
+        return float(self.time[np.argmax(condition)]) if condition.any() else None
+
     def time_at_gate(self):
         """When the gate's plane was crossed [s]; none if it was not."""
-        behind = self["world.gate.distance"] <= 0
-        return float(self.time[np.argmax(behind)]) if behind.any() else None
+        return self.first(self["world.gate.distance"] <= 0)
 
     def flown(self):
         """First and last time in the air [s]."""
@@ -48,14 +51,26 @@ class Trace:
         middle = (self.time[cruise][0] + (self.time_at_gate() or self.time[cruise][-1])) / 2
         return self.path_to(middle + 10) - self.path_to(middle - 10)
 
+    def thinned(self, points, start_s=0.0):
+        """Places in the columns of so many times, evenly apart, from a time on."""
+        first = int(np.searchsorted(self.time, start_s))
+        return np.unique(np.linspace(first, len(self.time) - 1, points).astype(int))
+
     def way(self, points):
         """Where the drone was and how fast [km/h], at so many times, rounded for a report."""
-        chosen = np.unique(np.linspace(0, len(self.time) - 1, points).astype(int))
-        way = {"x": np.round(self["world.drone.position.x"][chosen], 3).tolist(),
-               "y": np.round(self["world.drone.position.y"][chosen], 3).tolist()}
+        chosen = self.thinned(points)
+        way = {axis: np.round(self[f"world.drone.position.{axis}"][chosen], 3).tolist() for axis in "xyz"}
         if "world.drone.speed" in self.columns:
             way["km_h"] = np.round(3.6 * self["world.drone.speed"][chosen], 3).tolist()
         return way
+
+    def course(self, points, start_s=0.0):
+        """Altitude [m], speed [km/h], voltage [V], power [W] and charge [%] over time [s], rounded for a report."""
+        chosen = self.thinned(points, start_s)
+        power = sum(self[name] for name in ("motors.power", "motors.avionics.power", "soc.power", "soc.camera.power"))
+        columns = {"s": self.time, "z_m": self["world.drone.position.z"], "km_h": 3.6 * self["world.drone.speed"],
+                   "v": self["battery.cell.voltage"], "w": power, "charge": 100 * self["battery.cell.state_of_charge"]}
+        return {name: np.round(values[chosen], 3).tolist() for name, values in columns.items()}
 
 
 ENERGIES = {  # what a joule of the cell became -> recorded energies

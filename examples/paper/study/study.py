@@ -15,27 +15,40 @@ import time
 
 import collect
 import experiments
+import landing
 import report
-from missions import ROOT
+from missions import MOTORS, ROOT
 from results import PASSED
 from run import Place, fly_all
 
-PARTS = ("experiments", "clocks", *experiments.SPREAD)
+PARTS = ("experiments", "landing", "clocks", *experiments.SPREAD)
 PICTURED_FAILURES = 6
 STARTS_PER_CLOCK = 20  # a clock flies one in so many of the random starts of a scenario
 
 
 def fly_experiments(place, data):
     """Both experiments of the paper. The time they took is kept when none was left over from an earlier run."""
-    flights = experiments.speeds() + experiments.endurance() + experiments.batteries()
+    in_the_air = {motors: experiments.endurance(motors) + experiments.empties(motors) for motors in MOTORS}
     started = time.monotonic()
-    summaries = fly_all(flights, place)
+    summaries = fly_all(experiments.speeds() + sum(in_the_air.values(), []) + experiments.batteries(), place)
     if all(s["fresh"] for s in summaries.values()):
         data["wall_s"], data["jobs"] = time.monotonic() - started, place.jobs
     data["costs"] = collect.costs(summaries)
     data["batteries"] = collect.batteries({n: s for n, s in summaries.items() if n.startswith("a-")})
-    data["endurance"] = collect.endurance(summaries)
+    data["lives"] = {motors: collect.lives(summaries, motors) for motors in MOTORS}
     data["speeds"] = collect.speeds(summaries)
+    data["adaptive"] = collect.adaptive(summaries["b-adaptive"])
+    data["readings"] = collect.readings(place.build / "fmus/fmu_battery.fmu", summaries)
+
+
+def fly_landings(place, data):
+    data["landing"] = {motors: landing.fly(place, motors) for motors in MOTORS}
+    # The standard battery's last landing that failed beside the first that did not.
+    charges = [landing.least(data["landing"]["bench"]["bitcraze_250"]) - landing.STEP * too_low for too_low in (1, 0)]
+    flights = [experiments.landing("bench", "bitcraze_250", charge) for charge in charges]
+    flown = fly_all(flights, place)
+    data["ends"] = [{"charge": charge, "landed": bool(landing.under_power(flown[flight.name])),
+                     "course": collect.last_seconds(flown[flight.name])} for charge, flight in zip(charges, flights)]
 
 
 def fly_clocks(place, data, count):
@@ -61,7 +74,7 @@ def main():
     parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build/release", help="folder of the build")
     parser.add_argument("--out", type=pathlib.Path, default=ROOT / "results/paper", help="folder to write to")
     parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="flights at a time")
-    parser.add_argument("--parts", nargs="*", choices=PARTS, default=["experiments"], help="what to fly; shipped, easy and hard are random starts; none: report only")
+    parser.add_argument("--parts", nargs="*", choices=PARTS, default=["experiments", "landing"], help="what to fly; shipped, easy and hard are random starts; none: report only")
     parser.add_argument("--count", type=int, default=200, help="random starts of each scenario")
     parser.add_argument("--data", type=pathlib.Path, help="what was found, added to: default OUT/data.json")
     parser.add_argument("--publish", action="store_true", help="also put data and figures where the README shows them")
@@ -76,6 +89,8 @@ def main():
         print(f"{part}:", file=sys.stderr)
         if part == "experiments":
             fly_experiments(place, data)
+        elif part == "landing":
+            fly_landings(place, data)
         elif part == "clocks":
             fly_clocks(place, data, max(1, arguments.count // STARTS_PER_CLOCK))
         else:
@@ -85,6 +100,7 @@ def main():
         print(line)
     if arguments.publish:
         (ROOT / "examples/paper/results.json").write_text(json.dumps(data) + "\n")
+        (ROOT / "examples/paper/REPORT.md").write_text((out / "REPORT.md").read_text())
         for figure in (out / "figures").glob("*.png"):
             shutil.copyfile(figure, ROOT / f"docs/img/paper_{figure.name}")
     print(f"wrote {out / 'report.html'}")

@@ -1,0 +1,70 @@
+# SPDX-License-Identifier: Apache-2.0
+"""At which charge a landing must begin so that the drone reaches the ground under power: flights that begin to land at
+charges STEP apart, for each cell and motor model, until one that lands stands beside one that falls."""
+
+import experiments
+from missions import BATTERIES
+from results import Trace
+from run import fly_all
+
+STEP = 0.5  # % of charge
+DESCENT = 1.5  # %: where the search begins, above the charge at which the protection opens; decides nothing but its length
+
+
+def under_power(summary):
+    """Landed upright, and the protection had not opened."""
+    return summary["landed"] and not summary["crashed"] and Trace(summary["folder"])["battery.cell.connected"][-1] > 0
+
+
+def opening_charge(summary):
+    """Charge at which the protection opened [%]; none if it did not."""
+    trace = Trace(summary["folder"])
+    open_ = trace["battery.cell.connected"] < 0.5
+    return float(100 * trace["battery.cell.state_of_charge"][open_.argmax()]) if open_.any() else None
+
+
+class Search:
+    """Of one cell and motor model: counts STEPs from where landing began."""
+
+    def __init__(self, motors, battery, empty):
+        self.motors, self.battery = motors, battery
+        self.opens = opening_charge(empty)
+        self.at = round((self.opens + DESCENT) / STEP)
+        self.flown = {}
+
+    def flight(self):
+        """The next flight to fly; none when the answer is known."""
+        landed = [at for at, ok in self.flown.items() if ok]
+        fell = [at for at, ok in self.flown.items() if not ok]
+        if landed and fell:
+            if min(landed) == max(fell) + 1:
+                return None
+        if self.flown:
+            self.at = min(landed) - 1 if landed else max(fell) + 1
+        return experiments.landing(self.motors, self.battery, self.at * STEP)
+
+    def found(self):
+        return {"opens": self.opens, "flights": [{"charge": at * STEP, "landed": ok}
+                                                 for at, ok in sorted(self.flown.items())]}
+
+
+def least(found):
+    """The least charge from which a flight landed, when one from a step less fell [%]; none if that is not known."""
+    landed = [f["charge"] for f in found["flights"] if f["landed"]]
+    fell = [f["charge"] for f in found["flights"] if not f["landed"]]
+    return min(landed) if landed and fell and min(landed) - max(fell) <= STEP + 1e-9 else None
+
+
+def fly(place, motors):
+    """{battery: {opens: %, flights: [{charge: %, landed}]}}"""
+    empty = fly_all(experiments.empties(motors), place)
+    searches = [Search(motors, battery, empty[experiments.named(motors, f"endurance-{battery}-empty")])
+                for battery in BATTERIES]
+    while True:
+        flights = {search: flight for search in searches if (flight := search.flight()) is not None}
+        if not flights:
+            break
+        summaries = fly_all(list(flights.values()), place)
+        for search, flight in flights.items():
+            search.flown[search.at] = under_power(summaries[flight.name])
+    return {search.battery: search.found() for search in searches}

@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A flight's loads on another cell: what the battery's FMU says of the powers that a flight recorded, with the paper's motors,
+with or without the flight controller's power and the cell's resistance. Where the drone flew is the flight's own."""
+
+import functools
+import json
+import pathlib
+import tempfile
+
+import fmpy
+import numpy as np
+from fmpy.fmi2 import FMU2Slave
+
+from missions import ROOT
+from results import CRUISE
+
+# The columns beside the bench's, one thing less from left to right: label, whether the flight controller's power and the
+# cell's resistance count.
+READINGS = {"paper": ("paper's motors", True, True), "no_avionics": ("without flight controller", False, True),
+            "no_losses": ("nor cell resistance", False, False)}
+LOADS = {"motors.power": "motors.power", "soc.power": "soc.power", "camera.power": "soc.camera.power",
+         "avionics.power": "motors.avionics.power"}  # the battery's input -> what a flight records
+RESISTANCE = 1e-3  # of the cell's own, where it shall not count; the time constants stay
+TEN = 0.10
+LONGEST_S = 1800.0
+
+
+@functools.cache
+def cell(name, resistance):
+    """What to name as cell: its name, or the path of a copy that has hardly any resistance."""
+    if resistance:
+        return name
+    data = json.loads((ROOT / f"fmu_battery/params/cells/{name}.json").read_text())
+    data["resistance_factor"]["value"] *= RESISTANCE
+    data["capacitance_factor"]["value"] /= RESISTANCE
+    path = pathlib.Path(tempfile.mkdtemp(prefix="mebots-cell-")) / f"{name}.json"
+    path.write_text(json.dumps(data))
+    return str(path)
+
+
+def paper_power(trace, hover, cruise):
+    """Power of the motors by the paper's model over a bench flight [W]: it has a part for hovering, which two flights in
+    the air tell, and one in proportion to speed. Nothing when the motors are off."""
+    def settled(flight):
+        chosen = flight["world.drone.phase"] == CRUISE
+        half = chosen & (np.cumsum(chosen) > chosen.sum() / 2)
+        return flight["motors.power"][half].mean(), flight["world.drone.speed"][half].mean()
+    (hover_w, still), (cruise_w, fast) = settled(hover), settled(cruise)
+    per_speed = (cruise_w - hover_w) / (fast - still)
+    on = trace["motors.power"] > 0
+    return on * (hover_w + per_speed * (trace["world.drone.speed"] - still))
+
+
+class Battery:
+    """The battery's FMU, one instance of it at a time."""
+
+    def __init__(self, fmu):
+        self.folder = fmpy.extract(str(fmu))
+        description = fmpy.read_model_description(str(fmu))
+        self.guid, self.model = description.guid, description.coSimulation.modelIdentifier
+        self.references = {v.name: v.valueReference for v in description.modelVariables}
+
+    def charges(self, name, loads, steps, enough):
+        """Charge after each of so many steps [s] of the loads {input: W}, an array each; ends when `enough(charge)`."""
+        fmu = FMU2Slave(guid=self.guid, unzipDirectory=self.folder, instanceName="replay", modelIdentifier=self.model)
+        fmu.instantiate()
+        fmu.setupExperiment(startTime=0.0)
+        fmu.setString([self.references["cell.name"]], [name])
+        fmu.enterInitializationMode()
+        fmu.exitInitializationMode()
+        inputs = [self.references[load] for load in loads]
+        charge = [self.references["cell.state_of_charge"]]
+        found, time = [fmu.getReal(charge)[0]], 0.0
+        for i, step in enumerate(steps):
+            fmu.setReal(inputs, [float(values[i]) for values in loads.values()])
+            fmu.doStep(time, float(step))
+            time += step
+            found.append(fmu.getReal(charge)[0])
+            if enough(found[-1]):
+                break
+        fmu.terminate()
+        fmu.freeInstance()
+        return np.array(found)
+
+    def of_flight(self, trace, motors_w, name, avionics, resistance):
+        """Charge at the flight's samples, with another power of the motors."""
+        loads = {load: trace[column] * (avionics or load != "avionics.power") for load, column in LOADS.items()}
+        loads["motors.power"] = motors_w
+        means = {load: (values[1:] + values[:-1]) / 2 for load, values in loads.items()}
+        return self.charges(cell(name, resistance), means, np.diff(trace.time), lambda charge: False)
+
+    def to_ten_s(self, trace, name, avionics, resistance):
+        """How long after leaving the ground 10 % would be left, had the loads of the flight's cruise gone on."""
+        cruise = np.flatnonzero(trace["world.drone.phase"] == CRUISE)
+        settled = cruise[len(cruise) // 2]
+        step = float(np.median(np.diff(trace.time)))
+        more = int(LONGEST_S / step)
+        loads = {load: np.concatenate([trace[column][1:settled], np.full(more, trace[column][cruise].mean())]) *
+                 (avionics or load != "avionics.power") for load, column in LOADS.items()}
+        steps = np.concatenate([np.diff(trace.time[:settled]), np.full(more, step)])
+        charges = self.charges(cell(name, resistance), loads, steps, lambda charge: charge <= TEN)
+        return float(steps[:len(charges) - 1].sum() - trace.flown()[0])
