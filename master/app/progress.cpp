@@ -33,7 +33,8 @@ Progress::Progress(Console& console, std::int64_t stop_time_ns)
     : console_(&console), stop_time_ns_(stop_time_ns), start_(Clock::now()), last_look_(start_), last_shown_(start_) {}
 
 std::optional<std::string> Progress::reached(const master::Point& point) {
-  if (point.step == 0 || start_ns_ > point.time_ns) {
+  if (!begun_) {  // at t = 0, or one step behind the checkpoint of a run that is resumed
+    begun_ = true;
     start_ = last_look_ = last_shown_ = Clock::now();
     start_ns_ = point.time_ns;
     next_look_ = point.step + 1;

@@ -30,6 +30,7 @@ class Progress final : public master::Observer {
   Clock::time_point start_;
   Clock::time_point last_look_;
   Clock::time_point last_shown_;
+  bool begun_ = false;
   std::int64_t start_ns_ = 0;
   std::int64_t next_look_ = 0;
   std::int64_t stride_ = 1;

@@ -82,7 +82,8 @@ void show_end(const Run& run, Console& console) {
     for (const auto& line : statistics_table(run.statistics(), run.report().wall.simulating_s())) console.line(line);
   }
   const bool interrupted = run.report().end_reason == EndReason::interrupted;
-  if (interrupted && run.request().checkpoint_every_ns > 0) {
+  const bool checkpoint = run.files() != nullptr && run.files()->kept() && run.files()->has_checkpoint();
+  if (interrupted && checkpoint) {
     console.line(fmt::format("go on with: mebots resume {}", shell_word(run.request().folder.string())));
   }
 }

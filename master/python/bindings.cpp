@@ -8,7 +8,6 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
-#include <csignal>
 #include <string>
 
 namespace py = pybind11;
@@ -33,7 +32,10 @@ mebots::Value value_of(const py::object& value) {
   if (py::isinstance<py::bool_>(value)) return value.cast<bool>();
   if (py::isinstance<py::int_>(value)) return value.cast<std::int64_t>();
   if (py::isinstance<py::str>(value)) return value.cast<std::string>();
-  return value.cast<double>();
+  if (py::isinstance<py::float_>(value)) return value.cast<double>();
+  // NumPy's numbers and the like.
+  if (py::hasattr(value, "item")) return value_of(value.attr("item")());
+  throw py::type_error("a value is a bool, int, float or str, not " + py::repr(value).cast<std::string>());
 }
 
 const char* name_of(Severity severity) {
@@ -45,18 +47,12 @@ const char* name_of(Severity severity) {
 /// the signal goes on to whoever had it before: to Python, whose KeyboardInterrupt this throws.
 template <typename Work>
 auto stepping(Mission& mission, Work work) {
-  int signal = 0;
   const auto result = [&] {
     const py::gil_scoped_release release;
-    const InterruptOnSignals guard(mission);
-    auto stepped = work();
-    signal = guard.signal();
-    return stepped;
+    const InterruptOnSignals guard(mission, true);
+    return work();
   }();
-  if (signal != 0) {
-    std::raise(signal);
-    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
-  }
+  if (PyErr_CheckSignals() != 0) throw py::error_already_set();
   return result;
 }
 
@@ -118,7 +114,7 @@ PYBIND11_MODULE(_mebots, module) {
            }),
            "config"_a, "out"_a, "in_memory"_a, "scenarios"_a, "stop_time"_a, "step"_a, "isolate"_a, "statistics"_a,
            "checkpoint_every"_a)
-      .def_static("resume", &Mission::resume, "folder"_a)
+      .def_static("resume", &Mission::resume, "folder"_a, "in_memory"_a)
       .def("on_message", &on_message)
       .def("on_point", &on_point)
       .def("set", [](Mission& mission, const std::string& variable,
@@ -133,9 +129,9 @@ PYBIND11_MODULE(_mebots, module) {
            [](Mission& mission, double time_s) { stepping(mission, [&] { return mission.run_until(time_s), true; }); })
       .def("close", &Mission::close, py::call_guard<py::gil_scoped_release>())
       .def("interrupt", &Mission::interrupt)
-      .def("value", &Mission::value)
-      .def("text", &Mission::text)
-      .def("write", &Mission::write)
+      .def("value", &Mission::value, py::call_guard<py::gil_scoped_release>())
+      .def("text", &Mission::text, py::call_guard<py::gil_scoped_release>())
+      .def("write", &Mission::write, py::call_guard<py::gil_scoped_release>())
       .def_property_readonly("time", &Mission::time_s)
       .def_property_readonly("step_size", &Mission::step_s)
       .def_property_readonly("stop_time", &Mission::stop_time_s)

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The C++ door for doors_test.py: runs a config as a program of a user's would, and prints what came of it as JSON.
 //   door CONFIG OUT [--set NAME=NUMBER|TEXT] [--scenario FILE] [--stop-time S] [--checkpoint-every S] [--isolate]
-//                   [--statistics] [--record PATTERN] [--step-by-step]
+//                   [--statistics] [--step-by-step]
 //   door --resume OUT
 #include <mebots/run.hpp>
 
@@ -16,7 +16,6 @@ namespace {
 struct Wish {
   mebots::MissionOptions options;
   std::vector<std::pair<std::string, mebots::Value>> settings;
-  std::vector<std::string> record;
   bool step_by_step = false;
 };
 
@@ -40,7 +39,6 @@ Wish read(const std::vector<std::string>& words) {
     if (word == "--scenario") wish.options.scenarios.emplace_back(words.at(++i));
     if (word == "--stop-time") wish.options.stop_time_s = std::stod(words.at(++i));
     if (word == "--checkpoint-every") wish.options.checkpoint_every_s = std::stod(words.at(++i));
-    if (word == "--record") wish.record.push_back(words.at(++i));
     if (word == "--set") {
       const auto& text = words.at(++i);
       const auto equals = text.find('=');
@@ -56,7 +54,6 @@ mebots::Mission open(const std::vector<std::string>& words, const Wish& wish) {
   options.out = words.at(1);
   mebots::Mission mission(words[0], options);
   for (const auto& [name, value] : wish.settings) mission.set(name, value);
-  if (!wish.record.empty()) mission.record(wish.record);
   return mission;
 }
 

@@ -42,10 +42,10 @@ LINK = [("a.real_out", "b.real_in")]
 
 class Case:
     def __init__(self, name, config, outcome, state="ended", *, settings=(), scenario=None, stop_time=None, isolate=False,
-                 statistics=False, record=(), checkpoint=None, resume=False, ssp=False):
+                 statistics=False, checkpoint=None, resume=False, ssp=False):
         self.name, self.config, self.outcome, self.state = name, config, outcome, state
         self.settings, self.scenario, self.stop_time = dict(settings), scenario, stop_time
-        self.isolate, self.statistics, self.record = isolate, statistics, list(record)
+        self.isolate, self.statistics = isolate, statistics
         self.checkpoint, self.resume, self.ssp = checkpoint, resume, ssp
 
 
@@ -66,6 +66,13 @@ CASES = [
     Case("interrupted", system({"a": probe(fault="interrupt", fault_time=0.5, string_in="once"), "b": probe()}, LINK), "interrupted"),
     Case("interrupted and resumed", system({"a": probe(fault="interrupt", fault_time=0.5, string_in="once"), "b": probe()}, LINK), "completed",
          checkpoint=0.2, resume=True),
+    Case("everything at once, interrupted and resumed",
+         system({"a": probe(fault="interrupt", fault_time=0.5, string_in="once"), "b": probe()}, LINK), "completed",
+         settings={"a.gain": 2.5, "b.offset": 1e-3}, stop_time=0.9, checkpoint=0.2, resume=True, statistics=True,
+         scenario={"scenario": [{"variable": "a.real_out", "offset": 1, "from": 0.3, "until": 0.6}]}),
+    Case("Gauss-Seidel, interrupted", system(
+        {"a": probe(gain=2, real_in=3), "b": probe(fault="interrupt", fault_time=0.5, string_in="once")}, LINK,
+        algorithm="gauss-seidel", record={"interval": 0.2}), "interrupted"),
     Case("isolated", system(TWO, LINK), "completed", isolate=True),
     Case("a tolerated loss", system({"a": probe(fault="error", fault_time=0.5, more={"on_failure": "continue"}),
                                      "b": probe()}, LINK), "completed"),
@@ -158,6 +165,11 @@ def by_python(case, config, out):
             del mission
             mission = mebots.Mission.resume(out)
             mission.run()
+    if (out / "results.csv").exists():  # what is in memory is what is in the file
+        results = mebots.read(out)
+        assert (mission.times == results.times).all() and mission.times.shape == results.times.shape
+        for variable in mission.variables:
+            assert (mission[variable] == results[variable]).all(), variable
     if mission.state == "failed":
         try:
             mission.step()

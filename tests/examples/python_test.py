@@ -110,6 +110,33 @@ def main():
         raises(mebots.InputError, lambda: mebots.read("nowhere"), "no such folder")
         assert mebots.Mission.run.__doc__ and mebots.Mission.__doc__ and mebots.read.__doc__
 
+        # Listeners may read at a point and ask for the end, but not step; what they do wrong fails the run, not Python.
+        seen = []
+        watched = mebots.Mission(path)
+        watched.on_point(lambda time: time > 0 and seen.append(watched.value("battery.cell.voltage")))
+        watched.on_point(lambda time: time >= 0.3 and watched.interrupt())
+        watched.run()
+        assert watched.outcome == "interrupted" and abs(watched.time - 0.3) < 1e-12
+        assert (np.array(seen) == watched["battery.cell.voltage"][1:]).all()
+        nested = mebots.Mission(path)
+        nested.on_point(lambda time: nested.step())
+        raises(mebots.InputError, nested.run, "from a listener")
+        assert nested.state == "failed"
+        early = mebots.Mission(path)
+        early.interrupt()
+        early.start()
+        assert early.state == "ended" and early.outcome == "interrupted"
+        raises(mebots.InputError, lambda: early.value("battery.cell.voltage"), "has not come to t = 0")
+
+        # Any number will do; changes are told in one order, whatever order they came in.
+        changed = mebots.Mission(path, out=out)
+        changed.set_stop_time(2)
+        changed.set("motors.rotor[1].command", np.float32(0.5))
+        changed.set_stop_time(0.1)
+        changed.run()
+        assert changed.summary["inputs"]["changes"] == ["set motors.rotor[1].command=0.5", "stop_time 0.1"]
+        raises(TypeError, lambda: mebots.Mission(path).set("motors.rotor[1].command", None), "bool, int, float or str")
+
         # A listener that raises fails the mission, which then calls no FMU any more; errors have codes.
         bad = mebots.Mission(path)
         bad.on_point(lambda time: 1 / 0)

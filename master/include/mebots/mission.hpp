@@ -51,18 +51,19 @@ class Mission {
   /// Reads and checks a config (.json) or an SSP 1.0 (.ssp). No FMU is started yet.
   explicit Mission(const std::filesystem::path& config, const MissionOptions& options = {});
   /// A mission that goes on from the last checkpoint in a results folder.
-  static Mission resume(const std::filesystem::path& folder);
-  /// Closes the mission.
+  static Mission resume(const std::filesystem::path& folder, bool in_memory = true);
+  /// Closes the mission. One that was moved from can only be destroyed or assigned to.
   ~Mission();
   Mission(Mission&& other) noexcept;
   Mission& operator=(Mission&& other) noexcept;
 
   // Before start().
 
-  /// Hears what FMUs say, and the run's own notices (instance ""). Called on the thread that steps. An exception from
-  /// it fails the run.
+  /// Hears what FMUs say, and the run's own notices (instance ""), from within the calls to FMUs: do not call the
+  /// mission back, except for interrupt(). An exception from it fails the run once the FMU's call is over.
   void on_message(std::function<void(const Message&)> listener);
-  /// Hears of every communication point with its time [s], t = 0 included, after the point was recorded.
+  /// Hears of every communication point with its time [s], t = 0 included, after the point was recorded. It may read
+  /// and write variables, but for t = 0, and interrupt() the run. An exception from it fails the run.
   void on_point(std::function<void(double)> listener);
   /// A parameter or start value for "instance.variable", in place of the config's. Name, type and limits are checked at
   /// once.
@@ -84,7 +85,7 @@ class Mission {
   void run();
   /// Steps until `time_s`, or to the end when that comes first.
   void run_until(double time_s);
-  /// Ends the run where it stands and writes its reports. Nothing, when it is over.
+  /// Ends the run where it stands and writes its reports. Nothing, when it is over. From a listener: as interrupt().
   void close() noexcept;
   /// Asks for the end: between two calls to FMUs, and within 0.1 s in a call to an isolated one. The run then ends
   /// well, with outcome "interrupted". Safe in signal handlers.
@@ -112,10 +113,12 @@ class Mission {
 
   // Variables, from the start on (start() is done if need be).
 
-  /// The value now: Reals, Integers, enumerations, Booleans as 0 and 1.
+  /// The value now: Reals, Integers, enumerations, Booleans as 0 and 1. After an interrupt in the middle of a step some
+  /// FMUs stand at its end already; what was recorded does not have that.
   double value(std::string_view variable);
   std::string text(std::string_view variable);
-  /// Sets an input that nothing is connected to, or a tunable parameter, from now on.
+  /// Sets an input that nothing is connected to, or a tunable parameter, from now on. summary.json lists it under
+  /// `inputs.writes`; the hash of the inputs does not know of it.
   void write(std::string_view variable, double value);
 
   // What was recorded so far, with `in_memory`. Texts are not kept in memory.
@@ -136,11 +139,12 @@ class Mission {
 };
 
 /// While it lives, the first SIGINT, SIGTERM or SIGHUP of the process interrupts the mission (and all others that have
-/// one of these); the second ends the process at once. Afterwards the handlers are those of before.
+/// one of these); the second ends the process at once. Afterwards the handlers are those of before; with `raise_again`
+/// they then hear of the signal.
 class InterruptOnSignals {
  public:
   /// `mission` must outlive this object and must not be moved meanwhile.
-  explicit InterruptOnSignals(Mission& mission);
+  explicit InterruptOnSignals(Mission& mission, bool raise_again = false);
   ~InterruptOnSignals();
   InterruptOnSignals(const InterruptOnSignals&) = delete;
   InterruptOnSignals& operator=(const InterruptOnSignals&) = delete;

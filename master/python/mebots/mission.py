@@ -54,6 +54,8 @@ class Mission:
         statistics: bool = False,
         checkpoint_every: float | None = None,
     ) -> None:
+        if isinstance(scenarios, (str, os.PathLike)):
+            scenarios = [scenarios]
         self._run = _mebots.Mission(
             config, out, in_memory, list(scenarios), stop_time, step, isolate, statistics, checkpoint_every
         )
@@ -63,11 +65,11 @@ class Mission:
             self.record(record)
 
     @classmethod
-    def resume(cls, folder: Path) -> Mission:
+    def resume(cls, folder: Path, *, in_memory: bool = True) -> Mission:
         """A mission that goes on from the last checkpoint in a results folder, to the same bits as one that nobody
-        disturbed."""
+        disturbed. Rows from before the checkpoint come into memory, too."""
         mission = cls.__new__(cls)
-        mission._run = _mebots.Mission.resume(folder)
+        mission._run = _mebots.Mission.resume(folder, in_memory)
         return mission
 
     def __enter__(self) -> Mission:
@@ -83,11 +85,13 @@ class Mission:
 
     def on_message(self, listener: Callable[[str, str, str, float], None]) -> None:
         """Calls listener(instance, severity, text, time [s]) for what FMUs say, and for the run's own notices
-        (instance ""); severity is "info", "warning" or "error". Before start()."""
+        (instance ""); severity is "info", "warning" or "error". It is called from within the calls to FMUs: it must not
+        call the mission back, except for interrupt(). Before start()."""
         self._run.on_message(listener)
 
     def on_point(self, listener: Callable[[float], None]) -> None:
-        """Calls listener(time [s]) at every communication point, t = 0 included. Before start()."""
+        """Calls listener(time [s]) at every communication point, t = 0 included. It may read and write variables, but
+        for t = 0. Before start()."""
         self._run.on_point(listener)
 
     def set(self, variable: str, value: Scalar) -> None:
@@ -130,7 +134,8 @@ class Mission:
         self._run.run_until(time_s)
 
     def close(self) -> None:
-        """Ends the run where it stands and writes its reports. Nothing, when it is over."""
+        """Ends the run where it stands and writes its reports. Nothing, when it is over. From a listener: as
+        interrupt()."""
         self._run.close()
 
     def interrupt(self) -> None:

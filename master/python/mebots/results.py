@@ -103,7 +103,8 @@ def _columns(folder: pathlib.Path) -> tuple[dict[str, str], dict[str, Any]]:
     """Units and values by name. Texts are found by trying: a column that is not all numbers is one of texts."""
     file = folder / "results.csv"
     try:
-        with open(file, newline="", encoding="utf-8") as stream:
+        csv.field_size_limit(2**31 - 1)  # a text of an FMU may be long
+        with open(file, newline="", encoding="utf-8", errors="surrogateescape") as stream:
             rows = csv.reader(stream)
             header = next(rows, [])
             cells = list(zip(*rows, strict=True)) or [() for _ in header]

@@ -22,8 +22,8 @@ class Algorithm {
   virtual ~Algorithm() = default;
 
   /// From t_k to t_(k+1). Afterwards the ensemble's outputs are those of t_(k+1), and nothing is returned. An end is
-  /// returned when a slave gave up: then the outputs are still those of t_k, the last point that all reached. Throws
-  /// what the slaves throw, and InterruptedError.
+  /// returned when a slave gave up, and InterruptedError is thrown after an interrupt: then the outputs are still those
+  /// of t_k, the last point that all reached. Throws what the slaves throw, too.
   virtual std::optional<End> step(std::int64_t k) = 0;
 };
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "algorithm/gauss_seidel.hpp"
 
+#include "base/interrupt.hpp"
+
 #include <algorithm>
 #include <numeric>
 
@@ -27,16 +29,21 @@ class GaussSeidel final : public Algorithm {
   std::optional<End> step(std::int64_t k) override {
     auto& ensemble = slaves_->ensemble();
     const auto before = ensemble.outputs();
-    for (const auto i : order_) {
-      if (slaves_->begins_step(i, k)) {
-        slaves_->write_inputs(i, k);
-        const auto result = slaves_->finish(i, k, slaves_->step(i, k));
-        if (auto end = slaves_->end_of(i, k, result)) {
-          ensemble.bring_back(before);  // to the last point that all reached
-          return end;
+    try {
+      for (const auto i : order_) {
+        if (slaves_->begins_step(i, k)) {
+          slaves_->write_inputs(i, k);
+          const auto result = slaves_->finish(i, k, slaves_->step(i, k));
+          if (auto end = slaves_->end_of(i, k, result)) {
+            ensemble.bring_back(before);  // to the last point that all reached
+            return end;
+          }
         }
+        slaves_->read_outputs(i, k + 1);
       }
-      slaves_->read_outputs(i, k + 1);
+    } catch (const InterruptedError&) {
+      ensemble.bring_back(before);
+      throw;
     }
     return std::nullopt;
   }

@@ -9,31 +9,41 @@ namespace mebots::master {
 namespace {
 
 // A signal handler can reach nothing but globals; lock-free atomics are all it may touch.
-std::array<std::atomic<std::atomic<bool>*>, SignalGuard::kMost> flags{};
-std::atomic<int> last_signal{0};
-static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<std::atomic<bool>*>::is_always_lock_free);
+struct Slot {
+  std::atomic<std::atomic<bool>*> flag{nullptr};
+  std::atomic<int> signal{0};
+};
+std::array<Slot, SignalGuard::kMost> slots;
+static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<std::atomic<bool>*>::is_always_lock_free &&
+              std::atomic<int>::is_always_lock_free);
 
 constexpr std::array kSignals = {SIGINT, SIGTERM, SIGHUP};
 
+// Under the mutex.
 std::mutex guards_mutex;
 int guards = 0;
+int to_raise = 0;
 std::array<struct sigaction, kSignals.size()> before{};
 
 void on_signal(int signal) {
-  last_signal.store(signal, std::memory_order_relaxed);
-  for (auto& slot : flags) {
-    if (auto* flag = slot.load(std::memory_order_relaxed)) flag->store(true, std::memory_order_relaxed);
+  for (auto& slot : slots) {
+    if (auto* flag = slot.flag.load()) {
+      slot.signal.store(signal);
+      flag->store(true);
+    }
   }
 }
 
 void install() {
-  last_signal = 0;
   struct sigaction action {};
   action.sa_handler = on_signal;
   // The second signal finds the default again: it helps where an FMU's call does not come back.
   action.sa_flags = static_cast<int>(SA_RESETHAND | SA_RESTART);
   sigemptyset(&action.sa_mask);
-  for (std::size_t i = 0; i < kSignals.size(); ++i) sigaction(kSignals[i], &action, &before[i]);
+  for (std::size_t i = 0; i < kSignals.size(); ++i) {
+    sigaction(kSignals[i], nullptr, &before[i]);
+    if (before[i].sa_handler != SIG_IGN) sigaction(kSignals[i], &action, nullptr);  // nohup means it
+  }
 }
 
 void restore() {
@@ -42,23 +52,35 @@ void restore() {
 
 }  // namespace
 
-SignalGuard::SignalGuard(std::atomic<bool>& flag) {
+SignalGuard::SignalGuard(std::atomic<bool>& flag, Afterwards afterwards) : afterwards_(afterwards) {
   const std::lock_guard lock(guards_mutex);
   for (int i = 0; i < kMost && slot_ < 0; ++i) {
-    std::atomic<bool>* none = nullptr;
-    if (flags[static_cast<std::size_t>(i)].compare_exchange_strong(none, &flag)) slot_ = i;
+    auto& slot = slots[static_cast<std::size_t>(i)];
+    if (slot.flag.load() != nullptr) continue;
+    slot.signal = 0;
+    slot.flag = &flag;
+    slot_ = i;
   }
   if (guards++ == 0) install();
 }
 
 SignalGuard::~SignalGuard() {
-  const std::lock_guard lock(guards_mutex);
-  if (slot_ >= 0) flags[static_cast<std::size_t>(slot_)] = nullptr;
-  if (--guards == 0) restore();
+  int signal_to_raise = 0;
+  {
+    const std::lock_guard lock(guards_mutex);
+    if (afterwards_ == Afterwards::raise && signal() != 0) to_raise = signal();
+    if (slot_ >= 0) slots[static_cast<std::size_t>(slot_)].flag = nullptr;
+    if (--guards == 0) {
+      restore();
+      signal_to_raise = to_raise;
+      to_raise = 0;
+    }
+  }
+  if (signal_to_raise != 0) std::raise(signal_to_raise);
 }
 
-int SignalGuard::signal() noexcept {
-  return last_signal.load(std::memory_order_relaxed);
+int SignalGuard::signal() const noexcept {
+  return slot_ < 0 ? 0 : slots[static_cast<std::size_t>(slot_)].signal.load();
 }
 
 }  // namespace mebots::master

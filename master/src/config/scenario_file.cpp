@@ -13,7 +13,9 @@ namespace mebots::master {
 std::string apply_scenario(SystemDescription& system, const std::filesystem::path& file) {
   const auto text = input_text(file);
   const JsonDocument document(text, file.string());
-  config::read_scenario_file(document.root(), system);
+  auto changed = system;  // all of the file or nothing
+  config::read_scenario_file(document.root(), changed);
+  system = std::move(changed);
   return fmt::format("scenario {} {}", file.filename().string(), sha256(text));
 }
 

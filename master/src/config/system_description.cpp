@@ -49,14 +49,18 @@ void set_stop_time(SystemDescription& system, std::int64_t stop_time_ns, const s
   system.stop_time_ns = stop_time_ns;
 }
 
-LocatedSetting locate(SystemDescription& system, const Setting& setting) {
-  const auto& text = setting.variable;
+VariableName parse_variable(const SystemDescription& system, std::string_view text, const std::string& place) {
+  if (auto name = system.split(text)) return *name;
   const auto dot = text.find('.');
-  if (dot == std::string::npos || dot == 0 || dot + 1 == text.size()) {
+  if (dot == std::string_view::npos || dot == 0 || dot + 1 == text.size()) {
     throw InputError(ErrorCode::syntax_error,
-                     fmt::format("{}: '{}' does not name a variable; write instance.variable", setting.place, text));
+                     fmt::format("{}: '{}' does not name a variable; write instance.variable", place, text));
   }
-  const auto name = system.split(text).value_or(VariableName{text.substr(0, dot), text.substr(dot + 1)});
+  return {std::string(text.substr(0, dot)), std::string(text.substr(dot + 1))};
+}
+
+LocatedSetting locate(SystemDescription& system, const Setting& setting) {
+  const auto name = parse_variable(system, setting.variable, setting.place);
   const auto found = std::ranges::find(system.instances, name.instance, &InstanceDescription::name);
   if (found == system.instances.end()) {
     throw InputError(ErrorCode::unknown_name,

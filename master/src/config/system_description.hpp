@@ -215,6 +215,10 @@ LoadedSystem load_system(const std::filesystem::path& file, const GivenTimes& ti
 /// The same without the JSON.
 SystemDescription read_config(const std::filesystem::path& file);
 
+/// "instance.variable" apart; the instance is the first word when none of this name is there. Throws InputError for a
+/// text without both.
+VariableName parse_variable(const SystemDescription& system, std::string_view text, const std::string& place);
+
 /// A setting with its instance found.
 struct LocatedSetting {
   InstanceDescription* instance = nullptr;

@@ -58,14 +58,15 @@ RunRequest request_of(const std::filesystem::path& config, const MissionOptions&
 
 class PointListener final : public Observer {
  public:
-  explicit PointListener(std::function<void(double)> listener) : listener_(std::move(listener)) {}
+  PointListener(Run& run, std::function<void(double)> listener) : run_(&run), listener_(std::move(listener)) {}
 
   std::optional<std::string> reached(const Point& point) override {
-    listener_(to_seconds(point.time_ns));
+    run_->at_point([&] { listener_(to_seconds(point.time_ns)); });
     return std::nullopt;
   }
 
  private:
+  Run* run_;
   std::function<void(double)> listener_;
 };
 
@@ -94,17 +95,10 @@ class Mission::Door {
   explicit Door(std::unique_ptr<Run> opened) : run(std::move(opened)) {}
 
   ResolvedVariable find(std::string_view variable) {
-    run->start();
+    if (!run->busy()) run->start();
     const auto& system = run->resolved();
-    const auto name = system.description->split(variable);
-    const auto dot = variable.find('.');
-    if (!name && (dot == std::string_view::npos || dot == 0 || dot + 1 == variable.size())) {
-      throw InputError(ErrorCode::invalid_argument,
-                       fmt::format("'{}' does not name a variable; write instance.variable", variable));
-    }
-    return system.find(
-        name ? *name : VariableName{std::string(variable.substr(0, dot)), std::string(variable.substr(dot + 1))},
-        fmt::format("'{}'", variable));
+    return system.find(parse_variable(*system.description, variable, fmt::format("'{}'", variable)),
+                       fmt::format("'{}'", variable));
   }
 
   std::list<PointListener> listeners;  // before the run, which holds on to their addresses
@@ -118,8 +112,8 @@ Mission::~Mission() = default;
 Mission::Mission(Mission&& other) noexcept = default;
 Mission& Mission::operator=(Mission&& other) noexcept = default;
 
-Mission Mission::resume(const std::filesystem::path& folder) {
-  return Mission(std::make_unique<Door>(Run::resume(folder)));
+Mission Mission::resume(const std::filesystem::path& folder, bool in_memory) {
+  return Mission(std::make_unique<Door>(Run::resume(folder, in_memory)));
 }
 
 void Mission::on_message(std::function<void(const Message&)> listener) {
@@ -127,7 +121,7 @@ void Mission::on_message(std::function<void(const Message&)> listener) {
 }
 
 void Mission::on_point(std::function<void(double)> listener) {
-  door_->run->add(door_->listeners.emplace_back(std::move(listener)));
+  door_->run->add(door_->listeners.emplace_back(*door_->run, std::move(listener)));
 }
 
 void Mission::set(std::string_view variable, const Value& value) {
@@ -213,25 +207,20 @@ std::string Mission::summary() const {
 
 double Mission::value(std::string_view variable) {
   const auto [instance, found] = door_->find(variable);
-  auto& slave = door_->run->slave(instance);
   const ValueReference reference[] = {found->value_reference};
-  std::int32_t number[1] = {};
-  switch (kind_of(found->type)) {
-    case ValueKind::real: {
-      double real[1] = {};
-      slave.get_reals(reference, real);
-      return real[0];
-    }
-    case ValueKind::integer:
-      slave.get_integers(reference, number);
-      return number[0];
-    case ValueKind::boolean:
-      slave.get_booleans(reference, number);
-      return number[0] == 0 ? 0 : 1;
-    case ValueKind::string:
-      break;
+  const auto kind = kind_of(found->type);
+  if (kind == ValueKind::string) {
+    throw InputError(ErrorCode::wrong_type, fmt::format("'{}' is a String: ask for its text", variable));
   }
-  throw InputError(ErrorCode::wrong_type, fmt::format("'{}' is a String: ask for its text", variable));
+  double real[1] = {};
+  std::int32_t number[1] = {};
+  door_->run->call(instance, "value()", [&](Slave& slave) {
+    if (kind == ValueKind::real) slave.get_reals(reference, real);
+    if (kind == ValueKind::integer) slave.get_integers(reference, number);
+    if (kind == ValueKind::boolean) slave.get_booleans(reference, number);
+  });
+  if (kind == ValueKind::real) return real[0];
+  return kind == ValueKind::boolean && number[0] != 0 ? 1 : number[0];
 }
 
 std::string Mission::text(std::string_view variable) {
@@ -241,7 +230,7 @@ std::string Mission::text(std::string_view variable) {
   }
   const ValueReference reference[] = {found->value_reference};
   std::string value[1];
-  door_->run->slave(instance).get_strings(reference, value);
+  door_->run->call(instance, "text()", [&](Slave& slave) { slave.get_strings(reference, value); });
   return value[0];
 }
 
@@ -268,14 +257,16 @@ void Mission::write(std::string_view variable, double value) {
   // The same rules as for values of a config: type, limits, items.
   const auto typed = typed_value(system.instances[instance].fmu->description(), *found, as_written(*found, value),
                                  fmt::format("write(\"{}\")", variable));
-  auto& slave = door_->run->slave(instance);
   const ValueReference reference[] = {found->value_reference};
-  if (const auto* real = std::get_if<double>(&typed)) slave.set_reals(reference, {real, 1});
-  if (const auto* integer = std::get_if<std::int32_t>(&typed)) slave.set_integers(reference, {integer, 1});
-  if (const auto* boolean = std::get_if<bool>(&typed)) {
-    const std::int32_t flag = *boolean ? 1 : 0;
-    slave.set_booleans(reference, {&flag, 1});
-  }
+  door_->run->call(instance, "write()", [&](Slave& slave) {
+    if (const auto* real = std::get_if<double>(&typed)) slave.set_reals(reference, {real, 1});
+    if (const auto* integer = std::get_if<std::int32_t>(&typed)) slave.set_integers(reference, {integer, 1});
+    if (const auto* boolean = std::get_if<bool>(&typed)) {
+      const std::int32_t flag = *boolean ? 1 : 0;
+      slave.set_booleans(reference, {&flag, 1});
+    }
+  });
+  door_->run->note_write(fmt::format("{}={}", variable, value_text(typed)));
 }
 
 std::vector<std::string> Mission::variables() {
@@ -306,16 +297,17 @@ std::vector<Series> Mission::series() {
 
 class InterruptOnSignals::Guard {
  public:
-  explicit Guard(std::atomic<bool>& flag) : guard(flag) {}
+  Guard(std::atomic<bool>& flag, bool raise_again)
+      : guard(flag, raise_again ? SignalGuard::Afterwards::raise : SignalGuard::Afterwards::nothing) {}
   SignalGuard guard;
 };
 
-InterruptOnSignals::InterruptOnSignals(Mission& mission)
-    : guard_(std::make_unique<Guard>(mission.door_->run->interrupt_flag())) {}
+InterruptOnSignals::InterruptOnSignals(Mission& mission, bool raise_again)
+    : guard_(std::make_unique<Guard>(mission.door_->run->interrupt_flag(), raise_again)) {}
 InterruptOnSignals::~InterruptOnSignals() = default;
 
 int InterruptOnSignals::signal() const noexcept {
-  return SignalGuard::signal();
+  return guard_->guard.signal();
 }
 
 std::string_view version() noexcept {

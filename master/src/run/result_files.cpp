@@ -86,7 +86,7 @@ std::optional<std::string> ResultFiles::close() {
   for (auto* file : {results_, log_}) {
     try {
       if (file != nullptr) file->close();
-    } catch (const Error& error) {
+    } catch (const std::exception& error) {
       if (!first) first = error.what();
     }
   }
@@ -105,6 +105,11 @@ void ResultFiles::write_summary(const std::string& text) {
     std::filesystem::remove(waiting, ignored);
     throw;
   }
+}
+
+bool ResultFiles::has_checkpoint() const {
+  std::error_code ignored;
+  return std::filesystem::exists(folder() / kCheckpointFile, ignored);
 }
 
 void ResultFiles::remove_checkpoint() {

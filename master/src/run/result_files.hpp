@@ -50,6 +50,7 @@ class ResultFiles {
   std::optional<std::string> close();
   /// Writes summary.json, whole or not at all. Throws Error.
   void write_summary(const std::string& text);
+  bool has_checkpoint() const;
   /// There is nothing to go on with.
   void remove_checkpoint();
   /// All is written: another run may use the folder.

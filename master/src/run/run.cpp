@@ -45,21 +45,15 @@ GivenTimes given_times(const RunRequest& request) {
 }  // namespace
 
 Run::Run(RunRequest request) : request_(std::move(request)) {
-  auto wanted = std::exchange(request_, {});
-  request_.config = wanted.config;
-  request_.folder = wanted.folder;
-  request_.step_ns = wanted.step_ns;
-  request_.stop_time_ns = wanted.stop_time_ns;
-  request_.in_memory = wanted.in_memory;
-  request_.isolate = wanted.isolate;
-  request_.statistics = wanted.statistics;
-  request_.checkpoint_every_ns = wanted.checkpoint_every_ns;
+  const auto settings = std::exchange(request_.settings, {});
+  const auto scenarios = std::exchange(request_.scenarios, {});
+  const auto stop_time_ns = request_.stop_time_ns;
   system_ = load_system(request_.config, given_times(request_)).system;
-  if (request_.step_ns) report_.overrides.push_back(fmt::format("step {}", to_seconds(*request_.step_ns)));
-  for (const auto& setting : wanted.settings) set(setting);
-  for (const auto& file : wanted.scenarios) add_scenario(file);
-  if (wanted.stop_time_ns) set_stop_time(*wanted.stop_time_ns, "stop time");
-  if (wanted.record) record(*wanted.record);
+  request_.config = system_.file;  // absolute: the working folder may change before a checkpoint names it
+  for (const auto& setting : settings) set(setting);
+  for (const auto& file : scenarios) add_scenario(file);
+  if (stop_time_ns) set_stop_time(*stop_time_ns, "stop time");
+  if (const auto patterns = request_.record) record(*patterns);
 }
 
 Run::Run(Checkpoint checkpoint, const std::filesystem::path& folder) : Run(checkpoint.request) {
@@ -67,25 +61,41 @@ Run::Run(Checkpoint checkpoint, const std::filesystem::path& folder) : Run(check
   checkpoint_ = std::move(checkpoint);
 }
 
-std::unique_ptr<Run> Run::resume(const std::filesystem::path& folder) {
-  return std::unique_ptr<Run>(new Run(read_checkpoint(folder), folder));
+std::unique_ptr<Run> Run::resume(const std::filesystem::path& folder, bool in_memory) {
+  auto checkpoint = read_checkpoint(folder);
+  checkpoint.request.in_memory = in_memory;
+  return std::unique_ptr<Run>(new Run(std::move(checkpoint), folder));
 }
 
 Run::~Run() {
   close();
 }
 
+Run::Busy::Busy(Run& run, std::string_view what) : run_(&run) {
+  if (run.busy_) {
+    throw InputError(ErrorCode::wrong_call_order,
+                     fmt::format("{} from a listener: it is called in the middle of a step. interrupt() ends the run "
+                                 "after it",
+                                 what));
+  }
+  run.busy_ = true;
+}
+
 void Run::require_open(std::string_view what) const {
-  if (state_ == RunState::open) return;
-  throw InputError(fmt::format("{} comes too late: the run is {} at {} s, and settings change before its start", what,
+  if (state_ == RunState::open && !busy_) return;
+  throw InputError(ErrorCode::wrong_call_order,
+                   fmt::format("{} comes too late: the run is {} at {} s, and settings change before its start", what,
                                name_of(state_), to_seconds(time_ns())));
 }
 
 void Run::require_alive(std::string_view what) const {
   if (state_ == RunState::failed) {
-    throw InputError(fmt::format("{}: the run failed, and its FMUs are not called any more: {}", what, report_.error));
+    throw InputError(ErrorCode::wrong_call_order,
+                     fmt::format("{}: the run failed, and its FMUs are not called any more: {}", what, report_.error));
   }
-  if (state_ == RunState::open) throw InputError(fmt::format("{}: the run is not started yet", what));
+  if (!initialised_) {
+    throw InputError(ErrorCode::wrong_call_order, fmt::format("{}: the run has not come to t = 0", what));
+  }
 }
 
 void Run::listen(MessageHub::Listener listener) {
@@ -99,21 +109,19 @@ void Run::set(const Setting& setting) {
   const auto start = checked_start(*instance, open_fmu(*instance, library_)->description(), assignment);
   instance->parameters.push_back(assignment);
   request_.settings.push_back(setting);
-  report_.overrides.push_back(
-      fmt::format("set {}.{}={}", instance->name, assignment.variable, value_text(start.value)));
+  setting_changes_.push_back(fmt::format("set {}.{}={}", instance->name, assignment.variable, value_text(start.value)));
 }
 
 void Run::add_scenario(const std::filesystem::path& file) {
   require_open("a scenario");
-  report_.overrides.push_back(apply_scenario(system_, file));
-  request_.scenarios.push_back(file);
+  scenario_changes_.push_back(apply_scenario(system_, file));
+  request_.scenarios.push_back(std::filesystem::absolute(file));
 }
 
 void Run::set_stop_time(std::int64_t stop_time_ns, const std::string& place) {
   require_open(place);
   master::set_stop_time(system_, stop_time_ns, place);
   request_.stop_time_ns = stop_time_ns;
-  report_.overrides.push_back(fmt::format("stop_time {}", to_seconds(stop_time_ns)));
 }
 
 void Run::record(const std::vector<std::string>& patterns) {
@@ -121,7 +129,17 @@ void Run::record(const std::vector<std::string>& patterns) {
   system_.record.patterns.emplace();
   for (const auto& pattern : patterns) system_.record.patterns->push_back({pattern, "record"});
   request_.record = patterns;
-  report_.overrides.push_back(fmt::format("record {}", nlohmann::json(patterns).dump()));
+}
+
+/// What was asked for beyond the config: the same text whichever door it came through, and in whichever order.
+std::vector<std::string> Run::changes() const {
+  std::vector<std::string> texts;
+  if (request_.step_ns) texts.push_back(fmt::format("step {}", to_seconds(*request_.step_ns)));
+  texts.insert(texts.end(), setting_changes_.begin(), setting_changes_.end());
+  texts.insert(texts.end(), scenario_changes_.begin(), scenario_changes_.end());
+  if (request_.stop_time_ns) texts.push_back(fmt::format("stop_time {}", to_seconds(*request_.stop_time_ns)));
+  if (request_.record) texts.push_back(fmt::format("record {}", nlohmann::json(*request_.record).dump()));
+  return texts;
 }
 
 void Run::add(Observer& observer) {
@@ -137,19 +155,28 @@ template <typename Work>
 void Run::attempt(Work work) {
   try {
     work();
+    messages_.rethrow();
   } catch (const InterruptedError&) {  // on the way to t = 0: there is no point to end at
     report_.end_reason = EndReason::interrupted;
     report_.outcome = name_of(EndReason::interrupted);
-    report_.end_text = "interrupted before t = 0";
+    report_.end_text = checkpoint_ ? "interrupted before the checkpoint was reached" : "interrupted before t = 0";
     state_ = RunState::ended;
   } catch (const std::exception& error) {
     fail(error.what());
+    throw;
+  } catch (...) {
+    fail("a listener threw something that is not an error");
     throw;
   }
 }
 
 void Run::start() {
   if (state_ == RunState::failed) require_alive("start");
+  const Busy busy(*this, "start()");
+  begin();
+}
+
+void Run::begin() {
   if (state_ != RunState::open) return;
   attempt([this] {
     {
@@ -160,9 +187,10 @@ void Run::start() {
       const Stopwatch watch(report_.wall.initialise_s);
       initialise();
     }
+    initialised_ = true;
     state_ = RunState::ready;
+    if (simulation_->ended()) finish();
   });
-  if (state_ == RunState::ready && simulation_->ended()) finish();
 }
 
 void Run::open() {
@@ -171,6 +199,7 @@ void Run::open() {
   }
   find_algorithm(system_.algorithm);  // one that does not exist is bad input: say so before any file is made
   resolved_ = resolve(system_, library_, interrupted_);
+  report_.overrides = changes();
   hash_ = hash_inputs(system_, report_.overrides);
   if (request_.checkpoint_every_ns > 0) {
     check_can_checkpoint(resolved_);
@@ -237,29 +266,53 @@ void Run::initialise() {
   if (files_) files_->started(ensemble);
 }
 
-void Run::advance(std::int64_t until_ns) {
-  start();
+void Run::advance(std::int64_t until_ns, std::string_view what) {
+  if (state_ == RunState::failed) require_alive(what);
+  const Busy busy(*this, what);
+  begin();
   if (state_ == RunState::ended) return;
   attempt([&] {
-    const Stopwatch watch(report_.wall.stepping_s);
-    while (simulation_->time_ns() < until_ns && simulation_->step()) state_ = RunState::running;
+    {
+      const Stopwatch watch(report_.wall.stepping_s);
+      while (simulation_->time_ns() < until_ns && simulation_->step()) {
+        state_ = RunState::running;
+        messages_.rethrow();
+      }
+    }
+    if (simulation_->ended()) finish();
   });
-  if (simulation_->ended()) finish();
 }
 
 bool Run::step() {
-  start();
-  const auto before = simulation_ ? simulation_->steps_done() : 0;
-  advance(time_ns() + system_.step_ns);
-  return simulation_ && simulation_->steps_done() > before;
+  if (state_ == RunState::open) start();
+  const auto from = simulation_ ? simulation_->steps_done() : 0;
+  advance(time_ns() + system_.step_ns, "step()");
+  return simulation_ && simulation_->steps_done() > from;
 }
 
 void Run::run_until(std::int64_t time_ns) {
-  advance(time_ns);
+  advance(time_ns, "run_until()");
 }
 
 void Run::run() {
-  advance(std::numeric_limits<std::int64_t>::max());
+  advance(std::numeric_limits<std::int64_t>::max(), "run()");
+}
+
+void Run::call(std::size_t instance, std::string_view what, const std::function<void(Slave&)>& work) {
+  require_alive(what);
+  if (busy_ && !at_point_) const Busy refused(*this, what);
+  attempt([&] { work(simulation_->ensemble().slave(instance)); });
+}
+
+void Run::at_point(const std::function<void()>& work) {
+  at_point_ = initialised_;  // while it comes to t = 0 the run is not to be asked yet
+  try {
+    work();
+  } catch (...) {
+    at_point_ = false;
+    throw;
+  }
+  at_point_ = false;
 }
 
 void Run::finish() {
@@ -268,6 +321,7 @@ void Run::finish() {
   report_.end_text = end.text;
   const bool cut_short = end.reason == EndReason::interrupted || end.reason == EndReason::closed;
   report_.outcome = cut_short ? std::string(name_of(end.reason)) : outcomes_->outcome();
+  state_ = RunState::ended;
   try {
     simulation_->terminate();
   } catch (const Error& error) {
@@ -277,12 +331,13 @@ void Run::finish() {
       say(Severity::warning, "notice", report_.notices.back());
     }
   }
-  state_ = RunState::ended;
+  messages_.rethrow();
   write_reports();
-  if (state_ == RunState::failed) throw Error(report_.error);
+  if (state_ == RunState::failed) throw Error(ErrorCode::file_unwritable, report_.error);
 }
 
 void Run::fail(const std::string& what) noexcept {
+  if (state_ == RunState::failed) return;
   state_ = RunState::failed;
   report_.end_reason = EndReason::failed;
   report_.outcome = name_of(EndReason::failed);
@@ -323,12 +378,15 @@ void Run::write_reports() noexcept {
 }
 
 void Run::close() noexcept {
+  if (busy_) return interrupt();
   if (state_ != RunState::ready && state_ != RunState::running) return;
   try {
-    simulation_->finish({EndReason::closed, fmt::format("closed at {} s", to_seconds(time_ns()))});
-    finish();
-  } catch (const std::exception& error) {
-    fail(error.what());
+    const Busy busy(*this, "close()");
+    attempt([this] {
+      simulation_->finish({EndReason::closed, fmt::format("closed at {} s", to_seconds(time_ns()))});
+      finish();
+    });
+  } catch (...) {  // NOLINT(bugprone-empty-catch): it is in the report
   }
 }
 
@@ -360,18 +418,20 @@ std::vector<InstanceLoss> Run::losses() const {
 }
 
 const ResolvedSystem& Run::resolved() const {
-  require_alive("a variable is read");
+  require_alive("a variable is asked for");
   return resolved_;
 }
 
-Slave& Run::slave(std::size_t instance) {
-  require_alive("a variable is read");
-  return simulation_->ensemble().slave(instance);
+void Run::note_write(const std::string& text) {
+  report_.writes.push_back(fmt::format("{} at {} s", text, to_seconds(time_ns())));
 }
 
 const MemorySink& Run::memory() {
-  if (memory_ == nullptr) throw InputError("nothing is recorded in memory: the run is not started, or keeps no rows");
-  if (state_ == RunState::ready || state_ == RunState::running) recorder_->flush();
+  if (memory_ == nullptr) {
+    throw InputError(ErrorCode::wrong_call_order,
+                     "nothing is recorded in memory: the run is not started, or was asked to keep no rows");
+  }
+  if (state_ == RunState::ready || state_ == RunState::running) attempt([this] { recorder_->flush(); });
   return *memory_;
 }
 

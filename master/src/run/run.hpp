@@ -44,7 +44,7 @@ class Run {
   /// Reads the config and applies the request to it. Throws InputError; no file is made.
   explicit Run(RunRequest request);
   /// The run whose checkpoint is in this folder, as it stood there, once it is started. Throws InputError.
-  static std::unique_ptr<Run> resume(const std::filesystem::path& folder);
+  static std::unique_ptr<Run> resume(const std::filesystem::path& folder, bool in_memory = false);
   /// Closes the run.
   ~Run();
   Run(const Run&) = delete;
@@ -82,8 +82,12 @@ class Run {
   /// For a SignalGuard.
   std::atomic<bool>& interrupt_flag() { return interrupted_; }
   /// Ends the run where it stands, and writes its reports. Nothing, when it is over. Never throws; what goes wrong is
-  /// in the report.
+  /// in the report. From a listener: as interrupt().
   void close() noexcept;
+  /// For observers of add(): variables may be read in `work`.
+  void at_point(const std::function<void()>& work);
+  /// True in a call that steps, so also for the listeners that it calls.
+  bool busy() const { return busy_; }
 
   // At any time.
 
@@ -111,8 +115,10 @@ class Run {
   // From the start on. These throw InputError before, and after a failure.
 
   const ResolvedSystem& resolved() const;
-  /// An instance, to read its variables; not for stepping.
-  Slave& slave(std::size_t instance);
+  /// Reads or sets variables of an instance. An error of the FMU fails the run. From a listener: at a point only.
+  void call(std::size_t instance, std::string_view what, const std::function<void(Slave&)>& work);
+  /// What was set on the way, for the summary.
+  void note_write(const std::string& text);
   /// Rows so far. Throws InputError when the request has no `in_memory`.
   const MemorySink& memory();
 
@@ -125,7 +131,21 @@ class Run {
   void attempt(Work work);
   void open();
   void initialise();
-  void advance(std::int64_t until_ns);
+  /// Keeps listeners from calling back into what called them.
+  class Busy {
+   public:
+    Busy(Run& run, std::string_view what);
+    ~Busy() { run_->busy_ = false; }
+    Busy(const Busy&) = delete;
+    Busy& operator=(const Busy&) = delete;
+
+   private:
+    Run* run_;
+  };
+
+  std::vector<std::string> changes() const;
+  void begin();
+  void advance(std::int64_t until_ns, std::string_view what);
   void finish();
   void fail(const std::string& what) noexcept;
   void write_reports() noexcept;
@@ -134,11 +154,16 @@ class Run {
   RunRequest request_;
   std::optional<Checkpoint> checkpoint_;  ///< to go on from
   RunState state_ = RunState::open;
+  bool initialised_ = false;  ///< came to t = 0, or to the checkpoint
+  bool busy_ = false;
+  bool at_point_ = false;
   std::atomic<bool> interrupted_{false};
   MessageHub messages_;
   std::vector<Observer*> added_;
   FmuLibrary library_;
   SystemDescription system_;
+  std::vector<std::string> setting_changes_;
+  std::vector<std::string> scenario_changes_;
   RunReport report_;
   // From the start on, in the order in which they depend on each other.
   ResolvedSystem resolved_;

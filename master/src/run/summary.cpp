@@ -156,6 +156,7 @@ Json summary_json(const ResolvedSystem& system, const InputHash& hash, const Run
   inputs["sha256"] = hash.all;
   inputs["config"] = {{"file", description.file.filename().string()}, {"sha256", hash.config}};
   inputs["changes"] = report.overrides;
+  if (!report.writes.empty()) inputs["writes"] = report.writes;
   for (const auto& [name, digest] : hash.files) inputs["files"][name] = {{"sha256", digest}};
   for (std::size_t i = 0; i < system.instances.size(); ++i) {
     const auto& instance = *system.instances[i].description;

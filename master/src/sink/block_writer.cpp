@@ -16,6 +16,8 @@ BlockWriter::~BlockWriter() {
 }
 
 void BlockWriter::submit(RowBlock& block) {
+  // Before anything is handed over: where no thread can be made, nobody must wait for one.
+  if (!thread_.joinable()) thread_ = std::thread([this] { work(); });
   {
     std::unique_lock lock(mutex_);
     wait_until_idle(lock);
@@ -24,7 +26,6 @@ void BlockWriter::submit(RowBlock& block) {
     std::swap(pending_, block);
     busy_ = true;
   }
-  if (!thread_.joinable()) thread_ = std::thread([this] { work(); });
   changed_.notify_all();
 }
 
@@ -41,7 +42,7 @@ void BlockWriter::drain(RowBlock& block) {
 
 void BlockWriter::wait_until_idle(std::unique_lock<std::mutex>& lock) {
   changed_.wait(lock, [&] { return !busy_; });
-  if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
+  if (failure_) std::rethrow_exception(failure_);  // for good: rows are missing from now on
 }
 
 void BlockWriter::work() {
@@ -57,7 +58,7 @@ void BlockWriter::work() {
       failure = std::current_exception();
     }
     lock.lock();
-    failure_ = failure;
+    if (!failure_) failure_ = failure;
     busy_ = false;
     changed_.notify_all();
   }

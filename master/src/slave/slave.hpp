@@ -20,13 +20,14 @@ using ValueReference = std::uint32_t;
 /// A call to an FMU failed. The text names instance, time, function, status and what the FMU logged.
 class SlaveError : public Error {
  public:
-  using Error::Error;
+  explicit SlaveError(const std::string& text) : SlaveError(ErrorCode::fmu_failed, text) {}
+  SlaveError(ErrorCode code, const std::string& text) : Error(code, text) {}
 };
 
 /// An FMU gave NaN or infinity for one of its variables.
 class NotFiniteError : public SlaveError {
  public:
-  using SlaveError::SlaveError;
+  explicit NotFiniteError(const std::string& text) : SlaveError(ErrorCode::not_finite, text) {}
 };
 
 /// What became of a step.
