@@ -28,6 +28,15 @@ std::string target(const Plan& plan, const Lag& lag) {
   return text;
 }
 
+/// The start of the description's namespace; a description may name none.
+std::string opened_namespace(const modeldesc::Description& description) {
+  return description.cpp_namespace.empty() ? "" : fmt::format("namespace {} {{\n\n", description.cpp_namespace);
+}
+
+std::string closed_namespace(const modeldesc::Description& description) {
+  return description.cpp_namespace.empty() ? "" : fmt::format("\n}}  // namespace {}\n", description.cpp_namespace);
+}
+
 bool needs_sum(const Plan& plan) {
   return std::ranges::any_of(plan.lags, [](const Lag& lag) {
     return std::ranges::any_of(lag.inputs,
@@ -55,15 +64,13 @@ std::string model_header(const Plan& plan) {
 #pragma once
 
 #include "{name}/variables.hpp"
-#include "mebots/state/bytes.hpp"
+#include "mebots/state/visitor.hpp"
 
 #include <array>
 #include <cstdint>
 #include <filesystem>
 
-namespace {space} {{
-
-/// {text}.
+{open}/// {text}.
 ///
 /// Every Real output y follows the sum u of the Real inputs of its unit with one time constant T:
 ///
@@ -80,33 +87,28 @@ class Model {{
   /// Moves on by duration_ns > 0 with the inputs held.
   void step(const Inputs& inputs, std::int64_t duration_ns, Outputs& outputs);
 
-  /// Everything that a later step depends on.
-  void save(state::Writer& writer) const;
-  void restore(state::Reader& reader);
+  /// Shows everything that a later step depends on.
+  void visit(mebots::state::Visitor& visitor);
 
  private:
   void write(Outputs& outputs) const;
 
   double time_constant_s_;
 {members}}};
-
-}}  // namespace {space}
-)",
-                     fmt::arg("name", d.name), fmt::arg("space", d.cpp_namespace), fmt::arg("text", d.text),
-                     fmt::arg("members", members));
+{close})",
+                     fmt::arg("name", d.name), fmt::arg("open", opened_namespace(d)),
+                     fmt::arg("close", closed_namespace(d)), fmt::arg("text", d.text), fmt::arg("members", members));
 }
 
 std::string model_source(const Plan& plan) {
   const auto& d = *plan.description;
   std::string step;
   std::string write;
-  std::string save;
-  std::string restore;
+  std::string visit;
   for (const Lag& lag : plan.lags) {
     const auto name = member(*lag.output);
     write += fmt::format("  outputs.{} = {};\n", lag.output->cpp_name, name);
-    save += fmt::format("  writer.put({});\n", name);
-    restore += fmt::format("  reader.get({});\n", name);
+    visit += fmt::format("  visitor(\"{}\", {});\n", lag.output->cpp_name, name);
     if (lag.inputs.empty()) continue;
     if (lag.output->group)
       step += fmt::format("  for (std::size_t i = 0; i < {}::kCount; ++i) {}[i] = follow({}[i], {}, kept);\n",
@@ -134,7 +136,7 @@ double sum(const std::array<double, N>& values) {
     constructor = fmt::format(R"(Model::Model(const Parameters& parameters, const std::filesystem::path& /*resources*/)
     : time_constant_s_(parameters.{field}) {{
   if (!(time_constant_s_ > 0))
-    throw Error(fmt::format("{variable} = {{}} s: a time constant above 0 is needed", time_constant_s_));
+    throw mebots::Error(fmt::format("{variable} = {{}} s: a time constant above 0 is needed", time_constant_s_));
 }}
 )",
                               fmt::arg("field", plan.time_constant->cpp_name),
@@ -162,8 +164,7 @@ double sum(const std::array<double, N>& values) {
 #include <cmath>
 #include <numeric>
 
-namespace {space} {{
-{anonymous}{constructor}
+{open}{anonymous}{constructor}
 void Model::start(const Inputs& /*inputs*/, Outputs& outputs) {{
   write(outputs);
 }}
@@ -175,23 +176,17 @@ void Model::step(const Inputs& {inputs}, std::int64_t {duration}, Outputs& outpu
 void Model::write(Outputs& {outputs}) const {{
 {write}}}
 
-void Model::save(state::Writer& {writer}) const {{
-{save}}}
-
-void Model::restore(state::Reader& {reader}) {{
-{restore}}}
-
-}}  // namespace {space}
-)",
-      fmt::arg("space", d.cpp_namespace), fmt::arg("anonymous", anonymous), fmt::arg("constructor", constructor),
-      fmt::arg("inputs", driven ? "inputs" : "/*inputs*/"),
+void Model::visit(mebots::state::Visitor& {visitor}) {{
+{visit}}}
+{close})",
+      fmt::arg("open", opened_namespace(d)), fmt::arg("close", closed_namespace(d)), fmt::arg("anonymous", anonymous),
+      fmt::arg("constructor", constructor), fmt::arg("inputs", driven ? "inputs" : "/*inputs*/"),
       fmt::arg("duration", driven ? "duration_ns" : "/*duration_ns*/"),
       fmt::arg("kept",
                driven ? "  const double kept = std::exp(-1e-9 * static_cast<double>(duration_ns) / time_constant_s_);\n"
                       : ""),
       fmt::arg("step", step), fmt::arg("outputs", write.empty() ? "/*outputs*/" : "outputs"), fmt::arg("write", write),
-      fmt::arg("writer", save.empty() ? "/*writer*/" : "writer"), fmt::arg("save", save),
-      fmt::arg("reader", restore.empty() ? "/*reader*/" : "reader"), fmt::arg("restore", restore));
+      fmt::arg("visitor", visit.empty() ? "/*visitor*/" : "visitor"), fmt::arg("visit", visit));
 }
 
 std::string binding_source(const Plan& plan) {
@@ -200,15 +195,12 @@ std::string binding_source(const Plan& plan) {
 #include "mebots/fmu/bound_model.hpp"
 #include "model.hpp"
 
-namespace {space} {{
-
-std::unique_ptr<mebots::fmu::Model> make_model(Variables& variables, mebots::fmu::Host& host, std::int64_t start_ns) {{
+{open}std::unique_ptr<mebots::fmu::Model> make_model(Variables& variables, mebots::fmu::Host& host, std::int64_t start_ns) {{
   return std::make_unique<mebots::fmu::BoundModel<Model, Variables>>(variables, host, start_ns);
 }}
-
-}}  // namespace {space}
-)",
-                     fmt::arg("name", plan.description->name), fmt::arg("space", plan.description->cpp_namespace));
+{close})",
+                     fmt::arg("name", plan.description->name), fmt::arg("open", opened_namespace(*plan.description)),
+                     fmt::arg("close", closed_namespace(*plan.description)));
 }
 
 std::string test_source(const Plan& plan) {
@@ -258,6 +250,7 @@ TEST(Model, FollowsItsInputsWithItsTimeConstant) {{
                                  ? std::string("1'000'000'000")
                                  : fmt::format("std::llround(1e9 * parameters.{})", plan.time_constant->cpp_name);
   return fmt::format(R"(// SPDX-License-Identifier: Apache-2.0
+#include "mebots/state/save.hpp"
 #include "model.hpp"
 
 #include <gtest/gtest.h>
@@ -265,8 +258,7 @@ TEST(Model, FollowsItsInputsWithItsTimeConstant) {{
 #include <cmath>
 #include <numeric>
 
-namespace {space} {{
-namespace {{
+{open}namespace {{
 
 struct Bench {{
   Bench() : model(parameters, ".") {{ model.start(inputs, outputs); }}
@@ -285,23 +277,20 @@ TEST(Model, StartsAtRest) {{
 TEST(Model, SavedStateGoesOnAsTheStraightRun) {{
   Bench straight;
   Bench restored;
-  state::Writer writer;
   straight.model.step(straight.inputs, 10'000'000, straight.outputs);
-  straight.model.save(writer);
+  const auto saved = mebots::state::save(straight.model);
   straight.model.step(straight.inputs, 10'000'000, straight.outputs);
-  state::Reader reader(writer.bytes());
-  restored.model.restore(reader);
-  EXPECT_TRUE(reader.at_end());
+  mebots::state::restore(restored.model, saved);
   restored.model.step(restored.inputs, 10'000'000, restored.outputs);
   [[maybe_unused]] const auto& a = straight.outputs;
   [[maybe_unused]] const auto& b = restored.outputs;
 {same}}}
 
 }}  // namespace
-}}  // namespace {space}
-)",
-                     fmt::arg("space", d.cpp_namespace), fmt::arg("time_constant", time_constant),
-                     fmt::arg("rests", rests), fmt::arg("follows", follows), fmt::arg("same", same));
+{close})",
+                     fmt::arg("open", opened_namespace(d)), fmt::arg("close", closed_namespace(d)),
+                     fmt::arg("time_constant", time_constant), fmt::arg("rests", rests), fmt::arg("follows", follows),
+                     fmt::arg("same", same));
 }
 
 }  // namespace mebots::new_fmu

@@ -36,9 +36,9 @@ class DescriptionReader {
                 fmt::format("{} must name a library and C functions: use letters, digits and _", node.shown()));
     });
     object.read("text", result_.text, &Node::text);
-    object.read("namespace", result_.cpp_namespace, [](const Node& node) {
+    object.read_if("namespace", result_.cpp_namespace, [](const Node& node) {
       auto name = node.text();
-      if (is_cpp_namespace(name)) return name;
+      if (name.empty() || is_cpp_namespace(name)) return name;  // none: global
       node.fail(ErrorCode::invalid_value, fmt::format("{} is not a C++ namespace", node.shown()));
     });
     object.read("step", result_.step_s, data::number(data::Limits::positive()));
