@@ -50,6 +50,7 @@ function(mebots_add_fmu name)
   add_custom_target(${name}_description DEPENDS ${out_dir}/modelDescription.xml ${out_dir}/variables.hpp)
 
   add_library(${name}_model STATIC ${ARG_MODEL_SOURCES})
+  set_target_properties(${name}_model PROPERTIES POSITION_INDEPENDENT_CODE ON)
   mebots_target(${name}_model)
   add_dependencies(${name}_model ${name}_description)
   target_include_directories(${name}_model PUBLIC ${generated_dir} ${source_dir}/src)

@@ -103,7 +103,7 @@ function(mebots_add_firmware name)
       set(standard -std=c11)
       set(brought_in)
     else()
-      set(standard)
+      set(standard "-Wa,--debug-prefix-map=${PROJECT_BINARY_DIR}=." "-Wa,--debug-prefix-map=${PROJECT_SOURCE_DIR}=." "-Wa,--debug-prefix-map=${root}=.")
       set(brought_in ${data})
     endif()
     add_custom_command(
@@ -129,6 +129,7 @@ function(mebots_add_firmware name)
     COMMENT "Linking ${name}.elf"
     VERBATIM)
   add_custom_target(${name}_firmware ALL DEPENDS ${elf})
+  set_target_properties(${name}_firmware PROPERTIES MEBOTS_ELF ${elf} MEBOTS_BOARD_FILE ${board_file})
 endfunction()
 
 # mebots_soc_fmu(<name> BOARD <board file> FIRMWARE <name of mebots_add_firmware> [DEVICES <file>...])
@@ -153,4 +154,29 @@ function(mebots_soc_fmu name)
     BOARD ${board}
     RESOURCE_FILES ${board} ${PROJECT_BINARY_DIR}/firmware/${ARG_FIRMWARE}.elf)
   add_dependencies(${name}_archive ${ARG_FIRMWARE}_firmware)
+endfunction()
+
+# mebots_run_firmware(<target> FIRMWARE <name of mebots_add_firmware> [OPTIONS <option of mebots-soc run>...])
+# `cmake --build <folder> --target <target>` runs the firmware on its board, outside any FMU.
+function(mebots_run_firmware target)
+  cmake_parse_arguments(ARG "" "FIRMWARE" "OPTIONS" ${ARGN})
+  get_target_property(elf ${ARG_FIRMWARE}_firmware MEBOTS_ELF)
+  get_target_property(board ${ARG_FIRMWARE}_firmware MEBOTS_BOARD_FILE)
+  add_custom_target(${target}
+    COMMAND mebots::mebots-soc run ${elf} --board ${board} ${ARG_OPTIONS}
+    DEPENDS ${ARG_FIRMWARE}_firmware
+    USES_TERMINAL VERBATIM)
+endfunction()
+
+# mebots_run_mission(<target> CONFIG <file> [FMUS <name of mebots_add_fmu or mebots_soc_fmu>...] [OPTIONS <option of mebots run>...])
+# `cmake --build <folder> --target <target>` runs a config, which names this project's FMUs without path.
+function(mebots_run_mission target)
+  cmake_parse_arguments(ARG "" "CONFIG" "FMUS;OPTIONS" ${ARGN})
+  get_filename_component(config ${ARG_CONFIG} ABSOLUTE)
+  list(TRANSFORM ARG_FMUS APPEND _archive)
+  add_custom_target(${target}
+    COMMAND ${CMAKE_COMMAND} -E env MEBOTS_FMU_PATH=${PROJECT_BINARY_DIR}/fmus $<TARGET_FILE:mebots::mebots> run ${config} ${ARG_OPTIONS}
+    DEPENDS ${ARG_FMUS}
+    WORKING_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR}
+    USES_TERMINAL VERBATIM)
 endfunction()

@@ -18,8 +18,11 @@ using AddCommand = void (*)(CLI::App& app, Action& action);
 // One per command, each in a file of its own: <name>_command.cpp.
 void add_check(CLI::App& app, Action& action);
 void add_convert(CLI::App& app, Action& action);
+void add_demo(CLI::App& app, Action& action);
 void add_info(CLI::App& app, Action& action);
+void add_new_firmware(CLI::App& app, Action& action);
 void add_new_fmu(CLI::App& app, Action& action);
+void add_new_sensor(CLI::App& app, Action& action);
 void add_resume(CLI::App& app, Action& action);
 void add_run(CLI::App& app, Action& action);
 void add_schema(CLI::App& app, Action& action);

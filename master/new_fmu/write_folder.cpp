@@ -84,7 +84,6 @@ std::string cmake_lists(const Plan& plan) {
 cmake_minimum_required(VERSION 3.25)
 if(NOT COMMAND mebots_add_fmu)
   project({name} LANGUAGES CXX)
-  set(CMAKE_POSITION_INDEPENDENT_CODE ON)
   find_package(mebots REQUIRED)
   enable_testing()
 endif()

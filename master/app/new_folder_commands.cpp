@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "command.hpp"
+
+#include "new_folder.hpp"
+
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+
+namespace mebots::app {
+namespace {
+
+/// Writes the folder and says what to type next; a folder's name may hold spaces.
+template <typename Write>
+int written(const Write& write, const char* targets) {
+  try {
+    const auto folder = write().string();
+    std::printf("%s is written. Next:\n  cd '%s'\n  cmake -S . -B build && cmake --build build\n%s", folder.c_str(),
+                folder.c_str(), targets);
+    return 0;
+  } catch (const std::exception& error) {
+    print_error(error.what());
+    return 2;
+  }
+}
+
+const std::vector<std::string> kExitCodesOfWriting = {"0 written", "2 a name cannot be used, or the folder is there"};
+
+}  // namespace
+
+void add_new_firmware(CLI::App& app, Action& action) {
+  struct Options {
+    std::string name;
+    std::filesystem::path out;
+  };
+  const auto options = std::make_shared<Options>();
+  auto* command = app.add_subcommand("new-firmware", "Write the folder of a new program for the chip, which builds");
+  command->add_option("name", options->name, "Its name: lower-case letters, digits and _")->required();
+  command->add_option("--out", options->out, "Folder to make; default: the name")->check(not_empty());
+  command->footer(help_footer(kExitCodesOfWriting, {"mebots new-firmware blink"}));
+  command->callback([options, &action] {
+    action = [options] {
+      return written([&] { return new_folder::new_firmware(options->name, options->out); },
+                     "  cmake --build build --target run\n");
+    };
+  });
+}
+
+void add_new_sensor(CLI::App& app, Action& action) {
+  struct Options {
+    new_folder::Sensor sensor;
+    std::filesystem::path out;
+  };
+  const auto options = std::make_shared<Options>();
+  auto& sensor = options->sensor;
+  auto* command = app.add_subcommand(
+      "new-sensor", "Write the folder of a new sensor on the chip with driver, firmware and mission, which builds");
+  command->add_option("name", sensor.name, "Its name: lower-case letters, digits and _")->required();
+  command->add_option("--senses", sensor.senses, "What it senses: a Real output of world, motors or battery")
+      ->capture_default_str();
+  command->add_option("--board", sensor.board, "Board file that gets the sensor; default: GAP8 alone")
+      ->check(CLI::ExistingFile);
+  command->add_flag("--cpp", sensor.with_code, "With a device model in C++, for what states cannot say");
+  command->add_option("--out", options->out, "Folder to make; default: the name")->check(not_empty());
+  command->footer(help_footer(kExitCodesOfWriting, {"mebots new-sensor height",
+                                                    "mebots new-sensor voltmeter --senses battery.bus.voltage --cpp"}));
+  command->callback([options, &action] {
+    action = [options] {
+      return written([&] { return new_folder::new_sensor(options->sensor, options->out); },
+                     "  cmake --build build --target run    # the firmware alone\n"
+                     "  cmake --build build --target fly    # in the mission\n");
+    };
+  });
+}
+
+}  // namespace mebots::app

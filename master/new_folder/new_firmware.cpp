@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "new_folder.hpp"
+#include "template.hpp"
+
+namespace mebots::new_folder {
+
+std::filesystem::path new_firmware(const std::string& name, std::filesystem::path folder) {
+  require_name(name);
+  if (folder.empty()) folder = name;
+  write_folder(folder, read_template("my_firmware", {{"my_firmware", name}}));
+  return folder;
+}
+
+}  // namespace mebots::new_folder

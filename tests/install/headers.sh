@@ -1,0 +1,24 @@
+# SPDX-License-Identifier: Apache-2.0
+# Every installed header compiles alone and opens none of a third party; what <mebots/run.hpp> brings is short.
+set -euo pipefail
+include=$MEBOTS/include
+count=0
+while IFS= read -r header; do
+  echo "#include <${header#"$include"/}>" >alone.cpp
+  g++ -std=c++20 -Wall -Wextra -Wpedantic -Wshadow -Werror -fsyntax-only -H -I"$include" alone.cpp 2>opened.log \
+    || { grep -v '^\.' opened.log; echo "FAILED: $header does not compile alone"; exit 1; }
+  if grep -E '^\.+ .*/(nlohmann|fmt|Eigen|CLI|openssl)/|pugixml|hdf5|zip\.h' opened.log; then
+    echo "FAILED: $header opens these"; exit 1
+  fi
+  count=$((count + 1))
+done < <(find "$include" -name '*.hpp')
+[[ $count -gt 0 ]]
+
+runners=$(find "$include/mebots" -maxdepth 1 -name '*.hpp' | wc -l)
+((runners <= 10)) || { echo "FAILED: $runners headers for who runs systems"; exit 1; }
+
+# Lines between the markers of our files, as the preprocessor gives them.
+lines=$(echo '#include <mebots/run.hpp>' | g++ -std=c++20 -E -I"$include" -x c++ - |
+  awk -v ours="$include/" '/^# [0-9]+ "/ { counts = index($0, ours) > 0; next } counts && NF { ++lines } END { print lines + 0 }')
+((lines > 50 && lines <= 2000)) || { echo "FAILED: <mebots/run.hpp> brings $lines lines of ours"; exit 1; }
+echo "ok: $count headers, $runners of them for who runs systems; <mebots/run.hpp> brings $lines lines beyond the standard library"

@@ -1,0 +1,13 @@
+# SPDX-License-Identifier: Apache-2.0
+# The package of the installation: missions of its FMUs by name, and instances in processes of their own.
+set -euo pipefail
+export PYTHONPATH=$(dirname "$(dirname "$(find "$MEBOTS/lib" -name '_mebots*.so')")") PYTHONDONTWRITEBYTECODE=1
+unset MEBOTS_FMU_PATH
+PATH=${PATH#*:} "$PYTHON" "$NEEDED/python_test.py" "$MEBOTS/share/mebots/fmus"
+cp "$MEBOTS/share/mebots/configs/battery_motors.json" .
+PATH=${PATH#*:} "$PYTHON" -c "
+import mebots
+mission = mebots.Mission('battery_motors.json')
+mission.run()
+assert mission.outcome == 'completed', mission.outcome
+"
