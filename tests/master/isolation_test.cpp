@@ -101,8 +101,9 @@ TEST_F(Isolation, StatesGoAlongWithTheProcess) {
   }
   TestRun second(config);
   second.initialize();
+  const auto state = second.simulation().deserialize(bytes);
   for (int i = 0; i < 70; ++i) second.simulation().step();
-  second.simulation().restore_state(second.simulation().deserialize(bytes));
+  second.simulation().restore_state(state);
   while (second.simulation().step()) {
   }
   EXPECT_EQ(second.csv(), straight.csv());

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "test_system.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 namespace mebots::master {
 namespace {
 
 using test::TestRun;
+using testing::ElementsAre;
 
 // Multirate, a buffer, a stop condition that counts time and an outcome that remembers: all have state.
 constexpr const char* kSystem = R"({"step": 0.01, "stop_time": 3, "instances": {
@@ -53,10 +55,42 @@ TEST(State, AStateTravelsAsBytes) {
   }
   TestRun other(kSystem);
   other.initialize();
+  const auto state = other.simulation().deserialize(bytes);
   step_to(other, 200);
-  other.simulation().restore_state(other.simulation().deserialize(bytes));
+  other.simulation().restore_state(state);
   step_to(other, 1000);
   EXPECT_EQ(other.csv(), straight.csv());
+}
+
+TEST(State, AnFmuHearsThatItMayBeSetBackOnlyWhereThatCanHappen) {
+  // noSetFMUStatePriorToCurrentPoint: libcosim's quarter truck stands still when it is false.
+  const auto set_backs = [](const std::string& more, bool keep) {
+    TestRun run(fmt::format(
+        R"({{"step": 0.1, "stop_time": 0.4, "instances": {{"a": {{"fmu": "PROBE"{}}}}}, "connections": [], "record": ["a.set_backs"]}})",
+        more));
+    run.initialize();
+    step_to(run, 1);
+    auto state = run.simulation().save_state();
+    if (!keep) state = {};
+    step_to(run, 3);
+    state = {};
+    step_to(run, 4);
+    return run.column("a.set_backs");
+  };
+  for (const char* process : {"", R"(, "process": "own")"}) {
+    EXPECT_THAT(set_backs(process, false), ElementsAre(0, 0, 0, 0, 0)) << process;
+    EXPECT_THAT(set_backs(process, true), ElementsAre(0, 0, 1, 2, 2)) << process;
+    EXPECT_THAT(set_backs(std::string(R"(, "on_discard": "divide")") + process, false), ElementsAre(0, 1, 2, 3, 4));
+  }
+}
+
+TEST(State, AStateOfBeforeAStepThatWasTakenWithoutOneIsRefused) {
+  // The FMU heard that it is not set back any more, and may have dropped what it would need.
+  TestRun run(kSystem);
+  run.initialize();
+  const auto bytes = run.simulation().serialize(run.simulation().save_state());
+  step_to(run, 3);
+  EXPECT_THROW(run.simulation().restore_state(run.simulation().deserialize(bytes)), Error);
 }
 
 TEST(State, AStateOfAnotherEnsembleIsRefused) {

@@ -84,12 +84,15 @@ struct FmuSlave::Fmi {
 
 namespace {
 
-/// State handle of an in-process FMU, and the time that its messages have.
+/// State handle of an in-process FMU, and the time that its messages have. Counts itself in `kept`.
 class FmuSlaveState final : public SlaveState {
  public:
-  FmuSlaveState(const Fmi2Functions& functions, fmi2Component component, std::int64_t message_time_ns)
-      : time_ns(message_time_ns), functions_(&functions), component_(component) {}
+  FmuSlaveState(const Fmi2Functions& functions, fmi2Component component, std::int64_t message_time_ns, int& kept)
+      : time_ns(message_time_ns), functions_(&functions), component_(component), kept_(&kept) {
+    ++*kept_;
+  }
   ~FmuSlaveState() override {
+    --*kept_;
     if (state != nullptr && functions_->free_fmu_state != nullptr) functions_->free_fmu_state(component_, &state);
   }
   FmuSlaveState(const FmuSlaveState&) = delete;
@@ -101,6 +104,7 @@ class FmuSlaveState final : public SlaveState {
  private:
   const Fmi2Functions* functions_;
   fmi2Component component_;
+  int* kept_;
 };
 
 }  // namespace
@@ -261,7 +265,11 @@ StepResult FmuSlave::step(std::int64_t start_ns, std::int64_t duration_ns) {
     const std::lock_guard lock(step_mutex_);
     step_status_.reset();
   }
-  const auto status = functions_->do_step(fmi_->component, to_seconds(start_ns), to_seconds(duration_ns), fmi2False);
+  // Nobody can set it back to before this point when there is no state to go back to.
+  const bool never_back = kept_states_ == 0;
+  if (never_back) promised_ns_ = start_ns;
+  const auto status = functions_->do_step(fmi_->component, to_seconds(start_ns), to_seconds(duration_ns),
+                                          never_back ? fmi2True : fmi2False);
   if (status != fmi2Pending) return step_ended(status);
   if (functions_->get_status == nullptr && fmi_->callbacks.stepFinished == nullptr) {
     fail("fmi2DoStep", "answered fmi2Pending, but the FMU has no fmi2GetStatus to ask when the step is over");
@@ -418,13 +426,19 @@ std::unique_ptr<SlaveState> FmuSlave::save_state() {
       functions_->set_fmu_state == nullptr || functions_->free_fmu_state == nullptr) {
     throw Error(fmt::format("instance '{}': its FMU cannot save its state (canGetAndSetFMUstate is false)", name_));
   }
-  auto state = std::make_unique<FmuSlaveState>(*functions_, fmi_->component, time_ns_);
+  auto state = std::make_unique<FmuSlaveState>(*functions_, fmi_->component, time_ns_, kept_states_);
   check(functions_->get_fmu_state(fmi_->component, &state->state), "fmi2GetFMUstate");
   return state;
 }
 
 void FmuSlave::restore_state(const SlaveState& state) {
   const auto& saved = static_cast<const FmuSlaveState&>(state);
+  if (saved.time_ns < promised_ns_) {
+    throw Error(fmt::format(
+        "instance '{}': its state of {} s cannot be restored: at {} s no state was kept, so its FMU was told that it "
+        "is not set back any more (noSetFMUStatePriorToCurrentPoint). Keep the state while the run goes on",
+        name_, to_seconds(saved.time_ns), to_seconds(promised_ns_)));
+  }
   check(functions_->set_fmu_state(fmi_->component, saved.state), "fmi2SetFMUstate");
   time_ns_ = saved.time_ns;
 }
@@ -453,7 +467,7 @@ std::unique_ptr<SlaveState> FmuSlave::deserialize(std::span<const std::byte> byt
         fmt::format("instance '{}': its FMU cannot read its state from bytes (canSerializeFMUstate is false)", name_));
   }
   state::Reader reader(bytes);
-  auto state = std::make_unique<FmuSlaveState>(*functions_, fmi_->component, reader.get<std::int64_t>());
+  auto state = std::make_unique<FmuSlaveState>(*functions_, fmi_->component, reader.get<std::int64_t>(), kept_states_);
   std::vector<std::byte> own;
   reader.get(own);
   check(functions_->deserialize_fmu_state(fmi_->component, reinterpret_cast<const fmi2Byte*>(own.data()), own.size(),

@@ -8,6 +8,7 @@
 #include <atomic>
 #include <condition_variable>
 #include <deque>
+#include <limits>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -81,6 +82,9 @@ class FmuSlave final : public Slave {
   std::int64_t step_end_ns_ = 0;
   bool unusable_ = false;  // after fmi2Fatal no call is allowed, not even freeing
   bool pending_ = false;   // a step goes on by itself
+  // noSetFMUStatePriorToCurrentPoint: an FMU that hears it may drop what it would need to go back.
+  int kept_states_ = 0;                                                  // how many there are to go back to
+  std::int64_t promised_ns_ = std::numeric_limits<std::int64_t>::min();  // never back behind this time
   std::vector<const char*> texts_;
 
   // An asynchronous FMU tells from a thread of its own that its step is over.

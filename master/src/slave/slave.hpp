@@ -90,8 +90,10 @@ class Slave {
   virtual void set_input_derivatives(std::span<const ValueReference> references, std::span<const std::int32_t> orders,
                                      std::span<const double> values);
 
-  /// Throws Error when the FMU cannot do it (canGetAndSetFMUstate is false).
+  /// Throws Error when the FMU cannot do it (canGetAndSetFMUstate is false). As long as a state is kept, the FMU hears
+  /// at every step that it may be set back; while there is none, that it will not be.
   virtual std::unique_ptr<SlaveState> save_state() = 0;
+  /// Throws Error for a state of before a step that was taken while no state was kept.
   virtual void restore_state(const SlaveState& state) = 0;
   /// Throws Error when the FMU cannot do it (canSerializeFMUstate is false).
   virtual std::vector<std::byte> serialize(const SlaveState& state) = 0;

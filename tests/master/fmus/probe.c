@@ -6,6 +6,7 @@
 //   integral += h * real_in                (forward Euler with the step's held input)
 //   integer_out = integer_in + 1, boolean_out = !boolean_in, string_out = string_in + "!"  (direct)
 //   steps counts steps, last_end and last_step hold t + h and h of the last one
+//   set_backs counts the steps before which it may be set back (noSetFMUStatePriorToCurrentPoint is false)
 //   fault names what goes wrong in the step that reaches fault_time
 // It lacks the functions of what it does not offer, as some FMUs do.
 #include "fmi2.h"
@@ -39,6 +40,7 @@ enum {
   TAKEN_HI,
   TAKEN_SIZE,
   TAKEN_SUM,
+  SET_BACKS,
   INTEGERS
 };
 enum { BOOLEAN_IN, BOOLEAN_OUT, BOOLEANS };
@@ -250,9 +252,9 @@ static fmi2Status misbehave(Probe* p, const char* fault) {
 }
 
 FMI2_EXPORT fmi2Status fmi2DoStep(fmi2Component c, fmi2Real t, fmi2Real h, fmi2Boolean no_set) {
-  (void)no_set;
   Probe* p = c;
   State* s = &p->state;
+  if (!no_set) s->integers[SET_BACKS] += 1;
   s->time = t;
   s->reals[INTEGRAL] += h * s->reals[REAL_IN];
   s->reals[LAST_END] = t + h;
