@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+
 namespace mebots::master {
 namespace {
 
@@ -96,8 +97,9 @@ TEST(Config, EveryComplaintHasLineAndColumn) {
                   "{\"step\": 0.1,\n \"stop_time\": 2, \"connections\": [],\n  \"instances\": {\"ä\": {}, \"b\": 3}}"),
               HasSubstr("mission.json:3:17: /instances/ä: the key 'fmu' is missing"));
   EXPECT_THAT(reading_error("{\"step\": 0.1,\n\n   \"step\": 0.2}"),
-              HasSubstr("mission.json:3:4: the key 'step' stands twice"));
-  EXPECT_THAT(reading_error("{\"step\": 0.1,\n\"st\\u0065p\": 0.2}"), HasSubstr(":2:1: the key 'step' stands twice"));
+              HasSubstr("mission.json:3:4: /step: the key 'step' stands twice"));
+  EXPECT_THAT(reading_error("{\"step\": 0.1,\n\"st\\u0065p\": 0.2}"),
+              HasSubstr(":2:1: /step: the key 'step' stands twice"));
   std::string umlauts;
   for (int i = 0; i < 3000; ++i) umlauts += "ä";
   EXPECT_THAT(reading_error("{\"text\": \"" + umlauts + "\", \"stpe\": 1}"), HasSubstr("mission.json:1:3014: /stpe"))

@@ -6,13 +6,21 @@
 
 namespace mebots::master {
 
+/// What `read` returns; whatever it throws is an InputError.
+template <typename Read>
+auto refused_as_input(const Read& read) {
+  try {
+    return read();
+  } catch (const InputError&) {
+    throw;
+  } catch (const Error& error) {
+    throw InputError(error.code(), error.what());
+  }
+}
+
 /// The whole content of a file that the user named. Throws InputError.
 inline std::string input_text(const std::filesystem::path& file) {
-  try {
-    return text_of(file);
-  } catch (const Error& error) {
-    throw InputError(error.what());
-  }
+  return refused_as_input([&] { return text_of(file); });
 }
 
 }  // namespace mebots::master

@@ -11,39 +11,41 @@
 namespace mebots::master::config {
 namespace {
 
-std::vector<std::string> read_order(const JsonNode& node, const SystemDescription& system) {
+std::vector<std::string> read_order(const Node& node, const SystemDescription& system) {
   std::vector<std::string> order;
   for (const auto& element : node.elements()) {
-    auto name = instance_name(element.string(), element, system);
-    if (std::find(order.begin(), order.end(), name) != order.end()) {
-      element.fail(fmt::format("the instance '{}' is there twice", name));
-    }
-    order.push_back(std::move(name));
+    element.attempt([&] {
+      auto name = instance_name(element.text(), element, system);
+      if (std::ranges::find(order, name) != order.end()) {
+        element.fail(ErrorCode::duplicate_name, fmt::format("the instance '{}' is there twice", name));
+      }
+      order.push_back(std::move(name));
+    });
   }
   std::vector<std::string> missing;
   for (const auto& name : system.instance_names()) {
-    if (std::find(order.begin(), order.end(), name) == order.end()) missing.push_back(name);
+    if (std::ranges::find(order, name) == order.end()) missing.push_back(name);
   }
   if (!missing.empty()) {
-    node.fail(fmt::format("the order must name every instance; missing: {}", fmt::join(missing, ", ")));
+    node.complain(ErrorCode::invalid_value,
+                  fmt::format("the order must name every instance; missing: {}", fmt::join(missing, ", ")));
   }
   return order;
 }
 
 }  // namespace
 
-void read_algorithm(const JsonNode& node, SystemDescription& system) {
+void read_algorithm(const Node& node, SystemDescription& system) {
   auto& algorithm = system.algorithm;
   algorithm.place = node.place();
-  if (node.value().is_string()) {
-    algorithm.type = node.string();
+  if (node.is(data::Kind::text)) {
+    algorithm.type = node.text();
     return;
   }
-  node.expect_keys({"type", "order"});
-  algorithm.type = node.at("type").string();
-  const auto order = node.find("order");
-  if (!order) return;
-  algorithm.order = read_order(*order, system);
+  Object object(node);
+  object.read("type", algorithm.type, &Node::text);
+  object.read_if("order", algorithm.order, [&](const Node& order) { return read_order(order, system); });
+  object.finish();
 }
 
 }  // namespace mebots::master::config

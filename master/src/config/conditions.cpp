@@ -1,64 +1,72 @@
 // SPDX-License-Identifier: Apache-2.0
 // The sections `stop_when` and `outcomes`.
-#include "config/conditions.hpp"
+#include "conditions.hpp"
 
 #include "reading.hpp"
 #include "sections.hpp"
 
 namespace mebots::master::config {
 
-ConditionDescription read_condition(const JsonNode& node, const SystemDescription& system) {
+ConditionDescription read_condition(Object& object, const SystemDescription& system) {
   ConditionDescription condition;
-  condition.place = node.place();
-  condition.variable = variable_name(node.at("variable"), system);
+  condition.place = object.node().place();
+  object.read("variable", condition.variable, variable_of(system));
   int comparisons = 0;
   const auto compare = [&](const char* key, Comparison comparison) {
-    const auto value = node.find(key);
-    if (!value) return;
-    ++comparisons;
-    condition.comparison = comparison;
-    if (comparison != Comparison::equals) value->number();
-    condition.value = written_value(*value);
+    if (object.has(key)) {
+      ++comparisons;
+      condition.comparison = comparison;
+    }
+    object.read_if(key, condition.value, [&](const Node& value) {
+      if (comparison != Comparison::equals) static_cast<void>(value.number());
+      return written_value(value);
+    });
   };
   compare("equals", Comparison::equals);
   compare("above", Comparison::above);
   compare("below", Comparison::below);
-  if (comparisons != 1) node.fail("a condition needs exactly one of 'equals', 'above' and 'below'");
+  if (comparisons != 1) {
+    object.node().complain(ErrorCode::invalid_value, "a condition needs exactly one of 'equals', 'above' and 'below'");
+  }
+  return condition;
+}
+
+ConditionDescription read_lasting_condition(const Node& node, const SystemDescription& system) {
+  Object object(node);
+  auto condition = read_condition(object, system);
+  object.read_if("for", condition.for_ns, &duration_ns);
+  object.finish();
   return condition;
 }
 
 namespace {
 
-ConditionDescription read_stop_condition(const JsonNode& node, const SystemDescription& system) {
-  node.expect_keys({"variable", "equals", "above", "below", "for"});
-  auto condition = read_condition(node, system);
-  if (const auto duration = node.find("for")) condition.for_ns = duration_ns(*duration);
+ConditionDescription read_outcome_condition(const Node& node, const SystemDescription& system) {
+  Object object(node);
+  auto condition = read_condition(object, system);
+  object.read_if("ever", condition.ever, &Node::flag);
+  object.finish();
   return condition;
 }
 
-OutcomeDescription read_outcome(const JsonNode& node, const SystemDescription& system) {
-  node.expect_keys({"outcome", "when"});
+OutcomeDescription read_outcome(const Node& node, const SystemDescription& system) {
+  Object object(node);
   OutcomeDescription outcome;
-  outcome.outcome = readable_text(node.at("outcome"));
-  if (const auto when = node.find("when")) {
-    for (const auto& element : when->elements()) {
-      element.expect_keys({"variable", "equals", "above", "below", "ever"});
-      auto condition = read_condition(element, system);
-      if (const auto ever = element.find("ever")) condition.ever = ever->boolean();
-      outcome.when.push_back(std::move(condition));
-    }
-  }
+  object.read("outcome", outcome.outcome, &Node::readable_text);
+  object.read_if("when", outcome.when,
+                 data::list_of([&](const Node& element) { return read_outcome_condition(element, system); }));
+  object.finish();
   return outcome;
 }
 
 }  // namespace
 
-void read_stop_when(const JsonNode& node, SystemDescription& system) {
-  for (const auto& element : node.elements()) system.stop_when.push_back(read_stop_condition(element, system));
+void read_stop_when(const Node& node, SystemDescription& system) {
+  system.stop_when = data::list_of([&](const Node& element) { return read_lasting_condition(element, system); })(node);
 }
 
-void read_outcomes(const JsonNode& node, SystemDescription& system) {
-  for (const auto& element : node.elements()) system.outcomes.push_back(read_outcome(element, system));
+void read_outcomes(const Node& node, SystemDescription& system) {
+  system.outcomes = data::list_of([&](const Node& element) { return read_outcome(element, system); })(node);
 }
 
 }  // namespace mebots::master::config

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "config/json_node.hpp"
-#include "config/system_description.hpp"
+#include "reading.hpp"
 
 namespace mebots::master::config {
 
-/// Reads `variable` and exactly one of `equals`, `above` and `below`; the caller checks for other keys.
-ConditionDescription read_condition(const JsonNode& node, const SystemDescription& system);
+/// The variable and the one comparison of a condition.
+ConditionDescription read_condition(Object& object, const SystemDescription& system);
+
+/// A condition that may have to last: `for`.
+ConditionDescription read_lasting_condition(const Node& node, const SystemDescription& system);
 
 }  // namespace mebots::master::config

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // A config is a list of sections; each has its reader in config/. A new section is a line in the table below,
 // a reader in a file of its own, and a property in configs/mebots-config.schema.json.
+#include "algorithm/algorithm.hpp"
 #include "config/config_schema.hpp"
-#include "config/json_document.hpp"
+#include "mebots/data/document.hpp"
+#include "mebots/data/object.hpp"
 #include "ssp/ssp.hpp"
 
 #include "base/input_text.hpp"
@@ -11,13 +13,16 @@
 
 #include <fmt/format.h>
 
+#include <map>
+
 namespace mebots::master {
 namespace {
 
 struct Section {
   std::string_view key;
   bool required;
-  void (*read)(const JsonNode&, SystemDescription&);
+  void (*read)(const data::Node&, SystemDescription&);
+  bool names_instances = false;
 };
 
 // In the order of reading, which is not that of the file: a reader may count on those before it.
@@ -27,15 +32,15 @@ constexpr Section kSections[] = {
     {"step", true, &config::read_step},
     {"instances", true, &config::read_instances},
     {"stop_time", true, &config::read_stop_time},
-    {"connections", true, &config::read_connections},
-    {"algorithm", false, &config::read_algorithm},
-    {"scenario", false, &config::read_scenario},
-    {"stop_when", false, &config::read_stop_when},
-    {"outcomes", false, &config::read_outcomes},
-    {"summary", false, &config::read_summary},
+    {"connections", true, &config::read_connections, true},
+    {"algorithm", false, &config::read_algorithm, true},
+    {"scenario", false, &config::read_scenario, true},
+    {"stop_when", false, &config::read_stop_when, true},
+    {"outcomes", false, &config::read_outcomes, true},
+    {"summary", false, &config::read_summary, true},
     {"record", false, &config::read_record},
-    {"pictures", false, &config::read_pictures},
-    {"log", false, &config::read_log},
+    {"pictures", false, &config::read_pictures, true},
+    {"log", false, &config::read_log, true},
     {"threads", false, &config::read_threads},
 };
 
@@ -56,37 +61,50 @@ nlohmann::ordered_json give(nlohmann::ordered_json config, const GivenTimes& tim
 SspConfig open_ssp(const std::filesystem::path& file, SystemDescription& system) {
   auto folder = std::make_shared<const modeldesc::TemporaryFolder>("mebots");
   system.unpacked = folder;
-  try {
-    modeldesc::unpack(file, folder->path());
-    return read_ssp(folder->path(), file);
-  } catch (const InputError&) {
-    throw;
-  } catch (const Error& error) {
-    throw InputError(error.what());
-  }
+  modeldesc::unpack(file, folder->path());
+  return read_ssp(folder->path(), file);
 }
 
-void read_sections(const JsonDocument& document, SystemDescription& system) {
-  const auto root = document.root();
-  std::vector<std::string_view> keys;
-  for (const auto& section : kSections) keys.push_back(section.key);
-  root.expect_keys(keys);
+void read_sections(const data::Node& root, SystemDescription& system) {
+  data::Object object(root);
+  bool has_instances = true;
   for (const auto& section : kSections) {
-    if (section.required) static_cast<void>(root.at(section.key));  // what is missing is told before what is wrong
+    const auto read = [&](const data::Node& node) {
+      // Without instances, every name in the other sections would be a mistake.
+      if (has_instances || !section.names_instances) section.read(node, system);
+    };
+    if (section.required) {
+      object.visit(section.key, read);
+    } else {
+      object.visit_if(section.key, read);
+    }
+    if (section.key == "instances") has_instances = !system.instances.empty();
   }
-  for (const auto& section : kSections) {
-    if (section.required || root.has(section.key)) section.read(root.at(section.key), system);
+  object.finish();
+}
+
+/// Reads JSON that was put together here. `places` says where its parts come from.
+void read_made_config(LoadedSystem& loaded, const std::string& file, std::map<std::string, std::string> places) {
+  std::string text;
+  try {
+    text = loaded.config.dump();
+  } catch (const nlohmann::json::type_error&) {
+    throw InputError(ErrorCode::syntax_error, fmt::format("{}: a text in it is not UTF-8", file));
   }
+  data::Document(text, file, std::move(places)).read([&](const data::Node& root) {
+    read_sections(root, loaded.system);
+  });
 }
 
 void read_config_text(LoadedSystem& loaded, const std::string& file, const GivenTimes& times) {
-  const JsonDocument document(loaded.system.source, file);
-  loaded.config = document.value();
-  if (times.step_s || times.stop_time_s) {
+  data::Document document(loaded.system.source, file);
+  loaded.config = nlohmann::ordered_json::parse(loaded.system.source);
+  const bool is_changed = times.step_s || times.stop_time_s;
+  if (is_changed && loaded.config.is_object()) {
     loaded.config = give(std::move(loaded.config), times);
-    read_sections(JsonDocument(loaded.config, file, {}), loaded.system);
+    read_made_config(loaded, file, {});
   } else {
-    read_sections(document, loaded.system);
+    document.read([&](const data::Node& root) { read_sections(root, loaded.system); });
   }
 }
 
@@ -95,11 +113,12 @@ void read_ssp_config(LoadedSystem& loaded, SspConfig ssp, const std::string& fil
   loaded.config = give(std::move(ssp.config), times);
   for (const auto* key : {"step", "stop_time"}) {
     if (loaded.config.contains(key)) continue;
-    throw InputError(fmt::format("{}: the SSP does not say its {}; give it with --{}", file,
+    throw InputError(ErrorCode::missing_key,
+                     fmt::format("{}: the SSP does not say its {}; give it with --{}", file,
                                  key == std::string_view("step") ? "communication step" : "stop time",
                                  key == std::string_view("step") ? "step" : "stop-time"));
   }
-  read_sections(JsonDocument(loaded.config, file, std::move(ssp.places)), loaded.system);
+  read_made_config(loaded, file, std::move(ssp.places));
 }
 
 LoadedSystem named(std::string source, const std::filesystem::path& file) {
@@ -120,25 +139,39 @@ std::vector<std::string> config_keys() {
 
 LoadedSystem config::load_text(std::string text, const std::filesystem::path& file) {
   auto loaded = named(std::move(text), file);
-  read_config_text(loaded, file.string(), {});
+  refused_as_input([&] { read_config_text(loaded, file.string(), {}); });
   return loaded;
 }
 
 LoadedSystem config::load_ssp_config(SspConfig ssp, const std::filesystem::path& file, const GivenTimes& times) {
   auto loaded = named({}, file);
-  read_ssp_config(loaded, std::move(ssp), file.string(), times);
+  refused_as_input([&] { read_ssp_config(loaded, std::move(ssp), file.string(), times); });
   return loaded;
 }
 
+void config::check(const std::filesystem::path& file) {
+  auto loaded = named(text_of(file), file);
+  refuse_archive(loaded.system.source, file);
+  read_config_text(loaded, file.string(), {});
+  static_cast<void>(find_algorithm(loaded.system.algorithm));
+}
+
+void config::check_scenario(const std::filesystem::path& file) {
+  SystemDescription system;
+  data::Document(file).read([&](const data::Node& root) { read_scenario_file(root, system); });
+}
+
 LoadedSystem load_system(const std::filesystem::path& file, const GivenTimes& times) {
-  auto loaded = named(input_text(file), file);
-  if (file.extension() == ".ssp") {
-    read_ssp_config(loaded, open_ssp(file, loaded.system), file.string(), times);
-  } else {
-    refuse_archive(loaded.system.source, file);
-    read_config_text(loaded, file.string(), times);
-  }
-  return loaded;
+  return refused_as_input([&] {
+    auto loaded = named(text_of(file), file);
+    if (file.extension() == ".ssp") {
+      read_ssp_config(loaded, open_ssp(file, loaded.system), file.string(), times);
+    } else {
+      refuse_archive(loaded.system.source, file);
+      read_config_text(loaded, file.string(), times);
+    }
+    return loaded;
+  });
 }
 
 SystemDescription read_config(const std::filesystem::path& file) {

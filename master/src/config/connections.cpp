@@ -4,23 +4,32 @@
 #include "sections.hpp"
 
 namespace mebots::master::config {
+namespace {
 
-void read_connections(const JsonNode& node, SystemDescription& system) {
-  for (const auto& element : node.elements()) {
-    element.expect_keys({"from", "to", "factor", "offset", "convert_units", "text"});
-    ConnectionDescription connection;
-    connection.from = variable_name(element.at("from"), system);
-    connection.to = variable_name(element.at("to"), system);
-    connection.place = element.place();
-    if (const auto factor = element.find("factor")) {
-      connection.factor = factor->number();
-      if (connection.factor == 0) factor->fail("a factor of 0 would cut the connection; leave it out instead");
+ConnectionDescription read_connection(const Node& node, const SystemDescription& system) {
+  Object object(node);
+  ConnectionDescription connection;
+  connection.place = node.place();
+  object.read("from", connection.from, variable_of(system));
+  object.read("to", connection.to, variable_of(system));
+  object.read_if("factor", connection.factor, [](const Node& member) {
+    const auto factor = member.number();
+    if (factor == 0) {
+      member.fail(ErrorCode::invalid_value, "a factor of 0 would cut the connection; leave it out instead");
     }
-    if (const auto offset = element.find("offset")) connection.offset = offset->number();
-    if (const auto convert = element.find("convert_units")) connection.convert_units = convert->boolean();
-    if (const auto text = element.find("text")) text->string();  // for people only
-    system.connections.push_back(std::move(connection));
-  }
+    return factor;
+  });
+  object.read_if("offset", connection.offset, data::number());
+  object.read_if("convert_units", connection.convert_units, &Node::flag);
+  object.comment("text");
+  object.finish();
+  return connection;
+}
+
+}  // namespace
+
+void read_connections(const Node& node, SystemDescription& system) {
+  system.connections = data::list_of([&](const Node& element) { return read_connection(element, system); })(node);
 }
 
 }  // namespace mebots::master::config

@@ -7,6 +7,11 @@
 /// load_system() for what is in memory already. `file` names it in messages; paths of FMUs are relative to it.
 namespace mebots::master::config {
 
+/// Reads a config file without opening its FMUs. Throws data::Mistakes with everything that is wrong in it.
+void check(const std::filesystem::path& file);
+/// The same of a scenario file, whose instances nobody knows.
+void check_scenario(const std::filesystem::path& file);
+
 LoadedSystem load_text(std::string text, const std::filesystem::path& file);
 LoadedSystem load_ssp_config(SspConfig ssp, const std::filesystem::path& file, const GivenTimes& times);
 

@@ -5,11 +5,11 @@
 
 namespace mebots::master::config {
 
-void read_log(const JsonNode& node, SystemDescription& system) {
-  for (const auto& [instance, categories] : node.members()) {
-    LogDescription log{instance_name(instance, categories, system), {}};
-    for (const auto& element : categories.elements()) log.categories.push_back(readable_text(element));
-    system.log.push_back(std::move(log));
+void read_log(const Node& node, SystemDescription& system) {
+  for (const auto& [name, categories] : node.members()) {
+    categories.attempt([&, &name = name, &categories = categories] {
+      system.log.push_back({instance_name(name, categories, system), data::list_of(&Node::readable_text)(categories)});
+    });
   }
 }
 

@@ -1,50 +1,80 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reading.hpp"
 
+#include "base/time.hpp"
 #include "mebots/nearest_names.hpp"
 
 #include <fmt/format.h>
 
+#include <limits>
+
 namespace mebots::master::config {
 
-WrittenValue written_value(const JsonNode& node) {
-  const auto& value = node.value();
-  if (value.is_boolean()) return value.get<bool>();
-  if (value.is_number_integer() && !(value.is_number_unsigned() && value.get<std::uint64_t>() > INT64_MAX)) {
-    return value.get<std::int64_t>();
+WrittenValue written_value(const Node& node) {
+  constexpr auto kLargest = std::numeric_limits<std::int64_t>::max();
+  switch (node.kind()) {
+    case data::Kind::boolean:
+      return node.flag();
+    case data::Kind::whole_number:
+      if (node.is_integer_literal() && node.number() < static_cast<double>(kLargest)) {
+        return node.whole_number(std::numeric_limits<std::int64_t>::min(), kLargest);
+      }
+      return node.number();
+    case data::Kind::number:
+      return node.number();
+    case data::Kind::text:
+      return node.text();
+    default:
+      node.fail(ErrorCode::wrong_type,
+                fmt::format("a number, true, false or a text is expected here, not {}", node.shown()));
   }
-  if (value.is_number()) return value.get<double>();
-  if (value.is_string()) return value.get<std::string>();
-  node.fail("a number, true, false or a text is expected here");
 }
 
-VariableName variable_name(const JsonNode& node, const SystemDescription& system) {
-  const auto text = node.string();
+VariableName variable_name(const Node& node, const SystemDescription& system) {
+  const auto text = node.text();
   if (auto name = system.split(text)) return *name;
   const auto dot = text.find('.');
   if (dot == std::string::npos || dot == 0 || dot + 1 == text.size()) {
-    node.fail(fmt::format("'{}' does not name a variable; write instance.variable", text));
+    node.fail(ErrorCode::invalid_value, fmt::format("'{}' does not name a variable; write instance.variable", text));
   }
-  return {instance_name(text.substr(0, dot), node, system), text.substr(dot + 1)};
+  const auto instance = text.substr(0, dot);
+  // A scenario that is looked at alone: nobody knows what its instances will be.
+  if (!system.instances.empty()) static_cast<void>(instance_name(instance, node, system));
+  return {instance, text.substr(dot + 1)};
 }
 
-std::string instance_name(const std::string& name, const JsonNode& node, const SystemDescription& system) {
+std::string instance_name(const std::string& name, const Node& node, const SystemDescription& system) {
   if (system.find_instance(name) == nullptr) {
-    node.fail(fmt::format("there is no instance '{}'. {}", name, suggest(name, system.instance_names())));
+    node.fail(ErrorCode::unknown_name,
+              fmt::format("there is no instance '{}'. {}", name, suggest(name, system.instance_names())));
   }
   return name;
 }
 
-std::string readable_text(const JsonNode& node) {
-  auto text = node.string();
-  if (text.empty()) node.fail("the text is empty");
-  return text;
+std::int64_t time_ns(const Node& node) {
+  const auto time = to_nanoseconds(node.number());
+  if (!time) {
+    node.fail(ErrorCode::value_out_of_range,
+              fmt::format("{} s is not a whole number of nanoseconds (or longer than {} s); give a time such as 0.002",
+                          node.shown(), kLongestTimeS));
+  }
+  return *time;
 }
 
-std::int64_t duration_ns(const JsonNode& node) {
-  const auto duration = node.nanoseconds();
-  if (duration < 0) node.fail("a time cannot be negative");
+std::int64_t duration_ns(const Node& node) {
+  const auto duration = time_ns(node);
+  if (duration < 0) node.fail(ErrorCode::value_out_of_range, "a time cannot be negative");
   return duration;
+}
+
+std::int64_t multiple_of_step_ns(const Node& node, const SystemDescription& system) {
+  const auto time = time_ns(node);
+  if (time <= 0) node.fail(ErrorCode::value_out_of_range, "this must be a time greater than 0 s");
+  if (system.step_ns > 0 && time % system.step_ns != 0) {
+    node.fail(ErrorCode::invalid_value, fmt::format("{} s is not a multiple of the system's step {} s",
+                                                    to_seconds(time), to_seconds(system.step_ns)));
+  }
+  return time;
 }
 
 }  // namespace mebots::master::config

@@ -1,27 +1,35 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "config/json_node.hpp"
 #include "config/system_description.hpp"
+#include "mebots/data/node.hpp"
+#include "mebots/data/object.hpp"
 
 #include <string>
 
-/// Values that several sections of a config have in common. All throw InputError with the value's place.
+/// Values that several sections of a config have in common. All throw data::Mistakes with the value's place.
 namespace mebots::master::config {
 
+using data::Node;
+using data::Object;
+
 /// A number, true, false or a text.
-WrittenValue written_value(const JsonNode& node);
+WrittenValue written_value(const Node& node);
 
 /// "instance.variable" of an instance that the system has.
-VariableName variable_name(const JsonNode& node, const SystemDescription& system);
+VariableName variable_name(const Node& node, const SystemDescription& system);
+inline auto variable_of(const SystemDescription& system) {
+  return [&system](const Node& node) { return variable_name(node, system); };
+}
 
 /// The name of an instance that the system has.
-std::string instance_name(const std::string& name, const JsonNode& node, const SystemDescription& system);
+std::string instance_name(const std::string& name, const Node& node, const SystemDescription& system);
 
-/// A text that is not empty.
-std::string readable_text(const JsonNode& node);
-
+/// A time in seconds that is a whole number of nanoseconds.
+std::int64_t time_ns(const Node& node);
 /// A time that is not negative.
-std::int64_t duration_ns(const JsonNode& node);
+std::int64_t duration_ns(const Node& node);
+/// A time greater than 0 that is a multiple of the system's step, where that is known.
+std::int64_t multiple_of_step_ns(const Node& node, const SystemDescription& system);
 
 }  // namespace mebots::master::config

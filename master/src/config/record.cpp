@@ -1,57 +1,50 @@
 // SPDX-License-Identifier: Apache-2.0
 // The section `record`.
-#include "base/time.hpp"
-
 #include "reading.hpp"
 #include "sections.hpp"
-
-#include <fmt/format.h>
 
 namespace mebots::master::config {
 namespace {
 
-std::vector<RecordPattern> read_patterns(const JsonNode& node) {
-  std::vector<RecordPattern> patterns;
-  for (const auto& element : node.elements()) patterns.push_back({readable_text(element), element.place()});
-  return patterns;
+std::vector<RecordPattern> read_patterns(const Node& node) {
+  return data::list_of([](const Node& element) {
+    return RecordPattern{element.readable_text(), element.place()};
+  })(node);
 }
 
 /// `true` for all, or patterns.
-std::vector<RecordPattern> read_parameters(const JsonNode& node) {
-  if (!node.value().is_boolean()) return read_patterns(node);
-  return node.boolean() ? std::vector<RecordPattern>{{"*", node.place()}} : std::vector<RecordPattern>{};
+std::vector<RecordPattern> read_recorded_parameters(const Node& node) {
+  if (!node.is(data::Kind::boolean)) return read_patterns(node);
+  return node.flag() ? std::vector<RecordPattern>{{"*", node.place()}} : std::vector<RecordPattern>{};
 }
 
-void read_format(const JsonNode& node, RecordDescription& record) {
-  const auto format = node.string();
-  if (format != "csv" && format != "hdf5" && format != "both") {
-    node.fail(fmt::format("'{}' is none of 'csv', 'hdf5' and 'both'", format));
-  }
-  record.csv = format != "hdf5";
-  record.hdf5 = format != "csv";
-}
+struct Format {
+  bool csv;
+  bool hdf5;
+};
 
 }  // namespace
 
-void read_record(const JsonNode& node, SystemDescription& system) {
+void read_record(const Node& node, SystemDescription& system) {
+  static const auto format_of =
+      data::word_of<Format>({{"csv", {true, false}}, {"hdf5", {false, true}}, {"both", {true, true}}});
   auto& record = system.record;
-  if (node.value().is_array()) {
+  if (node.is(data::Kind::list)) {
     record.patterns = read_patterns(node);
     return;
   }
-  node.expect_keys({"variables", "exclude", "interval", "parameters", "texts", "format"});
-  if (const auto patterns = node.find("variables")) record.patterns = read_patterns(*patterns);
-  if (const auto patterns = node.find("exclude")) record.exclude = read_patterns(*patterns);
-  if (const auto parameters = node.find("parameters")) record.parameters = read_parameters(*parameters);
-  if (const auto format = node.find("format")) read_format(*format, record);
-  if (const auto texts = node.find("texts")) record.texts = texts->boolean();
-  if (const auto interval = node.find("interval")) {
-    record.interval_ns = interval->nanoseconds();
-    if (record.interval_ns <= 0 || record.interval_ns % system.step_ns != 0) {
-      interval->fail(
-          fmt::format("the recording interval is not a multiple of the step {} s", to_seconds(system.step_ns)));
-    }
-  }
+  Object object(node);
+  object.read_if("variables", record.patterns, &read_patterns);
+  object.read_if("exclude", record.exclude, &read_patterns);
+  object.read_if("parameters", record.parameters, &read_recorded_parameters);
+  Format format{record.csv, record.hdf5};
+  object.read_if("format", format, format_of);
+  record.csv = format.csv;
+  record.hdf5 = format.hdf5;
+  object.read_if("texts", record.texts, &Node::flag);
+  object.read_if("interval", record.interval_ns,
+                 [&](const Node& member) { return multiple_of_step_ns(member, system); });
+  object.finish();
 }
 
 }  // namespace mebots::master::config

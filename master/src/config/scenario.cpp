@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The section `scenario`.
-#include "config/conditions.hpp"
+#include "conditions.hpp"
 #include "reading.hpp"
 #include "sections.hpp"
 
@@ -19,87 +19,87 @@ constexpr Action kActions[] = {
     {"freeze", OverrideAction::freeze}, {"noise", OverrideAction::noise},   {"ramp", OverrideAction::ramp},
 };
 
-void read_action(const JsonNode& node, OverrideDescription& override) {
+void read_action(Object& object, OverrideDescription& override) {
   int actions = 0;
-  for (const auto& [key, action] : kActions) {
-    const auto value = node.find(key);
-    if (!value) continue;
-    ++actions;
-    override.action = action;
-    if (action == OverrideAction::set) {
-      override.value = written_value(*value);
-    } else if (action == OverrideAction::freeze) {
-      if (!value->boolean()) value->fail("write true, or leave this entry out");
-    } else {
-      override.number = value->number();
-      if (action == OverrideAction::noise && override.number < 0) value->fail("a standard deviation is not negative");
-    }
+  for (const auto& action : kActions) {
+    object.visit_if(action.key, [&](const Node& value) {
+      ++actions;
+      override.action = action.action;
+      if (action.action == OverrideAction::set) {
+        override.value = written_value(value);
+      } else if (action.action == OverrideAction::freeze) {
+        if (!value.flag()) value.fail(ErrorCode::invalid_value, "write true, or leave this entry out");
+      } else {
+        override.number = value.number();
+        if (action.action == OverrideAction::noise && override.number < 0) {
+          value.fail(ErrorCode::value_out_of_range, "a standard deviation is not negative");
+        }
+      }
+    });
   }
   if (actions != 1) {
-    node.fail("an entry needs exactly one of 'set', 'offset', 'scale', 'freeze', 'noise' and 'ramp'");
+    object.node().complain(ErrorCode::invalid_value,
+                           "an entry needs exactly one of 'set', 'offset', 'scale', 'freeze', 'noise' and 'ramp'");
   }
 }
 
-/// A key that only one action knows.
-std::optional<JsonNode> only_with(const JsonNode& node, std::string_view key, bool allowed, std::string_view action) {
-  auto value = node.find(key);
-  if (value && !allowed) value->fail(fmt::format("this belongs to '{}' only", action));
-  return value;
+/// A key that one action needs and no other knows.
+template <typename T, typename Reader>
+void read_with(Object& object, std::string_view key, T& into, bool wanted, std::string_view action,
+               const Reader& reader) {
+  if (wanted) {
+    object.read(key, into, reader);
+    return;
+  }
+  object.visit_if(key, [&](const Node& node) {
+    node.fail(ErrorCode::invalid_value, fmt::format("this belongs to '{}' only", action));
+  });
 }
 
-void read_times(const JsonNode& node, const SystemDescription& system, OverrideDescription& override) {
-  if (const auto from = node.find("from")) override.from_ns = duration_ns(*from);
-  if (const auto until = node.find("until")) {
-    override.until_ns = duration_ns(*until);
-    if (*override.until_ns <= override.from_ns) until->fail("this is not after 'from'");
-  }
-  if (const auto when = node.find("when")) {
-    when->expect_keys({"variable", "equals", "above", "below", "for"});
-    override.when = read_condition(*when, system);
-    if (const auto lasting = when->find("for")) override.when->for_ns = duration_ns(*lasting);
-  }
-  if (const auto duration = node.find("duration")) {
-    override.duration_ns = duration_ns(*duration);
-    if (*override.duration_ns == 0) duration->fail("a duration is longer than 0 s");
-  }
+void read_times(Object& object, const SystemDescription& system, OverrideDescription& override) {
+  object.read_if("from", override.from_ns, &duration_ns);
+  object.read_if("until", override.until_ns, [&](const Node& node) {
+    const auto until_ns = duration_ns(node);
+    if (until_ns <= override.from_ns) node.fail(ErrorCode::invalid_value, "this is not after 'from'");
+    return until_ns;
+  });
+  object.read_if("when", override.when, [&](const Node& node) { return read_lasting_condition(node, system); });
+  object.read_if("duration", override.duration_ns, [](const Node& node) {
+    const auto duration = duration_ns(node);
+    if (duration == 0) node.fail(ErrorCode::value_out_of_range, "a duration is longer than 0 s");
+    return duration;
+  });
 }
 
-OverrideDescription read_override(const JsonNode& node, const SystemDescription& system) {
-  node.expect_keys({"text", "variable", "set", "offset", "scale", "freeze", "noise", "ramp", "unit", "seed", "over",
-                    "from", "until", "when", "duration"});
+OverrideDescription read_override(const Node& node, const SystemDescription& system) {
+  Object object(node);
   OverrideDescription override;
   override.place = node.place();
-  if (const auto text = node.find("text")) override.text = text->string();
-  override.variable = variable_name(node.at("variable"), system);
-  read_action(node, override);
-  if (const auto unit = node.find("unit")) override.unit = readable_text(*unit);
-  const bool noise = override.action == OverrideAction::noise;
-  if (const auto seed = only_with(node, "seed", noise, "noise")) {
-    if (!seed->value().is_number_unsigned()) seed->fail("a seed is a whole number that is not negative");
-    override.seed = seed->value().get<std::uint64_t>();
-  } else if (noise) {
-    node.at("seed");  // noise without a seed could not be repeated
-  }
-  const bool ramp = override.action == OverrideAction::ramp;
-  if (const auto over = only_with(node, "over", ramp, "ramp")) {
-    override.over_ns = duration_ns(*over);
-  } else if (ramp) {
-    node.at("over");
-  }
-  read_times(node, system, override);
+  object.read_if("text", override.text, &Node::text);
+  object.read("variable", override.variable, variable_of(system));
+  read_action(object, override);
+  object.read_if("unit", override.unit, &Node::readable_text);
+  // Noise without a seed could not be repeated.
+  read_with(object, "seed", override.seed, override.action == OverrideAction::noise, "noise", &Node::natural_number);
+  read_with(object, "over", override.over_ns, override.action == OverrideAction::ramp, "ramp", &duration_ns);
+  read_times(object, system, override);
+  object.finish();
   return override;
 }
 
 }  // namespace
 
-void read_scenario(const JsonNode& node, SystemDescription& system) {
-  for (const auto& element : node.elements()) system.scenario.push_back(read_override(element, system));
+void read_scenario(const Node& node, SystemDescription& system) {
+  auto overrides = data::list_of([&](const Node& element) { return read_override(element, system); })(node);
+  for (auto& override : overrides) system.scenario.push_back(std::move(override));
 }
 
-void read_scenario_file(const JsonNode& root, SystemDescription& system) {
-  root.expect_keys({"text", "scenario"});
-  if (const auto text = root.find("text")) text->string();  // for people only
-  read_scenario(root.at("scenario"), system);
+void read_scenario_file(const Node& root, SystemDescription& system) {
+  Object object(root);
+  object.comment("$schema");
+  object.comment("text");
+  object.visit("scenario", [&](const Node& node) { read_scenario(node, system); });
+  object.finish();
 }
 
 }  // namespace mebots::master::config

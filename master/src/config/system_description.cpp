@@ -33,18 +33,25 @@ std::optional<VariableName> SystemDescription::split(std::string_view text) cons
   return std::nullopt;
 }
 
-void set_stop_time(SystemDescription& system, std::int64_t stop_time_ns, const std::string& place) {
-  if (stop_time_ns <= 0) throw InputError(fmt::format("{}: the stop time must be greater than 0 s", place));
-  const auto check = [&](std::int64_t step_ns, const std::string& whose) {
-    if (stop_time_ns % step_ns == 0) return;
+std::optional<std::string> stop_time_problem(const SystemDescription& system, std::int64_t stop_time_ns) {
+  if (stop_time_ns <= 0) return "the stop time must be greater than 0 s";
+  const auto problem = [&](std::int64_t step_ns, const std::string& whose) -> std::optional<std::string> {
+    if (step_ns <= 0 || stop_time_ns % step_ns == 0) return std::nullopt;  // a step of 0: was not understood
     const auto below_ns = stop_time_ns / step_ns * step_ns;
-    throw InputError(fmt::format(
-        "{}: the stop time {} s is not a multiple of the step {} s{}; the nearest are {} s and {} s", place,
-        to_seconds(stop_time_ns), to_seconds(step_ns), whose, to_seconds(below_ns), to_seconds(below_ns + step_ns)));
+    return fmt::format("the stop time {} s is not a multiple of the step {} s{}; the nearest are {} s and {} s",
+                       to_seconds(stop_time_ns), to_seconds(step_ns), whose, to_seconds(below_ns),
+                       to_seconds(below_ns + step_ns));
   };
-  check(system.step_ns, "");
+  if (auto found = problem(system.step_ns, "")) return found;
   for (const auto& instance : system.instances) {
-    check(instance.step_ns, fmt::format(" of instance '{}'", instance.name));
+    if (auto found = problem(instance.step_ns, fmt::format(" of instance '{}'", instance.name))) return found;
+  }
+  return std::nullopt;
+}
+
+void set_stop_time(SystemDescription& system, std::int64_t stop_time_ns, const std::string& place) {
+  if (const auto problem = stop_time_problem(system, stop_time_ns)) {
+    throw InputError(ErrorCode::invalid_value, fmt::format("{}: {}", place, *problem));
   }
   system.stop_time_ns = stop_time_ns;
 }

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "config/json_node.hpp"
+#include "mebots/input_error.hpp"
 #include "mebots/modeldesc/archive.hpp"
+
+#include <nlohmann/json.hpp>
 
 #include <cstdint>
 #include <filesystem>
@@ -227,6 +229,9 @@ struct LocatedSetting {
 
 /// Throws InputError, with the nearest names, when the system has no such instance.
 LocatedSetting locate(SystemDescription& system, const Setting& setting);
+
+/// Why the run cannot end at this time, if it cannot: it must be a multiple of all steps.
+std::optional<std::string> stop_time_problem(const SystemDescription& system, std::int64_t stop_time_ns);
 
 /// Changes the end of the run, as `--stop-time` does. Throws InputError unless it is a multiple of all steps.
 void set_stop_time(SystemDescription& system, std::int64_t stop_time_ns, const std::string& place);

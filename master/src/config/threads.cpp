@@ -1,19 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 // The section `threads`: "auto" or a number.
+#include "reading.hpp"
 #include "sections.hpp"
 
 namespace mebots::master::config {
 
-void read_threads(const JsonNode& node, SystemDescription& system) {
+void read_threads(const Node& node, SystemDescription& system) {
   constexpr std::int64_t kMost = 256;
-  const auto& value = node.value();
-  if (value.is_string() && value.get<std::string>() == "auto") {
-    system.threads = kAutomaticThreads;
-    return;
+  if (node.is(data::Kind::text)) {
+    system.threads = data::word_of<unsigned>({{"auto", kAutomaticThreads}})(node);
+  } else {
+    system.threads = static_cast<unsigned>(node.whole_number(1, kMost));
   }
-  if (!value.is_number_integer() || value.get<std::int64_t>() < 1 || value.get<std::int64_t>() > kMost)
-    node.fail("\"auto\" or a number of threads from 1 to 256 is expected");
-  system.threads = value.get<unsigned>();
 }
 
 }  // namespace mebots::master::config

@@ -1,20 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
 // The sections `text`, `step` and `stop_time`.
+#include "reading.hpp"
 #include "sections.hpp"
 
 namespace mebots::master::config {
 
-void read_text(const JsonNode& node, SystemDescription& /*system*/) {
-  node.string();  // for people only
+void read_text(const Node& node, SystemDescription& /*system*/) {
+  static_cast<void>(node.text());  // for people only
 }
 
-void read_step(const JsonNode& node, SystemDescription& system) {
-  system.step_ns = node.nanoseconds();
-  if (system.step_ns <= 0) node.fail("the step must be greater than 0 s");
+void read_step(const Node& node, SystemDescription& system) {
+  const auto step_ns = time_ns(node);
+  if (step_ns <= 0) node.fail(ErrorCode::value_out_of_range, "the step must be greater than 0 s");
+  system.step_ns = step_ns;
 }
 
-void read_stop_time(const JsonNode& node, SystemDescription& system) {
-  set_stop_time(system, node.nanoseconds(), node.place());
+void read_stop_time(const Node& node, SystemDescription& system) {
+  const auto stop_time_ns = time_ns(node);
+  if (const auto problem = stop_time_problem(system, stop_time_ns)) node.fail(ErrorCode::invalid_value, *problem);
+  system.stop_time_ns = stop_time_ns;
 }
 
 }  // namespace mebots::master::config

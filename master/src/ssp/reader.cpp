@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "config/json_document.hpp"
+#include "mebots/data/document.hpp"
 #include "ssp/ssp.hpp"
 
 #include "parameters.hpp"
@@ -179,7 +179,7 @@ class SspReader {
     result_.places["/instances"] = kSsd;
     for (const auto& component : components_) {
       auto& instance = instances[component.path] = Json::object();
-      const auto pointer = "/instances" + pointer_step(component.path);
+      const auto pointer = "/instances" + data::pointer_step(component.path);
       result_.places[pointer] = component.place;
       instance["fmu"] = component.fmu.string();
       if (!component.description.empty()) instance["text"] = component.description;
@@ -196,8 +196,8 @@ class SspReader {
 
   void set_parameter(const Endpoint& endpoint, const Json& value, const std::string& place) {
     result_.config["instances"][endpoint.element]["parameters"][endpoint.connector] = value;
-    result_.places["/instances" + pointer_step(endpoint.element) + "/parameters" + pointer_step(endpoint.connector)] =
-        place;
+    result_.places["/instances" + data::pointer_step(endpoint.element) + "/parameters" +
+                   data::pointer_step(endpoint.connector)] = place;
   }
 
   /// Follows each connection into a component back through the connectors of systems to where it begins.
@@ -289,14 +289,17 @@ class SspReader {
   }
 
   void read_own(pugi::xml_node annotation) {
-    const JsonDocument document(annotation.text().get(), file_.place(annotation));
-    if (!document.value().is_object()) file_.fail(annotation, "a JSON object is expected here");
-    for (const auto& [key, value] : document.value().items()) {
+    const std::string text = annotation.text().get();
+    data::Document(text, file_.place(annotation)).read([&](const data::Node& root) {
+      static_cast<void>(root.members());  // which fails when it is not an object
+    });
+    const auto own = Json::parse(text);
+    for (const auto& [key, value] : own.items()) {
       if (key == "instances") {
         add_to_instances(annotation, value);
       } else {
         result_.config[key] = value;
-        result_.places[pointer_step(key)] = file_.place(annotation);
+        result_.places[data::pointer_step(key)] = file_.place(annotation);
       }
     }
   }
@@ -310,7 +313,7 @@ class SspReader {
       }
       for (const auto& [key, value] : keys.items()) {
         instances[name][key] = value;
-        result_.places["/instances" + pointer_step(name) + pointer_step(key)] = file_.place(annotation);
+        result_.places["/instances" + data::pointer_step(name) + data::pointer_step(key)] = file_.place(annotation);
       }
     }
   }
