@@ -35,7 +35,7 @@ install(DIRECTORY master/include/mebots DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(FILES modeldesc/include/mebots/assert.hpp modeldesc/include/mebots/error.hpp modeldesc/include/mebots/error_code.hpp
   DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/mebots)
 install(FILES modeldesc/include/mebots/fmi2/variable_kinds.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/mebots/fmi2)
-install(DIRECTORY modeldesc/include/mebots/fmu modeldesc/include/mebots/state
+install(DIRECTORY modeldesc/include/mebots/data modeldesc/include/mebots/fmu modeldesc/include/mebots/state
   DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/mebots)
 
 install(FILES LICENSE DESTINATION ${share})

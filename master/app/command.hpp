@@ -26,6 +26,8 @@ void add_new_sensor(CLI::App& app, Action& action);
 void add_resume(CLI::App& app, Action& action);
 void add_run(CLI::App& app, Action& action);
 void add_schema(CLI::App& app, Action& action);
+void add_units(CLI::App& app, Action& action);
+void add_validate(CLI::App& app, Action& action);
 
 /// Does the work and returns 0; prints what it throws, and returns 2 for InputError, 1 for anything else.
 int guarded(const std::function<void()>& work);

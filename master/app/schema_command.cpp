@@ -1,22 +1,42 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "command.hpp"
 
-#include "config/config_schema.hpp"
+#include "config/schemas.hpp"
+#include "mebots/input_error.hpp"
+#include "mebots/nearest_names.hpp"
 
+#include <algorithm>
 #include <cstdio>
+#include <memory>
+#include <string>
+#include <vector>
 
 namespace mebots::app {
+namespace {
+
+int print_schema(const std::string& kind) {
+  const auto all = master::schemas();
+  const auto found = std::ranges::find(all, kind, &master::Schema::kind);
+  if (found == all.end()) {
+    std::vector<std::string> known;
+    for (const auto& schema : all) known.emplace_back(schema.kind);
+    print_error("there is no kind of file '" + kind + "'. " + suggest(kind, known));
+    return 2;
+  }
+  return std::fwrite(found->text.data(), 1, found->text.size(), stdout) == found->text.size() ? 0 : 1;
+}
+
+}  // namespace
 
 void add_schema(CLI::App& app, Action& action) {
-  auto* command = app.add_subcommand("schema", "Print the JSON schema of a config");
-  command->footer(
-      help_footer({"0 printed", "1 standard output is closed or full"}, {"mebots schema > mebots-config.schema.json"}));
-  command->callback([&action] {
-    action = [] {
-      const auto schema = master::config_schema();
-      return std::fwrite(schema.data(), 1, schema.size(), stdout) == schema.size() ? 0 : 1;
-    };
-  });
+  auto* command = app.add_subcommand("schema", "Print the JSON schema of a kind of file");
+  const auto kind = std::make_shared<std::string>("config");
+  std::string kinds;
+  for (const auto& schema : master::schemas()) kinds += (kinds.empty() ? "" : ", ") + std::string(schema.kind);
+  command->add_option("kind", *kind, "Kind of file: " + kinds)->capture_default_str();
+  command->footer(help_footer({"0 printed", "1 standard output is closed or full", "2 there is no such kind of file"},
+                              {"mebots schema > mebots-config.schema.json", "mebots schema board"}));
+  command->callback([&action, kind] { action = [kind] { return print_schema(*kind); }; });
 }
 
 }  // namespace mebots::app

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "config/command_line.hpp"
-#include "config/config_schema.hpp"
+#include "config/schemas.hpp"
 #include "config/system_description.hpp"
 #include "test_system.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include <algorithm>
 
 namespace mebots::master {
 namespace {
@@ -82,7 +83,9 @@ TEST(Config, AKeyThatStandsTwiceIsRefused) {
 }
 
 TEST(Config, TheSchemaKnowsTheKeysThatTheReaderKnows) {
-  const auto schema = nlohmann::json::parse(config_schema());
+  const auto all = schemas();
+  const auto* const of_config = &*std::ranges::find(all, "config", &Schema::kind);
+  const auto schema = nlohmann::json::parse(of_config->text);
   const auto names = [](const nlohmann::json& properties) {
     std::vector<std::string> result;
     for (const auto& [name, value] : properties.items()) result.push_back(name);

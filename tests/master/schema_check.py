@@ -1,16 +1,20 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The shipped JSON schema and the reader of the master accept and refuse the same configs.
+"""The shipped JSON schemas and the readers accept and refuse the same files.
 
-Usage: schema_check.py MEBOTS PROBE.fmu CONFIG.json...
+Usage: schema_check.py MEBOTS PROBE.fmu SOURCE_DIR
 
-Each case is a good config with one change. What only the reader can know (that names exist, that times are multiples
-of steps) is left out. `mebots info` reads a config without opening its FMUs.
+Every shipped file names its schema and is good for both. Then come configs with one change each, chosen by hand, for
+which both must give the expected verdict; and shipped files of each kind with one change each, made by a rule. Readers
+know more than schemas (that names exist, that tables rise), so of those changes is asked: what the schema refuses the
+reader refuses, and where the reader misses a key, meets an unknown one or one of another type, the schema does so too.
 """
 
 import copy
 import json
 import pathlib
+import random
+import re
 import subprocess
 import sys
 import tempfile
@@ -142,36 +146,141 @@ def changed(config, path, value):
     return config
 
 
+# kind of file -> where the shipped ones lie, and the one that is changed
+SHIPPED = {
+    "config": (["configs/*.json", "examples/*/mission.json"], None),
+    "scenario": (["configs/scenarios/*.json"], "configs/scenarios/motor_loss.json"),
+    "board": (["configs/boards/*.json", "examples/*/board.json"], "examples/time_of_flight/board.json"),
+    "description": (["fmu_*/description.json", "examples/*/fmu/description.json"], "fmu_motors/description.json"),
+    "cell": (["fmu_battery/params/cells/*.json"], "fmu_battery/params/cells/cyclone_300.json"),
+    "converters": (["fmu_battery/params/converters.json"], "fmu_battery/params/converters.json"),
+    "rotor": (["fmu_motors/params/rotors/*.json"], "fmu_motors/params/rotors/crazyflie_l250.json"),
+    "drone": (["fmu_world/params/drones/*.json"], "fmu_world/params/drones/crazyflie.json"),
+    "scene": (["fmu_world/params/scenes/*.json"], "fmu_world/params/scenes/gate_easy.json"),
+}
+STRUCTURE = {"unknown_key", "missing_key", "wrong_type"}
+CHANGES_OF_A_KIND = 150
+
+
+def changes(value, path=()):
+    """Paths into a file, and what to put there."""
+    if path and path[-1] != "$schema":
+        yield path, ABSENT
+        for other in (None, "x", "", 3, -1, 0, 1e9, [], {}, True):
+            if other != value:
+                yield path, other
+    if isinstance(value, dict):
+        yield (*path, "zzz"), 1
+        for key, inner in value.items():
+            yield from changes(inner, (*path, key))
+    elif isinstance(value, list):
+        for index, inner in enumerate(value[:3]):
+            yield from changes(inner, (*path, index))
+
+
+def codes_of(mebots, files):
+    """Codes of the mistakes that the reader finds, for each of the files."""
+    result = subprocess.run([mebots, "validate", *files], capture_output=True, text=True)
+    if result.returncode not in (0, 2):
+        sys.exit(f"FAILED: mebots validate ended with {result.returncode}: {result.stderr}")
+    codes = {str(file): set() for file in files}
+    good = set(re.findall(r"^(.*): a good \w+ file$", result.stdout, re.M))
+    for line in result.stderr.splitlines():
+        told = re.match(r"(.*?\.json)[: ].*\[(\w+)\]$", line)
+        if told and told[1] in codes:
+            codes[told[1]].add(told[2])
+    for file, found in codes.items():
+        if (file in good) == bool(found):
+            sys.exit(f"FAILED: {file}: neither good nor with a mistake: {result.stderr}")
+    return codes
+
+
+class Check:
+    def __init__(self, mebots, source, folder):
+        self.mebots, self.source, self.folder = mebots, source, folder
+        self.failures = []
+        self.cases = 0
+
+    def schema(self, kind):
+        text = subprocess.run([self.mebots, "schema", kind], check=True, capture_output=True, text=True).stdout
+        schema = json.loads(text)
+        jsonschema.Draft202012Validator.check_schema(schema)
+        if (self.source / f"configs/schemas/mebots-{kind}.schema.json").read_text() != text:
+            self.failures.append(f"{kind}: `mebots schema` prints another one than is shipped")
+        return jsonschema.Draft202012Validator(schema)
+
+    def shipped(self, kind, validator, patterns):
+        files = [file for pattern in patterns for file in sorted(self.source.glob(pattern))]
+        for file in files:
+            content = json.loads(file.read_text())
+            named = file.parent / content.get("$schema", "nothing")
+            if named.resolve() != (self.source / f"configs/schemas/mebots-{kind}.schema.json").resolve():
+                self.failures.append(f"{file}: its $schema is not that of a {kind}")
+            for error in validator.iter_errors(content):
+                self.failures.append(f"{file}: the schema refuses it: {error.json_path}: {error.message}")
+        readable = files if kind != "config" else []  # configs need their FMUs
+        for file, codes in codes_of(self.mebots, readable).items() if readable else ():
+            if codes:
+                self.failures.append(f"{file}: the reader refuses it: {codes}")
+        self.cases += len(files)
+
+    def written(self, kind, cases):
+        """Files with these contents."""
+        files = []
+        for number, content in enumerate(cases):
+            file = self.folder / f"{kind}_{number}.json"
+            file.write_text(json.dumps(content))
+            files.append(file)
+        return files
+
+    def by_hand(self, validator, probe):
+        good = {
+            "$schema": "mebots-config.schema.json",
+            "step": 0.1,
+            "stop_time": 2,
+            "instances": {"a": {"fmu": str(probe)}, "b": {"fmu": str(probe)}},
+            "connections": [{"from": "a.real_out", "to": "b.real_in"}],
+        }
+        cases = [([], good, True)] + [case for case in CASES if case[0] and case[0] != ["$schema"]]
+        contents = [changed(good, path, value) for path, value, _ in cases]
+        codes = codes_of(self.mebots, self.written("config", contents))
+        for (path, value, expected), content, found in zip(cases, contents, codes.values()):
+            by_schema = validator.is_valid(content)
+            if by_schema != expected or (not found) != expected:
+                self.failures.append(f"config {path} = {value!r}: expected {expected}, schema {by_schema}, reader {found}")
+        self.cases += len(cases)
+
+    def by_rule(self, kind, validator, file):
+        good = json.loads((self.source / file).read_text())
+        if kind == "scene":
+            good["drone"] = str((self.source / file).parent / good["drone"])
+        all_changes = list(changes(good))
+        chosen = random.Random(kind).sample(all_changes, min(CHANGES_OF_A_KIND, len(all_changes)))
+        contents = [changed(good, path, value) for path, value in chosen]
+        codes = codes_of(self.mebots, self.written(kind, contents))
+        for (path, value), content, found in zip(chosen, contents, codes.values()):
+            by_schema = validator.is_valid(content)
+            if (not by_schema and not found) or (by_schema and found & STRUCTURE):
+                told = "removed" if value is ABSENT else f"= {value!r}"
+                self.failures.append(f"{kind} {list(path)} {told}: schema {by_schema}, reader {found}")
+        self.cases += len(chosen)
+
+
 def main():
-    mebots, probe = sys.argv[1], pathlib.Path(sys.argv[2]).resolve()
-    schema = json.loads(subprocess.run([mebots, "schema"], check=True, capture_output=True, text=True).stdout)
-    jsonschema.Draft202012Validator.check_schema(schema)
-    validator = jsonschema.Draft202012Validator(schema)
-    good = {
-        "step": 0.1,
-        "stop_time": 2,
-        "instances": {"a": {"fmu": str(probe)}, "b": {"fmu": str(probe)}},
-        "connections": [{"from": "a.real_out", "to": "b.real_in"}],
-    }
-    failures = []
-    for path in sys.argv[3:]:
-        problems = [error.message for error in validator.iter_errors(json.loads(pathlib.Path(path).read_text()))]
-        if problems:
-            failures.append(f"{path}: the schema refuses it: {problems[0]}")
+    mebots, probe, source = sys.argv[1], pathlib.Path(sys.argv[2]).resolve(), pathlib.Path(sys.argv[3])
     with tempfile.TemporaryDirectory() as folder:
-        file = pathlib.Path(folder) / "case.json"
-        for path, value, expected in [([], good, True)] + CASES:
-            config = changed(good, path, value)
-            file.write_text(json.dumps(config))
-            by_schema = validator.is_valid(config)
-            result = subprocess.run([mebots, "info", file], capture_output=True, text=True)
-            by_reader = result.returncode == 0
-            if result.returncode not in (0, 2) or by_schema != expected or by_reader != expected:
-                failures.append(f"{path} = {value!r}: expected {expected}, schema {by_schema}, reader {by_reader} {result.stderr}")
-    for failure in failures:
+        check = Check(mebots, source, pathlib.Path(folder))
+        for kind, (patterns, file) in SHIPPED.items():
+            validator = check.schema(kind)
+            check.shipped(kind, validator, patterns)
+            if kind == "config":
+                check.by_hand(validator, probe)
+            else:
+                check.by_rule(kind, validator, file)
+    for failure in check.failures:
         print(f"FAILED: {failure}")
-    print(f"{len(CASES) + 1} configs: schema and reader agree" if not failures else f"{len(failures)} disagreements")
-    sys.exit(1 if failures else 0)
+    print(f"{check.cases} files: schemas and readers agree" if not check.failures else f"{len(check.failures)} disagreements")
+    sys.exit(1 if check.failures else 0)
 
 
 if __name__ == "__main__":

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // A config is a list of sections; each has its reader in config/. A new section is a line in the table below,
-// a reader in a file of its own, and a property in configs/mebots-config.schema.json.
+// a reader in a file of its own, and a property in configs/schemas/mebots-config.schema.json.
 #include "algorithm/algorithm.hpp"
-#include "config/config_schema.hpp"
+#include "config/schemas.hpp"
 #include "mebots/data/document.hpp"
 #include "mebots/data/object.hpp"
 #include "ssp/ssp.hpp"

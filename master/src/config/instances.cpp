@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The section `instances`: a table of the keys of one instance, each with its own reader.
-#include "config/config_schema.hpp"
+#include "config/schemas.hpp"
 #include "slave/find_fmu.hpp"
 
 #include "reading.hpp"

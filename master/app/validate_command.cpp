@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: Apache-2.0
+// `mebots validate`: the readers of the parts, without what they read for.
+#include "command.hpp"
+
+#include "config/from_memory.hpp"
+#include "config/schemas.hpp"
+#include "description.hpp"
+#include "mebots/data/document.hpp"
+#include "mebots/nearest_names.hpp"
+
+#ifdef MEBOTS_HAS_battery
+#include "cell.hpp"
+#include "converter.hpp"
+#endif
+#ifdef MEBOTS_HAS_motors
+#include "rotor_data.hpp"
+#endif
+#ifdef MEBOTS_HAS_soc
+#include "board_file.hpp"
+#endif
+#ifdef MEBOTS_HAS_world
+#include "scene/load.hpp"
+#endif
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace mebots::app {
+namespace {
+
+using Path = std::filesystem::path;
+
+struct FileKind {
+  std::string_view name;
+  /// Throws Error, most often data::Mistakes.
+  void (*read)(const Path& file);
+};
+
+/// Those whose readers are in this build.
+constexpr FileKind kKinds[] = {
+    {"config", &master::config::check},
+    {"scenario", &master::config::check_scenario},
+    {"description", [](const Path& file) { static_cast<void>(modeldesc::read_description(file)); }},
+#ifdef MEBOTS_HAS_battery
+    {"cell", [](const Path& file) { static_cast<void>(battery::load_cell(file)); }},
+    {"converters", [](const Path& file) { static_cast<void>(battery::load_converters(file)); }},
+#endif
+#ifdef MEBOTS_HAS_motors
+    {"rotor", [](const Path& file) { static_cast<void>(motors::load_rotor(file)); }},
+#endif
+#ifdef MEBOTS_HAS_soc
+    {"board",
+     [](const Path& file) {
+       // Two readers share a board: of the variables, and of all else.
+       data::Document(file).read([&](const data::Node& root) {
+         root.attempt([&] { static_cast<void>(soc::read_board(file)); });
+         root.attempt([&] { modeldesc::check_board_variables(file); });
+       });
+     }},
+#endif
+#ifdef MEBOTS_HAS_world
+    {"drone", [](const Path& file) { static_cast<void>(world::scene::load_drone(file)); }},
+    {"scene", [](const Path& file) { static_cast<void>(world::scene::load_scene(file)); }},
+#endif
+};
+
+std::vector<std::string> known_kinds() {
+  std::vector<std::string> names;
+  for (const auto& schema : master::schemas()) names.emplace_back(schema.kind);
+  return names;
+}
+
+/// What "$schema" names: "mebots-cell.schema.json", wherever it lies.
+std::string named_kind(const data::Node& schema) {
+  const auto name = Path(schema.text()).filename().string();
+  for (const auto& kind : known_kinds()) {
+    if (name == "mebots-" + kind + ".schema.json") return kind;
+  }
+  schema.fail_unknown("the kind of file", name, known_kinds());
+}
+
+struct Likeness {
+  std::size_t common = 0;  // of the file's keys, those that the schema has at its root
+  std::size_t others = 0;  // of the schema's
+};
+
+Likeness likeness(const master::Schema& schema, const data::Node& root) {
+  return data::Document(schema.text, std::string(schema.kind)).read([&](const data::Node& described) {
+    const auto properties = described.at("properties");
+    Likeness found;
+    for (const auto& [key, value] : properties.members()) {
+      if (key == "$schema") continue;
+      ++(root.has(key) ? found.common : found.others);
+    }
+    return found;
+  });
+}
+
+/// The kind whose schema knows most of the keys, and of those the one with the fewest others. Converters have names of
+/// their own for keys.
+std::string kind_by_content(const data::Node& root) {
+  std::string best;
+  Likeness most;
+  for (const auto& schema : master::schemas()) {
+    const auto found = likeness(schema, root);
+    if (found.common < most.common || found.common == 0) continue;
+    if (found.common == most.common && found.others >= most.others) continue;
+    most = found;
+    best = schema.kind;
+  }
+  const auto members = root.members();
+  const bool converters =
+      std::ranges::any_of(members, [](const auto& member) { return member.value.has("efficiency"); });
+  if (converters && most.common == 0) return "converters";
+  if (best.empty()) {
+    root.fail(ErrorCode::invalid_value, "nothing tells what kind of file this is; name its schema under \"$schema\". " +
+                                            suggest("", known_kinds()));
+  }
+  return best;
+}
+
+std::string kind_of(const Path& file) {
+  std::string kind;
+  // A mistake in the file is for its own reader to tell: keys that stand twice, say.
+  data::Document document(file);
+  try {
+    document.read([&](const data::Node& root) {
+      const auto schema = root.find("$schema");
+      kind = schema && schema->is(data::Kind::text) ? named_kind(*schema) : kind_by_content(root);
+    });
+  } catch (const data::Mistakes&) {
+    if (kind.empty()) throw;
+  }
+  return kind;
+}
+
+void print_mistake(const std::string& place, const std::string& text, ErrorCode code) {
+  std::fprintf(stderr, "%s%s%s [%s]\n", place.c_str(), place.empty() ? "" : ": ", text.c_str(),
+               std::string(name_of(code)).c_str());
+}
+
+/// Prints every mistake of a file. True when there is none.
+bool validate(const Path& file) {
+  try {
+    const auto kind = kind_of(file);
+    const auto* const found = std::ranges::find(kKinds, kind, &FileKind::name);
+    if (found == std::end(kKinds)) {
+      print_mistake(file.string(), "this build has no reader of the kind of file '" + kind + "'",
+                    ErrorCode::not_offered);
+      return false;
+    }
+    found->read(file);
+    std::printf("%s: a good %s file\n", file.c_str(), kind.c_str());
+    return true;
+  } catch (const data::Mistakes& mistakes) {
+    std::vector<std::string> told;  // two readers of one file tell some twice
+    for (const auto& mistake : mistakes.list()) {
+      const auto line = mistake.place + mistake.text;
+      if (std::ranges::find(told, line) != told.end()) continue;
+      print_mistake(mistake.place, mistake.text, mistake.code);
+      told.push_back(line);
+    }
+  } catch (const Error& error) {
+    print_mistake("", error.what(), error.code());
+  }
+  return false;
+}
+
+int validate_all(const std::vector<std::string>& files) {
+  bool good = true;
+  for (const auto& file : files) good &= validate(file);
+  return good ? 0 : 2;
+}
+
+}  // namespace
+
+void add_validate(CLI::App& app, Action& action) {
+  auto* command =
+      app.add_subcommand("validate", "Tell all mistakes of configs, boards, scenes and other files; run nothing");
+  const auto files = std::make_shared<std::vector<std::string>>();
+  std::string kinds;
+  for (const auto& kind : known_kinds()) kinds += (kinds.empty() ? "" : ", ") + kind;
+  command->add_option("files", *files, "Files (.json); \"$schema\" or their keys tell the kind: " + kinds)->required();
+  command->footer(
+      help_footer({"0 all files are good", "2 a file has mistakes, or cannot be read"},
+                  {"mebots validate mission.json", "mebots validate configs/*.json configs/boards/*.json"}));
+  command->callback([&action, files] { action = [files] { return validate_all(*files); }; });
+}
+
+}  // namespace mebots::app
