@@ -206,13 +206,95 @@ TEST(Code, ThatChangesItsOwnNextInstructionRunsAsWritten) {
 }
 
 TEST(Code, LargerThanTheBlockCacheRuns) {
-  // 80000 instructions in a row, twice: more than the cache holds.
+  // 80000 instructions in a row, twice: more than a segment of the decode cache holds.
   Machine machine(
       fmt::format("_start: li s0, 2\n2: .option norvc\n.rept 80000\naddi a0, a0, 1\n.endr\naddi s0, s0, -1\n"
                   "beqz s0, 3f\nla t0, 2b\njr t0\n3: {}",
                   kEnd));
   ASSERT_EQ(machine.run(), Stop::watch);
   EXPECT_EQ(machine.reg(10), 160000U);
+}
+
+/// 1500 functions with a skip, an if with else, and a loop, all called in turn `turns` times: 25,501 instructions.
+std::string branchy_program(int turns) {
+  return fmt::format(R"(
+_start: .option norvc
+    li s0, {}
+again:
+    .set n, 0
+    .rept 1500
+    jal ra, function + 56 * n
+    .set n, n + 1
+    .endr
+    addi s0, s0, -1
+    beqz s0, done
+    la t0, again
+    jr t0
+function:
+    .rept 1500
+    andi t1, a0, 1
+    beqz t1, 1f
+    addi a0, a0, 3
+1:  addi a0, a0, 5
+    andi t1, a0, 2
+    bnez t1, 2f
+    addi a0, a0, 7
+    j 3f
+2:  xori a0, a0, 13
+3:  andi t1, a0, 3
+4:  addi t1, t1, -1
+    addi a1, a1, 1
+    bgtz t1, 4b
+    ret
+    .endr
+done: {})",
+                     turns, kEnd);
+}
+
+TEST(Code, IsDecodedAndTranslatedAtMostTwiceHoweverItBranches) {
+  Machine machine(branchy_program(300));
+  ASSERT_EQ(machine.run(1'000'000'000), Stop::watch);
+  constexpr std::uint64_t kInstructions = 1500 * (14 + 1) + 10;
+  EXPECT_LE(machine.hart().instructions_decoded(), 2 * kInstructions);
+  EXPECT_LE(machine.hart().instructions_translated(), 2 * kInstructions);
+  if (translate::can_translate()) EXPECT_GT(machine.hart().instructions_translated(), kInstructions / 2);
+}
+
+TEST(Code, ThatIsStoredOverLeavesOtherCodeDecoded) {
+  // 200 functions run often, and one is changed every time.
+  Machine machine(fmt::format(R"(
+_start: .option norvc
+    li s0, 500
+    la s1, changed
+    lw s2, 0(s1)
+    li s3, 0x00100000
+again:
+    xor s2, s2, s3
+    sw s2, 0(s1)
+    jal ra, changed
+    .set n, 0
+    .rept 200
+    jal ra, function + 12 * n
+    .set n, n + 1
+    .endr
+    addi s0, s0, -1
+    bnez s0, again
+    j done
+changed: addi a0, a0, 1
+    ret
+    .balign 4
+function:
+    .rept 200
+    addi a1, a1, 1
+    addi a1, a1, 1
+    ret
+    .endr
+done: {})",
+                              kEnd));
+  ASSERT_EQ(machine.run(1'000'000'000), Stop::watch);
+  EXPECT_EQ(machine.reg(10), 250U) << "0 and 1 by turns";
+  EXPECT_EQ(machine.reg(11), 500U * 200 * 2);
+  EXPECT_LE(machine.hart().instructions_decoded(), 2U * (200 * 4 + 30) + 500 * 2 * 2);
 }
 
 TEST(Memory, OfTheSecondRegionWorksLikeTheFirst) {

@@ -42,10 +42,7 @@ void Cluster::power_on(Picoseconds now, std::uint32_t boot) {
   event_unit_ = EventUnit(cores());
   dma_.reset();
   banks_.free_all();  // nothing of what cores had claimed ahead of time when they were switched off
-  if (instruction_cache_) {
-    instruction_cache_->flush();
-    decoded_->blocks.left_all();
-  }
+  if (instruction_cache_) instruction_cache_->flush();
   const auto tick = tick_at(now);
   for (auto& core : cores_) core->start(boot, tick);
 }

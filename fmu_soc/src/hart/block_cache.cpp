@@ -36,11 +36,16 @@ std::uint8_t accesses_of(Op op) {
 
 BlockCache::BlockCache(Memory& memory, Timing timing, const InstructionEnergy& energy)
     : memory_(memory),
+      mark_(memory.add_code_mark()),
       timing_(timing),
       energy_fj_(energy.fj),
-      blocks_(kMaxBlocks),
-      table_(kTableSize),
-      arena_(std::make_unique_for_overwrite<Instruction[]>(kArenaSize)) {}
+      by_pc_(std::size_t{1} << kBucketBits),
+      by_page_(std::size_t{1} << kBucketBits),
+      arena_(std::make_unique_for_overwrite<Instruction[]>(std::size_t{kSegmentSize} * kSegments)) {
+  blocks_.reserve(kMaxBlocks);
+  free_.reserve(kMaxBlocks);
+  blocks_.emplace_back();
+}
 
 bool BlockCache::fetch(const Memory& memory, std::uint32_t pc, std::uint32_t& word, std::uint32_t& fault_address) {
   fault_address = pc;
@@ -75,23 +80,47 @@ Instruction BlockCache::translate(const Decoded& decoded, std::uint32_t pc) cons
   return instruction;
 }
 
+/// Whether a block that has come to `pc` should end before it, since another one begins there: one that does already,
+/// or that a branch of this one leads to (`target`). What runs straight into a block costs more than what goes on in
+/// one, so blocks do not end before code that is left at once: there, what came before would still matter to the
+/// pipeline.
+bool BlockCache::ends_before(std::uint32_t pc, std::uint32_t target) const {
+  const auto number = known(pc);
+  if (number != 0) return !blocks_[number].early_jump;
+  if (pc != target) return false;
+  for (unsigned i = 0; i < 2; ++i) {
+    std::uint32_t word = 0;
+    std::uint32_t fault_address = 0;
+    if (!fetch(memory_, pc, word, fault_address)) return false;
+    const auto decoded = decode_word(word);
+    if (ends_block(decoded.op)) return false;
+    pc += decoded.length;
+  }
+  return true;
+}
+
 std::uint32_t BlockCache::decode_block(std::uint32_t pc) {
   std::uint32_t word = 0;
   std::uint32_t fault_address = 0;
   if (!fetch(memory_, pc, word, fault_address)) return 0;
-  if (block_count_ == kMaxBlocks || arena_used_ + kMaxBlockLength + 2 > kArenaSize) clear();
+  make_room();
 
   Block block;
   block.pc = pc;
   block.first = arena_used_;
+  const auto first_word = word;
   block.unaligned = (pc & 2U) != 0 && !is_compressed(word);
   Previous two_before;
   Previous before;
   Instruction sums;
   std::uint32_t bound = 0;
   auto at = pc;
+  auto target = pc;  // the nearest one ahead of a branch of this block
   bool loop = false;
   while (sums.index < kMaxBlockLength && fetch(memory_, at, word, fault_address)) {
+    // A block of one instruction knows too little of what came before.
+    if (end_at_targets_ && sums.index >= 2 && ends_before(at, target)) break;
+    if (target <= at) target = 0xffffffffU;
     const auto decoded = decode_word(word);
     auto& instruction = arena_[arena_used_ + sums.index];
     instruction = translate(decoded, at);
@@ -116,34 +145,112 @@ std::uint32_t BlockCache::decode_block(std::uint32_t pc) {
     two_before = before;
     before = previous_of(decoded);
     loop = may_end_loop(at);
+    if (is_branch(decoded.op) && static_cast<std::uint32_t>(instruction.imm) > at) {
+      target = std::min(target, static_cast<std::uint32_t>(instruction.imm));
+    }
     at += decoded.length;
-    if (is_branch(decoded.op) && block.front_end == 0) block.front_end = at;
     if (loop || ends_block(decoded.op)) break;
   }
+  decoded_ += sums.index;
   auto& end = arena_[arena_used_ + sums.index];
   end = sums;
   end.op = loop ? Op::loop_end : Op::end_of_block;
   end.run = handler_of(end.op);
   end.pc = at;
   block.end = at;
-  block.entry_bound = fetches() ? kAbsent : block.last_start_bound;
-  block.present_end = fetches() ? pc : at;
-  if (block.front_end == 0) block.front_end = at;
-  block.front_bound = block.last_start_bound;
-  if (fetches()) {
-    const auto lines_behind = cached_lines_->line_of(at - 1) - cached_lines_->line_of(block.front_end - 1);
-    block.front_bound += lines_behind * cached_lines_->refill_cycles();
+  block.fetch_bound = block.last_start_bound;
+  if (cached_lines_ != nullptr) {
+    block.lines = cached_lines_->presence(pc);
+    block.line_count = cached_lines_->line_of(at - 1) - cached_lines_->line_of(pc) + 1;
+    block.begins_across =
+        cached_lines_->line_of(pc) != cached_lines_->line_of(pc + (is_compressed(first_word) ? 1 : 3));
+    block.fetch_bound += block.line_count * cached_lines_->refill_cycles();
   }
   arena_[arena_used_ + sums.index + 1] = Instruction{};  // holds the link of a loop's next turn
-  memory_.mark(pc, at - pc, Region::kCode);
+  memory_.mark(pc, at - pc, mark_);
 
   arena_used_ += sums.index + 2U;
-  const auto number = block_count_++;
+  std::uint32_t number = 0;
+  if (free_.empty()) {
+    number = static_cast<std::uint32_t>(blocks_.size());
+    blocks_.emplace_back();
+  } else {
+    number = free_.back();
+    free_.pop_back();
+  }
   blocks_[number] = block;
-  auto slot = hash(pc);
-  while (table_[slot] != 0) slot = (slot + 1) & (kTableSize - 1);
-  table_[slot] = number;
+  insert(number);
   return number;
+}
+
+void BlockCache::insert(std::uint32_t number) {
+  auto& block = blocks_[number];
+  auto& by_pc = by_pc_[bucket_of_pc(block.pc)];
+  auto& by_page = by_page_[bucket_of_page(block.pc)];
+  block.next_of_pc = std::exchange(by_pc, number);
+  block.next_of_page = std::exchange(by_page, number);
+}
+
+/// For one more block: in the segment in work, or in the next one, whose blocks are evicted.
+void BlockCache::make_room() {
+  const auto end = (segment_ + 1) * kSegmentSize;
+  const bool has_numbers = !free_.empty() || blocks_.size() < kMaxBlocks;
+  if (has_numbers && arena_used_ + kMaxBlockLength + 2 <= end) return;
+  do {
+    segment_ = (segment_ + 1) % kSegments;
+    arena_used_ = segment_ * kSegmentSize;
+    evict(segment_);
+  } while (free_.empty() && blocks_.size() == kMaxBlocks);
+}
+
+void BlockCache::evict(std::uint32_t segment) {
+  for (std::uint32_t number = 1; number < blocks_.size(); ++number) {
+    if (blocks_[number].valid() && blocks_[number].first / kSegmentSize == segment) invalidate(number);
+  }
+}
+
+/// Its instructions stay where they are until their segment is decoded over: a hart may be in the middle of them.
+void BlockCache::invalidate(std::uint32_t number) {
+  auto& block = blocks_[number];
+  auto* link = &by_pc_[bucket_of_pc(block.pc)];
+  while (*link != number) link = &blocks_[*link].next_of_pc;
+  *link = block.next_of_pc;
+  link = &by_page_[bucket_of_page(block.pc)];
+  while (*link != number) link = &blocks_[*link].next_of_page;
+  *link = block.next_of_page;
+  block.pc = Block::kInvalid;
+  free_.push_back(number);
+  ++generation_;
+  if (listener_ != nullptr) listener_->invalidated(number);
+}
+
+/// Every block with a part of one of the words, as marks are by word: none has a mark behind that. A block begins in
+/// the page of its last byte or in the one before.
+void BlockCache::invalidate_overlapping(std::uint32_t address, std::uint32_t count) {
+  const auto last = (address + (count - 1)) | 3U;
+  address &= ~3U;
+  for (auto page = (address >> kPageBits) - 1;; ++page) {
+    auto number = by_page_[bucket_of_page(page << kPageBits)];
+    while (number != 0) {
+      const auto& block = blocks_[number];
+      const auto next = block.next_of_page;
+      if (block.pc <= last && block.end > address) invalidate(number);
+      number = next;
+    }
+    if (page == last >> kPageBits) break;
+  }
+  memory_.unmark(address, last - address + 1, mark_);
+}
+
+void BlockCache::follow_changes() {
+  for (; code_generation_ != memory_.code_generation(); ++code_generation_) {
+    const auto* change = memory_.change(code_generation_);
+    if (change == nullptr) {
+      forget();
+      return;
+    }
+    invalidate_overlapping(change->address, change->count);
+  }
 }
 
 const Instruction* BlockCache::single(std::uint32_t pc, const Previous& two_before, const Previous& before) {
@@ -175,47 +282,22 @@ void BlockCache::set_longest_wait(std::uint32_t cycles) {
   forget();
 }
 
-void BlockCache::fetch_through(const InstructionCache& cache) {
-  cached_lines_ = &cache;
-  present_.reserve(kMaxBlocks);
+void BlockCache::set_end_at_targets(bool on) {
+  if (on == end_at_targets_) return;
+  end_at_targets_ = on;
   forget();
 }
 
-void BlockCache::look_for(std::uint32_t number) {
-  const auto& block = blocks_[number];
-  const bool is_known = block.present_end > block.pc;
-  auto line = cached_lines_->line_of(block.present_end);
-  while (block.present_end < block.end && cached_lines_->holds(line)) {
-    block.present_end = std::min(cached_lines_->address_of(++line), block.end);
-  }
-  if (block.present_end == block.end) block.entry_bound = block.last_start_bound;
-  if (!is_known && block.present_end > block.pc) present_.push_back(number);
-}
-
-void BlockCache::left(std::uint32_t line) {
-  if (line == InstructionCache::kNoLine) return;
-  const auto address = cached_lines_->address_of(line);
-  std::erase_if(present_, [&](std::uint32_t number) {
-    const auto& block = blocks_[number];
-    if (block.present_end <= address || line < cached_lines_->line_of(block.pc)) return false;
-    block.entry_bound = kAbsent;
-    block.present_end = std::max(address, block.pc);
-    return block.present_end == block.pc;
-  });
-}
-
-void BlockCache::left_all() {
-  for (const auto number : present_) {
-    blocks_[number].entry_bound = kAbsent;
-    blocks_[number].present_end = blocks_[number].pc;
-  }
-  present_.clear();
+void BlockCache::fetch_through(const InstructionCache& cache) {
+  if (cached_lines_ == &cache) return;
+  cached_lines_ = &cache;
+  forget();
 }
 
 bool BlockCache::end_block_at(std::uint32_t pc) {
   if (memory_.marked(pc, 2, Region::kLoop)) return false;
   memory_.mark(pc, 2, Region::kLoop);
-  clear();
+  memory_.invalidate_code(pc, 2);
   return true;
 }
 
@@ -226,11 +308,17 @@ void BlockCache::clear() {
 
 void BlockCache::forget() {
   code_generation_ = memory_.code_generation();
-  std::fill(table_.begin(), table_.end(), 0U);
-  block_count_ = 1;
+  std::fill(by_pc_.begin(), by_pc_.end(), 0U);
+  std::fill(by_page_.begin(), by_page_.end(), 0U);
+  free_.clear();
+  for (auto number = static_cast<std::uint32_t>(blocks_.size()); --number > 0;) {
+    blocks_[number].pc = Block::kInvalid;
+    free_.push_back(number);
+  }
+  segment_ = 0;
   arena_used_ = 0;
-  present_.clear();
   ++generation_;
+  if (listener_ != nullptr) listener_->invalidated_all();
 }
 
 }  // namespace mebots::soc

@@ -19,36 +19,47 @@ struct InstructionEnergy;
 
 /// Straight code from one address, decoded once.
 struct Block {
-  std::uint32_t pc = 0;
-  std::uint32_t end = 0;               // address behind it
-  std::uint32_t first = 0;             // index of its first Instruction
-  std::uint32_t last_start_bound = 0;  // the most cycles from its start to the start of its last instruction
-  std::uint32_t front_end = 0;         // address behind the first branch that may lead out of it, or `end`
-  std::uint32_t front_bound = 0;       // last_start_bound, and what the code behind front_end can wait for its lines
-  /// Its code before this address is known to be in the instruction cache; `end` without one. What lies behind a branch
-  /// that is always taken never comes there.
-  mutable std::uint32_t present_end = 0;
-  /// last_start_bound while all of it is known to be there, else kAbsent: whoever has fewer cycles left cannot just run
-  /// it. So asking for both costs one comparison.
-  mutable std::uint64_t entry_bound = 0;
-  bool unaligned = false;           // starts with a 32-bit instruction at 2 mod 4
-  bool early_jump = false;          // a jump is among the first two: what ran before may delay it
-  std::uint64_t stalled_by = 0;     // bit r: a load of register r just before costs its first instruction a cycle
-  mutable std::uint16_t heat = 0;   // how often it was interpreted in its epoch
-  mutable std::uint32_t epoch = 0;  // of the core's cycles
+  std::uint32_t pc = kInvalid;
+  std::uint32_t end = 0;                // address behind it
+  std::uint32_t first = 0;              // index of its first Instruction
+  std::uint32_t last_start_bound = 0;   // the most cycles from its start to the start of its last instruction
+  std::uint32_t fetch_bound = 0;        // likewise, and each of its lines may have to be fetched
+  std::uint32_t line_count = 0;         // of the instruction cache; 0 without one
+  const std::uint8_t* lines = nullptr;  // whether its lines are in the cache, a byte each
+  bool begins_across = false;           // its first instruction lies in two lines
+  bool unaligned = false;               // starts with a 32-bit instruction at 2 mod 4
+  bool early_jump = false;              // a jump is among the first two: what ran before may delay it
+  std::uint64_t stalled_by = 0;         // bit r: a load of register r just before costs its first instruction a cycle
+  mutable std::uint16_t heat = 0;       // how often it was interpreted in its epoch
+  mutable std::uint32_t epoch = 0;      // of the core's cycles
+  std::uint32_t next_of_pc = 0;         // block in the same bucket of the table by pc
+  std::uint32_t next_of_page = 0;       // likewise by page
+
+  /// The pc of a block that is none, or not any more. No pc is odd.
+  static constexpr std::uint32_t kInvalid = 1;
+  bool valid() const { return pc != kInvalid; }
 };
 
 /// More cycles than any core will see.
 inline constexpr std::uint64_t kAbsent = std::uint64_t{1} << 62;
 
-/// Decoded blocks by address. All memory is taken at construction; when it is full, everything is
-/// forgotten and decoded again.
+/// Who keeps something of decoded blocks and must hear when one becomes invalid.
+class BlockListener {
+ public:
+  virtual ~BlockListener() = default;
+  /// The block is invalid from now on, and its number may come to mean another one.
+  virtual void invalidated(std::uint32_t number) = 0;
+  /// All blocks are.
+  virtual void invalidated_all() = 0;
+};
+
+/// The decode cache: decoded blocks by address. See decode-cache.md beside this file.
 class BlockCache {
  public:
   static constexpr std::uint32_t kMaxBlockLength = 64;
-  static constexpr std::uint32_t kTableSize = 1U << 14;
-  static constexpr std::uint32_t kMaxBlocks = kTableSize / 2;
+  static constexpr std::uint32_t kMaxBlocks = 1U << 16;
 
+  /// Takes a mark of its own from the memory, which must outlive it.
   BlockCache(Memory& memory, Timing timing, const InstructionEnergy& energy);
 
   const Timing& timing() const { return timing_; }
@@ -60,10 +71,11 @@ class BlockCache {
   }
   /// Likewise, 0 when it has not been decoded.
   std::uint32_t known(std::uint32_t pc) const {
-    auto slot = hash(pc);
-    while (table_[slot] != 0 && blocks_[table_[slot]].pc != pc) slot = (slot + 1) & (kTableSize - 1);
-    return table_[slot];
+    auto number = by_pc_[bucket_of_pc(pc)];
+    while (number != 0 && blocks_[number].pc != pc) number = blocks_[number].next_of_pc;
+    return number;
   }
+  /// A number that was right once gives the block that it means now, or an invalid one.
   const Block& block(std::uint32_t number) const { return blocks_[number]; }
   const Instruction* instructions(const Block& block) const { return &arena_[block.first]; }
   /// Puts another handler in the place of an instruction's, and gives that one back.
@@ -73,49 +85,72 @@ class BlockCache {
   const Instruction* single(std::uint32_t pc, const Previous& two_before, const Previous& before);
 
   /// A hardware loop ends with the instruction at `pc`: blocks end there from now on. True: they did not before, and
-  /// everything was forgotten, whether or not something had been decoded otherwise.
+  /// those that go on behind it are invalid from the next look on, whether or not there are some.
   bool end_block_at(std::uint32_t pc);
 
   /// Whether the instruction at `pc` may be the last of a hardware loop: blocks end there.
   bool may_end_loop(std::uint32_t pc) const { return timing_.has_xpulp() && memory_.marked(pc, 2, Region::kLoop); }
 
-  /// Forgets everything; links in instructions become void with it. All cores that share the memory forget, since
-  /// the marks on code go too.
+  /// Whether a block also ends where a jump or branch is known to lead, so that no instruction lies in many blocks.
+  /// Not for harts whose turns end with a block: those must end where memory and pc alone say.
+  void set_end_at_targets(bool on);
+
+  /// Invalidates all blocks, of other cores that share the memory too.
   void clear();
-  /// Whether somebody has stored into code since the last look, a device or another core too.
+  /// Whether code has changed since the last look, by a device or another core too.
   bool is_stale() const { return code_generation_ != memory_.code_generation(); }
-  /// Forgets everything then; true: it has.
+  /// Invalidates the blocks whose code has changed; true: it has.
   bool forget_if_stale() {
     if (!is_stale()) [[likely]]
       return false;
-    forget();
+    follow_changes();
     return true;
   }
+  /// Who hears of invalid blocks from now on, or null.
+  void set_listener(BlockListener* listener) { listener_ = listener; }
   /// The most that one bus access of the core waits for its way: limits are kept with it.
   void set_longest_wait(std::uint32_t cycles);
-  /// Code comes through a cache with these lines from now on: a block is absent until `look_for` finds it.
+  /// Code comes through a cache with these lines from now on.
   void fetch_through(const InstructionCache& cache);
-  bool fetches() const { return cached_lines_ != nullptr; }
-  /// Notes how much of the block is in the instruction cache.
-  void look_for(std::uint32_t number);
-  /// Whether the front of the block is there.
-  bool is_front_present(const Block& block) const { return block.present_end >= block.front_end; }
-  /// A line has left it: blocks are absent from there on. kNoLine is none.
-  void left(std::uint32_t line);
-  /// All lines have.
-  void left_all();
-  /// Grows by one with every clear: a link noted before it is void.
+  /// The cache that code comes through; null without one.
+  const InstructionCache* fetched() const { return cached_lines_; }
+  /// Whether all lines of the block are in the instruction cache, or there is none.
+  bool is_present(const Block& block) const {
+    for (std::uint32_t i = 0; i < block.line_count; ++i) {
+      if (block.lines[i] == 0) return false;
+    }
+    return true;
+  }
+  /// Whether those of its first instruction are; only for blocks with lines.
+  bool begins_present(const Block& block) const {
+    return block.lines[0] != 0 && (!block.begins_across || block.lines[1] != 0);
+  }
+  /// Grows whenever blocks become invalid.
   std::uint64_t generation() const { return generation_; }
+  /// Instructions decoded since construction, those decoded again counted again.
+  std::uint64_t decoded() const { return decoded_; }
 
   /// Reads an instruction word. False: it cannot be fetched, and `fault_address` is where.
   static bool fetch(const Memory& memory, std::uint32_t pc, std::uint32_t& word, std::uint32_t& fault_address);
 
  private:
-  static constexpr std::uint32_t kArenaSize = 1U << 16;
+  /// The arena is filled segment by segment, round and round; a segment's blocks are evicted together.
+  static constexpr std::uint32_t kSegmentSize = 1U << 16;
+  static constexpr std::uint32_t kSegments = 8;
+  static constexpr unsigned kBucketBits = 15;
+  static constexpr unsigned kPageBits = 8;  // no block is longer than a page
 
   std::size_t index_of(const Instruction* at) const { return static_cast<std::size_t>(at - arena_.get()); }
-  static std::uint32_t hash(std::uint32_t pc) { return ((pc >> 1) * 0x9e3779b1U) >> 18; }
+  static std::uint32_t bucket_of_pc(std::uint32_t pc) { return ((pc >> 1) * 0x9e3779b1U) >> (32 - kBucketBits); }
+  static std::uint32_t bucket_of_page(std::uint32_t pc) { return (pc >> kPageBits) & ((1U << kBucketBits) - 1); }
   std::uint32_t decode_block(std::uint32_t pc);
+  bool ends_before(std::uint32_t pc, std::uint32_t target) const;
+  void make_room();
+  void evict(std::uint32_t segment);
+  void insert(std::uint32_t number);
+  void invalidate(std::uint32_t number);
+  void invalidate_overlapping(std::uint32_t address, std::uint32_t count);
+  void follow_changes();
   void forget();
   Instruction translate(const Decoded& decoded, std::uint32_t pc) const;
   Decoded decode_word(std::uint32_t word) const {
@@ -123,18 +158,23 @@ class BlockCache {
   }
 
   Memory& memory_;
+  std::uint8_t mark_;  // on words of which something is decoded here
   Timing timing_;
   std::array<std::uint32_t, kOpCount> energy_fj_;
-  std::vector<Block> blocks_;         // number 0 is no block
-  std::vector<std::uint32_t> table_;  // open addressing, 0 = free
+  std::vector<Block> blocks_;         // number 0 is no block; never moves
+  std::vector<std::uint32_t> free_;   // numbers of invalid blocks
+  std::vector<std::uint32_t> by_pc_;  // first block of each bucket, 0 = none
+  std::vector<std::uint32_t> by_page_;
   std::unique_ptr<Instruction[]> arena_;
-  std::uint32_t block_count_ = 1;
-  std::uint32_t arena_used_ = 0;
+  std::uint32_t segment_ = 0;     // in which blocks are decoded now
+  std::uint32_t arena_used_ = 0;  // index of the next free slot in it
+  bool end_at_targets_ = true;
   std::uint64_t generation_ = 0;
   std::uint64_t code_generation_ = 0;  // of the memory, at the last look
+  std::uint64_t decoded_ = 0;
   std::uint32_t longest_wait_ = 0;
   const InstructionCache* cached_lines_ = nullptr;
-  std::vector<std::uint32_t> present_;  // blocks of which something is there
+  BlockListener* listener_ = nullptr;
   std::array<Instruction, 3> single_{};
 };
 

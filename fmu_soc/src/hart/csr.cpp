@@ -54,7 +54,6 @@ const Instruction* Hart::csr_access(const Instruction* at) {
   const bool read_only = (number >> 10) == 3;
 
   // Counters count what retired before this instruction.
-  const auto generation = cache_.generation();
   const auto saved = execution_.counters;
   execution_.counters.instructions += at->index;
   execution_.counters.cycles = start_of(at);
@@ -69,7 +68,7 @@ const Instruction* Hart::csr_access(const Instruction* at) {
     return raise(at, cause::kIllegalInstruction, word);
   }
   e.x[at->rd] = old;
-  return cache_.generation() == generation ? at + 1 : leave_after(at, Leave::normal);
+  return cache_.is_stale() ? leave_after(at, Leave::normal) : at + 1;  // it has set where a hardware loop ends
 }
 
 bool Hart::read_csr(unsigned number, std::uint32_t& value) const {

@@ -24,23 +24,22 @@ std::uint32_t hidden_in(const Execution& e, const Instruction* jump) {
 }  // namespace
 
 void Hart::fetch_through(InstructionCache& cache) {
+  if (fetched_ == &cache) return;
   fetched_ = &cache;
+  if (cache_.fetched() != &cache) cache.cover(memory_);
   cache_.fetch_through(cache);
 }
 
 void Hart::flush_fetched() {
   if (fetched_ == nullptr) return;
   fetched_->flush();
-  cache_.left_all();
 }
 
 /// Cycles that the instruction waits for its lines when it is reached in active cycle `cycle`.
 std::uint32_t Hart::fetch(const Instruction* at, std::uint64_t cycle) {
   std::uint32_t wait = 0;
   for (auto line = fetched_->line_of(at->pc); line <= fetched_->line_of(at[1].pc - 1); ++line) {
-    const auto refills = fetched_->refills();
     wait += fetched_->fetch(line, cycle + wait + tick_offset_);
-    if (fetched_->refills() != refills) cache_.left(fetched_->evicted());
   }
   execution_.counters.fetch_cycles += wait;
   return wait;
@@ -70,20 +69,17 @@ const Instruction* Hart::run_until(const Instruction* at, const Instruction* sto
   return e.waits_at;
 }
 
-/// Runs a block that is absent, and notes what of it is there then. False: it might reach the limit, and nothing has
-/// happened.
-bool Hart::fetch_and_execute(std::uint32_t number, std::uint32_t stall, std::uint64_t limit) {
-  const auto& block = cache_.block(number);
+/// Runs a block of which lines are absent. False: it might reach the limit, and nothing has happened.
+bool Hart::fetch_and_execute(const Block& block, std::uint32_t stall, std::uint64_t limit) {
   const bool unsettled = fetch_unsettled();
-  std::uint64_t missing = 0;  // at most: what is brought can drive out what comes behind it
-  for (auto line = fetched_->line_of(block.pc); line <= fetched_->line_of(block.end - 1); ++line) {
-    if (missing != 0 || unsettled || !fetched_->holds(line)) ++missing;
+  std::uint32_t missing = 0;  // at most: what is brought can drive out what comes behind it
+  for (std::uint32_t i = 0; i < block.line_count; ++i) {
+    if (missing != 0 || unsettled || block.lines[i] == 0) ++missing;
   }
-  const auto bound = block.last_start_bound + stall + missing * fetched_->refill_cycles();
+  const auto bound = std::uint64_t{block.last_start_bound} + stall + missing * fetched_->refill_cycles();
   if (execution_.counters.cycles + (bound & bound_mask_) >= limit) return false;
   const auto* first = cache_.instructions(block);
   if (missing == 0) {
-    cache_.look_for(number);
     if (observer_ != nullptr) {
       execute_observed(first, stall);
     } else {
@@ -92,14 +88,20 @@ bool Hart::fetch_and_execute(std::uint32_t number, std::uint32_t stall, std::uin
   } else {
     // The first instruction is fetched before it stalls for a load, as all others are.
     begin_block(fetch(first, execution_.counters.cycles), stall, nullptr);
-    execute_fetching(first, number);
+    execute_fetching(first);
   }
   return true;
 }
 
-/// Whether all of the instruction's block is known to be in the cache, not only its front.
+/// Whether all lines of a block from this instruction on are in the cache.
 bool Hart::is_present(const Instruction* at) const {
-  return fetched_ == nullptr || cache_.block(block_of(at)).entry_bound != kAbsent;
+  if (fetched_ == nullptr) return true;
+  const auto first = fetched_->line_of(at->pc);
+  while (!is_block_end(at->op)) ++at;
+  for (auto line = first; line <= fetched_->line_of(at->pc - 1); ++line) {
+    if (!fetched_->holds(line)) return false;
+  }
+  return true;
 }
 
 /// Goes on in a block that translated code has left, of which what comes may be absent.
@@ -107,21 +109,28 @@ void Hart::resume_fetching(const Instruction* at, std::uint32_t wait_cycles, std
                            const Instruction* slow_load) {
   begin_block(wait_cycles, stall, slow_load);
   execution_.extra_cycles += fetch(at, cycle_of(at));
-  execute_fetching(at, block_of(at));
+  execute_fetching(at);
   unsettled_ = fetch_unsettled() ? kAbsent : 0;
 }
 
 /// As `execute` of an instruction that is fetched, but lines come one by one: it goes on to the next instruction that
-/// needs one, and waits there. `number` is its block, of which more may be there then.
-void Hart::execute_fetching(const Instruction* at, std::uint32_t number) {
-  const auto generation = cache_.generation();
+/// needs one, and waits there.
+void Hart::execute_fetching(const Instruction* at) {
   while (at != nullptr) {
     const auto* stop = next_to_fetch(at);
     at = observer_ != nullptr ? run_until_observed(at, stop) : run_until(at, stop);
     if (at != nullptr) execution_.extra_cycles += fetch(at, cycle_of(at) + hidden_in(execution_, at));
   }
   finish_block();
-  if (cache_.generation() == generation) cache_.look_for(number);
+}
+
+/// For translated code of a hart that has its cache alone: brings a line in which its block goes on, `spent` cycles
+/// after the start of the run. The answer is how long that takes.
+std::uint64_t Hart::fetch_line(Execution* execution, std::uint32_t line, std::uint64_t spent) {
+  auto& hart = *execution->hart;
+  const auto wait = hart.fetched_->refill(line, execution->counters.cycles + spent + hart.tick_offset_);
+  execution->counters.fetch_cycles += wait;
+  return wait;
 }
 
 }  // namespace mebots::soc

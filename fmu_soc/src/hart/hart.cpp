@@ -210,9 +210,10 @@ inline bool Hart::run_block(std::uint32_t number, std::uint64_t limit, bool tran
   // What ran before can delay the first instruction if it was a load. A jump soon after it is another matter.
   const bool early_jump = e.pipeline.before.op != Op::end_of_block && block.early_jump;
   const auto stall = stall_of(block);
-  const auto bound = ((block.entry_bound + stall) & bound_mask_) | unsettled_;
+  const auto present = cache_.is_present(block) ? 0 : kAbsent;
+  const auto bound = ((std::uint64_t{block.last_start_bound} + stall) & bound_mask_) | present | unsettled_;
   if (observer_ != nullptr) [[unlikely]] {
-    run_block_observed(number, stall, limit, early_jump || !has_loose_limit());
+    run_block_observed(block, stall, limit, early_jump || !has_loose_limit());
     return false;
   }
   const bool may_run = e.counters.cycles + bound < limit;
@@ -220,13 +221,13 @@ inline bool Hart::run_block(std::uint32_t number, std::uint64_t limit, bool tran
     // With a loose limit, a stall may reach it; translated code would not begin then.
     const auto* entry = e.counters.cycles + stall < limit ? translated(number, block) : nullptr;
     if (entry != nullptr) {
-      if (translated_led_here && stall == 0) decoded_->translator->lead_on(block.pc, *entry);
+      if (translated_led_here) decoded_->translator->lead_on(block.pc, *entry, stall != 0);
       e.counters.cycles += stall;
       return run_translated(*entry, limit);
     }
   }
   if (early_jump || !may_run) [[unlikely]] {
-    if (early_jump || bound < kAbsent || !fetch_and_execute(number, stall, limit)) step();
+    if (early_jump || bound < kAbsent || !fetch_and_execute(block, stall, limit)) step();
     unsettled_ = fetch_unsettled() ? kAbsent : 0;
   } else if (translation_on_) {
     execute(cache_.instructions(block), 0, stall);
@@ -236,26 +237,32 @@ inline bool Hart::run_block(std::uint32_t number, std::uint64_t limit, bool tran
   return false;
 }
 
-/// Whether translated code may begin a block. Only its front must be present: it asks for the rest when it gets there.
+/// Whether translated code may begin a block: no instruction of it can start too late, whatever must be fetched for it.
+/// It asks for its lines when it gets there, but for those of the first instruction where others use the cache, or
+/// where a stall comes behind them.
 inline bool Hart::may_begin(const Block& block, std::uint32_t stall, std::uint64_t limit) const {
-  if (unsettled_ != 0 || !cache_.is_front_present(block)) return false;
-  const auto bound = std::uint64_t{block.front_bound} + stall;
+  if (unsettled_ != 0) return false;
+  if (block.line_count != 0 && (has_loose_limit() || stall != 0) && !cache_.begins_present(block)) return false;
+  const auto bound = std::uint64_t{block.fetch_bound} + stall;
   return execution_.counters.cycles + (bound & bound_mask_) < limit;
 }
 
-/// A block, and behind it what follows by links without anything to decide: short loops stay here.
+/// A block, and behind it what follows by links without anything to decide.
 inline void Hart::interpret(const Block& block, std::uint32_t stall, std::uint64_t limit) {
   auto& e = execution_;
   execute(cache_.instructions(block), 0, stall);
-  // Behind a taken branch or jump to a known block, only the limit wants a look.
-  while (e.jumped && e.link != nullptr && *e.link != 0 && !cache_.is_stale()) {
+  // Only the limit and the lines want a look.
+  while (e.link != nullptr && *e.link != 0 && e.leave == Leave::normal && !interrupt_ready_ && !cache_.is_stale()) {
     const auto& next = cache_.block(*e.link);
-    const auto cycles = e.counters.cycles + (next.unaligned ? kUnalignedTargetExtra : 0U);
-    if (next.pc != e.pc || cycles + (next.entry_bound & bound_mask_) >= limit) return;
+    if (next.pc != e.pc || !cache_.is_present(next)) return;
+    if (e.pipeline.before.op != Op::end_of_block && next.early_jump) return;
+    const auto cycles = e.counters.cycles + (e.jumped && next.unaligned ? kUnalignedTargetExtra : 0U);
+    const auto next_stall = stall_of(next);
+    if (cycles + ((std::uint64_t{next.last_start_bound} + next_stall) & bound_mask_) >= limit) return;
     e.counters.cycles = cycles;
     e.jumped = false;
     e.link = nullptr;
-    execute(cache_.instructions(next));
+    execute(cache_.instructions(next), 0, next_stall);
   }
 }
 
@@ -301,7 +308,7 @@ std::uint32_t Hart::following_block(std::uint32_t* link) {
 /// Code for a block, once it is hot.
 inline const translate::Entry* Hart::translated(std::uint32_t number, const Block& block) {
   auto& translator = decoded_->translator;
-  if (translator != nullptr && decoded_->translated_generation == cache_.generation()) [[likely]] {
+  if (translator != nullptr) [[likely]] {
     if (const auto* entry = translator->find(number); entry != nullptr) return entry;
   }
   return translate_when_hot(number, block);

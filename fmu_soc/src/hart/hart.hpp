@@ -68,15 +68,18 @@ struct DecodedCode {
   BlockCache blocks;
   Banks* banks;
   std::unique_ptr<translate::Translator> translator;  // made when the first block is hot
-  std::uint64_t translated_generation = 0;            // of the blocks
-  std::uint64_t times_forgotten = 0;                  // that translations were thrown away
+  std::uint64_t times_dropped = 0;                    // that translations were thrown away
 
   void drop_translations() {
+    if (translator == nullptr) return;
+    times_dropped += translator->times_dropped() + 1;
+    blocks.set_listener(nullptr);
     translator.reset();
-    ++times_forgotten;
   }
   /// Grows whenever code that a hart has left to go on there may be gone.
-  std::uint64_t version() const { return blocks.generation() + times_forgotten; }
+  std::uint64_t version() const {
+    return blocks.generation() + times_dropped + (translator == nullptr ? 0 : translator->times_dropped());
+  }
 };
 
 /// One RISC-V hardware thread: RV32IMC_Zicsr_Zifencei in machine mode, timed as RI5CY (then with Xpulp v2) or CV32E40P.
@@ -112,8 +115,15 @@ class Hart {
   void set_tick_offset(std::uint64_t offset) { tick_offset_ = offset; }
 
   /// With a loose limit, a block that starts before it runs to its end.
-  void set_loose_limit(bool loose) { bound_mask_ = loose ? ~std::uint64_t{0xffffffff} : ~std::uint64_t{0}; }
+  void set_loose_limit(bool loose) {
+    bound_mask_ = loose ? ~std::uint64_t{0xffffffff} : ~std::uint64_t{0};
+    cache_.set_end_at_targets(!loose);
+  }
 
+  /// Instructions decoded, and translated, since construction for this hart and those that share its decoded code. What
+  /// is done again counts again.
+  std::uint64_t instructions_decoded() const { return cache_.decoded(); }
+  std::uint64_t instructions_translated() const { return translates() ? decoded_->translator->translated() : 0; }
   /// Whether code of this hart, or of one that shares its decoded code, has been translated.
   bool translates() const { return decoded_->translator != nullptr; }
   /// Whether hot code is translated to code of the host where that is possible; at the start it is. Counts are the
@@ -263,11 +273,12 @@ class Hart {
   void finish_block();
   const Instruction* run_until(const Instruction* at, const Instruction* stop);
   Retired foresee(std::uint32_t pc) const;
-  void run_block_observed(std::uint32_t number, std::uint32_t stall, std::uint64_t limit, bool alone);
+  void run_block_observed(const Block& block, std::uint32_t stall, std::uint64_t limit, bool alone);
   void execute_observed(const Instruction* first, std::uint32_t stall);
   const Instruction* run_until_observed(const Instruction* at, const Instruction* stop);
-  bool fetch_and_execute(std::uint32_t number, std::uint32_t stall, std::uint64_t limit);
-  void execute_fetching(const Instruction* at, std::uint32_t number);
+  bool fetch_and_execute(const Block& block, std::uint32_t stall, std::uint64_t limit);
+  void execute_fetching(const Instruction* at);
+  static std::uint64_t fetch_line(Execution* execution, std::uint32_t line, std::uint64_t spent);
   std::uint32_t block_of(const Instruction* at) const { return cache_.known((at - at->index)->pc); }
   bool is_present(const Instruction* at) const;
   void resume_fetching(const Instruction* at, std::uint32_t wait_cycles, std::uint32_t stall,

@@ -20,14 +20,14 @@ Retired Hart::foresee(std::uint32_t pc) const {
 
 /// A block, or only its first instruction, wherever a hart without an observer would decide so. The observer has been
 /// asked before the first instruction.
-void Hart::run_block_observed(std::uint32_t number, std::uint32_t stall, std::uint64_t limit, bool alone) {
+void Hart::run_block_observed(const Block& block, std::uint32_t stall, std::uint64_t limit, bool alone) {
   if (alone) {
     const auto retired = foresee(execution_.pc);
     const auto instructions = execution_.counters.instructions;
     step();
     if (execution_.counters.instructions != instructions) observer_->retired(*this, retired);
-  } else if (const auto& block = cache_.block(number); block.entry_bound == kAbsent || unsettled_ != 0) {
-    fetch_and_execute(number, stall, limit);
+  } else if (!cache_.is_present(block) || unsettled_ != 0) {
+    fetch_and_execute(block, stall, limit);
   } else {
     execute_observed(cache_.instructions(block), stall);
   }

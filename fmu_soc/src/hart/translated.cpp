@@ -11,7 +11,7 @@ namespace {
 /// A block is translated when it was interpreted this often in one epoch: what runs now and then, for however long, is
 /// not worth it.
 constexpr std::uint16_t kHot = 64;
-constexpr unsigned kEpochBits = 24;  // of cycles
+constexpr unsigned kEpochBits = 26;  // of cycles: a program of a megabyte, all of it hot, runs 64 times in one
 /// Most cycles of one stay in translated code: its counts have 32 bits.
 constexpr std::uint64_t kLongestRun = std::uint64_t{1} << 30;
 
@@ -24,13 +24,6 @@ void Hart::set_translation(bool on) {
 
 const translate::Entry* Hart::translate_when_hot(std::uint32_t number, const Block& block) {
   auto& translator = decoded_->translator;
-  auto& generation = decoded_->translated_generation;
-  const auto forget = [&] {
-    translator->forget();
-    ++decoded_->times_forgotten;
-    generation = cache_.generation();
-  };
-  if (translator != nullptr && generation != cache_.generation()) forget();
   if (const auto epoch = static_cast<std::uint32_t>(execution_.counters.cycles >> kEpochBits); epoch != block.epoch) {
     block.epoch = epoch;
     block.heat = 0;
@@ -40,12 +33,11 @@ const translate::Entry* Hart::translate_when_hot(std::uint32_t number, const Blo
   const auto first = cache_.instructions(block)->op;
   if (ends_block(first) && !is_jump(first) && !is_hardware_loop(first)) return nullptr;  // nothing to gain
   if (translator == nullptr) {
-    translator = translate::make_translator(cache_, execution_, {has_loose_limit(), decoded_->banks});
-    generation = cache_.generation();
+    translator = translate::make_translator(cache_, execution_, {has_loose_limit(), decoded_->banks, fetch_line});
     translation_on_ = translator != nullptr;
     if (!translation_on_) return nullptr;
+    cache_.set_listener(translator.get());
   }
-  if (translator->full()) forget();
   return &translator->translate(number);
 }
 

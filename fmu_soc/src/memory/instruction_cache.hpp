@@ -3,11 +3,16 @@
 
 #include "mebots/state/bytes.hpp"
 
+#include <algorithm>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 namespace mebots::soc {
+
+class Memory;
 
 /// Shape and cost of an instruction cache; from the board. Bytes and ways are powers of two.
 struct InstructionCacheSettings {
@@ -25,9 +30,12 @@ struct InstructionCacheSettings {
 /// that all lines of a piece of code are here need not ask again until one of them has left.
 class InstructionCache {
  public:
-  static constexpr std::uint32_t kNoLine = ~std::uint32_t{0};  // the number of no line: the last one holds no code
-
   explicit InstructionCache(const InstructionCacheSettings& settings);
+  InstructionCache(const InstructionCache&) = delete;
+  InstructionCache& operator=(const InstructionCache&) = delete;
+
+  /// Code comes from this memory, which must outlive the cache.
+  void cover(const Memory& memory);
 
   std::uint32_t line_of(std::uint32_t address) const { return address >> line_bits_; }
   std::uint32_t address_of(std::uint32_t line) const { return line << line_bits_; }
@@ -35,10 +43,25 @@ class InstructionCache {
   std::uint32_t refill_cycles() const { return refill_cycles_; }
 
   bool holds(std::uint32_t line) const { return find(line) != nullptr; }
+  /// A byte that tells whether the line of this address is here, and behind it those of the lines that follow in the
+  /// same memory: a question of one instruction for translated code. Null when the address is not in the memory
+  /// covered.
+  const std::uint8_t* presence(std::uint32_t address) const;
   /// Cycles that a fetch from this line in cycle `tick` waits; brings it here when it is not.
   std::uint32_t fetch(std::uint32_t line, std::uint64_t tick);
-  /// The line that had to go in the last refill, kNoLine when none had.
-  std::uint32_t evicted() const { return evicted_; }
+  /// Brings a line that is not here; gives the cycles that takes.
+  std::uint32_t refill(std::uint32_t line, std::uint64_t tick) {
+    const auto place = (line & set_mask_) * ways_ + next_way();
+    auto& entry = entries_[place];
+    *present_[place] = 0;
+    present_[place] = byte_of(line);
+    *present_[place] = 1;
+    entry.line = line;
+    entry.ready = tick + refill_cycles_;
+    settled_ = std::max(settled_, entry.ready);
+    ++refills_;
+    return refill_cycles_;
+  }
   /// All lines have arrived from this tick on.
   std::uint64_t settled() const { return settled_; }
   /// Empties it.
@@ -50,6 +73,10 @@ class InstructionCache {
   void restore(state::Reader& reader);
 
  private:
+  static constexpr std::uint32_t kNoLine = ~std::uint32_t{0};  // the number of no line: the last one holds no code
+  /// What the shift register feeds back: bits 7, 3, 2 and 1.
+  static constexpr std::uint8_t kTaps = 0x8e;
+
   struct Entry {
     std::uint32_t line = kNoLine;
     std::uint32_t unused = 0;  // no padding: equal states are equal bytes
@@ -63,15 +90,44 @@ class InstructionCache {
     }
     return nullptr;
   }
-  std::uint32_t next_way();
+  /// Presence of the lines of one memory.
+  struct Presence {
+    std::uint32_t base = 0;
+    std::uint32_t size = 0;
+    std::uint32_t first_line = 0;
+    std::uint32_t count = 0;
+    std::unique_ptr<std::uint8_t[]> bytes;
+  };
+
+  std::uint32_t next_way() {
+    const auto taps = static_cast<std::uint8_t>(shift_register_ & kTaps);
+    const auto even = static_cast<std::uint8_t>(~std::popcount(taps) & 1);
+    shift_register_ = static_cast<std::uint8_t>(shift_register_ << 1 | even);
+    return (shift_register_ >> 1) & (ways_ - 1);
+  }
+  /// Where presence of a line is noted; a byte that means nothing for a line outside the memory.
+  std::uint8_t* byte_of(std::uint32_t line) {
+    if (line - covered_first_ >= covered_count_) cover_line(line);
+    return line - covered_first_ < covered_count_ ? &covered_[line - covered_first_] : &nowhere_;
+  }
+  void cover_line(std::uint32_t line);
+  void note_absent();
+  void note_present();
 
   unsigned line_bits_;
   std::uint32_t ways_;
   std::uint32_t set_mask_;
   std::uint32_t refill_cycles_;
   std::vector<Entry> entries_;  // by set, then way
+  // Not part of a state, since it follows from the entries: presence of the lines of each memory, the byte of each
+  // entry, and the memory in which a line was looked for last.
+  std::vector<Presence> presence_;
+  std::vector<std::uint8_t*> present_;
+  std::uint8_t* covered_ = nullptr;
+  std::uint32_t covered_first_ = 0;
+  std::uint32_t covered_count_ = 0;
+  std::uint8_t nowhere_ = 0;
   std::uint8_t shift_register_ = 0;
-  std::uint32_t evicted_ = kNoLine;
   std::uint64_t settled_ = 0;
   std::uint64_t refills_ = 0;
 };

@@ -100,19 +100,35 @@ bool Memory::marked(std::uint32_t address, std::uint32_t count, std::uint8_t mar
   return false;
 }
 
+void Memory::unmark(std::uint32_t address, std::uint32_t count, std::uint8_t marks) {
+  auto* region = find(address, count);
+  if (region == nullptr || count == 0) return;
+  const auto first = (address - region->base) / 4;
+  const auto last = (address - region->base + count - 1) / 4;
+  for (auto word = first; word <= last; ++word) region->marks[word] &= static_cast<std::uint8_t>(~marks);
+}
+
+std::uint8_t Memory::add_code_mark() {
+  static constexpr std::array<std::uint8_t, 6> kMarks{Region::kCode, 8, 16, 32, 64, 128};
+  if (code_marks_ == kMarks.size()) throw Error("a memory has at most 6 decode caches");
+  return kMarks[code_marks_++];
+}
+
 bool Memory::changed(std::uint32_t address, std::uint32_t count) {
-  if (!marked(address, count, Region::kCode)) return false;
-  forget_code();
+  if (!marked(address, count, Region::kAnyCode)) return false;
+  invalidate_code(address, count);
   return true;
+}
+
+void Memory::invalidate_code(std::uint32_t address, std::uint32_t count) {
+  changes_[code_generation_ % kKeptChanges] = {address, count};
+  ++code_generation_;
+  if (code_generation_ - oldest_change_ > kKeptChanges) ++oldest_change_;
 }
 
 void Memory::forget_code() {
   ++code_generation_;
-  for (auto& region : regions_) {
-    for (std::uint32_t word = 0; word < region.size / 4; ++word) {
-      region.marks[word] = static_cast<std::uint8_t>(region.marks[word] & ~Region::kCode);
-    }
-  }
+  oldest_change_ = code_generation_;
 }
 
 void Memory::save(state::Writer& writer) const {

@@ -3,6 +3,8 @@
 
 #include "mebots/state/bytes.hpp"
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <deque>
 #include <memory>
@@ -13,9 +15,11 @@ namespace mebots::soc {
 
 /// One piece of RAM. Every word has a byte of marks, which tells stores that somebody must hear of them.
 struct Region {
-  static constexpr std::uint8_t kCode = 1;   // decoded instructions stand here
+  static constexpr std::uint8_t kCode = 1;   // instructions stand here that the first decode cache has decoded
   static constexpr std::uint8_t kWatch = 2;  // the host wants to know
   static constexpr std::uint8_t kLoop = 4;   // the last instruction of a hardware loop begins here
+  static constexpr std::uint8_t kAnyCode =
+      0xf9;  // kCode, and what Memory::add_code_mark gives to further decode caches
 
   std::string name;
   std::uint32_t base = 0;
@@ -50,13 +54,31 @@ class Memory {
   void mark(std::uint32_t address, std::uint32_t count, std::uint8_t marks);
   /// True when any word that the bytes touch has one of the marks.
   bool marked(std::uint32_t address, std::uint32_t count, std::uint8_t marks) const;
-  /// To be called after bytes in RAM changed other than by loading a program: cores must forget what they decoded
+  /// Takes marks away from every word that the bytes touch.
+  void unmark(std::uint32_t address, std::uint32_t count, std::uint8_t marks);
+
+  /// The mark of one more decode cache on what it has decoded: each has its own, so that it can take it away alone.
+  /// Throws Error when there are too many.
+  std::uint8_t add_code_mark();
+  /// To be called after bytes in RAM changed other than by loading a program: cores must invalidate what they decoded
   /// there. True when code stood there.
   bool changed(std::uint32_t address, std::uint32_t count);
-  /// Grows whenever decoded instructions have become void. Cores compare it before they go on.
-  std::uint64_t code_generation() const { return code_generation_; }
+  /// Likewise, whether or not code stood there: what begins or ends there is another instruction now.
+  void invalidate_code(std::uint32_t address, std::uint32_t count);
   /// Makes all decoded instructions void.
   void forget_code();
+
+  /// Bytes whose decoded instructions have become void.
+  struct Change {
+    std::uint32_t address = 0;
+    std::uint32_t count = 0;
+  };
+  /// Number of changes so far. Cores compare it before they go on.
+  std::uint64_t code_generation() const { return code_generation_; }
+  /// Change number `generation`, below code_generation(); null when it is too long ago, or was a change of everything.
+  const Change* change(std::uint64_t generation) const {
+    return generation < oldest_change_ ? nullptr : &changes_[generation % kKeptChanges];
+  }
 
   /// Contents of all regions, and where hardware loops end: blocks end there, and with them the steps in which the
   /// cores of a cluster take turns. The other marks are not part of it.
@@ -64,8 +86,13 @@ class Memory {
   void restore(state::Reader& reader);
 
  private:
+  static constexpr std::size_t kKeptChanges = 64;
+
   std::deque<Region> regions_;
   std::uint64_t code_generation_ = 1;
+  std::uint64_t oldest_change_ = 1;
+  std::array<Change, kKeptChanges> changes_{};
+  unsigned code_marks_ = 0;  // given away
 };
 
 }  // namespace mebots::soc

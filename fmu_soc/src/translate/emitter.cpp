@@ -17,15 +17,13 @@ static_assert(std::is_standard_layout_v<Execution>);
 }  // namespace
 
 Emitter::Emitter(const CodeMemory& code_memory, std::size_t used, const BlockCache& cache, const Execution& execution,
-                 const Manner& manner, Exits& exits)
+                 const Manner& manner, ExitTable& exits)
     : CodeGenerator(code_memory.size() - used, code_memory.writable() + used),
       ram_{execution.ram[0], execution.ram[1]},
       code_memory_(code_memory),
       cache_(cache),
       manner_(manner),
-      exits_(exits.exits),
-      ways_(exits.ways),
-      targets_(exits.targets) {
+      exits_(exits) {
   for (unsigned reg = 0; reg < execution.x.size(); ++reg) memory_operands_.push_back(memory(reg));
 }
 
@@ -70,9 +68,9 @@ Entry Emitter::emit_entry(const Node& node, bool runs_into_node) {
   Exit at_limit;
   at_limit.pc = node.block->pc;
   at_limit.block = node.number;
-  const auto check = [this, &node, at_limit](bool is_reached_straight) {
+  const auto check = [this, &node, at_limit](bool is_reached_straight, std::uint32_t stall) {
     Label leave;
-    jump_at_limit(*node.block, 0, leave);
+    jump_at_limit(*node.block, stall, leave);
     later([this, at_limit, is_reached_straight, leave]() mutable {
       L(leave);
       at_limit.is_reached_straight = is_reached_straight;
@@ -81,14 +79,19 @@ Entry Emitter::emit_entry(const Node& node, bool runs_into_node) {
     });
   };
   Label inside;
+  entry.stalled = code_memory_.executable(getCurr());
+  check(true, 1);
+  if (cache_.fetched() != nullptr && fetches_inline()) emit_fetch(node.first, nullptr);  // before it stalls
+  spend(1);
+  jmp(inside);
   entry.straight = code_memory_.executable(getCurr());
-  check(true);
+  check(true, 0);
   jmp(inside);
   entry.jumped = code_memory_.executable(getCurr());
   if (node.block->unaligned) spend(kUnalignedTargetExtra);
   entry.plain = code_memory_.executable(getCurr());
   L(entries_[index_of(node)]);
-  check(false);
+  check(false, 0);
   forget_what_came();
   L(inside);
   load_registers();
@@ -99,7 +102,16 @@ Entry Emitter::emit_entry(const Node& node, bool runs_into_node) {
 void Emitter::emit_node(const Node& node) {
   block_ = node.block;
   const auto* at = node.first;
-  while (emit_instruction(at)) ++at;
+  if (cache_.fetched() == nullptr) {
+    while (emit_instruction(at)) ++at;
+    return;
+  }
+  // With a cache that others use, too, who begins the block has asked for its first line.
+  if (fetches_inline()) emit_fetch(at, nullptr);
+  while (emit_instruction(at)) {
+    ++at;
+    if (!is_block_end(at->op)) emit_fetch(at, at - 1);
+  }
 }
 
 /// False: the block is left here.

@@ -3,9 +3,9 @@
 
 #include "hart/execution.hpp"
 #include "translate/code_memory.hpp"
+#include "translate/exit_table.hpp"
 #include "translate/region.hpp"
 #include "translate/registers.hpp"
-#include "translate/target_table.hpp"
 #include "translate/translator.hpp"
 
 #include <xbyak/xbyak.h>
@@ -43,20 +43,15 @@ class Emitter : private Xbyak::CodeGenerator {
     const std::uint8_t* enter = nullptr;  // to be executed
     const std::uint8_t* leave = nullptr;  // as written; eax = number of the exit
     const std::uint8_t* park = nullptr;   // likewise, for a block that may not begin; rdx = where it does
+    /// As written, to be called: brings line eax of the code, edx cycles after the start of the block.
+    const std::uint8_t* fetch = nullptr;
   };
-  /// What the code refers to and what outlives the emitter.
-  struct Exits {
-    std::vector<Exit> exits;
-    std::deque<const std::uint8_t*> ways;  // they stay where they are
-    TargetTable targets;
-  };
-
   /// In place of the number of an exit: not in translated code.
   static constexpr std::uint64_t kNoExit = 0xffffffff;
 
   /// Writes behind the first `used` bytes.
   Emitter(const CodeMemory& code_memory, std::size_t used, const BlockCache& cache, const Execution& execution,
-          const Manner& manner, Exits& exits);
+          const Manner& manner, ExitTable& exits);
 
   /// The gates, at the start of the code memory.
   Gates emit_gates();
@@ -70,6 +65,7 @@ class Emitter : private Xbyak::CodeGenerator {
 
   // gates.cpp
   void emit_account();
+  void emit_fetch_gate();
 
   // emitter.cpp: blocks, operands
   void emit_node(const Node& node);
@@ -155,8 +151,10 @@ class Emitter : private Xbyak::CodeGenerator {
   void check_limit(const Node& node, std::uint32_t stall, const Exit& at_limit, const Pipeline& pipeline);
   void check_limit(const Node& node);
   void jump_at_limit(const Block& block, std::uint32_t stall, Label& leave);
-  void jump_when_absent(const Block& block, std::uint32_t end, Label& leave);
-  void emit_fetch(const Instruction* at);
+  bool fetches_inline() const { return !manner_.loose_limit; }
+  void jump_when_absent(std::uint32_t address, Label& absent);
+  void emit_fetch(const Instruction* at, const Instruction* before);
+  const Node* node_at(std::uint32_t link, std::uint32_t pc) const;
   void emit_leave(const Exit& exit);
   void emit_park(const Node& node, const Exit& exit, const Pipeline& pipeline);
   void emit_way(Exit exit);
@@ -172,9 +170,7 @@ class Emitter : private Xbyak::CodeGenerator {
   const CodeMemory& code_memory_;
   const BlockCache& cache_;
   const Manner manner_;
-  std::vector<Exit>& exits_;
-  std::deque<const std::uint8_t*>& ways_;
-  const TargetTable& targets_;
+  ExitTable& exits_;
   const Region* region_ = nullptr;
   const Registers* registers_ = nullptr;
   Gates gates_;

@@ -3,6 +3,7 @@
 // Ways out of a block: to another one of the region, to other translated code, back to the interpreter.
 #include "translate/emitter.hpp"
 
+#include <algorithm>
 #include <bit>
 
 namespace mebots::soc::translate {
@@ -24,9 +25,9 @@ void Emitter::spend(std::uint32_t cycles) {
 }
 
 std::uint32_t Emitter::add_exit(const Exit& exit) {
-  exits_.push_back(exit);
-  if (exit.resumes || exit.straight) exits_.back().is_reached_straight = true;
-  return static_cast<std::uint32_t>(exits_.size() - 1);
+  auto added = exit;
+  if (exit.resumes || exit.straight) added.is_reached_straight = true;
+  return exits_.add(added);
 }
 
 void Emitter::emit_leave(const Exit& exit) {
@@ -43,11 +44,11 @@ void Emitter::emit_resume(const Instruction* at) {
   emit_leave(exit);
 }
 
-/// Jumps when fewer cycles may still start than the block asks for, of which the first stall, or when its front must be
-/// fetched first. With a loose limit a block asks for one cycle.
+/// Jumps when fewer cycles may still start than the block asks for, of which the first stall. With a loose limit a
+/// block asks for one cycle, and for the lines of its first instruction: others use the cache, too.
 void Emitter::jump_at_limit(const Block& block, std::uint32_t stall, Label& leave) {
   if (!manner_.loose_limit) {
-    cmp(r15, block.front_bound + stall);
+    cmp(r15, block.fetch_bound + stall);
     jle(leave, T_NEAR);
   } else if (manner_.banks != nullptr) {
     cmp(r15, ptr[rbx + static_cast<int>(offsetof(Execution, host.end))]);
@@ -56,19 +57,58 @@ void Emitter::jump_at_limit(const Block& block, std::uint32_t stall, Label& leav
     cmp(r15, 0);
     jle(leave, T_NEAR);
   }
-  if (cache_.fetches()) jump_when_absent(block, block.front_end, leave);
+  if (cache_.fetched() != nullptr && !fetches_inline()) {
+    jump_when_absent(block.pc, leave);
+    if (block.begins_across) jump_when_absent(block.pc + 2, leave);
+  }
 }
 
-/// Jumps when the block's code before `end` may not be in the instruction cache; rdx may be lost.
-void Emitter::jump_when_absent(const Block& block, std::uint32_t end, Label& leave) {
-  const auto* present_end = &block.present_end;
-  if (near(present_end, sizeof *present_end)) {
-    cmp(dword[r14 + from_first_memory(present_end)], end);
+/// Jumps when the line of this code is not in the instruction cache; rdx may be lost.
+void Emitter::jump_when_absent(std::uint32_t address, Label& absent) {
+  const auto* present = cache_.fetched()->presence(address);
+  if (near(present, 1)) {
+    cmp(byte[r14 + from_first_memory(present)], 0);
   } else {
-    mov(rdx, reinterpret_cast<std::uint64_t>(present_end));
-    cmp(dword[rdx], end);
+    mov(rdx, reinterpret_cast<std::uint64_t>(present));
+    cmp(byte[rdx], 0);
   }
-  jb(leave, T_NEAR);
+  je(absent, T_NEAR);
+}
+
+/// In front of an instruction: brings those of its lines that are absent, but for the last one of the instruction
+/// before, or where others use the cache, leaves that to the interpreter. eax, rcx and rdx may be lost.
+void Emitter::emit_fetch(const Instruction* at, const Instruction* before) {
+  const auto& cache = *cache_.fetched();
+  const auto last = cache.line_of(at[1].pc - 1);
+  for (auto line = cache.line_of(at->pc); line <= last; ++line) {
+    if (before != nullptr && line == cache.line_of(before[1].pc - 1)) continue;
+    Label absent;
+    Label present;
+    jump_when_absent(std::max(at->pc, cache.address_of(line)), absent);
+    L(present);
+    later([this, at, line, absent, present]() mutable {
+      L(absent);
+      if (fetches_inline()) {
+        mov(eax, line);
+        mov(edx, at->cycles_before + waits_before(at));
+        call(gates_.fetch);
+        jmp(present, T_NEAR);
+        return;
+      }
+      Exit exit;
+      exit.resumes = true;
+      exit.fetches = true;
+      exit.at = at;
+      exit.wait_cycles = waits_before(at);
+      emit_leave(exit);
+    });
+  }
+}
+
+/// The node of the region to which a link has led, at `pc`; null when there is none.
+const Node* Emitter::node_at(std::uint32_t link, std::uint32_t pc) const {
+  const auto number = linked(cache_, link, pc);
+  return number == 0 ? nullptr : region_->find(number);
 }
 
 /// A block may only begin when none of its instructions can start too late. `pipeline` is how it finds the pipeline.
@@ -110,7 +150,7 @@ void Emitter::check_limit(const Node& node) {
 /// Leaves the block behind `at`, which is counted already but for an unaligned target.
 void Emitter::emit_edge(const Instruction* at, std::uint32_t pc, bool jumped) {
   const auto extra = is_branch(at->op) ? kTakenBranchExtra : 0U;
-  if (const auto* node = at->link != 0 ? region_->find(at->link) : nullptr; node != nullptr) {
+  if (const auto* node = node_at(at->link, pc); node != nullptr) {
     count(at, extra + (jumped && node->block->unaligned ? kUnalignedTargetExtra : 0U));
     check_limit(*node);
     if (is_branch(at->op) || node != following_) jmp(label_of(*node), T_NEAR);
@@ -128,10 +168,10 @@ void Emitter::emit_edge(const Instruction* at, std::uint32_t pc, bool jumped) {
 void Emitter::emit_way(Exit exit) {
   store_registers();
   // To the next instruction until it is led elsewhere. The way stands in data: code is never changed.
-  exit.way = &ways_.emplace_back();
-  mov(rdx, reinterpret_cast<std::uint64_t>(exit.way));
-  jmp(ptr[rdx]);
-  *exit.way = code_memory_.executable(getCurr());
+  exit.way = exits_.add_way();
+  constexpr auto kJumpBytes = 6;
+  jmp(ptr[rip + static_cast<int>(exits_.place_of(exit.way) - (getCurr() + kJumpBytes))]);
+  exits_.set_closed(exit.way, code_memory_.executable(getCurr()));
   mov(eax, add_exit(exit));
   jmp(gates_.leave, T_NEAR);
 }
@@ -169,25 +209,6 @@ void Emitter::emit_branch(const Instruction* at) {
     L(taken);
     emit_edge(at, static_cast<std::uint32_t>(at->imm), true);
   });
-  if (cache_.fetches()) emit_fetch(at + 1);
-}
-
-/// Behind a branch that was not taken: goes on in the block when its code is there up to the next one.
-void Emitter::emit_fetch(const Instruction* at) {
-  if (is_block_end(at->op)) return;
-  const auto* last = at;
-  while (!is_block_end(last[1].op) && !is_branch(last->op)) ++last;
-  Label absent;
-  jump_when_absent(*block_, last[1].pc, absent);
-  later([this, at, absent]() mutable {
-    L(absent);
-    Exit exit;
-    exit.resumes = true;
-    exit.fetches = true;
-    exit.at = at;
-    exit.wait_cycles = waits_before(at);
-    emit_leave(exit);
-  });
 }
 
 void Emitter::emit_jump(const Instruction* at) {
@@ -218,7 +239,7 @@ void Emitter::emit_jump_register(const Instruction* at) {
   Label unknown;
   mov(ecx, eax);
   and_(ecx, TargetTable::kMask);
-  mov(rdx, reinterpret_cast<std::uint64_t>(targets_.targets.data()));
+  mov(rdx, reinterpret_cast<std::uint64_t>(exits_.targets.data()));
   static_assert(sizeof(TargetTable::Target) == 16 && TargetTable::kStep == 2);
   cmp(ptr[rdx + rcx * 8], eax);
   jne(unknown);

@@ -77,8 +77,30 @@ Emitter::Gates Emitter::emit_gates() {
   mov(rdx, rbx);
   jmp(done);
 
+  gates.fetch = getCurr();
+  emit_fetch_gate();
   align(kGateAlignment);
   return gates;
+}
+
+/// Calls Manner::fetch_line and spends what it answers. Keeps all registers of the guest.
+void Emitter::emit_fetch_gate() {
+  const std::array saved{rsi, rdi, r8, r9, r10, r11};
+  for (const auto& reg : saved) push(reg);
+  // Translated code runs 8 bytes off an alignment to 16: its call and six registers leave the stack aligned.
+  sub(rsp, 16);
+  movdqu(ptr[rsp], xmm15);
+  mov(rdi, rbx);
+  mov(esi, eax);
+  add(rdx, ptr[rbx + offset_of_host(offsetof(HostState, begin))]);
+  sub(rdx, r15);
+  mov(rax, reinterpret_cast<std::uint64_t>(manner_.fetch_line));
+  call(rax);
+  movdqu(xmm15, ptr[rsp]);
+  add(rsp, 16);
+  sub(r15, rax);
+  for (auto reg = saved.rbegin(); reg != saved.rend(); ++reg) pop(*reg);
+  ret();
 }
 
 /// Adds what a run has counted to the counters; rcx and rdx are lost.

@@ -92,7 +92,7 @@ void Emitter::emit_turn(const Instruction* at, unsigned loop) {
 /// before it. A block of one instruction knows too little of what came before.
 const Node* Emitter::straight_successor(const Instruction* end, std::uint32_t link) const {
   if (link == 0 || end->index < 2) return nullptr;
-  const auto* node = region_->find(link);
+  const auto* node = cache_.block(link).valid() ? region_->find(link) : nullptr;
   return node != nullptr && !node->block->early_jump ? node : nullptr;
 }
 
@@ -123,7 +123,7 @@ void Emitter::set_where_from(const Instruction* end) {
 
 void Emitter::emit_straight_to(const Instruction* at, const Node& node) {
   count(at - 1, 0);
-  const bool stalls = is_load(at[-1].op) && (node.block->stalled_by >> at[-1].rd & 1U) != 0;
+  const bool stalls = translate::stalls(*node.block, at);
   Exit at_limit;
   at_limit.straight = true;
   at_limit.pc = node.block->pc;
@@ -131,7 +131,10 @@ void Emitter::emit_straight_to(const Instruction* at, const Node& node) {
   at_limit.at = at;
   check_limit(node, stalls ? 1U : 0U, at_limit, {executed(at[-1], false), executed(at[-2], false)});
   set_where_from(at);
-  if (stalls) spend(1);
+  if (stalls) {
+    if (cache_.fetched() != nullptr && fetches_inline()) emit_fetch(node.first, nullptr);  // before it stalls
+    spend(1);
+  }
   jmp(label_of(node), T_NEAR);
 }
 

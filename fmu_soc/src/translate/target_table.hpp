@@ -1,27 +1,47 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
 #include <cstdint>
+#include <cstdlib>
+#include <memory>
+#include <new>
 
 namespace mebots::soc::translate {
 
-/// Code of the last known targets of indirect jumps, looked up by translated code.
-struct TargetTable {
+/// Code of the last known targets of indirect jumps, looked up by translated code: as large as the code of a real
+/// program, so that what is hot does not push each other out.
+class TargetTable {
+ public:
   static constexpr std::uint32_t kStep = 2;  // bytes of a pc per entry
-  static constexpr std::uint32_t kMask = 0x7fe;
+  static constexpr std::uint32_t kMask = 0x1fffe;
 
   struct Target {
-    std::uint32_t pc = kNone;
-    std::uint32_t unused = 0;
-    const std::uint8_t* code = nullptr;
+    std::uint32_t pc;
+    std::uint32_t unused;
+    const std::uint8_t* code;
   };
 
-  void clear() { targets = {}; }
-  void set(std::uint32_t pc, const std::uint8_t* code) { targets[(pc & kMask) / kStep] = {pc, 0, code}; }
+  /// All zero: no pc but 0 has an entry then, and that one is taken away. Memory that is never touched costs nothing.
+  TargetTable() : targets_(static_cast<Target*>(std::calloc(kMask / kStep + 1, sizeof(Target)))) {
+    if (targets_ == nullptr) throw std::bad_alloc();
+    forget(0);
+  }
+
+  const Target* data() const { return targets_.get(); }
+  void set(std::uint32_t pc, const std::uint8_t* code) { entry_of(pc) = {pc, 0, code}; }
+  void forget(std::uint32_t pc) {
+    if (entry_of(pc).pc == pc) entry_of(pc).pc = kNone;
+  }
+
+ private:
+  struct Free {
+    void operator()(Target* targets) const { std::free(targets); }
+  };
 
   static constexpr std::uint32_t kNone = 1;  // no pc is odd
-  std::array<Target, kMask / kStep + 1> targets{};
+  Target& entry_of(std::uint32_t pc) { return targets_[(pc & kMask) / kStep]; }
+
+  std::unique_ptr<Target[], Free> targets_;
 };
 
 }  // namespace mebots::soc::translate

@@ -3,6 +3,7 @@
 
 #include "translate/code_memory.hpp"
 #include "translate/emitter.hpp"
+#include "translate/exit_table.hpp"
 
 #include <xbyak/xbyak_util.h>
 
@@ -12,35 +13,49 @@
 namespace mebots::soc::translate {
 namespace {
 
-constexpr std::size_t kCodeBytes = std::size_t{4} << 20;
 /// More than any region takes: room that must be left before one is begun.
 constexpr std::size_t kMostRegionBytes = std::size_t{256} << 10;
+constexpr std::size_t kMostRegionPatchPoints = 4096;
 
 class HostTranslator : public Translator {
  public:
   HostTranslator(const BlockCache& cache, const Execution& execution, const Manner& manner,
                  std::unique_ptr<CodeMemory> memory)
-      : cache_(cache), manner_(manner), memory_(std::move(memory)) {
+      : cache_(cache), manner_(manner), memory_(std::move(memory)), exits_(*memory_) {
     memories_.ram[0] = execution.ram[0];
     memories_.ram[1] = execution.ram[1];
-    entries_.resize(BlockCache::kMaxBlocks);
+    entries_.reserve(BlockCache::kMaxBlocks);
     Emitter emitter(*memory_, 0, cache_, memories_, manner_, exits_);
     gates_ = emitter.emit_gates();
-    gates_size_ = emitter.size();
-    used_ = gates_size_;
+    begin_segment(0);
   }
 
-  bool full() const override { return used_ + kMostRegionBytes > memory_->size(); }
-
   const Entry& translate(std::uint32_t block) override {
-    const auto region = grow_region(cache_, block);
+    make_room();
+    const auto region = grow_region(cache_, block, [this](auto number) { return find(number) != nullptr; });
+    for (const auto& node : region.nodes) {
+      if (entries_.size() <= node.number) entries_.resize(std::max<std::size_t>(2 * entries_.size(), node.number + 1));
+    }
+    const auto number = new_region();
+    auto& made = regions_[number];
+    made.segment = segment_;
+    const auto first_exit = exits_.count();
+    made.begin = memory_->executable(memory_->writable() + used_);
     Emitter emitter(*memory_, used_, cache_, memories_, manner_, exits_);
     const auto entries = emitter.emit(region, allocate(region), gates_);
+    used_ += align_up(emitter.size());
+    made.end = memory_->executable(memory_->writable() + used_);
     for (std::size_t i = 0; i < entries.size(); ++i) {
-      auto& entry = entries_[region.nodes[i].number];
-      if (entry.plain == nullptr) entry = entries[i];
+      const auto& node = region.nodes[i];
+      entries_[node.number] = entries[i];
+      entries_[node.number].region = number;
+      made.blocks.push_back({node.number, node.block->pc});
+      const auto* last = node.first;
+      while (!is_block_end(last->op)) ++last;
+      translated_ += last->index;
     }
-    used_ += (emitter.size() + 15) / 16 * 16;
+    // What it leads to may have code already.
+    for (auto exit = first_exit; exit < exits_.count(); ++exit) lead_where_known(exits_.exit_in_work(exit));
     return entries_[block];
   }
 
@@ -53,42 +68,128 @@ class HostTranslator : public Translator {
     const auto [exit, stopped] = std::bit_cast<Enter>(gates_.enter)(&execution, code);
     if (exit == Emitter::kNoExit) return {nullptr, stopped};
     last_exit_ = static_cast<std::uint32_t>(exit);
-    return {&exits_.exits[last_exit_], stopped};
+    return {&exits_.exit(last_exit_), stopped};
   }
 
-  void lead_on(std::uint32_t pc, const Entry& entry) override {
-    if (last_exit_ == kForgotten) return;
-    const auto& exit = exits_.exits[last_exit_];
+  void lead_on(std::uint32_t pc, const Entry& entry, bool stalled) override {
+    if (last_exit_ == kNone) return;
+    const auto& exit = exits_.exit(last_exit_);
+    if (stalled && !exit.straight) return;
     if (exit.indirect) {
       if (!exit.straight) exits_.targets.set(pc, entry.jumped);
-    } else if (exit.way != nullptr && exit.pc == pc) {
-      *exit.way = exit.straight ? entry.straight : exit.jumped ? entry.jumped : entry.plain;
+    } else if (exit.way != 0 && exit.pc == pc) {
+      lead(exit, entry, stalled);
     }
   }
 
-  void forget() override {
-    if (used_ == gates_size_) return;
-    std::fill(entries_.begin(), entries_.end(), Entry{});
-    last_exit_ = kForgotten;
-    exits_.exits.clear();
-    exits_.ways.clear();
-    exits_.targets.clear();
-    used_ = gates_size_;
-    CodeMemory::serialise();
+  void invalidated(std::uint32_t block) override {
+    if (find(block) != nullptr) drop(entries_[block].region);
   }
 
+  void invalidated_all() override {
+    for (std::uint32_t number = 1; number < regions_.size(); ++number) drop(number);
+  }
+
+  std::uint64_t times_dropped() const override { return times_dropped_; }
+  std::uint64_t translated() const override { return translated_; }
+
  private:
-  static constexpr auto kForgotten = ~std::uint32_t{0};
+  static constexpr auto kNone = ~std::uint32_t{0};
+
+  struct MadeRegion {
+    struct OfBlock {
+      std::uint32_t number;
+      std::uint32_t pc;
+    };
+    std::uint32_t segment = 0;
+    const std::uint8_t* begin = nullptr;  // of its code; null = dropped
+    const std::uint8_t* end = nullptr;
+    std::vector<OfBlock> blocks;
+    std::vector<std::uint32_t> led_here;  // patch points that lead to its code, or once did
+  };
+
+  /// Block chaining: the way out of one region becomes the way into another.
+  void lead(const Exit& exit, const Entry& entry, bool stalled) {
+    exits_.set_way(exit.way, stalled         ? entry.stalled
+                             : exit.straight ? entry.straight
+                             : exit.jumped   ? entry.jumped
+                                             : entry.plain);
+    regions_[entry.region].led_here.push_back(exit.way);
+  }
+
+  void lead_where_known(const Exit& exit) {
+    if (exit.way == 0) return;
+    const auto number = linked(cache_, exit.at->link, exit.pc);
+    if (number == 0 || find(number) == nullptr) return;
+    const auto& block = cache_.block(number);
+    if (exit.straight && block.early_jump) return;
+    lead(exit, entries_[number], exit.straight && stalls(block, exit.at));
+  }
+
+  static std::size_t align_up(std::size_t bytes) { return (bytes + 15) / 16 * 16; }
+
+  std::uint32_t new_region() {
+    if (free_regions_.empty()) {
+      regions_.emplace_back();
+      return static_cast<std::uint32_t>(regions_.size() - 1);
+    }
+    const auto number = free_regions_.back();
+    free_regions_.pop_back();
+    return number;
+  }
+
+  /// Nothing leads to its code any more. The code stays where it is until its segment is written over: its exits are
+  /// still good for a run that has just been left by one.
+  void drop(std::uint32_t number) {
+    auto& region = regions_[number];
+    if (region.begin == nullptr) return;
+    for (const auto& block : region.blocks) {
+      entries_[block.number] = {};
+      exits_.targets.forget(block.pc);
+    }
+    for (const auto way : region.led_here) {
+      if (exits_.way(way) >= region.begin && exits_.way(way) < region.end) exits_.close_way(way);
+    }
+    region.blocks.clear();
+    region.led_here.clear();
+    region.begin = nullptr;
+    free_regions_.push_back(number);
+    ++times_dropped_;
+  }
+
+  void begin_segment(std::uint32_t segment) {
+    segment_ = segment;
+    used_ = Segments::begin_of(segment) + Segments::kPatchPointBytes;
+    exits_.begin_segment(segment);
+  }
+
+  /// For one more region: in the segment in work, or in the next one, whose regions are dropped.
+  void make_room() {
+    if (used_ + kMostRegionBytes <= Segments::begin_of(segment_ + 1) && exits_.free_ways() >= kMostRegionPatchPoints)
+      return;
+    const auto next = (segment_ + 1) % Segments::kCount;
+    for (std::uint32_t number = 1; number < regions_.size(); ++number) {
+      if (regions_[number].begin == nullptr || regions_[number].segment != next) continue;
+      drop(number);
+    }
+    if (exits_.was_used(next)) CodeMemory::serialise();
+    last_exit_ = kNone;
+    begin_segment(next);
+  }
 
   const BlockCache& cache_;
   Execution memories_;  // only these of it
   Manner manner_;
   std::unique_ptr<CodeMemory> memory_;
   Emitter::Gates gates_;
-  std::size_t used_ = 0;
-  std::size_t gates_size_ = 0;
-  Emitter::Exits exits_;
-  std::uint32_t last_exit_ = kForgotten;
+  std::uint32_t segment_ = 0;  // in which code is made now
+  std::size_t used_ = 0;       // where the next region begins
+  ExitTable exits_;
+  std::vector<MadeRegion> regions_{1};  // number 0 is none
+  std::vector<std::uint32_t> free_regions_;
+  std::uint32_t last_exit_ = kNone;
+  std::uint64_t times_dropped_ = 0;
+  std::uint64_t translated_ = 0;
 };
 
 }  // namespace
@@ -112,7 +213,7 @@ std::unique_ptr<Translator> make_translator(const BlockCache& cache, const Execu
     const std::uint64_t longest = kDivideBaseCycles + 32 + 2 * (execution.ram[1].wait_cycles + 1);
     if (BlockCache::kMaxBlockLength * longest > Banks::kLongestBlock) return nullptr;
   }
-  auto memory = CodeMemory::create(kCodeBytes);
+  auto memory = CodeMemory::create(Segments::all_bytes());
   if (memory == nullptr) return nullptr;
   return std::make_unique<HostTranslator>(cache, execution, manner, std::move(memory));
 }

@@ -22,10 +22,10 @@ struct Exit {
   bool straight = false;             // behind the last instruction of a block, which `at` stands behind
   bool is_reached_straight = false;  // its block may be: HostState::came_from says from where
   std::uint32_t pc = 0;
-  std::uint32_t block = 0;             // that begins at `pc`; 0 = not known
-  const Instruction* at = nullptr;     // resumes: comes next; else: what led here, null when its link is of no interest
-  std::uint32_t wait_cycles = 0;       // resumes: what its block has waited for memories by rule
-  const std::uint8_t** way = nullptr;  // where the host goes on; can lead to translated code at `pc`
+  std::uint32_t block = 0;          // that begins at `pc`; 0 = not known
+  const Instruction* at = nullptr;  // resumes: comes next; else: what led here, null when its link is of no interest
+  std::uint32_t wait_cycles = 0;    // resumes: what its block has waited for memories by rule
+  std::uint32_t way = 0;  // patch point: where the host goes on; can lead to translated code at `pc`; 0 = none
 };
 
 /// Where code of a block can be entered.
@@ -33,6 +33,8 @@ struct Entry {
   const std::uint8_t* plain = nullptr;
   const std::uint8_t* jumped = nullptr;    // pays for an unaligned target first
   const std::uint8_t* straight = nullptr;  // from the end of a block, which HostState::came_from says
+  const std::uint8_t* stalled = nullptr;   // likewise, from a load that the first instruction waits for a cycle
+  std::uint32_t region = 0;                // number of the region that has the code
 };
 
 /// How a run ended.
@@ -45,27 +47,31 @@ struct Left {
 struct Manner {
   bool loose_limit = false;  // a block that starts before the limit runs to its end
   Banks* banks = nullptr;    // of the first memory, when others use it at the same time, now and then
+  /// Brings a line of code, `spent` cycles after the start of the run, where the hart has its instruction cache alone;
+  /// gives the cycles that it waits.
+  std::uint64_t (*fetch_line)(Execution* execution, std::uint32_t line, std::uint64_t spent) = nullptr;
 };
 
-/// Translations of a block cache, for harts that reach the same memories at the same place. They are void when the
-/// generation of the block cache has changed.
-class Translator {
+/// Translations of a block cache, for harts that reach the same memories at the same place. Each block is translated
+/// once, as part of one region. A region is dropped when a block of it becomes invalid, or to make room.
+class Translator : public BlockListener {
  public:
-  virtual ~Translator() = default;
-
   /// Code of a block, or null.
-  const Entry* find(std::uint32_t block) const { return entries_[block].plain != nullptr ? &entries_[block] : nullptr; }
-  /// No room is left to make code: forget first.
-  virtual bool full() const = 0;
-  /// Makes code for a block.
+  const Entry* find(std::uint32_t block) const {
+    return block < entries_.size() && entries_[block].plain != nullptr ? &entries_[block] : nullptr;
+  }
+  /// Makes code for a block that has none.
   virtual const Entry& translate(std::uint32_t block) = 0;
   /// Goes on at `code` of an entry with its budget, and when it was left only for the end of that, with those whose
   /// turn is next. The answer holds until the next translation.
   virtual Left run(Execution& execution, const std::uint8_t* code) = 0;
   /// The last run was left to go on at the block at `pc`: the same way out leads on to its code from now on.
-  virtual void lead_on(std::uint32_t pc, const Entry& entry) = 0;
-  /// Drops everything.
-  virtual void forget() = 0;
+  /// `stalled`: its first instruction waits for a load before.
+  virtual void lead_on(std::uint32_t pc, const Entry& entry, bool stalled) = 0;
+  /// How often regions were dropped: where a run goes on may be gone then.
+  virtual std::uint64_t times_dropped() const = 0;
+  /// Instructions translated so far, those translated again counted again.
+  virtual std::uint64_t translated() const = 0;
 
  protected:
   std::vector<Entry> entries_;  // by number of block

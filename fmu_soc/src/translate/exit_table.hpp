@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "translate/code_memory.hpp"
+#include "translate/target_table.hpp"
+#include "translate/translator.hpp"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <vector>
+
+namespace mebots::soc::translate {
+
+/// How the code memory is divided: the gates, then segments that are filled one after the other, round and round. A
+/// segment begins with its patch points: they are data that the code before them jumps by, in pages without code.
+struct Segments {
+  static constexpr std::uint32_t kCount = 8;
+  static constexpr std::size_t kGateBytes = 4096;
+  static constexpr std::uint32_t kPatchPoints = 1U << 15;
+  static constexpr std::size_t kPatchPointBytes = kPatchPoints * sizeof(const std::uint8_t*);
+  static constexpr std::size_t kBytes = kPatchPointBytes + (std::size_t{2} << 20);
+
+  static constexpr std::size_t begin_of(std::uint32_t segment) { return kGateBytes + segment * kBytes; }
+  static constexpr std::size_t all_bytes() { return begin_of(kCount); }
+};
+
+/// What translated code refers to by number and what outlives its emission: exits, patch points, targets of indirect
+/// jumps. Exits and patch points belong to the segment in which their code is.
+class ExitTable {
+ public:
+  explicit ExitTable(const CodeMemory& memory) : memory_(memory) {}
+
+  /// Code is made in this segment from now on; what it had before is gone.
+  void begin_segment(std::uint32_t segment) {
+    segment_ = segment;
+    exits_[segment].clear();
+    closed_[segment].clear();
+  }
+
+  bool was_used(std::uint32_t segment) const { return !exits_[segment].empty(); }
+
+  std::uint32_t add(const Exit& exit) {
+    exits_[segment_].push_back(exit);
+    return number_of(exits_[segment_].size() - 1);
+  }
+  const Exit& exit(std::uint32_t number) const { return exits_[number >> kIndexBits][number & kIndexMask]; }
+  /// Of the segment in work.
+  std::size_t count() const { return exits_[segment_].size(); }
+  const Exit& exit_in_work(std::size_t index) const { return exits_[segment_][index]; }
+
+  /// A new patch point, which stands at writable address `place` and does not lead anywhere yet.
+  std::uint32_t add_way() {
+    closed_[segment_].push_back(nullptr);
+    return number_of(closed_[segment_].size());  // not 0
+  }
+  /// Where it stands, as written.
+  std::uint8_t* place_of(std::uint32_t way) const {
+    return memory_.writable() + Segments::begin_of(way >> kIndexBits) +
+           ((way & kIndexMask) - 1) * sizeof(const std::uint8_t*);
+  }
+  std::size_t free_ways() const { return Segments::kPatchPoints - closed_[segment_].size(); }
+  /// Where it leads.
+  const std::uint8_t* way(std::uint32_t way) const {
+    const std::uint8_t* target = nullptr;
+    std::memcpy(&target, place_of(way), sizeof target);
+    return target;
+  }
+  void set_way(std::uint32_t way, const std::uint8_t* target) { std::memcpy(place_of(way), &target, sizeof target); }
+  /// Where it leads while nothing better is known: out of translated code.
+  void set_closed(std::uint32_t way, const std::uint8_t* target) {
+    closed_[way >> kIndexBits][(way & kIndexMask) - 1] = target;
+    set_way(way, target);
+  }
+  /// One whose segment has been emptied meanwhile stays as it is.
+  void close_way(std::uint32_t way) {
+    const auto& closed = closed_[way >> kIndexBits];
+    if ((way & kIndexMask) <= closed.size()) set_way(way, closed[(way & kIndexMask) - 1]);
+  }
+
+  TargetTable targets;
+
+ private:
+  static constexpr unsigned kIndexBits = 20;
+  static constexpr std::uint32_t kIndexMask = (1U << kIndexBits) - 1;
+
+  std::uint32_t number_of(std::size_t index) const {
+    return segment_ << kIndexBits | static_cast<std::uint32_t>(index);
+  }
+
+  const CodeMemory& memory_;
+  std::uint32_t segment_ = 0;
+  std::array<std::vector<Exit>, Segments::kCount> exits_;
+  std::array<std::vector<const std::uint8_t*>, Segments::kCount> closed_;  // of each patch point
+};
+
+}  // namespace mebots::soc::translate
