@@ -339,7 +339,8 @@ BusReply Soc::store(std::uint32_t address, std::uint64_t cycle, std::uint32_t va
 
 bool Soc::watched(std::uint32_t /*address*/) {
   std::uint32_t word = 0;
-  return stop_word_ && memory_.read(*stop_word_, {reinterpret_cast<std::uint8_t*>(&word), sizeof word}) && word != 0;
+  if (!stop_word_ || !memory_.read(*stop_word_, {reinterpret_cast<std::uint8_t*>(&word), sizeof word})) return false;
+  return (word & 1U) != 0;  // of the HTIF: others are the address of a call to the host
 }
 
 void Soc::advance(std::int64_t time_ns) {

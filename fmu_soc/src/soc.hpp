@@ -84,7 +84,7 @@ class Soc final : private Bus {
   /// Retired by all cores since the start.
   std::uint64_t instructions() const;
 
-  /// Stops at the store that makes this word other than 0. Throws Error when it is not in RAM.
+  /// Stops at the store that sets bit 0 of this word. Throws Error when it is not in RAM.
   void stop_when_stored(std::uint32_t address);
 
   /// Whether the core can only do the same for ever: it jumps to where it is, and no interrupt is enabled.

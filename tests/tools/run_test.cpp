@@ -38,7 +38,7 @@ TEST(Run, PrintsCountsEnergyByComponentAndSpeed) {
 
 // Each program is three instructions (la is two) and the store of interest; what follows must not run: it would
 // store 9, which is another exit code.
-TEST(Run, EndsAtTheStoreThatMakesTheLowWordOfTohostNonzeroHoweverItIsDone) {
+TEST(Run, EndsAtTheStoreThatSetsBit0OfTohostHoweverItIsDone) {
   const std::string_view after = "\nli t2, 9\nsw t2, 0(t0)\n1: j 1b";
   const auto ends_after = [&](std::string_view store, int instructions, int exit_code) {
     const auto run = run_program(fmt::format("_start: la t0, tohost\nli t1, 5\n{}{}", store, after));
@@ -48,13 +48,16 @@ TEST(Run, EndsAtTheStoreThatMakesTheLowWordOfTohostNonzeroHoweverItIsDone) {
   ends_after("sw t1, 0(t0)", 4, 2);
   ends_after("sh t1, 0(t0)", 4, 2);
   ends_after("sb t1, 0(t0)", 4, 2);
-  ends_after("sh t1, 2(t0)", 4, 0);  // 0x00050000: low byte of the value is 0
-  ends_after("sb t1, 3(t0)", 4, 0);
-  ends_after("sw t1, 4(t0)\nsw t1, 0(t0)", 5, 2);      // the high word first, as a 64-bit store may be done
-  ends_after("sw zero, 0(t0)\nsw t1, 0(t0)", 5, 2);    // storing 0 ends nothing
+  ends_after("sh t1, 2(t0)\nsb t1, 0(t0)", 5, 2);  // 0x00050000 ends nothing
+  ends_after("sb t1, 3(t0)\nsb t1, 0(t0)", 5, 2);
+  ends_after("slli t2, t1, 1\nsw t2, 0(t0)\nsw t1, 0(t0)", 6, 2);  // 10 is no end
+  ends_after("sw t0, 0(t0)\nsw t1, 0(t0)", 5, 2);                  // nor is an address, as of a call to the host
+  ends_after("sw t1, 4(t0)\nsw t1, 0(t0)", 5, 2);                  // the high word first, as a 64-bit store may be done
+  ends_after("sw zero, 0(t0)\nsw t1, 0(t0)", 5, 2);                // storing 0 ends nothing
   ends_after("slli t1, t1, 16\nsw t1, -2(t0)", 5, 2);  // across its border: the upper half is tohost's low half
   ends_after("sw t1, -2(t0)\nsw t1, 0(t0)", 5, 2);     // the upper half is 0: not yet
-  ends_after("slli t1, t1, 8\nsw t1, 3(t0)\nsw t1, 0(t0)", 6, 0x80);  // into the high word: byte 3 gets 0
+  // Into the high word: byte 3 gets 0.
+  ends_after("slli t1, t1, 8\nsw t1, 3(t0)\nsrli t1, t1, 8\nsw t1, 0(t0)", 7, 2);
 }
 
 TEST(Run, StopsAtExactlyTheInstructionsThatItMay) {
