@@ -213,7 +213,7 @@ inline bool Hart::run_block(std::uint32_t number, std::uint64_t limit, bool tran
   const auto present = cache_.is_present(block) ? 0 : kAbsent;
   const auto bound = ((std::uint64_t{block.last_start_bound} + stall) & bound_mask_) | present | unsettled_;
   if (observer_ != nullptr) [[unlikely]] {
-    run_block_observed(block, stall, limit, early_jump || !has_loose_limit());
+    run_block_observed(block, stall, limit, early_jump);
     return false;
   }
   const bool may_run = e.counters.cycles + bound < limit;

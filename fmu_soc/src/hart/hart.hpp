@@ -20,6 +20,7 @@
 namespace mebots::soc {
 
 class Observer;
+struct QuietCode;
 struct Retired;
 
 /// Why `Hart::run` came back.
@@ -272,8 +273,11 @@ class Hart {
   }
   void finish_block();
   const Instruction* run_until(const Instruction* at, const Instruction* stop);
+  static bool is_told(const Instruction* at, const QuietCode& quiet);
+  const Instruction* next_told(const Instruction* at, const Instruction* stop) const;
   Retired foresee(std::uint32_t pc) const;
   void run_block_observed(const Block& block, std::uint32_t stall, std::uint64_t limit, bool alone);
+  bool run_whole_block_observed(const Block& block, std::uint32_t stall, std::uint64_t limit);
   void execute_observed(const Instruction* first, std::uint32_t stall);
   const Instruction* run_until_observed(const Instruction* at, const Instruction* stop);
   bool fetch_and_execute(const Block& block, std::uint32_t stall, std::uint64_t limit);

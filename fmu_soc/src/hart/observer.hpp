@@ -35,6 +35,14 @@ struct Trapped {
   std::uint32_t value = 0;  // mtval
 };
 
+/// Code in which an observer need not be told of every instruction.
+struct QuietCode {
+  std::uint32_t begin = 0;
+  std::uint32_t size = 0;  // bytes; 0 = it must be
+
+  bool holds(std::uint32_t address) const { return address - begin < size; }
+};
+
 /// Somebody who watches a hart instruction by instruction. A hart with an observer pauses behind each of them, with the
 /// same counts as without; one without an observer pays nothing for the possibility.
 /// An observer outlives the runs that it watches and throws nothing.
@@ -49,6 +57,9 @@ class Observer {
   /// loose limit, before the next block for whose first instruction the answer is false.
   virtual bool before(Hart& /*hart*/) { return true; }
   virtual void retired(const Hart& /*hart*/, const Retired& /*instruction*/) {}
+  /// Instructions that begin here and go on here need not be told, nor asked about, but for calls, jumps by a register
+  /// and returns from traps. The answer holds until the next call of a function that is not const.
+  virtual QuietCode quiet() const { return {}; }
   virtual void trapped(const Hart& /*hart*/, const Trapped& /*trap*/) {}
   /// The hart waits for an interrupt from now on, or goes on after one.
   virtual void slept(const Hart& /*hart*/) {}

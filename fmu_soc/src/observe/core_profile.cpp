@@ -103,6 +103,11 @@ void CoreProfile::retired(const Hart& hart, const Retired& instruction) {
   }
 }
 
+/// While the function on top goes on, its cost is a difference that can wait.
+QuietCode CoreProfile::quiet() const {
+  return stack_.back().kind == Kind::function ? functions_.code(stack_.back().place) : QuietCode{};
+}
+
 /// The code of the frame on top goes on at `address`, perhaps as another function.
 void CoreProfile::go_to(std::uint32_t address) {
   auto& top = stack_.back();

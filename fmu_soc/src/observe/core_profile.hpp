@@ -27,6 +27,7 @@ class CoreProfile final : public Observer {
   CoreProfile(const Soc& soc, unsigned number, Functions& functions);
 
   void retired(const Hart& hart, const Retired& instruction) override;
+  QuietCode quiet() const override;
   void trapped(const Hart& hart, const Trapped& trap) override;
   void slept(const Hart& hart) override;
   void woke(const Hart& hart) override;

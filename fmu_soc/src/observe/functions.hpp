@@ -2,6 +2,7 @@
 #pragma once
 
 #include "elf/elf.hpp"
+#include "hart/observer.hpp"
 
 #include <cstdint>
 #include <map>
@@ -25,9 +26,9 @@ class Functions {
   std::uint32_t named(std::string_view name);
 
   /// Whether `address` is certainly inside `function`; cheap.
-  bool inside(std::uint32_t function, std::uint32_t address) const {
-    return address - places_[function].begin < places_[function].size;
-  }
+  bool inside(std::uint32_t function, std::uint32_t address) const { return code(function).holds(address); }
+  /// What is its own for sure.
+  QuietCode code(std::uint32_t function) const { return {places_[function].begin, places_[function].size}; }
   const std::string& name(std::uint32_t function) const { return places_[function].name; }
   std::uint32_t count() const { return static_cast<std::uint32_t>(places_.size()); }
 

@@ -23,6 +23,7 @@ class Observers final : public Observer {
   void retired(const Hart& hart, const Retired& instruction) override {
     for (auto* observer : list_) observer->retired(hart, instruction);
   }
+  QuietCode quiet() const override { return list_.size() == 1 ? list_.front()->quiet() : QuietCode{}; }
   void trapped(const Hart& hart, const Trapped& trap) override {
     for (auto* observer : list_) observer->trapped(hart, trap);
   }
