@@ -1,0 +1,141 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Speed of mebots-soc over the size of the code, beside QEMU and Spike on the same programs.
+
+    scripts/setup.sh bench
+    bench/soc/code_size.py [--build build/release] [--repeats 3] [--sizes 1,4,16,64,256,512] [--plot FILE.png]
+
+A program of each size [KiB] is generated (branchy.py): branchy functions that are called in turn, so that all of the code
+is hot. mebots-soc runs it bare (configs/boards/ri5cy.json) and behind GAP8's instruction cache of 4 KiB
+(configs/boards/gap8_bare.json, up to 448 KiB: its L2 has 512). Each simulator runs a short and a long version; the rate is
+
+    (instructions of the long run - of the short run) / (processor time of the long run - of the short run)
+
+and the short one is long enough that hot code is translated in it. Median of the repeats, all simulators in turns. Exit code 1
+when a program's checksum is not the same everywhere.
+"""
+
+import argparse
+import pathlib
+import statistics
+import subprocess
+import sys
+import tempfile
+
+import branchy
+from run import GCC, HERE, ROOT, run, simulators
+
+INSTRUCTIONS_PER_KIB = 243  # of one turn, about
+SHORT_TURNS = 100           # hot code is translated after 64
+CACHED = "mebots behind 4 KiB"
+LARGEST_CACHED_KIB = 448
+CACHED_BASE = 0x1C000000
+
+
+def build_programs(size, instructions, folder):
+    """(long, kind of program) -> ELF file, where the kind is "bare", "qemu" or "cached"."""
+    source = folder / f"branchy-{size}.c"
+    code = folder / f"branchy-{size}.o"
+    source.write_text(branchy.source(size * 1024))
+    flags = [flag for flag in GCC if flag != "-O2"] + ["-O1"]
+    subprocess.run(flags + ["-c", source, "-o", code], check=True)
+    per_turn = INSTRUCTIONS_PER_KIB * size
+    kinds = {"bare": [], "qemu": ["-DFOR_QEMU"], "cached": [f"-Wl,--defsym=BASE={CACHED_BASE}"]}
+    if size > LARGEST_CACHED_KIB:
+        del kinds["cached"]
+    files = {}
+    for is_long in (False, True):
+        turns = max(SHORT_TURNS, instructions // 10 // per_turn) + (max(1, instructions // per_turn) if is_long else 0)
+        for kind, options in kinds.items():
+            path = folder / f"branchy-{size}-{'long' if is_long else 'short'}-{kind}.elf"
+            subprocess.run(flags + options + [f"-DTURNS={turns}", "-T", HERE / "programs/link.ld",
+                                              HERE / "programs/start.S", HERE / "programs/branchy.c", code, "-o", path],
+                           check=True)
+            files[is_long, kind] = path
+    return files
+
+
+def contenders(build):
+    """Name -> command in front of the program, and its kind of program."""
+    found = {name: (command, "qemu" if for_qemu else "bare") for name, (command, for_qemu) in simulators(build).items()
+             if name != "mebots interpreter"}
+    soc, _ = found.pop("mebots translated")
+    boards = ROOT / "configs/boards"
+    return {"mebots bare": (soc + ["--board", str(boards / "ri5cy.json")], "bare"),
+            CACHED: (soc + ["--board", str(boards / "gap8_bare.json")], "cached")} | found
+
+
+def instructions_of(text):
+    return int(next(line for line in text.splitlines() if line.startswith("instructions ")).split()[1])
+
+
+def measure(size, sims, instructions, repeats, folder):
+    """Simulator -> rates [million instructions per second]; whether all checksums agree."""
+    files = build_programs(size, instructions, folder)
+    rates = {sim: [] for sim, (_, kind) in sims.items() if (False, kind) in files}
+    counts, checksums, good = {}, {}, True
+    for _ in range(repeats):
+        for sim in rates:
+            command, kind = sims[sim]
+            seconds = {}
+            for is_long in (False, True):
+                text, code, seconds[is_long] = run(command + [str(files[is_long, kind])])
+                if code != checksums.setdefault(is_long, code):
+                    print(f"{size} KiB: {sim} ends with {code}, not {checksums[is_long]}\n{text}", file=sys.stderr)
+                    good = False
+                if sim.startswith("mebots"):
+                    counts[is_long] = instructions_of(text)
+            rates[sim].append((counts[True] - counts[False]) / (seconds[True] - seconds[False]) / 1e6)
+    return {sim: statistics.median(values) for sim, values in rates.items()}, good
+
+
+def plot(sizes, rates, path):
+    import matplotlib
+
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+
+    plt.rcParams.update({"font.size": 10, "axes.spines.top": False, "axes.spines.right": False})
+    figure, axes = plt.subplots(figsize=(8, 4.2), constrained_layout=True)
+    for sim in rates[sizes[0]]:
+        points = [(size, rates[size][sim]) for size in sizes if sim in rates[size]]
+        axes.plot(*zip(*points), marker="o", label=sim, linestyle="-" if sim.startswith("mebots") else "--")
+    axes.set(xscale="log", yscale="log", xticks=sizes, xticklabels=sizes, xlabel="hot code [KiB]",
+             ylabel="million instructions per second")
+    axes.minorticks_off()
+    axes.set_title("Branchy functions called in turn, processor time", fontsize=11)
+    axes.legend(frameon=False)
+    figure.savefig(path, dpi=120)
+
+
+def main():
+    parser = argparse.ArgumentParser(description="Speed of mebots-soc over the size of the code")
+    parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build/release")
+    parser.add_argument("--repeats", type=int, default=3)
+    parser.add_argument("--sizes", default="1,2,4,8,16,32,64,128,256,512", help="of the code [KiB]")
+    parser.add_argument("--instructions", type=float, default=2e8, help="between short and long run")
+    parser.add_argument("--plot", type=pathlib.Path, help="draws the curves into this picture")
+    options = parser.parse_args()
+    sizes = [int(size) for size in options.sizes.split(",")]
+    sims = contenders(options.build.resolve())
+    rates, good = {}, True
+    print("Million instructions per second of processor time, and how many times QEMU -icount\n")
+    print("| KiB | " + " | ".join(sims) + " |\n|---|" + "---|" * len(sims), flush=True)
+    with tempfile.TemporaryDirectory() as folder:
+        for size in sizes:
+            rates[size], agree = measure(size, sims, int(options.instructions), options.repeats, pathlib.Path(folder))
+            good = good and agree
+            counted = rates[size].get("QEMU -icount")
+            cells = []
+            for sim in sims:
+                rate = rates[size].get(sim)
+                ratio = f" ({rate / counted:.2f} x)" if rate and counted and sim.startswith("mebots") else ""
+                cells.append(f"{rate:.0f}{ratio}" if rate else "")
+            print(f"| {size} | " + " | ".join(cells) + " |", flush=True)
+    if options.plot:
+        plot(sizes, rates, options.plot)
+    return 0 if good else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
