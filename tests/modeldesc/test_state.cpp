@@ -29,6 +29,7 @@ struct Pack {
   std::vector<Cell> spares;                        // come and go
   std::optional<std::int32_t> fault;
   std::optional<Cell> boost;
+  std::variant<double, std::int32_t, std::string> setting = 0.5;
   std::vector<std::uint16_t> log{7, 8};
   std::string label = "pack";
   std::vector<std::string> names{"a", "bc"};
@@ -40,6 +41,7 @@ struct Pack {
     v("spares", spares);
     v("fault", fault);
     v("boost", boost);
+    v("setting", setting);
     v("log", log);
     v("label", label);
     v("names", names);
@@ -55,6 +57,7 @@ Pack changed() {
   pack.spares[1].charge_c = std::nan("");
   pack.fault = -3;
   pack.boost.emplace().charge_c = 9;
+  pack.setting = "full";
   pack.log = {1, 2, 3};
   pack.label = "";
   pack.names = {"x"};
@@ -70,6 +73,7 @@ TEST(State, RestoredObjectKnowsWhatTheSavedOneKnew) {
   EXPECT_EQ(first_difference(saved, restored), std::nullopt);
   EXPECT_EQ(restored.cells[2].sum_v, 3);  // what follows is computed anew
   EXPECT_EQ(restored.names, saved.names);
+  EXPECT_EQ(restored.setting, saved.setting);
 
   restore(restored, save(Pack()));
   EXPECT_EQ(first_difference(Pack(), restored), std::nullopt);
@@ -118,6 +122,10 @@ TEST(StateDifference, NamesTheFirstVariableThatDiffersAndBothValues) {
   EXPECT_EQ(first_difference(pack, other)->path, "label.size");
   other.log[1] = 9;
   EXPECT_EQ(first_difference(pack, other)->text(), "log[1] is 8 in one and 9 in the other");
+  other.setting = 2.5;
+  EXPECT_EQ(first_difference(pack, other)->text(), "setting is 0.5 in one and 2.5 in the other");
+  other.setting = 2;
+  EXPECT_EQ(first_difference(pack, other)->path, "setting.kind");
   other.fault = 1;
   EXPECT_EQ(first_difference(pack, other)->path, "fault.size");
   other.spares.resize(1);

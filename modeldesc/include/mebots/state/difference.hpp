@@ -10,6 +10,7 @@
 #include <cstring>
 #include <limits>
 #include <optional>
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -89,6 +90,9 @@ struct Difference {
   std::string second;
 
   bool operator==(const Difference&) const = default;
+  friend std::ostream& operator<<(std::ostream& stream, const Difference& difference) {
+    return stream << difference.text();
+  }
   std::string text() const { return path + " is " + first + " in one and " + second + " in the other"; }
 };
 

@@ -1,14 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "mebots/error.hpp"
+
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <type_traits>
+#include <variant>
 #include <vector>
 
 /// What a model knows, said once per class: a member function
@@ -97,8 +101,8 @@ class Visitor {
   /// Whether values are being put back.
   bool restores() const { return purpose_ == Purpose::restore; }
 
-  /// A plain value, an object with visit(), an array, vector, text or optional of such. Names are those of the members,
-  /// without the underscore; they are only read during the call.
+  /// A plain value, an object with visit(), an array, vector, text, optional or variant of such. Names are those of the
+  /// members, without the underscore; they are only read during the call.
   template <typename T>
   void operator()(std::string_view name, T& value) {
     if constexpr (Visited<T>) {
@@ -185,6 +189,12 @@ class Visitor {
     changing(name, list);
   }
 
+  void parts(std::string_view name, std::filesystem::path& path) {
+    std::string text = path.string();
+    (*this)(name, text);
+    if (restores()) path = text;
+  }
+
   template <typename T>
   void parts(std::string_view name, std::vector<T>& values) {
     static_assert(!std::is_same_v<T, bool>, "a vector of bool has no values to point at: use std::uint8_t");
@@ -211,6 +221,24 @@ class Visitor {
     }
     if (show_one_as_pattern<T>(name)) return;
     if (value) (*this)(name, *value);
+  }
+
+  /// One of several types, and which.
+  template <typename... Types>
+  void parts(std::string_view name, std::variant<Types...>& value) {
+    auto kind = static_cast<std::uint8_t>(value.index());
+    (*this)(std::string(name) + ".kind", kind);
+    if (restores()) {
+      if (kind >= sizeof...(Types))
+        throw Error(ErrorCode::state_damaged, "a saved state is damaged: a value is of no known type");
+      std::size_t index = 0;
+      ((index++ == kind ? static_cast<void>(value.template emplace<Types>()) : static_cast<void>(0)), ...);
+    }
+    if (purpose_ == Purpose::layout) {
+      (show_one_as_pattern<Types>(name), ...);
+      return;
+    }
+    std::visit([&](auto& held) { (*this)(name, held); }, value);
   }
 
   /// A layout says what an element is like, whether there is one or not.
