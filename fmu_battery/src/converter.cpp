@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "converter.hpp"
 
+#include "mebots/assert.hpp"
 #include "mebots/data/document.hpp"
 #include "mebots/data/object.hpp"
 #include "mebots/nearest_names.hpp"
@@ -80,10 +81,12 @@ Converter::Converter(std::string name, double output_voltage_v, std::vector<doub
 double Converter::efficiency(double output_power_w) const {
   if (output_current_a_.empty()) return 1;
   const double current_a = output_power_w / output_voltage_v_;
+  MEBOTS_ASSERT(output_voltage_v_ > 0 && efficiency_.size() == output_current_a_.size());
   if (current_a <= output_current_a_.front()) return efficiency_.front();
   if (current_a >= output_current_a_.back()) return efficiency_.back();
   const auto above = std::upper_bound(output_current_a_.begin(), output_current_a_.end(), current_a);
   const auto i = static_cast<std::size_t>(above - output_current_a_.begin());
+  MEBOTS_ASSERT(i > 0 && i < output_current_a_.size(), "between the ends, seen above");
   const double weight = (current_a - output_current_a_[i - 1]) / (output_current_a_[i] - output_current_a_[i - 1]);
   return efficiency_[i - 1] + weight * (efficiency_[i] - efficiency_[i - 1]);
 }
@@ -95,6 +98,7 @@ double Converter::output_power_w(double input_power_w) const {
   double low = 0;
   double high = input_power_w;
   for (;;) {
+    MEBOTS_ASSERT(low < high);
     const double middle = low + (high - low) / 2;
     if (middle <= low || middle >= high) return high;
     (this->input_power_w(middle) < input_power_w ? low : high) = middle;

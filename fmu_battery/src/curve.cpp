@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "curve.hpp"
 
+#include "mebots/assert.hpp"
 #include "mebots/data/object.hpp"
 
 #include <fmt/format.h>
@@ -65,10 +66,12 @@ double Curve::operator()(double s) const {
     return factor_ == 0 ? polynomial : factor_ * std::exp(-rate_ * s) + polynomial;
   }
   const auto last_segment = table_s_.size() - 2;
+  MEBOTS_ASSERT(table_s_.size() >= 2 && table_value_.size() == table_s_.size(), "read() refuses other tables");
   const auto above = std::upper_bound(table_s_.begin(), table_s_.end(), s);
   const auto index = static_cast<std::size_t>(std::max<std::ptrdiff_t>(above - table_s_.begin() - 1, 0));
   const auto i = std::min(index, last_segment);
   const double weight = (s - table_s_[i]) / (table_s_[i + 1] - table_s_[i]);
+  MEBOTS_ASSERT(table_s_[i + 1] > table_s_[i]);
   return table_value_[i] + weight * (table_value_[i + 1] - table_value_[i]);
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "integrator.hpp"
 
+#include "mebots/assert.hpp"
 #include "mebots/error.hpp"
 
 #include <arkode/arkode_erkstep.h>
@@ -89,6 +90,9 @@ class Integrator::Solver {
 
   Result advance(CellState& state, Ledger& ledger, const Demand& demand, bool connected, double duration_s) {
     demand_ = connected ? demand : Demand{};
+    MEBOTS_ASSERT(duration_s > 0);
+    MEBOTS_ASSERT(state.soc >= 0 && state.soc <= 1 + kSocTolerance);
+    MEBOTS_ASSERT(demand_.source_w >= demand_.source_bus_w, "a converter gives no more than it takes");
     connected_ = connected;
     charged_ = state.soc > 0;
     charging_ = connected && demand_.terminal_w() < 0;
@@ -110,6 +114,7 @@ class Integrator::Solver {
     double reached_s = 0;
     const int flag = ERKStepEvolve(memory_, duration_s, y_, &reached_s, ARK_NORMAL);
     check(flag, "ERKStepEvolve");
+    MEBOTS_ASSERT(reached_s >= 0 && reached_s <= duration_s);
 
     state = {y[kSoc], y[kPair1], y[kPair2]};
     ledger += Ledger{y[kOpenCircuit],  y[kDelivered],  y[kSource],       y[kOhmic],
@@ -155,6 +160,8 @@ class Integrator::Solver {
         solver.connected_ ? terminal_current_a(source_v, circuit.series_ohm, demand.terminal_w()) : 0;
     const double leak_a = solver.charged_ ? cell.self_discharge_current_a : 0;
     const double resistor1_a = y[kPair1] / circuit.pair1_ohm;
+    MEBOTS_ASSERT(circuit.pair1_ohm > 0 && circuit.pair2_ohm > 0 && circuit.series_ohm > 0);
+    MEBOTS_ASSERT(circuit.pair1_farad > 0 && circuit.pair2_farad > 0, "load_cell() refuses the others");
     const double resistor2_a = y[kPair2] / circuit.pair2_ohm;
     const double capacitor1_a = current_a - resistor1_a;
     const double capacitor2_a = current_a - resistor2_a;

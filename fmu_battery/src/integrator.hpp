@@ -2,6 +2,7 @@
 #pragma once
 
 #include "cell.hpp"
+#include "mebots/state/visitor.hpp"
 
 #include <memory>
 
@@ -12,6 +13,12 @@ struct CellState {
   double soc = 1;      // state of charge
   double pair1_v = 0;  // voltages of the RC pairs, positive after discharge
   double pair2_v = 0;
+
+  void visit(state::Visitor& v) {
+    v("soc", soc);
+    v("pair1_v", pair1_v);
+    v("pair2_v", pair2_v);
+  }
 };
 
 /// Energies in joules.
@@ -27,6 +34,16 @@ struct Ledger {
 
   Ledger& operator+=(const Ledger& other);
   double imbalance_j() const;
+
+  void visit(state::Visitor& v) {
+    v("open_circuit_j", open_circuit_j);
+    v("delivered_j", delivered_j);
+    v("source_j", source_j);
+    v("ohmic_j", ohmic_j);
+    v("polarisation_j", polarisation_j);
+    v("converters_j", converters_j);
+    v("self_discharge_j", self_discharge_j);
+  }
 };
 
 /// What hangs on the cell's terminals, held during a step.

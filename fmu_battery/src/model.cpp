@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "model.hpp"
 
+#include "mebots/assert.hpp"
 #include "mebots/data/find_file.hpp"
 
 #include <fmt/format.h>
@@ -61,6 +62,7 @@ void Model::start(const Inputs& inputs, std::int64_t start_ns, Outputs& outputs)
 
 void Model::step(const Inputs& inputs, std::int64_t start_ns, std::int64_t duration_ns, Outputs& outputs) {
   if (state_.soc < kResumeChargingBelow) full_ = false;
+  MEBOTS_ASSERT(duration_ns > 0);
   const Ledger before = ledger_;
   const double duration_s = seconds(duration_ns);
   double passed_s = 0;
@@ -72,6 +74,7 @@ void Model::step(const Inputs& inputs, std::int64_t start_ns, std::int64_t durat
     }
     if (event == Event::none) break;
     passed_s += reached_s;
+    MEBOTS_ASSERT(passed_s <= duration_s);
     handle(event, seconds(start_ns) + passed_s);
   }
   const double lost_j = (ledger_.ohmic_j - before.ohmic_j) + (ledger_.converters_j - before.converters_j);
@@ -150,22 +153,13 @@ void Model::write(const Inputs& inputs, double time_s, Outputs& outputs) {
   outputs.energy_imbalance_j = ledger_.imbalance_j();
 }
 
-void Model::save(state::Writer& writer) const {
-  writer.put(state_);
-  writer.put(ledger_);
-  writer.put(load_energy_j_);
-  writer.put(connected_);
-  writer.put(full_);
-  writer.put(over_current_);
-}
-
-void Model::restore(state::Reader& reader) {
-  reader.get(state_);
-  reader.get(ledger_);
-  reader.get(load_energy_j_);
-  reader.get(connected_);
-  reader.get(full_);
-  reader.get(over_current_);
+void Model::visit(state::Visitor& v) {
+  v("cell", state_);
+  v("ledger", ledger_);
+  v("load_energy_j", load_energy_j_);
+  v("connected", connected_);
+  v("full", full_);
+  v("over_current", over_current_);
 }
 
 }  // namespace mebots::battery

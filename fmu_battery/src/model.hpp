@@ -5,7 +5,7 @@
 #include "converter.hpp"
 #include "fmu_battery/variables.hpp"
 #include "integrator.hpp"
-#include "mebots/state/bytes.hpp"
+#include "mebots/state/visitor.hpp"
 
 #include <cstdint>
 #include <filesystem>
@@ -40,8 +40,7 @@ class Model {
   /// Throws mebots::Error for a power that is negative or not finite.
   void step(const Inputs& inputs, std::int64_t start_ns, std::int64_t duration_ns, Outputs& outputs);
 
-  void save(state::Writer& writer) const;
-  void restore(state::Reader& reader);
+  void visit(state::Visitor& v);
 
   const Cell& cell() const { return cell_; }
   const CellState& cell_state() const { return state_; }

@@ -2,6 +2,7 @@
 #include "model.hpp"
 
 #include "hover_propel.hpp"
+#include "mebots/assert.hpp"
 #include "mebots/data/find_file.hpp"
 #include "mebots/data/limits.hpp"
 #include "rotor.hpp"
@@ -51,6 +52,7 @@ void Model::start(const Inputs& inputs, Outputs& outputs) {
 void Model::step(const Inputs& inputs, std::int64_t duration_ns, Outputs& outputs) {
   check(inputs);
   const double duration_s = static_cast<double>(duration_ns) * 1e-9;
+  MEBOTS_ASSERT(duration_ns > 0);
   double bench_j = 0;
   bool driven = false;
   for (std::size_t i = 0; i < rotor::kCount; ++i) {
@@ -60,6 +62,7 @@ void Model::step(const Inputs& inputs, std::int64_t duration_ns, Outputs& output
     drive.steady_speed_rad_per_s = rotor_.steady_speed_rad_per_s(voltage_v);
     drive.thrust_coefficient = rotor_.thrust_coefficient_at(inputs.air_density_kg_per_m3);
     const RotorStep step = advance_rotor(rotor_, drive, speed_rad_per_s_[i], duration_s);
+    MEBOTS_ASSERT(step.energy_j >= 0 && step.speed_rad_per_s >= 0);
     speed_rad_per_s_[i] = step.speed_rad_per_s;
     bench_j += step.energy_j;
     driven = driven || drive.driven;
@@ -85,14 +88,9 @@ void Model::write(const Inputs& inputs, Outputs& outputs) const {
   outputs.energy_j = energy_j_;
 }
 
-void Model::save(state::Writer& writer) const {
-  writer.put(speed_rad_per_s_);
-  writer.put(energy_j_);
-}
-
-void Model::restore(state::Reader& reader) {
-  reader.get(speed_rad_per_s_);
-  reader.get(energy_j_);
+void Model::visit(state::Visitor& v) {
+  v("speed_rad_per_s", speed_rad_per_s_);
+  v("energy_j", energy_j_);
 }
 
 }  // namespace mebots::motors

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "fmu_motors/variables.hpp"
-#include "mebots/state/bytes.hpp"
+#include "mebots/state/visitor.hpp"
 #include "rotor_data.hpp"
 
 #include <array>
@@ -26,8 +26,7 @@ class Model {
   /// Moves on by duration_ns > 0. Throws mebots::Error for an input outside its range.
   void step(const Inputs& inputs, std::int64_t duration_ns, Outputs& outputs);
 
-  void save(state::Writer& writer) const;
-  void restore(state::Reader& reader);
+  void visit(state::Visitor& v);
 
   const RotorData& rotor() const { return rotor_; }
 

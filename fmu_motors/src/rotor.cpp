@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "rotor.hpp"
 
+#include "mebots/assert.hpp"
 #include "speed_course.hpp"
 
 #include <algorithm>
@@ -37,6 +38,7 @@ double energy_j(const RotorData& rotor, const RotorDrive& drive, const SpeedCour
 
 RotorStep advance_rotor(const RotorData& rotor, const RotorDrive& drive, double speed_rad_per_s, double duration_s) {
   const bool slowing = speed_rad_per_s > drive.steady_speed_rad_per_s;
+  MEBOTS_ASSERT(speed_rad_per_s >= 0 && drive.steady_speed_rad_per_s >= 0 && duration_s > 0);
   const SpeedLaw& law = slowing ? rotor.spin_down : rotor.spin_up;
   const SpeedCourse course(law, speed_rad_per_s, drive.steady_speed_rad_per_s);
   // The closed form may end a rounding error under zero.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "speed_course.hpp"
 
+#include "mebots/assert.hpp"
+
 #include <cmath>
 
 namespace mebots::motors {
@@ -13,6 +15,7 @@ SpeedCourse::SpeedCourse(const SpeedLaw& law, double initial_rad_per_s, double s
       rate_(law.linear_per_s + 2 * law.quadratic_per_rad * steady_rad_per_s) {}
 
 double SpeedCourse::decay(double time_s) const {
+  MEBOTS_ASSERT(time_s >= 0);
   return rate_ > 0 ? -std::expm1(-rate_ * time_s) / rate_ : time_s;
 }
 

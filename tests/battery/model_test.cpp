@@ -74,16 +74,14 @@ TEST(Battery, RestoredRunGoesOnWithTheSameBits) {
 
   Bench first(parameters("bitcraze_250", 0.6));
   drive(first, 0, 1000);
-  const auto bytes = saved(first.model);
+  const auto saved = state::save(first.model);
   Bench second(parameters("bitcraze_250", 0.6));
   drive(second, 0, 17);  // somewhere else before it is restored
-  state::Reader reader(bytes);
-  second.model.restore(reader);
-  EXPECT_TRUE(reader.at_end());
+  state::restore(second.model, saved);
   second.now_ns = first.now_ns;
   drive(second, 1000, 2000);
 
-  EXPECT_EQ(saved(straight.model), saved(second.model));
+  EXPECT_EQ(state::first_difference(straight.model, second.model), std::nullopt);
   EXPECT_EQ(straight.outputs.bus_voltage_v, second.outputs.bus_voltage_v);
   EXPECT_EQ(straight.outputs.energy_ohmic_j, second.outputs.energy_ohmic_j);
 }
@@ -144,7 +142,7 @@ TEST(Battery, InstancesDoNotKnowOfEachOther) {
     one.step(2 * kMillisecond);
     other.step(2 * kMillisecond);
   }
-  EXPECT_EQ(saved(alone.model), saved(one.model));
+  EXPECT_EQ(state::first_difference(alone.model, one.model), std::nullopt);
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "mebots/state/difference.hpp"
 #include "model.hpp"
 
 #include <gmock/gmock.h>
@@ -45,12 +46,6 @@ inline Parameters parameters(const std::string& cell, double soc) {
   made.cell_name = cell;
   made.cell_initial_state_of_charge = soc;
   return made;
-}
-
-inline std::vector<std::byte> saved(const Model& model) {
-  state::Writer writer;
-  model.save(writer);
-  return writer.take();
 }
 
 /// Allocations on this thread since the program began; -1 where a sanitizer owns malloc.

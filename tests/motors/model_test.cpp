@@ -122,14 +122,12 @@ TEST(Motors, RestoredRunGoesOnWithTheSameBits) {
   drive(straight, 0, 1000);
   Stand first;
   drive(first, 0, 500);
-  const auto bytes = saved(first.model);
+  const auto saved = state::save(first.model);
   Stand second;
   drive(second, 3, 20);
-  state::Reader reader(bytes);
-  second.model.restore(reader);
-  EXPECT_TRUE(reader.at_end());
+  state::restore(second.model, saved);
   drive(second, 500, 1000);
-  EXPECT_EQ(saved(straight.model), saved(second.model));
+  EXPECT_EQ(state::first_difference(straight.model, second.model), std::nullopt);
   EXPECT_EQ(straight.outputs.power_w, second.outputs.power_w);
 }
 

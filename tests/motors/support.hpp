@@ -2,6 +2,7 @@
 #pragma once
 
 #include "mebots/error.hpp"
+#include "mebots/state/difference.hpp"
 #include "model.hpp"
 
 #include <gmock/gmock.h>
@@ -61,12 +62,6 @@ struct Stand {
   Outputs outputs;
   Model model;
 };
-
-inline std::vector<std::byte> saved(const Model& model) {
-  state::Writer writer;
-  model.save(writer);
-  return writer.take();
-}
 
 template <typename Call>
 std::string error_of(Call call) {

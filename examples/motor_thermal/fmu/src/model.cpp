@@ -97,12 +97,12 @@ void Model::write(Outputs& outputs) const {
   outputs.heat_air_j = air_j_;
 }
 
-void Model::save(state::Writer& writer) const {
-  for (const double value : {winding_k_, case_k_, current_a_, copper_j_, air_j_}) writer.put(value);
-}
-
-void Model::restore(state::Reader& reader) {
-  for (double* value : {&winding_k_, &case_k_, &current_a_, &copper_j_, &air_j_}) reader.get(*value);
+void Model::visit(state::Visitor& v) {
+  v("winding_k", winding_k_);
+  v("case_k", case_k_);
+  v("current_a", current_a_);
+  v("copper_j", copper_j_);
+  v("air_j", air_j_);
 }
 
 }  // namespace mebots::motor_thermal

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "mebots/state/bytes.hpp"
+#include "mebots/state/visitor.hpp"
 #include "motor_thermal/variables.hpp"
 
 #include <cstdint>
@@ -25,8 +25,7 @@ class Model {
   /// Moves on by duration_ns > 0 with the inputs held. Throws mebots::Error when the winding runs away.
   void step(const Inputs& inputs, std::int64_t duration_ns, Outputs& outputs);
 
-  void save(state::Writer& writer) const;
-  void restore(state::Reader& reader);
+  void visit(state::Visitor& v);
 
  private:
   void write(Outputs& outputs) const;
