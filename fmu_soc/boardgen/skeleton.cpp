@@ -156,10 +156,9 @@ void require_different_members(const BoardDevice& device) {
 }
 
 std::string saving(const BoardDevice& device) {
-  std::string out = "  void save(state::Writer& writer) const override {\n";
-  for (const auto& name : members_of(device)) out += fmt::format("    writer.put({});\n", name);
-  out += "  }\n  void restore(state::Reader& reader) override {\n";
-  for (const auto& name : members_of(device)) out += fmt::format("    reader.get({});\n", name);
+  std::string out = "  void visit(state::Visitor& v) override {\n";
+  for (const auto& name : members_of(device))
+    out += fmt::format("    v(\"{}\", {});\n", std::string_view(name).substr(0, name.size() - 1), name);
   return out + "  }\n";
 }
 

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "mebots/assert.hpp"
 #include "mebots/soc/time.hpp"
+#include "mebots/state/visitor.hpp"
 
 #include <cstdint>
 
@@ -13,6 +15,7 @@ namespace mebots::soc {
 class Clock {
  public:
   void reset(std::uint32_t hz) {
+    MEBOTS_ASSERT(hz > 0);
     hz_ = hz;
     epoch_ps_ = 0;
     skipped_ = 0;
@@ -22,6 +25,7 @@ class Clock {
 
   /// From the cycle with this number on, the clock has another frequency.
   void change(std::uint32_t hz, std::uint64_t cycle) {
+    MEBOTS_ASSERT(hz > 0);
     epoch_ps_ = time_of(cycle);
     skipped_ = std::uint64_t{0} - cycle;
     hz_ = hz;
@@ -29,6 +33,7 @@ class Clock {
 
   /// When a cycle starts.
   Picoseconds time_of(std::uint64_t cycle) const {
+    MEBOTS_ASSERT(hz_ > 0, "reset() comes first");
     return epoch_ps_ + static_cast<Picoseconds>(Wide{cycle + skipped_} * kPsPerSecond / hz_);
   }
   /// The first cycle that starts at or after a time.
@@ -49,11 +54,17 @@ class Clock {
     if (planned > cycle) skipped_ += planned - cycle;
   }
 
+  void visit(state::Visitor& v) {
+    v("hz", hz_);
+    v("epoch_ps", epoch_ps_);
+    v("skipped", skipped_);
+  }
+
  private:
   __extension__ using Wide = unsigned __int128;
   static constexpr std::uint64_t kPsPerSecond = 1'000'000'000'000ULL;
 
-  std::uint64_t hz_ = 1;  // 64 bits: no padding, equal clocks are equal bytes
+  std::uint64_t hz_ = 1;
   Picoseconds epoch_ps_ = 0;
   std::uint64_t skipped_ = 0;  // ticks slept since the epoch, less the active cycles before it (modulo 2^64)
 };

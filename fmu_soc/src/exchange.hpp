@@ -74,8 +74,7 @@ void take_flight(const Inputs& inputs, Soc& soc) {
     require_number(inputs.flight_yaw_rad, "flight.yaw");
     if (auto* flight = soc.flight()) {
       flight->inputs = {static_cast<std::int32_t>(inputs.flight_phase), inputs.flight_range_m,
-                        inputs.flight_forward_velocity_m_per_s, inputs.flight_yaw_rad,
-                        inputs.flight_gate_passed ? 1 : 0};
+                        inputs.flight_forward_velocity_m_per_s, inputs.flight_yaw_rad, inputs.flight_gate_passed};
     }
   }
 }

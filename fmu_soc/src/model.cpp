@@ -193,15 +193,10 @@ void Model::write(Outputs& outputs) const {
   for (const auto& sent : sent_) *sent.value = sent.device->sent(sent.name).value_or(0);
 }
 
-void Model::save(state::Writer& writer) const {
-  writer.put(origin_ns_);
-  soc_.save(writer);
-}
-
-void Model::restore(state::Reader& reader) {
-  reader.get(origin_ns_);
-  soc_.restore(reader);
-  if (session_) session_->restored();
+void Model::visit(state::Visitor& v) {
+  v("origin_ns", origin_ns_);
+  v("soc", soc_);
+  if (v.restores() && session_) session_->restored();
 }
 
 }  // namespace mebots::soc

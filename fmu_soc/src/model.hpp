@@ -2,6 +2,7 @@
 #pragma once
 
 #include "fmu_soc/variables.hpp"
+#include "mebots/state/visitor.hpp"
 #include "observe/session.hpp"
 #include "soc.hpp"
 
@@ -45,8 +46,7 @@ class Model {
   /// Goes from start_ns to start_ns + duration_ns (> 0). Throws Error for an input that is no number.
   void step(const Inputs& inputs, std::int64_t start_ns, std::int64_t duration_ns, Outputs& outputs);
 
-  void save(state::Writer& writer) const;
-  void restore(state::Reader& reader);
+  void visit(state::Visitor& v);
 
   const Soc& soc() const { return soc_; }
 

@@ -5,6 +5,7 @@
 #include "devices/described_device.hpp"
 #include "hart/csr_numbers.hpp"
 #include "isa/encoding.hpp"
+#include "mebots/assert.hpp"
 
 #include <fmt/core.h>
 
@@ -135,6 +136,7 @@ Soc::Soc(const BoardDescription& board, const Chip& chip, const Settings& settin
 
 /// The way of the fabric controller to the memories, the large near ones first: the first two are the fast ones.
 void Soc::connect_memories() {
+  MEBOTS_ASSERT(places_.size() == memory_.regions().size());
   std::vector<MemoryPort> ports;
   for (std::size_t i = 0; i < places_.size(); ++i) {
     if (places_[i] == Place::fabric_controller) ports.push_back({i, 0, nullptr});
@@ -179,6 +181,7 @@ void Soc::add_cluster(const BoardDescription& board, const Settings& settings) {
     return memory_.regions()[a.region].size > memory_.regions()[b.region].size;
   });
   cluster.l1_region = cluster.ports.front().region;
+  MEBOTS_ASSERT(cluster.l1_region < memory_.regions().size());
   bool has_event_unit = false;
   bool has_dma = false;
   for (const auto& entry : board.devices) {
@@ -644,44 +647,24 @@ std::string Soc::fault_text() const {
   return callers.empty() ? text : fmt::format("{}; called from {}", text, callers);
 }
 
-void Soc::save(state::Writer& writer) const {
-  static_assert(std::has_unique_object_representations_v<Clock>);
-  memory_.save(writer);
-  if (instruction_cache_) instruction_cache_->save(writer);
-  hart_.save(writer);
-  if (cluster_) cluster_->save(writer);
-  for (const auto& slot : slots_) slot.device->save(writer);
-  meter_.save(writer);
-  writer.put(clock_);
-  writer.put(voltage_mv_);
-  writer.put(now_);
-  writer.put(end_);
-  writer.put(end_time_);
-  writer.put(asleep_);
-  writer.put(asleep_since_);
-  writer.put(slept_);
-  writer.put(retained_);
-  writer.put(retention_);
-}
-
-void Soc::restore(state::Reader& reader) {
-  memory_.restore(reader);
-  if (instruction_cache_) instruction_cache_->restore(reader);
-  hart_.restore(reader);
-  if (cluster_) cluster_->restore(reader);
-  for (const auto& slot : slots_) slot.device->restore(reader);
-  meter_.restore(reader);
-  reader.get(clock_);
-  reader.get(voltage_mv_);
-  reader.get(now_);
-  reader.get(end_);
-  reader.get(end_time_);
-  reader.get(asleep_);
-  reader.get(asleep_since_);
-  reader.get(slept_);
-  reader.get(retained_);
-  reader.get(retention_);
-  connect_memories();
+void Soc::visit(state::Visitor& v) {
+  v("memory", memory_);
+  if (instruction_cache_) v("instruction_cache", *instruction_cache_);
+  v("hart", hart_);
+  if (cluster_) v("cluster", *cluster_);
+  for (const auto& slot : slots_) v(slot.name, *slot.device);
+  v("meter", meter_);
+  v("clock", clock_);
+  v("voltage_mv", voltage_mv_);
+  v("now", now_);
+  v("end", end_);
+  v("end_time", end_time_);
+  v("asleep", asleep_);
+  v("asleep_since", asleep_since_);
+  v("slept", slept_);
+  v("retained", retained_);
+  v("retention", retention_);
+  if (v.restores()) connect_memories();
 }
 
 }  // namespace mebots::soc

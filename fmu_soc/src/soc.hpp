@@ -157,8 +157,7 @@ class Soc final : private Bus {
   double energy_j(const OwnDevice& device) const { return device.energy_j(supplied_until()); }
   BatteryGauge* battery() { return battery_.get(); }
 
-  void save(state::Writer& writer) const;
-  void restore(state::Reader& reader);
+  void visit(state::Visitor& v);
 
  private:
   struct Slot {

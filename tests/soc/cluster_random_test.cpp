@@ -3,6 +3,7 @@
 #include "board_system.hpp"
 #include "hart/observer.hpp"
 #include "random_cluster_program.hpp"
+#include "support/same_state.hpp"
 
 #include <gtest/gtest.h>
 
@@ -12,12 +13,6 @@
 
 namespace mebots::soc::test {
 namespace {
-
-std::vector<std::byte> bytes_of(const Soc& soc) {
-  state::Writer writer;
-  soc.save(writer);
-  return writer.take();
-}
 
 /// Watches, and does nothing.
 class Onlooker final : public Observer {
@@ -50,15 +45,13 @@ class Comparison {
       const auto longest = below(4) == 0 ? 1000 : 2 * end_ns / stops;
       now_ += 1 + static_cast<std::int64_t>(random_() % static_cast<std::uint64_t>(longest));
       go_on(*straight_);
-      const auto state = bytes_of(straight_->soc);
-      expect_same("interpreted", *interpreted_, state);
-      expect_same("watched", *watched_, state);
-      expect_same("restored", *restored_, state);
+      expect_same("interpreted", *interpreted_);
+      expect_same("watched", *watched_);
+      expect_same("restored", *restored_);
       if (testing::Test::HasFailure()) return;
       if (below(3) == 0) {
         if (below(2) == 0) restored_ = made();
-        state::Reader reader(state);
-        restored_->soc.restore(reader);
+        state::restore(restored_->soc, state::save(straight_->soc));
         restored_at_ = now_;
       }
       if (below(4) == 0) watch(!watching_);
@@ -89,27 +82,11 @@ class Comparison {
     system.soc.advance(now_);
   }
 
-  void expect_same(std::string_view who, BoardSystem& system, const std::vector<std::byte>& state) {
+  void expect_same(std::string_view who, BoardSystem& system) {
     go_on(system);
-    const bool same =
-        bytes_of(system.soc) == state && system.soc.energy().total_j() == straight_->soc.energy().total_j();
-    EXPECT_TRUE(same) << who << ", at " << now_ << " ns, restored at " << restored_at_ << " ns"
-                      << difference(system.soc);
-  }
-
-  std::string difference(const Soc& other) const {
-    std::string text;
-    for (unsigned number = 0; number < other.harts(); ++number) {
-      const auto& a = straight_->soc.hart(number);
-      const auto& b = other.hart(number);
-      text += fmt::format("\nhart {}: pc {:08x} {:08x}, cycles {} {}, instructions {} {}, fetching {} {}", number,
-                          a.pc(), b.pc(), a.counters().cycles, b.counters().cycles, a.counters().instructions,
-                          b.counters().instructions, a.counters().fetch_cycles, b.counters().fetch_cycles);
-      for (unsigned i = 1; i < 32; ++i) {
-        if (a.reg(i) != b.reg(i)) text += fmt::format(", x{} {:x} {:x}", i, a.reg(i), b.reg(i));
-      }
-    }
-    return text;
+    EXPECT_TRUE(mebots::test::same_state(straight_->soc, system.soc))
+        << who << ", at " << now_ << " ns, restored at " << restored_at_ << " ns";
+    EXPECT_EQ(straight_->soc.energy().total_j(), system.soc.energy().total_j()) << who << ", at " << now_ << " ns";
   }
 
   std::mt19937_64 random_;

@@ -3,6 +3,7 @@
 #include "hart/observer.hpp"
 
 #include "mebots/error.hpp"
+#include "support/same_state.hpp"
 
 #include <gtest/gtest.h>
 
@@ -14,19 +15,12 @@ namespace {
 
 constexpr double kClusterHz = 87e6;  // of the settings' start
 
-/// What a run came to, to the last bit.
-std::vector<std::byte> state_of(const Soc& soc) {
-  state::Writer writer;
-  soc.save(writer);
-  return writer.take();
-}
-
 /// Two runs of one program, at the same time: their states and energies agree at every step up to `end_ns`.
 void expect_same_bits(Soc& one, Soc& other, std::int64_t step_ns, std::int64_t end_ns) {
   for (auto t = one.now() / 1000 + step_ns; t < end_ns; t += step_ns) {
     one.advance(t);
     other.advance(t);
-    ASSERT_TRUE(state_of(one) == state_of(other)) << "at " << t << " ns";
+    ASSERT_TRUE(mebots::test::same_state(one, other)) << "at " << t << " ns";
     ASSERT_EQ(one.energy().total_j(), other.energy().total_j()) << "at " << t << " ns";
   }
 }
@@ -327,7 +321,7 @@ TEST(ClusterRuntime, ComesToTheSameBitsForEverySplitOfTheTime) {
     BoardSystem split(selftest());
     for (std::int64_t t = step; t < kEnd; t += step) split.soc.advance(t);
     split.soc.advance(kEnd);
-    EXPECT_EQ(state_of(split.soc), state_of(whole.soc)) << step;
+    EXPECT_TRUE(mebots::test::same_state(split.soc, whole.soc)) << step;
     EXPECT_EQ(split.soc.energy().total_j(), whole.soc.energy().total_j());
   }
 }
@@ -336,15 +330,13 @@ TEST(ClusterRuntime, GoesOnWithTheSameBitsFromAStateInTheMiddleOfAJob) {
   BoardSystem straight(selftest());
   straight.soc.advance(kMiddle);
   ASSERT_TRUE(straight.soc.cluster()->powered());
-  const auto middle = state_of(straight.soc);
+  const auto middle = state::save(straight.soc);
   straight.soc.advance(kEnd);
   BoardSystem other(selftest());
   other.soc.advance(kMiddle / 3);
-  state::Reader reader(middle);
-  other.soc.restore(reader);
-  EXPECT_TRUE(reader.at_end());
+  state::restore(other.soc, middle);
   other.soc.advance(kEnd);
-  EXPECT_EQ(state_of(other.soc), state_of(straight.soc));
+  EXPECT_TRUE(mebots::test::same_state(other.soc, straight.soc));
 }
 
 /// Eight cores on one bank whose code comes to the same instructions in every way: into the middle of straight code,
@@ -401,13 +393,12 @@ handler: csrr a5, mepc
 TEST(ClusterRuntime, TakesItsTurnsTheSameWithAndWithoutDecodedCode) {
   auto straight = cores_run(kMixed, 8);
   for (std::int64_t t = 24'003; t < 1'000'000; t += 24'003) {
-    const auto saved = state_of(straight.soc);
+    const auto saved = state::save(straight.soc);
     straight.soc.advance(t);
     auto other = cores_run(kMixed, 8);
-    state::Reader reader(saved);
-    other.soc.restore(reader);
+    state::restore(other.soc, saved);
     other.soc.advance(t);
-    ASSERT_TRUE(state_of(other.soc) == state_of(straight.soc)) << "up to " << t << " ns";
+    ASSERT_TRUE(mebots::test::same_state(other.soc, straight.soc)) << "up to " << t << " ns";
   }
   EXPECT_TRUE(straight.faults.empty());
   EXPECT_GT(straight.soc.cluster()->counters().instructions, 100'000U);
@@ -422,13 +413,12 @@ TEST(ClusterRuntime, GoesOnWithTheSameBitsFromStatesAllOverAnInference) {
   constexpr std::int64_t kStep = 1'937'003;
   straight.soc.advance(kStep);
   for (std::int64_t t = 2 * kStep; t < 400'000'000; t += kStep) {
-    const auto saved = state_of(straight.soc);
+    const auto saved = state::save(straight.soc);
     straight.soc.advance(t);
     BoardSystem other(program);
-    state::Reader reader(saved);
-    other.soc.restore(reader);
+    state::restore(other.soc, saved);
     other.soc.advance(t);
-    ASSERT_TRUE(state_of(other.soc) == state_of(straight.soc)) << "from " << t - kStep << " to " << t << " ns";
+    ASSERT_TRUE(mebots::test::same_state(other.soc, straight.soc)) << "from " << t - kStep << " to " << t << " ns";
     ASSERT_EQ(other.soc.energy().total_j(), straight.soc.energy().total_j());
   }
 }

@@ -3,6 +3,7 @@
 #include "devices/described_device.hpp"
 
 #include "mebots/error.hpp"
+#include "mebots/state/save.hpp"
 #include "mebots/text_file.hpp"
 
 #include <gmock/gmock.h>
@@ -87,12 +88,8 @@ TEST(DescribedDevice, GoesOnFromAState) {
   auto device = range_finder();
   device.set_sensed("range_finder.distance", 2);
   device.store(kCommand, 5 * kMillisecond, 1);
-  state::Writer writer;
-  device.save(writer);
   auto other = range_finder();
-  state::Reader reader(writer.bytes());
-  other.restore(reader);
-  EXPECT_TRUE(reader.at_end());
+  state::restore(other, state::save(device));
   other.advance(38 * kMillisecond);
   EXPECT_EQ(read(other, kDistance), 2000U);
 }

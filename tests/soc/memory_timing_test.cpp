@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "machine.hpp"
+#include "support/same_state.hpp"
 
 #include <gtest/gtest.h>
 
@@ -61,15 +62,10 @@ TEST(Banks, StateIsTheSameWhereverTheTableBegan) {
     banks->claim(5003, 8);
     banks->claim(5003, 8);
   }
-  state::Writer one;
-  state::Writer other;
-  early.save(one);
-  late.save(other);
-  EXPECT_EQ(one.bytes(), other.bytes());
+  EXPECT_TRUE(mebots::test::same_state(early, late));
   Banks restored(16);
   restored.claim(7, 8);
-  state::Reader reader(one.bytes());
-  restored.restore(reader);
+  state::restore(restored, state::save(early));
   EXPECT_EQ(restored.claim(5003, 8), 2U);
   EXPECT_EQ(restored.claim(5007, 8), 0U);
 }

@@ -5,6 +5,7 @@
 #include "board_system.hpp"
 #include "range_finder.hpp"
 
+#include "mebots/state/save.hpp"
 #include "mebots/text_file.hpp"
 
 #include <gtest/gtest.h>
@@ -54,13 +55,8 @@ TEST(Skeleton, ObeysOpcodesKeepsRegistersAndSpendsItsEnergy) {
   EXPECT_TRUE(soc.set_sensed("range_finder.distance", 2));
   EXPECT_EQ(sensor->sent("range_finder.reported"), 0.321);
 
-  state::Writer writer;
-  soc.save(writer);
   BoardSystem other(BoardSystem::assembled(kMeasure), settings, board_without_initial_state());
-  const auto bytes = writer.take();
-  state::Reader reader(bytes);
-  other.soc.restore(reader);
-  EXPECT_TRUE(reader.at_end());
+  state::restore(other.soc, state::save(soc));
   EXPECT_EQ(other.soc.energy_j(*other.soc.own_device("range_finder")), soc.energy_j(*sensor));
 }
 

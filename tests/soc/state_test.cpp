@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "board_system.hpp"
+#include "support/same_state.hpp"
 
 #include <gtest/gtest.h>
 
@@ -77,18 +78,6 @@ void run(BoardSystem& system, std::int64_t h_ns, std::int64_t end_ns) {
   }
 }
 
-std::vector<std::byte> state_of(const Soc& soc) {
-  state::Writer writer;
-  soc.save(writer);
-  return writer.take();
-}
-
-/// The first byte that differs, or -1: a failure must not print half a megabyte.
-long first_difference(const std::vector<std::byte>& a, const std::vector<std::byte>& b) {
-  const auto [x, y] = std::mismatch(a.begin(), a.end(), b.begin(), b.end());
-  return x == a.end() && y == b.end() ? -1 : static_cast<long>(x - a.begin());
-}
-
 void expect_same(const BoardSystem& a, const BoardSystem& b) {
   const auto& x = a.soc.hart().counters();
   const auto& y = b.soc.hart().counters();
@@ -110,13 +99,11 @@ TEST(State, SavedInMidRunAndRestoredElsewhereGoesOnWithTheSameBits) {
   constexpr std::int64_t kEnd = 110'000'000;
   run(straight, 1'000'000, kEnd);
   run(first, 1'000'000, kHalf);
-  const auto bytes = state_of(first.soc);
-  state::Reader reader(bytes);
-  second.soc.restore(reader);
-  EXPECT_TRUE(reader.at_end());
-  EXPECT_EQ(first_difference(state_of(second.soc), bytes), -1);
+  const auto bytes = state::save(first.soc);
+  state::restore(second.soc, bytes);
+  EXPECT_TRUE(mebots::test::same_state(second.soc, first.soc));
   run(second, 1'000'000, kEnd);
-  EXPECT_EQ(first_difference(state_of(second.soc), state_of(straight.soc)), -1);
+  EXPECT_TRUE(mebots::test::same_state(second.soc, straight.soc));
   expect_same(straight, second);
   EXPECT_GT(straight.result(0), 2U) << "pictures did come";
 }
@@ -124,13 +111,12 @@ TEST(State, SavedInMidRunAndRestoredElsewhereGoesOnWithTheSameBits) {
 TEST(State, ComesBackAfterGoingOn) {
   BoardSystem system(busy_program(), BoardSystem::narrow());
   run(system, 1'000'000, 31'000'000);
-  const auto bytes = state_of(system.soc);
+  const auto bytes = state::save(system.soc);
   run(system, 1'000'000, 60'000'000);
-  const auto later = state_of(system.soc);
-  state::Reader reader(bytes);
-  system.soc.restore(reader);
+  const auto later = state::save(system.soc);
+  state::restore(system.soc, bytes);
   run(system, 1'000'000, 60'000'000);
-  EXPECT_EQ(first_difference(state_of(system.soc), later), -1);
+  EXPECT_EQ(state::first_difference(system.soc, state::save(system.soc), later), std::nullopt);
 }
 
 TEST(StepSize, DoesNotChangeWhatHappens) {
@@ -140,8 +126,7 @@ TEST(StepSize, DoesNotChangeWhatHappens) {
     BoardSystem system(busy_program(), BoardSystem::narrow());
     run(system, h_ns, 100'000'000);
     expect_same(reference, system);
-    EXPECT_EQ(first_difference(state_of(system.soc), state_of(reference.soc)), -1)
-        << "every byte, at h = " << h_ns << " ns";
+    EXPECT_TRUE(mebots::test::same_state(system.soc, reference.soc)) << "every byte, at h = " << h_ns << " ns";
   }
 }
 
@@ -178,7 +163,7 @@ pointer: .word TIMER_BASE
     split.soc.advance(2'000'000);
     ASSERT_NE(whole.result(0), 0U);
     EXPECT_EQ(split.result(0), whole.result(0)) << before << " instructions before";
-    EXPECT_EQ(first_difference(state_of(split.soc), state_of(whole.soc)), -1);
+    EXPECT_TRUE(mebots::test::same_state(split.soc, whole.soc));
   }
 }
 

@@ -4,6 +4,7 @@
 #include "board_system.hpp"
 #include "machine.hpp"
 #include "random_program.hpp"
+#include "support/same_state.hpp"
 
 #include <gtest/gtest.h>
 
@@ -14,10 +15,10 @@ namespace {
 
 std::vector<std::byte> state_of(Machine& machine, bool with_memory) {
   state::Writer writer;
-  if (with_memory) machine.memory().save(writer);
-  if (auto* cache = machine.instruction_cache(); cache != nullptr) cache->save(writer);
-  machine.hart().save(writer);
-  return writer.bytes();
+  if (with_memory) state::save(machine.memory(), writer);
+  if (auto* cache = machine.instruction_cache(); cache != nullptr) state::save(*cache, writer);
+  state::save(machine.hart(), writer);
+  return writer.take();
 }
 
 std::string text_of(Machine& machine) {
@@ -76,10 +77,7 @@ void compare_at_random_limits(Pair& pair, std::uint32_t seed) {
     for (auto* machine : {&pair.translated, &pair.interpreted}) {
       machine->hart().set_interrupt(chance % 2 == 0 ? 11 : 7, chance < 4);
       if (chance == 255) {
-        state::Writer writer;
-        machine->hart().save(writer);
-        state::Reader reader(writer.bytes());
-        machine->hart().restore(reader);
+        state::restore(machine->hart(), state::save(machine->hart()));
       }
     }
   }
@@ -270,11 +268,7 @@ handler: sw t0, 16(s5)
   for (std::int64_t time_ns = 0; time_ns < 20'000'000; time_ns += 333'333) {
     translated.soc.advance(time_ns);
     interpreted.soc.advance(time_ns);
-    state::Writer a;
-    state::Writer b;
-    translated.soc.save(a);
-    interpreted.soc.save(b);
-    ASSERT_EQ(a.bytes(), b.bytes()) << "at " << time_ns << " ns";
+    ASSERT_TRUE(mebots::test::same_state(translated.soc, interpreted.soc)) << "at " << time_ns << " ns";
     ASSERT_EQ(translated.soc.energy().total_j(), interpreted.soc.energy().total_j());
   }
   EXPECT_TRUE(translated.faults.empty());

@@ -3,6 +3,7 @@
 // Xpulp v2 by examples: values worked out by hand from the RI5CY user manual, and what hardware loops have to cope
 // with. The words come from Debian's assembler by way of .insn, with the numbers of the manual's tables.
 #include "machine.hpp"
+#include "mebots/state/save.hpp"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -472,12 +473,8 @@ TEST(HardwareLoop, GoesOnFromAStateSavedInsideIt) {
   for (std::uint64_t cycle = 1; cycle < total; cycle += 3) {
     Machine first(elf, CoreKind::ri5cy);
     ASSERT_EQ(first.run(cycle), Stop::limit);
-    state::Writer writer;
-    first.hart().save(writer);
     Machine second(elf, CoreKind::ri5cy);  // whose code has never been marked as a loop's end
-    const auto bytes = writer.take();
-    state::Reader reader(bytes);
-    second.hart().restore(reader);
+    state::restore(second.hart(), state::save(first.hart()));
     ASSERT_EQ(second.run(), Stop::watch);
     EXPECT_EQ(second.hart().counters().cycles, total) << cycle;
     for (unsigned i = 10; i < 14; ++i) EXPECT_EQ(second.reg(i), whole.reg(i)) << cycle;

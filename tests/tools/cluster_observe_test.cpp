@@ -6,6 +6,7 @@
 #include "observe/session.hpp"
 #include "observe/trace.hpp"
 #include "support.hpp"
+#include "support/same_state.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -167,12 +168,6 @@ TEST(ClusterTrace, HasALineForEveryInstructionOfEveryHart) {
   for (const auto& [number, count] : lines) EXPECT_EQ(count, soc.hart(number).counters().instructions) << number;
 }
 
-std::vector<std::byte> state_of_chip(const Soc& soc) {
-  state::Writer writer;
-  soc.save(writer);
-  return writer.take();
-}
-
 /// Instruction cache, banks, DMA, turns at devices: watched at times, the chip is at all times as it is unwatched.
 TEST(ClusterObservers, ComeAndGoWithoutChangingABitOfTheRun) {
   for (const bool translate : {true, false}) {
@@ -193,7 +188,7 @@ TEST(ClusterObservers, ComeAndGoWithoutChangingABitOfTheRun) {
       if (step % 7 == 5) session.reset();
       plain.soc.advance(t);
       watched.soc.advance(t);
-      ASSERT_TRUE(state_of_chip(plain.soc) == state_of_chip(watched.soc)) << "at " << t << " ns";
+      ASSERT_TRUE(mebots::test::same_state(plain.soc, watched.soc)) << "at " << t << " ns";
       ASSERT_EQ(plain.soc.energy().total_j(), watched.soc.energy().total_j()) << "at " << t << " ns";
     }
     EXPECT_GT(watched.soc.cluster()->counters().instructions, 300'000U);

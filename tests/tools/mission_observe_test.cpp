@@ -6,6 +6,7 @@
 #include "support.hpp"
 
 #include "mebots/error.hpp"
+#include "mebots/state/save.hpp"
 
 #include <arpa/inet.h>
 #include <fmt/format.h>
@@ -56,9 +57,7 @@ std::vector<std::byte> state_after(const Parameters& parameters, int steps,
     variables.inputs.camera_frame_id = variables.outputs.camera_trigger;
     model.step(variables.inputs, i * kStep, kStep, variables.outputs);
   }
-  state::Writer writer;
-  model.save(writer);
-  return writer.take();
+  return state::save(model);
 }
 
 TEST(MissionObserve, ProfileTraceAndPowerTraceChangeNothingAndAreWritten) {

@@ -4,6 +4,7 @@
 #include "observe/profile.hpp"
 
 #include "board_system.hpp"
+#include "mebots/state/save.hpp"
 #include "support.hpp"
 
 #include <fmt/format.h>
@@ -192,16 +193,13 @@ TEST(Profile, HearsThatACoreWokeWhichSleptInARestoredState) {
   BoardSystem earlier(text);
   earlier.soc.advance(500'000);
   ASSERT_TRUE(earlier.soc.hart().sleeping());
-  state::Writer writer;
-  earlier.soc.save(writer);
-  const auto state = writer.take();
+  const auto state = state::save(earlier.soc);
 
   const Folder folder;
   BoardSystem system(text);
   Profile profile("--profile", folder / "p.json", system.soc);
   system.soc.observe(0, &profile.hart(0));
-  state::Reader reader(state);
-  system.soc.restore(reader);
+  state::restore(system.soc, state);
   profile.restored();
   system.soc.advance(2'000'000);
   system.soc.observe(0, nullptr);

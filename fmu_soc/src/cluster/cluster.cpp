@@ -3,6 +3,7 @@
 
 #include "cluster/core.hpp"
 #include "fmu_soc_board/board.hpp"
+#include "mebots/assert.hpp"
 
 #include <algorithm>
 
@@ -26,6 +27,7 @@ Cluster::Cluster(Memory& memory, const ClusterSettings& settings, const Instruct
       banks_(settings.l1_banks),
       event_unit_(settings.cores),
       dma_(memory, settings.l1_region, settings.dma) {
+  MEBOTS_ASSERT(settings.cores > 0 && settings.cores <= kMostClusterCores);
   ready_.fill(kNoTick);
   for (unsigned id = 0; id < settings.cores; ++id) {
     cores_.push_back(std::make_unique<Core>(*this, id, memory, decoded_));
@@ -51,12 +53,14 @@ void Cluster::power_off(Picoseconds now) {
   if (!powered_) return;
   powered_ = false;
   powered_total_ += now - powered_since_;
+  MEBOTS_ASSERT(powered_total_ >= 0 && now >= powered_since_, "time does not go back");
   for (auto& core : cores_) core->stop();
   interrupt_ = false;
   fabric_woken_ = false;
 }
 
 void Cluster::set_clock(Picoseconds now, std::uint32_t hz) {
+  MEBOTS_ASSERT(hz > 0);
   if (hz != clock_.hz()) clock_.change(hz, tick_at(now));
 }
 
@@ -108,6 +112,8 @@ void Cluster::move_banks(std::uint64_t tick) {
 
 /// The answer is when the next one starts.
 std::uint64_t Cluster::run_quantum(std::uint64_t start, std::uint64_t until) {
+  MEBOTS_ASSERT(start < until);
+  MEBOTS_ASSERT(first_core_ < cores());
   share_banks();
   if (sharing_banks_ && start > banks_.start()) {
     dma_.occupy(banks_, start);  // what it moved while all slept
@@ -138,6 +144,7 @@ std::uint64_t Cluster::run_quantum(std::uint64_t start, std::uint64_t until) {
     }
     if (*first >= end) return std::min(transfer, *first);
     auto& core = *cores_[static_cast<std::size_t>(first - ready_.begin())];
+    MEBOTS_ASSERT(core.tick() < end);
     core.grant_turn();
     run_core(core, end);
   }
@@ -153,6 +160,7 @@ void Cluster::run_cores(std::uint64_t start, std::uint64_t end) {
     auto& core = *cores_[next];
     if (ready_[next] < end && !core.waits_for_turn()) {
       if (count != 0) row[count - 1]->hart().set_next(&core.hart());
+      MEBOTS_ASSERT(count < row.size());
       row[count++] = &core;
     }
     if (++next == cores()) next = 0;
@@ -186,6 +194,7 @@ void Cluster::run_core(Core& core, std::uint64_t end) {
 }
 
 void Cluster::note_stop(Core& core, Stop stop) {
+  MEBOTS_ASSERT(core.id() < cores_.size() && cores_[core.id()].get() == &core);
   core.stopped(stop);
   if (stop == Stop::device) spread_events(core.accessed());
   if (stop == Stop::fault) faulted_core_ = static_cast<std::int32_t>(core.id());
@@ -216,6 +225,8 @@ bool Cluster::take_fabric_wake() {
 
 BusReply Cluster::access(unsigned who, std::uint32_t address, std::uint64_t tick, const std::uint32_t* stored,
                          bool event) {
+  MEBOTS_ASSERT(who < cores() || who == kFabricController);
+  MEBOTS_ASSERT(powered_, "devices of a cluster that is off belong to nobody");
   if (const auto offset = address - settings_.event_unit_base; offset < size_of(board::event_unit::kRegisters)) {
     if (stored == nullptr) return event ? event_unit_.load_event(who, offset) : event_unit_.load(who, offset);
     return event_unit_.store(who, offset, *stored) ? BusReply::done() : BusReply{};
@@ -251,6 +262,7 @@ BusReply Cluster::store(std::uint32_t address, Picoseconds now, std::uint32_t va
 }
 
 const Hart& Cluster::hart(unsigned core) const {
+  MEBOTS_ASSERT(core < cores_.size());
   return cores_[core]->hart();
 }
 
@@ -259,10 +271,12 @@ Hart& Cluster::hart(unsigned core) {
 }
 
 Picoseconds Cluster::core_time(unsigned core) const {
+  MEBOTS_ASSERT(core < cores_.size());
   return clock_.time_of(cores_[core]->tick());
 }
 
 void Cluster::observe(unsigned core, Observer* observer) {
+  MEBOTS_ASSERT(core < cores_.size());
   cores_[core]->observe(observer);
 }
 
@@ -292,43 +306,24 @@ std::uint64_t Cluster::longest_cycles() const {
   return longest;
 }
 
-void Cluster::save(state::Writer& writer) const {
-  banks_.save(writer);
-  if (instruction_cache_) instruction_cache_->save(writer);
-  event_unit_.save(writer);
-  dma_.save(writer);
-  for (const auto& core : cores_) core->save(writer);
-  writer.put(clock_);
-  writer.put(powered_);
-  writer.put(interrupt_);
-  writer.put(fabric_woken_);
-  writer.put(stopped_);
-  writer.put(faulted_core_);
-  writer.put(first_core_);
-  writer.put(dma_first_);
-  writer.put(fabric_event_time_);
-  writer.put(powered_since_);
-  writer.put(powered_total_);
-}
-
-void Cluster::restore(state::Reader& reader) {
-  banks_.restore(reader);
-  if (instruction_cache_) instruction_cache_->restore(reader);
-  event_unit_.restore(reader);
-  dma_.restore(reader);
-  for (auto& core : cores_) core->restore(reader);
-  reader.get(clock_);
-  reader.get(powered_);
-  reader.get(interrupt_);
-  reader.get(fabric_woken_);
-  reader.get(stopped_);
-  reader.get(faulted_core_);
-  reader.get(first_core_);
-  reader.get(dma_first_);
-  reader.get(fabric_event_time_);
-  reader.get(powered_since_);
-  reader.get(powered_total_);
-  core_stopped_by_observer_ = -1;
+void Cluster::visit(state::Visitor& v) {
+  v("banks", banks_);
+  if (instruction_cache_) v("instruction_cache", *instruction_cache_);
+  v("event_unit", event_unit_);
+  v("dma", dma_);
+  for (std::size_t i = 0; i < cores_.size(); ++i) v("core[" + std::to_string(i) + "]", *cores_[i]);
+  v("clock", clock_);
+  v("powered", powered_);
+  v("interrupt", interrupt_);
+  v("fabric_woken", fabric_woken_);
+  v("stopped", stopped_);
+  v("faulted_core", faulted_core_);
+  v("first_core", first_core_);
+  v("dma_first", dma_first_);
+  v("fabric_event_time", fabric_event_time_);
+  v("powered_since", powered_since_);
+  v("powered_total", powered_total_);
+  if (v.restores()) core_stopped_by_observer_ = -1;
 }
 
 }  // namespace mebots::soc

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "mebots/assert.hpp"
+
 #include "cluster/cluster.hpp"
 #include "hart/observer.hpp"
 
@@ -72,17 +74,14 @@ class Cluster::Core final : private Bus {
   /// Whether others use the banks of L1 at the same time.
   void share_banks(bool several) { hart_.share_first(several ? &schedule_ : nullptr); }
 
-  void save(state::Writer& writer) const {
-    hart_.save(writer);
-    writer.put(offset_);
-    writer.put(asleep_);
-    writer.put(waits_for_turn_);
-  }
-  void restore(state::Reader& reader) {
-    hart_.restore(reader);
-    reader.get(offset_);
-    set_asleep(reader.get<bool>());
-    reader.get(waits_for_turn_);
+  void visit(state::Visitor& v) {
+    bool asleep = asleep_;
+    v("hart", hart_);
+    v("offset", offset_);
+    v("asleep", asleep);
+    v("waits_for_turn", waits_for_turn_);
+    if (!v.restores()) return;
+    set_asleep(asleep);
     granted_ = false;
     apply_offset();
     find_ready();
@@ -91,6 +90,7 @@ class Cluster::Core final : private Bus {
  private:
   void set_asleep(bool asleep) {
     if (asleep == asleep_) return;
+    MEBOTS_ASSERT(asleep ? cluster_.awake_ > 0 : cluster_.awake_ < kMostClusterCores);
     asleep_ = asleep;
     asleep ? --cluster_.awake_ : ++cluster_.awake_;
   }

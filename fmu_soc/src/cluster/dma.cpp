@@ -2,6 +2,7 @@
 #include "cluster/dma.hpp"
 
 #include "fmu_soc_board/board.hpp"
+#include "mebots/assert.hpp"
 
 #include <algorithm>
 #include <cstring>
@@ -25,6 +26,7 @@ void ClusterDma::reset() {
 }
 
 BusReply ClusterDma::load(unsigned who, std::uint32_t offset) const {
+  MEBOTS_ASSERT(who < drafts_.size());
   const auto& draft = drafts_[who];
   switch (offset) {
     case dma_reg::kL2Address:
@@ -50,6 +52,7 @@ BusReply ClusterDma::load(unsigned who, std::uint32_t offset) const {
 }
 
 bool ClusterDma::store(unsigned who, std::uint32_t offset, std::uint32_t value, std::uint64_t tick) {
+  MEBOTS_ASSERT(who < drafts_.size());
   auto& draft = drafts_[who];
   switch (offset) {
     case dma_reg::kL2Address:
@@ -79,6 +82,7 @@ bool ClusterDma::store(unsigned who, std::uint32_t offset, std::uint32_t value, 
 }
 
 bool ClusterDma::fits(const Draft& draft) const {
+  MEBOTS_ASSERT(l1_region_ < memory_.regions().size());
   if (draft.size == 0) return false;
   const auto row = draft.row == 0 ? draft.size : draft.row;
   if (draft.size % row != 0) return false;
@@ -96,6 +100,7 @@ std::uint32_t ClusterDma::cycles_of(const Draft& draft) const {
   };
   const auto row = draft.row == 0 ? draft.size : draft.row;
   const auto whole = row / timing_.most_burst_bytes;
+  MEBOTS_ASSERT(row > 0 && draft.size % row == 0, "fits() refuses broken rows");
   const auto rest = row % timing_.most_burst_bytes;
   const auto per_row = whole * cycles_of_bytes(timing_.most_burst_bytes) + (rest == 0 ? 0 : cycles_of_bytes(rest));
   return draft.size / row * per_row;
@@ -109,10 +114,12 @@ void ClusterDma::start(unsigned who, std::uint32_t direction, std::uint64_t tick
     return;
   }
   const auto cycles = cycles_of(draft);
+  MEBOTS_ASSERT(cycles > 0);
   draft.id = static_cast<std::uint32_t>(free - transfers_.begin());
   const auto first_beat = std::max(free_from_, tick + timing_.latency);
   *free = {draft, direction == kOut ? 1U : 0U, who, first_beat + cycles, first_beat};
   free_from_ = free->end;
+  MEBOTS_ASSERT(free->end > tick, "a transfer takes time");
   find_next();
   counts_.busy_cycles += cycles;
   counts_.bytes += draft.size;
@@ -173,6 +180,8 @@ std::uint64_t ClusterDma::occupy_burst(Banks& banks, Transfer& transfer, std::ui
       wait = std::max(wait, banks.claim_soon(transfer.next_beat, word));
     }
     transfer.moved += end - in_burst;
+    MEBOTS_ASSERT(end > in_burst);
+    MEBOTS_ASSERT(transfer.moved <= what.size, "beats end with the transfer");
     transfer.next_beat += wait + 1;
     waited += wait;
     in_burst = end;
@@ -189,6 +198,7 @@ void ClusterDma::advance(std::uint64_t tick, EventUnit& event_unit) {
     const auto due = next_;
     const auto transfer =
         std::find_if(transfers_.begin(), transfers_.end(), [due](const auto& t) { return t.end == due; });
+    MEBOTS_ASSERT(transfer != transfers_.end(), "the least end is that of a transfer");
     move(*transfer);
     transfer->end = kNoTick;
     find_next();
@@ -201,6 +211,7 @@ void ClusterDma::move(const Transfer& transfer) {
   const auto row = what.row == 0 ? what.size : what.row;
   auto* l1_region = &memory_.regions()[l1_region_];
   auto* l2_region = memory_.find(what.l2, 1);
+  MEBOTS_ASSERT(l2_region != nullptr && l1_region->holds(what.l1, what.size), "fits() refused the others");
   auto* l1 = l1_region->data.get() + (what.l1 - l1_region->base);
   auto* l2 = l2_region->data.get() + (what.l2 - l2_region->base);
   for (std::uint32_t done = 0; done < what.size; done += row, l1 += row, l2 += what.stride) {
@@ -210,22 +221,13 @@ void ClusterDma::move(const Transfer& transfer) {
   if (transfer.out == 0) memory_.changed(what.l1, what.size);
 }
 
-void ClusterDma::save(state::Writer& writer) const {
-  static_assert(std::has_unique_object_representations_v<Draft> && std::has_unique_object_representations_v<Transfer>);
-  writer.put(drafts_);
-  writer.put(transfers_);
-  writer.put(free_from_);
-  writer.put(status_);
-  writer.put(counts_);
-}
-
-void ClusterDma::restore(state::Reader& reader) {
-  reader.get(drafts_);
-  reader.get(transfers_);
-  find_next();
-  reader.get(free_from_);
-  reader.get(status_);
-  reader.get(counts_);
+void ClusterDma::visit(state::Visitor& v) {
+  v("drafts", drafts_);
+  v("transfers", transfers_);
+  v("free_from", free_from_);
+  v("status", status_);
+  v("counts", counts_);
+  if (v.restores()) find_next();
 }
 
 }  // namespace mebots::soc

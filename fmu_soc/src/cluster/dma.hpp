@@ -55,11 +55,16 @@ class ClusterDma {
     std::uint64_t bytes = 0;
     std::uint64_t busy_cycles = 0;  // moving data, and waiting for banks with it
     std::uint64_t transfers = 0;
+
+    void visit(state::Visitor& v) {
+      v("bytes", bytes);
+      v("busy_cycles", busy_cycles);
+      v("transfers", transfers);
+    }
   };
   const Counts& counts() const { return counts_; }
 
-  void save(state::Writer& writer) const;
-  void restore(state::Reader& reader);
+  void visit(state::Visitor& v);
 
  private:
   struct Draft {
@@ -69,6 +74,15 @@ class ClusterDma {
     std::uint32_t row = 0;     // bytes; 0 = one row
     std::uint32_t stride = 0;  // bytes in L2 from row to row
     std::uint32_t id = 0;      // of the last start
+
+    void visit(state::Visitor& v) {
+      v("l2", l2);
+      v("l1", l1);
+      v("size", size);
+      v("row", row);
+      v("stride", stride);
+      v("id", id);
+    }
   };
   struct Transfer {
     Draft what;
@@ -76,8 +90,16 @@ class ClusterDma {
     std::uint32_t who = 0;
     std::uint64_t end = kNoTick;  // kNoTick = free
     std::uint64_t next_beat = 0;
-    std::uint32_t moved = 0;   // bytes of the beats before
-    std::uint32_t unused = 0;  // no padding: equal states are equal bytes
+    std::uint32_t moved = 0;  // bytes of the beats before
+
+    void visit(state::Visitor& v) {
+      v("what", what);
+      v("out", out);
+      v("who", who);
+      v("end", end);
+      v("next_beat", next_beat);
+      v("moved", moved);
+    }
   };
 
   void start(unsigned who, std::uint32_t direction, std::uint64_t tick);

@@ -2,6 +2,7 @@
 #include "cluster/event_unit.hpp"
 
 #include "fmu_soc_board/board.hpp"
+#include "mebots/assert.hpp"
 
 #include <type_traits>
 
@@ -17,6 +18,7 @@ constexpr unsigned kSoftwareEventShift = 16;
 }  // namespace
 
 BusReply EventUnit::load(unsigned who, std::uint32_t offset) const {
+  MEBOTS_ASSERT(who < cores_ || who == kFabricController);
   const auto& self = of_[who];
   switch (offset) {
     case event_reg::kEventWait:
@@ -47,6 +49,7 @@ BusReply EventUnit::load(unsigned who, std::uint32_t offset) const {
 }
 
 BusReply EventUnit::load_event(unsigned who, std::uint32_t offset) {
+  MEBOTS_ASSERT(who < cores_ || who == kFabricController);
   auto& self = of_[who];
   switch (offset) {
     case event_reg::kEventWait: {
@@ -80,6 +83,7 @@ BusReply EventUnit::answer_or_sleep(Requester& requester, bool ready, Wait what,
 }
 
 bool EventUnit::store(unsigned who, std::uint32_t offset, std::uint32_t value) {
+  MEBOTS_ASSERT(who < cores_ || who == kFabricController);
   auto& self = of_[who];
   switch (offset) {
     case event_reg::kEventMask:
@@ -115,6 +119,7 @@ bool EventUnit::store(unsigned who, std::uint32_t offset, std::uint32_t value) {
 }
 
 void EventUnit::raise(std::uint32_t targets, unsigned event) {
+  MEBOTS_ASSERT(event < 32, "an event is a bit of a word");
   for (unsigned who = 0; who < kRequesters; ++who) {
     if ((targets >> who & 1U) == 0) continue;
     of_[who].buffer |= 1U << event;
@@ -123,6 +128,7 @@ void EventUnit::raise(std::uint32_t targets, unsigned event) {
 }
 
 void EventUnit::wake(unsigned who, Wait what) {
+  MEBOTS_ASSERT(who < kRequesters && what != Wait::nothing);
   if (of_[who].waits_for == what) woken_ |= 1U << who;
 }
 
@@ -144,12 +150,14 @@ void EventUnit::fork(unsigned who, std::uint32_t cores) {
 }
 
 void EventUnit::job_done(unsigned who) {
+  MEBOTS_ASSERT(who < kRequesters);
   const auto before = at_work_;
   at_work_ &= ~(1U << who);
   if (before != 0 && at_work_ == 0) raise(1U << kFabricController, event::kJobDone);
 }
 
 void EventUnit::arrive(unsigned who) {
+  MEBOTS_ASSERT(who < cores_, "the fabric controller meets nobody at the barrier");
   arrived_ |= 1U << who;
   if ((arrived_ & barrier_cores_) != barrier_cores_) return;
   for (unsigned core = 0; core < cores_; ++core) {
@@ -160,27 +168,15 @@ void EventUnit::arrive(unsigned who) {
   arrived_ = 0;
 }
 
-void EventUnit::save(state::Writer& writer) const {
-  static_assert(std::has_unique_object_representations_v<Requester>);
-  writer.put(of_);
-  writer.put(barrier_cores_);
-  writer.put(arrived_);
-  writer.put(fork_entry_);
-  writer.put(fork_argument_);
-  writer.put(at_work_);
-  writer.put(status_);
-  writer.put(woken_);
-}
-
-void EventUnit::restore(state::Reader& reader) {
-  reader.get(of_);
-  reader.get(barrier_cores_);
-  reader.get(arrived_);
-  reader.get(fork_entry_);
-  reader.get(fork_argument_);
-  reader.get(at_work_);
-  reader.get(status_);
-  reader.get(woken_);
+void EventUnit::visit(state::Visitor& v) {
+  v("requester", of_);
+  v("barrier_cores", barrier_cores_);
+  v("arrived", arrived_);
+  v("fork_entry", fork_entry_);
+  v("fork_argument", fork_argument_);
+  v("at_work", at_work_);
+  v("status", status_);
+  v("woken", woken_);
 }
 
 }  // namespace mebots::soc

@@ -3,7 +3,7 @@
 
 #include "memory/bus.hpp"
 
-#include "mebots/state/bytes.hpp"
+#include "mebots/state/visitor.hpp"
 
 #include <array>
 #include <cstdint>
@@ -52,8 +52,7 @@ class EventUnit {
   /// Cores that run a fork's entry.
   std::uint32_t at_work() const { return at_work_; }
 
-  void save(state::Writer& writer) const;
-  void restore(state::Reader& reader);
+  void visit(state::Visitor& v);
 
  private:
   enum class Wait : std::uint32_t { nothing, event, barrier, dispatch };
@@ -64,6 +63,15 @@ class EventUnit {
     std::uint32_t barrier_open = 0;  // the barrier that it waits at has been passed
     std::uint32_t dispatched = 0;    // a fork has named it, and it has not taken the entry yet
     std::uint32_t argument = 0;
+
+    void visit(state::Visitor& v) {
+      v("mask", mask);
+      v("buffer", buffer);
+      v("waits_for", waits_for);
+      v("barrier_open", barrier_open);
+      v("dispatched", dispatched);
+      v("argument", argument);
+    }
   };
 
   BusReply answer_or_sleep(Requester& requester, bool ready, Wait what, std::uint32_t value);

@@ -2,6 +2,7 @@
 #include "devices/camera.hpp"
 
 #include "fmu_soc_board/board.hpp"
+#include "mebots/assert.hpp"
 
 #include <fmt/core.h>
 
@@ -27,11 +28,13 @@ void Camera::request() {
     return;
   }
   ++state_.requests;
+  MEBOTS_ASSERT(!state_.waiting, "busy until the picture has come");
   state_.status |= kBusy;
   state_.waiting = true;
 }
 
 void Camera::offer(std::span<const std::uint8_t> picture, Picoseconds now) {
+  MEBOTS_ASSERT(state_.waiting, "ask wants() first");
   picture_.assign(picture.begin(), picture.end());
   state_.waiting = false;
   state_.active_since = now;
@@ -43,6 +46,7 @@ void Camera::advance(Picoseconds now) {
 }
 
 void Camera::finish() {
+  MEBOTS_ASSERT(state_.done_at != kNever && state_.done_at >= state_.active_since);
   state_.active_total += state_.done_at - state_.active_since;
   state_.done_at = kNever;
   state_.status &= ~kBusy;
@@ -67,6 +71,7 @@ void Camera::finish() {
 double Camera::energy_j(Picoseconds now) const {
   const bool active = state_.done_at != kNever;
   const auto active_ps = state_.active_total + (active ? now - state_.active_since : 0);
+  MEBOTS_ASSERT(active_ps >= 0 && active_ps <= now);
   return (active_w_ * static_cast<double>(active_ps) + idle_w_ * static_cast<double>(now - active_ps)) / kPsPerS;
 }
 
@@ -115,15 +120,20 @@ bool Camera::store(std::uint32_t offset, Picoseconds /*now*/, std::uint32_t valu
   }
 }
 
-void Camera::save(state::Writer& writer) const {
-  static_assert(std::has_unique_object_representations_v<State>);
-  writer.put(state_);
-  writer.put(picture_);
-}
-
-void Camera::restore(state::Reader& reader) {
-  reader.get(state_);
-  reader.get(picture_);
+void Camera::visit(state::Visitor& v) {
+  v("requests", state_.requests);
+  v("status", state_.status);
+  v("waiting", state_.waiting);
+  v("interrupt", state_.interrupt);
+  v("frame_id", state_.frame_id);
+  v("done_at", state_.done_at);
+  v("active_since", state_.active_since);
+  v("active_total", state_.active_total);
+  v("buffer", state_.buffer);
+  v("buffer_size", state_.buffer_size);
+  v("width", state_.width);
+  v("height", state_.height);
+  v("picture", picture_);
 }
 
 }  // namespace mebots::soc

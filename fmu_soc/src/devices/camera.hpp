@@ -51,8 +51,7 @@ class Camera final : public Device {
   std::string_view state_name() const override {
     return state_.done_at != kNever ? "active" : state_.waiting ? "waiting for the picture" : "idle";
   }
-  void save(state::Writer& writer) const override;
-  void restore(state::Reader& reader) override;
+  void visit(state::Visitor& v) override;
 
  private:
   struct State {
@@ -60,7 +59,6 @@ class Camera final : public Device {
     std::uint32_t status = 0;
     bool waiting = false;  // for the picture
     bool interrupt = false;
-    std::uint16_t unused = 0;  // no padding: equal states are equal bytes
     std::int32_t frame_id = 0;
     Picoseconds done_at = kNever;
     Picoseconds active_since = 0;

@@ -29,11 +29,8 @@ void Console::flush() {
   line_.clear();
 }
 
-void Console::save(state::Writer& writer) const {
-  writer.put(line_);
-}
-void Console::restore(state::Reader& reader) {
-  reader.get(line_);
+void Console::visit(state::Visitor& v) {
+  v("line", line_);
 }
 
 }  // namespace mebots::soc

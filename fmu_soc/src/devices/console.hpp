@@ -19,8 +19,7 @@ class Console final : public Device {
 
   bool load(std::uint32_t offset, Picoseconds now, std::uint32_t& value) override;
   bool store(std::uint32_t offset, Picoseconds now, std::uint32_t value) override;
-  void save(state::Writer& writer) const override;
-  void restore(state::Reader& reader) override;
+  void visit(state::Visitor& v) override;
 
   /// Hands out what stands in an unfinished line: the firmware has ended.
   void flush();

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "devices/described_device.hpp"
 
+#include "mebots/assert.hpp"
+#include "mebots/error.hpp"
 #include "mebots/soc/fixed_point.hpp"
 
 #include <algorithm>
@@ -19,6 +21,7 @@ DescribedDevice::DescribedDevice(const BoardDevice& description)
       spent_(description.states.size()),
       state_(state_index(description.initial_state)) {
   for (const auto& variable : description_.sensed) sensed_.push_back(variable.start);
+  MEBOTS_ASSERT(state_ < description_.states.size(), "the board file names a state of the device");
 }
 
 std::size_t DescribedDevice::register_at(std::uint32_t offset) const {
@@ -94,6 +97,8 @@ void DescribedDevice::obey(const BoardOpcode* opcode, Picoseconds now) {
 }
 
 void DescribedDevice::enter(std::size_t state, Picoseconds now) {
+  MEBOTS_ASSERT(state < description_.states.size() && state_ < spent_.size());
+  MEBOTS_ASSERT(now >= since_, "calls come in the order of time");
   spent_[state_] += now - since_;
   since_ = now;
   state_ = state;
@@ -127,24 +132,16 @@ double DescribedDevice::energy_j(Picoseconds now) const {
   return charge_as * description_.supply_voltage_v;
 }
 
-void DescribedDevice::save(state::Writer& writer) const {
-  for (const auto value : sensed_) writer.put(value);
-  for (const auto value : values_) writer.put(value);
-  for (const auto time : spent_) writer.put(time);
-  writer.put(state_);
-  writer.put(status_);
-  writer.put(since_);
-  writer.put(done_at_);
-}
-
-void DescribedDevice::restore(state::Reader& reader) {
-  for (auto& value : sensed_) reader.get(value);
-  for (auto& value : values_) reader.get(value);
-  for (auto& time : spent_) reader.get(time);
-  reader.get(state_);
-  reader.get(status_);
-  reader.get(since_);
-  reader.get(done_at_);
+void DescribedDevice::visit(state::Visitor& v) {
+  v("sensed", std::span(sensed_));
+  v("values", std::span(values_));
+  v("spent", std::span(spent_));
+  v("state", state_);
+  if (state_ >= description_.states.size())
+    throw Error(ErrorCode::state_damaged, "a saved state is damaged: device " + description_.name + " is in no state");
+  v("status", status_);
+  v("since", since_);
+  v("done_at", done_at_);
 }
 
 }  // namespace mebots::soc

@@ -42,8 +42,7 @@ class DescribedDevice final : public OwnDevice {
   Picoseconds next_event() const override { return done_at_; }
   bool interrupt() const override { return (status_ & kReady) != 0; }
   std::string_view state_name() const override { return description_.states[state_].name; }
-  void save(state::Writer& writer) const override;
-  void restore(state::Reader& reader) override;
+  void visit(state::Visitor& v) override;
 
  private:
   void enter(std::size_t state, Picoseconds now);

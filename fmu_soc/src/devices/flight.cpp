@@ -78,16 +78,10 @@ void Flight::commit() {
   }
 }
 
-void Flight::save(state::Writer& writer) const {
-  writer.put(inputs);
-  writer.put(draft_);
-  writer.put(sent_);
-}
-
-void Flight::restore(state::Reader& reader) {
-  reader.get(inputs);
-  reader.get(draft_);
-  reader.get(sent_);
+void Flight::visit(state::Visitor& v) {
+  v("inputs", inputs);
+  v("draft", draft_);
+  v("sent", sent_);
 }
 
 }  // namespace mebots::soc

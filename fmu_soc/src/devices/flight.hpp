@@ -17,7 +17,15 @@ class Flight final : public Device {
     double range_m = 0;
     double forward_velocity_m_per_s = 0;
     double yaw_rad = 0;
-    std::int64_t gate_passed = 0;  ///< 0 or 1; a word, so that no byte of a saved state is padding
+    bool gate_passed = false;
+
+    void visit(state::Visitor& v) {
+      v("phase", phase);
+      v("range_m", range_m);
+      v("forward_velocity_m_per_s", forward_velocity_m_per_s);
+      v("yaw_rad", yaw_rad);
+      v("gate_passed", gate_passed);
+    }
   };
   /// What was sent last; words as the firmware wrote them.
   struct SetPoint {
@@ -26,6 +34,14 @@ class Flight final : public Device {
     std::uint32_t velocity_y = 0;  // um/s
     std::uint32_t yaw_rate = 0;    // urad/s
     std::uint32_t altitude = 0;    // um
+
+    void visit(state::Visitor& v) {
+      v("mode", mode);
+      v("velocity_x", velocity_x);
+      v("velocity_y", velocity_y);
+      v("yaw_rate", yaw_rate);
+      v("altitude", altitude);
+    }
   };
 
   using Complain = std::function<void(std::string_view text)>;
@@ -37,8 +53,7 @@ class Flight final : public Device {
 
   bool load(std::uint32_t offset, Picoseconds now, std::uint32_t& value) override;
   bool store(std::uint32_t offset, Picoseconds now, std::uint32_t value) override;
-  void save(state::Writer& writer) const override;
-  void restore(state::Reader& reader) override;
+  void visit(state::Visitor& v) override;
 
  private:
   void commit();

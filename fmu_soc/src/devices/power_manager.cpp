@@ -82,18 +82,11 @@ bool PowerManager::store(std::uint32_t offset, Picoseconds /*now*/, std::uint32_
   }
 }
 
-void PowerManager::save(state::Writer& writer) const {
-  writer.put(settings_);
-  writer.put(status_);
-  writer.put(exited_);
-  writer.put(exit_code_);
-}
-
-void PowerManager::restore(state::Reader& reader) {
-  reader.get(settings_);
-  reader.get(status_);
-  reader.get(exited_);
-  reader.get(exit_code_);
+void PowerManager::visit(state::Visitor& v) {
+  v("settings", settings_);
+  v("status", status_);
+  v("exited", exited_);
+  v("exit_code", exit_code_);
 }
 
 }  // namespace mebots::soc

@@ -14,6 +14,15 @@ struct PowerSettings {
   std::uint32_t cluster_boot = 0;
   std::uint32_t cluster_on = 0;
   std::uint32_t retention = 0;  // the next sleep is retention sleep
+
+  void visit(state::Visitor& v) {
+    v("clock_hz", clock_hz);
+    v("cluster_clock_hz", cluster_clock_hz);
+    v("voltage_mv", voltage_mv);
+    v("cluster_boot", cluster_boot);
+    v("cluster_on", cluster_on);
+    v("retention", retention);
+  }
 };
 
 /// Clocks, voltage and the cluster's switch as the firmware asks for them, and the way out of the firmware. A request
@@ -27,8 +36,7 @@ class PowerManager final : public Device {
 
   bool load(std::uint32_t offset, Picoseconds now, std::uint32_t& value) override;
   bool store(std::uint32_t offset, Picoseconds now, std::uint32_t value) override;
-  void save(state::Writer& writer) const override;
-  void restore(state::Reader& reader) override;
+  void visit(state::Visitor& v) override;
 
   const PowerSettings& settings() const { return settings_; }
   /// The chip has woken from retention sleep: the next one must be asked for again.

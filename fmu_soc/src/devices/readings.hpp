@@ -19,8 +19,7 @@ class Readings : public Device {
     return true;
   }
   bool store(std::uint32_t /*offset*/, Picoseconds /*now*/, std::uint32_t /*value*/) override { return false; }
-  void save(state::Writer& writer) const override { writer.put(words_); }
-  void restore(state::Reader& reader) override { reader.get(words_); }
+  void visit(state::Visitor& v) override { v("words", words_); }
 
  protected:
   void set(std::uint32_t offset, std::uint32_t word) { words_[offset / 4] = word; }

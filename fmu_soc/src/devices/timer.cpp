@@ -51,16 +51,10 @@ Picoseconds Timer::next_event() const {
   return due_ ? kNever : compare_ps();
 }
 
-void Timer::save(state::Writer& writer) const {
-  writer.put(compare_ns_);
-  writer.put(latched_high_);
-  writer.put(due_);
-}
-
-void Timer::restore(state::Reader& reader) {
-  reader.get(compare_ns_);
-  reader.get(latched_high_);
-  reader.get(due_);
+void Timer::visit(state::Visitor& v) {
+  v("compare_ns", compare_ns_);
+  v("latched_high", latched_high_);
+  v("due", due_);
 }
 
 }  // namespace mebots::soc

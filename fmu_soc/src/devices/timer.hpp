@@ -13,8 +13,7 @@ class Timer final : public Device {
   void advance(Picoseconds now) override;
   Picoseconds next_event() const override;
   bool interrupt() const override { return due_; }
-  void save(state::Writer& writer) const override;
-  void restore(state::Reader& reader) override;
+  void visit(state::Visitor& v) override;
 
  private:
   Picoseconds compare_ps() const;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "energy/meter.hpp"
 
+#include "mebots/assert.hpp"
 #include "mebots/data/object.hpp"
 
 namespace mebots::soc {
@@ -11,9 +12,11 @@ constexpr double kPicosecond = 1e-12;
 constexpr double kBankBytes = 4096;
 
 double count(std::uint64_t now, std::uint64_t before) {
+  MEBOTS_ASSERT(now >= before, "counts only grow");
   return static_cast<double>(now - before);
 }
 double seconds(Picoseconds now, Picoseconds before) {
+  MEBOTS_ASSERT(now >= before, "time does not go back");
   return static_cast<double>(now - before) * kPicosecond;
 }
 
@@ -85,6 +88,7 @@ EnergyMeter::Rates EnergyMeter::rates_at(const PowerState& state) const {
   const OperatingPoint cluster{state.temperature_c, state.voltage_v, state.cluster_clock_hz};
   const OperatingPoint retention{state.temperature_c, tables_.retention_voltage_v, 0};
   const auto fc_banks = inventory_.fc_memory_bytes / kBankBytes;
+  MEBOTS_ASSERT(tables_.reference_instruction_j > 0);
   Rates rates;
   rates.instruction = tables_.instruction.at(fc) / tables_.reference_instruction_j;
   rates.core_gated_w = tables_.core_clock_gated.at(fc);
@@ -131,6 +135,8 @@ EnergyLedger EnergyMeter::at(const Activity& now) const {
 }
 
 double EnergyMeter::core_j(unsigned number, const CoreActivity& now) const {
+  MEBOTS_ASSERT(number < inventory_.cluster_cores);
+  MEBOTS_ASSERT(state_.cluster_clock_hz > 0);
   const auto& before = since_.of_cores[number];
   return settled_of_cores_j_[number] +
          count(now.instruction_fj, before.instruction_fj) * rates_.instruction * kFemtojoule +
@@ -149,19 +155,12 @@ void EnergyMeter::change(const PowerState& state, const Activity& now) {
   rates_ = rates_at(state);
 }
 
-void EnergyMeter::save(state::Writer& writer) const {
-  writer.put(state_);
-  writer.put(since_);
-  writer.put(settled_);
-  writer.put(settled_of_cores_j_);
-}
-
-void EnergyMeter::restore(state::Reader& reader) {
-  reader.get(state_);
-  reader.get(since_);
-  reader.get(settled_);
-  reader.get(settled_of_cores_j_);
-  rates_ = rates_at(state_);
+void EnergyMeter::visit(state::Visitor& v) {
+  v("state", state_);
+  v("since", since_);
+  v("settled", settled_);
+  v("settled_of_cores_j", settled_of_cores_j_);
+  if (v.restores()) rates_ = rates_at(state_);
 }
 
 }  // namespace mebots::soc

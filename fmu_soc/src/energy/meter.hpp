@@ -5,7 +5,7 @@
 #include "cluster/event_unit.hpp"
 #include "energy/table.hpp"
 
-#include "mebots/state/bytes.hpp"
+#include "mebots/state/visitor.hpp"
 
 #include <array>
 #include <cstdint>
@@ -52,6 +52,8 @@ struct EnergyLedger {
   double core_active_j() const;
   double memory_j() const;
   double standing_j() const;
+
+  void visit(state::Visitor& v) { v("by_part_j", by_part_j); }
 };
 
 /// What one core of the cluster did itself, since reset.
@@ -60,6 +62,13 @@ struct CoreActivity {
   std::uint64_t cycles = 0;          // awake
   std::uint64_t l1_accesses = 0;
   std::uint64_t far_accesses = 0;  // to L2, over the interconnect
+
+  void visit(state::Visitor& v) {
+    v("instruction_fj", instruction_fj);
+    v("cycles", cycles);
+    v("l1_accesses", l1_accesses);
+    v("far_accesses", far_accesses);
+  }
 };
 
 /// What the chip did, in counts and durations; all integers, since reset.
@@ -77,6 +86,22 @@ struct Activity {
   Picoseconds cluster_powered = 0;
   Picoseconds retained = 0;                                // in retention sleep; of `powered`
   std::array<CoreActivity, kMostClusterCores> of_cores{};  // the cluster's, one by one; they are in the sums above
+
+  void visit(state::Visitor& v) {
+    v("fc_instruction_fj", fc_instruction_fj);
+    v("cluster_instruction_fj", cluster_instruction_fj);
+    v("fc_memory_accesses", fc_memory_accesses);
+    v("l2_accesses", l2_accesses);
+    v("l1_accesses", l1_accesses);
+    v("far_words", far_words);
+    v("dma_cycles", dma_cycles);
+    v("cluster_cycles", cluster_cycles);
+    v("powered", powered);
+    v("fc_asleep", fc_asleep);
+    v("cluster_powered", cluster_powered);
+    v("retained", retained);
+    v("of_cores", of_cores);
+  }
 };
 
 /// The chip's figures; params/*.json, object "energy".
@@ -106,6 +131,13 @@ struct PowerState {
   double voltage_v = 1.2;
   double clock_hz = 0;
   double cluster_clock_hz = 0;
+
+  void visit(state::Visitor& v) {
+    v("temperature_c", temperature_c);
+    v("voltage_v", voltage_v);
+    v("clock_hz", clock_hz);
+    v("cluster_clock_hz", cluster_clock_hz);
+  }
 };
 
 /// What there is of each part.
@@ -128,8 +160,7 @@ class EnergyMeter {
   /// From `now` on, the chip is set otherwise. Call it before a clock changes what cycles mean.
   void change(const PowerState& state, const Activity& now);
 
-  void save(state::Writer& writer) const;
-  void restore(state::Reader& reader);
+  void visit(state::Visitor& v);
 
  private:
   /// Joules and watts at the present settings.

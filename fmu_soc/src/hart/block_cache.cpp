@@ -2,6 +2,7 @@
 #include "hart/block_cache.hpp"
 
 #include "hart/hart.hpp"
+#include "mebots/assert.hpp"
 
 #include <algorithm>
 #include <cstring>
@@ -156,6 +157,7 @@ std::uint32_t BlockCache::decode_block(std::uint32_t pc) {
   end = sums;
   end.op = loop ? Op::loop_end : Op::end_of_block;
   end.run = handler_of(end.op);
+  MEBOTS_ASSERT(sums.index > 0 && end.run != nullptr);
   end.pc = at;
   block.end = at;
   block.fetch_bound = block.last_start_bound;

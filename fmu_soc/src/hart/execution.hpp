@@ -30,6 +30,12 @@ struct HardwareLoop {
   std::uint32_t start = 0;
   std::uint32_t end = 0;  // address of the last instruction of the body
   std::uint32_t count = 0;
+
+  void visit(state::Visitor& v) {
+    v("start", start);
+    v("end", end);
+    v("count", count);
+  }
 };
 
 /// Counters since reset that nothing in the core can write.
@@ -40,12 +46,26 @@ struct Counters {
   std::uint64_t accesses = 0;         // loads and stores, all together
   std::uint64_t device_accesses = 0;  // of these: to devices
   std::uint64_t fetch_cycles = 0;     // of the cycles: waiting for the instruction cache
+
+  void visit(state::Visitor& v) {
+    v("instructions", instructions);
+    v("cycles", cycles);
+    v("instruction_fj", instruction_fj);
+    v("accesses", accesses);
+    v("device_accesses", device_accesses);
+    v("fetch_cycles", fetch_cycles);
+  }
 };
 
 /// What the pipeline still knows.
 struct Pipeline {
   Previous before;
   Previous two_before;
+
+  void visit(state::Visitor& v) {
+    v("before", before);
+    v("two_before", two_before);
+  }
 };
 
 /// What the pipeline knows of an instruction that it has executed.

@@ -3,6 +3,7 @@
 
 #include "hart/csr_numbers.hpp"
 #include "hart/observer.hpp"
+#include "mebots/assert.hpp"
 
 #include <algorithm>
 #include <cstring>
@@ -449,43 +450,27 @@ const Instruction* Hart::wait_for_interrupt(const Instruction* at) {
   return leave_after(at, Leave::sleep);
 }
 
-void Hart::save(state::Writer& writer) const {
-  static_assert(std::has_unique_object_representations_v<Csrs> && std::has_unique_object_representations_v<Fault>);
+void Hart::visit(state::Visitor& v) {
+  MEBOTS_ASSERT(execution_.x[0] == 0, "writes to x0 go to the last one");
   auto registers = execution_.x;
   registers.back() = 0;  // what was written to x0 is nothing
-  writer.put(registers);
-  writer.put(execution_.pc);
-  writer.put(execution_.loops);
-  writer.put(execution_.far_accesses);
-  writer.put(csrs_);
-  writer.put(execution_.counters);
-  writer.put(fault_);
-  writer.put(execution_.pipeline);
-  writer.put(sleeping_);
-  writer.put(waits_for_event_);
-  writer.put(interrupt_ready_);
-  writer.put(exception_pc_);
-  writer.put(exception_cause_);
-  writer.put(exception_repeats_);
-  writer.put(exception_instructions_);
-}
-
-void Hart::restore(state::Reader& reader) {
-  reader.get(execution_.x);
-  reader.get(execution_.pc);
-  reader.get(execution_.loops);
-  reader.get(execution_.far_accesses);
-  reader.get(csrs_);
-  reader.get(execution_.counters);
-  reader.get(fault_);
-  reader.get(execution_.pipeline);
-  reader.get(sleeping_);
-  reader.get(waits_for_event_);
-  reader.get(interrupt_ready_);
-  reader.get(exception_pc_);
-  reader.get(exception_cause_);
-  reader.get(exception_repeats_);
-  reader.get(exception_instructions_);
+  v("x", std::span(registers).first<32>());
+  v("pc", execution_.pc);
+  v("loops", execution_.loops);
+  v("far_accesses", execution_.far_accesses);
+  v("csr", csrs_);
+  v("counters", execution_.counters);
+  v("fault", fault_);
+  v("pipeline", execution_.pipeline);
+  v("sleeping", sleeping_);
+  v("waits_for_event", waits_for_event_);
+  v("interrupt_ready", interrupt_ready_);
+  v("exception_pc", exception_pc_);
+  v("exception_cause", exception_cause_);
+  v("exception_repeats", exception_repeats_);
+  v("exception_instructions", exception_instructions_);
+  if (!v.restores()) return;
+  execution_.x = registers;
   cut_pc_ = kNoPc;
   observer_knows_of_sleep_ = observer_ != nullptr && sleeping_;
   leave_row();

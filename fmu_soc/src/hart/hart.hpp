@@ -9,7 +9,7 @@
 #include "memory/memory.hpp"
 #include "translate/translator.hpp"
 
-#include "mebots/state/bytes.hpp"
+#include "mebots/state/visitor.hpp"
 
 #include <array>
 #include <cstdint>
@@ -38,7 +38,6 @@ enum class Stop : std::uint8_t {
 struct Fault {
   bool happened = false;
   bool double_trap = false;
-  std::uint16_t unused = 0;  // no padding: equal states are equal bytes
   std::uint32_t cause = 0;
   std::uint32_t pc = 0;
   std::uint32_t value = 0;        // mtval
@@ -46,6 +45,18 @@ struct Fault {
   std::uint32_t first_cause = 0;  // the exception that it began with: the first one since a return from a handler
   std::uint32_t first_pc = 0;
   std::uint32_t first_value = 0;
+
+  void visit(state::Visitor& v) {
+    v("happened", happened);
+    v("double_trap", double_trap);
+    v("cause", cause);
+    v("pc", pc);
+    v("value", value);
+    v("instruction", instruction);
+    v("first_cause", first_cause);
+    v("first_pc", first_pc);
+    v("first_value", first_value);
+  }
 };
 
 /// A memory as one core reaches it.
@@ -186,8 +197,7 @@ class Hart {
     if (index != 0) execution_.x[index] = value;
   }
 
-  void save(state::Writer& writer) const;
-  void restore(state::Reader& reader);
+  void visit(state::Visitor& v);
 
   // For the handlers.
   /// The active cycle in which an instruction of the block in progress starts.
@@ -228,13 +238,29 @@ class Hart {
     std::uint32_t mcountinhibit = 0;
     bool interrupts_on = false;       // mstatus.MIE
     bool interrupts_were_on = false;  // mstatus.MPIE
-    std::uint16_t unused = 0;         // no padding: equal states are equal bytes
-    std::uint32_t unused_too = 0;
-    std::uint64_t cycle_base = 0;  // mcycle = counter - base; while inhibited, mcycle = base
+    std::uint64_t cycle_base = 0;     // mcycle = counter - base; while inhibited, mcycle = base
     std::uint64_t instret_base = 0;
     std::uint32_t pcer = 0;  // RI5CY's event counters: which count
     std::uint32_t pcmr = 3;  // how they count
     std::array<std::uint64_t, 2> pccr_base{};
+
+    void visit(state::Visitor& v) {
+      v("mie", mie);
+      v("mip", mip);
+      v("mtvec", mtvec);
+      v("mscratch", mscratch);
+      v("mepc", mepc);
+      v("mcause", mcause);
+      v("mtval", mtval);
+      v("mcountinhibit", mcountinhibit);
+      v("interrupts_on", interrupts_on);
+      v("interrupts_were_on", interrupts_were_on);
+      v("cycle_base", cycle_base);
+      v("instret_base", instret_base);
+      v("pcer", pcer);
+      v("pcmr", pcmr);
+      v("pccr_base", pccr_base);
+    }
   };
 
   static constexpr std::uint32_t kNoPc = 1;  // no pc is odd

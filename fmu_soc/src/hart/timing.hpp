@@ -2,6 +2,7 @@
 #pragma once
 
 #include "isa/op.hpp"
+#include "mebots/state/visitor.hpp"
 
 #include <bit>
 #include <cstdint>
@@ -49,6 +50,13 @@ struct Previous {
   std::uint8_t rd = 0;       // 0 or above 31 = none
   bool slow = false;         // took several cycles: mulh, div, misaligned load
   std::uint8_t pointer = 0;  // the register that a post-increment wrote; 0 = none
+
+  void visit(state::Visitor& v) {
+    v("op", op);
+    v("rd", rd);
+    v("slow", slow);
+    v("pointer", pointer);
+  }
 };
 
 /// The instruction whose cycles are asked for.

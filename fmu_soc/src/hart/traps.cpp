@@ -4,6 +4,7 @@
 #include "hart/csr_numbers.hpp"
 #include "hart/hart.hpp"
 #include "hart/observer.hpp"
+#include "mebots/assert.hpp"
 
 #include <bit>
 
@@ -16,6 +17,7 @@ constexpr std::uint32_t kHopelessRepeats = 16;
 }  // namespace
 
 const Instruction* Hart::raise(const Instruction* at, std::uint32_t cause, std::uint32_t value) {
+  MEBOTS_ASSERT((cause & cause::kInterrupt) == 0);
   auto& e = execution_;
   e.extra_cycles -= stalled_before(at);
   e.pc = at->pc;
@@ -79,6 +81,7 @@ void Hart::take_interrupt() {
   // timer (7). Source: CV32E40P user manual, chapter "Exceptions and interrupts".
   const auto ready = csrs_.mip & csrs_.mie;
   unsigned number = 0;
+  MEBOTS_ASSERT(ready != 0 && csrs_.interrupts_on, "an interrupt is taken when one is ready");
   if ((ready >> 16) != 0) {
     number = 31U - static_cast<unsigned>(std::countl_zero(ready));
   } else {

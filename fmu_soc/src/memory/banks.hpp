@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "mebots/state/bytes.hpp"
+#include "mebots/assert.hpp"
+#include "mebots/error.hpp"
+#include "mebots/state/visitor.hpp"
 
 #include <algorithm>
 #include <cstddef>
@@ -60,6 +62,7 @@ class Banks {
 
   /// Nobody asks for ticks before `tick` any more; ticks do not go back.
   void move_to(std::uint64_t tick) {
+    MEBOTS_ASSERT(tick >= start_, "ticks do not go back");
     clear(start_, tick);
     start_ = tick;
     set_horizon();
@@ -78,6 +81,7 @@ class Banks {
     std::copy_n(taken_.data() + first * count_, rows * count_, taken_.begin());  // kTurn rows lie between, or none
     clear(base_ + std::max(first, rows), base_ + first + rows);
     base_ = tick;
+    MEBOTS_ASSERT(start_ == base_);
     set_horizon();
   }
 
@@ -88,22 +92,14 @@ class Banks {
   /// A table to write to for who is alone. It is not cleared, so what stands in it means nothing.
   std::uint8_t* unread() { return unread_.data(); }
 
-  void save(state::Writer& writer) const {
-    const auto begin = std::min<std::uint64_t>((start_ - base_) * count_, taken_.size());
-    std::uint64_t end = taken_.size();
-    for (std::uint64_t eight = 0; end >= begin + sizeof eight; end -= sizeof eight) {  // nearly all is free
-      std::memcpy(&eight, &taken_[end - sizeof eight], sizeof eight);
-      if (eight != 0) break;
-    }
-    while (end > begin && taken_[end - 1] == 0) --end;
-    writer.put(start_);
-    writer.put(std::span(taken_).subspan(begin, end - begin));
-  }
-  void restore(state::Reader& reader) {
+  void visit(state::Visitor& v) {
     std::vector<std::uint8_t> taken;
-    reader.get(start_);
-    reader.get(taken);
-    if (taken.size() > taken_.size()) throw Error("a saved state is damaged: it has banks of another memory");
+    if (!v.restores()) taken = taken_from_start();
+    v("start", start_);
+    v("taken", taken);
+    if (!v.restores()) return;
+    if (taken.size() > taken_.size())
+      throw Error(ErrorCode::state_damaged, "a saved state is damaged: it has banks of another memory");
     base_ = start_;
     set_horizon();
     std::fill(std::copy(taken.begin(), taken.end(), taken_.begin()), taken_.end(), std::uint8_t{0});
@@ -114,10 +110,23 @@ class Banks {
   static constexpr std::uint64_t kReach = kLongestRun + kLongestBlock + 1024;
   static constexpr std::uint64_t kRows = kTurn + kReach + kLongestBlock;
 
+  /// What is taken from the start on, without the free end: nearly all is free.
+  std::vector<std::uint8_t> taken_from_start() const {
+    const auto begin = std::min<std::uint64_t>((start_ - base_) * count_, taken_.size());
+    MEBOTS_ASSERT(start_ >= base_, "the table begins before what it shows");
+    std::uint64_t end = taken_.size();
+    for (std::uint64_t eight = 0; end >= begin + sizeof eight; end -= sizeof eight) {
+      std::memcpy(&eight, &taken_[end - sizeof eight], sizeof eight);
+      if (eight != 0) break;
+    }
+    while (end > begin && taken_[end - 1] == 0) --end;
+    return {taken_.data() + begin, taken_.data() + end};
+  }
   std::uint8_t& byte_of(std::uint64_t tick, std::uint32_t address) {
     return taken_[(tick - base_) * count_ + address / 4 % count_];
   }
   void clear(std::uint64_t from, std::uint64_t to) {
+    MEBOTS_ASSERT(from >= base_);
     const auto first = std::min(from - base_, kRows);
     const auto last = std::min(to - base_, kRows);
     std::fill(taken_.begin() + static_cast<std::ptrdiff_t>(first * count_),

@@ -95,20 +95,13 @@ void InstructionCache::flush() {
   std::fill(entries_.begin(), entries_.end(), Entry{});
 }
 
-void InstructionCache::save(state::Writer& writer) const {
-  for (const auto& entry : entries_) writer.put(entry);
-  writer.put(shift_register_);
-  writer.put(settled_);
-  writer.put(refills_);
-}
-
-void InstructionCache::restore(state::Reader& reader) {
-  note_absent();
-  for (auto& entry : entries_) reader.get(entry);
-  note_present();
-  reader.get(shift_register_);
-  reader.get(settled_);
-  reader.get(refills_);
+void InstructionCache::visit(state::Visitor& v) {
+  if (v.restores()) note_absent();
+  v("entries", std::span(entries_));
+  if (v.restores()) note_present();
+  v("shift_register", shift_register_);
+  v("settled", settled_);
+  v("refills", refills_);
 }
 
 }  // namespace mebots::soc

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "mebots/state/bytes.hpp"
+#include "mebots/state/visitor.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -69,8 +69,7 @@ class InstructionCache {
   /// Lines fetched from memory since reset of the chip.
   std::uint64_t refills() const { return refills_; }
 
-  void save(state::Writer& writer) const;
-  void restore(state::Reader& reader);
+  void visit(state::Visitor& v);
 
  private:
   static constexpr std::uint32_t kNoLine = ~std::uint32_t{0};  // the number of no line: the last one holds no code
@@ -79,8 +78,12 @@ class InstructionCache {
 
   struct Entry {
     std::uint32_t line = kNoLine;
-    std::uint32_t unused = 0;  // no padding: equal states are equal bytes
-    std::uint64_t ready = 0;   // the tick in which it has arrived
+    std::uint64_t ready = 0;  // the tick in which it has arrived
+
+    void visit(state::Visitor& v) {
+      v("line", line);
+      v("ready", ready);
+    }
   };
 
   const Entry* find(std::uint32_t line) const {

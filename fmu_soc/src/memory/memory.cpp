@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "memory/memory.hpp"
 
+#include "mebots/assert.hpp"
+
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -87,6 +89,7 @@ void Memory::mark(std::uint32_t address, std::uint32_t count, std::uint8_t marks
   const auto first = (address - region->base) / 4;
   const auto last = (address - region->base + count - 1) / 4;
   for (auto word = first; word <= last; ++word) region->marks[word] |= marks;
+  MEBOTS_ASSERT(first <= last && last < region->size / 4, "every word has a mark");
 }
 
 bool Memory::marked(std::uint32_t address, std::uint32_t count, std::uint8_t marks) const {
@@ -131,32 +134,22 @@ void Memory::forget_code() {
   oldest_change_ = code_generation_;
 }
 
-void Memory::save(state::Writer& writer) const {
+void Memory::visit(state::Visitor& v) {
   std::vector<std::uint32_t> loop_ends;  // words of the region
-  for (const auto& region : regions_) {
-    writer.put(std::span<const std::uint8_t>(region.data.get(), region.size));
+  for (auto& region : regions_) {
     loop_ends.clear();
     for_marked(region, Region::kLoop, [&](std::uint32_t word) { loop_ends.push_back(word); });
-    writer.put(loop_ends);
-  }
-}
-
-void Memory::restore(state::Reader& reader) {
-  std::vector<std::uint8_t> bytes;
-  std::vector<std::uint32_t> loop_ends;
-  for (auto& region : regions_) {
-    reader.get(bytes);
-    reader.get(loop_ends);
-    if (bytes.size() != region.size)
-      throw Error(fmt::format("a saved state does not fit memory {}: another board?", region.name));
-    std::memcpy(region.data.get(), bytes.data(), bytes.size());
+    v(region.name, std::span(region.data.get(), region.size));
+    v(region.name + ".loop_ends", loop_ends);
+    if (!v.restores()) continue;
     for_marked(region, Region::kLoop, [&](std::uint32_t word) { region.marks[word] ^= Region::kLoop; });
     for (const auto word : loop_ends) {
-      if (word >= region.size / 4) throw Error(fmt::format("a saved state has a loop outside memory {}", region.name));
+      if (word >= region.size / 4)
+        throw Error(ErrorCode::state_damaged, fmt::format("a saved state has a loop outside memory {}", region.name));
       region.marks[word] |= Region::kLoop;
     }
   }
-  forget_code();  // blocks ended elsewhere
+  if (v.restores()) forget_code();  // blocks ended elsewhere
 }
 
 }  // namespace mebots::soc

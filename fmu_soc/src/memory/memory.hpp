@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "mebots/state/bytes.hpp"
+#include "mebots/state/visitor.hpp"
 
 #include <array>
 #include <cstddef>
@@ -82,8 +82,7 @@ class Memory {
 
   /// Contents of all regions, and where hardware loops end: blocks end there, and with them the steps in which the
   /// cores of a cluster take turns. The other marks are not part of it.
-  void save(state::Writer& writer) const;
-  void restore(state::Reader& reader);
+  void visit(state::Visitor& v);
 
  private:
   static constexpr std::size_t kKeptChanges = 64;

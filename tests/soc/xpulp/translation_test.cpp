@@ -4,6 +4,7 @@
 #include "random_xpulp.hpp"
 
 #include "hart/csr_numbers.hpp"
+#include "support/same_state.hpp"
 
 #include <gtest/gtest.h>
 
@@ -55,12 +56,6 @@ void start(Platform& platform, const std::vector<std::uint32_t>& words, Random r
   hart.set_csr(csr::kMstatus, 8);
 }
 
-std::vector<std::byte> state_of(const Hart& hart) {
-  state::Writer writer;
-  hart.save(writer);
-  return writer.bytes();
-}
-
 /// Programs that run until they are hot and beyond, cut at random limits, with interrupts between.
 void compare(std::uint64_t seed, int programs, std::uint32_t pointers, std::set<const Encoding*>& seen) {
   Random random(seed);
@@ -82,7 +77,7 @@ void compare(std::uint64_t seed, int programs, std::uint32_t pointers, std::set<
       const auto limit = translated.hart().counters().cycles + 1 + random.below(longest);
       stop = translated.hart().run(limit);
       ASSERT_EQ(interpreted.hart().run(limit), stop);
-      ASSERT_EQ(state_of(translated.hart()), state_of(interpreted.hart()))
+      ASSERT_TRUE(mebots::test::same_state(translated.hart(), interpreted.hart()))
           << "at cycle " << limit << ", pc "
           << fmt::format("{:x} and {:x}", translated.hart().pc(), interpreted.hart().pc()) << " of\n"
           << listing(words);
@@ -136,7 +131,7 @@ TEST(XpulpTranslation, FaultsInAPostIncrementAsInterpreted) {
         EXPECT_EQ(stop, Stop::device) << "a word is stored there";
       }
       EXPECT_GE(hart.reg(10), kEnd);
-      states[translate ? 1 : 0] = state_of(hart);
+      states[translate ? 1 : 0] = state::save(hart);
     }
     EXPECT_EQ(states[0], states[1]) << disassemble(access, 0);
   }

@@ -3,7 +3,7 @@
 
 #include "mebots/soc/time.hpp"
 
-#include "mebots/state/bytes.hpp"
+#include "mebots/state/visitor.hpp"
 
 #include <cstdint>
 #include <string_view>
@@ -32,9 +32,8 @@ class Device {
   /// Name of the state that it is in, for those who watch; empty for a device that has only one.
   virtual std::string_view state_name() const { return {}; }
 
-  /// All that the device knows, its inputs included.
-  virtual void save(state::Writer& writer) const = 0;
-  virtual void restore(state::Reader& reader) = 0;
+  /// Shows all that the device knows, its inputs included; see mebots/state/visitor.hpp.
+  virtual void visit(state::Visitor& v) = 0;
 };
 
 }  // namespace mebots::soc
