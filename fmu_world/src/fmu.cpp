@@ -16,8 +16,7 @@ class Binding final : public fmu::Model {
             [&host](std::string_view event) { host.log(fmu::Severity::info, "events", event); }, start_ns) {}
 
   void step(std::int64_t start_ns, std::int64_t duration_ns) override { world_.step(start_ns, duration_ns); }
-  void save(state::Writer& writer) const override { world_.save(writer); }
-  void restore(state::Reader& reader) override { world_.restore(reader); }
+  void visit(state::Visitor& v) override { world_.visit(v); }
   /// There is only one such output: camera.frame.base64.
   std::string on_demand_text(std::string_view /*name*/) const override { return base64(world_.frame()); }
 

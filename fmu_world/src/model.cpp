@@ -2,6 +2,7 @@
 #include "model.hpp"
 
 #include "math/rotation.hpp"
+#include "mebots/assert.hpp"
 #include "mebots/error.hpp"
 
 #include <fmt/format.h>
@@ -96,6 +97,8 @@ World::World(scene::Scene scene, const Parameters& parameters, const Inputs& inp
 
 const std::string& World::name_of(const Touch& touch) const {
   static const std::string ground = "the ground";
+  MEBOTS_ASSERT(touch.what != Touch::What::gate || touch.index < scene_.gates.size());
+  MEBOTS_ASSERT(touch.what != Touch::What::box || touch.index < scene_.boxes.size());
   switch (touch.what) {
     case Touch::What::box:
       return scene_.boxes[touch.index].name;
@@ -291,26 +294,17 @@ void World::report(std::int64_t time_ns, std::string_view what) const {
                    state_.p_WB_m.x(), state_.p_WB_m.y(), state_.p_WB_m.z(), what));
 }
 
-void World::save(state::Writer& writer) const {
-  put(writer, state_);
-  writer.put(mass_kg_);
-  writer.put(path_length_m_);
-  stabiliser_.save(writer);
-  sequencer_.save(writer);
-  gates_.save(writer);
-  range_.save(writer);
-  camera_.save(writer);
-}
-
-void World::restore(state::Reader& reader) {
-  get(reader, state_);
-  const auto mass_kg = reader.get<double>();
-  reader.get(path_length_m_);
-  stabiliser_.restore(reader);
-  sequencer_.restore(reader);
-  gates_.restore(reader);
-  range_.restore(reader);
-  camera_.restore(reader);
+void World::visit(state::Visitor& v) {
+  double mass_kg = mass_kg_;
+  v("body", state_);
+  v("mass_kg", mass_kg);
+  v("path_length_m", path_length_m_);
+  v("stabiliser", stabiliser_);
+  v("sequencer", sequencer_);
+  v("gates", gates_);
+  v("range", range_);
+  v("camera", camera_);
+  if (!v.restores()) return;
   set_mass(mass_kg);
   outputs_.camera_frame = fmu::BinaryRef::to(camera_.frame());
 }

@@ -5,7 +5,7 @@
 #include "flight/gate_judge.hpp"
 #include "flight/sequencer.hpp"
 #include "fmu_world/variables.hpp"
-#include "mebots/state/bytes.hpp"
+#include "mebots/state/visitor.hpp"
 #include "scene/scene.hpp"
 #include "sensors/camera_device.hpp"
 #include "sensors/range_sensor.hpp"
@@ -41,8 +41,7 @@ class World {
   /// The last picture; empty before the first.
   std::span<const std::uint8_t> frame() const { return camera_.frame(); }
 
-  void save(state::Writer& writer) const;
-  void restore(state::Reader& reader);
+  void visit(state::Visitor& v);
 
  private:
   void check_inputs() const;

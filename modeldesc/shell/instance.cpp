@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "instance.hpp"
 
+#include "mebots/assert.hpp"
 #include "mebots/error.hpp"
+#include "mebots/state/layout.hpp"
+#include "mebots/state/save.hpp"
 #include "values.hpp"
 
 #include <fmt/format.h>
@@ -38,6 +41,7 @@ Instance::Instance(const Definition& definition, Logger logger, std::filesystem:
       variables_(definition.make_variables()) {}
 
 void Instance::setup_experiment(double start_s, std::optional<double> stop_s) {
+  MEBOTS_ASSERT(state_ == State::instantiated);
   const std::int64_t start_ns = to_ns(start_s, "startTime");
   std::optional<std::int64_t> stop_ns;
   if (stop_s) {
@@ -51,11 +55,13 @@ void Instance::setup_experiment(double start_s, std::optional<double> stop_s) {
 }
 
 void Instance::enter_initialization() {
+  MEBOTS_ASSERT(state_ == State::instantiated);
   if (!experiment_is_set_) throw Error("the start time is not known; call fmi2SetupExperiment first");
   state_ = State::initialization;
 }
 
 void Instance::exit_initialization() {
+  MEBOTS_ASSERT(state_ == State::initialization, "the table of legal calls lets nobody else in");
   try {
     bring_model_up_to_date();
     deliver_held_messages();
@@ -87,8 +93,9 @@ void Instance::bring_model_up_to_date() {
   model_.reset();
   const std::shared_ptr<void> fresh = definition_.make_variables();
   copy_values(definition_, Causality::output, fresh.get(), variables_.get());
-  model_ = make_model(variables_.get(), start_ns_);
+  take(make_model(variables_.get(), start_ns_));
   model_is_stale_ = false;
+  MEBOTS_ASSERT(model_ != nullptr);
 }
 
 std::unique_ptr<Model> Instance::make_model(void* variables, std::int64_t start_ns) {
@@ -209,6 +216,8 @@ void Instance::do_step(double point_s, double step_s) {
     throw Error(fmt::format("the step would end at {} s, after the stopTime of {} s given to fmi2SetupExperiment",
                             to_s(end_ns), to_s(*stop_ns_)));
   last_step_status_ = fmi2Error;
+  MEBOTS_ASSERT(model_ != nullptr && !model_is_stale_, "a step comes after initialisation");
+  MEBOTS_ASSERT(end_ns > time_ns_);
   try {
     model_->step(time_ns_, end_ns - time_ns_);
   } catch (const Error&) {
@@ -223,6 +232,15 @@ double Instance::last_successful_time_s() const {
   return to_s(time_ns_);
 }
 
+void Instance::take(std::unique_ptr<Model> model) {
+  model_ = std::move(model);
+  layout_ = model_ ? state::layout_of(*model_) : 0;
+}
+
+std::vector<std::byte> Instance::values(Causality causality) const {
+  return state::save(KeptValues(definition_, causality, variables_.get()));
+}
+
 SavedState Instance::save() const {
   SavedState saved;
   saved.state = state_;
@@ -231,45 +249,42 @@ SavedState Instance::save() const {
   saved.start_ns = start_ns_;
   saved.time_ns = time_ns_;
   saved.stop_ns = stop_ns_;
-  const auto values = [&](Causality causality) {
-    state::Writer writer;
-    save_values(definition_, causality, variables_.get(), writer);
-    return writer.take();
-  };
   saved.parameters = values(Causality::parameter);
   saved.inputs = values(Causality::input);
   saved.outputs = values(Causality::output);
   if (model_) {
-    state::Writer writer;
-    model_->save(writer);
-    saved.model = writer.take();
+    saved.model = state::save(*model_);
+    saved.layout = layout_;
   }
   return saved;
 }
 
 void Instance::restore(const SavedState& saved) {
   const auto restore_into = [&](void* variables, Causality causality, const std::vector<std::byte>& bytes) {
-    state::Reader reader(bytes);
-    restore_values(definition_, causality, variables, reader);
-    if (!reader.at_end())
-      throw Error("the state's values do not fit this FMU's variables; save it again with this version");
+    KeptValues values(definition_, causality, variables);
+    state::restore(values, bytes);
   };
   const auto restore_all = [&](void* variables, Model* model) {
     restore_into(variables, Causality::parameter, saved.parameters);
     restore_into(variables, Causality::input, saved.inputs);
     restore_into(variables, Causality::output, saved.outputs);
     if (model == nullptr) return;
-    state::Reader reader(*saved.model);
-    model->restore(reader);
-    if (!reader.at_end()) throw Error("the model left bytes of the state unread; save it again with this version");
+    state::restore(*model, *saved.model);
+  };
+  const auto check_layout = [&](std::uint64_t layout) {
+    if (saved.layout != layout)
+      throw Error(
+          ErrorCode::state_of_other_build,
+          fmt::format("the state was saved by another build of {}, whose variables lie otherwise (layout {:016x} "
+                      "there, {:016x} here); restore it with that build, or run from the start again",
+                      definition_.model_identifier, saved.layout, layout));
   };
 
   // A model made of the same parameters can take the state in place; otherwise a new one is made and takes over.
-  state::Writer own_parameters;
-  save_values(definition_, Causality::parameter, variables_.get(), own_parameters);
   const bool in_place = model_ && saved.model && !model_is_stale_ && state_ != State::error &&
-                        start_ns_ == saved.start_ns && own_parameters.bytes() == saved.parameters;
+                        start_ns_ == saved.start_ns && values(Causality::parameter) == saved.parameters;
   if (in_place) {
+    check_layout(layout_);
     try {
       restore_all(variables_.get(), model_.get());
     } catch (...) {
@@ -284,9 +299,10 @@ void Instance::restore(const SavedState& saved) {
       restore_into(variables.get(), Causality::input, saved.inputs);
       model = make_model(variables.get(), saved.start_ns);
       held_.clear();  // old news
+      check_layout(state::layout_of(*model));
     }
     restore_all(variables.get(), model.get());
-    model_ = std::move(model);  // before its variables go
+    take(std::move(model));  // before its variables go
     variables_ = variables;
   }
   state_ = saved.state;

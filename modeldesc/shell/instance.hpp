@@ -65,8 +65,10 @@ class Instance final : public Host {
   void check_may_set(const Variable& variable) const;
   /// In initialization mode, outputs exist once the model was made of the values set so far.
   void bring_model_up_to_date();
+  std::vector<std::byte> values(Causality causality) const;
   /// Makes a model and holds back what it says meanwhile, errors excepted.
   std::unique_ptr<Model> make_model(void* variables, std::int64_t start_ns);
+  void take(std::unique_ptr<Model> model);
   /// What the model said while it was made: told once, when initialisation ends, however often it was made.
   void deliver_held_messages();
 
@@ -82,6 +84,7 @@ class Instance final : public Host {
   std::deque<std::string> texts_made_;  // on-demand texts of the last fmi2GetString; a deque keeps addresses
   std::shared_ptr<void> variables_;     // outlives the model
   std::unique_ptr<Model> model_;
+  std::uint64_t layout_ = 0;    // of what the model shows
   bool model_is_stale_ = true;  // parameters or inputs were set since the model was made
 
   struct HeldMessage {

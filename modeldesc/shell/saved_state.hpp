@@ -3,6 +3,7 @@
 
 #include "face.hpp"
 #include "legal.hpp"
+#include "mebots/state/visitor.hpp"
 
 #include <cstddef>
 #include <cstdint>
@@ -24,12 +25,16 @@ struct SavedState {
   std::vector<std::byte> inputs;
   std::vector<std::byte> outputs;
   std::optional<std::vector<std::byte>> model;  // none before the model came into life
+  std::uint64_t layout = 0;                     // of the model's part, see mebots/state/layout.hpp; in the header
+
+  void visit(state::Visitor& v);
 };
 
 /// The state as bytes that survive the process, behind a header that says whose they are.
 std::vector<std::byte> serialize(const Definition& definition, const SavedState& saved);
 
-/// Throws mebots::Error when the bytes are damaged or belong to another FMU or version.
+/// Throws mebots::Error when the bytes are damaged or belong to another FMU or version. Whether the layout is that of
+/// this build shows when the state is restored: before that there may be no model.
 SavedState deserialize(const Definition& definition, std::span<const std::byte> bytes);
 
 }  // namespace mebots::shell

@@ -87,20 +87,12 @@ void check_value(const Variable& variable, fmi2String value) {
   if (value == nullptr) throw Error(fmt::format("{}: the text is a null pointer", variable.name));
 }
 
-void save_values(const Definition& definition, Causality causality, const void* variables, state::Writer& writer) {
-  for_each_field(definition, causality, [&](const Variable& variable) {
-    if (variable.is_pointer) return;
-    with_type(variable.type, [&]<typename T>(T*) { writer.put(field<T>(variables, variable)); });
-  });
-}
-
-void restore_values(const Definition& definition, Causality causality, void* variables, state::Reader& reader) {
-  for_each_field(definition, causality, [&](const Variable& variable) {
-    if (variable.is_pointer) {
-      field<std::int32_t>(variables, variable) = 0;
-      return;
-    }
-    with_type(variable.type, [&]<typename T>(T*) { reader.get(field<T>(variables, variable)); });
+void KeptValues::visit(state::Visitor& v) {
+  for_each_field(definition_, causality_, [&](const Variable& variable) {
+    if (!variable.is_pointer)
+      with_type(variable.type, [&]<typename T>(T*) { v(variable.name, field<T>(variables_, variable)); });
+    else if (v.restores())
+      field<std::int32_t>(variables_, variable) = 0;
   });
 }
 

@@ -8,6 +8,7 @@
 #include <array>
 #include <bit>
 #include <cstdint>
+#include <cstring>
 #include <functional>
 
 namespace mebots::test {
@@ -171,6 +172,46 @@ TEST(ShellState, DamagedOrForeignBytesAreRefused) {
   refused(longer);
   // The instance goes on.
   drive(lag, 5, 6);
+}
+
+/// The same bytes with another fingerprint of the layout, as another build of the same description would write them:
+/// its checksum is right. Behind magic number and format stand two texts with their lengths, layout and checksum.
+std::vector<char> of_another_build(std::vector<char> bytes) {
+  const auto number_at = [&](std::size_t at) {
+    std::uint64_t number = 0;
+    std::memcpy(&number, &bytes[at], sizeof number);
+    return number;
+  };
+  std::size_t at = sizeof(std::uint64_t) + sizeof(std::uint32_t);
+  for (int text = 0; text < 2; ++text) at += sizeof(std::uint64_t) + number_at(at);
+  const std::uint64_t layout = number_at(at) + 1;
+  std::uint64_t checksum = 0xCBF2'9CE4'8422'2325 ^ layout;
+  for (std::size_t i = at + 3 * sizeof(std::uint64_t); i < bytes.size(); ++i)
+    checksum = (checksum ^ static_cast<std::uint8_t>(bytes[i])) * 0x0000'0100'0000'01B3;
+  std::memcpy(&bytes[at], &layout, sizeof layout);
+  std::memcpy(&bytes[at + sizeof layout], &checksum, sizeof checksum);
+  return bytes;
+}
+
+TEST(ShellState, OfAnotherBuildsLayoutIsRefusedInAFreshInstanceAndInPlace) {
+  Lag lag;
+  lag.start();
+  drive(lag, 0, 5);
+  const auto bytes = of_another_build(lag.serialized());
+  fmi2FMUstate state = nullptr;
+  ASSERT_EQ(library().deserialize_fmu_state(lag.component(), bytes.data(), bytes.size(), &state), fmi2OK)
+      << lag.last_message();
+  Lag fresh;
+  for (Lag* const instance : {&fresh, &lag}) {
+    EXPECT_EQ(library().set_fmu_state(instance->component(), state), fmi2Error);
+    EXPECT_THAT(instance->last_message(), HasSubstr("saved by another build of lag, whose variables lie otherwise"));
+  }
+  ASSERT_EQ(library().free_fmu_state(lag.component(), &state), fmi2OK);
+  drive(lag, 5, 6);  // it has changed nothing
+  Lag straight;
+  straight.start();
+  drive(straight, 0, 6);
+  expect_same_bits(straight, lag);
 }
 
 TEST(ShellState, NullPointersAndTooSmallArraysAreRefused) {

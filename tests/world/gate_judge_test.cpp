@@ -2,6 +2,7 @@
 #include "flight/gate_judge.hpp"
 
 #include "mebots/error.hpp"
+#include "mebots/state/save.hpp"
 
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
@@ -326,23 +327,16 @@ TEST(GateJudge, ARestoredOneGoesOnAsIfNothingHadHappened) {
   GateJudge straight({gate_at(2.0)}, kBody_m);
   straight.move(state_at(1.9, 0.05, 1.0), state_at(2.01, 0.05, 1.0));
   for (int i = 0; i < 25; ++i) straight.touch(0, 2 * kSecond_ns + i * kSecond_ns * 2 / 5);
-  state::Writer writer;
-  straight.save(writer);
   GateJudge restored({gate_at(2.0)}, kBody_m);
-  state::Reader reader(writer.bytes());
-  restored.restore(reader);
-  EXPECT_TRUE(reader.at_end());
+  state::restore(restored, state::save(straight));
   EXPECT_TRUE(second_half(straight));
   EXPECT_TRUE(second_half(restored));
 }
 
 TEST(GateJudge, RefusesAStateOfASceneWithAnotherNumberOfGates) {
   GateJudge two({gate_at(2.0), gate_at(4.0)}, kBody_m);
-  state::Writer writer;
-  two.save(writer);
   GateJudge one({gate_at(2.0)}, kBody_m);
-  state::Reader reader(writer.bytes());
-  EXPECT_THROW(one.restore(reader), Error);
+  EXPECT_THROW(state::restore(one, state::save(two)), Error);
 }
 
 }  // namespace

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "camera/outline.hpp"
 
+#include "mebots/assert.hpp"
+
 #include <cmath>
 
 namespace mebots::world::camera {
@@ -36,6 +38,7 @@ Polygon clipped(const Polygon& polygon, const ClipPlane& plane) {
     if (da >= 0.0 && db < 0.0) kept.corners[kept.count++] = a + (da / (da - db)) * (b - a);
     if (da < 0.0 && db >= 0.0) kept.corners[kept.count++] = b + (db / (db - da)) * (a - b);
     if (kept.count > kMaxOutlineCorners - 2) break;  // a convex polygon never gets there
+    MEBOTS_ASSERT(kept.count < kMaxOutlineCorners);
   }
   return kept;
 }
@@ -48,6 +51,7 @@ Outline::Outline(std::span<const Vector3d> corners_C_m, double focal_length_px, 
   for (const Vector3d& corner : corners_C_m) polygon.corners[polygon.count++] = corner;
 
   const double side = kGuard_px / focal_length_px;
+  MEBOTS_ASSERT(polygon.count >= 3 && focal_length_px > 0);
   const std::array<ClipPlane, 5> planes{{{Vector3d(1.0, 0.0, 0.0), kNearPlane_m},
                                          {Vector3d(side, 1.0, 0.0), 0.0},
                                          {Vector3d(side, -1.0, 0.0), 0.0},

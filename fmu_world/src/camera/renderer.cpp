@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "camera/renderer.hpp"
 
+#include "mebots/assert.hpp"
 #include "mebots/error.hpp"
 
 #include <fmt/format.h>
@@ -64,6 +65,7 @@ float eye_texel(double along_axis_m, const Tile& tile) {
 FaceView view_of(const Face& face, const Tile& tile, const Pose& pose, double height_over_plane_m,
                  double focal_length_px) {
   const double texels_per_m = tile.ripmap.size() / tile.edge_m;
+  MEBOTS_ASSERT(tile.edge_m > 0 && height_over_plane_m >= kEdgeOn_m);
   // A point on the ray at depth d (along the optical axis) is in the plane if normal . (p_WC + d ray) = offset.
   const PixelPlane n = along_ray(face.normal_W, pose.R_WC, focal_length_px);
   const PixelPlane u = along_ray(face.u_axis_W, pose.R_WC, focal_length_px);
@@ -112,10 +114,13 @@ void Renderer::find_visible(const Pose& pose, Workspace& workspace) const {
   const double focal_length_px = intrinsics_.focal_length_px();
   const Eigen::Matrix3d R_CW = pose.R_WC.transpose();
   workspace.faces_.clear();
+  MEBOTS_ASSERT(workspace.nearest_.size() == static_cast<std::size_t>(intrinsics_.width), "make_workspace() made it");
   for (const Face& face : geometry_.faces) {
     const double height_over_plane_m = face.normal_W.dot(pose.p_WC_m) - face.offset_m;
     if (height_over_plane_m < kEdgeOn_m) continue;  // its back, or edge-on
     std::array<Vector3d, kMaxCorners> corners_C;
+    MEBOTS_ASSERT(face.corners_W_m.size() <= corners_C.size() && face.tile < geometry_.tiles.size(),
+                  "check() has seen it");
     for (std::size_t i = 0; i < face.corners_W_m.size(); ++i) corners_C[i] = R_CW * (face.corners_W_m[i] - pose.p_WC_m);
     const Outline outline({corners_C.data(), face.corners_W_m.size()}, focal_length_px, 0.5 * intrinsics_.width,
                           0.5 * intrinsics_.height, intrinsics_.height);
@@ -149,6 +154,7 @@ void Renderer::render(const Pose& pose, std::uint64_t seed, std::uint64_t frame_
       if (row < outline.first_row() || row >= outline.end_row()) continue;
       outline.spans(row, width,
                     [&, w = static_cast<float>(view.w_0 + view.w_y * y), w_x = view.w_x](int begin, int end) {
+                      MEBOTS_ASSERT(begin >= 0 && end <= width);
                       test_depth(w, w_x, x_0 + static_cast<float>(begin), end - begin, static_cast<std::int32_t>(i),
                                  inverse_depth + begin, nearest + begin);
                     });

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "camera/ripmap.hpp"
 
+#include "mebots/assert.hpp"
 #include "mebots/error.hpp"
 
 #include <fmt/format.h>
@@ -40,6 +41,7 @@ Level sample(int size, int samples, const Ripmap::Pattern& pattern) {
 }
 
 Level halved_along_u(const Level& fine) {
+  MEBOTS_ASSERT(fine.width % 2 == 0);
   Level coarse{fine.width / 2, fine.height, std::vector<float>(fine.grey.size() / 2)};
   for (int y = 0; y < coarse.height; ++y) {
     for (int x = 0; x < coarse.width; ++x) coarse.at(x, y) = 0.5F * (fine.at(2 * x, y) + fine.at(2 * x + 1, y));
@@ -48,6 +50,7 @@ Level halved_along_u(const Level& fine) {
 }
 
 Level halved_along_v(const Level& fine) {
+  MEBOTS_ASSERT(fine.height % 2 == 0);
   Level coarse{fine.width, fine.height / 2, std::vector<float>(fine.grey.size() / 2)};
   for (int y = 0; y < coarse.height; ++y) {
     for (int x = 0; x < coarse.width; ++x) coarse.at(x, y) = 0.5F * (fine.at(x, 2 * y) + fine.at(x, 2 * y + 1));
@@ -71,6 +74,7 @@ Ripmap::Ripmap(int size, int samples, const Pattern& pattern) : size_(size), row
     const std::size_t first_column = static_cast<std::size_t>(size_ - level.width) * 2;
     for (int y = 0; y < level.height; ++y) {
       const std::size_t row = static_cast<std::size_t>(2 * size_ - 2 * level.height + y) << row_shift_;
+      MEBOTS_ASSERT(row + first_column + level.width <= words_.size());
       for (int x = 0; x < level.width; ++x) {
         words_[row + first_column + x] =
             grey(x, y) | grey(x + 1, y) << 8 | grey(x, y + 1) << 16 | grey(x + 1, y + 1) << 24;
@@ -88,6 +92,9 @@ Ripmap::Ripmap(int size, int samples, const Pattern& pattern) : size_(size), row
 }
 
 int Ripmap::texel(int level_u, int level_v, int column, int row) const {
+  MEBOTS_ASSERT(level_u >= 0 && level_v >= 0 && size_ >> level_u > 0 && size_ >> level_v > 0,
+                "levels end at one texel");
+  MEBOTS_ASSERT(column >= 0 && row >= 0);
   const int x = 2 * size_ - 2 * (size_ >> level_u) + column;
   const int y = 2 * size_ - 2 * (size_ >> level_v) + row;
   return static_cast<int>(words_[(static_cast<std::size_t>(y) << row_shift_) + x] & 0xFFU);

@@ -21,20 +21,13 @@ struct RigidState {
   bool is_finite() const {
     return p_WB_m.allFinite() && q_WB.coeffs().allFinite() && v_WB_m_per_s.allFinite() && w_WB_W_rad_per_s.allFinite();
   }
+
+  void visit(state::Visitor& v) {
+    v("p_WB_m", numbers(p_WB_m));
+    v("q_WB", numbers(q_WB));
+    v("v_WB_m_per_s", numbers(v_WB_m_per_s));
+    v("w_WB_W_rad_per_s", numbers(w_WB_W_rad_per_s));
+  }
 };
-
-inline void put(state::Writer& writer, const RigidState& state) {
-  put(writer, state.p_WB_m);
-  put(writer, state.q_WB);
-  put(writer, state.v_WB_m_per_s);
-  put(writer, state.w_WB_W_rad_per_s);
-}
-
-inline void get(state::Reader& reader, RigidState& state) {
-  get(reader, state.p_WB_m);
-  get(reader, state.q_WB);
-  get(reader, state.v_WB_m_per_s);
-  get(reader, state.w_WB_W_rad_per_s);
-}
 
 }  // namespace mebots::world

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "dynamics/rigid_world.hpp"
 
+#include "mebots/assert.hpp"
 #include "mebots/error.hpp"
 
 #include <fmt/format.h>
@@ -87,6 +88,7 @@ class RigidWorld::Impl {
   Impl& operator=(const Impl&) = delete;
 
   void set_mass(double mass_kg, const Eigen::Vector3d& inertia_kg_m2) {
+    MEBOTS_ASSERT(mass_kg > 0 && (inertia_kg_m2.array() > 0).all());
     dMass mass;
     dMassSetParameters(&mass, mass_kg, 0.0, 0.0, 0.0, inertia_kg_m2.x(), inertia_kg_m2.y(), inertia_kg_m2.z(), 0.0, 0.0,
                        0.0);
@@ -99,6 +101,7 @@ class RigidWorld::Impl {
     if (!state.is_finite() || !force_W.allFinite() || !torque_B.allFinite()) {
       throw Error("the drone's state or the forces on it are not finite: no step is possible from here");
     }
+    MEBOTS_ASSERT(dt_s > 0);
     load(state);
     collide(state);
     dBodyAddForce(body_, force_W.x(), force_W.y(), force_W.z());
@@ -170,6 +173,7 @@ class RigidWorld::Impl {
       // Boxes and planes only: ODE's routines for these keep everything on the stack, so instances in
       // several threads need no lock.
       const int count = dCollide(drone_, obstacle.geom, kMaxContactsPerPair, &contacts[0].geom, sizeof(dContact));
+      MEBOTS_ASSERT(count >= 0 && count <= kMaxContactsPerPair);
       for (int i = 0; i < count; ++i) attach(contacts[static_cast<std::size_t>(i)], obstacle, state);
     }
   }
@@ -179,6 +183,7 @@ class RigidWorld::Impl {
     const Eigen::Vector3d normal_W = vector(contact.geom.normal);
     const Eigen::Vector3d velocity_W = state.v_WB_m_per_s + state.w_WB_W_rad_per_s.cross(p_W_m - state.p_WB_m);
     touches_.push_back({obstacle.what, obstacle.index, p_W_m, normal_W, contact.geom.depth, -velocity_W.dot(normal_W)});
+    MEBOTS_ASSERT(touches_.size() <= kMaxContactsPerPair * obstacles_.size());
 
     contact.surface = {};
     // Approx1 makes mu a coefficient of friction; without it ODE takes mu as a force.

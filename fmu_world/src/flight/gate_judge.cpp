@@ -118,38 +118,22 @@ double GateJudge::distance_m(const Eigen::Vector3d& p_W_m) const {
   return -gates_[std::min<std::size_t>(next_, gates_.size() - 1)].in_gate(p_W_m).x();
 }
 
-void GateJudge::save(state::Writer& writer) const {
-  writer.put(contacts_);
-  writer.put(next_);
-  writer.put(crossed_);
-  writer.put(behind_);
-  writer.put(touched_);
-  writer.put(missed_);
-  writer.put(turned_back_);
-  writer.put(stuck_);
-  writer.put(reached_);
-  writer.put(lateral_error_m_);
-}
-
-void GateJudge::restore(state::Reader& reader) {
-  std::vector<Contact> contacts;
-  reader.get(contacts);
-  if (contacts.size() != gates_.size()) {
-    throw Error(
-        fmt::format("a saved state of fmu_world has {} gates; this scene has {}", contacts.size(), gates_.size()));
+void GateJudge::visit(state::Visitor& v) {
+  v("contacts", contacts_);
+  v("next", next_);
+  if (contacts_.size() != gates_.size() || next_ > gates_.size()) {
+    throw Error(ErrorCode::state_damaged,
+                fmt::format("a saved state of fmu_world has {} gates, {} of them crossed; this scene has {}",
+                            contacts_.size(), next_, gates_.size()));
   }
-  contacts_ = std::move(contacts);
-  reader.get(next_);
-  if (next_ > gates_.size())
-    throw Error("a saved state of fmu_world is damaged: it has crossed more gates than there are");
-  reader.get(crossed_);
-  reader.get(behind_);
-  reader.get(touched_);
-  reader.get(missed_);
-  reader.get(turned_back_);
-  reader.get(stuck_);
-  reader.get(reached_);
-  reader.get(lateral_error_m_);
+  v("crossed", crossed_);
+  v("behind", behind_);
+  v("touched", touched_);
+  v("missed", missed_);
+  v("turned_back", turned_back_);
+  v("stuck", stuck_);
+  v("reached", reached_);
+  v("lateral_error_m", lateral_error_m_);
 }
 
 }  // namespace mebots::world

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "dynamics/rigid_state.hpp"
-#include "mebots/state/bytes.hpp"
+#include "mebots/state/visitor.hpp"
 #include "scene/scene.hpp"
 
 #include <Eigen/Core>
@@ -85,14 +85,18 @@ class GateJudge {
   /// Distance before the next gate's plane; behind the last gate negative; 0 in a scene without gates.
   double distance_m(const Eigen::Vector3d& p_W_m) const;
 
-  void save(state::Writer& writer) const;
   /// Throws mebots::Error for a state of a scene with another number of gates.
-  void restore(state::Reader& reader);
+  void visit(state::Visitor& v);
 
  private:
   struct Contact {
     std::int64_t since_ns;
     std::int64_t last_ns;
+
+    void visit(state::Visitor& v) {
+      v("since_ns", since_ns);
+      v("last_ns", last_ns);
+    }
   };
 
   bool whole_drone_in_front(const GateFrame& gate, const RigidState& state) const;

@@ -56,18 +56,11 @@ void Sequencer::descend(FlightMode mode, const Situation& situation, double dt_s
   if (rest_s_ >= kRestTime_s) phase_ = FlightPhase::landed;
 }
 
-void Sequencer::save(state::Writer& writer) const {
-  writer.put(phase_);
-  writer.put(motors_on_);
-  writer.put(touched_down_);
-  writer.put(rest_s_);
-}
-
-void Sequencer::restore(state::Reader& reader) {
-  reader.get(phase_);
-  reader.get(motors_on_);
-  reader.get(touched_down_);
-  reader.get(rest_s_);
+void Sequencer::visit(state::Visitor& v) {
+  v("phase", phase_);
+  v("motors_on", motors_on_);
+  v("touched_down", touched_down_);
+  v("rest_s", rest_s_);
 }
 
 }  // namespace mebots::world

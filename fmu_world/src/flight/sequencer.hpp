@@ -2,7 +2,7 @@
 #pragma once
 
 #include "fmu_world/variables.hpp"
-#include "mebots/state/bytes.hpp"
+#include "mebots/state/visitor.hpp"
 
 namespace mebots::world {
 
@@ -32,8 +32,7 @@ class Sequencer {
   FlightPhase phase() const { return phase_; }
   bool motors_on() const { return motors_on_; }
 
-  void save(state::Writer& writer) const;
-  void restore(state::Reader& reader);
+  void visit(state::Visitor& v);
 
  private:
   void descend(FlightMode mode, const Situation& situation, double dt_s);

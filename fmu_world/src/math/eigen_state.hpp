@@ -1,27 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "mebots/state/bytes.hpp"
+#include "mebots/state/visitor.hpp"
 
 #include <Eigen/Geometry>
 
-/// Eigen's types as saved state: their numbers, one by one.
+/// Eigen's types as a state's visitor sees them: their numbers, one by one.
 namespace mebots::world {
 
-inline void put(state::Writer& writer, const Eigen::Vector3d& v) {
-  for (int i = 0; i < 3; ++i) writer.put(v[i]);
+inline std::span<double, 3> numbers(Eigen::Vector3d& v) {
+  return std::span<double, 3>(v.data(), 3);
 }
 
-inline void get(state::Reader& reader, Eigen::Vector3d& v) {
-  for (int i = 0; i < 3; ++i) reader.get(v[i]);
-}
-
-inline void put(state::Writer& writer, const Eigen::Quaterniond& q) {
-  for (int i = 0; i < 4; ++i) writer.put(q.coeffs()[i]);
-}
-
-inline void get(state::Reader& reader, Eigen::Quaterniond& q) {
-  for (int i = 0; i < 4; ++i) reader.get(q.coeffs()[i]);
+/// x, y, z, w.
+inline std::span<double, 4> numbers(Eigen::Quaterniond& q) {
+  return std::span<double, 4>(q.coeffs().data(), 4);
 }
 
 }  // namespace mebots::world

@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sensors/camera_device.hpp"
 
-#include "mebots/error.hpp"
+#include "mebots/assert.hpp"
 #include "noise/counter_noise.hpp"
-
-#include <fmt/format.h>
-#include <algorithm>
 
 namespace mebots::world {
 
@@ -23,6 +20,7 @@ void CameraDevice::see_trigger(std::int32_t count, const RigidState& body) {
   front_ ^= 1U;
   const auto pose = camera::camera_pose(settings_.mounting, body.p_WB_m, body.rotation());
   // The noise belongs to the picture's number, not to the number of pictures taken before it.
+  MEBOTS_ASSERT(front_ < buffers_.size());
   renderer_.render(pose, noise::bits(settings_.seed, noise::Stream::camera, 0), static_cast<std::uint32_t>(count),
                    buffers_[front_]);
   frame_id_ = count;
@@ -33,24 +31,12 @@ std::span<const std::uint8_t> CameraDevice::frame() const {
   return buffers_[front_];
 }
 
-void CameraDevice::save(state::Writer& writer) const {
-  writer.put(last_count_);
-  writer.put(frame_id_);
-  writer.put(frame());
-}
-
-void CameraDevice::restore(state::Reader& reader) {
-  reader.get(last_count_);
-  reader.get(frame_id_);
-  std::vector<std::uint8_t> bytes;
-  reader.get(bytes);
-  if (bytes.size() != (frame_id_ == 0 ? 0 : buffers_[0].size())) {
-    throw Error(fmt::format("a saved state of fmu_world holds a picture of {} bytes; this camera makes {}",
-                            bytes.size(), buffers_[0].size()));
-  }
-  // A new buffer, as a picture taken would use: the bytes of the one before stay readable.
-  front_ ^= 1U;
-  std::copy(bytes.begin(), bytes.end(), buffers_[front_].begin());
+void CameraDevice::visit(state::Visitor& v) {
+  v("last_count", last_count_);
+  v("frame_id", frame_id_);
+  // Into a new buffer, as a picture taken would: the bytes of the one before stay readable.
+  if (v.restores()) front_ ^= 1U;
+  v("picture", std::span(buffers_[front_]));
 }
 
 }  // namespace mebots::world

@@ -3,7 +3,7 @@
 
 #include "camera/renderer.hpp"
 #include "dynamics/rigid_state.hpp"
-#include "mebots/state/bytes.hpp"
+#include "mebots/state/visitor.hpp"
 #include "scene/scene.hpp"
 
 #include <array>
@@ -34,8 +34,7 @@ class CameraDevice {
   /// The count that the last picture answers; 0 before the first.
   std::int32_t frame_id() const { return frame_id_; }
 
-  void save(state::Writer& writer) const;
-  void restore(state::Reader& reader);
+  void visit(state::Visitor& v);
 
  private:
   Settings settings_;

@@ -2,6 +2,7 @@
 #include "sensors/range_sensor.hpp"
 
 #include "math/rotation.hpp"
+#include "mebots/assert.hpp"
 #include "noise/counter_noise.hpp"
 
 #include <algorithm>
@@ -47,6 +48,7 @@ RangeSensor::RangeSensor(const scene::Scene& scene, double noise_m, std::uint64_
 double RangeSensor::distance_m(const RigidState& state) const {
   const Eigen::Vector3d down_W = -(state.q_WB * Eigen::Vector3d::UnitZ());
   double nearest_m = limit_m_;
+  MEBOTS_ASSERT(limit_m_ > 0);
   if (down_W.z() < 0.0) nearest_m = std::min(nearest_m, std::max(0.0, state.p_WB_m.z() / -down_W.z()));
   for (const auto& box : boxes_) nearest_m = std::min(nearest_m, entry(box, state.p_WB_m, down_W));
   return nearest_m;
@@ -60,14 +62,9 @@ void RangeSensor::update(std::int64_t time_ns, const RigidState& state) {
   reading_m_ = std::max(0.0, distance_m(state) + noise_m);
 }
 
-void RangeSensor::save(state::Writer& writer) const {
-  writer.put(sample_);
-  writer.put(reading_m_);
-}
-
-void RangeSensor::restore(state::Reader& reader) {
-  reader.get(sample_);
-  reader.get(reading_m_);
+void RangeSensor::visit(state::Visitor& v) {
+  v("sample", sample_);
+  v("reading_m", reading_m_);
 }
 
 }  // namespace mebots::world

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "dynamics/rigid_state.hpp"
-#include "mebots/state/bytes.hpp"
+#include "mebots/state/visitor.hpp"
 #include "scene/scene.hpp"
 
 #include <Eigen/Core>
@@ -28,8 +28,7 @@ class RangeSensor {
   /// Without noise.
   double distance_m(const RigidState& state) const;
 
-  void save(state::Writer& writer) const;
-  void restore(state::Reader& reader);
+  void visit(state::Visitor& v);
 
  private:
   std::vector<scene::Box> boxes_;  ///< walls and the gates' beams

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "stabiliser/mixer.hpp"
 
+#include "mebots/assert.hpp"
+
 #include <algorithm>
 #include <cmath>
 
@@ -32,6 +34,7 @@ double largest_share(const RotorValues& base, const RotorValues& extra, double m
 
 RotorValues mix(const scene::Drone& drone, double max_thrust_n, double collective_n,
                 const Eigen::Vector3d& torque_B_n_m) {
+  MEBOTS_ASSERT(max_thrust_n > 0 && drone.arm_m > 0 && drone.torque_per_thrust_m > 0);
   RotorValues tilt{};
   RotorValues yaw{};
   for (std::size_t i = 0; i < kRotors; ++i) {
@@ -49,6 +52,7 @@ RotorValues mix(const scene::Drone& drone, double max_thrust_n, double collectiv
   RotorValues thrust{};
   for (std::size_t i = 0; i < kRotors; ++i) thrust[i] = each_n + tilt[i];
   const double share = largest_share(thrust, yaw, max_thrust_n);
+  MEBOTS_ASSERT(share >= 0 && share <= 1);
   // The last clamp only takes off rounding: every value is within the limits but for some 1e-17 N.
   for (std::size_t i = 0; i < kRotors; ++i) thrust[i] = std::clamp(thrust[i] + share * yaw[i], 0.0, max_thrust_n);
   return thrust;

@@ -146,30 +146,17 @@ const RotorValues& Stabiliser::update(const StabiliserGoal& goal, const RigidSta
   return memory_.command;
 }
 
-void Stabiliser::save(state::Writer& writer) const {
-  writer.put(memory_.running);
-  writer.put(memory_.holding);
-  put(writer, memory_.hold_W_m);
-  writer.put(memory_.heading_rad);
-  writer.put(memory_.yaw_rate_rad_per_s);
-  put(writer, memory_.velocity_H_m_per_s);
-  put(writer, memory_.integral_W_m_per_s2);
-  put(writer, memory_.last_rate_B_rad_per_s);
-  put(writer, memory_.acceleration_B_rad_per_s2);
-  writer.put(memory_.command);
-}
-
-void Stabiliser::restore(state::Reader& reader) {
-  reader.get(memory_.running);
-  reader.get(memory_.holding);
-  get(reader, memory_.hold_W_m);
-  reader.get(memory_.heading_rad);
-  reader.get(memory_.yaw_rate_rad_per_s);
-  get(reader, memory_.velocity_H_m_per_s);
-  get(reader, memory_.integral_W_m_per_s2);
-  get(reader, memory_.last_rate_B_rad_per_s);
-  get(reader, memory_.acceleration_B_rad_per_s2);
-  reader.get(memory_.command);
+void Stabiliser::visit(state::Visitor& v) {
+  v("running", memory_.running);
+  v("holding", memory_.holding);
+  v("hold_W_m", numbers(memory_.hold_W_m));
+  v("heading_rad", memory_.heading_rad);
+  v("yaw_rate_rad_per_s", memory_.yaw_rate_rad_per_s);
+  v("velocity_H_m_per_s", numbers(memory_.velocity_H_m_per_s));
+  v("integral_W_m_per_s2", numbers(memory_.integral_W_m_per_s2));
+  v("last_rate_B_rad_per_s", numbers(memory_.last_rate_B_rad_per_s));
+  v("acceleration_B_rad_per_s2", numbers(memory_.acceleration_B_rad_per_s2));
+  v("command", memory_.command);
 }
 
 }  // namespace mebots::world

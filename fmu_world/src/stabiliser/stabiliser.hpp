@@ -3,7 +3,7 @@
 
 #include "dynamics/airframe.hpp"
 #include "dynamics/rigid_state.hpp"
-#include "mebots/state/bytes.hpp"
+#include "mebots/state/visitor.hpp"
 #include "stabiliser/gains.hpp"
 #include "stabiliser/thrust_curve.hpp"
 
@@ -37,8 +37,7 @@ class Stabiliser {
   const RotorValues& command() const { return memory_.command; }
   const Gains& gains() const { return gains_; }
 
-  void save(state::Writer& writer) const;
-  void restore(state::Reader& reader);
+  void visit(state::Visitor& v);
 
  private:
   /// Everything that the controller remembers.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "text/base64.hpp"
 
+#include "mebots/assert.hpp"
+
 #include <string_view>
 
 namespace mebots::world {
@@ -14,6 +16,7 @@ std::string base64(std::span<const std::uint8_t> bytes) {
     std::uint32_t group = static_cast<std::uint32_t>(bytes[i]) << 16U;
     if (left > 1) group |= static_cast<std::uint32_t>(bytes[i + 1]) << 8U;
     if (left > 2) group |= bytes[i + 2];
+    MEBOTS_ASSERT(group >> 18U < alphabet.size());
     text += alphabet[group >> 18U];
     text += alphabet[(group >> 12U) & 63U];
     text += left > 1 ? alphabet[(group >> 6U) & 63U] : '=';

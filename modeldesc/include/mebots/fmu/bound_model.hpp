@@ -2,7 +2,6 @@
 #pragma once
 
 #include "mebots/fmu/model.hpp"
-#include "mebots/state/save.hpp"
 
 #include <utility>
 
@@ -13,7 +12,7 @@ namespace mebots::fmu {
 ///     Own(const Parameters&, const std::filesystem::path& resources, extras...)
 ///     void start(const Inputs&, std::int64_t start_ns, Outputs&)
 ///     void step(const Inputs&, std::int64_t start_ns, std::int64_t duration_ns, Outputs&)
-///     void visit(state::Visitor&), or  void save(state::Writer&) const;  void restore(state::Reader&)
+///     void visit(state::Visitor&)
 ///
 /// A model that does not ask what time it is leaves start_ns out. `Variables` is the generated struct.
 template <typename Own, typename Variables>
@@ -35,18 +34,7 @@ class BoundModel final : public Model {
     else
       model_.step(variables_.inputs, duration_ns, variables_.outputs);
   }
-  void save(state::Writer& writer) const override {
-    if constexpr (state::Visited<Own>)
-      state::save(model_, writer);
-    else
-      model_.save(writer);
-  }
-  void restore(state::Reader& reader) override {
-    if constexpr (state::Visited<Own>)
-      state::restore(model_, reader);
-    else
-      model_.restore(reader);
-  }
+  void visit(state::Visitor& v) override { model_.visit(v); }
 
  private:
   Variables& variables_;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "mebots/state/bytes.hpp"
+#include "mebots/state/visitor.hpp"
 
 #include <cstdint>
 #include <filesystem>
@@ -32,9 +32,8 @@ class Model {
   virtual ~Model() = default;
   /// Goes from start_ns to start_ns + duration_ns (> 0) with the inputs held.
   virtual void step(std::int64_t start_ns, std::int64_t duration_ns) = 0;
-  /// Everything that is not in Variables.
-  virtual void save(state::Writer& writer) const = 0;
-  virtual void restore(state::Reader& reader) = 0;
+  /// Shows everything that is not in Variables: what states consist of, see mebots/state/visitor.hpp.
+  virtual void visit(state::Visitor& v) = 0;
   /// Text of an `on_demand` String output, by its FMI name.
   virtual std::string on_demand_text(std::string_view /*name*/) const { return {}; }
 };

@@ -12,8 +12,7 @@ class LagModel final : public fmu::Model {
   LagModel(Variables& variables, fmu::Host& host) : lag_(variables, host.resources()) {}
 
   void step(std::int64_t /*start_ns*/, std::int64_t duration_ns) override { lag_.step(duration_ns); }
-  void save(state::Writer& writer) const override { lag_.save(writer); }
-  void restore(state::Reader& reader) override { lag_.restore(reader); }
+  void visit(state::Visitor& v) override { lag_.visit(v); }
   std::string on_demand_text(std::string_view /*name*/) const override { return lag_.history_text(); }
 
  private:

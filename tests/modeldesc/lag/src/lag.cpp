@@ -51,17 +51,11 @@ void Lag::write_outputs() {
   outputs.history = fmu::BinaryRef::to(history());
 }
 
-void Lag::save(state::Writer& writer) const {
-  writer.put(y_v_);
-  writer.put(steps_);
-  writer.put(history());
-}
-
-void Lag::restore(state::Reader& reader) {
-  reader.get(y_v_);
-  reader.get(steps_);
-  reader.get(history());
-  variables_.outputs.history = fmu::BinaryRef::to(history());
+void Lag::visit(state::Visitor& v) {
+  v("y_v", y_v_);
+  v("steps", steps_);
+  v("history", history());
+  if (v.restores()) variables_.outputs.history = fmu::BinaryRef::to(history());
 }
 
 std::string Lag::history_text() const {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "lag/variables.hpp"
-#include "mebots/state/bytes.hpp"
+#include "mebots/state/visitor.hpp"
 
 #include <array>
 #include <cstdint>
@@ -19,8 +19,7 @@ class Lag {
   Lag(Variables& variables, const std::filesystem::path& resources);
 
   void step(std::int64_t duration_ns);
-  void save(state::Writer& writer) const;
-  void restore(state::Reader& reader);
+  void visit(state::Visitor& v);
   std::string history_text() const;
 
  private:
