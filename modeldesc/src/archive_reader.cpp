@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mebots/modeldesc/archive_reader.hpp"
+#include "mebots/assert.hpp"
 
 #include "mebots/error.hpp"
 
@@ -110,6 +111,7 @@ void ArchiveReader::check_kind(const Entry& entry) const {
 
 void ArchiveReader::check_size(const Entry& entry, std::uint64_t packed, std::uint64_t& total) const {
   constexpr std::uint64_t kSmall = std::uint64_t{16} << 20;
+  MEBOTS_ASSERT(total <= limits_.total_bytes, "each entry was held to what is left");
   if (entry.size > limits_.total_bytes - total)
     refuse(entry.name, fmt::format("takes the unpacked size over the limit of {} bytes", limits_.total_bytes));
   total += entry.size;
@@ -132,6 +134,7 @@ void ArchiveReader::read(const Entry& entry, const std::function<void(std::strin
     if (size == 0) break;
     taken += static_cast<std::uint64_t>(size);
     if (taken > entry.size) damaged(fmt::format("it holds more than the {} bytes that it declares", entry.size));
+    MEBOTS_ASSERT(static_cast<std::size_t>(size) <= buffer.size());
     take({buffer.data(), static_cast<std::size_t>(size)});
   }
   if (taken != entry.size) damaged(fmt::format("{} of {} bytes are there", taken, entry.size));

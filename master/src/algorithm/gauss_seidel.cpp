@@ -2,6 +2,7 @@
 #include "algorithm/gauss_seidel.hpp"
 
 #include "base/interrupt.hpp"
+#include "mebots/assert.hpp"
 
 #include <algorithm>
 #include <numeric>
@@ -16,6 +17,7 @@ std::vector<std::size_t> order_of(const SystemDescription& system) {
   const auto& names = system.algorithm.order;
   for (std::size_t i = 0; i < names.size(); ++i) {
     const auto found = std::ranges::find(system.instances, names[i], &InstanceDescription::name);
+    MEBOTS_ASSERT(found != system.instances.end() && i < order.size(), "the reader has looked the names up");
     order[i] = static_cast<std::size_t>(found - system.instances.begin());
   }
   return order;

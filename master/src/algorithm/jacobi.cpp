@@ -3,6 +3,7 @@
 
 #include "algorithm/step_pool.hpp"
 #include "algorithm/thread_policy.hpp"
+#include "mebots/assert.hpp"
 
 #include <algorithm>
 #include <exception>
@@ -70,6 +71,7 @@ class Jacobi final : public Algorithm {
   };
 
   void take(std::size_t slave, StepResult result) {
+    MEBOTS_ASSERT(slave < slaves_->count());
     if (!result.done) unfinished_.emplace_back(slave, std::move(result));
   }
 
@@ -87,10 +89,12 @@ class Jacobi final : public Algorithm {
   void step_at_the_same_time(std::int64_t k) {
     if (!pool_) pool_ = std::make_unique<StepPool>(threads_);  // not before it is needed
     messages_->hold();
+    MEBOTS_ASSERT(threads_ >= 2 && !groups_.empty());
     pool_->run(groups_.size(), [this, k](std::size_t group) {
       for (const auto i : groups_[group]) {
         if (!slaves_->begins_step(i, k)) continue;
         auto& attempt = attempts_[i];
+        MEBOTS_ASSERT(i < attempts_.size());
         attempt.error = nullptr;
         try {
           attempt.result = slaves_->step(i, k);

@@ -4,6 +4,7 @@
 #include "algorithm/step_in_parts.hpp"
 #include "base/interrupt.hpp"
 #include "base/time.hpp"
+#include "mebots/assert.hpp"
 
 #include <fmt/format.h>
 
@@ -16,6 +17,7 @@ End interrupted_at(std::int64_t time_ns) {
 SlaveSteps::SlaveSteps(const ResolvedSystem& system, Ensemble& ensemble, const std::atomic<bool>& interrupted)
     : system_(&system), ensemble_(&ensemble), interrupted_(&interrupted), step_ns_(system.description->step_ns) {
   for (std::size_t i = 0; i < ensemble.size(); ++i) multiples_.push_back(ensemble.step_ns(i) / step_ns_);
+  MEBOTS_ASSERT(step_ns_ > 0);
 }
 
 void SlaveSteps::write_inputs(std::size_t slave, std::int64_t k) {

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "algorithm/step_pool.hpp"
 
+#include "mebots/assert.hpp"
+
 namespace mebots::master {
 
 StepPool::StepPool(unsigned threads) {
+  MEBOTS_ASSERT(threads > 0, "the caller works too");
   for (unsigned i = 1; i < threads; ++i) threads_.emplace_back([this] { serve(); });
 }
 
@@ -15,6 +18,8 @@ StepPool::~StepPool() {
 }
 
 void StepPool::run(std::size_t count, const std::function<void(std::size_t)>& work) {
+  MEBOTS_ASSERT(busy_.load() == 0, "one round after the other");
+  MEBOTS_ASSERT(work != nullptr);
   work_ = &work;
   count_ = count;
   next_ = 0;

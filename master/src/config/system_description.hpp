@@ -3,6 +3,7 @@
 
 #include "mebots/input_error.hpp"
 #include "mebots/modeldesc/archive.hpp"
+#include "mebots/state/visitor.hpp"
 
 #include <nlohmann/json.hpp>
 
@@ -31,6 +32,8 @@ struct VariableName {
 /// Text of a value whose type is known only once the FMU is open (`--set`).
 struct UntypedText {
   std::string text;
+
+  void visit(state::Visitor& v) { v("text", text); }
 };
 
 /// A value as the user wrote it.
@@ -48,6 +51,12 @@ struct Setting {
   std::string variable;  ///< "instance.variable"
   WrittenValue value;
   std::string place;  ///< who asked for it, for error messages: "--set a.b=3"
+
+  void visit(state::Visitor& v) {
+    v("variable", variable);
+    v("value", value);
+    v("place", place);
+  }
 };
 
 /// Where an instance runs, and what its failures may cost.

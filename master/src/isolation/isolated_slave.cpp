@@ -3,6 +3,7 @@
 
 #include "base/interrupt.hpp"
 #include "base/time.hpp"
+#include "mebots/assert.hpp"
 #include "mebots/input_error.hpp"
 
 #include <fmt/format.h>
@@ -101,6 +102,7 @@ void IsolatedSlave::put_references(Call call, std::span<const ValueReference> re
 SharedReader IsolatedSlave::hand_over(std::size_t open_answers) {
   if (!lost_.empty()) throw SlaveError(lost_);
   const auto calls = pending_ + 1;
+  MEBOTS_ASSERT(open_answers <= calls, "an answer belongs to a call");
   control_->command_bytes.store(commands_.size(), std::memory_order_relaxed);
   control_->asked.pass();
   wait();
@@ -231,6 +233,7 @@ void IsolatedSlave::terminate() {
 }
 
 StepResult IsolatedSlave::step(std::int64_t start_ns, std::int64_t duration_ns) {
+  MEBOTS_ASSERT(duration_ns > 0);
   time_ns_ = start_ns;
   put(Call::step);
   commands_.put(start_ns);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "protocol.hpp"
 
+#include "mebots/assert.hpp"
+
 #include <linux/futex.h>
 #include <sys/syscall.h>
 #include <unistd.h>
@@ -81,6 +83,7 @@ void Turn::pass() {
 }
 
 bool Turn::wait(std::uint32_t seen, std::int64_t timeout_ns) {
+  MEBOTS_ASSERT(timeout_ns > 0, "0 would be a busy loop");
   static const int spins = std::thread::hardware_concurrency() > 1 ? kSpins : 0;
   for (int i = 0; i < spins; ++i) {
     if (value() != seen) return true;

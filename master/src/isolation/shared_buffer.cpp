@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "shared_buffer.hpp"
 
+#include "mebots/assert.hpp"
+
 #include <fmt/format.h>
 
 #include <fcntl.h>
@@ -67,6 +69,7 @@ std::span<const std::byte> SharedBuffer::bytes(std::size_t size) {
 }
 
 void SharedBuffer::map(std::size_t size) {
+  MEBOTS_ASSERT(size >= mapped_, "it never shrinks: the other side may look at the rest");
   void* const address = data_ == nullptr ? mmap(nullptr, size, PROT_READ | PROT_WRITE, MAP_SHARED, descriptor_, 0)
                                          : mremap(data_, mapped_, size, MREMAP_MAYMOVE);
   if (address == MAP_FAILED) fail("it cannot be mapped");

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "mebots/assert.hpp"
 #include "mebots/error.hpp"
 
 #include <cstddef>
@@ -67,6 +68,7 @@ class SharedWriter {
  private:
   void append(const void* data, std::size_t size) {
     if (size_ + size > buffer_->size()) buffer_->reserve(size_ + size);
+    MEBOTS_ASSERT(size_ + size <= buffer_->size());
     if (size != 0) std::memcpy(buffer_->data() + size_, data, size);
     size_ += size;
   }

@@ -106,12 +106,8 @@ std::optional<std::string> StopConditions::reached(const Point& point) {
   return wish;
 }
 
-void StopConditions::save(state::Writer& writer) {
-  for (const auto& watch : watches_) writer.put(watch.since_ns);
-}
-
-void StopConditions::restore(state::Reader& reader) {
-  for (auto& watch : watches_) reader.get(watch.since_ns);
+void StopConditions::visit(state::Visitor& v) {
+  v("watches", std::span(watches_));
 }
 
 Outcomes::Outcomes(const ResolvedSystem& system, Ensemble& ensemble) {
@@ -142,16 +138,8 @@ std::string Outcomes::outcome() const {
   return "completed";
 }
 
-void Outcomes::save(state::Writer& writer) {
-  for (const auto& rule : rules_) {
-    for (const auto& watch : rule.watches) writer.put(watch.held);
-  }
-}
-
-void Outcomes::restore(state::Reader& reader) {
-  for (auto& rule : rules_) {
-    for (auto& watch : rule.watches) reader.get(watch.held);
-  }
+void Outcomes::visit(state::Visitor& v) {
+  v("rules", std::span(rules_));
 }
 
 }  // namespace mebots::master

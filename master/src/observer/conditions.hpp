@@ -36,14 +36,16 @@ class StopConditions final : public Observer {
   StopConditions(const ResolvedSystem& system, Ensemble& ensemble);
 
   std::optional<std::string> reached(const Point& point) override;
-  void save(state::Writer& writer) override;
-  void restore(state::Reader& reader) override;
+  void visit(state::Visitor& v) override;
+  std::string_view state_name() const override { return "stop_conditions"; }
 
  private:
   struct Watch {
     Condition condition;
     std::int64_t for_ns;
     std::int64_t since_ns = -1;  // start of the time for which it has held without a break
+
+    void visit(state::Visitor& v) { v("since_ns", since_ns); }
   };
 
   std::vector<Watch> watches_;
@@ -55,8 +57,8 @@ class Outcomes final : public Observer {
   Outcomes(const ResolvedSystem& system, Ensemble& ensemble);
 
   std::optional<std::string> reached(const Point& point) override;
-  void save(state::Writer& writer) override;
-  void restore(state::Reader& reader) override;
+  void visit(state::Visitor& v) override;
+  std::string_view state_name() const override { return "outcomes"; }
 
   /// At the point that was reached last.
   std::string outcome() const;
@@ -66,10 +68,14 @@ class Outcomes final : public Observer {
     Condition condition;
     bool ever;
     bool held = false;  // at some point so far; only for `ever`
+
+    void visit(state::Visitor& v) { v("held", held); }
   };
   struct Rule {
     std::string outcome;
     std::vector<Watch> watches;
+
+    void visit(state::Visitor& v) { v("watches", std::span(watches)); }
   };
 
   std::vector<Rule> rules_;

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "mebots/state/bytes.hpp"
+#include "mebots/state/visitor.hpp"
 
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 
 namespace mebots::master {
 
@@ -25,9 +26,10 @@ class Observer {
   /// The run ends at `point`, which was reached. Not called when it fails.
   virtual void ended(const Point& /*point*/) {}
 
-  /// What an observer must remember to go on from a saved state.
-  virtual void save(state::Writer& /*writer*/) {}
-  virtual void restore(state::Reader& /*reader*/) {}
+  /// Shows what an observer must remember to go on from a saved state.
+  virtual void visit(state::Visitor& /*v*/) {}
+  /// Under which name; empty for one that remembers nothing, which may come and go between the parts of a run.
+  virtual std::string_view state_name() const { return {}; }
 };
 
 }  // namespace mebots::master

@@ -83,14 +83,9 @@ void PictureRecorder::write(const Point& point) const {
   write_png(folder_ / fmt::format("{:011.6f}.png", to_seconds(point.time_ns)), pixels, width);
 }
 
-void PictureRecorder::save(state::Writer& writer) {
-  writer.put(last_id_);
-  writer.put(next_ns_);
-}
-
-void PictureRecorder::restore(state::Reader& reader) {
-  reader.get(last_id_);
-  reader.get(next_ns_);
+void PictureRecorder::visit(state::Visitor& v) {
+  v("last_id", last_id_);
+  v("next_ns", next_ns_);
 }
 
 }  // namespace mebots::master

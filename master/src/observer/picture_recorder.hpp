@@ -19,8 +19,8 @@ class PictureRecorder final : public Observer {
 
   /// Throws Error when the folder cannot be made, or the frame is not made of whole rows or cannot be written.
   std::optional<std::string> reached(const Point& point) override;
-  void save(state::Writer& writer) override;
-  void restore(state::Reader& reader) override;
+  void visit(state::Visitor& v) override;
+  std::string_view state_name() const override { return "pictures"; }
 
  private:
   void make_folder() const;

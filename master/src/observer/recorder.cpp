@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "observer/recorder.hpp"
 
+#include "mebots/assert.hpp"
 #include "system/record_choice.hpp"
 
 #include <bit>
@@ -21,15 +22,18 @@ Recorder::Recorder(const ResolvedSystem& system, Ensemble& ensemble) : ensemble_
     columns_.push_back({system.text(variable), variable.variable->unit, signals_.back().kind});
   }
   block_.cells_per_row = columns_.size() + 1;
+  MEBOTS_ASSERT(every_steps_ > 0, "the reader refuses an interval below the step");
   block_.cells.reserve(kBlockCells + block_.cells_per_row);
 }
 
 void Recorder::add(std::unique_ptr<RowSink> sink) {
+  MEBOTS_ASSERT(sink != nullptr && rows_ == 0, "sinks come before rows");
   writer_.add(*sink);
   sinks_.push_back(std::move(sink));
 }
 
 void Recorder::find_sources() {
+  MEBOTS_ASSERT(sources_.empty());
   for (const auto& signal : signals_) {
     Source source;
     switch (signal.kind) {
@@ -60,6 +64,7 @@ void Recorder::ended(const Point& point) {
 }
 
 void Recorder::write_row(const Point& point) {
+  MEBOTS_ASSERT(point.step > last_step_, "a point is written once");
   if (sources_.size() != signals_.size()) find_sources();
   const auto size = block_.cells.size();
   block_.cells.resize(size + block_.cells_per_row);
@@ -77,6 +82,7 @@ void Recorder::write_row(const Point& point) {
       text_bytes_ += source.text->size() + sizeof(std::string);
     }
   }
+  MEBOTS_ASSERT(cell == block_.cells.data() + block_.cells.size(), "a row has one cell per column");
   last_step_ = point.step;
   ++rows_;
   if (block_.cells.size() >= kBlockCells || text_bytes_ >= kBlockTextBytes) {
@@ -85,18 +91,11 @@ void Recorder::write_row(const Point& point) {
   }
 }
 
-void Recorder::save(state::Writer& writer) {
+void Recorder::visit(state::Visitor& v) {
   flush();
-  for (const auto& sink : sinks_) sink->save(writer);
-  writer.put(rows_);
-  writer.put(last_step_);
-}
-
-void Recorder::restore(state::Reader& reader) {
-  flush();
-  for (const auto& sink : sinks_) sink->restore(reader);
-  reader.get(rows_);
-  reader.get(last_step_);
+  for (std::size_t i = 0; i < sinks_.size(); ++i) v("sink[" + std::to_string(i) + "]", *sinks_[i]);
+  v("rows", rows_);
+  v("last_step", last_step_);
 }
 
 }  // namespace mebots::master

@@ -27,8 +27,8 @@ class Recorder final : public Observer {
   void ended(const Point& point) override;
   /// All rows so far are in the files afterwards. Throws Error when the disk is full or broken.
   void flush() { writer_.drain(block_); }
-  void save(state::Writer& writer) override;
-  void restore(state::Reader& reader) override;
+  void visit(state::Visitor& v) override;
+  std::string_view state_name() const override { return "recorder"; }
 
   const std::vector<RecordColumn>& columns() const { return columns_; }
   std::int64_t rows() const { return rows_; }

@@ -124,18 +124,8 @@ std::optional<std::string> Scenario::reached(const Point& point) {
   return std::nullopt;
 }
 
-void Scenario::save(state::Writer& writer) {
-  for (const auto& trigger : triggers_) {
-    writer.put(trigger.holds_since_ns);
-    writer.put(trigger.started_ns);
-  }
-}
-
-void Scenario::restore(state::Reader& reader) {
-  for (auto& trigger : triggers_) {
-    reader.get(trigger.holds_since_ns);
-    reader.get(trigger.started_ns);
-  }
+void Scenario::visit(state::Visitor& v) {
+  v("triggers", std::span(triggers_));
 }
 
 nlohmann::ordered_json Scenario::report(const ResolvedSystem& system, std::int64_t end_ns) const {

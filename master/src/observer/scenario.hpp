@@ -37,8 +37,8 @@ class Scenario final : public Observer {
   std::optional<std::int64_t> since(std::size_t override, std::int64_t time_ns) const;
 
   std::optional<std::string> reached(const Point& point) override;
-  void save(state::Writer& writer) override;
-  void restore(state::Reader& reader) override;
+  void visit(state::Visitor& v) override;
+  std::string_view state_name() const override { return "scenario"; }
 
   /// What acted when, for summary.json; `end_ns` is the last point reached.
   nlohmann::ordered_json report(const ResolvedSystem& system, std::int64_t end_ns) const;
@@ -48,6 +48,11 @@ class Scenario final : public Observer {
     std::optional<Condition> condition;
     std::int64_t holds_since_ns = -1;
     std::int64_t started_ns = -1;
+
+    void visit(state::Visitor& v) {
+      v("holds_since_ns", holds_since_ns);
+      v("started_ns", started_ns);
+    }
   };
 
   std::vector<Override> overrides_;

@@ -5,6 +5,7 @@
 #include "run/input_hash.hpp"
 
 #include "base/input_text.hpp"
+#include "mebots/state/save.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -17,7 +18,7 @@
 namespace mebots::master {
 namespace {
 
-constexpr std::string_view kMagic = "mebots checkpoint 2\n";
+constexpr std::string_view kMagic = "mebots checkpoint 3\n";
 
 std::vector<std::string> lines_of(const std::string& text) {
   std::istringstream stream(text);
@@ -37,14 +38,7 @@ void sync_folder(const std::filesystem::path& folder) {
 }  // namespace
 
 void write_checkpoint(const std::filesystem::path& folder, const Checkpoint& checkpoint) {
-  state::Writer writer;
-  put(writer, checkpoint.request);
-  writer.put(checkpoint.inputs);
-  writer.put(checkpoint.time_ns);
-  writer.put(checkpoint.results_bytes);
-  writer.put(checkpoint.log_bytes);
-  writer.put(checkpoint.simulation);
-  const auto bytes = writer.take();
+  const auto bytes = state::save(checkpoint);
   const std::string_view content(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   const auto path = folder / kCheckpointFile;
   OutputFile file(path.string() + ".new");
@@ -76,14 +70,8 @@ Checkpoint read_checkpoint(const std::filesystem::path& folder) {
   if (all.compare(kMagic.size(), kHashSize, sha256(content)) != 0) {
     throw InputError(fmt::format("{}: this checkpoint is damaged; run the config anew", path.string()));
   }
-  state::Reader reader(std::as_bytes(std::span(content)));
   Checkpoint checkpoint;
-  checkpoint.request = get_run_request(reader);
-  reader.get(checkpoint.inputs);
-  reader.get(checkpoint.time_ns);
-  reader.get(checkpoint.results_bytes);
-  reader.get(checkpoint.log_bytes);
-  reader.get(checkpoint.simulation);
+  state::restore(checkpoint, std::as_bytes(std::span(content)));
   return checkpoint;
 }
 

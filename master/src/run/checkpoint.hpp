@@ -25,6 +25,15 @@ struct Checkpoint {
   std::uint64_t results_bytes = 0;  ///< of results.csv up to here
   std::uint64_t log_bytes = 0;      ///< of log.txt
   std::vector<std::byte> simulation;
+
+  void visit(state::Visitor& v) {
+    v("request", request);
+    v("inputs", inputs);
+    v("time_ns", time_ns);
+    v("results_bytes", results_bytes);
+    v("log_bytes", log_bytes);
+    v("simulation", simulation);
+  }
 };
 
 /// Writes a checkpoint so that the file is the old one or the new one at every moment. Throws Error.
@@ -48,8 +57,8 @@ class Checkpointer final : public Observer {
                OutputFile& log);
 
   std::optional<std::string> reached(const Point& point) override;
-  void save(state::Writer& writer) override { writer.put(next_ns_); }
-  void restore(state::Reader& reader) override { reader.get(next_ns_); }
+  void visit(state::Visitor& v) override { v("next_ns", next_ns_); }
+  std::string_view state_name() const override { return "checkpoints"; }
 
  private:
   Simulation* simulation_;

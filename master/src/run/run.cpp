@@ -4,6 +4,7 @@
 #include "base/interrupt.hpp"
 #include "base/time.hpp"
 #include "config/scenario_file.hpp"
+#include "mebots/assert.hpp"
 #include "mebots/input_error.hpp"
 #include "mebots/nearest_names.hpp"
 #include "sink/csv_rows.hpp"
@@ -194,6 +195,7 @@ void Run::begin() {
 }
 
 void Run::open() {
+  MEBOTS_ASSERT(state_ == RunState::open && !simulation_);
   if (request_.isolate) {
     for (auto& instance : system_.instances) instance.isolation.own_process = true;
   }
@@ -222,6 +224,7 @@ void Run::open() {
 }
 
 void Run::initialise() {
+  MEBOTS_ASSERT(scenario_.has_value() && !simulation_, "open() comes first, and once");
   SlaveOptions slaves;
   slaves.statistics = request_.statistics ? &statistics_ : nullptr;
   slaves.losses = &losses_;
@@ -316,6 +319,7 @@ void Run::at_point(const std::function<void()>& work) {
 }
 
 void Run::finish() {
+  MEBOTS_ASSERT(simulation_ && simulation_->ended());
   const auto& end = simulation_->end();
   report_.end_reason = end.reason;
   report_.end_text = end.text;

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "config/system_description.hpp"
-#include "mebots/state/bytes.hpp"
+#include "mebots/state/visitor.hpp"
 
 #include <cstdint>
 #include <filesystem>
@@ -26,12 +26,11 @@ struct RunRequest {
   bool isolate = false;                            ///< every instance in a process of its own
   bool statistics = false;                         ///< measure where the wall time goes
   std::int64_t checkpoint_every_ns = 0;            ///< simulated time from checkpoint to checkpoint; 0 = none
+
+  void visit(state::Visitor& v);
 };
 
 /// With every path made absolute: what stands in a checkpoint must hold from any working folder.
 RunRequest with_absolute_paths(RunRequest request);
-
-void put(state::Writer& writer, const RunRequest& request);
-RunRequest get_run_request(state::Reader& reader);
 
 }  // namespace mebots::master

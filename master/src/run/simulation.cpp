@@ -3,6 +3,9 @@
 
 #include "base/interrupt.hpp"
 #include "base/time.hpp"
+#include "mebots/assert.hpp"
+#include "mebots/state/layout.hpp"
+#include "mebots/state/save.hpp"
 
 #include <fmt/format.h>
 
@@ -37,6 +40,7 @@ void Simulation::resume(std::span<const std::byte> bytes) {
 }
 
 void Simulation::reach_point() {
+  MEBOTS_ASSERT(!ended_ && step_ >= 0);
   const Point point{step_, time_ns()};
   std::optional<std::string> wish;
   for (auto* observer : observers_) {
@@ -51,6 +55,7 @@ void Simulation::reach_point() {
 }
 
 void Simulation::finish(End end) {
+  MEBOTS_ASSERT(!ended_, "a run ends once");
   ended_ = true;
   end_ = std::move(end);
   for (auto* observer : observers_) observer->ended({step_, time_ns()});
@@ -85,31 +90,42 @@ SimulationState Simulation::save_state() {
   SimulationState state;
   state.step = step_;
   for (std::size_t i = 0; i < ensemble_.size(); ++i) state.slaves.push_back(ensemble_.slave(i).save_state());
-  state::Writer writer;
-  ensemble_.save_values(writer);
-  for (auto* observer : observers_) observer->save(writer);
-  state.master = writer.take();
+  state.master = state::save(*this);
+  state.layout = state::layout_of(*this);
   return state;
+}
+
+void Simulation::visit(state::Visitor& v) {
+  v("ensemble", ensemble_);
+  for (auto* observer : observers_) {
+    if (!observer->state_name().empty()) v(observer->state_name(), *observer);
+  }
 }
 
 void Simulation::restore_state(const SimulationState& state) {
   if (state.slaves.size() != ensemble_.size()) {
-    throw Error("a saved state belongs to another ensemble: its instances are of another number");
+    throw Error(ErrorCode::state_of_other_fmu,
+                "a saved state belongs to another ensemble: its instances are of another number");
+  }
+  if (state.layout != state::layout_of(*this)) {
+    throw Error(ErrorCode::state_of_other_build,
+                "a saved state holds other values than this run, or was written by another version of mebots; run the "
+                "config anew");
   }
   for (std::size_t i = 0; i < ensemble_.size(); ++i) ensemble_.slave(i).restore_state(*state.slaves[i]);
   step_ = state.step;
   ended_ = false;
   end_ = {};
-  state::Reader reader(state.master);
-  ensemble_.restore_values(reader);
-  for (auto* observer : observers_) observer->restore(reader);
+  state::restore(*this, state.master);
   // Addresses of buffers are no part of a state: ask for them anew.
   for (std::size_t i = 0; i < ensemble_.size(); ++i) slaves_.read_outputs(i, step_);
 }
 
 std::vector<std::byte> Simulation::serialize(const SimulationState& state) {
+  MEBOTS_ASSERT(state.slaves.size() == ensemble_.size(), "the state is one of this simulation");
   state::Writer writer;
   writer.put(state.step);
+  writer.put(state.layout);
   writer.put(state.master);
   for (std::size_t i = 0; i < ensemble_.size(); ++i) writer.put(ensemble_.slave(i).serialize(*state.slaves[i]));
   return writer.take();
@@ -119,6 +135,7 @@ SimulationState Simulation::deserialize(std::span<const std::byte> bytes) {
   state::Reader reader(bytes);
   SimulationState state;
   reader.get(state.step);
+  reader.get(state.layout);
   reader.get(state.master);
   for (std::size_t i = 0; i < ensemble_.size(); ++i) {
     std::vector<std::byte> slave;

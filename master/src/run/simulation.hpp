@@ -22,6 +22,7 @@ struct SimulationState {
   std::int64_t step = 0;
   std::vector<std::unique_ptr<SlaveState>> slaves;
   std::vector<std::byte> master;  ///< last values and observers
+  std::uint64_t layout = 0;       ///< of `master`
 };
 
 /// The loop of a run: fixed steps in whole nanoseconds, t_k = k h, never a running sum. An Algorithm carries the slaves
@@ -65,6 +66,8 @@ class Simulation {
 
   /// Throws Error for a slave that cannot save its state.
   SimulationState save_state();
+  /// Shows what the master itself keeps, in save_state(): last values and observers.
+  void visit(state::Visitor& v);
   /// Goes back (or forth) to where save_state() was called; observers follow.
   void restore_state(const SimulationState& state);
   /// A state as bytes, for another process that runs the same config with the same FMUs, and back.

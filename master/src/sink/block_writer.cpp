@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sink/block_writer.hpp"
 
+#include "mebots/assert.hpp"
+
 #include <utility>
 
 namespace mebots::master {
@@ -22,6 +24,7 @@ void BlockWriter::submit(RowBlock& block) {
     std::unique_lock lock(mutex_);
     wait_until_idle(lock);
     pending_.clear();
+    MEBOTS_ASSERT(block.cells_per_row > 0 && block.cells.size() % block.cells_per_row == 0, "whole rows");
     pending_.cells_per_row = block.cells_per_row;
     std::swap(pending_, block);
     busy_ = true;

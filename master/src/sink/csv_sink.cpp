@@ -69,13 +69,11 @@ void CsvSink::write(const RowBlock& block) {
   }
 }
 
-void CsvSink::save(state::Writer& writer) {
+void CsvSink::visit(state::Visitor& v) {
   file_->flush();
-  writer.put(file_->size());
-}
-
-void CsvSink::restore(state::Reader& reader) {
-  file_->truncate(reader.get<std::uint64_t>());
+  std::uint64_t size = file_->size();
+  v("size", size);
+  if (v.restores()) file_->truncate(size);
 }
 
 }  // namespace mebots::master

@@ -20,8 +20,7 @@ class CsvSink final : public RowSink {
 
   void write(const RowBlock& block) override;
   void flush() override { file_->flush(); }
-  void save(state::Writer& writer) override;
-  void restore(state::Reader& reader) override;
+  void visit(state::Visitor& v) override;
 
  private:
   /// The longest double in its shortest form has 24 characters.

@@ -211,16 +211,15 @@ void Hdf5Sink::flush() {
   if (H5Fflush(file_->file, H5F_SCOPE_GLOBAL) < 0) file_->fail();
 }
 
-void Hdf5Sink::save(state::Writer& writer) {
-  writer.put(static_cast<std::uint64_t>(file_->rows));
-}
-
-void Hdf5Sink::restore(state::Reader& reader) {
+void Hdf5Sink::visit(state::Visitor& v) {
+  std::uint64_t rows = file_->rows;
+  v("rows", rows);
+  if (!v.restores()) return;
   const std::lock_guard lock(library());
-  const hsize_t rows = reader.get<std::uint64_t>();
   if (rows > file_->rows) throw Error(fmt::format("{}: this file has fewer rows than the saved state", file_->path));
+  const hsize_t extent = rows;
   for (const auto& column : file_->columns) {
-    if (H5Dset_extent(column.dataset, &rows) < 0) file_->fail();
+    if (H5Dset_extent(column.dataset, &extent) < 0) file_->fail();
   }
   file_->rows = rows;
 }

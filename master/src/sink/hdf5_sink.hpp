@@ -26,9 +26,8 @@ class Hdf5Sink final : public RowSink {
   void put_parameters(const std::vector<ParameterValue>& parameters);
   void write(const RowBlock& block) override;
   void flush() override;
-  void save(state::Writer& writer) override;
   /// To fewer rows than there are. Throws Error for more.
-  void restore(state::Reader& reader) override;
+  void visit(state::Visitor& v) override;
 
  private:
   struct File;

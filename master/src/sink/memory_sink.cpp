@@ -35,8 +35,10 @@ void MemorySink::write(const RowBlock& block) {
   }
 }
 
-void MemorySink::restore(state::Reader& reader) {
-  const auto rows = reader.get<std::uint64_t>();
+void MemorySink::visit(state::Visitor& v) {
+  std::uint64_t rows = times_s_.size();
+  v("rows", rows);
+  if (!v.restores()) return;
   if (rows > times_s_.size()) throw Error("a saved state has more rows than are in memory");
   times_s_.resize(rows);
   for (auto& one : series_) one.values.resize(rows);

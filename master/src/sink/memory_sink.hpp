@@ -30,9 +30,8 @@ class MemorySink final : public RowSink {
 
   void write(const RowBlock& block) override;
   void flush() override {}
-  void save(state::Writer& writer) override { writer.put(static_cast<std::uint64_t>(times_s_.size())); }
-  /// To fewer rows than there are, or as many.
-  void restore(state::Reader& reader) override;
+  /// Goes back to fewer rows than there are, or as many.
+  void visit(state::Visitor& v) override;
 
  private:
   struct Source {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sink/output_file.hpp"
 
+#include "mebots/assert.hpp"
 #include "mebots/input_error.hpp"
 
 #include <fmt/format.h>
@@ -35,6 +36,7 @@ OutputFile::~OutputFile() {
 }
 
 void OutputFile::flush() {
+  MEBOTS_ASSERT(descriptor_ >= 0 || buffer_.empty(), "nothing is written after close()");
   const auto before = static_cast<off_t>(written_bytes_);
   std::string_view left = buffer_;
   while (!left.empty()) {
@@ -83,6 +85,7 @@ void OutputFile::rename(std::filesystem::path path) {
 void OutputFile::truncate(std::uint64_t size) {
   flush();
   const auto length = static_cast<off_t>(size);
+  MEBOTS_ASSERT(descriptor_ >= 0);
   if (::ftruncate(descriptor_, length) != 0 || ::lseek(descriptor_, length, SEEK_SET) != length) fail(errno);
   written_bytes_ = size;
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "mebots/state/bytes.hpp"
+#include "mebots/state/visitor.hpp"
 #include "system/ensemble.hpp"
 
 #include <cstdint>
@@ -46,9 +46,8 @@ class RowSink {
   /// Everything written so far is in the file afterwards.
   virtual void flush() = 0;
 
-  /// What the sink must know to go on from a saved state, and the way back to there.
-  virtual void save(state::Writer& writer) = 0;
-  virtual void restore(state::Reader& reader) = 0;
+  /// Shows what the sink must know to go on from a saved state; when that is put back, the sink goes back to there.
+  virtual void visit(state::Visitor& v) = 0;
 };
 
 }  // namespace mebots::master

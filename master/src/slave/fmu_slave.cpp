@@ -2,6 +2,7 @@
 #include "slave/fmu_slave.hpp"
 
 #include "base/time.hpp"
+#include "mebots/assert.hpp"
 #include "mebots/fmi2/status_name.hpp"
 #include "mebots/input_error.hpp"
 #include "mebots/state/bytes.hpp"
@@ -127,6 +128,7 @@ FmuSlave::FmuSlave(std::string name, std::shared_ptr<Fmu> fmu, std::vector<std::
   fmi_->component = functions_->instantiate(name_.c_str(), fmi2CoSimulation, description().guid.c_str(),
                                             fmu_->resource_uri().c_str(), &fmi_->callbacks, fmi2False, fmi2True);
   if (fmi_->component == nullptr) fail("fmi2Instantiate", "gave no instance");
+  MEBOTS_ASSERT(!unusable_ && !pending_);
   deliver_held();
   choose_categories();
 }

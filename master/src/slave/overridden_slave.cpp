@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "slave/overridden_slave.hpp"
+#include "mebots/assert.hpp"
+#include "mebots/state/save.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -187,66 +189,23 @@ void OverriddenSlave::set(ValueKind kind, std::span<const ValueReference> refere
       source);
 }
 
-void OverriddenSlave::save_own(state::Writer& writer) const {
-  const auto put = [&](const Value& value) {
-    writer.put(static_cast<std::uint8_t>(value.index()));
-    if (const auto* number = std::get_if<double>(&value)) writer.put(*number);
-    if (const auto* number = std::get_if<std::int32_t>(&value)) writer.put(*number);
-    if (const auto* text = std::get_if<std::string>(&value)) writer.put(*text);
-  };
-  writer.put(time_ns_);
-  for (const auto& target : targets_) {
-    put(target.base);
-    writer.put(target.fresh);
-    writer.put(target.acted);
-    for (const auto& layer : target.layers) {
-      writer.put(layer.found_at_ns);
-      put(layer.found);
-    }
-  }
-}
-
-void OverriddenSlave::restore_own(state::Reader& reader) {
-  const auto get = [&](Value& value) {
-    switch (reader.get<std::uint8_t>()) {
-      case 0:
-        value = reader.get<double>();
-        return;
-      case 1:
-        value = reader.get<std::int32_t>();
-        return;
-      default:
-        std::string text;
-        reader.get(text);
-        value = std::move(text);
-    }
-  };
-  reader.get(time_ns_);
-  for (auto& target : targets_) {
-    get(target.base);
-    reader.get(target.fresh);
-    reader.get(target.acted);
-    for (auto& layer : target.layers) {
-      reader.get(layer.found_at_ns);
-      get(layer.found);
-    }
-  }
+void OverriddenSlave::visit(state::Visitor& v) {
+  MEBOTS_ASSERT(time_ns_ >= 0);
+  v("time_ns", time_ns_);
+  v("targets", std::span(targets_));
 }
 
 std::unique_ptr<SlaveState> OverriddenSlave::save_state() {
   auto state = std::make_unique<OverriddenState>();
   state->inner = inner().save_state();
-  state::Writer writer;
-  save_own(writer);
-  state->own = writer.take();
+  state->own = state::save(*this);
   return state;
 }
 
 void OverriddenSlave::restore_state(const SlaveState& state) {
   const auto& overridden = static_cast<const OverriddenState&>(state);
   inner().restore_state(*overridden.inner);
-  state::Reader reader(overridden.own);
-  restore_own(reader);
+  state::restore(*this, overridden.own);
 }
 
 std::vector<std::byte> OverriddenSlave::serialize(const SlaveState& state) {

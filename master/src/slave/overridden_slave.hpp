@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "mebots/state/visitor.hpp"
 #include "observer/scenario.hpp"
 #include "slave/access_slave.hpp"
 
@@ -23,6 +24,9 @@ class OverriddenSlave final : public AccessSlave {
   std::vector<std::byte> serialize(const SlaveState& state) override;
   std::unique_ptr<SlaveState> deserialize(std::span<const std::byte> bytes) override;
 
+  /// Shows what the overrides found, beside the state of the slave within.
+  void visit(state::Visitor& v);
+
  private:
   void get(ValueKind kind, std::span<const ValueReference> references, Destination values) override;
   void set(ValueKind kind, std::span<const ValueReference> references, Source values) override;
@@ -35,6 +39,11 @@ class OverriddenSlave final : public AccessSlave {
     std::uint64_t noise_key = 0;
     std::int64_t found_at_ns = -1;  // -1 = it does not act
     Value found;
+
+    void visit(state::Visitor& v) {
+      v("found_at_ns", found_at_ns);
+      v("found", found);
+    }
   };
   /// One variable with all its overrides, in the order in which they were declared.
   struct Target {
@@ -45,6 +54,13 @@ class OverriddenSlave final : public AccessSlave {
     Value base;          // what the input would be without overrides
     bool fresh = false;  // it was set since the last step
     bool acted = false;  // the slave has another value than the base
+
+    void visit(state::Visitor& v) {
+      v("base", base);
+      v("fresh", fresh);
+      v("acted", acted);
+      v("layers", std::span(layers));
+    }
   };
 
   Value apply(Target& target, const Value& value);
@@ -54,8 +70,6 @@ class OverriddenSlave final : public AccessSlave {
   template <typename T>
   bool change_inputs(ValueKind kind, std::span<const ValueReference> references, std::vector<T>& values);
   void set_one(const Target& target, const Value& value);
-  void save_own(state::Writer& writer) const;
-  void restore_own(state::Reader& reader);
 
   const Scenario* scenario_;
   std::vector<Target> targets_;

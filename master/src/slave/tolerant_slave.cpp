@@ -3,6 +3,7 @@
 
 #include "base/interrupt.hpp"
 #include "isolation/osmp.hpp"
+#include "mebots/state/save.hpp"
 
 #include <fmt/format.h>
 
@@ -81,42 +82,14 @@ void TolerantSlave::terminate() {
   if (!lost()) inner().terminate();
 }
 
-void TolerantSlave::save_kept(state::Writer& writer) const {
-  const auto put = [&](const auto& all) {
-    writer.put(static_cast<std::uint64_t>(all.size()));
-    for (const auto& kept : all) {
-      writer.put(kept.references);
-      if constexpr (std::is_same_v<std::decay_t<decltype(kept.values.front())>, std::string>) {
-        for (const auto& text : kept.values) writer.put(text);
-      } else {
-        writer.put(kept.values);
-      }
-    }
-  };
-  put(reals_);
-  put(integers_);
-  put(booleans_);
-  put(strings_);
-}
-
-void TolerantSlave::restore_kept(state::Reader& reader) {
-  const auto get = [&](auto& all) {
-    all.clear();
-    for (auto count = reader.get<std::uint64_t>(); count > 0; --count) {
-      auto& kept = all.emplace_back();
-      reader.get(kept.references);
-      if constexpr (std::is_same_v<std::decay_t<decltype(kept.values.front())>, std::string>) {
-        kept.values.resize(kept.references.size());
-        for (auto& text : kept.values) reader.get(text);
-      } else {
-        reader.get(kept.values);
-      }
-    }
-  };
-  get(reals_);
-  get(integers_);
-  get(booleans_);
-  get(strings_);
+void TolerantSlave::visit(state::Visitor& v) {
+  v("at_ns", loss_->at_ns);
+  v("text", loss_->text);
+  v("reals", reals_);
+  v("integers", integers_);
+  v("booleans", booleans_);
+  v("strings", strings_);
+  if (!v.restores()) return;
   // Addresses are no part of a state, and nobody is left to ask for them anew.
   for (const auto& triple : isolation::osmp_triples(description())) {
     for (auto& kept : integers_) {
@@ -133,11 +106,7 @@ std::unique_ptr<SlaveState> TolerantSlave::save_state() {
     state->inner = inner().save_state();
     return state;
   }
-  state::Writer writer;
-  writer.put(loss_->at_ns);
-  writer.put(loss_->text);
-  save_kept(writer);
-  state->own = writer.take();
+  state->own = state::save(*this);
   return state;
 }
 
@@ -149,10 +118,7 @@ void TolerantSlave::restore_state(const SlaveState& state) {
     inner().restore_state(*tolerant.inner);
     return;
   }
-  state::Reader reader(tolerant.own);
-  reader.get(loss_->at_ns);
-  reader.get(loss_->text);
-  restore_kept(reader);
+  state::restore(*this, tolerant.own);
 }
 
 std::vector<std::byte> TolerantSlave::serialize(const SlaveState& state) {

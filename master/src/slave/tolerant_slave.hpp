@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "mebots/state/bytes.hpp"
+#include "mebots/state/visitor.hpp"
 #include "message/message.hpp"
 #include "slave/access_slave.hpp"
 #include "slave/slave_options.hpp"
@@ -24,6 +24,9 @@ class TolerantSlave final : public AccessSlave {
   std::vector<std::byte> serialize(const SlaveState& state) override;
   std::unique_ptr<SlaveState> deserialize(std::span<const std::byte> bytes) override;
 
+  /// Shows what is left of a lost instance: when and why it was lost, and its values as they were read last.
+  void visit(state::Visitor& v);
+
  private:
   void get(ValueKind kind, std::span<const ValueReference> references, Destination values) override;
   void set(ValueKind kind, std::span<const ValueReference> references, Source values) override;
@@ -33,6 +36,11 @@ class TolerantSlave final : public AccessSlave {
   struct Kept {
     std::vector<ValueReference> references;
     std::vector<T> values;
+
+    void visit(state::Visitor& v) {
+      v("references", references);
+      v("values", values);
+    }
   };
 
   bool lost() const { return loss_->at_ns >= 0; }
@@ -40,8 +48,6 @@ class TolerantSlave final : public AccessSlave {
   void attempt(Work work);
   template <typename T>
   std::vector<Kept<T>>& kept_of(ValueKind kind);
-  void save_kept(state::Writer& writer) const;
-  void restore_kept(state::Reader& reader);
 
   MessageSink* messages_;
   InstanceLoss* loss_;

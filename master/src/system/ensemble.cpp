@@ -3,6 +3,7 @@
 
 #include "base/interrupt.hpp"
 #include "base/time.hpp"
+#include "mebots/assert.hpp"
 
 #include "slave/slave_factory.hpp"
 #include "system/initial_values.hpp"
@@ -52,6 +53,8 @@ ValueKind kind_of(Type type) {
 template <typename T>
 std::size_t Bank<T>::slot(const Variable& variable) {
   const auto [found, added] = slots.emplace(&variable, values.size());
+  MEBOTS_ASSERT(references.size() == values.size() && variables.size() == values.size(),
+                "a bank is three lists side by side");
   if (!added) return found->second;
   references.push_back(variable.value_reference);
   variables.push_back(&variable);
@@ -176,11 +179,13 @@ void Ensemble::order_steps() {
       next = static_cast<std::size_t>(std::find(placed.begin(), placed.end(), false) - placed.begin());
     }
     placed[next] = true;
+    MEBOTS_ASSERT(step_order_.size() < members_.size());
     step_order_.push_back(next);
   }
 }
 
 void Ensemble::set_starts(std::size_t instance) {
+  MEBOTS_ASSERT(instance < members_.size() && system_->instances.size() == members_.size());
   Banks banks;
   for (const auto& start : system_->instances[instance].starts) {
     const auto slot = slot_in(banks, *start.variable);
@@ -206,6 +211,8 @@ void Ensemble::lay_out() {
   const auto addresses = [](auto& copies, auto source, auto& targets) {
     for (auto& copy : copies) {
       copy.from = source(copy.signal);
+      MEBOTS_ASSERT(copy.slot < targets.size());
+      MEBOTS_ASSERT(copy.from != nullptr);
       copy.to = &targets[copy.slot];
     }
   };
@@ -259,6 +266,8 @@ void Ensemble::terminate() {
 }
 
 void Ensemble::read_outputs(std::size_t instance, std::int64_t time_ns) {
+  MEBOTS_ASSERT(instance < members_.size());
+  MEBOTS_ASSERT(time_ns >= 0);
   auto& member = members_[instance];
   auto& outputs = member.outputs;
   member.outputs_time_ns = time_ns;
@@ -293,6 +302,7 @@ double Ensemble::number(SignalId id) const {
 }
 
 void Ensemble::collect_inputs(std::size_t instance) {
+  MEBOTS_ASSERT(instance < members_.size());
   auto& member = members_[instance];
   move_all(member.real_copies);
   move_all(member.integer_copies);
@@ -304,6 +314,7 @@ void Ensemble::collect_inputs(std::size_t instance) {
 
 void Ensemble::convert(Member& member) const {
   for (const auto& conversion : member.conversions) {
+    MEBOTS_ASSERT(conversion.to < member.inputs.reals.values.size());
     const double value = conversion.factor * number(conversion.from) + conversion.offset;
     if (!std::isfinite(value)) {
       throw NotFiniteError(fmt::format("instance '{}' at {} s: the input '{}' would be {}, as {} x {} + {}",
@@ -316,6 +327,7 @@ void Ensemble::convert(Member& member) const {
 }
 
 void Ensemble::hand_inputs(std::size_t instance) {
+  MEBOTS_ASSERT(instance < members_.size());
   auto& member = members_[instance];
   write(*member.slave, member.inputs, member.input_kinds);
 }
@@ -330,6 +342,7 @@ void Ensemble::write_inputs(std::size_t instance, std::int64_t time_ns) {
 
 void Ensemble::write_derivatives(Member& member, std::int64_t time_ns) {
   for (const auto& link : member.derivatives) {
+    MEBOTS_ASSERT(link.orders > 0 && link.from_instance < members_.size(), "link_derivatives() makes no empty ones");
     std::vector<std::int32_t> orders(link.orders);
     std::iota(orders.begin(), orders.end(), 1);
     std::vector<double> values(link.orders, 0);
@@ -354,7 +367,10 @@ std::vector<Banks> Ensemble::outputs() const {
 void Ensemble::bring_back(const std::vector<Banks>& outputs) {
   // Only values: observers hold on to their addresses.
   for (std::size_t i = 0; i < members_.size(); ++i) {
+    MEBOTS_ASSERT(outputs.size() == members_.size(), "they come from outputs()");
     auto& now = members_[i].outputs;
+    MEBOTS_ASSERT(outputs[i].reals.values.size() == now.reals.values.size());
+    MEBOTS_ASSERT(outputs[i].strings.values.size() == now.strings.values.size());
     std::ranges::copy(outputs[i].reals.values, now.reals.values.begin());
     std::ranges::copy(outputs[i].integers.values, now.integers.values.begin());
     std::ranges::copy(outputs[i].booleans.values, now.booleans.values.begin());
@@ -362,27 +378,13 @@ void Ensemble::bring_back(const std::vector<Banks>& outputs) {
   }
 }
 
-void Ensemble::save_values(state::Writer& writer) const {
-  for (const auto& member : members_) {
-    writer.put(member.outputs.reals.values);
-    writer.put(member.outputs.integers.values);
-    writer.put(member.outputs.booleans.values);
-    for (const auto& text : member.outputs.strings.values) writer.put(text);
-  }
-}
-
-void Ensemble::restore_values(state::Reader& reader) {
-  const auto get = [&](auto& values) {
-    const auto expected = values.size();
-    reader.get(values);
-    if (values.size() != expected)
-      throw Error("a saved state belongs to another ensemble: its values are of another number");
-  };
+void Ensemble::visit(state::Visitor& v) {
   for (auto& member : members_) {
-    get(member.outputs.reals.values);
-    get(member.outputs.integers.values);
-    get(member.outputs.booleans.values);
-    for (auto& text : member.outputs.strings.values) reader.get(text);
+    const auto& name = member.slave->name();
+    v(name + ".reals", std::span(member.outputs.reals.values));
+    v(name + ".integers", std::span(member.outputs.integers.values));
+    v(name + ".booleans", std::span(member.outputs.booleans.values));
+    v(name + ".strings", std::span(member.outputs.strings.values));
   }
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "mebots/state/bytes.hpp"
+#include "mebots/state/visitor.hpp"
 #include "message/message.hpp"
 #include "slave/slave.hpp"
 #include "slave/slave_options.hpp"
@@ -100,9 +100,8 @@ class Ensemble {
   /// An order of stepping in which the reader of a buffer comes before its owner steps on.
   const std::vector<std::size_t>& step_order() const { return step_order_; }
 
-  /// The last read outputs, which an instance with a longer step keeps between its steps.
-  void save_values(state::Writer& writer) const;
-  void restore_values(state::Reader& reader);
+  /// Shows the last read outputs, which an instance with a longer step keeps between its steps.
+  void visit(state::Visitor& v);
 
  private:
   /// A value that an input takes as it is, from an output's bank to an input's. Addresses hold from initialize() on.
