@@ -74,7 +74,8 @@ Slot free_slot(const std::string& text, const fs::path& board, const std::string
   std::set<std::uint32_t> pages;
   std::set<int> interrupts;
   try {
-    for (const auto& device : nlohmann::json::parse(text).at("devices")) {
+    const auto board_json = nlohmann::json::parse(text);
+    for (const auto& device : board_json.at("devices")) {
       if (device.at("name") == name) {
         throw Error(ErrorCode::duplicate_name,
                     fmt::format("{}: there is a device '{}' already; choose another name", board.string(), name));
@@ -112,7 +113,7 @@ std::string with_device(const std::string& board, const std::string& entry) {
     }
   }
   const auto last = board.find_last_of('}', at);
-  return board.substr(0, last + 1) + ",\n" + entry + board.substr(at);
+  return board.substr(0, last + 1) + ",\n" + entry + "  " + board.substr(at);
 }
 
 std::string taken(Files& files, const fs::path& name) {

@@ -6,7 +6,7 @@ try() {  # NAME OPTION...
   cmake -S "$1" -B "$1/build" -G Ninja -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_COMPILER_LAUNCHER="$(command -v ccache || true)" >configure.log
   cmake --build "$1/build" -j2 >build.log || { cat build.log; exit 1; }
   cmake --build "$1/build" --target run | tee run.log
-  [[ $(grep -c "^$1 " run.log) == 20 ]] || { echo "FAILED: twenty values were expected"; exit 1; }
+  [[ $(grep -cE "^$1 [0-9]+\.[0-9]{3}$" run.log) == 20 ]] || { echo "FAILED: twenty values were expected"; exit 1; }
   cmake --build "$1/build" --target fly | tee fly.log
   python3 - "$1" <<'PYTHON'
 import csv, json, pathlib, sys
