@@ -77,23 +77,14 @@ class MySensor final : public OwnDevice {
   bool interrupt() const override { return (status_ & kReady) != 0; }
   std::string_view state_name() const override { return (status_ & kBusy) != 0 ? "measuring" : "standby"; }
 
-  void save(state::Writer& writer) const override {
-    writer.put(sensed_);
-    writer.put(energy_j_);
-    writer.put(since_);
-    writer.put(done_at_);
-    writer.put(status_);
-    writer.put(value_);
-    writer.put(report_);
-  }
-  void restore(state::Reader& reader) override {
-    reader.get(sensed_);
-    reader.get(energy_j_);
-    reader.get(since_);
-    reader.get(done_at_);
-    reader.get(status_);
-    reader.get(value_);
-    reader.get(report_);
+  void visit(state::Visitor& v) override {
+    v("sensed", sensed_);
+    v("energy_j", energy_j_);
+    v("since", since_);
+    v("done_at", done_at_);
+    v("status", status_);
+    v("value", value_);
+    v("report", report_);
   }
 
  private:
