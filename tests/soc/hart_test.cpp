@@ -257,7 +257,9 @@ TEST(Code, IsDecodedAndTranslatedAtMostTwiceHoweverItBranches) {
   constexpr std::uint64_t kInstructions = 1500 * (14 + 1) + 10;
   EXPECT_LE(machine.hart().instructions_decoded(), 2 * kInstructions);
   EXPECT_LE(machine.hart().instructions_translated(), 2 * kInstructions);
-  if (translate::can_translate()) EXPECT_GT(machine.hart().instructions_translated(), kInstructions / 2);
+  if (translate::can_translate()) {
+    EXPECT_GT(machine.hart().instructions_translated(), kInstructions / 2);
+  }
 }
 
 TEST(Code, ThatIsStoredOverLeavesOtherCodeDecoded) {
