@@ -103,7 +103,7 @@ TEST(Threads, GiveTheSameBitsAsNone) {
 
 TEST(Threads, AreAutoOrANumber) {
   EXPECT_THAT(input_error([] { TestRun run(ring("0")); }), testing::HasSubstr("from 1 to 256"));
-  EXPECT_THAT(input_error([] { TestRun run(ring("\"many\"")); }), testing::HasSubstr("from 1 to 256"));
+  EXPECT_THAT(input_error([] { TestRun run(ring("\"many\"")); }), testing::HasSubstr("'auto'"));
   EXPECT_THAT(input_error([] { TestRun run(ring("1.5")); }), testing::HasSubstr("from 1 to 256"));
 }
 

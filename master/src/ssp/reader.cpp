@@ -290,9 +290,13 @@ class SspReader {
 
   void read_own(pugi::xml_node annotation) {
     const std::string text = annotation.text().get();
-    data::Document(text, file_.place(annotation)).read([&](const data::Node& root) {
-      static_cast<void>(root.members());  // which fails when it is not an object
-    });
+    try {
+      data::Document(text, file_.place(annotation)).read([&](const data::Node& root) {
+        static_cast<void>(root.members());  // which fails when it is not an object
+      });
+    } catch (const data::Mistakes& mistakes) {
+      throw InputError(mistakes.code(), mistakes.what());
+    }
     const auto own = Json::parse(text);
     for (const auto& [key, value] : own.items()) {
       if (key == "instances") {
