@@ -135,7 +135,8 @@ TEST(Trace, HasTheCycleAsACommentWhenAskedFor) {
 }
 
 TEST(Trace, DoesNotHoldInstructionsThatTrapped) {
-  const auto lines = trace_of("_start: la t0, h\ncsrw mtvec, t0\necall\n.balign 4\nh: la t0, tohost\nli t1, 1\nsw t1, 0(t0)\n");
+  const auto lines =
+      trace_of("_start: la t0, h\ncsrw mtvec, t0\necall\n.balign 4\nh: la t0, tohost\nli t1, 1\nsw t1, 0(t0)\n");
   ASSERT_EQ(lines.size(), 7U);
   EXPECT_THAT(lines[2], testing::HasSubstr("mtvec"));
   EXPECT_THAT(lines[3], testing::HasSubstr(" x5 ")) << "the handler's first instruction, not ecall";
