@@ -108,7 +108,9 @@ double Converter::output_power_w(double input_power_w) const {
 std::map<std::string, Converter> load_converters(const std::filesystem::path& file) {
   return data::Document(file).read([](const data::Node& root) {
     std::map<std::string, Converter> converters;
-    for (const auto& [name, node] : root.members()) {
+    for (const auto& member : root.members()) {
+      const auto& name = member.key;  // names of a structured binding cannot be captured by clang 14
+      const auto& node = member.value;
       node.attempt([&] {
         if (name == "$schema") {
           static_cast<void>(node.text());

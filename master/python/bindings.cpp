@@ -80,7 +80,8 @@ void raise_as(const char* type, const mebots::Error& error) {
   PyErr_SetObject(kind.ptr(), raised.ptr());
 }
 
-void translate(std::exception_ptr thrown) {
+// pybind11 hands it over by value.
+void translate(std::exception_ptr thrown) {  // NOLINT(performance-unnecessary-value-param)
   try {
     if (thrown) std::rethrow_exception(thrown);
   } catch (const mebots::InputError& error) {

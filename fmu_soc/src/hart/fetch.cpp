@@ -76,7 +76,7 @@ bool Hart::fetch_and_execute(const Block& block, std::uint32_t stall, std::uint6
   for (std::uint32_t i = 0; i < block.line_count; ++i) {
     if (missing != 0 || unsettled || block.lines[i] == 0) ++missing;
   }
-  const auto bound = std::uint64_t{block.last_start_bound} + stall + missing * fetched_->refill_cycles();
+  const auto bound = std::uint64_t{block.last_start_bound} + stall + std::uint64_t{missing} * fetched_->refill_cycles();
   if (execution_.counters.cycles + (bound & bound_mask_) >= limit) return false;
   const auto* first = cache_.instructions(block);
   if (missing == 0) {

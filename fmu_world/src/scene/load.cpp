@@ -178,7 +178,7 @@ std::vector<ThrustPoint> read_thrust_curve(const Node& node) {
 
 /// A body's largest moment of inertia is at most the sum of the other two.
 Eigen::Vector3d read_inertia(const Node& node) {
-  const Eigen::Vector3d j = sourced_vector("kg.m2", Limits::positive())(node);
+  Eigen::Vector3d j = sourced_vector("kg.m2", Limits::positive())(node);
   if (2.0 * j.maxCoeff() > j.sum()) {
     node.fail(ErrorCode::invalid_value,
               fmt::format("[{}, {}, {}] is not any body's: each moment is at most the sum of the other two", j.x(),
