@@ -20,7 +20,7 @@ std::string fmu;
 
 class Silent final : public MessageSink {
  public:
-  void message(const Message& /*message*/) override {}
+  void message(const mebots::Message& /*message*/) override {}
 };
 
 /// Five instances in a ring whose values never repeat.

@@ -33,6 +33,7 @@ std::string unit_of(const std::string& text) {
   const auto* const known = std::ranges::find(kSensed, instance, [](const auto& entry) { return entry.first; });
   if (dot == std::string::npos || known == kSensed.end()) {
     std::vector<std::string> names;
+    names.reserve(kSensed.size());
     for (const auto& [name, fmu] : kSensed) names.emplace_back(name);
     throw Error(ErrorCode::unknown_name,
                 fmt::format("--senses '{}': write INSTANCE.VARIABLE of the mission's instances. {}", text,

@@ -28,6 +28,7 @@ std::vector<std::vector<std::size_t>> groups_of(const ResolvedSystem& system, co
   std::map<std::size_t, std::vector<std::size_t>> members;
   for (const auto i : ensemble.step_order()) members[group[i]].push_back(i);
   std::vector<std::vector<std::size_t>> groups;
+  groups.reserve(members.size());
   for (auto& [name, instances] : members) groups.push_back(std::move(instances));
   return groups;
 }

@@ -42,6 +42,7 @@ std::vector<std::string> names_in(const std::vector<fs::path>& folders) {
 /// The folders as an error lists them.
 std::string listed(const std::vector<fs::path>& folders) {
   std::vector<std::string> texts;
+  texts.reserve(folders.size());
   std::error_code ignored;
   for (const auto& folder : folders) {
     texts.push_back(folder.string() + (fs::is_directory(folder, ignored) ? "" : " (which is not there)"));
