@@ -141,6 +141,15 @@ class Arithmetic(unittest.TestCase):
         self.assertIsNone(landing.least(found(c100=False, c110=True)), "10.5 % was not flown")
         self.assertIsNone(landing.least(found(c110=True)))
 
+    def test_who_passed_in_the_published_data_has_crossed_the_opening(self):
+        published = json.loads((ROOT / "examples/paper/results.json").read_text())["robustness"]
+        for name, part in published.items():
+            self.assertLessEqual(part["passed"], part["crossed"], name)
+            self.assertLessEqual(part["crossed"], part["flights"], name)
+            for way, lateral_m in zip(part["ways"], part["lateral_m"], strict=True):
+                if way["outcome"] in collect.PASSED:
+                    self.assertIsNotNone(lateral_m, f"{way['name']} passed: it came to the plane")
+
     def test_a_straight_flight_meets_the_opening_only_when_it_points_there(self):
         def start(y, yaw):
             return Flight("s", "easy", 1.0, extra=(("world.start.offset.x", 0.0), ("world.start.offset.y", y),
