@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "junit_report.hpp"
 
+#include "run_texts.hpp"
+
 #include "base/time.hpp"
 #include "sink/output_file.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <pugixml.hpp>
 
-#include <algorithm>
 #include <sstream>
+#include <utility>
 
 namespace mebots::app {
 namespace {
@@ -29,10 +30,10 @@ struct Verdict {
 
 Verdict verdict_of(const master::Run* run, const std::vector<std::string>& expected, const std::string& error) {
   if (!error.empty() || run == nullptr) return {"error", error};
-  const auto outcome = run->outcome();
   if (run->report().end_reason == EndReason::interrupted) return {"failure", run->report().end_text};
-  if (expected.empty() || std::ranges::find(expected, outcome) != expected.end()) return {};
-  return {"failure", fmt::format("the outcome is '{}', and {} was expected", outcome, fmt::join(expected, " or "))};
+  auto why = why_unexpected(*run, expected);
+  if (why.empty()) return {};
+  return {"failure", std::move(why)};
 }
 
 }  // namespace

@@ -65,10 +65,10 @@ RunRequest request_of(const RunOptions& options) {
 
 /// What the end means to whoever started the program.
 int exit_code(const Run& run, const ReportOptions& options, Console& console) {
-  const auto outcome = run.outcome();
   if (run.report().end_reason == EndReason::interrupted) return kFailed;
-  if (options.expect.empty() || std::ranges::find(options.expect, outcome) != options.expect.end()) return kRanToItsEnd;
-  console.error(fmt::format("the outcome is '{}', and {} was expected", outcome, fmt::join(options.expect, " or ")));
+  const auto why = why_unexpected(run, options.expect);
+  if (why.empty()) return kRanToItsEnd;
+  console.error(why);
   return kFailed;
 }
 

@@ -4,6 +4,7 @@
 #include "base/time.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
@@ -50,6 +51,12 @@ std::vector<std::string> end_lines(const master::Run& run) {
   lines.push_back(fmt::format("results: {} ({} rows, {} columns), {}", run.files()->rows_file().string(), report.rows,
                               run.columns(), (run.files()->folder() / "summary.json").string()));
   return lines;
+}
+
+std::string why_unexpected(const master::Run& run, const std::vector<std::string>& expected) {
+  const auto outcome = run.outcome();
+  if (expected.empty() || std::ranges::find(expected, outcome) != expected.end()) return "";
+  return fmt::format("the outcome is '{}', and {} was expected", outcome, fmt::join(expected, " or "));
 }
 
 std::string shell_word(std::string_view text) {

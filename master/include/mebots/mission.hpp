@@ -4,6 +4,7 @@
 #include "mebots/input_error.hpp"
 #include "mebots/message.hpp"
 #include "mebots/run_state.hpp"
+#include "mebots/series.hpp"
 
 #include <cstdint>
 #include <filesystem>
@@ -19,13 +20,6 @@ namespace mebots {
 
 /// A value to set: true and false for Booleans, item name or number for enumerations.
 using Value = std::variant<bool, std::int64_t, double, std::string>;
-
-/// One recorded variable, with a value for every entry of Mission::times().
-struct Series {
-  std::string name;  ///< instance.variable
-  std::string unit;  ///< empty = none
-  std::vector<double> values;
-};
 
 /// What a mission is asked for beyond its config. The defaults write no files and keep the recorded rows in memory.
 struct MissionOptions {

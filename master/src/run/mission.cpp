@@ -286,13 +286,11 @@ Series Mission::series(std::string_view variable) {
                      fmt::format("'{}' is not recorded. {}; record() chooses what is, before the start", variable,
                                  suggest(variable, variables())));
   }
-  return {found->name, found->unit, found->values};
+  return *found;
 }
 
 std::vector<Series> Mission::series() {
-  std::vector<Series> all;
-  for (const auto& one : door_->run->memory().series()) all.push_back({one.name, one.unit, one.values});
-  return all;
+  return door_->run->memory().series();
 }
 
 class InterruptOnSignals::Guard {

@@ -17,7 +17,7 @@ MemorySink::MemorySink(const std::vector<RecordColumn>& columns) {
   }
 }
 
-const MemorySink::Series* MemorySink::find(std::string_view name) const {
+const Series* MemorySink::find(std::string_view name) const {
   const auto found = std::ranges::find(series_, name, [](const Series& one) { return std::string_view(one.name); });
   return found == series_.end() ? nullptr : &*found;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "mebots/series.hpp"
 #include "sink/row_block.hpp"
 
 #include <cstdint>
@@ -15,13 +16,6 @@ namespace mebots::master {
 class MemorySink final : public RowSink {
  public:
   explicit MemorySink(const std::vector<RecordColumn>& columns);
-
-  /// One recorded variable, a value for every entry of times().
-  struct Series {
-    std::string name;
-    std::string unit;  ///< empty = none
-    std::vector<double> values;
-  };
 
   const std::vector<double>& times_s() const { return times_s_; }
   const std::vector<Series>& series() const { return series_; }

@@ -94,9 +94,11 @@ void note_unknown_categories(ResolvedSystem& system) {
   }
 }
 
-void load_functions_of(const InstanceDescription& instance, Fmu& fmu) {
+/// What is wrong with an FMU is told with the place in the config that names it.
+template <typename Work>
+auto with_place_of_fmu(const InstanceDescription& instance, Work work) {
   try {
-    fmu.functions();
+    return work();
   } catch (const InputError& error) {
     throw InputError(error.code(), fmt::format("{}/fmu: {}", instance.place, error.what()));
   }
@@ -203,11 +205,7 @@ bool is_osmp_part(const modeldesc::ModelDescription& description, const Variable
 }
 
 std::shared_ptr<Fmu> open_fmu(const InstanceDescription& instance, FmuLibrary& library) {
-  try {
-    return library.open(instance.fmu_path);
-  } catch (const InputError& error) {
-    throw InputError(error.code(), fmt::format("{}/fmu: {}", instance.place, error.what()));
-  }
+  return with_place_of_fmu(instance, [&] { return library.open(instance.fmu_path); });
 }
 
 StartValue checked_start(const InstanceDescription& instance, const modeldesc::ModelDescription& description,
@@ -237,7 +235,7 @@ ResolvedSystem resolve(const SystemDescription& description, FmuLibrary& library
     resolved.description = &instance;
     resolved.fmu = open_fmu(instance, library);
     // A missing library or function shows now; foreign code that gets its own process is never loaded in this one.
-    if (!instance.isolation.alone()) load_functions_of(instance, *resolved.fmu);
+    if (!instance.isolation.alone()) with_place_of_fmu(instance, [&] { static_cast<void>(resolved.fmu->functions()); });
     if (resolved.fmu->description().co_simulation->needs_execution_tool) {
       system.notices.push_back(fmt::format(
           "{}: its FMU is a wrapper for a tool that must be installed (needsExecutionTool)", instance.name));
