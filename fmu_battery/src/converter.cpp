@@ -109,13 +109,11 @@ std::map<std::string, Converter> load_converters(const std::filesystem::path& fi
   return data::Document(file).read([](const data::Node& root) {
     std::map<std::string, Converter> converters;
     for (const auto& member : root.members()) {
-      const auto& name = member.key;  // names of a structured binding cannot be captured by clang 14
-      const auto& node = member.value;
-      node.attempt([&] {
-        if (name == "$schema") {
-          static_cast<void>(node.text());
+      member.value.attempt([&] {
+        if (member.key == "$schema") {
+          static_cast<void>(member.value.text());
         } else {
-          converters.emplace(name, read_converter(name, node));
+          converters.emplace(member.key, read_converter(member.key, member.value));
         }
       });
     }
@@ -127,6 +125,7 @@ Converter load_converter(const std::filesystem::path& file, const std::string& n
   const auto converters = load_converters(file);
   if (const auto found = converters.find(name); found != converters.end()) return found->second;
   std::vector<std::string> known;
+  known.reserve(converters.size());
   for (const auto& [other, converter] : converters) known.push_back(other);
   throw Error(ErrorCode::unknown_name, fmt::format("{} = \"{}\": {} knows no such converter. {}", variable, name,
                                                    file.string(), suggest(name, known)));
