@@ -19,14 +19,18 @@ namespace fs = std::filesystem;
 void make_folder(const fs::path& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
-  if (error) throw Error(fmt::format("{}: the folder cannot be made: {}", folder.string(), error.message()));
+  if (error)
+    throw Error(ErrorCode::file_unwritable,
+                fmt::format("{}: the folder cannot be made: {}", folder.string(), error.message()));
 }
 
 void write_entry(const ArchiveReader& archive, const ArchiveReader::Entry& entry, const fs::path& target) {
   std::ofstream out(target, std::ios::binary | std::ios::trunc);
   archive.read(entry, [&](std::string_view part) { out.write(part.data(), std::ssize(part)); });
   out.close();
-  if (!out) throw Error(fmt::format("{}: cannot be written; check permissions and free space", target.string()));
+  if (!out)
+    throw Error(ErrorCode::file_unwritable,
+                fmt::format("{}: cannot be written; check permissions and free space", target.string()));
 }
 
 ZipHandle create_archive(const fs::path& path) {
@@ -37,7 +41,7 @@ ZipHandle create_archive(const fs::path& path) {
   zip_error_init_with_code(&error, code);
   const std::string text = zip_error_strerror(&error);
   zip_error_fini(&error);
-  throw Error(fmt::format("{}: {}; the archive cannot be written", path.string(), text));
+  throw Error(ErrorCode::file_unwritable, fmt::format("{}: {}; the archive cannot be written", path.string(), text));
 }
 
 }  // namespace
@@ -56,16 +60,18 @@ void pack(const fs::path& archive, std::vector<PackedFile> files) {
   std::ranges::sort(files, {}, &PackedFile::entry);
   const auto twice = std::ranges::adjacent_find(files, {}, &PackedFile::entry);
   if (twice != files.end())
-    throw Error(fmt::format("{}: both {} and {} are to be the entry {}", archive.string(), twice->source.string(),
+    throw Error(ErrorCode::duplicate_name,
+                fmt::format("{}: both {} and {} are to be the entry {}", archive.string(), twice->source.string(),
                             std::next(twice)->source.string(), twice->entry));
   ZipHandle zip = create_archive(archive);
   for (const PackedFile& file : files) {
     const auto fail = [&]() {
-      throw Error(fmt::format("{}: {} cannot be added as {}: {}", archive.string(), file.source.string(), file.entry,
-                              zip_strerror(zip.get())));
+      throw Error(ErrorCode::file_unwritable, fmt::format("{}: {} cannot be added as {}: {}", archive.string(),
+                                                          file.source.string(), file.entry, zip_strerror(zip.get())));
     };
     if (!fs::is_regular_file(file.source))
-      throw Error(fmt::format("{}: {} is not there or no file", archive.string(), file.source.string()));
+      throw Error(ErrorCode::file_not_found,
+                  fmt::format("{}: {} is not there or no file", archive.string(), file.source.string()));
     zip_source_t* source = zip_source_file(zip.get(), file.source.c_str(), 0, -1);
     if (source == nullptr) fail();
     const zip_int64_t added = zip_file_add(zip.get(), file.entry.c_str(), source, ZIP_FL_ENC_UTF_8);
@@ -83,7 +89,8 @@ void pack(const fs::path& archive, std::vector<PackedFile> files) {
     if (zip_set_file_compression(zip.get(), index, ZIP_CM_DEFLATE, 9) != 0) fail();
   }
   if (zip_close(zip.get()) != 0)
-    throw Error(fmt::format("{}: cannot be written: {}", archive.string(), zip_strerror(zip.get())));
+    throw Error(ErrorCode::file_unwritable,
+                fmt::format("{}: cannot be written: {}", archive.string(), zip_strerror(zip.get())));
   (void)zip.release();  // closed
 }
 

@@ -22,7 +22,8 @@ struct CloseFile {
 using ArchiveFile = std::unique_ptr<zip_file_t, CloseFile>;
 
 [[noreturn]] void cannot_open(std::string_view name, const char* reason) {
-  throw Error(fmt::format("{}: {}; an FMU is a zip archive; was it copied completely?", name, reason));
+  throw Error(ErrorCode::archive_damaged,
+              fmt::format("{}: {}; an FMU is a zip archive; was it copied completely?", name, reason));
 }
 
 class ZipError {
@@ -47,8 +48,10 @@ void DiscardZip::operator()(zip* archive) const {
 }
 
 ZipHandle open_zip(const fs::path& archive) {
-  if (!fs::exists(archive)) throw Error(fmt::format("{}: there is no such file", archive.string()));
-  if (fs::is_directory(archive)) throw Error(fmt::format("{}: this is a folder, not an archive", archive.string()));
+  if (!fs::exists(archive))
+    throw Error(ErrorCode::file_not_found, fmt::format("{}: there is no such file", archive.string()));
+  if (fs::is_directory(archive))
+    throw Error(ErrorCode::file_not_found, fmt::format("{}: this is a folder, not an archive", archive.string()));
   int code = 0;
   ZipHandle handle(zip_open(archive.c_str(), ZIP_RDONLY, &code));
   if (!handle) cannot_open(archive.string(), ZipError(code).text());
@@ -69,14 +72,15 @@ ArchiveReader::ArchiveReader(ZipHandle archive, std::string name, const UnpackLi
     : archive_(std::move(archive)), name_(std::move(name)), limits_(limits) {
   const zip_int64_t count = zip_get_num_entries(archive_.get(), 0);
   if (count < 0 || static_cast<std::uint64_t>(count) > limits_.entries)
-    throw Error(fmt::format("{}: {} entries are more than the limit of {}", name_, count, limits_.entries));
+    throw Error(ErrorCode::archive_damaged,
+                fmt::format("{}: {} entries are more than the limit of {}", name_, count, limits_.entries));
   std::set<std::string> names;
   std::uint64_t total = 0;
   for (zip_int64_t i = 0; i < count; ++i) {
     zip_stat_t stat;
     const auto index = static_cast<zip_uint64_t>(i);
     if (zip_stat_index(archive_.get(), index, 0, &stat) != 0)
-      throw Error(fmt::format("{}: entry {}: {}", name_, i, zip_strerror(archive_.get())));
+      throw Error(ErrorCode::archive_damaged, fmt::format("{}: entry {}: {}", name_, i, zip_strerror(archive_.get())));
     const Entry entry{index, stat.name, stat.size, std::string_view(stat.name).ends_with('/')};
     check_name(entry.name);
     check_kind(entry);
@@ -87,7 +91,8 @@ ArchiveReader::ArchiveReader(ZipHandle archive, std::string name, const UnpackLi
 }
 
 void ArchiveReader::refuse(std::string_view name, std::string_view why) const {
-  throw Error(fmt::format("{}: the entry \"{}\" {}; the archive is refused", name_, name, why));
+  throw Error(ErrorCode::archive_damaged,
+              fmt::format("{}: the entry \"{}\" {}; the archive is refused", name_, name, why));
 }
 
 void ArchiveReader::check_name(std::string_view name) const {
@@ -121,7 +126,8 @@ void ArchiveReader::check_size(const Entry& entry, std::uint64_t packed, std::ui
 
 void ArchiveReader::read(const Entry& entry, const std::function<void(std::string_view)>& take) const {
   const auto damaged = [&](std::string_view text) {
-    throw Error(fmt::format("{}: the entry \"{}\" cannot be read: {}; was the file copied completely?", name_,
+    throw Error(ErrorCode::archive_damaged,
+                fmt::format("{}: the entry \"{}\" cannot be read: {}; was the file copied completely?", name_,
                             entry.name, text));
   };
   const ArchiveFile file(zip_fopen_index(archive_.get(), entry.index, 0));

@@ -422,7 +422,8 @@ class DescriptionReader {
 
 const Enumeration& Description::enumeration(std::string_view type) const {
   const auto found = std::ranges::find(enumerations, type, &Enumeration::name);
-  if (found == enumerations.end()) throw Error(fmt::format("there is no enumeration {}", type));
+  if (found == enumerations.end())
+    throw Error(ErrorCode::unknown_name, fmt::format("there is no enumeration {}", type));
   return *found;
 }
 

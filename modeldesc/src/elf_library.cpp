@@ -20,7 +20,7 @@ class ElfFile {
  public:
   explicit ElfFile(const std::filesystem::path& file) : name_(file.string()) {
     std::ifstream stream(file, std::ios::binary);
-    if (!stream) throw Error(fmt::format("{}: cannot be opened", name_));
+    if (!stream) throw Error(ErrorCode::file_unreadable, fmt::format("{}: cannot be opened", name_));
     bytes_.assign(std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>());
     if (!std::string_view(bytes_).starts_with(ELFMAG)) fail("is no ELF file");
     header_ = at<Elf64_Ehdr>(0);
@@ -45,7 +45,9 @@ class ElfFile {
   }
 
  private:
-  [[noreturn]] void fail(std::string_view what) const { throw Error(fmt::format("{}: {}", name_, what)); }
+  [[noreturn]] void fail(std::string_view what) const {
+    throw Error(ErrorCode::fmu_inconsistent, fmt::format("{}: {}", name_, what));
+  }
 
   void read_dynamic(const Elf64_Shdr& section, ElfLibrary& library) const {
     const Elf64_Shdr strings = section_header(section.sh_link);

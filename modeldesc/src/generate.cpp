@@ -16,7 +16,9 @@ void write_file(const std::filesystem::path& file, const std::string& text) {
   std::ofstream stream(file, std::ios::binary | std::ios::trunc);
   stream << text;
   stream.close();
-  if (!stream) throw Error(fmt::format("{}: cannot be written; check permissions and free space", file.string()));
+  if (!stream)
+    throw Error(ErrorCode::file_unwritable,
+                fmt::format("{}: cannot be written; check permissions and free space", file.string()));
 }
 
 }  // namespace
@@ -24,7 +26,8 @@ void write_file(const std::filesystem::path& file, const std::string& text) {
 void generate(const Description& description, const std::filesystem::path& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
-  if (error) throw Error(fmt::format("{}: cannot be made: {}", folder.string(), error.message()));
+  if (error)
+    throw Error(ErrorCode::file_unwritable, fmt::format("{}: cannot be made: {}", folder.string(), error.message()));
   const ModelDescription model = to_model_description(description);
   write_file(folder / "modelDescription.xml", write_xml(model));
   write_file(folder / "index.html", write_html(model));

@@ -30,12 +30,14 @@ void check_needs(const fs::path& file, const std::map<std::string, fs::path>& bu
   for (const std::string& needed : read_elf_library(file).needed)
     if (!is_part_of_the_system(needed) && !bundled.contains(needed))
       throw Error(
+          ErrorCode::invalid_argument,
           fmt::format("{} needs {}, which does not travel in the FMU; add it with --library (BUNDLE in mebots_add_fmu)",
                       file.string(), needed));
 }
 
 void add_folder(const fs::path& folder, const std::string& target, std::vector<PackedFile>& files) {
-  if (!fs::is_directory(folder)) throw Error(fmt::format("{}: there is no such folder", folder.string()));
+  if (!fs::is_directory(folder))
+    throw Error(ErrorCode::file_not_found, fmt::format("{}: there is no such folder", folder.string()));
   for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder))
     if (entry.is_regular_file())
       files.push_back({target + entry.path().lexically_relative(folder).generic_string(), entry.path()});
@@ -45,7 +47,8 @@ void add_folder(const fs::path& folder, const std::string& target, std::vector<P
 
 void pack_fmu(const fs::path& archive, const FmuParts& parts) {
   const ModelDescription description = read_xml(parts.description);
-  if (!description.co_simulation) throw Error(fmt::format("{}: has no <CoSimulation>", parts.description.string()));
+  if (!description.co_simulation)
+    throw Error(ErrorCode::fmu_unsupported, fmt::format("{}: has no <CoSimulation>", parts.description.string()));
   const std::string binaries = "binaries/linux64/";
 
   std::vector<PackedFile> files;
@@ -76,7 +79,8 @@ void pack_fmu(const fs::path& archive, const FmuParts& parts) {
   std::error_code error;
   if (archive.has_parent_path()) fs::create_directories(archive.parent_path(), error);
   if (error)
-    throw Error(fmt::format("{}: the folder cannot be made: {}", archive.parent_path().string(), error.message()));
+    throw Error(ErrorCode::file_unwritable,
+                fmt::format("{}: the folder cannot be made: {}", archive.parent_path().string(), error.message()));
   pack(archive, std::move(files));
 }
 

@@ -50,7 +50,8 @@ class Document {
   pugi::xml_node root() const { return xml_.document_element(); }
 
   [[noreturn]] void fail(pugi::xml_node node, std::string_view what) const {
-    throw Error(fmt::format("{}, line {}, <{}>: {}", source_, line_of(text_, node.offset_debug()), node.name(), what));
+    throw Error(ErrorCode::syntax_error,
+                fmt::format("{}, line {}, <{}>: {}", source_, line_of(text_, node.offset_debug()), node.name(), what));
   }
 
  private:
@@ -431,7 +432,9 @@ ModelDescription read_xml_text(std::string_view text, std::string_view source) {
 
 ModelDescription read_xml(const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary);
-  if (!stream) throw Error(fmt::format("{}: cannot be opened; an FMU has this file at its top", file.string()));
+  if (!stream)
+    throw Error(ErrorCode::file_not_found,
+                fmt::format("{}: cannot be opened; an FMU has this file at its top", file.string()));
   const std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
   return read_xml_text(text, file.string());
 }

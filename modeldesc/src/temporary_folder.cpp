@@ -14,10 +14,13 @@ namespace mebots::modeldesc {
 TemporaryFolder::TemporaryFolder(std::string_view prefix, const std::filesystem::path& parent) {
   std::error_code error;
   const std::filesystem::path base = parent.empty() ? std::filesystem::temp_directory_path(error) : parent;
-  if (error) throw Error(fmt::format("there is no folder for temporary files: {}; set TMPDIR", error.message()));
+  if (error)
+    throw Error(ErrorCode::system_failure,
+                fmt::format("there is no folder for temporary files: {}; set TMPDIR", error.message()));
   std::string name = (base / fmt::format("{}-XXXXXX", prefix)).string();
   if (mkdtemp(name.data()) == nullptr)
-    throw Error(fmt::format("{}: no temporary folder can be made there: {}; set TMPDIR to another place", base.string(),
+    throw Error(ErrorCode::system_failure,
+                fmt::format("{}: no temporary folder can be made there: {}; set TMPDIR to another place", base.string(),
                             std::generic_category().message(errno)));
   path_ = name;
 }

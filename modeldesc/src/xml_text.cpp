@@ -108,10 +108,10 @@ void refuse_entities(const pugi::xml_document& document, std::string_view text, 
       const auto name = dtd.substr(first, last - first);
       const auto used = text.find(fmt::format("&{};", name));
       if (used == std::string_view::npos) continue;
-      throw Error(
-          fmt::format("{}, line {}: the entity &{}; of the DTD is not expanded, as it could multiply or fetch "
-                      "files; write out what it stands for",
-                      source, line_of(text, static_cast<std::ptrdiff_t>(used)), name));
+      throw Error(ErrorCode::syntax_error,
+                  fmt::format("{}, line {}: the entity &{}; of the DTD is not expanded, as it could multiply or fetch "
+                              "files; write out what it stands for",
+                              source, line_of(text, static_cast<std::ptrdiff_t>(used)), name));
     }
   }
 }
@@ -130,9 +130,9 @@ void refuse_references(std::string_view text, std::string_view source) {
     std::uint32_t code = 0;
     const auto [end, error] = std::from_chars(first, text.data() + text.size(), code, hex ? 16 : 10);
     if (end == first || (error == std::errc{} && is_xml_character(code))) continue;
-    throw Error(fmt::format("{}, line {}: &#{}; is no character of XML", source,
-                            line_of(text, static_cast<std::ptrdiff_t>(at)),
-                            std::string_view(hex ? first - 1 : first, end)));
+    throw Error(ErrorCode::syntax_error, fmt::format("{}, line {}: &#{}; is no character of XML", source,
+                                                     line_of(text, static_cast<std::ptrdiff_t>(at)),
+                                                     std::string_view(hex ? first - 1 : first, end)));
   }
 }
 
@@ -143,11 +143,13 @@ std::string xml_as_utf8(std::string_view bytes, std::string_view source) {
   if (encoding.empty()) encoding = declared_encoding(bytes.substr(bytes.starts_with("\xEF\xBB\xBF") ? 3 : 0));
   if (encoding.empty() || bytes.starts_with("\xEF\xBB\xBF")) encoding = "UTF-8";
   Converter converter(encoding);
-  if (!converter.known()) throw Error(fmt::format("{}, line 1: the encoding \"{}\" is unknown", source, encoding));
+  if (!converter.known())
+    throw Error(ErrorCode::syntax_error, fmt::format("{}, line 1: the encoding \"{}\" is unknown", source, encoding));
   std::string text;
   text.reserve(bytes.size());
   if (!converter.convert(bytes, text)) {
-    throw Error(fmt::format("{}, line {}: there are bytes that are no {} text; save the file in UTF-8", source,
+    throw Error(ErrorCode::syntax_error,
+                fmt::format("{}, line {}: there are bytes that are no {} text; save the file in UTF-8", source,
                             line_of(text, static_cast<std::ptrdiff_t>(text.size())), encoding));
   }
   if (text.starts_with("\xEF\xBB\xBF")) text.erase(0, 3);
@@ -158,14 +160,14 @@ void parse_xml(pugi::xml_document& document, std::string_view text, std::string_
   const auto result =
       document.load_buffer(text.data(), text.size(), pugi::parse_default | pugi::parse_doctype, pugi::encoding_utf8);
   if (!result) {
-    throw Error(fmt::format("{}, line {}: not well-formed XML: {}", source, line_of(text, result.offset),
-                            result.description()));
+    throw Error(ErrorCode::syntax_error, fmt::format("{}, line {}: not well-formed XML: {}", source,
+                                                     line_of(text, result.offset), result.description()));
   }
   refuse_entities(document, text, source);
   refuse_references(text, source);
   if (const auto node = too_deep(document)) {
-    throw Error(fmt::format("{}, line {}: elements are nested more than {} levels deep", source,
-                            line_of(text, node.offset_debug()), kDeepestXml));
+    throw Error(ErrorCode::syntax_error, fmt::format("{}, line {}: elements are nested more than {} levels deep",
+                                                     source, line_of(text, node.offset_debug()), kDeepestXml));
   }
 }
 
