@@ -610,7 +610,10 @@ std::uint64_t Soc::instructions() const {
 }
 
 EnergyLedger Soc::energy_at(Picoseconds time) const {
-  return meter_.at(activity_at(end_ == End::powered_off ? std::min(time, end_time_) : time));
+  const auto until = end_ == End::powered_off ? std::min(time, end_time_) : time;
+  // An instruction that begins before a point ends behind it. When it changes clock or voltage, what was before is
+  // settled up to its end: less than that cannot be told any more.
+  return meter_.at(activity_at(std::max(until, meter_.settled_until())));
 }
 
 std::vector<Soc::DeviceState> Soc::device_states() const {

@@ -114,7 +114,7 @@ class Soc final : private Bus {
   /// Changes RAM from outside, between instructions; false, with nothing done, when it is not all in one memory.
   bool poke(std::uint32_t address, std::span<const std::uint8_t> bytes);
   const Elf& program() const { return program_; }
-  EnergyLedger energy() const { return meter_.at(activity_at(supplied_until())); }
+  EnergyLedger energy() const { return energy_at(now_); }
   /// For observers, who look in the middle of a run: when the core's next instruction starts, or its sleep began, and
   /// the energy up to then.
   Picoseconds core_time() const { return clock_.time_of(hart_.counters().cycles); }

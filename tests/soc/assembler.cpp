@@ -2,38 +2,15 @@
 #include "assembler.hpp"
 
 #include "mebots/error.hpp"
+#include "support/files.hpp"
 
 #include <fmt/core.h>
 
 #include <cstdio>
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <sstream>
 
 namespace mebots::soc::test {
 namespace {
-
-/// A folder of its own that goes away.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    auto name = (std::filesystem::temp_directory_path() / "mebots-soc-XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) throw Error("no temporary folder");
-    path_ = name;
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  std::filesystem::path operator/(std::string_view name) const { return path_ / name; }
-
- private:
-  std::filesystem::path path_;
-};
 
 std::string output_of(const std::string& command) {
   auto* pipe = popen(command.c_str(), "r");
@@ -45,24 +22,19 @@ std::string output_of(const std::string& command) {
   return text;
 }
 
-std::vector<std::uint8_t> read_file(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  const std::vector<char> text{std::istreambuf_iterator<char>(file), {}};
-  return {text.begin(), text.end()};
-}
-
 }  // namespace
 
 std::vector<std::uint8_t> assemble_file(std::string_view text, std::uint32_t address) {
-  const TemporaryFolder folder;
+  const mebots::test::Folder folder("mebots-soc");
   const auto source = folder / "program.S";
   const auto program = folder / "program.elf";
-  std::ofstream(source) << ".globl _start\n" << text << "\n";
+  mebots::test::write_file(source, fmt::format(".globl _start\n{}\n", text));
   output_of(
       fmt::format("{} -march=rv32imc_zicsr_zifencei -mabi=ilp32 -nostdlib -nostartfiles '-I{}' "
                   "-Wl,-n -Wl,-Ttext=0x{:x} -Wl,--no-relax -Wl,--build-id=none {} -o {} 2>&1",
                   MEBOTS_RISCV_GCC, MEBOTS_BOARD_INCLUDE, address, source.string(), program.string()));
-  return read_file(program);
+  const auto bytes = mebots::test::read_file(program);
+  return {bytes.begin(), bytes.end()};
 }
 
 Elf assemble(std::string_view text, std::uint32_t address) {
@@ -70,12 +42,9 @@ Elf assemble(std::string_view text, std::uint32_t address) {
 }
 
 std::vector<std::string> disassemble_with_objdump(const std::vector<std::uint8_t>& code) {
-  const TemporaryFolder folder;
+  const mebots::test::Folder folder("mebots-soc");
   const auto path = folder / "code.bin";
-  {
-    std::ofstream file(path, std::ios::binary);
-    file.write(reinterpret_cast<const char*>(code.data()), static_cast<std::streamsize>(code.size()));
-  }
+  mebots::test::write_file(path, {reinterpret_cast<const char*>(code.data()), code.size()});
   std::string tool = MEBOTS_RISCV_GCC;
   tool.replace(tool.rfind("gcc"), 3, "objdump");
   std::istringstream lines(

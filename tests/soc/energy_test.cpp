@@ -109,6 +109,25 @@ _start: li s0, POWER_MANAGER_BASE
   EXPECT_NEAR(spent_j, expected_j, 1e-9 * expected_j) << "difference of two sums";
 }
 
+TEST(Energy, NeverFallsWhereverBetweenTwoInstructionsItIsAskedFor) {
+  BoardSystem system(R"(
+_start: li s0, POWER_MANAGER_BASE
+    li a0, 50000000
+    li a1, 100000000
+1:  sw a0, POWER_MANAGER_CLOCK_HZ_OFFSET(s0)
+    sw a1, POWER_MANAGER_CLOCK_HZ_OFFSET(s0)
+    j 1b
+)");
+  double spent_j = 0;
+  for (std::int64_t now_ns = 3; now_ns < 20'000; now_ns += 3) {
+    system.soc.advance(now_ns);
+    const auto energy_j = system.soc.energy().total_j();
+    ASSERT_GE(energy_j, spent_j) << now_ns;
+    spent_j = energy_j;
+  }
+  EXPECT_GT(spent_j, 0);
+}
+
 TEST(Energy, OfTheClusterIsThereOnlyWhileItIsOn) {
   BoardSystem system(R"(
 _start: li s0, POWER_MANAGER_BASE

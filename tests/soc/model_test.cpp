@@ -3,6 +3,7 @@
 
 #include "assembler.hpp"
 #include "base64.hpp"
+#include "support/allocations.hpp"
 
 #include "mebots/error.hpp"
 
@@ -11,39 +12,8 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include <atomic>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <new>
-
-namespace {
-std::atomic<long> allocations{0};
-}  // namespace
-
-#if defined(__GNUC__) && !defined(__clang__)
-#pragma GCC diagnostic ignored "-Wmismatched-new-delete"  // GCC inlines one of the pair and misses the other
-#endif
-
-// Counts what the heap is asked for, to show that a step asks for nothing.
-void* operator new(std::size_t size) {
-  ++allocations;
-  if (void* memory = std::malloc(size == 0 ? 1 : size)) return memory;
-  throw std::bad_alloc();
-}
-void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
-  ++allocations;
-  return std::malloc(size == 0 ? 1 : size);
-}
-void operator delete(void* memory, const std::nothrow_t&) noexcept {
-  std::free(memory);
-}
-void operator delete(void* memory) noexcept {
-  std::free(memory);
-}
-void operator delete(void* memory, std::size_t) noexcept {
-  std::free(memory);
-}
 
 namespace mebots::soc::test {
 namespace {
@@ -259,7 +229,7 @@ TEST(Model, TakesNothingFromTheHeapInAStepOnceItsCodeIsTranslated) {
   model.start(variables.inputs, 0, variables.outputs);
   long before = 0;
   for (std::int64_t step = 0; step < 15'000; ++step) {
-    if (step == 10'000) before = allocations;
+    if (step == 10'000) before = mebots::test::allocations();
     // The drone is off the ground after a second.
     variables.inputs.flight_phase = step < 500 ? FlightPhase::climbing : FlightPhase::flying;
     variables.inputs.camera_frame = fmu::BinaryRef::to(picture);
@@ -268,7 +238,7 @@ TEST(Model, TakesNothingFromTheHeapInAStepOnceItsCodeIsTranslated) {
   }
   EXPECT_GT(variables.outputs.camera_trigger, 50) << "pictures went through";
   EXPECT_EQ(variables.outputs.core_exit_code, 0) << "flies on";
-  EXPECT_EQ(allocations - before, 0);
+  EXPECT_EQ(mebots::test::allocations() - before, 0);
 }
 
 }  // namespace

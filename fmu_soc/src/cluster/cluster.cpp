@@ -29,6 +29,7 @@ Cluster::Cluster(Memory& memory, const ClusterSettings& settings, const Instruct
       dma_(memory, settings.l1_region, settings.dma) {
   MEBOTS_ASSERT(settings.cores > 0 && settings.cores <= kMostClusterCores);
   ready_.fill(kNoTick);
+  queue_.reserve(settings.cores);
   for (unsigned id = 0; id < settings.cores; ++id) {
     cores_.push_back(std::make_unique<Core>(*this, id, memory, decoded_));
   }
@@ -41,6 +42,7 @@ void Cluster::power_on(Picoseconds now, std::uint32_t boot) {
   if (powered_) return;
   powered_ = true;
   powered_since_ = now;
+  in_step_ = false;
   event_unit_ = EventUnit(cores());
   dma_.reset();
   banks_.free_all();  // nothing of what cores had claimed ahead of time when they were switched off
@@ -66,7 +68,7 @@ void Cluster::set_clock(Picoseconds now, std::uint32_t hz) {
 
 std::uint64_t Cluster::next_tick() const {
   if (!powered_ || faulted_core_ >= 0 || stopped_) return kNoTick;
-  return std::min(dma_.next_tick(), *std::min_element(ready_.begin(), ready_.end()));
+  return std::min(dma_.next_tick(), first_ready());
 }
 
 Picoseconds Cluster::next() const {
@@ -74,14 +76,24 @@ Picoseconds Cluster::next() const {
   return tick == kNoTick ? kNever : clock_.time_of(tick);
 }
 
+/// When the core that is farthest behind goes on; kNoTick while all sleep.
+std::uint64_t Cluster::first_ready() const {
+  auto first = kNoTick;
+  for (const auto tick : ready_) first = std::min(first, tick);  // no branch: which one it is cannot be predicted
+  return first;
+}
+
 void Cluster::advance(Picoseconds until, Picoseconds last, std::uint64_t cycle_limit) {
   const auto end = until == kNever ? kNoTick : tick_at(until);
   const auto stop = std::min(end, clock_.first_after(last));
   has_news_ = false;
   auto start = next_tick();
+  // Awake, a core counts a cycle a tick: the limit is not near before so many ticks have passed.
+  const auto begin = start;
+  const auto far_from_limit = cycle_limit - std::min(longest_cycles() + kFarthestAhead, cycle_limit);
   do {
     start = run_quantum(start, std::max(end, start + 1));
-  } while (start < stop && !has_news_ && longest_cycles() < cycle_limit);
+  } while (start < stop && !has_news_ && (start - begin < far_from_limit || longest_cycles() < cycle_limit));
 }
 
 /// Whether somebody can find a bank of L1 taken: alone, a core finds all of them free.
@@ -90,12 +102,13 @@ void Cluster::share_banks() {
   if (several == sharing_banks_) return;
   sharing_banks_ = several;
   for (auto& core : cores_) core->share_banks(several);
-  break_row();
+  drop_resume_points();
 }
 
-/// Every core begins its next run with a look.
-void Cluster::break_row() {
-  for (auto& core : cores_) core->hart().leave_row();
+/// Every core begins its next run in the interpreter.
+void Cluster::drop_resume_points() {
+  in_step_ = false;
+  for (auto& core : cores_) core->hart().drop_resume_point();
 }
 
 void Cluster::move_banks(std::uint64_t tick) {
@@ -107,7 +120,7 @@ void Cluster::move_banks(std::uint64_t tick) {
   auto last = tick + kQuantum;
   for (const auto& core : cores_) last = std::max(last, core->tick());
   banks_.start_over(tick, last);
-  break_row();
+  drop_resume_points();
 }
 
 /// The answer is when the next one starts.
@@ -134,16 +147,16 @@ std::uint64_t Cluster::run_quantum(std::uint64_t start, std::uint64_t until) {
       }
     }
     dma_.occupy(banks_, end);
-    // The core that is farthest behind.
-    const auto first = std::min_element(ready_.begin(), ready_.end());
+    const auto first = first_ready();
     const auto transfer = dma_.next_tick();
-    if (transfer < end && transfer <= *first) {
+    if (transfer < end && transfer <= first) {
       dma_.advance(transfer, event_unit_);
       spread_events(transfer);
       continue;
     }
-    if (*first >= end) return std::min(transfer, *first);
-    auto& core = *cores_[static_cast<std::size_t>(first - ready_.begin())];
+    if (first >= end) return std::min(transfer, first);
+    in_step_ = false;
+    auto& core = *cores_[static_cast<std::size_t>(std::find(ready_.begin(), ready_.end(), first) - ready_.begin())];
     MEBOTS_ASSERT(core.tick() < end);
     core.grant_turn();
     run_core(core, end);
@@ -151,41 +164,71 @@ std::uint64_t Cluster::run_quantum(std::uint64_t start, std::uint64_t until) {
   return kNoTick;
 }
 
-/// Every core that may run without asking, up to `end`.
-void Cluster::run_cores(std::uint64_t start, std::uint64_t end) {
-  std::array<Core*, kMostClusterCores> row;
-  std::size_t count = 0;
+/// The cores that run without asking, from the first one of this quantum on, each linked to the next one.
+void Cluster::queue_cores(std::uint64_t end) {
+  queue_.clear();
   auto next = first_core_;
   for (std::uint32_t i = 0; i < cores(); ++i) {
     auto& core = *cores_[next];
     if (ready_[next] < end && !core.waits_for_turn()) {
-      if (count != 0) row[count - 1]->hart().set_next(&core.hart());
-      MEBOTS_ASSERT(count < row.size());
-      row[count++] = &core;
+      if (!queue_.empty()) queue_.back()->hart().set_next(&core.hart());
+      queue_.push_back(&core);
     }
     if (++next == cores()) next = 0;
   }
-  if (count == 0) return;
-  row[count - 1]->hart().set_next(nullptr);
-  for (std::size_t i = 0; i < count;) {
-    if (!in_row(row[i]->hart(), start)) {
-      run_core(*row[i++], end);
+  if (!queue_.empty()) queue_.back()->hart().set_next(nullptr);
+}
+
+/// The same cores as in the quantum before, each one place further to the front if the first one goes to the end.
+void Cluster::rotate_queue() {
+  const auto before = (first_core_ == 0 ? cores() : first_core_) - 1;
+  if (queue_.front()->id() != before) return;  // who sleeps has no place
+  queue_.back()->hart().set_next(&queue_.front()->hart());
+  std::rotate(queue_.begin(), queue_.begin() + 1, queue_.end());
+  queue_.back()->hart().set_next(nullptr);
+}
+
+/// Every core that may run without asking, up to `end`.
+void Cluster::run_cores(std::uint64_t start, std::uint64_t end) {
+  if (in_step_ && last_ready_ < end) {
+    rotate_queue();
+  } else {
+    queue_cores(end);
+  }
+  in_step_ = false;
+  for (std::size_t i = 0; i < queue_.size();) {
+    if (!can_resume(queue_[i]->hart(), start)) {
+      run_core(*queue_[i++], end);
       continue;
     }
-    const auto turns = Hart::take_turns(row[i]->hart(), end);
-    while (i < count && &row[i]->hart() != turns.broke_off) row[i++]->stopped(Stop::limit);
-    if (turns.ran) note_stop(*row[i++], turns.stop);
+    const auto round = Hart::run_round_robin(queue_[i]->hart(), end);
+    if (i == 0 && round.broke_off == nullptr) {
+      keep_in_step();
+      return;
+    }
+    while (i < queue_.size() && &queue_[i]->hart() != round.broke_off) queue_[i++]->stopped(Stop::limit);
+    if (round.ran) note_stop(*queue_[i++], round.stop);
   }
 }
 
-/// Whether the hart, and who comes behind it, may take turns from `start` on.
-bool Cluster::in_row(const Hart& hart, std::uint64_t start) {
-  if (!sharing_banks_ || !hart.in_row()) return false;
+/// All cores of the queue have come to the end of the quantum in translated code: nothing but their ticks has changed.
+void Cluster::keep_in_step() {
+  last_ready_ = 0;
+  for (auto* core : queue_) {
+    core->stopped(Stop::limit);
+    last_ready_ = std::max(last_ready_, ready_[core->id()]);
+  }
+  in_step_ = queue_.size() == awake_;
+}
+
+/// Whether the hart, and who comes behind it, may run a round from `start` on.
+bool Cluster::can_resume(const Hart& hart, std::uint64_t start) {
+  if (!sharing_banks_ || !hart.has_resume_point()) return false;
   if (instruction_cache_ && start < instruction_cache_->settled()) return false;
   decoded_->blocks.forget_if_stale();
   if (version_ == decoded_->version()) return true;
   version_ = decoded_->version();
-  break_row();
+  drop_resume_points();
   return false;
 }
 
@@ -206,6 +249,7 @@ void Cluster::note_stop(Core& core, Stop stop) {
 /// What happened in `tick` wakes who waited for it.
 void Cluster::spread_events(std::uint64_t tick) {
   const auto woken = event_unit_.take_woken();
+  if (woken != 0) in_step_ = false;
   for (auto& core : cores_) {
     if ((woken >> core->id() & 1U) != 0) core->wake(tick + kWakeLatency);
   }
@@ -323,7 +367,9 @@ void Cluster::visit(state::Visitor& v) {
   v("fabric_event_time", fabric_event_time_);
   v("powered_since", powered_since_);
   v("powered_total", powered_total_);
-  if (v.restores()) core_stopped_by_observer_ = -1;
+  if (!v.restores()) return;
+  core_stopped_by_observer_ = -1;
+  in_step_ = false;
 }
 
 }  // namespace mebots::soc

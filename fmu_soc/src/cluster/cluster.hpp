@@ -46,6 +46,8 @@ class Cluster {
  public:
   static constexpr std::uint64_t kQuantum = 64;
   static constexpr std::uint64_t kLongQuantum = 1024;
+  /// More ticks than a core can be ahead of the start of the quantum that follows.
+  static constexpr std::uint64_t kFarthestAhead = kLongQuantum + Banks::kLongestBlock;
   /// Ticks from an event to the first instruction of the core that it wakes. Source: GVSoC, event unit of pulp_open.
   static constexpr std::uint64_t kWakeLatency = 2;
 
@@ -120,10 +122,14 @@ class Cluster {
 
   std::uint64_t run_quantum(std::uint64_t start, std::uint64_t until);
   void share_banks();
-  void break_row();
+  void drop_resume_points();
   void move_banks(std::uint64_t tick);
+  std::uint64_t first_ready() const;
+  void queue_cores(std::uint64_t end);
+  void rotate_queue();
+  void keep_in_step();
   void run_cores(std::uint64_t start, std::uint64_t end);
-  bool in_row(const Hart& hart, std::uint64_t start);
+  bool can_resume(const Hart& hart, std::uint64_t start);
   void run_core(Core& core, std::uint64_t end);
   void note_stop(Core& core, Stop stop);
   void spread_events(std::uint64_t tick);
@@ -141,14 +147,17 @@ class Cluster {
   /// Of each core: the tick in which its next instruction starts; kNoTick while it sleeps, or when there is none.
   std::array<std::uint64_t, kMostClusterCores> ready_{};
   std::vector<std::unique_ptr<Core>> cores_;
-  unsigned awake_ = 0;  // of them
+  unsigned awake_ = 0;            // of them
+  std::vector<Core*> queue_;      // of this quantum: who runs without asking, in the order of the round-robin
+  bool in_step_ = false;          // the queue holds all who are awake, and all came through the last quantum in it
+  std::uint64_t last_ready_ = 0;  // then: the tick of the core that is farthest ahead
   std::function<bool(std::uint32_t)> watcher_;
   Clock clock_;
   bool powered_ = false;
   bool interrupt_ = false;  // what the line was
   bool fabric_woken_ = false;
   bool stopped_ = false;
-  /// DecodedCode::version() when the row was last broken for it: where a hart goes on is good in this one only.
+  /// DecodedCode::version() when resume points were last dropped for it: they are good in this one only.
   std::uint64_t version_ = 0;
   bool has_news_ = false;  // for the rest of the chip, in this quantum
   bool sharing_banks_ = false;

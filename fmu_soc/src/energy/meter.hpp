@@ -160,6 +160,9 @@ class EnergyMeter {
   /// From `now` on, the chip is set otherwise. Call it before a clock changes what cycles mean.
   void change(const PowerState& state, const Activity& now);
 
+  /// When the settings changed last, since the supply came: there is no ledger of an earlier time.
+  Picoseconds settled_until() const { return since_.powered; }
+
   void visit(state::Visitor& v);
 
  private:

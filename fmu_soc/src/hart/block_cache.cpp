@@ -168,7 +168,7 @@ std::uint32_t BlockCache::decode_block(std::uint32_t pc) {
         cached_lines_->line_of(pc) != cached_lines_->line_of(pc + (is_compressed(first_word) ? 1 : 3));
     block.fetch_bound += block.line_count * cached_lines_->refill_cycles();
   }
-  arena_[arena_used_ + sums.index + 1] = Instruction{};  // holds the link of a loop's next turn
+  arena_[arena_used_ + sums.index + 1] = Instruction{};  // holds the link of a loop's next iteration
   memory_.mark(pc, at - pc, mark_);
 
   arena_used_ += sums.index + 2U;

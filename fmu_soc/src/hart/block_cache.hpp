@@ -85,19 +85,19 @@ class BlockCache {
   const Instruction* single(std::uint32_t pc, const Previous& two_before, const Previous& before);
 
   /// A hardware loop ends with the instruction at `pc`: blocks end there from now on. True: they did not before, and
-  /// those that go on behind it are invalid from the next look on, whether or not there are some.
+  /// those that go on behind it are invalid from the next check on, whether or not there are some.
   bool end_block_at(std::uint32_t pc);
 
   /// Whether the instruction at `pc` may be the last of a hardware loop: blocks end there.
   bool may_end_loop(std::uint32_t pc) const { return timing_.has_xpulp() && memory_.marked(pc, 2, Region::kLoop); }
 
   /// Whether a block also ends where a jump or branch is known to lead, so that no instruction lies in many blocks.
-  /// Not for harts whose turns end with a block: those must end where memory and pc alone say.
+  /// Not for harts with a loose limit: those must end where memory and pc alone say.
   void set_end_at_targets(bool on);
 
   /// Invalidates all blocks, of other cores that share the memory too.
   void clear();
-  /// Whether code has changed since the last look, by a device or another core too.
+  /// Whether code has changed since the last check, by a device or another core too.
   bool is_stale() const { return code_generation_ != memory_.code_generation(); }
   /// Invalidates the blocks whose code has changed; true: it has.
   bool forget_if_stale() {
@@ -170,7 +170,7 @@ class BlockCache {
   std::uint32_t arena_used_ = 0;  // index of the next free slot in it
   bool end_at_targets_ = true;
   std::uint64_t generation_ = 0;
-  std::uint64_t code_generation_ = 0;  // of the memory, at the last look
+  std::uint64_t code_generation_ = 0;  // of the memory, at the last check
   std::uint64_t decoded_ = 0;
   std::uint32_t longest_wait_ = 0;
   const InstructionCache* cached_lines_ = nullptr;

@@ -44,7 +44,7 @@ bool is_event_counter(unsigned number) {
 const Instruction* Hart::csr_access(const Instruction* at) {
   auto& e = execution_;
   const auto number = static_cast<unsigned>(at->imm);
-  const bool immediate = at->op >= Op::csrrwi;
+  const bool immediate = traits_of(at->op).kind == OpKind::csr_immediate;
   const auto operand = immediate ? at->rs1 : e.x[at->rs1];
   const bool replace = at->op == Op::csrrw || at->op == Op::csrrwi;
   const bool set = at->op == Op::csrrs || at->op == Op::csrrsi;

@@ -76,19 +76,21 @@ inline Previous executed(const Instruction& instruction, bool across_words) {
 
 struct Execution;
 
-/// What translated code leaves behind, and what it finds its way with.
+/// What translated code leaves behind, and what it is told.
 struct HostState {
   /// Where its count of cycles starts and ends: from those that may start down to 0, or where banks are shared, from
   /// one row of their table to another.
   std::uint64_t begin = 0;
   std::uint64_t end = 0;
   /// Where to go on when it was left only for the end of its budget, and nothing has happened since; else null.
-  const std::uint8_t* again = nullptr;
-  Execution* next = nullptr;               // whose turn comes then, without leaving translated code; null = nobody's
+  const std::uint8_t* resume_point = nullptr;
+  Execution* next =
+      nullptr;  // the next hart of the round, which goes on then without leaving translated code; null = none
   std::uint64_t instructions = 0;          // of the last run; upper half: loads and stores
   const Instruction* came_from = nullptr;  // the end of the block from which a region's block was reached straight
   const Instruction* slow_load = nullptr;  // the last load across two words
   std::uint64_t slow_load_when = 0;        // what `instructions` was then: of its block if they still are
+  std::uint64_t tick_offset = 0;           // active cycle c is tick c + offset of what the hart shares
   bool alone = false;                      // nobody else uses the banks: what is taken in the table means nothing
 };
 

@@ -26,6 +26,7 @@ std::uint32_t hidden_in(const Execution& e, const Instruction* jump) {
 void Hart::fetch_through(InstructionCache& cache) {
   if (fetched_ == &cache) return;
   fetched_ = &cache;
+  decoded_->drop_translations();
   if (cache_.fetched() != &cache) cache.cover(memory_);
   cache_.fetch_through(cache);
 }
@@ -39,7 +40,7 @@ void Hart::flush_fetched() {
 std::uint32_t Hart::fetch(const Instruction* at, std::uint64_t cycle) {
   std::uint32_t wait = 0;
   for (auto line = fetched_->line_of(at->pc); line <= fetched_->line_of(at[1].pc - 1); ++line) {
-    wait += fetched_->fetch(line, cycle + wait + tick_offset_);
+    wait += fetched_->fetch(line, cycle + wait + execution_.host.tick_offset);
   }
   execution_.counters.fetch_cycles += wait;
   return wait;
@@ -122,15 +123,6 @@ void Hart::execute_fetching(const Instruction* at) {
     if (at != nullptr) execution_.extra_cycles += fetch(at, cycle_of(at) + hidden_in(execution_, at));
   }
   finish_block();
-}
-
-/// For translated code of a hart that has its cache alone: brings a line in which its block goes on, `spent` cycles
-/// after the start of the run. The answer is how long that takes.
-std::uint64_t Hart::fetch_line(Execution* execution, std::uint32_t line, std::uint64_t spent) {
-  auto& hart = *execution->hart;
-  const auto wait = hart.fetched_->refill(line, execution->counters.cycles + spent + hart.tick_offset_);
-  execution->counters.fetch_cycles += wait;
-  return wait;
 }
 
 }  // namespace mebots::soc

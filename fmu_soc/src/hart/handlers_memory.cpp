@@ -5,21 +5,16 @@
 #include "hart/hart.hpp"
 #include "hart/ram_access.hpp"
 
-#include <array>
 #include <cstring>
 #include <type_traits>
 
 namespace mebots::soc {
 namespace {
 
-/// What an access does with its address register.
-enum class Mode : std::uint8_t { offset, offset_register, post_immediate, post_register };
+using Mode = AddressMode;
 
 constexpr bool is_post(Mode mode) {
   return mode == Mode::post_immediate || mode == Mode::post_register;
-}
-constexpr bool has_step_register(Mode mode) {
-  return mode == Mode::offset_register || mode == Mode::post_register;
 }
 
 /// A load across two words: a cycle more, behind which a jump that follows hides all but one of its own.
@@ -31,7 +26,7 @@ constexpr bool has_step_register(Mode mode) {
   }
 }
 
-/// After the slow way: whether the access took place, or is a trap or for another time.
+/// After slow_load or slow_store: whether the access took place, or is a trap or for another time.
 bool retired(const Execution& e, const Instruction* at) {
   return e.exit == at + 1;
 }
@@ -129,17 +124,15 @@ const Instruction* store(Execution& e, const Instruction* at) {
 }
 
 template <Mode kMode>
-Handler load_handler(unsigned number) {
-  static constexpr std::array<Handler, 5> kHandlers{load<std::int8_t, kMode>, load<std::int16_t, kMode>,
-                                                    load<std::int32_t, kMode>, load<std::uint8_t, kMode>,
-                                                    load<std::uint16_t, kMode>};
-  return kHandlers[number];
-}
-template <Mode kMode>
-Handler store_handler(unsigned number) {
-  static constexpr std::array<Handler, 3> kHandlers{store<std::uint8_t, kMode>, store<std::uint16_t, kMode>,
-                                                    store<std::uint32_t, kMode>};
-  return kHandlers[number];
+Handler handler_in_mode(const OpTraits& op) {
+  if (op.kind == OpKind::store) {
+    return op.size == 1   ? store<std::uint8_t, kMode>
+           : op.size == 2 ? store<std::uint16_t, kMode>
+                          : store<std::uint32_t, kMode>;
+  }
+  if (op.size == 1) return op.sign ? load<std::int8_t, kMode> : load<std::uint8_t, kMode>;
+  if (op.size == 2) return op.sign ? load<std::int16_t, kMode> : load<std::uint16_t, kMode>;
+  return load<std::int32_t, kMode>;
 }
 
 const Instruction* event_load(Execution& e, const Instruction* at) {
@@ -148,23 +141,20 @@ const Instruction* event_load(Execution& e, const Instruction* at) {
 
 }  // namespace
 
-/// The loads are five sizes in each mode, the stores three, in the order of `Op`.
 Handler memory_handler_of(Op op) {
   if (op == Op::p_elw) return event_load;
-  const bool stores = is_store(op);
-  const auto number = static_cast<unsigned>(op) - static_cast<unsigned>(stores ? Op::sb : Op::lb);
-  const auto sizes = stores ? 3U : 5U;
-  const auto size = number % sizes;
-  switch (static_cast<Mode>(number / sizes)) {
+  const auto& traits = traits_of(op);
+  switch (traits.mode) {
     case Mode::offset:
-      return stores ? store_handler<Mode::offset>(size) : load_handler<Mode::offset>(size);
+      return handler_in_mode<Mode::offset>(traits);
     case Mode::offset_register:
-      return stores ? store_handler<Mode::offset_register>(size) : load_handler<Mode::offset_register>(size);
+      return handler_in_mode<Mode::offset_register>(traits);
     case Mode::post_immediate:
-      return stores ? store_handler<Mode::post_immediate>(size) : load_handler<Mode::post_immediate>(size);
-    default:
-      return stores ? store_handler<Mode::post_register>(size) : load_handler<Mode::post_register>(size);
+      return handler_in_mode<Mode::post_immediate>(traits);
+    case Mode::post_register:
+      return handler_in_mode<Mode::post_register>(traits);
   }
+  return nullptr;
 }
 
 }  // namespace mebots::soc

@@ -96,7 +96,7 @@ void Hart::restart(std::uint32_t pc) {
   wake();
   interrupt_ready_ = false;
   exception_repeats_ = 0;
-  leave_row();
+  drop_resume_point();
 }
 
 Stop Hart::run(std::uint64_t limit) {
@@ -109,8 +109,8 @@ Stop Hart::run(std::uint64_t limit) {
   return go_on(limit, false);
 }
 
-/// To the limit, or whatever else stops it. `translated_led_here`: translated code has just been left.
-Stop Hart::go_on(std::uint64_t limit, bool translated_led_here) {
+/// To the limit, or whatever else stops it. `left_translated`: translated code has just been left.
+Stop Hart::go_on(std::uint64_t limit, bool left_translated) {
   auto& e = execution_;
   limit = std::min(limit, kAbsent);
   unsettled_ = fetch_unsettled() ? kAbsent : 0;
@@ -123,11 +123,11 @@ Stop Hart::go_on(std::uint64_t limit, bool translated_led_here) {
     std::uint32_t number = 0;
     if (e.jumped) number = land();
     if (e.counters.cycles >= limit) return Stop::limit;
-    e.host.again = nullptr;
+    e.host.resume_point = nullptr;
     if (interrupt_ready_) {
       take_interrupt();
       if (fault_.happened) return Stop::fault;
-      translated_led_here = false;
+      left_translated = false;
       continue;
     }
     if (observer_ != nullptr) [[unlikely]] {
@@ -140,9 +140,9 @@ Stop Hart::go_on(std::uint64_t limit, bool translated_led_here) {
     if (number == 0) number = following();
     e.link = nullptr;
     if (number != 0) [[likely]] {
-      translated_led_here = run_block(number, limit, translated_led_here);
+      left_translated = run_block(number, limit, left_translated);
     } else {
-      translated_led_here = false;
+      left_translated = false;
       step();
     }
   }
@@ -203,9 +203,9 @@ void Hart::step() {
   e.link = nullptr;
 }
 
-/// Runs a block in the way that fits, or only its first instruction. True: translated code did, and begins no other
-/// block only because it does not know the way.
-inline bool Hart::run_block(std::uint32_t number, std::uint64_t limit, bool translated_led_here) {
+/// Runs a block as fits, or only its first instruction. True: translated code did, and begins no other
+/// block only because no patch point leads there yet.
+inline bool Hart::run_block(std::uint32_t number, std::uint64_t limit, bool left_translated) {
   auto& e = execution_;
   const auto& block = cache_.block(number);
   // What ran before can delay the first instruction if it was a load. A jump soon after it is another matter.
@@ -222,7 +222,7 @@ inline bool Hart::run_block(std::uint32_t number, std::uint64_t limit, bool tran
     // With a loose limit, a stall may reach it; translated code would not begin then.
     const auto* entry = e.counters.cycles + stall < limit ? translated(number, block) : nullptr;
     if (entry != nullptr) {
-      if (translated_led_here) decoded_->translator->lead_on(block.pc, *entry, stall != 0);
+      if (left_translated) decoded_->translator->chain_last_exit(block.pc, *entry, stall != 0);
       e.counters.cycles += stall;
       return run_translated(*entry, limit);
     }
@@ -252,7 +252,7 @@ inline bool Hart::may_begin(const Block& block, std::uint32_t stall, std::uint64
 inline void Hart::interpret(const Block& block, std::uint32_t stall, std::uint64_t limit) {
   auto& e = execution_;
   execute(cache_.instructions(block), 0, stall);
-  // Only the limit and the lines want a look.
+  // Only the limit and the lines are to be checked.
   while (e.link != nullptr && *e.link != 0 && e.leave == Leave::normal && !interrupt_ready_ && !cache_.is_stale()) {
     const auto& next = cache_.block(*e.link);
     if (next.pc != e.pc || !cache_.is_present(next)) return;
@@ -338,7 +338,7 @@ void Hart::set_pc(std::uint32_t pc) {
   execution_.link = nullptr;
   execution_.jumped = false;
   execution_.pipeline = {};
-  leave_row();
+  drop_resume_point();
 }
 
 /// Notes the last two instructions of a block that was left straight on, before `exit`.
@@ -473,7 +473,7 @@ void Hart::visit(state::Visitor& v) {
   execution_.x = registers;
   cut_pc_ = kNoPc;
   observer_knows_of_sleep_ = observer_ != nullptr && sleeping_;
-  leave_row();
+  drop_resume_point();
   cache_.clear();
   for (const auto& loop : execution_.loops) cache_.end_block_at(loop.end);  // for a hart restored without its memory
 }

@@ -124,7 +124,7 @@ class Hart {
   /// fetching never waits.
   void fetch_through(InstructionCache& cache);
   /// Active cycle c of this core is tick c + offset (modulo 2^64) of what it shares with others: cache, banks.
-  void set_tick_offset(std::uint64_t offset) { tick_offset_ = offset; }
+  void set_tick_offset(std::uint64_t offset) { execution_.host.tick_offset = offset; }
 
   /// With a loose limit, a block that starts before it runs to its end.
   void set_loose_limit(bool loose) {
@@ -145,28 +145,28 @@ class Hart {
   /// Executes every instruction that starts before active cycle `limit`.
   Stop run(std::uint64_t limit);
 
-  /// How harts took their turns.
-  struct Turns {
-    Hart* broke_off = nullptr;  // who did not come to the limit in translated code; null = all did
-    bool ran = false;           // it had its turn
+  /// How a round of harts in translated code ended.
+  struct RoundEnd {
+    Hart* broke_off = nullptr;  // who did not come to the limit there; null = all did
+    bool ran = false;           // it went on by the interpreter
     Stop stop = Stop::limit;    // and came back so
   };
-  /// As `run` up to the same tick (active cycle + offset) of harts in a row, one after the other. It is quick
-  /// while they stay in translated code, and ends with the first that does not. For harts that share banks and decoded
+  /// A round: as `run` up to the same tick (active cycle + offset) of each hart from this one on, in translated code.
+  /// It ends with the first that does not stay there. For harts that share banks and decoded
   /// code.
-  static Turns take_turns(Hart& first, std::uint64_t limit_tick);
-  /// Whose turn comes after this one's; null = nobody's.
+  static RoundEnd run_round_robin(Hart& first, std::uint64_t limit_tick);
+  /// Who comes after this one in a round; null = nobody.
   void set_next(Hart* next) { execution_.host.next = next == nullptr ? nullptr : &next->execution_; }
   /// Whether its last run stopped at the limit in translated code, where it only has to go on.
-  bool in_row() const { return execution_.host.again != nullptr; }
-  /// Something has changed: the next run begins with a look.
-  void leave_row() { execution_.host.again = nullptr; }
+  bool has_resume_point() const { return execution_.host.resume_point != nullptr; }
+  /// Something has changed: the next run begins in the interpreter.
+  void drop_resume_point() { execution_.host.resume_point = nullptr; }
 
   /// Who watches every instruction from now on, or null. Not part of a state.
   void observe(Observer* observer) {
     observer_ = observer;
     observer_knows_of_sleep_ = observer != nullptr && sleeping_;
-    leave_row();
+    drop_resume_point();
   }
 
   /// Level of an interrupt line (bit of mip).
@@ -215,7 +215,7 @@ class Hart {
   const Instruction* marked_store(const Instruction* at, std::uint32_t address, unsigned size);
   /// Sets where a hardware loop ends, and goes on behind `at`, which did it.
   const Instruction* set_loop_end(const Instruction* at, unsigned loop, std::uint32_t pc);
-  /// Where to note the block of a loop's next turn, emptied when it holds that of another start.
+  /// Where to note the block of a loop's next iteration, emptied when it holds that of another start.
   std::uint32_t* loop_link(const Instruction& holder, std::uint32_t start) {
     if (cache_.block(holder.link).pc != start) holder.link = 0;
     return &holder.link;
@@ -271,9 +271,9 @@ class Hart {
   bool stays_awake();
   std::uint32_t following();
   std::uint32_t land();
-  Stop go_on(std::uint64_t limit, bool translated_led_here);
+  Stop go_on(std::uint64_t limit, bool left_translated);
   void step();
-  bool run_block(std::uint32_t number, std::uint64_t limit, bool translated_led_here);
+  bool run_block(std::uint32_t number, std::uint64_t limit, bool left_translated);
   void interpret(const Block& block, std::uint32_t stall, std::uint64_t limit);
   Stop leave();
   void execute(const Instruction* first, std::uint32_t extra_cycles = 0, std::uint32_t stall = 0,
@@ -308,7 +308,6 @@ class Hart {
   const Instruction* run_until_observed(const Instruction* at, const Instruction* stop);
   bool fetch_and_execute(const Block& block, std::uint32_t stall, std::uint64_t limit);
   void execute_fetching(const Instruction* at);
-  static std::uint64_t fetch_line(Execution* execution, std::uint32_t line, std::uint64_t spent);
   std::uint32_t block_of(const Instruction* at) const { return cache_.known((at - at->index)->pc); }
   bool is_present(const Instruction* at) const;
   void resume_fetching(const Instruction* at, std::uint32_t wait_cycles, std::uint32_t stall,
@@ -317,7 +316,7 @@ class Hart {
   std::uint32_t fetch(const Instruction* at, std::uint64_t cycle);
   const Instruction* next_to_fetch(const Instruction* at) const;
   bool fetch_unsettled() const {
-    return fetched_ != nullptr && execution_.counters.cycles + tick_offset_ < fetched_->settled();
+    return fetched_ != nullptr && execution_.counters.cycles + execution_.host.tick_offset < fetched_->settled();
   }
   const translate::Entry* translated(std::uint32_t number, const Block& block);
   const translate::Entry* translate_when_hot(std::uint32_t number, const Block& block);
@@ -335,7 +334,7 @@ class Hart {
   void take_interrupt();
   void update_interrupts() {
     interrupt_ready_ = csrs_.interrupts_on && (csrs_.mip & csrs_.mie) != 0;
-    if (interrupt_ready_) leave_row();
+    if (interrupt_ready_) drop_resume_point();
   }
   bool read_csr(unsigned number, std::uint32_t& value) const;
   bool write_csr(unsigned number, std::uint32_t value);
@@ -367,7 +366,6 @@ class Hart {
   std::uint32_t cut_pc_ = kNoPc;       // behind an instruction that ran alone, or where a trap returned to
   std::uint64_t bound_mask_ = ~std::uint64_t{0};
   InstructionCache* fetched_ = nullptr;
-  std::uint64_t tick_offset_ = 0;
   std::uint64_t unsettled_ = 0;  // kAbsent while lines that another core asked for may be on their way, else 0
   Observer* observer_ = nullptr;
   bool observer_knows_of_sleep_ = false;

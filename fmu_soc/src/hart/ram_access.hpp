@@ -34,7 +34,7 @@ struct RamPlace {
   return {ram.data + place.offset, ram.marks + place.offset / 4};
 }
 
-/// An access that is over with one look: in fast RAM, in banks that nobody else uses, within a word. Of all others,
+/// An access that is over with one check: in fast RAM, in banks that nobody else uses, within a word. Of all others,
 /// nothing has happened. No function is called, so that a handler keeps nothing on the stack.
 template <unsigned Size>
 [[gnu::always_inline]] inline RamAccess quick_access(Execution& e, std::uint32_t address) {

@@ -8,7 +8,7 @@ namespace {
 
 /// Registers that an operation does not read are 0 in its decoded form, but for fields that hold something else.
 bool reads_rs1(Op op) {
-  return op < Op::csrrwi || op > Op::csrrci;
+  return traits_of(op).kind != OpKind::csr_immediate;
 }
 bool reads_rs2(Op op) {
   return op != Op::p_beqimm && op != Op::p_bneimm && !is_hardware_loop(op);
@@ -30,7 +30,7 @@ bool load_stall(const Timing& timing, const Previous& load, const Current& curre
   if (reads_rs2(current.op) && current.rs2 == load.rd) return true;
   if (current.rs3 == load.rd) return true;
   if (is_store(current.op)) {
-    const bool has_offset = current.op <= Op::sw;  // where others have rd
+    const bool has_offset = traits_of(current.op).mode == AddressMode::offset;  // where others have rd
     return has_offset && timing.store_offset_looks_like_rd() && (static_cast<unsigned>(current.imm) & 31U) == load.rd;
   }
   if (is_branch(current.op) || current.rd != load.rd) return false;

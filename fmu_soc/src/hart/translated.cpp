@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Into translated code and back: what it is told, what it leaves to do, harts that take turns in it.
+// Into translated code and back: what it is told, what it leaves to do, the round-robin of harts in it.
 #include "hart/hart.hpp"
 
 #include <algorithm>
@@ -33,7 +33,7 @@ const translate::Entry* Hart::translate_when_hot(std::uint32_t number, const Blo
   const auto first = cache_.instructions(block)->op;
   if (ends_block(first) && !is_jump(first) && !is_hardware_loop(first)) return nullptr;  // nothing to gain
   if (translator == nullptr) {
-    translator = translate::make_translator(cache_, execution_, {has_loose_limit(), decoded_->banks, fetch_line});
+    translator = translate::make_translator(cache_, execution_, {has_loose_limit(), decoded_->banks});
     translation_on_ = translator != nullptr;
     if (!translation_on_) return nullptr;
     cache_.set_listener(translator.get());
@@ -58,7 +58,7 @@ void Hart::set_budget(std::uint64_t limit) {
     return;
   }
   host.alone = execution_.ram[0].banks == nullptr;
-  const auto* row = host.alone ? banks->unread() : banks->row(execution_.counters.cycles + tick_offset_);
+  const auto* row = host.alone ? banks->unread() : banks->row(execution_.counters.cycles + execution_.host.tick_offset);
   host.begin = reinterpret_cast<std::uintptr_t>(row);
   host.end = host.begin + std::min(cycles, Banks::kLongestRun) * banks->count();
 }
@@ -90,8 +90,8 @@ bool Hart::finish_translated(const translate::Exit& exit) {
   if (!exit.indirect) e.pc = exit.pc;
   if (exit.straight) {
     remember(exit.at);
-    const bool turns = exit.at->op == Op::loop_end && e.pc != exit.at->pc;
-    e.link = turns ? loop_link(exit.at[1], e.pc) : &exit.at->link;
+    const bool iterates = exit.at->op == Op::loop_end && e.pc != exit.at->pc;
+    e.link = iterates ? loop_link(exit.at[1], e.pc) : &exit.at->link;
     note_next(*e.link);
     return true;
   }
@@ -101,16 +101,16 @@ bool Hart::finish_translated(const translate::Exit& exit) {
   return true;
 }
 
-Hart::Turns Hart::take_turns(Hart& first, std::uint64_t limit_tick) {
+Hart::RoundEnd Hart::run_round_robin(Hart& first, std::uint64_t limit_tick) {
   auto& decoded = *first.decoded_;
   auto& host = first.execution_.host;
   host.end = reinterpret_cast<std::uintptr_t>(decoded.banks->row(limit_tick));
-  const auto [exit, execution] = decoded.translator->run(first.execution_, host.again);
+  const auto [exit, execution] = decoded.translator->run(first.execution_, host.resume_point);
   if (execution == nullptr) return {};
   auto& hart = *execution->hart;
   if (exit == nullptr) return {&hart};
   const bool begins = hart.finish_translated(*exit);
-  return {&hart, true, hart.go_on(limit_tick - hart.tick_offset_, begins)};
+  return {&hart, true, hart.go_on(limit_tick - hart.execution_.host.tick_offset, begins)};
 }
 
 }  // namespace mebots::soc

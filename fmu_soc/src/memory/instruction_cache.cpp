@@ -23,7 +23,10 @@ InstructionCache::InstructionCache(const InstructionCacheSettings& settings)
       set_mask_(settings.size / settings.line / settings.ways - 1),
       refill_cycles_(settings.refill_cycles),
       entries_(settings.size / settings.line),
-      present_(entries_.size(), &nowhere_) {}
+      present_(entries_.size(), &nowhere_) {
+  state_.entries = entries_.data();
+  state_.present = present_.data();
+}
 
 void InstructionCache::cover(const Memory& memory) {
   presence_.clear();
@@ -99,9 +102,9 @@ void InstructionCache::visit(state::Visitor& v) {
   if (v.restores()) note_absent();
   v("entries", std::span(entries_));
   if (v.restores()) note_present();
-  v("shift_register", shift_register_);
-  v("settled", settled_);
-  v("refills", refills_);
+  v("shift_register", state_.shift_register);
+  v("settled", state_.settled);
+  v("refills", state_.refills);
 }
 
 }  // namespace mebots::soc

@@ -41,6 +41,8 @@ class InstructionCache {
   std::uint32_t address_of(std::uint32_t line) const { return line << line_bits_; }
   std::uint32_t words_per_line() const { return 1U << (line_bits_ - 2); }
   std::uint32_t refill_cycles() const { return refill_cycles_; }
+  std::uint32_t ways() const { return ways_; }
+  std::uint32_t set_mask() const { return set_mask_; }
 
   bool holds(std::uint32_t line) const { return find(line) != nullptr; }
   /// A byte that tells whether the line of this address is here, and behind it those of the lines that follow in the
@@ -58,23 +60,22 @@ class InstructionCache {
     *present_[place] = 1;
     entry.line = line;
     entry.ready = tick + refill_cycles_;
-    settled_ = std::max(settled_, entry.ready);
-    ++refills_;
+    state_.settled = std::max(state_.settled, entry.ready);
+    ++state_.refills;
     return refill_cycles_;
   }
   /// All lines have arrived from this tick on.
-  std::uint64_t settled() const { return settled_; }
+  std::uint64_t settled() const { return state_.settled; }
   /// Empties it.
   void flush();
   /// Lines fetched from memory since reset of the chip.
-  std::uint64_t refills() const { return refills_; }
+  std::uint64_t refills() const { return state_.refills; }
 
   void visit(state::Visitor& v);
 
- private:
-  static constexpr std::uint32_t kNoLine = ~std::uint32_t{0};  // the number of no line: the last one holds no code
   /// What the shift register feeds back: bits 7, 3, 2 and 1.
   static constexpr std::uint8_t kTaps = 0x8e;
+  static constexpr std::uint32_t kNoLine = ~std::uint32_t{0};  // the number of no line: the last one holds no code
 
   struct Entry {
     std::uint32_t line = kNoLine;
@@ -86,6 +87,17 @@ class InstructionCache {
     }
   };
 
+  /// What a refill changes, for translated code, which does what `refill` does.
+  struct State {
+    Entry* entries = nullptr;          // by set, then way
+    std::uint8_t** present = nullptr;  // of each entry: where presence of its line is noted
+    std::uint64_t settled = 0;
+    std::uint64_t refills = 0;
+    std::uint8_t shift_register = 0;
+  };
+  const State& state() const { return state_; }
+
+ private:
   const Entry* find(std::uint32_t line) const {
     const auto* set = &entries_[std::size_t{line & set_mask_} * ways_];
     for (std::uint32_t way = 0; way < ways_; ++way) {
@@ -103,10 +115,10 @@ class InstructionCache {
   };
 
   std::uint32_t next_way() {
-    const auto taps = static_cast<std::uint8_t>(shift_register_ & kTaps);
+    const auto taps = static_cast<std::uint8_t>(state_.shift_register & kTaps);
     const auto even = static_cast<std::uint8_t>(~std::popcount(taps) & 1);
-    shift_register_ = static_cast<std::uint8_t>(shift_register_ << 1 | even);
-    return (shift_register_ >> 1) & (ways_ - 1);
+    state_.shift_register = static_cast<std::uint8_t>(state_.shift_register << 1 | even);
+    return (state_.shift_register >> 1) & (ways_ - 1);
   }
   /// Where presence of a line is noted; a byte that means nothing for a line outside the memory.
   std::uint8_t* byte_of(std::uint32_t line) {
@@ -121,7 +133,8 @@ class InstructionCache {
   std::uint32_t ways_;
   std::uint32_t set_mask_;
   std::uint32_t refill_cycles_;
-  std::vector<Entry> entries_;  // by set, then way
+  std::vector<Entry> entries_;
+  State state_;
   // Not part of a state, since it follows from the entries: presence of the lines of each memory, the byte of each
   // entry, and the memory in which a line was looked for last.
   std::vector<Presence> presence_;
@@ -130,9 +143,6 @@ class InstructionCache {
   std::uint32_t covered_first_ = 0;
   std::uint32_t covered_count_ = 0;
   std::uint8_t nowhere_ = 0;
-  std::uint8_t shift_register_ = 0;
-  std::uint64_t settled_ = 0;
-  std::uint64_t refills_ = 0;
 };
 
 }  // namespace mebots::soc

@@ -7,6 +7,7 @@
 #include "tool/standalone_board.hpp"
 
 #include "mebots/error.hpp"
+#include "mebots/soc/own_device.hpp"
 #include "soc.hpp"
 
 #include <fmt/core.h>
@@ -129,6 +130,7 @@ int run(const Options& options) {
   Settings settings;
   settings.mission = {0.2777778, 1.0, 0.1, 0.5, 0.1, 0};
   settings.translate = !options.interpret;
+  settings.make_device = make_own_device;
   Listeners listeners;
   listeners.console = [](std::string_view line) { fmt::print("{}\n", line); };
   Soc soc(board, chip, settings, program, listeners);

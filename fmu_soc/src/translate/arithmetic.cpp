@@ -223,8 +223,8 @@ void Emitter::emit_divide(const Instruction* at, bool is_signed, bool remainder)
   } else {
     lzcnt(edx, ecx);
   }
-  if (manner_.banks != nullptr) {
-    shl(edx, std::countr_zero(manner_.banks->count()));
+  if (options_.banks != nullptr) {
+    shl(edx, std::countr_zero(options_.banks->count()));
     add(r15, rdx);
   } else {
     sub(r15, rdx);

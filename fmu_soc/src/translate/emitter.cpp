@@ -17,12 +17,12 @@ static_assert(std::is_standard_layout_v<Execution>);
 }  // namespace
 
 Emitter::Emitter(const CodeMemory& code_memory, std::size_t used, const BlockCache& cache, const Execution& execution,
-                 const Manner& manner, ExitTable& exits)
+                 const Options& options, ExitTable& exits)
     : CodeGenerator(code_memory.size() - used, code_memory.writable() + used),
       ram_{execution.ram[0], execution.ram[1]},
       code_memory_(code_memory),
       cache_(cache),
-      manner_(manner),
+      options_(options),
       exits_(exits) {
   for (unsigned reg = 0; reg < execution.x.size(); ++reg) memory_operands_.push_back(memory(reg));
 }

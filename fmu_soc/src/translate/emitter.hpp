@@ -43,7 +43,8 @@ class Emitter : private Xbyak::CodeGenerator {
     const std::uint8_t* enter = nullptr;  // to be executed
     const std::uint8_t* leave = nullptr;  // as written; eax = number of the exit
     const std::uint8_t* park = nullptr;   // likewise, for a block that may not begin; rdx = where it does
-    /// As written, to be called: brings line eax of the code, edx cycles after the start of the block.
+    /// As written, to be called: brings line eax of the code, whose presence is noted in byte [rcx], edx cycles after
+    /// the start of the block. Null without an instruction cache, and where others use it.
     const std::uint8_t* fetch = nullptr;
   };
   /// In place of the number of an exit: not in translated code.
@@ -51,7 +52,7 @@ class Emitter : private Xbyak::CodeGenerator {
 
   /// Writes behind the first `used` bytes.
   Emitter(const CodeMemory& code_memory, std::size_t used, const BlockCache& cache, const Execution& execution,
-          const Manner& manner, ExitTable& exits);
+          const Options& options, ExitTable& exits);
 
   /// The gates, at the start of the code memory.
   Gates emit_gates();
@@ -111,6 +112,7 @@ class Emitter : private Xbyak::CodeGenerator {
   // simd.cpp
   bool emit_simd(const Instruction* at);
   void load_second(const Instruction* at);
+  bool emit_simd_logic(const Instruction* at);
   void emit_simd_compare(const Instruction* at);
   bool emit_simd_shift(const Instruction* at);
   void emit_dot(const Instruction* at);
@@ -119,7 +121,7 @@ class Emitter : private Xbyak::CodeGenerator {
   // loops.cpp
   bool emit_loop_setup(const Instruction* at);
   void emit_end(const Instruction* at);
-  void emit_turn(const Instruction* at, unsigned loop);
+  void emit_iteration(const Instruction* at, unsigned loop);
   const Node* straight_successor(const Instruction* end, std::uint32_t link) const;
   void emit_straight_edge(const Instruction* at, std::uint32_t link, std::uint32_t pc);
   void emit_straight_to(const Instruction* at, const Node& node);
@@ -151,13 +153,13 @@ class Emitter : private Xbyak::CodeGenerator {
   void check_limit(const Node& node, std::uint32_t stall, const Exit& at_limit, const Pipeline& pipeline);
   void check_limit(const Node& node);
   void jump_at_limit(const Block& block, std::uint32_t stall, Label& leave);
-  bool fetches_inline() const { return !manner_.loose_limit; }
+  bool fetches_inline() const { return !options_.loose_limit; }
   void jump_when_absent(std::uint32_t address, Label& absent);
   void emit_fetch(const Instruction* at, const Instruction* before);
   const Node* node_at(std::uint32_t link, std::uint32_t pc) const;
   void emit_leave(const Exit& exit);
   void emit_park(const Node& node, const Exit& exit, const Pipeline& pipeline);
-  void emit_way(Exit exit);
+  void emit_chained_exit(Exit exit);
   void emit_resume(const Instruction* at);
   std::uint32_t waits_before(const Instruction* at) const { return ram_[0].wait_cycles * at->accesses_before; }
   std::uint32_t add_exit(const Exit& exit);
@@ -169,7 +171,7 @@ class Emitter : private Xbyak::CodeGenerator {
   const FastRegion ram_[2];
   const CodeMemory& code_memory_;
   const BlockCache& cache_;
-  const Manner manner_;
+  const Options options_;
   ExitTable& exits_;
   const Region* region_ = nullptr;
   const Registers* registers_ = nullptr;

@@ -18,9 +18,9 @@ namespace mebots::soc::translate {
 struct Segments {
   static constexpr std::uint32_t kCount = 8;
   static constexpr std::size_t kGateBytes = 4096;
-  static constexpr std::uint32_t kPatchPoints = 1U << 15;
+  static constexpr std::uint32_t kPatchPoints = 3U << 15;
   static constexpr std::size_t kPatchPointBytes = kPatchPoints * sizeof(const std::uint8_t*);
-  static constexpr std::size_t kBytes = kPatchPointBytes + (std::size_t{2} << 20);
+  static constexpr std::size_t kBytes = kPatchPointBytes + (std::size_t{6} << 20);
 
   static constexpr std::size_t begin_of(std::uint32_t segment) { return kGateBytes + segment * kBytes; }
   static constexpr std::size_t all_bytes() { return begin_of(kCount); }
@@ -36,7 +36,7 @@ class ExitTable {
   void begin_segment(std::uint32_t segment) {
     segment_ = segment;
     exits_[segment].clear();
-    closed_[segment].clear();
+    unpatched_[segment].clear();
   }
 
   bool was_used(std::uint32_t segment) const { return !exits_[segment].empty(); }
@@ -51,32 +51,35 @@ class ExitTable {
   const Exit& exit_in_work(std::size_t index) const { return exits_[segment_][index]; }
 
   /// A new patch point, which stands at writable address `place` and does not lead anywhere yet.
-  std::uint32_t add_way() {
-    closed_[segment_].push_back(nullptr);
-    return number_of(closed_[segment_].size());  // not 0
+  std::uint32_t add_patch_point() {
+    unpatched_[segment_].push_back(nullptr);
+    return number_of(unpatched_[segment_].size());  // not 0
   }
   /// Where it stands, as written.
-  std::uint8_t* place_of(std::uint32_t way) const {
-    return memory_.writable() + Segments::begin_of(way >> kIndexBits) +
-           ((way & kIndexMask) - 1) * sizeof(const std::uint8_t*);
+  std::uint8_t* place_of(std::uint32_t patch_point) const {
+    return memory_.writable() + Segments::begin_of(patch_point >> kIndexBits) +
+           ((patch_point & kIndexMask) - 1) * sizeof(const std::uint8_t*);
   }
-  std::size_t free_ways() const { return Segments::kPatchPoints - closed_[segment_].size(); }
+  std::size_t free_patch_points() const { return Segments::kPatchPoints - unpatched_[segment_].size(); }
   /// Where it leads.
-  const std::uint8_t* way(std::uint32_t way) const {
+  const std::uint8_t* target_of(std::uint32_t patch_point) const {
     const std::uint8_t* target = nullptr;
-    std::memcpy(&target, place_of(way), sizeof target);
+    std::memcpy(&target, place_of(patch_point), sizeof target);
     return target;
   }
-  void set_way(std::uint32_t way, const std::uint8_t* target) { std::memcpy(place_of(way), &target, sizeof target); }
+  void patch(std::uint32_t patch_point, const std::uint8_t* target) {
+    std::memcpy(place_of(patch_point), &target, sizeof target);
+  }
   /// Where it leads while nothing better is known: out of translated code.
-  void set_closed(std::uint32_t way, const std::uint8_t* target) {
-    closed_[way >> kIndexBits][(way & kIndexMask) - 1] = target;
-    set_way(way, target);
+  void set_unpatched(std::uint32_t patch_point, const std::uint8_t* target) {
+    unpatched_[patch_point >> kIndexBits][(patch_point & kIndexMask) - 1] = target;
+    patch(patch_point, target);
   }
   /// One whose segment has been emptied meanwhile stays as it is.
-  void close_way(std::uint32_t way) {
-    const auto& closed = closed_[way >> kIndexBits];
-    if ((way & kIndexMask) <= closed.size()) set_way(way, closed[(way & kIndexMask) - 1]);
+  void unpatch(std::uint32_t patch_point) {
+    const auto& targets_out = unpatched_[patch_point >> kIndexBits];
+    const auto index = patch_point & kIndexMask;
+    if (index <= targets_out.size()) patch(patch_point, targets_out[index - 1]);
   }
 
   TargetTable targets;
@@ -92,7 +95,7 @@ class ExitTable {
   const CodeMemory& memory_;
   std::uint32_t segment_ = 0;
   std::array<std::vector<Exit>, Segments::kCount> exits_;
-  std::array<std::vector<const std::uint8_t*>, Segments::kCount> closed_;  // of each patch point
+  std::array<std::vector<const std::uint8_t*>, Segments::kCount> unpatched_;  // of each patch point
 };
 
 }  // namespace mebots::soc::translate

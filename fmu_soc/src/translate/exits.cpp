@@ -17,8 +17,8 @@ void Emitter::count(const Instruction* at, std::uint32_t extra_cycles) {
 }
 
 void Emitter::spend(std::uint32_t cycles) {
-  if (manner_.banks != nullptr) {
-    add(r15, cycles * manner_.banks->count());
+  if (options_.banks != nullptr) {
+    add(r15, cycles * options_.banks->count());
   } else {
     sub(r15, cycles);
   }
@@ -47,10 +47,10 @@ void Emitter::emit_resume(const Instruction* at) {
 /// Jumps when fewer cycles may still start than the block asks for, of which the first stall. With a loose limit a
 /// block asks for one cycle, and for the lines of its first instruction: others use the cache, too.
 void Emitter::jump_at_limit(const Block& block, std::uint32_t stall, Label& leave) {
-  if (!manner_.loose_limit) {
+  if (!options_.loose_limit) {
     cmp(r15, block.fetch_bound + stall);
     jle(leave, T_NEAR);
-  } else if (manner_.banks != nullptr) {
+  } else if (options_.banks != nullptr) {
     cmp(r15, ptr[rbx + static_cast<int>(offsetof(Execution, host.end))]);
     jae(leave, T_NEAR);
   } else {
@@ -89,7 +89,13 @@ void Emitter::emit_fetch(const Instruction* at, const Instruction* before) {
     later([this, at, line, absent, present]() mutable {
       L(absent);
       if (fetches_inline()) {
+        const auto* byte_of_line = cache_.fetched()->presence(std::max(at->pc, cache_.fetched()->address_of(line)));
         mov(eax, line);
+        if (near(byte_of_line, 1)) {
+          lea(rcx, ptr[r14 + from_first_memory(byte_of_line)]);
+        } else {
+          mov(rcx, reinterpret_cast<std::uint64_t>(byte_of_line));
+        }
         mov(edx, at->cycles_before + waits_before(at));
         call(gates_.fetch);
         jmp(present, T_NEAR);
@@ -126,7 +132,7 @@ void Emitter::check_limit(const Node& node, std::uint32_t stall, const Exit& at_
   });
 }
 
-/// Leaves in front of a block so that the next run can begin with it without a look.
+/// Leaves in front of a block so that the next run can begin with it by its resume point.
 void Emitter::emit_park(const Node& node, const Exit& exit, const Pipeline& pipeline) {
   static_assert(sizeof(Pipeline) == sizeof(std::uint64_t));
   mov(dword[rbx + static_cast<int>(offsetof(Execution, pc))], node.block->pc);
@@ -161,17 +167,17 @@ void Emitter::emit_edge(const Instruction* at, std::uint32_t pc, bool jumped) {
   exit.pc = pc;
   exit.at = at;
   exit.jumped = jumped;
-  emit_way(exit);
+  emit_chained_exit(exit);
 }
 
-/// Leaves by an exit that may be led on.
-void Emitter::emit_way(Exit exit) {
+/// Leaves by a patch point.
+void Emitter::emit_chained_exit(Exit exit) {
   store_registers();
-  // To the next instruction until it is led elsewhere. The way stands in data: code is never changed.
-  exit.way = exits_.add_way();
+  // To the next instruction until it is patched. The target stands in data: code is never changed.
+  exit.patch_point = exits_.add_patch_point();
   constexpr auto kJumpBytes = 6;
-  jmp(ptr[rip + static_cast<int>(exits_.place_of(exit.way) - (getCurr() + kJumpBytes))]);
-  exits_.set_closed(exit.way, code_memory_.executable(getCurr()));
+  jmp(ptr[rip + static_cast<int>(exits_.place_of(exit.patch_point) - (getCurr() + kJumpBytes))]);
+  exits_.set_unpatched(exit.patch_point, code_memory_.executable(getCurr()));
   mov(eax, add_exit(exit));
   jmp(gates_.leave, T_NEAR);
 }

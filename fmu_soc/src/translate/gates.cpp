@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Pieces of code that all regions share: into translated code, out of it, from one core's turn to the next one's.
+// Pieces of code that all regions share: into translated code, out of it, from one core to the next one of the round.
+#include "mebots/assert.hpp"
 #include "translate/emitter.hpp"
 
 #include <array>
@@ -24,10 +25,10 @@ constexpr int offset_of_counter(std::size_t member) {
 Emitter::Gates Emitter::emit_gates() {
   const auto begin = ptr[rbx + offset_of_host(offsetof(HostState, begin))];
   const auto end = ptr[rbx + offset_of_host(offsetof(HostState, end))];
-  const auto again = qword[rbx + offset_of_host(offsetof(HostState, again))];
+  const auto resume_point = qword[rbx + offset_of_host(offsetof(HostState, resume_point))];
   const auto next = ptr[rbx + offset_of_host(offsetof(HostState, next))];
   Gates gates;
-  Label turn;
+  Label next_core;
   Label parks;
   Label done;
 
@@ -38,14 +39,14 @@ Emitter::Gates Emitter::emit_gates() {
   mov(rbx, rdi);
   mov(rdx, rsi);
   mov(r14, ptr[rbx + static_cast<int>(offsetof(Execution, ram[0].data))]);
-  L(turn);
+  L(next_core);
   mov(r15, begin);
   pxor(xmm15, xmm15);
   mov(qword[rbx + offset_of_host(offsetof(HostState, slow_load))], 0);
   jmp(rdx);
 
   gates.park = getCurr();
-  if (manner_.banks != nullptr) {
+  if (options_.banks != nullptr) {
     cmp(r15, end);
     jae(parks);
   } else {
@@ -53,7 +54,7 @@ Emitter::Gates Emitter::emit_gates() {
     jle(parks);
   }
   gates.leave = getCurr();
-  mov(again, 0);
+  mov(resume_point, 0);
   emit_account();
   mov(rdx, rbx);
   L(done);
@@ -61,7 +62,7 @@ Emitter::Gates Emitter::emit_gates() {
   ret();
 
   L(parks);
-  mov(again, rdx);
+  mov(resume_point, rdx);
   emit_account();
   mov(begin, r15);
   mov(rcx, end);
@@ -70,35 +71,71 @@ Emitter::Gates Emitter::emit_gates() {
   test(rbx, rbx);
   jz(done);
   mov(end, rcx);
-  mov(rdx, again);
+  mov(rdx, resume_point);
   test(rdx, rdx);
-  jnz(turn);
+  jnz(next_core);
   mov(eax, static_cast<std::uint32_t>(kNoExit));
   mov(rdx, rbx);
   jmp(done);
 
-  gates.fetch = getCurr();
-  emit_fetch_gate();
+  if (cache_.fetched() != nullptr && fetches_inline()) {
+    gates.fetch = getCurr();
+    emit_fetch_gate();
+  }
   align(kGateAlignment);
   return gates;
 }
 
-/// Calls Manner::fetch_line and spends what it answers. Keeps all registers of the guest.
+/// InstructionCache::refill in the cycle in which an instruction is reached; spends what it waits. eax, rcx and rdx are
+/// lost.
 void Emitter::emit_fetch_gate() {
-  const std::array saved{rsi, rdi, r8, r9, r10, r11};
+  using Cache = InstructionCache;
+  static_assert(std::is_standard_layout_v<Cache::State> && std::is_standard_layout_v<Cache::Entry>);
+  static_assert(sizeof(Cache::Entry) == 16);
+  const auto& cache = *cache_.fetched();
+  MEBOTS_ASSERT(cache.ways() <= 128, "the shift register has eight bits");
+  const auto state = [this](std::size_t offset) { return rsi + static_cast<int>(offset); };
+  const std::array saved{rsi, rdi, r8};
+  Label is_last;
   for (const auto& reg : saved) push(reg);
-  // Translated code runs 8 bytes off an alignment to 16: its call and six registers leave the stack aligned.
-  sub(rsp, 16);
-  movdqu(ptr[rsp], xmm15);
-  mov(rdi, rbx);
-  mov(esi, eax);
+  mov(rsi, reinterpret_cast<std::uint64_t>(&cache.state()));
+  // rdx = when the line has arrived.
   add(rdx, ptr[rbx + offset_of_host(offsetof(HostState, begin))]);
   sub(rdx, r15);
-  mov(rax, reinterpret_cast<std::uint64_t>(manner_.fetch_line));
-  call(rax);
-  movdqu(xmm15, ptr[rsp]);
-  add(rsp, 16);
-  sub(r15, rax);
+  add(rdx, ptr[rbx + offset_of_counter(offsetof(Counters, cycles))]);
+  add(rdx, ptr[rbx + offset_of_host(offsetof(HostState, tick_offset))]);
+  add(rdx, cache.refill_cycles());
+  // r8 = the entry that it takes: the shift register moves on, and says which of its set.
+  movzx(edi, byte[state(offsetof(Cache::State, shift_register))]);
+  test(edi, Cache::kTaps);
+  setp(r8b);
+  movzx(r8d, r8b);
+  lea(edi, ptr[r8 + rdi * 2]);
+  mov(byte[state(offsetof(Cache::State, shift_register))], dil);
+  shr(edi, 1);
+  and_(edi, cache.ways() - 1);
+  mov(r8d, eax);
+  and_(r8d, cache.set_mask());
+  shl(r8d, std::countr_zero(cache.ways()));
+  add(r8d, edi);
+  mov(rdi, ptr[state(offsetof(Cache::State, present))]);
+  lea(rdi, ptr[rdi + r8 * 8]);
+  shl(r8, std::countr_zero(sizeof(Cache::Entry)));
+  add(r8, ptr[state(offsetof(Cache::State, entries))]);
+  mov(dword[r8 + static_cast<int>(offsetof(Cache::Entry, line))], eax);
+  mov(qword[r8 + static_cast<int>(offsetof(Cache::Entry, ready))], rdx);
+  // What was there has left.
+  mov(rax, ptr[rdi]);
+  mov(byte[rax], 0);
+  mov(ptr[rdi], rcx);
+  mov(byte[rcx], 1);
+  cmp(rdx, ptr[state(offsetof(Cache::State, settled))]);
+  jbe(is_last);
+  mov(ptr[state(offsetof(Cache::State, settled))], rdx);
+  L(is_last);
+  inc(qword[state(offsetof(Cache::State, refills))]);
+  add(qword[rbx + offset_of_counter(offsetof(Counters, fetch_cycles))], cache.refill_cycles());
+  sub(r15, cache.refill_cycles());
   for (auto reg = saved.rbegin(); reg != saved.rend(); ++reg) pop(*reg);
   ret();
 }
@@ -107,9 +144,9 @@ void Emitter::emit_fetch_gate() {
 void Emitter::emit_account() {
   mov(rdx, ptr[rbx + offset_of_host(offsetof(HostState, begin))]);
   sub(rdx, r15);
-  if (manner_.banks != nullptr) {
+  if (options_.banks != nullptr) {
     neg(rdx);
-    shr(rdx, std::countr_zero(manner_.banks->count()));
+    shr(rdx, std::countr_zero(options_.banks->count()));
   }
   add(ptr[rbx + offset_of_counter(offsetof(Counters, cycles))], rdx);
   movq(rdx, xmm15);

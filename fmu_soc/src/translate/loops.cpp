@@ -50,7 +50,7 @@ bool Emitter::emit_loop_setup(const Instruction* at) {
   }
 }
 
-/// The end of a block: a turn of the inner loop (0) or the outer one, or straight on.
+/// The end of a block: another iteration of the inner loop (0) or the outer one, or straight on.
 void Emitter::emit_end(const Instruction* at) {
   if (at->op == Op::loop_end) {
     for (unsigned loop = 0; loop < 2; ++loop) {
@@ -61,7 +61,7 @@ void Emitter::emit_end(const Instruction* at) {
       cmp(count, 1);
       jbe(other, T_NEAR);
       dec(count);
-      emit_turn(at, loop);
+      emit_iteration(at, loop);
       L(other);
     }
   }
@@ -69,7 +69,7 @@ void Emitter::emit_end(const Instruction* at) {
 }
 
 /// To the start of a loop, which is where it was last time or not.
-void Emitter::emit_turn(const Instruction* at, unsigned loop) {
+void Emitter::emit_iteration(const Instruction* at, unsigned loop) {
   const auto start = dword[rbx + offset_of_loop(loop) + static_cast<int>(offsetof(HardwareLoop, start))];
   if (const auto* node = straight_successor(at, at[1].link); node != nullptr) {
     Label elsewhere;
@@ -112,7 +112,7 @@ void Emitter::emit_straight_edge(const Instruction* at, std::uint32_t link, std:
     return;
   }
   set_where_from(at);
-  emit_way(exit);
+  emit_chained_exit(exit);
 }
 
 /// Notes that the next block is reached straight from this end of another one.

@@ -4,31 +4,12 @@
 // must hear of it goes to the interpreter.
 #include "translate/emitter.hpp"
 
-#include <array>
 #include <bit>
 #include <limits>
 
 namespace mebots::soc::translate {
 
 namespace {
-
-/// What a load or store does with its address register.
-enum class Mode : std::uint8_t { offset, offset_register, post_immediate, post_register };
-
-/// The loads are five sizes in each mode, the stores three.
-struct Kind {
-  explicit Kind(Op op) {
-    static constexpr std::array<std::uint8_t, 5> kSizes{1, 2, 4, 1, 2};  // the last two unsigned
-    const auto number = static_cast<unsigned>(op) - static_cast<unsigned>(is_store(op) ? Op::sb : Op::lb);
-    const auto kinds = is_store(op) ? 3U : 5U;
-    mode = static_cast<Mode>(number / kinds);
-    size = kSizes[number % kinds];
-    sign = number % kinds < 2;
-  }
-  Mode mode;
-  unsigned size;
-  bool sign;
-};
 
 /// The register with the offset or the increment.
 unsigned step_register(const Instruction* at) {
@@ -41,12 +22,11 @@ unsigned step_register(const Instruction* at) {
 bool Emitter::emit_memory(const Instruction* at) {
   if (ram_[0].span == 0 || at->op == Op::p_elw) return false;
   if (is_load(at->op)) {
-    const Kind kind(at->op);
-    emit_load(at, kind.size, kind.sign);
+    emit_load(at, traits_of(at->op).size, traits_of(at->op).sign);
     return true;
   }
   if (is_store(at->op)) {
-    emit_store(at, Kind(at->op).size);
+    emit_store(at, traits_of(at->op).size);
     return true;
   }
   return false;
@@ -55,8 +35,8 @@ bool Emitter::emit_memory(const Instruction* at) {
 /// eax = where the address lies in the first memory; goes to `other` when it does not, or is misaligned.
 /// Behind the label that comes back it does.
 Xbyak::Label Emitter::emit_address(const Instruction* at, unsigned size, Label& other) {
-  const auto mode = Kind(at->op).mode;
-  const auto imm = mode == Mode::offset ? static_cast<std::uint32_t>(at->imm) : 0U;
+  const auto mode = traits_of(at->op).mode;
+  const auto imm = mode == AddressMode::offset ? static_cast<std::uint32_t>(at->imm) : 0U;
   const auto distance = imm - ram_[0].base;
   if (at->rs1 == 0) {
     mov(eax, distance);
@@ -64,7 +44,7 @@ Xbyak::Label Emitter::emit_address(const Instruction* at, unsigned size, Label& 
     const auto base = value(at->rs1, eax);
     lea(eax, ptr[base.cvt64() + static_cast<std::int32_t>(distance)]);
   }
-  if (const auto step = step_register(at); mode == Mode::offset_register && step != 0) add(eax, operand(step));
+  if (const auto step = step_register(at); mode == AddressMode::offset_register && step != 0) add(eax, operand(step));
   Label inside;
   check_address(eax, ecx, ram_[0], size, other);
   L(inside);
@@ -103,7 +83,7 @@ void Emitter::emit_across_words(const Instruction* at, unsigned size, Label& mar
   }
   emit_claim(at, false);
   spend(kMisalignedExtra + ram_[0].wait_cycles);
-  if (manner_.banks != nullptr) {
+  if (options_.banks != nullptr) {
     add(eax, 4);
     emit_claim(at, false);
     sub(eax, 4);
@@ -133,11 +113,11 @@ Xbyak::Address Emitter::marks_of_word(unsigned words) {
 
 /// Adds to the address register of a post-increment.
 void Emitter::emit_increment(const Instruction* at) {
-  const auto mode = Kind(at->op).mode;
+  const auto mode = traits_of(at->op).mode;
   if (at->rs1 == 0 || (is_load(at->op) && at->rd == at->rs1)) return;  // what is loaded wins
-  if (mode == Mode::post_immediate) {
+  if (mode == AddressMode::post_immediate) {
     add(operand(at->rs1), static_cast<std::uint32_t>(at->imm));
-  } else if (mode == Mode::post_register && step_register(at) != 0) {
+  } else if (mode == AddressMode::post_register && step_register(at) != 0) {
     add(operand(at->rs1), value(step_register(at), ecx));
   }
 }
@@ -260,30 +240,30 @@ void Emitter::emit_store(const Instruction* at, unsigned size) {
 /// Takes a cycle of a bank of the first memory for the access at offset eax, when others use it too. ecx, which may
 /// hold the number of the word already, and edx are lost.
 void Emitter::emit_claim(const Instruction* at, bool word_in_ecx) {
-  if (manner_.banks == nullptr) return;
+  if (options_.banks == nullptr) return;
   const auto host = [](std::size_t offset) { return static_cast<int>(offsetof(Execution, host) + offset); };
-  const auto count = static_cast<int>(manner_.banks->count());
+  const auto count = static_cast<int>(options_.banks->count());
   const auto distance = at->cycles_before * count;
-  Label look;
+  Label retry;
   Label taken;
   Label done;
   if (!word_in_ecx) rorx(ecx, eax, 2);
   and_(ecx, count - 1);
-  L(look);
+  L(retry);
   cmp(byte[r15 + rcx + distance], 0);
   jne(taken, T_NEAR);
   mov(byte[r15 + rcx + distance], 1);
   L(done);
-  later([this, look, taken, done, host, count, distance]() mutable {
+  later([this, retry, taken, done, host, count, distance]() mutable {
     L(taken);
     cmp(byte[rbx + host(offsetof(HostState, alone))], 0);
     jne(done, T_NEAR);
     add(r15, count);
-    mov(rdx, reinterpret_cast<std::uint64_t>(manner_.banks->horizon()));
+    mov(rdx, reinterpret_cast<std::uint64_t>(options_.banks->horizon()));
     mov(rdx, ptr[rdx]);
     sub(rdx, distance);
     cmp(r15, rdx);
-    jb(look, T_NEAR);
+    jb(retry, T_NEAR);
     jmp(done, T_NEAR);
   });
 }

@@ -10,7 +10,7 @@ bool can_translate() {
 }
 
 std::unique_ptr<Translator> make_translator(const BlockCache& /*cache*/, const Execution& /*execution*/,
-                                            const Manner& /*manner*/) {
+                                            const Options& /*options*/) {
   return nullptr;
 }
 

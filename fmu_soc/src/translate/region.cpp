@@ -18,7 +18,7 @@ void for_successors(const Node& node, Visit visit) {
   for (; !is_block_end(at->op); ++at) {
     if ((is_branch(at->op) || is_jump(at->op)) && at->link != 0) visit(at->link);
   }
-  if (at->op == Op::loop_end && at[1].link != 0) visit(at[1].link);  // another turn
+  if (at->op == Op::loop_end && at[1].link != 0) visit(at[1].link);  // another iteration
   if (at->link != 0) visit(at->link);
 }
 

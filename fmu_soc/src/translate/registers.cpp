@@ -5,15 +5,6 @@
 #include <numeric>
 
 namespace mebots::soc::translate {
-namespace {
-
-/// Of a store: post-increment by an immediate.
-bool is_immediate_step(Op op) {
-  return op >= Op::p_sb_post && op <= Op::p_sw_post;
-}
-
-}  // namespace
-
 Registers allocate(const Region& region) {
   Registers registers;
   registers.host.fill(Registers::kInMemory);
@@ -23,7 +14,7 @@ Registers allocate(const Region& region) {
       uses[at->rd] += node.weight;
       uses[at->rs1] += node.weight;
       if (!is_hardware_loop(at->op)) uses[at->rs2] += node.weight;
-      if (is_store(at->op) && at->op > Op::sw && !is_immediate_step(at->op)) {
+      if (is_store(at->op) && has_step_register(traits_of(at->op).mode)) {
         uses[static_cast<std::size_t>(at->imm)] += node.weight;  // offset or increment
       }
       registers.written[at->rd] = true;

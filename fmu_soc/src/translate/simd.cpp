@@ -10,10 +10,8 @@
 namespace mebots::soc::translate {
 namespace {
 
-/// The operations on halves and on bytes take turns, but for the packs.
 bool on_bytes(Op op) {
-  const auto first = op < Op::pv_cmpeq_h ? Op::pv_add_h : Op::pv_cmpeq_h;
-  return ((static_cast<unsigned>(op) - static_cast<unsigned>(first)) & 1U) != 0;
+  return traits_of(op).parts == 4;
 }
 /// How the host does a dot product of unsigned by signed bytes in one instruction, if it can.
 std::optional<Xbyak::PreferredEncoding> host_dot_product() {
@@ -49,18 +47,20 @@ void Emitter::load_second(const Instruction* at) {
 
 /// False: one of the rare ones that the interpreter does.
 bool Emitter::emit_simd(const Instruction* at) {
-  if (is_dot_product(at->op)) {
-    emit_dot(at);
-    return true;
-  }
-  if (at->op >= Op::pv_cmpeq_h && at->op <= Op::pv_cmpleu_b) {
-    emit_simd_compare(at);
-    return true;
-  }
-  if (at->op >= Op::pv_srl_h && at->op <= Op::pv_sll_b) return emit_simd_shift(at);
-  if (at->op >= Op::pv_extract_h && at->op <= Op::pv_packlo_b) {
-    emit_parts(at);
-    return true;
+  switch (traits_of(at->op).kind) {
+    case OpKind::dot_product:
+      emit_dot(at);
+      return true;
+    case OpKind::simd_compare:
+      emit_simd_compare(at);
+      return true;
+    case OpKind::simd_shift:
+      return emit_simd_shift(at);
+    case OpKind::simd_parts:
+      emit_parts(at);
+      return true;
+    default:
+      break;
   }
   copy(eax, at->rs1);
   if (at->op == Op::pv_abs_h || at->op == Op::pv_abs_b) {
@@ -71,17 +71,7 @@ bool Emitter::emit_simd(const Instruction* at) {
     return true;
   }
   load_second(at);
-  if (at->op >= Op::pv_or_h && at->op <= Op::pv_and_b) {
-    if (at->op <= Op::pv_or_b) {
-      or_(eax, ecx);
-    } else if (at->op <= Op::pv_xor_b) {
-      xor_(eax, ecx);
-    } else {
-      and_(eax, ecx);
-    }
-    finish(at->rd, eax);
-    return true;
-  }
+  if (emit_simd_logic(at)) return true;
   movd(xmm0, eax);
   movd(xmm1, ecx);
   switch (at->op) {
@@ -147,23 +137,44 @@ bool Emitter::emit_simd(const Instruction* at) {
   return true;
 }
 
+/// Of all bits alike. False: another operation.
+bool Emitter::emit_simd_logic(const Instruction* at) {
+  switch (at->op) {
+    case Op::pv_or_h:
+    case Op::pv_or_b:
+      or_(eax, ecx);
+      break;
+    case Op::pv_xor_h:
+    case Op::pv_xor_b:
+      xor_(eax, ecx);
+      break;
+    case Op::pv_and_h:
+    case Op::pv_and_b:
+      and_(eax, ecx);
+      break;
+    default:
+      return false;
+  }
+  finish(at->rd, eax);
+  return true;
+}
+
 /// a == b, !=; a > b, >=, <, <= signed; the same unsigned: with turned signs.
 void Emitter::emit_simd_compare(const Instruction* at) {
   const bool bytes = on_bytes(at->op);
   copy(eax, at->rs1);
   load_second(at);
-  if (at->op >= Op::pv_cmpgtu_h) {
+  const auto relation = traits_of(at->op).relation;
+  if (!traits_of(at->op).sign) {
     const auto sign = bytes ? kSignOfBytes : kSignOfHalves;
     xor_(eax, sign);
     xor_(ecx, sign);
   }
   movd(xmm0, eax);
   movd(xmm1, ecx);
-  const auto first = at->op >= Op::pv_cmpgtu_h ? Op::pv_cmpgtu_h : Op::pv_cmpgt_h;
-  const auto kind = (static_cast<int>(at->op) - static_cast<int>(first)) / 2;  // gt, ge, lt, le
-  const bool equal = at->op <= Op::pv_cmpne_b;
-  const bool swapped = !equal && (kind == 1 || kind == 2);
-  const bool inverted = equal ? at->op >= Op::pv_cmpne_h : (kind == 1 || kind == 3);
+  const bool equal = relation == Relation::eq || relation == Relation::ne;
+  const bool swapped = relation == Relation::ge || relation == Relation::lt;
+  const bool inverted = relation == Relation::ne || relation == Relation::ge || relation == Relation::le;
   const auto& left = swapped ? xmm1 : xmm0;
   const auto& right = swapped ? xmm0 : xmm1;
   if (equal) {
@@ -222,10 +233,9 @@ bool Emitter::emit_simd_shift(const Instruction* at) {
 /// Products of halves by pmaddwd where both are signed, else one by one. Bytes are widened to halves first, since
 /// pmaddubsw would saturate, but for unsigned by signed ones, for which newer hosts have an instruction.
 void Emitter::emit_dot(const Instruction* at) {
-  const auto kind = (static_cast<unsigned>(at->op) - static_cast<unsigned>(Op::pv_dotup_h)) / 2;
-  const bool accumulates = kind >= 3;
-  const bool left_signed = kind % 3 == 2;  // up, usp, sp
-  const bool right_signed = kind % 3 != 0;
+  const bool accumulates = reads_rd(at->op);
+  const bool left_signed = traits_of(at->op).sign;
+  const bool right_signed = traits_of(at->op).second_sign;
   if (on_bytes(at->op)) {
     const auto into = [this](const Xbyak::Xmm& to, unsigned reg) {
       if (reg == 0) {
@@ -300,7 +310,7 @@ void Emitter::emit_parts(const Instruction* at) {
     case Op::pv_extract_b:
     case Op::pv_extractu_h:
     case Op::pv_extractu_b: {
-      const bool sign = at->op <= Op::pv_extract_b;
+      const bool sign = traits_of(at->op).sign;
       shr(eax, place);
       if (bytes) {
         sign ? movsx(eax, al) : movzx(eax, al);
@@ -321,7 +331,7 @@ void Emitter::emit_parts(const Instruction* at) {
     case Op::pv_shuffle_b:
     case Op::pv_shuffle2_h:
     case Op::pv_shuffle2_b: {
-      const bool two = at->op >= Op::pv_shuffle2_h;
+      const bool two = reads_rd(at->op);
       if (operand_of(*at) == Operand::immediate) {
         mov(ecx, static_cast<std::uint32_t>(at->imm));
       } else {

@@ -19,13 +19,13 @@ constexpr std::size_t kMostRegionPatchPoints = 4096;
 
 class HostTranslator : public Translator {
  public:
-  HostTranslator(const BlockCache& cache, const Execution& execution, const Manner& manner,
+  HostTranslator(const BlockCache& cache, const Execution& execution, const Options& options,
                  std::unique_ptr<CodeMemory> memory)
-      : cache_(cache), manner_(manner), memory_(std::move(memory)), exits_(*memory_) {
+      : cache_(cache), options_(options), memory_(std::move(memory)), exits_(*memory_) {
     memories_.ram[0] = execution.ram[0];
     memories_.ram[1] = execution.ram[1];
     entries_.reserve(BlockCache::kMaxBlocks);
-    Emitter emitter(*memory_, 0, cache_, memories_, manner_, exits_);
+    Emitter emitter(*memory_, 0, cache_, memories_, options_, exits_);
     gates_ = emitter.emit_gates();
     begin_segment(0);
   }
@@ -41,7 +41,7 @@ class HostTranslator : public Translator {
     made.segment = segment_;
     const auto first_exit = exits_.count();
     made.begin = memory_->executable(memory_->writable() + used_);
-    Emitter emitter(*memory_, used_, cache_, memories_, manner_, exits_);
+    Emitter emitter(*memory_, used_, cache_, memories_, options_, exits_);
     const auto entries = emitter.emit(region, allocate(region), gates_);
     used_ += align_up(emitter.size());
     made.end = memory_->executable(memory_->writable() + used_);
@@ -55,11 +55,11 @@ class HostTranslator : public Translator {
       translated_ += last->index;
     }
     // What it leads to may have code already.
-    for (auto exit = first_exit; exit < exits_.count(); ++exit) lead_where_known(exits_.exit_in_work(exit));
+    for (auto exit = first_exit; exit < exits_.count(); ++exit) chain_where_known(exits_.exit_in_work(exit));
     return entries_[block];
   }
 
-  Left run(Execution& execution, const std::uint8_t* code) override {
+  RunEnd run(Execution& execution, const std::uint8_t* code) override {
     struct Return {  // in rax and rdx
       std::uint64_t exit;
       Execution* execution;
@@ -71,14 +71,14 @@ class HostTranslator : public Translator {
     return {&exits_.exit(last_exit_), stopped};
   }
 
-  void lead_on(std::uint32_t pc, const Entry& entry, bool stalled) override {
+  void chain_last_exit(std::uint32_t pc, const Entry& entry, bool stalled) override {
     if (last_exit_ == kNone) return;
     const auto& exit = exits_.exit(last_exit_);
     if (stalled && !exit.straight) return;
     if (exit.indirect) {
       if (!exit.straight) exits_.targets.set(pc, entry.jumped);
-    } else if (exit.way != 0 && exit.pc == pc) {
-      lead(exit, entry, stalled);
+    } else if (exit.patch_point != 0 && exit.pc == pc) {
+      chain(exit, entry, stalled);
     }
   }
 
@@ -105,25 +105,25 @@ class HostTranslator : public Translator {
     const std::uint8_t* begin = nullptr;  // of its code; null = dropped
     const std::uint8_t* end = nullptr;
     std::vector<OfBlock> blocks;
-    std::vector<std::uint32_t> led_here;  // patch points that lead to its code, or once did
+    std::vector<std::uint32_t> patched_to;  // patch points that lead to its code, or once did
   };
 
-  /// Block chaining: the way out of one region becomes the way into another.
-  void lead(const Exit& exit, const Entry& entry, bool stalled) {
-    exits_.set_way(exit.way, stalled         ? entry.stalled
-                             : exit.straight ? entry.straight
-                             : exit.jumped   ? entry.jumped
-                                             : entry.plain);
-    regions_[entry.region].led_here.push_back(exit.way);
+  /// Block chaining: a region's patch point leads to the code of another one, past the interpreter.
+  void chain(const Exit& exit, const Entry& entry, bool stalled) {
+    exits_.patch(exit.patch_point, stalled         ? entry.stalled
+                                   : exit.straight ? entry.straight
+                                   : exit.jumped   ? entry.jumped
+                                                   : entry.plain);
+    regions_[entry.region].patched_to.push_back(exit.patch_point);
   }
 
-  void lead_where_known(const Exit& exit) {
-    if (exit.way == 0) return;
+  void chain_where_known(const Exit& exit) {
+    if (exit.patch_point == 0) return;
     const auto number = linked(cache_, exit.at->link, exit.pc);
     if (number == 0 || find(number) == nullptr) return;
     const auto& block = cache_.block(number);
     if (exit.straight && block.early_jump) return;
-    lead(exit, entries_[number], exit.straight && stalls(block, exit.at));
+    chain(exit, entries_[number], exit.straight && stalls(block, exit.at));
   }
 
   static std::size_t align_up(std::size_t bytes) { return (bytes + 15) / 16 * 16; }
@@ -147,11 +147,13 @@ class HostTranslator : public Translator {
       entries_[block.number] = {};
       exits_.targets.forget(block.pc);
     }
-    for (const auto way : region.led_here) {
-      if (exits_.way(way) >= region.begin && exits_.way(way) < region.end) exits_.close_way(way);
+    for (const auto patch_point : region.patched_to) {
+      if (exits_.target_of(patch_point) >= region.begin && exits_.target_of(patch_point) < region.end) {
+        exits_.unpatch(patch_point);
+      }
     }
     region.blocks.clear();
-    region.led_here.clear();
+    region.patched_to.clear();
     region.begin = nullptr;
     free_regions_.push_back(number);
     ++times_dropped_;
@@ -165,7 +167,8 @@ class HostTranslator : public Translator {
 
   /// For one more region: in the segment in work, or in the next one, whose regions are dropped.
   void make_room() {
-    if (used_ + kMostRegionBytes <= Segments::begin_of(segment_ + 1) && exits_.free_ways() >= kMostRegionPatchPoints)
+    if (used_ + kMostRegionBytes <= Segments::begin_of(segment_ + 1) &&
+        exits_.free_patch_points() >= kMostRegionPatchPoints)
       return;
     const auto next = (segment_ + 1) % Segments::kCount;
     for (std::uint32_t number = 1; number < regions_.size(); ++number) {
@@ -179,7 +182,7 @@ class HostTranslator : public Translator {
 
   const BlockCache& cache_;
   Execution memories_;  // only these of it
-  Manner manner_;
+  Options options_;
   std::unique_ptr<CodeMemory> memory_;
   Emitter::Gates gates_;
   std::uint32_t segment_ = 0;  // in which code is made now
@@ -201,21 +204,22 @@ bool can_translate() {
          cpu.has(Cpu::tPOPCNT);
 }
 
-std::unique_ptr<Translator> make_translator(const BlockCache& cache, const Execution& execution, const Manner& manner) {
+std::unique_ptr<Translator> make_translator(const BlockCache& cache, const Execution& execution,
+                                            const Options& options) {
   if (!can_translate()) return nullptr;
   for (const auto& ram : execution.ram) {
     if (ram.base % 4 != 0) return nullptr;
   }
-  if (manner.banks != nullptr) {  // whose ticks and banks the code computes
-    if (!manner.loose_limit) return nullptr;
-    if (execution.ram[0].wait_cycles != 0 || execution.ram[0].base / 4 % manner.banks->count() != 0) return nullptr;
+  if (options.banks != nullptr) {  // whose ticks and banks the code computes
+    if (!options.loose_limit) return nullptr;
+    if (execution.ram[0].wait_cycles != 0 || execution.ram[0].base / 4 % options.banks->count() != 0) return nullptr;
     // No block goes on in the table farther than there is room: a division is the longest, an access can go twice.
     const std::uint64_t longest = kDivideBaseCycles + 32 + 2 * (execution.ram[1].wait_cycles + 1);
     if (BlockCache::kMaxBlockLength * longest > Banks::kLongestBlock) return nullptr;
   }
   auto memory = CodeMemory::create(Segments::all_bytes());
   if (memory == nullptr) return nullptr;
-  return std::make_unique<HostTranslator>(cache, execution, manner, std::move(memory));
+  return std::make_unique<HostTranslator>(cache, execution, options, std::move(memory));
 }
 
 }  // namespace mebots::soc::translate

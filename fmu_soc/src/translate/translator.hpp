@@ -25,7 +25,7 @@ struct Exit {
   std::uint32_t block = 0;          // that begins at `pc`; 0 = not known
   const Instruction* at = nullptr;  // resumes: comes next; else: what led here, null when its link is of no interest
   std::uint32_t wait_cycles = 0;    // resumes: what its block has waited for memories by rule
-  std::uint32_t way = 0;  // patch point: where the host goes on; can lead to translated code at `pc`; 0 = none
+  std::uint32_t patch_point = 0;    // by which it is left, which can lead to translated code at `pc`; 0 = none
 };
 
 /// Where code of a block can be entered.
@@ -38,18 +38,15 @@ struct Entry {
 };
 
 /// How a run ended.
-struct Left {
-  const Exit* exit = nullptr;      // the last one; null = somebody's turn came who was not in translated code
+struct RunEnd {
+  const Exit* exit = nullptr;      // the last one; null = the next hart of the round has no resume point
   Execution* execution = nullptr;  // whose it was; null = all have come to the end of their budgets
 };
 
-/// What the harts have in common that the code runs on.
-struct Manner {
+/// Translation options: what the harts have in common that the code runs on.
+struct Options {
   bool loose_limit = false;  // a block that starts before the limit runs to its end
   Banks* banks = nullptr;    // of the first memory, when others use it at the same time, now and then
-  /// Brings a line of code, `spent` cycles after the start of the run, where the hart has its instruction cache alone;
-  /// gives the cycles that it waits.
-  std::uint64_t (*fetch_line)(Execution* execution, std::uint32_t line, std::uint64_t spent) = nullptr;
 };
 
 /// Translations of a block cache, for harts that reach the same memories at the same place. Each block is translated
@@ -62,12 +59,13 @@ class Translator : public BlockListener {
   }
   /// Makes code for a block that has none.
   virtual const Entry& translate(std::uint32_t block) = 0;
-  /// Goes on at `code` of an entry with its budget, and when it was left only for the end of that, with those whose
-  /// turn is next. The answer holds until the next translation.
-  virtual Left run(Execution& execution, const std::uint8_t* code) = 0;
-  /// The last run was left to go on at the block at `pc`: the same way out leads on to its code from now on.
+  /// Goes on at `code` of an entry with its budget, and when it was left only for the end of that, with the
+  /// next ones of the round. The answer holds until the next translation.
+  virtual RunEnd run(Execution& execution, const std::uint8_t* code) = 0;
+  /// Block chaining: the last run was left to go on at the block at `pc`; the patch point by which it was left leads to
+  /// that block's code from now on.
   /// `stalled`: its first instruction waits for a load before.
-  virtual void lead_on(std::uint32_t pc, const Entry& entry, bool stalled) = 0;
+  virtual void chain_last_exit(std::uint32_t pc, const Entry& entry, bool stalled) = 0;
   /// How often regions were dropped: where a run goes on may be gone then.
   virtual std::uint64_t times_dropped() const = 0;
   /// Instructions translated so far, those translated again counted again.
@@ -81,6 +79,7 @@ class Translator : public BlockListener {
 bool can_translate();
 
 /// Null where that is not so, or code cannot be made for such memories. `execution` says where the memories are.
-std::unique_ptr<Translator> make_translator(const BlockCache& cache, const Execution& execution, const Manner& manner);
+std::unique_ptr<Translator> make_translator(const BlockCache& cache, const Execution& execution,
+                                            const Options& options);
 
 }  // namespace mebots::soc::translate

@@ -8,11 +8,11 @@ namespace mebots::soc::translate {
 /// False: not one of these, or a rare one that the interpreter does.
 bool Emitter::emit_xpulp(const Instruction* at) {
   if (is_simd(at->op)) return emit_simd(at);
-  if (at->op >= Op::p_addN && at->op <= Op::p_subuRNr) {
+  if (traits_of(at->op).kind == OpKind::shifted_sum) {
     emit_shifted_sum(at);
     return true;
   }
-  if (at->op >= Op::p_mulsN && at->op <= Op::p_machhuRN) {
+  if (traits_of(at->op).kind == OpKind::multiply_halves) {
     emit_multiply_halves(at);
     return true;
   }
@@ -161,61 +161,52 @@ void Emitter::emit_bit_field(const Instruction* at, unsigned position, unsigned 
   }
 }
 
-/// p.addN and its kin: eight with an immediate shift, eight with a register; of each four that add, four that
-/// subtract; signed, unsigned, signed and rounded, unsigned and rounded.
+/// p.addN and its kin.
 void Emitter::emit_shifted_sum(const Instruction* at) {
-  const auto kind = static_cast<unsigned>(at->op) - static_cast<unsigned>(Op::p_addN);
-  const bool by_register = kind >= 8;
-  const bool subtracts = (kind & 4U) != 0;
-  const bool rounds = (kind & 2U) != 0;
-  const bool is_unsigned = (kind & 1U) != 0;
+  const auto& traits = traits_of(at->op);
+  const bool by_register = traits.reads_rd;
   const auto shift = static_cast<unsigned>(at->imm) & 31U;
   copy(eax, by_register ? at->rd : at->rs1);
   copy(ecx, by_register ? at->rs1 : at->rs2);
-  if (subtracts) {
+  if (traits.subtracts) {
     sub(eax, ecx);
   } else {
     add(eax, ecx);
   }
   if (!by_register) {
-    if (rounds) add(eax, (1U << shift) >> 1);
-    is_unsigned ? shr(eax, static_cast<int>(shift)) : sar(eax, static_cast<int>(shift));
+    if (traits.rounds) add(eax, (1U << shift) >> 1);
+    traits.sign ? sar(eax, static_cast<int>(shift)) : shr(eax, static_cast<int>(shift));
   } else {
     copy(ecx, at->rs2);
-    if (rounds) {
+    if (traits.rounds) {
       mov(edx, 1);
       shlx(edx, edx, ecx);
       shr(edx, 1);
       add(eax, edx);
     }
-    is_unsigned ? shrx(eax, eax, ecx) : sarx(eax, eax, ecx);
+    traits.sign ? sarx(eax, eax, ecx) : shrx(eax, eax, ecx);
   }
   finish(at->rd, eax);
 }
 
-/// p.mulsN and its kin: eight that multiply, eight that add to rd; of each four signed, four unsigned; low halves, high
-/// halves, low and rounded, high and rounded.
+/// p.mulsN and its kin.
 void Emitter::emit_multiply_halves(const Instruction* at) {
-  const auto kind = static_cast<unsigned>(at->op) - static_cast<unsigned>(Op::p_mulsN);
-  const bool accumulates = kind >= 8;
-  const bool is_unsigned = (kind & 4U) != 0;
-  const bool rounds = (kind & 2U) != 0;
-  const bool high = (kind & 1U) != 0;
+  const auto& traits = traits_of(at->op);
   const auto shift = static_cast<unsigned>(at->imm) & 31U;
   const auto take_half = [&](const Reg32& to, unsigned reg) {
     copy(to, reg);
-    if (high) {
-      is_unsigned ? shr(to, 16) : sar(to, 16);
+    if (traits.high) {
+      traits.sign ? sar(to, 16) : shr(to, 16);
     } else {
-      is_unsigned ? movzx(to, to.cvt16()) : movsx(to, to.cvt16());
+      traits.sign ? movsx(to, to.cvt16()) : movzx(to, to.cvt16());
     }
   };
   take_half(eax, at->rs1);
   take_half(ecx, at->rs2);
   imul(eax, ecx);
-  if (accumulates) add(eax, operand(at->rd));
-  if (rounds) add(eax, (1U << shift) >> 1);
-  is_unsigned ? shr(eax, static_cast<int>(shift)) : sar(eax, static_cast<int>(shift));
+  if (traits.reads_rd) add(eax, operand(at->rd));
+  if (traits.rounds) add(eax, (1U << shift) >> 1);
+  traits.sign ? sar(eax, static_cast<int>(shift)) : shr(eax, static_cast<int>(shift));
   finish(at->rd, eax);
 }
 
