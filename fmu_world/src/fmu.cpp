@@ -17,8 +17,9 @@ class Binding final : public fmu::Model {
 
   void step(std::int64_t start_ns, std::int64_t duration_ns) override { world_.step(start_ns, duration_ns); }
   void visit(state::Visitor& v) override { world_.visit(v); }
-  /// There is only one such output: camera.frame.base64.
-  std::string on_demand_text(std::string_view /*name*/) const override { return base64(world_.frame()); }
+  std::string on_demand_text(std::string_view name) const override {
+    return name == "view.scene" ? world_.view() : base64(world_.frame());
+  }
 
  private:
   static scene::Scene read_scene(const Parameters& parameters, const fmu::Host& host) {

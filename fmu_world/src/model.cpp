@@ -4,6 +4,7 @@
 #include "math/rotation.hpp"
 #include "mebots/assert.hpp"
 #include "mebots/error.hpp"
+#include "view/scene_text.hpp"
 
 #include <fmt/format.h>
 #include <algorithm>
@@ -292,6 +293,11 @@ void World::report(std::int64_t time_ns, std::string_view what) const {
   if (!log_) return;
   log_(fmt::format("t = {:.4f} s, at ({:.3f}, {:.3f}, {:.3f}) m: {}", static_cast<double>(time_ns) * 1e-9,
                    state_.p_WB_m.x(), state_.p_WB_m.y(), state_.p_WB_m.z(), what));
+}
+
+std::string World::view() const {
+  const auto settings = camera_settings(in_);
+  return scene_text(scene_, settings.intrinsics, settings.mounting);
 }
 
 void World::visit(state::Visitor& v) {

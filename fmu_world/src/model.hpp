@@ -41,6 +41,9 @@ class World {
   /// The last picture; empty before the first.
   std::span<const std::uint8_t> frame() const { return camera_.frame(); }
 
+  /// The scene for whoever draws it, as scene_text() makes it.
+  std::string view() const;
+
   void visit(state::Visitor& v);
 
  private:

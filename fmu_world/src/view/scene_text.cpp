@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "view/scene_text.hpp"
+
+#include "camera/geometry.hpp"
+#include "text/base64.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include <array>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+namespace mebots::world {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// Radius of a rotor's disc over its distance from the centre along x: neighbours leave a gap between them.
+constexpr double kRotorRadiusOverArm = 0.7;
+
+Json json_of(const Eigen::Vector3d& v) {
+  return {v.x(), v.y(), v.z()};
+}
+
+Json texture_json(const camera::Tile& tile) {
+  const int size = tile.ripmap.size();
+  std::vector<std::uint8_t> grey;
+  grey.reserve(static_cast<std::size_t>(size) * size);
+  for (int row = 0; row < size; ++row) {
+    for (int column = 0; column < size; ++column) {
+      grey.push_back(static_cast<std::uint8_t>(tile.ripmap.texel(0, 0, column, row)));
+    }
+  }
+  return {{"size", size}, {"grey", base64(grey)}};
+}
+
+/// Corners with their texture coordinates (u, v), in tiles.
+Json face_json(const camera::Face& face, double edge_m) {
+  Json corners = Json::array();
+  Json coordinates = Json::array();
+  for (const auto& corner : face.corners_W_m) {
+    const Eigen::Vector3d from_origin = corner - face.texture_origin_W_m;
+    corners.push_back(json_of(corner));
+    coordinates.push_back({face.u_axis_W.dot(from_origin) / edge_m, face.v_axis_W.dot(from_origin) / edge_m});
+  }
+  return {{"corners", corners},
+          {"normal", json_of(face.normal_W)},
+          {"texture_coordinates", coordinates},
+          {"texture", face.tile},
+          {"light", face.light}};
+}
+
+/// In the order of the FMU's rotors: front right, rear right, rear left, front left. 1 and 3 turn counter-clockwise.
+Json rotors_json(const scene::Drone& drone) {
+  constexpr std::array<std::pair<int, int>, 4> kSides{{{1, -1}, {-1, -1}, {-1, 1}, {1, 1}}};
+  Json rotors = Json::array();
+  for (std::size_t i = 0; i < kSides.size(); ++i) {
+    const auto [x, y] = kSides[i];
+    rotors.push_back({{"position", {x * drone.arm_m, y * drone.arm_m, drone.body_size_m.z() / 2}},
+                      {"radius", kRotorRadiusOverArm * drone.arm_m},
+                      {"sense", i % 2 == 0 ? 1 : -1},
+                      {"command", "rotor[" + std::to_string(i + 1) + "].command"}});
+  }
+  return rotors;
+}
+
+Json body_json(const scene::Drone& drone, const camera::Intrinsics& intrinsics, const camera::Mounting& mounting) {
+  Json body;
+  body["name"] = drone.name;
+  body["size"] = json_of(drone.body_size_m);
+  body["position"] = {"drone.position.x", "drone.position.y", "drone.position.z"};
+  body["attitude"] = {"drone.roll", "drone.pitch", "drone.yaw"};
+  body["rotors"] = rotors_json(drone);
+  body["camera"] = {{"position", json_of(mounting.p_BC_m)},
+                    {"pitch", mounting.pitch_rad},
+                    {"field_of_view", intrinsics.horizontal_field_of_view_rad},
+                    {"width", intrinsics.width},
+                    {"height", intrinsics.height}};
+  body["colours"] = Json::array({{{"variable", "drone.speed"}, {"label", "speed"}}});
+  return body;
+}
+
+}  // namespace
+
+std::string scene_text(const scene::Scene& scene, const camera::Intrinsics& intrinsics,
+                       const camera::Mounting& mounting) {
+  const auto geometry = camera::make_geometry(scene);
+  Json json;
+  json["format"] = 1;
+  json["name"] = scene.name;
+  json["background"] = geometry.background;
+  for (const auto& tile : geometry.tiles) json["textures"].push_back(texture_json(*tile));
+  for (const auto& face : geometry.faces) json["faces"].push_back(face_json(face, geometry.tiles[face.tile]->edge_m));
+  json["labels"] = Json::array();
+  for (const auto& gate : scene.gates) {
+    json["labels"].push_back(
+        {{"text", gate.name}, {"position", json_of(gate.p_W_m + Eigen::Vector3d(0, 0, 0.5 * gate.outer_m))}});
+  }
+  json["bodies"] = Json::array({body_json(scene.drone, intrinsics, mounting)});
+  return json.dump();
+}
+
+}  // namespace mebots::world

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "camera/pose.hpp"
+#include "scene/scene.hpp"
+
+#include <string>
+
+namespace mebots::world {
+
+/// The scene as JSON for whoever draws it (docs/seeing.md describes the format): every face with texture, texture
+/// coordinates and light just as the camera renders it, the drone with its rotors and camera, the gates' names, and the
+/// names of the variables that move them. SI units, world frame W.
+std::string scene_text(const scene::Scene& scene, const camera::Intrinsics& intrinsics,
+                       const camera::Mounting& mounting);
+
+}  // namespace mebots::world
