@@ -56,7 +56,7 @@ void Model::start(const Inputs& inputs, std::int64_t start_ns, Outputs& outputs)
     // the first step. Else loads that need the bus, and a bus that gives way to them, would never agree on a start.
     handle(Event::cut_off, seconds(start_ns));
   }
-  write(inputs, seconds(start_ns), outputs);
+  write(inputs, start_ns, outputs);
   outputs.losses_power_w = 0;
 }
 
@@ -78,7 +78,7 @@ void Model::step(const Inputs& inputs, std::int64_t start_ns, std::int64_t durat
     handle(event, seconds(start_ns) + passed_s);
   }
   const double lost_j = (ledger_.ohmic_j - before.ohmic_j) + (ledger_.converters_j - before.converters_j);
-  write(inputs, seconds(start_ns + duration_ns), outputs);
+  write(inputs, start_ns + duration_ns, outputs);
   outputs.losses_power_w = lost_j / duration_s;
 }
 
@@ -119,19 +119,27 @@ void Model::handle(Event event, double time_s) {
   }
 }
 
-void Model::write(const Inputs& inputs, double time_s, Outputs& outputs) {
+void Model::watch_current(double current_a, std::int64_t now_ns) {
+  const bool over = std::abs(current_a) > cell_.continuous_current_a;
+  if (over && !over_current_) {
+    over_current_since_ns_ = now_ns;
+    over_current_told_ = false;
+  }
+  over_current_ = over;
+  if (!over || over_current_told_ || now_ns - over_current_since_ns_ < kTellOverCurrentAfterNs) return;
+  over_current_told_ = true;
+  log_(fmt::format(
+      "t = {:.9g} s: the current has been above the cell's continuous limit of {} A for {:.9g} s; now {:.3f} A",
+      seconds(now_ns), cell_.continuous_current_a, seconds(now_ns - over_current_since_ns_), current_a));
+}
+
+void Model::write(const Inputs& inputs, std::int64_t now_ns, Outputs& outputs) {
   const Circuit circuit = cell_.circuit_at(state_.soc);
   const double source_v = circuit.open_circuit_v - state_.pair1_v - state_.pair2_v;
   const double current_a =
       connected_ ? terminal_current_a(source_v, circuit.series_ohm, demand(inputs).terminal_w()) : 0;
   const double voltage_v = source_v - circuit.series_ohm * current_a;
-
-  const bool over_current = std::abs(current_a) > cell_.continuous_current_a;
-  if (over_current && !over_current_) {
-    log_(fmt::format("t = {:.9g} s: the current of {:.3f} A is above the cell's continuous limit of {} A", time_s,
-                     current_a, cell_.continuous_current_a));
-  }
-  over_current_ = over_current;
+  watch_current(current_a, now_ns);
 
   outputs.bus_voltage_v = connected_ ? voltage_v : 0;
   outputs.cell_voltage_v = voltage_v;
@@ -160,6 +168,8 @@ void Model::visit(state::Visitor& v) {
   v("connected", connected_);
   v("full", full_);
   v("over_current", over_current_);
+  v("over_current_told", over_current_told_);
+  v("over_current_since", over_current_since_ns_);
 }
 
 }  // namespace mebots::battery

@@ -25,6 +25,9 @@ namespace mebots::battery {
 class Model {
  public:
   static constexpr double kResumeChargingBelow = 0.999;
+  /// A continuous limit is about heat, which a take-off of some tenths of a second does not bring: the log tells of a
+  /// current above it that has flowed this long without a break. The output tells at once.
+  static constexpr std::int64_t kTellOverCurrentAfterNs = 1'000'000'000;
 
   /// Told of events (protection, over-current, full cell), in the order of time.
   using EventLog = std::function<void(std::string_view)>;
@@ -49,7 +52,8 @@ class Model {
  private:
   Demand demand(const Inputs& inputs) const;
   void handle(Event event, double time_s);
-  void write(const Inputs& inputs, double time_s, Outputs& outputs);
+  void watch_current(double current_a, std::int64_t now_ns);
+  void write(const Inputs& inputs, std::int64_t now_ns, Outputs& outputs);
 
   EventLog log_;
   Cell cell_;
@@ -63,6 +67,8 @@ class Model {
   bool connected_ = true;
   bool full_ = false;
   bool over_current_ = false;
+  bool over_current_told_ = false;
+  std::int64_t over_current_since_ns_ = 0;  // while it is
 };
 
 }  // namespace mebots::battery
