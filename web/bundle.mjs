@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+// Bundles src/ into page.js and page.css, beside page.html and the licences of what is in the bundle.
+//
+// Usage: node bundle.mjs OUT_DIR
+import { build } from "esbuild";
+import { copyFileSync, existsSync, mkdirSync, readFileSync, writeFileSync } from "node:fs";
+import { dirname, join } from "node:path";
+import { fileURLToPath } from "node:url";
+
+const here = dirname(fileURLToPath(import.meta.url));
+const out = process.argv[2];
+if (!out) throw new Error("usage: node bundle.mjs OUT_DIR");
+mkdirSync(out, { recursive: true });
+
+const result = await build({
+  absWorkingDir: here,
+  entryPoints: { page: "src/main.ts" },
+  outdir: out,
+  bundle: true,
+  minify: true,
+  format: "iife",
+  target: "es2022",
+  charset: "utf8",
+  legalComments: "none", // their licences are in LICENSES.txt
+  metafile: true,
+  logLevel: "warning",
+});
+const styles = await build({
+  absWorkingDir: here, entryPoints: { page: "src/page.css" }, outdir: out, bundle: true, minify: true, charset: "utf8", metafile: true, logLevel: "warning",
+});
+copyFileSync(join(here, "page.html"), join(out, "page.html"));
+
+const packages = new Set();
+for (const file of [...Object.keys(result.metafile.inputs), ...Object.keys(styles.metafile.inputs)]) {
+  const found = /^node_modules\/((?:@[^/]+\/)?[^/]+)\//.exec(file);
+  if (found) packages.add(found[1]);
+}
+const texts = [...packages].sort().map((name) => {
+  const folder = join(here, "node_modules", name);
+  const { version, license } = JSON.parse(readFileSync(join(folder, "package.json"), "utf8"));
+  const file = ["LICENSE", "LICENSE.md", "LICENSE.txt", "LICENCE"].map((each) => join(folder, each)).find(existsSync);
+  if (!file) throw new Error(`${name} ships no licence text`);
+  return `${name} ${version} (${license})\n\n${readFileSync(file, "utf8").trim()}\n`;
+});
+writeFileSync(join(out, "LICENSES.txt"), texts.join(`\n${"-".repeat(80)}\n\n`));

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+// What `mebots report` packs into a page; master/src/report/payload.hpp describes the bytes.
+
+export interface Place {
+  offset: number;
+  length: number;
+}
+
+export interface VariableInfo {
+  type: string;
+  causality: string;
+  unit?: string;
+  text?: string;
+  items?: { name: string; value: number }[];
+}
+
+export interface CurveInfo {
+  variable?: string;
+  rate_of?: string;
+  label?: string;
+}
+
+export interface PanelInfo {
+  title: string;
+  kind: "lines" | "stack" | "lanes";
+  curves: CurveInfo[];
+}
+
+export interface SystemInfo {
+  name: string;
+  step: number;
+  stop_time: number;
+  instances: Record<string, { model: string; text?: string; step: number }>;
+  connections: { from: string; to: string; type: string; unit?: string }[];
+  variables: Record<string, VariableInfo>;
+  view: { panels: PanelInfo[]; marks: string[]; scene?: { file: string; instance: string } };
+}
+
+// eslint-disable-next-line @typescript-eslint/no-explicit-any
+export type Json = any;
+
+/** Of a run that is under way. */
+export interface LiveState {
+  held: boolean;
+  ended: boolean;
+  stop_time: number;
+  settable: { variable: string; unit: string; text: string; type: string }[];
+}
+
+export interface RunHeader {
+  name: string;
+  live?: LiveState | null;
+  system: SystemInfo | null;
+  summary: Json | null;
+  log: string;
+  texts: string[];
+  rows: number;
+  every: number;
+  kept: number;
+  columns: { name: string; unit: string; still?: number; block?: Place }[];
+  scene: Place | null;
+  profiles: Json[];
+  pictures: { name: string; pictures: (Place & { time: number })[] }[];
+}
+
+export interface Payload {
+  runs: RunHeader[];
+  bytes(place: Place): Uint8Array<ArrayBuffer>;
+}
+
+export function readPayload(all: Uint8Array<ArrayBuffer>): Payload {
+  const length = new DataView(all.buffer, all.byteOffset).getUint32(0, true);
+  const header = JSON.parse(new TextDecoder().decode(all.subarray(4, 4 + length)));
+  if (header.format !== 1) throw new Error(`data of format ${header.format}, which this page does not read`);
+  const start = 4 + length;
+  return {
+    runs: header.runs,
+    bytes: (place) => all.subarray(start + place.offset, start + place.offset + place.length),
+  };
+}
+
+/** The numbers of a column that stands in byte planes. */
+export function numbersOf(planes: Uint8Array): Float64Array {
+  const count = planes.length / 8;
+  const bytes = new Uint8Array(planes.length);
+  for (let plane = 0; plane < 8; ++plane) {
+    const from = plane * count;
+    for (let i = 0; i < count; ++i) bytes[8 * i + plane] = planes[from + i];
+  }
+  return new Float64Array(bytes.buffer);
+}

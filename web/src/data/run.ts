@@ -1,0 +1,241 @@
+// SPDX-License-Identifier: Apache-2.0
+// A run as the page shows it: columns by name, values by time, curves with their rates.
+import { type Message, readMessages } from "./messages";
+import { type CurveInfo, type Json, numbersOf, type PanelInfo, type Payload, type RunHeader, type SystemInfo, type VariableInfo } from "./payload";
+import { rateUnit, shown } from "./units";
+
+export interface Picture {
+  time: number;
+  url: string;
+}
+
+/** Numbers over the run's times, as a panel draws them. */
+export interface Curve {
+  label: string;
+  unit: string;
+  isRate: boolean;
+  variable: string;
+  /**
+   * One value per row. Of a rate they are means over spans of at least `mean` seconds, or from row to row where rows are
+   * further apart: exact, since they are differences of what was counted.
+   */
+  values(mean: number): Float64Array;
+}
+
+/** The row that counts at a time: the last one that is not later. */
+export function rowAt(times: Float64Array, time: number): number {
+  let low = 0;
+  let high = times.length - 1;
+  while (low < high) {
+    const middle = (low + high + 1) >> 1;
+    if (times[middle] <= time) low = middle;
+    else high = middle - 1;
+  }
+  return low;
+}
+
+export class Run {
+  readonly name: string;
+  readonly scene: Json | null;
+  readonly system: SystemInfo | null;
+  times!: Float64Array;
+  messages!: Message[];
+  summary!: Json;
+  readonly pictures: Picture[] = [];
+  private readonly places = new Map<string, RunHeader["columns"][number]>();
+  private readonly numbers = new Map<string, Float64Array>();
+  private readonly listeners: (() => void)[] = [];
+  private version = 0;
+
+  constructor(public header: RunHeader, private payload: Payload) {
+    this.name = header.name;
+    this.system = header.system;
+    this.scene = header.scene ? JSON.parse(new TextDecoder().decode(payload.bytes(header.scene))) : null;
+    this.take(header, payload);
+  }
+
+  /** Who is told when there is more of a run that is under way. */
+  onData(listener: () => void): void {
+    this.listeners.push(listener);
+  }
+
+  /** The same run, further on. */
+  replace(header: RunHeader, payload: Payload): void {
+    this.take(header, payload);
+    for (const listener of this.listeners) listener();
+  }
+
+  private take(header: RunHeader, payload: Payload): void {
+    this.header = header;
+    this.payload = payload;
+    this.summary = header.summary ?? {};
+    this.numbers.clear();
+    for (const column of header.columns) this.places.set(column.name, column);
+    this.times = this.values("time")!;
+    this.messages = readMessages(header.log);
+    for (const picture of (header.pictures[0]?.pictures ?? []).slice(this.pictures.length)) {
+      const url = URL.createObjectURL(new Blob([payload.bytes(picture)], { type: "image/png" }));
+      this.pictures.push({ time: picture.time, url });
+    }
+    ++this.version;
+  }
+
+  get end(): number {
+    return this.times.length > 0 ? this.times[this.times.length - 1] : 0;
+  }
+
+  /** Names of what was recorded, in the order of the table. */
+  get variables(): string[] {
+    return [...this.places.keys()].filter((name) => name !== "time");
+  }
+
+  has(name: string): boolean {
+    return this.places.has(name);
+  }
+
+  stands(name: string): boolean {
+    return this.places.get(name)?.still !== undefined;
+  }
+
+  unit(name: string): string {
+    return this.places.get(name)?.unit ?? "-";
+  }
+
+  info(name: string): VariableInfo | undefined {
+    return this.system?.variables[name];
+  }
+
+  values(name: string): Float64Array | undefined {
+    const known = this.numbers.get(name);
+    if (known) return known;
+    const place = this.places.get(name);
+    if (!place) return undefined;
+    const made = place.block
+      ? numbersOf(this.payload.bytes(place.block))
+      : new Float64Array(this.header.kept).fill(place.still ?? NaN);
+    this.numbers.set(name, made);
+    return made;
+  }
+
+  at(name: string, time: number): number {
+    const values = this.values(name);
+    return values ? values[rowAt(this.times, time)] : NaN;
+  }
+
+  /** What a variable is at a time, for people: an enumeration's item, on or off, a number with its unit. */
+  textAt(name: string, time: number): string {
+    return this.text(name, this.at(name, time));
+  }
+
+  text(name: string, value: number): string {
+    const info = this.info(name);
+    const item = info?.items?.find((candidate) => candidate.value === value);
+    if (item) return item.name.replaceAll("_", " ");
+    if (info?.type === "Boolean") return value !== 0 ? "on" : "off";
+    return shown(value, this.unit(name));
+  }
+
+  /** Between two rows on the straight line between them: for what moves, not for numbers that are shown. */
+  between(name: string, time: number): number {
+    const values = this.values(name);
+    if (!values) return NaN;
+    const row = rowAt(this.times, time);
+    if (row + 1 >= values.length) return values[row];
+    const part = (time - this.times[row]) / (this.times[row + 1] - this.times[row]);
+    return values[row] + Math.min(Math.max(part, 0), 1) * (values[row + 1] - values[row]);
+  }
+
+  /** Null where the run did not record the variable. */
+  curve(info: CurveInfo): Curve | null {
+    const variable = info.rate_of ?? info.variable ?? "";
+    if (!this.has(variable)) return null;
+    const isRate = info.rate_of !== undefined;
+    let rates: Float64Array | null = null;
+    let ratesOf = "";
+    return {
+      label: info.label ?? variable,
+      unit: isRate ? rateUnit(this.unit(variable)) : this.unit(variable),
+      isRate,
+      variable,
+      values: (mean) => {
+        const values = this.values(variable)!;
+        if (!isRate) return values;
+        const wanted = `${this.version} ${mean}`;
+        if (rates === null || ratesOf !== wanted) rates = meanRates(this.times, values, mean);
+        ratesOf = wanted;
+        return rates;
+      },
+    };
+  }
+
+  /** All of these together, of those that were recorded. */
+  sum(infos: CurveInfo[]): Curve | null {
+    const curves = infos.map((info) => this.curve(info)).filter((curve) => curve !== null);
+    if (curves.length === 0) return null;
+    return {
+      label: "total",
+      unit: curves[0].unit,
+      isRate: curves.some((curve) => curve.isRate),
+      variable: curves.map((curve) => curve.variable).join(" + "),
+      values: (mean) => {
+        const parts = curves.map((curve) => curve.values(mean));
+        return parts[0].map((_, row) => parts.reduce((total, values) => total + values[row], 0));
+      },
+    };
+  }
+
+  /** The panels that the config asks for, or else the first things that move. */
+  get panels(): PanelInfo[] {
+    const asked = this.system?.view.panels ?? [];
+    return asked.length > 0 ? asked : this.defaultPanels();
+  }
+
+  private defaultPanels(): PanelInfo[] {
+    const panels = new Map<string, PanelInfo>();
+    const states: CurveInfo[] = [];
+    for (const name of this.variables) {
+      if (this.stands(name) && !this.header.live) continue; // at its start everything stands
+      const instance = this.instanceOf(name);
+      const type = this.info(name)?.type;
+      if (type === "Boolean" || type === "Enumeration") {
+        states.push({ variable: name });
+        continue;
+      }
+      const unit = this.unit(name);
+      // Without units nothing says that two numbers are of a kind: each has its own plot.
+      const key = unit === "-" ? name : `${instance} [${unit}]`;
+      const panel = panels.get(key) ?? { title: instance, kind: "lines" as const, curves: [] };
+      panels.set(key, panel);
+      if (panel.curves.length < 6) panel.curves.push({ variable: name, label: name.slice(instance.length + 1) });
+    }
+    const found = [...panels.values()].slice(0, 12);
+    if (states.length > 0) found.push({ title: "States", kind: "lanes", curves: states.slice(0, 10) });
+    return found;
+  }
+
+  instanceOf(name: string): string {
+    const known = Object.keys(this.system?.instances ?? {}).find((instance) => name.startsWith(instance + "."));
+    return known ?? name.split(".")[0];
+  }
+
+  get marks(): Message[] {
+    const chosen = this.system?.view.marks ?? [];
+    return this.messages.filter(
+      (message) => message.time !== null && (message.severity !== "info" || chosen.length === 0 || chosen.includes(message.instance)),
+    );
+  }
+}
+
+/** Mean rate of change over spans of whole rows that last at least `mean` seconds; all rows of a span have its value. */
+function meanRates(times: Float64Array, values: Float64Array, mean: number): Float64Array {
+  const result = new Float64Array(values.length);
+  for (let first = 0; first + 1 < values.length; ) {
+    let last = first + 1;
+    while (last + 1 < values.length && times[last] - times[first] < mean * (1 - 1e-9)) ++last;
+    const span = times[last] - times[first];
+    result.fill(span > 0 ? (values[last] - values[first]) / span : 0, first + 1, last + 1);
+    first = last;
+  }
+  if (result.length > 1) result[0] = result[1];
+  return result;
+}

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+// Elements in one line.
+
+type Attributes = Record<string, string | ((event: Event) => void)>;
+
+/** An element with attributes (those that begin with "on" are listeners) and children. */
+export function element<K extends keyof HTMLElementTagNameMap>(
+  tag: K, attributes: Attributes = {}, ...children: (Node | string)[]
+): HTMLElementTagNameMap[K] {
+  const made = document.createElement(tag);
+  apply(made, attributes);
+  made.append(...children);
+  return made;
+}
+
+export function svg(tag: string, attributes: Attributes = {}, ...children: (Node | string)[]): SVGElement {
+  const made = document.createElementNS("http://www.w3.org/2000/svg", tag);
+  apply(made, attributes);
+  made.append(...children);
+  return made;
+}
+
+function apply(made: Element, attributes: Attributes): void {
+  for (const [name, value] of Object.entries(attributes)) {
+    if (typeof value === "function") made.addEventListener(name.slice(2), value);
+    else made.setAttribute(name, value);
+  }
+}

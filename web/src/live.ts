@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+// A run that is under way: what there is more of it, holding it, and setting what is free. master/live answers.
+import type { Clock } from "./clock";
+import { type Payload, readPayload } from "./data/payload";
+import type { Run } from "./data/run";
+import { shownTime, shownUnit } from "./data/units";
+import { element } from "./dom";
+import type { Window } from "./view/window";
+
+/** Between two looks [ms]. */
+const PERIOD = 400;
+
+export async function fetchPayload(): Promise<Payload> {
+  const answer = await fetch("data");
+  if (!answer.ok) throw new Error(await answer.text());
+  return readPayload(new Uint8Array(await answer.arrayBuffer()));
+}
+
+async function post(path: string, values: Record<string, string>): Promise<string> {
+  const answer = await fetch(path, { method: "POST", body: new URLSearchParams(values) });
+  const text = await answer.text();
+  if (!answer.ok) throw new Error(text);
+  return text;
+}
+
+/** Keeps the page up with the run. The moment goes along while it is the last one. Returns the controls. */
+export function follow(run: Run, clock: Clock, span: Window): HTMLElement {
+  const badge = element("span", { class: "outcome", id: "live" }, "live");
+  const hold = element("button", { id: "hold", onclick: () => void order(run.header.live?.held ? "go" : "hold") });
+  const step = element("button", { id: "step", title: "One communication step", onclick: () => void order("step") }, "step");
+  const order = async (what: string) => {
+    await post("control", { order: what }).catch((error) => (badge.textContent = String(error)));
+    await look();
+  };
+  const show = () => {
+    const state = run.header.live;
+    badge.textContent = state?.ended ? "ended" : state?.held ? "held" : "live";
+    hold.textContent = state?.held ? "go on" : "hold";
+    hold.disabled = step.disabled = state?.ended ?? false;
+  };
+  const look = async () => {
+    const payload = await fetchPayload();
+    const isFollowing = clock.time >= clock.end - 1e-9;
+    clock.extend(payload.runs[0].columns.length > 0 ? lastTime(payload) : clock.end);
+    run.replace(payload.runs[0], payload);
+    span.extend(clock.end);
+    clock.set(isFollowing ? clock.end : clock.time);
+    show();
+  };
+  const keepLooking = async () => {
+    try {
+      await look();
+      if (run.header.live?.ended) return;
+      setTimeout(keepLooking, PERIOD);
+    } catch {
+      badge.textContent = `the run is gone; this is it up to ${shownTime(run.end)}`;
+    }
+  };
+  show();
+  setTimeout(keepLooking, PERIOD);
+  return element("span", { class: "live" }, badge, " ", hold, " ", step);
+}
+
+function lastTime(payload: Payload): number {
+  const header = payload.runs[0];
+  const time = header.columns[0];
+  if (!time.block) return time.still ?? 0;
+  const planes = payload.bytes(time.block);
+  const count = planes.length / 8;
+  const bytes = Uint8Array.from({ length: 8 }, (_, plane) => planes[plane * count + count - 1]);
+  return new DataView(bytes.buffer).getFloat64(0, true);
+}
+
+/** What nothing is connected to can be set; it is kept as a scenario, so that the run can be repeated. */
+export function makeInputs(run: Run): HTMLElement {
+  const said = element("p", { class: "faint" }, "What is set acts from the next step on. The results folder keeps it as live_scenario.json.");
+  const rows = (run.header.live?.settable ?? []).map(({ variable, unit, text, type }) => {
+    const value = element("input", { type: "number", step: "any", "data-set": variable, "aria-label": variable });
+    const send = async () => {
+      try {
+        const { at } = JSON.parse(await post("set", { variable, value: value.value }));
+        said.textContent = `${variable} is ${value.value} ${shownUnit(unit)} from ${at} s on`;
+      } catch (error) {
+        said.textContent = String(error instanceof Error ? error.message : error);
+      }
+    };
+    value.addEventListener("keydown", (event) => event.key === "Enter" && void send());
+    return element("tr", {}, element("td", {}, variable), element("td", {}, value, ` ${shownUnit(unit) || (type === "Real" ? "" : type)} `,
+      element("button", { onclick: () => void send() }, "set")), element("td", { class: "faint" }, text));
+  });
+  return element("div", { class: "inputs scroll" }, said, element("table", {}, element("tbody", {}, ...rows)));
+}

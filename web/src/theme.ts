@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+// One palette for everything: Okabe and Ito's, which people with any kind of colour vision tell apart, with a lighter
+// blue and no black on dark ground.
+
+const LIGHT = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#b58900", "#56b4e9", "#5c4d9e", "#7f7f7f"];
+const DARK = ["#4ea8de", "#f0803c", "#2fc79a", "#e39ac4", "#e6c14a", "#8fd3ff", "#a394e8", "#a9a9a9"];
+
+const darkQuery = matchMedia("(prefers-color-scheme: dark)");
+const listeners: (() => void)[] = [];
+
+let dark = darkQuery.matches; // as the system has it, until somebody chooses
+
+export function isDark(): boolean {
+  return dark;
+}
+
+export function colour(index: number): string {
+  const palette = isDark() ? DARK : LIGHT;
+  return palette[index % palette.length];
+}
+
+/** A colour of the style sheet by its name. */
+export function styleColour(name: string): string {
+  return getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+}
+
+export function onTheme(listener: () => void): void {
+  listeners.push(listener);
+}
+
+export function setTheme(wanted: boolean): void {
+  dark = wanted;
+  document.documentElement.dataset.theme = dark ? "dark" : "light";
+  for (const listener of listeners) listener();
+}
+
+setTheme(dark);
+darkQuery.addEventListener("change", () => setTheme(darkQuery.matches));
+
+// Cividis (Nunez, Anderton and Renslow 2018): rises evenly in lightness, and is read alike by colour-blind people.
+const CIVIDIS = [
+  [0, 34, 78], [18, 53, 112], [59, 73, 108], [87, 93, 109], [112, 113, 115], [138, 134, 120], [165, 156, 116],
+  [195, 179, 105], [225, 204, 85], [254, 232, 56],
+];
+
+/** The colour of a share from 0 to 1, as red, green and blue from 0 to 1. Its dark end is lifted on dark ground. */
+export function scaleColour(share: number): [number, number, number] {
+  const place = Math.min(Math.max(share, 0), 1) * (CIVIDIS.length - 1);
+  const first = Math.min(Math.floor(place), CIVIDIS.length - 2);
+  const part = place - first;
+  const mixed = CIVIDIS[first].map((value, i) => (value + part * (CIVIDIS[first + 1][i] - value)) / 255);
+  return [mixed[0], mixed[1], mixed[2]];
+}

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: Apache-2.0
+// Curves over time by uPlot: over each other, or stacked as parts of a whole.
+import uPlot from "uplot";
+import type { Clock } from "../clock";
+import { prefixFor, shownUnit } from "../data/units";
+import { element } from "../dom";
+import { styleColour } from "../theme";
+import { curveColour, type Drawing, type RunCurve } from "./panel";
+import { makeScrubbable } from "./scrub";
+import type { Window } from "./window";
+
+const HEIGHT = 98;
+const FONT = "11px system-ui, sans-serif";
+
+export class Chart implements Drawing {
+  readonly root = element("div", { class: "chart" });
+  private readonly cursor = element("div", { class: "moment" });
+  private plot: uPlot | null = null;
+  private readonly runCount: number;
+
+  constructor(
+    private readonly kind: string, private readonly curves: RunCurve[], private readonly clock: Clock, private readonly window: Window,
+  ) {
+    this.runCount = new Set(curves.map((entry) => entry.runIndex)).size;
+    new ResizeObserver(() => this.fit()).observe(this.root);
+    clock.onTime(() => this.moveCursor());
+    window.onChange(() => this.showWindow());
+    for (const run of new Set(curves.map((entry) => entry.run))) run.onData(() => this.plot?.setData(this.data(), false));
+  }
+
+  redraw(): void {
+    this.plot?.destroy();
+    this.plot = null;
+    this.fit();
+  }
+
+  private fit(): void {
+    const width = this.root.clientWidth;
+    if (width === 0) return;
+    if (!this.plot) this.make(width);
+    else if (this.plot.width !== width) this.plot.setSize({ width, height: HEIGHT });
+    this.moveCursor();
+  }
+
+  private make(width: number): void {
+    const data = this.data();
+    this.plot = new uPlot(this.options(width, data), data, this.root);
+    this.plot.over.append(this.cursor);
+    makeScrubbable(this.plot.over, this.clock, this.window);
+    this.showWindow();
+  }
+
+  /** Curves of runs with other times are drawn over all times together, with gaps that lines bridge. */
+  private data(): uPlot.AlignedData {
+    const stacked = this.kind === "stack";
+    const values = this.curves.map(({ curve }) => curve.values(this.window.mean));
+    const sums = stacked ? cumulated(values) : values;
+    const groups = new Map<number, { times: Float64Array; values: Float64Array[] }>();
+    this.curves.forEach(({ run, runIndex }, i) => {
+      const group = groups.get(runIndex) ?? { times: run.times, values: [] };
+      groups.set(runIndex, group);
+      group.values.push(sums[i]);
+    });
+    if (groups.size === 1) return [this.curves[0].run.times, ...sums];
+    return uPlot.join([...groups.entries()].sort(([a], [b]) => a - b).map(([, group]) => group)
+      .map((group) => [group.times, ...group.values] as uPlot.AlignedData));
+  }
+
+  /** uPlot.join puts the curves of a run beside each other. */
+  private get ordered(): RunCurve[] {
+    return this.runCount === 1 ? this.curves : [...this.curves].sort((a, b) => a.runIndex - b.runIndex);
+  }
+
+  private options(width: number, data: uPlot.AlignedData): uPlot.Options {
+    const grid = { stroke: styleColour("--grid"), width: 1 };
+    const text = styleColour("--faint");
+    const stacked = this.kind === "stack";
+    const unit = this.curves[0].curve.unit;
+    const [factor, prefix] = prefixFor(largest(data), unit);
+    const name = shownUnit(unit);
+    return {
+      width,
+      height: HEIGHT,
+      legend: { show: false },
+      cursor: { show: false },
+      padding: [8, 16, 0, 0],
+      scales: { x: { time: false }, y: { range: (_plot, low, high) => niceRange(low, high, stacked) } },
+      axes: [
+        { stroke: text, grid, font: FONT, size: 22, ticks: { show: false }, values: (_plot, ticks) => ticks.map((tick) => `${+tick.toFixed(6)} s`) },
+        {
+          stroke: text, grid, font: FONT, size: 56, ticks: { show: false }, space: 26,
+          values: (_plot, ticks) => ticks.map((tick) => `${+(tick / factor).toPrecision(4)}${prefix ? ` ${prefix}${name}` : ""}`),
+        },
+      ],
+      series: [{}, ...this.ordered.map((entry) => this.series(entry, stacked))],
+      bands: stacked ? this.curves.slice(1).map((_, i) => ({ series: [i + 2, i + 1] as [number, number] })) : [],
+    };
+  }
+
+  private series(entry: RunCurve, stacked: boolean): uPlot.Series {
+    const index = this.curves.indexOf(entry);
+    const colour = curveColour(entry, index, this.runCount);
+    const discrete = ["Integer", "Boolean", "Enumeration"].includes(entry.run.info(entry.curve.variable)?.type ?? "");
+    const stepped = uPlot.paths.stepped!;
+    const nth = this.curves.filter((other, i) => other.runIndex === entry.runIndex && i < index).length;
+    return {
+      stroke: colour,
+      width: stacked ? 0.75 : 1.6,
+      fill: stacked ? colour + "b0" : undefined,
+      dash: this.runCount > 1 && nth > 0 ? [2 + 3 * nth, 3] : undefined,
+      points: { show: false },
+      spanGaps: true,
+      paths: entry.curve.isRate ? stepped({ align: -1 }) : discrete ? stepped({ align: 1 }) : undefined,
+    };
+  }
+
+  private showWindow(): void {
+    if (this.curves.some(({ curve }) => curve.isRate)) this.plot?.setData(this.data(), false);
+    this.plot?.setScale("x", { min: this.window.start, max: this.window.stop });
+    this.moveCursor();
+  }
+
+  private moveCursor(): void {
+    if (!this.plot) return;
+    const { start, stop } = this.window;
+    const share = (this.clock.time - start) / (stop - start);
+    this.cursor.style.display = share < 0 || share > 1 ? "none" : "block";
+    this.cursor.style.left = `${100 * share}%`;
+  }
+}
+
+/** Each curve upon those before it. */
+function cumulated(curves: Float64Array[]): Float64Array[] {
+  const sums: Float64Array[] = [];
+  for (const values of curves) {
+    const below = sums[sums.length - 1];
+    sums.push(below ? values.map((value, i) => value + below[i]) : values);
+  }
+  return sums;
+}
+
+function largest(data: uPlot.AlignedData): number {
+  let most = 0;
+  for (const series of data.slice(1)) for (const value of series) if (value != null && Math.abs(value) > most) most = Math.abs(value);
+  return most;
+}
+
+function niceRange(low: number | null, high: number | null, fromZero: boolean): [number, number] {
+  if (low == null || high == null) return [0, 1];
+  const bottom = fromZero ? Math.min(0, low) : low;
+  const span = high - bottom || Math.abs(high) || 1;
+  return [fromZero && bottom === 0 ? 0 : bottom - 0.06 * span, high + 0.06 * span];
+}

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+// One panel: a title, a line with every curve's name, colour and value at the moment, and what is drawn below it.
+import type { Clock } from "../clock";
+import type { PanelInfo } from "../data/payload";
+import { type Curve, type Run, rowAt } from "../data/run";
+import { shown, shownUnit } from "../data/units";
+import { element } from "../dom";
+import { colour, onTheme } from "../theme";
+import { Chart } from "./chart";
+import { Lanes } from "./lanes";
+import type { Window } from "./window";
+
+/** A curve of one of the runs. The first run is the one that is shown in full. */
+export interface RunCurve {
+  run: Run;
+  runIndex: number;
+  curve: Curve;
+}
+
+export interface Drawing {
+  readonly root: HTMLElement;
+  redraw(): void;
+}
+
+export function makePanel(info: PanelInfo, runs: Run[], clock: Clock, window: Window, onClose?: () => void): HTMLElement {
+  const curves = curvesOf(info, runs);
+  const kind = info.kind === "stack" && runs.length > 1 ? "lines" : info.kind;
+  const runCount = new Set(curves.map((entry) => entry.runIndex)).size;
+  const root = element("section", { class: `panel panel-${kind}` });
+  const values = element("div", { class: "values" });
+  const unit = new Set(curves.map(({ curve }) => shownUnit(curve.unit)));
+  const title = element("h2", {}, info.title);
+  if (unit.size === 1 && kind !== "lanes" && [...unit][0] !== "") {
+    title.append(element("span", { class: "unit" }, ` [${[...unit][0]}]`));
+  }
+  if (curves.some(({ curve }) => curve.isRate)) title.append(meanNote(window));
+  const heading = element("header", {}, title, values);
+  if (onClose) heading.append(element("button", { class: "close", title: "Remove this plot", onclick: onClose }, "\u00d7"));
+  root.append(heading);
+  if (curves.length === 0) {
+    root.append(element("p", { class: "empty" }, "None of these variables was recorded."));
+    return root;
+  }
+  const drawing: Drawing = kind === "lanes" ? new Lanes(curves, clock, window) : new Chart(kind, curves, clock, window);
+  root.append(drawing.root);
+  const outputs = kind === "lanes" ? [] : curves.map((entry, i) => makeValue(entry, i, runCount, window, values));
+  const show = () => {
+    for (const output of outputs) output.show(clock.time);
+  };
+  clock.onTime(show);
+  window.onChange(show);
+  onTheme(() => {
+    for (const output of outputs) output.paint();
+    drawing.redraw();
+  });
+  show();
+  return root;
+}
+
+/** Over which time what is shown is a mean. */
+function meanNote(window: Window): HTMLElement {
+  const note = element("span", { class: "unit" });
+  const show = () => (note.textContent = ` mean over ${Number(window.mean.toPrecision(2))} s`);
+  window.onChange(show);
+  show();
+  return note;
+}
+
+/** Each run's curves; where several runs would stack their parts, each run's whole. */
+function curvesOf(info: PanelInfo, runs: Run[]): RunCurve[] {
+  const curves: RunCurve[] = [];
+  if (info.kind === "stack" && runs.length > 1) {
+    runs.forEach((run, runIndex) => {
+      const curve = run.sum(info.curves);
+      if (curve) curves.push({ run, runIndex, curve });
+    });
+    return curves;
+  }
+  for (const wanted of info.curves) {
+    runs.forEach((run, runIndex) => {
+      const curve = run.curve(wanted);
+      if (curve) curves.push({ run, runIndex, curve });
+    });
+  }
+  return curves;
+}
+
+export function curveColour(entry: RunCurve, index: number, runCount: number): string {
+  return colour(runCount > 1 ? entry.runIndex : index);
+}
+
+function makeValue(entry: RunCurve, index: number, runCount: number, window: Window, into: HTMLElement) {
+  const swatch = element("i", { class: "swatch" });
+  const number = element("b", { "data-variable": entry.curve.variable, "data-run": entry.run.name });
+  const name = runCount > 1 ? `${entry.curve.label} · ${entry.run.name}` : entry.curve.label;
+  into.append(element("span", { class: "value", title: entry.curve.variable }, swatch, `${name} `, number));
+  const paint = () => {
+    swatch.style.background = curveColour(entry, index, runCount);
+  };
+  paint();
+  return {
+    paint,
+    show(time: number) {
+      const { curve, run } = entry;
+      number.textContent = shown(curve.values(window.mean)[rowAt(run.times, time)], curve.unit);
+    },
+  };
+}

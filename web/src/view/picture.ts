@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the camera saw last.
+import type { Clock } from "../clock";
+import type { Picture, Run } from "../data/run";
+import { shownTime } from "../data/units";
+import { element } from "../dom";
+
+export function pictureAt(pictures: Picture[], time: number): Picture | null {
+  let last: Picture | null = null;
+  for (const picture of pictures) {
+    if (picture.time > time + 1e-9) break;
+    last = picture;
+  }
+  return last;
+}
+
+export function makePicture(run: Run, clock: Clock): HTMLElement {
+  const image = element("img", { alt: "what the camera saw" });
+  const caption = element("figcaption", {});
+  const figure = element("figure", { class: "picture" }, image, caption);
+  let shownUrl = "";
+  const show = () => {
+    const picture = pictureAt(run.pictures, clock.time);
+    image.style.visibility = picture ? "visible" : "hidden";
+    caption.textContent = picture ? `camera at ${shownTime(picture.time)}` : "no picture yet";
+    if (picture && picture.url !== shownUrl) image.src = shownUrl = picture.url;
+  };
+  clock.onTime(show);
+  show();
+  return figure;
+}

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+// Every recorded variable: found by words of its name, unit or meaning, its value at the moment, plotted at a click.
+import type { Clock } from "../clock";
+import type { Run } from "../data/run";
+import { shownUnit } from "../data/units";
+import { element } from "../dom";
+
+const MOST_ROWS = 400;
+
+export function makeSignals(run: Run, clock: Clock, plot: (name: string) => void): HTMLElement {
+  const search = element("input", { type: "search", id: "search", placeholder: "Search variables: name, unit, meaning  ( / )", "aria-label": "search variables" });
+  const body = element("tbody", {});
+  const count = element("span", { class: "faint" });
+  let cells: [HTMLElement, string][] = [];
+  const all = run.variables.map((name) => {
+    const text = run.info(name)?.text ?? "";
+    return { name, text, unit: run.unit(name), hay: `${name} ${text} ${run.unit(name)}`.toLowerCase() };
+  });
+  const show = () => {
+    if (root.offsetParent === null) return;
+    for (const [cell, name] of cells) cell.textContent = run.textAt(name, clock.time);
+  };
+  const find = () => {
+    const words = search.value.toLowerCase().split(/\s+/).filter(Boolean);
+    const found = all.filter(({ hay }) => words.every((word) => hay.includes(word)));
+    cells = [];
+    body.replaceChildren(...found.slice(0, MOST_ROWS).map(({ name, text, unit }) => {
+      const value = element("td", { class: "number", "data-variable": name });
+      cells.push([value, name]);
+      return element("tr", { class: run.stands(name) ? "still" : "" },
+        element("td", {}, element("button", { title: "Plot", onclick: () => plot(name) }, name)),
+        element("td", {}, shownUnit(unit) || (unit === "1" ? "1" : "")), value, element("td", { class: "faint" }, text));
+    }));
+    count.textContent = `${found.length} of ${all.length}${found.length > MOST_ROWS ? `; the first ${MOST_ROWS} are shown` : ""}`;
+    show();
+  };
+  search.addEventListener("input", find);
+  const root = element("div", { class: "signals" }, element("div", { class: "bar-line" }, search, count),
+    element("div", { class: "scroll" }, element("table", {}, element("thead", {}, element("tr", {}, ...["variable", "unit", "now", "meaning"].map((head) => element("th", {}, head)))), body)));
+  if (run.header.texts.length > 0) root.append(element("p", { class: "faint" }, `Texts are not shown: ${run.header.texts.join(", ")}`));
+  clock.onTime(show);
+  new ResizeObserver(show).observe(root);
+  find();
+  return root;
+}

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+// The foot of the page: play, speed, the moment, and a line of the whole run with its marks.
+import type { Clock } from "../clock";
+import type { Message } from "../data/messages";
+import { shortText } from "../data/messages";
+import type { Run } from "../data/run";
+import { shownTime } from "../data/units";
+import { element } from "../dom";
+import { makeScrubbable } from "./scrub";
+import { Window } from "./window";
+
+const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 5, 10];
+
+export function makeTimeline(run: Run, clock: Clock, window: Window): HTMLElement {
+  const play = element("button", { class: "play", title: "Play or pause (space)", "aria-label": "play", onclick: () => clock.toggle() });
+  const speed = element("select", { title: "Speed (+ and \u2212)", "aria-label": "speed" });
+  for (const value of SPEEDS) speed.append(element("option", { value: String(value) }, `${value}\u00d7`));
+  speed.addEventListener("change", () => clock.setSpeed(Number(speed.value)));
+  const now = element("output", { class: "now", id: "now" });
+  const track = element("div", { class: "track", role: "slider", tabindex: "0", "aria-label": "moment", "aria-valuemin": "0", "aria-valuemax": String(clock.end) });
+  const shownSpan = element("div", { class: "span" });
+  const done = element("div", { class: "done" });
+  const knob = element("div", { class: "knob" });
+  const markArea = element("div", { class: "marks" });
+  track.append(element("div", { class: "rail" }), shownSpan, done, markArea, knob);
+  const whole = new Window(clock.end);
+  makeScrubbable(track, clock, whole);
+  const showMarks = () => {
+    const tags = run.marks.map((mark) => makeMark(mark, clock));
+    markArea.replaceChildren(...tags);
+    keepApart(tags);
+  };
+  new ResizeObserver(showMarks).observe(track);
+  run.onData(() => {
+    whole.extend(clock.end);
+    showMarks();
+  });
+  const showTime = () => {
+    const share = clock.end > 0 ? 100 * (clock.time / clock.end) : 0;
+    now.textContent = `${shownTime(clock.time)} / ${shownTime(clock.end)}`;
+    done.style.width = knob.style.left = `${share}%`;
+    track.setAttribute("aria-valuenow", clock.time.toFixed(3));
+  };
+  const showState = () => {
+    play.textContent = clock.isPlaying ? "\u275a\u275a" : "\u25b6";
+    speed.value = String(clock.speed);
+  };
+  const showSpan = () => {
+    shownSpan.hidden = window.isWhole;
+    shownSpan.style.left = `${(100 * window.start) / clock.end}%`;
+    shownSpan.style.width = `${(100 * (window.stop - window.start)) / clock.end}%`;
+  };
+  clock.onTime(showTime);
+  clock.onState(showState);
+  window.onChange(showSpan);
+  showTime();
+  showState();
+  showSpan();
+  return element("footer", { class: "timeline" }, play, speed, now, track);
+}
+
+/** Of marks whose words would lie upon each other, the later ones keep theirs for the pointer. Warnings are long: theirs, too. */
+function keepApart(marks: HTMLElement[]): void {
+  let end = -Infinity;
+  for (const mark of marks) {
+    mark.classList.remove("quiet");
+    const box = mark.firstElementChild!.getBoundingClientRect();
+    const quiet = box.left < end + 8 || mark.classList.contains("warning");
+    mark.classList.toggle("quiet", quiet);
+    if (!quiet) end = box.right;
+  }
+}
+
+export function nextSpeed(speed: number, direction: number): number {
+  const place = SPEEDS.findIndex((candidate) => candidate >= speed);
+  return SPEEDS[Math.min(Math.max(place + direction, 0), SPEEDS.length - 1)];
+}
+
+function makeMark(message: Message, clock: Clock): HTMLElement {
+  const mark = element("button", {
+    class: `mark ${message.severity}`,
+    title: `${shownTime(message.time!)} · ${message.instance}: ${message.text}`,
+    "aria-label": message.text,
+    onclick: () => clock.set(message.time!),
+    onpointerdown: (event) => event.stopPropagation(),
+  }, element("span", {}, shortText(message).split(/[:;,]/)[0]));
+  mark.style.left = `${clock.end > 0 ? (100 * message.time!) / clock.end : 0}%`;
+  return mark;
+}

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+// The span of time that all plots show: the whole run until somebody looks closer.
+
+export class Window {
+  private from = 0;
+  private to: number;
+  private readonly listeners: (() => void)[] = [];
+
+  constructor(private end: number) {
+    this.to = end;
+  }
+
+  /** The run went on: who looks at all of it goes on looking at all of it. */
+  extend(end: number): void {
+    const whole = this.isWhole;
+    this.end = end;
+    this.set(this.from, whole ? end : this.to);
+  }
+
+  get start(): number {
+    return this.from;
+  }
+
+  get stop(): number {
+    return this.to;
+  }
+
+  /** Rates are shown as means over this time [s]: some pixels of a plot, so that fast switching reads as what it comes to. */
+  get mean(): number {
+    return (this.to - this.from) / 110;
+  }
+
+  get isWhole(): boolean {
+    return this.from === 0 && this.to === this.end;
+  }
+
+  onChange(listener: () => void): void {
+    this.listeners.push(listener);
+  }
+
+  set(from: number, to: number): void {
+    const shortest = this.end / 2000;
+    const span = Math.min(Math.max(to - from, shortest), this.end);
+    this.from = Math.min(Math.max(from, 0), this.end - span);
+    this.to = this.from + span;
+    for (const listener of this.listeners) listener();
+  }
+
+  /** Makes the span longer or shorter by a factor; what is at `at` stays where it is. */
+  zoom(factor: number, at: number): void {
+    this.set(at - (at - this.from) * factor, at + (this.to - at) * factor);
+  }
+
+  reset(): void {
+    this.set(0, this.end);
+  }
+}
