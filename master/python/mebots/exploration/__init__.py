@@ -1,0 +1,28 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Answers a question by many missions: ``mebots.sweep``, and ``mebots sweep`` on the command line.
+
+    study -> designs x draws -> missions (hash of all inputs) -> workers -> journal -> answers with confidence -> report
+
+A mission never knows that it is part of a study. Each module has one subject:
+
+=============  =========================================================================
+``study``      the study file, checked by the reader in C++
+``chance``     draws: a function of seed, name and index alone
+``designs``    which designs there are, by kind
+``missions``   a mission as an order for a worker, and the hash of all it depends on
+``worker``     flies orders in a process of its own
+``flying``     such a process from outside: its limits, crashes and hangs; ``fly`` for executors
+``dispatch``   gives orders to an executor and takes records back
+``journal``    what was flown, on disk
+``objectives`` from a mission's values to the numbers that the study asks for
+``answers``    intervals and confidence sequences
+``rounds``     what is flown next, and which designs need no more
+``search``     the same for designs that Optuna asks for
+``sensitivity`` which factors matter (SALib)
+``front``      which designs are dominated, and how sure that is
+``tables``     missions.csv, designs.csv
+``report``     report.html
+``campaign``   all of it in order
+``command``    the command line
+=============  =========================================================================
+"""

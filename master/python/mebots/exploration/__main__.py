@@ -1,0 +1,8 @@
+# SPDX-License-Identifier: Apache-2.0
+"""``python -m mebots.exploration STUDY --out DIR`` is ``mebots sweep``."""
+
+import sys
+
+from mebots.exploration.command import main
+
+sys.exit(main())

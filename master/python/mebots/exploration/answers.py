@@ -1,0 +1,156 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Intervals for shares and means, from counts and sums alone.
+
+Two kinds. A *fixed* interval keeps its level when the number of missions was settled beforehand: Wilson's for a share,
+Student's for a mean. A *sequence* keeps it at all numbers of missions at once, so that one may look after every round
+and stop when one likes what one sees: a mixture martingale, by Ville's inequality above 1/alpha with a chance of at most
+alpha (Robbins 1970; Howard et al. 2021).
+
+- Share: the likelihood ratio of a beta-binomial mixture against p (uniform prior),
+  B(1 + s, 1 + f) / (p^s (1 - p)^f). The interval is where it stays under 1/alpha. Exact for any p.
+- Mean: the likelihood ratio of Student's t with an effect of distribution N(0, g) against none (Lai 1976),
+  with x = t^2/(n - 1): (1 + n g)^(-1/2) ((1 + x)/(1 + x/(1 + n g)))^(n/2). Solved for x in closed form. Exact for normal
+  values, a good approximation for others with a mean of some ten missions.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import statistics
+from collections.abc import Callable
+
+Interval = tuple[float, float]
+
+_EFFECT = 1.0
+"""g: variance of the effect, in standard deviations: large differences are found after few missions."""
+
+
+def wilson(successes: int, count: int, error: float) -> Interval:
+    """Wilson's score interval of a share at level 1 - error, for a count settled beforehand."""
+    if count == 0:
+        return 0.0, 1.0
+    z = statistics.NormalDist().inv_cdf(1 - error / 2)
+    share = successes / count
+    centre = (share + z * z / (2 * count)) / (1 + z * z / count)
+    half = z / (1 + z * z / count) * math.sqrt(share * (1 - share) / count + z * z / (4 * count * count))
+    low = 0.0 if successes == 0 else max(0.0, centre - half)
+    return low, 1.0 if successes == count else min(1.0, centre + half)
+
+
+def share_evidence(successes: int, count: int, share: float) -> float:
+    """Logarithm of the evidence against a share: of the mixture's likelihood ratio."""
+    failures = count - successes
+    mixture = math.lgamma(1 + successes) + math.lgamma(1 + failures) - math.lgamma(2 + count)
+    return mixture - _times_log(successes, share) - _times_log(failures, 1 - share)
+
+
+def share_sequence(successes: int, count: int, error: float) -> Interval:
+    """An interval of a share that holds at all counts at once, with a chance of at least 1 - error."""
+    if count == 0:
+        return 0.0, 1.0
+    bound = -math.log(error)
+    middle = successes / count
+    low = 0.0 if successes == 0 else _edge(lambda p: share_evidence(successes, count, p) >= bound, 0.0, middle)
+    high = 1.0 if successes == count else _edge(lambda p: share_evidence(successes, count, p) >= bound, 1.0, middle)
+    return low, high
+
+
+def _times_log(count: int, p: float) -> float:
+    if count == 0:
+        return 0.0
+    return count * math.log(p) if p > 0 else -math.inf
+
+
+def _edge(outside: Callable[[float], bool], far: float, near: float) -> float:
+    """Between ``far``, which is outside, and ``near``, which is not: the last point outside."""
+    for _ in range(60):
+        middle = (far + near) / 2
+        if outside(middle):
+            far = middle
+        else:
+            near = middle
+    return far
+
+
+@dataclasses.dataclass
+class Moments:
+    """Count, mean and sum of squared deviations of values that come one after the other (Welford)."""
+
+    count: int = 0
+    mean: float = 0.0
+    squares: float = 0.0
+
+    def add(self, value: float) -> None:
+        self.count += 1
+        step = value - self.mean
+        self.mean += step / self.count
+        self.squares += step * (value - self.mean)
+
+    @property
+    def deviation(self) -> float:
+        """Standard deviation of the values; 0 for fewer than two."""
+        return math.sqrt(self.squares / (self.count - 1)) if self.count > 1 else 0.0
+
+
+def student(moments: Moments, error: float) -> Interval:
+    """Student's interval of a mean at level 1 - error, for a count settled beforehand."""
+    if moments.count < 2:
+        return -math.inf, math.inf
+    half = t_quantile(1 - error / 2, moments.count - 1) * moments.deviation / math.sqrt(moments.count)
+    return moments.mean - half, moments.mean + half
+
+
+def mean_sequence(moments: Moments, error: float) -> Interval:
+    """An interval of a mean that holds at all counts at once, with a chance of at least 1 - error."""
+    n = moments.count
+    if n < 2:
+        return -math.inf, math.inf
+    spread = 1 + n * _EFFECT
+    # The ratio is 1/error at (1 + x) = k (1 + x/spread).
+    log_k = (math.log(spread) - 2 * math.log(error)) / n
+    if log_k >= math.log(spread):
+        return -math.inf, math.inf
+    k = math.exp(log_k)
+    x = (k - 1) / (1 - k / spread)
+    half = moments.deviation * math.sqrt((n - 1) * x / n)
+    return moments.mean - half, moments.mean + half
+
+
+def t_quantile(p: float, freedom: int) -> float:
+    """Quantile of Student's t distribution, for p above one half."""
+    low, high = 0.0, 1.0
+    while _t_distribution(high, freedom) < p:
+        high *= 2
+    for _ in range(100):
+        middle = (low + high) / 2
+        low, high = (middle, high) if _t_distribution(middle, freedom) < p else (low, middle)
+    return (low + high) / 2
+
+
+def _t_distribution(t: float, freedom: int) -> float:
+    return 1 - 0.5 * _incomplete_beta(freedom / 2, 0.5, freedom / (freedom + t * t))
+
+
+def _incomplete_beta(a: float, b: float, x: float) -> float:
+    """The regularised incomplete beta function, by its continued fraction (Lentz)."""
+    if x <= 0 or x >= 1:
+        return float(x >= 1)
+    if x > (a + 1) / (a + b + 2):
+        return 1 - _incomplete_beta(b, a, 1 - x)
+    front = math.exp(
+        math.lgamma(a + b) - math.lgamma(a) - math.lgamma(b) + a * math.log(x) + b * math.log1p(-x)
+    ) / a
+    c, d = 1.0, 1 / (1 - (a + b) * x / (a + 1))
+    fraction = d
+    for m in range(1, 300):
+        for numerator in (
+            m * (b - m) * x / ((a + 2 * m - 1) * (a + 2 * m)),
+            -(a + m) * (a + b + m) * x / ((a + 2 * m) * (a + 2 * m + 1)),
+        ):
+            d = 1 / (1 + numerator * d)
+            c = 1 + numerator / c
+            fraction *= d * c
+        if abs(d * c - 1) < 1e-15:
+            break
+    return front * fraction

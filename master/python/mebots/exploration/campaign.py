@@ -1,0 +1,355 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A study from its file to its answer."""
+
+from __future__ import annotations
+
+import collections
+import concurrent.futures
+import dataclasses
+import itertools
+import json
+import pathlib
+import time
+from collections.abc import Callable, Iterable, Iterator
+from typing import Any
+
+from mebots.errors import InputError
+from mebots.exploration import chance, designs, front, report, sensitivity, tables
+from mebots.exploration.comparison import Evidence
+from mebots.exploration.dispatch import Dispatcher
+from mebots.exploration.journal import Journal
+from mebots.exploration.missions import Missions, Order
+from mebots.exploration.objectives import Measurer, has_all
+from mebots.exploration.rounds import Flight, Rounds
+from mebots.exploration.search import Search
+from mebots.exploration.study import Study, Values
+from mebots.exploration.worker import flat
+
+TABLES = ("missions.csv", "designs.csv", "sensitivity.csv", "report.html")
+
+_MOST_VALUES_TRIED = 64
+"""Of one factor. Of more, the least and the greatest are tried."""
+
+
+@dataclasses.dataclass(frozen=True)
+class Progress:
+    """How far a study is. ``most_left`` counts missions that a decision may still save."""
+
+    flown: int
+    taken: int
+    failed: int
+    most_left: int
+    designs_flying: int
+    rate_per_s: float
+
+
+@dataclasses.dataclass(frozen=True)
+class Sweep:
+    """What came of a study: missions that count, how many of them failed, and the folder with the tables."""
+
+    folder: pathlib.Path
+    missions: int
+    failed: int
+
+    def designs(self) -> list[dict[str, str]]:
+        """The rows of designs.csv."""
+        import csv
+
+        with open(self.folder / "designs.csv", newline="", encoding="utf-8") as stream:
+            return list(csv.DictReader(stream))
+
+
+class Campaign:
+    """Flies a study's missions through an executor. The executor's workers need nothing but the package mebots."""
+
+    def __init__(self, study: Study, executor: concurrent.futures.Executor, in_flight: int) -> None:
+        self.study = study
+        self._dispatcher = Dispatcher(executor, in_flight)
+        self.missions = Missions(study)
+        self.designs = designs.designs_of(study)
+        self.factors = list(self.designs[0] if self.designs else study.design["factors"])
+        self._check_names()
+        labels = flat(self.missions.config.get("summary", {}))
+        self._measurer = Measurer(study.objectives, _labels(labels))
+        self._draws: dict[int, Values] = {}
+        self.flown = self.taken = self.failed = 0
+        self._begun_s = time.monotonic()
+
+    # What the missions are.
+
+    def values(self, flight: Flight) -> Values:
+        """The values of factors and draws of a mission."""
+        design, replicate = flight
+        return self.designs[design] | self._draw(replicate)
+
+    def _draw(self, replicate: int) -> Values:
+        if replicate not in self._draws:
+            self._draws[replicate] = {
+                name: chance.value(spread, chance.unit(self.study.draws_seed, name, replicate))
+                for name, spread in self.study.draws.items()
+            }
+        return self._draws[replicate]
+
+    def order(self, flight: Flight) -> Order:
+        return self.missions.order(self.values(flight))
+
+    @property
+    def most_missions(self) -> int:
+        design = self.study.design
+        designs = design["points"] * design["rounds"] if design["kind"] == "search" else len(self.designs)
+        return designs * self.study.replicates
+
+    def all_flights(self) -> Iterator[Flight]:
+        """All that a study without decisions flies."""
+        return itertools.product(range(len(self.designs)), range(self.study.replicates))
+
+    def example(self) -> Values:
+        """The values of a mission that stands for all."""
+        return next(self._trials())[1]
+
+    def _check_names(self) -> None:
+        for name in self.study.draws:
+            if name in self.factors:
+                raise InputError(f"'{name}' is a factor and a draw; it can only be one of them", "duplicate_name")
+        known = [one["outcome"] for one in self.missions.config.get("outcomes", [])] + ["completed"]
+        for one in self.study.objectives:
+            for outcome in one.what if one.is_share else ():
+                if outcome not in known:
+                    raise InputError(
+                        f"the objective '{one.label}': the mission has no outcome '{outcome}'. It has: {', '.join(dict.fromkeys(known))}",
+                        "unknown_name",
+                    )
+
+    # Before the first mission.
+
+    def check(self, journal: Journal | None = None) -> None:
+        """Brings missions to t = 0 in which every value of every factor occurs, and those at the ends of each draw.
+        Raises InputError with everything that is refused."""
+        tried: dict[str, str] = {}
+        found: dict[str, str] = {}
+
+        def take() -> None:
+            found.update((record["mission"], record["error"]) for record in self._dispatcher.take())
+
+        for what, values in self._trials():
+            order = self.missions.order(values)
+            if order["mission"] in tried or (journal is not None and order["mission"] in journal):
+                continue
+            tried[order["mission"]] = what
+            while self._dispatcher.is_full:
+                take()
+            self._dispatcher.give(order | {"check": True})
+        while len(found) < len(tried):
+            take()
+        problems: dict[str, str] = {}
+        for mission, what in tried.items():
+            if found[mission]:
+                problems.setdefault(found[mission], what)
+        if problems:
+            raise InputError("\n".join(f"{what}: {error}" for error, what in problems.items()), "invalid_value")
+
+    def _trials(self) -> Iterator[tuple[str, Values]]:
+        if not self.designs:
+            yield from self._trials_of_search()
+            return
+        for factor in self.factors:
+            seen: dict[str, int] = {}
+            for number, design in enumerate(self.designs):
+                seen.setdefault(repr(design[factor]), number)
+            chosen = list(seen.values())
+            if len(chosen) > _MOST_VALUES_TRIED and all(_is_number(self.designs[one][factor]) for one in chosen):
+                chosen.sort(key=lambda one: self.designs[one][factor])
+                chosen = [chosen[0], chosen[-1]]
+            for number in chosen:
+                yield f"factor '{factor}' = {json.dumps(self.designs[number][factor])}", self.values((number, 0))
+        for name, spread in self.study.draws.items():
+            for value in chance.extremes(spread):
+                yield f"draw '{name}' = {json.dumps(value)}", self.values((0, 0)) | {name: value}
+
+    def _trials_of_search(self) -> Iterator[tuple[str, Values]]:
+        factors = self.study.design["factors"]
+        first = {name: chance.extremes(spread)[0] for name, spread in factors.items()}
+        for name, spread in factors.items():
+            for value in chance.extremes(spread):
+                yield f"factor '{name}' = {json.dumps(value)}", first | {name: value} | self._draw(0)
+
+    # Flying.
+
+    def run(self, folder: pathlib.Path, reuse: Iterable[pathlib.Path], tell: Callable[[Progress], None]) -> Sweep:
+        """Flies what the folder's journal does not have, and writes the tables. Raises InputError and Error."""
+        folder.mkdir(parents=True, exist_ok=True)
+        journal = Journal(folder)
+        others = [Journal(pathlib.Path(one), writable=False) for one in reuse]
+        try:
+            self.check(journal)
+            for name in TABLES:  # where they are, the study is done
+                (folder / name).unlink(missing_ok=True)
+            (folder / "study.json").write_text(self.study.text + "\n", encoding="utf-8")
+            evidence = Evidence(self.study, len(self.designs))
+            rounds = self._rounds(evidence)
+            hashes: dict[int, list[str]] = collections.defaultdict(list)
+            failures: collections.Counter[int] = collections.Counter()
+            while flights := rounds.next():
+                done = self._fly(flights, rounds, journal, others, tell)
+                for (design, _), mission in done:
+                    record = journal.find(mission)
+                    assert record is not None
+                    failures[design] += bool(record["error"])
+                    hashes[design].append(mission)
+                    evidence.add(design, self._measurer(record))
+                if len(done) < len(flights) or self._too_many(failures.total()):
+                    rounds.end(f"ended: {failures.total()} missions had failed")
+                    break
+                rounds.decide()
+            self._write(folder, journal, evidence, rounds, hashes, failures)
+            return Sweep(folder, sum(len(one) for one in hashes.values()), failures.total())
+        finally:
+            for one in (journal, *others):
+                one.close()
+
+    def _rounds(self, evidence: Evidence) -> Rounds | Search:
+        if self.study.design["kind"] == "search":
+            return Search(self.study, evidence, self.designs)
+        return Rounds(self.study, evidence)
+
+    def _too_many(self, failures: int) -> bool:
+        return self.study.most_failures is not None and failures >= self.study.most_failures
+
+    def _fly(
+        self,
+        flights: list[Flight],
+        rounds: Rounds | Search,
+        journal: Journal,
+        others: list[Journal],
+        tell: Callable[[Progress], None],
+    ) -> list[tuple[Flight, str]]:
+        """Brings the missions of a round into the journal. Returns them in the study's order, up to the one with which
+        too many had failed."""
+        names: list[str] = []
+        missing: set[str] = set()
+        waiting: list[Flight] = []
+        for flight in flights:
+            order = self.order(flight)
+            names.append(order["mission"])
+            if order["mission"] not in missing and not self._is_known(order, journal, others):
+                missing.add(order["mission"])
+                waiting.append(flight)
+        left = rounds.most_left() - len(flights)
+        ahead = rounds.ahead()
+        queue = map(self.order, waiting)
+        settled = 0
+        while True:
+            while settled < len(names) and names[settled] not in missing:
+                record = journal.find(names[settled])
+                assert record is not None
+                self.failed += bool(record["error"])
+                settled += 1
+                if self._too_many(self.failed):
+                    break
+            if settled == len(names) or self._too_many(self.failed):
+                break
+            self._fill(queue, ahead, journal, others)
+            records = self._dispatcher.take()
+            journal.append(records)
+            missing.difference_update(record["mission"] for record in records)
+            self.flown += len(records)
+            tell(
+                Progress(self.flown, self.taken, self.failed, left + len(missing), len(rounds.flying()), self._rate())
+            )
+        return list(zip(flights[:settled], names[:settled], strict=True))
+
+    def _is_known(self, order: Order, journal: Journal, others: list[Journal]) -> bool:
+        record = journal.find(order["mission"])
+        if record is not None and has_all(record, order):
+            self.taken += 1
+            return True
+        for other in others:
+            record = other.find(order["mission"])
+            if record is not None and has_all(record, order):
+                journal.append([record])
+                self.taken += 1
+                return True
+        return False
+
+    def _fill(self, queue: Iterator[Order], ahead: Iterator[Flight], journal: Journal, others: list[Journal]) -> None:
+        while not self._dispatcher.is_full:
+            order = next(queue, None)
+            if order is None:
+                flight = next(ahead, None)
+                if flight is None:
+                    return
+                order = self.order(flight)
+                if self._is_known(order, journal, others):
+                    continue
+            self._dispatcher.give(order)
+
+    def _rate(self) -> float:
+        return self.flown / max(time.monotonic() - self._begun_s, 1e-9)
+
+    # What came of it.
+
+    def _write(
+        self,
+        folder: pathlib.Path,
+        journal: Journal,
+        evidence: Evidence,
+        rounds: Rounds | Search,
+        hashes: dict[int, list[str]],
+        failures: collections.Counter[int],
+    ) -> None:
+        tables.write(folder / "missions.csv", self._mission_rows(journal, evidence, hashes))
+        found = front.places(evidence)
+        head = [tables.design_head(self.factors, self.study)]
+        rows = [
+            tables.design_row(number, values, self.factors, evidence, failures[number], rounds.status[number], found[number])
+            for number, values in enumerate(self.designs)
+        ]
+        tables.write(folder / "designs.csv", head + rows)
+        if self.study.design["kind"] == "sensitivity":
+            sensitivity.write(folder / "sensitivity.csv", self.study, evidence)
+        told = [
+            {"failed": failures[number], "status": rounds.status[number], "front": found[number]}
+            for number in range(len(self.designs))
+        ]
+        commands = [
+            self.missions.shell_line(self.values((number, 0)), f"results/design_{number}") for number in range(len(self.designs))
+        ]
+        report.write(
+            folder / "report.html", self.study, self.factors, self.designs, evidence, told, commands, self._provenance()
+        )
+
+    def _provenance(self) -> dict[str, str]:
+        """What was flown and with what, for people."""
+        draws = json.dumps(self.study.draws) if self.study.draws else "none"
+        files = self.missions.order(self.example())["files"]
+        return {
+            "mission": self.study.mission.name,
+            "draws": f"{draws}, seed {self.study.draws_seed}",
+        } | {name: digest for digest, (_, name) in sorted(files.items(), key=lambda one: one[1][1])}
+
+    def _mission_rows(self, journal: Journal, evidence: Evidence, hashes: dict[int, list[str]]) -> Iterator[list[str]]:
+        names = [*self.factors, *self.study.draws]
+        yield tables.mission_head(self.factors, self.study)
+        for design in range(len(self.designs)):
+            for replicate, mission in enumerate(hashes[design]):
+                record = journal.find(mission)
+                assert record is not None
+                values = self.values((design, replicate))
+                yield tables.mission_row(
+                    design, replicate, values, names, record, evidence.measures[design][replicate]
+                )
+
+
+def _labels(flat_summary: dict[str, Any]) -> list[str]:
+    """The summary's labels; of one with conditions the parts "variable" and "when" are no labels."""
+    result = []
+    for label in flat_summary:
+        before, _, last = label.rpartition(".")
+        if last in ("variable", "when") and f"{before}.when" in flat_summary and f"{before}.variable" in flat_summary:
+            label = before
+        result.append(label)
+    return list(dict.fromkeys(result))
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool)

@@ -1,0 +1,186 @@
+# SPDX-License-Identifier: Apache-2.0
+"""``mebots sweep``: the program reads the command line, and becomes this."""
+
+from __future__ import annotations
+
+import argparse
+import concurrent.futures
+import contextlib
+import json
+import os
+import pathlib
+import signal
+import sys
+import time
+from collections.abc import Iterable
+from typing import Any
+
+from mebots.errors import Error, InputError
+from mebots.exploration import flying
+from mebots.exploration.campaign import Campaign, Progress, Sweep
+from mebots.exploration.journal import Journal
+from mebots.exploration.study import Study, read_study
+
+DONE, NOT_DONE, BAD_INPUT = 0, 1, 2
+
+
+def sweep(
+    study: str | os.PathLike[str] | dict[str, Any],
+    out: str | os.PathLike[str],
+    *,
+    executor: concurrent.futures.Executor | None = None,
+    jobs: int | None = None,
+    reuse: Iterable[str | os.PathLike[str]] = (),
+    progress: Any = None,
+) -> Sweep:
+    """Flies the missions of a study, as ``mebots sweep`` does, and writes its tables into ``out``; the same call goes on
+    where it was. Raises InputError for what the caller can mend, Error for an executor or a disk that failed.
+
+    :param study: file, or its content as a dict.
+    :param executor: any ``concurrent.futures.Executor`` whose workers have the package mebots; None = this machine.
+    :param jobs: missions at the same time; the number of processors by default. For an executor: how many are given out.
+    :param reuse: folders of studies whose missions need not be flown again.
+    :param progress: called with a ``Progress`` after every mission.
+    """
+    read = read_study(study)
+    with _campaign(read, executor, jobs) as campaign:
+        return campaign.run(pathlib.Path(out), [pathlib.Path(one) for one in reuse], progress or (lambda now: None))
+
+
+@contextlib.contextmanager
+def _campaign(study: Study, executor: concurrent.futures.Executor | None, jobs: int | None):
+    if executor is not None:
+        yield Campaign(study, executor, jobs or 64)
+        return
+    jobs = jobs or len(os.sched_getaffinity(0))
+    flying.ready()
+    threads = concurrent.futures.ThreadPoolExecutor(jobs)  # each with a mission process of its own: see flying
+    try:
+        # Enough in flight that nobody waits, and few enough that little is flown in vain.
+        yield Campaign(study, threads, 2 * jobs)
+    finally:
+        flying.close_all()
+        threads.shutdown(wait=True, cancel_futures=True)
+
+
+def main(words: list[str] | None = None) -> int:
+    """Returns the exit code."""
+    options = _options(words)
+    signal.signal(signal.SIGTERM, _interrupt)
+    signal.signal(signal.SIGHUP, _interrupt)
+    try:
+        if options.status:
+            return _status(pathlib.Path(options.status))
+        if not options.study:
+            raise InputError("a study is missing. `mebots sweep --help` tells what it takes", "missing_key")
+        study = read_study(options.study)
+        if options.dry_run:
+            return _dry_run(study, options)
+        if not options.out:
+            raise InputError("--out is missing: the folder for the results", "missing_key")
+        return _sweep(study, options)
+    except InputError as error:
+        _complain(error)
+        return BAD_INPUT
+    except Error as error:
+        _complain(error)
+        return NOT_DONE
+    except KeyboardInterrupt:
+        print("interrupted; the same command goes on from here", file=sys.stderr)
+        return NOT_DONE
+
+
+def _options(words: list[str] | None) -> argparse.Namespace:
+    parser = argparse.ArgumentParser("mebots sweep")
+    parser.add_argument("study", nargs="?")
+    parser.add_argument("--out")
+    parser.add_argument("--jobs", type=int)
+    parser.add_argument("--dry-run", action="store_true")
+    parser.add_argument("--status")
+    parser.add_argument("--reuse", action="append", default=[])
+    return parser.parse_args(words)
+
+
+def _interrupt(number: int, frame: object) -> None:
+    raise KeyboardInterrupt
+
+
+def _complain(error: Error) -> None:
+    for line in str(error).splitlines():
+        print(f"mebots: error: {line}", file=sys.stderr)
+
+
+def _sweep(study: Study, options: argparse.Namespace) -> int:
+    out = pathlib.Path(options.out)
+    with _campaign(study, None, options.jobs) as campaign:
+        teller = _Teller()
+        print(f"{_designs(campaign)}at most {campaign.most_missions} missions", file=sys.stderr)
+        result = campaign.run(out, [pathlib.Path(one) for one in options.reuse], teller)
+        teller.end()
+    print(f"{result.missions} missions, {result.failed} failed: {out / 'missions.csv'}, {out / 'designs.csv'}, {out / 'report.html'}")
+    return NOT_DONE if result.failed else DONE
+
+
+def _designs(campaign: Campaign) -> str:
+    return f"{len(campaign.designs)} designs, " if campaign.designs else ""
+
+
+class _Teller:
+    """One line that is written over on a terminal, and a line a while elsewhere."""
+
+    def __init__(self) -> None:
+        self._terminal = sys.stderr.isatty()
+        self._next_s = time.monotonic() + (0.2 if self._terminal else 10)
+
+    def __call__(self, now: Progress) -> None:
+        if time.monotonic() < self._next_s:
+            return
+        self._next_s = time.monotonic() + (0.2 if self._terminal else 10)
+        left_s = now.most_left / now.rate_per_s if now.rate_per_s > 0 else 0
+        text = (
+            f"{now.flown} flown, {now.taken} from a journal, {now.failed} failed, at most {now.most_left} left "
+            f"({now.rate_per_s:.2f} a second, {_duration(left_s)}); {now.designs_flying} designs flying"
+        )
+        print(f"\r\033[K{text}" if self._terminal else text, end="" if self._terminal else "\n", file=sys.stderr, flush=True)
+
+    def end(self) -> None:
+        if self._terminal:
+            print("\r\033[K", end="", file=sys.stderr)
+
+
+def _duration(time_s: float) -> str:
+    if time_s < 90:
+        return f"{time_s:.0f} s"
+    return f"{time_s / 60:.0f} min" if time_s < 5400 else f"{time_s / 3600:.1f} h"
+
+
+def _status(folder: pathlib.Path) -> int:
+    try:
+        content = json.loads((folder / "study.json").read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        raise InputError(f"{folder}: there is no study in this folder", "file_not_found") from None
+    study = read_study(content)
+    with _campaign(study, None, 1) as campaign:
+        journal = Journal(folder, writable=False)
+        flown = sum(campaign.order(flight)["mission"] in journal for flight in campaign.all_flights())
+        journal.close()
+        done = (folder / "report.html").exists()
+        known = f"{flown} of at most {campaign.most_missions} missions are flown; " if campaign.designs else ""
+        print(f"{known}the journal has {len(journal)}")
+        print(f"the study is done: {folder / 'report.html'}" if done else "the study is not done")
+    return DONE
+
+
+def _dry_run(study: Study, options: argparse.Namespace) -> int:
+    """Checks everything, and flies one mission to tell how long all of them take."""
+    with _campaign(study, None, options.jobs) as campaign:
+        campaign.check()
+        jobs = options.jobs or len(os.sched_getaffinity(0))
+        record = flying.fly(campaign.missions.order(campaign.example()))
+        count = campaign.most_missions
+        line_bytes = len(json.dumps(record)) + 1
+        time_s = count * record["processor_time"] / jobs
+        print(f"{_designs(campaign)}at most {count} missions")
+        print(f"about {_duration(time_s)} with {jobs} jobs ({record['processor_time']:.2f} s a mission, measured on one)")
+        print(f"about {count * (line_bytes + 200) / 1e6:.1f} MB of disk")
+    return DONE

@@ -1,0 +1,152 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Which designs a study compares: a function for each kind, in one registry. A further kind is a further row."""
+
+from __future__ import annotations
+
+import csv
+import itertools
+import json
+import math
+import pathlib
+from collections.abc import Callable
+from typing import Any
+
+from mebots.errors import InputError
+from mebots.exploration import chance
+from mebots.exploration.study import Study, Values
+
+MOST = 10_000_000
+
+
+def designs_of(study: Study) -> list[Values]:
+    """All designs, in the study's order. Raises InputError where there are none, or too many."""
+    kind = study.design["kind"]
+    found = KINDS[kind](study)
+    conditions = study.design.get("conditions", [])
+    kept = [design for design in found if all(_fits(one, design) for one in conditions)]
+    if not kept and kind != "search":
+        raise InputError("the study has no design: its conditions leave none", "invalid_value")
+    return kept
+
+
+def levels(spread: Any) -> list[Any]:
+    """The values of a factor of a grid: its list, or the names of its options."""
+    return list(spread["options"]) if isinstance(spread, dict) else list(spread)
+
+
+def _grid(study: Study) -> list[Values]:
+    factors = study.design["factors"]
+    choices = [levels(spread) for spread in factors.values()]
+    count = math.prod(len(choice) for choice in choices)
+    if count > MOST:
+        raise InputError(f"the grid has {count} designs; at most {MOST} are possible", "value_out_of_range")
+    return [dict(zip(factors, values, strict=True)) for values in itertools.product(*choices)]
+
+
+def _list(study: Study) -> list[Values]:
+    file = pathlib.Path(study.design["file"])
+    with open(file, newline="", encoding="utf-8") as stream:
+        rows = [row for row in csv.reader(stream) if row]
+    if len(rows) < 2:
+        raise InputError(f"{file}: a row of names and at least one design are needed", "syntax_error")
+    names = [name.strip() for name in rows[0]]
+    if len(set(names)) != len(names) or "" in names:
+        raise InputError(f"{file}:1: every column needs a name of its own", "duplicate_name")
+    for number, row in enumerate(rows[1:], 2):
+        if len(row) != len(names):
+            raise InputError(f"{file}:{number}: {len(row)} values for {len(names)} names", "syntax_error")
+    return [{name: _cell(text) for name, text in zip(names, row, strict=True)} for row in rows[1:]]
+
+
+def _cell(text: str) -> Any:
+    """A number, true or false where the text is one; a text otherwise."""
+    try:
+        value = json.loads(text)
+    except ValueError:
+        return text
+    return value if isinstance(value, (bool, int, float)) and math.isfinite(value) else text
+
+
+def _random(study: Study) -> list[Values]:
+    return _from_units(study, lambda name, i, count, seed: chance.unit(seed, "design/" + name, i))
+
+
+def _latin_hypercube(study: Study) -> list[Values]:
+    """Every factor takes one value of each of as many equally likely strata as there are designs."""
+    orders: dict[str, list[int]] = {}
+
+    def unit(name: str, i: int, count: int, seed: int) -> float:
+        if name not in orders:
+            orders[name] = sorted(range(count), key=lambda j: chance.unit(seed, "order/" + name, j))
+        return (orders[name][i] + chance.unit(seed, "design/" + name, i)) / count
+
+    return _from_units(study, unit)
+
+
+def _sobol(study: Study) -> list[Values]:
+    """Sobol's sequence, scrambled by the seed (SciPy)."""
+    qmc = extra("scipy.stats.qmc", "a design 'sobol'", "scipy")
+    factors = study.design["factors"]
+    count = study.design["points"]
+    sampler = qmc.Sobol(len(factors), scramble=True, seed=study.design.get("seed", 0))
+    points = sampler.random_base2(max(0, math.ceil(math.log2(count))))[:count]
+    columns = {name: index for index, name in enumerate(factors)}
+    return _from_units(study, lambda name, i, count, seed: float(points[i][columns[name]]))
+
+
+def _sensitivity(study: Study) -> list[Values]:
+    """The samples of a method of SALib: points on the unit cube, which become quantiles of the factors."""
+    from mebots.exploration import sensitivity
+
+    factors = study.design["factors"]
+    return [
+        {name: chance.value(spread, float(u)) for (name, spread), u in zip(factors.items(), point, strict=True)}
+        for point in sensitivity.sample(study)
+    ]
+
+
+def _from_units(study: Study, unit: Callable[[str, int, int, int], float]) -> list[Values]:
+    factors = study.design["factors"]
+    count, seed = study.design["points"], study.design.get("seed", 0)
+    if count > MOST:
+        raise InputError(f"{count} designs are asked for; at most {MOST} are possible", "value_out_of_range")
+    return [
+        {name: chance.value(spread, unit(name, i, count, seed)) for name, spread in factors.items()}
+        for i in range(count)
+    ]
+
+
+KINDS: dict[str, Callable[[Study], list[Values]]] = {
+    "grid": _grid,
+    "list": _list,
+    "latin_hypercube": _latin_hypercube,
+    "sobol": _sobol,
+    "random": _random,
+    "sensitivity": _sensitivity,
+    "search": lambda study: [],  # its designs come round by round: see search
+}
+
+
+def _fits(condition: dict[str, Any], design: Values) -> bool:
+    """Whether a design that is in ``when`` is in ``only``, too."""
+    return not _in(condition["when"], design) or _in(condition["only"], design)
+
+
+def _in(subset: dict[str, Any], design: Values) -> bool:
+    return all(_allows(allowed, design[name]) for name, allowed in subset.items())
+
+
+def _allows(allowed: Any, value: Any) -> bool:
+    if isinstance(allowed, list):
+        return any(value == one and isinstance(value, bool) == isinstance(one, bool) for one in allowed)
+    return allowed.get("min", -math.inf) <= value <= allowed.get("max", math.inf)
+
+
+def extra(module: str, what: str, package: str) -> Any:
+    """A module of the extra ``mebots[sweep]``. Raises InputError with the line that installs it."""
+    import importlib
+
+    try:
+        return importlib.import_module(module)
+    except ImportError as error:
+        raise InputError(f"{what} needs {package}: pip install 'mebots[sweep]', or pip install {package}", "not_offered") from error

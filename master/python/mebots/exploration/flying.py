@@ -1,0 +1,270 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Mission processes from outside. ``fly`` is what executors of any kind are given: it flies an order in a process that
+belongs to the calling thread, so that a crash costs a mission and never the executor's worker."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import pathlib
+import re
+import select
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from typing import Any
+
+from mebots.exploration.missions import Order, digest_of_file, without_paths
+
+ATTEMPTS = 3
+"""How often a mission is tried whose process ended: somebody else may have ended it."""
+_LOOK_EVERY_S = 0.25
+_STALLED_AFTER_S = 60.0
+_STALLED_AFTER_LEAST_S = 5.0
+_MOST_WORDS = 2000
+_ADDRESS = re.compile(r"0x[0-9a-fA-F]+")
+_TICKS = os.sysconf("SC_CLK_TCK")
+
+
+class Lost(Exception):
+    """The process ended in the middle of a mission; the text says how, and names no process."""
+
+
+class MissionProcess:
+    """A worker in a process of its own. One thread at a time."""
+
+    def __init__(self) -> None:
+        life, self._life = os.pipe()
+        self._records, out = os.pipe()
+        self._last_words = tempfile.TemporaryFile("a+b")
+        environment = dict(os.environ)
+        package = str(pathlib.Path(__file__).resolve().parents[2])
+        environment["PYTHONPATH"] = os.pathsep.join([package, *filter(None, [environment.get("PYTHONPATH")])])
+        self._process = subprocess.Popen(
+            [sys.executable, "-m", "mebots.exploration.worker", str(life), str(out)],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.DEVNULL,  # an FMU may print
+            stderr=self._last_words,  # of an assertion, say
+            pass_fds=(life, out),
+            start_new_session=True,  # Ctrl-C is for who decides what is flown
+            env=environment,
+        )
+        os.close(life)
+        os.close(out)
+        self._rest = b""
+        self._line(None)
+
+    def fly(self, order: Order) -> dict[str, Any]:
+        """The record of a mission. Raises Lost, after which this object is of no use."""
+        assert self._process.stdin is not None
+        self._last_words.truncate(0)
+        try:
+            self._process.stdin.write(json.dumps(order).encode() + b"\n")
+            self._process.stdin.flush()
+        except OSError:
+            raise Lost(self._how_it_ended()) from None
+        limit_s = order.get("processor_time")
+        record = self._line(limit_s)
+        if "bug" in record:
+            raise AssertionError(record["bug"])
+        if limit_s is not None and record["processor_time"] > limit_s:
+            return failed(order, *_over(limit_s))
+        return record
+
+    def end(self) -> None:
+        """From any thread: whoever waits for a record hears that the process is lost."""
+        with contextlib.suppress(OSError):
+            os.killpg(self._process.pid, signal.SIGKILL)
+
+    def close(self) -> None:
+        self.end()
+        self._process.wait()
+        self._last_words.close()
+        for descriptor in (self._life, self._records):
+            with contextlib.suppress(OSError):
+                os.close(descriptor)
+        if self._process.stdin is not None:
+            with contextlib.suppress(OSError):
+                self._process.stdin.close()
+
+    def _line(self, limit_s: float | None) -> dict[str, Any]:
+        begun_s = last_s = self._processor_time_s()
+        moved_at = time.monotonic()
+        # A call that waits for ever takes no processor time: this limit alone is of the wall clock.
+        patience_s = _STALLED_AFTER_S if limit_s is None else max(_STALLED_AFTER_LEAST_S, limit_s)
+        while b"\n" not in self._rest:
+            if select.select([self._records], [], [], _LOOK_EVERY_S)[0]:
+                block = os.read(self._records, 1 << 16)
+                if not block:
+                    raise Lost(self._how_it_ended())
+                self._rest += block
+                continue
+            now_s = self._processor_time_s()
+            if limit_s is not None and now_s - begun_s > limit_s:
+                raise TooLong(limit_s)
+            if now_s > last_s:
+                last_s, moved_at = now_s, time.monotonic()
+            elif time.monotonic() - moved_at > patience_s:
+                raise Lost(f"it did nothing for {patience_s:g} s")
+        line, _, self._rest = self._rest.partition(b"\n")
+        return json.loads(line)
+
+    def _processor_time_s(self) -> float:
+        """Of the process and of those of isolated instances, which are its children."""
+        total = _ticks_of(self._process.pid)
+        with contextlib.suppress(OSError):
+            tasks = f"/proc/{self._process.pid}/task"
+            for task in os.listdir(tasks):
+                with contextlib.suppress(OSError), open(f"{tasks}/{task}/children", encoding="ascii") as children:
+                    total += sum(_ticks_of(int(child)) for child in children.read().split())
+        return total / _TICKS
+
+    def _how_it_ended(self) -> str:
+        try:
+            code = self._process.wait(5)
+        except subprocess.TimeoutExpired:
+            return "it closed its output"
+        text = f"it ended with exit code {code}" if code >= 0 else f"it ended by {_name_of(-code)}"
+        size = self._last_words.seek(0, os.SEEK_END)
+        self._last_words.seek(max(0, size - _MOST_WORDS))
+        words = self._last_words.read().decode(errors="replace").strip().splitlines()
+        # The same on every machine and in every process.
+        return f"{text}: {_ADDRESS.sub('0x...', without_paths(words[-1]))}" if words else text
+
+
+def _name_of(number: int) -> str:
+    try:
+        return signal.Signals(number).name
+    except ValueError:
+        return f"signal {number}"
+
+
+class TooLong(Lost):
+    def __init__(self, limit_s: float) -> None:
+        super().__init__(_over(limit_s)[0])
+        self.limit_s = limit_s
+
+
+def _over(limit_s: float) -> tuple[str, str]:
+    return f"it needed more than its limit of {limit_s:g} s of processor time", "fmu_timeout"
+
+
+def _ticks_of(process: int) -> int:
+    """User and system time; 0 for a process that is gone."""
+    with contextlib.suppress(OSError, IndexError), open(f"/proc/{process}/stat", encoding="utf-8") as stat:
+        words = stat.read().rpartition(")")[2].split()
+        return int(words[11]) + int(words[12])
+    return 0
+
+
+def failed(order: Order, error: str, code: str) -> dict[str, Any]:
+    """The record of a mission whose process told nothing."""
+    return {"mission": order["mission"], "outcome": "failed", "error": error, "code": code}
+
+
+_mine = threading.local()
+_all: set[MissionProcess] = set()
+_closing = threading.Event()
+_lock = threading.Lock()
+
+
+def fly(order: Order) -> dict[str, Any]:
+    """Flies an order in the calling thread's mission process. Where files of the order are not on this machine, the
+    answer is ``{"lacks": [their hashes]}``; the order may bring them under ``contents``."""
+    lacking = _find_files(order)
+    if lacking:
+        return {"mission": order["mission"], "lacks": lacking}
+    for attempt in range(1, ATTEMPTS + 1):
+        if _closing.is_set():
+            raise RuntimeError("the study is over")
+        try:
+            return _my_process().fly(order)
+        except TooLong as error:
+            _drop_my_process()
+            return failed(order, *_over(error.limit_s))
+        except Lost as error:
+            _drop_my_process()
+            if attempt == ATTEMPTS:
+                return failed(order, f"the mission's process was lost: {error}", "fmu_lost")
+    raise AssertionError("unreachable")
+
+
+def _my_process() -> MissionProcess:
+    if getattr(_mine, "process", None) is None:
+        _mine.process = MissionProcess()
+        with _lock:
+            _all.add(_mine.process)
+    return _mine.process
+
+
+def _drop_my_process() -> None:
+    process, _mine.process = _mine.process, None
+    with _lock:
+        _all.discard(process)
+    process.close()
+
+
+def ready() -> None:
+    """After ``close_all``, for the next study of this process."""
+    _closing.clear()
+
+
+def close_all() -> None:
+    """Ends all mission processes of this process, whatever they do."""
+    _closing.set()
+    with _lock:
+        processes = list(_all)
+        _all.clear()
+    for process in processes:
+        process.end()
+
+
+# Files by hash.
+
+_known: dict[tuple[str, int, int], str] = {}
+
+
+def cache_folder() -> pathlib.Path:
+    """Where a machine keeps files that came with orders."""
+    base = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
+    return pathlib.Path(base) / "mebots" / "inputs"
+
+
+def _find_files(order: Order) -> list[str]:
+    """Sets the paths of the order's files to where they lie here. Returns the hashes of those that do not."""
+    contents = order.pop("contents", {})
+    lacking = []
+    for digest, place in order["files"].items():
+        if _is(place[0], digest):
+            continue
+        cached = cache_folder() / digest / place[1]
+        if digest in contents:
+            _keep(cached, contents[digest])
+        if _is(str(cached), digest):
+            place[0] = str(cached)
+        else:
+            lacking.append(digest)
+    return lacking
+
+
+def _keep(file: pathlib.Path, content: bytes) -> None:
+    file.parent.mkdir(parents=True, exist_ok=True)
+    beside = file.with_name(f"{file.name}.{os.getpid()}.{threading.get_ident()}")
+    beside.write_bytes(content)
+    beside.replace(file)
+
+
+def _is(path: str, digest: str) -> bool:
+    """Whether the file has this hash; looked at once for each time and size that it has."""
+    try:
+        stat = os.stat(path)
+    except OSError:
+        return False
+    key = (path, stat.st_mtime_ns, stat.st_size)
+    if key not in _known:
+        _known[key] = digest_of_file(path)
+    return _known[key] == digest

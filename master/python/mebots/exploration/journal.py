@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What was flown, on disk: a line of JSON a mission, appended and synchronised before anybody counts on it."""
+
+from __future__ import annotations
+
+import fcntl
+import json
+import os
+import pathlib
+from collections.abc import Iterable
+from typing import Any
+
+from mebots.errors import Error, InputError
+
+NAME = "journal.jsonl"
+
+Record = dict[str, Any]
+
+
+class Journal:
+    """The records of a folder by their mission's hash. Keeps where they stand, not what they say: memory grows with the
+    number of missions alone. One process at a time writes; a line that a kill tore is cut off."""
+
+    def __init__(self, folder: pathlib.Path, *, writable: bool = True) -> None:
+        self.file = folder / NAME
+        self._places: dict[bytes, int] = {}
+        flags = os.O_RDWR | os.O_CREAT if writable else os.O_RDONLY
+        try:
+            self._stream = os.fdopen(os.open(self.file, flags | os.O_CLOEXEC, 0o666), "r+b" if writable else "rb")
+        except OSError as error:
+            raise InputError(f"{self.file}: {error.strerror}", "file_unwritable" if writable else "file_not_found") from None
+        if writable:
+            self._lock()
+        end = self._read()
+        if writable:
+            self._stream.truncate(end)
+        self._end = end
+
+    def __len__(self) -> int:
+        return len(self._places)
+
+    def __contains__(self, mission: str) -> bool:
+        return bytes.fromhex(mission) in self._places
+
+    def find(self, mission: str) -> Record | None:
+        """The last record of a mission."""
+        place = self._places.get(bytes.fromhex(mission))
+        if place is None:
+            return None
+        self._stream.seek(place)
+        return json.loads(self._stream.readline())
+
+    def append(self, records: Iterable[Record]) -> None:
+        """Returns when they are on the disk. Raises Error when they cannot be written."""
+        lines = []
+        places = {}
+        end = self._end
+        for record in records:
+            line = json.dumps(record, separators=(",", ":")).encode() + b"\n"
+            places[bytes.fromhex(record["mission"])] = end
+            end += len(line)
+            lines.append(line)
+        try:
+            self._stream.seek(self._end)
+            self._stream.write(b"".join(lines))
+            self._stream.flush()
+            os.fdatasync(self._stream.fileno())
+        except OSError as error:
+            raise Error(f"{self.file}: {error.strerror}", "file_unwritable") from None
+        self._places |= places
+        self._end = end
+
+    def close(self) -> None:
+        self._stream.close()
+
+    def _lock(self) -> None:
+        try:
+            fcntl.flock(self._stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            raise InputError(f"{self.file.parent}: another `mebots sweep` is at work in this folder", "file_unwritable") from None
+
+    def _read(self) -> int:
+        """Notes where the records stand. Returns where the last whole line ends."""
+        end = 0
+        for number, line in enumerate(self._stream, 1):
+            if not line.endswith(b"\n"):
+                break
+            try:
+                self._places[bytes.fromhex(json.loads(line)["mission"])] = end
+            except (ValueError, KeyError, TypeError):
+                raise InputError(f"{self.file}:{number}: this is not a line of a journal; remove it", "syntax_error") from None
+            end += len(line)
+        return end

@@ -1,0 +1,183 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A mission as an order: everything that a worker needs, and the hash of all that the mission depends on.
+
+Files (FMUs, firmware, weights, cells) stand in an order by their hash, so that it means the same on every machine; where
+they lie on this one stands beside it.
+"""
+
+from __future__ import annotations
+
+import copy
+import dataclasses
+import hashlib
+import json
+import os
+import pathlib
+import re
+from typing import Any
+
+from mebots import _mebots
+from mebots.errors import InputError
+from mebots.exploration.study import Study, Values
+
+FILE_MARK = "mebots-file:"
+"""Begins a text that stands for the file with the hash behind it."""
+
+_NOT_OF_A_MISSION = ("text", "record", "pictures", "log", "threads")  # change what is shown, not what happens
+
+_PATH = re.compile(r"(?<![\w.~/])/(?:[^\s/:;,'\"]+/)+([^\s/:;,'\"]*)")
+
+Order = dict[str, Any]
+"""``config``: JSON text, ``settings``: variable -> value, ``files``: hash -> [path, name], ``finals`` and ``series``:
+what is wanted beyond the summary, ``processor_time``: limit [s] or None, ``mission``: the hash."""
+
+
+def digest_of_file(path: str | os.PathLike[str]) -> str:
+    with open(path, "rb") as stream:
+        return hashlib.file_digest(stream, "sha256").hexdigest()
+
+
+def canonical(value: Any) -> str:
+    return json.dumps(value, sort_keys=True, separators=(",", ":"))
+
+
+def without_paths(text: str) -> str:
+    """A message with files by their names alone."""
+    return _PATH.sub(r"\1", text)
+
+
+@dataclasses.dataclass
+class _Variant:
+    """The mission's config with the values of those factors that are keys of it."""
+
+    config: str
+    digest: str
+    files: dict[str, list[str]]
+    kept: Any  # an SSP's unpacked folder goes with it
+
+
+class Missions:
+    """Makes orders from designs and draws. Hashes each file once."""
+
+    def __init__(self, study: Study) -> None:
+        self._study = study
+        self._digests: dict[str, str] = {}
+        self._variants: dict[str, _Variant] = {}
+        self._ground = _mebots.Ground(study.mission)
+        self.config: dict[str, Any] = json.loads(self._ground.config)
+        finals = {one.what for one in study.objectives if one.source == "final"}
+        series = {(one.what, one.reduction) for one in study.objectives if one.source == "series"}
+        self._finals = sorted(finals)
+        self._series = [list(pair) for pair in sorted(series)]
+
+    def order(self, values: Values) -> Order:
+        """The mission with these values of factors and draws. Raises InputError for a pointer into nowhere."""
+        pointers, settings = self._divide(values)
+        variant = self._variant(pointers)
+        files = dict(variant.files)
+        settings = {name: self._portable(value, files) for name, value in settings.items()}
+        mission = {"version": _mebots.__version__, "config": variant.digest, "settings": settings}
+        return {
+            "mission": hashlib.sha256(canonical(mission).encode()).hexdigest(),
+            "config": variant.config,
+            "settings": settings,
+            "files": files,
+            "finals": self._finals,
+            "series": self._series,
+            "processor_time": self._study.processor_time_s,
+        }
+
+    def shell_line(self, values: Values, out: str) -> str:
+        """The command that flies the mission again, with all its results and pictures; "" where only another config
+        could."""
+        import shlex
+
+        pointers, settings = self._divide(values)
+        stop_time = pointers.pop("/stop_time", None)
+        if pointers:
+            return ""
+        words = ["mebots", "run", str(self._study.mission), "--out", out]
+        for name, value in settings.items():
+            words += ["--set", f"{name}={_as_typed(value)}"]
+        if stop_time is not None:
+            words += ["--stop-time", _as_typed(stop_time)]
+        return " ".join(shlex.quote(word) for word in words)
+
+    def _divide(self, values: Values) -> tuple[Values, Values]:
+        """Keys of the config, and parameters; options become what they set."""
+        pointers, settings = {}, {}
+        for name, value in values.items():
+            spread = self._study.design.get("factors", {}).get(name)
+            if isinstance(spread, dict) and "options" in spread:
+                chosen = spread["options"][value]
+            else:
+                chosen = {name: value}
+            for key, setting in chosen.items():
+                (pointers if key.startswith("/") else settings)[key] = self._located(setting)
+        return pointers, settings
+
+    def _located(self, value: Any) -> Any:
+        """A text that names a file beside the study, as a path that holds from anywhere."""
+        if isinstance(value, str) and value and not os.path.isabs(value):
+            beside = self._study.folder / value
+            if beside.is_file():
+                return str(beside)
+        return value
+
+    def _portable(self, value: Any, files: dict[str, list[str]]) -> Any:
+        if not isinstance(value, str) or not value or not os.path.isfile(value):
+            return value
+        path = os.path.abspath(value)
+        digest = self._digests.get(path)
+        if digest is None:
+            digest = self._digests[path] = digest_of_file(path)
+        files[digest] = [path, os.path.basename(path)]
+        return FILE_MARK + digest
+
+    def _variant(self, pointers: Values) -> _Variant:
+        key = canonical(pointers)
+        if key not in self._variants:
+            self._variants[key] = self._make_variant(pointers)
+        return self._variants[key]
+
+    def _make_variant(self, pointers: Values) -> _Variant:
+        config = copy.deepcopy(self.config)
+        for pointer, value in pointers.items():
+            _put(config, pointer, value)
+        ground = _mebots.Ground(self._study.mission, json.dumps(config)) if pointers else self._ground
+        config = json.loads(ground.config)
+        for section in _NOT_OF_A_MISSION:
+            config.pop(section, None)
+        files: dict[str, list[str]] = {}
+        for instance, path in json.loads(ground.fmus).items():
+            config["instances"][instance]["fmu"] = self._portable(path, files)
+        for instance in config["instances"].values():
+            parameters = instance.get("parameters", {})
+            for name, value in parameters.items():
+                parameters[name] = self._portable(value, files)
+        text = json.dumps(config)
+        return _Variant(text, hashlib.sha256(canonical(config).encode()).hexdigest(), files, ground)
+
+
+def _put(config: dict[str, Any], pointer: str, value: Any) -> None:
+    """Sets what a JSON pointer (RFC 6901) names. Only a last step may be new."""
+    steps = [step.replace("~1", "/").replace("~0", "~") for step in pointer.split("/")[1:]]
+    place: Any = config
+    for number, step in enumerate(steps):
+        last = number == len(steps) - 1
+        if isinstance(place, list) and step.isdigit() and int(step) < len(place):
+            key: Any = int(step)
+        elif isinstance(place, dict) and (last or step in place):
+            key = step
+        else:
+            raise InputError(f"the factor '{pointer}' names nothing in the mission's config: there is no '{step}'", "unknown_key")
+        if last:
+            place[key] = value
+        else:
+            place = place[key]
+
+
+def _as_typed(value: Any) -> str:
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    return repr(value) if isinstance(value, float) else str(value)

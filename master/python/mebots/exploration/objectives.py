@@ -1,0 +1,136 @@
+# SPDX-License-Identifier: Apache-2.0
+"""From the record of a mission to the numbers that the study asks for."""
+
+from __future__ import annotations
+
+import ast
+import math
+import operator
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any
+
+from mebots.errors import InputError
+from mebots.exploration.journal import Record
+from mebots.exploration.study import Objective
+
+Measures = tuple[float | None, ...]
+"""One number for each objective; None where the mission has none."""
+
+
+class Measurer:
+    """Makes the numbers of one mission. ``labels`` are those of the mission's summary. Raises InputError for an
+    objective that asks for something that is not there."""
+
+    def __init__(self, objectives: Iterable[Objective], labels: Iterable[str]) -> None:
+        self._objectives = tuple(objectives)
+        self._formulas: dict[str, Callable[[Mapping[str, Any]], float]] = {}
+        labels = list(labels)
+        known: set[str] = set(labels)
+        for one in self._objectives:
+            if one.source == "summary" and one.what not in known.intersection(labels):
+                raise InputError(f"the objective '{one.label}': the mission's summary has no '{one.what}'. {_nearest(one.what, labels)}", "unknown_name")
+            if one.source == "expression":
+                self._formulas[one.label] = formula(one.what, known, f"the objective '{one.label}'")
+            known.add(one.label)
+
+    def __call__(self, record: Record) -> Measures:
+        values: dict[str, Any] = dict(record.get("values", {}))
+        sound = not record["error"]
+        measured: dict[str, float | None] = {}
+        for one in self._objectives:
+            found = self._one(one, record, values) if sound else None
+            if one.is_share:
+                found = float(record["outcome"] in one.what)
+            if one.where is not None and measured.get(one.where, 1.0) != 1.0:
+                found = None
+            measured[one.label] = values[one.label] = found
+        return tuple(measured[one.label] for one in self._objectives)
+
+    def _one(self, one: Objective, record: Record, values: Mapping[str, Any]) -> float | None:
+        if one.source == "summary":
+            return _number(values.get(one.what))
+        if one.source == "final":
+            return _number(record["finals"][one.what])
+        if one.source == "series":
+            return _number(record["series"][f"{one.what} {one.reduction}"])
+        if one.source == "expression":
+            try:
+                return _number(self._formulas[one.label](values))
+            except (ArithmeticError, TypeError, ValueError):  # of a value that this mission does not have, say
+                return None
+        return None
+
+
+def has_all(record: Record, order: Mapping[str, Any]) -> bool:
+    """Whether a record, perhaps of another study, has everything that the order wants."""
+    if record["error"]:
+        return True
+    return all(name in record.get("finals", {}) for name in order["finals"]) and all(
+        f"{name} {how}" in record.get("series", {}) for name, how in order["series"]
+    )
+
+
+def _number(value: Any) -> float | None:
+    if isinstance(value, bool):
+        return float(value)
+    return float(value) if isinstance(value, (int, float)) and math.isfinite(value) else None
+
+
+_OPERATORS: dict[type, Callable[..., float]] = {
+    ast.Add: operator.add,
+    ast.Sub: operator.sub,
+    ast.Mult: operator.mul,
+    ast.Div: operator.truediv,
+    ast.USub: operator.neg,
+    ast.UAdd: operator.pos,
+}
+_FUNCTIONS: dict[str, Callable[..., float]] = {"abs": abs, "min": min, "max": max, "sqrt": math.sqrt}
+
+
+def formula(text: str, known: Iterable[str], place: str) -> Callable[[Mapping[str, Any]], float]:
+    """What an expression of +, -, *, /, abs, min, max, sqrt, numbers and names makes of values by name. A name may hold
+    dots. Raises InputError."""
+    known = set(known)
+
+    def compiled(node: ast.AST) -> Callable[[Mapping[str, Any]], float]:
+        if isinstance(node, ast.Constant) and type(node.value) in (int, float):
+            number = float(node.value)
+            return lambda values: number
+        name = _dotted(node)
+        if name is not None:
+            if name not in known:
+                raise InputError(f"{place}: '{name}' is unknown. {_nearest(name, known)}", "unknown_name")
+            return lambda values: values[name]
+        if isinstance(node, ast.UnaryOp) and type(node.op) in _OPERATORS:
+            work, inner = _OPERATORS[type(node.op)], compiled(node.operand)
+            return lambda values: work(inner(values))
+        if isinstance(node, ast.BinOp) and type(node.op) in _OPERATORS:
+            work, left, right = _OPERATORS[type(node.op)], compiled(node.left), compiled(node.right)
+            return lambda values: work(left(values), right(values))
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in _FUNCTIONS and not node.keywords:
+            function, parts = _FUNCTIONS[node.func.id], [compiled(part) for part in node.args]
+            return lambda values: function(*(part(values) for part in parts))
+        raise InputError(f"{place}: '{ast.unparse(node)}' is neither a number, a name, + - * / nor one of {', '.join(_FUNCTIONS)}", "syntax_error")
+
+    try:
+        tree = ast.parse(text, mode="eval").body
+    except (SyntaxError, ValueError):
+        raise InputError(f"{place}: '{text}' is not an expression", "syntax_error") from None
+    return compiled(tree)
+
+
+def _dotted(node: ast.AST) -> str | None:
+    if isinstance(node, ast.Name):
+        return node.id
+    if isinstance(node, ast.Attribute):
+        before = _dotted(node.value)
+        return None if before is None else f"{before}.{node.attr}"
+    return None
+
+
+def _nearest(name: str, known: Iterable[str]) -> str:
+    import difflib
+
+    known = sorted(known)
+    near = difflib.get_close_matches(name, known, n=3, cutoff=0.4)
+    return f"Did you mean {', '.join(repr(one) for one in near)}?" if near else f"There are: {', '.join(known)}"

@@ -1,0 +1,100 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Which missions are flown next. Decisions are taken between rounds, from the missions of the rounds before and from
+nothing else: so they are the same for any number of workers and after any interruption."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from mebots.exploration.comparison import Evidence
+from mebots.exploration.study import Study
+
+Flight = tuple[int, int]
+"""Design, replicate."""
+
+FLYING = "flying"
+
+
+class Rounds:
+    """Flies every design of a list, as many replicates as it needs.
+
+    Every round adds the same replicates to each design that is still flying. Then a design is done when what ``stop``
+    asks is known, or dropped by racing.
+    """
+
+    def __init__(self, study: Study, evidence: Evidence) -> None:
+        self._study = study
+        self._evidence = evidence
+        self._size = study.round_size or study.replicates
+        self._flown = 0
+        self.status = [FLYING] * len(evidence.measures)
+
+    def flying(self) -> list[int]:
+        return [design for design, status in enumerate(self.status) if status == FLYING]
+
+    def next(self) -> list[Flight]:
+        """The missions of the next round in the study's order; none when the study is done."""
+        return self._missions(self._flown)
+
+    def ahead(self) -> Iterator[Flight]:
+        """What the round after this one would fly if all designs went on, for workers that would wait otherwise."""
+        return iter(self._missions(self._flown + self._size))
+
+    def most_left(self) -> int:
+        """How many missions there are from here on, if no design is done before its last replicate."""
+        return len(self.flying()) * (self._study.replicates - self._flown)
+
+    def decide(self) -> None:
+        """Ends the round: all of its missions are in the evidence."""
+        self._flown = min(self._flown + self._size, self._study.replicates)
+        last = self._flown == self._study.replicates
+        if self._study.stop is not None:
+            self._answer()
+        if self._study.racing and not last:
+            self._race()
+        if last:
+            for design in self.flying():
+                self.status[design] = "all flown"
+
+    def end(self, reason: str) -> None:
+        for design in self.flying():
+            self.status[design] = reason
+
+    def _missions(self, begin: int) -> list[Flight]:
+        end = min(begin + self._size, self._study.replicates)
+        return [(design, replicate) for design in self.flying() for replicate in range(begin, end)]
+
+    def _answer(self) -> None:
+        stop = self._study.stop
+        assert stop is not None
+        objective = self._study.objective(stop.label)
+        flying = self.flying()
+        for design in flying:
+            low, high = self._evidence.known_of(design, objective)
+            if stop.width is not None and high - low <= stop.width:
+                self.status[design] = f"{stop.label} known to {stop.width:g}"
+            if stop.constraint is not None:
+                side = self._evidence.side(design, stop.constraint)
+                word = "above" if stop.constraint.above else "below"
+                if side is not None:
+                    self.status[design] = f"{stop.label} {'' if side else 'not '}{word} {stop.constraint.bound:g}"
+        if stop.best:
+            worse = [
+                design
+                for design in flying
+                if any(self._evidence.surely_better(other, design, stop.label) for other in flying if other != design)
+            ]
+            for design in worse:
+                self.status[design] = f"not the best by {stop.label}"
+            if len(flying) - len(worse) == 1:
+                (best,) = set(flying) - set(worse)
+                self.status[best] = f"the best by {stop.label}"
+
+    def _race(self) -> None:
+        feasible = {design: self._evidence.feasible(design) for design in range(len(self.status))}
+        leaders = self._evidence.leaders([design for design, sure in feasible.items() if sure])
+        for design in self.flying():
+            if feasible[design] is False:
+                self.status[design] = "dropped: breaks a constraint"
+            elif any(self._evidence.dominates(leader, design) for leader in leaders if leader != design):
+                self.status[design] = "dropped: dominated"

@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Designs that a sampler of Optuna asks for, round by round, in place of a grid. It is told in the study's order, so the
+same missions come for any number of workers, and an interrupted search repeats its questions."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from mebots.errors import InputError
+from mebots.exploration.comparison import Evidence
+from mebots.exploration.designs import extra
+from mebots.exploration.rounds import FLYING, Flight
+from mebots.exploration.study import Study, Values
+
+
+class Search:
+    """Asks for designs, which it appends to ``designs``; the interface of Rounds."""
+
+    def __init__(self, study: Study, evidence: Evidence, designs: list[Values]) -> None:
+        self._study = study
+        self._evidence = evidence
+        self._designs = designs
+        self._optuna = extra("optuna", "a design 'search'", "optuna")
+        self._optuna.logging.set_verbosity(self._optuna.logging.ERROR)
+        self._senses = [one for one in study.objectives if one.sense != 0]
+        if not self._senses:
+            raise InputError("a search needs an objective to minimize or maximize", "missing_key")
+        self._search = self._optuna.create_study(
+            sampler=self._sampler(),
+            directions=["minimize" if one.sense < 0 else "maximize" for one in self._senses],
+        )
+        self._trials: list[Any] = []
+        self._round = 0
+        self.status: list[str] = []
+
+    def flying(self) -> list[int]:
+        return [design for design, status in enumerate(self.status) if status == FLYING]
+
+    def next(self) -> list[Flight]:
+        """All replicates of the next round's designs."""
+        if self._round == self._study.design["rounds"]:
+            return []
+        first = len(self._designs)
+        spaces = {name: self._space(spread) for name, spread in self._study.design["factors"].items()}
+        for _ in range(self._study.design["points"]):
+            trial = self._search.ask(spaces)
+            self._trials.append(trial)
+            self._designs.append({name: trial.params[name] for name in spaces})
+            self.status.append(FLYING)
+        return [(design, replicate) for design in range(first, len(self._designs)) for replicate in range(self._study.replicates)]
+
+    def ahead(self) -> Iterator[Flight]:
+        """Nothing: what comes depends on this round."""
+        return iter(())
+
+    def most_left(self) -> int:
+        return (self._study.design["rounds"] - self._round) * self._study.design["points"] * self._study.replicates
+
+    def decide(self) -> None:
+        self._round += 1
+        for design in self.flying():
+            self.status[design] = f"round {self._round}"
+            trial = self._trials[design]
+            means = [self._evidence.shown(design, one).mean for one in self._senses]
+            if None in means:
+                self._search.tell(trial, state=self._optuna.trial.TrialState.FAIL)
+                continue
+            trial.set_user_attr("broken", self._broken(design))
+            self._search.tell(trial, means)
+
+    def end(self, reason: str) -> None:
+        for design in self.flying():
+            self.status[design] = reason
+
+    def _broken(self, design: int) -> list[float]:
+        """By how much each constraint is broken; at most 0 where it is kept."""
+        found = []
+        for one in self._study.constraints:
+            mean = self._evidence.shown(design, self._study.objective(one.label)).mean
+            missed = float("inf") if mean is None else (one.bound - mean if one.above else mean - one.bound)
+            found.append(min(missed, 1e300))
+        return found
+
+    def _sampler(self) -> Any:
+        samplers, seed = self._optuna.samplers, self._study.design.get("seed", 0)
+        constraints = (lambda trial: trial.user_attrs["broken"]) if self._study.constraints else None
+        if self._study.design.get("method", "nsga2") == "nsga2":
+            points = max(2, self._study.design["points"])
+            return samplers.NSGAIISampler(population_size=points, seed=seed, constraints_func=constraints)
+        return samplers.TPESampler(seed=seed, constraints_func=constraints)
+
+    def _space(self, spread: Any) -> Any:
+        spaces = self._optuna.distributions
+        if isinstance(spread, list):
+            return spaces.CategoricalDistribution(spread)
+        ((kind, arguments),) = spread.items()
+        if kind == "options":
+            return spaces.CategoricalDistribution(list(arguments))
+        if kind == "integer":
+            return spaces.IntDistribution(int(arguments[0]), int(arguments[1]))
+        return spaces.FloatDistribution(arguments[0], arguments[1], log=kind == "log_uniform")

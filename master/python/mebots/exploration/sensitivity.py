@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Which factors matter: Sobol indices and Morris' elementary effects, by SALib."""
+
+from __future__ import annotations
+
+import pathlib
+from typing import Any
+
+from mebots.exploration import tables
+from mebots.exploration.comparison import Evidence
+from mebots.exploration.designs import extra
+from mebots.exploration.study import Study
+
+_COLUMNS = {"sobol": ("S1", "S1_conf", "ST", "ST_conf"), "morris": ("mu", "mu_star", "mu_star_conf", "sigma")}
+
+
+def sample(study: Study) -> Any:
+    """Points on the unit cube, a row a design."""
+    method, count, seed = study.design["method"], study.design["points"], study.design.get("seed", 0)
+    module = extra(f"SALib.sample.{method}", "a design 'sensitivity'", "SALib")
+    more = {"calc_second_order": False} if method == "sobol" else {}
+    return module.sample(_problem(study), count, seed=seed, **more)
+
+
+def write(file: pathlib.Path, study: Study, evidence: Evidence) -> None:
+    """A row for each objective and factor. An objective that some design has no value of is left out."""
+    method = study.design["method"]
+    rows = [["objective", "factor", *_COLUMNS[method]]]
+    points = sample(study)
+    for objective in study.objectives:
+        means = [evidence.shown(design, objective).mean for design in range(len(points))]
+        if None in means:
+            continue
+        found = _analysed(study, points, means)
+        for number, factor in enumerate(study.design["factors"]):
+            rows.append([objective.label, factor, *(tables.cell(float(found[column][number])) for column in _COLUMNS[method])])
+    tables.write(file, rows)
+
+
+def _analysed(study: Study, points: Any, means: list[Any]) -> Any:
+    import numpy as np
+
+    method = study.design["method"]
+    module = extra(f"SALib.analyze.{method}", "a design 'sensitivity'", "SALib")
+    values = np.array(means, dtype=float)
+    if method == "sobol":
+        return module.analyze(_problem(study), values, calc_second_order=False, seed=0)
+    return module.analyze(_problem(study), points, values, seed=0)
+
+
+def _problem(study: Study) -> dict[str, Any]:
+    names = list(study.design["factors"])
+    return {"num_vars": len(names), "names": names, "bounds": [[0.0, 1.0]] * len(names)}

@@ -1,0 +1,150 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The study file: read and checked in C++ (master/src/study), with its defaults filled in here."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import os
+import pathlib
+from typing import Any
+
+from mebots import _mebots
+
+Values = dict[str, Any]
+"""Factor or variable -> value as the study has it."""
+
+
+@dataclasses.dataclass(frozen=True)
+class Objective:
+    """What is asked of every mission, by ``label``.
+
+    ``source`` says where its value comes from ("outcome", "summary", "final", "series", "expression") and ``what``
+    which one; ``sense`` is -1 to minimise, +1 to maximise, 0 for neither.
+    """
+
+    label: str
+    source: str
+    what: Any
+    reduction: str | None = None
+    where: str | None = None
+    sense: int = 0
+    tolerance: float = 0.0
+    unit: str = ""
+
+    @property
+    def is_share(self) -> bool:
+        """Whether its values are 0 and 1, and its mean a share of missions."""
+        return self.source == "outcome"
+
+
+@dataclasses.dataclass(frozen=True)
+class Constraint:
+    """A design counts when its share or mean of ``label`` lies on this side of ``bound``."""
+
+    label: str
+    above: bool
+    bound: float
+
+
+@dataclasses.dataclass(frozen=True)
+class Stop:
+    """A design needs no more missions when this is known of its objective ``label``."""
+
+    label: str
+    width: float | None = None
+    constraint: Constraint | None = None
+    best: bool = False
+
+
+@dataclasses.dataclass(frozen=True)
+class Study:
+    """A checked study. ``text`` is the JSON it was made of, with absolute paths."""
+
+    folder: pathlib.Path
+    text: str
+    mission: pathlib.Path
+    design: dict[str, Any]
+    replicates: int
+    draws_seed: int
+    draws: dict[str, dict[str, Any]]
+    objectives: tuple[Objective, ...]
+    constraints: tuple[Constraint, ...]
+    processor_time_s: float | None
+    most_failures: int | None
+    round_size: int | None
+    error: float
+    racing: bool
+    stop: Stop | None
+
+    def objective(self, label: str) -> Objective:
+        return next(one for one in self.objectives if one.label == label)
+
+    @property
+    def looks(self) -> bool:
+        """Whether the number of missions depends on what they brought: then only confidence sequences keep their
+        level."""
+        return self.racing or self.stop is not None
+
+
+def read_study(source: str | os.PathLike[str] | dict[str, Any]) -> Study:
+    """The study in a file, or in a dict whose paths are relative to the working folder. Raises InputError with every
+    mistake."""
+    if isinstance(source, dict):
+        return _from_dict(source)
+    return _study(pathlib.Path(source).absolute().parent, json.loads(_mebots.read_study(source)))
+
+
+def _from_dict(source: dict[str, Any]) -> Study:
+    folder = pathlib.Path.cwd()
+    return _study(folder, json.loads(_mebots.check_study(json.dumps(source), str(folder / "study.json"))))
+
+
+def _study(folder: pathlib.Path, content: dict[str, Any]) -> Study:
+    draws = content.get("draws", {})
+    limits = content.get("limits", {})
+    rounds = content.get("rounds", {})
+    return Study(
+        folder=folder,
+        text=json.dumps(content, indent=1),
+        mission=pathlib.Path(content["mission"]),
+        design=content["design"],
+        replicates=draws.get("replicates", 1),
+        draws_seed=draws.get("seed", 0),
+        draws=draws.get("variables", {}),
+        objectives=tuple(_objective(label, one) for label, one in content["objectives"].items()),
+        constraints=tuple(_constraint(label, one) for label, one in content.get("constraints", {}).items()),
+        processor_time_s=limits.get("processor_time"),
+        most_failures=limits.get("failures"),
+        round_size=rounds.get("size"),
+        error=rounds.get("error", 0.05),
+        racing=rounds.get("racing", False),
+        stop=_stop(rounds["stop"]) if "stop" in rounds else None,
+    )
+
+
+def _objective(label: str, content: dict[str, Any]) -> Objective:
+    source = next(key for key in ("outcome", "summary", "final", "series", "expression") if key in content)
+    what = content[source]
+    if source == "outcome":
+        what = (what,) if isinstance(what, str) else tuple(what)
+    return Objective(
+        label=label,
+        source=source,
+        what=what,
+        reduction=content.get("of"),
+        where=content.get("where"),
+        sense=-1 if "minimize" in content else 1 if "maximize" in content else 0,
+        tolerance=content.get("tolerance", 0.0),
+        unit=content.get("unit", ""),
+    )
+
+
+def _constraint(label: str, content: dict[str, Any]) -> Constraint:
+    return Constraint(label, "above" in content, content.get("above", content.get("below")))
+
+
+def _stop(content: dict[str, Any]) -> Stop:
+    label = content["objective"]
+    side = _constraint(label, content) if "above" in content or "below" in content else None
+    return Stop(label, content.get("width"), side, content.get("best", False))

@@ -1,0 +1,85 @@
+# SPDX-License-Identifier: Apache-2.0
+"""missions.csv and designs.csv: the same bytes for the same study, whatever flew it."""
+
+from __future__ import annotations
+
+import csv
+import math
+import os
+import pathlib
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+from mebots.exploration.comparison import Evidence
+from mebots.exploration.study import Objective, Study, Values
+
+
+def cell(value: Any) -> str:
+    """Numbers in the shortest form that reads back to the same bits; empty for what is not there."""
+    if value is None:
+        return ""
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, float):
+        if math.isinf(value):
+            return ""
+        return repr(int(value)) if value.is_integer() and abs(value) < 1e15 else repr(value)
+    return str(value)
+
+
+def mission_head(factors: Sequence[str], study: Study) -> list[str]:
+    objectives = [_titled(one) for one in study.objectives]
+    return ["design", "replicate", *factors, *study.draws, "outcome", *objectives, "simulated_time [s]", "message", "mission"]
+
+
+def mission_row(
+    design: int, replicate: int, values: Values, names: Sequence[str], record: dict[str, Any], measures: Sequence[Any]
+) -> list[str]:
+    return [
+        str(design),
+        str(replicate),
+        *(cell(values[name]) for name in names),
+        record["outcome"],
+        *(cell(one) for one in measures),
+        cell(record.get("simulated_time")),
+        record["error"],
+        record["mission"],
+    ]
+
+
+def design_head(factors: Sequence[str], study: Study) -> list[str]:
+    head = ["design", *factors, "missions", "failed", "status", "front"]
+    for one in study.objectives:
+        title = _titled(one)
+        if one.is_share:
+            head += [f"{one.label}: successes", f"{one.label}: of"]
+        else:
+            head += [f"{one.label}: of"]
+        head += [f"{title}: mean", f"{title}: low", f"{title}: high"]
+    return head
+
+
+def design_row(
+    design: int, values: Values, factors: Sequence[str], evidence: Evidence, failed: int, status: str, place: str
+) -> list[str]:
+    row = [str(design), *(cell(values[name]) for name in factors), str(len(evidence.measures[design])), str(failed), status, place]
+    for one in evidence.study.objectives:
+        estimate = evidence.shown(design, one)
+        if one.is_share:
+            row.append(cell(estimate.successes))
+        row += [cell(estimate.count), cell(estimate.mean), cell(estimate.interval[0]), cell(estimate.interval[1])]
+    return row
+
+
+def write(file: pathlib.Path, rows: Iterable[list[str]]) -> None:
+    """Whole or not at all."""
+    beside = file.with_name(file.name + ".part")
+    with open(beside, "w", encoding="utf-8", newline="") as stream:
+        csv.writer(stream, lineterminator="\n").writerows(rows)
+        stream.flush()
+        os.fsync(stream.fileno())
+    beside.replace(file)
+
+
+def _titled(one: Objective) -> str:
+    return f"{one.label} [{one.unit}]" if one.unit else one.label

@@ -1,0 +1,151 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Intervals against published values, and how often decisions are wrong when one looks after every mission."""
+
+import math
+import random
+import sys
+import unittest
+
+from mebots.exploration import answers
+from mebots.exploration.answers import Moments, mean_sequence, share_sequence, student, t_quantile, wilson
+
+STUDIES = 1000
+FLIGHTS = 500
+
+
+class Intervals(unittest.TestCase):
+    def test_wilsons_is_that_of_the_literature(self):
+        # Newcombe (1998), Statistics in Medicine 17, table I: 81 of 263, 15 of 148, 0 of 20, 1 of 29.
+        for successes, count, low, high in ((81, 263, 0.2553, 0.3662), (15, 148, 0.0624, 0.1605), (0, 20, 0, 0.1611), (1, 29, 0.0061, 0.1718)):
+            found = wilson(successes, count, 0.05)
+            self.assertAlmostEqual(found[0], low, 4)
+            self.assertAlmostEqual(found[1], high, 4)
+
+    def test_students_quantiles_are_those_of_the_tables(self):
+        for p, freedom, value in ((0.975, 1, 12.706), (0.975, 10, 2.2281), (0.995, 5, 4.0321), (0.9995, 120, 3.3735), (0.975, 10**6, 1.95997)):
+            self.assertAlmostEqual(t_quantile(p, freedom), value, 3 if value > 10 else 4)
+
+    def test_the_sequence_of_a_mean_is_where_its_evidence_is_one_over_the_error(self):
+        moments = Moments()
+        for value in (1.0, 2.5, 3.0, 0.5, 2.0, 1.5, 2.2, 0.9):
+            moments.add(value)
+        low, high = mean_sequence(moments, 0.05)
+        n = moments.count
+        for edge in (low, high):
+            x = n * (moments.mean - edge) ** 2 / moments.deviation**2 / (n - 1)
+            evidence = (1 + n) ** -0.5 * ((1 + x) / (1 + x / (1 + n))) ** (n / 2)
+            self.assertAlmostEqual(evidence, 20, 6)
+
+    def test_the_sequence_of_a_share_is_where_its_evidence_is_one_over_the_error(self):
+        for edge in share_sequence(30, 100, 0.01):
+            self.assertAlmostEqual(answers.share_evidence(30, 100, edge), math.log(100), 6)
+
+    def test_of_nothing_everything_is_possible(self):
+        self.assertEqual(share_sequence(0, 0, 0.05), (0, 1))
+        self.assertEqual(wilson(0, 0, 0.05), (0, 1))
+        one = Moments()
+        one.add(1.0)
+        for interval in (student(one, 0.05), mean_sequence(one, 0.05)):
+            self.assertEqual(interval, (-math.inf, math.inf))
+
+
+class Sequences(unittest.TestCase):
+    """Studies in which nothing is to be found: how many find something, looking after every flight?"""
+
+    def wrong(self, finds):
+        chance = random.Random(1)
+        return sum(finds(chance) for _ in range(STUDIES)) / STUDIES
+
+    def test_is_the_share_another_than_it_is(self):
+        sequence, peeking = {}, {}
+        for share in (0.5, 0.95):
+            def finds(chance, share=share, interval=share_sequence):
+                successes = 0
+                for count in range(1, FLIGHTS + 1):
+                    successes += chance.random() < share
+                    if count < 10:
+                        continue
+                    # Evidence in place of the interval's edges: the same statement, without their search.
+                    if interval is share_sequence:
+                        if answers.share_evidence(successes, count, share) >= -math.log(0.05):
+                            return True
+                    else:
+                        low, high = interval(successes, count, 0.05)
+                        if not low <= share <= high:
+                            return True
+                return False
+
+            sequence[share] = self.wrong(finds)
+            peeking[share] = self.wrong(lambda chance: finds(chance, interval=wilson))
+        print(f"wrong by sequence {sequence}, by peeking at Wilson {peeking}")
+        for share in sequence:
+            self.assertLessEqual(sequence[share], 0.05)
+            self.assertGreater(peeking[share], 0.2)
+
+    def test_is_a_success_above_a_bound_that_it_just_does_not_pass(self):
+        def finds(chance):
+            successes = 0
+            for count in range(1, FLIGHTS + 1):
+                successes += chance.random() < 0.95
+                if successes > 0.95 * count and share_sequence(successes, count, 0.05)[0] > 0.95:
+                    return True
+            return False
+
+        rate = self.wrong(finds)
+        print(f"\"success above 0.95\" said of 0.95: {rate}")
+        self.assertLessEqual(rate, 0.05)
+
+    def test_is_one_of_two_equal_designs_better_by_success(self):
+        def finds(chance):
+            wins = decided = 0
+            for _ in range(FLIGHTS):
+                # The same start is easy or hard for both: pairs that differ are what is left.
+                hard = chance.random() < 0.5
+                a, b = (chance.random() < (0.6 if hard else 0.98) for _ in range(2))
+                wins, decided = wins + (a and not b), decided + (a != b)
+                if decided and answers.share_evidence(wins, decided, 0.5) >= -math.log(0.05):
+                    return True
+            return False
+
+        rate = self.wrong(finds)
+        print(f"\"A better than B\" said of equals: {rate}")
+        self.assertLessEqual(rate, 0.05)
+
+    def test_has_one_of_two_equal_designs_less_energy(self):
+        rates = {}
+        draws = {
+            "normal": lambda chance: chance.gauss(0, 2),
+            "uniform": lambda chance: chance.uniform(-1, 1),
+            "skewed": lambda chance: chance.expovariate(1) - chance.expovariate(1),
+        }
+        for name, draw in draws.items():
+            def finds(chance, draw=draw):
+                moments = Moments()
+                for _ in range(FLIGHTS):
+                    moments.add(draw(chance))
+                    if moments.count >= 5:
+                        low, high = mean_sequence(moments, 0.05)
+                        if not low <= 0 <= high:
+                            return True
+                return False
+
+            rates[name] = self.wrong(finds)
+        print(f"\"less energy\" said of equals: {rates}")
+        for rate in rates.values():
+            self.assertLessEqual(rate, 0.05)
+
+    def test_what_is_there_is_found(self):
+        chance = random.Random(2)
+        needed = []
+        for _ in range(100):
+            successes = count = 0
+            while share_sequence(successes, count, 0.05)[0] <= 0.8:
+                successes += chance.random() < 0.95
+                count += 1
+            needed.append(count)
+        self.assertLess(sorted(needed)[50], 80)
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv)

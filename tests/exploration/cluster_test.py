@@ -1,0 +1,61 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""`mebots.sweep` through Dask distributed: two workers on this machine, of which one is killed."""
+
+import json
+import os
+import signal
+import sys
+import unittest
+
+import distributed
+
+import mebots
+from mebots.exploration import flying
+from mebots.exploration.missions import Missions
+from mebots.exploration.study import read_study
+from support import StudyCase
+
+
+class Dask(StudyCase):
+    def test_gives_the_same_bytes_with_a_worker_killed_in_the_middle(self):
+        self.mission(fault="slow", fault_time=0)  # 20 ms a step
+        file = self.study()
+        self.sweep(out="local")
+        killed = []
+
+        def kill_one(progress):
+            if progress.flown >= 5 and not killed:
+                killed.extend(client.run(os.getpid).values())
+                os.kill(killed[0], signal.SIGKILL)
+
+        with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None,
+                                      local_directory=str(self.folder)) as cluster, distributed.Client(cluster) as client:
+            result = mebots.sweep(file, self.folder / "dask", executor=client.get_executor(), jobs=4, progress=kill_one)
+        self.assertEqual(len(killed), 2)
+        self.assertEqual((result.missions, result.failed), (20, 0))
+        for name in ("missions.csv", "designs.csv"):
+            self.assertEqual(self.bytes_of(name, "dask"), self.bytes_of(name, "local"))
+
+
+class Files(StudyCase):
+    def test_travel_by_hash_to_a_machine_that_lacks_them(self):
+        """A file that is nowhere at its path is asked for, kept in the cache, and not asked for again."""
+        os.environ["XDG_CACHE_HOME"] = str(self.folder / "cache")
+        order = Missions(read_study(self.study())).order({"a.gain": 1, "a.real_in": 2})
+        here = flying.fly(json.loads(json.dumps(order)))
+        (digest, (path, name)), = order["files"].items()
+        away = order | {"files": {digest: ["/nowhere/" + name, name]}}
+        self.assertEqual(flying.fly(json.loads(json.dumps(away)))["lacks"], [digest])
+        with open(path, "rb") as file:
+            there = flying.fly(json.loads(json.dumps(away)) | {"contents": {digest: file.read()}})
+        again = flying.fly(json.loads(json.dumps(away)))
+        for record in (here, there, again):
+            record.pop("processor_time")
+        self.assertEqual(there, here)
+        self.assertEqual(again, here)
+        flying.close_all()
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv)

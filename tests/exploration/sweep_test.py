@@ -1,0 +1,436 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""`mebots sweep` as a user runs it."""
+
+import json
+import os
+import pathlib
+import signal
+import subprocess
+import sys
+import time
+import unittest
+
+import mebots
+from support import MEBOTS, PROBE, SOURCE, StudyCase
+
+
+class Tables(StudyCase):
+    def test_a_row_for_each_mission_holds_what_a_single_run_of_it_gives(self):
+        self.study()
+        self.sweep("--jobs", "1")
+        rows = self.rows("missions.csv")
+        self.assertEqual(len(rows), 20)
+        for row in (rows[3], rows[17]):
+            with mebots.Mission(self.folder / "mission.json", set={
+                    "a.gain": float(row["a.gain"]), "a.real_in": float(row["a.real_in"])}) as mission:
+                mission.run()
+            self.assertEqual(row["outcome"], mission.outcome)
+            self.assertEqual(float(row["integral"]), mission.summary["integral"])
+            self.assertEqual(row["success"], "1" if mission.outcome == "far" else "0")
+
+    def test_every_design_flies_the_same_draws(self):
+        self.study()
+        self.sweep()
+        draws = [[row["a.real_in"] for row in self.rows("missions.csv") if row["design"] == one] for one in "01"]
+        self.assertEqual(draws[0], draws[1])
+        self.assertEqual(len(set(draws[0])), 10)
+
+    def test_more_replicates_and_factors_leave_the_draws_as_they_are(self):
+        self.study()
+        self.sweep()
+        self.study(draws={"replicates": 12, "seed": 1, "variables": {
+            "a.offset": {"normal": [0, 1]}, "a.real_in": {"uniform": [0, 3]}}})
+        self.sweep(out="more")
+        few = [row["a.real_in"] for row in self.rows("missions.csv")][:10]
+        self.assertEqual(few, [row["a.real_in"] for row in self.rows("missions.csv", "more")][:10])
+
+    def test_designs_have_shares_with_wilsons_interval_and_means(self):
+        self.study()
+        self.sweep()
+        design = self.rows("designs.csv")[0]
+        own = [row for row in self.rows("missions.csv") if row["design"] == "0"]
+        successes = sum(row["success"] == "1" for row in own)
+        self.assertEqual(int(design["success: successes"]), successes)
+        self.assertAlmostEqual(float(design["integral: mean"]), sum(float(row["integral"]) for row in own) / 10, 12)
+        self.assertLess(float(design["success: low"]), successes / 10)
+        self.assertGreater(float(design["success: high"]), successes / 10)
+
+    def test_objectives_come_from_summary_final_values_series_and_expressions(self):
+        self.study(objectives={
+            "out": {"final": "a.real_out"}, "top": {"series": "a.real_out", "of": "max"},
+            "mean": {"series": "a.real_out", "of": "mean"}, "same": {"expression": "deep.out + 2 * integral - out"}})
+        self.sweep()
+        for row in self.rows("missions.csv"):
+            out = float(row["a.gain"]) * float(row["a.real_in"])
+            self.assertAlmostEqual(float(row["out"]), out, 12)
+            self.assertAlmostEqual(float(row["top"]), out, 12)
+            self.assertAlmostEqual(float(row["mean"]), out, 12)
+            self.assertAlmostEqual(float(row["same"]), 2 * float(row["a.real_in"]), 12)
+
+    def test_a_config_key_and_named_options_are_factors_too(self):
+        self.study(design={"kind": "grid", "factors": {
+            "/stop_time": [0.5, 1], "drive": {"options": {"weak": {"a.gain": 1, "a.offset": 0}, "strong": {"a.gain": 2}}}}},
+            objectives={"integral": {"summary": "integral"}})
+        self.sweep()
+        rows = self.rows("missions.csv")
+        self.assertEqual([row["drive"] for row in rows[::10]], ["weak", "strong", "weak", "strong"])
+        self.assertEqual({row["simulated_time [s]"] for row in rows[:20]}, {"0.5"})
+        self.assertEqual({row["simulated_time [s]"] for row in rows[20:]}, {"1"})
+
+    def test_conditions_leave_designs_out(self):
+        self.study(design={"kind": "grid", "factors": {"a.gain": [1, 2, 3], "a.offset": [0, 1]}, "conditions": [
+            {"when": {"a.gain": {"min": 2}}, "only": {"a.offset": [1]}}]})
+        self.sweep()
+        self.assertEqual([(row["a.gain"], row["a.offset"]) for row in self.rows("designs.csv")],
+                         [("1", "0"), ("1", "1"), ("2", "1"), ("3", "1")])
+
+    def test_a_list_of_designs_comes_from_a_csv_file(self):
+        (self.folder / "designs.csv").write_text("a.gain,a.string_in\n0.5,one\n1.5,two\n")
+        self.study(design={"kind": "list", "file": "designs.csv"})
+        self.sweep()
+        self.assertEqual([(row["a.gain"], row["a.string_in"]) for row in self.rows("designs.csv")],
+                         [("0.5", "one"), ("1.5", "two")])
+
+    def test_a_latin_hypercube_has_one_design_in_each_stratum(self):
+        self.study(design={"kind": "latin_hypercube", "points": 8, "seed": 3, "factors": {
+            "a.gain": {"uniform": [0, 8]}, "a.offset": {"uniform": [0, 8]}}},
+            draws={"replicates": 1})
+        self.sweep()
+        for factor in ("a.gain", "a.offset"):
+            strata = sorted(int(float(row[factor])) for row in self.rows("designs.csv"))
+            self.assertEqual(strata, list(range(8)))
+
+
+class SameBytes(StudyCase):
+    def test_for_one_job_and_for_two(self):
+        self.study()
+        self.sweep("--jobs", "1", out="one")
+        self.sweep("--jobs", "2", out="two")
+        for name in ("missions.csv", "designs.csv"):
+            self.assertEqual(self.bytes_of(name, "one"), self.bytes_of(name, "two"))
+
+    def test_after_kills_in_the_middle(self):
+        self.mission(fault="slow", fault_time=0)  # 20 ms a step
+        self.study()
+        self.sweep(out="whole")
+        command = [MEBOTS, "sweep", str(self.folder / "study.json"), "--out", str(self.folder / "out"), "--jobs", "2"]
+        kills = 0
+        flown = []
+        for _ in range(3):
+            process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            before = self.journal_lines()
+            while process.poll() is None and self.journal_lines() < before + 3:
+                time.sleep(0.02)
+            kills += process.poll() is None
+            process.send_signal(signal.SIGKILL)
+            process.wait()
+            flown.append(self.journal_lines())
+        self.assertEqual(kills, 3)
+        self.assertFalse((self.folder / "out" / "missions.csv").exists())
+        self.assertIn(f"{flown[-1]} of at most 20 missions", self.status())
+        self.sweep()
+        self.assertEqual(self.bytes_of("missions.csv"), self.bytes_of("missions.csv", "whole"))
+        self.assertEqual(self.journal_lines(), 20)  # none was flown twice
+
+    def test_after_a_torn_line(self):
+        self.study()
+        self.sweep()
+        whole = self.bytes_of("missions.csv")
+        journal = self.folder / "out" / "journal.jsonl"
+        journal.write_bytes(journal.read_bytes()[:-40])
+        self.sweep()
+        self.assertEqual(self.bytes_of("missions.csv"), whole)
+        self.assertEqual(self.journal_lines(), 20)
+
+    def test_when_workers_are_killed(self):
+        self.mission(fault="slow", fault_time=0)
+        self.study()
+        self.sweep(out="whole")
+        command = [MEBOTS, "sweep", str(self.folder / "study.json"), "--out", str(self.folder / "out"), "--jobs", "2"]
+        process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        killed = 0
+        while process.poll() is None and killed < 2:
+            time.sleep(0.3)
+            if self.journal_lines() < 2 + 4 * killed:
+                continue
+            for worker in self.workers_of(process.pid)[:1]:
+                os.kill(worker, signal.SIGKILL)
+                killed += 1
+        self.assertEqual(process.wait(), 0)
+        self.assertEqual(killed, 2)
+        self.assertEqual(self.bytes_of("missions.csv"), self.bytes_of("missions.csv", "whole"))
+
+    def test_workers_end_with_who_started_them(self):
+        self.mission(fault="slow", fault_time=0)
+        self.study()
+        command = [MEBOTS, "sweep", str(self.folder / "study.json"), "--out", str(self.folder / "out"), "--jobs", "2"]
+        process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        while self.journal_lines() < 2:
+            time.sleep(0.02)
+        workers = self.workers_of(process.pid)
+        self.assertEqual(len(workers), 2)
+        process.send_signal(signal.SIGKILL)
+        process.wait()
+        limit = time.monotonic() + 10
+        while any(pathlib.Path(f"/proc/{one}/cwd").exists() and not self.is_zombie(one) for one in workers):
+            self.assertLess(time.monotonic(), limit, "a worker outlived the program")
+            time.sleep(0.05)
+
+    def test_an_interrupt_ends_with_code_1_and_the_next_call_goes_on(self):
+        self.mission(fault="slow", fault_time=0)
+        self.study()
+        command = [MEBOTS, "sweep", str(self.folder / "study.json"), "--out", str(self.folder / "out"), "--jobs", "2"]
+        process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+        while self.journal_lines() < 3:
+            time.sleep(0.02)
+        process.send_signal(signal.SIGINT)
+        _, told = process.communicate(timeout=20)
+        self.assertEqual(process.returncode, 1, told)
+        before = self.journal_lines()
+        self.sweep()
+        self.assertEqual(self.journal_lines(), 20)
+        self.assertLess(before, 20)
+
+    @staticmethod
+    def is_zombie(process):
+        try:
+            return pathlib.Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] == "Z"
+        except OSError:
+            return True
+
+    @staticmethod
+    def workers_of(process):
+        found = []
+        for task in pathlib.Path(f"/proc/{process}/task").iterdir():
+            found += [int(one) for one in (task / "children").read_text().split()]
+        return sorted(found)
+
+    def journal_lines(self):
+        try:
+            return (self.folder / "out" / "journal.jsonl").read_bytes().count(b"\n")
+        except FileNotFoundError:
+            return 0
+
+    def status(self):
+        return subprocess.run([MEBOTS, "sweep", "--status", str(self.folder / "out")], check=True,
+                              capture_output=True, text=True).stdout
+
+
+class FailedMissions(StudyCase):
+    def test_are_rows_with_their_message_and_give_code_1(self):
+        self.study(design={"kind": "grid", "factors": {"a.fault": ["none", "error", "nan"], "a.fault_time": [0.5]}},
+                   draws={"replicates": 2})
+        self.sweep(code=1)
+        rows = self.rows("missions.csv")
+        self.assertEqual([row["outcome"] for row in rows], ["far", "far", "failed", "failed", "failed", "failed"])
+        self.assertIn("instance 'a' at 0.4 s", rows[2]["message"])
+        self.assertEqual([row["success"] for row in rows], ["1", "1", "0", "0", "0", "0"])
+        self.assertEqual(rows[2]["integral"], "")
+        self.assertEqual([row["failed"] for row in self.rows("designs.csv")], ["0", "2", "2"])
+
+    def test_a_crash_is_one_mission_named(self):
+        self.study(design={"kind": "grid", "factors": {"a.fault": ["none", "crash", "null", "exit"], "a.fault_time": [0.5]}},
+                   draws=None)
+        self.sweep(code=1)
+        rows = self.rows("missions.csv")
+        self.assertEqual([row["outcome"] for row in rows], ["far", "failed", "failed", "failed"])
+        self.assertIn("SIGSEGV", rows[1]["message"])
+        self.assertIn("SIGSEGV", rows[2]["message"])
+        self.assertIn("called exit()", rows[3]["message"])
+
+    def test_a_hang_is_one_mission_named(self):
+        self.study(design={"kind": "grid", "factors": {"a.fault": ["none", "hang"], "a.fault_time": [0.5]}},
+                   draws=None, limits={"processor_time": 1})
+        self.sweep("--jobs", "2", code=1)
+        rows = self.rows("missions.csv")
+        self.assertEqual([row["outcome"] for row in rows], ["far", "failed"])
+
+    def test_a_mission_that_needs_too_much_processor_time_has_failed(self):
+        self.mission(gain=1)
+        config = json.loads((self.folder / "mission.json").read_text())
+        config["step"] = 1e-6
+        config["stop_time"] = 10
+        (self.folder / "mission.json").write_text(json.dumps(config))
+        self.study(limits={"processor_time": 0.2}, draws=None, design={"kind": "grid", "factors": {"a.gain": [1]}})
+        self.sweep(code=1)
+        self.assertIn("limit of 0.2 s", self.rows("missions.csv")[0]["message"])
+
+    def test_after_so_many_the_study_ends_at_the_same_mission_for_any_number_of_jobs(self):
+        self.study(design={"kind": "grid", "factors": {"a.fault": ["none", "error", "nan"], "a.fault_time": [0.5]}},
+                   limits={"failures": 3})
+        self.sweep("--jobs", "1", out="one", code=1)
+        self.sweep("--jobs", "2", out="two", code=1)
+        self.assertEqual(self.bytes_of("missions.csv", "one"), self.bytes_of("missions.csv", "two"))
+        self.assertEqual(len(self.rows("missions.csv", "one")), 13)
+
+    def test_messages_name_no_path(self):
+        self.mission()
+        cell = self.folder / "cell.json"
+        cell.write_text("{}")
+        self.study(design={"kind": "grid", "factors": {"a.fault": ["error"], "a.fault_time": [0.5], "a.string_in": ["cell.json"]}},
+                   draws=None)
+        self.sweep(code=1)
+        self.assertNotIn(str(self.folder), self.rows("missions.csv")[0]["message"])
+
+
+class BadInput(StudyCase):
+    def refused(self, *words):
+        text = self.sweep(*words, code=2)
+        self.assertFalse((self.folder / "out" / "missions.csv").exists())
+        return text
+
+    def test_all_mistakes_of_a_study_are_told_at_once_with_their_places(self):
+        self.study(design={"kind": "gird", "factors": {"a.gain": []}}, objectives={"x": {"outcom": "far"}}, limit={})
+        text = self.refused()
+        for words in ("/design/kind", "'grid'", "/design/factors/a.gain", "/objectives/x", "'outcome'", "/limit", "'limits'"):
+            self.assertIn(words, text)
+
+    def test_every_value_of_every_factor_is_tried_before_the_first_mission(self):
+        self.study(design={"kind": "grid", "factors": {"a.gain": [1, "much"], "a.mode_in": ["on", "onn"], "a.fault": ["none", "initialisation"]}})
+        text = self.refused()
+        for words in ("a.gain", "much", "onn", "initialisation"):
+            self.assertIn(words, text)
+        self.assertEqual(self.bytes_of("journal.jsonl"), b"")
+
+    def test_unknown_names_are_answered_by_the_nearest(self):
+        self.study(objectives={"x": {"summary": "integrall"}})
+        self.assertIn("'integral'", self.refused())
+        self.study(objectives={"x": {"outcome": "fra"}})
+        self.assertIn("far", self.refused())
+        self.study(objectives={"x": {"expression": "integral + dep.out"}})
+        self.assertIn("'deep.out'", self.refused())
+        self.study(design={"kind": "grid", "factors": {"a.gian": [1]}})
+        self.assertIn("gain", self.refused())
+        self.study(design={"kind": "grid", "factors": {"/stop/time": [1]}})
+        self.assertIn("'/stop/time'", self.refused())
+
+    def test_an_expression_is_arithmetic_and_nothing_else(self):
+        self.study(objectives={"x": {"expression": "__import__('os').system('true')"}})
+        self.refused()
+        self.study(objectives={"x": {"expression": "integral +"}})
+        self.assertIn("not an expression", self.refused())
+
+    def test_a_folder_belongs_to_one_sweep_at_a_time(self):
+        import fcntl
+        self.study()
+        self.sweep()
+        with open(self.folder / "out" / "journal.jsonl", "r+b") as journal:
+            fcntl.flock(journal, fcntl.LOCK_EX)
+            self.assertIn("another", self.sweep(code=2))
+
+
+class Reuse(StudyCase):
+    def test_another_study_takes_the_missions_that_it_shares(self):
+        self.study()
+        self.sweep()
+        self.study(design={"kind": "grid", "factors": {"a.gain": [1, 5]}}, objectives={"top": {"summary": "deep.out"}})
+        self.sweep("--reuse", str(self.folder / "out"), out="other")
+        old = {json.loads(line)["mission"] for line in self.bytes_of("journal.jsonl").splitlines()}
+        new = [json.loads(line)["mission"] for line in self.bytes_of("journal.jsonl", "other").splitlines()]
+        self.assertEqual(sum(one in old for one in new), 10)
+        self.assertEqual(len(new), 20)
+
+    def test_a_changed_file_is_another_mission(self):
+        data = self.folder / "data.txt"
+        data.write_text("one")
+        self.study(design={
+            "kind": "grid", "factors": {"a.string_in": ["data.txt"]}}, draws=None)
+        self.sweep()
+        data.write_text("two")
+        self.sweep()
+        self.assertEqual(len(self.bytes_of("journal.jsonl").splitlines()), 2)
+        self.assertEqual(self.rows("missions.csv")[0]["a.string_in"], "data.txt")
+
+    def test_a_dry_run_flies_nothing_into_the_folder(self):
+        self.study()
+        text = self.sweep("--dry-run")
+        self.assertIn("2 designs, at most 20 missions", text)
+        self.assertFalse((self.folder / "out").exists())
+
+
+class Python(StudyCase):
+    def test_sweep_gives_the_same_bytes_as_the_program(self):
+        self.sweep_file = self.study()
+        self.sweep()
+        result = mebots.sweep(self.sweep_file, self.folder / "python", jobs=1)
+        self.assertEqual((result.missions, result.failed), (20, 0))
+        self.assertEqual(self.bytes_of("missions.csv"), self.bytes_of("missions.csv", "python"))
+        self.assertEqual(result.designs(), self.rows("designs.csv"))
+
+    def test_any_executor_flies_them(self):
+        import concurrent.futures
+        import multiprocessing
+
+        file = self.study()
+        self.sweep()
+        with concurrent.futures.ProcessPoolExecutor(2, multiprocessing.get_context("spawn")) as executor:
+            mebots.sweep(file, self.folder / "pool", executor=executor)
+        self.assertEqual(self.bytes_of("missions.csv"), self.bytes_of("missions.csv", "pool"))
+
+
+class Summary(StudyCase):
+    def test_is_whole_for_any_number_of_labels(self):
+        """Its JSON object grows by one label at a time: parts that were put in too early would be lost at some length."""
+        config = json.loads((self.folder / "mission.json").read_text())
+        for count in range(40):
+            config["summary"] = {f"label{number}": "a.integral" for number in range(count)}
+            (self.folder / "mission.json").write_text(json.dumps(config))
+            with mebots.Mission(self.folder / "mission.json") as mission:
+                mission.start()
+                summary = mission.summary
+            self.assertEqual(summary["versions"]["mebots"], mebots.__version__)
+            self.assertEqual(list(summary["versions"]["instances"]), ["a"])
+            self.assertEqual(list(summary["inputs"]["fmus"]), ["a"])
+            self.assertEqual(summary["parameters"]["a"]["gain"], 2)
+
+
+class Reset(StudyCase):
+    """A mission that was reset is one that was just opened, to the bit."""
+
+    VARIABLES = ["battery.*", "motors.*", "world.*", "soc.*"]
+
+    def flight(self, mission, settings):
+        for name, value in settings.items():
+            mission.set(name, value)
+        mission.record(self.VARIABLES)
+        mission.set_stop_time(2)
+        mission.run()
+        kept = {key: value for key, value in mission.summary.items() if key not in ("wall_clock", "real_time_factor")}
+        return kept, {name: mission._series(name)[1] for name in mission.variables}
+
+    def test_of_the_gate_mission(self):
+        config = SOURCE / "configs" / "gate_easy.json"
+        first = {"world.sensors.seed": 7, "battery.cell.name": "lipol_350", "soc.core.clock": 150e6, "world.scene.name": "gate_hard"}
+        second = {"world.sensors.seed": 8}
+        used = mebots.Mission(config)
+        changed = self.flight(used, first)
+        used.reset()
+        self.assertEqual(used.state, "open")
+        again = self.flight(used, second)
+        fresh = self.flight(mebots.Mission(config), second)
+        self.assertEqual(again, fresh)
+        self.assertNotEqual(changed, fresh)
+
+    def test_of_one_that_failed_that_was_closed_and_that_is_in_a_step(self):
+        mission = mebots.Mission(self.folder / "mission.json", set={"a.fault": "fatal", "a.fault_time": 0.5})
+        with self.assertRaises(mebots.Error):
+            mission.run()
+        mission.reset()
+        mission.run_until(0.3)
+        mission.reset()
+        mission.on_point(lambda time: self.assertRaises(mebots.InputError, mission.reset))
+        mission.run()
+        self.assertEqual((mission.outcome, mission.value("a.integral")), ("far", 3.0))
+
+    def test_not_of_one_that_was_resumed(self):
+        out = self.folder / "run"
+        mission = mebots.Mission(self.folder / "mission.json", out=out, checkpoint_every=0.2)
+        mission.run_until(0.5)
+        mission.close()
+        with self.assertRaises(mebots.InputError):
+            mebots.Mission.resume(out).reset()
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv)
