@@ -5,7 +5,7 @@
 #   include/mebots/                       public headers: who runs systems, fmu/ who writes FMUs, soc/ who writes devices
 #   lib/                                  libraries, and the package for find_package(mebots)
 #   lib/python3.x/site-packages/mebots/   the Python package
-#   share/mebots/                         fmus, configs with boards and scenarios, scenes, templates, scripts;
+#   share/mebots/                         fmus, the page of a run with its licences (web), configs with boards and scenarios, scenes, templates, scripts;
 #                                         fmu_soc: what a chip FMU with another board or firmware is built of
 include(CMakePackageConfigHelpers)
 include(GNUInstallDirs)
@@ -18,9 +18,10 @@ set(programs mebots mebots-fmu-host mebots-modeldesc)
 set(libraries mebots_master mebots_modeldesc mebots_shell mebots_data mebots_interface)
 if(MEBOTS_CHIP)
   list(APPEND programs mebots-soc mebots-boardgen)
-  list(APPEND libraries soc_platform soc_files)
+  list(APPEND libraries soc_platform soc_files soc_tool)
   set_target_properties(soc_platform PROPERTIES OUTPUT_NAME mebots_soc_platform)
   set_target_properties(soc_files PROPERTIES OUTPUT_NAME mebots_soc_files)
+  set_target_properties(soc_tool PROPERTIES OUTPUT_NAME mebots_soc_tool)
 endif()
 install(TARGETS ${programs} EXPORT mebotsPrograms RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(TARGETS ${libraries} EXPORT mebotsLibraries
@@ -42,7 +43,11 @@ install(FILES LICENSE DESTINATION ${share})
 install(DIRECTORY configs DESTINATION ${share})
 install(DIRECTORY fmu_world/params/scenes DESTINATION ${share})
 install(DIRECTORY master/new_folder/templates DESTINATION ${share})
-install(PROGRAMS scripts/plot_mission.py scripts/plot_profile.py DESTINATION ${share}/scripts)
+install(PROGRAMS scripts/export_mcap.py scripts/plot_mission.py scripts/plot_profile.py DESTINATION ${share}/scripts)
+if(MEBOTS_PAGES)
+  install(DIRECTORY ${PROJECT_BINARY_DIR}/web/ DESTINATION ${share}/web FILES_MATCHING REGEX "page\\.(html|js|css)$|LICENSES\\.txt$"
+    PATTERN CMakeFiles EXCLUDE)
+endif()
 foreach(fmu fmu_battery fmu_motors fmu_world fmu_soc)
   if(TARGET ${fmu})
     install(FILES ${MEBOTS_FMU_DIR}/${fmu}.fmu DESTINATION ${share}/fmus)
@@ -56,7 +61,7 @@ if(MEBOTS_CHIP)
   install(FILES fmu_soc/description.json fmu_soc/model.png DESTINATION ${share}/fmu_soc)
   install(FILES fmu_soc/src/model.cpp fmu_soc/src/fmu.cpp DESTINATION ${share}/fmu_soc/src)
   install(FILES fmu_soc/src/devices/no_own_device.cpp DESTINATION ${share}/fmu_soc/src/devices)
-  install(DIRECTORY fmu_soc/src/ modeldesc/include/ DESTINATION ${share}/fmu_soc/src FILES_MATCHING PATTERN "*.hpp")
+  install(DIRECTORY fmu_soc/src/ modeldesc/include/ DESTINATION ${share}/fmu_soc/src FILES_MATCHING PATTERN "*.hpp" PATTERN "*.inc")
   install(FILES ${PROJECT_BINARY_DIR}/generated/fmu_soc_board/board.hpp DESTINATION ${share}/fmu_soc/src/fmu_soc_board)
 endif()
 

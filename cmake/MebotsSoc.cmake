@@ -156,14 +156,22 @@ function(mebots_soc_fmu name)
   add_dependencies(${name}_archive ${ARG_FIRMWARE}_firmware)
 endfunction()
 
-# mebots_run_firmware(<target> FIRMWARE <name of mebots_add_firmware> [OPTIONS <option of mebots-soc run>...])
-# `cmake --build <folder> --target <target>` runs the firmware on its board, outside any FMU.
+# mebots_run_firmware(<target> FIRMWARE <name of mebots_add_firmware> [DEVICES <file>...] [OPTIONS <option of mebots-soc run>...])
+# `cmake --build <folder> --target <target>` runs the firmware on its board, outside any FMU; with the models of the
+# board's own devices, where mebots_soc_fmu() has them too.
 function(mebots_run_firmware target)
-  cmake_parse_arguments(ARG "" "FIRMWARE" "OPTIONS" ${ARGN})
+  cmake_parse_arguments(ARG "" "FIRMWARE" "DEVICES;OPTIONS" ${ARGN})
   get_target_property(elf ${ARG_FIRMWARE}_firmware MEBOTS_ELF)
   get_target_property(board ${ARG_FIRMWARE}_firmware MEBOTS_BOARD_FILE)
+  set(program mebots::mebots-soc)
+  if(ARG_DEVICES)
+    set(program ${target}_soc)
+    add_executable(${program} ${ARG_DEVICES})
+    mebots_target(${program})
+    target_link_libraries(${program} PRIVATE mebots::soc_tool)
+  endif()
   add_custom_target(${target}
-    COMMAND mebots::mebots-soc run ${elf} --board ${board} ${ARG_OPTIONS}
+    COMMAND ${program} run ${elf} --board ${board} ${ARG_OPTIONS}
     DEPENDS ${ARG_FIRMWARE}_firmware
     USES_TERMINAL VERBATIM)
 endfunction()

@@ -27,14 +27,13 @@ function(mebots_target target)
 endfunction()
 
 # mebots_test(<name> SOURCES <file>... [LIBRARIES <target>...])
-# One GoogleTest executable; every TEST becomes a ctest of its own.
+# One GoogleTest executable; every TEST becomes a ctest of its own, with the label of its area (tests/CMakeLists.txt).
 function(mebots_test name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LIBRARIES" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   mebots_target(${name})
-  target_link_libraries(${name} PRIVATE ${ARG_LIBRARIES} GTest::gmock GTest::gtest_main)
-  target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR}/tests)  # support/
+  target_link_libraries(${name} PRIVATE ${ARG_LIBRARIES} mebots_test_support GTest::gmock GTest::gtest_main)
   target_compile_definitions(${name} PRIVATE MEBOTS_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
                              MEBOTS_BINARY_DIR="${PROJECT_BINARY_DIR}")
-  gtest_discover_tests(${name} PROPERTIES TIMEOUT 300)
+  gtest_discover_tests(${name} PROPERTIES TIMEOUT 300 LABELS "${MEBOTS_TEST_LABEL}")
 endfunction()

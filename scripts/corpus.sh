@@ -1,30 +1,19 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# The inputs that a fuzz target is replayed with are one archive, tests/fuzz/corpus/NAME.tar.xz.
-#   scripts/corpus.sh list NAME              what is in it
-#   scripts/corpus.sh unpack NAME FOLDER
-#   scripts/corpus.sh add NAME FILE...       more inputs, by their file names
-# The archive's bytes follow from the inputs alone: order, times and owners are fixed.
+# Every FMU below a folder (others' FMUs, fetched by you) through `mebots check`, `mebots run`, `mebots run --isolate`, and FMPy at
+# the same times: a Markdown table of outcomes and largest differences (docs/interop.md). Exit 1 at anything unexplained.
+# Usage: scripts/corpus.sh FOLDER [BUILD_FOLDER] [--json FILE] [--jobs N] [--match TEXT]    (build/release)
 set -euo pipefail
-usage="usage: scripts/corpus.sh list|unpack|add NAME [FOLDER|FILE...]"
-command=${1:?$usage} name=${2:?$usage}
-shift 2
-archive=$(dirname "$0")/../tests/fuzz/corpus/$name.tar.xz
-pack() { tar --create --sort=name --mtime=@0 --owner=0 --group=0 --numeric-owner --mode=u=rwX,go=rX --directory "$1" . | xz -9e >"$archive"; }
-
-case "$command" in
-  list) tar --list --file "$archive" ;;
-  unpack)
-    mkdir -p "${1:?$usage}"
-    tar --extract --file "$archive" --directory "$1"
-    ;;
-  add)
-    (($#)) || { echo "$usage" >&2; exit 2; }
-    folder=$(mktemp -d)
-    trap 'rm -rf "$folder"' EXIT
-    if [[ -f $archive ]]; then tar --extract --file "$archive" --directory "$folder"; fi
-    cp -- "$@" "$folder"
-    pack "$folder"
-    ;;
-  *) echo "$usage" >&2; exit 2 ;;
-esac
+cd "$(dirname "$0")/.."
+if [[ $# -lt 1 || $1 == --* ]]; then
+  echo "usage: scripts/corpus.sh FOLDER [BUILD_FOLDER] [--json FILE] [--jobs N] [--match TEXT]" >&2
+  exit 2
+fi
+folder=$1; shift
+build=build/release
+if [[ $# -gt 0 && $1 != --* ]]; then build=$1; shift; fi
+if [[ ! -x $build/bin/mebots ]]; then
+  echo "corpus.sh: there is no $build/bin/mebots; build it, or name another build folder" >&2
+  exit 2
+fi
+exec .venv/bin/python tests/interop/corpus.py "$folder" "$build/bin/mebots" "$@"

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Installs what is needed, builds MEbots and flies the easy gate mission; pictures of it end in results/gate_easy.
+# Installs what is needed, builds MEbots and flies the easy gate mission; its page and pictures end in results/gate_easy.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -8,4 +8,5 @@ scripts/setup.sh
 cmake --preset release
 cmake --build --preset release
 build/release/bin/mebots run configs/gate_easy.json --out results/gate_easy
+build/release/bin/mebots report results/gate_easy
 .venv/bin/python scripts/plot_mission.py results/gate_easy

@@ -4,9 +4,9 @@
 # Usage: scripts/fuzz.sh NAME [EXECUTIONS] [OPTION...]
 #   NAME        a mebots_fuzz() of tests/fuzz/CMakeLists.txt (elf, board, archive, config, ssp, model_description)
 #   OPTION      of libFuzzer, after those of this script: -max_len=16384, -max_total_time=3600 ...
-# Starts from the inputs that are kept (scripts/corpus.sh), collects in build/fuzz/corpus/NAME, prints statistics and adds them to
+# Starts from the inputs that are kept (scripts/fuzz_corpora.sh), collects in build/fuzz/corpus/NAME, prints statistics and adds them to
 # build/fuzz/NAME.runs. An input that does harm is left in build/fuzz/found/NAME: mend the code, then keep the input by
-# scripts/corpus.sh add NAME FILE; ctest replays it.
+# scripts/fuzz_corpora.sh add NAME FILE; ctest replays it.
 #
 # Options that a profile chose: most of the time goes into libFuzzer's own bookkeeping, which grows with the features
 # that an input shows (-entropic=0, inputs of at most 2 KiB), and into the sanitizer's stacks of every allocation
@@ -22,7 +22,7 @@ cmake -S . -B "$build" -G Ninja -DMEBOTS_FUZZ=ON -DCMAKE_BUILD_TYPE=RelWithDebIn
 ninja -C "$build" "fuzz_$name" > "$build/$name.log" || { tail -30 "$build/$name.log" >&2; exit 1; }
 mkdir -p "$build/corpus/$name" "$build/found/$name"
 rm -rf "$build/kept/$name"
-scripts/corpus.sh unpack "$name" "$build/kept/$name"
+scripts/fuzz_corpora.sh unpack "$name" "$build/kept/$name"
 dictionary=()
 if [[ -f tests/fuzz/$name.dict ]]; then dictionary=(-dict="tests/fuzz/$name.dict"); fi
 longest=2048

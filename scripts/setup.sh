@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Installs what MEbots needs on Debian 12: compilers and libraries by apt, the Python tools into .venv.
+# Installs what MEbots needs on Debian 12: compilers and libraries by apt, the Python tools into .venv, what the page
+# of a run is made of into web/node_modules.
 # Asks nothing. Safe to run again: does nothing when all is there.
 #
 #   scripts/setup.sh [GROUP...]    groups beyond the core:
@@ -16,15 +17,20 @@ packages=(
   libzip-dev libpugixml-dev nlohmann-json3-dev                    # FMU archives, XML, JSON
   libcli11-dev libfmt-dev                                         # command line, text
   libxbyak-dev                                                    # translation of firmware to host code
+  libseccomp-dev                                                  # what an FMU in a process of its own may ask of the system
   libssl-dev                                                      # hash of a run's inputs
   libhdf5-dev                                                     # results as HDF5
-  libpng-dev                                                      # pictures of a flight
+  libpng-dev zlib1g-dev                                           # pictures of a flight; its page
+  libcpp-httplib-dev                                              # the page of a run that is under way
   libgtest-dev libgmock-dev libbenchmark-dev                      # tests, benchmarks
   gcc-riscv64-unknown-elf picolibc-riscv64-unknown-elf            # the drone's firmware
   gdb-multiarch libclang-rt-14-dev xz-utils                       # its debugger; fuzzing
   python3 python3-venv                                            # interoperability tests, plots
   python3-dev pybind11-dev                                        # the Python package; foreign FMUs written in Python
+  chromium                                                        # tests of the page
 )
+command -v node >/dev/null || packages+=(nodejs)                  # the page of a run; a newer one may be there
+command -v npm >/dev/null || packages+=(npm)
 
 python_requirements=(scripts/requirements.txt)
 
@@ -65,3 +71,9 @@ for file in "${python_requirements[@]}"; do
     cp "$file" ".venv/${file##*/}"
   fi
 done
+
+# What the page is made of, by the lock file. The copy tells that it is done.
+if ! cmp -s web/package-lock.json web/node_modules/.mebots-lock.json; then
+  (cd web && npm ci --silent --no-audit --no-fund)
+  cp web/package-lock.json web/node_modules/.mebots-lock.json
+fi

@@ -19,7 +19,7 @@ import tempfile
 
 def ring(fmu, count, work, steps):
     return {"step": 0.1, "stop_time": round(0.1 * steps, 6),
-            "instances": {f"i{i}": {"fmu": str(fmu), "parameters": {"u": 0.1 + i, "work": work}} for i in range(count)},
+            "instances": {f"i{i}": {"fmu": str(fmu), "parameters": {"sum": 0.1 + i, "work": work}} for i in range(count)},
             "connections": [{"from": f"i{i}.sum", "to": f"i{(i + 1) % count}.u"} for i in range(count)],
             "record": {"variables": ["*.sum"], "interval": round(0.1 * steps / 10, 6)}}
 

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "command.hpp"
 
+#include "config/system_file.hpp"
 #include "mebots/input_error.hpp"
+
+#include <fmt/format.h>
 
 #include <cmath>
 #include <cstdio>
@@ -26,6 +29,10 @@ int guarded(const std::function<void()>& work) {
   }
 }
 
+std::filesystem::path default_results(const std::filesystem::path& config) {
+  return std::filesystem::path("results") / master::system_name(config);
+}
+
 std::string help_footer(const std::vector<std::string>& exit_codes, const std::vector<std::string>& examples) {
   std::string text = "Exit codes:\n";
   for (const auto& code : exit_codes) text += "  " + code + "\n";
@@ -43,6 +50,13 @@ const CLI::Validator& positive() {
       },
       "POSITIVE");
   return kPositive;
+}
+
+void require_folder_of(const std::filesystem::path& file) {
+  const auto folder = file.parent_path();
+  if (folder.empty() || std::filesystem::is_directory(folder)) return;
+  throw InputError(ErrorCode::invalid_argument,
+                   fmt::format("{}: there is no folder {}; make it first", file.string(), folder.string()));
 }
 
 const CLI::Validator& not_empty() {

@@ -3,8 +3,10 @@
 
 #include <CLI/CLI.hpp>
 
+#include <filesystem>
 #include <functional>
 #include <string>
+#include <vector>
 
 namespace mebots::app {
 
@@ -23,11 +25,23 @@ void add_info(CLI::App& app, Action& action);
 void add_new_firmware(CLI::App& app, Action& action);
 void add_new_fmu(CLI::App& app, Action& action);
 void add_new_sensor(CLI::App& app, Action& action);
+void add_report(CLI::App& app, Action& action);
 void add_resume(CLI::App& app, Action& action);
 void add_run(CLI::App& app, Action& action);
 void add_schema(CLI::App& app, Action& action);
+void add_sweep(CLI::App& app, Action& action);
 void add_units(CLI::App& app, Action& action);
 void add_validate(CLI::App& app, Action& action);
+
+/// Where the results of a config go unless somebody says otherwise: results/<name of the config>.
+std::filesystem::path default_results(const std::filesystem::path& config);
+
+/// Writes the page of these results folders, as `mebots report` does; `file` empty = flight.html in the first of them.
+/// Returns the file. Throws Error.
+std::filesystem::path write_report(const std::vector<std::filesystem::path>& folders, std::filesystem::path file);
+
+/// Throws InputError when the folder of a file that is to be written is not there.
+void require_folder_of(const std::filesystem::path& file);
 
 /// Does the work and returns 0; prints what it throws, and returns 2 for InputError, 1 for anything else.
 int guarded(const std::function<void()>& work);

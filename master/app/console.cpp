@@ -13,8 +13,8 @@
 namespace mebots::app {
 namespace {
 
-/// An FMU that warns at every step must not bury everything else.
-constexpr int kWarningsShown = 20;
+/// An FMU that warns or complains at every step must not bury everything else.
+constexpr int kShown = 20;
 
 constexpr std::string_view kClearLine = "\r\x1b[K";
 constexpr std::size_t kUsualWidth = 80;
@@ -59,14 +59,13 @@ void Console::message(const Message& message) {
     if (!quiet_) put(stdout, text);
     return;
   }
-  if (message.severity == Severity::warning) {
-    const auto count = ++warnings_[std::string(message.instance)];
-    if (count == kWarningsShown + 1) {
-      put(stderr, coloured(message.severity, fmt::format("{} {}: more warnings follow; they are in log.txt only",
-                                                         master::time_stamp(message.time_ns), message.instance)));
-    }
-    if (count > kWarningsShown) return;
+  const auto count = ++counts_[{std::string(message.instance), message.severity}];
+  if (count == kShown + 1) {
+    const auto* what = message.severity == Severity::warning ? "warnings" : "errors";
+    put(stderr, coloured(message.severity, fmt::format("{} {}: more {} follow; they are in log.txt only",
+                                                       master::time_stamp(message.time_ns), message.instance, what)));
   }
+  if (count > kShown) return;
   put(stderr, coloured(message.severity, text));
 }
 

@@ -8,6 +8,7 @@
 #include <mutex>
 #include <string>
 #include <string_view>
+#include <utility>
 
 namespace mebots::app {
 
@@ -39,7 +40,7 @@ class Console final {
   bool terminal_;
   bool colour_;  // on standard error
   std::string drawn_;
-  std::map<std::string, int, std::less<>> warnings_;  // per instance
+  std::map<std::pair<std::string, Severity>, int> counts_;  // of warnings and errors, per instance
 };
 
 }  // namespace mebots::app

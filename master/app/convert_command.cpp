@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "command.hpp"
 
-#include "algorithm/algorithm.hpp"
-
 #include "ssp/ssp.hpp"
 
 #include <fmt/format.h>
@@ -17,18 +15,17 @@ using namespace mebots::master;
 void convert(const std::filesystem::path& from, const std::filesystem::path& to) {
   const auto ending = to.extension();
   if (ending != ".ssp" && ending != ".json") {
-    throw InputError(fmt::format("{}: name a file that ends in .ssp or .json", to.string()));
+    throw InputError(ErrorCode::invalid_argument,
+                     fmt::format("{}: name a file that ends in .ssp or .json", to.string()));
   }
   if (from.extension() == ending) {
-    throw InputError(fmt::format("{}: both files are {}; convert goes from .json to .ssp or from .ssp to .json",
+    throw InputError(ErrorCode::invalid_argument,
+                     fmt::format("{}: both files are {}; convert goes from .json to .ssp or from .ssp to .json",
                                  to.string(), ending.string()));
   }
-  if (const auto folder = to.parent_path(); !folder.empty() && !std::filesystem::is_directory(folder)) {
-    throw InputError(fmt::format("{}: there is no folder {}; make it first", to.string(), folder.string()));
-  }
+  require_folder_of(to);
   const auto loaded = load_system(from);
   FmuLibrary library;
-  find_algorithm(loaded.system.algorithm);
   const auto resolved = resolve(loaded.system, library);  // nothing broken is handed on
   if (ending == ".ssp") {
     write_ssp(resolved, loaded.config, to);
@@ -50,7 +47,8 @@ struct ConvertOptions {
 void add_convert(CLI::App& app, Action& action) {
   const auto options = std::make_shared<ConvertOptions>();
   auto* command = app.add_subcommand("convert", "Turn a config into an SSP 1.0, or an SSP into a config");
-  command->add_option("from", options->from, "Config (.json) or SSP (.ssp)")->required();
+  command->add_option("from", options->from, "Config (.json), SSP (.ssp, .ssd or its folder) or OspSystemStructure.xml")
+      ->required();
   command->add_option("to", options->to, "SSP (.ssp) or config (.json) to write")->required();
   command->footer(help_footer({"0 written", "1 the file could not be written", "2 the input cannot be used"},
                               {"mebots convert configs/gate_easy.json gate.ssp", "mebots convert gate.ssp gate.json"}));

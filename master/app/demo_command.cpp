@@ -3,16 +3,29 @@
 
 #include "base/installation.hpp"
 
-#include <memory>
+#include "mebots/error.hpp"
+
+#include <cstdio>
+#include <filesystem>
 #include <string>
 #include <vector>
 
 namespace mebots::app {
 namespace {
 
-/// A demo is `mebots run` of the shipped config, and takes the same options.
+/// Says where the page is, or why there is none: the flight stands without it.
+void show_page(const std::filesystem::path& folder) {
+  try {
+    std::printf("page: %s (open it in a browser)\n", write_report({folder}, {}).c_str());
+  } catch (const Error& error) {
+    std::printf("no page: %s\n", error.what());
+  }
+}
+
+/// A demo is `mebots run` of the shipped config, and takes the same options; then comes the page of the flight.
 int demo(std::vector<std::string> options) {
-  options.insert(options.begin(), {"run", (master::own_data("configs") / "gate_easy.json").string()});
+  const auto config = master::own_data("configs") / "gate_easy.json";
+  options.insert(options.begin(), {"run", config.string()});
   CLI::App run_app;
   Action run;
   add_run(run_app, run);
@@ -23,7 +36,13 @@ int demo(std::vector<std::string> options) {
     print_error(error.what() + std::string(". `mebots run --help` tells what it takes"));
     return 2;
   }
-  return run();
+  const int code = run();
+  const auto* command = run_app.get_subcommand("run");
+  const auto* out = command->get_option("--out");
+  if (code == 0 && command->count("--quiet") == 0) {
+    show_page(out->empty() ? default_results(config) : std::filesystem::path(out->as<std::string>()));
+  }
+  return code;
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include "algorithm/algorithm.hpp"
 #include "base/time.hpp"
 #include "config/system_description.hpp"
+#include "config/system_file.hpp"
 #include "mebots/input_error.hpp"
 #include "slave/fmu.hpp"
 
@@ -135,6 +136,8 @@ void print_description(const ModelDescription& model) {
 
 void print_system(const master::SystemDescription& system) {
   print_field("step", fmt::format("{} s", master::to_seconds(system.step_ns)));
+  if (system.start_time_ns != 0)
+    print_field("start time", fmt::format("{} s", master::to_seconds(system.start_time_ns)));
   print_field("stop time", fmt::format("{} s", master::to_seconds(system.stop_time_ns)));
   print_field("algorithm", std::string(master::find_algorithm(system.algorithm).name));
   for (const auto& notice : system.notices) print_field("notice", notice);
@@ -159,7 +162,7 @@ void info(const std::filesystem::path& file) {
   if (!std::filesystem::exists(file)) {
     throw InputError(ErrorCode::file_not_found, fmt::format("{}: there is no such file", file.string()));
   }
-  if (file.extension() == ".json" || file.extension() == ".ssp") {
+  if (master::may_be_system(file)) {
     print_system(master::load_system(file).system);
     return;
   }
@@ -174,7 +177,10 @@ void info(const std::filesystem::path& file) {
 void add_info(CLI::App& app, Action& action) {
   const auto file = std::make_shared<std::filesystem::path>();
   auto* command = app.add_subcommand("info", "Show what an FMU, a config or an SSP says of itself");
-  command->add_option("file", *file, "FMU (.fmu), config (.json) or SSP (.ssp)")->required();
+  command
+      ->add_option("file", *file,
+                   "FMU (.fmu), config (.json), SSP (.ssp, .ssd or its folder) or OspSystemStructure.xml")
+      ->required();
   command->footer(help_footer({"0 shown", "2 the file cannot be used"},
                               {"mebots info fmu_battery.fmu", "mebots info configs/gate_easy.json"}));
   command->callback([file, &action] { action = [file] { return guarded([&] { info(*file); }); }; });

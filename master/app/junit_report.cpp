@@ -4,6 +4,7 @@
 #include "run_texts.hpp"
 
 #include "base/time.hpp"
+#include "message/plain_text.hpp"
 #include "sink/output_file.hpp"
 
 #include <fmt/format.h>
@@ -15,8 +16,9 @@
 namespace mebots::app {
 namespace {
 
-/// A text that XML 1.0 can carry: control characters become spaces.
-std::string printable(std::string text) {
+/// A text that XML 1.0 can carry: control characters become spaces, bytes that are not UTF-8 are replaced.
+std::string printable(const std::string& raw) {
+  auto text = master::valid_utf8(raw);
   for (auto& c : text) {
     if (static_cast<unsigned char>(c) < 0x20 && c != '\n' && c != '\t') c = ' ';
   }
@@ -63,7 +65,7 @@ void write_junit(const std::filesystem::path& file, const master::Run* run, cons
   }
   if (run != nullptr) {
     auto out = fmt::format("outcome: {}\nsimulated: {} s\n", run->outcome(), master::to_seconds(run->time_ns()));
-    test.append_child("system-out").text().set(printable(std::move(out)).c_str());
+    test.append_child("system-out").text().set(printable(out).c_str());
   }
   std::ostringstream text;
   document.save(text, "  ");

@@ -29,8 +29,13 @@ std::string duration_text(double seconds) {
   return fmt::format("{} s", whole);
 }
 
-Progress::Progress(Console& console, std::int64_t stop_time_ns)
-    : console_(&console), stop_time_ns_(stop_time_ns), start_(Clock::now()), last_look_(start_), last_shown_(start_) {}
+Progress::Progress(Console& console, std::int64_t start_time_ns, std::int64_t stop_time_ns)
+    : console_(&console),
+      start_time_ns_(start_time_ns),
+      stop_time_ns_(stop_time_ns),
+      start_(Clock::now()),
+      last_look_(start_),
+      last_shown_(start_) {}
 
 std::optional<std::string> Progress::reached(const master::Point& point) {
   if (!begun_) {  // at t = 0, or one step behind the checkpoint of a run that is resumed
@@ -54,7 +59,7 @@ void Progress::look(const master::Point& point) {
   next_look_ = point.step + stride_;
 
   const double since_shown_s = std::chrono::duration<double>(now - last_shown_).count();
-  const auto tenths = static_cast<int>(10 * point.time_ns / stop_time_ns_);
+  const auto tenths = static_cast<int>(10 * (point.time_ns - start_time_ns_) / (stop_time_ns_ - start_time_ns_));
   const bool due = console_->is_terminal()
                        ? since_shown_s >= kLookEveryS
                        : since_shown_s >= kLineEveryS || (tenths > shown_tenths_ && since_shown_s >= kLineSoonestS);
@@ -65,7 +70,8 @@ void Progress::look(const master::Point& point) {
 }
 
 void Progress::show(const master::Point& point, double elapsed_s) {
-  const double done = static_cast<double>(point.time_ns) / static_cast<double>(stop_time_ns_);
+  const double done =
+      static_cast<double>(point.time_ns - start_time_ns_) / static_cast<double>(stop_time_ns_ - start_time_ns_);
   const double factor = to_seconds(point.time_ns - start_ns_) / elapsed_s;
   const auto text = fmt::format("{:3.0f} %  {:.3f} of {} s  {:.3g} x real time  {} left", std::floor(done * 100),
                                 to_seconds(point.time_ns), to_seconds(stop_time_ns_), factor,

@@ -14,7 +14,7 @@ namespace mebots::app {
 /// only every so many steps, so that short steps do not pay for it.
 class Progress final : public master::Observer {
  public:
-  Progress(Console& console, std::int64_t stop_time_ns);
+  Progress(Console& console, std::int64_t start_time_ns, std::int64_t stop_time_ns);
 
   std::optional<std::string> reached(const master::Point& point) override;
   void ended(const master::Point& point) override;
@@ -26,6 +26,7 @@ class Progress final : public master::Observer {
   void show(const master::Point& point, double elapsed_s);
 
   Console* console_;
+  std::int64_t start_time_ns_;
   std::int64_t stop_time_ns_;
   Clock::time_point start_;
   Clock::time_point last_look_;

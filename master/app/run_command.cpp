@@ -8,7 +8,11 @@
 #include "base/signal_guard.hpp"
 #include "base/time.hpp"
 #include "config/command_line.hpp"
+#include "config/system_file.hpp"
 #include "run/run.hpp"
+#ifdef MEBOTS_HAS_live
+#include "live_run.hpp"
+#endif
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -45,12 +49,13 @@ struct ReportOptions {
   std::vector<std::string> expect;  ///< outcomes of which one must come
   std::filesystem::path junit;      ///< JUnit file to write; empty = none
   bool quiet = false;
+  std::optional<int> live_port;  ///< of a new run: a browser may look at it; 0 = any port
 };
 
 RunRequest request_of(const RunOptions& options) {
   RunRequest request;
   request.config = options.config;
-  request.folder = options.out.empty() ? std::filesystem::path("results") / options.config.stem() : options.out;
+  request.folder = options.out.empty() ? default_results(options.config) : options.out;
   for (const auto& set : options.sets) request.settings.push_back(master::read_set(set));
   request.scenarios = options.scenarios;
   if (options.stop_time_s) request.stop_time_ns = master::read_duration("--stop-time", *options.stop_time_s);
@@ -72,6 +77,23 @@ int exit_code(const Run& run, const ReportOptions& options, Console& console) {
   return kFailed;
 }
 
+/// To the end of a run that is not started.
+void run_to_the_end(Run& run, const std::optional<int>& live_port, Console& console) {
+  if (!live_port) {
+    run.start();
+    run.run();
+    return;
+  }
+#ifdef MEBOTS_HAS_live
+  live::LiveRun live(run, *live_port);
+  console.line("live: " + live.address());
+  live.run();
+#else
+  static_cast<void>(console);
+  throw InputError(ErrorCode::not_offered, "--live: this mebots was built without pages (MEBOTS_PAGES)");
+#endif
+}
+
 void show_end(const Run& run, Console& console) {
   for (const auto& loss : run.losses()) {
     console.warning(
@@ -91,17 +113,23 @@ void show_end(const Run& run, Console& console) {
 /// Any run on the command line, from the one that `open` makes to the exit code.
 int execute(const std::function<std::unique_ptr<Run>()>& open, const ReportOptions& options) {
   Console console(options.quiet);
+  try {
+    require_folder_of(options.junit);
+  } catch (const InputError& error) {
+    console.error(fmt::format("--junit {}", error.what()));
+    return kBadInput;
+  }
   std::unique_ptr<Run> run;
   int code = kFailed;
   std::string error_text;
   try {
     run = open();
+    check_expected(run->system(), options.expect);
     const master::SignalGuard guard(run->interrupt_flag());
-    Progress progress(console, run->system().stop_time_ns);
+    Progress progress(console, run->system().start_time_ns, run->system().stop_time_ns);
     run->listen([&](const Message& message) { console.message(message); });
     run->add(progress);
-    run->start();
-    run->run();
+    run_to_the_end(*run, options.live_port, console);
     show_end(*run, console);
     code = exit_code(*run, options, console);
   } catch (const InputError& error) {
@@ -143,7 +171,10 @@ void add_run(CLI::App& app, Action& action) {
   const auto run = std::make_shared<RunOptions>();
   const auto report = std::make_shared<ReportOptions>();
   auto* command = app.add_subcommand("run", "Run the ensemble of FMUs that a config or an SSP describes");
-  command->add_option("config", run->config, "Config (.json) or SSP 1.0 (.ssp)")->required();
+  command
+      ->add_option("config", run->config,
+                   "Config (.json), SSP 1.0 (.ssp, .ssd or its folder) or OspSystemStructure.xml")
+      ->required();
   command
       ->add_option("--out", run->out,
                    "Folder for results.csv, summary.json and log.txt; default: results/<name of the config>")
@@ -164,13 +195,24 @@ void add_run(CLI::App& app, Action& action) {
   command->add_option("--checkpoint-every", run->checkpoint_every_s,
                       "Write a checkpoint at t = 0 and after every so many seconds of simulated time");
   command->add_flag("--isolate", run->isolate, "Run every instance in a process of its own");
+  command
+      ->add_option("--live", report->live_port,
+                   "Let a browser on this machine look at the run, hold it and set its free inputs; on this port")
+      ->expected(0, 1)
+      ->default_str("0")
+      ->type_name("PORT")
+      ->check(CLI::Range(0, 65535));
   add_report_options(*command, *report);
   command->footer(
       help_footer(kExitCodes, {"mebots run configs/gate_easy.json --out results/fast --set soc.core.clock=150e6",
                                "mebots run configs/gate_easy.json --expect passed --junit gate.xml",
                                "mebots run configs/gate_easy.json --isolate --checkpoint-every 5"}));
   command->callback([run, report, &action] {
-    action = [run, report] { return execute([&] { return std::make_unique<Run>(request_of(*run)); }, *report); };
+    action = [run, report] {
+      auto request = request_of(*run);
+      request.in_memory = report->live_port.has_value();
+      return execute([&] { return std::make_unique<Run>(request); }, *report);
+    };
   });
 }
 

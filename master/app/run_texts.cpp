@@ -2,6 +2,9 @@
 #include "run_texts.hpp"
 
 #include "base/time.hpp"
+#include "mebots/input_error.hpp"
+#include "mebots/nearest_names.hpp"
+#include "message/plain_text.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -19,7 +22,7 @@ std::string short_duration(double seconds) {
 }
 
 std::string value_text(const Json& value) {
-  if (value.is_string()) return value.get<std::string>();
+  if (value.is_string()) return master::one_line(master::valid_utf8(value.get<std::string>()));
   if (value.is_number_float()) return fmt::format("{:.6g}", value.get<double>());
   return value.dump();
 }
@@ -57,6 +60,16 @@ std::string why_unexpected(const master::Run& run, const std::vector<std::string
   const auto outcome = run.outcome();
   if (expected.empty() || std::ranges::find(expected, outcome) != expected.end()) return "";
   return fmt::format("the outcome is '{}', and {} was expected", outcome, fmt::join(expected, " or "));
+}
+
+void check_expected(const master::SystemDescription& system, const std::vector<std::string>& expected) {
+  std::vector<std::string> known = {"completed", "interrupted", "failed"};
+  for (const auto& outcome : system.outcomes) known.push_back(outcome.outcome);
+  for (const auto& wanted : expected) {
+    if (std::ranges::find(known, wanted) != known.end()) continue;
+    throw InputError(ErrorCode::unknown_name, fmt::format("--expect: this run cannot have the outcome '{}'. {}", wanted,
+                                                          suggest(wanted, known)));
+  }
 }
 
 std::string shell_word(std::string_view text) {

@@ -12,6 +12,9 @@ namespace mebots::app {
 /// What is shown of a run that is over: outcome, speed, the summary's values with their units, where the files are.
 std::vector<std::string> end_lines(const master::Run& run);
 
+/// Throws InputError when a run of this system cannot end with one of the outcomes that are expected.
+void check_expected(const master::SystemDescription& system, const std::vector<std::string>& expected);
+
 /// Why the outcome of a run that is over is not as wanted: one of `expected`, any when there are none. Empty when it
 /// is.
 std::string why_unexpected(const master::Run& run, const std::vector<std::string>& expected);

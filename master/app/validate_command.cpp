@@ -7,6 +7,7 @@
 #include "description.hpp"
 #include "mebots/data/document.hpp"
 #include "mebots/nearest_names.hpp"
+#include "study/study_file.hpp"
 
 #ifdef MEBOTS_HAS_battery
 #include "cell.hpp"
@@ -46,6 +47,7 @@ struct FileKind {
 constexpr FileKind kKinds[] = {
     {"config", &master::config::check},
     {"scenario", &master::config::check_scenario},
+    {"study", [](const Path& file) { static_cast<void>(master::study::read(file)); }},
     {"description", [](const Path& file) { static_cast<void>(modeldesc::read_description(file)); }},
 #ifdef MEBOTS_HAS_battery
     {"cell", [](const Path& file) { static_cast<void>(battery::load_cell(file)); }},

@@ -152,8 +152,9 @@ class FmuCheck {
 }  // namespace
 
 Report check_fmu(const fs::path& fmu, const Options& options) {
-  if (!fs::exists(fmu)) throw Error(fmt::format("{}: there is no such file", fmu.string()));
-  if (!fs::is_regular_file(fmu)) throw Error(fmt::format("{}: this is no file", fmu.string()));
+  if (!fs::exists(fmu)) throw Error(ErrorCode::file_not_found, fmt::format("{}: there is no such file", fmu.string()));
+  if (!fs::is_regular_file(fmu))
+    throw Error(ErrorCode::file_not_found, fmt::format("{}: this is no file", fmu.string()));
   return FmuCheck(fmu, options).run();
 }
 

@@ -30,7 +30,8 @@ struct BlackBox {
 class SharedBox {
  public:
   SharedBox() : memory_(mmap(nullptr, sizeof(BlackBox), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0)) {
-    if (memory_ == MAP_FAILED) throw Error(fmt::format("no shared memory: {}", std::strerror(errno)));
+    if (memory_ == MAP_FAILED)
+      throw Error(ErrorCode::system_failure, fmt::format("no shared memory: {}", std::strerror(errno)));
   }
   ~SharedBox() { munmap(memory_, sizeof(BlackBox)); }
   SharedBox(const SharedBox&) = delete;
@@ -132,12 +133,13 @@ void take(const std::string& lines, Findings& findings) {
 void run_in_child(const CrashRule& rule, Findings findings, const std::function<void(Witness&)>& work) {
   SharedBox box;
   int ends[2];
-  if (pipe2(ends, O_CLOEXEC) != 0) throw Error(fmt::format("no pipe: {}", std::strerror(errno)));
+  if (pipe2(ends, O_CLOEXEC) != 0)
+    throw Error(ErrorCode::system_failure, fmt::format("no pipe: {}", std::strerror(errno)));
   const pid_t child = fork();
   if (child < 0) {
     close(ends[0]);
     close(ends[1]);
-    throw Error(fmt::format("no child process: {}", std::strerror(errno)));
+    throw Error(ErrorCode::system_failure, fmt::format("no child process: {}", std::strerror(errno)));
   }
   if (child == 0) {
     close(ends[0]);

@@ -123,7 +123,7 @@ ChildRule child_rule(std::string_view word, const Rules& rules) {
   const bool any = take_mark(word, '*');
   const auto [name, rule] = divided(word, '=');
   const auto found = rules.find(rule);
-  if (found == rules.end()) throw Error(fmt::format("the schema has no rule '{}'", rule));
+  if (found == rules.end()) throw Error(ErrorCode::unknown_name, fmt::format("the schema has no rule '{}'", rule));
   return {std::string(name), &found->second, none_or_one || any ? 0U : 1U, one_or_more || any ? SIZE_MAX : 1U};
 }
 

@@ -8,8 +8,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstdarg>
-#include <cstdlib>
 
 namespace mebots::check {
 namespace {
@@ -47,7 +45,8 @@ bool is_standard_category(std::string_view name) {
 Library::Library(const Target& target, Witness& witness) : target_(&target), witness_(&witness) {
   witness.doing("loading the library");
   void* library = dlopen(target.library.c_str(), RTLD_NOW | RTLD_LOCAL);
-  if (library == nullptr) throw Error(fmt::format("the library cannot be loaded: {}", dlerror()));
+  if (library == nullptr)
+    throw Error(ErrorCode::fmu_inconsistent, fmt::format("the library cannot be loaded: {}", dlerror()));
   functions_ = fmi2::find_functions(library);
   for (const auto& variable : target.model->variables) {
     if (variable.causality != Causality::output || variable.osmp) continue;
@@ -78,8 +77,8 @@ std::string Library::difference(const Outputs& found, const Outputs& wanted) con
   return {};
 }
 
-Instance::Instance(const Library& library, std::string name) : library_(&library), name_(std::move(name)) {
-  callbacks_ = {&Instance::log, &std::calloc, &std::free, nullptr, this};
+Instance::Instance(const Library& library, std::string name)
+    : library_(&library), name_(std::move(name)), target_(*this, name_), callbacks_(target_.functions(false)) {
   doing("fmi2Instantiate");
   component_ = functions().instantiate(name_.c_str(), fmi2CoSimulation, library.target().model->guid.c_str(),
                                        library.resource_uri().c_str(), &callbacks_, fmi2False, fmi2True);
@@ -97,31 +96,28 @@ void Instance::free() {
   component_ = nullptr;
 }
 
-void Instance::log(fmi2ComponentEnvironment environment, fmi2String instance, fmi2Status status, fmi2String category,
-                   fmi2String message, ...) {
-  if (environment == nullptr) return;  // an FMU that hands over something else ends in a crash, which is a finding
-  auto& self = *static_cast<Instance*>(environment);
-  char text[1000];
-  std::va_list arguments;
-  va_start(arguments, message);
-  std::vsnprintf(text, sizeof text, message == nullptr ? "" : message, arguments);
-  va_end(arguments);
-  if (status != fmi2OK) self.messages_.emplace_back(text);
-  if (!self.told_name_ && (instance == nullptr || self.name_ != instance)) {
-    self.told_name_ = true;
-    self.library_->witness().error(
+void Instance::logged(master::LoggerCall call) {
+  const std::lock_guard lock(mutex_);
+  if (call.status != fmi2OK) messages_.push_back(call.text);
+  if (!told_environment_ && !call.own_environment) {
+    told_environment_ = true;
+    library_->witness().error("the logger was called with another environment than the FMU was given",
+                              "keep componentEnvironment of fmi2Instantiate per instance and hand it to the logger");
+  }
+  if (!told_name_ && call.instance != name_) {
+    told_name_ = true;
+    library_->witness().error(
         fmt::format("the logger was called with the instance name \"{}\" instead of \"{}\"",
-                    instance == nullptr ? "(null)" : instance, self.name_),
+                    call.instance.value_or("(null)"), name_),
         "hand the name given to fmi2Instantiate to the logger: copy it, for the caller's may be gone");
   }
-  const std::string_view name = category == nullptr ? "" : category;
-  const auto& known = self.library_->target().model->log_categories;
-  if (!self.told_category_ && !name.empty() && !known.empty() && !is_standard_category(name) &&
+  const std::string_view name = call.category;
+  const auto& known = library_->target().model->log_categories;
+  if (!told_category_ && !name.empty() && !known.empty() && !is_standard_category(name) &&
       std::ranges::find(known, name, &modeldesc::LogCategory::name) == known.end()) {
-    self.told_category_ = true;
-    self.library_->witness().warning(
-        fmt::format("a message is of category \"{}\", which LogCategories does not list", name),
-        "add the category to modelDescription.xml");
+    told_category_ = true;
+    library_->witness().warning(fmt::format("a message is of category \"{}\", which LogCategories does not list", name),
+                                "add the category to modelDescription.xml");
   }
 }
 

@@ -6,10 +6,12 @@
 #include "mebots/error.hpp"
 #include "mebots/fmi2/library.hpp"
 #include "mebots/modeldesc/model_description.hpp"
+#include "slave/fmi2_callbacks.hpp"
 
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -68,11 +70,11 @@ class Library {
 };
 
 /// One instance; freed at the end of its life. Every call names itself to the witness before it is made.
-class Instance {
+class Instance final : private master::CallbackListener {
  public:
   /// Throws Refused when the FMU gives no instance.
   Instance(const Library& library, std::string name);
-  ~Instance();
+  ~Instance() override;
   Instance(const Instance&) = delete;
   Instance& operator=(const Instance&) = delete;
 
@@ -100,14 +102,17 @@ class Instance {
   std::string last_message() const { return messages_.empty() ? "" : messages_.back(); }
 
  private:
-  static void log(fmi2ComponentEnvironment environment, fmi2String instance, fmi2Status status, fmi2String category,
-                  fmi2String message, ...);
+  void logged(master::LoggerCall call) override;
+  void step_finished(int /*status*/) override {}
 
   const Library* library_;
   std::string name_;
-  fmi2CallbackFunctions callbacks_{};
+  master::CallbackTarget target_;
+  fmi2CallbackFunctions callbacks_;
   fmi2Component component_ = nullptr;
   std::vector<std::string> messages_;
+  std::mutex mutex_;  // the FMU may log from threads of its own
+  bool told_environment_ = false;
   bool told_name_ = false;
   bool told_category_ = false;
 };

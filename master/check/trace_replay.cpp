@@ -42,7 +42,7 @@ std::vector<std::string> cells(std::string line) {
 Trace read_trace(const fs::path& file, const ModelDescription& model) {
   std::ifstream stream(file);
   const auto fail = [&](std::size_t line, const std::string& what) {
-    throw Error(fmt::format("{}, line {}: {}", file.filename().string(), line, what));
+    throw Error(ErrorCode::syntax_error, fmt::format("{}, line {}: {}", file.filename().string(), line, what));
   };
   std::string line;
   if (!std::getline(stream, line)) fail(1, "there is no header");

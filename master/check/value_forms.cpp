@@ -99,7 +99,8 @@ const Form& find_form(std::string_view name) {
       {"dependencies", is_list_of_dependencies, "a list of " + either(kDependencyWords)},
   };
   const auto* const found = std::ranges::find(kForms, name, &Form::name);
-  if (found == std::end(kForms)) throw Error(fmt::format("no form of values is called '{}'", name));
+  if (found == std::end(kForms))
+    throw Error(ErrorCode::unknown_name, fmt::format("no form of values is called '{}'", name));
   return *found;
 }
 

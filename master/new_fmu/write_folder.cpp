@@ -31,7 +31,9 @@ void write(const fs::path& file, const std::string& text) {
   std::ofstream stream(file, std::ios::binary);
   stream << text;
   stream.close();
-  if (!stream) throw Error(fmt::format("{}: cannot be written; check permissions and free space", file.string()));
+  if (!stream)
+    throw Error(ErrorCode::file_unwritable,
+                fmt::format("{}: cannot be written; check permissions and free space", file.string()));
 }
 
 }  // namespace
@@ -108,6 +110,7 @@ fs::path new_fmu(const fs::path& description_file, fs::path folder) {
   std::error_code error;
   if (fs::exists(folder, error))
     throw Error(
+        ErrorCode::file_unwritable,
         fmt::format("{}: this is there already, and nothing is ever overwritten; choose another folder with --out",
                     folder.string()));
   const Plan plan = make_plan(description);

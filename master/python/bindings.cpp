@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // The Python module mebots._mebots: mebots::Mission as it is. Texts for people, defaults and NumPy stand in
 // mebots/*.py.
+#include "base/input_text.hpp"
+#include "study/ground.hpp"
+#include "study/study_file.hpp"
+
 #include <mebots/run.hpp>
 
 #include <pybind11/functional.h>
@@ -128,6 +132,7 @@ PYBIND11_MODULE(_mebots, module) {
       .def("run", [](Mission& mission) { stepping(mission, [&] { return mission.run(), true; }); })
       .def("run_until",
            [](Mission& mission, double time_s) { stepping(mission, [&] { return mission.run_until(time_s), true; }); })
+      .def("reset", &Mission::reset)
       .def("close", &Mission::close, py::call_guard<py::gil_scoped_release>())
       .def("interrupt", &Mission::interrupt)
       .def("value", &Mission::value, py::call_guard<py::gil_scoped_release>())
@@ -155,4 +160,18 @@ PYBIND11_MODULE(_mebots, module) {
         const auto series = mission.series(variable);
         return py::make_tuple(series.unit, bytes_of(series.values));
       });
+
+  // For mebots.sweep: texts are JSON.
+  namespace study = mebots::master::study;
+  module.def("read_study", [](const std::filesystem::path& file) {
+    return mebots::master::refused_as_input([&] { return study::read(file); }).dump();
+  });
+  module.def("check_study", [](const std::string& text, const std::filesystem::path& file) {
+    return mebots::master::refused_as_input([&] { return study::read(text, file); }).dump();
+  });
+  py::class_<study::Ground>(module, "Ground")
+      .def(py::init(&study::read_ground), "mission"_a, "text"_a = std::nullopt)
+      .def_property_readonly("config", [](const study::Ground& ground) { return ground.config.dump(); })
+      .def_property_readonly("fmus", [](const study::Ground& ground) { return ground.fmus.dump(); })
+      .def_property_readonly("texts", [](const study::Ground& ground) { return ground.texts.dump(); });
 }

@@ -104,11 +104,26 @@ TEST(Protection, OverCurrentIsOnlyAFlag) {
   EXPECT_GT(bench.outputs.cell_current_a, 3);
   EXPECT_TRUE(bench.outputs.cell_over_current);
   EXPECT_TRUE(bench.outputs.cell_connected);
-  EXPECT_EQ(bench.events.size(), 1U);  // told once, not at every step
-  EXPECT_THAT(bench.events.back(), HasSubstr("continuous limit of 3 A"));
   bench.inputs.load_power_w[load::motors] = 5;
   bench.step(2 * kMillisecond);
   EXPECT_FALSE(bench.outputs.cell_over_current);
+}
+
+TEST(Protection, OverCurrentIsToldOnceItHasLastedASecond) {
+  Bench bench(parameters("bitcraze_250", 0.9));
+  const auto draw = [&bench](double power_w, int milliseconds) {
+    bench.inputs.load_power_w[load::motors] = power_w;
+    for (int i = 0; i < milliseconds; i += 2) bench.step(2 * kMillisecond);
+  };
+  draw(13, 800);
+  draw(5, 2);  // a break: it counts from anew
+  draw(13, 1000);
+  EXPECT_TRUE(bench.events.empty());
+  draw(13, 2);
+  ASSERT_EQ(bench.events.size(), 1U);
+  EXPECT_THAT(bench.events.back(), HasSubstr("above the cell's continuous limit of 3 A for 1 s"));
+  draw(13, 2000);
+  EXPECT_EQ(bench.events.size(), 1U);  // once, not at every step
 }
 
 TEST(Charging, SourceIsANegativeLoad) {

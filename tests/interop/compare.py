@@ -40,9 +40,9 @@ def of_config(file, fmus, seconds):
     return {key: config[key] for key in ("step", "instances", "connections")} | {"steps": round(seconds / config["step"])}
 
 
-def ring(fmu, count, source, target, steps, step, **parameters):
-    """Instances of one FMU in a ring; parameters are the first one's."""
-    instances = {f"i{k}": {"fmu": str(fmu), "parameters": parameters if k == 0 else {}} for k in range(count)}
+def ring(fmu, count, source, target, steps, step):
+    """Instances of one FMU in a ring."""
+    instances = {f"i{k}": {"fmu": str(fmu), "parameters": {}} for k in range(count)}
     connections = [{"from": f"i{k}.{source}", "to": f"i{(k + 1) % count}.{target}"} for k in range(count)]
     return {"step": step, "steps": steps, "instances": instances, "connections": connections}
 
@@ -55,15 +55,15 @@ def of_python(folder):
     pairs = [("a.y", "b.u"), ("b.area", "a.u"), ("b.count", "a.count_in"), ("a.count", "b.count_in"), ("a.flag", "b.flag_in"),
              ("b.flag", "a.flag_in"), ("a.word", "b.word_in")]
     coupled = {"step": 0.125, "steps": 40, "connections": [{"from": a, "to": b} for a, b in pairs],
-               "instances": {"a": {"fmu": str(fmu), "parameters": {"gain": 3.5, "u": 0.25, "word_in": "grüß", "flag_in": True}},
+               "instances": {"a": {"fmu": str(fmu), "parameters": {"gain": 3.5}},
                              "b": {"fmu": str(fmu), "parameters": {"gain": -0.5}}}}
     return fmu, coupled
 
 
 def systems(build, folder):
     """Name -> system, all with absolute paths."""
-    fmus, foreign = build / "fmus", build / "tests" / "master" / "fmus"
-    passthrough = build / "bench" / "master" / "passthrough.fmu"
+    fmus, foreign = build / "fmus", build / "test_fmus"
+    passthrough = foreign / "passthrough.fmu"
     python, coupled = of_python(folder)
     configs = ROOT / "configs"
     return {
@@ -77,7 +77,7 @@ def systems(build, folder):
         "coupling (C, asynchronous)": alone(foreign / "coupling.fmu", step=0.125, steps=40, a=0.3, b=0.5, loop_in=2.0),
         "python_slave (pythonfmu)": alone(python, step=0.125, steps=40, u=0.25, gain=3.5),
         "two python_slave, all types": coupled,
-        "ring of sixteen passthrough": ring(passthrough, 16, "y", "u", 100, 0.125, u=1.5),
+        "ring of sixteen passthrough": ring(passthrough, 16, "y", "u", 100, 0.125),
         "motor_thermal, passthrough and coupling": {
             "step": 2**-9, "steps": 250,  # exact in binary: this FMU shows the time that a tool hands to it
             "instances": {"c": {"fmu": str(foreign / "coupling.fmu")}, "p": {"fmu": str(passthrough)},

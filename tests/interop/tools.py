@@ -39,7 +39,7 @@ def description(instance):
 
 def of_python(instance):
     """Made by pythonfmu: it takes the Python interpreter of the process that loads it."""
-    return description(instance).generationTool.startswith("PythonFMU")
+    return (description(instance).generationTool or "").startswith("PythonFMU")
 
 
 def variables(instance):
@@ -99,6 +99,7 @@ class Mebots:
                   "instances": system["instances"], "connections": system["connections"],
                   "record": {"variables": [f"{name}.{v.name}" for name, i in system["instances"].items() for v in outputs(i)],
                              "texts": True}}
+        config |= {key: system[key] for key in ("algorithm",) if key in system}
         (folder / "config.json").write_text(json.dumps(config))
         result = subprocess.run([self.program, "run", folder / "config.json", "--out", folder / "out", "--quiet"],
                                 env=environment(system), capture_output=True, text=True)

@@ -21,7 +21,7 @@ using testing::HasSubstr;
 
 // Each step of a sleeps: the run takes about half a second, so that kills find it at work.
 constexpr const char* kSavedSystem = R"({"step": 0.01, "stop_time": 3, "instances": {
-    "a": {"fmu": "PROBE", "parameters": {"gain": -0.9, "offset": 0.3, "real_in": 0.1, "fault": "nap", "fault_time": 0}},
+    "a": {"fmu": "PROBE", "parameters": {"gain": -0.9, "offset": 0.3, "fault": "nap", "fault_time": 0}},
     "b": {"fmu": "PROBE", "parameters": {"gain": 0.8}, "step": 0.03}},
   "connections": [{"from": "a.real_out", "to": "b.real_in"}, {"from": "b.real_out", "to": "a.real_in"},
                   {"from": "a.buffer", "to": "b.taken"}, {"from": "a.steps", "to": "b.integer_in"}],

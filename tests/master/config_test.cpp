@@ -173,6 +173,12 @@ TEST(Config, AnInstanceNameMayHoldDotsUnlessAnotherIsItsBeginning) {
               HasSubstr("'a.b' could be a variable of the instance 'a'"));
 }
 
+TEST(Config, AnAlgorithmThatDoesNotExistIsToldBesideOtherMistakes) {
+  EXPECT_THAT(reading_error(config_with(R"("algorithm": "gaus-seidel", "recrod": {},)", R"("a": {"fmu": "PROBE"})")),
+              AllOf(HasSubstr("/algorithm: there is no algorithm 'gaus-seidel'. Did you mean 'gauss-seidel'?"),
+                    HasSubstr("recrod")));
+}
+
 TEST(Config, AConnectionNamesInstanceAndVariable) {
   const auto connected = [](const std::string& from) {
     return reading_error(fmt::format(

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <thread>
@@ -18,7 +19,7 @@ using testing::DoubleNear;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-/// Two instances of the coupling FMU (fmus/coupling.c), a -> b.
+/// Two instances of the coupling FMU (tests/fmus/coupling.c), a -> b.
 std::string pair(const std::string& parameters, const std::string& connections, const std::string& more = "",
                  const std::string& times = R"("step": 0.1, "stop_time": 0.2)") {
   return fmt::format(
@@ -126,6 +127,23 @@ TEST(Types, WiderTypesTakeNarrowerOnes) {
       -2.5);
 }
 
+TEST(Types, AnIntegerGoesIntoAnEnumerationWhileItIsAnItem) {
+  const auto config = [](int value) {
+    return pair(fmt::format(R"("count": {})", value), R"({"from": "a.count", "to": "b.level_in"})");
+  };
+  TestRun run(config(5));
+  EXPECT_THAT(run.system.notices, testing::Contains(HasSubstr("Integer becomes Enumeration")));
+  EXPECT_NO_THROW(run.to_end());
+  TestRun outside(config(3));
+  try {
+    outside.to_end();
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), AllOf(HasSubstr("instance 'b' at 0 s"), HasSubstr("'level_in' would be 3"),
+                                    HasSubstr("it has 1, 5"), HasSubstr("a.count")));
+  }
+}
+
 TEST(Types, NarrowerTypesDoNotTakeWiderOnes) {
   EXPECT_THAT(refused(R"({"from": "a.bare_out", "to": "b.count_in"})"),
               HasSubstr("the types differ: Real and Integer"));
@@ -212,11 +230,86 @@ TEST(InputDerivatives, AnFmuThatTakesThemGetsThoseOfItsSource) {
   EXPECT_NEAR(run.column("b.ramp_area").back(), 1.0 / 3 - 10 * 0.001 / 3, 1e-15 * 10);
 }
 
+TEST(InputDerivatives, OnesThatAreNoNumbersLeaveTheInputHeldWithOneNotice) {
+  TestRun run(pair(R"("behaviour": "nan_slope")", R"({"from": "a.ramp_out", "to": "b.ramp_in"})", "",
+                   R"("step": 0.1, "stop_time": 1)"));
+  run.to_end();
+  EXPECT_NEAR(run.column("b.ramp_area").back(), 0.285, 1e-15 * 10);  // of t^2 held at each step's start
+  EXPECT_EQ(
+      std::ranges::count_if(run.messages.lines,
+                            [](const std::string& line) {
+                              return line.starts_with("/notice: a.ramp_out -> b.ramp_in: the derivative of order 1");
+                            }),
+      1);
+}
+
+/// Two masses with a spring between them, one in each instance, which are exact inside: the largest error of both over
+/// 5 s. By the modes, x = (cos(sqrt(10) t) +- cos(sqrt(30) t)) / 2.
+double error_of_two_masses(const test::ChangedFmu& fmu, const std::string& algorithm, int steps_per_second) {
+  TestRun run(fmt::format(
+      R"({{"step": {}, "stop_time": 5, "algorithm": "{}", "instances": {{"a": {{"fmu": "{}", "parameters": {{"mass_x": 1}}}}, "b": {{"fmu": "{}"}}}},
+      "connections": [{{"from": "a.mass_x", "to": "b.mass_u"}}, {{"from": "b.mass_x", "to": "a.mass_u"}}], "record": ["*.mass_x"]}})",
+      1.0 / steps_per_second, algorithm, fmu.path().string(), fmu.path().string()));
+  run.to_end();
+  const auto a = run.column("a.mass_x");
+  const auto b = run.column("b.mass_x");
+  double largest = 0;
+  for (std::size_t k = 0; k < a.size(); ++k) {
+    const double t = static_cast<double>(k) / steps_per_second;
+    const double sum = std::cos(std::sqrt(10) * t);
+    const double difference = std::cos(std::sqrt(30) * t);
+    largest = std::max({largest, std::abs(a[k] - (sum + difference) / 2), std::abs(b[k] - (sum - difference) / 2)});
+  }
+  return largest;
+}
+
+TEST(CouplingOrder, DerivativesMakeJacobiAndGaussSeidelSecondOrder) {
+  for (const int orders : {0, 1}) {
+    const test::ChangedFmu fmu("coupling", R"(maxOutputDerivativeOrder="2")",
+                               fmt::format(R"(maxOutputDerivativeOrder="{}")", orders));
+    for (const char* algorithm : {"jacobi", "gauss-seidel"}) {
+      const double coarse = error_of_two_masses(fmu, algorithm, 200);
+      const double fine = error_of_two_masses(fmu, algorithm, 800);
+      const double order = std::log(coarse / fine) / std::log(4.0);
+      EXPECT_NEAR(order, orders + 1, 0.15)
+          << algorithm << " with derivatives up to order " << orders << ": " << coarse << " and " << fine;
+    }
+  }
+}
+
+TEST(InputDerivatives, AnInputWithTwoKnownEndsGoesOnALine) {
+  // b steps after a, so it knows t^2 at both ends of its step: the trapezoidal rule, h^2/6 above 1/3.
+  TestRun run(pair("", R"({"from": "a.ramp_out", "to": "b.ramp_in"})", R"(, "algorithm": "gauss-seidel")",
+                   R"("step": 0.1, "stop_time": 1)"));
+  run.to_end();
+  EXPECT_NEAR(run.column("b.ramp_area").back(), 1.0 / 3 + 0.01 / 6, 1e-14);
+}
+
 TEST(InputDerivatives, TheyAreScaledAsTheValueIs) {
   TestRun run(pair("", R"({"from": "a.ramp_out", "to": "b.ramp_in", "factor": 3, "offset": 1})", "",
                    R"("step": 0.1, "stop_time": 1)"));
   run.to_end();
   EXPECT_NEAR(run.column("b.ramp_area").back(), 3 * (1.0 / 3 - 10 * 0.001 / 3) + 1, 1e-14);
+}
+
+TEST(InputDerivatives, AnOverriddenVariableHasTheDerivativesOfItsOverride) {
+  // t^2 with slope 2 t, from 0.5 s on: what the override makes of it.
+  const auto area = [](const std::string& variable, const std::string& action) {
+    TestRun run(pair("", R"({"from": "a.ramp_out", "to": "b.ramp_in"})",
+                     fmt::format(R"(, "scenario": [{{"variable": "{}", "from": 0.5, {}}}])", variable, action),
+                     R"("step": 0.1, "stop_time": 1)"));
+    run.to_end();
+    const auto column = run.column("b.ramp_area");
+    return column.back() - column[5];
+  };
+  for (const auto* variable : {"a.ramp_out", "b.ramp_in"}) {
+    EXPECT_NEAR(area(variable, R"("set": 3)"), 1.5, 1e-12) << variable;
+    EXPECT_NEAR(area(variable, R"("freeze": true)"), 0.125, 1e-12) << variable;
+    // From 0.25 with slope 2 on: the area under a line.
+    EXPECT_NEAR(area(variable, R"("ramp": 1.25, "over": 0.5)"), 0.125 + 0.25, 1e-12) << variable;
+  }
+  const double plain = area("b.bare_in", R"("set": 0)");
+  EXPECT_NEAR(area("a.ramp_out", R"("scale": 2)"), 2 * plain, 1e-12);
 }
 
 TEST(Pending, AStepThatGoesOnByItselfIsWaitedFor) {

@@ -14,7 +14,7 @@ namespace {
 using test::TestRun;
 
 constexpr const char* kRecordedSystem = R"({"step": 0.001, "stop_time": 9, "instances": {
-    "a": {"fmu": "PROBE", "parameters": {"gain": -0.9, "offset": 0.3, "real_in": 0.1, "string_in": "ä, \"b\"\nc"}},
+    "a": {"fmu": "PROBE", "parameters": {"gain": -0.9, "offset": 0.3, "string_in": "ä, \"b\"\nc"}},
     "b": {"fmu": "PROBE", "parameters": {"gain": 0.8}}},
   "connections": [{"from": "a.real_out", "to": "b.real_in"}, {"from": "b.real_out", "to": "a.real_in"}],
   "record": {"variables": ["a.*"], "texts": true}})";

@@ -22,7 +22,7 @@ using testing::Not;
 
 // Buffers, texts, two steps, all types along connections.
 constexpr const char* kIsolatedSystem = R"({"step": 0.01, "stop_time": 1, "instances": {
-    "a": {"fmu": "PROBE", "parameters": {"gain": -0.9, "offset": 0.3, "real_in": 0.1, "string_in": "a, b"}},
+    "a": {"fmu": "PROBE", "parameters": {"gain": -0.9, "offset": 0.3, "string_in": "a, b"}},
     "b": {"fmu": "PROBE", "parameters": {"gain": 0.8}, "step": 0.02}},
   "connections": [{"from": "a.real_out", "to": "b.real_in"}, {"from": "b.real_out", "to": "a.real_in"},
                   {"from": "a.buffer", "to": "b.taken"}, {"from": "a.steps", "to": "b.integer_in"},
@@ -77,6 +77,22 @@ TEST_F(Isolation, OwnProcessesGiveTheSameBits) {
     return by_instance;
   };
   EXPECT_EQ(lines(result("log.txt")), lines(log));
+}
+
+TEST_F(Isolation, TimeDerivativesTravelAsInTheMastersProcess) {
+  const auto config = [](const std::string& process) {
+    return fmt::format(R"({{"step": 0.1, "stop_time": 2, "instances": {{
+      "a": {{"fmu": "COUPLING", "parameters": {{"mass_x": 1}}, "process": "{0}"}}, "b": {{"fmu": "COUPLING", "process": "{0}"}}}},
+      "connections": [{{"from": "a.mass_x", "to": "b.mass_u"}}, {{"from": "b.mass_x", "to": "a.mass_u"}},
+                      {{"from": "a.ramp_out", "to": "b.ramp_in"}}]}})",
+                       process);
+  };
+  TestRun shared(config("shared"));
+  TestRun own(config("own"));
+  shared.to_end();
+  own.to_end();
+  EXPECT_GT(shared.column("b.ramp_area").back(), 2.6) << "8/3 with derivatives, 2.47 where the input is held";
+  EXPECT_EQ(own.csv(), shared.csv());
 }
 
 TEST_F(Isolation, StatesGoAlongWithTheProcess) {
@@ -139,6 +155,7 @@ TEST_P(IsolationFault, EndsTheRunWithItsReasonAndTheResultsSoFar) {
   EXPECT_EQ(result("results.csv").back(), '\n');
   EXPECT_EQ(summary()["outcome"], "failed");
   EXPECT_THAT(summary()["error"].get<std::string>(), HasSubstr(message));
+  EXPECT_EQ(summary()["error_code"], std::string_view(name) == "hang" ? "fmu_timeout" : "fmu_lost");
 }
 
 TEST_P(IsolationFault, LeavesTheOthersGoingOnWhereTheConfigAllows) {
@@ -172,6 +189,13 @@ TEST_F(Isolation, AnFmuThatClosesAllFilesOrKillsItsParentHarmsNobody) {
     EXPECT_EQ(run_result.code, 0) << fault << run_result.err;
     EXPECT_EQ(result("results.csv"), csv);
   }
+}
+
+TEST_F(Isolation, AnFmuChangesNoOtherProcess) {
+  EXPECT_EQ(run({"--isolate", "--set", "b.fault=harm_parent", "--set", "b.fault_time=0.5"}).code, 0);
+  const auto foreign = run({"--isolate", "--set", "b.fault=foreign_call", "--set", "b.fault_time=0.5"});
+  EXPECT_EQ(foreign.code, 1);
+  EXPECT_THAT(foreign.err, AllOf(HasSubstr("instance 'b'"), HasSubstr("signal 31 (SIGSYS"), HasSubstr("fmi2DoStep")));
 }
 
 TEST_F(Isolation, ProcessesThatAnFmuLeavesBehindGoWithTheRun) {

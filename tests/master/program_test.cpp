@@ -97,12 +97,22 @@ TEST_F(Program, TheSummaryTellsWhatTheRunStartedFrom) {
 TEST_F(Program, AnOutcomeOtherThanExpectedIsAnsweredByOne) {
   EXPECT_EQ(run_config({"--expect", "completed", "--junit", "pass.xml"}).code, 0);
   EXPECT_THAT(read_file(folder.path() / "pass.xml"), AllOf(HasSubstr("failures=\"0\""), HasSubstr("name=\"two\"")));
-  const auto other = run_config({"--expect", "far", "--expect", "near", "--junit", "fail.xml"});
+  const auto other = run_config({"--expect", "interrupted", "--expect", "failed", "--junit", "fail.xml"});
   EXPECT_EQ(other.code, 1);
-  EXPECT_THAT(other.err, AllOf(HasSubstr("'completed'"), HasSubstr("far or near")));
+  EXPECT_THAT(other.err, AllOf(HasSubstr("'completed'"), HasSubstr("interrupted or failed")));
   EXPECT_THAT(read_file(folder.path() / "fail.xml"), HasSubstr("failures=\"1\""));
   EXPECT_EQ(run_config({"--set", "a.fault=error", "--junit", "error.xml"}).code, 1);
   EXPECT_THAT(read_file(folder.path() / "error.xml"), AllOf(HasSubstr("errors=\"1\""), HasSubstr("fmi2Error")));
+}
+
+TEST_F(Program, AConfigIsNotReplacedByTheResultsOfItsRun) {
+  std::filesystem::create_directory(folder.path() / "out");
+  const auto config = read_file(folder.path() / "two.json");
+  write_file(folder.path() / "out/summary.json", config);
+  const auto result = run({"run", "out/summary.json", "--out", "out"});
+  EXPECT_EQ(result.code, 2);
+  EXPECT_THAT(result.err, AllOf(HasSubstr("out/summary.json"), HasSubstr("Choose another folder with --out")));
+  EXPECT_EQ(read_file(folder.path() / "out/summary.json"), config);
 }
 
 TEST_F(Program, OptionsChangeTheRun) {
@@ -207,6 +217,8 @@ TEST_F(Program, MistakesOnTheCommandLineAreNamedWithTheWayOut) {
   expect({"run", "/dev/zero"}, "/dev/zero: cannot be read: it is a device");
   expect({"run", "two.json", "--scenario", "/dev/zero"}, "it is a device");
   expect({"run", "two.json", "--out", ""}, "--out: the name is empty");
+  expect({"run", "two.json", "--expect", "complted"}, "cannot have the outcome 'complted'. Did you mean 'completed'?");
+  expect({"run", "two.json", "--junit", "nowhere/two.xml"}, "there is no folder nowhere; make it first");
   expect({"check", PROBE_FMU, "--deadline", "nan"}, "--deadline: nan is not a number greater than 0");
   expect({"convert", "two.json", "two.json"}, "both files are .json");
   expect({"convert", "two.json", "nowhere/two.ssp"}, "there is no folder nowhere");
@@ -251,7 +263,7 @@ TEST_F(Program, AnFmuThatRefusesItsParametersIsBadInput) {
 
 TEST_F(Program, ARefusedRunLeavesEarlierResultsAsTheyWere) {
   ASSERT_EQ(run_config().code, 0);
-  const auto files = {"results.csv", "summary.json", "log.txt"};
+  const auto files = {"results.csv", "summary.json", "log.txt", "system.json"};
   std::vector<std::string> before;
   for (const auto* file : files) before.push_back(read_file(results() / file));
   EXPECT_EQ(run_config({"--set", "a.fault=initialisation"}).code, 2);
@@ -260,7 +272,7 @@ TEST_F(Program, ARefusedRunLeavesEarlierResultsAsTheyWere) {
   for (const auto* file : files) after.push_back(read_file(results() / file));
   EXPECT_EQ(before, after);
   const std::filesystem::directory_iterator left(results());
-  EXPECT_EQ(std::distance(begin(left), end(left)), 3);
+  EXPECT_EQ(std::distance(begin(left), end(left)), 4);
 }
 
 TEST_F(Program, AFolderThatCannotBeMadeIsBadInput) {

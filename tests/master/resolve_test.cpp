@@ -42,9 +42,18 @@ TEST(Connections, AnUnknownVariableIsAnsweredByTheNearestOne) {
 
 TEST(Connections, TypesMustAgree) {
   EXPECT_THAT(connecting("real_out", "integer_in"), HasSubstr("the types differ: Real and Integer"));
-  EXPECT_THAT(connecting("integer_out", "mode_in"), HasSubstr("the types differ: Integer and Enumeration"));
+  EXPECT_THAT(connecting("boolean_out", "mode_in"), HasSubstr("the types differ: Boolean and Enumeration"));
   EXPECT_THAT(connecting("colour_out", "mode_in"),
               AllOf(HasSubstr("enumerations differ"), HasSubstr("green = 1"), HasSubstr("both = 7")));
+}
+
+TEST(Connections, AValueThatAConnectionWouldOverwriteIsRefusedWithItsSource) {
+  EXPECT_THAT(
+      test::input_error([] {
+        test::TestRun(R"({"step": 0.1, "stop_time": 1, "instances": {"a": {"fmu": "PROBE"},
+                  "b": {"fmu": "PROBE", "parameters": {"real_in": 3}}}, "connections": [{"from": "a.real_out", "to": "b.real_in"}]})");
+      }),
+      AllOf(HasSubstr("/instances/b/parameters/real_in"), HasSubstr("'b.real_in' gets its value from a.real_out")));
 }
 
 TEST(Connections, UnitsMustAgree) {

@@ -52,6 +52,13 @@ CASES = [
     (["instances", "a", "parameters"], {"gain": None}, False),
     (["instances", "a", "parameters"], {"gain": [1]}, False),
     (["instances", "a", "parameters"], [], False),
+    (["coupling"], {}, True),
+    (["coupling"], True, False),
+    (["coupling"], {"input_limit": 0.05}, True),
+    (["coupling"], {"input_limit": 0}, False),
+    (["coupling"], {"bonds": []}, False),
+    (["coupling"], {"bonds": {"it": {"effort": "a.real_in"}}}, False),
+    (["coupling"], {"bonds": {"it": {"effort": "a.real_in", "flow": "a.real_in", "limit": -1}}}, False),
     (["instances", "a", "step"], 0.2, True),
     (["instances", "a", "step"], 0, False),
     (["instances", "a", "step"], "0.2", False),
@@ -125,6 +132,17 @@ CASES = [
     (["pictures"], [{"frame": "a.buffer", "id": "a.steps", "width": 1.5}], False),
     (["pictures"], [{"frame": "a.buffer", "id": "a.steps"}], False),
     (["pictures"], [{"frame": "a.buffer", "id": "a.steps", "width": 4, "interval": -1}], False),
+    (["view"], {"scene": "a.string_out", "marks": ["a"], "panels": []}, True),
+    (["view"], {"panels": [{"title": "t", "kind": "lanes", "curves": [{"variable": "a.steps", "label": "l"}]}]}, True),
+    (["view"], {"panels": [{"title": "t", "curves": [{"rate_of": "a.steps"}]}]}, True),
+    (["view"], {"panels": [{"title": "t", "curves": [{"rate_of": "a.steps", "variable": "a.steps"}]}]}, False),
+    (["view"], {"panels": [{"title": "t", "curves": [{}]}]}, False),
+    (["view"], {"panels": [{"title": "t", "kind": "pie", "curves": []}]}, False),
+    (["view"], {"panels": [{"curves": []}]}, False),
+    (["view"], {"panels": {}}, False),
+    (["view"], {"marks": "a"}, False),
+    (["view"], {"scene": 1}, False),
+    (["view"], {"page": 1}, False),
     (["log"], {"a": ["*"]}, True),
     (["log"], {"a": "*"}, False),
     (["log"], {"a": [""]}, False),
@@ -157,6 +175,7 @@ SHIPPED = {
     "rotor": (["fmu_motors/params/rotors/*.json"], "fmu_motors/params/rotors/crazyflie_l250.json"),
     "drone": (["fmu_world/params/drones/*.json"], "fmu_world/params/drones/crazyflie.json"),
     "scene": (["fmu_world/params/scenes/*.json"], "fmu_world/params/scenes/gate_easy.json"),
+    "study": (["examples/*/study.json"], "examples/exploration/study.json"),
 }
 STRUCTURE = {"unknown_key", "missing_key", "wrong_type"}
 CHANGES_OF_A_KIND = 150
@@ -254,6 +273,8 @@ class Check:
         good = json.loads((self.source / file).read_text())
         if kind == "scene":
             good["drone"] = str((self.source / file).parent / good["drone"])
+        if kind == "study":
+            good["mission"] = str((self.source / file).parent / good["mission"])
         all_changes = list(changes(good))
         chosen = random.Random(kind).sample(all_changes, min(CHANGES_OF_A_KIND, len(all_changes)))
         contents = [changed(good, path, value) for path, value in chosen]

@@ -90,9 +90,8 @@ TEST(Simulation, AnInitialLoopThatDivergesIsReportedWithItsPath) {
 std::string ring(const std::vector<std::string>& names) {
   const auto instance = [](const std::string& name) {
     const int number = name[0] - 'a' + 1;
-    return fmt::format(
-        R"("{}": {{"fmu": "PROBE", "parameters": {{"gain": {}, "offset": {}, "real_in": 0.1}}, "step": {}}})", name,
-        -0.3 * number, 0.7 * number, number == 3 ? 0.02 : 0.01);
+    return fmt::format(R"("{}": {{"fmu": "PROBE", "parameters": {{"gain": {}, "offset": {}}}, "step": {}}})", name,
+                       -0.3 * number, 0.7 * number, number == 3 ? 0.02 : 0.01);
   };
   std::vector<std::string> instances;
   for (const auto& name : names) instances.push_back(instance(name));
@@ -263,6 +262,27 @@ TEST(Outcomes, TheFirstThatHoldsCounts) {
 
 TEST(Outcomes, WithoutRulesARunIsCompleted) {
   EXPECT_EQ(TestRun(one_probe("")).to_end().outcomes->outcome(), "completed");
+}
+
+TEST(StartTime, TheAxisOfTheResultsBeginsThere) {
+  test::TestRun run(R"({"step": 0.1, "start_time": 2.05, "stop_time": 2.45, "instances": {"a": {"fmu": "PROBE"},
+    "slow": {"fmu": "PROBE", "step": 0.2}}, "connections": [], "record": ["a.last_end", "slow.last_end"]})");
+  run.to_end();
+  EXPECT_THAT(run.column("time"), testing::ElementsAre(2.05, 2.15, 2.25, 2.35, 2.45));
+  EXPECT_DOUBLE_EQ(run.column("a.last_end").back(), 2.45);
+  EXPECT_DOUBLE_EQ(run.column("slow.last_end").at(2), 2.25);
+}
+
+TEST(StartTime, StepsMustFitBetweenItAndTheStopTime) {
+  const auto error = [](const char* times) {
+    return test::input_error([&] {
+      test::TestRun(std::string("{\"step\": 0.1, ") + times +
+                    R"(, "instances": {"a": {"fmu": "PROBE"}}, "connections": []})");
+    });
+  };
+  EXPECT_THAT(error(R"("start_time": 0.05, "stop_time": 1)"), testing::HasSubstr("the nearest are 0.95 s and 1.05 s"));
+  EXPECT_THAT(error(R"("start_time": 1, "stop_time": 1)"), testing::HasSubstr("greater than the start time 1 s"));
+  EXPECT_THAT(error(R"("start_time": -1, "stop_time": 1)"), testing::HasSubstr("must not be negative"));
 }
 
 }  // namespace

@@ -169,9 +169,115 @@ TEST_F(Ssp, WhatCannotBeUsedIsSaidWithFileAndLine) {
   EXPECT_THAT(error_of(two(), R"(</ssd:System></ssd:SystemStructureDescription>)"), HasSubstr("give it with --step"));
   EXPECT_THAT(error_of("<broken"), HasSubstr("not well-formed"));
   EXPECT_THAT(
-      error_of(two(),
-               R"(</ssd:System><ssd:DefaultExperiment startTime="5" stopTime="9"/></ssd:SystemStructureDescription>)"),
-      HasSubstr("mebots starts at 0"));
+      error_of(
+          two(),
+          R"(</ssd:System><ssd:DefaultExperiment startTime="5" stopTime="4"/><ssd:Annotations><ssc:Annotation type="org.mebots.config">{"step": 0.1}</ssc:Annotation></ssd:Annotations></ssd:SystemStructureDescription>)"),
+      HasSubstr("must be greater than the start time 5 s"));
+}
+
+TEST_F(Ssp, AnUnpackedOneRunsByItsFolderAndByItsFile) {
+  modeldesc::unpack(
+      ssp(two() +
+          R"(<ssd:Connections><ssd:Connection startElement="a" startConnector="count" endElement="b" endConnector="integer_in"/></ssd:Connections>)"),
+      folder.path() / "open one");
+  const auto by_folder = load_system(folder.path() / "open one");
+  const auto by_file = load_system(folder.path() / "open one" / "SystemStructure.ssd");
+  EXPECT_EQ(by_folder.system.name, "open one");
+  EXPECT_EQ(by_file.system.name, "open one");
+  EXPECT_EQ(by_folder.config, by_file.config);
+  EXPECT_EQ(by_folder.system.source, by_file.system.source);
+  EXPECT_EQ(by_file.system.connections.size(), 1U);
+  EXPECT_EQ(run({"run", "open one"}).code, 0);
+  EXPECT_TRUE(std::filesystem::exists(folder.path() / "results" / "open one" / "results.csv"));
+  std::filesystem::create_directory(folder.path() / "none");
+  EXPECT_THAT(test::input_error([&] { load_system(folder.path() / "none"); }), HasSubstr("SystemStructure.ssd"));
+}
+
+class Osp : public Ssp {
+ protected:
+  /// A system of two coupling FMUs around `connections`, in a folder of its own.
+  std::filesystem::path osp(const std::string& connections, const std::string& more = "<EndTime>0.4</EndTime>") {
+    const auto system = folder.path() / "truck";
+    std::filesystem::create_directories(system);
+    std::filesystem::copy_file(COUPLING_FMU, system / "my coupling.fmu",
+                               std::filesystem::copy_options::overwrite_existing);
+    test::write_file(system / "coupling_OspModelDescription.xml", R"(<OspModelDescription><VariableGroups>
+      <Generic name="out"><Force name="f"><Variable ref="mass_x"/></Force><Variable ref="level"/></Generic>
+      <Generic name="in"><Variable ref="mass_u"/><Variable ref="level_in"/></Generic></VariableGroups></OspModelDescription>)");
+    test::write_file(system / "OspSystemStructure.xml", fmt::format(R"(<?xml version="1.0" encoding="utf-8"?>
+<OspSystemStructure xmlns="http://opensimulationplatform.com/MSMI/OSPSystemStructure" version="0.1">
+  <StartTime>0.2</StartTime>{}<BaseStepSize>0.1</BaseStepSize><Algorithm>ecco</Algorithm>
+  <Simulators>
+    <Simulator name="a" source="my%20coupling.fmu"><InitialValues>
+      <InitialValue variable="mass_x"><Real value="1"/></InitialValue><InitialValue variable="count"><Integer value="7"/></InitialValue>
+      <InitialValue variable="flag"><Boolean value="1"/></InitialValue><InitialValue variable="behaviour"><String value=""/></InitialValue>
+    </InitialValues></Simulator>
+    <Simulator name="b" source="my coupling.fmu" stepSize="0.2"/>
+  </Simulators>
+  <Connections>{}</Connections></OspSystemStructure>)",
+                                                                    more, connections));
+    return system;
+  }
+  std::string refused(const std::string& connections) {
+    return test::input_error([&] { load_system(osp(connections)); });
+  }
+};
+
+TEST_F(Osp, SimulatorsInitialValuesStepsAndConnectionsBecomeASystem) {
+  const auto system = osp(R"(
+    <VariableConnection><Variable simulator="b" name="mass_u"/><Variable simulator="a" name="mass_x"/></VariableConnection>
+    <VariableGroupConnection><VariableGroup simulator="a" name="in"/><VariableGroup simulator="b" name="out"/></VariableGroupConnection>)");
+  const auto loaded = load_system(system);
+  EXPECT_EQ(loaded.system.start_time_ns, 200'000'000);
+  EXPECT_EQ(loaded.system.instances.at(1).step_ns, 200'000'000);
+  EXPECT_EQ(loaded.config["instances"]["a"]["parameters"]["mass_x"], 1.0);
+  EXPECT_EQ(loaded.config["instances"]["a"]["parameters"]["count"], 7);
+  EXPECT_EQ(loaded.config["instances"]["a"]["parameters"]["flag"], true);
+  ASSERT_EQ(loaded.system.connections.size(), 3U);
+  EXPECT_EQ(loaded.system.connections[0].from.text(), "a.mass_x");
+  EXPECT_EQ(loaded.system.connections[0].to.text(), "b.mass_u");
+  EXPECT_EQ(loaded.system.connections[1].from.text(), "b.mass_x");
+  EXPECT_EQ(loaded.system.connections[2].to.text(), "a.level_in");
+  EXPECT_THAT(loaded.system.notices, testing::Contains(HasSubstr("\"ecco\" is left out")));
+  EXPECT_EQ(run({"run", "truck"}).code, 0);
+  EXPECT_EQ(run({"info", "truck/OspSystemStructure.xml"}).code, 0);
+  EXPECT_EQ(run({"convert", "truck", "truck.json"}).code, 0);
+  EXPECT_EQ(run({"run", "truck.json"}).code, 0);
+}
+
+TEST_F(Osp, WhatCannotBeUsedIsSaidWithItsLine) {
+  EXPECT_THAT(
+      refused(
+          R"(<VariableConnection><Variable simulator="a" name="mass_x"/><Variable simulator="b" name="mass_x"/></VariableConnection>)"),
+      AllOf(HasSubstr("OspSystemStructure.xml, line 11"), HasSubstr("one must be an output and the other an input")));
+  EXPECT_THAT(
+      refused(
+          R"(<VariableConnection><Variable simulator="c" name="mass_x"/><Variable simulator="b" name="mass_u"/></VariableConnection>)"),
+      HasSubstr("no simulator \"c\""));
+  EXPECT_THAT(
+      refused(
+          R"(<VariableGroupConnection><VariableGroup simulator="a" name="on"/><VariableGroup simulator="b" name="in"/></VariableGroupConnection>)"),
+      HasSubstr("has no group \"on\""));
+  EXPECT_THAT(refused("<SignalConnection/>"), HasSubstr("SignalConnection cannot be used"));
+  EXPECT_THAT(test::input_error([&] { load_system(osp("", "")); }), HasSubstr("give it with --stop-time"));
+}
+
+TEST_F(Ssp, AnExperimentMayStartLater) {
+  const auto loaded = load_system(ssp(
+      two(), {},
+      R"(</ssd:System><ssd:DefaultExperiment startTime="5" stopTime="9"/><ssd:Annotations><ssc:Annotation type="org.mebots.config">{"step": 0.1}</ssc:Annotation></ssd:Annotations></ssd:SystemStructureDescription>)"));
+  EXPECT_EQ(loaded.system.start_time_ns, 5'000'000'000);
+  EXPECT_EQ(loaded.system.stop_time_ns, 9'000'000'000);
+}
+
+TEST_F(Ssp, AnEmptyElementNameMeansTheSystemItself) {
+  const auto loaded = load(
+      R"(<ssd:Connectors><ssd:Connector name="u" kind="input"/></ssd:Connectors>)"
+      R"(<ssd:ParameterBindings><ssd:ParameterBinding><ssd:ParameterValues><ssv:ParameterSet version="1.0" name="p"><ssv:Parameters>
+        <ssv:Parameter name="u"><ssv:Real value="4"/></ssv:Parameter></ssv:Parameters></ssv:ParameterSet></ssd:ParameterValues></ssd:ParameterBinding></ssd:ParameterBindings>)" +
+      two() +
+      R"(<ssd:Connections><ssd:Connection startElement="" startConnector="u" endElement="a" endConnector="bare_in"/></ssd:Connections>)");
+  EXPECT_EQ(loaded.config["instances"]["a"]["parameters"]["bare_in"], 4.0);
 }
 
 /// A value of a connector of the root system, with what hangs on it.

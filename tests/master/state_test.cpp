@@ -12,7 +12,7 @@ using testing::ElementsAre;
 
 // Multirate, a buffer, a stop condition that counts time and an outcome that remembers: all have state.
 constexpr const char* kSystem = R"({"step": 0.01, "stop_time": 3, "instances": {
-    "a": {"fmu": "PROBE", "parameters": {"gain": -0.9, "offset": 0.3, "real_in": 0.1}},
+    "a": {"fmu": "PROBE", "parameters": {"gain": -0.9, "offset": 0.3}},
     "b": {"fmu": "PROBE", "parameters": {"gain": 0.8}, "step": 0.03}},
   "connections": [{"from": "a.real_out", "to": "b.real_in"}, {"from": "b.real_out", "to": "a.real_in"},
                   {"from": "a.buffer", "to": "b.taken"}, {"from": "a.steps", "to": "b.integer_in"}],

@@ -34,6 +34,18 @@ std::string with_probe(std::string text) {
   return text;
 }
 
+ChangedFmu::ChangedFmu(const std::string& name, const std::string& part, const std::string& text) {
+  auto xml = read_file(fmt::format("{}/tests/fmus/{}.xml", MEBOTS_SOURCE_DIR, name));
+  const auto at = xml.find(part);
+  if (at == std::string::npos) throw Error(fmt::format("the description of {} has no {}", name, part));
+  xml.replace(at, part.size(), text);
+  const auto description = folder_.path() / "modelDescription.xml";
+  write_file(description, xml);
+  const auto library = fmt::format("binaries/linux64/{}.so", name);
+  modeldesc::pack(path(), {{"modelDescription.xml", description},
+                           {library, fmt::format("{}/tests/fmus/{}/{}", MEBOTS_BINARY_DIR, name, library)}});
+}
+
 void apply_set(master::SystemDescription& system, const std::string& text) {
   const auto [instance, assignment] = master::locate(system, master::read_set(text));
   instance->parameters.push_back(assignment);

@@ -19,14 +19,24 @@
 #include <string_view>
 #include <vector>
 
-/// What the master's tests share: configs made on the fly that name the probe FMU (fmus/probe.c).
+/// What the master's tests share: configs made on the fly that name the probe FMU (tests/fmus/probe.c).
 namespace mebots::test {
 
 void write_file(const std::filesystem::path& file, std::string_view text);
 std::string read_file(const std::filesystem::path& file);
 
-/// `text` with the path of the FMU made from fmus/probe.c for every "PROBE", and of coupling.c for "COUPLING".
+/// `text` with the path of the FMU made from tests/fmus/probe.c for every "PROBE", and of coupling.c for "COUPLING".
 std::string with_probe(std::string text);
+
+/// A test FMU (tests/fmus/NAME.c) packed anew with `text` in place of a part of its description. Gone with this object.
+class ChangedFmu {
+ public:
+  ChangedFmu(const std::string& name, const std::string& part, const std::string& text);
+  std::filesystem::path path() const { return folder_.path() / "changed.fmu"; }
+
+ private:
+  modeldesc::TemporaryFolder folder_{"mebots-test"};
+};
 
 /// The message of the InputError that `work` throws; fails the test when it throws none.
 template <typename Work>

@@ -80,7 +80,7 @@ TEST(ThreadPolicy, CheapStepsAfterDearOnesAreNotTakenForAGain) {
 /// A ring of four whose steps are long enough to be tried in parallel: 60 steps are three windows and more.
 std::string ring(const std::string& threads) {
   const auto instance = [](const char* name, const char* more) {
-    return fmt::format(R"("{}": {{"fmu": "{}", "parameters": {{"u": 0.1, "work": 30000}}{}}})", name, PASSTHROUGH_FMU,
+    return fmt::format(R"("{}": {{"fmu": "{}", "parameters": {{"sum": 0.1, "work": 30000}}{}}})", name, PASSTHROUGH_FMU,
                        more);
   };
   return fmt::format(R"({{

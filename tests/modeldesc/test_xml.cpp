@@ -34,11 +34,11 @@ TEST(Xml, OfOurFmusReadsBackAsItWasWritten) {
   expect_round_trip(of("fmu_motors"));
   expect_round_trip(of("fmu_world"));
   expect_round_trip(of("fmu_soc", "configs/boards/ai_deck.json"));
-  expect_round_trip(of("tests/modeldesc/lag"));
+  expect_round_trip(of("tests/fmus/lag"));
 }
 
 TEST(Xml, KeepsNumbersToTheLastBitAndTextToTheLastCharacter) {
-  ModelDescription x = of("tests/modeldesc/lag");
+  ModelDescription x = of("tests/fmus/lag");
   x.text = "<\"quoted\" & 'marked'> \xC3\xA9\ntwo lines";
   x.default_experiment.stop_time_s = 0.1 + 0.2;
   x.default_experiment.tolerance = std::numeric_limits<double>::denorm_min();

@@ -5,23 +5,10 @@
 
 #include <array>
 #include <cstdio>
-#include <cstdlib>
-#include <fstream>
 #include <sstream>
 #include <stdexcept>
 
 namespace mebots::system_test {
-
-Folder::Folder() {
-  std::string pattern = (std::filesystem::temp_directory_path() / "mebots system XXXXXX").string();
-  if (::mkdtemp(pattern.data()) == nullptr) throw std::runtime_error("no temporary folder");
-  path_ = pattern;
-}
-
-Folder::~Folder() {
-  std::error_code ignored;
-  std::filesystem::remove_all(path_, ignored);
-}
 
 nlohmann::ordered_json shipped_config(const std::string& name) {
   return nlohmann::ordered_json::parse(
@@ -29,15 +16,8 @@ nlohmann::ordered_json shipped_config(const std::string& name) {
 }
 
 std::filesystem::path write(const std::filesystem::path& path, const nlohmann::ordered_json& config) {
-  std::ofstream(path) << config.dump(2);
+  mebots::test::write_file(path, config.dump(2));
   return path;
-}
-
-std::string read_file(const std::filesystem::path& path) {
-  std::ifstream stream(path, std::ios::binary);
-  std::ostringstream text;
-  text << stream.rdbuf();
-  return text.str();
 }
 
 Flight fly(const std::filesystem::path& config, const std::filesystem::path& out, const std::vector<std::string>& sets,

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "support/files.hpp"
+
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -8,27 +10,14 @@
 
 namespace mebots::system_test {
 
-/// A folder that goes with this object.
-class Folder {
- public:
-  Folder();
-  ~Folder();
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-
-  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
-
- private:
-  std::filesystem::path path_;
-};
+using mebots::test::Folder;
+using mebots::test::read_file;
 
 /// A config of the repository. Programs and FMUs of one build find each other by name.
 nlohmann::ordered_json shipped_config(const std::string& name);
 
 /// Writes a config and returns its path.
 std::filesystem::path write(const std::filesystem::path& path, const nlohmann::ordered_json& config);
-
-std::string read_file(const std::filesystem::path& path);
 
 /// What one call of `mebots` left behind.
 struct Flight {

@@ -29,9 +29,9 @@ class BadInput : public testing::Test {
   }
   /// The good program with some bytes changed.
   std::string damaged(std::size_t at, const std::string& bytes) {
-    auto text = read_text(program_);
+    auto text = read_file(program_);
     text.replace(at, bytes.size(), bytes);
-    write_text(folder_ / "damaged.elf", text);
+    write_file(folder_ / "damaged.elf", text);
     return "run " + (folder_ / "damaged.elf");
   }
 
@@ -68,9 +68,9 @@ TEST_F(BadInput, OfFilesThatCannotBeReadOrWrittenIsRefused) {
 }
 
 TEST_F(BadInput, OfOneFileForTwoThingsIsRefusedAndNothingIsOverwritten) {
-  const auto before = read_text(program_);
+  const auto before = read_file(program_);
   expect_refused(fmt::format("run {} --trace {}", program_, program_), "is also the program");
-  EXPECT_EQ(read_text(program_), before);
+  EXPECT_EQ(read_file(program_), before);
   const auto file = folder_ / "both";
   expect_refused(fmt::format("run {} --trace {} --signature {}", program_, file, file), "both name");
 }
@@ -93,7 +93,7 @@ TEST_F(BadInput, OfProgramsForAnotherMachineIsRefusedWithTheReason) {
   expect_refused(damaged(16, "\x01"), "type 1");
   expect_refused(damaged(24, "\x01"), "entry point 0x80000001 is odd");
   expect_refused(damaged(27, "\x10"), "entry point 0x10000000 lies in none of its segments");
-  write_text(folder_ / "empty.elf", "");
+  write_file(folder_ / "empty.elf", "");
   expect_refused("run " + (folder_ / "empty.elf"), "cut short");
 }
 

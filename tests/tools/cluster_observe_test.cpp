@@ -33,7 +33,7 @@ struct ProfiledCluster {
     soc.advance(end_ns);
     for (unsigned number = 0; number < soc.harts(); ++number) soc.observe(number, nullptr);
     profile.finish();
-    written = read_text(folder / file);
+    written = read_file(folder / file);
   }
 
   Folder folder;
@@ -147,7 +147,7 @@ TEST(ClusterProfile, LeavesOutCoresThatRanNothing) {
   observe::Profile profile("--profile", folder / "p.json", system.soc);
   system.soc.advance(kMs);
   profile.finish();
-  EXPECT_EQ(nlohmann::json::parse(read_text(folder / "p.json"))["profiles"].size(), 3U);
+  EXPECT_EQ(nlohmann::json::parse(read_file(folder / "p.json"))["profiles"].size(), 3U);
 }
 
 TEST(ClusterTrace, HasALineForEveryInstructionOfEveryHart) {
@@ -158,7 +158,7 @@ TEST(ClusterTrace, HasALineForEveryInstructionOfEveryHart) {
   for (unsigned number = 0; number < soc.harts(); ++number) soc.observe(number, &trace.hart(number));
   soc.advance(20 * kMs);
   trace.close();
-  std::istringstream file(read_text(folder / "trace"));
+  std::istringstream file(read_file(folder / "trace"));
   std::map<unsigned, std::uint64_t> lines;
   for (std::string line; std::getline(file, line);) {
     ASSERT_THAT(line, testing::StartsWith("core "));

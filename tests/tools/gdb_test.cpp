@@ -69,9 +69,9 @@ class Debugged {
  private:
   void obey(std::string_view commands, const std::string& elf, const std::string& options) {
     const Folder folder;
-    write_text(folder / "commands", commands);
+    write_file(folder / "commands", commands);
     // The tool says on stderr where it waits; gdb starts when it has.
-    write_text(folder / "script", fmt::format(R"(
+    write_file(folder / "script", fmt::format(R"(
 {} run {} --gdb 0 {} > {}/out 2> {}/err &
 tool=$!
 port=
@@ -92,9 +92,9 @@ wait $tool
                                               folder / "", elf, folder / ""));
     const auto status = std::system(("bash " + (folder / "script")).c_str());
     exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-    gdb = read_text(folder / "gdb");
-    out = read_text(folder / "out");
-    err = read_text(folder / "err");
+    gdb = read_file(folder / "gdb");
+    out = read_file(folder / "out");
+    err = read_file(folder / "err");
   }
 };
 

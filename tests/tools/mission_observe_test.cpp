@@ -68,10 +68,10 @@ TEST(MissionObserve, ProfileTraceAndPowerTraceChangeNothingAndAreWritten) {
   watched.observe_power_trace = folder / "power.vcd";
   constexpr int kSteps = 40;
   EXPECT_TRUE(state_after({}, kSteps) == state_after(watched, kSteps));
-  EXPECT_THAT(read_text(folder / "profile.json"), testing::HasSubstr("\"main\""));
-  EXPECT_THAT(read_text(folder / "profile.json"), testing::Not(testing::HasSubstr("\"$x")));
-  EXPECT_GT(read_text(folder / "trace").size(), 1000U);
-  EXPECT_THAT(read_text(folder / "power.vcd"), testing::HasSubstr("sasleep"));
+  EXPECT_THAT(read_file(folder / "profile.json"), testing::HasSubstr("\"main\""));
+  EXPECT_THAT(read_file(folder / "profile.json"), testing::Not(testing::HasSubstr("\"$x")));
+  EXPECT_GT(read_file(folder / "trace").size(), 1000U);
+  EXPECT_THAT(read_file(folder / "power.vcd"), testing::HasSubstr("sasleep"));
 }
 
 TEST(MissionObserve, ProfileOfAnInferenceHasTheClustersCoresAndChangesNothing) {
@@ -83,7 +83,7 @@ TEST(MissionObserve, ProfileOfAnInferenceHasTheClustersCoresAndChangesNothing) {
   const std::vector<std::uint8_t> picture(std::size_t{320} * 240, 100);
   constexpr int kSteps = 60;
   EXPECT_TRUE(state_after(unwatched, kSteps, {}, picture) == state_after(watched, kSteps, {}, picture));
-  EXPECT_TRUE(read_text(folder / "profile.json").find("\"cycles, cluster core 7\"") != std::string::npos);
+  EXPECT_TRUE(read_file(folder / "profile.json").find("\"cycles, cluster core 7\"") != std::string::npos);
 }
 
 TEST(MissionObserve, AnUnwritableFileIsRefusedAtTheStart) {

@@ -60,7 +60,7 @@ struct Traced {
     }
     system.soc.listen(nullptr);
     trace.finish();
-    written = read_text(folder / file);
+    written = read_file(folder / file);
   }
   Folder folder;
   BoardSystem system;

@@ -47,7 +47,7 @@ struct Profiled {
     }
     system.soc.observe(0, nullptr);
     profile.finish();
-    written = read_text(folder / file);
+    written = read_file(folder / file);
     total = fabric_controller.total();
     const auto inclusive = fabric_controller.tree().inclusive();
     for (std::size_t i = 1; i < inclusive.size(); ++i) {

@@ -81,7 +81,7 @@ TEST(Run, WritesTheSignatureWordsEightDigitsALine) {
       kTohost));
   const auto run = run_tool(fmt::format("run {} --signature {}", program, folder / "signature"));
   EXPECT_EQ(run.exit_code, 0x80) << run.err;
-  EXPECT_EQ(read_text(folder / "signature"), "00000003\nabcdef01\n00000012\n");
+  EXPECT_EQ(read_file(folder / "signature"), "00000003\nabcdef01\n00000012\n");
 }
 
 TEST(Run, OfAProgramWithoutTohostThatSpinsEndsWithTheReason) {

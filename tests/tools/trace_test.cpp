@@ -17,7 +17,7 @@ std::vector<std::string> trace_of(std::string_view text, const std::string& opti
   const Folder folder;
   run_tool(fmt::format("run {} --trace {} {}", folder.program(fmt::format("{}{}", text, kTohost)), folder / "trace",
                        options));
-  std::istringstream file(read_text(folder / "trace"));
+  std::istringstream file(read_file(folder / "trace"));
   std::vector<std::string> lines;
   for (std::string line; std::getline(file, line);) lines.push_back(line);
   return lines;
@@ -123,8 +123,8 @@ stack: .space 64
                                                   kTohost));
   const auto command = fmt::format("python3 '{}/scripts/spike_trace.py' {} --tool {} --spike '{}' > {} 2>&1",
                                    MEBOTS_SOURCE_DIR, program, tool_path(), spike, folder / "said");
-  EXPECT_EQ(std::system(command.c_str()), 0) << read_text(folder / "said");
-  EXPECT_THAT(read_text(folder / "said"), testing::ContainsRegex("[0-9][0-9][0-9][0-9] lines the same"));
+  EXPECT_EQ(std::system(command.c_str()), 0) << read_file(folder / "said");
+  EXPECT_THAT(read_file(folder / "said"), testing::ContainsRegex("[0-9][0-9][0-9][0-9] lines the same"));
 }
 
 TEST(Trace, HasTheCycleAsACommentWhenAskedFor) {

@@ -85,6 +85,12 @@ class Mission {
   /// well, with outcome "interrupted". Safe in signal handlers.
   void interrupt() noexcept;
 
+  /// Closes the mission and makes it one that was just opened: what was asked for after the constructor (settings,
+  /// scenarios, stop time, choice of what is recorded, listeners) is forgotten, the config is read again. FMUs stay
+  /// unpacked and loaded, each of their instances is new: the next run is, to the last bit, that of a new Mission. Not
+  /// for one that was resumed, and not from a listener.
+  void reset();
+
   // At any time.
 
   RunState state() const;

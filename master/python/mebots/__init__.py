@@ -7,6 +7,8 @@
         mission.run()
         print(mission.outcome, mission["battery.cell.voltage"].min(), mission.unit("battery.cell.voltage"))
 
+    mebots.sweep("study.json", "results/study")  # as `mebots sweep` does
+
     results = mebots.read("results/gate_easy")
     print(results.summary["outcome"], results["world.drone.speed"].max())
 """
@@ -16,4 +18,12 @@ from mebots.errors import Error, InputError
 from mebots.mission import Mission
 from mebots.results import Results, read
 
-__all__ = ["Error", "InputError", "Mission", "Results", "read", "__version__"]
+__all__ = ["Error", "InputError", "Mission", "Results", "read", "sweep", "__version__"]
+
+
+def __getattr__(name: str):
+    if name == "sweep":  # looked up when it is asked for: its modules are not what a single mission needs
+        from mebots.exploration.command import sweep
+
+        return sweep
+    raise AttributeError(f"module 'mebots' has no attribute '{name}'")

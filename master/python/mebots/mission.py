@@ -6,12 +6,13 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Callable, Iterable, Mapping
-from typing import Any
-
-import numpy as np
-import numpy.typing as npt
+from typing import TYPE_CHECKING, Any
 
 from mebots import _mebots
+
+if TYPE_CHECKING:  # NumPy is imported where an array is asked for: `mebots sweep` asks for none
+    import numpy as np
+    import numpy.typing as npt
 
 Path = str | os.PathLike[str]
 Scalar = bool | int | float | str
@@ -138,6 +139,11 @@ class Mission:
         interrupt()."""
         self._run.close()
 
+    def reset(self) -> None:
+        """Closes the mission and makes it one that was just opened, with ``set``, ``record`` and listeners forgotten. Its
+        FMUs stay loaded, each instance is new: the next run is that of a new mission, to the last bit."""
+        self._run.reset()
+
     def interrupt(self) -> None:
         """Asks for the end, from any thread: the run ends between two calls to FMUs, with outcome "interrupted"."""
         self._run.interrupt()
@@ -176,7 +182,7 @@ class Mission:
     @property
     def times(self) -> npt.NDArray[np.float64]:
         """The times of the recorded points [s]."""
-        return _array(self._run.times) if self.state != "open" else np.empty(0)
+        return _array(self._run.times if self.state != "open" else b"")
 
     @property
     def variables(self) -> list[str]:
@@ -244,4 +250,6 @@ class Mission:
 
 
 def _array(values: bytes) -> npt.NDArray[np.float64]:
+    import numpy as np
+
     return np.frombuffer(values, "float64").copy()

@@ -9,12 +9,13 @@ import json
 import os
 import pathlib
 from collections.abc import Iterable, Mapping
-from typing import Any
-
-import numpy as np
-import numpy.typing as npt
+from typing import TYPE_CHECKING, Any
 
 from mebots.errors import InputError
+
+if TYPE_CHECKING:
+    import numpy as np
+    import numpy.typing as npt
 
 
 class Results:
@@ -101,6 +102,8 @@ def _summary(folder: pathlib.Path) -> dict[str, Any]:
 
 def _columns(folder: pathlib.Path) -> tuple[dict[str, str], dict[str, Any]]:
     """Units and values by name. Texts are found by trying: a column that is not all numbers is one of texts."""
+    import numpy as np
+
     file = folder / "results.csv"
     try:
         csv.field_size_limit(2**31 - 1)  # a text of an FMU may be long

@@ -41,8 +41,8 @@ struct AlgorithmKind {
   std::unique_ptr<Algorithm> (*make)(const AlgorithmContext& context);
 };
 
-/// The one that the description names. Throws InputError, with the nearest names, when there is none, or when it takes
-/// no order and one is given.
+/// The one that the description names. Throws InputError without a place, with the nearest names, when there is none,
+/// or when it takes no order and one is given: whoever reads a config asks, so that a run finds it.
 const AlgorithmKind& find_algorithm(const AlgorithmDescription& description);
 
 }  // namespace mebots::master

@@ -24,13 +24,12 @@ const AlgorithmKind& find_algorithm(const AlgorithmDescription& description) {
   if (found == std::end(kAlgorithms)) {
     std::vector<std::string> names;
     for (const auto& kind : kAlgorithms) names.emplace_back(kind.name);
-    throw InputError(ErrorCode::unknown_name, fmt::format("{}: there is no algorithm '{}'. {}", description.place,
-                                                          description.type, suggest(description.type, names)));
+    throw InputError(ErrorCode::unknown_name,
+                     fmt::format("there is no algorithm '{}'. {}", description.type, suggest(description.type, names)));
   }
   if (!found->takes_order && !description.order.empty()) {
     throw InputError(ErrorCode::invalid_value,
-                     fmt::format("{}/order: '{}' steps all instances on the same values, so it takes no order",
-                                 description.place, found->name));
+                     fmt::format("'{}' steps all instances on the same values, so it takes no order", found->name));
   }
   return *found;
 }

@@ -15,7 +15,11 @@ End interrupted_at(std::int64_t time_ns) {
 }
 
 SlaveSteps::SlaveSteps(const ResolvedSystem& system, Ensemble& ensemble, const std::atomic<bool>& interrupted)
-    : system_(&system), ensemble_(&ensemble), interrupted_(&interrupted), step_ns_(system.description->step_ns) {
+    : system_(&system),
+      ensemble_(&ensemble),
+      interrupted_(&interrupted),
+      start_ns_(system.description->start_time_ns),
+      step_ns_(system.description->step_ns) {
   for (std::size_t i = 0; i < ensemble.size(); ++i) multiples_.push_back(ensemble.step_ns(i) / step_ns_);
   MEBOTS_ASSERT(step_ns_ > 0);
 }

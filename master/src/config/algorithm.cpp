@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The section `algorithm`.
+#include "algorithm/algorithm.hpp"
+#include "mebots/input_error.hpp"
 #include "reading.hpp"
 #include "sections.hpp"
 
@@ -37,15 +39,19 @@ std::vector<std::string> read_order(const Node& node, const SystemDescription& s
 
 void read_algorithm(const Node& node, SystemDescription& system) {
   auto& algorithm = system.algorithm;
-  algorithm.place = node.place();
   if (node.is(data::Kind::text)) {
     algorithm.type = node.text();
-    return;
+  } else {
+    Object object(node);
+    object.read("type", algorithm.type, &Node::text);
+    object.read_if("order", algorithm.order, [&](const Node& order) { return read_order(order, system); });
+    object.finish();
   }
-  Object object(node);
-  object.read("type", algorithm.type, &Node::text);
-  object.read_if("order", algorithm.order, [&](const Node& order) { return read_order(order, system); });
-  object.finish();
+  try {
+    find_algorithm(algorithm);
+  } catch (const InputError& error) {
+    node.complain(error.code(), error.what());
+  }
 }
 
 }  // namespace mebots::master::config

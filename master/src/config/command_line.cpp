@@ -25,14 +25,16 @@ std::int64_t read_duration(const std::string& option, const std::string& text) {
   double seconds = 0;
   const auto result = std::from_chars(text.data(), text.data() + text.size(), seconds);
   if (result.ec != std::errc{} || result.ptr != text.data() + text.size()) {
-    throw InputError(fmt::format("{}: this is not a number of seconds", place));
+    throw InputError(ErrorCode::syntax_error, fmt::format("{}: this is not a number of seconds", place));
   }
   const auto time_ns = to_nanoseconds(seconds);
   if (!time_ns) {
     throw InputError(
+        ErrorCode::value_out_of_range,
         fmt::format("{}: this is not a whole number of nanoseconds (or longer than {} s)", place, kLongestTimeS));
   }
-  if (*time_ns <= 0) throw InputError(fmt::format("{}: this must be a time greater than 0 s", place));
+  if (*time_ns <= 0)
+    throw InputError(ErrorCode::value_out_of_range, fmt::format("{}: this must be a time greater than 0 s", place));
   return *time_ns;
 }
 

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // A config is a list of sections; each has its reader in config/. A new section is a line in the table below,
 // a reader in a file of its own, and a property in configs/schemas/mebots-config.schema.json.
-#include "algorithm/algorithm.hpp"
 #include "config/schemas.hpp"
+#include "config/system_file.hpp"
 #include "mebots/data/document.hpp"
 #include "mebots/data/object.hpp"
+#include "osp/osp.hpp"
 #include "ssp/ssp.hpp"
 
 #include "base/input_text.hpp"
@@ -31,6 +32,7 @@ constexpr Section kSections[] = {
     {"text", false, &config::read_text},
     {"step", true, &config::read_step},
     {"instances", true, &config::read_instances},
+    {"start_time", false, &config::read_start_time},
     {"stop_time", true, &config::read_stop_time},
     {"connections", true, &config::read_connections, true},
     {"algorithm", false, &config::read_algorithm, true},
@@ -40,16 +42,20 @@ constexpr Section kSections[] = {
     {"summary", false, &config::read_summary, true},
     {"record", false, &config::read_record},
     {"pictures", false, &config::read_pictures, true},
+    {"view", false, &config::read_view, true},
+    {"coupling", false, &config::read_coupling, true},
     {"log", false, &config::read_log, true},
     {"threads", false, &config::read_threads},
 };
 
 void refuse_archive(std::string_view text, const std::filesystem::path& file) {
   if (!text.starts_with("PK\x03\x04")) return;
-  throw InputError(fmt::format(
-      "{}: this is an archive, and no config; of an FMU `mebots info` tells its variables, and an SSP has a "
-      "name that ends in .ssp",
-      file.string()));
+  throw InputError(
+      ErrorCode::wrong_type,
+      fmt::format(
+          "{}: this is an archive, and no config; of an FMU `mebots info` tells its variables, and an SSP has a "
+          "name that ends in .ssp",
+          file.string()));
 }
 
 nlohmann::ordered_json give(nlohmann::ordered_json config, const GivenTimes& times) {
@@ -114,7 +120,7 @@ void read_ssp_config(LoadedSystem& loaded, SspConfig ssp, const std::string& fil
   for (const auto* key : {"step", "stop_time"}) {
     if (loaded.config.contains(key)) continue;
     throw InputError(ErrorCode::missing_key,
-                     fmt::format("{}: the SSP does not say its {}; give it with --{}", file,
+                     fmt::format("{}: the system does not say its {}; give it with --{}", file,
                                  key == std::string_view("step") ? "communication step" : "stop time",
                                  key == std::string_view("step") ? "step" : "stop-time"));
   }
@@ -153,7 +159,6 @@ void config::check(const std::filesystem::path& file) {
   auto loaded = named(text_of(file), file);
   refuse_archive(loaded.system.source, file);
   read_config_text(loaded, file.string(), {});
-  static_cast<void>(find_algorithm(loaded.system.algorithm));
 }
 
 void config::check_scenario(const std::filesystem::path& file) {
@@ -161,14 +166,27 @@ void config::check_scenario(const std::filesystem::path& file) {
   data::Document(file).read([&](const data::Node& root) { read_scenario_file(root, system); });
 }
 
-LoadedSystem load_system(const std::filesystem::path& file, const GivenTimes& times) {
+LoadedSystem load_system(const std::filesystem::path& path, const GivenTimes& times) {
   return refused_as_input([&] {
+    const auto [file, form] = find_system(path);
     auto loaded = named(text_of(file), file);
-    if (file.extension() == ".ssp") {
-      read_ssp_config(loaded, open_ssp(file, loaded.system), file.string(), times);
-    } else {
-      refuse_archive(loaded.system.source, file);
-      read_config_text(loaded, file.string(), times);
+    loaded.system.name = system_name(path);
+    switch (form) {
+      case SystemForm::config:
+        refuse_archive(loaded.system.source, file);
+        read_config_text(loaded, file.string(), times);
+        break;
+      case SystemForm::ssp:
+        read_ssp_config(loaded, open_ssp(file, loaded.system), file.string(), times);
+        break;
+      case SystemForm::ssd:
+      case SystemForm::osp: {
+        const auto folder = std::filesystem::absolute(file).parent_path();
+        auto read = form == SystemForm::osp ? read_osp(file) : read_ssp(folder, folder, file.filename().string());
+        loaded.system.source = read.source;
+        read_ssp_config(loaded, std::move(read), file.string(), times);
+        break;
+      }
     }
     return loaded;
   });

@@ -12,6 +12,7 @@ namespace mebots::master::config {
 void read_text(const data::Node& node, SystemDescription& system);
 void read_step(const data::Node& node, SystemDescription& system);
 void read_instances(const data::Node& node, SystemDescription& system);
+void read_start_time(const data::Node& node, SystemDescription& system);
 void read_stop_time(const data::Node& node, SystemDescription& system);
 void read_connections(const data::Node& node, SystemDescription& system);
 void read_scenario(const data::Node& node, SystemDescription& system);
@@ -23,7 +24,9 @@ void read_outcomes(const data::Node& node, SystemDescription& system);
 void read_summary(const data::Node& node, SystemDescription& system);
 void read_record(const data::Node& node, SystemDescription& system);
 void read_pictures(const data::Node& node, SystemDescription& system);
+void read_view(const data::Node& node, SystemDescription& system);
 void read_log(const data::Node& node, SystemDescription& system);
+void read_coupling(const data::Node& node, SystemDescription& system);
 void read_threads(const data::Node& node, SystemDescription& system);
 
 }  // namespace mebots::master::config

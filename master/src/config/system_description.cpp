@@ -34,12 +34,19 @@ std::optional<VariableName> SystemDescription::split(std::string_view text) cons
 }
 
 std::optional<std::string> stop_time_problem(const SystemDescription& system, std::int64_t stop_time_ns) {
-  if (stop_time_ns <= 0) return "the stop time must be greater than 0 s";
+  const auto start_ns = system.start_time_ns;
+  if (stop_time_ns <= start_ns) {
+    if (start_ns == 0) return "the stop time must be greater than 0 s";
+    return fmt::format("the stop time {} s must be greater than the start time {} s", to_seconds(stop_time_ns),
+                       to_seconds(start_ns));
+  }
+  const auto length_ns = stop_time_ns - start_ns;
+  const auto after_start = start_ns == 0 ? "" : fmt::format(" after the start time {} s", to_seconds(start_ns));
   const auto problem = [&](std::int64_t step_ns, const std::string& whose) -> std::optional<std::string> {
-    if (step_ns <= 0 || stop_time_ns % step_ns == 0) return std::nullopt;  // a step of 0: was not understood
-    const auto below_ns = stop_time_ns / step_ns * step_ns;
-    return fmt::format("the stop time {} s is not a multiple of the step {} s{}; the nearest are {} s and {} s",
-                       to_seconds(stop_time_ns), to_seconds(step_ns), whose, to_seconds(below_ns),
+    if (step_ns <= 0 || length_ns % step_ns == 0) return std::nullopt;  // a step of 0: was not understood
+    const auto below_ns = start_ns + length_ns / step_ns * step_ns;
+    return fmt::format("the stop time {} s is not a multiple of the step {} s{}{}; the nearest are {} s and {} s",
+                       to_seconds(stop_time_ns), to_seconds(step_ns), whose, after_start, to_seconds(below_ns),
                        to_seconds(below_ns + step_ns));
   };
   if (auto found = problem(system.step_ns, "")) return found;

@@ -95,9 +95,8 @@ struct ConnectionDescription {
 
 /// Who sees whose outputs within a communication step.
 struct AlgorithmDescription {
-  std::string type = "jacobi";     ///< one of those that are registered; looked up when the run is opened
+  std::string type = "jacobi";     ///< one of those that are registered
   std::vector<std::string> order;  ///< every instance once; empty = none given
-  std::string place;
 };
 
 enum class Comparison { equals, above, below };
@@ -170,6 +169,49 @@ struct PictureDescription {
   std::string place;
 };
 
+/// One line, band or lane of a panel of the run's page.
+struct CurveDescription {
+  VariableName variable;
+  bool rate = false;  ///< shown is its mean rate of change from row to row: power of an energy
+  std::string label;  ///< for people; empty = the variable's name
+  std::string place;
+};
+
+enum class PanelKind {
+  lines,  ///< curves over each other
+  stack,  ///< one upon the other: parts of a whole
+  lanes,  ///< one below the other: states, and shares of the time as shades
+};
+
+struct PanelDescription {
+  std::string title;
+  PanelKind kind = PanelKind::lines;
+  std::vector<CurveDescription> curves;
+};
+
+/// What the page of a run is to show first. Nothing here changes what is computed or recorded.
+struct ViewDescription {
+  std::optional<VariableName> scene;  ///< String, read once at t = 0: a scene as docs/seeing.md describes it
+  std::string scene_place;
+  std::vector<PanelDescription> panels;
+  std::vector<std::string> marks;  ///< instances whose messages are marks on the timeline
+};
+
+/// Two connections whose product is the power that goes from one instance to another, such as force and velocity.
+struct BondDescription {
+  std::string name;
+  VariableName effort;  ///< the connected input that takes the effort
+  VariableName flow;    ///< the connected input that takes the flow, of the instance that gives the effort
+  double limit = 0.01;  ///< most energy that the coupling may make or lose, over the energy that passed
+  std::string place;
+};
+
+/// What to report about the coupling, and when to warn.
+struct CouplingDescription {
+  std::optional<double> input_limit;  ///< most deviation of an input (root mean square) over its range
+  std::vector<BondDescription> bonds;
+};
+
 /// Log categories of one instance whose ordinary messages are shown; "*" = all.
 struct LogDescription {
   std::string instance;
@@ -187,6 +229,7 @@ struct SystemDescription {
   std::string name;            ///< its file name without extension
   std::string source;          ///< its bytes, for the hash of the inputs
   std::int64_t step_ns = 0;
+  std::int64_t start_time_ns = 0;
   std::int64_t stop_time_ns = 0;
   std::vector<InstanceDescription> instances;
   std::vector<ConnectionDescription> connections;
@@ -197,6 +240,8 @@ struct SystemDescription {
   std::vector<SummaryEntry> summary;
   RecordDescription record;
   std::vector<PictureDescription> pictures;
+  ViewDescription view;
+  std::optional<CouplingDescription> coupling;  ///< nothing = no report
   std::vector<LogDescription> log;
   unsigned threads = 1;              ///< the most that step slaves at the same time, where that is faster
   std::vector<std::string> notices;  ///< of the reader, for the user
@@ -220,9 +265,9 @@ struct LoadedSystem {
   nlohmann::ordered_json config;
 };
 
-/// Reads a system from a config file, or from an SSP when its name ends in `.ssp`. Throws InputError that names
-/// file, line and column, JSON pointer and the nearest valid key.
-LoadedSystem load_system(const std::filesystem::path& file, const GivenTimes& times = {});
+/// Reads a system from a config file, an SSP (`.ssp`, `.ssd`, or the folder of one) or an OspSystemStructure.xml.
+/// Throws InputError that names file, line and column, JSON pointer and the nearest valid key.
+LoadedSystem load_system(const std::filesystem::path& path, const GivenTimes& times = {});
 /// The same without the JSON.
 SystemDescription read_config(const std::filesystem::path& file);
 
@@ -239,10 +284,11 @@ struct LocatedSetting {
 /// Throws InputError, with the nearest names, when the system has no such instance.
 LocatedSetting locate(SystemDescription& system, const Setting& setting);
 
-/// Why the run cannot end at this time, if it cannot: it must be a multiple of all steps.
+/// Why the run cannot end at this time, if it cannot: all steps must go into the time from the start to it
+/// without a rest.
 std::optional<std::string> stop_time_problem(const SystemDescription& system, std::int64_t stop_time_ns);
 
-/// Changes the end of the run, as `--stop-time` does. Throws InputError unless it is a multiple of all steps.
+/// Changes the end of the run, as `--stop-time` does. Throws InputError when there is a stop_time_problem().
 void set_stop_time(SystemDescription& system, std::int64_t stop_time_ns, const std::string& place);
 
 }  // namespace mebots::master

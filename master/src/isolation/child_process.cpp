@@ -68,7 +68,8 @@ ChildProcess::ChildProcess(const std::filesystem::path& program, const std::vect
   const int error =
       posix_spawn(&pid_, program.c_str(), &settings.actions, &settings.attributes, pointers.data(), environ);
   if (error != 0) {
-    throw Error(fmt::format("{}: this program cannot be started: {}", program.string(), std::strerror(error)));
+    throw Error(ErrorCode::system_failure,
+                fmt::format("{}: this program cannot be started: {}", program.string(), std::strerror(error)));
   }
 }
 
@@ -120,6 +121,8 @@ std::string signal_text(int signal) {
         return "memory that its file does not back";
       case SIGFPE:
         return "arithmetic error";
+      case SIGSYS:
+        return "a system call that it is not allowed";
       case SIGILL:
         return "illegal instruction";
       case SIGABRT:

@@ -1,20 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "guard.hpp"
 
-#include <linux/audit.h>
-#include <linux/filter.h>
-#include <linux/seccomp.h>
+#include <asm/sockios.h>
+#include <fcntl.h>
 #include <malloc.h>
+#include <seccomp.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
-#include <sys/syscall.h>
 #include <unistd.h>
 
 #include <array>
+#include <cerrno>
 #include <csignal>
 #include <cstddef>
 #include <cstdlib>
+#include <cstring>
 #include <fstream>
+#include <string>
 #include <vector>
 
 namespace mebots::master::isolation {
@@ -74,36 +76,52 @@ void limit_memory(std::uint64_t memory_bytes) {
   setrlimit(RLIMIT_AS, &address_space);
 }
 
-void forbid_signals_to(pid_t master) {
-#if defined(__x86_64__)
-  // Where the system does not allow such a filter, an FMU can send signals to the master as any process of this user
-  // can; nothing else is lost.
-  const auto arch = static_cast<unsigned>(offsetof(seccomp_data, arch));
-  const auto number = static_cast<unsigned>(offsetof(seccomp_data, nr));
-  const auto target = static_cast<unsigned>(offsetof(seccomp_data, args));  // its low half: a pid_t
-  std::vector<sock_filter> program = {BPF_STMT(BPF_LD | BPF_W | BPF_ABS, arch),
-                                      BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, AUDIT_ARCH_X86_64, 1, 0),
-                                      BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ALLOW)};
-  const auto forbid = [&](long call, const std::vector<pid_t>& targets) {
-    const auto count = static_cast<std::uint8_t>(2 * targets.size() + 1);
-    program.push_back(BPF_STMT(BPF_LD | BPF_W | BPF_ABS, number));
-    program.push_back(BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, static_cast<unsigned>(call), 0, count));
-    program.push_back(BPF_STMT(BPF_LD | BPF_W | BPF_ABS, target));
-    for (const auto pid : targets) {
-      program.push_back(BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, static_cast<unsigned>(pid), 0, 1));
-      program.push_back(BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ERRNO | EPERM));
-    }
+/// Arguments of 32 bits are the low halves of registers.
+scmp_arg_cmp is(unsigned argument, std::uint32_t value) {
+  return {argument, SCMP_CMP_MASKED_EQ, 0xffff'ffff, value};
+}
+scmp_arg_cmp is_not(unsigned argument, std::uint32_t value) {
+  return {argument, SCMP_CMP_NE, value, 0};
+}
+
+/// Takes from the process what it could end or change other processes of its user with, first of all the master: each
+/// such call answers EPERM. Calls in another form than x86-64's, which rules by number would not see, end the process.
+/// Where the system allows no such filter, an FMU can do what any process of this user can; nothing else is lost.
+void forbid_harm_to(pid_t master) {
+  const auto filter = seccomp_init(SCMP_ACT_ALLOW);
+  if (filter == nullptr) return;
+  seccomp_attr_set(filter, SCMP_FLTATR_ACT_BADARCH, SCMP_ACT_KILL_PROCESS);
+  const auto forbid = [&](int call, const std::vector<scmp_arg_cmp>& where = {}) {
+    const auto count = static_cast<unsigned>(where.size());
+    const int problem = seccomp_rule_add_array(filter, SCMP_ACT_ERRNO(EPERM), call, count, where.data());
+    if (problem != 0) throw Error(std::string("a rule for system calls is not taken: ") + std::strerror(-problem));
   };
-  forbid(SYS_kill, {master, -getpgid(master), -1});
-  for (const long call : {SYS_tkill, SYS_tgkill, SYS_rt_sigqueueinfo, SYS_rt_tgsigqueueinfo, SYS_pidfd_open}) {
-    forbid(call, {master});
+  const auto self = static_cast<std::uint32_t>(getpid());
+  // Its own children may be signalled.
+  for (const pid_t target : {master, -getpgid(master), pid_t{-1}}) {
+    forbid(SCMP_SYS(kill), {is(0, static_cast<std::uint32_t>(target))});
   }
-  program.push_back(BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ALLOW));
-  const sock_fprog filter{static_cast<unsigned short>(program.size()), program.data()};
-  if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) == 0) prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &filter, 0, 0);
-#else
-  (void)master;
-#endif
+  for (const int call : {SCMP_SYS(rt_sigqueueinfo), SCMP_SYS(pidfd_open)}) {
+    forbid(call, {is(0, static_cast<std::uint32_t>(master))});
+  }
+  // By thread: whose they are is known only where the call names the process too.
+  forbid(SCMP_SYS(tkill));
+  for (const int call : {SCMP_SYS(tgkill), SCMP_SYS(rt_tgsigqueueinfo)}) forbid(call, {is_not(0, self)});
+  // Memory and limits of others; texts of callbacks are read from its own.
+  for (const int call : {SCMP_SYS(process_vm_readv), SCMP_SYS(process_vm_writev)}) {
+    forbid(call, {is_not(0, self)});
+  }
+  forbid(SCMP_SYS(prlimit64), {is_not(0, 0)});  // 0: its own
+  forbid(SCMP_SYS(ptrace));
+  // Signals that the kernel sends when something happens to a file.
+  for (const std::uint32_t command : {F_SETOWN, F_SETOWN_EX, F_SETSIG}) {
+    forbid(SCMP_SYS(fcntl), {is(1, command)});
+  }
+  for (const std::uint32_t request : {FIOSETOWN, SIOCSPGRP}) {
+    forbid(SCMP_SYS(ioctl), {is(1, request)});
+  }
+  seccomp_load(filter);  // with PR_SET_NO_NEW_PRIVS, which libseccomp sets itself
+  seccomp_release(filter);
 }
 
 }  // namespace
@@ -115,7 +133,7 @@ void guard(pid_t master, std::uint64_t memory_bytes, Control& control) {
   setrlimit(RLIMIT_CORE, &no_core);
   tell_of_faults(control);
   limit_memory(memory_bytes);
-  forbid_signals_to(master);
+  forbid_harm_to(master);
 }
 
 }  // namespace mebots::master::isolation

@@ -93,17 +93,20 @@ class Host {
     try {
       return dispatch(call, commands);
     } catch (const SlaveError& error) {
-      put_error(Answer::slave_error, error.what());
+      put_error(Answer::slave_error, error.code(), error.what());
     } catch (const InputError& error) {
-      put_error(Answer::input_error, error.what());
+      put_error(Answer::input_error, error.code(), error.what());
+    } catch (const Error& error) {
+      put_error(Answer::error, error.code(), error.what());
     } catch (const std::exception& error) {
-      put_error(Answer::error, error.what());
+      put_error(Answer::error, ErrorCode::unspecified, error.what());
     }
     return false;
   }
 
-  void put_error(Answer kind, std::string_view text) {
+  void put_error(Answer kind, ErrorCode code, std::string_view text) {
     answers_.put(kind);
+    answers_.put(name_of(code));
     answers_.put(text);
   }
 
@@ -113,7 +116,10 @@ class Host {
     switch (call) {
       case Call::open:
         open(commands);
-        break;
+        put_done();
+        answers_.put(slave_->output_derivative_order());
+        answers_.put(slave_->takes_input_derivatives());
+        return true;
       case Call::setup_experiment: {
         const auto start_ns = commands.get<std::int64_t>();
         slave_->setup_experiment(start_ns, commands.get<std::int64_t>());
@@ -159,6 +165,15 @@ class Host {
       case Call::set_strings:
         set_strings(commands);
         break;
+      case Call::get_output_derivatives:
+        get_output_derivatives(commands);
+        return true;
+      case Call::set_input_derivatives: {
+        const auto references = commands.get_vector<ValueReference>();
+        const auto orders = commands.get_vector<std::int32_t>();
+        slave_->set_input_derivatives(references, orders, commands.get_vector<double>());
+        break;
+      }
       case Call::save_state:
         states_[commands.get<std::uint64_t>()] = slave_->save_state();
         break;
@@ -185,7 +200,7 @@ class Host {
         closed_ = true;
         break;
       case Call::none:
-        throw Error("the master asked for nothing");
+        throw Error(ErrorCode::wrong_call_order, "the master asked for nothing");
     }
     put_done();
     return true;
@@ -238,6 +253,15 @@ class Host {
     }
   }
 
+  void get_output_derivatives(SharedReader& commands) {
+    const auto references = commands.get_vector<ValueReference>();
+    const auto orders = commands.get_vector<std::int32_t>();
+    std::vector<double> values(references.size());
+    slave_->get_output_derivatives(references, orders, values);
+    put_done();
+    answers_.put(std::span<const double>(values));
+  }
+
   void get_strings(SharedReader& commands) {
     const auto references = commands.get_vector<ValueReference>();
     std::vector<std::string> values(references.size());
@@ -287,7 +311,7 @@ T number(const char* text) {
   T value{};
   const std::string_view digits = text;
   if (std::from_chars(digits.data(), digits.data() + digits.size(), value).ec != std::errc{}) {
-    throw Error("a number is expected");
+    throw Error(ErrorCode::syntax_error, "a number is expected");
   }
   return value;
 }

@@ -5,6 +5,7 @@
 #include "base/time.hpp"
 #include "mebots/assert.hpp"
 #include "mebots/input_error.hpp"
+#include "message/plain_text.hpp"
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -91,7 +92,9 @@ void IsolatedSlave::open() {
   commands_.put(std::string_view(instance_->fmu->folder().native()));
   commands_.put(static_cast<std::uint64_t>(instance_->log_categories.size()));
   for (const auto& category : instance_->log_categories) commands_.put(std::string_view(category));
-  hand_over(0);
+  auto answers = hand_over(0);
+  output_derivative_order_ = answers.get<std::uint32_t>();
+  takes_input_derivatives_ = answers.get<bool>();
 }
 
 void IsolatedSlave::put_references(Call call, std::span<const ValueReference> references) {
@@ -100,7 +103,7 @@ void IsolatedSlave::put_references(Call call, std::span<const ValueReference> re
 }
 
 SharedReader IsolatedSlave::hand_over(std::size_t open_answers) {
-  if (!lost_.empty()) throw SlaveError(lost_);
+  if (!lost_.empty()) throw SlaveError(ErrorCode::fmu_lost, lost_);
   const auto calls = pending_ + 1;
   MEBOTS_ASSERT(open_answers <= calls, "an answer belongs to a call");
   control_->command_bytes.store(commands_.size(), std::memory_order_relaxed);
@@ -127,7 +130,7 @@ void IsolatedSlave::wait() {
   while (!control_->answered.wait(batches_, look_ns)) {
     if (const auto end = process_->ended()) {
       if (control_->answered.value() != batches_) return;  // it answered, and then went
-      lost(fault_text(*end));
+      lost(ErrorCode::fmu_lost, fault_text(*end));
     }
     const auto now = Clock::now();
     if (const auto count = control_->calls.load(std::memory_order_acquire); count != calls) {
@@ -137,7 +140,8 @@ void IsolatedSlave::wait() {
     const double waited_s = std::chrono::duration<double>(now - since).count();
     if (isolation.deadline_s && waited_s > *isolation.deadline_s) {
       process_->kill();
-      lost(fmt::format("{} did not come back within its deadline of {} s; its process was ended",
+      lost(ErrorCode::fmu_timeout,
+           fmt::format("{} did not come back within its deadline of {} s; its process was ended",
                        name_of(control_->call.load()), *isolation.deadline_s));
     }
     if (interrupted_ != nullptr && interrupted_->load(std::memory_order_relaxed)) {
@@ -174,28 +178,23 @@ std::string IsolatedSlave::fault_text(const ProcessEnd& end) const {
   return text;
 }
 
-void IsolatedSlave::lost(const std::string& how) {
-  std::string said;
+void IsolatedSlave::lost(ErrorCode code, const std::string& how) {
   try {
     take_messages();
   } catch (const Error&) {  // NOLINT(bugprone-empty-catch): what it said is lost too
   }
   lost_ = fmt::format("instance '{}' at {} s: {}", name_, to_seconds(time_ns_), how);
-  throw SlaveError(lost_);
+  throw SlaveError(code, lost_);
 }
 
 void IsolatedSlave::check(SharedReader& answers) {
-  switch (answers.get<Answer>()) {
-    case Answer::done:
-      return;
-    case Answer::slave_error:
-      throw SlaveError(answers.get_text());
-    case Answer::input_error:
-      throw InputError(answers.get_text());
-    case Answer::error:
-      break;
-  }
-  throw Error(answers.get_text());
+  const auto kind = answers.get<Answer>();
+  if (kind == Answer::done) return;
+  const auto code = error_code_of(answers.get_text()).value_or(ErrorCode::unspecified);
+  const auto text = answers.get_text();
+  if (kind == Answer::slave_error) throw SlaveError(code, text);
+  if (kind == Answer::input_error) throw InputError(code, text);
+  throw Error(code, text);
 }
 
 void IsolatedSlave::take_messages() {
@@ -203,8 +202,8 @@ void IsolatedSlave::take_messages() {
   while (!log.at_end()) {
     const auto severity = static_cast<Severity>(log.get<std::uint8_t>());
     const auto time_ns = log.get<std::int64_t>();
-    const auto category = log.get_text();
-    const auto text = log.get_text();
+    const auto category = valid_utf8(log.get_text());
+    const auto text = valid_utf8(log.get_text());
     messages_->message({name_, severity, category, text, time_ns});
   }
 }
@@ -239,7 +238,7 @@ StepResult IsolatedSlave::step(std::int64_t start_ns, std::int64_t duration_ns) 
   commands_.put(start_ns);
   commands_.put(duration_ns);
   std::erase_if(reads_, [](const Read& read) { return !read.used; });
-  for (const auto& read : reads_) put_references(read.call, read.references);
+  for (const auto& read : reads_) put_read(read.call, read.references, read.orders);
   pending_ += reads_.size();
   auto answers = hand_over(reads_.size());
   StepResult result;
@@ -277,6 +276,7 @@ void IsolatedSlave::take(Read& read, SharedReader& answers) {
   const auto count = read.references.size();
   switch (read.call) {
     case Call::get_reals:
+    case Call::get_output_derivatives:
       read.reals.resize(count);
       answers.get(std::span(read.reals));
       return;
@@ -310,20 +310,29 @@ void IsolatedSlave::forget_reads() {
   for (auto& read : reads_) read.fresh = false;
 }
 
-IsolatedSlave::Read& IsolatedSlave::read(Call call, std::span<const ValueReference> references) {
+void IsolatedSlave::put_read(Call call, std::span<const ValueReference> references,
+                             std::span<const std::int32_t> orders) {
+  put_references(call, references);
+  if (call == Call::get_output_derivatives) commands_.put(orders);
+}
+
+IsolatedSlave::Read& IsolatedSlave::read(Call call, std::span<const ValueReference> references,
+                                         std::span<const std::int32_t> orders) {
   const auto found = std::find_if(reads_.begin(), reads_.end(), [&](const Read& other) {
-    return other.call == call && std::ranges::equal(other.references, references);
+    return other.call == call && std::ranges::equal(other.references, references) &&
+           std::ranges::equal(other.orders, orders);
   });
   if (found != reads_.end() && found->fresh && pending_ == 0) {
     found->used = true;
     if (found->failure) std::rethrow_exception(found->failure);
     return *found;
   }
-  put_references(call, references);
+  put_read(call, references, orders);
   auto answers = hand_over(0);
   auto& asked = found != reads_.end() ? *found : reads_.emplace_back();
   asked.call = call;
   asked.references.assign(references.begin(), references.end());
+  asked.orders.assign(orders.begin(), orders.end());
   take(asked, answers);
   asked.used = true;
   asked.fresh = false;  // the next read of the same asks again: values may change without a step
@@ -377,6 +386,20 @@ void IsolatedSlave::set_strings(std::span<const ValueReference> references, std:
   forget_reads();
   put_references(Call::set_strings, references);
   for (const auto& value : values) commands_.put(std::string_view(value));
+  ++pending_;
+}
+
+void IsolatedSlave::get_output_derivatives(std::span<const ValueReference> references,
+                                           std::span<const std::int32_t> orders, std::span<double> values) {
+  std::ranges::copy(read(Call::get_output_derivatives, references, orders).reals, values.begin());
+}
+
+void IsolatedSlave::set_input_derivatives(std::span<const ValueReference> references,
+                                          std::span<const std::int32_t> orders, std::span<const double> values) {
+  forget_reads();
+  put_references(Call::set_input_derivatives, references);
+  commands_.put(orders);
+  commands_.put(values);
   ++pending_;
 }
 

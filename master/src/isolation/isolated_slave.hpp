@@ -47,6 +47,13 @@ class IsolatedSlave final : public Slave {
   void set_booleans(std::span<const ValueReference> references, std::span<const std::int32_t> values) override;
   void set_strings(std::span<const ValueReference> references, std::span<const std::string> values) override;
 
+  std::uint32_t output_derivative_order() const override { return output_derivative_order_; }
+  bool takes_input_derivatives() const override { return takes_input_derivatives_; }
+  void get_output_derivatives(std::span<const ValueReference> references, std::span<const std::int32_t> orders,
+                              std::span<double> values) override;
+  void set_input_derivatives(std::span<const ValueReference> references, std::span<const std::int32_t> orders,
+                             std::span<const double> values) override;
+
   std::unique_ptr<SlaveState> save_state() override;
   void restore_state(const SlaveState& state) override;
   std::vector<std::byte> serialize(const SlaveState& state) override;
@@ -59,8 +66,9 @@ class IsolatedSlave final : public Slave {
   struct Read {
     Call call = Call::none;
     std::vector<ValueReference> references;
-    bool used = false;   // since the last step
-    bool fresh = false;  // not asked for anew since the last step
+    std::vector<std::int32_t> orders;  // of derivatives only
+    bool used = false;                 // since the last step
+    bool fresh = false;                // not asked for anew since the last step
     std::exception_ptr failure;
     std::vector<double> reals;
     std::vector<std::int32_t> integers;  // Booleans too
@@ -76,9 +84,10 @@ class IsolatedSlave final : public Slave {
   void wait();
   void check(SharedReader& answers);
   void take_messages();
-  [[noreturn]] void lost(const std::string& how);
+  [[noreturn]] void lost(ErrorCode code, const std::string& how);
   std::string fault_text(const ProcessEnd& end) const;
-  Read& read(Call call, std::span<const ValueReference> references);
+  Read& read(Call call, std::span<const ValueReference> references, std::span<const std::int32_t> orders = {});
+  void put_read(Call call, std::span<const ValueReference> references, std::span<const std::int32_t> orders);
   void take(Read& read, SharedReader& answers);
   void take_binaries(Read& read, SharedReader& answers);
   void forget_reads();
@@ -98,6 +107,10 @@ class IsolatedSlave final : public Slave {
   std::uint32_t batches_ = 0;  // answered
   std::unique_ptr<ChildProcess> process_;
   std::string lost_;  // why the process is gone
+
+  // What the FMU can do, as its process found when it loaded the library.
+  std::uint32_t output_derivative_order_ = 0;
+  bool takes_input_derivatives_ = false;
 
   std::int64_t time_ns_ = 0;
   std::vector<Read> reads_;  // since the last step

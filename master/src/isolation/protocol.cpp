@@ -61,6 +61,10 @@ const char* name_of(Call call) {
       return "fmi2SetBoolean";
     case Call::set_strings:
       return "fmi2SetString";
+    case Call::get_output_derivatives:
+      return "fmi2GetRealOutputDerivatives";
+    case Call::set_input_derivatives:
+      return "fmi2SetRealInputDerivatives";
     case Call::save_state:
       return "fmi2GetFMUstate";
     case Call::restore_state:

@@ -28,6 +28,8 @@ enum class Call : std::uint32_t {
   set_integers,
   set_booleans,
   set_strings,
+  get_output_derivatives,
+  set_input_derivatives,
   save_state,
   restore_state,
   free_state,

@@ -22,7 +22,8 @@ constexpr std::size_t kFirstSize = 1 << 16;
 constexpr int kLowestDescriptor = 16;
 
 [[noreturn]] void fail(const char* what) {
-  throw Error(fmt::format("shared memory for an FMU's process: {}: {}", what, std::strerror(errno)));
+  throw Error(ErrorCode::system_failure,
+              fmt::format("shared memory for an FMU's process: {}: {}", what, std::strerror(errno)));
 }
 
 }  // namespace
@@ -61,7 +62,8 @@ std::span<const std::byte> SharedBuffer::bytes(std::size_t size) {
   if (size > mapped_) {
     struct stat info {};
     if (fstat(descriptor_, &info) != 0 || static_cast<std::size_t>(info.st_size) < size) {
-      throw Error("the shared memory between master and FMU process is damaged: it is shorter than it says");
+      throw Error(ErrorCode::fmu_lost,
+                  "the shared memory between master and FMU process is damaged: it is shorter than it says");
     }
     map(static_cast<std::size_t>(info.st_size));
   }

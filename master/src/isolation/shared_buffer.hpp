@@ -111,7 +111,9 @@ class SharedReader {
   bool at_end() const { return bytes_.empty(); }
 
  private:
-  [[noreturn]] static void fail() { throw Error("the shared memory between master and FMU process is damaged"); }
+  [[noreturn]] static void fail() {
+    throw Error(ErrorCode::fmu_lost, "the shared memory between master and FMU process is damaged");
+  }
   std::size_t count(std::size_t element_size) {
     const auto n = get<std::uint64_t>();
     if (n > bytes_.size() / element_size) fail();

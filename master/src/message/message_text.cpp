@@ -2,6 +2,7 @@
 #include "message/message_text.hpp"
 
 #include "base/time.hpp"
+#include "message/plain_text.hpp"
 
 #include <fmt/format.h>
 
@@ -29,10 +30,10 @@ std::string time_stamp(std::int64_t time_ns) {
 std::string message_text(const Message& message) {
   if (message.instance.empty()) {
     return fmt::format("{}{}", message.severity == Severity::info ? "notice: " : prefix_of(message.severity),
-                       message.text);
+                       one_line(message.text));
   }
   return fmt::format("{} {}: {}{}", time_stamp(message.time_ns), message.instance, prefix_of(message.severity),
-                     message.text);
+                     one_line(message.text));
 }
 
 }  // namespace mebots::master

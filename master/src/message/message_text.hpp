@@ -8,7 +8,7 @@
 namespace mebots::master {
 
 /// "[   12.345 s] battery: warning: low voltage", the line of a message on the terminal and in log.txt. What the run
-/// itself says has no instance: "notice: ...".
+/// itself says has no instance: "notice: ...". One line, whatever the FMU said: control characters are escaped.
 std::string message_text(const Message& message);
 
 /// "[   12.345 s]"

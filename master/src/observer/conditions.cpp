@@ -54,7 +54,8 @@ Condition::Condition(const ResolvedSystem& system, Ensemble& ensemble, const Con
     value = shown(model, variable, typed);
   } else {
     if (variable.type != modeldesc::Type::real && variable.type != modeldesc::Type::integer) {
-      throw InputError(fmt::format("{}: '{}' is of type {}, which has no order; use 'equals'", description.place,
+      throw InputError(ErrorCode::wrong_type,
+                       fmt::format("{}: '{}' is of type {}, which has no order; use 'equals'", description.place,
                                    description.variable.text(), modeldesc::to_string(variable.type)));
     }
     const auto* integer = std::get_if<std::int64_t>(&description.value);

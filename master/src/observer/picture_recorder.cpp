@@ -21,8 +21,8 @@ Source find_source(const ResolvedSystem& system, const PictureDescription& pictu
   const auto find = [&](const VariableName& name) {
     const auto found = system.find(name, pictures.place);
     if (found.variable->type != modeldesc::Type::integer) {
-      throw InputError(
-          fmt::format("{}: {} is not an Integer, as a part of a picture must be", pictures.place, name.text()));
+      throw InputError(ErrorCode::wrong_type, fmt::format("{}: {} is not an Integer, as a part of a picture must be",
+                                                          pictures.place, name.text()));
     }
     return found;
   };
@@ -51,7 +51,9 @@ PictureRecorder::PictureRecorder(const ResolvedSystem& system, Ensemble& ensembl
 void PictureRecorder::make_folder() const {
   std::error_code error;
   std::filesystem::create_directories(folder_, error);
-  if (error) throw InputError(fmt::format("{}: this folder cannot be made: {}", folder_.string(), error.message()));
+  if (error)
+    throw InputError(ErrorCode::file_unwritable,
+                     fmt::format("{}: this folder cannot be made: {}", folder_.string(), error.message()));
   // An earlier run's pictures would look like this one's.
   for (const auto& entry : std::filesystem::directory_iterator(folder_)) {
     if (entry.path().extension() == ".png") std::filesystem::remove(entry.path(), error);
@@ -77,7 +79,8 @@ void PictureRecorder::write(const Point& point) const {
   if (pixels.empty()) return;
   const auto width = static_cast<std::size_t>(pictures_.width);
   if (pixels.size() % width != 0) {
-    throw Error(fmt::format("{}: {} holds {} bytes at {} s, which are not whole rows of {} pixels; correct 'width'",
+    throw Error(ErrorCode::invalid_value,
+                fmt::format("{}: {} holds {} bytes at {} s, which are not whole rows of {} pixels; correct 'width'",
                             pictures_.place, pictures_.frame.text(), pixels.size(), to_seconds(point.time_ns), width));
   }
   write_png(folder_ / fmt::format("{:011.6f}.png", to_seconds(point.time_ns)), pixels, width);

@@ -14,7 +14,8 @@ using modeldesc::Causality;
 using modeldesc::Type;
 
 [[noreturn]] void fail(const OverrideDescription& override, const std::string& what) {
-  throw InputError(fmt::format("{}: '{}' {}", override.place, override.variable.text(), what));
+  throw InputError(ErrorCode::invalid_value,
+                   fmt::format("{}: '{}' {}", override.place, override.variable.text(), what));
 }
 
 std::string shown(const WrittenValue& value) {

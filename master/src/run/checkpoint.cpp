@@ -56,6 +56,7 @@ Checkpoint read_checkpoint(const std::filesystem::path& folder) {
   std::error_code ignored;
   if (!std::filesystem::exists(path, ignored)) {
     throw InputError(
+        ErrorCode::file_not_found,
         fmt::format("{}: there is no checkpoint to go on from. A run writes them with --checkpoint-every, from t = 0 "
                     "until it comes to "
                     "its end; run the config anew",
@@ -64,11 +65,13 @@ Checkpoint read_checkpoint(const std::filesystem::path& folder) {
   const auto all = input_text(path);
   constexpr std::size_t kHashSize = 64;
   if (all.compare(0, kMagic.size(), kMagic) != 0 || all.size() < kMagic.size() + kHashSize) {
-    throw InputError(fmt::format("{}: this is no checkpoint of this version of mebots", path.string()));
+    throw InputError(ErrorCode::state_of_other_build,
+                     fmt::format("{}: this is no checkpoint of this version of mebots", path.string()));
   }
   const auto content = std::string_view(all).substr(kMagic.size() + kHashSize);
   if (all.compare(kMagic.size(), kHashSize, sha256(content)) != 0) {
-    throw InputError(fmt::format("{}: this checkpoint is damaged; run the config anew", path.string()));
+    throw InputError(ErrorCode::state_damaged,
+                     fmt::format("{}: this checkpoint is damaged; run the config anew", path.string()));
   }
   Checkpoint checkpoint;
   state::restore(checkpoint, std::as_bytes(std::span(content)));
@@ -83,10 +86,10 @@ void check_can_checkpoint(const ResolvedSystem& system) {
     names.push_back(fmt::format("'{}' ({})", instance.description->name, instance.fmu->description().model_name));
   }
   if (names.empty()) return;
-  throw InputError(
-      fmt::format("--checkpoint-every: these instances cannot write their state as bytes "
-                  "(canGetAndSetFMUstate or canSerializeFMUstate is false): {}. Run without checkpoints",
-                  fmt::join(names, ", ")));
+  throw InputError(ErrorCode::not_offered,
+                   fmt::format("--checkpoint-every: these instances cannot write their state as bytes "
+                               "(canGetAndSetFMUstate or canSerializeFMUstate is false): {}. Run without checkpoints",
+                               fmt::join(names, ", ")));
 }
 
 void check_inputs(const Checkpoint& checkpoint, const std::string& inputs_now) {
@@ -103,6 +106,7 @@ void check_inputs(const Checkpoint& checkpoint, const std::string& inputs_now) {
     if (!told && std::find(before.begin(), before.end(), line) == before.end()) changed.push_back(name);
   }
   throw InputError(
+      ErrorCode::state_of_other_fmu,
       fmt::format("the inputs are not those of the checkpoint any more: {}. Put them back as they were, or "
                   "run the config anew",
                   fmt::join(changed, ", ")));

@@ -32,7 +32,9 @@ class Sha256 {
   }
 
  private:
-  [[noreturn]] static void fail() { throw Error("OpenSSL offers no SHA-256 on this machine"); }
+  [[noreturn]] static void fail() {
+    throw Error(ErrorCode::system_failure, "OpenSSL offers no SHA-256 on this machine");
+  }
 
   std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> context_;
 };
@@ -68,7 +70,8 @@ std::string sha256_of_file(const std::filesystem::path& file) {
   while (stream.read(block.data(), static_cast<std::streamsize>(block.size())) || stream.gcount() > 0) {
     hash.add({block.data(), static_cast<std::size_t>(stream.gcount())});
   }
-  if (!stream.eof()) throw InputError(fmt::format("{}: the file cannot be read", file.string()));
+  if (!stream.eof())
+    throw InputError(ErrorCode::file_unreadable, fmt::format("{}: the file cannot be read", file.string()));
   return hash.hexadecimal();
 }
 

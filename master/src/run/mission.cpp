@@ -7,6 +7,7 @@
 #include "mebots/nearest_names.hpp"
 #include "mebots/version.hpp"
 #include "run/run.hpp"
+#include "run/write.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -19,9 +20,7 @@ namespace mebots {
 namespace {
 
 using namespace master;
-using modeldesc::Causality;
 using modeldesc::Type;
-using modeldesc::Variability;
 
 std::int64_t nanoseconds(double time_s, std::string_view what) {
   const auto time_ns = to_nanoseconds(time_s);
@@ -70,43 +69,25 @@ class PointListener final : public Observer {
   std::function<void(double)> listener_;
 };
 
-/// A number as the type of the variable that it is for: 1.0 is a whole number to an Integer and true to a Boolean.
-WrittenValue as_written(const modeldesc::Variable& variable, double value) {
-  const bool whole = value == std::floor(value) && std::abs(value) < 1e15;
-  switch (variable.type) {
-    case Type::integer:
-    case Type::enumeration:
-      if (whole) return static_cast<std::int64_t>(value);
-      break;
-    case Type::boolean:
-      if (value == 0 || value == 1) return value != 0;
-      break;
-    case Type::real:
-    case Type::string:
-      break;
-  }
-  return value;
-}
-
 }  // namespace
 
 class Mission::Door {
  public:
   explicit Door(std::unique_ptr<Run> opened) : run(std::move(opened)) {}
+  explicit Door(const RunRequest& asked) : request(with_absolute_paths(asked)), run(std::make_unique<Run>(asked)) {}
 
   ResolvedVariable find(std::string_view variable) {
     if (!run->busy()) run->start();
-    const auto& system = run->resolved();
-    return system.find(parse_variable(*system.description, variable, fmt::format("'{}'", variable)),
-                       fmt::format("'{}'", variable));
+    return find_variable(*run, variable);
   }
 
+  std::optional<RunRequest> request;   // of the constructor; nothing for a run that was resumed
   std::list<PointListener> listeners;  // before the run, which holds on to their addresses
   std::unique_ptr<Run> run;
 };
 
 Mission::Mission(const std::filesystem::path& config, const MissionOptions& options)
-    : Mission(std::make_unique<Door>(std::make_unique<Run>(request_of(config, options)))) {}
+    : Mission(std::make_unique<Door>(request_of(config, options))) {}
 Mission::Mission(std::unique_ptr<Door> door) : door_(std::move(door)) {}
 Mission::~Mission() = default;
 Mission::Mission(Mission&& other) noexcept = default;
@@ -163,6 +144,18 @@ void Mission::close() noexcept {
 
 void Mission::interrupt() noexcept {
   door_->run->interrupt();
+}
+
+void Mission::reset() {
+  auto& door = *door_;
+  if (!door.request || door.run->busy()) {
+    throw InputError(ErrorCode::wrong_call_order, door.request
+                                                      ? "reset() from a listener: it is called in the middle of a step"
+                                                      : "reset(): this mission was resumed from a checkpoint");
+  }
+  door.run->close();  // lets go of the results folder
+  door.run = std::make_unique<Run>(*door.request, door.run->library());
+  door.listeners.clear();
 }
 
 RunState Mission::state() const {
@@ -235,38 +228,8 @@ std::string Mission::text(std::string_view variable) {
 }
 
 void Mission::write(std::string_view variable, double value) {
-  const auto target = door_->find(variable);
-  const auto& system = door_->run->resolved();
-  if (door_->run->state() == RunState::ended) {
-    throw InputError(ErrorCode::wrong_call_order, fmt::format("'{}' cannot be set: the run has ended", variable));
-  }
-  const auto& [instance, found] = target;
-  const bool settable = found->causality == Causality::input ||
-                        (found->causality == Causality::parameter && found->variability == Variability::tunable);
-  if (!settable) {
-    throw InputError(ErrorCode::invalid_argument,
-                     fmt::format("'{}' is {} of variability {}: only inputs and tunable parameters can be set in a run",
-                                 variable, to_string(found->causality), to_string(found->variability)));
-  }
-  for (const auto& connection : system.connections) {
-    if (connection.to != target) continue;
-    throw InputError(ErrorCode::invalid_argument,
-                     fmt::format("'{}' is connected to '{}', which would overwrite the value", variable,
-                                 system.text(connection.from)));
-  }
-  // The same rules as for values of a config: type, limits, items.
-  const auto typed = typed_value(system.instances[instance].fmu->description(), *found, as_written(*found, value),
-                                 fmt::format("write(\"{}\")", variable));
-  const ValueReference reference[] = {found->value_reference};
-  door_->run->call(instance, "write()", [&](Slave& slave) {
-    if (const auto* real = std::get_if<double>(&typed)) slave.set_reals(reference, {real, 1});
-    if (const auto* integer = std::get_if<std::int32_t>(&typed)) slave.set_integers(reference, {integer, 1});
-    if (const auto* boolean = std::get_if<bool>(&typed)) {
-      const std::int32_t flag = *boolean ? 1 : 0;
-      slave.set_booleans(reference, {&flag, 1});
-    }
-  });
-  door_->run->note_write(fmt::format("{}={}", variable, value_text(typed)));
+  if (!door_->run->busy()) door_->run->start();
+  static_cast<void>(write_variable(*door_->run, variable, value, fmt::format("write(\"{}\")", variable)));
 }
 
 std::vector<std::string> Mission::variables() {

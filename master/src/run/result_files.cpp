@@ -8,16 +8,38 @@
 
 #include <fmt/format.h>
 
+#include <array>
+
 namespace mebots::master {
 
+namespace {
+
+/// What a run replaces in its folder, and removes where it does not write it again.
+constexpr std::array<std::string_view, 7> kOutdated = {kSystemFile,  kSceneFile,       "summary.json", "results.csv",
+                                                       "results.h5", "parameters.csv", kCheckpointFile};
+
+void refuse_as_input(const std::filesystem::path& folder, const std::filesystem::path& config) {
+  for (const auto name : kOutdated) {
+    std::error_code none;  // most often there is no such file
+    if (!std::filesystem::equivalent(folder / name, config, none)) continue;
+    throw InputError(ErrorCode::invalid_argument,
+                     fmt::format("{}: the run would replace this file, which is its config, by its own {}. Choose "
+                                 "another folder with --out",
+                                 config.string(), name));
+  }
+}
+
+}  // namespace
+
 std::optional<std::string> ResultFiles::KeepResults::reached(const Point& point) {
-  if (point.step == 0) folder_->keep({"summary.json", "results.csv", "results.h5", "parameters.csv", kCheckpointFile});
+  if (point.step == 0) folder_->keep(kOutdated);
   return std::nullopt;
 }
 
 ResultFiles::ResultFiles(const std::filesystem::path& folder, const ResolvedSystem& system, const Checkpoint* resumed)
     : system_(&system), resumed_(resumed), folder_(folder) {
   if (resumed == nullptr) {
+    refuse_as_input(folder, system.description->file);
     if (system.description->record.csv) results_ = &folder_.create("results.csv");
     log_ = &folder_.create("log.txt");
     logging_ = true;
@@ -26,8 +48,10 @@ ResultFiles::ResultFiles(const std::filesystem::path& folder, const ResolvedSyst
   results_ = &folder_.reopen("results.csv");
   log_ = &folder_.reopen("log.txt");  // silent until it is cut back: what is said on the way there stands in it already
   if (results_->size() < resumed->results_bytes || log_->size() < resumed->log_bytes) {
-    throw InputError(fmt::format(
-        "{}: results.csv or log.txt is shorter than it was at the checkpoint; run the config anew", folder.string()));
+    throw InputError(
+        ErrorCode::state_damaged,
+        fmt::format("{}: results.csv or log.txt is shorter than it was at the checkpoint; run the config anew",
+                    folder.string()));
   }
 }
 
@@ -47,7 +71,7 @@ void ResultFiles::add_sinks(Recorder& recorder) {
 }
 
 std::vector<Observer*> ResultFiles::make_observers(Ensemble& ensemble) {
-  std::vector<Observer*> observers{&keep_};
+  std::vector<Observer*> observers{&keep_, &system_writer_.emplace(*system_, ensemble, folder())};
   if (!system_->description->record.parameters.empty()) {
     observers.push_back(&parameters_.emplace(*system_, ensemble, folder() / "parameters.csv"));
   }

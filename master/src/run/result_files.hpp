@@ -9,6 +9,7 @@
 #include "run/checkpoint.hpp"
 #include "run/result_folder.hpp"
 #include "run/simulation.hpp"
+#include "run/system_file.hpp"
 #include "sink/hdf5_sink.hpp"
 
 #include <filesystem>
@@ -19,8 +20,9 @@
 
 namespace mebots::master {
 
-/// The files of a run: results.csv, results.h5, parameters.csv, pictures, log.txt, summary.json, checkpoint.bin, in one
-/// folder. Until the run has come to t = 0 an earlier run's files stay as they are.
+/// The files of a run: system.json, scene.json, results.csv, results.h5, parameters.csv, pictures, log.txt,
+/// summary.json, checkpoint.bin, in one folder. Until the run has come to t = 0 an earlier run's files stay as they
+/// are.
 class ResultFiles {
  public:
   /// Makes the folder and the files that are always there, or opens those of the run that `resumed` goes on with.
@@ -75,6 +77,7 @@ class ResultFiles {
   OutputFile* log_ = nullptr;
   bool logging_ = false;
   Hdf5Sink* hdf5_ = nullptr;  // of the recorder; null without one
+  std::optional<SystemFileWriter> system_writer_;
   std::optional<ParameterRecorder> parameters_;
   std::list<PictureRecorder> pictures_;  // whoever observes holds on to their addresses
   std::optional<Checkpointer> checkpointer_;

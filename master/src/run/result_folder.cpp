@@ -15,7 +15,8 @@ ResultFolder::ResultFolder(std::filesystem::path path) : path_(std::move(path)) 
   }
   std::filesystem::create_directories(path_, error);
   if (error || !std::filesystem::is_directory(path_)) {
-    throw InputError(fmt::format("{}: the results folder cannot be made: {}. Choose another one with --out",
+    throw InputError(ErrorCode::file_unwritable,
+                     fmt::format("{}: the results folder cannot be made: {}. Choose another one with --out",
                                  path_.string(), error ? error.message() : "there is a file of this name"));
   }
   lock_.emplace(path_);
@@ -45,7 +46,7 @@ OutputFile& ResultFolder::reopen(std::string_view name) {
   return files_.emplace_back(path_ / name, OutputFile::Mode::go_on);
 }
 
-void ResultFolder::keep(std::initializer_list<std::string_view> outdated) {
+void ResultFolder::keep(std::span<const std::string_view> outdated) {
   kept_ = true;
   std::error_code error;
   for (const auto name : outdated) {
@@ -53,8 +54,8 @@ void ResultFolder::keep(std::initializer_list<std::string_view> outdated) {
     if (std::any_of(waiting_.begin(), waiting_.end(), replaced)) continue;
     std::filesystem::remove(path_ / name, error);
     if (error) {
-      throw InputError(fmt::format("{}: this file of an earlier run cannot be removed: {}", (path_ / name).string(),
-                                   error.message()));
+      throw InputError(ErrorCode::file_unwritable, fmt::format("{}: this file of an earlier run cannot be removed: {}",
+                                                               (path_ / name).string(), error.message()));
     }
   }
   for (const auto& [now, later, file] : waiting_) {
@@ -63,7 +64,9 @@ void ResultFolder::keep(std::initializer_list<std::string_view> outdated) {
       continue;
     }
     std::filesystem::rename(now, later, error);
-    if (error) throw InputError(fmt::format("{}: the file cannot be replaced: {}", later.string(), error.message()));
+    if (error)
+      throw InputError(ErrorCode::file_unwritable,
+                       fmt::format("{}: the file cannot be replaced: {}", later.string(), error.message()));
   }
   waiting_.clear();
 }

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <list>
 #include <optional>
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -32,7 +33,7 @@ class ResultFolder {
 
   /// From now on the results are this run's: the new files take their places, and what an earlier run left
   /// under `outdated` goes. Throws InputError.
-  void keep(std::initializer_list<std::string_view> outdated);
+  void keep(std::span<const std::string_view> outdated);
 
   /// The run is over: another one may write here.
   void release() { lock_.reset(); }

@@ -4,10 +4,12 @@
 #include "base/interrupt.hpp"
 #include "base/time.hpp"
 #include "config/scenario_file.hpp"
+#include "config/system_file.hpp"
 #include "mebots/assert.hpp"
 #include "mebots/input_error.hpp"
 #include "mebots/nearest_names.hpp"
 #include "sink/csv_rows.hpp"
+#include "slave/crash_notice.hpp"
 #include "system/record_choice.hpp"
 
 #include <fmt/format.h>
@@ -38,14 +40,15 @@ class Stopwatch {
 GivenTimes given_times(const RunRequest& request) {
   GivenTimes times;
   if (request.step_ns) times.step_s = to_seconds(*request.step_ns);
-  if (request.stop_time_ns && request.config.extension() == ".ssp")
+  if (request.stop_time_ns && find_system(request.config).form != SystemForm::config)
     times.stop_time_s = to_seconds(*request.stop_time_ns);
   return times;
 }
 
 }  // namespace
 
-Run::Run(RunRequest request) : request_(std::move(request)) {
+Run::Run(RunRequest request, std::shared_ptr<FmuLibrary> library)
+    : request_(std::move(request)), library_(std::move(library)) {
   const auto settings = std::exchange(request_.settings, {});
   const auto scenarios = std::exchange(request_.scenarios, {});
   const auto stop_time_ns = request_.stop_time_ns;
@@ -107,7 +110,7 @@ void Run::listen(MessageHub::Listener listener) {
 void Run::set(const Setting& setting) {
   require_open(setting.place);
   const auto [instance, assignment] = locate(system_, setting);
-  const auto start = checked_start(*instance, open_fmu(*instance, library_)->description(), assignment);
+  const auto start = checked_start(*instance, open_fmu(*instance, *library_)->description(), assignment);
   instance->parameters.push_back(assignment);
   request_.settings.push_back(setting);
   setting_changes_.push_back(fmt::format("set {}.{}={}", instance->name, assignment.variable, value_text(start.value)));
@@ -162,11 +165,14 @@ void Run::attempt(Work work) {
     report_.outcome = name_of(EndReason::interrupted);
     report_.end_text = checkpoint_ ? "interrupted before the checkpoint was reached" : "interrupted before t = 0";
     state_ = RunState::ended;
+  } catch (const Error& error) {
+    fail(error.code(), error.what());
+    throw;
   } catch (const std::exception& error) {
-    fail(error.what());
+    fail(ErrorCode::unspecified, error.what());
     throw;
   } catch (...) {
-    fail("a listener threw something that is not an error");
+    fail(ErrorCode::unspecified, "a listener threw something that is not an error");
     throw;
   }
 }
@@ -195,19 +201,21 @@ void Run::begin() {
 }
 
 void Run::open() {
+  install_crash_notice();
   MEBOTS_ASSERT(state_ == RunState::open && !simulation_);
   if (request_.isolate) {
     for (auto& instance : system_.instances) instance.isolation.own_process = true;
   }
-  find_algorithm(system_.algorithm);  // one that does not exist is bad input: say so before any file is made
-  resolved_ = resolve(system_, library_, interrupted_);
+  resolved_ = resolve(system_, *library_, interrupted_);
   report_.overrides = changes();
   hash_ = hash_inputs(system_, report_.overrides);
   if (request_.checkpoint_every_ns > 0) {
     check_can_checkpoint(resolved_);
-    if (request_.folder.empty()) throw InputError("checkpoints need a folder for the results");
+    if (request_.folder.empty())
+      throw InputError(ErrorCode::invalid_argument, "checkpoints need a folder for the results");
     if (!system_.record.csv) {
-      throw InputError("checkpoints count on results.csv; let \"format\" under \"record\" be \"both\"");
+      throw InputError(ErrorCode::invalid_value,
+                       "checkpoints count on results.csv; let \"format\" under \"record\" be \"both\"");
     }
   }
   if (checkpoint_) check_inputs(*checkpoint_, hash_.lines);
@@ -246,6 +254,7 @@ void Run::initialise() {
   values_.emplace(resolved_, ensemble);
   outcomes_.emplace(resolved_, ensemble);
   stop_conditions_.emplace(resolved_, ensemble);
+  if (system_.coupling) coupling_.emplace(resolved_, ensemble);
 
   simulation_->add(*scenario_);
   if (files_) {
@@ -254,6 +263,7 @@ void Run::initialise() {
   for (Observer* observer : std::initializer_list<Observer*>{&*recorder_, &*values_, &*outcomes_, &*stop_conditions_}) {
     simulation_->add(*observer);
   }
+  if (coupling_) simulation_->add(*coupling_);
   for (auto* observer : added_) simulation_->add(*observer);
   if (request_.checkpoint_every_ns > 0) {
     simulation_->add(files_->make_checkpointer(*simulation_, request_, hash_.lines));
@@ -335,24 +345,31 @@ void Run::finish() {
       say(Severity::warning, "notice", report_.notices.back());
     }
   }
+  if (coupling_) {
+    for (const auto& warning : coupling_->warnings()) {
+      report_.notices.push_back(warning);
+      say(Severity::warning, "coupling", warning);
+    }
+  }
   messages_.rethrow();
   write_reports();
   if (state_ == RunState::failed) throw Error(ErrorCode::file_unwritable, report_.error);
 }
 
-void Run::fail(const std::string& what) noexcept {
+void Run::fail(ErrorCode code, const std::string& what) noexcept {
   if (state_ == RunState::failed) return;
   state_ = RunState::failed;
   report_.end_reason = EndReason::failed;
   report_.outcome = name_of(EndReason::failed);
   report_.end_text = "the simulation failed";
   report_.error = what;
+  report_.error_code = code;
   write_reports();
 }
 
 void Run::write_reports() noexcept {
   if (!simulation_) return;
-  report_.simulated_ns = simulation_->time_ns();
+  report_.simulated_ns = simulation_->time_ns() - system_.start_time_ns;
   report_.steps = simulation_->steps_done();
   report_.rows = recorder_ ? recorder_->rows() : 0;
   if (files_ && !files_->kept()) return;  // t = 0 was never reached: the folder stays as it was found
@@ -362,6 +379,7 @@ void Run::write_reports() noexcept {
     report_.end_reason = EndReason::failed;
     report_.outcome = name_of(EndReason::failed);
     report_.error = problem;
+    report_.error_code = ErrorCode::file_unwritable;
   };
   try {
     if (recorder_) recorder_->flush();
@@ -403,14 +421,15 @@ nlohmann::ordered_json Run::summary() const {
   if (!values_) return nlohmann::ordered_json::object();
   auto report = report_;
   report.outcome = outcome();
-  report.simulated_ns = simulation_->time_ns();
+  report.simulated_ns = simulation_->time_ns() - system_.start_time_ns;
   report.steps = simulation_->steps_done();
   report.rows = recorder_->rows();
   auto json = summary_json(resolved_, hash_, report, *values_);
-  if (!system_.scenario.empty()) json["scenario"] = scenario_->report(resolved_, report.simulated_ns);
+  if (!system_.scenario.empty()) json["scenario"] = scenario_->report(resolved_, simulation_->time_ns());
   for (const auto& loss : losses()) {
     json["lost_instances"][loss.name] = {{"at", to_seconds(loss.at_ns)}, {"error", loss.text}};
   }
+  if (coupling_) json["coupling"] = coupling_->json();
   if (request_.statistics) json["statistics"] = statistics_json(statistics_, report.wall.simulating_s());
   return json;
 }

@@ -4,10 +4,12 @@
 #include "mebots/run_state.hpp"
 #include "message/message_hub.hpp"
 #include "observer/conditions.hpp"
+#include "observer/coupling.hpp"
 #include "observer/recorder.hpp"
 #include "observer/scenario.hpp"
 #include "observer/statistics.hpp"
 #include "run/checkpoint.hpp"
+#include "run/exit_guard.hpp"
 #include "run/input_hash.hpp"
 #include "run/result_files.hpp"
 #include "run/run_request.hpp"
@@ -35,14 +37,15 @@ namespace mebots::master {
 /// files hold what was reached until then. After that the FMUs are not called any more: step() throws.
 ///
 /// Observers hear of each communication point in this order: scenario, files of the start, pictures, recorder, values
-/// of the summary, outcomes, stop conditions, those of add(), checkpoint. So a checkpoint holds what all others made of
-/// its point.
+/// of the summary, outcomes, stop conditions, coupling, those of add(), checkpoint. So a checkpoint holds what all
+/// others made of its point.
 ///
 /// One thread at a time; interrupt() from any thread and from signal handlers.
 class Run {
  public:
-  /// Reads the config and applies the request to it. Throws InputError; no file is made.
-  explicit Run(RunRequest request);
+  /// Reads the config and applies the request to it. Throws InputError; no file is made. With the library of an earlier
+  /// run, FMUs that it has opened are not opened again.
+  explicit Run(RunRequest request, std::shared_ptr<FmuLibrary> library = std::make_shared<FmuLibrary>());
   /// The run whose checkpoint is in this folder, as it stood there, once it is started. Throws InputError.
   static std::unique_ptr<Run> resume(const std::filesystem::path& folder, bool in_memory = false);
   /// Closes the run.
@@ -93,8 +96,10 @@ class Run {
 
   RunState state() const { return state_; }
   const RunRequest& request() const { return request_; }
+  /// The FMUs that were opened so far, for a run after this one.
+  const std::shared_ptr<FmuLibrary>& library() const { return library_; }
   const SystemDescription& system() const { return system_; }
-  std::int64_t time_ns() const { return simulation_ ? simulation_->time_ns() : 0; }
+  std::int64_t time_ns() const { return simulation_ ? simulation_->time_ns() : system_.start_time_ns; }
   /// The config's outcome at the point reached last ("completed" when none fits); "interrupted" and "failed" where the
   /// run was. Empty before the start.
   std::string outcome() const;
@@ -147,7 +152,7 @@ class Run {
   void begin();
   void advance(std::int64_t until_ns, std::string_view what);
   void finish();
-  void fail(const std::string& what) noexcept;
+  void fail(ErrorCode code, const std::string& what) noexcept;
   void write_reports() noexcept;
   void say(Severity severity, std::string_view category, const std::string& text);
 
@@ -157,10 +162,11 @@ class Run {
   bool initialised_ = false;  ///< came to t = 0, or to the checkpoint
   bool busy_ = false;
   bool at_point_ = false;
+  ExitGuard exit_guard_{busy_, [this](const std::string& what) { fail(ErrorCode::fmu_failed, what); }};
   std::atomic<bool> interrupted_{false};
   MessageHub messages_;
   std::vector<Observer*> added_;
-  FmuLibrary library_;
+  std::shared_ptr<FmuLibrary> library_;
   SystemDescription system_;
   std::vector<std::string> setting_changes_;
   std::vector<std::string> scenario_changes_;
@@ -178,6 +184,7 @@ class Run {
   std::optional<SummaryValues> values_;
   std::optional<Outcomes> outcomes_;
   std::optional<StopConditions> stop_conditions_;
+  std::optional<Coupling> coupling_;  // where the config asks for it
 };
 
 }  // namespace mebots::master

@@ -24,6 +24,7 @@ Simulation::Simulation(const ResolvedSystem& system, MessageSink& messages, cons
       ensemble_(system, messages_, options),
       slaves_(system, ensemble_, *interrupted_),
       algorithm_(find_algorithm(system.description->algorithm).make({system, slaves_, messages_})),
+      start_ns_(system.description->start_time_ns),
       step_ns_(system.description->step_ns),
       stop_ns_(system.description->stop_time_ns) {}
 
@@ -142,7 +143,9 @@ SimulationState Simulation::deserialize(std::span<const std::byte> bytes) {
     reader.get(slave);
     state.slaves.push_back(ensemble_.slave(i).deserialize(slave));
   }
-  if (!reader.at_end()) throw Error("a saved state belongs to another ensemble: it is longer than this one's");
+  if (!reader.at_end())
+    throw Error(ErrorCode::state_of_other_fmu,
+                "a saved state belongs to another ensemble: it is longer than this one's");
   return state;
 }
 

@@ -25,8 +25,8 @@ struct SimulationState {
   std::uint64_t layout = 0;       ///< of `master`
 };
 
-/// The loop of a run: fixed steps in whole nanoseconds, t_k = k h, never a running sum. An Algorithm carries the slaves
-/// from point to point; observers are told of every point. Knows nothing of files and settings: see Run.
+/// The loop of a run: fixed steps in whole nanoseconds, t_k = t_0 + k h, never a running sum. An Algorithm carries the
+/// slaves from point to point; observers are told of every point. Knows nothing of files and settings: see Run.
 class Simulation {
  public:
   /// `system`, `messages` and what `options` points to must outlive the simulation.
@@ -40,7 +40,7 @@ class Simulation {
   /// before initialize(); they must outlive the simulation's last step.
   void add(Observer& observer) { observers_.push_back(&observer); }
 
-  /// To t = 0. Throws as Ensemble::initialize does, and InterruptedError.
+  /// To the start time. Throws as Ensemble::initialize does, and InterruptedError.
   void initialize();
 
   /// Instead of initialize(): to where serialize() was called, in this process or another. Throws as both do.
@@ -62,7 +62,7 @@ class Simulation {
   void terminate() { ensemble_.terminate(); }
 
   std::int64_t steps_done() const { return step_; }
-  std::int64_t time_ns() const { return step_ * step_ns_; }
+  std::int64_t time_ns() const { return start_ns_ + step_ * step_ns_; }
 
   /// Throws Error for a slave that cannot save its state.
   SimulationState save_state();
@@ -83,6 +83,7 @@ class Simulation {
   SlaveSteps slaves_;
   std::unique_ptr<Algorithm> algorithm_;
   std::vector<Observer*> observers_;
+  std::int64_t start_ns_;
   std::int64_t step_ns_;
   std::int64_t stop_ns_;
   std::int64_t step_ = 0;

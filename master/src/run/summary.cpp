@@ -13,9 +13,9 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::string_view kOwnLabels[] = {
-    "outcome", "end_reason", "end_text",         "error",          "simulated_time", "stop_time", "step",
-    "steps",   "rows",       "real_time_factor", "wall_clock",     "units",          "versions",  "inputs",
-    "notices", "statistics", "scenario",         "lost_instances", "parameters"};
+    "outcome",  "end_reason",       "end_text",   "error",    "simulated_time", "stop_time", "step",    "steps",
+    "rows",     "real_time_factor", "wall_clock", "units",    "versions",       "inputs",    "notices", "statistics",
+    "scenario", "lost_instances",   "parameters", "coupling", "start_time",     "error_code"};
 
 void put(Json& root, const std::vector<std::string>& path, Json value) {
   auto* node = &root;
@@ -50,7 +50,8 @@ SummaryValues::SummaryValues(const ResolvedSystem& system, Ensemble& ensemble) :
     const auto resolved = system.find(entry.variable, entry.place);
     const auto& model = system.instances[resolved.instance].fmu->description();
     if (std::find(std::begin(kOwnLabels), std::end(kOwnLabels), entry.path.front()) != std::end(kOwnLabels)) {
-      throw InputError(fmt::format("{}: the label '{}' is used by summary.json itself; choose another one", entry.place,
+      throw InputError(ErrorCode::duplicate_name,
+                       fmt::format("{}: the label '{}' is used by summary.json itself; choose another one", entry.place,
                                    entry.path.front()));
     }
     auto& added =
@@ -127,16 +128,21 @@ Json summary_json(const ResolvedSystem& system, const InputHash& hash, const Run
   json["outcome"] = report.outcome;
   if (report.end_reason) json["end_reason"] = name_of(*report.end_reason);
   json["end_text"] = report.end_text;
-  if (!report.error.empty()) json["error"] = report.error;
+  if (!report.error.empty()) {
+    json["error"] = report.error;
+    json["error_code"] = name_of(report.error_code);
+  }
   json["simulated_time"] = to_seconds(report.simulated_ns);
   json["real_time_factor"] = report.real_time_factor();
   json.update(values.values());
   json["step"] = to_seconds(description.step_ns);
   json["steps"] = report.steps;
+  if (description.start_time_ns != 0) json["start_time"] = to_seconds(description.start_time_ns);
   json["stop_time"] = to_seconds(description.stop_time_ns);
   json["rows"] = report.rows;
 
   Json units = {{"simulated_time", "s"}, {"step", "s"}, {"stop_time", "s"}, {"wall_clock", "s"}};
+  if (description.start_time_ns != 0) units["start_time"] = "s";
   units.update(values.units());
   json["units"] = units;
   json["wall_clock"] = {{"open", report.wall.open_s},
@@ -144,15 +150,16 @@ Json summary_json(const ResolvedSystem& system, const InputHash& hash, const Run
                         {"stepping", report.wall.stepping_s},
                         {"total", report.wall.open_s + report.wall.initialise_s + report.wall.stepping_s}};
 
-  auto& versions = json["versions"];
-  versions["mebots"] = MEBOTS_VERSION;
+  // An ordered JSON object moves its members when it grows: each part is whole before it goes in.
+  Json versions = {{"mebots", MEBOTS_VERSION}};
   // What the run started from beyond its FMUs' own start values: what a comparison of two runs asks first.
+  Json parameters;
   for (const auto& instance : system.instances) {
     for (const auto& start : instance.starts) {
-      json["parameters"][instance.description->name][start.variable->name] = json_of(start.value);
+      parameters[instance.description->name][start.variable->name] = json_of(start.value);
     }
   }
-  auto& inputs = json["inputs"];
+  Json inputs;
   inputs["sha256"] = hash.all;
   inputs["config"] = {{"file", description.file.filename().string()}, {"sha256", hash.config}};
   inputs["changes"] = report.overrides;
@@ -167,6 +174,9 @@ Json summary_json(const ResolvedSystem& system, const InputHash& hash, const Run
                                             {"guid", model.guid}};
     inputs["fmus"][instance.name] = {{"file", fmu_text(description, instance)}, {"sha256", hash.fmus[i].second}};
   }
+  json["versions"] = std::move(versions);
+  if (!parameters.is_null()) json["parameters"] = std::move(parameters);
+  json["inputs"] = std::move(inputs);
   json["notices"] = report.notices;
   return json;
 }

@@ -6,6 +6,7 @@
 #include "run/input_hash.hpp"
 #include "system/ensemble.hpp"
 
+#include "mebots/error_code.hpp"
 #include "mebots/run_state.hpp"
 
 #include <nlohmann/json.hpp>
@@ -66,6 +67,7 @@ struct RunReport {
   std::optional<EndReason> end_reason;  ///< nothing before the end
   std::string end_text;
   std::string error;  ///< empty unless failed
+  ErrorCode error_code = ErrorCode::unspecified;
   std::int64_t simulated_ns = 0;
   std::int64_t steps = 0;
   std::int64_t rows = 0;

@@ -99,7 +99,9 @@ struct Hdf5Sink::File {
   explicit File(const std::filesystem::path& name)
       : path(name.string()), file(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), &H5Fclose) {}
 
-  [[noreturn]] void fail() const { throw Error(fmt::format("{}: writing failed (HDF5). Is the disk full?", path)); }
+  [[noreturn]] void fail() const {
+    throw Error(ErrorCode::file_unwritable, fmt::format("{}: writing failed (HDF5). Is the disk full?", path));
+  }
 
   void add(const std::string& link, const RecordColumn& column) {
     constexpr hsize_t kNone = 0;
@@ -160,6 +162,7 @@ Hdf5Sink::Hdf5Sink(const std::vector<RecordColumn>& columns, const std::filesyst
   file_ = std::make_unique<File>(file);
   if (file_->file < 0) {
     throw InputError(
+        ErrorCode::file_unwritable,
         fmt::format("{}: the file cannot be written (HDF5). Choose another folder with --out", file.string()));
   }
   file_->add("time", {"time", "s", ValueKind::real});
@@ -216,7 +219,9 @@ void Hdf5Sink::visit(state::Visitor& v) {
   v("rows", rows);
   if (!v.restores()) return;
   const std::lock_guard lock(library());
-  if (rows > file_->rows) throw Error(fmt::format("{}: this file has fewer rows than the saved state", file_->path));
+  if (rows > file_->rows)
+    throw Error(ErrorCode::state_damaged,
+                fmt::format("{}: this file has fewer rows than the saved state", file_->path));
   const hsize_t extent = rows;
   for (const auto& column : file_->columns) {
     if (H5Dset_extent(column.dataset, &extent) < 0) file_->fail();

@@ -39,7 +39,7 @@ void MemorySink::visit(state::Visitor& v) {
   std::uint64_t rows = times_s_.size();
   v("rows", rows);
   if (!v.restores()) return;
-  if (rows > times_s_.size()) throw Error("a saved state has more rows than are in memory");
+  if (rows > times_s_.size()) throw Error(ErrorCode::state_damaged, "a saved state has more rows than are in memory");
   times_s_.resize(rows);
   for (auto& one : series_) one.values.resize(rows);
 }

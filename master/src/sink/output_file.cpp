@@ -19,7 +19,8 @@ OutputFile::OutputFile(std::filesystem::path path, Mode mode) : path_(std::move(
   const int how = mode == Mode::anew ? O_CREAT | O_TRUNC : 0;
   descriptor_ = ::open(path_.c_str(), O_WRONLY | O_CLOEXEC | how, kReadableByAll);
   if (descriptor_ < 0) {
-    throw InputError(fmt::format("{}: the file cannot be written: {}. Choose another folder with --out", path_.string(),
+    throw InputError(ErrorCode::file_unwritable,
+                     fmt::format("{}: the file cannot be written: {}. Choose another folder with --out", path_.string(),
                                  std::strerror(errno)));
   }
   if (mode == Mode::anew) return;
@@ -78,7 +79,9 @@ void OutputFile::close() {
 void OutputFile::rename(std::filesystem::path path) {
   std::error_code error;
   std::filesystem::rename(path_, path, error);
-  if (error) throw InputError(fmt::format("{}: the file cannot be replaced: {}", path.string(), error.message()));
+  if (error)
+    throw InputError(ErrorCode::file_unwritable,
+                     fmt::format("{}: the file cannot be replaced: {}", path.string(), error.message()));
   path_ = std::move(path);
 }
 
@@ -93,6 +96,7 @@ void OutputFile::truncate(std::uint64_t size) {
 void OutputFile::fail(int error_number) {
   const bool full = error_number == ENOSPC || error_number == EDQUOT;
   throw Error(
+      ErrorCode::file_unwritable,
       fmt::format("{}: writing failed: {}. {}", path_.string(), std::strerror(error_number),
                   full ? "Free some space, or choose another folder with --out; fewer columns or a longer interval "
                          "under 'record' need less"

@@ -22,7 +22,8 @@ void write_png(const std::filesystem::path& file, std::span<const std::uint8_t> 
   png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(image);
   std::string bytes(size, '\0');
   if (png_image_write_to_memory(&image, bytes.data(), &size, 0, pixels.data(), 0, nullptr) == 0) {
-    throw Error(fmt::format("{}: the picture cannot be written: {}", file.string(), image.message));
+    throw Error(ErrorCode::file_unwritable,
+                fmt::format("{}: the picture cannot be written: {}", file.string(), image.message));
   }
   bytes.resize(size);
   OutputFile output(file);

@@ -17,7 +17,8 @@ Fmi2Functions load_functions(void* library, const std::string& archive) {
     if (need == fmi2::Need::to_run && functions.*member == nullptr) missing.emplace_back(name);
   });
   if (!missing.empty()) {
-    throw InputError(fmt::format("{}: the FMU's shared library lacks functions that FMI 2.0 demands: {}", archive,
+    throw InputError(ErrorCode::fmu_inconsistent,
+                     fmt::format("{}: the FMU's shared library lacks functions that FMI 2.0 demands: {}", archive,
                                  fmt::join(missing, ", ")));
   }
   return functions;

@@ -5,6 +5,7 @@
 #include "mebots/modeldesc/xml.hpp"
 
 #include "slave/fmi2_functions.hpp"
+#include "slave/process_state.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -44,11 +45,13 @@ modeldesc::ModelDescription unpack_and_read(const std::filesystem::path& archive
   try {
     modeldesc::unpack(archive, folder);
     if (!std::filesystem::exists(file)) {
-      throw InputError(fmt::format("{}: this is not an FMU: it holds no modelDescription.xml", archive.string()));
+      throw InputError(ErrorCode::fmu_inconsistent,
+                       fmt::format("{}: this is not an FMU: it holds no modelDescription.xml", archive.string()));
     }
     auto description = modeldesc::read_xml(file);
     if (description.fmi_version != "2.0") {
-      throw InputError(fmt::format("{}: this FMU is of FMI version '{}'; FMI 2.0 is supported", archive.string(),
+      throw InputError(ErrorCode::fmu_unsupported,
+                       fmt::format("{}: this FMU is of FMI version '{}'; FMI 2.0 is supported", archive.string(),
                                    description.fmi_version));
     }
     return description;
@@ -60,7 +63,7 @@ modeldesc::ModelDescription unpack_and_read(const std::filesystem::path& archive
     const auto at = what.find(file.string());
     if (at != std::string::npos) what.replace(at, file.string().size(), "modelDescription.xml");
     if (what.find(archive.string()) == std::string::npos) what = fmt::format("{}: {}", archive.string(), what);
-    throw InputError(what);
+    throw InputError(error.code(), what);
   }
 }
 
@@ -91,6 +94,7 @@ const Fmi2Functions& Fmu::functions() {
 void Fmu::load() {
   if (!description_.co_simulation) {
     throw InputError(
+        ErrorCode::fmu_unsupported,
         fmt::format("{}: this FMU is for model exchange only; a co-simulation FMU is needed", archive_.string()));
   }
   const auto& identifier = description_.co_simulation->model_identifier;
@@ -98,24 +102,35 @@ void Fmu::load() {
   if (!std::filesystem::exists(file)) {
     const auto found = platforms(folder_);
     throw InputError(
+        ErrorCode::fmu_unsupported,
         fmt::format("{}: this FMU has no binary for 64-bit Linux (binaries/linux64/{}.so); its platforms: {}",
                     archive_.string(), identifier, found.empty() ? "none" : fmt::format("{}", fmt::join(found, ", "))));
   }
+  const ProcessState before;
+  // Libraries that are built for fast mathematics change it for the thread that loads them.
+  const auto floats = FloatEnvironment::now();
   library_ = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
+  if (const auto found = FloatEnvironment::now(); found != floats) {
+    floats_at_load_ = found;
+    floats.enter();
+  }
+  changes_at_load_ = before.put_right();
   if (library_ == nullptr) {
     const std::string why = dlerror();
-    throw InputError(
-        fmt::format("{}: the FMU's shared library cannot be loaded: {}. {}", archive_.string(), why, way_out(why)));
+    throw InputError(ErrorCode::fmu_inconsistent, fmt::format("{}: the FMU's shared library cannot be loaded: {}. {}",
+                                                              archive_.string(), why, way_out(why)));
   }
   functions_ = std::make_unique<Fmi2Functions>(load_functions(library_, archive_.string()));
   const char* version = functions_->get_version();
   if (version == nullptr || std::strcmp(version, "2.0") != 0) {
-    throw InputError(fmt::format("{}: fmi2GetVersion says '{}' instead of '2.0'", archive_.string(),
+    throw InputError(ErrorCode::fmu_inconsistent,
+                     fmt::format("{}: fmi2GetVersion says '{}' instead of '2.0'", archive_.string(),
                                  version == nullptr ? "nothing" : version));
   }
   const char* platform = functions_->get_types_platform();
   if (platform == nullptr || std::strcmp(platform, kTypesPlatform) != 0) {
-    throw InputError(fmt::format("{}: fmi2GetTypesPlatform says '{}' instead of '{}': its numbers are of other sizes",
+    throw InputError(ErrorCode::fmu_unsupported,
+                     fmt::format("{}: fmi2GetTypesPlatform says '{}' instead of '{}': its numbers are of other sizes",
                                  archive_.string(), platform == nullptr ? "nothing" : platform, kTypesPlatform));
   }
 }
@@ -126,7 +141,7 @@ std::string Fmu::resource_uri() const {
 
 std::shared_ptr<Fmu> FmuLibrary::open(const std::filesystem::path& archive) {
   auto& fmu = fmus_[archive];
-  if (!fmu) fmu = std::make_shared<Fmu>(archive);
+  if (!fmu || fmu->corrupted()) fmu = std::make_shared<Fmu>(archive);
   return fmu;
 }
 

@@ -2,13 +2,16 @@
 #pragma once
 
 #include "mebots/modeldesc/model_description.hpp"
+#include "slave/float_environment.hpp"
 #include "slave/unpack_folder.hpp"
 
+#include <atomic>
 #include <filesystem>
 #include <map>
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace mebots::fmi2 {
 struct Functions;
@@ -40,6 +43,15 @@ class Fmu {
   /// After an fmi2Fatal no instance of this FMU may be called any more.
   bool corrupted() const { return corrupted_; }
   void set_corrupted() { corrupted_ = true; }
+  /// What loading the library changed in this process, as ProcessState has it.
+  const std::vector<std::string>& changes_at_load() const { return changes_at_load_; }
+  /// True once: for the instance whose calls are watched for changes of the process. From any thread.
+  bool claim_first_instance() { return !has_first_.exchange(true); }
+  /// What loading the library made of the thread's floating-point environment, which was put back; nothing where it
+  /// left it alone.
+  const std::optional<FloatEnvironment>& floats_at_load() const { return floats_at_load_; }
+  /// Whether nobody told of this FMU's floating-point environment before. From any thread.
+  bool first_to_tell_of_floats() { return !told_of_floats_.exchange(true); }
   /// Where the FMU finds its files, as fmi2Instantiate wants it: a `file:///` URI.
   std::string resource_uri() const;
 
@@ -52,12 +64,17 @@ class Fmu {
   modeldesc::ModelDescription description_;
   void* library_ = nullptr;
   bool corrupted_ = false;
+  std::vector<std::string> changes_at_load_;
+  std::atomic<bool> has_first_{false};
+  std::optional<FloatEnvironment> floats_at_load_;
+  std::atomic<bool> told_of_floats_{false};
   std::unique_ptr<Fmi2Functions> functions_;
 };
 
-/// Opens each archive once, however many instances come from it.
+/// Opens each archive once, however many instances come from it, in however many runs one after the other.
 class FmuLibrary {
  public:
+  /// As it was when it was opened first, whatever became of the file since; anew after an fmi2Fatal.
   std::shared_ptr<Fmu> open(const std::filesystem::path& archive);
 
  private:

@@ -7,16 +7,18 @@
 #include "mebots/input_error.hpp"
 #include "mebots/state/bytes.hpp"
 
+#include "message/plain_text.hpp"
+#include "slave/float_environment.hpp"
+#include "slave/fmi2_callbacks.hpp"
 #include "slave/fmi2_functions.hpp"
+#include "slave/process_state.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
-#include <cstdarg>
-#include <cstdio>
-#include <cstdlib>
+#include <functional>
 #include <type_traits>
 
 namespace mebots::master {
@@ -31,18 +33,6 @@ constexpr std::size_t kLastWords = 5;
 Severity severity_of(int status) {
   if (status == fmi2OK) return Severity::info;
   return status == fmi2Warning || status == fmi2Discard || status == fmi2Pending ? Severity::warning : Severity::error;
-}
-
-std::string formatted(const char* format, std::va_list arguments) {
-  std::va_list counted;
-  va_copy(counted, arguments);
-  const int length = std::vsnprintf(nullptr, 0, format, counted);
-  va_end(counted);
-  if (length < 0) return format;
-  std::string text(static_cast<std::size_t>(length), '\0');
-  std::vsnprintf(text.data(), text.size() + 1, format, arguments);
-  while (!text.empty() && (text.back() == '\n' || text.back() == '\r')) text.pop_back();
-  return text;
 }
 
 modeldesc::Type type_of_letter(char letter) {
@@ -60,27 +50,52 @@ modeldesc::Type type_of_letter(char letter) {
 
 }  // namespace
 
-struct FmuSlave::Fmi {
+struct FmuSlave::Fmi final : CallbackListener {
+  explicit Fmi(FmuSlave& owner) : slave(&owner), target(*this, owner.name()) {}
+
+  void logged(LoggerCall call) override {
+    slave->logged(call.status, call.category, std::move(call.text), call.in_call);
+  }
+  void step_finished(int status) override { slave->step_finished(status); }
+
+  /// Every call to the FMU goes through here.
+  template <typename Function, typename... Arguments>
+  auto call(const char* name, Function* function, Arguments... arguments) {
+    const CallbackScope scope(target, name, slave->time_ns_);
+    if (floats != ours) floats.enter();
+    if constexpr (std::is_void_v<std::invoke_result_t<Function*, fmi2Component, Arguments...>>) {
+      function(component, arguments...);
+      leave(name);
+    } else {
+      const auto status = function(component, arguments...);
+      leave(name);
+      return status;
+    }
+  }
+
+  /// What the FMU made of its floating-point environment is its own from now on; everybody else gets theirs back.
+  void leave(const char* name) {
+    const auto found = FloatEnvironment::now();
+    if (found != floats) [[unlikely]] {
+      slave->tell_of_floats(found, name);
+      floats = found;
+    }
+    if (floats != ours) ours.enter();
+  }
+
+  /// For a state's handle, which must not outlive the slave.
+  auto freeing(const Fmi2Functions& functions) {
+    return [this, free = functions.free_fmu_state](fmi2FMUstate* state) {
+      if (free != nullptr) call("fmi2FreeFMUstate", free, state);
+    };
+  }
+
+  FmuSlave* slave;
+  CallbackTarget target;
   fmi2CallbackFunctions callbacks{};
   fmi2Component component = nullptr;
-
-  // The C interface of the standard: printf-like and called by foreign code, so nothing may be thrown out of it.
-  static void log(fmi2ComponentEnvironment environment, fmi2String /*instance*/, fmi2Status status, fmi2String category,
-                  fmi2String message, ...) {
-    if (environment == nullptr || message == nullptr) return;
-    std::va_list arguments;
-    va_start(arguments, message);
-    try {
-      static_cast<FmuSlave*>(environment)
-          ->logged(status, category == nullptr ? "" : category, formatted(message, arguments));
-    } catch (...) {  // NOLINT(bugprone-empty-catch): a message is lost, the simulation is not
-    }
-    va_end(arguments);
-  }
-
-  static void step_finished(fmi2ComponentEnvironment environment, fmi2Status status) {
-    if (environment != nullptr) static_cast<FmuSlave*>(environment)->step_finished(status);
-  }
+  FloatEnvironment ours = FloatEnvironment::now();  // of who called the master
+  FloatEnvironment floats;                          // of the instance
 };
 
 namespace {
@@ -88,13 +103,15 @@ namespace {
 /// State handle of an in-process FMU, and the time that its messages have. Counts itself in `kept`.
 class FmuSlaveState final : public SlaveState {
  public:
-  FmuSlaveState(const Fmi2Functions& functions, fmi2Component component, std::int64_t message_time_ns, int& kept)
-      : time_ns(message_time_ns), functions_(&functions), component_(component), kept_(&kept) {
+  using Free = std::function<void(fmi2FMUstate*)>;
+
+  FmuSlaveState(Free free, std::int64_t message_time_ns, int& kept)
+      : time_ns(message_time_ns), free_(std::move(free)), kept_(&kept) {
     ++*kept_;
   }
   ~FmuSlaveState() override {
     --*kept_;
-    if (state != nullptr && functions_->free_fmu_state != nullptr) functions_->free_fmu_state(component_, &state);
+    if (state != nullptr) free_(&state);
   }
   FmuSlaveState(const FmuSlaveState&) = delete;
   FmuSlaveState& operator=(const FmuSlaveState&) = delete;
@@ -103,8 +120,7 @@ class FmuSlaveState final : public SlaveState {
   std::int64_t time_ns;
 
  private:
-  const Fmi2Functions* functions_;
-  fmi2Component component_;
+  Free free_;
   int* kept_;
 };
 
@@ -117,16 +133,19 @@ FmuSlave::FmuSlave(std::string name, std::shared_ptr<Fmu> fmu, std::vector<std::
       log_categories_(std::move(log_categories)),
       sink_(&messages),
       functions_(&fmu_->functions()),
-      fmi_(std::make_unique<Fmi>()) {
-  fmi_->callbacks.logger = &Fmi::log;
-  fmi_->callbacks.allocateMemory = &std::calloc;
-  fmi_->callbacks.freeMemory = &std::free;
-  const bool asynchronous = description().co_simulation->can_run_asynchronuously;
-  fmi_->callbacks.stepFinished = asynchronous ? &Fmi::step_finished : nullptr;
-  fmi_->callbacks.componentEnvironment = this;
+      fmi_(std::make_unique<Fmi>(*this)) {
+  fmi_->callbacks = fmi_->target.functions(description().co_simulation->can_run_asynchronuously);
   // Logging is on from the start: many FMUs say nothing about a failing instantiation otherwise.
-  fmi_->component = functions_->instantiate(name_.c_str(), fmi2CoSimulation, description().guid.c_str(),
-                                            fmu_->resource_uri().c_str(), &fmi_->callbacks, fmi2False, fmi2True);
+  is_watched_ = fmu_->claim_first_instance();
+  if (const auto found = fmu_->floats_at_load()) tell_of_floats(*found, "loading its library");
+  if (is_watched_) tell_of_process(fmu_->changes_at_load(), "loading its library");
+  watched("fmi2Instantiate", [&] {
+    const CallbackScope scope(fmi_->target, "fmi2Instantiate", time_ns_);
+    fmi_->floats.enter();
+    fmi_->component = functions_->instantiate(name_.c_str(), fmi2CoSimulation, description().guid.c_str(),
+                                              fmu_->resource_uri().c_str(), &fmi_->callbacks, fmi2False, fmi2True);
+    fmi_->leave("fmi2Instantiate");
+  });
   if (fmi_->component == nullptr) fail("fmi2Instantiate", "gave no instance");
   MEBOTS_ASSERT(!unusable_ && !pending_);
   deliver_held();
@@ -135,8 +154,32 @@ FmuSlave::FmuSlave(std::string name, std::shared_ptr<Fmu> fmu, std::vector<std::
 
 FmuSlave::~FmuSlave() {
   if (fmi_->component == nullptr || unusable_ || fmu_->corrupted()) return;
-  if (pending_ && functions_->cancel_step != nullptr) functions_->cancel_step(fmi_->component);
-  functions_->free_instance(fmi_->component);
+  if (pending_ && functions_->cancel_step != nullptr) fmi_->call("fmi2CancelStep", functions_->cancel_step);
+  watched("fmi2FreeInstance", [&] { fmi_->call("fmi2FreeInstance", functions_->free_instance); });
+}
+
+void FmuSlave::tell_of_floats(const FloatEnvironment& found, const char* where) {
+  if (!fmu_->first_to_tell_of_floats()) return;
+  const auto text =
+      fmt::format("the FMU {} changed how its thread computes, in {}: {}; this holds for calls to the instance only",
+                  fmu_->archive().filename().string(), where, difference_text(found, fmi_->floats));
+  sink_->message({name_, Severity::warning, "notice", text, time_ns_});
+}
+
+void FmuSlave::tell_of_process(const std::vector<std::string>& changes, const char* where) {
+  if (changes.empty()) return;
+  const auto text = fmt::format("the FMU {} changed the process for all, in {}: {}",
+                                fmu_->archive().filename().string(), where, fmt::join(changes, "; "));
+  sink_->message({name_, Severity::warning, "notice", text, time_ns_});
+}
+
+/// Does the work and tells what it changed in the process.
+template <typename Work>
+void FmuSlave::watched(const char* where, Work work) {
+  if (!is_watched_) return work();
+  const ProcessState before;
+  work();
+  tell_of_process(before.put_right(), where);
 }
 
 void FmuSlave::choose_categories() {
@@ -154,25 +197,27 @@ void FmuSlave::choose_categories() {
   }
   // An FMU without a category of interest keeps logging everything; what is not wanted is dropped here.
   if (chosen.empty()) return;
-  check(functions_->set_debug_logging(fmi_->component, fmi2True, chosen.size(), chosen.data()), "fmi2SetDebugLogging");
+  require("fmi2SetDebugLogging", functions_->set_debug_logging, fmi2True, chosen.size(), chosen.data());
 }
 
-void FmuSlave::logged(int status, std::string_view category, std::string text) {
+void FmuSlave::logged(int status, std::string_view category, std::string text, bool in_call) {
   const std::lock_guard lock(log_mutex_);
   const auto severity = severity_of(status);
   text = with_names(text);
   if (severity != Severity::info) {
-    last_words_.push_back(text);
+    last_words_.push_back(one_line(text));
     if (last_words_.size() > kLastWords) last_words_.pop_front();
   }
-  if (severity == Severity::error) {
-    held_.push_back({std::string(category), std::move(text)});
-    return;
-  }
-  const bool shown = severity == Severity::warning ||
+  const bool shown = severity != Severity::info ||
                      std::any_of(log_categories_.begin(), log_categories_.end(),
                                  [&](const std::string& wanted) { return wanted == "*" || wanted == category; });
-  if (shown) sink_->message({name_, severity, category, text, time_ns_});
+  if (!shown) return;
+  if (in_call && severity != Severity::error) {
+    sink_->message({name_, severity, category, text, time_ns_});
+    return;
+  }
+  held_.push_back({severity, std::string(category), std::move(text)});
+  any_held_ = true;
 }
 
 std::string FmuSlave::with_names(std::string_view text) const {
@@ -215,8 +260,9 @@ std::string FmuSlave::with_names(std::string_view text) const {
 
 void FmuSlave::deliver_held() {
   const std::lock_guard lock(log_mutex_);
-  for (const auto& held : held_) sink_->message({name_, Severity::error, held.category, held.text, time_ns_});
+  for (const auto& held : held_) sink_->message({name_, held.severity, held.category, held.text, time_ns_});
   held_.clear();
+  any_held_ = false;
 }
 
 std::string FmuSlave::said() const {
@@ -229,13 +275,14 @@ std::string FmuSlave::said() const {
 void FmuSlave::fail(const char* function, std::string_view what) {
   const std::lock_guard lock(log_mutex_);
   held_.clear();  // they are in the exception
+  any_held_ = false;
   throw SlaveError(
       fmt::format("instance '{}' at {} s: {} {}. {}", name_, to_seconds(time_ns_), function, what, said()));
 }
 
 void FmuSlave::check(int status, const char* function) {
   if (status == fmi2OK || status == fmi2Warning) {
-    if (!held_.empty()) deliver_held();
+    if (any_held_.load(std::memory_order_relaxed)) deliver_held();
     return;
   }
   if (status == fmi2Fatal) {
@@ -245,19 +292,25 @@ void FmuSlave::check(int status, const char* function) {
   fail(function, fmt::format("answered {}", fmi2::status_name(static_cast<fmi2Status>(status))));
 }
 
+template <typename Function, typename... Arguments>
+void FmuSlave::require(const char* name, Function* function, Arguments... arguments) {
+  check(fmi_->call(name, function, arguments...), name);
+}
+
 void FmuSlave::setup_experiment(std::int64_t start_ns, std::int64_t stop_ns) {
   time_ns_ = start_ns;
-  check(
-      functions_->setup_experiment(fmi_->component, fmi2False, 0, to_seconds(start_ns), fmi2True, to_seconds(stop_ns)),
-      "fmi2SetupExperiment");
+  require("fmi2SetupExperiment", functions_->setup_experiment, fmi2False, 0, to_seconds(start_ns), fmi2True,
+          to_seconds(stop_ns));
 }
 
 void FmuSlave::enter_initialization() {
-  check(functions_->enter_initialization_mode(fmi_->component), "fmi2EnterInitializationMode");
+  watched("fmi2EnterInitializationMode",
+          [&] { require("fmi2EnterInitializationMode", functions_->enter_initialization_mode); });
 }
 
 void FmuSlave::exit_initialization() {
-  check(functions_->exit_initialization_mode(fmi_->component), "fmi2ExitInitializationMode");
+  watched("fmi2ExitInitializationMode",
+          [&] { require("fmi2ExitInitializationMode", functions_->exit_initialization_mode); });
 }
 
 StepResult FmuSlave::step(std::int64_t start_ns, std::int64_t duration_ns) {
@@ -270,8 +323,8 @@ StepResult FmuSlave::step(std::int64_t start_ns, std::int64_t duration_ns) {
   // Nobody can set it back to before this point when there is no state to go back to.
   const bool never_back = kept_states_ == 0;
   if (never_back) promised_ns_ = start_ns;
-  const auto status = functions_->do_step(fmi_->component, to_seconds(start_ns), to_seconds(duration_ns),
-                                          never_back ? fmi2True : fmi2False);
+  const auto status = fmi_->call("fmi2DoStep", functions_->do_step, to_seconds(start_ns), to_seconds(duration_ns),
+                                 never_back ? fmi2True : fmi2False);
   if (status != fmi2Pending) return step_ended(status);
   if (functions_->get_status == nullptr && fmi_->callbacks.stepFinished == nullptr) {
     fail("fmi2DoStep", "answered fmi2Pending, but the FMU has no fmi2GetStatus to ask when the step is over");
@@ -304,7 +357,8 @@ int FmuSlave::wait_for_step(const std::atomic<bool>& cancel) {
     pause = std::min(2 * pause, kLongestPause);
     if (functions_->get_status == nullptr) continue;
     fmi2Status status = fmi2Pending;
-    if (functions_->get_status(fmi_->component, fmi2DoStepStatus, &status) == fmi2OK && status != fmi2Pending) {
+    if (fmi_->call("fmi2GetStatus", functions_->get_status, fmi2DoStepStatus, &status) == fmi2OK &&
+        status != fmi2Pending) {
       return status;
     }
   }
@@ -316,7 +370,7 @@ StepResult FmuSlave::finish_step(const std::atomic<bool>& cancel) {
   const auto status = wait_for_step(cancel);
   pending_ = false;
   if (status != fmi2Pending) return step_ended(status);
-  if (functions_->cancel_step != nullptr) check(functions_->cancel_step(fmi_->component), "fmi2CancelStep");
+  if (functions_->cancel_step != nullptr) require("fmi2CancelStep", functions_->cancel_step);
   StepResult result;
   result.done = false;
   result.cancelled = true;
@@ -334,12 +388,12 @@ StepResult FmuSlave::step_ended(int status) {
   result.done = false;
   fmi2Boolean terminated = fmi2False;
   if (functions_->get_boolean_status != nullptr &&
-      functions_->get_boolean_status(fmi_->component, fmi2Terminated, &terminated) == fmi2OK) {
+      fmi_->call("fmi2GetBooleanStatus", functions_->get_boolean_status, fmi2Terminated, &terminated) == fmi2OK) {
     result.terminated = terminated != fmi2False;
   }
   fmi2Real last_successful_s = 0;
-  if (functions_->get_real_status != nullptr &&
-      functions_->get_real_status(fmi_->component, fmi2LastSuccessfulTime, &last_successful_s) == fmi2OK) {
+  if (functions_->get_real_status != nullptr && fmi_->call("fmi2GetRealStatus", functions_->get_real_status,
+                                                           fmi2LastSuccessfulTime, &last_successful_s) == fmi2OK) {
     result.last_successful_s = last_successful_s;
   }
   result.messages = said();
@@ -347,7 +401,7 @@ StepResult FmuSlave::step_ended(int status) {
 }
 
 void FmuSlave::terminate() {
-  check(functions_->terminate(fmi_->component), "fmi2Terminate");
+  watched("fmi2Terminate", [&] { require("fmi2Terminate", functions_->terminate); });
 }
 
 std::uint32_t FmuSlave::output_derivative_order() const {
@@ -361,87 +415,74 @@ bool FmuSlave::takes_input_derivatives() const {
 
 void FmuSlave::get_output_derivatives(std::span<const ValueReference> references, std::span<const std::int32_t> orders,
                                       std::span<double> values) {
-  check(functions_->get_real_output_derivatives(fmi_->component, references.data(), references.size(), orders.data(),
-                                                values.data()),
-        "fmi2GetRealOutputDerivatives");
-  const auto bad = std::ranges::find_if(values, [](double value) { return !std::isfinite(value); });
-  if (bad == values.end()) return;
-  const auto index = static_cast<std::size_t>(bad - values.begin());
-  const auto& variables = description().variables;
-  const auto variable = std::ranges::find_if(variables, [&](const modeldesc::Variable& one) {
-    return one.type == modeldesc::Type::real && one.value_reference == references[index];
-  });
-  throw NotFiniteError(fmt::format("instance '{}' at {} s: the time derivative (order {}) of '{}' is {}", name_,
-                                   to_seconds(time_ns_), orders[index],
-                                   variable == variables.end() ? "?" : variable->name, *bad));
+  require("fmi2GetRealOutputDerivatives", functions_->get_real_output_derivatives, references.data(), references.size(),
+          orders.data(), values.data());
 }
 
 void FmuSlave::set_input_derivatives(std::span<const ValueReference> references, std::span<const std::int32_t> orders,
                                      std::span<const double> values) {
-  check(functions_->set_real_input_derivatives(fmi_->component, references.data(), references.size(), orders.data(),
-                                               values.data()),
-        "fmi2SetRealInputDerivatives");
+  require("fmi2SetRealInputDerivatives", functions_->set_real_input_derivatives, references.data(), references.size(),
+          orders.data(), values.data());
 }
 
 void FmuSlave::get_reals(std::span<const ValueReference> references, std::span<double> values) {
-  check(functions_->get_real(fmi_->component, references.data(), references.size(), values.data()), "fmi2GetReal");
+  require("fmi2GetReal", functions_->get_real, references.data(), references.size(), values.data());
 }
 
 void FmuSlave::get_integers(std::span<const ValueReference> references, std::span<std::int32_t> values) {
-  check(functions_->get_integer(fmi_->component, references.data(), references.size(), values.data()),
-        "fmi2GetInteger");
+  require("fmi2GetInteger", functions_->get_integer, references.data(), references.size(), values.data());
 }
 
 void FmuSlave::get_booleans(std::span<const ValueReference> references, std::span<std::int32_t> values) {
-  check(functions_->get_boolean(fmi_->component, references.data(), references.size(), values.data()),
-        "fmi2GetBoolean");
+  require("fmi2GetBoolean", functions_->get_boolean, references.data(), references.size(), values.data());
 }
 
 void FmuSlave::get_strings(std::span<const ValueReference> references, std::span<std::string> values) {
   texts_.assign(references.size(), nullptr);
-  check(functions_->get_string(fmi_->component, references.data(), references.size(), texts_.data()), "fmi2GetString");
+  require("fmi2GetString", functions_->get_string, references.data(), references.size(), texts_.data());
   for (std::size_t i = 0; i < texts_.size(); ++i) values[i] = texts_[i] == nullptr ? "" : texts_[i];
 }
 
 void FmuSlave::set_reals(std::span<const ValueReference> references, std::span<const double> values) {
-  check(functions_->set_real(fmi_->component, references.data(), references.size(), values.data()), "fmi2SetReal");
+  require("fmi2SetReal", functions_->set_real, references.data(), references.size(), values.data());
 }
 
 void FmuSlave::set_integers(std::span<const ValueReference> references, std::span<const std::int32_t> values) {
-  check(functions_->set_integer(fmi_->component, references.data(), references.size(), values.data()),
-        "fmi2SetInteger");
+  require("fmi2SetInteger", functions_->set_integer, references.data(), references.size(), values.data());
 }
 
 void FmuSlave::set_booleans(std::span<const ValueReference> references, std::span<const std::int32_t> values) {
-  check(functions_->set_boolean(fmi_->component, references.data(), references.size(), values.data()),
-        "fmi2SetBoolean");
+  require("fmi2SetBoolean", functions_->set_boolean, references.data(), references.size(), values.data());
 }
 
 void FmuSlave::set_strings(std::span<const ValueReference> references, std::span<const std::string> values) {
   texts_.clear();
   for (const auto& value : values) texts_.push_back(value.c_str());
-  check(functions_->set_string(fmi_->component, references.data(), references.size(), texts_.data()), "fmi2SetString");
+  require("fmi2SetString", functions_->set_string, references.data(), references.size(), texts_.data());
 }
 
 std::unique_ptr<SlaveState> FmuSlave::save_state() {
   if (!description().co_simulation->can_get_and_set_fmu_state || functions_->get_fmu_state == nullptr ||
       functions_->set_fmu_state == nullptr || functions_->free_fmu_state == nullptr) {
-    throw Error(fmt::format("instance '{}': its FMU cannot save its state (canGetAndSetFMUstate is false)", name_));
+    throw Error(ErrorCode::not_offered,
+                fmt::format("instance '{}': its FMU cannot save its state (canGetAndSetFMUstate is false)", name_));
   }
-  auto state = std::make_unique<FmuSlaveState>(*functions_, fmi_->component, time_ns_, kept_states_);
-  check(functions_->get_fmu_state(fmi_->component, &state->state), "fmi2GetFMUstate");
+  auto state = std::make_unique<FmuSlaveState>(fmi_->freeing(*functions_), time_ns_, kept_states_);
+  require("fmi2GetFMUstate", functions_->get_fmu_state, &state->state);
   return state;
 }
 
 void FmuSlave::restore_state(const SlaveState& state) {
   const auto& saved = static_cast<const FmuSlaveState&>(state);
   if (saved.time_ns < promised_ns_) {
-    throw Error(fmt::format(
-        "instance '{}': its state of {} s cannot be restored: at {} s no state was kept, so its FMU was told that it "
-        "is not set back any more (noSetFMUStatePriorToCurrentPoint). Keep the state while the run goes on",
-        name_, to_seconds(saved.time_ns), to_seconds(promised_ns_)));
+    throw Error(
+        ErrorCode::wrong_call_order,
+        fmt::format("instance '{}': its state of {} s cannot be restored: at {} s no state was kept, so its FMU was "
+                    "told that it "
+                    "is not set back any more (noSetFMUStatePriorToCurrentPoint). Keep the state while the run goes on",
+                    name_, to_seconds(saved.time_ns), to_seconds(promised_ns_)));
   }
-  check(functions_->set_fmu_state(fmi_->component, saved.state), "fmi2SetFMUstate");
+  require("fmi2SetFMUstate", functions_->set_fmu_state, saved.state);
   time_ns_ = saved.time_ns;
 }
 
@@ -449,14 +490,15 @@ std::vector<std::byte> FmuSlave::serialize(const SlaveState& state) {
   if (!description().co_simulation->can_serialize_fmu_state || functions_->serialize_fmu_state == nullptr ||
       functions_->serialized_fmu_state_size == nullptr) {
     throw Error(
+        ErrorCode::not_offered,
         fmt::format("instance '{}': its FMU cannot write its state as bytes (canSerializeFMUstate is false)", name_));
   }
   const auto& saved = static_cast<const FmuSlaveState&>(state);
   std::size_t size = 0;
-  check(functions_->serialized_fmu_state_size(fmi_->component, saved.state, &size), "fmi2SerializedFMUstateSize");
+  require("fmi2SerializedFMUstateSize", functions_->serialized_fmu_state_size, saved.state, &size);
   std::vector<std::byte> bytes(size);
-  check(functions_->serialize_fmu_state(fmi_->component, saved.state, reinterpret_cast<fmi2Byte*>(bytes.data()), size),
-        "fmi2SerializeFMUstate");
+  require("fmi2SerializeFMUstate", functions_->serialize_fmu_state, saved.state,
+          reinterpret_cast<fmi2Byte*>(bytes.data()), size);
   state::Writer writer;
   writer.put(saved.time_ns);
   writer.put(bytes);
@@ -466,15 +508,15 @@ std::vector<std::byte> FmuSlave::serialize(const SlaveState& state) {
 std::unique_ptr<SlaveState> FmuSlave::deserialize(std::span<const std::byte> bytes) {
   if (!description().co_simulation->can_serialize_fmu_state || functions_->deserialize_fmu_state == nullptr) {
     throw Error(
+        ErrorCode::not_offered,
         fmt::format("instance '{}': its FMU cannot read its state from bytes (canSerializeFMUstate is false)", name_));
   }
   state::Reader reader(bytes);
-  auto state = std::make_unique<FmuSlaveState>(*functions_, fmi_->component, reader.get<std::int64_t>(), kept_states_);
+  auto state = std::make_unique<FmuSlaveState>(fmi_->freeing(*functions_), reader.get<std::int64_t>(), kept_states_);
   std::vector<std::byte> own;
   reader.get(own);
-  check(functions_->deserialize_fmu_state(fmi_->component, reinterpret_cast<const fmi2Byte*>(own.data()), own.size(),
-                                          &state->state),
-        "fmi2DeSerializeFMUstate");
+  require("fmi2DeSerializeFMUstate", functions_->deserialize_fmu_state, reinterpret_cast<const fmi2Byte*>(own.data()),
+          own.size(), &state->state);
   return state;
 }
 

@@ -60,10 +60,16 @@ class FmuSlave final : public Slave {
  private:
   struct Fmi;  // what needs FMI's C types
 
+  void tell_of_process(const std::vector<std::string>& changes, const char* where);
+  template <typename Work>
+  void watched(const char* where, Work work);
+  void tell_of_floats(const FloatEnvironment& found, const char* where);
   void choose_categories();
-  void logged(int status, std::string_view category, std::string text);
+  void logged(int status, std::string_view category, std::string text, bool in_call);
   std::string with_names(std::string_view text) const;
   void check(int status, const char* function);
+  template <typename Function, typename... Arguments>
+  void require(const char* name, Function* function, Arguments... arguments);
   StepResult step_ended(int status);
   void step_finished(int status);
   int wait_for_step(const std::atomic<bool>& cancel);
@@ -76,12 +82,12 @@ class FmuSlave final : public Slave {
   std::vector<std::string> log_categories_;
   MessageSink* sink_;
   const Fmi2Functions* functions_;
-  std::unique_ptr<Fmi> fmi_;
 
   std::int64_t time_ns_ = 0;
   std::int64_t step_end_ns_ = 0;
-  bool unusable_ = false;  // after fmi2Fatal no call is allowed, not even freeing
-  bool pending_ = false;   // a step goes on by itself
+  bool unusable_ = false;    // after fmi2Fatal no call is allowed, not even freeing
+  bool is_watched_ = false;  // the first instance of its FMU: what it changes in the process is told and put right
+  bool pending_ = false;     // a step goes on by itself
   // noSetFMUStatePriorToCurrentPoint: an FMU that hears it may drop what it would need to go back.
   int kept_states_ = 0;                                                  // how many there are to go back to
   std::int64_t promised_ns_ = std::numeric_limits<std::int64_t>::min();  // never back behind this time
@@ -94,13 +100,18 @@ class FmuSlave final : public Slave {
 
   // The FMU may log from threads of its own.
   std::mutex log_mutex_;
-  // Errors are held until the call is over: a call that fails carries them in its exception.
+  // Errors are held until the call is over: a call that fails carries them in its exception. So is what threads of the
+  // FMU say: it is handed on by the thread that steps.
   struct Held {
+    Severity severity;
     std::string category;
     std::string text;
   };
   std::vector<Held> held_;
+  std::atomic<bool> any_held_{false};
   std::deque<std::string> last_words_;
+
+  std::unique_ptr<Fmi> fmi_;  // last: threads of the FMU find what they log to until it is gone
 };
 
 }  // namespace mebots::master

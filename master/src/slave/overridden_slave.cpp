@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "slave/overridden_slave.hpp"
+
+#include "base/time.hpp"
 #include "mebots/assert.hpp"
 #include "mebots/state/save.hpp"
 
@@ -164,6 +166,54 @@ StepResult OverriddenSlave::step(std::int64_t start_ns, std::int64_t duration_ns
   auto result = inner().step(start_ns, duration_ns);
   time_ns_ = start_ns + duration_ns;
   return result;
+}
+
+/// What is left of a derivative of this order (from 1) behind one layer.
+double OverriddenSlave::apply(const Layer& layer, std::int32_t order, double derivative, std::int64_t since_ns) const {
+  const auto& description = *scenario_->overrides()[layer.override].description;
+  switch (description.action) {
+    case OverrideAction::set:
+    case OverrideAction::freeze:
+      return 0;
+    case OverrideAction::offset:
+    case OverrideAction::noise:  // one value per point, added to what is there
+      return derivative;
+    case OverrideAction::scale:
+      return derivative * description.number;
+    case OverrideAction::ramp:
+      break;
+  }
+  if (order > 1 || time_ns_ - since_ns >= description.over_ns) return 0;
+  return (description.number - std::get<double>(layer.found)) / to_seconds(description.over_ns);
+}
+
+double OverriddenSlave::changed_derivative(bool input, ValueReference reference, std::int32_t order,
+                                           double value) const {
+  for (const auto& target : targets_) {
+    if (target.kind != ValueKind::real || target.input != input || target.reference != reference) continue;
+    for (const auto& layer : target.layers) {
+      const auto since_ns = scenario_->since(layer.override, time_ns_);
+      if (since_ns) value = apply(layer, order, value, *since_ns);
+    }
+  }
+  return value;
+}
+
+void OverriddenSlave::get_output_derivatives(std::span<const ValueReference> references,
+                                             std::span<const std::int32_t> orders, std::span<double> values) {
+  inner().get_output_derivatives(references, orders, values);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    values[i] = changed_derivative(false, references[i], orders[i], values[i]);
+  }
+}
+
+void OverriddenSlave::set_input_derivatives(std::span<const ValueReference> references,
+                                            std::span<const std::int32_t> orders, std::span<const double> values) {
+  std::vector<double> changed(values.begin(), values.end());
+  for (std::size_t i = 0; i < changed.size(); ++i) {
+    changed[i] = changed_derivative(true, references[i], orders[i], changed[i]);
+  }
+  inner().set_input_derivatives(references, orders, changed);
 }
 
 void OverriddenSlave::set_one(const Target& target, const Value& value) {

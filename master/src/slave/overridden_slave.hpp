@@ -18,6 +18,11 @@ class OverriddenSlave final : public AccessSlave {
   OverriddenSlave(std::unique_ptr<Slave> inner, const Scenario& scenario, std::size_t instance);
 
   StepResult step(std::int64_t start_ns, std::int64_t duration_ns) override;
+  /// Of the variable as the override leaves it: 0 where it stands still, the slope of a ramp.
+  void get_output_derivatives(std::span<const ValueReference> references, std::span<const std::int32_t> orders,
+                              std::span<double> values) override;
+  void set_input_derivatives(std::span<const ValueReference> references, std::span<const std::int32_t> orders,
+                             std::span<const double> values) override;
 
   std::unique_ptr<SlaveState> save_state() override;
   void restore_state(const SlaveState& state) override;
@@ -69,6 +74,8 @@ class OverriddenSlave final : public AccessSlave {
   void change_outputs(ValueKind kind, std::span<const ValueReference> references, std::span<T> values);
   template <typename T>
   bool change_inputs(ValueKind kind, std::span<const ValueReference> references, std::vector<T>& values);
+  double changed_derivative(bool input, ValueReference reference, std::int32_t order, double value) const;
+  double apply(const Layer& layer, std::int32_t order, double derivative, std::int64_t since_ns) const;
   void set_one(const Target& target, const Value& value);
 
   const Scenario* scenario_;

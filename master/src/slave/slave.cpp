@@ -6,17 +6,17 @@
 namespace mebots::master {
 
 StepResult Slave::finish_step(const std::atomic<bool>& /*cancel*/) {
-  throw Error(fmt::format("instance '{}': no step is pending", name()));
+  throw Error(ErrorCode::wrong_call_order, fmt::format("instance '{}': no step is pending", name()));
 }
 
 void Slave::get_output_derivatives(std::span<const ValueReference> /*references*/,
                                    std::span<const std::int32_t> /*orders*/, std::span<double> /*values*/) {
-  throw Error(fmt::format("instance '{}': its FMU gives no derivatives of outputs", name()));
+  throw Error(ErrorCode::not_offered, fmt::format("instance '{}': its FMU gives no derivatives of outputs", name()));
 }
 
 void Slave::set_input_derivatives(std::span<const ValueReference> /*references*/,
                                   std::span<const std::int32_t> /*orders*/, std::span<const double> /*values*/) {
-  throw Error(fmt::format("instance '{}': its FMU takes no derivatives of inputs", name()));
+  throw Error(ErrorCode::not_offered, fmt::format("instance '{}': its FMU takes no derivatives of inputs", name()));
 }
 
 }  // namespace mebots::master

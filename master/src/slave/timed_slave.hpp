@@ -43,6 +43,14 @@ class TimedSlave final : public AccessSlave {
   void terminate() override {
     timed([&] { inner().terminate(); });
   }
+  void get_output_derivatives(std::span<const ValueReference> references, std::span<const std::int32_t> orders,
+                              std::span<double> values) override {
+    timed([&] { inner().get_output_derivatives(references, orders, values); });
+  }
+  void set_input_derivatives(std::span<const ValueReference> references, std::span<const std::int32_t> orders,
+                             std::span<const double> values) override {
+    timed([&] { inner().set_input_derivatives(references, orders, values); });
+  }
 
  private:
   void get(ValueKind kind, std::span<const ValueReference> references, Destination values) override {

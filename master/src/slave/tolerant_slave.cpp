@@ -69,6 +69,17 @@ void TolerantSlave::set(ValueKind kind, std::span<const ValueReference> referenc
   attempt([&] { pass_set(kind, references, values); });
 }
 
+void TolerantSlave::get_output_derivatives(std::span<const ValueReference> references,
+                                           std::span<const std::int32_t> orders, std::span<double> values) {
+  attempt([&] { inner().get_output_derivatives(references, orders, values); });
+  if (lost()) std::ranges::fill(values, 0);
+}
+
+void TolerantSlave::set_input_derivatives(std::span<const ValueReference> references,
+                                          std::span<const std::int32_t> orders, std::span<const double> values) {
+  attempt([&] { inner().set_input_derivatives(references, orders, values); });
+}
+
 StepResult TolerantSlave::step(std::int64_t start_ns, std::int64_t duration_ns) {
   running_ = true;
   time_ns_ = start_ns;
@@ -114,7 +125,9 @@ void TolerantSlave::restore_state(const SlaveState& state) {
   running_ = true;
   const auto& tolerant = static_cast<const TolerantState&>(state);
   if (tolerant.inner != nullptr) {
-    if (lost()) throw Error(fmt::format("instance '{}' is lost and cannot go back: {}", name(), loss_->text));
+    if (lost())
+      throw Error(ErrorCode::fmu_lost,
+                  fmt::format("instance '{}' is lost and cannot go back: {}", name(), loss_->text));
     inner().restore_state(*tolerant.inner);
     return;
   }

@@ -18,6 +18,11 @@ class TolerantSlave final : public AccessSlave {
 
   StepResult step(std::int64_t start_ns, std::int64_t duration_ns) override;
   void terminate() override;
+  /// Of a lost one all are 0: its outputs stand still.
+  void get_output_derivatives(std::span<const ValueReference> references, std::span<const std::int32_t> orders,
+                              std::span<double> values) override;
+  void set_input_derivatives(std::span<const ValueReference> references, std::span<const std::int32_t> orders,
+                             std::span<const double> values) override;
 
   std::unique_ptr<SlaveState> save_state() override;
   void restore_state(const SlaveState& state) override;

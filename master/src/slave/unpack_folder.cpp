@@ -43,8 +43,8 @@ UnpackFolder::UnpackFolder() : folder_(kPrefix) {
   const auto unlocked = folder_.path() / "new";
   lock_.file = open_owner_file(unlocked, O_CREAT);
   if (lock_.file < 0 || ::flock(lock_.file, LOCK_EX | LOCK_NB) != 0 || ::rename(unlocked.c_str(), owner.c_str()) != 0) {
-    throw Error(fmt::format("{}: this folder for an unpacked FMU cannot be locked: {}", folder_.path().string(),
-                            std::strerror(errno)));
+    throw Error(ErrorCode::system_failure, fmt::format("{}: this folder for an unpacked FMU cannot be locked: {}",
+                                                       folder_.path().string(), std::strerror(errno)));
   }
 }
 

@@ -16,8 +16,10 @@ bool FolderFiles::holds(const std::filesystem::path& inside) const {
 
 std::string FolderFiles::read(const std::filesystem::path& inside) const {
   std::ifstream stream(folder_ / inside, std::ios::binary);
-  if (!stream) throw InputError(fmt::format("{}: the file is missing", inside.string()));
-  return {std::istreambuf_iterator<char>(stream), {}};
+  if (!stream) throw InputError(ErrorCode::file_not_found, fmt::format("{}: the file is missing", inside.string()));
+  std::string bytes{std::istreambuf_iterator<char>(stream), {}};
+  bytes_read_ += bytes;
+  return bytes;
 }
 
 }  // namespace mebots::master::ssp

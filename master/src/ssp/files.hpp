@@ -27,8 +27,11 @@ class FolderFiles final : public Files {
   bool holds(const std::filesystem::path& inside) const override;
   std::string read(const std::filesystem::path& inside) const override;
   std::filesystem::path place(const std::filesystem::path& inside) const override { return folder_ / inside; }
+  /// The bytes of all that was read so far, in that order.
+  const std::string& bytes_read() const { return bytes_read_; }
 
  private:
+  mutable std::string bytes_read_;
   std::filesystem::path folder_;
 };
 

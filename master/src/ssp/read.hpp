@@ -8,6 +8,6 @@
 namespace mebots::master::ssp {
 
 /// read_ssp() wherever the files lie; `archive` names the SSP in messages. Throws InputError.
-SspConfig read(const Files& files, const std::string& archive);
+SspConfig read(const Files& files, const std::string& archive, const std::string& ssd = "SystemStructure.ssd");
 
 }  // namespace mebots::master::ssp

@@ -17,7 +17,6 @@ namespace mebots::master {
 namespace {
 
 using namespace ssp;
-constexpr auto kSsd = "SystemStructure.ssd";
 using Json = nlohmann::ordered_json;
 
 /// A connector: of a component, or of a system as seen from inside and outside.
@@ -50,8 +49,8 @@ struct Component {
 
 class SspReader {
  public:
-  SspReader(const Files& files, const std::string& archive)
-      : source_{files, archive}, file_(files.read(kSsd), archive + ": " + kSsd) {}
+  SspReader(const Files& files, const std::string& archive, const std::string& ssd)
+      : source_{files, archive}, file_(files.read(ssd), archive + ": " + ssd) {}
 
   SspConfig read() {
     const auto root = file_.root();
@@ -132,7 +131,8 @@ class SspReader {
   void read_connection(pugi::xml_node node, const std::string& path, const std::set<std::string>& names) {
     const auto end = [&](const char* element, const char* connector) -> Endpoint {
       const auto attribute = node.attribute(element);
-      if (!attribute) return {path, file_.required(node, connector)};  // the system's own connector
+      // The system's own connector; some tools write an empty name for it.
+      if (!attribute || *attribute.value() == '\0') return {path, file_.required(node, connector)};
       if (names.count(attribute.value()) == 0) {
         file_.fail(node, fmt::format("there is no element \"{}\" in this system", attribute.value()));
       }
@@ -176,7 +176,7 @@ class SspReader {
 
   void write_instances() {
     auto& instances = result_.config["instances"] = Json::object();
-    result_.places["/instances"] = kSsd;
+    result_.places["/instances"] = file_.place(file_.root());
     for (const auto& component : components_) {
       auto& instance = instances[component.path] = Json::object();
       const auto pointer = "/instances" + data::pointer_step(component.path);
@@ -209,7 +209,8 @@ class SspReader {
       std::set<Endpoint> seen;
       while (component_paths_.count(whole.from.element) == 0) {
         if (!seen.insert(whole.from).second) {
-          throw InputError(fmt::format("{}: the connection to {} runs in a circle through \"{}\"", whole.place,
+          throw InputError(ErrorCode::invalid_connection,
+                           fmt::format("{}: the connection to {} runs in a circle through \"{}\"", whole.place,
                                        to.text(), whole.from.text()));
         }
         const auto before = edges_.find(whole.from);
@@ -248,7 +249,8 @@ class SspReader {
     auto number = value->second.value;
     if (edge.factor != 1 || edge.offset != 0) {
       if (!number.is_number()) {
-        throw InputError(fmt::format("{}: the value of \"{}\" is {}, but only numbers can be transformed linearly",
+        throw InputError(ErrorCode::wrong_type,
+                         fmt::format("{}: the value of \"{}\" is {}, but only numbers can be transformed linearly",
                                      edge.place, edge.from.text(), number.dump()));
       }
       number = edge.factor * number.get<double>() + edge.offset;
@@ -265,7 +267,8 @@ class SspReader {
   void read_experiment(pugi::xml_node node) {
     if (!node) return;
     if (file_.number(node, "startTime", 0) != 0) {
-      file_.fail(node, fmt::format("the start time is {} s; mebots starts at 0", node.attribute("startTime").value()));
+      result_.config["start_time"] = file_.number(node, "startTime", 0);
+      result_.places["/start_time"] = file_.place(node);
     }
     if (!node.attribute("stopTime")) return;
     result_.config["stop_time"] = file_.number(node, "stopTime", 0);
@@ -342,15 +345,18 @@ class SspReader {
 
 }  // namespace
 
-SspConfig ssp::read(const Files& files, const std::string& archive) {
-  if (!files.holds(kSsd)) {
-    throw InputError(fmt::format("{}: this is not an SSP: it holds no {}", archive, kSsd));
+SspConfig ssp::read(const Files& files, const std::string& archive, const std::string& ssd) {
+  if (!files.holds(ssd)) {
+    throw InputError(ErrorCode::archive_damaged, fmt::format("{}: this is not an SSP: it holds no {}", archive, ssd));
   }
-  return SspReader(files, archive).read();
+  return SspReader(files, archive, ssd).read();
 }
 
-SspConfig read_ssp(const std::filesystem::path& folder, const std::filesystem::path& archive) {
-  return ssp::read(FolderFiles(folder), archive.string());
+SspConfig read_ssp(const std::filesystem::path& folder, const std::filesystem::path& archive, const std::string& ssd) {
+  const FolderFiles files(folder);
+  auto result = ssp::read(files, archive.string(), ssd);
+  result.source = files.bytes_read();
+  return result;
 }
 
 }  // namespace mebots::master

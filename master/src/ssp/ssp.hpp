@@ -24,11 +24,13 @@ struct SspConfig {
   nlohmann::ordered_json config;              ///< `step` and `stop_time` only if the SSP gives them
   std::map<std::string, std::string> places;  ///< JSON pointer to "SystemStructure.ssd, line 12"
   std::vector<std::string> notices;           ///< what was left out
+  std::string source;                         ///< the bytes of all files that were read, for the hash of the inputs
 };
 
-/// Reads the SSP unpacked in `folder`; `archive` names it in messages. FMU paths in the result are absolute.
-/// Throws InputError naming archive, file, line and element.
-SspConfig read_ssp(const std::filesystem::path& folder, const std::filesystem::path& archive);
+/// Reads the SSP unpacked in `folder`, from its file `ssd`; `archive` names it in messages. FMU paths in the result are
+/// absolute. Throws InputError naming archive, file, line and element.
+SspConfig read_ssp(const std::filesystem::path& folder, const std::filesystem::path& archive,
+                   const std::string& ssd = "SystemStructure.ssd");
 
 /// Writes a system as an SSP with all its FMUs in resources/. `config` is the JSON that the system was read from.
 /// Same system, same bytes. Throws Error when the archive cannot be written.

@@ -86,7 +86,8 @@ class SspWriter {
     write_enumerations(root);
     write_units(root);
     auto experiment = root.append_child("ssd:DefaultExperiment");
-    experiment.append_attribute("startTime") = "0";
+    experiment.append_attribute("startTime") =
+        fmt::format("{}", to_seconds(system_.description->start_time_ns)).c_str();
     experiment.append_attribute("stopTime") = fmt::format("{}", to_seconds(system_.description->stop_time_ns)).c_str();
     return document_;
   }
@@ -218,7 +219,9 @@ class SspWriter {
     // Sections that SSP has no words for.
     Json rest = Json::object();
     for (const auto& [key, value] : config_.items()) {
-      if (key != "$schema" && key != "instances" && key != "connections" && key != "stop_time") rest[key] = value;
+      if (key != "$schema" && key != "instances" && key != "connections" && key != "start_time" && key != "stop_time") {
+        rest[key] = value;
+      }
     }
     for (const auto& [name, keys] : config_.at("instances").items()) {
       for (const auto& [key, value] : keys.items()) {
@@ -283,7 +286,9 @@ void write_text(const std::filesystem::path& file, const std::string& text) {
   std::ofstream stream(file, std::ios::binary);
   stream << text;
   stream.close();
-  if (!stream) throw Error(fmt::format("{}: cannot be written; check permissions and free space", file.string()));
+  if (!stream)
+    throw Error(ErrorCode::file_unwritable,
+                fmt::format("{}: cannot be written; check permissions and free space", file.string()));
 }
 
 }  // namespace
@@ -292,7 +297,8 @@ void write_ssp(const ResolvedSystem& system, const Json& config, const std::file
   const modeldesc::TemporaryFolder folder("mebots");
   const auto ssd = folder.path() / "SystemStructure.ssd";
   SspWriter writer(system, config);
-  if (!writer.write().save_file(ssd.c_str(), "  ")) throw Error(fmt::format("{}: cannot be written", ssd.string()));
+  if (!writer.write().save_file(ssd.c_str(), "  "))
+    throw Error(ErrorCode::file_unwritable, fmt::format("{}: cannot be written", ssd.string()));
   std::vector<modeldesc::PackedFile> files{{"SystemStructure.ssd", ssd}};
   for (const auto& [path, name] : file_names(*system.description)) files.push_back({"resources/" + name, path});
   modeldesc::pack(archive, files);
@@ -303,11 +309,15 @@ void write_config(const SystemDescription& system, Json config, const std::files
   const auto target = file.parent_path() / folder;
   std::error_code error;
   std::filesystem::create_directories(target, error);
-  if (error) throw Error(fmt::format("{}: the folder cannot be made: {}", target.string(), error.message()));
+  if (error)
+    throw Error(ErrorCode::file_unwritable,
+                fmt::format("{}: the folder cannot be made: {}", target.string(), error.message()));
   const auto names = file_names(system);
   for (const auto& [path, name] : names) {
     std::filesystem::copy_file(path, target / name, std::filesystem::copy_options::overwrite_existing, error);
-    if (error) throw Error(fmt::format("{}: cannot be written: {}", (target / name).string(), error.message()));
+    if (error)
+      throw Error(ErrorCode::file_unwritable,
+                  fmt::format("{}: cannot be written: {}", (target / name).string(), error.message()));
   }
   for (const auto& instance : system.instances) {
     config["instances"][instance.name]["fmu"] = (folder / names.at(instance.fmu_path)).string();

@@ -16,7 +16,7 @@ XmlFile::XmlFile(std::string_view bytes, std::string name) : name_(std::move(nam
     text_ = modeldesc::xml_as_utf8(bytes, name_);
     modeldesc::parse_xml(document_, text_, name_);
   } catch (const Error& error) {
-    throw InputError(error.what());
+    throw InputError(error.code(), error.what());
   }
 }
 
@@ -25,7 +25,7 @@ std::string XmlFile::place(pugi::xml_node node) const {
 }
 
 void XmlFile::fail(pugi::xml_node node, const std::string& what) const {
-  throw InputError(fmt::format("{}, <{}>: {}", place(node), local_name(node), what));
+  throw InputError(ErrorCode::syntax_error, fmt::format("{}, <{}>: {}", place(node), local_name(node), what));
 }
 
 std::string XmlFile::required(pugi::xml_node node, const char* attribute) const {

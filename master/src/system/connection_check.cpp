@@ -17,8 +17,10 @@ using modeldesc::Causality;
 using modeldesc::Type;
 using modeldesc::Variable;
 
-/// The FMI types whose every value is also one of `to`: going there loses nothing.
+/// The FMI types whose every value is also one of `to`: going there loses nothing. Not every Integer is an item of an
+/// Enumeration: that is looked at in every step.
 bool widens(Type from, Type to) {
+  if (to == Type::enumeration) return from == Type::integer;
   if (to == Type::real) return from == Type::integer || from == Type::enumeration || from == Type::boolean;
   return to == Type::integer && (from == Type::enumeration || from == Type::boolean);
 }
@@ -51,7 +53,7 @@ class ConnectionCheck {
   }
 
   [[noreturn]] void fail(const std::string& what) const {
-    throw InputError(fmt::format("{}: {}: {}", description_.place, names(), what));
+    throw InputError(ErrorCode::invalid_connection, fmt::format("{}: {}: {}", description_.place, names(), what));
   }
 
   const modeldesc::ModelDescription& model(const ResolvedVariable& variable) const {
@@ -75,8 +77,8 @@ class ConnectionCheck {
       const auto to_type = modeldesc::to_string(to_.type);
       if (connection_.pointer || !widens(from_.type, to_.type)) {
         fail(
-            fmt::format("the types differ: {} and {}; only Boolean and Enumeration go into an Integer, and these and "
-                        "Integer into a Real",
+            fmt::format("the types differ: {} and {}; only Boolean and Enumeration go into an Integer, Integer into an "
+                        "Enumeration, and all of these into a Real",
                         from_type, to_type));
       }
       notice_ = fmt::format("{}: {} becomes {}", names(), from_type, to_type);
@@ -175,6 +177,7 @@ void check_buffer_lives(const ResolvedSystem& system, const ResolvedConnection& 
   const auto& reader = *system.instances[connection.to.instance].description;
   if (reader.step_ns % owner.step_ns == 0) return;
   throw InputError(
+      ErrorCode::invalid_connection,
       fmt::format("{}: {} -> {}: a buffer is valid for one step of its owner, so the step of '{}' ({} s) must be "
                   "a multiple of the step of '{}' ({} s)",
                   place, system.text(connection.from), system.text(connection.to), reader.name,
@@ -196,8 +199,8 @@ std::vector<ResolvedConnection> scalars_of(const ResolvedSystem& system, const C
     const auto& other = from_parts ? connection.to : connection.from;
     const auto& other_place = connection.place;
     system.find(other, other_place);  // throws when it is unknown
-    throw InputError(fmt::format("{}: '{}' is a binary variable (OSMP) and '{}' is not", connection.place,
-                                 binary.text(), other.text()));
+    throw InputError(ErrorCode::invalid_connection, fmt::format("{}: '{}' is a binary variable (OSMP) and '{}' is not",
+                                                                connection.place, binary.text(), other.text()));
   }
   const auto from = system.find(connection.from, connection.place + "/from");
   const auto to = system.find(connection.to, connection.place + "/to");
@@ -218,10 +221,11 @@ void resolve_connections(ResolvedSystem& system) {
       const auto [existing, added] = by_target.emplace(std::pair(connection.to.instance, connection.to.variable),
                                                        std::pair(connection, description.place));
       if (!added) {
-        throw InputError(fmt::format("{}: the input '{}' has two sources: {} (at {}) and {}; keep one of them",
-                                     description.place, system.text(connection.to),
-                                     system.text(existing->second.first.from), existing->second.second,
-                                     system.text(connection.from)));
+        throw InputError(
+            ErrorCode::invalid_connection,
+            fmt::format("{}: the input '{}' has two sources: {} (at {}) and {}; keep one of them", description.place,
+                        system.text(connection.to), system.text(existing->second.first.from), existing->second.second,
+                        system.text(connection.from)));
       }
     }
   }

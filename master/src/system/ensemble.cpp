@@ -9,10 +9,10 @@
 #include "system/initial_values.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <set>
 
 namespace mebots::master {
@@ -29,7 +29,7 @@ auto as_input(Work work) {
   } catch (const NotFiniteError&) {
     throw;
   } catch (const SlaveError& error) {
-    throw InputError(error.what());
+    throw InputError(error.code(), error.what());
   }
 }
 
@@ -103,7 +103,9 @@ void move_all(const Copies& copies) {
 }  // namespace
 
 Ensemble::Ensemble(const ResolvedSystem& system, MessageSink& messages, const SlaveOptions& options)
-    : system_(&system), interrupted_(options.interrupted != nullptr ? options.interrupted : &kNeverInterrupted) {
+    : system_(&system),
+      messages_(&messages),
+      interrupted_(options.interrupted != nullptr ? options.interrupted : &kNeverInterrupted) {
   auto slaves = as_input([&] { return make_slaves(system, messages, options); });
   for (std::size_t i = 0; i < slaves.size(); ++i) {
     Member member;
@@ -131,11 +133,14 @@ void Ensemble::connect(const ResolvedConnection& connection) {
       } else {
         target.conversions.push_back({from, to, connection.factor, connection.offset});
       }
-      if (from.kind == ValueKind::real) link_derivatives(connection);
+      if (from.kind == ValueKind::real) link_derivatives(connection, from, to);
       break;
     case ValueKind::integer:
       (from.kind == ValueKind::boolean ? target.flag_copies : target.integer_copies)
           .push_back({.signal = from, .slot = to});
+      if (connection.to.variable->type == Type::enumeration && connection.from.variable->type == Type::integer) {
+        check_items_of(connection, to);
+      }
       break;
     case ValueKind::boolean:
       target.boolean_copies.push_back({.signal = from, .slot = to});
@@ -146,15 +151,58 @@ void Ensemble::connect(const ResolvedConnection& connection) {
   }
 }
 
-void Ensemble::link_derivatives(const ResolvedConnection& connection) {
+void Ensemble::check_items_of(const ResolvedConnection& connection, std::size_t slot) {
+  auto& target = members_[connection.to.instance];
+  ItemCheck check{&connection, slot, {}};
+  const auto* type = target.slave->description().type_definition(connection.to.variable->declared_type);
+  if (type != nullptr) {
+    for (const auto& item : type->items) check.items.push_back(item.value);
+  }
+  target.item_checks.push_back(std::move(check));
+}
+
+std::size_t Ensemble::Derivatives::place(ValueReference reference, std::uint32_t most) {
+  const auto found = std::ranges::find(references, reference);
+  const auto first = static_cast<std::size_t>(found - references.begin());
+  if (found != references.end()) return first;
+  for (std::uint32_t order = 1; order <= most; ++order) {
+    references.push_back(reference);
+    orders.push_back(static_cast<std::int32_t>(order));
+    values.push_back(0);
+  }
+  return first;
+}
+
+std::span<const double> Ensemble::Derivatives::of(ValueReference reference) const {
+  const auto first = static_cast<std::size_t>(std::ranges::find(references, reference) - references.begin());
+  const auto count = static_cast<std::size_t>(std::ranges::count(references, reference));
+  return std::span(values).subspan(first, count);
+}
+
+InputCourse Ensemble::course_of(const ResolvedVariable& input) const {
+  const auto& member = members_[input.instance];
+  const auto slot = member.inputs.reals.slots.find(input.variable);
+  MEBOTS_ASSERT(slot != member.inputs.reals.slots.end(), "the input is a Real and connected");
+  return {&member.inputs_time_ns, &member.inputs.reals.values[slot->second],
+          member.input_derivatives.of(input.variable->value_reference)};
+}
+
+void Ensemble::link_derivatives(const ResolvedConnection& connection, SignalId from, std::size_t to) {
   using modeldesc::Variability;
   auto& target = members_[connection.to.instance];
   const auto orders = members_[connection.from.instance].slave->output_derivative_order();
   const bool continuous = connection.from.variable->variability == Variability::continuous &&
                           connection.to.variable->variability == Variability::continuous;
   if (orders == 0 || !continuous || !target.slave->takes_input_derivatives()) return;
-  target.derivatives.push_back({connection.from.instance, connection.from.variable->value_reference,
-                                connection.to.variable->value_reference, connection.factor, orders});
+  auto& source = members_[connection.from.instance];
+  target.derivatives.push_back(
+      {.connection = &connection,
+       .from = from,
+       .to = to,
+       .from_first = source.output_derivatives.place(connection.from.variable->value_reference, orders),
+       .to_first = target.input_derivatives.place(connection.to.variable->value_reference, orders),
+       .orders = orders});
+  source.keeps_earlier = true;
 }
 
 void Ensemble::order_steps() {
@@ -218,6 +266,7 @@ void Ensemble::lay_out() {
   };
   for (auto& member : members_) {
     member.output_kinds = kinds_in(member.outputs);
+    if (member.keeps_earlier) member.earlier_reals.resize(member.outputs.reals.values.size());
     member.input_kinds = kinds_in(member.inputs);
     addresses(
         member.real_copies, [&](SignalId id) { return &real(id); }, member.inputs.reals.values);
@@ -237,11 +286,12 @@ void Ensemble::initialize(std::int64_t stop_ns) {
 }
 
 void Ensemble::initialize_slaves(std::int64_t stop_ns) {
+  const auto start_ns = system_->description->start_time_ns;
   lay_out();
   for (std::size_t i = 0; i < members_.size(); ++i) {
     stop_if_interrupted(*interrupted_);
     set_starts(i);
-    members_[i].slave->setup_experiment(0, stop_ns);
+    members_[i].slave->setup_experiment(start_ns, stop_ns);
     members_[i].slave->enter_initialization();
   }
   InitialValues(*this).settle();
@@ -249,7 +299,7 @@ void Ensemble::initialize_slaves(std::int64_t stop_ns) {
     stop_if_interrupted(*interrupted_);
     member.slave->exit_initialization();
   }
-  for (std::size_t i = 0; i < members_.size(); ++i) read_outputs(i, 0);
+  for (std::size_t i = 0; i < members_.size(); ++i) read_outputs(i, start_ns);
 }
 
 void Ensemble::terminate() {
@@ -270,12 +320,17 @@ void Ensemble::read_outputs(std::size_t instance, std::int64_t time_ns) {
   MEBOTS_ASSERT(time_ns >= 0);
   auto& member = members_[instance];
   auto& outputs = member.outputs;
+  if (member.keeps_earlier && time_ns != member.outputs_time_ns) {  // the same point may be read twice
+    member.earlier_reals = outputs.reals.values;
+    member.earlier_time_ns = member.outputs_time_ns;
+  }
   member.outputs_time_ns = time_ns;
   const auto kinds = member.output_kinds;
   if (kinds == 0) return;
   if ((kinds & bit(ValueKind::real)) != 0) {
     member.slave->get_reals(outputs.reals.references, outputs.reals.values);
     check_finite(member, time_ns);
+    if (!member.output_derivatives.values.empty()) read_derivatives(member, time_ns);
   }
   if ((kinds & bit(ValueKind::integer)) != 0)
     member.slave->get_integers(outputs.integers.references, outputs.integers.values);
@@ -333,28 +388,94 @@ void Ensemble::hand_inputs(std::size_t instance) {
 }
 
 void Ensemble::write_inputs(std::size_t instance, std::int64_t time_ns) {
-  if (members_[instance].input_kinds == 0) return;
+  auto& member = members_[instance];
+  if (member.input_kinds == 0) return;
+  member.inputs_time_ns = time_ns;
   collect_inputs(instance);
+  if (!member.item_checks.empty()) check_items(member, time_ns);
+  if (!member.derivatives.empty()) start_on_lines(member, time_ns);
   hand_inputs(instance);
-  // Before the first step no FMU knows derivatives.
-  if (time_ns > 0 && !members_[instance].derivatives.empty()) write_derivatives(members_[instance], time_ns);
+  if (!member.derivatives.empty()) write_derivatives(member, time_ns);
+}
+
+void Ensemble::check_items(const Member& member, std::int64_t time_ns) const {
+  for (const auto& check : member.item_checks) {
+    const auto value = member.inputs.integers.values[check.slot];
+    if (std::ranges::find(check.items, value) != check.items.end()) continue;
+    throw Error(
+        fmt::format("instance '{}' at {} s: the input '{}' would be {}, which is not an item of '{}' (it has {}); "
+                    "it comes from {}",
+                    member.slave->name(), to_seconds(time_ns), check.connection->to.variable->name, value,
+                    check.connection->to.variable->declared_type, fmt::join(check.items, ", "),
+                    system_->text(check.connection->from)));
+  }
+}
+
+/// The source's slope over its last step.
+double Ensemble::line_slope(const DerivativeLink& link) const {
+  const auto& source = members_[link.from.instance];
+  const double length_s = to_seconds(source.outputs_time_ns - source.earlier_time_ns);
+  return (real(link.from) - source.earlier_reals[link.from.slot]) / length_s;
+}
+
+/// A source that stepped before (Gauss-Seidel) stands at a later time: its value at the step's end is known, so the
+/// input starts at the step's start and goes to it on a line. Holding the later value would cost an order.
+void Ensemble::start_on_lines(Member& member, std::int64_t time_ns) const {
+  for (const auto& link : member.derivatives) {
+    const auto& source = members_[link.from.instance];
+    if (source.outputs_time_ns <= time_ns) continue;
+    const double value =
+        source.earlier_reals[link.from.slot] + line_slope(link) * to_seconds(time_ns - source.earlier_time_ns);
+    member.inputs.reals.values[link.to] = link.connection->factor * value + link.connection->offset;
+  }
+}
+
+void Ensemble::read_derivatives(Member& member, std::int64_t time_ns) const {
+  auto& derivatives = member.output_derivatives;
+  if (time_ns == system_->description->start_time_ns) return;  // before the first step no FMU knows them
+  member.slave->get_output_derivatives(derivatives.references, derivatives.orders, derivatives.values);
+}
+
+/// Of orders 1 and up, of the input. What is not known is 0: the value is held. False when none are known yet.
+bool Ensemble::find_derivatives(DerivativeLink& link, std::int64_t time_ns, std::span<double> values) {
+  MEBOTS_ASSERT(values.size() == link.orders && link.orders > 0, "link_derivatives() makes no empty ones");
+  const auto& source = members_[link.from.instance];
+  std::ranges::fill(values, 0);
+  if (source.outputs_time_ns > time_ns) {
+    values.front() = line_slope(link);
+  } else if (source.outputs_time_ns == time_ns) {
+    if (time_ns == system_->description->start_time_ns) return false;
+    std::ranges::copy(std::span(source.output_derivatives.values).subspan(link.from_first, link.orders),
+                      values.begin());
+  }
+  hold_from_bad(link, time_ns, values);
+  for (auto& value : values) value *= link.connection->factor;
+  return true;
+}
+
+/// Some tools' FMUs answer NaN for derivatives.
+void Ensemble::hold_from_bad(DerivativeLink& link, std::int64_t time_ns, std::span<double> values) {
+  const auto bad = std::ranges::find_if(values, [](double value) { return !std::isfinite(value); });
+  if (bad == values.end()) return;
+  if (!link.told) {
+    const auto text = fmt::format(
+        "{} -> {}: the derivative of order {} that the FMU of '{}' gives is {} at {} s; the input is held where that "
+        "is so",
+        system_->text(link.connection->from), system_->text(link.connection->to), bad - values.begin() + 1,
+        members_[link.from.instance].slave->name(), *bad, to_seconds(time_ns));
+    messages_->message({{}, Severity::info, "notice", text, time_ns});
+    link.told = true;
+  }
+  std::fill(bad, values.end(), 0);
 }
 
 void Ensemble::write_derivatives(Member& member, std::int64_t time_ns) {
-  for (const auto& link : member.derivatives) {
-    MEBOTS_ASSERT(link.orders > 0 && link.from_instance < members_.size(), "link_derivatives() makes no empty ones");
-    std::vector<std::int32_t> orders(link.orders);
-    std::iota(orders.begin(), orders.end(), 1);
-    std::vector<double> values(link.orders, 0);
-    auto& source = members_[link.from_instance];
-    // A source that stands at another time holds its value as far as this slave can see.
-    if (source.outputs_time_ns == time_ns) {
-      const std::vector<ValueReference> references(link.orders, link.from);
-      source.slave->get_output_derivatives(references, orders, values);
-      for (auto& value : values) value *= link.factor;
-    }
-    member.slave->set_input_derivatives(std::vector<ValueReference>(link.orders, link.to), orders, values);
+  auto& all = member.input_derivatives;
+  bool any = false;
+  for (auto& link : member.derivatives) {
+    any |= find_derivatives(link, time_ns, std::span(all.values).subspan(link.to_first, link.orders));
   }
+  if (any) member.slave->set_input_derivatives(all.references, all.orders, all.values);
 }
 
 std::vector<Banks> Ensemble::outputs() const {
@@ -385,6 +506,12 @@ void Ensemble::visit(state::Visitor& v) {
     v(name + ".integers", std::span(member.outputs.integers.values));
     v(name + ".booleans", std::span(member.outputs.booleans.values));
     v(name + ".strings", std::span(member.outputs.strings.values));
+    v(name + ".outputs_time_ns", member.outputs_time_ns);
+    v(name + ".earlier_reals", std::span(member.earlier_reals));
+    v(name + ".earlier_time_ns", member.earlier_time_ns);
+    v(name + ".input_reals", std::span(member.inputs.reals.values));
+    v(name + ".input_derivatives", std::span(member.input_derivatives.values));
+    v(name + ".inputs_time_ns", member.inputs_time_ns);
   }
 }
 

@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 #include <unordered_map>
 #include <utility>
@@ -55,6 +56,14 @@ struct SignalId {
   std::size_t slot = 0;
 };
 
+/// What a connected Real input has within a step of its slave: a polynomial in the time since the step's start.
+/// Addresses hold for as long as the ensemble lives.
+struct InputCourse {
+  const std::int64_t* start_ns = nullptr;
+  const double* value = nullptr;
+  std::span<const double> derivatives;  ///< of orders 1 and up; empty where the input is held
+};
+
 /// The slaves and the values that travel between them: one read and one write per slave, type and
 /// communication point, on arrays laid out before the first step. Knows nothing of the order of steps.
 class Ensemble {
@@ -81,8 +90,9 @@ class Ensemble {
   /// `time_ns` is the time they are valid at.
   void read_outputs(std::size_t instance, std::int64_t time_ns);
   /// Hands a slave its connected inputs, as last read from their sources; `time_ns` is the start of its step. Where
-  /// the slave takes time derivatives of inputs and a source gives them, these too. Throws NotFiniteError when a
-  /// conversion overflows.
+  /// the slave takes time derivatives of inputs and a source gives them, these too; a source that stands at a later
+  /// time already gives the line between its last two values. Throws NotFiniteError when a conversion overflows, Error
+  /// when an Integer is not an item of the Enumeration that it goes into.
   void write_inputs(std::size_t instance, std::int64_t time_ns);
 
   /// Valid after initialize(), for as long as the ensemble lives.
@@ -92,6 +102,11 @@ class Ensemble {
     return (id.kind == ValueKind::boolean ? outputs.booleans : outputs.integers).values[id.slot];
   }
   const std::string& string(SignalId id) const { return members_[id.instance].outputs.strings.values[id.slot]; }
+
+  /// What `outputs` of the slave were read at.
+  const std::int64_t& outputs_time_ns(std::size_t instance) const { return members_[instance].outputs_time_ns; }
+  /// What a connected Real input had in the step that was taken last.
+  InputCourse course_of(const ResolvedVariable& input) const;
 
   /// All outputs as last read, to go back to when a step comes to nothing.
   std::vector<Banks> outputs() const;
@@ -121,13 +136,33 @@ class Ensemble {
     double offset;
   };
 
+  /// Time derivatives of several variables, side by side; each variable's are together, of orders 1 and up.
+  struct Derivatives {
+    std::vector<ValueReference> references;
+    std::vector<std::int32_t> orders;
+    std::vector<double> values;
+
+    /// Where those of a variable begin, made if missing.
+    std::size_t place(ValueReference reference, std::uint32_t most);
+    std::span<const double> of(ValueReference reference) const;
+  };
+
   /// Time derivatives that go from one output to one input, of orders 1 to `orders`.
   struct DerivativeLink {
-    std::size_t from_instance;
-    ValueReference from;
-    ValueReference to;
-    double factor;
+    const ResolvedConnection* connection;
+    SignalId from;
+    std::size_t to;          // slot among the Real inputs
+    std::size_t from_first;  // place among the source's output derivatives
+    std::size_t to_first;    // place among the reader's input derivatives
     std::uint32_t orders;
+    bool told = false;  // that a derivative is not a number
+  };
+
+  /// An Enumeration input that takes an Integer.
+  struct ItemCheck {
+    const ResolvedConnection* connection;
+    std::size_t slot;  // among the Integer inputs
+    std::vector<std::int32_t> items;
   };
 
   struct Member {
@@ -139,6 +174,11 @@ class Ensemble {
     Banks outputs;
     Banks inputs;
     std::int64_t outputs_time_ns = 0;  // what `outputs` was read at
+    std::int64_t inputs_time_ns = 0;   // start of the step that `inputs` were handed for
+    // What was read before, kept where derivatives go out: two known ends make a line.
+    bool keeps_earlier = false;
+    std::vector<double> earlier_reals;
+    std::int64_t earlier_time_ns = 0;
     std::vector<Copy<double>> real_copies;
     std::vector<Copy<std::int32_t>> integer_copies;
     std::vector<Copy<std::int32_t>> flag_copies;  // Booleans into Integers, as 0 and 1
@@ -146,17 +186,27 @@ class Ensemble {
     std::vector<Copy<std::string>> string_copies;
     std::vector<Conversion> conversions;
     std::vector<DerivativeLink> derivatives;
+    Derivatives output_derivatives;  // read with the outputs, so that the order of instances is nothing to them
+    Derivatives input_derivatives;
+    std::vector<ItemCheck> item_checks;
   };
 
   void lay_out();
   void connect(const ResolvedConnection& connection);
   void initialize_slaves(std::int64_t stop_ns);
   void set_starts(std::size_t instance);
-  void link_derivatives(const ResolvedConnection& connection);
+  void link_derivatives(const ResolvedConnection& connection, SignalId from, std::size_t to);
+  void check_items_of(const ResolvedConnection& connection, std::size_t slot);
   void collect_inputs(std::size_t instance);
   void convert(Member& member) const;
   void hand_inputs(std::size_t instance);
+  void check_items(const Member& member, std::int64_t time_ns) const;
+  void start_on_lines(Member& member, std::int64_t time_ns) const;
   void write_derivatives(Member& member, std::int64_t time_ns);
+  void read_derivatives(Member& member, std::int64_t time_ns) const;
+  bool find_derivatives(DerivativeLink& link, std::int64_t time_ns, std::span<double> values);
+  void hold_from_bad(DerivativeLink& link, std::int64_t time_ns, std::span<double> values);
+  double line_slope(const DerivativeLink& link) const;
   double number(SignalId id) const;
   void order_steps();
   void check_finite(const Member& member, std::int64_t time_ns) const;
@@ -164,6 +214,7 @@ class Ensemble {
   friend class InitialValues;
 
   const ResolvedSystem* system_;
+  MessageSink* messages_;
   const std::atomic<bool>* interrupted_;
   std::vector<Member> members_;
   std::vector<std::size_t> step_order_;

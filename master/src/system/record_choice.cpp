@@ -45,7 +45,8 @@ class Patterns {
     for (std::size_t i = 0; i < used_.size(); ++i) {
       if (used_[i]) continue;
       const auto& [pattern, place] = (*patterns_)[i];
-      throw InputError(fmt::format("{}: {} fits '{}'. {}", place, what, pattern, suggest(pattern, names)));
+      throw InputError(ErrorCode::unknown_name,
+                       fmt::format("{}: {} fits '{}'. {}", place, what, pattern, suggest(pattern, names)));
     }
   }
 

@@ -82,7 +82,7 @@ void note_unknown_categories(ResolvedSystem& system) {
       return std::string_view(resolved.description->name);
     });
     if (instance == system.instances.end()) {
-      throw InputError(fmt::format("log: there is no instance '{}'", log.instance));
+      throw InputError(ErrorCode::unknown_name, fmt::format("log: there is no instance '{}'", log.instance));
     }
     std::vector<std::string> known;
     for (const auto& category : instance->fmu->description().log_categories) known.push_back(category.name);
@@ -110,10 +110,10 @@ void check_single_use(const ResolvedSystem& system) {
     if (instance.description->isolation.alone()) continue;
     const auto [user, first] = users.emplace(instance.fmu.get(), instance.description->name);
     if (!first && instance.fmu->description().co_simulation->can_be_instantiated_only_once_per_process) {
-      throw InputError(
-          fmt::format("{}: {} allows one instance per process, and instance '{}' is one already; "
-                      "give one of them \"process\": \"own\"",
-                      instance.description->place, instance.fmu->archive().string(), user->second));
+      throw InputError(ErrorCode::fmu_unsupported,
+                       fmt::format("{}: {} allows one instance per process, and instance '{}' is one already; "
+                                   "give one of them \"process\": \"own\"",
+                                   instance.description->place, instance.fmu->archive().string(), user->second));
     }
   }
 }
@@ -124,6 +124,7 @@ void check_division(const ResolvedInstance& instance) {
   const auto& flags = *instance.fmu->description().co_simulation;
   if (flags.can_get_and_set_fmu_state && flags.can_handle_variable_communication_step_size) return;
   throw InputError(
+      ErrorCode::not_offered,
       fmt::format("{}/on_discard: a step of '{}' cannot be divided: its FMU says {} = false",
                   instance.description->place, instance.description->name,
                   flags.can_get_and_set_fmu_state ? "canHandleVariableCommunicationStepSize" : "canGetAndSetFMUstate"));
@@ -146,6 +147,19 @@ bool is_served_otherwise(const modeldesc::ModelDescription& description, const V
   const auto binary = variable.name.substr(0, variable.name.size() - kEnding.size());
   const auto* part = description.find(binary + ".size");
   return part != nullptr && is_osmp_part(description, *part) && served.count(part) != 0;
+}
+
+/// A value for an input that a connection overwrites would do nothing, and nobody would see it.
+void refuse_values_of_connected_inputs(const ResolvedSystem& system) {
+  for (const auto& connection : system.connections) {
+    const auto& instance = *system.instances[connection.to.instance].description;
+    const auto given = std::ranges::find(instance.parameters, connection.to.variable->name, &Assignment::variable);
+    if (given == instance.parameters.end()) continue;
+    throw InputError(ErrorCode::invalid_value,
+                     fmt::format("{}: '{}' gets its value from {}, so the one that is given here would do nothing. "
+                                 "Leave out the value or the connection",
+                                 given->place, system.text(connection.to), system.text(connection.from)));
+  }
 }
 
 void note_open_inputs(ResolvedSystem& system) {
@@ -177,13 +191,14 @@ ResolvedVariable ResolvedSystem::find(const VariableName& name, const std::strin
     const auto& model = instances[i].fmu->description();
     const auto* variable = model.find(name.variable);
     if (variable == nullptr) {
-      throw InputError(fmt::format("{}: instance '{}' ({}) has no variable '{}'. {}", place, name.instance,
+      throw InputError(ErrorCode::unknown_name,
+                       fmt::format("{}: instance '{}' ({}) has no variable '{}'. {}", place, name.instance,
                                    model.model_name, name.variable, suggest(name.variable, variable_names(model))));
     }
     return {i, variable};
   }
-  throw InputError(fmt::format("{}: there is no instance '{}'. {}", place, name.instance,
-                               suggest(name.instance, description->instance_names())));
+  throw InputError(ErrorCode::unknown_name, fmt::format("{}: there is no instance '{}'. {}", place, name.instance,
+                                                        suggest(name.instance, description->instance_names())));
 }
 
 std::string ResolvedSystem::text(const ResolvedVariable& variable) const {
@@ -248,6 +263,7 @@ ResolvedSystem resolve(const SystemDescription& description, FmuLibrary& library
   note_unknown_categories(system);
   for (const auto& instance : system.instances) check_division(instance);
   resolve_connections(system);
+  refuse_values_of_connected_inputs(system);
   note_open_inputs(system);
   return system;
 }

@@ -40,10 +40,12 @@ class Complaint {
   Complaint(const Variable& variable, const WrittenValue& written, const std::string& place)
       : variable_(variable), written_(written), place_(place) {}
 
-  [[noreturn]] void fail(const std::string& what) const { throw InputError(fmt::format("{}: {}", place_, what)); }
+  [[noreturn]] void fail(ErrorCode code, const std::string& what) const {
+    throw InputError(code, fmt::format("{}: {}", place_, what));
+  }
   [[noreturn]] void wrong_type(std::string_view wanted) const {
-    fail(fmt::format("'{}' is of type {} and takes {}, not {}", variable_.name, modeldesc::to_string(variable_.type),
-                     wanted, shown(written_)));
+    fail(ErrorCode::wrong_type, fmt::format("'{}' is of type {} and takes {}, not {}", variable_.name,
+                                            modeldesc::to_string(variable_.type), wanted, shown(written_)));
   }
 
  private:
@@ -98,14 +100,15 @@ std::int32_t enumeration_value(const modeldesc::ModelDescription& description, c
     for (const auto& item : items) {
       if (item.name == *name) return item.value;
     }
-    complaint.fail(fmt::format("'{}' is no item of the enumeration '{}' of '{}'. {}", *name, variable.declared_type,
-                               variable.name, suggest(*name, names)));
+    complaint.fail(ErrorCode::unknown_name, fmt::format("'{}' is no item of the enumeration '{}' of '{}'. {}", *name,
+                                                        variable.declared_type, variable.name, suggest(*name, names)));
   }
   const auto number = integer_value(written, complaint, "the name or the number of an item");
   for (const auto& item : items) {
     if (item.value == number) return number;
   }
-  complaint.fail(fmt::format("{} is the number of no item of the enumeration '{}' of '{}'. {}", number,
+  complaint.fail(ErrorCode::unknown_name,
+                 fmt::format("{} is the number of no item of the enumeration '{}' of '{}'. {}", number,
                              variable.declared_type, variable.name, suggest("", names)));
 }
 
@@ -116,10 +119,12 @@ modeldesc::Value typed_value(const modeldesc::ModelDescription& description, con
   const Complaint complaint(variable, written, place);
   const auto check_limits = [&](double value) {
     if (variable.min && value < *variable.min) {
-      complaint.fail(fmt::format("{} is below the minimum {} of '{}'", value, *variable.min, variable.name));
+      complaint.fail(ErrorCode::value_out_of_range,
+                     fmt::format("{} is below the minimum {} of '{}'", value, *variable.min, variable.name));
     }
     if (variable.max && value > *variable.max) {
-      complaint.fail(fmt::format("{} is above the maximum {} of '{}'", value, *variable.max, variable.name));
+      complaint.fail(ErrorCode::value_out_of_range,
+                     fmt::format("{} is above the maximum {} of '{}'", value, *variable.max, variable.name));
     }
   };
   switch (variable.type) {
@@ -144,7 +149,8 @@ modeldesc::Value typed_value(const modeldesc::ModelDescription& description, con
   if (const auto* untyped = std::get_if<UntypedText>(&written)) text = &untyped->text;
   if (text == nullptr) complaint.wrong_type("a text");
   if (text->find('\0') != std::string::npos) {
-    complaint.fail(fmt::format("the text for '{}' holds a zero byte, which ends a text in FMI", variable.name));
+    complaint.fail(ErrorCode::unknown_name,
+                   fmt::format("the text for '{}' holds a zero byte, which ends a text in FMI", variable.name));
   }
   return *text;
 }

@@ -1,37 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "camera_scenes.hpp"
 #include "mebots/error.hpp"
+#include "support/allocations.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <cstdlib>
-#include <new>
 #include <thread>
-
-namespace {
-
-std::atomic<long> g_allocations{0};
-
-}  // namespace
-
-// Counts what the tests and the code under test take from the heap. GCC inlines one half of the pair
-// and warns that the other does not match.
-#pragma GCC diagnostic ignored "-Wmismatched-new-delete"
-void* operator new(std::size_t size) {
-  ++g_allocations;
-  if (void* memory = std::malloc(size)) return memory;
-  throw std::bad_alloc();
-}
-void operator delete(void* memory) noexcept {
-  std::free(memory);
-}
-void operator delete(void* memory, std::size_t) noexcept {
-  std::free(memory);
-}
 
 namespace mebots::world::camera {
 namespace {
@@ -151,9 +128,9 @@ TEST(Camera, RenderingNeedsNoHeap) {
   Renderer renderer(testing::patterned_room(), {}, 2.0);
   std::vector<std::uint8_t> pixels(320 * 320);
   const std::vector<Pose> poses = testing::awkward_poses();
-  const long before = g_allocations;
+  const long before = mebots::test::allocations();
   for (const Pose& from : poses) renderer.render(from, 1, 2, pixels);
-  EXPECT_EQ(g_allocations, before);
+  EXPECT_EQ(mebots::test::allocations(), before);
 }
 
 TEST(Camera, OddSizesAreRenderedToo) {

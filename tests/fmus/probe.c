@@ -9,17 +9,26 @@
 //   set_backs counts the steps before which it may be set back (noSetFMUStatePriorToCurrentPoint is false)
 //   fault names what goes wrong in the step that reaches fault_time
 // It lacks the functions of what it does not offer, as some FMUs do.
+#define _GNU_SOURCE
 #include "fmi2.h"
 
 #include "frame.h"
 
+#include <errno.h>
+#include <fcntl.h>
+#include <fenv.h>
 #include <math.h>
+#include <pthread.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
+#include <sys/ptrace.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
+#include <sys/syscall.h>
+#include <sys/uio.h>
 #include <unistd.h>
 
 #ifndef GUID
@@ -137,6 +146,16 @@ FMI2_EXPORT fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean has_tole
   return has_tolerance || !has_stop ? fmi2Error : fmi2OK;
 }
 
+/// Changes the process for all who are in it.
+static void meddle(void) {
+  umask(0);
+  if (chdir("/") != 0) abort();
+  const struct rlimit no_core = {0, 1 << 20};
+  setrlimit(RLIMIT_CORE, &no_core);
+  signal(SIGUSR1, SIG_IGN);
+  close(0);
+}
+
 FMI2_EXPORT fmi2Status fmi2EnterInitializationMode(fmi2Component c) {
   Probe* p = c;
   compute(p);
@@ -144,6 +163,7 @@ FMI2_EXPORT fmi2Status fmi2EnterInitializationMode(fmi2Component c) {
     say(p, fmi2Error, "logStatusError", "this instance does not like its parameters", 0);
     return fmi2Error;
   }
+  if (strcmp(p->state.strings[FAULT], "meddle") == 0) meddle();
   return fmi2OK;
 }
 
@@ -203,7 +223,61 @@ static void take_all_memory(void) {
   }
 }
 
+// The environment that this instance was given is not handed back, as some tools' FMUs do.
+static void say_for(Probe* p, void* environment, const char* name, const char* text) {
+  p->callbacks.logger(environment, name, fmi2Warning, "logStatusWarning", text);
+}
+
+static void* say_from_a_thread(void* argument) {
+  Probe* p = argument;
+  say_for(p, p->callbacks.componentEnvironment, p->name, "own environment");
+  say_for(p, (void*)1, p->name, "foreign environment");
+  say_for(p, NULL, "nobody", "no environment");
+  return NULL;
+}
+
+// One way of many to abuse the logger; the text that comes of it is in the test.
+static int abuse_logger(Probe* p, const char* fault) {
+  void* own = p->callbacks.componentEnvironment;
+  if (strcmp(fault, "log_foreign") == 0) {
+    say_for(p, (void*)1, p->name, "foreign environment");
+    say_for(p, NULL, p->name, "no environment");
+    say_for(p, (void*)1, (const char*)8, "a name that cannot be read");
+  } else if (strcmp(fault, "log_thread") == 0) {
+    pthread_t thread;
+    pthread_create(&thread, NULL, say_from_a_thread, p);
+    pthread_join(thread, NULL);
+  } else if (strcmp(fault, "log_format") == 0) {
+    p->callbacks.logger(own, p->name, fmi2Warning, "", "%s and %n and %5d", (const char*)16, (int*)24, 7);
+    p->callbacks.logger(own, p->name, fmi2Warning, "", "%999999999d|%y|%d", 1);
+    p->callbacks.logger(own, p->name, fmi2Warning, "", (const char*)32);
+    p->callbacks.logger(own, p->name, fmi2Warning, NULL, NULL);
+  } else if (strcmp(fault, "log_bytes") == 0) {
+    say_for(p, own, p->name, "caf\xe9 \x1b[2J two\nlines");
+  } else if (strcmp(fault, "log_errors") == 0) {
+    say(p, fmi2Error, "logStatusError", "it goes on all the same", p->state.time);
+  } else {
+    return 0;
+  }
+  return 1;
+}
+
+/// Every way that is refused with EPERM; one that is not ends the run.
+static void harm_parent(void) {
+  const pid_t parent = getppid();
+  const struct rlimit no_time = {0, 0};
+  char byte = 0;
+  const struct iovec bytes = {&byte, 1};
+  const int refused = prlimit(parent, RLIMIT_CPU, &no_time, NULL) == -1 && errno == EPERM &&
+                      process_vm_writev(parent, &bytes, 1, &bytes, 1, 0) == -1 && errno == EPERM &&
+                      ptrace(PTRACE_ATTACH, parent, 0, 0) == -1 && errno == EPERM && fcntl(0, F_SETOWN, parent) == -1 &&
+                      errno == EPERM && fcntl(0, F_SETSIG, SIGKILL) == -1 && errno == EPERM &&
+                      syscall(SYS_tkill, parent, SIGKILL) == -1 && errno == EPERM;
+  if (!refused) abort();
+}
+
 static fmi2Status misbehave(Probe* p, const char* fault) {
+  if (abuse_logger(p, fault)) return fmi2OK;
   if (strcmp(fault, "warning") == 0) {
     say(p, fmi2Warning, "logStatusWarning", "something is odd", p->state.time);
     return fmi2Warning;
@@ -232,6 +306,7 @@ static fmi2Status misbehave(Probe* p, const char* fault) {
   if (strcmp(fault, "illegal") == 0) __builtin_trap();
   if (strcmp(fault, "abort") == 0) abort();
   if (strcmp(fault, "exit") == 0) exit(3);
+  if (strcmp(fault, "upward") == 0) fesetround(FE_UPWARD);
   if (strcmp(fault, "hang") == 0) {
     while (p->zero == 0) usleep(1000);
   }
@@ -245,6 +320,13 @@ static fmi2Status misbehave(Probe* p, const char* fault) {
     kill(-getpgid(getppid()), SIGKILL);
   }
   if (strcmp(fault, "kill_group") == 0) kill(0, SIGKILL);
+  if (strcmp(fault, "harm_parent") == 0) harm_parent();
+#if defined(__x86_64__)
+  if (strcmp(fault, "foreign_call") == 0) {  // kill(parent, SIGKILL) as a program of 32 bits asks for it
+    long answer = 37;
+    __asm__ volatile("int $0x80" : "+a"(answer) : "b"(getppid()), "c"(SIGKILL));
+  }
+#endif
   if (strcmp(fault, "orphan") == 0 && fork() == 0) {
     for (;;) pause();
   }

@@ -52,8 +52,8 @@ fmi2Status fmi2GetReal(fmi2Component component, const fmi2ValueReference referen
 fmi2Status fmi2SetReal(fmi2Component component, const fmi2ValueReference references[], std::size_t count,
                        const fmi2Real values[]) {
   for (std::size_t i = 0; i < count; ++i) {
-    if (references[i] != kU) return fmi2Error;
-    self(component).reals[kU] = values[i];
+    if (references[i] >= kRealCount) return fmi2Error;
+    self(component).reals[references[i]] = values[i];
   }
   return fmi2OK;
 }

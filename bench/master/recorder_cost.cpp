@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What recording costs the simulation per communication point: ten Real variables whose 17 digits change at every row.
 //
-//     recorder_cost FILE.fmu    (the probe of tests/master: build/release/tests/master/fmus/probe.fmu)
+//     recorder_cost FILE.fmu    (the probe of tests/fmus: build/ci/test_fmus/probe.fmu)
 #include "mebots/modeldesc/archive.hpp"
 #include "observer/recorder.hpp"
 #include "run/simulation.hpp"

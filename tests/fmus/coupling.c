@@ -5,6 +5,9 @@
 //   loop_out = a + b * loop_in + c * loop_in^2     (direct, also in initialisation mode)
 //   ramp_out = t^2, with its derivatives 2 t and 2
 //   ramp_area += h u + h^2/2 u' of ramp_in and its first derivative
+//   mass_x: m x'' = -10 x - 10 (x - mass_u) with m = 1, exact for an input that is a polynomial of order 2 in a step;
+//   gives x' and x''
+//   behaviour nan_slope -> all derivatives of outputs are NaN
 //   kelvin_out and so on repeat their inputs (direct)
 //   behaviour: "" | callback | poll | never | late_discard  -> the step is fmi2Pending and takes pause wall seconds
 //              short   -> steps longer than max_step stop at t + max_step with fmi2Discard
@@ -48,9 +51,12 @@ enum {
   FURLONG,
   DIFFERENCE,
   TIME,
+  MASS_U,
+  MASS_X,
+  MASS_V,
   REALS
 };
-enum { COUNT, LEVEL, COUNT_IN, STEPS, CANCELLED, INTEGERS };
+enum { COUNT, LEVEL, COUNT_IN, STEPS, CANCELLED, LEVEL_IN, INTEGERS };
 enum { FLAG, BOOLEANS };
 enum { BEHAVIOUR, STRINGS };
 enum { TEXT_SIZE = 64 };
@@ -61,6 +67,8 @@ typedef struct {
   int booleans[BOOLEANS];
   char strings[STRINGS][TEXT_SIZE];
   double ramp_slope;
+  double mass_u[2];  // derivatives of mass_u
+  double mass_a;
 } State;
 
 typedef struct {
@@ -141,8 +149,9 @@ FMI2_EXPORT fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference r
 FMI2_EXPORT fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference r[], size_t n,
                                                    const fmi2Integer order[], const fmi2Real value[]) {
   for (size_t i = 0; i < n; ++i) {
-    if (r[i] != RAMP_IN) return fmi2Error;
-    if (order[i] == 1) ((Model*)c)->state.ramp_slope = value[i];
+    if (r[i] != RAMP_IN && r[i] != MASS_U) return fmi2Error;
+    if (r[i] == MASS_U) ((Model*)c)->state.mass_u[order[i] - 1] = value[i];
+    if (r[i] == RAMP_IN && order[i] == 1) ((Model*)c)->state.ramp_slope = value[i];
   }
   return fmi2OK;
 }
@@ -151,13 +160,33 @@ FMI2_EXPORT fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2V
                                                     const fmi2Integer order[], fmi2Real value[]) {
   const double t = ((Model*)c)->state.reals[TIME];
   for (size_t i = 0; i < n; ++i) {
-    if (r[i] != RAMP_OUT) return fmi2Error;
-    value[i] = order[i] == 1 ? 2 * t : 2;
+    const State* s = &((Model*)c)->state;
+    if (r[i] == RAMP_OUT) {
+      value[i] = order[i] == 1 ? 2 * t : 2;
+    } else if (r[i] == MASS_X) {
+      value[i] = order[i] == 1 ? s->reals[MASS_V] : s->mass_a;
+    } else {
+      return fmi2Error;
+    }
+    if (strcmp(s->strings[BEHAVIOUR], "nan_slope") == 0) value[i] = NAN;
   }
   return fmi2OK;
 }
 
+static void move_mass(State* s, double h) {
+  const double stiffness = 20, coupling = 10, w = sqrt(stiffness);
+  const double* u = s->mass_u;
+  const double c2 = coupling * u[1] / 2 / stiffness;
+  const double c1 = coupling * u[0] / stiffness;
+  const double c0 = (coupling * s->reals[MASS_U] - 2 * c2) / stiffness;
+  const double p = s->reals[MASS_X] - c0, q = (s->reals[MASS_V] - c1) / w;
+  s->reals[MASS_X] = c0 + c1 * h + c2 * h * h + p * cos(w * h) + q * sin(w * h);
+  s->reals[MASS_V] = c1 + 2 * c2 * h + w * (q * cos(w * h) - p * sin(w * h));
+  s->mass_a = coupling * (s->reals[MASS_U] + u[0] * h + u[1] * h * h / 2) - stiffness * s->reals[MASS_X];
+}
+
 static void advance(Model* m, double t, double h) {
+  move_mass(&m->state, h);
   double* r = m->state.reals;
   r[RAMP_AREA] += h * r[RAMP_IN] + h * h / 2 * m->state.ramp_slope;
   r[TIME] = t + h;
@@ -197,7 +226,7 @@ FMI2_EXPORT fmi2Status fmi2DoStep(fmi2Component c, fmi2Real t, fmi2Real h, fmi2B
     advance(m, t, m->state.reals[MAX_STEP]);
     return fmi2Discard;
   }
-  if (behaviour[0] == 0 || strcmp(behaviour, "short") == 0) {
+  if (behaviour[0] == 0 || strcmp(behaviour, "short") == 0 || strcmp(behaviour, "nan_slope") == 0) {
     advance(m, t, h);
     return fmi2OK;
   }

@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "live_run.hpp"
+
+#include "base/time.hpp"
+#include "mebots/input_error.hpp"
+#include "message/message_text.hpp"
+#include "report/page.hpp"
+#include "report/payload.hpp"
+#include "run/system_file.hpp"
+#include "run/write.hpp"
+#include "server.hpp"
+#include "sink/csv_cells.hpp"
+#include "sink/output_file.hpp"
+
+#include <fmt/format.h>
+
+#include <span>
+
+namespace mebots::live {
+namespace {
+
+using namespace std::chrono_literals;
+using Clock = std::chrono::steady_clock;
+using Json = nlohmann::ordered_json;
+
+constexpr auto kPatience = 20s;     ///< of a browser's thread: a step may take long
+constexpr auto kLinger = 3s;        ///< at the end, for whoever looked
+constexpr auto kLookedLately = 5s;  ///< who asked so lately is looking
+constexpr auto kHeldNap = 50ms;     ///< between looks at the interrupt flag while the run is held
+
+/// The rows in memory as a table, thinned out as one of a file is.
+master::report::ResultTable table_of(const master::MemorySink& memory) {
+  master::report::ResultTable table;
+  const auto& times = memory.times_s();
+  table.rows = times.size();
+  table.every = table.rows * (memory.series().size() + 1) / master::report::ResultTable::kMostValues + 1;
+  const auto thinned = [&](const std::vector<double>& values) {
+    std::vector<double> kept;
+    for (std::size_t i = 0; i < table.rows; i += table.every) kept.push_back(values[i]);
+    if (table.rows > 0 && (table.rows - 1) % table.every != 0) kept.push_back(values[table.rows - 1]);
+    return kept;
+  };
+  table.columns.push_back({"time", "s", thinned(times)});
+  for (const auto& series : memory.series()) {
+    table.columns.push_back({series.name, series.unit.empty() ? "-" : series.unit, thinned(series.values)});
+  }
+  return table;
+}
+
+Json json_of(const modeldesc::Value& value) {
+  return std::visit(
+      []<typename T>(const T& held) -> Json {
+        if constexpr (std::is_same_v<T, std::monostate>) {
+          return nullptr;
+        } else {
+          return held;
+        }
+      },
+      value);
+}
+
+}  // namespace
+
+LiveRun::LiveRun(master::Run& run, int port) : run_(&run) {
+  const auto page = std::make_shared<const std::string>(
+      master::report::make_live_page(master::report::read_page_parts(), run.system().name));
+  const auto in_run = [this](Mailbox::Question question) {
+    return mailbox_.ask(std::move(question), std::chrono::duration_cast<std::chrono::milliseconds>(kPatience));
+  };
+  Server::Answers answers;
+  answers.page = [page] { return *page; };
+  answers.data = [this, in_run] { return in_run([this] { return data(); }); };
+  answers.control = [this, in_run](const std::string& order) {
+    return in_run([this, order] { return control(order); });
+  };
+  answers.set = [this, in_run](const std::string& variable, const std::string& value) {
+    return in_run([this, variable, value] { return set(variable, value); });
+  };
+  run.listen([log = log_](const Message& message) { *log += master::message_text(message) + "\n"; });
+  server_ = std::make_unique<Server>(port, std::move(answers));
+  address_ = server_->address();
+}
+
+LiveRun::~LiveRun() {
+  mailbox_.close();
+}
+
+void LiveRun::run() {
+  run_->start();
+  // A scenario that begins at t = 0 acts on initialisation, too: what is set by hand comes later, or it could not be
+  // said by one.
+  if (run_->step()) step_until_the_end();
+  ended_ = true;
+  wait_for_the_last_look();
+}
+
+void LiveRun::step_until_the_end() {
+  for (;;) {
+    mailbox_.answer_all();
+    const bool interrupted = run_->interrupt_flag().load(std::memory_order_relaxed);
+    if (held_ && !one_step_ && !interrupted) {
+      mailbox_.wait_and_answer(kHeldNap);
+      continue;
+    }
+    one_step_ = false;
+    if (!run_->step()) return;
+  }
+}
+
+void LiveRun::wait_for_the_last_look() {
+  const auto start = Clock::now();
+  if (start - last_look_ > kLookedLately) return;
+  while (!end_seen_ && Clock::now() - start < kLinger) mailbox_.wait_and_answer(kHeldNap);
+}
+
+std::string LiveRun::data() {
+  last_look_ = Clock::now();
+  end_seen_ = ended_;
+  auto folder = master::report::read_side_files(run_->request().folder);
+  folder.name = run_->system().name;
+  folder.results = table_of(run_->memory());
+  folder.system = master::system_json(run_->resolved());
+  folder.summary = run_->summary();
+  folder.log = *log_;
+  folder.live = {{"held", held_},
+                 {"ended", ended_},
+                 {"stop_time", master::to_seconds(run_->system().stop_time_ns)},
+                 {"settable", master::writable_variables(run_->resolved())}};
+  return master::report::payload_of(std::span(&folder, 1));
+}
+
+std::string LiveRun::control(const std::string& order) {
+  if (order == "hold") {
+    held_ = true;
+  } else if (order == "go") {
+    held_ = false;
+  } else if (order == "step") {
+    held_ = true;
+    one_step_ = true;
+  } else {
+    throw InputError(ErrorCode::invalid_argument, fmt::format("'{}' is none of hold, step, go", order));
+  }
+  return Json({{"held", held_}}).dump();
+}
+
+std::string LiveRun::set(const std::string& variable, const std::string& value) {
+  const auto number = master::csv_number<double>(value);
+  if (!number) {
+    throw InputError(ErrorCode::invalid_value, fmt::format("'{}' is not a number for {}", value, variable));
+  }
+  const auto typed = master::write_variable(*run_, variable, *number, "set by hand");
+  scenario_.push_back({{"text", "set by hand"},
+                       {"variable", variable},
+                       {"set", json_of(typed)},
+                       {"from", master::to_seconds(run_->time_ns())}});
+  save_scenario();
+  return Json({{"at", master::to_seconds(run_->time_ns())}}).dump();
+}
+
+void LiveRun::save_scenario() const {
+  master::OutputFile file(run_->request().folder / "live_scenario.json");
+  file.append(Json({{"text", "What was set by hand while it ran"}, {"scenario", scenario_}}).dump(2) + "\n");
+  file.close();
+}
+
+}  // namespace mebots::live

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "mailbox.hpp"
+
+#include "run/run.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+
+namespace mebots::live {
+
+/// Steps a run to its end while a browser on this machine may look at it, hold it, and set its free inputs.
+///
+/// The page is served on the loopback address under a token that nobody can guess; requests of other hosts and origins
+/// are refused. Whoever only looks changes no bit of the results: the run's thread reads what is recorded anyway. What
+/// is set is kept as a scenario (live_scenario.json in the results folder), with which the run repeats itself.
+class LiveRun {
+ public:
+  /// `run` is not started, has a folder and keeps its rows in memory (RunRequest::in_memory); it must outlive this
+  /// object. `port` 0 = a free one. Throws InputError when the port is taken, Error for a mebots without pages.
+  LiveRun(master::Run& run, int port);
+  ~LiveRun();
+  LiveRun(const LiveRun&) = delete;
+  LiveRun& operator=(const LiveRun&) = delete;
+
+  /// What to open in a browser.
+  const std::string& address() const { return address_; }
+  /// To the end. Then waits a moment for whoever is looking to fetch it.
+  void run();
+
+ private:
+  class Server;
+
+  void step_until_the_end();
+  void wait_for_the_last_look();
+  std::string data();
+  std::string control(const std::string& order);
+  std::string set(const std::string& variable, const std::string& value);
+  void save_scenario() const;
+
+  master::Run* run_;
+  std::string address_;
+  std::shared_ptr<std::string> log_ = std::make_shared<std::string>();  // the run's listener may outlive this
+  Mailbox mailbox_;
+  bool held_ = false;
+  bool one_step_ = false;
+  bool ended_ = false;
+  bool end_seen_ = false;
+  std::chrono::steady_clock::time_point last_look_{};
+  nlohmann::ordered_json scenario_ = nlohmann::ordered_json::array();
+  std::unique_ptr<Server> server_;
+};
+
+}  // namespace mebots::live

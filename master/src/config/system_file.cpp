@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "config/system_file.hpp"
+
+#include "mebots/input_error.hpp"
+
+#include <fmt/format.h>
+
+namespace mebots::master {
+namespace {
+
+constexpr auto kSsd = "SystemStructure.ssd";
+constexpr auto kOsp = "OspSystemStructure.xml";
+
+}  // namespace
+
+SystemFile find_system(const std::filesystem::path& path) {
+  if (std::filesystem::is_directory(path)) {
+    if (std::filesystem::exists(path / kSsd)) return {path / kSsd, SystemForm::ssd};
+    if (std::filesystem::exists(path / kOsp)) return {path / kOsp, SystemForm::osp};
+    throw InputError(
+        ErrorCode::file_not_found,
+        fmt::format("{}: this folder holds neither {} nor {}; name a config (.json), an SSP (.ssp, .ssd, or its "
+                    "folder), or an {}",
+                    path.string(), kSsd, kOsp, kOsp));
+  }
+  const auto ending = path.extension();
+  if (ending == ".ssp") return {path, SystemForm::ssp};
+  if (ending == ".ssd") return {path, SystemForm::ssd};
+  if (ending == ".xml") return {path, SystemForm::osp};
+  return {path, SystemForm::config};
+}
+
+bool may_be_system(const std::filesystem::path& path) {
+  const auto ending = path.extension();
+  return std::filesystem::is_directory(path) || ending == ".json" || ending == ".ssp" || ending == ".ssd" ||
+         ending == ".xml";
+}
+
+std::string system_name(const std::filesystem::path& path) {
+  const auto whole = std::filesystem::absolute(path).lexically_normal();
+  const bool folder = !whole.has_filename() || std::filesystem::is_directory(whole);
+  if (folder) return (whole.has_filename() ? whole : whole.parent_path()).filename().string();
+  if (whole.filename() == kSsd || whole.filename() == kOsp) return whole.parent_path().filename().string();
+  return whole.stem().string();
+}
+
+}  // namespace mebots::master

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "message/plain_text.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdint>
+
+namespace mebots::master {
+namespace {
+
+constexpr std::string_view kReplacement = "\xef\xbf\xbd";
+
+std::uint8_t byte_at(std::string_view text, std::size_t at) {
+  return at < text.size() ? static_cast<std::uint8_t>(text[at]) : 0;
+}
+
+/// Bytes of the well-formed character at `at` (RFC 3629, section 4); 0 = it is not one.
+std::size_t character_at(std::string_view text, std::size_t at) {
+  const auto first = byte_at(text, at);
+  if (first < 0x80) return 1;
+  const std::size_t length = first < 0xc2 ? 0 : first < 0xe0 ? 2 : first < 0xf0 ? 3 : first < 0xf5 ? 4 : 0;
+  // The second byte's range excludes forms that are too long, surrogates, and what is above U+10FFFF.
+  const int low = first == 0xe0 ? 0xa0 : first == 0xf0 ? 0x90 : 0x80;
+  const int high = first == 0xed ? 0x9f : first == 0xf4 ? 0x8f : 0xbf;
+  const auto second = byte_at(text, at + 1);
+  if (length == 0 || second < low || second > high) return 0;
+  for (std::size_t i = 2; i < length; ++i) {
+    if ((byte_at(text, at + i) & 0xc0) != 0x80) return 0;
+  }
+  return length;
+}
+
+}  // namespace
+
+std::string valid_utf8(std::string_view text) {
+  std::string result;
+  result.reserve(text.size());
+  for (std::size_t at = 0; at < text.size();) {
+    const auto length = character_at(text, at);
+    result += length == 0 ? kReplacement : text.substr(at, length);
+    at += std::max<std::size_t>(length, 1);
+  }
+  return result;
+}
+
+std::string one_line(std::string_view text) {
+  std::string result;
+  result.reserve(text.size());
+  for (std::size_t at = 0; at < text.size(); ++at) {
+    const auto byte = byte_at(text, at);
+    if (byte == '\n') {
+      result += "\\n";
+    } else if (byte == '\r') {
+      result += "\\r";
+    } else if (byte == '\t') {
+      result += "\\t";
+    } else if (byte < 0x20 || byte == 0x7f) {
+      result += fmt::format("\\x{:02x}", byte);
+    } else if (byte == 0xc2 && byte_at(text, at + 1) < 0xa0) {
+      result += fmt::format("\\u{:04x}", byte_at(text, ++at));
+    } else {
+      result += text[at];
+    }
+  }
+  return result;
+}
+
+}  // namespace mebots::master

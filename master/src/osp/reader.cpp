@@ -1,0 +1,254 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "osp/osp.hpp"
+
+#include "mebots/data/node.hpp"
+#include "mebots/input_error.hpp"
+#include "mebots/nearest_names.hpp"
+#include "mebots/text_file.hpp"
+#include "slave/fmu.hpp"
+#include "ssp/xml_file.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <limits>
+#include <map>
+
+namespace mebots::master {
+namespace {
+
+using namespace ssp;
+using modeldesc::Causality;
+using Json = nlohmann::ordered_json;
+
+/// A variable of a simulator.
+struct OspVariable {
+  std::string simulator;
+  std::string variable;
+
+  std::string text() const { return simulator + "." + variable; }
+};
+
+class OspReader {
+ public:
+  explicit OspReader(const std::filesystem::path& path)
+      : folder_(std::filesystem::absolute(path).parent_path()), file_(remember(text_of(path)), path.string()) {}
+
+  SspConfig read() {
+    const auto root = file_.root();
+    if (local_name(root) != "OspSystemStructure") file_.fail(root, "the root element must be OspSystemStructure");
+    if (const auto functions = child(root, "Functions"); functions && functions.first_child()) {
+      file_.fail(functions, "functions between simulators cannot be used; connections of variables can");
+    }
+    read_times(root);
+    result_.config["instances"] = Json::object();
+    result_.places["/instances"] = file_.place(root);
+    for (const auto simulator : children(child(root, "Simulators"), "Simulator")) read_simulator(simulator);
+    result_.config["connections"] = Json::array();
+    for (const auto connection : child(root, "Connections").children()) {
+      if (connection.type() == pugi::node_element) read_connection(connection);
+    }
+    result_.source = std::move(bytes_);
+    return std::move(result_);
+  }
+
+ private:
+  /// The bytes of all files are what the run's inputs are known by.
+  std::string remember(std::string bytes) {
+    bytes_ += bytes;
+    return bytes;
+  }
+
+  std::optional<double> number_in(pugi::xml_node root, const char* name) const {
+    const auto element = child(root, name);
+    if (!element) return std::nullopt;
+    const auto value = parse_number(element.text().get());
+    if (!value) file_.fail(element, fmt::format("\"{}\" is not a finite number", element.text().get()));
+    return value;
+  }
+
+  void read_times(pugi::xml_node root) {
+    for (const auto& [element, key] :
+         {std::pair("StartTime", "start_time"), std::pair("EndTime", "stop_time"), std::pair("BaseStepSize", "step")}) {
+      const auto value = number_in(root, element);
+      if (!value) continue;
+      result_.config[key] = *value;
+      result_.places[data::pointer_step(key)] = file_.place(child(root, element));
+    }
+    const auto algorithm = child(root, "Algorithm");
+    const std::string_view name = algorithm.text().get();
+    if (algorithm && name != "fixedStep") {
+      result_.notices.push_back(
+          fmt::format("{}: the algorithm \"{}\" is left out; all simulators step with the base step",
+                      file_.place(algorithm), name));
+    }
+  }
+
+  void read_simulator(pugi::xml_node node) {
+    const auto name = file_.required(node, "name");
+    auto& instance = result_.config["instances"][name];
+    if (!instance.is_null()) file_.fail(node, fmt::format("the simulator \"{}\" is there twice", name));
+    const auto pointer = "/instances" + data::pointer_step(name);
+    result_.places[pointer] = file_.place(node);
+    const auto path = path_of(node, file_.required(node, "source"));
+    instance["fmu"] = path.string();
+    if (node.attribute("stepSize")) {
+      instance["step"] = file_.number(node, "stepSize", 0);
+      result_.places[pointer + "/step"] = file_.place(node);
+    }
+    for (const auto value : children(child(node, "InitialValues"), "InitialValue")) {
+      const auto variable = file_.required(value, "variable");
+      instance["parameters"][variable] = initial_value(value);
+      result_.places[pointer + "/parameters" + data::pointer_step(variable)] = file_.place(value);
+    }
+    try {
+      fmus_.emplace(name, std::make_shared<Fmu>(path));
+    } catch (const InputError& error) {
+      file_.fail(node, error.what());
+    }
+  }
+
+  /// A URI reference: relative to the system, or of scheme file.
+  std::filesystem::path path_of(pugi::xml_node node, std::string source) const {
+    constexpr std::string_view kFile = "file://";
+    if (source.starts_with(kFile)) {
+      source.erase(0, kFile.size());
+    } else if (source.find("://") != std::string::npos || source.starts_with("proxyfmu:")) {
+      file_.fail(node, fmt::format("the source \"{}\" is not a file; FMUs behind a proxy cannot be used", source));
+    }
+    std::string path;
+    for (std::size_t i = 0; i < source.size(); ++i) {
+      const auto digit = [&](std::size_t at) {
+        return at < source.size() ? std::string_view("0123456789abcdef").find(static_cast<char>(source[at] | 0x20))
+                                  : std::string_view::npos;
+      };
+      const bool escaped = source[i] == '%' && digit(i + 1) < 16 && digit(i + 2) < 16;
+      path += escaped ? static_cast<char>(16 * digit(i + 1) + digit(i + 2)) : source[i];
+      if (escaped) i += 2;
+    }
+    return (folder_ / path).lexically_normal();
+  }
+
+  Json initial_value(pugi::xml_node node) const {
+    for (const auto element : node.children()) {
+      const auto kind = local_name(element);
+      if (element.type() != pugi::node_element) continue;
+      const auto text = file_.required(element, "value");
+      if (kind == "Real") return file_.number(element, "value", 0);
+      if (kind == "Boolean") return file_.flag(element, "value", false);
+      if (kind == "String") return text;
+      if (kind != "Integer" && kind != "Enumeration")
+        file_.fail(element, "Real, Integer, Boolean or String is expected");
+      const auto number = parse_number(text);
+      constexpr auto kMost = std::numeric_limits<std::int32_t>::max();
+      if (!number || std::abs(*number) > kMost || *number != std::trunc(*number)) {
+        file_.fail(element, fmt::format("\"{}\" is not a 32-bit whole number", text));
+      }
+      return static_cast<std::int32_t>(*number);
+    }
+    file_.fail(node, "the value is missing");
+  }
+
+  void read_connection(pugi::xml_node node) {
+    const auto kind = local_name(node);
+    if (kind == "VariableConnection") {
+      const auto ends = two(node, "Variable");
+      connect(node, {simulator_of(ends[0]), file_.required(ends[0], "name")},
+              {simulator_of(ends[1]), file_.required(ends[1], "name")});
+    } else if (kind == "VariableGroupConnection") {
+      const auto ends = two(node, "VariableGroup");
+      const auto first = group(ends[0]);
+      const auto second = group(ends[1]);
+      if (first.size() != second.size()) {
+        file_.fail(node, fmt::format("one group has {} variables and the other {}", first.size(), second.size()));
+      }
+      for (std::size_t i = 0; i < first.size(); ++i) connect(node, first[i], second[i]);
+    } else {
+      file_.fail(node, fmt::format("{} cannot be used; connections of variables and of variable groups can", kind));
+    }
+  }
+
+  std::vector<pugi::xml_node> two(pugi::xml_node node, const char* element) const {
+    auto ends = children(node, element);
+    if (ends.size() != 2)
+      file_.fail(node, fmt::format("two elements {} are expected here, and there are {}", element, ends.size()));
+    return ends;
+  }
+
+  std::string simulator_of(pugi::xml_node end) const {
+    auto name = file_.required(end, "simulator");
+    if (fmus_.count(name) == 0) {
+      std::vector<std::string> names;
+      for (const auto& [known, fmu] : fmus_) names.push_back(known);
+      file_.fail(end, fmt::format("there is no simulator \"{}\". {}", name, suggest(name, names)));
+    }
+    return name;
+  }
+
+  Causality causality(pugi::xml_node node, const OspVariable& end) const {
+    const auto* variable = fmus_.at(end.simulator)->description().find(end.variable);
+    if (variable == nullptr)
+      file_.fail(node, fmt::format("the FMU of \"{}\" has no variable \"{}\"", end.simulator, end.variable));
+    return variable->causality;
+  }
+
+  void connect(pugi::xml_node node, const OspVariable& one, const OspVariable& other) {
+    const bool onwards = causality(node, one) == Causality::output && causality(node, other) == Causality::input;
+    const bool back = causality(node, one) == Causality::input && causality(node, other) == Causality::output;
+    if (!onwards && !back) {
+      file_.fail(node, fmt::format("of \"{}\" and \"{}\" one must be an output and the other an input", one.text(),
+                                   other.text()));
+    }
+    auto& connections = result_.config["connections"];
+    result_.places[fmt::format("/connections/{}", connections.size())] = file_.place(node);
+    connections.push_back({{"from", (onwards ? one : other).text()}, {"to", (onwards ? other : one).text()}});
+  }
+
+  /// The variables of a group and of the groups in it, in the order of the file.
+  std::vector<OspVariable> group(pugi::xml_node end) {
+    const auto simulator = simulator_of(end);
+    const auto name = file_.required(end, "name");
+    const auto& fmu = *fmus_.at(simulator);
+    const auto described = fmu.description().model_name + "_OspModelDescription.xml";
+    auto path = folder_ / described;
+    if (!std::filesystem::exists(path)) path = fmu.archive().parent_path() / described;
+    if (!std::filesystem::exists(path)) {
+      file_.fail(end, fmt::format("the groups of \"{}\" are unknown: there is no {} beside the system or the FMU",
+                                  simulator, described));
+    }
+    const XmlFile groups(remember(text_of(path)), path.string());
+    const auto found = child(groups.root(), "VariableGroups").find_child([&](pugi::xml_node one) {
+      return name == one.attribute("name").value();
+    });
+    if (!found) file_.fail(end, fmt::format("{} has no group \"{}\"", path.string(), name));
+    std::vector<OspVariable> result;
+    collect(groups, found, simulator, result);
+    return result;
+  }
+
+  void collect(const XmlFile& groups, pugi::xml_node node, const std::string& simulator,
+               std::vector<OspVariable>& result) const {
+    for (const auto one : node.children()) {
+      if (one.type() != pugi::node_element) continue;
+      if (local_name(one) == "Variable") {
+        result.push_back({simulator, groups.required(one, "ref")});
+      } else {
+        collect(groups, one, simulator, result);
+      }
+    }
+  }
+
+  std::filesystem::path folder_;
+  std::string bytes_;
+  XmlFile file_;
+  SspConfig result_;
+  std::map<std::string, std::shared_ptr<Fmu>> fmus_;
+};
+
+}  // namespace
+
+SspConfig read_osp(const std::filesystem::path& file) {
+  return OspReader(file).read();
+}
+
+}  // namespace mebots::master

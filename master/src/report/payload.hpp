@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "report/run_folder.hpp"
+
+#include <span>
+#include <string>
+
+namespace mebots::master::report {
+
+/// The runs as bytes for the page: the length of a header (32 bits, little-endian), the header, which is JSON, and then
+/// blocks of bytes of which the header tells offset and length. web/src/data/payload.ts reads it.
+///
+/// A column of n numbers is 8 n bytes: first the lowest byte of each number (IEEE 754, 64 bits), then the second of
+/// each, and so on. Neighbours in time share their upper bytes, so that deflate finds them in runs. A column that
+/// stands still is one number in the header.
+std::string payload_of(std::span<const RunFolder> runs);
+
+/// Deflated as RFC 1950 has it, which browsers call "deflate". Throws Error.
+std::string deflated(std::string_view bytes);
+
+/// As RFC 4648 has it. Throws Error for more than 2 GiB.
+std::string base64(std::string_view bytes);
+
+}  // namespace mebots::master::report

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "report/run_folder.hpp"
+
+#include "base/input_text.hpp"
+#include "run/system_file.hpp"
+#include "sink/csv_cells.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace mebots::master::report {
+namespace {
+
+using Json = nlohmann::json;
+namespace fs = std::filesystem;
+
+Json read_json(const fs::path& file) {
+  if (!fs::exists(file)) return nullptr;
+  auto json = Json::parse(input_text(file), nullptr, false);
+  if (json.is_discarded()) {
+    throw InputError(ErrorCode::syntax_error, fmt::format("{}: this file is damaged: it is not JSON", file.string()));
+  }
+  return json;
+}
+
+std::vector<fs::path> sorted_entries(const fs::path& folder) {
+  std::vector<fs::path> entries;
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(folder, ignored)) entries.push_back(entry.path());
+  std::ranges::sort(entries);
+  return entries;
+}
+
+/// A picture's name is its time. Files of other names are somebody else's.
+PictureSeries read_pictures(const fs::path& folder) {
+  PictureSeries series{folder.filename().string(), {}};
+  for (const auto& file : sorted_entries(folder)) {
+    const auto time_s = csv_number<double>(file.stem().string());
+    if (file.extension() == ".png" && time_s) series.pictures.push_back({*time_s, input_text(file)});
+  }
+  return series;
+}
+
+/// Profiles that lie in the folder: fmu_soc writes them where its parameter says.
+std::vector<Json> read_profiles(const fs::path& folder) {
+  std::vector<Json> profiles;
+  for (const auto& file : sorted_entries(folder)) {
+    const auto name = file.filename();
+    if (file.extension() != ".json" || name == "summary.json" || name == kSystemFile || name == kSceneFile) continue;
+    const auto text = input_text(file);
+    if (std::string_view(text).substr(0, 200).find("speedscope.app/file-format-schema.json") == std::string::npos)
+      continue;
+    profiles.push_back(read_json(file));
+  }
+  return profiles;
+}
+
+}  // namespace
+
+RunFolder read_side_files(const fs::path& folder) {
+  RunFolder run;
+  run.scene = read_json(folder / kSceneFile);
+  for (const auto& entry : sorted_entries(folder / "pictures")) {
+    if (auto series = read_pictures(entry); !series.pictures.empty()) run.pictures.push_back(std::move(series));
+  }
+  run.profiles = read_profiles(folder);
+  return run;
+}
+
+RunFolder read_run_folder(const fs::path& folder) {
+  const auto results = folder / "results.csv";
+  if (!fs::is_directory(folder)) {
+    throw InputError(
+        ErrorCode::file_not_found,
+        fmt::format("{}: there is no such folder; name one that `mebots run --out` wrote", folder.string()));
+  }
+  if (!fs::exists(results)) {
+    const bool only_hdf5 = fs::exists(folder / "results.h5");
+    throw InputError(
+        ErrorCode::file_not_found,
+        fmt::format("{}: this is not the results folder of a run: it has no results.csv{}", folder.string(),
+                    only_hdf5 ? "; run again with \"format\": \"both\" under \"record\"" : ""));
+  }
+  auto run = read_side_files(folder);
+  const auto plain = fs::absolute(folder).lexically_normal();
+  run.name = plain.has_filename() ? plain.filename().string() : plain.parent_path().filename().string();
+  run.results = read_results(results);
+  run.system = read_json(folder / kSystemFile);
+  run.summary = read_json(folder / "summary.json");
+  if (fs::exists(folder / "log.txt")) run.log = input_text(folder / "log.txt");
+  return run;
+}
+
+}  // namespace mebots::master::report

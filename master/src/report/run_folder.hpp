@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "report/result_table.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace mebots::master::report {
+
+/// A picture that a run kept.
+struct Picture {
+  double time_s = 0;
+  std::string png;  ///< the file's bytes
+};
+
+/// The pictures of one camera, in the order of time.
+struct PictureSeries {
+  std::string name;  ///< "world.camera.frame"
+  std::vector<Picture> pictures;
+};
+
+/// What a run left in its folder. Only the table of results is always there; all else is empty where the run, or an
+/// older version that made it, left none.
+struct RunFolder {
+  std::string name;  ///< of the folder, for people
+  ResultTable results;
+  nlohmann::json system;   ///< of system.json, or null
+  nlohmann::json summary;  ///< of summary.json, or null: of a run that is under way or was killed
+  nlohmann::json scene;    ///< of scene.json, or null
+  std::string log;         ///< of log.txt
+  std::vector<PictureSeries> pictures;
+  std::vector<nlohmann::json> profiles;  ///< files of speedscope, as fmu_soc writes them
+  nlohmann::json live;                   ///< of a run that is under way (master/live), or null
+};
+
+/// What there is beside results, summary, system and log: scene, pictures and profiles, also while the run is under
+/// way. Throws InputError for files that are damaged.
+RunFolder read_side_files(const std::filesystem::path& folder);
+
+/// Reads a results folder. Throws InputError for a folder that is none, and for files in it that are damaged.
+RunFolder read_run_folder(const std::filesystem::path& folder);
+
+}  // namespace mebots::master::report

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "run/system_file.hpp"
+
+#include "base/time.hpp"
+#include "mebots/input_error.hpp"
+#include "sink/output_file.hpp"
+#include "system/record_choice.hpp"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <span>
+
+namespace mebots::master {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::string_view kPanelKinds[] = {"lines", "stack", "lanes"};
+
+void put_unless_empty(Json& object, const char* key, const std::string& text) {
+  if (!text.empty()) object[key] = text;
+}
+
+Json instances_json(const ResolvedSystem& system) {
+  auto instances = Json::object();
+  for (const auto& instance : system.instances) {
+    const auto& model = instance.fmu->description();
+    auto& json = instances[instance.description->name];
+    json["model"] = model.model_name;
+    put_unless_empty(json, "text", model.text);
+    json["step"] = to_seconds(instance.description->step_ns);
+  }
+  return instances;
+}
+
+/// The variable of this end of a connection; null for an OSMP binary, which is three.
+const modeldesc::Variable* variable_of(const ResolvedSystem& system, const VariableName& name) {
+  for (const auto& instance : system.instances) {
+    if (instance.description->name == name.instance) return instance.fmu->description().find(name.variable);
+  }
+  return nullptr;
+}
+
+Json connections_json(const ResolvedSystem& system) {
+  auto connections = Json::array();
+  for (const auto& connection : system.description->connections) {
+    const auto* from = variable_of(system, connection.from);
+    Json json = {{"from", connection.from.text()}, {"to", connection.to.text()}};
+    json["type"] = from != nullptr ? std::string(to_string(from->type)) : "Binary";
+    if (from != nullptr) put_unless_empty(json, "unit", from->unit);
+    connections.push_back(std::move(json));
+  }
+  return connections;
+}
+
+Json variables_json(const ResolvedSystem& system) {
+  auto variables = Json::object();
+  for (const auto& recorded : recorded_variables(system)) {
+    const auto& variable = *recorded.variable;
+    auto& json = variables[system.text(recorded)];
+    json["type"] = to_string(variable.type);
+    json["causality"] = to_string(variable.causality);
+    put_unless_empty(json, "unit", variable.unit);
+    put_unless_empty(json, "text", variable.text);
+    const auto& model = system.instances[recorded.instance].fmu->description();
+    const auto* type = model.type_definition(variable.declared_type);
+    if (type == nullptr) continue;
+    for (const auto& item : type->items) json["items"].push_back({{"name", item.name}, {"value", item.value}});
+  }
+  return variables;
+}
+
+Json panel_json(const ResolvedSystem& system, const PanelDescription& panel) {
+  Json json = {{"title", panel.title}, {"kind", kPanelKinds[static_cast<std::size_t>(panel.kind)]}};
+  json["curves"] = Json::array();
+  for (const auto& curve : panel.curves) {
+    static_cast<void>(system.find(curve.variable, curve.place));
+    Json entry = {{curve.rate ? "rate_of" : "variable", curve.variable.text()}};
+    put_unless_empty(entry, "label", curve.label);
+    json["curves"].push_back(std::move(entry));
+  }
+  return json;
+}
+
+Json pictures_json(const SystemDescription& description) {
+  auto pictures = Json::array();
+  for (const auto& entry : description.pictures) pictures.push_back(entry.frame.text());
+  return pictures;
+}
+
+Json view_json(const ResolvedSystem& system) {
+  const auto& view = system.description->view;
+  Json json = {{"panels", Json::array()}, {"marks", view.marks}};
+  if (view.scene) json["scene"] = {{"file", kSceneFile}, {"instance", view.scene->instance}};
+  for (const auto& panel : view.panels) json["panels"].push_back(panel_json(system, panel));
+  return json;
+}
+
+void write(const std::filesystem::path& path, std::string_view text) {
+  OutputFile file(path);
+  file.append(text);
+  file.close();
+}
+
+}  // namespace
+
+Json system_json(const ResolvedSystem& system) {
+  const auto& description = *system.description;
+  Json json;
+  json["name"] = description.name;
+  json["step"] = to_seconds(description.step_ns);
+  json["stop_time"] = to_seconds(description.stop_time_ns);
+  json["instances"] = instances_json(system);
+  json["connections"] = connections_json(system);
+  json["variables"] = variables_json(system);
+  json["pictures"] = pictures_json(description);
+  json["view"] = view_json(system);
+  return json;
+}
+
+SystemFileWriter::SystemFileWriter(const ResolvedSystem& system, Ensemble& ensemble, std::filesystem::path folder)
+    : system_(&system), ensemble_(&ensemble), folder_(std::move(folder)) {
+  system_text_ = system_json(system).dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+  const auto& view = system.description->view;
+  if (!view.scene) return;
+  scene_ = system.find(*view.scene, view.scene_place);
+  if (scene_->variable->type != modeldesc::Type::string) {
+    throw InputError(ErrorCode::wrong_type,
+                     fmt::format("{}: {} is not a String, as a scene must be", view.scene_place, view.scene->text()));
+  }
+}
+
+std::optional<std::string> SystemFileWriter::reached(const Point& point) {
+  if (point.step != 0) return std::nullopt;
+  write(folder_ / kSystemFile, system_text_);
+  if (!scene_) return std::nullopt;
+  std::string text;
+  const auto reference = scene_->variable->value_reference;
+  ensemble_->slave(scene_->instance).get_strings(std::span(&reference, 1), std::span(&text, 1));
+  write(folder_ / kSceneFile, text);
+  return std::nullopt;
+}
+
+}  // namespace mebots::master

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "run/write.hpp"
+
+#include "mebots/input_error.hpp"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace mebots::master {
+namespace {
+
+using modeldesc::Causality;
+using modeldesc::Type;
+using modeldesc::Variability;
+
+/// A number as the type of the variable that it is for: 1.0 is a whole number to an Integer and true to a Boolean.
+WrittenValue as_written(const modeldesc::Variable& variable, double value) {
+  const bool whole = value == std::floor(value) && std::abs(value) < 1e15;
+  switch (variable.type) {
+    case Type::integer:
+    case Type::enumeration:
+      if (whole) return static_cast<std::int64_t>(value);
+      break;
+    case Type::boolean:
+      if (value == 0 || value == 1) return value != 0;
+      break;
+    case Type::real:
+    case Type::string:
+      break;
+  }
+  return value;
+}
+
+bool is_settable(const modeldesc::Variable& variable) {
+  return variable.causality == Causality::input ||
+         (variable.causality == Causality::parameter && variable.variability == Variability::tunable);
+}
+
+const ResolvedConnection* connection_to(const ResolvedSystem& system, const ResolvedVariable& target) {
+  const auto found = std::ranges::find_if(
+      system.connections, [&](const ResolvedConnection& connection) { return connection.to == target; });
+  return found == system.connections.end() ? nullptr : &*found;
+}
+
+void check_settable(const Run& run, const ResolvedVariable& target, std::string_view name) {
+  if (run.state() == RunState::ended) {
+    throw InputError(ErrorCode::wrong_call_order, fmt::format("'{}' cannot be set: the run has ended", name));
+  }
+  const auto& variable = *target.variable;
+  if (!is_settable(variable)) {
+    throw InputError(ErrorCode::invalid_argument,
+                     fmt::format("'{}' is {} of variability {}: only inputs and tunable parameters can be set in a run",
+                                 name, to_string(variable.causality), to_string(variable.variability)));
+  }
+  if (const auto* connection = connection_to(run.resolved(), target); connection != nullptr) {
+    throw InputError(ErrorCode::invalid_argument,
+                     fmt::format("'{}' is connected to '{}', which would overwrite the value", name,
+                                 run.resolved().text(connection->from)));
+  }
+}
+
+}  // namespace
+
+ResolvedVariable find_variable(const Run& run, std::string_view name) {
+  const auto& system = run.resolved();
+  const auto place = fmt::format("'{}'", name);
+  return system.find(parse_variable(*system.description, name, place), place);
+}
+
+modeldesc::Value write_variable(Run& run, std::string_view name, double value, const std::string& place) {
+  const auto target = find_variable(run, name);
+  check_settable(run, target, name);
+  // The same rules as for values of a config: type, limits, items.
+  const auto& model = run.resolved().instances[target.instance].fmu->description();
+  auto typed = typed_value(model, *target.variable, as_written(*target.variable, value), place);
+  const ValueReference reference[] = {target.variable->value_reference};
+  run.call(target.instance, "write()", [&](Slave& slave) {
+    if (const auto* real = std::get_if<double>(&typed)) slave.set_reals(reference, {real, 1});
+    if (const auto* integer = std::get_if<std::int32_t>(&typed)) slave.set_integers(reference, {integer, 1});
+    if (const auto* boolean = std::get_if<bool>(&typed)) {
+      const std::int32_t flag = *boolean ? 1 : 0;
+      slave.set_booleans(reference, {&flag, 1});
+    }
+  });
+  run.note_write(fmt::format("{}={}", name, value_text(typed)));
+  return typed;
+}
+
+nlohmann::ordered_json writable_variables(const ResolvedSystem& system) {
+  auto list = nlohmann::ordered_json::array();
+  for (std::size_t i = 0; i < system.instances.size(); ++i) {
+    const auto& model = system.instances[i].fmu->description();
+    for (const auto& variable : model.variables) {
+      const ResolvedVariable target{i, &variable};
+      if (!is_settable(variable) || variable.type == Type::string || is_osmp_part(model, variable)) continue;
+      if (connection_to(system, target) != nullptr) continue;
+      list.push_back({{"variable", system.text(target)},
+                      {"unit", variable.unit},
+                      {"text", variable.text},
+                      {"type", to_string(variable.type)}});
+    }
+  }
+  return list;
+}
+
+}  // namespace mebots::master

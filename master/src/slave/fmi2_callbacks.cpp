@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "slave/fmi2_callbacks.hpp"
+
+#include "message/plain_text.hpp"
+#include "slave/callback_text.hpp"
+
+#include <algorithm>
+#include <cstdarg>
+#include <cstdlib>
+#include <mutex>
+#include <utility>
+#include <vector>
+
+namespace mebots::master {
+namespace {
+
+constinit thread_local CallbackScope* current = nullptr;  // the call that this thread is in
+
+/// All targets, for callbacks on threads that are in no call.
+struct Registry {
+  std::mutex mutex;
+  std::vector<CallbackTarget*> targets;
+};
+
+Registry& registry() {
+  static Registry& all = *new Registry;  // never destroyed: a thread of an FMU may outlive main()
+  return all;
+}
+
+/// A pointer from an FMU is compared and not followed.
+CallbackTarget* find(const std::vector<CallbackTarget*>& targets, const void* environment,
+                     const std::optional<std::string>& name) {
+  const auto by_address = std::ranges::find(targets, environment);
+  if (by_address != targets.end()) return *by_address;
+  if (name) {
+    const auto named = [&](const CallbackTarget* target) { return target->instance_name() == *name; };
+    const auto by_name = std::ranges::find_if(targets, named);
+    if (by_name != targets.end() && std::find_if(by_name + 1, targets.end(), named) == targets.end()) return *by_name;
+  }
+  return targets.size() == 1 ? targets.front() : nullptr;
+}
+
+template <typename Work>
+void with_target(const void* environment, const std::optional<std::string>& name, Work work) {
+  if (current != nullptr) {
+    work(current->target(), true);
+    return;
+  }
+  auto& all = registry();
+  const std::lock_guard lock(all.mutex);  // the target stays until it has heard
+  if (auto* target = find(all.targets, environment, name)) work(*target, false);
+}
+
+std::optional<std::string> clean_text(const char* address) {
+  auto text = read_text(address);
+  if (text) text = valid_utf8(*text);
+  return text;
+}
+
+std::string without_line_end(std::string text) {
+  while (!text.empty() && (text.back() == '\n' || text.back() == '\r')) text.pop_back();
+  return text;
+}
+
+// The C interface of the standard: printf-like and called by foreign code, so nothing may be thrown out of it.
+void log(fmi2ComponentEnvironment environment, fmi2String instance, fmi2Status status, fmi2String category,
+         fmi2String message, ...) {
+  std::va_list arguments;
+  va_start(arguments, message);
+  try {
+    LoggerCall call;
+    call.status = status;
+    call.instance = clean_text(instance);
+    call.category = clean_text(category).value_or("");
+    const auto format = read_text(message);
+    call.text = format ? without_line_end(valid_utf8(format_text(*format, arguments)))
+                       : std::string(message == nullptr ? "(a message without a text)"
+                                                        : "(a message whose text cannot be read)");
+    with_target(environment, call.instance, [&](CallbackTarget& target, bool in_call) {
+      call.own_environment = environment == &target;
+      call.in_call = in_call;
+      target.listener().logged(std::move(call));
+    });
+  } catch (...) {  // NOLINT(bugprone-empty-catch): a message is lost, the simulation is not
+  }
+  va_end(arguments);
+}
+
+void step_finished(fmi2ComponentEnvironment environment, fmi2Status status) {
+  try {
+    with_target(environment, std::nullopt,
+                [&](CallbackTarget& target, bool /*in_call*/) { target.listener().step_finished(status); });
+  } catch (...) {  // NOLINT(bugprone-empty-catch): the master asks fmi2GetStatus too
+  }
+}
+
+}  // namespace
+
+CallbackTarget::CallbackTarget(CallbackListener& listener, std::string instance_name)
+    : listener_(&listener), instance_name_(std::move(instance_name)) {
+  auto& all = registry();
+  const std::lock_guard lock(all.mutex);
+  all.targets.push_back(this);
+}
+
+CallbackTarget::~CallbackTarget() {
+  auto& all = registry();
+  const std::lock_guard lock(all.mutex);
+  std::erase(all.targets, this);
+}
+
+fmi2CallbackFunctions CallbackTarget::functions(bool asynchronous) {
+  return {&log, &std::calloc, &std::free, asynchronous ? &step_finished : nullptr, this};
+}
+
+CurrentCall current_call() noexcept {
+  return current == nullptr ? CurrentCall{nullptr, nullptr, 0} : current->call();
+}
+
+CallbackScope::CallbackScope(CallbackTarget& target, const char* function, std::int64_t time_ns)
+    : target_(&target),
+      call_{target.instance_name().c_str(), function, time_ns},
+      outer_(std::exchange(current, this)) {}
+
+CallbackScope::~CallbackScope() {
+  current = outer_;
+}
+
+}  // namespace mebots::master

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "mebots/fmi2/types.hpp"
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+/// The functions that an FMU calls. What it hands over is never believed: neither whose environment it says it has, nor
+/// that its texts are texts.
+namespace mebots::master {
+
+/// One call of the logger, with texts made valid UTF-8.
+struct LoggerCall {
+  int status = fmi2OK;
+  std::optional<std::string> instance;  ///< as the FMU named it; nothing for null and for what cannot be read
+  std::string category;
+  std::string text;
+  bool own_environment = true;  ///< false: the FMU handed over another environment than it was given
+  bool in_call = true;          ///< false: said by a thread of the FMU, and not within one of our calls
+};
+
+/// Hears what one instance says. Calls may come from threads of the FMU, also two at once.
+class CallbackListener {
+ public:
+  virtual ~CallbackListener() = default;
+  virtual void logged(LoggerCall call) = 0;
+  virtual void step_finished(int status) = 0;
+};
+
+/// A listener that callbacks find, as long as this lives. A callback belongs to the instance that this thread is in a
+/// call of; on a thread of the FMU to the one whose environment it names, then to the one whose name it says, then to
+/// the only one that there is. A callback that belongs to none is dropped.
+class CallbackTarget {
+ public:
+  /// `listener` must outlive this object.
+  CallbackTarget(CallbackListener& listener, std::string instance_name);
+  /// Waits until callbacks that are under way on other threads are over.
+  ~CallbackTarget();
+  CallbackTarget(const CallbackTarget&) = delete;
+  CallbackTarget& operator=(const CallbackTarget&) = delete;
+
+  /// For fmi2Instantiate; must not be used after this object is gone.
+  fmi2CallbackFunctions functions(bool asynchronous);
+
+  CallbackListener& listener() const { return *listener_; }
+  const std::string& instance_name() const { return instance_name_; }
+
+ private:
+  CallbackListener* listener_;
+  std::string instance_name_;
+};
+
+/// A call to an FMU. The texts live as long as the call.
+struct CurrentCall {
+  const char* instance;
+  const char* function;
+  std::int64_t time_ns;
+};
+
+/// The call that this thread is in, for who is called out of it: signal handlers, exit(). Null instance: it is in none.
+/// Safe in signal handlers.
+CurrentCall current_call() noexcept;
+
+/// Around every call to an instance: callbacks on this thread are its own.
+class CallbackScope {
+ public:
+  /// `function` must outlive this object.
+  CallbackScope(CallbackTarget& target, const char* function, std::int64_t time_ns);
+  ~CallbackScope();
+  CallbackScope(const CallbackScope&) = delete;
+  CallbackScope& operator=(const CallbackScope&) = delete;
+
+  CallbackTarget& target() const { return *target_; }
+  const CurrentCall& call() const { return call_; }
+
+ private:
+  CallbackTarget* target_;
+  CurrentCall call_;
+  CallbackScope* outer_;
+};
+
+}  // namespace mebots::master

@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "slave/process_state.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <charconv>
+#include <clocale>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+
+namespace mebots::master {
+namespace {
+
+constexpr std::array kLimitNames = {"of address space", "of core files",       "of processor time", "of data",
+                                    "of file sizes",    "of open descriptors", "of the stack"};
+constexpr int kFirstDescriptor = 100;  // copies stay out of the way of whoever opens a file
+
+/// umask() cannot be asked without changing it, which would be for all threads.
+mode_t current_umask() {
+  std::ifstream status("/proc/self/status");
+  for (std::string key; status >> key;) {
+    mode_t mask = 0;
+    if (key == "Umask:" && status >> std::oct >> mask) return mask;
+  }
+  return 0;
+}
+
+std::string current_folder() {
+  std::error_code problem;
+  return std::filesystem::current_path(problem).string();
+}
+
+std::string current_locale() {
+  return std::setlocale(LC_ALL, nullptr);
+}
+
+/// Null for the default, for a signal that is ignored, 1.
+void (*handler_of(int signal))(int) {
+  struct sigaction action {};
+  sigaction(signal, nullptr, &action);
+  return action.sa_handler;
+}
+
+}  // namespace
+
+ProcessState::ProcessState()
+    : umask_(current_umask()), folder_(current_folder()), locale_(current_locale()), files_(open_files()) {
+  for (std::size_t i = 0; i < kLimits.size(); ++i) getrlimit(kLimits[i], &limits_[i]);
+  for (int i = 0; i < kStandard; ++i) {
+    copies_[static_cast<std::size_t>(i)] = fcntl(i, F_DUPFD_CLOEXEC, kFirstDescriptor);
+  }
+  for (int signal = 1; signal < SIGRTMIN; ++signal) handlers_[signal] = handler_of(signal);
+}
+
+ProcessState::~ProcessState() {
+  for (const int copy : copies_) {
+    if (copy >= 0) close(copy);
+  }
+}
+
+std::map<int, ProcessState::File> ProcessState::open_files() {
+  std::map<int, File> files;
+  std::error_code problem;
+  for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd", problem)) {
+    const auto name = entry.path().filename().string();
+    int descriptor = -1;
+    std::from_chars(name.data(), name.data() + name.size(), descriptor);
+    struct stat status {};
+    // The one that lists the folder is gone again when the list is done.
+    if (fstat(descriptor, &status) == 0) files[descriptor] = {status.st_dev, status.st_ino};
+  }
+  std::erase_if(files, [](const auto& file) { return fcntl(file.first, F_GETFD) == -1; });
+  return files;
+}
+
+void ProcessState::compare_files(std::vector<std::string>& texts) const {
+  for (const auto& [descriptor, file] : files_) {
+    struct stat status {};
+    const bool open = fstat(descriptor, &status) == 0;
+    if (open && File{status.st_dev, status.st_ino} == file) continue;
+    const auto* what = open ? "leads to another file" : "is closed";
+    const int copy = descriptor < kStandard ? copies_[static_cast<std::size_t>(descriptor)] : -1;
+    const bool back = copy >= 0 && dup2(copy, descriptor) == descriptor;
+    texts.push_back(fmt::format("descriptor {} {}{}", descriptor, what, back ? " (put back)" : ""));
+  }
+}
+
+void ProcessState::compare_limits(std::vector<std::string>& texts) const {
+  for (std::size_t i = 0; i < kLimits.size(); ++i) {
+    rlimit now{};
+    getrlimit(kLimits[i], &now);
+    if (now.rlim_cur == limits_[i].rlim_cur && now.rlim_max == limits_[i].rlim_max) continue;
+    const bool back = setrlimit(kLimits[i], &limits_[i]) == 0;
+    texts.push_back(fmt::format("the limit {} became {}{}", kLimitNames[i], now.rlim_cur, back ? " (put back)" : ""));
+  }
+}
+
+void ProcessState::compare_handlers(std::vector<std::string>& texts) const {
+  for (const auto& [signal, handler] : handlers_) {
+    if (handler_of(signal) == handler) continue;
+    texts.push_back(fmt::format("the handler of signal {} (SIG{}) is another (left as it is)", signal,
+                                sigabbrev_np(signal) == nullptr ? "?" : sigabbrev_np(signal)));
+  }
+}
+
+std::vector<std::string> ProcessState::put_right() const {
+  std::vector<std::string> texts;
+  if (const auto mask = current_umask(); mask != umask_) {
+    ::umask(umask_);
+    texts.push_back(fmt::format("the mask of file modes became {:03o} (put back to {:03o})", mask, umask_));
+  }
+  if (const auto folder = current_folder(); folder != folder_) {
+    const bool back = chdir(folder_.c_str()) == 0;
+    texts.push_back(fmt::format("the working directory became {}{}", folder, back ? " (put back)" : ""));
+  }
+  if (const auto locale = current_locale(); locale != locale_) {
+    const bool back = std::setlocale(LC_ALL, locale_.c_str()) != nullptr;
+    texts.push_back(fmt::format("the locale became {}{}", locale, back ? " (put back)" : ""));
+  }
+  compare_limits(texts);
+  compare_files(texts);
+  compare_handlers(texts);
+  return texts;
+}
+
+}  // namespace mebots::master

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <sys/resource.h>
+#include <sys/types.h>
+
+#include <array>
+#include <csignal>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace mebots::master {
+
+/// What an FMU in this process can change for everybody: mask of file modes, working directory, locale, limits, open
+/// descriptors, signal handlers. Whoever changes one of them changes what the other FMUs and the master compute or
+/// write. One at a time may be looked at; not for use by two threads at once.
+class ProcessState {
+ public:
+  /// As it stands.
+  ProcessState();
+  ~ProcessState();
+  ProcessState(const ProcessState&) = delete;
+  ProcessState& operator=(const ProcessState&) = delete;
+
+  /// What is different now, one text each: "the mask of file modes became 000 (put back to 022)". Puts back what can
+  /// be: not descriptors, save the standard three, and never signal handlers, which the FMU may need.
+  std::vector<std::string> put_right() const;
+
+ private:
+  using File = std::pair<dev_t, ino_t>;
+  static constexpr int kStandard = 3;  // descriptors of input, output and errors
+  static constexpr std::array kLimits = {RLIMIT_AS,    RLIMIT_CORE,   RLIMIT_CPU,  RLIMIT_DATA,
+                                         RLIMIT_FSIZE, RLIMIT_NOFILE, RLIMIT_STACK};
+
+  static std::map<int, File> open_files();
+  void compare_files(std::vector<std::string>& texts) const;
+  void compare_limits(std::vector<std::string>& texts) const;
+  void compare_handlers(std::vector<std::string>& texts) const;
+
+  mode_t umask_;
+  std::string folder_;
+  std::string locale_;
+  std::array<rlimit, kLimits.size()> limits_{};
+  std::map<int, File> files_;
+  std::array<int, kStandard> copies_{};  // of the standard descriptors; -1 where there is none
+  std::map<int, void (*)(int)> handlers_;
+};
+
+}  // namespace mebots::master

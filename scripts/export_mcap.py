@@ -1,0 +1,232 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Writes a run's results as an MCAP file, which Foxglove, Lichtblick and PlotJuggler open.
+
+Usage: export_mcap.py RESULTS_DIR [--out FILE.mcap]
+
+Channels: /<instance> for what was recorded of each instance, nested by the dots of the names, `rotor[1]` as `rotor_1`, with
+units in the schema; /tf for the poses of the bodies of the scene; /scene for its faces; /<picture> for what a camera
+saw; /log. Poses, faces, pictures and log have Foxglove's own schemas, in JSON.
+"""
+
+import argparse
+import base64
+import csv
+import json
+import math
+import pathlib
+import re
+import sys
+
+from mcap.writer import Writer
+
+NUMBER, TEXT, INTEGER = {"type": "number"}, {"type": "string"}, {"type": "integer"}
+
+
+def record(title=None, **properties):
+    """A JSON schema of an object."""
+    schema = {"type": "object", "properties": properties}
+    return {"title": title, **schema} if title else schema
+
+
+TIME = record(sec=INTEGER, nsec=INTEGER)
+POINT = record(x=NUMBER, y=NUMBER, z=NUMBER)
+QUATERNION = record(x=NUMBER, y=NUMBER, z=NUMBER, w=NUMBER)
+COLOUR = record(r=NUMBER, g=NUMBER, b=NUMBER, a=NUMBER)
+BYTES = {"type": "string", "contentEncoding": "base64"}
+
+
+def list_of(items):
+    return {"type": "array", "items": items}
+
+
+SCHEMAS = {
+    "foxglove.FrameTransform": record("foxglove.FrameTransform", timestamp=TIME, parent_frame_id=TEXT, child_frame_id=TEXT,
+                                      translation=POINT, rotation=QUATERNION),
+    "foxglove.CompressedImage": record("foxglove.CompressedImage", timestamp=TIME, frame_id=TEXT, data=BYTES, format=TEXT),
+    "foxglove.Log": record("foxglove.Log", timestamp=TIME, level=INTEGER, message=TEXT, name=TEXT, file=TEXT, line=INTEGER),
+    "foxglove.SceneUpdate": record("foxglove.SceneUpdate", deletions=list_of(record()), entities=list_of(record(
+        timestamp=TIME, frame_id=TEXT, id=TEXT, lifetime=TIME, frame_locked={"type": "boolean"}, metadata=list_of(record()),
+        triangles=list_of(record(pose=record(position=POINT, orientation=QUATERNION), points=list_of(POINT), color=COLOUR,
+                                 colors=list_of(COLOUR), indices=list_of(INTEGER)))))),
+}
+LEVELS = {"warning": 3, "error": 4}  # of foxglove.Log; 2 = info
+
+
+def nanoseconds(time_s):
+    return round(float(time_s) * 1e9)
+
+
+def timestamp(time_ns):
+    return {"sec": time_ns // 1_000_000_000, "nsec": time_ns % 1_000_000_000}
+
+
+def path_of(variable):
+    """The steps to a variable inside its instance's message."""
+    return [re.sub(r"\[([^\]]*)\]", r"_\1", step).replace(",", "_") for step in variable.split(".")]
+
+
+def put(message, path, value):
+    """Where a name is the beginning of another (`power`, `power.l2`), its own value goes to `value`."""
+    for step in path[:-1]:
+        inner = message.setdefault(step, {})
+        if not isinstance(inner, dict):
+            inner = message[step] = {"value": inner}
+        message = inner
+    last = path[-1]
+    if isinstance(message.get(last), dict):
+        message[last]["value"] = value
+    else:
+        message[last] = value
+
+
+def quaternion(roll, pitch, yaw):
+    """Yaw about z, then pitch about the new y, then roll about the new x."""
+    cr, sr = math.cos(roll / 2), math.sin(roll / 2)
+    cp, sp = math.cos(pitch / 2), math.sin(pitch / 2)
+    cy, sy = math.cos(yaw / 2), math.sin(yaw / 2)
+    return {"w": cr * cp * cy + sr * sp * sy, "x": sr * cp * cy - cr * sp * sy,
+            "y": cr * sp * cy + sr * cp * sy, "z": cr * cp * sy - sr * sp * cy}
+
+
+class Export:
+    """One MCAP file on its way. Messages of a channel come in the order of time."""
+
+    def __init__(self, file):
+        self.writer = Writer(file)
+        self.writer.start(profile="", library="mebots")
+        self.schemas = {}
+        self.channels = {}
+
+    def add(self, topic, schema_name, schema, time_ns, message):
+        if topic not in self.channels:
+            if schema_name not in self.schemas:
+                self.schemas[schema_name] = self.writer.register_schema(
+                    name=schema_name, encoding="jsonschema", data=json.dumps(schema).encode())
+            self.channels[topic] = self.writer.register_channel(
+                topic=topic, message_encoding="json", schema_id=self.schemas[schema_name])
+        self.writer.add_message(channel_id=self.channels[topic], log_time=time_ns, publish_time=time_ns,
+                                data=json.dumps(message).encode())
+
+    def add_known(self, topic, schema_name, time_ns, message):
+        self.add(topic, schema_name, SCHEMAS[schema_name], time_ns, message)
+
+    def finish(self):
+        self.writer.finish()
+
+
+def read_columns(file):
+    """[(instance.variable, unit)] and the rows, as texts."""
+    with file.open(newline="") as stream:
+        rows = csv.reader(stream)
+        head = [re.fullmatch(r"(.*) \[(.*)\]", title).groups() for title in next(rows)]
+        return head, [row for row in rows if len(row) == len(head)]
+
+
+def number(text):
+    try:
+        return float(text)
+    except ValueError:
+        return text
+
+
+def instance_of(name, instances):
+    return next((each for each in instances if name.startswith(each + ".")), name.split(".")[0])
+
+
+def export_variables(export, head, rows, instances):
+    groups = {}
+    for column, (name, unit) in enumerate(head[1:], start=1):
+        instance = instance_of(name, instances)
+        groups.setdefault(instance, []).append((column, path_of(name[len(instance) + 1:]), unit))
+    for instance, columns in groups.items():
+        units = {}
+        for _, path, unit in columns:
+            put(units, path, {"type": "number", "description": f"[{unit}]"})
+        schema = record(f"mebots.{instance}", **units)
+        for row in rows:
+            message = {}
+            for column, path, _ in columns:
+                put(message, path, number(row[column]))
+            export.add(f"/{instance}", f"mebots.{instance}", schema, nanoseconds(row[0]), message)
+
+
+def export_scene(export, head, rows, scene, instance):
+    places = {name: column for column, (name, _) in enumerate(head)}
+    for body in scene.get("bodies", []):
+        columns = [places.get(f"{instance}.{name}") for name in body["position"] + body["attitude"]]
+        if None in columns:
+            continue
+        for row in rows:
+            x, y, z, *angles = (float(row[column]) for column in columns)
+            time_ns = nanoseconds(row[0])
+            export.add_known("/tf", "foxglove.FrameTransform", time_ns, {
+                "timestamp": timestamp(time_ns), "parent_frame_id": "world", "child_frame_id": body["name"],
+                "translation": {"x": x, "y": y, "z": z}, "rotation": quaternion(*angles)})
+    greys = [mean_grey(texture) for texture in scene.get("textures", [])]
+    triangles = []
+    for face in scene.get("faces", []):
+        grey = min(1.0, greys[face["texture"]] * face["light"] / 255)
+        points = [dict(zip("xyz", corner)) for corner in face["corners"]]
+        triangles.append({
+            "pose": {"position": {"x": 0, "y": 0, "z": 0}, "orientation": {"x": 0, "y": 0, "z": 0, "w": 1}},
+            "points": points, "color": {"r": grey, "g": grey, "b": grey, "a": 1}, "colors": [],
+            "indices": [index for i in range(1, len(points) - 1) for index in (0, i, i + 1)]})
+    export.add_known("/scene", "foxglove.SceneUpdate", 0, {"deletions": [], "entities": [{
+        "timestamp": timestamp(0), "frame_id": "world", "id": scene.get("name", "scene"), "lifetime": timestamp(0),
+        "frame_locked": False, "metadata": [], "triangles": triangles}]})
+
+
+def mean_grey(texture):
+    grey = base64.b64decode(texture["grey"])
+    return sum(grey) / len(grey)
+
+
+def export_pictures(export, folder):
+    for series in sorted(folder.glob("pictures/*")):
+        for file in sorted(series.glob("*.png")):
+            time_ns = nanoseconds(file.stem)
+            export.add_known(f"/{series.name}", "foxglove.CompressedImage", time_ns, {
+                "timestamp": timestamp(time_ns), "frame_id": series.name, "format": "png",
+                "data": base64.b64encode(file.read_bytes()).decode()})
+
+
+def export_log(export, file):
+    for line in file.read_text(errors="replace").splitlines():
+        timed = re.match(r"\[\s*([\d.]+) s\] ([^:]+): (?:(warning|error): )?(.*)", line)
+        if not timed:
+            continue  # a notice of the run belongs to no moment
+        time_s, name, severity, text = timed.groups()
+        time_ns = nanoseconds(time_s)
+        export.add_known("/log", "foxglove.Log", time_ns, {
+            "timestamp": timestamp(time_ns), "level": LEVELS.get(severity, 2), "message": text, "name": name, "file": "", "line": 0})
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("results", type=pathlib.Path)
+    parser.add_argument("--out", type=pathlib.Path, help="default: flight.mcap in the folder")
+    arguments = parser.parse_args()
+    folder = arguments.results
+    try:
+        head, rows = read_columns(folder / "results.csv")
+        system = json.loads((folder / "system.json").read_text())
+        scene_file = folder / "scene.json"
+        scene = json.loads(scene_file.read_text()) if scene_file.exists() else None
+    except (OSError, ValueError, AttributeError, StopIteration) as error:
+        sys.exit(f"export_mcap.py: {folder}: this is not the results folder of a run: {error}")
+    out = arguments.out or folder / "flight.mcap"
+    with out.open("wb") as file:
+        export = Export(file)
+        export_variables(export, head, rows, system["instances"])
+        if scene:
+            export_scene(export, head, rows, scene, system["view"]["scene"]["instance"])
+        export_pictures(export, folder)
+        if (folder / "log.txt").exists():
+            export_log(export, folder / "log.txt")
+        export.finish()
+    print(f"wrote {out}")
+
+
+if __name__ == "__main__":
+    main()

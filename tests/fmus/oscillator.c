@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: Apache-2.0
+// A foreign FMU: half of an oscillator, to be bound to another by force and velocity.
+//
+//   m x'' = -k x + force - grip (x - y),   y' = other_velocity       (m = 1, k = 10)
+//   pull = grip (x - y), the force on what y belongs to
+//
+// With grip = 0 it is a mass on a spring that takes a force and gives its velocity; with grip > 0 also a spring to
+// another mass whose velocity it takes. Within a step the inputs are v + d tau; 64 steps of the classical Runge-Kutta
+// method make what is inside exact beside what the coupling costs. energy = m v^2/2 + k x^2/2 + grip (x - y)^2/2
+// changes by the work of force and pull only: so that of two halves together changes by what the coupling made.
+#include "fmi2.h"
+
+#include "frame.h"
+
+#include <stdlib.h>
+
+enum { FORCE, OTHER_VELOCITY, X, VELOCITY, Y, PULL, GRIP, ENERGY, REALS };
+enum { PARTS = 64 };
+
+typedef struct {
+  double reals[REALS];
+  double slopes[2];  // of FORCE and OTHER_VELOCITY
+  double acceleration, pull_rate;
+} Model;
+
+typedef struct {
+  double x, v, y;
+} Body;
+
+static const double stiffness = 10;
+
+static Body rate(const Model* m, Body s, double tau) {
+  const double* r = m->reals;
+  const double force = r[FORCE] + m->slopes[FORCE] * tau;
+  const double velocity = r[OTHER_VELOCITY] + m->slopes[OTHER_VELOCITY] * tau;
+  const Body result = {s.v, force - stiffness * s.x - r[GRIP] * (s.x - s.y), velocity};
+  return result;
+}
+
+static Body moved(Body s, Body rate, double h) {
+  const Body result = {s.x + h * rate.x, s.v + h * rate.v, s.y + h * rate.y};
+  return result;
+}
+
+static void compute(Model* m) {
+  double* r = m->reals;
+  r[PULL] = r[GRIP] * (r[X] - r[Y]);
+  r[ENERGY] = (r[VELOCITY] * r[VELOCITY] + stiffness * r[X] * r[X] + r[GRIP] * (r[X] - r[Y]) * (r[X] - r[Y])) / 2;
+}
+
+static void advance(Model* m, double length) {
+  double* r = m->reals;
+  Body s = {r[X], r[VELOCITY], r[Y]};
+  const double h = length / PARTS;
+  for (int part = 0; part < PARTS; ++part) {
+    const double tau = part * h;
+    const Body k1 = rate(m, s, tau);
+    const Body k2 = rate(m, moved(s, k1, h / 2), tau + h / 2);
+    const Body k3 = rate(m, moved(s, k2, h / 2), tau + h / 2);
+    const Body k4 = rate(m, moved(s, k3, h), tau + h);
+    s = moved(moved(moved(moved(s, k1, h / 6), k2, h / 3), k3, h / 3), k4, h / 6);
+  }
+  const Body last = rate(m, s, length);
+  r[X] = s.x;
+  r[VELOCITY] = s.v;
+  r[Y] = s.y;
+  m->acceleration = last.v;
+  m->pull_rate = r[GRIP] * (last.x - last.y);
+  compute(m);
+}
+
+FMI2_VERSIONS
+
+FMI2_EXPORT fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, fmi2String resources,
+                                          const fmi2CallbackFunctions* callbacks, fmi2Boolean visible,
+                                          fmi2Boolean logging) {
+  (void)name, (void)type, (void)guid, (void)resources, (void)callbacks, (void)visible, (void)logging;
+  return calloc(1, sizeof(Model));
+}
+FMI2_EXPORT void fmi2FreeInstance(fmi2Component c) {
+  free(c);
+}
+
+FMI2_ANSWER(fmi2OK, fmi2SetupExperiment, fmi2Component, fmi2Boolean, fmi2Real, fmi2Real, fmi2Boolean, fmi2Real)
+FMI2_ANSWER(fmi2OK, fmi2EnterInitializationMode, fmi2Component)
+FMI2_ANSWER(fmi2OK, fmi2ExitInitializationMode, fmi2Component)
+FMI2_ANSWER(fmi2OK, fmi2Terminate, fmi2Component)
+FMI2_ANSWER(fmi2OK, fmi2Reset, fmi2Component)
+
+#define REALS_OF(c) (((Model*)(c))->reals)
+FMI2_VALUES(Real, REALS_OF, REALS, compute)
+FMI2_NO_VALUES(Integer)
+FMI2_NO_VALUES(Boolean)
+FMI2_NO_VALUES(String)
+
+FMI2_EXPORT fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference r[], size_t n,
+                                                   const fmi2Integer order[], const fmi2Real value[]) {
+  for (size_t i = 0; i < n; ++i) {
+    if (r[i] > OTHER_VELOCITY || order[i] != 1) return fmi2Error;
+    ((Model*)c)->slopes[r[i]] = value[i];
+  }
+  return fmi2OK;
+}
+
+FMI2_EXPORT fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReference r[], size_t n,
+                                                    const fmi2Integer order[], fmi2Real value[]) {
+  const Model* m = c;
+  for (size_t i = 0; i < n; ++i) {
+    if ((r[i] != VELOCITY && r[i] != PULL) || order[i] != 1) return fmi2Error;
+    value[i] = r[i] == VELOCITY ? m->acceleration : m->pull_rate;
+  }
+  return fmi2OK;
+}
+
+FMI2_EXPORT fmi2Status fmi2DoStep(fmi2Component c, fmi2Real t, fmi2Real h, fmi2Boolean no_set) {
+  (void)t, (void)no_set;
+  advance(c, h);
+  return fmi2OK;
+}
+
+FMI2_EXPORT fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate* state) {
+  if (*state == NULL) *state = malloc(sizeof(Model));
+  *(Model*)*state = *(Model*)c;
+  return fmi2OK;
+}
+FMI2_EXPORT fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate state) {
+  *(Model*)c = *(Model*)state;
+  return fmi2OK;
+}
+FMI2_EXPORT fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate* state) {
+  (void)c;
+  free(*state);
+  *state = NULL;
+  return fmi2OK;
+}
+
+FMI2_NO_BYTES
+FMI2_NO_DIRECTIONAL_DERIVATIVE
+FMI2_NO_PENDING_STEPS
+FMI2_NO_REAL_STATUS
+FMI2_NO_OTHER_STATUS

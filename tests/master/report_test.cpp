@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: Apache-2.0
+// From a results folder to what a page carries. That a browser draws it is tests/web's.
+#include "test_system.hpp"
+
+#include "report/page.hpp"
+#include "report/payload.hpp"
+
+#include <gmock/gmock.h>
+#include <zlib.h>
+#include <nlohmann/json.hpp>
+
+#include <bit>
+#include <cstdint>
+#include <limits>
+
+namespace mebots::test {
+namespace {
+
+using master::report::deflated;
+using master::report::payload_of;
+using master::report::read_results;
+using master::report::read_run_folder;
+using master::report::ResultTable;
+using master::report::RunFolder;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::SizeIs;
+
+class Report : public testing::Test {
+ protected:
+  std::filesystem::path table(const std::string& text) const {
+    write_file(folder.path() / "results.csv", text);
+    return folder.path() / "results.csv";
+  }
+  modeldesc::TemporaryFolder folder{"mebots-test"};
+};
+
+TEST_F(Report, ReadsColumnsWithTheirUnits) {
+  const auto results = read_results(table("time [s],a.x [m/s],\"a.y[1,2] [-]\"\n0,1.5,2\n0.1,-1e-300,3\n"));
+  ASSERT_THAT(results.columns, SizeIs(3));
+  EXPECT_EQ(results.columns[1].name, "a.x");
+  EXPECT_EQ(results.columns[1].unit, "m/s");
+  EXPECT_THAT(results.columns[1].values, ElementsAre(1.5, -1e-300));
+  EXPECT_EQ(results.columns[2].name, "a.y[1,2]");
+  EXPECT_EQ(results.rows, 2U);
+}
+
+TEST_F(Report, LeavesOutTextsByName) {
+  const auto results = read_results(table("time [s],a.word [-],a.x [m]\n0,\"one, \"\"1\"\"\",4\n1,two,5\n"));
+  ASSERT_THAT(results.columns, SizeIs(2));
+  EXPECT_THAT(results.columns[1].values, ElementsAre(4, 5));
+  EXPECT_THAT(results.texts, ElementsAre("a.word"));
+}
+
+TEST_F(Report, ALineThatAKilledRunCutOffSaysNothing) {
+  const auto results = read_results(table("time [s],a.x [m]\n0,4\n1,5\n2,6"));
+  EXPECT_THAT(results.columns[1].values, ElementsAre(4, 5));
+}
+
+TEST_F(Report, ThinsOutATableThatIsTooLongAndKeepsItsEnd) {
+  std::string text = "time [s],a.x [m]\n";
+  const auto rows = ResultTable::kMostValues / 2 * 3 + 2;
+  for (std::size_t i = 0; i < rows; ++i) text += std::to_string(i) + ",1\n";
+  const auto results = read_results(table(text));
+  EXPECT_EQ(results.rows, rows);
+  EXPECT_EQ(results.every, 4U);
+  EXPECT_LE(2 * results.columns[0].values.size(), ResultTable::kMostValues);
+  EXPECT_EQ(results.columns[0].values[1], 4);
+  EXPECT_EQ(results.columns[0].values.back(), static_cast<double>(rows - 1));
+}
+
+TEST_F(Report, RefusesWhatIsNoTableOfResults) {
+  EXPECT_THROW(read_results(table("hello\n")), InputError);
+  EXPECT_THROW(read_results(table("")), InputError);
+  EXPECT_THROW(read_results(table("time [s],a.x [m]\n0\n")), InputError);
+  EXPECT_THROW(read_results(table("time [s],a.x [m]\n0,1,2\n")), InputError);
+  EXPECT_THROW(read_results(table("time [s],a.x [m]\nnoon,1\n")), InputError);
+}
+
+TEST_F(Report, RefusesAFolderThatIsNoRunsAndADamagedFile) {
+  EXPECT_THROW(read_run_folder(folder.path() / "nowhere"), InputError);
+  EXPECT_THROW(read_run_folder(folder.path()), InputError);
+  table("time [s],a.x [m]\n0,1\n");
+  EXPECT_TRUE(read_run_folder(folder.path()).summary.is_null());
+  write_file(folder.path() / "summary.json", "{\"outcome\": ");
+  EXPECT_THROW(read_run_folder(folder.path()), InputError);
+}
+
+TEST_F(Report, PicturesComeInTheOrderOfTime) {
+  table("time [s],a.x [m]\n0,1\n");
+  const auto pictures = folder.path() / "pictures" / "world.camera.frame";
+  std::filesystem::create_directories(pictures);
+  write_file(pictures / "0010.500000.png", "late");
+  write_file(pictures / "0002.250000.png", "early");
+  write_file(pictures / "notes.txt", "");
+  const auto run = read_run_folder(folder.path());
+  ASSERT_THAT(run.pictures, SizeIs(1));
+  ASSERT_THAT(run.pictures[0].pictures, SizeIs(2));
+  EXPECT_EQ(run.pictures[0].pictures[0].time_s, 2.25);
+  EXPECT_EQ(run.pictures[0].pictures[1].png, "late");
+}
+
+struct Unpacked {
+  nlohmann::json header;
+  std::string blocks;
+};
+
+Unpacked unpacked(const std::string& payload) {
+  std::uint32_t length = 0;
+  for (unsigned i = 0; i < 4; ++i) length |= static_cast<std::uint32_t>(static_cast<std::uint8_t>(payload[i])) << 8 * i;
+  return {nlohmann::json::parse(payload.substr(4, length)), payload.substr(4 + length)};
+}
+
+TEST_F(Report, ColumnsComeBackToTheBit) {
+  const std::vector<double> values = {0.1, -0.0, 1e-310, std::numeric_limits<double>::max()};
+  RunFolder run;
+  run.name = "a";
+  run.results.columns = {{"time", "s", {0, 1, 2, 3}}, {"a.x", "m", values}, {"a.still", "-", {7, 7, 7, 7}}};
+  const auto [header, blocks] = unpacked(payload_of(std::span(&run, 1)));
+  const auto& columns = header.at("runs").at(0).at("columns");
+  EXPECT_EQ(columns.at(2).at("still"), 7);
+  const std::size_t offset = columns.at(1).at("block").at("offset");
+  EXPECT_EQ(columns.at(1).at("block").at("length"), 8 * values.size());
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    std::uint64_t bits = 0;
+    for (std::size_t plane = 0; plane < 8; ++plane) {
+      bits |= static_cast<std::uint64_t>(static_cast<std::uint8_t>(blocks[offset + plane * values.size() + i]))
+              << 8 * plane;
+    }
+    EXPECT_EQ(bits, std::bit_cast<std::uint64_t>(values[i])) << i;
+  }
+}
+
+TEST_F(Report, DeflatedBytesInflateToWhatTheyWere) {
+  const std::string text(100000, 'x');
+  const auto packed = deflated(text);
+  EXPECT_LT(packed.size(), 1000U);
+  std::string back(text.size(), '\0');
+  auto length = static_cast<uLongf>(back.size());
+  ASSERT_EQ(uncompress(reinterpret_cast<Bytef*>(back.data()), &length, reinterpret_cast<const Bytef*>(packed.data()),
+                       packed.size()),
+            Z_OK);
+  EXPECT_EQ(back, text);
+}
+
+TEST_F(Report, Base64HasTheVectorsOfRfc4648) {
+  using master::report::base64;
+  EXPECT_EQ(base64(""), "");
+  EXPECT_EQ(base64("f"), "Zg==");
+  EXPECT_EQ(base64("fo"), "Zm8=");
+  EXPECT_EQ(base64("foo"), "Zm9v");
+  EXPECT_EQ(base64("foob"), "Zm9vYg==");
+  EXPECT_EQ(base64("\xff\xfe"), "//4=");
+}
+
+TEST_F(Report, NamesAreTextAndNoMarkup) {
+  RunFolder run;
+  run.name = "<script>alert(1)</script>";
+  run.results.columns = {{"time", "s", {0}}};
+  const auto page =
+      make_page({"<title>{{title}}</title>{{connect}}{{style}}{{script}}{{data}}", "", ""}, std::span(&run, 1));
+  EXPECT_THAT(page, testing::Not(HasSubstr("<script>alert")));
+  EXPECT_THAT(page, HasSubstr("&lt;script>alert"));
+}
+
+class ReportProgram : public Report {
+ protected:
+  ReportProgram() { write_file(folder.path() / "two.json", with_probe(kConfig)); }
+  ProgramResult run(std::vector<std::string> arguments) const { return run_program(arguments, folder.path()); }
+  nlohmann::json system() const { return nlohmann::json::parse(read_file(folder.path() / "results/two/system.json")); }
+
+  static constexpr const char* kConfig = R"({"step": 0.1, "stop_time": 1, "instances": {
+      "a": {"fmu": "PROBE", "parameters": {"gain": 2, "real_in": 3}}, "b": {"fmu": "PROBE"}},
+    "connections": [{"from": "a.real_out", "to": "b.real_in"}],
+    "view": {"scene": "a.string_out", "marks": ["b"],
+             "panels": [{"title": "Rates", "kind": "stack", "curves": [{"rate_of": "b.integral", "label": "in"}]}]}})";
+};
+
+TEST_F(ReportProgram, ARunSaysWhatItsResultsAreResultsOf) {
+  ASSERT_EQ(run({"run", "two.json"}).code, 0);
+  const auto json = system();
+  EXPECT_EQ(json["name"], "two");
+  EXPECT_THAT(json["instances"], SizeIs(2));
+  EXPECT_EQ(json["connections"][0]["from"], "a.real_out");
+  EXPECT_EQ(json["connections"][0]["to"], "b.real_in");
+  EXPECT_EQ(json["variables"]["a.real_out"]["type"], "Real");
+  EXPECT_EQ(json["view"]["marks"][0], "b");
+  EXPECT_EQ(json["view"]["panels"][0]["kind"], "stack");
+  EXPECT_EQ(json["view"]["panels"][0]["curves"][0]["rate_of"], "b.integral");
+  EXPECT_EQ(json["view"]["scene"]["instance"], "a");
+  EXPECT_TRUE(std::filesystem::exists(folder.path() / "results/two/scene.json"));
+}
+
+TEST_F(ReportProgram, AnEarlierRunsSceneGoesWithIt) {
+  ASSERT_EQ(run({"run", "two.json"}).code, 0);
+  auto config = nlohmann::json::parse(read_file(folder.path() / "two.json"));
+  config.erase("view");
+  write_file(folder.path() / "two.json", config.dump());
+  ASSERT_EQ(run({"run", "two.json"}).code, 0);
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "results/two/scene.json"));
+  EXPECT_FALSE(system()["view"].contains("scene"));
+}
+
+TEST_F(ReportProgram, RefusesAViewOfWhatIsNotThere) {
+  const auto refused = [&](const nlohmann::json& view) {
+    auto config = nlohmann::json::parse(with_probe(kConfig));
+    config["view"] = view;
+    write_file(folder.path() / "two.json", config.dump());
+    const auto result = run({"run", "two.json"});
+    EXPECT_EQ(result.code, 2) << view << result.err;
+    return result.err;
+  };
+  EXPECT_THAT(refused({{"scene", "a.string_uot"}}), HasSubstr("string_out"));
+  EXPECT_THAT(refused({{"scene", "a.real_out"}}), HasSubstr("not a String"));
+  EXPECT_THAT(refused({{"marks", {"c"}}}), HasSubstr("/view/marks/0"));
+  const nlohmann::json both = {{"variable", "a.real_out"}, {"rate_of", "a.real_out"}};
+  EXPECT_THAT(refused({{"panels", {{{"title", "t"}, {"curves", {both}}}}}}), HasSubstr("/view/panels/0/curves/0"));
+  const nlohmann::json unknown = {{"variable", "a.real_uot"}};
+  EXPECT_THAT(refused({{"panels", {{{"title", "t"}, {"curves", {unknown}}}}}}), HasSubstr("real_out"));
+}
+
+TEST_F(ReportProgram, ReportRefusesAFolderThatIsNoRunsInOneLine) {
+  const auto result = run({"report", "."});
+  if (result.code == 1) GTEST_SKIP() << "built without pages: " << result.err;
+  EXPECT_EQ(result.code, 2);
+  EXPECT_THAT(result.err, HasSubstr("results.csv"));
+  EXPECT_THAT(result.out, IsEmpty());
+}
+
+}  // namespace
+}  // namespace mebots::test

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+namespace mebots::test {
+
+/// A temporary folder of its own that goes with this object. Its name has a space, as users' folders do, unless a tool
+/// of somebody else's has to bear it.
+class Folder {
+ public:
+  explicit Folder(std::string_view name = "mebots test");
+  Folder(const Folder&) = delete;
+  Folder& operator=(const Folder&) = delete;
+  ~Folder();
+
+  const std::filesystem::path& path() const { return path_; }
+  std::filesystem::path operator/(std::string_view name) const { return path_ / name; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+/// The bytes of a file; none when it cannot be read.
+std::string read_file(const std::filesystem::path& file);
+
+/// Throws std::runtime_error when it cannot be written.
+void write_file(const std::filesystem::path& file, std::string_view bytes);
+
+}  // namespace mebots::test

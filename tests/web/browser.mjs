@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+// Debian's Chromium on a page from the disk, without network: what the page asks for, says and gets wrong is kept.
+import { createRequire } from "node:module";
+import { pathToFileURL } from "node:url";
+
+const require = createRequire(new URL("../../web/package.json", import.meta.url));
+const puppeteer = require("puppeteer-core");
+
+export async function launch(chromium) {
+  return puppeteer.launch({
+    executablePath: chromium,
+    headless: true,
+    protocolTimeout: 120000,
+    args: ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--hide-scrollbars",
+      "--disable-background-networking", "--disable-component-update", "--disable-sync", "--no-first-run"],
+  });
+}
+
+/** Opens a page and waits until it has drawn all. `problems` gets what went wrong, `requests` what was asked for. */
+export async function openUrl(browser, url, { width = 1400, height = 900, dark = false } = {}) {
+  const page = await browser.newPage();
+  const problems = [];
+  const requests = [];
+  page.on("pageerror", (error) => problems.push(`error: ${error.message}`));
+  page.on("console", (message) => {
+    if (message.type() === "error") problems.push(`console: ${message.text()}`);
+  });
+  page.on("request", (request) => requests.push(request.url()));
+  await page.setViewport({ width, height, deviceScaleFactor: 1 });
+  await page.emulateMediaFeatures([{ name: "prefers-color-scheme", value: dark ? "dark" : "light" }]);
+  await page.goto(url);
+  await page.waitForFunction(() => document.documentElement.dataset.state !== "loading", { timeout: 60000 });
+  const state = await page.evaluate(() => document.documentElement.dataset.state);
+  if (state !== "ready") problems.push(`the page is ${state}: ${await page.evaluate(() => document.body.innerText)}`);
+  return { page, problems, requests };
+}
+
+/** The same for a page on the disk. */
+export const open = (browser, file, options) => openUrl(browser, pathToFileURL(file).href, options);

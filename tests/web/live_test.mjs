@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: Apache-2.0
+// Usage: live_test.mjs MEBOTS CONFIGS OUT [CHROMIUM]
+// A run that is looked at, held and set by hand, beside the same run that nobody looks at.
+import assert from "node:assert/strict";
+import { spawn, spawnSync } from "node:child_process";
+import { once } from "node:events";
+import { mkdirSync, readFileSync, writeFileSync } from "node:fs";
+import { request } from "node:http";
+import { join, resolve } from "node:path";
+
+const [, , mebots, configs, out, chromium] = process.argv;
+mkdirSync(out, { recursive: true });
+
+/** Long enough to be looked at: some seconds of wall time. */
+const system = join(out, "system.json");
+writeFileSync(system, JSON.stringify({
+  ...JSON.parse(readFileSync(join(configs, "battery_motors.json"), "utf8")),
+  $schema: undefined, stop_time: 600, record: { interval: 0.1 },
+}));
+
+const results = (name) => readFileSync(join(out, name, "results.csv"), "utf8");
+
+function runAlone(name, more = []) {
+  const done = spawnSync(mebots, ["run", system, "--quiet", "--out", join(out, name), ...more], { encoding: "utf8" });
+  assert.equal(done.status, 0, done.stderr);
+}
+
+/** Starts a live run; its address, and a promise of its exit code. */
+async function runLive(name, config = system, more = []) {
+  const child = spawn(mebots, ["run", config, "--out", join(out, name), ...more, "--live"], { stdio: ["ignore", "pipe", "inherit"] });
+  const ended = once(child, "exit");
+  let said = "";
+  for await (const piece of child.stdout) {
+    said += piece;
+    const found = /^live: (http:\S+)$/m.exec(said);
+    if (!found) continue;
+    child.stdout.resume();
+    return { address: new URL(found[1]), ended: ended.then(([code]) => code), child };
+  }
+  throw new Error(`it never said where: ${said}`);
+}
+
+/** One request with headers of one's own, which fetch() does not allow. */
+function ask(address, path, { method = "GET", headers = {}, body = "" } = {}) {
+  return new Promise((resolved, refused) => {
+    const type = method === "POST" ? { "Content-Type": "application/x-www-form-urlencoded", "Content-Length": body.length } : {};
+    const sent = request(new URL(path, address), { method, headers: { ...type, ...headers } }, async (answer) => {
+      const pieces = [];
+      for await (const piece of answer) pieces.push(piece);
+      resolved({ status: answer.statusCode, text: Buffer.concat(pieces).toString() });
+    });
+    sent.on("error", refused);
+    sent.end(body);
+  });
+}
+
+const order = (live, what) => ask(live.address, "control", { method: "POST", body: `order=${what}` });
+const set = (live, variable, value) => ask(live.address, "set", { method: "POST", body: `variable=${encodeURIComponent(variable)}&value=${value}` });
+
+/** The header of the data: what the run is, how far it came. */
+async function header(live) {
+  const answer = await fetch(new URL("data", live.address));
+  const bytes = new DataView(await answer.arrayBuffer());
+  return JSON.parse(new TextDecoder().decode(new Uint8Array(bytes.buffer, 4, bytes.getUint32(0, true))));
+}
+
+const tests = {
+  async "who only looks changes no bit"() {
+    runAlone("alone");
+    const live = await runLive("looked_at");
+    let looks = 0;
+    const looking = setInterval(() => header(live).then(() => ++looks, () => {}), 20);
+    const code = await live.ended;
+    clearInterval(looking);
+    assert.equal(code, 0);
+    assert.ok(looks > 3, `${looks} looks`);
+    assert.equal(results("looked_at"), results("alone"));
+  },
+
+  async "a run that is held stands, takes single steps, and goes on to the same bits"() {
+    const live = await runLive("held");
+    assert.equal((await order(live, "hold")).status, 200);
+    const before = (await header(live)).runs[0].summary.steps;
+    await new Promise((done) => setTimeout(done, 300));
+    assert.equal((await header(live)).runs[0].summary.steps, before);
+    await order(live, "step");
+    await new Promise((done) => setTimeout(done, 100));
+    const after = (await header(live)).runs[0];
+    assert.equal(after.summary.steps, before + 1);
+    assert.equal(after.live.held, true);
+    assert.equal((await order(live, "dance")).status, 400);
+    await order(live, "go");
+    assert.equal(await live.ended, 0);
+    assert.equal(results("held"), results("alone"));
+  },
+
+  async "what was set by hand is a scenario that repeats the run to the bit"() {
+    const live = await runLive("by_hand");
+    await order(live, "hold");
+    const settable = (await header(live)).runs[0].live.settable.map(({ variable }) => variable);
+    assert.ok(settable.includes("motors.rotor[1].command"));
+    assert.ok(!settable.includes("motors.bus.voltage"), "it is connected");
+    assert.equal((await set(live, "motors.rotor[1].command", "0.3")).status, 200);
+    await order(live, "step");
+    await new Promise((done) => setTimeout(done, 100));
+    assert.equal((await set(live, "motors.rotor[2].command", "0.7")).status, 200);
+    for (const [variable, value] of [["motors.bus.voltage", "3"], ["motors.rotor[1].command", "7"], ["motors.rotor[1].command", "x"], ["motors.rotor[9].command", "0"]]) {
+      assert.equal((await set(live, variable, value)).status, 400, `${variable} = ${value}`);
+    }
+    await order(live, "go");
+    assert.equal(await live.ended, 0);
+    assert.notEqual(results("by_hand"), results("alone"));
+    runAlone("again", ["--scenario", join(out, "by_hand", "live_scenario.json")]);
+    assert.equal(results("again"), results("by_hand"));
+  },
+
+  async "strangers are refused: without the token, under another host's name, from another page"() {
+    const live = await runLive("refused");
+    await order(live, "hold");
+    const root = new URL("/", live.address);
+    assert.equal(live.address.hostname, "127.0.0.1");
+    assert.match(live.address.pathname, /^\/[0-9a-f]{32}\/$/);
+    assert.equal((await ask(root, "/")).status, 403);
+    assert.equal((await ask(root, "/data")).status, 403);
+    assert.equal((await ask(root, `/${"0".repeat(32)}/data`)).status, 403);
+    assert.equal((await ask(live.address, "data", { headers: { Host: "evil.example" } })).status, 403);
+    assert.equal((await ask(live.address, "data", { headers: { Origin: "http://evil.example" } })).status, 403);
+    assert.equal((await ask(live.address, "control", { method: "POST", headers: { Origin: "null" }, body: "order=go" })).status, 403);
+    assert.equal((await ask(live.address, "data", { headers: { Origin: live.address.origin } })).status, 200);
+    live.child.kill("SIGINT");
+    assert.equal(await live.ended, 1); // interrupted while it was held
+  },
+
+  async "the page follows a flight, holds it, and shows its end"() {
+    if (!chromium || chromium.endsWith("NOTFOUND")) return console.log("      left out: there is no Chromium; scripts/setup.sh installs it");
+    const { launch, openUrl } = await import("./browser.mjs");
+    const live = await runLive("flight", resolve(configs, "gate_easy.json"), ["--stop-time", "4"]);
+    const browser = await launch(chromium);
+    try {
+      await order(live, "hold");
+      const { page, problems, requests } = await openUrl(browser, live.address.href);
+      assert.deepEqual(problems, []);
+      const time = () => page.evaluate(() => globalThis.mebots.clock.time);
+      const stood = await time();
+      await page.waitForFunction(() => document.getElementById("live").textContent === "held", { timeout: 10000 });
+      await page.click("#hold");
+      await page.waitForFunction((before) => globalThis.mebots.clock.time > before, { timeout: 60000 }, stood);
+      await page.waitForFunction(() => document.getElementById("live").textContent === "ended", { timeout: 300000 });
+      assert.equal(await time(), 4);
+      assert.ok(await page.$("#scene"));
+      assert.deepEqual(problems, []);
+      assert.deepEqual(requests.filter((url) => !url.startsWith(live.address.href) && !/^(blob|data):/.test(url)), []);
+    } finally {
+      await browser.close();
+    }
+    assert.equal(await live.ended, 0);
+  },
+};
+
+let failures = 0;
+for (const [name, run] of Object.entries(tests)) {
+  try {
+    await run();
+    console.log(`ok    ${name}`);
+  } catch (error) {
+    ++failures;
+    console.log(`FAIL  ${name}\n${error.stack}`);
+  }
+}
+process.exit(failures > 0 ? 1 : 0);

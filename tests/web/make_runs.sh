@@ -1,0 +1,12 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# Usage: make_runs.sh MEBOTS CONFIGS OUT. The runs that page_test.mjs looks at, and their pages.
+set -euo pipefail
+mebots=$1 configs=$2 out=$3
+mkdir -p "$out"
+"$mebots" run "$configs/gate_easy.json" --stop-time 4 --quiet --statistics --out "$out/flight"
+"$mebots" run "$configs/gate_easy.json" --stop-time 4 --quiet --set soc.mission.cruise_speed=0.5 --out "$out/fast"
+"$mebots" run "$configs/battery_motors.json" --quiet --statistics --out "$out/system"
+"$mebots" report "$out/flight"
+"$mebots" report "$out/system"
+"$mebots" report "$out/flight" "$out/fast" --out "$out/beside.html"

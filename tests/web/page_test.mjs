@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: Apache-2.0
+// Usage: page_test.mjs RUNS [CHROMIUM]
+import assert from "node:assert/strict";
+import { readFileSync, statSync } from "node:fs";
+import { join } from "node:path";
+import { launch, open } from "./browser.mjs";
+
+const [, , runs, chromium] = process.argv;
+if (!chromium || chromium.endsWith("NOTFOUND")) {
+  console.log("skipped: there is no Chromium; scripts/setup.sh installs it");
+  process.exit(77);
+}
+const pageOf = (run) => join(runs, run, "flight.html");
+
+/** A column of results.csv as numbers. No name here holds a comma. */
+function column(run, name) {
+  const [head, ...lines] = readFileSync(join(runs, run, "results.csv"), "utf8").trim().split("\n");
+  const place = head.split(",").findIndex((title) => title.startsWith(`${name} [`));
+  assert.notEqual(place, -1, `${run} has no ${name}`);
+  return lines.map((line) => Number(line.split(",")[place]));
+}
+
+/** What results.csv says of the last row that is not later. */
+function valueAt(run, name, time) {
+  const times = column(run, "time");
+  return column(run, name)[times.findLastIndex((each) => each <= time)];
+}
+
+const setTime = (page, time) => page.evaluate((t) => globalThis.mebots.clock.set(t), time);
+const frame = (page) => page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done()))));
+
+/** How many different colours a canvas shows. */
+const colours = (page, selector) => page.evaluate((which) => {
+  const shown = document.querySelector(which);
+  const copy = document.createElement("canvas");
+  copy.width = shown.width;
+  copy.height = shown.height;
+  const context = copy.getContext("2d");
+  context.drawImage(shown, 0, 0);
+  const pixels = new Uint32Array(context.getImageData(0, 0, copy.width, copy.height).data.buffer);
+  return new Set(pixels).size;
+}, selector);
+
+/** "0.2778 m/s" or "9.514 W" as a number of the unit without its prefix. */
+function numberOf(text) {
+  const [, number, prefix] = /^([−\d.e+-]+) ?([GMkmµn]?)/.exec(text.replace(/ (m|m\/s|rad\/s)$/, ""));
+  return Number(number.replace("−", "-")) * { "": 1, G: 1e9, M: 1e6, k: 1e3, m: 1e-3, "µ": 1e-6, n: 1e-9 }[prefix];
+}
+
+const tests = {
+  async "the scene and every plot have drawn pixels"({ page }) {
+    assert.ok((await colours(page, "#scene")) > 200, "the scene shows next to nothing");
+    const plots = await page.$$(".chart canvas");
+    assert.ok(plots.length >= 6, `${plots.length} plots`);
+    for (let i = 0; i < plots.length; ++i) {
+      const id = await plots[i].evaluate((canvas, n) => (canvas.id ||= `plot-${n}`), i);
+      assert.ok((await colours(page, `#${id}`)) > 3, `plot ${i} is empty`);
+    }
+  },
+
+  async "scrubbing to a moment shows that moment's numbers"({ page }) {
+    for (const time of [0.5, 3.1, 1.7]) {
+      await setTime(page, time);
+      for (const name of ["world.drone.position.z", "battery.cell.voltage", "soc.setpoint.altitude"]) {
+        const text = await page.$eval(`.values b[data-variable="${name}"]`, (cell) => cell.textContent);
+        const wanted = valueAt("flight", name, time);
+        assert.ok(Math.abs(numberOf(text) - wanted) <= 1e-3 * Math.abs(wanted) + 1e-5, `${name} at ${time} s: ${text}, not ${wanted}`);
+      }
+      assert.match(await page.$eval("#now", (now) => now.textContent), new RegExp(`^${time.toFixed(2)} s /`));
+    }
+  },
+
+  async "mean power over all of the run is energy over time"({ page }) {
+    const shown = await page.evaluate(() => {
+      const run = globalThis.mebots.runs[0];
+      return run.curve({ rate_of: "battery.motors.energy" }).values(run.end)[1];
+    });
+    const energy = column("flight", "battery.motors.energy");
+    const times = column("flight", "time");
+    assert.ok(Math.abs(shown - (energy.at(-1) - energy[0]) / times.at(-1)) < 1e-9 * shown);
+  },
+
+  async "dragging on the timeline moves the moment, and the scene with it"({ page }) {
+    const before = await page.$eval("#scene", (canvas) => canvas.toDataURL());
+    const box = await (await page.$(".track")).boundingBox();
+    await page.mouse.move(box.x + 0.2 * box.width, box.y + box.height - 8);
+    await page.mouse.down();
+    await page.mouse.move(box.x + 0.75 * box.width, box.y + box.height - 8, { steps: 3 });
+    await page.mouse.up();
+    await frame(page);
+    assert.ok(Math.abs((await page.evaluate(() => globalThis.mebots.clock.time)) - 3) < 0.05);
+    assert.notEqual(await page.$eval("#scene", (canvas) => canvas.toDataURL()), before);
+  },
+
+  async "keys play, step by row, and choose the camera"({ page }) {
+    await setTime(page, 1);
+    await page.evaluate(() => document.activeElement?.blur());
+    const times = column("flight", "time");
+    await page.keyboard.press("ArrowRight");
+    assert.equal(await page.evaluate(() => globalThis.mebots.clock.time), times.find((time) => time > 1 + 1e-9));
+    await page.keyboard.press("End");
+    assert.equal(await page.evaluate(() => globalThis.mebots.clock.time), 4);
+    for (const [key, look] of [["2", "free"], ["3", "top"], ["4", "onboard"], ["1", "follow"]]) {
+      await page.keyboard.press(key);
+      assert.equal(await page.$eval('.tools [aria-pressed="true"]', (button) => button.textContent), look);
+    }
+    await setTime(page, 0);
+    await page.keyboard.press("Space");
+    await page.waitForFunction(() => globalThis.mebots.clock.time > 0.05, { timeout: 20000 });
+    await page.keyboard.press("Space");
+    const stood = await page.evaluate(() => globalThis.mebots.clock.time);
+    await frame(page);
+    assert.equal(await page.evaluate(() => globalThis.mebots.clock.time), stood);
+  },
+
+  async "the picture is the last that the camera took"({ page }) {
+    await setTime(page, 1);
+    assert.equal(await page.$eval(".picture figcaption", (caption) => caption.textContent), "no picture yet");
+    await setTime(page, 3);
+    assert.match(await page.$eval(".picture figcaption", (caption) => caption.textContent), /camera at 2\.\d\d s/);
+    await page.waitForFunction(() => document.querySelector(".picture img").naturalWidth === 320, { timeout: 10000 });
+  },
+
+  async "every recorded variable is found by a word, and plotted at a click"({ page }) {
+    await page.click('[data-tab="Variables"]');
+    await page.type("#search", "rotor thrust");
+    const found = await page.$$eval(".signals tbody button", (buttons) => buttons.map((button) => button.textContent));
+    assert.deepEqual(found, [1, 2, 3, 4].map((rotor) => `motors.rotor[${rotor}].thrust`));
+    const before = (await page.$$(".panel")).length;
+    await page.click(".signals tbody button");
+    assert.equal((await page.$$(".panel")).length, before + 1);
+  },
+
+  async "looking closer shows means over less time"({ page }) {
+    const span = () => page.$eval(".panel .unit:nth-of-type(2)", (note) => Number(/over ([\d.]+) s/.exec(note.textContent)[1]));
+    const before = await span();
+    await page.evaluate(() => document.querySelector(".panels").scrollTo(0, 0));
+    const box = await (await page.$(".panel-stack .u-over")).boundingBox();
+    await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
+    await page.keyboard.down("Control");
+    await page.mouse.wheel({ deltaY: -400 });
+    await page.keyboard.up("Control");
+    await frame(page);
+    assert.ok((await span()) < before);
+  },
+};
+
+const systemTests = {
+  async "a run without a world shows its system as a graph with units"({ page }) {
+    assert.equal(await page.$("#scene"), null);
+    const text = await page.$eval(".graph svg", (graph) => graph.textContent);
+    assert.match(text, /battery/);
+    assert.match(text, /motors/);
+    assert.equal((await page.$$(".graph .bundle path")).length, 2);
+    assert.equal((await page.$$(".connections tbody tr")).length, 3);
+  },
+
+  async "it plots what moves and tells the time of every instance"({ page }) {
+    assert.ok((await page.$$(".chart canvas")).length >= 4);
+    await page.click('[data-tab="Numbers"]');
+    assert.match(await page.$eval(".statistics", (part) => part.textContent), /slowest step/);
+  },
+};
+
+const besideTests = {
+  async "two runs fly in one scene and their curves lie over each other"({ page }) {
+    assert.ok((await colours(page, "#scene")) > 200);
+    await setTime(page, 3.9);
+    const cells = await page.$$eval('.values b[data-variable="world.drone.forward_velocity"]', (found) => found.map((cell) => cell.textContent));
+    assert.equal(cells.length, 2);
+    ["flight", "fast"].forEach((run, i) => {
+      const wanted = valueAt(run, "world.drone.forward_velocity", 3.9);
+      assert.ok(Math.abs(numberOf(cells[i]) - wanted) < 1e-3, `${run}: ${cells[i]}, not ${wanted}`);
+    });
+  },
+
+  async "a table tells what was given differently and what came of it"({ page }) {
+    const rows = await page.$$eval(".comparison tr", (found) => found.map((row) => row.textContent));
+    assert.ok(rows.some((row) => row.startsWith("soc.mission.cruise_speed") && row.endsWith("0.5")), rows.join("\n"));
+    assert.ok(rows.some((row) => row.startsWith("outcome")));
+  },
+};
+
+let failures = 0;
+async function check(browser, file, cases, options) {
+  const { page, problems, requests } = await open(browser, file, options);
+  const every = {
+    ...cases,
+    async "nothing goes wrong on the page, and no request leaves the machine"() {
+      assert.deepEqual(problems, []);
+      assert.deepEqual(requests.filter((url) => !/^(file|blob|data):/.test(url)), []);
+    },
+  };
+  for (const [name, run] of Object.entries(every)) {
+    try {
+      await run({ page });
+      console.log(`ok    ${name}`);
+    } catch (error) {
+      ++failures;
+      console.log(`FAIL  ${name}\n${error.stack}`);
+    }
+  }
+  await page.close();
+}
+
+const browser = await launch(chromium);
+try {
+  await check(browser, pageOf("flight"), tests);
+  await check(browser, pageOf("flight"), { "the scene and every plot have drawn pixels": tests["the scene and every plot have drawn pixels"] },
+    { width: 390, height: 844, dark: true });
+  await check(browser, pageOf("system"), systemTests);
+  await check(browser, join(runs, "beside.html"), besideTests);
+  const size = statSync(pageOf("flight")).size;
+  if (size > 3e6) {
+    ++failures;
+    console.log(`FAIL  the page has ${size} bytes`);
+  }
+} finally {
+  await browser.close();
+}
+process.exit(failures > 0 ? 1 : 0);
