@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the master costs beyond the FMU calls: the same FMU stepped by a bare loop over its C functions and by
 // Simulation, turn about, in one process. Usage: bench_master_overhead PASSTHROUGH.fmu [REPEATS]
+#include "message/message.hpp"
 #include "run/simulation.hpp"
-
-#include "fmi2_functions.hpp"
+#include "slave/fmi2_functions.hpp"
 
 #include <fmt/format.h>
 
@@ -19,7 +19,7 @@ using namespace mebots::master;
 
 class Silent final : public MessageSink {
  public:
-  void message(const Message&) override {}
+  void message(const mebots::Message&) override {}
 };
 
 struct Shape {
