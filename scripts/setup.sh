@@ -12,7 +12,7 @@ cd "$(dirname "$0")/.."
 
 packages=(
   build-essential cmake ninja-build pkg-config ccache git ca-certificates
-  clang-14 clang-format-14 clang-tidy-14                          # format and lint, as CI enforces them
+  clang-14 clang-format-14                                        # fuzzing and format, as CI enforces it
   libeigen3-dev libsundials-dev libode-dev libccd-dev             # models
   libzip-dev libpugixml-dev nlohmann-json3-dev                    # FMU archives, XML, JSON
   libcli11-dev libfmt-dev                                         # command line, text

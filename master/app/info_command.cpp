@@ -139,7 +139,7 @@ void print_system(const master::SystemDescription& system) {
   if (system.start_time_ns != 0)
     print_field("start time", fmt::format("{} s", master::to_seconds(system.start_time_ns)));
   print_field("stop time", fmt::format("{} s", master::to_seconds(system.stop_time_ns)));
-  print_field("algorithm", std::string(master::find_algorithm(system.algorithm).name));
+  print_field("algorithm", master::find_algorithm(system.algorithm).name);
   for (const auto& notice : system.notices) print_field("notice", notice);
   fmt::print("\n");
   std::vector<std::vector<std::string>> instances{{"instance", "fmu", "step [s]", "values given"}};

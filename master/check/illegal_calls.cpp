@@ -40,7 +40,7 @@ const Variable* find_variable(const ModelDescription& model, Type type, Causalit
 
 class Probes {
  public:
-  explicit Probes(const Target& target) : target_(&target), model_(target.model), h_(target.step_s) {}
+  explicit Probes(const Target& target) : model_(target.model), h_(target.step_s) {}
 
   std::vector<Probe> all() {
     orders();
@@ -217,7 +217,6 @@ class Probes {
                         });
   }
 
-  const Target* target_;
   const ModelDescription* model_;
   double h_;
   std::vector<Probe> probes_;

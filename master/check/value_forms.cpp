@@ -19,9 +19,9 @@ constexpr std::string_view kFlagWords[] = {"true", "false", "0", "1"};
 constexpr std::string_view kNamingWords[] = {"flat", "structured"};
 constexpr std::string_view kDependencyWords[] = {"dependent", "constant", "fixed", "tunable", "discrete"};
 
-template <const auto& words>
+template <const auto& kWords>
 bool is_one_of(std::string_view text) {
-  return std::ranges::find(words, text) != std::end(words);
+  return std::ranges::find(kWords, text) != std::end(kWords);
 }
 
 /// a, b or c.

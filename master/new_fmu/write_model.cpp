@@ -207,8 +207,6 @@ std::string test_source(const Plan& plan) {
   const auto& d = *plan.description;
   std::string rests;
   std::string same;
-  std::string drive;
-  std::string arrives;
   for (const Lag& lag : plan.lags) {
     const bool array = lag.output->group.has_value();
     for (std::size_t i = 0; i < lag.rest.size(); ++i) {

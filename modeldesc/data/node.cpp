@@ -191,7 +191,7 @@ std::string Node::shown() const {
         if (text.size() > kLongest) break;
         text += element.shown();
       }
-      text += "]";
+      text += ']';
       break;
     case Kind::object:
       text = "{";
@@ -201,7 +201,7 @@ std::string Node::shown() const {
         text +=
             nlohmann::json(key).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + ": " + member.shown();
       }
-      text += "}";
+      text += '}';
       break;
   }
   if (text.size() > kLongest) {

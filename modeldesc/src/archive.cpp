@@ -65,7 +65,7 @@ void pack(const fs::path& archive, std::vector<PackedFile> files) {
                             std::next(twice)->source.string(), twice->entry));
   ZipHandle zip = create_archive(archive);
   for (const PackedFile& file : files) {
-    const auto fail = [&]() {
+    const auto fail = [&] {
       throw Error(ErrorCode::file_unwritable, fmt::format("{}: {} cannot be added as {}: {}", archive.string(),
                                                           file.source.string(), file.entry, zip_strerror(zip.get())));
     };

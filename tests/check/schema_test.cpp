@@ -67,7 +67,6 @@ TEST(CheckSchema, DatesAreThoseOfXmlSchema) {
 }
 
 TEST(CheckSchema, OrderAndEncodingCount) {
-  auto text = culprit_description("none");
   EXPECT_THAT(with("  <UnitDefinitions><Unit name=\"m\"><BaseUnit m=\"1\"/></Unit></UnitDefinitions>\n  "
                    "<LogCategories><Category name=\"logStatusError\"/></LogCategories>",
                    "<LogCategories><Category name=\"logStatusError\"/></LogCategories><UnitDefinitions><Unit "

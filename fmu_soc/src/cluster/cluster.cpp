@@ -18,8 +18,7 @@ constexpr std::uint32_t size_of(const std::array<board::RegisterName, Count>& re
 }  // namespace
 
 Cluster::Cluster(Memory& memory, const ClusterSettings& settings, const InstructionEnergy& energy)
-    : memory_(memory),
-      settings_(settings),
+    : settings_(settings),
       decoded_(std::make_shared<DecodedCode>(memory, settings.timing, energy, &banks_)),
       instruction_cache_(settings.instruction_cache.size == 0
                              ? std::nullopt

@@ -137,7 +137,6 @@ class Cluster {
   std::uint64_t tick_at(Picoseconds time) const { return clock_.first_at(time); }
   BusReply access(unsigned who, std::uint32_t address, std::uint64_t tick, const std::uint32_t* stored, bool event);
 
-  Memory& memory_;
   ClusterSettings settings_;
   std::shared_ptr<DecodedCode> decoded_;  // one for all cores: they run the same code
   std::optional<InstructionCache> instruction_cache_;

@@ -111,9 +111,9 @@ constexpr auto kStandardRows = std::to_array<Encoding>({
 // clang-format on
 
 constexpr auto all_rows() {
-  constexpr auto xpulp_rows = xpulp::rows();
-  std::array<Encoding, kStandardRows.size() + xpulp_rows.size()> rows{};
-  std::copy(xpulp_rows.begin(), xpulp_rows.end(), std::copy(kStandardRows.begin(), kStandardRows.end(), rows.begin()));
+  constexpr auto kXpulpRows = xpulp::rows();
+  std::array<Encoding, kStandardRows.size() + kXpulpRows.size()> rows{};
+  std::copy(kXpulpRows.begin(), kXpulpRows.end(), std::copy(kStandardRows.begin(), kStandardRows.end(), rows.begin()));
   return rows;
 }
 

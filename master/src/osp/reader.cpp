@@ -133,7 +133,7 @@ class OspReader {
     for (const auto element : node.children()) {
       const auto kind = local_name(element);
       if (element.type() != pugi::node_element) continue;
-      const auto text = file_.required(element, "value");
+      auto text = file_.required(element, "value");
       if (kind == "Real") return file_.number(element, "value", 0);
       if (kind == "Boolean") return file_.flag(element, "value", false);
       if (kind == "String") return text;

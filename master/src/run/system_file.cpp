@@ -120,7 +120,7 @@ Json system_json(const ResolvedSystem& system) {
 }
 
 SystemFileWriter::SystemFileWriter(const ResolvedSystem& system, Ensemble& ensemble, std::filesystem::path folder)
-    : system_(&system), ensemble_(&ensemble), folder_(std::move(folder)) {
+    : ensemble_(&ensemble), folder_(std::move(folder)) {
   system_text_ = system_json(system).dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
   const auto& view = system.description->view;
   if (!view.scene) return;

@@ -30,7 +30,6 @@ class SystemFileWriter final : public Observer {
   std::optional<std::string> reached(const Point& point) override;
 
  private:
-  const ResolvedSystem* system_;
   Ensemble* ensemble_;
   std::filesystem::path folder_;
   std::string system_text_;

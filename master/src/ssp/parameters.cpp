@@ -87,7 +87,7 @@ Json value_of(const XmlFile& file, pugi::xml_node parameter) {
     }
     if (type == "String" || type == "Enumeration") {
       // Tools that know no items write an enumeration's number.
-      const auto word = text();
+      auto word = text();
       if (type == "Enumeration" && parse_number(word)) return whole_number(file, node, word);
       return word;
     }
