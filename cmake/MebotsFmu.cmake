@@ -5,6 +5,7 @@
 #   [MODEL_LIBRARIES <target>...] what the model links
 #   [MODEL_DEFINITIONS <NAME=value>...] macros that its sources are compiled with
 #   [BUNDLE <file>...]            shared libraries that travel beside the FMU's own
+#   [LINKED_IN <file>...]         files of the libraries that are linked in: their licences go into the archive
 #   [BOARD <file>]                board description whose variables join description.json
 #   [RESOURCES <dir>...]          folders whose contents go to resources/
 #   [RESOURCE_FILES <file>...]    single files that go to resources/; built ones too
@@ -17,7 +18,7 @@
 # The same inside this tree and after find_package(mebots).
 function(mebots_add_fmu name)
   cmake_parse_arguments(ARG "" "BOARD;SOURCE_DIR;IDENTIFIER"
-    "MODEL_SOURCES;MODEL_LIBRARIES;MODEL_DEFINITIONS;BUNDLE;RESOURCES;RESOURCE_FILES" ${ARGN})
+    "MODEL_SOURCES;MODEL_LIBRARIES;MODEL_DEFINITIONS;BUNDLE;LINKED_IN;RESOURCES;RESOURCE_FILES" ${ARGN})
   set(source_dir ${CMAKE_CURRENT_SOURCE_DIR})
   if(ARG_SOURCE_DIR)
     get_filename_component(source_dir ${ARG_SOURCE_DIR} ABSOLUTE)
@@ -79,10 +80,21 @@ function(mebots_add_fmu name)
   endforeach()
   foreach(file IN LISTS ARG_BUNDLE)
     list(APPEND pack_options --library ${file})
+  endforeach()
+  execute_process(COMMAND ${CMAKE_CXX_COMPILER} -print-file-name=libstdc++.a OUTPUT_VARIABLE cxx_library
+    OUTPUT_STRIP_TRAILING_WHITESPACE)
+  get_target_property(math_license mebots::math MEBOTS_LICENSE)
+  set(licenses)
+  if(math_license)
+    set(licenses ${math_license})
+  endif()
+  foreach(file IN LISTS ARG_BUNDLE ARG_LINKED_IN ITEMS ${cxx_library} /usr/include/fmt/core.h /usr/include/nlohmann/json.hpp)
     mebots_library_license(${file} license)
-    if(license)
-      list(APPEND pack_options --library-license ${license})
-    endif()
+    list(APPEND licenses ${license})
+  endforeach()
+  list(REMOVE_DUPLICATES licenses)
+  foreach(license IN LISTS licenses)
+    list(APPEND pack_options --library-license ${license})
   endforeach()
   set(resource_dependencies)
   foreach(folder IN LISTS ARG_RESOURCES)

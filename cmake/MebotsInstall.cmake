@@ -15,7 +15,7 @@ set(share ${CMAKE_INSTALL_DATADIR}/mebots)
 
 # Programs apart from libraries: who builds firmware needs none of the libraries' dependencies.
 set(programs mebots mebots-fmu-host mebots-modeldesc)
-set(libraries mebots_master mebots_modeldesc mebots_shell mebots_data mebots_interface)
+set(libraries mebots_master mebots_modeldesc mebots_shell mebots_data mebots_interface mebots_math)
 if(MEBOTS_CHIP)
   list(APPEND programs mebots-soc mebots-boardgen)
   list(APPEND libraries soc_platform soc_files soc_tool)
@@ -40,6 +40,10 @@ install(DIRECTORY modeldesc/include/mebots/data modeldesc/include/mebots/fmu mod
   DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/mebots)
 
 install(FILES LICENSE DESTINATION ${share})
+get_target_property(math_license mebots_math MEBOTS_LICENSE)
+if(math_license)
+  install(FILES ${math_license} DESTINATION ${share}/licenses/musl-dev)
+endif()
 install(DIRECTORY configs DESTINATION ${share})
 install(DIRECTORY fmu_world/params/scenes DESTINATION ${share})
 install(DIRECTORY master/new_folder/templates DESTINATION ${share})

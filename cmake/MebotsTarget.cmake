@@ -4,6 +4,7 @@
 # Our own code's compile options: warnings, hidden symbols, the same floating point everywhere, assertions, sanitizers.
 function(mebots_target target)
   target_compile_features(${target} PUBLIC cxx_std_20)
+  target_link_libraries(${target} PRIVATE mebots::math)
   target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wshadow -ffp-contract=off
     $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>)  # GCC 12 warns falsely at string + string, GCC bug 105651
   if(CMAKE_UNITY_BUILD)  # to GCC a source is then a header, in which a member from an anonymous namespace is suspicious

@@ -14,6 +14,7 @@ packages=(
   build-essential cmake ninja-build pkg-config ccache git ca-certificates
   clang-14 clang-format-14                                        # fuzzing and format, as CI enforces it
   libeigen3-dev libsundials-dev libode-dev libccd-dev             # models
+  musl-dev                                                        # sin(), exp() ... with the same bits on every machine
   libzip-dev libpugixml-dev nlohmann-json3-dev                    # FMU archives, XML, JSON
   libcli11-dev libfmt-dev                                         # command line, text
   libxbyak-dev                                                    # translation of firmware to host code

@@ -1,0 +1,49 @@
+# SPDX-License-Identifier: Apache-2.0
+# The target mebots_math: the mathematical functions of musl's C library, taken from Debian's static archive into one of
+# ours. glibc chooses among variants of sin(), exp(), pow() ... by the processor (with FMA or without), and their last bits
+# differ; musl has one of each, for any x86-64. What is exact in both (sqrt, floor, fmod, remainder ...) stays glibc's.
+
+set(functions
+  acos acosh asin asinh atan atan2 atanh cbrt cos cosh erf exp exp10 exp2 expm1 hypot lgamma log log10 log1p log2
+  pow sin sincos sinh tan tanh tgamma)
+set(functions_of_float ${functions})
+list(TRANSFORM functions_of_float APPEND f)
+list(APPEND functions ${functions_of_float})
+
+# What they are made of.
+set(helpers
+  __cos __cosdf __expo2 __expo2f __math_divzero __math_divzerof __math_invalid __math_invalidf __math_oflow __math_oflowf
+  __math_uflow __math_uflowf __math_xflow __math_xflowf __rem_pio2 __rem_pio2_large __rem_pio2f __sin __sindf __tan __tandf
+  exp2f_data exp_data lgamma_r lgammaf_r log2_data log2f_data log_data logf_data pow_data powf_data signgam)
+
+find_file(MUSL_ARCHIVE libc.a PATHS /usr/lib/x86_64-linux-musl NO_DEFAULT_PATH)
+if(NOT MUSL_ARCHIVE)
+  message(FATAL_ERROR "musl's static library is missing, from which MEbots takes its mathematical functions: install musl-dev "
+    "(scripts/setup.sh does), or say -DMUSL_ARCHIVE=<.../libc.a>")
+endif()
+
+set(folder ${PROJECT_BINARY_DIR}/musl)
+set(members ${functions} ${helpers})
+list(TRANSFORM members APPEND .lo)
+file(MAKE_DIRECTORY ${folder})
+execute_process(COMMAND ${CMAKE_AR} x ${MUSL_ARCHIVE} ${members} WORKING_DIRECTORY ${folder} COMMAND_ERROR_IS_FATAL ANY)
+set(objects ${members})
+list(TRANSFORM objects PREPEND ${folder}/)
+set_source_files_properties(${objects} PROPERTIES EXTERNAL_OBJECT ON)
+
+# A compiler that computes a call itself, or makes another one of it, has other bits than the library.
+set(options ${functions})
+list(TRANSFORM options PREPEND -fno-builtin-)
+
+# No program lends these functions to the libraries that it loads: FMUs of others compute with what they came with.
+add_library(mebots_math STATIC ${objects})
+set_target_properties(mebots_math PROPERTIES LINKER_LANGUAGE CXX EXPORT_NAME math)
+target_compile_options(mebots_math INTERFACE ${options})
+target_link_options(mebots_math INTERFACE LINKER:--exclude-libs,libmebots_math.a)
+add_library(mebots::math ALIAS mebots_math)
+
+# Its licence, for the archives that it is linked into.
+execute_process(COMMAND dpkg-query --search ${MUSL_ARCHIVE} OUTPUT_VARIABLE found ERROR_QUIET)
+if(found MATCHES "^([^:, ]+)")
+  set_target_properties(mebots_math PROPERTIES MEBOTS_LICENSE /usr/share/doc/${CMAKE_MATCH_1}/copyright)
+endif()
