@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <string>
 
 namespace mebots::app {
 namespace {
@@ -17,6 +18,7 @@ struct CheckOptions {
   bool files_only = false;
   double half_step_tolerance = 1e-3;
   double deadline_s = 30;
+  std::string level = "standard";
 };
 
 int check_command(const CheckOptions& options) {
@@ -24,6 +26,7 @@ int check_command(const CheckOptions& options) {
     check::Options how;
     how.half_step_tolerance = options.half_step_tolerance;
     how.deadline_s = options.deadline_s;
+    how.level = check::level_named(options.level);
     how.run = !options.files_only;
     const auto report = check::check_fmu(options.fmu, how);
     const auto text = options.json ? check::to_json(report) : check::to_text(report);
@@ -41,16 +44,23 @@ void add_check(CLI::App& app, Action& action) {
   const auto options = std::make_shared<CheckOptions>();
   auto* command = app.add_subcommand("check", "Look for mistakes in an FMU, from archive to behaviour");
   command->add_option("fmu", options->fmu, "FMU file")->required();
+  command
+      ->add_option("--level", options->level,
+                   "interoperable: what keeps other tools from running it; standard: what FMI 2.0 demands; pedantic: "
+                   "what a careful author does beyond")
+      ->check(CLI::IsMember(check::level_names()))
+      ->option_text("LEVEL [standard]");
   command->add_flag("--json", options->json, "Print a report for machines");
   command->add_flag("--files-only", options->files_only, "Run nothing of the FMU's code");
   command
       ->add_option("--half-step-tolerance", options->half_step_tolerance,
                    "What two half steps may differ from one by, relative to an output's largest magnitude")
       ->check(positive());
-  command->add_option("--deadline", options->deadline_s, "Wall time for each experiment with the FMU [s]")
+  command->add_option("--deadline", options->deadline_s, "Time that each experiment may compute or sleep [s]")
       ->check(positive());
-  command->footer(help_footer({"0 clean", "1 findings", "2 the file cannot be read"},
-                              {"mebots check yours.fmu", "mebots check yours.fmu --json > report.json"}));
+  command->footer(
+      help_footer({"0 clean", "1 findings", "2 the file cannot be read"},
+                  {"mebots check yours.fmu", "mebots check yours.fmu --level pedantic --json > report.json"}));
   command->callback([options, &action] { action = [options] { return check_command(*options); }; });
 }
 

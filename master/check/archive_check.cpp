@@ -25,7 +25,8 @@ std::string folded(std::string_view name) {
 /// Names at the top of an archive that FMI 2.0.4, section 2.3, knows; `licenses` is common though not in it.
 bool is_known_top(std::string_view top) {
   constexpr std::string_view kKnown[] = {
-      "modelDescription.xml", "model.png", "documentation", "licenses", "sources", "binaries", "resources"};
+      "modelDescription.xml", "model.png", "documentation", "licenses", "sources", "binaries", "resources", "extra",
+      "terminalsAndIcons"};
   return std::ranges::find(kKnown, top) != std::end(kKnown);
 }
 
@@ -87,13 +88,15 @@ class ArchiveCheck {
     } else {
       const auto [other, fresh] = folded_.emplace(folded(path), name);
       if (!fresh)
-        findings_.warning(fmt::format("\"{}\" and \"{}\" differ only in capitals", other->second, name),
-                          "rename one: on Windows and macOS they are the same file");
+        findings_.at(Level::pedantic)
+            .warning(fmt::format("\"{}\" and \"{}\" differ only in capitals", other->second, name),
+                     "rename one: on Windows and macOS they are the same file");
     }
     const auto top = name.substr(0, name.find('/'));
     if (!climbs && tops_.insert(top).second && !is_known_top(top) && !top.empty())
-      findings_.warning(fmt::format("\"{}\" at the top of the archive is nothing that FMI 2.0 knows", top),
-                        "move it to resources or documentation");
+      findings_.at(Level::pedantic)
+          .warning(fmt::format("\"{}\" at the top of the archive is nothing that FMI 2.0 knows", top),
+                   "move it to resources, documentation or extra");
   }
 
   void check_kind(zip_uint64_t index, const std::string& name) {

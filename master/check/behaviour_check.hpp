@@ -15,6 +15,7 @@ struct Probe {
   std::function<void(const Library&)> run;
   std::string skipped;  ///< why it does not apply to this FMU; empty when it does
   Severity crash = Severity::error;
+  Level level = Level::standard;
 };
 
 /// Runs, resets, saves, halves steps, replays and counts what is left behind. The second is a plain run: when it fails,

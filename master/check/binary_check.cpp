@@ -169,10 +169,10 @@ void check_symbols(const ModelDescription& model, const fs::path& library, Findi
         fmt::format("{} lacks {}", library.filename().string(), fmt::join(missing, ", ")),
         "export them with default visibility and C linkage; a function that is not offered answers fmi2Error");
   if (!spared.empty())
-    findings.warning(
-        fmt::format("{} lacks {}; its description does not offer them, but some tools load no library without",
-                    library.filename().string(), fmt::join(spared, ", ")),
-        "export them all the same, and answer fmi2Error");
+    findings.at(Level::pedantic)
+        .warning(fmt::format("{} lacks {}; its description does not offer them, but some tools load no library without",
+                             library.filename().string(), fmt::join(spared, ", ")),
+                 "export them all the same, and answer fmi2Error");
   std::vector<std::string> extra;
   for (const auto& name : names)
     if (!known.contains(name) && !name.starts_with("fmi2") && !is_linkers_own(name)) extra.push_back(name);
@@ -180,9 +180,10 @@ void check_symbols(const ModelDescription& model, const fs::path& library, Findi
   constexpr std::size_t kShown = 5;
   const auto count = extra.size();
   if (count > kShown) extra.resize(kShown);
-  findings.warning(fmt::format("{} exports {} more names, such as {}: they can collide with another FMU's",
-                               library.filename().string(), count, fmt::join(extra, ", ")),
-                   "hide them: -fvisibility=hidden, or a linker version script that keeps fmi2*");
+  findings.at(Level::pedantic)
+      .warning(fmt::format("{} exports {} more names, such as {}: they can collide with another FMU's",
+                           library.filename().string(), count, fmt::join(extra, ", ")),
+               "hide them: -fvisibility=hidden, or a linker version script that keeps fmi2*");
 }
 
 bool can_be_run(const ModelDescription& model, const fs::path& library) {

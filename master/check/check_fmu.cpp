@@ -39,22 +39,28 @@ class FmuCheck {
 
   Report run() {
     report_.fmu = fmu_.string();
+    report_.level = options_.level;
     if (archive() && description() && options_.run && binaries()) behaviour();
+    for (auto& check : report_.checks) {
+      report_.untold +=
+          std::erase_if(check.findings, [&](const Finding& finding) { return finding.level > options_.level; });
+    }
     return std::move(report_);
   }
 
  private:
-  Check& add(Group group, std::string name) {
+  Check& add(Group group, std::string name, Level level = Level::standard) {
     Check check;
     check.group = group;
+    check.level = level;
     check.name = std::move(name);
     return report_.checks.emplace_back(std::move(check));
   }
 
   bool archive() {
-    Check& hygiene = add(Group::archive, "the archive is a plain zip of files below one folder");
+    Check& hygiene = add(Group::archive, "the archive is a plain zip of files below one folder", Level::interoperable);
     check_archive(fmu_, hygiene);
-    Check& unpacked = add(Group::archive, "all entries can be unpacked");
+    Check& unpacked = add(Group::archive, "all entries can be unpacked", Level::interoperable);
     try {
       modeldesc::unpack(fmu_, folder_.path());
       fs::create_directories(folder_.path() / "resources");
@@ -70,7 +76,7 @@ class FmuCheck {
     std::ifstream stream(file, std::ios::binary);
     const std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
     check_schema(text, add(Group::description, "modelDescription.xml has the elements and attributes of FMI 2.0"));
-    Check& readable = add(Group::description, "modelDescription.xml can be read as a whole");
+    Check& readable = add(Group::description, "modelDescription.xml can be read as a whole", Level::interoperable);
     try {
       model_ = modeldesc::read_xml_text(text, "modelDescription.xml");
     } catch (const Error& error) {
@@ -93,7 +99,7 @@ class FmuCheck {
   }
 
   bool binaries() {
-    Check& platforms = add(Group::binaries, "every platform has its library");
+    Check& platforms = add(Group::binaries, "every platform has its library", Level::interoperable);
     if (!model_.co_simulation) {
       platforms.skipped = "the FMU is for model exchange only";
       return false;
@@ -109,9 +115,9 @@ class FmuCheck {
     };
     if (!look(platforms, [&](Check& check) { check_platforms(model_, folder_.path(), check); }) || !fs::exists(library))
       return false;
-    look(add(Group::binaries, "the functions of FMI 2.0 are exported, and nothing else"),
+    look(add(Group::binaries, "the functions of FMI 2.0 are exported, and nothing else", Level::interoperable),
          [&](Check& check) { check_symbols(model_, library, check); });
-    const bool found = look(add(Group::binaries, "all libraries it needs can be found"),
+    const bool found = look(add(Group::binaries, "all libraries it needs can be found", Level::interoperable),
                             [&](Check& check) { check_needed_libraries(library, check); });
     return found && can_be_run(model_, library);
   }
@@ -128,8 +134,10 @@ class FmuCheck {
     bool runs = true;
     for (std::size_t i = 0; i < probes.size(); ++i) {
       const auto& probe = probes[i];
-      Check& check = add(Group::behaviour, probe.name);
-      check.skipped = runs ? probe.skipped : "a plain run fails";
+      Check& check = add(Group::behaviour, probe.name, probe.level);
+      check.skipped = !runs                          ? "a plain run fails"
+                      : probe.level > options_.level ? fmt::format("made at --level {}", to_string(probe.level))
+                                                     : probe.skipped;
       if (!check.skipped.empty()) continue;
       CrashRule rule;
       rule.severity = probe.crash;

@@ -10,7 +10,8 @@ namespace mebots::check {
 
 struct Options {
   double half_step_tolerance = 1e-3;  ///< of an output's largest magnitude in the run
-  double deadline_s = 30;             ///< wall seconds for each experiment with the FMU
+  double deadline_s = 30;             ///< for each experiment with the FMU: seconds that it computes or sleeps
+  Level level = Level::standard;      ///< findings of higher levels are counted, not told
   bool run = true;                    ///< false: look at the files only, run nothing of the FMU's
 };
 
@@ -20,7 +21,8 @@ Report check_fmu(const std::filesystem::path& fmu, const Options& options);
 
 /// The report for people: findings by group, with the way out.
 std::string to_text(const Report& report);
-/// The report for machines. Keys: fmu, summary, clean, errors, warnings, checks [{group, name, result, why, findings}].
+/// The report for machines. Keys: fmu, summary, level, clean, errors, warnings, checks [{group, name, result, why,
+/// findings}].
 std::string to_json(const Report& report);
 
 }  // namespace mebots::check

@@ -2,6 +2,7 @@
 #include "child.hpp"
 
 #include "mebots/error.hpp"
+#include "slave/fmi2_callbacks.hpp"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -16,6 +17,9 @@
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
+#include <ctime>
+#include <fstream>
+#include <iterator>
 #include <nlohmann/json.hpp>
 
 namespace mebots::check {
@@ -24,6 +28,7 @@ namespace {
 /// A page that parent and child share: it survives the child.
 struct BlackBox {
   char doing[400];
+  char callback[40];  // of ours, in which a signal ended the child
   bool finished;
 };
 
@@ -43,6 +48,25 @@ class SharedBox {
   void* memory_;
 };
 
+BlackBox* signalled_box = nullptr;
+
+/// Says whether a crash is ours, then lets it happen: SA_RESETHAND.
+void on_signal(int signal) {
+  const char* callback = master::current_callback();
+  for (std::size_t i = 0; callback != nullptr && i + 1 < sizeof(BlackBox::callback) && callback[i] != '\0'; ++i)
+    signalled_box->callback[i] = callback[i];
+  raise(signal);
+}
+
+void catch_crashes(BlackBox& box) {
+  signalled_box = &box;
+  struct sigaction action {};
+  action.sa_handler = &on_signal;
+  action.sa_flags = static_cast<int>(SA_RESETHAND);
+  for (const int signal : {SIGSEGV, SIGABRT, SIGFPE, SIGILL, SIGBUS}) sigaction(signal, &action, nullptr);
+  for (const int signal : {SIGTERM, SIGINT}) std::signal(signal, SIG_DFL);
+}
+
 /// Findings as lines of JSON through a pipe.
 class PipeWitness final : public Witness {
  public:
@@ -50,6 +74,7 @@ class PipeWitness final : public Witness {
 
   void error(std::string text, std::string way_out) override { send("error", text, way_out); }
   void warning(std::string text, std::string way_out) override { send("warning", text, way_out); }
+  void remark(std::string text, std::string way_out) override { send("remark", text, way_out); }
   void doing(std::string_view what) override {
     const auto size = std::min(what.size(), sizeof(box_->doing) - 1);
     std::memcpy(box_->doing, what.data(), size);
@@ -83,7 +108,7 @@ class PipeWitness final : public Witness {
 #else
   (void)kMemory;
 #endif
-  for (const int signal : {SIGSEGV, SIGABRT, SIGFPE, SIGILL, SIGBUS, SIGTERM, SIGINT}) std::signal(signal, SIG_DFL);
+  catch_crashes(box);
   const int nowhere = open("/dev/null", O_RDWR | O_CLOEXEC);
   for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) dup2(nowhere, stream);
   close(nowhere);
@@ -97,15 +122,54 @@ class PipeWitness final : public Witness {
   _exit(0);  // no destructors of the parent's copy
 }
 
+/// What a child used of its deadline: seconds in which it computed, and those in which it slept. Seconds in which it
+/// waited for a processor that others have are not its own.
+class SpentTime {
+ public:
+  explicit SpentTime(pid_t child) : child_(child) {
+    if (clock_getcpuclockid(child, &clock_) != 0) clock_ = CLOCK_MONOTONIC;
+    computed_s_ = computed();
+  }
+
+  double seconds() {
+    const auto now = std::chrono::steady_clock::now();
+    const double computed_s = computed();
+    if (computed_s == computed_s_ && sleeps()) slept_ += now - last_;
+    spent_s_ += computed_s - computed_s_;
+    computed_s_ = computed_s;
+    last_ = now;
+    return spent_s_ + std::chrono::duration<double>(slept_).count();
+  }
+
+ private:
+  double computed() const {
+    timespec time{};
+    clock_gettime(clock_, &time);
+    return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+  }
+  /// proc(5): the state is the letter after the name in parentheses.
+  bool sleeps() const {
+    std::ifstream file(fmt::format("/proc/{}/stat", child_));
+    const std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+    const auto name_end = text.rfind(')');
+    return name_end == std::string::npos || name_end + 2 >= text.size() || text[name_end + 2] != 'R';
+  }
+
+  pid_t child_;
+  clockid_t clock_{};
+  double computed_s_ = 0;
+  double spent_s_ = 0;
+  std::chrono::steady_clock::duration slept_{};
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
 /// Reads until the child closed its end. False when the deadline came first.
-bool read_all(int pipe, double deadline_s, std::string& text) {
-  const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(deadline_s);
+bool read_all(int pipe, SpentTime spent, double deadline_s, std::string& text) {
+  constexpr int kLook_ms = 50;
   for (;;) {
-    const auto left =
-        std::chrono::duration_cast<std::chrono::milliseconds>(end - std::chrono::steady_clock::now()).count();
-    if (left <= 0) return false;
+    if (spent.seconds() > deadline_s) return false;
     pollfd watched{pipe, POLLIN, 0};
-    const int ready = poll(&watched, 1, static_cast<int>(std::min<long>(left, 1000)));
+    const int ready = poll(&watched, 1, kLook_ms);
     if (ready < 0 && errno != EINTR) return true;
     if (ready <= 0) continue;
     char buffer[4096];
@@ -123,8 +187,10 @@ void take(const std::string& lines, Findings& findings) {
     const auto json = nlohmann::json::parse(lines.substr(at, end - at), nullptr, false);
     at = end + 1;
     if (!json.is_object()) continue;
-    findings.add(json.value("severity", "") == "warning" ? Severity::warning : Severity::error, json.value("text", ""),
-                 json.value("way_out", ""));
+    const auto severity = json.value("severity", "");
+    const auto level = severity == "remark" ? Level::pedantic : Level::interoperable;
+    findings.at(level).add(severity == "error" ? Severity::error : Severity::warning, json.value("text", ""),
+                           json.value("way_out", ""));
   }
 }
 
@@ -147,7 +213,7 @@ void run_in_child(const CrashRule& rule, Findings findings, const std::function<
   }
   close(ends[1]);
   std::string lines;
-  const bool in_time = read_all(ends[0], rule.deadline_s, lines);
+  const bool in_time = read_all(ends[0], SpentTime(child), rule.deadline_s, lines);
   close(ends[0]);
   if (!in_time) {
     kill(-child, SIGKILL);
@@ -159,8 +225,15 @@ void run_in_child(const CrashRule& rule, Findings findings, const std::function<
   take(lines, findings);
   const std::string doing = (*box).doing[0] == '\0' ? "the start" : (*box).doing;
   if (!in_time) {
-    findings.add(rule.severity, fmt::format("no answer within {} s from {}", rule.deadline_s, doing),
+    findings.add(rule.severity,
+                 fmt::format("no answer from {1} within {0} s of computing or sleeping", rule.deadline_s, doing),
                  "give more time with --deadline, or look for an endless loop");
+  } else if (WIFSIGNALED(status) && (*box).callback[0] != '\0') {
+    throw Error(
+        ErrorCode::system_failure,
+        fmt::format("mebots itself failed ({}) in its callback {}, called in {}: this is not the FMU's mistake; "
+                    "please report it",
+                    strsignal(WTERMSIG(status)), static_cast<const char*>((*box).callback), doing));
   } else if (WIFSIGNALED(status)) {
     findings.add(
         rule.severity,

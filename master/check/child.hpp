@@ -14,6 +14,8 @@ class Witness {
   virtual ~Witness() = default;
   virtual void error(std::string text, std::string way_out) = 0;
   virtual void warning(std::string text, std::string way_out) = 0;
+  /// A warning at level pedantic.
+  virtual void remark(std::string text, std::string way_out) = 0;
   /// What is about to be called: the last words before a crash.
   virtual void doing(std::string_view what) = 0;
 };
@@ -22,12 +24,13 @@ class Witness {
 struct CrashRule {
   Severity severity = Severity::error;
   std::string way_out = "run it under a debugger or with -fsanitize=address";
-  double deadline_s = 30;
+  double deadline_s = 30;  ///< of computing and sleeping; not of waiting for a processor
 };
 
 /// Runs foreign code where it can do no harm: in a forked child, with a deadline, without standard output. Whatever
 /// becomes of it, the child's findings so far arrive, and a crash, an exit or a hang becomes a finding itself.
-/// The calling process must have one thread only. Throws mebots::Error when no child can be made.
+/// The calling process must have one thread only. Throws mebots::Error when no child can be made, and when a callback
+/// of ours is what failed.
 void run_in_child(const CrashRule& rule, Findings findings, const std::function<void(Witness&)>& work);
 
 }  // namespace mebots::check

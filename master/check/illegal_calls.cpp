@@ -65,7 +65,7 @@ class Probes {
                          expect_refusal(library, what, call(instance));
                          instance.forget();  // what may be freed after an error is another question
                        },
-                       "", crash});
+                       "", crash, Level::pedantic});
   }
 
   void orders() {
@@ -184,7 +184,7 @@ class Probes {
   }
 
   void instantiations() {
-    const auto add_instantiation = [&](const std::string& what, auto call) {
+    const auto add_instantiation = [&](const std::string& what, Level level, auto call) {
       probes_.push_back({fmt::format("{} is refused", what),
                          [what, call](const Library& library) {
                            library.witness().doing(what);
@@ -197,20 +197,20 @@ class Probes {
                              library.witness().warning(fmt::format("{} gave an instance", what),
                                                        "compare the arguments, and answer a null pointer");
                          },
-                         "", Severity::error});
+                         "", Severity::error, level});
     };
-    add_instantiation("fmi2Instantiate with another GUID",
+    add_instantiation("fmi2Instantiate with another GUID", Level::standard,
                       [](const Library& l, const auto& callbacks, const std::string&) {
                         return l.functions().instantiate("other", fmi2CoSimulation, "{this is not the GUID}",
                                                          l.resource_uri().c_str(), &callbacks, fmi2False, fmi2False);
                       });
-    add_instantiation("fmi2Instantiate without a GUID",
+    add_instantiation("fmi2Instantiate without a GUID", Level::pedantic,
                       [](const Library& l, const auto& callbacks, const std::string&) {
                         return l.functions().instantiate("none", fmi2CoSimulation, nullptr, l.resource_uri().c_str(),
                                                          &callbacks, fmi2False, fmi2False);
                       });
     if (!model_->has_model_exchange)
-      add_instantiation("fmi2Instantiate for model exchange, which is not described",
+      add_instantiation("fmi2Instantiate for model exchange, which is not described", Level::pedantic,
                         [](const Library& l, const auto& callbacks, const std::string& guid) {
                           return l.functions().instantiate("exchange", fmi2ModelExchange, guid.c_str(),
                                                            l.resource_uri().c_str(), &callbacks, fmi2False, fmi2False);

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstring>
 #include <fstream>
+#include <set>
 
 namespace mebots::check {
 namespace {
@@ -161,6 +162,31 @@ void check_reset(const Library& library) {
   });
 }
 
+void check_surroundings(const Library& library) {
+  std::set<std::string> told;
+  const auto tell = [&](const std::string& when, const std::vector<std::string>& changes) {
+    for (const auto& change : changes)
+      if (told.insert(change).second)
+        library.witness().warning(fmt::format("{}: {}", when, change),
+                                  "leave to the importing tool what all FMUs of its process share");
+  };
+  tell("loading the library", library.changes_at_load());
+  Surroundings surroundings;
+  {
+    Instance instance(library, "surroundings");
+    tell("fmi2Instantiate", surroundings.changes());
+    instance.start();
+    tell("initialisation", surroundings.changes());
+    for (int k = 0; k < library.target().steps; ++k) {
+      instance.run(k, k + 1);
+      tell(fmt::format("fmi2DoStep at {} s", k * library.target().step_s), surroundings.changes());
+    }
+    instance.terminate();
+    tell("fmi2Terminate", surroundings.changes());
+  }
+  tell("fmi2FreeInstance", surroundings.changes());
+}
+
 constexpr const char* kStateWayOut = "put everything into the state that a later step depends on";
 
 void check_state(const Library& library) {
@@ -176,8 +202,7 @@ void check_state(const Library& library) {
   instance.run(steps / 2, steps);
   expect_same(library, "after fmi2GetFMUstate", instance.outputs(), wanted, "saving must not change the instance");
   for (int again = 0; again < 2; ++again) {
-    instance.doing("fmi2SetFMUstate");
-    instance.require("fmi2SetFMUstate", f.set_fmu_state(instance.component(), state));
+    instance.set_state(state);
     instance.run(steps / 2, steps);
     expect_same(library, again == 0 ? "after fmi2SetFMUstate" : "after a second fmi2SetFMUstate of one state",
                 instance.outputs(), wanted, kStateWayOut);
@@ -216,8 +241,7 @@ void check_serialization(const Library& library) {
   instance.doing("fmi2DeSerializeFMUstate");
   instance.require("fmi2DeSerializeFMUstate",
                    f.deserialize_fmu_state(instance.component(), bytes.data(), bytes.size(), &state));
-  instance.doing("fmi2SetFMUstate");
-  instance.require("fmi2SetFMUstate", f.set_fmu_state(instance.component(), state));
+  instance.set_state(state);
   instance.run(steps / 2, steps);
   expect_same(library, "after restoring a serialised state in another instance", instance.outputs(), wanted,
               kStateWayOut);
@@ -355,21 +379,28 @@ std::vector<Probe> life_probes(const Target& target, double half_step_tolerance)
       flags.can_handle_variable_communication_step_size ? once : "canHandleVariableCommunicationStepSize is false";
   const auto traces = find_traces(target.folder);
   std::vector<Probe> probes;
-  probes.push_back({"version and platform are those of FMI 2.0", check_versions, ""});
-  probes.push_back({"a run gives finite outputs within their limits", check_run, ""});
-  probes.push_back({"start values are those of the description", check_starts, ""});
-  probes.push_back({"two instances do not disturb each other", check_two_instances, once});
-  probes.push_back({"reset equals a fresh instance", check_reset, once});
-  probes.push_back(
-      {"a saved and restored state goes on as the straight run", check_state, no_state.empty() ? once : no_state});
-  probes.push_back({"a serialised state goes on in another instance", check_serialization, no_bytes});
-  probes.push_back({fmt::format("two half steps agree with one to {:g}", half_step_tolerance),
-                    [half_step_tolerance](const Library& library) { check_half_steps(library, half_step_tolerance); },
-                    fixed_step});
-  probes.push_back({"an instance can be freed at any time", check_free_orders, ""});
-  probes.push_back({"100 instances leave nothing behind", check_growth, ""});
-  probes.push_back({"reference traces are reproduced", [traces](const Library& library) { replay(library, *traces); },
-                    traces ? "" : "the FMU carries none in documentation/reference"});
+  const auto add = [&](Level level, std::string name, std::function<void(const Library&)> run,
+                       std::string skipped = "") {
+    probes.push_back({std::move(name), std::move(run), std::move(skipped), Severity::error, level});
+  };
+  using enum Level;
+  add(interoperable, "version and platform are those of FMI 2.0", check_versions);
+  add(interoperable, "a run gives finite outputs within their limits", check_run);
+  add(interoperable, "the process is left as it was", check_surroundings);
+  add(standard, "start values are those of the description", check_starts);
+  add(interoperable, "two instances do not disturb each other", check_two_instances, once);
+  add(standard, "reset equals a fresh instance", check_reset, once);
+  add(standard, "a saved and restored state goes on as the straight run", check_state,
+      no_state.empty() ? once : no_state);
+  add(standard, "a serialised state goes on in another instance", check_serialization, no_bytes);
+  add(
+      pedantic, fmt::format("two half steps agree with one to {:g}", half_step_tolerance),
+      [half_step_tolerance](const Library& library) { check_half_steps(library, half_step_tolerance); }, fixed_step);
+  add(interoperable, "an instance can be freed at any time", check_free_orders);
+  add(standard, "100 instances leave nothing behind", check_growth);
+  add(
+      standard, "reference traces are reproduced", [traces](const Library& library) { replay(library, *traces); },
+      traces ? "" : "the FMU carries none in documentation/reference or extra/org.fmi-standard.fmi-ls-ref");
   return probes;
 }
 

@@ -1,13 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "check_fmu.hpp"
 
+#include "mebots/error.hpp"
+
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
+#include <iterator>
 #include <map>
 #include <nlohmann/json.hpp>
 
 namespace mebots::check {
+namespace {
+
+constexpr std::string_view kLevelNames[] = {"interoperable", "standard", "pedantic"};  // as Level has them
+
+}  // namespace
 
 std::string_view to_string(Severity severity) {
   return severity == Severity::error ? "error" : "warning";
@@ -25,6 +34,22 @@ std::string_view to_string(Group group) {
       break;
   }
   return "behaviour";
+}
+
+std::string_view to_string(Level level) {
+  return kLevelNames[static_cast<std::size_t>(level)];
+}
+
+std::vector<std::string> level_names() {
+  return {std::begin(kLevelNames), std::end(kLevelNames)};
+}
+
+Level level_named(std::string_view name) {
+  const auto* const found = std::ranges::find(kLevelNames, name);
+  if (found == std::end(kLevelNames))
+    throw Error(ErrorCode::unknown_name,
+                fmt::format("no level is called '{}'; there are {}", name, fmt::join(kLevelNames, ", ")));
+  return static_cast<Level>(found - std::begin(kLevelNames));
 }
 
 std::size_t Report::count(Severity severity) const {
@@ -56,15 +81,17 @@ std::string to_text(const Report& report) {
   }
   const auto errors = report.count(Severity::error);
   const auto warnings = report.count(Severity::warning);
-  return text + (report.clean() ? "clean: nothing to complain about\n"
-                                : fmt::format("{} error{}, {} warning{}\n", errors, errors == 1 ? "" : "s", warnings,
-                                              warnings == 1 ? "" : "s"));
+  text += report.clean() ? fmt::format("clean at level {}", to_string(report.level))
+                         : fmt::format("{} error{}, {} warning{} at level {}", errors, errors == 1 ? "" : "s", warnings,
+                                       warnings == 1 ? "" : "s", to_string(report.level));
+  return text + (report.untold == 0 ? "\n" : fmt::format("; {} more at a higher --level\n", report.untold));
 }
 
 std::string to_json(const Report& report) {
   nlohmann::ordered_json json;
   json["fmu"] = report.fmu;
   json["summary"] = report.summary;
+  json["level"] = to_string(report.level);
   json["clean"] = report.clean();
   json["errors"] = report.count(Severity::error);
   json["warnings"] = report.count(Severity::warning);
@@ -77,8 +104,10 @@ std::string to_json(const Report& report) {
     if (!check.skipped.empty()) one["why"] = check.skipped;
     one["findings"] = nlohmann::ordered_json::array();
     for (const auto& finding : check.findings)
-      one["findings"].push_back(
-          {{"severity", to_string(finding.severity)}, {"text", finding.text}, {"way_out", finding.way_out}});
+      one["findings"].push_back({{"severity", to_string(finding.severity)},
+                                 {"level", to_string(finding.level)},
+                                 {"text", finding.text},
+                                 {"way_out", finding.way_out}});
     json["checks"].push_back(std::move(one));
   }
   return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";

@@ -42,9 +42,21 @@ bool is_standard_category(std::string_view name) {
 
 }  // namespace
 
+std::vector<std::string> Surroundings::changes() {
+  auto texts = process_->put_right();
+  if (const auto now = master::FloatEnvironment::now(); now != floats_) {
+    texts.push_back(fmt::format("the thread computes differently: {} (put back)", difference_text(now, floats_)));
+    floats_.enter();
+  }
+  if (!texts.empty()) process_.emplace();  // what cannot be put back is told once
+  return texts;
+}
+
 Library::Library(const Target& target, Witness& witness) : target_(&target), witness_(&witness) {
   witness.doing("loading the library");
+  Surroundings surroundings;
   void* library = dlopen(target.library.c_str(), RTLD_NOW | RTLD_LOCAL);
+  changes_at_load_ = surroundings.changes();
   if (library == nullptr)
     throw Error(ErrorCode::fmu_inconsistent, fmt::format("the library cannot be loaded: {}", dlerror()));
   functions_ = fmi2::find_functions(library);
@@ -116,8 +128,8 @@ void Instance::logged(master::LoggerCall call) {
   if (!told_category_ && !name.empty() && !known.empty() && !is_standard_category(name) &&
       std::ranges::find(known, name, &modeldesc::LogCategory::name) == known.end()) {
     told_category_ = true;
-    library_->witness().warning(fmt::format("a message is of category \"{}\", which LogCategories does not list", name),
-                                "add the category to modelDescription.xml");
+    library_->witness().remark(fmt::format("a message is of category \"{}\", which LogCategories does not list", name),
+                               "add the category to modelDescription.xml");
   }
 }
 
@@ -148,19 +160,33 @@ void Instance::start() {
 void Instance::step(double point_s, double step_s) {
   const auto call = fmt::format("fmi2DoStep(t = {}, h = {})", point_s, step_s);
   doing(call);
-  require(call, functions().do_step(component_, point_s, step_s, fmi2True));
+  const auto status = functions().do_step(component_, point_s, step_s, fmi2True);
+  if (status == fmi2Discard && functions().get_boolean_status != nullptr) {
+    fmi2Boolean over = fmi2False;
+    doing("fmi2GetBooleanStatus(fmi2Terminated)");
+    ended_ = functions().get_boolean_status(component_, fmi2Terminated, &over) == fmi2OK && over != fmi2False;
+    if (ended_) return;
+  }
+  require(call, status);
 }
 
 void Instance::run(int from, int to) {
   const double h = library_->target().step_s;
-  for (int k = from; k < to; ++k) step(k * h, h);
+  for (int k = from; k < to && !ended_; ++k) step(k * h, h);
 }
 
+void Instance::set_state(fmi2FMUstate state) {
+  doing("fmi2SetFMUstate");
+  require("fmi2SetFMUstate", functions().set_fmu_state(component_, state));
+  ended_ = false;
+}
 void Instance::reset() {
   doing("fmi2Reset");
+  ended_ = false;
   require("fmi2Reset", functions().reset(component_));
 }
 void Instance::terminate() {
+  if (ended_) return;
   doing("fmi2Terminate");
   require("fmi2Terminate", functions().terminate(component_));
 }

@@ -6,12 +6,15 @@
 #include "mebots/error.hpp"
 #include "mebots/fmi2/library.hpp"
 #include "mebots/modeldesc/model_description.hpp"
+#include "slave/float_environment.hpp"
 #include "slave/fmi2_callbacks.hpp"
+#include "slave/process_state.hpp"
 
 #include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -46,6 +49,18 @@ struct Outputs {
   bool operator==(const Outputs&) const = default;
 };
 
+/// What the FMU changes for everybody in its process: file mode mask, working directory, locale, limits, descriptors,
+/// signal handlers, and how the thread computes.
+class Surroundings {
+ public:
+  /// What changed since this was made or asked last; put right as far as may be.
+  std::vector<std::string> changes();
+
+ private:
+  master::FloatEnvironment floats_ = master::FloatEnvironment::now();
+  std::optional<master::ProcessState> process_{std::in_place};
+};
+
 /// The loaded library.
 class Library {
  public:
@@ -56,6 +71,8 @@ class Library {
   Witness& witness() const { return *witness_; }
   const fmi2::Functions& functions() const { return functions_; }
   std::string resource_uri() const;
+  /// What loading changed for the whole process, and was put right.
+  const std::vector<std::string>& changes_at_load() const { return changes_at_load_; }
 
   /// Variables of the outputs in the order of Outputs::reals and so on.
   const std::vector<const Variable*>& output_variables(modeldesc::Type type) const;
@@ -66,6 +83,7 @@ class Library {
   const Target* target_;
   Witness* witness_;
   fmi2::Functions functions_;
+  std::vector<std::string> changes_at_load_;
   std::vector<const Variable*> reals_, integers_, booleans_, strings_;
 };
 
@@ -89,11 +107,15 @@ class Instance final : private master::CallbackListener {
   void exit();
   /// setup, enter, exit.
   void start();
+  /// Throws Refused unless it is taken, or the FMU ends the run: fmi2Discard, and fmi2Terminated is true.
   void step(double point_s, double step_s);
-  /// Steps from step `from` to step `to` of the target's step.
+  bool ended() const { return ended_; }
+  /// Steps from step `from` to step `to` of the target's step; to the end, if the FMU ends the run before.
   void run(int from, int to);
   Outputs outputs();
+  void set_state(fmi2FMUstate state);
   void reset();
+  /// Nothing for a run that the FMU ended.
   void terminate();
 
   /// Names the call to the witness, makes it, throws Refused unless it answers fmi2OK or fmi2Warning.
@@ -112,6 +134,7 @@ class Instance final : private master::CallbackListener {
   fmi2Component component_ = nullptr;
   std::vector<std::string> messages_;
   std::mutex mutex_;  // the FMU may log from threads of its own
+  bool ended_ = false;
   bool told_environment_ = false;
   bool told_name_ = false;
   bool told_category_ = false;

@@ -7,6 +7,7 @@
 #include <charconv>
 #include <cmath>
 #include <fstream>
+#include <pugixml.hpp>
 
 namespace mebots::check {
 namespace {
@@ -18,7 +19,7 @@ constexpr double kRelative = 1e-6;
 constexpr double kAbsolute = 1e-9;
 
 struct Trace {
-  std::vector<const Variable*> variables;  // of the columns after time
+  std::vector<const Variable*> variables;  // of the columns that are kept
   std::vector<double> times;
   std::vector<std::vector<double>> rows;
 };
@@ -39,7 +40,15 @@ std::vector<std::string> cells(std::string line) {
   return result;
 }
 
-Trace read_trace(const fs::path& file, const ModelDescription& model) {
+/// Numbers, and the words of XML Schema for Booleans.
+std::optional<double> value_of(const std::string& text) {
+  if (text == "true" || text == "false") return text == "true" ? 1 : 0;
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc{} && end == text.data() + text.size() ? std::optional(value) : std::nullopt;
+}
+
+Trace read_trace(const fs::path& file, const ModelDescription& model, bool of_many_versions) {
   std::ifstream stream(file);
   const auto fail = [&](std::size_t line, const std::string& what) {
     throw Error(ErrorCode::syntax_error, fmt::format("{}, line {}: {}", file.filename().string(), line, what));
@@ -48,25 +57,26 @@ Trace read_trace(const fs::path& file, const ModelDescription& model) {
   if (!std::getline(stream, line)) fail(1, "there is no header");
   Trace trace;
   const auto header = cells(line);
+  std::vector<std::size_t> kept;
   for (std::size_t i = 1; i < header.size(); ++i) {
     const auto* variable = model.find(header[i]);
-    if (variable == nullptr || variable->type == Type::string)
-      fail(1, fmt::format("\"{}\" is no number of this FMU", header[i]));
+    const bool number = variable != nullptr && variable->type != Type::string;
+    if (!number && !of_many_versions) fail(1, fmt::format("\"{}\" is no number of this FMU", header[i]));
+    if (!number) continue;
     trace.variables.push_back(variable);
+    kept.push_back(i);
   }
   for (std::size_t number = 2; std::getline(stream, line); ++number) {
     const auto texts = cells(line);
     if (texts.size() != header.size()) fail(number, fmt::format("{} cells instead of {}", texts.size(), header.size()));
-    std::vector<double> values;
-    for (const auto& text : texts) {
-      double value = 0;
-      const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-      if (error != std::errc{} || end != text.data() + text.size())
-        fail(number, fmt::format("\"{}\" is no number", text));
-      values.push_back(value);
-    }
-    trace.times.push_back(values.front());
-    trace.rows.emplace_back(values.begin() + 1, values.end());
+    const auto value = [&](std::size_t column) {
+      const auto found = value_of(texts[column]);
+      if (!found) fail(number, fmt::format("\"{}\" is no number", texts[column]));
+      return *found;
+    };
+    trace.times.push_back(value(0));
+    auto& row = trace.rows.emplace_back();
+    for (const auto column : kept) row.push_back(value(column));
   }
   if (trace.rows.empty()) fail(2, "there are no rows");
   return trace;
@@ -113,23 +123,36 @@ double read(Instance& instance, const Variable& variable) {
 }  // namespace
 
 std::optional<TraceFiles> find_traces(const fs::path& folder) {
+  constexpr std::string_view kEnd = "_out.csv";
+  const auto with_inputs = [&](const fs::path& outputs, bool of_many_versions) {
+    const auto name = outputs.filename().string();
+    TraceFiles files{outputs.parent_path() / (name.substr(0, name.size() - kEnd.size()) + "_in.csv"), outputs,
+                     of_many_versions};
+    if (!name.ends_with(kEnd) || !fs::exists(files.inputs)) files.inputs.clear();
+    return files;
+  };
   std::error_code ignored;
   for (const auto& entry : fs::directory_iterator(folder / "documentation" / "reference", ignored)) {
-    const auto name = entry.path().filename().string();
-    constexpr std::string_view kEnd = "_out.csv";
-    if (!name.ends_with(kEnd)) continue;
-    TraceFiles files{entry.path().parent_path() / (name.substr(0, name.size() - kEnd.size()) + "_in.csv"),
-                     entry.path()};
-    if (!fs::exists(files.inputs)) files.inputs.clear();
-    return files;
+    if (entry.path().filename().string().ends_with(kEnd)) return with_inputs(entry.path(), false);
+  }
+  const auto layered = folder / "extra" / "org.fmi-standard.fmi-ls-ref";
+  pugi::xml_document manifest;
+  if (!manifest.load_file((layered / "fmi-ls-manifest.xml").c_str())) return std::nullopt;
+  for (const auto related : manifest.child("fmiReferences").children("Related")) {
+    const fs::path source = related.attribute("source").value();
+    const bool result = related.attribute("role").value() == std::string_view("result") &&
+                        related.attribute("type").value() == std::string_view("text/csv");
+    if (result && source == source.filename() && fs::exists(layered / source))
+      return with_inputs(layered / source, true);
   }
   return std::nullopt;
 }
 
 void replay(const Library& library, const TraceFiles& files) {
   const auto& model = *library.target().model;
-  const auto wanted = read_trace(files.outputs, model);
-  const auto inputs = files.inputs.empty() ? Trace{{}, {0}, {{}}} : read_trace(files.inputs, model);
+  const auto wanted = read_trace(files.outputs, model, files.of_many_versions);
+  const auto inputs =
+      files.inputs.empty() ? Trace{{}, {0}, {{}}} : read_trace(files.inputs, model, files.of_many_versions);
   Instance instance(library, "replay");
   instance.setup();
   instance.enter();
@@ -149,6 +172,12 @@ void replay(const Library& library, const TraceFiles& files) {
       return;
     }
     if (row + 1 == wanted.rows.size()) break;
+    if (instance.ended()) {
+      library.witness().error(fmt::format("{}: the FMU ended the run at {} s, the trace goes on",
+                                          files.outputs.filename().string(), wanted.times[row]),
+                              "mend the model, or make the traces anew");
+      return;
+    }
     apply(instance, inputs, wanted.times[row]);
     instance.step(wanted.times[row], wanted.times[row + 1] - wanted.times[row]);
   }

@@ -7,10 +7,13 @@
 
 namespace mebots::check {
 
-/// Reference traces that travel in an FMU: `documentation/reference/<name>_in.csv` and `<name>_out.csv`.
+/// Reference traces that travel in an FMU: `documentation/reference/<name>_in.csv` and `<name>_out.csv`, or the result
+/// that `extra/org.fmi-standard.fmi-ls-ref/fmi-ls-manifest.xml` names, with its `_in.csv` beside it.
 struct TraceFiles {
   std::filesystem::path inputs;  ///< empty when there is none
   std::filesystem::path outputs;
+  /// One file for the FMI 2.0 and 3.0 versions of a model: what this FMU has not, or not as a number, is passed over.
+  bool of_many_versions = false;
 };
 
 /// The traces of an unpacked FMU, if it has any.

@@ -33,6 +33,12 @@ TEST(CheckArchive, NamesThatHarmAreFound) {
   EXPECT_THAT(of("./modelDescription.xml"), Contains(HasSubstr("is there twice")));
 }
 
+TEST(CheckArchive, FoldersOfLaterEditionsOfTheStandardAreKnown) {
+  Workshop workshop;
+  EXPECT_THAT(findings(workshop.culprit("none", {{"extra/org.example/a.txt", "a"}, {"terminalsAndIcons/b.xml", "b"}})),
+              IsEmpty());
+}
+
 TEST(CheckArchive, ADescriptionInAFolderIsPointedAt) {
   Workshop workshop;
   EXPECT_THAT(findings(workshop.archive({{"culprit/modelDescription.xml", culprit_description("none")}})),

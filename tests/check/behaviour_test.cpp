@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "child.hpp"
+#include "slave/fmi2_callbacks.hpp"
 #include "support.hpp"
 
 #include <gmock/gmock.h>
+
+#include <csignal>
 
 #include <nlohmann/json.hpp>
 
@@ -12,9 +16,9 @@ using testing::Contains;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-std::vector<std::string> of(const std::string& crime, double deadline_s = 30) {
+std::vector<std::string> of(const std::string& crime, double deadline_s = 30, Level level = Level::pedantic) {
   Workshop workshop;
-  return findings(workshop.culprit(crime), true, deadline_s);
+  return findings(workshop.culprit(crime), true, deadline_s, level);
 }
 
 TEST(CheckBehaviour, AnFmuThatDoesRightHasNoFindings) {
@@ -66,7 +70,76 @@ TEST(CheckBehaviour, ACrashIsAFindingThatNamesSignalAndCall) {
 TEST(CheckBehaviour, AnFmuThatEndsTheProcessOrHangsIsAFinding) {
   EXPECT_THAT(of("exit"),
               Contains(HasSubstr("error: ended the process with exit code 3 in fmi2DoStep(t = 0, h = 0.1)")));
-  EXPECT_THAT(of("hang", 0.2), Contains(HasSubstr("no answer within 0.2 s from fmi2DoStep(t = 0, h = 0.1)")));
+  EXPECT_THAT(of("hang", 0.2), Contains(HasSubstr("no answer from fmi2DoStep(t = 0, h = 0.1) within 0.2 s")));
+  EXPECT_THAT(of("sleep", 0.2), Contains(HasSubstr("no answer from fmi2DoStep(t = 0, h = 0.1) within 0.2 s")));
+}
+
+TEST(CheckBehaviour, LevelsDecideWhatIsTold) {
+  const auto refused = HasSubstr("fmi2DoStep before initialisation was answered fmi2OK");
+  EXPECT_THAT(of("order", 30, Level::pedantic), Contains(refused));
+  EXPECT_THAT(of("order", 30, Level::standard), IsEmpty());
+  EXPECT_THAT(of("null", 30, Level::standard), IsEmpty());
+  EXPECT_THAT(of("start", 30, Level::standard), Contains(HasSubstr("gain is 3")));
+  EXPECT_THAT(of("start", 30, Level::interoperable), IsEmpty());
+  EXPECT_THAT(of("nan", 30, Level::interoperable), Contains(HasSubstr("y is nan")));
+}
+
+TEST(CheckBehaviour, WhatIsNotToldIsCounted) {
+  Workshop workshop;
+  Options options;
+  options.run = false;
+  const auto report = check_fmu(workshop.culprit("none", {{"notes.txt", "x"}}), options);
+  EXPECT_TRUE(report.clean());
+  EXPECT_EQ(report.untold, 1);
+  EXPECT_THAT(to_text(report), HasSubstr("clean at level standard; 1 more at a higher --level"));
+}
+
+TEST(CheckBehaviour, WhatAllFmusOfAProcessShareIsWatchedInEveryCall) {
+  EXPECT_THAT(of("umask", 30, Level::interoperable),
+              testing::ElementsAre(testing::AllOf(HasSubstr("warning: fmi2DoStep at 0.3"),
+                                                  HasSubstr("the mask of file modes became 000"))));
+  EXPECT_THAT(of("rounding", 30, Level::interoperable),
+              Contains(testing::AllOf(HasSubstr("warning: fmi2Instantiate: the thread computes differently"),
+                                      HasSubstr("rounding upward"))));
+}
+
+TEST(CheckBehaviour, AnFmuMayEndTheRun) {
+  Workshop workshop;
+  const auto with_trace = [&](const std::string& out) {
+    return findings(workshop.culprit("ends", {{"documentation/reference/culprit_out.csv", out}}), true, 30,
+                    Level::standard);
+  };
+  EXPECT_THAT(with_trace("time,y\n0,0\n1.5,1.5537396797031404\n"), IsEmpty());
+  EXPECT_THAT(with_trace("time,y\n0,0\n1.5,1.5537396797031404\n2,1.8\n"),
+              Contains(HasSubstr("the FMU ended the run at 1.5 s, the trace goes on")));
+}
+
+class CrashingListener final : public master::CallbackListener {
+ public:
+  void logged(master::LoggerCall /*call*/) override { std::raise(SIGSEGV); }
+  void step_finished(int /*status*/) override {}
+};
+
+TEST(CheckBehaviour, ACrashInACallbackOfOursIsNotTheFmus) {
+#ifdef __SANITIZE_ADDRESS__
+  GTEST_SKIP() << "the address sanitizer answers a crash's signal before the check can";
+#endif
+  Check check;
+  const auto crash = [](Witness& witness) {
+    CrashingListener listener;
+    master::CallbackTarget target(listener, "it");
+    const auto callbacks = target.functions(false);
+    const master::CallbackScope scope(target, "fmi2DoStep", 0);
+    witness.doing("fmi2DoStep");
+    callbacks.logger(callbacks.componentEnvironment, "it", fmi2OK, "", "hello");
+  };
+  try {
+    run_in_child({}, check, crash);
+    FAIL() << "nothing was thrown";
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), testing::AllOf(HasSubstr("callback logger"), HasSubstr("called in fmi2DoStep")));
+  }
+  EXPECT_TRUE(check.findings.empty());
 }
 
 TEST(CheckBehaviour, TheLoggersArgumentsAreLookedAt) {
@@ -89,6 +162,22 @@ TEST(CheckBehaviour, ReferenceTracesAreReplayed) {
       with_trace("time,y\n0,0\n1,0\n2,3.9\n"),
       Contains(HasSubstr("culprit_out.csv: first divergence at 2 s: y is 3.792723352971346, the trace has 3.9")));
   EXPECT_THAT(with_trace("time,z\n0,0\n"), Contains(HasSubstr("\"z\" is no number of this FMU")));
+}
+
+TEST(CheckBehaviour, TracesOfTheLayeredStandardAreReplayed) {
+  Workshop workshop;
+  const auto with_trace = [&](const std::string& out) {
+    const std::string folder = "extra/org.fmi-standard.fmi-ls-ref/";
+    return findings(
+        workshop.culprit(
+            "none", {{folder + "fmi-ls-manifest.xml",
+                      R"(<fmiReferences><Related type="text/csv" source="it_out.csv" role="result"/></fmiReferences>)"},
+                     {folder + "it_out.csv", out}}),
+        true);
+  };
+  // u = 1: y = 2 (1 - exp(-1)). One file serves FMI 2.0 and 3.0: a column of the other is passed over.
+  EXPECT_THAT(with_trace("time,binary,y\n0,666f6f,0\n1,666f6f,1.2642411176571153\n"), IsEmpty());
+  EXPECT_THAT(with_trace("time,y\n0,0\n1,1.3\n"), Contains(HasSubstr("it_out.csv: first divergence at 1 s")));
 }
 
 TEST(CheckBehaviour, MissingLibrariesAndForeignBinariesAreNamed) {

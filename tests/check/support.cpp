@@ -71,8 +71,9 @@ std::vector<std::string> findings(const Report& report) {
   return lines;
 }
 
-std::vector<std::string> findings(const fs::path& fmu, bool run, double deadline_s) {
+std::vector<std::string> findings(const fs::path& fmu, bool run, double deadline_s, Level level) {
   Options options;
+  options.level = level;
   options.run = run;
   options.deadline_s = deadline_s;
   return findings(check_fmu(fmu, options));

@@ -33,6 +33,7 @@ class Workshop {
 /// All findings as "error: text" and "warning: text".
 std::vector<std::string> findings(const Report& report);
 /// Those of one FMU; nothing of it is run unless asked for.
-std::vector<std::string> findings(const std::filesystem::path& fmu, bool run = false, double deadline_s = 30);
+std::vector<std::string> findings(const std::filesystem::path& fmu, bool run = false, double deadline_s = 30,
+                                  Level level = Level::pedantic);
 
 }  // namespace mebots::check

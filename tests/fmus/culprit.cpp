@@ -5,7 +5,10 @@
 #include "frame.h"
 
 #include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
+#include <cfenv>
 #include <cmath>
 #include <csignal>
 #include <cstdlib>
@@ -84,6 +87,7 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
     void* volatile kept = std::malloc(1000);  // volatile: or the compiler sees that nobody wants it
     (void)kept;
   }
+  if (c->does("rounding")) std::fesetround(FE_UPWARD);
   if (c->does("file")) open("/dev/null", O_RDONLY);
   return c;
 }
@@ -214,6 +218,8 @@ fmi2Status fmi2DoStep(fmi2Component component, fmi2Real point, fmi2Real h, fmi2B
   if (!(h > 0)) return c.refuse("a step above 0 is needed");
   if (std::abs(point - c.state.time) > 1e-9) return c.refuse("the step starts at another time");
   if (c.does("exit")) std::exit(3);
+  if (c.does("umask") && c.state.time > 0.25) umask(0);
+  if (c.does("sleep")) pause();
   for (volatile bool endless = c.does("hang"); endless;) {
   }
   c.state.time = point + h;
@@ -223,11 +229,19 @@ fmi2Status fmi2DoStep(fmi2Component component, fmi2Real point, fmi2Real h, fmi2B
   if (c.does("nan")) y = std::numeric_limits<double>::quiet_NaN();
   if (c.does("limits")) y = 1000;
   c.state.y = y;
-  return fmi2OK;
+  if (!c.does("ends") || c.state.time < 1.5 - 1e-9) return fmi2OK;
+  c.state.phase = Phase::terminated;
+  return fmi2Discard;
 }
 
 FMI2_NO_DIRECTIONAL_DERIVATIVE
 FMI2_NO_TIME_DERIVATIVES
 FMI2_NO_PENDING_STEPS
 FMI2_NO_REAL_STATUS
-FMI2_NO_OTHER_STATUS
+FMI2_ANSWER(fmi2Discard, fmi2GetIntegerStatus, fmi2Component, fmi2StatusKind, fmi2Integer*)
+FMI2_ANSWER(fmi2Discard, fmi2GetStringStatus, fmi2Component, fmi2StatusKind, fmi2String*)
+fmi2Status fmi2GetBooleanStatus(fmi2Component component, fmi2StatusKind kind, fmi2Boolean* value) {
+  if (kind != fmi2Terminated) return fmi2Discard;
+  *value = self(component).state.phase == Phase::terminated ? fmi2True : fmi2False;
+  return fmi2OK;
+}

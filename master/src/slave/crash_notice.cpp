@@ -55,7 +55,13 @@ class Line {
 void on_signal(int signal) {
   constexpr std::int64_t kPerMillisecond = 1'000'000;
   const auto call = current_call();
-  if (call.instance != nullptr) {
+  if (call.instance != nullptr && current_callback() != nullptr) {
+    Line line;
+    line << "mebots: error: instance '" << call.instance << "' at " << call.time_ns / kPerMillisecond
+         << " ms: mebots failed by " << name_of(signal) << " in its callback " << current_callback() << ", called from "
+         << call.function << ". This is a mistake in mebots, not in the FMU: please report it\n";
+    line.write_to(STDERR_FILENO);
+  } else if (call.instance != nullptr) {
     Line line;
     line << "mebots: error: instance '" << call.instance << "' at " << call.time_ns / kPerMillisecond
          << " ms: its FMU ended the process by " << name_of(signal) << " in " << call.function

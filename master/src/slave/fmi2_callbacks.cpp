@@ -15,6 +15,18 @@ namespace mebots::master {
 namespace {
 
 constinit thread_local CallbackScope* current = nullptr;  // the call that this thread is in
+constinit thread_local const char* callback = nullptr;    // and the callback out of it
+
+class InCallback {
+ public:
+  explicit InCallback(const char* name) : outer_(std::exchange(callback, name)) {}
+  ~InCallback() { callback = outer_; }
+  InCallback(const InCallback&) = delete;
+  InCallback& operator=(const InCallback&) = delete;
+
+ private:
+  const char* outer_;
+};
 
 /// All targets, for callbacks on threads that are in no call.
 struct Registry {
@@ -65,6 +77,7 @@ std::string without_line_end(std::string text) {
 // The C interface of the standard: printf-like and called by foreign code, so nothing may be thrown out of it.
 void log(fmi2ComponentEnvironment environment, fmi2String instance, fmi2Status status, fmi2String category,
          fmi2String message, ...) {
+  const InCallback here("logger");
   std::va_list arguments;
   va_start(arguments, message);
   try {
@@ -87,6 +100,7 @@ void log(fmi2ComponentEnvironment environment, fmi2String instance, fmi2Status s
 }
 
 void step_finished(fmi2ComponentEnvironment environment, fmi2Status status) {
+  const InCallback here("stepFinished");
   try {
     with_target(environment, std::nullopt,
                 [&](CallbackTarget& target, bool /*in_call*/) { target.listener().step_finished(status); });
@@ -115,6 +129,10 @@ fmi2CallbackFunctions CallbackTarget::functions(bool asynchronous) {
 
 CurrentCall current_call() noexcept {
   return current == nullptr ? CurrentCall{nullptr, nullptr, 0} : current->call();
+}
+
+const char* current_callback() noexcept {
+  return callback;
 }
 
 CallbackScope::CallbackScope(CallbackTarget& target, const char* function, std::int64_t time_ns)

@@ -63,6 +63,10 @@ struct CurrentCall {
 /// Safe in signal handlers.
 CurrentCall current_call() noexcept;
 
+/// The callback of ours that this thread is in; null: none. What goes wrong there is not the FMU's doing. Safe in
+/// signal handlers.
+const char* current_callback() noexcept;
+
 /// Around every call to an instance: callbacks on this thread are its own.
 class CallbackScope {
  public:

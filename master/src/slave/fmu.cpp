@@ -19,12 +19,12 @@
 namespace mebots::master {
 namespace {
 
-/// Names of the platforms that an unpacked FMU has binaries for.
-std::vector<std::string> platforms(const std::filesystem::path& folder) {
+/// The files under binaries/ of an unpacked FMU, below that folder.
+std::vector<std::string> binaries(const std::filesystem::path& folder) {
   std::vector<std::string> names;
   std::error_code ignored;
-  for (const auto& entry : std::filesystem::directory_iterator(folder / "binaries", ignored)) {
-    names.push_back(entry.path().filename().string());
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder / "binaries", ignored)) {
+    if (!entry.is_directory(ignored)) names.push_back(entry.path().lexically_relative(folder / "binaries").string());
   }
   std::sort(names.begin(), names.end());
   return names;
@@ -100,11 +100,19 @@ void Fmu::load() {
   const auto& identifier = description_.co_simulation->model_identifier;
   const auto file = folder_ / "binaries" / "linux64" / (identifier + ".so");
   if (!std::filesystem::exists(file)) {
-    const auto found = platforms(folder_);
+    auto found = binaries(folder_);
+    constexpr std::size_t kShown = 10;
+    const auto count = found.size();
+    if (count > kShown) found.resize(kShown);
     throw InputError(
         ErrorCode::fmu_unsupported,
-        fmt::format("{}: this FMU has no binary for 64-bit Linux (binaries/linux64/{}.so); its platforms: {}",
-                    archive_.string(), identifier, found.empty() ? "none" : fmt::format("{}", fmt::join(found, ", "))));
+        fmt::format(
+            "{}: this FMU has no binary for 64-bit Linux (binaries/linux64/{}.so, named after its modelIdentifier); "
+            "in binaries/ there {}",
+            archive_.string(), identifier,
+            found.empty() ? "is nothing"
+                          : fmt::format("{} {}{}", count == 1 ? "is" : "are", fmt::join(found, ", "),
+                                        count > kShown ? fmt::format(" and {} more", count - kShown) : "")));
   }
   const ProcessState before;
   // Libraries that are built for fast mathematics change it for the thread that loads them.
