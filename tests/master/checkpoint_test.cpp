@@ -120,6 +120,25 @@ TEST_F(Checkpoints, WhatWasWrittenAfterTheLastCheckpointIsCutOff) {
   EXPECT_EQ(result("killed", "log.txt"), result("straight", "log.txt"));
 }
 
+TEST_F(Checkpoints, RowsThatWereChangedSinceTheCheckpointAreNotContinued) {
+  const auto child = start({"run", "two.json", "--out", "killed", "--quiet", "--checkpoint-every", "0.5"});
+  while (!std::filesystem::exists(folder.path() / "killed" / "checkpoint.bin")) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  kill(child, SIGKILL);
+  wait(child);
+  const auto rows = result("killed", "results.csv");
+  auto changed = rows;
+  changed[changed.find('\n') + 1] = '9';  // the time of the first row
+  write_file(folder.path() / "killed/results.csv", changed);
+  const auto refused = run({"resume", "killed"});
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_THAT(refused.err, AllOf(HasSubstr("results.csv"), HasSubstr("are not those that the run wrote")));
+  EXPECT_EQ(result("killed", "results.csv"), changed) << "a refused run touches nothing";
+  write_file(folder.path() / "killed/results.csv", rows);
+  EXPECT_EQ(run({"resume", "killed"}).code, 0);
+}
+
 TEST_F(Checkpoints, AnInterruptedRunCanBeResumed) {
   ASSERT_EQ(run({"run", "two.json", "--out", "straight"}).code, 0);
   const auto child = start({"run", "two.json", "--out", "killed", "--quiet", "--checkpoint-every", "0.1"});

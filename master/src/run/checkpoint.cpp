@@ -18,7 +18,7 @@
 namespace mebots::master {
 namespace {
 
-constexpr std::string_view kMagic = "mebots checkpoint 3\n";
+constexpr std::string_view kMagic = "mebots checkpoint 4\n";
 
 std::vector<std::string> lines_of(const std::string& text) {
   std::istringstream stream(text);
@@ -132,6 +132,8 @@ std::optional<std::string> Checkpointer::reached(const Point& point) {
   log_->sync();
   checkpoint_.results_bytes = results_->size();
   checkpoint_.log_bytes = log_->size();
+  checkpoint_.results_hash = results_hash_.up_to(results_->path(), checkpoint_.results_bytes);
+  checkpoint_.log_hash = log_hash_.up_to(log_->path(), checkpoint_.log_bytes);
   write_checkpoint(folder_, checkpoint_);
   return std::nullopt;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "observer/observer.hpp"
+#include "run/input_hash.hpp"
 #include "run/run_request.hpp"
 #include "run/simulation.hpp"
 #include "sink/output_file.hpp"
@@ -24,6 +25,8 @@ struct Checkpoint {
   std::int64_t time_ns = 0;
   std::uint64_t results_bytes = 0;  ///< of results.csv up to here
   std::uint64_t log_bytes = 0;      ///< of log.txt
+  std::string results_hash;         ///< of these bytes
+  std::string log_hash;
   std::vector<std::byte> simulation;
 
   void visit(state::Visitor& v) {
@@ -32,6 +35,8 @@ struct Checkpoint {
     v("time_ns", time_ns);
     v("results_bytes", results_bytes);
     v("log_bytes", log_bytes);
+    v("results_hash", results_hash);
+    v("log_hash", log_hash);
     v("simulation", simulation);
   }
 };
@@ -66,6 +71,8 @@ class Checkpointer final : public Observer {
   Checkpoint checkpoint_;
   OutputFile* results_;
   OutputFile* log_;
+  GrowingFileHash results_hash_;
+  GrowingFileHash log_hash_;
   std::int64_t next_ns_ = 0;
 };
 

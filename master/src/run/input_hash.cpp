@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "run/input_hash.hpp"
 
+#include "mebots/assert.hpp"
+
 #include <fmt/format.h>
 #include <openssl/evp.h>
 
+#include <algorithm>
 #include <array>
 #include <fstream>
 #include <map>
@@ -20,6 +23,13 @@ class Sha256 {
 
   void add(std::string_view bytes) {
     if (EVP_DigestUpdate(context_.get(), bytes.data(), bytes.size()) != 1) fail();
+  }
+
+  /// Of all bytes so far; more may follow.
+  std::string so_far() const {
+    Sha256 copy;
+    if (EVP_MD_CTX_copy_ex(copy.context_.get(), context_.get()) != 1) fail();
+    return copy.hexadecimal();
   }
 
   std::string hexadecimal() {
@@ -73,6 +83,28 @@ std::string sha256_of_file(const std::filesystem::path& file) {
   if (!stream.eof())
     throw InputError(ErrorCode::file_unreadable, fmt::format("{}: the file cannot be read", file.string()));
   return hash.hexadecimal();
+}
+
+class GrowingFileHash::Progress : public Sha256 {};
+
+GrowingFileHash::GrowingFileHash() : progress_(std::make_unique<Progress>()) {}
+
+GrowingFileHash::~GrowingFileHash() = default;
+
+std::string GrowingFileHash::up_to(const std::filesystem::path& file, std::uint64_t bytes) {
+  MEBOTS_ASSERT(bytes >= bytes_);
+  std::ifstream stream(file, std::ios::binary);
+  stream.seekg(static_cast<std::streamoff>(bytes_));
+  std::vector<char> block(1 << 16);
+  while (bytes_ < bytes) {
+    const auto wanted = std::min<std::uint64_t>(block.size(), bytes - bytes_);
+    if (!stream.read(block.data(), static_cast<std::streamsize>(wanted)))
+      throw InputError(ErrorCode::file_unreadable,
+                       fmt::format("{}: its first {} bytes cannot be read", file.string(), bytes));
+    progress_->add({block.data(), static_cast<std::size_t>(wanted)});
+    bytes_ += wanted;
+  }
+  return progress_->so_far();
 }
 
 InputHash hash_inputs(const SystemDescription& system, std::span<const std::string> overrides) {

@@ -53,6 +53,16 @@ ResultFiles::ResultFiles(const std::filesystem::path& folder, const ResolvedSyst
         fmt::format("{}: results.csv or log.txt is shorter than it was at the checkpoint; run the config anew",
                     folder.string()));
   }
+  const auto verify = [](const std::filesystem::path& file, std::uint64_t bytes, const std::string& hash) {
+    if (GrowingFileHash().up_to(file, bytes) == hash) return;
+    throw InputError(
+        ErrorCode::state_damaged,
+        fmt::format("{}: its first {} bytes are not those that the run wrote up to its checkpoint; put them "
+                    "back, or run the config anew",
+                    file.string(), bytes));
+  };
+  verify(results_->path(), resumed->results_bytes, resumed->results_hash);
+  verify(log_->path(), resumed->log_bytes, resumed->log_hash);
 }
 
 std::filesystem::path ResultFiles::rows_file() const {
