@@ -7,6 +7,7 @@
 #include <fmt/core.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
+#include <poll.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -66,11 +67,8 @@ bool Connection::accept(bool wait) {
   int descriptor = -1;
   do {
     if (!wait) {
-      timeval none{};
-      fd_set readable;
-      FD_ZERO(&readable);
-      FD_SET(listener_.descriptor(), &readable);
-      if (::select(listener_.descriptor() + 1, &readable, nullptr, nullptr, &none) <= 0) return false;
+      pollfd watched{listener_.descriptor(), POLLIN, 0};
+      if (::poll(&watched, 1, 0) <= 0) return false;
     }
     descriptor = ::accept4(listener_.descriptor(), nullptr, nullptr, SOCK_CLOEXEC);
   } while (descriptor < 0 && errno == EINTR);
