@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 
@@ -17,11 +18,17 @@ using Json = nlohmann::ordered_json;
 using modeldesc::Type;
 using modeldesc::Variability;
 
+/// 1 / number: of small ones without a division, which is most of what an integral costs.
+double reciprocal(std::size_t number) {
+  constexpr std::array kKnown = {0.0, 1.0, 1.0 / 2, 1.0 / 3, 1.0 / 4, 1.0 / 5, 1.0 / 6, 1.0 / 7, 1.0 / 8};
+  return number < kKnown.size() ? kKnown[number] : 1 / static_cast<double>(number);
+}
+
 /// value + d_1 tau + d_2 tau^2 / 2! + ..., from the highest order down.
 double at(const InputCourse& course, double tau_s) {
   double sum = 0;
   for (auto order = course.derivatives.size(); order > 0; --order) {
-    sum = (sum + course.derivatives[order - 1]) * tau_s / static_cast<double>(order);
+    sum = (sum + course.derivatives[order - 1]) * tau_s * reciprocal(order);
   }
   return *course.value + sum;
 }
@@ -33,10 +40,10 @@ double product_integral(const InputCourse& input, double scale, double offset, c
   double coefficient = *input.value * scale + offset;  // d_j / j! tau^j
   for (std::size_t j = 0; j <= input.derivatives.size(); ++j) {
     if (j > 0) coefficient = scale * input.derivatives[j - 1];
-    for (std::size_t k = 1; k <= j; ++k) coefficient *= length_s / static_cast<double>(k);
+    for (std::size_t k = 1; k <= j; ++k) coefficient *= length_s * reciprocal(k);
     double power = length_s;  // tau^(i + 1)
     for (std::size_t i = 0; i < output.size(); ++i) {
-      integral += output[i] * coefficient * power / static_cast<double>(i + j + 1);
+      integral += output[i] * coefficient * power * reciprocal(i + j + 1);
       power *= length_s;
     }
   }
@@ -45,12 +52,14 @@ double product_integral(const InputCourse& input, double scale, double offset, c
 
 /// The integral of the product of two outputs over a step.
 double product_integral(const std::array<double, 3>& one, const std::array<double, 3>& other, double length_s) {
+  // By powers of tau, the highest first: c_n = sum over i + j = n of a_i b_j, each tau^(n + 1) / (n + 1).
   double integral = 0;
-  for (std::size_t i = 0; i < one.size(); ++i) {
-    for (std::size_t j = 0; j < other.size(); ++j) {
-      const auto power = static_cast<double>(i + j + 1);
-      integral += one[i] * other[j] * std::pow(length_s, power) / power;
+  for (std::size_t n = one.size() + other.size() - 1; n-- > 0;) {
+    double coefficient = 0;
+    for (std::size_t i = n < other.size() ? 0 : n - other.size() + 1; i <= n && i < one.size(); ++i) {
+      coefficient += one[i] * other[n - i];
     }
+    integral = (integral + coefficient * reciprocal(n + 1)) * length_s;
   }
   return integral;
 }
