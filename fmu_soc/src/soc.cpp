@@ -616,6 +616,11 @@ EnergyLedger Soc::energy_at(Picoseconds time) const {
   return meter_.at(activity_at(std::max(until, meter_.settled_until())));
 }
 
+CountEnergy Soc::energy_per_count(unsigned number) const {
+  if (number != 0) return meter_.per_count_of_core();
+  return meter_.per_count_of_fabric_controller(cluster_ && cluster_->powered());
+}
+
 std::vector<Soc::DeviceState> Soc::device_states() const {
   std::vector<DeviceState> states;
   for (const auto& slot : slots_) {

@@ -8,8 +8,10 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <map>
 #include <memory>
 #include <random>
+#include <span>
 
 namespace mebots::soc::test {
 namespace {
@@ -21,6 +23,30 @@ class Onlooker final : public Observer {
 
  private:
   std::uint64_t count_ = 0;
+};
+
+/// Wants to know of some steps only, so that hot code is translated, and looks whether they come in their order.
+class StepCounter final : public Observer, private FlowMap {
+ public:
+  const FlowMap* flow() const override { return this; }
+  void flowed(const Hart& hart, std::span<const Flow> steps) override {
+    auto& last = last_[&hart];
+    for (const auto& step : steps) {
+      EXPECT_GT(step.cycles, last.cycles);
+      EXPECT_GT(step.instructions, last.instructions);
+      EXPECT_GE(step.instruction_fj, last.instruction_fj + step.instructions - last.instructions);
+      EXPECT_GE(step.accesses, last.accesses);
+      EXPECT_GE(step.far_accesses, last.far_accesses);
+      EXPECT_GE(step.fetch_cycles, last.fetch_cycles);
+      last = step;
+    }
+    EXPECT_EQ(last.cycles, hart.counters().cycles);
+    EXPECT_EQ(last.instructions, hart.counters().instructions);
+  }
+
+ private:
+  bool leads_away(std::uint32_t pc, std::uint32_t next) const override { return (pc ^ next) / 2 % 3 == 0; }
+  std::map<const Hart*, Flow> last_;
 };
 
 /// One program four times: straight on in translated code, interpreted, watched now and then, and restored now and then
@@ -66,8 +92,10 @@ class Comparison {
 
   void watch(bool on) {
     watching_ = on;
+    Observer* observer = &onlooker_;
+    if (below(2) == 0) observer = &step_counter_;
     for (unsigned number = 0; number < watched_->soc.harts(); ++number) {
-      watched_->soc.observe(number, on ? &onlooker_ : nullptr);
+      watched_->soc.observe(number, on ? observer : nullptr);
     }
   }
 
@@ -93,6 +121,7 @@ class Comparison {
   Elf program_;
   Settings settings_;
   Onlooker onlooker_;
+  StepCounter step_counter_;
   std::unique_ptr<BoardSystem> straight_;
   std::unique_ptr<BoardSystem> interpreted_;
   std::unique_ptr<BoardSystem> watched_;

@@ -67,6 +67,21 @@ std::vector<std::uint32_t> cycles_of(std::string_view body, unsigned cores) {
   return cycles;
 }
 
+/// The store waits for its way to the power manager; the cluster is on when it ends.
+TEST(ClusterEnergy, MayBeAskedInTheMiddleOfTheInstructionThatSwitchesItOn) {
+  auto system = cores_run("", 1);
+  double last_j = 0;
+  bool was_off = false;
+  for (std::int64_t t = 1; t < 1000; ++t) {
+    system.soc.advance(t);
+    const auto total_j = system.soc.energy().total_j();
+    EXPECT_GE(total_j, last_j) << "at " << t << " ns";
+    last_j = total_j;
+    was_off = was_off || !system.soc.cluster()->powered();
+  }
+  EXPECT_TRUE(was_off && system.soc.cluster()->powered());
+}
+
 TEST(ClusterBanks, OneCoreAloneNeverWaits) {
   EXPECT_EQ(cycles_of("mv a0, s1\n" + std::string(kHammer), 1)[0], 256U + 2U) << "and the move and one counter read";
 }

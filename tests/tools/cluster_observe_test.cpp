@@ -25,21 +25,30 @@ namespace {
 /// its end.
 struct ProfiledCluster {
   explicit ProfiledCluster(std::string_view file, std::string_view program = "cluster_selftest",
-                           std::int64_t end_ns = 20 * kMs)
-      : system(Elf::read(fmt::format("{}/firmware/{}.elf", MEBOTS_BINARY_DIR, program))),
+                           std::int64_t end_ns = 20 * kMs, bool translate = true)
+      : system(Elf::read(fmt::format("{}/firmware/{}.elf", MEBOTS_BINARY_DIR, program)), settings(translate)),
         profile("--profile", folder / file, system.soc) {
     auto& soc = system.soc;
     for (unsigned number = 0; number < soc.harts(); ++number) soc.observe(number, &profile.hart(number));
     soc.advance(end_ns);
+    fabric_controller_translates = soc.hart(0).translates();
+    cluster_translates = soc.hart(1).translates();
     for (unsigned number = 0; number < soc.harts(); ++number) soc.observe(number, nullptr);
     profile.finish();
     written = read_file(folder / file);
+  }
+  static Settings settings(bool translate) {
+    Settings settings;
+    settings.translate = translate;
+    return settings;
   }
 
   Folder folder;
   BoardSystem system;
   observe::Profile profile;
   std::string written;
+  bool fabric_controller_translates = false;
+  bool cluster_translates = false;
 };
 
 /// By name of the function, summed over all stacks.
@@ -48,6 +57,24 @@ std::map<std::string, observe::Cost> self_costs(observe::Profile& profile, unsig
   const auto& nodes = profile.hart(number).tree().nodes();
   for (std::size_t i = 1; i < nodes.size(); ++i) costs[profile.functions().name(nodes[i].place)] += nodes[i].self;
   return costs;
+}
+
+/// By names from the outermost frame on.
+std::map<std::string, observe::CallTree::Node> stacks(observe::Profile& profile, unsigned number) {
+  const auto& nodes = profile.hart(number).tree().nodes();
+  std::map<std::string, observe::CallTree::Node> found;
+  std::vector<std::string> names(nodes.size());
+  for (std::size_t i = 1; i < nodes.size(); ++i) {
+    names[i] = fmt::format("{};{}", names[nodes[i].parent], profile.functions().name(nodes[i].place));
+    found[names[i]] = nodes[i];
+  }
+  return found;
+}
+
+std::uint64_t steps_of(observe::Profile& profile, unsigned number) {
+  std::uint64_t calls = 0;
+  for (const auto& node : profile.hart(number).tree().nodes()) calls += node.calls;
+  return calls;
 }
 
 void expect_whole_chip(ProfiledCluster& run) {
@@ -168,9 +195,41 @@ TEST(ClusterTrace, HasALineForEveryInstructionOfEveryHart) {
   for (const auto& [number, count] : lines) EXPECT_EQ(count, soc.hart(number).counters().instructions) << number;
 }
 
+/// A profile alone leaves hot code translated.
+TEST(ClusterProfile, OfTranslatedCodeIsThatOfInterpretedCode) {
+  for (const std::string_view program : {"cluster_selftest", "network_bench"}) {
+    ProfiledCluster interpreted("interpreted.json", program, 12 * kMs, false);
+    ProfiledCluster translated("translated.json", program, 12 * kMs, true);
+    ASSERT_TRUE(mebots::test::same_state(interpreted.system.soc, translated.system.soc));
+    EXPECT_FALSE(interpreted.cluster_translates || interpreted.fabric_controller_translates);
+    EXPECT_TRUE(translated.cluster_translates);
+    EXPECT_TRUE(translated.fabric_controller_translates);
+    for (unsigned number = 0; number < translated.system.soc.harts(); ++number) {
+      const auto expected = stacks(interpreted.profile, number);
+      const auto found = stacks(translated.profile, number);
+      ASSERT_EQ(found.size(), expected.size()) << number;
+      for (const auto& [stack, node] : expected) {
+        ASSERT_EQ(found.count(stack), 1U) << stack;
+        const auto& other = found.at(stack);
+        EXPECT_EQ(other.calls, node.calls) << number << ": " << stack;
+        EXPECT_EQ(other.self.cycles, node.self.cycles) << number << ": " << stack;
+        EXPECT_EQ(other.self.instructions, node.self.instructions) << number << ": " << stack;
+        // Each step rounds to the same picosecond and femtojoule, or to the one beside it.
+        const auto most = 2.0 * static_cast<double>(steps_of(interpreted.profile, number));
+        EXPECT_NEAR(static_cast<double>(other.self.time_ps), static_cast<double>(node.self.time_ps), most) << stack;
+        EXPECT_NEAR(static_cast<double>(other.self.energy_fj), static_cast<double>(node.self.energy_fj), most) << stack;
+      }
+    }
+  }
+}
+
 /// Instruction cache, banks, DMA, turns at devices: watched at times, the chip is at all times as it is unwatched.
 TEST(ClusterObservers, ComeAndGoWithoutChangingABitOfTheRun) {
-  for (const bool translate : {true, false}) {
+  struct Case {
+    bool translate;
+    bool trace;
+  };
+  for (const auto& [translate, trace] : {Case{true, true}, Case{true, false}, Case{false, true}}) {
     const Folder folder;
     Settings settings;
     settings.translate = translate;
@@ -178,7 +237,7 @@ TEST(ClusterObservers, ComeAndGoWithoutChangingABitOfTheRun) {
     BoardSystem plain(program, settings);
     BoardSystem watched(program, settings);
     observe::Requests requests;
-    requests.trace = folder / "trace";
+    if (trace) requests.trace = folder / "trace";
     requests.profile = folder / "p.json";
     std::optional<observe::Session> session;
     constexpr std::int64_t kStep = 97'001;

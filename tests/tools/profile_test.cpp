@@ -35,8 +35,9 @@ std::string stack_text(Profile& profile, std::size_t node) {
 
 /// A program on the board, profiled to its end: inclusive cost and calls by stack.
 struct Profiled {
-  explicit Profiled(std::string_view text, std::int64_t end_ns = 0, std::string_view file = "p.json")
-      : system(fmt::format("{}\n{}", text, kFunctions)) {
+  explicit Profiled(std::string_view text, std::int64_t end_ns = 0, std::string_view file = "p.json",
+                    bool translate = true)
+      : system(fmt::format("{}\n{}", text, kFunctions), settings(translate)) {
     Profile profile("--profile", folder / file, system.soc);
     auto& fabric_controller = profile.hart(0);
     system.soc.observe(0, &fabric_controller);
@@ -45,6 +46,7 @@ struct Profiled {
     } else {
       system.soc.run_cycles(1'000'000);
     }
+    translated = system.soc.hart().translates();
     system.soc.observe(0, nullptr);
     profile.finish();
     written = read_file(folder / file);
@@ -55,6 +57,12 @@ struct Profiled {
       stacks[stack] += inclusive[i];
       calls[stack] += fabric_controller.tree().nodes()[i].calls;
     }
+  }
+
+  static Settings settings(bool translate) {
+    Settings settings;
+    settings.translate = translate;
+    return settings;
   }
 
   static constexpr std::string_view kFunctions = R"(
@@ -102,6 +110,7 @@ finish: li t0, POWER_MANAGER_BASE
   Folder folder;
   BoardSystem system;
   std::string written;
+  bool translated = false;
   Cost total;
   std::map<std::string, Cost> stacks;
   std::map<std::string, std::uint64_t> calls;
@@ -210,6 +219,93 @@ TEST(Profile, HearsThatACoreWokeWhichSleptInARestoredState) {
   EXPECT_EQ(stacks.count("_start;[interrupt 7];handler"), 1U);
   EXPECT_EQ(stacks.count("_start;[asleep];[interrupt 7]"), 0U);
   EXPECT_NEAR(static_cast<double>(stacks.at("_start;[asleep]").time_ps), 0.5e9, 1e6) << "from 0.5 ms to 1 ms";
+}
+
+/// Calls, direct and by a register, tail calls, a jump table, code that runs on into the next function and
+/// recursion, 3000 times, with an interrupt now and then.
+TEST(Profile, OfTranslatedCodeIsThatOfInterpretedCode) {
+  constexpr std::string_view kProgram = R"(
+    .globl _start
+    .type _start, @function
+_start: li sp, 0x1C070000
+    la t0, on_timer
+    csrw mtvec, t0
+    li t0, TIMER_BASE
+    li t1, 100000
+    sw t1, TIMER_COMPARE_LO_OFFSET(t0)
+    sw zero, TIMER_COMPARE_HI_OFFSET(t0)
+    li t1, 1 << TIMER_INTERRUPT
+    csrw mie, t1
+    csrwi mstatus, 8
+    li s0, 3000
+    la s1, leaf
+    la s2, table
+again: call middle
+    jalr s1
+    call tail
+    call runs_on
+    li a5, 3
+    call down
+    andi a3, s0, 4
+    add a3, a3, s2
+    lw a3, 0(a3)
+    call by_table
+    addi s0, s0, -1
+    bnez s0, again
+    j finish
+    .size _start, . - _start
+    .globl on_timer
+    .balign 4
+    .type on_timer, @function
+on_timer: sw t1, -64(sp)
+    li t1, TIMER_BASE
+    sw t1, -68(sp)
+    lw t1, TIMER_COMPARE_LO_OFFSET(t1)
+    addi t1, t1, 2000
+    sw t0, -72(sp)
+    li t0, TIMER_BASE
+    sw t1, TIMER_COMPARE_LO_OFFSET(t0)
+    lw t0, -72(sp)
+    lw t1, -64(sp)
+    mret
+    .size on_timer, . - on_timer
+    .globl runs_on
+    .type runs_on, @function
+runs_on: addi a2, a2, 1
+    addi a2, a2, 2
+    .size runs_on, . - runs_on
+    .globl goes_on
+    .type goes_on, @function
+goes_on: addi a2, a2, 3
+    ret
+    .size goes_on, . - goes_on
+    .globl by_table
+    .type by_table, @function
+by_table: jr a3
+    .size by_table, . - by_table
+    .data
+    .balign 4
+table: .word leaf, tail
+    .text
+)";
+  const Profiled interpreted(kProgram, 0, "p.json", false);
+  const Profiled translated(kProgram, 0, "p.json", true);
+  EXPECT_FALSE(interpreted.translated);
+  EXPECT_TRUE(translated.translated);
+  expect_whole(interpreted);
+  expect_whole(translated);
+  EXPECT_EQ(translated.calls, interpreted.calls);
+  ASSERT_EQ(translated.stacks.size(), interpreted.stacks.size());
+  EXPECT_EQ(translated.calls.at("_start;goes_on"), 3000U);
+  EXPECT_GT(translated.calls.at("_start;middle;leaf;[interrupt 7];on_timer"), 0U);
+  for (const auto& [stack, cost] : interpreted.stacks) {
+    const auto& other = translated.stacks.at(stack);
+    EXPECT_EQ(other.cycles, cost.cycles) << stack;
+    EXPECT_EQ(other.instructions, cost.instructions) << stack;
+    // Each of some 100,000 steps rounds to the same picosecond and femtojoule, or to the one beside it.
+    EXPECT_NEAR(static_cast<double>(other.time_ps), static_cast<double>(cost.time_ps), 1e5) << stack;
+    EXPECT_NEAR(static_cast<double>(other.energy_fj), static_cast<double>(cost.energy_fj), 1e5) << stack;
+  }
 }
 
 TEST(Profile, ForSpeedscopeHoldsTheSameSums) {

@@ -103,8 +103,10 @@ class Cluster {
   std::uint64_t far_accesses() const;
   /// The most cycles that one of them was awake.
   std::uint64_t longest_cycles() const;
-  /// Time it was on, up to `now`.
-  Picoseconds powered_time(Picoseconds now) const { return powered_total_ + (powered_ ? now - powered_since_ : 0); }
+  /// Time it was on, up to `now`, which may lie in the middle of the instruction that switches it on.
+  Picoseconds powered_time(Picoseconds now) const {
+    return powered_total_ + (powered_ && now > powered_since_ ? now - powered_since_ : 0);
+  }
   /// The core that cannot go on; -1 = none.
   int faulted_core() const { return faulted_core_; }
   /// A core's store into a watched word ended the run.

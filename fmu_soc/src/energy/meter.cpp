@@ -145,6 +145,22 @@ double EnergyMeter::core_j(unsigned number, const CoreActivity& now) const {
          count(now.cycles, before.cycles) * rates_.core_gated_w / state_.cluster_clock_hz;
 }
 
+CountEnergy EnergyMeter::per_count_of_fabric_controller(bool cluster_on) const {
+  auto power_w = rates_.fc_background_w + rates_.leakage_w;
+  if (cluster_on) {
+    power_w += rates_.core_gated_w * inventory_.cluster_cores + rates_.dma_background_w + rates_.cluster_background_w +
+               rates_.cluster_leakage_w;
+  }
+  return {power_w / state_.clock_hz, rates_.instruction * kFemtojoule, rates_.memory_access_j, rates_.memory_access_j,
+          rates_.memory_access_j};
+}
+
+CountEnergy EnergyMeter::per_count_of_core() const {
+  MEBOTS_ASSERT(state_.cluster_clock_hz > 0);
+  return {-rates_.core_gated_w / state_.cluster_clock_hz, rates_.instruction * kFemtojoule, rates_.l1_access_j,
+          rates_.memory_access_j + rates_.far_word_j, 0};
+}
+
 void EnergyMeter::change(const PowerState& state, const Activity& now) {
   for (unsigned core = 0; core < inventory_.cluster_cores; ++core) {
     settled_of_cores_j_[core] = core_j(core, now.of_cores[core]);

@@ -71,6 +71,15 @@ struct CoreActivity {
   }
 };
 
+/// Joules that one more of a hart's counts adds, while the chip's settings stay the same and no other hart goes on.
+struct CountEnergy {
+  double cycle_j = 0;
+  double instruction_j = 0;  // of a femtojoule at the reference point
+  double near_access_j = 0;
+  double far_access_j = 0;
+  double refill_word_j = 0;
+};
+
 /// What the chip did, in counts and durations; all integers, since reset.
 struct Activity {
   std::uint64_t fc_instruction_fj = 0;       // at the reference point
@@ -157,6 +166,9 @@ class EnergyMeter {
   /// Of the ledger: what core `number` of the cluster takes for what it does itself [J], its instructions and accesses,
   /// over what it takes with its clock gated.
   double core_j(unsigned number, const CoreActivity& now) const;
+  /// Of the ledger for the fabric controller, of core_j() for a core of the cluster.
+  CountEnergy per_count_of_fabric_controller(bool cluster_on) const;
+  CountEnergy per_count_of_core() const;
   /// From `now` on, the chip is set otherwise. Call it before a clock changes what cycles mean.
   void change(const PowerState& state, const Activity& now);
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "hart/flow.hpp"
 #include "hart/instruction.hpp"
 #include "hart/timing.hpp"
 #include "memory/banks.hpp"
@@ -92,6 +93,10 @@ struct HostState {
   std::uint64_t slow_load_when = 0;        // what `instructions` was then: of its block if they still are
   std::uint64_t tick_offset = 0;           // active cycle c is tick c + offset of what the hart shares
   bool alone = false;                      // nobody else uses the banks: what is taken in the table means nothing
+  // Where steps between functions are noted:
+  Flow* flow = nullptr;              // the next one
+  std::uint64_t position = 0;        // where the count of cycles stood at the end of the last run
+  std::uint64_t instruction_fj = 0;  // of it
 };
 
 /// What the handlers work on.

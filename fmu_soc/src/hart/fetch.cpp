@@ -82,7 +82,7 @@ bool Hart::fetch_and_execute(const Block& block, std::uint32_t stall, std::uint6
   const auto* first = cache_.instructions(block);
   if (missing == 0) {
     if (observer_ != nullptr) {
-      execute_observed(first, stall);
+      execute_observed(first, 0, stall, nullptr);
     } else {
       execute(first, 0, stall);
     }

@@ -130,7 +130,7 @@ Stop Hart::go_on(std::uint64_t limit, bool left_translated) {
       left_translated = false;
       continue;
     }
-    if (observer_ != nullptr) [[unlikely]] {
+    if (wants_all()) [[unlikely]] {
       if (!observer_->before(*this)) return Stop::observer;
       cache_.forget_if_stale();  // a debugger may have changed code, or the pc
       number = 0;
@@ -143,7 +143,7 @@ Stop Hart::go_on(std::uint64_t limit, bool left_translated) {
       left_translated = run_block(number, limit, left_translated);
     } else {
       left_translated = false;
-      step();
+      observer_ != nullptr ? step_observed() : step();
     }
   }
 }
@@ -213,12 +213,8 @@ inline bool Hart::run_block(std::uint32_t number, std::uint64_t limit, bool left
   const auto stall = stall_of(block);
   const auto present = cache_.is_present(block) ? 0 : kAbsent;
   const auto bound = ((std::uint64_t{block.last_start_bound} + stall) & bound_mask_) | present | unsettled_;
-  if (observer_ != nullptr) [[unlikely]] {
-    run_block_observed(block, stall, limit, early_jump);
-    return false;
-  }
   const bool may_run = e.counters.cycles + bound < limit;
-  if (!early_jump && translation_on_ && may_begin(block, stall, limit)) {
+  if (!early_jump && may_translate(block, stall) && may_begin(block, stall, limit)) {
     // With a loose limit, a stall may reach it; translated code would not begin then.
     const auto* entry = e.counters.cycles + stall < limit ? translated(number, block) : nullptr;
     if (entry != nullptr) {
@@ -226,6 +222,10 @@ inline bool Hart::run_block(std::uint32_t number, std::uint64_t limit, bool left
       e.counters.cycles += stall;
       return run_translated(*entry, limit);
     }
+  }
+  if (observer_ != nullptr) [[unlikely]] {
+    run_block_observed(block, stall, limit, early_jump);
+    return false;
   }
   if (early_jump || !may_run) [[unlikely]] {
     if (early_jump || bound < kAbsent || !fetch_and_execute(block, stall, limit)) step();

@@ -3,6 +3,7 @@
 
 #include "hart/block_cache.hpp"
 #include "hart/execution.hpp"
+#include "hart/flow.hpp"
 #include "hart/timing.hpp"
 #include "memory/bus.hpp"
 #include "memory/instruction_cache.hpp"
@@ -80,6 +81,7 @@ struct DecodedCode {
   BlockCache blocks;
   Banks* banks;
   std::unique_ptr<translate::Translator> translator;  // made when the first block is hot
+  const FlowMap* flow = nullptr;                      // who wants steps between functions to be noted
   std::uint64_t times_dropped = 0;                    // that translations were thrown away
 
   void drop_translations() {
@@ -87,6 +89,11 @@ struct DecodedCode {
     times_dropped += translator->times_dropped() + 1;
     blocks.set_listener(nullptr);
     translator.reset();
+  }
+  void note_flow(const FlowMap* map) {
+    if (map == flow) return;
+    drop_translations();
+    flow = map;
   }
   /// Grows whenever code that a hart has left to go on there may be gone.
   std::uint64_t version() const {
@@ -163,11 +170,7 @@ class Hart {
   void drop_resume_point() { execution_.host.resume_point = nullptr; }
 
   /// Who watches every instruction from now on, or null. Not part of a state.
-  void observe(Observer* observer) {
-    observer_ = observer;
-    observer_knows_of_sleep_ = observer != nullptr && sleeping_;
-    drop_resume_point();
-  }
+  void observe(Observer* observer);
 
   /// Level of an interrupt line (bit of mip).
   void set_interrupt(unsigned bit, bool level);
@@ -304,7 +307,14 @@ class Hart {
   Retired foresee(std::uint32_t pc) const;
   void run_block_observed(const Block& block, std::uint32_t stall, std::uint64_t limit, bool alone);
   bool run_whole_block_observed(const Block& block, std::uint32_t stall, std::uint64_t limit);
-  void execute_observed(const Instruction* first, std::uint32_t stall);
+  void execute_observed(const Instruction* first, std::uint32_t extra_cycles, std::uint32_t stall,
+                        const Instruction* slow_load);
+  void step_observed();
+  bool wants_all() const { return observer_ != nullptr && flow_ == nullptr; }
+  bool may_translate(const Block& block, std::uint32_t stall) const;
+  std::uint64_t make_room_for_steps(std::uint64_t cycles);
+  void tell_flow();
+  void make_absolute(std::span<Flow> steps) const;
   const Instruction* run_until_observed(const Instruction* at, const Instruction* stop);
   bool fetch_and_execute(const Block& block, std::uint32_t stall, std::uint64_t limit);
   void execute_fetching(const Instruction* at);
@@ -368,6 +378,8 @@ class Hart {
   InstructionCache* fetched_ = nullptr;
   std::uint64_t unsettled_ = 0;  // kAbsent while lines that another core asked for may be on their way, else 0
   Observer* observer_ = nullptr;
+  const FlowMap* flow_ = nullptr;  // of the observer
+  std::unique_ptr<Flow[]> steps_;  // that translated code has noted; made when first wanted
   bool observer_knows_of_sleep_ = false;
   bool sleeping_ = false;
   bool waits_for_event_ = false;  // the sleep is that of an event load

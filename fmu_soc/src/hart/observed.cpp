@@ -3,8 +3,90 @@
 // How a hart runs that is watched: as it runs otherwise, with a pause behind every instruction.
 #include "hart/hart.hpp"
 #include "hart/observer.hpp"
+#include "mebots/assert.hpp"
+
+#include <algorithm>
+#include <memory>
 
 namespace mebots::soc {
+namespace {
+
+/// Cycles that translated code may stay when it notes steps: more than any block takes.
+constexpr std::uint64_t kLongestNotedRun = std::uint64_t{1} << 14;
+/// An instruction takes a cycle or more and notes one step at most. With a loose limit a block goes on behind it.
+constexpr std::size_t kMostSteps = kLongestNotedRun + BlockCache::kMaxBlockLength;
+static_assert(kLongestNotedRun >= 2 * Banks::kLongestRun,
+              "a run of a round is at most a quantum and what it is behind");
+
+}  // namespace
+
+void Hart::observe(Observer* observer) {
+  observer_ = observer;
+  observer_knows_of_sleep_ = observer != nullptr && sleeping_;
+  flow_ = observer == nullptr ? nullptr : observer->flow();
+  decoded_->note_flow(flow_);
+  drop_resume_point();
+}
+
+/// Translated code is no place for an observer who wants to be asked, nor for one whose steps it does not note.
+bool Hart::may_translate(const Block& block, std::uint32_t stall) const {
+  if (!translation_on_) return false;
+  if (observer_ != nullptr && (flow_ == nullptr || flow_ != decoded_->flow)) return false;
+  return decoded_->flow == nullptr || std::uint64_t{block.fetch_bound} + stall < kLongestNotedRun;
+}
+
+/// How far a run may go so that there is room for what it notes.
+std::uint64_t Hart::make_room_for_steps(std::uint64_t cycles) {
+  if (decoded_->flow == nullptr) return cycles;
+  if (steps_ == nullptr) {
+    steps_ = std::make_unique_for_overwrite<Flow[]>(kMostSteps);
+    execution_.host.flow = steps_.get();
+  }
+  return std::min(cycles, kLongestNotedRun);
+}
+
+/// Tells the observer what translated code has noted in the run that has just ended.
+void Hart::tell_flow() {
+  auto& e = execution_;
+  if (e.host.flow == steps_.get()) return;
+  const std::span steps(steps_.get(), e.host.flow);
+  MEBOTS_ASSERT(steps.size() <= kMostSteps);
+  e.host.flow = steps_.get();
+  if (observer_ == nullptr) return;
+  make_absolute(steps);
+  // For as long as it looks, the hart stands behind the last step.
+  const auto at_end = e.counters;
+  const auto far_at_end = e.far_accesses;
+  const auto& last = steps.back();
+  e.counters.instructions = last.instructions;
+  e.counters.cycles = last.cycles;
+  e.counters.instruction_fj = last.instruction_fj;
+  e.counters.accesses = last.accesses;
+  e.far_accesses = last.far_accesses;
+  observer_->flowed(*this, steps);
+  e.counters = at_end;
+  e.far_accesses = far_at_end;
+}
+
+/// From what translated code counts in a run to what the counters were.
+void Hart::make_absolute(std::span<Flow> steps) const {
+  const auto& host = execution_.host;
+  const auto& counters = execution_.counters;
+  const auto instructions = counters.instructions - (host.instructions & 0xffffffffU);
+  const auto accesses = counters.accesses - (host.instructions >> 32);
+  const auto instruction_fj = counters.instruction_fj - host.instruction_fj;
+  const auto* banks = decoded_->banks;
+  for (auto& step : steps) {
+    // Cycles from there to the end: the count goes down to 0, or up by a row of banks each. Less than 0 when a block
+    // was left in its middle, whose cycles are not counted yet.
+    auto left = static_cast<std::int64_t>(step.cycles - host.position);
+    if (banks != nullptr) left = -left / static_cast<std::int64_t>(banks->count());
+    step.cycles = counters.cycles - static_cast<std::uint64_t>(left);
+    step.accesses = accesses + (step.instructions >> 32);
+    step.instructions = instructions + (step.instructions & 0xffffffffU);
+    step.instruction_fj += instruction_fj;
+  }
+}
 
 /// Whether an observer for whom this code is quiet must be told of the instruction.
 bool Hart::is_told(const Instruction* at, const QuietCode& quiet) {
@@ -34,19 +116,23 @@ Retired Hart::foresee(std::uint32_t pc) const {
   return retired;
 }
 
+void Hart::step_observed() {
+  const auto retired = foresee(execution_.pc);
+  const auto instructions = execution_.counters.instructions;
+  step();
+  if (execution_.counters.instructions != instructions) observer_->retired(*this, retired);
+}
+
 /// A block, or only its first instruction, wherever a hart without an observer would decide so. With a strict limit the
 /// observer may want the run to end behind any instruction of which it is told, so those run alone. It has been asked
 /// before the first instruction.
 void Hart::run_block_observed(const Block& block, std::uint32_t stall, std::uint64_t limit, bool alone) {
-  alone = alone || (!has_loose_limit() && is_told(cache_.instructions(block), observer_->quiet()));
+  alone = alone || (wants_all() && !has_loose_limit() && is_told(cache_.instructions(block), observer_->quiet()));
   if (alone || !run_whole_block_observed(block, stall, limit)) {
-    const auto retired = foresee(execution_.pc);
-    const auto instructions = execution_.counters.instructions;
-    step();
-    if (execution_.counters.instructions != instructions) observer_->retired(*this, retired);
+    step_observed();
   }
   unsettled_ = fetch_unsettled() ? kAbsent : 0;
-  execution_.link = nullptr;
+  if (wants_all()) execution_.link = nullptr;
 }
 
 /// False: it might reach the limit, and nothing has happened.
@@ -54,13 +140,14 @@ bool Hart::run_whole_block_observed(const Block& block, std::uint32_t stall, std
   if (!cache_.is_present(block) || unsettled_ != 0) return fetch_and_execute(block, stall, limit);
   const auto bound = std::uint64_t{block.last_start_bound} + stall;
   if (execution_.counters.cycles + (bound & bound_mask_) >= limit) return false;
-  execute_observed(cache_.instructions(block), stall);
+  execute_observed(cache_.instructions(block), 0, stall, nullptr);
   return true;
 }
 
 /// As `execute`.
-void Hart::execute_observed(const Instruction* first, std::uint32_t stall) {
-  begin_block(0, stall, nullptr);
+void Hart::execute_observed(const Instruction* first, std::uint32_t extra_cycles, std::uint32_t stall,
+                            const Instruction* slow_load) {
+  begin_block(extra_cycles, stall, slow_load);
   run_until_observed(first, nullptr);
   finish_block();
 }

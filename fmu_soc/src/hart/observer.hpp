@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "hart/flow.hpp"
 #include "isa/encoding.hpp"
 
 #include <cstdint>
+#include <span>
 
 namespace mebots::soc {
 
@@ -60,6 +62,12 @@ class Observer {
   /// Instructions that begin here and go on here need not be told, nor asked about, but for calls, jumps by a register
   /// and returns from traps. The answer holds until the next call of a function that is not const.
   virtual QuietCode quiet() const { return {}; }
+  /// Not null: it only wants to hear where control may go to another function, and may hear of it late, but before
+  /// anything else happens. Hot code is translated then, and notes these steps; before() is not asked. The answer must
+  /// not change while it watches.
+  virtual const FlowMap* flow() const { return nullptr; }
+  /// Steps that translated code has taken, in their order. The hart's counters are those behind the last one.
+  virtual void flowed(const Hart& /*hart*/, std::span<const Flow> /*steps*/) {}
   virtual void trapped(const Hart& /*hart*/, const Trapped& /*trap*/) {}
   /// The hart waits for an interrupt from now on, or goes on after one.
   virtual void slept(const Hart& /*hart*/) {}

@@ -33,7 +33,7 @@ const translate::Entry* Hart::translate_when_hot(std::uint32_t number, const Blo
   const auto first = cache_.instructions(block)->op;
   if (ends_block(first) && !is_jump(first) && !is_hardware_loop(first)) return nullptr;  // nothing to gain
   if (translator == nullptr) {
-    translator = translate::make_translator(cache_, execution_, {has_loose_limit(), decoded_->banks});
+    translator = translate::make_translator(cache_, execution_, {has_loose_limit(), decoded_->banks, decoded_->flow});
     translation_on_ = translator != nullptr;
     if (!translation_on_) return nullptr;
     cache_.set_listener(translator.get());
@@ -45,13 +45,15 @@ const translate::Entry* Hart::translate_when_hot(std::uint32_t number, const Blo
 bool Hart::run_translated(const translate::Entry& entry, std::uint64_t limit) {
   set_budget(limit);
   execution_.host.next = nullptr;
-  return finish_translated(*decoded_->translator->run(execution_, entry.plain).exit);
+  const auto& exit = *decoded_->translator->run(execution_, entry.plain).exit;
+  if (decoded_->flow != nullptr) tell_flow();
+  return finish_translated(exit);
 }
 
 /// Tells translated code how far it may go.
 void Hart::set_budget(std::uint64_t limit) {
   auto& host = execution_.host;
-  const auto cycles = limit - execution_.counters.cycles;
+  const auto cycles = make_room_for_steps(limit - execution_.counters.cycles);
   auto* banks = decoded_->banks;
   if (banks == nullptr) {
     host.begin = std::min(cycles, kLongestRun);
@@ -82,6 +84,8 @@ bool Hart::finish_translated(const translate::Exit& exit) {
     const auto* slow_load = host.slow_load_when == host.instructions ? host.slow_load : nullptr;
     if (exit.fetches || !is_present(exit.at)) {
       resume_fetching(exit.at, exit.wait_cycles, stall, slow_load);
+    } else if (observer_ != nullptr) {
+      execute_observed(exit.at, exit.wait_cycles, stall, slow_load);
     } else {
       execute(exit.at, exit.wait_cycles, stall, slow_load);
     }
@@ -106,6 +110,9 @@ Hart::RoundEnd Hart::run_round_robin(Hart& first, std::uint64_t limit_tick) {
   auto& host = first.execution_.host;
   host.end = reinterpret_cast<std::uintptr_t>(decoded.banks->row(limit_tick));
   const auto [exit, execution] = decoded.translator->run(first.execution_, host.resume_point);
+  if (decoded.flow != nullptr) {
+    for (auto* e = &first.execution_; e != nullptr; e = e->host.next) e->hart->tell_flow();
+  }
   if (execution == nullptr) return {};
   auto& hart = *execution->hart;
   if (exit == nullptr) return {&hart};

@@ -3,10 +3,11 @@
 
 namespace mebots::soc::observe {
 
-std::uint32_t CallTree::child(std::uint32_t parent, std::uint32_t place) {
+std::uint32_t CallTree::find(std::uint32_t parent, std::uint32_t place) {
   const auto [found, is_new] =
       numbers_.try_emplace(std::uint64_t{parent} << 32 | place, static_cast<std::uint32_t>(nodes_.size()));
   if (is_new) nodes_.push_back({parent, place, 0, {}});
+  recent_[index_of_recent(parent, place)] = {parent, place, found->second};
   return found->second;
 }
 

@@ -44,7 +44,12 @@ class CallTree {
   static constexpr std::uint32_t kRoot = 0;
 
   /// The node of `place` under `parent`, made when it is new. Numbers grow downwards: a child's is above its parent's.
-  std::uint32_t child(std::uint32_t parent, std::uint32_t place);
+  std::uint32_t child(std::uint32_t parent, std::uint32_t place) {
+    const auto& recent = recent_[index_of_recent(parent, place)];
+    // The root is nobody's child.
+    return recent.number != kRoot && recent.parent == parent && recent.place == place ? recent.number
+                                                                                      : find(parent, place);
+  }
 
   Node& node(std::uint32_t number) { return nodes_[number]; }
   const std::vector<Node>& nodes() const { return nodes_; }
@@ -55,8 +60,21 @@ class CallTree {
   std::vector<std::vector<std::uint32_t>> children() const;
 
  private:
+  struct Recent {
+    std::uint32_t parent = 0;
+    std::uint32_t place = 0;
+    std::uint32_t number = kRoot;
+  };
+  static constexpr std::uint32_t kRecent = 1024;
+
+  static std::uint32_t index_of_recent(std::uint32_t parent, std::uint32_t place) {
+    return (parent * 0x9e3779b1U ^ place) % kRecent;
+  }
+  std::uint32_t find(std::uint32_t parent, std::uint32_t place);
+
   std::vector<Node> nodes_;
   std::unordered_map<std::uint64_t, std::uint32_t> numbers_;  // never walked: its order reaches no result
+  std::array<Recent, kRecent> recent_{};                      // of them: what a call most often finds
 };
 
 }  // namespace mebots::soc::observe

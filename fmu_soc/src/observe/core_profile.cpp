@@ -16,6 +16,11 @@ bool is_link(unsigned reg) {
   return reg == 1 || reg == 5;
 }
 
+/// As std::llround, without a call.
+std::int64_t rounded(double value) {
+  return static_cast<std::int64_t>(value < 0 ? value - 0.5 : value + 0.5);
+}
+
 std::string trap_name(std::uint32_t cause) {
   const auto number = cause & ~cause::kInterrupt;
   return (cause & cause::kInterrupt) != 0 ? fmt::format("[interrupt {}]", number) : fmt::format("[trap {}]", number);
@@ -87,19 +92,48 @@ void CoreProfile::push(std::uint32_t place, std::uint32_t return_address, Kind k
 
 void CoreProfile::retired(const Hart& hart, const Retired& instruction) {
   const auto& decoded = instruction.decoded;
-  const auto next = hart.pc();
-  const auto after = instruction.pc + decoded.length;
-  if (is_jump(decoded.op) && is_link(decoded.rd)) {
+  step({decoded.op, decoded.rd, decoded.rs1, instruction.pc + decoded.length, hart.pc()}, [this] { return now(); });
+}
+
+/// In translated code only this hart's counts have changed, and energy and time are linear in them: from what the last
+/// step has cost follows what each one had.
+void CoreProfile::flowed(const Hart& hart, std::span<const Flow> steps) {
+  const auto last = now();
+  const auto per_count = soc_.energy_per_count(number_);
+  const auto per_fetch_cycle_j = number_ == 0 ? soc_.refill_words_per_fetch_cycle() * per_count.refill_word_j : 0.0;
+  const auto cycle_ps = kPsPerS / soc_.clock_hz(number_);
+  const auto& end = steps.back();
+  // Lines that came after the last step are in the energy already.
+  const auto fetch_cycles = hart.counters().fetch_cycles;
+  for (const auto& flow : steps) {
+    const auto cycles = static_cast<double>(end.cycles - flow.cycles);
+    const auto far = static_cast<double>(end.far_accesses - flow.far_accesses);
+    const auto near = static_cast<double>(end.accesses - flow.accesses) - far;
+    const auto later_j = cycles * per_count.cycle_j +
+                         static_cast<double>(end.instruction_fj - flow.instruction_fj) * per_count.instruction_j +
+                         near * per_count.near_access_j + far * per_count.far_access_j +
+                         static_cast<double>(fetch_cycles - flow.fetch_cycles) * per_fetch_cycle_j;
+    const Cost cost{static_cast<std::int64_t>(flow.cycles), static_cast<std::int64_t>(flow.instructions),
+                    last.time_ps - rounded(cycles * cycle_ps), last.energy_fj - rounded(later_j / kFemtojoule)};
+    const auto* at = flow.at;
+    step({at->op, at->rd, at->rs1, at[1].pc, flow.next}, [&cost] { return cost; });
+  }
+}
+
+template <typename Now>
+void CoreProfile::step(const Step& step, Now now) {
+  if (is_jump(step.op) && is_link(step.rd)) {
     charge(now());
     // Through the other link register it goes back to a coroutine, whose place the call then takes.
-    if (decoded.op == Op::jalr && is_link(decoded.rs1) && decoded.rs1 != decoded.rd) return_to(next);
-    push(functions_.entered(next), after, Kind::function);
-  } else if (decoded.op == Op::mret) {
-    return_from_trap(next);
-  } else if (decoded.op == Op::jalr && is_link(decoded.rs1) && return_to(next)) {
-    return;
-  } else if (next != after || !functions_.inside(stack_.back().place, next)) {
-    go_to(next);
+    if (step.op == Op::jalr && is_link(step.rs1) && step.rd != step.rs1) return_to(step.next, now);
+    push(functions_.entered(step.next), step.after, Kind::function);
+  } else if (step.op == Op::mret) {
+    return_from_trap(step.next);
+  } else if (step.op == Op::jalr && is_link(step.rs1) && return_to(step.next, now)) {
+    // A call that was not meant to return may have been the last of its function.
+    go_to(step.next, now);
+  } else if (step.next != step.after || !functions_.inside(stack_.back().place, step.next)) {
+    go_to(step.next, now);
   }
 }
 
@@ -109,7 +143,8 @@ QuietCode CoreProfile::quiet() const {
 }
 
 /// The code of the frame on top goes on at `address`, perhaps as another function.
-void CoreProfile::go_to(std::uint32_t address) {
+template <typename Now>
+void CoreProfile::go_to(std::uint32_t address, Now now) {
   auto& top = stack_.back();
   const auto place = functions_.reached(address, top.place);
   if (place == top.place) return;
@@ -122,7 +157,8 @@ void CoreProfile::go_to(std::uint32_t address) {
 
 /// Leaves frames down to the one that was called from just before `address`; false when there is none above the last
 /// trap.
-bool CoreProfile::return_to(std::uint32_t address) {
+template <typename Now>
+bool CoreProfile::return_to(std::uint32_t address, Now now) {
   for (auto depth = stack_.size(); depth-- > 1;) {
     if (stack_[depth].kind != Kind::function) return false;
     if (stack_[depth].return_address == address) {
@@ -142,7 +178,7 @@ void CoreProfile::return_from_trap(std::uint32_t address) {
       break;
     }
   }
-  go_to(address);
+  go_to(address, [this] { return now(); });
 }
 
 void CoreProfile::trapped(const Hart& hart, const Trapped& trap) {

@@ -28,6 +28,8 @@ class CoreProfile final : public Observer {
 
   void retired(const Hart& hart, const Retired& instruction) override;
   QuietCode quiet() const override;
+  const FlowMap* flow() const override { return &functions_; }
+  void flowed(const Hart& hart, std::span<const Flow> steps) override;
   void trapped(const Hart& hart, const Trapped& trap) override;
   void slept(const Hart& hart) override;
   void woke(const Hart& hart) override;
@@ -52,6 +54,15 @@ class CoreProfile final : public Observer {
     Kind kind = Kind::function;
   };
 
+  /// From one instruction to the next.
+  struct Step {
+    Op op;
+    unsigned rd;
+    unsigned rs1;
+    std::uint32_t after;  // address behind the instruction
+    std::uint32_t next;
+  };
+
   void start();
   Cost now() const;
   Cost now_of_chip() const;
@@ -59,8 +70,12 @@ class CoreProfile final : public Observer {
   void charge(const Cost& now);
   void start_stack();
   void push(std::uint32_t place, std::uint32_t return_address, Kind kind);
-  void go_to(std::uint32_t address);
-  bool return_to(std::uint32_t address);
+  template <typename Now>
+  void step(const Step& step, Now now);
+  template <typename Now>
+  void go_to(std::uint32_t address, Now now);
+  template <typename Now>
+  bool return_to(std::uint32_t address, Now now);
   void return_from_trap(std::uint32_t address);
 
   const Soc& soc_;

@@ -16,7 +16,18 @@ std::uint32_t Functions::of_symbol(const ElfSymbol& symbol) {
   return number;
 }
 
+bool Functions::leads_away(std::uint32_t pc, std::uint32_t next) const {
+  const auto* to = program_.covering(next);
+  return to != nullptr && to != program_.covering(pc);
+}
+
 std::uint32_t Functions::entered(std::uint32_t address) {
+  auto& recent = recent_[address / 2 % recent_.size()];
+  if (recent.address != address) recent = {address, find_entered(address)};
+  return recent.place;
+}
+
+std::uint32_t Functions::find_entered(std::uint32_t address) {
   if (const auto* symbol = program_.covering(address)) return of_symbol(*symbol);
   const auto found = by_address_.find(address);
   if (found != by_address_.end()) return found->second;

@@ -4,6 +4,7 @@
 #include "elf/elf.hpp"
 #include "hart/observer.hpp"
 
+#include <array>
 #include <cstdint>
 #include <map>
 #include <string>
@@ -13,9 +14,12 @@
 namespace mebots::soc::observe {
 
 /// Names of the places where time is spent, as small numbers: functions of the program and states of the core.
-class Functions {
+class Functions final : public FlowMap {
  public:
   explicit Functions(const Elf& program);
+
+  /// Whether a step that is neither a call nor a return leads into another function.
+  bool leads_away(std::uint32_t pc, std::uint32_t next) const override;
 
   /// The function that a call into `address` enters. Without a symbol there: one named by the address.
   std::uint32_t entered(std::uint32_t address);
@@ -38,12 +42,18 @@ class Functions {
     std::uint32_t begin = 0;
     std::uint32_t size = 0;  // bytes of code that are its own for sure
   };
+  struct Recent {
+    std::uint32_t address = 1;  // no pc is odd
+    std::uint32_t place = 0;
+  };
   std::uint32_t of_symbol(const ElfSymbol& symbol);
+  std::uint32_t find_entered(std::uint32_t address);
 
   const Elf& program_;
   std::vector<Place> places_;
   std::map<std::string, std::uint32_t, std::less<>> by_name_;
   std::map<std::uint32_t, std::uint32_t> by_address_;  // of functions and of calls into nothing known
+  std::array<Recent, 256> recent_{};                   // of what calls entered
 };
 
 }  // namespace mebots::soc::observe

@@ -24,6 +24,11 @@ class Observers final : public Observer {
     for (auto* observer : list_) observer->retired(hart, instruction);
   }
   QuietCode quiet() const override { return list_.size() == 1 ? list_.front()->quiet() : QuietCode{}; }
+  /// Translated code has one who listens at most.
+  const FlowMap* flow() const override { return list_.size() == 1 ? list_.front()->flow() : nullptr; }
+  void flowed(const Hart& hart, std::span<const Flow> steps) override {
+    for (auto* observer : list_) observer->flowed(hart, steps);
+  }
   void trapped(const Hart& hart, const Trapped& trap) override {
     for (auto* observer : list_) observer->trapped(hart, trap);
   }

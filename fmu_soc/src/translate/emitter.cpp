@@ -103,13 +103,13 @@ void Emitter::emit_node(const Node& node) {
   block_ = node.block;
   const auto* at = node.first;
   if (cache_.fetched() == nullptr) {
-    while (emit_instruction(at)) ++at;
+    while (emit_instruction(at)) note_flow_inside(at++);
     return;
   }
   // With a cache that others use, too, who begins the block has asked for its first line.
   if (fetches_inline()) emit_fetch(at, nullptr);
   while (emit_instruction(at)) {
-    ++at;
+    note_flow_inside(at++);
     if (!is_block_end(at->op)) emit_fetch(at, at - 1);
   }
 }

@@ -148,7 +148,14 @@ class Emitter : private Xbyak::CodeGenerator {
   void emit_jump(const Instruction* at);
   void emit_jump_register(const Instruction* at);
   void emit_edge(const Instruction* at, std::uint32_t pc, bool jumped);
+  bool is_noted(const Instruction* at, std::uint32_t next) const;
+  template <typename SetNext>
+  void note_flow(const Instruction* at, SetNext set_next);
+  void note_flow_to(const Instruction* at, std::uint32_t next);
+  void note_flow_to(const Instruction* at, const Reg32& next);
+  void note_flow_inside(const Instruction* at);
   void count(const Instruction* at, std::uint32_t extra_cycles);
+  void take_back(const Instruction* at);
   void spend(std::uint32_t cycles);
   void check_limit(const Node& node, std::uint32_t stall, const Exit& at_limit, const Pipeline& pipeline);
   void check_limit(const Node& node);

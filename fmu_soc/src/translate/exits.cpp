@@ -16,7 +16,62 @@ void Emitter::count(const Instruction* at, std::uint32_t extra_cycles) {
   paddq(xmm15, ptr[rip + constants_[{counts, sums.energy_before_fj}]]);
 }
 
+/// Undoes count().
+void Emitter::take_back(const Instruction* at) {
+  const auto& sums = at[1];
+  const auto cycles = sums.cycles_before + waits_before(&sums);
+  if (options_.banks != nullptr) {
+    sub(r15, cycles * options_.banks->count());
+  } else {
+    add(r15, cycles);
+  }
+  const auto counts = std::uint64_t{sums.index} | std::uint64_t{sums.accesses_before} << 32;
+  psubq(xmm15, ptr[rip + constants_[{counts, sums.energy_before_fj}]]);
+}
+
+/// Whether a step must be noted for those who watch.
+bool Emitter::is_noted(const Instruction* at, std::uint32_t next) const {
+  if (options_.flow == nullptr) return false;
+  return (at->op == Op::jal && at->rd != 32) || options_.flow->leads_away(at->pc, next);
+}
+
+/// Notes a step behind `at`, up to which all is counted, to where `set_next` stores. rcx and rdx are lost.
+template <typename SetNext>
+void Emitter::note_flow(const Instruction* at, SetNext set_next) {
+  const auto field = [this](std::size_t offset) { return rdx + static_cast<int>(offset); };
+  const auto end = rbx + static_cast<int>(offsetof(Execution, host.flow));
+  mov(rdx, ptr[end]);
+  movdqu(ptr[field(offsetof(Flow, instructions))], xmm15);
+  mov(ptr[field(offsetof(Flow, cycles))], r15);
+  mov(rcx, ptr[rbx + static_cast<int>(offsetof(Execution, far_accesses))]);
+  mov(ptr[field(offsetof(Flow, far_accesses))], rcx);
+  mov(rcx, ptr[rbx + static_cast<int>(offsetof(Execution, counters.fetch_cycles))]);
+  mov(ptr[field(offsetof(Flow, fetch_cycles))], rcx);
+  mov(rcx, reinterpret_cast<std::uint64_t>(at));
+  mov(ptr[field(offsetof(Flow, at))], rcx);
+  set_next(dword[field(offsetof(Flow, next))]);
+  add(qword[end], static_cast<std::uint32_t>(sizeof(Flow)));
+}
+
+void Emitter::note_flow_to(const Instruction* at, std::uint32_t next) {
+  note_flow(at, [this, next](const Xbyak::Address& place) { mov(place, next); });
+}
+
+/// Likewise, to the address in `next`.
+void Emitter::note_flow_to(const Instruction* at, const Reg32& next) {
+  note_flow(at, [this, next](const Xbyak::Address& place) { mov(place, next); });
+}
+
+/// A step within the block, whose counts are not added before it is left.
+void Emitter::note_flow_inside(const Instruction* at) {
+  if (is_block_end(at[1].op) || !is_noted(at, at[1].pc)) return;
+  count(at, 0);
+  note_flow_to(at, at[1].pc);
+  take_back(at);
+}
+
 void Emitter::spend(std::uint32_t cycles) {
+  if (cycles == 0) return;
   if (options_.banks != nullptr) {
     add(r15, cycles * options_.banks->count());
   } else {
@@ -157,12 +212,20 @@ void Emitter::check_limit(const Node& node) {
 void Emitter::emit_edge(const Instruction* at, std::uint32_t pc, bool jumped) {
   const auto extra = is_branch(at->op) ? kTakenBranchExtra : 0U;
   if (const auto* node = node_at(at->link, pc); node != nullptr) {
-    count(at, extra + (jumped && node->block->unaligned ? kUnalignedTargetExtra : 0U));
+    const auto landing = jumped && node->block->unaligned ? kUnalignedTargetExtra : 0U;
+    if (is_noted(at, pc)) {
+      count(at, extra);
+      note_flow_to(at, pc);
+      spend(landing);
+    } else {
+      count(at, extra + landing);
+    }
     check_limit(*node);
     if (is_branch(at->op) || node != following_) jmp(label_of(*node), T_NEAR);
     return;
   }
   count(at, extra);
+  if (is_noted(at, pc)) note_flow_to(at, pc);
   Exit exit;
   exit.pc = pc;
   exit.at = at;
@@ -234,12 +297,20 @@ void Emitter::emit_jump_register(const Instruction* at) {
     je(guessed, T_NEAR);
     later([this, at, node, guessed]() mutable {
       L(guessed);
-      count(at, node->block->unaligned ? kUnalignedTargetExtra : 0U);
+      const auto landing = node->block->unaligned ? kUnalignedTargetExtra : 0U;
+      if (options_.flow != nullptr) {
+        count(at, 0);
+        note_flow_to(at, eax);
+        spend(landing);
+      } else {
+        count(at, landing);
+      }
       check_limit(*node);
       jmp(label_of(*node), T_NEAR);
     });
   }
   count(at, 0);
+  if (options_.flow != nullptr) note_flow_to(at, eax);
   store_registers();
   mov(ptr[rbx + static_cast<int>(offsetof(Execution, pc))], eax);
   Label unknown;

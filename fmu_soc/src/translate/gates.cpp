@@ -142,6 +142,7 @@ void Emitter::emit_fetch_gate() {
 
 /// Adds what a run has counted to the counters; rcx and rdx are lost.
 void Emitter::emit_account() {
+  if (options_.flow != nullptr) mov(ptr[rbx + offset_of_host(offsetof(HostState, position))], r15);
   mov(rdx, ptr[rbx + offset_of_host(offsetof(HostState, begin))]);
   sub(rdx, r15);
   if (options_.banks != nullptr) {
@@ -157,6 +158,7 @@ void Emitter::emit_account() {
   add(ptr[rbx + offset_of_counter(offsetof(Counters, accesses))], rdx);
   psrldq(xmm15, 8);
   movq(rdx, xmm15);
+  if (options_.flow != nullptr) mov(ptr[rbx + offset_of_host(offsetof(HostState, instruction_fj))], rdx);
   add(ptr[rbx + offset_of_counter(offsetof(Counters, instruction_fj))], rdx);
 }
 

@@ -80,6 +80,7 @@ void Emitter::emit_iteration(const Instruction* at, unsigned loop) {
   }
   count(at - 1, 0);
   mov(eax, start);
+  if (options_.flow != nullptr) note_flow_to(at - 1, eax);
   mov(ptr[rbx + static_cast<int>(offsetof(Execution, pc))], eax);
   Exit exit;
   exit.straight = true;
@@ -103,6 +104,7 @@ void Emitter::emit_straight_edge(const Instruction* at, std::uint32_t link, std:
     return;
   }
   count(at - 1, 0);
+  if (is_noted(at - 1, pc)) note_flow_to(at - 1, pc);
   Exit exit;
   exit.straight = true;
   exit.pc = pc;
@@ -123,6 +125,7 @@ void Emitter::set_where_from(const Instruction* end) {
 
 void Emitter::emit_straight_to(const Instruction* at, const Node& node) {
   count(at - 1, 0);
+  if (is_noted(at - 1, node.block->pc)) note_flow_to(at - 1, node.block->pc);
   const bool stalls = translate::stalls(*node.block, at);
   Exit at_limit;
   at_limit.straight = true;

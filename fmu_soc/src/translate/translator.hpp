@@ -47,6 +47,8 @@ struct RunEnd {
 struct Options {
   bool loose_limit = false;  // a block that starts before the limit runs to its end
   Banks* banks = nullptr;    // of the first memory, when others use it at the same time, now and then
+  /// Not null: steps between functions are noted at HostState::flow, one an instruction at most.
+  const FlowMap* flow = nullptr;
 };
 
 /// Translations of a block cache, for harts that reach the same memories at the same place. Each block is translated
