@@ -72,6 +72,7 @@ class Debugged {
     write_file(folder / "commands", commands);
     // The tool says on stderr where it waits; gdb starts when it has.
     write_file(folder / "script", fmt::format(R"(
+export RUN_FOLDER={}
 {} run {} --gdb 0 {} > {}/out 2> {}/err &
 tool=$!
 port=
@@ -88,8 +89,8 @@ done
 kill $tool 2> /dev/null
 wait $tool
 )",
-                                              tool_path(), elf, options, folder / "", folder / "", folder / "",
-                                              folder / "", elf, folder / ""));
+                                              folder / "", tool_path(), elf, options, folder / "", folder / "",
+                                              folder / "", folder / "", elf, folder / ""));
     const auto status = std::system(("bash " + (folder / "script")).c_str());
     exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
     gdb = read_file(folder / "gdb");
@@ -134,6 +135,32 @@ TEST_F(Gdb, StepsOneInstructionAtATime) {
   EXPECT_THAT(run.gdb, HasSubstr("$2 = 0x80000004"));
   EXPECT_THAT(run.gdb, HasSubstr("$3 = 0x3"));
   EXPECT_THAT(run.gdb, HasSubstr("$4 = 0x3"));
+}
+
+/// gdb itself steps through a range only where the program has lines of source. Register 0x20 is the pc.
+TEST_F(Gdb, StepsUntilTheProgramIsOutOfARange) {
+  const Debugged run(
+      "maintenance packet vCont?\nstepi 2\nprint &add_up\n"
+      "maintenance packet vCont;r80000006,80000016:1\nmaintenance packet p20\n"
+      "maintenance packet vCont;r80000016,80000032:1\nmaintenance packet p20\n"
+      "maintenance packet Z0,80000026,2\nmaintenance packet vCont;r80000006,80000032:1;c\nmaintenance packet p20\n"
+      "maintenance packet z0,80000026,2\ncontinue\n");
+  EXPECT_THAT(run.gdb, HasSubstr("vCont;c;C;s;S;r"));
+  EXPECT_THAT(run.gdb, HasSubstr("0x80000016 <add_up>"));
+  EXPECT_THAT(run.gdb, HasSubstr("received: \"16000080\"")) << "called from the range";
+  EXPECT_THAT(run.gdb, HasSubstr("received: \"10000080\"")) << "behind the call";
+  EXPECT_THAT(run.gdb, HasSubstr("received: \"26000080\"")) << "a breakpoint in the range";
+  EXPECT_EQ(run.exit_code, 2) << run.gdb << run.err;
+}
+
+TEST_F(Gdb, TellsASecondDebuggerToWait) {
+  const Debugged run(
+      "shell timeout 20 gdb-multiarch -nx -q -batch -ex 'set architecture riscv:rv32' -ex \"target remote 127.0.0.1:"
+      "$(sed -n 's/.*127.0.0.1:\\([0-9]*\\).*/\\1/p' \"$RUN_FOLDER/err\")\" 2>&1\n"
+      "print/x $pc\ncontinue\n");
+  EXPECT_THAT(run.gdb, HasSubstr("another debugger is connected"));
+  EXPECT_THAT(run.gdb, HasSubstr("$1 = 0x80000000"));
+  EXPECT_EQ(run.exit_code, 2) << run.gdb << run.err;
 }
 
 TEST_F(Gdb, StopsWhereAWatchedVariableChanges) {

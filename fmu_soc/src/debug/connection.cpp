@@ -11,6 +11,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <array>
 #include <cerrno>
 #include <cstring>
 #include <utility>
@@ -19,7 +20,26 @@ namespace mebots::soc::debug {
 namespace {
 
 constexpr char kInterrupt = '\x03';
+constexpr int kBacklog = 4;
 constexpr std::size_t kLongestPacket = 1U << 20;
+
+/// How long a caller that must be refused has to say what it wants, and to hang up [ms].
+constexpr int kRefusalMs = 1000;
+/// gdb shows the text behind "E." of an answer to its first packet.
+constexpr std::string_view kBusy =
+    "E.another debugger is connected to this run: wait until it has gone, and call again";
+
+/// Whether something can be read, or accepted, within `timeout_ms`.
+bool is_readable(const Socket& socket, int timeout_ms) {
+  pollfd wanted{socket.descriptor(), POLLIN, 0};
+  return ::poll(&wanted, 1, timeout_ms) > 0;
+}
+
+std::string framed(std::string_view escaped) {
+  unsigned sum = 0;
+  for (const char c : escaped) sum += static_cast<std::uint8_t>(c);
+  return fmt::format("${}#{:02x}", escaped, sum & 0xffU);
+}
 
 int hex_digit(char c) {
   if (c >= '0' && c <= '9') return c - '0';
@@ -55,8 +75,8 @@ Connection::Connection(int port) : listener_(::socket(AF_INET, SOCK_STREAM | SOC
   address.sin_port = htons(static_cast<std::uint16_t>(port));
   socklen_t size = sizeof address;
   auto* any = reinterpret_cast<sockaddr*>(&address);
-  if (!listener_.open() || ::bind(listener_.descriptor(), any, size) != 0 || ::listen(listener_.descriptor(), 1) != 0 ||
-      ::getsockname(listener_.descriptor(), any, &size) != 0) {
+  if (!listener_.open() || ::bind(listener_.descriptor(), any, size) != 0 ||
+      ::listen(listener_.descriptor(), kBacklog) != 0 || ::getsockname(listener_.descriptor(), any, &size) != 0) {
     throw Error(fmt::format("gdb port {}: cannot listen on 127.0.0.1: {}; take another port, or 0 for a free one", port,
                             std::strerror(errno)));
   }
@@ -66,10 +86,7 @@ Connection::Connection(int port) : listener_(::socket(AF_INET, SOCK_STREAM | SOC
 bool Connection::accept(bool wait) {
   int descriptor = -1;
   do {
-    if (!wait) {
-      pollfd watched{listener_.descriptor(), POLLIN, 0};
-      if (::poll(&watched, 1, 0) <= 0) return false;
-    }
+    if (!wait && !is_readable(listener_, 0)) return false;
     descriptor = ::accept4(listener_.descriptor(), nullptr, nullptr, SOCK_CLOEXEC);
   } while (descriptor < 0 && errno == EINTR);
   if (descriptor < 0) return false;
@@ -86,6 +103,7 @@ std::optional<char> Connection::next_byte() {
   if (read_ == unread_.size()) {
     char buffer[4096];
     ssize_t count = 0;
+    wait_for_client();
     do {
       count = client_.open() ? ::recv(client_.descriptor(), buffer, sizeof buffer, 0) : 0;
     } while (count < 0 && errno == EINTR);
@@ -97,6 +115,30 @@ std::optional<char> Connection::next_byte() {
     read_ = 0;
   }
   return unread_[read_++];
+}
+
+/// Until the debugger has said something. Others who call meanwhile are told.
+void Connection::wait_for_client() {
+  while (client_.open()) {
+    std::array<pollfd, 2> wanted{{{client_.descriptor(), POLLIN, 0}, {listener_.descriptor(), POLLIN, 0}}};
+    if (::poll(wanted.data(), wanted.size(), -1) < 0 && errno != EINTR) return;
+    if (wanted[0].revents != 0) return;
+    if (wanted[1].revents != 0) refuse_others();
+  }
+}
+
+void Connection::refuse_others() {
+  while (is_readable(listener_, 0)) {
+    const Socket caller(::accept4(listener_.descriptor(), nullptr, nullptr, SOCK_CLOEXEC));
+    if (!caller.open()) return;
+    char ignored[4096];
+    if (!is_readable(caller, kRefusalMs) || ::recv(caller.descriptor(), ignored, sizeof ignored, 0) <= 0) continue;
+    const auto answer = "+" + framed(kBusy);
+    ::send(caller.descriptor(), answer.data(), answer.size(), MSG_NOSIGNAL);
+    ::shutdown(caller.descriptor(), SHUT_WR);
+    // Closed with something unread, the answer could be lost on its way.
+    while (is_readable(caller, kRefusalMs) && ::recv(caller.descriptor(), ignored, sizeof ignored, 0) > 0) continue;
+  }
 }
 
 std::optional<std::string> Connection::receive() {
@@ -127,19 +169,13 @@ std::optional<std::string> Connection::receive() {
 }
 
 void Connection::send(std::string_view content) {
-  std::string packet = "$";
-  unsigned sum = 0;
+  std::string escaped;
   for (const char c : content) {
-    if (c == '$' || c == '#' || c == '}' || c == '*') {
-      packet += '}';
-      packet += static_cast<char>(c ^ 0x20);
-      sum += static_cast<unsigned>('}') + static_cast<std::uint8_t>(c ^ 0x20);
-    } else {
-      packet += c;
-      sum += static_cast<std::uint8_t>(c);
-    }
+    const bool is_special = c == '$' || c == '#' || c == '}' || c == '*';
+    if (is_special) escaped += '}';
+    escaped += is_special ? static_cast<char>(c ^ 0x20) : c;
   }
-  packet += fmt::format("#{:02x}", sum & 0xffU);
+  const auto packet = framed(escaped);
   // A lost packet is impossible over TCP; one that the debugger calls damaged is sent again.
   while (write_all(packet) && acknowledges_) {
     auto answer = next_byte();

@@ -42,6 +42,8 @@ class Connection {
   std::optional<std::string> receive();
   /// Sends a packet and, unless told otherwise, waits until it is acknowledged. Nothing happens without a debugger.
   void send(std::string_view content);
+  /// Tells those who call while a debugger is there that they must wait, and hangs up. Never waits when nobody calls.
+  void refuse_others();
   /// True when an interrupt (Ctrl-C) has come, or the debugger has gone. Never waits.
   bool interrupted();
   /// From now on packets are not acknowledged.
@@ -50,6 +52,7 @@ class Connection {
  private:
   std::optional<char> next_byte();
   bool write_all(std::string_view bytes);
+  void wait_for_client();
 
   Socket listener_;
   Socket client_;

@@ -44,6 +44,7 @@ GdbServer::Resume GdbServer::serve() {
   if (!held_) connection_.send(stop_reply_);
   held_ = true;
   stepping_.reset();
+  step_range_ = {};
   alone_.reset();
   for (;;) {
     const auto packet = connection_.receive();
@@ -97,12 +98,19 @@ GdbServer::Resume GdbServer::obey(const std::string& packet) {
   return Resume::no;
 }
 
-/// "s:2;c": one thread steps, all others go on. With "s:2" or "c:2" they should stand, but none can while a core waits
-/// for them: they go on unseen.
+/// "s:2;c": one thread steps, all others go on. "r1c000042,1c00004c:2" steps until it is out of this range. With "s:2"
+/// or "c:2" they should stand, but none can while a core waits for them: they go on unseen.
 GdbServer::Resume GdbServer::resume(std::string_view actions) {
-  const auto step = actions.find_first_of("sS");
+  const auto step = actions.find_first_of("sSr");
   const auto begin = step == std::string_view::npos ? 0 : step;
   const auto action = actions.substr(begin, actions.find(';', begin) - begin);
+  if (action.starts_with('r')) {
+    const auto range = action.substr(1, action.find(':') - 1);
+    const auto comma = std::min(range.find(','), range.size());
+    const auto first = parse_hex(range.substr(0, comma));
+    const auto end = parse_hex(range.substr(std::min(comma + 1, range.size())));
+    if (first && end && *first < *end) step_range_ = {*first, *end - *first};
+  }
   if (const auto colon = action.find(':'); colon != std::string_view::npos) {
     const auto text = action.substr(colon + 1);
     if (const auto number = threads_.parse(text)) threads_.choose(*number);
@@ -157,7 +165,7 @@ std::string GdbServer::answer(const std::string& packet) {
     default:
       break;
   }
-  if (packet == "vCont?") return "vCont;c;C;s;S";
+  if (packet == "vCont?") return "vCont;c;C;s;S;r";
   if (packet == "QStartNoAckMode") return "OK";
   return {};  // not known here
 }

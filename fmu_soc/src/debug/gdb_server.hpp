@@ -78,6 +78,7 @@ class GdbServer {
   std::string read_memory(std::string_view text) const;
   std::string write_memory(std::string_view text, bool binary);
   std::string change_point(std::string_view text, bool insert);
+  bool ends_step(unsigned number, std::uint32_t pc) const { return stepping_ == number && !step_range_.holds(pc); }
   std::string watch_touched(const Access& access) const;
 
   Soc& soc_;
@@ -90,6 +91,7 @@ class GdbServer {
   std::vector<Watch> watches_;
   std::string stop_reply_;
   std::optional<unsigned> stepping_;  // the hart
+  QuietCode step_range_;              // in which the step goes on; empty = one instruction
   std::optional<unsigned> alone_;     // likewise: gdb wants to hear of no other one meanwhile
   bool awaited_ = true;               // the run has not begun: wait for the debugger
   bool held_ = false;                 // gdb believes that the program stands

@@ -29,6 +29,7 @@ bool GdbServer::OfHart::before(Hart& hart) {
   auto& connection = server.connection_;
   if (server.killed_) return false;
   const bool look = (++server.ticks_ & (kPatience - 1)) == 0;
+  if (look && connection.connected()) connection.refuse_others();
   // NOLINTBEGIN(bugprone-branch-clone): the order of the questions is the rule
   if (!connection.connected()) {
     if (!(server.awaited_ || look) || !server.meet_debugger()) return true;
@@ -38,7 +39,7 @@ bool GdbServer::OfHart::before(Hart& hart) {
     server.stop(server.alone_.value_or(number_), kInterrupted);
   } else if (has_stood_ && hart.pc() == stood_at_ && hart.counters().instructions == stood_after_) {
     return true;
-  } else if (server.stepping_ == number_) {
+  } else if (server.ends_step(number_, hart.pc())) {
     server.stop(number_, kTrap);  // in a handler: the instruction itself has not retired
   } else if (heard() && server.breakpoints_.contains(hart.pc())) {
     server.stop(number_, kTrap, kAtBreakpoint);
@@ -55,9 +56,9 @@ bool GdbServer::OfHart::before(Hart& hart) {
 void GdbServer::OfHart::retired(const Hart& hart, const Retired& instruction) {
   if (!server_.connection_.connected() || !heard()) return;
   const auto touched = server_.watch_touched(instruction.access);
-  if (!touched.empty() || server_.stepping_ == number_) {
+  if (!touched.empty() || server_.ends_step(number_, hart.pc())) {
     server_.stop(number_, kTrap, touched);
-  } else if (server_.alone_ == number_ && server_.breakpoints_.contains(hart.pc())) {
+  } else if ((server_.alone_ == number_ || server_.stepping_ == number_) && server_.breakpoints_.contains(hart.pc())) {
     server_.stop(number_, kTrap, kAtBreakpoint);
   } else {
     return;

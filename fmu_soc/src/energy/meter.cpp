@@ -67,7 +67,7 @@ EnergyTables EnergyTables::read(const data::Node& node) {
   table("cluster_leakage", tables.cluster_leakage, "W");
   OperatingPoint reference;
   const auto positive = data::Limits::positive();
-  bool has_reference = object.read("reference_temperature", reference.temperature_c, data::quantity("C"));
+  bool has_reference = object.read("reference_temperature", reference.temperature_c, data::quantity("degC"));
   has_reference &= object.read("reference_voltage", reference.voltage_v, data::quantity("V", positive));
   object.read("retention_voltage", tables.retention_voltage_v, data::quantity("V", positive));
   object.finish();

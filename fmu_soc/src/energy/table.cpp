@@ -105,7 +105,7 @@ EnergyTable EnergyTable::read_values(const data::Node& values, double scale) {
 }
 
 double EnergyTable::at(const OperatingPoint& point) const {
-  return between(temperatures_c_, point.temperature_c, name_, "C", [&](std::size_t t) {
+  return between(temperatures_c_, point.temperature_c, name_, "degC", [&](std::size_t t) {
     const auto& surface = surfaces_[t];
     return between(surface.voltages_v, point.voltage_v, name_, "V", [&](std::size_t v) {
       const auto& curve = surface.curves[v];
