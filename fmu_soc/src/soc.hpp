@@ -15,6 +15,7 @@
 #include "elf/elf.hpp"
 #include "energy/meter.hpp"
 #include "hart/hart.hpp"
+#include "host_calls.hpp"
 #include "mebots/soc/own_device.hpp"
 #include "memory/bus.hpp"
 #include "memory/instruction_cache.hpp"
@@ -86,6 +87,9 @@ class Soc final : private Bus {
 
   /// Stops at the store that sets bit 0 of this word. Throws Error when it is not in RAM.
   void stop_when_stored(std::uint32_t address);
+  /// Who serves the program's calls to the host from now on, or null: the fabric controller's by semihosting, all
+  /// cores' system calls through the word of stop_when_stored(). For programs run alone; not part of a state.
+  void serve_calls(HostCalls* calls) { host_calls_ = calls; }
 
   /// Whether the core can only do the same for ever: it jumps to where it is, and no interrupt is enabled.
   bool spins() const;
@@ -146,7 +150,10 @@ class Soc final : private Bus {
   double camera_energy_j() const { return camera_ ? camera_->energy_j(supplied_until()) : 0; }
   /// Time the core slept, up to now.
   Picoseconds sleep_time() const;
-  std::int32_t exit_code() const { return power_manager_ ? power_manager_->exit_code() : 0; }
+  std::int32_t exit_code() const {
+    if (host_exit_) return static_cast<std::int32_t>(*host_exit_);
+    return power_manager_ ? power_manager_->exit_code() : 0;
+  }
   /// Why the core cannot go on, with function and instruction; empty without a fault.
   std::string fault_text() const;
 
@@ -189,6 +196,8 @@ class Soc final : private Bus {
   BusReply store(std::uint32_t address, std::uint64_t cycle, std::uint32_t value) override;
   bool must_wait(std::uint32_t address, Picoseconds now) const;
   bool watched(std::uint32_t address) override;
+  bool called_host() override;
+  bool serve_system_call(std::uint32_t block);
   const Slot* slot_at(std::uint32_t address) const;
 
   void go_on(Picoseconds until, std::uint64_t cycle_limit);
@@ -234,6 +243,8 @@ class Soc final : private Bus {
   double temperature_c_;
   std::uint32_t voltage_mv_ = 0;
   std::optional<std::uint32_t> stop_word_;
+  HostCalls* host_calls_ = nullptr;
+  std::optional<std::uint32_t> host_exit_;  // the program wants the run to end with this
 
   Picoseconds now_ = 0;
   End end_ = End::none;

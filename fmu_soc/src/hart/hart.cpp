@@ -273,6 +273,10 @@ Stop Hart::leave() {
   const auto why = std::exchange(e.leave, Leave::normal);
   switch (why) {
     case Leave::trap:
+      if (e.trap_cause == cause::kBreakpoint && bus_.called_host()) {
+        set_pc(e.pc + 4);
+        return Stop::device;
+      }
       take_trap(e.trap_cause, e.trap_value);
       return fault_.happened ? Stop::fault : Stop::limit;
     case Leave::device:

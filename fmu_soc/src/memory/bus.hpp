@@ -33,6 +33,9 @@ class Bus {
   virtual BusReply load_event(std::uint32_t address, std::uint64_t cycle) { return load(address, cycle); }
   /// Called after a store into a watched word. True: the run ends with this store.
   virtual bool watched(std::uint32_t address) = 0;
+  /// The instruction at the core's pc is an ebreak. True: the program called the host, which has answered, and goes on
+  /// behind it.
+  virtual bool called_host() { return false; }
 };
 
 }  // namespace mebots::soc

@@ -28,6 +28,8 @@ int main(int argc, char** argv) {
   command->add_option("--power-trace", options.power_trace,
                       "Write power and states over time: .json for Perfetto, .vcd for GTKWave");
   command->add_flag("--interpret", options.interpret, "Do not translate hot code to host code; counts are the same");
+  command->add_option("--host-files", options.host_files,
+                      "Folder below which the program may open files by semihosting or system calls");
   command->add_option("--gdb", options.gdb_port, "Wait for gdb on this port of 127.0.0.1; 0 takes a free one")
       ->check(CLI::Range(0, 65535));
   command->add_option("--max-instructions", options.max_instructions, "Stop after exactly this many")

@@ -17,6 +17,7 @@ struct Options {
   std::optional<std::string> profile;
   std::optional<std::string> power_trace;
   bool interpret = false;
+  std::optional<std::string> host_files;
   std::optional<int> gdb_port;
   std::optional<std::uint64_t> max_instructions;
 };

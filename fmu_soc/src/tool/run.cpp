@@ -2,6 +2,7 @@
 #include "tool/run.hpp"
 
 #include "observe/session.hpp"
+#include "tool/host_services.hpp"
 #include "tool/report.hpp"
 #include "tool/signature.hpp"
 #include "tool/standalone_board.hpp"
@@ -139,6 +140,9 @@ int run(const Options& options) {
     battery->set_state_of_charge(1);
   }
   if (const auto tohost = program.symbol("tohost")) soc.stop_when_stored(*tohost);
+  HostFiles files(options.host_files);
+  HostServices services(soc, files, options.program);
+  soc.serve_calls(&services);
   std::optional<Signature> signature;
   if (options.signature) signature.emplace(*options.signature, soc);
   observe::Session session(requests_of(options), soc);

@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tool/host_files.hpp"
+
+#include "mebots/error.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <string_view>
+#include <system_error>
+
+namespace mebots::soc::tool {
+namespace {
+
+constexpr std::string_view kConsole = ":tt";
+/// Semihosting's file of what the host can do beyond the first version: exit with a code, and a console in two parts.
+constexpr std::string_view kFeatures = ":semihosting-features";
+constexpr std::string_view kFeatureBytes = "SHFB\x03";
+/// As many as a program may have open: it could forget to close them.
+constexpr std::size_t kMostFiles = 256;
+
+}  // namespace
+
+HostFiles::HostFiles(const std::optional<std::string>& folder) {
+  if (!folder) return;
+  std::error_code error;
+  folder_ = std::filesystem::canonical(*folder, error);
+  if (error || !std::filesystem::is_directory(*folder_, error)) {
+    throw Error(fmt::format("--host-files {}: this is no folder; make it first, or name another one", *folder));
+  }
+}
+
+/// Where the file lies; nothing when that would be outside the folder, also by way of a link.
+std::optional<std::filesystem::path> HostFiles::inside(const std::string& name) const {
+  if (!folder_ || name.empty()) return std::nullopt;
+  std::error_code error;
+  auto path = std::filesystem::weakly_canonical(*folder_ / name, error);
+  if (error) return std::nullopt;
+  const auto [end_of_folder, rest] = std::mismatch(folder_->begin(), folder_->end(), path.begin(), path.end());
+  if (end_of_folder != folder_->end() || rest == path.end()) return std::nullopt;
+  return path;
+}
+
+std::FILE* HostFiles::file_of(int file) const {
+  const auto index = static_cast<std::size_t>(file) - kFirstFile;
+  return file >= kFirstFile && index < files_.size() ? files_[index].get() : nullptr;
+}
+
+int HostFiles::open(const std::string& name, const char* mode) {
+  if (name == kConsole) return *mode == 'r' ? 0 : *mode == 'w' ? 1 : 2;
+  if (name == kFeatures) {
+    return *mode == 'r' ? keep(::fmemopen(const_cast<char*>(kFeatureBytes.data()), kFeatureBytes.size(), "r"))
+                        : -EACCES;
+  }
+  const auto path = inside(name);
+  if (!path) return -EACCES;
+  std::error_code error;
+  if (std::filesystem::is_directory(*path, error)) return -EISDIR;
+  return keep(std::fopen(path->c_str(), mode));
+}
+
+/// Gives an open file its number; one that is null has failed.
+int HostFiles::keep(std::FILE* file) {
+  if (file == nullptr) return -errno;
+  File kept(file);
+  auto free = std::find(files_.begin(), files_.end(), nullptr);
+  if (free == files_.end()) {
+    if (files_.size() == kMostFiles) return -EMFILE;
+    free = files_.emplace(free);
+  }
+  *free = std::move(kept);
+  return static_cast<int>(free - files_.begin()) + kFirstFile;
+}
+
+int HostFiles::close(int file) {
+  if (is_console(file)) return 0;
+  if (file_of(file) == nullptr) return -EBADF;
+  auto& held = files_[static_cast<std::size_t>(file - kFirstFile)];
+  return std::fclose(held.release()) == 0 ? 0 : -EIO;
+}
+
+int HostFiles::read(int file, std::span<char> into) {
+  if (is_console(file)) return 0;
+  auto* held = file_of(file);
+  if (held == nullptr) return -EBADF;
+  std::fseek(held, 0, SEEK_CUR);  // between writing and reading
+  const auto count = std::fread(into.data(), 1, into.size(), held);
+  return count == 0 && std::ferror(held) != 0 ? (std::clearerr(held), -EIO) : static_cast<int>(count);
+}
+
+int HostFiles::write(int file, std::span<const char> bytes) {
+  auto* held = file == 2 ? stderr : is_console(file) ? stdout : file_of(file);
+  if (held == nullptr) return -EBADF;
+  if (!is_console(file)) std::fseek(held, 0, SEEK_CUR);
+  const auto count = std::fwrite(bytes.data(), 1, bytes.size(), held);
+  return count == 0 && !bytes.empty() ? -EIO : static_cast<int>(count);
+}
+
+long HostFiles::seek(int file, long offset, int origin) {
+  auto* held = file_of(file);
+  if (held == nullptr) return is_console(file) ? -ESPIPE : -EBADF;
+  return std::fseek(held, offset, origin) == 0 ? std::ftell(held) : -EINVAL;
+}
+
+long HostFiles::length(int file) {
+  if (is_console(file)) return 0;
+  auto* held = file_of(file);
+  if (held == nullptr) return -EBADF;
+  const auto place = std::ftell(held);
+  std::fseek(held, 0, SEEK_END);
+  const auto length = std::ftell(held);
+  std::fseek(held, place, SEEK_SET);
+  return length;
+}
+
+int HostFiles::remove(const std::string& name) {
+  const auto path = inside(name);
+  if (!path) return -EACCES;
+  return std::remove(path->c_str()) == 0 ? 0 : -errno;
+}
+
+int HostFiles::rename(const std::string& from, const std::string& to) {
+  const auto old_path = inside(from);
+  const auto new_path = inside(to);
+  if (!old_path || !new_path) return -EACCES;
+  return std::rename(old_path->c_str(), new_path->c_str()) == 0 ? 0 : -errno;
+}
+
+}  // namespace mebots::soc::tool

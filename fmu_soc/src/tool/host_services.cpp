@@ -1,0 +1,246 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tool/host_services.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <utility>
+
+namespace mebots::soc::tool {
+namespace {
+
+/// Numbers of "Semihosting for AArch32 and AArch64".
+enum class Operation : std::uint32_t {
+  open = 0x01,
+  close = 0x02,
+  write_character = 0x03,
+  write_text = 0x04,
+  write = 0x05,
+  read = 0x06,
+  read_character = 0x07,
+  is_error = 0x08,
+  is_terminal = 0x09,
+  seek = 0x0a,
+  length = 0x0c,
+  remove = 0x0e,
+  rename = 0x0f,
+  clock = 0x10,
+  time = 0x11,
+  error_number = 0x13,
+  command_line = 0x15,
+  heap_info = 0x16,
+  exit = 0x18,
+  exit_extended = 0x20,
+  elapsed = 0x30,
+  tick_frequency = 0x31,
+};
+
+/// Numbers of Linux on RISC-V, of those that riscv-isa-sim serves.
+enum class SystemCall : std::uint32_t {
+  openat = 56,
+  close = 57,
+  lseek = 62,
+  read = 63,
+  write = 64,
+  exit = 93,
+  exit_group = 94,
+};
+
+constexpr std::uint32_t kFailed = 0xffffffff;
+constexpr std::uint32_t kEndOfInput = 0xffffffff;
+constexpr std::uint32_t kApplicationExit = 0x20026;  // ADP_Stopped_ApplicationExit
+constexpr std::uint32_t kLongestText = 1U << 20;
+constexpr std::uint64_t kCentiseconds = 100;
+constexpr std::uint64_t kTicks = 1'000'000;
+constexpr std::uint64_t kPsPerSecond = 1'000'000'000'000;
+
+/// By the number that SYS_OPEN has for them.
+constexpr std::array kModes{"r", "rb", "r+", "r+b", "w", "wb", "w+", "w+b", "a", "ab", "a+", "a+b"};
+
+/// Of the flags of Linux's open.
+const char* mode_of(std::uint32_t flags) {
+  constexpr std::uint32_t kWrite = 1;
+  constexpr std::uint32_t kReadWrite = 2;
+  constexpr std::uint32_t kTruncate = 01000;
+  constexpr std::uint32_t kAppend = 02000;
+  if ((flags & kAppend) != 0) return (flags & kReadWrite) != 0 ? "a+b" : "ab";
+  if ((flags & kTruncate) != 0) return (flags & kReadWrite) != 0 ? "w+b" : "wb";
+  return (flags & (kWrite | kReadWrite)) != 0 ? "r+b" : "rb";
+}
+
+}  // namespace
+
+template <std::size_t Count>
+std::optional<HostServices::Block> HostServices::words_at(std::uint32_t address) const {
+  Block words{};
+  static_assert(Count <= words.size());
+  if (!soc_.memory().read(address, {reinterpret_cast<std::uint8_t*>(words.data()), Count * sizeof words[0]})) {
+    return std::nullopt;
+  }
+  return words;
+}
+
+std::optional<std::string> HostServices::text_at(std::uint32_t address, std::uint32_t length) const {
+  if (length > kLongestText) return std::nullopt;
+  std::string text(length, '\0');
+  if (!soc_.memory().read(address, {reinterpret_cast<std::uint8_t*>(text.data()), text.size()})) return std::nullopt;
+  return text;
+}
+
+/// Up to the zero that ends it.
+std::optional<std::string> HostServices::text_at(std::uint32_t address) const {
+  std::string text;
+  for (std::uint8_t byte = 0; text.size() < kLongestText; text += static_cast<char>(byte)) {
+    if (!soc_.memory().read(address + static_cast<std::uint32_t>(text.size()), {&byte, 1})) return std::nullopt;
+    if (byte == 0) return text;
+  }
+  return std::nullopt;
+}
+
+/// -1 for what failed, whose number SYS_ERRNO tells.
+HostReply HostServices::answer(long result) {
+  if (result >= 0) return {static_cast<std::uint32_t>(result)};
+  errno_ = static_cast<int>(-result);
+  return {kFailed};
+}
+
+HostReply HostServices::open(const Block& block) {
+  const auto name = text_at(block[0], block[2]);
+  if (!name) return answer(-EFAULT);
+  if (block[1] >= kModes.size()) return answer(-EINVAL);
+  return answer(files_.open(*name, kModes[block[1]]));
+}
+
+/// How many bytes, or -errno.
+long HostServices::transfer(bool is_read, int file, std::uint32_t address, std::uint32_t count) {
+  auto bytes = text_at(address, std::min(count, kLongestText));
+  if (!bytes) return -EFAULT;
+  if (!is_read) return files_.write(file, *bytes);
+  const auto done = files_.read(file, *bytes);
+  if (done > 0)
+    soc_.poke(address, {reinterpret_cast<const std::uint8_t*>(bytes->data()), static_cast<std::size_t>(done)});
+  return done;
+}
+
+HostReply HostServices::write_text(std::uint32_t address) {
+  const auto text = text_at(address);
+  return text ? answer(files_.write(1, *text)) : answer(-EFAULT);
+}
+
+HostReply HostServices::command_line(std::uint32_t block_address) {
+  const auto block = words_at<2>(block_address);
+  if (!block || (*block)[1] <= program_.size()) return answer(-EFAULT);
+  const auto size = static_cast<std::uint32_t>(program_.size());
+  const bool good = soc_.poke((*block)[0], {reinterpret_cast<const std::uint8_t*>(program_.c_str()), size + 1}) &&
+                    soc_.poke(block_address + 4, {reinterpret_cast<const std::uint8_t*>(&size), sizeof size});
+  return answer(good ? 0 : -EFAULT);
+}
+
+/// The simulation's: the host's would differ from run to run.
+std::uint64_t HostServices::time_in(std::uint64_t per_second) const {
+  return static_cast<std::uint64_t>(soc_.core_time()) / (kPsPerSecond / per_second);
+}
+
+HostReply HostServices::semihosting(std::uint32_t operation, std::uint32_t parameter) {
+  const auto with = [&]<std::size_t Count>(std::integral_constant<std::size_t, Count>, auto serve) {
+    const auto block = words_at<Count>(parameter);
+    return block ? serve(*block) : answer(-EFAULT);
+  };
+  constexpr std::integral_constant<std::size_t, 1> kOne;
+  constexpr std::integral_constant<std::size_t, 2> kTwo;
+  constexpr std::integral_constant<std::size_t, 3> kThree;
+  constexpr std::integral_constant<std::size_t, 4> kFour;
+  switch (static_cast<Operation>(operation)) {
+    case Operation::open:
+      return with(kThree, [&](const Block& block) { return open(block); });
+    case Operation::close:
+      return with(kOne, [&](const Block& block) { return answer(files_.close(static_cast<int>(block[0]))); });
+    case Operation::write_character:
+      return with(kOne, [&](const Block& block) {
+        const auto character = static_cast<char>(block[0]);
+        return answer(files_.write(1, {&character, 1}));
+      });
+    case Operation::write_text:
+      return write_text(parameter);
+    case Operation::write:
+    case Operation::read:
+      return with(kThree, [&](const Block& block) -> HostReply {  // answers how many bytes are left
+        const bool is_read = operation == static_cast<std::uint32_t>(Operation::read);
+        const auto done = transfer(is_read, static_cast<int>(block[0]), block[1], block[2]);
+        if (done < 0) answer(done);
+        return {block[2] - static_cast<std::uint32_t>(std::max(done, 0L))};
+      });
+    case Operation::read_character:
+      return {kEndOfInput};
+    case Operation::is_error:
+      return with(kOne, [&](const Block& block) -> HostReply { return {block[0] >> 31}; });
+    case Operation::is_terminal:
+      return with(kOne, [&](const Block& block) -> HostReply {
+        return {HostFiles::is_console(static_cast<int>(block[0])) ? 1U : 0U};
+      });
+    case Operation::seek:
+      return with(kTwo, [&](const Block& block) {
+        return answer(std::min(files_.seek(static_cast<int>(block[0]), static_cast<long>(block[1]), SEEK_SET), 0L));
+      });
+    case Operation::length:
+      return with(kOne, [&](const Block& block) { return answer(files_.length(static_cast<int>(block[0]))); });
+    case Operation::remove:
+      return with(kTwo, [&](const Block& block) {
+        const auto name = text_at(block[0], block[1]);
+        return answer(name ? files_.remove(*name) : -EFAULT);
+      });
+    case Operation::rename:
+      return with(kFour, [&](const Block& block) {
+        const auto from = text_at(block[0], block[1]);
+        const auto to = text_at(block[2], block[3]);
+        return answer(from && to ? files_.rename(*from, *to) : -EFAULT);
+      });
+    case Operation::clock:
+      return {static_cast<std::uint32_t>(time_in(kCentiseconds))};
+    case Operation::time:
+      return {static_cast<std::uint32_t>(time_in(1))};
+    case Operation::error_number:
+      return {static_cast<std::uint32_t>(errno_)};
+    case Operation::command_line:
+      return command_line(parameter);
+    case Operation::heap_info:
+      return answer(-ENOSYS);  // the linker script says where the heap is
+    case Operation::exit:
+      return HostReply::exit(parameter == kApplicationExit ? 0 : 1);
+    case Operation::exit_extended:
+      return with(kTwo,
+                  [&](const Block& block) { return HostReply::exit(block[0] == kApplicationExit ? block[1] : 1); });
+    case Operation::elapsed: {
+      const auto ticks = time_in(kTicks);
+      const bool good = soc_.poke(parameter, {reinterpret_cast<const std::uint8_t*>(&ticks), sizeof ticks});
+      return answer(good ? 0 : -EFAULT);
+    }
+    case Operation::tick_frequency:
+      return {static_cast<std::uint32_t>(kTicks)};
+  }
+  return answer(-ENOSYS);
+}
+
+HostReply HostServices::system_call(std::uint32_t number, std::span<const std::uint32_t> arguments) {
+  const auto file = static_cast<int>(arguments[0]);
+  const auto result = [](long value) -> HostReply { return {static_cast<std::uint32_t>(value)}; };
+  switch (static_cast<SystemCall>(number)) {
+    case SystemCall::openat: {
+      const auto name = text_at(arguments[1]);
+      return result(name ? files_.open(*name, mode_of(arguments[3])) : -EFAULT);
+    }
+    case SystemCall::close:
+      return result(files_.close(file));
+    case SystemCall::lseek:
+      return result(files_.seek(file, static_cast<std::int32_t>(arguments[1]), static_cast<int>(arguments[2])));
+    case SystemCall::read:
+    case SystemCall::write:
+      return result(transfer(number == static_cast<std::uint32_t>(SystemCall::read), file, arguments[1], arguments[2]));
+    case SystemCall::exit:
+    case SystemCall::exit_group:
+      return HostReply::exit(arguments[0]);
+  }
+  return result(-ENOSYS);
+}
+
+}  // namespace mebots::soc::tool

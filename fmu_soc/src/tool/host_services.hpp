@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "host_calls.hpp"
+#include "soc.hpp"
+#include "tool/host_files.hpp"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+
+namespace mebots::soc::tool {
+
+/// Console, files, time of the simulation and exit for a program run alone, by semihosting or system calls.
+class HostServices final : public HostCalls {
+ public:
+  HostServices(Soc& soc, HostFiles& files, std::string program)
+      : soc_(soc), files_(files), program_(std::move(program)) {}
+
+  HostReply semihosting(std::uint32_t operation, std::uint32_t parameter) override;
+  HostReply system_call(std::uint32_t number, std::span<const std::uint32_t> arguments) override;
+
+ private:
+  using Block = std::array<std::uint32_t, 4>;
+
+  template <std::size_t Count>
+  std::optional<Block> words_at(std::uint32_t address) const;
+  std::optional<std::string> text_at(std::uint32_t address, std::uint32_t length) const;
+  std::optional<std::string> text_at(std::uint32_t address) const;
+  HostReply answer(long result);
+  HostReply open(const Block& block);
+  long transfer(bool is_read, int file, std::uint32_t address, std::uint32_t count);
+  HostReply write_text(std::uint32_t address);
+  HostReply command_line(std::uint32_t block_address);
+  std::uint64_t time_in(std::uint64_t per_second) const;
+
+  Soc& soc_;
+  HostFiles& files_;
+  std::string program_;
+  int errno_ = 0;  // of the last operation that failed
+};
+
+}  // namespace mebots::soc::tool
