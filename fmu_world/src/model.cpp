@@ -48,6 +48,10 @@ std::int64_t inner_step_of(const Parameters& parameters) {
   return std::llround(step_s * 1e9);
 }
 
+std::uint64_t seed_of(const Parameters& parameters) {
+  return static_cast<std::uint32_t>(parameters.sensors_seed);
+}
+
 CameraDevice::Settings camera_settings(const Parameters& parameters) {
   CameraDevice::Settings settings;
   settings.intrinsics.width = parameters.camera_width;
@@ -56,7 +60,7 @@ CameraDevice::Settings camera_settings(const Parameters& parameters) {
   settings.mounting.p_BC_m = vector(parameters.camera_position_m);
   settings.mounting.pitch_rad = parameters.camera_pitch_rad;
   settings.noise_std = parameters.camera_noise;
-  settings.seed = static_cast<std::uint32_t>(parameters.sensors_seed);
+  settings.seed = seed_of(parameters);
   return settings;
 }
 
@@ -82,7 +86,7 @@ World::World(scene::Scene scene, const Parameters& parameters, const Inputs& inp
       bodies_(scene_),
       stabiliser_(scene_.drone),
       camera_(scene_, camera_settings(parameters)),
-      range_(scene_, parameters.range_noise_m, static_cast<std::uint32_t>(parameters.sensors_seed)),
+      range_(scene_, parameters.range_noise_m, seed_of(parameters)),
       sequencer_(scene_.start.p_WB_m.z() + parameters.start_offset_m[axis::z] - 0.5 * scene_.drone.body_size_m.z() <=
                  kOnGround_m),
       gates_({scene_.gates.begin(), scene_.gates.end()}, scene_.drone.body_size_m),
@@ -143,6 +147,13 @@ void World::take_mass() {
   if (mass_kg != mass_kg_) set_mass(mass_kg);
 }
 
+/// A tunable parameter: it may have changed, or come back with a state.
+void World::reseed() {
+  const auto seed = seed_of(in_);
+  camera_.reseed(seed);
+  range_.reseed(seed);
+}
+
 void World::set_mass(double mass_kg) {
   const Eigen::Vector3d inertia_kg_m2 = inertia_for(scene_.drone, mass_kg);
   bodies_.set_mass(mass_kg, inertia_kg_m2);
@@ -153,6 +164,7 @@ void World::set_mass(double mass_kg) {
 void World::step(std::int64_t start_ns, std::int64_t duration_ns) {
   check_inputs();
   take_mass();
+  reseed();
   camera_.see_trigger(inputs_.camera_trigger, state_);
   const std::int64_t count = (duration_ns + inner_step_ns_ - 1) / inner_step_ns_;
   const double dt_s = static_cast<double>(duration_ns) * 1e-9 / static_cast<double>(count);

@@ -49,6 +49,7 @@ class World {
  private:
   void check_inputs() const;
   void take_mass();
+  void reseed();
   void set_mass(double mass_kg);
   const std::string& name_of(const Touch& touch) const;
   void check_start();

@@ -12,7 +12,9 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
+#include <span>
 #include <string>
+#include <string_view>
 
 namespace py = pybind11;
 using namespace pybind11::literals;
@@ -132,6 +134,13 @@ PYBIND11_MODULE(_mebots, module) {
       .def("run", [](Mission& mission) { stepping(mission, [&] { return mission.run(), true; }); })
       .def("run_until",
            [](Mission& mission, double time_s) { stepping(mission, [&] { return mission.run_until(time_s), true; }); })
+      .def("start_from",
+           [](Mission& mission, const std::string_view state) { mission.start_from(std::as_bytes(std::span(state))); })
+      .def("save_state",
+           [](Mission& mission) {
+             const auto state = mission.save_state();
+             return py::bytes(reinterpret_cast<const char*>(state.data()), state.size());
+           })
       .def("reset", &Mission::reset)
       .def("close", &Mission::close, py::call_guard<py::gil_scoped_release>())
       .def("interrupt", &Mission::interrupt)

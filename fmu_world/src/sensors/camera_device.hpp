@@ -21,10 +21,13 @@ class CameraDevice {
     camera::Intrinsics intrinsics;
     camera::Mounting mounting;
     double noise_std = 0.0;  ///< grey levels of 255
-    std::uint64_t seed = 0;
+    std::uint64_t seed = 0;  ///< until reseed()
   };
 
   CameraDevice(const scene::Scene& scene, const Settings& settings);
+
+  /// Of the noise of pictures from now on. No part of the state: who holds the seed says it before every step.
+  void reseed(std::uint64_t seed) { settings_.seed = seed; }
 
   /// Takes a picture from the body's pose if `count` is new. A count of 0 asks for none.
   void see_trigger(std::int32_t count, const RigidState& body);

@@ -21,6 +21,9 @@ class RangeSensor {
 
   RangeSensor(const scene::Scene& scene, double noise_m, std::uint64_t seed);
 
+  /// Of the noise of samples from now on. No part of the state: who holds the seed says it before every step.
+  void reseed(std::uint64_t seed) { seed_ = seed; }
+
   /// The body is at `state` at time_ns; takes a sample when a new one is due.
   void update(std::int64_t time_ns, const RigidState& state);
   double reading_m() const { return reading_m_; }

@@ -11,6 +11,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -69,6 +70,10 @@ class Mission {
   /// Records these variables (patterns with * and ?) instead of the config's choice.
   void record(const std::vector<std::string>& patterns);
 
+  /// Begins where save_state() of a mission with the same config, FMUs, settings and choice of what is recorded was
+  /// called, in this process or another, in place of t = 0: it goes on to the same bits. Missions without `out` only.
+  void start_from(std::span<const std::byte> state);
+
   // The run. Each starts the mission if that was not done.
 
   /// Opens the FMUs, checks everything that can be checked, and goes to t = 0 (or to the checkpoint).
@@ -84,6 +89,10 @@ class Mission {
   /// Asks for the end: between two calls to FMUs, and within 0.1 s in a call to an isolated one. The run then ends
   /// well, with outcome "interrupted". Safe in signal handlers.
   void interrupt() noexcept;
+
+  /// The mission as it stands between two steps, for start_from(): many futures of one past. All its FMUs must be able
+  /// to write their state as bytes; missions without `out` only, and not after the end.
+  std::vector<std::byte> save_state();
 
   /// Closes the mission and makes it one that was just opened: what was asked for after the constructor (settings,
   /// scenarios, stop time, choice of what is recorded, listeners) is forgotten, the config is read again. FMUs stay

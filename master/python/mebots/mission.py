@@ -114,6 +114,12 @@ class Mission:
             patterns = [patterns]
         self._run.record(list(patterns))
 
+    def start_from(self, state: bytes) -> None:
+        """Begins where ``save_state`` of a mission with the same config, FMUs, settings and choice of what is recorded was
+        called, in this process or another, in place of t = 0: it goes on to the same bits. Missions without ``out``
+        only. Before start()."""
+        self._run.start_from(state)
+
     # The run.
 
     def start(self) -> None:
@@ -138,6 +144,11 @@ class Mission:
         """Ends the run where it stands and writes its reports. Nothing, when it is over. From a listener: as
         interrupt()."""
         self._run.close()
+
+    def save_state(self) -> bytes:
+        """The mission as it stands between two steps, for ``start_from``: many futures of one past. All its FMUs must be
+        able to write their state as bytes; missions without ``out`` only, and not after the end."""
+        return self._run.save_state()
 
     def reset(self) -> None:
         """Closes the mission and makes it one that was just opened, with ``set``, ``record`` and listeners forgotten. Its

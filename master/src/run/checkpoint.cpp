@@ -92,9 +92,9 @@ void check_can_checkpoint(const ResolvedSystem& system) {
                                fmt::join(names, ", ")));
 }
 
-void check_inputs(const Checkpoint& checkpoint, const std::string& inputs_now) {
-  if (checkpoint.inputs == inputs_now) return;
-  const auto before = lines_of(checkpoint.inputs);
+void check_inputs(const std::string& inputs_then, const std::string& inputs_now, std::string_view what) {
+  if (inputs_then == inputs_now) return;
+  const auto before = lines_of(inputs_then);
   const auto now = lines_of(inputs_now);
   std::vector<std::string> changed;
   for (const auto& line : before) {
@@ -105,11 +105,10 @@ void check_inputs(const Checkpoint& checkpoint, const std::string& inputs_now) {
     const bool told = std::find(changed.begin(), changed.end(), name) != changed.end();
     if (!told && std::find(before.begin(), before.end(), line) == before.end()) changed.push_back(name);
   }
-  throw InputError(
-      ErrorCode::state_of_other_fmu,
-      fmt::format("the inputs are not those of the checkpoint any more: {}. Put them back as they were, or "
-                  "run the config anew",
-                  fmt::join(changed, ", ")));
+  throw InputError(ErrorCode::state_of_other_fmu,
+                   fmt::format("the inputs are not those of {} any more: {}. Put them back as they were, or "
+                               "run the config anew",
+                               what, fmt::join(changed, ", ")));
 }
 
 Checkpointer::Checkpointer(Simulation& simulation, std::filesystem::path folder, Checkpoint blank, OutputFile& results,

@@ -50,8 +50,8 @@ Checkpoint read_checkpoint(const std::filesystem::path& folder);
 /// Throws InputError that names the instances whose FMUs cannot write their state as bytes.
 void check_can_checkpoint(const ResolvedSystem& system);
 
-/// Throws InputError that says what is not as it was when the checkpoint was written.
-void check_inputs(const Checkpoint& checkpoint, const std::string& inputs_now);
+/// Throws InputError that says what is not as it was when `what` ("the checkpoint") was written.
+void check_inputs(const std::string& inputs_then, const std::string& inputs_now, std::string_view what);
 
 /// Writes a checkpoint at t = 0 and then at the first communication point after each interval of simulated time.
 /// To be the last observer: what the others have written of a point must be in their files.

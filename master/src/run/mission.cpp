@@ -122,6 +122,15 @@ void Mission::record(const std::vector<std::string>& patterns) {
   door_->run->record(patterns);
 }
 
+void Mission::start_from(std::span<const std::byte> state) {
+  door_->run->start_from(state);
+}
+
+std::vector<std::byte> Mission::save_state() {
+  if (!door_->run->busy()) door_->run->start();
+  return door_->run->save_state();
+}
+
 void Mission::start() {
   door_->run->start();
 }

@@ -8,6 +8,7 @@
 #include "mebots/assert.hpp"
 #include "mebots/input_error.hpp"
 #include "mebots/nearest_names.hpp"
+#include "mebots/state/save.hpp"
 #include "sink/csv_rows.hpp"
 #include "slave/crash_notice.hpp"
 #include "system/record_choice.hpp"
@@ -151,6 +152,43 @@ void Run::add(Observer& observer) {
   added_.push_back(&observer);
 }
 
+void Run::start_from(std::span<const std::byte> state) {
+  require_open("start_from()");
+  if (!request_.folder.empty()) {
+    throw InputError(
+        ErrorCode::invalid_argument,
+        "start_from(): a run that begins in its middle has no files for what came before; leave the folder "
+        "for the results out");
+  }
+  past_ = saved_run(state);
+}
+
+std::vector<std::byte> Run::save_state() {
+  require_alive("save_state()");
+  const Busy busy(*this, "save_state()");
+  if (state_ == RunState::ended) {
+    throw InputError(ErrorCode::wrong_call_order, "save_state(): the run has ended, and nothing can begin there");
+  }
+  if (!request_.folder.empty()) {
+    throw InputError(ErrorCode::invalid_argument,
+                     "save_state(): this run writes files, which its state counts on; leave the folder for the results "
+                     "out, or let it write checkpoints");
+  }
+  SavedRun saved;
+  saved.inputs = hash_.lines;
+  saved.time_ns = time_ns();
+  attempt([&] {
+    saved.simulation = simulation_->serialize(simulation_->save_state());
+    if (memory_ == nullptr) return;
+    recorder_->flush();
+    state::Writer writer;
+    state::Saver saver(writer);
+    memory_->visit_rows(saver);
+    saved.rows = writer.take();
+  });
+  return to_bytes(saved);
+}
+
 void Run::say(Severity severity, std::string_view category, const std::string& text) {
   messages_.message({{}, severity, category, text, time_ns()});
 }
@@ -218,7 +256,8 @@ void Run::open() {
                        "checkpoints count on results.csv; let \"format\" under \"record\" be \"both\"");
     }
   }
-  if (checkpoint_) check_inputs(*checkpoint_, hash_.lines);
+  if (checkpoint_) check_inputs(checkpoint_->inputs, hash_.lines, "the checkpoint");
+  if (past_) check_inputs(past_->inputs, hash_.lines, "the saved state");
   recorded_variables(resolved_);  // the same of a name that fits nothing
   recorded_parameters(resolved_);
   for (const auto& pictures : system_.pictures) check_pictures(resolved_, pictures);
@@ -247,6 +286,14 @@ void Run::initialise() {
     memory_ = sink.get();
     if (checkpoint_) {
       copy_csv_rows(request_.folder / "results.csv", checkpoint_->results_bytes, recorder_->columns(), *sink);
+    } else if (past_) {
+      if (past_->rows.empty()) {
+        throw InputError(ErrorCode::invalid_argument,
+                         "the saved state has no rows: its run kept none in memory, and this one is asked to");
+      }
+      state::Reader reader(past_->rows);
+      state::Restorer restorer(reader);
+      sink->visit_rows(restorer);
     }
     recorder_->add(std::move(sink));
   }
@@ -271,6 +318,10 @@ void Run::initialise() {
 
   if (checkpoint_) {
     simulation_->resume(checkpoint_->simulation);
+  } else if (past_) {
+    simulation_->resume(past_->simulation);
+    past_->simulation = {};  // megabytes that nobody needs any more
+    past_->rows = {};
   } else {
     simulation_->initialize();
   }

@@ -13,6 +13,7 @@
 #include "run/input_hash.hpp"
 #include "run/result_files.hpp"
 #include "run/run_request.hpp"
+#include "run/saved_run.hpp"
 #include "run/simulation.hpp"
 #include "run/summary.hpp"
 #include "sink/memory_sink.hpp"
@@ -25,6 +26,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -66,6 +68,8 @@ class Run {
   void record(const std::vector<std::string>& patterns);
   /// Must outlive the run's last step.
   void add(Observer& observer);
+  /// Begins where save_state() of a run of the same inputs was called, in this process or another. Throws InputError.
+  void start_from(std::span<const std::byte> state);
 
   // On the way.
 
@@ -87,6 +91,9 @@ class Run {
   /// Ends the run where it stands, and writes its reports. Nothing, when it is over. Never throws; what goes wrong is
   /// in the report. From a listener: as interrupt().
   void close() noexcept;
+  /// The run as it stands between two steps, for start_from(). Throws InputError for one that has ended or writes
+  /// files, and Error where an FMU cannot write its state as bytes.
+  std::vector<std::byte> save_state();
   /// For observers of add(): variables may be read in `work`.
   void at_point(const std::function<void()>& work);
   /// True in a call that steps, so also for the listeners that it calls.
@@ -158,6 +165,7 @@ class Run {
 
   RunRequest request_;
   std::optional<Checkpoint> checkpoint_;  ///< to go on from
+  std::optional<SavedRun> past_;          ///< the same, of another run
   RunState state_ = RunState::open;
   bool initialised_ = false;  ///< came to t = 0, or to the checkpoint
   bool busy_ = false;

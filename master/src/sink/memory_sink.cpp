@@ -44,4 +44,9 @@ void MemorySink::visit(state::Visitor& v) {
   for (auto& one : series_) one.values.resize(rows);
 }
 
+void MemorySink::visit_rows(state::Visitor& v) {
+  v("times_s", times_s_);
+  for (auto& one : series_) v(one.name, one.values);
+}
+
 }  // namespace mebots::master

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <array>
+#include <functional>
 #include <limits>
 #include <set>
 #include <string>
@@ -375,6 +376,75 @@ void check_rounds(const Node& node, const Names& names) {
   rounds.finish();
 }
 
+/// Names of factors or draws, all different. A list's factors stand in its own file.
+void check_names(const Node& node, std::string_view what, const std::vector<std::string>& known, bool known_all) {
+  const auto elements = node.elements();
+  if (elements.empty()) node.fail(ErrorCode::invalid_value, "at least one name is needed");
+  std::set<std::string> seen;
+  for (const auto& element : elements) {
+    element.attempt([&] {
+      const auto name = known_all ? read_known(element, what, known) : element.readable_text();
+      if (!seen.insert(name).second) {
+        element.fail(ErrorCode::duplicate_name, fmt::format("'{}' stands twice", name));
+      }
+    });
+  }
+}
+
+void check_fork(const Node& node, const Names& names) {
+  Object fork(node);
+  double time_s = 0;
+  auto known = names.factors;
+  known.insert(known.end(), names.draws.begin(), names.draws.end());
+  fork.read("at", time_s, data::number(Limits::positive()));
+  fork.visit("variables", [&](const Node& variables) {
+    check_names(variables, "the factor or draw", known, names.design_kind != "list");
+  });
+  fork.finish();
+}
+
+/// Numbers that rise, or fall.
+void check_levels(const Node& node) {
+  const auto elements = node.elements();
+  if (elements.empty()) node.fail(ErrorCode::invalid_value, "at least one level is needed");
+  std::vector<double> levels;
+  levels.reserve(elements.size());
+  for (const auto& element : elements) levels.push_back(element.number());
+  const bool rises = std::ranges::adjacent_find(levels, std::ranges::greater_equal()) == levels.end();
+  const bool falls = std::ranges::adjacent_find(levels, std::ranges::less_equal()) == levels.end();
+  if (rises || falls) return;
+  node.fail(ErrorCode::invalid_value, fmt::format("levels must all rise or all fall, not {}", node.shown()));
+}
+
+void check_splitting(const Node& node, const Names& names) {
+  Object splitting(node);
+  std::string text;
+  std::int64_t number = 0;
+  splitting.read("score", text, &Node::readable_text);
+  splitting.visit("levels", &check_levels);
+  splitting.read("missions", number, count_from(2));
+  splitting.visit("reseed", [&](const Node& reseed) { check_names(reseed, "the draw", names.draws, true); });
+  splitting.finish();
+}
+
+/// A study of a rare event asks for its probability, and for nothing else.
+void check_alone(const Object& study, const Names& names) {
+  const auto& node = study.node();
+  for (const std::string_view key : {"objectives", "constraints", "rounds", "fork", "results"}) {
+    if (study.has(key)) {
+      node.at(key).complain(ErrorCode::invalid_value,
+                            fmt::format("'{}' does not go with 'splitting', whose answer is a probability", key));
+    }
+  }
+  if (!study.has("draws")) {
+    node.complain(ErrorCode::missing_key, "'splitting' needs 'draws': replicates says how many estimates are made");
+  }
+  if (names.design_kind == "search" || names.design_kind == "sensitivity") {
+    node.at("design").complain(ErrorCode::invalid_value,
+                               fmt::format("a design '{}' does not go with 'splitting'", names.design_kind));
+  }
+}
+
 void check_study(const Node& root, const std::filesystem::path& folder) {
   Object study(root);
   study.comment("$schema");
@@ -390,11 +460,25 @@ void check_study(const Node& root, const std::filesystem::path& folder) {
   });
   study.visit("design", [&](const Node& node) { check_design(node, folder, names); });
   study.visit_if("draws", [&](const Node& node) { check_draws(node, names); });
-  study.visit("objectives", [&](const Node& node) { check_objectives(node, names); });
+  const auto objectives = [&](const Node& node) { check_objectives(node, names); };
+  if (study.has("splitting")) {
+    study.visit("splitting", [&](const Node& node) { check_splitting(node, names); });
+    study.visit_if("objectives", objectives);
+  } else {
+    study.visit("objectives", objectives);
+  }
   study.visit_if("constraints", [&](const Node& node) { check_constraints(node, names); });
   study.visit_if("limits", &check_limits);
   study.visit_if("rounds", [&](const Node& node) { check_rounds(node, names); });
+  study.visit_if("fork", [&](const Node& node) { check_fork(node, names); });
+  bool results = false;
+  study.read_if("results", results, &read_mark);
   study.finish();
+  if (results && study.has("fork")) {
+    root.at("results").complain(ErrorCode::invalid_value,
+                                "'results' does not go with 'fork': who begins in the middle has no files for before");
+  }
+  if (study.has("splitting")) check_alone(study, names);
 }
 
 }  // namespace

@@ -10,6 +10,7 @@ A mission never knows that it is part of a study. Each module has one subject:
 ``chance``     draws: a function of seed, name and index alone
 ``designs``    which designs there are, by kind
 ``missions``   a mission as an order for a worker, and the hash of all it depends on
+``pasts``      states that missions begin with, which others left
 ``worker``     flies orders in a process of its own
 ``flying``     such a process from outside: its limits, crashes and hangs; ``fly`` for executors
 ``dispatch``   gives orders to an executor and takes records back
@@ -18,6 +19,7 @@ A mission never knows that it is part of a study. Each module has one subject:
 ``answers``    intervals and confidence sequences
 ``rounds``     what is flown next, and which designs need no more
 ``search``     the same for designs that Optuna asks for
+``splitting``  the probability of rare events, level by level
 ``sensitivity`` which factors matter (SALib)
 ``front``      which designs are dominated, and how sure that is
 ``tables``     missions.csv, designs.csv

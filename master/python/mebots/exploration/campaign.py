@@ -6,6 +6,7 @@ from __future__ import annotations
 import collections
 import concurrent.futures
 import dataclasses
+import functools
 import itertools
 import json
 import pathlib
@@ -14,7 +15,7 @@ from collections.abc import Callable, Iterable, Iterator
 from typing import Any
 
 from mebots.errors import InputError
-from mebots.exploration import chance, designs, front, report, sensitivity, tables
+from mebots.exploration import chance, designs, front, report, sensitivity, splitting, tables
 from mebots.exploration.comparison import Evidence
 from mebots.exploration.dispatch import Dispatcher
 from mebots.exploration.journal import Journal
@@ -25,7 +26,16 @@ from mebots.exploration.search import Search
 from mebots.exploration.study import Study, Values
 from mebots.exploration.worker import flat
 
-TABLES = ("missions.csv", "designs.csv", "sensitivity.csv", "report.html")
+TABLES = ("missions.csv", "designs.csv", "sensitivity.csv", "levels.csv", "report.html")
+
+
+FLIGHTS = "flights"
+"""Folder of the missions' results, each by its hash."""
+
+
+def is_done(study: Study, folder: pathlib.Path) -> bool:
+    """Whether the table that is written last is there."""
+    return (folder / ("report.html" if study.splitting is None else "designs.csv")).exists()
 
 _MOST_VALUES_TRIED = 64
 """Of one factor. Of more, the least and the greatest are tried."""
@@ -97,7 +107,8 @@ class Campaign:
     def most_missions(self) -> int:
         design = self.study.design
         designs = design["points"] * design["rounds"] if design["kind"] == "search" else len(self.designs)
-        return designs * self.study.replicates
+        each = len(self.study.splitting.levels) * self.study.splitting.missions if self.study.splitting else 1
+        return designs * self.study.replicates * each
 
     def all_flights(self) -> Iterator[Flight]:
         """All that a study without decisions flies."""
@@ -108,6 +119,15 @@ class Campaign:
         return next(self._trials())[1]
 
     def _check_names(self) -> None:
+        for name in self.study.fork.variables if self.study.fork else ():
+            if name not in self.factors and name not in self.study.draws:
+                raise InputError(f"'fork': there is no factor or draw '{name}'", "unknown_name")
+            spread = self.study.design.get("factors", {}).get(name)
+            if name.startswith("/") or (isinstance(spread, dict) and "options" in spread):
+                raise InputError(f"'fork': '{name}' is no variable that could change in a mission", "invalid_value")
+        for one in self.study.objectives if self.study.results else ():
+            if one.source == "series":
+                raise InputError(f"the objective '{one.label}': a series does not go with 'results', which has the whole of it", "invalid_value")
         for name in self.study.draws:
             if name in self.factors:
                 raise InputError(f"'{name}' is a factor and a draw; it can only be one of them", "duplicate_name")
@@ -132,7 +152,7 @@ class Campaign:
             found.update((record["mission"], record["error"]) for record in self._dispatcher.take())
 
         for what, values in self._trials():
-            order = self.missions.order(values)
+            order = self._trial(values)
             if order["mission"] in tried or (journal is not None and order["mission"] in journal):
                 continue
             tried[order["mission"]] = what
@@ -147,6 +167,11 @@ class Campaign:
                 problems.setdefault(found[mission], what)
         if problems:
             raise InputError("\n".join(f"{what}: {error}" for error, what in problems.items()), "invalid_value")
+
+    def _trial(self, values: Values) -> Order:
+        if self.study.splitting is None:
+            return self.missions.order(values)
+        return self.missions.order_until({}, values, splitting.trial_course(self.study))
 
     def _trials(self) -> Iterator[tuple[str, Values]]:
         if not self.designs:
@@ -178,6 +203,9 @@ class Campaign:
     def run(self, folder: pathlib.Path, reuse: Iterable[pathlib.Path], tell: Callable[[Progress], None]) -> Sweep:
         """Flies what the folder's journal does not have, and writes the tables. Raises InputError and Error."""
         folder.mkdir(parents=True, exist_ok=True)
+        if self.study.results:
+            self.missions.folder = folder.resolve() / FLIGHTS
+            self.missions.folder.mkdir(exist_ok=True)
         journal = Journal(folder)
         others = [Journal(pathlib.Path(one), writable=False) for one in reuse]
         try:
@@ -185,6 +213,9 @@ class Campaign:
             for name in TABLES:  # where they are, the study is done
                 (folder / name).unlink(missing_ok=True)
             (folder / "study.json").write_text(self.study.text + "\n", encoding="utf-8")
+            if self.study.splitting is not None:
+                bring = functools.partial(self._bring, journal, others, tell)
+                return Sweep(folder, *splitting.fly(self, folder, bring))
             evidence = Evidence(self.study, len(self.designs))
             rounds = self._rounds(evidence)
             hashes: dict[int, list[str]] = collections.defaultdict(list)
@@ -257,6 +288,24 @@ class Campaign:
                 Progress(self.flown, self.taken, self.failed, left + len(missing), len(rounds.flying()), self._rate())
             )
         return list(zip(flights[:settled], names[:settled], strict=True))
+
+    def _bring(
+        self, journal: Journal, others: list[Journal], tell: Callable[[Progress], None], orders: list[Order]
+    ) -> Journal:
+        """Brings these missions into the journal."""
+        missing = {order["mission"]: order for order in orders if not self._is_known(order, journal, others)}
+        queue = iter(missing.values())
+        left = len(missing)
+        while left > 0:
+            while not self._dispatcher.is_full and (order := next(queue, None)) is not None:
+                self._dispatcher.give(order)
+            records = self._dispatcher.take()
+            journal.append(records)
+            left -= len(records)
+            self.flown += len(records)
+            self.failed += sum(bool(record["error"]) for record in records)
+            tell(Progress(self.flown, self.taken, self.failed, left, len(self.designs), self._rate()))
+        return journal
 
     def _is_known(self, order: Order, journal: Journal, others: list[Journal]) -> bool:
         record = journal.find(order["mission"])

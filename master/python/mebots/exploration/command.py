@@ -17,7 +17,7 @@ from typing import Any
 
 from mebots.errors import Error, InputError
 from mebots.exploration import flying
-from mebots.exploration.campaign import Campaign, Progress, Sweep
+from mebots.exploration.campaign import Campaign, Progress, Sweep, is_done
 from mebots.exploration.journal import Journal
 from mebots.exploration.study import Study, read_study
 
@@ -117,7 +117,8 @@ def _sweep(study: Study, options: argparse.Namespace) -> int:
         print(f"{_designs(campaign)}at most {campaign.most_missions} missions", file=sys.stderr)
         result = campaign.run(out, [pathlib.Path(one) for one in options.reuse], teller)
         teller.end()
-    print(f"{result.missions} missions, {result.failed} failed: {out / 'missions.csv'}, {out / 'designs.csv'}, {out / 'report.html'}")
+    written = ("missions.csv", "designs.csv", "report.html") if study.splitting is None else ("designs.csv", "levels.csv")
+    print(f"{result.missions} missions, {result.failed} failed: {', '.join(str(out / name) for name in written)}")
     return NOT_DONE if result.failed else DONE
 
 
@@ -164,10 +165,11 @@ def _status(folder: pathlib.Path) -> int:
         journal = Journal(folder, writable=False)
         flown = sum(campaign.order(flight)["mission"] in journal for flight in campaign.all_flights())
         journal.close()
-        done = (folder / "report.html").exists()
+        done = is_done(study, folder)
         known = f"{flown} of at most {campaign.most_missions} missions are flown; " if campaign.designs else ""
         print(f"{known}the journal has {len(journal)}")
-        print(f"the study is done: {folder / 'report.html'}" if done else "the study is not done")
+        answer = folder / ("report.html" if study.splitting is None else "designs.csv")
+        print(f"the study is done: {answer}" if done else "the study is not done")
     return DONE
 
 

@@ -45,6 +45,12 @@ class Dispatcher:
         for future in done:
             order, tries = self._out.pop(future)
             problem = future.exception()
+            if problem is None and "build" in future.result():
+                raise Error(
+                    f"a worker has another build of MEbots ({future.result()['build'][:12]} in place of "
+                    f"{order['build'][:12]}): install the same one on all machines",
+                    "not_offered",
+                )
             if problem is None and "lacks" not in future.result():
                 self._missions.discard(order["mission"])
                 records.append(future.result())

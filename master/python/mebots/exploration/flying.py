@@ -18,7 +18,7 @@ import threading
 import time
 from typing import Any
 
-from mebots.exploration.missions import Order, digest_of_file, without_paths
+from mebots.exploration.missions import Order, build, digest_of_file, without_paths
 
 ATTEMPTS = 3
 """How often a mission is tried whose process ended: somebody else may have ended it."""
@@ -45,7 +45,7 @@ class MissionProcess:
         package = str(pathlib.Path(__file__).resolve().parents[2])
         environment["PYTHONPATH"] = os.pathsep.join([package, *filter(None, [environment.get("PYTHONPATH")])])
         self._process = subprocess.Popen(
-            [sys.executable, "-m", "mebots.exploration.worker", str(life), str(out)],
+            [sys.executable, "-m", "mebots.exploration.worker", str(life), str(out), _folder_of_pasts()],
             stdin=subprocess.PIPE,
             stdout=subprocess.DEVNULL,  # an FMU may print
             stderr=self._last_words,  # of an assertion, say
@@ -170,11 +170,24 @@ _mine = threading.local()
 _all: set[MissionProcess] = set()
 _closing = threading.Event()
 _lock = threading.Lock()
+_pasts: tempfile.TemporaryDirectory[str] | None = None
+
+
+def _folder_of_pasts() -> str:
+    """Where the mission processes of this process keep states for each other."""
+    global _pasts
+    with _lock:
+        if _pasts is None:
+            _pasts = tempfile.TemporaryDirectory(prefix="mebots-pasts-")
+        return _pasts.name
 
 
 def fly(order: Order) -> dict[str, Any]:
     """Flies an order in the calling thread's mission process. Where files of the order are not on this machine, the
-    answer is ``{"lacks": [their hashes]}``; the order may bring them under ``contents``."""
+    answer is ``{"lacks": [their hashes]}``; the order may bring them under ``contents``. Another build of MEbots might fly
+    another mission: it answers with its own ``build``."""
+    if order["build"] != build():
+        return {"mission": order["mission"], "build": build()}
     lacking = _find_files(order)
     if lacking:
         return {"mission": order["mission"], "lacks": lacking}
@@ -215,12 +228,16 @@ def ready() -> None:
 
 def close_all() -> None:
     """Ends all mission processes of this process, whatever they do."""
+    global _pasts
     _closing.set()
     with _lock:
         processes = list(_all)
         _all.clear()
+        pasts, _pasts = _pasts, None
     for process in processes:
         process.end()
+    if pasts is not None:
+        pasts.cleanup()
 
 
 # Files by hash.

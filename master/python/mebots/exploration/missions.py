@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import copy
 import dataclasses
+import functools
 import hashlib
 import json
 import os
@@ -23,13 +24,29 @@ from mebots.exploration.study import Study, Values
 FILE_MARK = "mebots-file:"
 """Begins a text that stands for the file with the hash behind it."""
 
+Course = tuple["Turn", ...]
+"""Where a mission turns away from others that it was the same as until then."""
+
+
+@dataclasses.dataclass(frozen=True)
+class Turn:
+    """At a ``place`` values are written: to inputs and tunable parameters. A place is the first communication point at or
+    after a time (``{"at": s}``), or where a variable reaches a level (``{"score": [name, sign], "level": value}``)."""
+
+    place: Values
+    writes: Values
+
 _NOT_OF_A_MISSION = ("text", "record", "pictures", "log", "threads")  # change what is shown, not what happens
+_OF_RESULTS = ("record", "pictures", "log")
 
 _PATH = re.compile(r"(?<![\w.~/])/(?:[^\s/:;,'\"]+/)+([^\s/:;,'\"]*)")
 
 Order = dict[str, Any]
 """``config``: JSON text, ``settings``: variable -> value, ``files``: hash -> [path, name], ``finals`` and ``series``:
-what is wanted beyond the summary, ``processor_time``: limit [s] or None, ``mission``: the hash."""
+what is wanted beyond the summary, ``processor_time``: limit [s] or None, ``mission``: the hash, ``build``: of MEbots, as
+part of it, ``course``: a list of {``place``, ``writes``, ``past``: hash of the state there}. Of a mission that is flown up
+to a place only: ``until``: that place, ``keeps``: hash of the state there. Of a study that keeps results: ``out``: the
+mission's folder."""
 
 
 def digest_of_file(path: str | os.PathLike[str]) -> str:
@@ -39,6 +56,16 @@ def digest_of_file(path: str | os.PathLike[str]) -> str:
 
 def canonical(value: Any) -> str:
     return json.dumps(value, sort_keys=True, separators=(",", ":"))
+
+
+def digest_of(value: Any) -> str:
+    return hashlib.sha256(canonical(value).encode()).hexdigest()
+
+
+@functools.cache
+def build() -> str:
+    """Hash of the program that flies missions: version numbers stay the same while one works on it."""
+    return digest_of_file(_mebots.__file__)
 
 
 def without_paths(text: str) -> str:
@@ -69,16 +96,45 @@ class Missions:
         series = {(one.what, one.reduction) for one in study.objectives if one.source == "series"}
         self._finals = sorted(finals)
         self._series = [list(pair) for pair in sorted(series)]
+        self.folder: pathlib.Path | None = None
+        """Where results are kept."""
 
     def order(self, values: Values) -> Order:
         """The mission with these values of factors and draws. Raises InputError for a pointer into nowhere."""
+        fork = self._study.fork
+        if fork is None:
+            return self._order(values, ())
+        later = {name: value for name, value in values.items() if name in fork.variables}
+        before = {name: value for name, value in values.items() if name not in later}
+        return self._order(before, (Turn({"at": fork.at_s}, later),))
+
+    def order_until(self, place: Values, values: Values, course: Course) -> Order:
+        """The mission with this course up to a place, where others begin that have its past."""
+        order = self._order(values, course)
+        order["until"] = place
+        order["keeps"] = self._past(order["mission"], place)
+        order["mission"] = digest_of({"mission": order["mission"], "until": place})
+        return order
+
+    def _past(self, mission: str, place: Values) -> str:
+        """Hash of a state at a place: what was recorded until there is in it."""
+        return digest_of([mission, place, self._series])
+
+    def _order(self, values: Values, course: Course) -> Order:
         pointers, settings = self._divide(values)
         variant = self._variant(pointers)
         files = dict(variant.files)
         settings = {name: self._portable(value, files) for name, value in settings.items()}
-        mission = {"version": _mebots.__version__, "config": variant.digest, "settings": settings}
-        return {
-            "mission": hashlib.sha256(canonical(mission).encode()).hexdigest(),
+        mission: Any = {"version": _mebots.__version__, "build": build(), "config": variant.digest, "settings": settings}
+        digest = digest_of(mission)
+        turns = []
+        for turn in course:
+            turns.append({"place": turn.place, "writes": turn.writes, "past": self._past(digest, turn.place)})
+            digest = digest_of([digest, turn.place, turn.writes])
+        order = {
+            "mission": digest,
+            "build": build(),
+            "course": turns,
             "config": variant.config,
             "settings": settings,
             "files": files,
@@ -86,6 +142,9 @@ class Missions:
             "series": self._series,
             "processor_time": self._study.processor_time_s,
         }
+        if self.folder is not None:
+            order["out"] = str(self.folder / digest)
+        return order
 
     def shell_line(self, values: Values, out: str) -> str:
         """The command that flies the mission again, with all its results and pictures; "" where only another config
@@ -94,7 +153,7 @@ class Missions:
 
         pointers, settings = self._divide(values)
         stop_time = pointers.pop("/stop_time", None)
-        if pointers:
+        if pointers or self._study.fork is not None:
             return ""
         words = ["mebots", "run", str(self._study.mission), "--out", out]
         for name, value in settings.items():
@@ -146,8 +205,7 @@ class Missions:
             _put(config, pointer, value)
         ground = _mebots.Ground(self._study.mission, json.dumps(config)) if pointers else self._ground
         config = json.loads(ground.config)
-        for section in _NOT_OF_A_MISSION:
-            config.pop(section, None)
+        shown = {section: config.pop(section) for section in _NOT_OF_A_MISSION if section in config}
         files: dict[str, list[str]] = {}
         for instance, path in json.loads(ground.fmus).items():
             config["instances"][instance]["fmu"] = self._portable(path, files)
@@ -155,8 +213,10 @@ class Missions:
             parameters = instance.get("parameters", {})
             for name, value in parameters.items():
                 parameters[name] = self._portable(value, files)
-        text = json.dumps(config)
-        return _Variant(text, hashlib.sha256(canonical(config).encode()).hexdigest(), files, ground)
+        digest = digest_of(config)
+        if self._study.results:
+            config |= {section: shown[section] for section in _OF_RESULTS if section in shown}
+        return _Variant(json.dumps(config), digest, files, ground)
 
 
 def _put(config: dict[str, Any], pointer: str, value: Any) -> None:

@@ -6,6 +6,7 @@ from __future__ import annotations
 import ast
 import math
 import operator
+import os
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
@@ -65,6 +66,8 @@ def has_all(record: Record, order: Mapping[str, Any]) -> bool:
     """Whether a record, perhaps of another study, has everything that the order wants."""
     if record["error"]:
         return True
+    if "out" in order and not os.path.exists(os.path.join(order["out"], "summary.json")):
+        return False
     return all(name in record.get("finals", {}) for name in order["finals"]) and all(
         f"{name} {how}" in record.get("series", {}) for name, how in order["series"]
     )

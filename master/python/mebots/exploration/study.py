@@ -58,6 +58,30 @@ class Stop:
 
 
 @dataclasses.dataclass(frozen=True)
+class Fork:
+    """These factors and draws count from this time on; what comes before is flown once for all that share it."""
+
+    at_s: float
+    variables: tuple[str, ...]
+
+
+@dataclasses.dataclass(frozen=True)
+class Splitting:
+    """How likely is it that ``score`` reaches the last of ``levels``: ``missions`` from each level to the next, for one
+    estimate; the draws of ``reseed`` are made anew at each."""
+
+    score: str
+    levels: tuple[float, ...]
+    missions: int
+    reseed: tuple[str, ...]
+
+    @property
+    def sign(self) -> int:
+        """+1 for levels that rise, -1 for those that fall."""
+        return 1 if self.levels[-1] >= self.levels[0] else -1
+
+
+@dataclasses.dataclass(frozen=True)
 class Study:
     """A checked study. ``text`` is the JSON it was made of, with absolute paths."""
 
@@ -76,6 +100,9 @@ class Study:
     error: float
     racing: bool
     stop: Stop | None
+    fork: Fork | None
+    splitting: Splitting | None
+    results: bool
 
     def objective(self, label: str) -> Objective:
         return next(one for one in self.objectives if one.label == label)
@@ -112,7 +139,7 @@ def _study(folder: pathlib.Path, content: dict[str, Any]) -> Study:
         replicates=draws.get("replicates", 1),
         draws_seed=draws.get("seed", 0),
         draws=draws.get("variables", {}),
-        objectives=tuple(_objective(label, one) for label, one in content["objectives"].items()),
+        objectives=tuple(_objective(label, one) for label, one in content.get("objectives", {}).items()),
         constraints=tuple(_constraint(label, one) for label, one in content.get("constraints", {}).items()),
         processor_time_s=limits.get("processor_time"),
         most_failures=limits.get("failures"),
@@ -120,7 +147,19 @@ def _study(folder: pathlib.Path, content: dict[str, Any]) -> Study:
         error=rounds.get("error", 0.05),
         racing=rounds.get("racing", False),
         stop=_stop(rounds["stop"]) if "stop" in rounds else None,
+        fork=_fork(content["fork"]) if "fork" in content else None,
+        splitting=_splitting(content["splitting"]) if "splitting" in content else None,
+        results=content.get("results", False),
     )
+
+
+def _fork(content: dict[str, Any]) -> Fork:
+    return Fork(float(content["at"]), tuple(content["variables"]))
+
+
+def _splitting(content: dict[str, Any]) -> Splitting:
+    levels = tuple(float(level) for level in content["levels"])
+    return Splitting(content["score"], levels, content["missions"], tuple(content["reseed"]))
 
 
 def _objective(label: str, content: dict[str, Any]) -> Objective:

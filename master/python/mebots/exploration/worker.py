@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Flies orders, one after the other: ``python -m mebots.exploration.worker LIFE OUT``.
+"""Flies orders, one after the other: ``python -m mebots.exploration.worker LIFE OUT PASTS``.
 
 Orders come on standard input and records go to the file descriptor OUT, a line of JSON each. The process ends when
-nobody holds the other end of the descriptor LIFE any more, so none outlives who started it. FMUs are loaded once;
-between missions their instances are made anew.
+nobody holds the other end of the descriptor LIFE any more, so none outlives who started it; the folder PASTS, which
+belongs to that one too, goes then. FMUs are loaded once; between missions their instances are made anew.
 """
 
 from __future__ import annotations
@@ -13,6 +13,8 @@ import contextlib
 import json
 import math
 import os
+import resource
+import shutil
 import sys
 import tempfile
 import threading
@@ -22,14 +24,17 @@ from typing import Any
 
 from mebots import Error, Mission
 from mebots.exploration.missions import FILE_MARK, Order, without_paths
+from mebots.exploration.pasts import Pasts
 
 _MOST_OPEN = 4  # configs whose FMUs stay loaded
+
 
 class Worker:
     """Keeps missions open, by their config."""
 
-    def __init__(self, folder: str) -> None:
+    def __init__(self, folder: str, pasts: Pasts) -> None:
         self._folder = folder
+        self._pasts = pasts
         self._open: collections.OrderedDict[str, tuple[Mission, str]] = collections.OrderedDict()
 
     def answer(self, order: Order) -> dict[str, Any]:
@@ -37,13 +42,13 @@ class Worker:
         record: dict[str, Any] = {"mission": order.get("mission", ""), "outcome": "failed", "error": "", "code": ""}
         begun = time.process_time()
         try:
-            mission = self._prepared(order)
             if order.get("check"):
-                mission.start()
-                self._try_wanted(mission, order)
+                self._check(self._prepared(order), order)
                 record["outcome"] = "checked"
+            elif "until" in order:
+                self._fly_until(order, record)
             else:
-                self._fly(mission, order, record)
+                self._fly(order, record)
         except Error as error:
             record["error"], record["code"] = _without_paths(str(error), order), error.code
         record["processor_time"] = round(time.process_time() - begun, 4)
@@ -51,38 +56,81 @@ class Worker:
 
     def _prepared(self, order: Order) -> Mission:
         places = {FILE_MARK + digest: path for digest, (path, _) in order["files"].items()}
-        mission = self._mission(order["config"], places, bool(order["series"]))
+        out = None if order.get("check") or "out" not in order else _unfinished(order["out"])
+        mission = self._mission(order["config"], places, bool(order["series"]), out)
         for name, value in order["settings"].items():
             mission.set(name, places.get(value, value) if isinstance(value, str) else value)
-        mission.record([name for name, _ in order["series"]])
+        if out is None:
+            mission.record([name for name, _ in order["series"]])
         return mission
 
-    def _mission(self, config: str, places: dict[str, str], in_memory: bool) -> Mission:
+    def _mission(self, config: str, places: dict[str, str], in_memory: bool, out: str | None) -> Mission:
         for mark, path in places.items():
             config = config.replace(json.dumps(mark), json.dumps(path))
-        if config in self._open:
+        if out is None and config in self._open:
             self._open.move_to_end(config)
             mission, _ = self._open[config]
             mission.reset()
             return mission
-        if len(self._open) >= _MOST_OPEN:
-            _, (_, unused) = self._open.popitem(last=False)
-            os.unlink(unused)
         descriptor, file = tempfile.mkstemp(".json", "mission", self._folder)
         with open(descriptor, "w", encoding="utf-8") as stream:
             stream.write(config)
+        if out is not None:  # a mission writes into one folder
+            return Mission(file, in_memory=in_memory, out=out, statistics=True)
+        if len(self._open) >= _MOST_OPEN:
+            _, (_, unused) = self._open.popitem(last=False)
+            os.unlink(unused)
         mission = Mission(file, in_memory=in_memory)
         self._open[config] = (mission, file)
         return mission
 
     @staticmethod
-    def _try_wanted(mission: Mission, order: Order) -> None:
-        for name in order["finals"]:
+    def _check(mission: Mission, order: Order) -> None:
+        """Everything that the order asks for, at t = 0."""
+        mission.start()
+        scores = [turn["place"]["score"][0] for turn in order["course"] if "score" in turn["place"]]
+        for name in (*order["finals"], *scores):
             mission.value(name)
+        for turn in order["course"]:
+            _write(mission, turn["writes"])
+        if order["course"]:
+            mission.save_state()
 
-    @staticmethod
-    def _fly(mission: Mission, order: Order, record: dict[str, Any]) -> None:
+    def _follow(self, mission: Mission, order: Order) -> None:
+        """To behind the last turn of its course that the mission comes to, from the last state that is there."""
+        course = order["course"]
+        begin, state = 0, None
+        for number in range(len(course) - 1, -1, -1):
+            state = self._pasts.find(course[number]["past"])
+            if state is not None:
+                begin = number
+                break
+        if state is not None:
+            mission.start_from(state)
+        for number in range(begin, len(course)):
+            turn = course[number]
+            if state is None or number > begin:
+                _go_to(mission, turn["place"])
+                if mission.ended:
+                    return
+                self._pasts.keep(turn["past"], mission.save_state())
+            _write(mission, turn["writes"])
+
+    def _fly_until(self, order: Order, record: dict[str, Any]) -> None:
+        mission = self._prepared(order)
+        self._follow(mission, order)
+        mission.start()
+        begun_s = mission.time
+        reached = _go_to(mission, order["until"])
+        if reached and not mission.ended:
+            self._pasts.keep(order["keeps"], mission.save_state())
+        record["outcome"] = "reached" if reached else mission.outcome or "failed"
+        record["simulated_time"] = mission.time - begun_s
+
+    def _fly(self, order: Order, record: dict[str, Any]) -> None:
+        mission = self._prepared(order)
         try:
+            self._follow(mission, order)
             mission.run()
         finally:
             summary = mission.summary
@@ -90,8 +138,34 @@ class Worker:
             record["outcome"] = mission.outcome or "failed"
             record["simulated_time"] = summary.get("simulated_time", 0.0)
             record["values"] = flat({key: summary[key] for key in labels if key in summary})
+        if "out" in order:
+            mission.close()
+            shutil.rmtree(order["out"], ignore_errors=True)  # of a journal that is gone
+            os.replace(_unfinished(order["out"]), order["out"])
+            record["memory_mb"] = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1000
         record["finals"] = {name: mission.value(name) for name in order["finals"]}
         record["series"] = {f"{name} {how}": _reduced(mission, name, how) for name, how in order["series"]}
+
+
+def _unfinished(folder: str) -> str:
+    return folder + ".part"
+
+
+def _write(mission: Mission, values: dict[str, Any]) -> None:
+    for name, value in values.items():
+        mission.write(name, value)
+
+
+def _go_to(mission: Mission, place: dict[str, Any]) -> bool:
+    """False for a mission that ended before."""
+    if "at" in place:
+        mission.run_until(place["at"])
+        return not mission.ended
+    (name, sign), level = place["score"], place["level"]
+    while sign * mission.value(name) < sign * level:
+        if not mission.step():
+            return False
+    return True
 
 
 def flat(values: dict[str, Any], before: str = "") -> dict[str, Any]:
@@ -116,9 +190,11 @@ def _without_paths(text: str, order: Order) -> str:
     return without_paths(text)
 
 
-def _end_with(descriptor: int) -> None:
+def _end_with(descriptor: int, *folders: str) -> None:
     with contextlib.suppress(OSError):
         os.read(descriptor, 1)
+    for folder in folders:
+        shutil.rmtree(folder, ignore_errors=True)
     os._exit(1)
 
 
@@ -130,11 +206,11 @@ def _answer(worker: Worker, order: Order) -> dict[str, Any]:
 
 
 def main() -> None:
-    life, out = int(sys.argv[1]), int(sys.argv[2])
-    threading.Thread(target=_end_with, args=(life,), daemon=True).start()
+    life, out, pasts = int(sys.argv[1]), int(sys.argv[2]), sys.argv[3]
     records = os.fdopen(out, "w", encoding="utf-8")
     with tempfile.TemporaryDirectory(prefix="mebots-worker-") as folder:
-        worker = Worker(folder)
+        threading.Thread(target=_end_with, args=(life, folder, pasts), daemon=True).start()
+        worker = Worker(folder, Pasts(pasts))
         print("{}", file=records, flush=True)  # ready: what comes now is the mission's time
         for line in sys.stdin:
             print(json.dumps(_answer(worker, json.loads(line))), file=records, flush=True)

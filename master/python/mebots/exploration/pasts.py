@@ -1,0 +1,63 @@
+# SPDX-License-Identifier: Apache-2.0
+"""States of missions that others begin with, by their hash: the last few in memory, the last gigabytes on disk, where
+other mission processes of the same parent find them. One that is not there any more is flown again."""
+
+from __future__ import annotations
+
+import collections
+import contextlib
+import os
+import pathlib
+
+_MOST_IN_MEMORY = 4
+MOST_BYTES = 4 << 30
+"""On disk. Those that were used longest ago go first."""
+
+
+class Pasts:
+    def __init__(self, folder: str | os.PathLike[str]) -> None:
+        self._folder = pathlib.Path(folder)
+        self._recent: collections.OrderedDict[str, bytes] = collections.OrderedDict()
+
+    def find(self, name: str) -> bytes | None:
+        if name in self._recent:
+            self._recent.move_to_end(name)
+            return self._recent[name]
+        with contextlib.suppress(OSError):
+            state = (self._folder / name).read_bytes()
+            os.utime(self._folder / name)
+            self._remember(name, state)
+            return state
+        return None
+
+    def keep(self, name: str, state: bytes) -> None:
+        self._remember(name, state)
+        beside = self._folder / f"{name}.{os.getpid()}"
+        with contextlib.suppress(OSError):  # a full disk costs time, and no mission
+            try:
+                beside.write_bytes(state)
+                beside.replace(self._folder / name)
+            except OSError:
+                beside.unlink(missing_ok=True)
+                raise
+            self._make_room()
+
+    def _remember(self, name: str, state: bytes) -> None:
+        self._recent[name] = state
+        self._recent.move_to_end(name)
+        if len(self._recent) > _MOST_IN_MEMORY:
+            self._recent.popitem(last=False)
+
+    def _make_room(self) -> None:
+        kept = []
+        for file in os.scandir(self._folder):
+            with contextlib.suppress(FileNotFoundError):  # of another process, at the same work
+                stat = file.stat()
+                kept.append((stat.st_mtime_ns, stat.st_size, file.path))
+        total = sum(size for _, size, _ in kept)
+        for _, size, path in sorted(kept):
+            if total <= MOST_BYTES:
+                return
+            with contextlib.suppress(FileNotFoundError):
+                os.unlink(path)
+            total -= size

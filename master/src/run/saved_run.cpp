@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "run/saved_run.hpp"
+
+#include "mebots/input_error.hpp"
+#include "mebots/state/save.hpp"
+#include "run/input_hash.hpp"
+
+#include <string_view>
+
+namespace mebots::master {
+namespace {
+
+constexpr std::string_view kMagic = "mebots saved run 1\n";
+constexpr std::size_t kHashSize = 64;
+
+std::string_view text_of(std::span<const std::byte> bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+}  // namespace
+
+std::vector<std::byte> to_bytes(const SavedRun& run) {
+  const auto content = state::save(run);
+  const auto hash = sha256(text_of(content));
+  state::Writer writer;
+  writer.append(kMagic.data(), kMagic.size());
+  writer.append(hash.data(), hash.size());
+  writer.append(content.data(), content.size());
+  return writer.take();
+}
+
+SavedRun saved_run(std::span<const std::byte> bytes) {
+  const auto text = text_of(bytes);
+  if (!text.starts_with(kMagic) || text.size() < kMagic.size() + kHashSize) {
+    throw InputError(ErrorCode::state_of_other_build, "this is not a saved state of a run of this version of mebots");
+  }
+  const auto content = bytes.subspan(kMagic.size() + kHashSize);
+  if (text.substr(kMagic.size(), kHashSize) != sha256(text_of(content))) {
+    throw InputError(ErrorCode::state_damaged, "this saved state of a run is damaged");
+  }
+  SavedRun run;
+  state::restore(run, content);
+  return run;
+}
+
+}  // namespace mebots::master

@@ -1,0 +1,187 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Many futures of one past: missions that go on from a saved state, and studies that fork."""
+
+import json
+import sys
+import unittest
+
+import mebots
+from mebots.exploration.missions import Missions
+from mebots.exploration.pasts import Pasts
+from mebots.exploration.study import read_study
+from mebots.exploration.worker import Worker
+from support import BUILD, SOURCE, StudyCase
+
+
+def result(mission):
+    summary = {key: value for key, value in mission.summary.items() if key not in ("wall_clock", "real_time_factor")}
+    summary["inputs"].pop("writes", None)  # who goes on from a state does not know what was written before it
+    return summary, {name: mission._series(name)[1] for name in mission.variables}
+
+
+class SavedState(StudyCase):
+    def straight(self, writes):
+        """The mission with values written at 0.5 s."""
+        mission = mebots.Mission(self.folder / "mission.json", record=["a.*"])
+        mission.run_until(0.5)
+        for name, value in writes.items():
+            mission.write(name, value)
+        mission.run()
+        return result(mission)
+
+    def test_another_mission_goes_on_from_it_to_the_same_bits(self):
+        past = mebots.Mission(self.folder / "mission.json", record=["a.*"])
+        past.run_until(0.5)
+        state = past.save_state()
+        results = []
+        for writes in ({"a.real_in": -7}, {"a.real_in": 0.1, "a.integer_in": 3}, {}):
+            mission = mebots.Mission(self.folder / "mission.json", record=["a.*"])
+            mission.start_from(state)
+            mission.start()
+            self.assertEqual((mission.time, mission.state), (0.5, "ready"))
+            for name, value in writes.items():
+                mission.write(name, value)
+            mission.run()
+            self.assertEqual(result(mission), self.straight(writes))
+            results.append(mission.value("a.integral"))
+        self.assertEqual(len(set(results)), 3)
+        past.run()  # whoever left it goes on undisturbed
+        self.assertEqual(result(past), self.straight({}))
+
+    def test_an_fmu_is_not_set_back_it_is_made_anew(self):
+        """The FMU of the first mission was told that it is not set back before 0.8 s."""
+        mission = mebots.Mission(self.folder / "mission.json")
+        mission.run_until(0.3)
+        state = mission.save_state()
+        mission.run_until(0.8)
+        promised = mission.value("a.set_backs")
+        mission.reset()
+        mission.start_from(state)
+        mission.run_until(0.8)
+        self.assertEqual(mission.value("a.set_backs"), promised)
+        mission.reset()
+        mission.start()
+        self.assertEqual(mission.time, 0, "a state counts for one run")
+
+    def test_is_refused_where_it_does_not_belong(self):
+        mission = mebots.Mission(self.folder / "mission.json")
+        mission.run_until(0.5)
+        state = mission.save_state()
+        for wrong, code in ((b"no state", "state_of_other_build"), (state[:-1] + b"?", "state_damaged")):
+            with self.assertRaises(mebots.InputError) as caught:
+                mebots.Mission(self.folder / "mission.json").start_from(wrong)
+            self.assertEqual(caught.exception.code, code)
+        other = mebots.Mission(self.folder / "mission.json", set={"a.gain": 3})
+        other.start_from(state)
+        with self.assertRaises(mebots.InputError) as caught:
+            other.start()
+        self.assertEqual(caught.exception.code, "state_of_other_fmu")
+        with self.assertRaises(mebots.InputError):
+            mebots.Mission(self.folder / "mission.json", out=self.folder / "run").start_from(state)
+        with self.assertRaises(mebots.InputError):
+            mission.start_from(state)  # too late
+        mission.run()
+        with self.assertRaises(mebots.InputError):
+            mission.save_state()
+
+    def test_of_the_gate_mission_with_new_noise(self):
+        config = SOURCE / "configs" / "gate_easy.json"
+        variables = ["battery.*", "motors.*", "world.*", "soc.*"]
+        past = mebots.Mission(config, record=variables, stop_time=2.5)
+        past.run_until(2)
+        state = past.save_state()
+
+        def future(mission, seed):
+            mission.write("world.sensors.seed", seed)
+            mission.run()
+            return result(mission)
+
+        fork = mebots.Mission(config, record=variables, stop_time=2.5)
+        fork.start_from(state)
+        straight = future(past, 7)
+        self.assertEqual(future(fork, 7), straight)
+        other = mebots.Mission(config, record=variables, stop_time=2.5)
+        other.start_from(state)
+        changed = future(other, 8)
+        self.assertNotEqual(changed[1]["world.range.down"], straight[1]["world.range.down"])
+        rows = len(past.times)
+        before = sum(time <= 2 for time in past.times)
+        self.assertEqual(len(changed[1]["world.range.down"]), 8 * rows)
+        self.assertEqual(changed[1]["world.range.down"][: 8 * before], straight[1]["world.range.down"][: 8 * before])
+
+
+class Forks(StudyCase):
+    FORK = {"at": 0.5, "variables": ["a.real_in"]}
+
+    def test_a_row_holds_what_a_mission_gives_to_which_its_values_are_written_on_the_way(self):
+        self.study(fork=self.FORK, objectives={
+            "success": {"outcome": "far"}, "integral": {"summary": "integral"}, "mean": {"series": "a.real_out", "of": "mean"}})
+        self.sweep()
+        for row in self.rows("missions.csv"):
+            mission = mebots.Mission(self.folder / "mission.json", set={"a.gain": float(row["a.gain"])}, record=["a.real_out"])
+            mission.run_until(0.5)
+            mission.write("a.real_in", float(row["a.real_in"]))
+            mission.run()
+            self.assertEqual(row["outcome"], mission.outcome)
+            self.assertEqual(float(row["integral"]), mission.value("a.integral"))
+            self.assertAlmostEqual(float(row["mean"]), sum(mission["a.real_out"]) / len(mission.times), 12)
+        self.study()
+        self.sweep(out="straight")
+        self.assertFalse({row["mission"] for row in self.rows("missions.csv")} &
+                         {row["mission"] for row in self.rows("missions.csv", "straight")})
+
+    def test_the_same_bytes_come_for_any_jobs_and_after_a_kill(self):
+        self.study(fork=self.FORK)
+        self.sweep("--jobs", "1", out="one")
+        self.sweep("--jobs", "2", out="two")
+        lines = (self.folder / "one" / "journal.jsonl").read_text().splitlines(keepends=True)
+        (self.folder / "again").mkdir()
+        (self.folder / "again" / "journal.jsonl").write_text("".join(lines[:7]))
+        self.sweep(out="again")
+        for name in ("missions.csv", "designs.csv"):
+            self.assertEqual(self.bytes_of(name, "one"), self.bytes_of(name, "two"))
+            self.assertEqual(self.bytes_of(name, "one"), self.bytes_of(name, "again"))
+
+    def test_the_past_is_flown_once_for_all_that_share_it(self):
+        missions = Missions(read_study(self.study(fork=self.FORK)))
+        pasts = self.folder / "pasts"
+        pasts.mkdir()
+        worker = Worker(str(self.folder), Pasts(pasts))
+        orders = [missions.order({"a.gain": gain, "a.real_in": drive}) for gain in (0.2, 1) for drive in (1, 2, 3)]
+        records = [worker.answer(json.loads(json.dumps(order))) for order in orders]
+        self.assertEqual(len(list(pasts.iterdir())), 2)
+        for state in pasts.iterdir():  # what is lost is flown again
+            state.unlink()
+        alone = Worker(str(self.folder), Pasts(pasts))
+        for order, record in zip(reversed(orders), reversed(records), strict=True):
+            again = alone.answer(json.loads(json.dumps(order)))
+            self.assertEqual(again | {"processor_time": 0}, record | {"processor_time": 0})
+            self.assertEqual(record["error"], "")
+
+    def test_a_mission_that_ended_before_the_fork_has_one_future(self):
+        config = json.loads((self.folder / "mission.json").read_text())
+        config["stop_when"] = [{"variable": "a.integral", "above": 0.5}]
+        (self.folder / "mission.json").write_text(json.dumps(config))
+        self.study(fork=self.FORK)
+        self.sweep()
+        self.assertEqual({row["simulated_time [s]"] for row in self.rows("missions.csv")}, {"0.2"})
+
+    def test_what_cannot_change_in_a_mission_is_bad_input(self):
+        self.study(fork={"at": 0.5, "variables": ["a.gain"]})
+        self.assertIn("only inputs and tunable parameters", self.sweep(code=2))
+        self.study(fork={"at": 0.5, "variables": ["a.offset"]})
+        self.assertIn("a.offset", self.sweep(code=2))
+        self.study(fork={"at": 0, "variables": ["a.real_in"]})
+        self.sweep(code=2)
+
+    def test_an_fmu_that_cannot_write_its_state_is_named(self):
+        mission = json.loads((self.folder / "mission.json").read_text())
+        mission["instances"]["b"] = {"fmu": str(BUILD / "test_fmus" / "passthrough.fmu")}
+        (self.folder / "mission.json").write_text(json.dumps(mission))
+        self.study(fork=self.FORK)
+        self.assertIn("instance 'b'", self.sweep(code=2))
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv)
