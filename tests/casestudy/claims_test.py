@@ -20,7 +20,8 @@ from results import CRUISE, Trace, energy_by_phase  # noqa: E402
 from run import Place, fly  # noqa: E402
 
 BUILD = pathlib.Path(os.environ["MEBOTS_BUILD"])
-PLACE = Place(BUILD, BUILD / "tests/casestudy/flights", 1)
+# A folder of each claim's own: a study keeps others out of its own while it flies.
+PLACE = Place(BUILD, BUILD / "tests/casestudy/flights" / "-".join(sys.argv[1:2]), 1)
 MACS_PER_INFERENCE = 1_679_904
 
 

@@ -369,6 +369,59 @@ class Python(StudyCase):
         self.assertEqual(self.bytes_of("missions.csv"), self.bytes_of("missions.csv", "pool"))
 
 
+class Kept(StudyCase):
+    """What a study leaves beside its tables."""
+
+    def test_results_of_each_mission_are_those_of_a_single_run(self):
+        self.study(results=True)
+        self.sweep("--jobs", "2")
+        rows = self.rows("missions.csv")
+        for row in (rows[2], rows[15]):
+            folder = self.folder / "out" / "flights" / row["mission"]
+            single = self.folder / "single"
+            command = [MEBOTS, "run", str(self.folder / "mission.json"), "--out", str(single), "--quiet"]
+            for name in ("a.gain", "a.real_in"):
+                command += ["--set", f"{name}={row[name]}"]
+            subprocess.run(command, check=True)
+            self.assertEqual((folder / "results.csv").read_bytes(), (single / "results.csv").read_bytes())
+            self.assertEqual(json.loads((folder / "summary.json").read_text())["integral"], float(row["integral"]))
+        self.assertEqual(len(list((self.folder / "out" / "flights").iterdir())), 20)
+
+    def test_results_that_were_lost_are_flown_again_and_others_are_not(self):
+        self.study(results=True)
+        self.sweep()
+        before = self.bytes_of("missions.csv")
+        lost = self.folder / "out" / "flights" / self.rows("missions.csv")[4]["mission"] / "summary.json"
+        lost.unlink()
+        lines = len(self.bytes_of("journal.jsonl").splitlines())
+        self.sweep()
+        self.assertTrue(lost.exists())
+        self.assertEqual(self.bytes_of("missions.csv"), before)
+        self.assertEqual(len(self.bytes_of("journal.jsonl").splitlines()), lines + 1)
+
+    def test_hdf5_holds_the_tables_with_units(self):
+        import h5py
+
+        self.study(objectives={"success": {"outcome": "far"}, "integral": {"summary": "integral", "unit": "m"}})
+        self.sweep()
+        with h5py.File(self.folder / "out" / "tables.h5") as file:
+            rows = self.rows("missions.csv")
+            self.assertEqual(list(file["missions/integral"]), [float(row["integral [m]"]) for row in rows])
+            self.assertEqual(file["missions/integral"].attrs["unit"], "m")
+            self.assertEqual(file["missions/success"].dtype.kind, "i")
+            self.assertEqual([text.decode() for text in file["missions/outcome"]], [row["outcome"] for row in rows])
+            self.assertEqual(len(file["designs/design"]), 2)
+
+    def test_progress_and_status_say_what_is_known_so_far(self):
+        told = []
+        mebots.sweep(self.study(), self.folder / "out", jobs=1, progress=told.append)
+        outcomes = [row["outcome"] for row in self.rows("missions.csv")]
+        self.assertIn(f"near {outcomes.count('near')}", told[-1].answer)
+        status = subprocess.run([MEBOTS, "sweep", "--status", str(self.folder / "out")], capture_output=True, text=True, check=True)
+        self.assertIn(f"far {outcomes.count('far')}", status.stdout)
+        self.assertIn("20 of at most 20", status.stdout)
+
+
 class Summary(StudyCase):
     def test_is_whole_for_any_number_of_labels(self):
         """Its JSON object grows by one label at a time: parts that were put in too early would be lost at some length."""

@@ -1,20 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Flies flights by `mebots run`, several at a time, and keeps what they gave."""
+"""Flies flights on `mebots sweep`: each kind of flight becomes a study with its files, whose journal knows what was flown
+already."""
 
-import concurrent.futures
+import collections
+import csv
 import dataclasses
-import functools
-import hashlib
 import json
-import os
 import pathlib
-import subprocess
+import shutil
 import sys
 import time
 
-from missions import ROOT, config
-
-FMUS = ("fmu_soc", "fmu_world", "fmu_motors", "fmu_battery")
+from missions import config
+from results import PASSED
 
 
 @dataclasses.dataclass(frozen=True)
@@ -24,71 +22,90 @@ class Place:
     results: pathlib.Path
     jobs: int
 
-    @functools.cached_property
-    def programs(self):
-        """Hash of all that flies a flight, but for its config."""
-        files = [self.build / "bin/mebots", *(self.build / f"fmus/{name}.fmu" for name in FMUS)]
-        return hashlib.sha256(b"".join(hashlib.sha256(file.read_bytes()).digest() for file in files)).hexdigest()
+    def sweep(self, *arguments, **options):
+        """mebots.sweep of this build, in this process."""
+        sys.path.insert(0, str(self.build / "python"))
+        import mebots
+
+        return mebots.sweep(*arguments, jobs=self.jobs, **options)
 
 
-def run(command):
-    """Runs a program; returns its exit code, output, seconds of processor and the most memory it held [MB]."""
-    with subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as process:
-        output = process.stdout.read()
-        _, status, usage = os.wait4(process.pid, 0)
-        process.returncode = os.waitstatus_to_exitcode(status)
-    return process.returncode, output, usage.ru_utime + usage.ru_stime, usage.ru_maxrss * 1024 / 1e6
-
-
-def fly(flight, place):
-    """Flies one flight into results/<name>; returns its summary with the place of its files and what it cost. A
-    flight that was flown with the same config and programs is not flown again."""
-    folder = place.results / flight.name
+def write_study(name, flights, folder):
+    """Files of a study whose designs are these flights, which differ in parameters alone: `mebots sweep` takes them, too.
+    Returns the study's."""
     folder.mkdir(parents=True, exist_ok=True)
-    text = json.dumps(config(flight), indent=2) + "\n"
-    fresh = False
-    key = hashlib.sha256((text + place.programs).encode()).hexdigest()
-    done = folder / "done.json"
-    cost = json.loads(done.read_text()) if done.exists() else {}
-    if cost.get("key") != key:
-        fresh = True
-        done.unlink(missing_ok=True)
-        (folder / "config.json").write_text(text)
-        start = time.monotonic()
-        command = [str(place.build / "bin/mebots"), "run", str(folder / "config.json"), "--out", str(folder),
-                   "--statistics", "--quiet"]
-        code, output, processor_s, memory_mb = run(command)
-        if code != 0:
-            raise RuntimeError(f"{flight.name}: {' '.join(command)} ended with {code}: {output.strip()}")
-        cost = {"key": key, "seconds": time.monotonic() - start, "processor_s": processor_s, "memory_mb": memory_mb}
-        done.write_text(json.dumps(cost) + "\n")
-    summary = json.loads((folder / "summary.json").read_text())
-    return {**summary, **cost, "folder": str(folder), "fresh": fresh}
+    mission = config(flights[0])
+    mission["text"] = name
+    varied = list(flights[0].parameters())
+    for variable in varied:
+        instance, parameter = variable.split(".", 1)
+        del mission["instances"][instance]["parameters"][parameter]
+    (folder / "mission.json").write_text(json.dumps(mission, indent=2) + "\n")
+    with open(folder / "designs.csv", "w", newline="") as file:
+        rows = csv.writer(file, lineterminator="\n")
+        rows.writerow(varied)
+        rows.writerows([flight.parameters()[variable] for variable in varied] for flight in flights)
+    study = {
+        "text": f"{name}: {len(flights)} flights",
+        "mission": "mission.json",
+        "design": {"kind": "list", "file": "designs.csv"},
+        "objectives": {"success": {"outcome": list(PASSED)}, "charge": {"summary": "state_of_charge", "unit": "1"}},
+        "results": True,
+    }
+    (folder / "study.json").write_text(json.dumps(study, indent=2) + "\n")
+    return folder / "study.json"
 
 
-def bar(done, total, started):
-    """A progress bar on standard error."""
-    width = 40
-    full = width * done // total
-    passed = time.monotonic() - started
-    left = f", {passed / done * (total - done):.0f} s to go" if done else ""
-    print(f"\r[{'#' * full}{'.' * (width - full)}] {done}/{total} flights, {passed:.0f} s{left}   ", end="",
-          file=sys.stderr, flush=True)
+def studies(flights):
+    """{name of its first flight: flights that one study can fly}: the same but for the values of parameters."""
+    groups = collections.defaultdict(list)
+    for flight in flights:
+        system = config(flight)
+        for instance in system["instances"].values():
+            del instance["parameters"]
+        del system["text"]
+        groups[json.dumps([system, list(flight.parameters())])].append(flight)
+    return {group[0].name: group for group in groups.values()}
 
 
 def fly_all(flights, place):
-    """Flies all flights; returns {name: summary} in their order. Stops at the first that fails."""
-    started = time.monotonic()
-    bar(0, len(flights), started)
-    with concurrent.futures.ThreadPoolExecutor(place.jobs) as pool:
-        futures = {pool.submit(fly, flight, place): flight.name for flight in flights}
-        try:
-            for done, future in enumerate(concurrent.futures.as_completed(futures), 1):
-                future.result()
-                bar(done, len(flights), started)
-        except BaseException:
-            for future in futures:
-                future.cancel()
-            raise
-    print(file=sys.stderr)
-    return {name: future.result() for future, name in futures.items()}
+    """Flies all flights; returns {name: summary} in their order, each with the place of its files, what it cost and
+    whether it was flown now. What the place holds from the same programs is not flown again. Raises RuntimeError for a
+    flight that failed."""
+    flown = {}
+    for name, group in studies(flights).items():
+        folder = place.results / "studies" / name
+        before = set(_costs(place.results))
+        started = time.monotonic()
+        place.sweep(write_study(name, group, folder), place.results, progress=lambda now, name=name: _tell(name, now))
+        print(f"\r\033[K{name}: {len(group)} flights, {time.monotonic() - started:.0f} s", file=sys.stderr)
+        for table in ("missions.csv", "report.html"):  # the next study of this place writes its own
+            shutil.copyfile(place.results / table, folder / table)
+        costs = _costs(place.results)
+        with open(folder / "missions.csv", newline="") as file:
+            rows = list(csv.DictReader(file))
+        for flight, row in zip(group, rows, strict=True):
+            mission = row["mission"]
+            if row["message"]:
+                raise RuntimeError(f"{flight.name}: {row['message']}")
+            files = place.results / "flights" / mission
+            summary = json.loads((files / "summary.json").read_text())
+            flown[flight.name] = {**summary, **costs[mission], "folder": str(files), "fresh": mission not in before}
+    return {flight.name: flown[flight.name] for flight in flights}
+
+
+def fly(flight, place):
+    """The same of one flight."""
+    return fly_all([flight], place)[flight.name]
+
+
+def _costs(folder):
+    """{mission: seconds of processor, and most memory [MB] that the process held which flew it}"""
+    journal = folder / "journal.jsonl"
+    records = map(json.loads, journal.read_text().splitlines() if journal.exists() else [])
+    return {one["mission"]: {"processor_s": one["processor_time"], "memory_mb": one.get("memory_mb", 0.0)} for one in records}
+
+
+def _tell(name, now):
+    print(f"\r\033[K{name}: {now.flown} flown, at most {now.most_left} left ({now.rate_per_s:.2f} a second)", end="",
+          file=sys.stderr, flush=True)

@@ -13,6 +13,7 @@ import shutil
 import sys
 import time
 
+import check
 import collect
 import experiments
 import landing
@@ -23,6 +24,7 @@ from run import Place, fly_all
 
 PARTS = ("experiments", "landing", "clocks", *experiments.SPREAD)
 PICTURED_FAILURES = 6
+PUBLISHED = ROOT / "examples/paper/results.json"
 STARTS_PER_CLOCK = 20  # a clock flies one in so many of the random starts of a scenario
 
 
@@ -69,6 +71,17 @@ def fly_starts(place, data, name, count):
     data.setdefault("robustness", {})[name] = part
 
 
+def check_published(count, place):
+    """Exit code 1 where a flight differs from what is published."""
+    published = json.loads(PUBLISHED.read_text())
+    differ = 0
+    for name, found in check.differences(published, count, place):
+        differ += bool(found)
+        print(f"{name}: " + ("as published" if not found else "; ".join(
+            key if key == "way" else f"{key} {now}, published {before}" for key, (before, now) in found.items())))
+    return 1 if differ else 0
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build/release", help="folder of the build")
@@ -77,12 +90,15 @@ def main():
     parser.add_argument("--parts", nargs="*", choices=PARTS, default=["experiments", "landing"], help="what to fly; shipped, easy and hard are random starts; none: report only")
     parser.add_argument("--count", type=int, default=200, help="random starts of each scenario")
     parser.add_argument("--data", type=pathlib.Path, help="what was found, added to: default OUT/data.json")
+    parser.add_argument("--check", type=int, metavar="N", help="fly N flights of each part again, and compare with what is published")
     parser.add_argument("--publish", action="store_true", help="also put data and figures where the README shows them")
     arguments = parser.parse_args()
 
     out = arguments.out.resolve()
     out.mkdir(parents=True, exist_ok=True)
     place = Place(arguments.build.resolve(), out / "flights", arguments.jobs)
+    if arguments.check:
+        return check_published(arguments.check, place)
     kept = arguments.data or out / "data.json"
     data = json.loads(kept.read_text()) if kept.exists() else {}
     for part in (part for part in PARTS if part in arguments.parts):
@@ -99,12 +115,13 @@ def main():
     for line in report.write(data, out):
         print(line)
     if arguments.publish:
-        (ROOT / "examples/paper/results.json").write_text(json.dumps(data) + "\n")
+        PUBLISHED.write_text(json.dumps(data) + "\n")
         (ROOT / "examples/paper/REPORT.md").write_text((out / "REPORT.md").read_text())
         for figure in (out / "figures").glob("*.png"):
             shutil.copyfile(figure, ROOT / f"docs/img/paper_{figure.name}")
     print(f"wrote {out / 'report.html'}")
+    return 0
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

@@ -23,6 +23,7 @@ A mission never knows that it is part of a study. Each module has one subject:
 ``sensitivity`` which factors matter (SALib)
 ``front``      which designs are dominated, and how sure that is
 ``tables``     missions.csv, designs.csv
+``columns``    the same as HDF5 and Parquet
 ``report``     report.html
 ``campaign``   all of it in order
 ``command``    the command line

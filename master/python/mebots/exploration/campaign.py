@@ -15,10 +15,10 @@ from collections.abc import Callable, Iterable, Iterator
 from typing import Any
 
 from mebots.errors import InputError
-from mebots.exploration import chance, designs, front, report, sensitivity, splitting, tables
+from mebots.exploration import chance, columns, designs, front, report, sensitivity, splitting, tables
 from mebots.exploration.comparison import Evidence
 from mebots.exploration.dispatch import Dispatcher
-from mebots.exploration.journal import Journal
+from mebots.exploration.journal import Journal, Record
 from mebots.exploration.missions import Missions, Order
 from mebots.exploration.objectives import Measurer, has_all
 from mebots.exploration.rounds import Flight, Rounds
@@ -26,7 +26,9 @@ from mebots.exploration.search import Search
 from mebots.exploration.study import Study, Values
 from mebots.exploration.worker import flat
 
-TABLES = ("missions.csv", "designs.csv", "sensitivity.csv", "levels.csv", "report.html")
+TABLES = ("missions.csv", "designs.csv", "sensitivity.csv", "levels.csv", *columns.NAMES, "report.html")
+_MOST_COMPARED = 300
+"""Designs of which it is told on the way who is ahead."""
 
 
 FLIGHTS = "flights"
@@ -43,7 +45,8 @@ _MOST_VALUES_TRIED = 64
 
 @dataclasses.dataclass(frozen=True)
 class Progress:
-    """How far a study is. ``most_left`` counts missions that a decision may still save."""
+    """How far a study is. ``most_left`` counts missions that a decision may still save; ``answer`` is what is known so
+    far: how missions ended, and after a round which designs are ahead."""
 
     flown: int
     taken: int
@@ -51,6 +54,7 @@ class Progress:
     most_left: int
     designs_flying: int
     rate_per_s: float
+    answer: str = ""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -84,6 +88,8 @@ class Campaign:
         self._draws: dict[int, Values] = {}
         self.flown = self.taken = self.failed = 0
         self._begun_s = time.monotonic()
+        self._outcomes: collections.Counter[str] = collections.Counter()
+        self._ahead = ""
 
     # What the missions are.
 
@@ -232,6 +238,7 @@ class Campaign:
                     rounds.end(f"ended: {failures.total()} missions had failed")
                     break
                 rounds.decide()
+                self._ahead = self._who_is_ahead(evidence)
             self._write(folder, journal, evidence, rounds, hashes, failures)
             return Sweep(folder, sum(len(one) for one in hashes.values()), failures.total())
         finally:
@@ -283,10 +290,8 @@ class Campaign:
             records = self._dispatcher.take()
             journal.append(records)
             missing.difference_update(record["mission"] for record in records)
-            self.flown += len(records)
-            tell(
-                Progress(self.flown, self.taken, self.failed, left + len(missing), len(rounds.flying()), self._rate())
-            )
+            self._note(records)
+            tell(self._progress(left + len(missing), len(rounds.flying())))
         return list(zip(flights[:settled], names[:settled], strict=True))
 
     def _bring(
@@ -302,21 +307,43 @@ class Campaign:
             records = self._dispatcher.take()
             journal.append(records)
             left -= len(records)
-            self.flown += len(records)
+            self._note(records)
             self.failed += sum(bool(record["error"]) for record in records)
-            tell(Progress(self.flown, self.taken, self.failed, left, len(self.designs), self._rate()))
+            tell(self._progress(left, len(self.designs)))
         return journal
+
+    def _note(self, records: list[Record]) -> None:
+        self.flown += len(records)
+        self._outcomes.update(record["outcome"] for record in records)
+
+    def _progress(self, most_left: int, flying: int) -> Progress:
+        return Progress(self.flown, self.taken, self.failed, most_left, flying, self._rate(), self._answer())
+
+    def _answer(self) -> str:
+        ended = ", ".join(f"{outcome} {count}" for outcome, count in self._outcomes.most_common(4))
+        return "; ".join(filter(None, (ended, self._ahead)))
+
+    def _who_is_ahead(self, evidence: Evidence) -> str:
+        """The designs that no other one dominates by what was measured so far; noise may have put them there."""
+        if not evidence.has_front or len(self.designs) > _MOST_COMPARED:
+            return ""
+        ahead = evidence.leaders([design for design in range(len(self.designs)) if evidence.feasible(design) is not False])
+        shown = ", ".join(str(design) for design in ahead[:4])
+        more = f" and {len(ahead) - 4} more" if len(ahead) > 4 else ""
+        return f"ahead so far: designs {shown}{more}" if ahead else ""
 
     def _is_known(self, order: Order, journal: Journal, others: list[Journal]) -> bool:
         record = journal.find(order["mission"])
         if record is not None and has_all(record, order):
             self.taken += 1
+            self._outcomes[record["outcome"]] += 1
             return True
         for other in others:
             record = other.find(order["mission"])
             if record is not None and has_all(record, order):
                 journal.append([record])
                 self.taken += 1
+                self._outcomes[record["outcome"]] += 1
                 return True
         return False
 
@@ -354,6 +381,7 @@ class Campaign:
             for number, values in enumerate(self.designs)
         ]
         tables.write(folder / "designs.csv", head + rows)
+        columns.write(folder)
         if self.study.design["kind"] == "sensitivity":
             sensitivity.write(folder / "sensitivity.csv", self.study, evidence)
         told = [

@@ -4,11 +4,13 @@
 from __future__ import annotations
 
 import argparse
+import collections
 import concurrent.futures
 import contextlib
 import json
 import os
 import pathlib
+import shutil
 import signal
 import sys
 import time
@@ -59,8 +61,10 @@ def _campaign(study: Study, executor: concurrent.futures.Executor | None, jobs: 
         # Enough in flight that nobody waits, and few enough that little is flown in vain.
         yield Campaign(study, threads, 2 * jobs)
     finally:
-        flying.close_all()
+        ended = flying.end_all()
         threads.shutdown(wait=True, cancel_futures=True)
+        for process in ended:
+            process.close()
 
 
 def main(words: list[str] | None = None) -> int:
@@ -140,8 +144,10 @@ class _Teller:
         left_s = now.most_left / now.rate_per_s if now.rate_per_s > 0 else 0
         text = (
             f"{now.flown} flown, {now.taken} from a journal, {now.failed} failed, at most {now.most_left} left "
-            f"({now.rate_per_s:.2f} a second, {_duration(left_s)}); {now.designs_flying} designs flying"
+            f"({now.rate_per_s:.2f} a second, {_duration(left_s)}); {now.designs_flying} designs flying; {now.answer}"
         )
+        if self._terminal:  # a line that wraps could not be written over
+            text = text[: shutil.get_terminal_size().columns - 1]
         print(f"\r\033[K{text}" if self._terminal else text, end="" if self._terminal else "\n", file=sys.stderr, flush=True)
 
     def end(self) -> None:
@@ -163,11 +169,18 @@ def _status(folder: pathlib.Path) -> int:
     study = read_study(content)
     with _campaign(study, None, 1) as campaign:
         journal = Journal(folder, writable=False)
-        flown = sum(campaign.order(flight)["mission"] in journal for flight in campaign.all_flights())
+        flown, outcomes = 0, collections.Counter[str]()
+        for flight in campaign.all_flights() if study.splitting is None else ():
+            record = journal.find(campaign.order(flight)["mission"])
+            if record is not None:
+                flown += 1
+                outcomes[record["outcome"]] += 1
         journal.close()
         done = is_done(study, folder)
-        known = f"{flown} of at most {campaign.most_missions} missions are flown; " if campaign.designs else ""
+        known = f"{flown} of at most {campaign.most_missions} missions are flown; " if flown else ""
         print(f"{known}the journal has {len(journal)}")
+        if outcomes:
+            print(", ".join(f"{outcome} {count}" for outcome, count in outcomes.most_common()))
         answer = folder / ("report.html" if study.splitting is None else "designs.csv")
         print(f"the study is done: {answer}" if done else "the study is not done")
     return DONE

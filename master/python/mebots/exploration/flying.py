@@ -56,6 +56,7 @@ class MissionProcess:
         os.close(life)
         os.close(out)
         self._rest = b""
+        self._closed = False
         self._line(None)
 
     def fly(self, order: Order) -> dict[str, Any]:
@@ -81,6 +82,9 @@ class MissionProcess:
             os.killpg(self._process.pid, signal.SIGKILL)
 
     def close(self) -> None:
+        if self._closed:
+            return
+        self._closed = True
         self.end()
         self._process.wait()
         self._last_words.close()
@@ -222,12 +226,13 @@ def _drop_my_process() -> None:
 
 
 def ready() -> None:
-    """After ``close_all``, for the next study of this process."""
+    """After ``end_all``, for the next study of this process."""
     _closing.clear()
 
 
-def close_all() -> None:
-    """Ends all mission processes of this process, whatever they do."""
+def end_all() -> list[MissionProcess]:
+    """Ends all mission processes of this process, whatever they do. They are to be closed when no thread waits for
+    them any more."""
     global _pasts
     _closing.set()
     with _lock:
@@ -238,6 +243,13 @@ def close_all() -> None:
         process.end()
     if pasts is not None:
         pasts.cleanup()
+    return processes
+
+
+def close_all() -> None:
+    """Ends and closes all mission processes of this process, of which no other thread may use one."""
+    for process in end_all():
+        process.close()
 
 
 # Files by hash.

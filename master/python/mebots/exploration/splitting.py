@@ -18,7 +18,7 @@ import pathlib
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
-from mebots.exploration import chance, tables
+from mebots.exploration import chance, columns, tables
 from mebots.exploration.answers import Moments, student
 from mebots.exploration.journal import Journal
 from mebots.exploration.missions import Course, Order, Turn
@@ -155,6 +155,7 @@ def _write(campaign: Campaign, folder: pathlib.Path, estimates: list[Estimate]) 
             + _answer(study, own)
         )
     tables.write(folder / "designs.csv", rows)
+    columns.write(folder)
 
 
 def _answer(study: Study, estimates: list[Estimate]) -> list[str]:

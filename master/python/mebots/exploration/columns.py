@@ -1,0 +1,73 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The tables for programs: tables.h5 where h5py is installed, missions.parquet and designs.parquet where pyarrow is. They
+are made of the CSV files, which are what counts."""
+
+from __future__ import annotations
+
+import csv
+import importlib.util
+import pathlib
+import re
+from typing import Any
+
+NAMES = ("tables.h5", "missions.parquet", "designs.parquet")
+_TABLES = ("missions", "designs")
+_UNIT = re.compile(r" \[([^]]+)\]")
+
+
+def write(folder: pathlib.Path) -> None:
+    """Beside the CSV files of this folder."""
+    offered = [kind for kind, module in (("h5", "h5py"), ("parquet", "pyarrow")) if importlib.util.find_spec(module)]
+    tables = {name: read(folder / f"{name}.csv") for name in _TABLES if offered and (folder / f"{name}.csv").exists()}
+    if "h5" in offered and tables:
+        _write_hdf5(folder / "tables.h5", tables)
+    for name, table in tables.items() if "parquet" in offered else ():
+        _write_parquet(folder / f"{name}.parquet", table)
+
+
+def read(file: pathlib.Path) -> dict[str, list[Any]]:
+    """Columns by their titles: whole numbers, numbers with NaN for what is not there, or texts."""
+    with open(file, newline="", encoding="utf-8") as stream:
+        rows = csv.reader(stream)
+        titles = next(rows)
+        columns: list[list[str]] = [[] for _ in titles]
+        for row in rows:
+            for column, cell in zip(columns, row, strict=True):
+                column.append(cell)
+    return {title: _typed(column) for title, column in zip(titles, columns, strict=True)}
+
+
+def _typed(cells: list[str]) -> list[Any]:
+    for kind in (int, lambda cell: float(cell) if cell else float("nan")):
+        try:
+            values = [kind(cell) for cell in cells]
+        except ValueError:
+            continue
+        if any(cells) and not (kind is int and any(abs(value) >= 1 << 63 for value in values)):
+            return values
+    return cells
+
+
+def _write_hdf5(file: pathlib.Path, tables: dict[str, dict[str, list[Any]]]) -> None:
+    import h5py
+
+    beside = file.with_name(file.name + ".part")
+    with h5py.File(beside, "w") as output:
+        for name, table in tables.items():
+            group = output.create_group(name)
+            for title, values in table.items():
+                text = h5py.string_dtype() if values and isinstance(values[0], str) else None
+                column = group.create_dataset(_UNIT.sub("", title).replace("/", "|"), data=values, dtype=text)
+                unit = _UNIT.search(title)
+                if unit:
+                    column.attrs["unit"] = unit[1]
+    beside.replace(file)
+
+
+def _write_parquet(file: pathlib.Path, table: dict[str, list[Any]]) -> None:
+    import pyarrow
+    import pyarrow.parquet
+
+    beside = file.with_name(file.name + ".part")
+    pyarrow.parquet.write_table(pyarrow.table(table), beside)
+    beside.replace(file)
