@@ -5,6 +5,7 @@
 import json
 import os
 import pathlib
+import re
 import signal
 import subprocess
 import sys
@@ -398,6 +399,15 @@ class Kept(StudyCase):
         self.assertTrue(lost.exists())
         self.assertEqual(self.bytes_of("missions.csv"), before)
         self.assertEqual(len(self.bytes_of("journal.jsonl").splitlines()), lines + 1)
+
+    def test_a_dry_run_counts_them_among_the_disk(self):
+        config = json.loads((self.folder / "mission.json").read_text())
+        config["step"] = 0.0001  # 10,000 rows
+        (self.folder / "mission.json").write_text(json.dumps(config))
+        study = self.study(results=True)
+        told = subprocess.run([MEBOTS, "sweep", str(study), "--dry-run"], capture_output=True, text=True, check=True).stdout
+        megabytes = float(re.search(r"about ([\d.]+) MB of disk", told)[1])
+        self.assertGreater(megabytes, 10)
 
     def test_hdf5_holds_the_tables_with_units(self):
         import h5py

@@ -51,6 +51,19 @@ TEST(RangeSensor, HoldsASampleFor25Milliseconds) {
   EXPECT_NEAR(sensor.reading_m(), 2.0, 0.06);  // six standard deviations
 }
 
+TEST(RangeSensor, ANewSeedCountsFromTheNextSampleOn) {
+  RangeSensor changed(test::shipped_scene("empty"), 0.01, 1);
+  RangeSensor other(test::shipped_scene("empty"), 0.01, 2);
+  changed.update(0, at(0.0, 0.0, 1.0));
+  const double first = changed.reading_m();
+  changed.reseed(2);
+  changed.update(24'999'999, at(0.0, 0.0, 1.0));
+  EXPECT_EQ(changed.reading_m(), first);
+  for (auto* sensor : {&changed, &other}) sensor->update(25'000'000, at(0.0, 0.0, 1.0));
+  EXPECT_EQ(changed.reading_m(), other.reading_m());
+  EXPECT_NE(changed.reading_m(), first);
+}
+
 TEST(RangeSensor, NoiseHasTheDeviationAskedFor) {
   RangeSensor sensor(test::shipped_scene("empty"), 0.01, 3);
   double sum = 0.0;

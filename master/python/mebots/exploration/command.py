@@ -13,6 +13,7 @@ import pathlib
 import shutil
 import signal
 import sys
+import tempfile
 import time
 from collections.abc import Iterable
 from typing import Any
@@ -191,9 +192,13 @@ def _dry_run(study: Study, options: argparse.Namespace) -> int:
     with _campaign(study, None, options.jobs) as campaign:
         campaign.check()
         jobs = options.jobs or len(os.sched_getaffinity(0))
-        record = flying.fly(campaign.missions.order(campaign.example()))
+        with tempfile.TemporaryDirectory(prefix="mebots-dry-run-") as folder:
+            if study.results:
+                campaign.missions.folder = pathlib.Path(folder)
+            record = flying.fly(campaign.missions.order(campaign.example()))
+            files = sum(file.stat().st_size for file in pathlib.Path(folder).rglob("*") if file.is_file())
         count = campaign.most_missions
-        line_bytes = len(json.dumps(record)) + 1
+        line_bytes = len(json.dumps(record)) + 1 + files
         time_s = count * record["processor_time"] / jobs
         print(f"{_designs(campaign)}at most {count} missions")
         print(f"about {_duration(time_s)} with {jobs} jobs ({record['processor_time']:.2f} s a mission, measured on one)")
