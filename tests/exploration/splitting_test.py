@@ -4,10 +4,11 @@
 
 import json
 import math
+import subprocess
 import sys
 import unittest
 
-from support import BUILD, StudyCase
+from support import BUILD, MEBOTS, PROBE, StudyCase
 
 STEPS = 100
 
@@ -26,6 +27,12 @@ class RareEvents(StudyCase):
             "step": 1, "stop_time": STEPS, "instances": {"walk": {"fmu": str(BUILD / "test_fmus" / "walk.fmu")}},
             "connections": [], "outcomes": [{"outcome": "high", "when": [{"variable": "walk.top", "above": 11.5}]}],
             "summary": {"top": "walk.top"}}))
+
+    def sweep_of_rare(self, code):
+        command = [MEBOTS, "sweep", str(self.folder / "study.json"), "--out", str(self.folder / "out")]
+        done = subprocess.run(command, capture_output=True, text=True, timeout=170)
+        self.assertEqual(done.returncode, code, done.stdout + done.stderr)
+        return done.stdout + done.stderr
 
     def rare(self, levels, missions, estimates, seed=1, **more):
         return self.study(
@@ -91,6 +98,19 @@ class RareEvents(StudyCase):
         self.sweep(out="never")
         (answer,) = self.rows("designs.csv", "never")
         self.assertEqual((answer["probability"], answer["relative_error"]), ("0", ""))
+
+    def test_after_too_many_failures_it_ends_without_an_answer(self):
+        config = json.loads((self.folder / "mission.json").read_text())
+        config["instances"]["bad"] = {"fmu": PROBE, "parameters": {"fault": "fatal", "fault_time": 3}}
+        (self.folder / "mission.json").write_text(json.dumps(config))
+        self.study(design={"kind": "grid", "factors": {"/stop_time": [STEPS]}}, objectives=None, limits={"failures": 3},
+                   draws={"replicates": 2, "variables": {"walk.seed": {"integer": [1, 2000000000]}}},
+                   splitting={"score": "walk.height", "levels": [2, 8, 12], "missions": 10, "reseed": ["walk.seed"]})
+        done = self.sweep_of_rare(code=1)
+        (answer,) = self.rows("designs.csv")
+        self.assertGreaterEqual(int(answer["failed"]), 3)
+        self.assertEqual(answer["probability"], "", done)
+        self.assertEqual({row["level"] for row in self.rows("levels.csv")}, {"2"})
 
     def test_its_mistakes_are_told(self):
         self.rare([4, 4], 20, 2)

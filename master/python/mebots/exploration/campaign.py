@@ -239,6 +239,7 @@ class Campaign:
                     break
                 rounds.decide()
                 self._ahead = self._who_is_ahead(evidence)
+            journal.sync()
             self._write(folder, journal, evidence, rounds, hashes, failures)
             return Sweep(folder, sum(len(one) for one in hashes.values()), failures.total())
         finally:

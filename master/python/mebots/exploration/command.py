@@ -145,8 +145,10 @@ class _Teller:
         left_s = now.most_left / now.rate_per_s if now.rate_per_s > 0 else 0
         text = (
             f"{now.flown} flown, {now.taken} from a journal, {now.failed} failed, at most {now.most_left} left "
-            f"({now.rate_per_s:.2f} a second, {_duration(left_s)}); {now.designs_flying} designs flying; {now.answer}"
+            f"({now.rate_per_s:.2f} a second, {_duration(left_s)}); {now.designs_flying} designs flying"
         )
+        if now.answer:
+            text += f"; {now.answer}"
         if self._terminal:  # a line that wraps could not be written over
             text = text[: shutil.get_terminal_size().columns - 1]
         print(f"\r\033[K{text}" if self._terminal else text, end="" if self._terminal else "\n", file=sys.stderr, flush=True)

@@ -96,7 +96,8 @@ class MissionProcess:
                 self._process.stdin.close()
 
     def _line(self, limit_s: float | None) -> dict[str, Any]:
-        begun_s = last_s = self._processor_time_s()
+        # Asked for after the first look alone, which most missions do not need: their record says what they took.
+        begun_s = last_s = None
         moved_at = time.monotonic()
         # A call that waits for ever takes no processor time: this limit alone is of the wall clock.
         patience_s = _STALLED_AFTER_S if limit_s is None else max(_STALLED_AFTER_LEAST_S, limit_s)
@@ -108,6 +109,8 @@ class MissionProcess:
                 self._rest += block
                 continue
             now_s = self._processor_time_s()
+            if begun_s is None or last_s is None:
+                begun_s = last_s = now_s
             if limit_s is not None and now_s - begun_s > limit_s:
                 raise TooLong(limit_s)
             if now_s > last_s:

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What was flown, on disk: a line of JSON a mission, appended and synchronised before anybody counts on it."""
+"""What was flown, on disk: a line of JSON a mission. A line is with the system, which outlives any process, before anybody
+counts on it; several times a second, and before tables are written, the system puts it on the disk."""
 
 from __future__ import annotations
 
@@ -7,12 +8,16 @@ import fcntl
 import json
 import os
 import pathlib
+import time
 from collections.abc import Iterable
 from typing import Any
 
 from mebots.errors import Error, InputError
 
 NAME = "journal.jsonl"
+
+_SYNC_EVERY_S = 0.25
+"""A synchronisation takes milliseconds, in which nobody gives out missions."""
 
 Record = dict[str, Any]
 
@@ -31,6 +36,7 @@ class Journal:
             raise InputError(f"{self.file}: {error.strerror}", "file_unwritable" if writable else "file_not_found") from None
         if writable:
             self._lock()
+        self._synced_s = time.monotonic()
         end = self._read()
         if writable:
             self._stream.truncate(end)
@@ -51,7 +57,7 @@ class Journal:
         return json.loads(self._stream.readline())
 
     def append(self, records: Iterable[Record]) -> None:
-        """Returns when they are on the disk. Raises Error when they cannot be written."""
+        """Returns when a kill of this process cannot undo it. Raises Error when they cannot be written."""
         lines = []
         places = {}
         end = self._end
@@ -64,11 +70,20 @@ class Journal:
             self._stream.seek(self._end)
             self._stream.write(b"".join(lines))
             self._stream.flush()
-            os.fdatasync(self._stream.fileno())
         except OSError as error:
             raise Error(f"{self.file}: {error.strerror}", "file_unwritable") from None
         self._places |= places
         self._end = end
+        if time.monotonic() - self._synced_s > _SYNC_EVERY_S:
+            self.sync()
+
+    def sync(self) -> None:
+        """Returns when all is on the disk. Raises Error."""
+        try:
+            os.fdatasync(self._stream.fileno())
+        except OSError as error:
+            raise Error(f"{self.file}: {error.strerror}", "file_unwritable") from None
+        self._synced_s = time.monotonic()
 
     def close(self) -> None:
         self._stream.close()

@@ -71,7 +71,13 @@ def fly(campaign: Campaign, folder: pathlib.Path, bring: Any) -> tuple[int, int]
             estimate.reached.append(0)
         for estimate, way, order in flights:
             _count(estimate, way, journal.find(order["mission"]))
-    _write(campaign, folder, estimates)
+        journal.sync()
+        most = study.most_failures
+        if most is not None and sum(one.failed for one in estimates) >= most:
+            _write(campaign, folder, estimates, answered=False)
+            break
+    else:
+        _write(campaign, folder, estimates, answered=True)
     return sum(one.flown for one in estimates), sum(one.failed for one in estimates)
 
 
@@ -133,7 +139,8 @@ def _count(estimate: Estimate, way: Way, record: dict[str, Any] | None) -> None:
         estimate.ways.append(way)
 
 
-def _write(campaign: Campaign, folder: pathlib.Path, estimates: list[Estimate]) -> None:
+def _write(campaign: Campaign, folder: pathlib.Path, estimates: list[Estimate], *, answered: bool) -> None:
+    """Without an answer where too many missions had failed on the way to the last level."""
     study = campaign.study
     splitting = study.splitting
     assert splitting is not None
@@ -152,7 +159,7 @@ def _write(campaign: Campaign, folder: pathlib.Path, estimates: list[Estimate]) 
             [str(design), *(tables.cell(values[name]) for name in campaign.factors), str(len(own))]
             + [str(sum(one.flown for one in own)), str(sum(one.failed for one in own))]
             + [tables.cell(math.fsum(time_s for one in own for time_s in one.simulated_s))]
-            + _answer(study, own)
+            + (_answer(study, own) if answered else [""] * 4)
         )
     tables.write(folder / "designs.csv", rows)
     columns.write(folder)
