@@ -29,6 +29,7 @@ constexpr std::array<double Outputs::*, kParts> kPartPowers{
     &Outputs::power_retention_w,
 };
 static_assert(std::tuple_size_v<decltype(Outputs::energy_j)> == kParts);
+static_assert(std::tuple_size_v<decltype(Outputs::state_time_s)> == StateTimes::kCounted);
 
 Settings settings_of(const Parameters& parameters) {
   auto settings = exchange::settings_of(parameters);
@@ -124,6 +125,7 @@ void Model::step(const Inputs& inputs, std::int64_t start_ns, std::int64_t durat
   const auto camera_before_j = soc_.camera_energy_j();
   for (auto& own : own_) own.energy_before_j = soc_.energy_j(*own.device);
   soc_.advance(start_ns - origin_ns_ + duration_ns);
+  if (session_) session_->stepped();
   say_when_spinning();
   write(outputs);
   const auto duration_s = static_cast<double>(duration_ns) * kNanosecond;
@@ -172,6 +174,9 @@ void Model::write(Outputs& outputs) const {
   outputs.instructions = static_cast<double>(counters.instructions);
   outputs.cycles = static_cast<double>(counters.cycles);
   outputs.sleep_time_s = static_cast<double>(soc_.sleep_time()) * kPicosecond;
+  for (std::size_t i = 0; i < StateTimes::kCounted; ++i) {
+    outputs.state_time_s[i] = static_cast<double>(soc_.state_times().total(i)) * kPicosecond;
+  }
   outputs.core_running = soc_.running();
   outputs.core_faulted = soc_.hart().fault().happened;
   outputs.core_exit_code = soc_.exit_code();

@@ -584,6 +584,19 @@ Picoseconds Soc::sleep_time() const {
   return slept_ + (asleep_ && now_ > asleep_since_ ? now_ - asleep_since_ : 0);
 }
 
+ChipState Soc::chip_state() const {
+  if (end_ == End::powered_off) return ChipState::off;
+  if (cluster_ && cluster_->powered()) return ChipState::cluster;
+  if (!asleep_) return ChipState::controller;
+  return camera_ && camera_->busy() ? ChipState::waiting : ChipState::asleep;
+}
+
+/// Something may have changed at `time`, or later, when it woke the core.
+void Soc::tell(Picoseconds time) {
+  state_times_.pass(asleep_ ? time : std::max(time, core_time()), chip_state());
+  if (listener_ != nullptr) listener_->changed(time);
+}
+
 Picoseconds Soc::retention_time(Picoseconds now) const {
   return retention_ + (retained_ && now > asleep_since_ ? now - asleep_since_ : 0);
 }
@@ -710,6 +723,7 @@ void Soc::visit(state::Visitor& v) {
   v("slept", slept_);
   v("retained", retained_);
   v("retention", retention_);
+  v("state_times", state_times_);
   if (v.restores()) connect_memories();
 }
 

@@ -21,6 +21,7 @@
 #include "memory/instruction_cache.hpp"
 #include "memory/memory.hpp"
 #include "observe/state_listener.hpp"
+#include "state_times.hpp"
 
 #include <cstdint>
 #include <functional>
@@ -150,6 +151,8 @@ class Soc final : private Bus {
   double camera_energy_j() const { return camera_ ? camera_->energy_j(supplied_until()) : 0; }
   /// Time the core slept, up to now.
   Picoseconds sleep_time() const;
+  /// What it did how long, up to now; the instruction under way counts to its end.
+  const StateTimes& state_times() const { return state_times_; }
   std::int32_t exit_code() const {
     if (host_exit_) return static_cast<std::int32_t>(*host_exit_);
     return power_manager_ ? power_manager_->exit_code() : 0;
@@ -209,9 +212,8 @@ class Soc final : private Bus {
   void update_lines();
   void apply_power_settings();
   void wake_if_interrupted(Picoseconds time);
-  void tell(Picoseconds time) const {
-    if (listener_ != nullptr) listener_->changed(time);
-  }
+  void tell(Picoseconds time);
+  ChipState chip_state() const;
   void finish(End why);
   Picoseconds retention_time(Picoseconds now) const;
   Picoseconds supplied_until() const { return end_ == End::powered_off ? end_time_ : now_; }
@@ -254,6 +256,7 @@ class Soc final : private Bus {
   Picoseconds slept_ = 0;      // up to the last waking
   bool retained_ = false;      // this sleep is retention sleep
   Picoseconds retention_ = 0;  // time in it, up to the last waking
+  StateTimes state_times_;
 };
 
 }  // namespace mebots::soc

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "command.hpp"
+#include "python_program.hpp"
 
 #include "report/page.hpp"
 #include "sink/output_file.hpp"
+
+#include <fmt/format.h>
 
 #include <cstdio>
 #include <filesystem>
@@ -26,29 +29,64 @@ std::filesystem::path write_report(const std::vector<std::filesystem::path>& fol
   return file;
 }
 
+namespace {
+
+struct PageOptions {
+  std::vector<std::filesystem::path> folders;
+  std::filesystem::path out;
+  std::filesystem::path mcap;
+  std::filesystem::path video;
+  unsigned frames_per_second = 15;
+  double video_speed = 1;
+};
+
+void report_runs(const PageOptions& options) {
+  const auto page = write_report(options.folders, options.out);
+  std::printf("page: %s\n", page.string().c_str());
+  if (options.mcap.empty() && options.video.empty()) return;
+  std::vector<std::string> words = {options.folders.front().string(), page.string()};
+  if (!options.mcap.empty()) {
+    require_folder_of(options.mcap);
+    words.insert(words.end(), {"--mcap", options.mcap.string()});
+  }
+  if (!options.video.empty()) {
+    require_folder_of(options.video);
+    words.insert(words.end(),
+                 {"--video", options.video.string(), "--frames-per-second", std::to_string(options.frames_per_second),
+                  "--speed", fmt::format("{}", options.video_speed)});
+  }
+  become_python("mebots report --mcap, --video", "mebots.export.command", words);
+}
+
+}  // namespace
+
 void add_report(CLI::App& app, Action& action) {
-  struct Options {
-    std::vector<std::filesystem::path> folders;
-    std::filesystem::path out;
-  };
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<PageOptions>();
   auto* command =
       app.add_subcommand("report", "Make one page of a run's results, or of several runs beside each other");
   command->add_option("folders", options->folders, "Results folders; the first is shown in full")->required();
   command->add_option("--out", options->out, "File of the page; default: flight.html in the first folder")
       ->check(not_empty());
+  command
+      ->add_option(
+          "--mcap", options->mcap,
+          "Write the first run as an MCAP file, too, for Foxglove, Lichtblick and PlotJuggler (needs the Python "
+          "package mcap)")
+      ->check(not_empty());
+  command
+      ->add_option("--video", options->video,
+                   "Write a film of the page, too; its ending says the format, .mp4 say (needs Chromium and ffmpeg)")
+      ->check(not_empty());
+  command->add_option("--fps", options->frames_per_second, "Frames in a second of the film; default: 15")
+      ->check(CLI::Range(1U, 240U));
+  command->add_option("--speed", options->video_speed, "Simulated seconds in a second of the film; default: 1")
+      ->check(positive());
   command->footer(
       help_footer({"0 the page is written", "1 it is not: no space, or a mebots without pages",
-                   "2 a folder is not the results folder of a run"},
-                  {"mebots report results/gate_easy", "mebots report results/slow results/fast --out beside.html"}));
-  command->callback([options, &action] {
-    action = [options] {
-      return guarded([&] {
-        const auto file = write_report(options->folders, options->out);
-        std::printf("page: %s\n", file.string().c_str());
-      });
-    };
-  });
+                   "2 a folder is not the results folder of a run, or a program is missing that the film needs"},
+                  {"mebots report results/gate_easy", "mebots report results/slow results/fast --out beside.html",
+                   "mebots report results/gate_easy --mcap flight.mcap --video flight.mp4"}));
+  command->callback([options, &action] { action = [options] { return guarded([&] { report_runs(*options); }); }; });
 }
 
 }  // namespace mebots::app

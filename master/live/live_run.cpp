@@ -6,6 +6,7 @@
 #include "message/message_text.hpp"
 #include "report/page.hpp"
 #include "report/payload.hpp"
+#include "report/thinner.hpp"
 #include "run/system_file.hpp"
 #include "run/write.hpp"
 #include "server.hpp"
@@ -14,7 +15,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <span>
+#include <utility>
+#include <vector>
 
 namespace mebots::live {
 namespace {
@@ -28,22 +32,28 @@ constexpr auto kLinger = 3s;        ///< at the end, for whoever looked
 constexpr auto kLookedLately = 5s;  ///< who asked so lately is looking
 constexpr auto kHeldNap = 50ms;     ///< between looks at the interrupt flag while the run is held
 
-/// The rows in memory as a table, thinned out as one of a file is.
-master::report::ResultTable table_of(const master::MemorySink& memory) {
-  master::report::ResultTable table;
+/// The rows in memory from `first` on as a table, thinned out as one of a file is.
+master::report::ResultTable table_of(const master::MemorySink& memory, std::size_t first) {
+  using master::report::ResultTable;
   const auto& times = memory.times_s();
+  ResultTable table;
   table.rows = times.size();
-  table.every = table.rows * (memory.series().size() + 1) / master::report::ResultTable::kMostValues + 1;
-  const auto thinned = [&](const std::vector<double>& values) {
-    std::vector<double> kept;
-    for (std::size_t i = 0; i < table.rows; i += table.every) kept.push_back(values[i]);
-    if (table.rows > 0 && (table.rows - 1) % table.every != 0) kept.push_back(values[table.rows - 1]);
-    return kept;
-  };
-  table.columns.push_back({"time", "s", thinned(times)});
+  table.columns.push_back({"time", "s", {}});
   for (const auto& series : memory.series()) {
-    table.columns.push_back({series.name, series.unit.empty() ? "-" : series.unit, thinned(series.values)});
+    table.columns.push_back({series.name, series.unit.empty() ? "-" : series.unit, {}});
   }
+  const auto width = table.columns.size();
+  first = std::min(first, table.rows);
+  table.span = ResultTable::span_of(table.rows - first, width);
+  master::report::Thinner thinner(width, table.span);
+  std::vector<double> row(width);
+  for (auto at = first; at < table.rows; ++at) {
+    row[0] = times[at];
+    for (std::size_t i = 1; i < width; ++i) row[i] = memory.series()[i - 1].values[at];
+    thinner.add(row);
+  }
+  thinner.finish();
+  for (std::size_t i = 0; i < width; ++i) table.columns[i].values = std::move(thinner.values()[i]);
   return table;
 }
 
@@ -69,7 +79,7 @@ LiveRun::LiveRun(master::Run& run, int port) : run_(&run) {
   };
   Server::Answers answers;
   answers.page = [page] { return *page; };
-  answers.data = [this, in_run] { return in_run([this] { return data(); }); };
+  answers.data = [this, in_run](const Known& known) { return in_run([this, known] { return data(known); }); };
   answers.control = [this, in_run](const std::string& order) {
     return in_run([this, order] { return control(order); });
   };
@@ -113,20 +123,31 @@ void LiveRun::wait_for_the_last_look() {
   while (!end_seen_ && Clock::now() - start < kLinger) mailbox_.wait_and_answer(kHeldNap);
 }
 
-std::string LiveRun::data() {
+std::string LiveRun::data(const Known& known) {
   last_look_ = Clock::now();
   end_seen_ = ended_;
-  auto folder = master::report::read_side_files(run_->request().folder);
-  folder.name = run_->system().name;
-  folder.results = table_of(run_->memory());
-  folder.system = master::system_json(run_->resolved());
-  folder.summary = run_->summary();
-  folder.log = *log_;
+  master::report::RunFolder folder;
   folder.live = {{"held", held_},
                  {"ended", ended_},
-                 {"stop_time", master::to_seconds(run_->system().stop_time_ns)},
-                 {"settable", master::writable_variables(run_->resolved())}};
+                 {"known", {{"rows", known.rows}, {"pictures", known.pictures}, {"log", known.log}}},
+                 {"log", log_->size()}};
+  if (known.rows == 0 || ended_) tell_what_stays(folder);
+  folder.name = run_->system().name;
+  folder.pictures = master::report::read_pictures(run_->request().folder, known.pictures);
+  folder.results = table_of(run_->memory(), known.rows);
+  folder.summary = run_->summary();
+  folder.log = log_->substr(std::min(known.log, log_->size()));
   return master::report::payload_of(std::span(&folder, 1));
+}
+
+/// What a browser is told once, and at the end, when profiles are there.
+void LiveRun::tell_what_stays(master::report::RunFolder& folder) const {
+  auto side = master::report::read_side_files(run_->request().folder);
+  folder.scene = std::move(side.scene);
+  folder.profiles = std::move(side.profiles);
+  folder.system = master::system_json(run_->resolved());
+  folder.live["stop_time"] = master::to_seconds(run_->system().stop_time_ns);
+  folder.live["settable"] = master::writable_variables(run_->resolved());
 }
 
 std::string LiveRun::control(const std::string& order) {

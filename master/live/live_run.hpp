@@ -3,6 +3,7 @@
 
 #include "mailbox.hpp"
 
+#include "report/run_folder.hpp"
 #include "run/run.hpp"
 
 #include <nlohmann/json.hpp>
@@ -36,10 +37,17 @@ class LiveRun {
 
  private:
   class Server;
+  /// What a browser has already; nothing of it: all there is.
+  struct Known {
+    std::size_t rows = 0;
+    std::size_t pictures = 0;  // of each camera
+    std::size_t log = 0;       // bytes
+  };
 
   void step_until_the_end();
   void wait_for_the_last_look();
-  std::string data();
+  std::string data(const Known& known);
+  void tell_what_stays(master::report::RunFolder& folder) const;
   std::string control(const std::string& order);
   std::string set(const std::string& variable, const std::string& value);
   void save_scenario() const;

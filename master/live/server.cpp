@@ -2,6 +2,7 @@
 #include "server.hpp"
 
 #include "mebots/input_error.hpp"
+#include "sink/csv_cells.hpp"
 
 #include <fmt/format.h>
 #include <httplib.h>
@@ -44,6 +45,15 @@ bool is_ours(const httplib::Request& request, int port) {
   const auto origin = request.get_header_value("Origin");
   constexpr std::string_view kScheme = "http://";
   return origin.starts_with(kScheme) && local(origin.substr(kScheme.size()));
+}
+
+/// A whole number that a request carries; 0 without one.
+std::size_t count_of(const httplib::Request& request, const char* name) {
+  if (!request.has_param(name)) return 0;
+  const auto text = request.get_param_value(name);
+  const auto count = master::csv_number<std::size_t>(text);
+  if (!count) throw InputError(ErrorCode::invalid_argument, fmt::format("{} = '{}' is not a count", name, text));
+  return *count;
 }
 
 void reply(httplib::Response& response, const char* type, const std::function<std::string()>& answer) {
@@ -89,8 +99,10 @@ LiveRun::Server::Server(int port, Answers answers) : sockets_(std::make_unique<S
   server.Get("/[0-9a-f]+/", [answers](const httplib::Request&, httplib::Response& response) {
     reply(response, "text/html; charset=utf-8", answers.page);
   });
-  server.Get("/[0-9a-f]+/data", [answers](const httplib::Request&, httplib::Response& response) {
-    reply(response, "application/octet-stream", answers.data);
+  server.Get("/[0-9a-f]+/data", [answers](const httplib::Request& request, httplib::Response& response) {
+    reply(response, "application/octet-stream", [&] {
+      return answers.data({count_of(request, "rows"), count_of(request, "pictures"), count_of(request, "log")});
+    });
   });
   server.Post("/[0-9a-f]+/control", [answers](const httplib::Request& request, httplib::Response& response) {
     reply(response, "application/json", [&] { return answers.control(request.get_param_value("order")); });

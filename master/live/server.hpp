@@ -14,7 +14,7 @@ class LiveRun::Server {
   /// is shown to people.
   struct Answers {
     std::function<std::string()> page;
-    std::function<std::string()> data;
+    std::function<std::string(const Known& known)> data;
     std::function<std::string(const std::string& order)> control;
     std::function<std::string(const std::string& variable, const std::string& value)> set;
   };

@@ -2,6 +2,7 @@
 // From a results folder to what a page carries. That a browser draws it is tests/web's.
 #include "test_system.hpp"
 
+#include "base/packed.hpp"
 #include "report/page.hpp"
 #include "report/payload.hpp"
 
@@ -16,7 +17,9 @@
 namespace mebots::test {
 namespace {
 
-using master::report::deflated;
+using master::deflated;
+using master::gunzipped;
+using master::gzipped;
 using master::report::payload_of;
 using master::report::read_results;
 using master::report::read_run_folder;
@@ -58,16 +61,31 @@ TEST_F(Report, ALineThatAKilledRunCutOffSaysNothing) {
   EXPECT_THAT(results.columns[1].values, ElementsAre(4, 5));
 }
 
-TEST_F(Report, ThinsOutATableThatIsTooLongAndKeepsItsEnd) {
-  std::string text = "time [s],a.x [m]\n";
-  const auto rows = ResultTable::kMostValues / 2 * 3 + 2;
-  for (std::size_t i = 0; i < rows; ++i) text += std::to_string(i) + ",1\n";
+TEST_F(Report, ThinsOutATableThatIsTooLongAndKeepsItsExtremesAndItsEnd) {
+  std::string text = "time [s],a.grows [J],a.x [m]\n";
+  const auto rows = ResultTable::kMostValues / 3 * 2 + 1;
+  for (std::size_t i = 0; i < rows; ++i) {
+    text += std::to_string(i) + "," + std::to_string(2 * i) + "," + (i == 1001 ? "9" : i == 1002 ? "-7" : "1") + "\n";
+  }
   const auto results = read_results(table(text));
   EXPECT_EQ(results.rows, rows);
-  EXPECT_EQ(results.every, 4U);
-  EXPECT_LE(2 * results.columns[0].values.size(), ResultTable::kMostValues);
-  EXPECT_EQ(results.columns[0].values[1], 4);
-  EXPECT_EQ(results.columns[0].values.back(), static_cast<double>(rows - 1));
+  EXPECT_EQ(results.span, 5U) << "twice as many numbers as there may be, less a fraction";
+  const auto& times = results.columns[0].values;
+  EXPECT_LE(3 * times.size(), ResultTable::kMostValues);
+  EXPECT_EQ(times[0], 0);
+  EXPECT_EQ(times[1], 4);
+  EXPECT_EQ(times[2], 5);
+  EXPECT_EQ(times.back(), static_cast<double>(rows - 1));
+  for (std::size_t i = 0; i < times.size(); ++i) EXPECT_EQ(results.columns[1].values[i], 2 * times[i]);
+  // Rows 1001 and 1002 are in the 201st span: its two rows have the extremes in the order in which they came.
+  EXPECT_EQ(results.columns[2].values[400], 9);
+  EXPECT_EQ(results.columns[2].values[401], -7);
+  EXPECT_EQ(results.columns[2].values[402], 1);
+}
+
+TEST_F(Report, ATableThatFitsIsNotThinnedOut) {
+  EXPECT_EQ(ResultTable::span_of(ResultTable::kMostValues, 1), 1U);
+  EXPECT_GT(ResultTable::span_of(ResultTable::kMostValues + 1, 1), 2U) << "a span of two saves nothing";
 }
 
 TEST_F(Report, RefusesWhatIsNoTableOfResults) {
@@ -122,14 +140,23 @@ TEST_F(Report, ColumnsComeBackToTheBit) {
   EXPECT_EQ(columns.at(2).at("still"), 7);
   const std::size_t offset = columns.at(1).at("block").at("offset");
   EXPECT_EQ(columns.at(1).at("block").at("length"), 8 * values.size());
+  std::uint64_t bits = 0;
   for (std::size_t i = 0; i < values.size(); ++i) {
-    std::uint64_t bits = 0;
     for (std::size_t plane = 0; plane < 8; ++plane) {
-      bits |= static_cast<std::uint64_t>(static_cast<std::uint8_t>(blocks[offset + plane * values.size() + i]))
+      bits += static_cast<std::uint64_t>(static_cast<std::uint8_t>(blocks[offset + plane * values.size() + i]))
               << 8 * plane;
     }
     EXPECT_EQ(bits, std::bit_cast<std::uint64_t>(values[i])) << i;
   }
+}
+
+TEST_F(Report, GzippedBytesComeBackAndDamagedOnesAreRefused) {
+  const std::string text = "a scene" + std::string(300000, 'x');
+  const auto packed = gzipped(text);
+  EXPECT_EQ(gunzipped(packed), text);
+  EXPECT_EQ(packed.substr(4, 4), std::string(4, '\0')) << "no date: the same scene is the same file";
+  EXPECT_THROW(gunzipped(packed.substr(0, packed.size() / 2)), Error);
+  EXPECT_THROW(gunzipped("a scene"), Error);
 }
 
 TEST_F(Report, DeflatedBytesInflateToWhatTheyWere) {
@@ -189,7 +216,7 @@ TEST_F(ReportProgram, ARunSaysWhatItsResultsAreResultsOf) {
   EXPECT_EQ(json["view"]["panels"][0]["kind"], "stack");
   EXPECT_EQ(json["view"]["panels"][0]["curves"][0]["rate_of"], "b.integral");
   EXPECT_EQ(json["view"]["scene"]["instance"], "a");
-  EXPECT_TRUE(std::filesystem::exists(folder.path() / "results/two/scene.json"));
+  EXPECT_TRUE(std::filesystem::exists(folder.path() / "results/two/scene.json.gz"));
 }
 
 TEST_F(ReportProgram, AnEarlierRunsSceneGoesWithIt) {
@@ -198,7 +225,7 @@ TEST_F(ReportProgram, AnEarlierRunsSceneGoesWithIt) {
   config.erase("view");
   write_file(folder.path() / "two.json", config.dump());
   ASSERT_EQ(run({"run", "two.json"}).code, 0);
-  EXPECT_FALSE(std::filesystem::exists(folder.path() / "results/two/scene.json"));
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "results/two/scene.json.gz"));
   EXPECT_FALSE(system()["view"].contains("scene"));
 }
 

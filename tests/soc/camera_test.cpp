@@ -87,6 +87,57 @@ TEST(Camera, BringsThePictureADelayAfterItCameAndRaisesItsInterruptOnce) {
   EXPECT_EQ(found, bytes);
 }
 
+double seconds_of(const Soc& soc, ChipState state) {
+  return static_cast<double>(soc.state_times().total(static_cast<std::size_t>(state))) * 1e-12;
+}
+
+TEST(StateTimes, OfAPictureAreWaitingUntilItIsThereAndAsleepAfterwards) {
+  BoardSystem system(fmt::format(fmt::runtime(kAsk), 4096, 0), BoardSystem::narrow());
+  system.soc.advance(2 * kMs);
+  system.soc.camera()->offer(picture(64 * 40), system.soc.now());
+  system.soc.advance(30 * kMs);
+  const auto waiting_s = 2e-3 + kDelayNs * 1e-9;
+  EXPECT_NEAR(seconds_of(system.soc, ChipState::waiting), waiting_s, 2e-6) << "less the first instructions";
+  EXPECT_NEAR(seconds_of(system.soc, ChipState::asleep), 30e-3 - waiting_s, 2e-6);
+  EXPECT_EQ(seconds_of(system.soc, ChipState::cluster), 0);
+  double sum = 0;
+  for (std::size_t i = 0; i < StateTimes::kCounted; ++i) sum += static_cast<double>(system.soc.state_times().total(i));
+  EXPECT_EQ(sum, static_cast<double>(system.soc.now())) << "asleep at the end, so that no instruction reaches further";
+  const auto slept_s = static_cast<double>(system.soc.sleep_time()) * 1e-12;
+  EXPECT_NEAR(seconds_of(system.soc, ChipState::waiting) + seconds_of(system.soc, ChipState::asleep), slept_s, 1e-12);
+}
+
+TEST(StateTimes, OfTheClusterAreThoseThatItIsOnHoweverTheStepsLie) {
+  constexpr std::string_view kTwoMilliseconds = R"(
+_start: li s0, POWER_MANAGER_BASE
+    la a0, core
+    sw a0, POWER_MANAGER_CLUSTER_BOOT_OFFSET(s0)
+    li a0, 1
+    sw a0, POWER_MANAGER_CLUSTER_POWER_OFFSET(s0)
+    li a1, 50000
+1:  addi a1, a1, -1
+    bnez a1, 1b
+    sw zero, POWER_MANAGER_CLUSTER_POWER_OFFSET(s0)
+2:  wfi
+    j 2b
+core: wfi
+    j core
+)";
+  BoardSystem whole(kTwoMilliseconds);
+  whole.soc.advance(5 * kMs);
+  EXPECT_NEAR(seconds_of(whole.soc, ChipState::cluster), 2e-3, 1e-6);
+  EXPECT_NEAR(seconds_of(whole.soc, ChipState::asleep), 3e-3, 2e-6);
+  BoardSystem stepped(kTwoMilliseconds);
+  for (int i = 1; i <= 500; ++i) stepped.soc.advance(i * 10'000);
+  for (std::size_t i = 0; i < StateTimes::kCounted; ++i) {
+    EXPECT_EQ(stepped.soc.state_times().total(i), whole.soc.state_times().total(i)) << i;
+  }
+  stepped.soc.power_off();
+  stepped.soc.advance(9 * kMs);
+  EXPECT_EQ(seconds_of(stepped.soc, ChipState::asleep), seconds_of(whole.soc, ChipState::asleep))
+      << "off is not asleep";
+}
+
 TEST(Camera, RefusesASecondRequestWhileBusyAndKeepsTheFirst) {
   BoardSystem system(fmt::format(fmt::runtime(kAsk), 4096, 1), BoardSystem::narrow());
   system.soc.advance(2 * kMs);

@@ -308,6 +308,63 @@ table: .word leaf, tail
   }
 }
 
+/// What is written of `steps` steps of a program that sleeps until 1 ms.
+nlohmann::json windowed(int steps, std::int64_t step_ns, Cost& total) {
+  const auto text = fmt::format("{}\n{}", kSleepsUntilATimer, Profiled::kFunctions);
+  const Folder folder;
+  BoardSystem system(text);
+  Profile profile("--profile", folder / "p.json", system.soc);
+  system.soc.observe(0, &profile.hart(0));
+  for (int i = 1; i <= steps; ++i) {
+    system.soc.advance(i * step_ns);
+    profile.stepped();
+  }
+  system.soc.observe(0, nullptr);
+  profile.finish();
+  total = profile.hart(0).total();
+  return nlohmann::json::parse(read_file(folder / "p.json"))["mebots"];
+}
+
+/// Cycles, ps and fJ of all windows.
+Cost sum_of_windows(const nlohmann::json& written) {
+  Cost sum;
+  for (const auto& window : written["windows"]) {
+    const auto& parts = window["parts"];
+    for (std::size_t i = 0; i < parts.size(); i += 5) {
+      sum.cycles += parts[i + 2].get<std::int64_t>();
+      sum.time_ps += parts[i + 3].get<std::int64_t>();
+      sum.energy_fj += parts[i + 4].get<std::int64_t>();
+    }
+  }
+  return sum;
+}
+
+TEST(Profile, BySpansOfTimeAddsUpToTheWholeExactly) {
+  Cost total;
+  const auto written = windowed(20, 100'000, total);
+  EXPECT_EQ(written["windows"].size(), 20U);
+  EXPECT_EQ(written["windows"][3]["from"], 300'000.0);
+  EXPECT_EQ(written["windows"][3]["to"], 400'000.0);
+  const auto sum = sum_of_windows(written);
+  EXPECT_EQ(sum.cycles, total.cycles);
+  EXPECT_EQ(sum.time_ps, total.time_ps);
+  EXPECT_EQ(sum.energy_fj, total.energy_fj);
+  // From 300 to 400 us it did nothing but sleep.
+  EXPECT_EQ(written["windows"][3]["parts"].size(), 5U);
+  EXPECT_EQ(written["windows"][3]["parts"][3], 100'000'000);
+}
+
+TEST(Profile, OfALongRunJoinsSpansAndLosesNothing) {
+  Cost total;
+  const auto written = windowed(3000, 1000, total);
+  EXPECT_LT(written["windows"].size(), observe::ProfileWindows::kMost);
+  EXPECT_GT(written["windows"].size(), observe::ProfileWindows::kMost / 2);
+  EXPECT_EQ(written["windows"][0]["to"], 4000.0) << "four steps in one";
+  const auto sum = sum_of_windows(written);
+  EXPECT_EQ(sum.time_ps, total.time_ps);
+  EXPECT_EQ(sum.energy_fj, total.energy_fj);
+}
+
 TEST(Profile, ForSpeedscopeHoldsTheSameSums) {
   const Profiled run(
       ".globl _start\n.type _start, @function\n_start: li sp, 0x1C070000\ncall middle\nj finish\n.size _start, . - "

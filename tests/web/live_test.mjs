@@ -58,8 +58,8 @@ const order = (live, what) => ask(live.address, "control", { method: "POST", bod
 const set = (live, variable, value) => ask(live.address, "set", { method: "POST", body: `variable=${encodeURIComponent(variable)}&value=${value}` });
 
 /** The header of the data: what the run is, how far it came. */
-async function header(live) {
-  const answer = await fetch(new URL("data", live.address));
+async function header(live, query = "") {
+  const answer = await fetch(new URL(`data${query}`, live.address));
   const bytes = new DataView(await answer.arrayBuffer());
   return JSON.parse(new TextDecoder().decode(new Uint8Array(bytes.buffer, 4, bytes.getUint32(0, true))));
 }
@@ -92,6 +92,28 @@ const tests = {
     await order(live, "go");
     assert.equal(await live.ended, 0);
     assert.equal(results("held"), results("alone"));
+  },
+
+  async "who has rows already gets what is new, in few bytes"() {
+    const live = await runLive("news");
+    await order(live, "hold");
+    const size = async (query) => (await (await fetch(new URL(`data${query}`, live.address))).arrayBuffer()).byteLength;
+    for (let i = 0; i < 400; ++i) await order(live, "step");
+    const all = (await header(live)).runs[0];
+    assert.ok(all.kept > 1 && all.kept === all.rows, `${all.kept} of ${all.rows} rows`);
+    const query = `?rows=${all.rows}&pictures=0&log=${all.live.log}`;
+    const nothing = (await header(live, query)).runs[0];
+    assert.equal(nothing.kept, 0);
+    assert.equal(nothing.log, "");
+    assert.equal(nothing.system, null);
+    assert.deepEqual(nothing.live.known, { rows: all.rows, pictures: 0, log: all.live.log });
+    assert.ok((await size(query)) < 0.5 * (await size("")), "all is sent again");
+    const one = (await header(live, `?rows=${all.rows - 1}&log=${all.live.log}`)).runs[0];
+    assert.equal(one.kept, 1);
+    assert.equal((await ask(live.address, "data?rows=many")).status, 400);
+    await order(live, "go");
+    assert.equal(await live.ended, 0);
+    assert.equal(results("news"), results("alone"));
   },
 
   async "what was set by hand is a scenario that repeats the run to the bit"() {
@@ -147,6 +169,14 @@ const tests = {
       await page.waitForFunction((before) => globalThis.mebots.clock.time > before, { timeout: 60000 }, stood);
       await page.waitForFunction(() => document.getElementById("live").textContent === "ended", { timeout: 300000 });
       assert.equal(await time(), 4);
+      // What came piece by piece is what the results hold.
+      const [head, ...lines] = results("flight").trim().split("\n");
+      for (const name of ["world.drone.position.z", "battery.cell.voltage", "soc.camera.trigger", "world.drone.phase"]) {
+        const place = head.split(",").findIndex((title) => title.startsWith(`${name} [`));
+        const shown = await page.evaluate((which) => [...globalThis.mebots.runs[0].values(which)], name);
+        assert.deepEqual(shown, lines.map((line) => Number(line.split(",")[place])), name);
+      }
+      assert.ok(await page.evaluate(() => globalThis.mebots.runs[0].pictures.length) >= 1);
       assert.ok(await page.$("#scene"));
       assert.deepEqual(problems, []);
       assert.deepEqual(requests.filter((url) => !url.startsWith(live.address.href) && !/^(blob|data):/.test(url)), []);

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The MCAP file of a flight, read by MCAP's own package: channels, order, and numbers against results.csv.
 
-Usage: mcap_check.py EXPORT_SCRIPT RUN_DIR OUT.mcap
+Usage: mcap_check.py MEBOTS RUN_DIR OUT.mcap
 """
 
 import base64
@@ -10,13 +10,14 @@ import collections
 import csv
 import json
 import math
+import os
 import subprocess
 import sys
 
 from mcap.reader import make_reader
 
-script, run, out = sys.argv[1:]
-subprocess.run([sys.executable, script, run, "--out", out], check=True)
+mebots, run, out = sys.argv[1:]
+subprocess.run([mebots, "report", run, "--out", out + ".html", "--mcap", out], check=True, env=os.environ | {"MEBOTS_PYTHON": sys.executable})
 with open(f"{run}/results.csv", newline="") as file:
     head, *rows = csv.reader(file)
 

@@ -131,6 +131,29 @@ const tests = {
     assert.equal((await page.$$(".panel")).length, before + 1);
   },
 
+  async "the flame graph is of the span of time that the plots show"({ page }) {
+    await page.click('[data-tab="Profile"]');
+    await page.click(".profile input[type=checkbox]"); // with sleep, so that it is all that the chip drew
+    const energies = column("flight", "soc.energy.total");
+    const times = column("flight", "time");
+    for (const [from, to] of [[0, 4], [2.9, 3.1], [0.5, 2]]) {
+      await page.evaluate((a, b) => globalThis.mebots.span.set(a, b), from, to);
+      await frame(page);
+      const note = await page.$eval("#flame-note", (text) => text.textContent);
+      const [, energy, start, stop] = /^([^,]*J), .* from ([\d.]+) s to ([\d.]+) s/.exec(note);
+      assert.ok(Number(start) <= from + 1e-9 && Number(stop) >= to - 1e-9 && stop - start < to - from + 0.05, note);
+      // Windows begin and end between rows: what was drawn lies between that of the rows inside and of those around.
+      const at = (time) => energies[Math.min(times.findIndex((each) => each >= time - 0.006), times.length - 1)];
+      const wanted = at(Number(stop)) - at(Number(start));
+      assert.ok(Math.abs(numberOf(energy) - wanted) < 0.004 * wanted + 0.03 * 6e-3, `${note}: not ${wanted} J`);
+    }
+    await page.evaluate(() => globalThis.mebots.span.reset());
+    await page.click(".profile input[type=checkbox]");
+    const boxes = await page.$$eval(".flames .d3-flame-graph-label", (found) => found.map((label) => label.textContent));
+    assert.ok(boxes.some((name) => name.includes("nn_")), boxes.join(", "));
+    await page.click('[data-tab="Messages"]');
+  },
+
   async "looking closer shows means over less time"({ page }) {
     const span = () => page.$eval(".panel .unit:nth-of-type(2)", (note) => Number(/over ([\d.]+) s/.exec(note.textContent)[1]));
     const before = await span();

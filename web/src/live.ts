@@ -10,8 +10,9 @@ import type { Window } from "./view/window";
 /** Between two looks [ms]. */
 const PERIOD = 400;
 
-export async function fetchPayload(): Promise<Payload> {
-  const answer = await fetch("data");
+/** All there is, or what is new to a page that has a part of it already. */
+export async function fetchPayload(known?: { rows: number; pictures: number; log: number }): Promise<Payload> {
+  const answer = await fetch(known ? `data?rows=${known.rows}&pictures=${known.pictures}&log=${known.log}` : "data");
   if (!answer.ok) throw new Error(await answer.text());
   return readPayload(new Uint8Array(await answer.arrayBuffer()));
 }
@@ -39,10 +40,11 @@ export function follow(run: Run, clock: Clock, span: Window): HTMLElement {
     hold.disabled = step.disabled = state?.ended ?? false;
   };
   const look = async () => {
-    const payload = await fetchPayload();
+    const payload = await fetchPayload(run.isLong ? undefined : run.known);
     const isFollowing = clock.time >= clock.end - 1e-9;
-    clock.extend(payload.runs[0].columns.length > 0 ? lastTime(payload) : clock.end);
-    run.replace(payload.runs[0], payload);
+    run.goOn(payload.runs[0], payload);
+    clock.extend(run.end);
+    run.tell();
     span.extend(clock.end);
     clock.set(isFollowing ? clock.end : clock.time);
     show();
@@ -59,16 +61,6 @@ export function follow(run: Run, clock: Clock, span: Window): HTMLElement {
   show();
   setTimeout(keepLooking, PERIOD);
   return element("span", { class: "live" }, badge, " ", hold, " ", step);
-}
-
-function lastTime(payload: Payload): number {
-  const header = payload.runs[0];
-  const time = header.columns[0];
-  if (!time.block) return time.still ?? 0;
-  const planes = payload.bytes(time.block);
-  const count = planes.length / 8;
-  const bytes = Uint8Array.from({ length: 8 }, (_, plane) => planes[plane * count + count - 1]);
-  return new DataView(bytes.buffer).getFloat64(0, true);
 }
 
 /** What nothing is connected to can be set; it is kept as a scenario, so that the run can be repeated. */

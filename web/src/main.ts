@@ -50,7 +50,7 @@ async function main(): Promise<void> {
     ...(stage ? [{ name: "System", content: () => makeGraph(run, clock) }] : []),
     ...(isLive ? [{ name: "Inputs", content: () => makeInputs(run) }] : []),
     { name: "Numbers", content: () => makeStatistics(run) },
-    ...(run.header.profiles.length > 0 ? [{ name: "Profile", content: () => makeFlames(run.header.profiles) }] : []),
+    ...(run.header.profiles.length > 0 ? [{ name: "Profile", content: () => makeFlames(run.header.profiles, span) }] : []),
   ]);
   const left = element("div", { class: "left" });
   if (stage) {
@@ -64,7 +64,7 @@ async function main(): Promise<void> {
   listenToKeys(clock, span, stage, run);
   clock.set(isLive ? clock.end : 0);
   if (isLive) page.querySelector("h1")!.after(follow(run, clock, span));
-  Object.assign(globalThis.window.mebots, { clock, runs }); // for scripts and tests
+  Object.assign(globalThis.window.mebots, { clock, runs, span }); // for scripts and tests
   await stage?.ready;
   await new Promise(requestAnimationFrame);
   document.documentElement.dataset.state = "ready";

@@ -22,8 +22,7 @@ Camera::Camera(const BoardDevice& device, std::uint32_t frame_width, Memory& mem
 }
 
 void Camera::request() {
-  const bool busy = (state_.status & kBusy) != 0;
-  if (busy || state_.buffer_size == 0 || memory_.find(state_.buffer, state_.buffer_size) == nullptr) {
+  if (busy() || state_.buffer_size == 0 || memory_.find(state_.buffer, state_.buffer_size) == nullptr) {
     state_.status |= kRefused;
     return;
   }

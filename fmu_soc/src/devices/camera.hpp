@@ -38,6 +38,8 @@ class Camera final : public Device {
   bool wants(std::int32_t frame_id) const { return state_.waiting && frame_id == state_.requests; }
   void offer(std::span<const std::uint8_t> picture, Picoseconds now);
 
+  /// From a request to the end of its picture.
+  bool busy() const { return (state_.status & kBusy) != 0; }
   /// Requests since reset.
   std::int32_t requests() const { return state_.requests; }
   /// Energy since reset [J], at `now`.

@@ -35,8 +35,7 @@ CoreProfile::CoreProfile(const Soc& soc, unsigned number, Functions& functions)
 
 /// Counts from now on. Who does not run has no later time of its own than when it stopped.
 void CoreProfile::start() {
-  const bool runs = soc_.is_on(number_) && !hart_.sleeping();
-  charged_ = runs ? now() : now_of_chip();
+  charged_ = runs() ? now() : now_of_chip();
   start_stack();
 }
 
@@ -201,6 +200,10 @@ void CoreProfile::woke(const Hart& /*hart*/) {
 void CoreProfile::switched(const Hart& /*hart*/, bool /*on*/) {
   charge(now());
   start_stack();
+}
+
+void CoreProfile::settle() {
+  charge(runs() ? now() : now_of_chip());
 }
 
 void CoreProfile::finish() {

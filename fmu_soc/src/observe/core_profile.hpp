@@ -37,6 +37,8 @@ class CoreProfile final : public Observer {
 
   /// The chip was put into an earlier state: what has been counted stays, stacks start anew.
   void restored() { start(); }
+  /// Counts up to now, between two steps of a run that goes on.
+  void settle();
   /// Counts up to now: time and energy of the chip, of a core of the cluster at least to the end of its last block.
   void finish();
 
@@ -64,6 +66,7 @@ class CoreProfile final : public Observer {
   };
 
   void start();
+  bool runs() const { return soc_.is_on(number_) && !hart_.sleeping(); }
   Cost now() const;
   Cost now_of_chip() const;
   std::int64_t energy_fj(double chip_j) const;

@@ -23,18 +23,30 @@ bool wants_callgrind(const std::string& option, const std::string& path) {
 }  // namespace
 
 Profile::Profile(const std::string& option, const std::string& path, const Soc& soc)
-    : soc_(soc), functions_(soc.program()), callgrind_(wants_callgrind(option, path)), file_(option, path) {
+    : soc_(soc),
+      functions_(soc.program()),
+      windows_(soc.now(), soc.harts()),
+      callgrind_(wants_callgrind(option, path)),
+      file_(option, path) {
   for (unsigned number = 0; number < soc.harts(); ++number) harts_.emplace_back(soc, number, functions_);
 }
 
 void Profile::restored() {
+  windows_.restart(soc_.now(), harts_);
   for (auto& hart : harts_) hart.restored();
+}
+
+void Profile::stepped() {
+  for (auto& hart : harts_) hart.settle();
+  windows_.stepped(soc_.now(), harts_);
 }
 
 void Profile::finish() {
   std::vector<HartTree> trees;
+  for (auto& hart : harts_) hart.finish();
+  windows_.stepped(soc_.now(), harts_);
+  windows_.restart(soc_.now(), harts_);
   for (auto& hart : harts_) {
-    hart.finish();
     const auto number = hart.number();
     if (number == 0) {
       trees.push_back({number, "", &hart.tree()});
@@ -45,7 +57,7 @@ void Profile::finish() {
   if (callgrind_) {
     write_callgrind(trees, functions_, soc_.program().origin(), file_);
   } else {
-    write_speedscope(trees, functions_, soc_.program().origin(), file_);
+    write_speedscope(trees, functions_, windows_.windows(), soc_.program().origin(), file_);
   }
   file_.close();
 }

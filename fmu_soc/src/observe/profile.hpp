@@ -3,6 +3,7 @@
 
 #include "observe/core_profile.hpp"
 #include "observe/functions.hpp"
+#include "observe/profile_windows.hpp"
 #include "observe/text_file.hpp"
 #include "soc.hpp"
 
@@ -11,7 +12,7 @@
 
 namespace mebots::soc::observe {
 
-/// Time and energy of the chip by hart, function and call stack, as one file.
+/// Time and energy of the chip by hart, function and call stack, of all of the run and by spans of time, as one file.
 class Profile {
  public:
   /// `option` names in errors who asked for the file. Its ending chooses the format: .json is speedscope's; .callgrind
@@ -24,6 +25,9 @@ class Profile {
 
   /// The chip was put into an earlier state: what has been counted stays, stacks start anew.
   void restored();
+  /// The caller's span of time is over.
+  void stepped();
+  const ProfileWindows& windows() const { return windows_; }
   /// Counts up to now and writes the file, without those cores of the cluster that ran nothing. Throws Error when that
   /// fails.
   void finish();
@@ -32,6 +36,7 @@ class Profile {
   const Soc& soc_;
   Functions functions_;
   std::deque<CoreProfile> harts_;
+  ProfileWindows windows_;
   bool callgrind_ = false;
   TextFile file_;
 };

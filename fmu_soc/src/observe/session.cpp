@@ -41,6 +41,10 @@ void Session::restored() {
   if (power_trace_) power_trace_->restored();
 }
 
+void Session::stepped() {
+  if (profile_) profile_->stepped();
+}
+
 void Session::finish(int exit_code) {
   if (gdb_) gdb_->finish(exit_code);
   if (trace_) trace_->close();

@@ -49,6 +49,8 @@ class Session {
   void remove(Observer& observer);
   /// The chip was put into an earlier state.
   void restored();
+  /// A span of time that the caller asked for is over.
+  void stepped();
   /// The run has ended: writes what is left to write, tells the debugger.
   void finish(int exit_code);
 

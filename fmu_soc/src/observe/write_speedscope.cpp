@@ -3,6 +3,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
+
 namespace mebots::soc::observe {
 namespace {
 
@@ -82,10 +84,42 @@ std::string quoted(const std::string& text) {
   return nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
+void write_nodes(std::span<const HartTree> harts, TextFile& file) {
+  for (const auto& hart : harts) {
+    file.print("{}{{\"name\":{},\"nodes\":[", &hart == &harts.front() ? "" : ",\n", quoted(hart.name));
+    const auto& nodes = hart.tree->nodes();
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+      file.print("{}{},{}", i == 0 ? "" : ",", nodes[i].parent, nodes[i].place);
+    }
+    file.put("]}");
+  }
+}
+
+/// Parts of cores that ran nothing are left out, as their trees are.
+void write_windows(std::span<const HartTree> harts, std::span<const ProfileWindows::Window> windows, TextFile& file) {
+  constexpr int kPsDigits = 3;
+  for (const auto& window : windows) {
+    file.put(&window == &windows.front() ? "{\"from\":" : ",\n{\"from\":");
+    put_value(file, window.from, kPsDigits);
+    file.put(",\"to\":");
+    put_value(file, window.to, kPsDigits);
+    file.put(",\"parts\":[");
+    bool first = true;
+    for (const auto& [hart, node, self] : window.parts) {
+      const auto tree = std::ranges::find(harts, hart, &HartTree::number);
+      if (tree == harts.end()) continue;
+      file.print("{}{},{},{},{},{}", first ? "" : ",", tree - harts.begin(), node, self.cycles, self.time_ps,
+                 self.energy_fj);
+      first = false;
+    }
+    file.put("]}");
+  }
+}
+
 }  // namespace
 
-void write_speedscope(std::span<const HartTree> harts, const Functions& functions, const std::string& program,
-                      TextFile& file) {
+void write_speedscope(std::span<const HartTree> harts, const Functions& functions,
+                      std::span<const ProfileWindows::Window> windows, const std::string& program, TextFile& file) {
   file.print(
       "{{\"$schema\":\"https://www.speedscope.app/file-format-schema.json\",\"exporter\":\"mebots-soc\","
       "\"name\":{},\"activeProfileIndex\":0,\"shared\":{{\"frames\":[",
@@ -103,7 +137,11 @@ void write_speedscope(std::span<const HartTree> harts, const Functions& function
     file.put(",\n");
     writer.write({"cycles", "none", &Cost::cycles, 0}, hart.name);
   }
-  file.put("]}\n");
+  file.put("],\"mebots\":{\"harts\":[\n");
+  write_nodes(harts, file);
+  file.put("],\"windows\":[\n");
+  write_windows(harts, windows, file);
+  file.put("]}}\n");
 }
 
 }  // namespace mebots::soc::observe

@@ -2,6 +2,7 @@
 #include "report/page.hpp"
 
 #include "base/installation.hpp"
+#include "base/packed.hpp"
 #include "mebots/error.hpp"
 #include "mebots/text_file.hpp"
 #include "report/payload.hpp"

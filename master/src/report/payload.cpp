@@ -5,7 +5,6 @@
 
 #include <fmt/format.h>
 #include <openssl/evp.h>
-#include <zlib.h>
 
 #include <algorithm>
 #include <bit>
@@ -33,10 +32,13 @@ class Blocks {
 
 std::string byte_planes(std::span<const double> values) {
   std::string planes(8 * values.size(), '\0');
+  std::uint64_t before = 0;
   for (std::size_t i = 0; i < values.size(); ++i) {
     const auto bits = std::bit_cast<std::uint64_t>(values[i]);
+    const auto difference = bits - before;
+    before = bits;
     for (std::size_t plane = 0; plane < 8; ++plane) {
-      planes[plane * values.size() + i] = static_cast<char>(bits >> (8 * plane) & 0xff);
+      planes[plane * values.size() + i] = static_cast<char>(difference >> (8 * plane) & 0xff);
     }
   }
   return planes;
@@ -55,8 +57,8 @@ Json column_json(const ResultTable::Column& column, Blocks& blocks) {
 }
 
 Json run_json(const RunFolder& run, bool with_pictures, Blocks& blocks) {
-  Json json = {{"name", run.name},           {"system", run.system},     {"summary", run.summary},    {"log", run.log},
-               {"texts", run.results.texts}, {"rows", run.results.rows}, {"every", run.results.every}};
+  Json json = {{"name", run.name},           {"system", run.system},     {"summary", run.summary},  {"log", run.log},
+               {"texts", run.results.texts}, {"rows", run.results.rows}, {"span", run.results.span}};
   json["kept"] = run.results.columns.front().values.size();
   for (const auto& column : run.results.columns) json["columns"].push_back(column_json(column, blocks));
   json["scene"] =
@@ -87,16 +89,6 @@ std::string payload_of(std::span<const RunFolder> runs) {
   std::string bytes;
   for (unsigned shift = 0; shift < 32; shift += 8) bytes += static_cast<char>(text.size() >> shift & 0xff);
   return bytes + text + blocks.bytes();
-}
-
-std::string deflated(std::string_view bytes) {
-  auto length = compressBound(bytes.size());
-  std::string result(length, '\0');
-  const int answer = compress2(reinterpret_cast<Bytef*>(result.data()), &length,
-                               reinterpret_cast<const Bytef*>(bytes.data()), bytes.size(), Z_DEFAULT_COMPRESSION);
-  if (answer != Z_OK) throw Error(ErrorCode::system_failure, fmt::format("zlib cannot deflate: code {}", answer));
-  result.resize(length);
-  return result;
 }
 
 std::string base64(std::string_view bytes) {

@@ -2,12 +2,14 @@
 #include "report/result_table.hpp"
 
 #include "base/input_text.hpp"
+#include "report/thinner.hpp"
 #include "sink/csv_cells.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <string_view>
+#include <utility>
 
 namespace mebots::master::report {
 namespace {
@@ -59,6 +61,11 @@ void drop_texts(ResultTable& table, const std::vector<bool>& is_text) {
 
 }  // namespace
 
+std::size_t ResultTable::span_of(std::size_t rows, std::size_t columns) {
+  const auto numbers = rows * columns;
+  return numbers <= kMostValues ? 1 : (2 * numbers + kMostValues - 1) / kMostValues;  // of a span two rows stay
+}
+
 ResultTable read_results(const std::filesystem::path& file) {
   const auto content = input_text(file);
   const auto text = whole_lines(content);
@@ -66,15 +73,14 @@ ResultTable read_results(const std::filesystem::path& file) {
   CsvCells cells(text);
   table.columns = read_header(cells, file.string());
   const auto width = table.columns.size();
-  table.every = std::max<std::size_t>(1, rows_of(text) * width / ResultTable::kMostValues + 1);
+  table.span = ResultTable::span_of(rows_of(text), width);
+  Thinner thinner(width, table.span);
   std::vector<bool> is_text(width, false);
   std::vector<double> row(width);
-  const auto keep = [&] {
-    for (std::size_t i = 0; i < width; ++i) table.columns[i].values.push_back(row[i]);
-  };
+  std::string room;
   for (; !cells.at_end(); ++table.rows) {
     for (std::size_t i = 0; i < width; ++i) {
-      const auto value = csv_number<double>(cells.next());
+      const auto value = csv_number<double>(cells.next(room));
       if (cells.line_ended() != (i + 1 == width) || (i == 0 && !value)) {
         throw InputError(ErrorCode::syntax_error,
                          fmt::format("{}: row {} does not have a number for the time and {} cells", file.string(),
@@ -83,9 +89,10 @@ ResultTable read_results(const std::filesystem::path& file) {
       if (!value) is_text[i] = true;
       row[i] = value.value_or(0);
     }
-    if (table.rows % table.every == 0) keep();
+    thinner.add(row);
   }
-  if (table.rows > 0 && (table.rows - 1) % table.every != 0) keep();
+  thinner.finish();
+  for (std::size_t i = 0; i < width; ++i) table.columns[i].values = std::move(thinner.values()[i]);
   drop_texts(table, is_text);
   return table;
 }

@@ -18,10 +18,13 @@ struct ResultTable {
   std::vector<Column> columns;
   std::vector<std::string> texts;  ///< names of columns that hold texts, which are left out
   std::size_t rows = 0;            ///< in the file
-  std::size_t every = 1;           ///< of these rows, every how many-th is in `values`
+  std::size_t span = 1;            ///< how many of them a Thinner made two of
 
-  /// Numbers that a page holds at most. A longer table is thinned out; its last row stays.
-  static constexpr std::size_t kMostValues = 4'000'000;
+  /// Numbers that a page holds at most, so that it stays one that people send to each other. A longer table is thinned
+  /// out.
+  static constexpr std::size_t kMostValues = 600'000;
+  /// The span of a table of so many rows and columns, the time among them.
+  static std::size_t span_of(std::size_t rows, std::size_t columns);
 };
 
 /// Reads results.csv. A last line that is cut off, of a run that was killed, is left out. Throws InputError for a file

@@ -2,6 +2,7 @@
 #include "report/run_folder.hpp"
 
 #include "base/input_text.hpp"
+#include "base/packed.hpp"
 #include "run/system_file.hpp"
 #include "sink/csv_cells.hpp"
 
@@ -17,7 +18,15 @@ namespace fs = std::filesystem;
 
 Json read_json(const fs::path& file) {
   if (!fs::exists(file)) return nullptr;
-  auto json = Json::parse(input_text(file), nullptr, false);
+  auto text = input_text(file);
+  if (file.extension() == ".gz") {
+    try {
+      text = gunzipped(text);
+    } catch (const Error& error) {
+      throw InputError(error.code(), fmt::format("{}: {}", file.string(), error.what()));
+    }
+  }
+  auto json = Json::parse(text, nullptr, false);
   if (json.is_discarded()) {
     throw InputError(ErrorCode::syntax_error, fmt::format("{}: this file is damaged: it is not JSON", file.string()));
   }
@@ -33,11 +42,16 @@ std::vector<fs::path> sorted_entries(const fs::path& folder) {
 }
 
 /// A picture's name is its time. Files of other names are somebody else's.
-PictureSeries read_pictures(const fs::path& folder) {
+PictureSeries read_series(const fs::path& folder, std::size_t known) {
   PictureSeries series{folder.filename().string(), {}};
   for (const auto& file : sorted_entries(folder)) {
     const auto time_s = csv_number<double>(file.stem().string());
-    if (file.extension() == ".png" && time_s) series.pictures.push_back({*time_s, input_text(file)});
+    if (file.extension() != ".png" || !time_s) continue;
+    if (known > 0) {
+      --known;
+    } else {
+      series.pictures.push_back({*time_s, input_text(file)});
+    }
   }
   return series;
 }
@@ -47,7 +61,7 @@ std::vector<Json> read_profiles(const fs::path& folder) {
   std::vector<Json> profiles;
   for (const auto& file : sorted_entries(folder)) {
     const auto name = file.filename();
-    if (file.extension() != ".json" || name == "summary.json" || name == kSystemFile || name == kSceneFile) continue;
+    if (file.extension() != ".json" || name == "summary.json" || name == kSystemFile) continue;
     const auto text = input_text(file);
     if (std::string_view(text).substr(0, 200).find("speedscope.app/file-format-schema.json") == std::string::npos)
       continue;
@@ -58,12 +72,17 @@ std::vector<Json> read_profiles(const fs::path& folder) {
 
 }  // namespace
 
+std::vector<PictureSeries> read_pictures(const fs::path& folder, std::size_t known) {
+  std::vector<PictureSeries> found;
+  for (const auto& entry : sorted_entries(folder / "pictures")) {
+    if (auto series = read_series(entry, known); !series.pictures.empty()) found.push_back(std::move(series));
+  }
+  return found;
+}
+
 RunFolder read_side_files(const fs::path& folder) {
   RunFolder run;
   run.scene = read_json(folder / kSceneFile);
-  for (const auto& entry : sorted_entries(folder / "pictures")) {
-    if (auto series = read_pictures(entry); !series.pictures.empty()) run.pictures.push_back(std::move(series));
-  }
   run.profiles = read_profiles(folder);
   return run;
 }
@@ -83,6 +102,7 @@ RunFolder read_run_folder(const fs::path& folder) {
                     only_hdf5 ? "; run again with \"format\": \"both\" under \"record\"" : ""));
   }
   auto run = read_side_files(folder);
+  run.pictures = read_pictures(folder);
   const auto plain = fs::absolute(folder).lexically_normal();
   run.name = plain.has_filename() ? plain.filename().string() : plain.parent_path().filename().string();
   run.results = read_results(results);

@@ -30,14 +30,17 @@ struct RunFolder {
   ResultTable results;
   nlohmann::json system;   ///< of system.json, or null
   nlohmann::json summary;  ///< of summary.json, or null: of a run that is under way or was killed
-  nlohmann::json scene;    ///< of scene.json, or null
+  nlohmann::json scene;    ///< of scene.json.gz, or null
   std::string log;         ///< of log.txt
   std::vector<PictureSeries> pictures;
   std::vector<nlohmann::json> profiles;  ///< files of speedscope, as fmu_soc writes them
   nlohmann::json live;                   ///< of a run that is under way (master/live), or null
 };
 
-/// What there is beside results, summary, system and log: scene, pictures and profiles, also while the run is under
+/// The pictures of a run, also while it is under way: of each camera those behind the first `known` ones.
+std::vector<PictureSeries> read_pictures(const std::filesystem::path& folder, std::size_t known = 0);
+
+/// What there is beside results, summary, system, log and pictures: scene and profiles, also while the run is under
 /// way. Throws InputError for files that are damaged.
 RunFolder read_side_files(const std::filesystem::path& folder);
 

@@ -20,7 +20,7 @@
 
 namespace mebots::master {
 
-/// The files of a run: system.json, scene.json, results.csv, results.h5, parameters.csv, pictures, log.txt,
+/// The files of a run: system.json, scene.json.gz, results.csv, results.h5, parameters.csv, pictures, log.txt,
 /// summary.json, checkpoint.bin, in one folder. Until the run has come to t = 0 an earlier run's files stay as they
 /// are.
 class ResultFiles {

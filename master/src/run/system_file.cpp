@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "run/system_file.hpp"
 
+#include "base/packed.hpp"
 #include "base/time.hpp"
 #include "mebots/input_error.hpp"
 #include "sink/output_file.hpp"
@@ -121,7 +122,7 @@ Json system_json(const ResolvedSystem& system) {
 
 SystemFileWriter::SystemFileWriter(const ResolvedSystem& system, Ensemble& ensemble, std::filesystem::path folder)
     : ensemble_(&ensemble), folder_(std::move(folder)) {
-  system_text_ = system_json(system).dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+  system_text_ = system_json(system).dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
   const auto& view = system.description->view;
   if (!view.scene) return;
   scene_ = system.find(*view.scene, view.scene_place);
@@ -138,7 +139,7 @@ std::optional<std::string> SystemFileWriter::reached(const Point& point) {
   std::string text;
   const auto reference = scene_->variable->value_reference;
   ensemble_->slave(scene_->instance).get_strings(std::span(&reference, 1), std::span(&text, 1));
-  write(folder_ / kSceneFile, text);
+  write(folder_ / kSceneFile, gzipped(text));
   return std::nullopt;
 }
 

@@ -11,7 +11,7 @@
 namespace mebots::master {
 
 inline constexpr std::string_view kSystemFile = "system.json";
-inline constexpr std::string_view kSceneFile = "scene.json";
+inline constexpr std::string_view kSceneFile = "scene.json.gz";
 
 /// The content of system.json: what the results are results of, for whoever shows them. Instances with their models,
 /// connections with their units, recorded variables with type, unit, meaning and the items of their enumerations, and
@@ -21,7 +21,8 @@ inline constexpr std::string_view kSceneFile = "scene.json";
 /// or that never came to its end.
 nlohmann::ordered_json system_json(const ResolvedSystem& system);
 
-/// Writes system.json at t = 0, and the scene that the config names under `view` as scene.json.
+/// Writes system.json at t = 0, and the scene that the config names under `view` as scene.json.gz: its textures are
+/// long, and mostly alike.
 class SystemFileWriter final : public Observer {
  public:
   /// Throws InputError for a scene that is not a String. All must outlive this object.

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <algorithm>
 #include <charconv>
 #include <optional>
 #include <string>
@@ -19,16 +18,24 @@ class CsvCells {
   bool line_ended() const { return line_ended_; }
   /// The next cell without its quotation marks.
   std::string next() {
-    std::string cell;
+    std::string room;
+    return std::string(next(room));
+  }
+  /// The same, without a copy where no mark stands: it views the text, or `room`.
+  std::string_view next(std::string& room) {
+    std::string_view cell;
     if (at_ < text_.size() && text_[at_] == '"') {
+      room.clear();
       for (++at_; at_ < text_.size(); ++at_) {
         if (text_[at_] == '"' && (at_ + 1 >= text_.size() || text_[at_ + 1] != '"')) break;
         if (text_[at_] == '"') ++at_;
-        cell += text_[at_];
+        room += text_[at_];
       }
       ++at_;
+      cell = room;
     } else {
-      const auto end = std::min(text_.find_first_of(",\n", at_), text_.size());
+      auto end = at_;
+      while (end < text_.size() && text_[end] != ',' && text_[end] != '\n') ++end;
       cell = text_.substr(at_, end - at_);
       at_ = end;
     }
@@ -45,7 +52,7 @@ class CsvCells {
 
 /// The number that the whole cell is; nothing for anything else.
 template <typename T>
-std::optional<T> csv_number(const std::string& text) {
+std::optional<T> csv_number(std::string_view text) {
   T value{};
   const auto result = std::from_chars(text.data(), text.data() + text.size(), value);
   if (result.ec != std::errc{} || result.ptr != text.data() + text.size()) return std::nullopt;

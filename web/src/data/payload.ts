@@ -43,8 +43,11 @@ export type Json = any;
 export interface LiveState {
   held: boolean;
   ended: boolean;
-  stop_time: number;
-  settable: { variable: string; unit: string; text: string; type: string }[];
+  /** What of the run this page had when it asked: the payload is what has come since. */
+  known: { rows: number; pictures: number; log: number };
+  log: number; // bytes of it by now
+  stop_time?: number;
+  settable?: { variable: string; unit: string; text: string; type: string }[];
 }
 
 export interface RunHeader {
@@ -55,7 +58,7 @@ export interface RunHeader {
   log: string;
   texts: string[];
   rows: number;
-  every: number;
+  span: number; // of so many rows two are here
   kept: number;
   columns: { name: string; unit: string; still?: number; block?: Place }[];
   scene: Place | null;
@@ -79,13 +82,19 @@ export function readPayload(all: Uint8Array<ArrayBuffer>): Payload {
   };
 }
 
-/** The numbers of a column that stands in byte planes. */
+/** The numbers of a column: differences of their bits in byte planes. */
 export function numbersOf(planes: Uint8Array): Float64Array {
   const count = planes.length / 8;
   const bytes = new Uint8Array(planes.length);
   for (let plane = 0; plane < 8; ++plane) {
     const from = plane * count;
     for (let i = 0; i < count; ++i) bytes[8 * i + plane] = planes[from + i];
+  }
+  const words = new Uint32Array(bytes.buffer); // low, high
+  for (let i = 2; i < words.length; i += 2) {
+    const low = words[i] + words[i - 2];
+    words[i] = low;
+    words[i + 1] += words[i - 1] + (low > 0xffffffff ? 1 : 0);
   }
   return new Float64Array(bytes.buffer);
 }

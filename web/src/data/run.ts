@@ -34,6 +34,9 @@ export function rowAt(times: Float64Array, time: number): number {
   return low;
 }
 
+/** Of a run that is under way: more than these [numbers] are fetched thinned out. */
+const MOST_NUMBERS = 4e6;
+
 export class Run {
   readonly name: string;
   readonly scene: Json | null;
@@ -44,6 +47,8 @@ export class Run {
   readonly pictures: Picture[] = [];
   private readonly places = new Map<string, RunHeader["columns"][number]>();
   private readonly numbers = new Map<string, Float64Array>();
+  private kept = 0; // rows that are here
+  private camera: string | undefined; // the first one that took a picture: what is shown
   private readonly listeners: (() => void)[] = [];
   private version = 0;
 
@@ -59,25 +64,73 @@ export class Run {
     this.listeners.push(listener);
   }
 
-  /** The same run, further on. */
-  replace(header: RunHeader, payload: Payload): void {
-    this.take(header, payload);
+  /** Of a run that is under way: what has come since, or, where the server was asked for it, all of it anew. */
+  goOn(header: RunHeader, payload: Payload): void {
+    const isAll = header.live?.known.rows === 0;
+    if (isAll) return this.take(header, payload);
+    this.header = { ...header, log: this.header.log + header.log, system: this.system, scene: this.header.scene,
+      profiles: header.profiles.length > 0 ? header.profiles : this.header.profiles, live: { ...this.header.live, ...header.live! } };
+    this.summary = header.summary ?? {};
+    if (header.kept > 0) {
+      for (const column of header.columns) this.append(column, header, payload);
+      this.kept += header.kept;
+      this.times = this.values("time")!;
+      ++this.version;
+    }
+    if (header.log !== "") this.messages = readMessages(this.header.log);
+    this.takePictures(header, payload);
+  }
+
+  /** There is more of it. */
+  tell(): void {
     for (const listener of this.listeners) listener();
   }
 
+  /** What is here of a run that is under way, as its server counts. */
+  get known(): { rows: number; pictures: number; log: number } {
+    return { rows: this.header.rows, pictures: this.pictures.length, log: this.header.live?.log ?? 0 };
+  }
+
+  /** So many numbers that the server had better thin them out. */
+  get isLong(): boolean {
+    return this.kept * this.places.size > MOST_NUMBERS;
+  }
+
+  private append(column: RunHeader["columns"][number], header: RunHeader, payload: Payload): void {
+    const before = this.places.get(column.name);
+    if (before?.still !== undefined && before.still === column.still) {
+      this.numbers.delete(column.name);
+      return;
+    }
+    const joined = new Float64Array(this.kept + header.kept);
+    joined.set(this.values(column.name) ?? new Float64Array(this.kept).fill(NaN));
+    if (column.block) joined.set(numbersOf(payload.bytes(column.block)), this.kept);
+    else joined.fill(column.still ?? NaN, this.kept);
+    this.numbers.set(column.name, joined);
+    this.places.set(column.name, { name: column.name, unit: column.unit });
+  }
+
   private take(header: RunHeader, payload: Payload): void {
-    this.header = header;
+    this.header = { ...header, system: this.system, profiles: header.profiles };
     this.payload = payload;
     this.summary = header.summary ?? {};
+    this.kept = header.kept;
     this.numbers.clear();
     for (const column of header.columns) this.places.set(column.name, column);
     this.times = this.values("time")!;
     this.messages = readMessages(header.log);
-    for (const picture of (header.pictures[0]?.pictures ?? []).slice(this.pictures.length)) {
+    this.takePictures(header, payload);
+    ++this.version;
+  }
+
+  private takePictures(header: RunHeader, payload: Payload): void {
+    const known = header.live?.known.pictures ?? 0;
+    this.camera ??= header.pictures[0]?.name;
+    const series = header.pictures.find(({ name }) => name === this.camera);
+    for (const picture of (series?.pictures ?? []).slice(this.pictures.length - known)) {
       const url = URL.createObjectURL(new Blob([payload.bytes(picture)], { type: "image/png" }));
       this.pictures.push({ time: picture.time, url });
     }
-    ++this.version;
   }
 
   get end(): number {
@@ -112,7 +165,7 @@ export class Run {
     if (!place) return undefined;
     const made = place.block
       ? numbersOf(this.payload.bytes(place.block))
-      : new Float64Array(this.header.kept).fill(place.still ?? NaN);
+      : new Float64Array(this.kept).fill(place.still ?? NaN);
     this.numbers.set(name, made);
     return made;
   }

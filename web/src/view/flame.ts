@@ -1,70 +1,91 @@
 // SPDX-License-Identifier: Apache-2.0
-// Flame graphs of a profile: each box is a function, as wide as its share with all that it calls.
+// Flame graphs of a profile: each box is a function, as wide as its share with all that it calls. Where the profile has
+// windows, it is of the span of time that the plots show.
 import { select } from "d3-selection";
 import flamegraph from "d3-flame-graph";
+import { BY_CORE, BY_FUNCTION, type Call, type Cost, COSTS, treeOf, WindowedProfile } from "../data/profile";
 import type { Json } from "../data/payload";
-import { shown } from "../data/units";
+import { shown, shownTime } from "../data/units";
 import { element } from "../dom";
+import type { Window } from "./window";
 
 const UNITS: Record<string, [number, string]> = { nanoseconds: [1e-9, "s"], none: [1, "-"] };
 
-interface Call {
-  name: string;
-  value: number;
-  children: Call[];
+interface Flames {
+  tree: Call;
+  unit: string;
+  factor: number;
+  note: string;
 }
 
-export function makeFlames(profiles: Json[]): HTMLElement {
-  const choice = element("select", { "aria-label": "profile" });
-  const drawing = element("div", { class: "flames" });
+export function makeFlames(profiles: Json[], window: Window): HTMLElement {
   const asleep = element("input", { type: "checkbox" });
-  const list = profiles.flatMap((file) => file.profiles.map((profile: Json) => ({ profile, frames: file.shared.frames })));
-  list.forEach(({ profile }, i) => choice.append(element("option", { value: String(i) }, profile.name)));
-  // Cycles first: of time and energy most is what a core does when its program is over.
-  choice.value = String(Math.max(0, list.findIndex(({ profile }) => profile.name === "cycles")));
+  const drawing = element("div", { class: "flames" });
+  const note = element("p", { class: "faint", id: "flame-note" });
+  const windowed = WindowedProfile.of(profiles);
+  const choices = windowed ? windowedChoices(windowed, window) : wholeChoices(profiles);
   const draw = () => {
-    const { profile, frames } = list[Number(choice.value)];
-    const [factor, unit] = UNITS[profile.unit] ?? [1, "-"];
-    const left = asleep.checked ? new Set<string>() : new Set(["[asleep]", "[off]"]);
-    const root = treeOf(profile, frames, left);
+    const { tree, unit, factor, note: said } = choices.read(asleep.checked);
+    note.textContent = said;
     drawing.replaceChildren();
-    const chart = flamegraph().width(Math.max(300, drawing.clientWidth || 700)).cellHeight(18).minFrameSize(2).inverted(true)
-      .label((d: Json) => `${d.data.name}: ${shown(d.value * factor, unit)}, ${((100 * d.value) / root.value).toFixed(1)} %`);
-    select(drawing).datum(root as Json).call(chart as Json);
+    if (!(tree.value > 0)) return;
+    const chart = flamegraph().width(Math.max(300, drawing.clientWidth || 700)).cellHeight(18).minFrameSize(2).inverted(true).transitionDuration(0)
+      .label((d: Json) => `${d.data.name}: ${shown(d.value * factor, unit)}, ${((100 * d.value) / tree.value).toFixed(1)} %`);
+    select(drawing).datum(tree as Json).call(chart as Json);
   };
-  choice.addEventListener("change", draw);
-  asleep.addEventListener("change", draw);
+  for (const input of [...choices.inputs, asleep]) input.addEventListener("change", draw);
+  let asked = false;
+  window.onChange(() => {
+    if (!windowed || asked || !drawing.isConnected) return;
+    asked = true; // a wheel that turns tells more often than a browser draws
+    requestAnimationFrame(() => {
+      asked = false;
+      draw();
+    });
+  });
   new ResizeObserver(() => draw()).observe(drawing.parentElement ?? drawing);
   queueMicrotask(draw);
   return element("div", { class: "profile scroll" },
-    element("div", { class: "bar-line" }, choice, element("label", {}, asleep, " with sleep")), drawing,
-    element("p", { class: "faint" }, "Over the whole run. Click a box to look closer."));
+    element("div", { class: "bar-line" }, ...choices.inputs, element("label", {}, asleep, " with sleep")), note, drawing);
 }
 
-/** The call tree of an evented profile of speedscope. */
-function treeOf(profile: Json, frames: { name: string }[], left: Set<string>): Call {
-  const root: Call = { name: profile.name, value: 0, children: [] };
-  const stack: Call[] = [root];
-  let skipped = 0;
-  let last = 0;
-  for (const event of profile.events) {
-    if (skipped === 0) for (const call of stack) call.value += event.at - last;
-    last = event.at;
-    const name = frames[event.frame].name;
-    if (event.type === "O") {
-      if (skipped > 0 || left.has(name)) {
-        ++skipped;
-        continue;
-      }
-      const top = stack[stack.length - 1];
-      const known = top.children.find((call) => call.name === name) ?? { name, value: 0, children: [] };
-      if (!top.children.includes(known)) top.children.push(known);
-      stack.push(known);
-    } else if (skipped > 0) {
-      --skipped;
-    } else {
-      stack.pop();
-    }
-  }
-  return root;
+interface Choices {
+  inputs: HTMLSelectElement[];
+  read(withIdle: boolean): Flames;
+}
+
+function option(value: string, text: string): HTMLOptionElement {
+  return element("option", { value }, text);
+}
+
+function windowedChoices(profile: WindowedProfile, window: Window): Choices {
+  const cost = element("select", { "aria-label": "what is counted", id: "flame-cost" }, option("energy", "energy"), option("time", "time"), option("cycles", "cycles"));
+  const hart = element("select", { "aria-label": "core" }, option(String(BY_FUNCTION), "whole chip"), option(String(BY_CORE), "whole chip, core by core"), ...profile.harts.map((name, i) => option(String(i), name)));
+  return {
+    inputs: [cost, hart],
+    read: (withIdle) => {
+      const chosen = COSTS.find((each) => each === cost.value) as Cost;
+      const slice = profile.slice(window.start, window.stop);
+      const tree = slice.tree(Number(hart.value), chosen, withIdle);
+      const span = `from ${shownTime(slice.from)} to ${shownTime(slice.to)}`;
+      const total = `${shown(tree.value, profile.unit(chosen))}${chosen === "energy" ? `, ${shown(tree.value / (slice.to - slice.from || 1), "W")} in the mean` : ""}${withIdle ? "" : " while awake"}`;
+      return { tree, factor: 1, unit: profile.unit(chosen),
+        note: `${total}, ${span}${window.isWhole ? "; ctrl and wheel on a plot choose a span" : ", the span of the plots in whole windows of the profile"}. Click a box to look closer.` };
+    },
+  };
+}
+
+function wholeChoices(profiles: Json[]): Choices {
+  const list = profiles.flatMap((file) => file.profiles.map((profile: Json) => ({ profile, frames: file.shared.frames })));
+  const choice = element("select", { "aria-label": "profile" }, ...list.map(({ profile }, i) => option(String(i), profile.name)));
+  // Cycles first: of time and energy most is what a core does when its program is over.
+  choice.value = String(Math.max(0, list.findIndex(({ profile }) => profile.name === "cycles")));
+  return {
+    inputs: [choice],
+    read: (withIdle) => {
+      const { profile, frames } = list[Number(choice.value)];
+      const [factor, unit] = UNITS[profile.unit] ?? [1, "-"];
+      return { tree: treeOf(profile, frames, withIdle), factor, unit, note: "Over the whole run. Click a box to look closer." };
+    },
+  };
 }

@@ -1,24 +1,28 @@
-#!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Writes a run's results as an MCAP file, which Foxglove, Lichtblick and PlotJuggler open.
-
-Usage: export_mcap.py RESULTS_DIR [--out FILE.mcap]
+"""A run's results as an MCAP file, which Foxglove, Lichtblick and PlotJuggler open.
 
 Channels: /<instance> for what was recorded of each instance, nested by the dots of the names, `rotor[1]` as `rotor_1`, with
 units in the schema; /tf for the poses of the bodies of the scene; /scene for its faces; /<picture> for what a camera
 saw; /log. Poses, faces, pictures and log have Foxglove's own schemas, in JSON.
 """
 
-import argparse
+from __future__ import annotations
+
 import base64
-import csv
+import gzip
 import json
 import math
 import pathlib
 import re
-import sys
 
-from mcap.writer import Writer
+from mebots.errors import InputError
+from mebots.results import Results, read
+
+try:
+    from mcap.writer import Writer
+except ImportError as error:
+    raise InputError(
+        "an MCAP file needs the package mcap: pip install mcap, into the Python that MEBOTS_PYTHON names", "not_offered") from error
 
 NUMBER, TEXT, INTEGER = {"type": "number"}, {"type": "string"}, {"type": "integer"}
 
@@ -115,51 +119,37 @@ class Export:
         self.writer.finish()
 
 
-def read_columns(file):
-    """[(instance.variable, unit)] and the rows, as texts."""
-    with file.open(newline="") as stream:
-        rows = csv.reader(stream)
-        head = [re.fullmatch(r"(.*) \[(.*)\]", title).groups() for title in next(rows)]
-        return head, [row for row in rows if len(row) == len(head)]
-
-
-def number(text):
-    try:
-        return float(text)
-    except ValueError:
-        return text
-
-
 def instance_of(name, instances):
     return next((each for each in instances if name.startswith(each + ".")), name.split(".")[0])
 
 
-def export_variables(export, head, rows, instances):
+def export_variables(export, results: Results, instances):
     groups = {}
-    for column, (name, unit) in enumerate(head[1:], start=1):
+    for name in results.variables:
         instance = instance_of(name, instances)
-        groups.setdefault(instance, []).append((column, path_of(name[len(instance) + 1:]), unit))
+        values = results[name]
+        values = values if isinstance(values, list) else values.tolist()
+        groups.setdefault(instance, []).append((values, path_of(name[len(instance) + 1:]), results.unit(name) or "-"))
     for instance, columns in groups.items():
         units = {}
-        for _, path, unit in columns:
-            put(units, path, {"type": "number", "description": f"[{unit}]"})
+        for values, path, unit in columns:
+            put(units, path, {"type": "string" if values and isinstance(values[0], str) else "number", "description": f"[{unit}]"})
         schema = record(f"mebots.{instance}", **units)
-        for row in rows:
+        for row, time in enumerate(results.times):
             message = {}
-            for column, path, _ in columns:
-                put(message, path, number(row[column]))
-            export.add(f"/{instance}", f"mebots.{instance}", schema, nanoseconds(row[0]), message)
+            for values, path, _ in columns:
+                put(message, path, values[row])
+            export.add(f"/{instance}", f"mebots.{instance}", schema, nanoseconds(time), message)
 
 
-def export_scene(export, head, rows, scene, instance):
-    places = {name: column for column, (name, _) in enumerate(head)}
+def export_scene(export, results: Results, scene, instance):
     for body in scene.get("bodies", []):
-        columns = [places.get(f"{instance}.{name}") for name in body["position"] + body["attitude"]]
-        if None in columns:
+        names = [f"{instance}.{name}" for name in body["position"] + body["attitude"]]
+        if not all(name in results for name in names):
             continue
-        for row in rows:
-            x, y, z, *angles = (float(row[column]) for column in columns)
-            time_ns = nanoseconds(row[0])
+        rows = zip(results.times.tolist(), *(results[name].tolist() for name in names), strict=True)
+        for time, x, y, z, *angles in rows:
+            time_ns = nanoseconds(time)
             export.add_known("/tf", "foxglove.FrameTransform", time_ns, {
                 "timestamp": timestamp(time_ns), "parent_frame_id": "world", "child_frame_id": body["name"],
                 "translation": {"x": x, "y": y, "z": z}, "rotation": quaternion(*angles)})
@@ -202,31 +192,26 @@ def export_log(export, file):
             "timestamp": timestamp(time_ns), "level": LEVELS.get(severity, 2), "message": text, "name": name, "file": "", "line": 0})
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("results", type=pathlib.Path)
-    parser.add_argument("--out", type=pathlib.Path, help="default: flight.mcap in the folder")
-    arguments = parser.parse_args()
-    folder = arguments.results
+def write_mcap(folder: pathlib.Path, out: pathlib.Path) -> None:
+    """Writes the results in a folder as one MCAP file. Raises InputError."""
+    results = read(folder)
     try:
-        head, rows = read_columns(folder / "results.csv")
         system = json.loads((folder / "system.json").read_text())
-        scene_file = folder / "scene.json"
-        scene = json.loads(scene_file.read_text()) if scene_file.exists() else None
-    except (OSError, ValueError, AttributeError, StopIteration) as error:
-        sys.exit(f"export_mcap.py: {folder}: this is not the results folder of a run: {error}")
-    out = arguments.out or folder / "flight.mcap"
+        scene = read_scene(folder)
+    except (OSError, ValueError) as error:
+        raise InputError(f"{folder}: this is not the results folder of a run: {error}", "file_not_found") from None
     with out.open("wb") as file:
         export = Export(file)
-        export_variables(export, head, rows, system["instances"])
+        export_variables(export, results, system["instances"])
         if scene:
-            export_scene(export, head, rows, scene, system["view"]["scene"]["instance"])
+            export_scene(export, results, scene, system["view"]["scene"]["instance"])
         export_pictures(export, folder)
         if (folder / "log.txt").exists():
             export_log(export, folder / "log.txt")
         export.finish()
-    print(f"wrote {out}")
 
 
-if __name__ == "__main__":
-    main()
+def read_scene(folder: pathlib.Path):
+    """The scene of a run, or None without one."""
+    file = folder / "scene.json.gz"
+    return json.loads(gzip.decompress(file.read_bytes())) if file.exists() else None

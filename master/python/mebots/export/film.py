@@ -1,0 +1,157 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A film of the page of a run: Chromium draws it moment by moment, ffmpeg makes the film.
+
+Chromium is spoken to over a pipe (--remote-debugging-pipe), so that nothing but itself is needed, and nobody else can
+reach it.
+"""
+
+from __future__ import annotations
+
+import base64
+import contextlib
+import fcntl
+import json
+import os
+import pathlib
+import shutil
+import subprocess
+import tempfile
+from collections.abc import Iterator
+from typing import Any
+
+from mebots.errors import Error, InputError
+
+BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
+WIDTH, HEIGHT = 1280, 720
+PATIENCE_S = 60  # of one answer of the page
+ABOVE = 10  # file descriptors from here on are nobody's: Chromium wants 3 and 4
+
+# A moment stands on the page once two frames are drawn.
+SHOW = """new Promise((done) => {
+  globalThis.mebots.clock.set(%r);
+  requestAnimationFrame(() => requestAnimationFrame(() => done()));
+})"""
+READY = """new Promise((done) => {
+  const look = () => {
+    const { state } = document.documentElement.dataset;
+    if (state === "loading") setTimeout(look, 20);
+    else done(state === "ready" ? globalThis.mebots.clock.end : document.body.innerText);
+  };
+  look();
+})"""
+
+
+def write_film(page: pathlib.Path, out: pathlib.Path, frames_per_second: int, speed: float) -> int:
+    """Writes a film of all of the run on a page. Returns its number of frames. Raises InputError, Error.
+
+    :param speed: simulated seconds in a second of the film.
+    """
+    browser = _program("Chromium", os.environ.get("CHROMIUM"), BROWSERS, "CHROMIUM")
+    encoder = _program("ffmpeg", None, ("ffmpeg",), "PATH")
+    frames = 0
+    with _chromium(browser) as tab:
+        end = tab.open(page)
+        command = [encoder, "-y", "-loglevel", "error", "-f", "image2pipe", "-framerate", str(frames_per_second), "-i", "-",
+                   "-pix_fmt", "yuv420p", "-crf", "26", str(out)]
+        film = subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.PIPE)
+        try:
+            while frames * speed / frames_per_second <= end + 1e-9:
+                tab.evaluate(SHOW % (frames * speed / frames_per_second))
+                film.stdin.write(tab.screenshot())
+                frames += 1
+        except BrokenPipeError:
+            pass  # it says why below
+        said = film.communicate()[1].decode(errors="replace").strip()
+        if film.returncode != 0:
+            raise Error(f"{out}: ffmpeg could not write it: {said or film.returncode}", "system_failure")
+    return frames
+
+
+def _program(what: str, named: str | None, names: tuple[str, ...], place: str) -> str:
+    found = next((path for name in ([named] if named else names) if (path := shutil.which(name))), None)
+    if found is None:
+        looked = named or ", ".join(names)
+        raise InputError(
+            f"a film needs {what}, and there is none here: looked for {looked}. Install it"
+            + (f", or name it by {place}" if place != "PATH" else ""), "not_offered")
+    return found
+
+
+class _Tab:
+    """A page that Chromium shows, spoken to in the DevTools protocol: JSON texts that end in a zero."""
+
+    def __init__(self, to: Any, answers: Any) -> None:
+        self._to, self._answers = to, answers
+        self._number = 0
+        self._rest = b""
+        self._session: str | None = None
+        target = self._call("Target.createTarget", url="about:blank")["targetId"]
+        self._session = self._call("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
+        self._call("Emulation.setDeviceMetricsOverride", width=WIDTH, height=HEIGHT, deviceScaleFactor=1, mobile=False)
+
+    def open(self, page: pathlib.Path) -> float:
+        """Waits until all is drawn. Returns the run's end [s]."""
+        self._call("Page.navigate", url=page.resolve().as_uri())
+        end = self.evaluate(READY)
+        if not isinstance(end, (int, float)):
+            raise Error(f"{page}: this page cannot be drawn: {end}", "system_failure")
+        return float(end)
+
+    def evaluate(self, expression: str) -> Any:
+        answer = self._call("Runtime.evaluate", expression=expression, awaitPromise=True, returnByValue=True)
+        if "exceptionDetails" in answer:
+            raise Error(f"the page says: {answer['exceptionDetails'].get('text')}", "system_failure")
+        return answer["result"].get("value")
+
+    def screenshot(self) -> bytes:
+        return base64.b64decode(self._call("Page.captureScreenshot", format="jpeg", quality=92)["data"])
+
+    def _call(self, method: str, **parameters: Any) -> dict[str, Any]:
+        self._number += 1
+        request = {"id": self._number, "method": method, "params": parameters}
+        if self._session:
+            request["sessionId"] = self._session
+        self._to.write(json.dumps(request).encode() + b"\0")
+        self._to.flush()
+        while True:
+            answer = self._next()
+            if answer.get("id") != self._number:
+                continue  # an event, which nobody asked for
+            if "error" in answer:
+                raise Error(f"Chromium refuses {method}: {answer['error'].get('message')}", "system_failure")
+            return answer["result"]
+
+    def _next(self) -> dict[str, Any]:
+        while b"\0" not in self._rest:
+            piece = self._answers.read1(1 << 20)
+            if not piece:
+                raise Error("Chromium ended before the film did", "system_failure")
+            self._rest += piece
+        text, _, self._rest = self._rest.partition(b"\0")
+        return json.loads(text)
+
+
+@contextlib.contextmanager
+def _chromium(program: str) -> Iterator[_Tab]:
+    options = ["--headless=new", "--remote-debugging-pipe", "--hide-scrollbars", "--no-first-run", "--disable-background-networking",
+               "--disable-component-update", "--disable-sync", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
+    if os.geteuid() == 0:
+        options.append("--no-sandbox")  # Chromium's sandbox refuses to run as root
+    ours, theirs = os.pipe(), os.pipe()  # they hold the low numbers until Chromium has its own
+    reads, writes = fcntl.fcntl(ours[0], fcntl.F_DUPFD, ABOVE), fcntl.fcntl(theirs[1], fcntl.F_DUPFD, ABOVE)
+
+    def give() -> None:
+        os.dup2(reads, 3)
+        os.dup2(writes, 4)
+
+    with tempfile.TemporaryDirectory(prefix="mebots-film-", ignore_cleanup_errors=True) as profile:
+        process = subprocess.Popen([program, *options, f"--user-data-dir={profile}", "about:blank"], preexec_fn=give,
+                                   close_fds=False, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        for descriptor in (ours[0], theirs[1], reads, writes):
+            os.close(descriptor)
+        with os.fdopen(ours[1], "wb") as to, os.fdopen(theirs[0], "rb") as answers:
+            try:
+                yield _Tab(to, answers)
+            finally:
+                process.kill()
+                process.wait()

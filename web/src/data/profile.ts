@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+// A profile of speedscope as call trees: of all of the run, or, where fmu_soc wrote windows beside it, of a span of it.
+import type { Json } from "./payload";
+
+export interface Call {
+  name: string;
+  value: number;
+  children: Call[];
+}
+
+/** What a profile counts, in the order of the parts of a window. */
+export const COSTS = ["cycles", "time", "energy"] as const;
+export type Cost = (typeof COSTS)[number];
+const SCALES: Record<Cost, [number, string]> = { cycles: [1, "-"], time: [1e-12, "s"], energy: [1e-15, "J"] };
+const PART = 2 + COSTS.length; // hart, node, then the costs
+
+/** Frames of a hart that does nothing. */
+const IDLE = new Set(["[asleep]", "[off]"]);
+
+/** All harts, each a branch of its own. */
+export const BY_CORE = -1;
+/** All harts, what they did in the same functions added up. */
+export const BY_FUNCTION = -2;
+
+/** The windows that a span of time touches: from when to when, and what was counted by hart and node. */
+export interface Slice {
+  from: number;
+  to: number;
+  /** `hart`: its number in the file, or one of the two below. */
+  tree(hart: number, cost: Cost, withIdle: boolean): Call;
+}
+
+export class WindowedProfile {
+  readonly harts: string[];
+
+  constructor(private readonly file: Json) {
+    this.harts = file.mebots.harts.map((hart: Json) => hart.name || "fabric controller");
+  }
+
+  static of(files: Json[]): WindowedProfile | null {
+    const found = files.find((file) => file.mebots?.windows?.length > 0);
+    return found ? new WindowedProfile(found) : null;
+  }
+
+  unit(cost: Cost): string {
+    return SCALES[cost][1];
+  }
+
+  /** Whole windows: all that `start` to `stop` [s] touches. */
+  slice(start: number, stop: number): Slice {
+    const { windows, harts } = this.file.mebots;
+    const inside = windows.filter((window: Json) => window.to * 1e-9 > start && window.from * 1e-9 < stop);
+    const sums = harts.map((hart: Json) => COSTS.map(() => new Float64Array(hart.nodes.length / 2)));
+    for (const { parts } of inside) {
+      for (let i = 0; i < parts.length; i += PART) {
+        for (let cost = 0; cost < COSTS.length; ++cost) sums[parts[i]][cost][parts[i + 1]] += parts[i + 2 + cost];
+      }
+    }
+    return {
+      from: inside.length > 0 ? inside[0].from * 1e-9 : start,
+      to: inside.length > 0 ? inside[inside.length - 1].to * 1e-9 : start,
+      tree: (hart, cost, withIdle) => {
+        const one = (number: number) => this.hartTree(number, sums[number][COSTS.indexOf(cost)], SCALES[cost][0], withIdle);
+        if (hart >= 0) return one(hart);
+        const cores: Call[] = harts.map((_: Json, number: number) => one(number)).filter(({ value }: Call) => value > 0);
+        const value = cores.reduce((total, core) => total + core.value, 0);
+        return { name: "chip", value, children: hart === BY_CORE ? cores : added(cores.flatMap(({ children }) => children)) };
+      },
+    };
+  }
+
+  private hartTree(hart: number, own: Float64Array, scale: number, withIdle: boolean): Call {
+    const { nodes } = this.file.mebots.harts[hart];
+    const calls: Call[] = [];
+    for (let node = 0; node < own.length; ++node) {
+      const name = node === 0 ? this.harts[hart] : this.file.shared.frames[nodes[2 * node + 1]].name;
+      calls.push({ name, value: withIdle || !IDLE.has(name) ? own[node] * scale : 0, children: [] });
+    }
+    for (let node = own.length - 1; node > 0; --node) { // a child's number is above its parent's
+      const parent = calls[nodes[2 * node]];
+      parent.value += calls[node].value;
+      if (calls[node].value > 0) parent.children.unshift(calls[node]);
+    }
+    return calls[0];
+  }
+}
+
+/** Calls of the same name as one. */
+function added(calls: Call[]): Call[] {
+  const byName = new Map<string, Call[]>();
+  for (const call of calls) byName.set(call.name, [...(byName.get(call.name) ?? []), call]);
+  return [...byName].map(([name, same]) => ({
+    name, value: same.reduce((total, { value }) => total + value, 0), children: added(same.flatMap(({ children }) => children)),
+  }));
+}
+
+/** The call tree of an evented profile of speedscope. */
+export function treeOf(profile: Json, frames: { name: string }[], withIdle: boolean): Call {
+  const root: Call = { name: profile.name, value: 0, children: [] };
+  const stack: Call[] = [root];
+  let skipped = 0;
+  let last = 0;
+  for (const event of profile.events) {
+    if (skipped === 0) for (const call of stack) call.value += event.at - last;
+    last = event.at;
+    const name = frames[event.frame].name;
+    if (event.type === "O") {
+      if (skipped > 0 || (!withIdle && IDLE.has(name))) {
+        ++skipped;
+        continue;
+      }
+      const top = stack[stack.length - 1];
+      const known = top.children.find((call) => call.name === name) ?? { name, value: 0, children: [] };
+      if (!top.children.includes(known)) top.children.push(known);
+      stack.push(known);
+    } else if (skipped > 0) {
+      --skipped;
+    } else {
+      stack.pop();
+    }
+  }
+  return root;
+}
