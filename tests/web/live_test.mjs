@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Usage: live_test.mjs MEBOTS CONFIGS OUT [CHROMIUM]
+// Usage: live_test.mjs MEBOTS CONFIGS OUT [CHROMIUM [NAME]]
 // A run that is looked at, held and set by hand, beside the same run that nobody looks at.
 import assert from "node:assert/strict";
 import { spawn, spawnSync } from "node:child_process";
@@ -188,7 +188,9 @@ const tests = {
 };
 
 let failures = 0;
+const [, , , , , , only = ""] = process.argv; // of the tests that have this in their names
 for (const [name, run] of Object.entries(tests)) {
+  if (!name.includes(only)) continue;
   try {
     await run();
     console.log(`ok    ${name}`);

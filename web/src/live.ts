@@ -30,8 +30,7 @@ export function follow(run: Run, clock: Clock, span: Window): HTMLElement {
   const hold = element("button", { id: "hold", onclick: () => void order(run.header.live?.held ? "go" : "hold") });
   const step = element("button", { id: "step", title: "One communication step", onclick: () => void order("step") }, "step");
   const order = async (what: string) => {
-    await post("control", { order: what }).catch((error) => (badge.textContent = String(error)));
-    await look();
+    await post("control", { order: what }).then(look).catch((error) => (badge.textContent = String(error)));
   };
   const show = () => {
     const state = run.header.live;
@@ -39,7 +38,11 @@ export function follow(run: Run, clock: Clock, span: Window): HTMLElement {
     hold.textContent = state?.held ? "go on" : "hold";
     hold.disabled = step.disabled = state?.ended ?? false;
   };
-  const look = async () => {
+  // One after the other: two answers to the same question would bring the same rows twice.
+  let looking: Promise<void> = Promise.resolve();
+  const look = () => (looking = looking.catch(() => {}).then(lookOnce));
+  const lookOnce = async () => {
+    if (run.header.live?.ended) return;
     const payload = await fetchPayload(run.isLong ? undefined : run.known);
     const isFollowing = clock.time >= clock.end - 1e-9;
     run.goOn(payload.runs[0], payload);
