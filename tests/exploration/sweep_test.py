@@ -6,6 +6,7 @@ import json
 import os
 import pathlib
 import re
+import shlex
 import signal
 import subprocess
 import sys
@@ -56,6 +57,24 @@ class Tables(StudyCase):
         self.assertAlmostEqual(float(design["integral: mean"]), sum(float(row["integral"]) for row in own) / 10, 12)
         self.assertLess(float(design["success: low"]), successes / 10)
         self.assertGreater(float(design["success: high"]), successes / 10)
+
+    def test_the_report_links_to_the_page_of_a_mission_that_was_flown_again_as_it_says(self):
+        self.study()
+        self.sweep()
+        found = self.report()["designs"]
+        self.assertIsNone(found[1]["replay"])
+        words = shlex.split(found[1]["command"])
+        subprocess.run([MEBOTS, *words[1:]], check=True, capture_output=True)
+        subprocess.run([MEBOTS, "report", words[words.index("--out") + 1]], check=True, capture_output=True)
+        self.sweep()  # from the journal
+        found = self.report()["designs"]
+        self.assertIsNone(found[0]["replay"])
+        self.assertTrue((self.folder / "out" / found[1]["replay"]).is_file(), found[1])
+
+    def report(self):
+        """The data that stands in the report."""
+        page = (self.folder / "out" / "report.html").read_text()
+        return json.loads(page.split('id="data">')[1].split("</script>")[0])
 
     def test_objectives_come_from_summary_final_values_series_and_expressions(self):
         self.study(objectives={

@@ -204,6 +204,22 @@ const besideTests = {
   },
 };
 
+const lengthsTests = {
+  async "of runs of different length the page lasts as long as the longest, and the shorter one stands at its end"({ page }) {
+    assert.equal(await page.evaluate(() => globalThis.mebots.clock.end), 4);
+    for (const time of [1.5, 3.5]) {
+      await setTime(page, time);
+      const cells = await page.$$eval('.values b[data-variable="world.drone.position.z"]', (found) => found.map((cell) => cell.textContent));
+      ["short", "flight"].forEach((run, i) => {
+        const wanted = valueAt(run, "world.drone.position.z", time);
+        assert.ok(Math.abs(numberOf(cells[i]) - wanted) < 1e-3 * Math.abs(wanted) + 1e-5, `${run} at ${time} s: ${cells[i]}, not ${wanted}`);
+      });
+    }
+    for (const look of ["2", "3", "4", "1"]) await page.keyboard.press(look);
+    assert.ok((await colours(page, "#scene")) > 200);
+  },
+};
+
 let failures = 0;
 async function check(browser, file, cases, options) {
   const { page, problems, requests } = await open(browser, file, options);
@@ -233,6 +249,7 @@ try {
     { width: 390, height: 844, dark: true });
   await check(browser, pageOf("system"), systemTests);
   await check(browser, join(runs, "beside.html"), besideTests);
+  await check(browser, join(runs, "lengths.html"), lengthsTests);
   const size = statSync(pageOf("flight")).size;
   if (size > 3e6) {
     ++failures;

@@ -390,7 +390,7 @@ class Campaign:
             for number in range(len(self.designs))
         ]
         commands = [
-            self.missions.shell_line(self.values((number, 0)), f"results/design_{number}") for number in range(len(self.designs))
+            self.missions.shell_line(self.values((number, 0)), str(report.replay_folder(folder, number))) for number in range(len(self.designs))
         ]
         report.write(
             folder / "report.html", self.study, self.factors, self.designs, evidence, told, commands, self._provenance()

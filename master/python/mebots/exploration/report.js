@@ -360,6 +360,8 @@
         node("p", {}, `${design.missions} missions, ${design.failed} failed, ${design.status}. ${found.join("; ")}`),
       );
       if (design.command) panel.append(node("p", {}, "Its first mission again, with pictures and all results:"), node("code", {}, design.command));
+      if (design.replay) panel.append(node("p", {}, node("a", { href: design.replay }, "See it fly"), " (made when this report was written)"));
+      else if (design.command) panel.append(node("p", {}, "Then `mebots report` on that folder makes a page to see it fly; the study's next `mebots sweep`, which flies nothing again, links it here."));
     });
   }
   redraws.forEach((redraw) => redraw());

@@ -49,7 +49,7 @@ def write(
     provenance: dict[str, Any],
 ) -> None:
     """``rows``: status, place on the front and failed missions of each design; ``commands``: the line that flies its
-    first mission again; ``provenance``: what was flown."""
+    first mission again, into ``replay_folder``; ``provenance``: what was flown."""
     title = json.loads(study.text).get("text") or study.mission.stem
     data = {
         "factors": list(factors),
@@ -66,6 +66,7 @@ def write(
                 "missions": len(evidence.measures[number]),
                 "estimates": [_numbers(evidence.shown(number, one)) for one in study.objectives],
                 "command": commands[number],
+                "replay": _replay(file.parent, number),
                 "flights": _flights(evidence, number),
             }
             | rows[number]
@@ -82,6 +83,17 @@ def write(
     beside = file.with_name(file.name + ".part")
     beside.write_text(page, encoding="utf-8")
     os.replace(beside, file)
+
+
+def replay_folder(study: pathlib.Path, design: int) -> pathlib.Path:
+    """Where the first mission of a design goes when somebody flies it again to see it."""
+    return study / "replays" / f"design_{design}"
+
+
+def _replay(study: pathlib.Path, design: int) -> str | None:
+    """The page of that mission, once it is there: an address relative to the report."""
+    page = replay_folder(study, design) / "flight.html"
+    return page.relative_to(study).as_posix() if page.exists() else None
 
 
 def _numbers(estimate: Estimate) -> list[float | None]:
