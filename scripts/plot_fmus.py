@@ -9,11 +9,10 @@ import sys
 from pathlib import Path
 
 import fmpy
-import matplotlib
-
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt
 import numpy as np
+
+import figure_style as style
+from figure_style import plt
 
 ROOT = Path(__file__).resolve().parent.parent
 
@@ -29,10 +28,10 @@ def discharge(fmus):
         on = result["cell.connected"] > 0
         axis.plot(result["time"][on], result["bus.voltage"][on],
                   label=f"{cell}, {power + 1.02:.1f} W: {on.sum() - 1} s")
-    axis.axhline(2.8, color="0.6", lw=0.8, ls="--")
+    axis.axhline(2.8, color=style.FAINT, lw=0.8, ls="--")
+    axis.text(0, 2.8, "protection opens", va="bottom", fontsize=8, color=style.FAINT)
     axis.set(xlabel="time [s]", ylabel="bus voltage [V]", title="Hover until the protection opens")
     axis.legend(fontsize=8)
-    axis.grid(alpha=0.3)
     return figure
 
 
@@ -57,7 +56,6 @@ def thrust(fmus):
     right.set(xlabel="thrust of four rotors [g]", ylabel="electrical power [W]")
     for axis in (left, right):
         axis.legend(fontsize=8)
-        axis.grid(alpha=0.3)
     return figure
 
 
@@ -68,7 +66,7 @@ def main():
     for name, draw in (("fmu_battery", discharge), ("fmu_motors", thrust)):
         figure = draw(fmus)
         figure.tight_layout()
-        figure.savefig(folder / f"{name}.png", dpi=100, metadata={"Software": None})
+        style.save(figure, folder / f"{name}.png")
 
 
 if __name__ == "__main__":

@@ -2,35 +2,38 @@
 # SPDX-License-Identifier: Apache-2.0
 """Draws a mission from its results folder: mission.png, and pictures.png from what the camera saw.
 
-Usage: plot_mission.py RESULTS_DIR [--scene SCENE.json]
+Usage: plot_mission.py RESULTS_DIR [--scene SCENE.json] [--build BUILD_FOLDER]
 """
 
 import argparse
-import csv
 import json
 import math
 import pathlib
 import sys
 
-import matplotlib
-
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt
 import numpy as np
+
+import figure_style as style
+from figure_style import plt
 
 NEEDED = ["world.drone.position.x", "world.drone.position.y", "world.drone.position.z", "world.drone.speed",
           "soc.setpoint.yaw_rate", "battery.cell.voltage", "battery.cell.state_of_charge", "battery.motors.energy",
           "battery.avionics.energy", "battery.soc.energy", "battery.camera.energy"]
-SCENES = pathlib.Path(__file__).resolve().parent.parent / "fmu_world" / "params" / "scenes"
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+SCENES = ROOT / "fmu_world" / "params" / "scenes"
 
 
-def read_results(path):
-    """Columns of results.csv as {"instance.variable": array}, units left out of the names."""
-    with path.open(newline="") as file:
-        rows = csv.reader(file)
-        header = [name.rsplit(" [", 1)[0] for name in next(rows)]
-        values = np.array([[float(cell) for cell in row] for row in rows])
-    return {name: values[:, column] for column, name in enumerate(header)}
+def read_run(folder, build):
+    """What the package of a build reads of a run."""
+    sys.path.insert(0, str(build / "python"))
+    try:
+        import mebots
+    except ImportError as error:
+        sys.exit(f"plot_mission.py: {build} has no Python package of mebots: {error}. Name a build with --build")
+    try:
+        return mebots.read(folder)
+    except mebots.InputError as error:
+        sys.exit(f"plot_mission.py: {error}")
 
 
 def draw_gates(axes, scene):
@@ -42,7 +45,7 @@ def draw_gates(axes, scene):
         for side in (-1, 1):
             inner = np.array([x, y]) + side * along * gate["inner"] / 2
             outer = np.array([x, y]) + side * along * gate["outer"] / 2
-            axes.plot(*zip(inner, outer), color="tab:red", linewidth=4, solid_capstyle="butt")
+            axes.plot(*zip(inner, outer), color=style.INK, linewidth=4, solid_capstyle="butt")
 
 
 def mean_power(time, energy, window=1.0):
@@ -65,17 +68,17 @@ def find_scene(summary, path):
 
 
 def plot_mission(data, scene, summary, path):
-    time = data["time"]
+    time = data.times
     figure, axes = plt.subplots(2, 2, figsize=(11, 7), constrained_layout=True)
     outcome = summary.get("outcome", "?")
     figure.suptitle(f"{summary.get('config', path.parent.name)}: {outcome}")
 
     top = axes[0, 0]
-    top.plot(data["world.drone.position.x"], data["world.drone.position.y"], color="tab:blue")
-    top.plot(data["world.drone.position.x"][0], data["world.drone.position.y"][0], "o", color="tab:green", label="start")
+    top.plot(data["world.drone.position.x"], data["world.drone.position.y"])
+    top.plot(data["world.drone.position.x"][0], data["world.drone.position.y"][0], "o", color=style.GREEN, label="start")
     top.plot(data["world.drone.position.x"][-1], data["world.drone.position.y"][-1], "s", color="black", label="end")
     draw_gates(top, scene)
-    top.set(xlabel="x [m]", ylabel="y [m]", title="path from above, gate in red")
+    top.set(xlabel="x [m]", ylabel="y [m]", title="path from above, gate in black")
     top.axis("equal")
     top.legend()
 
@@ -87,11 +90,11 @@ def plot_mission(data, scene, summary, path):
     flight.legend()
 
     cell = axes[1, 0]
-    cell.plot(time, data["battery.cell.voltage"], color="tab:orange", linewidth=0.8)
+    cell.plot(time, data["battery.cell.voltage"], linewidth=0.8)
     cell.set(xlabel="time [s]", ylabel="cell voltage [V]", title="battery")
     charge = cell.twinx()
-    charge.plot(time, 100 * data["battery.cell.state_of_charge"], color="tab:purple")
-    charge.set_ylabel("state of charge [%]", color="tab:purple")
+    charge.plot(time, 100 * data["battery.cell.state_of_charge"], color=style.VERMILION)
+    charge.set_ylabel("state of charge [%]", color=style.VERMILION)
 
     power = axes[1, 1]
     for name, label in (("motors", "motors"), ("avionics", "avionics"), ("soc", "chip"), ("camera", "camera")):
@@ -99,8 +102,7 @@ def plot_mission(data, scene, summary, path):
     power.set(xlabel="time [s]", ylabel="power [W]", yscale="log", ylim=(1e-4, 50), title="power of the loads, mean over 1 s")
     power.legend()
 
-    figure.savefig(path, dpi=110)
-    plt.close(figure)
+    style.save(figure, path)
 
 
 def plot_pictures(folder, path, count=8):
@@ -113,21 +115,18 @@ def plot_pictures(folder, path, count=8):
         cell.imshow(plt.imread(file), cmap="gray", vmin=0, vmax=1)
         cell.set_title(f"{float(file.stem):.2f} s", fontsize=9)
     figure.suptitle("what the camera saw")
-    figure.savefig(path, dpi=110)
-    plt.close(figure)
+    style.save(figure, path)
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("results", type=pathlib.Path)
     parser.add_argument("--scene", type=pathlib.Path, help="scene file; default: the one that the run flew in")
+    parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build" / "release")
     arguments = parser.parse_args()
 
-    try:
-        summary = json.loads((arguments.results / "summary.json").read_text())
-        data = read_results(arguments.results / "results.csv")
-    except (OSError, ValueError, StopIteration) as error:
-        sys.exit(f"plot_mission.py: {arguments.results}: this is not the results folder of a run: {error}")
+    data = read_run(arguments.results, arguments.build)
+    summary = data.summary
     missing = [name for name in NEEDED if name not in data]
     if missing:
         sys.exit(f"plot_mission.py: {arguments.results}: this is not the flight of a drone, or it did not record "

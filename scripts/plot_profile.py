@@ -15,10 +15,9 @@ import pathlib
 import zlib
 
 import matplotlib
-
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt
 from matplotlib.patches import Rectangle
+
+from figure_style import plt, save
 
 SCALES = {"nanoseconds": (1e-9, "s")}
 
@@ -109,7 +108,7 @@ def main():
     without = f" without {', '.join(arguments.leave_out)}" if arguments.leave_out else ""
     figure.suptitle(pathlib.Path(data["name"]).name + without)
     out = arguments.out or arguments.profile.with_suffix(".png")
-    figure.savefig(out, dpi=110)
+    save(figure, out)
     print(f"wrote {out}")
 
 

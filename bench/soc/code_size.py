@@ -90,12 +90,9 @@ def measure(size, sims, instructions, repeats, folder):
 
 
 def plot(sizes, rates, path):
-    import matplotlib
+    sys.path.insert(0, str(ROOT / "scripts"))
+    from figure_style import plt, save
 
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
-
-    plt.rcParams.update({"font.size": 10, "axes.spines.top": False, "axes.spines.right": False})
     figure, axes = plt.subplots(figsize=(8, 4.2), constrained_layout=True)
     for sim in rates[sizes[0]]:
         points = [(size, rates[size][sim]) for size in sizes if sim in rates[size]]
@@ -104,8 +101,8 @@ def plot(sizes, rates, path):
              ylabel="million instructions per second")
     axes.minorticks_off()
     axes.set_title("Branchy functions called in turn, processor time", fontsize=11)
-    axes.legend(frameon=False)
-    figure.savefig(path, dpi=120)
+    axes.legend()
+    save(figure, path)
 
 
 def main():

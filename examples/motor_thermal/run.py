@@ -8,7 +8,6 @@ BUILD_FOLDER (build/release) holds a build of MEbots; the FMU is built there whe
 """
 
 import argparse
-import csv
 import json
 import pathlib
 import subprocess
@@ -38,30 +37,21 @@ def mission(build, stop_time):
     return config
 
 
-def read(path):
-    with path.open(newline="") as file:
-        rows = list(csv.reader(file))
-    names = [name.rsplit(" [", 1)[0] for name in rows[0]]
-    return {name: [float(row[i]) for row in rows[1:]] for i, name in enumerate(names)}
-
-
-def plot(columns, path):
-    import matplotlib
-
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
+def plot(results, path):
+    sys.path.insert(0, str(ROOT / "scripts"))
+    import figure_style as style
+    from figure_style import plt
 
     figure, (top, bottom) = plt.subplots(2, 1, sharex=True, figsize=(8, 5), height_ratios=(2, 1))
     for name in ("winding", "case"):
-        celsius = [kelvin - 273.15 for kelvin in columns[f"thermal.{name}.temperature"]]
-        top.plot(columns["time"], celsius, label=name)
+        top.plot(results.times, results[f"thermal.{name}.temperature"] - 273.15)
+        style.label_line(top, name, top.lines[-1].get_color())
     top.set_ylabel("temperature [degC]")
-    top.legend()
-    bottom.plot(columns["time"], columns["thermal.motor.current"], color="tab:green")
+    bottom.plot(results.times, results["thermal.motor.current"], color=style.GREEN)
     bottom.set_ylabel("motor current [A]")
     bottom.set_xlabel("time [s]")
     figure.tight_layout()
-    figure.savefig(path, dpi=120)
+    style.save(figure, path)
 
 
 def main():
@@ -78,13 +68,16 @@ def main():
     config = arguments.out / "motor_thermal.json"
     config.write_text(json.dumps(mission(build, arguments.stop_time), indent=2) + "\n")
     subprocess.run([build / "bin" / "mebots", "run", config, "--out", arguments.out], check=True)
-    columns = read(arguments.out / "results.csv")
-    winding, case = columns["thermal.winding.temperature"], columns["thermal.case.temperature"]
-    if not (winding[-1] > case[-1] > winding[0] and max(winding) < 400):
+    sys.path.insert(0, str(build / "python"))
+    import mebots
+
+    results = mebots.read(arguments.out)
+    winding, case = results["thermal.winding.temperature"], results["thermal.case.temperature"]
+    if not (winding[-1] > case[-1] > winding[0] and winding.max() < 400):
         sys.exit("FAILED: a flight must warm the winding more than the case, and burn neither")
-    print(f"winding: at most {max(winding) - 273.15:.1f} degC, case: {max(case) - 273.15:.1f} degC")
+    print(f"winding: at most {winding.max() - 273.15:.1f} degC, case: {case.max() - 273.15:.1f} degC")
     if not arguments.no_plot:
-        plot(columns, arguments.out / "temperatures.png")
+        plot(results, arguments.out / "temperatures.png")
         print(f"plot: {arguments.out / 'temperatures.png'}")
 
 

@@ -8,21 +8,21 @@ BUILD_FOLDER (build/release) holds a build of MEbots. The picture is FOLDER/scen
 """
 
 import argparse
-import csv
 import json
 import math
 import pathlib
 import subprocess
+import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
-FLIGHTS = {None: ("undisturbed", "black"), "gust": ("gust across the track", "tab:blue"),
-           "sensor_freeze": ("camera frozen, then range sensor 5 cm off", "tab:green"),
-           "motor_loss": ("weak rotor, then one lost", "tab:red")}
+FLIGHTS = {None: ("undisturbed", "INK"), "gust": ("gust across the track", "BLUE"),
+           "sensor_freeze": ("camera frozen, then range sensor 5 cm off", "GREEN"),
+           "motor_loss": ("weak rotor, then one lost", "VERMILION")}
 COLUMNS = ["world.drone.position.*", "motors.power"]
 
 
 def fly(build, scenario, out):
-    """Results and summary of one flight; the config is that of the mission, with what is drawn here recorded."""
+    """Results of one flight; the config is that of the mission, with what is drawn here recorded."""
     config = json.loads((ROOT / "configs" / "gate_easy.json").read_text())
     config["record"] = COLUMNS
     config.pop("pictures")
@@ -33,10 +33,9 @@ def fly(build, scenario, out):
     if scenario:
         command += ["--scenario", ROOT / "configs" / "scenarios" / f"{scenario}.json"]
     subprocess.run(command, check=True)
-    with (out / "results.csv").open(newline="") as stream:
-        header, *rows = csv.reader(stream)
-    columns = {name.rsplit(" [", 1)[0]: [float(row[k]) for row in rows] for k, name in enumerate(header)}
-    return columns, json.loads((out / "summary.json").read_text())
+    import mebots
+
+    return mebots.read(out)
 
 
 def running_mean(values, count):
@@ -49,10 +48,9 @@ def running_mean(values, count):
 
 
 def draw(flights, path):
-    import matplotlib
-
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
+    sys.path.insert(0, str(ROOT / "scripts"))
+    import figure_style
+    from figure_style import plt
 
     figure, axes = plt.subplots(2, 2, figsize=(12, 7.5), constrained_layout=True)
     (above, height), (side, power) = axes
@@ -61,20 +59,20 @@ def draw(flights, path):
         along = (-math.sin(gate.get("yaw", 0.0)), math.cos(gate.get("yaw", 0.0)))
         for sign in (-1, 1):
             ends = [[gate["position"][k] + sign * along[k] * gate[size] / 2 for size in ("inner", "outer")] for k in (0, 1)]
-            above.plot(*ends, color="tab:gray", linewidth=5, solid_capstyle="butt")
-    for scenario, (columns, summary) in flights.items():
-        text, colour = FLIGHTS[scenario]
+            above.plot(*ends, color=figure_style.FAINT, linewidth=5, solid_capstyle="butt")
+    for scenario, results in flights.items():
+        text, colour = FLIGHTS[scenario][0], getattr(figure_style, FLIGHTS[scenario][1])
+        summary = results.summary
         style = {"color": colour, "linewidth": 1.8 if scenario is None else 1.2}
-        time = columns["time"]
-        x, y, z = (columns[f"world.drone.position.{axis}"] for axis in "xyz")
-        error_cm = 100 * summary["lateral_error"]
-        passed = f", {error_cm:+.1f} cm in the gate" if summary["outcome"] == "passed" else f" at {time[-1]:.1f} s"
+        time = results.times
+        x, y, z = (results[f"world.drone.position.{axis}"] for axis in "xyz")
+        passed = f", {100 * summary['lateral_error']:+.1f} cm in the gate" if summary["outcome"] == "passed" else f" at {time[-1]:.1f} s"
         above.plot(x, y, label=f"{text}: {summary['outcome']}{passed}", **style)
         above.plot(x[-1], y[-1], "x" if summary["outcome"] == "crashed" else "s", color=colour)
         height.plot(time, z, **style)
         side.plot(time, y, **style)
         step = time[1] - time[0]
-        power.plot(time, running_mean(columns["motors.power"], round(0.25 / step)), **style)
+        power.plot(time, running_mean(results["motors.power"], round(0.25 / step)), **style)
         for entry in summary.get("scenario") or []:
             if entry["applied"] and "noise" not in entry["action"] and entry["until"] - entry["from"] < 15:
                 for panel in (height, side, power):
@@ -84,9 +82,7 @@ def draw(flights, path):
     height.set(xlabel="time [s]", ylabel="height [m]", title="height; shaded while a scenario acts")
     side.set(xlabel="time [s]", ylabel="y [m]", title="across the track")
     power.set(xlabel="time [s]", ylabel="power [W]", title="electrical power of the motors, mean over 0.25 s")
-    for panel in axes.flat:
-        panel.grid(alpha=0.3)
-    figure.savefig(path, dpi=110)
+    figure_style.save(figure, path)
 
 
 def main():
@@ -94,10 +90,11 @@ def main():
     parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build" / "release")
     parser.add_argument("--out", type=pathlib.Path, default=ROOT / "results" / "scenarios")
     arguments = parser.parse_args()
+    sys.path.insert(0, str(arguments.build.resolve() / "python"))
     flights = {}
     for scenario, (text, _) in FLIGHTS.items():
         flights[scenario] = fly(arguments.build.resolve(), scenario, arguments.out / (scenario or "undisturbed"))
-        print(f"{text}: {flights[scenario][1]['outcome']} after {flights[scenario][0]['time'][-1]:.2f} s")
+        print(f"{text}: {flights[scenario].outcome} after {flights[scenario].times[-1]:.2f} s")
     draw(flights, arguments.out / "scenarios.png")
     print(f"picture: {arguments.out / 'scenarios.png'}")
 

@@ -8,11 +8,11 @@
 import sys
 from pathlib import Path
 
-import matplotlib
-
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt
 import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts"))
+import figure_style as style  # noqa: E402
+from figure_style import plt  # noqa: E402
 
 PANELS = [
     ("take_off", "altitude", "Take-off to 1 m", "altitude [m]", 1.0),
@@ -22,7 +22,7 @@ PANELS = [
     ("wind", "vy", "Gust of 2 m/s from the right", "sideways velocity [m/s]", 0.0),
     ("velocity", "tilt", "Tilt during the velocity step", "tilt [rad]", None),
 ]
-LAGS = [("50ms", "#7fb3d5"), ("100ms", "#1f618d"), ("150ms", "#c0392b")]
+LAGS = [("50ms", style.SKY), ("100ms", style.BLUE), ("150ms", style.VERMILION)]
 
 
 def main():
@@ -30,14 +30,13 @@ def main():
     figure, axes = plt.subplots(2, 3, figsize=(11, 6), constrained_layout=True)
     for axis, (name, column, title, label, goal) in zip(axes.flat, PANELS):
         if goal is not None:
-            axis.axhline(goal, color="0.6", lw=0.8, ls="--")
+            axis.axhline(goal, color=style.FAINT, lw=0.8, ls="--")
         for lag, colour in LAGS:
             data = np.genfromtxt(folder / f"{name}_{lag}.csv", delimiter=",", names=True)
             axis.plot(data["time"], data[column], color=colour, lw=1.3, label=f"rotor lag {lag[:-2]} ms")
         axis.set(title=title, xlabel="time [s]", ylabel=label)
-        axis.spines[["top", "right"]].set_visible(False)
-    axes[0, 0].legend(frameon=False)
-    figure.savefig(Path(__file__).parent / "step_responses.png", dpi=100)
+    axes[0, 0].legend()
+    style.save(figure, Path(__file__).parent / "step_responses.png")
 
 
 if __name__ == "__main__":

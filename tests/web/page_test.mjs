@@ -149,8 +149,8 @@ const tests = {
     }
     await page.evaluate(() => globalThis.mebots.span.reset());
     await page.click(".profile input[type=checkbox]");
-    const boxes = await page.$$eval(".flames .d3-flame-graph-label", (found) => found.map((label) => label.textContent));
-    assert.ok(boxes.some((name) => name.includes("nn_")), boxes.join(", "));
+    await page.waitForFunction(() => [...document.querySelectorAll(".flames .d3-flame-graph-label")].some((label) => label.textContent.includes("nn_")),
+      { timeout: 10000 });
     await page.click('[data-tab="Messages"]');
   },
 

@@ -3,22 +3,23 @@
 
 import base64
 import io
+import sys
 
-import matplotlib
+import numpy as np
+from matplotlib.collections import LineCollection
+from PIL import Image
 
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt  # noqa: E402
-import numpy as np  # noqa: E402
-from matplotlib.collections import LineCollection  # noqa: E402
-from PIL import Image  # noqa: E402
+from experiments import EASY_SPEEDS
+from missions import BATTERIES, ROOT, scene
 
-from experiments import EASY_SPEEDS  # noqa: E402
-from missions import BATTERIES, scene  # noqa: E402
+sys.path.insert(0, str(ROOT / "scripts"))
+import figure_style as style  # noqa: E402
+from figure_style import plt  # noqa: E402
 
-COLOURS = {"bitcraze_250": "#4878a8", "ufx_250": "#6aa84f", "cyclone_300": "#e69138", "lipol_350": "#a64d79"}
+COLOURS = dict(zip(BATTERIES, style.PALETTE))
 SMALL = ("chip", "camera", "converters")  # consumers too small to see beside the motors
-PASSED, TOUCHED, FAILED = "#2e8b57", "#4878a8", "#c0392b"
-plt.rcParams.update({"font.size": 10, "svg.hashsalt": "mebots", "axes.spines.top": False, "axes.spines.right": False})
+PASSED, TOUCHED, FAILED = style.GOOD, style.MIDDLING, style.BAD
+HALF_DRONE_M = 0.046  # its half width
 
 
 def svg(figure):
@@ -43,7 +44,7 @@ def batteries(used):
     axes.set(xticks=range(len(EASY_SPEEDS)), xticklabels=[f"{s} km/h" for s in EASY_SPEEDS],
              ylabel="charge used [%]", xlabel="cruise speed")
     axes.set_title("Charge used by the easy flight; light: all batteries as heavy as the heaviest", fontsize=11)
-    axes.legend(frameon=False)
+    axes.legend()
     return figure
 
 
@@ -61,21 +62,21 @@ def decoded(url):
 
 def trajectories(flights, titles, name, first_view):
     """Four flights seen from above, coloured by speed, with the first view in the first plot."""
-    figure, axes = plt.subplots(2, 2, figsize=(10, 6.4), constrained_layout=True, sharex=True, sharey=True)
+    figure, axes = plt.subplots(2, 2, figsize=(10, 5.2), constrained_layout=True, sharex=True, sharey=True)
     lines = None
     for plot, flight, title in zip(axes.flat, flights, titles):
         way = flight["way"]
         points = np.column_stack([way["x"], way["y"]]).reshape(-1, 1, 2)
-        lines = LineCollection(np.concatenate([points[:-1], points[1:]], axis=1), cmap="viridis",
+        lines = LineCollection(np.concatenate([points[:-1], points[1:]], axis=1), cmap=style.SEQUENCE,
                                norm=plt.Normalize(0, 1.0), linewidth=2.5)
         lines.set_array(np.array(way["km_h"])[1:])
         plot.add_collection(lines)
         draw_gate(plot, name)
-        plot.plot(way["x"][0], way["y"][0], "o", color="tab:red", markersize=5)
+        plot.plot(way["x"][0], way["y"][0], "o", color=style.INK, markersize=5)
         plot.set_title(title, fontsize=10)
         plot.set_aspect("equal")
         plot.set_xlim(-0.4, 7.0)
-        plot.set_ylim(-0.5, 3.6)
+        plot.set_ylim(-0.3, 2.9)
     for plot in axes[1]:
         plot.set_xlabel("x [m]")
     for plot in axes[:, 0]:
@@ -95,7 +96,7 @@ def phases(tables):
                                 squeeze=False)
     for row, (flight, table) in zip(axes, tables.items()):
         consumers = list(next(iter(table.values())))
-        colours = dict(zip(consumers, plt.cm.Set2.colors))
+        colours = dict(zip(consumers, style.PALETTE))
         for plot, shown, unit, scale in zip(row, (consumers, SMALL), ("J", "mJ"), (1, 1e3)):
             left = np.zeros(len(table))
             for consumer in shown:
@@ -115,38 +116,79 @@ def phases(tables):
 def clocks(rows):
     """The chip's mean energy up to the gate at each clock, on eight cores and on one."""
     figure, axes = plt.subplots(figsize=(8, 3.6), constrained_layout=True)
-    for cores, marker, colour in ((8, "o", "#4878a8"), (1, "s", "#e69138")):
+    for cores, marker, colour in ((8, "o", style.BLUE), (1, "s", style.VERMILION)):
         group = [row for row in rows if row["cores"] == cores and row["crossed"]]
-        axes.plot([row["clock_mhz"] for row in group], [row["chip_j"] for row in group], marker, color=colour,
-                  linestyle="-", label=f"{cores} core{'s' if cores > 1 else ''}")
+        axes.plot([row["clock_mhz"] for row in group], [row["chip_j"] for row in group], marker, color=colour, linestyle=":")
+        style.label_line(axes, f"{cores} core{'s' if cores > 1 else ''}", colour)
+        for row in group:
+            axes.annotate(f"{row['crossed']} of {row['flights']}", (row["clock_mhz"], row["chip_j"]), xytext=(0, 7),
+                          textcoords="offset points", ha="center", fontsize=7, color=style.FAINT)
     axes.set(xlabel="clock of the cluster [MHz]", ylabel="chip, energy up to the gate [J]", ylim=(0, None))
-    axes.legend(frameon=False)
+    axes.set_title("Mean over the flights that crossed the opening: so many of those that were flown", loc="left")
     return figure
 
 
-def starts(ways, name):
-    """Ways of flights from random starts, seen from above: those that passed, and apart from them those that did not."""
-    through = {"passed": PASSED, "touched_passed": TOUCHED}
-    groups = [("passed", [w for w in ways if w["outcome"] in through]),
-              ("not passed", [w for w in ways if w["outcome"] not in through])]
-    groups = [(label, group) for label, group in groups if group]
+def starts(part, name):
+    """Flights from random starts, seen from above: those that passed, apart from them those that did not; and where the
+    drone's centre crossed the gate's plane."""
+    ways, gate = part["ways"], scene(name)["gates"][0]
+    groups = [("passed", [w for w in ways if w["outcome"] in ("passed", "touched_passed")], PASSED),
+              ("not passed", [w for w in ways if w["outcome"] not in ("passed", "touched_passed")], FAILED)]
+    groups = [group for group in groups if group[1]]
     wide = max(max(way["y"]) for way in ways) - min(min(way["y"]) for way in ways)
     stretched = 3 if wide < 1.0 else 1  # a flight straight ahead is a thin line
-    figure, axes = plt.subplots(1, len(groups), figsize=(10, 3.4), constrained_layout=True, sharex=True, sharey=True,
-                                squeeze=False)
-    for plot, (label, group) in zip(axes[0], groups):
+    figure = plt.figure(figsize=(10, 2.6 * len(groups) + 0.4), constrained_layout=True)
+    grid = figure.add_gridspec(len(groups), 2, width_ratios=(1.7, 1))
+    above = None
+    for row, (label, group, colour) in enumerate(groups):
+        above = figure.add_subplot(grid[row, 0], sharex=above, sharey=above)
         for way in group:
-            colour = through.get(way["outcome"], FAILED)
-            plot.plot(way["x"], way["y"], color=colour, linewidth=0.6, alpha=0.6)
-            plot.plot(way["x"][-1], way["y"][-1], ".", color=colour, markersize=4)
-        draw_gate(plot, name)
+            above.plot(way["x"], way["y"], color=colour, linewidth=0.8, alpha=max(0.12, 0.6 - len(group) / 300))
+            above.plot(way["x"][-1], way["y"][-1], ".", color=colour, markersize=4, alpha=0.7)
+        draw_gate(above, name)
         touched = sum(way["outcome"] == "touched_passed" for way in group)
-        more = f", {touched} of them touched the frame" if touched else ""
-        plot.set_title(f"{label}: {len(group)} of {len(ways)}{more}; dot: the end", fontsize=10)
-        plot.set_aspect(stretched)
-        plot.set_xlabel("x [m]")
-    axes[0, 0].set_ylabel("y [m]" + (f", stretched {stretched} times" if stretched > 1 else ""))
+        more = "" if not touched else ", all touched the frame" if touched == len(group) else f", {touched} touched the frame"
+        above.set_title(f"{label}: {len(group)} of {len(ways)}{more}; dot: the end", loc="left", color=colour)
+        above.set_aspect(stretched)
+        above.set_ylabel("y [m]" + (f", {stretched} times" if stretched > 1 else ""))
+        if row + 1 < len(groups):
+            above.tick_params(labelbottom=False)
+    above.set_xlabel("x [m]")
+    crossings(figure.add_subplot(grid[:, 1]), part, gate)
     return figure
+
+
+def crossings(axes, part, gate):
+    """Where the centre crossed the plane, to the left of the gate's middle: flights by centimetre."""
+    half = gate["inner"] / 2
+    places = [100 * x for x in part["lateral_m"] if x is not None and abs(x) < gate["outer"]]
+    low, high = min([*places, -100 * half]) - 2, max([*places, 100 * half]) + 2
+    axes.axvspan(-100 * (half - HALF_DRONE_M), 100 * (half - HALF_DRONE_M), color=style.GREEN, alpha=0.10, linewidth=0)
+    for side in (-1, 1):
+        axes.axvline(side * 100 * half, color="black", linewidth=3)
+    axes.hist(places, bins=np.arange(np.floor(low), np.ceil(high) + 1), color=style.BLUE)
+    axes.text(0, axes.get_ylim()[1], "room for a drone that flies straight through", ha="center", va="bottom", fontsize=8, color=style.GREEN)
+    never = len(part["lateral_m"]) - len(places)
+    more = f"\n{never} of {len(part['lateral_m'])} never came to the plane" if never else ""
+    axes.set(xlabel="left of the middle, at the gate's plane [cm]" + more, ylabel="flights", xlim=(high, low))
+
+
+def failures(found):
+    """What the camera saw a metre before the gate, of each flight that did not pass."""
+    columns = min(6, len(found))
+    rows = -(-len(found) // columns)
+    figure, axes = plt.subplots(rows, columns, figsize=(10, 2.3 * rows), constrained_layout=True, squeeze=False)
+    for plot in axes.flat:
+        plot.axis("off")
+    for plot, failed in zip(axes.flat, found):
+        plot.imshow(decoded(failed["picture"]), cmap="gray", vmin=0, vmax=255)
+        plot.set_title(f"{short_name(failed['name'])}: {failed['outcome'].replace('_', ' ')}", fontsize=8, color=FAILED)
+    return figure
+
+
+def short_name(name):
+    """"hard-1-002-pictures" is start 2."""
+    return f"start {int(name.split('-')[2])}"
 
 
 def landing(found):
@@ -162,21 +204,21 @@ def landing(found):
             for flight in entry["flights"]:
                 axes.plot(x, flight["charge"], "o" if flight["landed"] else "x",
                           color=PASSED if flight["landed"] else FAILED, markersize=7)
-    axes.axhline(10, color="#999999", linewidth=0.8, linestyle="--")
+    axes.axhline(10, color=style.FAINT, linewidth=0.8, linestyle="--")
     axes.plot([], [], color="black", label="protection opens in hover")
     axes.plot([], [], "o", color=PASSED, label="landed under power")
     axes.plot([], [], "x", color=FAILED, label="fell")
-    axes.plot([], [], color="#999999", linewidth=0.8, linestyle="--", label="the paper's 10 %")
+    axes.plot([], [], color=style.FAINT, linewidth=0.8, linestyle="--", label="the paper's 10 %")
     axes.set(ylabel="charge when the landing begins [%]", ylim=(4, 13))
     axes.set_xticks(list(places), list(places.values()), fontsize=7)
-    axes.legend(frameon=False, fontsize=8, ncol=2)
+    axes.legend(fontsize=8, ncol=2)
     return figure
 
 
 COURSE = (("z_m", "altitude [m]"), ("km_h", "speed [km/h]"), ("v", "cell [V]"), ("w", "power [W]"))
 
 
-def draw_course(column, course, quantities, colour="#4878a8"):
+def draw_course(column, course, quantities, colour=style.BLUE):
     for plot, (name, label) in zip(column, quantities):
         plot.plot(course["s"], course[name], color=colour, linewidth=1.2)
         plot.set_ylabel(label)

@@ -47,6 +47,7 @@ class Flight:
     stuck_s: float = None   # ends so long after the referee said that it is stuck; none: goes on
     record: tuple = ()      # variables to record; none: the usual ones
     pictures: bool = False
+    replay: bool = False    # with all that a page of the flight shows
 
     def parameters(self):
         values = dict(scenario(self.scenario))
@@ -90,6 +91,8 @@ def config(flight):
     if flight.stuck_s is not None:
         system["stop_when"].append({"variable": "world.gate.stuck", "equals": True, "for": flight.stuck_s})
     system["record"] = {"variables": list(flight.record) or RECORDED, "interval": 0.1}
-    if not flight.pictures:
+    if flight.replay:
+        system["record"] = {"interval": 0.03}
+    elif not flight.pictures:
         del system["pictures"]
     return system

@@ -3,8 +3,7 @@
 
 import html
 import json
-
-import matplotlib.pyplot as plt
+import math
 
 import figures
 import targets
@@ -52,10 +51,9 @@ class Page:
         self.markdown.append(text)
 
     def figure(self, name, title, figure):
-        figure.savefig(self.folder / f"{name}.png", dpi=110, metadata={"Software": None})
         self.html.append(figures.svg(figure))
         self.markdown.append(f"![{title}]({PICTURES}{name}.png)")
-        plt.close(figure)
+        figures.style.save(figure, self.folder / f"{name}.png")
 
     def table(self, head, rows, caption=""):
         def cell(content):
@@ -67,10 +65,12 @@ class Page:
         lines = ["| " + " | ".join(map(str, line)) + " |" for line in (head, ["---"] * len(head), *rows)]
         self.markdown.append((f"{caption}:\n\n" if caption else "") + "\n".join(lines))
 
-    def picture(self, url, text):
-        """Only in the HTML file, which holds it."""
-        self.html.append(f"<figure><img src='{url}' alt='view near the gate'><figcaption>{html.escape(text)}</figcaption>"
-                         "</figure>")
+    def picture(self, url, text, link=None):
+        """Only in the HTML file, which holds it. `link`: the page to see the flight, beside the report."""
+        picture = f"<img src='{url}' alt='view near the gate'>"
+        linked = f"<a href='{html.escape(link)}'>{picture}</a>" if link else picture
+        more = f" <a href='{html.escape(link)}'>See it fly</a>" if link else ""
+        self.html.append(f"<figure>{linked}<figcaption>{html.escape(text)}{more}</figcaption></figure>")
 
     def write(self, out, title):
         (out / "report.html").write_text(
@@ -173,10 +173,23 @@ def robustness(page, data):
         forwards, sideways, turned = part["spread"]
         page.text(f"{name}: starts up to {forwards} m forwards or back, {sideways} m sideways, {turned} rad turned; the camera's "
                   "noise differs too.")
-        page.figure(f"starts_{name}", f"Random starts: {name}", figures.starts(part["ways"], scenario(name)["world.scene.name"]))
-        for failed in part["failures"]:
-            page.picture(failed["picture"], f"{failed['name']}: {plain(failed['outcome'])}; start {failed['start']}; the view a "
-                                            "metre before the gate")
+        page.figure(f"starts_{name}", f"Random starts: {name}", figures.starts(part, scenario(name)["world.scene.name"]))
+        failures(page, name, part["failures"])
+
+
+def failures(page, name, found):
+    if not found:
+        return
+    page.text(f"{name}: {len(found)} of those that did not pass, each with what the camera saw a metre before the gate. A click shows "
+              "the flight, where its page was made: `examples/paper/run.sh --parts hard` flies every one again, with all that can be "
+              "recorded, and writes the pages beside its report.")
+    page.markdown.append(f"![What the camera saw a metre before the gate]({PICTURES}failures_{name}.png)")
+    figures.style.save(figures.failures(found), page.folder / f"failures_{name}.png")
+    for failed in found:
+        forwards, left, turned = failed["start"]
+        page.picture(failed["picture"], f"{figures.short_name(failed['name'])}: {plain(failed['outcome'])}. It began "
+                     f"{100 * abs(forwards):.0f} cm {'nearer' if forwards > 0 else 'farther away'}, {100 * abs(left):.0f} cm to the "
+                     f"{'left' if left > 0 else 'right'}, turned by {math.degrees(turned):.1f} degrees.", failed.get("replay"))
 
 
 def clocks(page, data):

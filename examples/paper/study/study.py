@@ -10,6 +10,7 @@ import json
 import os
 import pathlib
 import shutil
+import subprocess
 import sys
 import time
 
@@ -23,7 +24,6 @@ from results import PASSED
 from run import Place, fly_all
 
 PARTS = ("experiments", "landing", "clocks", *experiments.SPREAD)
-PICTURED_FAILURES = 6
 PUBLISHED = ROOT / "examples/paper/results.json"
 STARTS_PER_CLOCK = 20  # a clock flies one in so many of the random starts of a scenario
 
@@ -58,16 +58,24 @@ def fly_clocks(place, data, count):
     data["clocks"] = collect.clocks(flights, fly_all([f for group in flights.values() for f in group], place))
 
 
+def replay(place, name, summary):
+    """Writes the page of a flight; its address beside the report."""
+    file = place.results.parent / "replays" / f"{name}.html"
+    file.parent.mkdir(exist_ok=True)
+    subprocess.run([place.build / "bin/mebots", "report", summary["folder"], "--out", file], check=True, stdout=subprocess.DEVNULL)
+    return file.relative_to(place.results.parent).as_posix()
+
+
 def fly_starts(place, data, name, count):
-    """Random starts of a scenario; a few of those that fail are flown again with pictures."""
+    """Random starts of a scenario; those that fail are flown again, each for a page of its own."""
     flights = experiments.starts(name, count, seed=1)
     summaries = fly_all(flights, place)
     part = collect.robustness(name, flights, summaries)
-    failed = [f for f in flights if summaries[f.name]["outcome"] not in PASSED][:PICTURED_FAILURES]
-    again = [dataclasses.replace(f, name=f"{f.name}-pictures", pictures=True) for f in failed]
+    failed = [f for f in flights if summaries[f.name]["outcome"] not in PASSED]
+    again = [dataclasses.replace(f, name=f"{f.name}-replay", replay=True) for f in failed]
     if again:
         pictured = fly_all(again, place)
-        part["failures"] = [collect.failure(f, pictured[f.name]) for f in again]
+        part["failures"] = [{**collect.failure(f, pictured[f.name]), "replay": replay(place, f.name, pictured[f.name])} for f in again]
     data.setdefault("robustness", {})[name] = part
 
 
