@@ -142,6 +142,18 @@ Flight fly_changed(const std::vector<std::string>& sets) {
   return fly(write(folder / "changed.json", shipped_config("gate_easy")), folder / "out", sets);
 }
 
+TEST(Mission, EasyOneAsItIsShippedWritesLessThanThreeMegabytes) {
+  const Folder folder;
+  const auto flight = fly(write(folder / "easy.json", shipped_config("gate_easy")), folder / "out");
+  ASSERT_EQ(flight.exit_code, 0) << flight.output;
+  std::uintmax_t bytes = 0;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder / "out")) {
+    if (entry.is_regular_file()) bytes += entry.file_size();
+  }
+  EXPECT_LT(bytes, 3'000'000U);
+  EXPECT_GT(bytes, 1'000'000U) << "table, pictures and scene are there";
+}
+
 TEST(Mission, GateIsFoundByVisionFromATurnedStart) {
   const auto flight = fly_changed({"world.start.yaw_offset=0.35"});
   EXPECT_EQ(flight.exit_code, 0);

@@ -93,6 +93,7 @@ def config(flight):
     system["record"] = {"variables": list(flight.record) or RECORDED, "interval": 0.1}
     if flight.replay:
         system["record"] = {"interval": 0.03}
+        system["pictures"][0]["interval"] = 3  # a flight that is stuck is a long one
     elif not flight.pictures:
         del system["pictures"]
     return system
