@@ -22,7 +22,9 @@ export interface Drawing {
   redraw(): void;
 }
 
-export function makePanel(info: PanelInfo, runs: Run[], clock: Clock, window: Window, onClose?: () => void): HTMLElement {
+export function makePanel(info: PanelInfo, allRuns: Run[], clock: Clock, window: Window, onClose?: () => void): HTMLElement {
+  // Of parts that always make one whole there is no sum to compare: they are the first run's.
+  const runs = isShares(info, allRuns[0]) ? allRuns.slice(0, 1) : allRuns;
   const curves = curvesOf(info, runs);
   const kind = info.kind === "stack" && runs.length > 1 ? "lines" : info.kind;
   const runCount = new Set(curves.map((entry) => entry.runIndex)).size;
@@ -34,6 +36,7 @@ export function makePanel(info: PanelInfo, runs: Run[], clock: Clock, window: Wi
     title.append(element("span", { class: "unit" }, ` [${[...unit][0]}]`));
   }
   if (curves.some(({ curve }) => curve.isRate)) title.append(meanNote(window));
+  if (runs.length < allRuns.length) title.append(element("span", { class: "unit" }, ` of ${runs[0].name}`));
   const heading = element("header", {}, title, values);
   if (onClose) heading.append(element("button", { class: "close", title: "Remove this plot", onclick: onClose }, "\u00d7"));
   root.append(heading);
@@ -55,6 +58,10 @@ export function makePanel(info: PanelInfo, runs: Run[], clock: Clock, window: Wi
   });
   show();
   return root;
+}
+
+function isShares(info: PanelInfo, run: Run): boolean {
+  return info.kind === "stack" && info.curves.every((wanted) => run.curve(wanted)?.unit === "1");
 }
 
 /** Over which time what is shown is a mean. */
