@@ -46,13 +46,14 @@ function(mebots_soc_board name file)
 endfunction()
 
 # mebots_add_firmware(<name> SOURCES <file>... [DRIVERS <name>...] [DATA <file>...] [BOARD <name of mebots_soc_board>]
-#   [NO_CLUSTER])
+#   [NO_CLUSTER] [OPTIONS <compiler option>...] [LINKER_SCRIPT <file>])
 # Compiles C and assembler sources, links them with the runtime of fmu_soc/firmware, and makes
 # ${PROJECT_BINARY_DIR}/firmware/<name>.elf as target <name>_firmware. DRIVERS are those of fmu_soc/firmware/drivers;
 # DATA are files that assembler sources bring in. BOARD is the AI-deck when not said; NO_CLUSTER is for a board without
-# one.
+# one. OPTIONS come behind the usual ones, so that -Os or -O3 holds in place of -O2. LINKER_SCRIPT takes the place of the
+# runtime's (firmware/runtime/link.ld.in, whose symbols it must define); the C preprocessor fills in the board's memory map.
 function(mebots_add_firmware name)
-  cmake_parse_arguments(ARG "NO_CLUSTER" "BOARD" "SOURCES;DRIVERS;DATA" ${ARGN})
+  cmake_parse_arguments(ARG "NO_CLUSTER" "BOARD;LINKER_SCRIPT" "SOURCES;DRIVERS;DATA;OPTIONS" ${ARGN})
   mebots_find_riscv_gcc()
   get_property(root GLOBAL PROPERTY MEBOTS_ROOT)
   set(firmware_dir ${root}/fmu_soc/firmware)
@@ -70,6 +71,11 @@ function(mebots_add_firmware name)
       -ffile-prefix-map=${PROJECT_BINARY_DIR}=. -ffile-prefix-map=${PROJECT_SOURCE_DIR}=. -ffile-prefix-map=${root}=.)
   if(MEBOTS_WARNINGS_AS_ERRORS)
     list(APPEND options -Werror)
+  endif()
+  list(APPEND options ${ARG_OPTIONS})
+  set(script_source ${firmware_dir}/runtime/link.ld.in)
+  if(ARG_LINKER_SCRIPT)
+    get_filename_component(script_source ${ARG_LINKER_SCRIPT} ABSOLUTE)
   endif()
 
   # The order is that of the code in memory: another one costs other refills of the instruction cache.
@@ -122,10 +128,10 @@ function(mebots_add_firmware name)
   add_custom_command(
     OUTPUT ${elf} ${script}
     COMMAND ${MEBOTS_RISCV_GCC} -E -P -x assembler-with-cpp -include ${board_dir}/board.h
-            ${firmware_dir}/runtime/link.ld.in -o ${script}
+            ${script_source} -o ${script}
     COMMAND ${MEBOTS_RISCV_GCC} -march=rv32imc -mabi=ilp32 -nostdlib -Wl,--gc-sections -Wl,--fatal-warnings
             -T ${script} -Wl,-Map=${out_dir}/${name}.map ${objects} ${MEBOTS_RISCV_LIBGCC} -o ${elf}
-    DEPENDS ${objects} ${firmware_dir}/runtime/link.ld.in ${ARG_BOARD}_headers ${board_file}
+    DEPENDS ${objects} ${script_source} ${ARG_BOARD}_headers ${board_file}
     COMMENT "Linking ${name}.elf"
     VERBATIM)
   add_custom_target(${name}_firmware ALL DEPENDS ${elf})

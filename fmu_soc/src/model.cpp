@@ -178,7 +178,7 @@ void Model::write(Outputs& outputs) const {
     outputs.state_time_s[i] = static_cast<double>(soc_.state_times().total(i)) * kPicosecond;
   }
   outputs.core_running = soc_.running();
-  outputs.core_faulted = soc_.hart().fault().happened;
+  outputs.core_faulted = soc_.faulted();
   outputs.core_exit_code = soc_.exit_code();
   outputs.energy_total_j = energy.total_j();
   for (std::size_t i = 0; i < kParts; ++i) outputs.energy_j[i] = energy.by_part_j[i];

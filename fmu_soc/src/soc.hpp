@@ -157,6 +157,8 @@ class Soc final : private Bus {
     if (host_exit_) return static_cast<std::int32_t>(*host_exit_);
     return power_manager_ ? power_manager_->exit_code() : 0;
   }
+  /// Whether a core cannot go on, of the cluster's too.
+  bool faulted() const { return hart_.fault().happened || (cluster_ && cluster_->faulted_core() >= 0); }
   /// Why the core cannot go on, with function and instruction; empty without a fault.
   std::string fault_text() const;
 

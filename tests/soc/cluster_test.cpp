@@ -276,6 +276,7 @@ TEST(Cluster, LeavesL1OnlyWhileItIsOn) {
   BoardSystem system("_start: li a0, L1_BASE\n lw a1, 0(a0)\n");
   system.soc.advance(1'000'000);
   EXPECT_EQ(system.soc.end(), End::faulted);
+  EXPECT_TRUE(system.soc.faulted());
   ASSERT_EQ(system.faults.size(), 1U);
   EXPECT_NE(system.faults[0].find("load from nothing"), std::string::npos) << system.faults[0];
 }
@@ -284,6 +285,7 @@ TEST(Cluster, SaysWhichCoreFaulted) {
   auto system = cores_run("li a1, 2\n bne s0, a1, 1f\n .word 0\n1:\n", 4);
   system.soc.advance(1'000'000);
   EXPECT_EQ(system.soc.end(), End::faulted);
+  EXPECT_TRUE(system.soc.faulted());
   ASSERT_EQ(system.faults.size(), 1U);
   EXPECT_NE(system.faults[0].find("cluster core 2: trap without a handler: illegal instruction"), std::string::npos)
       << system.faults[0];

@@ -84,6 +84,13 @@ TEST(Run, WritesTheSignatureWordsEightDigitsALine) {
   EXPECT_EQ(read_file(folder / "signature"), "00000003\nabcdef01\n00000012\n");
 }
 
+TEST(Run, OfFirmwareWithItsOwnOptimisationLevelAndMemoryMap) {
+  const std::string program = MEBOTS_BINARY_DIR "/firmware/own_map.elf";
+  EXPECT_EQ(Elf::read(program).entry(), 0x1C040000U);
+  const auto run = run_tool(fmt::format("run {} --board {}/configs/boards/ai_deck.json", program, MEBOTS_SOURCE_DIR));
+  EXPECT_EQ(run.exit_code, 23) << run.out << run.err;
+}
+
 TEST(Run, OfAProgramWithoutTohostThatSpinsEndsWithTheReason) {
   const Folder folder;
   const auto run = run_tool("run " + folder.program("_start: nop\nforever: j forever"));

@@ -1,0 +1,9 @@
+// SPDX-License-Identifier: Apache-2.0
+// Built without optimisation, at an address of its own.
+int main(void) {
+#ifdef __OPTIMIZE__
+  return 1;
+#else
+  return 23;
+#endif
+}
