@@ -128,11 +128,12 @@ void CoreProfile::step(const Step& step, Now now) {
     push(functions_.entered(step.next), step.after, Kind::function);
   } else if (step.op == Op::mret) {
     return_from_trap(step.next);
-  } else if (step.op == Op::jalr && is_link(step.rs1) && return_to(step.next, now)) {
-    // A call that was not meant to return may have been the last of its function.
-    go_to(step.next, now);
-  } else if (step.next != step.after || !functions_.inside(stack_.back().place, step.next)) {
-    go_to(step.next, now);
+  } else {
+    // Behind a call that was not meant to return, another function may begin.
+    const bool returned = step.op == Op::jalr && is_link(step.rs1) && return_to(step.next, now);
+    if (returned || step.next != step.after || !functions_.inside(stack_.back().place, step.next)) {
+      go_to(step.next, now);
+    }
   }
 }
 
