@@ -3,12 +3,14 @@
 """Many futures of one past: missions that go on from a saved state, and studies that fork."""
 
 import json
+import os
 import sys
 import unittest
+import unittest.mock
 
 import mebots
+from mebots.exploration import pasts
 from mebots.exploration.missions import Missions
-from mebots.exploration.pasts import Pasts
 from mebots.exploration.study import read_study
 from mebots.exploration.worker import Worker
 from support import BUILD, SOURCE, StudyCase
@@ -145,19 +147,32 @@ class Forks(StudyCase):
 
     def test_the_past_is_flown_once_for_all_that_share_it(self):
         missions = Missions(read_study(self.study(fork=self.FORK)))
-        pasts = self.folder / "pasts"
-        pasts.mkdir()
-        worker = Worker(str(self.folder), Pasts(pasts))
+        folder = self.folder / "pasts"
+        folder.mkdir()
+        worker = Worker(str(self.folder), pasts.Pasts(folder))
         orders = [missions.order({"a.gain": gain, "a.real_in": drive}) for gain in (0.2, 1) for drive in (1, 2, 3)]
         records = [worker.answer(json.loads(json.dumps(order))) for order in orders]
-        self.assertEqual(len(list(pasts.iterdir())), 2)
-        for state in pasts.iterdir():  # what is lost is flown again
+        self.assertEqual(len(list(folder.iterdir())), 2)
+        for state in folder.iterdir():  # what is lost is flown again
             state.unlink()
-        alone = Worker(str(self.folder), Pasts(pasts))
+        alone = Worker(str(self.folder), pasts.Pasts(folder))
         for order, record in zip(reversed(orders), reversed(records), strict=True):
             again = alone.answer(json.loads(json.dumps(order)))
             self.assertEqual(again | {"processor_time": 0}, record | {"processor_time": 0})
             self.assertEqual(record["error"], "")
+
+    def test_states_beyond_the_room_for_them_go_those_used_longest_ago_first(self):
+        folder = self.folder / "pasts"
+        folder.mkdir()
+        with unittest.mock.patch.multiple(pasts, MOST_BYTES=250, _LOOK_EVERY_BYTES=0):
+            keeper = pasts.Pasts(folder)
+            for number, name in enumerate("abc"):
+                keeper.keep(name, b"x" * 100)
+                os.utime(folder / name, (number + 1, number + 1))
+            self.assertEqual(pasts.Pasts(folder).find("b"), b"x" * 100)  # used now
+            keeper.keep("d", b"x" * 100)
+        self.assertEqual(sorted(file.name for file in folder.iterdir()), ["b", "d"])
+        self.assertIsNone(pasts.Pasts(folder).find("a"))
 
     def test_a_mission_that_ended_before_the_fork_has_one_future(self):
         config = json.loads((self.folder / "mission.json").read_text())

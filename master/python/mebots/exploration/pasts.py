@@ -12,12 +12,15 @@ import pathlib
 _MOST_IN_MEMORY = 4
 MOST_BYTES = 4 << 30
 """On disk. Those that were used longest ago go first."""
+_LOOK_EVERY_BYTES = MOST_BYTES // 64
+"""Written by one process, before it looks how full the folder is: a look reads the size of every state in it."""
 
 
 class Pasts:
     def __init__(self, folder: str | os.PathLike[str]) -> None:
         self._folder = pathlib.Path(folder)
         self._recent: collections.OrderedDict[str, bytes] = collections.OrderedDict()
+        self._unseen_bytes = 0
 
     def find(self, name: str) -> bytes | None:
         if name in self._recent:
@@ -40,7 +43,10 @@ class Pasts:
             except OSError:
                 beside.unlink(missing_ok=True)
                 raise
-            self._make_room()
+            self._unseen_bytes += len(state)
+            if self._unseen_bytes > _LOOK_EVERY_BYTES:
+                self._unseen_bytes = 0
+                self._make_room()
 
     def _remember(self, name: str, state: bytes) -> None:
         self._recent[name] = state
