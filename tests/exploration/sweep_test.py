@@ -407,6 +407,17 @@ class Kept(StudyCase):
             self.assertEqual(json.loads((folder / "summary.json").read_text())["integral"], float(row["integral"]))
         self.assertEqual(len(list((self.folder / "out" / "flights").iterdir())), 20)
 
+    def test_no_temporary_files_stay(self):
+        temporary = self.folder / "temporary"
+        temporary.mkdir()
+        self.study(fork={"at": 0.5, "variables": ["a.real_in"]})
+        environment = dict(os.environ, TMPDIR=str(temporary))
+        command = [MEBOTS, "sweep", str(self.folder / "study.json"), "--out", str(self.folder / "out"), "--jobs", "2"]
+        subprocess.run(command, env=environment, capture_output=True, check=True)
+        # Unpacked FMUs of a process that was killed are removed by whoever unpacks the next one.
+        left = [path.name for path in temporary.iterdir() if not path.name.startswith("mebots-fmu-")]
+        self.assertEqual(left, [])
+
     def test_results_that_were_lost_are_flown_again_and_others_are_not(self):
         self.study(results=True)
         self.sweep()

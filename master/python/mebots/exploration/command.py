@@ -64,8 +64,7 @@ def _campaign(study: Study, executor: concurrent.futures.Executor | None, jobs: 
     finally:
         ended = flying.end_all()
         threads.shutdown(wait=True, cancel_futures=True)
-        for process in ended:
-            process.close()
+        flying.close_ended(ended)
 
 
 def main(words: list[str] | None = None) -> int:

@@ -45,7 +45,7 @@ class MissionProcess:
         package = str(pathlib.Path(__file__).resolve().parents[2])
         environment["PYTHONPATH"] = os.pathsep.join([package, *filter(None, [environment.get("PYTHONPATH")])])
         self._process = subprocess.Popen(
-            [sys.executable, "-m", "mebots.exploration.worker", str(life), str(out), _folder_of_pasts()],
+            [sys.executable, "-m", "mebots.exploration.worker", str(life), str(out), _folder()],
             stdin=subprocess.PIPE,
             stdout=subprocess.DEVNULL,  # an FMU may print
             stderr=self._last_words,  # of an assertion, say
@@ -177,16 +177,17 @@ _mine = threading.local()
 _all: set[MissionProcess] = set()
 _closing = threading.Event()
 _lock = threading.Lock()
-_pasts: tempfile.TemporaryDirectory[str] | None = None
+_place: tempfile.TemporaryDirectory[str] | None = None
 
 
-def _folder_of_pasts() -> str:
-    """Where the mission processes of this process keep states for each other."""
-    global _pasts
+def _folder() -> str:
+    """For the temporary files of this process's mission processes, which are killed and cannot clean up, and for what
+    they keep for each other."""
+    global _place
     with _lock:
-        if _pasts is None:
-            _pasts = tempfile.TemporaryDirectory(prefix="mebots-pasts-")
-        return _pasts.name
+        if _place is None:
+            _place = tempfile.TemporaryDirectory(prefix="mebots-sweep-", ignore_cleanup_errors=True)
+        return _place.name
 
 
 def fly(order: Order) -> dict[str, Any]:
@@ -234,25 +235,31 @@ def ready() -> None:
 
 
 def end_all() -> list[MissionProcess]:
-    """Ends all mission processes of this process, whatever they do. They are to be closed when no thread waits for
-    them any more."""
-    global _pasts
+    """Ends all mission processes of this process, whatever they do. They are for ``close_ended`` when no thread waits
+    for them any more."""
     _closing.set()
     with _lock:
         processes = list(_all)
         _all.clear()
-        pasts, _pasts = _pasts, None
     for process in processes:
         process.end()
-    if pasts is not None:
-        pasts.cleanup()
     return processes
+
+
+def close_ended(processes: list[MissionProcess]) -> None:
+    """Waits for mission processes that were ended, and removes their files."""
+    global _place
+    for process in processes:
+        process.close()
+    with _lock:
+        place, _place = _place, None
+    if place is not None:
+        place.cleanup()
 
 
 def close_all() -> None:
     """Ends and closes all mission processes of this process, of which no other thread may use one."""
-    for process in end_all():
-        process.close()
+    close_ended(end_all())
 
 
 # Files by hash.

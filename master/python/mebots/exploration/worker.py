@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Flies orders, one after the other: ``python -m mebots.exploration.worker LIFE OUT PASTS``.
+"""Flies orders, one after the other: ``python -m mebots.exploration.worker LIFE OUT FOLDER``.
 
 Orders come on standard input and records go to the file descriptor OUT, a line of JSON each. The process ends when
-nobody holds the other end of the descriptor LIFE any more, so none outlives who started it; the folder PASTS, which
-belongs to that one too, goes then. FMUs are loaded once; between missions their instances are made anew.
+nobody holds the other end of the descriptor LIFE any more, so none outlives who started it; FOLDER, for temporary files
+and for states that others begin with, belongs to that one and goes with it. FMUs are loaded once; between missions their instances are made anew.
 """
 
 from __future__ import annotations
@@ -190,11 +190,10 @@ def _without_paths(text: str, order: Order) -> str:
     return without_paths(text)
 
 
-def _end_with(descriptor: int, *folders: str) -> None:
+def _end_with(descriptor: int, folder: str) -> None:
     with contextlib.suppress(OSError):
         os.read(descriptor, 1)
-    for folder in folders:
-        shutil.rmtree(folder, ignore_errors=True)
+    shutil.rmtree(folder, ignore_errors=True)
     os._exit(1)
 
 
@@ -206,14 +205,15 @@ def _answer(worker: Worker, order: Order) -> dict[str, Any]:
 
 
 def main() -> None:
-    life, out, pasts = int(sys.argv[1]), int(sys.argv[2]), sys.argv[3]
+    life, out, folder = int(sys.argv[1]), int(sys.argv[2]), sys.argv[3]
+    threading.Thread(target=_end_with, args=(life, folder), daemon=True).start()
     records = os.fdopen(out, "w", encoding="utf-8")
-    with tempfile.TemporaryDirectory(prefix="mebots-worker-") as folder:
-        threading.Thread(target=_end_with, args=(life, folder, pasts), daemon=True).start()
-        worker = Worker(folder, Pasts(pasts))
-        print("{}", file=records, flush=True)  # ready: what comes now is the mission's time
-        for line in sys.stdin:
-            print(json.dumps(_answer(worker, json.loads(line))), file=records, flush=True)
+    pasts = os.path.join(folder, "pasts")
+    os.makedirs(pasts, exist_ok=True)
+    worker = Worker(tempfile.mkdtemp(prefix="worker-", dir=folder), Pasts(pasts))
+    print("{}", file=records, flush=True)  # ready: what comes now is the mission's time
+    for line in sys.stdin:
+        print(json.dumps(_answer(worker, json.loads(line))), file=records, flush=True)
 
 
 if __name__ == "__main__":
