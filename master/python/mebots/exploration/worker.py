@@ -27,6 +27,7 @@ from mebots.exploration.missions import FILE_MARK, Order, without_paths
 from mebots.exploration.pasts import Pasts
 
 _MOST_OPEN = 4  # configs whose FMUs stay loaded
+_TRIES_TO_REMOVE = 20
 
 
 class Worker:
@@ -193,7 +194,11 @@ def _without_paths(text: str, order: Order) -> str:
 def _end_with(descriptor: int, folder: str) -> None:
     with contextlib.suppress(OSError):
         os.read(descriptor, 1)
-    shutil.rmtree(folder, ignore_errors=True)
+    for _ in range(_TRIES_TO_REMOVE):  # a mission may still be writing its state
+        shutil.rmtree(folder, ignore_errors=True)
+        if not os.path.exists(folder):
+            break
+        time.sleep(0.1)
     os._exit(1)
 
 
@@ -206,14 +211,17 @@ def _answer(worker: Worker, order: Order) -> dict[str, Any]:
 
 def main() -> None:
     life, out, folder = int(sys.argv[1]), int(sys.argv[2]), sys.argv[3]
-    threading.Thread(target=_end_with, args=(life, folder), daemon=True).start()
+    ending = threading.Thread(target=_end_with, args=(life, folder), daemon=True)
+    ending.start()
     records = os.fdopen(out, "w", encoding="utf-8")
     pasts = os.path.join(folder, "pasts")
     os.makedirs(pasts, exist_ok=True)
     worker = Worker(tempfile.mkdtemp(prefix="worker-", dir=folder), Pasts(pasts))
-    print("{}", file=records, flush=True)  # ready: what comes now is the mission's time
-    for line in sys.stdin:
-        print(json.dumps(_answer(worker, json.loads(line))), file=records, flush=True)
+    with contextlib.suppress(BrokenPipeError):  # nobody reads any more
+        print("{}", file=records, flush=True)  # ready: what comes now is the mission's time
+        for line in sys.stdin:
+            print(json.dumps(_answer(worker, json.loads(line))), file=records, flush=True)
+    ending.join()  # who gave orders is gone, or ends this process now
 
 
 if __name__ == "__main__":
