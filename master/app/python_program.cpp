@@ -28,9 +28,8 @@ constexpr const char* kStart =
     "try:\n"
     "    from {} import main\n"
     "except ImportError as error:\n"
-    "    print(f'mebots: error: Python {{sys.version.split()[0]}} at {{sys.executable}} cannot load the package "
-    "mebots: "
-    "{{error}}. MEBOTS_PYTHON names another Python', file=sys.stderr)\n"
+    "    print(f'mebots: error: Python {{sys.version.split()[0]}} at {{sys.executable}} cannot load the package '\n"
+    "          f'mebots: {{error}}. MEBOTS_PYTHON names another Python', file=sys.stderr)\n"
     "    sys.exit(2)\n"
     "sys.exit(main())\n";
 

@@ -16,6 +16,7 @@ import pathlib
 import shutil
 import subprocess
 import tempfile
+import time
 from collections.abc import Iterator
 from typing import Any
 
@@ -23,7 +24,7 @@ from mebots.errors import Error, InputError
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 WIDTH, HEIGHT = 1280, 720
-PATIENCE_S = 60  # of one answer of the page
+PATIENCE_S = 120  # until the page is drawn
 ABOVE = 10  # file descriptors from here on are nobody's: Chromium wants 3 and 4
 
 # A moment stands on the page once two frames are drawn.
@@ -31,14 +32,11 @@ SHOW = """new Promise((done) => {
   globalThis.mebots.clock.set(%r);
   requestAnimationFrame(() => requestAnimationFrame(() => done()));
 })"""
-READY = """new Promise((done) => {
-  const look = () => {
-    const { state } = document.documentElement.dataset;
-    if (state === "loading") setTimeout(look, 20);
-    else done(state === "ready" ? globalThis.mebots.clock.end : document.body.innerText);
-  };
-  look();
-})"""
+# The run's end once all is drawn, nothing before that, or what the page says in its place.
+READY = """(() => {
+  const state = document.documentElement?.dataset.state ?? "loading";
+  return state === "loading" ? null : state === "ready" ? globalThis.mebots.clock.end : document.body.innerText;
+})()"""
 
 
 def write_film(page: pathlib.Path, out: pathlib.Path, frames_per_second: int, speed: float) -> int:
@@ -92,7 +90,11 @@ class _Tab:
     def open(self, page: pathlib.Path) -> float:
         """Waits until all is drawn. Returns the run's end [s]."""
         self._call("Page.navigate", url=page.resolve().as_uri())
-        end = self.evaluate(READY)
+        deadline = time.monotonic() + PATIENCE_S
+        while (end := self.evaluate(READY)) is None:
+            if time.monotonic() > deadline:
+                raise Error(f"{page}: it was not drawn within {PATIENCE_S} s", "system_failure")
+            time.sleep(0.05)
         if not isinstance(end, (int, float)):
             raise Error(f"{page}: this page cannot be drawn: {end}", "system_failure")
         return float(end)
