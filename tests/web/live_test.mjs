@@ -156,7 +156,7 @@ const tests = {
   async "the page follows a flight, holds it, and shows its end"() {
     if (!chromium || chromium.endsWith("NOTFOUND")) return console.log("      left out: there is no Chromium; scripts/setup.sh installs it");
     const { launch, openUrl } = await import("./browser.mjs");
-    const live = await runLive("flight", resolve(configs, "gate_easy.json"), ["--stop-time", "4"]);
+    const live = await runLive("flight", resolve(configs, "gate_easy.json"), ["--stop-time", "20"]); // long enough to be caught
     const browser = await launch(chromium);
     try {
       await order(live, "hold");
@@ -168,7 +168,7 @@ const tests = {
       await page.click("#hold");
       await page.waitForFunction((before) => globalThis.mebots.clock.time > before, { timeout: 60000 }, stood);
       await page.waitForFunction(() => document.getElementById("live").textContent === "ended", { timeout: 300000 });
-      assert.equal(await time(), 4);
+      assert.equal(await time(), 20);
       // What came piece by piece is what the results hold.
       const [head, ...lines] = results("flight").trim().split("\n");
       for (const name of ["world.drone.position.z", "battery.cell.voltage", "soc.camera.trigger", "world.drone.phase"]) {
