@@ -8,6 +8,7 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <ctime>
 
 namespace mebots::master {
 namespace {
@@ -46,6 +47,22 @@ TEST(Config, TheSmallestConfigIsRead) {
 TEST(Config, InstancesKeepTheirOrder) {
   const auto system = read(config_with("", R"("z": {"fmu": "PROBE"}, "a": {"fmu": "PROBE"}, "m": {"fmu": "PROBE"})"));
   EXPECT_THAT(system.instance_names(), testing::ElementsAre("z", "a", "m"));
+}
+
+TEST(Config, ReadingTakesTimeByTheNumberOfInstancesNotByItsSquare) {
+  const modeldesc::TemporaryFolder folder("mebots-test");
+  const auto seconds = [&](int count) {
+    std::string instances;
+    for (int i = 0; i < count; ++i) {
+      instances += fmt::format(R"({}"i{}": {{"fmu": "{}"}})", i == 0 ? "" : ", ", i, PROBE_FMU);
+    }
+    test::write_file(folder.path() / "many.json", config_with("", instances));
+    const auto before = std::clock();
+    EXPECT_EQ(read_config(folder.path() / "many.json").instances.size(), static_cast<std::size_t>(count));
+    return static_cast<double>(std::clock() - before) / CLOCKS_PER_SEC;
+  };
+  // Ten times as many: ten times as long, were it not for caches; by the square it would be a hundred times.
+  EXPECT_LT(seconds(100'000), 40 * seconds(10'000));
 }
 
 TEST(Config, FmuPathsAreRelativeToTheConfig) {
@@ -171,6 +188,9 @@ TEST(Config, AnInstanceNameMayHoldDotsUnlessAnotherIsItsBeginning) {
   EXPECT_EQ(system.summary[0].variable, (VariableName{"left.arm", "real_out"}));
   EXPECT_THAT(reading_error(config_with("", R"("a.b": {"fmu": "PROBE"}, "a": {"fmu": "PROBE"})")),
               HasSubstr("'a.b' could be a variable of the instance 'a'"));
+  EXPECT_THAT(
+      reading_error(config_with("", R"("a.b.c": {"fmu": "PROBE"}, "a-": {"fmu": "PROBE"}, "a": {"fmu": "PROBE"})")),
+      HasSubstr("'a.b.c' could be a variable of the instance 'a'"));
 }
 
 TEST(Config, AnAlgorithmThatDoesNotExistIsToldBesideOtherMistakes) {

@@ -9,21 +9,28 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <functional>
+#include <set>
 
 namespace mebots::master::config {
 namespace {
 
 using ReadKey = void (*)(const Node&, InstanceDescription&, const SystemDescription&);
 
-void check_name(const std::string& name, const Node& node, const SystemDescription& system) {
+/// `others`: the names before it.
+void check_name(const std::string& name, const Node& node, const std::set<std::string, std::less<>>& others) {
   if (name.empty()) node.complain(ErrorCode::invalid_value, "an instance needs a name");
-  for (const auto& other : system.instances) {
-    const auto& [shorter, longer] =
-        std::minmax(name, other.name, [](const std::string& a, const std::string& b) { return a.size() < b.size(); });
-    if (!longer.starts_with(shorter + ".")) continue;
+  const auto complain = [&](std::string_view longer, std::string_view shorter) {
     node.complain(
         ErrorCode::invalid_value,
         fmt::format("the instance '{}' could be a variable of the instance '{}'; rename one of them", longer, shorter));
+  };
+  const std::string_view text = name;
+  for (auto dot = text.find('.'); dot != std::string_view::npos; dot = text.find('.', dot + 1)) {
+    if (others.contains(text.substr(0, dot))) complain(name, text.substr(0, dot));
+  }
+  for (auto other = others.lower_bound(name + "."); other != others.end() && other->starts_with(name + "."); ++other) {
+    complain(*other, name);
   }
   const bool control =
       std::any_of(name.begin(), name.end(), [](char c) { return static_cast<unsigned char>(c) < ' '; });
@@ -32,6 +39,12 @@ void check_name(const std::string& name, const Node& node, const SystemDescripti
 
 void read_fmu(const Node& node, InstanceDescription& instance, const SystemDescription& system) {
   instance.fmu = node.readable_text();
+  // Many instances are often of one FMU, and stand together.
+  if (!system.instances.empty() && system.instances.back().fmu == instance.fmu &&
+      !system.instances.back().fmu_path.empty()) {
+    instance.fmu_path = system.instances.back().fmu_path;
+    return;
+  }
   instance.fmu_path = find_fmu(instance.fmu, system.file.parent_path());
 }
 
@@ -115,8 +128,10 @@ void read_instance(const Node& node, InstanceDescription& instance, const System
 }  // namespace
 
 void read_instances(const Node& node, SystemDescription& system) {
+  std::set<std::string, std::less<>> names;
   for (const auto& [name, member] : node.members()) {
-    check_name(name, member, system);
+    check_name(name, member, names);
+    names.insert(name);
     InstanceDescription instance;
     instance.name = name;
     instance.place = member.place();
