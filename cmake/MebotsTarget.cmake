@@ -1,12 +1,19 @@
 # SPDX-License-Identifier: Apache-2.0
 
 # mebots_target(<target>)
-# Our own code's compile options: warnings, hidden symbols, the same floating point everywhere, assertions, sanitizers.
+# Our own code's compile options: warnings, hidden symbols, the same floating point everywhere, assertions, sanitizers,
+# hardening in releases; no path of this machine in what is built.
 function(mebots_target target)
   target_compile_features(${target} PUBLIC cxx_std_20)
   target_link_libraries(${target} PRIVATE mebots::math)
   target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wshadow -ffp-contract=off
     $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>)  # GCC 12 warns falsely at string + string, GCC bug 105651
+  target_compile_options(${target} PRIVATE -ffile-prefix-map=${PROJECT_SOURCE_DIR}=. -ffile-prefix-map=${PROJECT_BINARY_DIR}=.)
+  if(NOT MEBOTS_SANITIZE AND NOT MEBOTS_FUZZ)
+    target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-fstack-protector-strong>)
+    target_compile_definitions(${target} PRIVATE $<$<CONFIG:Release>:_FORTIFY_SOURCE=2>)
+    target_link_options(${target} PRIVATE $<$<CONFIG:Release>:LINKER:-z,relro,-z,now>)
+  endif()
   if(CMAKE_UNITY_BUILD)  # to GCC a source is then a header, in which a member from an anonymous namespace is suspicious
     target_compile_options(${target} PRIVATE $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-Wno-subobject-linkage>)
   endif()
