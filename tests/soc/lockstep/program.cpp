@@ -242,15 +242,13 @@ class Maker {
       auto decoded = decode(value, Extension::standard);
       if (decoded.encoding != &row) continue;
       const bool access = is_load(row.op) || is_store(row.op);
-      if (access) {
-        if (decoded.rs1 != kSp && decoded.rs1 != kPointer && decoded.rs1 != kOtherPointer) {
-          if (is_compressed(row.format)) continue;
-          // Once in a while an access fault; aligned, because who is at fault in a misaligned one is a matter of taste.
-          const bool faults = below(16) == 0;
-          value = (value & ~(31U << 15)) | (faults ? kNowhere : kPointer + below(2)) << 15;
-          if (faults) value &= is_store(row.op) ? 0xfffff07fU : 0xff0fffffU;
-          decoded = decode(value, Extension::standard);
-        }
+      if (access && decoded.rs1 != kSp && decoded.rs1 != kPointer && decoded.rs1 != kOtherPointer) {
+        if (is_compressed(row.format)) continue;
+        // Once in a while an access fault; aligned, because who is at fault in a misaligned one is a matter of taste.
+        const bool faults = below(16) == 0;
+        value = (value & ~(31U << 15)) | (faults ? kNowhere : kPointer + below(2)) << 15;
+        if (faults) value &= is_store(row.op) ? 0xfffff07fU : 0xff0fffffU;
+        decoded = decode(value, Extension::standard);
       }
       const bool writes = !is_store(row.op);
       // c.addi16sp may move the stack pointer a little.
