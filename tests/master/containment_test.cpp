@@ -2,10 +2,13 @@
 // What an FMU does to the process that it shares with the master and the other FMUs: told, with its name, and kept from
 // them where it can be.
 #include "slave/float_environment.hpp"
+#include "slave/process_state.hpp"
 #include "test_system.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <gmock/gmock.h>
+#include <unistd.h>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
@@ -74,6 +77,20 @@ TEST_F(Containment, WhatInitialisationChangesInTheProcessIsToldAndPutBack) {
 
 TEST_F(Containment, AnFmuThatChangesNothingIsNotSpokenOf) {
   EXPECT_THAT(run("").err, Not(HasSubstr("changed")));
+}
+
+TEST(ProcessState, AnFmuMayCloseWhatItOpened) {
+  const master::ProcessState before;
+  const int opened = open("/dev/null", O_RDONLY | O_CLOEXEC);
+  ASSERT_GE(opened, 0);
+  const auto own = before.opened();
+  EXPECT_EQ(own.size(), 1U);
+  const master::ProcessState knowing(own);
+  const master::ProcessState ignorant;
+  EXPECT_EQ(knowing.opened().count(opened), 1U) << "still its own";
+  close(opened);
+  EXPECT_THAT(knowing.put_right(), testing::IsEmpty());
+  EXPECT_THAT(ignorant.put_right(), testing::ElementsAre(HasSubstr("is closed")));
 }
 
 TEST(FloatEnvironment, IsEachInstancesOwnAndAChangeIsToldOnce) {

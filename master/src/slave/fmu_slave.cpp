@@ -177,9 +177,10 @@ void FmuSlave::tell_of_process(const std::vector<std::string>& changes, const ch
 template <typename Work>
 void FmuSlave::watched(const char* where, Work work) {
   if (!is_watched_) return work();
-  const ProcessState before;
+  const ProcessState before(own_files_);
   work();
   tell_of_process(before.put_right(), where);
+  own_files_ = before.opened();
 }
 
 void FmuSlave::choose_categories() {

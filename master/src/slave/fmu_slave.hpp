@@ -3,6 +3,7 @@
 
 #include "message/message.hpp"
 #include "slave/fmu.hpp"
+#include "slave/process_state.hpp"
 #include "slave/slave.hpp"
 
 #include <atomic>
@@ -85,7 +86,8 @@ class FmuSlave final : public Slave {
 
   std::int64_t time_ns_ = 0;
   std::int64_t step_end_ns_ = 0;
-  bool unusable_ = false;    // after fmi2Fatal no call is allowed, not even freeing
+  bool unusable_ = false;          // after fmi2Fatal no call is allowed, not even freeing
+  ProcessState::Files own_files_;  // what it opened in calls that were watched
   bool is_watched_ = false;  // the first instance of its FMU: what it changes in the process is told and put right
   bool pending_ = false;     // a step goes on by itself
   // noSetFMUStatePriorToCurrentPoint: an FMU that hears it may drop what it would need to go back.

@@ -6,6 +6,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <charconv>
 #include <clocale>
 #include <cstring>
@@ -47,8 +48,12 @@ void (*handler_of(int signal))(int) {
 
 }  // namespace
 
-ProcessState::ProcessState()
+ProcessState::ProcessState(const Files& of_the_fmu)
     : umask_(current_umask()), folder_(current_folder()), locale_(current_locale()), files_(open_files()) {
+  std::erase_if(files_, [&](const auto& file) {
+    const auto found = of_the_fmu.find(file.first);
+    return found != of_the_fmu.end() && found->second == file.second;
+  });
   for (std::size_t i = 0; i < kLimits.size(); ++i) getrlimit(kLimits[i], &limits_[i]);
   for (int i = 0; i < kStandard; ++i) {
     copies_[static_cast<std::size_t>(i)] = fcntl(i, F_DUPFD_CLOEXEC, kFirstDescriptor);
@@ -62,8 +67,18 @@ ProcessState::~ProcessState() {
   }
 }
 
-std::map<int, ProcessState::File> ProcessState::open_files() {
-  std::map<int, File> files;
+ProcessState::Files ProcessState::opened() const {
+  auto files = open_files();
+  std::erase_if(files, [&](const auto& file) {
+    const auto before = files_.find(file.first);
+    const bool copy = std::ranges::find(copies_, file.first) != copies_.end();
+    return copy || (before != files_.end() && before->second == file.second);
+  });
+  return files;
+}
+
+ProcessState::Files ProcessState::open_files() {
+  Files files;
   std::error_code problem;
   for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd", problem)) {
     const auto name = entry.path().filename().string();
@@ -81,7 +96,7 @@ void ProcessState::compare_files(std::vector<std::string>& texts) const {
   for (const auto& [descriptor, file] : files_) {
     struct stat status {};
     const bool open = fstat(descriptor, &status) == 0;
-    if (open && File{status.st_dev, status.st_ino} == file) continue;
+    if (open && std::pair{status.st_dev, status.st_ino} == file) continue;
     const auto* what = open ? "leads to another file" : "is closed";
     const int copy = descriptor < kStandard ? copies_[static_cast<std::size_t>(descriptor)] : -1;
     const bool back = copy >= 0 && dup2(copy, descriptor) == descriptor;

@@ -18,8 +18,11 @@ namespace mebots::master {
 /// write. One at a time may be looked at; not for use by two threads at once.
 class ProcessState {
  public:
-  /// As it stands.
-  ProcessState();
+  /// Open descriptors, and the file that each leads to.
+  using Files = std::map<int, std::pair<dev_t, ino_t>>;
+
+  /// As it stands. Files in `of_the_fmu` are the FMU's, which may close them.
+  explicit ProcessState(const Files& of_the_fmu = {});
   ~ProcessState();
   ProcessState(const ProcessState&) = delete;
   ProcessState& operator=(const ProcessState&) = delete;
@@ -28,13 +31,15 @@ class ProcessState {
   /// be: not descriptors, save the standard three, and never signal handlers, which the FMU may need.
   std::vector<std::string> put_right() const;
 
+  /// The files that were opened since and still are open.
+  Files opened() const;
+
  private:
-  using File = std::pair<dev_t, ino_t>;
   static constexpr int kStandard = 3;  // descriptors of input, output and errors
   static constexpr std::array kLimits = {RLIMIT_AS,    RLIMIT_CORE,   RLIMIT_CPU,  RLIMIT_DATA,
                                          RLIMIT_FSIZE, RLIMIT_NOFILE, RLIMIT_STACK};
 
-  static std::map<int, File> open_files();
+  static Files open_files();
   void compare_files(std::vector<std::string>& texts) const;
   void compare_limits(std::vector<std::string>& texts) const;
   void compare_handlers(std::vector<std::string>& texts) const;
@@ -43,7 +48,7 @@ class ProcessState {
   std::string folder_;
   std::string locale_;
   std::array<rlimit, kLimits.size()> limits_{};
-  std::map<int, File> files_;
+  Files files_;                          // without those of the FMU
   std::array<int, kStandard> copies_{};  // of the standard descriptors; -1 where there is none
   std::map<int, void (*)(int)> handlers_;
 };
