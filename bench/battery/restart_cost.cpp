@@ -88,6 +88,18 @@ class Vectors {
   N_Vector tolerances = nullptr;
 };
 
+/// A restart and a step, again and again.
+/// \param step takes where to write the time reached; true when the integrator got there
+void time_steps(benchmark::State& state, Problem& problem, const Vectors& vectors, auto step) {
+  for ([[maybe_unused]] auto _ : state) {
+    vectors.next(problem);
+    double reached = 0;
+    if (!step(reached)) state.SkipWithError("the integrator gave up");
+  }
+  state.counters["rhs per step"] =
+      benchmark::Counter(static_cast<double>(problem.evaluations), benchmark::Counter::kAvgIterations);
+}
+
 void erkstep(benchmark::State& state, ARKODE_ERKTableID table) {
   Problem problem;
   const Vectors vectors;
@@ -97,16 +109,12 @@ void erkstep(benchmark::State& state, ARKODE_ERKTableID table) {
   ERKStepSetTableNum(memory, table);
   ERKStepRootInit(memory, 3, root_functions);
   ERKStepSetNoInactiveRootWarn(memory);
-  for ([[maybe_unused]] auto _ : state) {
-    vectors.next(problem);
-    double reached = 0;
+  time_steps(state, problem, vectors, [&](double& reached) {
     ERKStepReInit(memory, right_hand_side, 0, vectors.y);
     ERKStepSetInitStep(memory, kStep);
     ERKStepSetStopTime(memory, kStep);
-    if (ERKStepEvolve(memory, kStep, vectors.y, &reached, ARK_NORMAL) < 0) state.SkipWithError("ERKStepEvolve");
-  }
-  state.counters["rhs per step"] =
-      benchmark::Counter(static_cast<double>(problem.evaluations), benchmark::Counter::kAvgIterations);
+    return ERKStepEvolve(memory, kStep, vectors.y, &reached, ARK_NORMAL) >= 0;
+  });
   ERKStepFree(&memory);
 }
 
@@ -131,15 +139,11 @@ void cvode_adams(benchmark::State& state) {
   CVodeSetNonlinearSolver(memory, solver);
   CVodeRootInit(memory, 3, root_functions);
   CVodeSetNoInactiveRootWarn(memory);
-  for ([[maybe_unused]] auto _ : state) {
-    vectors.next(problem);
-    double reached = 0;
+  time_steps(state, problem, vectors, [&](double& reached) {
     CVodeReInit(memory, 0, vectors.y);
     CVodeSetStopTime(memory, kStep);
-    if (CVode(memory, kStep, vectors.y, &reached, CV_NORMAL) < 0) state.SkipWithError("CVode");
-  }
-  state.counters["rhs per step"] =
-      benchmark::Counter(static_cast<double>(problem.evaluations), benchmark::Counter::kAvgIterations);
+    return CVode(memory, kStep, vectors.y, &reached, CV_NORMAL) >= 0;
+  });
   CVodeFree(&memory);
   SUNNonlinSolFree(solver);
 }

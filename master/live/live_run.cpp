@@ -7,6 +7,7 @@
 #include "report/page.hpp"
 #include "report/payload.hpp"
 #include "report/thinner.hpp"
+#include "run/json_value.hpp"
 #include "run/system_file.hpp"
 #include "run/write.hpp"
 #include "server.hpp"
@@ -55,18 +56,6 @@ master::report::ResultTable table_of(const master::MemorySink& memory, std::size
   thinner.finish();
   for (std::size_t i = 0; i < width; ++i) table.columns[i].values = std::move(thinner.values()[i]);
   return table;
-}
-
-Json json_of(const modeldesc::Value& value) {
-  return std::visit(
-      []<typename T>(const T& held) -> Json {
-        if constexpr (std::is_same_v<T, std::monostate>) {
-          return nullptr;
-        } else {
-          return held;
-        }
-      },
-      value);
 }
 
 }  // namespace
@@ -172,7 +161,7 @@ std::string LiveRun::set(const std::string& variable, const std::string& value) 
   const auto typed = master::write_variable(*run_, variable, *number, "set by hand");
   scenario_.push_back({{"text", "set by hand"},
                        {"variable", variable},
-                       {"set", json_of(typed)},
+                       {"set", master::json_of(typed)},
                        {"from", master::to_seconds(run_->time_ns())}});
   save_scenario();
   return Json({{"at", master::to_seconds(run_->time_ns())}}).dump();

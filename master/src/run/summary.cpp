@@ -2,6 +2,7 @@
 #include "run/summary.hpp"
 
 #include "base/time.hpp"
+#include "run/json_value.hpp"
 
 #include <fmt/format.h>
 
@@ -21,18 +22,6 @@ void put(Json& root, const std::vector<std::string>& path, Json value) {
   auto* node = &root;
   for (const auto& label : path) node = &(*node)[label];
   *node = std::move(value);
-}
-
-Json json_of(const modeldesc::Value& value) {
-  return std::visit(
-      []<typename T>(const T& held) -> Json {
-        if constexpr (std::is_same_v<T, std::monostate>) {
-          return nullptr;
-        } else {
-          return held;
-        }
-      },
-      value);
 }
 
 /// The FMU as its config names it; one from an SSP by its place in the archive, not by where that happens to be
