@@ -42,6 +42,8 @@ def timed(command, environment):
 
 
 def main():
+    if len(sys.argv) < 2:
+        sys.exit("usage: run.py BUILD_DIR [MISSIONS]")
     build = pathlib.Path(sys.argv[1]).resolve()
     count = int(sys.argv[2]) if len(sys.argv) > 2 else 100
     mebots, fmu = str(build / "bin" / "mebots"), str(build / "fmus" / "fmu_battery.fmu")
