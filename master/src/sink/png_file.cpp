@@ -42,7 +42,8 @@ void append(png_structp png, png_bytep bytes, png_size_t size) {
 void flush_nothing(png_structp /*png*/) {}
 
 /// A camera's picture is noise on slopes: differences of neighbours take fewer bits, and hardly a pattern comes twice.
-/// So runs and Huffman's code do in 1 ms what a search for patterns does in 17 ms to within 3 % of the size.
+/// So Huffman's code alone does in 0.7 ms what a search for patterns does in 17 ms to within 3 % of the size; looking
+/// for runs too took 0.85 ms and saved nothing.
 bool write(Writing& writing, const std::uint8_t* pixels, png_uint_32 width, png_uint_32 height) {
   auto* png = writing.png;
   if (setjmp(png_jmpbuf(png)) != 0) return false;
@@ -51,7 +52,7 @@ bool write(Writing& writing, const std::uint8_t* pixels, png_uint_32 width, png_
                PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
   png_set_filter(png, PNG_FILTER_TYPE_BASE, PNG_FILTER_SUB);
   png_set_compression_level(png, 1);
-  png_set_compression_strategy(png, Z_RLE);
+  png_set_compression_strategy(png, Z_HUFFMAN_ONLY);
   png_write_info(png, writing.info);
   for (png_uint_32 row = 0; row < height; ++row) png_write_row(png, pixels + std::size_t{row} * width);
   png_write_end(png, nullptr);

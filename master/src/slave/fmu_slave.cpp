@@ -317,7 +317,7 @@ void FmuSlave::exit_initialization() {
 StepResult FmuSlave::step(std::int64_t start_ns, std::int64_t duration_ns) {
   time_ns_ = start_ns;
   step_end_ns_ = start_ns + duration_ns;
-  {
+  if (fmi_->callbacks.stepFinished != nullptr) {
     const std::lock_guard lock(step_mutex_);
     step_status_.reset();
   }

@@ -268,6 +268,8 @@ void Ensemble::lay_out() {
     member.output_kinds = kinds_in(member.outputs);
     if (member.keeps_earlier) member.earlier_reals.resize(member.outputs.reals.values.size());
     member.input_kinds = kinds_in(member.inputs);
+    member.takes_reals_as_they_are =
+        member.input_kinds == bit(ValueKind::real) && member.conversions.empty() && member.derivatives.empty();
     addresses(
         member.real_copies, [&](SignalId id) { return &real(id); }, member.inputs.reals.values);
     addresses(
@@ -330,7 +332,7 @@ void Ensemble::read_outputs(std::size_t instance, std::int64_t time_ns) {
   if ((kinds & bit(ValueKind::real)) != 0) {
     member.slave->get_reals(outputs.reals.references, outputs.reals.values);
     check_finite(member, time_ns);
-    if (!member.output_derivatives.values.empty()) read_derivatives(member, time_ns);
+    if (member.keeps_earlier) read_derivatives(member, time_ns);
   }
   if ((kinds & bit(ValueKind::integer)) != 0)
     member.slave->get_integers(outputs.integers.references, outputs.integers.values);
@@ -360,6 +362,7 @@ void Ensemble::collect_inputs(std::size_t instance) {
   MEBOTS_ASSERT(instance < members_.size());
   auto& member = members_[instance];
   move_all(member.real_copies);
+  if (member.takes_reals_as_they_are) return;
   move_all(member.integer_copies);
   move_all(member.boolean_copies);
   move_all(member.string_copies);
@@ -392,6 +395,7 @@ void Ensemble::write_inputs(std::size_t instance, std::int64_t time_ns) {
   if (member.input_kinds == 0) return;
   member.inputs_time_ns = time_ns;
   collect_inputs(instance);
+  if (member.takes_reals_as_they_are) return hand_inputs(instance);
   if (!member.item_checks.empty()) check_items(member, time_ns);
   if (!member.derivatives.empty()) start_on_lines(member, time_ns);
   hand_inputs(instance);

@@ -168,17 +168,16 @@ class Ensemble {
   struct Member {
     std::unique_ptr<Slave> slave;
     std::int64_t step_ns = 0;
-    // Which banks hold anything: one look instead of one per bank, in the loop that runs at every point.
+    // Which banks hold anything, and whether inputs are copies of Reals and nothing else: one look instead of one per
+    // list, in the loop that runs at every point over more instances than a cache holds.
     KindSet output_kinds = 0;
     KindSet input_kinds = 0;
-    Banks outputs;
-    Banks inputs;
+    bool takes_reals_as_they_are = false;
+    bool keeps_earlier = false;  // derivatives go out; what was read before is kept: two known ends make a line
     std::int64_t outputs_time_ns = 0;  // what `outputs` was read at
     std::int64_t inputs_time_ns = 0;   // start of the step that `inputs` were handed for
-    // What was read before, kept where derivatives go out: two known ends make a line.
-    bool keeps_earlier = false;
-    std::vector<double> earlier_reals;
-    std::int64_t earlier_time_ns = 0;
+    Banks outputs;
+    Banks inputs;
     std::vector<Copy<double>> real_copies;
     std::vector<Copy<std::int32_t>> integer_copies;
     std::vector<Copy<std::int32_t>> flag_copies;  // Booleans into Integers, as 0 and 1
@@ -186,6 +185,8 @@ class Ensemble {
     std::vector<Copy<std::string>> string_copies;
     std::vector<Conversion> conversions;
     std::vector<DerivativeLink> derivatives;
+    std::vector<double> earlier_reals;
+    std::int64_t earlier_time_ns = 0;
     Derivatives output_derivatives;  // read with the outputs, so that the order of instances is nothing to them
     Derivatives input_derivatives;
     std::vector<ItemCheck> item_checks;
