@@ -29,12 +29,16 @@ SHORT_INSTRUCTIONS, LONG_INSTRUCTIONS = 30e6, 300e6
 BOARD_SUPPORT = "void initialise_board(void) {}\nvoid start_trigger(void) {}\nvoid stop_trigger(void) {}\n"
 
 
-def compile_program(sources, options, for_qemu, path):
-    place = ["-DFOR_QEMU"] if for_qemu else [f"-Wl,--defsym=BASE={BASE}"]
+def compile_command(sources, options, place, path):
     # The C library has one for this architecture by name, and no other one that fits.
     flags = [flag for flag in GCC if flag not in ("-nostdlib", "-ffreestanding")]
-    subprocess.run(flags + ["-march=rv32imc", "--specs=picolibc.specs", "-nostartfiles", "-w"] + place + options +
-                   ["-T", HERE / "programs/link.ld", HERE / "programs/start.S", *sources, "-lm", "-o", path], check=True)
+    return (flags + ["-march=rv32imc", "--specs=picolibc.specs", "-nostartfiles", "-w"] + place + options +
+            ["-T", HERE / "programs/link.ld", HERE / "programs/start.S", *sources, "-lm", "-o", path])
+
+
+def compile_program(sources, options, for_qemu, path):
+    place = ["-DFOR_QEMU"] if for_qemu else [f"-Wl,--defsym=BASE={BASE}"]
+    subprocess.run(compile_command(sources, options, place, path), check=True)
 
 
 def embench_programs(checkout, support):

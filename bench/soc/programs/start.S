@@ -29,7 +29,8 @@ _start:
     la t0, tohost
     sw a0, 0(t0)
 #endif
-3:  j 3b
+    .globl ended
+ended: j ended
 
     .section .tohost, "aw", @progbits
     .balign 64

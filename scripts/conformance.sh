@@ -1,0 +1,26 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# The chip's instruction set beside suites that others wrote, from checkouts in one folder: riscv-tests, riscv-arch-test with Spike's
+# answers, Embench-IoT and CoreMark with Spike's count of instructions. Prints a page (docs/conformance.md). Exit 1 at anything
+# unexplained, 2 when something is missing. Takes about two minutes of two cores.
+#
+#   scripts/setup.sh bench                      Spike, once
+#   git clone --recursive https://github.com/riscv-software-src/riscv-tests FOLDER/riscv-tests
+#   git clone https://github.com/riscv-non-isa/riscv-arch-test FOLDER/riscv-arch-test
+#   git clone https://github.com/embench/embench-iot FOLDER/embench-iot
+#   git clone https://github.com/eembc/coremark FOLDER/coremark
+#   scripts/conformance.sh FOLDER [BUILD_FOLDER] [--out FILE] [--jobs N]    (build/release)
+set -euo pipefail
+root=$(cd "$(dirname "$0")/.." && pwd)
+if [[ $# -lt 1 || $1 == --* ]]; then
+  echo "usage: scripts/conformance.sh FOLDER [BUILD_FOLDER] [--out FILE] [--jobs N]" >&2
+  exit 2
+fi
+folder=$1; shift
+build=$root/build/release
+if [[ $# -gt 0 && $1 != --* ]]; then build=$1; shift; fi
+if [[ ! -x $build/bin/mebots-soc ]]; then
+  echo "conformance.sh: there is no $build/bin/mebots-soc; build it, or name another build folder" >&2
+  exit 2
+fi
+exec "$root/.venv/bin/python" "$root/tests/conformance/conformance.py" "$folder" "$build/bin/mebots-soc" "$@"

@@ -1,0 +1,89 @@
+# SPDX-License-Identifier: Apache-2.0
+"""riscv-arch-test: the words that a program leaves behind, beside those that it leaves in Spike.
+
+A test says for which machines it is, in lines like
+
+    RVTEST_CASE(0,"//check ISA:=regex(.*32.*);check ISA:=regex(.*I.*C.*);def TEST_CASE_1=True;",cadd)
+
+>>> holds("//check ISA:=regex(.*32.*);check ISA:=regex(.*I.*M.*);def TEST_CASE_1=True;", ISA)
+['TEST_CASE_1=True']
+>>> holds("//check ISA:=regex(.*32.*);check ISA:=regex(.*I.*F.*);def TEST_CASE_1=True;", ISA)
+>>> holds("//check ISA:=regex(.*I.*); check hw_data_misaligned_support:=True; def rvtest_mtrap_routine=True;def TEST_CASE_1=True;", ISA)
+['rvtest_mtrap_routine=True', 'TEST_CASE_1=True']
+>>> holds("//check ISA:=regex(.*I.*Zicsr.*); check hw_data_misaligned_support:=False; def TEST_CASE_1=True;", ISA)
+>>> holds("//check ISA:=regex(.*I.*Zicsr.*); check ISA:=regex(^[^C]+$); def TEST_CASE_1=True;", ISA)
+"""
+
+import re
+
+from tools import COMPILER, ROOT, Verdict, build, checkout, run, spike
+
+ADDRESS = "https://github.com/riscv-non-isa/riscv-arch-test"
+ISA = "RV32IMCZicsr_Zifencei"
+PROPERTIES = {"hw_data_misaligned_support": "True"}
+SUITES = ("I", "M", "C", "Zifencei", "privilege")
+SPIKE_ISA = "rv32imc_zicsr_zifencei_zicclsm"  # the last: it too loads and stores words that are not aligned
+LIMIT = 10_000_000
+HERE = ROOT / "tests/conformance"
+
+
+def holds(condition, isa):
+    """The macros of a test case that is for this machine, None where it is not."""
+    macros = []
+    for clause in filter(None, (part.strip() for part in condition.lstrip("/ ").split(";"))):
+        kind, text = clause.split(maxsplit=1)
+        if kind == "def":
+            macros.append(text)
+            continue
+        key, wanted = text.split(":=")
+        pattern = re.fullmatch(r"regex\((.*)\)", wanted)
+        found = isa if key == "ISA" else PROPERTIES.get(key)
+        if not (re.match(pattern[1], found) if pattern else found == wanted):
+            return None
+    return macros
+
+
+def cases(source, isa=ISA):
+    """Macros of all cases of a test that are for this machine."""
+    conditions = re.findall(r'RVTEST_CASE\(\d+,\s*"([^"]*)"', source.read_text())
+    return sorted({macro for condition in conditions for macro in holds(condition, isa) or ()})
+
+
+def letters(source):
+    """Compressed instructions only where a test is about them: without, an assembler would compress those of others."""
+    return "rv32im_zicsr_zifencei" if cases(source, ISA.replace("C", "")) == cases(source) else "rv32imc_zicsr_zifencei"
+
+
+def judge(folder, soc, work, each):
+    """Verdicts of all tests that are for this machine."""
+    suite = checkout(folder, "riscv-arch-test", ADDRESS) / "riscv-test-suite"
+    reference = spike()
+    tests = [(name, source) for name in SUITES for source in sorted((suite / "rv32i_m" / name / "src").glob("*.S")) if cases(source)]
+
+    def verdict(test):
+        name, source = test
+        stem = work / f"{name}-{source.stem}"
+        program = stem.with_suffix(".elf")
+        wrong = build([COMPILER, f"-march={letters(source)}", "-mabi=ilp32", "-static", "-mcmodel=medany", "-fvisibility=hidden",
+                       "-nostdlib", "-nostartfiles", "-DXLEN=32", *(f"-D{macro}" for macro in cases(source)), f"-I{HERE}",
+                       f"-I{suite}/env", f"-T{HERE}/link.ld", source, "-o", program])
+        if wrong is None:
+            wanted = stem.with_suffix(".spike")
+            code, text = run([reference, f"--isa={SPIKE_ISA}", "--priv=m", f"+signature={wanted}", "+signature-granularity=4", program])
+            wrong = None if code == 0 else f"Spike ends with {code}: {text.strip()[-80:]}"
+        for way in ([], ["--interpret"]) if wrong is None else ():
+            ours = stem.with_suffix(".ours")
+            code, text = run([soc, "run", *way, "--max-instructions", LIMIT, "--signature", ours, program])
+            if wrong is None:
+                wrong = difference(wanted, ours) if code == 0 else f"ends with {code}: {text.strip()[-80:]}"
+        return Verdict(f"{name} {source.stem}", wrong is None, wrong or "")
+
+    return each(verdict, tests)
+
+
+def difference(wanted, found):
+    theirs, ours = wanted.read_text().split(), found.read_text().split()
+    if len(theirs) != len(ours) or not theirs:
+        return f"{len(ours)} words, Spike has {len(theirs)}"
+    wrong = [i for i, pair in enumerate(zip(theirs, ours, strict=True)) if pair[0] != pair[1]]
+    return f"word {wrong[0]} of {len(ours)} is {ours[wrong[0]]}, in Spike {theirs[wrong[0]]}" if wrong else None

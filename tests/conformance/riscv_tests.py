@@ -1,0 +1,51 @@
+# SPDX-License-Identifier: Apache-2.0
+"""riscv-tests: small programs of the instruction set that judge themselves, in the environment "p" (one hart, machine mode)."""
+
+import re
+
+from tools import COMPILER, CannotRun, Verdict, build, checkout, run
+
+ADDRESS = "https://github.com/riscv-software-src/riscv-tests"
+ENVIRONMENT = "https://github.com/riscv/riscv-test-env"
+SUITES = ("rv32ui", "rv32um", "rv32uc", "rv32mi")
+LIMIT = 10_000_000  # instructions; the longest takes some ten thousand
+
+
+def environment(folder):
+    """Of a recursive clone, or beside it."""
+    for path in (folder / "riscv-tests/env", folder / "riscv-test-env"):
+        if (path / "p/riscv_test.h").exists():
+            return path
+    raise CannotRun(f"{folder}/riscv-tests/env is empty: git clone --recursive, or git clone {ENVIRONMENT} {folder}/riscv-test-env")
+
+
+def names(suite_folder):
+    """The tests that a suite's Makefrag lists."""
+    text = (suite_folder / "Makefrag").read_text().replace("\\\n", " ")
+    return re.search(rf"{suite_folder.name}_sc_tests\s*=\s*(.*)", text)[1].split()
+
+
+def flags(isa, suite):
+    """-march and -mabi as the suites' own Makefile has them."""
+    text = (isa / "Makefile").read_text()
+    return re.search(rf"compile_template,{suite},([^)]*)\)", text)[1].split()
+
+
+def judge(folder, soc, work, each):
+    """Verdicts of all tests; `each` maps a function over them."""
+    top = checkout(folder, "riscv-tests", ADDRESS)
+    isa, env = top / "isa", environment(folder)
+    tests = [(suite, name) for suite in SUITES for name in names(isa / suite)]
+
+    def verdict(test):
+        suite, name = test
+        program = work / f"{suite}-{name}.elf"
+        wrong = build([COMPILER, *flags(isa, suite), "-static", "-mcmodel=medany", "-fvisibility=hidden", "-nostdlib", "-nostartfiles",
+                       f"-I{env}/p", f"-I{isa}/macros/scalar", f"-T{env}/p/link.ld", isa / suite / f"{name}.S", "-o", program])
+        for way in ([], ["--interpret"]) if wrong is None else ():
+            code, text = run([soc, "run", *way, "--max-instructions", LIMIT, program])
+            if code != 0 and wrong is None:
+                wrong = f"case {code} fails" if code is not None and code < 101 else text.strip().splitlines()[-1]
+        return Verdict(f"{suite} {name}", wrong is None, wrong or "")
+
+    return each(verdict, tests)

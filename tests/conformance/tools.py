@@ -1,0 +1,62 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Programs that the suites run, and what they say of themselves."""
+
+import dataclasses
+import pathlib
+import subprocess
+import sys
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "bench/soc"))
+from run import GCC, spike_path  # noqa: E402
+
+COMPILER = GCC[0]
+SECONDS = 120  # for one program in one simulator, on the clock
+
+
+@dataclasses.dataclass
+class Verdict:
+    """Of one test: passed, or why not."""
+
+    name: str
+    passed: bool
+    note: str = ""
+
+
+class CannotRun(Exception):
+    """A checkout or a tool is missing."""
+
+
+def run(command, **options):
+    """Exit code and text; one that takes too long ends with None."""
+    try:
+        done = subprocess.run([str(part) for part in command], capture_output=True, text=True, errors="replace", timeout=SECONDS,
+                              **options)
+    except subprocess.TimeoutExpired:
+        return None, f"not done after {SECONDS} s"
+    return done.returncode, done.stdout + done.stderr
+
+
+def build(command):
+    """The compiler's complaint, or nothing."""
+    code, text = run(command)
+    return None if code == 0 else f"does not compile: {text.strip().splitlines()[0] if text.strip() else code}"
+
+
+def spike():
+    path = spike_path()
+    if path is None:
+        raise CannotRun("Spike is missing: scripts/setup.sh bench installs it")
+    return path
+
+
+def checkout(folder, name, address):
+    path = folder / name
+    if not path.is_dir():
+        raise CannotRun(f"{path} is missing: git clone {address} {path}")
+    return path
+
+
+def commit(path):
+    code, text = run(["git", "-C", path, "log", "-1", "--format=%h of %cs"])
+    return text.strip() if code == 0 else "no checkout of git"
