@@ -47,7 +47,7 @@ endfunction()
 
 # mebots_add_firmware(<name> SOURCES <file>... [DRIVERS <name>...] [DATA <file>...] [BOARD <name of mebots_soc_board>]
 #   [NO_CLUSTER] [OPTIONS <compiler option>...] [LINKER_SCRIPT <file>])
-# Compiles C and assembler sources, links them with the runtime of fmu_soc/firmware, and makes
+# Compiles C, C++ (.cpp: C++20 without exceptions, RTTI and heap) and assembler sources, links them with the runtime of fmu_soc/firmware, and makes
 # ${PROJECT_BINARY_DIR}/firmware/<name>.elf as target <name>_firmware. DRIVERS are those of fmu_soc/firmware/drivers;
 # DATA are files that assembler sources bring in. BOARD is the AI-deck when not said; NO_CLUSTER is for a board without
 # one. OPTIONS come behind the usual ones, so that -Os or -O3 holds in place of -O2. LINKER_SCRIPT takes the place of the
@@ -83,6 +83,11 @@ function(mebots_add_firmware name)
   if(NOT ARG_NO_CLUSTER)
     list(PREPEND sources cluster.c cluster_start.S)
   endif()
+  # Constructors of C++ objects run before main() where there is C++: other programs keep their code, and its cycles.
+  if(ARG_SOURCES MATCHES "\\.cpp(;|$)")
+    list(APPEND sources cxx.cpp)
+    list(APPEND options -DWITH_CONSTRUCTORS)
+  endif()
   list(TRANSFORM sources PREPEND ${firmware_dir}/runtime/)
   foreach(source IN LISTS ARG_SOURCES)
     get_filename_component(source ${source} ABSOLUTE)
@@ -105,9 +110,13 @@ function(mebots_add_firmware name)
     endif()
     string(REPLACE "/" "_" object ${shown})
     set(object ${out_dir}/${name}/${object}.o)
+    set(compiler ${MEBOTS_RISCV_GCC})
+    set(brought_in)
     if(source MATCHES "\\.c$")
       set(standard -std=c11)
-      set(brought_in)
+    elseif(source MATCHES "\\.cpp$")
+      string(REGEX REPLACE "gcc$" "g++" compiler ${MEBOTS_RISCV_GCC})
+      set(standard -std=c++20 -fno-exceptions -fno-rtti -fno-threadsafe-statics -fno-use-cxa-atexit -fno-asynchronous-unwind-tables)
     else()
       set(standard "-Wa,--debug-prefix-map=${PROJECT_BINARY_DIR}=." "-Wa,--debug-prefix-map=${PROJECT_SOURCE_DIR}=." "-Wa,--debug-prefix-map=${root}=.")
       set(brought_in ${data})
@@ -115,7 +124,7 @@ function(mebots_add_firmware name)
     add_custom_command(
       OUTPUT ${object}
       COMMAND ${CMAKE_COMMAND} -E make_directory ${out_dir}/${name}
-      COMMAND ${MEBOTS_RISCV_GCC} ${options} ${standard} -MMD -MF ${object}.d -c ${source} -o ${object}
+      COMMAND ${compiler} ${options} ${standard} -MMD -MF ${object}.d -c ${source} -o ${object}
       DEPENDS ${source} ${ARG_BOARD}_headers ${brought_in}
       DEPFILE ${object}.d
       COMMENT "Firmware ${name}: ${shown}"

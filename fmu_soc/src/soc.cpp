@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "soc.hpp"
 
-#include "debug/backtrace.hpp"
 #include "devices/described_device.hpp"
 #include "hart/csr_numbers.hpp"
 #include "isa/encoding.hpp"
@@ -19,7 +18,6 @@
 namespace mebots::soc {
 namespace {
 
-constexpr unsigned kStackPointer = 2;
 constexpr unsigned kArgument0 = 10;
 
 Memory make_memory(const BoardDescription& board) {
@@ -88,26 +86,6 @@ void check_registers(const BoardDevice& device, const std::array<board::Register
 std::unique_ptr<OwnDevice> own_device_of(const BoardDevice& entry, const Settings& settings) {
   if (!entry.initial_state.empty()) return std::make_unique<DescribedDevice>(entry);
   return settings.make_device ? settings.make_device(entry) : nullptr;
-}
-
-std::string_view cause_text(std::uint32_t cause) {
-  if ((cause & cause::kInterrupt) != 0) return "interrupt";
-  switch (cause) {
-    case cause::kFetchAccess:
-      return "instruction fetch from nothing";
-    case cause::kIllegalInstruction:
-      return "illegal instruction";
-    case cause::kBreakpoint:
-      return "ebreak";
-    case cause::kLoadAccess:
-      return "load from nothing";
-    case cause::kStoreAccess:
-      return "store into nothing";
-    case cause::kMachineEcall:
-      return "ecall";
-    default:
-      return "trap";
-  }
 }
 
 }  // namespace
@@ -467,7 +445,10 @@ void Soc::handle(Stop stop) {
     case Stop::device:
       apply_power_settings();
       update_lines();
-      if (host_exit_ || (power_manager_ && power_manager_->exited())) finish(End::exited);
+      if (host_exit_ || (power_manager_ && power_manager_->exited())) {
+        finish(End::exited);
+        if (exited_on_exception() && listeners_.faults) listeners_.faults(fault_text());
+      }
       break;
     case Stop::sleeping:
       asleep_ = true;
@@ -678,32 +659,6 @@ std::vector<Soc::DeviceState> Soc::device_states() const {
     if (const auto state = slot.device->state_name(); !state.empty()) states.push_back({slot.name, state});
   }
   return states;
-}
-
-std::string Soc::fault_text() const {
-  const int core = cluster_ ? cluster_->faulted_core() : -1;
-  const auto& hart = core >= 0 ? cluster_->hart(static_cast<unsigned>(core)) : hart_;
-  const auto& fault = hart.fault();
-  if (!fault.happened) return {};
-  const auto place = [this](std::uint32_t pc) {
-    const auto function = program_.where(pc);
-    return fmt::format("pc 0x{:08x} in {}", pc, function.empty() ? "no function of the program" : function);
-  };
-  auto text = fmt::format("{}{}: {} (mcause {}, mtval 0x{:08x}) at {}: {}",
-                          core >= 0 ? fmt::format("cluster core {}: ", core) : "",
-                          fault.double_trap ? "no way out of its own trap handler" : "trap without a handler",
-                          cause_text(fault.cause), fault.cause, fault.value, place(fault.pc),
-                          fault.instruction == 0 ? "no instruction there" : disassemble(fault.instruction, fault.pc));
-  if (fault.double_trap && fault.first_pc != fault.pc) {
-    text += fmt::format("; it began with {} (mtval 0x{:08x}) at {}", cause_text(fault.first_cause), fault.first_value,
-                        place(fault.first_pc));
-  }
-  const auto stack = hart.reg(kStackPointer);
-  if (stack != 0 && memory_.find(stack & ~3U, 4) == nullptr) {
-    text += fmt::format("; the stack pointer 0x{:08x} is outside the memory", stack);
-  }
-  const auto callers = debug::backtrace(program_, memory_, hart);
-  return callers.empty() ? text : fmt::format("{}; called from {}", text, callers);
 }
 
 void Soc::visit(state::Visitor& v) {

@@ -157,9 +157,13 @@ class Soc final : private Bus {
     if (host_exit_) return static_cast<std::int32_t>(*host_exit_);
     return power_manager_ ? power_manager_->exit_code() : 0;
   }
-  /// Whether a core cannot go on, of the cluster's too.
-  bool faulted() const { return hart_.fault().happened || (cluster_ && cluster_->faulted_core() >= 0); }
-  /// Why the core cannot go on, with function and instruction; empty without a fault.
+  /// Whether the program's own handler of an exception ended it, with an exit code that says that something is wrong.
+  bool exited_on_exception() const;
+  /// Whether a core cannot go on, of the cluster's too, or ended on an exception.
+  bool faulted() const {
+    return hart_.fault().happened || (cluster_ && cluster_->faulted_core() >= 0) || exited_on_exception();
+  }
+  /// Why the core cannot go on, with function, line, instruction and callers; empty without a fault.
   std::string fault_text() const;
 
   /// The board's devices; null when it has none of the kind.

@@ -29,7 +29,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
                   other.address >= std::uint64_t{segment.address} + segment.size,
               "segments do not overlap");
     }
-    elf.where(segment.address);
+    elf.where(segment.address);  // reads the lines of the source, too
+    elf.where_called(segment.address + segment.size);
   }
   require(entry_inside, "the entry lies in a segment");
   require(elf.entry() % 2 == 0, "the entry is even");

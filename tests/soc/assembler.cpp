@@ -24,15 +24,15 @@ std::string output_of(const std::string& command) {
 
 }  // namespace
 
-std::vector<std::uint8_t> assemble_file(std::string_view text, std::uint32_t address) {
+std::vector<std::uint8_t> assemble_file(std::string_view text, std::uint32_t address, std::string_view options) {
   const mebots::test::Folder folder("mebots-soc");
   const auto source = folder / "program.S";
   const auto program = folder / "program.elf";
   mebots::test::write_file(source, fmt::format(".globl _start\n{}\n", text));
   output_of(
       fmt::format("{} -march=rv32imc_zicsr_zifencei -mabi=ilp32 -nostdlib -nostartfiles '-I{}' "
-                  "-Wl,-n -Wl,-Ttext=0x{:x} -Wl,--no-relax -Wl,--build-id=none {} -o {} 2>&1",
-                  MEBOTS_RISCV_GCC, MEBOTS_BOARD_INCLUDE, address, source.string(), program.string()));
+                  "-Wl,-n -Wl,-Ttext=0x{:x} -Wl,--no-relax -Wl,--build-id=none {} {} -o {} 2>&1",
+                  MEBOTS_RISCV_GCC, MEBOTS_BOARD_INCLUDE, address, options, source.string(), program.string()));
   const auto bytes = mebots::test::read_file(program);
   return {bytes.begin(), bytes.end()};
 }

@@ -55,6 +55,42 @@ TEST(Elf, GivesSegmentsEntryAndSymbols) {
   EXPECT_GE(in_memory, 100U + 8U) << "what the file does not give, too";
 }
 
+/// A function of four instructions on lines 7, 9, 9 and 12 of power.c, in a version of DWARF.
+std::vector<std::uint8_t> program_with_lines(int version) {
+  return assemble_file(
+      fmt::format(".section .text\n.file 1 \"app/power.c\"\n.option norvc\n_start: .type _start, @function\n"
+                  ".loc 1 7\nnop\n.loc 1 9\nnop\nnop\n.loc 1 12\nret\n.size _start, . - _start\n"),
+      0x80000000, fmt::format("-gdwarf-{}", version));
+}
+
+TEST(Elf, NamesTheLineOfTheSource) {
+  for (const int version : {2, 3, 4, 5}) {
+    const auto elf = Elf::parse(program_with_lines(version), "fw.elf");
+    EXPECT_EQ(elf.where(0x80000000), "_start (power.c:7)") << version;
+    EXPECT_EQ(elf.where(0x80000004), "_start+0x4 (power.c:9)") << version;
+    EXPECT_EQ(elf.where(0x80000008), "_start+0x8 (power.c:9)") << version;
+    EXPECT_EQ(elf.where(0x8000000c), "_start+0xc (power.c:12)") << version;
+    EXPECT_EQ(elf.where_called(0x8000000c), "_start+0xc (power.c:9)") << "the call is before " << version;
+    EXPECT_EQ(elf.where(0x80000010), "");
+  }
+}
+
+TEST(Elf, WithBrokenLinesHasNone) {
+  const auto whole = program_with_lines(5);
+  std::mt19937 random(7);
+  int without = 0;
+  for (int i = 0; i < 3000; ++i) {
+    auto bytes = whole;
+    // Behind segments and headers of the program: sections, of which those for lines come first.
+    for (int k = 0; k < 4; ++k) bytes[0x80 + random() % (bytes.size() - 0x80)] = static_cast<std::uint8_t>(random());
+    try {
+      if (Elf::parse(bytes, "fw.elf").where(0x80000004).find("power.c:9") == std::string::npos) ++without;
+    } catch (const Error&) {  // refused for something else
+    }
+  }
+  EXPECT_GT(without, 100) << "some of them hit the lines";
+}
+
 TEST(Elf, OfAnotherKindIsRefusedWithTheReason) {
   EXPECT_THAT(error_of(with_byte(0, 0)), HasSubstr("not an ELF file"));
   EXPECT_THAT(error_of(with_byte(4, 2)), HasSubstr("64-bit"));

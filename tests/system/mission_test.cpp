@@ -53,6 +53,18 @@ TEST_F(GateEasy, DroneTakesOffPassesTheGateAndLands) {
   EXPECT_EQ(values("world.gate.touched").back(), 0);
 }
 
+TEST(Mission, EndsSoonAfterItsFirmwareCannotGoOn) {
+  const Folder folder;
+  const auto flight = fly(write(folder / "gate_easy.json", shipped_config("gate_easy")), folder / "out",
+                          {std::string("soc.firmware=") + CXX_FIRMWARE});
+  EXPECT_EQ(flight.summary.at("outcome"), "firmware_fault") << flight.output;
+  EXPECT_LT(flight.summary.at("simulated_time").get<double>(), 1.0) << "it does not wait for a landing";
+  EXPECT_EQ(flight.summary.at("fabric_controller").at("exit_code"), 255);
+  EXPECT_EQ(flight.summary.at("fabric_controller").at("faulted"), true);
+  EXPECT_THAT(flight.output, HasSubstr("after load from nothing"));
+  EXPECT_THAT(flight.output, HasSubstr("main.cpp:36"));
+}
+
 TEST_F(GateEasy, DroneCruisesAtTheSpeedThatItsFirmwareAsksFor) {
   const auto speed = values("world.drone.forward_velocity");
   const auto mode = values("soc.setpoint.mode");

@@ -91,6 +91,20 @@ TEST(Run, OfFirmwareWithItsOwnOptimisationLevelAndMemoryMap) {
   EXPECT_EQ(run.exit_code, 23) << run.out << run.err;
 }
 
+TEST(Run, OfFirmwareInCxxThatFailsNamesItsLinesAndCallers) {
+  const auto run = run_tool(fmt::format("run {}/firmware/cxx.elf --board {}/configs/boards/ai_deck.json",
+                                        MEBOTS_BINARY_DIR, MEBOTS_SOURCE_DIR));
+  EXPECT_EQ(run.exit_code, 255) << run.out << run.err;
+  EXPECT_THAT(run.out, HasSubstr("2 gauges, level 42"));
+  EXPECT_THAT(run.err,
+              HasSubstr("the program's own handler gave up, with exit code 255, after load from nothing (mcause "
+                        "5, mtval 0x40000000)"));
+  EXPECT_THAT(run.err, HasSubstr("in (anonymous namespace)::Gauge::read() const+0x"));
+  EXPECT_THAT(run.err, HasSubstr("(main.cpp:18): "));
+  EXPECT_THAT(run.err, HasSubstr("called from (anonymous namespace)::look("));
+  EXPECT_THAT(run.err, HasSubstr("(main.cpp:36) < main+0x"));
+}
+
 TEST(Run, OfAProgramWithoutTohostThatSpinsEndsWithTheReason) {
   const Folder folder;
   const auto run = run_tool("run " + folder.program("_start: nop\nforever: j forever"));

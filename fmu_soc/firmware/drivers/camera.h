@@ -6,6 +6,10 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef enum {
   PICTURE_TAKEN,    // a new picture lies in the buffer
   PICTURE_REFUSED,  // the device refused: buffer too small or not in L2, or asked while busy
@@ -31,3 +35,7 @@ camera_result_t camera_wait(picture_t* picture, int64_t deadline_ns);
 
 // Both at once.
 camera_result_t camera_take(picture_t* picture, int64_t deadline_ns);
+
+#ifdef __cplusplus
+}
+#endif

@@ -5,6 +5,10 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 #define NS_PER_US INT64_C(1000)
 #define NS_PER_MS INT64_C(1000000)
 
@@ -22,3 +26,7 @@ bool timer_alarm_came(void);
 
 // Sleeps until `time_ns`.
 void timer_sleep_until(int64_t time_ns);
+
+#ifdef __cplusplus
+}
+#endif

@@ -11,6 +11,10 @@
 
 #include "board.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 // An object in L1, without first value. It is there only while the cluster is on, and lost when it goes off.
 #define CLUSTER_L1 __attribute__((section(".l1")))
 
@@ -65,3 +69,7 @@ uint32_t dma_copy_in_2d(void* l1, const void* l2, uint32_t bytes, uint32_t row, 
 uint32_t dma_copy_out_2d(void* l2, const void* l1, uint32_t bytes, uint32_t row, uint32_t stride);
 // Sleeps until the copy has ended.
 void dma_wait(uint32_t copy);
+
+#ifdef __cplusplus
+}
+#endif

@@ -2,7 +2,15 @@
 // Text out of the chip.
 #pragma once
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 // Prints a text. Knows %d (int32_t), %u and %x (uint32_t), %s, %c, %%, and %m: an int32_t in thousandths or millionths
 // printed as a decimal number, `%m` = value / 1000 with three digits, `%M` = value / 1000000 with three digits.
 // No floating point, no width. An unknown letter is printed as it stands.
 void print(const char* format, ...);
+
+#ifdef __cplusplus
+}
+#endif

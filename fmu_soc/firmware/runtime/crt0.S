@@ -21,10 +21,21 @@ _start:
     addi    t0, t0, 4
     j       1b
 
-2:  li      a0, 0
+2:
+#ifdef WITH_CONSTRUCTORS
+    la      s0, __init_array_start
+    la      s1, __init_array_end
+3:  bgeu    s0, s1, 4f
+    lw      t0, 0(s0)
+    addi    s0, s0, 4
+    jalr    t0
+    j       3b
+4:
+#endif
+    li      a0, 0
     li      a1, 0
     call    main
     call    firmware_exit          # does not return
-3:  wfi
-    j       3b
+5:  wfi
+    j       5b
     .size _start, . - _start

@@ -2,6 +2,10 @@
 // How the firmware ends.
 #pragma once
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 // Exit codes of the flight application; the chip puts them out as core.exit_code.
 enum {
   EXIT_GATE_PASSED = 0,     // flew through the gate and landed
@@ -14,3 +18,7 @@ enum {
 
 // Tells the power manager that the firmware is done; the core sleeps for good.
 __attribute__((noreturn)) void firmware_exit(int code);
+
+#ifdef __cplusplus
+}
+#endif

@@ -8,6 +8,10 @@
 
 #include <stdint.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 // A handler runs with interrupts off. It must make its device drop the request.
 typedef void (*interrupt_handler_t)(void);
 
@@ -30,3 +34,7 @@ uint32_t sleep_clock_lower(void);
 // Sleeps until an attached interrupt is pending, then lets its handler run.
 // Call with interrupts off; they are off again on return.
 void sleep_until_interrupt(void);
+
+#ifdef __cplusplus
+}
+#endif

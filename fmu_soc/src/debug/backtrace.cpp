@@ -11,8 +11,6 @@
 namespace mebots::soc::debug {
 namespace {
 
-constexpr unsigned kReturnAddress = 1;
-constexpr unsigned kStackPointer = 2;
 constexpr std::size_t kMostFrames = 8;
 constexpr std::uint32_t kMostWords = 2048;
 /// How far below a memory a stack pointer that ran over its end is looked for.
@@ -47,7 +45,8 @@ std::uint32_t first_word(const Memory& memory, std::uint32_t pointer) {
 
 }  // namespace
 
-std::string backtrace(const Elf& program, const Memory& memory, const Hart& hart) {
+std::string backtrace(const Elf& program, const Memory& memory, std::uint32_t return_address,
+                      std::uint32_t stack_pointer) {
   std::vector<Frame> frames;
   const auto add = [&](std::uint32_t address) {
     if (!is_return_address(memory, address)) return;
@@ -57,8 +56,8 @@ std::string backtrace(const Elf& program, const Memory& memory, const Hart& hart
       frames.push_back({address, 1});
     }
   };
-  add(hart.reg(kReturnAddress));
-  auto at = first_word(memory, hart.reg(kStackPointer));
+  add(return_address);
+  auto at = first_word(memory, stack_pointer);
   for (std::uint32_t i = 0; i < kMostWords; ++i, at += 4) {
     std::uint32_t word = 0;
     if (!memory.read(at, {reinterpret_cast<std::uint8_t*>(&word), sizeof word})) break;
@@ -66,7 +65,7 @@ std::string backtrace(const Elf& program, const Memory& memory, const Hart& hart
   }
   std::string text;
   for (const auto& frame : frames) {
-    const auto name = program.where(frame.address);
+    const auto name = program.where_called(frame.address);
     if (!text.empty()) text += " < ";
     text += name.empty() ? fmt::format("0x{:08x}", frame.address) : name;
     if (frame.times > 1) text += fmt::format(" ({} times)", frame.times);

@@ -3,12 +3,15 @@
 
 #include "mebots/error.hpp"
 
+#include <cxxabi.h>
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <iterator>
+#include <utility>
 
 namespace mebots::soc {
 namespace {
@@ -40,7 +43,9 @@ struct SymbolEntry {
 constexpr std::uint16_t kExecutable = 2;
 constexpr std::uint16_t kRiscv = 243;
 constexpr std::uint32_t kLoad = 1;
+constexpr std::uint32_t kProgramBits = 1;
 constexpr std::uint32_t kSymbolTable = 2;
+constexpr std::uint32_t kCompressed = 0x800;
 constexpr std::uint16_t kUndefined = 0;
 constexpr unsigned kFunction = 2;
 constexpr std::uint32_t kFarthestFromLabel = 0x10000;
@@ -54,8 +59,12 @@ class File {
 
   [[noreturn]] void fail(const std::string& what) const { throw Error(fmt::format("{}: {}", origin_, what)); }
 
+  bool has(std::uint64_t offset, std::uint64_t size) const {
+    return offset <= bytes_.size() && size <= bytes_.size() - offset;
+  }
+
   std::span<const std::uint8_t> part(std::uint64_t offset, std::uint64_t size, std::string_view what) const {
-    if (offset > bytes_.size() || size > bytes_.size() - offset) {
+    if (!has(offset, size)) {
       fail(fmt::format("the file is cut short: {} needs bytes {} to {} of {}", what, offset, offset + size,
                        bytes_.size()));
     }
@@ -130,27 +139,31 @@ bool names_nothing(std::string_view name) {
   return name.starts_with("$x") || name.starts_with("$d") || name.starts_with(".L");
 }
 
-/// The symbols of the first symbol table; a file has one at most. `names` gets the text that they point into.
-std::vector<ElfSymbol> read_symbols(const File& file, const FileHeader& header,
-                                    std::shared_ptr<const std::string>& names) {
-  std::vector<ElfSymbol> symbols;
-  if (header.section_count == 0) return symbols;
+std::vector<SectionHeader> read_sections(const File& file, const FileHeader& header) {
+  std::vector<SectionHeader> sections;
+  if (header.section_count == 0) return sections;
   if (header.section_size != sizeof(SectionHeader)) {
     file.fail(fmt::format("section headers of {} bytes instead of {}", header.section_size, sizeof(SectionHeader)));
   }
-  const auto section_at = [&](std::uint32_t index) {
-    return file.get<SectionHeader>(header.section_offset + std::uint64_t{index} * sizeof(SectionHeader),
-                                   fmt::format("section header {}", index));
-  };
   file.part(header.section_offset, std::uint64_t{header.section_count} * sizeof(SectionHeader), "the section headers");
-  SectionHeader section{};
-  for (std::uint32_t i = 0; i < header.section_count && section.type != kSymbolTable; ++i) section = section_at(i);
-  if (section.type != kSymbolTable) return symbols;
-  if (section.link >= header.section_count)
-    file.fail(fmt::format("symbol table names section {}, which is not there", section.link));
-  const auto strings_header = section_at(section.link);
+  for (std::uint32_t i = 0; i < header.section_count; ++i) {
+    sections.push_back(file.get<SectionHeader>(header.section_offset + std::uint64_t{i} * sizeof(SectionHeader),
+                                               fmt::format("section header {}", i)));
+  }
+  return sections;
+}
+
+/// The symbols of the first symbol table; a file has one at most. `names` gets the text that they point into.
+std::vector<ElfSymbol> read_symbols(const File& file, std::span<const SectionHeader> sections,
+                                    std::shared_ptr<const std::string>& names) {
+  std::vector<ElfSymbol> symbols;
+  const auto section = std::ranges::find(sections, kSymbolTable, &SectionHeader::type);
+  if (section == sections.end()) return symbols;
+  if (section->link >= sections.size())
+    file.fail(fmt::format("symbol table names section {}, which is not there", section->link));
+  const auto& strings_header = sections[section->link];
   const auto strings = file.part(strings_header.offset, strings_header.size, "the symbol names");
-  const auto table = file.part(section.offset, section.size, "the symbol table");
+  const auto table = file.part(section->offset, section->size, "the symbol table");
   names = std::make_shared<const std::string>(strings.begin(), strings.end());
   const std::string_view text = *names;
   std::vector<std::size_t> ends;  // of the names; searching each from its start would take a hostile file for ever
@@ -175,7 +188,46 @@ std::vector<ElfSymbol> read_symbols(const File& file, const FileHeader& header,
   return symbols;
 }
 
+/// Lines are for messages: a file whose sections for them are not in order, or packed, has none.
+std::shared_ptr<const LineSections> read_lines(const File& file, const FileHeader& header,
+                                               std::span<const SectionHeader> sections) {
+  auto lines = std::make_shared<LineSections>();
+  if (header.name_index >= sections.size()) return lines;
+  const auto bytes_of = [&](const SectionHeader& section) {
+    const bool whole = section.type == kProgramBits && (section.flags & kCompressed) == 0;
+    return whole && file.has(section.offset, section.size) ? file.part(section.offset, section.size, "a section")
+                                                           : std::span<const std::uint8_t>();
+  };
+  const auto& names_header = sections[header.name_index];
+  if (!file.has(names_header.offset, names_header.size)) return lines;
+  const auto names = file.part(names_header.offset, names_header.size, "the section names");
+  const auto is = [&](const SectionHeader& section, std::string_view name) {  // the final zero belongs to it
+    return section.name < names.size() && names.size() - section.name > name.size() &&
+           std::ranges::equal(names.subspan(section.name, name.size() + 1), std::string(name) + '\0', {},
+                              [](std::uint8_t c) { return static_cast<char>(c); });
+  };
+  for (const auto& section : sections) {
+    for (const auto& [name, target] : {std::pair{".debug_line", &lines->line},
+                                       {".debug_line_str", &lines->line_string},
+                                       {".debug_str", &lines->string}}) {
+      if (!is(section, name)) continue;
+      const auto bytes = bytes_of(section);
+      target->assign(bytes.begin(), bytes.end());
+    }
+  }
+  return lines;
+}
+
 }  // namespace
+
+std::string ElfSymbol::shown() const {
+  std::string plain(name);
+  if (!plain.starts_with("_Z")) return plain;
+  int status = 0;
+  const std::unique_ptr<char, decltype(&std::free)> text(abi::__cxa_demangle(plain.c_str(), nullptr, nullptr, &status),
+                                                         &std::free);
+  return status == 0 ? std::string(text.get()) : plain;
+}
 
 Elf Elf::parse(std::span<const std::uint8_t> bytes, const std::string& origin) {
   const File file(bytes, origin);
@@ -185,7 +237,9 @@ Elf Elf::parse(std::span<const std::uint8_t> bytes, const std::string& origin) {
   elf.origin_ = origin;
   elf.entry_ = header.entry;
   elf.segments_ = read_segments(file, header);
-  elf.symbols_ = read_symbols(file, header, elf.names_);
+  const auto sections = read_sections(file, header);
+  elf.symbols_ = read_symbols(file, sections, elf.names_);
+  elf.lines_ = read_lines(file, header, sections);
   const bool inside = std::any_of(elf.segments_.begin(), elf.segments_.end(), [&](const ElfSegment& segment) {
     return header.entry >= segment.address && header.entry - segment.address < segment.size;
   });
@@ -239,10 +293,20 @@ const ElfSymbol* Elf::covering(std::uint32_t address) const {
 }
 
 std::string Elf::where(std::uint32_t address) const {
+  return name_of(address, address);
+}
+
+std::string Elf::where_called(std::uint32_t return_address) const {
+  return name_of(return_address, return_address - 1);
+}
+
+std::string Elf::name_of(std::uint32_t address, std::uint32_t line_of) const {
   const auto* symbol = covering(address);
   if (symbol == nullptr) return {};
-  if (symbol->address == address) return std::string(symbol->name);
-  return fmt::format("{}+0x{:x}", symbol->name, address - symbol->address);
+  auto text = symbol->shown();
+  if (symbol->address != address) text += fmt::format("+0x{:x}", address - symbol->address);
+  if (const auto line = lines_ ? find_line(*lines_, line_of) : std::nullopt) text += fmt::format(" ({})", line->text());
+  return text;
 }
 
 }  // namespace mebots::soc

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "elf/source_lines.hpp"
+
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -24,6 +26,9 @@ struct ElfSymbol {
   std::uint32_t address = 0;
   std::uint32_t size = 0;
   bool function = false;
+
+  /// The name as it is written in C++: "Gauge::read() const" for _ZNK5Gauge4readEv.
+  std::string shown() const;
 };
 
 /// A program, checked and taken out of its file.
@@ -43,15 +48,21 @@ class Elf {
   const std::vector<ElfSymbol>& symbols() const { return symbols_; }
   /// The function, or else the label, that covers an address; null when there is none.
   const ElfSymbol* covering(std::uint32_t address) const;
-  /// "camera_handler+0x12", or "" when no symbol covers the address.
+  /// "camera_handler+0x12 (camera.c:41)", without the line where the program was compiled without -g; "" when no symbol
+  /// covers the address.
   std::string where(std::uint32_t address) const;
+  /// The same for an address that a call returns to, with the line of the call.
+  std::string where_called(std::uint32_t return_address) const;
 
  private:
+  std::string name_of(std::uint32_t address, std::uint32_t line_of) const;
+
   std::string origin_;
   std::uint32_t entry_ = 0;
   std::vector<ElfSegment> segments_;
   std::shared_ptr<const std::string> names_;  // of the symbols
   std::vector<ElfSymbol> symbols_;            // by address
+  std::shared_ptr<const LineSections> lines_;
 };
 
 }  // namespace mebots::soc

@@ -46,6 +46,8 @@ struct Fault {
   std::uint32_t first_cause = 0;  // the exception that it began with: the first one since a return from a handler
   std::uint32_t first_pc = 0;
   std::uint32_t first_value = 0;
+  std::uint32_t first_return_address = 0;  // what ra and sp were there
+  std::uint32_t first_stack_pointer = 0;
 
   void visit(state::Visitor& v) {
     v("happened", happened);
@@ -57,6 +59,8 @@ struct Fault {
     v("first_cause", first_cause);
     v("first_pc", first_pc);
     v("first_value", first_value);
+    v("first_return_address", first_return_address);
+    v("first_stack_pointer", first_stack_pointer);
   }
 };
 
@@ -184,6 +188,8 @@ class Hart {
   /// (mstatus), since the load would only fall asleep again.
   bool wakes() const { return waits_for_event_ ? interrupt_ready_ : (csrs_.mip & csrs_.mie) != 0; }
   const Fault& fault() const { return fault_; }
+  /// Whether no handler has returned since the last exception: fault() has the first one since.
+  bool in_exception() const { return exception_repeats_ != 0; }
   const Counters& counters() const { return execution_.counters; }
   /// Of the loads and stores: those that did not go to the first region of the memory, nor to a device.
   std::uint64_t far_accesses() const { return execution_.far_accesses; }

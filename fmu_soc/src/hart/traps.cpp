@@ -14,6 +14,9 @@ namespace {
 /// An exception that comes back this often at the same place, with no return from a handler between, has no way out.
 constexpr std::uint32_t kHopelessRepeats = 16;
 
+constexpr unsigned kReturnAddress = 1;
+constexpr unsigned kStackPointer = 2;
+
 }  // namespace
 
 const Instruction* Hart::raise(const Instruction* at, std::uint32_t cause, std::uint32_t value) {
@@ -64,6 +67,8 @@ void Hart::take_trap(std::uint32_t cause, std::uint32_t value) {
     fault_.first_cause = cause;
     fault_.first_pc = pc;
     fault_.first_value = value;
+    fault_.first_return_address = reg(kReturnAddress);
+    fault_.first_stack_pointer = reg(kStackPointer);
   }
   exception_instructions_ = execution_.counters.instructions;
   exception_repeats_ = again ? exception_repeats_ + 1 : 1;

@@ -11,7 +11,7 @@ std::uint32_t Functions::of_symbol(const ElfSymbol& symbol) {
   const auto found = by_address_.find(symbol.address);
   if (found != by_address_.end()) return found->second;
   const auto number = count();
-  places_.push_back({std::string(symbol.name), symbol.address, symbol.size});
+  places_.push_back({symbol.shown(), symbol.address, symbol.size});
   by_address_.emplace(symbol.address, number);
   return number;
 }

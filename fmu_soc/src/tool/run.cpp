@@ -153,8 +153,10 @@ int run(const Options& options) {
   const auto tohost = tohost_of(soc);
   const auto code = exit_code(soc, tohost);
   print_report(soc, host_s, tohost);
-  if (code == kFaultOrLimit && soc.end() != End::host && soc.end() != End::exited) {
-    fmt::print(stderr, "mebots-soc: {}\n", soc.end() == End::faulted ? soc.fault_text() : why_no_end(soc, options));
+  if (soc.faulted()) {
+    fmt::print(stderr, "mebots-soc: {}\n", soc.fault_text());
+  } else if (code == kFaultOrLimit && soc.end() != End::host && soc.end() != End::exited) {
+    fmt::print(stderr, "mebots-soc: {}\n", why_no_end(soc, options));
   }
   session.finish(code);
   if (signature) signature->write(soc);

@@ -173,7 +173,7 @@ class Ensemble {
     KindSet output_kinds = 0;
     KindSet input_kinds = 0;
     bool takes_reals_as_they_are = false;
-    bool keeps_earlier = false;  // derivatives go out; what was read before is kept: two known ends make a line
+    bool keeps_earlier = false;        // derivatives go out; what was read before is kept: two known ends make a line
     std::int64_t outputs_time_ns = 0;  // what `outputs` was read at
     std::int64_t inputs_time_ns = 0;   // start of the step that `inputs` were handed for
     Banks outputs;

@@ -1,0 +1,299 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "elf/source_lines.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <span>
+#include <string_view>
+#include <utility>
+
+namespace mebots::soc {
+namespace {
+
+using Bytes = std::span<const std::uint8_t>;
+
+/// Reads a section that may end anywhere, or say nonsense: behind its end all is 0, and `good` is false.
+class Cursor {
+ public:
+  explicit Cursor(Bytes bytes) : bytes_(bytes) {}
+
+  bool good() const { return good_; }
+  bool more() const { return good_ && at_ < bytes_.size(); }
+
+  std::uint32_t number(std::size_t size) {
+    const auto part = take(size);
+    std::uint32_t value = 0;
+    for (std::size_t i = 0; i < part.size() && i < sizeof value; ++i) value |= std::uint32_t{part[i]} << (8 * i);
+    return value;
+  }
+
+  /// LEB128, of which 32 bits are kept.
+  std::uint32_t unsigned_number() { return leb128().first; }
+  std::int32_t signed_number() {
+    const auto [value, bits] = leb128();
+    const bool negative = bits > 0 && bits < 32 && (value >> (bits - 1) & 1) != 0;
+    return static_cast<std::int32_t>(negative ? value | ~0U << bits : value);
+  }
+
+  std::string_view text() {
+    const auto rest = bytes_.subspan(at_);
+    const auto size = static_cast<std::size_t>(std::find(rest.begin(), rest.end(), 0) - rest.begin());
+    const auto part = take(size + 1);
+    return part.empty() ? std::string_view() : std::string_view(reinterpret_cast<const char*>(part.data()), size);
+  }
+
+  Bytes rest() { return take(bytes_.size() - at_); }
+  /// The next `size` bytes; none when there are fewer.
+  Bytes take(std::size_t size) {
+    if (size > bytes_.size() - at_) good_ = false;
+    if (!good_) return {};
+    const auto part = bytes_.subspan(at_, size);
+    at_ += size;
+    return part;
+  }
+
+ private:
+  /// The low bits, and how many were given.
+  std::pair<std::uint32_t, unsigned> leb128() {
+    std::uint32_t value = 0;
+    for (unsigned bits = 0;; bits += 7) {
+      const auto byte = number(1);
+      if (bits < 32) value |= (byte & 0x7f) << bits;
+      if ((byte & 0x80) == 0) return {value, bits + 7};
+    }
+  }
+
+  Bytes bytes_;
+  std::size_t at_ = 0;
+  bool good_ = true;
+};
+
+std::string_view text_at(const std::vector<std::uint8_t>& section, std::uint32_t offset) {
+  if (offset >= section.size()) return {};
+  return Cursor(Bytes(section).subspan(offset)).text();
+}
+
+enum class Form : std::uint32_t {
+  data2 = 0x05,
+  data4 = 0x06,
+  data8 = 0x07,
+  string = 0x08,
+  block = 0x09,
+  data1 = 0x0b,
+  strp = 0x0e,
+  udata = 0x0f,
+  data16 = 0x1e,
+  line_strp = 0x1f,
+};
+
+constexpr std::uint32_t kPath = 1;  // DW_LNCT_path
+
+/// What a form holds when it is a text; anything else is passed over. An unknown form spoils the cursor.
+std::string_view read_form(Cursor& cursor, std::uint32_t form, const LineSections& sections) {
+  switch (static_cast<Form>(form)) {
+    case Form::string:
+      return cursor.text();
+    case Form::strp:
+      return text_at(sections.string, cursor.number(4));
+    case Form::line_strp:
+      return text_at(sections.line_string, cursor.number(4));
+    case Form::udata:
+      cursor.unsigned_number();
+      return {};
+    case Form::block:
+      cursor.take(cursor.unsigned_number());
+      return {};
+    case Form::data1:
+      cursor.take(1);
+      return {};
+    case Form::data2:
+      cursor.take(2);
+      return {};
+    case Form::data4:
+      cursor.take(4);
+      return {};
+    case Form::data8:
+      cursor.take(8);
+      return {};
+    case Form::data16:
+      cursor.take(16);
+      return {};
+  }
+  cursor.take(static_cast<std::size_t>(-1));
+  return {};
+}
+
+/// Version 5: entries described by a list of what they hold and how.
+std::vector<std::string_view> described_entries(Cursor& cursor, const LineSections& sections) {
+  struct Field {
+    std::uint32_t content, form;
+  };
+  std::vector<Field> fields(cursor.number(1));
+  for (auto& field : fields) {
+    field.content = cursor.unsigned_number();
+    field.form = cursor.unsigned_number();
+  }
+  const auto count = cursor.unsigned_number();
+  std::vector<std::string_view> paths;
+  if (fields.empty()) return paths;
+  for (std::uint32_t i = 0; i < count && cursor.good(); ++i) {
+    std::string_view path;
+    for (const auto& field : fields) {
+      const auto text = read_form(cursor, field.form, sections);
+      if (field.content == kPath) path = text;
+    }
+    paths.push_back(path);
+  }
+  return paths;
+}
+
+/// The files of a unit by the numbers that its program uses.
+std::vector<std::string_view> read_files(Cursor& cursor, unsigned version, const LineSections& sections) {
+  if (version >= 5) {
+    described_entries(cursor, sections);  // folders
+    return described_entries(cursor, sections);
+  }
+  while (cursor.good() && !cursor.text().empty()) {
+  }                                         // folders
+  std::vector<std::string_view> files{""};  // numbers begin with 1
+  for (auto name = cursor.text(); cursor.good() && !name.empty(); name = cursor.text()) {
+    files.push_back(name);
+    for (int field = 0; field < 3; ++field) cursor.unsigned_number();  // folder, time, size
+  }
+  return files;
+}
+
+struct Row {
+  std::uint32_t address = 0;
+  std::uint32_t file = 1;
+  std::uint32_t line = 1;
+};
+
+/// A unit's line number program, a machine of its own that writes rows of (address, file, line).
+class LineProgram {
+ public:
+  LineProgram(Bytes unit, unsigned version, const LineSections& sections) : cursor_(unit) {
+    const auto header = cursor_.number(4);
+    Cursor fields(cursor_.take(header));
+    least_length_ = fields.number(1);
+    if (version >= 4) fields.number(1);  // operations of an instruction: more than one for VLIW only
+    fields.number(1);                    // whether a row is a statement to begin with
+    line_base_ = static_cast<std::int8_t>(fields.number(1));
+    line_range_ = fields.number(1);
+    opcode_base_ = fields.number(1);
+    for (unsigned op = 1; op < opcode_base_; ++op) operands_.push_back(static_cast<std::uint8_t>(fields.number(1)));
+    files_ = read_files(fields, version, sections);
+    good_ = fields.good() && line_range_ != 0 && opcode_base_ != 0;
+  }
+
+  /// The row that covers an address: from its own to the next one's of the same sequence.
+  std::optional<Row> find(std::uint32_t address) {
+    if (!good_) return std::nullopt;
+    std::optional<Row> last;
+    while (cursor_.more()) {
+      const auto event = next();
+      if (event == Event::none) continue;
+      if (last && last->address <= address && address < row_.address) return last;
+      last = row_;
+      if (event == Event::end) {
+        last.reset();
+        row_ = Row();
+      }
+    }
+    return std::nullopt;
+  }
+
+  std::string_view file(std::uint32_t number) const { return number < files_.size() ? files_[number] : ""; }
+
+ private:
+  enum class Event { none, row, end };
+  static constexpr unsigned kNamedOpcodes = 12;  // those that this reader knows
+
+  Event next() {
+    const auto opcode = cursor_.number(1);
+    if (opcode >= opcode_base_) {
+      const auto adjusted = opcode - opcode_base_;
+      row_.address += adjusted / line_range_ * least_length_;
+      row_.line += static_cast<std::uint32_t>(line_base_ + static_cast<std::int32_t>(adjusted % line_range_));
+      return Event::row;
+    }
+    if (opcode == 0) return extended();
+    if (opcode > kNamedOpcodes) {
+      for (unsigned i = 0; i < operands_[opcode - 1]; ++i) cursor_.unsigned_number();
+      return Event::none;
+    }
+    return standard(opcode);
+  }
+
+  Event standard(unsigned opcode) {
+    switch (opcode) {
+      case 1:  // copy
+        return Event::row;
+      case 2:  // advance_pc
+        row_.address += cursor_.unsigned_number() * least_length_;
+        break;
+      case 3:  // advance_line
+        row_.line += static_cast<std::uint32_t>(cursor_.signed_number());
+        break;
+      case 4:  // set_file
+        row_.file = cursor_.unsigned_number();
+        break;
+      case 5:   // set_column
+      case 12:  // set_isa
+        cursor_.unsigned_number();
+        break;
+      case 8:  // const_add_pc
+        row_.address += (255 - opcode_base_) / line_range_ * least_length_;
+        break;
+      case 9:  // fixed_advance_pc
+        row_.address += cursor_.number(2);
+        break;
+      default:  // marks without operands
+        break;
+    }
+    return Event::none;
+  }
+
+  Event extended() {
+    Cursor body(cursor_.take(cursor_.unsigned_number()));
+    const auto opcode = body.number(1);
+    if (opcode == 1) return Event::end;
+    if (opcode == 2) row_.address = body.number(4);
+    return Event::none;
+  }
+
+  Cursor cursor_;
+  std::uint32_t least_length_ = 1;
+  std::int32_t line_base_ = 0;
+  std::uint32_t line_range_ = 0;
+  std::uint32_t opcode_base_ = 0;
+  std::vector<std::uint8_t> operands_;  // of the standard opcodes, from 1 on
+  std::vector<std::string_view> files_;
+  Row row_;
+  bool good_ = false;
+};
+
+}  // namespace
+
+std::string SourceLine::text() const {
+  return fmt::format("{}:{}", file, line);
+}
+
+std::optional<SourceLine> find_line(const LineSections& sections, std::uint32_t address) {
+  Cursor units(sections.line);
+  while (units.more()) {
+    Cursor unit(units.take(units.number(4)));  // 0xffffffff, for 64 bits, is longer than any section
+    const auto version = unit.number(2);
+    if (version < 2 || version > 5) continue;
+    if (version == 5) unit.take(2);  // sizes of an address and of a segment selector
+    LineProgram program(unit.rest(), version, sections);
+    const auto row = program.find(address);
+    if (!row || row->line == 0) continue;
+    const auto path = program.file(row->file);
+    return SourceLine{std::string(path.substr(path.find_last_of('/') + 1)), row->line};
+  }
+  return std::nullopt;
+}
+
+}  // namespace mebots::soc
