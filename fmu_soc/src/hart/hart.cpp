@@ -122,7 +122,10 @@ Stop Hart::go_on(std::uint64_t limit, bool left_translated) {
     }
     std::uint32_t number = 0;
     if (e.jumped) number = land();
-    if (e.counters.cycles >= limit) return Stop::limit;
+    if (e.counters.cycles >= limit) {
+      if (left_translated && e.host.resume_point == nullptr) chain_to_here();
+      return Stop::limit;
+    }
     e.host.resume_point = nullptr;
     if (interrupt_ready_) {
       take_interrupt();
@@ -209,7 +212,7 @@ inline bool Hart::run_block(std::uint32_t number, std::uint64_t limit, bool left
   auto& e = execution_;
   const auto& block = cache_.block(number);
   // What ran before can delay the first instruction if it was a load. A jump soon after it is another matter.
-  const bool early_jump = e.pipeline.before.op != Op::end_of_block && block.early_jump;
+  const bool early_jump = jumps_too_early(block);
   const auto stall = stall_of(block);
   const auto present = cache_.is_present(block) ? 0 : kAbsent;
   const auto bound = ((std::uint64_t{block.last_start_bound} + stall) & bound_mask_) | present | unsettled_;
@@ -256,7 +259,7 @@ inline void Hart::interpret(const Block& block, std::uint32_t stall, std::uint64
   while (e.link != nullptr && *e.link != 0 && e.leave == Leave::normal && !interrupt_ready_ && !cache_.is_stale()) {
     const auto& next = cache_.block(*e.link);
     if (next.pc != e.pc || !cache_.is_present(next)) return;
-    if (e.pipeline.before.op != Op::end_of_block && next.early_jump) return;
+    if (jumps_too_early(next)) return;
     const auto cycles = e.counters.cycles + (e.jumped && next.unaligned ? kUnalignedTargetExtra : 0U);
     const auto next_stall = stall_of(next);
     if (cycles + ((std::uint64_t{next.last_start_bound} + next_stall) & bound_mask_) >= limit) return;

@@ -340,6 +340,11 @@ class Hart {
     execution_.next_block = block;
     next_generation_ = cache_.generation();
   }
+  /// A jump soon behind what came straight waits for that, as only its own decoding can tell.
+  bool jumps_too_early(const Block& block) const {
+    return execution_.pipeline.before.op != Op::end_of_block && block.early_jump;
+  }
+  void chain_to_here();
   bool run_translated(const translate::Entry& entry, std::uint64_t limit);
   void set_budget(std::uint64_t limit);
   bool finish_translated(const translate::Exit& exit);

@@ -4,6 +4,7 @@
 #include "hart/hart.hpp"
 
 #include <algorithm>
+#include <bit>
 
 namespace mebots::soc {
 namespace {
@@ -74,7 +75,7 @@ bool Hart::finish_translated(const translate::Exit& exit) {
     e.pipeline = {};
   }
   e.slow_load = nullptr;
-  if (exit.is_reached_straight && host.came_from != nullptr) remember(host.came_from);
+  if (exit.is_reached_straight && host.came_from != 0) e.pipeline = std::bit_cast<Pipeline>(host.came_from);
   if (exit.resumes) {
     std::uint32_t stall = 0;
     if (exit.at->index == 0) {  // counted already, but it has not begun
@@ -103,6 +104,18 @@ bool Hart::finish_translated(const translate::Exit& exit) {
   e.link = exit.at != nullptr ? &exit.at->link : nullptr;
   note_next(exit.block);
   return true;
+}
+
+/// Translated code was left at the limit: its patch point can lead on all the same, if there is code where it leads.
+/// Where a block is as long as the time between two limits, nothing else would ever chain it.
+void Hart::chain_to_here() {
+  const auto number = cache_.known(execution_.pc);
+  if (number == 0 || !translates()) return;
+  const auto& block = cache_.block(number);
+  if (jumps_too_early(block)) return;
+  if (const auto* entry = decoded_->translator->find(number); entry != nullptr) {
+    decoded_->translator->chain_last_exit(block.pc, *entry, stall_of(block) != 0);
+  }
 }
 
 Hart::RoundEnd Hart::run_round_robin(Hart& first, std::uint64_t limit_tick) {

@@ -33,6 +33,7 @@ std::vector<Entry> Emitter::emit(const Region& region, const Registers& register
   gates_ = gates;
   labels_ = std::vector<Label>(region.nodes.size());
   entries_ = std::vector<Label>(region.nodes.size());
+  stalled_entries_ = std::vector<Label>(region.nodes.size());
   std::vector<Entry> entries(region.nodes.size());
   for (std::size_t i = entries.size(); i-- > 0;) entries[i] = emit_entry(region.nodes[i], i == 0);
 
@@ -71,15 +72,20 @@ Entry Emitter::emit_entry(const Node& node, bool runs_into_node) {
   const auto check = [this, &node, at_limit](bool is_reached_straight, std::uint32_t stall) {
     Label leave;
     jump_at_limit(*node.block, stall, leave);
-    later([this, at_limit, is_reached_straight, leave]() mutable {
+    later([this, &node, at_limit, is_reached_straight, stall, leave]() mutable {
       L(leave);
       at_limit.is_reached_straight = is_reached_straight;
+      if (options_.loose_limit) {
+        emit_park_at_entry(node, at_limit, stall);
+        return;
+      }
       mov(eax, add_exit(at_limit));
       jmp(gates_.leave, T_NEAR);
     });
   };
   Label inside;
   entry.stalled = code_memory_.executable(getCurr());
+  L(stalled_entries_[index_of(node)]);
   check(true, 1);
   if (cache_.fetched() != nullptr && fetches_inline()) emit_fetch(node.first, nullptr);  // before it stalls
   spend(1);

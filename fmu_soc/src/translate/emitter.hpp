@@ -11,6 +11,7 @@
 #include <xbyak/xbyak.h>
 
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <deque>
 #include <functional>
@@ -125,7 +126,7 @@ class Emitter : private Xbyak::CodeGenerator {
   const Node* straight_successor(const Instruction* end, std::uint32_t link) const;
   void emit_straight_edge(const Instruction* at, std::uint32_t link, std::uint32_t pc);
   void emit_straight_to(const Instruction* at, const Node& node);
-  void set_where_from(const Instruction* end);
+  void set_where_from(const Pipeline& pipeline);
   void forget_what_came();
 
   // memory.cpp
@@ -157,6 +158,7 @@ class Emitter : private Xbyak::CodeGenerator {
   void count(const Instruction* at, std::uint32_t extra_cycles);
   void take_back(const Instruction* at);
   void spend(std::uint32_t cycles);
+  static std::uint64_t bits_of(const Pipeline& pipeline) { return std::bit_cast<std::uint64_t>(pipeline); }
   void check_limit(const Node& node, std::uint32_t stall, const Exit& at_limit, const Pipeline& pipeline);
   void check_limit(const Node& node);
   void jump_at_limit(const Block& block, std::uint32_t stall, Label& leave);
@@ -165,7 +167,9 @@ class Emitter : private Xbyak::CodeGenerator {
   void emit_fetch(const Instruction* at, const Instruction* before);
   const Node* node_at(std::uint32_t link, std::uint32_t pc) const;
   void emit_leave(const Exit& exit);
-  void emit_park(const Node& node, const Exit& exit, const Pipeline& pipeline);
+  void emit_park(const Node& node, const Exit& exit, std::uint32_t stall, const Pipeline& pipeline);
+  void emit_park_at_entry(const Node& node, const Exit& exit, std::uint32_t stall);
+  void note_place(const Node& node);
   void emit_chained_exit(Exit exit);
   void emit_resume(const Instruction* at);
   std::uint32_t waits_before(const Instruction* at) const { return ram_[0].wait_cycles * at->accesses_before; }
@@ -184,11 +188,12 @@ class Emitter : private Xbyak::CodeGenerator {
   const Registers* registers_ = nullptr;
   Gates gates_;
   std::vector<Label> labels_;
-  const Block* block_ = nullptr;     // of the node in work
-  const Node* following_ = nullptr;  // emitted after it
-  std::vector<Label> entries_;       // plain ones
-  Label leave_all_;                  // stores the registers and leaves by exit eax
-  Label park_all_;                   // likewise, to go on at rdx
+  const Block* block_ = nullptr;        // of the node in work
+  const Node* following_ = nullptr;     // emitted after it
+  std::vector<Label> entries_;          // plain ones
+  std::vector<Label> stalled_entries_;  // of those that ask for a stall
+  Label leave_all_;                     // stores the registers and leaves by exit eax
+  Label park_all_;                      // likewise, to go on at rdx
   std::deque<std::function<void()>> cold_;
   std::map<std::pair<std::uint64_t, std::uint64_t>, Label> constants_;
   std::vector<Xbyak::Address> memory_operands_;  // by guest register

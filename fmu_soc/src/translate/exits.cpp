@@ -178,25 +178,53 @@ void Emitter::check_limit(const Node& node, std::uint32_t stall, const Exit& at_
   jump_at_limit(*node.block, stall, leave);
   later([this, &node, stall, at_limit, pipeline, leave]() mutable {
     L(leave);
-    // With a stall, the next run may have to begin otherwise.
-    if (stall == 0) {
-      emit_park(node, at_limit, pipeline);
+    // With a strict limit, a stall asks for a cycle more, so that the next run may have to begin otherwise.
+    if (stall == 0 || options_.loose_limit) {
+      emit_park(node, at_limit, stall, pipeline);
     } else {
       emit_leave(at_limit);
     }
   });
 }
 
-/// Leaves in front of a block so that the next run can begin with it by its resume point.
-void Emitter::emit_park(const Node& node, const Exit& exit, const Pipeline& pipeline) {
-  static_assert(sizeof(Pipeline) == sizeof(std::uint64_t));
+/// Where the interpreter would begin.
+void Emitter::note_place(const Node& node) {
   mov(dword[rbx + static_cast<int>(offsetof(Execution, pc))], node.block->pc);
   mov(dword[rbx + static_cast<int>(offsetof(Execution, next_block))], node.number);
-  mov(rdx, std::bit_cast<std::uint64_t>(pipeline));
+}
+
+/// Leaves in front of a block so that the next run can begin with it by its resume point. A stall comes with that run.
+void Emitter::emit_park(const Node& node, const Exit& exit, std::uint32_t stall, const Pipeline& pipeline) {
+  static_assert(sizeof(Pipeline) == sizeof(std::uint64_t));
+  note_place(node);
+  mov(rdx, bits_of(pipeline));
   mov(ptr[rbx + static_cast<int>(offsetof(Execution, pipeline))], rdx);
+  if (stall != 0) mov(ptr[rbx + static_cast<int>(offsetof(Execution, host.came_from))], rdx);
   mov(eax, add_exit(exit));
-  lea(rdx, ptr[rip + entries_[index_of(node)]]);
+  lea(rdx, ptr[rip + (stall == 0 ? entries_ : stalled_entries_)[index_of(node)]]);
   jmp(park_all_, T_NEAR);
+}
+
+/// Likewise at an entry, where no registers are loaded yet. Who came straight has said what the pipeline holds; who
+/// came by a jump finds it empty; for who has just begun it is as it was.
+void Emitter::emit_park_at_entry(const Node& node, const Exit& exit, std::uint32_t stall) {
+  const auto pipeline = ptr[rbx + static_cast<int>(offsetof(Execution, pipeline))];
+  note_place(node);
+  if (exit.is_reached_straight) {
+    mov(rdx, ptr[rbx + static_cast<int>(offsetof(Execution, host.came_from))]);
+    mov(pipeline, rdx);
+  } else {
+    Label begun;
+    movd(edx, xmm15);
+    test(edx, edx);
+    jz(begun);
+    mov(rdx, bits_of({}));
+    mov(pipeline, rdx);
+    L(begun);
+  }
+  mov(eax, add_exit(exit));
+  lea(rdx, ptr[rip + (stall == 0 ? entries_ : stalled_entries_)[index_of(node)]]);
+  jmp(gates_.park, T_NEAR);
 }
 
 /// Behind a jump.

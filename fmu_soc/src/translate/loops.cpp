@@ -10,6 +10,11 @@ int offset_of_loop(unsigned loop) {
   return static_cast<int>(offsetof(Execution, loops) + sizeof(HardwareLoop) * loop);
 }
 
+/// What the pipeline holds behind the end of a block of two instructions or more.
+Pipeline behind(const Instruction* end) {
+  return {executed(end[-1], false), executed(end[-2], false)};
+}
+
 }  // namespace
 
 /// Registers of a hardware loop. False: another instruction, or one that makes a block end where none does yet.
@@ -113,13 +118,13 @@ void Emitter::emit_straight_edge(const Instruction* at, std::uint32_t link, std:
     emit_leave(exit);
     return;
   }
-  set_where_from(at);
+  set_where_from(behind(at));
   emit_chained_exit(exit);
 }
 
-/// Notes that the next block is reached straight from this end of another one.
-void Emitter::set_where_from(const Instruction* end) {
-  mov(rdx, reinterpret_cast<std::uint64_t>(end));
+/// Notes what the pipeline holds for the next block, which is reached straight. rdx is lost.
+void Emitter::set_where_from(const Pipeline& pipeline) {
+  mov(rdx, bits_of(pipeline));
   mov(ptr[rbx + static_cast<int>(offsetof(Execution, host.came_from))], rdx);
 }
 
@@ -132,8 +137,8 @@ void Emitter::emit_straight_to(const Instruction* at, const Node& node) {
   at_limit.pc = node.block->pc;
   at_limit.block = node.number;
   at_limit.at = at;
-  check_limit(node, stalls ? 1U : 0U, at_limit, {executed(at[-1], false), executed(at[-2], false)});
-  set_where_from(at);
+  check_limit(node, stalls ? 1U : 0U, at_limit, behind(at));
+  set_where_from(behind(at));
   if (stalls) {
     if (cache_.fetched() != nullptr && fetches_inline()) emit_fetch(node.first, nullptr);  // before it stalls
     spend(1);
