@@ -279,7 +279,7 @@ const Instruction* BlockCache::single(std::uint32_t pc, const Previous& two_befo
 }
 
 void BlockCache::set_longest_wait(std::uint32_t cycles) {
-  if (cycles == longest_wait_) return;
+  if (cycles <= longest_wait_) return;
   longest_wait_ = cycles;
   forget();
 }
