@@ -51,10 +51,18 @@ Axis look_up(float texels, float footprint, float size) {
   return {start + (floor & (level_size - 1)), at - static_cast<float>(floor)};
 }
 
-}  // namespace
+// The compiler makes each loop over pixels twice: for vectors of any x86-64, and for the longer ones of AVX2 where the
+// host has them. Both compute the same bits, since no loop sums up over pixels.
+#if defined(__x86_64__) && defined(__GNUC__)
+#define MEBOTS_LONG_VECTORS [[gnu::target("avx2")]]
+const bool kHasLongVectors = __builtin_cpu_supports("avx2") != 0;
+#else
+#define MEBOTS_LONG_VECTORS
+constexpr bool kHasLongVectors = false;
+#endif
 
-void test_depth(float w, float w_x, float x_0, int count, std::int32_t face, float* __restrict inverse_depth,
-                std::int32_t* __restrict faces) {
+[[gnu::always_inline]] inline void test_depth_here(float w, float w_x, float x_0, int count, std::int32_t face,
+                                                   float* __restrict inverse_depth, std::int32_t* __restrict faces) {
   for (int i = 0; i < count; ++i) {
     const float here = w + w_x * (x_0 + static_cast<float>(i));
     const bool nearer = here > inverse_depth[i];
@@ -63,7 +71,13 @@ void test_depth(float w, float w_x, float x_0, int count, std::int32_t face, flo
   }
 }
 
-void shade(const FaceView& view, double y, float x_0, int count, float* __restrict grey) {
+MEBOTS_LONG_VECTORS void test_depth_long(float w, float w_x, float x_0, int count, std::int32_t face,
+                                         float* __restrict inverse_depth, std::int32_t* __restrict faces) {
+  test_depth_here(w, w_x, x_0, count, face, inverse_depth, faces);
+}
+
+[[gnu::always_inline]] inline void shade_here(const FaceView& view, double y, float x_0, int count,
+                                              float* __restrict grey) {
   const Ripmap& ripmap = *view.ripmap;
   if (ripmap.size() == 1) {
     std::fill_n(grey, count, view.light * static_cast<float>(ripmap.texel(0, 0, 0, 0)));
@@ -108,6 +122,29 @@ void shade(const FaceView& view, double y, float x_0, int count, float* __restri
       const float lower = c01 + fraction_u[i] * (c11 - c01);
       grey[begin + i] = f.light * (upper + fraction_v[i] * (lower - upper));
     }
+  }
+}
+
+MEBOTS_LONG_VECTORS void shade_long(const FaceView& view, double y, float x_0, int count, float* __restrict grey) {
+  shade_here(view, y, x_0, count, grey);
+}
+
+}  // namespace
+
+void test_depth(float w, float w_x, float x_0, int count, std::int32_t face, float* __restrict inverse_depth,
+                std::int32_t* __restrict faces) {
+  if (kHasLongVectors) {
+    test_depth_long(w, w_x, x_0, count, face, inverse_depth, faces);
+  } else {
+    test_depth_here(w, w_x, x_0, count, face, inverse_depth, faces);
+  }
+}
+
+void shade(const FaceView& view, double y, float x_0, int count, float* __restrict grey) {
+  if (kHasLongVectors) {
+    shade_long(view, y, x_0, count, grey);
+  } else {
+    shade_here(view, y, x_0, count, grey);
   }
 }
 
