@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "translate/emitter.hpp"
 
+#include "mebots/assert.hpp"
+
 namespace mebots::soc::translate {
 namespace {
 
@@ -9,6 +11,7 @@ namespace {
 constexpr std::array<int, kHostRegisters> kHosts{Xbyak::Operand::RSI, Xbyak::Operand::RDI, Xbyak::Operand::RBP,
                                                  Xbyak::Operand::R8,  Xbyak::Operand::R9,  Xbyak::Operand::R10,
                                                  Xbyak::Operand::R11, Xbyak::Operand::R12, Xbyak::Operand::R13};
+constexpr int kFirstVector = 3;
 constexpr std::size_t kAlignment = 16;
 
 /// The compiler must not take offsets for those of another type.
@@ -141,6 +144,10 @@ bool Emitter::emit_instruction(const Instruction* at) {
 
 void Emitter::load_registers() {
   for (unsigned i = 0; i < registers_->count; ++i) mov(Reg32(kHosts[i]), memory(registers_->guest[i]));
+  for (unsigned i = 0; i < registers_->vector_count; ++i) {
+    const auto guest = registers_->vector_guest[i];
+    movd(vector(guest), memory(guest));
+  }
 }
 
 void Emitter::store_registers() {
@@ -148,13 +155,23 @@ void Emitter::store_registers() {
     const auto guest = registers_->guest[i];
     if (registers_->written[guest]) mov(memory(guest), Reg32(kHosts[i]));
   }
+  for (unsigned i = 0; i < registers_->vector_count; ++i) {
+    const auto guest = registers_->vector_guest[i];
+    if (registers_->written[guest]) movd(memory(guest), vector(guest));
+  }
 }
 
 Xbyak::Reg32 Emitter::host(unsigned reg) const {
   return Reg32(kHosts[static_cast<std::uint8_t>(registers_->host[reg])]);
 }
 
+Xbyak::Xmm Emitter::vector(unsigned reg) const {
+  MEBOTS_ASSERT(in_vector(reg));
+  return Xbyak::Xmm(kFirstVector + registers_->vector[reg]);
+}
+
 const Xbyak::Operand& Emitter::operand(unsigned reg) {
+  MEBOTS_ASSERT(!in_vector(reg), "allocate() asks can_be_vector()");
   static constexpr std::size_t kCount = kHosts.size();
   static const std::array<Reg32, kCount> kOperands{Reg32(kHosts[0]), Reg32(kHosts[1]), Reg32(kHosts[2]),
                                                    Reg32(kHosts[3]), Reg32(kHosts[4]), Reg32(kHosts[5]),
@@ -176,13 +193,18 @@ Xbyak::Reg32 Emitter::place(unsigned rd, const Reg32& scratch, bool needed_later
 void Emitter::finish(unsigned rd, const Reg32& result) {
   if (in_host(rd)) {
     if (host(rd).getIdx() != result.getIdx()) mov(host(rd), result);
+  } else if (in_vector(rd)) {
+    movd(vector(rd), result);
   } else {
     mov(memory(rd), result);
   }
 }
 
 void Emitter::set(unsigned rd, std::uint32_t constant) {
-  if (!in_host(rd)) {
+  if (in_vector(rd)) {
+    mov(eax, constant);
+    movd(vector(rd), eax);
+  } else if (!in_host(rd)) {
     mov(memory(rd), constant);
   } else if (constant == 0) {
     xor_(host(rd), host(rd));
@@ -194,6 +216,8 @@ void Emitter::set(unsigned rd, std::uint32_t constant) {
 void Emitter::copy(const Reg32& to, unsigned reg) {
   if (reg == 0) {
     mov(to, 0);  // not xor: flags stay
+  } else if (in_vector(reg)) {
+    movd(to, vector(reg));
   } else if (!in_host(reg) || host(reg).getIdx() != to.getIdx()) {
     mov(to, operand(reg));
   }

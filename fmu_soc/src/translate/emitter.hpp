@@ -33,6 +33,7 @@ constexpr int offset_of_register(unsigned reg) {
 ///   r15    where the count of cycles stands, as of the start of the block and what came up by execution in it: cycles
 ///          that may still start; where banks are shared, the row of their table, which is one on for each cycle
 ///   xmm15  counts: instructions and accesses (32 bits each), energy of instructions [fJ]
+///   xmm3 to xmm14  guest registers that dot products work on, in the low word; what stands above means nothing
 ///   rax, rcx, rdx, xmm0 to xmm2  scratch; all others hold guest registers, zero-extended
 ///
 /// A block that is left by a jump forgets what came before it. One that is left straight on may delay the next one:
@@ -76,6 +77,8 @@ class Emitter : private Xbyak::CodeGenerator {
   void load_registers();
   void store_registers();
   bool in_host(unsigned reg) const { return registers_->host[reg] != Registers::kInMemory; }
+  bool in_vector(unsigned reg) const { return registers_->vector[reg] != Registers::kInMemory; }
+  Xbyak::Xmm vector(unsigned reg) const;
   Reg32 host(unsigned reg) const;
   Xbyak::Address memory(unsigned reg) { return dword[rbx + offset_of_register(reg)]; }
   /// A register's value as an operand, never x0.
@@ -117,6 +120,9 @@ class Emitter : private Xbyak::CodeGenerator {
   void emit_simd_compare(const Instruction* at);
   bool emit_simd_shift(const Instruction* at);
   void emit_dot(const Instruction* at);
+  Xbyak::Xmm in_vector_for(unsigned reg, const Xbyak::Xmm& scratch);
+  void finish_vector(unsigned rd, const Xbyak::Xmm& result);
+  void finish_sum(unsigned rd, bool accumulates, const Xbyak::Xmm& sum);
   void emit_parts(const Instruction* at);
 
   // loops.cpp

@@ -237,45 +237,40 @@ void Emitter::emit_dot(const Instruction* at) {
   const bool left_signed = traits_of(at->op).sign;
   const bool right_signed = traits_of(at->op).second_sign;
   if (on_bytes(at->op)) {
-    const auto into = [this](const Xbyak::Xmm& to, unsigned reg) {
-      if (reg == 0) {
-        pxor(to, to);
-      } else if (in_host(reg)) {
-        movd(to, host(reg));
-      } else {
-        movd(to, memory(reg));
-      }
-    };
-    into(xmm0, at->rs1);
+    const auto left = in_vector_for(at->rs1, xmm0);
+    auto right = xmm1;
     if (operand_of(*at) == Operand::reg) {
-      into(xmm1, at->rs2);
+      right = in_vector_for(at->rs2, xmm1);
     } else {
       load_second(at);
       movd(xmm1, ecx);
     }
     if (const auto encoding = host_dot_product(); encoding && !left_signed && right_signed) {
-      into(xmm2, accumulates ? at->rd : 0U);
-      vpdpbusd(xmm2, xmm0, xmm1, *encoding);
-      if (in_host(at->rd)) {
-        movd(host(at->rd), xmm2);
-      } else {
-        movd(memory(at->rd), xmm2);
-      }
+      const auto sum = accumulates ? in_vector_for(at->rd, xmm2) : xmm2;
+      if (!accumulates) pxor(sum, sum);
+      vpdpbusd(sum, left, right, *encoding);
+      finish_vector(at->rd, sum);
       return;
     }
-    left_signed ? pmovsxbw(xmm0, xmm0) : pmovzxbw(xmm0, xmm0);
-    right_signed ? pmovsxbw(xmm1, xmm1) : pmovzxbw(xmm1, xmm1);
+    left_signed ? pmovsxbw(xmm0, left) : pmovzxbw(xmm0, left);
+    right_signed ? pmovsxbw(xmm1, right) : pmovzxbw(xmm1, right);
     pmaddwd(xmm0, xmm1);
     pshufd(xmm1, xmm0, 1);
     paddd(xmm0, xmm1);
-    movd(eax, xmm0);
-  } else if (left_signed) {
-    copy(eax, at->rs1);
+    finish_sum(at->rd, accumulates, xmm0);
+    return;
+  }
+  if (left_signed) {
     load_second(at);
-    movd(xmm0, eax);
     movd(xmm1, ecx);
+    if (in_vector(at->rs1)) {
+      movdqa(xmm0, vector(at->rs1));
+    } else {
+      copy(eax, at->rs1);
+      movd(xmm0, eax);
+    }
     pmaddwd(xmm0, xmm1);
-    movd(eax, xmm0);
+    finish_sum(at->rd, accumulates, xmm0);
   } else {
     copy(eax, at->rs1);
     load_second(at);
@@ -290,11 +285,44 @@ void Emitter::emit_dot(const Instruction* at) {
     imul(edx, esi);
     pop(rsi);
     add(eax, edx);
+    movd(xmm0, eax);
+    finish_sum(at->rd, accumulates, xmm0);
   }
-  if (accumulates) {
-    add(operand(at->rd), eax);
+}
+
+/// A register's value in a vector register, which must not be changed unless it is `scratch`.
+Xbyak::Xmm Emitter::in_vector_for(unsigned reg, const Xbyak::Xmm& scratch) {
+  if (in_vector(reg)) return vector(reg);
+  if (reg == 0) {
+    pxor(scratch, scratch);
+  } else if (in_host(reg)) {
+    movd(scratch, host(reg));
   } else {
-    finish(at->rd, eax);
+    movd(scratch, memory(reg));
+  }
+  return scratch;
+}
+
+/// A result in the low word of a vector register.
+void Emitter::finish_vector(unsigned rd, const Xbyak::Xmm& result) {
+  if (in_vector(rd)) {
+    if (vector(rd).getIdx() != result.getIdx()) movdqa(vector(rd), result);
+  } else if (in_host(rd)) {
+    movd(host(rd), result);
+  } else {
+    movd(memory(rd), result);
+  }
+}
+
+/// Likewise, or what must be added to the register; eax may be lost.
+void Emitter::finish_sum(unsigned rd, bool accumulates, const Xbyak::Xmm& sum) {
+  if (!accumulates) {
+    finish_vector(rd, sum);
+  } else if (in_vector(rd)) {
+    paddd(vector(rd), sum);
+  } else {
+    movd(eax, sum);
+    add(operand(rd), eax);
   }
 }
 
