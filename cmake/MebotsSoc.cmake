@@ -147,47 +147,68 @@ function(mebots_add_firmware name)
   set_target_properties(${name}_firmware PROPERTIES MEBOTS_ELF ${elf} MEBOTS_BOARD_FILE ${board_file})
 endfunction()
 
-# mebots_soc_fmu(<name> BOARD <board file> FIRMWARE <name of mebots_add_firmware> [DEVICES <file>...])
+# mebots_device_library(<name> SOURCES <file>...)
+# Kinds of devices in C++ (mebots/soc/device_kind.hpp): ${PROJECT_BINARY_DIR}/devices/<name>.so, which a board names under
+# "libraries", as target <name>_devices.
+function(mebots_device_library name)
+  cmake_parse_arguments(ARG "" "" "SOURCES" ${ARGN})
+  add_library(${name}_devices MODULE ${ARG_SOURCES})
+  mebots_target(${name}_devices)
+  set_target_properties(${name}_devices PROPERTIES PREFIX "" OUTPUT_NAME ${name}
+    LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/devices)
+  target_link_libraries(${name}_devices PRIVATE mebots::interface)
+  if(TARGET soc_files)
+    target_include_directories(${name}_devices PRIVATE $<TARGET_PROPERTY:soc_files,INTERFACE_INCLUDE_DIRECTORIES>)
+  endif()
+  # Its own copy, as in an FMU, so that it runs where either does.
+  if(NOT MEBOTS_SANITIZE)
+    target_link_options(${name}_devices PRIVATE -static-libstdc++ -static-libgcc -Wl,-z,defs)
+  endif()
+endfunction()
+
+# mebots_soc_fmu(<name> BOARD <board file> FIRMWARE <name of mebots_add_firmware> [DEVICES <name of mebots_device_library>...])
 # The chip with another board and another firmware inside: ${MEBOTS_FMU_DIR}/<name>.fmu, as target <name>_archive. Its
-# variables are those of fmu_soc/description.json and of the board's devices. DEVICES are C++ sources with models of the
-# board's own devices, where its file does not describe them wholly; they define mebots::soc::make_own_device.
+# variables are those of fmu_soc/description.json and of the board's devices. DEVICES are the libraries that the board
+# names: they travel beside it.
 function(mebots_soc_fmu name)
   cmake_parse_arguments(ARG "" "BOARD;FIRMWARE" "DEVICES" ${ARGN})
   get_property(root GLOBAL PROPERTY MEBOTS_ROOT)
-  set(devices ${root}/fmu_soc/src/devices/no_own_device.cpp)
-  if(ARG_DEVICES)
-    set(devices ${ARG_DEVICES})
-  endif()
+  set(libraries)
+  foreach(library IN LISTS ARG_DEVICES)
+    list(APPEND libraries ${PROJECT_BINARY_DIR}/devices/${library}.so)
+  endforeach()
   get_filename_component(board ${ARG_BOARD} ABSOLUTE)
   get_filename_component(board_name ${board} NAME)
   mebots_add_fmu(${name}
     SOURCE_DIR ${root}/fmu_soc
     IDENTIFIER fmu_soc
-    MODEL_SOURCES ${root}/fmu_soc/src/model.cpp ${devices}
+    MODEL_SOURCES ${root}/fmu_soc/src/model.cpp ${root}/fmu_soc/src/variable_fields.cpp
     MODEL_LIBRARIES mebots::soc_platform
     MODEL_DEFINITIONS MEBOTS_SOC_BOARD="${board_name}" MEBOTS_SOC_FIRMWARE="${ARG_FIRMWARE}.elf"
     BOARD ${board}
-    RESOURCE_FILES ${board} ${PROJECT_BINARY_DIR}/firmware/${ARG_FIRMWARE}.elf)
+    RESOURCE_FILES ${board} ${PROJECT_BINARY_DIR}/firmware/${ARG_FIRMWARE}.elf ${libraries})
   add_dependencies(${name}_archive ${ARG_FIRMWARE}_firmware)
+  foreach(library IN LISTS ARG_DEVICES)
+    add_dependencies(${name}_archive ${library}_devices)
+  endforeach()
 endfunction()
 
-# mebots_run_firmware(<target> FIRMWARE <name of mebots_add_firmware> [DEVICES <file>...] [OPTIONS <option of mebots-soc run>...])
-# `cmake --build <folder> --target <target>` runs the firmware on its board, outside any FMU; with the models of the
-# board's own devices, where mebots_soc_fmu() has them too.
+# mebots_run_firmware(<target> FIRMWARE <name of mebots_add_firmware> [DEVICES <name of mebots_device_library>...]
+#   [OPTIONS <option of mebots-soc run>...])
+# `cmake --build <folder> --target <target>` runs the firmware on its board, outside any FMU; DEVICES as for
+# mebots_soc_fmu().
 function(mebots_run_firmware target)
   cmake_parse_arguments(ARG "" "FIRMWARE" "DEVICES;OPTIONS" ${ARGN})
   get_target_property(elf ${ARG_FIRMWARE}_firmware MEBOTS_ELF)
   get_target_property(board ${ARG_FIRMWARE}_firmware MEBOTS_BOARD_FILE)
-  set(program mebots::mebots-soc)
+  set(devices)
   if(ARG_DEVICES)
-    set(program ${target}_soc)
-    add_executable(${program} ${ARG_DEVICES})
-    mebots_target(${program})
-    target_link_libraries(${program} PRIVATE mebots::soc_tool)
+    set(devices --devices ${PROJECT_BINARY_DIR}/devices)
   endif()
+  list(TRANSFORM ARG_DEVICES APPEND _devices OUTPUT_VARIABLE libraries)
   add_custom_target(${target}
-    COMMAND ${program} run ${elf} --board ${board} ${ARG_OPTIONS}
-    DEPENDS ${ARG_FIRMWARE}_firmware
+    COMMAND mebots::mebots-soc run ${elf} --board ${board} ${devices} ${ARG_OPTIONS}
+    DEPENDS ${ARG_FIRMWARE}_firmware ${libraries}
     USES_TERMINAL VERBATIM)
 endfunction()
 

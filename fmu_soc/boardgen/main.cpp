@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // mebots-boardgen BOARD.json --c HEADER.h --cpp HEADER.hpp
-// mebots-boardgen BOARD.json --skeleton DEVICE FILE.hpp
+// mebots-boardgen BOARD.json --skeleton DEVICE FILE.cpp
 //
 // The first writes what a board description says about addresses, register offsets, interrupts and named values
 // twice: as a C header for the firmware (also fit for the assembler) and as a C++ header for the device
@@ -155,7 +155,7 @@ int main(int argc, char** argv) {
   if (!headers && !skeleton) {
     fmt::print(stderr,
                "usage: mebots-boardgen BOARD.json --c HEADER.h --cpp HEADER.hpp\n"
-               "       mebots-boardgen BOARD.json --skeleton DEVICE FILE.hpp\n"
+               "       mebots-boardgen BOARD.json --skeleton DEVICE FILE.cpp\n"
                "       mebots-boardgen --version\n");
     return 2;
   }

@@ -8,6 +8,9 @@
 #include <fmt/core.h>
 
 #include <set>
+#include <string>
+#include <string_view>
+#include <vector>
 
 namespace mebots::boardgen {
 namespace {
@@ -27,13 +30,20 @@ std::string state(const std::string& name) {
   return "State::" + snake_case(name);
 }
 
-/// The outputs that the device itself decides on: power and energy follow from its states.
-std::vector<std::string> sent_by_hand(const BoardDevice& device) {
-  std::vector<std::string> names;
-  for (const auto& name : device.sent) {
-    if (name != device.power_variable() && name != device.energy_variable()) names.push_back(name);
+/// What the device itself keeps: its power and energy follow from its states.
+std::vector<soc::BoardVariable> kept(const BoardDevice& device) {
+  std::vector<soc::BoardVariable> variables;
+  for (const auto& variable : device.variables) {
+    if (variable.name != device.power_variable() && variable.name != device.energy_variable()) {
+      variables.push_back(variable);
+    }
   }
-  return names;
+  return variables;
+}
+
+std::string type_of(const soc::BoardVariable& variable) {
+  if (variable.type == "String") return "std::string_view";
+  return variable.is_number() ? "double" : "std::span<const std::uint8_t>";
 }
 
 std::string constants(const BoardDevice& device) {
@@ -54,31 +64,38 @@ std::string constants(const BoardDevice& device) {
   return out;
 }
 
+/// A function that finds those variables that it is for; none when there are no such.
+std::string finder(const BoardDevice& device, std::string_view head, std::string_view tail, auto belongs) {
+  std::string rows;
+  for (const auto& variable : kept(device)) {
+    if (belongs(variable)) {
+      rows += fmt::format("    if (variable == \"{}\") return &{};\n", variable.name, member(variable.name));
+    }
+  }
+  if (rows.empty()) return {};
+  return fmt::format("  {}(std::string_view variable) {} {{\n{}    return nullptr;\n  }}\n", head, tail, rows);
+}
+
 std::string variables(const BoardDevice& device) {
-  std::string out =
-      "  bool set_sensed([[maybe_unused]] std::string_view variable, [[maybe_unused]] double value) override {\n";
-  for (const auto& variable : device.sensed) {
-    out += fmt::format("    if (variable == \"{}\") {{\n      {} = value;\n      return true;\n    }}\n", variable.name,
-                       member(variable.name));
-  }
-  out += "    return false;\n  }\n";
-  out += "  std::optional<double> sent([[maybe_unused]] std::string_view variable) const override {\n";
-  for (const auto& name : sent_by_hand(device)) {
-    out += fmt::format("    if (variable == \"{}\") return {};\n", name, member(name));
-  }
-  return out + "    return std::nullopt;\n  }\n";
+  const auto of = [](std::string_view type) {
+    return [type](const soc::BoardVariable& variable) { return variable.goes_in() && type_of(variable) == type; };
+  };
+  return finder(device, "double* input", "override", of("double")) +
+         finder(device, "std::string_view* text_input", "override", of("std::string_view")) +
+         finder(device, "std::span<const std::uint8_t>* bytes_input", "override", of("std::span<const std::uint8_t>")) +
+         finder(device, "const double* output", "const override",
+                [](const soc::BoardVariable& variable) { return !variable.goes_in() && variable.is_number(); });
 }
 
 std::string energy(const BoardDevice& device) {
-  std::string out = "  double energy_j([[maybe_unused]] Picoseconds now) const override {\n";
-  if (device.states.empty()) return out + "    return 0;\n  }\n";
-  return out +
+  if (device.states.empty()) return {};
+  return "  double energy_j(Picoseconds now) const override {\n"
          "    double charge_as = 0;\n"
          "    for (std::size_t i = 0; i < spent_.size(); ++i) {\n"
          "      const auto time = spent_[i] + (i == static_cast<std::size_t>(state_) ? now - since_ : 0);\n"
-         "      charge_as += description_.states[i].current_a * static_cast<double>(time) / kPsPerS;\n"
+         "      charge_as += entry_.states[i].current_a * static_cast<double>(time) / kPsPerS;\n"
          "    }\n"
-         "    return charge_as * description_.supply_voltage_v;\n  }\n";
+         "    return charge_as * entry_.supply_voltage_v;\n  }\n";
 }
 
 std::string load(const BoardDevice& device) {
@@ -133,21 +150,20 @@ std::string time(const BoardDevice& device) {
          "      default:\n        done_at_ = kNever;\n        break;\n    }\n  }\n"
          "  Picoseconds next_event() const override { return done_at_; }\n"
          "  std::string_view state_name() const override {\n"
-         "    return description_.states[static_cast<std::size_t>(state_)].name;\n  }\n";
+         "    return entry_.states[static_cast<std::size_t>(state_)].name;\n  }\n";
 }
 
 std::vector<std::string> members_of(const BoardDevice& device) {
   std::vector<std::string> names;
   for (const auto& reg : device.registers) names.push_back(member(reg.name));
-  for (const auto& variable : device.sensed) names.push_back(member(variable.name));
-  for (const auto& name : sent_by_hand(device)) names.push_back(member(name));
+  for (const auto& variable : kept(device)) names.push_back(member(variable.name));
   if (!device.states.empty()) names.insert(names.end(), {"state_", "spent_", "since_", "done_at_"});
   return names;
 }
 
 /// Registers and variables become members: no two may have the same name, nor that of a member of every skeleton.
 void require_different_members(const BoardDevice& device) {
-  std::set<std::string> names{"description_"};
+  std::set<std::string> names{"entry_", "host_"};
   for (const auto& name : members_of(device)) {
     if (names.insert(name).second) continue;
     throw Error(fmt::format("device {}: the skeleton would have two members {}; rename the register or variable",
@@ -156,9 +172,15 @@ void require_different_members(const BoardDevice& device) {
 }
 
 std::string saving(const BoardDevice& device) {
+  std::set<std::string> passing;  // texts and bytes, which belong to others and come anew
+  for (const auto& variable : kept(device)) {
+    if (!variable.is_number()) passing.insert(member(variable.name));
+  }
   std::string out = "  void visit(state::Visitor& v) override {\n";
-  for (const auto& name : members_of(device))
+  for (const auto& name : members_of(device)) {
+    if (passing.contains(name)) continue;
     out += fmt::format("    v(\"{}\", {});\n", std::string_view(name).substr(0, name.size() - 1), name);
+  }
   return out + "  }\n";
 }
 
@@ -170,15 +192,15 @@ std::string private_part(const BoardDevice& device) {
         "    spent_[static_cast<std::size_t>(state_)] += now - since_;\n"
         "    since_ = now;\n"
         "    state_ = state;\n"
-        "    const auto delay_s = description_.states[static_cast<std::size_t>(state)].delay_s;\n"
+        "    const auto delay_s = entry_.states[static_cast<std::size_t>(state)].delay_s;\n"
         "    done_at_ = delay_s > 0 ? now + std::llround(delay_s * kPsPerS) : kNever;\n  }\n\n";
   }
-  out += "  BoardDevice description_;\n";
+  out += "  const BoardDevice& entry_;\n  [[maybe_unused]] DeviceHost& host_;\n";
   for (const auto& reg : device.registers) out += fmt::format("  std::uint32_t {} = 0;\n", member(reg.name));
-  for (const auto& variable : device.sensed) {
-    out += fmt::format("  double {} = {};\n", member(variable.name), variable.start);
+  for (const auto& variable : kept(device)) {
+    const auto start = variable.is_number() ? fmt::format(" = {}", variable.start) : "";
+    out += fmt::format("  {} {}{};\n", type_of(variable), member(variable.name), start);
   }
-  for (const auto& name : sent_by_hand(device)) out += fmt::format("  double {} = 0;\n", member(name));
   if (!device.states.empty()) {
     const auto first = device.initial_state.empty() ? device.states.front().name : device.initial_state;
     out += fmt::format("  State state_ = {};\n", state(first));
@@ -194,23 +216,28 @@ std::string private_part(const BoardDevice& device) {
 std::string skeleton(const soc::BoardDescription& board, const BoardDevice& device) {
   require_different_members(device);
   const auto name = camel_case(device.name);
+  const auto kind = device.kind == "described" ? device.name : device.kind;
   std::string out = fmt::format(
       "// SPDX-License-Identifier: Apache-2.0\n"
       "// Skeleton of the device \"{}\" of board \"{}\", made by mebots-boardgen. Yours to change: it keeps what is\n"
-      "// stored, obeys opcodes and spends its energy; what it does beside that is to be written.\n"
-      "#pragma once\n\n"
-      "#include \"mebots/soc/fixed_point.hpp\"\n#include \"mebots/soc/own_device.hpp\"\n\n"
-      "#include <array>\n#include <cmath>\n#include <cstddef>\n#include <cstdint>\n#include <optional>\n"
+      "// stored, obeys opcodes and spends its energy; what it does beside that is to be written. As a shared library\n"
+      "// (mebots_device_library) that the board names under \"libraries\" it is the kind \"{}\".\n"
+      "#include \"mebots/soc/device_kind.hpp\"\n#include \"mebots/soc/fixed_point.hpp\"\n\n"
+      "#include <array>\n#include <cmath>\n#include <cstddef>\n#include <cstdint>\n#include <memory>\n#include <span>\n"
       "#include <string_view>\n\n"
-      "namespace mebots::soc {{\n\n"
+      "namespace {{\n\nusing namespace mebots::soc;\nnamespace state = mebots::state;\n\n"
       "/// {}\n"
-      "class {} final : public OwnDevice {{\n public:\n",
-      device.name, board.name, device.text, name);
+      "class {} final : public Device {{\n public:\n",
+      device.name, board.name, kind, device.text, name);
   out += constants(device);
-  out += fmt::format("\n  explicit {}(const BoardDevice& description) : description_(description) {{}}\n\n", name);
-  out += "  const BoardDevice& description() const override { return description_; }\n";
+  out += fmt::format("\n  {}(const BoardDevice& entry, DeviceHost& host) : entry_(entry), host_(host) {{}}\n\n", name);
   out += variables(device) + energy(device) + "\n" + load(device) + store(device) + time(device) + saving(device);
-  return out + private_part(device) + "};\n\n}  // namespace mebots::soc\n";
+  return out + private_part(device) +
+         fmt::format(
+             "}};\n\nstd::unique_ptr<Device> make(const BoardDevice& entry, DeviceHost& host) {{\n"
+             "  return std::make_unique<{}>(entry, host);\n}}\n\n}}  // namespace\n\n"
+             "MEBOTS_DEVICE_KINDS({{\"{}\", make}})\n",
+             name, kind);
 }
 
 }  // namespace mebots::boardgen

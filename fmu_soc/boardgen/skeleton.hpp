@@ -7,8 +7,8 @@
 
 namespace mebots::boardgen {
 
-/// A device model in C++ that is complete but for what the device does by itself: registers, states with their energy
-/// and delays, opcodes, variables, saving and restoring are there.
+/// The source of a library of devices with one kind, complete but for what the device does by itself: registers, states
+/// with their energy and delays, opcodes, variables, saving and restoring are there.
 std::string skeleton(const soc::BoardDescription& board, const soc::BoardDevice& device);
 
 }  // namespace mebots::boardgen

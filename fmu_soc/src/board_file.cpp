@@ -87,16 +87,19 @@ const auto& read_place() {
   return place;
 }
 
+/// Of address space.
+std::uint32_t read_bytes(const Node& node) {
+  const auto size = static_cast<std::uint32_t>(node.whole_number(4, 1U << 30));
+  if (size % 4 != 0) node.fail(ErrorCode::invalid_value, "the size must be a multiple of 4");
+  return size;
+}
+
 BoardMemory read_memory(const Node& node, std::set<std::string>& names) {
   Object object(node);
   BoardMemory memory;
   object.read("name", memory.name, new_name(names));
   object.read("base", memory.base, &read_address);
-  object.read("size", memory.size, [](const Node& member) {
-    const auto size = static_cast<std::uint32_t>(member.whole_number(4, 1U << 30));
-    if (size % 4 != 0) member.fail(ErrorCode::invalid_value, "the size must be a multiple of 4");
-    return size;
-  });
+  object.read("size", memory.size, &read_bytes);
   object.read_if("place", memory.place, read_place());
   object.read_if("banks", memory.banks, power_of_two(1, Banks::kMost));
   object.read_if("leaks", memory.leaks, &Node::flag);
@@ -137,6 +140,11 @@ int read_interrupt(const Node& node) {
   return line;
 }
 
+std::int32_t read_signed_word(const Node& node) {
+  return static_cast<std::int32_t>(
+      node.whole_number(std::numeric_limits<std::int32_t>::min(), std::numeric_limits<std::int32_t>::max()));
+}
+
 BoardRegister read_register(const Node& node, std::set<std::string>& names) {
   static const auto access = data::word_of<std::string>({{"r", "r"}, {"w", "w"}, {"rw", "rw"}});
   Object object(node);
@@ -148,7 +156,14 @@ BoardRegister read_register(const Node& node, std::set<std::string>& names) {
   object.read_if("shows", entry.shows, &Node::text);
   object.read_if("sends", entry.sends, &Node::text);
   object.read_if("units_per_si", entry.units_per_si, data::number(data::Limits::positive()));
+  object.read_if("commits", entry.commits, &Node::flag);
+  object.read_if("min", entry.least, &read_signed_word);
+  object.read_if("max", entry.most, &read_signed_word);
   object.finish();
+  if (object.sound() && (entry.least || entry.most) && entry.sends.empty()) {
+    node.complain(ErrorCode::invalid_value,
+                  fmt::format("{} has limits: they need a variable that it sends", entry.name));
+  }
   return entry;
 }
 
@@ -218,9 +233,7 @@ BoardEnumeration read_enumeration(const std::string& name, const Node& node) {
   BoardEnumeration enumeration{name, {}};
   for (const auto& [item, member] : node.members()) {
     member.attempt([&, &item = item, &member = member] {
-      const auto value =
-          member.whole_number(std::numeric_limits<std::int32_t>::min(), std::numeric_limits<std::int32_t>::max());
-      enumeration.items.push_back({checked_name(member, item), static_cast<std::int32_t>(value)});
+      enumeration.items.push_back({checked_name(member, item), read_signed_word(member)});
     });
   }
   // By value; of the same value by name.
@@ -250,6 +263,15 @@ Node entry_of(const Node& device, const BoardRegister& reg) {
   return found == entries.end() ? device : *found;
 }
 
+/// The names of the variables that a register may show, or send.
+std::vector<std::string> numbers_of(const BoardDevice& device, bool that_go_in) {
+  std::vector<std::string> names;
+  for (const auto& variable : device.variables) {
+    if (variable.goes_in() == that_go_in && variable.is_number()) names.push_back(variable.name);
+  }
+  return names;
+}
+
 /// A register that sends has its output, and nothing else to do.
 void check_sender(const Node& node, const BoardDevice& device, const BoardRegister& reg) {
   const auto entry = entry_of(node, reg);
@@ -257,20 +279,21 @@ void check_sender(const Node& node, const BoardDevice& device, const BoardRegist
     entry.complain(ErrorCode::invalid_value,
                    fmt::format("{} sends a variable: it must be writable and show nothing", reg.name));
   }
-  if (std::ranges::find(device.sent, reg.sends) == device.sent.end()) {
-    nearest(entry, {"sends"}).complain_unknown("the device's output", reg.sends, device.sent);
+  const auto known = numbers_of(device, false);
+  if (std::ranges::find(known, reg.sends) == known.end()) {
+    nearest(entry, {"sends"}).complain_unknown("the device's output", reg.sends, known);
   }
   if (std::ranges::find(device.opcodes, reg.name, &BoardOpcode::register_name) != device.opcodes.end()) {
     entry.complain(ErrorCode::invalid_value, fmt::format("{} sends a variable: it must take no opcodes", reg.name));
   }
 }
 
-/// A register that shows a variable has its input.
+/// A register that shows a variable has its parameter or input.
 void check_display(const Node& node, const BoardDevice& device, const BoardRegister& reg) {
   const auto entry = entry_of(node, reg);
-  if (std::ranges::find(device.sensed, reg.shows, &BoardVariable::name) == device.sensed.end()) {
-    std::vector<std::string> known = {"status"};
-    for (const auto& variable : device.sensed) known.push_back(variable.name);
+  auto known = numbers_of(device, true);
+  if (std::ranges::find(known, reg.shows) == known.end()) {
+    known.insert(known.begin(), "status");
     nearest(entry, {"shows"}).complain_unknown("the device's input", reg.shows, known);
   }
   if (reg.access != "r") {
@@ -280,7 +303,9 @@ void check_display(const Node& node, const BoardDevice& device, const BoardRegis
 
 /// Every output of a described device has one source.
 void check_outputs(const Node& node, const BoardDevice& device) {
-  for (const auto& name : device.sent) {
+  for (const auto& variable : device.variables) {
+    if (variable.goes_in()) continue;
+    const auto& name = variable.name;
     const auto senders = std::ranges::count(device.registers, name, &BoardRegister::sends);
     const bool is_own = name == device.power_variable() || name == device.energy_variable();
     if (senders + (is_own ? 1 : 0) != 1) {
@@ -288,6 +313,20 @@ void check_outputs(const Node& node, const BoardDevice& device) {
           .complain(ErrorCode::invalid_value, fmt::format("{} must be sent by one register, or be {} or {}", name,
                                                           device.power_variable(), device.energy_variable()));
     }
+  }
+}
+
+/// A register that commits has something to send, and does nothing else.
+void check_commit(const Node& node, const BoardDevice& device, const BoardRegister& reg) {
+  const auto entry = entry_of(node, reg);
+  const bool takes_opcodes =
+      std::ranges::find(device.opcodes, reg.name, &BoardOpcode::register_name) != device.opcodes.end();
+  if (reg.access != "w" || !reg.shows.empty() || !reg.sends.empty() || takes_opcodes) {
+    entry.complain(ErrorCode::invalid_value,
+                   fmt::format("{} commits: its access must be w, and it must do nothing else", reg.name));
+  }
+  if (std::ranges::all_of(device.registers, [](const auto& other) { return other.sends.empty(); })) {
+    entry.complain(ErrorCode::invalid_value, fmt::format("{} commits: no register of the device sends", reg.name));
   }
 }
 
@@ -319,13 +358,21 @@ void check_names(const Node& node, const BoardDevice& device) {
   }
   for (const auto& reg : device.registers) {
     if (!reg.sends.empty()) check_sender(node, device, reg);
+    if (reg.commits) check_commit(node, device, reg);
     if (!reg.shows.empty() && reg.shows != "status") check_display(node, device, reg);
   }
 }
 
 /// What a device needs that has no C++.
 void check_description(const Node& node, const BoardDevice& device) {
-  require_state(node.at("initial_state"), device, device.initial_state);
+  if (device.initial_state.empty()) {
+    if (!device.states.empty()) {
+      node.complain(ErrorCode::missing_key,
+                    "the key 'initial_state' is missing: a described device with states begins in one");
+    }
+  } else {
+    require_state(node.at("initial_state"), device, device.initial_state);
+  }
   for (const auto& state : device.states) {
     const auto entry = nearest(node, {"states", state.name});
     if (state.delay_s > 0 && state.delay_s < kLeastDelayS) {
@@ -340,49 +387,68 @@ void check_description(const Node& node, const BoardDevice& device) {
   check_outputs(node, device);
 }
 
-/// Real inputs and outputs; a described device has no other variables. The generator of descriptions reads and checks
-/// all that they have (modeldesc).
-void read_variable(const Node& node, BoardDevice& device) {
-  const bool described = !device.initial_state.empty();
-  const auto causality = node.at("causality").text();
-  if (node.has("type") && node.at("type").text() != "Real") {
-    if (described) {
-      node.at("type").fail(ErrorCode::invalid_value, "this must be Real in a device with an initial_state");
-    }
-  } else if (causality == "input") {
-    device.sensed.push_back({node.at("name").text(), node.at("start").number()});
-  } else if (causality == "output") {
-    device.sent.push_back(node.at("name").text());
-  } else if (described) {
-    node.at("causality")
-        .fail(ErrorCode::invalid_value,
-              fmt::format("\"{}\" must be input or output in a device with an initial_state", causality));
-  }
+/// Of a number, as far as the device needs it: the generator of descriptions reads and checks all that variables have
+/// (modeldesc).
+double start_of(const Node& node) {
+  if (!node.has("start")) return 0;
+  const auto start = node.at("start");
+  if (start.is(data::Kind::boolean)) return start.flag() ? 1 : 0;
+  return start.number();
 }
+
+BoardVariable read_variable(const Node& node, bool described) {
+  static const auto causality =
+      data::word_of<BoardVariable::Causality>({{"parameter", BoardVariable::Causality::parameter},
+                                               {"input", BoardVariable::Causality::input},
+                                               {"output", BoardVariable::Causality::output}});
+  BoardVariable variable;
+  variable.name = node.at("name").text();
+  variable.causality = causality(node.at("causality"));
+  if (node.has("type")) variable.type = node.at("type").text();
+  if (!variable.is_number()) {
+    if (described) {
+      node.at("type").fail(ErrorCode::invalid_value,
+                           fmt::format("a described device has numbers only, no {}; give it a kind", variable.type));
+    }
+  } else if (variable.name.find('{') != std::string::npos) {
+    node.at("name").fail(ErrorCode::invalid_value, "a device's variables are named one by one, without groups");
+  } else {
+    variable.start = start_of(node);
+  }
+  return variable;
+}
+
+constexpr std::string_view kDescribed = "described";
 
 BoardDevice read_device(const Node& node, std::set<std::string>& names) {
   Object object(node);
   BoardDevice device;
   object.read("name", device.name, new_name(names));
+  object.read_if("kind", device.kind, &read_name);
+  const bool described = device.kind == kDescribed;
   object.read_if("text", device.text, &Node::text);
   object.read("base", device.base, &read_address);
+  object.read_if("span", device.span, &read_bytes);
   object.read_if("interrupt", device.interrupt, &read_interrupt);
   object.read_if("supply_voltage", device.supply_voltage_v, data::number(data::Limits::positive()));
-  object.read("registers", device.registers, &read_registers);
+  if (described || !object.has("span")) {
+    object.read("registers", device.registers, &read_registers);
+  } else {
+    object.read_if("registers", device.registers, &read_registers);
+  }
   object.read_if("states", device.states, by_name<BoardState>(&read_state));
   if (!device.states.empty() && !object.has("supply_voltage")) {
     node.complain(ErrorCode::missing_key, "the key 'supply_voltage' is missing: the currents of the states need it");
   }
   object.read_if("opcodes", device.opcodes, by_name<BoardOpcode>(&read_opcode));
   object.read_if("initial_state", device.initial_state, &Node::readable_text);
-  object.visit_if("variables", [&](const Node& member) {
-    for (const auto& entry : member.elements()) entry.attempt([&] { read_variable(entry, device); });
-  });
+  object.read_if("variables", device.variables,
+                 data::list_of([&](const Node& member) { return read_variable(member, described); }));
   object.read_if("enumerations", device.enumerations, by_name<BoardEnumeration>(&read_enumeration));
   object.finish();
   if (!object.sound()) return device;
   check_names(node, device);
-  if (!device.initial_state.empty()) check_description(node, device);
+  if (described) check_description(node, device);
   return device;
 }
 
@@ -421,6 +487,55 @@ void check_overlaps(const Node& root, const BoardDescription& board) {
   }
 }
 
+/// A line that two devices raise would tell the firmware of either, and be lowered by either.
+void check_interrupts(const Node& root, const BoardDescription& board) {
+  std::map<int, std::string> taken;
+  const auto devices = root.at("devices").elements();
+  for (std::size_t i = 0; i < board.devices.size(); ++i) {
+    const auto& device = board.devices[i];
+    if (device.interrupt < 0) continue;
+    const auto [other, is_new] = taken.emplace(device.interrupt, device.name);
+    if (is_new) continue;
+    devices[i]
+        .at("interrupt")
+        .complain(ErrorCode::duplicate_name,
+                  fmt::format("{} and {} would share interrupt {}; give each a line of its own", other->second,
+                              device.name, device.interrupt));
+  }
+}
+
+BoardSupply read_supply(const Node& node, const BoardDescription& board) {
+  Object object(node);
+  BoardSupply supply;
+  object.read("voltage", supply.variable, [&](const Node& member) {
+    auto name = member.text();
+    std::vector<std::string> known;
+    for (const auto& device : board.devices) {
+      for (const auto& variable : device.variables) {
+        if (variable.causality == BoardVariable::Causality::input && variable.type == "Real") {
+          known.push_back(variable.name);
+        }
+      }
+    }
+    if (std::ranges::find(known, name) == known.end()) member.fail_unknown("the Real input", name, known);
+    return name;
+  });
+  object.read("least", supply.least_v, data::number(data::Limits::positive()));
+  object.comment("text");
+  object.finish();
+  return supply;
+}
+
+/// The name of a file, without a way to it: the board travels with its libraries.
+std::string read_file_name(const Node& node) {
+  auto name = node.readable_text();
+  if (name.find('/') != std::string::npos || name == "." || name == "..") {
+    node.fail(ErrorCode::invalid_value,
+              fmt::format("\"{}\" must be a file name without a folder: the library lies beside the board file", name));
+  }
+  return name;
+}
+
 BoardDescription read_root(const Node& root) {
   static const auto chip = data::word_of<std::string>({{"gap8", "gap8"}});
   static const auto core = data::word_of<std::string>({{"ri5cy", "ri5cy"}, {"cv32e40p", "cv32e40p"}});
@@ -445,22 +560,20 @@ BoardDescription read_root(const Node& root) {
   });
   const bool has_devices =
       object.read("devices", board.devices, data::list_of([&](const Node& node) { return read_device(node, names); }));
+  object.visit_if("supply", [&](const Node& member) { board.supply = read_supply(member, board); });
+  object.read_if("libraries", board.libraries, data::list_of(&read_file_name));
   object.finish();
+  if (has_devices) check_interrupts(root, board);
   if (has_memories && has_devices) check_overlaps(root, board);
   return board;
 }
 
 }  // namespace
 
-const BoardState& BoardDevice::state(const std::string& state_name) const {
-  for (const auto& candidate : states) {
-    if (candidate.name == state_name) return candidate;
-  }
-  throw Error(fmt::format("board: device {} needs a state \"{}\" with its current", name, state_name));
-}
-
 BoardDescription read_board(const std::filesystem::path& path) {
-  return data::Document(path).read(&read_root);
+  auto board = data::Document(path).read(&read_root);
+  board.folder = path.parent_path();
+  return board;
 }
 
 BoardDescription parse_board(std::string_view text, const std::string& name) {

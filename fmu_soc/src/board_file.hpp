@@ -31,6 +31,12 @@ struct BoardMemory {
 /// By Place: of the fabric controller, and what the cluster's cores share.
 using BoardInstructionCaches = std::array<InstructionCacheSettings, 2>;
 
+/// What the chip lives on. Without one, nothing takes its power away.
+struct BoardSupply {
+  std::string variable;  // a Real input of a device [V]; empty = none
+  double least_v = 0;    // below it the chip loses its power, and stays without
+};
+
 struct BoardDescription {
   std::string name;
   std::string text;
@@ -40,6 +46,10 @@ struct BoardDescription {
   std::vector<BoardMemory> memories;
   BoardInstructionCaches instruction_caches;
   std::vector<BoardDevice> devices;
+  BoardSupply supply;
+  /// Shared libraries with kinds of devices, as the file names them: beside it, in `folder`, or where the program says.
+  std::vector<std::string> libraries;
+  std::filesystem::path folder;  // of the file; empty for one that was a text
 
   const InstructionCacheSettings& instruction_cache(Place place) const {
     return instruction_caches[static_cast<std::size_t>(place)];
@@ -47,7 +57,8 @@ struct BoardDescription {
 };
 
 /// Throws Error, naming file, line and key of everything that does not fit: unknown keys and keys that stand twice,
-/// names that are none or are taken, memories and devices that overlap, interrupts that the core does not have.
+/// names that are none or are taken, memories and devices that overlap, interrupts that the core does not have or that
+/// two devices would share.
 BoardDescription read_board(const std::filesystem::path& path);
 /// The same from the text of a board file; `name` stands in errors.
 BoardDescription parse_board(std::string_view text, const std::string& name);

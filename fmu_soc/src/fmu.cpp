@@ -1,20 +1,34 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "fmu_soc/binding.hpp"
-#include "mebots/fmu/bound_model.hpp"
-#include "mebots/fmu/real_field.hpp"
+#include "mebots/fmu/model.hpp"
 #include "model.hpp"
 
 namespace mebots::soc {
+namespace {
+
+/// The model asks for the variables of its board's devices by their names, so it gets them all.
+class Instance final : public fmu::Model {
+ public:
+  Instance(Variables& variables, const fmu::Host& host, std::int64_t start_ns, const Listeners& listeners)
+      : model_(variables, host.resources(), listeners) {
+    model_.start(start_ns);
+  }
+
+  void step(std::int64_t start_ns, std::int64_t duration_ns) override { model_.step(start_ns, duration_ns); }
+  void visit(state::Visitor& v) override { model_.visit(v); }
+
+ private:
+  soc::Model model_;
+};
+
+}  // namespace
 
 std::unique_ptr<fmu::Model> make_model(Variables& variables, fmu::Host& host, std::int64_t start_ns) {
   Listeners listeners;
   listeners.console = [&host](std::string_view line) { host.log(fmu::Severity::info, "console", line); };
   listeners.faults = [&host](std::string_view text) { host.log(fmu::Severity::warning, "faults", text); };
   listeners.observe = [&host](std::string_view text) { host.log(fmu::Severity::warning, "observe", text); };
-  const Fields fields{
-      [&variables](std::string_view name) { return fmu::real_field(&variables, fmu::Causality::input, name); },
-      [&variables](std::string_view name) { return fmu::real_field(&variables, fmu::Causality::output, name); }};
-  return std::make_unique<fmu::BoundModel<Model, Variables>>(variables, host, start_ns, listeners, fields);
+  return std::make_unique<Instance>(variables, host, start_ns, listeners);
 }
 
 }  // namespace mebots::soc

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "model.hpp"
 
-#include "exchange.hpp"
-
 #include <fmt/core.h>
 
 #include <array>
@@ -32,8 +30,12 @@ static_assert(std::tuple_size_v<decltype(Outputs::energy_j)> == kParts);
 static_assert(std::tuple_size_v<decltype(Outputs::state_time_s)> == StateTimes::kCounted);
 
 Settings settings_of(const Parameters& parameters) {
-  auto settings = exchange::settings_of(parameters);
-  settings.make_device = make_own_device;
+  Settings settings;
+  settings.clock_hz = parameters.core_clock_hz;
+  settings.cluster_clock_hz = parameters.cluster_clock_hz;
+  settings.cluster_cores = static_cast<unsigned>(parameters.cluster_cores);
+  settings.temperature_c = parameters.temperature_degc;
+  settings.voltage_v = parameters.core_supply_voltage_v;
   return settings;
 }
 
@@ -65,43 +67,14 @@ observe::Requests requests_of(const Parameters& parameters, const Listeners& lis
 
 }  // namespace
 
-Model::Model(const Parameters& parameters, const std::filesystem::path& resources, Listeners listeners,
-             const Fields& fields)
-    : listeners_(listeners),
-      soc_(read_board(resources / MEBOTS_SOC_BOARD), gap8(), settings_of(parameters),
-           firmware_of(parameters, resources), std::move(listeners)) {
-  find_fields(fields);
-  const auto requests = requests_of(parameters, listeners_);
+Model::Model(Variables& variables, const std::filesystem::path& resources, Listeners listeners)
+    : variables_(variables),
+      listeners_(listeners),
+      soc_(read_board(resources / MEBOTS_SOC_BOARD), gap8(), settings_of(variables.parameters),
+           firmware_of(variables.parameters, resources), std::move(listeners)),
+      fields_(soc_, &variables) {
+  const auto requests = requests_of(variables.parameters, listeners_);
   if (requests.any()) session_ = std::make_unique<observe::Session>(requests, soc_);
-}
-
-/// The variables of the board's own devices: the board file that is read now must be the one that the FMU was built
-/// with.
-void Model::find_fields(const Fields& fields) {
-  const auto require = [](auto* field, const std::string& name) {
-    if (field == nullptr) {
-      throw Error(fmt::format("{}: its variable {} is none of this FMU; build the FMU again with this board file",
-                              MEBOTS_SOC_BOARD, name));
-    }
-    return field;
-  };
-  for (const auto& device : soc_.own_devices()) {
-    const auto& description = device->description();
-    for (const auto& variable : description.sensed) {
-      sensed_.push_back({variable.name, require(fields.input(variable.name), variable.name)});
-    }
-    auto& own = own_.emplace_back(Own{device.get()});
-    for (const auto& name : description.sent) {
-      auto* field = require(fields.output(name), name);
-      if (name == description.power_variable()) {
-        own.power_w = field;
-      } else if (name == description.energy_variable()) {
-        own.energy_j = field;
-      } else {
-        sent_.push_back({device.get(), name, field});
-      }
-    }
-  }
 }
 
 Model::~Model() {
@@ -113,30 +86,25 @@ Model::~Model() {
   }
 }
 
-void Model::start(const Inputs& inputs, std::int64_t start_ns, Outputs& outputs) {
+void Model::start(std::int64_t start_ns) {
   origin_ns_ = start_ns;
-  take_inputs(inputs);
-  write(outputs);
+  take_inputs();
+  write(0);
 }
 
-void Model::step(const Inputs& inputs, std::int64_t start_ns, std::int64_t duration_ns, Outputs& outputs) {
-  take_inputs(inputs);
+void Model::step(std::int64_t start_ns, std::int64_t duration_ns) {
+  take_inputs();
   const auto energy_before = soc_.energy();
-  const auto camera_before_j = soc_.camera_energy_j();
-  for (auto& own : own_) own.energy_before_j = soc_.energy_j(*own.device);
   soc_.advance(start_ns - origin_ns_ + duration_ns);
   if (session_) session_->stepped();
   say_when_spinning();
-  write(outputs);
   const auto duration_s = static_cast<double>(duration_ns) * kNanosecond;
+  write(duration_s);
   const auto energy_after = soc_.energy();
+  auto& outputs = variables_.outputs;
   outputs.power_w = (energy_after.total_j() - energy_before.total_j()) / duration_s;
   for (std::size_t i = 0; i < kParts; ++i) {
     outputs.*kPartPowers[i] = (energy_after.by_part_j[i] - energy_before.by_part_j[i]) / duration_s;
-  }
-  exchange::write_camera_power(soc_, camera_before_j, duration_s, outputs);
-  for (const auto& own : own_) {
-    if (own.power_w != nullptr) *own.power_w = (soc_.energy_j(*own.device) - own.energy_before_j) / duration_s;
   }
 }
 
@@ -151,24 +119,24 @@ void Model::say_when_spinning() {
                   pc, soc_.program().where(pc)));
 }
 
-void Model::take_inputs(const Inputs& inputs) {
-  if (!exchange::take_battery(inputs, soc_, kPowerLossVoltageV) && soc_.end() != End::powered_off) {
+void Model::take_inputs() {
+  fields_.take();
+  const auto least_v = soc_.board().supply.least_v;
+  if (const auto* supply_v = fields_.supply_v();
+      supply_v != nullptr && *supply_v < least_v && soc_.end() != End::powered_off) {
     soc_.power_off();
     if (listeners_.faults) {
-      listeners_.faults(fmt::format("battery.voltage {} V is under {} V: the chip lost its power at {:.9g} s",
-                                    exchange::battery_voltage_v(inputs), kPowerLossVoltageV,
+      listeners_.faults(fmt::format("{} {} V is under {} V: the chip lost its power at {:.9g} s",
+                                    soc_.board().supply.variable, *supply_v, least_v,
                                     static_cast<double>(soc_.now()) * kPicosecond));
     }
   }
-  exchange::take_flight(inputs, soc_);
-  for (const auto& sensed : sensed_) {
-    exchange::require_number(*sensed.value, sensed.name);
-    soc_.set_sensed(sensed.name, *sensed.value);
-  }
-  exchange::offer_picture(inputs, soc_, decoded_);
+  soc_.begin_step();
 }
 
-void Model::write(Outputs& outputs) const {
+/// `step_s`: how long the step was that has ended, 0 for none.
+void Model::write(double step_s) {
+  auto& outputs = variables_.outputs;
   const auto& counters = soc_.hart().counters();
   const auto energy = soc_.energy();
   outputs.instructions = static_cast<double>(counters.instructions);
@@ -190,12 +158,7 @@ void Model::write(Outputs& outputs) const {
     outputs.cluster_cycles = static_cast<double>(sums.cycles);
     outputs.cluster_powered = cluster->powered();
   }
-  exchange::write_camera(soc_, outputs);
-  exchange::write_flight(soc_, outputs);
-  for (const auto& own : own_) {
-    if (own.energy_j != nullptr) *own.energy_j = soc_.energy_j(*own.device);
-  }
-  for (const auto& sent : sent_) *sent.value = sent.device->sent(sent.name).value_or(0);
+  fields_.write(step_s);
 }
 
 void Model::visit(state::Visitor& v) {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "soc.hpp"
 
-#include "devices/described_device.hpp"
 #include "hart/csr_numbers.hpp"
 #include "isa/encoding.hpp"
 #include "mebots/assert.hpp"
+#include "mebots/soc/fixed_point.hpp"
 
 #include <fmt/core.h>
 
@@ -68,27 +68,37 @@ std::uint32_t checked_cluster_clock(const Chip& chip, const Settings& settings) 
   return clock_hz;
 }
 
-template <std::size_t Count>
-void check_registers(const BoardDevice& device, const std::array<board::RegisterName, Count>& expected) {
-  bool same = device.registers.size() == Count;
-  for (std::size_t i = 0; same && i < Count; ++i) {
-    same = device.registers[i].name == expected[i].name && device.registers[i].offset == expected[i].offset;
-  }
-  if (!same) {
-    throw Error(
-        fmt::format("board: the registers of device {} are not those that this build was made with; build again "
-                    "with this board file",
-                    device.name));
-  }
-}
-
-/// A device that the platform has no model of: with C++ of its own, or described wholly by its entry; null for others.
-std::unique_ptr<OwnDevice> own_device_of(const BoardDevice& entry, const Settings& settings) {
-  if (!entry.initial_state.empty()) return std::make_unique<DescribedDevice>(entry);
-  return settings.make_device ? settings.make_device(entry) : nullptr;
-}
-
 }  // namespace
+
+/// What the chip does for its devices.
+class Soc::Host final : public ChipHost {
+ public:
+  explicit Host(Soc& soc) : soc_(soc) {}
+
+  bool read_memory(std::uint32_t address, std::span<std::uint8_t> bytes) const override {
+    return soc_.memory_.read(address, bytes);
+  }
+  bool write_memory(std::uint32_t address, std::span<const std::uint8_t> bytes) override {
+    return soc_.poke(address, bytes);
+  }
+  bool is_memory(std::uint32_t address, std::uint32_t size) const override {
+    return soc_.memory_.find(address, size) != nullptr;
+  }
+  void print(std::string_view line) override {
+    if (soc_.listeners_.console) soc_.listeners_.console(line);
+  }
+  void complain(std::string_view text) override {
+    if (soc_.listeners_.faults) soc_.listeners_.faults(text);
+  }
+  const Chip& chip() const override { return soc_.chip_; }
+  PowerSettings power_at_start() const override {
+    return {soc_.clock_.hz(), soc_.cluster_ ? soc_.cluster_->clock_hz() : 0, soc_.voltage_mv_, 0, 0};
+  }
+  bool has_cluster() const override { return soc_.cluster_ != nullptr; }
+
+ private:
+  Soc& soc_;
+};
 
 Soc::Soc(const BoardDescription& board, const Chip& chip, const Settings& settings, const Elf& program,
          Listeners listeners)
@@ -96,6 +106,9 @@ Soc::Soc(const BoardDescription& board, const Chip& chip, const Settings& settin
       listeners_(std::move(listeners)),
       program_(program),
       memory_(make_memory(board)),
+      board_(board),
+      kinds_(board_, settings.library_folders),
+      host_(std::make_unique<Host>(*this)),
       hart_(memory_, *this, timing_of(board, chip), chip.instruction_energy),
       meter_(chip.energy, inventory_of(board, settings),
              {settings.temperature_c, settings.voltage_v, settings.clock_hz, settings.cluster_clock_hz}),
@@ -103,8 +116,8 @@ Soc::Soc(const BoardDescription& board, const Chip& chip, const Settings& settin
       voltage_mv_(static_cast<std::uint32_t>(std::lround(settings.voltage_v * kMilli))) {
   clock_.reset(checked_clock(chip, settings));
   for (const auto& entry : board.memories) places_.push_back(entry.place);
-  add_cluster(board, settings);
-  add_devices(board, settings);
+  add_cluster(settings);
+  add_devices();
   connect_memories();
   load_program();
   if (const auto& cache = board.instruction_cache(Place::fabric_controller); cache.size != 0) {
@@ -132,28 +145,28 @@ void Soc::connect_memories() {
   hart_.connect(ports);
 }
 
-void Soc::add_cluster(const BoardDescription& board, const Settings& settings) {
-  if (board.cluster_cores == 0 || settings.cluster_cores == 0) return;
-  if (settings.cluster_cores > board.cluster_cores) {
+void Soc::add_cluster(const Settings& settings) {
+  if (board_.cluster_cores == 0 || settings.cluster_cores == 0) return;
+  if (settings.cluster_cores > board_.cluster_cores) {
     throw Error(fmt::format("cluster.cores {} is more than the {} of board {}", settings.cluster_cores,
-                            board.cluster_cores, board.name));
+                            board_.cluster_cores, board_.name));
   }
   ClusterSettings cluster;
   cluster.cores = settings.cluster_cores;
   cluster.clock_hz = checked_cluster_clock(chip_, settings);
   cluster.dma = chip_.dma;
-  cluster.timing = timing_of(board, chip_);
-  cluster.instruction_cache = board.instruction_cache(Place::cluster);
+  cluster.timing = timing_of(board_, chip_);
+  cluster.instruction_cache = board_.instruction_cache(Place::cluster);
   cluster.translate = settings.translate;
   for (const auto place : {Place::cluster, Place::fabric_controller}) {
-    for (std::size_t i = 0; i < board.memories.size(); ++i) {
-      if (board.memories[i].place != place) continue;
+    for (std::size_t i = 0; i < board_.memories.size(); ++i) {
+      if (board_.memories[i].place != place) continue;
       const auto wait = place == Place::cluster ? 0 : chip_.interconnect.cluster_to_soc;
-      if (place == Place::cluster) cluster.l1_banks = board.memories[i].banks;
+      if (place == Place::cluster) cluster.l1_banks = board_.memories[i].banks;
       cluster.ports.push_back({i, wait, nullptr});
     }
     if (place == Place::cluster && cluster.ports.size() != 1) {
-      throw Error(fmt::format("board {}: a cluster needs one memory at place \"cluster\", not {}", board.name,
+      throw Error(fmt::format("board {}: a cluster needs one memory at place \"cluster\", not {}", board_.name,
                               cluster.ports.size()));
     }
   }
@@ -164,67 +177,37 @@ void Soc::add_cluster(const BoardDescription& board, const Settings& settings) {
   MEBOTS_ASSERT(cluster.l1_region < memory_.regions().size());
   bool has_event_unit = false;
   bool has_dma = false;
-  for (const auto& entry : board.devices) {
-    if (entry.name == "event_unit") {
-      check_registers(entry, board::event_unit::kRegisters);
+  for (const auto& entry : board_.devices) {
+    if (entry.kind == kEventUnitKind) {
       cluster.event_unit_base = entry.base;
       cluster_interrupt_ = entry.interrupt;
       has_event_unit = true;
-    } else if (entry.name == "cluster_dma") {
-      check_registers(entry, board::cluster_dma::kRegisters);
+    } else if (entry.kind == kClusterDmaKind) {
       cluster.dma_base = entry.base;
       has_dma = true;
     }
   }
   if (!has_event_unit || !has_dma) {
-    throw Error(fmt::format("board {}: a cluster needs the devices event_unit and cluster_dma", board.name));
+    throw Error(
+        fmt::format("board {}: a cluster needs a device of kind event_unit and one of kind cluster_dma", board_.name));
   }
   cluster_ = std::make_unique<Cluster>(memory_, cluster, chip_.instruction_energy);
   cluster_->set_watcher([this](std::uint32_t address) { return watched(address); });
 }
 
-void Soc::add_devices(const BoardDescription& board, const Settings& settings) {
-  const auto add = [this](const BoardDevice& entry, const auto& registers, Device& device) {
-    check_registers(entry, registers);
-    slots_.push_back({entry.name, entry.base, entry.size(), entry.interrupt, &device});
-  };
-  const auto complain = [this](std::string_view text) {
-    if (listeners_.faults) listeners_.faults(text);
-  };
-  for (const auto& entry : board.devices) {
-    auto own = own_device_of(entry, settings);
-    if (own != nullptr) {
-      slots_.push_back({entry.name, entry.base, entry.size(), entry.interrupt, own.get()});
-      own_devices_.push_back(std::move(own));
-    } else if (entry.name == "console") {
-      console_ = std::make_unique<Console>(listeners_.console);
-      add(entry, board::console::kRegisters, *console_);
-    } else if (entry.name == "timer") {
-      timer_ = std::make_unique<Timer>();
-      add(entry, board::timer::kRegisters, *timer_);
-    } else if (entry.name == "power_manager") {
-      const PowerSettings start{clock_.hz(), cluster_ ? cluster_->clock_hz() : 0, voltage_mv_, 0, 0};
-      power_manager_ = std::make_unique<PowerManager>(chip_, start, cluster_ != nullptr);
-      add(entry, board::power_manager::kRegisters, *power_manager_);
-    } else if (entry.name == "camera") {
-      camera_ = std::make_unique<Camera>(entry, settings.frame_width, memory_, complain);
-      add(entry, board::camera::kRegisters, *camera_);
-    } else if (entry.name == "flight") {
-      flight_ = std::make_unique<Flight>(complain);
-      add(entry, board::flight::kRegisters, *flight_);
-    } else if (entry.name == "battery") {
-      battery_ = std::make_unique<BatteryGauge>();
-      add(entry, board::battery::kRegisters, *battery_);
-    } else if (entry.name == "mission") {
-      mission_ = std::make_unique<MissionParameters>(settings.mission);
-      add(entry, board::mission::kRegisters, *mission_);
-    } else if (entry.name != "event_unit" && entry.name != "cluster_dma") {
-      throw Error(fmt::format(
-          "board: no model for device \"{}\"; known are console, timer, power_manager, event_unit, "
-          "cluster_dma, camera, flight, battery and mission; another one needs an initial_state and is described "
-          "by its registers, opcodes and states, or C++ of its own (mebots-boardgen --skeleton)",
-          entry.name));
+void Soc::add_devices() {
+  for (const auto& entry : board_.devices) {
+    auto device = kinds_.make(entry, *host_);
+    if (!device) continue;  // part of the cluster
+    if (auto* power_manager = dynamic_cast<PowerManager*>(device.get())) {
+      if (power_manager_ != nullptr) {
+        throw Error(fmt::format("board {}: {} is a second power manager; a chip has one", board_.name, entry.name));
+      }
+      power_manager_ = power_manager;
     }
+    slots_.push_back({entry.name, entry.base, entry.size(), entry.interrupt, device.get()});
+    devices_.push_back({&entry, device.get()});
+    owned_.push_back(std::move(device));
   }
 }
 
@@ -241,17 +224,30 @@ void Soc::load_program() {
   }
 }
 
-bool Soc::set_sensed(std::string_view variable, double value) {
-  bool known = false;
-  for (const auto& device : own_devices_) known = device->set_sensed(variable, value) || known;
-  return known;
-}
-
-const OwnDevice* Soc::own_device(std::string_view name) const {
-  for (const auto& device : own_devices_) {
-    if (device->description().name == name) return device.get();
+Device* Soc::device(std::string_view name) const {
+  for (const auto& slot : devices_) {
+    if (slot.entry->name == name) return slot.device;
   }
   return nullptr;
+}
+
+double* Soc::input(std::string_view variable) const {
+  for (const auto& slot : devices_) {
+    if (auto* found = slot.device->input(variable)) return found;
+  }
+  return nullptr;
+}
+
+const double* Soc::output(std::string_view variable) const {
+  for (const auto& slot : devices_) {
+    if (const auto* found = slot.device->output(variable)) return found;
+  }
+  return nullptr;
+}
+
+void Soc::begin_step() {
+  if (end_ == End::powered_off) return;
+  for (const auto& slot : devices_) slot.device->begin_step(now_);
 }
 
 void Soc::stop_when_stored(std::uint32_t address) {
@@ -281,7 +277,7 @@ bool Soc::must_wait(std::uint32_t address, Picoseconds now) const {
   if (cluster_next() >= now) return false;
   if (cluster_->owns(address)) return true;
   const auto* slot = slot_at(address);
-  return slot != nullptr && slot->device == power_manager_.get();
+  return slot != nullptr && slot->device == power_manager_;
 }
 
 BusReply Soc::load(std::uint32_t address, std::uint64_t cycle) {
@@ -489,7 +485,7 @@ void Soc::finish(End why) {
   end_time_ = core_time();
   asleep_ = true;
   asleep_since_ = end_time_;
-  if (console_) console_->flush();
+  for (const auto& slot : devices_) slot.device->program_ended();
 }
 
 void Soc::power_off() {
@@ -501,7 +497,7 @@ void Soc::power_off() {
   end_time_ = now_;
   asleep_ = true;
   asleep_since_ = kNever;
-  if (console_) console_->flush();
+  for (const auto& slot : devices_) slot.device->program_ended();
 }
 
 Picoseconds Soc::next_event() const {
@@ -569,7 +565,8 @@ ChipState Soc::chip_state() const {
   if (end_ == End::powered_off) return ChipState::off;
   if (cluster_ && cluster_->powered()) return ChipState::cluster;
   if (!asleep_) return ChipState::controller;
-  return camera_ && camera_->busy() ? ChipState::waiting : ChipState::asleep;
+  const bool waits = std::ranges::any_of(devices_, [](const auto& slot) { return slot.device->takes_picture(); });
+  return waits ? ChipState::waiting : ChipState::asleep;
 }
 
 /// Something may have changed at `time`, or later, when it woke the core.

@@ -5,18 +5,13 @@
 #include "chip.hpp"
 #include "clock.hpp"
 #include "cluster/cluster.hpp"
-#include "devices/battery_gauge.hpp"
-#include "devices/camera.hpp"
-#include "devices/console.hpp"
-#include "devices/flight.hpp"
-#include "devices/mission_parameters.hpp"
+#include "devices/kinds.hpp"
 #include "devices/power_manager.hpp"
-#include "devices/timer.hpp"
 #include "elf/elf.hpp"
 #include "energy/meter.hpp"
 #include "hart/hart.hpp"
 #include "host_calls.hpp"
-#include "mebots/soc/own_device.hpp"
+#include "mebots/soc/device_kind.hpp"
 #include "memory/bus.hpp"
 #include "memory/instruction_cache.hpp"
 #include "memory/memory.hpp"
@@ -24,6 +19,7 @@
 #include "state_times.hpp"
 
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <limits>
 #include <memory>
@@ -43,10 +39,8 @@ struct Settings {
   unsigned cluster_cores = kMostClusterCores;  // at most as many as the board has
   double temperature_c = 25;
   double voltage_v = 1.2;
-  std::uint32_t frame_width = 320;
-  MissionParameters::Values mission;
-  /// Makes devices that have C++ of their own, which the platform does not know; null for an entry that is none.
-  std::function<std::unique_ptr<OwnDevice>(const BoardDevice& entry)> make_device = {};
+  /// Where the board's libraries may lie, beside the folder of its file.
+  std::vector<std::filesystem::path> library_folders = {};
   bool translate = true;  // hot code to host code; counts are the same without
 };
 
@@ -119,6 +113,7 @@ class Soc final : private Bus {
   /// Changes RAM from outside, between instructions; false, with nothing done, when it is not all in one memory.
   bool poke(std::uint32_t address, std::span<const std::uint8_t> bytes);
   const Elf& program() const { return program_; }
+  const BoardDescription& board() const { return board_; }
   EnergyLedger energy() const { return energy_at(now_); }
   /// For observers, who look in the middle of a run: when the core's next instruction starts, or its sleep began, and
   /// the energy up to then.
@@ -147,8 +142,6 @@ class Soc final : private Bus {
   std::vector<DeviceState> device_states() const;
   /// Who hears of changes of state from now on, or null. Not part of a state.
   void listen(StateListener* listener) { listener_ = listener; }
-  /// Energy of the camera since the start [J]; 0 without one.
-  double camera_energy_j() const { return camera_ ? camera_->energy_j(supplied_until()) : 0; }
   /// Time the core slept, up to now.
   Picoseconds sleep_time() const;
   /// What it did how long, up to now; the instruction under way counts to its end.
@@ -166,24 +159,28 @@ class Soc final : private Bus {
   /// Why the core cannot go on, with function, line, instruction and callers; empty without a fault.
   std::string fault_text() const;
 
-  /// The board's devices; null when it has none of the kind.
-  Camera* camera() { return camera_.get(); }
-  const Camera* camera() const { return camera_.get(); }
-  Flight* flight() { return flight_.get(); }
-  const Flight* flight() const { return flight_.get(); }
-  /// Gives the board's own devices a variable that they sense; false = none of them does.
-  bool set_sensed(std::string_view variable, double value);
-  /// Those devices that the platform knows from the board file only.
-  std::span<const std::unique_ptr<OwnDevice>> own_devices() const { return own_devices_; }
-  /// Such a device by its name; null = there is none.
-  const OwnDevice* own_device(std::string_view name) const;
-  /// Energy of such a device since the start [J].
-  double energy_j(const OwnDevice& device) const { return device.energy_j(supplied_until()); }
-  BatteryGauge* battery() { return battery_.get(); }
+  /// A device on the bus, and its entry in the board file.
+  struct BoardSlot {
+    const BoardDevice* entry = nullptr;
+    Device* device = nullptr;
+  };
+  /// In the order of the file; without those that are part of the cluster.
+  std::span<const BoardSlot> devices() const { return devices_; }
+  /// By its name; null = there is none.
+  Device* device(std::string_view name) const;
+  /// Energy of a device since the start [J].
+  double energy_j(const Device& device) const { return device.energy_j(supplied_until()); }
+  /// Where some device keeps this variable of its entry; null = none does. See mebots/soc/device.hpp.
+  double* input(std::string_view variable) const;
+  const double* output(std::string_view variable) const;
+  /// What goes in has been set for the time from now on.
+  void begin_step();
 
   void visit(state::Visitor& v);
 
  private:
+  class Host;
+
   struct Slot {
     std::string name;
     std::uint32_t base = 0;
@@ -196,8 +193,8 @@ class Soc final : private Bus {
   static constexpr std::uint64_t kNoLimit = std::numeric_limits<std::uint64_t>::max();
 
   void connect_memories();
-  void add_cluster(const BoardDescription& board, const Settings& settings);
-  void add_devices(const BoardDescription& board, const Settings& settings);
+  void add_cluster(const Settings& settings);
+  void add_devices();
   void load_program();
 
   BusReply load(std::uint32_t address, std::uint64_t cycle) override;
@@ -235,14 +232,12 @@ class Soc final : private Bus {
   std::vector<Slot> slots_;
   std::unique_ptr<Cluster> cluster_;
   int cluster_interrupt_ = -1;
-  std::unique_ptr<Console> console_;
-  std::unique_ptr<Timer> timer_;
-  std::unique_ptr<PowerManager> power_manager_;
-  std::unique_ptr<Camera> camera_;
-  std::unique_ptr<Flight> flight_;
-  std::unique_ptr<BatteryGauge> battery_;
-  std::unique_ptr<MissionParameters> mission_;
-  std::vector<std::unique_ptr<OwnDevice>> own_devices_;
+  BoardDescription board_;
+  Kinds kinds_;
+  std::unique_ptr<ChipHost> host_;  // of the devices
+  std::vector<std::unique_ptr<Device>> owned_;
+  std::vector<BoardSlot> devices_;
+  PowerManager* power_manager_ = nullptr;
   std::optional<InstructionCache> instruction_cache_;  // of the fabric controller
   Hart hart_;
   StateListener* listener_ = nullptr;

@@ -117,6 +117,20 @@ std::string with_device(const std::string& board, const std::string& entry) {
   return board.substr(0, last + 1) + ",\n" + entry + "  " + board.substr(at);
 }
 
+std::string library_call(const std::string& name) {
+  return fmt::format("mebots_device_library({0} SOURCES {0}.cpp)\n", name);
+}
+
+/// Names the library with the device's kind in front of "devices", or in the list that there is.
+std::string with_library(const std::string& board, const std::string& name) {
+  constexpr std::string_view kList = "\"libraries\": [";
+  if (const auto list = board.find(kList); list != std::string::npos) {
+    return board.substr(0, list + kList.size()) + fmt::format("\"{}.so\", ", name) + board.substr(list + kList.size());
+  }
+  const auto devices = board.find("\"devices\"");
+  return board.substr(0, devices) + fmt::format("\"libraries\": [\"{}.so\"],\n  ", name) + board.substr(devices);
+}
+
 std::string taken(Files& files, const fs::path& name) {
   const auto file = std::ranges::find(files, name, [](const auto& entry) { return entry.first; });
   auto text = std::move(file->second);
@@ -138,20 +152,23 @@ fs::path new_sensor(const Sensor& sensor, fs::path folder) {
   for (std::size_t i = 0; i < upper.size(); ++i) {
     if (upper[i] != '_') camel += i == 0 || upper[i - 1] == '_' ? upper[i] : sensor.name[i];
   }
-  auto files =
-      read_template("my_sensor", {{"my_sensor", sensor.name},
-                                  {"MY_SENSOR", upper},
-                                  {"MySensor", camel},
-                                  {"SENSED_VARIABLE", sensor.senses},
-                                  {"SENSED_UNIT", unit},
-                                  {"DEVICE_BASE", fmt::format("0x{:08X}", slot.base)},
-                                  {"DEVICE_INTERRUPT", std::to_string(slot.interrupt)},
-                                  {"DEVICE_SOURCES", sensor.with_code ? " DEVICES " + sensor.name + ".cpp" : ""},
-                                  // Without it, the device is none that its entry describes wholly.
-                                  {"INITIAL_STATE", sensor.with_code ? "" : "\"initial_state\": \"standby\","}});
+  auto files = read_template("my_sensor",
+                             {{"my_sensor", sensor.name},
+                              {"MY_SENSOR", upper},
+                              {"MySensor", camel},
+                              {"SENSED_VARIABLE", sensor.senses},
+                              {"SENSED_UNIT", unit},
+                              {"DEVICE_BASE", fmt::format("0x{:08X}", slot.base)},
+                              {"DEVICE_INTERRUPT", std::to_string(slot.interrupt)},
+                              {"DEVICE_LIBRARY", sensor.with_code ? library_call(sensor.name) : ""},
+                              {"DEVICES_OPTION", sensor.with_code ? " DEVICES " + sensor.name : ""},
+                              {"ENTRY_KIND", sensor.with_code ? fmt::format("\"kind\": \"{}\", ", sensor.name) : ""},
+                              {"INITIAL_STATE", sensor.with_code ? "" : "\"initial_state\": \"standby\","}});
   if (!sensor.with_code) taken(files, sensor.name + ".cpp");
   const auto entry = taken(files, "device.json");
-  files.emplace_back("board.json", with_device(board_text, entry));
+  auto own_board = with_device(board_text, entry);
+  if (sensor.with_code) own_board = with_library(own_board, sensor.name);
+  files.emplace_back("board.json", std::move(own_board));
   if (folder.empty()) folder = sensor.name;
   write_folder(folder, files);
   return folder;

@@ -4,6 +4,7 @@
 
 #include "app/navigator.h"
 
+#include "devices/camera.hpp"
 #include "plain_drone.hpp"
 #include "rendered_world.hpp"
 #include "soc.hpp"
@@ -29,9 +30,44 @@ constexpr double kStep_s = 0.002;
 enum Phase { kOnGround, kClimbing, kFlying, kDescending, kLanded, kCrashed };
 enum Mode { kOff, kTakeOff, kFly, kLand };
 
-double from_micro(std::uint32_t word) {
-  return static_cast<std::int32_t>(word) * 1e-6;
-}
+/// The parameters of a flight, as the board's mission device names them.
+struct Mission {
+  double cruise_speed_m_per_s = 0.2777778;
+  double altitude_m = 1.0;
+  double frame_period_s = 0.1;
+  double yaw_rate_scale_rad_per_s = 0.5;
+  double landing_charge = 0.1;
+  double policy = 0;
+  double initial_speed_m_per_s = 0.2777778;
+  double navigator = 0;
+  double sleep_clock_hz = 10e6;
+
+  void put_into(const soc::Soc& chip) const {
+    *chip.input("mission.cruise_speed") = cruise_speed_m_per_s;
+    *chip.input("mission.altitude") = altitude_m;
+    *chip.input("mission.frame_period") = frame_period_s;
+    *chip.input("mission.yaw_rate_scale") = yaw_rate_scale_rad_per_s;
+    *chip.input("mission.landing_charge") = landing_charge;
+    *chip.input("mission.policy") = policy;
+    *chip.input("mission.initial_speed") = initial_speed_m_per_s;
+    *chip.input("mission.navigator") = navigator;
+    *chip.input("mission.sleep_clock") = sleep_clock_hz;
+  }
+};
+
+/// What the chip sends to the flight controller.
+struct SetPoint {
+  explicit SetPoint(const soc::Soc& chip)
+      : mode(static_cast<int>(*chip.output("setpoint.mode"))),
+        velocity_x(*chip.output("setpoint.velocity.x")),
+        yaw_rate(*chip.output("setpoint.yaw_rate")),
+        altitude(*chip.output("setpoint.altitude")) {}
+
+  int mode;
+  double velocity_x;
+  double yaw_rate;
+  double altitude;
+};
 
 struct Surroundings {
   bool with_gate = true;
@@ -56,16 +92,16 @@ struct Outcome {
   soc::EnergyLedger energy;
 };
 
-Outcome run(const soc::MissionParameters::Values& mission, const Surroundings& around, double limit_s) {
+Outcome run(const Mission& mission, const Surroundings& around, double limit_s) {
   Outcome outcome;
-  soc::Settings settings;
-  settings.mission = mission;
-  settings.frame_width = around.picture_edge_px;
   soc::Listeners listeners;
   listeners.console = [&](std::string_view line) { outcome.console.emplace_back(line); };
   const auto board = soc::read_board(std::string(MEBOTS_SOURCE_DIR) + "/configs/boards/ai_deck.json");
   const auto program = soc::Elf::read(std::string(MEBOTS_BINARY_DIR) + "/firmware/gate.elf");
-  soc::Soc chip(board, soc::gap8(), settings, program, listeners);
+  soc::Soc chip(board, soc::gap8(), {}, program, listeners);
+  mission.put_into(chip);
+  *chip.input("camera.frame_width") = around.picture_edge_px;
+  auto& eye = dynamic_cast<soc::Camera&>(*chip.device("camera"));
 
   auto scene = load_scene("gate_easy");
   const auto gate = scene.gates.at(0);
@@ -80,14 +116,15 @@ Outcome run(const soc::MissionParameters::Values& mission, const Surroundings& a
 
   for (std::int64_t k = 0; !outcome.ended && k * kStep_s < limit_s; ++k) {
     outcome.time_s = k * kStep_s;
-    chip.battery()->set_voltage_v(3.7);
-    chip.battery()->set_state_of_charge(around.charge - around.charge_per_second * outcome.time_s);
-    auto& inputs = chip.flight()->inputs;
-    inputs = {outcome.phase, drone.pose.p_WB_m.z(), drone.velocity_m_s, drone.pose.yaw_rad, 0};
-    if (chip.camera()->wants(picture_id)) chip.camera()->offer(picture, chip.now());
+    *chip.input("battery.state_of_charge") = around.charge - around.charge_per_second * outcome.time_s;
+    *chip.input("flight.phase") = outcome.phase;
+    *chip.input("flight.range") = drone.pose.p_WB_m.z();
+    *chip.input("flight.forward_velocity") = drone.velocity_m_s;
+    *chip.input("flight.yaw") = drone.pose.yaw_rad;
+    if (eye.wants(picture_id)) eye.offer(picture, chip.now());
     // What the chip put out up to here, before its next step.
-    const auto sent = chip.flight()->sent();
-    const auto requests = chip.camera()->requests();
+    const SetPoint sent(chip);
+    const auto requests = eye.requests();
     chip.advance((k + 1) * kStepNs);
 
     if (around.with_pictures && requests != picture_id) {
@@ -99,9 +136,9 @@ Outcome run(const soc::MissionParameters::Values& mission, const Surroundings& a
     if (outcome.time_s >= around.crash_at_s) {
       outcome.phase = kCrashed;
     } else if (sent.mode == kTakeOff && outcome.phase <= kClimbing) {
-      outcome.phase = drone.climb(kStep_s, from_micro(sent.altitude)) ? kFlying : kClimbing;
+      outcome.phase = drone.climb(kStep_s, sent.altitude) ? kFlying : kClimbing;
     } else if (sent.mode == kFly) {
-      drone.move(kStep_s, from_micro(sent.velocity_x), from_micro(sent.yaw_rate));
+      drone.move(kStep_s, sent.velocity_x, sent.yaw_rate);
     } else if (sent.mode == kLand && outcome.phase != kLanded) {
       drone.move(kStep_s, 0.0, 0.0);
       outcome.phase = drone.climb(kStep_s, 0.0145) ? kLanded : kDescending;
@@ -117,7 +154,7 @@ Outcome run(const soc::MissionParameters::Values& mission, const Surroundings& a
   return outcome;
 }
 
-constexpr soc::MissionParameters::Values kMission{0.2777778, 1.0, 0.1, 0.5, 0.1, 0, 0.2777778, 0, 10e6};
+constexpr Mission kMission;
 
 void show(const Outcome& outcome) {
   for (const auto& line : outcome.console) std::printf("[ console  ] %s\n", line.c_str());

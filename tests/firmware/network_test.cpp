@@ -4,6 +4,7 @@
 #include "nn/network.h"
 #include "app/navigator.h"
 
+#include "devices/camera.hpp"
 #include "golden.hpp"
 #include "rendered_world.hpp"
 #include "soc.hpp"
@@ -77,21 +78,20 @@ TEST(Network, ShrunkPictureAgreesWithTheDefinitionInPython) {
 /// Lines that the check firmware prints for the pictures given, all of `edge` x `edge` grey levels.
 std::vector<std::string> on_chip(const std::vector<std::vector<std::uint8_t>>& pictures, std::uint32_t edge) {
   std::vector<std::string> lines;
-  soc::Settings settings;
-  settings.frame_width = edge;
   soc::Listeners listeners;
   listeners.console = [&](std::string_view line) { lines.emplace_back(line); };
   const auto board = soc::read_board(std::string(MEBOTS_SOURCE_DIR) + "/configs/boards/ai_deck.json");
   const auto program = soc::Elf::read(std::string(MEBOTS_BINARY_DIR) + "/firmware/network_check.elf");
-  soc::Soc chip(board, soc::gap8(), settings, program, listeners);
+  soc::Soc chip(board, soc::gap8(), {}, program, listeners);
+  *chip.input("camera.frame_width") = edge;
+  auto& camera = dynamic_cast<soc::Camera&>(*chip.device("camera"));
   constexpr std::int64_t kStep = 2'000'000;
   std::int32_t id = 0;
   for (std::int64_t k = 0; chip.running() && k < 100'000; ++k) {
-    chip.battery()->set_voltage_v(3.7);
     chip.advance((k + 1) * kStep);
-    const auto requests = chip.camera()->requests();
+    const auto requests = camera.requests();
     if (requests != id && static_cast<std::size_t>(requests) <= pictures.size()) id = requests;
-    if (chip.camera()->wants(id)) chip.camera()->offer(pictures[static_cast<std::size_t>(id) - 1], chip.now());
+    if (camera.wants(id)) camera.offer(pictures[static_cast<std::size_t>(id) - 1], chip.now());
   }
   if (!chip.fault_text().empty()) lines.push_back(chip.fault_text());
   return lines;

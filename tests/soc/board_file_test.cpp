@@ -58,6 +58,37 @@ TEST(BoardFile, TakesOnlyInterruptsThatTheCoreHas) {
   EXPECT_THAT(complaint(kRam, device("\"interrupt\": 7.5,")), HasSubstr("whole number"));
 }
 
+TEST(BoardFile, RefusesTwoDevicesOnOneInterruptAndNamesBoth) {
+  const auto left = device("\"interrupt\": 17,", "left", "0x8000");
+  EXPECT_THAT(complaint(kRam, left + "," + device("\"interrupt\": 17,", "right", "0x9000")),
+              HasSubstr("/devices/1/interrupt: left and right would share interrupt 17"));
+  EXPECT_EQ(complaint(kRam, left + "," + device("\"interrupt\": 18,", "right", "0x9000")), "");
+}
+
+TEST(BoardFile, TakesWhatTheChipLivesOnFromItsInputs) {
+  const auto gauge = device(
+      R"("variables": [{"name": "pack.voltage", "causality": "input", "unit": "V", "start": 7.4, "text": ""}],)");
+  EXPECT_EQ(complaint(kRam, gauge, R"("supply": {"voltage": "pack.voltage", "least": 5},)"), "");
+  EXPECT_THAT(complaint(kRam, gauge, R"("supply": {"voltage": "pack.volts", "least": 5},)"),
+              HasSubstr("/supply/voltage: the Real input 'pack.volts' is unknown. Did you mean 'pack.voltage'?"));
+  EXPECT_THAT(complaint(kRam, gauge, R"("supply": {"voltage": "pack.voltage", "least": 0},)"),
+              HasSubstr("/supply/least"));
+}
+
+TEST(BoardFile, TakesLibrariesBesideItOnly) {
+  EXPECT_EQ(complaint(kRam, "", R"("libraries": ["wheels.so"],)"), "");
+  EXPECT_THAT(complaint(kRam, "", R"("libraries": ["../wheels.so"],)"), HasSubstr("/libraries/0"));
+}
+
+TEST(BoardFile, NeedsRegistersOfADeviceUnlessItsKindHasThem) {
+  EXPECT_EQ(complaint(kRam, R"({"name": "d", "kind": "k", "base": "0x8000", "span": 4096})"), "");
+  EXPECT_THAT(complaint(kRam, R"({"name": "d", "base": "0x8000", "span": 4096})"), HasSubstr("'registers' is missing"));
+  EXPECT_THAT(complaint(kRam, R"({"name": "d", "kind": "k", "base": "0x8000"})"), HasSubstr("'registers' is missing"));
+  EXPECT_THAT(
+      complaint(kRam, R"({"name": "d", "kind": "k", "base": "0x8000", "span": 4096},)" + device("", "e", "0x8800")),
+      HasSubstr("overlaps d"));
+}
+
 TEST(BoardFile, RefusesOverlaps) {
   EXPECT_THAT(complaint(std::string(kRam) + R"(, {"name": "more", "base": "0x1FFC", "size": 16})", ""),
               HasSubstr("/memories/1: more (0x00001ffc to 0x0000200b) overlaps ram"));

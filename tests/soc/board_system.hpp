@@ -2,6 +2,7 @@
 #pragma once
 
 #include "assembler.hpp"
+#include "devices/camera.hpp"
 #include "soc.hpp"
 
 #include <fmt/format.h>
@@ -22,7 +23,8 @@ inline constexpr std::uint32_t kResults = 0x1C060000;
 /// The AI-deck with a program of assembly text, which may use the names of board.h.
 class BoardSystem {
  public:
-  explicit BoardSystem(std::string_view text, const Settings& settings = {}) : BoardSystem(assembled(text), settings) {}
+  explicit BoardSystem(std::string_view text, const Settings& settings = {}, const BoardDescription& board = ai_deck())
+      : BoardSystem(assembled(text), settings, board) {}
   explicit BoardSystem(const Elf& program, const Settings& settings = {}, const BoardDescription& board = ai_deck())
       : soc(board, gap8(), settings, program,
             {[this](std::string_view line) { console.emplace_back(line); },
@@ -37,12 +39,21 @@ class BoardSystem {
     return board;
   }
   /// A camera of narrow pictures.
-  static Settings narrow() {
-    Settings settings;
-    settings.frame_width = 64;
-    return settings;
+  static BoardDescription narrow(double frame_width = 64) {
+    auto board = ai_deck();
+    for (auto& device : board.devices) {
+      for (auto& variable : device.variables) {
+        if (variable.name == "camera.frame_width") variable.start = frame_width;
+      }
+    }
+    return board;
   }
   static Elf assembled(std::string_view text) { return assemble(fmt::format("#include \"board.h\"\n{}\n", text), kL2); }
+
+  Camera& camera() { return dynamic_cast<Camera&>(*soc.device("camera")); }
+  double camera_energy_j() const { return soc.energy_j(*soc.device("camera")); }
+  /// An output that the board's devices have.
+  double output(std::string_view variable) const { return *soc.output(variable); }
 
   std::uint32_t result(std::uint32_t index) const {
     std::uint32_t value = 0;

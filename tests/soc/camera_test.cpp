@@ -61,8 +61,8 @@ std::vector<std::uint8_t> picture(std::size_t size) {
 }
 
 TEST(Camera, BringsThePictureADelayAfterItCameAndRaisesItsInterruptOnce) {
-  BoardSystem system(fmt::format(fmt::runtime(kAsk), 4096, 0), BoardSystem::narrow());
-  auto& camera = *system.soc.camera();
+  BoardSystem system(fmt::format(fmt::runtime(kAsk), 4096, 0), {}, BoardSystem::narrow());
+  auto& camera = system.camera();
   EXPECT_FALSE(camera.wants(0)) << "nothing asked";
   system.soc.advance(2 * kMs);
   EXPECT_EQ(camera.requests(), 1);
@@ -92,9 +92,9 @@ double seconds_of(const Soc& soc, ChipState state) {
 }
 
 TEST(StateTimes, OfAPictureAreWaitingUntilItIsThereAndAsleepAfterwards) {
-  BoardSystem system(fmt::format(fmt::runtime(kAsk), 4096, 0), BoardSystem::narrow());
+  BoardSystem system(fmt::format(fmt::runtime(kAsk), 4096, 0), {}, BoardSystem::narrow());
   system.soc.advance(2 * kMs);
-  system.soc.camera()->offer(picture(64 * 40), system.soc.now());
+  system.camera().offer(picture(64 * 40), system.soc.now());
   system.soc.advance(30 * kMs);
   const auto waiting_s = 2e-3 + kDelayNs * 1e-9;
   EXPECT_NEAR(seconds_of(system.soc, ChipState::waiting), waiting_s, 2e-6) << "less the first instructions";
@@ -139,25 +139,25 @@ core: wfi
 }
 
 TEST(Camera, RefusesASecondRequestWhileBusyAndKeepsTheFirst) {
-  BoardSystem system(fmt::format(fmt::runtime(kAsk), 4096, 1), BoardSystem::narrow());
+  BoardSystem system(fmt::format(fmt::runtime(kAsk), 4096, 1), {}, BoardSystem::narrow());
   system.soc.advance(2 * kMs);
   EXPECT_EQ(system.result(1), Camera::kBusy | Camera::kRefused);
-  EXPECT_EQ(system.soc.camera()->requests(), 1);
+  EXPECT_EQ(system.camera().requests(), 1);
   EXPECT_EQ(system.result(7), 0U) << "a refusal on the spot raises no interrupt";
 }
 
 TEST(Camera, RefusesABufferOutsideTheRam) {
-  BoardSystem system(fmt::format(fmt::runtime(kAsk), 0x100000, 0), BoardSystem::narrow());
+  BoardSystem system(fmt::format(fmt::runtime(kAsk), 0x100000, 0), {}, BoardSystem::narrow());
   system.soc.advance(2 * kMs);
   EXPECT_EQ(system.result(0), Camera::kRefused);
-  EXPECT_EQ(system.soc.camera()->requests(), 0);
+  EXPECT_EQ(system.camera().requests(), 0);
 }
 
 TEST(Camera, DropsAPictureThatDoesNotFitAndSaysSo) {
-  BoardSystem system(fmt::format(fmt::runtime(kAsk), 100, 0), BoardSystem::narrow());
+  BoardSystem system(fmt::format(fmt::runtime(kAsk), 100, 0), {}, BoardSystem::narrow());
   system.soc.advance(2 * kMs);
   const auto bytes = picture(64 * 40);
-  system.soc.camera()->offer(bytes, system.soc.now());
+  system.camera().offer(bytes, system.soc.now());
   system.soc.advance(30 * kMs);
   EXPECT_EQ(system.result(2), Camera::kRefused);
   EXPECT_EQ(system.result(7), 1U) << "interrupt, so that nobody waits for ever";
@@ -166,13 +166,13 @@ TEST(Camera, DropsAPictureThatDoesNotFitAndSaysSo) {
 }
 
 TEST(Camera, DrawsItsActiveCurrentForTheDelayAndItsIdleCurrentOtherwise) {
-  BoardSystem system(fmt::format(fmt::runtime(kAsk), 4096, 0), BoardSystem::narrow());
+  BoardSystem system(fmt::format(fmt::runtime(kAsk), 4096, 0), {}, BoardSystem::narrow());
   system.soc.advance(2 * kMs);
-  system.soc.camera()->offer(picture(64 * 40), system.soc.now());
+  system.camera().offer(picture(64 * 40), system.soc.now());
   system.soc.advance(100 * kMs);
   const double active_s = 0.0166667;
   const double expected_j = 2.8 * (1.75e-3 * active_s + 0.14e-3 * (0.1 - active_s));
-  EXPECT_NEAR(system.soc.camera_energy_j(), expected_j, 1e-15) << "rounding of sums of about 1e-4 J";
+  EXPECT_NEAR(system.camera_energy_j(), expected_j, 1e-15) << "rounding of sums of about 1e-4 J";
 }
 
 TEST(Camera, OverwritesCodeThatThenRunsAsWritten) {
@@ -196,15 +196,11 @@ target: .option norvc
     addi a0, a0, 1
     ret
 )",
-                     [] {
-                       Settings settings;
-                       settings.frame_width = 8;
-                       return settings;
-                     }());
+                     {}, BoardSystem::narrow(8));
   system.soc.advance(1 * kMs);
   EXPECT_EQ(system.soc.hart().reg(10), 1U);
   const std::vector<std::uint8_t> code{0x13, 0x05, 0x05, 0x10, 0x67, 0x80, 0x00, 0x00};  // addi a0, a0, 256; ret
-  system.soc.camera()->offer(code, system.soc.now());
+  system.camera().offer(code, system.soc.now());
   system.soc.advance(20 * kMs);
   EXPECT_EQ(system.soc.hart().reg(10), 257U);
 }

@@ -9,6 +9,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <string>
+#include <string_view>
+#include <vector>
+
 namespace mebots::soc {
 namespace {
 
@@ -24,8 +28,26 @@ std::string board_text() {
   return text_of(MEBOTS_SOURCE_DIR "/examples/time_of_flight/board.json");
 }
 
+/// Nobody around but an ear.
+class Ear final : public DeviceHost {
+ public:
+  bool read_memory(std::uint32_t /*address*/, std::span<std::uint8_t> /*bytes*/) const override { return false; }
+  bool write_memory(std::uint32_t /*address*/, std::span<const std::uint8_t> /*bytes*/) override { return false; }
+  bool is_memory(std::uint32_t /*address*/, std::uint32_t /*size*/) const override { return false; }
+  void print(std::string_view /*line*/) override {}
+  void complain(std::string_view text) override { complaints.emplace_back(text); }
+
+  std::vector<std::string> complaints;
+};
+
+Ear& ear() {
+  static Ear instance;
+  return instance;
+}
+
 DescribedDevice range_finder() {
-  return DescribedDevice(parse_board(board_text(), "board.json").devices.back());
+  static const auto entry = parse_board(board_text(), "board.json").devices.back();
+  return {entry, ear()};
 }
 
 std::uint32_t read(DescribedDevice& device, std::uint32_t offset) {
@@ -41,17 +63,17 @@ TEST(DescribedDevice, ShowsTheVariableAsItIsWhenTheDelayEnds) {
   EXPECT_EQ(device.state_name(), "ranging");
   EXPECT_EQ(read(device, kStatus), DescribedDevice::kBusy);
   EXPECT_EQ(device.next_event(), 43 * kMillisecond);
-  EXPECT_TRUE(device.set_sensed("range_finder.distance", 0.4567));
+  *device.input("range_finder.distance") = 0.4567;
   EXPECT_EQ(read(device, kDistance), 0U) << "not measured yet";
   device.advance(43 * kMillisecond);
   EXPECT_TRUE(device.interrupt());
   EXPECT_EQ(device.state_name(), "standby");
-  device.set_sensed("range_finder.distance", 3);
+  *device.input("range_finder.distance") = 3;
   EXPECT_EQ(read(device, kDistance), 457U);
   EXPECT_EQ(read(device, kStatus), DescribedDevice::kReady);
   device.store(kStatus, 44 * kMillisecond, DescribedDevice::kReady);
   EXPECT_FALSE(device.interrupt());
-  EXPECT_FALSE(device.set_sensed("range_finder.colour", 1));
+  EXPECT_EQ(device.input("range_finder.colour"), nullptr);
 }
 
 TEST(DescribedDevice, RefusesWhatIsNoOpcodeAndASecondMeasurementButStops) {
@@ -86,7 +108,7 @@ TEST(DescribedDevice, DrawsTheCurrentOfItsStates) {
 
 TEST(DescribedDevice, GoesOnFromAState) {
   auto device = range_finder();
-  device.set_sensed("range_finder.distance", 2);
+  *device.input("range_finder.distance") = 2;
   device.store(kCommand, 5 * kMillisecond, 1);
   auto other = range_finder();
   state::restore(other, state::save(device));
@@ -112,7 +134,10 @@ TEST(DescribedDevice, WhoseDescriptionDoesNotHoldTogetherIsRefused) {
         Mistake{"\"sends\": \"range_finder.reported\"", "\"sends\": \"colour\"",
                 "the device's output 'colour' is unknown"},
         Mistake{"\"access\": \"rw\", \"sends\"", "\"access\": \"r\", \"sends\"", "must be writable and show nothing"},
-        Mistake{"\"causality\": \"input\"", "\"causality\": \"parameter\"", "must be input or output"},
+        Mistake{"\"causality\": \"input\"", "\"causality\": \"local\"", "the word 'local'"},
+        Mistake{"\"causality\": \"input\"", "\"type\": \"String\", \"causality\": \"input\"",
+                "numbers only, no String"},
+        Mistake{"\"initial_state\": \"standby\",", "", "'initial_state' is missing"},
         Mistake{"\"initial_state\": \"standby\"", "\"initial_state\": \"on\"", "the device's state 'on' is unknown"}}) {
     auto text = board_text();
     const auto at = text.find(mistake.from);
@@ -137,7 +162,7 @@ TEST(BoardFile, RefusesNamesThatNothingHasAlsoInADeviceWithItsOwnModel) {
                 "the device's output 'colour' is unknown"}}) {
     auto text = board_text();
     const std::string described = "\"initial_state\": \"standby\",";
-    text.erase(text.find(described), described.size());
+    text.replace(text.find(described), described.size(), "\"kind\": \"ranger\",");
     EXPECT_NO_THROW(parse_board(text, "board.json"));
     text.replace(text.find(mistake.from), mistake.from.size(), mistake.to);
     EXPECT_THAT([&] { parse_board(text, "board.json"); }, testing::ThrowsMessage<Error>(HasSubstr(mistake.complaint)));
@@ -146,13 +171,84 @@ TEST(BoardFile, RefusesNamesThatNothingHasAlsoInADeviceWithItsOwnModel) {
 
 TEST(DescribedDevice, SendsWhatIsStoredIntoARegister) {
   auto device = range_finder();
-  EXPECT_EQ(device.sent("range_finder.reported"), 0.0);
+  const auto* reported = device.output("range_finder.reported");
+  ASSERT_NE(reported, nullptr);
+  EXPECT_EQ(*reported, 0.0);
   EXPECT_TRUE(device.store(kReport, 0, 1234));
-  EXPECT_EQ(device.sent("range_finder.reported"), 1.234);
+  EXPECT_EQ(*reported, 1.234);
   EXPECT_EQ(read(device, kReport), 1234U);
   EXPECT_TRUE(device.store(kReport, 0, 0xffffffffU));
-  EXPECT_EQ(device.sent("range_finder.reported"), -0.001) << "with a sign";
-  EXPECT_FALSE(device.sent("range_finder.power")) << "no register sends it";
+  EXPECT_EQ(*reported, -0.001) << "with a sign";
+  EXPECT_EQ(device.output("range_finder.power"), nullptr) << "no register sends it";
+}
+
+/// A link: state in as it is, a parameter, set-points out all together.
+BoardDevice link() {
+  return parse_board(R"({
+    "name": "b", "memories": [{"name": "ram", "base": "0x1000", "size": 4096}],
+    "devices": [{
+      "name": "link", "base": "0x8000",
+      "registers": [
+        {"name": "MODE", "offset": "0x0", "access": "rw", "sends": "link.mode"},
+        {"name": "SPEED", "offset": "0x4", "access": "rw", "sends": "link.speed", "units_per_si": 1000, "min": -500, "max": 500},
+        {"name": "COMMIT", "offset": "0x8", "access": "w", "commits": true},
+        {"name": "BLOCKED", "offset": "0xC", "access": "r", "shows": "link.blocked"},
+        {"name": "HEADING", "offset": "0x10", "access": "r", "shows": "link.heading", "units_per_si": 1e6},
+        {"name": "GAIN", "offset": "0x14", "access": "r", "shows": "link.gain", "units_per_si": 1e6}
+      ],
+      "enumerations": {"Mode": {"stop": 0, "drive": 4}},
+      "variables": [
+        {"name": "link.mode", "type": "Mode", "causality": "output", "text": ""},
+        {"name": "link.speed", "causality": "output", "unit": "m/s", "text": ""},
+        {"name": "link.blocked", "type": "Boolean", "causality": "input", "start": true, "text": ""},
+        {"name": "link.heading", "causality": "input", "unit": "rad", "start": 0, "text": ""},
+        {"name": "link.gain", "causality": "parameter", "unit": "1", "start": 0.5, "text": ""}
+      ]
+    }]
+  })",
+                     "link.json")
+      .devices.back();
+}
+
+TEST(DescribedDevice, WithoutStatesShowsInputsAndParametersAsTheyAre) {
+  const auto entry = link();
+  DescribedDevice device(entry, ear());
+  EXPECT_EQ(read(device, 0xC), 1U) << "true at the start";
+  EXPECT_EQ(read(device, 0x14), 500'000U) << "the start of the board file, in the register's unit";
+  *device.input("link.heading") = -0.25;
+  *device.input("link.blocked") = 0;
+  EXPECT_EQ(read(device, 0x10), static_cast<std::uint32_t>(-250'000));
+  EXPECT_EQ(read(device, 0xC), 0U);
+  EXPECT_EQ(device.state_name(), "");
+  EXPECT_EQ(device.energy_j(kMillisecond), 0);
+}
+
+TEST(DescribedDevice, CommitsAllThatItSendsTogetherOrNothing) {
+  const auto entry = link();
+  DescribedDevice device(entry, ear());
+  ear().complaints.clear();
+  const auto* mode = device.output("link.mode");
+  const auto* speed = device.output("link.speed");
+  device.store(0, 0, 4);
+  device.store(4, 0, static_cast<std::uint32_t>(-250));
+  EXPECT_EQ(*mode, 0) << "nothing before the commit";
+  device.store(8, 0, 0);
+  EXPECT_EQ(*mode, 4);
+  EXPECT_EQ(*speed, -0.25);
+  device.store(4, 0, 501);
+  device.store(8, 0, 0);
+  device.store(4, 0, 100);
+  device.store(0, 0, 3);
+  device.store(8, 0, 0);
+  EXPECT_EQ(*speed, -0.25) << "not even what is right";
+  ASSERT_EQ(ear().complaints.size(), 2U);
+  EXPECT_THAT(ear().complaints[0], HasSubstr("link: SPEED 501 is above 500"));
+  EXPECT_THAT(ear().complaints[1], HasSubstr("MODE 3 is none of Mode (stop 0, drive 4)"));
+
+  DescribedDevice other(entry, ear());
+  state::restore(other, state::save(device));
+  EXPECT_EQ(*other.output("link.mode"), 4);
+  EXPECT_EQ(read(other, 4), 100U) << "the draft";
 }
 
 TEST(BoardFile, RefusesAnOutputThatNothingSends) {

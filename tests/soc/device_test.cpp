@@ -185,10 +185,10 @@ _start: li s0, FLIGHT_BASE
 2:  j 2b
 )");
   system.soc.advance(100'000);
-  EXPECT_EQ(system.soc.flight()->sent().mode, 0U);
+  EXPECT_EQ(system.output("setpoint.mode"), 0);
   system.soc.advance(1 * kMs);
-  EXPECT_EQ(system.soc.flight()->sent().mode, 2U);
-  EXPECT_EQ(system.soc.flight()->sent().velocity_y, static_cast<std::uint32_t>(-250000));
+  EXPECT_EQ(system.output("setpoint.mode"), 2);
+  EXPECT_EQ(system.output("setpoint.velocity.y"), -0.25);
   ASSERT_EQ(system.faults.size(), 2U);
   EXPECT_THAT(system.faults[0], HasSubstr("MODE 99"));
   EXPECT_THAT(system.faults[1], HasSubstr("ALTITUDE -1000000"));
@@ -213,9 +213,11 @@ _start: li s0, FLIGHT_BASE
     sw a0, 20(s1)
 1:  j 1b
 )");
-  system.soc.flight()->inputs = {2, 1.0203, 1e9, -0.5};
-  system.soc.battery()->set_voltage_v(3.7);
-  system.soc.battery()->set_state_of_charge(0.25);
+  *system.soc.input("flight.phase") = 2;
+  *system.soc.input("flight.range") = 1.0203;
+  *system.soc.input("flight.forward_velocity") = 1e9;
+  *system.soc.input("flight.yaw") = -0.5;
+  *system.soc.input("battery.state_of_charge") = 0.25;
   system.soc.advance(1 * kMs);
   EXPECT_EQ(system.result(0), 1020300U);
   EXPECT_EQ(system.result(1), static_cast<std::uint32_t>(-500000));
@@ -234,15 +236,15 @@ TEST(Request, IsOutAtTheFirstCommunicationPointAtOrAfterIt) {
   // li of FLIGHT_BASE is one lui and one addi, or one lui alone.
   BoardSystem probe(program, {}, BoardSystem::without_caches());
   std::int64_t at = 0;
-  while (probe.soc.flight()->sent().mode == 0) probe.soc.advance(at += 1);
+  while (probe.output("setpoint.mode") == 0) probe.soc.advance(at += 1);
   EXPECT_EQ(at % 10, 0) << "starts on a clock edge and is out at that very nanosecond";
   EXPECT_NEAR(static_cast<double>(at), 1065, 6)
       << "ns: 98 or 99 cycles before it, and 8 for the way of the first store";
   BoardSystem late(program, {}, BoardSystem::without_caches());
   late.soc.advance(at - 1);
-  EXPECT_EQ(late.soc.flight()->sent().mode, 0U) << "a nanosecond early: stays pending";
+  EXPECT_EQ(late.output("setpoint.mode"), 0) << "a nanosecond early: stays pending";
   late.soc.advance(at);
-  EXPECT_EQ(late.soc.flight()->sent().mode, 3U);
+  EXPECT_EQ(late.output("setpoint.mode"), 3);
 }
 
 TEST(Bus, RefusesOtherThanAlignedWords) {
@@ -263,6 +265,83 @@ TEST(Board, WithAnotherLayoutOfRegistersIsRefused) {
   } catch (const Error& error) {
     EXPECT_THAT(error.what(), HasSubstr("registers of device timer"));
   }
+}
+
+/// gap8_bare with another timer and no cluster.
+BoardDescription with_two_timers() {
+  auto board = read_board(MEBOTS_SOURCE_DIR "/configs/boards/gap8_bare.json");
+  auto second = board.devices[1];
+  second.name = "watchdog";
+  second.base = 0x1A10C000;
+  second.interrupt = 17;
+  board.devices.push_back(second);
+  return board;
+}
+
+TEST(Board, MayHaveTwoDevicesOfOneKind) {
+  BoardSystem system(R"(
+_start: la t0, handler
+    csrw mtvec, t0
+    li s0, TIMER_BASE
+    li s1, 0x1C060000
+    li s2, 0x1A10C000
+    li a0, 1000000
+    sw a0, TIMER_COMPARE_LO_OFFSET(s0)
+    sw zero, TIMER_COMPARE_HI_OFFSET(s0)
+    li a0, 3000000
+    sw a0, TIMER_COMPARE_LO_OFFSET(s2)
+    sw zero, TIMER_COMPARE_HI_OFFSET(s2)
+    li a0, (1 << TIMER_INTERRUPT) | (1 << 17)
+    csrw mie, a0
+    csrwi mstatus, 8
+1:  wfi
+    j 1b
+    .balign 4
+handler: csrr a0, mcause
+    andi a1, a0, 31
+    slli a1, a1, 2
+    add a1, a1, s1
+    lw a2, TIMER_TIME_LO_OFFSET(s0)
+    sw a2, 0(a1)
+    andi a0, a0, 31
+    li a1, -1
+    li a2, TIMER_INTERRUPT
+    beq a0, a2, 2f
+    sw a1, TIMER_COMPARE_HI_OFFSET(s2)
+    mret
+2:  sw a1, TIMER_COMPARE_HI_OFFSET(s0)
+    mret
+)",
+                     {}, with_two_timers());
+  system.soc.advance(10 * kMs);
+  EXPECT_NEAR(system.result(7), 1e6, 1000) << "ns: the way into the handler";
+  EXPECT_NEAR(system.result(17), 3e6, 1000);
+}
+
+/// What a chip says to a board; empty when it takes it.
+std::string refusal(const BoardDescription& board) {
+  try {
+    const Soc soc(board, gap8(), Settings{}, BoardSystem::assembled("_start: j _start\n"), {});
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return {};
+}
+
+TEST(Board, WithAKindThatThereIsNotIsRefused) {
+  auto board = with_two_timers();
+  EXPECT_EQ(refusal(board), "");
+  board.devices.back().kind = "timr";
+  EXPECT_THAT(refusal(board), HasSubstr("device watchdog: the kind 'timr' is unknown. Did you mean 'timer'?"));
+  board.devices.back() = board.devices[2];
+  board.devices.back().name = "other";
+  EXPECT_THAT(refusal(board), HasSubstr("other is a second power manager"));
+}
+
+TEST(Board, WithALibraryThatIsNotThereIsRefused) {
+  auto board = with_two_timers();
+  board.libraries = {"wheels.so"};
+  EXPECT_THAT(refusal(board), HasSubstr("its library wheels.so is not there"));
 }
 
 TEST(Program, OutsideTheMemoriesIsRefused) {

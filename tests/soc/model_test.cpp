@@ -85,12 +85,12 @@ TEST(Model, RunsTheGateFirmwareAloneWithInputsAtTheirStartValues) {
     Variables variables;
     std::vector<std::string> console;
     std::vector<std::string> faults;
-    Model model(variables.parameters, resources(),
+    Model model(variables, resources(),
                 {[&](std::string_view line) { console.emplace_back(line); },
                  [&](std::string_view text) { faults.emplace_back(text); }});
-    model.start(variables.inputs, 0, variables.outputs);
+    model.start(0);
     EXPECT_TRUE(variables.outputs.core_running);
-    for (std::int64_t t = 0; t < 1000 * kMs; t += h) model.step(variables.inputs, t, h, variables.outputs);
+    for (std::int64_t t = 0; t < 1000 * kMs; t += h) model.step(t, h);
     EXPECT_TRUE(variables.outputs.core_running);
     EXPECT_FALSE(variables.outputs.core_faulted);
     EXPECT_GT(variables.outputs.instructions, 1000);
@@ -101,12 +101,12 @@ TEST(Model, RunsTheGateFirmwareAloneWithInputsAtTheirStartValues) {
 
 TEST(Model, PowerIsTheMeanOverTheStepSoThatItSumsToTheEnergy) {
   Variables variables;
-  Model model(variables.parameters, resources(), {});
-  model.start(variables.inputs, 0, variables.outputs);
+  Model model(variables, resources(), {});
+  model.start(0);
   double chip_j = 0;
   double camera_j = 0;
   for (std::int64_t t = 0; t < 500 * kMs; t += 2 * kMs) {
-    model.step(variables.inputs, t, 2 * kMs, variables.outputs);
+    model.step(t, 2 * kMs);
     chip_j += variables.outputs.power_w * 2e-3;
     camera_j += variables.outputs.camera_power_w * 2e-3;
   }
@@ -125,10 +125,10 @@ TEST(Model, PictureByPointerAndByBase64GiveTheSame) {
   std::vector<double> answered_at;
   for (const bool by_pointer : {true, false}) {
     auto variables = picture_variables();
-    Model model(variables.parameters, resources(), {});
-    model.start(variables.inputs, 0, variables.outputs);
+    Model model(variables, resources(), {});
+    model.start(0);
     for (std::int64_t t = 0; t < 40 * kMs; t += 2 * kMs) {
-      model.step(variables.inputs, t, 2 * kMs, variables.outputs);
+      model.step(t, 2 * kMs);
       if (variables.outputs.core_exit_code != 0 && answered_at.size() == (by_pointer ? 0 : 1)) {
         answered_at.push_back(static_cast<double>(t + 2 * kMs));
       }
@@ -155,12 +155,12 @@ TEST(Model, PictureByPointerAndByBase64GiveTheSame) {
 
 TEST(Model, TextThatIsNoBase64IsAnError) {
   auto variables = picture_variables();
-  Model model(variables.parameters, resources(), {});
-  model.start(variables.inputs, 0, variables.outputs);
-  model.step(variables.inputs, 0, 2 * kMs, variables.outputs);
+  Model model(variables, resources(), {});
+  model.start(0);
+  model.step(0, 2 * kMs);
   variables.inputs.camera_frame_id = 1;
   variables.inputs.camera_frame_base64 = "not base64!!";
-  EXPECT_THROW(model.step(variables.inputs, 2 * kMs, 2 * kMs, variables.outputs), Error);
+  EXPECT_THROW(model.step(2 * kMs, 2 * kMs), Error);
 }
 
 TEST(Base64, DecodesTheVectorsOfItsStandard) {
@@ -183,17 +183,17 @@ TEST(Base64, DecodesTheVectorsOfItsStandard) {
 TEST(Model, LosesPowerUnder2Point5VoltForGood) {
   Variables variables;
   std::vector<std::string> faults;
-  Model model(variables.parameters, resources(), {{}, [&](std::string_view text) { faults.emplace_back(text); }});
-  model.start(variables.inputs, 0, variables.outputs);
-  model.step(variables.inputs, 0, 2 * kMs, variables.outputs);
+  Model model(variables, resources(), {{}, [&](std::string_view text) { faults.emplace_back(text); }});
+  model.start(0);
+  model.step(0, 2 * kMs);
   EXPECT_GT(variables.outputs.power_w, 0);
   variables.inputs.battery_voltage_v = 2.4;
-  model.step(variables.inputs, 2 * kMs, 2 * kMs, variables.outputs);
+  model.step(2 * kMs, 2 * kMs);
   EXPECT_EQ(variables.outputs.power_w, 0);
   EXPECT_EQ(variables.outputs.camera_power_w, 0);
   EXPECT_FALSE(variables.outputs.core_running);
   variables.inputs.battery_voltage_v = 3.7;
-  model.step(variables.inputs, 4 * kMs, 2 * kMs, variables.outputs);
+  model.step(4 * kMs, 2 * kMs);
   EXPECT_EQ(variables.outputs.power_w, 0);
   ASSERT_EQ(faults.size(), 1U) << "said once";
   EXPECT_THAT(faults[0], HasSubstr("2.4 V is under 2.5 V"));
@@ -203,7 +203,7 @@ TEST(Model, NamesTheParameterWhenTheFirmwareIsNotThere) {
   Variables variables;
   variables.parameters.firmware = "/nowhere/fw.elf";
   try {
-    const Model model(variables.parameters, resources(), {});
+    const Model model(variables, resources(), {});
     FAIL();
   } catch (const Error& error) {
     EXPECT_THAT(error.what(), HasSubstr("firmware = \"/nowhere/fw.elf\""));
@@ -212,21 +212,21 @@ TEST(Model, NamesTheParameterWhenTheFirmwareIsNotThere) {
 
 TEST(Model, InputThatIsNoNumberIsAnError) {
   Variables variables;
-  Model model(variables.parameters, resources(), {});
-  model.start(variables.inputs, 0, variables.outputs);
+  Model model(variables, resources(), {});
+  model.start(0);
   variables.inputs.flight_range_m = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_THROW(model.step(variables.inputs, 0, kMs, variables.outputs), Error);
+  EXPECT_THROW(model.step(0, kMs), Error);
 }
 
 /// Flies blind: the gate firmware with one picture again and again.
 TEST(Model, TakesNothingFromTheHeapInAStepOnceItsCodeIsTranslated) {
   Variables variables;
   const std::vector<std::uint8_t> picture(320 * 240, 100);
-  Model model(variables.parameters, resources(), {});
+  Model model(variables, resources(), {});
   variables.inputs.battery_voltage_v = 3.9;
   variables.inputs.battery_state_of_charge = 1;
   variables.inputs.flight_range_m = 1;
-  model.start(variables.inputs, 0, variables.outputs);
+  model.start(0);
   long before = 0;
   for (std::int64_t step = 0; step < 15'000; ++step) {
     if (step == 10'000) before = mebots::test::allocations();
@@ -234,7 +234,7 @@ TEST(Model, TakesNothingFromTheHeapInAStepOnceItsCodeIsTranslated) {
     variables.inputs.flight_phase = step < 500 ? FlightPhase::climbing : FlightPhase::flying;
     variables.inputs.camera_frame = fmu::BinaryRef::to(picture);
     variables.inputs.camera_frame_id = variables.outputs.camera_trigger;
-    model.step(variables.inputs, step * 2 * kMs, 2 * kMs, variables.outputs);
+    model.step(step * 2 * kMs, 2 * kMs);
   }
   EXPECT_GT(variables.outputs.camera_trigger, 50) << "pictures went through";
   EXPECT_EQ(variables.outputs.core_exit_code, 0) << "flies on";

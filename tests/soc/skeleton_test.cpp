@@ -1,27 +1,30 @@
 // SPDX-License-Identifier: Apache-2.0
-// The skeleton that mebots-boardgen writes of a device (generated/range_finder.hpp), compiled and in a chip: it is a
-// device that lacks only what it does by itself.
+// The skeleton that mebots-boardgen writes of a device, compiled as a library and in a chip: it is a device that lacks
+// only what it does by itself.
 #include "skeleton.hpp"
 #include "board_system.hpp"
-#include "range_finder.hpp"
 
 #include "mebots/state/save.hpp"
 #include "mebots/text_file.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 namespace mebots::soc::test {
 namespace {
 
 /// The board of the time-of-flight example, whose sensor is not described wholly any more.
-BoardDescription board_without_initial_state() {
+BoardDescription board_with_kind() {
   auto board = read_board(MEBOTS_SOURCE_DIR "/examples/time_of_flight/board.json");
-  board.devices.back().initial_state.clear();
+  board.devices.back().kind = "range_finder";
+  board.libraries = {"skeleton.so"};
   return board;
 }
 
-std::unique_ptr<OwnDevice> make(const BoardDevice& entry) {
-  return entry.name == "range_finder" ? std::make_unique<RangeFinder>(entry) : nullptr;
+Settings with_library() {
+  Settings settings;
+  settings.library_folders = {MEBOTS_BINARY_DIR "/devices"};
+  return settings;
 }
 
 constexpr std::string_view kMeasure = R"(
@@ -38,9 +41,7 @@ _start: li s0, 0x1A108000
 )";
 
 TEST(Skeleton, ObeysOpcodesKeepsRegistersAndSpendsItsEnergy) {
-  Settings settings;
-  settings.make_device = make;
-  BoardSystem system(BoardSystem::assembled(kMeasure), settings, board_without_initial_state());
+  BoardSystem system(BoardSystem::assembled(kMeasure), with_library(), board_with_kind());
   auto& soc = system.soc;
   soc.advance(10'000'000);
   EXPECT_EQ(system.result(0), 321U);
@@ -48,24 +49,43 @@ TEST(Skeleton, ObeysOpcodesKeepsRegistersAndSpendsItsEnergy) {
   EXPECT_EQ(soc.device_states()[0].state, "ranging");
   soc.advance(100'000'000);
   EXPECT_EQ(soc.device_states()[0].state, "standby");
-  const auto* sensor = soc.own_device("range_finder");
+  const auto* sensor = soc.device("range_finder");
   ASSERT_NE(sensor, nullptr);
   // 33 ms at 16 mA, the rest at 6 uA, 2.8 V.
   EXPECT_NEAR(soc.energy_j(*sensor), 2.8 * (16e-3 * 0.033 + 6e-6 * 0.067), 1e-12);
-  EXPECT_TRUE(soc.set_sensed("range_finder.distance", 2));
-  EXPECT_EQ(sensor->sent("range_finder.reported"), 0.321);
+  ASSERT_NE(soc.input("range_finder.distance"), nullptr);
+  EXPECT_EQ(*soc.output("range_finder.reported"), 0.321);
 
-  BoardSystem other(BoardSystem::assembled(kMeasure), settings, board_without_initial_state());
+  BoardSystem other(BoardSystem::assembled(kMeasure), with_library(), board_with_kind());
   state::restore(other.soc, state::save(soc));
-  EXPECT_EQ(other.soc.energy_j(*other.soc.own_device("range_finder")), soc.energy_j(*sensor));
+  EXPECT_EQ(other.soc.energy_j(*other.soc.device("range_finder")), soc.energy_j(*sensor));
 }
 
 TEST(Skeleton, IsNeededForADeviceThatNothingDescribes) {
-  EXPECT_THROW(BoardSystem(BoardSystem::assembled(kMeasure), {}, board_without_initial_state()), Error);
+  auto board = board_with_kind();
+  board.libraries.clear();
+  EXPECT_THROW(BoardSystem(BoardSystem::assembled(kMeasure), with_library(), board), Error);
+}
+
+TEST(KindLibrary, IsRefusedWhenItIsNone) {
+  auto board = board_with_kind();
+  const auto complaint = [&] {
+    try {
+      const BoardSystem system(BoardSystem::assembled(kMeasure), with_library(), board);
+    } catch (const Error& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_EQ(complaint(), "");
+  board.libraries = {"skeleton.so", "skeleton.so"};
+  EXPECT_THAT(complaint(), testing::HasSubstr("there is a kind 'range_finder' already"));
+  board.libraries = {"board.json"};
+  EXPECT_THAT(complaint(), testing::HasSubstr("board.json: cannot be opened as a library of devices"));
 }
 
 TEST(Skeleton, RefusesRegistersAndVariablesThatWouldBeOneMember) {
-  const auto board = board_without_initial_state();
+  const auto board = board_with_kind();
   for (const auto& name : {"STATE", "SINCE", "RANGE_FINDER_DISTANCE"}) {
     auto device = board.devices.back();
     device.registers.front().name = name;

@@ -72,7 +72,7 @@ const std::vector<std::uint8_t> kPicture(64UL * 30, 7);
 /// same time for every h that divides 10 ms.
 void run(BoardSystem& system, std::int64_t h_ns, std::int64_t end_ns) {
   for (auto t = system.soc.now() / kPsPerNs; t < end_ns; t += h_ns) {
-    auto& camera = *system.soc.camera();
+    auto& camera = system.camera();
     if (t % 10'000'000 == 0 && camera.wants(camera.requests())) camera.offer(kPicture, system.soc.now());
     system.soc.advance(t + h_ns);
   }
@@ -86,15 +86,15 @@ void expect_same(const BoardSystem& a, const BoardSystem& b) {
   EXPECT_EQ(x.accesses, y.accesses);
   EXPECT_EQ(a.soc.sleep_time(), b.soc.sleep_time());
   EXPECT_EQ(a.soc.energy().total_j(), b.soc.energy().total_j());
-  EXPECT_EQ(a.soc.camera_energy_j(), b.soc.camera_energy_j());
+  EXPECT_EQ(a.camera_energy_j(), b.camera_energy_j());
   for (unsigned i = 0; i < 32; ++i) EXPECT_EQ(a.soc.hart().reg(i), b.soc.hart().reg(i)) << i;
   EXPECT_EQ(a.result(0), b.result(0));
 }
 
 TEST(State, SavedInMidRunAndRestoredElsewhereGoesOnWithTheSameBits) {
-  BoardSystem straight(busy_program(), BoardSystem::narrow());
-  BoardSystem first(busy_program(), BoardSystem::narrow());
-  BoardSystem second(busy_program(), BoardSystem::narrow());
+  BoardSystem straight(busy_program(), {}, BoardSystem::narrow());
+  BoardSystem first(busy_program(), {}, BoardSystem::narrow());
+  BoardSystem second(busy_program(), {}, BoardSystem::narrow());
   constexpr std::int64_t kHalf = 53'000'000;
   constexpr std::int64_t kEnd = 110'000'000;
   run(straight, 1'000'000, kEnd);
@@ -109,7 +109,7 @@ TEST(State, SavedInMidRunAndRestoredElsewhereGoesOnWithTheSameBits) {
 }
 
 TEST(State, ComesBackAfterGoingOn) {
-  BoardSystem system(busy_program(), BoardSystem::narrow());
+  BoardSystem system(busy_program(), {}, BoardSystem::narrow());
   run(system, 1'000'000, 31'000'000);
   const auto bytes = state::save(system.soc);
   run(system, 1'000'000, 60'000'000);
@@ -120,10 +120,10 @@ TEST(State, ComesBackAfterGoingOn) {
 }
 
 TEST(StepSize, DoesNotChangeWhatHappens) {
-  BoardSystem reference(busy_program(), BoardSystem::narrow());
+  BoardSystem reference(busy_program(), {}, BoardSystem::narrow());
   run(reference, 10'000'000, 100'000'000);
   for (const std::int64_t h_ns : {2'000'000, 1'000'000, 250'000, 40'000}) {
-    BoardSystem system(busy_program(), BoardSystem::narrow());
+    BoardSystem system(busy_program(), {}, BoardSystem::narrow());
     run(system, h_ns, 100'000'000);
     expect_same(reference, system);
     EXPECT_TRUE(mebots::test::same_state(system.soc, reference.soc)) << "every byte, at h = " << h_ns << " ns";

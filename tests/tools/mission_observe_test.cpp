@@ -48,14 +48,15 @@ std::vector<std::byte> state_after(const Parameters& parameters, int steps,
   const Resources resources;
   Listeners listeners;
   listeners.observe = on_message;
-  Model model(parameters, resources.path(), listeners);
   Variables variables;
-  model.start(variables.inputs, 0, variables.outputs);
+  variables.parameters = parameters;
+  Model model(variables, resources.path(), listeners);
+  model.start(0);
   if (!picture.empty()) variables.inputs.flight_phase = FlightPhase::flying;
   for (int i = 0; i < steps; ++i) {
     variables.inputs.camera_frame = fmu::BinaryRef::to(picture);
     variables.inputs.camera_frame_id = variables.outputs.camera_trigger;
-    model.step(variables.inputs, i * kStep, kStep, variables.outputs);
+    model.step(i * kStep, kStep);
   }
   return state::save(model);
 }

@@ -54,7 +54,7 @@ struct Traced {
     observe::PowerTrace trace("--power-trace", folder / file, system.soc);
     system.soc.listen(&trace);
     for (std::int64_t t = 0; t < kEnd; t += 2'000'000) {
-      auto& camera = *system.soc.camera();
+      auto& camera = system.camera();
       if (camera.wants(camera.requests())) camera.offer(std::vector<std::uint8_t>(320UL * 100, 9), system.soc.now());
       system.soc.advance(t + 2'000'000);
     }
@@ -90,7 +90,7 @@ TEST(PowerTrace, ForPerfettoHasTheEnergyAsItsArea) {
   }
   // Values are written with 9 digits.
   EXPECT_NEAR(chip_j, run.system.soc.energy().total_j(), 1e-8 * chip_j);
-  EXPECT_NEAR(area_j["camera.power [W]"], run.system.soc.camera_energy_j(), 1e-8);
+  EXPECT_NEAR(area_j["camera.power [W]"], run.system.camera_energy_j(), 1e-8);
   EXPECT_EQ(last.count("clock [Hz]"), 1U);
   EXPECT_EQ(last.count("voltage [V]"), 1U);
 }

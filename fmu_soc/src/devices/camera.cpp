@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "devices/camera.hpp"
 
+#include "base64.hpp"
 #include "fmu_soc_board/board.hpp"
 #include "mebots/assert.hpp"
+#include "mebots/error.hpp"
 
 #include <fmt/core.h>
 
@@ -11,22 +13,53 @@
 
 namespace mebots::soc {
 
-Camera::Camera(const BoardDevice& device, std::uint32_t frame_width, Memory& memory, Complain complain)
-    : idle_w_(device.state("idle").current_a * device.supply_voltage_v),
-      active_w_(device.state("active").current_a * device.supply_voltage_v),
-      delay_ps_(std::llround(device.state("active").delay_s * kPsPerS)),
-      frame_width_(frame_width),
-      memory_(memory),
-      complain_(std::move(complain)) {
+Camera::Camera(const BoardDevice& entry, DeviceHost& host)
+    : entry_(entry),
+      host_(host),
+      idle_w_(entry.state("idle").current_a * entry.supply_voltage_v),
+      active_w_(entry.state("active").current_a * entry.supply_voltage_v),
+      delay_ps_(std::llround(entry.state("active").delay_s * kPsPerS)) {
   picture_.reserve(kReservedBytes);
+  if (const auto* width = entry.variable(entry.name + ".frame_width")) frame_width_ = width->start;
+}
+
+double* Camera::input(std::string_view variable) {
+  if (variable == entry_.name + ".frame_id") return &frame_id_;
+  if (variable == entry_.name + ".frame_width") return &frame_width_;
+  return nullptr;
+}
+
+std::string_view* Camera::text_input(std::string_view variable) {
+  return variable == entry_.name + ".frame.base64" ? &frame_base64_ : nullptr;
+}
+
+std::span<const std::uint8_t>* Camera::bytes_input(std::string_view variable) {
+  return variable == entry_.name + ".frame" ? &frame_ : nullptr;
+}
+
+const double* Camera::output(std::string_view variable) const {
+  return variable == entry_.name + ".trigger" ? &trigger_ : nullptr;
+}
+
+void Camera::begin_step(Picoseconds now) {
+  if (!wants(static_cast<std::int32_t>(frame_id_))) return;
+  auto picture = frame_;
+  if (picture.empty()) {
+    if (!decode_base64(frame_base64_, decoded_)) {
+      throw Error(
+          fmt::format("{}.frame.base64 of {} characters is not base64 (RFC 4648)", entry_.name, frame_base64_.size()));
+    }
+    picture = decoded_;
+  }
+  if (!picture.empty()) offer(picture, now);
 }
 
 void Camera::request() {
-  if (busy() || state_.buffer_size == 0 || memory_.find(state_.buffer, state_.buffer_size) == nullptr) {
+  if (busy() || state_.buffer_size == 0 || !host_.is_memory(state_.buffer, state_.buffer_size)) {
     state_.status |= kRefused;
     return;
   }
-  ++state_.requests;
+  trigger_ = ++state_.requests;
   MEBOTS_ASSERT(!state_.waiting, "busy until the picture has come");
   state_.status |= kBusy;
   state_.waiting = true;
@@ -51,17 +84,16 @@ void Camera::finish() {
   state_.status &= ~kBusy;
   state_.interrupt = true;
   const auto size = static_cast<std::uint32_t>(picture_.size());
-  if (size > state_.buffer_size || size % frame_width_ != 0 || !memory_.write(state_.buffer, picture_)) {
+  const auto width = static_cast<std::uint32_t>(frame_width_);
+  if (size > state_.buffer_size || width == 0 || size % width != 0 || !host_.write_memory(state_.buffer, picture_)) {
     state_.status |= kRefused;
-    if (complain_) {
-      complain_(fmt::format("picture {} has {} bytes, rows of {}; the firmware's buffer at 0x{:08x} holds {}: dropped",
-                            state_.requests, size, frame_width_, state_.buffer, state_.buffer_size));
-    }
+    host_.complain(
+        fmt::format("picture {} has {} bytes, rows of {}; the firmware's buffer at 0x{:08x} holds {}: dropped",
+                    state_.requests, size, width, state_.buffer, state_.buffer_size));
   } else {
-    memory_.changed(state_.buffer, size);
     state_.status |= kReady;
-    state_.width = frame_width_;
-    state_.height = size / frame_width_;
+    state_.width = width;
+    state_.height = size / width;
     state_.frame_id = state_.requests;
   }
   picture_.clear();
@@ -133,6 +165,9 @@ void Camera::visit(state::Visitor& v) {
   v("width", state_.width);
   v("height", state_.height);
   v("picture", picture_);
+  v("frame_id_input", frame_id_);
+  v("frame_width", frame_width_);
+  v("trigger", trigger_);
 }
 
 }  // namespace mebots::soc

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "board_file.hpp"
-#include "mebots/soc/device.hpp"
-#include "memory/memory.hpp"
+#include "mebots/soc/device_kind.hpp"
 
 #include <cstddef>
-#include <functional>
+#include <cstdint>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -22,6 +21,9 @@ namespace mebots::soc {
 /// A request without a usable buffer, or while busy, is refused on the spot: the bit is set, no interrupt. A picture
 /// that does not fit when it comes is dropped: refused is set, and the line goes up, so that nobody waits for ever. The
 /// camera draws its active current from offer() to the end, its idle current otherwise.
+///
+/// Its variables are those of its entry that begin with its name: .frame, .frame_id, .frame.base64 and .frame_width go
+/// in, .trigger goes out.
 class Camera final : public Device {
  public:
   static constexpr std::uint32_t kBusy = 1;
@@ -30,9 +32,8 @@ class Camera final : public Device {
   /// Pictures up to this size are held without taking memory from the heap.
   static constexpr std::size_t kReservedBytes = std::size_t{512} * 512;
 
-  using Complain = std::function<void(std::string_view text)>;
-
-  Camera(const BoardDevice& device, std::uint32_t frame_width, Memory& memory, Complain complain);
+  /// Throws Error when the entry lacks a state.
+  Camera(const BoardDevice& entry, DeviceHost& host);
 
   /// A picture is there at the start of a step. Taken when it answers the request; returns whether it was.
   bool wants(std::int32_t frame_id) const { return state_.waiting && frame_id == state_.requests; }
@@ -40,10 +41,17 @@ class Camera final : public Device {
 
   /// From a request to the end of its picture.
   bool busy() const { return (state_.status & kBusy) != 0; }
+  bool takes_picture() const override { return busy(); }
   /// Requests since reset.
   std::int32_t requests() const { return state_.requests; }
-  /// Energy since reset [J], at `now`.
-  double energy_j(Picoseconds now) const;
+  double energy_j(Picoseconds now) const override;
+
+  double* input(std::string_view variable) override;
+  std::string_view* text_input(std::string_view variable) override;
+  std::span<const std::uint8_t>* bytes_input(std::string_view variable) override;
+  const double* output(std::string_view variable) const override;
+  /// Takes the picture that has come.
+  void begin_step(Picoseconds now) override;
 
   bool load(std::uint32_t offset, Picoseconds now, std::uint32_t& value) override;
   bool store(std::uint32_t offset, Picoseconds now, std::uint32_t value) override;
@@ -74,14 +82,21 @@ class Camera final : public Device {
   void request();
   void finish();
 
+  const BoardDevice& entry_;
+  DeviceHost& host_;
   double idle_w_;
   double active_w_;
   Picoseconds delay_ps_;
-  std::uint32_t frame_width_;
-  Memory& memory_;
-  Complain complain_;
   State state_;
   std::vector<std::uint8_t> picture_;
+
+  // Variables.
+  double frame_id_ = 0;
+  double frame_width_ = 0;
+  double trigger_ = 0;
+  std::span<const std::uint8_t> frame_;
+  std::string_view frame_base64_;
+  std::vector<std::uint8_t> decoded_;  // keeps its memory
 };
 
 }  // namespace mebots::soc

@@ -5,7 +5,7 @@
 
 namespace mebots::soc {
 
-Console::Console(Sink sink) : sink_(std::move(sink)) {
+Console::Console(DeviceHost& host) : host_(host) {
   line_.reserve(kMaxLine);
 }
 
@@ -18,14 +18,14 @@ bool Console::store(std::uint32_t offset, Picoseconds /*now*/, std::uint32_t val
   const auto character = static_cast<char>(value & 0xffU);
   if (character != '\n') line_ += character;
   if (character == '\n' || line_.size() == kMaxLine) {
-    if (sink_) sink_(line_);
+    host_.print(line_);
     line_.clear();
   }
   return true;
 }
 
-void Console::flush() {
-  if (!line_.empty() && sink_) sink_(line_);
+void Console::program_ended() {
+  if (!line_.empty()) host_.print(line_);
   line_.clear();
 }
 

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "mebots/soc/device.hpp"
+#include "mebots/soc/device_kind.hpp"
 
-#include <functional>
+#include <cstddef>
 #include <string>
-#include <string_view>
 
 namespace mebots::soc {
 
@@ -13,19 +12,17 @@ namespace mebots::soc {
 class Console final : public Device {
  public:
   static constexpr std::size_t kMaxLine = 1000;
-  using Sink = std::function<void(std::string_view line)>;
 
-  explicit Console(Sink sink);
+  explicit Console(DeviceHost& host);
 
   bool load(std::uint32_t offset, Picoseconds now, std::uint32_t& value) override;
   bool store(std::uint32_t offset, Picoseconds now, std::uint32_t value) override;
+  /// Hands out what stands in an unfinished line.
+  void program_ended() override;
   void visit(state::Visitor& v) override;
 
-  /// Hands out what stands in an unfinished line: the firmware has ended.
-  void flush();
-
  private:
-  Sink sink_;
+  DeviceHost& host_;
   std::string line_;
 };
 

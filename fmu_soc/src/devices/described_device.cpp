@@ -5,6 +5,8 @@
 #include "mebots/error.hpp"
 #include "mebots/soc/fixed_point.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -13,83 +15,143 @@ namespace {
 
 constexpr std::string_view kStatus = "status";
 
+/// The place of a variable among those that go in, or out.
+std::size_t place_of(const BoardDevice& entry, std::string_view name, bool goes_in) {
+  std::size_t place = 0;
+  for (const auto& variable : entry.variables) {
+    if (variable.goes_in() != goes_in) continue;
+    if (variable.name == name) return place;
+    ++place;
+  }
+  return static_cast<std::size_t>(-1);
+}
+
 }  // namespace
 
-DescribedDevice::DescribedDevice(const BoardDevice& description)
-    : description_(description),
-      values_(description.registers.size()),
-      spent_(description.states.size()),
-      state_(state_index(description.initial_state)) {
-  for (const auto& variable : description_.sensed) sensed_.push_back(variable.start);
-  MEBOTS_ASSERT(state_ < description_.states.size(), "the board file names a state of the device");
+DescribedDevice::DescribedDevice(const BoardDevice& entry, DeviceHost& host)
+    : entry_(entry),
+      host_(host),
+      values_(entry.registers.size()),
+      spent_(entry.states.size()),
+      state_(state_index(entry.initial_state)) {
+  MEBOTS_ASSERT(spent_.empty() || state_ < spent_.size(), "the board file names a state of the device");
+  for (const auto& variable : entry.variables) (variable.goes_in() ? inputs_ : outputs_).push_back(variable.start);
+  const bool measures = std::ranges::any_of(entry.states, [](const auto& state) { return state.delay_s > 0; });
+  for (const auto& described : entry.registers) {
+    auto& reg = registers_.emplace_back();
+    commits_ = commits_ || described.commits;
+    reg.takes_opcodes =
+        std::ranges::find(entry.opcodes, described.name, &BoardOpcode::register_name) != entry.opcodes.end();
+    if (const auto* shown = entry.variable(described.shows)) {
+      reg.input = place_of(entry, described.shows, true);
+      reg.is_live = !measures || shown->causality == BoardVariable::Causality::parameter;
+    }
+    if (const auto* sent = entry.variable(described.sends)) {
+      reg.output = place_of(entry, described.sends, false);
+      const auto type = std::ranges::find(entry.enumerations, sent->type, &BoardEnumeration::name);
+      if (type != entry.enumerations.end()) reg.items = &*type;
+    }
+  }
 }
 
 std::size_t DescribedDevice::register_at(std::uint32_t offset) const {
-  const auto& registers = description_.registers;
-  const auto found =
-      std::find_if(registers.begin(), registers.end(), [&](const auto& r) { return r.offset == offset; });
-  return static_cast<std::size_t>(found - registers.begin());
+  const auto found = std::ranges::find(entry_.registers, offset, &BoardRegister::offset);
+  return static_cast<std::size_t>(found - entry_.registers.begin());
 }
 
 std::size_t DescribedDevice::state_index(std::string_view name) const {
-  const auto& states = description_.states;
-  const auto found = std::find_if(states.begin(), states.end(), [&](const auto& s) { return s.name == name; });
-  return static_cast<std::size_t>(found - states.begin());
+  const auto found = std::ranges::find(entry_.states, name, &BoardState::name);
+  return static_cast<std::size_t>(found - entry_.states.begin());
 }
 
-bool DescribedDevice::set_sensed(std::string_view variable, double value) {
-  for (std::size_t i = 0; i < sensed_.size(); ++i) {
-    if (description_.sensed[i].name != variable) continue;
-    sensed_[i] = value;
-    return true;
-  }
-  return false;
+std::string_view DescribedDevice::state_name() const {
+  return entry_.states.empty() ? std::string_view() : entry_.states[state_].name;
 }
 
-std::optional<double> DescribedDevice::sent(std::string_view variable) const {
-  for (std::size_t i = 0; i < values_.size(); ++i) {
-    const auto& reg = description_.registers[i];
-    if (reg.sends == variable) return from_register(values_[i], reg.units_per_si);
-  }
-  return std::nullopt;
+double* DescribedDevice::input(std::string_view variable) {
+  const auto place = place_of(entry_, variable, true);
+  return place == kNone ? nullptr : &inputs_[place];
+}
+
+const double* DescribedDevice::output(std::string_view variable) const {
+  const bool is_sent = std::ranges::find(entry_.registers, variable, &BoardRegister::sends) != entry_.registers.end();
+  return is_sent ? &outputs_[place_of(entry_, variable, false)] : nullptr;
 }
 
 bool DescribedDevice::load(std::uint32_t offset, Picoseconds /*now*/, std::uint32_t& value) {
   const auto index = register_at(offset);
   if (index == values_.size()) return false;
-  const auto& reg = description_.registers[index];
-  if (reg.access == "w") return false;
-  value = reg.shows == kStatus ? status_ : values_[index];
+  const auto& described = entry_.registers[index];
+  const auto& reg = registers_[index];
+  if (described.access == "w") return false;
+  if (described.shows == kStatus) {
+    value = status_;
+  } else if (reg.is_live) {
+    value = to_register(inputs_[reg.input], described.units_per_si);
+  } else {
+    value = values_[index];
+  }
   return true;
 }
 
 bool DescribedDevice::store(std::uint32_t offset, Picoseconds now, std::uint32_t value) {
   const auto index = register_at(offset);
   if (index == values_.size()) return false;
-  const auto& reg = description_.registers[index];
-  if (reg.access == "r") return false;
-  if (reg.shows == kStatus) {
+  const auto& described = entry_.registers[index];
+  if (described.access == "r") return false;
+  if (described.shows == kStatus) {
     status_ &= ~(value & (kReady | kRefused));
-    return true;
-  }
-  bool takes_opcodes = false;
-  const BoardOpcode* found = nullptr;
-  for (const auto& opcode : description_.opcodes) {
-    if (opcode.register_name != reg.name) continue;
-    takes_opcodes = true;
-    if (opcode.value == value) found = &opcode;
-  }
-  if (takes_opcodes) {
-    obey(found, now);
+  } else if (registers_[index].takes_opcodes) {
+    obey(index, value, now);
+  } else if (described.commits) {
+    send(0, registers_.size());
   } else {
     values_[index] = value;
+    if (!commits_) send(index, index + 1);
   }
   return true;
 }
 
-void DescribedDevice::obey(const BoardOpcode* opcode, Picoseconds now) {
-  const auto state = opcode == nullptr ? description_.states.size() : state_index(opcode->state);
-  if (opcode == nullptr || (done_at_ != kNever && description_.states[state].delay_s > 0)) {
+/// Those of these registers that send do so, all of them or none.
+void DescribedDevice::send(std::size_t first, std::size_t last) {
+  for (auto i = first; i < last; ++i) {
+    if (const auto fault = fault_of(i); !fault.empty()) {
+      host_.complain(fmt::format("{}: {}: nothing was sent", entry_.name, fault));
+      return;
+    }
+  }
+  for (auto i = first; i < last; ++i) {
+    if (registers_[i].output == kNone) continue;
+    outputs_[registers_[i].output] = from_register(values_[i], entry_.registers[i].units_per_si);
+  }
+}
+
+std::string DescribedDevice::fault_of(std::size_t reg) const {
+  if (registers_[reg].output == kNone) return {};
+  const auto& described = entry_.registers[reg];
+  const auto value = static_cast<std::int32_t>(values_[reg]);
+  if (described.least && value < *described.least) {
+    return fmt::format("{} {} is below {}", described.name, value, *described.least);
+  }
+  if (described.most && value > *described.most) {
+    return fmt::format("{} {} is above {}", described.name, value, *described.most);
+  }
+  const auto* items = registers_[reg].items;
+  if (items == nullptr || std::ranges::find(items->items, value, &BoardValue::value) != items->items.end()) return {};
+  std::string known;
+  for (const auto& item : items->items) {
+    known += fmt::format("{}{} {}", known.empty() ? "" : ", ", item.name, item.value);
+  }
+  return fmt::format("{} {} is none of {} ({})", described.name, value, items->name, known);
+}
+
+void DescribedDevice::obey(std::size_t reg, std::uint32_t value, Picoseconds now) {
+  const auto& name = entry_.registers[reg].name;
+  const auto opcode = std::ranges::find_if(entry_.opcodes, [&](const BoardOpcode& candidate) {
+    return candidate.register_name == name && candidate.value == value;
+  });
+  const auto state = opcode == entry_.opcodes.end() ? entry_.states.size() : state_index(opcode->state);
+  if (state == entry_.states.size() || (done_at_ != kNever && entry_.states[state].delay_s > 0)) {
     status_ |= kRefused;
     return;
   }
@@ -97,12 +159,12 @@ void DescribedDevice::obey(const BoardOpcode* opcode, Picoseconds now) {
 }
 
 void DescribedDevice::enter(std::size_t state, Picoseconds now) {
-  MEBOTS_ASSERT(state < description_.states.size() && state_ < spent_.size());
+  MEBOTS_ASSERT(state < entry_.states.size() && state_ < spent_.size());
   MEBOTS_ASSERT(now >= since_, "calls come in the order of time");
   spent_[state_] += now - since_;
   since_ = now;
   state_ = state;
-  const auto delay_s = description_.states[state].delay_s;
+  const auto delay_s = entry_.states[state].delay_s;
   done_at_ = delay_s > 0 ? now + std::llround(delay_s * kPsPerS) : kNever;
   status_ = delay_s > 0 ? status_ | kBusy : status_ & ~kBusy;
 }
@@ -111,15 +173,13 @@ void DescribedDevice::advance(Picoseconds now) {
   if (now < done_at_) return;
   measure();
   status_ |= kReady;
-  enter(state_index(description_.states[state_].then), done_at_);
+  enter(state_index(entry_.states[state_].then), done_at_);
 }
 
 void DescribedDevice::measure() {
   for (std::size_t i = 0; i < values_.size(); ++i) {
-    const auto& reg = description_.registers[i];
-    for (std::size_t k = 0; k < sensed_.size(); ++k) {
-      if (description_.sensed[k].name == reg.shows) values_[i] = to_register(sensed_[k], reg.units_per_si);
-    }
+    if (registers_[i].input == kNone) continue;
+    values_[i] = to_register(inputs_[registers_[i].input], entry_.registers[i].units_per_si);
   }
 }
 
@@ -127,18 +187,20 @@ double DescribedDevice::energy_j(Picoseconds now) const {
   double charge_as = 0;
   for (std::size_t i = 0; i < spent_.size(); ++i) {
     const auto time = spent_[i] + (i == state_ ? now - since_ : 0);
-    charge_as += description_.states[i].current_a * static_cast<double>(time) / kPsPerS;
+    charge_as += entry_.states[i].current_a * static_cast<double>(time) / kPsPerS;
   }
-  return charge_as * description_.supply_voltage_v;
+  return charge_as * entry_.supply_voltage_v;
 }
 
 void DescribedDevice::visit(state::Visitor& v) {
-  v("sensed", std::span(sensed_));
+  v("inputs", std::span(inputs_));
+  v("outputs", std::span(outputs_));
   v("values", std::span(values_));
   v("spent", std::span(spent_));
   v("state", state_);
-  if (state_ >= description_.states.size())
-    throw Error(ErrorCode::state_damaged, "a saved state is damaged: device " + description_.name + " is in no state");
+  if (state_ >= std::max<std::size_t>(1, spent_.size())) {
+    throw Error(ErrorCode::state_damaged, "a saved state is damaged: device " + entry_.name + " is in no state");
+  }
   v("status", status_);
   v("since", since_);
   v("done_at", done_at_);

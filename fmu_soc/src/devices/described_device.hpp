@@ -1,39 +1,40 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "mebots/soc/own_device.hpp"
+#include "mebots/soc/device_kind.hpp"
 
+#include <cstddef>
 #include <cstdint>
-#include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
 namespace mebots::soc {
 
-/// A device without code of its own: the board file says what its registers show, which stored values are opcodes,
-/// which states there are, what each draws, how long it lasts and what follows.
+/// A device without code of its own: the board file says what its registers show and send, which stored values are
+/// opcodes, which states there are, what each draws, how long it lasts and what follows.
 ///
 ///   opcode stored    the device goes into the opcode's state. Refused: a value that is no opcode, and a state with a
 ///                    delay while another one runs.
-///   + delay          registers that show a variable take its value of now; ready is set, the interrupt line goes up;
-///   the
+///   + delay          registers that show an input take its value of now; ready is set, the interrupt line goes up; the
 ///                    state that follows begins.
 ///
 /// A register that shows "status" has bit 0 busy (a delay runs), bit 1 ready (write 1 to clear, which also clears the
-/// interrupt) and bit 2 refused (write 1 to clear). Registers that show nothing keep what is stored into them; those
-/// that send a variable put it out.
-class DescribedDevice final : public OwnDevice {
+/// interrupt) and bit 2 refused (write 1 to clear). Parameters, and inputs of a device without delays, are shown as
+/// they are. Registers that show nothing keep what is stored into them. What is stored into one that sends goes out, at
+/// once or, where another register commits, with the next store into that; a value outside the limits of its register
+/// or of its variable's enumeration is told, and nothing goes out.
+class DescribedDevice final : public Device {
  public:
   static constexpr std::uint32_t kBusy = 1;
   static constexpr std::uint32_t kReady = 2;
   static constexpr std::uint32_t kRefused = 4;
 
-  explicit DescribedDevice(const BoardDevice& description);
+  DescribedDevice(const BoardDevice& entry, DeviceHost& host);
 
-  const BoardDevice& description() const override { return description_; }
-  bool set_sensed(std::string_view variable, double value) override;
+  double* input(std::string_view variable) override;
   /// As a register sends it, 0 before anything was stored.
-  std::optional<double> sent(std::string_view variable) const override;
+  const double* output(std::string_view variable) const override;
   double energy_j(Picoseconds now) const override;
 
   bool load(std::uint32_t offset, Picoseconds now, std::uint32_t& value) override;
@@ -41,18 +42,36 @@ class DescribedDevice final : public OwnDevice {
   void advance(Picoseconds now) override;
   Picoseconds next_event() const override { return done_at_; }
   bool interrupt() const override { return (status_ & kReady) != 0; }
-  std::string_view state_name() const override { return description_.states[state_].name; }
+  std::string_view state_name() const override;
   void visit(state::Visitor& v) override;
 
  private:
-  void enter(std::size_t state, Picoseconds now);
-  void obey(const BoardOpcode* opcode, Picoseconds now);
-  void measure();
+  static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
+
+  /// What the entry says of a register, as indices.
+  struct Register {
+    std::size_t input = kNone;   // that it shows
+    std::size_t output = kNone;  // that it sends
+    bool is_live = false;        // shows what is, not what was measured
+    bool takes_opcodes = false;
+    const BoardEnumeration* items = nullptr;  // of the variable that it sends
+  };
+
   std::size_t register_at(std::uint32_t offset) const;
   std::size_t state_index(std::string_view name) const;
+  void enter(std::size_t state, Picoseconds now);
+  void obey(std::size_t reg, std::uint32_t value, Picoseconds now);
+  void measure();
+  /// What is wrong with what the register holds; empty = nothing.
+  std::string fault_of(std::size_t reg) const;
+  void send(std::size_t first, std::size_t last);
 
-  BoardDevice description_;
-  std::vector<double> sensed_;         // as the description's variables
+  const BoardDevice& entry_;
+  DeviceHost& host_;
+  std::vector<Register> registers_;    // as the entry's
+  bool commits_ = false;               // some register does
+  std::vector<double> inputs_;         // as the entry's variables, those that go in only
+  std::vector<double> outputs_;        // likewise, those that go out
   std::vector<std::uint32_t> values_;  // as its registers
   std::vector<Picoseconds> spent_;     // in each state, up to the last change
   std::uint64_t state_ = 0;

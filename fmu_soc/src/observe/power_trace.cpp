@@ -35,7 +35,9 @@ PowerTrace::PowerTrace(const std::string& option, const std::string& path, const
   for (const auto& component : soc.energy().components()) {
     channels.push_back(fmt::format("power.{} [W]", component.name));
   }
-  if (soc.camera() != nullptr) channels.emplace_back("camera.power [W]");
+  for (const auto& slot : soc.devices()) {
+    if (!slot.entry->states.empty()) channels.push_back(fmt::format("{} [W]", slot.entry->power_variable()));
+  }
   states_.resize(tracks.size());
   writer_ = make_power_writer(option, path, std::move(tracks), std::move(channels));
   span_energies_j_ = energies(span_start_);
@@ -45,7 +47,9 @@ PowerTrace::PowerTrace(const std::string& option, const std::string& path, const
 std::vector<double> PowerTrace::energies(Picoseconds time) const {
   std::vector<double> found;
   for (const auto& component : soc_.energy_at(time).components()) found.push_back(component.energy_j);
-  if (const auto* camera = soc_.camera()) found.push_back(camera->energy_j(time));
+  for (const auto& slot : soc_.devices()) {
+    if (!slot.entry->states.empty()) found.push_back(slot.device->energy_j(time));
+  }
   return found;
 }
 

@@ -17,6 +17,8 @@ int main(int argc, char** argv) {
   auto* command = app.add_subcommand("run", "Run a program until it stores to tohost, exits or faults");
   command->add_option("program", options.program, "ELF32 file for RV32IMC")->required();
   command->add_option("--board", options.board, "Board description; without one: RAM around the program's segments");
+  command->add_option("--devices", options.device_folders,
+                      "Folder with the libraries of devices that the board names, when they do not lie beside it");
   command->add_option("--signature", options.signature,
                       "Write the words from begin_signature to end_signature into this file");
   command->add_option("--trace", options.trace,

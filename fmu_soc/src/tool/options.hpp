@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace mebots::soc::tool {
 
@@ -11,6 +12,7 @@ namespace mebots::soc::tool {
 struct Options {
   std::string program;
   std::optional<std::string> board;
+  std::vector<std::string> device_folders;
   std::optional<std::string> signature;
   std::optional<std::string> trace;
   bool trace_cycles = false;

@@ -8,7 +8,6 @@
 #include "tool/standalone_board.hpp"
 
 #include "mebots/error.hpp"
-#include "mebots/soc/own_device.hpp"
 #include "soc.hpp"
 
 #include <fmt/core.h>
@@ -129,16 +128,11 @@ int run(const Options& options) {
     chip.timing.kind = CoreKind::cv32e40p;
   }
   Settings settings;
-  settings.mission = {0.2777778, 1.0, 0.1, 0.5, 0.1, 0};
   settings.translate = !options.interpret;
-  settings.make_device = make_own_device;
+  for (const auto& folder : options.device_folders) settings.library_folders.emplace_back(folder);
   Listeners listeners;
   listeners.console = [](std::string_view line) { fmt::print("{}\n", line); };
   Soc soc(board, chip, settings, program, listeners);
-  if (auto* battery = soc.battery()) {
-    battery->set_voltage_v(3.7);
-    battery->set_state_of_charge(1);
-  }
   if (const auto tohost = program.symbol("tohost")) soc.stop_when_stored(*tohost);
   HostFiles files(options.host_files);
   HostServices services(soc, files, options.program);

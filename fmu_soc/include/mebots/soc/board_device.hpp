@@ -1,8 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "mebots/error.hpp"
+
+#include <algorithm>
 #include <cstdint>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 /// An entry under "devices" of a board description, as its reader hands it to the device that it describes.
@@ -16,6 +21,9 @@ struct BoardRegister {
   std::string shows;        // of a described device: "status" or one of its variables; empty = what was stored
   std::string sends;        // of a described device: the variable that what is stored goes out as; empty = none
   double units_per_si = 1;  // of the variable that it shows or sends
+  bool commits = false;     // a store sends what all other registers of the device hold, together
+  std::optional<std::int32_t> least;  // that is sent, as a number with sign
+  std::optional<std::int32_t> most;
 };
 
 /// A value that means something when it is stored into a register: the device goes into a state.
@@ -27,10 +35,17 @@ struct BoardOpcode {
   std::string text;
 };
 
-/// A variable of the surroundings that a described device senses.
+/// A variable of the FMU that the device has to do with.
 struct BoardVariable {
+  enum class Causality : std::uint8_t { parameter, input, output };
+
   std::string name;
-  double start = 0;
+  Causality causality = Causality::input;
+  std::string type = "Real";  // Integer, Boolean, String, Binary, or the name of an enumeration
+  double start = 0;           // of a number; false and true are 0 and 1
+
+  bool is_number() const { return type != "String" && type != "Binary"; }
+  bool goes_in() const { return causality != Causality::output; }
 };
 
 struct BoardState {
@@ -54,27 +69,40 @@ struct BoardEnumeration {
 
 struct BoardDevice {
   std::string name;
+  std::string kind = "described";  // which model: mebots/soc/device_kind.hpp
   std::string text;
   std::uint32_t base = 0;
-  int interrupt = -1;  // bit of mip, -1 = none
+  std::uint32_t span = 0;  // bytes of address space, where that is more than the registers take
+  int interrupt = -1;      // bit of mip, -1 = none
   double supply_voltage_v = 0;
   std::vector<BoardRegister> registers;  // by offset
   std::vector<BoardState> states;
   std::vector<BoardEnumeration> enumerations;
-  /// Not empty: the device is described wholly by its entry, and begins in this state.
   std::string initial_state;
   std::vector<BoardOpcode> opcodes;
-  std::vector<BoardVariable> sensed;  // its Real variables with causality input
-  std::vector<std::string> sent;      // those with causality output; a described device's registers send them, but for
-                                      // its power and energy
+  std::vector<BoardVariable> variables;  // in the order of the file
 
   std::string power_variable() const { return name + ".power"; }
   std::string energy_variable() const { return name + ".energy"; }
 
-  /// Bytes that the registers take.
-  std::uint32_t size() const { return registers.empty() ? 0 : registers.back().offset + 4; }
+  /// Bytes of the address space that are its own.
+  std::uint32_t size() const {
+    const auto registers_end = registers.empty() ? 0 : registers.back().offset + 4;
+    return std::max(span, registers_end);
+  }
   /// Throws Error when the device has no such state.
-  const BoardState& state(const std::string& state_name) const;
+  const BoardState& state(std::string_view state_name) const {
+    for (const auto& candidate : states) {
+      if (candidate.name == state_name) return candidate;
+    }
+    throw Error("board: device " + name + " needs a state \"" + std::string(state_name) + "\" with its current");
+  }
+  /// Null when it has no such variable.
+  const BoardVariable* variable(std::string_view variable_name) const {
+    const auto found = std::find_if(variables.begin(), variables.end(),
+                                    [&](const BoardVariable& candidate) { return candidate.name == variable_name; });
+    return found == variables.end() ? nullptr : &*found;
+  }
 };
 
 }  // namespace mebots::soc

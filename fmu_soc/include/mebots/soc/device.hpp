@@ -6,11 +6,19 @@
 #include "mebots/state/visitor.hpp"
 
 #include <cstdint>
+#include <span>
 #include <string_view>
 
 namespace mebots::soc {
 
-/// A device on the bus: registers, and what it does by itself as time goes on. Calls come in the order of time.
+/// A device on the bus: registers, what it does by itself as time goes on, and the variables of the FMU that its entry
+/// in the board file names. Calls come in the order of time.
+///
+///   entry of the board file -> kind -> device      once, when a chip is made; numbers begin at their `start`
+///   variables of the FMU -> *input(name)           at the start of every step, then begin_step()
+///   registers: load(), store()                     when a core accesses them
+///   advance(next_event())                          as time goes on; interrupt() is looked at after each of these
+///   *output(name) -> variables of the FMU          at the end of every step
 class Device {
  public:
   Device() = default;
@@ -29,8 +37,24 @@ class Device {
   /// Level of its interrupt line.
   virtual bool interrupt() const { return false; }
 
+  /// Where the device keeps a number of its entry's variables, whatever the type (Boolean: 0 and 1; enumeration: the
+  /// item's value), or a text or bytes that come in. Asked for once, by the name in the board file; null = it has no
+  /// such variable. Texts and bytes are valid until begin_step() returns.
+  virtual double* input(std::string_view /*variable*/) { return nullptr; }
+  virtual std::string_view* text_input(std::string_view /*variable*/) { return nullptr; }
+  virtual std::span<const std::uint8_t>* bytes_input(std::string_view /*variable*/) { return nullptr; }
+  virtual const double* output(std::string_view /*variable*/) const { return nullptr; }
+  /// A step begins at `now`: parameters and inputs have been set, and hold until the next one.
+  virtual void begin_step(Picoseconds /*now*/) {}
+
+  /// Energy since reset [J], at `now`.
+  virtual double energy_j(Picoseconds /*now*/) const { return 0; }
+  /// A picture that was asked for has not come yet: a chip asleep waits for it.
+  virtual bool takes_picture() const { return false; }
   /// Name of the state that it is in, for those who watch; empty for a device that has only one.
   virtual std::string_view state_name() const { return {}; }
+  /// The program has ended, or the chip has lost its supply.
+  virtual void program_ended() {}
 
   /// Shows all that the device knows, its inputs included; see mebots/state/visitor.hpp.
   virtual void visit(state::Visitor& v) = 0;

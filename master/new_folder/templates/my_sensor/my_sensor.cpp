@@ -1,17 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 // The sensor's behaviour, in C++ because states alone cannot say it: it resolves hundredths only. Registers, states,
-// currents, delays and variables are those of board.json.
+// currents, delays and variables are those of board.json, which names the kind and the library that this becomes.
+#include "mebots/soc/device_kind.hpp"
 #include "mebots/soc/fixed_point.hpp"
-#include "mebots/soc/own_device.hpp"
 
 #include <cmath>
 #include <memory>
-#include <string>
+#include <string_view>
 
-namespace mebots::soc {
 namespace {
 
-class MySensor final : public OwnDevice {
+using namespace mebots::soc;
+
+class MySensor final : public Device {
  public:
   static constexpr std::uint32_t kCommand = 0x0;
   static constexpr std::uint32_t kStatus = 0x4;
@@ -23,22 +24,15 @@ class MySensor final : public OwnDevice {
   static constexpr std::uint32_t kRefused = 4;
   static constexpr double kResolution = 0.01;
 
-  explicit MySensor(const BoardDevice& description) : description_(description) {}
+  explicit MySensor(const BoardDevice& entry) : entry_(entry) {}
 
-  const BoardDevice& description() const override { return description_; }
-
-  bool set_sensed(std::string_view variable, double value) override {
-    if (variable != "my_sensor.value") return false;
-    sensed_ = value;
-    return true;
-  }
-  std::optional<double> sent(std::string_view variable) const override {
-    if (variable == "my_sensor.reported") return from_register(report_, kMilli);
-    return std::nullopt;
+  double* input(std::string_view variable) override { return variable == "my_sensor.value" ? &sensed_ : nullptr; }
+  const double* output(std::string_view variable) const override {
+    return variable == "my_sensor.reported" ? &reported_ : nullptr;
   }
   double energy_j(Picoseconds now) const override {
-    const auto current_a = description_.state(std::string(state_name())).current_a;
-    return energy_j_ + description_.supply_voltage_v * current_a * static_cast<double>(now - since_) / kPsPerS;
+    const auto current_a = entry_.state(state_name()).current_a;
+    return energy_j_ + entry_.supply_voltage_v * current_a * static_cast<double>(now - since_) / kPsPerS;
   }
 
   bool load(std::uint32_t offset, Picoseconds /*now*/, std::uint32_t& value) override {
@@ -60,6 +54,7 @@ class MySensor final : public OwnDevice {
       status_ &= ~(value & (kReady | kRefused));
     } else if (offset == kReport) {
       report_ = value;
+      reported_ = from_register(value, kMilli);
     } else {
       return false;
     }
@@ -77,8 +72,9 @@ class MySensor final : public OwnDevice {
   bool interrupt() const override { return (status_ & kReady) != 0; }
   std::string_view state_name() const override { return (status_ & kBusy) != 0 ? "measuring" : "standby"; }
 
-  void visit(state::Visitor& v) override {
+  void visit(mebots::state::Visitor& v) override {
     v("sensed", sensed_);
+    v("reported", reported_);
     v("energy_j", energy_j_);
     v("since", since_);
     v("done_at", done_at_);
@@ -93,7 +89,7 @@ class MySensor final : public OwnDevice {
       status_ |= kRefused;
       return;
     }
-    change(now, now + std::llround(description_.state("measuring").delay_s * kPsPerS));
+    change(now, now + std::llround(entry_.state("measuring").delay_s * kPsPerS));
     status_ |= kBusy;
   }
   /// Counts what the state up to now has drawn.
@@ -103,8 +99,9 @@ class MySensor final : public OwnDevice {
     done_at_ = done_at;
   }
 
-  BoardDevice description_;
+  const BoardDevice& entry_;
   double sensed_ = 0;
+  double reported_ = 0;
   double energy_j_ = 0;  // up to since_
   Picoseconds since_ = 0;
   Picoseconds done_at_ = kNever;
@@ -113,10 +110,10 @@ class MySensor final : public OwnDevice {
   std::uint32_t report_ = 0;
 };
 
-}  // namespace
-
-std::unique_ptr<OwnDevice> make_own_device(const BoardDevice& entry) {
-  return entry.name == "my_sensor" ? std::make_unique<MySensor>(entry) : nullptr;
+std::unique_ptr<Device> make(const BoardDevice& entry, DeviceHost& /*host*/) {
+  return std::make_unique<MySensor>(entry);
 }
 
-}  // namespace mebots::soc
+}  // namespace
+
+MEBOTS_DEVICE_KINDS({"my_sensor", make})

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "board_file.hpp"
+#include "devices/kind_library.hpp"
+#include "devices/power_manager.hpp"
+#include "mebots/soc/device_kind.hpp"
+
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string_view>
+#include <vector>
+
+namespace mebots::soc {
+
+/// What the kinds that come with MEbots get beyond what any kind does.
+class ChipHost : public DeviceHost {
+ public:
+  virtual const Chip& chip() const = 0;
+  virtual PowerSettings power_at_start() const = 0;
+  virtual bool has_cluster() const = 0;
+};
+
+/// Those that the cluster itself is made of: the board says where they are.
+inline constexpr std::string_view kEventUnitKind = "event_unit";
+inline constexpr std::string_view kClusterDmaKind = "cluster_dma";
+
+/// The kinds that a board may name: those that come with MEbots, and those of its libraries.
+class Kinds {
+ public:
+  /// Opens the board's libraries, which lie beside its file or in one of `folders`. Throws Error for one that is not
+  /// there or not made for this MEbots, and for two kinds of one name.
+  Kinds(const BoardDescription& board, std::span<const std::filesystem::path> folders);
+
+  /// The device of an entry; null for one that is part of the cluster. Throws Error for a kind that there is not, and
+  /// for registers that are not the kind's.
+  std::unique_ptr<Device> make(const BoardDevice& entry, ChipHost& host) const;
+
+ private:
+  std::vector<KindLibrary> libraries_;
+};
+
+}  // namespace mebots::soc
