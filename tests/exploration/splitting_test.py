@@ -4,13 +4,16 @@
 
 import json
 import math
+import shlex
 import subprocess
 import sys
 import unittest
 
+from mebots.exploration.splitting import MOST_LEVELS, next_level
 from support import BUILD, MEBOTS, PROBE, StudyCase
 
 STEPS = 100
+HEIGHT = 39
 
 
 def chance_to_reach(height):
@@ -35,16 +38,18 @@ class RareEvents(StudyCase):
         return done.stdout + done.stderr
 
     def rare(self, levels, missions, estimates, seed=1, **more):
+        """``levels``: a list, or where to rise to by levels that are found."""
+        way = {"levels": levels} if isinstance(levels, list) else {"above": levels}
         return self.study(
             design={"kind": "grid", "factors": {"/stop_time": [STEPS]}}, objectives=None,
             draws={"replicates": estimates, "seed": seed, "variables": {"walk.seed": {"integer": [1, 2000000000]}}},
-            splitting={"score": "walk.height", "levels": levels, "missions": missions, "reseed": ["walk.seed"]} | more)
+            splitting={"score": "walk.height", "missions": missions, "reseed": ["walk.seed"]} | way | more)
 
-    def test_a_probability_of_one_in_ten_thousand_is_found_with_a_tenth_of_the_simulated_time(self):
-        height = 39
-        exact = chance_to_reach(height)
+    def check_one_in_ten_thousand(self, levels, estimates):
+        """20 % relative error, with a tenth of the simulated time that counting needs."""
+        exact = chance_to_reach(HEIGHT)
         self.assertLess(abs(math.log10(exact) + 4), 0.15)
-        self.rare([9, 15, 21, 27, 33, height], 200, 12)
+        self.rare(levels, 200, estimates)
         self.sweep()
         (answer,) = self.rows("designs.csv")
         found, relative = float(answer["probability"]), float(answer["relative_error"])
@@ -54,7 +59,67 @@ class RareEvents(StudyCase):
         self.assertLess(abs(found / exact - 1), 3 * relative)
         # As many missions as plain counting needs for this relative error: (1 - p) / (p e^2), each of them whole.
         plain_s = (1 - exact) / (exact * relative**2) * STEPS
+        print(f"{found:.3g} ({exact:.3g}), error {relative:.2g}, {plain_s / float(answer['simulated_time [s]']):.0f} times less simulated")
         self.assertGreater(plain_s / float(answer["simulated_time [s]"]), 10)
+
+    def test_a_probability_of_one_in_ten_thousand_is_found_with_a_tenth_of_the_simulated_time(self):
+        self.check_one_in_ten_thousand([9, 15, 21, 27, 33, HEIGHT], 12)
+
+    def test_so_it_is_by_levels_that_pilot_missions_found(self):
+        self.check_one_in_ten_thousand(HEIGHT, 12)
+        pilot = [row for row in self.rows("levels.csv") if row["estimate"] == "pilot"]
+        levels = [float(row["level"]) for row in pilot]
+        self.assertGreater(len(levels), 3)
+        self.assertEqual(levels, sorted(set(levels)))
+        self.assertEqual(levels[-1], HEIGHT)
+        for row in pilot[:-1]:  # a fifth, or some more where many came equally far
+            self.assertGreaterEqual(int(row["reached"]), 40)
+            self.assertLess(int(row["reached"]), 80)
+        own = [row["level"] for row in self.rows("levels.csv") if row["estimate"] == "3"]
+        self.assertEqual([float(level) for level in own], levels)
+
+    def test_levels_are_found_on_the_way_down_too_and_for_each_design_of_its_own(self):
+        self.study(
+            design={"kind": "grid", "factors": {"/stop_time": [20, STEPS]}}, objectives=None,
+            draws={"replicates": 4, "seed": 1, "variables": {"walk.seed": {"integer": [1, 2000000000]}}},
+            splitting={"score": "walk.height", "below": -14, "missions": 60, "reseed": ["walk.seed"]})
+        self.sweep()
+        found = {design: [float(row["level"]) for row in self.rows("levels.csv") if (row["design"], row["estimate"]) == (design, "pilot")] for design in "01"}
+        self.assertNotEqual(found["0"], found["1"])
+        for levels in found.values():
+            self.assertEqual(levels, sorted(set(levels), reverse=True))
+            self.assertEqual(levels[-1], -14)
+        self.assertLess(float(self.rows("designs.csv")[1]["probability: low"]), chance_to_reach(14))
+        self.assertGreater(float(self.rows("designs.csv")[1]["probability: high"]), chance_to_reach(14))
+
+    def test_the_next_level_is_where_the_best_fifth_came_to(self):
+        bests = [float(best) for best in range(1, 11)]
+        self.assertEqual(next_level(bests, None, 99, 0), 9)
+        self.assertEqual(next_level(bests, None, 8, 0), 8, "no further than the goal")
+        self.assertEqual(next_level([3.0] * 9 + [4.0], 3, 99, 2), 4, "most stayed where they set out")
+        self.assertEqual(next_level([3.0] * 10, 3, 99, 2), 99, "nobody came any further")
+        self.assertEqual(next_level([3.0] * 9 + [4.0], None, 99, 0), 4, "all begin at the lowest")
+        self.assertEqual(next_level([], 3, 99, 2), 99)
+        self.assertEqual(next_level(bests, None, 99, MOST_LEVELS - 1), 99)
+
+    def test_the_report_tells_it_and_a_single_run_repeats_a_mission_that_came_to_the_end(self):
+        self.rare(14, 40, 4)
+        self.sweep()
+        page = (self.folder / "out" / "report.html").read_text()
+        data = json.loads(page.split('<script type="application/json" id="data">')[1].split("</script>")[0])
+        (design,) = data["designs"]
+        (answer,) = self.rows("designs.csv")
+        self.assertEqual(design["answer"], [float(answer[name]) for name in ("probability", "probability: low", "probability: high", "relative_error")])
+        self.assertEqual(design["levels"][-1], 14)
+        self.assertEqual([len(reached) for reached in design["reached"]], [len(design["levels"])] * 4)
+        words = shlex.split(design["command"])
+        done = subprocess.run([MEBOTS, *words[1:], "--quiet"], capture_output=True, text=True, timeout=100)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        out = words[words.index("--out") + 1]
+        with open(out + "/summary.json", encoding="utf-8") as file:
+            summary = json.load(file)
+        self.assertGreaterEqual(summary["top"], 14)
+        self.assertEqual(summary["outcome"], "high")
 
     def test_it_agrees_with_counting_where_that_is_possible(self):
         """At height 12, which every fourth walk reaches, by one level, by three, and by counting."""
@@ -77,16 +142,18 @@ class RareEvents(StudyCase):
         self.assertEqual(sum(int(row["reached"]) for row in self.rows("levels.csv", "rare0")), successes)
 
     def test_the_same_bytes_come_for_any_jobs_and_after_a_kill(self):
-        self.rare([4, 8], 20, 2)
-        self.sweep("--jobs", "1", out="one")
-        self.sweep("--jobs", "2", out="two")
-        lines = (self.folder / "one" / "journal.jsonl").read_text().splitlines(keepends=True)
-        (self.folder / "again").mkdir()
-        (self.folder / "again" / "journal.jsonl").write_text("".join(lines[:50]))  # states of the first level are gone
-        self.sweep(out="again")
-        for name in ("levels.csv", "designs.csv"):
-            self.assertEqual(self.bytes_of(name, "one"), self.bytes_of(name, "two"))
-            self.assertEqual(self.bytes_of(name, "one"), self.bytes_of(name, "again"))
+        for levels in ([4, 8], 8):
+            out = {name: f"{name} {levels}" for name in ("one", "two", "again")}
+            self.rare(levels, 20, 2)
+            self.sweep("--jobs", "1", out=out["one"])
+            self.sweep("--jobs", "2", out=out["two"])
+            lines = (self.folder / out["one"] / "journal.jsonl").read_text().splitlines(keepends=True)
+            (self.folder / out["again"]).mkdir()
+            (self.folder / out["again"] / "journal.jsonl").write_text("".join(lines[:50]))  # states of the first level are gone
+            self.sweep(out=out["again"])
+            for name in ("levels.csv", "designs.csv"):
+                self.assertEqual(self.bytes_of(name, out["one"]), self.bytes_of(name, out["two"]))
+                self.assertEqual(self.bytes_of(name, out["one"]), self.bytes_of(name, out["again"]))
 
     def test_levels_may_fall_and_what_is_never_reached_has_probability_0(self):
         self.rare([-4, -8], 40, 4)
@@ -115,6 +182,8 @@ class RareEvents(StudyCase):
     def test_its_mistakes_are_told(self):
         self.rare([4, 4], 20, 2)
         self.assertIn("rise", self.sweep(code=2))
+        self.rare([4, 8], 20, 2, below=3)
+        self.assertIn("levels, above, below", self.sweep(code=2))
         self.rare([4, 8], 20, 2, reseed=["walk.sead"])
         self.assertIn("walk.seed", self.sweep(code=2))
         self.rare([4, 8], 20, 2, score="walk.hight")

@@ -421,10 +421,12 @@ void check_splitting(const Node& node, const Names& names) {
   std::string text;
   std::int64_t number = 0;
   splitting.read("score", text, &Node::readable_text);
-  splitting.visit("levels", &check_levels);
+  splitting.visit_if("levels", &check_levels);
+  read_side(splitting);
   splitting.read("missions", number, count_from(2));
   splitting.visit("reseed", [&](const Node& reseed) { check_names(reseed, "the draw", names.draws, true); });
   splitting.finish();
+  require_one_of(splitting, std::array<std::string_view, 3>{"levels", "above", "below"});
 }
 
 /// A study of a rare event asks for its probability, and for nothing else.

@@ -35,9 +35,9 @@ FLIGHTS = "flights"
 """Folder of the missions' results, each by its hash."""
 
 
-def is_done(study: Study, folder: pathlib.Path) -> bool:
+def is_done(folder: pathlib.Path) -> bool:
     """Whether the table that is written last is there."""
-    return (folder / ("report.html" if study.splitting is None else "designs.csv")).exists()
+    return (folder / "report.html").exists()
 
 _MOST_VALUES_TRIED = 64
 """Of one factor. Of more, the least and the greatest are tried."""
@@ -113,8 +113,9 @@ class Campaign:
     def most_missions(self) -> int:
         design = self.study.design
         designs = design["points"] * design["rounds"] if design["kind"] == "search" else len(self.designs)
-        each = len(self.study.splitting.levels) * self.study.splitting.missions if self.study.splitting else 1
-        return designs * self.study.replicates * each
+        if self.study.splitting is not None:
+            return designs * splitting.most_missions(self.study)
+        return designs * self.study.replicates
 
     def all_flights(self) -> Iterator[Flight]:
         """All that a study without decisions flies."""
@@ -393,10 +394,10 @@ class Campaign:
             self.missions.shell_line(self.values((number, 0)), str(report.replay_folder(folder, number))) for number in range(len(self.designs))
         ]
         report.write(
-            folder / "report.html", self.study, self.factors, self.designs, evidence, told, commands, self._provenance()
+            folder / "report.html", self.study, self.factors, self.designs, evidence, told, commands, self.provenance()
         )
 
-    def _provenance(self) -> dict[str, str]:
+    def provenance(self) -> dict[str, str]:
         """What was flown and with what, for people."""
         draws = json.dumps(self.study.draws) if self.study.draws else "none"
         files = self.missions.order(self.example())["files"]

@@ -121,7 +121,7 @@ def _sweep(study: Study, options: argparse.Namespace) -> int:
         print(f"{_designs(campaign)}at most {campaign.most_missions} missions", file=sys.stderr)
         result = campaign.run(out, [pathlib.Path(one) for one in options.reuse], teller)
         teller.end()
-    written = ("missions.csv", "designs.csv", "report.html") if study.splitting is None else ("designs.csv", "levels.csv")
+    written = ("missions.csv" if study.splitting is None else "levels.csv", "designs.csv", "report.html")
     print(f"{result.missions} missions, {result.failed} failed: {', '.join(str(out / name) for name in written)}")
     return NOT_DONE if result.failed else DONE
 
@@ -178,13 +178,12 @@ def _status(folder: pathlib.Path) -> int:
                 flown += 1
                 outcomes[record["outcome"]] += 1
         journal.close()
-        done = is_done(study, folder)
+        done = is_done(folder)
         known = f"{flown} of at most {campaign.most_missions} missions are flown; " if flown else ""
         print(f"{known}the journal has {len(journal)}")
         if outcomes:
             print(", ".join(f"{outcome} {count}" for outcome, count in outcomes.most_common()))
-        answer = folder / ("report.html" if study.splitting is None else "designs.csv")
-        print(f"the study is done: {answer}" if done else "the study is not done")
+        print(f"the study is done: {folder / 'report.html'}" if done else "the study is not done")
     return DONE
 
 

@@ -15,6 +15,7 @@ import json
 import os
 import pathlib
 import re
+import shlex
 from typing import Any
 
 from mebots import _mebots
@@ -149,8 +150,6 @@ class Missions:
     def shell_line(self, values: Values, out: str) -> str:
         """The command that flies the mission again, with all its results and pictures; "" where only another config
         could."""
-        import shlex
-
         pointers, settings = self._divide(values)
         stop_time = pointers.pop("/stop_time", None)
         if pointers or self._study.fork is not None:
@@ -161,6 +160,17 @@ class Missions:
         if stop_time is not None:
             words += ["--stop-time", _as_typed(stop_time)]
         return " ".join(shlex.quote(word) for word in words)
+
+    def replay(self, values: Values, folder: pathlib.Path, name: str, text: str, scenario: list[Values]) -> str:
+        """The command that flies a mission again whose course is written as a scenario, into the folder; "" where only
+        another config could."""
+        command = self.shell_line(values, str(folder / name))
+        if command:
+            folder.mkdir(exist_ok=True)
+            file = folder / f"{name}.json"
+            file.write_text(json.dumps({"text": text, "scenario": scenario}, indent=1) + "\n", encoding="utf-8")
+            command += f" --scenario {shlex.quote(str(file))}"
+        return command
 
     def _divide(self, values: Values) -> tuple[Values, Values]:
         """Keys of the config, and parameters; options become what they set."""

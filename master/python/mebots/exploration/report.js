@@ -1,368 +1,269 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws the report of a study from the JSON in the page. Computes no statistics: intervals come with the numbers.
+// Draws the report of a study that compares designs, with the parts of report_parts.js.
 "use strict";
-(() => {
-  const study = JSON.parse(document.getElementById("data").textContent);
-  const { factors, objectives, designs } = study;
-  const main = document.getElementById("main");
-  const PLACES = {
-    on: "on the front",
-    undecided: "undecided: a difference is not sure",
-    off: "off the front",
-    excluded: "breaks a constraint",
-  };
-  let chosen = -1;
-  const redraws = [];
+const { objectives } = study;
+const PLACES = {
+  on: "on the front",
+  undecided: "undecided: a difference is not sure",
+  off: "off the front",
+  excluded: "breaks a constraint",
+};
+const colour = (design) => `var(--${designs[design].front || "undecided"})`;
+const titled = (objective) => objective.label + (objective.unit ? ` [${objective.unit}]` : "");
 
-  const node = (name, attributes = {}, ...children) => {
-    const svg = ["svg", "g", "line", "circle", "rect", "path", "text", "title"].includes(name);
-    const made = svg ? document.createElementNS("http://www.w3.org/2000/svg", name) : document.createElement(name);
-    for (const [key, value] of Object.entries(attributes)) {
-      if (key.startsWith("on")) made.addEventListener(key.slice(2), value);
-      else made.setAttribute(key, value);
+// What came of it.
+const flown = designs.reduce((sum, one) => sum + one.missions, 0);
+const failed = designs.reduce((sum, one) => sum + one.failed, 0);
+main.append(node("p", {}, `${designs.length} designs, ${flown} missions, ${failed} failed. Intervals: ` +
+  `${100 * (1 - study.error)} %, ${study.sequence ? "valid at every number of missions" : "for a number of missions settled beforehand"}.`));
+const key = node("p");
+for (const [place, text] of Object.entries(PLACES)) {
+  const count = designs.filter((one) => one.front === place).length;
+  if (count) key.append(node("span", { class: "key", style: `background:var(--${place})` }), `${text}: ${count}`);
+}
+main.append(key);
+
+// Two objectives against each other, with their intervals.
+const pair = node("div", { class: "pair" });
+main.append(pair);
+{
+  const sorted = objectives.map((_, i) => i).sort((a, b) => Math.abs(objectives[b].sense) - Math.abs(objectives[a].sense));
+  let across = sorted[0];
+  let up = objectives.findIndex((one, i) => one.share && i !== across);
+  if (up < 0) up = sorted[Math.min(1, sorted.length - 1)];
+  const made = section(pair, "Front", "Each point a design; bars are intervals. Click one for what it is.");
+  const names = objectives.map(titled);
+  const redraw = chart(made, () => {
+    const picture = frame(520, 340);
+    const box = { left: 60, right: 505, top: 24, bottom: 295 };
+    const xRange = extent(designs.map((one) => one.estimates[across][0]));
+    const yRange = objectives[up].share ? [-0.03, 1.03] : extent(designs.map((one) => one.estimates[up][0]));
+    const x = scale(xRange, box.left, box.right);
+    const y = scale(yRange, box.bottom, box.top);
+    axes(picture, box, x, y, xRange, yRange, names[across], names[up]);
+    for (const bound of study.constraints.filter((one) => one.label === objectives[up].label)) {
+      picture.append(node("line", { x1: box.left, x2: box.right, y1: y(bound.bound), y2: y(bound.bound), stroke: "var(--excluded)", "stroke-dasharray": "4 3" }));
     }
-    made.append(...children);
-    return made;
-  };
-  const short = (value) => {
-    if (value === null || value === undefined) return "–";
-    if (typeof value !== "number") return String(value);
-    return Number(value.toPrecision(4)).toString();
-  };
-  const colour = (design) => `var(--${designs[design].front || "undecided"})`;
-  const titled = (objective) => objective.label + (objective.unit ? ` [${objective.unit}]` : "");
-  const told = (design) => factors.map((name, i) => `${name} = ${short(designs[design].values[i])}`).join("\n");
-  const choose = (design) => {
-    chosen = design;
-    redraws.forEach((redraw) => redraw());
-  };
-
-  const section = (parent, title, text) => {
-    const made = node("section", {}, node("h2", {}, title));
-    if (text) made.append(node("p", {}, text));
-    parent.append(made);
-    return made;
-  };
-  /** A chart that is drawn anew when a choice or the chosen design changes. */
-  const chart = (made, draw) => {
-    const place = node("div");
-    made.append(place);
-    const redraw = () => place.replaceChildren(draw());
-    redraws.push(redraw);
-    return redraw;
-  };
-  const selector = (made, label, names, start, change) => {
-    const box = node("select", { "aria-label": label, onchange: () => change(Number(box.value)) });
-    names.forEach((name, i) => box.append(node("option", i === start ? { value: i, selected: "" } : { value: i }, name)));
-    made.append(label + " ", box, " ");
-  };
-  const extent = (values) => {
-    const known = values.filter((value) => typeof value === "number");
-    let [low, high] = [Math.min(...known), Math.max(...known)];
-    if (!known.length) [low, high] = [0, 1];
-    // Of values that differ by rounding alone, the middle of a range that shows so.
-    if (high - low <= 1e-9 * Math.max(Math.abs(low), Math.abs(high))) [low, high] = [low - 1, high + 1];
-    return [low - 0.04 * (high - low), high + 0.04 * (high - low)];
-  };
-  const scale = ([low, high], from, to) => (value) => from + ((value - low) / (high - low)) * (to - from);
-  const ticks = ([low, high], count = 5) => {
-    const raw = (high - low) / count;
-    const power = 10 ** Math.floor(Math.log10(raw));
-    const step = [1, 2, 5, 10].find((one) => one * power >= raw) * power;
-    const found = [];
-    for (let i = Math.ceil(low / step); i * step <= high; ++i) found.push(Number((i * step).toPrecision(12)));
-    return found;
-  };
-  const frame = (width, height) => node("svg", { viewBox: `0 0 ${width} ${height}`, role: "img" });
-  const axes = (picture, box, x, y, xRange, yRange, xName, yName) => {
-    for (const value of ticks(xRange)) {
-      picture.append(
-        node("line", { class: "axis", x1: x(value), x2: x(value), y1: box.top, y2: box.bottom }),
-        node("text", { x: x(value), y: box.bottom + 16, "text-anchor": "middle" }, short(value)),
-      );
+    const inside = (value, [low, high]) => Math.min(Math.max(value, low), high);
+    const order = designs.map((_, i) => i).sort((a, b) => (a === chosen) - (b === chosen) || (designs[a].front === "on") - (designs[b].front === "on"));
+    for (const i of order) {
+      const [ex, ey] = [designs[i].estimates[across], designs[i].estimates[up]];
+      if (ex[0] === null || ey[0] === null) continue;
+      const faint = { stroke: colour(i), "stroke-opacity": i === chosen ? 1 : 0.3 };
+      if (ex[1] !== null) picture.append(node("line", { ...faint, x1: x(inside(ex[1], xRange)), x2: x(inside(ex[2], xRange)), y1: y(ey[0]), y2: y(ey[0]) }));
+      if (ey[1] !== null) picture.append(node("line", { ...faint, x1: x(ex[0]), x2: x(ex[0]), y1: y(inside(ey[1], yRange)), y2: y(inside(ey[2], yRange)) }));
+      picture.append(mark(i, "circle", { cx: x(ex[0]), cy: y(ey[0]), r: 5, fill: colour(i) }));
     }
-    for (const value of ticks(yRange)) {
-      picture.append(
-        node("line", { class: "axis", x1: box.left, x2: box.right, y1: y(value), y2: y(value) }),
-        node("text", { x: box.left - 6, y: y(value) + 4, "text-anchor": "end" }, short(value)),
-      );
-    }
-    picture.append(
-      node("text", { x: box.right, y: box.bottom + 32, "text-anchor": "end" }, xName),
-      node("text", { x: box.left - 40, y: box.top - 8 }, yName),
-    );
-  };
-  const mark = (design, shape, attributes) =>
-    node(
-      shape,
-      {
-        ...attributes,
-        class: design === chosen ? "mark chosen" : "mark",
-        onclick: () => choose(design),
-      },
-      node("title", {}, told(design)),
-    );
+    return picture;
+  });
+  selector(made, "across", names, across, (value) => ((across = value), redraw()));
+  selector(made, "up", names, up, (value) => ((up = value), redraw()));
+}
 
-  // What came of it.
-  const flown = designs.reduce((sum, one) => sum + one.missions, 0);
-  const failed = designs.reduce((sum, one) => sum + one.failed, 0);
-  main.append(node("p", {}, `${designs.length} designs, ${flown} missions, ${failed} failed. Intervals: ` +
-    `${100 * (1 - study.error)} %, ${study.sequence ? "valid at every number of missions" : "for a number of missions settled beforehand"}.`));
-  const key = node("p");
-  for (const [place, text] of Object.entries(PLACES)) {
-    const count = designs.filter((one) => one.front === place).length;
-    if (count) key.append(node("span", { class: "key", style: `background:var(--${place})` }), `${text}: ${count}`);
+// Levels of a factor: its values where there are few, fifths of its range where there are many.
+const levelsOf = (factor) => {
+  const values = [...new Set(designs.map((one) => one.values[factor]))];
+  if (values.length <= 12) {
+    if (values.every((one) => typeof one === "number")) values.sort((a, b) => a - b);
+    return values.map((value) => ({ name: short(value), has: (one) => one === value }));
   }
-  main.append(key);
-
-  // Two objectives against each other, with their intervals.
-  const pair = node("div", { class: "pair" });
-  main.append(pair);
-  {
-    const sorted = objectives.map((_, i) => i).sort((a, b) => Math.abs(objectives[b].sense) - Math.abs(objectives[a].sense));
-    let across = sorted[0];
-    let up = objectives.findIndex((one, i) => one.share && i !== across);
-    if (up < 0) up = sorted[Math.min(1, sorted.length - 1)];
-    const made = section(pair, "Front", "Each point a design; bars are intervals. Click one for what it is.");
-    const names = objectives.map(titled);
-    const redraw = chart(made, () => {
-      const picture = frame(520, 340);
-      const box = { left: 60, right: 505, top: 24, bottom: 295 };
-      const xRange = extent(designs.map((one) => one.estimates[across][0]));
-      const yRange = objectives[up].share ? [-0.03, 1.03] : extent(designs.map((one) => one.estimates[up][0]));
-      const x = scale(xRange, box.left, box.right);
-      const y = scale(yRange, box.bottom, box.top);
-      axes(picture, box, x, y, xRange, yRange, names[across], names[up]);
-      for (const bound of study.constraints.filter((one) => one.label === objectives[up].label)) {
-        picture.append(node("line", { x1: box.left, x2: box.right, y1: y(bound.bound), y2: y(bound.bound), stroke: "var(--excluded)", "stroke-dasharray": "4 3" }));
-      }
-      const inside = (value, [low, high]) => Math.min(Math.max(value, low), high);
-      const order = designs.map((_, i) => i).sort((a, b) => (a === chosen) - (b === chosen) || (designs[a].front === "on") - (designs[b].front === "on"));
-      for (const i of order) {
-        const [ex, ey] = [designs[i].estimates[across], designs[i].estimates[up]];
-        if (ex[0] === null || ey[0] === null) continue;
-        const faint = { stroke: colour(i), "stroke-opacity": i === chosen ? 1 : 0.3 };
-        if (ex[1] !== null) picture.append(node("line", { ...faint, x1: x(inside(ex[1], xRange)), x2: x(inside(ex[2], xRange)), y1: y(ey[0]), y2: y(ey[0]) }));
-        if (ey[1] !== null) picture.append(node("line", { ...faint, x1: x(ex[0]), x2: x(ex[0]), y1: y(inside(ey[1], yRange)), y2: y(inside(ey[2], yRange)) }));
-        picture.append(mark(i, "circle", { cx: x(ex[0]), cy: y(ey[0]), r: 5, fill: colour(i) }));
-      }
-      return picture;
-    });
-    selector(made, "across", names, across, (value) => ((across = value), redraw()));
-    selector(made, "up", names, up, (value) => ((up = value), redraw()));
+  const [low, high] = [Math.min(...values), Math.max(...values)];
+  return Array.from({ length: 5 }, (_, i) => {
+    const [from, to] = [low + ((high - low) * i) / 5, low + ((high - low) * (i + 1)) / 5];
+    return { name: `${short(from)} to ${short(to)}`, has: (one) => one >= from && (one < to || (i === 4 && one <= to)) };
+  });
+};
+/** Mean over the missions of some designs. */
+const pooled = (some, objective) => {
+  let [sum, count] = [0, 0];
+  for (const one of some) {
+    const [mean, , , number] = one.estimates[objective];
+    if (mean !== null) [sum, count] = [sum + mean * number, count + number];
   }
+  return count ? sum / count : null;
+};
 
-  // Levels of a factor: its values where there are few, fifths of its range where there are many.
-  const levelsOf = (factor) => {
-    const values = [...new Set(designs.map((one) => one.values[factor]))];
-    if (values.length <= 12) {
-      if (values.every((one) => typeof one === "number")) values.sort((a, b) => a - b);
-      return values.map((value) => ({ name: short(value), has: (one) => one === value }));
-    }
-    const [low, high] = [Math.min(...values), Math.max(...values)];
-    return Array.from({ length: 5 }, (_, i) => {
-      const [from, to] = [low + ((high - low) * i) / 5, low + ((high - low) * (i + 1)) / 5];
-      return { name: `${short(from)} to ${short(to)}`, has: (one) => one >= from && (one < to || (i === 4 && one <= to)) };
-    });
-  };
-  /** Mean over the missions of some designs. */
-  const pooled = (some, objective) => {
-    let [sum, count] = [0, 0];
-    for (const one of some) {
-      const [mean, , , number] = one.estimates[objective];
-      if (mean !== null) [sum, count] = [sum + mean * number, count + number];
-    }
-    return count ? sum / count : null;
-  };
-
-  // A map over two factors.
-  if (factors.length >= 2) {
-    let [rows, columns, objective] = [0, 1, Math.max(0, objectives.findIndex((one) => one.share))];
-    const made = section(pair, "Map", "Mean over all missions with these two values, whatever the other factors.");
-    const redraw = chart(made, () => {
-      const [up, across] = [levelsOf(rows), levelsOf(columns)];
-      const picture = frame(520, 340);
-      const [left, top, width, height] = [110, 20, 400 / across.length, 280 / up.length];
-      const cells = up.map((r) => across.map((c) => pooled(designs.filter((one) => r.has(one.values[rows]) && c.has(one.values[columns])), objective)));
-      const range = objectives[objective].share ? [0, 1] : extent(cells.flat());
-      up.forEach((r, i) => {
-        picture.append(node("text", { x: left - 6, y: top + (i + 0.5) * height + 4, "text-anchor": "end" }, r.name));
-        across.forEach((c, j) => {
-          const value = cells[i][j];
-          if (value === null) return;
-          const strength = scale(range, 0.08, 1)(value);
-          picture.append(
-            node("rect", { x: left + j * width + 1, y: top + i * height + 1, width: width - 2, height: height - 2, rx: 3, fill: "var(--undecided)", "fill-opacity": strength }),
-            node("text", { x: left + (j + 0.5) * width, y: top + (i + 0.5) * height + 4, "text-anchor": "middle", style: strength > 0.65 ? "fill:var(--back)" : "fill:var(--ink)" }, short(value)),
-          );
-        });
-      });
-      across.forEach((c, j) => picture.append(node("text", { x: left + (j + 0.5) * width, y: top + 296, "text-anchor": "middle" }, c.name)));
-      return picture;
-    });
-    selector(made, "of", objectives.map(titled), objective, (value) => ((objective = value), redraw()));
-    selector(made, "rows", factors, rows, (value) => ((rows = value), redraw()));
-    selector(made, "columns", factors, columns, (value) => ((columns = value), redraw()));
-  }
-
-  // Main effects.
-  {
-    let objective = Math.max(0, objectives.findIndex((one) => one.sense !== 0));
-    const made = section(pair, "Main effects", "Mean over all missions at each level of a factor.");
-    const redraw = chart(made, () => {
-      const picture = frame(520, 300);
-      const levels = factors.map((_, i) => levelsOf(i));
-      const means = levels.map((own, i) => own.map((level) => pooled(designs.filter((one) => level.has(one.values[i])), objective)));
-      const range = extent(means.flat());
-      const y = scale(range, 225, 20);
-      const width = 450 / factors.length;
-      for (const value of ticks(range)) {
-        picture.append(node("line", { class: "axis", x1: 60, x2: 515, y1: y(value), y2: y(value) }), node("text", { x: 54, y: y(value) + 4, "text-anchor": "end" }, short(value)));
-      }
-      levels.forEach((own, i) => {
-        const x = (j) => 60 + i * width + ((j + 0.5) / own.length) * width;
-        const points = means[i].map((mean, j) => (mean === null ? null : [x(j), y(mean)])).filter(Boolean);
-        picture.append(node("path", { d: "M" + points.map((point) => point.join(",")).join("L"), fill: "none", stroke: "var(--undecided)", "stroke-width": 2 }));
-        points.forEach(([cx, cy]) => picture.append(node("circle", { cx, cy, r: 4, fill: "var(--undecided)" })));
-        own.forEach((level, j) => picture.append(node("text", { x: x(j), y: 245, "text-anchor": "end", transform: `rotate(-30 ${x(j)} 245)` }, level.name)));
-        picture.append(node("text", { x: 60 + (i + 0.5) * width, y: 12, "text-anchor": "middle" }, factors[i].split(".").slice(-2).join(".")));
-      });
-      return picture;
-    });
-    selector(made, "of", objectives.map(titled), objective, (value) => ((objective = value), redraw()));
-  }
-
-  // Parallel coordinates.
-  {
-    const made = section(pair, "Parallel coordinates", "A line for each design through its factors and means.");
-    const columns = [
-      ...factors.map((name, i) => ({ name: name.split(".").slice(-2).join("."), value: (one) => one.values[i] })),
-      ...objectives.map((one, i) => ({ name: one.label, value: (design) => design.estimates[i][0] })),
-    ];
-    chart(made, () => {
-      const picture = frame(520, 300);
-      const x = (i) => 50 + (i * 420) / Math.max(1, columns.length - 1);
-      const scales = columns.map(({ value }) => {
-        const values = designs.map(value);
-        if (values.every((one) => typeof one === "number" || one === null)) {
-          const range = extent(values);
-          return { at: scale(range, 260, 30), names: [Math.min(...values.filter((one) => one !== null)), Math.max(...values.filter((one) => one !== null))] };
-        }
-        const words = [...new Set(values)];
-        return { at: (one) => 260 - (230 * (words.indexOf(one) + 0.5)) / words.length, names: words };
-      });
-      const order = designs.map((_, i) => i).sort((a, b) => (a === chosen) - (b === chosen) || (designs[a].front === "on") - (designs[b].front === "on"));
-      for (const i of order) {
-        const points = columns.map(({ value }, j) => [value(designs[i]), j]).filter(([value]) => value !== null);
-        const line = "M" + points.map(([value, j]) => `${x(j)},${scales[j].at(value)}`).join("L");
-        const loud = i === chosen || designs[i].front === "on";
-        picture.append(mark(i, "path", { d: line, fill: "none", stroke: colour(i), "stroke-opacity": loud ? 1 : 0.35, "stroke-width": loud ? 2 : 1.2 }));
-      }
-      columns.forEach(({ name }, i) => {
-        picture.append(node("line", { class: "axis", x1: x(i), x2: x(i), y1: 30, y2: 260 }), node("text", { x: x(i), y: i % 2 ? 294 : 280, "text-anchor": "middle" }, name));
-        for (const value of scales[i].names) picture.append(node("text", { x: x(i) + 4, y: scales[i].at(value) + 4 }, short(value)));
-      });
-      return picture;
-    });
-  }
-
-  // Distributions.
-  if (designs.some((one) => one.flights.length)) {
-    let objective = Math.max(0, objectives.findIndex((one) => !one.share));
-    const made = section(main, "Distributions", "Each dot a mission, designs by their mean; the chosen one is outlined.");
-    const redraw = chart(made, () => {
-      const order = designs.map((_, i) => i).filter((i) => designs[i].estimates[objective][0] !== null)
-        .sort((a, b) => designs[a].estimates[objective][0] - designs[b].estimates[objective][0]);
-      const picture = frame(1080, 260);
-      const values = order.flatMap((i) => designs[i].flights[objective] ?? []);
-      const range = extent(values);
-      const y = scale(range, 235, 15);
-      for (const value of ticks(range)) {
-        picture.append(node("line", { class: "axis", x1: 60, x2: 1070, y1: y(value), y2: y(value) }), node("text", { x: 54, y: y(value) + 4, "text-anchor": "end" }, short(value)));
-      }
-      const width = 1010 / Math.max(1, order.length);
-      order.forEach((i, place) => {
-        const middle = 60 + (place + 0.5) * width;
-        const dots = (designs[i].flights[objective] ?? []).filter((one) => one !== null);
-        const path = dots.map((one, j) => `M${middle + (((j * 0.618) % 1) - 0.5) * width * 0.6},${y(one)}h0`).join("");
+// A map over two factors.
+if (factors.length >= 2) {
+  let [rows, columns, objective] = [0, 1, Math.max(0, objectives.findIndex((one) => one.share))];
+  const made = section(pair, "Map", "Mean over all missions with these two values, whatever the other factors.");
+  const redraw = chart(made, () => {
+    const [up, across] = [levelsOf(rows), levelsOf(columns)];
+    const picture = frame(520, 340);
+    const [left, top, width, height] = [110, 20, 400 / across.length, 280 / up.length];
+    const cells = up.map((r) => across.map((c) => pooled(designs.filter((one) => r.has(one.values[rows]) && c.has(one.values[columns])), objective)));
+    const range = objectives[objective].share ? [0, 1] : extent(cells.flat());
+    up.forEach((r, i) => {
+      picture.append(node("text", { x: left - 6, y: top + (i + 0.5) * height + 4, "text-anchor": "end" }, r.name));
+      across.forEach((c, j) => {
+        const value = cells[i][j];
+        if (value === null) return;
+        const strength = scale(range, 0.08, 1)(value);
         picture.append(
-          node("path", { d: path, stroke: colour(i), "stroke-opacity": 0.5, "stroke-width": 4, "stroke-linecap": "round" }),
-          mark(i, "rect", { x: middle - width / 2, y: 15, width, height: 220, fill: "transparent" }),
+          node("rect", { x: left + j * width + 1, y: top + i * height + 1, width: width - 2, height: height - 2, rx: 3, fill: "var(--undecided)", "fill-opacity": strength }),
+          node("text", { x: left + (j + 0.5) * width, y: top + (i + 0.5) * height + 4, "text-anchor": "middle", style: strength > 0.65 ? "fill:var(--back)" : "fill:var(--ink)" }, short(value)),
         );
       });
-      return picture;
     });
-    selector(made, "of", objectives.map(titled), objective, (value) => ((objective = value), redraw()));
-  }
+    across.forEach((c, j) => picture.append(node("text", { x: left + (j + 0.5) * width, y: top + 296, "text-anchor": "middle" }, c.name)));
+    return picture;
+  });
+  selector(made, "of", objectives.map(titled), objective, (value) => ((objective = value), redraw()));
+  selector(made, "rows", factors, rows, (value) => ((rows = value), redraw()));
+  selector(made, "columns", factors, columns, (value) => ((columns = value), redraw()));
+}
 
-  // All designs.
-  {
-    const made = section(main, "Designs");
-    let [by, sign] = [-1, 1];
-    const columns = [
-      ["design", (i) => i],
-      ...factors.map((name, f) => [name, (i) => designs[i].values[f]]),
-      ["missions", (i) => designs[i].missions],
-      ...objectives.map((one, o) => [titled(one), (i) => designs[i].estimates[o][0]]),
-      ["status", (i) => designs[i].status],
-      ["front", (i) => designs[i].front],
-    ];
-    const redraw = chart(made, () => {
-      const order = designs.map((_, i) => i);
-      if (by >= 0) {
-        const value = columns[by][1];
-        order.sort((a, b) => sign * (value(a) === value(b) ? 0 : value(a) === null ? 1 : value(b) === null ? -1 : value(a) < value(b) ? -1 : 1));
-      }
-      const head = node("tr");
-      columns.forEach(([name], i) => head.append(node("th", { onclick: () => ((sign = by === i ? -sign : 1), (by = i), redraw()) }, name)));
-      const body = node("tbody");
-      for (const i of order) {
-        const row = node("tr", { class: i === chosen ? "chosen" : "", onclick: () => choose(i) });
-        columns.forEach(([name, value]) => {
-          const objective = objectives.findIndex((one) => titled(one) === name);
-          let text = short(value(i));
-          if (objective >= 0 && designs[i].estimates[objective][1] !== null) {
-            const [, low, high] = designs[i].estimates[objective];
-            text += ` (${short(low)} to ${short(high)})`;
-          }
-          row.append(node("td", {}, text));
-        });
-        body.append(row);
-      }
-      return node("div", { class: "scroll" }, node("table", {}, node("thead", {}, head), body));
+// Main effects.
+{
+  let objective = Math.max(0, objectives.findIndex((one) => one.sense !== 0));
+  const made = section(pair, "Main effects", "Mean over all missions at each level of a factor.");
+  const redraw = chart(made, () => {
+    const picture = frame(520, 300);
+    const levels = factors.map((_, i) => levelsOf(i));
+    const means = levels.map((own, i) => own.map((level) => pooled(designs.filter((one) => level.has(one.values[i])), objective)));
+    const range = extent(means.flat());
+    const y = scale(range, 225, 20);
+    const width = 450 / factors.length;
+    for (const value of ticks(range)) {
+      picture.append(node("line", { class: "axis", x1: 60, x2: 515, y1: y(value), y2: y(value) }), node("text", { x: 54, y: y(value) + 4, "text-anchor": "end" }, short(value)));
+    }
+    levels.forEach((own, i) => {
+      const x = (j) => 60 + i * width + ((j + 0.5) / own.length) * width;
+      const points = means[i].map((mean, j) => (mean === null ? null : [x(j), y(mean)])).filter(Boolean);
+      picture.append(node("path", { d: "M" + points.map((point) => point.join(",")).join("L"), fill: "none", stroke: "var(--undecided)", "stroke-width": 2 }));
+      points.forEach(([cx, cy]) => picture.append(node("circle", { cx, cy, r: 4, fill: "var(--undecided)" })));
+      own.forEach((level, j) => picture.append(node("text", { x: x(j), y: 245, "text-anchor": "end", transform: `rotate(-30 ${x(j)} 245)` }, level.name)));
+      picture.append(node("text", { x: 60 + (i + 0.5) * width, y: 12, "text-anchor": "middle" }, factors[i].split(".").slice(-2).join(".")));
     });
-  }
+    return picture;
+  });
+  selector(made, "of", objectives.map(titled), objective, (value) => ((objective = value), redraw()));
+}
 
-  // What was flown.
-  {
-    const made = section(main, "What was flown");
-    const body = node("tbody");
-    for (const [name, value] of Object.entries(study.provenance)) body.append(node("tr", {}, node("th", {}, name), node("td", { class: "left" }, node("code", {}, value))));
-    made.append(node("table", {}, body));
-  }
+// Parallel coordinates.
+{
+  const made = section(pair, "Parallel coordinates", "A line for each design through its factors and means.");
+  const columns = [
+    ...factors.map((name, i) => ({ name: name.split(".").slice(-2).join("."), value: (one) => one.values[i] })),
+    ...objectives.map((one, i) => ({ name: one.label, value: (design) => design.estimates[i][0] })),
+  ];
+  chart(made, () => {
+    const picture = frame(520, 300);
+    const x = (i) => 50 + (i * 420) / Math.max(1, columns.length - 1);
+    const scales = columns.map(({ value }) => {
+      const values = designs.map(value);
+      if (values.every((one) => typeof one === "number" || one === null)) {
+        const range = extent(values);
+        return { at: scale(range, 260, 30), names: [Math.min(...values.filter((one) => one !== null)), Math.max(...values.filter((one) => one !== null))] };
+      }
+      const words = [...new Set(values)];
+      return { at: (one) => 260 - (230 * (words.indexOf(one) + 0.5)) / words.length, names: words };
+    });
+    const order = designs.map((_, i) => i).sort((a, b) => (a === chosen) - (b === chosen) || (designs[a].front === "on") - (designs[b].front === "on"));
+    for (const i of order) {
+      const points = columns.map(({ value }, j) => [value(designs[i]), j]).filter(([value]) => value !== null);
+      const line = "M" + points.map(([value, j]) => `${x(j)},${scales[j].at(value)}`).join("L");
+      const loud = i === chosen || designs[i].front === "on";
+      picture.append(mark(i, "path", { d: line, fill: "none", stroke: colour(i), "stroke-opacity": loud ? 1 : 0.35, "stroke-width": loud ? 2 : 1.2 }));
+    }
+    columns.forEach(({ name }, i) => {
+      picture.append(node("line", { class: "axis", x1: x(i), x2: x(i), y1: 30, y2: 260 }), node("text", { x: x(i), y: i % 2 ? 294 : 280, "text-anchor": "middle" }, name));
+      for (const value of scales[i].names) picture.append(node("text", { x: x(i) + 4, y: scales[i].at(value) + 4 }, short(value)));
+    });
+    return picture;
+  });
+}
 
-  // The chosen design.
-  {
-    const panel = node("div", { id: "chosen" });
-    main.append(panel);
-    redraws.push(() => {
-      panel.hidden = chosen < 0;
-      if (chosen < 0) return;
-      const design = designs[chosen];
-      const facts = factors.map((name, i) => `${name} = ${short(design.values[i])}`);
-      const found = objectives.map((one, i) => {
-        const [mean, low, high, count] = design.estimates[i];
-        return `${titled(one)} ${short(mean)}${low === null ? "" : ` (${short(low)} to ${short(high)})`} of ${count}`;
-      });
-      panel.replaceChildren(
-        node("strong", {}, `Design ${chosen}: ${PLACES[design.front] ?? ""}`),
-        node("p", {}, facts.join(", ")),
-        node("p", {}, `${design.missions} missions, ${design.failed} failed, ${design.status}. ${found.join("; ")}`),
+// Distributions.
+if (designs.some((one) => one.flights.length)) {
+  let objective = Math.max(0, objectives.findIndex((one) => !one.share));
+  const made = section(main, "Distributions", "Each dot a mission, designs by their mean; the chosen one is outlined.");
+  const redraw = chart(made, () => {
+    const order = designs.map((_, i) => i).filter((i) => designs[i].estimates[objective][0] !== null)
+      .sort((a, b) => designs[a].estimates[objective][0] - designs[b].estimates[objective][0]);
+    const picture = frame(1080, 260);
+    const values = order.flatMap((i) => designs[i].flights[objective] ?? []);
+    const range = extent(values);
+    const y = scale(range, 235, 15);
+    for (const value of ticks(range)) {
+      picture.append(node("line", { class: "axis", x1: 60, x2: 1070, y1: y(value), y2: y(value) }), node("text", { x: 54, y: y(value) + 4, "text-anchor": "end" }, short(value)));
+    }
+    const width = 1010 / Math.max(1, order.length);
+    order.forEach((i, place) => {
+      const middle = 60 + (place + 0.5) * width;
+      const dots = (designs[i].flights[objective] ?? []).filter((one) => one !== null);
+      const path = dots.map((one, j) => `M${middle + (((j * 0.618) % 1) - 0.5) * width * 0.6},${y(one)}h0`).join("");
+      picture.append(
+        node("path", { d: path, stroke: colour(i), "stroke-opacity": 0.5, "stroke-width": 4, "stroke-linecap": "round" }),
+        mark(i, "rect", { x: middle - width / 2, y: 15, width, height: 220, fill: "transparent" }),
       );
-      if (design.command) panel.append(node("p", {}, "Its first mission again, with pictures and all results:"), node("code", {}, design.command));
-      if (design.replay) panel.append(node("p", {}, node("a", { href: design.replay }, "See it fly"), " (made when this report was written)"));
-      else if (design.command) panel.append(node("p", {}, "Then `mebots report` on that folder makes a page to see it fly; the study's next `mebots sweep`, which flies nothing again, links it here."));
     });
-  }
-  redraws.forEach((redraw) => redraw());
-})();
+    return picture;
+  });
+  selector(made, "of", objectives.map(titled), objective, (value) => ((objective = value), redraw()));
+}
+
+// All designs.
+{
+  const made = section(main, "Designs");
+  let [by, sign] = [-1, 1];
+  const columns = [
+    ["design", (i) => i],
+    ...factors.map((name, f) => [name, (i) => designs[i].values[f]]),
+    ["missions", (i) => designs[i].missions],
+    ...objectives.map((one, o) => [titled(one), (i) => designs[i].estimates[o][0]]),
+    ["status", (i) => designs[i].status],
+    ["front", (i) => designs[i].front],
+  ];
+  const redraw = chart(made, () => {
+    const order = designs.map((_, i) => i);
+    if (by >= 0) {
+      const value = columns[by][1];
+      order.sort((a, b) => sign * (value(a) === value(b) ? 0 : value(a) === null ? 1 : value(b) === null ? -1 : value(a) < value(b) ? -1 : 1));
+    }
+    const head = node("tr");
+    columns.forEach(([name], i) => head.append(node("th", { onclick: () => ((sign = by === i ? -sign : 1), (by = i), redraw()) }, name)));
+    const body = node("tbody");
+    for (const i of order) {
+      const row = node("tr", { class: i === chosen ? "chosen" : "", onclick: () => choose(i) });
+      columns.forEach(([name, value]) => {
+        const objective = objectives.findIndex((one) => titled(one) === name);
+        let text = short(value(i));
+        if (objective >= 0 && designs[i].estimates[objective][1] !== null) {
+          const [, low, high] = designs[i].estimates[objective];
+          text += ` (${short(low)} to ${short(high)})`;
+        }
+        row.append(node("td", {}, text));
+      });
+      body.append(row);
+    }
+    return node("div", { class: "scroll" }, node("table", {}, node("thead", {}, head), body));
+  });
+}
+
+showProvenance();
+
+// The chosen design.
+{
+  const panel = node("div", { id: "chosen" });
+  main.append(panel);
+  redraws.push(() => {
+    panel.hidden = chosen < 0;
+    if (chosen < 0) return;
+    const design = designs[chosen];
+    const facts = factors.map((name, i) => `${name} = ${short(design.values[i])}`);
+    const found = objectives.map((one, i) => {
+      const [mean, low, high, count] = design.estimates[i];
+      return `${titled(one)} ${short(mean)}${low === null ? "" : ` (${short(low)} to ${short(high)})`} of ${count}`;
+    });
+    panel.replaceChildren(
+      node("strong", {}, `Design ${chosen}: ${PLACES[design.front] ?? ""}`),
+      node("p", {}, facts.join(", ")),
+      node("p", {}, `${design.missions} missions, ${design.failed} failed, ${design.status}. ${found.join("; ")}`),
+    );
+    if (design.command) panel.append(node("p", {}, "Its first mission again, with pictures and all results:"), node("code", {}, design.command));
+    if (design.replay) panel.append(node("p", {}, node("a", { href: design.replay }, "See it fly"), " (made when this report was written)"));
+    else if (design.command) panel.append(node("p", {}, "Then `mebots report` on that folder makes a page to see it fly; the study's next `mebots sweep`, which flies nothing again, links it here."));
+  });
+}
+redraws.forEach((redraw) => redraw());

@@ -8,6 +8,8 @@ missions of N that reached level k, the estimate is the product of r_k/N. Its ex
 any levels and any N; how far it spreads depends on both. So several estimates are made independently of each other, and
 their mean has Student's interval. Nothing is assumed of the missions but that their score comes to a level step by step:
 one that jumps over levels counts for each.
+
+Where a study gives no levels, pilot missions find them.
 """
 
 from __future__ import annotations
@@ -15,20 +17,29 @@ from __future__ import annotations
 import dataclasses
 import math
 import pathlib
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
-from mebots.exploration import chance, columns, tables
+from mebots.exploration import chance, columns, rare_report, tables
 from mebots.exploration.answers import Moments, student
-from mebots.exploration.journal import Journal
+from mebots.exploration.journal import Journal, Record
 from mebots.exploration.missions import Course, Order, Turn
-from mebots.exploration.study import Study, Values
+from mebots.exploration.study import Splitting, Study, Values
 
 if TYPE_CHECKING:
     from mebots.exploration.campaign import Campaign
 
-Way = tuple[int, Course]
-"""Of a mission: the number of its draws, and where it turned away from others."""
+Bring = Callable[[list[Order]], Journal]
+"""Takes orders into a journal, which it returns."""
+
+
+@dataclasses.dataclass(frozen=True)
+class Way:
+    """Of a mission: the number of its draws, where it turned away from others, and when it did [s]."""
+
+    draw: int
+    course: Course = ()
+    times_s: tuple[float, ...] = ()
 
 
 @dataclasses.dataclass
@@ -37,6 +48,7 @@ class Estimate:
 
     design: int
     run: int
+    levels: tuple[float, ...]
     ways: list[Way] = dataclasses.field(default_factory=list)
     reached: list[int] = dataclasses.field(default_factory=list)
     flown: int = 0
@@ -44,62 +56,93 @@ class Estimate:
     simulated_s: list[float] = dataclasses.field(default_factory=list)
 
     def probability(self, study: Study) -> float:
-        assert study.splitting is not None
-        if len(self.reached) < len(study.splitting.levels):
+        if len(self.reached) < len(self.levels):
             return 0.0  # nobody was left on the way
-        return math.prod(count / study.splitting.missions for count in self.reached)
+        return math.prod(count / study.rare.missions for count in self.reached)
+
+    def count(self, record: Record) -> None:
+        self.flown += 1
+        self.failed += bool(record["error"])
+        self.simulated_s.append(record.get("simulated_time", 0.0))
 
 
-def fly(campaign: Campaign, folder: pathlib.Path, bring: Any) -> tuple[int, int]:
-    """Flies level by level, and writes levels.csv and designs.csv. Returns how many missions there were, and how many of
-    them failed. ``bring`` takes a list of orders into a journal, which it returns."""
+def fly(campaign: Campaign, folder: pathlib.Path, bring: Bring) -> tuple[int, int]:
+    """Flies level by level, and writes levels.csv, designs.csv and report.html. Returns how many missions there were,
+    and how many of them failed."""
     study = campaign.study
-    splitting = study.splitting
-    assert splitting is not None
+    pilots = [Estimate(design, study.replicates, ()) for design in range(len(campaign.designs))]
+    answered = True
+    if not study.rare.levels:
+        answered = _find_levels(campaign, pilots, bring)
     estimates = [
-        Estimate(design, run) for design in range(len(campaign.designs)) for run in range(study.replicates)
+        Estimate(pilot.design, run, study.rare.levels or pilot.levels)
+        for pilot in pilots
+        for run in range(study.replicates)
     ]
-    for number in range(len(splitting.levels)):
-        flights = [
-            (estimate, way, _order(campaign, estimate, way, number))
-            for estimate in estimates
-            for way in _ways(study, estimate, number)
-        ]
-        journal: Journal = bring([order for _, _, order in flights])
-        for estimate in {id(one): one for one, _, _ in flights}.values():
-            estimate.ways = []
-            estimate.reached.append(0)
-        for estimate, way, order in flights:
-            _count(estimate, way, journal.find(order["mission"]))
-        journal.sync()
-        most = study.most_failures
-        if most is not None and sum(one.failed for one in estimates) >= most:
-            _write(campaign, folder, estimates, answered=False)
+    everybody = estimates if study.rare.levels else [*pilots, *estimates]
+    for number in range(max(len(one.levels) for one in estimates) if answered else 0):
+        _fly_level(campaign, [one for one in estimates if number < len(one.levels)], number, bring)
+        if _too_many(study, everybody):
+            answered = False
             break
-    else:
-        _write(campaign, folder, estimates, answered=True)
-    return sum(one.flown for one in estimates), sum(one.failed for one in estimates)
+    _write(campaign, folder, everybody, answered=answered)
+    return sum(one.flown for one in everybody), sum(one.failed for one in everybody)
+
+
+def most_missions(study: Study) -> int:
+    """Of one design."""
+    if study.rare.levels:
+        return study.replicates * len(study.rare.levels) * study.rare.missions
+    return (study.replicates + 1) * MOST_LEVELS * study.rare.missions
 
 
 def trial_course(study: Study) -> Course:
     """What a check at t = 0 tries."""
-    assert study.splitting is not None
-    return (Turn(_place(study, 0), _writes(study, 1, 0)),)
+    return (Turn(_place(study.rare, study.rare.goal), _writes(study, 1, 0)),)
 
 
-def _place(study: Study, number: int) -> Values:
-    splitting = study.splitting
-    assert splitting is not None
-    return {"score": [splitting.score, splitting.sign], "level": splitting.levels[number]}
+def _too_many(study: Study, estimates: Sequence[Estimate]) -> bool:
+    return study.most_failures is not None and sum(one.failed for one in estimates) >= study.most_failures
+
+
+def _fly_level(campaign: Campaign, estimates: Sequence[Estimate], number: int, bring: Bring) -> None:
+    for estimate, flown in _flown_to(campaign, estimates, lambda one: one.levels[number], number, bring):
+        estimate.ways = []
+        for way, record in flown:
+            if record["outcome"] == "reached":
+                estimate.ways.append(dataclasses.replace(way, times_s=(*way.times_s, record["time"])))
+        estimate.reached.append(len(estimate.ways))
+
+
+def _flown_to(
+    campaign: Campaign, estimates: Sequence[Estimate], level: Callable[[Estimate], float], number: int, bring: Bring
+) -> list[tuple[Estimate, list[tuple[Way, Record]]]]:
+    """The missions from one level to the next of each estimate, with what came of them."""
+    study = campaign.study
+    flights = [(one, [(way, _order(campaign, one, way, level(one))) for way in _ways(study, one, number)]) for one in estimates]
+    journal = bring([order for _, own in flights for _, order in own])
+    result = []
+    for estimate, own in flights:
+        flown = []
+        for way, order in own:
+            record = journal.find(order["mission"])
+            assert record is not None
+            estimate.count(record)
+            flown.append((way, record))
+        result.append((estimate, flown))
+    journal.sync()
+    return result
+
+
+def _place(splitting: Splitting, level: float) -> Values:
+    return {"score": [splitting.score, splitting.sign], "level": level}
 
 
 def _ways(study: Study, estimate: Estimate, number: int) -> Iterator[Way]:
     """To the next level: from t = 0, or from all missions that reached the one before."""
-    splitting = study.splitting
-    assert splitting is not None
-    count, first = splitting.missions, estimate.run * splitting.missions
+    count, first = study.rare.missions, estimate.run * study.rare.missions
     if number == 0:
-        yield from ((first + index, ()) for index in range(count))
+        yield from (Way(first + index) for index in range(count))
         return
     parents = estimate.ways
     if not parents:
@@ -108,68 +151,136 @@ def _ways(study: Study, estimate: Estimate, number: int) -> Iterator[Way]:
     lot = f"lot/{estimate.design}/{estimate.run}/{number}"
     order = sorted(range(len(parents)), key=lambda parent: chance.unit(study.draws_seed, lot, parent))
     lucky = set(order[:rest])
+    place = _place(study.rare, estimate.levels[number - 1])
     index = first
-    for parent, (draw, course) in enumerate(parents):
+    for parent, way in enumerate(parents):
         for _ in range(each + (parent in lucky)):
-            yield draw, (*course, Turn(_place(study, number - 1), _writes(study, number, index)))
+            yield dataclasses.replace(way, course=(*way.course, Turn(place, _writes(study, number, index))))
             index += 1
 
 
 def _writes(study: Study, number: int, index: int) -> Values:
     """The draws that are made anew at a level."""
-    assert study.splitting is not None
     return {
         name: chance.value(study.draws[name], chance.unit(study.draws_seed, f"{name}/level {number}", index))
-        for name in study.splitting.reseed
+        for name in study.rare.reseed
     }
 
 
-def _order(campaign: Campaign, estimate: Estimate, way: Way, number: int) -> Order:
-    draw, course = way
-    return campaign.missions.order_until(_place(campaign.study, number), campaign.values((estimate.design, draw)), course)
+def _order(campaign: Campaign, estimate: Estimate, way: Way, level: float) -> Order:
+    values = campaign.values((estimate.design, way.draw))
+    return campaign.missions.order_until(_place(campaign.study.rare, level), values, way.course)
 
 
-def _count(estimate: Estimate, way: Way, record: dict[str, Any] | None) -> None:
-    assert record is not None
-    estimate.flown += 1
-    estimate.failed += bool(record["error"])
-    estimate.simulated_s.append(record.get("simulated_time", 0.0))
-    if record["outcome"] == "reached":
-        estimate.reached[-1] += 1
-        estimate.ways.append(way)
+# Levels that nobody gave.
+
+SHARE = 0.2
+"""Of the missions that start for a level, those that are to reach it: with fixed effort the work for an error is least
+where a fifth does (Lagnoux 2006, Probability in the Engineering and Informational Sciences 20, 45)."""
+MOST_LEVELS = 20
+"""A fifth of a fifth and so on: 1e-14."""
+
+
+def _find_levels(campaign: Campaign, pilots: list[Estimate], bring: Bring) -> bool:
+    """Pilot missions of each design fly on to their end or to the goal; the next level is what the best fifth of them came
+    to (adaptive multilevel splitting: Cérou, Guyader 2007), and these are its entrances. What they find decides nothing
+    but the levels: estimates fly with chance of their own, so that levels that suit the pilots by luck bias nothing.
+    False when too many missions failed."""
+    goal = campaign.study.rare.goal
+    flying = pilots
+    while flying:
+        number = len(flying[0].levels)
+        for pilot, flown in _flown_to(campaign, flying, lambda one: goal, number, bring):
+            _set_level(campaign.study.rare, pilot, flown)
+        if _too_many(campaign.study, pilots):
+            return False
+        flying = [pilot for pilot in flying if pilot.levels[-1] != goal]
+    return True
+
+
+def _set_level(splitting: Splitting, pilot: Estimate, flown: list[tuple[Way, Record]]) -> None:
+    sound = [(way, record) for way, record in flown if not record["error"]]
+    bests = [splitting.sign * record["best"] for _, record in sound]
+    floor = splitting.sign * pilot.levels[-1] if pilot.levels else None
+    level = splitting.sign * next_level(bests, floor, splitting.sign * splitting.goal, len(pilot.levels))
+    entrances = [(way, record) for way, record in sound if splitting.sign * record["best"] >= splitting.sign * level]
+    pilot.levels += (level,)
+    pilot.ways = [way for way, _ in entrances]
+    pilot.reached.append(len(entrances))
+    if level != splitting.goal:
+        # Nobody kept the state at a level that was not known: each is flown to it once more, at most as long as before.
+        pilot.simulated_s += [record["simulated_time"] for _, record in entrances]
+
+
+def next_level(bests: Sequence[float], floor: float | None, goal: float, found: int) -> float:
+    """Where the best fifth of missions came, that set out from ``floor`` (None: from the start). The goal, where these come
+    to it, where none came any further, or where ``found`` levels are enough."""
+    if not bests or found + 1 >= MOST_LEVELS:
+        return goal
+    beyond = min(bests) if floor is None else floor
+    ranked = sorted(bests, reverse=True)
+    level = ranked[max(1, round(SHARE * len(ranked))) - 1]
+    if level <= beyond:  # ties: most stayed where they were
+        level = min((best for best in bests if best > beyond), default=goal)
+    return min(level, goal)
+
+
+# What came of it.
 
 
 def _write(campaign: Campaign, folder: pathlib.Path, estimates: list[Estimate], *, answered: bool) -> None:
     """Without an answer where too many missions had failed on the way to the last level."""
     study = campaign.study
-    splitting = study.splitting
-    assert splitting is not None
     levels = [["design", "estimate", "level", "missions", "reached"]]
     for one in estimates:
-        for level, reached in zip(splitting.levels, one.reached, strict=False):
-            levels.append([str(one.design), str(one.run), tables.cell(level), str(splitting.missions), str(reached)])
+        name = "pilot" if one.run == study.replicates else str(one.run)
+        for level, reached in zip(one.levels, one.reached, strict=False):
+            levels.append([str(one.design), name, tables.cell(level), str(study.rare.missions), str(reached)])
     tables.write(folder / "levels.csv", levels)
     rows = [
         ["design", *campaign.factors, "estimates", "missions", "failed", "simulated_time [s]"]
         + ["probability", "probability: low", "probability: high", "relative_error"]
     ]
+    told = []
     for design, values in enumerate(campaign.designs):
         own = [one for one in estimates if one.design == design]
+        counted = [one for one in own if one.run < study.replicates]
+        answer = _answer(study, counted) if answered else [None] * 4
+        missions = sum(one.flown for one in own)
+        simulated_s = math.fsum(time_s for one in own for time_s in one.simulated_s)
         rows.append(
-            [str(design), *(tables.cell(values[name]) for name in campaign.factors), str(len(own))]
-            + [str(sum(one.flown for one in own)), str(sum(one.failed for one in own))]
-            + [tables.cell(math.fsum(time_s for one in own for time_s in one.simulated_s))]
-            + (_answer(study, own) if answered else [""] * 4)
+            [str(design), *(tables.cell(values[name]) for name in campaign.factors), str(study.replicates), str(missions)]
+            + [str(sum(one.failed for one in own)), tables.cell(simulated_s), *map(tables.cell, answer)]
         )
+        told.append(rare_report.Design(
+            values=[values[name] for name in campaign.factors], missions=missions, failed=sum(one.failed for one in own),
+            simulated_s=simulated_s, answer=answer, levels=list(counted[0].levels), reached=[one.reached for one in counted],
+            command=_write_replay(campaign, folder, design, counted)))
     tables.write(folder / "designs.csv", rows)
     columns.write(folder)
+    rare_report.write(folder / "report.html", study, campaign.factors, told, campaign.provenance())
 
 
-def _answer(study: Study, estimates: list[Estimate]) -> list[str]:
+def _answer(study: Study, estimates: list[Estimate]) -> list[float | None]:
     """Mean, its interval, and its standard error as a share of it."""
     moments = Moments()
     for one in estimates:
         moments.add(one.probability(study))
     low, high = student(moments, study.error)
     relative = moments.deviation / math.sqrt(moments.count) / moments.mean if moments.mean > 0 and moments.count > 1 else None
-    return [tables.cell(moments.mean), tables.cell(max(low, 0.0)), tables.cell(min(high, 1.0)), tables.cell(relative)]
+    return [moments.mean, max(low, 0.0), min(high, 1.0), relative]
+
+
+def _write_replay(campaign: Campaign, folder: pathlib.Path, design: int, estimates: list[Estimate]) -> str:
+    """A scenario with which a single run does what the first mission did that reached the last level. Returns the
+    command; "" where none did."""
+    way = next((way for one in estimates if len(one.reached) == len(one.levels) for way in one.ways), None)
+    if way is None:
+        return ""
+    scenario = []
+    for turn, begin_s, end_s in zip(way.course, way.times_s, way.times_s[1:], strict=False):
+        for name, value in turn.writes.items():
+            entry = {"variable": name, "set": value, "from": begin_s}
+            scenario.append(entry | {"until": end_s} if turn is not way.course[-1] else entry)
+    text = f"A mission of design {design} that reached the last level: what was drawn anew on the way"
+    return campaign.missions.replay(campaign.values((design, way.draw)), folder / "rare", f"design_{design}", text, scenario)

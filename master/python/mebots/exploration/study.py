@@ -67,18 +67,16 @@ class Fork:
 
 @dataclasses.dataclass(frozen=True)
 class Splitting:
-    """How likely is it that ``score`` reaches the last of ``levels``: ``missions`` from each level to the next, for one
-    estimate; the draws of ``reseed`` are made anew at each."""
+    """How likely is it that ``score`` reaches ``goal``, upwards (``sign`` +1) or downwards (-1), by ``levels``, of which
+    the goal is the last; none: they are to be found. ``missions`` from each level to the next, for one estimate; the
+    draws of ``reseed`` are made anew at each."""
 
     score: str
     levels: tuple[float, ...]
+    goal: float
+    sign: int
     missions: int
     reseed: tuple[str, ...]
-
-    @property
-    def sign(self) -> int:
-        """+1 for levels that rise, -1 for those that fall."""
-        return 1 if self.levels[-1] >= self.levels[0] else -1
 
 
 @dataclasses.dataclass(frozen=True)
@@ -106,6 +104,12 @@ class Study:
 
     def objective(self, label: str) -> Objective:
         return next(one for one in self.objectives if one.label == label)
+
+    @property
+    def rare(self) -> Splitting:
+        """Of a study of a rare event."""
+        assert self.splitting is not None
+        return self.splitting
 
     @property
     def looks(self) -> bool:
@@ -158,8 +162,10 @@ def _fork(content: dict[str, Any]) -> Fork:
 
 
 def _splitting(content: dict[str, Any]) -> Splitting:
-    levels = tuple(float(level) for level in content["levels"])
-    return Splitting(content["score"], levels, content["missions"], tuple(content["reseed"]))
+    levels = tuple(float(level) for level in content.get("levels", ()))
+    goal = levels[-1] if levels else float(content.get("above", content.get("below")))
+    rises = levels[-1] >= levels[0] if levels else "above" in content
+    return Splitting(content["score"], levels, goal, 1 if rises else -1, content["missions"], tuple(content["reseed"]))
 
 
 def _objective(label: str, content: dict[str, Any]) -> Objective:

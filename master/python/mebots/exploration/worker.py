@@ -122,11 +122,13 @@ class Worker:
         self._follow(mission, order)
         mission.start()
         begun_s = mission.time
-        reached = _go_to(mission, order["until"])
+        (score, sign), level = order["until"]["score"], order["until"]["level"]
+        best = _best_on_the_way(mission, score, sign, level)
+        reached = sign * best >= sign * level
         if reached and not mission.ended:
             self._pasts.keep(order["keeps"], mission.save_state())
-        record["outcome"] = "reached" if reached else mission.outcome or "failed"
-        record["simulated_time"] = mission.time - begun_s
+        record |= {"outcome": "reached" if reached else mission.outcome or "failed", "best": best,
+                   "simulated_time": mission.time - begun_s, "time": mission.time}
 
     def _fly(self, order: Order, record: dict[str, Any]) -> None:
         mission = self._prepared(order)
@@ -162,11 +164,17 @@ def _go_to(mission: Mission, place: dict[str, Any]) -> bool:
     if "at" in place:
         mission.run_until(place["at"])
         return not mission.ended
-    (name, sign), level = place["score"], place["level"]
-    while sign * mission.value(name) < sign * level:
-        if not mission.step():
-            return False
-    return True
+    (score, sign), level = place["score"], place["level"]
+    return sign * _best_on_the_way(mission, score, sign, level) >= sign * level
+
+
+def _best_on_the_way(mission: Mission, score: str, sign: int, level: float) -> float:
+    """Flies until the score has come to the level, or to the end. Returns the greatest score on the way, or the least for
+    a negative sign."""
+    best = mission.value(score)
+    while sign * best < sign * level and mission.step():
+        best = sign * max(sign * best, sign * mission.value(score))
+    return best
 
 
 def flat(values: dict[str, Any], before: str = "") -> dict[str, Any]:
