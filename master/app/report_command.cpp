@@ -2,31 +2,46 @@
 #include "command.hpp"
 #include "python_program.hpp"
 
+#include "mebots/input_error.hpp"
 #include "report/page.hpp"
+#include "sink/csv_cells.hpp"
 #include "sink/output_file.hpp"
 
 #include <fmt/format.h>
 
 #include <cstdio>
 #include <filesystem>
+#include <limits>
 #include <memory>
+#include <string>
+#include <utility>
 #include <vector>
 
 namespace mebots::app {
 
-namespace report = master::report;
+using namespace mebots::master;
 
-std::filesystem::path write_report(const std::vector<std::filesystem::path>& folders, std::filesystem::path file) {
+namespace {
+
+/// Within the spans `whole` every row of a table stays that is too long for a page.
+std::filesystem::path write_page(const std::vector<std::filesystem::path>& folders, std::filesystem::path file,
+                                 const std::vector<report::TimeSpan>& whole) {
   const auto parts = report::read_page_parts();
   std::vector<report::RunFolder> runs;
   runs.reserve(folders.size());
-  for (const auto& folder : folders) runs.push_back(report::read_run_folder(folder));
+  for (const auto& folder : folders) runs.push_back(report::read_run_folder(folder, whole));
   if (file.empty()) file = folders.front() / "flight.html";
-  master::OutputFile page(file.string() + ".new");
+  OutputFile page(file.string() + ".new");
   page.append(report::make_page(parts, runs));
   page.close();
   page.rename(file);
   return file;
+}
+
+}  // namespace
+
+std::filesystem::path write_report(const std::vector<std::filesystem::path>& folders, std::filesystem::path file) {
+  return write_page(folders, std::move(file), {});
 }
 
 namespace {
@@ -34,14 +49,31 @@ namespace {
 struct PageOptions {
   std::vector<std::filesystem::path> folders;
   std::filesystem::path out;
+  std::vector<std::string> detail;
   std::filesystem::path mcap;
   std::filesystem::path video;
   unsigned frames_per_second = 15;
   double video_speed = 1;
 };
 
+/// "120:130" or "all". JSON has no infinite numbers.
+report::TimeSpan time_span(const std::string& text) {
+  if (text == "all") return {0, std::numeric_limits<double>::max()};
+  const auto colon = text.find(':');
+  const auto from_s = csv_number<double>(text.substr(0, colon));
+  const auto to_s = colon == std::string::npos ? std::nullopt : csv_number<double>(text.substr(colon + 1));
+  if (!from_s || !to_s || !(*from_s <= *to_s)) {
+    throw InputError(
+        ErrorCode::invalid_value,
+        fmt::format("--detail {}: two times are expected, the earlier one first, as in 120:130 [s], or all", text));
+  }
+  return {*from_s, *to_s};
+}
+
 void report_runs(const PageOptions& options) {
-  const auto page = write_report(options.folders, options.out);
+  std::vector<report::TimeSpan> whole;
+  for (const auto& text : options.detail) whole.push_back(time_span(text));
+  const auto page = write_page(options.folders, options.out, whole);
   std::printf("page: %s\n", page.string().c_str());
   if (options.mcap.empty() && options.video.empty()) return;
   std::vector<std::string> words = {options.folders.front().string(), page.string()};
@@ -69,6 +101,11 @@ void add_report(CLI::App& app, Action& action) {
       ->check(not_empty());
   command
       ->add_option(
+          "--detail", options->detail,
+          "FROM:TO [s] or all: of a table too long for a page, every row of this span of time stays; may be repeated")
+      ->allow_extra_args(false);
+  command
+      ->add_option(
           "--mcap", options->mcap,
           "Write the first run as an MCAP file, too, for Foxglove, Lichtblick and PlotJuggler (needs the Python "
           "package mcap)")
@@ -85,6 +122,7 @@ void add_report(CLI::App& app, Action& action) {
       help_footer({"0 the page is written", "1 it is not: no space, or a mebots without pages",
                    "2 a folder is not the results folder of a run, or a program is missing that the film needs"},
                   {"mebots report results/gate_easy", "mebots report results/slow results/fast --out beside.html",
+                   "mebots report results/long --detail 120:130",
                    "mebots report results/gate_easy --mcap flight.mcap --video flight.mp4"}));
   command->callback([options, &action] { action = [options] { return guarded([&] { report_runs(*options); }); }; });
 }

@@ -6,13 +6,16 @@
 #include "report/page.hpp"
 #include "report/payload.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <zlib.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <bit>
 #include <cstdint>
 #include <limits>
+#include <utility>
 
 namespace mebots::test {
 namespace {
@@ -81,6 +84,27 @@ TEST_F(Report, ThinsOutATableThatIsTooLongAndKeepsItsExtremesAndItsEnd) {
   EXPECT_EQ(results.columns[2].values[400], 9);
   EXPECT_EQ(results.columns[2].values[401], -7);
   EXPECT_EQ(results.columns[2].values[402], 1);
+}
+
+TEST_F(Report, EveryRowOfAChosenSpanStays) {
+  std::string text = "time [s],a.x [m]\n";
+  const std::size_t rows = 2 * ResultTable::kMostValues;
+  for (std::size_t row = 0; row < rows; ++row) text += fmt::format("{},{}\n", row, row % 7);
+  const auto results = read_results(table(text), {{1000.5, 1100}, {500000, 500003}});
+  const auto& times = results.columns[0].values;
+  const auto& values = results.columns[1].values;
+  EXPECT_LT(times.size(), ResultTable::kMostValues);
+  EXPECT_TRUE(std::ranges::is_sorted(times));
+  EXPECT_EQ(times.front(), 0);
+  EXPECT_EQ(times.back(), static_cast<double>(rows - 1));
+  for (const auto& [from, to] : {std::pair{1001, 1100}, std::pair{500000, 500003}}) {
+    auto at = static_cast<std::size_t>(std::ranges::lower_bound(times, from) - times.begin());
+    for (int row = from; row <= to; ++row, ++at) {
+      EXPECT_EQ(times[at], row);
+      EXPECT_EQ(values[at], row % 7);
+    }
+    EXPECT_GT(times[at], to);
+  }
 }
 
 TEST_F(Report, ATableThatFitsIsNotThinnedOut) {

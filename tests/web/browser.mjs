@@ -17,7 +17,7 @@ export async function launch(chromium) {
 }
 
 /** Opens a page and waits until it has drawn all. `problems` gets what went wrong, `requests` what was asked for. */
-export async function openUrl(browser, url, { width = 1400, height = 900, dark = false } = {}) {
+export async function openUrl(browser, url, { width = 1400, height = 900, dark = false, touch = false } = {}) {
   const page = await browser.newPage();
   const problems = [];
   const requests = [];
@@ -26,7 +26,7 @@ export async function openUrl(browser, url, { width = 1400, height = 900, dark =
     if (message.type() === "error") problems.push(`console: ${message.text()}`);
   });
   page.on("request", (request) => requests.push(request.url()));
-  await page.setViewport({ width, height, deviceScaleFactor: 1 });
+  await page.setViewport({ width, height, deviceScaleFactor: 1, hasTouch: touch });
   await page.emulateMediaFeatures([{ name: "prefers-color-scheme", value: dark ? "dark" : "light" }]);
   await page.goto(url);
   await page.waitForFunction(() => document.documentElement.dataset.state !== "loading", { timeout: 60000 });

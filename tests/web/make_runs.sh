@@ -9,7 +9,9 @@ mkdir -p "$out"
 "$mebots" run "$configs/gate_easy.json" --stop-time 4 --quiet --set soc.mission.cruise_speed=0.5 --out "$out/fast"
 "$mebots" run "$configs/gate_easy.json" --stop-time 2 --quiet --out "$out/short"
 "$mebots" run "$configs/battery_motors.json" --quiet --statistics --out "$out/system"
+"$mebots" run "$configs/battery_motors.json" --quiet --stop-time 40 --out "$out/long" # too many rows for a page
 "$mebots" report "$out/flight"
+"$mebots" report "$out/long" --detail 20:21
 "$mebots" report "$out/system"
 "$mebots" report "$out/flight" "$out/fast" --out "$out/beside.html"
 "$mebots" report "$out/short" "$out/flight" --out "$out/lengths.html"

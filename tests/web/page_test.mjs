@@ -70,6 +70,14 @@ const tests = {
     }
   },
 
+  async "where the firmware's time goes is told in per cent of it"({ page }) {
+    const panel = await page.evaluateHandle(() => [...document.querySelectorAll(".panel")].find((each) => each.querySelector('[data-variable="soc.state_time.asleep"]')));
+    await setTime(page, 3);
+    const shares = await panel.$$eval(".values b", (cells) => cells.map((cell) => cell.textContent));
+    assert.ok(shares.every((text) => /^[\d.e-]+ %$/.test(text)), shares.join(", "));
+    assert.ok(Math.abs(shares.map((text) => parseFloat(text)).reduce((a, b) => a + b) - 100) < 0.5, shares.join(", "));
+  },
+
   async "mean power over all of the run is energy over time"({ page }) {
     const shown = await page.evaluate(() => {
       const run = globalThis.mebots.runs[0];
@@ -81,6 +89,8 @@ const tests = {
   },
 
   async "dragging on the timeline moves the moment, and the scene with it"({ page }) {
+    await setTime(page, 1.7);
+    await frame(page);
     const before = await page.$eval("#scene", (canvas) => canvas.toDataURL());
     const box = await (await page.$(".track")).boundingBox();
     await page.mouse.move(box.x + 0.2 * box.width, box.y + box.height - 8);
@@ -89,7 +99,7 @@ const tests = {
     await page.mouse.up();
     await frame(page);
     assert.ok(Math.abs((await page.evaluate(() => globalThis.mebots.clock.time)) - 3) < 0.05);
-    assert.notEqual(await page.$eval("#scene", (canvas) => canvas.toDataURL()), before);
+    assert.ok((await page.$eval("#scene", (canvas) => canvas.toDataURL())) !== before, "the scene stands still");
   },
 
   async "keys play, step by row, and choose the camera"({ page }) {
@@ -165,6 +175,49 @@ const tests = {
     await page.keyboard.up("Control");
     await frame(page);
     assert.ok((await span()) < before);
+  },
+};
+
+const phoneTests = {
+  "the scene and every plot have drawn pixels": tests["the scene and every plot have drawn pixels"],
+
+  async "two fingers that part look closer at what lies between them"({ page }) {
+    await page.evaluate(() => document.querySelector(".panel-stack .u-over").scrollIntoView({ block: "center" }));
+    const box = await (await page.$(".panel-stack .u-over")).boundingBox();
+    const client = await page.createCDPSession();
+    const fingers = (apart) => [-1, 1].map((side, id) => ({ id, x: box.x + box.width * (0.5 + side * apart), y: box.y + box.height / 2 }));
+    await client.send("Input.dispatchTouchEvent", { type: "touchStart", touchPoints: fingers(0.1) });
+    for (const apart of [0.15, 0.2, 0.3]) await client.send("Input.dispatchTouchEvent", { type: "touchMove", touchPoints: fingers(apart) });
+    await client.send("Input.dispatchTouchEvent", { type: "touchEnd", touchPoints: [] });
+    await frame(page);
+    const [from, to] = await page.evaluate(() => [globalThis.mebots.span.start, globalThis.mebots.span.stop]);
+    assert.ok(Math.abs((from + to) / 2 - 2) < 0.15, `${from} to ${to}`);
+    assert.ok(Math.abs(to - from - 4 / 3) < 0.2, `${from} to ${to}`);
+    await page.evaluate(() => globalThis.mebots.span.reset());
+  },
+};
+
+const longTests = {
+  async "of a chosen span every row is here, of the rest the extremes"({ page }) {
+    const times = await page.evaluate(() => [...globalThis.mebots.runs[0].times]);
+    const whole = column("long", "time");
+    assert.ok(times.length < whole.length);
+    const within = (list) => list.filter((time) => time >= 20 && time <= 21);
+    assert.deepEqual(within(times), within(whole));
+    const shown = await page.evaluate(() => [...globalThis.mebots.runs[0].values("motors.power")]);
+    const power = column("long", "motors.power");
+    assert.equal(shown[times.indexOf(20.5)], power[whole.indexOf(20.5)]);
+    assert.equal(Math.max(...shown), Math.max(...power));
+  },
+
+  async "who looks closer elsewhere is told how to get every row"({ page }) {
+    const told = async (from, to) => {
+      await page.evaluate((a, b) => globalThis.mebots.span.set(a, b), from, to);
+      return page.$eval(".thin-note", (note) => (note.hidden ? "" : note.textContent));
+    };
+    assert.match(await told(5, 6), /mebots report long --detail 5:6$/);
+    assert.equal(await told(20.2, 20.8), "");
+    assert.equal(await told(0, 40), "");
   },
 };
 
@@ -245,8 +298,8 @@ async function check(browser, file, cases, options) {
 const browser = await launch(chromium);
 try {
   await check(browser, pageOf("flight"), tests);
-  await check(browser, pageOf("flight"), { "the scene and every plot have drawn pixels": tests["the scene and every plot have drawn pixels"] },
-    { width: 390, height: 844, dark: true });
+  await check(browser, pageOf("flight"), phoneTests, { width: 390, height: 844, dark: true, touch: true });
+  await check(browser, pageOf("long"), longTests);
   await check(browser, pageOf("system"), systemTests);
   await check(browser, join(runs, "beside.html"), besideTests);
   await check(browser, join(runs, "lengths.html"), lengthsTests);

@@ -17,6 +17,7 @@ import { makePicture } from "./view/picture";
 import { makeSignals } from "./view/signals";
 import { finalValues, makeStatistics } from "./view/statistics";
 import { makeTabs } from "./view/tabs";
+import { makeThinNote } from "./view/thin";
 import { makeTimeline, nextSpeed } from "./view/timeline";
 import { Window as Span } from "./view/window";
 
@@ -41,6 +42,7 @@ async function main(): Promise<void> {
     panels.prepend(panel);
     panel.scrollIntoView({ block: "nearest" });
   };
+  panels.append(makeThinNote(run, span));
   for (const info of run.panels) panels.append(makePanel(info, runs, clock, span));
   const tabs = makeTabs([
     ...(runs.length > 1 ? [{ name: "Runs", content: () => makeComparison(runs) }] : []),
@@ -127,7 +129,7 @@ const KEYS: [string, string][] = [
   ["home, end", "begin, end"],
   ["+ \u2212", "faster, slower"],
   [LOOKS.map((_, i) => i + 1).join(" "), `camera: ${LOOKS.join(", ")}`],
-  ["ctrl + wheel", "on a plot: look closer; double click or escape: show all"],
+  ["ctrl + wheel, two fingers", "on a plot: look closer; double click or escape: show all"],
   ["/", "search a variable"],
   ["d", "dark or light"],
 ];

@@ -59,6 +59,8 @@ Json column_json(const ResultTable::Column& column, Blocks& blocks) {
 Json run_json(const RunFolder& run, bool with_pictures, Blocks& blocks) {
   Json json = {{"name", run.name},           {"system", run.system},     {"summary", run.summary},  {"log", run.log},
                {"texts", run.results.texts}, {"rows", run.results.rows}, {"span", run.results.span}};
+  json["whole"] = Json::array();
+  for (const auto& [from_s, to_s] : run.results.whole) json["whole"].push_back({from_s, to_s});
   json["kept"] = run.results.columns.front().values.size();
   for (const auto& column : run.results.columns) json["columns"].push_back(column_json(column, blocks));
   json["scene"] =

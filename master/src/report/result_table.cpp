@@ -66,7 +66,7 @@ std::size_t ResultTable::span_of(std::size_t rows, std::size_t columns) {
   return numbers <= kMostValues ? 1 : (2 * numbers + kMostValues - 1) / kMostValues;  // of a span two rows stay
 }
 
-ResultTable read_results(const std::filesystem::path& file) {
+ResultTable read_results(const std::filesystem::path& file, const std::vector<TimeSpan>& whole) {
   const auto content = input_text(file);
   const auto text = whole_lines(content);
   ResultTable table;
@@ -74,6 +74,7 @@ ResultTable read_results(const std::filesystem::path& file) {
   table.columns = read_header(cells, file.string());
   const auto width = table.columns.size();
   table.span = ResultTable::span_of(rows_of(text), width);
+  table.whole = whole;
   Thinner thinner(width, table.span);
   std::vector<bool> is_text(width, false);
   std::vector<double> row(width);
@@ -89,7 +90,11 @@ ResultTable read_results(const std::filesystem::path& file) {
       if (!value) is_text[i] = true;
       row[i] = value.value_or(0);
     }
-    thinner.add(row);
+    if (std::ranges::any_of(whole, [&](const TimeSpan& span) { return span.holds(row[0]); })) {
+      thinner.keep(row);
+    } else {
+      thinner.add(row);
+    }
   }
   thinner.finish();
   for (std::size_t i = 0; i < width; ++i) table.columns[i].values = std::move(thinner.values()[i]);

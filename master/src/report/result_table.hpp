@@ -8,6 +8,14 @@
 
 namespace mebots::master::report {
 
+/// A span of simulated time, both ends included.
+struct TimeSpan {
+  double from_s = 0;
+  double to_s = 0;
+
+  bool holds(double time_s) const { return from_s <= time_s && time_s <= to_s; }
+};
+
 /// What results.csv holds, column by column.
 struct ResultTable {
   struct Column {
@@ -19,6 +27,7 @@ struct ResultTable {
   std::vector<std::string> texts;  ///< names of columns that hold texts, which are left out
   std::size_t rows = 0;            ///< in the file
   std::size_t span = 1;            ///< how many of them a Thinner made two of
+  std::vector<TimeSpan> whole;     ///< where it left every row as it is
 
   /// Numbers that a page holds at most, so that it stays one that people send to each other. A longer table is thinned
   /// out.
@@ -27,8 +36,8 @@ struct ResultTable {
   static std::size_t span_of(std::size_t rows, std::size_t columns);
 };
 
-/// Reads results.csv. A last line that is cut off, of a run that was killed, is left out. Throws InputError for a file
-/// that is no such table.
-ResultTable read_results(const std::filesystem::path& file);
+/// Reads results.csv; every row stays within the spans `whole`, however long the table is. A last line that is cut off,
+/// of a run that was killed, is left out. Throws InputError for a file that is no such table.
+ResultTable read_results(const std::filesystem::path& file, const std::vector<TimeSpan>& whole = {});
 
 }  // namespace mebots::master::report

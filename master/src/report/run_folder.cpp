@@ -87,7 +87,7 @@ RunFolder read_side_files(const fs::path& folder) {
   return run;
 }
 
-RunFolder read_run_folder(const fs::path& folder) {
+RunFolder read_run_folder(const fs::path& folder, const std::vector<TimeSpan>& whole) {
   const auto results = folder / "results.csv";
   if (!fs::is_directory(folder)) {
     throw InputError(
@@ -105,7 +105,7 @@ RunFolder read_run_folder(const fs::path& folder) {
   run.pictures = read_pictures(folder);
   const auto plain = fs::absolute(folder).lexically_normal();
   run.name = plain.has_filename() ? plain.filename().string() : plain.parent_path().filename().string();
-  run.results = read_results(results);
+  run.results = read_results(results, whole);
   run.system = read_json(folder / kSystemFile);
   run.summary = read_json(folder / "summary.json");
   if (fs::exists(folder / "log.txt")) run.log = input_text(folder / "log.txt");

@@ -44,7 +44,8 @@ std::vector<PictureSeries> read_pictures(const std::filesystem::path& folder, st
 /// way. Throws InputError for files that are damaged.
 RunFolder read_side_files(const std::filesystem::path& folder);
 
-/// Reads a results folder. Throws InputError for a folder that is none, and for files in it that are damaged.
-RunFolder read_run_folder(const std::filesystem::path& folder);
+/// Reads a results folder; within the spans `whole` every row of its table stays. Throws InputError for a folder that
+/// is none, and for files in it that are damaged.
+RunFolder read_run_folder(const std::filesystem::path& folder, const std::vector<TimeSpan>& whole = {});
 
 }  // namespace mebots::master::report

@@ -14,15 +14,18 @@ Thinner::Thinner(std::size_t columns, std::size_t span)
 
 void Thinner::add(std::span<const double> row) {
   MEBOTS_ASSERT(row.size() == values_.size());
-  if (span_ == 1) {
-    for (std::size_t i = 0; i < row.size(); ++i) values_[i].push_back(row[i]);
-    return;
-  }
+  if (span_ == 1) return keep(row);
   for (std::size_t i = 0; i < row.size(); ++i) {
     if (rows_ == 0 || row[i] < least_[i].value) least_[i] = {row[i], rows_};
     if (rows_ == 0 || row[i] > greatest_[i].value) greatest_[i] = {row[i], rows_};
   }
   if (++rows_ == span_) finish();
+}
+
+void Thinner::keep(std::span<const double> row) {
+  MEBOTS_ASSERT(row.size() == values_.size());
+  finish();
+  for (std::size_t i = 0; i < row.size(); ++i) values_[i].push_back(row[i]);
 }
 
 void Thinner::finish() {

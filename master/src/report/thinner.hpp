@@ -16,6 +16,8 @@ class Thinner {
   Thinner(std::size_t columns, std::size_t span);
 
   void add(std::span<const double> row);
+  /// A row that stays as it is; the open span ends before it.
+  void keep(std::span<const double> row);
   /// What is left over is a shorter span.
   void finish();
 

@@ -32,5 +32,7 @@ export function readMessages(log: string): Message[] {
 
 /** What happened, without when and where that the mark's place says already. */
 export function shortText(message: Message): string {
-  return message.text.replace(/^t = [\d.]+ s(, at \([^)]*\) m)?: /, "");
+  const text = message.text.replace(/^t = [\d.]+ s(, at \([^)]*\) m)?: /, "");
+  const said = /^([\d.]+) s /.exec(text); // firmware that prints its own clock
+  return said && message.time !== null && Math.abs(Number(said[1]) - message.time) < 0.01 ? text.slice(said[0].length) : text;
 }

@@ -59,6 +59,7 @@ export interface RunHeader {
   texts: string[];
   rows: number;
   span: number; // of so many rows two are here
+  whole: [number, number][]; // but all of them within these times
   kept: number;
   columns: { name: string; unit: string; still?: number; block?: Place }[];
   scene: Place | null;

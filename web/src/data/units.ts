@@ -5,11 +5,15 @@ const PREFIXED = new Set(["W", "J", "V", "A", "N", "N.m", "Hz", "Pa", "C", "F", 
 const PREFIXES: [number, string][] = [
   [1e9, "G"], [1e6, "M"], [1e3, "k"], [1, ""], [1e-3, "m"], [1e-6, "µ"], [1e-9, "n"],
 ];
-const RATES: Record<string, string> = { J: "W", s: "1", m: "m/s", rad: "rad/s", "m/s": "m/s2", C: "A", "1": "1/s", "-": "1/s" };
+/** Of what lasted so long in so long a time. */
+export const SHARE = "s/s";
+
+const RATES: Record<string, string> = { J: "W", s: SHARE, m: "m/s", rad: "rad/s", "m/s": "m/s2", C: "A", "1": "1/s", "-": "1/s" };
 
 /** "N.m" as "N·m", "m/s2" as "m/s²"; nothing for a number without a unit. */
 export function shownUnit(unit: string): string {
   if (unit === "-" || unit === "1" || unit === "") return "";
+  if (unit === SHARE) return "%";
   return unit.replaceAll(".", "·").replace(/([a-zA-Z])2\b/g, "$1²").replace(/([a-zA-Z])3\b/g, "$1³");
 }
 
@@ -28,11 +32,13 @@ function digits(value: number): string {
 
 /** The prefix under which a number of this size reads best. */
 export function prefixFor(size: number, unit: string): [number, string] {
+  if (unit === SHARE) return [0.01, ""];
   if (!PREFIXED.has(unit) || !(size > 0)) return [1, ""];
   return PREFIXES.find(([factor]) => size >= 0.9995 * factor) ?? PREFIXES[PREFIXES.length - 1];
 }
 
 export function shown(value: number, unit: string): string {
+  if (unit === SHARE) return `${+(100 * value).toPrecision(3)} %`;
   if (shownUnit(unit) === "" && Number.isInteger(value) && Math.abs(value) < 1e9) return String(value).replace("-", "\u2212");
   const [factor, prefix] = prefixFor(Math.abs(value), unit);
   const text = digits(value / factor);

@@ -13,9 +13,9 @@ export class Path {
   private segments = 0;
 
   constructor(points: Float32Array, plainColour: string | null) {
-    this.ahead = makeLine(2, 0.35);
+    this.ahead = makeLine(2, 0.6);
     this.flown = makeLine(4.5, 1);
-    this.ahead.material.color.set(plainColour ?? "#8a919c");
+    this.ahead.material.color.set(plainColour ?? "#dfe6ee");
     if (plainColour) {
       this.flown.material.color.set(plainColour);
     } else {

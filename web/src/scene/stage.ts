@@ -16,6 +16,11 @@ import { Surfaces } from "./surfaces";
 /** From outside the scene is drawn this much brighter than its camera sees it; on board it is as the camera sees it. */
 const EXPOSURE = 1.2;
 
+/** Where the camera that follows looks, and from where, from the body's place [m]: so low and so far ahead that what lies
+ *  before it is seen, at the start too. */
+const AHEAD = new THREE.Vector3(0.42, 0, 0.14);
+const BEHIND = new THREE.Vector3(-0.85, -0.36, 0.36);
+
 export type Look = "follow" | "free" | "top" | "onboard";
 export const LOOKS: Look[] = ["follow", "free", "top", "onboard"];
 
@@ -100,12 +105,13 @@ export class Stage {
     for (const [name, button] of this.buttons) button.setAttribute("aria-pressed", String(name === look));
     const place = this.flights[0].body.position(this.clock.time);
     const bounds = new THREE.Box3().setFromArray(Array.from(this.flights[0].body.path()));
+    for (const label of this.labels) bounds.expandByPoint(label.place);
     const middle = bounds.getCenter(new THREE.Vector3());
     const span = Math.max(2, bounds.getSize(new THREE.Vector3()).length());
     if (look === "follow") {
-      this.controls.target.copy(place);
+      this.controls.target.copy(place).add(AHEAD);
       this.followed.copy(place);
-      this.camera.position.copy(place).add(new THREE.Vector3(-0.8, -0.42, 0.34));
+      this.camera.position.copy(place).add(BEHIND);
     } else if (look === "free") {
       this.controls.target.copy(middle);
       this.camera.position.copy(middle).add(new THREE.Vector3(-0.35 * span, -0.85 * span, 0.62 * span));
@@ -189,7 +195,7 @@ export class Stage {
     const place = body.group.position;
     if (this.look === "follow") {
       this.camera.position.add(place).sub(this.followed);
-      this.controls.target.copy(place);
+      this.controls.target.copy(place).add(AHEAD);
       this.followed.copy(place);
     }
     this.plumb.geometry.setFromPoints([place, new THREE.Vector3(place.x, place.y, 0)]);

@@ -9,7 +9,7 @@ import { curveColour, type Drawing, type RunCurve } from "./panel";
 import { makeScrubbable } from "./scrub";
 import type { Window } from "./window";
 
-const HEIGHT = 98;
+const HEIGHT = 84;
 const FONT = "11px system-ui, sans-serif";
 
 export class Chart implements Drawing {
@@ -88,8 +88,8 @@ export class Chart implements Drawing {
       axes: [
         { stroke: text, grid, font: FONT, size: 22, ticks: { show: false }, values: (_plot, ticks) => ticks.map((tick) => `${+tick.toFixed(6)} s`) },
         {
-          stroke: text, grid, font: FONT, size: 56, ticks: { show: false }, space: 26,
-          values: (_plot, ticks) => ticks.map((tick) => `${+(tick / factor).toPrecision(4)}${prefix ? ` ${prefix}${name}` : ""}`),
+          stroke: text, grid, font: FONT, size: 64, ticks: { show: false }, space: 18,
+          values: (_plot, ticks, _axis, _space, step) => ticks.map((tick) => tickText(tick / factor, step / factor, prefix, name)),
         },
       ],
       series: [{}, ...this.ordered.map((entry) => this.series(entry, stacked))],
@@ -143,6 +143,17 @@ function largest(data: uPlot.AlignedData): number {
   let most = 0;
   for (const series of data.slice(1)) for (const value of series) if (value != null && Math.abs(value) > most) most = Math.abs(value);
   return most;
+}
+
+/** As many digits as tell neighbours apart; the unit where it has a prefix, the prefix alone where there is no more room. */
+function tickText(value: number, step: number, prefix: string, unit: string): string {
+  const places = Math.max(0, Math.ceil(-Math.log10(step) - 1e-9));
+  const isQuarter = Math.abs(step * 10 ** places - Math.round(step * 10 ** places)) > 1e-6; // 0.25, say
+  const decimals = Math.min(12, places + (isQuarter ? 1 : 0));
+  const number = String(+value.toFixed(decimals)).replace("-", "\u2212");
+  if (prefix === "") return number;
+  const text = `${number} ${prefix}${unit}`;
+  return text.length <= 9 ? text : `${number} ${prefix}`;
 }
 
 function niceRange(low: number | null, high: number | null, fromZero: boolean): [number, number] {

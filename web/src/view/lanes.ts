@@ -22,6 +22,7 @@ export class Lanes implements Drawing {
     const names = element("div", { class: "lane-names" });
     const numbers = element("div", { class: "lane-values" });
     const runCount = new Set(curves.map((entry) => entry.runIndex)).size;
+    this.root.classList.toggle("many", runCount > 1);
     for (const { curve, run } of curves) {
       names.append(element("div", { title: `${curve.variable}, ${run.name}` }, runCount > 1 ? `${curve.label} · ${run.name}` : curve.label));
       const value = element("b", { "data-variable": curve.variable });

@@ -3,7 +3,7 @@
 import type { Clock } from "../clock";
 import type { PanelInfo } from "../data/payload";
 import { type Curve, type Run, rowAt } from "../data/run";
-import { shown, shownUnit } from "../data/units";
+import { SHARE, shown, shownUnit } from "../data/units";
 import { element } from "../dom";
 import { colour, onTheme } from "../theme";
 import { Chart } from "./chart";
@@ -61,7 +61,7 @@ export function makePanel(info: PanelInfo, allRuns: Run[], clock: Clock, window:
 }
 
 function isShares(info: PanelInfo, run: Run): boolean {
-  return info.kind === "stack" && info.curves.every((wanted) => run.curve(wanted)?.unit === "1");
+  return info.kind === "stack" && info.curves.every((wanted) => run.curve(wanted)?.unit === SHARE);
 }
 
 /** Over which time what is shown is a mean. */

@@ -21,7 +21,7 @@ export function makePicture(run: Run, clock: Clock): HTMLElement {
   let shownUrl = "";
   const show = () => {
     const picture = pictureAt(run.pictures, clock.time);
-    image.style.visibility = picture ? "visible" : "hidden";
+    image.hidden = picture === null;
     caption.textContent = picture ? `camera at ${shownTime(picture.time)}` : "no picture yet";
     if (picture && picture.url !== shownUrl) image.src = shownUrl = picture.url;
   };

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The pointer on anything that lies along time: drag moves the moment, wheel looks closer, double click shows all again.
+// The pointer on anything that lies along time: drag moves the moment, wheel or two fingers look closer, double click shows
+// all again.
 import type { Clock } from "../clock";
 import type { Window } from "./window";
 
@@ -10,18 +11,27 @@ export function makeScrubbable(target: HTMLElement, clock: Clock, window: Window
     const share = (event.clientX - box.left - left) / Math.max(1, box.width - left - right);
     return window.start + Math.min(Math.max(share, 0), 1) * (window.stop - window.start);
   };
-  let dragging = false;
+  const fingers = new Map<number, PointerEvent>(); // or the mouse
+  const spread = () => {
+    const [one, other] = [...fingers.values()];
+    return Math.max(8, Math.abs(one.clientX - other.clientX));
+  };
   target.addEventListener("pointerdown", (event) => {
-    if (event.button !== 0) return;
-    dragging = true;
+    if (event.button !== 0 || fingers.size === 2) return;
+    fingers.set(event.pointerId, event);
     target.setPointerCapture(event.pointerId);
     clock.pause();
-    clock.set(timeAt(event));
+    if (fingers.size === 1) clock.set(timeAt(event));
   });
   target.addEventListener("pointermove", (event) => {
-    if (dragging) clock.set(timeAt(event));
+    if (!fingers.has(event.pointerId)) return;
+    if (fingers.size === 1) return clock.set(timeAt(event));
+    const before = spread();
+    fingers.set(event.pointerId, event);
+    const [one, other] = [...fingers.values()].map(timeAt);
+    window.zoom(before / spread(), (one + other) / 2);
   });
-  for (const end of ["pointerup", "pointercancel"]) target.addEventListener(end, () => (dragging = false));
+  for (const end of ["pointerup", "pointercancel"] as const) target.addEventListener(end, (event) => fingers.delete(event.pointerId));
   target.addEventListener(
     "wheel",
     (event) => {

@@ -52,7 +52,7 @@ export function makeStatistics(run: Run): HTMLElement {
     ["simulated", shown(summary.simulated_time ?? run.end, "s")],
     ["end", summary.end_text ?? "unknown: the run left no summary"],
     ["steps", summary.steps === undefined ? "" : `${summary.steps} of ${shown(summary.step, "s")}`],
-    ["rows", `${header.rows}${header.span > 1 ? `; of every ${header.span} the extremes are here` : ""}`],
+    ["rows", `${header.rows}${header.span > 1 ? `; of every ${header.span} the extremes are here${header.whole?.length > 0 ? ", and all of a chosen span" : ""}` : ""}`],
     ["times real time", summary.real_time_factor === undefined ? "" : shown(summary.real_time_factor, "1")],
     ["wall clock", summary.wall_clock === undefined ? "" : shown(summary.wall_clock.total, "s")],
     ["mebots", summary.versions?.mebots ?? ""],
