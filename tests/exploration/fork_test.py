@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Many futures of one past: missions that go on from a saved state, and studies that fork."""
 
+import concurrent.futures
 import json
 import os
 import sys
@@ -160,6 +161,31 @@ class Forks(StudyCase):
             again = alone.answer(json.loads(json.dumps(order)))
             self.assertEqual(again | {"processor_time": 0}, record | {"processor_time": 0})
             self.assertEqual(record["error"], "")
+
+    def test_of_workers_that_need_the_same_past_one_flies_it_and_the_others_wait(self):
+        self.mission(fault="slow", fault_time=0)  # 20 ms a step
+        missions = Missions(read_study(self.study(fork=self.FORK)))
+        folder = self.folder / "pasts"
+        folder.mkdir()
+        kept, waits = [], []
+
+        class Counting(pasts.Pasts):
+            def keep(self, name, state):
+                kept.append(name)
+                super().keep(name, state)
+
+        def fly(drive):
+            order = json.loads(json.dumps(missions.order({"a.gain": 1, "a.real_in": drive})))
+            return Worker(str(self.folder), Counting(folder), lambda: waits.append(drive)).answer(order)
+
+        with concurrent.futures.ThreadPoolExecutor(3) as threads:
+            records = list(threads.map(fly, (1, 2, 3)))
+        self.assertEqual(len(kept), 1)
+        self.assertEqual(len(waits), 2)
+        self.assertEqual([file.name for file in folder.iterdir()], kept)
+        for record, drive in zip(records, (1, 2, 3), strict=True):
+            alone = Worker(str(self.folder), pasts.Pasts(self.folder / "nowhere")).answer(missions.order({"a.gain": 1, "a.real_in": drive}))
+            self.assertEqual(record | {"processor_time": 0}, alone | {"processor_time": 0})
 
     def test_states_beyond_the_room_for_them_go_those_used_longest_ago_first(self):
         folder = self.folder / "pasts"

@@ -7,7 +7,11 @@ import subprocess
 import sys
 import time
 import unittest
+import unittest.mock
 
+from mebots.exploration import rounds as exploration_rounds
+from mebots.exploration.comparison import Evidence
+from mebots.exploration.study import read_study
 from support import MEBOTS, StudyCase
 
 # The probe: real_out = gain real_in + offset; integral = real_in over 1 s, so that a third of U(0, 3) is "far".
@@ -15,6 +19,15 @@ OUT = {"summary": "deep.out", "minimize": True}
 
 
 class Rounds(StudyCase):
+    def test_what_is_left_is_told_as_if_designs_went_on_to_end_as_they_did(self):
+        study = read_study(self.study(draws={"replicates": 40, "variables": {"a.real_in": {"uniform": [0, 3]}}}, rounds={"size": 10, "racing": True}))
+        rounds = exploration_rounds.Rounds(study, Evidence(study, 16))
+        self.assertEqual(rounds.likely_left(), 16 * 40)
+        with unittest.mock.patch.object(rounds, "_race", lambda: rounds.status.__setitem__(slice(8), ["dropped"] * 8)):
+            rounds.decide()
+        self.assertEqual(rounds.most_left(), 8 * 30)
+        self.assertAlmostEqual(rounds.likely_left(), 10 * (8 + 4 + 2), 9)
+
     def test_a_question_stops_the_designs_for_which_it_is_answered(self):
         self.study(draws={"replicates": 200, "seed": 1, "variables": {"a.real_in": {"uniform": [0, 3]}}},
                    rounds={"size": 10, "stop": {"objective": "success", "above": 0.7}})

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """`mebots sweep` as a user runs it."""
 
+import importlib.util
 import json
 import os
 import pathlib
@@ -451,6 +452,22 @@ class Kept(StudyCase):
             self.assertEqual(file["missions/success"].dtype.kind, "i")
             self.assertEqual([text.decode() for text in file["missions/outcome"]], [row["outcome"] for row in rows])
             self.assertEqual(len(file["designs/design"]), 2)
+
+    @unittest.skipUnless(importlib.util.find_spec("pyarrow"), "pyarrow is not installed: pip install pyarrow")
+    def test_parquet_holds_the_tables(self):
+        import pyarrow.parquet
+
+        self.study(objectives={"success": {"outcome": "far"}, "integral": {"summary": "integral", "unit": "m"}})
+        self.sweep()
+        for name in ("missions", "designs"):
+            table = pyarrow.parquet.read_table(self.folder / "out" / f"{name}.parquet").to_pydict()
+            rows = self.rows(f"{name}.csv")
+            self.assertEqual(list(table), list(rows[0]))
+            for title, column in table.items():
+                self.assertEqual(len(column), len(rows))
+                for value, row in zip(column, rows, strict=True):
+                    self.assertEqual(value if isinstance(value, str) else float(value), row[title] if isinstance(value, str) else float(row[title] or "nan"))
+        self.assertIsInstance(pyarrow.parquet.read_table(self.folder / "out" / "missions.parquet")["success"][0].as_py(), int)
 
     def test_progress_and_status_say_what_is_known_so_far(self):
         told = []

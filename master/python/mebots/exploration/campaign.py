@@ -45,13 +45,15 @@ _MOST_VALUES_TRIED = 64
 
 @dataclasses.dataclass(frozen=True)
 class Progress:
-    """How far a study is. ``most_left`` counts missions that a decision may still save; ``answer`` is what is known so
-    far: how missions ended, and after a round which designs are ahead."""
+    """How far a study is. ``most_left`` counts missions that a decision may still save, ``likely_left`` those that stay if
+    decisions go on to save as many as until now; ``answer`` is what is known so far: how missions ended, and after a round
+    which designs are ahead."""
 
     flown: int
     taken: int
     failed: int
     most_left: int
+    likely_left: float
     designs_flying: int
     rate_per_s: float
     answer: str = ""
@@ -275,6 +277,7 @@ class Campaign:
                 missing.add(order["mission"])
                 waiting.append(flight)
         left = rounds.most_left() - len(flights)
+        likely_left = rounds.likely_left() - len(flights)
         ahead = rounds.ahead()
         queue = map(self.order, waiting)
         settled = 0
@@ -293,13 +296,13 @@ class Campaign:
             journal.append(records)
             missing.difference_update(record["mission"] for record in records)
             self._note(records)
-            tell(self._progress(left + len(missing), len(rounds.flying())))
+            tell(self._progress(left + len(missing), likely_left + len(missing), len(rounds.flying())))
         return list(zip(flights[:settled], names[:settled], strict=True))
 
     def _bring(
-        self, journal: Journal, others: list[Journal], tell: Callable[[Progress], None], orders: list[Order]
+        self, journal: Journal, others: list[Journal], tell: Callable[[Progress], None], orders: list[Order], later: int
     ) -> Journal:
-        """Brings these missions into the journal."""
+        """Brings these missions into the journal. ``later``: how many follow at most."""
         missing = {order["mission"]: order for order in orders if not self._is_known(order, journal, others)}
         queue = iter(missing.values())
         left = len(missing)
@@ -311,15 +314,15 @@ class Campaign:
             left -= len(records)
             self._note(records)
             self.failed += sum(bool(record["error"]) for record in records)
-            tell(self._progress(left, len(self.designs)))
+            tell(self._progress(left + later, left + later, len(self.designs)))
         return journal
 
     def _note(self, records: list[Record]) -> None:
         self.flown += len(records)
         self._outcomes.update(record["outcome"] for record in records)
 
-    def _progress(self, most_left: int, flying: int) -> Progress:
-        return Progress(self.flown, self.taken, self.failed, most_left, flying, self._rate(), self._answer())
+    def _progress(self, most_left: int, likely_left: float, flying: int) -> Progress:
+        return Progress(self.flown, self.taken, self.failed, most_left, likely_left, flying, self._rate(), self._answer())
 
     def _answer(self) -> str:
         ended = ", ".join(f"{outcome} {count}" for outcome, count in self._outcomes.most_common(4))

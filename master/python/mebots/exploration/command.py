@@ -141,10 +141,9 @@ class _Teller:
         if time.monotonic() < self._next_s:
             return
         self._next_s = time.monotonic() + (0.2 if self._terminal else 10)
-        left_s = now.most_left / now.rate_per_s if now.rate_per_s > 0 else 0
         text = (
-            f"{now.flown} flown, {now.taken} from a journal, {now.failed} failed, at most {now.most_left} left "
-            f"({now.rate_per_s:.2f} a second, {_duration(left_s)}); {now.designs_flying} designs flying"
+            f"{now.flown} flown, {now.taken} from a journal, {now.failed} failed, {_left(now)} "
+            f"({now.rate_per_s:.2f} a second); {now.designs_flying} designs flying"
         )
         if now.answer:
             text += f"; {now.answer}"
@@ -155,6 +154,14 @@ class _Teller:
     def end(self) -> None:
         if self._terminal:
             print("\r\033[K", end="", file=sys.stderr)
+
+
+def _left(now: Progress) -> str:
+    """With the time; racing and stopping end designs earlier."""
+    rate = max(now.rate_per_s, 1e-9)
+    most = f"at most {now.most_left} left, {_duration(now.most_left / rate)}"
+    likely = round(now.likely_left)
+    return most if likely >= now.most_left else f"about {likely} left, {_duration(likely / rate)} ({most})"
 
 
 def _duration(time_s: float) -> str:

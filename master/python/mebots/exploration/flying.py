@@ -106,7 +106,8 @@ class MissionProcess:
                 block = os.read(self._records, 1 << 16)
                 if not block:
                     raise Lost(self._how_it_ended())
-                self._rest += block
+                self._rest = (self._rest + block).lstrip(b"\n")  # it waits for another process
+                moved_at = time.monotonic()
                 continue
             now_s = self._processor_time_s()
             if begun_s is None or last_s is None:

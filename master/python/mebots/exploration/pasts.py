@@ -1,19 +1,27 @@
 # SPDX-License-Identifier: Apache-2.0
 """States of missions that others begin with, by their hash: the last few in memory, the last gigabytes on disk, where
-other mission processes of the same parent find them. One that is not there any more is flown again."""
+other mission processes of the same parent find them. One that is not there any more is flown again, by one process while
+the others that need it wait."""
 
 from __future__ import annotations
 
 import collections
 import contextlib
+import fcntl
 import os
 import pathlib
+import time
+from collections.abc import Callable, Iterator
 
 _MOST_IN_MEMORY = 4
 MOST_BYTES = 4 << 30
 """On disk. Those that were used longest ago go first."""
 _LOOK_EVERY_BYTES = MOST_BYTES // 64
 """Written by one process, before it looks how full the folder is: a look reads the size of every state in it."""
+
+
+_ASK_EVERY_S = 0.02
+_SAY_EVERY_S = 1.0
 
 
 class Pasts:
@@ -48,6 +56,28 @@ class Pasts:
                 self._unseen_bytes = 0
                 self._make_room()
 
+    @contextlib.contextmanager
+    def flown_by_me(self, name: str, waiting: Callable[[], None]) -> Iterator[None]:
+        """Alone among processes: who comes later waits, calls ``waiting`` now and then, and finds the state. A process that
+        is killed lets the next one go on."""
+        file = self._folder / f"{name}.flying"
+        try:
+            lock = os.open(file, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
+        except OSError:  # flown twice is better than not at all
+            yield
+            return
+        try:
+            said_s = -_SAY_EVERY_S
+            while not _locked(lock):
+                if time.monotonic() - said_s >= _SAY_EVERY_S:
+                    said_s = time.monotonic()
+                    waiting()
+                time.sleep(_ASK_EVERY_S)
+            yield
+        finally:
+            file.unlink(missing_ok=True)  # who comes now finds the state, and does not wait
+            os.close(lock)
+
     def _remember(self, name: str, state: bytes) -> None:
         self._recent[name] = state
         self._recent.move_to_end(name)
@@ -67,3 +97,13 @@ class Pasts:
             with contextlib.suppress(FileNotFoundError):
                 os.unlink(path)
             total -= size
+
+
+def _locked(descriptor: int) -> bool:
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return False
+    except OSError:  # a file system without locks
+        pass
+    return True

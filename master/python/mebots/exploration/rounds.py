@@ -27,6 +27,7 @@ class Rounds:
         self._evidence = evidence
         self._size = study.round_size or study.replicates
         self._flown = 0
+        self._decided = 0
         self.status = [FLYING] * len(evidence.measures)
 
     def flying(self) -> list[int]:
@@ -44,9 +45,21 @@ class Rounds:
         """How many missions there are from here on, if no design is done before its last replicate."""
         return len(self.flying()) * (self._study.replicates - self._flown)
 
+    def likely_left(self) -> float:
+        """How many there will be if every round to come ends as great a share of the designs as those so far did."""
+        if self._decided == 0:
+            return self.most_left()
+        going_on = (len(self.flying()) / len(self.status)) ** (1 / self._decided)
+        left, designs = 0.0, float(len(self.flying()))
+        for begin in range(self._flown, self._study.replicates, self._size):
+            left += designs * min(self._size, self._study.replicates - begin)
+            designs *= going_on
+        return left
+
     def decide(self) -> None:
         """Ends the round: all of its missions are in the evidence."""
         self._flown = min(self._flown + self._size, self._study.replicates)
+        self._decided += 1
         last = self._flown == self._study.replicates
         if self._study.stop is not None:
             self._answer()

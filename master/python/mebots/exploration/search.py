@@ -57,6 +57,9 @@ class Search:
     def most_left(self) -> int:
         return (self._study.design["rounds"] - self._round) * self._study.design["points"] * self._study.replicates
 
+    def likely_left(self) -> float:
+        return self.most_left()
+
     def decide(self) -> None:
         self._round += 1
         for design in self.flying():

@@ -29,8 +29,8 @@ from mebots.exploration.study import Splitting, Study, Values
 if TYPE_CHECKING:
     from mebots.exploration.campaign import Campaign
 
-Bring = Callable[[list[Order]], Journal]
-"""Takes orders into a journal, which it returns."""
+Bring = Callable[[list[Order], int], Journal]
+"""Takes orders into a journal, which it returns; the number says how many follow at most."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -120,7 +120,7 @@ def _flown_to(
     """The missions from one level to the next of each estimate, with what came of them."""
     study = campaign.study
     flights = [(one, [(way, _order(campaign, one, way, level(one))) for way in _ways(study, one, number)]) for one in estimates]
-    journal = bring([order for _, own in flights for _, order in own])
+    journal = bring([order for _, own in flights for _, order in own], _most_later(campaign, estimates, number))
     result = []
     for estimate, own in flights:
         flown = []
@@ -132,6 +132,14 @@ def _flown_to(
         result.append((estimate, flown))
     journal.sync()
     return result
+
+
+def _most_later(campaign: Campaign, estimates: Sequence[Estimate], number: int) -> int:
+    """How many missions may follow those to a level, by how many levels there are at most."""
+    study, designs = campaign.study, len(campaign.designs)
+    if estimates[0].run == study.replicates:  # pilots, with all estimates behind them
+        return ((MOST_LEVELS - number - 1) + study.replicates * MOST_LEVELS) * designs * study.rare.missions
+    return sum(len(one.levels) - number - 1 for one in estimates) * study.rare.missions
 
 
 def _place(splitting: Splitting, level: float) -> Values:

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Flies orders, one after the other: ``python -m mebots.exploration.worker LIFE OUT FOLDER``.
 
-Orders come on standard input and records go to the file descriptor OUT, a line of JSON each. The process ends when
+Orders come on standard input and records go to the file descriptor OUT, a line of JSON each; an empty line says that the
+process waits for another one. The process ends when
 nobody holds the other end of the descriptor LIFE any more, so none outlives who started it; FOLDER, for temporary files
 and for states that others begin with, belongs to that one and goes with it. FMUs are loaded once; between missions their instances are made anew.
 """
@@ -20,6 +21,7 @@ import tempfile
 import threading
 import time
 import traceback
+from collections.abc import Callable
 from typing import Any
 
 from mebots import Error, Mission
@@ -33,9 +35,11 @@ _TRIES_TO_REMOVE = 20
 class Worker:
     """Keeps missions open, by their config."""
 
-    def __init__(self, folder: str, pasts: Pasts) -> None:
+    def __init__(self, folder: str, pasts: Pasts, waiting: Callable[[], None] = lambda: None) -> None:
+        """``waiting`` is called now and then while another process flies the past that a mission needs."""
         self._folder = folder
         self._pasts = pasts
+        self._waiting = waiting
         self._open: collections.OrderedDict[str, tuple[Mission, str]] = collections.OrderedDict()
 
     def answer(self, order: Order) -> dict[str, Any]:
@@ -100,12 +104,24 @@ class Worker:
     def _follow(self, mission: Mission, order: Order) -> None:
         """To behind the last turn of its course that the mission comes to, from the last state that is there."""
         course = order["course"]
-        begin, state = 0, None
+        if not course:
+            return
+        begin, state = self._last_state(course)
+        if state is None or begin < len(course) - 1:
+            with self._pasts.flown_by_me(course[-1]["past"], self._waiting):
+                self._go_on(mission, course, *self._last_state(course))
+        else:
+            self._go_on(mission, course, begin, state)
+
+    def _last_state(self, course: list[dict[str, Any]]) -> tuple[int, bytes | None]:
+        """The state at the last turn that is there, and that turn."""
         for number in range(len(course) - 1, -1, -1):
             state = self._pasts.find(course[number]["past"])
             if state is not None:
-                begin = number
-                break
+                return number, state
+        return 0, None
+
+    def _go_on(self, mission: Mission, course: list[dict[str, Any]], begin: int, state: bytes | None) -> None:
         if state is not None:
             mission.start_from(state)
         for number in range(begin, len(course)):
@@ -224,7 +240,7 @@ def main() -> None:
     records = os.fdopen(out, "w", encoding="utf-8")
     pasts = os.path.join(folder, "pasts")
     os.makedirs(pasts, exist_ok=True)
-    worker = Worker(tempfile.mkdtemp(prefix="worker-", dir=folder), Pasts(pasts))
+    worker = Worker(tempfile.mkdtemp(prefix="worker-", dir=folder), Pasts(pasts), lambda: print(file=records, flush=True))
     with contextlib.suppress(BrokenPipeError):  # nobody reads any more
         print("{}", file=records, flush=True)  # ready: what comes now is the mission's time
         for line in sys.stdin:
