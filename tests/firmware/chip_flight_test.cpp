@@ -31,7 +31,7 @@ enum Phase { kOnGround, kClimbing, kFlying, kDescending, kLanded, kCrashed };
 enum Mode { kOff, kTakeOff, kFly, kLand };
 
 /// The parameters of a flight, as the board's mission device names them.
-struct Mission {
+struct FlightParameters {
   double cruise_speed_m_per_s = 0.2777778;
   double altitude_m = 1.0;
   double frame_period_s = 0.1;
@@ -92,7 +92,7 @@ struct Outcome {
   soc::EnergyLedger energy;
 };
 
-Outcome run(const Mission& mission, const Surroundings& around, double limit_s) {
+Outcome run(const FlightParameters& mission, const Surroundings& around, double limit_s) {
   Outcome outcome;
   soc::Listeners listeners;
   listeners.console = [&](std::string_view line) { outcome.console.emplace_back(line); };
@@ -154,7 +154,7 @@ Outcome run(const Mission& mission, const Surroundings& around, double limit_s) 
   return outcome;
 }
 
-constexpr Mission kMission;
+constexpr FlightParameters kMission;
 
 void show(const Outcome& outcome) {
   for (const auto& line : outcome.console) std::printf("[ console  ] %s\n", line.c_str());
