@@ -51,12 +51,19 @@ class Banks {
     return tick < end ? static_cast<std::uint32_t>(end - tick) : 0;
   }
 
-  /// For who has its turn at the latest after one other: takes the bank's cycle in `tick`, or when that is taken the
-  /// next one in any case. The answer is 0 or 1.
-  std::uint32_t claim_soon(std::uint64_t tick, std::uint32_t address) {
+  /// For who has its turn at the latest after one other, and takes all words from `address` on before `end` at once: of
+  /// each one the bank's cycle in `tick`, or when that is taken the next one in any case. The answer is 1 when one of
+  /// them was, else 0.
+  std::uint32_t claim_soon(std::uint64_t tick, std::uint32_t address, std::uint32_t end) {
     if (tick < start_ || tick + 1 >= start_ + kReach) return 0;
-    const std::uint32_t wait = byte_of(tick, address) != 0 ? 1 : 0;
-    byte_of(tick + wait, address) = 1;
+    auto* row = &byte_of(tick, 0);
+    std::uint32_t wait = 0;
+    for (; address < end; address += 4) {
+      const auto bank = address / 4 & (count_ - 1);
+      const std::uint32_t taken = row[bank];  // 0 or 1: what is next cannot be predicted
+      row[bank + taken * count_] = 1;
+      wait |= taken;
+    }
     return wait;
   }
 
@@ -123,7 +130,7 @@ class Banks {
     return {taken_.data() + begin, taken_.data() + end};
   }
   std::uint8_t& byte_of(std::uint64_t tick, std::uint32_t address) {
-    return taken_[(tick - base_) * count_ + address / 4 % count_];
+    return taken_[(tick - base_) * count_ + (address / 4 & (count_ - 1))];
   }
   void clear(std::uint64_t from, std::uint64_t to) {
     MEBOTS_ASSERT(from >= base_);
