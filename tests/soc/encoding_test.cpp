@@ -17,7 +17,7 @@ namespace mebots::soc {
 namespace {
 
 std::string full_name(const Encoding& row) {
-  return fmt::format("{}{}", row.name, row.suffix);
+  return std::string(row.name);
 }
 
 TEST(EncodingTable, HasNoTwoRowsForOneWordOf32Bits) {

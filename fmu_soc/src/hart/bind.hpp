@@ -38,10 +38,20 @@ const Instruction* accumulate(Execution& e, const Instruction* at) {
   return next(e, at);
 }
 
+/// A meaning that has one handler, wherever the second operand comes from.
+template <Handler kHandler>
+Handler always(Operand) {
+  return kHandler;
+}
+
 /// With a register or an immediate as second operand.
 template <auto Compute>
 Handler either(Operand operand) {
   return operand == Operand::immediate ? binary<Compute, Operand::immediate> : binary<Compute, Operand::reg>;
+}
+template <auto Compute>
+Handler accumulate_either(Operand operand) {
+  return operand == Operand::immediate ? accumulate<Compute, Operand::immediate> : accumulate<Compute, Operand::reg>;
 }
 
 }  // namespace mebots::soc

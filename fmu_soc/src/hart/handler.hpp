@@ -33,11 +33,9 @@ inline constexpr bool kChain = false;
   return nullptr;
 }
 
-/// Handlers by subject. Of a load or store:
+/// The handler of a load or store, by its traits.
 Handler memory_handler_of(Op op);
-/// Of pv.*; null for others.
-Handler simd_handler_of(Op op, Operand operand);
-/// Of another Xpulp operation, and of the end of a block that a hardware loop may end; null for others.
-Handler xpulp_handler_of(Op op, Operand operand);
+/// p.elw
+const Instruction* event_load(Execution& e, const Instruction* at);
 
 }  // namespace mebots::soc

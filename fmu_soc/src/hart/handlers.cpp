@@ -1,10 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Binds the operations of the standard instruction set, loads and stores apart, to decoded instructions.
+// What every instruction does: the column of meanings of isa/instructions.inc, and the handlers of the standard
+// instruction set but for loads and stores.
 #include "hart/bind.hpp"
 #include "hart/csr_numbers.hpp"
 #include "hart/hart.hpp"
+#include "hart/meaning_simd.hpp"
+#include "hart/meaning_xpulp.hpp"
 #include "isa/operations.hpp"
+
+#include <array>
+#include <cstddef>
 
 namespace mebots::soc {
 namespace {
@@ -87,6 +93,22 @@ const Instruction* wait_for_interrupt(Execution& e, const Instruction* at) {
 
 }  // namespace
 
+namespace meaning {
+
+template <Op kOp>
+Handler access(Operand) {
+  return memory_handler_of(kOp);
+}
+
+/// Of each operation: its handler, by where the second operand comes from.
+using Meaning = Handler (*)(Operand);
+constexpr auto kMeanings = std::to_array<Meaning>({
+#define MEBOTS_OP(name, traits, meaning, ...) meaning,
+#include "isa/instructions.inc"
+});
+
+}  // namespace meaning
+
 Operand operand_of(const Instruction& instruction) {
   for (const auto operand : {Operand::immediate, Operand::scalar}) {
     if (instruction.run != handler_of(instruction.op) && instruction.run == handler_of(instruction.op, operand)) {
@@ -97,108 +119,7 @@ Operand operand_of(const Instruction& instruction) {
 }
 
 Handler handler_of(Op op, Operand operand) {
-  namespace f = operations;
-  if (is_load(op) || is_store(op)) return memory_handler_of(op);
-  if (is_simd(op)) return simd_handler_of(op, operand);
-  if (const auto xpulp = xpulp_handler_of(op, operand); xpulp != nullptr) return xpulp;
-  switch (op) {
-    case Op::lui:
-    case Op::auipc:
-      return constant;
-    case Op::jal:
-      return jump;
-    case Op::jalr:
-      return jump_register;
-    case Op::beq:
-      return branch<f::equal>;
-    case Op::bne:
-      return branch<f::not_equal>;
-    case Op::blt:
-      return branch<f::less>;
-    case Op::bge:
-      return branch<f::greater_equal>;
-    case Op::bltu:
-      return branch<f::less_unsigned>;
-    case Op::bgeu:
-      return branch<f::greater_equal_unsigned>;
-    case Op::addi:
-      return binary<f::add, Operand::immediate>;
-    case Op::slti:
-      return binary<f::slt, Operand::immediate>;
-    case Op::sltiu:
-      return binary<f::sltu, Operand::immediate>;
-    case Op::xori:
-      return binary<f::bit_xor, Operand::immediate>;
-    case Op::ori:
-      return binary<f::bit_or, Operand::immediate>;
-    case Op::andi:
-      return binary<f::bit_and, Operand::immediate>;
-    case Op::slli:
-      return binary<f::sll, Operand::immediate>;
-    case Op::srli:
-      return binary<f::srl, Operand::immediate>;
-    case Op::srai:
-      return binary<f::sra, Operand::immediate>;
-    case Op::add:
-      return binary<f::add>;
-    case Op::sub:
-      return binary<f::sub>;
-    case Op::sll:
-      return binary<f::sll>;
-    case Op::slt:
-      return binary<f::slt>;
-    case Op::sltu:
-      return binary<f::sltu>;
-    case Op::xor_:
-      return binary<f::bit_xor>;
-    case Op::srl:
-      return binary<f::srl>;
-    case Op::sra:
-      return binary<f::sra>;
-    case Op::or_:
-      return binary<f::bit_or>;
-    case Op::and_:
-      return binary<f::bit_and>;
-    case Op::fence:
-      return nothing;
-    case Op::fence_i:
-      return fence_instructions;
-    case Op::ecall:
-      return environment_call;
-    case Op::ebreak:
-      return breakpoint;
-    case Op::mul:
-      return binary<f::mul>;
-    case Op::mulh:
-      return binary<f::mulh>;
-    case Op::mulhsu:
-      return binary<f::mulhsu>;
-    case Op::mulhu:
-      return binary<f::mulhu>;
-    case Op::div:
-      return divide<f::div, divide_extra_signed>;
-    case Op::divu:
-      return divide<f::divu, divide_extra_unsigned>;
-    case Op::rem:
-      return divide<f::rem, divide_extra_signed>;
-    case Op::remu:
-      return divide<f::remu, divide_extra_unsigned>;
-    case Op::csrrw:
-    case Op::csrrs:
-    case Op::csrrc:
-    case Op::csrrwi:
-    case Op::csrrsi:
-    case Op::csrrci:
-      return csr_access;
-    case Op::mret:
-      return trap_return;
-    case Op::wfi:
-      return wait_for_interrupt;
-    case Op::end_of_block:
-      return end_of_block;
-    default:
-      return illegal;
-  }
+  return meaning::kMeanings[static_cast<std::size_t>(op)](operand);
 }
 
 }  // namespace mebots::soc

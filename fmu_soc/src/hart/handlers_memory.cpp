@@ -135,14 +135,13 @@ Handler handler_in_mode(const OpTraits& op) {
   return load<std::int32_t, kMode>;
 }
 
+}  // namespace
+
 const Instruction* event_load(Execution& e, const Instruction* at) {
   return e.hart->event_load(at);
 }
 
-}  // namespace
-
 Handler memory_handler_of(Op op) {
-  if (op == Op::p_elw) return event_load;
   const auto& traits = traits_of(op);
   switch (traits.mode) {
     case Mode::offset:

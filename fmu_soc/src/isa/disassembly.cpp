@@ -125,7 +125,7 @@ std::string disassemble(std::uint32_t word, std::uint32_t pc) {
   if (decoded.op == Op::illegal) {
     return decoded.length == 2 ? fmt::format(".half 0x{:04x}", word & 0xffffU) : fmt::format(".word 0x{:08x}", word);
   }
-  return fmt::format("{}{}{}", decoded.encoding->name, decoded.encoding->suffix, operands(decoded, pc));
+  return fmt::format("{}{}", decoded.encoding->name, operands(decoded, pc));
 }
 
 }  // namespace mebots::soc

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "isa/encoding.hpp"
 
-#include "isa/xpulp_encodings.hpp"
-
 #include <algorithm>
 #include <array>
+#include <cstddef>
+#include <initializer_list>
 #include <vector>
 
 namespace mebots::soc {
@@ -15,109 +15,73 @@ constexpr std::uint32_t kFunct3 = 0x707f;
 constexpr std::uint32_t kFunct7 = 0xfe00707f;
 constexpr std::uint32_t kAll = 0xffffffff;
 
-// clang-format off
-constexpr auto kStandardRows = std::to_array<Encoding>({
-    // RV32I
-    {"lui",    Op::lui,    Format::u,       kOpcode, 0x00000037},
-    {"auipc",  Op::auipc,  Format::u,       kOpcode, 0x00000017},
-    {"jal",    Op::jal,    Format::jal,     kOpcode, 0x0000006f},
-    {"jalr",   Op::jalr,   Format::jalr,    kFunct3, 0x00000067},
-    {"beq",    Op::beq,    Format::branch,  kFunct3, 0x00000063},
-    {"bne",    Op::bne,    Format::branch,  kFunct3, 0x00001063},
-    {"blt",    Op::blt,    Format::branch,  kFunct3, 0x00004063},
-    {"bge",    Op::bge,    Format::branch,  kFunct3, 0x00005063},
-    {"bltu",   Op::bltu,   Format::branch,  kFunct3, 0x00006063},
-    {"bgeu",   Op::bgeu,   Format::branch,  kFunct3, 0x00007063},
-    {"lb",     Op::lb,     Format::load,    kFunct3, 0x00000003},
-    {"lh",     Op::lh,     Format::load,    kFunct3, 0x00001003},
-    {"lw",     Op::lw,     Format::load,    kFunct3, 0x00002003},
-    {"lbu",    Op::lbu,    Format::load,    kFunct3, 0x00004003},
-    {"lhu",    Op::lhu,    Format::load,    kFunct3, 0x00005003},
-    {"sb",     Op::sb,     Format::store,   kFunct3, 0x00000023},
-    {"sh",     Op::sh,     Format::store,   kFunct3, 0x00001023},
-    {"sw",     Op::sw,     Format::store,   kFunct3, 0x00002023},
-    {"addi",   Op::addi,   Format::i,       kFunct3, 0x00000013},
-    {"slti",   Op::slti,   Format::i,       kFunct3, 0x00002013},
-    {"sltiu",  Op::sltiu,  Format::i,       kFunct3, 0x00003013},
-    {"xori",   Op::xori,   Format::i,       kFunct3, 0x00004013},
-    {"ori",    Op::ori,    Format::i,       kFunct3, 0x00006013},
-    {"andi",   Op::andi,   Format::i,       kFunct3, 0x00007013},
-    {"slli",   Op::slli,   Format::shift,   kFunct7, 0x00001013},
-    {"srli",   Op::srli,   Format::shift,   kFunct7, 0x00005013},
-    {"srai",   Op::srai,   Format::shift,   kFunct7, 0x40005013},
-    {"add",    Op::add,    Format::r,       kFunct7, 0x00000033},
-    {"sub",    Op::sub,    Format::r,       kFunct7, 0x40000033},
-    {"sll",    Op::sll,    Format::r,       kFunct7, 0x00001033},
-    {"slt",    Op::slt,    Format::r,       kFunct7, 0x00002033},
-    {"sltu",   Op::sltu,   Format::r,       kFunct7, 0x00003033},
-    {"xor",    Op::xor_,   Format::r,       kFunct7, 0x00004033},
-    {"srl",    Op::srl,    Format::r,       kFunct7, 0x00005033},
-    {"sra",    Op::sra,    Format::r,       kFunct7, 0x40005033},
-    {"or",     Op::or_,    Format::r,       kFunct7, 0x00006033},
-    {"and",    Op::and_,   Format::r,       kFunct7, 0x00007033},
-    {"fence",  Op::fence,  Format::fence,   kFunct3, 0x0000000f},
-    {"ecall",  Op::ecall,  Format::none,    kAll,    0x00000073},
-    {"ebreak", Op::ebreak, Format::none,    kAll,    0x00100073},
-    // M
-    {"mul",    Op::mul,    Format::r,       kFunct7, 0x02000033},
-    {"mulh",   Op::mulh,   Format::r,       kFunct7, 0x02001033},
-    {"mulhsu", Op::mulhsu, Format::r,       kFunct7, 0x02002033},
-    {"mulhu",  Op::mulhu,  Format::r,       kFunct7, 0x02003033},
-    {"div",    Op::div,    Format::r,       kFunct7, 0x02004033},
-    {"divu",   Op::divu,   Format::r,       kFunct7, 0x02005033},
-    {"rem",    Op::rem,    Format::r,       kFunct7, 0x02006033},
-    {"remu",   Op::remu,   Format::r,       kFunct7, 0x02007033},
-    // Zifencei, Zicsr
-    {"fence.i", Op::fence_i, Format::fence,  kFunct3, 0x0000100f},
-    {"csrrw",  Op::csrrw,  Format::csr,     kFunct3, 0x00001073},
-    {"csrrs",  Op::csrrs,  Format::csr,     kFunct3, 0x00002073},
-    {"csrrc",  Op::csrrc,  Format::csr,     kFunct3, 0x00003073},
-    {"csrrwi", Op::csrrwi, Format::csr_imm, kFunct3, 0x00005073},
-    {"csrrsi", Op::csrrsi, Format::csr_imm, kFunct3, 0x00006073},
-    {"csrrci", Op::csrrci, Format::csr_imm, kFunct3, 0x00007073},
-    // Machine mode
-    {"mret",   Op::mret,   Format::none,    kAll,    0x30200073},
-    {"wfi",    Op::wfi,    Format::none,    kAll,    0x10500073},
-    // C, quadrant 0
-    {"c.addi4spn", Op::addi, Format::c_addi4spn, 0xe003, 0x0000},
-    {"c.lw",       Op::lw,   Format::c_load,     0xe003, 0x4000},
-    {"c.sw",       Op::sw,   Format::c_store,    0xe003, 0xc000},
-    // C, quadrant 1
-    {"c.addi",     Op::addi, Format::c_addi,     0xe003, 0x0001},
-    {"c.jal",      Op::jal,  Format::c_jal,      0xe003, 0x2001},
-    {"c.li",       Op::addi, Format::c_li,       0xe003, 0x4001},
-    {"c.addi16sp", Op::addi, Format::c_addi16sp, 0xef83, 0x6101},
-    {"c.lui",      Op::lui,  Format::c_lui,      0xe003, 0x6001},
-    {"c.srli",     Op::srli, Format::c_shift,    0xec03, 0x8001},
-    {"c.srai",     Op::srai, Format::c_shift,    0xec03, 0x8401},
-    {"c.andi",     Op::andi, Format::c_andi,     0xec03, 0x8801},
-    {"c.sub",      Op::sub,  Format::c_alu,      0xfc63, 0x8c01},
-    {"c.xor",      Op::xor_, Format::c_alu,      0xfc63, 0x8c21},
-    {"c.or",       Op::or_,  Format::c_alu,      0xfc63, 0x8c41},
-    {"c.and",      Op::and_, Format::c_alu,      0xfc63, 0x8c61},
-    {"c.j",        Op::jal,  Format::c_jump,     0xe003, 0xa001},
-    {"c.beqz",     Op::beq,  Format::c_branch,   0xe003, 0xc001},
-    {"c.bnez",     Op::bne,  Format::c_branch,   0xe003, 0xe001},
-    // C, quadrant 2
-    {"c.slli",     Op::slli, Format::c_slli,     0xe003, 0x0002},
-    {"c.lwsp",     Op::lw,   Format::c_lwsp,     0xe003, 0x4002},
-    {"c.jr",       Op::jalr, Format::c_jr,       0xf07f, 0x8002},
-    {"c.mv",       Op::add,  Format::c_mv,       0xf003, 0x8002},
-    {"c.ebreak",   Op::ebreak, Format::c_none,   0xffff, 0x9002},
-    {"c.jalr",     Op::jalr, Format::c_jalr,     0xf07f, 0x9002},
-    {"c.add",      Op::add,  Format::c_add,      0xf003, 0x9002},
-    {"c.swsp",     Op::sw,   Format::c_swsp,     0xe003, 0xc002},
-});
-// clang-format on
+// Of Xpulp: major opcodes, and which bits of a word say what it is.
+constexpr std::uint32_t kLoad = 0x03;
+constexpr std::uint32_t kLoadPost = 0x0b;
+constexpr std::uint32_t kStore = 0x23;
+constexpr std::uint32_t kStorePost = 0x2b;
+constexpr std::uint32_t kAlu = 0x33;
+constexpr std::uint32_t kSimd = 0x57;
+constexpr std::uint32_t kShifted = 0x5b;
+constexpr std::uint32_t kBranch = 0x63;
+constexpr std::uint32_t kLoop = 0x7b;
 
-constexpr auto all_rows() {
-  constexpr auto kXpulpRows = xpulp::rows();
-  std::array<Encoding, kStandardRows.size() + kXpulpRows.size()> rows{};
-  std::copy(kXpulpRows.begin(), kXpulpRows.end(), std::copy(kStandardRows.begin(), kStandardRows.end(), rows.begin()));
-  return rows;
+constexpr std::uint32_t word(std::uint32_t opcode, std::uint32_t funct3, std::uint32_t funct7 = 0) {
+  return opcode | funct3 << 12 | funct7 << 25;
 }
 
-constexpr auto kEncodings = all_rows();
+constexpr std::uint32_t kFunct7NoRs2 = 0xfff0707f;  // rs2 = 0
+constexpr std::uint32_t kTop2 = 0xc000707f;         // bits 31:30
+constexpr std::uint32_t kTop6 = 0xfc00707f;         // bits 31:26
+constexpr std::uint32_t kTop6NoRs2 = 0xfdf0707f;
+constexpr std::uint32_t kLoopMask = 0x00007f7f;  // funct3 and bits 11:8
+
+/// An encoding as it stands in the row of its operation.
+struct Form {
+  std::string_view name;
+  Format format;
+  std::uint32_t mask;
+  std::uint32_t match;
+};
+
+/// The encodings of one operation.
+struct Forms {
+  static constexpr std::size_t kMost = 8;
+
+  std::array<Encoding, kMost> encodings{};
+  std::size_t count = 0;
+};
+
+constexpr Forms forms_of(Op op, Extension extension, std::initializer_list<Form> list) {
+  Forms forms;
+  for (const auto& form : list) {
+    forms.encodings[forms.count++] = {form.name, op, form.format, form.mask, form.match, extension};
+  }
+  return forms;
+}
+
+constexpr auto kForms = std::to_array<Forms>({
+#define MEBOTS_OP(name, traits, meaning, ...) forms_of(Op::name, Extension::standard, {__VA_ARGS__}),
+#define MEBOTS_XPULP(name, traits, meaning, ...) forms_of(Op::name, Extension::xpulp, {__VA_ARGS__}),
+#include "isa/instructions.inc"
+});
+
+constexpr std::size_t count_encodings() {
+  std::size_t count = 0;
+  for (const auto& forms : kForms) count += forms.count;
+  return count;
+}
+
+constexpr auto all_encodings() {
+  std::array<Encoding, count_encodings()> all{};
+  std::size_t at = 0;
+  for (const auto& forms : kForms) {
+    for (std::size_t i = 0; i < forms.count; ++i) all[at++] = forms.encodings[i];
+  }
+  return all;
+}
+
+constexpr auto kEncodings = all_encodings();
 
 /// Bits [high:low] of a word, moved to bit `to`.
 constexpr std::uint32_t field(std::uint32_t word, unsigned high, unsigned low, unsigned to = 0) {

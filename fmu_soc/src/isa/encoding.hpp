@@ -8,8 +8,9 @@
 #include <string>
 #include <string_view>
 
-/// The encodings of RV32IMC_Zicsr_Zifencei, the machine-mode instructions and Xpulp v2 (xpulp_encodings.hpp).
-/// Source: The RISC-V Instruction Set Manual, volume I (20191213) chapters 2, 3, 7, 9, 16, 24 and volume II (20211203).
+/// The encodings of RV32IMC_Zicsr_Zifencei, the machine-mode instructions and Xpulp v2, from the rows of
+/// instructions.inc. Source: The RISC-V Instruction Set Manual, volume I (20191213) chapters 2, 3, 7, 9, 16, 24 and
+/// volume II (20211203).
 namespace mebots::soc {
 
 /// Where an encoding keeps its operands. Formats that start with `c` are 16 bits long.
@@ -96,7 +97,6 @@ struct Encoding {
   std::uint32_t mask;
   std::uint32_t match;
   Extension extension = Extension::standard;
-  std::string_view suffix = {};  // of the name
 };
 
 /// An instruction taken out of its encoding. Branch and jump immediates are relative to the instruction;

@@ -9,9 +9,8 @@ namespace mebots::soc {
 
 /// What an instruction does, whatever its encoding: `c.addi` and `addi` are both `addi`.
 enum class Op : std::uint8_t {
-#define MEBOTS_OP(name, ...) name,
-#include "isa/op_rows.inc"
-#undef MEBOTS_OP
+#define MEBOTS_OP(name, traits, ...) name,
+#include "isa/instructions.inc"
 };
 
 /// The kind of an operation, by which timing, decoding and translation treat it. `other` is plain computing, and what
@@ -90,9 +89,8 @@ constexpr OpTraits ends(OpKind kind) {
 }
 
 inline constexpr auto kTraits = std::to_array<OpTraits>({
-#define MEBOTS_OP(name, ...) __VA_ARGS__,
-#include "isa/op_rows.inc"
-#undef MEBOTS_OP
+#define MEBOTS_OP(name, traits, ...) traits,
+#include "isa/instructions.inc"
 });
 
 }  // namespace op_rows
