@@ -25,7 +25,8 @@ namespace {
 using data::Node;
 using data::Object;
 
-std::uint32_t read_address(const Node& node) {
+/// 32 bits as text, so that they may be hexadecimal; `what` it is, for complaints.
+std::uint32_t read_number(const Node& node, std::string_view what) {
   const auto text = node.text();
   std::size_t used = 0;
   unsigned long long value = 0;
@@ -35,10 +36,17 @@ std::uint32_t read_address(const Node& node) {
     used = 0;
   }
   if (used == 0 || used != text.size() || value > 0xffffffffULL) {
-    node.fail(ErrorCode::invalid_value, fmt::format("\"{}\" must be a 32-bit address such as \"0x1A102000\"", text));
+    node.fail(ErrorCode::invalid_value, fmt::format("\"{}\" must be a 32-bit {} such as \"0x1A102000\"", text, what));
   }
-  if (value % 4 != 0) node.fail(ErrorCode::invalid_value, fmt::format("\"{}\" must be a multiple of 4", text));
   return static_cast<std::uint32_t>(value);
+}
+
+std::uint32_t read_address(const Node& node) {
+  const auto value = read_number(node, "address");
+  if (value % 4 != 0) {
+    node.fail(ErrorCode::invalid_value, fmt::format("\"{}\" must be a multiple of 4", node.text()));
+  }
+  return value;
 }
 
 auto count_up_to(std::uint32_t most) {
@@ -103,6 +111,7 @@ BoardMemory read_memory(const Node& node, std::set<std::string>& names) {
   object.read_if("place", memory.place, read_place());
   object.read_if("banks", memory.banks, power_of_two(1, Banks::kMost));
   object.read_if("leaks", memory.leaks, &Node::flag);
+  object.read_if("alias", memory.alias, &read_address);
   object.read_if("text", memory.text, &Node::text);
   object.finish();
   return memory;
@@ -140,6 +149,14 @@ int read_interrupt(const Node& node) {
   return line;
 }
 
+/// A register's value: "0x5F5" or 1525.
+std::uint32_t read_word(const Node& node) {
+  if (!node.is(data::Kind::text)) {
+    return static_cast<std::uint32_t>(node.whole_number(0, std::numeric_limits<std::uint32_t>::max()));
+  }
+  return read_number(node, "value");
+}
+
 std::int32_t read_signed_word(const Node& node) {
   return static_cast<std::int32_t>(
       node.whole_number(std::numeric_limits<std::int32_t>::min(), std::numeric_limits<std::int32_t>::max()));
@@ -152,6 +169,7 @@ BoardRegister read_register(const Node& node, std::set<std::string>& names) {
   object.read("name", entry.name, new_name(names));
   object.read("offset", entry.offset, &read_address);
   object.read("access", entry.access, access);
+  object.read_if("reset", entry.reset, &read_word);
   object.read_if("text", entry.text, &Node::text);
   object.read_if("shows", entry.shows, &Node::text);
   object.read_if("sends", entry.sends, &Node::text);
@@ -428,6 +446,7 @@ BoardDevice read_device(const Node& node, std::set<std::string>& names) {
   const bool described = device.kind == kDescribed;
   object.read_if("text", device.text, &Node::text);
   object.read("base", device.base, &read_address);
+  object.read_if("also_at", device.also_at, data::list_of(&read_address));
   object.read_if("span", device.span, &read_bytes);
   object.read_if("interrupt", device.interrupt, &read_interrupt);
   object.read_if("supply_voltage", device.supply_voltage_v, data::number(data::Limits::positive()));
@@ -479,11 +498,16 @@ void check_overlaps(const Node& root, const BoardDescription& board) {
   for (std::size_t i = 0; i < board.memories.size(); ++i) {
     const auto& memory = board.memories[i];
     take(memories[i], {memory.name, memory.base, memory.size});
+    // Cores of the other place see nothing there: they may have an alias at the same address.
+    if (memory.alias && memory.place == Place::fabric_controller) {
+      take(memories[i], {memory.name, *memory.alias, memory.size});
+    }
   }
   const auto devices = root.at("devices").elements();
   for (std::size_t i = 0; i < board.devices.size(); ++i) {
     const auto& device = board.devices[i];
     take(devices[i], {device.name, device.base, device.size()});
+    for (const auto address : device.also_at) take(devices[i], {device.name, address, device.size()});
   }
 }
 
@@ -547,6 +571,7 @@ BoardDescription read_root(const Node& root) {
   object.read_if("text", board.text, &Node::text);
   object.read_if("chip", board.chip, chip);
   object.read_if("core", board.core, core);
+  object.read_if("hart_id", board.hart_id, count_up_to(std::numeric_limits<std::uint32_t>::max()));
   object.read_if("cluster_cores", board.cluster_cores, count_up_to(kMostClusterCores));
   const bool has_memories = object.read("memories", board.memories,
                                         data::list_of([&](const Node& node) { return read_memory(node, names); }));

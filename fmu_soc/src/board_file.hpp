@@ -7,6 +7,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -23,8 +24,9 @@ struct BoardMemory {
   std::uint32_t base = 0;
   std::uint32_t size = 0;  // bytes
   Place place = Place::fabric_controller;
-  bool leaks = true;   // false: stands for no real memory
-  unsigned banks = 1;  // that serve a word per cycle each; told apart in the cluster only
+  bool leaks = true;                   // false: stands for no real memory
+  unsigned banks = 1;                  // that serve a word per cycle each; told apart in the cluster only
+  std::optional<std::uint32_t> alias;  // where the cores of its place see it, too
   std::string text;
 };
 
@@ -42,6 +44,7 @@ struct BoardDescription {
   std::string text;
   std::string chip = "gap8";   // whose clocks, ways and energies
   std::string core;            // ri5cy or cv32e40p; empty = the chip's
+  std::uint32_t hart_id = 0;   // what the fabric controller reads as mhartid
   unsigned cluster_cores = 0;  // the most that there are; 0 = no cluster
   std::vector<BoardMemory> memories;
   BoardInstructionCaches instruction_caches;

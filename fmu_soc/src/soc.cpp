@@ -95,6 +95,17 @@ class Soc::Host final : public ChipHost {
     return {soc_.clock_.hz(), soc_.cluster_ ? soc_.cluster_->clock_hz() : 0, soc_.voltage_mv_, 0, 0};
   }
   bool has_cluster() const override { return soc_.cluster_ != nullptr; }
+  double clock_hz() const override { return soc_.clock_.hz(); }
+  gap8_devices::Signals& signals() override { return soc_.signals_; }
+  std::span<const std::uint8_t> flash() override { return soc_.flash_; }
+  std::string function() const override { return soc_.program_.where(soc_.hart_.pc()); }
+
+ protected:
+  std::vector<Device*> devices() const override {
+    std::vector<Device*> made;
+    for (const auto& device : soc_.owned_) made.push_back(device.get());
+    return made;
+  }
 
  private:
   Soc& soc_;
@@ -108,6 +119,7 @@ Soc::Soc(const BoardDescription& board, const Chip& chip, const Settings& settin
       memory_(make_memory(board)),
       board_(board),
       kinds_(board_, settings.library_folders),
+      flash_(settings.flash),
       host_(std::make_unique<Host>(*this)),
       hart_(memory_, *this, timing_of(board, chip), chip.instruction_energy),
       meter_(chip.energy, inventory_of(board, settings),
@@ -124,7 +136,10 @@ Soc::Soc(const BoardDescription& board, const Chip& chip, const Settings& settin
     hart_.fetch_through(instruction_cache_.emplace(cache));
   }
   hart_.set_translation(settings.translate);
+  hart_.set_id(board_.hart_id);
+  if (event_unit_ != nullptr) hart_.use_event_unit();
   hart_.reset(program_.entry());
+  apply_power_settings();  // what GAP8's own devices begin with
 }
 
 /// The way of the fabric controller to the memories, the large near ones first: the first two are the fast ones.
@@ -140,6 +155,12 @@ void Soc::connect_memories() {
   for (std::size_t i = 0; i < places_.size(); ++i) {
     if (places_[i] == Place::cluster && cluster_ && cluster_->powered()) {
       ports.push_back({i, chip_.interconnect.fabric_controller_to_cluster, nullptr});
+    }
+  }
+  for (std::size_t i = 0; i < places_.size(); ++i) {
+    const auto& alias = board_.memories[i].alias;
+    if (alias && places_[i] == Place::fabric_controller) {
+      ports.push_back({i, 0, nullptr, *alias - board_.memories[i].base});
     }
   }
   hart_.connect(ports);
@@ -205,7 +226,17 @@ void Soc::add_devices() {
       }
       power_manager_ = power_manager;
     }
+    if (auto* port = dynamic_cast<gap8_devices::EventUnitPort*>(device.get())) {
+      if (event_unit_ != nullptr) {
+        throw Error(
+            fmt::format("board {}: {} is a second event unit; the fabric controller has one", board_.name, entry.name));
+      }
+      event_unit_ = &port->unit();
+    }
     slots_.push_back({entry.name, entry.base, entry.size(), entry.interrupt, device.get()});
+    for (const auto address : entry.also_at) {
+      slots_.push_back({entry.name, address, entry.size(), -1, device.get()});
+    }
     devices_.push_back({&entry, device.get()});
     owned_.push_back(std::move(device));
   }
@@ -296,6 +327,10 @@ BusReply Soc::load(std::uint32_t address, std::uint64_t cycle) {
 
 BusReply Soc::load_event(std::uint32_t address, std::uint64_t cycle) {
   const auto now = clock_.time_of(cycle);
+  if (const auto* slot = slot_at(address); slot != nullptr && event_unit_ != nullptr) {
+    if (dynamic_cast<gap8_devices::EventUnitDemux*>(slot->device) != nullptr)
+      return event_unit_->load_event(address - slot->base);
+  }
   if (!cluster_ || !cluster_->owns(address)) return load(address, cycle);
   if (must_wait(address, now)) return {BusReply::Kind::later};
   auto reply = cluster_->load_event(address, now);
@@ -441,7 +476,7 @@ void Soc::handle(Stop stop) {
     case Stop::device:
       apply_power_settings();
       update_lines();
-      if (host_exit_ || (power_manager_ && power_manager_->exited())) {
+      if (host_exit_ || signals_.exit_code || (power_manager_ && power_manager_->exited())) {
         finish(End::exited);
         if (exited_on_exception() && listeners_.faults) listeners_.faults(fault_text());
       }
@@ -503,16 +538,24 @@ void Soc::power_off() {
 Picoseconds Soc::next_event() const {
   if (end_ == End::powered_off) return kNever;
   auto next = kNever;
-  for (const auto& slot : slots_) next = std::min(next, slot.device->next_event());
+  for (const auto& slot : devices_) next = std::min(next, slot.device->next_event());
   return next;
 }
 
 void Soc::advance_devices(Picoseconds time) {
-  for (const auto& slot : slots_) slot.device->advance(time);
+  for (const auto& slot : devices_) slot.device->advance(time);
   update_lines();
 }
 
 void Soc::update_lines() {
+  if (event_unit_ != nullptr) {
+    for (const auto& slot : slots_) {
+      if (slot.interrupt >= 0 && slot.device->interrupt()) event_unit_->raise(static_cast<unsigned>(slot.interrupt));
+    }
+    hart_.set_interrupts(event_unit_->lines());
+    if (event_unit_->take_wake()) hart_.wake();
+    return;
+  }
   for (const auto& slot : slots_) {
     if (slot.interrupt >= 0) hart_.set_interrupt(static_cast<unsigned>(slot.interrupt), slot.device->interrupt());
   }
@@ -521,9 +564,29 @@ void Soc::update_lines() {
   }
 }
 
+/// What the firmware asks of clocks, voltage and cluster; null when the board has nothing to ask.
+const PowerSettings* Soc::power_settings() const {
+  if (power_manager_ != nullptr) return &power_manager_->settings();
+  return signals_.power ? &*signals_.power : nullptr;
+}
+
+BusReply Soc::store_narrow(std::uint32_t address, std::uint64_t cycle, std::uint32_t value, unsigned size) {
+  const auto* slot = slot_at(address);
+  const auto offset = slot == nullptr ? 0 : address - slot->base;
+  if (slot == nullptr || !slot->device->store_narrow(offset, clock_.time_of(cycle), value, size)) return {};
+  return BusReply::done(0, chip_.interconnect.fabric_controller_to_device);
+}
+
+void Soc::interrupt_taken(unsigned line) {
+  if (event_unit_ == nullptr) return;
+  event_unit_->acknowledge(line);
+  hart_.set_interrupts(event_unit_->lines());
+}
+
 void Soc::apply_power_settings() {
-  if (!power_manager_) return;
-  const auto& wanted = power_manager_->settings();
+  const auto* settings = power_settings();
+  if (settings == nullptr) return;
+  const auto& wanted = *settings;
   const bool changed = wanted.clock_hz != clock_.hz() || wanted.voltage_mv != voltage_mv_ ||
                        (cluster_ && wanted.cluster_clock_hz != cluster_->clock_hz());
   const auto now = core_time();
@@ -652,8 +715,8 @@ CountEnergy Soc::energy_per_count(unsigned number) const {
 
 std::vector<Soc::DeviceState> Soc::device_states() const {
   std::vector<DeviceState> states;
-  for (const auto& slot : slots_) {
-    if (const auto state = slot.device->state_name(); !state.empty()) states.push_back({slot.name, state});
+  for (const auto& slot : devices_) {
+    if (const auto state = slot.device->state_name(); !state.empty()) states.push_back({slot.entry->name, state});
   }
   return states;
 }
@@ -663,7 +726,8 @@ void Soc::visit(state::Visitor& v) {
   if (instruction_cache_) v("instruction_cache", *instruction_cache_);
   v("hart", hart_);
   if (cluster_) v("cluster", *cluster_);
-  for (const auto& slot : slots_) v(slot.name, *slot.device);
+  for (const auto& slot : devices_) v(slot.entry->name, *slot.device);
+  v("signals", signals_);
   v("meter", meter_);
   v("clock", clock_);
   v("voltage_mv", voltage_mv_);

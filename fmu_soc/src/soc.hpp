@@ -9,6 +9,7 @@
 #include "devices/power_manager.hpp"
 #include "elf/elf.hpp"
 #include "energy/meter.hpp"
+#include "gap8_devices/event_unit.hpp"
 #include "hart/hart.hpp"
 #include "host_calls.hpp"
 #include "mebots/soc/device_kind.hpp"
@@ -41,7 +42,8 @@ struct Settings {
   double voltage_v = 1.2;
   /// Where the board's libraries may lie, beside the folder of its file.
   std::vector<std::filesystem::path> library_folders = {};
-  bool translate = true;  // hot code to host code; counts are the same without
+  std::vector<std::uint8_t> flash = {};  // what the board's flash holds at the start
+  bool translate = true;                 // hot code to host code; counts are the same without
 };
 
 /// Who listens to a system. Each may be empty.
@@ -148,6 +150,7 @@ class Soc final : private Bus {
   const StateTimes& state_times() const { return state_times_; }
   std::int32_t exit_code() const {
     if (host_exit_) return static_cast<std::int32_t>(*host_exit_);
+    if (signals_.exit_code) return *signals_.exit_code;
     return power_manager_ ? power_manager_->exit_code() : 0;
   }
   /// Whether the program's own handler of an exception ended it, with an exit code that says that something is wrong.
@@ -200,6 +203,9 @@ class Soc final : private Bus {
   BusReply load(std::uint32_t address, std::uint64_t cycle) override;
   BusReply load_event(std::uint32_t address, std::uint64_t cycle) override;
   BusReply store(std::uint32_t address, std::uint64_t cycle, std::uint32_t value) override;
+  BusReply store_narrow(std::uint32_t address, std::uint64_t cycle, std::uint32_t value, unsigned size) override;
+  void interrupt_taken(unsigned line) override;
+  const PowerSettings* power_settings() const;
   bool must_wait(std::uint32_t address, Picoseconds now) const;
   bool watched(std::uint32_t address) override;
   bool called_host() override;
@@ -234,10 +240,13 @@ class Soc final : private Bus {
   int cluster_interrupt_ = -1;
   BoardDescription board_;
   Kinds kinds_;
+  std::vector<std::uint8_t> flash_;
   std::unique_ptr<ChipHost> host_;  // of the devices
+  gap8_devices::Signals signals_;   // between them
   std::vector<std::unique_ptr<Device>> owned_;
   std::vector<BoardSlot> devices_;
   PowerManager* power_manager_ = nullptr;
+  gap8_devices::EventUnit* event_unit_ = nullptr;      // GAP8's own, of the fabric controller
   std::optional<InstructionCache> instruction_cache_;  // of the fabric controller
   Hart hart_;
   StateListener* listener_ = nullptr;

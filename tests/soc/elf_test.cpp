@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "elf/elf.hpp"
+#include "elf/built_for.hpp"
 
 #include "assembler.hpp"
 
@@ -38,6 +39,13 @@ std::vector<std::uint8_t> with_byte(std::size_t at, std::uint8_t value) {
   auto bytes = program();
   bytes[at] = value;
   return bytes;
+}
+
+TEST(Elf, OfAnotherChipsSdkIsKnownByItsHeaders) {
+  EXPECT_EQ(other_chip_of("\x7f"
+                          "ELF /home/somebody/gap_sdk/rtos/pmsis/pmsis_api/include/pmsis/chips/gap9 x"),
+            "GAP9");
+  EXPECT_EQ(other_chip_of("/home/gap9/project/main.c chips/gap"), "") << "a folder of somebody's own";
 }
 
 TEST(Elf, GivesSegmentsEntryAndSymbols) {

@@ -13,8 +13,11 @@ bool Console::load(std::uint32_t /*offset*/, Picoseconds /*now*/, std::uint32_t&
   return false;
 }
 
-bool Console::store(std::uint32_t offset, Picoseconds /*now*/, std::uint32_t value) {
-  if (offset != board::console::kPutchar) return false;
+bool Console::store(std::uint32_t offset, Picoseconds now, std::uint32_t value) {
+  return offset == board::console::kPutchar && put(value, now);
+}
+
+bool Console::put(std::uint32_t value, Picoseconds /*now*/) {
   const auto character = static_cast<char>(value & 0xffU);
   if (character != '\n') line_ += character;
   if (character == '\n' || line_.size() == kMaxLine) {

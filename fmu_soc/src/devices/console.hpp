@@ -17,6 +17,8 @@ class Console final : public Device {
 
   bool load(std::uint32_t offset, Picoseconds now, std::uint32_t& value) override;
   bool store(std::uint32_t offset, Picoseconds now, std::uint32_t value) override;
+  /// A character, in the low byte.
+  bool put(std::uint32_t value, Picoseconds now);
   /// Hands out what stands in an unfinished line.
   void program_ended() override;
   void visit(state::Visitor& v) override;

@@ -37,6 +37,7 @@ DescribedDevice::DescribedDevice(const BoardDevice& entry, DeviceHost& host)
   MEBOTS_ASSERT(spent_.empty() || state_ < spent_.size(), "the board file names a state of the device");
   for (const auto& variable : entry.variables) (variable.goes_in() ? inputs_ : outputs_).push_back(variable.start);
   const bool measures = std::ranges::any_of(entry.states, [](const auto& state) { return state.delay_s > 0; });
+  for (std::size_t i = 0; i < values_.size(); ++i) values_[i] = entry.registers[i].reset;
   for (const auto& described : entry.registers) {
     auto& reg = registers_.emplace_back();
     commits_ = commits_ || described.commits;
@@ -80,7 +81,10 @@ const double* DescribedDevice::output(std::string_view variable) const {
 
 bool DescribedDevice::load(std::uint32_t offset, Picoseconds /*now*/, std::uint32_t& value) {
   const auto index = register_at(offset);
-  if (index == values_.size()) return false;
+  if (index == values_.size()) {
+    value = 0;
+    return pass_over(offset, "load from");
+  }
   const auto& described = entry_.registers[index];
   const auto& reg = registers_[index];
   if (described.access == "w") return false;
@@ -96,7 +100,7 @@ bool DescribedDevice::load(std::uint32_t offset, Picoseconds /*now*/, std::uint3
 
 bool DescribedDevice::store(std::uint32_t offset, Picoseconds now, std::uint32_t value) {
   const auto index = register_at(offset);
-  if (index == values_.size()) return false;
+  if (index == values_.size()) return pass_over(offset, "store into");
   const auto& described = entry_.registers[index];
   if (described.access == "r") return false;
   if (described.shows == kStatus) {
@@ -109,6 +113,19 @@ bool DescribedDevice::store(std::uint32_t offset, Picoseconds now, std::uint32_t
     values_[index] = value;
     if (!commits_) send(index, index + 1);
   }
+  return true;
+}
+
+/// An access where the entry has no register: it goes on as on the chip where the device has room for more.
+bool DescribedDevice::pass_over(std::uint32_t offset, std::string_view access) {
+  if (entry_.span == 0) return false;
+  if (std::ranges::find(told_, offset) != told_.end()) return true;
+  told_.push_back(offset);
+  const auto function = host_.function();
+  host_.complain(
+      fmt::format("{}: {} 0x{:08x}{}{}: no register of device {} is modelled there: it reads 0, and stores are "
+                  "lost; a register in the board file would keep what is stored",
+                  entry_.name, access, entry_.base + offset, function.empty() ? "" : " in ", function, entry_.name));
   return true;
 }
 

@@ -21,9 +21,11 @@ namespace mebots::soc {
 ///
 /// A register that shows "status" has bit 0 busy (a delay runs), bit 1 ready (write 1 to clear, which also clears the
 /// interrupt) and bit 2 refused (write 1 to clear). Parameters, and inputs of a device without delays, are shown as
-/// they are. Registers that show nothing keep what is stored into them. What is stored into one that sends goes out, at
-/// once or, where another register commits, with the next store into that; a value outside the limits of its register
-/// or of its variable's enumeration is told, and nothing goes out.
+/// they are. Registers that show nothing keep what is stored into them, and hold
+/// their `reset` before. In a device with a `span`, an access where no register stands is told once and passes: it
+/// reads 0. What is stored into one that sends goes out, at once or, where another register commits, with the next
+/// store into that; a value outside the limits of its register or of its variable's enumeration is told, and nothing
+/// goes out.
 class DescribedDevice final : public Device {
  public:
   static constexpr std::uint32_t kBusy = 1;
@@ -64,10 +66,12 @@ class DescribedDevice final : public Device {
   void measure();
   /// What is wrong with what the register holds; empty = nothing.
   std::string fault_of(std::size_t reg) const;
+  bool pass_over(std::uint32_t offset, std::string_view access);
   void send(std::size_t first, std::size_t last);
 
   const BoardDevice& entry_;
   DeviceHost& host_;
+  std::vector<std::uint32_t> told_;    // offsets without register; not part of a state
   std::vector<Register> registers_;    // as the entry's
   bool commits_ = false;               // some register does
   std::vector<double> inputs_;         // as the entry's variables, those that go in only

@@ -6,6 +6,14 @@
 #include "devices/described_device.hpp"
 #include "devices/timer.hpp"
 #include "fmu_soc_board/board.hpp"
+#include "gap8_devices/event_unit.hpp"
+#include "gap8_devices/fll.hpp"
+#include "gap8_devices/power_unit.hpp"
+#include "gap8_devices/soc_control.hpp"
+#include "gap8_devices/soc_events.hpp"
+#include "gap8_devices/stdout.hpp"
+#include "gap8_devices/timer.hpp"
+#include "gap8_devices/udma.hpp"
 
 #include "mebots/error.hpp"
 #include "mebots/nearest_names.hpp"
@@ -37,6 +45,19 @@ std::unique_ptr<Device> of_its_entry(const BoardDevice& entry, ChipHost& host) {
   return std::make_unique<T>(entry, host);
 }
 
+/// One that asks for clocks or voltage: what it does not say stays as the chip began.
+template <typename T>
+std::unique_ptr<Device> with_signals(const BoardDevice& entry, ChipHost& host) {
+  if (!host.signals().power) host.signals().power = host.power_at_start();
+  return std::make_unique<T>(entry, host, host.signals());
+}
+
+gap8_devices::EventUnit& event_unit_of(const BoardDevice& entry, ChipHost& host) {
+  if (auto* port = host.find<gap8_devices::EventUnitPort>()) return port->unit();
+  throw Error(fmt::format("board: device {} of kind {} needs one of kind gap8_event_unit in front of it", entry.name,
+                          entry.kind));
+}
+
 constexpr std::array kRows{
     Row{"described", {}, of_its_entry<DescribedDevice>},
     Row{"console", board::console::kRegisters,
@@ -52,6 +73,47 @@ constexpr std::array kRows{
           return std::make_unique<PowerManager>(host.chip(), host.power_at_start(), host.has_cluster());
         }},
     Row{"camera", board::camera::kRegisters, of_its_entry<Camera>},
+    Row{"gap8_event_unit",
+        {},
+        [](const BoardDevice& /*entry*/, ChipHost& host) -> std::unique_ptr<Device> {
+          return std::make_unique<gap8_devices::EventUnitPort>(host.signals());
+        }},
+    Row{"gap8_event_unit_demux",
+        {},
+        [](const BoardDevice& entry, ChipHost& host) -> std::unique_ptr<Device> {
+          return std::make_unique<gap8_devices::EventUnitDemux>(event_unit_of(entry, host));
+        }},
+    Row{"gap8_soc_events",
+        {},
+        [](const BoardDevice& entry, ChipHost& host) -> std::unique_ptr<Device> {
+          auto& unit = event_unit_of(entry, host);
+          return std::make_unique<gap8_devices::SocEvents>(host.signals(),
+                                                           [&unit](unsigned event) { unit.queue_soc_event(event); });
+        }},
+    Row{"gap8_timer",
+        {},
+        [](const BoardDevice& /*entry*/, ChipHost& host) -> std::unique_ptr<Device> {
+          return std::make_unique<gap8_devices::Timer>(host.signals(), [&host] { return host.clock_hz(); });
+        }},
+    Row{"gap8_fll", {}, with_signals<gap8_devices::Fll>},
+    Row{"gap8_soc_control", {}, with_signals<gap8_devices::SocControl>},
+    Row{"gap8_power_unit", {}, with_signals<gap8_devices::PowerUnit>},
+    Row{"gap8_udma",
+        {},
+        [](const BoardDevice& entry, ChipHost& host) -> std::unique_ptr<Device> {
+          const auto image = host.flash();
+          if (image.size() > gap8_devices::Udma::kFlashBytes) {
+            throw Error(fmt::format("the flash image has {} bytes, the flash of device {} holds {}", image.size(),
+                                    entry.name, gap8_devices::Udma::kFlashBytes));
+          }
+          return std::make_unique<gap8_devices::Udma>(entry, host, host.signals(), image,
+                                                      [&host] { return host.clock_hz(); });
+        }},
+    Row{"gap8_stdout",
+        {},
+        [](const BoardDevice& /*entry*/, ChipHost& host) -> std::unique_ptr<Device> {
+          return std::make_unique<gap8_devices::Stdout>(host);
+        }},
     Row{kEventUnitKind, board::event_unit::kRegisters, part_of_the_cluster},
     Row{kClusterDmaKind, board::cluster_dma::kRegisters, part_of_the_cluster},
 };

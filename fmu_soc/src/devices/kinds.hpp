@@ -4,6 +4,7 @@
 #include "board_file.hpp"
 #include "devices/kind_library.hpp"
 #include "devices/power_manager.hpp"
+#include "gap8_devices/signals.hpp"
 #include "mebots/soc/device_kind.hpp"
 
 #include <filesystem>
@@ -20,6 +21,22 @@ class ChipHost : public DeviceHost {
   virtual const Chip& chip() const = 0;
   virtual PowerSettings power_at_start() const = 0;
   virtual bool has_cluster() const = 0;
+  /// Of the fabric controller, now.
+  virtual double clock_hz() const = 0;
+  virtual gap8_devices::Signals& signals() = 0;
+  /// What the board's flash holds at the start.
+  virtual std::span<const std::uint8_t> flash() = 0;
+  /// A device made before by its class; null = there is none.
+  template <typename T>
+  T* find() const {
+    for (auto* device : devices()) {
+      if (auto* found = dynamic_cast<T*>(device)) return found;
+    }
+    return nullptr;
+  }
+
+ protected:
+  virtual std::vector<Device*> devices() const = 0;
 };
 
 /// Those that the cluster itself is made of: the board says where they are.

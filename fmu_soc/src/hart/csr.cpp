@@ -161,6 +161,10 @@ bool Hart::read_ri5cy_csr(unsigned number, std::uint32_t& value) const {
     case csr::kUhartid:
       return read_csr(csr::kMhartid, value);
     default:
+      if (has_event_unit_ && inside(number, csr::kStackCheck, 3)) {
+        value = csrs_.stack_check[number - csr::kStackCheck];
+        return true;
+      }
       return is_event_counter(number);  // other events are not counted: 0
   }
 }
@@ -240,6 +244,10 @@ bool Hart::write_ri5cy_csr(unsigned number, std::uint32_t value) {
     case csr::kUhartid:
       return true;
     default:
+      if (has_event_unit_ && inside(number, csr::kStackCheck, 3)) {
+        csrs_.stack_check[number - csr::kStackCheck] = value;
+        return true;
+      }
       return is_event_counter(number);
   }
 }

@@ -45,6 +45,7 @@ inline constexpr unsigned kLoopEnd1 = 0x7b5;
 inline constexpr unsigned kLoopCount1 = 0x7b6;
 inline constexpr unsigned kPrivilege = 0xc10;
 inline constexpr unsigned kUhartid = 0x014;
+inline constexpr unsigned kStackCheck = 0x7d0;  // on or off, then first address and end
 
 }  // namespace mebots::soc::csr
 

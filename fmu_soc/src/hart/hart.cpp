@@ -42,7 +42,8 @@ void Hart::connect(std::span<const MemoryPort> ports) {
   ports_.assign(ports.begin(), ports.end());
   std::uint32_t longest_wait = 0;
   for (std::size_t i = 0; i < 2; ++i) {
-    const auto ram = i < ports.size() ? fast_region(memory_, ports[i]) : FastRegion{};
+    const bool is_fast = i < ports.size() && ports[i].moved == 0;
+    const auto ram = is_fast ? fast_region(memory_, ports[i]) : FastRegion{};
     // Translated code holds all of it but who else is there.
     if (ram.data != execution_.ram[i].data || ram.wait_cycles != execution_.ram[i].wait_cycles) {
       decoded_->drop_translations();
@@ -60,7 +61,7 @@ void Hart::share_first(BankSchedule* banks) {
 
 const MemoryPort* Hart::port_of(std::uint32_t address, unsigned size) const {
   for (const auto& port : ports_) {
-    if (memory_.regions()[port.region].holds(address, size)) return &port;
+    if (memory_.regions()[port.region].holds(address - port.moved, size)) return &port;
   }
   return nullptr;
 }
@@ -74,7 +75,7 @@ void Hart::wait_for_ram(const Instruction* at, const MemoryPort& port, std::uint
     e.extra_cycles += port.banks->claim(cycle_of(at), address);
     if (twice) e.extra_cycles += port.banks->claim(cycle_of(at) + 1, address + 4);
   }
-  if (&port != ports_.data()) ++e.far_accesses;
+  if (port.region != ports_.front().region) ++e.far_accesses;
 }
 
 void Hart::reset(std::uint32_t pc) {
@@ -89,6 +90,7 @@ void Hart::restart(std::uint32_t pc) {
   execution_.pc = pc;
   execution_.loops = {};
   csrs_ = {};
+  if (has_event_unit_) csrs_.mie = ~0U;
   csrs_.cycle_base = execution_.counters.cycles;
   csrs_.instret_base = execution_.counters.instructions;
   fault_ = {};
@@ -389,8 +391,9 @@ const Instruction* Hart::slow_load(const Instruction* at, std::uint32_t address,
   std::uint32_t value = 0;
   if (const auto* port = port_of(address, size); port != nullptr) {
     const auto& region = memory_.regions()[port->region];
-    wait_for_ram(at, *port, address, size);
-    std::memcpy(&value, region.data.get() + (address - region.base), size);
+    const auto place = address - port->moved;
+    wait_for_ram(at, *port, place, size);
+    std::memcpy(&value, region.data.get() + (place - region.base), size);
     e.x[at->rd] = loaded(value, size, sign);
     if (crosses_word(address, size)) {
       e.extra_cycles += kMisalignedExtra;
@@ -425,14 +428,16 @@ const Instruction* Hart::slow_store(const Instruction* at, std::uint32_t address
   auto& e = execution_;
   if (const auto* port = port_of(address, size); port != nullptr) {
     auto& region = memory_.regions()[port->region];
-    wait_for_ram(at, *port, address, size);
-    std::memcpy(region.data.get() + (address - region.base), &value, size);
+    const auto place = address - port->moved;
+    wait_for_ram(at, *port, place, size);
+    std::memcpy(region.data.get() + (place - region.base), &value, size);
     if (crosses_word(address, size)) e.extra_cycles += kMisalignedExtra;
-    const auto* next = marked_store(at, address, size);
+    const auto* next = marked_store(at, place, size);
     return next == nullptr ? nullptr : leave_after(at, Leave::normal);
   }
-  if (size != 4 || address % 4 != 0) return raise(at, cause::kStoreAccess, address);
-  const auto reply = bus_.store(address, start_of(at), value);
+  const bool is_word = size == 4 && address % 4 == 0;
+  const auto reply =
+      is_word ? bus_.store(address, start_of(at), value) : bus_.store_narrow(address, start_of(at), value, size);
   if (reply.kind == BusReply::Kind::later) return leave_before(at, Leave::turn);
   if (reply.kind != BusReply::Kind::done) return raise(at, cause::kStoreAccess, address);
   e.extra_cycles += reply.wait_cycles;

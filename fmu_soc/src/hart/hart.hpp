@@ -69,6 +69,7 @@ struct MemoryPort {
   std::size_t region = 0;         // index in Memory::regions()
   std::uint32_t wait_cycles = 0;  // added to every load and store
   BankSchedule* banks = nullptr;  // who else uses it; null = nobody
+  std::uint32_t moved = 0;        // where the core sees it, less its own address; if not 0, never fast
 };
 
 /// Energy of one instruction by kind [fJ], at the reference voltage.
@@ -125,6 +126,13 @@ class Hart {
   void restart(std::uint32_t pc);
   /// What mhartid reads; 0 unless set.
   void set_id(std::uint32_t id) { id_ = id; }
+  /// Interrupts are those of GAP8's cores from the next reset on: 32 lines of an event unit, one of which is up,
+  /// without mie; vectors at mtvec, whose low eight bits are 0; exceptions behind them. With it come the CSRs of the
+  /// stack check, which are kept; nothing is checked. Source: RI5CY's user manual of 2018, chapters on exceptions and
+  /// CSRs.
+  void use_event_unit() { has_event_unit_ = true; }
+  /// All lines at once.
+  void set_interrupts(std::uint32_t lines);
 
   /// Says which memories the core reaches, and how; all others are nothing to it. The first two are the fast ones.
   void connect(std::span<const MemoryPort> ports);
@@ -252,6 +260,7 @@ class Hart {
     std::uint32_t pcer = 0;  // RI5CY's event counters: which count
     std::uint32_t pcmr = 3;  // how they count
     std::array<std::uint64_t, 2> pccr_base{};
+    std::array<std::uint32_t, 3> stack_check{};  // on or off, first address, end
 
     void visit(state::Visitor& v) {
       v("mie", mie);
@@ -269,6 +278,7 @@ class Hart {
       v("pcer", pcer);
       v("pcmr", pcmr);
       v("pccr_base", pccr_base);
+      v("stack_check", stack_check);
     }
   };
 
@@ -353,6 +363,7 @@ class Hart {
   void fail(std::uint32_t cause, std::uint32_t value, bool double_trap);
   void enter_handler(std::uint32_t cause, std::uint32_t value);
   void take_interrupt();
+  std::uint32_t handler_of(std::uint32_t cause) const;
   void update_interrupts() {
     interrupt_ready_ = csrs_.interrupts_on && (csrs_.mip & csrs_.mie) != 0;
     if (interrupt_ready_) drop_resume_point();
@@ -383,6 +394,7 @@ class Hart {
   Csrs csrs_;
   Fault fault_;
   std::uint32_t id_ = 0;
+  bool has_event_unit_ = false;
   std::uint64_t next_generation_ = 0;  // of blocks, in which Execution::next_block is meant
   std::uint32_t cut_pc_ = kNoPc;       // behind an instruction that ran alone, or where a trap returned to
   std::uint64_t bound_mask_ = ~std::uint64_t{0};

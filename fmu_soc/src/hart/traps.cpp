@@ -17,6 +17,11 @@ constexpr std::uint32_t kHopelessRepeats = 16;
 constexpr unsigned kReturnAddress = 1;
 constexpr unsigned kStackPointer = 2;
 
+/// Vectors of exceptions behind those of 32 interrupts and the reset, with an event unit.
+constexpr std::uint32_t kIllegalVector = 0x84;
+constexpr std::uint32_t kCallVector = 0x88;
+constexpr std::uint32_t kAccessVector = 0x8C;
+
 }  // namespace
 
 const Instruction* Hart::raise(const Instruction* at, std::uint32_t cause, std::uint32_t value) {
@@ -98,11 +103,29 @@ void Hart::take_interrupt() {
     }
   }
   enter_handler(cause::kInterrupt | number, 0);
+  if (has_event_unit_) bus_.interrupt_taken(number);
+}
+
+std::uint32_t Hart::handler_of(std::uint32_t cause) const {
+  const bool is_interrupt = (cause & cause::kInterrupt) != 0;
+  if (has_event_unit_) {
+    const auto vectors = csrs_.mtvec & ~0xffU;
+    if (is_interrupt) return vectors + 4 * (cause & 31U);
+    return vectors + (cause == cause::kIllegalInstruction ? kIllegalVector
+                      : cause == cause::kMachineEcall     ? kCallVector
+                                                          : kAccessVector);
+  }
+  const bool is_vectored = (csrs_.mtvec & 1U) != 0 && is_interrupt;
+  return (csrs_.mtvec & ~3U) + (is_vectored ? 4 * (cause & 31U) : 0);
+}
+
+void Hart::set_interrupts(std::uint32_t lines) {
+  csrs_.mip = lines;
+  update_interrupts();
 }
 
 void Hart::enter_handler(std::uint32_t cause, std::uint32_t value) {
-  auto target = csrs_.mtvec & ~3U;
-  if ((csrs_.mtvec & 1U) != 0 && (cause & cause::kInterrupt) != 0) target += 4 * (cause & 31U);
+  const auto target = handler_of(cause);
   std::uint32_t word = 0;
   std::uint32_t address = 0;
   if (!BlockCache::fetch(memory_, target, word, address)) {

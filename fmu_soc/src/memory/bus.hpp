@@ -31,6 +31,13 @@ class Bus {
   virtual BusReply store(std::uint32_t address, std::uint64_t cycle, std::uint32_t value) = 0;
   /// Likewise a p.elw, which may wait for an event.
   virtual BusReply load_event(std::uint32_t address, std::uint64_t cycle) { return load(address, cycle); }
+  /// A store of 1 or 2 bytes, or one that is not aligned within a word.
+  virtual BusReply store_narrow(std::uint32_t /*address*/, std::uint64_t /*cycle*/, std::uint32_t /*value*/,
+                                unsigned /*size*/) {
+    return {};
+  }
+  /// The core takes the interrupt of this line: an event unit lets go of the event.
+  virtual void interrupt_taken(unsigned /*line*/) {}
   /// Called after a store into a watched word. True: the run ends with this store.
   virtual bool watched(std::uint32_t address) = 0;
   /// The instruction at the core's pc is an ebreak. True: the program called the host, which has answered, and goes on

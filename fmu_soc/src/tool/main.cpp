@@ -19,6 +19,7 @@ int main(int argc, char** argv) {
   command->add_option("--board", options.board, "Board description; without one: RAM around the program's segments");
   command->add_option("--devices", options.device_folders,
                       "Folder with the libraries of devices that the board names, when they do not lie beside it");
+  command->add_option("--flash", options.flash, "What the board's flash holds at the start");
   command->add_option("--signature", options.signature,
                       "Write the words from begin_signature to end_signature into this file");
   command->add_option("--trace", options.trace,

@@ -28,6 +28,7 @@ bool same_file(const std::string& a, const std::string& b) {
 void check(const Options& options) {
   std::vector<NamedFile> inputs{{"the program", options.program}};
   if (options.board) inputs.push_back({"--board", *options.board});
+  if (options.flash) inputs.push_back({"--flash", *options.flash});
   std::vector<NamedFile> outputs;
   const auto add = [&](std::string_view option, const std::optional<std::string>& path) {
     if (path) outputs.push_back({option, *path});

@@ -13,6 +13,7 @@ struct Options {
   std::string program;
   std::optional<std::string> board;
   std::vector<std::string> device_folders;
+  std::optional<std::string> flash;
   std::optional<std::string> signature;
   std::optional<std::string> trace;
   bool trace_cycles = false;

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tool/run.hpp"
 
+#include "elf/built_for.hpp"
 #include "observe/session.hpp"
+#include "tool/board_file_of.hpp"
 #include "tool/host_services.hpp"
 #include "tool/report.hpp"
 #include "tool/signature.hpp"
@@ -14,8 +16,13 @@
 
 #include <algorithm>
 #include <chrono>
+#include <fstream>
+#include <iterator>
 #include <limits>
 #include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
 
 namespace mebots::soc::tool {
 namespace {
@@ -24,6 +31,31 @@ namespace {
 constexpr std::uint64_t kSlice = 1U << 26;
 /// The same where power over time is wanted: a point in every millisecond at 100 MHz, at least.
 constexpr std::uint64_t kFineSlice = 100'000;
+
+bool has_kind(const BoardDescription& board, std::string_view kind) {
+  return std::ranges::find(board.devices, kind, &BoardDevice::kind) != board.devices.end();
+}
+
+/// Which has a flash.
+constexpr std::string_view kFlashKind = "gap8_udma";
+
+std::vector<std::uint8_t> read_flash(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::vector<std::uint8_t> bytes{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  if (!file) throw Error(fmt::format("--flash {}: the file cannot be read", path));
+  return bytes;
+}
+
+/// On GAP8's own memory map, a program for another chip would run into the weeds.
+void require_own_chip(const std::string& path, const BoardDescription& board) {
+  if (!has_kind(board, "gap8_event_unit")) return;
+  std::ifstream file(path, std::ios::binary);
+  const std::string bytes{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  if (const auto chip = other_chip_of(bytes); !chip.empty()) {
+    throw Error(fmt::format("{}: this program is for {}; board {} is a GAP8: take the program that was built for it",
+                            path, chip, board.name));
+  }
+}
 
 /// The most active cycles that a core has behind it.
 std::uint64_t busiest_cycles(const Soc& soc) {
@@ -122,16 +154,25 @@ int run(const Options& options) {
   auto chip = gap8();
   BoardDescription board;
   if (options.board) {
-    board = read_board(*options.board);
+    board = read_board(board_file(*options.board));
   } else {
     board = board_around(program);
     chip.timing.kind = CoreKind::cv32e40p;
   }
+  require_own_chip(options.program, board);
   Settings settings;
   settings.translate = !options.interpret;
   for (const auto& folder : options.device_folders) settings.library_folders.emplace_back(folder);
+  if (options.flash) {
+    settings.flash = read_flash(*options.flash);
+    if (!has_kind(board, kFlashKind)) {
+      throw Error(fmt::format("--flash {}: board {} has no device of kind {}, which has the flash", *options.flash,
+                              board.name, kFlashKind));
+    }
+  }
   Listeners listeners;
   listeners.console = [](std::string_view line) { fmt::print("{}\n", line); };
+  listeners.faults = [](std::string_view text) { fmt::print(stderr, "mebots-soc: {}\n", text); };
   Soc soc(board, chip, settings, program, listeners);
   if (const auto tohost = program.symbol("tohost")) soc.stop_when_stored(*tohost);
   HostFiles files(options.host_files);
@@ -147,11 +188,8 @@ int run(const Options& options) {
   const auto tohost = tohost_of(soc);
   const auto code = exit_code(soc, tohost);
   print_report(soc, host_s, tohost);
-  if (soc.faulted()) {
-    fmt::print(stderr, "mebots-soc: {}\n", soc.fault_text());
-  } else if (code == kFaultOrLimit && soc.end() != End::host && soc.end() != End::exited) {
-    fmt::print(stderr, "mebots-soc: {}\n", why_no_end(soc, options));
-  }
+  const bool is_told = soc.end() == End::host || soc.end() == End::exited || soc.end() == End::faulted;
+  if (code == kFaultOrLimit && !is_told) fmt::print(stderr, "mebots-soc: {}\n", why_no_end(soc, options));
   session.finish(code);
   if (signature) signature->write(soc);
   return code;

@@ -16,7 +16,8 @@ namespace mebots::soc {
 struct BoardRegister {
   std::string name;
   std::uint32_t offset = 0;
-  std::string access;  // r, w or rw
+  std::string access;       // r, w or rw
+  std::uint32_t reset = 0;  // of a described device: what it holds after reset
   std::string text;
   std::string shows;        // of a described device: "status" or one of its variables; empty = what was stored
   std::string sends;        // of a described device: the variable that what is stored goes out as; empty = none
@@ -72,8 +73,9 @@ struct BoardDevice {
   std::string kind = "described";  // which model: mebots/soc/device_kind.hpp
   std::string text;
   std::uint32_t base = 0;
-  std::uint32_t span = 0;  // bytes of address space, where that is more than the registers take
-  int interrupt = -1;      // bit of mip, -1 = none
+  std::vector<std::uint32_t> also_at;  // further addresses of the same registers
+  std::uint32_t span = 0;              // bytes of address space, where that is more than the registers take
+  int interrupt = -1;                  // bit of mip, -1 = none
   double supply_voltage_v = 0;
   std::vector<BoardRegister> registers;  // by offset
   std::vector<BoardState> states;

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <string>
 #include <string_view>
 
 /// Kinds of devices: an entry of a board file names one, and the kind makes the device.
@@ -41,6 +42,8 @@ class DeviceHost {
   virtual void print(std::string_view line) = 0;
   /// What whoever runs the firmware should know: it used the device wrongly.
   virtual void complain(std::string_view text) = 0;
+  /// The function that the fabric controller executes, for such texts; empty = not known.
+  virtual std::string function() const { return {}; }
 };
 
 struct DeviceKind {

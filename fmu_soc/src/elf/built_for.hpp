@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string_view>
+
+namespace mebots::soc {
+
+/// The chip that a program of GreenWaves' SDKs was built for, when that is another one than GAP8; empty when it is not
+/// known. Told by the SDK's own headers among the debug information: the file says nothing of it elsewhere (its note
+/// "Pulp_Info" reads chip=none), and the chips' memory maps overlap.
+std::string_view other_chip_of(std::string_view elf_bytes);
+
+}  // namespace mebots::soc

@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gap8_devices/event_unit.hpp"
+
+#include "mebots/error.hpp"
+
+#include <bit>
+
+namespace mebots::soc::gap8_devices {
+namespace {
+
+constexpr std::uint32_t kMask = 0x00;
+constexpr std::uint32_t kMaskAnd = 0x04;
+constexpr std::uint32_t kMaskOr = 0x08;
+constexpr std::uint32_t kMaskIrq = 0x0C;
+constexpr std::uint32_t kMaskIrqAnd = 0x10;
+constexpr std::uint32_t kMaskIrqOr = 0x14;
+constexpr std::uint32_t kStatus = 0x18;
+constexpr std::uint32_t kBuffer = 0x1C;
+constexpr std::uint32_t kBufferMasked = 0x20;
+constexpr std::uint32_t kBufferIrqMasked = 0x24;
+constexpr std::uint32_t kBufferClear = 0x28;
+constexpr std::uint32_t kEventWait = 0x38;
+constexpr std::uint32_t kEventWaitClear = 0x3C;
+constexpr std::uint32_t kTriggerSoftwareEvent = 0x100;  // eight words, an event each
+constexpr std::uint32_t kSoftwareEvents = 8;
+constexpr std::uint32_t kPortSoftwareEvents = 0x600;
+constexpr std::uint32_t kPortSocEvents = 0x700;
+constexpr std::uint32_t kValid = 1U << 31;
+
+}  // namespace
+
+EventUnit::EventUnit(Signals& signals) {
+  queue_.reserve(kQueue);
+  signals.raise_fabric_event = [this](unsigned event) { raise(event); };
+}
+
+bool EventUnit::load(std::uint32_t offset, std::uint32_t& value) {
+  switch (offset) {
+    case kMask:
+      value = event_mask_;
+      return true;
+    case kMaskIrq:
+      value = interrupt_mask_;
+      return true;
+    case kStatus:  // 1: the core's clock runs, which it does when the core asks
+      value = 1;
+      return true;
+    case kBuffer:
+      value = buffer_;
+      return true;
+    case kBufferMasked:
+    case kEventWait:
+      value = buffer_ & event_mask_;
+      return true;
+    case kBufferIrqMasked:
+      value = buffer_ & interrupt_mask_;
+      return true;
+    case kEventWaitClear:
+      value = buffer_ & event_mask_;
+      buffer_ &= ~value;
+      refresh();
+      return true;
+    default:
+      return false;
+  }
+}
+
+bool EventUnit::store(std::uint32_t offset, std::uint32_t value) {
+  switch (offset) {
+    case kMask:
+      event_mask_ = value;
+      return true;
+    case kMaskAnd:  // takes these bits away
+      event_mask_ &= ~value;
+      return true;
+    case kMaskOr:
+      event_mask_ |= value;
+      return true;
+    case kMaskIrq:
+      interrupt_mask_ = value;
+      return true;
+    case kMaskIrqAnd:
+      interrupt_mask_ &= ~value;
+      return true;
+    case kMaskIrqOr:
+      interrupt_mask_ |= value;
+      return true;
+    case kBufferClear:
+      buffer_ &= ~value;
+      refresh();
+      return true;
+    default:
+      break;
+  }
+  const auto word = (offset - kTriggerSoftwareEvent) / 4;
+  if (offset < kTriggerSoftwareEvent || word >= kSoftwareEvents) return false;
+  raise(word);  // the fabric controller is alone: whom the value names is itself
+  return true;
+}
+
+BusReply EventUnit::load_event(std::uint32_t offset) {
+  std::uint32_t value = 0;
+  const bool waits = offset == kEventWait || offset == kEventWaitClear;
+  if (waits && (buffer_ & event_mask_) == 0) {
+    waits_ = true;
+    return {BusReply::Kind::blocked};
+  }
+  waits_ = false;
+  if (!load(offset, value)) return {};
+  return BusReply::done(value);
+}
+
+std::uint32_t EventUnit::take_soc_event() {
+  if (queue_.empty()) return 0;
+  const auto event = queue_.front();
+  queue_.erase(queue_.begin());
+  refresh();
+  return kValid | event;
+}
+
+/// A level: as long as an event waits in the queue.
+void EventUnit::refresh() {
+  if (!queue_.empty()) buffer_ |= 1U << kSocEvent;
+}
+
+void EventUnit::raise(unsigned event) {
+  buffer_ |= 1U << event;
+}
+
+void EventUnit::queue_soc_event(unsigned event) {
+  if (queue_.size() < kQueue) queue_.push_back(static_cast<std::uint8_t>(event));
+  refresh();
+}
+
+void EventUnit::acknowledge(unsigned line) {
+  buffer_ &= ~(1U << line);
+  refresh();
+}
+
+std::uint32_t EventUnit::lines() const {
+  return std::bit_floor(buffer_ & interrupt_mask_);
+}
+
+bool EventUnit::take_wake() {
+  if (!waits_ || (buffer_ & event_mask_) == 0) return false;
+  waits_ = false;
+  return true;
+}
+
+void EventUnit::visit(state::Visitor& v) {
+  v("buffer", buffer_);
+  v("event_mask", event_mask_);
+  v("interrupt_mask", interrupt_mask_);
+  v("waits", waits_);
+  v("queue", queue_);
+  if (queue_.size() > kQueue) throw Error(ErrorCode::state_damaged, "a saved state is damaged: too many SoC events");
+}
+
+bool EventUnitPort::load(std::uint32_t offset, Picoseconds /*now*/, std::uint32_t& value) {
+  if (offset == kPortSocEvents) {
+    value = unit_.take_soc_event();
+    return true;
+  }
+  return offset < kPortSoftwareEvents && unit_.load(offset, value);
+}
+
+bool EventUnitPort::store(std::uint32_t offset, Picoseconds /*now*/, std::uint32_t value) {
+  if (offset >= kPortSoftwareEvents) return unit_.store(offset - kPortSoftwareEvents + kTriggerSoftwareEvent, value);
+  return offset < kTriggerSoftwareEvent && unit_.store(offset, value);
+}
+
+}  // namespace mebots::soc::gap8_devices

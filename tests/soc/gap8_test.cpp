@@ -1,0 +1,438 @@
+// SPDX-License-Identifier: Apache-2.0
+// GAP8's own devices on its own memory map (configs/boards/gap8.json), register by register against the public headers.
+#include "board_system.hpp"
+#include "devices/described_device.hpp"
+#include "gap8_devices/event_unit.hpp"
+#include "gap8_devices/soc_events.hpp"
+#include "gap8_devices/timer.hpp"
+#include "support/same_state.hpp"
+
+#include "mebots/state/save.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace mebots::soc::test {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+BoardDescription gap8_board() {
+  return read_board(MEBOTS_SOURCE_DIR "/configs/boards/gap8.json");
+}
+
+/// A program of the fabric controller with a table of vectors at `vectors` in front of what is given.
+BoardSystem on_gap8(std::string_view text) {
+  return BoardSystem(text, {}, gap8_board());
+}
+
+TEST(Gap8, FabricControllerIsClusterThirtyTwoAndSeesItsMemoryTwice) {
+  auto system = on_gap8(R"(
+_start: li s1, 0x1C060000
+    csrr a0, mhartid
+    sw a0, 0(s1)
+    csrr a0, 0x014
+    sw a0, 4(s1)
+    li s2, 0x1B000000
+    li a0, 0x12345678
+    sw a0, 0x100(s2)
+    lw a1, 0x100(zero)
+    sw a1, 8(s1)
+    li a0, 0xab
+    sb a0, 0x101(zero)
+    lw a1, 0x100(s2)
+    sw a1, 12(s1)
+    lw a1, 0x102(zero)
+    sw a1, 16(s1)
+1:  j 1b
+)");
+  system.soc.advance(1 * kMs);
+  EXPECT_EQ(system.result(0), 0x400U);
+  EXPECT_EQ(system.result(1), 0x400U);
+  EXPECT_EQ(system.result(2), 0x12345678U);
+  EXPECT_EQ(system.result(3), 0x1234ab78U);
+  EXPECT_EQ(system.result(4) & 0xffffU, 0x1234U) << "across two words";
+}
+
+TEST(Gap8, CodeThatIsChangedByTheAliasOfItsMemoryRunsAsChanged) {
+  auto system = on_gap8(R"(
+_start: li s2, 0x1B000200
+    li a0, 0x00150513      # addi a0, a0, 1
+    sw a0, 0(s2)
+    li a1, 0x00008067      # ret
+    sw a1, 4(s2)
+    fence.i
+    li a0, 5
+    jalr s2
+    mv s3, a0
+    li a1, 0x10050513      # addi a0, a0, 256
+    sw a1, 0x200(zero)
+    li a0, 5
+    jalr s2
+1:  j 1b
+)");
+  system.soc.advance(1 * kMs);
+  EXPECT_EQ(system.soc.hart().reg(19), 6U);
+  EXPECT_EQ(system.soc.hart().reg(10), 261U);
+}
+
+TEST(Gap8, TellsOfARegisterThatIsNotModelledOnceAndGoesOn) {
+  auto system = on_gap8(R"(
+_start: li s0, 0x1A102000
+    li a2, 3
+1:  lw a0, 0x94(s0)
+    sw a2, 0x94(s0)
+    sw a2, 0x780(s0)
+    lw a1, 0x780(s0)
+    addi a2, a2, -1
+    bnez a2, 1b
+2:  j 2b
+)");
+  system.soc.advance(1 * kMs);
+  EXPECT_EQ(system.soc.hart().reg(10), 0U);
+  EXPECT_EQ(system.soc.hart().reg(11), 1U) << "a register that is described keeps what is stored";
+  ASSERT_EQ(system.faults.size(), 1U);
+  EXPECT_THAT(system.faults[0], HasSubstr("udma: load from 0x1a102094 in _start"));
+}
+
+TEST(Gap8, PrintsAndEndsAsProgramsOfItsSdkDo) {
+  auto system = on_gap8(R"(
+_start: li s0, 0x1A110F80
+    li a0, 'o'
+    sb a0, 0(s0)
+    li a0, 'k'
+    sb a0, 0(s0)
+    li a0, '\n'
+    sb a0, 0(s0)
+    li s0, 0x1A104000
+    li a0, 0x80000007
+    sw a0, 0xa0(s0)
+1:  j 1b
+)");
+  system.soc.advance(1 * kMs);
+  EXPECT_THAT(system.console, ElementsAre("ok"));
+  EXPECT_EQ(system.soc.end(), End::exited);
+  EXPECT_EQ(system.soc.exit_code(), 7);
+}
+
+TEST(Gap8, LoopsSetTheClocksAndSocControlTheVoltage) {
+  auto system = on_gap8(R"(
+_start: li s0, 0x1A100000
+    li a0, 0x84000BEC      # locked, divider 1, factor 3052
+    sw a0, 4(s0)
+    lw a1, 0(s0)
+    li a0, 0x8C0005F5      # divider 3
+    sw a0, 0x14(s0)
+    li s1, 0x1A104000
+    li a0, 9
+    sw a0, 0x100(s1)
+1:  j 1b
+)");
+  EXPECT_EQ(system.soc.clock_hz(), 1525 * 32768.0) << "as after reset";
+  EXPECT_EQ(system.soc.voltage_v(), 1.2);
+  system.soc.advance(1 * kMs);
+  EXPECT_EQ(system.soc.clock_hz(), 3052 * 32768.0);
+  EXPECT_EQ(system.soc.hart().reg(11), 3052U) << "the loop has locked";
+  EXPECT_EQ(system.soc.voltage_v(), 1.0);
+}
+
+/// Waits for event 11 of the timer's high counter with interrupts off, lets the interrupt in, and sends itself event 3
+/// of the SoC.
+constexpr std::string_view kEvents = R"(
+    .balign 256
+    .option push
+    .option norvc
+vectors: .rept 11
+    j unexpected
+    .endr
+    j on_timer
+    .rept 15
+    j unexpected
+    .endr
+    j on_soc_event
+    .rept 4
+    j unexpected
+    .endr
+    j unexpected
+    j on_illegal
+    .option pop
+    .globl _start
+_start: la t0, vectors
+    csrw mtvec, t0
+    li s0, 0x00204000
+    li s1, 0x1C060000
+    li s2, 0x00200400
+    li s3, 0x1A106000
+    li a0, 0x08000800
+    sw a0, 0x08(s0)        # events 11 and 27 end a wait
+    sw a0, 0x14(s0)        # and interrupt
+    li a0, 33
+    sw a0, 0x14(s2)        # compare of the high counter
+    li a0, 0xA7            # on, from 0, interrupt, one shot, reference clock
+    sw a0, 0x04(s2)
+    .insn i 0x03, 6, a1, 0x38(s0)
+    sw a1, 0(s1)
+    lw a2, 0x0c(s2)
+    sw a2, 4(s1)
+    csrwi mstatus, 8
+    li a0, -1
+    li a1, ~(1 << 19)
+    and a0, a0, a1
+    sw a0, 0x04(s3)        # the fabric controller hears event 51
+    li a0, 8
+    sw a0, 0(s3)
+    nop
+    .4byte 0xffffffff
+1:  .insn i 0x03, 6, a1, 0x38(s0)
+    j 1b
+on_timer: lw a3, 0x1c(s0)
+    sw a3, 8(s1)
+    lw a3, 20(s1)
+    addi a3, a3, 1
+    sw a3, 20(s1)
+    mret
+on_soc_event: li a3, 0x00200800
+    lw a3, 0x700(a3)
+    sw a3, 12(s1)
+    li a4, 0x08000000
+    sw a4, 0x28(s0)
+    mret
+on_illegal: csrr a3, mcause
+    sw a3, 16(s1)
+    csrr a3, mepc
+    addi a3, a3, 4
+    csrw mepc, a3
+    mret
+unexpected: j unexpected
+)";
+
+TEST(Gap8, WaitsForItsTimerAndTakesTheEventsOfTheSocFromTheirQueue) {
+  auto system = on_gap8(kEvents);
+  system.soc.advance(5 * kMs);
+  EXPECT_TRUE(system.faults.empty()) << system.faults.front();
+  EXPECT_EQ(system.result(0), 1U << 11) << "the wait does not clear";
+  EXPECT_EQ(system.result(1), 33U) << "one shot: it stands";
+  EXPECT_EQ(system.result(2), 0U) << "taking the interrupt cleared the event";
+  EXPECT_EQ(system.result(5), 1U) << "once";
+  EXPECT_EQ(system.result(3), 0x80000000U | 51U);
+  EXPECT_EQ(system.result(4), 2U) << "an illegal instruction goes to its own vector";
+  // 33 edges of 32768 Hz are 1.007 ms.
+  EXPECT_NEAR(static_cast<double>(system.soc.sleep_time()) * 1e-12, 5e-3, 50e-6) << "asleep but for a few instructions";
+}
+
+TEST(Gap8, GoesOnFromAState) {
+  auto straight = on_gap8(kEvents);
+  auto first = on_gap8(kEvents);
+  auto second = on_gap8(kEvents);
+  straight.soc.advance(2 * kMs);
+  first.soc.advance(500'000);  // in the wait
+  state::restore(second.soc, state::save(first.soc));
+  second.soc.advance(2 * kMs);
+  EXPECT_TRUE(mebots::test::same_state(second.soc, straight.soc));
+}
+
+TEST(Gap8, MovesBytesOverTheHyperBusAndTellsWhenTheyAreThere) {
+  Settings settings;
+  settings.flash.resize(0x200);
+  for (std::size_t i = 0; i < settings.flash.size(); ++i) settings.flash[i] = static_cast<std::uint8_t>(i * 7);
+  BoardSystem system(R"(
+_start: li s0, 0x1A102180
+    li s1, 0x1C060000
+    li s2, 0x00204000
+    li s3, 0x1A106000
+    li a0, 0xffffff3f      # hears events 6 and 7
+    sw a0, 0x08(s3)
+    li a0, 0x08000000
+    sw a0, 0x08(s2)
+    li a0, 0x01000080      # 64 bytes of the flash from 0x80 on
+    sw a0, 0x20(s0)
+    sw s1, 0(s0)
+    li a0, 64
+    sw a0, 4(s0)
+    li a0, 0x14
+    sw a0, 8(s0)
+    lw a1, 8(s0)
+    sw a1, 0x100(s1)
+    call wait
+    sw a3, 0x104(s1)
+    lw a1, 8(s0)
+    sw a1, 0x108(s1)
+    li a0, 0x1234          # into the RAM
+    sw a0, 0x20(s0)
+    sw s1, 0x10(s0)
+    li a0, 64
+    sw a0, 0x14(s0)
+    li a0, 0x14
+    sw a0, 0x18(s0)
+    call wait
+    sw a3, 0x10c(s1)
+    li a0, 0x1230          # and from it: 4 bytes that were never written first
+    sw a0, 0x20(s0)
+    addi a1, s1, 0x40
+    sw a1, 0(s0)
+    li a0, 8
+    sw a0, 4(s0)
+    li a0, 0x14
+    sw a0, 8(s0)
+    call wait
+    li a0, 0x010001FC      # the end of the image: erased behind it
+    sw a0, 0x20(s0)
+    addi a1, s1, 0x48
+    sw a1, 0(s0)
+    li a0, 0x14
+    sw a0, 8(s0)
+    call wait
+1:  j 1b
+wait: .insn i 0x03, 6, a4, 0x38(s2)
+    li a3, 0x00200800
+    lw a3, 0x700(a3)
+    li a4, 0x08000000
+    sw a4, 0x28(s2)
+    ret
+)",
+                     settings, gap8_board());
+  system.soc.advance(1 * kMs);
+  EXPECT_TRUE(system.faults.empty()) << system.faults.front();
+  for (std::uint32_t i = 0; i < 16; ++i) {
+    std::uint32_t expected = 0;
+    for (std::uint32_t byte = 0; byte < 4; ++byte) expected |= ((0x80 + 4 * i + byte) * 7 & 0xffU) << 8 * byte;
+    EXPECT_EQ(system.result(i), expected) << i;
+  }
+  EXPECT_EQ(system.result(64), 0x10U) << "runs, and none waits behind it";
+  EXPECT_EQ(system.result(65), 0x80000006U);
+  EXPECT_EQ(system.result(66), 0U) << "done";
+  EXPECT_EQ(system.result(67), 0x80000007U);
+  EXPECT_EQ(system.result(16), 0U);
+  EXPECT_EQ(system.result(17), system.result(0)) << "what was sent";
+  EXPECT_EQ(system.result(18) >> 24, 0x1FFU * 7 & 0xffU);
+  EXPECT_EQ(system.result(19), 0xffffffffU);
+}
+
+TEST(Gap8, RefusesAFlashImageThatIsTooLarge) {
+  Settings settings;
+  settings.flash.resize((64U << 20) + 1);
+  EXPECT_THAT([&] { BoardSystem(BoardSystem::assembled("_start: j _start\n"), settings, gap8_board()); },
+              testing::ThrowsMessage<Error>(HasSubstr("the flash image has 67108865 bytes")));
+}
+
+TEST(Gap8EventUnit, KeepsTheEventOfItsQueueUpUntilTheLastIsRead) {
+  gap8_devices::Signals signals;
+  gap8_devices::EventUnit unit(signals);
+  unit.store(0x0C, 0xffffffffU);
+  unit.queue_soc_event(5);
+  unit.queue_soc_event(6);
+  EXPECT_EQ(unit.lines(), 1U << 27);
+  EXPECT_EQ(unit.take_soc_event(), 0x80000005U);
+  unit.store(0x28, 1U << 27);
+  EXPECT_EQ(unit.lines(), 1U << 27) << "another one waits";
+  EXPECT_EQ(unit.take_soc_event(), 0x80000006U);
+  unit.store(0x28, 1U << 27);
+  EXPECT_EQ(unit.lines(), 0U);
+  EXPECT_EQ(unit.take_soc_event(), 0U) << "nothing: not valid";
+}
+
+TEST(Gap8EventUnit, PresentsTheHighestEventThatItsMaskLetsThrough) {
+  gap8_devices::Signals signals;
+  gap8_devices::EventUnit unit(signals);
+  signals.raise_fabric_event(3);
+  signals.raise_fabric_event(12);
+  EXPECT_EQ(unit.lines(), 0U);
+  unit.store(0x14, 1U << 3);
+  EXPECT_EQ(unit.lines(), 1U << 3);
+  unit.store(0x14, 1U << 12);
+  EXPECT_EQ(unit.lines(), 1U << 12);
+  unit.acknowledge(12);
+  EXPECT_EQ(unit.lines(), 1U << 3);
+  unit.store(0x10, 1U << 3);
+  EXPECT_EQ(unit.lines(), 0U) << "masked again";
+  std::uint32_t buffer = 0;
+  EXPECT_TRUE(unit.load(0x1C, buffer));
+  EXPECT_EQ(buffer, 1U << 3);
+}
+
+TEST(Gap8EventUnit, AnswersAWaitWhenAnEventOfItsMaskIsThere) {
+  gap8_devices::Signals signals;
+  gap8_devices::EventUnit unit(signals);
+  unit.store(0x00, 1U << 4);
+  EXPECT_EQ(unit.load_event(0x3C).kind, BusReply::Kind::blocked);
+  unit.raise(5);
+  EXPECT_FALSE(unit.take_wake());
+  unit.raise(4);
+  EXPECT_TRUE(unit.take_wake());
+  EXPECT_FALSE(unit.take_wake()) << "once";
+  EXPECT_EQ(unit.load_event(0x3C).value, 1U << 4);
+  EXPECT_EQ(unit.load_event(0x3C).kind, BusReply::Kind::blocked) << "the load has cleared it";
+}
+
+TEST(Gap8SocEvents, DeliverWhatIsNotMaskedAndTheReferenceClock) {
+  gap8_devices::Signals signals;
+  std::vector<unsigned> heard;
+  gap8_devices::SocEvents events(signals, [&](unsigned event) { heard.push_back(event); });
+  EXPECT_EQ(events.next_event(), kNever) << "all masked after reset";
+  signals.raise_soc_event(37, 0);
+  EXPECT_TRUE(heard.empty());
+  events.store(0x04, 0, ~(1U << 5));
+  signals.raise_soc_event(37, 0);
+  EXPECT_THAT(heard, ElementsAre(37U));
+  const Picoseconds later = 1'000'000'000;
+  events.store(0x04, later, ~(1U << 24));
+  EXPECT_EQ(events.next_event(), gap8_devices::reference_edge_time(33)) << "1 ms lies behind edge 32";
+  events.advance(events.next_event());
+  EXPECT_THAT(heard, ElementsAre(37U, 56U));
+}
+
+constexpr Picoseconds kMicrosecond = 1'000'000;
+
+std::uint32_t read(gap8_devices::Timer& timer, std::uint32_t offset, Picoseconds now) {
+  std::uint32_t value = 0;
+  EXPECT_TRUE(timer.load(offset, now, value));
+  return value;
+}
+
+TEST(Gap8Timer, CountsTheCoresClockAndStartsAnewAtItsComparison) {
+  gap8_devices::Signals signals;
+  std::vector<unsigned> raised;
+  signals.raise_fabric_event = [&](unsigned event) { raised.push_back(event); };
+  gap8_devices::Timer timer(signals, [] { return 50e6; });
+  timer.store(0x10, 0, 1000);
+  timer.store(0x00, 0, 0x15);  // on, interrupt, clear at the comparison
+  EXPECT_EQ(read(timer, 0x08, 10 * kMicrosecond), 500U);
+  EXPECT_EQ(timer.next_event(), 20 * kMicrosecond);
+  timer.advance(20 * kMicrosecond);
+  EXPECT_THAT(raised, ElementsAre(10U));
+  EXPECT_EQ(read(timer, 0x08, 20 * kMicrosecond), 0U);
+  EXPECT_EQ(timer.next_event(), 40 * kMicrosecond);
+  timer.store(0x00, 30 * kMicrosecond, 0);
+  EXPECT_EQ(read(timer, 0x08, 90 * kMicrosecond), 500U) << "stands while it is off";
+}
+
+TEST(Gap8Timer, DividesByItsPrescalerAndCountsInPairs) {
+  gap8_devices::Signals signals;
+  gap8_devices::Timer timer(signals, [] { return 50e6; });
+  timer.store(0x00, 0, 1U | 1U << 6 | 4U << 8);  // every fifth cycle
+  EXPECT_EQ(read(timer, 0x08, 10 * kMicrosecond), 100U);
+  timer.store(0x00, 10 * kMicrosecond, 1U << 31);
+  timer.store(0x08, 10 * kMicrosecond, 0xffffff00U);
+  timer.store(0x0C, 10 * kMicrosecond, 7);
+  timer.store(0x00, 10 * kMicrosecond, 1U << 31 | 1U);
+  EXPECT_EQ(read(timer, 0x0C, 20 * kMicrosecond), 8U) << "500 cycles carry over";
+  EXPECT_EQ(read(timer, 0x08, 20 * kMicrosecond), 500U - 256U);
+}
+
+TEST(Gap8Timer, KeepsItsCountWhenTheClockChanges) {
+  gap8_devices::Signals signals;
+  double hz = 50e6;
+  gap8_devices::Timer timer(signals, [&] { return hz; });
+  timer.store(0x00, 0, 1);
+  signals.clock_changes(10 * kMicrosecond);
+  hz = 100e6;
+  EXPECT_EQ(read(timer, 0x08, 20 * kMicrosecond), 500U + 1000U);
+}
+
+}  // namespace
+}  // namespace mebots::soc::test
