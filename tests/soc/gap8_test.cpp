@@ -313,6 +313,34 @@ wait: .insn i 0x03, 6, a4, 0x38(s2)
   EXPECT_EQ(system.result(19), 0xffffffffU);
 }
 
+TEST(Gap8, SendsItsUartsBytesToTheTerminalInTheTimeOfTheirBits) {
+  BoardSystem system(R"(
+_start: li s0, 0x1A102200
+    li s1, 0x1C060000
+    li s2, 0x1A10B000
+    li a0, 0x00090106      # ten clocks a bit, eight bits, one stop
+    sw a0, 0x24(s0)
+    la a0, text
+    sw a0, 0x10(s0)
+    li a0, 6
+    sw a0, 0x14(s0)
+    li a0, 0x10
+    sw a0, 0x18(s0)
+    csrr s3, mcycle
+1:  lw a0, 0x20(s0)
+    bnez a0, 1b
+    csrr s4, mcycle
+    sub s4, s4, s3
+    sw s4, 0(s1)
+2:  j 2b
+text: .ascii "hello\n"
+)",
+                     {}, gap8_board());
+  system.soc.advance(1 * kMs);
+  EXPECT_THAT(system.console, ElementsAre("hello"));
+  EXPECT_NEAR(system.result(0), 6 * 10 * 10, 25) << "cycles; a turn of the loop takes some, and its code is fetched";
+}
+
 TEST(Gap8, RefusesAFlashImageThatIsTooLarge) {
   Settings settings;
   settings.flash.resize((64U << 20) + 1);
