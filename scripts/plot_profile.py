@@ -14,12 +14,14 @@ import json
 import pathlib
 import zlib
 
-import matplotlib
+from matplotlib.colors import to_rgb
 from matplotlib.patches import Rectangle
 
-from figure_style import plt, save
+from figure_style import PALETTE, plt, save
 
 SCALES = {"nanoseconds": (1e-9, "s")}
+ROW_INCHES = 0.3
+LEAST_SHARE = 0.004  # narrower boxes make no row of their own
 
 
 def read_stacks(profile, names, left_out):
@@ -52,29 +54,34 @@ def boxes(stacks):
 
 
 def colour(name):
-    """The same for the same function in every picture; sleep is blue, interrupts are grey."""
-    if name == "[asleep]":
-        return "#9ecae1"
+    """The same for the same function in every picture: a colour of the palette, so light that black is read on it. What is
+    no function (sleep, interrupts) is grey."""
     if name.startswith("["):
-        return "#bdbdbd"
-    return matplotlib.colormaps["autumn"](0.15 + 0.8 * (zlib.crc32(name.encode()) % 1000) / 1000)
+        return "#d9dce0"
+    tone = to_rgb(PALETTE[zlib.crc32(name.encode()) % (len(PALETTE) - 1)])
+    return tuple(0.45 * part + 0.55 for part in tone)
+
+
+def rows_of(stacks):
+    """How many rows of boxes are to be seen."""
+    total = sum(cost for _, cost in stacks) or 1
+    return max((depth + 1 for depth, _, width, _ in boxes(stacks) if width / total >= LEAST_SHARE), default=1)
 
 
 def draw(axes, profile, stacks, names):
     total = sum(cost for _, cost in stacks) or 1
-    found = boxes(stacks)
-    depths = max((box[0] for box in found), default=0) + 1
-    axes.set(xlim=(0, 1), ylim=(0, depths), yticks=[])
+    axes.set(xlim=(0, 1), ylim=(0, rows_of(stacks)), yticks=[])
     axes.set_xticks([0, 0.25, 0.5, 0.75, 1], ["0", "25 %", "50 %", "75 %", "100 %"])
-    for depth, start, width, frame in found:
+    axes.spines["left"].set_visible(False)
+    for depth, start, width, frame in boxes(stacks):
         share = width / total
         if share < 0.0005:
             continue
         axes.add_patch(Rectangle((start / total, depth), share, 1, facecolor=colour(names[frame]), edgecolor="white", linewidth=0.5))
-        room = int(share * 150)
+        room = int(share * 125)
         if room >= 4:
             text = f"{names[frame]} {100 * share:.1f} %" if room > len(names[frame]) + 7 else names[frame][:room]
-            axes.text(start / total + share / 2, depth + 0.5, text, ha="center", va="center", fontsize=7, clip_on=True)
+            axes.text(start / total + share / 2, depth + 0.5, text, ha="center", va="center", fontsize=8, clip_on=True)
     factor, unit = SCALES.get(profile["unit"], (1e-9, "J") if "nJ" in profile["name"] else (1, ""))
     axes.set_title(f"{profile['name'].replace(' [nJ]', '')}: {total * factor:.4g} {unit}", loc="left", fontsize=10)
 
@@ -95,9 +102,11 @@ def main():
         if not named:
             parser.error(f"{arguments.profile} has no profile \"{wanted}\"; it has {'; '.join(p['name'] for p in data['profiles'])}")
         chosen.append(named[0])  # the fabric controller's come before those of the cluster's cores
-    figure, axes = plt.subplots(len(chosen), 1, figsize=(12, 3.6 * len(chosen)), constrained_layout=True, squeeze=False)
-    for cell, profile in zip(axes.flat, chosen):
-        stacks = read_stacks(profile, names, arguments.leave_out)
+    drawn = [read_stacks(profile, names, arguments.leave_out) for profile in chosen]
+    heights = [rows_of(stacks) for stacks in drawn]
+    figure, axes = plt.subplots(len(chosen), 1, figsize=(10, ROW_INCHES * sum(heights) + 0.6 * len(chosen) + 0.3),
+                                height_ratios=heights, constrained_layout=True, squeeze=False)
+    for cell, profile, stacks in zip(axes.flat, chosen, drawn):
         draw(cell, profile, stacks, names)
         costs = collections.Counter()
         for stack, cost in stacks:

@@ -72,6 +72,18 @@ class Tables(StudyCase):
         self.assertIsNone(found[0]["replay"])
         self.assertTrue((self.folder / "out" / found[1]["replay"]).is_file(), found[1])
 
+    def test_the_report_can_bring_a_mission_of_each_design_onto_one_page(self):
+        self.study()
+        self.sweep()
+        report = self.report()
+        for design in report["designs"]:
+            words = shlex.split(design["command"])
+            self.assertEqual(words[words.index("--out") + 1], shlex.split(design["folder"])[0])
+            subprocess.run([MEBOTS, *words[1:]], check=True, capture_output=True)
+        folders = [design["folder"] for design in report["designs"]]
+        subprocess.run([MEBOTS, *shlex.split(f"report {' '.join(folders)} --out {report['beside']['out']}")], check=True, capture_output=True)
+        self.assertTrue((self.folder / "out" / report["beside"]["page"]).is_file())
+
     def report(self):
         """The data that stands in the report."""
         page = (self.folder / "out" / "report.html").read_text()

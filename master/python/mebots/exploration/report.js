@@ -205,7 +205,8 @@ if (designs.some((one) => one.flights.length)) {
 
 // All designs.
 {
-  const made = section(main, "Designs");
+  const made = section(main, "Designs", designs.some((one) => one.command) ? "Click one for what it is; tick several to see their missions beside each other." : "");
+  const ticked = new Set();
   let [by, sign] = [-1, 1];
   const columns = [
     ["design", (i) => i],
@@ -221,11 +222,15 @@ if (designs.some((one) => one.flights.length)) {
       const value = columns[by][1];
       order.sort((a, b) => sign * (value(a) === value(b) ? 0 : value(a) === null ? 1 : value(b) === null ? -1 : value(a) < value(b) ? -1 : 1));
     }
-    const head = node("tr");
+    const head = node("tr", {}, node("th", {}, ""));
     columns.forEach(([name], i) => head.append(node("th", { onclick: () => ((sign = by === i ? -sign : 1), (by = i), redraw()) }, name)));
     const body = node("tbody");
     for (const i of order) {
       const row = node("tr", { class: i === chosen ? "chosen" : "", onclick: () => choose(i) });
+      const box = node("input", { type: "checkbox", "aria-label": `design ${i} beside others`, onclick: (event) => event.stopPropagation(),
+        onchange: () => (box.checked ? ticked.add(i) : ticked.delete(i), together()) });
+      box.checked = ticked.has(i);
+      row.append(node("td", { class: "left" }, ...(designs[i].command ? [box] : [])));
       columns.forEach(([name, value]) => {
         const objective = objectives.findIndex((one) => titled(one) === name);
         let text = short(value(i));
@@ -238,6 +243,13 @@ if (designs.some((one) => one.flights.length)) {
       body.append(row);
     }
     return node("div", { class: "scroll" }, node("table", {}, node("thead", {}, head), body));
+  });
+  const together = chart(made, () => {
+    const some = [...ticked].sort((a, b) => a - b);
+    if (some.length < 2) return node("div");
+    const lines = [...some.map((i) => designs[i].command), `mebots report ${some.map((i) => designs[i].folder).join(" ")} --out ${study.beside.out}`];
+    return node("div", { id: "beside" }, node("p", {}, `The first mission of designs ${some.join(", ")}: the same draws, one page with all of them in one scene. These lines fly and draw it; then open `,
+      node("a", { href: study.beside.page }, study.beside.page), "."), node("pre", {}, node("code", {}, lines.join("\n"))));
   });
 }
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import math
 import pathlib
+import shlex
 from collections.abc import Sequence
 from typing import Any
 
@@ -14,6 +15,8 @@ from mebots.exploration.study import Study, Values
 
 MOST_MISSIONS = 50_000
 """Of more missions the report shows the designs alone."""
+BESIDE = "replays/beside.html"
+"""The page of a mission of each of several designs."""
 
 
 def write(
@@ -35,6 +38,7 @@ def write(
         ],
         "constraints": [{"label": one.label, "above": one.above, "bound": one.bound} for one in study.constraints],
         "sequence": study.looks,
+        "beside": {"out": shlex.quote(str(file.parent / BESIDE)), "page": BESIDE},
         "designs": [
             {
                 "values": [values[name] for name in factors],
@@ -42,6 +46,7 @@ def write(
                 "estimates": [_numbers(evidence.shown(number, one)) for one in study.objectives],
                 "command": commands[number],
                 "replay": _replay(file.parent, number),
+                "folder": shlex.quote(str(replay_folder(file.parent, number))),
                 "flights": _flights(evidence, number),
             }
             | rows[number]
