@@ -35,7 +35,12 @@ def main():
             data = np.genfromtxt(folder / f"{name}_{lag}.csv", delimiter=",", names=True)
             axis.plot(data["time"], data[column], color=colour, lw=1.3, label=f"rotor lag {lag[:-2]} ms")
         axis.set(title=title, xlabel="time [s]", ylabel=label)
-    axes[0, 0].legend()
+        axis.title.set_ha("left")
+        axis.title.set_x(0)
+        axis.grid(axis="y")
+    # Each lag's name once, in its colour, where the curves lie furthest apart.
+    for place, (lag, colour) in enumerate(LAGS):
+        axes[1, 0].text(0.97, 0.34 - 0.11 * place, f"rotor lag {lag[:-2]} ms", color=colour, transform=axes[1, 0].transAxes, ha="right")
     style.save(figure, Path(__file__).parent / "step_responses.png")
 
 

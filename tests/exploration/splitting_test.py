@@ -9,6 +9,7 @@ import subprocess
 import sys
 import unittest
 
+import mebots
 from mebots.exploration.splitting import MOST_LEVELS, next_level
 from support import BUILD, MEBOTS, PROBE, StudyCase
 
@@ -62,6 +63,20 @@ class RareEvents(StudyCase):
         print(f"{found:.3g} ({exact:.3g}), error {relative:.2g}, {plain_s / float(answer['simulated_time [s]']):.0f} times less simulated")
         self.assertGreater(plain_s / float(answer["simulated_time [s]"]), 10)
 
+    def test_a_scenario_sets_a_tunable_parameter_as_a_program_does(self):
+        def heights(scenarios, write):
+            mission = mebots.Mission(self.folder / "mission.json", scenarios=scenarios, record=["walk.height"])
+            mission.run_until(50)
+            for value in write:
+                mission.write("walk.seed", value)
+            mission.run()
+            return list(mission["walk.height"])
+
+        scenario = self.folder / "scenario.json"
+        scenario.write_text(json.dumps({"scenario": [{"variable": "walk.seed", "set": 7, "from": 50}]}))
+        self.assertEqual(heights([scenario], []), heights([], [7]))
+        self.assertNotEqual(heights([scenario], []), heights([], []))
+
     def test_a_probability_of_one_in_ten_thousand_is_found_with_a_tenth_of_the_simulated_time(self):
         self.check_one_in_ten_thousand([9, 15, 21, 27, 33, HEIGHT], 12)
 
@@ -103,14 +118,15 @@ class RareEvents(StudyCase):
         self.assertEqual(next_level(bests, None, 99, MOST_LEVELS - 1), 99)
 
     def test_the_report_tells_it_and_a_single_run_repeats_a_mission_that_came_to_the_end(self):
-        self.rare(14, 40, 4)
+        self.rare(24, 40, 4)
         self.sweep()
         page = (self.folder / "out" / "report.html").read_text()
         data = json.loads(page.split('<script type="application/json" id="data">')[1].split("</script>")[0])
         (design,) = data["designs"]
         (answer,) = self.rows("designs.csv")
         self.assertEqual(design["answer"], [float(answer[name]) for name in ("probability", "probability: low", "probability: high", "relative_error")])
-        self.assertEqual(design["levels"][-1], 14)
+        self.assertEqual(design["levels"][-1], 24)
+        self.assertGreater(len(design["levels"]), 1)
         self.assertEqual([len(reached) for reached in design["reached"]], [len(design["levels"])] * 4)
         words = shlex.split(design["command"])
         done = subprocess.run([MEBOTS, *words[1:], "--quiet"], capture_output=True, text=True, timeout=100)
@@ -118,7 +134,9 @@ class RareEvents(StudyCase):
         out = words[words.index("--out") + 1]
         with open(out + "/summary.json", encoding="utf-8") as file:
             summary = json.load(file)
-        self.assertGreaterEqual(summary["top"], 14)
+        self.assertGreaterEqual(summary["top"], 24)
+        scenario = json.loads((self.folder / "out" / "rare" / "design_0.json").read_text())["scenario"]
+        self.assertEqual(len(scenario), len(design["levels"]) - 1)
         self.assertEqual(summary["outcome"], "high")
 
     def test_it_agrees_with_counting_where_that_is_possible(self):

@@ -137,7 +137,7 @@ TEST(Scenario, WhatMakesNoSenseIsRefusedBeforeTheFirstStep) {
   };
   EXPECT_THAT(refused(R"({"variable": "a.real_uot", "set": 1})"),
               AllOf(HasSubstr("/scenario/0"), HasSubstr("real_out")));
-  EXPECT_THAT(refused(R"({"variable": "a.gain", "set": 1})"), HasSubstr("causality parameter"));
+  EXPECT_THAT(refused(R"({"variable": "a.gain", "set": 1})"), HasSubstr("parameter of variability fixed"));
   EXPECT_THAT(refused(R"({"variable": "a.real_out", "set": "high"})"), HasSubstr("takes a finite number"));
   EXPECT_THAT(refused(R"({"variable": "a.steps", "offset": 1})"), HasSubstr("works on Real variables"));
   EXPECT_THAT(refused(R"({"variable": "a.real_out", "set": 1, "unit": "km"})"), HasSubstr("is in [metre]"));

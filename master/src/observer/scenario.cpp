@@ -12,6 +12,7 @@ namespace {
 
 using modeldesc::Causality;
 using modeldesc::Type;
+using modeldesc::Variability;
 
 [[noreturn]] void fail(const OverrideDescription& override, const std::string& what) {
   throw InputError(ErrorCode::invalid_value,
@@ -42,9 +43,11 @@ Override checked(const ResolvedSystem& system, const OverrideDescription& descri
   Override override{&description, system.find(description.variable, description.place + "/variable"), {}};
   const auto& variable = *override.variable.variable;
   const auto& model = system.instances[override.variable.instance].fmu->description();
-  if (variable.causality != Causality::input && variable.causality != Causality::output) {
-    fail(description, fmt::format("is of causality {}; inputs and outputs can be overridden",
-                                  modeldesc::to_string(variable.causality)));
+  const bool tunable = variable.causality == Causality::parameter && variable.variability == Variability::tunable;
+  if (variable.causality != Causality::input && variable.causality != Causality::output && !tunable) {
+    fail(description,
+         fmt::format("is {} of variability {}; inputs, outputs and tunable parameters can be overridden",
+                     modeldesc::to_string(variable.causality), modeldesc::to_string(variable.variability)));
   }
   if (is_osmp_part(model, variable)) fail(description, "is part of a binary variable, which cannot be overridden");
   if (!description.unit.empty() && description.unit != variable.unit) {

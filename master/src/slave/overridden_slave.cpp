@@ -73,7 +73,7 @@ OverriddenSlave::OverriddenSlave(std::unique_ptr<Slave> inner, const Scenario& s
       Target added;
       added.reference = variable.value_reference;
       added.kind = kind;
-      added.input = variable.causality == modeldesc::Causality::input;
+      added.input = variable.causality != modeldesc::Causality::output;  // or a tunable parameter, which is one
       added.base = plain(variable.start, kind);
       target = targets_.insert(targets_.end(), std::move(added));
     }
