@@ -91,17 +91,17 @@ def measure(size, sims, instructions, repeats, folder):
 
 def plot(sizes, rates, path):
     sys.path.insert(0, str(ROOT / "scripts"))
-    from figure_style import plt, save
+    from figure_style import label_line, plt, save
 
     figure, axes = plt.subplots(figsize=(8, 4.2), constrained_layout=True)
     for sim in rates[sizes[0]]:
         points = [(size, rates[size][sim]) for size in sizes if sim in rates[size]]
-        axes.plot(*zip(*points), marker="o", label=sim, linestyle="-" if sim.startswith("mebots") else "--")
+        (line,) = axes.plot(*zip(*points), marker="o", markersize=4, linestyle="-" if sim.startswith("mebots") else "--")
+        label_line(axes, sim, line.get_color())
     axes.set(xscale="log", yscale="log", xticks=sizes, xticklabels=sizes, xlabel="hot code [KiB]",
              ylabel="million instructions per second")
     axes.minorticks_off()
-    axes.set_title("Branchy functions called in turn, processor time", fontsize=11)
-    axes.legend()
+    axes.set_title("Branchy functions called in turn, processor time", loc="left")
     save(figure, path)
 
 
