@@ -29,7 +29,7 @@ table{border-collapse:collapse;font-size:13px;width:100%}td,th{padding:3px 8px;t
 td.left{text-align:left}th{color:var(--soft);font-weight:normal;text-align:right;cursor:pointer}tbody tr{cursor:pointer}tbody tr:hover,tr.chosen{background:var(--panel)}
 #chosen{background:var(--panel);border-radius:6px;padding:12px 16px;margin-top:12px;position:sticky;bottom:8px;border:1px solid var(--line)}
 pre{margin:4px 0;white-space:pre-wrap}a{color:var(--undecided)}code{font:12px ui-monospace,monospace;overflow-wrap:anywhere}.key{display:inline-block;width:10px;height:10px;border-radius:5px;margin:0 4px 0 12px}
-.scroll{max-height:420px;overflow:auto}
+.scroll{max-height:420px;overflow:auto}.scroll td,.scroll th{white-space:nowrap}
 """
 
 
