@@ -4,7 +4,6 @@
 #include "base/interrupt.hpp"
 #include "mebots/assert.hpp"
 
-#include <algorithm>
 #include <numeric>
 
 namespace mebots::master {
@@ -16,9 +15,9 @@ std::vector<std::size_t> order_of(const SystemDescription& system) {
   std::iota(order.begin(), order.end(), std::size_t{0});
   const auto& names = system.algorithm.order;
   for (std::size_t i = 0; i < names.size(); ++i) {
-    const auto found = std::ranges::find(system.instances, names[i], &InstanceDescription::name);
-    MEBOTS_ASSERT(found != system.instances.end() && i < order.size(), "the reader has looked the names up");
-    order[i] = static_cast<std::size_t>(found - system.instances.begin());
+    const auto found = system.index_of(names[i]);
+    MEBOTS_ASSERT(found && i < order.size(), "the reader has looked the names up");
+    order[i] = *found;
   }
   return order;
 }

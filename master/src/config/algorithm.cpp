@@ -8,17 +8,18 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <algorithm>
+#include <set>
 
 namespace mebots::master::config {
 namespace {
 
 std::vector<std::string> read_order(const Node& node, const SystemDescription& system) {
   std::vector<std::string> order;
+  std::set<std::string> named;
   for (const auto& element : node.elements()) {
     element.attempt([&] {
       auto name = instance_name(element.text(), element, system);
-      if (std::ranges::find(order, name) != order.end()) {
+      if (!named.insert(name).second) {
         element.fail(ErrorCode::duplicate_name, fmt::format("the instance '{}' is there twice", name));
       }
       order.push_back(std::move(name));
@@ -26,7 +27,7 @@ std::vector<std::string> read_order(const Node& node, const SystemDescription& s
   }
   std::vector<std::string> missing;
   for (const auto& name : system.instance_names()) {
-    if (std::ranges::find(order, name) == order.end()) missing.push_back(name);
+    if (!named.contains(name)) missing.push_back(name);
   }
   if (!missing.empty()) {
     node.complain(ErrorCode::invalid_value,

@@ -2,18 +2,33 @@
 #include "config/system_description.hpp"
 
 #include "base/time.hpp"
+#include "mebots/assert.hpp"
 #include "mebots/nearest_names.hpp"
 
 #include <fmt/format.h>
 
-#include <algorithm>
-
 namespace mebots::master {
 
+std::optional<std::size_t> InstanceIndex::find(const std::vector<InstanceDescription>& instances,
+                                               std::string_view name) const {
+  if (known_ > instances.size()) {
+    places_.clear();
+    known_ = 0;
+  }
+  for (; known_ < instances.size(); ++known_) places_.emplace(instances[known_].name, known_);
+  const auto found = places_.find(name);
+  if (found == places_.end()) return std::nullopt;
+  MEBOTS_ASSERT(instances[found->second].name == name, "an instance keeps its name once it was looked for");
+  return found->second;
+}
+
+std::optional<std::size_t> SystemDescription::index_of(std::string_view instance_name) const {
+  return index.find(instances, instance_name);
+}
+
 const InstanceDescription* SystemDescription::find_instance(std::string_view instance_name) const {
-  const auto found = std::find_if(instances.begin(), instances.end(),
-                                  [&](const InstanceDescription& instance) { return instance.name == instance_name; });
-  return found == instances.end() ? nullptr : &*found;
+  const auto place = index_of(instance_name);
+  return place ? &instances[*place] : nullptr;
 }
 
 std::vector<std::string> SystemDescription::instance_names() const {
@@ -75,13 +90,13 @@ VariableName parse_variable(const SystemDescription& system, std::string_view te
 
 LocatedSetting locate(SystemDescription& system, const Setting& setting) {
   const auto name = parse_variable(system, setting.variable, setting.place);
-  const auto found = std::ranges::find(system.instances, name.instance, &InstanceDescription::name);
-  if (found == system.instances.end()) {
+  const auto found = system.index_of(name.instance);
+  if (!found) {
     throw InputError(ErrorCode::unknown_name,
                      fmt::format("{}: there is no instance '{}'. {}", setting.place, name.instance,
                                  suggest(name.instance, system.instance_names())));
   }
-  return {&*found, {name.variable, setting.value, setting.place}};
+  return {&system.instances[*found], {name.variable, setting.value, setting.place}};
 }
 
 }  // namespace mebots::master

@@ -9,6 +9,8 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -224,6 +226,16 @@ inline constexpr std::string_view kDefaultLogCategories[] = {"console", "events"
 /// SystemDescription::threads: as many as the machine runs at the same time.
 inline constexpr unsigned kAutomaticThreads = 0;
 
+/// Finds instances by their names. It learns them when it is first asked: from then on a name does not change.
+class InstanceIndex {
+ public:
+  std::optional<std::size_t> find(const std::vector<InstanceDescription>& instances, std::string_view name) const;
+
+ private:
+  mutable std::map<std::string, std::size_t, std::less<>> places_;
+  mutable std::size_t known_ = 0;
+};
+
 struct SystemDescription {
   std::filesystem::path file;  ///< the config or SSP
   std::string name;            ///< its file name without extension
@@ -247,6 +259,10 @@ struct SystemDescription {
   std::vector<std::string> notices;  ///< of the reader, for the user
   std::shared_ptr<const modeldesc::TemporaryFolder> unpacked;  ///< where an SSP's FMUs lie
 
+  InstanceIndex index;
+
+  /// Place among `instances`. Like all that looks for names, for one thread at a time.
+  std::optional<std::size_t> index_of(std::string_view instance_name) const;
   const InstanceDescription* find_instance(std::string_view instance_name) const;
   std::vector<std::string> instance_names() const;
   /// "instance.variable" apart, by the names of the instances; nothing when no instance fits.

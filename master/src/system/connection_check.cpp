@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "system/connection_check.hpp"
 
+#include "base/interrupt.hpp"
 #include "base/time.hpp"
 
 #include <fmt/format.h>
@@ -150,24 +151,21 @@ class ConnectionCheck {
 
 /// The variables named `name.base.lo`, `name.base.hi` and `name.size`, if all are there.
 std::optional<std::vector<ResolvedVariable>> binary_parts(const ResolvedSystem& system, const VariableName& name) {
+  const auto instance = system.description->index_of(name.instance);
+  if (!instance) return std::nullopt;
   std::vector<ResolvedVariable> parts;
-  for (std::size_t i = 0; i < system.instances.size(); ++i) {
-    if (system.instances[i].description->name != name.instance) continue;
-    const auto& model = system.instances[i].fmu->description();
-    for (const auto* ending : kOsmpEndings) {
-      const auto* part = model.find(name.variable + ending);
-      if (part == nullptr || part->type != Type::integer) return std::nullopt;
-      parts.push_back({i, part});
-    }
+  const auto& model = system.instances[*instance].fmu->description();
+  for (const auto* ending : kOsmpEndings) {
+    const auto* part = model.find(name.variable + ending);
+    if (part == nullptr || part->type != Type::integer) return std::nullopt;
+    parts.push_back({*instance, part});
   }
-  if (parts.size() != std::size(kOsmpEndings)) return std::nullopt;
   return parts;
 }
 
 bool is_scalar(const ResolvedSystem& system, const VariableName& name) {
-  return std::any_of(system.instances.begin(), system.instances.end(), [&](const ResolvedInstance& instance) {
-    return instance.description->name == name.instance && instance.fmu->description().find(name.variable) != nullptr;
-  });
+  const auto instance = system.description->index_of(name.instance);
+  return instance && system.instances[*instance].fmu->description().find(name.variable) != nullptr;
 }
 
 /// A buffer is valid until its owner's next step ends. A reader that steps less often than the owner reads
@@ -210,9 +208,10 @@ std::vector<ResolvedConnection> scalars_of(const ResolvedSystem& system, const C
 
 }  // namespace
 
-void resolve_connections(ResolvedSystem& system) {
+void resolve_connections(ResolvedSystem& system, const std::atomic<bool>& interrupted) {
   std::map<std::pair<std::size_t, const Variable*>, std::pair<ResolvedConnection, std::string>> by_target;
   for (const auto& description : system.description->connections) {
+    stop_if_interrupted(interrupted);
     for (const auto& scalar : scalars_of(system, description)) {
       ConnectionCheck check(system, description, scalar);
       const auto connection = check.run();

@@ -163,11 +163,12 @@ void refuse_values_of_connected_inputs(const ResolvedSystem& system) {
 }
 
 void note_open_inputs(ResolvedSystem& system) {
+  auto connection = system.connections.begin();  // in the order of the instances that they go to
   for (std::size_t i = 0; i < system.instances.size(); ++i) {
     const auto& instance = system.instances[i];
     std::set<const Variable*> served;
-    for (const auto& connection : system.connections) {
-      if (connection.to.instance == i) served.insert(connection.to.variable);
+    for (; connection != system.connections.end() && connection->to.instance == i; ++connection) {
+      served.insert(connection->to.variable);
     }
     for (const auto& start : instance.starts) served.insert(start.variable);
     std::vector<std::string> open;
@@ -186,19 +187,19 @@ void note_open_inputs(ResolvedSystem& system) {
 }  // namespace
 
 ResolvedVariable ResolvedSystem::find(const VariableName& name, const std::string& place) const {
-  for (std::size_t i = 0; i < instances.size(); ++i) {
-    if (instances[i].description->name != name.instance) continue;
-    const auto& model = instances[i].fmu->description();
-    const auto* variable = model.find(name.variable);
-    if (variable == nullptr) {
-      throw InputError(ErrorCode::unknown_name,
-                       fmt::format("{}: instance '{}' ({}) has no variable '{}'. {}", place, name.instance,
-                                   model.model_name, name.variable, suggest(name.variable, variable_names(model))));
-    }
-    return {i, variable};
+  const auto instance = description->index_of(name.instance);
+  if (!instance) {
+    throw InputError(ErrorCode::unknown_name, fmt::format("{}: there is no instance '{}'. {}", place, name.instance,
+                                                          suggest(name.instance, description->instance_names())));
   }
-  throw InputError(ErrorCode::unknown_name, fmt::format("{}: there is no instance '{}'. {}", place, name.instance,
-                                                        suggest(name.instance, description->instance_names())));
+  const auto& model = instances[*instance].fmu->description();
+  const auto* variable = model.find(name.variable);
+  if (variable == nullptr) {
+    throw InputError(ErrorCode::unknown_name,
+                     fmt::format("{}: instance '{}' ({}) has no variable '{}'. {}", place, name.instance,
+                                 model.model_name, name.variable, suggest(name.variable, variable_names(model))));
+  }
+  return {*instance, variable};
 }
 
 std::string ResolvedSystem::text(const ResolvedVariable& variable) const {
@@ -262,7 +263,7 @@ ResolvedSystem resolve(const SystemDescription& description, FmuLibrary& library
   check_single_use(system);
   note_unknown_categories(system);
   for (const auto& instance : system.instances) check_division(instance);
-  resolve_connections(system);
+  resolve_connections(system, interrupted);
   refuse_values_of_connected_inputs(system);
   note_open_inputs(system);
   return system;
