@@ -14,5 +14,5 @@ run() {
 run 'Scale.*'
 for fmu in "$build"/fmus/fmu_*.fmu; do
   echo "$(basename "$fmu"):"
-  MEBOTS_CYCLED_FMU=$(realpath "$fmu") run 'Scale.InstancesThatComeAndGo*'
+  MEBOTS_CYCLED_FMU=$(realpath "$fmu") run 'Scale.InstancesThatComeAndGo*:Scale.ArchivesThat*'
 done

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server.hpp"
 
+#include "base/own_threads.hpp"
 #include "mebots/input_error.hpp"
 #include "sink/csv_cells.hpp"
 
@@ -111,7 +112,10 @@ LiveRun::Server::Server(int port, Answers answers) : sockets_(std::make_unique<S
     reply(response, "application/json",
           [&] { return answers.set(request.get_param_value("variable"), request.get_param_value("value")); });
   });
-  sockets_->thread = std::thread([&server] { server.listen_after_bind(); });
+  sockets_->thread = std::thread([&server] {
+    master::mark_own_family();
+    server.listen_after_bind();
+  });
 }
 
 LiveRun::Server::~Server() {

@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include <sys/stat.h>
+
 #include <cerrno>
 #include <cstdlib>
 #include <system_error>
@@ -23,6 +25,14 @@ TemporaryFolder::TemporaryFolder(std::string_view prefix, const std::filesystem:
                 fmt::format("{}: no temporary folder can be made there: {}; set TMPDIR to another place", base.string(),
                             std::generic_category().message(errno)));
   path_ = name;
+}
+
+std::optional<TemporaryFolder> TemporaryFolder::at(std::filesystem::path path) {
+  constexpr mode_t kOwnerOnly = 0700;
+  if (mkdir(path.c_str(), kOwnerOnly) != 0) return std::nullopt;
+  TemporaryFolder folder;
+  folder.path_ = std::move(path);
+  return folder;
 }
 
 TemporaryFolder::~TemporaryFolder() {

@@ -18,14 +18,17 @@
 #include <fcntl.h>
 #include <fenv.h>
 #include <math.h>
+#include <netinet/in.h>
 #include <pthread.h>
 #include <signal.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
 #include <sys/ptrace.h>
 #include <sys/resource.h>
+#include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
 #include <sys/uio.h>
@@ -73,6 +76,8 @@ typedef struct {
   char name[TEXT_SIZE];
   int zero;  // what no compiler knows
   int* null;
+  int file;
+  int has_thread;
 } Probe;
 
 static void say(Probe* p, fmi2Status status, const char* category, const char* text, double value) {
@@ -135,7 +140,18 @@ FMI2_EXPORT fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2St
   return p;
 }
 
+// When the library goes.
+static int dies_at_end = 0;
+__attribute__((destructor)) static void end(void) {
+  if (dies_at_end) raise(SIGSEGV);
+}
+
 FMI2_EXPORT void fmi2FreeInstance(fmi2Component c) {
+  if (c != NULL && strcmp(((Probe*)c)->state.strings[FAULT], "free_crash") == 0) raise(SIGSEGV);
+  if (c != NULL && strcmp(((Probe*)c)->state.strings[FAULT], "free_hang") == 0) {
+    for (;;) pause();
+  }
+  if (c != NULL && strcmp(((Probe*)c)->state.strings[FAULT], "destructor") == 0) dies_at_end = 1;
   if (c != NULL) ((Probe*)c)->callbacks.freeMemory(c);
 }
 
@@ -144,6 +160,17 @@ FMI2_EXPORT fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean has_tole
   (void)tolerance, (void)stop;
   ((Probe*)c)->state.time = start;
   return has_tolerance || !has_stop ? fmi2Error : fmi2OK;
+}
+
+// Until it ends by itself, long after its FMU was freed.
+static void* stay(void* nothing) {
+  for (int i = 0; i < 100; ++i) usleep(1000);
+  return nothing;
+}
+
+static void start_thread(void* (*work)(void*), void* argument) {
+  pthread_t thread;
+  if (pthread_create(&thread, NULL, work, argument) == 0) pthread_detach(thread);
 }
 
 /// Changes the process for all who are in it.
@@ -173,6 +200,7 @@ FMI2_EXPORT fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
 }
 
 FMI2_EXPORT fmi2Status fmi2Terminate(fmi2Component c) {
+  if (((Probe*)c)->file != 0) close(((Probe*)c)->file);
   say(c, fmi2OK, "console", "goodbye", ((Probe*)c)->state.time);
   return fmi2OK;
 }
@@ -262,6 +290,57 @@ static int abuse_logger(Probe* p, const char* fault) {
   return 1;
 }
 
+/// Where this process has the memory that the master reads of this name; null where it has none.
+static char* shared_memory(const char* name) {
+  FILE* maps = fopen("/proc/self/maps", "r");
+  char line[512];
+  unsigned long start = 0;
+  while (maps != NULL && start == 0 && fgets(line, sizeof line, maps) != NULL) {
+    if (strstr(line, name) != NULL) start = strtoul(line, NULL, 16);
+  }
+  if (maps != NULL) fclose(maps);
+  return (char*)start;
+}
+
+/// Offsets in `Control`, master/src/isolation/protocol.hpp.
+enum { ANSWER_BYTES = 24, LOG_BYTES = 32, CALLS = 44, ANSWERED = 8 };
+
+/// Says all the time that the next call begins.
+static void* forge_calls(void* place) {
+  for (;;) ++*(volatile uint32_t*)place;
+}
+
+static void forge(const char* fault) {
+  char* control = shared_memory("mebots-control");
+  if (control == NULL) return;
+  if (strcmp(fault, "forge_log") == 0) *(volatile uint64_t*)(control + LOG_BYTES) = (uint64_t)1 << 40;
+  if (strcmp(fault, "forge_length") == 0) *(volatile uint64_t*)(control + ANSWER_BYTES) = (uint64_t)1 << 40;
+  if (strcmp(fault, "forge_answer") == 0) {
+    enum { SOME = 64 };
+    memset(shared_memory("mebots-answers"), 0xff, SOME);
+    *(volatile uint64_t*)(control + ANSWER_BYTES) = SOME;
+  }
+  if (strcmp(fault, "forge_calls") == 0) {
+    start_thread(&forge_calls, control + CALLS);
+  } else {
+    *(volatile uint32_t*)(control + ANSWERED) += 1;  // as if the call had come back
+  }
+  for (;;) pause();
+}
+
+/// What a sandbox does not let out: reading the user's own files, writing, the network, other processes.
+static int stays_inside(void) {
+  const char* home = getenv("MEBOTS_TEST_SECRET");
+  const int secret = home == NULL ? -1 : open(home, O_RDONLY);
+  const int written = open("/tmp/mebots-probe-was-here", O_WRONLY | O_CREAT, 0600);
+  const int line = socket(AF_INET, SOCK_DGRAM, 0);
+  struct sockaddr_in address = {.sin_family = AF_INET, .sin_port = htons(9), .sin_addr = {htonl(INADDR_LOOPBACK)}};
+  const int sent = line < 0 ? -1 : connect(line, (struct sockaddr*)&address, sizeof address);
+  const int inside = secret < 0 && written < 0 && sent < 0 && getppid() == 1 && kill(-1, 0) == -1;
+  if (line >= 0) close(line);
+  return inside;
+}
+
 /// Every way that is refused with EPERM; one that is not ends the run.
 static void harm_parent(void) {
   const pid_t parent = getppid();
@@ -307,6 +386,13 @@ static fmi2Status misbehave(Probe* p, const char* fault) {
   if (strcmp(fault, "abort") == 0) abort();
   if (strcmp(fault, "exit") == 0) exit(3);
   if (strcmp(fault, "upward") == 0) fesetround(FE_UPWARD);
+  if (strcmp(fault, "open_masks") == 0 && p->state.time + p->state.reals[LAST_STEP] < p->state.reals[FAULT_TIME] + 1e-6)
+    umask(0);
+  if (strcmp(fault, "own_file") == 0 && p->file == 0) p->file = open("/dev/null", O_RDONLY);
+  if (strcmp(fault, "thread_stays") == 0 && !p->has_thread) {
+    p->has_thread = 1;
+    start_thread(&stay, NULL);
+  }
   if (strcmp(fault, "hang") == 0) {
     while (p->zero == 0) usleep(1000);
   }
@@ -321,6 +407,8 @@ static fmi2Status misbehave(Probe* p, const char* fault) {
   }
   if (strcmp(fault, "kill_group") == 0) kill(0, SIGKILL);
   if (strcmp(fault, "harm_parent") == 0) harm_parent();
+  if (strncmp(fault, "forge_", 6) == 0) forge(fault);
+  if (strcmp(fault, "escape") == 0) p->state.integers[STEPS] = stays_inside() ? 1000 : -1;
 #if defined(__x86_64__)
   if (strcmp(fault, "foreign_call") == 0) {  // kill(parent, SIGKILL) as a program of 32 bits asks for it
     long answer = 37;
@@ -381,8 +469,9 @@ FMI2_EXPORT fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate* state) {
 }
 
 FMI2_EXPORT fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate state, size_t* size) {
-  (void)c, (void)state;
+  (void)state;
   *size = sizeof(State);
+  if (strcmp(((Probe*)c)->state.strings[FAULT], "huge_state") == 0) *size = (size_t)1 << 45;
   return fmi2OK;
 }
 

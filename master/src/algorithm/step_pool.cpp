@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "algorithm/step_pool.hpp"
 
+#include "base/own_threads.hpp"
 #include "mebots/assert.hpp"
 
 namespace mebots::master {
@@ -32,6 +33,7 @@ void StepPool::run(std::size_t count, const std::function<void(std::size_t)>& wo
 }
 
 void StepPool::serve() {
+  const OwnThread own;
   std::uint32_t seen = 0;
   for (;;) {
     round_.wait(seen);

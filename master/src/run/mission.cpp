@@ -102,7 +102,7 @@ void Mission::on_message(std::function<void(const Message&)> listener) {
 }
 
 void Mission::on_point(std::function<void(double)> listener) {
-  door_->run->add(door_->listeners.emplace_back(*door_->run, std::move(listener)));
+  door_->run->add_foreign(door_->listeners.emplace_back(*door_->run, std::move(listener)));
 }
 
 void Mission::set(std::string_view variable, const Value& value) {

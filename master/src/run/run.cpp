@@ -11,6 +11,7 @@
 #include "mebots/state/save.hpp"
 #include "sink/csv_rows.hpp"
 #include "slave/crash_notice.hpp"
+#include "slave/process_watch.hpp"
 #include "system/record_choice.hpp"
 
 #include <fmt/format.h>
@@ -150,6 +151,11 @@ std::vector<std::string> Run::changes() const {
 void Run::add(Observer& observer) {
   require_open("an observer");
   added_.push_back(&observer);
+}
+
+void Run::add_foreign(Observer& observer) {
+  add(observer);
+  has_foreign_ = true;
 }
 
 void Run::start_from(std::span<const std::byte> state) {
@@ -330,6 +336,29 @@ void Run::initialise() {
   if (files_) files_->started(ensemble);
 }
 
+/// Looks after the process in the first, second, fourth ... step of this call, and at its end.
+void Run::step_until(std::int64_t until_ns) {
+  // A look costs more than a step.
+  std::optional<ProcessWatch> watch;
+  if (!has_foreign_ && until_ns - time_ns() > system_.step_ns) watch.emplace(resolved_, messages_);
+  auto seen_ns = time_ns();
+  const auto look = [&] {
+    if (watch)
+      watch->look(fmt::format("in steps from {} s to {} s", to_seconds(seen_ns), to_seconds(time_ns())), time_ns());
+    seen_ns = time_ns();
+  };
+  std::int64_t steps = 0;
+  std::int64_t look_at = 1;
+  while (simulation_->time_ns() < until_ns && simulation_->step()) {
+    state_ = RunState::running;
+    messages_.rethrow();
+    if (++steps != look_at) continue;
+    look_at *= 2;
+    look();
+  }
+  look();
+}
+
 void Run::advance(std::int64_t until_ns, std::string_view what) {
   if (state_ == RunState::failed) require_alive(what);
   const Busy busy(*this, what);
@@ -338,10 +367,7 @@ void Run::advance(std::int64_t until_ns, std::string_view what) {
   attempt([&] {
     {
       const Stopwatch watch(report_.wall.stepping_s);
-      while (simulation_->time_ns() < until_ns && simulation_->step()) {
-        state_ = RunState::running;
-        messages_.rethrow();
-      }
+      step_until(until_ns);
     }
     if (simulation_->ended()) finish();
   });
@@ -387,6 +413,7 @@ void Run::finish() {
   const bool cut_short = end.reason == EndReason::interrupted || end.reason == EndReason::closed;
   report_.outcome = cut_short ? std::string(name_of(end.reason)) : outcomes_->outcome();
   state_ = RunState::ended;
+  ProcessWatch watch(resolved_, messages_);
   try {
     simulation_->terminate();
   } catch (const Error& error) {
@@ -396,6 +423,7 @@ void Run::finish() {
       say(Severity::warning, "notice", report_.notices.back());
     }
   }
+  watch.look("in fmi2Terminate", time_ns());
   if (coupling_) {
     for (const auto& warning : coupling_->warnings()) {
       report_.notices.push_back(warning);

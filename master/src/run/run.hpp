@@ -68,6 +68,9 @@ class Run {
   void record(const std::vector<std::string>& patterns);
   /// Must outlive the run's last step.
   void add(Observer& observer);
+  /// One of the program around, which may change the process as it likes: what the FMUs change in their steps is looked
+  /// for less often then.
+  void add_foreign(Observer& observer);
   /// Begins where save_state() of a run of the same inputs was called, in this process or another. Throws InputError.
   void start_from(std::span<const std::byte> state);
 
@@ -158,6 +161,7 @@ class Run {
   std::vector<std::string> changes() const;
   void begin();
   void advance(std::int64_t until_ns, std::string_view what);
+  void step_until(std::int64_t until_ns);
   void finish();
   void fail(ErrorCode code, const std::string& what) noexcept;
   void write_reports() noexcept;
@@ -174,6 +178,7 @@ class Run {
   std::atomic<bool> interrupted_{false};
   MessageHub messages_;
   std::vector<Observer*> added_;
+  bool has_foreign_ = false;  // observers of the program around
   std::shared_ptr<FmuLibrary> library_;
   SystemDescription system_;
   std::vector<std::string> setting_changes_;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sink/block_writer.hpp"
 
+#include "base/own_threads.hpp"
 #include "mebots/assert.hpp"
 
 #include <utility>
@@ -49,6 +50,7 @@ void BlockWriter::wait_until_idle(std::unique_lock<std::mutex>& lock) {
 }
 
 void BlockWriter::work() {
+  const OwnThread own;
   std::unique_lock lock(mutex_);
   while (true) {
     changed_.wait(lock, [&] { return busy_ || stopping_; });

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "slave/fmu.hpp"
 
+#include "base/own_threads.hpp"
 #include "mebots/input_error.hpp"
 #include "mebots/modeldesc/xml.hpp"
 
@@ -83,7 +84,18 @@ Fmu::Fmu(std::filesystem::path archive, std::filesystem::path folder)
       description_(modeldesc::read_xml(folder_ / "modelDescription.xml")) {}
 
 Fmu::~Fmu() {
-  if (library_ != nullptr) dlclose(library_);
+  // After fmi2Fatal nothing of it may be called: unloading would run its destructors.
+  if (library_ == nullptr || corrupted_ || threads_left() != 0) return;
+  dlclose(library_);
+  // A library may refuse to go. By its path the loader would give it to the next FMU of that path.
+  const bool gone = dlopen(library_file_.c_str(), RTLD_NOLOAD | RTLD_LAZY) == nullptr;
+  if (gone && own_folder_) own_folder_->release_path();
+}
+
+std::size_t Fmu::threads_left() const {
+  const auto now = foreign_threads();
+  return static_cast<std::size_t>(
+      std::ranges::count_if(now, [&](pid_t thread) { return !threads_of_others_.contains(thread); }));
 }
 
 const Fmi2Functions& Fmu::functions() {
@@ -99,6 +111,7 @@ void Fmu::load() {
   }
   const auto& identifier = description_.co_simulation->model_identifier;
   const auto file = folder_ / "binaries" / "linux64" / (identifier + ".so");
+  library_file_ = file;
   if (!std::filesystem::exists(file)) {
     auto found = binaries(folder_);
     constexpr std::size_t kShown = 10;
@@ -114,7 +127,9 @@ void Fmu::load() {
                           : fmt::format("{} {}{}", count == 1 ? "is" : "are", fmt::join(found, ", "),
                                         count > kShown ? fmt::format(" and {} more", count - kShown) : "")));
   }
-  const ProcessState before;
+  files_of_others_ = ProcessState::open_files();
+  threads_of_others_ = foreign_threads();
+  const ProcessState before(files_of_others_);
   // Libraries that are built for fast mathematics change it for the thread that loads them.
   const auto floats = FloatEnvironment::now();
   library_ = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);

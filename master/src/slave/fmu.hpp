@@ -3,6 +3,7 @@
 
 #include "mebots/modeldesc/model_description.hpp"
 #include "slave/float_environment.hpp"
+#include "slave/process_state.hpp"
 #include "slave/unpack_folder.hpp"
 
 #include <atomic>
@@ -10,7 +11,9 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace mebots::fmi2 {
@@ -22,7 +25,7 @@ namespace mebots::master {
 using Fmi2Functions = fmi2::Functions;
 
 /// An FMU archive unpacked into a folder of its own, which goes with this object: description at once,
-/// shared library when first asked for.
+/// shared library when first asked for. The library's code goes too, unless a thread may still run in it.
 class Fmu {
  public:
   /// Throws InputError for anything that is not an FMU of version 2.0 for co-simulation.
@@ -43,10 +46,19 @@ class Fmu {
   /// After an fmi2Fatal no instance of this FMU may be called any more.
   bool corrupted() const { return corrupted_; }
   void set_corrupted() { corrupted_ = true; }
-  /// What loading the library changed in this process, as ProcessState has it.
-  const std::vector<std::string>& changes_at_load() const { return changes_at_load_; }
-  /// True once: for the instance whose calls are watched for changes of the process. From any thread.
-  bool claim_first_instance() { return !has_first_.exchange(true); }
+  /// What loading the library changed in this process, as ProcessState has it; to whoever asks first.
+  std::vector<std::string> take_changes_at_load() { return std::exchange(changes_at_load_, {}); }
+  /// The descriptors that were open before its library was loaded: it may close any other.
+  const ProcessState::Files& files_of_others() const { return files_of_others_; }
+  /// An instance begins. True for the first of them, whose calls are watched one by one for changes of the process: a
+  /// look costs as much as a thousand small calls. From any thread.
+  bool enter() {
+    ++instances_;
+    return watched_++ < kMostWatched;
+  }
+  /// An instance is gone. The number of threads that were started since its library was loaded and still run, when it
+  /// was the last one; else 0. From any thread.
+  std::size_t leave() { return --instances_ == 0 ? threads_left() : 0; }
   /// What loading the library made of the thread's floating-point environment, which was put back; nothing where it
   /// left it alone.
   const std::optional<FloatEnvironment>& floats_at_load() const { return floats_at_load_; }
@@ -56,16 +68,23 @@ class Fmu {
   std::string resource_uri() const;
 
  private:
+  static constexpr int kMostWatched = 32;
+
   void load();
+  std::size_t threads_left() const;
 
   std::filesystem::path archive_;
   std::unique_ptr<UnpackFolder> own_folder_;  // null when another process unpacked it
   std::filesystem::path folder_;
   modeldesc::ModelDescription description_;
+  std::filesystem::path library_file_;
   void* library_ = nullptr;
   bool corrupted_ = false;
   std::vector<std::string> changes_at_load_;
-  std::atomic<bool> has_first_{false};
+  ProcessState::Files files_of_others_;
+  std::set<pid_t> threads_of_others_;
+  std::atomic<int> instances_{0};
+  std::atomic<int> watched_{0};  // instances so far, the gone ones too
   std::optional<FloatEnvironment> floats_at_load_;
   std::atomic<bool> told_of_floats_{false};
   std::unique_ptr<Fmi2Functions> functions_;

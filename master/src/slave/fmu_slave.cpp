@@ -19,6 +19,7 @@
 #include <algorithm>
 #include <chrono>
 #include <functional>
+#include <new>
 #include <type_traits>
 
 namespace mebots::master {
@@ -136,9 +137,11 @@ FmuSlave::FmuSlave(std::string name, std::shared_ptr<Fmu> fmu, std::vector<std::
       fmi_(std::make_unique<Fmi>(*this)) {
   fmi_->callbacks = fmi_->target.functions(description().co_simulation->can_run_asynchronuously);
   // Logging is on from the start: many FMUs say nothing about a failing instantiation otherwise.
-  is_watched_ = fmu_->claim_first_instance();
+  const auto at_load = fmu_->take_changes_at_load();
+  is_watched_ = fmu_->enter();
+  watched_step_ = is_watched_ ? 1 : 0;
   if (const auto found = fmu_->floats_at_load()) tell_of_floats(*found, "loading its library");
-  if (is_watched_) tell_of_process(fmu_->changes_at_load(), "loading its library");
+  tell_of_process(at_load, "loading its library");
   watched("fmi2Instantiate", [&] {
     const CallbackScope scope(fmi_->target, "fmi2Instantiate", time_ns_);
     fmi_->floats.enter();
@@ -153,9 +156,18 @@ FmuSlave::FmuSlave(std::string name, std::shared_ptr<Fmu> fmu, std::vector<std::
 }
 
 FmuSlave::~FmuSlave() {
-  if (fmi_->component == nullptr || unusable_ || fmu_->corrupted()) return;
-  if (pending_ && functions_->cancel_step != nullptr) fmi_->call("fmi2CancelStep", functions_->cancel_step);
-  watched("fmi2FreeInstance", [&] { fmi_->call("fmi2FreeInstance", functions_->free_instance); });
+  if (fmi_->component != nullptr && !unusable_ && !fmu_->corrupted()) {
+    if (pending_ && functions_->cancel_step != nullptr) fmi_->call("fmi2CancelStep", functions_->cancel_step);
+    watched("fmi2FreeInstance", [&] { fmi_->call("fmi2FreeInstance", functions_->free_instance); });
+  }
+  const auto threads = fmu_->leave();
+  if (threads == 0) return;
+  sink_->message({name_, Severity::warning, "notice",
+                  fmt::format("{} that started after the FMU {} was loaded still {}, so its code stays in memory until "
+                              "the program ends",
+                              threads == 1 ? "a thread" : fmt::format("{} threads", threads),
+                              fmu_->archive().filename().string(), threads == 1 ? "runs" : "run"),
+                  time_ns_});
 }
 
 void FmuSlave::tell_of_floats(const FloatEnvironment& found, const char* where) {
@@ -177,10 +189,12 @@ void FmuSlave::tell_of_process(const std::vector<std::string>& changes, const ch
 template <typename Work>
 void FmuSlave::watched(const char* where, Work work) {
   if (!is_watched_) return work();
-  const ProcessState before(own_files_);
+  static std::mutex one_at_a_time;
+  const std::unique_lock lock(one_at_a_time, std::try_to_lock);
+  if (!lock.owns_lock()) return work();  // not waited for: the call of another thread may wait for this one
+  const ProcessState before(fmu_->files_of_others());
   work();
   tell_of_process(before.put_right(), where);
-  own_files_ = before.opened();
 }
 
 void FmuSlave::choose_categories() {
@@ -300,8 +314,10 @@ void FmuSlave::require(const char* name, Function* function, Arguments... argume
 
 void FmuSlave::setup_experiment(std::int64_t start_ns, std::int64_t stop_ns) {
   time_ns_ = start_ns;
-  require("fmi2SetupExperiment", functions_->setup_experiment, fmi2False, 0, to_seconds(start_ns), fmi2True,
-          to_seconds(stop_ns));
+  watched("fmi2SetupExperiment", [&] {
+    require("fmi2SetupExperiment", functions_->setup_experiment, fmi2False, 0, to_seconds(start_ns), fmi2True,
+            to_seconds(stop_ns));
+  });
 }
 
 void FmuSlave::enter_initialization() {
@@ -314,6 +330,20 @@ void FmuSlave::exit_initialization() {
           [&] { require("fmi2ExitInitializationMode", functions_->exit_initialization_mode); });
 }
 
+/// Every step cannot be watched; the first, second, fourth ... are, so that whoever does wrong in all of them is named.
+int FmuSlave::do_step(std::int64_t start_ns, std::int64_t duration_ns, bool never_back) {
+  const auto call = [&] {
+    return fmi_->call("fmi2DoStep", functions_->do_step, to_seconds(start_ns), to_seconds(duration_ns),
+                      never_back ? fmi2True : fmi2False);
+  };
+  if (++steps_ != watched_step_) [[likely]]
+    return call();
+  watched_step_ *= 2;
+  int status = fmi2OK;
+  watched("fmi2DoStep", [&] { status = call(); });
+  return status;
+}
+
 StepResult FmuSlave::step(std::int64_t start_ns, std::int64_t duration_ns) {
   time_ns_ = start_ns;
   step_end_ns_ = start_ns + duration_ns;
@@ -324,8 +354,7 @@ StepResult FmuSlave::step(std::int64_t start_ns, std::int64_t duration_ns) {
   // Nobody can set it back to before this point when there is no state to go back to.
   const bool never_back = kept_states_ == 0;
   if (never_back) promised_ns_ = start_ns;
-  const auto status = fmi_->call("fmi2DoStep", functions_->do_step, to_seconds(start_ns), to_seconds(duration_ns),
-                                 never_back ? fmi2True : fmi2False);
+  const auto status = do_step(start_ns, duration_ns, never_back);
   if (status != fmi2Pending) return step_ended(status);
   if (functions_->get_status == nullptr && fmi_->callbacks.stepFinished == nullptr) {
     fail("fmi2DoStep", "answered fmi2Pending, but the FMU has no fmi2GetStatus to ask when the step is over");
@@ -497,7 +526,14 @@ std::vector<std::byte> FmuSlave::serialize(const SlaveState& state) {
   const auto& saved = static_cast<const FmuSlaveState&>(state);
   std::size_t size = 0;
   require("fmi2SerializedFMUstateSize", functions_->serialized_fmu_state_size, saved.state, &size);
-  std::vector<std::byte> bytes(size);
+  constexpr std::size_t kLargestState = std::size_t{4} << 30;
+  std::vector<std::byte> bytes;
+  try {
+    if (size > kLargestState) throw std::bad_alloc();
+    bytes.resize(size);
+  } catch (const std::bad_alloc&) {
+    fail("fmi2SerializedFMUstateSize", fmt::format("says {} bytes, for which there is no memory", size));
+  }
   require("fmi2SerializeFMUstate", functions_->serialize_fmu_state, saved.state,
           reinterpret_cast<fmi2Byte*>(bytes.data()), size);
   state::Writer writer;

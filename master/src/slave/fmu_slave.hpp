@@ -3,7 +3,6 @@
 
 #include "message/message.hpp"
 #include "slave/fmu.hpp"
-#include "slave/process_state.hpp"
 #include "slave/slave.hpp"
 
 #include <atomic>
@@ -73,6 +72,7 @@ class FmuSlave final : public Slave {
   void require(const char* name, Function* function, Arguments... arguments);
   StepResult step_ended(int status);
   void step_finished(int status);
+  int do_step(std::int64_t start_ns, std::int64_t duration_ns, bool never_back);
   int wait_for_step(const std::atomic<bool>& cancel);
   void deliver_held();
   std::string said() const;
@@ -87,9 +87,10 @@ class FmuSlave final : public Slave {
   std::int64_t time_ns_ = 0;
   std::int64_t step_end_ns_ = 0;
   bool unusable_ = false;          // after fmi2Fatal no call is allowed, not even freeing
-  ProcessState::Files own_files_;  // what it opened in calls that were watched
-  bool is_watched_ = false;  // the first instance of its FMU: what it changes in the process is told and put right
-  bool pending_ = false;     // a step goes on by itself
+  bool is_watched_ = false;        // what it changes in the process is told and put right
+  std::int64_t steps_ = 0;         // called so far
+  std::int64_t watched_step_ = 0;  // the next one that is watched; 0: none
+  bool pending_ = false;           // a step goes on by itself
   // noSetFMUStatePriorToCurrentPoint: an FMU that hears it may drop what it would need to go back.
   int kept_states_ = 0;                                                  // how many there are to go back to
   std::int64_t promised_ns_ = std::numeric_limits<std::int64_t>::min();  // never back behind this time

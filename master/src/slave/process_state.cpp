@@ -12,6 +12,9 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <mutex>
+#include <optional>
+#include <set>
 
 namespace mebots::master {
 namespace {
@@ -39,42 +42,45 @@ std::string current_locale() {
   return std::setlocale(LC_ALL, nullptr);
 }
 
-/// Null for the default, for a signal that is ignored, 1.
-void (*handler_of(int signal))(int) {
+using File = std::pair<dev_t, ino_t>;
+
+/// Nothing for a descriptor that is not open.
+std::optional<File> file_behind(int descriptor) {
+  struct stat status {};
+  if (fstat(descriptor, &status) != 0) return std::nullopt;
+  return File{status.st_dev, status.st_ino};
+}
+
+struct sigaction action_of(int signal) {
   struct sigaction action {};
   sigaction(signal, nullptr, &action);
-  return action.sa_handler;
+  return action;
+}
+
+/// What stays as it is is told once in the life of the process.
+bool is_new(std::string fact) {
+  static std::mutex mutex;
+  static std::set<std::string> told;
+  const std::lock_guard lock(mutex);
+  return told.insert(std::move(fact)).second;
 }
 
 }  // namespace
 
-ProcessState::ProcessState(const Files& of_the_fmu)
-    : umask_(current_umask()), folder_(current_folder()), locale_(current_locale()), files_(open_files()) {
-  std::erase_if(files_, [&](const auto& file) {
-    const auto found = of_the_fmu.find(file.first);
-    return found != of_the_fmu.end() && found->second == file.second;
-  });
+ProcessState::ProcessState(const Files& files)
+    : umask_(current_umask()), folder_(current_folder()), locale_(current_locale()), files_(files) {
+  std::erase_if(files_, [](const auto& file) { return file_behind(file.first) != file.second; });
   for (std::size_t i = 0; i < kLimits.size(); ++i) getrlimit(kLimits[i], &limits_[i]);
   for (int i = 0; i < kStandard; ++i) {
     copies_[static_cast<std::size_t>(i)] = fcntl(i, F_DUPFD_CLOEXEC, kFirstDescriptor);
   }
-  for (int signal = 1; signal < SIGRTMIN; ++signal) handlers_[signal] = handler_of(signal);
+  for (int signal = 1; signal < SIGRTMIN; ++signal) handlers_[signal] = action_of(signal);
 }
 
 ProcessState::~ProcessState() {
   for (const int copy : copies_) {
     if (copy >= 0) close(copy);
   }
-}
-
-ProcessState::Files ProcessState::opened() const {
-  auto files = open_files();
-  std::erase_if(files, [&](const auto& file) {
-    const auto before = files_.find(file.first);
-    const bool copy = std::ranges::find(copies_, file.first) != copies_.end();
-    return copy || (before != files_.end() && before->second == file.second);
-  });
-  return files;
 }
 
 ProcessState::Files ProcessState::open_files() {
@@ -84,22 +90,28 @@ ProcessState::Files ProcessState::open_files() {
     const auto name = entry.path().filename().string();
     int descriptor = -1;
     std::from_chars(name.data(), name.data() + name.size(), descriptor);
-    struct stat status {};
-    // The one that lists the folder is gone again when the list is done.
-    if (fstat(descriptor, &status) == 0) files[descriptor] = {status.st_dev, status.st_ino};
+    if (const auto file = file_behind(descriptor)) files[descriptor] = *file;
   }
-  std::erase_if(files, [](const auto& file) { return fcntl(file.first, F_GETFD) == -1; });
+  std::erase_if(files, [](const auto& file) { return fcntl(file.first, F_GETFD) == -1; });  // the folder's own
+  return files;
+}
+
+ProcessState::Files ProcessState::standard_files() {
+  Files files;
+  for (int i = 0; i < kStandard; ++i) {
+    if (const auto file = file_behind(i)) files[i] = *file;
+  }
   return files;
 }
 
 void ProcessState::compare_files(std::vector<std::string>& texts) const {
   for (const auto& [descriptor, file] : files_) {
-    struct stat status {};
-    const bool open = fstat(descriptor, &status) == 0;
-    if (open && std::pair{status.st_dev, status.st_ino} == file) continue;
-    const auto* what = open ? "leads to another file" : "is closed";
+    const auto now = file_behind(descriptor);
+    if (now == file) continue;
+    const auto* what = now ? "leads to another file" : "is closed";
     const int copy = descriptor < kStandard ? copies_[static_cast<std::size_t>(descriptor)] : -1;
     const bool back = copy >= 0 && dup2(copy, descriptor) == descriptor;
+    if (!back && !is_new(fmt::format("descriptor {}: {} {}", descriptor, file.first, file.second))) continue;
     texts.push_back(fmt::format("descriptor {} {}{}", descriptor, what, back ? " (put back)" : ""));
   }
 }
@@ -110,13 +122,18 @@ void ProcessState::compare_limits(std::vector<std::string>& texts) const {
     getrlimit(kLimits[i], &now);
     if (now.rlim_cur == limits_[i].rlim_cur && now.rlim_max == limits_[i].rlim_max) continue;
     const bool back = setrlimit(kLimits[i], &limits_[i]) == 0;
+    if (!back && !is_new(fmt::format("limit {}: {} {}", i, now.rlim_cur, now.rlim_max))) continue;
     texts.push_back(fmt::format("the limit {} became {}{}", kLimitNames[i], now.rlim_cur, back ? " (put back)" : ""));
   }
 }
 
 void ProcessState::compare_handlers(std::vector<std::string>& texts) const {
-  for (const auto& [signal, handler] : handlers_) {
-    if (handler_of(signal) == handler) continue;
+  for (const auto& [signal, before] : handlers_) {
+    auto* const now = action_of(signal).sa_handler;
+    if (now == before.sa_handler) continue;
+    // A handler for one signal is gone when that came.
+    if (now == SIG_DFL && (before.sa_flags & static_cast<int>(SA_RESETHAND)) != 0) continue;
+    if (!is_new(fmt::format("handler {}: {}", signal, reinterpret_cast<std::uintptr_t>(now)))) continue;
     texts.push_back(fmt::format("the handler of signal {} (SIG{}) is another (left as it is)", signal,
                                 sigabbrev_np(signal) == nullptr ? "?" : sigabbrev_np(signal)));
   }

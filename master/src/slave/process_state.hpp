@@ -21,25 +21,27 @@ class ProcessState {
   /// Open descriptors, and the file that each leads to.
   using Files = std::map<int, std::pair<dev_t, ino_t>>;
 
-  /// As it stands. Files in `of_the_fmu` are the FMU's, which may close them.
-  explicit ProcessState(const Files& of_the_fmu = {});
+  /// As it stands. Of the open descriptors those in `files` that still lead there; others may be closed by whoever
+  /// opened them.
+  explicit ProcessState(const Files& files = open_files());
   ~ProcessState();
   ProcessState(const ProcessState&) = delete;
   ProcessState& operator=(const ProcessState&) = delete;
 
   /// What is different now, one text each: "the mask of file modes became 000 (put back to 022)". Puts back what can
-  /// be: not descriptors, save the standard three, and never signal handlers, which the FMU may need.
+  /// be: not descriptors, save the standard three, and never signal handlers, which the FMU may need. What stays is
+  /// told once in the life of the process.
   std::vector<std::string> put_right() const;
 
-  /// The files that were opened since and still are open.
-  Files opened() const;
+  static Files open_files();
+  /// Those of input, output and errors.
+  static Files standard_files();
 
  private:
   static constexpr int kStandard = 3;  // descriptors of input, output and errors
   static constexpr std::array kLimits = {RLIMIT_AS,    RLIMIT_CORE,   RLIMIT_CPU,  RLIMIT_DATA,
                                          RLIMIT_FSIZE, RLIMIT_NOFILE, RLIMIT_STACK};
 
-  static Files open_files();
   void compare_files(std::vector<std::string>& texts) const;
   void compare_limits(std::vector<std::string>& texts) const;
   void compare_handlers(std::vector<std::string>& texts) const;
@@ -48,9 +50,9 @@ class ProcessState {
   std::string folder_;
   std::string locale_;
   std::array<rlimit, kLimits.size()> limits_{};
-  Files files_;                          // without those of the FMU
+  Files files_;
   std::array<int, kStandard> copies_{};  // of the standard descriptors; -1 where there is none
-  std::map<int, void (*)(int)> handlers_;
+  std::map<int, struct sigaction> handlers_;
 };
 
 }  // namespace mebots::master

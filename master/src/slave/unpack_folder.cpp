@@ -15,6 +15,8 @@
 #include <cstring>
 #include <mutex>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace mebots::master {
 namespace {
@@ -33,9 +35,38 @@ bool is_ours(const std::filesystem::path& folder) {
   return ::lstat(folder.c_str(), &info) == 0 && S_ISDIR(info.st_mode) && info.st_uid == ::geteuid();
 }
 
+struct Paths {
+  std::mutex mutex;
+  std::vector<std::filesystem::path> paths;
+};
+
+/// Of folders that are gone, or go now.
+Paths& free_paths() {
+  static Paths& all = *new Paths;  // never destroyed: an FMU may be closed at the end of the process
+  return all;
+}
+
+modeldesc::TemporaryFolder make_folder() {
+  auto& free = free_paths();
+  std::filesystem::path path;
+  {
+    const std::lock_guard lock(free.mutex);
+    if (!free.paths.empty()) {
+      path = std::move(free.paths.back());
+      free.paths.pop_back();
+    }
+  }
+  // TMPDIR may have changed since; and somebody else may have made one of this name.
+  std::error_code error;
+  if (!path.empty() && path.parent_path() == std::filesystem::temp_directory_path(error)) {
+    if (auto folder = modeldesc::TemporaryFolder::at(path)) return std::move(*folder);
+  }
+  return modeldesc::TemporaryFolder(kPrefix);
+}
+
 }  // namespace
 
-UnpackFolder::UnpackFolder() : folder_(kPrefix) {
+UnpackFolder::UnpackFolder() : folder_(make_folder()) {
   static std::once_flag once;
   std::call_once(once, remove_abandoned_unpack_folders);
   // It gets its name when it is locked: nobody meets it without its lock.
@@ -46,6 +77,12 @@ UnpackFolder::UnpackFolder() : folder_(kPrefix) {
     throw Error(ErrorCode::system_failure, fmt::format("{}: this folder for an unpacked FMU cannot be locked: {}",
                                                        folder_.path().string(), std::strerror(errno)));
   }
+}
+
+void UnpackFolder::release_path() {
+  auto& free = free_paths();
+  const std::lock_guard lock(free.mutex);
+  free.paths.push_back(folder_.path());
 }
 
 UnpackFolder::Lock::~Lock() {

@@ -16,6 +16,10 @@ class UnpackFolder {
   UnpackFolder(const UnpackFolder&) = delete;
   UnpackFolder& operator=(const UnpackFolder&) = delete;
 
+  /// No library is loaded from here any more: a later folder of this process may have its path. The loader keeps every
+  /// path that it ever looked in.
+  void release_path();
+
   /// Where to unpack to.
   std::filesystem::path path() const { return folder_.path() / "fmu"; }
 

@@ -5,6 +5,7 @@
 #include "base/time.hpp"
 #include "mebots/assert.hpp"
 
+#include "slave/process_watch.hpp"
 #include "slave/slave_factory.hpp"
 #include "system/initial_values.hpp"
 
@@ -106,7 +107,9 @@ Ensemble::Ensemble(const ResolvedSystem& system, MessageSink& messages, const Sl
     : system_(&system),
       messages_(&messages),
       interrupted_(options.interrupted != nullptr ? options.interrupted : &kNeverInterrupted) {
+  ProcessWatch watch(system, messages);
   auto slaves = as_input([&] { return make_slaves(system, messages, options); });
+  watch.look("in fmi2Instantiate", system.description->start_time_ns);
   for (std::size_t i = 0; i < slaves.size(); ++i) {
     Member member;
     member.slave = std::move(slaves[i]);
@@ -207,29 +210,30 @@ void Ensemble::link_derivatives(const ResolvedConnection& connection, SignalId f
 
 void Ensemble::order_steps() {
   // A reader steps before the owner of its buffer; otherwise the order of the config holds.
-  std::vector<std::set<std::size_t>> readers(members_.size());
+  std::vector<std::set<std::size_t>> owners(members_.size());
+  std::vector<std::size_t> readers_left(members_.size(), 0);
   for (const auto& connection : system_->connections) {
-    if (connection.pointer && connection.from.instance != connection.to.instance) {
-      readers[connection.from.instance].insert(connection.to.instance);
-    }
+    const auto owner = connection.from.instance;
+    const auto reader = connection.to.instance;
+    if (connection.pointer && owner != reader && owners[reader].insert(owner).second) ++readers_left[owner];
   }
-  std::vector<bool> placed(members_.size(), false);
-  while (step_order_.size() < members_.size()) {
-    const auto is_free = [&](std::size_t i) {
-      return !placed[i] &&
-             std::all_of(readers[i].begin(), readers[i].end(), [&](std::size_t reader) { return placed[reader]; });
-    };
-    std::size_t next = members_.size();
-    for (std::size_t i = 0; i < members_.size() && next == members_.size(); ++i) {
-      if (is_free(i)) next = i;
-    }
-    if (next == members_.size()) {  // buffers in a ring: their owners keep two, as OSMP asks
-      next = static_cast<std::size_t>(std::find(placed.begin(), placed.end(), false) - placed.begin());
-    }
-    placed[next] = true;
-    MEBOTS_ASSERT(step_order_.size() < members_.size());
+  std::set<std::size_t> left;
+  std::set<std::size_t> free;  // of those that are left, the ones whose readers all have their place
+  for (std::size_t i = 0; i < members_.size(); ++i) {
+    left.insert(left.end(), i);
+    if (readers_left[i] == 0) free.insert(free.end(), i);
+  }
+  while (!left.empty()) {
+    // None is free where buffers go in a ring: their owners keep two, as OSMP asks.
+    const auto next = free.empty() ? *left.begin() : *free.begin();
+    free.erase(next);
+    left.erase(next);
     step_order_.push_back(next);
+    for (const auto owner : owners[next]) {
+      if (--readers_left[owner] == 0 && left.contains(owner)) free.insert(owner);
+    }
   }
+  MEBOTS_ASSERT(step_order_.size() == members_.size());
 }
 
 void Ensemble::set_starts(std::size_t instance) {
@@ -284,7 +288,9 @@ void Ensemble::lay_out() {
 }
 
 void Ensemble::initialize(std::int64_t stop_ns) {
+  ProcessWatch watch(*system_, *messages_);
   as_input([&] { initialize_slaves(stop_ns); });
+  watch.look("in initialisation", system_->description->start_time_ns);
 }
 
 void Ensemble::initialize_slaves(std::int64_t stop_ns) {

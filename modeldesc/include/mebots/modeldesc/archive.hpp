@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -37,6 +38,8 @@ class TemporaryFolder {
  public:
   /// Makes `<parent>/<prefix>-XXXXXX`; the system's folder for temporary files when `parent` is empty.
   explicit TemporaryFolder(std::string_view prefix, const std::filesystem::path& parent = {});
+  /// Makes exactly this folder; nothing when it cannot be made, or is there already.
+  static std::optional<TemporaryFolder> at(std::filesystem::path path);
   ~TemporaryFolder();
   TemporaryFolder(TemporaryFolder&& other) noexcept;
   TemporaryFolder& operator=(TemporaryFolder&& other) noexcept;
@@ -46,6 +49,7 @@ class TemporaryFolder {
   const std::filesystem::path& path() const { return path_; }
 
  private:
+  TemporaryFolder() = default;
   void remove() noexcept;
   std::filesystem::path path_;
 };

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "slave/process_watch.hpp"
+
+#include "system/resolved_system.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <set>
+
+namespace mebots::master {
+namespace {
+
+/// Archive names of the FMUs that run in this process.
+std::set<std::string> fmus_here(const ResolvedSystem& system) {
+  std::set<std::string> names;
+  for (const auto& instance : system.instances) {
+    if (!instance.description->isolation.alone()) names.insert(instance.fmu->archive().filename().string());
+  }
+  return names;
+}
+
+}  // namespace
+
+ProcessWatch::ProcessWatch(const ResolvedSystem& system, MessageSink& messages)
+    : system_(&system), messages_(&messages) {
+  for (const auto& instance : system.instances) {
+    if (instance.description->isolation.alone()) continue;
+    // Other descriptors come and go by mebots' own work.
+    before_.emplace(ProcessState::standard_files());
+    return;
+  }
+}
+
+void ProcessWatch::look(const std::string& during, std::int64_t time_ns) {
+  if (!before_) return;
+  const auto changes = before_->put_right();
+  if (changes.empty()) return;
+  const auto fmus = fmus_here(*system_);
+  const auto text =
+      fmt::format("{} {} changed the process for all, {}: {}", fmus.size() == 1 ? "the FMU" : "one of the FMUs",
+                  fmt::join(fmus, ", "), during, fmt::join(changes, "; "));
+  messages_->message({{}, Severity::warning, "notice", text, time_ns});
+  before_.emplace(ProcessState::standard_files());
+}
+
+}  // namespace mebots::master
