@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <poll.h>
 #include <sys/mman.h>
+#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -52,9 +53,10 @@ BlackBox* signalled_box = nullptr;
 
 /// Says whether a crash is ours, then lets it happen: SA_RESETHAND.
 void on_signal(int signal) {
-  const char* callback = master::current_callback();
-  for (std::size_t i = 0; callback != nullptr && i + 1 < sizeof(BlackBox::callback) && callback[i] != '\0'; ++i)
-    signalled_box->callback[i] = callback[i];
+  const auto callback = master::current_callback();
+  const char* name = callback.only_memory ? nullptr : callback.name;  // a bad pointer is who handed it over
+  for (std::size_t i = 0; name != nullptr && i + 1 < sizeof(BlackBox::callback) && name[i] != '\0'; ++i)
+    signalled_box->callback[i] = name[i];
   raise(signal);
 }
 
@@ -97,9 +99,11 @@ class PipeWitness final : public Witness {
   BlackBox* box_;
 };
 
-[[noreturn]] void be_child(int pipe, BlackBox& box, const std::function<void(Witness&)>& work) {
+[[noreturn]] void be_child(pid_t parent, int pipe, BlackBox& box, const std::function<void(Witness&)>& work) {
   constexpr rlim_t kMemory = rlim_t{16} << 30;
   setpgid(0, 0);
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  if (getppid() != parent) _exit(0);  // it went before we could ask to go with it
   const rlimit no_core{0, 0};
   setrlimit(RLIMIT_CORE, &no_core);
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // they reserve terabytes
@@ -163,15 +167,26 @@ class SpentTime {
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
-/// Reads until the child closed its end. False when the deadline came first.
-bool read_all(int pipe, SpentTime spent, double deadline_s, std::string& text) {
+bool has_ended(pid_t child) {
+  siginfo_t info{};
+  return waitid(P_PID, static_cast<id_t>(child), &info, WEXITED | WNOHANG | WNOWAIT) != 0 || info.si_pid != 0;
+}
+
+/// Reads until the child closed its end, or ended: a process that it leaves behind may hold the end open. False when
+/// the deadline came first.
+bool read_all(int pipe, pid_t child, double deadline_s, std::string& text) {
   constexpr int kLook_ms = 50;
-  for (;;) {
-    if (spent.seconds() > deadline_s) return false;
+  SpentTime spent(child);
+  for (bool ended = false;;) {
+    if (!ended && spent.seconds() > deadline_s) return false;
     pollfd watched{pipe, POLLIN, 0};
-    const int ready = poll(&watched, 1, kLook_ms);
+    const int ready = poll(&watched, 1, ended ? 0 : kLook_ms);
     if (ready < 0 && errno != EINTR) return true;
-    if (ready <= 0) continue;
+    if (ready <= 0) {
+      if (ended) return true;  // and all that it wrote is read
+      ended = has_ended(child);
+      continue;
+    }
     char buffer[4096];
     const auto count = read(pipe, buffer, sizeof buffer);
     if (count < 0 && errno == EINTR) continue;
@@ -194,13 +209,33 @@ void take(const std::string& lines, Findings& findings) {
   }
 }
 
-}  // namespace
+/// How a child ended.
+struct ChildEnd {
+  bool in_time;
+  int status;
+  std::string doing;
+  std::string callback;  ///< of ours, in which it crashed
+  bool finished;
+};
 
-void run_in_child(const CrashRule& rule, Findings findings, const std::function<void(Witness&)>& work) {
+/// Ends the child's group too, before its number can be somebody else's.
+int reap(pid_t child) {
+  siginfo_t info{};
+  while (waitid(P_PID, static_cast<id_t>(child), &info, WEXITED | WNOWAIT) != 0 && errno == EINTR) {
+  }
+  kill(-child, SIGKILL);
+  int status = 0;
+  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  return status;
+}
+
+ChildEnd run_once(double deadline_s, Findings& findings, const std::function<void(Witness&)>& work) {
   SharedBox box;
   int ends[2];
   if (pipe2(ends, O_CLOEXEC) != 0)
     throw Error(ErrorCode::system_failure, fmt::format("no pipe: {}", std::strerror(errno)));
+  const pid_t parent = getpid();
   const pid_t child = fork();
   if (child < 0) {
     close(ends[0]);
@@ -209,41 +244,64 @@ void run_in_child(const CrashRule& rule, Findings findings, const std::function<
   }
   if (child == 0) {
     close(ends[0]);
-    be_child(ends[1], *box, work);
+    be_child(parent, ends[1], *box, work);
   }
   close(ends[1]);
   std::string lines;
-  const bool in_time = read_all(ends[0], SpentTime(child), rule.deadline_s, lines);
+  const bool in_time = read_all(ends[0], child, deadline_s, lines);
   close(ends[0]);
   if (!in_time) {
     kill(-child, SIGKILL);
     kill(child, SIGKILL);
   }
-  int status = 0;
-  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
-  }
+  const int status = reap(child);
   take(lines, findings);
-  const std::string doing = (*box).doing[0] == '\0' ? "the start" : (*box).doing;
-  if (!in_time) {
+  return {in_time, status, (*box).doing[0] == '\0' ? "the start" : (*box).doing, (*box).callback, (*box).finished};
+}
+
+std::string crash_text(const ChildEnd& end) {
+  const int signal = WTERMSIG(end.status);
+  const char* name = sigabbrev_np(signal);
+  return fmt::format("crashed with {} ({}) in {}", name == nullptr ? "signal" : std::string("SIG") + name,
+                     strsignal(signal), end.doing);
+}
+
+/// Whose doing a crash in a callback is.
+void judge(const CrashRule& rule, Findings& findings, const ChildEnd& end, const std::function<void(Witness&)>& work) {
+  Check aside;  // what it found was told by the first run
+  Findings unheard(aside);
+  const auto without = run_once(rule.deadline_s, unheard, [&](Witness& witness) {
+    master::deafen_callbacks();
+    work(witness);
+  });
+  if (without.in_time && WIFSIGNALED(without.status) && without.callback.empty()) {
     findings.add(rule.severity,
-                 fmt::format("no answer from {1} within {0} s of computing or sleeping", rule.deadline_s, doing),
+                 fmt::format("{}: memory that it does not own is damaged before, for the callback {} failed on it",
+                             crash_text(without), end.callback),
+                 rule.way_out);
+    return;
+  }
+  throw Error(ErrorCode::system_failure,
+              fmt::format("mebots itself failed ({}) in its callback {}, called in {}: this is not the FMU's mistake; "
+                          "please report it",
+                          strsignal(WTERMSIG(end.status)), end.callback, end.doing));
+}
+
+}  // namespace
+
+void run_in_child(const CrashRule& rule, Findings findings, const std::function<void(Witness&)>& work) {
+  const auto end = run_once(rule.deadline_s, findings, work);
+  if (!end.in_time) {
+    findings.add(rule.severity,
+                 fmt::format("no answer from {1} within {0} s of computing or sleeping", rule.deadline_s, end.doing),
                  "give more time with --deadline, or look for an endless loop");
-  } else if (WIFSIGNALED(status) && (*box).callback[0] != '\0') {
-    throw Error(
-        ErrorCode::system_failure,
-        fmt::format("mebots itself failed ({}) in its callback {}, called in {}: this is not the FMU's mistake; "
-                    "please report it",
-                    strsignal(WTERMSIG(status)), static_cast<const char*>((*box).callback), doing));
-  } else if (WIFSIGNALED(status)) {
-    findings.add(
-        rule.severity,
-        fmt::format(
-            "crashed with {} ({}) in {}",
-            sigabbrev_np(WTERMSIG(status)) == nullptr ? "signal" : std::string("SIG") + sigabbrev_np(WTERMSIG(status)),
-            strsignal(WTERMSIG(status)), doing),
-        rule.way_out);
-  } else if (!(*box).finished) {
-    findings.add(rule.severity, fmt::format("ended the process with exit code {} in {}", WEXITSTATUS(status), doing),
+  } else if (WIFSIGNALED(end.status) && !end.callback.empty()) {
+    judge(rule, findings, end, work);
+  } else if (WIFSIGNALED(end.status)) {
+    findings.add(rule.severity, crash_text(end), rule.way_out);
+  } else if (!end.finished) {
+    findings.add(rule.severity,
+                 fmt::format("ended the process with exit code {} in {}", WEXITSTATUS(end.status), end.doing),
                  "an FMU must never call exit(): answer fmi2Error or fmi2Fatal");
   }
 }

@@ -8,6 +8,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdlib>
+#include <mutex>
+#include <unordered_set>
 
 namespace mebots::check {
 namespace {
@@ -38,6 +41,43 @@ bool is_standard_category(std::string_view name) {
                                          "logStatusError",      "logStatusFatal",
                                          "logStatusPending",    "logAll"};
   return std::ranges::find(kNames, name) != std::end(kNames);
+}
+
+// The C interface hands no context over: one child process has one witness.
+Witness* current_witness = nullptr;
+
+struct GivenMemory {
+  std::mutex mutex;
+  std::unordered_set<void*> blocks;
+};
+
+GivenMemory& given_memory() {
+  static GivenMemory& all = *new GivenMemory;  // an FMU may call at the end of the process
+  return all;
+}
+
+void* allocate(std::size_t count, std::size_t size) {
+  void* const memory = std::calloc(count, size);
+  auto& given = given_memory();
+  const std::lock_guard lock(given.mutex);
+  if (memory != nullptr) given.blocks.insert(memory);
+  return memory;
+}
+
+/// What was not given out is not handed to the C library, which would end the process without a word of who did it.
+void give_back(void* memory) {
+  if (memory == nullptr) return;
+  {
+    auto& given = given_memory();
+    const std::lock_guard lock(given.mutex);
+    if (given.blocks.erase(memory) != 0) {
+      std::free(memory);
+      return;
+    }
+  }
+  current_witness->error(
+      "freeMemory was called with a pointer that allocateMemory did not give, or that was given back before",
+      "give back what allocateMemory gave, once, and other memory by the function that it belongs to");
 }
 
 }  // namespace
@@ -91,6 +131,9 @@ std::string Library::difference(const Outputs& found, const Outputs& wanted) con
 
 Instance::Instance(const Library& library, std::string name)
     : library_(&library), name_(std::move(name)), target_(*this, name_), callbacks_(target_.functions(false)) {
+  callbacks_.allocateMemory = &allocate;
+  callbacks_.freeMemory = &give_back;
+  current_witness = &library.witness();
   doing("fmi2Instantiate");
   component_ = functions().instantiate(name_.c_str(), fmi2CoSimulation, library.target().model->guid.c_str(),
                                        library.resource_uri().c_str(), &callbacks_, fmi2False, fmi2True);

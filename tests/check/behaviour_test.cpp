@@ -5,7 +5,16 @@
 
 #include <gmock/gmock.h>
 
+#include <sys/mman.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
 #include <csignal>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <thread>
 
 #include <nlohmann/json.hpp>
 
@@ -140,6 +149,62 @@ TEST(CheckBehaviour, ACrashInACallbackOfOursIsNotTheFmus) {
     EXPECT_THAT(error.what(), testing::AllOf(HasSubstr("callback logger"), HasSubstr("called in fmi2DoStep")));
   }
   EXPECT_TRUE(check.findings.empty());
+}
+
+TEST(CheckBehaviour, MemoryThatTheFmuDamagedIsItsOwnMistakeWhereverItShows) {
+#ifdef __SANITIZE_ADDRESS__
+  GTEST_SKIP() << "the address sanitizer ends the process where the damage is done";
+#endif
+  EXPECT_THAT(of("heap"), Contains(testing::ContainsRegex("error: crashed with SIG[A-Z]+ .* in fmi2DoStep")));
+  EXPECT_THAT(of("foreign_free"),
+              Contains(HasSubstr("error: freeMemory was called with a pointer that allocateMemory")));
+}
+
+/// False for one that is gone, and for one that only waits to be asked how it ended.
+bool runs(pid_t process) {
+  std::ifstream file("/proc/" + std::to_string(process) + "/stat");
+  const std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  const auto name_end = text.rfind(')');
+  return name_end != std::string::npos && text[name_end + 2] != 'Z' && text[name_end + 2] != 'X';
+}
+
+bool ends_soon(pid_t process) {
+  for (int i = 0; i < 100 && runs(process); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  return !runs(process);
+}
+
+TEST(CheckBehaviour, WhatTheFmuLeavesBehindEndsWithTheCheck) {
+  auto* const left =
+      static_cast<pid_t*>(mmap(nullptr, sizeof(pid_t), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0));
+  ASSERT_NE(left, MAP_FAILED);
+  Check check;
+  run_in_child({}, check, [&](Witness&) {
+    const auto child = fork();
+    while (child == 0) pause();
+    *left = child;
+  });
+  EXPECT_TRUE(check.findings.empty());
+  ASSERT_GT(*left, 0);
+  EXPECT_TRUE(ends_soon(*left));
+
+  // And when the check itself is killed.
+  *left = 0;
+  const auto checker = fork();
+  if (checker == 0) {
+    Check nobody_reads;
+    run_in_child({}, nobody_reads, [&](Witness&) {
+      *left = getpid();
+      for (;;) pause();
+    });
+    _exit(0);
+  }
+  for (int i = 0; i < 500 && *const_cast<volatile pid_t*>(left) == 0; ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  ASSERT_GT(*left, 0);
+  kill(checker, SIGKILL);
+  waitpid(checker, nullptr, 0);
+  EXPECT_TRUE(ends_soon(*left));
+  munmap(left, sizeof(pid_t));
 }
 
 TEST(CheckBehaviour, TheLoggersArgumentsAreLookedAt) {

@@ -94,6 +94,7 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
 
 void fmi2FreeInstance(fmi2Component component) {
   if (component == nullptr) return;
+  if (self(component).does("foreign_free")) self(component).callbacks.freeMemory(&shared_y);
   if (self(component).does("free") && self(component).state.phase == Phase::initialization) std::abort();
   delete static_cast<Culprit*>(component);
 }
@@ -219,6 +220,14 @@ fmi2Status fmi2DoStep(fmi2Component component, fmi2Real point, fmi2Real h, fmi2B
   if (std::abs(point - c.state.time) > 1e-9) return c.refuse("the step starts at another time");
   if (c.does("exit")) std::exit(3);
   if (c.does("umask") && c.state.time > 0.25) umask(0);
+  if (c.does("heap")) {  // damages the heap that it shares with everybody, and says something
+    auto* volatile block = static_cast<char*>(std::malloc(1000));
+    std::memset(block, 'x', 60000);
+    static const std::string text(20000, 'y');
+    c.refuse(text.c_str());
+    void* volatile more = std::malloc(20000);
+    std::free(more);
+  }
   if (c.does("sleep")) pause();
   for (volatile bool endless = c.does("hang"); endless;) {
   }

@@ -55,17 +55,21 @@ class Line {
 void on_signal(int signal) {
   constexpr std::int64_t kPerMillisecond = 1'000'000;
   const auto call = current_call();
-  if (call.instance != nullptr && current_callback() != nullptr) {
+  const auto callback = current_callback();
+  if (call.instance != nullptr && callback.name != nullptr && !callback.only_memory) {
     Line line;
     line << "mebots: error: instance '" << call.instance << "' at " << call.time_ns / kPerMillisecond
-         << " ms: mebots failed by " << name_of(signal) << " in its callback " << current_callback() << ", called from "
-         << call.function << ". This is a mistake in mebots, not in the FMU: please report it\n";
+         << " ms: mebots failed by " << name_of(signal) << " in its callback " << callback.name << ", called from "
+         << call.function
+         << ". This is a mistake in mebots, unless the FMU damaged the memory of both: mebots check can tell. Please "
+            "report it\n";
     line.write_to(STDERR_FILENO);
   } else if (call.instance != nullptr) {
     Line line;
     line << "mebots: error: instance '" << call.instance << "' at " << call.time_ns / kPerMillisecond
-         << " ms: its FMU ended the process by " << name_of(signal) << " in " << call.function
-         << ". Run the instance in a process of its own (\"process\": \"own\", or --isolate)\n";
+         << " ms: its FMU ended the process by " << name_of(signal) << " in " << call.function;
+    if (callback.name != nullptr) line << ", by what it handed to " << callback.name << " or had damaged before";
+    line << ". Run the instance in a process of its own (\"process\": \"own\", or --isolate)\n";
     line.write_to(STDERR_FILENO);
   }
   raise(signal);  // SA_RESETHAND: it finds the default, once this handler is left

@@ -5,6 +5,7 @@
 #include "slave/callback_text.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <cstdarg>
 #include <cstdlib>
 #include <mutex>
@@ -15,17 +16,18 @@ namespace mebots::master {
 namespace {
 
 constinit thread_local CallbackScope* current = nullptr;  // the call that this thread is in
-constinit thread_local const char* callback = nullptr;    // and the callback out of it
+constinit thread_local CurrentCallback callback{};        // and the callback out of it
+constinit std::atomic<bool> deaf{false};
 
 class InCallback {
  public:
-  explicit InCallback(const char* name) : outer_(std::exchange(callback, name)) {}
+  explicit InCallback(CurrentCallback entered) : outer_(std::exchange(callback, entered)) {}
   ~InCallback() { callback = outer_; }
   InCallback(const InCallback&) = delete;
   InCallback& operator=(const InCallback&) = delete;
 
  private:
-  const char* outer_;
+  CurrentCallback outer_;
 };
 
 /// All targets, for callbacks on threads that are in no call.
@@ -77,7 +79,8 @@ std::string without_line_end(std::string text) {
 // The C interface of the standard: printf-like and called by foreign code, so nothing may be thrown out of it.
 void log(fmi2ComponentEnvironment environment, fmi2String instance, fmi2Status status, fmi2String category,
          fmi2String message, ...) {
-  const InCallback here("logger");
+  if (deaf.load(std::memory_order_relaxed)) return;
+  const InCallback here({"logger", false});
   std::va_list arguments;
   va_start(arguments, message);
   try {
@@ -100,12 +103,22 @@ void log(fmi2ComponentEnvironment environment, fmi2String instance, fmi2Status s
 }
 
 void step_finished(fmi2ComponentEnvironment environment, fmi2Status status) {
-  const InCallback here("stepFinished");
+  const InCallback here({"stepFinished", false});
   try {
     with_target(environment, std::nullopt,
                 [&](CallbackTarget& target, bool /*in_call*/) { target.listener().step_finished(status); });
   } catch (...) {  // NOLINT(bugprone-empty-catch): the master asks fmi2GetStatus too
   }
+}
+
+void* allocate_memory(std::size_t count, std::size_t size) {
+  const InCallback here({"allocateMemory", true});
+  return std::calloc(count, size);
+}
+
+void free_memory(void* memory) {
+  const InCallback here({"freeMemory", true});
+  std::free(memory);
 }
 
 }  // namespace
@@ -124,15 +137,19 @@ CallbackTarget::~CallbackTarget() {
 }
 
 fmi2CallbackFunctions CallbackTarget::functions(bool asynchronous) {
-  return {&log, &std::calloc, &std::free, asynchronous ? &step_finished : nullptr, this};
+  return {&log, &allocate_memory, &free_memory, asynchronous ? &step_finished : nullptr, this};
 }
 
 CurrentCall current_call() noexcept {
   return current == nullptr ? CurrentCall{nullptr, nullptr, 0} : current->call();
 }
 
-const char* current_callback() noexcept {
+CurrentCallback current_callback() noexcept {
   return callback;
+}
+
+void deafen_callbacks() noexcept {
+  deaf = true;
 }
 
 CallbackScope::CallbackScope(CallbackTarget& target, const char* function, std::int64_t time_ns)

@@ -63,9 +63,17 @@ struct CurrentCall {
 /// Safe in signal handlers.
 CurrentCall current_call() noexcept;
 
-/// The callback of ours that this thread is in; null: none. What goes wrong there is not the FMU's doing. Safe in
-/// signal handlers.
-const char* current_callback() noexcept;
+/// The callback of ours that this thread is in.
+struct CurrentCallback {
+  const char* name = nullptr;  ///< null: none
+  bool only_memory = false;    ///< it asks the C library for memory or gives some back: pointers are the FMU's word
+};
+
+/// What goes wrong in a callback is not the FMU's doing, but for memory that the FMU damaged. Safe in signal handlers.
+CurrentCallback current_callback() noexcept;
+
+/// From now on the logger hears nothing, in the whole process: where it failed, who did it shows without it.
+void deafen_callbacks() noexcept;
 
 /// Around every call to an instance: callbacks on this thread are its own.
 class CallbackScope {
