@@ -198,6 +198,106 @@ TEST_F(Isolation, AnFmuChangesNoOtherProcess) {
   EXPECT_THAT(foreign.err, AllOf(HasSubstr("instance 'b'"), HasSubstr("signal 31 (SIGSYS"), HasSubstr("fmi2DoStep")));
 }
 
+/// What an FMU writes into the memory that it shares with the master is not believed.
+class Forgery : public Isolation, public testing::WithParamInterface<Fault> {};
+
+TEST_P(Forgery, EndsTheRunWithItsCulprit) {
+  const auto [name, message] = GetParam();
+  give_b(R"("memory_limit_mb": 200, "deadline": 1)");
+  const auto began = std::chrono::steady_clock::now();
+  const auto run_result = run({"--set", fmt::format("b.fault={}", name), "--set", "b.fault_time=0.5"});
+  EXPECT_LT(std::chrono::steady_clock::now() - began, std::chrono::seconds(60)) << "calls end by the master's clock";
+  EXPECT_EQ(run_result.code, 1);
+  EXPECT_THAT(run_result.err, AllOf(HasSubstr("instance 'b' at 0.48 s"), HasSubstr(message)));
+  EXPECT_THAT(result("results.csv"), AllOf(HasSubstr("\n0.48,"), Not(HasSubstr("\n0.49,"))));
+  EXPECT_EQ(summary()["outcome"], "failed");
+}
+
+INSTANTIATE_TEST_SUITE_P(Each, Forgery,
+                         testing::Values(Fault{"forge_log", "it claims 1099511627776 bytes of messages"},
+                                         Fault{"forge_length", "an answer of 1099511627776 bytes"},
+                                         Fault{"forge_answer",
+                                               "the shared memory between master and FMU process is damaged"},
+                                         Fault{"forge_calls", "within its deadline of 1 s"}),
+                         [](const auto& fault) { return std::string(fault.param.name); });
+
+TEST_F(Isolation, WhatGoesWrongWhenAnInstanceIsFreedIsTold) {
+  give_b(R"("process": "own")");
+  for (const auto& [fault, message] :
+       {std::pair("free_crash", "died of signal 11 (SIGSEGV, invalid memory access) in fmi2FreeInstance"),
+        {"free_hang", "fmi2FreeInstance did not come back within 3 s"},
+        {"destructor", "in the destructors of its library"}}) {
+    const auto run_result = run({"--set", fmt::format("b.fault={}", fault), "--set", "b.fault_time=9"});
+    EXPECT_EQ(run_result.code, 0) << "the results are whole";
+    EXPECT_THAT(run_result.err, AllOf(HasSubstr("b: error:"), HasSubstr(message))) << fault;
+  }
+}
+
+TEST_F(Isolation, AStateOfImpossibleSizeNamesItsFmu) {
+  for (const auto* process : {R"("process": "own")", R"("process": "shared")"}) {
+    give_b(process);
+    const auto run_result =
+        run({"--checkpoint-every", "0.5", "--set", "b.fault=huge_state", "--set", "b.fault_time=9"});
+    EXPECT_EQ(run_result.code, 1) << process;
+    EXPECT_THAT(run_result.err, AllOf(HasSubstr("instance 'b'"), HasSubstr("fmi2SerializedFMUstateSize"),
+                                      HasSubstr("35184372088832 bytes")));
+  }
+}
+
+class Sandbox : public Isolation {
+ protected:
+  /// Runs with b in a sandbox; skips the test, with the reason, where the system has no whole one.
+  ProgramResult run_shut_in(const std::vector<std::string>& more) {
+    give_b(R"("process": "sandboxed")");
+    auto run_result = run(more);
+    const auto at = run_result.err.find("its sandbox is not whole");
+    lacking_ = at == std::string::npos ? "" : run_result.err.substr(at, run_result.err.find('\n', at) - at);
+    return run_result;
+  }
+  std::string lacking_;
+};
+
+TEST_F(Sandbox, GivesTheSameBits) {
+  ASSERT_EQ(run({}).code, 0);
+  const auto csv = result("results.csv");
+  const auto shut_in = run_shut_in({});
+  EXPECT_EQ(shut_in.code, 0) << shut_in.err;
+  EXPECT_TRUE(result("results.csv") == csv);
+}
+
+TEST_F(Sandbox, ShowsNoFilesNoNetworkAndNoOtherProcesses) {
+  write_file(folder.path() / "secret.txt", "of the user");
+  setenv("MEBOTS_TEST_SECRET", (folder.path() / "secret.txt").c_str(), 1);
+  const auto shut_in = run_shut_in({"--set", "b.fault=escape", "--set", "b.fault_time=0.5"});
+  unsetenv("MEBOTS_TEST_SECRET");
+  if (!lacking_.empty()) GTEST_SKIP() << lacking_;
+  EXPECT_EQ(shut_in.code, 0) << shut_in.err;
+  EXPECT_FALSE(std::filesystem::exists("/tmp/mebots-probe-was-here"));
+  const auto csv = result("results.csv");
+  std::istringstream lines(csv);
+  std::string header;
+  std::string last;
+  std::getline(lines, header);
+  for (std::string line; std::getline(lines, line);) last = line;
+  EXPECT_THAT(last, HasSubstr(",1000,")) << "b.steps says what the FMU found: " << header;
+}
+
+TEST_F(Sandbox, EndsAsItsFmuEndsAndTakesEverythingWithIt) {
+  setenv("MEBOTS_TEST", folder.path().c_str(), 1);
+  for (const auto& [fault, message] : {std::pair("null", "signal 11 (SIGSEGV, invalid memory access)"),
+                                       {"abort", "signal 6 (SIGABRT, abort)"},
+                                       {"exit", "ended itself with exit code 3"},
+                                       {"kill_group", "signal 9 (SIGKILL"}}) {
+    const auto run_result = run_shut_in({"--set", fmt::format("b.fault={}", fault), "--set", "b.fault_time=0.5"});
+    EXPECT_EQ(run_result.code, 1);
+    EXPECT_THAT(run_result.err, AllOf(HasSubstr("instance 'b' at 0.48 s"), HasSubstr(message))) << fault;
+  }
+  EXPECT_EQ(run_shut_in({"--set", "b.fault=orphan", "--set", "b.fault_time=0.9"}).code, 0);
+  std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  EXPECT_TRUE(processes_left().empty());
+  unsetenv("MEBOTS_TEST");
+}
+
 TEST_F(Isolation, ProcessesThatAnFmuLeavesBehindGoWithTheRun) {
   setenv("MEBOTS_TEST", folder.path().c_str(), 1);
   give_b(R"("process": "own")");

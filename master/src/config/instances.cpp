@@ -61,13 +61,14 @@ void read_step_multiple(const Node& node, InstanceDescription& instance, const S
 }
 
 void read_process(const Node& node, InstanceDescription& instance, const SystemDescription& /*system*/) {
-  instance.isolation.own_process = data::word_of<bool>({{"own", true}, {"shared", false}})(node);
+  instance.isolation.process = data::word_of<ProcessKind>(
+      {{"own", ProcessKind::own}, {"shared", ProcessKind::shared}, {"sandboxed", ProcessKind::sandboxed}})(node);
 }
 
 /// Nobody can end a call, or bound the memory, of an FMU inside the master's process.
 void need_own_process(const Node& node, const InstanceDescription& instance) {
-  if (instance.isolation.own_process == false) {
-    node.fail(ErrorCode::invalid_value, "this needs \"process\": \"own\"");
+  if (instance.isolation.process == ProcessKind::shared) {
+    node.fail(ErrorCode::invalid_value, "this needs \"process\": \"own\" or \"sandboxed\"");
   }
 }
 

@@ -61,9 +61,15 @@ struct Setting {
   }
 };
 
+enum class ProcessKind {
+  shared,     ///< the master's
+  own,        ///< one of its own, which harms no other
+  sandboxed,  ///< one of its own, which sees no other, no network and few files
+};
+
 /// Where an instance runs, and what its failures may cost.
 struct IsolationDescription {
-  std::optional<bool> own_process;            ///< as written
+  std::optional<ProcessKind> process;         ///< as written
   std::optional<double> deadline_s;           ///< of each call, by the wall clock
   std::optional<std::uint64_t> memory_bytes;  ///< of its own process
   bool go_on_without = false;                 ///< when it fails, the others go on
@@ -71,7 +77,10 @@ struct IsolationDescription {
   static constexpr std::uint64_t kDefaultMemoryBytes = std::uint64_t{1024} << 20;
 
   /// Whether it runs in a process of its own: where that is asked for, or needed for what is asked for.
-  bool alone() const { return own_process.value_or(deadline_s.has_value() || memory_bytes.has_value()); }
+  bool alone() const {
+    return process ? *process != ProcessKind::shared : deadline_s.has_value() || memory_bytes.has_value();
+  }
+  bool sandboxed() const { return process == ProcessKind::sandboxed; }
 };
 
 struct InstanceDescription {

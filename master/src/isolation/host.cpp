@@ -6,10 +6,15 @@
 #include "guard.hpp"
 #include "osmp.hpp"
 #include "protocol.hpp"
+#include "sandbox.hpp"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <sys/prctl.h>
 #include <unistd.h>
 
 #include <charconv>
+#include <csignal>
 #include <cstdio>
 #include <map>
 #include <mutex>
@@ -27,7 +32,8 @@ class SharedLog final : public MessageSink {
   SharedLog(SharedBuffer& buffer, Control& control) : writer_(buffer), control_(&control) {}
 
   void message(const Message& message) override {
-    const std::lock_guard lock(mutex_);  // an FMU may log from threads of its own
+    const std::lock_guard lock(mutex_);              // an FMU may log from threads of its own
+    if (writer_.size() > kMostLogBytes / 2) return;  // who says so much in one call says nothing new
     writer_.put(static_cast<std::uint8_t>(message.severity));
     writer_.put(message.time_ns);
     writer_.put(message.category);
@@ -58,15 +64,19 @@ class Host {
         log_(log_buffer_, *control_),
         answers_(answer_buffer_) {}
 
+  /// What the sandbox that was asked for lacks, for who opens the instance.
+  void set_lacking(std::vector<std::string> lacking) { lacking_ = std::move(lacking); }
+
   Control& control() { return *control_; }
 
   /// Until the master closes the instance, or is gone.
-  void serve(pid_t master) {
+  void serve() {
+    const auto parent = getppid();
     constexpr std::int64_t kLookAroundNs = 1'000'000'000;
     std::uint32_t batches = 0;
     while (!closed_) {
       while (!control_->asked.wait(batches, kLookAroundNs)) {
-        if (getppid() != master) return;
+        if (getppid() != parent) return;
       }
       ++batches;
       log_.clear();
@@ -90,6 +100,13 @@ class Host {
 
   /// Does one call and writes its answer. False when the batch ends with it.
   bool answer(Call call, SharedReader& commands) {
+    const auto begin = answers_.size();
+    const auto put_error = [&](Answer kind, ErrorCode code, std::string_view text) {
+      answers_.cut(begin);  // an answer may fail half-way
+      answers_.put(kind);
+      answers_.put(mebots::name_of(code));
+      answers_.put(text);
+    };
     try {
       return dispatch(call, commands);
     } catch (const SlaveError& error) {
@@ -97,17 +114,19 @@ class Host {
     } catch (const InputError& error) {
       put_error(Answer::input_error, error.code(), error.what());
     } catch (const Error& error) {
-      put_error(Answer::error, error.code(), error.what());
+      if (error.code() != ErrorCode::system_failure) {
+        put_error(Answer::error, error.code(), error.what());
+      } else {
+        put_error(Answer::slave_error, error.code(), in_instance(call, error.what()));
+      }
     } catch (const std::exception& error) {
-      put_error(Answer::error, ErrorCode::unspecified, error.what());
+      put_error(Answer::slave_error, ErrorCode::fmu_failed, in_instance(call, error.what()));
     }
     return false;
   }
 
-  void put_error(Answer kind, ErrorCode code, std::string_view text) {
-    answers_.put(kind);
-    answers_.put(name_of(code));
-    answers_.put(text);
+  std::string in_instance(Call call, const char* what) const {
+    return fmt::format("instance '{}': {} failed in its process: {}", name_, name_of(call), what);
   }
 
   void put_done() { answers_.put(Answer::done); }
@@ -197,8 +216,11 @@ class Host {
       case Call::close:
         states_.clear();
         slave_.reset();
+        control_->call.store(Call::unload, std::memory_order_relaxed);
+        fmu_.reset();
         closed_ = true;
         break;
+      case Call::unload:
       case Call::none:
         throw Error(ErrorCode::wrong_call_order, "the master asked for nothing");
     }
@@ -207,15 +229,21 @@ class Host {
   }
 
   void open(SharedReader& commands) {
-    auto name = commands.get_text();
+    name_ = commands.get_text();
     const auto archive = commands.get_text();
     const auto folder = commands.get_text();
     std::vector<std::string> categories;
     for (auto count = commands.get<std::uint64_t>(); count > 0; --count) categories.push_back(commands.get_text());
-    auto fmu = std::make_shared<Fmu>(archive, folder);
-    triples_ = osmp_triples(fmu->description());
+    if (!lacking_.empty()) {
+      log_.message({name_, Severity::warning, "notice",
+                    fmt::format("its sandbox is not whole, for this system does not offer or allow: {}",
+                                fmt::join(lacking_, ", ")),
+                    0});
+    }
+    fmu_ = std::make_shared<Fmu>(archive, folder);
+    triples_ = osmp_triples(fmu_->description());
     taken_.resize(triples_.size());
-    slave_ = std::make_unique<FmuSlave>(std::move(name), std::move(fmu), std::move(categories), log_);
+    slave_ = std::make_unique<FmuSlave>(name_, fmu_, std::move(categories), log_);
   }
 
   bool step(SharedReader& commands) {
@@ -301,6 +329,9 @@ class Host {
   SharedWriter answers_;
   std::vector<OsmpTriple> triples_;
   std::vector<std::vector<std::uint8_t>> taken_;  // bytes of binary inputs, one per triple
+  std::string name_;
+  std::vector<std::string> lacking_;
+  std::shared_ptr<Fmu> fmu_;
   std::unique_ptr<FmuSlave> slave_;
   std::map<std::uint64_t, std::unique_ptr<SlaveState>> states_;
   bool closed_ = false;
@@ -323,7 +354,7 @@ int run_fmu_host(int argument_count, char** arguments) {
     std::puts("mebots-fmu-host " MEBOTS_VERSION);
     return 0;
   }
-  if (argument_count != 3) {
+  if (argument_count != 3 && argument_count != 4) {
     std::fputs("mebots-fmu-host: runs one FMU for mebots, which starts it; there is nothing to call it for by hand\n",
                stderr);
     return 2;
@@ -331,8 +362,13 @@ int run_fmu_host(int argument_count, char** arguments) {
   try {
     const auto master = number<pid_t>(arguments[1]);
     Host host;
+    end_with(master);
+    if (argument_count == 4) {
+      host.set_lacking(enter_sandbox(arguments[3]));
+      prctl(PR_SET_PDEATHSIG, SIGKILL);  // another process than before
+    }
     guard(master, number<std::uint64_t>(arguments[2]), host.control());
-    host.serve(master);
+    host.serve();
     return 0;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "mebots-fmu-host: %s\n", error.what());

@@ -60,10 +60,12 @@ IsolatedSlave::IsolatedSlave(const ResolvedInstance& instance, MessageSink& mess
       commands_(command_buffer_),
       triples_(osmp_triples(instance.fmu->description())),
       binaries_(triples_.size()) {
-  process_ = std::make_unique<ChildProcess>(
-      find_fmu_host(), std::vector<std::string>{fmt::format("{}", getpid()), fmt::format("{}", memory_bytes())},
-      std::array<int, 4>{control_buffer_.descriptor(), command_buffer_.descriptor(), answer_buffer_.descriptor(),
-                         log_buffer_.descriptor()});
+  std::vector<std::string> arguments{fmt::format("{}", getpid()), fmt::format("{}", memory_bytes())};
+  if (instance.description->isolation.sandboxed()) arguments.push_back(instance.fmu->folder().string());
+  process_ =
+      std::make_unique<ChildProcess>(find_fmu_host(), arguments,
+                                     std::array<int, 4>{control_buffer_.descriptor(), command_buffer_.descriptor(),
+                                                        answer_buffer_.descriptor(), log_buffer_.descriptor()});
   open();
 }
 
@@ -79,10 +81,28 @@ IsolatedSlave::~IsolatedSlave() {
     put(Call::close);
     control_->command_bytes.store(commands_.size(), std::memory_order_relaxed);
     control_->asked.pass();
-    process_->ended_within(kGraceS);
-    take_messages();
+    tell_of_end();
   } catch (...) {  // NOLINT(bugprone-empty-catch): the process goes in any case
   }
+}
+
+/// What goes wrong when an instance is freed changes no result any more.
+void IsolatedSlave::tell_of_end() {
+  const auto grace_s = std::max(kGraceS, instance_->description->isolation.deadline_s.value_or(0));
+  const auto end = process_->ended_within(grace_s);
+  std::string problem;
+  if (!end) {
+    problem =
+        fmt::format("{} did not come back within {} s; its process was ended", name_of(control_->call.load()), grace_s);
+  } else if (end->by_signal || end->number != 0) {
+    problem = fault_text(*end);
+  }
+  try {
+    take_messages();
+  } catch (const Error& error) {
+    if (problem.empty()) problem = error.what();
+  }
+  if (!problem.empty()) messages_->message({name_, Severity::error, "notice", problem, time_ns_});
 }
 
 void IsolatedSlave::open() {
@@ -92,9 +112,11 @@ void IsolatedSlave::open() {
   commands_.put(std::string_view(instance_->fmu->folder().native()));
   commands_.put(static_cast<std::uint64_t>(instance_->log_categories.size()));
   for (const auto& category : instance_->log_categories) commands_.put(std::string_view(category));
-  auto answers = hand_over(0);
-  output_derivative_order_ = answers.get<std::uint32_t>();
-  takes_input_derivatives_ = answers.get<bool>();
+  hand_over(1, [this](SharedReader& answers) {
+    check(answers);
+    output_derivative_order_ = answers.get<std::uint32_t>();
+    takes_input_derivatives_ = answers.get<std::uint8_t>() != 0;
+  });
 }
 
 void IsolatedSlave::put_references(Call call, std::span<const ValueReference> references) {
@@ -102,23 +124,39 @@ void IsolatedSlave::put_references(Call call, std::span<const ValueReference> re
   commands_.put(references);
 }
 
-SharedReader IsolatedSlave::hand_over(std::size_t open_answers) {
+void IsolatedSlave::hand_over(std::size_t open_answers, const std::function<void(SharedReader&)>& take) {
   if (!lost_.empty()) throw SlaveError(ErrorCode::fmu_lost, lost_);
   const auto calls = pending_ + 1;
   MEBOTS_ASSERT(open_answers <= calls, "an answer belongs to a call");
   control_->command_bytes.store(commands_.size(), std::memory_order_relaxed);
   control_->asked.pass();
-  wait();
+  wait(calls);
   ++batches_;
   commands_.clear();
   pending_ = 0;
-  take_messages();
-  SharedReader answers(answer_buffer_.bytes(control_->answer_bytes.load(std::memory_order_relaxed)));
-  for (auto left = calls - open_answers; left > 0; --left) check(answers);
-  return answers;
+  try {
+    take_messages();
+    auto reader = answers();
+    for (auto left = calls - open_answers; left > 0; --left) check(reader);
+    if (take) take(reader);
+  } catch (const DamagedMemory& damage) {
+    process_->kill();
+    lost(ErrorCode::fmu_lost,
+         fmt::format("{}, after {}; its process was ended", damage.what(), name_of(control_->call.load())));
+  }
 }
 
-void IsolatedSlave::wait() {
+SharedReader IsolatedSlave::answers() {
+  const auto size = control_->answer_bytes.load(std::memory_order_relaxed);
+  if (size > memory_bytes()) {
+    throw DamagedMemory(fmt::format("an answer of {} bytes is larger than its memory_limit_mb allows", size));
+  }
+  return SharedReader(answer_buffer_.bytes(size));
+}
+
+/// Every call has a deadline of its own, and the host says when the next one begins: at most as often as there are
+/// calls.
+void IsolatedSlave::wait(std::size_t calls_left) {
   using Clock = std::chrono::steady_clock;
   const auto& isolation = instance_->description->isolation;
   auto since = Clock::now();
@@ -133,8 +171,9 @@ void IsolatedSlave::wait() {
       lost(ErrorCode::fmu_lost, fault_text(*end));
     }
     const auto now = Clock::now();
-    if (const auto count = control_->calls.load(std::memory_order_acquire); count != calls) {
-      calls = count;  // every call has a deadline of its own
+    if (const auto count = control_->calls.load(std::memory_order_acquire); count != calls && calls_left > 0) {
+      calls = count;
+      --calls_left;
       since = now;
     }
     const double waited_s = std::chrono::duration<double>(now - since).count();
@@ -198,7 +237,9 @@ void IsolatedSlave::check(SharedReader& answers) {
 }
 
 void IsolatedSlave::take_messages() {
-  SharedReader log(log_buffer_.bytes(control_->log_bytes.exchange(0, std::memory_order_acq_rel)));
+  const auto size = control_->log_bytes.exchange(0, std::memory_order_acq_rel);
+  if (size > kMostLogBytes) throw DamagedMemory(fmt::format("it claims {} bytes of messages", size));
+  SharedReader log(log_buffer_.bytes(size));
   while (!log.at_end()) {
     const auto severity = static_cast<Severity>(log.get<std::uint8_t>());
     const auto time_ns = log.get<std::int64_t>();
@@ -213,22 +254,22 @@ void IsolatedSlave::setup_experiment(std::int64_t start_ns, std::int64_t stop_ns
   put(Call::setup_experiment);
   commands_.put(start_ns);
   commands_.put(stop_ns);
-  hand_over(0);
+  hand_over();
 }
 
 void IsolatedSlave::enter_initialization() {
   put(Call::enter_initialization);
-  hand_over(0);
+  hand_over();
 }
 
 void IsolatedSlave::exit_initialization() {
   put(Call::exit_initialization);
-  hand_over(0);
+  hand_over();
 }
 
 void IsolatedSlave::terminate() {
   put(Call::terminate);
-  hand_over(0);
+  hand_over();
 }
 
 StepResult IsolatedSlave::step(std::int64_t start_ns, std::int64_t duration_ns) {
@@ -240,36 +281,40 @@ StepResult IsolatedSlave::step(std::int64_t start_ns, std::int64_t duration_ns) 
   std::erase_if(reads_, [](const Read& read) { return !read.used; });
   for (const auto& read : reads_) put_read(read.call, read.references, read.orders);
   pending_ += reads_.size();
-  auto answers = hand_over(reads_.size());
   StepResult result;
-  result.done = answers.get<bool>();
-  result.terminated = answers.get<bool>();
-  const bool has_time = answers.get<bool>();
-  const auto last_successful_s = answers.get<double>();
-  if (has_time) result.last_successful_s = last_successful_s;
-  result.messages = answers.get_text();
-  if (!result.done) {
-    forget_reads();
-    return result;
-  }
-  time_ns_ = start_ns + duration_ns;
-  turn_ ^= 1;
-  auto read = reads_.begin();
-  while (read != reads_.end()) {
+  hand_over(reads_.size() + 1, [&](SharedReader& answers) {
+    check(answers);
+    result.done = answers.get<std::uint8_t>() != 0;
+    result.terminated = answers.get<std::uint8_t>() != 0;
+    const bool has_time = answers.get<std::uint8_t>() != 0;
+    const auto last_successful_s = answers.get<double>();
+    if (has_time) result.last_successful_s = last_successful_s;
+    result.messages = answers.get_text();
+    if (!result.done) return forget_reads();
+    time_ns_ = start_ns + duration_ns;
+    turn_ ^= 1;
+    take_reads(answers);
+  });
+  return result;
+}
+
+/// What was read after the last step, and came along with this one.
+void IsolatedSlave::take_reads(SharedReader& answers) {
+  for (auto read = reads_.begin(); read != reads_.end(); ++read) {
     read->used = false;
     read->fresh = true;
     read->failure = nullptr;
     try {
       check(answers);
       take(*read, answers);
+    } catch (const DamagedMemory&) {
+      throw;
     } catch (const Error&) {
       read->failure = std::current_exception();  // for the one who reads it, if anybody does
       reads_.erase(read + 1, reads_.end());      // the host went no further
-      break;
+      return;
     }
-    ++read;
   }
-  return result;
 }
 
 void IsolatedSlave::take(Read& read, SharedReader& answers) {
@@ -328,15 +373,18 @@ IsolatedSlave::Read& IsolatedSlave::read(Call call, std::span<const ValueReferen
     return *found;
   }
   put_read(call, references, orders);
-  auto answers = hand_over(0);
+  Read answer;
+  answer.call = call;
+  answer.references.assign(references.begin(), references.end());
+  hand_over(1, [&](SharedReader& answers) {
+    check(answers);
+    take(answer, answers);
+  });
   auto& asked = found != reads_.end() ? *found : reads_.emplace_back();
-  asked.call = call;
-  asked.references.assign(references.begin(), references.end());
+  asked = std::move(answer);
   asked.orders.assign(orders.begin(), orders.end());
-  take(asked, answers);
   asked.used = true;
   asked.fresh = false;  // the next read of the same asks again: values may change without a step
-  asked.failure = nullptr;
   return asked;
 }
 
@@ -407,7 +455,7 @@ std::unique_ptr<SlaveState> IsolatedSlave::save_state() {
   const auto id = states_++;
   put(Call::save_state);
   commands_.put(id);
-  hand_over(0);
+  hand_over();
   return std::make_unique<IsolatedState>(*this, id);
 }
 
@@ -415,14 +463,18 @@ void IsolatedSlave::restore_state(const SlaveState& state) {
   forget_reads();
   put(Call::restore_state);
   commands_.put(id_of(state));
-  hand_over(0);
+  hand_over();
 }
 
 std::vector<std::byte> IsolatedSlave::serialize(const SlaveState& state) {
   put(Call::serialize);
   commands_.put(id_of(state));
-  auto answers = hand_over(0);
-  return answers.get_vector<std::byte>();
+  std::vector<std::byte> bytes;
+  hand_over(1, [&](SharedReader& answers) {
+    check(answers);
+    bytes = answers.get_vector<std::byte>();
+  });
+  return bytes;
 }
 
 std::unique_ptr<SlaveState> IsolatedSlave::deserialize(std::span<const std::byte> bytes) {
@@ -430,7 +482,7 @@ std::unique_ptr<SlaveState> IsolatedSlave::deserialize(std::span<const std::byte
   put(Call::deserialize);
   commands_.put(id);
   commands_.put(bytes);
-  hand_over(0);
+  hand_over();
   return std::make_unique<IsolatedState>(*this, id);
 }
 

@@ -11,6 +11,7 @@
 
 #include <atomic>
 #include <exception>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -79,16 +80,20 @@ class IsolatedSlave final : public Slave {
   std::uint64_t memory_bytes() const;
   void put(Call call) { commands_.put(call); }
   void put_references(Call call, std::span<const ValueReference> references);
-  /// Sends what is written so far and waits for the answers; checks those of calls before the last `open_answers`.
-  SharedReader hand_over(std::size_t open_answers);
-  void wait();
+  /// Sends what is written so far and waits for the answers; checks those of calls before the last `open_answers`, and
+  /// lets `take` read the rest. Answers that make no sense are the end of the process.
+  void hand_over(std::size_t open_answers = 0, const std::function<void(SharedReader&)>& take = {});
+  void wait(std::size_t calls);
+  SharedReader answers();
   void check(SharedReader& answers);
   void take_messages();
+  void tell_of_end();
   [[noreturn]] void lost(ErrorCode code, const std::string& how);
   std::string fault_text(const ProcessEnd& end) const;
   Read& read(Call call, std::span<const ValueReference> references, std::span<const std::int32_t> orders = {});
   void put_read(Call call, std::span<const ValueReference> references, std::span<const std::int32_t> orders);
   void take(Read& read, SharedReader& answers);
+  void take_reads(SharedReader& answers);
   void take_binaries(Read& read, SharedReader& answers);
   void forget_reads();
   void free_state(std::uint64_t id) noexcept;

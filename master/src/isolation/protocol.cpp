@@ -76,9 +76,11 @@ const char* name_of(Call call) {
     case Call::deserialize:
       return "fmi2DeSerializeFMUstate";
     case Call::close:
-      break;
+      return "fmi2FreeInstance";
+    case Call::unload:
+      return "the destructors of its library";
   }
-  return "fmi2FreeInstance";
+  return "a call that it does not name";  // it lies in shared memory
 }
 
 void Turn::pass() {

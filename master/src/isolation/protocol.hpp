@@ -36,6 +36,7 @@ enum class Call : std::uint32_t {
   serialize,
   deserialize,
   close,
+  unload,  // what close ends with: the library goes
 };
 
 /// The call as FMI names it.
@@ -75,6 +76,10 @@ struct Control {
   std::atomic<std::uint32_t> fault_on_stack{0};
 };
 static_assert(std::atomic<std::uint64_t>::is_always_lock_free);
+
+/// What the host says at most about one batch. All that lies in shared memory is the host's word: a master that finds
+/// more than this has another host before it than ours.
+inline constexpr std::size_t kMostLogBytes = std::size_t{64} << 20;
 
 /// Descriptors of a host process: control, commands, answers, log.
 inline constexpr std::array<int, 4> kHostDescriptors = {3, 4, 5, 6};

@@ -33,7 +33,7 @@ SharedBuffer::SharedBuffer(const char* name) {
   if (made < 0) fail("it cannot be made");
   descriptor_ = fcntl(made, F_DUPFD_CLOEXEC, kLowestDescriptor);
   ::close(made);
-  if (descriptor_ < 0 || fcntl(descriptor_, F_ADD_SEALS, F_SEAL_SHRINK) != 0) fail("it cannot be set up");
+  if (descriptor_ < 0 || fcntl(descriptor_, F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_SEAL) != 0) fail("it cannot be set up");
   reserve(kFirstSize);
 }
 
@@ -62,10 +62,9 @@ std::span<const std::byte> SharedBuffer::bytes(std::size_t size) {
   if (size > mapped_) {
     struct stat info {};
     if (fstat(descriptor_, &info) != 0 || static_cast<std::size_t>(info.st_size) < size) {
-      throw Error(ErrorCode::fmu_lost,
-                  "the shared memory between master and FMU process is damaged: it is shorter than it says");
+      throw DamagedMemory("the shared memory between master and FMU process is damaged: it is shorter than it says");
     }
-    map(static_cast<std::size_t>(info.st_size));
+    map(std::min(std::bit_ceil(size), static_cast<std::size_t>(info.st_size)));  // the file may be longer than memory
   }
   return {data_, size};
 }

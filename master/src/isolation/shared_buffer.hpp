@@ -15,6 +15,12 @@
 
 namespace mebots::master::isolation {
 
+/// What the other process wrote makes no sense: it is broken, or means harm.
+class DamagedMemory : public Error {
+ public:
+  explicit DamagedMemory(const std::string& what) : Error(ErrorCode::fmu_lost, what) {}
+};
+
 /// Memory that two processes see: an anonymous file, mapped by both, gone with the last of them. It grows and never
 /// shrinks, so that neither side can pull it from under the other.
 class SharedBuffer {
@@ -33,7 +39,7 @@ class SharedBuffer {
 
   /// Makes the first `size` bytes usable, and the file longer where it must be. Addresses may change.
   void reserve(std::size_t size);
-  /// The first `size` bytes, as the other process wrote them. Throws Error when there are not so many.
+  /// The first `size` bytes, as the other process wrote them. Throws DamagedMemory when there are not so many.
   std::span<const std::byte> bytes(std::size_t size);
 
  private:
@@ -64,6 +70,8 @@ class SharedWriter {
 
   std::size_t size() const { return size_; }
   void clear() { size_ = 0; }
+  /// Takes back what was put after the first `size` bytes.
+  void cut(std::size_t size) { size_ = size; }
 
  private:
   void append(const void* data, std::size_t size) {
@@ -112,7 +120,7 @@ class SharedReader {
 
  private:
   [[noreturn]] static void fail() {
-    throw Error(ErrorCode::fmu_lost, "the shared memory between master and FMU process is damaged");
+    throw DamagedMemory("the shared memory between master and FMU process is damaged");
   }
   std::size_t count(std::size_t element_size) {
     const auto n = get<std::uint64_t>();

@@ -248,7 +248,9 @@ void Run::open() {
   install_crash_notice();
   MEBOTS_ASSERT(state_ == RunState::open && !simulation_);
   if (request_.isolate) {
-    for (auto& instance : system_.instances) instance.isolation.own_process = true;
+    for (auto& instance : system_.instances) {
+      if (!instance.isolation.alone()) instance.isolation.process = ProcessKind::own;
+    }
   }
   resolved_ = resolve(system_, *library_, interrupted_);
   report_.overrides = changes();

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "landlock.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/prctl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdint>
+#include <cstdlib>
+#include <cstring>
+#include <sstream>
+#include <string>
+#include <vector>
+
+namespace mebots::master::isolation {
+namespace {
+
+// The kernel's interface (Documentation/userspace-api/landlock.rst); the headers of Debian 12 know its first parts
+// only.
+constexpr long kCreateRuleset = 444;
+constexpr long kAddRule = 445;
+constexpr long kRestrictSelf = 446;
+constexpr std::uint32_t kAskVersion = 1;
+constexpr int kPathBeneath = 1;
+
+struct Ruleset {
+  std::uint64_t files;    // since version 1
+  std::uint64_t network;  // since version 4
+  std::uint64_t scoped;   // since version 6
+};
+struct [[gnu::packed]] PathBeneath {
+  std::uint64_t allowed;
+  std::int32_t parent;
+};
+
+constexpr std::uint64_t kExecute = 1U << 0;
+constexpr std::uint64_t kWrite = 1U << 1;
+constexpr std::uint64_t kReadFile = 1U << 2;
+constexpr std::uint64_t kReadFolder = 1U << 3;
+constexpr std::uint64_t kTruncate = 1U << 14;
+constexpr std::uint64_t kReading = kExecute | kReadFile | kReadFolder;
+constexpr std::uint64_t kOfOneFile = kExecute | kReadFile | kWrite | kTruncate;
+
+std::uint64_t all_access(long version) {
+  if (version >= 5) return (1U << 16) - 1;
+  if (version >= 3) return (1U << 15) - 1;
+  return version == 2 ? (1U << 14) - 1 : (1U << 13) - 1;
+}
+
+std::size_t known_size(long version) {
+  if (version >= 6) return sizeof(Ruleset);
+  return version >= 4 ? 2 * sizeof(std::uint64_t) : sizeof(std::uint64_t);
+}
+
+/// What is not there needs no rule.
+void allow(int rules, const std::string& path, std::uint64_t access) {
+  const int place = open(path.c_str(), O_PATH | O_CLOEXEC);
+  if (place < 0) return;
+  struct stat status {};
+  if (fstat(place, &status) == 0 && !S_ISDIR(status.st_mode)) access &= kOfOneFile;
+  const PathBeneath rule{access, place};
+  syscall(kAddRule, rules, kPathBeneath, &rule, 0);
+  close(place);
+}
+
+/// Where the loader and interpreters were told to look.
+std::vector<std::string> listed_folders() {
+  std::vector<std::string> folders;
+  for (const auto* variable : {"LD_LIBRARY_PATH", "PYTHONPATH", "PYTHONHOME"}) {
+    const char* value = std::getenv(variable);  // NOLINT(concurrency-mt-unsafe): one thread
+    std::istringstream stream(value == nullptr ? "" : value);
+    for (std::string folder; std::getline(stream, folder, ':');) {
+      if (!folder.empty()) folders.push_back(folder);
+    }
+  }
+  return folders;
+}
+
+}  // namespace
+
+std::string restrict_files(const std::filesystem::path& folder) {
+  const long version = syscall(kCreateRuleset, nullptr, 0, kAskVersion);
+  if (version < 1) return fmt::format("Landlock ({})", std::strerror(errno));
+  constexpr std::uint64_t kTcp = 3;      // binding and connecting
+  constexpr std::uint64_t kOutside = 3;  // abstract sockets and signals
+  const Ruleset wanted{all_access(version), kTcp, kOutside};
+  const int rules = static_cast<int>(syscall(kCreateRuleset, &wanted, known_size(version), 0));
+  if (rules < 0) return fmt::format("Landlock ({})", std::strerror(errno));
+  for (const auto* path :
+       {"/usr", "/lib", "/lib32", "/lib64", "/bin", "/sbin", "/etc", "/opt", "/nix", "/proc", "/sys", "/dev"})
+    allow(rules, path, kReading);
+  for (const auto& path : listed_folders()) allow(rules, path, kReading);
+  for (const auto* path : {"/dev/null", "/dev/zero", "/dev/full"})
+    allow(rules, path, (kReading | kWrite | kTruncate) & wanted.files);
+  allow(rules, folder.string(), wanted.files);
+  std::string problem;
+  if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0 || syscall(kRestrictSelf, rules, 0) != 0)
+    problem = fmt::format("Landlock ({})", std::strerror(errno));
+  close(rules);
+  return problem;
+}
+
+}  // namespace mebots::master::isolation
