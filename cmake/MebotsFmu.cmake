@@ -5,7 +5,8 @@
 #   [MODEL_LIBRARIES <target>...] what the model links
 #   [MODEL_DEFINITIONS <NAME=value>...] macros that its sources are compiled with
 #   [BUNDLE <file>...]            shared libraries that travel beside the FMU's own
-#   [LINKED_IN <file>...]         files of the libraries that are linked in: their licences go into the archive
+#   [LINKED_IN <file>...]         files of the libraries that are linked in: their licences and their rows in the bill of
+#                                 materials (documentation/sbom.spdx.json) go into the archive
 #   [BOARD <file>]                board description whose variables join description.json
 #   [RESOURCES <dir>...]          folders whose contents go to resources/
 #   [RESOURCE_FILES <file>...]    single files that go to resources/; built ones too
@@ -75,6 +76,10 @@ function(mebots_add_fmu name)
   foreach(license ${source_dir}/LICENSE ${source_dir}/../LICENSE ${PROJECT_SOURCE_DIR}/LICENSE)
     if(EXISTS ${license})
       list(APPEND pack_options --license ${license})
+      mebots_license_of(${license} license_id)
+      if(license_id)
+        list(APPEND pack_options --license-id ${license_id})
+      endif()
       break()
     endif()
   endforeach()
@@ -83,19 +88,19 @@ function(mebots_add_fmu name)
   endforeach()
   execute_process(COMMAND ${CMAKE_CXX_COMPILER} -print-file-name=libstdc++.a OUTPUT_VARIABLE cxx_library
     OUTPUT_STRIP_TRAILING_WHITESPACE)
-  get_target_property(math_license mebots::math MEBOTS_LICENSE)
-  set(licenses)
-  if(math_license)
-    set(licenses ${math_license})
-  endif()
-  foreach(file IN LISTS ARG_BUNDLE ARG_LINKED_IN ITEMS ${cxx_library} /usr/include/fmt/core.h /usr/include/nlohmann/json.hpp)
-    mebots_library_license(${file} license)
-    list(APPEND licenses ${license})
+  get_target_property(parts mebots::math MEBOTS_PART)
+  foreach(file IN LISTS ARG_BUNDLE)
+    mebots_part(part bundled ${file})
+    list(APPEND parts ${part})
   endforeach()
-  list(REMOVE_DUPLICATES licenses)
-  foreach(license IN LISTS licenses)
-    list(APPEND pack_options --library-license ${license})
+  foreach(file IN LISTS ARG_LINKED_IN ITEMS ${cxx_library} /usr/include/fmt/core.h /usr/include/nlohmann/json.hpp)
+    mebots_part(part linked ${file})
+    list(APPEND parts ${part})
   endforeach()
+  set(part_list ${out_dir}/parts.txt)
+  mebots_write_parts(${part_list} ${parts})
+  set_property(GLOBAL APPEND PROPERTY MEBOTS_PARTS ${parts})
+  list(APPEND pack_options --parts ${part_list})
   set(resource_dependencies)
   foreach(folder IN LISTS ARG_RESOURCES)
     get_filename_component(folder ${folder} ABSOLUTE)
@@ -122,25 +127,8 @@ function(mebots_add_fmu name)
     OUTPUT ${archive}
     COMMAND mebots::mebots-modeldesc pack ${archive} --description ${out_dir}/modelDescription.xml --documentation ${out_dir}/index.html
             --binary $<TARGET_FILE:${name}> ${pack_options}
-    DEPENDS mebots::mebots-modeldesc ${name} ${out_dir}/modelDescription.xml ${out_dir}/index.html ${resource_dependencies} ${optional_files}
+    DEPENDS mebots::mebots-modeldesc ${name} ${out_dir}/modelDescription.xml ${out_dir}/index.html ${part_list} ${resource_dependencies} ${optional_files}
     COMMENT "Packing ${name}.fmu"
     VERBATIM)
   add_custom_target(${name}_archive ALL DEPENDS ${archive})
-endfunction()
-
-# mebots_library_license(<file> <variable>)
-# The licence text that Debian installs with the package that <file> belongs to; empty if there is none.
-function(mebots_library_license file variable)
-  set(${variable} "" PARENT_SCOPE)
-  get_filename_component(real_file ${file} REALPATH)
-  foreach(candidate ${file} ${real_file})
-    execute_process(COMMAND dpkg-query --search ${candidate} OUTPUT_VARIABLE found ERROR_QUIET RESULT_VARIABLE failed)
-    if(NOT failed AND found MATCHES "^([^:, ]+)")
-      set(license /usr/share/doc/${CMAKE_MATCH_1}/copyright)
-      if(EXISTS ${license})
-        set(${variable} ${license} PARENT_SCOPE)
-        return()
-      endif()
-    endif()
-  endforeach()
 endfunction()

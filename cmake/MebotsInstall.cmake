@@ -5,7 +5,7 @@
 #   include/mebots/                       public headers: who runs systems, fmu/ who writes FMUs, soc/ who writes devices
 #   lib/                                  libraries, and the package for find_package(mebots)
 #   lib/python3.x/site-packages/mebots/   the Python package
-#   share/mebots/                         fmus, the page of a run with its licences (web), configs with boards and scenarios, scenes, templates, scripts;
+#   share/mebots/                         LICENSE, bill of materials (sbom.spdx.json), fmus, the page of a run with its licences (web), configs with boards and scenarios, scenes, templates, scripts;
 #                                         fmu_soc: what a chip FMU with another board or firmware is built of
 include(CMakePackageConfigHelpers)
 include(GNUInstallDirs)
@@ -39,10 +39,63 @@ install(DIRECTORY modeldesc/include/mebots/data modeldesc/include/mebots/fmu mod
   DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/mebots)
 
 install(FILES LICENSE DESTINATION ${share})
-get_target_property(math_license mebots_math MEBOTS_LICENSE)
-if(math_license)
-  install(FILES ${math_license} DESTINATION ${share}/licenses/musl-dev)
+get_target_property(math_part mebots_math MEBOTS_PART)
+set(MEBOTS_INSTALLED_MATH_PART ${math_part})
+if(math_part MATCHES "^(.*[|])([^|]+)$")
+  install(FILES ${CMAKE_MATCH_2} DESTINATION ${share}/licenses/musl-dev)
+  set(MEBOTS_INSTALLED_MATH_PART "${CMAKE_MATCH_1}\${MEBOTS_ROOT}/licenses/musl-dev/copyright")
 endif()
+
+# The bill of materials of what is installed: what is inside the programs and FMUs, and what they ask the machine for.
+get_property(parts GLOBAL PROPERTY MEBOTS_PARTS)
+list(APPEND parts ${math_part})
+function(mebots_list_parts relation)
+  foreach(file IN LISTS ARGN)
+    mebots_part(part ${relation} ${file})
+    list(APPEND parts ${part})
+  endforeach()
+  set(parts ${parts} PARENT_SCOPE)
+endfunction()
+set(linked /usr/include/nlohmann/json.hpp /usr/include/fmt/core.h /usr/include/eigen3/Eigen/Core /usr/include/CLI/CLI.hpp)
+set(needed)
+foreach(library fmt zip pugixml png z crypto hdf5_serial seccomp)
+  find_library(MEBOTS_NEEDED_${library} ${library})
+  mark_as_advanced(MEBOTS_NEEDED_${library})
+  if(MEBOTS_NEEDED_${library})
+    get_filename_component(real ${MEBOTS_NEEDED_${library}} REALPATH)
+    list(APPEND needed ${real})
+  endif()
+endforeach()
+if(MEBOTS_PAGES)
+  list(APPEND linked /usr/include/httplib.h)
+endif()
+if(MEBOTS_PYTHON)
+  list(APPEND linked /usr/include/pybind11/pybind11.h)
+endif()
+if(MEBOTS_CHIP)
+  list(APPEND linked /usr/include/xbyak/xbyak.h)
+endif()
+mebots_list_parts(linked ${linked})
+mebots_list_parts(needed ${needed})
+set(part_list ${PROJECT_BINARY_DIR}/generated/parts.txt)
+mebots_write_parts(${part_list} ${parts})
+mebots_license_of(${PROJECT_SOURCE_DIR}/LICENSE license_id)
+set(part_lists ${part_list})
+if(MEBOTS_PAGES)
+  list(APPEND part_lists ${PROJECT_BINARY_DIR}/web/parts.txt)  # written by the bundler
+endif()
+add_custom_command(
+  OUTPUT ${PROJECT_BINARY_DIR}/sbom.spdx.json
+  COMMAND mebots-modeldesc sbom ${PROJECT_BINARY_DIR}/sbom.spdx.json --name mebots --product-version ${PROJECT_VERSION}
+          --license-id ${license_id} --parts ${part_lists}
+  DEPENDS mebots-modeldesc ${part_lists}
+  COMMENT "Bill of materials"
+  VERBATIM)
+add_custom_target(mebots_sbom ALL DEPENDS ${PROJECT_BINARY_DIR}/sbom.spdx.json)
+if(MEBOTS_PAGES)
+  add_dependencies(mebots_sbom mebots_pages)
+endif()
+install(FILES ${PROJECT_BINARY_DIR}/sbom.spdx.json DESTINATION ${share})
 install(DIRECTORY configs DESTINATION ${share})
 install(DIRECTORY fmu_world/params/scenes DESTINATION ${share})
 install(DIRECTORY master/new_folder/templates DESTINATION ${share})
@@ -72,7 +125,7 @@ configure_package_config_file(cmake/mebotsConfig.cmake.in ${PROJECT_BINARY_DIR}/
   INSTALL_DESTINATION ${package_dir} PATH_VARS share NO_SET_AND_CHECK_MACRO)
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/mebotsConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/mebotsConfig.cmake ${PROJECT_BINARY_DIR}/mebotsConfigVersion.cmake
-  cmake/MebotsFmu.cmake cmake/MebotsSoc.cmake cmake/MebotsTarget.cmake cmake/fmi2.map
+  cmake/MebotsFmu.cmake cmake/MebotsParts.cmake cmake/MebotsSoc.cmake cmake/MebotsTarget.cmake cmake/fmi2.map
   DESTINATION ${package_dir})
 
 # Programs of the build find the same beside bin/.

@@ -42,8 +42,6 @@ target_compile_options(mebots_math INTERFACE ${options})
 target_link_options(mebots_math INTERFACE LINKER:--exclude-libs,libmebots_math.a)
 add_library(mebots::math ALIAS mebots_math)
 
-# Its licence, for the archives that it is linked into.
-execute_process(COMMAND dpkg-query --search ${MUSL_ARCHIVE} OUTPUT_VARIABLE found ERROR_QUIET)
-if(found MATCHES "^([^:, ]+)")
-  set_target_properties(mebots_math PROPERTIES MEBOTS_LICENSE /usr/share/doc/${CMAKE_MATCH_1}/copyright)
-endif()
+# For the archives that it is linked into.
+mebots_part(math_part linked ${MUSL_ARCHIVE})
+set_target_properties(mebots_math PROPERTIES MEBOTS_PART "${math_part}")

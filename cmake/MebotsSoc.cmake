@@ -185,6 +185,7 @@ function(mebots_soc_fmu name)
     MODEL_SOURCES ${root}/fmu_soc/src/model.cpp ${root}/fmu_soc/src/variable_fields.cpp
     MODEL_LIBRARIES mebots::soc_platform
     MODEL_DEFINITIONS MEBOTS_SOC_BOARD="${board_name}" MEBOTS_SOC_FIRMWARE="${ARG_FIRMWARE}.elf"
+    LINKED_IN /usr/include/xbyak/xbyak.h ${MEBOTS_RISCV_LIBGCC}
     BOARD ${board}
     RESOURCE_FILES ${board} ${PROJECT_BINARY_DIR}/firmware/${ARG_FIRMWARE}.elf ${libraries})
   add_dependencies(${name}_archive ${ARG_FIRMWARE}_firmware)

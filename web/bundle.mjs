@@ -35,11 +35,14 @@ for (const file of [...Object.keys(result.metafile.inputs), ...Object.keys(style
   const found = /^node_modules\/((?:@[^/]+\/)?[^/]+)\//.exec(file);
   if (found) packages.add(found[1]);
 }
+const parts = [];  // for the bill of materials, modeldesc/src/parts.hpp
 const texts = [...packages].sort().map((name) => {
   const folder = join(here, "node_modules", name);
   const { version, license } = JSON.parse(readFileSync(join(folder, "package.json"), "utf8"));
   const file = ["LICENSE", "LICENSE.md", "LICENSE.txt", "LICENCE"].map((each) => join(folder, each)).find(existsSync);
   if (!file) throw new Error(`${name} ships no licence text`);
+  parts.push(`linked|${name}|${version}|${license}|pkg:npm/${name.replace("@", "%40")}@${version}|\n`);
   return `${name} ${version} (${license})\n\n${readFileSync(file, "utf8").trim()}\n`;
 });
+writeFileSync(join(out, "parts.txt"), parts.join(""));
 writeFileSync(join(out, "LICENSES.txt"), texts.join(`\n${"-".repeat(80)}\n\n`));

@@ -4,6 +4,9 @@
 #include "generate.hpp"
 #include "mebots/error.hpp"
 #include "pack_fmu.hpp"
+#include "parts.hpp"
+#include "spdx.hpp"
+#include "write_text_file.hpp"
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
@@ -11,6 +14,8 @@
 #include <cstdio>
 #include <exception>
 #include <string>
+#include <utility>
+#include <vector>
 
 int main(int argc, char** argv) {
   using namespace mebots::modeldesc;
@@ -41,10 +46,28 @@ int main(int argc, char** argv) {
   pack_command->add_option("--resource-file", parts.resource_files, "file that goes to resources/ (may repeat)");
   pack_command->add_option("--icon", parts.icon, "picture that becomes model.png");
   pack_command->add_option("--license", parts.license, "licence text of the FMU");
-  pack_command->add_option("--library-license", parts.library_licenses,
-                           "licence text of a library beside it, named after its folder (may repeat)");
+  pack_command->add_option("--license-id", parts.license_id, "the same as an SPDX expression");
+  pack_command->add_option("--parts", parts.parts,
+                           "list of other people's parts, for their licences and the bill of materials");
   pack_command->add_option("--reference", parts.reference, "folder with reference traces");
   pack_command->callback([&] { pack_fmu(archive, parts); });
+
+  Product product;
+  std::vector<std::string> part_lists;
+  std::string bill;
+  CLI::App* sbom_command = app.add_subcommand("sbom", "Write a bill of materials (SPDX 2.3 JSON)");
+  sbom_command->add_option("file", bill, "the file to write")->required();
+  sbom_command->add_option("--name", product.name, "of the product")->required();
+  sbom_command->add_option("--product-version", product.version, "of the product");
+  sbom_command->add_option("--license-id", product.license, "of the product, as an SPDX expression");
+  sbom_command->add_option("--parts", part_lists, "lists of other people's parts (may repeat)")->required();
+  sbom_command->callback([&] {
+    std::vector<Part> others;
+    for (const auto& list : part_lists) {
+      for (auto& part : read_parts(list)) others.push_back(std::move(part));
+    }
+    write_text_file(bill, spdx_document(product, std::move(others)));
+  });
 
   try {
     app.parse(argc, argv);

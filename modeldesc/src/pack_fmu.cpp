@@ -5,6 +5,9 @@
 #include "mebots/modeldesc/archive.hpp"
 #include "mebots/modeldesc/elf_library.hpp"
 #include "mebots/modeldesc/xml.hpp"
+#include "parts.hpp"
+#include "spdx.hpp"
+#include "write_text_file.hpp"
 
 #include <fmt/format.h>
 
@@ -69,9 +72,15 @@ void pack_fmu(const fs::path& archive, const FmuParts& parts) {
 
   if (!parts.icon.empty()) files.push_back({"model.png", parts.icon});
   if (!parts.license.empty()) files.push_back({"documentation/licenses/license.txt", parts.license});
-  // Two libraries of one package share its licence.
-  for (const fs::path& license : std::set(parts.library_licenses.begin(), parts.library_licenses.end()))
-    files.push_back({fmt::format("documentation/licenses/{}.txt", license.parent_path().filename().string()), license});
+  const auto others = parts.parts.empty() ? std::vector<Part>{} : read_parts(parts.parts);
+  std::set<std::string> licensed;  // two libraries of one package share its licence
+  for (const Part& part : others)
+    if (!part.text.empty() && licensed.insert(part.name).second)
+      files.push_back({fmt::format("documentation/licenses/{}.txt", part.name), part.text});
+  const TemporaryFolder made("mebots-pack");
+  const auto bill = made.path() / "sbom.spdx.json";
+  write_text_file(bill, spdx_document({description.model_name, description.version, parts.license_id}, others));
+  files.push_back({"documentation/sbom.spdx.json", bill});
   if (!parts.reference.empty()) add_folder(parts.reference, "documentation/reference/", files);
   for (const fs::path& folder : parts.resource_folders) add_folder(folder, "resources/", files);
   for (const fs::path& file : parts.resource_files) files.push_back({"resources/" + file.filename().string(), file});

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <vector>
 
 namespace mebots::modeldesc {
@@ -15,7 +16,8 @@ struct FmuParts {
   std::filesystem::path license;                        // becomes documentation/licenses/license.txt; may be empty
   std::filesystem::path reference;                      // folder, becomes documentation/reference; may be empty
   std::vector<std::filesystem::path> libraries;         // beside the binary, under their SONAME
-  std::vector<std::filesystem::path> library_licenses;  // to documentation/licenses, named after their folder
+  std::filesystem::path parts;                          // list of other people's (parts.hpp); may be empty
+  std::string license_id;                               // SPDX expression of `license`; may be empty
   std::vector<std::filesystem::path> resource_folders;  // their contents go to resources/
   std::vector<std::filesystem::path> resource_files;    // go to resources/
 };
