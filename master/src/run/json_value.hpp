@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include <string>
 #include <type_traits>
 #include <variant>
 
@@ -21,6 +22,14 @@ inline nlohmann::ordered_json json_of(const modeldesc::Value& value) {
         }
       },
       value);
+}
+
+/// A new member of an object, or of what is none yet. The key must not be there: an ordered object would look through
+/// all that it has.
+inline nlohmann::ordered_json& add_member(nlohmann::ordered_json& object, const std::string& key) {
+  if (object.is_null()) object = nlohmann::ordered_json::object();
+  auto& members = object.get_ref<nlohmann::ordered_json::object_t&>();
+  return members.emplace_back(key, nullptr).second;
 }
 
 }  // namespace mebots::master

@@ -144,9 +144,9 @@ Json summary_json(const ResolvedSystem& system, const InputHash& hash, const Run
   // What the run started from beyond its FMUs' own start values: what a comparison of two runs asks first.
   Json parameters;
   for (const auto& instance : system.instances) {
-    for (const auto& start : instance.starts) {
-      parameters[instance.description->name][start.variable->name] = json_of(start.value);
-    }
+    if (instance.starts.empty()) continue;
+    auto& of_instance = add_member(parameters, instance.description->name);
+    for (const auto& start : instance.starts) of_instance[start.variable->name] = json_of(start.value);
   }
   Json inputs;
   inputs["sha256"] = hash.all;
@@ -154,15 +154,19 @@ Json summary_json(const ResolvedSystem& system, const InputHash& hash, const Run
   inputs["changes"] = report.overrides;
   if (!report.writes.empty()) inputs["writes"] = report.writes;
   for (const auto& [name, digest] : hash.files) inputs["files"][name] = {{"sha256", digest}};
+  Json versions_of_fmus;
+  Json fmus;
   for (std::size_t i = 0; i < system.instances.size(); ++i) {
     const auto& instance = *system.instances[i].description;
     const auto& model = system.instances[i].fmu->description();
-    versions["instances"][instance.name] = {{"model", model.model_name},
-                                            {"version", model.version},
-                                            {"generation_tool", model.generation_tool},
-                                            {"guid", model.guid}};
-    inputs["fmus"][instance.name] = {{"file", fmu_text(description, instance)}, {"sha256", hash.fmus[i].second}};
+    add_member(versions_of_fmus, instance.name) = {{"model", model.model_name},
+                                                   {"version", model.version},
+                                                   {"generation_tool", model.generation_tool},
+                                                   {"guid", model.guid}};
+    add_member(fmus, instance.name) = {{"file", fmu_text(description, instance)}, {"sha256", hash.fmus[i].second}};
   }
+  versions["instances"] = std::move(versions_of_fmus);
+  inputs["fmus"] = std::move(fmus);
   json["versions"] = std::move(versions);
   if (!parameters.is_null()) json["parameters"] = std::move(parameters);
   json["inputs"] = std::move(inputs);

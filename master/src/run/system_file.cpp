@@ -4,6 +4,7 @@
 #include "base/packed.hpp"
 #include "base/time.hpp"
 #include "mebots/input_error.hpp"
+#include "run/json_value.hpp"
 #include "sink/output_file.hpp"
 #include "system/record_choice.hpp"
 
@@ -27,7 +28,7 @@ Json instances_json(const ResolvedSystem& system) {
   auto instances = Json::object();
   for (const auto& instance : system.instances) {
     const auto& model = instance.fmu->description();
-    auto& json = instances[instance.description->name];
+    auto& json = add_member(instances, instance.description->name);
     json["model"] = model.model_name;
     put_unless_empty(json, "text", model.text);
     json["step"] = to_seconds(instance.description->step_ns);
@@ -37,10 +38,8 @@ Json instances_json(const ResolvedSystem& system) {
 
 /// The variable of this end of a connection; null for an OSMP binary, which is three.
 const modeldesc::Variable* variable_of(const ResolvedSystem& system, const VariableName& name) {
-  for (const auto& instance : system.instances) {
-    if (instance.description->name == name.instance) return instance.fmu->description().find(name.variable);
-  }
-  return nullptr;
+  const auto instance = system.description->index_of(name.instance);
+  return instance ? system.instances[*instance].fmu->description().find(name.variable) : nullptr;
 }
 
 Json connections_json(const ResolvedSystem& system) {
@@ -59,7 +58,7 @@ Json variables_json(const ResolvedSystem& system) {
   auto variables = Json::object();
   for (const auto& recorded : recorded_variables(system)) {
     const auto& variable = *recorded.variable;
-    auto& json = variables[system.text(recorded)];
+    auto& json = add_member(variables, system.text(recorded));
     json["type"] = to_string(variable.type);
     json["causality"] = to_string(variable.causality);
     put_unless_empty(json, "unit", variable.unit);

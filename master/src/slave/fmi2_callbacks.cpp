@@ -8,9 +8,10 @@
 #include <atomic>
 #include <cstdarg>
 #include <cstdlib>
+#include <iterator>
 #include <mutex>
+#include <unordered_set>
 #include <utility>
-#include <vector>
 
 namespace mebots::master {
 namespace {
@@ -33,7 +34,7 @@ class InCallback {
 /// All targets, for callbacks on threads that are in no call.
 struct Registry {
   std::mutex mutex;
-  std::vector<CallbackTarget*> targets;
+  std::unordered_set<CallbackTarget*> targets;
 };
 
 Registry& registry() {
@@ -42,16 +43,17 @@ Registry& registry() {
 }
 
 /// A pointer from an FMU is compared and not followed.
-CallbackTarget* find(const std::vector<CallbackTarget*>& targets, const void* environment,
+CallbackTarget* find(const std::unordered_set<CallbackTarget*>& targets, const void* environment,
                      const std::optional<std::string>& name) {
-  const auto by_address = std::ranges::find(targets, environment);
+  const auto by_address = targets.find(static_cast<CallbackTarget*>(const_cast<void*>(environment)));
   if (by_address != targets.end()) return *by_address;
   if (name) {
     const auto named = [&](const CallbackTarget* target) { return target->instance_name() == *name; };
     const auto by_name = std::ranges::find_if(targets, named);
-    if (by_name != targets.end() && std::find_if(by_name + 1, targets.end(), named) == targets.end()) return *by_name;
+    if (by_name != targets.end() && std::find_if(std::next(by_name), targets.end(), named) == targets.end())
+      return *by_name;
   }
-  return targets.size() == 1 ? targets.front() : nullptr;
+  return targets.size() == 1 ? *targets.begin() : nullptr;
 }
 
 template <typename Work>
@@ -127,13 +129,13 @@ CallbackTarget::CallbackTarget(CallbackListener& listener, std::string instance_
     : listener_(&listener), instance_name_(std::move(instance_name)) {
   auto& all = registry();
   const std::lock_guard lock(all.mutex);
-  all.targets.push_back(this);
+  all.targets.insert(this);
 }
 
 CallbackTarget::~CallbackTarget() {
   auto& all = registry();
   const std::lock_guard lock(all.mutex);
-  std::erase(all.targets, this);
+  all.targets.erase(this);
 }
 
 fmi2CallbackFunctions CallbackTarget::functions(bool asynchronous) {
