@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Any text as a cell and as converters: refused with an Error, or data that a model can compute with.
+#include "cell.hpp"
+#include "converter.hpp"
+
+#include "mebots/error.hpp"
+#include "memory_file.hpp"
+
+#include <cmath>
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace mebots;
+  static fuzz::MemoryFile file;
+  const auto& path = file.with(data, size);
+  try {
+    const auto cell = battery::load_cell(path);
+    fuzz::require(std::isfinite(cell.capacity_c) && cell.capacity_c > 0, "a cell holds a charge");
+  } catch (const Error&) {
+  }
+  try {
+    battery::load_converters(path);
+  } catch (const Error&) {
+  }
+  return 0;
+}

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Any text as a rotor file: refused with an Error, or read.
+#include "rotor_data.hpp"
+
+#include "mebots/error.hpp"
+#include "memory_file.hpp"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  static mebots::fuzz::MemoryFile file;
+  try {
+    mebots::motors::load_rotor(file.with(data, size));
+  } catch (const mebots::Error&) {
+  }
+  return 0;
+}

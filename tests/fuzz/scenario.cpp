@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Any text as a scenario file, alone and over a system: refused with an Error, or overrides of instances that there
+// are.
+#include "config/from_memory.hpp"
+#include "config/scenario_file.hpp"
+#include "mebots/error.hpp"
+#include "memory_file.hpp"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace mebots;
+  static fuzz::MemoryFile file;
+  const auto& path = file.with(data, size);
+  try {
+    master::config::check_scenario(path);
+  } catch (const Error&) {
+  }
+  master::SystemDescription system;
+  system.step_ns = 1'000'000;
+  system.stop_time_ns = 1'000'000'000;
+  for (const auto* name : {"battery", "motors", "world", "soc"}) system.instances.emplace_back().name = name;
+  try {
+    master::apply_scenario(system, path);
+    for (const auto& override : system.scenario)
+      fuzz::require(system.find_instance(override.variable.instance) != nullptr, "an override is of an instance");
+  } catch (const Error&) {
+    fuzz::require(system.scenario.empty(), "all of the file or nothing");
+  }
+  return 0;
+}

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Any text as a scene and as a drone: refused with an Error, or read.
+#include "scene/load.hpp"
+
+#include "mebots/error.hpp"
+#include "memory_file.hpp"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  static mebots::fuzz::MemoryFile file;
+  const auto& path = file.with(data, size);
+  try {
+    mebots::world::scene::load_scene(path);
+  } catch (const mebots::Error&) {
+  }
+  try {
+    mebots::world::scene::load_drone(path);
+  } catch (const mebots::Error&) {
+  }
+  return 0;
+}

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Any files as an unpacked SSP: refused with an InputError, or a system whose parts fit each other. Nothing outside of
+// the folder is read.
+#include "mebots/input_error.hpp"
+
+#include "config/system_file.hpp"
+#include "folder_of_input.hpp"
+#include "system.hpp"
+
+#include <cstdint>
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace mebots;
+  const auto folder = fuzz::fast_folder();
+  fuzz::write_files({reinterpret_cast<const char*>(data), size}, "SystemStructure.ssd", folder.path());
+  try {
+    fuzz::require_sound(master::load_system(folder.path(), {0.001, {}}).system);
+  } catch (const InputError&) {
+  }
+  return 0;
+}
