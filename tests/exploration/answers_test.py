@@ -3,11 +3,14 @@
 """Intervals against published values, and how often decisions are wrong when one looks after every mission."""
 
 import math
+import os
 import random
+import statistics
+import subprocess
 import sys
 import unittest
 
-from mebots.exploration import answers
+from mebots.exploration import answers, chance
 from mebots.exploration.answers import Moments, mean_sequence, share_sequence, student, t_quantile, wilson
 
 STUDIES = 1000
@@ -145,6 +148,29 @@ class Sequences(unittest.TestCase):
                 count += 1
             needed.append(count)
         self.assertLess(sorted(needed)[50], 80)
+
+
+class Draws(unittest.TestCase):
+    HASH = """
+import hashlib
+from mebots.exploration import chance
+draws = [chance.value(spread, chance.unit(1, "x", i)) for i in range(3000)
+         for spread in ({"normal": [0, 1]}, {"log_uniform": [1e-3, 300]}, {"uniform": [-1, 2]})]
+print(hashlib.sha256(repr(draws).encode()).hexdigest())
+"""
+
+    def test_they_are_the_same_bits_on_any_processor(self):
+        def hash_with(**more):
+            return subprocess.run([sys.executable, "-c", self.HASH], env=os.environ | more, capture_output=True, text=True, check=True).stdout
+
+        plain = hash_with(GLIBC_TUNABLES="glibc.cpu.hwcaps=-AVX,-AVX2,-AVX512F,-FMA,-FMA4,-BMI1,-BMI2")
+        self.assertEqual(hash_with(), plain)
+
+    def test_the_normal_distributions_are_those_of_python_but_for_the_last_bit(self):
+        for i in range(1, 2000):
+            for u in (i / 2000, (i / 2000) ** 20, 1e-300 * i):
+                expected = statistics.NormalDist().inv_cdf(u)
+                self.assertLessEqual(abs(chance.normal(u) - expected), 2 * math.ulp(expected), u)
 
 
 if __name__ == "__main__":
