@@ -6,10 +6,18 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <malloc.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
+#include <algorithm>
+#include <chrono>
+#include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <string>
+#include <thread>
 
 namespace mebots::test {
 namespace {
@@ -66,6 +74,59 @@ TEST(Scale, AThousandInstancesOfOneFmuRunAsARing) {
   // The first one's input needs one step per instance to come out at the last.
   EXPECT_EQ(last[kCount - 1], 0);
   EXPECT_EQ(last[kCount], 1);
+}
+
+/// A ring of so many: config and connections.
+std::string ring(int count) {
+  std::string instances;
+  std::string connections;
+  for (int i = 0; i < count; ++i) {
+    instances += fmt::format(R"({}"i{}": {{"fmu": "{}"}})", i == 0 ? "" : ", ", i, PASSTHROUGH_FMU);
+    connections += fmt::format(R"({}{{"from": "i{}.y", "to": "i{}.u"}})", i == 0 ? "" : ", ", i, (i + 1) % count);
+  }
+  return fmt::format(R"({{"step": 1, "stop_time": 2, "record": ["i0.y"], "instances": {{{}}}, "connections": [{}]}})",
+                     instances, connections);
+}
+
+/// Of the programs that were started and have ended [s].
+double childrens_processor_s() {
+  rusage usage{};
+  getrusage(RUSAGE_CHILDREN, &usage);
+  return static_cast<double>(usage.ru_utime.tv_sec) + 1e-6 * static_cast<double>(usage.ru_utime.tv_usec);
+}
+
+TEST(Scale, AWholeRunTakesTimeInProportionToItsInstancesAndConnections) {
+  const modeldesc::TemporaryFolder folder("mebots-test");
+  const auto seconds_of = [&](int count) {
+    write_file(folder.path() / "ring.json", ring(count));
+    const double before = childrens_processor_s();
+    EXPECT_EQ(run_program({"run", "ring.json", "--quiet"}, folder.path()).code, 0);
+    return childrens_processor_s() - before;
+  };
+  constexpr int kFew = 2500;
+  constexpr int kTimes = 8;
+  const double few = std::max({seconds_of(kFew), seconds_of(kFew), seconds_of(kFew)});
+  // Measured: 7 times as much; 43 times where every connection searches all instances.
+  EXPECT_LT(seconds_of(kTimes * kFew), 2.5 * kTimes * few);
+}
+
+TEST(Scale, ReadingALargeConfigIsInterrupted) {
+  const modeldesc::TemporaryFolder folder("mebots-test");
+  write_file(folder.path() / "ring.json", ring(100'000));
+  const auto reader = fork();
+  if (reader == 0) {
+    const auto file = folder.path() / "ring.json";
+    execl(MEBOTS_PROGRAM, MEBOTS_PROGRAM, "run", file.c_str(), "--out", (folder.path() / "out").c_str(), "--quiet",
+          nullptr);
+    _exit(98);
+  }
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  kill(reader, SIGINT);
+  const double before = childrens_processor_s();
+  int status = 0;
+  waitpid(reader, &status, 0);
+  EXPECT_TRUE(WIFSIGNALED(status) || WEXITSTATUS(status) == 1);
+  EXPECT_LT(childrens_processor_s() - before, 2.0) << "all of it would take longer";
 }
 
 TEST(Scale, InstancesThatComeAndGoLeaveNothingBehind) {
