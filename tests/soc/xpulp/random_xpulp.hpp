@@ -55,15 +55,32 @@ class Random {
 /// Makes words of instructions out of the rows of the encoding table, with operands that keep accesses inside the RAM.
 class Generator {
  public:
-  explicit Generator(Random& random) : random_(random) {
+  /// `mostly_dots`: half of the instructions are dot products on registers that little else touches.
+  explicit Generator(Random& random, bool mostly_dots = false) : random_(random), mostly_dots_(mostly_dots) {
     for (const auto& row : encodings()) {
       if (row.extension != Extension::xpulp || is_hardware_loop(row.op) || is_branch(row.op)) continue;
       (is_load(row.op) || is_store(row.op) ? accesses_ : computing_).push_back(&row);
+      if (is_dot_product(row.op)) dots_.push_back(&row);
     }
   }
 
   /// One instruction that goes straight on.
   std::uint32_t plain() {
+    if (mostly_dots_ && random_.below(2) == 0) {
+      const auto& row = *dots_[random_.below(static_cast<std::uint32_t>(dots_.size()))];
+      auto word = (random_.word() & ~row.mask) | row.match;
+      for (const auto place : {7U, 15U, 20U}) word = with(word, place, dot_register());
+      return word;
+    }
+    auto word = any_row();
+    if (!mostly_dots_ || is_store(decode(word).op)) return word;
+    // What dot products work on comes from somewhere, mostly by a load; seldom does anything else read it.
+    if (random_.below(32) != 0) word = off_dots(off_dots(word, 15), 20);
+    const bool feeds = random_.below(is_load(decode(word).op) ? 2 : 16) == 0;
+    return with(word, 7, feeds ? dot_register() : free_register() % 8);
+  }
+
+  std::uint32_t any_row() {
     const bool access = random_.below(4) == 0;
     const auto& rows = access ? accesses_ : computing_;
     const auto& row = *rows[random_.below(static_cast<std::uint32_t>(rows.size()))];
@@ -106,6 +123,12 @@ class Generator {
   }
 
  private:
+  static constexpr std::uint32_t kFirstDot = 24;  // x24 to x31
+  std::uint32_t dot_register() { return kFirstDot + random_.below(32 - kFirstDot); }
+  /// The same word with another register in this place, when that is one of dot products.
+  static std::uint32_t off_dots(std::uint32_t word, unsigned low) {
+    return (word >> low & 31U) >= kFirstDot ? with(word, low, (word >> low & 31U) - 8) : word;
+  }
   static std::uint32_t with(std::uint32_t word, unsigned low, std::uint32_t value) {
     return (word & ~(31U << low)) | value << low;
   }
@@ -120,7 +143,8 @@ class Generator {
   void branch(std::vector<std::uint32_t>& words) {
     const auto skipped = random_.below(3);
     const auto distance = 4 * (skipped + 1);
-    words.push_back(0x63U | (2U + random_.below(2)) << 12 | random_.below(32) << 15 | random_.below(32) << 20 |
+    const auto registers = mostly_dots_ ? kFirstDot : 32U;
+    words.push_back(0x63U | (2U + random_.below(2)) << 12 | random_.below(registers) << 15 | random_.below(32) << 20 |
                     (distance >> 1 & 15U) << 8 | (distance >> 5) << 25);
     for (std::uint32_t i = 0; i < skipped; ++i) words.push_back(plain());
   }
@@ -165,8 +189,10 @@ class Generator {
   }
 
   Random& random_;
+  bool mostly_dots_;
   std::vector<const Encoding*> computing_;
   std::vector<const Encoding*> accesses_;
+  std::vector<const Encoding*> dots_;
 };
 
 /// A hart that leaves at a store into nothing.
