@@ -327,9 +327,9 @@ BusReply Soc::load(std::uint32_t address, std::uint64_t cycle) {
 
 BusReply Soc::load_event(std::uint32_t address, std::uint64_t cycle) {
   const auto now = clock_.time_of(cycle);
-  if (const auto* slot = slot_at(address); slot != nullptr && event_unit_ != nullptr) {
-    if (dynamic_cast<gap8_devices::EventUnitDemux*>(slot->device) != nullptr)
-      return event_unit_->load_event(address - slot->base);
+  if (const auto* slot = slot_at(address); event_unit_ != nullptr && slot != nullptr &&
+                                           dynamic_cast<gap8_devices::EventUnitDemux*>(slot->device) != nullptr) {
+    return event_unit_->load_event(address - slot->base);
   }
   if (!cluster_ || !cluster_->owns(address)) return load(address, cycle);
   if (must_wait(address, now)) return {BusReply::Kind::later};

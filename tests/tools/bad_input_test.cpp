@@ -53,6 +53,20 @@ TEST_F(BadInput, OfTheCommandLineIsRefused) {
   }
 }
 
+TEST_F(BadInput, OfAFlashThatIsNotThereOrThatTheBoardLacksIsRefused) {
+  expect_refused(fmt::format("run {} --board gap8 --flash /nowhere", program_), "--flash /nowhere: this is no file");
+  expect_refused(fmt::format("run {} --board gap8 --flash /dev/zero", program_), "--flash /dev/zero: this is no file");
+  expect_refused(fmt::format("run {} --board ri5cy --flash {}", program_, folder_ / "flash"), "this is no file");
+  write_file(folder_ / "flash", "x");
+  expect_refused(fmt::format("run {} --board ri5cy --flash {}", program_, folder_ / "flash"),
+                 "board ri5cy has no device of kind gap8_udma");
+}
+
+TEST_F(BadInput, OfAProgramForAnotherChipIsRefusedByItsName) {
+  write_file(folder_ / "gap9.elf", read_file(program_) + "/sdk/pmsis_api/include/pmsis/chips/gap9");
+  expect_refused(fmt::format("run {} --board gap8", folder_ / "gap9.elf"), "this program is for GAP9");
+}
+
 TEST_F(BadInput, OfFilesThatCannotBeReadOrWrittenIsRefused) {
   expect_refused("run /nowhere/x.elf", "/nowhere/x.elf: no such file");
   expect_refused("run /", "is not a regular file");

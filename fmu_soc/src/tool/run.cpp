@@ -16,12 +16,14 @@
 
 #include <algorithm>
 #include <chrono>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <vector>
 
 namespace mebots::soc::tool {
@@ -40,10 +42,12 @@ bool has_kind(const BoardDescription& board, std::string_view kind) {
 constexpr std::string_view kFlashKind = "gap8_udma";
 
 std::vector<std::uint8_t> read_flash(const std::string& path) {
+  std::error_code error;
   std::ifstream file(path, std::ios::binary);
-  std::vector<std::uint8_t> bytes{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-  if (!file) throw Error(fmt::format("--flash {}: the file cannot be read", path));
-  return bytes;
+  if (!file || !std::filesystem::is_regular_file(path, error)) {
+    throw Error(fmt::format("--flash {}: this is no file that can be read", path));
+  }
+  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
 }
 
 /// On GAP8's own memory map, a program for another chip would run into the weeds.
