@@ -68,7 +68,7 @@ function(mebots_add_firmware name)
   get_target_property(board_file ${ARG_BOARD}_headers MEBOTS_BOARD_FILE)
   set(options -march=rv32imc_zicsr -mabi=ilp32 -mcmodel=medany -O2 -g -ffreestanding -ffunction-sections
       -fdata-sections -Wall -Wextra -Wpedantic -Wshadow -I${firmware_dir} -I${board_dir}
-      -ffile-prefix-map=${PROJECT_BINARY_DIR}=. -ffile-prefix-map=${PROJECT_SOURCE_DIR}=. -ffile-prefix-map=${root}=.)
+      -ffile-prefix-map=${root}=. -ffile-prefix-map=${PROJECT_SOURCE_DIR}=. -ffile-prefix-map=${PROJECT_BINARY_DIR}=.)  # the last one that fits counts
   if(MEBOTS_WARNINGS_AS_ERRORS)
     list(APPEND options -Werror)
   endif()
@@ -118,7 +118,7 @@ function(mebots_add_firmware name)
       string(REGEX REPLACE "gcc$" "g++" compiler ${MEBOTS_RISCV_GCC})
       set(standard -std=c++20 -fno-exceptions -fno-rtti -fno-threadsafe-statics -fno-use-cxa-atexit -fno-asynchronous-unwind-tables)
     else()
-      set(standard "-Wa,--debug-prefix-map=${PROJECT_BINARY_DIR}=." "-Wa,--debug-prefix-map=${PROJECT_SOURCE_DIR}=." "-Wa,--debug-prefix-map=${root}=.")
+      set(standard "-Wa,--debug-prefix-map=${root}=." "-Wa,--debug-prefix-map=${PROJECT_SOURCE_DIR}=." "-Wa,--debug-prefix-map=${PROJECT_BINARY_DIR}=.")
       set(brought_in ${data})
     endif()
     add_custom_command(
