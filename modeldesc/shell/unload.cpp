@@ -5,7 +5,7 @@
 // GCC's C++ library sets memory aside for exceptions that are thrown when there is none left (72 kB), once per copy of
 // the library, and gives it back on request only. libc++ has no such function.
 namespace __gnu_cxx {            // NOLINT(bugprone-reserved-identifier): theirs
-[[gnu::weak]] void __freeres();  // NOLINT(bugprone-reserved-identifier)
+[[gnu::weak]] void __freeres();  // NOLINT(bugprone-reserved-identifier,readability-identifier-naming)
 }
 
 namespace {
