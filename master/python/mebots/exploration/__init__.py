@@ -24,7 +24,7 @@ A mission never knows that it is part of a study. Each module has one subject:
 ``front``      which designs are dominated, and how sure that is
 ``tables``     missions.csv, designs.csv
 ``columns``    the same as HDF5 and Parquet
-``report``     report.html
+``report``     report.html of a study that compares designs; ``rare_report`` of a rare event's; ``report_page`` is their page
 ``campaign``   all of it in order
 ``command``    the command line
 =============  =========================================================================

@@ -18,7 +18,7 @@ import dataclasses
 import math
 import pathlib
 from collections.abc import Callable, Iterator, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from mebots.exploration import chance, columns, rare_report, tables
 from mebots.exploration.answers import Moments, student
