@@ -180,7 +180,9 @@ TEST(CheckBehaviour, WhatTheFmuLeavesBehindEndsWithTheCheck) {
   Check check;
   run_in_child({}, check, [&](Witness&) {
     const auto child = fork();
-    while (child == 0) pause();
+    if (child == 0) {
+      for (;;) pause();
+    }
     *left = child;
   });
   EXPECT_TRUE(check.findings.empty());

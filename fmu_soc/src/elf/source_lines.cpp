@@ -179,7 +179,8 @@ class LineProgram {
     least_length_ = fields.number(1);
     if (version >= 4) fields.number(1);  // operations of an instruction: more than one for VLIW only
     fields.number(1);                    // whether a row is a statement to begin with
-    line_base_ = static_cast<std::int8_t>(fields.number(1));
+    line_base_ = static_cast<std::int32_t>(fields.number(1));
+    if (line_base_ > 127) line_base_ -= 256;  // a byte with a sign
     line_range_ = fields.number(1);
     opcode_base_ = fields.number(1);
     for (unsigned op = 1; op < opcode_base_; ++op) operands_.push_back(static_cast<std::uint8_t>(fields.number(1)));
