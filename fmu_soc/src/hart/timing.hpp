@@ -52,7 +52,7 @@ struct Previous {
   std::uint8_t pointer = 0;  // the register that a post-increment wrote; 0 = none
 
   void visit(state::Visitor& v) {
-    v("op", op);
+    v(kOpInStates, op);
     v("rd", rd);
     v("slow", slow);
     v("pointer", pointer);

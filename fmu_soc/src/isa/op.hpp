@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <string_view>
 
 namespace mebots::soc {
 
@@ -93,7 +94,27 @@ inline constexpr auto kTraits = std::to_array<OpTraits>({
 #include "isa/instructions.inc"
 });
 
+/// "op 1f0a93c2": the letters are a hash (FNV-1a) of the rows' names in their order.
+consteval auto name_in_states() {
+  std::uint32_t hash = 0x811c9dc5;
+  for (const char letter : std::string_view(
+#define MEBOTS_OP(name, ...) #name " "
+#include "isa/instructions.inc"
+           )) {
+    hash = (hash ^ static_cast<unsigned char>(letter)) * 0x01000193;
+  }
+  std::array<char, 11> text{'o', 'p', ' '};
+  for (std::size_t digit = 0; digit < 8; ++digit) text[3 + digit] = "0123456789abcdef"[hash >> (28 - 4 * digit) & 15];
+  return text;
+}
+
+inline constexpr auto kNameInStates = name_in_states();
+
 }  // namespace op_rows
+
+/// What an operation is called where a state shows it. A state holds an operation by its number; a build with other
+/// rows has another name here, and so another layout of states: it refuses those of this one.
+inline constexpr std::string_view kOpInStates(op_rows::kNameInStates.data(), op_rows::kNameInStates.size());
 
 inline constexpr int kOpCount = static_cast<int>(op_rows::kTraits.size());
 
