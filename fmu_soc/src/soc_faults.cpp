@@ -11,9 +11,6 @@
 namespace mebots::soc {
 namespace {
 
-constexpr unsigned kReturnAddress = 1;
-constexpr unsigned kStackPointer = 2;
-
 std::string_view cause_text(std::uint32_t cause) {
   if ((cause & cause::kInterrupt) != 0) return "interrupt";
   switch (cause) {
@@ -34,26 +31,19 @@ std::string_view cause_text(std::uint32_t cause) {
   }
 }
 
-/// An exception, where it happened, and with what in ra and sp.
-struct Happened {
-  std::uint32_t cause, value, pc, return_address, stack_pointer;
-};
-
 std::string place_text(const Elf& program, std::uint32_t pc) {
   const auto function = program.where(pc);
   return fmt::format("pc 0x{:08x} in {}", pc, function.empty() ? "no function of the program" : function);
 }
 
-std::string text_of(const Happened& what, const Elf& program, const Memory& memory) {
-  std::uint32_t word = 0;
-  std::uint32_t unread = 0;
-  const bool readable = BlockCache::fetch(memory, what.pc, word, unread);
+std::string text_of(const Exception& what, const Elf& program) {
   return fmt::format("{} (mcause {}, mtval 0x{:08x}) at {}: {}", cause_text(what.cause), what.cause, what.value,
-                     place_text(program, what.pc), readable ? disassemble(word, what.pc) : "no instruction there");
+                     place_text(program, what.pc),
+                     what.instruction == 0 ? "no instruction there" : disassemble(what.instruction, what.pc));
 }
 
 /// What the stack says of it: that it is nowhere, and who called whom.
-std::string stack_text(const Happened& what, const Elf& program, const Memory& memory) {
+std::string stack_text(const Exception& what, const Elf& program, const Memory& memory) {
   std::string text;
   if (what.stack_pointer != 0 && memory.find(what.stack_pointer & ~3U, 4) == nullptr) {
     text = fmt::format("; the stack pointer 0x{:08x} is outside the memory", what.stack_pointer);
@@ -65,7 +55,7 @@ std::string stack_text(const Happened& what, const Elf& program, const Memory& m
 }  // namespace
 
 bool Soc::exited_on_exception() const {
-  const bool exception = hart_.in_exception() && hart_.fault().first_cause != cause::kMachineEcall;
+  const bool exception = hart_.in_exception() && hart_.fault().first.cause != cause::kMachineEcall;
   return end_ == End::exited && exit_code() != 0 && exception;
 }
 
@@ -73,22 +63,19 @@ std::string Soc::fault_text() const {
   const int core = cluster_ ? cluster_->faulted_core() : -1;
   const auto& hart = core >= 0 ? cluster_->hart(static_cast<unsigned>(core)) : hart_;
   const auto& fault = hart.fault();
-  const Happened first{fault.first_cause, fault.first_value, fault.first_pc, fault.first_return_address,
-                       fault.first_stack_pointer};
   if (!fault.happened) {
     if (!exited_on_exception()) return {};
     return fmt::format("the program's own handler gave up, with exit code {}, after {}{}", exit_code(),
-                       text_of(first, program_, memory_), stack_text(first, program_, memory_));
+                       text_of(fault.first, program_), stack_text(fault.first, program_, memory_));
   }
-  const Happened last{fault.cause, fault.value, fault.pc, hart.reg(kReturnAddress), hart.reg(kStackPointer)};
   auto text = fmt::format("{}{}: {}", core >= 0 ? fmt::format("cluster core {}: ", core) : "",
                           fault.double_trap ? "no way out of its own trap handler" : "trap without a handler",
-                          text_of(last, program_, memory_));
-  if (fault.double_trap && fault.first_pc != fault.pc) {
-    text += fmt::format("; it began with {} (mtval 0x{:08x}) at {}", cause_text(fault.first_cause), fault.first_value,
-                        place_text(program_, fault.first_pc));
+                          text_of(fault.last, program_));
+  if (fault.double_trap && fault.first.pc != fault.last.pc) {
+    text += fmt::format("; it began with {} (mtval 0x{:08x}) at {}", cause_text(fault.first.cause), fault.first.value,
+                        place_text(program_, fault.first.pc));
   }
-  return text + stack_text(last, program_, memory_);
+  return text + stack_text(fault.last, program_, memory_);
 }
 
 }  // namespace mebots::soc

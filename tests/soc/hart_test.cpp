@@ -88,9 +88,9 @@ TEST(Trap, WithoutAHandlerEndsTheCoreWithItsCause) {
   Machine machine("_start: nop\nat: .word 0xffffffff\n");
   ASSERT_EQ(machine.run(), Stop::fault);
   EXPECT_FALSE(machine.hart().fault().double_trap);
-  EXPECT_EQ(machine.hart().fault().cause, cause::kIllegalInstruction);
-  EXPECT_EQ(machine.hart().fault().pc, *machine.program().symbol("at"));
-  EXPECT_EQ(machine.hart().fault().instruction, 0xffffffffU);
+  EXPECT_EQ(machine.hart().fault().last.cause, cause::kIllegalInstruction);
+  EXPECT_EQ(machine.hart().fault().last.pc, *machine.program().symbol("at"));
+  EXPECT_EQ(machine.hart().fault().last.instruction, 0xffffffffU);
   EXPECT_EQ(machine.run(), Stop::fault) << "stays so";
 }
 
@@ -100,8 +100,8 @@ TEST(Trap, InsideItsOwnHandlerForEverEndsTheCore) {
       "at: sw a0, 0(sp)\nmret\n");
   ASSERT_EQ(machine.run(), Stop::fault) << "a stack that grew into nothing, met by a handler that pushes";
   EXPECT_TRUE(machine.hart().fault().double_trap);
-  EXPECT_EQ(machine.hart().fault().cause, cause::kStoreAccess);
-  EXPECT_EQ(machine.hart().fault().pc, *machine.program().symbol("at"));
+  EXPECT_EQ(machine.hart().fault().last.cause, cause::kStoreAccess);
+  EXPECT_EQ(machine.hart().fault().last.pc, *machine.program().symbol("at"));
 }
 
 TEST(Csr, KeepsItsBitsAndNoOthers) {

@@ -123,7 +123,7 @@ TEST(MemoryPort, WhatIsNotConnectedIsNotThere) {
   const MemoryPort port{0, 0, nullptr};
   machine.hart().connect({&port, 1});
   EXPECT_EQ(machine.run(), Stop::fault);
-  EXPECT_EQ(machine.hart().fault().value, 0x70000000U);
+  EXPECT_EQ(machine.hart().fault().last.value, 0x70000000U);
 }
 
 TEST(CodeGeneration, StoreOfOneCoreIsSeenByAnotherThatDecodedTheSameCode) {

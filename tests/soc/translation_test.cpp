@@ -219,7 +219,7 @@ _start: li s0, 0x800f0000
 )"));
   pair.run(1'000'000'000);
   EXPECT_TRUE(pair.translated.hart().fault().happened);
-  EXPECT_EQ(pair.translated.hart().fault().value, 0x80100000U);
+  EXPECT_EQ(pair.translated.hart().fault().last.value, 0x80100000U);
 }
 
 TEST(Translation, OfABusyBoardKeepsEveryBitOfTheState) {

@@ -247,7 +247,7 @@ TEST(Xpulp, OnACoreWithoutItIsAnIllegalInstruction) {
                                   "alu 0x02, 6, a0, a1, a2", "csrr a0, 0x7b0", "csrr a0, 0x780"}) {
     Machine machine(program(instruction), CoreKind::cv32e40p);
     EXPECT_EQ(machine.run(), Stop::fault) << instruction;
-    EXPECT_EQ(machine.hart().fault().cause, 2U) << instruction;
+    EXPECT_EQ(machine.hart().fault().last.cause, 2U) << instruction;
     EXPECT_EQ(machine.hart().counters().instructions, 0U) << instruction;
   }
 }

@@ -296,7 +296,7 @@ void GdbServer::finish(int exit_code) {
   if (std::exchange(ended_, true) || !connection_.connected()) return;
   if (soc_.end() == End::faulted) {
     const auto number = soc_.cluster() == nullptr ? 0U : static_cast<unsigned>(soc_.cluster()->faulted_core() + 1);
-    stop(number, fault_signal(std::as_const(soc_).hart(number).fault().cause));
+    stop(number, fault_signal(std::as_const(soc_).hart(number).fault().last.cause));
     announce_(soc_.fault_text());
     serve();
   }

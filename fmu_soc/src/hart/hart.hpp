@@ -35,32 +35,37 @@ enum class Stop : std::uint8_t {
   observer,  // the observer wants the run to end before the next instruction
 };
 
-/// The end of a core: a trap without handler, or one that the handler itself cannot get past.
-struct Fault {
-  bool happened = false;
-  bool double_trap = false;
+/// An exception, and what the core was at.
+struct Exception {
   std::uint32_t cause = 0;
   std::uint32_t pc = 0;
   std::uint32_t value = 0;        // mtval
   std::uint32_t instruction = 0;  // the word at pc, 0 when it cannot be fetched
-  std::uint32_t first_cause = 0;  // the exception that it began with: the first one since a return from a handler
-  std::uint32_t first_pc = 0;
-  std::uint32_t first_value = 0;
-  std::uint32_t first_return_address = 0;  // what ra and sp were there
-  std::uint32_t first_stack_pointer = 0;
+  std::uint32_t return_address = 0;
+  std::uint32_t stack_pointer = 0;
 
   void visit(state::Visitor& v) {
-    v("happened", happened);
-    v("double_trap", double_trap);
     v("cause", cause);
     v("pc", pc);
     v("value", value);
     v("instruction", instruction);
-    v("first_cause", first_cause);
-    v("first_pc", first_pc);
-    v("first_value", first_value);
-    v("first_return_address", first_return_address);
-    v("first_stack_pointer", first_stack_pointer);
+    v("return_address", return_address);
+    v("stack_pointer", stack_pointer);
+  }
+};
+
+/// The end of a core: a trap without handler, or one that the handler itself cannot get past.
+struct Fault {
+  bool happened = false;
+  bool double_trap = false;
+  Exception last;
+  Exception first;  // that it began with: the first one since a return from a handler
+
+  void visit(state::Visitor& v) {
+    v("happened", happened);
+    v("double_trap", double_trap);
+    v("last", last);
+    v("first", first);
   }
 };
 
@@ -196,7 +201,7 @@ class Hart {
   /// (mstatus), since the load would only fall asleep again.
   bool wakes() const { return waits_for_event_ ? interrupt_ready_ : (csrs_.mip & csrs_.mie) != 0; }
   const Fault& fault() const { return fault_; }
-  /// Whether no handler has returned since the last exception: fault() has the first one since.
+  /// Whether no handler has returned since the last exception: fault().first is the first one since.
   bool in_exception() const { return exception_repeats_ != 0; }
   const Counters& counters() const { return execution_.counters; }
   /// Of the loads and stores: those that did not go to the first region of the memory, nor to a device.
@@ -360,6 +365,7 @@ class Hart {
   bool finish_translated(const translate::Exit& exit);
   std::uint32_t following_block(std::uint32_t* link);
   void take_trap(std::uint32_t cause, std::uint32_t value);
+  Exception exception_here(std::uint32_t cause, std::uint32_t value) const;
   void fail(std::uint32_t cause, std::uint32_t value, bool double_trap);
   void enter_handler(std::uint32_t cause, std::uint32_t value);
   void take_interrupt();

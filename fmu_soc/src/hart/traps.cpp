@@ -52,14 +52,21 @@ const Instruction* Hart::trap_return(const Instruction* at) {
   return nullptr;
 }
 
-void Hart::fail(std::uint32_t cause, std::uint32_t value, bool double_trap) {
+Exception Hart::exception_here(std::uint32_t cause, std::uint32_t value) const {
+  Exception here{.cause = cause,
+                 .pc = execution_.pc,
+                 .value = value,
+                 .return_address = reg(kReturnAddress),
+                 .stack_pointer = reg(kStackPointer)};
   std::uint32_t address = 0;
+  if (!BlockCache::fetch(memory_, here.pc, here.instruction, address)) here.instruction = 0;
+  return here;
+}
+
+void Hart::fail(std::uint32_t cause, std::uint32_t value, bool double_trap) {
+  fault_.last = exception_here(cause, value);
   fault_.happened = true;
   fault_.double_trap = double_trap;
-  fault_.cause = cause;
-  fault_.pc = execution_.pc;
-  fault_.value = value;
-  if (!BlockCache::fetch(memory_, execution_.pc, fault_.instruction, address)) fault_.instruction = 0;
 }
 
 void Hart::take_trap(std::uint32_t cause, std::uint32_t value) {
@@ -68,13 +75,7 @@ void Hart::take_trap(std::uint32_t cause, std::uint32_t value) {
   const bool is_call = cause == cause::kMachineEcall || cause == cause::kBreakpoint;
   const bool again = exception_repeats_ != 0 && exception_pc_ == pc && exception_cause_ == cause &&
                      (!is_call || exception_instructions_ == execution_.counters.instructions);
-  if (exception_repeats_ == 0) {
-    fault_.first_cause = cause;
-    fault_.first_pc = pc;
-    fault_.first_value = value;
-    fault_.first_return_address = reg(kReturnAddress);
-    fault_.first_stack_pointer = reg(kStackPointer);
-  }
+  if (exception_repeats_ == 0) fault_.first = exception_here(cause, value);
   exception_instructions_ = execution_.counters.instructions;
   exception_repeats_ = again ? exception_repeats_ + 1 : 1;
   exception_pc_ = pc;

@@ -136,7 +136,7 @@ TEST(XpulpTranslation, FaultsInAPostIncrementAsInterpreted) {
       hart.set_reg(10, kEnd - 4000);
       const auto stop = hart.run(1'000'000);
       if (stop == Stop::fault) {
-        EXPECT_EQ(hart.fault().value, hart.reg(10));
+        EXPECT_EQ(hart.fault().last.value, hart.reg(10));
       } else {
         EXPECT_EQ(stop, Stop::device) << "a word is stored there";
       }
