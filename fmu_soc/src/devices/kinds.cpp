@@ -131,40 +131,44 @@ void check_registers(const BoardDevice& entry, Registers expected) {
 }  // namespace
 
 Kinds::Kinds(const BoardDescription& board, std::span<const std::filesystem::path> folders) {
-  std::vector<std::string_view> taken;
-  for (const auto& row : kRows) taken.push_back(row.name);
   for (const auto& name : board.libraries) {
+    auto taken = names();
     const auto& library = libraries_.emplace_back(find_kind_library(board, name, folders));
     for (const auto& kind : library.kinds()) {
       if (std::ranges::find(taken, kind.name) != taken.end()) {
         throw Error(ErrorCode::duplicate_name, fmt::format("{}: there is a kind '{}' already; give it another name",
                                                            library.path().string(), kind.name));
       }
-      taken.push_back(kind.name);
+      taken.emplace_back(kind.name);
     }
   }
 }
 
+std::vector<std::string> Kinds::names() const {
+  std::vector<std::string> names;
+  for (const auto& row : kRows) names.emplace_back(row.name);
+  for (const auto& library : libraries_) {
+    for (const auto& kind : library.kinds()) names.emplace_back(kind.name);
+  }
+  return names;
+}
+
 std::unique_ptr<Device> Kinds::make(const BoardDevice& entry, ChipHost& host) const {
-  std::vector<std::string> known;
   for (const auto& row : kRows) {
-    if (row.name == entry.kind) {
-      check_registers(entry, row.registers);
-      return row.make(entry, host);
-    }
-    known.emplace_back(row.name);
+    if (row.name != entry.kind) continue;
+    check_registers(entry, row.registers);
+    return row.make(entry, host);
   }
   for (const auto& library : libraries_) {
     for (const auto& kind : library.kinds()) {
       if (kind.name == entry.kind) return kind.make(entry, host);
-      known.emplace_back(kind.name);
     }
   }
   throw Error(
       ErrorCode::unknown_name,
       fmt::format("board: device {}: the kind '{}' is unknown. {} A kind of your own comes from a shared library "
                   "that the board names under 'libraries' (mebots-boardgen --skeleton begins its source)",
-                  entry.name, entry.kind, suggest(entry.kind, known)));
+                  entry.name, entry.kind, suggest(entry.kind, names())));
 }
 
 }  // namespace mebots::soc

@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <memory>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -55,6 +56,8 @@ class Kinds {
   std::unique_ptr<Device> make(const BoardDevice& entry, ChipHost& host) const;
 
  private:
+  std::vector<std::string> names() const;
+
   std::vector<KindLibrary> libraries_;
 };
 

@@ -41,21 +41,26 @@ bool has_kind(const BoardDescription& board, std::string_view kind) {
 /// Which has a flash.
 constexpr std::string_view kFlashKind = "gap8_udma";
 
-std::vector<std::uint8_t> read_flash(const std::string& path) {
+/// Nothing where this is not a regular file that can be read.
+std::optional<std::string> bytes_of(const std::string& path) {
   std::error_code error;
   std::ifstream file(path, std::ios::binary);
-  if (!file || !std::filesystem::is_regular_file(path, error)) {
-    throw Error(fmt::format("--flash {}: this is no file that can be read", path));
-  }
-  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  if (!file || !std::filesystem::is_regular_file(path, error)) return std::nullopt;
+  return std::string(std::istreambuf_iterator<char>(file), {});
+}
+
+std::vector<std::uint8_t> read_flash(const std::string& path) {
+  const auto bytes = bytes_of(path);
+  if (!bytes) throw Error(fmt::format("--flash {}: this is no file that can be read", path));
+  return {bytes->begin(), bytes->end()};
 }
 
 /// On GAP8's own memory map, a program for another chip would run into the weeds.
 void require_own_chip(const std::string& path, const BoardDescription& board) {
   if (!has_kind(board, "gap8_event_unit")) return;
-  std::ifstream file(path, std::ios::binary);
-  const std::string bytes{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-  if (const auto chip = other_chip_of(bytes); !chip.empty()) {
+  const auto bytes = bytes_of(path);
+  if (!bytes) return;  // told where the program is loaded
+  if (const auto chip = other_chip_of(*bytes); !chip.empty()) {
     throw Error(fmt::format("{}: this program is for {}; board {} is a GAP8: take the program that was built for it",
                             path, chip, board.name));
   }
