@@ -16,7 +16,7 @@ A test says for which machines it is, in lines like
 
 import re
 
-from tools import COMPILER, ROOT, Verdict, build, checkout, run, spike
+from tools import BARE, ROOT, WAYS, Verdict, build, checkout, run, spike
 
 ADDRESS = "https://github.com/riscv-non-isa/riscv-arch-test"
 ISA = "RV32IMCZicsr_Zifencei"
@@ -64,14 +64,13 @@ def judge(folder, soc, work, each):
         name, source = test
         stem = work / f"{name}-{source.stem}"
         program = stem.with_suffix(".elf")
-        wrong = build([COMPILER, f"-march={letters(source)}", "-mabi=ilp32", "-static", "-mcmodel=medany", "-fvisibility=hidden",
-                       "-nostdlib", "-nostartfiles", "-DXLEN=32", *(f"-D{macro}" for macro in cases(source)), f"-I{HERE}",
+        wrong = build([*BARE, f"-march={letters(source)}", "-mabi=ilp32", "-DXLEN=32", *(f"-D{macro}" for macro in cases(source)), f"-I{HERE}",
                        f"-I{suite}/env", f"-T{HERE}/link.ld", source, "-o", program])
         if wrong is None:
             wanted = stem.with_suffix(".spike")
             code, text = run([reference, f"--isa={SPIKE_ISA}", "--priv=m", f"+signature={wanted}", "+signature-granularity=4", program])
             wrong = None if code == 0 else f"Spike ends with {code}: {text.strip()[-80:]}"
-        for way in ([], ["--interpret"]) if wrong is None else ():
+        for way in WAYS if wrong is None else ():
             ours = stem.with_suffix(".ours")
             code, text = run([soc, "run", *way, "--max-instructions", LIMIT, "--signature", ours, program])
             if wrong is None:

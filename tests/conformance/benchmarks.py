@@ -4,7 +4,7 @@
 import re
 
 import embench
-from tools import COMPILER, Verdict, build, checkout, run, spike
+from tools import COMPILER, WAYS, Verdict, build, checkout, run, spike
 
 EMBENCH = "https://github.com/embench/embench-iot"
 COREMARK = "https://github.com/eembc/coremark"
@@ -33,7 +33,7 @@ def judge(folder, soc, work, each):
         program = work / f"{name}{level}.elf"
         wrong = build(embench.compile_command(sources, [*options, level], place=[], path=program))
         counts = set()
-        for way in ([], ["--interpret"]) if wrong is None else ():
+        for way in WAYS if wrong is None else ():
             code, text = run([soc, "run", *way, program])
             if code != 0:
                 wrong = wrong or f"ends with {code}: {text.strip()[-80:]}"

@@ -11,6 +11,8 @@ sys.path.insert(0, str(ROOT / "bench/soc"))
 from run import GCC, spike_path  # noqa: E402
 
 COMPILER = GCC[0]
+BARE = [COMPILER, "-static", "-mcmodel=medany", "-fvisibility=hidden", "-nostdlib", "-nostartfiles"]
+WAYS = ((), ("--interpret",))  # each program runs in both
 SECONDS = 120  # for one program in one simulator, on the clock
 
 
