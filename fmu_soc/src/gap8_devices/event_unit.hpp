@@ -11,8 +11,8 @@
 namespace mebots::soc::gap8_devices {
 
 /// GAP8's event unit as the fabric controller has it: a buffer of 32 events, a mask of those that end a wait and one of
-/// those that interrupt, and a queue of SoC events, whose first one keeps event 27 up until it is read. Of the events
-/// that interrupt the highest is presented; taking it clears it. Sources: archi/eu/eu_v3.h; behaviour of
+/// those that interrupt. The first of a queue of SoC events keeps event 27 up until it is read. Of the events that
+/// interrupt the highest is presented; taking it clears it. Sources: archi/eu/eu_v3.h; behaviour of
 /// event_unit_flex (pulp-platform), README and RTL.
 class EventUnit {
  public:
