@@ -30,13 +30,17 @@ foreach(export mebotsPrograms mebotsLibraries)
   install(EXPORT ${export} NAMESPACE mebots:: DESTINATION ${package_dir})
 endforeach()
 
-# The headers of who runs systems, of who writes FMUs, and what these include.
+# The headers of who runs systems, of who writes FMUs, and what these include. Each header is installed once: a second copy
+# would be another file to the compiler, and what it declares would be declared twice.
 install(DIRECTORY master/include/mebots DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
-install(FILES modeldesc/include/mebots/assert.hpp modeldesc/include/mebots/error.hpp modeldesc/include/mebots/error_code.hpp
-  DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/mebots)
-install(FILES modeldesc/include/mebots/fmi2/variable_kinds.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/mebots/fmi2)
-install(DIRECTORY modeldesc/include/mebots/data modeldesc/include/mebots/fmu modeldesc/include/mebots/state
-  DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/mebots)
+file(GLOB_RECURSE modeldesc_headers RELATIVE ${PROJECT_SOURCE_DIR}/modeldesc/include CONFIGURE_DEPENDS modeldesc/include/*.hpp)
+set(private_headers ${modeldesc_headers})
+list(FILTER modeldesc_headers INCLUDE REGEX "^mebots/((assert|error|error_code|fmi2/variable_kinds)\\.hpp$|(data|fmu|state)/)")
+list(REMOVE_ITEM private_headers ${modeldesc_headers})
+foreach(header IN LISTS modeldesc_headers)
+  cmake_path(GET header PARENT_PATH folder)
+  install(FILES modeldesc/include/${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/${folder})
+endforeach()
 
 install(FILES LICENSE DESTINATION ${share})
 get_target_property(math_part mebots_math MEBOTS_PART)
@@ -117,7 +121,11 @@ if(MEBOTS_CHIP)
   # For mebots_soc_fmu(): its model is compiled with the variables of each board. No public headers.
   install(FILES fmu_soc/description.json fmu_soc/model.png DESTINATION ${share}/fmu_soc)
   install(FILES fmu_soc/src/model.cpp fmu_soc/src/variable_fields.cpp fmu_soc/src/fmu.cpp DESTINATION ${share}/fmu_soc/src)
-  install(DIRECTORY fmu_soc/src/ modeldesc/include/ DESTINATION ${share}/fmu_soc/src FILES_MATCHING PATTERN "*.hpp" PATTERN "*.inc")
+  install(DIRECTORY fmu_soc/src/ DESTINATION ${share}/fmu_soc/src FILES_MATCHING PATTERN "*.hpp" PATTERN "*.inc")
+  foreach(header IN LISTS private_headers)
+    cmake_path(GET header PARENT_PATH folder)
+    install(FILES modeldesc/include/${header} DESTINATION ${share}/fmu_soc/src/${folder})
+  endforeach()
   install(FILES ${PROJECT_BINARY_DIR}/generated/fmu_soc_board/board.hpp DESTINATION ${share}/fmu_soc/src/fmu_soc_board)
 endif()
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# Every installed header compiles alone and opens none of a third party; what <mebots/run.hpp> brings is short.
+# Every installed header compiles alone, opens none of a third party and is there once; what <mebots/run.hpp> brings is short.
 set -euo pipefail
 include=$MEBOTS/include
 count=0
@@ -13,6 +13,10 @@ while IFS= read -r header; do
   count=$((count + 1))
 done < <(find "$include" -name '*.hpp')
 [[ $count -gt 0 ]]
+
+# A second copy would be another file to the compiler, and all that it declares would be declared twice.
+twice=$( (cd "$include" && find . -name '*.hpp'; cd "$MEBOTS/share/mebots/fmu_soc/src" && find . -name '*.hpp') | sort | uniq -d)
+[[ -z $twice ]] || { echo "FAILED: these are installed twice:"; echo "$twice"; exit 1; }
 
 runners=$(find "$include/mebots" -maxdepth 1 -name '*.hpp' | wc -l)
 ((runners <= 10)) || { echo "FAILED: $runners headers for who runs systems"; exit 1; }
