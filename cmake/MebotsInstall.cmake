@@ -5,6 +5,7 @@
 #   include/mebots/                       public headers: who runs systems, fmu/ who writes FMUs, soc/ who writes devices
 #   lib/                                  libraries, and the package for find_package(mebots)
 #   lib/python3.x/site-packages/mebots/   the Python package
+#   share/man, bash-completion, fish, zsh manual pages and completion
 #   share/mebots/                         LICENSE, bill of materials (sbom.spdx.json), fmus, the page of a run with its licences (web), configs with boards and scenarios, scenes, templates, scripts;
 #                                         fmu_soc: what a chip FMU with another board or firmware is built of
 include(CMakePackageConfigHelpers)
@@ -135,6 +136,8 @@ write_basic_package_version_file(${PROJECT_BINARY_DIR}/mebotsConfigVersion.cmake
 install(FILES ${PROJECT_BINARY_DIR}/mebotsConfig.cmake ${PROJECT_BINARY_DIR}/mebotsConfigVersion.cmake
   cmake/MebotsFmu.cmake cmake/MebotsParts.cmake cmake/MebotsSoc.cmake cmake/MebotsTarget.cmake cmake/fmi2.map
   DESTINATION ${package_dir})
+
+include(MebotsManual)
 
 # Programs of the build find the same beside bin/.
 foreach(data configs master/new_folder/templates)

@@ -29,6 +29,7 @@ packages=(
   python3 python3-venv                                            # interoperability tests, plots
   python3-dev pybind11-dev                                        # the Python package; foreign FMUs written in Python
   chromium                                                        # tests of the page
+  zsh fish mandoc                                                 # tests of completion and manual pages
 )
 command -v node >/dev/null || packages+=(nodejs)                  # the page of a run; a newer one may be there
 command -v npm >/dev/null || packages+=(npm)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "command.hpp"
 
+#include "command_line/told_by_itself.hpp"
 #include "mebots/nearest_names.hpp"
 #include "mebots/version.hpp"
 
@@ -83,6 +84,8 @@ int main(int argument_count, char** arguments) {
   app.footer("`mebots COMMAND --help` tells a command's options, exit codes and examples.");
   Action action;
   for (const auto add : kCommands) add(app, action);
+  const std::string version(mebots::version());
+  if (const auto code = mebots::command_line::tell_of_it(app, version, argument_count, arguments)) return *code;
   try {
     app.parse(argument_count, arguments);
   } catch (const CLI::ParseError& error) {

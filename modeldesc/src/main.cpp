@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // mebots-modeldesc: from an FMU's description to its generated files, and from those to the archive.
+#include "command_line/told_by_itself.hpp"
 #include "description.hpp"
 #include "generate.hpp"
 #include "mebots/error.hpp"
@@ -69,6 +70,8 @@ int main(int argc, char** argv) {
     write_text_file(bill, spdx_document(product, std::move(others)));
   });
 
+  app.name("mebots-modeldesc");
+  if (const auto code = mebots::command_line::tell_of_it(app, MEBOTS_VERSION, argc, argv)) return *code;
   try {
     app.parse(argc, argv);
     return 0;

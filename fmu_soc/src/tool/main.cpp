@@ -2,6 +2,7 @@
 //
 // mebots-soc run PROGRAM.elf [options]: runs a bare-metal program outside any FMU. Exit code: tohost >> 1 or what the
 // firmware passed to EXIT (low 8 bits), 101 after a fault or at a limit, 102 for bad input.
+#include "command_line/told_by_itself.hpp"
 #include "tool/options.hpp"
 #include "tool/run.hpp"
 
@@ -37,6 +38,8 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(0, 65535));
   command->add_option("--max-instructions", options.max_instructions, "Stop after exactly this many")
       ->check(CLI::NonNegativeNumber);
+  app.name("mebots-soc");
+  if (const auto code = mebots::command_line::tell_of_it(app, MEBOTS_VERSION, argc, argv)) return *code;
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -1,0 +1,45 @@
+# SPDX-License-Identifier: Apache-2.0
+# Manual pages are free of errors, and the shells that are here complete commands, options and values.
+set -euo pipefail
+share=$MEBOTS/share
+pages=$(find "$share/man/man1" -name '*.1' | wc -l)
+((pages >= 15)) || { echo "FAILED: $pages manual pages"; exit 1; }
+if command -v mandoc >/dev/null; then
+  mandoc -T lint -W error "$share"/man/man1/*.1
+  mandoc -T ascii "$share/man/man1/mebots-run.1" | grep -q 'mebots run configs/gate_easy.json --out' \
+    || { echo "FAILED: the page of mebots-run lacks its examples"; exit 1; }
+fi
+# Every command that the help lists has a page.
+for command in $(mebots --help | sed -n '/^Subcommands/,/^$/s/^  \([a-z-]*\) .*/\1/p'); do
+  [[ -s $share/man/man1/mebots-$command.1 ]] || { echo "FAILED: mebots-$command has no page"; exit 1; }
+done
+
+touch a_config.json
+completed() {  # completed WORD...: what bash offers in place of the last of these words
+  bash -c '
+    source "$0"
+    COMP_WORDS=("$@") COMP_CWORD=$(($# - 1)) COMPREPLY=()
+    _mebots 2>/dev/null
+    printf "%s\n" "${COMPREPLY[@]}"' "$share/bash-completion/completions/mebots" "$@"
+}
+expect() {  # expect TEXT WORD...
+  local text=$1
+  shift
+  completed "$@" | grep -qxF -e "$text" || { echo "FAILED: '$*' does not offer $text in bash, but: $(completed "$@" | tr '\n' ' ')"; exit 1; }
+}
+expect run mebots r
+expect --stop-time mebots run --st
+expect a_config.json mebots run a_
+expect a_config.json mebots run --scenario a_
+if completed mebots run --print | grep -q print-completion; then echo "FAILED: hidden options are offered"; exit 1; fi
+
+if command -v fish >/dev/null; then
+  offered=$(HOME=$PWD fish --no-config -c "source '$share/fish/vendor_completions.d/mebots.fish'; complete -C 'mebots run --st'")
+  grep -q '^--stop-time' <<<"$offered" || { echo "FAILED: fish offers: $offered"; exit 1; }
+fi
+if command -v zsh >/dev/null; then
+  # zsh completes in an interactive line only: what it would call is loaded, and its own parser of option lists accepts it.
+  zsh -f -c "autoload -Uz compinit && compinit -u -d '$PWD/zcompdump' && source '$share/zsh/site-functions/_mebots' && [[ \$_comps[mebots] == _mebots ]]" \
+    || { echo "FAILED: zsh does not take the completion"; exit 1; }
+fi
+echo "ok: $pages manual pages; completion in bash$(command -v fish >/dev/null && echo ', fish')$(command -v zsh >/dev/null && echo ', zsh')"
