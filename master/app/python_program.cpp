@@ -33,7 +33,9 @@ constexpr const char* kStart =
     "    sys.exit(2)\n"
     "sys.exit(main())\n";
 
-/// The folder that holds the package: of a build beside `bin`, of an installation in `lib/python3.x/site-packages`.
+/// The folder that holds the package: of a build `python` beside `bin`; of an installation
+/// `lib/python3.x/site-packages`, or `lib/python3/dist-packages` where Debian's Python looks; a wheel's package holds
+/// `bin`.
 Path package_folder(const std::string& command) {
   std::vector<Path> places;
   for (const auto& program : master::program_places("mebots")) {
@@ -42,10 +44,12 @@ Path package_folder(const std::string& command) {
     std::error_code none;
     std::vector<Path> versions;
     for (const auto& entry : std::filesystem::directory_iterator(root / "lib", none)) {
-      if (entry.path().filename().string().starts_with("python3")) versions.push_back(entry.path() / "site-packages");
+      if (!entry.path().filename().string().starts_with("python3")) continue;
+      for (const auto* packages : {"site-packages", "dist-packages"}) versions.push_back(entry.path() / packages);
     }
     std::ranges::sort(versions, std::greater<>());
     places.insert(places.end(), versions.begin(), versions.end());
+    places.push_back(root.parent_path());
   }
   const auto found = std::ranges::find_if(
       places, [](const Path& place) { return std::filesystem::exists(place / "mebots" / "exploration"); });

@@ -43,9 +43,9 @@ const Home& home() {
 
 // From the folder of the program, or of the extension, to those of data and programs.
 constexpr std::string_view kDataOfProgram[] = {"..", "../share/mebots"};
-constexpr std::string_view kDataOfExtension[] = {".", "../..", "../../../../share/mebots"};
+constexpr std::string_view kDataOfExtension[] = {"share/mebots", "../..", "../../../../share/mebots"};
 constexpr std::string_view kProgramsOfProgram[] = {"."};
-constexpr std::string_view kProgramsOfExtension[] = {".", "../../bin", "../../../../bin"};
+constexpr std::string_view kProgramsOfExtension[] = {"bin", "../../bin", "../../../../bin"};
 
 void append(const std::filesystem::path& folder, std::span<const std::string_view> ways, std::string_view name,
             std::vector<std::filesystem::path>& places) {

@@ -15,7 +15,7 @@
 /// | program of an installation  | `bin/`                                  | `share/mebots/`                |
 /// | Python package of a build   | `python/mebots/`                        | `./`                           |
 /// | that of an installation     | `lib/python3.x/site-packages/mebots/`   | `share/mebots/`                |
-/// | wheel                       | `mebots/`                               | `mebots/`                      |
+/// | wheel                       | `mebots/`, its programs `mebots/bin/`   | `mebots/share/mebots/`         |
 /// | somebody's own program      | anywhere                                | those of the `mebots` in PATH  |
 namespace mebots::master {
 

@@ -1,0 +1,19 @@
+# SPDX-License-Identifier: Apache-2.0
+# A Debian package of what is installed: `cpack` in the build folder; scripts/package.sh makes it and flies it in a clean root.
+# The programs' libraries are found by dpkg-shlibdeps. Who builds firmware or FMUs against it needs the compilers besides.
+set(MEBOTS_MAINTAINER "MEbots <maintainers@localhost>" CACHE STRING "Whom the Debian package names; who publishes it sets it")
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_NAME mebots)
+set(CPACK_PACKAGE_VENDOR MEbots)
+set(CPACK_PACKAGE_CONTACT "${MEBOTS_MAINTAINER}")
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "python3, python3-numpy")
+set(CPACK_DEBIAN_PACKAGE_SUGGESTS "g++, cmake, ninja-build, gcc-riscv64-unknown-elf, picolibc-riscv64-unknown-elf")
+set(CPACK_DEBIAN_PACKAGE_DESCRIPTION "${PROJECT_DESCRIPTION}
+ Runs systems of FMI 2.0 co-simulation FMUs from a config, with four of its own: a RISC-V chip that runs the real firmware, a battery,
+ motors, and a world with a drone, gates and a camera.")
+include(CPack)

@@ -1,0 +1,32 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The programs of a wheel, which lie in the package's own folder: `mebots` and its companions as commands of the environment."""
+
+import os
+import pathlib
+import sys
+
+
+def _become(name: str) -> None:
+    program = pathlib.Path(__file__).with_name("bin") / name
+    # For what is written in Python: this environment's interpreter, though the environment may not be activated.
+    os.environ.setdefault("MEBOTS_PYTHON", sys.executable)
+    try:
+        os.execv(program, [name, *sys.argv[1:]])
+    except OSError as error:
+        sys.exit(f"{name}: error: {program} cannot be started: {error.strerror}. Install MEbots anew: pip install --force-reinstall mebots")
+
+
+def mebots() -> None:
+    _become("mebots")
+
+
+def mebots_boardgen() -> None:
+    _become("mebots-boardgen")
+
+
+def mebots_modeldesc() -> None:
+    _become("mebots-modeldesc")
+
+
+def mebots_soc() -> None:
+    _become("mebots-soc")

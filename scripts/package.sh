@@ -1,0 +1,13 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# Makes the Debian package in build/deb and tries it in a clean Debian 12 (scripts/try_package.sh).
+# Needs scripts/setup.sh once before, root and debootstrap.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+cmake -S . -B build/deb -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_INSTALL_PREFIX=/usr -DMEBOTS_TESTS=OFF \
+  -DMEBOTS_SITE_PACKAGES=lib/python3/dist-packages -DCMAKE_UNITY_BUILD=ON -DCMAKE_UNITY_BUILD_BATCH_SIZE=12
+cmake --build build/deb
+rm -f build/deb/*.deb
+(cd build/deb && cpack)
+scripts/try_package.sh build/deb/mebots_*.deb
