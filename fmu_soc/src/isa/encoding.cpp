@@ -61,8 +61,8 @@ constexpr Forms forms_of(Op op, Extension extension, std::initializer_list<Form>
 }
 
 constexpr auto kForms = std::to_array<Forms>({
-#define MEBOTS_OP(name, traits, meaning, ...) forms_of(Op::name, Extension::standard, {__VA_ARGS__}),
-#define MEBOTS_XPULP(name, traits, meaning, ...) forms_of(Op::name, Extension::xpulp, {__VA_ARGS__}),
+#define MEBOTS_OP(name, traits, meaning, translation, ...) forms_of(Op::name, Extension::standard, {__VA_ARGS__}),
+#define MEBOTS_XPULP(name, traits, meaning, translation, ...) forms_of(Op::name, Extension::xpulp, {__VA_ARGS__}),
 #include "isa/instructions.inc"
 });
 

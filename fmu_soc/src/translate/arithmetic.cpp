@@ -3,97 +3,13 @@
 
 namespace mebots::soc::translate {
 
-/// False: not an instruction that only computes.
-bool Emitter::emit_arithmetic(const Instruction* at) {
-  const auto imm = static_cast<std::uint32_t>(at->imm);
-  switch (at->op) {
-    case Op::lui:
-    case Op::auipc:
-      set(at->rd, imm);
-      return true;
-    case Op::fence:
-      return true;
-    case Op::addi:
-      emit_add_immediate(at);
-      return true;
-    case Op::xori:
-      emit_immediate(at, [&](const auto& to) { xor_(to, imm); });
-      return true;
-    case Op::ori:
-      emit_immediate(at, [&](const auto& to) { or_(to, imm); });
-      return true;
-    case Op::andi:
-      emit_immediate(at, [&](const auto& to) { and_(to, imm); });
-      return true;
-    case Op::slli:
-      emit_immediate(at, [&](const auto& to) { shl(to, static_cast<int>(imm & 31U)); });
-      return true;
-    case Op::srli:
-      emit_immediate(at, [&](const auto& to) { shr(to, static_cast<int>(imm & 31U)); });
-      return true;
-    case Op::srai:
-      emit_immediate(at, [&](const auto& to) { sar(to, static_cast<int>(imm & 31U)); });
-      return true;
-    case Op::slti:
-      emit_set_less(at, true, true);
-      return true;
-    case Op::sltiu:
-      emit_set_less(at, false, true);
-      return true;
-    case Op::slt:
-      emit_set_less(at, true, false);
-      return true;
-    case Op::sltu:
-      emit_set_less(at, false, false);
-      return true;
-    case Op::add:
-      emit_add(at);
-      return true;
-    case Op::sub:
-      emit_binary(at, [&](const auto& to, const auto& from) { sub(to, from); });
-      return true;
-    case Op::xor_:
-      emit_binary(at, [&](const auto& to, const auto& from) { xor_(to, from); });
-      return true;
-    case Op::or_:
-      emit_binary(at, [&](const auto& to, const auto& from) { or_(to, from); });
-      return true;
-    case Op::and_:
-      emit_binary(at, [&](const auto& to, const auto& from) { and_(to, from); });
-      return true;
-    case Op::mul:
-      emit_binary(at, [&](const auto& to, const auto& from) { imul(to, from); });
-      return true;
-    case Op::sll:
-      emit_shift(at, [&](const auto& to, const auto& from, const auto& by) { shlx(to, from, by); });
-      return true;
-    case Op::srl:
-      emit_shift(at, [&](const auto& to, const auto& from, const auto& by) { shrx(to, from, by); });
-      return true;
-    case Op::sra:
-      emit_shift(at, [&](const auto& to, const auto& from, const auto& by) { sarx(to, from, by); });
-      return true;
-    case Op::mulh:
-    case Op::mulhu:
-    case Op::mulhsu:
-      emit_multiply_high(at);
-      return true;
-    case Op::div:
-      emit_divide(at, true, false);
-      return true;
-    case Op::divu:
-      emit_divide(at, false, false);
-      return true;
-    case Op::rem:
-      emit_divide(at, true, true);
-      return true;
-    case Op::remu:
-      emit_divide(at, false, true);
-      return true;
-    default:
-      return false;
-  }
+/// lui, auipc
+void Emitter::emit_constant(const Instruction* at) {
+  set(at->rd, static_cast<std::uint32_t>(at->imm));
 }
+
+/// fence
+void Emitter::emit_nothing(const Instruction* /*at*/) {}
 
 void Emitter::emit_add_immediate(const Instruction* at) {
   if (at->rs1 == 0) {
@@ -129,32 +45,36 @@ void Emitter::emit_add(const Instruction* at) {
   }
 }
 
-template <typename Apply>
-void Emitter::emit_binary(const Instruction* at, Apply apply) {
+void Emitter::emit_binary(const Instruction* at, host::Binary apply) {
   const auto to = place(at->rd, eax, at->rd == at->rs2 && at->rd != at->rs1);
   copy(to, at->rs1);
   if (at->rs2 == 0) {
     mov(ecx, 0);
-    apply(to, ecx);
+    apply(*this, to, ecx);
   } else {
-    apply(to, operand(at->rs2));
+    apply(*this, to, operand(at->rs2));
   }
   finish(at->rd, to);
 }
 
-template <typename Apply>
-void Emitter::emit_immediate(const Instruction* at, Apply apply) {
+void Emitter::emit_immediate(const Instruction* at, host::Immediate apply) {
   const auto to = place(at->rd, eax);
   copy(to, at->rs1);
-  apply(to);
+  apply(*this, to, static_cast<std::uint32_t>(at->imm));
   finish(at->rd, to);
 }
 
-template <typename Apply>
-void Emitter::emit_shift(const Instruction* at, Apply apply) {
+void Emitter::emit_shift_immediate(const Instruction* at, host::ShiftImmediate apply) {
+  const auto to = place(at->rd, eax);
+  copy(to, at->rs1);
+  apply(*this, to, at->imm & 31);
+  finish(at->rd, to);
+}
+
+void Emitter::emit_shift(const Instruction* at, host::Shift apply) {
   const auto to = place(at->rd, eax);
   const auto by = value(at->rs2, ecx);
-  apply(to, value(at->rs1, eax), by);
+  apply(*this, to, value(at->rs1, eax), by);
   finish(at->rd, to);
 }
 
@@ -176,26 +96,30 @@ void Emitter::emit_compare(unsigned rs1, unsigned rs2) {
   }
 }
 
-void Emitter::emit_set_less(const Instruction* at, bool is_signed, bool immediate) {
-  if (!immediate) {
-    emit_compare(at->rs1, at->rs2);
-  } else if (at->rs1 == 0) {
+/// 1 where the registers compare so, else 0.
+void Emitter::emit_set(const Instruction* at, host::Set set_byte) {
+  emit_compare(at->rs1, at->rs2);
+  finish_set(at->rd, set_byte);
+}
+
+void Emitter::emit_set_immediate(const Instruction* at, host::Set set_byte) {
+  if (at->rs1 == 0) {
     mov(eax, 0);
     cmp(eax, static_cast<std::uint32_t>(at->imm));
   } else {
     cmp(operand(at->rs1), static_cast<std::uint32_t>(at->imm));
   }
-  if (is_signed) {
-    setl(al);
-  } else {
-    setb(al);
-  }
-  const auto to = place(at->rd, eax);
-  movzx(to, al);
-  finish(at->rd, to);
+  finish_set(at->rd, set_byte);
 }
 
-void Emitter::emit_multiply_high(const Instruction* at) {
+void Emitter::finish_set(unsigned rd, host::Set set_byte) {
+  set_byte(*this, al);
+  const auto to = place(rd, eax);
+  movzx(to, al);
+  finish(rd, to);
+}
+
+void Emitter::emit_multiply_high(const Instruction* at, bool first_sign, bool second_sign) {
   const auto widen = [this](const Xbyak::Reg64& to, unsigned reg, bool sign) {
     if (sign && reg != 0) {
       movsxd(to, operand(reg));
@@ -203,8 +127,8 @@ void Emitter::emit_multiply_high(const Instruction* at) {
       copy(to.cvt32(), reg);
     }
   };
-  widen(rax, at->rs1, at->op != Op::mulhu);
-  widen(rcx, at->rs2, at->op == Op::mulh);
+  widen(rax, at->rs1, first_sign);
+  widen(rcx, at->rs2, second_sign);
   imul(rax, rcx);
   shr(rax, 32);
   finish(at->rd, eax);

@@ -2,6 +2,7 @@
 #include "translate/emitter.hpp"
 
 #include "mebots/assert.hpp"
+#include "translate/translation_row.hpp"
 
 namespace mebots::soc::translate {
 namespace {
@@ -125,21 +126,12 @@ void Emitter::emit_node(const Node& node) {
 
 /// False: the block is left here.
 bool Emitter::emit_instruction(const Instruction* at) {
-  if (emit_arithmetic(at) || emit_memory(at) || emit_loop_setup(at) || emit_xpulp(at)) return true;
-  if (is_branch(at->op)) {
-    emit_branch(at);
-    return true;
-  }
-  if (is_block_end(at->op)) {
-    emit_end(at);
-  } else if (at->op == Op::jal) {
-    emit_jump(at);
-  } else if (at->op == Op::jalr && at->rs2 == 0) {
-    emit_jump_register(at);
-  } else {
+  const auto& translation = translation_of(at->op);
+  if (translation.emit == nullptr || !translation.emit(*this, at)) {
     emit_resume(at);
+    return false;
   }
-  return false;
+  return !translation.leaves_block;
 }
 
 void Emitter::load_registers() {
@@ -171,7 +163,7 @@ Xbyak::Xmm Emitter::vector(unsigned reg) const {
 }
 
 const Xbyak::Operand& Emitter::operand(unsigned reg) {
-  MEBOTS_ASSERT(!in_vector(reg), "allocate() asks can_be_vector()");
+  MEBOTS_ASSERT(!in_vector(reg), "allocate() asks may_be_in_vector()");
   static constexpr std::size_t kCount = kHosts.size();
   static const std::array<Reg32, kCount> kOperands{Reg32(kHosts[0]), Reg32(kHosts[1]), Reg32(kHosts[2]),
                                                    Reg32(kHosts[3]), Reg32(kHosts[4]), Reg32(kHosts[5]),

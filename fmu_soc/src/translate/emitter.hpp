@@ -4,6 +4,7 @@
 #include "hart/execution.hpp"
 #include "translate/code_memory.hpp"
 #include "translate/exit_table.hpp"
+#include "translate/host.hpp"
 #include "translate/region.hpp"
 #include "translate/registers.hpp"
 #include "translate/translator.hpp"
@@ -16,6 +17,7 @@
 #include <deque>
 #include <functional>
 #include <map>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -62,6 +64,73 @@ class Emitter : private Xbyak::CodeGenerator {
   std::vector<Entry> emit(const Region& region, const Registers& registers, const Gates& gates);
   std::size_t size() const { return getSize(); }
 
+  // What the column of translations calls (translations.cpp): of one instruction each, with what its row says. False:
+  // nothing emitted, the interpreter does it.
+
+  // arithmetic.cpp
+  void emit_constant(const Instruction* at);
+  void emit_nothing(const Instruction* at);
+  void emit_add_immediate(const Instruction* at);
+  void emit_add(const Instruction* at);
+  void emit_binary(const Instruction* at, host::Binary apply);
+  void emit_immediate(const Instruction* at, host::Immediate apply);
+  void emit_shift_immediate(const Instruction* at, host::ShiftImmediate apply);
+  void emit_shift(const Instruction* at, host::Shift apply);
+  void emit_set(const Instruction* at, host::Set set_byte);
+  void emit_set_immediate(const Instruction* at, host::Set set_byte);
+  void emit_multiply_high(const Instruction* at, bool first_sign, bool second_sign);
+  void emit_divide(const Instruction* at, bool is_signed, bool remainder);
+
+  // memory.cpp
+  bool emit_load(const Instruction* at);
+  bool emit_store(const Instruction* at);
+
+  // exits.cpp
+  void emit_branch(const Instruction* at, host::Branch jump);
+  void emit_branch_immediate(const Instruction* at, host::Branch jump);
+  void emit_jump(const Instruction* at);
+  bool emit_jump_register(const Instruction* at);
+
+  // loops.cpp
+  void emit_loop_start(const Instruction* at);
+  bool emit_loop_end_at(const Instruction* at);
+  void emit_loop_count(const Instruction* at);
+  void emit_loop_count_immediate(const Instruction* at);
+  bool emit_loop_setup(const Instruction* at);
+  bool emit_loop_setup_immediate(const Instruction* at);
+  void emit_end(const Instruction* at);
+
+  // xpulp.cpp
+  void emit_absolute(const Instruction* at);
+  void emit_unary(const Instruction* at, host::Binary apply);
+  void emit_select(const Instruction* at, host::Binary move);
+  void emit_extend(const Instruction* at, bool sign, unsigned bits);
+  void emit_find_last(const Instruction* at);
+  void emit_rotate(const Instruction* at);
+  void emit_multiply_accumulate(const Instruction* at, bool subtracts);
+  void emit_clip(const Instruction* at, bool is_signed);
+  bool emit_extract_field(const Instruction* at, bool sign);
+  bool emit_insert_field(const Instruction* at);
+  bool emit_clear_field(const Instruction* at);
+  bool emit_set_field(const Instruction* at);
+  void emit_shifted_sum(const Instruction* at);
+  void emit_multiply_halves(const Instruction* at);
+
+  // simd.cpp
+  enum class PartShift : std::uint8_t { left, right, right_signed };
+  void emit_packed(const Instruction* at, host::Packed apply);
+  void emit_packed_unary(const Instruction* at, host::Packed apply);
+  void emit_average(const Instruction* at, bool sign);
+  void emit_logic(const Instruction* at, host::Binary apply);
+  void emit_compare_parts(const Instruction* at);
+  bool emit_shift_parts(const Instruction* at, PartShift shift);
+  void emit_dot(const Instruction* at);
+  void emit_extract_part(const Instruction* at);
+  void emit_insert_part(const Instruction* at);
+  void emit_shuffle(const Instruction* at);
+  void emit_pack_halves(const Instruction* at);
+  void emit_pack_bytes(const Instruction* at, bool into_high);
+
  private:
   using Reg32 = Xbyak::Reg32;
   using Label = Xbyak::Label;
@@ -92,42 +161,32 @@ class Emitter : private Xbyak::CodeGenerator {
   void copy(const Reg32& to, unsigned reg);
 
   // arithmetic.cpp
-  bool emit_arithmetic(const Instruction* at);
-  void emit_add_immediate(const Instruction* at);
-  void emit_add(const Instruction* at);
-  template <typename Apply>
-  void emit_binary(const Instruction* at, Apply apply);
-  template <typename Apply>
-  void emit_immediate(const Instruction* at, Apply apply);
-  template <typename Apply>
-  void emit_shift(const Instruction* at, Apply apply);
   void emit_compare(unsigned rs1, unsigned rs2);
-  void emit_set_less(const Instruction* at, bool is_signed, bool immediate);
-  void emit_multiply_high(const Instruction* at);
-  void emit_divide(const Instruction* at, bool is_signed, bool remainder);
+  void finish_set(unsigned rd, host::Set set_byte);
 
   // xpulp.cpp
-  bool emit_xpulp(const Instruction* at);
-  void emit_clip(const Instruction* at);
-  void emit_bit_field(const Instruction* at, unsigned position, unsigned width);
-  void emit_shifted_sum(const Instruction* at);
-  void emit_multiply_halves(const Instruction* at);
+  struct Field {
+    unsigned position = 0;
+    unsigned width = 0;
+    std::uint32_t low = 0;   // as many bits, at the foot of the word
+    std::uint32_t mask = 0;  // in their place
+  };
+  static std::optional<Field> field_of(const Instruction* at);
 
   // simd.cpp
-  bool emit_simd(const Instruction* at);
+  struct Part {
+    int position;
+    std::uint32_t low;  // its bits, at the foot of the word
+  };
+  static Part part_of(const Instruction* at);
   void load_second(const Instruction* at);
-  bool emit_simd_logic(const Instruction* at);
-  void emit_simd_compare(const Instruction* at);
-  bool emit_simd_shift(const Instruction* at);
-  void emit_dot(const Instruction* at);
   Xbyak::Xmm in_vector_for(unsigned reg, const Xbyak::Xmm& scratch);
   void finish_vector(unsigned rd, const Xbyak::Xmm& result);
   void finish_sum(unsigned rd, bool accumulates, const Xbyak::Xmm& sum);
-  void emit_parts(const Instruction* at);
 
   // loops.cpp
-  bool emit_loop_setup(const Instruction* at);
-  void emit_end(const Instruction* at);
+  Xbyak::Address loop_register(const Instruction* at, std::size_t offset);
+  bool emit_set_loop_end(const Instruction* at, std::uint32_t pc);
   void emit_iteration(const Instruction* at, unsigned loop);
   const Node* straight_successor(const Instruction* end, std::uint32_t link) const;
   void emit_straight_edge(const Instruction* at, std::uint32_t link, std::uint32_t pc);
@@ -136,9 +195,6 @@ class Emitter : private Xbyak::CodeGenerator {
   void forget_what_came();
 
   // memory.cpp
-  bool emit_memory(const Instruction* at);
-  void emit_load(const Instruction* at, unsigned size, bool sign);
-  void emit_store(const Instruction* at, unsigned size);
   Label emit_address(const Instruction* at, unsigned size, Label& other);
   void emit_middle_of_word(unsigned size, Label& inside);
   void emit_across_words(const Instruction* at, unsigned size, Label& marked, Label& claimed);
@@ -151,9 +207,7 @@ class Emitter : private Xbyak::CodeGenerator {
   void fetch(const Reg32& to, const Xbyak::RegExp& from, unsigned size, bool sign);
 
   // exits.cpp
-  void emit_branch(const Instruction* at);
-  void emit_jump(const Instruction* at);
-  void emit_jump_register(const Instruction* at);
+  void emit_branch_by_flags(const Instruction* at, host::Branch jump);
   void emit_edge(const Instruction* at, std::uint32_t pc, bool jumped);
   bool is_noted(const Instruction* at, std::uint32_t next) const;
   template <typename SetNext>

@@ -273,35 +273,20 @@ void Emitter::emit_chained_exit(Exit exit) {
   jmp(gates_.leave, T_NEAR);
 }
 
-void Emitter::emit_branch(const Instruction* at) {
+void Emitter::emit_branch(const Instruction* at, host::Branch jump) {
+  emit_compare(at->rs1, at->rs2);
+  emit_branch_by_flags(at, jump);
+}
+
+void Emitter::emit_branch_immediate(const Instruction* at, host::Branch jump) {
+  const auto with = static_cast<std::int32_t>(std::uint32_t{at->rs2} << 27) >> 27;  // five bits with their sign
+  cmp(value(at->rs1, eax), static_cast<std::uint32_t>(with));
+  emit_branch_by_flags(at, jump);
+}
+
+void Emitter::emit_branch_by_flags(const Instruction* at, host::Branch jump) {
   Label taken;
-  if (at->op == Op::p_beqimm || at->op == Op::p_bneimm) {
-    cmp(value(at->rs1, eax), static_cast<std::uint32_t>(static_cast<std::int32_t>(std::uint32_t{at->rs2} << 27) >> 27));
-  } else {
-    emit_compare(at->rs1, at->rs2);
-  }
-  switch (at->op) {
-    case Op::beq:
-    case Op::p_beqimm:
-      je(taken, T_NEAR);
-      break;
-    case Op::bne:
-    case Op::p_bneimm:
-      jne(taken, T_NEAR);
-      break;
-    case Op::blt:
-      jl(taken, T_NEAR);
-      break;
-    case Op::bge:
-      jge(taken, T_NEAR);
-      break;
-    case Op::bltu:
-      jb(taken, T_NEAR);
-      break;
-    default:
-      jae(taken, T_NEAR);
-      break;
-  }
+  jump(*this, taken);
   later([this, at, taken]() mutable {
     L(taken);
     emit_edge(at, static_cast<std::uint32_t>(at->imm), true);
@@ -313,7 +298,9 @@ void Emitter::emit_jump(const Instruction* at) {
   emit_edge(at, static_cast<std::uint32_t>(at->imm), at->rs2 == 0);
 }
 
-void Emitter::emit_jump_register(const Instruction* at) {
+/// False: a slow instruction before it hides the cost of an unaligned target (rs2), which is rare.
+bool Emitter::emit_jump_register(const Instruction* at) {
+  if (at->rs2 != 0) return false;
   const auto base = value(at->rs1, eax);
   lea(eax, ptr[base.cvt64() + at->imm]);
   and_(eax, ~1U);
@@ -356,6 +343,7 @@ void Emitter::emit_jump_register(const Instruction* at) {
   exit.indirect = true;
   mov(eax, add_exit(exit));
   jmp(gates_.leave, T_NEAR);
+  return true;
 }
 
 }  // namespace mebots::soc::translate

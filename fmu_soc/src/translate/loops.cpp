@@ -17,42 +17,48 @@ Pipeline behind(const Instruction* end) {
 
 }  // namespace
 
-/// Registers of a hardware loop. False: another instruction, or one that makes a block end where none does yet.
+/// A register of the loop that the instruction names.
+Xbyak::Address Emitter::loop_register(const Instruction* at, std::size_t offset) {
+  return dword[rbx + offset_of_loop(at->rs2) + static_cast<int>(offset)];
+}
+
+/// False: a block ends there that does not yet.
+bool Emitter::emit_set_loop_end(const Instruction* at, std::uint32_t pc) {
+  if (!cache_.may_end_loop(pc)) return false;
+  mov(loop_register(at, offsetof(HardwareLoop, end)), pc);
+  return true;
+}
+
+void Emitter::emit_loop_start(const Instruction* at) {
+  mov(loop_register(at, offsetof(HardwareLoop, start)), at->pc + static_cast<std::uint32_t>(at->imm));
+}
+
+bool Emitter::emit_loop_end_at(const Instruction* at) {
+  return emit_set_loop_end(at, at->pc + static_cast<std::uint32_t>(at->imm));
+}
+
+void Emitter::emit_loop_count(const Instruction* at) {
+  mov(loop_register(at, offsetof(HardwareLoop, count)), value(at->rs1, eax));
+}
+
+void Emitter::emit_loop_count_immediate(const Instruction* at) {
+  mov(loop_register(at, offsetof(HardwareLoop, count)), static_cast<std::uint32_t>(at->imm));
+}
+
 bool Emitter::emit_loop_setup(const Instruction* at) {
-  if (!is_hardware_loop(at->op)) return false;
-  const auto loop = offset_of_loop(at->rs2);
-  const auto start = dword[rbx + loop + static_cast<int>(offsetof(HardwareLoop, start))];
-  const auto end = dword[rbx + loop + static_cast<int>(offsetof(HardwareLoop, end))];
-  const auto count = dword[rbx + loop + static_cast<int>(offsetof(HardwareLoop, count))];
+  if (!emit_set_loop_end(at, at->pc + static_cast<std::uint32_t>(at->imm))) return false;
+  mov(loop_register(at, offsetof(HardwareLoop, start)), at->pc + 4);
+  emit_loop_count(at);
+  return true;
+}
+
+/// The count stands below the distance of the end.
+bool Emitter::emit_loop_setup_immediate(const Instruction* at) {
   const auto imm = static_cast<std::uint32_t>(at->imm);
-  const auto set_end = [&](std::uint32_t pc) {
-    if (!cache_.may_end_loop(pc)) return false;
-    mov(end, pc);
-    return true;
-  };
-  switch (at->op) {
-    case Op::lp_starti:
-      mov(start, at->pc + imm);
-      return true;
-    case Op::lp_endi:
-      return set_end(at->pc + imm);
-    case Op::lp_count:
-      mov(count, value(at->rs1, eax));
-      return true;
-    case Op::lp_counti:
-      mov(count, imm);
-      return true;
-    case Op::lp_setup:
-      if (!set_end(at->pc + imm)) return false;
-      mov(start, at->pc + 4);
-      mov(count, value(at->rs1, eax));
-      return true;
-    default:  // lp.setupi
-      if (!set_end(at->pc + (imm >> 16))) return false;
-      mov(start, at->pc + 4);
-      mov(count, imm & 0xffffU);
-      return true;
-  }
+  if (!emit_set_loop_end(at, at->pc + (imm >> 16))) return false;
+  mov(loop_register(at, offsetof(HardwareLoop, start)), at->pc + 4);
+  mov(loop_register(at, offsetof(HardwareLoop, count)), imm & 0xffffU);
+  return true;
 }
 
 /// The end of a block: another iteration of the inner loop (0) or the outer one, or straight on.

@@ -18,20 +18,6 @@ unsigned step_register(const Instruction* at) {
 
 }  // namespace
 
-/// False: not a load or store, or one that the interpreter had better do.
-bool Emitter::emit_memory(const Instruction* at) {
-  if (ram_[0].span == 0 || at->op == Op::p_elw) return false;
-  if (is_load(at->op)) {
-    emit_load(at, traits_of(at->op).size, traits_of(at->op).sign);
-    return true;
-  }
-  if (is_store(at->op)) {
-    emit_store(at, traits_of(at->op).size);
-    return true;
-  }
-  return false;
-}
-
 /// eax = where the address lies in the first memory; goes to `other` when it does not, or is misaligned.
 /// Behind the label that comes back it does.
 Xbyak::Label Emitter::emit_address(const Instruction* at, unsigned size, Label& other) {
@@ -147,7 +133,11 @@ void Emitter::fetch(const Reg32& to, const Xbyak::RegExp& from, unsigned size, b
   }
 }
 
-void Emitter::emit_load(const Instruction* at, unsigned size, bool sign) {
+/// False: there is no fast memory.
+bool Emitter::emit_load(const Instruction* at) {
+  if (ram_[0].span == 0) return false;
+  const unsigned size = traits_of(at->op).size;
+  const bool sign = traits_of(at->op).sign;
   Label other;
   Label claimed;
   Label done;
@@ -182,9 +172,13 @@ void Emitter::emit_load(const Instruction* at, unsigned size, bool sign) {
     L(neither);
     emit_resume(at);
   });
+  return true;
 }
 
-void Emitter::emit_store(const Instruction* at, unsigned size) {
+/// As of loads.
+bool Emitter::emit_store(const Instruction* at) {
+  if (ram_[0].span == 0) return false;
+  const unsigned size = traits_of(at->op).size;
   Label other;
   Label marked;
   Label claimed;
@@ -235,6 +229,7 @@ void Emitter::emit_store(const Instruction* at, unsigned size) {
     L(marked);
     emit_resume(at);
   });
+  return true;
 }
 
 /// Takes a cycle of a bank of the first memory for the access at offset eax, when others use it too. ecx, which may

@@ -9,6 +9,10 @@ bool can_translate() {
   return false;
 }
 
+bool has_translation(Op /*op*/) {
+  return false;
+}
+
 std::unique_ptr<Translator> make_translator(const BlockCache& /*cache*/, const Execution& /*execution*/,
                                             const Options& /*options*/) {
   return nullptr;

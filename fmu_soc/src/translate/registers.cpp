@@ -1,61 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "translate/registers.hpp"
 
+#include "translate/translation_row.hpp"
+
 #include <algorithm>
 #include <numeric>
 
 namespace mebots::soc::translate {
 namespace {
 
-/// Whether translated code can do this instruction with the register `reg` of it in a vector register: it moves there
-/// and from there only as a whole (Emitter::copy, value, finish, set).
-bool can_be_vector(const Instruction& at, std::uint8_t reg) {
+/// Whether translated code can do this instruction with the register `reg` of it in a vector register.
+bool may_be_in_vector(const Instruction& at, std::uint8_t reg) {
+  if (is_store(at.op) && has_step_register(traits_of(at.op).mode) && reg == at.imm) return false;
+  const auto& may = translation_of(at.op).in_vector;
   const bool is_target = reg == at.rd;
   const bool is_first = reg == at.rs1;
   const bool is_second = reg == at.rs2;
-  const auto& traits = traits_of(at.op);
-  switch (traits.kind) {
-    case OpKind::dot_product:
-    case OpKind::simd:
-    case OpKind::simd_compare:
-    case OpKind::simd_shift:
-    case OpKind::simd_parts:
-    case OpKind::shifted_sum:
-      return true;
-    case OpKind::load:
-      return !is_first && !(has_step_register(traits.mode) && is_second);
-    case OpKind::store:
-      return !is_first && !(has_step_register(traits.mode) && reg == at.imm);
-    case OpKind::other:
-      break;
-    default:
-      return false;
-  }
-  switch (at.op) {
-    case Op::lui:
-    case Op::auipc:
-    case Op::slli:
-    case Op::srli:
-    case Op::srai:
-    case Op::andi:
-    case Op::ori:
-    case Op::xori:
-    case Op::p_clip:
-    case Op::p_clipu:
-      return true;
-    case Op::addi:
-      return !(is_target && is_first);
-    case Op::add:
-      return !is_target || (at.rd != at.rs1 && at.rd != at.rs2);
-    case Op::sub:
-    case Op::mul:
-    case Op::xor_:
-    case Op::or_:
-    case Op::and_:
-      return !is_second;
-    default:
-      return false;
-  }
+  if (is_target && (is_first || is_second) && !may.in_place) return false;
+  return (!is_target || may.target) && (!is_first || may.first) && (!is_second || may.second);
 }
 
 /// Weighted uses of each register.
@@ -67,7 +29,7 @@ struct Uses {
   void add(const Instruction& at, std::uint8_t reg, std::uint32_t weight) {
     all[reg] += weight;
     if (is_dot_product(at.op)) in_dot_products[reg] += weight;
-    not_vector[reg] = not_vector[reg] || !can_be_vector(at, reg);
+    not_vector[reg] = not_vector[reg] || !may_be_in_vector(at, reg);
   }
 };
 

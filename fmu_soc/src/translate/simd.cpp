@@ -45,122 +45,54 @@ void Emitter::load_second(const Instruction* at) {
   }
 }
 
-/// False: one of the rare ones that the interpreter does.
-bool Emitter::emit_simd(const Instruction* at) {
-  switch (traits_of(at->op).kind) {
-    case OpKind::dot_product:
-      emit_dot(at);
-      return true;
-    case OpKind::simd_compare:
-      emit_simd_compare(at);
-      return true;
-    case OpKind::simd_shift:
-      return emit_simd_shift(at);
-    case OpKind::simd_parts:
-      emit_parts(at);
-      return true;
-    default:
-      break;
-  }
+/// One host instruction on halves or bytes.
+void Emitter::emit_packed(const Instruction* at, host::Packed apply) {
   copy(eax, at->rs1);
-  if (at->op == Op::pv_abs_h || at->op == Op::pv_abs_b) {
-    movd(xmm0, eax);
-    at->op == Op::pv_abs_h ? pabsw(xmm0, xmm0) : pabsb(xmm0, xmm0);
-    movd(eax, xmm0);
-    finish(at->rd, eax);
-    return true;
-  }
   load_second(at);
-  if (emit_simd_logic(at)) return true;
   movd(xmm0, eax);
   movd(xmm1, ecx);
-  switch (at->op) {
-    case Op::pv_add_h:
-      paddw(xmm0, xmm1);
-      break;
-    case Op::pv_add_b:
-      paddb(xmm0, xmm1);
-      break;
-    case Op::pv_sub_h:
-      psubw(xmm0, xmm1);
-      break;
-    case Op::pv_sub_b:
-      psubb(xmm0, xmm1);
-      break;
-    case Op::pv_avg_h:
-      paddw(xmm0, xmm1);
-      psraw(xmm0, 1);
-      break;
-    case Op::pv_avgu_h:
-      paddw(xmm0, xmm1);
-      psrlw(xmm0, 1);
-      break;
-    case Op::pv_avg_b:
-      paddb(xmm0, xmm1);
-      punpcklbw(xmm0, xmm0);  // each byte in the upper half of a word
-      psraw(xmm0, 9);
-      packsswb(xmm0, xmm0);
-      break;
-    case Op::pv_avgu_b:
-      paddb(xmm0, xmm1);
-      punpcklbw(xmm0, xmm0);
-      psrlw(xmm0, 9);
-      packuswb(xmm0, xmm0);
-      break;
-    case Op::pv_min_h:
-      pminsw(xmm0, xmm1);
-      break;
-    case Op::pv_min_b:
-      pminsb(xmm0, xmm1);
-      break;
-    case Op::pv_minu_h:
-      pminuw(xmm0, xmm1);
-      break;
-    case Op::pv_minu_b:
-      pminub(xmm0, xmm1);
-      break;
-    case Op::pv_max_h:
-      pmaxsw(xmm0, xmm1);
-      break;
-    case Op::pv_max_b:
-      pmaxsb(xmm0, xmm1);
-      break;
-    case Op::pv_maxu_h:
-      pmaxuw(xmm0, xmm1);
-      break;
-    default:  // pv.maxu.b
-      pmaxub(xmm0, xmm1);
-      break;
+  apply(*this, xmm0, xmm1);
+  movd(eax, xmm0);
+  finish(at->rd, eax);
+}
+
+void Emitter::emit_packed_unary(const Instruction* at, host::Packed apply) {
+  copy(eax, at->rs1);
+  movd(xmm0, eax);
+  apply(*this, xmm0, xmm0);
+  movd(eax, xmm0);
+  finish(at->rd, eax);
+}
+
+/// Half of the sum in each part, which wraps.
+void Emitter::emit_average(const Instruction* at, bool sign) {
+  copy(eax, at->rs1);
+  load_second(at);
+  movd(xmm0, eax);
+  movd(xmm1, ecx);
+  if (on_bytes(at->op)) {
+    paddb(xmm0, xmm1);
+    punpcklbw(xmm0, xmm0);  // each byte in the upper half of a word
+    sign ? psraw(xmm0, 9) : psrlw(xmm0, 9);
+    sign ? packsswb(xmm0, xmm0) : packuswb(xmm0, xmm0);
+  } else {
+    paddw(xmm0, xmm1);
+    sign ? psraw(xmm0, 1) : psrlw(xmm0, 1);
   }
   movd(eax, xmm0);
   finish(at->rd, eax);
-  return true;
 }
 
-/// Of all bits alike. False: another operation.
-bool Emitter::emit_simd_logic(const Instruction* at) {
-  switch (at->op) {
-    case Op::pv_or_h:
-    case Op::pv_or_b:
-      or_(eax, ecx);
-      break;
-    case Op::pv_xor_h:
-    case Op::pv_xor_b:
-      xor_(eax, ecx);
-      break;
-    case Op::pv_and_h:
-    case Op::pv_and_b:
-      and_(eax, ecx);
-      break;
-    default:
-      return false;
-  }
+/// Of all bits alike.
+void Emitter::emit_logic(const Instruction* at, host::Binary apply) {
+  copy(eax, at->rs1);
+  load_second(at);
+  apply(*this, eax, ecx);
   finish(at->rd, eax);
-  return true;
 }
 
 /// a == b, !=; a > b, >=, <, <= signed; the same unsigned: with turned signs.
-void Emitter::emit_simd_compare(const Instruction* at) {
+void Emitter::emit_compare_parts(const Instruction* at) {
   const bool bytes = on_bytes(at->op);
   copy(eax, at->rs1);
   load_second(at);
@@ -188,7 +120,7 @@ void Emitter::emit_simd_compare(const Instruction* at) {
 }
 
 /// By the same number of places in all parts; other shifts are rare.
-bool Emitter::emit_simd_shift(const Instruction* at) {
+bool Emitter::emit_shift_parts(const Instruction* at, PartShift shift) {
   const bool bytes = on_bytes(at->op);
   const auto from = operand_of(*at);
   if (from == Operand::reg || (from == Operand::scalar && bytes)) return false;
@@ -198,31 +130,31 @@ bool Emitter::emit_simd_shift(const Instruction* at) {
     and_(ecx, 15);
     movd(xmm0, eax);
     movd(xmm1, ecx);
-    if (at->op == Op::pv_srl_h) psrlw(xmm0, xmm1);
-    if (at->op == Op::pv_sra_h) psraw(xmm0, xmm1);
-    if (at->op == Op::pv_sll_h) psllw(xmm0, xmm1);
+    if (shift == PartShift::right) psrlw(xmm0, xmm1);
+    if (shift == PartShift::right_signed) psraw(xmm0, xmm1);
+    if (shift == PartShift::left) psllw(xmm0, xmm1);
     movd(eax, xmm0);
     finish(at->rd, eax);
     return true;
   }
-  const auto shift = static_cast<int>(static_cast<unsigned>(at->imm) & (bytes ? 7U : 15U));
+  const auto places = static_cast<int>(static_cast<unsigned>(at->imm) & (bytes ? 7U : 15U));
   const auto in_all = [bytes](std::uint32_t part) {
     return bytes ? (part & 0xffU) * 0x01010101U : (part & 0xffffU) * 0x00010001U;
   };
-  if (at->op == Op::pv_srl_h || at->op == Op::pv_srl_b) {
-    shr(eax, shift);
-    and_(eax, in_all((bytes ? 0xffU : 0xffffU) >> shift));
-  } else if (at->op == Op::pv_sll_h || at->op == Op::pv_sll_b) {
-    shl(eax, shift);
-    and_(eax, in_all((bytes ? 0xffU : 0xffffU) << shift));
+  if (shift == PartShift::right) {
+    shr(eax, places);
+    and_(eax, in_all((bytes ? 0xffU : 0xffffU) >> places));
+  } else if (shift == PartShift::left) {
+    shl(eax, places);
+    and_(eax, in_all((bytes ? 0xffU : 0xffffU) << places));
   } else {
     movd(xmm0, eax);
     if (bytes) {
       punpcklbw(xmm0, xmm0);
-      psraw(xmm0, 8 + shift);
+      psraw(xmm0, 8 + places);
       packsswb(xmm0, xmm0);
     } else {
-      psraw(xmm0, shift);
+      psraw(xmm0, places);
     }
     movd(eax, xmm0);
   }
@@ -326,82 +258,80 @@ void Emitter::finish_sum(unsigned rd, bool accumulates, const Xbyak::Xmm& sum) {
   }
 }
 
-/// Extract, insert, shuffle and pack.
-void Emitter::emit_parts(const Instruction* at) {
-  const bool bytes = on_bytes(at->op);
-  const auto bits = bytes ? 8U : 16U;
-  const auto place = static_cast<int>((static_cast<unsigned>(at->imm) % (32 / bits)) * bits);
-  const auto low = bytes ? 0xffU : 0xffffU;
+/// The part that the immediate names.
+Emitter::Part Emitter::part_of(const Instruction* at) {
+  const auto bits = on_bytes(at->op) ? 8U : 16U;
+  return {static_cast<int>((static_cast<unsigned>(at->imm) % (32 / bits)) * bits), (1U << bits) - 1U};
+}
+
+void Emitter::emit_extract_part(const Instruction* at) {
   copy(eax, at->rs1);
-  switch (at->op) {
-    case Op::pv_extract_h:
-    case Op::pv_extract_b:
-    case Op::pv_extractu_h:
-    case Op::pv_extractu_b: {
-      const bool sign = traits_of(at->op).sign;
-      shr(eax, place);
-      if (bytes) {
-        sign ? movsx(eax, al) : movzx(eax, al);
-      } else {
-        sign ? movsx(eax, ax) : movzx(eax, ax);
-      }
-      break;
-    }
-    case Op::pv_insert_h:
-    case Op::pv_insert_b:
-      and_(eax, low);
-      shl(eax, place);
-      copy(ecx, at->rd);
-      and_(ecx, ~(low << place));
-      or_(eax, ecx);
-      break;
-    case Op::pv_shuffle_h:
-    case Op::pv_shuffle_b:
-    case Op::pv_shuffle2_h:
-    case Op::pv_shuffle2_b: {
-      const bool two = reads_rd(at->op);
-      if (operand_of(*at) == Operand::immediate) {
-        mov(ecx, static_cast<std::uint32_t>(at->imm));
-      } else {
-        copy(ecx, at->rs2);
-      }
-      if (two) {  // rd below, rs1 above
-        copy(edx, at->rd);
-        shl(rax, 32);
-        or_(rax, rdx);
-      }
-      movq(xmm0, rax);
-      const auto selects = (bytes ? 3U : 1U) << (two ? 1 : 0) | 1U;
-      and_(ecx, selects * (bytes ? 0x01010101U : 0x00010001U));
-      if (!bytes) {  // half n is bytes 2 n and 2 n + 1
-        imul(ecx, ecx, 0x0202);
-        add(ecx, 0x01000100);
-      }
-      movd(xmm1, ecx);
-      pshufb(xmm0, xmm1);
-      movd(eax, xmm0);
-      break;
-    }
-    case Op::pv_pack_h:
-      shl(eax, 16);
-      copy(ecx, at->rs2);
-      movzx(ecx, cx);
-      or_(eax, ecx);
-      break;
-    default: {  // pv.packhi.b, pv.packlo.b
-      const bool high = at->op == Op::pv_packhi_b;
-      movzx(eax, al);
-      shl(eax, 8);
-      copy(ecx, at->rs2);
-      movzx(ecx, cl);
-      or_(eax, ecx);
-      if (high) shl(eax, 16);
-      copy(ecx, at->rd);
-      and_(ecx, high ? 0x0000ffffU : 0xffff0000U);
-      or_(eax, ecx);
-      break;
-    }
+  shr(eax, part_of(at).position);
+  const Xbyak::Reg& low = on_bytes(at->op) ? static_cast<const Xbyak::Reg&>(al) : ax;
+  traits_of(at->op).sign ? movsx(eax, low) : movzx(eax, low);
+  finish(at->rd, eax);
+}
+
+void Emitter::emit_insert_part(const Instruction* at) {
+  const auto part = part_of(at);
+  copy(eax, at->rs1);
+  and_(eax, part.low);
+  shl(eax, part.position);
+  copy(ecx, at->rd);
+  and_(ecx, ~(part.low << part.position));
+  or_(eax, ecx);
+  finish(at->rd, eax);
+}
+
+/// Of the parts of one register, or of two.
+void Emitter::emit_shuffle(const Instruction* at) {
+  const bool bytes = on_bytes(at->op);
+  const bool two = reads_rd(at->op);
+  copy(eax, at->rs1);
+  if (operand_of(*at) == Operand::immediate) {
+    mov(ecx, static_cast<std::uint32_t>(at->imm));
+  } else {
+    copy(ecx, at->rs2);
   }
+  if (two) {  // rd below, rs1 above
+    copy(edx, at->rd);
+    shl(rax, 32);
+    or_(rax, rdx);
+  }
+  movq(xmm0, rax);
+  const auto selects = (bytes ? 3U : 1U) << (two ? 1 : 0) | 1U;
+  and_(ecx, selects * (bytes ? 0x01010101U : 0x00010001U));
+  if (!bytes) {  // half n is bytes 2 n and 2 n + 1
+    imul(ecx, ecx, 0x0202);
+    add(ecx, 0x01000100);
+  }
+  movd(xmm1, ecx);
+  pshufb(xmm0, xmm1);
+  movd(eax, xmm0);
+  finish(at->rd, eax);
+}
+
+void Emitter::emit_pack_halves(const Instruction* at) {
+  copy(eax, at->rs1);
+  shl(eax, 16);
+  copy(ecx, at->rs2);
+  movzx(ecx, cx);
+  or_(eax, ecx);
+  finish(at->rd, eax);
+}
+
+/// Two bytes into the upper or the lower half of rd.
+void Emitter::emit_pack_bytes(const Instruction* at, bool into_high) {
+  copy(eax, at->rs1);
+  movzx(eax, al);
+  shl(eax, 8);
+  copy(ecx, at->rs2);
+  movzx(ecx, cl);
+  or_(eax, ecx);
+  if (into_high) shl(eax, 16);
+  copy(ecx, at->rd);
+  and_(ecx, into_high ? 0x0000ffffU : 0xffff0000U);
+  or_(eax, ecx);
   finish(at->rd, eax);
 }
 

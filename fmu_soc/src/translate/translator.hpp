@@ -80,6 +80,9 @@ class Translator : public BlockListener {
 /// Whether this build translates, and this host has the instructions for it.
 bool can_translate();
 
+/// Whether some form of this operation can be translated; all others are left to the interpreter.
+bool has_translation(Op op);
+
 /// Null where that is not so, or code cannot be made for such memories. `execution` says where the memories are.
 std::unique_ptr<Translator> make_translator(const BlockCache& cache, const Execution& execution,
                                             const Options& options);

@@ -5,117 +5,74 @@
 
 namespace mebots::soc::translate {
 
-/// False: not one of these, or a rare one that the interpreter does.
-bool Emitter::emit_xpulp(const Instruction* at) {
-  if (is_simd(at->op)) return emit_simd(at);
-  if (traits_of(at->op).kind == OpKind::shifted_sum) {
-    emit_shifted_sum(at);
-    return true;
-  }
-  if (traits_of(at->op).kind == OpKind::multiply_halves) {
-    emit_multiply_halves(at);
-    return true;
-  }
-  const auto imm = static_cast<std::uint32_t>(at->imm);
-  switch (at->op) {
-    case Op::p_abs:
-      copy(eax, at->rs1);
-      mov(ecx, eax);
-      neg(eax);
-      cmovs(eax, ecx);
-      break;
-    case Op::p_slet:
-    case Op::p_sletu:
-      emit_compare(at->rs1, at->rs2);
-      at->op == Op::p_slet ? setle(al) : setbe(al);
-      movzx(eax, al);
-      break;
-    case Op::p_min:
-    case Op::p_minu:
-    case Op::p_max:
-    case Op::p_maxu:
-      copy(eax, at->rs1);
-      copy(ecx, at->rs2);
-      cmp(eax, ecx);
-      if (at->op == Op::p_min) cmovg(eax, ecx);
-      if (at->op == Op::p_minu) cmova(eax, ecx);
-      if (at->op == Op::p_max) cmovl(eax, ecx);
-      if (at->op == Op::p_maxu) cmovb(eax, ecx);
-      break;
-    case Op::p_exths:
-      copy(eax, at->rs1);
-      movsx(eax, ax);
-      break;
-    case Op::p_exthz:
-      copy(eax, at->rs1);
-      movzx(eax, ax);
-      break;
-    case Op::p_extbs:
-      copy(eax, at->rs1);
-      movsx(eax, al);
-      break;
-    case Op::p_extbz:
-      copy(eax, at->rs1);
-      movzx(eax, al);
-      break;
-    case Op::p_clip:
-    case Op::p_clipu:
-      emit_clip(at);
-      break;
-    case Op::p_extract:
-    case Op::p_extractu:
-    case Op::p_insert:
-    case Op::p_bclr:
-    case Op::p_bset:
-      if (operand_of(*at) != Operand::immediate) return false;
-      emit_bit_field(at, imm & 31U, (imm >> 5 & 31U) + 1);
-      break;
-    case Op::p_ff1:
-      copy(eax, at->rs1);
-      tzcnt(eax, eax);
-      break;
-    case Op::p_cnt:
-      copy(eax, at->rs1);
-      popcnt(eax, eax);
-      break;
-    case Op::p_fl1:
-      copy(eax, at->rs1);
-      lzcnt(eax, eax);  // 32 for 0: stays
-      mov(ecx, 31);
-      sub(ecx, eax);
-      cmovns(eax, ecx);
-      break;
-    case Op::p_ror:
-      copy(eax, at->rs1);
-      copy(ecx, at->rs2);
-      ror(eax, cl);
-      break;
-    case Op::p_mac:
-    case Op::p_msu:
-      copy(eax, at->rs1);
-      copy(ecx, at->rs2);
-      imul(eax, ecx);
-      if (at->op == Op::p_mac) {
-        add(operand(at->rd), eax);
-      } else {
-        sub(operand(at->rd), eax);
-      }
-      return true;
-    default:
-      return false;
-  }
+void Emitter::emit_absolute(const Instruction* at) {
+  copy(eax, at->rs1);
+  mov(ecx, eax);
+  neg(eax);
+  cmovs(eax, ecx);
   finish(at->rd, eax);
-  return true;
 }
 
-void Emitter::emit_clip(const Instruction* at) {
+void Emitter::emit_unary(const Instruction* at, host::Binary apply) {
+  copy(eax, at->rs1);
+  apply(*this, eax, eax);
+  finish(at->rd, eax);
+}
+
+/// The second operand where the flags of first - second say so.
+void Emitter::emit_select(const Instruction* at, host::Binary move) {
+  copy(eax, at->rs1);
+  copy(ecx, at->rs2);
+  cmp(eax, ecx);
+  move(*this, eax, ecx);
+  finish(at->rd, eax);
+}
+
+void Emitter::emit_extend(const Instruction* at, bool sign, unsigned bits) {
+  copy(eax, at->rs1);
+  const Xbyak::Reg& low = bits == 16 ? static_cast<const Xbyak::Reg&>(ax) : al;
+  sign ? movsx(eax, low) : movzx(eax, low);
+  finish(at->rd, eax);
+}
+
+/// Number of the highest bit that is set; 32 for 0.
+void Emitter::emit_find_last(const Instruction* at) {
+  copy(eax, at->rs1);
+  lzcnt(eax, eax);  // 32 for 0: stays
+  mov(ecx, 31);
+  sub(ecx, eax);
+  cmovns(eax, ecx);
+  finish(at->rd, eax);
+}
+
+void Emitter::emit_rotate(const Instruction* at) {
+  copy(eax, at->rs1);
+  copy(ecx, at->rs2);
+  ror(eax, cl);
+  finish(at->rd, eax);
+}
+
+/// p.mac and p.msu.
+void Emitter::emit_multiply_accumulate(const Instruction* at, bool subtracts) {
+  copy(eax, at->rs1);
+  copy(ecx, at->rs2);
+  imul(eax, ecx);
+  if (subtracts) {
+    sub(operand(at->rd), eax);
+  } else {
+    add(operand(at->rd), eax);
+  }
+}
+
+/// Between 0, or the bound's complement where signed, and the bound.
+void Emitter::emit_clip(const Instruction* at, bool is_signed) {
   copy(eax, at->rs1);
   if (operand_of(*at) == Operand::immediate) {
     mov(ecx, static_cast<std::uint32_t>(at->imm));
   } else {
     copy(ecx, at->rs2);
   }
-  if (at->op == Op::p_clip) {
+  if (is_signed) {
     mov(edx, ecx);
     not_(edx);
     cmp(eax, edx);
@@ -127,38 +84,66 @@ void Emitter::emit_clip(const Instruction* at) {
   }
   cmp(eax, ecx);  // comes first where the two bounds cross
   cmovg(edx, ecx);
-  mov(eax, edx);
+  finish(at->rd, edx);
 }
 
-/// A field of `width` bits from `position` on; what passes the end of the word is not part of it.
-void Emitter::emit_bit_field(const Instruction* at, unsigned position, unsigned width) {
-  const auto low = width == 32 ? ~0U : (1U << width) - 1U;
-  const auto mask = low << position;
+/// The field of a word that an immediate says; none where registers do, which is rare. What passes the end of the word
+/// is not part of it.
+std::optional<Emitter::Field> Emitter::field_of(const Instruction* at) {
+  if (operand_of(*at) != Operand::immediate) return std::nullopt;
+  const auto imm = static_cast<unsigned>(at->imm);
+  Field field{.position = imm & 31U, .width = (imm >> 5 & 31U) + 1};
+  field.low = field.width == 32 ? ~0U : (1U << field.width) - 1U;
+  field.mask = field.low << field.position;
+  return field;
+}
+
+bool Emitter::emit_extract_field(const Instruction* at, bool sign) {
+  const auto field = field_of(at);
+  if (!field) return false;
   copy(eax, at->rs1);
-  switch (at->op) {
-    case Op::p_extractu:
-      shr(eax, static_cast<int>(position));
-      and_(eax, low);
-      break;
-    case Op::p_extract:
-      sar(eax, static_cast<int>(position));
-      shl(eax, static_cast<int>(32 - width));
-      sar(eax, static_cast<int>(32 - width));
-      break;
-    case Op::p_insert:
-      shl(eax, static_cast<int>(position));
-      and_(eax, mask);
-      copy(ecx, at->rd);
-      and_(ecx, ~mask);
-      or_(eax, ecx);
-      break;
-    case Op::p_bclr:
-      and_(eax, ~mask);
-      break;
-    default:
-      or_(eax, mask);
-      break;
+  if (sign) {
+    const auto unused = static_cast<int>(32 - field->width);
+    sar(eax, static_cast<int>(field->position));
+    shl(eax, unused);
+    sar(eax, unused);
+  } else {
+    shr(eax, static_cast<int>(field->position));
+    and_(eax, field->low);
   }
+  finish(at->rd, eax);
+  return true;
+}
+
+bool Emitter::emit_insert_field(const Instruction* at) {
+  const auto field = field_of(at);
+  if (!field) return false;
+  copy(eax, at->rs1);
+  shl(eax, static_cast<int>(field->position));
+  and_(eax, field->mask);
+  copy(ecx, at->rd);
+  and_(ecx, ~field->mask);
+  or_(eax, ecx);
+  finish(at->rd, eax);
+  return true;
+}
+
+bool Emitter::emit_clear_field(const Instruction* at) {
+  const auto field = field_of(at);
+  if (!field) return false;
+  copy(eax, at->rs1);
+  and_(eax, ~field->mask);
+  finish(at->rd, eax);
+  return true;
+}
+
+bool Emitter::emit_set_field(const Instruction* at) {
+  const auto field = field_of(at);
+  if (!field) return false;
+  copy(eax, at->rs1);
+  or_(eax, field->mask);
+  finish(at->rd, eax);
+  return true;
 }
 
 /// p.addN and its kin.
