@@ -109,7 +109,7 @@ class ClusterAuthor : RandomText {
       const bool access = is_load(row.op) || is_store(row.op);
       if (access) set(15, 22);
       if (!is_store(row.op)) set(7, kNumbers[below(kNumbers.size())]);
-      if (access && has_register_offset(row.format)) set(is_store(row.op) ? 7 : 20, 23);
+      if (access && has_step_register(traits_of(row.op).mode)) set(is_store(row.op) ? 7 : 20, 23);
       if (access && row.op == Op::p_elw) continue;
       if (!is_reserved(row, word)) return fmt::format("    .4byte {:#010x}\n", word);
     }

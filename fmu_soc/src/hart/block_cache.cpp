@@ -72,7 +72,7 @@ Instruction BlockCache::translate(const Decoded& decoded, std::uint32_t pc) cons
   if (decoded.op == Op::auipc || decoded.op == Op::jal || is_branch(decoded.op)) {
     instruction.imm = static_cast<std::int32_t>(pc + static_cast<std::uint32_t>(decoded.imm));
   }
-  if (decoded.encoding != nullptr && is_store(decoded.op) && has_register_offset(decoded.encoding->format)) {
+  if (is_store(decoded.op) && has_step_register(traits_of(decoded.op).mode)) {
     instruction.imm = decoded.rs3;
   }
   instruction.rd = decoded.rd == 0 ? 32 : decoded.rd;

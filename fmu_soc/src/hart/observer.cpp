@@ -9,7 +9,7 @@ Access access_of(const Decoded& decoded, const Hart& hart) {
   if (!is_load(decoded.op) && !store) return {};
   auto address = hart.reg(decoded.rs1);
   if (!is_post_increment(decoded.op)) {
-    const bool by_register = decoded.encoding != nullptr && has_register_offset(decoded.encoding->format);
+    const bool by_register = has_step_register(traits_of(decoded.op).mode);
     address += by_register ? hart.reg(store ? decoded.rs3 : decoded.rs2) : static_cast<std::uint32_t>(decoded.imm);
   }
   return {address, traits_of(decoded.op).size, store};

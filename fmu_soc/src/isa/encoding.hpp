@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "isa/format.hpp"
 #include "isa/op.hpp"
 
 #include <cstdint>
@@ -13,80 +14,10 @@
 /// volume II (20211203).
 namespace mebots::soc {
 
-/// Where an encoding keeps its operands. Formats that start with `c` are 16 bits long.
-enum class Format : std::uint8_t {
-  none,
-  r,
-  i,
-  shift,
-  load,
-  store,
-  branch,
-  u,
-  jal,
-  jalr,
-  csr,
-  csr_imm,
-  fence,
-  // Xpulp
-  unary,           // rd, rs1
-  load_reg,        // rd, rs2(rs1)
-  load_post,       // rd, imm(rs1!)
-  load_post_reg,   // rd, rs2(rs1!)
-  store_reg,       // rs2, rs3(rs1); rs3 stands in the place of rd
-  store_post,      // rs2, imm(rs1!)
-  store_post_reg,  // rs2, rs3(rs1!)
-  branch_imm,      // rs1, 5-bit signed value, target
-  loop_target,     // loop, target
-  loop_count,      // loop, rs1
-  loop_counti,     // loop, 12-bit count
-  loop_setup,      // loop, rs1 = count, end
-  loop_setupi,     // loop, 12-bit count, end
-  clip,            // rd, rs1, bits
-  bit_field,       // rd, rs1, width - 1, position
-  shifted,         // rd, rs1, rs2, shift
-  shifted_some,    // likewise; a shift of 0 has its own row
-  simd,            // rd, rs1, rs2
-  simd_scalar,     // likewise; the low part of rs2 stands for all parts
-  simd_imm,        // rd, rs1, 6-bit signed value for all parts
-  simd_uimm,       // likewise, unsigned
-  simd_lane,       // rd, rs1, number of the part
-  shuffle_h,       // rd, rs1, one selecting bit a half
-  shuffle_b,       // rd, rs1, two selecting bits a byte; those of byte 3 are bits 28:27
-  c_none,
-  c_addi4spn,
-  c_load,
-  c_store,
-  c_addi,
-  c_jump,
-  c_jal,
-  c_li,
-  c_addi16sp,
-  c_lui,
-  c_shift,
-  c_andi,
-  c_alu,
-  c_branch,
-  c_slli,
-  c_lwsp,
-  c_swsp,
-  c_jr,
-  c_jalr,
-  c_mv,
-  c_add,
-};
-
 /// What a core must have so that a row of the table is an instruction for it.
 enum class Extension : std::uint8_t {
   standard,  // RV32IMC_Zicsr_Zifencei, machine mode
   xpulp,     // Xpulp v2 as in RI5CY
-};
-
-/// Where the second operand of an operation comes from.
-enum class Operand : std::uint8_t {
-  reg,        // register rs2
-  scalar,     // the low half or byte of register rs2, for all parts
-  immediate,  // the immediate
 };
 
 /// One row of the table: a word is this instruction when `(word & mask) == match` and the operands are not reserved.
@@ -118,14 +49,6 @@ struct Decoded {
 /// The whole table.
 std::span<const Encoding> encodings();
 
-/// A load or store whose offset or increment stands in a register.
-constexpr bool has_register_offset(Format format) {
-  return format == Format::load_reg || format == Format::load_post_reg || format == Format::store_reg ||
-         format == Format::store_post_reg;
-}
-constexpr bool is_compressed(Format format) {
-  return format >= Format::c_none;
-}
 /// True when the low bits of a word say that the instruction has 16 bits.
 constexpr bool is_compressed(std::uint32_t word) {
   return (word & 3U) != 3U;

@@ -128,7 +128,7 @@ TEST(Xpulp, EncodingsAreThoseOfASecondDescription) {
     const auto decoded = decode(word);
     const bool xpulp = decoded.encoding != nullptr && decoded.encoding->extension == Extension::xpulp;
     if (is_load(decoded.op) || is_store(decoded.op)) {
-      if (xpulp && has_register_offset(decoded.encoding->format)) {
+      if (xpulp && has_step_register(traits_of(decoded.op).mode)) {
         reference.x[word >> 20 & 31U] = 0;
         if (is_store(decoded.op)) reference.x[word >> 7 & 31U] = 0;
         reference.x[word >> 15 & 31U] = kRam + 16;

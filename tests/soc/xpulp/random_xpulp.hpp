@@ -89,7 +89,7 @@ class Generator {
       if (access) {
         word = with(word, 15, kFirstPointer + random_.below(kLastPointer - kFirstPointer + 1));
         const auto offset = kFirstOffset + random_.below(kLastOffset - kFirstOffset + 1);
-        const bool by_register = has_register_offset(row.format);
+        const bool by_register = has_step_register(traits_of(row.op).mode);
         if (is_store(row.op) && by_register) word = with(word, 7, offset);
         if (is_load(row.op) && by_register) word = with(word, 20, offset);
         if (is_load(row.op)) word = with(word, 7, free_register());

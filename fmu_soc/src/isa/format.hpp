@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <initializer_list>
+#include <string_view>
+
+namespace mebots::soc {
+
+/// Where an encoding keeps its operands. Formats that start with `c` are 16 bits long.
+enum class Format : std::uint8_t {
+#define MEBOTS_FORMAT(name, ...) name,
+#include "isa/formats.inc"
+};
+
+/// Where the second operand of an operation comes from.
+enum class Operand : std::uint8_t {
+  reg,        // register rs2
+  scalar,     // the low half or byte of register rs2, for all parts
+  immediate,  // the immediate
+};
+
+/// Bits [high:low] of a word, moved to bit `to`.
+constexpr std::uint32_t field(std::uint32_t word, unsigned high, unsigned low, unsigned to = 0) {
+  return ((word >> low) & ((1U << (high - low + 1)) - 1U)) << to;
+}
+
+/// Where the number of a register stands.
+struct RegisterField {
+  std::uint8_t low = 0;   // its lowest bit
+  std::uint8_t bits = 0;  // 0: it is always `add`
+  std::uint8_t add = 0;
+
+  constexpr std::uint8_t of(std::uint32_t word) const {
+    return static_cast<std::uint8_t>(bits == 0 ? add : add + field(word, low + bits - 1U, low));
+  }
+};
+
+/// How the bits of an immediate lie in the word.
+struct Immediate {
+  struct Piece {
+    std::uint8_t high;
+    std::uint8_t low;
+    std::uint8_t to = 0;  // the lowest bit's place in the immediate
+  };
+  static constexpr std::uint8_t kUnsigned = 31;
+  static constexpr std::size_t kMostPieces = 8;
+
+  constexpr Immediate() = default;
+  constexpr Immediate(std::initializer_list<Piece> list, std::uint8_t sign_bit = kUnsigned) : sign(sign_bit) {
+    for (const auto& piece : list) pieces[count++] = piece;
+  }
+
+  std::array<Piece, kMostPieces> pieces{};
+  std::size_t count = 0;
+  std::uint8_t sign = kUnsigned;  // bit that all bits above it are copies of
+
+  constexpr std::int32_t of(std::uint32_t word) const {
+    std::uint32_t value = 0;
+    for (std::size_t i = 0; i < count; ++i) value |= field(word, pieces[i].high, pieces[i].low, pieces[i].to);
+    return static_cast<std::int32_t>(value << (31 - sign)) >> (31 - sign);
+  }
+};
+
+/// What an immediate stands for as a second operand.
+enum class Value : std::uint8_t {
+  as_it_is,
+  bound,           // of a clip: the number of its bits
+  in_all_parts,    // of a SIMD operation
+  selects_halves,  // of a shuffle, from the highest part down
+  selects_bytes,
+};
+
+/// Which operands make an encoding reserved, or another instruction.
+enum class Reserved : std::uint8_t {
+  never,
+  zero_immediate,
+  zero_immediate_or_sp,  // rd = x2
+  long_shift,            // 32 places and more
+  zero_at_7,             // x0 in bits 11:7
+  zero_at_2,             // x0 in bits 6:2
+};
+
+/// A row of formats.inc.
+struct FormatRow {
+  std::uint8_t bytes = 4;
+  RegisterField rd{};
+  RegisterField rs1{};
+  RegisterField rs2{};
+  RegisterField rs3{};
+  Immediate immediate{};
+  Operand operand = Operand::reg;  // where the second one comes from
+  Value value = Value::as_it_is;
+  Reserved reserved = Reserved::never;
+  std::string_view text{};  // of the operands; in braces what disassembly.cpp names
+};
+
+namespace format_rows {
+
+inline constexpr RegisterField kAt7{7, 5};
+inline constexpr RegisterField kAt15{15, 5};
+inline constexpr RegisterField kAt20{20, 5};
+inline constexpr RegisterField kAt2{2, 5};
+inline constexpr RegisterField kShortAt2{2, 3, 8};  // x8 to x15
+inline constexpr RegisterField kShortAt7{7, 3, 8};
+inline constexpr RegisterField kRa{.add = 1};
+inline constexpr RegisterField kSp{.add = 2};
+inline constexpr RegisterField kLoopNumber{7, 1};
+
+inline constexpr Immediate kImmediate12({{31, 20}}, 11);
+inline constexpr Immediate kTwelveBits({{31, 20}});
+inline constexpr Immediate kFiveBits({{24, 20}});
+inline constexpr Immediate kStore12({{31, 25, 5}, {11, 7}}, 11);
+inline constexpr Immediate kBranch13({{31, 31, 12}, {7, 7, 11}, {30, 25, 5}, {11, 8, 1}}, 12);
+inline constexpr Immediate kUpper20({{31, 12, 12}});
+inline constexpr Immediate kJump21({{31, 31, 20}, {19, 12, 12}, {20, 20, 11}, {30, 21, 1}}, 20);
+inline constexpr Immediate kLoopEnd({{31, 20, 1}});
+inline constexpr Immediate kLoopCountAndEnd({{31, 20}, {19, 15, 17}});
+inline constexpr Immediate kWidthAndPosition({{29, 25, 5}, {24, 20}});
+inline constexpr Immediate kPlaces({{29, 25}});
+inline constexpr Immediate kSignedSixBits({{24, 20, 1}, {25, 25}}, 5);
+inline constexpr Immediate kSixBits({{24, 20, 1}, {25, 25}});
+inline constexpr Immediate kSelectors({{28, 27, 6}, {24, 20, 1}, {25, 25}});
+inline constexpr Immediate kShortStackOffset({{12, 11, 4}, {10, 7, 6}, {6, 6, 2}, {5, 5, 3}});
+inline constexpr Immediate kShortOffset({{12, 10, 3}, {6, 6, 2}, {5, 5, 6}});
+inline constexpr Immediate kShortSigned({{12, 12, 5}, {6, 2}}, 5);
+inline constexpr Immediate kShortUnsigned({{12, 12, 5}, {6, 2}});
+inline constexpr Immediate kShortJump(
+    {{12, 12, 11}, {11, 11, 4}, {10, 9, 8}, {8, 8, 10}, {7, 7, 6}, {6, 6, 7}, {5, 3, 1}, {2, 2, 5}}, 11);
+inline constexpr Immediate kShortStackStep({{12, 12, 9}, {6, 6, 4}, {5, 5, 6}, {4, 3, 7}, {2, 2, 5}}, 9);
+inline constexpr Immediate kShortUpper({{12, 12, 17}, {6, 2, 12}}, 17);
+inline constexpr Immediate kShortBranch({{12, 12, 8}, {11, 10, 3}, {6, 5, 6}, {4, 3, 1}, {2, 2, 5}}, 8);
+inline constexpr Immediate kShortStackLoad({{12, 12, 5}, {6, 4, 2}, {3, 2, 6}});
+inline constexpr Immediate kShortStackStore({{12, 9, 2}, {8, 7, 6}});
+
+inline constexpr auto kRows = std::to_array<FormatRow>({
+#define MEBOTS_FORMAT(name, ...) __VA_ARGS__,
+#include "isa/formats.inc"
+});
+
+}  // namespace format_rows
+
+constexpr const FormatRow& row_of(Format format) {
+  return format_rows::kRows[static_cast<std::size_t>(format)];
+}
+constexpr bool is_compressed(Format format) {
+  return row_of(format).bytes == 2;
+}
+
+}  // namespace mebots::soc
