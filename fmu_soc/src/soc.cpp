@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "soc.hpp"
 
+#include "cluster/own_peripherals.hpp"
+#include "gap8_devices/cluster_peripherals.hpp"
+#include "gap8_devices/fll.hpp"
+#include "gap8_devices/soc_control.hpp"
 #include "hart/csr_numbers.hpp"
 #include "isa/encoding.hpp"
 #include "mebots/assert.hpp"
@@ -19,6 +23,8 @@ namespace mebots::soc {
 namespace {
 
 constexpr unsigned kArgument0 = 10;
+/// What lies below are registers that each core has for itself.
+constexpr std::uint32_t kSharedDevices = 0x1000'0000;
 
 Memory make_memory(const BoardDescription& board) {
   Memory memory;
@@ -71,7 +77,7 @@ std::uint32_t checked_cluster_clock(const Chip& chip, const Settings& settings) 
 }  // namespace
 
 /// What the chip does for its devices.
-class Soc::Host final : public ChipHost {
+class Soc::Host final : public ChipHost, private gap8_devices::PictureRoll {
  public:
   explicit Host(Soc& soc) : soc_(soc) {}
 
@@ -98,6 +104,7 @@ class Soc::Host final : public ChipHost {
   double clock_hz() const override { return soc_.clock_.hz(); }
   gap8_devices::Signals& signals() override { return soc_.signals_; }
   std::span<const std::uint8_t> flash() override { return soc_.flash_; }
+  const gap8_devices::PictureRoll& pictures() const override { return *this; }
   std::string function() const override { return soc_.program_.where(soc_.hart_.pc()); }
 
  protected:
@@ -108,6 +115,12 @@ class Soc::Host final : public ChipHost {
   }
 
  private:
+  bool exists() const override { return !soc_.pictures_.empty(); }
+  std::span<const std::uint8_t> picture(std::size_t number) const override {
+    if (number >= soc_.pictures_.size()) return {};
+    return soc_.pictures_[number];
+  }
+
   Soc& soc_;
 };
 
@@ -120,6 +133,7 @@ Soc::Soc(const BoardDescription& board, const Chip& chip, const Settings& settin
       board_(board),
       kinds_(board_, settings.library_folders),
       flash_(settings.flash),
+      pictures_(settings.pictures),
       host_(std::make_unique<Host>(*this)),
       hart_(memory_, *this, timing_of(board, chip), chip.instruction_energy),
       meter_(chip.energy, inventory_of(board, settings),
@@ -195,25 +209,44 @@ void Soc::add_cluster(const Settings& settings) {
     return memory_.regions()[a.region].size > memory_.regions()[b.region].size;
   });
   cluster.l1_region = cluster.ports.front().region;
+  if (const auto& l1 = board_.memories[cluster.l1_region]; l1.alias) {
+    cluster.ports.push_back({cluster.l1_region, 0, nullptr, *l1.alias - l1.base});
+  }
   MEBOTS_ASSERT(cluster.l1_region < memory_.regions().size());
-  bool has_event_unit = false;
-  bool has_dma = false;
-  for (const auto& entry : board_.devices) {
-    if (entry.kind == kEventUnitKind) {
-      cluster.event_unit_base = entry.base;
-      cluster_interrupt_ = entry.interrupt;
-      has_event_unit = true;
-    } else if (entry.kind == kClusterDmaKind) {
-      cluster.dma_base = entry.base;
-      has_dma = true;
-    }
-  }
-  if (!has_event_unit || !has_dma) {
-    throw Error(
-        fmt::format("board {}: a cluster needs a device of kind event_unit and one of kind cluster_dma", board_.name));
-  }
+  choose_peripherals(cluster);
   cluster_ = std::make_unique<Cluster>(memory_, cluster, chip_.instruction_energy);
+  if (cluster.has_gap8_interrupts) {
+    cluster_->set_outside([this](const ClusterAccess& access, Picoseconds now) { return from_cluster(access, now); });
+  }
   cluster_->set_watcher([this](std::uint32_t address) { return watched(address); });
+}
+
+/// GAP8's own, or those of our boards.
+void Soc::choose_peripherals(ClusterSettings& cluster) {
+  const auto entry_of = [this](std::string_view kind) {
+    const auto found = std::ranges::find(board_.devices, kind, &BoardDevice::kind);
+    return found == board_.devices.end() ? nullptr : &*found;
+  };
+  if (const auto* gap8 = entry_of(kGap8ClusterKind); gap8 != nullptr) {
+    cluster.has_gap8_interrupts = true;
+    cluster.make_peripherals = [this, &cluster, gap8](ClusterDma& dma) {
+      return std::make_unique<gap8_devices::ClusterPeripherals>(
+          *gap8, *host_,
+          gap8_devices::ClusterPeripherals::Parts{cluster.cores, board_.memories[cluster.l1_region].base,
+                                                  board_.memories[cluster.l1_region].size, &dma});
+    };
+    return;
+  }
+  const auto* event_unit = entry_of(kEventUnitKind);
+  const auto* dma_entry = entry_of(kClusterDmaKind);
+  if (event_unit == nullptr || dma_entry == nullptr) {
+    throw Error(fmt::format("board {}: a cluster needs a device of kind {}, or one of kind {} and one of kind {}",
+                            board_.name, kGap8ClusterKind, kEventUnitKind, kClusterDmaKind));
+  }
+  cluster_interrupt_ = event_unit->interrupt;
+  cluster.make_peripherals = [&cluster, event_unit, dma_entry](ClusterDma& dma) {
+    return std::make_unique<OwnPeripherals>(cluster.cores, event_unit->base, dma_entry->base, dma);
+  };
 }
 
 void Soc::add_devices() {
@@ -233,7 +266,10 @@ void Soc::add_devices() {
       }
       event_unit_ = &port->unit();
     }
-    slots_.push_back({entry.name, entry.base, entry.size(), entry.interrupt, device.get()});
+    const bool sets_power = device.get() == power_manager_ ||
+                            dynamic_cast<gap8_devices::Fll*>(device.get()) != nullptr ||
+                            dynamic_cast<gap8_devices::SocControl*>(device.get()) != nullptr;
+    slots_.push_back({entry.name, entry.base, entry.size(), entry.interrupt, device.get(), sets_power});
     for (const auto address : entry.also_at) {
       slots_.push_back({entry.name, address, entry.size(), -1, device.get()});
     }
@@ -308,7 +344,7 @@ bool Soc::must_wait(std::uint32_t address, Picoseconds now) const {
   if (cluster_next() >= now) return false;
   if (cluster_->owns(address)) return true;
   const auto* slot = slot_at(address);
-  return slot != nullptr && slot->device == power_manager_;
+  return slot != nullptr && slot->sets_power;
 }
 
 BusReply Soc::load(std::uint32_t address, std::uint64_t cycle) {
@@ -323,6 +359,20 @@ BusReply Soc::load(std::uint32_t address, std::uint64_t cycle) {
   std::uint32_t value = 0;
   if (slot == nullptr || !slot->device->load(address - slot->base, now, value)) return {};
   return BusReply::done(value, chip_.interconnect.fabric_controller_to_device);
+}
+
+/// A cluster core reaches a device of the SoC, which it finds as far on as the fabric controller does.
+BusReply Soc::from_cluster(const ClusterAccess& access, Picoseconds time) {
+  const auto now = asleep_ ? time : std::max(time, core_time());
+  const auto* slot = slot_at(access.address);
+  if (slot == nullptr || slot->base < kSharedDevices) return {};
+  const auto offset = access.address - slot->base;
+  const auto wait = chip_.interconnect.cluster_to_soc + chip_.interconnect.fabric_controller_to_device;
+  if (access.stored != nullptr) {
+    return slot->device->store(offset, now, *access.stored) ? BusReply::done(0, wait) : BusReply{};
+  }
+  std::uint32_t value = 0;
+  return slot->device->load(offset, now, value) ? BusReply::done(value, wait) : BusReply{};
 }
 
 BusReply Soc::load_event(std::uint32_t address, std::uint64_t cycle) {
@@ -457,6 +507,13 @@ Picoseconds Soc::cluster_next() const {
 void Soc::advance_cluster(Picoseconds until, Picoseconds last, std::uint64_t cycle_limit) {
   do {
     cluster_->advance(until, last, cycle_limit);
+    if (event_unit_ != nullptr) {  // a core may have used the devices of GAP8's SoC
+      apply_power_settings();
+      if (signals_.exit_code && running()) {
+        finish(End::exited);
+        return;
+      }
+    }
     update_lines();
     if (cluster_->take_fabric_wake()) hart_.wake();
     if (cluster_->faulted_core() >= 0) {
@@ -624,12 +681,15 @@ Picoseconds Soc::sleep_time() const {
   return slept_ + (asleep_ && now_ > asleep_since_ ? now_ - asleep_since_ : 0);
 }
 
+bool Soc::waits_for_picture() const {
+  return std::ranges::any_of(devices_, [](const auto& slot) { return slot.device->takes_picture(); });
+}
+
 ChipState Soc::chip_state() const {
   if (end_ == End::powered_off) return ChipState::off;
   if (cluster_ && cluster_->powered()) return ChipState::cluster;
   if (!asleep_) return ChipState::controller;
-  const bool waits = std::ranges::any_of(devices_, [](const auto& slot) { return slot.device->takes_picture(); });
-  return waits ? ChipState::waiting : ChipState::asleep;
+  return waits_for_picture() ? ChipState::waiting : ChipState::asleep;
 }
 
 /// Something may have changed at `time`, or later, when it woke the core.

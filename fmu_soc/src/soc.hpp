@@ -43,7 +43,9 @@ struct Settings {
   /// Where the board's libraries may lie, beside the folder of its file.
   std::vector<std::filesystem::path> library_folders = {};
   std::vector<std::uint8_t> flash = {};  // what the board's flash holds at the start
-  bool translate = true;                 // hot code to host code; counts are the same without
+  /// What the board's camera sees, one after the other; none = the world says it.
+  std::vector<std::vector<std::uint8_t>> pictures = {};
+  bool translate = true;  // hot code to host code; counts are the same without
 };
 
 /// Who listens to a system. Each may be empty.
@@ -144,6 +146,8 @@ class Soc final : private Bus {
   std::vector<DeviceState> device_states() const;
   /// Who hears of changes of state from now on, or null. Not part of a state.
   void listen(StateListener* listener) { listener_ = listener; }
+  /// Whether some camera waits for its picture.
+  bool waits_for_picture() const;
   /// Time the core slept, up to now.
   Picoseconds sleep_time() const;
   /// What it did how long, up to now; the instruction under way counts to its end.
@@ -190,6 +194,7 @@ class Soc final : private Bus {
     std::uint32_t size = 0;  // bytes
     int interrupt = -1;
     Device* device = nullptr;
+    bool sets_power = false;  // clocks, voltage or the cluster's power
   };
 
   static constexpr std::uint64_t kLead = 256;
@@ -197,6 +202,7 @@ class Soc final : private Bus {
 
   void connect_memories();
   void add_cluster(const Settings& settings);
+  void choose_peripherals(ClusterSettings& cluster);
   void add_devices();
   void load_program();
 
@@ -205,6 +211,7 @@ class Soc final : private Bus {
   BusReply store(std::uint32_t address, std::uint64_t cycle, std::uint32_t value) override;
   BusReply store_narrow(std::uint32_t address, std::uint64_t cycle, std::uint32_t value, unsigned size) override;
   void interrupt_taken(unsigned line) override;
+  BusReply from_cluster(const ClusterAccess& access, Picoseconds time);
   const PowerSettings* power_settings() const;
   bool must_wait(std::uint32_t address, Picoseconds now) const;
   bool watched(std::uint32_t address) override;
@@ -241,6 +248,7 @@ class Soc final : private Bus {
   BoardDescription board_;
   Kinds kinds_;
   std::vector<std::uint8_t> flash_;
+  std::vector<std::vector<std::uint8_t>> pictures_;
   std::unique_ptr<ChipHost> host_;  // of the devices
   gap8_devices::Signals signals_;   // between them
   std::vector<std::unique_ptr<Device>> owned_;

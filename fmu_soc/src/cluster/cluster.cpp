@@ -2,20 +2,11 @@
 #include "cluster/cluster.hpp"
 
 #include "cluster/core.hpp"
-#include "fmu_soc_board/board.hpp"
 #include "mebots/assert.hpp"
 
 #include <algorithm>
 
 namespace mebots::soc {
-namespace {
-
-template <std::size_t Count>
-constexpr std::uint32_t size_of(const std::array<board::RegisterName, Count>& registers) {
-  return registers.back().offset + 4;
-}
-
-}  // namespace
 
 Cluster::Cluster(Memory& memory, const ClusterSettings& settings, const InstructionEnergy& energy)
     : settings_(settings),
@@ -24,8 +15,8 @@ Cluster::Cluster(Memory& memory, const ClusterSettings& settings, const Instruct
                              ? std::nullopt
                              : std::optional<InstructionCache>(settings.instruction_cache)),
       banks_(settings.l1_banks),
-      event_unit_(settings.cores),
-      dma_(memory, settings.l1_region, settings.dma) {
+      dma_(memory, settings.l1_region, settings.dma),
+      peripherals_(settings.make_peripherals(dma_)) {
   MEBOTS_ASSERT(settings.cores > 0 && settings.cores <= kMostClusterCores);
   ready_.fill(kNoTick);
   queue_.reserve(settings.cores);
@@ -42,12 +33,20 @@ void Cluster::power_on(Picoseconds now, std::uint32_t boot) {
   powered_ = true;
   powered_since_ = now;
   in_step_ = false;
-  event_unit_ = EventUnit(cores());
+  peripherals_->reset(boot);
   dma_.reset();
   banks_.free_all();  // nothing of what cores had claimed ahead of time when they were switched off
   if (instruction_cache_) instruction_cache_->flush();
-  const auto tick = tick_at(now);
-  for (auto& core : cores_) core->start(boot, tick);
+  for (auto& core : cores_) core->halt();
+  start_cores(tick_at(now));
+}
+
+void Cluster::start_cores(std::uint64_t tick) {
+  const auto started = peripherals_->take_started();
+  if (started != 0) in_step_ = false;
+  for (auto& core : cores_) {
+    if ((started >> core->id() & 1U) != 0) core->start(peripherals_->boot_address(core->id()), tick);
+  }
 }
 
 void Cluster::power_off(Picoseconds now) {
@@ -149,7 +148,7 @@ std::uint64_t Cluster::run_quantum(std::uint64_t start, std::uint64_t until) {
     const auto first = first_ready();
     const auto transfer = dma_.next_tick();
     if (transfer < end && transfer <= first) {
-      dma_.advance(transfer, event_unit_);
+      dma_.advance(transfer, *peripherals_);
       spread_events(transfer);
       continue;
     }
@@ -245,17 +244,20 @@ void Cluster::note_stop(Core& core, Stop stop) {
   if (stop == Stop::fault || stopped_) has_news_ = true;
 }
 
-/// What happened in `tick` wakes who waited for it.
+/// What happened in `tick` wakes who waited for it, and starts who was to begin.
 void Cluster::spread_events(std::uint64_t tick) {
-  const auto woken = event_unit_.take_woken();
+  const auto woken = peripherals_->take_woken();
   if (woken != 0) in_step_ = false;
+  const auto changed_lines = peripherals_->take_line_changes();
   for (auto& core : cores_) {
+    if ((changed_lines >> core->id() & 1U) != 0) core->set_interrupts(peripherals_->lines(core->id()), tick);
     if ((woken >> core->id() & 1U) != 0) core->wake(tick + kWakeLatency);
   }
+  start_cores(tick + 1);
   const bool fabric_woken = (woken >> kFabricController & 1U) != 0;
-  const bool raised = event_unit_.interrupt() && !interrupt_;
-  if (fabric_woken || event_unit_.interrupt() != interrupt_) has_news_ = true;
-  interrupt_ = event_unit_.interrupt();
+  const bool raised = peripherals_->interrupt() && !interrupt_;
+  if (fabric_woken || peripherals_->interrupt() != interrupt_) has_news_ = true;
+  interrupt_ = peripherals_->interrupt();
   fabric_woken_ = fabric_woken_ || fabric_woken;
   if (fabric_woken || raised) fabric_event_time_ = clock_.time_of(tick);
 }
@@ -266,40 +268,43 @@ bool Cluster::take_fabric_wake() {
   return woken;
 }
 
-BusReply Cluster::access(unsigned who, std::uint32_t address, std::uint64_t tick, const std::uint32_t* stored,
-                         bool event) {
-  MEBOTS_ASSERT(who < cores() || who == kFabricController);
+BusReply Cluster::access(const ClusterAccess& access) {
+  MEBOTS_ASSERT(access.who < cores() || access.who == kFabricController);
   MEBOTS_ASSERT(powered_, "devices of a cluster that is off belong to nobody");
-  if (const auto offset = address - settings_.event_unit_base; offset < size_of(board::event_unit::kRegisters)) {
-    if (stored == nullptr) return event ? event_unit_.load_event(who, offset) : event_unit_.load(who, offset);
-    return event_unit_.store(who, offset, *stored) ? BusReply::done() : BusReply{};
+  if (access.who == kFabricController || peripherals_->owns_of_core(access.address)) {
+    return peripherals_->access(access);
   }
-  if (const auto offset = address - settings_.dma_base; offset < size_of(board::cluster_dma::kRegisters)) {
-    if (stored == nullptr) return dma_.load(who, offset);
-    return dma_.store(who, offset, *stored, tick) ? BusReply::done() : BusReply{};
-  }
-  return {};
+  return access_outside(access);
+}
+
+BusReply Cluster::access_outside(const ClusterAccess& access) {
+  if (!outside_) return {};
+  has_news_ = true;
+  fabric_event_time_ = clock_.time_of(access.tick);
+  return outside_(access, fabric_event_time_);
 }
 
 bool Cluster::owns(std::uint32_t address) const {
-  return powered_ && (address - settings_.event_unit_base < size_of(board::event_unit::kRegisters) ||
-                      address - settings_.dma_base < size_of(board::cluster_dma::kRegisters));
+  return powered_ && peripherals_->owns_of_fabric_controller(address);
 }
 
 BusReply Cluster::load(std::uint32_t address, Picoseconds now) {
-  return access(kFabricController, address, tick_at(now), nullptr, false);
+  const auto tick = tick_at(now);
+  const auto reply = access({kFabricController, address, tick});
+  spread_events(tick);
+  return reply;
 }
 
 BusReply Cluster::load_event(std::uint32_t address, Picoseconds now) {
   const auto tick = tick_at(now);
-  const auto reply = access(kFabricController, address, tick, nullptr, true);
+  const auto reply = access({kFabricController, address, tick, nullptr, true});
   spread_events(tick);
   return reply;
 }
 
 BusReply Cluster::store(std::uint32_t address, Picoseconds now, std::uint32_t value) {
   const auto tick = tick_at(now);
-  const auto reply = access(kFabricController, address, tick, &value, false);
+  const auto reply = access({kFabricController, address, tick, &value});
   spread_events(tick);
   return reply;
 }
@@ -352,7 +357,7 @@ std::uint64_t Cluster::longest_cycles() const {
 void Cluster::visit(state::Visitor& v) {
   v("banks", banks_);
   if (instruction_cache_) v("instruction_cache", *instruction_cache_);
-  v("event_unit", event_unit_);
+  v("event_unit", *peripherals_);
   v("dma", dma_);
   for (std::size_t i = 0; i < cores_.size(); ++i) v("core[" + std::to_string(i) + "]", *cores_[i]);
   v("clock", clock_);

@@ -3,7 +3,7 @@
 
 #include "clock.hpp"
 #include "cluster/dma.hpp"
-#include "cluster/event_unit.hpp"
+#include "cluster/peripherals.hpp"
 #include "hart/hart.hpp"
 #include "memory/banks.hpp"
 #include "memory/instruction_cache.hpp"
@@ -25,8 +25,9 @@ struct ClusterSettings {
   std::vector<MemoryPort> ports;  // of a core, L1 first; its banks are filled in here
   InstructionCacheSettings instruction_cache;
   std::uint32_t clock_hz = 0;
-  std::uint32_t event_unit_base = 0;
-  std::uint32_t dma_base = 0;
+  /// Its registers; the DMA engine is the cluster's.
+  std::function<std::unique_ptr<ClusterPeripherals>(ClusterDma& dma)> make_peripherals;
+  bool has_gap8_interrupts = false;  // cores have the interrupts and CSRs of GAP8's
   DmaTiming dma;
   Timing timing;
   bool translate = true;  // hot code to host code; counts are the same without
@@ -59,10 +60,16 @@ class Cluster {
   /// Called after a core stored into a watched word; true ends the run.
   void set_watcher(std::function<bool(std::uint32_t address)> watcher) { watcher_ = std::move(watcher); }
 
+  /// What a core finds where neither memory nor the cluster's own registers are. Called with the time of its access; it
+  /// may change what the rest of the chip does next.
+  using Outside = std::function<BusReply(const ClusterAccess& access, Picoseconds now)>;
+  void set_outside(Outside outside) { outside_ = std::move(outside); }
+
   unsigned cores() const { return static_cast<unsigned>(cores_.size()); }
   bool powered() const { return powered_; }
 
-  /// Off: what the cores and devices knew is lost. On: all cores start at `boot`, in the first tick at or after `now`.
+  /// Off: what the cores and devices knew is lost. On: cores start as its registers have it, our own at once at `boot`,
+  /// in the first tick at or after `now`.
   void power_off(Picoseconds now);
   void power_on(Picoseconds now, std::uint32_t boot);
   /// Another frequency, from the first tick at or after `now` on.
@@ -90,7 +97,7 @@ class Cluster {
   bool take_fabric_wake();
   /// When its interrupt line last went up, or its event load was answered.
   Picoseconds fabric_event_time() const { return fabric_event_time_; }
-  bool interrupt() const { return powered_ && event_unit_.interrupt(); }
+  bool interrupt() const { return powered_ && peripherals_->interrupt(); }
 
   const Hart& hart(unsigned core) const;
   Hart& hart(unsigned core);
@@ -137,14 +144,16 @@ class Cluster {
   void spread_events(std::uint64_t tick);
   std::uint64_t next_tick() const;
   std::uint64_t tick_at(Picoseconds time) const { return clock_.first_at(time); }
-  BusReply access(unsigned who, std::uint32_t address, std::uint64_t tick, const std::uint32_t* stored, bool event);
+  void start_cores(std::uint64_t tick);
+  BusReply access(const ClusterAccess& access);
+  BusReply access_outside(const ClusterAccess& access);
 
   ClusterSettings settings_;
   std::shared_ptr<DecodedCode> decoded_;  // one for all cores: they run the same code
   std::optional<InstructionCache> instruction_cache_;
   Banks banks_;
-  EventUnit event_unit_;
   ClusterDma dma_;
+  std::unique_ptr<ClusterPeripherals> peripherals_;
   /// Of each core: the tick in which its next instruction starts; kNoTick while it sleeps, or when there is none.
   std::array<std::uint64_t, kMostClusterCores> ready_{};
   std::vector<std::unique_ptr<Core>> cores_;
@@ -153,6 +162,7 @@ class Cluster {
   bool in_step_ = false;          // the queue holds all who are awake, and all came through the last quantum in it
   std::uint64_t last_ready_ = 0;  // then: the tick of the core that is farthest ahead
   std::function<bool(std::uint32_t)> watcher_;
+  Outside outside_;
   Clock clock_;
   bool powered_ = false;
   bool interrupt_ = false;  // what the line was

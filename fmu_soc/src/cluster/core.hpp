@@ -20,6 +20,7 @@ class Cluster::Core final : private Bus {
         schedule_(cluster.banks_),
         ready_(cluster.ready_[id]) {
     hart_.set_id(id);
+    if (cluster.settings_.has_gap8_interrupts) hart_.use_event_unit();
     hart_.set_loose_limit(true);
     if (cluster.instruction_cache_) hart_.fetch_through(*cluster.instruction_cache_);
     hart_.set_translation(cluster.settings_.translate);
@@ -48,6 +49,11 @@ class Cluster::Core final : private Bus {
     go_on_at(tick);
     if (observer_ != nullptr) observer_->switched(hart_, true);
   }
+  /// It has not begun yet.
+  void halt() {
+    set_asleep(true);
+    find_ready();
+  }
   void stop() {
     if (observer_ != nullptr) observer_->switched(hart_, false);
   }
@@ -62,6 +68,12 @@ class Cluster::Core final : private Bus {
     set_asleep(false);
     hart_.wake();
     go_on_at(tick);
+  }
+
+  /// All its interrupt lines. One that it lets in ends its sleep.
+  void set_interrupts(std::uint32_t lines, std::uint64_t tick) {
+    hart_.set_interrupts(lines);
+    if (asleep_ && hart_.sleeping() && hart_.wakes()) wake(tick + kWakeLatency);
   }
 
   Stop run(std::uint64_t end) { return hart_.run(end - offset_); }
@@ -112,7 +124,7 @@ class Cluster::Core final : private Bus {
     }
     granted_ = false;
     accessed_ = cycle + offset_;
-    return cluster_.access(id_, address, accessed_, stored, event);
+    return cluster_.access({id_, address, accessed_, stored, event});
   }
   BusReply load(std::uint32_t address, std::uint64_t cycle) override { return turn(address, cycle, nullptr, false); }
   BusReply load_event(std::uint32_t address, std::uint64_t cycle) override {
@@ -120,6 +132,10 @@ class Cluster::Core final : private Bus {
   }
   BusReply store(std::uint32_t address, std::uint64_t cycle, std::uint32_t value) override {
     return turn(address, cycle, &value, false);
+  }
+  void interrupt_taken(unsigned line) override {
+    cluster_.peripherals_->interrupt_taken(id_, line);
+    hart_.set_interrupts(cluster_.peripherals_->lines(id_));
   }
   bool watched(std::uint32_t address) override { return cluster_.watcher_ && cluster_.watcher_(address); }
 

@@ -85,8 +85,8 @@ bool ClusterDma::fits(const Draft& draft) const {
   MEBOTS_ASSERT(l1_region_ < memory_.regions().size());
   if (draft.size == 0) return false;
   const auto row = draft.row == 0 ? draft.size : draft.row;
-  if (draft.size % row != 0) return false;
-  const auto span = std::uint64_t{draft.size / row - 1} * draft.stride + row;
+  const auto last_row = (draft.size - 1) / row;
+  const auto span = std::uint64_t{last_row} * draft.stride + std::max(row, draft.size - last_row * row);
   if (span > 0xffffffffU) return false;
   const auto* l2 = memory_.find(draft.l2, static_cast<std::uint32_t>(span));
   const auto& l1 = memory_.regions()[l1_region_];
@@ -98,32 +98,47 @@ std::uint32_t ClusterDma::cycles_of(const Draft& draft) const {
     const auto beats = (bytes + timing_.bytes_per_cycle - 1) / timing_.bytes_per_cycle;
     return std::max(beats, timing_.least_burst_cycles);
   };
+  const auto cycles_of_row = [&](std::uint32_t bytes) {
+    const auto whole = bytes / timing_.most_burst_bytes;
+    const auto rest = bytes % timing_.most_burst_bytes;
+    return whole * cycles_of_bytes(timing_.most_burst_bytes) + (rest == 0 ? 0 : cycles_of_bytes(rest));
+  };
   const auto row = draft.row == 0 ? draft.size : draft.row;
-  const auto whole = row / timing_.most_burst_bytes;
-  MEBOTS_ASSERT(row > 0 && draft.size % row == 0, "fits() refuses broken rows");
-  const auto rest = row % timing_.most_burst_bytes;
-  const auto per_row = whole * cycles_of_bytes(timing_.most_burst_bytes) + (rest == 0 ? 0 : cycles_of_bytes(rest));
-  return draft.size / row * per_row;
+  MEBOTS_ASSERT(row > 0);
+  return draft.size / row * cycles_of_row(row) + cycles_of_row(draft.size % row);
+}
+
+bool ClusterDma::has_room() const {
+  return std::ranges::any_of(transfers_, [](const auto& t) { return t.end == kNoTick; });
+}
+
+bool ClusterDma::enqueue(unsigned who, const Draft& what, bool out, std::uint64_t tick) {
+  const auto free = std::find_if(transfers_.begin(), transfers_.end(), [](const auto& t) { return t.end == kNoTick; });
+  if (free == transfers_.end() || !fits(what)) return false;
+  const auto cycles = cycles_of(what);
+  MEBOTS_ASSERT(cycles > 0);
+  const auto first_beat = std::max(free_from_, tick + timing_.latency);
+  *free = {what, out ? 1U : 0U, who, first_beat + cycles, first_beat};
+  free_from_ = free->end;
+  MEBOTS_ASSERT(free->end > tick, "a transfer takes time");
+  find_next();
+  counts_.busy_cycles += cycles;
+  counts_.bytes += what.size;
+  ++counts_.transfers;
+  return true;
 }
 
 void ClusterDma::start(unsigned who, std::uint32_t direction, std::uint64_t tick) {
   auto& draft = drafts_[who];
   const auto free = std::find_if(transfers_.begin(), transfers_.end(), [](const auto& t) { return t.end == kNoTick; });
-  if ((direction != kIn && direction != kOut) || free == transfers_.end() || !fits(draft)) {
+  const bool has_whole_rows = draft.row == 0 || draft.size % draft.row == 0;
+  auto what = draft;
+  what.id = static_cast<std::uint32_t>(free - transfers_.begin());
+  if ((direction == kIn || direction == kOut) && has_whole_rows && enqueue(who, what, direction == kOut, tick)) {
+    draft.id = what.id;
+  } else {
     status_ |= kRefused;
-    return;
   }
-  const auto cycles = cycles_of(draft);
-  MEBOTS_ASSERT(cycles > 0);
-  draft.id = static_cast<std::uint32_t>(free - transfers_.begin());
-  const auto first_beat = std::max(free_from_, tick + timing_.latency);
-  *free = {draft, direction == kOut ? 1U : 0U, who, first_beat + cycles, first_beat};
-  free_from_ = free->end;
-  MEBOTS_ASSERT(free->end > tick, "a transfer takes time");
-  find_next();
-  counts_.busy_cycles += cycles;
-  counts_.bytes += draft.size;
-  ++counts_.transfers;
 }
 
 void ClusterDma::find_next() {
@@ -170,7 +185,8 @@ std::uint64_t ClusterDma::occupy_burst(Banks& banks, Transfer& transfer, std::ui
   const auto row = what.row == 0 ? what.size : what.row;
   const auto in_row = transfer.moved % row;
   auto in_burst = in_row % timing_.most_burst_bytes;
-  const auto burst = std::min(row - in_row + in_burst, timing_.most_burst_bytes);
+  const auto left_in_row = std::min(row - in_row, what.size - transfer.moved);
+  const auto burst = std::min(left_in_row + in_burst, timing_.most_burst_bytes);
   const auto begin = what.l1 + transfer.moved - in_burst;
   std::uint64_t waited = 0;
   while (in_burst < burst && transfer.next_beat < until) {
@@ -190,7 +206,7 @@ std::uint64_t ClusterDma::occupy_burst(Banks& banks, Transfer& transfer, std::ui
   return waited;
 }
 
-void ClusterDma::advance(std::uint64_t tick, EventUnit& event_unit) {
+void ClusterDma::advance(std::uint64_t tick, TransferListener& listener) {
   while (next_ <= tick && next_ != kNoTick) {
     const auto due = next_;
     const auto transfer =
@@ -199,7 +215,7 @@ void ClusterDma::advance(std::uint64_t tick, EventUnit& event_unit) {
     move(*transfer);
     transfer->end = kNoTick;
     find_next();
-    event_unit.raise(1U << transfer->who, event::kDmaDone);
+    listener.transfer_ended(transfer->who, transfer->what.id, due);
   }
 }
 
@@ -212,8 +228,9 @@ void ClusterDma::move(const Transfer& transfer) {
   auto* l1 = l1_region->data.get() + (what.l1 - l1_region->base);
   auto* l2 = l2_region->data.get() + (what.l2 - l2_region->base);
   for (std::uint32_t done = 0; done < what.size; done += row, l1 += row, l2 += what.stride) {
-    std::memcpy(transfer.out != 0 ? l2 : l1, transfer.out != 0 ? l1 : l2, row);
-    if (transfer.out != 0) memory_.changed(what.l2 + done / row * what.stride, row);
+    const auto bytes = std::min(row, what.size - done);
+    std::memcpy(transfer.out != 0 ? l2 : l1, transfer.out != 0 ? l1 : l2, bytes);
+    if (transfer.out != 0) memory_.changed(what.l2 + done / row * what.stride, bytes);
   }
   if (transfer.out == 0) memory_.changed(what.l1, what.size);
 }

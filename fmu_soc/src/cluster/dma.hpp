@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "cluster/event_unit.hpp"
+#include "cluster/peripherals.hpp"
 #include "memory/banks.hpp"
 #include "memory/memory.hpp"
 
@@ -38,6 +38,33 @@ class ClusterDma {
   BusReply load(unsigned who, std::uint32_t offset) const;
   bool store(unsigned who, std::uint32_t offset, std::uint32_t value, std::uint64_t tick);
 
+  /// What a transfer moves. Behind the last whole row may come a part of one.
+  struct Draft {
+    std::uint32_t l2 = 0;
+    std::uint32_t l1 = 0;
+    std::uint32_t size = 0;
+    std::uint32_t row = 0;     // bytes; 0 = one row
+    std::uint32_t stride = 0;  // bytes in L2 from row to row
+    std::uint32_t id = 0;      // of the last start; the tag of the transfer
+
+    void visit(state::Visitor& v) {
+      v("l2", l2);
+      v("l1", l1);
+      v("size", size);
+      v("row", row);
+      v("stride", stride);
+      v("id", id);
+    }
+  };
+
+  /// For registers of another kind: queues a transfer of their requester. False, with nothing done, when memories or
+  /// number of transfers do not allow it.
+  bool enqueue(unsigned who, const Draft& what, bool out, std::uint64_t tick);
+  /// Whether its bytes lie in L1 and in another memory.
+  bool fits(const Draft& draft) const;
+  /// Whether another transfer can be queued.
+  bool has_room() const;
+
   /// Forgets all transfers and drafts; counts stay.
   void reset();
 
@@ -49,7 +76,7 @@ class ClusterDma {
   /// The tick in which the next transfer ends: no earlier, and with `occupy` up to there not later either.
   std::uint64_t next_tick() const { return next_; }
   /// Ends every transfer whose tick has come.
-  void advance(std::uint64_t tick, EventUnit& event_unit);
+  void advance(std::uint64_t tick, TransferListener& listener);
 
   struct Counts {
     std::uint64_t bytes = 0;
@@ -67,23 +94,6 @@ class ClusterDma {
   void visit(state::Visitor& v);
 
  private:
-  struct Draft {
-    std::uint32_t l2 = 0;
-    std::uint32_t l1 = 0;
-    std::uint32_t size = 0;
-    std::uint32_t row = 0;     // bytes; 0 = one row
-    std::uint32_t stride = 0;  // bytes in L2 from row to row
-    std::uint32_t id = 0;      // of the last start
-
-    void visit(state::Visitor& v) {
-      v("l2", l2);
-      v("l1", l1);
-      v("size", size);
-      v("row", row);
-      v("stride", stride);
-      v("id", id);
-    }
-  };
   struct Transfer {
     Draft what;
     std::uint32_t out = 0;  // L1 to L2
@@ -103,7 +113,6 @@ class ClusterDma {
   };
 
   void start(unsigned who, std::uint32_t direction, std::uint64_t tick);
-  bool fits(const Draft& draft) const;
   std::uint32_t cycles_of(const Draft& draft) const;
   Transfer* first_unmoved();
   std::uint64_t occupy_burst(Banks& banks, Transfer& transfer, std::uint64_t until) const;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "cluster/peripherals.hpp"
 #include "memory/bus.hpp"
 
 #include "mebots/state/visitor.hpp"
@@ -9,11 +10,6 @@
 #include <cstdint>
 
 namespace mebots::soc {
-
-/// Who asks: cluster cores are 0 to 7, then comes the fabric controller.
-inline constexpr unsigned kMostClusterCores = 8;
-inline constexpr unsigned kFabricController = kMostClusterCores;
-inline constexpr unsigned kRequesters = kMostClusterCores + 1;
 
 /// Numbers of events: bits of EVENT_MASK and EVENT_BUFFER. 0 to 7 are the firmware's own.
 namespace event {

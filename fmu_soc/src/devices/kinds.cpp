@@ -106,7 +106,7 @@ constexpr std::array kRows{
             throw Error(fmt::format("the flash image has {} bytes, the flash of device {} holds {}", image.size(),
                                     entry.name, gap8_devices::Udma::kFlashBytes));
           }
-          return std::make_unique<gap8_devices::Udma>(entry, host, host.signals(), image,
+          return std::make_unique<gap8_devices::Udma>(entry, host, host.signals(), image, host.pictures(),
                                                       [&host] { return host.clock_hz(); });
         }},
     Row{"gap8_stdout",
@@ -116,6 +116,7 @@ constexpr std::array kRows{
         }},
     Row{kEventUnitKind, board::event_unit::kRegisters, part_of_the_cluster},
     Row{kClusterDmaKind, board::cluster_dma::kRegisters, part_of_the_cluster},
+    Row{kGap8ClusterKind, {}, part_of_the_cluster},
 };
 
 void check_registers(const BoardDevice& entry, Registers expected) {

@@ -5,6 +5,7 @@
 #include "devices/kind_library.hpp"
 #include "devices/power_manager.hpp"
 #include "gap8_devices/signals.hpp"
+#include "gap8_devices/udma_camera.hpp"
 #include "mebots/soc/device_kind.hpp"
 
 #include <filesystem>
@@ -27,6 +28,8 @@ class ChipHost : public DeviceHost {
   virtual gap8_devices::Signals& signals() = 0;
   /// What the board's flash holds at the start.
   virtual std::span<const std::uint8_t> flash() = 0;
+  /// What the board's camera sees, where no world says it.
+  virtual const gap8_devices::PictureRoll& pictures() const = 0;
   /// A device made before by its class; null = there is none.
   template <typename T>
   T* find() const {
@@ -43,6 +46,7 @@ class ChipHost : public DeviceHost {
 /// Those that the cluster itself is made of: the board says where they are.
 inline constexpr std::string_view kEventUnitKind = "event_unit";
 inline constexpr std::string_view kClusterDmaKind = "cluster_dma";
+inline constexpr std::string_view kGap8ClusterKind = "gap8_cluster";
 
 /// The kinds that a board may name: those that come with MEbots, and those of its libraries.
 class Kinds {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gap8_devices/event_unit.hpp"
 
+#include "gap8_devices/event_unit_registers.hpp"
 #include "mebots/error.hpp"
 
 #include <bit>
@@ -8,23 +9,8 @@
 namespace mebots::soc::gap8_devices {
 namespace {
 
-constexpr std::uint32_t kMask = 0x00;
-constexpr std::uint32_t kMaskAnd = 0x04;
-constexpr std::uint32_t kMaskOr = 0x08;
-constexpr std::uint32_t kMaskIrq = 0x0C;
-constexpr std::uint32_t kMaskIrqAnd = 0x10;
-constexpr std::uint32_t kMaskIrqOr = 0x14;
-constexpr std::uint32_t kStatus = 0x18;
-constexpr std::uint32_t kBuffer = 0x1C;
-constexpr std::uint32_t kBufferMasked = 0x20;
-constexpr std::uint32_t kBufferIrqMasked = 0x24;
-constexpr std::uint32_t kBufferClear = 0x28;
-constexpr std::uint32_t kEventWait = 0x38;
-constexpr std::uint32_t kEventWaitClear = 0x3C;
-constexpr std::uint32_t kTriggerSoftwareEvent = 0x100;  // eight words, an event each
-constexpr std::uint32_t kSoftwareEvents = 8;
-constexpr std::uint32_t kPortSoftwareEvents = 0x600;
-constexpr std::uint32_t kPortSocEvents = 0x700;
+namespace reg = event_unit_reg;
+
 constexpr std::uint32_t kValid = 1U << 31;
 
 }  // namespace
@@ -36,26 +22,26 @@ EventUnit::EventUnit(Signals& signals) {
 
 bool EventUnit::load(std::uint32_t offset, std::uint32_t& value) {
   switch (offset) {
-    case kMask:
+    case reg::kMask:
       value = event_mask_;
       return true;
-    case kMaskIrq:
+    case reg::kMaskIrq:
       value = interrupt_mask_;
       return true;
-    case kStatus:  // 1: the core's clock runs, which it does when the core asks
+    case reg::kStatus:  // 1: the core's clock runs, which it does when the core asks
       value = 1;
       return true;
-    case kBuffer:
+    case reg::kBuffer:
       value = buffer_;
       return true;
-    case kBufferMasked:
-    case kEventWait:
+    case reg::kBufferMasked:
+    case reg::kEventWait:
       value = buffer_ & event_mask_;
       return true;
-    case kBufferIrqMasked:
+    case reg::kBufferIrqMasked:
       value = buffer_ & interrupt_mask_;
       return true;
-    case kEventWaitClear:
+    case reg::kEventWaitClear:
       value = buffer_ & event_mask_;
       buffer_ &= ~value;
       refresh();
@@ -67,40 +53,40 @@ bool EventUnit::load(std::uint32_t offset, std::uint32_t& value) {
 
 bool EventUnit::store(std::uint32_t offset, std::uint32_t value) {
   switch (offset) {
-    case kMask:
+    case reg::kMask:
       event_mask_ = value;
       return true;
-    case kMaskAnd:  // takes these bits away
+    case reg::kMaskAnd:
       event_mask_ &= ~value;
       return true;
-    case kMaskOr:
+    case reg::kMaskOr:
       event_mask_ |= value;
       return true;
-    case kMaskIrq:
+    case reg::kMaskIrq:
       interrupt_mask_ = value;
       return true;
-    case kMaskIrqAnd:
+    case reg::kMaskIrqAnd:
       interrupt_mask_ &= ~value;
       return true;
-    case kMaskIrqOr:
+    case reg::kMaskIrqOr:
       interrupt_mask_ |= value;
       return true;
-    case kBufferClear:
+    case reg::kBufferClear:
       buffer_ &= ~value;
       refresh();
       return true;
     default:
       break;
   }
-  const auto word = (offset - kTriggerSoftwareEvent) / 4;
-  if (offset < kTriggerSoftwareEvent || word >= kSoftwareEvents) return false;
+  const auto word = (offset - reg::kTriggerSoftwareEvent) / 4;
+  if (offset < reg::kTriggerSoftwareEvent || word >= reg::kSoftwareEvents) return false;
   raise(word);  // the fabric controller is alone: whom the value names is itself
   return true;
 }
 
 BusReply EventUnit::load_event(std::uint32_t offset) {
   std::uint32_t value = 0;
-  const bool waits = offset == kEventWait || offset == kEventWaitClear;
+  const bool waits = offset == reg::kEventWait || offset == reg::kEventWaitClear;
   if (waits && (buffer_ & event_mask_) == 0) {
     waits_ = true;
     return {BusReply::Kind::blocked};
@@ -157,16 +143,17 @@ void EventUnit::visit(state::Visitor& v) {
 }
 
 bool EventUnitPort::load(std::uint32_t offset, Picoseconds /*now*/, std::uint32_t& value) {
-  if (offset == kPortSocEvents) {
+  if (offset == reg::kLongSocEvents) {
     value = unit_.take_soc_event();
     return true;
   }
-  return offset < kPortSoftwareEvents && unit_.load(offset, value);
+  return offset < reg::kLongSoftwareEvents && unit_.load(offset, value);
 }
 
 bool EventUnitPort::store(std::uint32_t offset, Picoseconds /*now*/, std::uint32_t value) {
-  if (offset >= kPortSoftwareEvents) return unit_.store(offset - kPortSoftwareEvents + kTriggerSoftwareEvent, value);
-  return offset < kTriggerSoftwareEvent && unit_.store(offset, value);
+  if (offset >= reg::kLongSoftwareEvents)
+    return unit_.store(offset - reg::kLongSoftwareEvents + reg::kTriggerSoftwareEvent, value);
+  return offset < reg::kTriggerSoftwareEvent && unit_.store(offset, value);
 }
 
 }  // namespace mebots::soc::gap8_devices

@@ -17,6 +17,8 @@ inline constexpr unsigned kTimerHighEvent = 11;
 inline constexpr unsigned kSocEvent = 27;
 
 /// Events of the SoC, numbers in the queue behind kSocEvent. Source: the same.
+inline constexpr unsigned kClusterPowerChanged = 31;
+inline constexpr unsigned kClusterClockChanged = 35;
 inline constexpr unsigned kScuOk = 37;
 inline constexpr unsigned kFirstSoftwareEvent = 48;
 inline constexpr unsigned kReferenceClockEvent = 56;

@@ -4,13 +4,17 @@
 #include "devices/described_device.hpp"
 #include "gap8_devices/signals.hpp"
 
+#include <algorithm>
 #include <cstdint>
 
 namespace mebots::soc::gap8_devices {
 
-/// GAP8's SoC control: registers as its entry describes them, of which two do something. CORESTATUS with bit 31 ends
+/// GAP8's SoC control: registers as its entry describes them, of which three do something. CORESTATUS with bit 31 ends
 /// the program with the code in the bits below; the low five bits of SAFE_PMU_RAR set the voltage, 550 mV and 50 mV a
-/// step. Source: archi/chips/gap/apb_soc.h, runtime of the published programs.
+/// step. Of CL_BYPASS, bit 3 switches the cluster's power and bit 10 gates its clock; SoC events 31 and 35 tell when
+/// that is done (the delay of the entry's state "switching"). A core without clock would stop: the programs gate it
+/// before any core fetches, so the gate is kept and told back, and stops nothing. Sources: archi/chips/gap/apb_soc.h,
+/// GVSoC's apb_soc of GAP8, runtime of the published programs.
 class SocControl final : public Device {
  public:
   SocControl(const BoardDevice& entry, DeviceHost& host, Signals& signals);
@@ -19,11 +23,18 @@ class SocControl final : public Device {
     return registers_.load(offset, now, value);
   }
   bool store(std::uint32_t offset, Picoseconds now, std::uint32_t value) override;
-  void visit(state::Visitor& v) override { registers_.visit(v); }
+  void advance(Picoseconds now) override;
+  Picoseconds next_event() const override { return std::min(power_changes_at_, clock_changes_at_); }
+  void visit(state::Visitor& v) override;
 
  private:
+  void switch_cluster(std::uint32_t before, std::uint32_t bypass, Picoseconds now);
+
   DescribedDevice registers_;
   Signals& signals_;
+  Picoseconds delay_;
+  Picoseconds power_changes_at_ = kNever;
+  Picoseconds clock_changes_at_ = kNever;
 };
 
 }  // namespace mebots::soc::gap8_devices

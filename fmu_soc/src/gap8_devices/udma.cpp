@@ -1,34 +1,50 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gap8_devices/udma.hpp"
 
+#include "mebots/assert.hpp"
 #include "mebots/error.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <utility>
 
 namespace mebots::soc::gap8_devices {
 namespace {
 
+enum class Behind : std::uint8_t { hyper_bus, uart, i2c0, i2c1, spim0, spim1, camera };
+
 /// Address, size and configuration from `offset` on; the line that it shares with others, and its event.
 struct ChannelRow {
   std::uint32_t offset;
+  Behind behind;
   std::size_t line;
   unsigned event;
 };
-constexpr std::size_t kHyperBus = 0;
-constexpr std::size_t kUart = 1;
-constexpr std::size_t kHyperSend = 1;
-constexpr std::array<ChannelRow, 3> kRows{{{0x180, kHyperBus, 6}, {0x190, kHyperBus, 7}, {0x210, kUart, 9}}};
+constexpr std::array<ChannelRow, 12> kChannelRows{{
+    {0x080, Behind::spim0, 0, 2},
+    {0x090, Behind::spim0, 1, 3},
+    {0x100, Behind::spim1, 2, 4},
+    {0x110, Behind::spim1, 3, 5},
+    {0x180, Behind::hyper_bus, 4, 6},
+    {0x190, Behind::hyper_bus, 4, 7},
+    {0x210, Behind::uart, 5, 9},
+    {0x280, Behind::i2c0, 6, 10},
+    {0x290, Behind::i2c0, 7, 11},
+    {0x300, Behind::i2c1, 8, 12},
+    {0x310, Behind::i2c1, 9, 13},
+    {0x480, Behind::camera, 10, 18},
+}};
+constexpr std::uint32_t kSpim0Send = 1;
+constexpr std::uint32_t kSpim1Send = 3;
+constexpr std::uint32_t kHyperSend = 5;
+constexpr std::uint32_t kI2c0Send = 8;
+constexpr std::uint32_t kI2c1Send = 10;
+constexpr unsigned kSpim0End = 22;
+constexpr unsigned kSpim1End = 23;
 
-constexpr std::uint32_t kUartStatus = 0x220;
-constexpr std::uint32_t kUartSetup = 0x224;
-constexpr std::uint32_t kUartBusy = 1;
 constexpr std::uint32_t kHyperOutside = 0x1A0;
-constexpr std::uint32_t kHyperConfig4 = 0x1B8;
 constexpr std::uint32_t kChannelAddress = 0x0;
 constexpr std::uint32_t kChannelSize = 0x4;
 constexpr std::uint32_t kChannelConfig = 0x8;
@@ -37,38 +53,53 @@ constexpr std::uint32_t kRun = 1U << 4;     // written: start; read: one runs
 constexpr std::uint32_t kQueued = 1U << 5;  // written: clear; read: one waits behind it
 constexpr std::size_t kMostInQueue = 2;     // of a channel, that which runs included
 
-constexpr double kBusClocksBefore = 3 + 12;
-constexpr double kBytesPerBusClock = 2;
-constexpr double kSocClocksPerBusClock = 2;
-constexpr std::uint8_t kErased = 0xff;
-
-/// The channel with this register; kRows.size() = none.
+/// The channel with this register; kChannelRows.size() = none.
 std::size_t channel_at(std::uint32_t offset) {
   const auto* const found = std::ranges::find_if(
-      kRows, [&](const ChannelRow& row) { return offset >= row.offset && offset - row.offset < kChannelBytes; });
-  return static_cast<std::size_t>(found - kRows.begin());
-}
-
-/// Clocks of the SoC that a byte takes: start, five to eight bits, parity, one or two stops.
-double clocks_per_byte(std::uint32_t setup) {
-  const auto bits = 1 + 5 + (setup >> 1 & 3U) + (setup & 1U) + 1 + (setup >> 3 & 1U);
-  return static_cast<double>(bits) * ((setup >> 16) + 1.0);
+      kChannelRows, [&](const ChannelRow& row) { return offset >= row.offset && offset - row.offset < kChannelBytes; });
+  return static_cast<std::size_t>(found - kChannelRows.begin());
 }
 
 }  // namespace
 
+void UdmaHost::complain_of_memory(std::uint32_t address, std::uint32_t size) const {
+  host.complain(
+      fmt::format("{}: no memory of {} bytes at 0x{:08x}: the transfer moved nothing", entry.name, size, address));
+}
+
 Udma::Udma(const BoardDevice& entry, DeviceHost& host, Signals& signals, std::span<const std::uint8_t> flash,
-           std::function<double()> clock_hz)
-    : entry_(entry),
-      host_(host),
-      signals_(signals),
-      flash_(flash),
-      clock_hz_(std::move(clock_hz)),
-      registers_(entry, host),
-      terminal_(host) {}
+           const PictureRoll& pictures, std::function<double()> clock_hz)
+    : host_{entry, host, signals, std::move(clock_hz), {entry, host}},
+      hyper_bus_(host_, flash, kHyperSend),
+      uart_(host_),
+      i2c_{{{host_, kI2c0Send, nullptr}, {host_, kI2c1Send, &sensor_}}},
+      spim_{{{host_, kSpim0Send, kSpim0End}, {host_, kSpim1Send, kSpim1End}}},
+      camera_(host_, sensor_, pictures) {}
+
+UdmaPeripheral& Udma::peripheral(std::size_t channel) {
+  MEBOTS_ASSERT(channel < kChannelRows.size());
+  switch (kChannelRows[channel].behind) {
+    case Behind::hyper_bus:
+      return hyper_bus_;
+    case Behind::uart:
+      return uart_;
+    case Behind::i2c0:
+      return i2c_[0];
+    case Behind::i2c1:
+      return i2c_[1];
+    case Behind::spim0:
+      return spim_[0];
+    case Behind::spim1:
+      return spim_[1];
+    case Behind::camera:
+      break;
+  }
+  return camera_;
+}
 
 std::size_t Udma::queued(std::size_t channel) const {
-  return static_cast<std::size_t>(std::ranges::count(queues_[kRows[channel].line], channel, &Transfer::channel));
+  return static_cast<std::size_t>(
+      std::ranges::count(queues_[kChannelRows[channel].line], channel, &UdmaTransfer::channel));
 }
 
 bool Udma::load(std::uint32_t offset, Picoseconds now, std::uint32_t& value) {
@@ -76,13 +107,10 @@ bool Udma::load(std::uint32_t offset, Picoseconds now, std::uint32_t& value) {
     value = outside_;
     return true;
   }
-  if (offset == kUartStatus) {
-    value = queues_[kUart].empty() ? 0 : kUartBusy;
-    return true;
-  }
+  if (uart_.load(offset, value)) return true;
   const auto channel = channel_at(offset);
-  if (channel == kRows.size()) return registers_.load(offset, now, value);
-  const auto reg = offset - kRows[channel].offset;
+  if (channel == kChannelRows.size()) return host_.registers.load(offset, now, value);
+  const auto reg = offset - kChannelRows[channel].offset;
   const auto waiting = queued(channel);
   value = reg == kChannelAddress ? channels_[channel].address
           : reg == kChannelSize  ? channels_[channel].size
@@ -96,12 +124,18 @@ bool Udma::store(std::uint32_t offset, Picoseconds now, std::uint32_t value) {
     return true;
   }
   const auto channel = channel_at(offset);
-  if (channel == kRows.size()) return registers_.store(offset, now, value);
-  const auto reg = offset - kRows[channel].offset;
+  if (channel == kChannelRows.size()) {
+    const bool known = host_.registers.store(offset, now, value);
+    camera_.registers_changed(offset, now);
+    ask_who_waits(now);
+    return known;
+  }
+  const auto reg = offset - kChannelRows[channel].offset;
   if (reg == kChannelAddress) channels_[channel].address = value;
   if (reg == kChannelSize) channels_[channel].size = value;
   if (reg == kChannelConfig && (value & kQueued) != 0) {
-    std::erase_if(queues_[kRows[channel].line], [&](const Transfer& transfer) { return transfer.channel == channel; });
+    std::erase_if(queues_[kChannelRows[channel].line],
+                  [&](const UdmaTransfer& transfer) { return transfer.channel == channel; });
   }
   if (reg == kChannelConfig && (value & kRun) != 0) enqueue(channel, now);
   return true;
@@ -109,22 +143,23 @@ bool Udma::store(std::uint32_t offset, Picoseconds now, std::uint32_t value) {
 
 void Udma::enqueue(std::size_t channel, Picoseconds now) {
   if (queued(channel) >= kMostInQueue) {
-    host_.complain(
+    host_.host.complain(
         fmt::format("{}: a third transfer of the channel at 0x{:08x} is lost: look at bit 5 of its CFG first",
-                    entry_.name, entry_.base + kRows[channel].offset));
+                    host_.entry.name, host_.entry.base + kChannelRows[channel].offset));
     return;
   }
-  auto& queue = queues_[kRows[channel].line];
-  queue.push_back({channels_[channel], outside_, static_cast<std::uint32_t>(channel), 0});
-  if (queue.size() == 1) start(queue.front(), now);
+  auto& queue = queues_[kChannelRows[channel].line];
+  queue.push_back(
+      {channels_[channel].address, channels_[channel].size, outside_, static_cast<std::uint32_t>(channel), 0});
+  if (queue.size() == 1) queue.front().done_at = peripheral(channel).end_time(queue.front(), now);
 }
 
-void Udma::start(Transfer& transfer, Picoseconds now) const {
-  const auto size = transfer.inside.size;
-  const auto clocks = kRows[transfer.channel].line == kUart
-                          ? size * clocks_per_byte(config(kUartSetup))
-                          : (kBusClocksBefore + size / kBytesPerBusClock) * kSocClocksPerBusClock;
-  transfer.done_at = now + std::llround(clocks / clock_hz_() * kPsPerS);
+/// Something has happened for which a transfer may have waited.
+void Udma::ask_who_waits(Picoseconds now) {
+  for (auto& queue : queues_) {
+    if (queue.empty() || queue.front().done_at != kNever) continue;
+    queue.front().done_at = peripheral(queue.front().channel).end_time(queue.front(), now);
+  }
 }
 
 Picoseconds Udma::next_event() const {
@@ -136,75 +171,40 @@ Picoseconds Udma::next_event() const {
 }
 
 void Udma::advance(Picoseconds now) {
-  for (auto& queue : queues_) {
-    while (!queue.empty() && now >= queue.front().done_at) {
+  while (now >= next_event()) {
+    for (auto& queue : queues_) {
+      if (queue.empty() || now < queue.front().done_at) continue;
       const auto transfer = queue.front();
       queue.erase(queue.begin());
-      end(transfer);
-      signals_.raise_soc_event(kRows[transfer.channel].event, now);
-      if (!queue.empty()) start(queue.front(), transfer.done_at);
+      peripheral(transfer.channel).end(transfer);
+      host_.signals.raise_soc_event(kChannelRows[transfer.channel].event, now);
+      if (!queue.empty()) {
+        queue.front().done_at = peripheral(queue.front().channel).end_time(queue.front(), transfer.done_at);
+      }
+      ask_who_waits(transfer.done_at);
     }
   }
 }
 
-void Udma::end(const Transfer& transfer) {
-  kRows[transfer.channel].line == kUart ? print(transfer) : move(transfer);
-}
-
-/// What stands in a register that the entry describes.
-std::uint32_t Udma::config(std::uint32_t offset) const {
-  std::uint32_t value = 0;
-  registers_.load(offset, 0, value);
-  return value;
-}
-
-void Udma::print(const Transfer& transfer) {
-  bytes_.resize(transfer.inside.size);
-  if (!host_.read_memory(transfer.inside.address, bytes_)) {
-    host_.complain(fmt::format("{}: UART: no memory of {} bytes at 0x{:08x}", entry_.name, transfer.inside.size,
-                               transfer.inside.address));
-    return;
-  }
-  for (const auto byte : bytes_) terminal_.put(byte, transfer.done_at);
-}
-
-void Udma::move(const Transfer& transfer) {
-  const auto base = (config(kHyperConfig4) & 0xffU) << 24;
-  const bool is_flash = transfer.outside >= base;
-  const auto place = is_flash ? transfer.outside - base : transfer.outside;
-  const auto room = is_flash ? kFlashBytes : kRamBytes;
-  const auto size = transfer.inside.size;
-  const auto complain = [&](std::string_view what) {
-    host_.complain(fmt::format("{}: transfer of {} bytes between 0x{:08x} and 0x{:08x} of the HyperBus: {}",
-                               entry_.name, size, transfer.inside.address, transfer.outside, what));
-  };
-  if (place > room || size > room - place) return complain("the memory there ends before");
-  bytes_.resize(size);
-  if (transfer.channel == kHyperSend) {
-    if (is_flash) return complain("the flash's commands are not modelled: nothing was written");
-    if (!host_.read_memory(transfer.inside.address, bytes_)) return complain("no memory of the chip there");
-    if (ram_.size() < place + size) ram_.resize(place + size);
-    std::ranges::copy(bytes_, ram_.begin() + place);
-    return;
-  }
-  const auto source = is_flash ? flash_ : std::span<const std::uint8_t>(ram_);
-  const auto there = place < source.size() ? std::min<std::size_t>(size, source.size() - place) : 0;
-  std::copy_n(source.begin() + static_cast<std::ptrdiff_t>(std::min<std::size_t>(place, source.size())), there,
-              bytes_.begin());
-  std::fill(bytes_.begin() + static_cast<std::ptrdiff_t>(there), bytes_.end(), is_flash ? kErased : std::uint8_t{0});
-  if (!host_.write_memory(transfer.inside.address, bytes_)) complain("no memory of the chip there");
+void Udma::begin_step(Picoseconds now) {
+  camera_.begin_step(now);
+  ask_who_waits(now);
 }
 
 void Udma::visit(state::Visitor& v) {
-  v("registers", registers_);
-  v("terminal", terminal_);
+  v("registers", host_.registers);
+  v("sensor", sensor_);
+  v("hyper_bus", hyper_bus_);
+  v("uart", uart_);
+  v("i2c", i2c_);
+  v("spim", spim_);
+  v("camera", camera_);
   v("channels", channels_);
   v("queues", queues_);
   v("outside", outside_);
-  v("ram", ram_);
-  for (const auto& queue : queues_) {
-    for (const auto& transfer : queue) {
-      if (transfer.channel >= kRows.size()) {
+  for (std::size_t line = 0; line < queues_.size(); ++line) {
+    for (const auto& transfer : queues_[line]) {
+      if (transfer.channel >= kChannelRows.size() || kChannelRows[transfer.channel].line != line) {
         throw Error(ErrorCode::state_damaged, "a saved state is damaged: a transfer is of no channel");
       }
     }

@@ -21,6 +21,10 @@ int main(int argc, char** argv) {
   command->add_option("--devices", options.device_folders,
                       "Folder with the libraries of devices that the board names, when they do not lie beside it");
   command->add_option("--flash", options.flash, "What the board's flash holds at the start");
+  command->add_option(
+      "--pictures", options.pictures,
+      "Folder of what the board's camera sees: .png and .pgm files, one a picture, in the order of their "
+      "names; the program ends when it waits for one more");
   command->add_option("--signature", options.signature,
                       "Write the words from begin_signature to end_signature into this file");
   command->add_option("--trace", options.trace,

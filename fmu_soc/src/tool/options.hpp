@@ -14,6 +14,7 @@ struct Options {
   std::optional<std::string> board;
   std::vector<std::string> device_folders;
   std::optional<std::string> flash;
+  std::optional<std::string> pictures;
   std::optional<std::string> signature;
   std::optional<std::string> trace;
   bool trace_cycles = false;

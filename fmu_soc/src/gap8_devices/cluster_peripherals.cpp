@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gap8_devices/cluster_peripherals.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace mebots::soc::gap8_devices {
+namespace {
+
+constexpr std::uint32_t kSpan = 0x5000;
+/// Where each core sees its own cluster's registers: less this.
+constexpr std::uint32_t kAlias = 0x1000'0000;
+
+constexpr std::uint32_t kControlBytes = 0x400;
+constexpr std::uint32_t kEventUnit = 0x800;
+constexpr std::uint32_t kEventUnitBytes = 0x800;
+constexpr std::uint32_t kCacheControl = 0x1400;
+constexpr std::uint32_t kCacheControlBytes = 0x10;
+constexpr std::uint32_t kDma = 0x1800;
+constexpr std::uint32_t kDmaBytes = 0x8;
+constexpr std::uint32_t kEventUnitShort = 0x4000;
+constexpr std::uint32_t kEventUnitShortBytes = 0x400;
+constexpr std::uint32_t kDmaShort = 0x4400;
+
+constexpr std::uint32_t kEndOfComputation = 0x00;
+constexpr std::uint32_t kFetchEnable = 0x08;
+constexpr std::uint32_t kClusterConfig = 0x18;
+constexpr std::uint32_t kClockGate = 0x20;
+constexpr std::uint32_t kBootAddress = 0x40;
+
+}  // namespace
+
+ClusterPeripherals::ClusterPeripherals(const BoardDevice& entry, DeviceHost& host, const Parts& parts)
+    : entry_(entry), host_(host), cores_(parts.cores), events_(parts.cores), mchan_(parts.l1, *parts.dma) {}
+
+bool ClusterPeripherals::owns_of_core(std::uint32_t address) const {
+  return address - entry_.base < kSpan || address - (entry_.base - kAlias) < kSpan;
+}
+
+bool ClusterPeripherals::owns_of_fabric_controller(std::uint32_t address) const {
+  return address - entry_.base < kSpan;
+}
+
+BusReply ClusterPeripherals::access(const ClusterAccess& access) {
+  const auto offset = access.address - entry_.base;
+  return access_at(offset < kSpan ? offset : offset + kAlias, access);
+}
+
+BusReply ClusterPeripherals::access_at(std::uint32_t offset, const ClusterAccess& access) {
+  const bool is_core = access.who != kFabricController;
+  BusReply reply;
+  if (offset < kControlBytes) {
+    reply = control(offset, access.stored);
+  } else if (offset >= kEventUnit && offset < kEventUnit + kEventUnitBytes) {
+    reply = events_.shared(offset - kEventUnit, access.stored);
+  } else if (offset >= kCacheControl && offset < kCacheControl + kCacheControlBytes) {
+    // On from the start here, and never holding what is not in memory.
+    reply = BusReply::done(0);
+  } else if (offset >= kDma && offset < kDma + kDmaBytes) {
+    return mchan_.access(access.who, offset - kDma, access.stored, access.tick);
+  } else if (is_core && offset >= kEventUnitShort && offset < kEventUnitShort + kEventUnitShortBytes) {
+    reply = events_.own(access.who, offset - kEventUnitShort, access.stored, access.event);
+  } else if (is_core && offset >= kDmaShort && offset < kDmaShort + kDmaBytes) {
+    return mchan_.access(access.who, offset - kDmaShort, access.stored, access.tick);
+  }
+  return reply.kind == BusReply::Kind::none ? pass_over(offset, access) : reply;
+}
+
+BusReply ClusterPeripherals::control(std::uint32_t offset, const std::uint32_t* stored) {
+  const auto core = (offset - kBootAddress) / 4;
+  if (offset >= kBootAddress && core < kMostClusterCores) {
+    if (stored == nullptr) return BusReply::done(boot_[core]);
+    boot_[core] = *stored;
+    return BusReply::done();
+  }
+  switch (offset) {
+    case kFetchEnable:
+      if (stored == nullptr) return BusReply::done(fetching_);
+      // A core that fetches goes on: it stops with the cluster.
+      started_ |= *stored & ~fetching_ & ((1U << cores_) - 1);
+      fetching_ |= started_;
+      return BusReply::done();
+    case kEndOfComputation:
+    case kClusterConfig:
+    case kClockGate:
+      return BusReply::done();
+    default:
+      return {};
+  }
+}
+
+/// Silicon answers there, or not, in a way that we do not know.
+BusReply ClusterPeripherals::pass_over(std::uint32_t offset, const ClusterAccess& access) {
+  if (std::ranges::find(told_, offset) == told_.end()) {
+    told_.push_back(offset);
+    const auto who = access.who == kFabricController ? std::string("the fabric controller")
+                                                     : fmt::format("cluster core {}", access.who);
+    host_.complain(
+        fmt::format("{}: {} 0x{:08x} by {}: no register of it is modelled there, or not for this; it reads 0",
+                    entry_.name, access.stored == nullptr ? "load from" : "store into", entry_.base + offset, who));
+  }
+  return BusReply::done();
+}
+
+void ClusterPeripherals::transfer_ended(unsigned who, std::uint32_t tag, std::uint64_t tick) {
+  const auto ended = mchan_.ended(tag, tick);
+  const auto all = (1U << cores_) - 1;
+  const auto cores = ended.for_all ? all : (1U << who) & all;
+  if (ended.raises_event) events_.raise(cores, ClusterEventUnit::kDmaEvent);
+  if (ended.raises_interrupt) events_.raise(cores, ClusterEventUnit::kDmaInterruptEvent);
+}
+
+void ClusterPeripherals::reset(std::uint32_t /*boot*/) {
+  events_ = ClusterEventUnit(cores_);
+  mchan_.reset();
+  boot_ = {};
+  fetching_ = 0;
+  started_ = 0;
+}
+
+std::uint32_t ClusterPeripherals::take_started() {
+  const auto started = started_;
+  started_ = 0;
+  return started;
+}
+
+void ClusterPeripherals::visit(state::Visitor& v) {
+  v("events", events_);
+  v("mchan", mchan_);
+  v("boot", boot_);
+  v("fetching", fetching_);
+}
+
+}  // namespace mebots::soc::gap8_devices

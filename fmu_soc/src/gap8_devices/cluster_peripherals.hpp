@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "cluster/peripherals.hpp"
+#include "gap8_devices/cluster_event_unit.hpp"
+#include "gap8_devices/mchan.hpp"
+#include "mebots/soc/device_kind.hpp"
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace mebots::soc::gap8_devices {
+
+/// Registers of GAP8's cluster, from 0x10200000 on: control unit (boot addresses, fetch enable), event unit,
+/// instruction cache's control, DMA. A core sees them at 0x00200000, too, and its own of event unit and DMA by the
+/// short ways at +0x4000 and +0x4400. A register that is not modelled is told once, and reads 0. Sources:
+/// archi/chips/gap/memory_map.h, archi/cluster_ctrl/cluster_ctrl_v2.h.
+class ClusterPeripherals final : public soc::ClusterPeripherals {
+ public:
+  struct Parts {
+    unsigned cores = 0;
+    Mchan::L1 l1;
+    ClusterDma* dma = nullptr;
+  };
+
+  ClusterPeripherals(const BoardDevice& entry, DeviceHost& host, const Parts& parts);
+
+  bool owns_of_core(std::uint32_t address) const override;
+  bool owns_of_fabric_controller(std::uint32_t address) const override;
+  BusReply access(const ClusterAccess& access) override;
+  void transfer_ended(unsigned who, std::uint32_t tag, std::uint64_t tick) override;
+
+  void reset(std::uint32_t boot) override;
+  std::uint32_t take_started() override;
+  std::uint32_t boot_address(unsigned core) const override { return boot_[core]; }
+  std::uint32_t take_woken() override { return events_.take_woken(); }
+  std::uint32_t take_line_changes() override { return events_.take_line_changes(); }
+  std::uint32_t lines(unsigned core) const override { return events_.lines(core); }
+  void interrupt_taken(unsigned core, unsigned line) override { events_.interrupt_taken(core, line); }
+
+  void visit(state::Visitor& v) override;
+
+ private:
+  BusReply access_at(std::uint32_t offset, const ClusterAccess& access);
+  BusReply control(std::uint32_t offset, const std::uint32_t* stored);
+  BusReply pass_over(std::uint32_t offset, const ClusterAccess& access);
+
+  const BoardDevice& entry_;
+  DeviceHost& host_;
+  unsigned cores_;
+  ClusterEventUnit events_;
+  Mchan mchan_;
+  std::array<std::uint32_t, kMostClusterCores> boot_{};
+  std::uint32_t fetching_ = 0;       // cores
+  std::uint32_t started_ = 0;        // used up with the access that starts them
+  std::vector<std::uint32_t> told_;  // offsets that are not modelled; not part of a state
+};
+
+}  // namespace mebots::soc::gap8_devices

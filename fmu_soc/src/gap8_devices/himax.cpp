@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gap8_devices/himax.hpp"
+
+#include "mebots/assert.hpp"
+#include "mebots/error.hpp"
+
+#include <algorithm>
+
+namespace mebots::soc::gap8_devices {
+namespace {
+
+constexpr std::uint32_t kModelHigh = 0x0000;
+constexpr std::uint32_t kModeSelect = 0x0100;
+constexpr std::uint32_t kOrientation = 0x0101;
+constexpr std::uint32_t kSoftwareReset = 0x0103;
+constexpr std::uint32_t kFrameLines = 0x0340;
+constexpr std::uint32_t kLineClocks = 0x0342;
+constexpr std::uint32_t kStreaming = 1;
+constexpr std::uint32_t kMirrored = 1;
+constexpr std::uint32_t kUpsideDown = 2;
+
+constexpr std::int64_t kPixelClockHz = 6'000'000;
+/// After reset: 45 frames a second of the largest format. Source: data sheet, as quoted in the drivers.
+constexpr std::uint32_t kResetFrameLines = 0x0158;
+constexpr std::uint32_t kResetLineClocks = 0x0178;
+constexpr std::uint32_t kModel = 0x01B0;
+
+}  // namespace
+
+void Himax::reset() {
+  registers_.assign(kRegisters, 0);
+  const auto set = [this](std::size_t at, std::uint32_t value) {
+    registers_[at] = static_cast<std::uint8_t>(value >> 8);
+    registers_[at + 1] = static_cast<std::uint8_t>(value);
+  };
+  set(kModelHigh, kModel);
+  set(kFrameLines, kResetFrameLines);
+  set(kLineClocks, kResetLineClocks);
+  streams_ = false;
+}
+
+void Himax::write(std::uint8_t byte, Picoseconds now) {
+  if (address_bytes_ < 2) {
+    at_ = (at_ << 8 | byte) & 0xffffU;
+    ++address_bytes_;
+    return;
+  }
+  const auto at = at_;
+  at_ = (at_ + 1) & 0xffffU;
+  if (at == kSoftwareReset) {
+    reset();
+    return;
+  }
+  if (at >= kRegisters) return;
+  registers_[at] = byte;
+  if (at != kModeSelect) return;
+  const bool streams = (byte & kStreaming) != 0;
+  if (streams && !streams_) streams_since_ = now;
+  streams_ = streams;
+}
+
+std::uint8_t Himax::read() {
+  const auto at = at_;
+  at_ = (at_ + 1) & 0xffffU;
+  return at < kRegisters ? registers_[at] : std::uint8_t{0};
+}
+
+Picoseconds Himax::lines_time(std::uint32_t lines) const {
+  const auto clocks = std::int64_t{lines} * std::max<std::uint32_t>(pair(kLineClocks), kWidth);
+  return clocks * 1'000'000'000'000 / kPixelClockHz;
+}
+
+Picoseconds Himax::frame_at(Picoseconds time) const {
+  MEBOTS_ASSERT(streams_);
+  const auto period = lines_time(std::max(pair(kFrameLines), height()));
+  const auto past = std::max<Picoseconds>(time - streams_since_, 0);
+  return streams_since_ + (past + period - 1) / period * period;
+}
+
+void Himax::read_out(std::span<const std::uint8_t> picture, std::vector<std::uint8_t>& pixels) const {
+  const std::size_t rows = height();
+  MEBOTS_ASSERT(picture.size() % kWidth == 0 && picture.size() / kWidth >= rows);
+  const auto above = (picture.size() / kWidth - rows) / 2;
+  const auto orientation = reg(kOrientation);
+  pixels.clear();
+  for (std::size_t row = 0; row < rows; ++row) {
+    const auto source = above + ((orientation & kUpsideDown) != 0 ? rows - 1 - row : row);
+    const auto line = picture.subspan(source * kWidth, kWidth);
+    if ((orientation & kMirrored) != 0) {
+      pixels.insert(pixels.end(), line.rbegin(), line.rend());
+    } else {
+      pixels.insert(pixels.end(), line.begin(), line.end());
+    }
+  }
+}
+
+void Himax::visit(state::Visitor& v) {
+  v("registers", registers_);
+  v("at", at_);
+  v("address_bytes", address_bytes_);
+  v("streams", streams_);
+  v("streams_since", streams_since_);
+  if (registers_.size() != kRegisters || at_ > 0xffffU) {
+    throw Error(ErrorCode::state_damaged, "a saved state is damaged: a camera has other registers");
+  }
+}
+
+}  // namespace mebots::soc::gap8_devices

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "mebots/soc/time.hpp"
+#include "mebots/state/visitor.hpp"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace mebots::soc::gap8_devices {
+
+/// A chip on an I2C bus, as the bus sees it.
+class I2cDevice {
+ public:
+  virtual ~I2cDevice() = default;
+  /// Seven bits.
+  virtual std::uint8_t address() const = 0;
+  virtual void start() = 0;
+  virtual void write(std::uint8_t byte, Picoseconds now) = 0;
+  virtual std::uint8_t read() = 0;
+};
+
+/// HM01B0, the AI-deck's and the GAPuino's camera, as a driver sees it: 8-bit registers at 16-bit addresses by I2C,
+/// which keep what is stored, and a frame after another while MODE_SELECT says so. Of the registers these do something:
+/// 0x0100 mode, 0x0101 orientation, 0x0103 reset, 0x0340 lines of a frame, 0x0342 pixel clocks of a line, 0x3010 window
+/// of 244 lines instead of 324. Pictures are exposed as they come: gain and integration time change nothing.
+///
+/// Sources: register names in the driver of GreenWaves' gap_sdk (himax.c); pixel clock of 6 MHz and lines of 376 clocks
+/// in idsia-robotics/nanocockpit, himax_supported_framerates.md.
+class Himax final : public I2cDevice {
+ public:
+  static constexpr std::uint32_t kWidth = 324;
+  static constexpr std::uint32_t kHeight = 324;
+  static constexpr std::uint32_t kWindowHeight = 244;
+
+  Himax() { reset(); }
+
+  std::uint8_t address() const override { return 0x24; }
+  void start() override { address_bytes_ = 0; }
+  void write(std::uint8_t byte, Picoseconds now) override;
+  std::uint8_t read() override;
+
+  bool streams() const { return streams_; }
+  /// When the first frame begins that does so at or after `time`; while it streams.
+  Picoseconds frame_at(Picoseconds time) const;
+  /// From a frame's begin up to the end of so many lines.
+  Picoseconds lines_time(std::uint32_t lines) const;
+  std::uint32_t height() const { return (reg(0x3010) & 1U) != 0 ? kWindowHeight : kHeight; }
+  /// The pixels of a frame in the order in which they come out, from a picture of kWidth columns with at least height()
+  /// rows, of which those in the middle are taken.
+  void read_out(std::span<const std::uint8_t> picture, std::vector<std::uint8_t>& pixels) const;
+
+  void visit(state::Visitor& v);
+
+ private:
+  static constexpr std::size_t kRegisters = 0x4000;
+
+  void reset();
+  std::uint8_t reg(std::size_t at) const { return registers_[at]; }
+  std::uint32_t pair(std::size_t at) const { return std::uint32_t{reg(at)} << 8 | reg(at + 1); }
+
+  std::vector<std::uint8_t> registers_;
+  std::uint32_t at_ = 0;             // the register that is next
+  std::uint32_t address_bytes_ = 0;  // that have come since the start
+  bool streams_ = false;
+  Picoseconds streams_since_ = 0;
+};
+
+}  // namespace mebots::soc::gap8_devices

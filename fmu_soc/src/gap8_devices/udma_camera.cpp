@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gap8_devices/udma_camera.hpp"
+
+#include "base64.hpp"
+#include "mebots/error.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace mebots::soc::gap8_devices {
+namespace {
+
+constexpr std::uint32_t kCameraGlobal = 0x4A0;
+constexpr std::uint32_t kCameraLowerLeft = 0x4A4;
+constexpr std::uint32_t kCameraUpperRight = 0x4A8;
+constexpr std::uint32_t kCameraFilter = 0x4B0;
+constexpr std::uint32_t kCameraOn = 1U << 31;
+constexpr std::uint32_t kDropsFrames = 1U << 0;
+constexpr std::uint32_t kHasWindow = 1U << 7;
+constexpr unsigned kFormatShift = 8;
+constexpr unsigned kShiftShift = 11;
+constexpr std::uint32_t kFormatLittle = 4;
+constexpr std::uint32_t kFormatBig = 5;
+constexpr std::uint32_t kPixelBytes = 2;  // the interface pairs the bytes that come
+
+}  // namespace
+
+UdmaCamera::UdmaCamera(UdmaHost& host, Himax& sensor, const PictureRoll& roll)
+    : host_(host), sensor_(sensor), roll_(roll) {
+  picture_.reserve(std::size_t{Himax::kWidth} * Himax::kHeight);
+}
+
+bool UdmaCamera::is_on() const {
+  return (host_.config(kCameraGlobal) & kCameraOn) != 0 && sensor_.streams();
+}
+
+std::uint32_t UdmaCamera::last_line() const {
+  if ((host_.config(kCameraGlobal) & kHasWindow) == 0) return sensor_.height();
+  return std::min((host_.config(kCameraUpperRight) >> 16) + 1, sensor_.height());
+}
+
+Picoseconds UdmaCamera::end_time(const UdmaTransfer& /*transfer*/, Picoseconds start) {
+  if (!is_on()) return kNever;
+  if (!has_picture_ && !waits_) ask(start);
+  if (!has_picture_) return kNever;
+  return sensor_.frame_at(std::max(start, came_at_)) + sensor_.lines_time(last_line());
+}
+
+void UdmaCamera::ask(Picoseconds now) {
+  trigger_ = ++requests_;
+  if (!roll_.exists()) {
+    waits_ = true;
+    return;
+  }
+  const auto picture = roll_.picture(static_cast<std::size_t>(requests_) - 1);
+  if (picture.empty()) {
+    waits_ = true;  // for ever: whoever runs the program ends it
+  } else {
+    take(picture, now);
+  }
+}
+
+void UdmaCamera::take(std::span<const std::uint8_t> picture, Picoseconds now) {
+  waits_ = false;
+  if (picture.size() % Himax::kWidth != 0 || picture.size() / Himax::kWidth < sensor_.height()) {
+    throw Error(fmt::format(
+        "{}: picture {} of the camera has {} bytes; this camera's has rows of {} and now at least {} of them",
+        host_.entry.name, requests_, picture.size(), Himax::kWidth, sensor_.height()));
+  }
+  picture_.assign(picture.begin(), picture.end());
+  has_picture_ = true;
+  came_at_ = now;
+}
+
+void UdmaCamera::registers_changed(std::uint32_t offset, Picoseconds /*now*/) {
+  if (offset == kCameraGlobal && (host_.config(kCameraGlobal) & kDropsFrames) != 0) {
+    host_.host.complain(host_.entry.name + ": the camera interface is to drop frames, which is not modelled");
+  }
+}
+
+/// The frame's pixels as the interface hands them on.
+void UdmaCamera::convert() {
+  const auto global = host_.config(kCameraGlobal);
+  const auto lower = host_.config(kCameraLowerLeft);
+  const auto upper = host_.config(kCameraUpperRight);
+  const auto filter = host_.config(kCameraFilter);
+  const auto format = global >> kFormatShift & 7U;
+  const auto shift = global >> kShiftShift & 0xfU;
+  const bool has_window = (global & kHasWindow) != 0;
+  const std::size_t pairs = Himax::kWidth / kPixelBytes;
+  stream_.clear();
+  for (std::size_t i = 0; i + 1 < pixels_.size(); i += kPixelBytes) {
+    const auto row = i / Himax::kWidth;
+    const auto column = i / kPixelBytes % pairs;
+    if (has_window &&
+        (row < lower >> 16 || row > upper >> 16 || column < (lower & 0xffffU) || column > (upper & 0xffffU))) {
+      continue;
+    }
+    const std::uint32_t first = pixels_[i];
+    const std::uint32_t second = pixels_[i + 1];
+    std::uint32_t word = first << 8 | second;
+    if (format == kFormatBig) {
+      word = second << 8 | first;
+    } else if (format != kFormatLittle) {
+      const auto field = [word](unsigned low, unsigned bits) {
+        return (word >> low & ((1U << bits) - 1)) << (8 - bits);
+      };
+      const auto blue = field(0, format == 2 ? 4 : 5);
+      const auto green = format == 0 ? field(5, 6) : format == 1 ? field(5, 5) : field(4, 4);
+      const auto red = format == 0 ? field(11, 5) : format == 1 ? field(10, 5) : field(8, 4);
+      word = (blue * (filter & 0xffU) + green * (filter >> 8 & 0xffU) + red * (filter >> 16 & 0xffU)) >> shift;
+    }
+    stream_.push_back(static_cast<std::uint8_t>(word));
+    stream_.push_back(static_cast<std::uint8_t>(word >> 8));
+  }
+}
+
+void UdmaCamera::end(const UdmaTransfer& transfer) {
+  sensor_.read_out(picture_, pixels_);
+  has_picture_ = false;
+  convert();
+  if (stream_.size() > transfer.size) stream_.resize(transfer.size);
+  if (!host_.host.write_memory(transfer.address, stream_)) {
+    host_.complain_of_memory(transfer.address, transfer.size);
+  }
+}
+
+double* UdmaCamera::input(std::string_view variable) {
+  return variable == "camera.frame_id" ? &frame_id_ : nullptr;
+}
+
+std::string_view* UdmaCamera::text_input(std::string_view variable) {
+  return variable == "camera.frame.base64" ? &frame_base64_ : nullptr;
+}
+
+std::span<const std::uint8_t>* UdmaCamera::bytes_input(std::string_view variable) {
+  return variable == "camera.frame" ? &frame_ : nullptr;
+}
+
+const double* UdmaCamera::output(std::string_view variable) const {
+  return variable == "camera.trigger" ? &trigger_ : nullptr;
+}
+
+void UdmaCamera::begin_step(Picoseconds now) {
+  if (!waits_ || roll_.exists() || static_cast<std::int32_t>(frame_id_) != requests_) return;
+  auto picture = frame_;
+  if (picture.empty()) {
+    if (!decode_base64(frame_base64_, decoded_)) {
+      throw Error(fmt::format("camera.frame.base64 of {} characters is not base64 (RFC 4648)", frame_base64_.size()));
+    }
+    picture = decoded_;
+  }
+  if (!picture.empty()) take(picture, now);
+}
+
+void UdmaCamera::visit(state::Visitor& v) {
+  v("requests", requests_);
+  v("waits", waits_);
+  v("has_picture", has_picture_);
+  v("came_at", came_at_);
+  v("picture", picture_);
+  v("frame_id", frame_id_);
+  v("trigger", trigger_);
+}
+
+}  // namespace mebots::soc::gap8_devices

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "gap8_devices/himax.hpp"
+#include "gap8_devices/udma_host.hpp"
+#include "gap8_devices/udma_peripheral.hpp"
+
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <vector>
+
+namespace mebots::soc::gap8_devices {
+
+/// Where a camera's pictures come from when no world makes them.
+class PictureRoll {
+ public:
+  virtual ~PictureRoll() = default;
+  /// Whether there are pictures at all; then the world is not asked.
+  virtual bool exists() const = 0;
+  /// The next picture: grey pixels in rows of Himax::kWidth. Empty = there is none any more.
+  virtual std::span<const std::uint8_t> picture(std::size_t number) const = 0;
+};
+
+/// The camera interface (CPI) of the uDMA with an HM01B0. A transfer asks for a picture, from the roll or from the
+/// world, when interface and camera are on; the picture comes with the next frame that begins, line after line, and
+/// the transfer ends with the last line of its window. Dropping frames is not modelled, and told.
+///
+/// Its variables are those of the entry: camera.frame, .frame_id and .frame.base64 go in, camera.trigger goes out, as
+/// of MEbots' own camera. Source of registers: archi/udma/cpi/udma_cpi_v1.h.
+class UdmaCamera final : public UdmaPeripheral {
+ public:
+  UdmaCamera(UdmaHost& host, Himax& sensor, const PictureRoll& roll);
+
+  Picoseconds end_time(const UdmaTransfer& transfer, Picoseconds start) override;
+  void end(const UdmaTransfer& transfer) override;
+  void registers_changed(std::uint32_t offset, Picoseconds now) override;
+
+  double* input(std::string_view variable) override;
+  std::string_view* text_input(std::string_view variable) override;
+  std::span<const std::uint8_t>* bytes_input(std::string_view variable) override;
+  const double* output(std::string_view variable) const override;
+  void begin_step(Picoseconds now) override;
+  bool takes_picture() const override { return waits_; }
+
+  void visit(state::Visitor& v) override;
+
+ private:
+  bool is_on() const;
+  void ask(Picoseconds now);
+  void take(std::span<const std::uint8_t> picture, Picoseconds now);
+  void convert();
+  std::uint32_t last_line() const;
+
+  UdmaHost& host_;
+  Himax& sensor_;
+  const PictureRoll& roll_;
+  std::int32_t requests_ = 0;
+  bool waits_ = false;  // for the world's picture
+  bool has_picture_ = false;
+  Picoseconds came_at_ = 0;
+  std::vector<std::uint8_t> picture_;  // as it came
+  std::vector<std::uint8_t> pixels_;   // of the frame; not kept
+  std::vector<std::uint8_t> stream_;   // what goes to memory; not kept
+
+  // Variables.
+  double frame_id_ = 0;
+  double trigger_ = 0;
+  std::span<const std::uint8_t> frame_;
+  std::string_view frame_base64_;
+  std::vector<std::uint8_t> decoded_;
+};
+
+}  // namespace mebots::soc::gap8_devices

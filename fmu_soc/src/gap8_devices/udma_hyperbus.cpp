@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gap8_devices/udma_hyperbus.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string_view>
+
+namespace mebots::soc::gap8_devices {
+namespace {
+
+constexpr std::uint32_t kHyperConfig4 = 0x1B8;
+constexpr double kBusClocksBefore = 3 + 12;
+constexpr double kBytesPerBusClock = 2;
+constexpr double kSocClocksPerBusClock = 2;
+constexpr std::uint8_t kErased = 0xff;
+
+}  // namespace
+
+Picoseconds UdmaHyperBus::end_time(const UdmaTransfer& transfer, Picoseconds start) {
+  return host_.later(start, (kBusClocksBefore + transfer.size / kBytesPerBusClock) * kSocClocksPerBusClock);
+}
+
+void UdmaHyperBus::end(const UdmaTransfer& transfer) {
+  const auto base = (host_.config(kHyperConfig4) & 0xffU) << 24;
+  const bool is_flash = transfer.outside >= base;
+  const auto place = is_flash ? transfer.outside - base : transfer.outside;
+  const auto room = is_flash ? kFlashBytes : kRamBytes;
+  const auto size = transfer.size;
+  const auto complain = [&](std::string_view what) {
+    host_.host.complain(fmt::format("{}: transfer of {} bytes between 0x{:08x} and 0x{:08x} of the HyperBus: {}",
+                                    host_.entry.name, size, transfer.address, transfer.outside, what));
+  };
+  if (place > room || size > room - place) return complain("the memory there ends before");
+  bytes_.resize(size);
+  if (transfer.channel == send_channel_) {
+    if (is_flash) return complain("the flash's commands are not modelled: nothing was written");
+    if (!host_.host.read_memory(transfer.address, bytes_)) return complain("no memory of the chip there");
+    if (ram_.size() < place + size) ram_.resize(place + size);
+    std::ranges::copy(bytes_, ram_.begin() + place);
+    return;
+  }
+  const auto source = is_flash ? flash_ : std::span<const std::uint8_t>(ram_);
+  const auto there = place < source.size() ? std::min<std::size_t>(size, source.size() - place) : 0;
+  std::copy_n(source.begin() + static_cast<std::ptrdiff_t>(std::min<std::size_t>(place, source.size())), there,
+              bytes_.begin());
+  std::fill(bytes_.begin() + static_cast<std::ptrdiff_t>(there), bytes_.end(), is_flash ? kErased : std::uint8_t{0});
+  if (!host_.host.write_memory(transfer.address, bytes_)) complain("no memory of the chip there");
+}
+
+}  // namespace mebots::soc::gap8_devices

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "mebots/soc/time.hpp"
+#include "mebots/state/visitor.hpp"
+
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+namespace mebots::soc::gap8_devices {
+
+/// A transfer of a channel of the uDMA.
+struct UdmaTransfer {
+  std::uint32_t address = 0;  // in the chip's memory
+  std::uint32_t size = 0;     // bytes
+  std::uint32_t outside = 0;  // address on the HyperBus
+  std::uint32_t channel = 0;  // which
+  Picoseconds done_at = 0;    // of the first one in its queue; kNever = it waits for its peripheral
+
+  void visit(state::Visitor& v) {
+    v("address", address);
+    v("size", size);
+    v("outside", outside);
+    v("channel", channel);
+    v("done_at", done_at);
+  }
+};
+
+/// What stands behind channels of the uDMA, with what is connected to it on the board. Offsets are those of the uDMA.
+class UdmaPeripheral {
+ public:
+  UdmaPeripheral() = default;
+  UdmaPeripheral(const UdmaPeripheral&) = delete;
+  UdmaPeripheral& operator=(const UdmaPeripheral&) = delete;
+  virtual ~UdmaPeripheral() = default;
+
+  /// When a transfer that begins at `start` has ended; kNever = not before something else happens, behind which it is
+  /// asked again.
+  virtual Picoseconds end_time(const UdmaTransfer& transfer, Picoseconds start) = 0;
+  /// It ends now: its bytes move.
+  virtual void end(const UdmaTransfer& transfer) = 0;
+
+  /// Registers that the board's entry does not describe; false = none of its own there.
+  virtual bool load(std::uint32_t /*offset*/, std::uint32_t& /*value*/) { return false; }
+  virtual bool store(std::uint32_t /*offset*/, Picoseconds /*now*/, std::uint32_t /*value*/) { return false; }
+  /// A register that the entry describes has been stored into.
+  virtual void registers_changed(std::uint32_t /*offset*/, Picoseconds /*now*/) {}
+
+  /// As a device's: mebots/soc/device.hpp.
+  virtual double* input(std::string_view /*variable*/) { return nullptr; }
+  virtual std::string_view* text_input(std::string_view /*variable*/) { return nullptr; }
+  virtual std::span<const std::uint8_t>* bytes_input(std::string_view /*variable*/) { return nullptr; }
+  virtual const double* output(std::string_view /*variable*/) const { return nullptr; }
+  virtual void begin_step(Picoseconds /*now*/) {}
+  virtual bool takes_picture() const { return false; }
+  virtual void program_ended() {}
+
+  virtual void visit(state::Visitor& v) = 0;
+};
+
+}  // namespace mebots::soc::gap8_devices
