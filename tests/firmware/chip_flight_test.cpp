@@ -175,7 +175,7 @@ TEST(ChipFlight, FirmwareTakesOffPassesTheEasyGateLandsAndExitsWithZero) {
   EXPECT_EQ(outcome.exit_code, 0);
   EXPECT_EQ(outcome.phase, kLanded);
   EXPECT_TRUE(outcome.crossing.clear_of(load_scene("gate_easy").gates[0]));
-  EXPECT_THAT(outcome.console, Contains(HasSubstr("gate passed, landed after")));
+  EXPECT_THAT(outcome.console, Contains(HasSubstr("gate crossed, ended after")));
   EXPECT_THAT(outcome.console, Contains(HasSubstr("0 late, 0 periods overrun")));
 }
 
@@ -286,7 +286,7 @@ TEST(ChipFlight, APictureIsExposedWhileTheOneBeforeIsLookedAt) {
   unsigned overlapped = 0;
   for (const auto& line : outcome.console) {
     std::sscanf(line.c_str(),
-                "gate passed, landed after %*[0-9.] s: %u pictures, %*u with a gate, %*u late, %u periods", &pictures,
+                "gate crossed, ended after %*[0-9.] s: %u pictures, %*u with a gate, %*u late, %u periods", &pictures,
                 &overruns);
     std::sscanf(line.c_str(), "a look took %*[0-9.] ms at most; %u pictures", &overlapped);
   }

@@ -111,7 +111,7 @@ TEST_F(GateEasy, ChipCountsWhatItsFirmwareExecutes) {
 
 TEST_F(GateEasy, FirmwareTalksToTheUser) {
   EXPECT_THAT(flight_->output, HasSubstr("soc: "));
-  EXPECT_THAT(flight_->output, HasSubstr("gate passed, landed"));
+  EXPECT_THAT(flight_->output, HasSubstr("gate crossed, ended"));
 }
 
 TEST_F(GateEasy, SameInputGivesTheSameBits) {

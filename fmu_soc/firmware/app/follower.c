@@ -8,9 +8,9 @@ void follower_init(follower_t* follower, const policy_t* policy, int32_t yaw_rat
   follower->yaw_rate_scale_urad_s = yaw_rate_scale_urad_s;
 }
 
-pilot_command_t follower_step(follower_t* follower, int8_t yaw, bool passed, int32_t forward_velocity_um_s,
+pilot_command_t follower_step(follower_t* follower, int8_t yaw, bool crossed, int32_t forward_velocity_um_s,
                               int32_t elapsed_us) {
-  if (passed && follower->phase == PILOT_APPROACH) {
+  if (crossed && follower->phase == PILOT_APPROACH) {
     follower->phase = PILOT_THROUGH;
   } else if (follower->phase == PILOT_THROUGH) {
     follower->behind_um += (int32_t)((int64_t)forward_velocity_um_s * elapsed_us / 1000000);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The paper's pilot: cruise to where the network points, at the policy's speed, until the referee says that the gate
-// is passed; then a little farther, so that the drone does not land on the gate.
+// is crossed; then a little farther, so that the drone does not land on the gate.
 #pragma once
 
 #include <stdbool.h>
@@ -16,7 +16,7 @@ extern "C" {
 // Set by follower_init; `phase` may be read.
 typedef struct {
   pilot_phase_t phase;  // PILOT_APPROACH, PILOT_THROUGH, PILOT_DONE
-  int32_t behind_um;    // flown since the gate was passed
+  int32_t behind_um;    // flown since the gate was crossed
   policy_t policy;
   int32_t yaw_rate_scale_urad_s;
 } follower_t;
@@ -24,9 +24,9 @@ typedef struct {
 // Starts in PILOT_APPROACH with the policy as it is. The scale is the yaw rate at network output 127.
 void follower_init(follower_t* follower, const policy_t* policy, int32_t yaw_rate_scale_urad_s);
 
-// One picture: the network's output, whether the gate is passed, the velocity along the heading now, and the time
+// One picture: the network's output, whether the gate is crossed, the velocity along the heading now, and the time
 // since the last call.
-pilot_command_t follower_step(follower_t* follower, int8_t yaw, bool passed, int32_t forward_velocity_um_s,
+pilot_command_t follower_step(follower_t* follower, int8_t yaw, bool crossed, int32_t forward_velocity_um_s,
                               int32_t elapsed_us);
 
 #ifdef __cplusplus

@@ -105,7 +105,7 @@ static pilot_phase_t phase_of(const crew_t* crew) {
 
 static pilot_command_t steer(crew_t* crew, const navigator_output_t* seen, int32_t elapsed_us) {
   const int32_t velocity_um_s = flight_forward_velocity_um_s();
-  return crew->follows ? follower_step(&crew->follower, seen->yaw, flight_gate_passed(), velocity_um_s, elapsed_us)
+  return crew->follows ? follower_step(&crew->follower, seen->yaw, flight_gate_crossed(), velocity_um_s, elapsed_us)
                        : pilot_step(&crew->pilot, seen, velocity_um_s, elapsed_us);
 }
 
@@ -174,7 +174,7 @@ static int fly(crew_t* crew) {
       tell(crew, &seen, &order);
     }
     if (phase_of(crew) == PILOT_DONE) {
-      return EXIT_GATE_PASSED;
+      return EXIT_GATE_CROSSED;
     }
 
     if (!asked) {
@@ -184,7 +184,7 @@ static int fly(crew_t* crew) {
 }
 
 static void print_summary(int code) {
-  static const char* const kEnds[] = {"gate passed, landed", "landed without the gate", "crashed", "did not take off",
+  static const char* const kEnds[] = {"gate crossed, ended", "landed without the gate", "crashed", "did not take off",
                                       "landed, camera out of order"};
   print("%s after %m s: %u pictures, %u with a gate, %u late, %u periods overrun\n", kEnds[code],
         (int32_t)(timer_now_ns() / NS_PER_MS), statistics.pictures, statistics.sightings, statistics.late,

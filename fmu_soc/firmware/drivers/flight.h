@@ -38,9 +38,9 @@ static inline int32_t flight_yaw_urad(void) {
   return (int32_t)FLIGHT_YAW;
 }
 
-// True once the referee saw the drone pass the gate.
-static inline bool flight_gate_passed(void) {
-  return FLIGHT_GATE_PASSED != 0;
+// True once the referee saw the drone cross the gate's opening.
+static inline bool flight_gate_crossed(void) {
+  return FLIGHT_GATE_CROSSED != 0;
 }
 
 static inline uint32_t battery_voltage_mv(void) {

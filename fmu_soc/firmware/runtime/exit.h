@@ -8,7 +8,7 @@ extern "C" {
 
 // Exit codes of the flight application; the chip puts them out as core.exit_code.
 enum {
-  EXIT_GATE_PASSED = 0,     // flew through the gate and landed
+  EXIT_GATE_CROSSED = 0,    // crossed the opening, as far as it knows, and landed
   EXIT_LANDED_EARLY = 1,    // landed at the landing charge, without the gate
   EXIT_CRASHED = 2,         // the flight controller reports a crash
   EXIT_TOO_LOW_CHARGE = 3,  // did not take off
