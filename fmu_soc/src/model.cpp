@@ -28,6 +28,7 @@ constexpr std::array<double Outputs::*, kParts> kPartPowers{
 };
 static_assert(std::tuple_size_v<decltype(Outputs::energy_j)> == kParts);
 static_assert(std::tuple_size_v<decltype(Outputs::state_time_s)> == StateTimes::kCounted);
+static_assert(std::tuple_size_v<decltype(Outputs::cluster_core_cycles)> == kMostClusterCores);
 
 Settings settings_of(const Parameters& parameters) {
   Settings settings;
@@ -156,6 +157,9 @@ void Model::write(double step_s) {
     const auto sums = cluster->counters();
     outputs.cluster_instructions = static_cast<double>(sums.instructions);
     outputs.cluster_cycles = static_cast<double>(sums.cycles);
+    for (unsigned core = 0; core < cluster->cores(); ++core) {
+      outputs.cluster_core_cycles[core] = static_cast<double>(cluster->hart(core).counters().cycles);
+    }
     outputs.cluster_powered = cluster->powered();
   }
   fields_.write(step_s);

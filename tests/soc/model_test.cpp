@@ -35,10 +35,18 @@ std::filesystem::path resources() {
   return folder;
 }
 
+/// The file of a program that lies in L2.
+std::string program(std::string_view name, std::string_view text) {
+  const auto path = resources() / name;
+  const auto bytes = assemble_file(text, 0x1C000000);
+  std::ofstream(path, std::ios::binary)
+      .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  return path.string();
+}
+
 /// Asks for a picture, waits for it, adds up its bytes into the altitude set-point [um], exits with code 9.
 std::string picture_program() {
-  const auto path = resources() / "picture.elf";
-  const auto bytes = assemble_file(R"(
+  return program("picture.elf", R"(
 #include "board.h"
 _start: li s0, CAMERA_BASE
     li s1, FLIGHT_BASE
@@ -66,11 +74,7 @@ _start: li s0, CAMERA_BASE
     li a0, 9
     sw a0, POWER_MANAGER_EXIT_OFFSET(s0)
 3:  j 3b
-)",
-                                   0x1C000000);
-  std::ofstream(path, std::ios::binary)
-      .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-  return path.string();
+)");
 }
 
 Variables picture_variables() {
@@ -115,6 +119,41 @@ TEST(Model, PowerIsTheMeanOverTheStepSoThatItSumsToTheEnergy) {
   double parts_j = 0;
   for (const double part_j : variables.outputs.energy_j) parts_j += part_j;
   EXPECT_NEAR(parts_j, variables.outputs.energy_total_j, 1e-15 * 12 * parts_j) << "rounding of eleven sums";
+}
+
+/// Core n of four turns 100 (n + 1) times in a loop, then sleeps.
+TEST(Model, CyclesOfTheClusterAreThoseOfItsCoresEachByItsNumber) {
+  Variables variables;
+  variables.parameters.firmware = program("cores.elf", R"(
+#include "board.h"
+_start: li s0, POWER_MANAGER_BASE
+    la a0, core
+    sw a0, POWER_MANAGER_CLUSTER_BOOT_OFFSET(s0)
+    li a0, 1
+    sw a0, POWER_MANAGER_CLUSTER_POWER_OFFSET(s0)
+1:  wfi
+    j 1b
+core: csrr a0, mhartid
+    addi a0, a0, 1
+    li a1, 100
+    mul a0, a0, a1
+2:  addi a0, a0, -1
+    bnez a0, 2b
+3:  wfi
+    j 3b
+)");
+  variables.parameters.cluster_cores = 4;
+  Model model(variables, resources(), {});
+  model.start(0);
+  for (std::int64_t t = 0; t < 4 * kMs; t += 2 * kMs) model.step(t, 2 * kMs);
+  const auto& cycles = variables.outputs.cluster_core_cycles;
+  EXPECT_EQ(cycles[0] + cycles[1] + cycles[2] + cycles[3], variables.outputs.cluster_cycles);
+  const auto turn = (cycles[3] - cycles[0]) / 300;
+  EXPECT_GE(turn, 2) << "an addition and a branch that is taken";
+  for (std::size_t core = 0; core < 4; ++core) {
+    EXPECT_NEAR(cycles[core], 100 * static_cast<double>(core + 1) * turn, 200) << "core " << core << ": first fetches";
+  }
+  for (std::size_t core = 4; core < cycles.size(); ++core) EXPECT_EQ(cycles[core], 0) << "there is no core " << core;
 }
 
 TEST(Model, PictureByPointerAndByBase64GiveTheSame) {
