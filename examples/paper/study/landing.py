@@ -13,7 +13,7 @@ DESCENT = 1.5  # %: where the search begins, above the charge at which the prote
 
 def under_power(summary):
     """Landed upright, and the protection had not opened."""
-    return summary["landed"] and not summary["crashed"] and Trace(summary["folder"])["battery.cell.connected"][-1] > 0
+    return bool(summary["landed"] and not summary["crashed"] and Trace(summary["folder"])["battery.cell.connected"][-1] > 0)
 
 
 def opening_charge(summary):

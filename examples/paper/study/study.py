@@ -49,7 +49,7 @@ def fly_landings(place, data):
     charges = [landing.least(data["landing"]["bench"]["bitcraze_250"]) - landing.STEP * too_low for too_low in (1, 0)]
     flights = [experiments.landing("bench", "bitcraze_250", charge) for charge in charges]
     flown = fly_all(flights, place)
-    data["ends"] = [{"charge": charge, "landed": bool(landing.under_power(flown[flight.name])),
+    data["ends"] = [{"charge": charge, "landed": landing.under_power(flown[flight.name]),
                      "course": collect.last_seconds(flown[flight.name])} for charge, flight in zip(charges, flights)]
 
 
