@@ -5,6 +5,7 @@
 #include "base/packed.hpp"
 #include "report/page.hpp"
 #include "report/payload.hpp"
+#include "sink/png_file.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -15,6 +16,7 @@
 #include <bit>
 #include <cstdint>
 #include <limits>
+#include <random>
 #include <utility>
 
 namespace mebots::test {
@@ -141,6 +143,80 @@ TEST_F(Report, PicturesComeInTheOrderOfTime) {
   ASSERT_THAT(run.pictures[0].pictures, SizeIs(2));
   EXPECT_EQ(run.pictures[0].pictures[0].time_s, 2.25);
   EXPECT_EQ(run.pictures[0].pictures[1].png, "late");
+}
+
+/// Grey noise, which no compression makes smaller: so many pictures, one a second.
+void write_noise(const std::filesystem::path& folder, unsigned count, std::size_t width) {
+  std::filesystem::create_directories(folder);
+  std::mt19937 noise(1);
+  std::vector<std::uint8_t> pixels(width * width);
+  for (unsigned i = 0; i < count; ++i) {
+    for (auto& pixel : pixels) pixel = static_cast<std::uint8_t>(noise());
+    master::write_png(folder / fmt::format("{:011.6f}.png", static_cast<double>(i)), pixels, width);
+  }
+}
+
+std::size_t bytes_of(const std::vector<master::report::Picture>& pictures) {
+  std::size_t bytes = 0;
+  for (const auto& picture : pictures) bytes += picture.png.size();
+  return bytes;
+}
+
+TEST_F(Report, PicturesThatFitStayAsTheyAre) {
+  table("time [s],a.x [m]\n0,1\n");
+  const auto pictures = folder.path() / "pictures" / "world.camera.frame";
+  write_noise(pictures, 10, 320);
+  const auto run = read_run_folder(folder.path());
+  ASSERT_THAT(run.pictures[0].pictures, SizeIs(10));
+  EXPECT_EQ(run.pictures[0].every, 1U);
+  EXPECT_EQ(run.pictures[0].pictures[3].shrunk, 1U);
+  EXPECT_EQ(run.pictures[0].pictures[3].png, read_file(pictures / "0003.000000.png"));
+}
+
+TEST_F(Report, PicturesOfALongRunAreSmallerButForAChosenSpan) {
+  table("time [s],a.x [m]\n0,1\n");
+  const auto pictures = folder.path() / "pictures" / "world.camera.frame";
+  write_noise(pictures, 40, 320);
+  const auto run = read_run_folder(folder.path(), {{5, 7}});
+  const auto& kept = run.pictures[0].pictures;
+  ASSERT_THAT(kept, SizeIs(40));
+  EXPECT_EQ(run.pictures[0].every, 1U);
+  for (const auto& picture : kept) {
+    const bool is_chosen = picture.time_s >= 5 && picture.time_s <= 7;
+    EXPECT_EQ(picture.shrunk, is_chosen ? 1U : 2U) << picture.time_s;
+    const auto read = master::read_png(picture.png);
+    ASSERT_TRUE(read.has_value());
+    EXPECT_EQ(read->width, is_chosen ? 320U : 160U) << picture.time_s;
+    EXPECT_EQ(read->pixels.size(), read->width * read->width);
+  }
+  const auto whole = master::read_png(read_file(pictures / "0000.000000.png"));
+  ASSERT_TRUE(whole.has_value());
+  const auto at = [&](std::size_t x, std::size_t y) { return static_cast<double>(whole->pixels[y * 320 + x]); };
+  const auto mean = (at(10, 6) + at(11, 6) + at(10, 7) + at(11, 7)) / 4;
+  EXPECT_NEAR(master::read_png(kept[0].png)->pixels[3 * 160 + 5], mean, 0.5) << "rounded to a grey level";
+}
+
+TEST_F(Report, PicturesThatGetNoSmallerAreFewer) {
+  table("time [s],a.x [m]\n0,1\n");
+  write_noise(folder.path() / "pictures" / "world.camera.frame", 120, 160);
+  const auto run = read_run_folder(folder.path(), {{11, 12}});
+  const auto& [name, kept, every] = run.pictures[0];
+  EXPECT_EQ(every, 3U) << "120 x 25.6 kB in 1.5 MB";
+  EXPECT_THAT(kept, SizeIs(118 / 3 + 1 + 2));
+  EXPECT_LE(bytes_of(kept), master::report::kMostPictureBytes + std::size_t{2} * 27'000);
+  EXPECT_EQ(kept[1].time_s, 3);
+  EXPECT_TRUE(std::ranges::any_of(kept, [](const auto& picture) { return picture.time_s == 11; }));
+}
+
+TEST_F(Report, APictureThatIsNoPngIsLeftAsItIs) {
+  table("time [s],a.x [m]\n0,1\n");
+  const auto pictures = folder.path() / "pictures" / "world.camera.frame";
+  write_noise(pictures, 20, 320);
+  write_file(pictures / "0003.000000.png", "no picture");
+  const auto run = read_run_folder(folder.path());
+  EXPECT_EQ(run.pictures[0].pictures[3].png, "no picture");
+  EXPECT_EQ(run.pictures[0].pictures[3].shrunk, 1U);
+  EXPECT_EQ(run.pictures[0].pictures[4].shrunk, 2U);
 }
 
 struct Unpacked {

@@ -70,10 +70,11 @@ Json run_json(const RunFolder& run, bool with_pictures, Blocks& blocks) {
   json["pictures"] = Json::array();
   if (!with_pictures) return json;
   for (const auto& series : run.pictures) {
-    Json entry = {{"name", series.name}, {"pictures", Json::array()}};
+    Json entry = {{"name", series.name}, {"every", series.every}, {"pictures", Json::array()}};
     for (const auto& picture : series.pictures) {
       auto place = blocks.add(picture.png);
       place["time"] = picture.time_s;
+      place["shrunk"] = picture.shrunk;
       entry["pictures"].push_back(std::move(place));
     }
     json["pictures"].push_back(std::move(entry));

@@ -43,7 +43,8 @@ std::vector<fs::path> sorted_entries(const fs::path& folder) {
 
 /// A picture's name is its time. Files of other names are somebody else's.
 PictureSeries read_series(const fs::path& folder, std::size_t known) {
-  PictureSeries series{folder.filename().string(), {}};
+  PictureSeries series;
+  series.name = folder.filename().string();
   for (const auto& file : sorted_entries(folder)) {
     const auto time_s = csv_number<double>(file.stem().string());
     if (file.extension() != ".png" || !time_s) continue;
@@ -103,6 +104,7 @@ RunFolder read_run_folder(const fs::path& folder, const std::vector<TimeSpan>& w
   }
   auto run = read_side_files(folder);
   run.pictures = read_pictures(folder);
+  for (auto& series : run.pictures) fit_into_page(series, whole);
   const auto plain = fs::absolute(folder).lexically_normal();
   run.name = plain.has_filename() ? plain.filename().string() : plain.parent_path().filename().string();
   run.results = read_results(results, whole);

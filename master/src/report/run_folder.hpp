@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "report/picture_detail.hpp"
 #include "report/result_table.hpp"
 
 #include <nlohmann/json.hpp>
@@ -10,18 +11,6 @@
 #include <vector>
 
 namespace mebots::master::report {
-
-/// A picture that a run kept.
-struct Picture {
-  double time_s = 0;
-  std::string png;  ///< the file's bytes
-};
-
-/// The pictures of one camera, in the order of time.
-struct PictureSeries {
-  std::string name;  ///< "world.camera.frame"
-  std::vector<Picture> pictures;
-};
 
 /// What a run left in its folder. Only the table of results is always there; all else is empty where the run, or an
 /// older version that made it, left none.
@@ -44,8 +33,8 @@ std::vector<PictureSeries> read_pictures(const std::filesystem::path& folder, st
 /// way. Throws InputError for files that are damaged.
 RunFolder read_side_files(const std::filesystem::path& folder);
 
-/// Reads a results folder; within the spans `whole` every row of its table stays. Throws InputError for a folder that
-/// is none, and for files in it that are damaged.
+/// Reads a results folder, as far as it fits into a page: within the spans `whole` every row of its table stays, and
+/// every picture as it is. Throws InputError for a folder that is none, and for files in it that are damaged.
 RunFolder read_run_folder(const std::filesystem::path& folder, const std::vector<TimeSpan>& whole = {});
 
 }  // namespace mebots::master::report

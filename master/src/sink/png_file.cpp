@@ -11,6 +11,7 @@
 
 #include <csetjmp>
 #include <string>
+#include <utility>
 
 namespace mebots::master {
 namespace {
@@ -61,7 +62,7 @@ bool write(Writing& writing, const std::uint8_t* pixels, png_uint_32 width, png_
 
 }  // namespace
 
-void write_png(const std::filesystem::path& file, std::span<const std::uint8_t> pixels, std::size_t width) {
+std::string png_of(std::span<const std::uint8_t> pixels, std::size_t width) {
   MEBOTS_ASSERT(width > 0 && pixels.size() % width == 0);
   Writing writing;
   constexpr std::size_t kFrame = 4096;                    // what a file has beside its pixels, with room to spare
@@ -70,12 +71,37 @@ void write_png(const std::filesystem::path& file, std::span<const std::uint8_t> 
   if (writing.png != nullptr) writing.info = png_create_info_struct(writing.png);
   if (writing.info == nullptr || !write(writing, pixels.data(), static_cast<png_uint_32>(width),
                                         static_cast<png_uint_32>(pixels.size() / width))) {
-    throw Error(ErrorCode::file_unwritable,
-                fmt::format("{}: the picture cannot be written: {}", file.string(), writing.error));
+    throw Error(ErrorCode::file_unwritable, fmt::format("the picture cannot be written: {}", writing.error));
+  }
+  return std::move(writing.bytes);
+}
+
+void write_png(const std::filesystem::path& file, std::span<const std::uint8_t> pixels, std::size_t width) {
+  std::string bytes;
+  try {
+    bytes = png_of(pixels, width);
+  } catch (const Error& error) {
+    throw Error(error.code(), fmt::format("{}: {}", file.string(), error.what()));
   }
   OutputFile output(file);
-  output.append(writing.bytes);
+  output.append(bytes);
   output.close();
+}
+
+std::optional<GreyPicture> read_png(std::string_view bytes) {
+  constexpr std::size_t kMostPixels = std::size_t{1} << 26;  // more than any camera has: a damaged file's word
+  png_image image{};
+  image.version = PNG_IMAGE_VERSION;
+  if (png_image_begin_read_from_memory(&image, bytes.data(), bytes.size()) == 0) return std::nullopt;
+  std::optional<GreyPicture> picture;
+  if (image.format == PNG_FORMAT_GRAY && std::size_t{image.width} * image.height <= kMostPixels) {
+    picture.emplace();
+    picture->width = image.width;
+    picture->pixels.resize(std::size_t{image.width} * image.height);
+    if (png_image_finish_read(&image, nullptr, picture->pixels.data(), 0, nullptr) == 0) picture.reset();
+  }
+  png_image_free(&image);
+  return picture;
 }
 
 }  // namespace mebots::master

@@ -64,7 +64,8 @@ export interface RunHeader {
   columns: { name: string; unit: string; still?: number; block?: Place }[];
   scene: Place | null;
   profiles: Json[];
-  pictures: { name: string; pictures: (Place & { time: number })[] }[];
+  /** `every`: one in so many is here; `shrunk`: so many of its pixels are one here. Neither stands in live data. */
+  pictures: { name: string; every?: number; pictures: (Place & { time: number; shrunk?: number })[] }[];
 }
 
 export interface Payload {

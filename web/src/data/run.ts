@@ -7,6 +7,8 @@ import { rateUnit, shown } from "./units";
 export interface Picture {
   time: number;
   url: string;
+  /** So many pixels of the camera's are one of it, in both directions. */
+  shrunk: number;
 }
 
 /** Numbers over the run's times, as a panel draws them. */
@@ -129,12 +131,17 @@ export class Run {
     const series = header.pictures.find(({ name }) => name === this.camera);
     for (const picture of (series?.pictures ?? []).slice(this.pictures.length - known)) {
       const url = URL.createObjectURL(new Blob([payload.bytes(picture)], { type: "image/png" }));
-      this.pictures.push({ time: picture.time, url });
+      this.pictures.push({ time: picture.time, url, shrunk: picture.shrunk ?? 1 });
     }
   }
 
   get end(): number {
     return this.times.length > 0 ? this.times[this.times.length - 1] : 0;
+  }
+
+  /** Of so many pictures that it kept one is here. */
+  get pictureEvery(): number {
+    return this.header.pictures.find(({ name }) => name === this.camera)?.every ?? 1;
   }
 
   /** Names of what was recorded, in the order of the table. */

@@ -22,10 +22,16 @@ export function makePicture(run: Run, clock: Clock): HTMLElement {
   const show = () => {
     const picture = pictureAt(run.pictures, clock.time);
     image.hidden = picture === null;
-    caption.textContent = picture ? `camera at ${shownTime(picture.time)}` : "no picture yet";
+    caption.textContent = picture ? `camera at ${shownTime(picture.time)}${detail(run, picture)}` : "no picture yet";
     if (picture && picture.url !== shownUrl) image.src = shownUrl = picture.url;
   };
   clock.onTime(show);
   show();
   return figure;
+}
+
+/** Of a long run pictures are smaller, or fewer. */
+function detail(run: Run, picture: Picture): string {
+  const size = picture.shrunk > 1 ? `, 1/${picture.shrunk} size` : "";
+  return picture.shrunk > 1 && run.pictureEvery > 1 ? `${size}, 1 of ${run.pictureEvery}` : size;
 }

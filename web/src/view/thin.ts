@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Of a recording that is too long for a page the extremes are here: who looks closer is told how to get every row.
+// Of a recording that is too long for a page the extremes are here, and smaller pictures: who looks closer is told how to
+// get all.
 import type { Run } from "../data/run";
 import { element } from "../dom";
 import type { Window } from "./window";
@@ -9,9 +10,13 @@ export function makeThinNote(run: Run, window: Window): HTMLElement {
   const show = () => {
     const { header } = run;
     const isWhole = header.whole?.some(([from, to]) => from <= window.start && window.stop <= to);
-    note.hidden = header.span <= 1 || window.isWhole || isWhole || header.live != null;
+    const parts = [];
+    if (header.span > 1) parts.push(`Of every ${header.span} rows the least and the greatest numbers are here.`);
+    if (run.pictures.some(({ shrunk }) => shrunk > 1)) parts.push("Pictures are smaller than they were.");
+    if (run.pictureEvery > 1) parts.push(`Of every ${run.pictureEvery} pictures one is here.`);
+    note.hidden = parts.length === 0 || window.isWhole || isWhole || header.live != null;
     if (note.hidden) return;
-    note.replaceChildren(`Of every ${header.span} rows the least and the greatest numbers are here. Every row of what you look at: `,
+    note.replaceChildren(`${parts.join(" ")} All of what you look at: `,
       element("code", {}, `mebots report ${run.name} --detail ${rounded(window.start, Math.floor)}:${rounded(window.stop, Math.ceil)}`));
   };
   window.onChange(show);
