@@ -78,6 +78,29 @@ const tests = {
     assert.ok(Math.abs(shares.map((text) => parseFloat(text)).reduce((a, b) => a + b) - 100) < 0.5, shares.join(", "));
   },
 
+  async "lanes lie along the same time as the plots above them"({ page }) {
+    const [plot, lane] = await page.evaluate(() => [".panel .u-over", ".panel .lane-area"].map((which) => {
+      const { left, right } = document.querySelector(which).getBoundingClientRect();
+      return [left, right];
+    }));
+    plot.forEach((edge, i) => assert.ok(Math.abs(edge - lane[i]) < 1, `${plot}, ${lane}`));
+  },
+
+  async "every core's lane is dark when that core worked"({ page }) {
+    for (const time of [1, 3]) {
+      await setTime(page, time);
+      for (let core = 0; core < 8; ++core) {
+        const name = `soc.cluster.core[${core}].cycles`;
+        const text = await page.$eval(`.values b[data-variable="${name}"]`, (cell) => cell.textContent);
+        assert.equal(numberOf(text.replace("/s", "")) > 0, time > 2, `${name} at ${time} s: ${text}`);
+      }
+    }
+    const cells = await page.$$eval('.values b[data-variable="world.drone.phase"]', (found) => found.map((cell) => cell.textContent));
+    assert.deepEqual(cells, ["flying"]);
+    const wanted = [0, 1, 2, 3, 4, 5, 6, 7].map((core) => column("flight", `soc.cluster.core[${core}].cycles`).at(-1)).reduce((a, b) => a + b);
+    assert.equal(wanted, column("flight", "soc.cluster.cycles").at(-1));
+  },
+
   async "mean power over all of the run is energy over time"({ page }) {
     const shown = await page.evaluate(() => {
       const run = globalThis.mebots.runs[0];

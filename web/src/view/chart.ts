@@ -10,6 +10,8 @@ import { makeScrubbable } from "./scrub";
 import type { Window } from "./window";
 
 const HEIGHT = 84;
+/** What of the width is beside the curves [px]. */
+export const AXIS = { left: 70, right: 16 };
 const FONT = "11px system-ui, sans-serif";
 
 export class Chart implements Drawing {
@@ -83,12 +85,12 @@ export class Chart implements Drawing {
       height: HEIGHT,
       legend: { show: false },
       cursor: { show: false },
-      padding: [8, 16, 0, 0],
+      padding: [8, AXIS.right, 0, 0],
       scales: { x: { time: false }, y: { range: (_plot, low, high) => niceRange(low, high, stacked) } },
       axes: [
         { stroke: text, grid, font: FONT, size: 22, ticks: { show: false }, values: (_plot, ticks) => ticks.map((tick) => `${+tick.toFixed(6)} s`) },
         {
-          stroke: text, grid, font: FONT, size: 64, ticks: { show: false }, space: 18,
+          stroke: text, grid, font: FONT, size: AXIS.left, ticks: { show: false }, space: 18,
           values: (_plot, ticks, _axis, _space, step) => ticks.map((tick) => tickText(tick / factor, step / factor, prefix, name)),
         },
       ],

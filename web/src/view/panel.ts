@@ -46,7 +46,12 @@ export function makePanel(info: PanelInfo, allRuns: Run[], clock: Clock, window:
   }
   const drawing: Drawing = kind === "lanes" ? new Lanes(curves, clock, window) : new Chart(kind, curves, clock, window);
   root.append(drawing.root);
-  const outputs = kind === "lanes" ? [] : curves.map((entry, i) => makeValue(entry, i, runCount, window, values));
+  const outputs = curves.map((entry, i) => {
+    const value = makeValue(entry, runCount, window);
+    if (kind === "lanes") value.swatch.remove(); // their colours are those of states
+    values.append(value.root);
+    return { ...value, paint: () => (value.swatch.style.background = curveColour(entry, i, runCount)) };
+  });
   const show = () => {
     for (const output of outputs) output.show(clock.time);
   };
@@ -56,6 +61,7 @@ export function makePanel(info: PanelInfo, allRuns: Run[], clock: Clock, window:
     for (const output of outputs) output.paint();
     drawing.redraw();
   });
+  for (const output of outputs) output.paint();
   show();
   return root;
 }
@@ -96,20 +102,17 @@ export function curveColour(entry: RunCurve, index: number, runCount: number): s
   return colour(runCount > 1 ? entry.runIndex : index);
 }
 
-function makeValue(entry: RunCurve, index: number, runCount: number, window: Window, into: HTMLElement) {
+function makeValue(entry: RunCurve, runCount: number, window: Window) {
+  const { curve, run } = entry;
   const swatch = element("i", { class: "swatch" });
-  const number = element("b", { "data-variable": entry.curve.variable, "data-run": entry.run.name });
-  const name = runCount > 1 ? `${entry.curve.label} · ${entry.run.name}` : entry.curve.label;
-  into.append(element("span", { class: "value", title: entry.curve.variable }, swatch, `${name} `, number));
-  const paint = () => {
-    swatch.style.background = curveColour(entry, index, runCount);
-  };
-  paint();
+  const number = element("b", { "data-variable": curve.variable, "data-run": run.name });
+  const name = runCount > 1 ? `${curve.label} \u00b7 ${run.name}` : curve.label;
   return {
-    paint,
+    root: element("span", { class: "value", title: curve.variable }, swatch, `${name} `, number),
+    swatch,
     show(time: number) {
-      const { curve, run } = entry;
-      number.textContent = shown(curve.values(window.mean)[rowAt(run.times, time)], curve.unit);
+      const value = curve.values(window.mean)[rowAt(run.times, time)];
+      number.textContent = curve.isRate ? shown(value, curve.unit) : run.text(curve.variable, value);
     },
   };
 }
