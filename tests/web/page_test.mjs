@@ -273,6 +273,11 @@ const besideTests = {
     });
   },
 
+  async "of each run's cores one lane stands for all"({ page }) {
+    const names = await page.$$eval(".panel-lanes .values b", (cells) => cells.map((cell) => cell.dataset.variable));
+    assert.equal(names.filter((name) => name.includes("soc.cluster.core[7].cycles")).length, 2, names.join(", "));
+  },
+
   async "a table tells what was given differently and what came of it"({ page }) {
     const rows = await page.$$eval(".comparison tr", (found) => found.map((row) => row.textContent));
     assert.ok(rows.some((row) => row.startsWith("soc.mission.cruise_speed") && row.endsWith("0.5")), rows.join("\n"));

@@ -79,10 +79,11 @@ function meanNote(window: Window): HTMLElement {
   return note;
 }
 
-/** Each run's curves; where several runs would stack their parts, each run's whole. */
+/** Each run's curves; where several runs would stack their parts, or shade many lanes, each run's whole. */
 function curvesOf(info: PanelInfo, runs: Run[]): RunCurve[] {
   const curves: RunCurve[] = [];
-  if (info.kind === "stack" && runs.length > 1) {
+  const isParts = info.kind === "stack" || (info.kind === "lanes" && info.curves.every(({ rate_of }) => rate_of !== undefined));
+  if (isParts && runs.length > 1) {
     runs.forEach((run, runIndex) => {
       const curve = run.sum(info.curves);
       if (curve) curves.push({ run, runIndex, curve });
