@@ -124,6 +124,7 @@ int execute(const std::function<std::unique_ptr<Run>()>& open, const ReportOptio
   std::string error_text;
   try {
     run = open();
+    run->free_at_end();
     check_expected(run->system(), options.expect);
     const master::SignalGuard guard(run->interrupt_flag());
     Progress progress(console, run->system().start_time_ns, run->system().stop_time_ns);
@@ -162,7 +163,7 @@ void add_report_options(CLI::App& command, ReportOptions& options) {
 
 const std::vector<std::string> kExitCodes = {
     "0 the simulation ran to its end (with the expected outcome)",
-    "1 it failed on the way, was interrupted, or had another outcome than expected",
+    "1 it failed on the way, was interrupted, had another outcome than expected, or an FMU crashed when it was freed",
     "2 the input cannot be used: command line, config, FMU, results folder"};
 
 }  // namespace

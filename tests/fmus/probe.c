@@ -140,18 +140,33 @@ FMI2_EXPORT fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2St
   return p;
 }
 
+/// Changes the process for all who are in it.
+static void meddle(void) {
+  umask(0);
+  if (chdir("/") != 0) abort();
+  const struct rlimit no_core = {0, 1 << 20};
+  setrlimit(RLIMIT_CORE, &no_core);
+  signal(SIGUSR1, SIG_IGN);
+  close(0);
+}
+
 // When the library goes.
 static int dies_at_end = 0;
+static int exits_at_end = 0;
 __attribute__((destructor)) static void end(void) {
   if (dies_at_end) raise(SIGSEGV);
+  if (exits_at_end) exit(0);
 }
 
 FMI2_EXPORT void fmi2FreeInstance(fmi2Component c) {
   if (c != NULL && strcmp(((Probe*)c)->state.strings[FAULT], "free_crash") == 0) raise(SIGSEGV);
+  if (c != NULL && strcmp(((Probe*)c)->state.strings[FAULT], "free_meddle") == 0) meddle();
   if (c != NULL && strcmp(((Probe*)c)->state.strings[FAULT], "free_hang") == 0) {
     for (;;) pause();
   }
+  if (c != NULL && strcmp(((Probe*)c)->state.strings[FAULT], "free_exit") == 0) exit(0);
   if (c != NULL && strcmp(((Probe*)c)->state.strings[FAULT], "destructor") == 0) dies_at_end = 1;
+  if (c != NULL && strcmp(((Probe*)c)->state.strings[FAULT], "destructor_exit") == 0) exits_at_end = 1;
   if (c != NULL) ((Probe*)c)->callbacks.freeMemory(c);
 }
 
@@ -171,16 +186,6 @@ static void* stay(void* nothing) {
 static void start_thread(void* (*work)(void*), void* argument) {
   pthread_t thread;
   if (pthread_create(&thread, NULL, work, argument) == 0) pthread_detach(thread);
-}
-
-/// Changes the process for all who are in it.
-static void meddle(void) {
-  umask(0);
-  if (chdir("/") != 0) abort();
-  const struct rlimit no_core = {0, 1 << 20};
-  setrlimit(RLIMIT_CORE, &no_core);
-  signal(SIGUSR1, SIG_IGN);
-  close(0);
 }
 
 FMI2_EXPORT fmi2Status fmi2EnterInitializationMode(fmi2Component c) {
@@ -355,6 +360,16 @@ static void harm_parent(void) {
   if (!refused) abort();
 }
 
+/// A process in a session of its own, whose parent is gone; then hangs.
+static void leave_daemon(void) {
+  const pid_t between = fork();
+  if (between == 0) {
+    setsid();
+    if (fork() != 0) _exit(0);
+  }
+  for (;;) pause();
+}
+
 static fmi2Status misbehave(Probe* p, const char* fault) {
   if (abuse_logger(p, fault)) return fmi2OK;
   if (strcmp(fault, "warning") == 0) {
@@ -418,6 +433,7 @@ static fmi2Status misbehave(Probe* p, const char* fault) {
   if (strcmp(fault, "orphan") == 0 && fork() == 0) {
     for (;;) pause();
   }
+  if (strcmp(fault, "daemon") == 0) leave_daemon();
   return fmi2OK;
 }
 

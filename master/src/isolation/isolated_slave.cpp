@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <chrono>
 #include <csignal>
+#include <utility>
 
 namespace mebots::master::isolation {
 
@@ -74,27 +75,30 @@ std::uint64_t IsolatedSlave::memory_bytes() const {
 }
 
 IsolatedSlave::~IsolatedSlave() {
-  if (!lost_.empty()) return;
   try {
-    commands_.clear();  // values that nobody will read any more
-    pending_ = 0;
-    put(Call::close);
-    control_->command_bytes.store(commands_.size(), std::memory_order_relaxed);
-    control_->asked.pass();
-    tell_of_end();
+    IsolatedSlave::free_instance();
   } catch (...) {  // NOLINT(bugprone-empty-catch): the process goes in any case
   }
 }
 
-/// What goes wrong when an instance is freed changes no result any more.
-void IsolatedSlave::tell_of_end() {
+std::optional<std::string> IsolatedSlave::free_instance() {
+  if (std::exchange(freed_, true) || !lost_.empty()) return std::nullopt;
+  commands_.clear();  // values that nobody will read any more
+  pending_ = 0;
+  put(Call::close);
+  control_->command_bytes.store(commands_.size(), std::memory_order_relaxed);
+  control_->asked.pass();
+  return tell_of_end();
+}
+
+std::optional<std::string> IsolatedSlave::tell_of_end() {
   const auto grace_s = std::max(kGraceS, instance_->description->isolation.deadline_s.value_or(0));
   const auto end = process_->ended_within(grace_s);
   std::string problem;
   if (!end) {
     problem =
         fmt::format("{} did not come back within {} s; its process was ended", name_of(control_->call.load()), grace_s);
-  } else if (end->by_signal || end->number != 0) {
+  } else if (const bool answered = control_->answered.value() != batches_; !answered || end->by_signal) {
     problem = fault_text(*end);
   }
   try {
@@ -102,7 +106,9 @@ void IsolatedSlave::tell_of_end() {
   } catch (const Error& error) {
     if (problem.empty()) problem = error.what();
   }
-  if (!problem.empty()) messages_->message({name_, Severity::error, "notice", problem, time_ns_});
+  if (problem.empty()) return std::nullopt;
+  messages_->message({name_, Severity::error, "notice", problem, time_ns_});
+  return fmt::format("instance '{}': {}", name_, problem);
 }
 
 void IsolatedSlave::open() {

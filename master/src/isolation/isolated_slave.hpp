@@ -38,6 +38,7 @@ class IsolatedSlave final : public Slave {
   void exit_initialization() override;
   StepResult step(std::int64_t start_ns, std::int64_t duration_ns) override;
   void terminate() override;
+  std::optional<std::string> free_instance() override;
 
   void get_reals(std::span<const ValueReference> references, std::span<double> values) override;
   void get_integers(std::span<const ValueReference> references, std::span<std::int32_t> values) override;
@@ -87,7 +88,7 @@ class IsolatedSlave final : public Slave {
   SharedReader answers();
   void check(SharedReader& answers);
   void take_messages();
-  void tell_of_end();
+  std::optional<std::string> tell_of_end();
   [[noreturn]] void lost(ErrorCode code, const std::string& how);
   std::string fault_text(const ProcessEnd& end) const;
   Read& read(Call call, std::span<const ValueReference> references, std::span<const std::int32_t> orders = {});
@@ -112,6 +113,7 @@ class IsolatedSlave final : public Slave {
   std::uint32_t batches_ = 0;  // answered
   std::unique_ptr<ChildProcess> process_;
   std::string lost_;  // why the process is gone
+  bool freed_ = false;
 
   // What the FMU can do, as its process found when it loaded the library.
   std::uint32_t output_derivative_order_ = 0;

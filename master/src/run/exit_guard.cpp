@@ -30,6 +30,9 @@ std::string reason() {
   const auto call = current_call();
   constexpr const char* kWayOut =
       "which ends the whole process. Run the instance in a process of its own (\"process\": \"own\", or --isolate)";
+  if (call.library != nullptr)
+    return fmt::format("the library of the FMU {} called exit() while it was {}, {}", call.library, call.function,
+                       kWayOut);
   if (call.instance == nullptr)
     return fmt::format("a library of an FMU called exit() in the middle of a run, {}", kWayOut);
   return fmt::format("instance '{}' at {} s: its FMU called exit() in {}, {}", call.instance, to_seconds(call.time_ns),

@@ -127,6 +127,12 @@ std::optional<std::string> ResultFiles::close() {
   return first;
 }
 
+void ResultFiles::log_after_close(std::span<const std::string> lines) {
+  OutputFile log(log_->path(), OutputFile::Mode::go_on);
+  for (const auto& line : lines) log.append(line + "\n");
+  log.close();
+}
+
 void ResultFiles::write_summary(const std::string& text) {
   const auto waiting = folder() / "summary.json.new";
   try {

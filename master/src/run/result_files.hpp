@@ -15,6 +15,7 @@
 #include <filesystem>
 #include <list>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -50,6 +51,8 @@ class ResultFiles {
   /// Closes results and log, once the recorder has handed over its rows. Returns what went wrong first; nothing when
   /// all is on the disk.
   std::optional<std::string> close();
+  /// Adds lines to log.txt after close(). Throws Error.
+  void log_after_close(std::span<const std::string> lines);
   /// Writes summary.json, whole or not at all. Throws Error.
   void write_summary(const std::string& text);
   bool has_checkpoint() const;

@@ -9,6 +9,7 @@
 #include "mebots/input_error.hpp"
 #include "mebots/nearest_names.hpp"
 #include "mebots/state/save.hpp"
+#include "message/message_text.hpp"
 #include "sink/csv_rows.hpp"
 #include "slave/crash_notice.hpp"
 #include "slave/process_watch.hpp"
@@ -75,6 +76,11 @@ std::unique_ptr<Run> Run::resume(const std::filesystem::path& folder, bool in_me
 
 Run::~Run() {
   close();
+  try {
+    const Busy busy(*this, "the end of the run");
+    free_fmus();
+  } catch (...) {  // NOLINT(bugprone-empty-catch): it was told, and nobody asks any more
+  }
 }
 
 Run::Busy::Busy(Run& run, std::string_view what) : run_(&run) {
@@ -392,6 +398,7 @@ void Run::run() {
 
 void Run::call(std::size_t instance, std::string_view what, const std::function<void(Slave&)>& work) {
   require_alive(what);
+  MEBOTS_ASSERT(!freed_, "free_at_end() promised that nothing is read");
   if (busy_ && !at_point_) const Busy refused(*this, what);
   attempt([&] { work(simulation_->ensemble().slave(instance)); });
 }
@@ -423,6 +430,8 @@ void Run::finish() {
     if (end.reason != EndReason::interrupted) {
       report_.notices.push_back(fmt::format("after the end: {}", error.what()));
       say(Severity::warning, "notice", report_.notices.back());
+      const bool lost = error.code() == ErrorCode::fmu_lost || error.code() == ErrorCode::fmu_timeout;
+      if (lost) report_.faults.emplace_back(error.what());
     }
   }
   watch.look("in fmi2Terminate", time_ns());
@@ -434,7 +443,31 @@ void Run::finish() {
   }
   messages_.rethrow();
   write_reports();
+  if (frees_at_end_) free_fmus();
+  release_files();
   if (state_ == RunState::failed) throw Error(ErrorCode::file_unwritable, report_.error);
+}
+
+/// The results are on the disk before: a crash in this process takes nothing away.
+void Run::free_fmus() {
+  if (freed_ || !simulation_) return;
+  freed_ = true;
+  ProcessWatch watch(resolved_, messages_);
+  const auto faults = simulation_->free_instances();
+  if (library_.use_count() == 1) {  // else a run after this one goes on with them
+    for (const auto& instance : resolved_.instances) instance.fmu->unload();
+  }
+  watch.look("when it was freed", time_ns());
+  if (faults.empty()) return;
+  std::vector<std::string> lines;
+  for (const auto& fault : faults) {
+    report_.faults.push_back(fault);
+    report_.notices.push_back(fmt::format("after the end: {}", fault));
+    lines.push_back(message_text({{}, Severity::error, "notice", report_.notices.back(), time_ns()}));
+  }
+  if (!frees_at_end_ || !files_ || !files_->kept()) return;
+  files_->log_after_close(lines);
+  write_summary();
 }
 
 void Run::fail(ErrorCode code, const std::string& what) noexcept {
@@ -446,6 +479,7 @@ void Run::fail(ErrorCode code, const std::string& what) noexcept {
   report_.error = what;
   report_.error_code = code;
   write_reports();
+  release_files();
 }
 
 void Run::write_reports() noexcept {
@@ -470,14 +504,22 @@ void Run::write_reports() noexcept {
   if (!files_) return;
   if (const auto problem = files_->close()) note(*problem);
   try {
-    files_->write_summary(summary().dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
+    write_summary();
   } catch (const std::exception& error) {
     note(error.what());
   }
   const bool to_go_on_with = report_.end_reason == EndReason::failed || report_.end_reason == EndReason::interrupted ||
                              report_.end_reason == EndReason::closed;
   if (!to_go_on_with) files_->remove_checkpoint();
-  files_->release();
+}
+
+void Run::write_summary() {
+  files_->write_summary(summary().dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
+}
+
+/// Another run may write into the folder.
+void Run::release_files() noexcept {
+  if (files_ && files_->kept()) files_->release();
 }
 
 void Run::close() noexcept {

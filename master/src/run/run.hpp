@@ -71,6 +71,8 @@ class Run {
   /// One of the program around, which may change the process as it likes: what the FMUs change in their steps is looked
   /// for less often then.
   void add_foreign(Observer& observer);
+  /// Variables are not read after the end: the FMUs are freed then, and what goes wrong in that stands in the report.
+  void free_at_end() { frees_at_end_ = true; }
   /// Begins where save_state() of a run of the same inputs was called, in this process or another. Throws InputError.
   void start_from(std::span<const std::byte> state);
 
@@ -165,6 +167,9 @@ class Run {
   void finish();
   void fail(ErrorCode code, const std::string& what) noexcept;
   void write_reports() noexcept;
+  void write_summary();
+  void release_files() noexcept;
+  void free_fmus();
   void say(Severity severity, std::string_view category, const std::string& text);
 
   RunRequest request_;
@@ -174,6 +179,8 @@ class Run {
   bool initialised_ = false;  ///< came to t = 0, or to the checkpoint
   bool busy_ = false;
   bool at_point_ = false;
+  bool frees_at_end_ = false;
+  bool freed_ = false;
   ExitGuard exit_guard_{busy_, [this](const std::string& what) { fail(ErrorCode::fmu_failed, what); }};
   std::atomic<bool> interrupted_{false};
   MessageHub messages_;

@@ -60,6 +60,8 @@ class Simulation {
 
   /// Tells the slaves that the run is over. A slave that went wrong must not be told.
   void terminate() { ensemble_.terminate(); }
+  /// No slave is called any more. Returns what went wrong in it, one text for each slave.
+  std::vector<std::string> free_instances() { return ensemble_.free_instances(); }
 
   std::int64_t steps_done() const { return step_; }
   std::int64_t time_ns() const { return start_ns_ + step_ * step_ns_; }

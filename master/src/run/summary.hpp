@@ -75,6 +75,7 @@ struct RunReport {
   std::vector<std::string> overrides;  ///< what was asked for beyond the config, the same text from every door
   std::vector<std::string> notices;
   std::vector<std::string> writes;  ///< variables that a program set on the way
+  std::vector<std::string> faults;  ///< of FMUs after the end, when they are terminated and freed
 
   /// Simulated time over stepping time; 0 when nothing was stepped.
   double real_time_factor() const;

@@ -18,6 +18,7 @@ namespace {
 
 constinit thread_local CallbackScope* current = nullptr;  // the call that this thread is in
 constinit thread_local CurrentCallback callback{};        // and the callback out of it
+constinit thread_local CurrentCall of_library{};          // where it is in no call
 constinit std::atomic<bool> deaf{false};
 
 class InCallback {
@@ -143,7 +144,7 @@ fmi2CallbackFunctions CallbackTarget::functions(bool asynchronous) {
 }
 
 CurrentCall current_call() noexcept {
-  return current == nullptr ? CurrentCall{nullptr, nullptr, 0} : current->call();
+  return current == nullptr ? of_library : current->call();
 }
 
 CurrentCallback current_callback() noexcept {
@@ -156,11 +157,19 @@ void deafen_callbacks() noexcept {
 
 CallbackScope::CallbackScope(CallbackTarget& target, const char* function, std::int64_t time_ns)
     : target_(&target),
-      call_{target.instance_name().c_str(), function, time_ns},
+      call_{target.instance_name().c_str(), function, time_ns, nullptr},
       outer_(std::exchange(current, this)) {}
 
 CallbackScope::~CallbackScope() {
   current = outer_;
+}
+
+LibraryScope::LibraryScope(const char* archive, const char* function) {
+  of_library = {nullptr, function, 0, archive};
+}
+
+LibraryScope::~LibraryScope() {
+  of_library = {};
 }
 
 }  // namespace mebots::master

@@ -54,13 +54,14 @@ class CallbackTarget {
 
 /// A call to an FMU. The texts live as long as the call.
 struct CurrentCall {
-  const char* instance;
-  const char* function;
-  std::int64_t time_ns;
+  const char* instance = nullptr;
+  const char* function = nullptr;
+  std::int64_t time_ns = 0;
+  const char* library = nullptr;  ///< archive whose library is loaded or unloaded, for all of its instances
 };
 
-/// The call that this thread is in, for who is called out of it: signal handlers, exit(). Null instance: it is in none.
-/// Safe in signal handlers.
+/// The call that this thread is in, for who is called out of it: signal handlers, exit(). Null instance and library: it
+/// is in none. Safe in signal handlers.
 CurrentCall current_call() noexcept;
 
 /// The callback of ours that this thread is in.
@@ -91,6 +92,16 @@ class CallbackScope {
   CallbackTarget* target_;
   CurrentCall call_;
   CallbackScope* outer_;
+};
+
+/// Around loading and unloading an FMU's library, which run code of it that belongs to no instance.
+class LibraryScope {
+ public:
+  /// `archive` and `function`, which says what is done, must outlive this object.
+  LibraryScope(const char* archive, const char* function);
+  ~LibraryScope();
+  LibraryScope(const LibraryScope&) = delete;
+  LibraryScope& operator=(const LibraryScope&) = delete;
 };
 
 }  // namespace mebots::master

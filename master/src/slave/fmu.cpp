@@ -5,6 +5,7 @@
 #include "mebots/input_error.hpp"
 #include "mebots/modeldesc/xml.hpp"
 
+#include "slave/fmi2_callbacks.hpp"
 #include "slave/fmi2_functions.hpp"
 #include "slave/process_state.hpp"
 
@@ -84,9 +85,18 @@ Fmu::Fmu(std::filesystem::path archive, std::filesystem::path folder)
       description_(modeldesc::read_xml(folder_ / "modelDescription.xml")) {}
 
 Fmu::~Fmu() {
+  unload();
+}
+
+void Fmu::unload() {
+  auto* const library = std::exchange(library_, nullptr);
   // After fmi2Fatal nothing of it may be called: unloading would run its destructors.
-  if (library_ == nullptr || corrupted_ || threads_left() != 0) return;
-  dlclose(library_);
+  if (library == nullptr || corrupted_ || threads_left() != 0) return;
+  {
+    const auto name = archive_.filename().string();
+    const LibraryScope scope(name.c_str(), "unloaded");
+    dlclose(library);
+  }
   // A library may refuse to go. By its path the loader would give it to the next FMU of that path.
   const bool gone = dlopen(library_file_.c_str(), RTLD_NOLOAD | RTLD_LAZY) == nullptr;
   if (gone && own_folder_) own_folder_->release_path();
@@ -132,7 +142,11 @@ void Fmu::load() {
   const ProcessState before(files_of_others_);
   // Libraries that are built for fast mathematics change it for the thread that loads them.
   const auto floats = FloatEnvironment::now();
-  library_ = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
+  {
+    const auto name = archive_.filename().string();
+    const LibraryScope scope(name.c_str(), "loaded");
+    library_ = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
+  }
   if (const auto found = FloatEnvironment::now(); found != floats) {
     floats_at_load_ = found;
     floats.enter();

@@ -43,6 +43,8 @@ class Fmu {
   /// The FMU's functions. Loads its shared library on the first call; throws InputError naming the
   /// missing library or function when that fails.
   const Fmi2Functions& functions();
+  /// Unloads the shared library, for good; the destructor does it otherwise. No instance may live.
+  void unload();
   /// After an fmi2Fatal no instance of this FMU may be called any more.
   bool corrupted() const { return corrupted_; }
   void set_corrupted() { corrupted_ = true; }

@@ -21,6 +21,7 @@
 #include <functional>
 #include <new>
 #include <type_traits>
+#include <utility>
 
 namespace mebots::master {
 namespace {
@@ -156,18 +157,25 @@ FmuSlave::FmuSlave(std::string name, std::shared_ptr<Fmu> fmu, std::vector<std::
 }
 
 FmuSlave::~FmuSlave() {
+  FmuSlave::free_instance();
+}
+
+/// A fault takes the whole process down.
+std::optional<std::string> FmuSlave::free_instance() {
+  if (std::exchange(freed_, true)) return std::nullopt;
   if (fmi_->component != nullptr && !unusable_ && !fmu_->corrupted()) {
     if (pending_ && functions_->cancel_step != nullptr) fmi_->call("fmi2CancelStep", functions_->cancel_step);
     watched("fmi2FreeInstance", [&] { fmi_->call("fmi2FreeInstance", functions_->free_instance); });
   }
   const auto threads = fmu_->leave();
-  if (threads == 0) return;
+  if (threads == 0) return std::nullopt;
   sink_->message({name_, Severity::warning, "notice",
                   fmt::format("{} that started after the FMU {} was loaded still {}, so its code stays in memory until "
                               "the program ends",
                               threads == 1 ? "a thread" : fmt::format("{} threads", threads),
                               fmu_->archive().filename().string(), threads == 1 ? "runs" : "run"),
                   time_ns_});
+  return std::nullopt;
 }
 
 void FmuSlave::tell_of_floats(const FloatEnvironment& found, const char* where) {

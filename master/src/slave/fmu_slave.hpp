@@ -35,6 +35,7 @@ class FmuSlave final : public Slave {
   StepResult step(std::int64_t start_ns, std::int64_t duration_ns) override;
   StepResult finish_step(const std::atomic<bool>& cancel) override;
   void terminate() override;
+  std::optional<std::string> free_instance() override;
 
   std::uint32_t output_derivative_order() const override;
   bool takes_input_derivatives() const override;
@@ -91,6 +92,7 @@ class FmuSlave final : public Slave {
   std::int64_t steps_ = 0;         // called so far
   std::int64_t watched_step_ = 0;  // the next one that is watched; 0: none
   bool pending_ = false;           // a step goes on by itself
+  bool freed_ = false;
   // noSetFMUStatePriorToCurrentPoint: an FMU that hears it may drop what it would need to go back.
   int kept_states_ = 0;                                                  // how many there are to go back to
   std::int64_t promised_ns_ = std::numeric_limits<std::int64_t>::min();  // never back behind this time

@@ -25,6 +25,7 @@ class ForwardingSlave : public Slave {
   }
   StepResult finish_step(const std::atomic<bool>& cancel) override { return inner_->finish_step(cancel); }
   void terminate() override { inner_->terminate(); }
+  std::optional<std::string> free_instance() override { return inner_->free_instance(); }
 
   std::uint32_t output_derivative_order() const override { return inner_->output_derivative_order(); }
   bool takes_input_derivatives() const override { return inner_->takes_input_derivatives(); }

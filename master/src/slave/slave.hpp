@@ -66,6 +66,9 @@ class Slave {
   /// after that only reading, terminate() and destruction are allowed.
   virtual StepResult finish_step(const std::atomic<bool>& cancel);
   virtual void terminate() = 0;
+  /// Frees the instance, which is not called any more; the destructor does it otherwise. Returns what went wrong with
+  /// it, which was told as an error, too: the results are not concerned.
+  virtual std::optional<std::string> free_instance() = 0;
 
   virtual void get_reals(std::span<const ValueReference> references, std::span<double> values) = 0;
   /// Enumerations too.

@@ -93,6 +93,11 @@ void TolerantSlave::terminate() {
   if (!lost()) inner().terminate();
 }
 
+std::optional<std::string> TolerantSlave::free_instance() {
+  inner().free_instance();
+  return std::nullopt;
+}
+
 void TolerantSlave::visit(state::Visitor& v) {
   v("at_ns", loss_->at_ns);
   v("text", loss_->text);

@@ -18,6 +18,8 @@ class TolerantSlave final : public AccessSlave {
 
   StepResult step(std::int64_t start_ns, std::int64_t duration_ns) override;
   void terminate() override;
+  /// Told, and no fault of the run.
+  std::optional<std::string> free_instance() override;
   /// Of a lost one all are 0: its outputs stand still.
   void get_output_derivatives(std::span<const ValueReference> references, std::span<const std::int32_t> orders,
                               std::span<double> values) override;

@@ -323,6 +323,14 @@ void Ensemble::terminate() {
   if (first) std::rethrow_exception(first);
 }
 
+std::vector<std::string> Ensemble::free_instances() {
+  std::vector<std::string> faults;
+  for (auto& member : members_) {
+    if (auto fault = member.slave->free_instance()) faults.push_back(std::move(*fault));
+  }
+  return faults;
+}
+
 void Ensemble::read_outputs(std::size_t instance, std::int64_t time_ns) {
   MEBOTS_ASSERT(instance < members_.size());
   MEBOTS_ASSERT(time_ns >= 0);

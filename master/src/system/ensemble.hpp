@@ -80,6 +80,8 @@ class Ensemble {
   /// value, Error when a loop of connections does not settle.
   void initialize(std::int64_t stop_ns);
   void terminate();
+  /// Frees the instances, of which none is called any more. Returns what went wrong, one text for each that it did.
+  std::vector<std::string> free_instances();
 
   std::size_t size() const { return members_.size(); }
   Slave& slave(std::size_t instance) { return *members_[instance].slave; }
