@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "child.hpp"
 
+#include "isolation/keeper.hpp"
 #include "mebots/error.hpp"
 #include "slave/fmi2_callbacks.hpp"
 
@@ -8,11 +9,11 @@
 #include <fmt/format.h>
 #include <poll.h>
 #include <sys/mman.h>
-#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <cerrno>
 #include <chrono>
 #include <csignal>
@@ -30,6 +31,7 @@ namespace {
 struct BlackBox {
   char doing[400];
   char callback[40];  // of ours, in which a signal ended the child
+  std::atomic<pid_t> child;
   bool finished;
 };
 
@@ -101,11 +103,13 @@ class PipeWitness final : public Witness {
 
 [[noreturn]] void be_child(pid_t parent, int pipe, BlackBox& box, const std::function<void(Witness&)>& work) {
   constexpr rlim_t kMemory = rlim_t{16} << 30;
-  setpgid(0, 0);
-  prctl(PR_SET_PDEATHSIG, SIGKILL);
-  if (getppid() != parent) _exit(0);  // it went before we could ask to go with it
-  const rlimit no_core{0, 0};
-  setrlimit(RLIMIT_CORE, &no_core);
+  setsid();  // what ends the parent's group ends the keeper after it
+  try {
+    master::isolation::fork_kept(parent);
+  } catch (const Error&) {
+    _exit(EXIT_FAILURE);
+  }
+  box.child = getpid();
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // they reserve terabytes
   const rlimit memory{kMemory, kMemory};
   setrlimit(RLIMIT_AS, &memory);
@@ -130,10 +134,8 @@ class PipeWitness final : public Witness {
 /// waited for a processor that others have are not its own.
 class SpentTime {
  public:
-  explicit SpentTime(pid_t child) : child_(child) {
-    if (clock_getcpuclockid(child, &clock_) != 0) clock_ = CLOCK_MONOTONIC;
-    computed_s_ = computed();
-  }
+  /// The child's number stands in `child` once it has begun.
+  explicit SpentTime(const std::atomic<pid_t>& child) : child_(&child) {}
 
   double seconds() {
     const auto now = std::chrono::steady_clock::now();
@@ -147,36 +149,37 @@ class SpentTime {
 
  private:
   double computed() const {
+    clockid_t clock{};
     timespec time{};
-    clock_gettime(clock_, &time);
+    if (*child_ == 0 || clock_getcpuclockid(*child_, &clock) != 0 || clock_gettime(clock, &time) != 0)
+      return computed_s_;
     return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
   }
   /// proc(5): the state is the letter after the name in parentheses.
   bool sleeps() const {
-    std::ifstream file(fmt::format("/proc/{}/stat", child_));
+    std::ifstream file(fmt::format("/proc/{}/stat", child_->load()));
     const std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
     const auto name_end = text.rfind(')');
     return name_end == std::string::npos || name_end + 2 >= text.size() || text[name_end + 2] != 'R';
   }
 
-  pid_t child_;
-  clockid_t clock_{};
+  const std::atomic<pid_t>* child_;
   double computed_s_ = 0;
   double spent_s_ = 0;
   std::chrono::steady_clock::duration slept_{};
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
-bool has_ended(pid_t child) {
+bool has_ended(pid_t keeper) {
   siginfo_t info{};
-  return waitid(P_PID, static_cast<id_t>(child), &info, WEXITED | WNOHANG | WNOWAIT) != 0 || info.si_pid != 0;
+  return waitid(P_PID, static_cast<id_t>(keeper), &info, WEXITED | WNOHANG | WNOWAIT) != 0 || info.si_pid != 0;
 }
 
 /// Reads until the child closed its end, or ended: a process that it leaves behind may hold the end open. False when
 /// the deadline came first.
-bool read_all(int pipe, pid_t child, double deadline_s, std::string& text) {
+bool read_all(int pipe, pid_t keeper, const BlackBox& box, double deadline_s, std::string& text) {
   constexpr int kLook_ms = 50;
-  SpentTime spent(child);
+  SpentTime spent(box.child);
   for (bool ended = false;;) {
     if (!ended && spent.seconds() > deadline_s) return false;
     pollfd watched{pipe, POLLIN, 0};
@@ -184,7 +187,7 @@ bool read_all(int pipe, pid_t child, double deadline_s, std::string& text) {
     if (ready < 0 && errno != EINTR) return true;
     if (ready <= 0) {
       if (ended) return true;  // and all that it wrote is read
-      ended = has_ended(child);
+      ended = has_ended(keeper);
       continue;
     }
     char buffer[4096];
@@ -218,14 +221,9 @@ struct ChildEnd {
   bool finished;
 };
 
-/// Ends the child's group too, before its number can be somebody else's.
-int reap(pid_t child) {
-  siginfo_t info{};
-  while (waitid(P_PID, static_cast<id_t>(child), &info, WEXITED | WNOWAIT) != 0 && errno == EINTR) {
-  }
-  kill(-child, SIGKILL);
+int status_of(pid_t keeper) {
   int status = 0;
-  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  while (waitpid(keeper, &status, 0) < 0 && errno == EINTR) {
   }
   return status;
 }
@@ -236,25 +234,22 @@ ChildEnd run_once(double deadline_s, Findings& findings, const std::function<voi
   if (pipe2(ends, O_CLOEXEC) != 0)
     throw Error(ErrorCode::system_failure, fmt::format("no pipe: {}", std::strerror(errno)));
   const pid_t parent = getpid();
-  const pid_t child = fork();
-  if (child < 0) {
+  const pid_t keeper = fork();
+  if (keeper < 0) {
     close(ends[0]);
     close(ends[1]);
     throw Error(ErrorCode::system_failure, fmt::format("no child process: {}", std::strerror(errno)));
   }
-  if (child == 0) {
+  if (keeper == 0) {
     close(ends[0]);
     be_child(parent, ends[1], *box, work);
   }
   close(ends[1]);
   std::string lines;
-  const bool in_time = read_all(ends[0], child, deadline_s, lines);
+  const bool in_time = read_all(ends[0], keeper, *box, deadline_s, lines);
   close(ends[0]);
-  if (!in_time) {
-    kill(-child, SIGKILL);
-    kill(child, SIGKILL);
-  }
-  const int status = reap(child);
+  if (!in_time) master::isolation::end_kept(keeper);
+  const int status = status_of(keeper);
   take(lines, findings);
   return {in_time, status, (*box).doing[0] == '\0' ? "the start" : (*box).doing, (*box).callback, (*box).finished};
 }

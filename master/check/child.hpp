@@ -29,8 +29,8 @@ struct CrashRule {
 
 /// Runs foreign code where it can do no harm: in a forked child, with a deadline, without standard output. Whatever
 /// becomes of it, the child's findings so far arrive, and a crash, an exit or a hang becomes a finding itself. The
-/// child and all processes of its group are gone afterwards; it ends with this process, too. A crash in a callback of
-/// ours is looked into by a second run, in which the callbacks do nothing: the FMU's if it crashes again, else ours.
+/// child and all processes that came of it are gone afterwards; they end with this process, too. A crash in a callback
+/// of ours is looked into by a second run, in which the callbacks do nothing: the FMU's if it crashes again, else ours.
 /// The calling process must have one thread only. Throws mebots::Error when no child can be made, and when a callback
 /// of ours is what failed.
 void run_in_child(const CrashRule& rule, Findings findings, const std::function<void(Witness&)>& work);

@@ -9,10 +9,12 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <chrono>
 #include <csignal>
 #include <fstream>
 #include <iterator>
+#include <new>
 #include <string>
 #include <thread>
 
@@ -173,40 +175,70 @@ bool ends_soon(pid_t process) {
   return !runs(process);
 }
 
-TEST(CheckBehaviour, WhatTheFmuLeavesBehindEndsWithTheCheck) {
-  auto* const left =
-      static_cast<pid_t*>(mmap(nullptr, sizeof(pid_t), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0));
-  ASSERT_NE(left, MAP_FAILED);
-  Check check;
-  run_in_child({}, check, [&](Witness&) {
-    const auto child = fork();
-    if (child == 0) {
-      for (;;) pause();
-    }
-    *left = child;
-  });
-  EXPECT_TRUE(check.findings.empty());
-  ASSERT_GT(*left, 0);
-  EXPECT_TRUE(ends_soon(*left));
+/// Memory that children write for their parents.
+struct Left {
+  std::atomic<pid_t> child;
+  std::atomic<pid_t> child_of_child;
+  std::atomic<pid_t> daemon;  ///< in a session of its own, its parent gone
+};
 
-  // And when the check itself is killed.
-  *left = 0;
+[[noreturn]] void stay() {
+  for (;;) pause();
+}
+
+void leave_processes(Left& left) {
+  left.child = getpid();
+  if (const auto child = fork(); child != 0) {
+    left.child_of_child = child;
+  } else {
+    stay();
+  }
+  const auto between = fork();
+  if (between != 0) {
+    waitpid(between, nullptr, 0);
+    return;
+  }
+  setsid();
+  const auto daemon = fork();
+  if (daemon == 0) stay();
+  left.daemon = daemon;
+  _exit(0);
+}
+
+TEST(CheckBehaviour, WhatTheFmuLeavesBehindEndsWithTheCheck) {
+  auto* const memory = mmap(nullptr, sizeof(Left), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+  ASSERT_NE(memory, MAP_FAILED);
+  auto& left = *new (memory) Left{};
+  const auto all_end = [&left] {
+    return left.daemon > 0 && ends_soon(left.child) && ends_soon(left.child_of_child) && ends_soon(left.daemon);
+  };
+  Check check;
+  run_in_child({}, check, [&](Witness&) { leave_processes(left); });
+  EXPECT_TRUE(check.findings.empty());
+  EXPECT_TRUE(all_end());
+
+  run_in_child({Severity::error, "", 0.2}, check, [&](Witness&) {
+    leave_processes(left);
+    stay();
+  });
+  EXPECT_EQ(check.findings.size(), 1U) << "no answer";
+  EXPECT_TRUE(all_end());
+
+  left.daemon = 0;
   const auto checker = fork();
   if (checker == 0) {
     Check nobody_reads;
     run_in_child({}, nobody_reads, [&](Witness&) {
-      *left = getpid();
-      for (;;) pause();
+      leave_processes(left);
+      stay();
     });
     _exit(0);
   }
-  for (int i = 0; i < 500 && *const_cast<volatile pid_t*>(left) == 0; ++i)
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  ASSERT_GT(*left, 0);
+  for (int i = 0; i < 500 && left.daemon == 0; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
   kill(checker, SIGKILL);
   waitpid(checker, nullptr, 0);
-  EXPECT_TRUE(ends_soon(*left));
-  munmap(left, sizeof(pid_t));
+  EXPECT_TRUE(all_end()) << "with a check that is killed, too";
+  munmap(memory, sizeof(Left));
 }
 
 TEST(CheckBehaviour, TheLoggersArgumentsAreLookedAt) {

@@ -221,16 +221,25 @@ INSTANTIATE_TEST_SUITE_P(Each, Forgery,
                                          Fault{"forge_calls", "within its deadline of 1 s"}),
                          [](const auto& fault) { return std::string(fault.param.name); });
 
-TEST_F(Isolation, WhatGoesWrongWhenAnInstanceIsFreedIsTold) {
+TEST_F(Isolation, WhatGoesWrongWhenAnInstanceIsFreedFailsAndKeepsTheResults) {
   give_b(R"("process": "own")");
+  ASSERT_EQ(run({}).code, 0);
+  const auto csv = result("results.csv");
   for (const auto& [fault, message] :
        {std::pair("free_crash", "died of signal 11 (SIGSEGV, invalid memory access) in fmi2FreeInstance"),
         {"free_hang", "fmi2FreeInstance did not come back within 3 s"},
+        {"free_exit", "ended itself with exit code 0 in fmi2FreeInstance"},
         {"destructor", "in the destructors of its library"}}) {
     const auto run_result = run({"--set", fmt::format("b.fault={}", fault), "--set", "b.fault_time=9"});
-    EXPECT_EQ(run_result.code, 0) << "the results are whole";
+    EXPECT_EQ(run_result.code, 1) << fault;
     EXPECT_THAT(run_result.err, AllOf(HasSubstr("b: error:"), HasSubstr(message))) << fault;
+    EXPECT_TRUE(result("results.csv") == csv) << fault;
+    EXPECT_EQ(summary()["outcome"], "completed");
+    EXPECT_THAT(summary()["notices"].dump(), AllOf(HasSubstr("after the end: instance 'b'"), HasSubstr(message)));
+    EXPECT_THAT(result("log.txt"), HasSubstr(message));
   }
+  give_b(R"("process": "own", "on_failure": "continue")");
+  EXPECT_EQ(run({"--set", "b.fault=free_crash", "--set", "b.fault_time=9"}).code, 0) << "its failures are expected";
 }
 
 TEST_F(Isolation, AStateOfImpossibleSizeNamesItsFmu) {
@@ -307,6 +316,16 @@ TEST_F(Isolation, ProcessesThatAnFmuLeavesBehindGoWithTheRun) {
   unsetenv("MEBOTS_TEST");
 }
 
+TEST_F(Isolation, ADaemonThatAnFmuLeavesGoesWithTheRun) {
+  setenv("MEBOTS_TEST", folder.path().c_str(), 1);
+  for (const auto* const process : {"own", "sandboxed"}) {
+    give_b(fmt::format(R"("process": "{}", "deadline": 0.5)", process));
+    EXPECT_EQ(run({"--set", "b.fault=daemon", "--set", "b.fault_time=0.5"}).code, 1);
+    EXPECT_TRUE(processes_left().empty()) << process;
+  }
+  unsetenv("MEBOTS_TEST");
+}
+
 TEST_F(Isolation, HalfALibraryEndsTheRunBeforeItBegins) {
   const auto binary = read_file(PROBE_LIBRARY);
   for (const double part : {0.1, 0.5}) {
@@ -332,15 +351,15 @@ TEST_F(Isolation, AKilledMasterLeavesNoProcessAndTheNextOneCleansUp) {
   const auto child = fork();
   if (child == 0) {
     if (chdir(folder.path().c_str()) != 0) _exit(99);
-    execl(MEBOTS_PROGRAM, MEBOTS_PROGRAM, "run", "two.json", "--quiet", "--set", "b.fault=hang", "--set",
+    execl(MEBOTS_PROGRAM, MEBOTS_PROGRAM, "run", "two.json", "--quiet", "--set", "b.fault=daemon", "--set",
           "b.fault_time=0.1", nullptr);
     _exit(98);
   }
-  while (!std::filesystem::exists(folder.path() / "results/two/results.csv")) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  constexpr std::size_t kAll = 4;  // the program, the keeper, the FMU's process, and the daemon
+  for (int i = 0; i < 500 && processes_left().size() != kAll; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
-  std::this_thread::sleep_for(std::chrono::milliseconds(100));
-  EXPECT_GE(processes_left().size(), 2u);
+  EXPECT_EQ(processes_left().size(), kAll);
   kill(child, SIGKILL);
   waitpid(child, nullptr, 0);
   for (int i = 0; i < 100 && !processes_left().empty(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(20));

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "child_process.hpp"
 
+#include "keeper.hpp"
+
 #include "base/installation.hpp"
 
 #include "mebots/error.hpp"
@@ -79,17 +81,15 @@ ChildProcess::~ChildProcess() {
 
 std::optional<ProcessEnd> ChildProcess::ended() {
   if (end_) return end_;
-  // The group is ended before its leader is forgotten: the number could belong to somebody else afterwards.
-  siginfo_t info{};
-  if (waitid(P_PID, static_cast<id_t>(pid_), &info, WEXITED | WNOHANG | WNOWAIT) != 0) {
+  int status = 0;
+  rusage usage{};  // of what it kept, too
+  pid_t one = 0;
+  while ((one = wait4(pid_, &status, WNOHANG, &usage)) < 0 && errno == EINTR) {
+  }
+  if (one == 0) return std::nullopt;
+  if (one < 0) {
     end_ = ProcessEnd{};  // somebody else waited for it: how it ended is unknown
     return end_;
-  }
-  if (info.si_pid == 0) return std::nullopt;
-  ::kill(-pid_, SIGKILL);
-  int status = 0;
-  rusage usage{};
-  while (wait4(pid_, &status, 0, &usage) < 0 && errno == EINTR) {
   }
   const bool by_signal = WIFSIGNALED(status);
   end_ = ProcessEnd{by_signal, by_signal ? WTERMSIG(status) : WEXITSTATUS(status), usage.ru_maxrss};
@@ -106,9 +106,8 @@ std::optional<ProcessEnd> ChildProcess::ended_within(double seconds) {
 
 void ChildProcess::kill() {
   if (ended()) return;
-  ::kill(-pid_, SIGKILL);
-  ::kill(pid_, SIGKILL);  // it may have left its group
-  while (!ended()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  end_kept(pid_);
+  ended();
 }
 
 std::string signal_text(int signal) {

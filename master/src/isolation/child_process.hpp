@@ -18,8 +18,8 @@ struct ProcessEnd {
   std::int64_t peak_memory_kb = 0;  ///< largest resident set
 };
 
-/// A program in a session of its own, so that Ctrl-C in the master's terminal is not for it. Gone with this
-/// object, together with all processes of its group.
+/// A program that is, or becomes, a keeper (keeper.hpp), in a session of its own, so that Ctrl-C in the master's
+/// terminal is not for it. Gone with this object, together with all processes that came of it.
 class ChildProcess {
  public:
   /// Starts the program: standard input empty, `descriptors` as 3, 4, ... and no other open files.
@@ -34,7 +34,7 @@ class ChildProcess {
   std::optional<ProcessEnd> ended();
   /// Waits for its end so long [s].
   std::optional<ProcessEnd> ended_within(double seconds);
-  /// Ends it and its group, and waits for that.
+  /// Ends it and all that came of it, and waits for that.
   void kill();
 
  private:

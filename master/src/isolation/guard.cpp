@@ -6,7 +6,6 @@
 #include <malloc.h>
 #include <sched.h>
 #include <seccomp.h>
-#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -99,11 +98,12 @@ void forbid_harm_to(pid_t master) {
   };
   const auto self = static_cast<std::uint32_t>(getpid());
   // Its own children may be signalled.
-  for (const pid_t target : {master, -getpgid(master), pid_t{-1}}) {
+  const pid_t keeper = getppid();  // leads a group
+  for (const pid_t target : {master, -getpgid(master), keeper, -keeper, pid_t{-1}}) {
     forbid(SCMP_SYS(kill), {is(0, static_cast<std::uint32_t>(target))});
   }
   for (const int call : {SCMP_SYS(rt_sigqueueinfo), SCMP_SYS(pidfd_open)}) {
-    forbid(call, {is(0, static_cast<std::uint32_t>(master))});
+    for (const pid_t target : {master, keeper}) forbid(call, {is(0, static_cast<std::uint32_t>(target))});
   }
   // By thread: whose they are is known only where the call names the process too.
   forbid(SCMP_SYS(tkill));
@@ -134,13 +134,6 @@ void forbid_harm_to(pid_t master) {
 }
 
 }  // namespace
-
-void end_with(pid_t parent) {
-  prctl(PR_SET_PDEATHSIG, SIGKILL);
-  if (getppid() != parent) std::_Exit(0);  // it went before we could ask to go with it
-  const rlimit no_core{0, 0};
-  setrlimit(RLIMIT_CORE, &no_core);
-}
 
 void guard(pid_t master, std::uint64_t memory_bytes, Control& control) {
   tell_of_faults(control);

@@ -4,17 +4,15 @@
 #include "slave/fmu_slave.hpp"
 
 #include "guard.hpp"
+#include "keeper.hpp"
 #include "osmp.hpp"
 #include "protocol.hpp"
 #include "sandbox.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <sys/prctl.h>
-#include <unistd.h>
 
 #include <charconv>
-#include <csignal>
 #include <cstdio>
 #include <map>
 #include <mutex>
@@ -69,14 +67,12 @@ class Host {
 
   Control& control() { return *control_; }
 
-  /// Until the master closes the instance, or is gone.
+  /// Until the master closes the instance.
   void serve() {
-    const auto parent = getppid();
-    constexpr std::int64_t kLookAroundNs = 1'000'000'000;
+    constexpr std::int64_t kWaitNs = 3'600'000'000'000;
     std::uint32_t batches = 0;
     while (!closed_) {
-      while (!control_->asked.wait(batches, kLookAroundNs)) {
-        if (getppid() != parent) return;
+      while (!control_->asked.wait(batches, kWaitNs)) {
       }
       ++batches;
       log_.clear();
@@ -362,10 +358,10 @@ int run_fmu_host(int argument_count, char** arguments) {
   try {
     const auto master = number<pid_t>(arguments[1]);
     Host host;
-    end_with(master);
     if (argument_count == 4) {
-      host.set_lacking(enter_sandbox(arguments[3]));
-      prctl(PR_SET_PDEATHSIG, SIGKILL);  // another process than before
+      host.set_lacking(enter_sandbox(arguments[3], master));
+    } else {
+      fork_kept(master);
     }
     guard(master, number<std::uint64_t>(arguments[2]), host.control());
     host.serve();
