@@ -15,7 +15,7 @@
 #define MEBOTS_ASSERT(condition, ...) \
   (static_cast<bool>(condition)       \
        ? static_cast<void>(0)         \
-       : ::mebots::assertion_failed(#condition, __FILE__, __LINE__, __func__ __VA_OPT__(, ) __VA_ARGS__))
+       : ::mebots::assertion_failed(#condition, __FILE_NAME__, __LINE__, __func__ __VA_OPT__(, ) __VA_ARGS__))
 #else
 #define MEBOTS_ASSERT(condition, ...) static_cast<void>(sizeof(static_cast<bool>(condition)))
 #endif
