@@ -71,8 +71,9 @@ const char* relation_of(const Part& part) {
 std::string spdx_document(const Product& product, std::vector<Part> parts) {
   const auto key = [](const Part& part) { return std::tie(part.name, part.relation); };
   std::ranges::sort(parts, {}, key);
-  const auto repeated = std::ranges::unique(parts, {}, key);
-  parts.erase(repeated.begin(), repeated.end());
+  // Not std::ranges::unique(): clang 14, which the fuzzers are built with, does not take libstdc++'s subrange.
+  const auto same = [&key](const Part& one, const Part& other) { return key(one) == key(other); };
+  parts.erase(std::unique(parts.begin(), parts.end(), same), parts.end());
 
   const auto whole = identifier(product.name);
   ordered_json packages = ordered_json::array({package_of(whole, product.name, product.version, product.license)});
