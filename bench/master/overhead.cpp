@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the master costs beyond the FMU calls: the same FMU stepped by a bare loop over its C functions and by
-// Simulation, turn about, in one process. Usage: bench_master_overhead PASSTHROUGH.fmu [REPEATS]
+// Simulation, turn about, in one process; and what every single call costs. Usage: bench_master_overhead
+// PASSTHROUGH.fmu [REPEATS]
 #include "message/message.hpp"
 #include "run/simulation.hpp"
+#include "slave/float_environment.hpp"
 #include "slave/fmi2_functions.hpp"
+#include "slave/fmu_slave.hpp"
 
 #include <fmt/format.h>
 
@@ -108,6 +111,49 @@ double by_master(const Shape& shape, const std::filesystem::path& fmu, FmuLibrar
   return time * 1e9 / static_cast<double>(steps * shape.instances);
 }
 
+/// ns per call of fmi2GetReal: the bare one, with the watch over the floating-point environment around it, and by the
+/// master, which also keeps the instance for callbacks and looks at the answer.
+struct CallCosts {
+  double bare, watched, by_master;
+};
+
+CallCosts call_costs(const std::shared_ptr<Fmu>& fmu) {
+  Silent silent;
+  FmuSlave slave("it", fmu, {}, silent);
+  slave.setup_experiment(0, kStepNs);
+  slave.enter_initialization();
+  slave.exit_initialization();
+  const auto& f = fmu->functions();
+  fmi2CallbackFunctions callbacks{};
+  callbacks.allocateMemory = &std::calloc;
+  callbacks.freeMemory = &std::free;
+  const auto component = f.instantiate("bare", fmi2CoSimulation, fmu->description().guid.c_str(),
+                                       fmu->resource_uri().c_str(), &callbacks, fmi2False, fmi2False);
+  f.setup_experiment(component, fmi2False, 0, 0, fmi2False, 0);
+  f.enter_initialization_mode(component);
+  f.exit_initialization_mode(component);
+  const fmi2ValueReference y[] = {fmu->description().find("y")->value_reference};
+  double value[] = {0.0};
+  const auto floats = FloatEnvironment::now();
+  int changes = 0;
+  const auto ns_of = [](auto call) {
+    return seconds_of([&] {
+             for (std::int64_t k = 0; k < kInstanceSteps; ++k) call();
+           }) *
+           1e9 / static_cast<double>(kInstanceSteps);
+  };
+  CallCosts costs{};
+  costs.bare = ns_of([&] { f.get_real(component, y, 1, value); });
+  costs.watched = ns_of([&] {
+    f.get_real(component, y, 1, value);
+    if (FloatEnvironment::now() != floats) ++changes;
+  });
+  costs.by_master = ns_of([&] { slave.get_reals(y, value); });
+  f.free_instance(component);
+  if (changes != 0) fmt::print("the environment changed\n");
+  return costs;
+}
+
 struct Spread {
   double least, middle, most;
 };
@@ -151,6 +197,20 @@ int main(int argc, char** argv) {
                  fmt::format("{:.1f} / {:.1f} / {:.1f}", a.least, a.middle, a.most),
                  fmt::format("{:.1f} / {:.1f} / {:.1f}", b.least, b.middle, b.most), b.middle - a.middle, target);
     }
+    std::vector<double> watch;
+    std::vector<double> whole;
+    for (int repeat = 0; repeat < repeats; ++repeat) {
+      const auto costs = call_costs(fmu);
+      watch.push_back(costs.watched - costs.bare);
+      whole.push_back(costs.by_master - costs.bare);
+    }
+    const auto row = [](const char* what, const Spread& s, const std::string& target) {
+      fmt::print("{:<46} {:>28} {:>8}\n", what, fmt::format("{:.1f} / {:.1f} / {:.1f}", s.least, s.middle, s.most),
+                 target);
+    };
+    fmt::print("\n{:<46} {:>28} {:>8}\n", "ns per call beyond the bare one", "min/median/max", "target");
+    row("watch over the floating-point environment", spread(watch), "5");
+    row("all that the master does around a call", spread(whole), "");
     return 0;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "bench_master_overhead: %s\n", error.what());
