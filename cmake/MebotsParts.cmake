@@ -20,6 +20,7 @@ set(MEBOTS_PACKAGE_LICENSES
   "pybind11-dev|BSD-3-Clause"
   "libssl.*|Apache-2.0"
   "libpng.*|libpng-2.0"
+  "libtinygltf.*|MIT"
   "zlib1g.*|Zlib"
   "libzip.*|BSD-3-Clause"
   "libpugixml.*|MIT"

@@ -4,6 +4,7 @@
 #include "math/rotation.hpp"
 #include "mebots/assert.hpp"
 #include "mebots/error.hpp"
+#include "scene/solids.hpp"
 #include "view/scene_text.hpp"
 
 #include <fmt/format.h>
@@ -64,6 +65,12 @@ CameraDevice::Settings camera_settings(const Parameters& parameters) {
   return settings;
 }
 
+std::vector<std::string> names_of(const std::vector<scene::Solid>& solids) {
+  std::vector<std::string> names;
+  for (const auto& solid : solids) names.push_back(solid.name);
+  return names;
+}
+
 RigidState start_of(const scene::Scene& scene, const Parameters& parameters) {
   RigidState state;
   for (std::size_t i = 0; i < 3; ++i) require_finite(parameters.start_offset_m[i], "start.offset.", axis::kWords[i]);
@@ -83,6 +90,7 @@ World::World(scene::Scene scene, const Parameters& parameters, const Inputs& inp
       outputs_(outputs),
       log_(std::move(log)),
       inner_step_ns_(inner_step_of(parameters)),
+      obstacle_names_(names_of(scene::solids_of(scene_))),
       bodies_(scene_),
       stabiliser_(scene_.drone),
       camera_(scene_, camera_settings(parameters)),
@@ -95,7 +103,7 @@ World::World(scene::Scene scene, const Parameters& parameters, const Inputs& inp
   require_at_least_zero(in_.range_noise_m, "range.noise");
   check_inputs();
   take_mass();
-  check_start();
+  check_start(start_ns);
   range_.update(start_ns, state_);
   write_outputs();
 }
@@ -103,10 +111,10 @@ World::World(scene::Scene scene, const Parameters& parameters, const Inputs& inp
 const std::string& World::name_of(const Touch& touch) const {
   static const std::string ground = "the ground";
   MEBOTS_ASSERT(touch.what != Touch::What::gate || touch.index < scene_.gates.size());
-  MEBOTS_ASSERT(touch.what != Touch::What::box || touch.index < scene_.boxes.size());
+  MEBOTS_ASSERT(touch.what != Touch::What::obstacle || touch.index < obstacle_names_.size());
   switch (touch.what) {
-    case Touch::What::box:
-      return scene_.boxes[touch.index].name;
+    case Touch::What::obstacle:
+      return obstacle_names_[touch.index];
     case Touch::What::gate:
       return scene_.gates[touch.index].name;
     case Touch::What::ground:
@@ -115,8 +123,8 @@ const std::string& World::name_of(const Touch& touch) const {
   return ground;
 }
 
-void World::check_start() {
-  for (const Touch& touch : bodies_.touches_at(state_)) {
+void World::check_start(std::int64_t start_ns) {
+  for (const Touch& touch : bodies_.touches_at(state_, start_ns)) {
     if (touch.depth_m <= kStartOverlap_m) continue;
     throw Error(fmt::format(
         "scene \"{}\": the drone would start {:.4f} m deep in {}, at ({}, {}, {}) m; change start.offset", scene_.name,
@@ -165,19 +173,21 @@ void World::step(std::int64_t start_ns, std::int64_t duration_ns) {
   check_inputs();
   take_mass();
   reseed();
-  camera_.see_trigger(inputs_.camera_trigger, state_);
+  camera_.see_trigger(inputs_.camera_trigger, state_, start_ns);
   const std::int64_t count = (duration_ns + inner_step_ns_ - 1) / inner_step_ns_;
   const double dt_s = static_cast<double>(duration_ns) * 1e-9 / static_cast<double>(count);
-  for (std::int64_t i = 1; i <= count; ++i) inner_step(start_ns + duration_ns * i / count, dt_s);
+  for (std::int64_t i = 0; i < count; ++i) {
+    inner_step(start_ns + duration_ns * i / count, start_ns + duration_ns * (i + 1) / count, dt_s);
+  }
   write_outputs();
 }
 
-void World::inner_step(std::int64_t end_ns, double dt_s) {
+void World::inner_step(std::int64_t begin_ns, std::int64_t end_ns, double dt_s) {
   const Wrench rotors_B = rotor_wrench(scene_.drone, inputs_.rotor_thrust_n, inputs_.rotor_torque_n_m);
   const Eigen::Vector3d force_W_n =
       state_.q_WB * rotors_B.force_n + drag_force(scene_.drone, state_, vector(inputs_.wind_velocity_m_per_s));
   const RigidState from = state_;
-  const auto& touches = bodies_.step(state_, force_W_n, rotors_B.torque_n_m, dt_s);
+  const auto& touches = bodies_.step(state_, force_W_n, rotors_B.torque_n_m, dt_s, begin_ns);
   path_length_m_ += (state_.p_WB_m - from.p_WB_m).norm();
 
   Situation situation;

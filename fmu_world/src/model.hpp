@@ -52,8 +52,8 @@ class World {
   void reseed();
   void set_mass(double mass_kg);
   const std::string& name_of(const Touch& touch) const;
-  void check_start();
-  void inner_step(std::int64_t end_ns, double dt_s);
+  void check_start(std::int64_t start_ns);
+  void inner_step(std::int64_t begin_ns, std::int64_t end_ns, double dt_s);
   void judge_touches(const std::vector<Touch>& touches, std::int64_t time_ns, Situation& situation);
   void report_gate(std::int64_t time_ns, const GateEvent& event, double closing_speed_m_per_s = 0.0) const;
   void report_phase(FlightPhase before, std::int64_t time_ns);
@@ -68,6 +68,7 @@ class World {
   EventLog log_;
   std::int64_t inner_step_ns_;
 
+  std::vector<std::string> obstacle_names_;  // in the order of scene::solids_of()
   RigidWorld bodies_;
   Stabiliser stabiliser_;
   CameraDevice camera_;

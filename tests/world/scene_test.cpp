@@ -109,6 +109,52 @@ TEST_F(SceneFile, RefusesGreysBeyondWhite) {
   EXPECT_THAT(message(), AllOf(HasSubstr("/ground/texture/light: 256"), HasSubstr("<= 255")));
 }
 
+TEST_F(SceneFile, TellsAllMistakesOfThingsWithLineAndValue) {
+  scene["cylinders"] = json::parse(
+      R"([{"name": "c", "position": [0, 0, 1], "radius": -1, "height": 1, "texture": {"kind": "uniform", "light": 9}}])");
+  scene["meshes"] = json::parse(R"([{"name": "m", "position": [0, 0, 0], "file": "nowhere.glb"}])");
+  scene["boxes"][0]["texture"] = json::parse(R"({"kind": "picture", "file": "nowhere.png", "scale": 1})");
+  scene["boxes"][1]["path"] =
+      json::parse(R"({"points": [{"time": 1, "offset": [0, 0, 0]}, {"time": 1, "offset": [1, 0, 0]}]})");
+  scene["terrain"] = json::parse(
+      R"({"position": [0, 0], "spacing": 1, "heights": [[0, 1, 2], [0, 1]], "texture": {"kind": "uniform", "light": 9}})");
+  const std::string all = message();
+  EXPECT_THAT(all, HasSubstr("scene.json:1:"));
+  EXPECT_THAT(all, HasSubstr("/cylinders/0/radius: -1"));
+  EXPECT_THAT(all, AllOf(HasSubstr("/meshes/0/file: "), HasSubstr("nowhere.glb: cannot be read")));
+  EXPECT_THAT(all, AllOf(HasSubstr("/boxes/0/texture/file: "), HasSubstr("nowhere.png: cannot be read")));
+  EXPECT_THAT(all, HasSubstr("/boxes/1/path/points/0/time: a path begins at time 0"));
+  EXPECT_THAT(all, HasSubstr("/boxes/1/path/points/1/time: each time must be greater than the one before"));
+  EXPECT_THAT(all, HasSubstr("/terrain/heights/1: 2 numbers for 3 of the first row"));
+}
+
+TEST_F(SceneFile, RefusesAPathThatJumpsWhenItRepeats) {
+  scene["boxes"][0]["path"] = json::parse(
+      R"({"repeat": true, "points": [{"time": 0, "offset": [0, 0, 0]}, {"time": 1, "offset": [1, 0, 0]}]})");
+  EXPECT_THAT(message(), HasSubstr("/boxes/0/path/points/1: a path that repeats must end where it begins"));
+}
+
+TEST_F(SceneFile, ReadsGatesOfEveryShape) {
+  auto& gates = scene["gates"];
+  for (int i = 0; i < 3; ++i) gates.push_back(gates[0]);
+  gates[1]["shape"] = "rectangle";
+  gates[1]["inner"] = {0.8, 0.5};
+  gates[1]["outer"] = {1.0, 0.7};
+  gates[2]["shape"] = "circle";
+  gates[3]["shape"] = "polygon";
+  gates[3]["sides"] = 6;
+  gates[3]["roll"] = 0.2;
+  const Scene read = load();
+  EXPECT_DOUBLE_EQ(read.gates[1].p_W_m.z(), 0.83 + 0.25);
+  EXPECT_EQ(read.gates[2].side_count(), 32);
+  EXPECT_EQ(read.gates[3].side_count(), 6);
+  gates[1]["inner"] = {0.8, 0.75};
+  gates[3].erase("sides");
+  gates[2]["sides"] = 5;
+  EXPECT_THAT(message(), AllOf(HasSubstr("/gates/1/outer: outer = 0.7 must be greater than inner = 0.75"),
+                               HasSubstr("/gates/2/sides"), HasSubstr("/gates/3: the key 'sides' is missing")));
+}
+
 TEST_F(SceneFile, RefusesALightFromNowhere) {
   scene["lighting"]["to_sun"] = {0, 0, 0};
   EXPECT_THAT(message(), HasSubstr("/lighting/to_sun: this must not be the zero vector"));

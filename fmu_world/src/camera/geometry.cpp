@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 namespace mebots::world::camera {
@@ -15,21 +16,35 @@ Vector3d cross(const Vector3d& a, const Vector3d& b) {
   return {a.y() * b.z() - a.z() * b.y(), a.z() * b.x() - a.x() * b.z(), a.x() * b.y() - a.y() * b.x()};
 }
 
-/// Where a solid stands and what it is painted with.
-struct Solid {
-  std::array<Vector3d, 3> axes_W;  // unit; the last one is up
+/// How a thing is turned and what it is painted with.
+struct Painted {
+  std::array<Vector3d, 3> axes_W;  // unit; the last one is its own up
   std::size_t tile;
   const scene::Lighting& lighting;
+  std::size_t mover = Face::kStands;
 };
 
-std::array<Vector3d, 3> turned_axes(double yaw_rad) {
-  const double c = std::cos(yaw_rad);
-  const double s = std::sin(yaw_rad);
-  return {Vector3d(c, s, 0.0), Vector3d(-s, c, 0.0), Vector3d::UnitZ()};
+template <typename Thing>
+std::array<Vector3d, 3> axes_of(const Thing& thing) {
+  if (thing.pitch_rad == 0.0 && thing.roll_rad == 0.0) {
+    const double c = std::cos(thing.yaw_rad);
+    const double s = std::sin(thing.yaw_rad);
+    return {Vector3d(c, s, 0.0), Vector3d(-s, c, 0.0), Vector3d::UnitZ()};
+  }
+  const Eigen::Matrix3d R = scene::attitude_of(thing).toRotationMatrix();
+  return {R.col(0), R.col(1), R.col(2)};
+}
+
+/// The mover of a thing on a path, added; none for one that stands.
+template <typename Thing>
+std::size_t add_mover(Geometry& geometry, const Thing& thing) {
+  if (!thing.path.moves()) return Face::kStands;
+  geometry.movers.push_back({thing.path, thing.p_W_m});
+  return geometry.movers.size() - 1;
 }
 
 /// Adds a side of a solid that faces along `sign` times its axis `axis`. `corners` may run either way round.
-void add_side(Geometry& geometry, const Solid& solid, int axis, double sign, std::vector<Vector3d> corners) {
+void add_side(Geometry& geometry, const Painted& solid, int axis, double sign, std::vector<Vector3d> corners) {
   Face face;
   face.normal_W = sign * solid.axes_W[axis];
   face.offset_m = face.normal_W.dot(corners[0]);
@@ -47,12 +62,13 @@ void add_side(Geometry& geometry, const Solid& solid, int axis, double sign, std
   face.corners_W_m = std::move(corners);
   face.tile = solid.tile;
   face.light = lambert(solid.lighting, face.normal_W);
+  face.mover = solid.mover;
   geometry.faces.push_back(std::move(face));
 }
 
 /// Corners are computed once for all sides of a solid: sides that share an edge must share its bits.
 void add_box(Geometry& geometry, const scene::Box& box, std::size_t tile, const scene::Lighting& lighting) {
-  const Solid solid{turned_axes(box.yaw_rad), tile, lighting};
+  const Painted solid{axes_of(box), tile, lighting, add_mover(geometry, box)};
   std::array<Vector3d, 8> corners;  // bit k of the index set: on the far side along axis k
   for (int i = 0; i < 8; ++i) {
     corners[i] = box.p_W_m;
@@ -63,9 +79,10 @@ void add_box(Geometry& geometry, const scene::Box& box, std::size_t tile, const 
     const int b = 1 << (axis + 2) % 3;
     for (const int far : {0, 1}) {
       const int first = far << axis;
-      if (axis == 2 && far == 0 && corners[first].z() <= 0.0) continue;
-      add_side(geometry, solid, axis, far != 0 ? 1.0 : -1.0,
-               {corners[first], corners[first + a], corners[first + a + b], corners[first + b]});
+      std::vector<Vector3d> side{corners[first], corners[first + a], corners[first + a + b], corners[first + b]};
+      const bool below = std::all_of(side.begin(), side.end(), [](const Vector3d& p) { return p.z() <= 0.0; });
+      if (axis == 2 && far == 0 && below && solid.mover == Face::kStands) continue;
+      add_side(geometry, solid, axis, far != 0 ? 1.0 : -1.0, std::move(side));
     }
   }
 }
@@ -73,11 +90,15 @@ void add_box(Geometry& geometry, const scene::Box& box, std::size_t tile, const 
 /// The outside of a gate's four beams together. Where beams meet, their faces have the same corners, even in
 /// the middle of an edge: so no background shines through a joint.
 void add_gate(Geometry& geometry, const scene::Gate& gate, std::size_t tile, const scene::Lighting& lighting) {
-  const Solid solid{turned_axes(gate.yaw_rad), tile, lighting};
+  const Painted solid{axes_of(gate), tile, lighting};
+  const double outer_height_m = gate.frame_height_m();
+  const double inner_height_m = gate.opening_height_m();
   const std::array<double, 4> across{-0.5 * gate.outer_m, -0.5 * gate.inner_m, 0.5 * gate.inner_m, 0.5 * gate.outer_m};
+  const std::array<double, 4> up{-0.5 * outer_height_m, -0.5 * inner_height_m, 0.5 * inner_height_m,
+                                 0.5 * outer_height_m};
   const auto at = [&](int far, int y, int z) -> Vector3d {
     return gate.p_W_m + (far - 0.5) * gate.thickness_m * solid.axes_W[0] + across[y] * solid.axes_W[1] +
-           across[z] * solid.axes_W[2];
+           up[z] * solid.axes_W[2];
   };
   for (const int far : {0, 1}) {
     const auto front = [&](const std::vector<std::pair<int, int>>& ring) {
@@ -106,6 +127,76 @@ void add_gate(Geometry& geometry, const scene::Gate& gate, std::size_t tile, con
   }
 }
 
+/// A cylinder's side as flat strips, one texture all round, and its ends cut into pieces.
+void add_cylinder(Geometry& geometry, const scene::Cylinder& cylinder, std::size_t tile,
+                  const scene::Lighting& lighting) {
+  constexpr int kSides = 32;
+  const Painted solid{axes_of(cylinder), tile, lighting, add_mover(geometry, cylinder)};
+  const auto& [x_W, y_W, z_W] = solid.axes_W;
+  std::array<std::array<Vector3d, kSides>, 2> rims;  // lower and upper
+  for (int i = 0; i < kSides; ++i) {
+    const double angle_rad = 2.0 * std::numbers::pi * i / kSides;
+    const Vector3d out_W = cylinder.radius_m * (std::cos(angle_rad) * x_W + std::sin(angle_rad) * y_W);
+    rims[0][i] = cylinder.p_W_m + out_W - 0.5 * cylinder.height_m * z_W;
+    rims[1][i] = cylinder.p_W_m + out_W + 0.5 * cylinder.height_m * z_W;
+  }
+  for (int i = 0; i < kSides; ++i) {
+    const int next = (i + 1) % kSides;
+    Face face;
+    face.corners_W_m = {rims[0][i], rims[0][next], rims[1][next], rims[1][i]};
+    const Vector3d along = rims[0][next] - rims[0][i];
+    face.u_axis_W = along / along.norm();
+    face.v_axis_W = z_W;
+    face.normal_W = cross(face.u_axis_W, z_W);
+    face.offset_m = face.normal_W.dot(rims[0][i]);
+    face.texture_origin_W_m = rims[0][i];
+    face.u_origin_m = i * along.norm();
+    face.tile = tile;
+    face.light = lambert(lighting, face.normal_W);
+    face.mover = solid.mover;
+    geometry.faces.push_back(std::move(face));
+  }
+  for (const int high : {0, 1}) {
+    // Fans from the first corner, each with as many corners as a face may have.
+    for (int first = 1; first + 1 < kSides; first += static_cast<int>(kMaxCorners) - 2) {
+      std::vector<Vector3d> piece{rims[high][0]};
+      const int last = std::min(first + static_cast<int>(kMaxCorners) - 2, kSides - 1);
+      for (int i = first; i <= last; ++i) piece.push_back(rims[high][i]);
+      add_side(geometry, solid, 2, high != 0 ? 1.0 : -1.0, std::move(piece));
+      geometry.faces.back().texture_origin_W_m = cylinder.p_W_m;
+    }
+  }
+}
+
+/// Along which of a mesh's axes a texture without coordinates of its own lies on a triangle: u to the right, v up.
+std::array<Vector3d, 2> axes_on(const Vector3d& normal_M) {
+  int most = 2;
+  for (const int axis : {0, 1}) {
+    if (std::abs(normal_M[axis]) > std::abs(normal_M[most])) most = axis;
+  }
+  const double sign = normal_M[most] < 0.0 ? -1.0 : 1.0;
+  if (most == 0) return {sign * Vector3d::UnitY(), Vector3d::UnitZ()};
+  if (most == 1) return {-sign * Vector3d::UnitX(), Vector3d::UnitZ()};
+  return {Vector3d::UnitX(), Vector3d::UnitY()};
+}
+
+/// Lets the texture's coordinates be those of the triangle's corners: a linear function over its plane.
+void lay_tiles(Face& face, const std::array<Eigen::Vector2d, 3>& tiles, const Tile& tile) {
+  const Vector3d e1 = face.corners_W_m[1] - face.corners_W_m[0];
+  const Vector3d e2 = face.corners_W_m[2] - face.corners_W_m[0];
+  const Vector3d across = cross(e1, e2);
+  const double square = across.squaredNorm();
+  const Vector3d along_1 = cross(e2, across) / square;  // along_1 . e1 = 1, along_1 . e2 = 0
+  const Vector3d along_2 = cross(across, e1) / square;
+  const Eigen::Vector2d d1 = tiles[1] - tiles[0];
+  const Eigen::Vector2d d2 = tiles[2] - tiles[0];
+  face.u_axis_W = tile.edge_u_m * (d1.x() * along_1 + d2.x() * along_2);
+  face.v_axis_W = tile.edge_v_m * (d1.y() * along_1 + d2.y() * along_2);
+  face.texture_origin_W_m = face.corners_W_m[0];
+  face.u_origin_m = tile.edge_u_m * tiles[0].x();
+  face.v_origin_m = tile.edge_v_m * tiles[0].y();
+}
+
 /// The place of the texture's tile in `geometry`, added if it is new.
 std::size_t add_tile(Geometry& geometry, const scene::Texture& texture) {
   auto& tiles = geometry.tiles;
@@ -116,6 +207,37 @@ std::size_t add_tile(Geometry& geometry, const scene::Texture& texture) {
   return place;
 }
 
+/// Points are computed once for all triangles: those that share an edge must share its bits.
+void add_mesh(Geometry& geometry, const scene::Mesh& mesh, const Vector3d& p_W_m, const Eigen::Matrix3d& R_WM,
+              const scene::Lighting& lighting, std::size_t mover) {
+  std::vector<Vector3d> points_W;
+  points_W.reserve(mesh.points_m.size());
+  for (const Vector3d& point : mesh.points_m) points_W.push_back(p_W_m + R_WM * point);
+  std::vector<std::size_t> tiles;
+  for (const auto& material : mesh.materials) tiles.push_back(add_tile(geometry, material));
+  for (const auto& triangle : mesh.triangles) {
+    const Vector3d normal_M = mesh.normal(triangle);
+    if (normal_M.isZero()) continue;
+    Face face;
+    for (const std::uint32_t corner : triangle.corners) face.corners_W_m.push_back(points_W[corner]);
+    const Vector3d across = cross(face.corners_W_m[1] - face.corners_W_m[0], face.corners_W_m[2] - face.corners_W_m[0]);
+    face.normal_W = across / across.norm();
+    face.offset_m = face.normal_W.dot(face.corners_W_m[0]);
+    face.tile = tiles[triangle.material];
+    if (triangle.tiles) {
+      lay_tiles(face, *triangle.tiles, *geometry.tiles[face.tile]);
+    } else {
+      const auto [u_M, v_M] = axes_on(normal_M);
+      face.u_axis_W = R_WM * u_M;
+      face.v_axis_W = R_WM * v_M;
+      face.texture_origin_W_m = p_W_m;
+    }
+    face.light = lambert(lighting, face.normal_W);
+    face.mover = mover;
+    geometry.faces.push_back(std::move(face));
+  }
+}
+
 }  // namespace
 
 double lambert(const scene::Lighting& lighting, const Vector3d& normal_W) {
@@ -124,9 +246,12 @@ double lambert(const scene::Lighting& lighting, const Vector3d& normal_W) {
 
 Geometry make_geometry(const scene::Scene& scene) {
   Geometry geometry;
+  geometry.lighting = scene.lighting;
   geometry.background = scene.lighting.background;
 
-  const Solid earth{turned_axes(0.0), add_tile(geometry, scene.ground.texture), scene.lighting};
+  const Painted earth{{Vector3d::UnitX(), Vector3d::UnitY(), Vector3d::UnitZ()},
+                      add_tile(geometry, scene.ground.texture),
+                      scene.lighting};
   const double half_m = scene.ground.half_size_m;
   add_side(geometry, earth, 2, 1.0,
            {{-half_m, -half_m, 0.0}, {half_m, -half_m, 0.0}, {half_m, half_m, 0.0}, {-half_m, half_m, 0.0}});
@@ -135,7 +260,19 @@ Geometry make_geometry(const scene::Scene& scene) {
   for (const scene::Box& box : scene.boxes) {
     add_box(geometry, box, add_tile(geometry, box.texture), scene.lighting);
   }
+  for (const scene::Cylinder& cylinder : scene.cylinders) {
+    add_cylinder(geometry, cylinder, add_tile(geometry, cylinder.texture), scene.lighting);
+  }
+  for (const scene::MeshThing& thing : scene.meshes) {
+    const Eigen::Matrix3d R_WM = scene::attitude_of(thing).toRotationMatrix();
+    add_mesh(geometry, *thing.mesh, thing.p_W_m, R_WM, scene.lighting, add_mover(geometry, thing));
+  }
   for (const scene::Gate& gate : scene.gates) {
+    if (!gate.has_beams()) {
+      const Eigen::Matrix3d R_WG = scene::attitude_of(gate).toRotationMatrix();
+      add_mesh(geometry, gate.frame(), gate.p_W_m, R_WG, scene.lighting, Face::kStands);
+      continue;
+    }
     add_gate(geometry, gate, add_tile(geometry, gate.texture), scene.lighting);
   }
   return geometry;

@@ -6,7 +6,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <utility>
 
 namespace mebots::world::camera {
 namespace {
@@ -19,8 +21,9 @@ constexpr int kNoiseTexels = 256;
 constexpr int kNoiseOctaves = 3;  // each with half the amplitude and twice the frequency of the one before
 constexpr int kBrickRows = 8;     // rows in a tile, and half bricks along its edge
 constexpr int kBrickTexels = 256;
-constexpr double kBrickJoint = 0.125;  // width of a joint over the height of a row
-constexpr double kBrickSpread = 0.12;  // largest difference of a brick's grey level, relative
+constexpr int kMostPictureTexels = 512;  // along a tile's edge: 4 MB
+constexpr double kBrickJoint = 0.125;    // width of a joint over the height of a row
+constexpr double kBrickSpread = 0.12;    // largest difference of a brick's grey level, relative
 
 /// Uniform in [0, 1) for a lattice point.
 double lattice(std::uint32_t seed, int layer, int x, int y) {
@@ -72,26 +75,59 @@ double bricks(const Texture& texture, double u, double v) {
   return std::clamp(texture.light * (1.0 + kBrickSpread * shade), 0.0, 255.0);
 }
 
+/// Grey level of a picture between its pixels' middles; it repeats.
+double between_pixels(const scene::Picture& picture, double u, double v) {
+  const double x = u * picture.width - 0.5;
+  const double y = (1.0 - v) * picture.height - 0.5;
+  const int x0 = static_cast<int>(std::floor(x));
+  const int y0 = static_cast<int>(std::floor(y));
+  const auto grey = [&](int column, int row) {
+    const int wrapped_column = (column + picture.width) % picture.width;
+    const int wrapped_row = (row + picture.height) % picture.height;
+    return static_cast<double>(picture.grey[static_cast<std::size_t>(wrapped_row) * picture.width + wrapped_column]);
+  };
+  return std::lerp(std::lerp(grey(x0, y0), grey(x0 + 1, y0), x - x0),
+                   std::lerp(grey(x0, y0 + 1), grey(x0 + 1, y0 + 1), x - x0), y - y0);
+}
+
+Tile picture_tile(const Texture& texture) {
+  const scene::Picture& picture = *texture.picture;
+  const int longest = std::max(picture.width, picture.height);
+  const int size = std::min(static_cast<int>(std::bit_ceil(static_cast<unsigned>(longest))), kMostPictureTexels);
+  const int samples = (longest + size - 1) / size;
+  return {Ripmap(size, samples,
+                 [&](double u, double v) {
+                   return std::lerp(texture.dark, texture.light, between_pixels(picture, u, v) / 255.0);
+                 }),
+          texture.scale_m, texture.scale_m * picture.height / picture.width};
+}
+
+Tile square(Ripmap ripmap, double edge_m) {
+  return {std::move(ripmap), edge_m, edge_m};
+}
+
 }  // namespace
 
 Tile make_tile(const Texture& texture) {
   switch (texture.kind) {
     case Texture::Kind::uniform:
-      return {Ripmap(1, 1, [&](double, double) { return texture.light; }), texture.scale_m};
+      return square(Ripmap(1, 1, [&](double, double) { return texture.light; }), texture.scale_m);
     case Texture::Kind::checker:
-      return {Ripmap(2 * kCheckerTexelsPerSquare, 1,
-                     [&](double u, double v) { return (u < 0.5) == (v < 0.5) ? texture.light : texture.dark; }),
-              2.0 * texture.scale_m};
+      return square(Ripmap(2 * kCheckerTexelsPerSquare, 1,
+                           [&](double u, double v) { return (u < 0.5) == (v < 0.5) ? texture.light : texture.dark; }),
+                    2.0 * texture.scale_m);
     case Texture::Kind::stripes:
-      return {Ripmap(2 * kCheckerTexelsPerSquare, 1,
-                     [&](double u, double) { return u < 0.5 ? texture.light : texture.dark; }),
-              2.0 * texture.scale_m};
+      return square(Ripmap(2 * kCheckerTexelsPerSquare, 1,
+                           [&](double u, double) { return u < 0.5 ? texture.light : texture.dark; }),
+                    2.0 * texture.scale_m);
     case Texture::Kind::noise:
-      return {Ripmap(kNoiseTexels, 1, [&](double u, double v) { return layered_noise(texture, u, v); }),
-              kNoiseCells * texture.scale_m};
+      return square(Ripmap(kNoiseTexels, 1, [&](double u, double v) { return layered_noise(texture, u, v); }),
+                    kNoiseCells * texture.scale_m);
     case Texture::Kind::bricks:
-      return {Ripmap(kBrickTexels, 2, [&](double u, double v) { return bricks(texture, u, v); }),
-              kBrickRows * texture.scale_m};
+      return square(Ripmap(kBrickTexels, 2, [&](double u, double v) { return bricks(texture, u, v); }),
+                    kBrickRows * texture.scale_m);
+    case Texture::Kind::picture:
+      return picture_tile(texture);
   }
   throw Error(fmt::format("camera: texture kind {} has no pattern", static_cast<int>(texture.kind)));
 }

@@ -16,7 +16,7 @@ Pose camera_pose(const Mounting& mounting, const Eigen::Vector3d& p_WB_m, const 
   R_BC << c, 0.0, s,  //
       0.0, 1.0, 0.0,  //
       -s, 0.0, c;
-  return Pose{p_WB_m + R_WB * mounting.p_BC_m, R_WB * R_BC};
+  return Pose{p_WB_m + R_WB * mounting.p_BC_m, R_WB * R_BC, 0};
 }
 
 }  // namespace mebots::world::camera

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 
 namespace mebots::world::camera {
 
@@ -21,6 +22,7 @@ struct Intrinsics {
 struct Pose {
   Eigen::Vector3d p_WC_m = Eigen::Vector3d::Zero();
   Eigen::Matrix3d R_WC = Eigen::Matrix3d::Identity();
+  std::int64_t time_ns = 0;  ///< when: what moves is seen where it is then
 };
 
 /// How the camera sits in the drone's body.

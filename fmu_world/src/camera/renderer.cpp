@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "camera/renderer.hpp"
 
+#include "math/rotation.hpp"
 #include "mebots/assert.hpp"
 #include "mebots/error.hpp"
 
@@ -39,6 +40,9 @@ void check(const Geometry& geometry) {
       throw Error(
           fmt::format("camera: face {} has {} corners; it must have 3..{}, cut it up", i, corners, kMaxCorners));
     }
+    if (face.mover != Face::kStands && face.mover >= geometry.movers.size()) {
+      throw Error(fmt::format("camera: face {} asks for mover {} of {}", i, face.mover, geometry.movers.size()));
+    }
     if (face.tile >= geometry.tiles.size()) {
       throw Error(fmt::format("camera: face {} asks for texture {} of {}", i, face.tile, geometry.tiles.size()));
     }
@@ -57,15 +61,24 @@ PixelPlane along_ray(const Vector3d& direction_W, const Eigen::Matrix3d& R_WC, d
 }
 
 /// Texels per metre times the camera's place along an axis, brought back into the first tile.
-float eye_texel(double along_axis_m, const Tile& tile) {
-  const double tiles = along_axis_m / tile.edge_m;
-  return static_cast<float>((tiles - std::floor(tiles)) * tile.ripmap.size());
+float eye_texel(double along_axis_m, double edge_m, int size) {
+  const double tiles = along_axis_m / edge_m;
+  return static_cast<float>((tiles - std::floor(tiles)) * size);
 }
 
-FaceView view_of(const Face& face, const Tile& tile, const Pose& pose, double height_over_plane_m,
+/// The camera as seen from what moves, in the place where it would stand without its path.
+Pose seen_from(const Mover& mover, const Pose& pose) {
+  const scene::Displacement moved = mover.path.at(pose.time_ns);
+  const Eigen::Matrix3d back = yaw_rotation(-moved.turn_rad).toRotationMatrix();
+  return {mover.origin_W_m + back * (pose.p_WC_m - moved.offset_W_m - mover.origin_W_m), back * pose.R_WC,
+          pose.time_ns};
+}
+
+FaceView view_of(const Face& face, const Tile& tile, double light, const Pose& pose, double height_over_plane_m,
                  double focal_length_px) {
-  const double texels_per_m = tile.ripmap.size() / tile.edge_m;
-  MEBOTS_ASSERT(tile.edge_m > 0 && height_over_plane_m >= kEdgeOn_m);
+  const double texels_per_m_u = tile.ripmap.size() / tile.edge_u_m;
+  const double texels_per_m_v = tile.ripmap.size() / tile.edge_v_m;
+  MEBOTS_ASSERT(tile.edge_u_m > 0 && tile.edge_v_m > 0 && height_over_plane_m >= kEdgeOn_m);
   // A point on the ray at depth d (along the optical axis) is in the plane if normal . (p_WC + d ray) = offset.
   const PixelPlane n = along_ray(face.normal_W, pose.R_WC, focal_length_px);
   const PixelPlane u = along_ray(face.u_axis_W, pose.R_WC, focal_length_px);
@@ -76,15 +89,15 @@ FaceView view_of(const Face& face, const Tile& tile, const Pose& pose, double he
   view.w_0 = n.at_0 * per_height;
   view.w_x = static_cast<float>(n.along_x * per_height);
   view.w_y = static_cast<float>(n.along_y * per_height);
-  view.u_0 = u.at_0 * texels_per_m;
-  view.u_x = static_cast<float>(u.along_x * texels_per_m);
-  view.u_y = static_cast<float>(u.along_y * texels_per_m);
-  view.v_0 = v.at_0 * texels_per_m;
-  view.v_x = static_cast<float>(v.along_x * texels_per_m);
-  view.v_y = static_cast<float>(v.along_y * texels_per_m);
-  view.u_eye = eye_texel(face.u_axis_W.dot(from_origin), tile);
-  view.v_eye = eye_texel(face.v_axis_W.dot(from_origin), tile);
-  view.light = static_cast<float>(face.light);
+  view.u_0 = u.at_0 * texels_per_m_u;
+  view.u_x = static_cast<float>(u.along_x * texels_per_m_u);
+  view.u_y = static_cast<float>(u.along_y * texels_per_m_u);
+  view.v_0 = v.at_0 * texels_per_m_v;
+  view.v_x = static_cast<float>(v.along_x * texels_per_m_v);
+  view.v_y = static_cast<float>(v.along_y * texels_per_m_v);
+  view.u_eye = eye_texel(face.u_axis_W.dot(from_origin) + face.u_origin_m, tile.edge_u_m, tile.ripmap.size());
+  view.v_eye = eye_texel(face.v_axis_W.dot(from_origin) + face.v_origin_m, tile.edge_v_m, tile.ripmap.size());
+  view.light = static_cast<float>(light);
   view.ripmap = &tile.ripmap;
   return view;
 }
@@ -104,6 +117,11 @@ Renderer::Renderer(Geometry geometry, Intrinsics intrinsics, double noise_std)
 Renderer::Workspace Renderer::make_workspace() const {
   Workspace workspace;
   workspace.faces_.reserve(geometry_.faces.size());
+  workspace.rows_.resize(static_cast<std::size_t>(intrinsics_.height) + 1);
+  workspace.by_row_.reserve(geometry_.faces.size());
+  workspace.active_.reserve(geometry_.faces.size());
+  workspace.next_.reserve(geometry_.faces.size());
+  workspace.eyes_.resize(geometry_.movers.size());
   workspace.inverse_depth_.resize(intrinsics_.width);
   workspace.nearest_.resize(intrinsics_.width);
   workspace.grey_.resize(intrinsics_.width);
@@ -112,21 +130,102 @@ Renderer::Workspace Renderer::make_workspace() const {
 
 void Renderer::find_visible(const Pose& pose, Workspace& workspace) const {
   const double focal_length_px = intrinsics_.focal_length_px();
-  const Eigen::Matrix3d R_CW = pose.R_WC.transpose();
   workspace.faces_.clear();
+  for (std::size_t i = 0; i < geometry_.movers.size(); ++i) workspace.eyes_[i] = seen_from(geometry_.movers[i], pose);
   MEBOTS_ASSERT(workspace.nearest_.size() == static_cast<std::size_t>(intrinsics_.width), "make_workspace() made it");
   for (const Face& face : geometry_.faces) {
-    const double height_over_plane_m = face.normal_W.dot(pose.p_WC_m) - face.offset_m;
+    const bool stands = face.mover == Face::kStands;
+    const Pose& eye = stands ? pose : workspace.eyes_[face.mover];
+    const double height_over_plane_m = face.normal_W.dot(eye.p_WC_m) - face.offset_m;
     if (height_over_plane_m < kEdgeOn_m) continue;  // its back, or edge-on
     std::array<Vector3d, kMaxCorners> corners_C;
     MEBOTS_ASSERT(face.corners_W_m.size() <= corners_C.size() && face.tile < geometry_.tiles.size(),
                   "check() has seen it");
-    for (std::size_t i = 0; i < face.corners_W_m.size(); ++i) corners_C[i] = R_CW * (face.corners_W_m[i] - pose.p_WC_m);
+    const Eigen::Matrix3d R_CE = eye.R_WC.transpose();
+    bool before = false;  // the camera
+    for (std::size_t i = 0; i < face.corners_W_m.size(); ++i) {
+      corners_C[i] = R_CE * (face.corners_W_m[i] - eye.p_WC_m);
+      before = before || corners_C[i].x() > kNearPlane_m;
+    }
+    if (!before) continue;
     const Outline outline({corners_C.data(), face.corners_W_m.size()}, focal_length_px, 0.5 * intrinsics_.width,
                           0.5 * intrinsics_.height, intrinsics_.height);
     if (outline.first_row() >= outline.end_row()) continue;
+    const double light = stands ? face.light : lambert(geometry_.lighting, pose.R_WC * (R_CE * face.normal_W));
     workspace.faces_.push_back(
-        {outline, view_of(face, *geometry_.tiles[face.tile], pose, height_over_plane_m, focal_length_px)});
+        {outline, view_of(face, *geometry_.tiles[face.tile], light, eye, height_over_plane_m, focal_length_px)});
+  }
+  sort_by_row(workspace);
+}
+
+/// Counting sort: stable, so that faces of one row keep their order.
+void Renderer::sort_by_row(Workspace& workspace) {
+  auto& rows = workspace.rows_;
+  std::fill(rows.begin(), rows.end(), 0);
+  for (const auto& face : workspace.faces_) ++rows[static_cast<std::size_t>(face.outline.first_row())];
+  std::size_t sum = 0;
+  for (auto& row : rows) sum += std::exchange(row, sum);
+  workspace.by_row_.resize(workspace.faces_.size());
+  for (std::size_t i = 0; i < workspace.faces_.size(); ++i) {
+    auto& place = rows[static_cast<std::size_t>(workspace.faces_[i].outline.first_row())];
+    workspace.by_row_[place++] = static_cast<std::int32_t>(i);
+  }
+  // Each entry moved on to where the next row begins.
+  std::rotate(rows.begin(), rows.end() - 1, rows.end());
+  rows[0] = 0;
+  workspace.active_.clear();
+}
+
+void Renderer::shade_row(int row, Workspace& workspace, float* grey) const {
+  constexpr std::int32_t kNothing = -1;
+  const int width = intrinsics_.width;
+  float* const inverse_depth = workspace.inverse_depth_.data();
+  std::int32_t* const nearest = workspace.nearest_.data();
+  const float x_0 = 0.5F - 0.5F * static_cast<float>(width);
+  const double y = row + 0.5 - 0.5 * intrinsics_.height;
+  std::fill_n(inverse_depth, width, kFarthest_per_m);
+  std::fill_n(nearest, width, kNothing);
+  for (const std::int32_t i : workspace.active_) {
+    const auto& [outline, view] = workspace.faces_[static_cast<std::size_t>(i)];
+    outline.spans(row, width, [&, w = static_cast<float>(view.w_0 + view.w_y * y), w_x = view.w_x](int begin, int end) {
+      MEBOTS_ASSERT(begin >= 0 && end <= width);
+      test_depth(w, w_x, x_0 + static_cast<float>(begin), end - begin, i, inverse_depth + begin, nearest + begin);
+    });
+  }
+  for (int begin = 0; begin < width;) {
+    int end = begin + 1;
+    while (end < width && nearest[end] == nearest[begin]) ++end;
+    if (nearest[begin] == kNothing) {
+      std::fill(grey + begin, grey + end, static_cast<float>(geometry_.background));
+    } else {
+      shade(workspace.faces_[nearest[begin]].view, y, x_0 + static_cast<float>(begin), end - begin, grey + begin);
+    }
+    begin = end;
+  }
+}
+
+/// Faces that end before the row leave, those that begin at it come; both lists are in the faces' order.
+void Renderer::enter_row(int row, Workspace& workspace) {
+  const auto& by_row = workspace.by_row_;
+  std::size_t coming = workspace.rows_[static_cast<std::size_t>(row)];
+  const std::size_t end = workspace.rows_[static_cast<std::size_t>(row) + 1];
+  workspace.next_.clear();
+  for (const std::int32_t face : workspace.active_) {
+    while (coming < end && by_row[coming] < face) workspace.next_.push_back(by_row[coming++]);
+    if (row < workspace.faces_[static_cast<std::size_t>(face)].outline.end_row()) workspace.next_.push_back(face);
+  }
+  while (coming < end) workspace.next_.push_back(by_row[coming++]);
+  workspace.active_.swap(workspace.next_);
+}
+
+void Renderer::render_light(const Pose& pose, int first_row, int end_row, std::span<float> grey,
+                            Workspace& workspace) const {
+  MEBOTS_ASSERT(first_row >= 0 && end_row <= intrinsics_.height &&
+                grey.size() >= static_cast<std::size_t>(end_row) * intrinsics_.width);
+  find_visible(pose, workspace);
+  for (int row = 0; row < end_row; ++row) {
+    enter_row(row, workspace);
+    if (row >= first_row) shade_row(row, workspace, grey.data() + static_cast<std::size_t>(row) * intrinsics_.width);
   }
 }
 
@@ -140,35 +239,10 @@ void Renderer::render(const Pose& pose, std::uint64_t seed, std::uint64_t frame_
   }
   find_visible(pose, workspace);
 
-  constexpr std::int32_t kNothing = -1;
-  float* const inverse_depth = workspace.inverse_depth_.data();
-  std::int32_t* const nearest = workspace.nearest_.data();
   float* const grey = workspace.grey_.data();
-  const float x_0 = 0.5F - 0.5F * static_cast<float>(width);
   for (int row = 0; row < height; ++row) {
-    const double y = row + 0.5 - 0.5 * height;
-    std::fill_n(inverse_depth, width, kFarthest_per_m);
-    std::fill_n(nearest, width, kNothing);
-    for (std::size_t i = 0; i < workspace.faces_.size(); ++i) {
-      const auto& [outline, view] = workspace.faces_[i];
-      if (row < outline.first_row() || row >= outline.end_row()) continue;
-      outline.spans(row, width,
-                    [&, w = static_cast<float>(view.w_0 + view.w_y * y), w_x = view.w_x](int begin, int end) {
-                      MEBOTS_ASSERT(begin >= 0 && end <= width);
-                      test_depth(w, w_x, x_0 + static_cast<float>(begin), end - begin, static_cast<std::int32_t>(i),
-                                 inverse_depth + begin, nearest + begin);
-                    });
-    }
-    for (int begin = 0; begin < width;) {
-      int end = begin + 1;
-      while (end < width && nearest[end] == nearest[begin]) ++end;
-      if (nearest[begin] == kNothing) {
-        std::fill(grey + begin, grey + end, static_cast<float>(geometry_.background));
-      } else {
-        shade(workspace.faces_[nearest[begin]].view, y, x_0 + static_cast<float>(begin), end - begin, grey + begin);
-      }
-      begin = end;
-    }
+    enter_row(row, workspace);
+    shade_row(row, workspace, grey);
     noise_.add({grey, static_cast<std::size_t>(width)}, seed, frame_index, row);
     quantise(grey, width, pixels.data() + static_cast<std::size_t>(row) * width);
   }

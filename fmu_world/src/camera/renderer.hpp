@@ -29,6 +29,11 @@ class Renderer {
       FaceView view;
     };
     std::vector<VisibleFace> faces_;
+    std::vector<std::size_t> rows_;     // where in by_row_ the faces begin whose first row it is
+    std::vector<std::int32_t> by_row_;  // faces by their first row, and then in their order
+    std::vector<std::int32_t> active_;  // faces in the row under way, in their order
+    std::vector<std::int32_t> next_;
+    std::vector<Pose> eyes_;  // the camera, seen from each mover
     std::vector<float> inverse_depth_;
     std::vector<std::int32_t> nearest_;
     std::vector<float> grey_;
@@ -54,8 +59,16 @@ class Renderer {
               Workspace& workspace) const;
   Workspace make_workspace() const;
 
+  /// The light alone, in grey levels before noise and rounding, of the rows [first, end) of a picture: width numbers a
+  /// row into `grey`, which begins at row 0.
+  void render_light(const Pose& pose, int first_row, int end_row, std::span<float> grey, Workspace& workspace) const;
+
  private:
   void find_visible(const Pose& pose, Workspace& workspace) const;
+  static void sort_by_row(Workspace& workspace);
+  static void enter_row(int row, Workspace& workspace);
+  /// Rows in rising order after find_visible().
+  void shade_row(int row, Workspace& workspace, float* grey) const;
 
   Geometry geometry_;
   Intrinsics intrinsics_;

@@ -8,10 +8,11 @@
 
 namespace mebots::world::camera {
 
-/// A texture of the scene as a tile, and the length of the tile's edge.
+/// A texture of the scene as a tile, and the lengths of the tile's edges along the surface's two axes.
 struct Tile {
   Ripmap ripmap;
-  double edge_m;
+  double edge_u_m;
+  double edge_v_m;
 };
 
 /// Draws the tile of a scene's texture. The surface's first axis is u, its second one v.

@@ -1,20 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "dynamics/rigid_world.hpp"
 
+#include "math/rotation.hpp"
 #include "mebots/assert.hpp"
 #include "mebots/error.hpp"
+#include "scene/solids.hpp"
 
 #include <fmt/format.h>
 #include <ode/ode.h>
 #include <array>
 #include <cmath>
+#include <deque>
+#include <mutex>
 
 static_assert(sizeof(dReal) == sizeof(double), "ODE must be built with double precision");
 
 namespace mebots::world {
 namespace {
 
-constexpr int kMaxContactsPerPair = 8;  // two boxes meet in at most eight points
+constexpr int kMaxContactsPerPair = 8;   // two boxes meet in at most eight points
+constexpr int kMaxContactsPerMesh = 24;  // a box and triangles may meet in more
 
 /// ODE's tables for the whole process. ODE counts who asked for them, since another library may use it too; ours are
 /// given back when this library is unloaded.
@@ -45,6 +50,32 @@ Eigen::Vector3d vector(const dReal* v) {
   return {v[0], v[1], v[2]};
 }
 
+/// A mesh as ODE collides it. ODE keeps pointers to the numbers, so they stay here.
+class TriangleMesh {
+ public:
+  explicit TriangleMesh(const scene::Mesh& mesh) : data_(dGeomTriMeshDataCreate()) {
+    for (const auto& point : mesh.points_m) places_.insert(places_.end(), {point.x(), point.y(), point.z()});
+    for (const auto& triangle : mesh.triangles) {
+      corners_.insert(corners_.end(), triangle.corners.begin(), triangle.corners.end());
+    }
+    dGeomTriMeshDataBuildDouble(data_, places_.data(), 3 * sizeof(double), static_cast<int>(mesh.points_m.size()),
+                                corners_.data(), static_cast<int>(corners_.size()), 3 * sizeof(dTriIndex));
+  }
+  ~TriangleMesh() { dGeomTriMeshDataDestroy(data_); }
+  TriangleMesh(const TriangleMesh&) = delete;
+  TriangleMesh& operator=(const TriangleMesh&) = delete;
+
+  dGeomID make_geom() const { return dCreateTriMesh(nullptr, data_, nullptr, nullptr, nullptr); }
+
+ private:
+  dTriMeshDataID data_;
+  std::vector<double> places_;
+  std::vector<dTriIndex> corners_;
+};
+
+/// ODE's routines for triangles share working memory between all worlds of a process, where Debian has built it so.
+std::mutex mesh_collisions;
+
 }  // namespace
 
 class RigidWorld::Impl {
@@ -67,13 +98,13 @@ class RigidWorld::Impl {
     dGeomSetBody(drone_, body_);
     drone_radius_m_ = 0.5 * size.norm();
 
-    obstacles_.push_back(
-        {dCreatePlane(nullptr, 0.0, 0.0, 1.0, 0.0), Touch::What::ground, 0, Eigen::Vector3d::Zero(), 0.0});
-    for (std::size_t i = 0; i < scene.boxes.size(); ++i) add(scene.boxes[i], Touch::What::box, i);
-    for (std::size_t i = 0; i < scene.gates.size(); ++i) {
-      for (const auto& beam : scene.gates[i].beams()) add(beam, Touch::What::gate, i);
-    }
-    touches_.reserve(kMaxContactsPerPair * obstacles_.size());
+    obstacles_.push_back({dCreatePlane(nullptr, 0.0, 0.0, 1.0, 0.0), Touch::What::ground, 0, Eigen::Vector3d::Zero(),
+                          nullptr, kMaxContactsPerPair});
+    solids_ = scene::solids_of(scene);
+    for (std::size_t i = 0; i < solids_.size(); ++i) add(solids_[i], i);
+    std::size_t most = 0;
+    for (const auto& obstacle : obstacles_) most += static_cast<std::size_t>(obstacle.most_contacts);
+    touches_.reserve(most);
   }
 
   ~Impl() {
@@ -96,13 +127,13 @@ class RigidWorld::Impl {
   }
 
   const std::vector<Touch>& step(RigidState& state, const Eigen::Vector3d& force_W, const Eigen::Vector3d& torque_B,
-                                 double dt_s) {
+                                 double dt_s, std::int64_t time_ns) {
     start_ode();
     if (!state.is_finite() || !force_W.allFinite() || !torque_B.allFinite()) {
       throw Error("the drone's state or the forces on it are not finite: no step is possible from here");
     }
     MEBOTS_ASSERT(dt_s > 0);
-    load(state);
+    load(state, time_ns);
     collide(state);
     dBodyAddForce(body_, force_W.x(), force_W.y(), force_W.z());
     dBodyAddRelTorque(body_, torque_B.x(), torque_B.y(), torque_B.z());
@@ -116,9 +147,9 @@ class RigidWorld::Impl {
     return touches_;
   }
 
-  const std::vector<Touch>& touches_at(const RigidState& state) {
+  const std::vector<Touch>& touches_at(const RigidState& state, std::int64_t time_ns) {
     start_ode();
-    load(state);
+    load(state, time_ns);
     collide(state);
     dJointGroupEmpty(joints_);
     return touches_;
@@ -129,19 +160,61 @@ class RigidWorld::Impl {
     dGeomID geom;
     Touch::What what;
     std::size_t index;
-    Eigen::Vector3d p_W_m;
-    double radius_m;  ///< of a sphere around it
+    Eigen::Vector3d p_W_m;      ///< now
+    const scene::Solid* solid;  ///< none for the ground
+    int most_contacts;
+    dBodyID body = nullptr;  ///< of what moves
   };
 
-  void add(const scene::Box& box, Touch::What what, std::size_t index) {
-    dGeomID geom = dCreateBox(nullptr, box.size_m.x(), box.size_m.y(), box.size_m.z());
-    dGeomSetPosition(geom, box.p_W_m.x(), box.p_W_m.y(), box.p_W_m.z());
-    dQuaternion q{std::cos(0.5 * box.yaw_rad), 0.0, 0.0, std::sin(0.5 * box.yaw_rad)};
-    dGeomSetQuaternion(geom, q);
-    obstacles_.push_back({geom, what, index, box.p_W_m, 0.5 * box.size_m.norm()});
+  dGeomID make_geom(const scene::Solid& solid) {
+    switch (solid.shape) {
+      case scene::Solid::Shape::box:
+        return dCreateBox(nullptr, solid.size_m.x(), solid.size_m.y(), solid.size_m.z());
+      case scene::Solid::Shape::cylinder:
+        return dCreateCylinder(nullptr, 0.5 * solid.size_m.x(), solid.size_m.z());
+      case scene::Solid::Shape::mesh:
+        return meshes_.emplace_back(*solid.mesh).make_geom();
+    }
+    throw Error(fmt::format("obstacle \"{}\" has no shape", solid.name));
   }
 
-  void load(const RigidState& state) {
+  void add(const scene::Solid& solid, std::size_t index) {
+    const bool of_gate = solid.gate != scene::Solid::kNoGate;
+    const bool is_mesh = solid.shape == scene::Solid::Shape::mesh;
+    Obstacle obstacle{make_geom(solid),
+                      of_gate ? Touch::What::gate : Touch::What::obstacle,
+                      of_gate ? solid.gate : index,
+                      solid.p_W_m,
+                      &solid,
+                      is_mesh ? kMaxContactsPerMesh : kMaxContactsPerPair};
+    if (solid.path.moves()) {
+      obstacle.body = dBodyCreate(world_);
+      dBodySetKinematic(obstacle.body);
+      dGeomSetBody(obstacle.geom, obstacle.body);
+    } else {
+      dQuaternion q;
+      dGeomSetPosition(obstacle.geom, solid.p_W_m.x(), solid.p_W_m.y(), solid.p_W_m.z());
+      dGeomSetQuaternion(obstacle.geom, to_ode(solid.q_W, q));
+    }
+    obstacles_.push_back(obstacle);
+  }
+
+  /// What moves has a body with the path's velocity, which no force changes.
+  void place(Obstacle& obstacle, std::int64_t time_ns) {
+    const scene::Displacement now = obstacle.solid->path.at(time_ns);
+    obstacle.p_W_m = obstacle.solid->p_W_m + now.offset_W_m;
+    dQuaternion q;
+    dBodySetPosition(obstacle.body, obstacle.p_W_m.x(), obstacle.p_W_m.y(), obstacle.p_W_m.z());
+    dBodySetQuaternion(obstacle.body, to_ode(yaw_rotation(now.turn_rad) * obstacle.solid->q_W, q));
+    const Eigen::Vector3d& v = now.velocity_W_m_per_s;
+    dBodySetLinearVel(obstacle.body, v.x(), v.y(), v.z());
+    dBodySetAngularVel(obstacle.body, 0.0, 0.0, now.turn_rate_rad_per_s);
+  }
+
+  void load(const RigidState& state, std::int64_t time_ns) {
+    for (auto& obstacle : obstacles_) {
+      if (obstacle.body != nullptr) place(obstacle, time_ns);
+    }
     dQuaternion q;
     dBodySetPosition(body_, state.p_WB_m.x(), state.p_WB_m.y(), state.p_WB_m.z());
     dBodySetQuaternion(body_, to_ode(state.q_WB, q));
@@ -161,19 +234,21 @@ class RigidWorld::Impl {
 
   bool is_near(const Obstacle& obstacle, const Eigen::Vector3d& p_W_m) const {
     if (obstacle.what == Touch::What::ground) return p_W_m.z() < drone_radius_m_;
-    const double reach_m = drone_radius_m_ + obstacle.radius_m;
+    const double reach_m = drone_radius_m_ + obstacle.solid->radius_m;
     return (obstacle.p_W_m - p_W_m).squaredNorm() < reach_m * reach_m;
   }
 
   void collide(const RigidState& state) {
     touches_.clear();
-    std::array<dContact, kMaxContactsPerPair> contacts;
+    std::array<dContact, kMaxContactsPerMesh> contacts;
     for (const auto& obstacle : obstacles_) {
       if (!is_near(obstacle, state.p_WB_m)) continue;
-      // Boxes and planes only: ODE's routines for these keep everything on the stack, so instances in
-      // several threads need no lock.
-      const int count = dCollide(drone_, obstacle.geom, kMaxContactsPerPair, &contacts[0].geom, sizeof(dContact));
-      MEBOTS_ASSERT(count >= 0 && count <= kMaxContactsPerPair);
+      // ODE's routines for boxes, cylinders and planes keep everything on the stack, so instances in several threads
+      // need no lock; those for triangles do not.
+      const bool is_mesh = obstacle.solid != nullptr && obstacle.solid->shape == scene::Solid::Shape::mesh;
+      const auto lock = is_mesh ? std::unique_lock(mesh_collisions) : std::unique_lock<std::mutex>();
+      const int count = dCollide(drone_, obstacle.geom, obstacle.most_contacts, &contacts[0].geom, sizeof(dContact));
+      MEBOTS_ASSERT(count >= 0 && count <= obstacle.most_contacts);
       for (int i = 0; i < count; ++i) attach(contacts[static_cast<std::size_t>(i)], obstacle, state);
     }
   }
@@ -181,9 +256,14 @@ class RigidWorld::Impl {
   void attach(dContact& contact, const Obstacle& obstacle, const RigidState& state) {
     const Eigen::Vector3d p_W_m = vector(contact.geom.pos);
     const Eigen::Vector3d normal_W = vector(contact.geom.normal);
-    const Eigen::Vector3d velocity_W = state.v_WB_m_per_s + state.w_WB_W_rad_per_s.cross(p_W_m - state.p_WB_m);
+    Eigen::Vector3d velocity_W = state.v_WB_m_per_s + state.w_WB_W_rad_per_s.cross(p_W_m - state.p_WB_m);
+    if (obstacle.body != nullptr) {
+      dVector3 v;
+      dBodyGetPointVel(obstacle.body, p_W_m.x(), p_W_m.y(), p_W_m.z(), v);
+      velocity_W -= vector(v);
+    }
+    MEBOTS_ASSERT(touches_.size() < touches_.capacity());
     touches_.push_back({obstacle.what, obstacle.index, p_W_m, normal_W, contact.geom.depth, -velocity_W.dot(normal_W)});
-    MEBOTS_ASSERT(touches_.size() <= kMaxContactsPerPair * obstacles_.size());
 
     contact.surface = {};
     // Approx1 makes mu a coefficient of friction; without it ODE takes mu as a force.
@@ -193,7 +273,7 @@ class RigidWorld::Impl {
     contact.surface.bounce_vel = contact_.bounce_speed_m_per_s;
     contact.surface.soft_erp = contact_.soft_erp;
     contact.surface.soft_cfm = contact_.soft_cfm;
-    dJointAttach(dJointCreateContact(world_, joints_, &contact), body_, nullptr);
+    dJointAttach(dJointCreateContact(world_, joints_, &contact), body_, obstacle.body);
   }
 
   scene::Contact contact_;
@@ -203,6 +283,8 @@ class RigidWorld::Impl {
   dBodyID body_ = nullptr;
   dGeomID drone_ = nullptr;
   double drone_radius_m_ = 0.0;
+  std::vector<scene::Solid> solids_;
+  std::deque<TriangleMesh> meshes_;
   std::vector<Obstacle> obstacles_;
   std::vector<Touch> touches_;
 };
@@ -215,12 +297,12 @@ void RigidWorld::set_mass(double mass_kg, const Eigen::Vector3d& inertia_kg_m2) 
 }
 
 const std::vector<Touch>& RigidWorld::step(RigidState& state, const Eigen::Vector3d& force_W_n,
-                                           const Eigen::Vector3d& torque_B_n_m, double dt_s) {
-  return impl_->step(state, force_W_n, torque_B_n_m, dt_s);
+                                           const Eigen::Vector3d& torque_B_n_m, double dt_s, std::int64_t time_ns) {
+  return impl_->step(state, force_W_n, torque_B_n_m, dt_s, time_ns);
 }
 
-const std::vector<Touch>& RigidWorld::touches_at(const RigidState& state) {
-  return impl_->touches_at(state);
+const std::vector<Touch>& RigidWorld::touches_at(const RigidState& state, std::int64_t time_ns) {
+  return impl_->touches_at(state, time_ns);
 }
 
 }  // namespace mebots::world

@@ -7,6 +7,7 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <vector>
 
@@ -17,16 +18,19 @@ inline constexpr double kGravity_m_per_s2 = 9.80665;
 
 /// One point where the drone touches something, found before a step.
 struct Touch {
-  enum class What { ground, box, gate };
+  enum class What { ground, obstacle, gate };
   What what = What::ground;
-  std::size_t index = 0;  ///< of the box or gate in the scene
+  std::size_t index = 0;  ///< of the obstacle in scene::solids_of(), or of the gate in the scene
   Eigen::Vector3d p_W_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d normal_W = Eigen::Vector3d::UnitZ();  ///< towards the drone
   double depth_m = 0.0;                                 ///< how far the bodies overlap
-  double closing_speed_m_per_s = 0.0;                   ///< along the normal, positive = moving into it
+  double closing_speed_m_per_s = 0.0;  ///< along the normal, of one towards the other, positive = moving into it
 };
 
-/// The drone as one rigid box among ground, boxes and gates, moved by ODE's dWorldStep.
+/// The drone as one rigid box among ground, obstacles and gates, moved by ODE's dWorldStep.
+///
+/// What moves on a path is a kinematic body of ODE's: it has the path's place and velocity at the beginning of each
+/// step, and no force changes them.
 ///
 /// The body's state lives with the caller: every step copies it into ODE and back, so ODE keeps no
 /// memory between steps and a restored state goes on with the same bits. Geometries stand in no ODE
@@ -42,14 +46,14 @@ class RigidWorld {
   /// Principal moments about body axes. Both must be positive.
   void set_mass(double mass_kg, const Eigen::Vector3d& inertia_kg_m2);
 
-  /// Moves `state` by dt under gravity, contact and the given wrench (force in world axes, torque in body
-  /// axes). Returns the touches at the state before the move; valid until the next call.
+  /// Moves `state` by dt from `time_ns` on under gravity, contact and the given wrench (force in world axes, torque in
+  /// body axes). Returns the touches at the state before the move; valid until the next call.
   /// Throws mebots::Error when the state is or becomes not finite.
   const std::vector<Touch>& step(RigidState& state, const Eigen::Vector3d& force_W_n,
-                                 const Eigen::Vector3d& torque_B_n_m, double dt_s);
+                                 const Eigen::Vector3d& torque_B_n_m, double dt_s, std::int64_t time_ns = 0);
 
-  /// The touches at `state`, nothing moved; valid until the next call.
-  const std::vector<Touch>& touches_at(const RigidState& state);
+  /// The touches at `state` and time, nothing moved; valid until the next call.
+  const std::vector<Touch>& touches_at(const RigidState& state, std::int64_t time_ns = 0);
 
  private:
   class Impl;

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <utility>
 
 namespace mebots::world {
@@ -19,18 +20,26 @@ constexpr std::int64_t kTouchPause_ns = 500'000'000;
 /// A contact of this length holds the drone.
 constexpr std::int64_t kStuckAfter_ns = 10'000'000'000;
 
-bool within_square(const Eigen::Vector3d& p_G_m, double edge_m) {
-  return std::abs(p_G_m.y()) <= 0.5 * edge_m && std::abs(p_G_m.z()) <= 0.5 * edge_m;
-}
-
 }  // namespace
 
 GateFrame::GateFrame(const scene::Gate& gate)
     : p_WG_m(gate.p_W_m),
-      R_WG(yaw_rotation(gate.yaw_rad).toRotationMatrix()),
-      inner_m(gate.inner_m),
-      outer_m(gate.outer_m),
-      thickness_m(gate.thickness_m) {}
+      R_WG(scene::attitude_of(gate).toRotationMatrix()),
+      inner_m(gate.inner_m, gate.opening_height_m()),
+      outer_m(gate.outer_m, gate.frame_height_m()),
+      thickness_m(gate.thickness_m) {
+  const int count = gate.has_beams() ? 0 : gate.side_count();
+  for (int i = 0; i < count; ++i) {
+    const double from_bottom_rad = 2.0 * std::numbers::pi * i / count;
+    sides.emplace_back(std::sin(from_bottom_rad), -std::cos(from_bottom_rad));
+  }
+}
+
+bool GateFrame::within(const Eigen::Vector3d& p_G_m, const Eigen::Vector2d& size_m) const {
+  if (sides.empty()) return std::abs(p_G_m.y()) <= 0.5 * size_m.x() && std::abs(p_G_m.z()) <= 0.5 * size_m.y();
+  return std::all_of(sides.begin(), sides.end(),
+                     [&](const Eigen::Vector2d& normal) { return normal.dot(p_G_m.tail<2>()) <= 0.5 * size_m.x(); });
+}
 
 GateJudge::GateJudge(std::vector<GateFrame> gates, const Eigen::Vector3d& body_size_m)
     : gates_(std::move(gates)), body_size_m_(body_size_m), contacts_(gates_.size(), Contact{kNever, kNever}) {}
@@ -52,7 +61,7 @@ bool GateJudge::comes_back(const RigidState& from, const RigidState& to) const {
   if (next_ == 0) return false;
   const GateFrame& gate = gates_[next_ - 1];
   if (!whole_drone_in_front(gate, to) || whole_drone_in_front(gate, from)) return false;
-  return next_ == gates_.size() || within_square(gate.in_gate(to.p_WB_m), gate.outer_m);
+  return next_ == gates_.size() || gate.within_outline(gate.in_gate(to.p_WB_m));
 }
 
 std::optional<GateEvent> GateJudge::move(const RigidState& from, const RigidState& to) {
@@ -75,7 +84,7 @@ std::optional<GateEvent> GateJudge::cross(const RigidState& from, const RigidSta
   if (!(a.x() < 0.0 && b.x() >= 0.0)) return std::nullopt;
 
   const Eigen::Vector3d at = a + a.x() / (a.x() - b.x()) * (b - a);
-  const bool through = within_square(at, gate.inner_m);
+  const bool through = gate.within_opening(at);
   const GateEvent event{through ? GateEvent::Kind::crossed : GateEvent::Kind::missed, next_, at.y(), at.z()};
   reached_ = true;
   lateral_error_m_ = at.y();

@@ -21,11 +21,20 @@ struct GateFrame {
   /// A point of the world, seen from the gate.
   Eigen::Vector3d in_gate(const Eigen::Vector3d& p_W_m) const { return R_WG.transpose() * (p_W_m - p_WG_m); }
 
+  /// Whether a point of the gate's plane, in its frame, lies in the opening, or in what the frame's outline holds.
+  bool within_opening(const Eigen::Vector3d& p_G_m) const { return within(p_G_m, inner_m); }
+  bool within_outline(const Eigen::Vector3d& p_G_m) const { return within(p_G_m, outer_m); }
+
   Eigen::Vector3d p_WG_m;
   Eigen::Matrix3d R_WG;
-  double inner_m;      ///< edge of the opening
-  double outer_m;      ///< edge of the frame
-  double thickness_m;  ///< along x
+  Eigen::Vector2d inner_m;  ///< width and height of the opening
+  Eigen::Vector2d outer_m;  ///< of the frame
+  double thickness_m;       ///< along x
+  /// Of a polygon: y and z of its sides' outward normals, all as far from the middle as the bottom one.
+  std::vector<Eigen::Vector2d> sides;
+
+ private:
+  bool within(const Eigen::Vector3d& p_G_m, const Eigen::Vector2d& size_m) const;
 };
 
 /// Something about a gate that the flight's log should tell.

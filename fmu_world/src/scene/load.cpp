@@ -3,11 +3,18 @@
 
 #include "mebots/data/document.hpp"
 #include "mebots/data/object.hpp"
+#include "scene/gltf_file.hpp"
+#include "scene/png_file.hpp"
+#include "scene/vector_reader.hpp"
 
 #include <fmt/format.h>
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <limits>
-#include <string_view>
+#include <memory>
+#include <numbers>
+#include <string>
 #include <vector>
 
 namespace mebots::world::scene {
@@ -17,99 +24,288 @@ using data::Limits;
 using data::Node;
 using data::number;
 using data::Object;
-using data::quantity;
 
 const Limits kUnit = Limits::between(0.0, 1.0);
 const Limits kGrey = Limits::between(0.0, 255.0);
+const Limits kTime_s = Limits::between(0.0, 1e6);
 
-template <int Size>
-auto vector(const Limits& limits = {}) {
-  return [limits](const Node& node) {
-    const auto values = data::read_numbers(node, limits);
-    if (node.elements().size() != Size) {
-      node.fail(ErrorCode::invalid_value,
-                fmt::format("{} numbers are needed here, not {}", Size, node.elements().size()));
-    }
-    Eigen::Matrix<double, Size, 1> vector = Eigen::Matrix<double, Size, 1>::Zero();
-    if (values.size() == Size) vector = Eigen::Matrix<double, Size, 1>(values.data());
-    return vector;
-  };
+using File = std::filesystem::path;
+
+/// A file that a scene names, beside it unless its path begins with a slash.
+auto file_in(const File& folder) {
+  return [folder](const Node& node) { return (folder / node.readable_text()).lexically_normal(); };
 }
 
-/// The values of {"values": [x, y, z], "unit": text, "source": text}.
-auto sourced_vector(std::string_view unit, const Limits& limits) {
-  return [=](const Node& node) {
-    Object object(node);
-    Eigen::Vector3d values = Eigen::Vector3d::Zero();
-    object.read("values", values, vector<3>(limits));
-    data::read_unit(object, unit);
-    data::read_source(object);
-    object.finish();
-    return values;
-  };
-}
-
-Texture read_texture(const Node& node) {
-  static const auto kind = data::word_of<Texture::Kind>({{"uniform", Texture::Kind::uniform},
-                                                         {"checker", Texture::Kind::checker},
-                                                         {"stripes", Texture::Kind::stripes},
-                                                         {"noise", Texture::Kind::noise},
-                                                         {"bricks", Texture::Kind::bricks}});
-  Object object(node);
-  Texture texture;
-  object.read("kind", texture.kind, kind);
-  object.read("light", texture.light, number(kGrey));
-  texture.dark = texture.light;
+void read_picture(Object& object, Texture& texture, const File& folder) {
+  texture.dark = 0.0;
+  object.read("file", texture.picture,
+              [&](const Node& member) { return std::make_shared<const Picture>(read_png(file_in(folder)(member))); });
+  object.read("scale", texture.scale_m, number(Limits::positive()));
+  object.read_if("light", texture.light, number(kGrey));
   object.read_if("dark", texture.dark, number(kGrey));
-  object.read_if("scale", texture.scale_m, number(Limits::positive()));
-  object.read_if("seed", texture.seed, data::whole_number(0, std::numeric_limits<std::uint32_t>::max()));
-  object.finish();
-  return texture;
 }
 
-Ground read_ground(const Node& node) {
-  Object object(node);
-  Ground ground;
-  object.read("half_size", ground.half_size_m, number(Limits::positive()));
-  object.read("texture", ground.texture, &read_texture);
-  object.finish();
-  return ground;
+auto texture_in(const File& folder) {
+  return [folder](const Node& node) {
+    static const auto kind = data::word_of<Texture::Kind>({{"uniform", Texture::Kind::uniform},
+                                                           {"checker", Texture::Kind::checker},
+                                                           {"stripes", Texture::Kind::stripes},
+                                                           {"noise", Texture::Kind::noise},
+                                                           {"bricks", Texture::Kind::bricks},
+                                                           {"picture", Texture::Kind::picture}});
+    Object object(node);
+    Texture texture;
+    texture.light = 255.0;
+    object.read("kind", texture.kind, kind);
+    if (texture.kind == Texture::Kind::picture) {
+      read_picture(object, texture, folder);
+    } else {
+      object.read("light", texture.light, number(kGrey));
+      texture.dark = texture.light;
+      object.read_if("dark", texture.dark, number(kGrey));
+      object.read_if("scale", texture.scale_m, number(Limits::positive()));
+      object.read_if("seed", texture.seed, data::whole_number(0, std::numeric_limits<std::uint32_t>::max()));
+    }
+    object.finish();
+    return texture;
+  };
 }
 
-Box read_box(const Node& node) {
-  Object object(node);
-  Box box;
-  object.read("name", box.name, &Node::text);
-  object.read("position", box.p_W_m, vector<3>());
-  object.read("size", box.size_m, vector<3>(Limits::positive()));
-  object.read_if("yaw", box.yaw_rad, number());
-  object.read("texture", box.texture, &read_texture);
-  object.finish();
-  return box;
+auto ground_in(const File& folder) {
+  return [folder](const Node& node) {
+    Object object(node);
+    Ground ground;
+    object.read("half_size", ground.half_size_m, number(Limits::positive()));
+    object.read("texture", ground.texture, texture_in(folder));
+    object.finish();
+    return ground;
+  };
 }
 
-Gate read_gate(const Node& node) {
+Path::Point read_point(const Node& node) {
   Object object(node);
-  Gate gate;
-  object.read("name", gate.name, &Node::text);
-  object.read_if("inner", gate.inner_m, number(Limits::positive()));
-  object.read_if("outer", gate.outer_m, number(Limits::positive()));
+  Path::Point point;
+  double time_s = 0.0;
+  object.read("time", time_s, number(kTime_s));
+  point.time_ns = std::llround(time_s * 1e9);
+  object.read("offset", point.offset_W_m, vector<3>());
+  object.read_if("turn", point.turn_rad, number());
+  object.finish();
+  return point;
+}
+
+/// What points say of each other.
+void check_path(const Node& node, const Path& path) {
+  const auto points = node.at("points").elements();
+  if (path.points.size() < 2) {
+    node.at("points").fail(ErrorCode::invalid_value,
+                           "a path needs two points or more; leave it out for what stands still");
+  }
+  if (path.points.front().time_ns != 0)
+    points[0].at("time").complain(ErrorCode::invalid_value, "a path begins at time 0");
+  for (std::size_t i = 1; i < path.points.size(); ++i) {
+    if (path.points[i].time_ns > path.points[i - 1].time_ns) continue;
+    points[i].at("time").complain(ErrorCode::invalid_value, "each time must be greater than the one before");
+  }
+  if (!path.repeat) return;
+  const Path::Point& first = path.points.front();
+  const Path::Point& last = path.points.back();
+  const double turns_rad = last.turn_rad - first.turn_rad;
+  constexpr double kSameTurn_rad = 1e-3;
+  if (last.offset_W_m != first.offset_W_m ||
+      std::abs(std::remainder(turns_rad, 2.0 * std::numbers::pi)) > kSameTurn_rad) {
+    points.back().complain(ErrorCode::invalid_value,
+                           "a path that repeats must end where it begins: the same offset, whole turns");
+  }
+}
+
+Path read_path(const Node& node) {
+  Object object(node);
+  Path path;
+  object.read_if("repeat", path.repeat, &Node::flag);
+  object.read("points", path.points, data::list_of(&read_point));
+  object.finish();
+  if (object.sound()) check_path(node, path);
+  return path;
+}
+
+/// Name, place, turn and path of a thing.
+template <typename Thing>
+void read_stand(Object& object, Thing& thing) {
+  object.read("name", thing.name, &Node::text);
+  object.read("position", thing.p_W_m, vector<3>());
+  object.read_if("yaw", thing.yaw_rad, number());
+  object.read_if("pitch", thing.pitch_rad, number());
+  object.read_if("roll", thing.roll_rad, number());
+  object.read_if("path", thing.path, &read_path);
+}
+
+auto box_in(const File& folder) {
+  return [folder](const Node& node) {
+    Object object(node);
+    Box box;
+    read_stand(object, box);
+    object.read("size", box.size_m, vector<3>(Limits::positive()));
+    object.read("texture", box.texture, texture_in(folder));
+    object.finish();
+    return box;
+  };
+}
+
+auto cylinder_in(const File& folder) {
+  return [folder](const Node& node) {
+    Object object(node);
+    Cylinder cylinder;
+    read_stand(object, cylinder);
+    object.read("radius", cylinder.radius_m, number(Limits::positive()));
+    object.read("height", cylinder.height_m, number(Limits::positive()));
+    object.read("texture", cylinder.texture, texture_in(folder));
+    object.finish();
+    return cylinder;
+  };
+}
+
+auto mesh_in(const File& folder) {
+  return [folder](const Node& node) {
+    Object object(node);
+    MeshThing thing;
+    read_stand(object, thing);
+    double scale = 1.0;
+    object.read_if("scale", scale, number(Limits::positive()));
+    auto mesh = std::make_shared<Mesh>();
+    object.read("file", *mesh, [&](const Node& member) { return read_gltf(file_in(folder)(member), scale); });
+    Texture texture;
+    if (object.read_if("texture", texture, texture_in(folder))) {
+      mesh->materials = {texture};
+      for (auto& triangle : mesh->triangles) {
+        triangle.material = 0;
+        triangle.tiles.reset();
+      }
+    }
+    thing.mesh = std::move(mesh);
+    object.finish();
+    return thing;
+  };
+}
+
+using Heights = std::vector<std::vector<double>>;
+
+Heights read_heights(const Node& node) {
+  const auto rows = data::list_of(data::numbers(Limits::at_least(0.0)))(node);
+  const auto elements = node.elements();
+  if (rows.size() < 2 || rows.size() != elements.size()) {
+    node.fail(ErrorCode::invalid_value, "two rows of numbers are the least");
+  }
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (rows[i].size() < 2) elements[i].fail(ErrorCode::invalid_value, "two numbers are the least");
+    if (rows[i].size() != rows[0].size()) {
+      elements[i].fail(ErrorCode::invalid_value,
+                       fmt::format("{} numbers for {} of the first row", rows[i].size(), rows[0].size()));
+    }
+  }
+  return rows;
+}
+
+/// White is `height_m` high; the picture's upper edge is the northern one.
+Heights heights_of(const Picture& picture, double height_m) {
+  Heights heights(static_cast<std::size_t>(picture.height));
+  for (int row = 0; row < picture.height; ++row) {
+    const auto first = static_cast<std::size_t>(picture.height - 1 - row) * static_cast<std::size_t>(picture.width);
+    for (int column = 0; column < picture.width; ++column) {
+      heights[row].push_back(height_m * picture.grey[first + column] / 255.0);
+    }
+  }
+  return heights;
+}
+
+auto terrain_in(const File& folder) {
+  return [folder](const Node& node) {
+    Object object(node);
+    MeshThing terrain;
+    terrain.name = "the terrain";
+    Eigen::Vector2d corner = Eigen::Vector2d::Zero();
+    double spacing_m = 1.0;
+    double height_m = 0.0;
+    Heights heights;
+    Picture picture;
+    Texture texture;
+    object.read("position", corner, vector<2>());
+    object.read("spacing", spacing_m, number(Limits::positive()));
+    object.read("texture", texture, texture_in(folder));
+    if (object.has("file")) {
+      object.read("file", picture, [&](const Node& member) { return read_png(file_in(folder)(member)); });
+      object.read("height", height_m, number(Limits::positive()));
+      if (object.sound()) heights = heights_of(picture, height_m);
+    } else {
+      object.read("heights", heights, &read_heights);
+    }
+    object.finish();
+    if (!object.sound()) return terrain;
+    if (heights.size() < 2 || heights[0].size() < 2 ||
+        2 * (heights.size() - 1) * (heights[0].size() - 1) > kMostTriangles) {
+      node.fail(ErrorCode::invalid_value,
+                fmt::format("a grid of {} x {} points; 2 x 2 are the least, and {} squares the most", heights[0].size(),
+                            heights.size(), kMostTriangles / 2));
+    }
+    terrain.p_W_m = {corner.x(), corner.y(), 0.0};
+    terrain.mesh = std::make_shared<const Mesh>(height_field(heights, spacing_m, texture));
+    return terrain;
+  };
+}
+
+/// A number for both ways, or [width, height] of a rectangle.
+auto edge_of(Gate::Shape shape) {
+  return [shape](const Node& node) {
+    if (shape == Gate::Shape::rectangle) return Eigen::Vector2d(vector<2>(Limits::positive())(node));
+    const double edge_m = node.number(Limits::positive());
+    return Eigen::Vector2d(edge_m, edge_m);
+  };
+}
+
+void read_gate_size(Object& object, Gate& gate) {
+  static const auto shape = data::word_of<Gate::Shape>({{"square", Gate::Shape::square},
+                                                        {"rectangle", Gate::Shape::rectangle},
+                                                        {"circle", Gate::Shape::circle},
+                                                        {"polygon", Gate::Shape::polygon}});
+  object.read_if("shape", gate.shape, shape);
+  if (gate.shape == Gate::Shape::polygon) object.read("sides", gate.sides, data::whole_number(3, 64));
+  Eigen::Vector2d inner_m{gate.inner_m, gate.inner_m};
+  Eigen::Vector2d outer_m{gate.outer_m, gate.outer_m};
+  object.read_if("inner", inner_m, edge_of(gate.shape));
+  object.read_if("outer", outer_m, edge_of(gate.shape));
   object.read_if("thickness", gate.thickness_m, number(Limits::positive()));
-  if (object.sound() && gate.outer_m <= gate.inner_m) {
+  const Node& node = object.node();
+  for (int i = 0; i < 2 && object.sound(); ++i) {
+    if (outer_m[i] > inner_m[i]) continue;
     const auto wrong = node.find("outer").value_or(node.find("inner").value_or(node));
     wrong.complain(ErrorCode::invalid_value,
-                   fmt::format("outer = {} must be greater than inner = {}", gate.outer_m, gate.inner_m));
+                   fmt::format("outer = {} must be greater than inner = {}", outer_m[i], inner_m[i]));
   }
-  Eigen::Vector2d place = Eigen::Vector2d::Zero();
-  double lower_edge_m = 0;
-  object.read("position", place, vector<2>());
-  const double border_m = 0.5 * (gate.outer_m - gate.inner_m);
-  object.read("opening_lower_edge", lower_edge_m, number(Limits::at_least(border_m)));
-  gate.p_W_m = {place[0], place[1], lower_edge_m + 0.5 * gate.inner_m};
-  object.read_if("yaw", gate.yaw_rad, number());
-  object.read("texture", gate.texture, &read_texture);
-  object.finish();
-  return gate;
+  gate.inner_m = inner_m.x();
+  gate.outer_m = outer_m.x();
+  gate.inner_height_m = inner_m.y();
+  gate.outer_height_m = outer_m.y();
+}
+
+auto gate_in(const File& folder) {
+  return [folder](const Node& node) {
+    Object object(node);
+    Gate gate;
+    object.read("name", gate.name, &Node::text);
+    read_gate_size(object, gate);
+    Eigen::Vector2d place = Eigen::Vector2d::Zero();
+    double lower_edge_m = 0;
+    object.read("position", place, vector<2>());
+    object.read_if("yaw", gate.yaw_rad, number());
+    object.read_if("pitch", gate.pitch_rad, number());
+    object.read_if("roll", gate.roll_rad, number());
+    const double border_m = 0.5 * (gate.frame_height_m() - gate.opening_height_m());
+    object.read("opening_lower_edge", lower_edge_m, number(Limits::at_least(border_m)));
+    gate.p_W_m = {place[0], place[1], lower_edge_m + 0.5 * gate.opening_height_m()};
+    object.read("texture", gate.texture, texture_in(folder));
+    object.finish();
+    return gate;
+  };
 }
 
 Lighting read_lighting(const Node& node) {
@@ -153,72 +349,21 @@ Contact read_contact(const Node& node) {
   return contact;
 }
 
-std::vector<ThrustPoint> read_thrust_curve(const Node& node) {
-  Object object(node);
-  std::vector<double> command;
-  std::vector<double> thrust;
-  data::read_unit(object, "N");
-  object.comment("source");
-  object.read("command", command, data::rising_numbers(kUnit));
-  object.read("thrust", thrust, data::rising_numbers(Limits::at_least(0.0)));
-  object.finish();
-  std::vector<ThrustPoint> curve;
-  if (!object.sound()) return curve;
-  if (command.size() < 2) node.at("command").complain(ErrorCode::invalid_value, "two numbers are the least");
-  if (thrust.size() != command.size()) {
-    node.at("thrust").fail(ErrorCode::invalid_value, fmt::format("{} numbers for {} of command; each needs its own",
-                                                                 thrust.size(), command.size()));
-  }
-  if (command[0] != 0.0 || thrust[0] != 0.0) {
-    node.at("command").complain(ErrorCode::invalid_value, "command and thrust must both begin with 0");
-  }
-  for (std::size_t i = 0; i < command.size(); ++i) curve.push_back({command[i], thrust[i]});
-  return curve;
-}
-
-/// A body's largest moment of inertia is at most the sum of the other two.
-Eigen::Vector3d read_inertia(const Node& node) {
-  Eigen::Vector3d j = sourced_vector("kg.m2", Limits::positive())(node);
-  if (2.0 * j.maxCoeff() > j.sum()) {
-    node.fail(ErrorCode::invalid_value,
-              fmt::format("[{}, {}, {}] is not any body's: each moment is at most the sum of the other two", j.x(),
-                          j.y(), j.z()));
-  }
-  return j;
-}
-
-Drone read_drone(const Node& node) {
-  const auto positive = Limits::positive();
-  Object object(node);
-  Drone drone;
-  object.comment("$schema");
-  object.read("name", drone.name, &Node::text);
-  object.read("body_size", drone.body_size_m, sourced_vector("m", positive));
-  object.read("reference_mass", drone.reference_mass_kg, quantity("kg", positive));
-  object.read("inertia", drone.inertia_kg_m2, &read_inertia);
-  object.read("load_size", drone.load_size_m, sourced_vector("m", positive));
-  object.read("arm", drone.arm_m, quantity("m", positive));
-  object.read("drag", drone.drag_n_s_per_m, sourced_vector("N.s/m", Limits::at_least(0.0)));
-  object.read("torque_per_thrust", drone.torque_per_thrust_m, quantity("m", positive));
-  object.read("rotor_lag", drone.rotor_lag_s, quantity("s", Limits::at_least(0.0)));
-  object.read("range_limit", drone.range_limit_m, quantity("m", positive));
-  object.read("thrust_curve", drone.thrust_curve, &read_thrust_curve);
-  object.finish();
-  return drone;
-}
-
-Scene read_scene(const Node& node, const std::filesystem::path& folder) {
+Scene read_scene(const Node& node, const File& folder) {
   Object object(node);
   Scene scene;
   object.comment("$schema");
   object.read("name", scene.name, &Node::text);
   object.read("text", scene.text, &Node::text);
-  object.read("drone", scene.drone,
-              [&](const Node& member) { return load_drone((folder / member.text()).lexically_normal()); });
+  object.read("drone", scene.drone, [&](const Node& member) { return load_drone(file_in(folder)(member)); });
   object.read("start", scene.start, &read_start);
-  object.read("ground", scene.ground, &read_ground);
-  object.read("boxes", scene.boxes, data::list_of(&read_box));
-  object.read("gates", scene.gates, data::list_of(&read_gate));
+  object.read("ground", scene.ground, ground_in(folder));
+  object.read("boxes", scene.boxes, data::list_of(box_in(folder)));
+  object.read_if("cylinders", scene.cylinders, data::list_of(cylinder_in(folder)));
+  object.read_if("meshes", scene.meshes, data::list_of(mesh_in(folder)));
+  MeshThing terrain;
+  if (object.read_if("terrain", terrain, terrain_in(folder))) scene.meshes.push_back(terrain);
+  object.read("gates", scene.gates, data::list_of(gate_in(folder)));
   object.read("lighting", scene.lighting, &read_lighting);
   object.read("contact", scene.contact, &read_contact);
   object.finish();
@@ -226,10 +371,6 @@ Scene read_scene(const Node& node, const std::filesystem::path& folder) {
 }
 
 }  // namespace
-
-Drone load_drone(const std::filesystem::path& file) {
-  return data::Document(file).read(&read_drone);
-}
 
 Scene load_scene(const std::filesystem::path& file) {
   return data::Document(file).read([&](const Node& root) { return read_scene(root, file.parent_path()); });

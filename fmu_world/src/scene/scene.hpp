@@ -1,9 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <Eigen/Core>
+#include "math/rotation.hpp"
+#include "scene/mesh.hpp"
+#include "scene/path.hpp"
+#include "scene/texture.hpp"
+
+#include <Eigen/Geometry>
 #include <array>
 #include <cstdint>
+#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,55 +18,84 @@
 /// (x east, y north, z up). Read and checked by load_scene() in load.hpp.
 namespace mebots::world::scene {
 
-/// How a surface reflects. Grey levels are 0 (black) to 255 (white) as the camera sees the surface
-/// under a light of 1.
-struct Texture {
-  enum class Kind {
-    uniform,  ///< `light` everywhere
-    checker,  ///< squares of edge `scale_m`, alternating
-    stripes,  ///< bands of width `scale_m` across the surface's first axis, alternating
-    noise,    ///< smooth value noise between `dark` and `light`, lattice of `scale_m`
-    bricks,   ///< `light` bricks 2 scale_m x scale_m, every second row shifted by half, joints `dark`
-  };
-  Kind kind = Kind::uniform;
-  double light = 200.0;    ///< grey level, 0..255
-  double dark = 100.0;     ///< grey level, 0..255
-  double scale_m = 0.5;    ///< size of the pattern's element, > 0
-  std::uint32_t seed = 0;  ///< of `noise`, and of the small differences between bricks
-
-  bool operator==(const Texture&) const = default;
-};
-
 /// The plane z = 0, endless for contact; the camera may stop drawing it at `half_size_m`.
 struct Ground {
   double half_size_m = 10.0;  ///< > 0
   Texture texture;
 };
 
-/// An upright solid box that never moves: a wall, a pillar, a table. Its frame has the box's centre as
-/// origin and is turned by `yaw_rad` about z.
+/// A solid box: a wall, a pillar, a ramp. Its frame has the box's centre as origin and is turned by yaw about z, then
+/// pitch about its y, then roll about its x, as the drone's.
 struct Box {
   std::string name;
   Eigen::Vector3d p_W_m = Eigen::Vector3d::Zero();   ///< centre
   Eigen::Vector3d size_m = Eigen::Vector3d::Ones();  ///< full edge lengths along its own x, y, z, > 0
   double yaw_rad = 0.0;
   Texture texture;
+  double pitch_rad = 0.0;
+  double roll_rad = 0.0;
+  Path path = {};
 };
 
-/// A square frame to fly through. Gate frame G: origin in the middle of the opening, x along the
-/// direction in which it is to be flown, y left, z up.
-/// Made of four beams; the two upright ones reach over the full outer height.
+/// A solid cylinder round its own z. The camera and whoever draws it see one of 32 sides.
+struct Cylinder {
+  std::string name;
+  Eigen::Vector3d p_W_m = Eigen::Vector3d::Zero();  ///< centre
+  double radius_m = 0.5;                            ///< > 0
+  double height_m = 1.0;                            ///< > 0
+  double yaw_rad = 0.0;
+  double pitch_rad = 0.0;
+  double roll_rad = 0.0;
+  Texture texture;
+  Path path = {};
+};
+
+/// A thing of triangles, from a file or made here.
+struct MeshThing {
+  std::string name;
+  Eigen::Vector3d p_W_m = Eigen::Vector3d::Zero();  ///< of the mesh's origin
+  double yaw_rad = 0.0;
+  double pitch_rad = 0.0;
+  double roll_rad = 0.0;
+  std::shared_ptr<const Mesh> mesh;
+  Path path = {};
+};
+
+/// How a thing is turned: its own axes into world axes.
+template <typename Thing>
+Eigen::Quaterniond attitude_of(const Thing& thing) {
+  return rotation_of({thing.roll_rad, thing.pitch_rad, thing.yaw_rad});
+}
+
+/// A frame to fly through. Gate frame G: origin in the middle of the opening, x along the direction in which it is to
+/// be flown, y left, z up; turned as a box is. A square or a rectangle is made of four beams; the two upright ones
+/// reach over the full outer height. A circle is made, seen and judged as a polygon of 32 sides.
 struct Gate {
+  enum class Shape { square, rectangle, circle, polygon };
+
   std::string name;
   Eigen::Vector3d p_W_m = Eigen::Vector3d::Zero();  ///< middle of the opening
   double yaw_rad = 0.0;                             ///< of the flight direction
-  double inner_m = 0.40;                            ///< edge of the opening
-  double outer_m = 0.60;                            ///< edge of the frame
+  double inner_m = 0.40;                            ///< edge of the opening; from side to side of a polygon
+  double outer_m = 0.60;                            ///< edge of the frame; from side to side of a polygon
   double thickness_m = 0.03;                        ///< along x
   Texture texture;
+  Shape shape = Shape::square;
+  double inner_height_m = 0.0;  ///< of a rectangle, whose width is `inner_m`
+  double outer_height_m = 0.0;
+  int sides = 4;  ///< of a polygon
+  double pitch_rad = 0.0;
+  double roll_rad = 0.0;
 
+  bool has_beams() const { return shape == Shape::square || shape == Shape::rectangle; }
+  double opening_height_m() const { return shape == Shape::rectangle ? inner_height_m : inner_m; }
+  double frame_height_m() const { return shape == Shape::rectangle ? outer_height_m : outer_m; }
+  /// Of a frame that has no beams.
+  int side_count() const { return shape == Shape::circle ? 32 : sides; }
   /// The four beams as boxes in the world: left, right, top, bottom as flown.
   std::array<Box, 4> beams() const;
+  /// The frame of one that has no beams, in the gate's frame.
+  Mesh frame() const { return ring(side_count(), inner_m, outer_m, thickness_m, texture); }
 };
 
 struct Lighting {
@@ -113,7 +149,9 @@ struct Scene {
   std::string text;
   Ground ground;
   std::vector<Box> boxes;
-  std::vector<Gate> gates;  ///< in the order in which they are to be flown; may be empty
+  std::vector<Cylinder> cylinders;
+  std::vector<MeshThing> meshes;  ///< the terrain, if there is one, comes last
+  std::vector<Gate> gates;        ///< in the order in which they are to be flown; may be empty
   Lighting lighting;
   StartPose start;
   Contact contact;

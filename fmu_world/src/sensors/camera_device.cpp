@@ -13,12 +13,13 @@ CameraDevice::CameraDevice(const scene::Scene& scene, const Settings& settings)
   for (auto& buffer : buffers_) buffer.resize(pixels);
 }
 
-void CameraDevice::see_trigger(std::int32_t count, const RigidState& body) {
+void CameraDevice::see_trigger(std::int32_t count, const RigidState& body, std::int64_t time_ns) {
   if (count == last_count_) return;
   last_count_ = count;
   if (count == 0) return;
   front_ ^= 1U;
-  const auto pose = camera::camera_pose(settings_.mounting, body.p_WB_m, body.rotation());
+  auto pose = camera::camera_pose(settings_.mounting, body.p_WB_m, body.rotation());
+  pose.time_ns = time_ns;
   // The noise belongs to the picture's number, not to the number of pictures taken before it.
   MEBOTS_ASSERT(front_ < buffers_.size());
   renderer_.render(pose, noise::bits(settings_.seed, noise::Stream::camera, 0), static_cast<std::uint32_t>(count),

@@ -29,8 +29,8 @@ class CameraDevice {
   /// Of the noise of pictures from now on. No part of the state: who holds the seed says it before every step.
   void reseed(std::uint64_t seed) { settings_.seed = seed; }
 
-  /// Takes a picture from the body's pose if `count` is new. A count of 0 asks for none.
-  void see_trigger(std::int32_t count, const RigidState& body);
+  /// Takes a picture from the body's pose at a time if `count` is new. A count of 0 asks for none.
+  void see_trigger(std::int32_t count, const RigidState& body, std::int64_t time_ns);
 
   /// The last picture, row by row from the top left; empty before the first.
   std::span<const std::uint8_t> frame() const;

@@ -3,7 +3,7 @@
 
 #include "dynamics/rigid_state.hpp"
 #include "mebots/state/visitor.hpp"
-#include "scene/scene.hpp"
+#include "scene/solids.hpp"
 
 #include <Eigen/Core>
 #include <cstdint>
@@ -12,7 +12,7 @@
 namespace mebots::world {
 
 /// Looks from the body's centre along the body's -z axis and measures how far the next surface is:
-/// ground, boxes, gates. A new sample every 25 ms (the rate at which Crazyflie's firmware polls its
+/// ground, obstacles, gates. A new sample every 25 ms (the rate at which Crazyflie's firmware polls its
 /// VL53L1X), held in between, with normal noise; `range_limit_m` where nothing is nearer. A sample that noise would
 /// make negative reads 0.
 class RangeSensor {
@@ -29,12 +29,12 @@ class RangeSensor {
   double reading_m() const { return reading_m_; }
 
   /// Without noise.
-  double distance_m(const RigidState& state) const;
+  double distance_m(const RigidState& state, std::int64_t time_ns = 0) const;
 
   void visit(state::Visitor& v);
 
  private:
-  std::vector<scene::Box> boxes_;  ///< walls and the gates' beams
+  std::vector<scene::Solid> solids_;
   double limit_m_;
   double noise_m_;
   std::uint64_t seed_;

@@ -36,19 +36,32 @@ Json texture_json(const camera::Tile& tile) {
 }
 
 /// Corners with their texture coordinates (u, v), in tiles.
-Json face_json(const camera::Face& face, double edge_m) {
+Json face_json(const camera::Face& face, const camera::Tile& tile) {
   Json corners = Json::array();
   Json coordinates = Json::array();
   for (const auto& corner : face.corners_W_m) {
     const Eigen::Vector3d from_origin = corner - face.texture_origin_W_m;
     corners.push_back(json_of(corner));
-    coordinates.push_back({face.u_axis_W.dot(from_origin) / edge_m, face.v_axis_W.dot(from_origin) / edge_m});
+    coordinates.push_back({(face.u_axis_W.dot(from_origin) + face.u_origin_m) / tile.edge_u_m,
+                           (face.v_axis_W.dot(from_origin) + face.v_origin_m) / tile.edge_v_m});
   }
-  return {{"corners", corners},
-          {"normal", json_of(face.normal_W)},
-          {"texture_coordinates", coordinates},
-          {"texture", face.tile},
-          {"light", face.light}};
+  Json json = {{"corners", corners},
+               {"normal", json_of(face.normal_W)},
+               {"texture_coordinates", coordinates},
+               {"texture", face.tile},
+               {"light", face.light}};
+  if (face.mover != camera::Face::kStands) json["mover"] = face.mover;
+  return json;
+}
+
+Json mover_json(const camera::Mover& mover) {
+  Json points = Json::array();
+  for (const auto& point : mover.path.points) {
+    points.push_back({{"time", static_cast<double>(point.time_ns) * 1e-9},
+                      {"offset", json_of(point.offset_W_m)},
+                      {"turn", point.turn_rad}});
+  }
+  return {{"origin", json_of(mover.origin_W_m)}, {"repeat", mover.path.repeat}, {"points", points}};
 }
 
 /// In the order of the FMU's rotors: front right, rear right, rear left, front left. 1 and 3 turn counter-clockwise.
@@ -91,11 +104,16 @@ std::string scene_text(const scene::Scene& scene, const camera::Intrinsics& intr
   json["name"] = scene.name;
   json["background"] = geometry.background;
   for (const auto& tile : geometry.tiles) json["textures"].push_back(texture_json(*tile));
-  for (const auto& face : geometry.faces) json["faces"].push_back(face_json(face, geometry.tiles[face.tile]->edge_m));
+  for (const auto& face : geometry.faces) json["faces"].push_back(face_json(face, *geometry.tiles[face.tile]));
+  if (!geometry.movers.empty()) {
+    for (const auto& mover : geometry.movers) json["movers"].push_back(mover_json(mover));
+    const auto& lighting = geometry.lighting;
+    json["lighting"] = {{"ambient", lighting.ambient}, {"sun", lighting.sun}, {"to_sun", json_of(lighting.to_sun_W)}};
+  }
   json["labels"] = Json::array();
   for (const auto& gate : scene.gates) {
     json["labels"].push_back(
-        {{"text", gate.name}, {"position", json_of(gate.p_W_m + Eigen::Vector3d(0, 0, 0.5 * gate.outer_m))}});
+        {{"text", gate.name}, {"position", json_of(gate.p_W_m + Eigen::Vector3d(0, 0, 0.5 * gate.frame_height_m()))}});
   }
   json["bodies"] = Json::array({body_json(scene.drone, intrinsics, mounting)});
   return json.dump();

@@ -81,7 +81,7 @@ TEST(CameraTexture, NoiseDependsOnItsSeedOnly) {
 
 TEST(CameraTexture, StripesChangeEachWidthAlongTheFirstAxis) {
   const Tile tile = make_tile(testing::patterned(Kind::stripes, 200.0, 40.0, 0.3));
-  EXPECT_DOUBLE_EQ(tile.edge_m, 0.6);
+  EXPECT_DOUBLE_EQ(tile.edge_u_m, 0.6);
   const int size = tile.ripmap.size();
   for (int i = 0; i < size; ++i) {
     EXPECT_EQ(tile.ripmap.texel(0, 0, i, 5), i < size / 2 ? 200 : 40);

@@ -191,6 +191,7 @@ export class Stage {
       body.move(Math.min(time, run.end));
       path.show(rowAt(run.times, time) + 1);
     }
+    this.surfaces.move(time);
     const { run, body } = this.flights[0];
     const place = body.group.position;
     if (this.look === "follow") {

@@ -1,26 +1,49 @@
 // SPDX-License-Identifier: Apache-2.0
-// What stands in the world: faces with the textures and the light that the camera renders.
+// What stands and moves in the world: faces with the textures and the light that the camera renders.
 import * as THREE from "three";
 import type { Json } from "../data/payload";
+import { Mover } from "./mover";
 
 /** A face larger than this is a wall: it is left out while it hides what is looked at. */
 const WALL_M2 = 0.8;
 
+/** Faces of one texture that are drawn at once. `lights` has a number for each corner. */
+interface Batch {
+  material: THREE.MeshBasicMaterial;
+  colours: THREE.BufferAttribute;
+  lights: Float32Array;
+  /** Of what moves: the light of each corner follows its turn. */
+  turning?: { mover: Mover; normals: THREE.Vector3[] };
+}
+
 export class Surfaces {
   readonly group = new THREE.Group();
   private readonly walls: { mesh: THREE.Mesh; normal: THREE.Vector3; offset: number }[] = [];
-
-  private readonly lights: { material: THREE.MeshBasicMaterial; light: number }[] = [];
+  private readonly batches: Batch[] = [];
+  private readonly movers: Mover[];
+  private readonly lighting: { ambient: number; sun: number; toSun: THREE.Vector3 } | null;
 
   constructor(scene: Json) {
     const textures = (scene.textures ?? []).map(makeTexture);
+    this.movers = (scene.movers ?? []).map((info: Json) => new Mover(info));
+    for (const mover of this.movers) this.group.add(mover.group);
+    this.lighting = scene.lighting
+      ? { ambient: scene.lighting.ambient, sun: scene.lighting.sun, toSun: vector(scene.lighting.to_sun) }
+      : null;
+    // Walls are meshes of their own, so that each can be left out; all else is drawn texture by texture.
+    const shared = new Map<string, Json[]>();
     for (const face of scene.faces ?? []) {
-      const mesh = makeFace(face, textures[face.texture]);
-      this.lights.push({ material: mesh.material, light: face.light });
-      this.group.add(mesh);
-      const normal = new THREE.Vector3(...(face.normal as [number, number, number]));
-      if (areaOf(face.corners) > WALL_M2) this.walls.push({ mesh, normal, offset: normal.dot(vector(face.corners[0])) });
+      if (face.mover === undefined && areaOf(face.corners) > WALL_M2) {
+        const normal = vector(face.normal);
+        const mesh = this.add([face], textures[face.texture], null);
+        this.walls.push({ mesh, normal, offset: normal.dot(vector(face.corners[0])) });
+        continue;
+      }
+      const key = `${face.texture} ${face.mover ?? "stands"}`;
+      if (!shared.has(key)) shared.set(key, []);
+      shared.get(key)!.push(face);
     }
+    for (const faces of shared.values()) this.add(faces, textures[faces[0].texture], this.movers[faces[0].mover] ?? null);
   }
 
   /** Faces whose back is towards the target would stand between it and the eye: as in a doll's house they are open. */
@@ -30,12 +53,65 @@ export class Surfaces {
 
   /** Multiplies all light. */
   setExposure(exposure: number): void {
-    for (const { material, light } of this.lights) material.color.setScalar(light * exposure);
+    for (const { material } of this.batches) material.color.setScalar(exposure);
   }
 
   closeAll(): void {
     for (const wall of this.walls) wall.mesh.visible = true;
   }
+
+  /** Puts what moves where it is at a time [s]. */
+  move(time: number): void {
+    for (const mover of this.movers) mover.move(time);
+    for (const batch of this.batches) {
+      if (!batch.turning || !this.lighting) continue;
+      const { mover, normals } = batch.turning;
+      const { ambient, sun } = this.lighting;
+      const toSun = this.lighting.toSun.clone().applyAxisAngle(UP, -mover.turn);
+      normals.forEach((normal, i) => (batch.lights[i] = ambient + sun * Math.max(0, normal.dot(toSun))));
+      paint(batch);
+    }
+  }
+
+  private add(faces: Json[], map: THREE.Texture, mover: Mover | null): THREE.Mesh {
+    const corners: number[] = [];
+    const coordinates: number[] = [];
+    const lights: number[] = [];
+    const normals: THREE.Vector3[] = [];
+    const triangles: number[] = [];
+    for (const face of faces) {
+      const first = lights.length;
+      for (const corner of face.corners) {
+        const place = mover ? vector(corner).sub(mover.origin) : vector(corner);
+        corners.push(place.x, place.y, place.z);
+        lights.push(face.light);
+        normals.push(vector(face.normal));
+      }
+      coordinates.push(...face.texture_coordinates.flat());
+      for (let i = 1; i + 1 < face.corners.length; ++i) triangles.push(first, first + i, first + i + 1);
+    }
+    const geometry = new THREE.BufferGeometry();
+    const colours = new THREE.Float32BufferAttribute(3 * lights.length, 3);
+    geometry.setAttribute("position", new THREE.Float32BufferAttribute(corners, 3));
+    geometry.setAttribute("uv", new THREE.Float32BufferAttribute(coordinates, 2));
+    geometry.setAttribute("color", colours);
+    geometry.setIndex(triangles);
+    const material = new THREE.MeshBasicMaterial({ map, vertexColors: true });
+    const batch: Batch = { material, colours, lights: Float32Array.from(lights) };
+    if (mover) batch.turning = { mover, normals };
+    paint(batch);
+    this.batches.push(batch);
+    const mesh = new THREE.Mesh(geometry, material);
+    (mover?.group ?? this.group).add(mesh);
+    return mesh;
+  }
+}
+
+const UP = new THREE.Vector3(0, 0, 1);
+
+function paint(batch: Batch): void {
+  batch.lights.forEach((light, i) => batch.colours.setXYZ(i, light, light, light));
+  batch.colours.needsUpdate = true;
 }
 
 function vector(values: number[]): THREE.Vector3 {
@@ -54,16 +130,6 @@ function makeTexture(info: { size: number; grey: string }): THREE.DataTexture {
   texture.anisotropy = 8;
   texture.needsUpdate = true;
   return texture;
-}
-
-function makeFace(face: Json, map: THREE.Texture): THREE.Mesh<THREE.BufferGeometry, THREE.MeshBasicMaterial> {
-  const geometry = new THREE.BufferGeometry();
-  geometry.setAttribute("position", new THREE.Float32BufferAttribute(face.corners.flat(), 3));
-  geometry.setAttribute("uv", new THREE.Float32BufferAttribute(face.texture_coordinates.flat(), 2));
-  const triangles: number[] = [];
-  for (let i = 1; i + 1 < face.corners.length; ++i) triangles.push(0, i, i + 1);
-  geometry.setIndex(triangles);
-  return new THREE.Mesh(geometry, new THREE.MeshBasicMaterial({ map }));
 }
 
 function areaOf(corners: number[][]): number {

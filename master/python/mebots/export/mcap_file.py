@@ -154,17 +154,43 @@ def export_scene(export, results: Results, scene, instance):
                 "timestamp": timestamp(time_ns), "parent_frame_id": "world", "child_frame_id": body["name"],
                 "translation": {"x": x, "y": y, "z": z}, "rotation": quaternion(*angles)})
     greys = [mean_grey(texture) for texture in scene.get("textures", [])]
-    triangles = []
+    movers = scene.get("movers", [])
+    standing, *moving = [[] for _ in range(len(movers) + 1)]
     for face in scene.get("faces", []):
         grey = min(1.0, greys[face["texture"]] * face["light"] / 255)
-        points = [dict(zip("xyz", corner)) for corner in face["corners"]]
-        triangles.append({
+        moved = "mover" in face
+        origin = movers[face["mover"]]["origin"] if moved else (0, 0, 0)
+        points = [dict(zip("xyz", (a - b for a, b in zip(corner, origin)))) for corner in face["corners"]]
+        (moving[face["mover"]] if moved else standing).append({
             "pose": {"position": {"x": 0, "y": 0, "z": 0}, "orientation": {"x": 0, "y": 0, "z": 0, "w": 1}},
             "points": points, "color": {"r": grey, "g": grey, "b": grey, "a": 1}, "colors": [],
             "indices": [index for i in range(1, len(points) - 1) for index in (0, i, i + 1)]})
-    export.add_known("/scene", "foxglove.SceneUpdate", 0, {"deletions": [], "entities": [{
-        "timestamp": timestamp(0), "frame_id": "world", "id": scene.get("name", "scene"), "lifetime": timestamp(0),
-        "frame_locked": False, "metadata": [], "triangles": triangles}]})
+    entities = [entity("world", scene.get("name", "scene"), False, standing)]
+    entities += [entity(f"mover {i}", f"mover {i}", True, triangles) for i, triangles in enumerate(moving)]
+    export.add_known("/scene", "foxglove.SceneUpdate", 0, {"deletions": [], "entities": entities})
+    for i, mover in enumerate(movers):
+        for time in results.times.tolist():
+            time_ns = nanoseconds(time)
+            (x, y, z), turn = displacement(mover, time)
+            a, b, c = mover["origin"]
+            export.add_known("/tf", "foxglove.FrameTransform", time_ns, {
+                "timestamp": timestamp(time_ns), "parent_frame_id": "world", "child_frame_id": f"mover {i}",
+                "translation": {"x": a + x, "y": b + y, "z": c + z}, "rotation": quaternion(0, 0, turn)})
+
+
+def entity(frame, name, locked, triangles):
+    return {"timestamp": timestamp(0), "frame_id": frame, "id": name, "lifetime": timestamp(0), "frame_locked": locked,
+            "metadata": [], "triangles": triangles}
+
+
+def displacement(mover, time_s):
+    """Offset and turn of what moves on a path of its own, as docs/seeing.md tells."""
+    points = mover["points"]
+    end = points[-1]["time"]
+    now = time_s % end if mover["repeat"] else min(time_s, end)
+    a, b = next((a, b) for a, b in zip(points, points[1:]) if now <= b["time"])
+    share = (now - a["time"]) / (b["time"] - a["time"])
+    return [p + share * (q - p) for p, q in zip(a["offset"], b["offset"])], a["turn"] + share * (b["turn"] - a["turn"])
 
 
 def mean_grey(texture):

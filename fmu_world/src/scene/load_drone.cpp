@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mebots/data/document.hpp"
+#include "mebots/data/object.hpp"
+#include "scene/load.hpp"
+#include "scene/vector_reader.hpp"
+
+#include <fmt/format.h>
+#include <string_view>
+#include <vector>
+
+namespace mebots::world::scene {
+namespace {
+
+using data::Limits;
+using data::Node;
+using data::Object;
+using data::quantity;
+
+/// The values of {"values": [x, y, z], "unit": text, "source": text}.
+auto sourced_vector(std::string_view unit, const Limits& limits) {
+  return [=](const Node& node) {
+    Object object(node);
+    Eigen::Vector3d values = Eigen::Vector3d::Zero();
+    object.read("values", values, vector<3>(limits));
+    data::read_unit(object, unit);
+    data::read_source(object);
+    object.finish();
+    return values;
+  };
+}
+
+std::vector<ThrustPoint> read_thrust_curve(const Node& node) {
+  Object object(node);
+  std::vector<double> command;
+  std::vector<double> thrust;
+  data::read_unit(object, "N");
+  object.comment("source");
+  object.read("command", command, data::rising_numbers(Limits::between(0.0, 1.0)));
+  object.read("thrust", thrust, data::rising_numbers(Limits::at_least(0.0)));
+  object.finish();
+  std::vector<ThrustPoint> curve;
+  if (!object.sound()) return curve;
+  if (command.size() < 2) node.at("command").complain(ErrorCode::invalid_value, "two numbers are the least");
+  if (thrust.size() != command.size()) {
+    node.at("thrust").fail(ErrorCode::invalid_value, fmt::format("{} numbers for {} of command; each needs its own",
+                                                                 thrust.size(), command.size()));
+  }
+  if (command[0] != 0.0 || thrust[0] != 0.0) {
+    node.at("command").complain(ErrorCode::invalid_value, "command and thrust must both begin with 0");
+  }
+  for (std::size_t i = 0; i < command.size(); ++i) curve.push_back({command[i], thrust[i]});
+  return curve;
+}
+
+/// A body's largest moment of inertia is at most the sum of the other two.
+Eigen::Vector3d read_inertia(const Node& node) {
+  Eigen::Vector3d j = sourced_vector("kg.m2", Limits::positive())(node);
+  if (2.0 * j.maxCoeff() > j.sum()) {
+    node.fail(ErrorCode::invalid_value,
+              fmt::format("[{}, {}, {}] is not any body's: each moment is at most the sum of the other two", j.x(),
+                          j.y(), j.z()));
+  }
+  return j;
+}
+
+Drone read_drone(const Node& node) {
+  const auto positive = Limits::positive();
+  Object object(node);
+  Drone drone;
+  object.comment("$schema");
+  object.read("name", drone.name, &Node::text);
+  object.read("body_size", drone.body_size_m, sourced_vector("m", positive));
+  object.read("reference_mass", drone.reference_mass_kg, quantity("kg", positive));
+  object.read("inertia", drone.inertia_kg_m2, &read_inertia);
+  object.read("load_size", drone.load_size_m, sourced_vector("m", positive));
+  object.read("arm", drone.arm_m, quantity("m", positive));
+  object.read("drag", drone.drag_n_s_per_m, sourced_vector("N.s/m", Limits::at_least(0.0)));
+  object.read("torque_per_thrust", drone.torque_per_thrust_m, quantity("m", positive));
+  object.read("rotor_lag", drone.rotor_lag_s, quantity("s", Limits::at_least(0.0)));
+  object.read("range_limit", drone.range_limit_m, quantity("m", positive));
+  object.read("thrust_curve", drone.thrust_curve, &read_thrust_curve);
+  object.finish();
+  return drone;
+}
+
+}  // namespace
+
+Drone load_drone(const std::filesystem::path& file) {
+  return data::Document(file).read(&read_drone);
+}
+
+}  // namespace mebots::world::scene

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+// What moves on a path of its own: at even speed from point to point, a function of time alone, as its FMU moves it.
+import * as THREE from "three";
+import type { Json } from "../data/payload";
+
+interface Point {
+  time: number;
+  offset: [number, number, number];
+  turn: number;
+}
+
+export class Mover {
+  /** Holds faces with corners as seen from `origin`. */
+  readonly group = new THREE.Group();
+  readonly origin: THREE.Vector3;
+  private readonly points: Point[];
+  private readonly repeat: boolean;
+
+  constructor(info: Json) {
+    this.origin = new THREE.Vector3(...(info.origin as [number, number, number]));
+    this.points = info.points;
+    this.repeat = info.repeat;
+    this.move(0);
+  }
+
+  /** Turned about the vertical [rad]. */
+  get turn(): number {
+    return this.group.rotation.z;
+  }
+
+  move(time: number): void {
+    const end = this.points[this.points.length - 1].time;
+    const now = this.repeat ? Math.max(time, 0) % end : Math.min(Math.max(time, 0), end);
+    const next = Math.max(1, this.points.findIndex((point) => point.time >= now));
+    const [a, b] = [this.points[next - 1], this.points[next]];
+    const share = (now - a.time) / (b.time - a.time);
+    const offset = new THREE.Vector3(...a.offset).lerp(new THREE.Vector3(...b.offset), share);
+    this.group.position.copy(this.origin).add(offset);
+    this.group.rotation.z = a.turn + share * (b.turn - a.turn);
+  }
+}
