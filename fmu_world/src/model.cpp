@@ -60,7 +60,20 @@ CameraDevice::Settings camera_settings(const Parameters& parameters) {
   settings.intrinsics.horizontal_field_of_view_rad = parameters.camera_field_of_view_rad;
   settings.mounting.p_BC_m = vector(parameters.camera_position_m);
   settings.mounting.pitch_rad = parameters.camera_pitch_rad;
-  settings.noise_std = parameters.camera_noise;
+  settings.lens = {parameters.camera_distortion_k1, parameters.camera_distortion_k2, parameters.camera_vignetting};
+  settings.sensor = {
+      .exposure_s = parameters.camera_exposure_s,
+      .reference_exposure_s = parameters.camera_reference_exposure_s,
+      .gain = parameters.camera_gain,
+      .automatic = parameters.camera_auto_exposure,
+      .target = parameters.camera_auto_exposure_target,
+      .most_exposure_s = parameters.camera_auto_exposure_longest_s,
+      .most_gain = parameters.camera_auto_gain_most,
+      .line_time_s = parameters.camera_line_time_s,
+      .blur_samples = parameters.camera_blur_samples,
+      .full_well = parameters.camera_full_well,
+      .noise_std = parameters.camera_noise,
+  };
   settings.seed = seed_of(parameters);
   return settings;
 }

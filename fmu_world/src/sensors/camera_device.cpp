@@ -4,10 +4,16 @@
 #include "mebots/assert.hpp"
 #include "noise/counter_noise.hpp"
 
+#include <cmath>
+
 namespace mebots::world {
 
-CameraDevice::CameraDevice(const scene::Scene& scene, const Settings& settings)
-    : settings_(settings), renderer_(scene, settings.intrinsics, settings.noise_std) {
+CameraDevice::CameraDevice(const scene::Scene& scene, const Settings& settings) : settings_(settings) {
+  if (settings.lens.is_neutral() && settings.sensor.is_neutral()) {
+    renderer_.emplace(scene, settings.intrinsics, settings.sensor.noise_std);
+  } else {
+    sensor_.emplace(scene, settings.intrinsics, settings.lens, settings.sensor);
+  }
   const auto pixels =
       static_cast<std::size_t>(settings.intrinsics.width) * static_cast<std::size_t>(settings.intrinsics.height);
   for (auto& buffer : buffers_) buffer.resize(pixels);
@@ -18,13 +24,30 @@ void CameraDevice::see_trigger(std::int32_t count, const RigidState& body, std::
   last_count_ = count;
   if (count == 0) return;
   front_ ^= 1U;
-  auto pose = camera::camera_pose(settings_.mounting, body.p_WB_m, body.rotation());
-  pose.time_ns = time_ns;
-  // The noise belongs to the picture's number, not to the number of pictures taken before it.
   MEBOTS_ASSERT(front_ < buffers_.size());
-  renderer_.render(pose, noise::bits(settings_.seed, noise::Stream::camera, 0), static_cast<std::uint32_t>(count),
-                   buffers_[front_]);
+  // The noise belongs to the picture's number, not to the number of pictures taken before it.
+  const std::uint64_t seed = noise::bits(settings_.seed, noise::Stream::camera, 0);
+  const auto index = static_cast<std::uint32_t>(count);
+  if (sensor_) {
+    sensor_->take([&](double after_s) { return pose_after(body, time_ns, after_s); }, seed, index, buffers_[front_]);
+  } else {
+    renderer_->render(pose_after(body, time_ns, 0.0), seed, index, buffers_[front_]);
+  }
   frame_id_ = count;
+}
+
+camera::Pose CameraDevice::pose_after(const RigidState& body, std::int64_t time_ns, double after_s) const {
+  RigidState then = body;
+  if (after_s > 0.0) {
+    then.p_WB_m += after_s * body.v_WB_m_per_s;
+    const double turn_rad = after_s * body.w_WB_W_rad_per_s.norm();
+    if (turn_rad > 0.0) {
+      then.q_WB = Eigen::Quaterniond(Eigen::AngleAxisd(turn_rad, body.w_WB_W_rad_per_s.normalized())) * body.q_WB;
+    }
+  }
+  auto pose = camera::camera_pose(settings_.mounting, then.p_WB_m, then.rotation());
+  pose.time_ns = time_ns + std::llround(after_s * 1e9);
+  return pose;
 }
 
 std::span<const std::uint8_t> CameraDevice::frame() const {
@@ -35,6 +58,7 @@ std::span<const std::uint8_t> CameraDevice::frame() const {
 void CameraDevice::visit(state::Visitor& v) {
   v("last_count", last_count_);
   v("frame_id", frame_id_);
+  if (sensor_) v("sensor", *sensor_);
   // Into a new buffer, as a picture taken would: the bytes of the one before stay readable.
   if (v.restores()) front_ ^= 1U;
   v("picture", std::span(buffers_[front_]));

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "camera/renderer.hpp"
+#include "camera/sensor.hpp"
 #include "dynamics/rigid_state.hpp"
 #include "mebots/state/visitor.hpp"
 #include "scene/scene.hpp"
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -20,7 +21,8 @@ class CameraDevice {
   struct Settings {
     camera::Intrinsics intrinsics;
     camera::Mounting mounting;
-    double noise_std = 0.0;  ///< grey levels of 255
+    camera::LensSettings lens;
+    camera::SensorSettings sensor;
     std::uint64_t seed = 0;  ///< until reseed()
   };
 
@@ -40,8 +42,13 @@ class CameraDevice {
   void visit(state::Visitor& v);
 
  private:
+  /// The camera's pose some time after `time_ns`, while the body goes on as it does then.
+  camera::Pose pose_after(const RigidState& body, std::int64_t time_ns, double after_s) const;
+
   Settings settings_;
-  camera::Renderer renderer_;
+  /// One of the two: the sensor where a parameter asks for what only it does.
+  std::optional<camera::Renderer> renderer_;
+  std::optional<camera::Sensor> sensor_;
   std::array<std::vector<std::uint8_t>, 2> buffers_;
   std::uint8_t front_ = 0;
   std::int32_t last_count_ = 0;
