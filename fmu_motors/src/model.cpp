@@ -2,12 +2,14 @@
 #include "model.hpp"
 
 #include "hover_propel.hpp"
+#include "inflow.hpp"
 #include "mebots/assert.hpp"
 #include "mebots/data/find_file.hpp"
 #include "mebots/data/limits.hpp"
 #include "rotor.hpp"
 
 #include <fmt/format.h>
+#include <algorithm>
 
 namespace mebots::motors {
 namespace {
@@ -28,6 +30,7 @@ void check(const Inputs& inputs) {
   check(inputs.air_density_kg_per_m3, "air.density", "kg/m3", Limits::positive());
   check(inputs.body_mass_kg, "body.mass", "kg", Limits::at_least(0));
   check(inputs.body_speed_m_per_s, "body.speed", "m/s", Limits::at_least(0));
+  check(inputs.body_climb_m_per_s, "body.climb", "m/s", Limits());
 }
 
 PowerModel checked(PowerModel model) {
@@ -40,7 +43,10 @@ PowerModel checked(PowerModel model) {
 Model::Model(const Parameters& parameters, const std::filesystem::path& resources)
     : rotor_(load_rotor(data::find_file(resources / "rotors", parameters.rotor_data, "rotor_data"))),
       power_model_(checked(parameters.power_model)),
-      avionics_base_power_w_(parameters.avionics_base_power_w) {
+      avionics_base_power_w_(parameters.avionics_base_power_w),
+      inflow_(parameters.inflow),
+      inflow_radius_m_(parameters.inflow_radius_m) {
+  check(inflow_radius_m_, "inflow.radius", "m", data::Limits::at_least(0.001));
   check(avionics_base_power_w_, "avionics.base_power", "W", data::Limits::at_least(0));
 }
 
@@ -70,10 +76,24 @@ void Model::step(const Inputs& inputs, std::int64_t duration_ns, Outputs& output
   outputs.bench_power_w = bench_j / duration_s;
   outputs.hover_power_w = driven ? hover_power_w(rotor_, inputs.body_mass_kg, inputs.air_density_kg_per_m3) : 0;
   outputs.propel_power_w = driven ? propel_power_w(rotor_, inputs.body_mass_kg, inputs.body_speed_m_per_s) : 0;
-  outputs.power_w =
-      power_model_ == PowerModel::bench ? outputs.bench_power_w : outputs.hover_power_w + outputs.propel_power_w;
+  // A rotor never feeds the bus.
+  outputs.inflow_power_w = driven && inflow_ ? std::max(inflow_power_w(inputs), -outputs.bench_power_w) : 0;
+  outputs.power_w = power_model_ == PowerModel::bench ? outputs.bench_power_w + outputs.inflow_power_w
+                                                      : outputs.hover_power_w + outputs.propel_power_w;
   energy_j_ += outputs.power_w * duration_s;
   write(inputs, outputs);
+}
+
+/// At the thrust of the step's end; propeller and motor take more than the air gets.
+double Model::inflow_power_w(const Inputs& inputs) const {
+  const double coefficient = rotor_.thrust_coefficient_at(inputs.air_density_kg_per_m3);
+  double power_w = 0;
+  for (const double speed : speed_rad_per_s_) {
+    power_w += Inflow{coefficient * speed * speed, inputs.air_density_kg_per_m3, inflow_radius_m_,
+                      inputs.body_speed_m_per_s, inputs.body_climb_m_per_s}
+                   .power_beyond_hover_w();
+  }
+  return power_w / rotor_.propulsion_efficiency;
 }
 
 void Model::write(const Inputs& inputs, Outputs& outputs) const {

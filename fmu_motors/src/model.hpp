@@ -32,10 +32,13 @@ class Model {
 
  private:
   void write(const Inputs& inputs, Outputs& outputs) const;
+  double inflow_power_w(const Inputs& inputs) const;
 
   RotorData rotor_;
   PowerModel power_model_;
   double avionics_base_power_w_;
+  bool inflow_;
+  double inflow_radius_m_;
 
   std::array<double, rotor::kCount> speed_rad_per_s_{};
   double energy_j_ = 0;

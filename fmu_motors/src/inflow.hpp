@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+namespace mebots::motors {
+
+/// Air through a rotor's disc, by momentum theory (Glauert).
+struct Inflow {
+  double thrust_n = 0;           ///< >= 0
+  double density_kg_per_m3 = 0;  ///< > 0
+  double radius_m = 0;           ///< of the disc, > 0
+  double speed_m_per_s = 0;      ///< along the disc, >= 0
+  double climb_m_per_s = 0;      ///< through the disc from above, positive = climbing
+
+  /// v_h = sqrt(F / (2 rho A)). [m/s]
+  double hover_velocity() const;
+  /// v_i with v_i sqrt(V^2 + (V_c + v_i)^2) = v_h^2. The theory ends where a descending rotor meets its own wake; it
+  /// is used down to V_c = -v_h, and below that V_c stands for -v_h. [m/s]
+  double induced_velocity() const;
+  /// Aerodynamic power beyond that of hovering with the same thrust: F (V_c + v_i - v_h). [W]
+  double power_beyond_hover_w() const;
+};
+
+}  // namespace mebots::motors

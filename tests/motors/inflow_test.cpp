@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "inflow.hpp"
+
+#include "mebots/error.hpp"
+#include "model.hpp"
+#include "support.hpp"
+
+#include <gtest/gtest.h>
+#include <cmath>
+
+namespace mebots::motors {
+namespace {
+
+constexpr double kThrust_n = 0.0981;  // a quarter of 40 g
+constexpr double kRadius_m = 0.02355;
+
+Inflow at(double speed, double climb) {
+  return {kThrust_n, 1.225, kRadius_m, speed, climb};
+}
+
+TEST(Inflow, HoverIsFroudesVelocity) {
+  EXPECT_NEAR(at(0, 0).hover_velocity(), 4.79, 0.01);
+  EXPECT_NEAR(at(0, 0).induced_velocity(), at(0, 0).hover_velocity(), 1e-12);
+  EXPECT_NEAR(at(0, 0).power_beyond_hover_w(), 0, 1e-12);
+}
+
+TEST(Inflow, ClimbFollowsTheClosedForm) {
+  // v_i^2 + V_c v_i = v_h^2.
+  const double v_h = at(0, 0).hover_velocity();
+  for (const double climb : {-4.0, -1.0, 0.5, 3.0}) {
+    EXPECT_NEAR(at(0, climb).induced_velocity(), -0.5 * climb + std::sqrt(0.25 * climb * climb + v_h * v_h),
+                climb < 0 && -climb > v_h ? 1 : 1e-9);
+  }
+}
+
+TEST(Inflow, FastForwardFlightTendsToGlauertsLimit) {
+  const double v_h = at(0, 0).hover_velocity();
+  EXPECT_NEAR(at(50, 0).induced_velocity(), v_h * v_h / 50, 1e-4);
+}
+
+TEST(Inflow, TheMissionsSpeedsHardlyChangePower) {
+  // The magnitude first: 1.5 km/h of forward flight takes less than half a per cent off the induced power.
+  const double hover_w = kThrust_n * at(0, 0).hover_velocity();
+  const double change = at(1.5 / 3.6, 0).power_beyond_hover_w() / hover_w;
+  EXPECT_LT(change, 0);
+  EXPECT_GT(change, -0.005);
+  // A climb at 0.5 m/s takes 5 % more: the weight's work, and less induced velocity.
+  EXPECT_NEAR(at(0, 0.5).power_beyond_hover_w() / hover_w, 0.0535, 5e-4);
+}
+
+TEST(Inflow, NoThrustTakesNoPower) {
+  EXPECT_EQ((Inflow{0, 1.225, kRadius_m, 1, 2}).power_beyond_hover_w(), 0);
+}
+
+}  // namespace
+}  // namespace mebots::motors
