@@ -78,6 +78,12 @@ CameraDevice::Settings camera_settings(const Parameters& parameters) {
   return settings;
 }
 
+double checked(double value, double least, double most, std::string_view name) {
+  if (!(value >= least && value <= most))
+    throw Error(fmt::format("{} = {} must be from {} to {}", name, value, least, most));
+  return value;
+}
+
 std::vector<std::string> names_of(const std::vector<scene::Solid>& solids) {
   std::vector<std::string> names;
   for (const auto& solid : solids) names.push_back(solid.name);
@@ -108,12 +114,21 @@ World::World(scene::Scene scene, const Parameters& parameters, const Inputs& inp
       stabiliser_(scene_.drone),
       camera_(scene_, camera_settings(parameters)),
       range_(scene_, parameters.range_noise_m, seed_of(parameters)),
+      imu_({parameters.imu_acceleration_noise_m_per_s2, parameters.imu_acceleration_bias_m_per_s2,
+            parameters.imu_rate_noise_rad_per_s, parameters.imu_rate_bias_rad_per_s},
+           seed_of(parameters)),
+      gusts_({parameters.gust_intensity_m_per_s, parameters.gust_length_m, parameters.gust_speed_m_per_s,
+              static_cast<std::uint32_t>(parameters.gust_seed)}),
+      link_(std::llround(checked(parameters.setpoint_latency_s, 0.0, 10.0, "setpoint.latency") * 1e9)),
       sequencer_(scene_.start.p_WB_m.z() + parameters.start_offset_m[axis::z] - 0.5 * scene_.drone.body_size_m.z() <=
                  kOnGround_m),
       gates_({scene_.gates.begin(), scene_.gates.end()}, scene_.drone.body_size_m),
       state_(start_of(scene_, parameters)) {
   require_at_least_zero(in_.drone_dry_mass_kg, "drone.dry_mass");
   require_at_least_zero(in_.range_noise_m, "range.noise");
+  checked(in_.rotors_inertia_kg_m2, 0.0, 1.0, "rotors.inertia");
+  checked(in_.rotors_radius_m, 1e-3, 10.0, "rotors.radius");
+  checked(in_.rotors_ground_effect, 0.0, 4.0, "rotors.ground_effect");
   check_inputs();
   take_mass();
   check_start(start_ns);
@@ -149,6 +164,7 @@ void World::check_inputs() const {
   for (std::size_t i = 0; i < rotor::kCount; ++i) {
     require_at_least_zero(inputs_.rotor_thrust_n[i], rotor::kWords[i], ".thrust");
     require_at_least_zero(inputs_.rotor_torque_n_m[i], rotor::kWords[i], ".torque");
+    require_at_least_zero(inputs_.rotor_speed_rad_per_s[i], rotor::kWords[i], ".speed");
   }
   for (std::size_t i = 0; i < axis::kCount; ++i)
     require_finite(inputs_.wind_velocity_m_per_s[i], "wind.velocity.", axis::kWords[i]);
@@ -173,6 +189,7 @@ void World::reseed() {
   const auto seed = seed_of(in_);
   camera_.reseed(seed);
   range_.reseed(seed);
+  imu_.reseed(seed);
 }
 
 void World::set_mass(double mass_kg) {
@@ -186,6 +203,8 @@ void World::step(std::int64_t start_ns, std::int64_t duration_ns) {
   check_inputs();
   take_mass();
   reseed();
+  take_setpoint(start_ns);
+  take_rotor_speeds(static_cast<double>(duration_ns) * 1e-9);
   camera_.see_trigger(inputs_.camera_trigger, state_, start_ns);
   const std::int64_t count = (duration_ns + inner_step_ns_ - 1) / inner_step_ns_;
   const double dt_s = static_cast<double>(duration_ns) * 1e-9 / static_cast<double>(count);
@@ -195,10 +214,41 @@ void World::step(std::int64_t start_ns, std::int64_t duration_ns) {
   write_outputs();
 }
 
+void World::take_setpoint(std::int64_t time_ns) {
+  setpoint_ =
+      link_.exchange({inputs_.setpoint_mode, inputs_.setpoint_velocity_x_m_per_s, inputs_.setpoint_velocity_y_m_per_s,
+                      inputs_.setpoint_yaw_rate_rad_per_s, inputs_.setpoint_altitude_m},
+                     time_ns);
+}
+
+/// Speeds are those at the beginning of the step: they changed over the one before, which is taken to be as long.
+void World::take_rotor_speeds(double duration_s) {
+  for (std::size_t i = 0; i < kRotors; ++i) {
+    rotor_acceleration_rad_per_s2_[i] = (inputs_.rotor_speed_rad_per_s[i] - rotor_speed_rad_per_s_[i]) / duration_s;
+  }
+  rotor_speed_rad_per_s_ = inputs_.rotor_speed_rad_per_s;
+}
+
+Wrench World::rotors_wrench() const {
+  RotorValues thrust_n = inputs_.rotor_thrust_n;
+  if (in_.rotors_ground_effect > 0.0) {
+    const double height_m = range_.distance_m(state_) + 0.5 * scene_.drone.body_size_m.z();
+    const double growth = 1.0 + in_.rotors_ground_effect * (ground_effect(height_m, in_.rotors_radius_m) - 1.0);
+    for (double& thrust : thrust_n) thrust *= growth;
+  }
+  Wrench wrench = rotor_wrench(scene_.drone, thrust_n, inputs_.rotor_torque_n_m);
+  if (in_.rotors_inertia_kg_m2 > 0.0) {
+    wrench.torque_n_m += spin_torque(in_.rotors_inertia_kg_m2, rotor_speed_rad_per_s_, rotor_acceleration_rad_per_s2_,
+                                     state_.body_rate_rad_per_s());
+  }
+  return wrench;
+}
+
 void World::inner_step(std::int64_t begin_ns, std::int64_t end_ns, double dt_s) {
-  const Wrench rotors_B = rotor_wrench(scene_.drone, inputs_.rotor_thrust_n, inputs_.rotor_torque_n_m);
-  const Eigen::Vector3d force_W_n =
-      state_.q_WB * rotors_B.force_n + drag_force(scene_.drone, state_, vector(inputs_.wind_velocity_m_per_s));
+  const Wrench rotors_B = rotors_wrench();
+  gust_W_m_per_s_ = gusts_.at(begin_ns);
+  const Eigen::Vector3d wind_W_m_per_s = vector(inputs_.wind_velocity_m_per_s) + gust_W_m_per_s_;
+  const Eigen::Vector3d force_W_n = state_.q_WB * rotors_B.force_n + drag_force(scene_.drone, state_, wind_W_m_per_s);
   const RigidState from = state_;
   const auto& touches = bodies_.step(state_, force_W_n, rotors_B.torque_n_m, dt_s, begin_ns);
   path_length_m_ += (state_.p_WB_m - from.p_WB_m).norm();
@@ -217,13 +267,14 @@ void World::inner_step(std::int64_t begin_ns, std::int64_t end_ns, double dt_s) 
     situation.crashed = true;
     report(end_ns, "crash: tipped over");
   }
-  sequencer_.update(inputs_.setpoint_mode, inputs_.setpoint_altitude_m, situation, dt_s);
+  sequencer_.update(setpoint_.mode, setpoint_.altitude_m, situation, dt_s);
   report_phase(before, end_ns);
   if (before != FlightPhase::landed && sequencer_.phase() == FlightPhase::landed) {
     if (const auto event = gates_.land(state_, end_ns)) report_gate(end_ns, *event);
   }
   stabiliser_.update(goal(), state_, dt_s);
   range_.update(end_ns, state_);
+  imu_.update(end_ns, from, state_, dt_s);
 }
 
 void World::judge_touches(const std::vector<Touch>& touches, std::int64_t time_ns, Situation& situation) {
@@ -283,12 +334,12 @@ void World::report_phase(FlightPhase before, std::int64_t time_ns) {
 StabiliserGoal World::goal() const {
   StabiliserGoal goal;
   goal.motors_on = sequencer_.motors_on();
-  goal.hold_place = inputs_.setpoint_mode != FlightMode::fly;
-  goal.forward_m_per_s = inputs_.setpoint_velocity_x_m_per_s;
-  goal.left_m_per_s = inputs_.setpoint_velocity_y_m_per_s;
-  goal.yaw_rate_rad_per_s = inputs_.setpoint_yaw_rate_rad_per_s;
-  goal.descend = inputs_.setpoint_mode == FlightMode::land;
-  goal.altitude_m = inputs_.setpoint_altitude_m;
+  goal.hold_place = setpoint_.mode != FlightMode::fly;
+  goal.forward_m_per_s = setpoint_.forward_m_per_s;
+  goal.left_m_per_s = setpoint_.left_m_per_s;
+  goal.yaw_rate_rad_per_s = setpoint_.yaw_rate_rad_per_s;
+  goal.descend = setpoint_.mode == FlightMode::land;
+  goal.altitude_m = setpoint_.altitude_m;
   return goal;
 }
 
@@ -310,6 +361,9 @@ void World::write_outputs() {
   outputs_.drone_phase = sequencer_.phase();
   outputs_.drone_landed = sequencer_.phase() == FlightPhase::landed;
   outputs_.drone_crashed = sequencer_.phase() == FlightPhase::crashed;
+  outputs_.imu_acceleration_m_per_s2 = array(imu_.acceleration_m_per_s2());
+  outputs_.imu_angular_velocity_rad_per_s = array(imu_.rate_rad_per_s());
+  outputs_.wind_gust_m_per_s = array(gust_W_m_per_s_);
   outputs_.range_down_m = range_.reading_m();
   outputs_.gate_reached = gates_.reached();
   outputs_.gate_crossed = gates_.crossed();
@@ -344,6 +398,13 @@ void World::visit(state::Visitor& v) {
   v("sequencer", sequencer_);
   v("gates", gates_);
   v("range", range_);
+  v("imu", imu_);
+  v("gusts", gusts_);
+  v("link", link_);
+  v("setpoint", setpoint_);
+  v("rotor_speed_rad_per_s", rotor_speed_rad_per_s_);
+  v("rotor_acceleration_rad_per_s2", rotor_acceleration_rad_per_s2_);
+  v("gust_W_m_per_s", numbers(gust_W_m_per_s_));
   v("camera", camera_);
   if (!v.restores()) return;
   set_mass(mass_kg);

@@ -3,13 +3,16 @@
 
 #include "dynamics/rigid_world.hpp"
 #include "flight/gate_judge.hpp"
+#include "flight/link.hpp"
 #include "flight/sequencer.hpp"
 #include "fmu_world/variables.hpp"
 #include "mebots/state/visitor.hpp"
 #include "scene/scene.hpp"
 #include "sensors/camera_device.hpp"
+#include "sensors/imu.hpp"
 #include "sensors/range_sensor.hpp"
 #include "stabiliser/stabiliser.hpp"
+#include "wind/dryden.hpp"
 
 #include <cstdint>
 #include <functional>
@@ -51,6 +54,9 @@ class World {
   void take_mass();
   void reseed();
   void set_mass(double mass_kg);
+  void take_setpoint(std::int64_t time_ns);
+  void take_rotor_speeds(double duration_s);
+  Wrench rotors_wrench() const;
   const std::string& name_of(const Touch& touch) const;
   void check_start(std::int64_t start_ns);
   void inner_step(std::int64_t begin_ns, std::int64_t end_ns, double dt_s);
@@ -73,10 +79,17 @@ class World {
   Stabiliser stabiliser_;
   CameraDevice camera_;
   RangeSensor range_;
+  Imu imu_;
+  Dryden gusts_;
+  Link link_;
   Sequencer sequencer_;
   GateJudge gates_;
 
   RigidState state_;
+  Setpoint setpoint_;
+  RotorValues rotor_speed_rad_per_s_{};  // of the step before
+  RotorValues rotor_acceleration_rad_per_s2_{};
+  Eigen::Vector3d gust_W_m_per_s_ = Eigen::Vector3d::Zero();
   double mass_kg_ = std::numeric_limits<double>::quiet_NaN();
   double path_length_m_ = 0.0;
 };

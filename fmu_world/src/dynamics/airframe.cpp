@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 namespace mebots::world {
 
 Eigen::Vector3d inertia_for(const scene::Drone& drone, double mass_kg) {
@@ -34,6 +36,23 @@ Wrench rotor_wrench(const scene::Drone& drone, const RotorValues& thrust_n, cons
     wrench.torque_n_m += Eigen::Vector3d{y_m * thrust_n[i], -x_m * thrust_n[i], kRotorYawSign[i] * torque_n_m[i]};
   }
   return wrench;
+}
+
+Eigen::Vector3d spin_torque(double rotor_inertia_kg_m2, const RotorValues& speed_rad_per_s,
+                            const RotorValues& acceleration_rad_per_s2, const Eigen::Vector3d& rate_B_rad_per_s) {
+  double momentum = 0.0;
+  double growth = 0.0;
+  for (std::size_t i = 0; i < kRotors; ++i) {
+    // The reaction torque is against the sense of rotation.
+    momentum -= kRotorYawSign[i] * rotor_inertia_kg_m2 * speed_rad_per_s[i];
+    growth -= kRotorYawSign[i] * rotor_inertia_kg_m2 * acceleration_rad_per_s2[i];
+  }
+  return {-rate_B_rad_per_s.y() * momentum, rate_B_rad_per_s.x() * momentum, -growth};
+}
+
+double ground_effect(double height_m, double rotor_radius_m) {
+  const double ratio = rotor_radius_m / (4.0 * std::max(height_m, 0.5 * rotor_radius_m));
+  return 1.0 / (1.0 - ratio * ratio);
 }
 
 Eigen::Vector3d drag_force(const scene::Drone& drone, const RigidState& state, const Eigen::Vector3d& wind_W_m_per_s) {

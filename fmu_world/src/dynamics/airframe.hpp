@@ -33,6 +33,15 @@ Eigen::Vector3d inertia_for(const scene::Drone& drone, double mass_kg);
 /// What the rotors do to the body, in body axes: thrusts along +z at the rotors' places, and reaction torques.
 Wrench rotor_wrench(const scene::Drone& drone, const RotorValues& thrust_n, const RotorValues& torque_n_m);
 
+/// Torque on the body from what turns on it, in body axes: the rotors' angular momentum h lies along z, so it is
+/// -dh/dt - w x h. `acceleration` is the rotors' own, towards faster.
+Eigen::Vector3d spin_torque(double rotor_inertia_kg_m2, const RotorValues& speed_rad_per_s,
+                            const RotorValues& acceleration_rad_per_s2, const Eigen::Vector3d& rate_B_rad_per_s);
+
+/// By how much a rotor's thrust grows near the ground at the same speed (Cheeseman and Bennett 1955):
+/// 1 / (1 - (R / 4z)^2) for a height z of the rotor's plane, which is taken as R / 2 at least.
+double ground_effect(double height_m, double rotor_radius_m);
+
 /// Linear drag of the body in moving air, in world axes: F = -R diag(d) R^T (v - wind).
 Eigen::Vector3d drag_force(const scene::Drone& drone, const RigidState& state, const Eigen::Vector3d& wind_W_m_per_s);
 

@@ -8,7 +8,7 @@
 namespace mebots::world::noise {
 
 /// Which sensor a number belongs to; two streams of one seed have nothing in common.
-enum class Stream : std::uint64_t { range = 1, camera = 2 };
+enum class Stream : std::uint64_t { range = 1, camera = 2, gust = 3, imu = 4, imu_bias = 5, flow = 6 };
 
 /// 64 well-mixed bits: one SplitMix64 per word of the key.
 std::uint64_t bits(std::uint64_t seed, Stream stream, std::uint64_t index);

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "fmu_world/variables.hpp"
+#include "mebots/state/visitor.hpp"
+
+#include <cstdint>
+#include <vector>
+
+namespace mebots::world {
+
+/// What the stabiliser is told over the link.
+struct Setpoint {
+  FlightMode mode = FlightMode::off;
+  double forward_m_per_s = 0.0;
+  double left_m_per_s = 0.0;
+  double yaw_rate_rad_per_s = 0.0;
+  double altitude_m = 0.0;
+
+  bool operator==(const Setpoint&) const = default;
+  void visit(state::Visitor& v) {
+    v("mode", mode);
+    v("forward_m_per_s", forward_m_per_s);
+    v("left_m_per_s", left_m_per_s);
+    v("yaw_rate_rad_per_s", yaw_rate_rad_per_s);
+    v("altitude_m", altitude_m);
+  }
+};
+
+/// The link from whoever commands to the stabiliser: a set-point arrives `latency` after it was sent, in the order of
+/// sending. Before the first one arrives the motors are off.
+class Link {
+ public:
+  explicit Link(std::int64_t latency_ns) : latency_ns_(latency_ns) {}
+
+  /// What is sent at a time, not before the last one; gives what has arrived by then.
+  const Setpoint& exchange(const Setpoint& sent, std::int64_t time_ns);
+
+  void visit(state::Visitor& v);
+
+ private:
+  struct Message {
+    std::int64_t due_ns = 0;
+    Setpoint setpoint;
+
+    void visit(state::Visitor& v) {
+      v("due_ns", due_ns);
+      v("setpoint", setpoint);
+    }
+  };
+
+  std::int64_t latency_ns_;
+  Setpoint arrived_;
+  std::vector<Message> under_way_;
+};
+
+}  // namespace mebots::world

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "dynamics/rigid_state.hpp"
+#include "mebots/state/visitor.hpp"
+
+#include <Eigen/Core>
+#include <cstdint>
+
+namespace mebots::world {
+
+/// Accelerometer and gyroscope at the body's centre, along its axes: a sample every millisecond, held in between.
+///
+///   reading = truth + bias + normal noise
+///
+/// Truth is the mean specific force (what acts besides gravity, over the mass) since the last inner step, and the body
+/// rate. Biases are constant, drawn once from the seed with a standard deviation each. Noise depends on seed and time
+/// alone.
+class Imu {
+ public:
+  static constexpr std::int64_t kPeriod_ns = 1'000'000;
+
+  struct Settings {
+    double acceleration_noise_m_per_s2 = 0.0;  ///< standard deviation of a sample
+    double acceleration_bias_m_per_s2 = 0.0;   ///< of the bias
+    double rate_noise_rad_per_s = 0.0;
+    double rate_bias_rad_per_s = 0.0;
+  };
+
+  /// Throws mebots::Error for a negative or endless standard deviation.
+  Imu(const Settings& settings, std::uint64_t seed);
+
+  /// No part of the state: who holds the seed says it before every step.
+  void reseed(std::uint64_t seed) { seed_ = seed; }
+
+  /// The body came from one state to another within dt, and time is now time_ns.
+  void update(std::int64_t time_ns, const RigidState& from, const RigidState& to, double dt_s);
+
+  const Eigen::Vector3d& acceleration_m_per_s2() const { return acceleration_m_per_s2_; }
+  const Eigen::Vector3d& rate_rad_per_s() const { return rate_rad_per_s_; }
+
+  void visit(state::Visitor& v);
+
+ private:
+  Eigen::Vector3d disturbed(const Eigen::Vector3d& truth, double noise, double bias, int first,
+                            std::int64_t sample) const;
+
+  Settings settings_;
+  std::uint64_t seed_;
+  std::int64_t sample_ = -1;
+  Eigen::Vector3d acceleration_m_per_s2_ = Eigen::Vector3d::Zero();
+  Eigen::Vector3d rate_rad_per_s_ = Eigen::Vector3d::Zero();
+};
+
+}  // namespace mebots::world

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "math/eigen_state.hpp"
+#include "mebots/state/visitor.hpp"
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+
+namespace mebots::world {
+
+/// Gusts after Dryden (MIL-STD-1797A): air that the wind carries past with `speed`, frozen, with one length scale L.
+///
+///   along x:   H(s) = sigma sqrt(2 L / (pi V)) / (1 + L/V s)
+///   y and z:   H(s) = sigma sqrt(L / (pi V)) (1 + sqrt(3) L/V s) / (1 + L/V s)^2
+///
+/// Each has the standard deviation sigma. The filters are stepped every 10 ms, exactly for white noise, and held in
+/// between; the noise depends on seed and time alone, so that neither steps nor other instances shift it. It begins as
+/// it goes on.
+class Dryden {
+ public:
+  struct Settings {
+    double intensity_m_per_s = 0.0;  ///< sigma, >= 0; 0 = no gusts
+    double length_m = 5.0;           ///< L, > 0
+    double speed_m_per_s = 1.0;      ///< V, > 0
+    std::uint64_t seed = 1;
+  };
+
+  /// Throws mebots::Error for a value outside its limits.
+  explicit Dryden(const Settings& settings);
+
+  /// Goes on to a time, not before the last one, and gives the gust there [m/s], world axes.
+  const Eigen::Vector3d& at(std::int64_t time_ns);
+
+  void visit(state::Visitor& v);
+
+ private:
+  void begin(std::int64_t index);
+  void step(std::int64_t index);
+  void combine();
+  double normal(std::int64_t index, int which) const;
+
+  Settings settings_;
+  double decay_;                    // exp(-dt V / L)
+  double share_;                    // dt V / L
+  double spread_x_;                 // of the noise on the first filter's state
+  std::array<double, 3> root_;      // lower Cholesky factor of the noise on the two states of the others
+  std::int64_t index_ = -1;         // of the last step; -1 before the first
+  double along_ = 0.0;              // state of x
+  std::array<double, 4> across_{};  // states of y, then of z
+  Eigen::Vector3d gust_ = Eigen::Vector3d::Zero();
+};
+
+}  // namespace mebots::world
