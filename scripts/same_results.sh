@@ -33,7 +33,9 @@ fly() {
   hashes+=("$hash")
   local compiler kind
   compiler=$("$(of CMAKE_CXX_COMPILER)" --version | head -1)
-  kind="$(of CMAKE_BUILD_TYPE)$([[ $(of MEBOTS_ASSERTIONS) == ON ]] && echo ", assertions")$([[ -n $(of MEBOTS_SANITIZE) ]] && echo ", $(of MEBOTS_SANITIZE)")"
+  kind=$(of CMAKE_BUILD_TYPE)
+  if [[ $(of MEBOTS_ASSERTIONS) == ON ]]; then kind+=", assertions"; fi
+  if [[ -n $(of MEBOTS_SANITIZE) ]]; then kind+=", sanitizers $(of MEBOTS_SANITIZE)"; fi
   echo "| $compiler | $kind | $processor | $hash | $(($(date +%s) - began)) s |"
 }
 
