@@ -97,6 +97,7 @@ void Fmu::unload() {
     const LibraryScope scope(name.c_str(), "unloaded");
     dlclose(library);
   }
+  functions_.reset();
   // A library may refuse to go. By its path the loader would give it to the next FMU of that path.
   const bool gone = dlopen(library_file_.c_str(), RTLD_NOLOAD | RTLD_LAZY) == nullptr;
   if (gone && own_folder_) own_folder_->release_path();
