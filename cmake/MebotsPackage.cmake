@@ -13,7 +13,9 @@ set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "python3, python3-numpy")
 set(CPACK_DEBIAN_PACKAGE_SUGGESTS "g++, cmake, ninja-build, gcc-riscv64-unknown-elf, picolibc-riscv64-unknown-elf")
-set(CPACK_DEBIAN_PACKAGE_DESCRIPTION "${PROJECT_DESCRIPTION}
- Runs systems of FMI 2.0 co-simulation FMUs from a config, with four of its own: a RISC-V chip that runs the real firmware, a battery,
- motors, and a world with a drone, gates and a camera.")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "${PROJECT_DESCRIPTION}")
+set(CPACK_DEBIAN_PACKAGE_DESCRIPTION "Runs systems of FMI 2.0 co-simulation FMUs from a config, with four of its own:
+a RISC-V chip that runs the real firmware, a battery, motors, and a world with
+a drone, gates and a camera.")
+set(CPACK_DEBIAN_PACKAGE_CONTROL_EXTRA ${PROJECT_SOURCE_DIR}/cmake/debian/prerm)
 include(CPack)
