@@ -170,6 +170,8 @@ TEST(Xpulp, SimdDoesWhatTheManualSays) {
       {"simd 0x79, 7, a0, a1, x13", 0x44332211, 0, 0, 0x33223344},                   // pv.shuffleI2.sci.b: 2; 1, 2, 3
       {"simd 0x64, 1, a0, a1, a2", 0x44332211, 0x07050200, 0x88776655, 0x44227755},  // pv.shuffle2.b
       {"simd 0x68, 0, a0, a1, a2", 0x11112222, 0x33334444, 0, 0x22224444},           // pv.pack
+      {"simd 0x68, 4, a0, a1, a2", 0x11112222, 0x33334444, 0, 0x22224444},           // pv.pack.h.l
+      {"simd 0x68, 6, a0, a1, a2", 0x11112222, 0x33334444, 0, 0x11113333},           // pv.pack.h.h
       {"simd 0x6c, 1, a0, a1, a2", 0x11, 0x22, 0x99998888, 0x11228888},              // pv.packhi.b
       {"simd 0x70, 1, a0, a1, a2", 0x11, 0x22, 0x99998888, 0x99991122},              // pv.packlo.b
   });

@@ -4,6 +4,7 @@
 #include "mebots/assert.hpp"
 
 #include "cluster/cluster.hpp"
+#include "hart/csr_numbers.hpp"
 #include "hart/observer.hpp"
 
 #include <memory>
@@ -43,6 +44,7 @@ class Cluster::Core final : private Bus {
   /// All registers new, from `pc` on.
   void start(std::uint32_t pc, std::uint64_t tick) {
     hart_.restart(pc);
+    if (cluster_.settings_.has_gap8_interrupts) hart_.set_csr(csr::kMtvec, pc & ~0xffU);
     set_asleep(false);
     waits_for_turn_ = false;
     granted_ = false;

@@ -121,6 +121,10 @@ constexpr Word shuffle2(Word low, Word high, Word selectors) {
 constexpr Word pack(Word a, Word b) {
   return a << 16 | (b & 0xffffU);
 }
+/// Likewise the high halves.
+constexpr Word pack_high(Word a, Word b) {
+  return (a & 0xffff0000U) | b >> 16;
+}
 /// The low bytes of two words in the upper (lower) half of `into`.
 constexpr Word packhi(Word into, Word a, Word b) {
   return (into & 0x0000ffffU) | (a & 0xffU) << 24 | (b & 0xffU) << 16;

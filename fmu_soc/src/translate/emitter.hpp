@@ -128,7 +128,7 @@ class Emitter : private Xbyak::CodeGenerator {
   void emit_extract_part(const Instruction* at);
   void emit_insert_part(const Instruction* at);
   void emit_shuffle(const Instruction* at);
-  void emit_pack_halves(const Instruction* at);
+  void emit_pack_halves(const Instruction* at, bool of_high);
   void emit_pack_bytes(const Instruction* at, bool into_high);
 
  private:

@@ -311,11 +311,16 @@ void Emitter::emit_shuffle(const Instruction* at) {
   finish(at->rd, eax);
 }
 
-void Emitter::emit_pack_halves(const Instruction* at) {
+void Emitter::emit_pack_halves(const Instruction* at, bool of_high) {
   copy(eax, at->rs1);
-  shl(eax, 16);
   copy(ecx, at->rs2);
-  movzx(ecx, cx);
+  if (of_high) {
+    and_(eax, 0xffff0000U);
+    shr(ecx, 16);
+  } else {
+    shl(eax, 16);
+    movzx(ecx, cx);
+  }
   or_(eax, ecx);
   finish(at->rd, eax);
 }

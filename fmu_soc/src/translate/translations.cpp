@@ -226,8 +226,9 @@ constexpr Translation insert_part() {
 constexpr Translation shuffle() {
   return {call<&Emitter::emit_shuffle>, kAll};
 }
+template <bool kOfHigh>
 constexpr Translation pack_halves() {
-  return {call<&Emitter::emit_pack_halves>, kAll};
+  return {call<&Emitter::emit_pack_halves, kOfHigh>, kAll};
 }
 template <bool kIntoHigh>
 constexpr Translation pack_bytes() {

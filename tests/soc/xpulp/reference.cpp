@@ -513,11 +513,13 @@ bool XpulpReference::simd(std::uint32_t word) {
         put(i, part(from < count ? d : a, from % count, false));
       }
       break;
-    case 26:
-      if (form != 0) return false;
-      put(0, part(rs2, 0, false));
-      put(1, part(a, 0, false));
+    case 26: {  // and GAP8's two more forms: low halves, high halves
+      if (bytes) return false;
+      const auto half = form == 6 ? 1U : 0U;
+      put(0, part(rs2, half, false));
+      put(1, part(a, half, false));
       break;
+    }
     case 27:
     case 28: {
       if (form != 1) return false;

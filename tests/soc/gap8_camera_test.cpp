@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: Apache-2.0
+// The camera of a GAPuino behind GAP8's uDMA: an HM01B0 that a program sets up by I2C and reads through the camera
+// interface, as the driver of GreenWaves' gap_sdk does.
+#include "board_system.hpp"
+#include "gap8_devices/himax.hpp"
+#include "support/same_state.hpp"
+
+#include "mebots/state/save.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+namespace mebots::soc::test {
+namespace {
+
+using gap8_devices::Himax;
+
+void set(Himax& sensor, std::uint32_t at, std::uint8_t value, Picoseconds now = 0) {
+  sensor.start();
+  for (const auto byte : {static_cast<std::uint8_t>(at >> 8), static_cast<std::uint8_t>(at), value}) {
+    sensor.write(byte, now);
+  }
+}
+
+std::uint8_t get(Himax& sensor, std::uint32_t at) {
+  sensor.start();
+  sensor.write(static_cast<std::uint8_t>(at >> 8), 0);
+  sensor.write(static_cast<std::uint8_t>(at), 0);
+  return sensor.read();
+}
+
+/// Pixel (row, column) has the value row + column.
+std::vector<std::uint8_t> picture_of(std::size_t rows) {
+  std::vector<std::uint8_t> pixels(rows * Himax::kWidth);
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    pixels[i] = static_cast<std::uint8_t>(i / Himax::kWidth + i % Himax::kWidth);
+  }
+  return pixels;
+}
+
+TEST(Gap8Himax, KeepsRegistersUntilItIsReset) {
+  Himax sensor;
+  EXPECT_EQ(get(sensor, 0x0000), 0x01);
+  EXPECT_EQ(get(sensor, 0x0001), 0xB0);
+  set(sensor, 0x2101, 0x4E);
+  EXPECT_EQ(get(sensor, 0x2101), 0x4E);
+  set(sensor, 0x0100, 1);
+  EXPECT_TRUE(sensor.streams());
+  set(sensor, 0x0103, 1);
+  EXPECT_FALSE(sensor.streams());
+  EXPECT_EQ(get(sensor, 0x2101), 0);
+}
+
+TEST(Gap8Himax, HasTheFrameTimesThatWereMeasuredOnAnAiDeck) {
+  Himax sensor;
+  // 344 lines of 376 clocks at 6 MHz: 21.6 ms (idsia-robotics/nanocockpit, himax_supported_framerates.md).
+  set(sensor, 0x0100, 1, 1'000'000);
+  EXPECT_EQ(sensor.frame_at(0), 1'000'000);
+  EXPECT_NEAR(static_cast<double>(sensor.frame_at(1'000'001) - 1'000'000), 21.557e9, 1e6);
+  // 244 rows in 16.3 ms need 260 lines.
+  set(sensor, 0x3010, 1);
+  set(sensor, 0x0340, 1);
+  set(sensor, 0x0341, 4);
+  EXPECT_NEAR(static_cast<double>(sensor.frame_at(1'000'001) - 1'000'000), 16.293e9, 1e6);
+}
+
+TEST(Gap8Himax, ReadsOutTheWindowMirroredAndUpsideDown) {
+  Himax sensor;
+  const auto picture = picture_of(Himax::kHeight);
+  std::vector<std::uint8_t> pixels;
+  sensor.read_out(picture, pixels);
+  EXPECT_EQ(pixels, picture);
+  set(sensor, 0x3010, 1);
+  sensor.read_out(picture, pixels);
+  EXPECT_EQ(pixels.size(), std::size_t{244} * 324);
+  EXPECT_EQ(pixels[0], 40) << "40 rows above the window";
+  set(sensor, 0x0101, 3);
+  sensor.read_out(picture, pixels);
+  EXPECT_EQ(pixels[0], static_cast<std::uint8_t>(283 + 323));
+}
+
+/// Sets the camera up by I2C, reads its mode back, takes a picture into L2 and tells when it is there.
+constexpr std::string_view kTakesAPicture = R"(
+_start: li s0, 0x1A102000
+    li s1, 0x1C060000
+    li s2, 0x00204000
+    li s3, 0x1A106000
+    li a0, 0xfffbcfff      # hears events 12, 13 and 18
+    sw a0, 0x08(s3)
+    li a0, 0x08000000
+    sw a0, 0x08(s2)
+    la a0, window
+    li a1, window_end - window
+    call send
+    la a0, mode
+    li a1, mode_end - mode
+    call send
+    la a0, at_mode
+    li a1, at_mode_end - at_mode
+    call send
+    addi a0, s1, 16
+    sw a0, 0x300(s0)
+    li a0, 1
+    sw a0, 0x304(s0)
+    li a0, 0x10
+    sw a0, 0x308(s0)
+    la a0, read
+    li a1, read_end - read
+    sw a0, 0x310(s0)
+    sw a1, 0x314(s0)
+    li a0, 0x10
+    sw a0, 0x318(s0)
+    call wait
+    sw a3, 0(s1)
+    call wait
+    sw a3, 4(s1)
+    li a0, 0x1C040000
+    sw a0, 0x480(s0)
+    li a0, 324 * 244
+    sw a0, 0x484(s0)
+    li a0, 0x12
+    sw a0, 0x488(s0)
+    li a0, 0x80000500      # on, bytes in their order
+    sw a0, 0x4a0(s0)
+    call wait
+    sw a3, 8(s1)
+1:  .insn i 0x03, 6, a4, 0x38(s2)
+    j 1b
+send: mv s4, ra
+    sw a0, 0x310(s0)
+    sw a1, 0x314(s0)
+    li a0, 0x10
+    sw a0, 0x318(s0)
+    call wait
+    jr s4
+wait: .insn i 0x03, 6, a4, 0x38(s2)
+    li a3, 0x00200800
+    lw a3, 0x700(a3)
+    li a4, 0x08000000
+    sw a4, 0x28(s2)
+    ret
+window: .byte 0xE0, 0, 100, 0x00, 0x80, 0x48, 0xC0, 3, 0x80, 0x30, 0x10, 1, 0x20
+window_end:
+mode: .byte 0x00, 0x80, 0x48, 0xC0, 3, 0x80, 0x01, 0x00, 1, 0x20
+mode_end:
+at_mode: .byte 0x00, 0x80, 0x48, 0xC0, 2, 0x80, 0x01, 0x00
+at_mode_end:
+read: .byte 0x00, 0x80, 0x49, 0x60, 0x20
+read_end:
+)";
+
+BoardDescription gap8_board_of_camera() {
+  return read_board(MEBOTS_SOURCE_DIR "/configs/boards/gap8.json");
+}
+
+Settings with_pictures(std::size_t count) {
+  Settings settings;
+  settings.pictures.assign(count, picture_of(Himax::kWindowHeight));
+  return settings;
+}
+
+TEST(Gap8Camera, BringsThePictureOfTheRollWhenItsFrameHasBeenReadOut) {
+  BoardSystem system(kTakesAPicture, with_pictures(1), gap8_board_of_camera());
+  system.soc.advance(15 * kMs);
+  EXPECT_TRUE(system.faults.empty()) << system.faults.front();
+  EXPECT_EQ(system.result(4) & 0xffU, 1U) << "the mode, read back";
+  EXPECT_EQ(system.result(0) | system.result(1), 0x80000000U | 12U | 13U) << "both channels of the bus";
+  EXPECT_EQ(system.result(2), 0U) << "244 lines of 376 clocks at 6 MHz are 15.3 ms, from the next frame on";
+  system.soc.advance(60 * kMs);
+  EXPECT_EQ(system.result(2), 0x80000000U | 18U);
+  const auto picture = picture_of(Himax::kWindowHeight);
+  std::vector<std::uint8_t> taken(picture.size());
+  ASSERT_TRUE(system.soc.memory().read(0x1C040000, taken));
+  EXPECT_EQ(taken, picture);
+}
+
+TEST(Gap8Camera, WaitsWhenTheRollHasNoPictureAnyMore) {
+  Settings settings = with_pictures(1);
+  settings.pictures.front().clear();
+  BoardSystem system(kTakesAPicture, settings, gap8_board_of_camera());
+  system.soc.advance(60 * kMs);
+  EXPECT_EQ(system.result(2), 0U);
+  EXPECT_TRUE(system.soc.waits_for_picture());
+}
+
+TEST(Gap8Camera, GoesOnFromAState) {
+  BoardSystem straight(kTakesAPicture, with_pictures(1), gap8_board_of_camera());
+  BoardSystem first(kTakesAPicture, with_pictures(1), gap8_board_of_camera());
+  BoardSystem second(kTakesAPicture, with_pictures(1), gap8_board_of_camera());
+  straight.soc.advance(50 * kMs);
+  first.soc.advance(10 * kMs);
+  state::restore(second.soc, state::save(first.soc));
+  second.soc.advance(50 * kMs);
+  EXPECT_TRUE(mebots::test::same_state(second.soc, straight.soc));
+}
+
+}  // namespace
+}  // namespace mebots::soc::test

@@ -1,0 +1,377 @@
+// SPDX-License-Identifier: Apache-2.0
+// GAP8's cluster: its event unit and DMA register by register against the public headers (archi/eu/eu_v3.h,
+// archi/dma/mchan_v6.h), and a program that brings eight cores to work on GAP8's own addresses.
+#include "board_system.hpp"
+#include "gap8_devices/cluster_event_unit.hpp"
+#include "gap8_devices/mchan.hpp"
+#include "support/same_state.hpp"
+
+#include "mebots/state/save.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <numeric>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+namespace mebots::soc::test {
+namespace {
+
+using gap8_devices::ClusterEventUnit;
+using gap8_devices::Mchan;
+
+constexpr std::uint32_t kMaskOr = 0x08;
+constexpr std::uint32_t kMaskIrqOr = 0x14;
+constexpr std::uint32_t kBuffer = 0x1C;
+constexpr std::uint32_t kWaitClear = 0x3C;
+constexpr std::uint32_t kDispatch = 0x80;
+constexpr std::uint32_t kTeam = 0x84;
+constexpr std::uint32_t kMutex = 0xC0;
+constexpr std::uint32_t kTrigger = 0x100;
+constexpr std::uint32_t kBarrier = 0x200;
+
+/// The event unit of four cores, which ask by the short way.
+class EventUnitOfFour : public testing::Test {
+ protected:
+  BusReply store(unsigned core, std::uint32_t offset, std::uint32_t value) {
+    return unit.own(core, offset, &value, false);
+  }
+  std::uint32_t load(unsigned core, std::uint32_t offset) { return unit.own(core, offset, nullptr, false).value; }
+  BusReply wait(unsigned core, std::uint32_t offset) { return unit.own(core, offset, nullptr, true); }
+  bool blocks(unsigned core, std::uint32_t offset) { return wait(core, offset).kind == BusReply::Kind::blocked; }
+
+  ClusterEventUnit unit{4};
+};
+
+TEST_F(EventUnitOfFour, WakesThoseWhomASoftwareEventNamesAndWhoLetItThrough) {
+  store(1, kMaskOr, 1U << 3);
+  EXPECT_TRUE(blocks(1, kWaitClear));
+  EXPECT_TRUE(blocks(2, kWaitClear));
+  store(0, kTrigger + 4 * 3, 0b0110);
+  EXPECT_EQ(unit.take_woken(), 0b0010U) << "core 2 lets nothing through";
+  EXPECT_EQ(wait(1, kWaitClear).value, 1U << 3);
+  EXPECT_EQ(load(1, kBuffer), 0U);
+  EXPECT_EQ(load(2, kBuffer), 1U << 3);
+  store(0, kTrigger, 0);
+  for (unsigned core = 0; core < 4; ++core) EXPECT_EQ(load(core, kBuffer) & 1U, 1U) << "0 names all, " << core;
+}
+
+TEST_F(EventUnitOfFour, OpensTheBarrierWhenTheLastOfItsTeamComes) {
+  store(0, kBarrier, 0b0111);
+  store(0, kBarrier + 0x0C, 0b0111);
+  for (unsigned core = 0; core < 4; ++core) store(core, kMaskOr, 1U << 16);
+  EXPECT_TRUE(blocks(0, kBarrier + 0x1C));
+  EXPECT_TRUE(blocks(0, kBarrier + 0x1C)) << "asking again is not coming again";
+  EXPECT_TRUE(blocks(2, kBarrier + 0x1C));
+  EXPECT_EQ(load(3, kBarrier + 0x04), 0b0101U);
+  EXPECT_EQ(unit.take_woken(), 0U);
+  EXPECT_EQ(wait(1, kBarrier + 0x1C).kind, BusReply::Kind::done);
+  EXPECT_EQ(unit.take_woken() & 0b0101U, 0b0101U);
+  EXPECT_EQ(wait(0, kBarrier + 0x1C).value, 1U << 16);
+  EXPECT_EQ(wait(2, kBarrier + 0x1C).value, 1U << 16);
+  EXPECT_EQ(load(0, kBarrier + 0x04), 0U);
+  EXPECT_TRUE(blocks(1, kBarrier + 0x1C)) << "the next round";
+}
+
+TEST_F(EventUnitOfFour, HandsTheMutexToTheLowestWhoWaits) {
+  for (unsigned core = 0; core < 4; ++core) store(core, kMaskOr, 1U << 17);
+  EXPECT_EQ(wait(2, kMutex).kind, BusReply::Kind::done);
+  EXPECT_TRUE(blocks(3, kMutex));
+  EXPECT_TRUE(blocks(1, kMutex));
+  store(2, kMutex, 77);
+  EXPECT_EQ(unit.take_woken(), 0b0010U);
+  EXPECT_TRUE(blocks(0, kMutex)) << "it has an owner";
+  EXPECT_EQ(wait(1, kMutex).value, 77U);
+  store(1, kMutex, 0);
+  EXPECT_EQ(unit.take_woken() & 0b0001U, 1U);
+  wait(0, kMutex);
+  store(0, kMutex, 0);
+  wait(3, kMutex);
+  store(3, kMutex, 5);
+  EXPECT_EQ(wait(0, kMutex).value, 5U) << "free, with the last message";
+}
+
+TEST_F(EventUnitOfFour, DispatchesWordsToTheTeamInTheirOrder) {
+  store(1, kMaskOr, 1U << 18);
+  store(2, kMaskOr, 1U << 18);
+  EXPECT_TRUE(blocks(1, kDispatch));
+  store(0, kTeam, 0b0010);
+  store(0, kDispatch, 0x1C001000);
+  EXPECT_EQ(unit.take_woken(), 0b0010U);
+  store(0, kDispatch, 42);
+  EXPECT_EQ(wait(1, kDispatch).value, 0x1C001000U);
+  EXPECT_EQ(wait(1, kDispatch).value, 42U);
+  EXPECT_TRUE(blocks(1, kDispatch));
+  EXPECT_TRUE(blocks(2, kDispatch)) << "not of the team";
+}
+
+TEST_F(EventUnitOfFour, PresentsTheHighestInterruptAndForgetsItWhenItIsTaken) {
+  store(3, kMaskIrqOr, 0b1010);
+  store(0, kTrigger + 4 * 1, 0b1000);
+  store(0, kTrigger + 4 * 3, 0b1000);
+  EXPECT_EQ(unit.lines(3), 1U << 3);
+  unit.interrupt_taken(3, 3);
+  EXPECT_EQ(unit.lines(3), 1U << 1);
+  EXPECT_EQ(unit.lines(0), 0U);
+}
+
+TEST_F(EventUnitOfFour, ShowsAllCoresRegistersByTheLongWay) {
+  const std::uint32_t mask = 0x30;
+  EXPECT_EQ(unit.shared(2 * 0x40, &mask).kind, BusReply::Kind::done);
+  EXPECT_EQ(load(2, 0), 0x30U);
+  EXPECT_EQ(unit.shared(2 * 0x40, nullptr).value, 0x30U);
+  const std::uint32_t all = 0;
+  unit.shared(0x600 + 4 * 5, &all);
+  EXPECT_EQ(load(0, kBuffer), 1U << 5);
+  EXPECT_EQ(unit.shared(4 * 0x40, nullptr).kind, BusReply::Kind::none) << "there is no fifth core";
+}
+
+class MchanTest : public testing::Test, public TransferListener {
+ protected:
+  static constexpr std::uint32_t kL1 = 0x10000000;
+
+  MchanTest() {
+    memory.add("l1", kL1, 0x10000);
+    memory.add("l2", 0x1C000000, 0x10000);
+  }
+  void store(std::uint32_t offset, std::uint32_t value) {
+    EXPECT_EQ(mchan.access(1, offset, &value, 0).kind, BusReply::Kind::done);
+  }
+  std::uint32_t load(std::uint32_t offset) { return mchan.access(1, offset, nullptr, 0).value; }
+  void transfer_ended(unsigned /*who*/, std::uint32_t tag, std::uint64_t tick) override {
+    if (const auto ended = mchan.ended(tag, tick); ended.raises_event) ++events;
+  }
+  void run() {
+    Banks banks(16);
+    while (dma.busy()) {
+      dma.occupy(banks, dma.next_tick() + 1);
+      dma.advance(dma.next_tick(), *this);
+    }
+  }
+  std::vector<std::uint8_t> bytes(std::uint32_t address, std::size_t count) const {
+    std::vector<std::uint8_t> read(count);
+    memory.read(address, read);
+    return read;
+  }
+  void fill(std::uint32_t address, std::size_t count) {
+    std::vector<std::uint8_t> written(count);
+    std::iota(written.begin(), written.end(), std::uint8_t{1});
+    memory.write(address, written);
+  }
+
+  Memory memory;
+  ClusterDma dma{memory, 0, {}};
+  Mchan mchan{{kL1, 0x10000}, dma};
+  int events = 0;
+};
+
+TEST_F(MchanTest, CopiesBytesAndCountsThemInItsCounter) {
+  fill(0x1C000100, 40);
+  const auto counter = load(0);
+  EXPECT_EQ(counter, 0U);
+  EXPECT_EQ(load(4), 1U << 16) << "taken, nothing to come";
+  store(0, 40 | 1U << 16 | 1U << 17 | 1U << 19);  // 40 bytes into L1, with an event
+  store(0, 0x200);                                // L1's address may be that of its alias
+  EXPECT_FALSE(dma.busy()) << "the command is not complete";
+  store(0, 0x1C000100);
+  EXPECT_EQ(load(4), 1U << 16 | 1U);
+  run();
+  EXPECT_EQ(load(4), 1U << 16);
+  EXPECT_EQ(events, 1);
+  EXPECT_EQ(bytes(kL1 + 0x200, 40), bytes(0x1C000100, 40));
+  store(4, 1U << counter);
+  EXPECT_EQ(load(4), 0U);
+}
+
+TEST_F(MchanTest, CopiesRowsOutOfL1WithTheStepOfL2AndTellsOnlyWhenAllHaveCome) {
+  fill(kL1, 20);
+  load(0);
+  store(0, 20 | 1U << 17 | 1U << 18 | 1U << 19);
+  store(0, kL1);
+  store(0, 0x1C000400);
+  store(0, 0x100U << 16 | 8);  // rows of 8 bytes, 256 apart; the last one is half
+  store(0, 4 | 1U << 17 | 1U << 19);
+  store(0, kL1);
+  store(0, 0x1C000800);
+  run();
+  EXPECT_EQ(events, 1) << "both count in one counter";
+  EXPECT_EQ(bytes(0x1C000400, 8), bytes(kL1, 8));
+  EXPECT_EQ(bytes(0x1C000500, 8), bytes(kL1 + 8, 8));
+  EXPECT_EQ(bytes(0x1C000600, 4), bytes(kL1 + 16, 4));
+  EXPECT_EQ(bytes(0x1C000604, 1).front(), 0U);
+  EXPECT_EQ(bytes(0x1C000800, 4), bytes(kL1, 4));
+}
+
+TEST_F(MchanTest, HasAPlaceForAnyNumberOfCommandsAndNoneForMemoryThatIsNot) {
+  fill(0x1C000000, 256);
+  load(0);
+  for (std::uint32_t i = 0; i < 40; ++i) {
+    store(0, 4 | 1U << 16 | 1U << 17 | 1U << 19);
+    store(0, 4 * i);
+    store(0, 0x1C000000 + 4 * i);
+  }
+  run();
+  EXPECT_EQ(events, 1);
+  EXPECT_EQ(bytes(kL1, 160), bytes(0x1C000000, 160));
+  store(0, 4 | 1U << 16 | 1U << 17);
+  store(0, 0);
+  const std::uint32_t nowhere = 0x1D000000;
+  EXPECT_EQ(mchan.access(1, 0, &nowhere, 0).kind, BusReply::Kind::none);
+}
+
+/// Switches the cluster on, lets eight cores begin, and waits for core 0's word. Each core copies 64 bytes of L2 into
+/// L1, adds them up, and meets the others; core 0 adds what they found and sends it out.
+constexpr std::string_view kEightCores = R"(
+    .balign 256
+vectors: j fault
+    .org vectors + 0x80
+    .globl _start
+_start: csrr a0, mhartid
+    li a1, 0x400
+    bne a0, a1, core
+    li s1, 0x1C060000
+    li s0, 0x1A104000
+    li s2, 0x00204000
+    li s3, 0x1A106000
+    li a0, 0x7fffffff
+    sw a0, 0x08(s3)        # hears event 31 of the SoC
+    li a0, 0x08000002
+    sw a0, 0x08(s2)        # events 1 and 27 end a wait
+    li a0, 8
+    sw a0, 0x70(s0)        # the cluster's power
+    .insn i 0x03, 6, a1, 0x3c(s2)
+    sw a1, 0(s1)
+    li a3, 0x00200800
+    lw a3, 0x700(a3)
+    sw a3, 4(s1)
+    li s0, 0x10200000
+    la a1, vectors
+    li a2, 8
+    addi a3, s0, 0x40
+1:  sw a1, 0(a3)
+    addi a3, a3, 4
+    addi a2, a2, -1
+    bnez a2, 1b
+    li a0, 0xff
+    sw a0, 0x08(s0)
+    .insn i 0x03, 6, a1, 0x3c(s2)
+    sw a1, 8(s1)
+2:  .insn i 0x03, 6, a1, 0x3c(s2)
+    j 2b
+
+core: li s0, 0x00204000
+    li s1, 0x10000000
+    li a1, 0x10100
+    sw a1, 0x08(s0)        # barrier and DMA end a wait
+    li a1, 0xff
+    sw a1, 0x200(s0)
+    sw a1, 0x20c(s0)
+    slli s2, a0, 6
+    lw a1, 0x400(s0)       # a counter of the DMA
+    li a2, 64 | 1 << 16 | 1 << 17 | 1 << 19
+    sw a2, 0x400(s0)
+    add a2, s1, s2
+    sw a2, 0x400(s0)
+    la a3, numbers
+    add a3, a3, s2
+    sw a3, 0x400(s0)
+    li a4, 1
+    sll a4, a4, a1
+3:  lw a5, 0x404(s0)
+    and a5, a5, a4
+    beqz a5, 4f
+    .insn i 0x03, 6, a5, 0x3c(s0)
+    j 3b
+4:  sw a4, 0x404(s0)
+    li a4, 0
+    li a5, 16
+    mv a6, s2              # by the alias of L1
+5:  lw a7, 0(a6)
+    add a4, a4, a7
+    addi a6, a6, 4
+    addi a5, a5, -1
+    bnez a5, 5b
+    slli a5, a0, 2
+    add a5, a5, s1
+    sw a4, 0x400(a5)
+    .insn i 0x03, 6, a5, 0x21c(s0)
+    bnez a0, 7f
+    li a4, 0
+    li a5, 8
+    addi a6, s1, 0x400
+6:  lw a7, 0(a6)
+    add a4, a4, a7
+    addi a6, a6, 4
+    addi a5, a5, -1
+    bnez a5, 6b
+    li a6, 0x1C060000
+    sw a4, 12(a6)
+    li a6, 0x1B200E04
+    sw zero, 0(a6)         # event 1 of the fabric controller
+7:  sw zero, 0(s0)
+8:  .insn i 0x03, 6, a5, 0x3c(s0)
+    j 8b
+fault: j fault
+    .balign 4
+numbers: .set n, 1
+    .rept 128
+    .4byte n
+    .set n, n + 1
+    .endr
+)";
+
+BoardDescription gap8_board_of_cluster() {
+  return read_board(MEBOTS_SOURCE_DIR "/configs/boards/gap8.json");
+}
+
+TEST(Gap8Cluster, RunsEightCoresWithDmaBarrierAndAWordToTheFabricController) {
+  BoardSystem system(kEightCores, {}, gap8_board_of_cluster());
+  system.soc.advance(5 * kMs);
+  EXPECT_TRUE(system.faults.empty()) << system.faults.front();
+  EXPECT_EQ(system.result(0), 1U << 27);
+  EXPECT_EQ(system.result(1), 0x80000000U | 31U) << "the cluster is on";
+  EXPECT_EQ(system.result(2), 1U << 1) << "core 0 is done";
+  EXPECT_EQ(system.result(3), 128U * 129 / 2);
+  EXPECT_TRUE(system.soc.hart().sleeping());
+  for (unsigned core = 1; core <= 8; ++core) EXPECT_TRUE(system.soc.hart(core).sleeping()) << core;
+}
+
+TEST(Gap8Cluster, GivesTheSameBitsInterpretedAndFromAState) {
+  BoardSystem straight(kEightCores, {}, gap8_board_of_cluster());
+  Settings interpreted;
+  interpreted.translate = false;
+  BoardSystem slow(kEightCores, interpreted, gap8_board_of_cluster());
+  BoardSystem first(kEightCores, {}, gap8_board_of_cluster());
+  BoardSystem second(kEightCores, {}, gap8_board_of_cluster());
+  straight.soc.advance(1 * kMs);
+  slow.soc.advance(1 * kMs);
+  EXPECT_TRUE(mebots::test::same_state(slow.soc, straight.soc));
+  first.soc.advance(15'000);  // cores are on their way
+  state::restore(second.soc, state::save(first.soc));
+  second.soc.advance(1 * kMs);
+  EXPECT_TRUE(mebots::test::same_state(second.soc, straight.soc));
+}
+
+TEST(Gap8Cluster, TellsOnceOfARegisterThatIsNotModelled) {
+  BoardSystem system(R"(
+_start: li s0, 0x1A104000
+    li a0, 8
+    sw a0, 0x70(s0)
+    li s0, 0x10200000
+    li a1, 3
+1:  lw a0, 0x400(s0)
+    addi a1, a1, -1
+    bnez a1, 1b
+2:  j 2b
+)",
+                     {}, gap8_board_of_cluster());
+  system.soc.advance(1 * kMs);
+  ASSERT_EQ(system.faults.size(), 1U);
+  EXPECT_THAT(system.faults[0], testing::HasSubstr("cluster: load from 0x10200400 by the fabric controller"));
+}
+
+}  // namespace
+}  // namespace mebots::soc::test
