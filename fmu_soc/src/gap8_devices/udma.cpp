@@ -72,7 +72,7 @@ Udma::Udma(const BoardDevice& entry, DeviceHost& host, Signals& signals, std::sp
     : host_{entry, host, signals, std::move(clock_hz), {entry, host}},
       hyper_bus_(host_, flash, kHyperSend),
       uart_(host_),
-      i2c_{{{host_, kI2c0Send, nullptr}, {host_, kI2c1Send, &sensor_}}},
+      i2c_{{{host_, kI2c0Send, &sensor_}, {host_, kI2c1Send, &sensor_}}},
       spim_{{{host_, kSpim0Send, kSpim0End}, {host_, kSpim1Send, kSpim1End}}},
       camera_(host_, sensor_, pictures) {}
 

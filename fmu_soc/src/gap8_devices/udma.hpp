@@ -22,7 +22,7 @@ namespace mebots::soc::gap8_devices {
 /// GAP8's uDMA with the channels of its HyperBus, UART transmitter, I2C and SPI masters and camera interface, and what
 /// a GAPuino has there: RAM, flash, a terminal, an HM01B0. A store into a channel's CFG with the enable bit starts a
 /// transfer, or queues one behind that which runs; its end is the channel's SoC event. Bytes move when the transfer
-/// ends.
+/// ends. The camera listens at both I2C masters: a GAPuino has it at the second one, a PULP-Shield at the first.
 ///
 /// Other peripherals' channels are as the entry describes them. Source: archi/udma/udma_v2.h.
 class Udma final : public Device {

@@ -1,0 +1,68 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# Runs published GAP8 programs, unmodified, on board gap8, and prints a table of how far they come. FOLDER holds
+# checkouts, of which those that are missing are left out:
+#   git clone https://github.com/pulp-platform/pulp-dronet             PULP-Dronet's ELF, flash image and weights
+#   git clone https://github.com/pulp-platform/Himax_Dataset           pictures of its camera
+#   git clone https://github.com/GreenWaves-Technologies/gap_sdk       flasher, dumper, fuser
+# Build first: cmake --build --preset release --target mebots-soc. Needs numpy for the integers of the reference.
+set -euo pipefail
+if [[ $# -ne 1 || ! -d "$1" ]]; then
+  echo "usage: scripts/gap8_programs.sh FOLDER   (see the comment at its top)" >&2
+  exit 2
+fi
+folder=$(realpath "$1")
+cd "$(dirname "$0")/.."
+soc=${MEBOTS_SOC:-build/release/bin/mebots-soc}
+python=${PYTHON:-.venv/bin/python}
+out=$(mktemp -d)
+trap 'rm -rf "$out"' EXIT
+
+# The exit code: 0 unless a program that is there falls short.
+failed=0
+row() { printf '%-34s %-12s %s\n' "$1" "$2" "$3"; }
+# NAME ELF WHAT-IT-MUST-PRINT [OPTIONS...]: it runs for so many instructions, or until it ends.
+milestone() {
+  local name=$1 elf=$2 wanted=$3
+  shift 3
+  if [[ ! -f "$elf" ]]; then
+    row "$name" "not there" "$elf"
+    return
+  fi
+  "$soc" run "$elf" --board configs/boards/gap8.json --max-instructions 20000000 "$@" >"$out/log" 2>&1 || true
+  if grep -qF -- "$wanted" "$out/log"; then
+    row "$name" "reached" "$wanted"
+  else
+    failed=1
+    row "$name" "NOT REACHED" "$wanted (last: $(grep -v ' J$' "$out/log" | tail -n 1 | cut -c 1-90))"
+  fi
+}
+
+row program milestone "what it printed"
+dronet=$folder/pulp-dronet/pulp-dronet-v1
+image=$dronet/weights/WeightsPULPDroNet.raw
+pictures=$folder/Himax_Dataset/test_2
+if [[ -f "$image" && -d "$pictures" ]]; then
+  mkdir "$out/pictures"
+  cp "$pictures"/frame_2[2-9].pgm "$out/pictures"
+  expected=$("$python" tests/conformance/gap8/dronet_reference.py "$dronet/weights/binary" "$out/pictures"/*.pgm |
+    awk '{print $2, $3}')
+  "$soc" run "$dronet/bin/PULPDroNet_GAPuino" --board configs/boards/gap8.json --flash "$image" \
+    --pictures "$out/pictures" >"$out/log" 2>&1 || true
+  got=$(awk '/^Result/ {print $2, $3}' "$out/log")
+  count=$(grep -c '^Result' "$out/log" || true)
+  if [[ -n "$got" && "$got" == "$expected" ]]; then
+    row PULPDroNet_GAPuino reached "$count pictures, each with the integers of the reference"
+  else
+    failed=1
+    row PULPDroNet_GAPuino "NOT REACHED" "$count results; differing from the reference: $(diff <(echo "$got") <(echo "$expected") | head -n 3 | tr '\n' ' ')"
+  fi
+else
+  row PULPDroNet_GAPuino "not there" "$image, $pictures"
+fi
+bins=$folder/gap_sdk/utils/openocd_tools/gap_bins
+milestone gap_flasher-gapuino8 "$bins/gap_flasher-gapuino8.elf" "flasher is ready"
+milestone gap_fuser-gapuino8 "$bins/gap_fuser-gapuino8.elf" "Wait for fuse operation"
+milestone gap_flasher-gapuino9 "$bins/gap_flasher-gapuino9.elf" "this program is for GAP9"
+milestone gap_flasher-vega "$bins/gap_flasher-vega.elf" "this program is for GAP9"
+exit $failed
