@@ -5,6 +5,7 @@
 #include "memory/bus.hpp"
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 

@@ -4,6 +4,7 @@
 #include "mebots/assert.hpp"
 #include "mebots/error.hpp"
 
+#include <algorithm>
 #include <bit>
 
 namespace mebots::soc::gap8_devices {
@@ -92,14 +93,12 @@ bool Mchan::start(unsigned who, Draft& draft, std::uint64_t tick) {
 }
 
 Mchan::Ended Mchan::ended(std::uint32_t tag, std::uint64_t tick) {
-  const auto counter = tag >> kTagCounterShift;
-  MEBOTS_ASSERT(counter < kCounters && bytes_to_come_[counter] >= (tag & kSizeMask));
-  bytes_to_come_[counter] -= tag & kSizeMask;
+  const auto counter = tag >> kTagCounterShift & (kCounters - 1);
+  bytes_to_come_[counter] -= std::min(tag & kSizeMask, bytes_to_come_[counter]);
   if (!waiting_.empty()) {
     const auto next = waiting_.front();
     waiting_.erase(waiting_.begin());
-    [[maybe_unused]] const bool started = dma_.enqueue(next.who, next.what, next.out, tick);
-    MEBOTS_ASSERT(started, "it fitted, and a transfer has just ended");
+    dma_.enqueue(next.who, next.what, next.out, tick);  // it fitted, and a transfer has just ended
   }
   if (bytes_to_come_[counter] != 0) return {};
   return {(tag & kRaisesEvent) != 0, (tag & kRaisesInterrupt) != 0, (tag & kRaisesForAll) != 0};
@@ -120,6 +119,11 @@ void Mchan::visit(state::Visitor& v) {
   for (const auto& draft : drafts_) {
     if (draft.counter >= kCounters || draft.words.size() >= kMostWords) {
       throw Error(ErrorCode::state_damaged, "a saved state is damaged: a command of the cluster's DMA is none");
+    }
+  }
+  for (const auto& command : waiting_) {
+    if (command.who >= kRequesters) {
+      throw Error(ErrorCode::state_damaged, "a saved state is damaged: a command of the cluster's DMA is nobody's");
     }
   }
 }

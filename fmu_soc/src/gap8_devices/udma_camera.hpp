@@ -5,6 +5,7 @@
 #include "gap8_devices/udma_host.hpp"
 #include "gap8_devices/udma_peripheral.hpp"
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string_view>

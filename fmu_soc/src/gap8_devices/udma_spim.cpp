@@ -7,19 +7,16 @@
 namespace mebots::soc::gap8_devices {
 namespace {
 
-/// The upper four bits of a word.
-enum SpimCommand : std::uint32_t {
-  kSpimConfig = 0,
-  kSpimSelect = 1,
-  kSpimSendCommand = 2,
-  kSpimSendAddress = 3,
-  kSpimDummy = 4,
-  kSpimWait = 5,
-  kSpimSendData = 6,
-  kSpimReceiveData = 7,
-  kSpimRepeat = 8,
-  kSpimEnd = 9,
-};
+/// Commands: the upper four bits of a word.
+constexpr std::uint32_t kSpimConfig = 0;
+constexpr std::uint32_t kSpimSelect = 1;
+constexpr std::uint32_t kSpimSendCommand = 2;
+constexpr std::uint32_t kSpimSendAddress = 3;
+constexpr std::uint32_t kSpimDummy = 4;
+constexpr std::uint32_t kSpimWait = 5;
+constexpr std::uint32_t kSpimSendData = 6;
+constexpr std::uint32_t kSpimReceiveData = 7;
+constexpr std::uint32_t kSpimEnd = 9;
 constexpr unsigned kSpimCommandShift = 28;
 constexpr unsigned kSpimSizeShift = 16;
 constexpr std::uint32_t kWordBits = 32;
