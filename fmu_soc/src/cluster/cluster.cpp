@@ -89,8 +89,13 @@ void Cluster::advance(Picoseconds until, Picoseconds last, std::uint64_t cycle_l
   // Awake, a core counts a cycle a tick: the limit is not near before so many ticks have passed.
   const auto begin = start;
   const auto far_from_limit = cycle_limit - std::min(longest_cycles() + kFarthestAhead, cycle_limit);
+  bool goes_on_in_step = false;  // nothing has come between
   do {
-    start = run_quantum(start, std::max(end, start + 1));
+    const auto most = std::max(end, start + 1);
+    goes_on_in_step = goes_on_in_step && awake_ > 1 && !dma_.busy() && !banks_.must_start_over(start) &&
+                      last_ready_ < std::min(start + kQuantum, most);
+    start = goes_on_in_step ? run_quantum_in_step(start, most) : run_quantum(start, most);
+    goes_on_in_step = in_step_;
   } while (start < stop && !has_news_ && (start - begin < far_from_limit || longest_cycles() < cycle_limit));
 }
 
@@ -133,8 +138,33 @@ std::uint64_t Cluster::run_quantum(std::uint64_t start, std::uint64_t until) {
   auto end = std::min(start + (sharing_banks_ ? kQuantum : kLongQuantum), until);
   if (dma_first_) dma_.occupy(banks_, end);
   run_cores(start, end);
+  next_in_front();
+  return finish_quantum(end);
+}
+
+/// Behind the quantum just begun the next core and the other of DMA and cores come first.
+void Cluster::next_in_front() {
   if (++first_core_ == cores()) first_core_ = 0;
   dma_first_ = !dma_first_;
+}
+
+/// As run_quantum, right behind one in which all cores that are awake have stayed in translated code, with nothing else
+/// to happen: only their ticks have changed, and the table of banks goes on.
+std::uint64_t Cluster::run_quantum_in_step(std::uint64_t start, std::uint64_t until) {
+  MEBOTS_ASSERT(sharing_banks_ && start > banks_.start());
+  banks_.move_to(start);
+  const auto end = std::min(start + kQuantum, until);
+  rotate_queue();
+  next_in_front();
+  const auto round = Hart::run_round_robin(queue_.front()->hart(), end);
+  if (round.broke_off == nullptr) return keep_in_step();
+  in_step_ = false;
+  run_queue(note_round(0, round), start, end);
+  return finish_quantum(end);
+}
+
+/// What no core does without asking, in the order of its ticks. The answer is when the next quantum starts.
+std::uint64_t Cluster::finish_quantum(std::uint64_t end) {
   while (faulted_core_ < 0 && !stopped_) {
     if (!sharing_banks_) {
       share_banks();
@@ -194,7 +224,12 @@ void Cluster::run_cores(std::uint64_t start, std::uint64_t end) {
     queue_cores(end);
   }
   in_step_ = false;
-  for (std::size_t i = 0; i < queue_.size();) {
+  run_queue(0, start, end);
+}
+
+/// The queue from its place `i` on.
+void Cluster::run_queue(std::size_t i, std::uint64_t start, std::uint64_t end) {
+  while (i < queue_.size()) {
     if (!can_resume(queue_[i]->hart(), start)) {
       run_core(*queue_[i++], end);
       continue;
@@ -204,19 +239,30 @@ void Cluster::run_cores(std::uint64_t start, std::uint64_t end) {
       keep_in_step();
       return;
     }
-    while (i < queue_.size() && &queue_[i]->hart() != round.broke_off) queue_[i++]->stopped(Stop::limit);
-    if (round.ran) note_stop(*queue_[i++], round.stop);
+    i = note_round(i, round);
   }
 }
 
+/// What a round from place `i` on has done; the answer is the place behind.
+std::size_t Cluster::note_round(std::size_t i, const Hart::RoundEnd& round) {
+  while (i < queue_.size() && &queue_[i]->hart() != round.broke_off) queue_[i++]->stopped(Stop::limit);
+  if (round.ran) note_stop(*queue_[i++], round.stop);
+  return i;
+}
+
 /// All cores of the queue have come to the end of the quantum in translated code: nothing but their ticks has changed.
-void Cluster::keep_in_step() {
+/// The answer is when the first of them goes on.
+std::uint64_t Cluster::keep_in_step() {
   last_ready_ = 0;
+  auto first = kNoTick;
   for (auto* core : queue_) {
     core->stopped(Stop::limit);
-    last_ready_ = std::max(last_ready_, ready_[core->id()]);
+    const auto ready = ready_[core->id()];
+    last_ready_ = std::max(last_ready_, ready);
+    first = std::min(first, ready);
   }
   in_step_ = queue_.size() == awake_;
+  return first;
 }
 
 /// Whether the hart, and who comes behind it, may run a round from `start` on.

@@ -130,14 +130,19 @@ class Cluster {
   class Core;
 
   std::uint64_t run_quantum(std::uint64_t start, std::uint64_t until);
+  std::uint64_t run_quantum_in_step(std::uint64_t start, std::uint64_t until);
+  std::uint64_t finish_quantum(std::uint64_t end);
+  void next_in_front();
   void share_banks();
   void drop_resume_points();
   void move_banks(std::uint64_t tick);
   std::uint64_t first_ready() const;
   void queue_cores(std::uint64_t end);
   void rotate_queue();
-  void keep_in_step();
+  std::uint64_t keep_in_step();
   void run_cores(std::uint64_t start, std::uint64_t end);
+  void run_queue(std::size_t i, std::uint64_t start, std::uint64_t end);
+  std::size_t note_round(std::size_t i, const Hart::RoundEnd& round);
   bool can_resume(const Hart& hart, std::uint64_t start);
   void run_core(Core& core, std::uint64_t end);
   void note_stop(Core& core, Stop stop);
