@@ -10,24 +10,17 @@ namespace {
 bool reads_rs1(Op op) {
   return traits_of(op).kind != OpKind::csr_immediate;
 }
-bool reads_rs2(Op op) {
-  return op != Op::p_beqimm && op != Op::p_bneimm && !is_hardware_loop(op);
-}
 
 unsigned own_cycles(const Timing& timing, const Current& current) {
-  if (is_multiply_high(current.op)) return kMultiplyHighCycles;
-  if (is_divide(current.op)) return kDivideBaseCycles;
   if (is_csr(current.op)) return timing.csr_cycles(static_cast<unsigned>(current.imm));
-  if (current.op == Op::fence || current.op == Op::fence_i) return kFenceCycles;
-  if (current.op == Op::mret) return kMretCycles;
-  return 1;
+  return traits_of(current.op).cycles;
 }
 
 /// A register is needed from, or written after, a load that is one cycle away.
 bool load_stall(const Timing& timing, const Previous& load, const Current& current) {
   if (!is_load(load.op) || load.rd == 0 || load.rd > 31) return false;
   if (reads_rs1(current.op) && current.rs1 == load.rd) return true;
-  if (reads_rs2(current.op) && current.rs2 == load.rd) return true;
+  if (traits_of(current.op).reads_rs2 && current.rs2 == load.rd) return true;
   if (current.rs3 == load.rd) return true;
   if (is_store(current.op)) {
     const bool has_offset = traits_of(current.op).mode == AddressMode::offset;  // where others have rd

@@ -37,12 +37,8 @@ struct Timing {
 inline constexpr unsigned kTakenBranchExtra = 2;
 inline constexpr unsigned kUnalignedTargetExtra = 1;
 inline constexpr unsigned kMisalignedExtra = 1;
-inline constexpr unsigned kMultiplyHighCycles = 5;
-inline constexpr unsigned kDivideBaseCycles = 3;
-inline constexpr unsigned kFenceCycles = 4;
-/// Measured together as 9 (ecall + mret); the split is ours.
+/// Measured together with mret as 9; the split is ours.
 inline constexpr unsigned kTrapEntryCycles = 4;
-inline constexpr unsigned kMretCycles = 5;
 
 /// What the pipeline still knows of an earlier instruction.
 struct Previous {

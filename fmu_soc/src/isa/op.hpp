@@ -49,6 +49,13 @@ constexpr bool has_step_register(AddressMode mode) {
 /// What a SIMD comparison asks of each pair of parts.
 enum class Relation : std::uint8_t { eq, ne, gt, ge, lt, le };
 
+// Cycles of instructions that take more than one, as measured on the RTL (hart/timing.hpp).
+inline constexpr unsigned kMultiplyHighCycles = 5;
+inline constexpr unsigned kDivideBaseCycles = 3;
+inline constexpr unsigned kFenceCycles = 4;
+/// Measured together with the entry of a trap as 9; the split is ours.
+inline constexpr unsigned kMretCycles = 5;
+
 /// What is the same for all encodings of an operation. What means nothing for a kind is as it stands here.
 struct OpTraits {
   OpKind kind = OpKind::other;
@@ -63,6 +70,8 @@ struct OpTraits {
   bool subtracts = false;
   bool high = false;        // takes the upper halves
   bool ends_block = false;  // the next instruction is not known, or what it does may depend on this one
+  unsigned cycles = 1;      // of its own, without what only execution tells; of a CSR access see Timing::csr_cycles
+  bool reads_rs2 = true;    // false: in its place stands a value or the number of a loop
 };
 
 namespace op_rows {
@@ -85,8 +94,18 @@ constexpr OpTraits compares(std::uint8_t parts, Relation relation, bool sign) {
 constexpr OpTraits dot_product(std::uint8_t parts, bool sign, bool second_sign, bool adds) {
   return {.kind = OpKind::dot_product, .parts = parts, .sign = sign, .second_sign = second_sign, .reads_rd = adds};
 }
-constexpr OpTraits ends(OpKind kind) {
-  return {.kind = kind, .ends_block = true};
+constexpr OpTraits ends(OpKind kind, unsigned cycles = 1) {
+  return {.kind = kind, .ends_block = true, .cycles = cycles};
+}
+constexpr OpTraits takes(OpKind kind, unsigned cycles) {
+  return {.kind = kind, .cycles = cycles};
+}
+constexpr OpTraits branches_on_value() {
+  return {.kind = OpKind::branch, .reads_rs2 = false};
+}
+/// One that sets where a loop ends may make blocks end there.
+constexpr OpTraits hardware_loop(bool sets_end) {
+  return {.kind = OpKind::hardware_loop, .ends_block = sets_end, .reads_rs2 = false};
 }
 
 inline constexpr auto kTraits = std::to_array<OpTraits>({

@@ -44,7 +44,7 @@ Registers allocate(const Region& region) {
     for (const auto* at = node.first; !is_block_end(at->op); ++at) {
       counted.add(*at, at->rd, node.weight);
       counted.add(*at, at->rs1, node.weight);
-      if (!is_hardware_loop(at->op)) counted.add(*at, at->rs2, node.weight);
+      if (traits_of(at->op).reads_rs2) counted.add(*at, at->rs2, node.weight);
       if (is_store(at->op) && has_step_register(traits_of(at->op).mode)) {
         counted.add(*at, static_cast<std::uint8_t>(at->imm), node.weight);  // offset or increment
       }
