@@ -10,6 +10,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -131,6 +132,12 @@ class BlockCache {
   /// Instructions decoded since construction, those decoded again counted again.
   std::uint64_t decoded() const { return decoded_; }
 
+  /// The instruction word at `pc`; nothing where none can be fetched.
+  std::optional<std::uint32_t> word_at(std::uint32_t pc) const {
+    std::uint32_t word = 0;
+    std::uint32_t fault_address = 0;
+    return fetch(memory_, pc, word, fault_address) ? std::optional(word) : std::nullopt;
+  }
   /// Reads an instruction word. False: it cannot be fetched, and `fault_address` is where.
   static bool fetch(const Memory& memory, std::uint32_t pc, std::uint32_t& word, std::uint32_t& fault_address);
 

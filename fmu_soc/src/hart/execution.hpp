@@ -101,7 +101,11 @@ struct HostState {
   std::uint64_t instruction_fj = 0;  // of it
 };
 
-/// What the handlers work on.
+/// No pc of an instruction: none is odd.
+inline constexpr std::uint32_t kNoPc = 1;
+
+/// The state of a core that its handlers and translated code work on, and the block in progress: while that runs, the
+/// counters and the pipeline are those of its start.
 struct Execution {
   std::array<std::uint32_t, 33> x{};  // x[0] stays 0; x[32] takes what is written to x0
   std::uint32_t pc = 0;
@@ -124,8 +128,62 @@ struct Execution {
   Leave leave = Leave::normal;
   std::uint32_t trap_cause = 0;
   std::uint32_t trap_value = 0;
+  std::uint32_t cut_pc = kNoPc;  // behind an instruction that ran alone, or where a trap returned to
   Hart* hart = nullptr;
   HostState host;
+
+  /// The next instruction of a run must begin in the interpreter.
+  void drop_resume_point() { host.resume_point = nullptr; }
+
+  // The block in progress. What leaves it gives null, for the handler to do so too.
+
+  /// `stall`: what its first instruction waits for a load.
+  void begin_block(std::uint32_t cycles, std::uint32_t stall, const Instruction* slow_load_before) {
+    extra_cycles = cycles + stall;
+    first_stall = stall;
+    redirected = false;
+    slow_load = slow_load_before;
+  }
+  std::uint32_t stalled_before(const Instruction* at) const { return at->index == 0 ? first_stall : 0U; }
+  /// The active cycle in which an instruction starts.
+  std::uint64_t cycle_of(const Instruction* at) const { return counters.cycles + at->cycles_before + extra_cycles; }
+  /// Likewise, as devices and counters see it: a stall for the load before comes from the instruction's start on, at
+  /// the start of a block as in its middle. An instruction that is left before it has done anything has not stalled
+  /// yet.
+  std::uint64_t start_of(const Instruction* at) const { return cycle_of(at) - stalled_before(at); }
+  const Instruction* leave_after(const Instruction* at, Leave why);
+  const Instruction* leave_before(const Instruction* at, Leave why);
+  /// Leaves in front of an instruction that raises an exception.
+  const Instruction* raise(const Instruction* at, std::uint32_t cause, std::uint32_t value);
+  /// Adds up what retired before `exit`.
+  void count_up_to(const Instruction& last) {
+    counters.instructions += last.index;
+    counters.cycles += last.cycles_before + extra_cycles;
+    counters.instruction_fj += last.energy_before_fj;
+    counters.accesses += last.accesses_before;
+  }
+  /// Likewise, of all of it, and what the pipeline holds then.
+  void finish_block();
+  /// Notes the last two instructions of a block that was left straight on, before `last`.
+  void remember(const Instruction* last);
 };
+
+inline void Execution::finish_block() {
+  count_up_to(*exit);
+  if (redirected) {
+    pipeline = {};
+  } else {
+    remember(exit);
+  }
+}
+
+inline void Execution::remember(const Instruction* last) {
+  const auto previous = [this](const Instruction& instruction) {
+    return executed(instruction, slow_load == &instruction);
+  };
+  if (last->index == 0) return;
+  pipeline.two_before = last->index >= 2 ? previous(last[-2]) : pipeline.before;
+  pipeline.before = previous(last[-1]);
+}
 
 }  // namespace mebots::soc

@@ -61,7 +61,7 @@ const Instruction* nothing(Execution& e, const Instruction* at) {
 }
 
 const Instruction* fence_instructions(Execution& e, const Instruction* at) {
-  e.hart->flush_fetched();
+  e.hart->fetch().flush();
   return next(e, at);
 }
 
@@ -73,22 +73,22 @@ const Instruction* end_of_block(Execution& e, const Instruction* at) {
 }
 
 const Instruction* illegal(Execution& e, const Instruction* at) {
-  return e.hart->raise(at, cause::kIllegalInstruction, static_cast<std::uint32_t>(at->imm));
+  return e.raise(at, cause::kIllegalInstruction, static_cast<std::uint32_t>(at->imm));
 }
 const Instruction* environment_call(Execution& e, const Instruction* at) {
-  return e.hart->raise(at, cause::kMachineEcall, 0);
+  return e.raise(at, cause::kMachineEcall, 0);
 }
 const Instruction* breakpoint(Execution& e, const Instruction* at) {
-  return e.hart->raise(at, cause::kBreakpoint, at->pc);
+  return e.raise(at, cause::kBreakpoint, at->pc);
 }
 const Instruction* csr_access(Execution& e, const Instruction* at) {
-  return e.hart->csr_access(at);
+  return e.hart->csrs().access(at);
 }
 const Instruction* trap_return(Execution& e, const Instruction* at) {
-  return e.hart->trap_return(at);
+  return e.hart->traps().leave_handler(at);
 }
 const Instruction* wait_for_interrupt(Execution& e, const Instruction* at) {
-  return e.hart->wait_for_interrupt(at);
+  return e.leave_after(at, Leave::sleep);
 }
 
 }  // namespace

@@ -26,7 +26,7 @@ constexpr bool is_post(Mode mode) {
   }
 }
 
-/// After slow_load or slow_store: whether the access took place, or is a trap or for another time.
+/// After an access by the slow way: whether the access took place, or is a trap or for another time.
 bool retired(const Execution& e, const Instruction* at) {
   return e.exit == at + 1;
 }
@@ -66,7 +66,7 @@ template <typename T, Mode kMode>
   const auto address = addresses_of<kMode>(e, at, at->rs2);
   const auto ram = ram_access<sizeof(T)>(e, at, address.access);
   if (ram.data == nullptr) {
-    const auto* left = e.hart->slow_load(at, address.access, sizeof(T), std::is_signed_v<T>);
+    const auto* left = e.hart->data_path().load(at, address.access, sizeof(T), std::is_signed_v<T>);
     if (is_post(kMode) && retired(e, at) && at->rd != at->rs1) increment(e, at, address.moved);
     return left;
   }
@@ -98,7 +98,7 @@ template <typename T, Mode kMode>
   const auto address = addresses_of<kMode>(e, at, static_cast<std::uint32_t>(at->imm));
   const auto ram = ram_access<sizeof(T)>(e, at, address.access);
   if (ram.data == nullptr) {
-    const auto* left = e.hart->slow_store(at, address.access, sizeof(T), e.x[at->rs2]);
+    const auto* left = e.hart->data_path().store(at, address.access, sizeof(T), e.x[at->rs2]);
     if (is_post(kMode) && retired(e, at)) increment(e, at, address.moved);
     return left;
   }
@@ -108,7 +108,7 @@ template <typename T, Mode kMode>
     e.extra_cycles += kMisalignedExtra;
     marks |= ram.marks[1];
   }
-  return marks != 0 ? e.hart->marked_store(at, address.access, sizeof(T)) : next(e, at);
+  return marks != 0 ? e.hart->data_path().stored_over_mark(at, address.access, sizeof(T)) : next(e, at);
 }
 
 template <typename T, Mode kMode>
@@ -119,7 +119,7 @@ const Instruction* store(Execution& e, const Instruction* at) {
     return careful_store<T, kMode>(e, at);
   finish_store<T, kMode>(e, at, ram.data, address.moved);
   if (*ram.marks != 0) [[unlikely]]
-    return e.hart->marked_store(at, address.access, sizeof(T));
+    return e.hart->data_path().stored_over_mark(at, address.access, sizeof(T));
   return next(e, at);
 }
 
@@ -138,7 +138,7 @@ Handler handler_in_mode(const OpTraits& op) {
 }  // namespace
 
 const Instruction* event_load(Execution& e, const Instruction* at) {
-  return e.hart->event_load(at);
+  return e.hart->data_path().event_load(at);
 }
 
 Handler memory_handler_of(Op op) {

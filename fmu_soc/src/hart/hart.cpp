@@ -6,32 +6,20 @@
 #include "mebots/assert.hpp"
 
 #include <algorithm>
-#include <cstring>
-#include <type_traits>
 #include <utility>
 
 namespace mebots::soc {
-namespace {
-
-FastRegion fast_region(Memory& memory, const MemoryPort& port) {
-  auto& region = memory.regions()[port.region];
-  return {region.base, region.size - 3, region.data.get(), region.marks.get(), port.wait_cycles, port.banks};
-}
-
-std::uint32_t loaded(std::uint32_t value, unsigned size, bool sign) {
-  if (size == 1) return sign ? static_cast<std::uint32_t>(static_cast<std::int8_t>(value)) : value & 0xffU;
-  if (size == 2) return sign ? static_cast<std::uint32_t>(static_cast<std::int16_t>(value)) : value & 0xffffU;
-  return value;
-}
-
-}  // namespace
 
 Hart::Hart(Memory& memory, Bus& bus, std::shared_ptr<DecodedCode> decoded)
     : memory_(memory),
       bus_(bus),
-      timing_(decoded->blocks.timing()),
       decoded_(std::move(decoded)),
-      cache_(decoded_->blocks) {
+      cache_(decoded_->blocks),
+      csrs_(execution_, cache_, cache_.timing()),
+      traps_(execution_, csrs_, cache_),
+      data_path_(execution_, memory, bus),
+      fetch_(execution_),
+      flow_notes_(execution_, *decoded_) {
   execution_.hart = this;
   std::vector<MemoryPort> ports(memory.regions().size());
   for (std::size_t i = 0; i < ports.size(); ++i) ports[i].region = i;
@@ -39,43 +27,9 @@ Hart::Hart(Memory& memory, Bus& bus, std::shared_ptr<DecodedCode> decoded)
 }
 
 void Hart::connect(std::span<const MemoryPort> ports) {
-  ports_.assign(ports.begin(), ports.end());
-  std::uint32_t longest_wait = 0;
-  for (std::size_t i = 0; i < 2; ++i) {
-    const bool is_fast = i < ports.size() && ports[i].moved == 0;
-    const auto ram = is_fast ? fast_region(memory_, ports[i]) : FastRegion{};
-    // Translated code holds all of it but who else is there.
-    if (ram.data != execution_.ram[i].data || ram.wait_cycles != execution_.ram[i].wait_cycles) {
-      decoded_->drop_translations();
-    }
-    execution_.ram[i] = ram;
-  }
-  for (const auto& port : ports) longest_wait = std::max(longest_wait, port.wait_cycles);
-  cache_.set_longest_wait(longest_wait);
-}
-
-void Hart::share_first(BankSchedule* banks) {
-  ports_.front().banks = banks;
-  execution_.ram[0].banks = banks;
-}
-
-const MemoryPort* Hart::port_of(std::uint32_t address, unsigned size) const {
-  for (const auto& port : ports_) {
-    if (memory_.regions()[port.region].holds(address - port.moved, size)) return &port;
-  }
-  return nullptr;
-}
-
-/// What ram_access does on the fast path.
-void Hart::wait_for_ram(const Instruction* at, const MemoryPort& port, std::uint32_t address, unsigned size) {
-  auto& e = execution_;
-  const bool twice = crosses_word(address, size);
-  e.extra_cycles += twice ? 2 * port.wait_cycles : port.wait_cycles;
-  if (port.banks != nullptr) {
-    e.extra_cycles += port.banks->claim(cycle_of(at), address);
-    if (twice) e.extra_cycles += port.banks->claim(cycle_of(at) + 1, address + 4);
-  }
-  if (port.region != ports_.front().region) ++e.far_accesses;
+  // Translated code holds all of the fast memories but who else is there.
+  if (data_path_.connect(ports)) decoded_->drop_translations();
+  cache_.set_longest_wait(data_path_.longest_wait());
 }
 
 void Hart::reset(std::uint32_t pc) {
@@ -89,21 +43,16 @@ void Hart::restart(std::uint32_t pc) {
   execution_.x = {};
   execution_.pc = pc;
   execution_.loops = {};
-  csrs_ = {};
-  if (has_event_unit_) csrs_.mie = ~0U;
-  csrs_.cycle_base = execution_.counters.cycles;
-  csrs_.instret_base = execution_.counters.instructions;
-  fault_ = {};
+  csrs_.restart();
+  traps_.restart();
   execution_.pipeline = {};
   wake();
-  interrupt_ready_ = false;
-  exception_repeats_ = 0;
   drop_resume_point();
 }
 
 Stop Hart::run(std::uint64_t limit) {
   auto& e = execution_;
-  if (fault_.happened) return Stop::fault;
+  if (traps_.fault().happened) return Stop::fault;
   cache_.forget_if_stale();
   if (!stays_awake()) return Stop::sleeping;
   e.link = nullptr;
@@ -115,7 +64,7 @@ Stop Hart::run(std::uint64_t limit) {
 Stop Hart::go_on(std::uint64_t limit, bool left_translated) {
   auto& e = execution_;
   limit = std::min(limit, kAbsent);
-  unsettled_ = fetch_unsettled() ? kAbsent : 0;
+  note_unsettled();
   for (;;) {
     if (cache_.forget_if_stale()) [[unlikely]]
       e.link = nullptr;
@@ -129,9 +78,9 @@ Stop Hart::go_on(std::uint64_t limit, bool left_translated) {
       return Stop::limit;
     }
     e.host.resume_point = nullptr;
-    if (interrupt_ready_) {
+    if (csrs_.interrupt_ready()) {
       take_interrupt();
-      if (fault_.happened) return Stop::fault;
+      if (traps_.fault().happened) return Stop::fault;
       left_translated = false;
       continue;
     }
@@ -140,7 +89,7 @@ Stop Hart::go_on(std::uint64_t limit, bool left_translated) {
       cache_.forget_if_stale();  // a debugger may have changed code, or the pc
       number = 0;
       e.link = nullptr;
-      cut_pc_ = kNoPc;
+      execution_.cut_pc = kNoPc;
     }
     if (number == 0) number = following();
     e.link = nullptr;
@@ -178,7 +127,8 @@ inline std::uint32_t Hart::following() {
     return next;
   }
   if (link != nullptr && *link != 0 && cache_.block(*link).pc == execution_.pc) return *link;
-  if (link == nullptr && execution_.pc == cut_pc_ && !has_loose_limit()) return cache_.known(cut_pc_);
+  if (link == nullptr && execution_.pc == execution_.cut_pc && !has_loose_limit())
+    return cache_.known(execution_.cut_pc);
   return following_block(execution_.link);
 }
 
@@ -203,8 +153,8 @@ void Hart::step() {
     e.leave = Leave::trap;
     return;
   }
-  cut_pc_ = first[1].pc;
-  execute(first, fetched_ != nullptr ? fetch(first, e.counters.cycles) : 0);
+  execution_.cut_pc = first[1].pc;
+  execute(first, fetch_.is_cached() ? fetch_.bring(first, e.counters.cycles) : 0);
   e.link = nullptr;
 }
 
@@ -234,7 +184,7 @@ inline bool Hart::run_block(std::uint32_t number, std::uint64_t limit, bool left
   }
   if (early_jump || !may_run) [[unlikely]] {
     if (early_jump || bound < kAbsent || !fetch_and_execute(block, stall, limit)) step();
-    unsettled_ = fetch_unsettled() ? kAbsent : 0;
+    note_unsettled();
   } else if (translation_on_) {
     execute(cache_.instructions(block), 0, stall);
   } else {
@@ -258,7 +208,8 @@ inline void Hart::interpret(const Block& block, std::uint32_t stall, std::uint64
   auto& e = execution_;
   execute(cache_.instructions(block), 0, stall);
   // Only the limit and the lines are to be checked.
-  while (e.link != nullptr && *e.link != 0 && e.leave == Leave::normal && !interrupt_ready_ && !cache_.is_stale()) {
+  while (e.link != nullptr && *e.link != 0 && e.leave == Leave::normal && !csrs_.interrupt_ready() &&
+         !cache_.is_stale()) {
     const auto& next = cache_.block(*e.link);
     if (next.pc != e.pc || !cache_.is_present(next)) return;
     if (jumps_too_early(next)) return;
@@ -282,8 +233,8 @@ Stop Hart::leave() {
         set_pc(e.pc + 4);
         return Stop::device;
       }
-      take_trap(e.trap_cause, e.trap_value);
-      return fault_.happened ? Stop::fault : Stop::limit;
+      if (traps_.take_exception()) entered_handler();
+      return traps_.fault().happened ? Stop::fault : Stop::limit;
     case Leave::device:
       return Stop::device;
     case Leave::stop:
@@ -326,19 +277,9 @@ inline const translate::Entry* Hart::translated(std::uint32_t number, const Bloc
 
 void Hart::execute(const Instruction* first, std::uint32_t extra_cycles, std::uint32_t stall,
                    const Instruction* slow_load) {
-  begin_block(extra_cycles, stall, slow_load);
+  execution_.begin_block(extra_cycles, stall, slow_load);
   for (const auto* at = first; at != nullptr;) at = at->run(execution_, at);
-  finish_block();
-}
-
-/// Adds up what a block has done until it was left.
-void Hart::finish_block() {
-  count_up_to(*execution_.exit);
-  if (execution_.redirected) {
-    execution_.pipeline = {};
-  } else {
-    remember(execution_.exit);
-  }
+  execution_.finish_block();
 }
 
 /// A debugger moves the pc: what the pipeline held is gone.
@@ -350,116 +291,21 @@ void Hart::set_pc(std::uint32_t pc) {
   drop_resume_point();
 }
 
-/// Notes the last two instructions of a block that was left straight on, before `exit`.
-void Hart::remember(const Instruction* exit) {
-  const auto previous = [this](const Instruction& instruction) {
-    return executed(instruction, execution_.slow_load == &instruction);
-  };
-  if (exit->index == 0) return;
-  execution_.pipeline.two_before = exit->index >= 2 ? previous(exit[-2]) : execution_.pipeline.before;
-  execution_.pipeline.before = previous(exit[-1]);
+/// Behind Traps::enter_handler: the pc is at the handler.
+void Hart::entered_handler() {
+  if (observer_ != nullptr) observer_->trapped(*this, csrs_.last_trap());
+  execution_.counters.cycles += kTrapEntryCycles;
 }
 
-void Hart::set_interrupt(unsigned bit, bool level) {
-  const auto mask = 1U << bit;
-  csrs_.mip = level ? csrs_.mip | mask : csrs_.mip & ~mask;
-  update_interrupts();
-}
-
-const Instruction* Hart::leave_after(const Instruction* at, Leave why) {
-  auto& e = execution_;
-  e.pc = at[1].pc;
-  e.exit = at + 1;
-  if (at[1].op == Op::loop_end) at[1].run(e, at + 1);
-  e.link = nullptr;
-  e.leave = why;
-  return nullptr;
-}
-
-const Instruction* Hart::leave_before(const Instruction* at, Leave why) {
-  auto& e = execution_;
-  e.extra_cycles -= stalled_before(at);
-  e.pc = at->pc;
-  e.exit = at;
-  e.link = nullptr;
-  e.leave = why;
-  return nullptr;
-}
-
-const Instruction* Hart::slow_load(const Instruction* at, std::uint32_t address, unsigned size, bool sign) {
-  auto& e = execution_;
-  std::uint32_t value = 0;
-  if (const auto* port = port_of(address, size); port != nullptr) {
-    const auto& region = memory_.regions()[port->region];
-    const auto place = address - port->moved;
-    wait_for_ram(at, *port, place, size);
-    std::memcpy(&value, region.data.get() + (place - region.base), size);
-    e.x[at->rd] = loaded(value, size, sign);
-    if (crosses_word(address, size)) {
-      e.extra_cycles += kMisalignedExtra;
-      e.slow_load = at;
-    }
-    return leave_after(at, Leave::normal);
-  }
-  if (size != 4 || address % 4 != 0) return raise(at, cause::kLoadAccess, address);
-  return finish_load(at, address, bus_.load(address, start_of(at)));
-}
-
-const Instruction* Hart::event_load(const Instruction* at) {
-  auto& e = execution_;
-  const auto address = e.x[at->rs1] + static_cast<std::uint32_t>(at->imm);
-  if (address % 4 != 0 || port_of(address, 4) != nullptr) return slow_load(at, address, 4, true);
-  const auto reply = bus_.load_event(address, start_of(at));
-  if (reply.kind == BusReply::Kind::blocked) return leave_before(at, Leave::event);
-  return finish_load(at, address, reply);
-}
-
-const Instruction* Hart::finish_load(const Instruction* at, std::uint32_t address, const BusReply& reply) {
-  auto& e = execution_;
-  if (reply.kind == BusReply::Kind::later) return leave_before(at, Leave::turn);
-  if (reply.kind != BusReply::Kind::done) return raise(at, cause::kLoadAccess, address);
-  e.x[at->rd] = reply.value;
-  e.extra_cycles += reply.wait_cycles;
-  ++e.counters.device_accesses;
-  return leave_after(at, Leave::device);
-}
-
-const Instruction* Hart::slow_store(const Instruction* at, std::uint32_t address, unsigned size, std::uint32_t value) {
-  auto& e = execution_;
-  if (const auto* port = port_of(address, size); port != nullptr) {
-    auto& region = memory_.regions()[port->region];
-    const auto place = address - port->moved;
-    wait_for_ram(at, *port, place, size);
-    std::memcpy(region.data.get() + (place - region.base), &value, size);
-    if (crosses_word(address, size)) e.extra_cycles += kMisalignedExtra;
-    const auto* next = marked_store(at, place, size);
-    return next == nullptr ? nullptr : leave_after(at, Leave::normal);
-  }
-  const bool is_word = size == 4 && address % 4 == 0;
-  const auto reply =
-      is_word ? bus_.store(address, start_of(at), value) : bus_.store_narrow(address, start_of(at), value, size);
-  if (reply.kind == BusReply::Kind::later) return leave_before(at, Leave::turn);
-  if (reply.kind != BusReply::Kind::done) return raise(at, cause::kStoreAccess, address);
-  e.extra_cycles += reply.wait_cycles;
-  ++e.counters.device_accesses;
-  return leave_after(at, Leave::device);
-}
-
-const Instruction* Hart::marked_store(const Instruction* at, std::uint32_t address, unsigned size) {
-  memory_.changed(address, size);
-  if (memory_.marked(address, size, Region::kWatch) && bus_.watched(address)) return leave_after(at, Leave::stop);
-  // With a loose limit the block runs to its end as it was at its start, and is forgotten then: where a core stops must
-  // not depend on what has been decoded.
-  return has_loose_limit() ? at + 1 : leave_after(at, Leave::normal);
+void Hart::take_interrupt() {
+  const auto number = traps_.next_interrupt();
+  if (traps_.enter_handler(cause::kInterrupt | number, 0)) entered_handler();
+  if (csrs_.has_event_unit()) bus_.interrupt_taken(number);
 }
 
 const Instruction* Hart::set_loop_end(const Instruction* at, unsigned loop, std::uint32_t pc) {
   execution_.loops[loop].end = pc;
-  return cache_.end_block_at(pc) ? leave_after(at, Leave::normal) : at + 1;
-}
-
-const Instruction* Hart::wait_for_interrupt(const Instruction* at) {
-  return leave_after(at, Leave::sleep);
+  return cache_.end_block_at(pc) ? execution_.leave_after(at, Leave::normal) : at + 1;
 }
 
 void Hart::visit(state::Visitor& v) {
@@ -472,18 +318,13 @@ void Hart::visit(state::Visitor& v) {
   v("far_accesses", execution_.far_accesses);
   v("csr", csrs_);
   v("counters", execution_.counters);
-  v("fault", fault_);
+  v("traps", traps_);
   v("pipeline", execution_.pipeline);
   v("sleeping", sleeping_);
   v("waits_for_event", waits_for_event_);
-  v("interrupt_ready", interrupt_ready_);
-  v("exception_pc", exception_pc_);
-  v("exception_cause", exception_cause_);
-  v("exception_repeats", exception_repeats_);
-  v("exception_instructions", exception_instructions_);
   if (!v.restores()) return;
   execution_.x = registers;
-  cut_pc_ = kNoPc;
+  execution_.cut_pc = kNoPc;
   observer_knows_of_sleep_ = observer_ != nullptr && sleeping_;
   drop_resume_point();
   cache_.clear();

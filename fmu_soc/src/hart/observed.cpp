@@ -5,21 +5,7 @@
 #include "hart/observer.hpp"
 #include "mebots/assert.hpp"
 
-#include <algorithm>
-#include <memory>
-
 namespace mebots::soc {
-namespace {
-
-/// Cycles that translated code may stay when it notes steps: more than any block takes.
-constexpr std::uint64_t kLongestNotedRun = std::uint64_t{1} << 14;
-/// An instruction takes a cycle or more and notes one step at most. With a loose limit a block goes on behind it.
-constexpr std::size_t kMostSteps = kLongestNotedRun + BlockCache::kMaxBlockLength;
-static_assert(kLongestNotedRun >= 2 * Banks::kLongestRun,
-              "a run of a round is at most a quantum and what it is behind");
-
-}  // namespace
-
 void Hart::observe(Observer* observer) {
   observer_ = observer;
   observer_knows_of_sleep_ = observer != nullptr && sleeping_;
@@ -32,60 +18,7 @@ void Hart::observe(Observer* observer) {
 bool Hart::may_translate(const Block& block, std::uint32_t stall) const {
   if (!translation_on_) return false;
   if (observer_ != nullptr && (flow_ == nullptr || flow_ != decoded_->flow)) return false;
-  return decoded_->flow == nullptr || std::uint64_t{block.fetch_bound} + stall < kLongestNotedRun;
-}
-
-/// How far a run may go so that there is room for what it notes.
-std::uint64_t Hart::make_room_for_steps(std::uint64_t cycles) {
-  if (decoded_->flow == nullptr) return cycles;
-  if (steps_ == nullptr) {
-    steps_ = std::make_unique_for_overwrite<Flow[]>(kMostSteps);
-    execution_.host.flow = steps_.get();
-  }
-  return std::min(cycles, kLongestNotedRun);
-}
-
-/// Tells the observer what translated code has noted in the run that has just ended.
-void Hart::tell_flow() {
-  auto& e = execution_;
-  if (e.host.flow == steps_.get()) return;
-  const std::span steps(steps_.get(), e.host.flow);
-  MEBOTS_ASSERT(steps.size() <= kMostSteps);
-  e.host.flow = steps_.get();
-  if (observer_ == nullptr) return;
-  make_absolute(steps);
-  // For as long as it looks, the hart stands behind the last step.
-  const auto at_end = e.counters;
-  const auto far_at_end = e.far_accesses;
-  const auto& last = steps.back();
-  e.counters.instructions = last.instructions;
-  e.counters.cycles = last.cycles;
-  e.counters.instruction_fj = last.instruction_fj;
-  e.counters.accesses = last.accesses;
-  e.far_accesses = last.far_accesses;
-  observer_->flowed(*this, steps);
-  e.counters = at_end;
-  e.far_accesses = far_at_end;
-}
-
-/// From what translated code counts in a run to what the counters were.
-void Hart::make_absolute(std::span<Flow> steps) const {
-  const auto& host = execution_.host;
-  const auto& counters = execution_.counters;
-  const auto instructions = counters.instructions - (host.instructions & 0xffffffffU);
-  const auto accesses = counters.accesses - (host.instructions >> 32);
-  const auto instruction_fj = counters.instruction_fj - host.instruction_fj;
-  const auto* banks = decoded_->banks;
-  for (auto& step : steps) {
-    // Cycles from there to the end: the count goes down to 0, or up by a row of banks each. Less than 0 when a block
-    // was left in its middle, whose cycles are not counted yet.
-    auto left = static_cast<std::int64_t>(step.cycles - host.position);
-    if (banks != nullptr) left = -left / static_cast<std::int64_t>(banks->count());
-    step.cycles = counters.cycles - static_cast<std::uint64_t>(left);
-    step.accesses = accesses + (step.instructions >> 32);
-    step.instructions = instructions + (step.instructions & 0xffffffffU);
-    step.instruction_fj += instruction_fj;
-  }
+  return decoded_->flow == nullptr || std::uint64_t{block.fetch_bound} + stall < FlowNotes::kLongestRun;
 }
 
 /// Whether an observer for whom this code is quiet must be told of the instruction.
@@ -131,7 +64,7 @@ void Hart::run_block_observed(const Block& block, std::uint32_t stall, std::uint
   if (alone || !run_whole_block_observed(block, stall, limit)) {
     step_observed();
   }
-  unsettled_ = fetch_unsettled() ? kAbsent : 0;
+  note_unsettled();
   if (wants_all()) execution_.link = nullptr;
 }
 
@@ -147,9 +80,9 @@ bool Hart::run_whole_block_observed(const Block& block, std::uint32_t stall, std
 /// As `execute`.
 void Hart::execute_observed(const Instruction* first, std::uint32_t extra_cycles, std::uint32_t stall,
                             const Instruction* slow_load) {
-  begin_block(extra_cycles, stall, slow_load);
+  execution_.begin_block(extra_cycles, stall, slow_load);
   run_until_observed(first, nullptr);
-  finish_block();
+  execution_.finish_block();
 }
 
 /// As `run_until`, but for what need not be told. While the observer looks, counters and pc are those behind the
@@ -167,7 +100,7 @@ const Instruction* Hart::run_until_observed(const Instruction* at, const Instruc
     const bool has_retired = e.exit->index > at->index;
     if (!has_retired) return nullptr;
     const auto at_start = execution_.counters;
-    count_up_to(*e.exit);
+    execution_.count_up_to(*e.exit);
     observer_->retired(*this, retired);
     if (next != nullptr) observer_->before(*this);
     execution_.counters = at_start;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "hart/hart.hpp"
+#include "hart/execution.hpp"
 
 namespace mebots::soc {
 
@@ -53,11 +53,11 @@ template <unsigned Size>
   if (place.region == nullptr) return {};
   const auto access = count_access(e, place);
   const auto& ram = *place.region;
-  if (ram.banks != nullptr) e.extra_cycles += ram.banks->claim(e.hart->cycle_of(at), address);
+  if (ram.banks != nullptr) e.extra_cycles += ram.banks->claim(e.cycle_of(at), address);
   if constexpr (Size > 1) {
     if (crosses_word(address, Size)) {
       e.extra_cycles += ram.wait_cycles;
-      if (ram.banks != nullptr) e.extra_cycles += ram.banks->claim(e.hart->cycle_of(at) + 1, address + 4);
+      if (ram.banks != nullptr) e.extra_cycles += ram.banks->claim(e.cycle_of(at) + 1, address + 4);
     }
   }
   return access;

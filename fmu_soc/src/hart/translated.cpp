@@ -47,14 +47,14 @@ bool Hart::run_translated(const translate::Entry& entry, std::uint64_t limit) {
   set_budget(limit);
   execution_.host.next = nullptr;
   const auto& exit = *decoded_->translator->run(execution_, entry.plain).exit;
-  if (decoded_->flow != nullptr) tell_flow();
+  if (decoded_->flow != nullptr) flow_notes_.tell(*this, observer_);
   return finish_translated(exit);
 }
 
 /// Tells translated code how far it may go.
 void Hart::set_budget(std::uint64_t limit) {
   auto& host = execution_.host;
-  const auto cycles = make_room_for_steps(limit - execution_.counters.cycles);
+  const auto cycles = flow_notes_.make_room(limit - execution_.counters.cycles);
   auto* banks = decoded_->banks;
   if (banks == nullptr) {
     host.begin = std::min(cycles, kLongestRun);
@@ -83,7 +83,7 @@ bool Hart::finish_translated(const translate::Exit& exit) {
       e.counters.cycles -= stall;
     }
     const auto* slow_load = host.slow_load_when == host.instructions ? host.slow_load : nullptr;
-    if (exit.fetches || !is_present(exit.at)) {
+    if (exit.fetches || !fetch_.is_present(exit.at)) {
       resume_fetching(exit.at, exit.wait_cycles, stall, slow_load);
     } else if (observer_ != nullptr) {
       execute_observed(exit.at, exit.wait_cycles, stall, slow_load);
@@ -94,7 +94,7 @@ bool Hart::finish_translated(const translate::Exit& exit) {
   }
   if (!exit.indirect) e.pc = exit.pc;
   if (exit.straight) {
-    remember(exit.at);
+    e.remember(exit.at);
     const bool iterates = exit.at->op == Op::loop_end && e.pc != exit.at->pc;
     e.link = iterates ? loop_link(exit.at[1], e.pc) : &exit.at->link;
     note_next(*e.link);
@@ -124,7 +124,8 @@ Hart::RoundEnd Hart::run_round_robin(Hart& first, std::uint64_t limit_tick) {
   host.end = reinterpret_cast<std::uintptr_t>(decoded.banks->row(limit_tick));
   const auto [exit, execution] = decoded.translator->run(first.execution_, host.resume_point);
   if (decoded.flow != nullptr) {
-    for (auto* e = &first.execution_; e != nullptr; e = e->host.next) e->hart->tell_flow();
+    for (auto* e = &first.execution_; e != nullptr; e = e->host.next)
+      e->hart->flow_notes_.tell(*e->hart, e->hart->observer_);
   }
   if (execution == nullptr) return {};
   auto& hart = *execution->hart;

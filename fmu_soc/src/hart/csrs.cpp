@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Control and status registers: those of machine mode that CV32E40P has; with Xpulp also RI5CY's own. All others trap.
+#include "hart/csrs.hpp"
+
 #include "hart/csr_numbers.hpp"
-#include "hart/hart.hpp"
 
 namespace mebots::soc {
 namespace {
@@ -41,7 +42,46 @@ bool is_event_counter(unsigned number) {
 
 }  // namespace
 
-const Instruction* Hart::csr_access(const Instruction* at) {
+void Csrs::restart() {
+  state_ = {};
+  if (has_event_unit_) state_.mie = ~0U;
+  state_.cycle_base = execution_.counters.cycles;
+  state_.instret_base = execution_.counters.instructions;
+  interrupt_ready_ = false;
+}
+
+void Csrs::set_interrupt(unsigned bit, bool level) {
+  const auto mask = 1U << bit;
+  set_interrupts(level ? state_.mip | mask : state_.mip & ~mask);
+}
+
+void Csrs::set_interrupts(std::uint32_t lines) {
+  state_.mip = lines;
+  update_interrupts();
+}
+
+void Csrs::update_interrupts() {
+  interrupt_ready_ = state_.interrupts_on && pending() != 0;
+  if (interrupt_ready_) execution_.drop_resume_point();
+}
+
+void Csrs::enter_handler(std::uint32_t cause, std::uint32_t value) {
+  state_.mepc = execution_.pc;
+  state_.mcause = cause;
+  state_.mtval = value;
+  state_.interrupts_were_on = state_.interrupts_on;
+  state_.interrupts_on = false;
+  update_interrupts();
+}
+
+std::uint32_t Csrs::leave_handler() {
+  state_.interrupts_on = state_.interrupts_were_on;
+  state_.interrupts_were_on = true;
+  update_interrupts();
+  return state_.mepc;
+}
+
+const Instruction* Csrs::access(const Instruction* at) {
   auto& e = execution_;
   const auto number = static_cast<unsigned>(at->imm);
   const bool immediate = traits_of(at->op).kind == OpKind::csr_immediate;
@@ -54,55 +94,50 @@ const Instruction* Hart::csr_access(const Instruction* at) {
   const bool read_only = (number >> 10) == 3;
 
   // Counters count what retired before this instruction.
-  const auto saved = execution_.counters;
-  execution_.counters.instructions += at->index;
-  execution_.counters.cycles = start_of(at);
+  const auto saved = e.counters;
+  e.counters.instructions += at->index;
+  e.counters.cycles = e.start_of(at);
   std::uint32_t old = 0;
-  bool good = read_csr(number, old) && !(writes && read_only);
-  if (good && writes) good = write_csr(number, replace ? operand : set ? old | operand : old & ~operand);
-  execution_.counters = saved;
-  if (!good) {
-    std::uint32_t word = 0;
-    std::uint32_t address = 0;
-    BlockCache::fetch(memory_, at->pc, word, address);
-    return raise(at, cause::kIllegalInstruction, word);
-  }
+  bool good = read(number, old) && !(writes && read_only);
+  if (good && writes) good = write(number, replace ? operand : set ? old | operand : old & ~operand);
+  e.counters = saved;
+  if (!good) return e.raise(at, cause::kIllegalInstruction, cache_.word_at(at->pc).value_or(0));
   e.x[at->rd] = old;
-  return cache_.is_stale() ? leave_after(at, Leave::normal) : at + 1;  // it has set where a hardware loop ends
+  return cache_.is_stale() ? e.leave_after(at, Leave::normal) : at + 1;  // it has set where a hardware loop ends
 }
 
-bool Hart::read_csr(unsigned number, std::uint32_t& value) const {
+bool Csrs::read(unsigned number, std::uint32_t& value) const {
   value = 0;
   switch (number) {
     case csr::kMstatus:
-      value = kMppMachine | (csrs_.interrupts_on ? kMieBit : 0U) | (csrs_.interrupts_were_on ? kMpieBit : 0U);
+      value = kMppMachine | (state_.interrupts_on ? kMieBit : 0U) | (state_.interrupts_were_on ? kMpieBit : 0U);
       return true;
     case csr::kMisa:
       value = kMisaValue;
       return true;
     case csr::kMie:
-      value = csrs_.mie;
+      value = state_.mie;
       return true;
     case csr::kMtvec:
-      value = csrs_.mtvec;
+      value = state_.mtvec;
       return true;
     case csr::kMcountinhibit:
-      value = csrs_.mcountinhibit;
+      value = state_.mcountinhibit;
       return true;
     case csr::kMscratch:
-      value = csrs_.mscratch;
+      value = state_.mscratch;
       return true;
     case csr::kMepc:
-      value = csrs_.mepc;
+      value = state_.mepc;
       return true;
     case csr::kMcause:
-      value = csrs_.mcause;
+      value = state_.mcause;
       return true;
     case csr::kMtval:
-      value = csrs_.mtval;
+      value = state_.mtval;
       return true;
     case csr::kMip:
-      value = csrs_.mip;
+      value = state_.mip;
       return true;
     case csr::kMcycle:
     case csr::kCycle:
@@ -132,11 +167,11 @@ bool Hart::read_csr(unsigned number, std::uint32_t& value) const {
       value = id_;
       return true;
     default:
-      return is_zero_register(number) || (timing_.has_xpulp() && read_ri5cy_csr(number, value));
+      return is_zero_register(number) || (timing_.has_xpulp() && read_ri5cy(number, value));
   }
 }
 
-bool Hart::read_ri5cy_csr(unsigned number, std::uint32_t& value) const {
+bool Csrs::read_ri5cy(unsigned number, std::uint32_t& value) const {
   const auto& loops = execution_.loops;
   if (inside(number, csr::kLoopStart0, 3) || inside(number, csr::kLoopStart1, 3)) {
     const auto& loop = loops[number < csr::kLoopStart1 ? 0 : 1];
@@ -150,53 +185,53 @@ bool Hart::read_ri5cy_csr(unsigned number, std::uint32_t& value) const {
       value = read_event_counter(number - csr::kPccr);
       return true;
     case csr::kPcer:
-      value = csrs_.pcer;
+      value = state_.pcer;
       return true;
     case csr::kPcmr:
-      value = csrs_.pcmr;
+      value = state_.pcmr;
       return true;
     case csr::kPrivilege:
       value = kMachineMode;
       return true;
     case csr::kUhartid:
-      return read_csr(csr::kMhartid, value);
+      return read(csr::kMhartid, value);
     default:
       if (has_event_unit_ && inside(number, csr::kStackCheck, 3)) {
-        value = csrs_.stack_check[number - csr::kStackCheck];
+        value = state_.stack_check[number - csr::kStackCheck];
         return true;
       }
       return is_event_counter(number);  // other events are not counted: 0
   }
 }
 
-bool Hart::write_csr(unsigned number, std::uint32_t value) {
+bool Csrs::write(unsigned number, std::uint32_t value) {
   switch (number) {
     case csr::kMstatus:
-      csrs_.interrupts_on = (value & kMieBit) != 0;
-      csrs_.interrupts_were_on = (value & kMpieBit) != 0;
+      state_.interrupts_on = (value & kMieBit) != 0;
+      state_.interrupts_were_on = (value & kMpieBit) != 0;
       update_interrupts();
       return true;
     case csr::kMie:
-      csrs_.mie = value & kInterruptLines;
+      state_.mie = value & kInterruptLines;
       update_interrupts();
       return true;
     case csr::kMtvec:
-      csrs_.mtvec = value & ~2U;
+      state_.mtvec = value & ~2U;
       return true;
     case csr::kMcountinhibit:
       set_count_inhibit(value & (kInhibitCycle | kInhibitInstret));
       return true;
     case csr::kMscratch:
-      csrs_.mscratch = value;
+      state_.mscratch = value;
       return true;
     case csr::kMepc:
-      csrs_.mepc = value & ~1U;
+      state_.mepc = value & ~1U;
       return true;
     case csr::kMcause:
-      csrs_.mcause = value;
+      state_.mcause = value;
       return true;
     case csr::kMtval:
-      csrs_.mtval = value;
+      state_.mtval = value;
       return true;
     case csr::kMcycle:
       write_counter(false, value, false);
@@ -214,11 +249,11 @@ bool Hart::write_csr(unsigned number, std::uint32_t value) {
     case csr::kMip:   // lines of devices
       return true;
     default:
-      return is_zero_register(number) || (timing_.has_xpulp() && write_ri5cy_csr(number, value));
+      return is_zero_register(number) || (timing_.has_xpulp() && write_ri5cy(number, value));
   }
 }
 
-bool Hart::write_ri5cy_csr(unsigned number, std::uint32_t value) {
+bool Csrs::write_ri5cy(unsigned number, std::uint32_t value) {
   auto& loops = execution_.loops;
   if (inside(number, csr::kLoopStart0, 3) || inside(number, csr::kLoopStart1, 3)) {
     auto& loop = loops[number < csr::kLoopStart1 ? 0 : 1];
@@ -233,74 +268,74 @@ bool Hart::write_ri5cy_csr(unsigned number, std::uint32_t value) {
       write_event_counter(number - csr::kPccr, value);
       return true;
     case csr::kPccrAll:
-      for (unsigned counter = 0; counter < csrs_.pccr_base.size(); ++counter) write_event_counter(counter, value);
+      for (unsigned counter = 0; counter < state_.pccr_base.size(); ++counter) write_event_counter(counter, value);
       return true;
     case csr::kPcer:
-      set_event_enable(value & kEvents, csrs_.pcmr);
+      set_event_enable(value & kEvents, state_.pcmr);
       return true;
     case csr::kPcmr:
-      set_event_enable(csrs_.pcer, value & (kCountersOn | kCountersStop));
+      set_event_enable(state_.pcer, value & (kCountersOn | kCountersStop));
       return true;
     case csr::kUhartid:
       return true;
     default:
       if (has_event_unit_ && inside(number, csr::kStackCheck, 3)) {
-        csrs_.stack_check[number - csr::kStackCheck] = value;
+        state_.stack_check[number - csr::kStackCheck] = value;
         return true;
       }
       return is_event_counter(number);
   }
 }
 
-bool Hart::counts_event(unsigned counter) const {
-  return (csrs_.pcmr & kCountersOn) != 0 && (csrs_.pcer >> counter & 1U) != 0;
+bool Csrs::counts_event(unsigned counter) const {
+  return (state_.pcmr & kCountersOn) != 0 && (state_.pcer >> counter & 1U) != 0;
 }
 
 /// As of the standard counters: while one counts, its base is the distance; otherwise it is the value.
-std::uint32_t Hart::read_event_counter(unsigned counter) const {
-  const auto base = csrs_.pccr_base[counter];
+std::uint32_t Csrs::read_event_counter(unsigned counter) const {
+  const auto base = state_.pccr_base[counter];
   if (!counts_event(counter)) return static_cast<std::uint32_t>(base);
   const auto value = (counter == 0 ? execution_.counters.cycles : execution_.counters.instructions) - base;
-  const bool full = value > 0xffffffffU && (csrs_.pcmr & kCountersStop) != 0;
+  const bool full = value > 0xffffffffU && (state_.pcmr & kCountersStop) != 0;
   return full ? 0xffffffffU : static_cast<std::uint32_t>(value);
 }
 
-void Hart::write_event_counter(unsigned counter, std::uint32_t value) {
+void Csrs::write_event_counter(unsigned counter, std::uint32_t value) {
   const auto next_count = (counter == 0 ? execution_.counters.cycles : execution_.counters.instructions) + 1;
-  csrs_.pccr_base[counter] = counts_event(counter) ? next_count - value : value;
+  state_.pccr_base[counter] = counts_event(counter) ? next_count - value : value;
 }
 
-void Hart::set_event_enable(std::uint32_t pcer, std::uint32_t pcmr) {
+void Csrs::set_event_enable(std::uint32_t pcer, std::uint32_t pcmr) {
   const std::array<std::uint32_t, 2> values{read_event_counter(0), read_event_counter(1)};
-  csrs_.pcer = pcer;
-  csrs_.pcmr = pcmr;
+  state_.pcer = pcer;
+  state_.pcmr = pcmr;
   for (unsigned counter = 0; counter < values.size(); ++counter) write_event_counter(counter, values[counter]);
 }
 
 /// While a counter is inhibited its base holds its value; otherwise the value is the distance from the base.
-std::uint64_t Hart::read_counter(bool instret) const {
-  const auto base = instret ? csrs_.instret_base : csrs_.cycle_base;
+std::uint64_t Csrs::read_counter(bool instret) const {
+  const auto base = instret ? state_.instret_base : state_.cycle_base;
   const auto inhibit = instret ? kInhibitInstret : kInhibitCycle;
-  if ((csrs_.mcountinhibit & inhibit) != 0) return base;
+  if ((state_.mcountinhibit & inhibit) != 0) return base;
   return (instret ? execution_.counters.instructions : execution_.counters.cycles) - base;
 }
 
-void Hart::write_counter(bool instret, std::uint32_t value, bool high) {
+void Csrs::write_counter(bool instret, std::uint32_t value, bool high) {
   auto wanted = read_counter(instret);
   wanted = high ? (wanted & 0xffffffffULL) | (std::uint64_t{value} << 32) : (wanted & ~0xffffffffULL) | value;
-  auto& base = instret ? csrs_.instret_base : csrs_.cycle_base;
+  auto& base = instret ? state_.instret_base : state_.cycle_base;
   const auto inhibit = instret ? kInhibitInstret : kInhibitCycle;
   // A write takes the place of its own instruction's increment: the next instruction reads back what was written.
   const auto count = instret ? execution_.counters.instructions + 1 : execution_.counters.cycles;
-  base = (csrs_.mcountinhibit & inhibit) != 0 ? wanted : count - wanted;
+  base = (state_.mcountinhibit & inhibit) != 0 ? wanted : count - wanted;
 }
 
-void Hart::set_count_inhibit(std::uint32_t value) {
+void Csrs::set_count_inhibit(std::uint32_t value) {
   const auto cycle = read_counter(false);
   const auto instret = read_counter(true);
-  csrs_.mcountinhibit = value;
-  csrs_.cycle_base = (value & kInhibitCycle) != 0 ? cycle : execution_.counters.cycles - cycle;
-  csrs_.instret_base = (value & kInhibitInstret) != 0 ? instret : execution_.counters.instructions - instret;
+  state_.mcountinhibit = value;
+  state_.cycle_base = (value & kInhibitCycle) != 0 ? cycle : execution_.counters.cycles - cycle;
+  state_.instret_base = (value & kInhibitInstret) != 0 ? instret : execution_.counters.instructions - instret;
 }
 
 }  // namespace mebots::soc

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hart/data_path.hpp"
+
+#include "hart/csr_numbers.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+namespace mebots::soc {
+namespace {
+
+FastRegion fast_region(Memory& memory, const MemoryPort& port) {
+  auto& region = memory.regions()[port.region];
+  return {region.base, region.size - 3, region.data.get(), region.marks.get(), port.wait_cycles, port.banks};
+}
+
+std::uint32_t loaded(std::uint32_t value, unsigned size, bool sign) {
+  if (size == 1) return sign ? static_cast<std::uint32_t>(static_cast<std::int8_t>(value)) : value & 0xffU;
+  if (size == 2) return sign ? static_cast<std::uint32_t>(static_cast<std::int16_t>(value)) : value & 0xffffU;
+  return value;
+}
+
+}  // namespace
+
+bool DataPath::connect(std::span<const MemoryPort> ports) {
+  ports_.assign(ports.begin(), ports.end());
+  bool others = false;
+  for (std::size_t i = 0; i < 2; ++i) {
+    const bool is_fast = i < ports.size() && ports[i].moved == 0;
+    const auto ram = is_fast ? fast_region(memory_, ports[i]) : FastRegion{};
+    others = others || ram.data != execution_.ram[i].data || ram.wait_cycles != execution_.ram[i].wait_cycles;
+    execution_.ram[i] = ram;
+  }
+  return others;
+}
+
+std::uint32_t DataPath::longest_wait() const {
+  std::uint32_t longest = 0;
+  for (const auto& port : ports_) longest = std::max(longest, port.wait_cycles);
+  return longest;
+}
+
+void DataPath::share_first(BankSchedule* banks) {
+  ports_.front().banks = banks;
+  execution_.ram[0].banks = banks;
+}
+
+const MemoryPort* DataPath::port_of(std::uint32_t address, unsigned size) const {
+  for (const auto& port : ports_) {
+    if (memory_.regions()[port.region].holds(address - port.moved, size)) return &port;
+  }
+  return nullptr;
+}
+
+/// What ram_access does on the fast path.
+void DataPath::wait_for_ram(const Instruction* at, const MemoryPort& port, std::uint32_t address, unsigned size) {
+  auto& e = execution_;
+  const bool twice = crosses_word(address, size);
+  e.extra_cycles += twice ? 2 * port.wait_cycles : port.wait_cycles;
+  if (port.banks != nullptr) {
+    e.extra_cycles += port.banks->claim(e.cycle_of(at), address);
+    if (twice) e.extra_cycles += port.banks->claim(e.cycle_of(at) + 1, address + 4);
+  }
+  if (port.region != ports_.front().region) ++e.far_accesses;
+}
+
+const Instruction* DataPath::load(const Instruction* at, std::uint32_t address, unsigned size, bool sign) {
+  auto& e = execution_;
+  std::uint32_t value = 0;
+  if (const auto* port = port_of(address, size); port != nullptr) {
+    const auto& region = memory_.regions()[port->region];
+    const auto place = address - port->moved;
+    wait_for_ram(at, *port, place, size);
+    std::memcpy(&value, region.data.get() + (place - region.base), size);
+    e.x[at->rd] = loaded(value, size, sign);
+    if (crosses_word(address, size)) {
+      e.extra_cycles += kMisalignedExtra;
+      e.slow_load = at;
+    }
+    return execution_.leave_after(at, Leave::normal);
+  }
+  if (size != 4 || address % 4 != 0) return execution_.raise(at, cause::kLoadAccess, address);
+  return finish_load(at, address, bus_.load(address, execution_.start_of(at)));
+}
+
+const Instruction* DataPath::event_load(const Instruction* at) {
+  auto& e = execution_;
+  const auto address = e.x[at->rs1] + static_cast<std::uint32_t>(at->imm);
+  if (address % 4 != 0 || port_of(address, 4) != nullptr) return load(at, address, 4, true);
+  const auto reply = bus_.load_event(address, execution_.start_of(at));
+  if (reply.kind == BusReply::Kind::blocked) return execution_.leave_before(at, Leave::event);
+  return finish_load(at, address, reply);
+}
+
+const Instruction* DataPath::finish_load(const Instruction* at, std::uint32_t address, const BusReply& reply) {
+  auto& e = execution_;
+  if (reply.kind == BusReply::Kind::later) return execution_.leave_before(at, Leave::turn);
+  if (reply.kind != BusReply::Kind::done) return execution_.raise(at, cause::kLoadAccess, address);
+  e.x[at->rd] = reply.value;
+  e.extra_cycles += reply.wait_cycles;
+  ++e.counters.device_accesses;
+  return execution_.leave_after(at, Leave::device);
+}
+
+const Instruction* DataPath::store(const Instruction* at, std::uint32_t address, unsigned size, std::uint32_t value) {
+  auto& e = execution_;
+  if (const auto* port = port_of(address, size); port != nullptr) {
+    auto& region = memory_.regions()[port->region];
+    const auto place = address - port->moved;
+    wait_for_ram(at, *port, place, size);
+    std::memcpy(region.data.get() + (place - region.base), &value, size);
+    if (crosses_word(address, size)) e.extra_cycles += kMisalignedExtra;
+    const auto* next = stored_over_mark(at, place, size);
+    return next == nullptr ? nullptr : execution_.leave_after(at, Leave::normal);
+  }
+  const bool is_word = size == 4 && address % 4 == 0;
+  const auto reply = is_word ? bus_.store(address, execution_.start_of(at), value)
+                             : bus_.store_narrow(address, execution_.start_of(at), value, size);
+  if (reply.kind == BusReply::Kind::later) return execution_.leave_before(at, Leave::turn);
+  if (reply.kind != BusReply::Kind::done) return execution_.raise(at, cause::kStoreAccess, address);
+  e.extra_cycles += reply.wait_cycles;
+  ++e.counters.device_accesses;
+  return execution_.leave_after(at, Leave::device);
+}
+
+const Instruction* DataPath::stored_over_mark(const Instruction* at, std::uint32_t address, unsigned size) {
+  memory_.changed(address, size);
+  if (memory_.marked(address, size, Region::kWatch) && bus_.watched(address))
+    return execution_.leave_after(at, Leave::stop);
+  // With a loose limit the block runs on: where a core stops must not depend on what has been decoded.
+  return runs_on_ ? at + 1 : execution_.leave_after(at, Leave::normal);
+}
+
+}  // namespace mebots::soc

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "hart/execution.hpp"
+#include "memory/bus.hpp"
+#include "memory/memory.hpp"
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace mebots::soc {
+
+/// A memory as one core reaches it.
+struct MemoryPort {
+  std::size_t region = 0;         // index in Memory::regions()
+  std::uint32_t wait_cycles = 0;  // added to every load and store
+  BankSchedule* banks = nullptr;  // who else uses it; null = nobody
+  std::uint32_t moved = 0;        // where the core sees it, less its own address; if not 0, never fast
+};
+
+/// Loads and stores that do not go the fast way: to memories behind others, across their ends, to devices, over code
+/// and watched words.
+class DataPath {
+ public:
+  DataPath(Execution& execution, Memory& memory, Bus& bus) : execution_(execution), memory_(memory), bus_(bus) {}
+
+  /// True: the fast memories are others, or have other waits.
+  bool connect(std::span<const MemoryPort> ports);
+  void share_first(BankSchedule* banks);
+  std::uint32_t longest_wait() const;
+  /// Behind a store into code the block runs to its end as it was at its start, and is forgotten then.
+  void run_on_over_code(bool on) { runs_on_ = on; }
+
+  // Of an instruction; what comes back is what its handler gives.
+  const Instruction* load(const Instruction* at, std::uint32_t address, unsigned size, bool sign);
+  const Instruction* store(const Instruction* at, std::uint32_t address, unsigned size, std::uint32_t value);
+  /// p.elw
+  const Instruction* event_load(const Instruction* at);
+  /// Behind a store over code or a watched word.
+  const Instruction* stored_over_mark(const Instruction* at, std::uint32_t address, unsigned size);
+
+ private:
+  const MemoryPort* port_of(std::uint32_t address, unsigned size) const;
+  void wait_for_ram(const Instruction* at, const MemoryPort& port, std::uint32_t address, unsigned size);
+  const Instruction* finish_load(const Instruction* at, std::uint32_t address, const BusReply& reply);
+
+  Execution& execution_;
+  Memory& memory_;
+  Bus& bus_;
+  std::vector<MemoryPort> ports_;
+  bool runs_on_ = false;
+};
+
+}  // namespace mebots::soc

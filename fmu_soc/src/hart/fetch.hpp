@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "hart/execution.hpp"
+#include "memory/instruction_cache.hpp"
+
+#include <cstdint>
+
+namespace mebots::soc {
+
+/// How a core's instructions come through the instruction cache, where there is one. An instruction waits for its lines
+/// when it is reached, never before: so a core that was stopped anywhere has made the same refills in the same cycles.
+class Fetch {
+ public:
+  explicit Fetch(Execution& execution) : execution_(execution) {}
+
+  /// Through this cache from now on.
+  void go_through(InstructionCache& cache) { cache_ = &cache; }
+  bool is_cached() const { return cache_ != nullptr; }
+  const InstructionCache* cache() const { return cache_; }
+  void flush();
+  /// Whether lines that another core asked for may be on their way: one that is here may not have arrived yet.
+  bool is_unsettled() const {
+    return cache_ != nullptr && execution_.counters.cycles + execution_.host.tick_offset < cache_->settled();
+  }
+  /// Brings the lines of an instruction that is reached in active cycle `cycle`: the cycles that it waits.
+  std::uint32_t bring(const Instruction* at, std::uint64_t cycle);
+  /// The first instruction of the block behind `at` that may have to wait, or the end of the block.
+  const Instruction* next_to_wait(const Instruction* at) const;
+  /// Whether all lines of a block from this instruction on are there.
+  bool is_present(const Instruction* at) const;
+
+ private:
+  Execution& execution_;
+  InstructionCache* cache_ = nullptr;
+};
+
+}  // namespace mebots::soc

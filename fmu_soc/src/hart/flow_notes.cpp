@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hart/flow_notes.hpp"
+
+#include "hart/observer.hpp"
+#include "mebots/assert.hpp"
+
+#include <algorithm>
+
+namespace mebots::soc {
+namespace {
+
+/// An instruction takes a cycle or more and notes one step at most. With a loose limit a block goes on behind it.
+constexpr std::size_t kMostSteps = FlowNotes::kLongestRun + BlockCache::kMaxBlockLength;
+static_assert(FlowNotes::kLongestRun >= 2 * Banks::kLongestRun,
+              "a run of a round is at most a quantum and what it is behind");
+
+}  // namespace
+
+std::uint64_t FlowNotes::make_room(std::uint64_t cycles) {
+  if (decoded_.flow == nullptr) return cycles;
+  if (steps_ == nullptr) {
+    steps_ = std::make_unique_for_overwrite<Flow[]>(kMostSteps);
+    execution_.host.flow = steps_.get();
+  }
+  return std::min(cycles, kLongestRun);
+}
+
+void FlowNotes::tell(const Hart& hart, Observer* observer) {
+  auto& e = execution_;
+  if (e.host.flow == steps_.get()) return;
+  const std::span steps(steps_.get(), e.host.flow);
+  MEBOTS_ASSERT(steps.size() <= kMostSteps);
+  e.host.flow = steps_.get();
+  if (observer == nullptr) return;
+  make_absolute(steps);
+  // For as long as it looks, the hart stands behind the last step.
+  const auto at_end = e.counters;
+  const auto far_at_end = e.far_accesses;
+  const auto& last = steps.back();
+  e.counters.instructions = last.instructions;
+  e.counters.cycles = last.cycles;
+  e.counters.instruction_fj = last.instruction_fj;
+  e.counters.accesses = last.accesses;
+  e.far_accesses = last.far_accesses;
+  observer->flowed(hart, steps);
+  e.counters = at_end;
+  e.far_accesses = far_at_end;
+}
+
+/// From what translated code counts in a run to what the counters were.
+void FlowNotes::make_absolute(std::span<Flow> steps) const {
+  const auto& host = execution_.host;
+  const auto& counters = execution_.counters;
+  const auto instructions = counters.instructions - (host.instructions & 0xffffffffU);
+  const auto accesses = counters.accesses - (host.instructions >> 32);
+  const auto instruction_fj = counters.instruction_fj - host.instruction_fj;
+  const auto* banks = decoded_.banks;
+  for (auto& step : steps) {
+    // Cycles from there to the end: the count goes down to 0, or up by a row of banks each. Less than 0 when a block
+    // was left in its middle, whose cycles are not counted yet.
+    auto left = static_cast<std::int64_t>(step.cycles - host.position);
+    if (banks != nullptr) left = -left / static_cast<std::int64_t>(banks->count());
+    step.cycles = counters.cycles - static_cast<std::uint64_t>(left);
+    step.accesses = accesses + (step.instructions >> 32);
+    step.instructions = instructions + (step.instructions & 0xffffffffU);
+    step.instruction_fj += instruction_fj;
+  }
+}
+
+}  // namespace mebots::soc
