@@ -73,7 +73,7 @@ export class Lanes implements Drawing {
   private greatest(): Map<string, number> {
     const most = new Map<string, number>();
     for (const { entry: { curve } } of this.lanes.filter(({ entry }) => !isWords(entry))) {
-      const own = curve.values(this.window.mean).reduce((a, b) => Math.max(a, b), 0);
+      const own = curve.values(this.window.mean).reduce((a, b) => (b > a ? b : a), 0);
       most.set(curve.unit, Math.max(most.get(curve.unit) ?? 0, own));
     }
     return most;
