@@ -154,24 +154,29 @@ TEST(Simulation, MessagesOfWantedCategoriesArrive) {
 }
 
 /// The text of what goes wrong when the probe misbehaves in the step to 0.5 s.
-std::string failure(const std::string& fault, TestRun** kept = nullptr) {
-  static std::unique_ptr<TestRun> run;
-  run = std::make_unique<TestRun>(one_probe(fmt::format(R"("fault": "{}", "fault_time": 0.5)", fault)));
-  if (kept != nullptr) *kept = run.get();
+std::string failure(TestRun& run) {
   try {
-    run->to_end();
+    run.to_end();
   } catch (const SlaveError& error) {
     return error.what();
   }
   return "nothing went wrong";
 }
 
+std::string with_fault(const std::string& fault) {
+  return one_probe(fmt::format(R"("fault": "{}", "fault_time": 0.5)", fault));
+}
+
+std::string failure(const std::string& fault) {
+  TestRun run(with_fault(fault));
+  return failure(run);
+}
+
 TEST(Faults, AnErrorNamesInstanceTimeFunctionAndTheFmusWords) {
-  TestRun* run = nullptr;
-  EXPECT_THAT(failure("error", &run),
-              AllOf(HasSubstr("instance 'a' at 0.4 s"), HasSubstr("fmi2DoStep answered fmi2Error"),
-                    HasSubstr("real_in made it fail (0)")));                      // #r0# became the variable's name
-  EXPECT_THAT(run->column("time"), testing::ElementsAre(0, 0.1, 0.2, 0.3, 0.4));  // all that came before is kept
+  TestRun run(with_fault("error"));
+  EXPECT_THAT(failure(run), AllOf(HasSubstr("instance 'a' at 0.4 s"), HasSubstr("fmi2DoStep answered fmi2Error"),
+                                  HasSubstr("real_in made it fail (0)")));       // #r0# became the variable's name
+  EXPECT_THAT(run.column("time"), testing::ElementsAre(0, 0.1, 0.2, 0.3, 0.4));  // all that came before is kept
 }
 
 TEST(Faults, AFatalErrorIsNotFollowedByAnotherCall) {
