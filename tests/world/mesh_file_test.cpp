@@ -136,6 +136,10 @@ TEST_F(MeshFile, RefusesWhatItCannotRead) {
   gltf["nodes"][0]["children"] = {0};
   EXPECT_THAT(message(), HasSubstr("more than 64 deep"));
   gltf = good;
+  gltf["nodes"] =
+      json::parse(R"([{"children": [1, 1]}, {"children": [2, 2]}, {"children": [3, 3]}, {"children": [0, 0]}])");
+  EXPECT_THAT(message(), testing::AnyOf(HasSubstr("nodes that hold each other"), HasSubstr("more than 64 deep")));
+  gltf = good;
   gltf["nodes"][0]["translation"] = {0, 0, 1e6};
   EXPECT_THAT(message(), HasSubstr("is 'scale' right?"));
   gltf = json::array();

@@ -27,6 +27,8 @@ using Eigen::Vector3d;
 
 /// Nodes in nodes; deeper files are refused.
 constexpr int kDeepest = 64;
+/// Nodes of a scene, each counted as often as it is held: a small file may hold one without end.
+constexpr int kMostNodes = 10'000;
 /// A position or size beyond this is a mistake in units.
 constexpr double kFarthest_m = 1e4;
 
@@ -135,6 +137,7 @@ class GltfReader {
   }
 
   void add_node(int index, const Eigen::Affine3d& parent, int depth) {
+    if (++nodes_ > kMostNodes) refuse(fmt::format("more than {} nodes, or nodes that hold each other", kMostNodes));
     if (depth > kDeepest) refuse(fmt::format("its nodes hold each other more than {} deep", kDeepest));
     const tinygltf::Node& node = at(model_.nodes, index, "node");
     const Eigen::Affine3d transform = parent * transform_of(node);
@@ -276,6 +279,7 @@ class GltfReader {
   double scale_;
   tinygltf::Model model_;
   Mesh mesh_;
+  int nodes_ = 0;
   std::vector<std::pair<int, std::uint32_t>> materials_;  // of the file, and ours
 };
 

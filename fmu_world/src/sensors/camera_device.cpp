@@ -5,6 +5,7 @@
 #include "noise/counter_noise.hpp"
 
 #include <cmath>
+#include <functional>
 
 namespace mebots::world {
 
@@ -29,7 +30,8 @@ void CameraDevice::see_trigger(std::int32_t count, const RigidState& body, std::
   const std::uint64_t seed = noise::bits(settings_.seed, noise::Stream::camera, 0);
   const auto index = static_cast<std::uint32_t>(count);
   if (sensor_) {
-    sensor_->take([&](double after_s) { return pose_after(body, time_ns, after_s); }, seed, index, buffers_[front_]);
+    const auto pose_at = [&](double after_s) { return pose_after(body, time_ns, after_s); };
+    sensor_->take(std::cref(pose_at), seed, index, buffers_[front_]);  // a reference needs no heap
   } else {
     renderer_->render(pose_after(body, time_ns, 0.0), seed, index, buffers_[front_]);
   }
