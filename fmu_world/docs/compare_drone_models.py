@@ -101,6 +101,7 @@ def ours(fmu, p, spinning):
     slave.setString([reference_of["scene.name"]], [str(folder / "scene.json")])
     slave.setReal([reference_of[n] for n in ("drone.dry_mass", "cell.mass", "rotors.inertia")],
                   [p["mass"], 0.0, p["prop_inertia"] if spinning else 0.0])
+    slave.setReal([reference_of[f"rotor[{i}].speed"] for i in (1, 2, 3, 4)], list(speeds(-0.5 * STEP) * 2 * np.pi / 60))
     slave.enterInitializationMode()
     slave.exitInitializationMode()
     names = [f"drone.position.{a}" for a in "xyz"] + ["drone.roll", "drone.pitch", "drone.yaw"] + \

@@ -130,6 +130,7 @@ World::World(scene::Scene scene, const Parameters& parameters, const Inputs& inp
   checked(in_.rotors_radius_m, 1e-3, 10.0, "rotors.radius");
   checked(in_.rotors_ground_effect, 0.0, 4.0, "rotors.ground_effect");
   check_inputs();
+  rotor_speed_rad_per_s_ = inputs_.rotor_speed_rad_per_s;  // what turns already does not speed up
   take_mass();
   check_start(start_ns);
   range_.update(start_ns, state_);

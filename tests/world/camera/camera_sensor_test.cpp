@@ -244,7 +244,7 @@ TEST(CameraSensor, TakesPicturesWithoutTheHeap) {
   settings.most_exposure_s = 0.02;
   settings.line_time_s = 6e-5;
   settings.full_well = 7400.0;
-  Sensor sensor(testing::patterned_room(), {}, {-0.1, 0.0, 1.0}, settings);
+  Sensor sensor(testing::patterned_room(), {}, {-0.05, 0.0, 1.0}, settings);
   std::vector<std::uint8_t> pixels(320 * 320);
   const Sensor::PoseAt from = still(pose(kEye));
   sensor.take(from, 1, 0, pixels);
