@@ -94,13 +94,13 @@ _start: li s0, 0x1A102000
     li a0, 0x08000000
     sw a0, 0x08(s2)
     la a0, window
-    li a1, window_end - window
+    li a1, 13
     call send
     la a0, mode
-    li a1, mode_end - mode
+    li a1, 10
     call send
     la a0, at_mode
-    li a1, at_mode_end - at_mode
+    li a1, 8
     call send
     addi a0, s1, 16
     sw a0, 0x300(s0)
@@ -109,7 +109,7 @@ _start: li s0, 0x1A102000
     li a0, 0x10
     sw a0, 0x308(s0)
     la a0, read
-    li a1, read_end - read
+    li a1, 5
     sw a0, 0x310(s0)
     sw a1, 0x314(s0)
     li a0, 0x10
@@ -144,13 +144,9 @@ wait: .insn i 0x03, 6, a4, 0x38(s2)
     sw a4, 0x28(s2)
     ret
 window: .byte 0xE0, 0, 100, 0x00, 0x80, 0x48, 0xC0, 3, 0x80, 0x30, 0x10, 1, 0x20
-window_end:
 mode: .byte 0x00, 0x80, 0x48, 0xC0, 3, 0x80, 0x01, 0x00, 1, 0x20
-mode_end:
 at_mode: .byte 0x00, 0x80, 0x48, 0xC0, 2, 0x80, 0x01, 0x00
-at_mode_end:
 read: .byte 0x00, 0x80, 0x49, 0x60, 0x20
-read_end:
 )";
 
 BoardDescription gap8_board_of_camera() {

@@ -247,6 +247,8 @@ _start: csrr a0, mhartid
     li a3, 0x00200800
     lw a3, 0x700(a3)
     sw a3, 4(s1)
+    li a4, 0x08000000
+    sw a4, 0x28(s2)        # the queue is empty
     li s0, 0x10200000
     la a1, vectors
     li a2, 8

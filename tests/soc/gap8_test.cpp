@@ -85,8 +85,8 @@ TEST(Gap8, TellsOfARegisterThatIsNotModelledOnceAndGoesOn) {
   auto system = on_gap8(R"(
 _start: li s0, 0x1A102000
     li a2, 3
-1:  lw a0, 0x94(s0)
-    sw a2, 0x94(s0)
+1:  lw a0, 0x14(s0)
+    sw a2, 0x14(s0)
     sw a2, 0x780(s0)
     lw a1, 0x780(s0)
     addi a2, a2, -1
@@ -97,7 +97,7 @@ _start: li s0, 0x1A102000
   EXPECT_EQ(system.soc.hart().reg(10), 0U);
   EXPECT_EQ(system.soc.hart().reg(11), 1U) << "a register that is described keeps what is stored";
   ASSERT_EQ(system.faults.size(), 1U);
-  EXPECT_THAT(system.faults[0], HasSubstr("udma: load from 0x1a102094 in _start"));
+  EXPECT_THAT(system.faults[0], HasSubstr("udma: load from 0x1a102014 in _start"));
 }
 
 TEST(Gap8, PrintsAndEndsAsProgramsOfItsSdkDo) {
