@@ -62,6 +62,22 @@ TEST_F(BadInput, OfAFlashThatIsNotThereOrThatTheBoardLacksIsRefused) {
                  "board ri5cy has no device of kind gap8_udma");
 }
 
+TEST_F(BadInput, OfPicturesThatAreNotThereOrNoneOfTheCameraIsRefused) {
+  const auto with = [&](std::string_view board) {
+    return fmt::format("run {} --board {} --pictures {}", program_, board, folder_ / ".");
+  };
+  expect_refused(fmt::format("run {} --board gap8 --pictures /nowhere", program_), "this is no folder");
+  expect_refused(with("gap8"), "there is no .png or .pgm file");
+  write_file(folder_ / "a.pgm", "P2 1 1 255 0");
+  expect_refused(with("gap8"), "a.pgm: this is no binary PGM");
+  write_file(folder_ / "a.pgm", "P5\n324 243 255\n" + std::string(std::size_t{324} * 243, '0'));
+  expect_refused(with("gap8"), "it has 324 x 243 pixels; the camera takes 324 x 244");
+  write_file(folder_ / "a.pgm", "P5\n# grey\n324 244\n255\n" + std::string(std::size_t{324} * 244 - 1, '0'));
+  expect_refused(with("gap8"), "it ends before its 79056 pixels");
+  write_file(folder_ / "a.pgm", "P5\n324 244\n255\n" + std::string(std::size_t{324} * 244, '0'));
+  expect_refused(with("ri5cy"), "board ri5cy has no device of kind gap8_udma");
+}
+
 TEST_F(BadInput, OfAProgramForAnotherChipIsRefusedByItsName) {
   write_file(folder_ / "gap9.elf", read_file(program_) + "/sdk/pmsis_api/include/pmsis/chips/gap9");
   expect_refused(fmt::format("run {} --board gap8", folder_ / "gap9.elf"), "this program is for GAP9");
