@@ -5,6 +5,7 @@
 #include "gap8_devices/signals.hpp"
 #include "mebots/soc/device_kind.hpp"
 
+#include <cmath>
 #include <cstdint>
 #include <functional>
 
@@ -25,7 +26,7 @@ struct UdmaHost {
   }
   /// `clocks` of the SoC after a time.
   Picoseconds later(Picoseconds time, double clocks) const {
-    return time + static_cast<Picoseconds>(clocks / clock_hz() * kPsPerS + 0.5);
+    return time + std::llround(clocks / clock_hz() * kPsPerS);
   }
   /// What a transfer has to do with memory that is not there.
   void complain_of_memory(std::uint32_t address, std::uint32_t size) const;
