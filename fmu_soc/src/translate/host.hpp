@@ -10,8 +10,8 @@
 namespace mebots::soc::translate::host {
 
 using Code = Xbyak::CodeGenerator;
-using Reg32 = Xbyak::Reg32;
-using Xmm = Xbyak::Xmm;
+using Xbyak::Reg32;
+using Xbyak::Xmm;
 
 /// to = to op from; of one operand: to = op from
 using Binary = void (*)(Code&, const Reg32& to, const Xbyak::Operand& from);
@@ -21,13 +21,13 @@ inline void sub(Code& c, const Reg32& to, const Xbyak::Operand& from) {
 inline void imul(Code& c, const Reg32& to, const Xbyak::Operand& from) {
   c.imul(to, from);
 }
-inline void xor_(Code& c, const Reg32& to, const Xbyak::Operand& from) {
+inline void bit_xor(Code& c, const Reg32& to, const Xbyak::Operand& from) {
   c.xor_(to, from);
 }
-inline void or_(Code& c, const Reg32& to, const Xbyak::Operand& from) {
+inline void bit_or(Code& c, const Reg32& to, const Xbyak::Operand& from) {
   c.or_(to, from);
 }
-inline void and_(Code& c, const Reg32& to, const Xbyak::Operand& from) {
+inline void bit_and(Code& c, const Reg32& to, const Xbyak::Operand& from) {
   c.and_(to, from);
 }
 inline void tzcnt(Code& c, const Reg32& to, const Xbyak::Operand& from) {
@@ -52,13 +52,13 @@ inline void cmovb(Code& c, const Reg32& to, const Xbyak::Operand& from) {
 
 /// to = to op value
 using Immediate = void (*)(Code&, const Reg32& to, std::uint32_t value);
-inline void xor_(Code& c, const Reg32& to, std::uint32_t value) {
+inline void bit_xor(Code& c, const Reg32& to, std::uint32_t value) {
   c.xor_(to, value);
 }
-inline void or_(Code& c, const Reg32& to, std::uint32_t value) {
+inline void bit_or(Code& c, const Reg32& to, std::uint32_t value) {
   c.or_(to, value);
 }
-inline void and_(Code& c, const Reg32& to, std::uint32_t value) {
+inline void bit_and(Code& c, const Reg32& to, std::uint32_t value) {
   c.and_(to, value);
 }
 
