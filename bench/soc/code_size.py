@@ -89,6 +89,14 @@ def measure(size, sims, instructions, repeats, folder):
     return {sim: statistics.median(values) for sim, values in rates.items()}, good
 
 
+def spread(heights, least):
+    """The heights, lifted where one is closer to the one below it than `least`; their order stays."""
+    lifted, below = {}, float("-inf")
+    for i in sorted(range(len(heights)), key=heights.__getitem__):
+        below = lifted[i] = max(heights[i], below + least)
+    return [lifted[i] for i in range(len(heights))]
+
+
 def plot(sizes, rates, path):
     sys.path.insert(0, str(ROOT / "scripts"))
     from figure_style import label_line, plt, save
@@ -96,12 +104,16 @@ def plot(sizes, rates, path):
     figure, axes = plt.subplots(figsize=(8, 4.2), constrained_layout=True)
     for sim in rates[sizes[0]]:
         points = [(size, rates[size][sim]) for size in sizes if sim in rates[size]]
-        (line,) = axes.plot(*zip(*points), marker="o", markersize=4, linestyle="-" if sim.startswith("mebots") else "--")
-        label_line(axes, sim, line.get_color())
+        axes.plot(*zip(*points), marker="o", markersize=4, linestyle="-" if sim.startswith("mebots") else "--", label=sim)
     axes.set(xscale="log", yscale="log", xticks=sizes, xticklabels=sizes, xlabel="hot code [KiB]",
              ylabel="million instructions per second")
     axes.minorticks_off()
     axes.set_title("Branchy functions called in turn, processor time", loc="left")
+    figure.canvas.draw()  # so that points have places
+    ends = [axes.transData.transform((line.get_xdata()[-1], line.get_ydata()[-1]))[1] * 72 / figure.dpi
+            for line in axes.lines]
+    for line, end, height in zip(axes.lines, ends, spread(ends, 11)):
+        label_line(axes, line.get_label(), line.get_color(), line=line, offset=(6, height - end))
     save(figure, path)
 
 
