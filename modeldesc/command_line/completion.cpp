@@ -101,8 +101,8 @@ std::string zsh_arguments(const Command& command) {
       value = ":value:_files";
     }
     for (const auto& name : option.names) {
-      const auto word = (repeats ? "*" : "") + name + "[" + escaped(option.text) + "]" + value;
-      text += " \\\n          " + in_bash(word);
+      const auto word = fmt::format("{}{}[{}]{}", repeats ? "*" : "", name, escaped(option.text), value);
+      text += fmt::format(" \\\n          {}", in_bash(word));
     }
   }
   return text + " \\\n          '*:file:_files'";

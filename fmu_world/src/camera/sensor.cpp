@@ -26,7 +26,7 @@ void require(bool good, const char* name, double value, const char* limit) {
   if (!good) throw Error(fmt::format("{} = {} must be {}", name, value, limit));
 }
 
-const SensorSettings& checked(const SensorSettings& s) {
+SensorSettings checked(const SensorSettings& s) {
   const auto at_least_zero = [](double value) { return value >= 0.0 && std::isfinite(value); };
   require(s.exposure_s >= 0.0 && s.exposure_s <= 1.0, "camera.exposure", s.exposure_s, "from 0 to 1 s");
   require(s.reference_exposure_s >= 0.0 && s.reference_exposure_s <= 1.0, "camera.reference_exposure",

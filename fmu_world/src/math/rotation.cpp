@@ -27,7 +27,7 @@ Eigen::Quaterniond yaw_rotation(double yaw_rad) {
 }
 
 Eigen::Quaterniond rotation_of(const Attitude& attitude) {
-  const Eigen::Quaterniond yaw = yaw_rotation(attitude.yaw_rad);
+  Eigen::Quaterniond yaw = yaw_rotation(attitude.yaw_rad);
   if (attitude.pitch_rad == 0.0 && attitude.roll_rad == 0.0) return yaw;
   const Eigen::Quaterniond pitch{std::cos(0.5 * attitude.pitch_rad), 0.0, std::sin(0.5 * attitude.pitch_rad), 0.0};
   const Eigen::Quaterniond roll{std::cos(0.5 * attitude.roll_rad), std::sin(0.5 * attitude.roll_rad), 0.0, 0.0};

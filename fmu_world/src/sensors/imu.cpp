@@ -32,7 +32,7 @@ Eigen::Vector3d Imu::disturbed(const Eigen::Vector3d& truth, double noise, doubl
                                std::int64_t sample) const {
   Eigen::Vector3d reading = truth;
   for (int axis = 0; axis < 3; ++axis) {
-    const auto of_axis = static_cast<std::uint64_t>(first + axis);
+    const auto of_axis = static_cast<std::uint64_t>(first) + static_cast<std::uint64_t>(axis);
     if (bias > 0.0) reading[axis] += bias * noise::gaussian(seed_, noise::Stream::imu_bias, of_axis);
     if (noise > 0.0)
       reading[axis] +=

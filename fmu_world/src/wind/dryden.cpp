@@ -40,14 +40,14 @@ Dryden::Dryden(const Settings& settings) : settings_(settings) {
   root_[2] = std::sqrt(std::max(0.0, q22 - root_[1] * root_[1]));
 }
 
-double Dryden::normal(std::int64_t index, int which) const {
-  return noise::gaussian(settings_.seed, noise::Stream::gust, static_cast<std::uint64_t>(kNormals * index + which));
+double Dryden::normal(std::int64_t index, std::size_t which) const {
+  return noise::gaussian(settings_.seed, noise::Stream::gust, static_cast<std::uint64_t>(kNormals * index) + which);
 }
 
 /// From what the filters would have after a long time.
 void Dryden::begin(std::int64_t index) {
   along_ = normal(index, 0);
-  for (int axis = 0; axis < 2; ++axis) {
+  for (std::size_t axis = 0; axis < 2; ++axis) {
     // Covariance of the two states: 1/2, 1/4; 1/4, 1/4.
     const double first = normal(index, 1 + 2 * axis);
     const double second = normal(index, 2 + 2 * axis);
@@ -59,7 +59,7 @@ void Dryden::begin(std::int64_t index) {
 
 void Dryden::step(std::int64_t index) {
   along_ = decay_ * along_ + spread_x_ * normal(index, 0);
-  for (int axis = 0; axis < 2; ++axis) {
+  for (std::size_t axis = 0; axis < 2; ++axis) {
     const double first = normal(index, 1 + 2 * axis);
     const double second = normal(index, 2 + 2 * axis);
     double& x1 = across_[2 * axis];

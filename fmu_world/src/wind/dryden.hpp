@@ -39,7 +39,7 @@ class Dryden {
   void begin(std::int64_t index);
   void step(std::int64_t index);
   void combine();
-  double normal(std::int64_t index, int which) const;
+  double normal(std::int64_t index, std::size_t which) const;
 
   Settings settings_;
   double decay_;                    // exp(-dt V / L)
