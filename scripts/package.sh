@@ -5,8 +5,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-cmake -S . -B build/deb -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_INSTALL_PREFIX=/usr -DMEBOTS_TESTS=OFF \
-  -DMEBOTS_SITE_PACKAGES=lib/python3/dist-packages -DCMAKE_UNITY_BUILD=ON -DCMAKE_UNITY_BUILD_BATCH_SIZE=12
+cmake --preset release -B build/deb -DCMAKE_INSTALL_PREFIX=/usr -DMEBOTS_SITE_PACKAGES=lib/python3/dist-packages
 cmake --build build/deb
 rm -f build/deb/*.deb
 (cd build/deb && cpack)
