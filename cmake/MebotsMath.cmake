@@ -16,7 +16,7 @@ set(helpers
   __math_uflow __math_uflowf __math_xflow __math_xflowf __rem_pio2 __rem_pio2_large __rem_pio2f __sin __sindf __tan __tandf
   exp2f_data exp_data lgamma_r lgammaf_r log2_data log2f_data log_data logf_data pow_data powf_data signgam)
 
-find_file(MUSL_ARCHIVE libc.a PATHS /usr/lib/x86_64-linux-musl NO_DEFAULT_PATH)
+find_file(MUSL_ARCHIVE libc.a PATHS /usr/lib/${CMAKE_SYSTEM_PROCESSOR}-linux-musl NO_DEFAULT_PATH)
 if(NOT MUSL_ARCHIVE)
   message(FATAL_ERROR "musl's static library is missing, from which MEbots takes its mathematical functions: install musl-dev "
     "(scripts/setup.sh does), or say -DMUSL_ARCHIVE=<.../libc.a>")
