@@ -32,6 +32,7 @@
 #include <sys/stat.h>
 #include <sys/syscall.h>
 #include <sys/uio.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #ifndef GUID
@@ -346,18 +347,60 @@ static int stays_inside(void) {
   return inside;
 }
 
-/// Every way that is refused with EPERM; one that is not ends the run.
-static void harm_parent(void) {
-  const pid_t parent = getppid();
+static int refused(long answer) {
+  return answer == -1 && (errno == EPERM || errno == EACCES);
+}
+
+/// A file or folder of a process; -1 where it is not opened.
+static int open_of(pid_t process, const char* what, int access) {
+  char path[64];
+  snprintf(path, sizeof path, "/proc/%d/%s", process, what);
+  return open(path, access | O_CLOEXEC);
+}
+
+/// Signals in every form that the kernel has.
+static int takes_no_signal(pid_t process) {
+  siginfo_t info = {.si_signo = SIGKILL, .si_code = SI_QUEUE};
+  const int folder = open_of(process, "", O_RDONLY | O_DIRECTORY);
+  const int by_number = refused(kill(process, SIGKILL)) && refused(syscall(SYS_tkill, process, SIGKILL)) &&
+                        refused(syscall(SYS_tgkill, process, process, SIGKILL)) &&
+                        refused(syscall(SYS_rt_sigqueueinfo, process, SIGKILL, &info)) &&
+                        refused(syscall(SYS_rt_tgsigqueueinfo, process, process, SIGKILL, &info));
+  const int descriptor = (int)syscall(SYS_pidfd_open, process, 0);
+  const int by_descriptor = descriptor < 0 || refused(syscall(SYS_pidfd_send_signal, descriptor, SIGKILL, NULL, 0));
+  const int by_folder = folder < 0 || refused(syscall(SYS_pidfd_send_signal, folder, SIGKILL, NULL, 0));
+  if (descriptor >= 0) close(descriptor);
+  if (folder >= 0) close(folder);
+  return by_number && by_descriptor && by_folder;
+}
+
+static int is_not_changed(pid_t process) {
   const struct rlimit no_time = {0, 0};
   char byte = 0;
   const struct iovec bytes = {&byte, 1};
-  const int refused = prlimit(parent, RLIMIT_CPU, &no_time, NULL) == -1 && errno == EPERM &&
-                      process_vm_writev(parent, &bytes, 1, &bytes, 1, 0) == -1 && errno == EPERM &&
-                      ptrace(PTRACE_ATTACH, parent, 0, 0) == -1 && errno == EPERM && fcntl(0, F_SETOWN, parent) == -1 &&
-                      errno == EPERM && fcntl(0, F_SETSIG, SIGKILL) == -1 && errno == EPERM &&
-                      syscall(SYS_tkill, parent, SIGKILL) == -1 && errno == EPERM;
-  if (!refused) abort();
+  return refused(prlimit(process, RLIMIT_CPU, &no_time, NULL)) &&
+         refused(process_vm_writev(process, &bytes, 1, &bytes, 1, 0)) &&
+         refused(ptrace(PTRACE_ATTACH, process, 0, 0)) && refused(open_of(process, "mem", O_RDWR)) &&
+         refused(fcntl(0, F_SETOWN, process)) && refused(fcntl(0, F_SETSIG, SIGKILL));
+}
+
+/// Every way to harm its parent and a process that the test names; one that is not refused ends the run.
+static void harm_others(void) {
+  const char* bystander = getenv("MEBOTS_TEST_BYSTANDER");
+  const pid_t others[] = {getppid(), bystander == NULL ? getppid() : (pid_t)atoi(bystander)};
+  for (int i = 0; i < 2; ++i) {
+    if (!takes_no_signal(others[i]) || !is_not_changed(others[i])) abort();
+  }
+}
+
+/// Starts a process and ends it, as FMUs do that have a helper.
+static void end_child(void) {
+  const pid_t child = fork();
+  if (child == 0) {
+    for (;;) pause();
+  }
+  int status = 0;
+  if (kill(child, SIGTERM) != 0 || waitpid(child, &status, 0) != child || WTERMSIG(status) != SIGTERM) abort();
 }
 
 /// A process in a session of its own, whose parent is gone; then hangs.
@@ -421,7 +464,8 @@ static fmi2Status misbehave(Probe* p, const char* fault) {
     kill(-getpgid(getppid()), SIGKILL);
   }
   if (strcmp(fault, "kill_group") == 0) kill(0, SIGKILL);
-  if (strcmp(fault, "harm_parent") == 0) harm_parent();
+  if (strcmp(fault, "harm_others") == 0) harm_others();
+  if (strcmp(fault, "end_child") == 0) end_child();
   if (strncmp(fault, "forge_", 6) == 0) forge(fault);
   if (strcmp(fault, "escape") == 0) p->state.integers[STEPS] = stays_inside() ? 1000 : -1;
 #if defined(__x86_64__)

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "guard.hpp"
 
+#include "landlock.hpp"
+
 #include <asm/sockios.h>
 #include <fcntl.h>
 #include <malloc.h>
@@ -84,10 +86,9 @@ scmp_arg_cmp is_not(unsigned argument, std::uint32_t value) {
   return {argument, SCMP_CMP_NE, value, 0};
 }
 
-/// Takes from the process what it could end or change other processes of its user with, first of all the master: each
-/// such call answers EPERM. Calls in another form than x86-64's, which rules by number would not see, end the process.
-/// Where the system allows no such filter, an FMU can do what any process of this user can; nothing else is lost.
-void forbid_harm_to(pid_t master) {
+}  // namespace
+
+void forbid_harm(Signals signals) {
   const auto filter = seccomp_init(SCMP_ACT_ALLOW);
   if (filter == nullptr) return;
   seccomp_attr_set(filter, SCMP_FLTATR_ACT_BADARCH, SCMP_ACT_KILL_PROCESS);
@@ -97,23 +98,21 @@ void forbid_harm_to(pid_t master) {
     if (problem != 0) throw Error(std::string("a rule for system calls is not taken: ") + std::strerror(-problem));
   };
   const auto self = static_cast<std::uint32_t>(getpid());
-  // Its own children may be signalled.
-  const pid_t keeper = getppid();  // leads a group
-  for (const pid_t target : {master, -getpgid(master), keeper, -keeper, pid_t{-1}}) {
-    forbid(SCMP_SYS(kill), {is(0, static_cast<std::uint32_t>(target))});
+  if (signals == Signals::to_itself) {
+    // A group, as 0 or negative, may hold others.
+    for (const int call : {SCMP_SYS(kill), SCMP_SYS(rt_sigqueueinfo), SCMP_SYS(tgkill), SCMP_SYS(rt_tgsigqueueinfo),
+                           SCMP_SYS(pidfd_open)}) {
+      forbid(call, {is_not(0, self)});
+    }
+    // Whose thread or descriptor (of a folder of /proc, too) it is, the call does not say.
+    for (const int call : {SCMP_SYS(tkill), SCMP_SYS(pidfd_send_signal)}) forbid(call);
   }
-  for (const int call : {SCMP_SYS(rt_sigqueueinfo), SCMP_SYS(pidfd_open)}) {
-    for (const pid_t target : {master, keeper}) forbid(call, {is(0, static_cast<std::uint32_t>(target))});
-  }
-  // By thread: whose they are is known only where the call names the process too.
-  forbid(SCMP_SYS(tkill));
-  for (const int call : {SCMP_SYS(tgkill), SCMP_SYS(rt_tgsigqueueinfo)}) forbid(call, {is_not(0, self)});
   // Memory and limits of others; texts of callbacks are read from its own.
   for (const int call : {SCMP_SYS(process_vm_readv), SCMP_SYS(process_vm_writev)}) {
     forbid(call, {is_not(0, self)});
   }
   forbid(SCMP_SYS(prlimit64), {is_not(0, 0)});  // 0: its own
-  forbid(SCMP_SYS(ptrace));
+  for (const int call : {SCMP_SYS(ptrace), SCMP_SYS(pidfd_getfd), SCMP_SYS(process_madvise)}) forbid(call);
   // Signals that the kernel sends when something happens to a file.
   for (const std::uint32_t command : {F_SETOWN, F_SETOWN_EX, F_SETSIG}) {
     forbid(SCMP_SYS(fcntl), {is(1, command)});
@@ -133,12 +132,10 @@ void forbid_harm_to(pid_t master) {
   seccomp_release(filter);
 }
 
-}  // namespace
-
-void guard(pid_t master, std::uint64_t memory_bytes, Control& control) {
+void guard(std::uint64_t memory_bytes, Control& control) {
   tell_of_faults(control);
   limit_memory(memory_bytes);
-  forbid_harm_to(master);
+  forbid_harm(shield_other_processes() ? Signals::to_children : Signals::to_itself);
 }
 
 }  // namespace mebots::master::isolation

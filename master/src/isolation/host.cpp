@@ -363,7 +363,7 @@ int run_fmu_host(int argument_count, char** arguments) {
     } else {
       fork_kept(master);
     }
-    guard(master, number<std::uint64_t>(arguments[2]), host.control());
+    guard(number<std::uint64_t>(arguments[2]), host.control());
     host.serve();
     return 0;
   } catch (const std::exception& error) {

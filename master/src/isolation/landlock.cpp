@@ -36,10 +36,17 @@ struct [[gnu::packed]] PathBeneath {
   std::int32_t parent;
 };
 
+// Bits of `Ruleset::scoped`.
+constexpr std::uint64_t kAbstractSockets = 1U << 0;
+constexpr std::uint64_t kSignals = 1U << 1;
+constexpr long kScopesSince = 6;  // version
+
 constexpr std::uint64_t kExecute = 1U << 0;
 constexpr std::uint64_t kWrite = 1U << 1;
 constexpr std::uint64_t kReadFile = 1U << 2;
 constexpr std::uint64_t kReadFolder = 1U << 3;
+constexpr std::uint64_t kMakeBlockDevice = 1U << 11;
+constexpr std::uint64_t kRefer = 1U << 13;  // since version 2: from folder to folder
 constexpr std::uint64_t kTruncate = 1U << 14;
 constexpr std::uint64_t kReading = kExecute | kReadFile | kReadFolder;
 constexpr std::uint64_t kOfOneFile = kExecute | kReadFile | kWrite | kTruncate;
@@ -51,7 +58,7 @@ std::uint64_t all_access(long version) {
 }
 
 std::size_t known_size(long version) {
-  if (version >= 6) return sizeof(Ruleset);
+  if (version >= kScopesSince) return sizeof(Ruleset);
   return version >= 4 ? 2 * sizeof(std::uint64_t) : sizeof(std::uint64_t);
 }
 
@@ -79,15 +86,43 @@ std::vector<std::string> listed_folders() {
   return folders;
 }
 
+long offered_version() {
+  return syscall(kCreateRuleset, nullptr, 0, kAskVersion);
+}
+
+int create(const Ruleset& wanted, long version) {
+  return static_cast<int>(syscall(kCreateRuleset, &wanted, known_size(version), 0));
+}
+
+/// Takes `rules`. Empty, or the problem.
+std::string enter(int rules) {
+  std::string problem;
+  if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0 || syscall(kRestrictSelf, rules, 0) != 0)
+    problem = fmt::format("Landlock ({})", std::strerror(errno));
+  close(rules);
+  return problem;
+}
+
 }  // namespace
 
+bool shield_other_processes() {
+  const long version = offered_version();
+  if (version < 2) return false;  // the first one would forbid to move files between folders
+  const bool scopes = version >= kScopesSince;
+  // A kernel that cannot scope signals wants another reason; this one takes nothing away.
+  const Ruleset wanted{scopes ? 0 : kRefer | kMakeBlockDevice, 0, scopes ? kSignals : 0};
+  const int rules = create(wanted, version);
+  if (rules < 0) return false;
+  if (!scopes) allow(rules, "/", wanted.files);
+  return enter(rules).empty() && scopes;
+}
+
 std::string restrict_files(const std::filesystem::path& folder) {
-  const long version = syscall(kCreateRuleset, nullptr, 0, kAskVersion);
+  const long version = offered_version();
   if (version < 1) return fmt::format("Landlock ({})", std::strerror(errno));
-  constexpr std::uint64_t kTcp = 3;      // binding and connecting
-  constexpr std::uint64_t kOutside = 3;  // abstract sockets and signals
-  const Ruleset wanted{all_access(version), kTcp, kOutside};
-  const int rules = static_cast<int>(syscall(kCreateRuleset, &wanted, known_size(version), 0));
+  constexpr std::uint64_t kTcp = 3;  // binding and connecting
+  const Ruleset wanted{all_access(version), kTcp, kAbstractSockets | kSignals};
+  const int rules = create(wanted, version);
   if (rules < 0) return fmt::format("Landlock ({})", std::strerror(errno));
   for (const auto* path :
        {"/usr", "/lib", "/lib32", "/lib64", "/bin", "/sbin", "/etc", "/opt", "/nix", "/proc", "/sys", "/dev"})
@@ -96,11 +131,7 @@ std::string restrict_files(const std::filesystem::path& folder) {
   for (const auto* path : {"/dev/null", "/dev/zero", "/dev/full"})
     allow(rules, path, (kReading | kWrite | kTruncate) & wanted.files);
   allow(rules, folder.string(), wanted.files);
-  std::string problem;
-  if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0 || syscall(kRestrictSelf, rules, 0) != 0)
-    problem = fmt::format("Landlock ({})", std::strerror(errno));
-  close(rules);
-  return problem;
+  return enter(rules);
 }
 
 }  // namespace mebots::master::isolation
