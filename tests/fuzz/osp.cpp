@@ -16,31 +16,27 @@ namespace {
 
 using namespace mebots;
 
-/// Two FMUs without code: it is their descriptions that are asked.
-const std::filesystem::path& fmus() {
-  static const auto folder = fuzz::fast_folder();
-  static const bool made = [] {
+/// With two FMUs without code: it is their descriptions that are asked.
+class FolderWithFmus : public fuzz::FolderOfInput {
+ public:
+  FolderWithFmus() {
     for (const auto* name : {"probe", "coupling"}) {
-      modeldesc::pack(folder.path() / (std::string(name) + ".fmu"),
+      modeldesc::pack(path() / (std::string(name) + ".fmu"),
                       {{"modelDescription.xml",
                         std::filesystem::path(MEBOTS_SOURCE_DIR) / "tests/fmus" / (std::string(name) + ".xml")}});
     }
-    return true;
-  }();
-  fuzz::require(made, "the FMUs are there");
-  return folder.path();
-}
+  }
+};
 
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  const auto folder = fuzz::fast_folder();
-  for (const auto& fmu : std::filesystem::directory_iterator(fmus()))
-    std::filesystem::create_symlink(fmu.path(), folder.path() / fmu.path().filename());
-  fuzz::write_files({reinterpret_cast<const char*>(data), size}, "OspSystemStructure.xml", folder.path());
+  static FolderWithFmus folder;
+  folder.fill({reinterpret_cast<const char*>(data), size}, "OspSystemStructure.xml");
   try {
     fuzz::require_sound(master::load_system(folder.path() / "OspSystemStructure.xml", {0.001, 1.0}).system);
   } catch (const InputError&) {
   }
+  folder.clear();
   return 0;
 }

@@ -12,11 +12,12 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace mebots;
-  const auto folder = fuzz::fast_folder();
-  fuzz::write_files({reinterpret_cast<const char*>(data), size}, "SystemStructure.ssd", folder.path());
+  static fuzz::FolderOfInput folder;
+  folder.fill({reinterpret_cast<const char*>(data), size}, "SystemStructure.ssd");
   try {
     fuzz::require_sound(master::load_system(folder.path(), {0.001, {}}).system);
   } catch (const InputError&) {
   }
+  folder.clear();
   return 0;
 }

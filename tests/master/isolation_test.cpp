@@ -218,6 +218,7 @@ class Bystander {
   }
   Bystander(const Bystander&) = delete;
   Bystander& operator=(const Bystander&) = delete;
+  pid_t process() const { return process_; }
   bool lives() const { return waitpid(process_, nullptr, WNOHANG) == 0; }
 
  private:
@@ -242,7 +243,7 @@ TEST_F(Isolation, AnFmuEndsItsOwnHelpers) {
 
 TEST(Guard, WithoutTheKernelsHelpAProcessSignalsItselfAlone) {
   const Bystander bystander;
-  const auto other = static_cast<pid_t>(std::stol(std::getenv("MEBOTS_TEST_BYSTANDER")));
+  const auto other = bystander.process();
   const auto tried = fork();
   if (tried == 0) {
     master::isolation::forbid_harm(master::isolation::Signals::to_itself);
