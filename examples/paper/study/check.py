@@ -29,8 +29,10 @@ def _batteries(published, count, place):
 
 def _starts(published, count, place):
     for name, part in published["robustness"].items():
-        flights = experiments.starts(name, part["flights"], seed=1)[:count]
-        for number, (flight, summary) in enumerate(zip(flights, fly_all(flights, place).values())):
+        flights = experiments.starts(name, part["flights"], seed=1)
+        numbers = range(0, len(flights), -(-len(flights) // count))  # spread over the part
+        chosen = [flights[number] for number in numbers]
+        for number, flight, summary in zip(numbers, chosen, fly_all(chosen, place).values()):
             way = part["ways"][number]
             found = Trace(summary["folder"]).way(len(way["x"]))
             lateral = summary.get("lateral_error")
