@@ -273,6 +273,13 @@ const besideTests = {
     });
   },
 
+  async "a name's mark is dashed where its curve is, in the run's colour"({ page }) {
+    const marks = await page.$$eval(".values .value", (found) =>
+      found.filter((value) => value.textContent.includes("open circuit") || value.textContent.startsWith("cell"))
+        .map((value) => [value.textContent.split(" \u00b7 ")[0], value.querySelector(".swatch").classList.contains("dashed")]));
+    assert.deepEqual(marks, [["open circuit", false], ["open circuit", false], ["cell", true], ["cell", true]]);
+  },
+
   async "of each run's cores one lane stands for all"({ page }) {
     const names = await page.$$eval(".panel-lanes .values b", (cells) => cells.map((cell) => cell.dataset.variable));
     assert.equal(names.filter((name) => name.includes("soc.cluster.core[7].cycles")).length, 2, names.join(", "));

@@ -5,7 +5,7 @@ import type { Clock } from "../clock";
 import { prefixFor, shownUnit } from "../data/units";
 import { element } from "../dom";
 import { styleColour } from "../theme";
-import { curveColour, type Drawing, type RunCurve } from "./panel";
+import { curveColour, curveDash, type Drawing, type RunCurve } from "./panel";
 import { makeScrubbable } from "./scrub";
 import type { Window } from "./window";
 
@@ -104,12 +104,11 @@ export class Chart implements Drawing {
     const colour = curveColour(entry, index, this.runCount);
     const discrete = ["Integer", "Boolean", "Enumeration"].includes(entry.run.info(entry.curve.variable)?.type ?? "");
     const stepped = uPlot.paths.stepped!;
-    const nth = this.curves.filter((other, i) => other.runIndex === entry.runIndex && i < index).length;
     return {
       stroke: colour,
       width: stacked ? 0.75 : 1.6,
       fill: stacked ? colour + "b0" : undefined,
-      dash: this.runCount > 1 && nth > 0 ? [2 + 3 * nth, 3] : undefined,
+      dash: curveDash(this.curves, index, this.runCount),
       points: { show: false },
       spanGaps: true,
       paths: entry.curve.isRate ? stepped({ align: -1 }) : discrete ? stepped({ align: 1 }) : undefined,

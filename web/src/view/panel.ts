@@ -50,7 +50,7 @@ export function makePanel(info: PanelInfo, allRuns: Run[], clock: Clock, window:
     const value = makeValue(entry, runCount, window);
     if (kind === "lanes") value.swatch.remove(); // their colours are those of states
     values.append(value.root);
-    return { ...value, paint: () => (value.swatch.style.background = curveColour(entry, i, runCount)) };
+    return { ...value, paint: () => paintSwatch(value.swatch, curveColour(entry, i, runCount), curveDash(curves, i, runCount)) };
   });
   const show = () => {
     for (const output of outputs) output.show(clock.time);
@@ -101,6 +101,20 @@ function curvesOf(info: PanelInfo, runs: Run[]): RunCurve[] {
 
 export function curveColour(entry: RunCurve, index: number, runCount: number): string {
   return colour(runCount > 1 ? entry.runIndex : index);
+}
+
+/** Of several runs, whose colours tell them apart, a run's second curve and those after it are dashed: length of dash and gap. */
+export function curveDash(curves: RunCurve[], index: number, runCount: number): [number, number] | undefined {
+  const nth = curves.filter((other, i) => other.runIndex === curves[index].runIndex && i < index).length;
+  return runCount > 1 && nth > 0 ? [2 + 3 * nth, 3] : undefined;
+}
+
+/** What stands before a curve's name looks as the curve does. */
+function paintSwatch(swatch: HTMLElement, tone: string, dash: [number, number] | undefined): void {
+  swatch.classList.toggle("dashed", dash !== undefined);
+  swatch.style.background = dash
+    ? `repeating-linear-gradient(90deg, ${tone} 0 ${dash[0]}px, transparent ${dash[0]}px ${dash[0] + dash[1]}px)`
+    : tone;
 }
 
 function makeValue(entry: RunCurve, runCount: number, window: Window) {
