@@ -22,6 +22,7 @@ set(MEBOTS_PACKAGE_LICENSES
   "libpng.*|libpng-2.0"
   "libtinygltf.*|MIT"
   "zlib1g.*|Zlib"
+  "libdeflate.*|MIT"
   "libzip.*|BSD-3-Clause"
   "libpugixml.*|MIT"
   "libhdf5.*|BSD-3-Clause"

@@ -21,7 +21,8 @@ packages=(
   libseccomp-dev                                                  # what an FMU in a process of its own may ask of the system
   libssl-dev                                                      # hash of a run's inputs
   libhdf5-dev                                                     # results as HDF5
-  libpng-dev zlib1g-dev                                           # pictures of a flight; its page; textures
+  libpng-dev zlib1g-dev                                           # textures; pictures of a flight
+  libdeflate-dev                                                  # what a flight leaves, and its page, made small
   libtinygltf-dev                                                 # meshes of a scene
   libcpp-httplib-dev                                              # the page of a run that is under way
   libgtest-dev libgmock-dev libbenchmark-dev                      # tests, benchmarks

@@ -25,6 +25,7 @@ namespace {
 using master::deflated;
 using master::gunzipped;
 using master::gzipped;
+using master::Packing;
 using master::report::payload_of;
 using master::report::read_results;
 using master::report::read_run_folder;
@@ -252,7 +253,7 @@ TEST_F(Report, ColumnsComeBackToTheBit) {
 
 TEST_F(Report, GzippedBytesComeBackAndDamagedOnesAreRefused) {
   const std::string text = "a scene" + std::string(300000, 'x');
-  const auto packed = gzipped(text);
+  const auto packed = gzipped(text, Packing::small);
   EXPECT_EQ(gunzipped(packed), text);
   EXPECT_EQ(packed.substr(4, 4), std::string(4, '\0')) << "no date: the same scene is the same file";
   EXPECT_THROW(gunzipped(packed.substr(0, packed.size() / 2)), Error);
@@ -261,7 +262,7 @@ TEST_F(Report, GzippedBytesComeBackAndDamagedOnesAreRefused) {
 
 TEST_F(Report, DeflatedBytesInflateToWhatTheyWere) {
   const std::string text(100000, 'x');
-  const auto packed = deflated(text);
+  const auto packed = deflated(text, Packing::small);
   EXPECT_LT(packed.size(), 1000U);
   std::string back(text.size(), '\0');
   auto length = static_cast<uLongf>(back.size());

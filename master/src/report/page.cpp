@@ -48,7 +48,7 @@ std::string fill(const PageParts& parts, const std::string& title, std::string_v
   put(page, "title", escaped(title + " - MEbots"));
   put(page, "connect", connect);
   put(page, "style", parts.style);
-  put(page, "script", base64(deflated(parts.script)));
+  put(page, "script", base64(deflated(parts.script, Packing::small)));
   put(page, "data", data);
   return page;
 }
@@ -74,7 +74,7 @@ PageParts read_page_parts() {
 }
 
 std::string make_page(const PageParts& parts, std::span<const RunFolder> runs) {
-  return fill(parts, title_of(runs), "'none'", base64(deflated(payload_of(runs))));
+  return fill(parts, title_of(runs), "'none'", base64(deflated(payload_of(runs), Packing::small)));
 }
 
 std::string make_live_page(const PageParts& parts, const std::string& name) {

@@ -138,7 +138,7 @@ std::optional<std::string> SystemFileWriter::reached(const Point& point) {
   std::string text;
   const auto reference = scene_->variable->value_reference;
   ensemble_->slave(scene_->instance).get_strings(std::span(&reference, 1), std::span(&text, 1));
-  write(folder_ / kSceneFile, gzipped(text));
+  write(folder_ / kSceneFile, gzipped(text, Packing::fast));
   return std::nullopt;
 }
 

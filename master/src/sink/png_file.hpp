@@ -18,7 +18,7 @@ struct GreyPicture {
   std::size_t width = 0;
 };
 
-/// The bytes of a PNG file of whole rows of 8-bit grey pixels. Throws Error.
+/// The bytes of a PNG file of whole rows of 8-bit grey pixels, of one at least. Throws Error.
 std::string png_of(std::span<const std::uint8_t> pixels, std::size_t width);
 
 /// The same into a file. Throws Error that names it.
