@@ -1,15 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-// mebots-dataset: pictures as the drone's network gets them, with the command that the expert gives to each.
+// mebots-dataset: pictures as the drone's network gets them, with the command that the expert gives to each, or with
+// where the gate is (--task sight).
 //
 // Every picture is taken by the camera of fmu_world, disturbed, and made small by the firmware's own code. Writes
 // two files: <out>.pictures, 168 x 168 bytes each (signed, grey level less 128), and <out>.labels.csv.
 
 #include "camera/renderer.hpp"
 #include "expert.hpp"
+#include "hall.hpp"
 #include "mebots/error.hpp"
 #include "nn/shrink.h"
 #include "room.hpp"
 #include "scene/load.hpp"
+#include "sight.hpp"
 
 #include <fmt/format.h>
 #include <fmt/os.h>
@@ -22,6 +25,7 @@
 #include <cstdint>
 #include <cstdlib>
 #include <fstream>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -31,10 +35,15 @@ using Eigen::AngleAxisd;
 using Eigen::Vector3d;
 using mebots::training::Advice;
 using mebots::training::Random;
+using mebots::training::Sight;
 using mebots::training::Visibility;
+
+/// What the network is to say: the expert's command, or where the gate is.
+enum class Task { command, sight };
 
 struct Options {
   std::string out;
+  Task task = Task::command;
   std::string scene;
   std::uint64_t seed = 1;
   int scenes = 100;
@@ -44,9 +53,11 @@ struct Options {
 
 /// How a picture is spoilt on its way from the renderer to the network.
 struct Disturbance {
-  int blur_px = 1;  // width of a level box blur, as a turning drone's exposure makes it
+  int blur_px = 1;    // width of a level box blur, as a turning drone's exposure makes it
+  int blur_rows = 1;  // height of an upright one, as a climbing or nodding drone's makes it
   double gain = 1.0;
   double offset = 0.0;
+  double vignetting = 0.0;  // light that a corner lacks
 };
 
 Disturbance random_disturbance(Random& random) {
@@ -59,7 +70,48 @@ Disturbance random_disturbance(Random& random) {
   return d;
 }
 
+/// The same for the sight network: more of everything.
+Disturbance strong_disturbance(Random& random) {
+  Disturbance d;
+  if (random.chance(0.4)) d.blur_px = 2 + random.below(6);
+  if (random.chance(0.15)) d.blur_rows = 2 + random.below(4);
+  if (random.chance(0.75)) {
+    d.gain = random.log_between(0.4, 1.6);
+    d.offset = random.between(-30.0, 30.0);
+  }
+  if (random.chance(0.3)) d.vignetting = random.between(0.0, 0.6);
+  return d;
+}
+
+void blur_upright(int rows, int width, std::vector<std::uint8_t>& pixels) {
+  const int height = static_cast<int>(pixels.size()) / width;
+  std::vector<int> column(static_cast<std::size_t>(height) + 1);
+  for (int x = 0; x < width; ++x) {
+    for (int y = 0; y < height; ++y) column[y + 1] = column[y] + pixels[static_cast<std::size_t>(y) * width + x];
+    for (int y = 0; y < height; ++y) {
+      const int begin = std::max(0, y - rows / 2);
+      const int end = std::min(height, begin + rows);
+      pixels[static_cast<std::size_t>(y) * width + x] =
+          static_cast<std::uint8_t>((column[end] - column[begin]) / (end - begin));
+    }
+  }
+}
+
+void darken_corners(double vignetting, int width, std::vector<std::uint8_t>& pixels) {
+  const int height = static_cast<int>(pixels.size()) / width;
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      const double right = 2.0 * x / width - 1.0;
+      const double down = 2.0 * y / height - 1.0;
+      auto& pixel = pixels[static_cast<std::size_t>(y) * width + x];
+      pixel = static_cast<std::uint8_t>(pixel * (1.0 - 0.5 * vignetting * (right * right + down * down)));
+    }
+  }
+}
+
 void disturb(const Disturbance& d, int width, std::vector<std::uint8_t>& pixels) {
+  if (d.blur_rows > 1) blur_upright(d.blur_rows, width, pixels);
+  if (d.vignetting > 0.0) darken_corners(d.vignetting, width, pixels);
   if (d.blur_px == 1 && d.gain == 1.0 && d.offset == 0.0) return;
   std::vector<double> sums(static_cast<std::size_t>(width) + 1);
   for (std::size_t row = 0; row < pixels.size(); row += static_cast<std::size_t>(width)) {
@@ -99,6 +151,38 @@ BodyPose random_pose(Random& random, const mebots::world::scene::Scene& scene, d
   return {p, R};
 }
 
+/// The same for the sight network: other heights, stronger tilt, and more pictures without a gate.
+BodyPose random_view(Random& random, const mebots::world::scene::Scene& scene, double half_view_rad) {
+  double yaw = random.between(-M_PI, M_PI);
+  Vector3d p{random.between(-1.5, 4.0), random.between(-2.0, 2.0), random.between(0.5, 1.6)};
+  if (!scene.gates.empty() && random.chance(0.82)) {
+    const auto& gate = scene.gates[0];
+    const double distance = random.chance(0.6) ? random.between(0.5, 7.5) : random.log_between(0.3, 2.5);
+    const double off_axis = random.chance(0.6) ? random.normal(0.3) : random.between(-1.15, 1.15);
+    const double towards = gate.yaw_rad + off_axis;
+    p.head<2>() = gate.p_W_m.head<2>() - distance * Vector3d(std::cos(towards), std::sin(towards), 0.0).head<2>();
+    const double away = random.chance(0.5) ? random.normal(0.08) : random.between(-0.45, 0.45);
+    p.z() = std::max(0.3, gate.p_W_m.z() + away);
+    const double bearing = random.chance(0.4) ? random.normal(0.15) : random.between(-1.15, 1.15) * half_view_rad;
+    yaw = towards - bearing;
+  }
+  const Eigen::Matrix3d R = (AngleAxisd(yaw, Vector3d::UnitZ()) * AngleAxisd(random.normal(0.045), Vector3d::UnitY()) *
+                             AngleAxisd(random.normal(0.045), Vector3d::UnitX()))
+                                .toRotationMatrix();
+  return {p, R};
+}
+
+/// Everything that can hide a gate, as boxes; a cylinder as the one around it.
+std::vector<mebots::world::scene::Box> obstacles(const mebots::world::scene::Scene& scene) {
+  auto boxes = scene.boxes;
+  for (const auto& cylinder : scene.cylinders) {
+    auto& box = boxes.emplace_back();
+    box.p_W_m = cylinder.p_W_m;
+    box.size_m = {2.0 * cylinder.radius_m, 2.0 * cylinder.radius_m, cylinder.height_m};
+  }
+  return boxes;
+}
+
 bool inside(const mebots::world::scene::Box& box, const Vector3d& p_W, double margin_m) {
   const Vector3d p = AngleAxisd(-box.yaw_rad, Vector3d::UnitZ()) * (p_W - box.p_W_m);
   return (p.cwiseAbs() - 0.5 * box.size_m).maxCoeff() < margin_m;
@@ -106,7 +190,7 @@ bool inside(const mebots::world::scene::Box& box, const Vector3d& p_W, double ma
 
 /// Whether the drone can be at `p` and nothing stands between it and the gate.
 bool free_view(const mebots::world::scene::Scene& scene, const Vector3d& p_W) {
-  for (const auto& box : scene.boxes) {
+  for (const auto& box : obstacles(scene)) {
     if (inside(box, p_W, 0.1)) return false;
     if (scene.gates.empty()) continue;
     const auto& gate = scene.gates[0];
@@ -135,15 +219,21 @@ bool in_room(const mebots::world::scene::Scene& scene, const Vector3d& p_W) {
 
 class Writer {
  public:
-  explicit Writer(const std::string& out)
+  Writer(const std::string& out, Task task)
       : pictures_(out + ".pictures", std::ios::binary), labels_(out + ".labels.csv"), path_(out) {
-    labels_ << "yaw,visible,strength,distance_m,offset,field_of_view_rad,scene\n";
+    labels_ << (task == Task::sight ? "yaw,rise,size,visible,distance_m,field_of_view_rad,scene\n"
+                                    : "yaw,visible,strength,distance_m,offset,field_of_view_rad,scene\n");
   }
   void add(const std::vector<std::int8_t>& picture, const Advice& advice, double field_of_view_rad, int scene) {
-    pictures_.write(reinterpret_cast<const char*>(picture.data()), static_cast<std::streamsize>(picture.size()));
+    write(picture);
     labels_ << fmt::format("{:.6f},{:d},{:.3f},{:.4f},{:.5f},{:.5f},{}\n", advice.yaw,
                            advice.visibility == Visibility::enough, advice.strength, advice.distance_m, advice.offset,
                            field_of_view_rad, scene);
+  }
+  void add(const std::vector<std::int8_t>& picture, const Sight& sight, double field_of_view_rad, int scene) {
+    write(picture);
+    labels_ << fmt::format("{:.6f},{:.6f},{:.5f},{:d},{:.4f},{:.5f},{}\n", sight.yaw, sight.rise, sight.size,
+                           sight.visibility == Visibility::enough, sight.distance_m, field_of_view_rad, scene);
   }
   void finish() {
     if (!pictures_.flush() || !labels_.flush()) {
@@ -152,6 +242,10 @@ class Writer {
   }
 
  private:
+  void write(const std::vector<std::int8_t>& picture) {
+    pictures_.write(reinterpret_cast<const char*>(picture.data()), static_cast<std::streamsize>(picture.size()));
+  }
+
   std::ofstream pictures_;
   std::ofstream labels_;
   std::string path_;
@@ -161,38 +255,65 @@ class Writer {
 constexpr double kNarrowest_rad = 0.87;
 constexpr double kWidest_rad = 1.51844;
 
+/// For the sight network, those two lie within what it sees.
+constexpr double kNarrowestSight_rad = 0.82;
+constexpr double kWidestSight_rad = 1.56;
+
+mebots::world::camera::Intrinsics random_lens(const Options& options, Random& random) {
+  mebots::world::camera::Intrinsics intrinsics;
+  const bool sight = options.task == Task::sight;
+  intrinsics.horizontal_field_of_view_rad =
+      options.field_of_view_rad > 0.0
+          ? options.field_of_view_rad
+          : random.between(sight ? kNarrowestSight_rad : kNarrowest_rad, sight ? kWidestSight_rad : kWidest_rad);
+  return intrinsics;
+}
+
 void take_pictures(const mebots::world::scene::Scene& scene, int scene_number, const Options& options, Random& random,
                    Writer& writer) {
-  mebots::world::camera::Intrinsics intrinsics;
-  intrinsics.horizontal_field_of_view_rad =
-      options.field_of_view_rad > 0.0 ? options.field_of_view_rad : random.between(kNarrowest_rad, kWidest_rad);
+  const bool sight = options.task == Task::sight;
+  const auto intrinsics = random_lens(options, random);
+  const double half_view_rad = 0.5 * intrinsics.horizontal_field_of_view_rad;
   const int count = options.pictures;
-  mebots::world::camera::Renderer renderer(scene, intrinsics, random.between(0.0, 5.0));
+  mebots::world::camera::Renderer renderer(scene, intrinsics, random.between(0.0, sight ? 8.0 : 5.0));
   std::vector<std::uint8_t> pixels(static_cast<std::size_t>(intrinsics.width) * intrinsics.height);
   std::vector<std::int8_t> small(static_cast<std::size_t>(SHRUNK_EDGE) * SHRUNK_EDGE);
   std::array<std::uint16_t, SHRUNK_EDGE> columns{};
   shrink_columns(intrinsics.width, columns.data());
   for (int taken = 0, tries = 0; taken < count && tries < 100 * count; ++tries) {
-    const BodyPose pose = random_pose(random, scene, 0.5 * intrinsics.horizontal_field_of_view_rad);
+    const BodyPose pose = sight ? random_view(random, scene, half_view_rad) : random_pose(random, scene, half_view_rad);
     if (!in_room(scene, pose.p_WB_m) || !free_view(scene, pose.p_WB_m)) continue;
     const auto camera = mebots::world::camera::camera_pose({}, pose.p_WB_m, pose.R_WB);
-    const Advice advice = mebots::training::expert(scene, intrinsics, camera);
-    if (advice.visibility == Visibility::sliver) continue;
+    const Advice advice = sight ? Advice{} : mebots::training::expert(scene, intrinsics, camera);
+    const Sight seen = sight ? mebots::training::sight_of(scene, intrinsics, camera) : Sight{};
+    if (advice.visibility == Visibility::sliver || seen.visibility == Visibility::sliver) continue;
     renderer.render(camera, random.word(), static_cast<std::uint64_t>(taken), pixels);
-    disturb(random_disturbance(random), intrinsics.width, pixels);
+    disturb(sight ? strong_disturbance(random) : random_disturbance(random), intrinsics.width, pixels);
     for (int y = 0; y < SHRUNK_EDGE; ++y) {
       shrink_row(&pixels[static_cast<std::size_t>(shrink_place(y, intrinsics.height)) * intrinsics.width],
                  intrinsics.width, columns.data(), &small[static_cast<std::size_t>(y) * SHRUNK_EDGE]);
     }
-    writer.add(small, advice, intrinsics.horizontal_field_of_view_rad, scene_number);
+    if (sight) {
+      writer.add(small, seen, intrinsics.horizontal_field_of_view_rad, scene_number);
+    } else {
+      writer.add(small, advice, intrinsics.horizontal_field_of_view_rad, scene_number);
+    }
     ++taken;
   }
 }
 
+mebots::world::scene::Scene room_of(const Options& options, Random& random) {
+  if (!options.scene.empty()) return mebots::world::scene::load_scene(options.scene);
+  return options.task == Task::sight ? mebots::training::random_hall(random) : mebots::training::random_room(random);
+}
+
 Options read_options(int argc, char** argv) {
   Options options;
-  CLI::App app("Pictures of random rooms as the drone's network gets them, with the expert's yaw commands");
+  CLI::App app("Pictures of random rooms as the drone's network gets them, with what it is to say");
   app.add_option("--out", options.out, "Path of the files to write, without their endings")->required();
+  app.add_option("--task", options.task, "What the labels say: the expert's yaw command, or where the gate is")
+      ->transform(
+          CLI::CheckedTransformer(std::map<std::string, Task>{{"command", Task::command}, {"sight", Task::sight}}));
   app.add_option("--seed", options.seed, "Other seeds, other rooms")->capture_default_str();
   app.add_option("--scenes", options.scenes, "Number of rooms")->check(CLI::Range(1, 1000000))->capture_default_str();
   app.add_option("--pictures", options.pictures, "Pictures of each room")
@@ -214,13 +335,11 @@ Options read_options(int argc, char** argv) {
 int main(int argc, char** argv) {
   const Options options = read_options(argc, argv);
   try {
-    Writer writer(options.out);
+    Writer writer(options.out, options.task);
     for (int i = 0; i < options.scenes; ++i) {
       // Each room has its own numbers, so that a room does not depend on those before it.
       Random random(options.seed * 1000003U + static_cast<std::uint64_t>(i));
-      const auto scene = options.scene.empty() ? mebots::training::random_room(random)
-                                               : mebots::world::scene::load_scene(options.scene);
-      take_pictures(scene, i, options, random, writer);
+      take_pictures(room_of(options, random), i, options, random, writer);
     }
     writer.finish();
   } catch (const mebots::Error& error) {
