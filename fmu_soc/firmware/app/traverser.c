@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "app/traverser.h"
+
+#include "app/calibration.h"
+
+// Pictures in a row that make an approach.
+#define SIGHTINGS_TO_APPROACH 4
+// How long a gate may be out of the pictures until it is searched, and until one that was near counts as entered.
+#define LOST_US 1200000
+#define ENTERED_US 200000
+// Size, in 127ths of SIGHT_MOST_SIZE, at which the frame has left the picture (1.2), and that of a gate which is near
+// enough that it can only have left it (0.65).
+#define ENTERED_SIZE 76
+#define NEAR_SIZE 41
+// Straight on without the referee's word that the gate is crossed, the drone is somewhere else: search.
+#define MOST_BLIND_UM 1500000
+// The altitude follows a gate's within this time, up to this far from the mission's. A size below the least one (0.13,
+// a gate at 5 m with a lens of 50 degrees) is too small to divide by: it counts as that.
+#define ALTITUDE_US 400000
+#define MOST_CLIMB_UM 700000
+#define LEAST_ALTITUDE_UM 250000
+#define LEAST_SIZE 8
+// Part of the scale at which a search turns.
+#define SEARCH_YAW 64
+
+static int32_t limited(int32_t value, int32_t low, int32_t high) {
+  return value < low ? low : value > high ? high : value;
+}
+
+void traverser_init(traverser_t* t, const policy_t* policy, int32_t yaw_rate_scale_urad_s, int32_t altitude_um) {
+  t->phase = PILOT_SEARCH;
+  t->policy = *policy;
+  t->yaw_rate_scale_urad_s = yaw_rate_scale_urad_s;
+  t->start_altitude_um = altitude_um;
+  t->altitude_um = altitude_um;
+  t->size_q8 = 0;
+  t->unseen_us = 0;
+  t->blind_um = 0;
+  t->behind_um = 0;
+  t->sightings = 0;
+  t->last_yaw = 1;  // a search without any sighting turns left
+}
+
+static traverser_command_t command(const traverser_t* t, int32_t velocity_um_s, int yaw) {
+  const traverser_command_t order = {velocity_um_s, (int32_t)((int64_t)t->yaw_rate_scale_urad_s * yaw / 127),
+                                     t->altitude_um};
+  return order;
+}
+
+// Takes over a part of where the gate's middle is now: half the frame over its size is what half the picture measures
+// at the gate, whatever the lens.
+static void follow_altitude(traverser_t* t, const sight_t* sight, const traverser_state_t* state) {
+  const int32_t size = sight->size < LEAST_SIZE ? LEAST_SIZE : sight->size;
+  const int32_t half_frame_um = GATE_OUTER_MM * 1000 / 2;
+  const int32_t above_um = (int32_t)((int64_t)half_frame_um * sight->rise / (SIGHT_MOST_SIZE * size));
+  const int32_t wanted_um = limited(state->altitude_um + above_um, t->start_altitude_um - MOST_CLIMB_UM,
+                                    t->start_altitude_um + MOST_CLIMB_UM);
+  const int32_t elapsed_us = limited(state->elapsed_us, 0, ALTITUDE_US);
+  t->altitude_um += (int32_t)((int64_t)(wanted_um - t->altitude_um) * elapsed_us / ALTITUDE_US);
+  if (t->altitude_um < LEAST_ALTITUDE_UM) {
+    t->altitude_um = LEAST_ALTITUDE_UM;
+  }
+}
+
+static traverser_command_t straight_on(traverser_t* t) {
+  return command(t, policy_speed_um_s(&t->policy, 0), 0);
+}
+
+static traverser_command_t search(traverser_t* t, const sight_t* sight, bool sighted) {
+  if (sighted && t->sightings >= SIGHTINGS_TO_APPROACH) {
+    t->phase = PILOT_APPROACH;
+    t->size_q8 = sight->size * 256;
+  }
+  // A gate in sight: turn to it, and look again before going there.
+  return command(t, 0, sighted ? sight->yaw : t->last_yaw < 0 ? -SEARCH_YAW : SEARCH_YAW);
+}
+
+static traverser_command_t approach(traverser_t* t, const sight_t* sight, bool sighted,
+                                    const traverser_state_t* state) {
+  const bool near = t->size_q8 >= NEAR_SIZE * 256;
+  if (t->size_q8 >= ENTERED_SIZE * 256 || (near && t->unseen_us > ENTERED_US)) {
+    t->phase = PILOT_THROUGH;
+    t->blind_um = 0;
+    return straight_on(t);
+  }
+  if (sighted) {
+    t->size_q8 += (sight->size * 256 - t->size_q8) / 4;
+    follow_altitude(t, sight, state);
+    return command(t, policy_speed_um_s(&t->policy, sight->yaw), sight->yaw);
+  }
+  if (t->unseen_us > LOST_US) {
+    t->phase = PILOT_SEARCH;
+    return search(t, sight, false);
+  }
+  return straight_on(t);
+}
+
+static traverser_command_t through(traverser_t* t, const traverser_state_t* state) {
+  const int32_t flown_um = (int32_t)((int64_t)state->forward_velocity_um_s * state->elapsed_us / 1000000);
+  if (state->crossed) {
+    t->behind_um += flown_um;
+  } else {
+    t->blind_um += flown_um;
+  }
+  if (t->behind_um >= PILOT_BEHIND_MM * 1000) {
+    t->phase = PILOT_DONE;
+    return command(t, 0, 0);
+  }
+  if (t->blind_um >= MOST_BLIND_UM) {
+    t->phase = PILOT_SEARCH;
+    t->sightings = 0;
+  }
+  return straight_on(t);
+}
+
+traverser_command_t traverser_step(traverser_t* t, const sight_t* sight, const traverser_state_t* state) {
+  const bool sighted = sight->visible > 0;
+  t->sightings = sighted ? t->sightings + 1 : 0;
+  t->unseen_us = sighted ? 0 : limited(t->unseen_us, 0, LOST_US) + state->elapsed_us;
+  if (sighted && sight->yaw != 0) {
+    t->last_yaw = sight->yaw;
+  }
+  if (state->crossed && t->phase != PILOT_DONE) {
+    t->phase = PILOT_THROUGH;
+  }
+  switch (t->phase) {
+    case PILOT_SEARCH:
+      return search(t, sight, sighted);
+    case PILOT_APPROACH:
+      return approach(t, sight, sighted, state);
+    case PILOT_THROUGH:
+      return through(t, state);
+    case PILOT_DONE:
+      break;
+  }
+  return command(t, 0, 0);
+}

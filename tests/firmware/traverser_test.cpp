@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: Apache-2.0
+// The traverser with flawless eyes: what it can do at most, whatever the network. Closed over a plain model of the
+// drone whose velocity is wrong while the stabiliser learns of the wind; a drone that fits nowhere but in the opening.
+
+#include "app/traverser.h"
+
+#include "plain_drone.hpp"
+#include "rendered_world.hpp"
+#include "sight.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <functional>
+
+namespace mebots::firmware_test {
+namespace {
+
+constexpr double kTraverseStep_s = 0.011;
+constexpr int kStepsPerLook = 3;
+constexpr double kHalfDrone_m = 0.046;
+constexpr double kHalfDroneHeight_m = 0.0145;
+
+/// What differs between one flight and the next.
+struct Start {
+  BodyPose pose;
+  double field_of_view_rad = 0.87;
+  double cruise_m_s = 1.0 / 3.6;
+  double drift_m_s = 0.0;  ///< sideways, in the world's y, at first; it fades within seconds
+  double sight_error = 0.0;
+};
+
+enum class End { clean, touched, missed, lost };
+
+std::int8_t in_127ths(double value) {
+  return static_cast<std::int8_t>(std::lround(127.0 * std::clamp(value, -1.0, 1.0)));
+}
+
+/// What a network that errs by `error` at most tells.
+sight_t look(const world::scene::Scene& scene, const BodyPose& pose, const Start& start, Uniform& uniform) {
+  const world::camera::Intrinsics intrinsics{320, 320, start.field_of_view_rad};
+  const auto camera = world::camera::camera_pose({}, pose.p_WB_m, rotation(pose));
+  const auto sight = training::sight_of(scene, intrinsics, camera);
+  if (sight.visibility != training::Visibility::enough) return {0, 0, 0, -127};
+  const auto err = [&] { return uniform(-start.sight_error, start.sight_error); };
+  return {in_127ths(sight.yaw + err()), in_127ths(sight.rise + err()), in_127ths(sight.size / SIGHT_MOST_SIZE + err()),
+          127};
+}
+
+End judge(const world::scene::Gate& gate, const BodyPose& pose) {
+  const double across = std::abs(pose.p_WB_m.y() - gate.p_W_m.y());
+  const double up = std::abs(pose.p_WB_m.z() - gate.p_W_m.z());
+  const double angle = std::remainder(pose.yaw_rad - gate.yaw_rad, 2.0 * M_PI);
+  // A body that is turned needs the room of its diagonal, and enters one side of the beams' depth before the other.
+  const double half =
+      kHalfDrone_m * (std::cos(angle) + std::abs(std::sin(angle))) + 0.5 * gate.thickness_m * std::abs(std::tan(angle));
+  if (across > 0.5 * gate.inner_m || up > 0.5 * gate.inner_m) return End::missed;
+  const bool clean = across < 0.5 * gate.inner_m - half && up < 0.5 * gate.inner_m - kHalfDroneHeight_m;
+  return clean ? End::clean : End::touched;
+}
+
+End fly(const world::scene::Scene& scene, const Start& start, std::uint64_t seed) {
+  const auto micro = [](double value) { return static_cast<std::int32_t>(std::lround(value * 1e6)); };
+  const auto& gate = scene.gates.at(0);
+  Uniform uniform(seed);
+  PlainDrone drone{start.pose};
+  policy_t policy;
+  policy_init(&policy, true, micro(start.cruise_m_s), micro(start.cruise_m_s));
+  traverser_t traverser;
+  traverser_init(&traverser, &policy, 800000, 1000000);
+  traverser_command_t command{0, 0, 1000000};
+  traverser_command_t next = command;
+  double drift_m_s = start.drift_m_s;
+  for (int step = 0; step < 12000; ++step) {
+    if (step % kStepsPerLook == 0) {
+      // Set-points act one picture after the one that they come from.
+      command = next;
+      const auto sight = look(scene, drone.pose, start, uniform);
+      const traverser_state_t state{micro(drone.velocity_m_s), micro(drone.pose.p_WB_m.z()), false,
+                                    micro(kTraverseStep_s * kStepsPerLook)};
+      next = traverser_step(&traverser, &sight, &state);
+    }
+    const double before_m = drone.pose.p_WB_m.x();
+    drone.move(kTraverseStep_s, command.velocity_um_s * 1e-6, command.yaw_rate_urad_s * 1e-6);
+    drone.pose.p_WB_m.y() += drift_m_s * kTraverseStep_s;
+    drift_m_s -= drift_m_s * kTraverseStep_s / 2.5;
+    const double climb = std::clamp(1.2 * (command.altitude_um * 1e-6 - drone.pose.p_WB_m.z()), -0.3, 0.5);
+    drone.pose.p_WB_m.z() += climb * kTraverseStep_s;
+    if (before_m < gate.p_W_m.x() && drone.pose.p_WB_m.x() >= gate.p_W_m.x()) return judge(gate, drone.pose);
+  }
+  return End::lost;
+}
+
+/// How many of 200 flights are clean; tells the others.
+int clean_of_200(const char* what, const world::scene::Scene& scene, const std::function<Start(Uniform&)>& draw) {
+  constexpr int kFlights = 200;
+  std::array<int, 4> ends{};
+  Uniform uniform(2026);
+  for (int i = 0; i < kFlights; ++i) {
+    const auto start = draw(uniform);
+    ++ends[static_cast<std::size_t>(fly(scene, start, 100 + static_cast<std::uint64_t>(i)))];
+  }
+  std::printf("[ measured ] %s: %d clean, %d touched, %d missed, %d lost\n", what, ends[0], ends[1], ends[2], ends[3]);
+  return ends[0];
+}
+
+Start near_start(Uniform& uniform, double forwards_m, double sideways_m, double turned_rad) {
+  Start start;
+  start.pose.p_WB_m = {uniform(-forwards_m, forwards_m), uniform(-sideways_m, sideways_m), 1.0};
+  start.pose.yaw_rad = uniform(-turned_rad, turned_rad);
+  return start;
+}
+
+TEST(Traverser, FliesThroughTheGateAtTheEdgeOfTheView) {
+  const auto scene = load_scene("gate_edge");
+  EXPECT_GE(clean_of_200("hard", scene, [](Uniform& u) { return near_start(u, 0.3, 0.1, 0.02); }), 196);
+}
+
+TEST(Traverser, FliesThroughWithEyesThatErr) {
+  const auto scene = load_scene("gate_edge");
+  EXPECT_GE(clean_of_200("hard, sight wrong by up to 0.08", scene,
+                         [](Uniform& u) {
+                           auto start = near_start(u, 0.3, 0.1, 0.02);
+                           start.sight_error = 0.08;
+                           return start;
+                         }),
+            196);
+}
+
+TEST(Traverser, FliesThroughWhileTheWindCarriesIt) {
+  const auto scene = load_scene("gate_edge");
+  EXPECT_GE(clean_of_200("hard, carried sideways at up to 0.2 m/s", scene,
+                         [](Uniform& u) {
+                           auto start = near_start(u, 0.3, 0.1, 0.02);
+                           start.drift_m_s = u(-0.2, 0.2);
+                           return start;
+                         }),
+            190);
+}
+
+TEST(Traverser, FliesThroughTheEasyGateWithTheWideLens) {
+  const auto scene = load_scene("gate_easy");
+  EXPECT_EQ(clean_of_200("easy", scene,
+                         [](Uniform& u) {
+                           auto start = near_start(u, 0.5, 0.5, 0.3);
+                           start.field_of_view_rad = 1.51844;
+                           return start;
+                         }),
+            200);
+}
+
+TEST(Traverser, ClimbsAndSinksToAGateAtAnotherHeight) {
+  for (const double higher_m : {-0.3, 0.3}) {
+    auto scene = load_scene("gate_edge");
+    scene.gates[0].p_W_m.z() += higher_m;
+    EXPECT_GE(clean_of_200(higher_m > 0 ? "0.3 m higher" : "0.3 m lower", scene,
+                           [](Uniform& u) { return near_start(u, 0.3, 0.1, 0.02); }),
+              190);
+  }
+}
+
+TEST(Traverser, SearchesForAGateThatIsNotInThePicture) {
+  const auto scene = load_scene("gate_edge");
+  EXPECT_GE(clean_of_200("wide", scene, [](Uniform& u) { return near_start(u, 0.3, 0.5, M_PI); }), 190);
+}
+
+}  // namespace
+}  // namespace mebots::firmware_test
