@@ -10,7 +10,7 @@ set -uo pipefail
 cd "$(dirname "$0")/.."
 
 version=$(sed -nE 's/^project\(mebots VERSION ([0-9.]+).*/\1/p' CMakeLists.txt)
-proofs=(clean changelog tests demo sanitizers fuzz corpus conformance arm64 wheel debian)
+proofs=(clean changelog tests demo sanitizers fuzz corpus conformance arm64 wheel debian docs)
 
 clean() { git diff --quiet HEAD && [[ -z $(git status --porcelain) ]] || { git status --short; echo "the working tree differs from the last commit"; return 1; }; }
 changelog() { grep -qF "## [$version]" CHANGELOG.md || { echo "CHANGELOG.md has no heading '## [$version]'"; return 1; }; }
@@ -28,6 +28,7 @@ conformance() { scripts/conformance.sh "${MEBOTS_CONFORMANCE:?name the folder wi
 arm64() { scripts/arm64.sh; }
 wheel() { scripts/wheel.sh && scripts/try_package.sh build/wheels/mebots-*.whl; }
 debian() { scripts/package.sh; }
+docs() { scripts/docs.sh; }
 
 dry=
 if [[ ${1:-} == --dry-run ]]; then
