@@ -22,7 +22,7 @@ def limits_of(schema):
     words = []
     for key, sign in (("minimum", "≥"), ("exclusiveMinimum", ">"), ("maximum", "≤"), ("exclusiveMaximum", "<")):
         if key in schema:
-            words.append(f"{sign} {schema[key]}")
+            words.append(f"{sign} {schema[key]:g}")
     if "pattern" in schema and len(schema["pattern"]) < 30:
         words.append(f"`{schema['pattern']}`")
     return (" " + ", ".join(words)) if words else ""
@@ -98,7 +98,8 @@ class Schema(SphinxDirective):
         file = Path(self.env.srcdir) / "configs/schemas" / f"{self.arguments[0]}.schema.json"
         self.env.note_dependency(str(file))
         whole = json.loads(file.read_text())
-        return self.parse_text_to_nodes(pages_of(whole, whole["title"].removeprefix("MEbots ").capitalize()), allow_section_headings=True)
+        title = whole["title"].removeprefix("MEbots ")
+        return self.parse_text_to_nodes(pages_of(whole, title[0].upper() + title[1:]), allow_section_headings=True)
 
 
 def setup(app):
