@@ -35,7 +35,6 @@ sed -i '/<derivedcompoundref/d' build/docs/doxygen/xml/*.xml  # breathe asks for
 
 # The notebook finds the programs and the Python package of the same build.
 export MEBOTS_DOCS_BUILD=$PWD/$build MEBOTS_DOCS_XML=$PWD/build/docs/doxygen/xml
-export MEBOTS_CONFIGS=$PWD/configs
 export PATH=$MEBOTS_DOCS_BUILD/bin:$PATH PYTHONPATH=$MEBOTS_DOCS_BUILD/python
 "$environment/bin/python" -m sphinx -b html -E -n -W --keep-going -j 2 -q -c docs/site -d build/docs/doctrees . build/docs/html
 echo "site: $PWD/build/docs/html/index.html ($(find build/docs/html -name '*.html' | wc -l) pages)"
