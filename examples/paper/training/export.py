@@ -9,9 +9,11 @@ import numpy as np
 
 import integer_network
 from data import Pictures
+from sight import OUTPUTS, Sights
 
-# Pictures of each set among the golden ones.
-GOLDEN = {"test": 20, "easy": 6, "hard": 6}
+# Of each network: what reads its pictures, its outputs, and how many pictures of each set are among the golden ones.
+NETWORKS = {"navigator": (Pictures, ("yaw",), {"test": 20, "easy": 6, "hard": 6}),
+            "sight": (Sights, OUTPUTS, {"test": 8, "easy": 2, "hard": 2})}
 
 
 def shrunk_pattern(width, height):
@@ -26,7 +28,9 @@ def main():
     parser.add_argument("data", type=pathlib.Path, help="folder with the pictures")
     parser.add_argument("weights", type=pathlib.Path, help="weights file to write")
     parser.add_argument("golden", type=pathlib.Path, help="golden vectors to write: <golden>.pictures, <golden>.csv")
+    parser.add_argument("--of", choices=NETWORKS, default="navigator", help="which network")
     arguments = parser.parse_args()
+    read, outputs, golden = NETWORKS[arguments.of]
 
     layers = integer_network.load(arguments.network)
     packed = integer_network.to_bytes(layers)
@@ -34,15 +38,15 @@ def main():
     print(f"{arguments.weights}: {len(packed)} bytes, sha256 {hashlib.sha256(packed).hexdigest()}")
 
     names = ["pooled", "second", "third", "fourth", "fifth", "sixth", "seventh"]
-    lines = [",".join(["set", "index", "yaw", *names])]
+    lines = [",".join(["set", "index", *outputs, *names])]
     kept = []
-    for name, count in GOLDEN.items():
-        pictures = Pictures(arguments.data / name)
+    for name, count in golden.items():
+        pictures = read(arguments.data / name)
         for index in np.linspace(0, len(pictures) - 1, count).astype(int):
             pixels = pictures.pixels[index, 0]
-            yaw, activations = integer_network.infer(layers, pixels)
+            values, activations = integer_network.infer(layers, pixels)
             kept.append(pixels)
-            lines.append(",".join([name, str(index), str(yaw)]
+            lines.append(",".join([name, str(index), *map(str, values)]
                                   + [f"{integer_network.checksum(a):08x}" for a in activations]))
     np.array(kept, np.int8).tofile(f"{arguments.golden}.pictures")
     for width, height in ((320, 320), (324, 244)):

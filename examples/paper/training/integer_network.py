@@ -34,8 +34,8 @@ def requantise(sums, biases, shifts, low, high):
 
 
 def infer(layers, picture):
-    """The yaw output of a picture (168 x 168, grey level less 128) and the outputs of all convolutions, the first
-    one's pooled."""
+    """The network's outputs for a picture (168 x 168, grey level less 128), and the outputs of all convolutions, the
+    first one's pooled."""
     values = np.asarray(picture).reshape(EDGE, EDGE, 1)
     activations = []
     for i, stride in enumerate(STRIDES):
@@ -46,8 +46,8 @@ def infer(layers, picture):
             values = values.reshape(edge // 2, 2, edge // 2, 2, channels).max(axis=(1, 3))
         activations.append(values.astype(np.uint8))
     weights, biases, shifts = layers[-1]
-    total = np.array([np.sum(values * weights[0].astype(np.int64))])
-    return int(requantise(total, biases, shifts, -127, 127)[0]), activations
+    total = np.array([np.sum(values * w.astype(np.int64)) for w in weights])
+    return [int(output) for output in requantise(total, biases, shifts, -127, 127)], activations
 
 
 def checksum(array, start=2166136261):

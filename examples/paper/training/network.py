@@ -1,41 +1,60 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The Stargate navigator, camera only: its shape, in floating point for training and with integers for deployment."""
+"""Networks from a picture to numbers: their shapes, in floating point for training and with integers for deployment."""
+
+import dataclasses
 
 import torch
 from torch import nn
 from torch.nn import functional
 
-# (input channels, output channels, kernel, stride, pooled by 2 afterwards)
-CONVOLUTIONS = [
-    (1, 4, 5, 2, True),
-    (4, 4, 3, 2, False), (4, 4, 3, 1, False),
-    (4, 16, 3, 2, False), (16, 16, 3, 1, False),
-    (16, 32, 3, 2, False), (32, 32, 3, 1, False),
-]
+
+
+@dataclasses.dataclass(frozen=True)
+class Shape:
+    """Convolutions as (input channels, output channels, kernel, stride, pooled by 2 afterwards), then a dense layer."""
+    convolutions: tuple
+    outputs: int
+
+    @property
+    def features(self):
+        return 6 * 6 * self.convolutions[-1][1]
+
+
+# The Stargate navigator, camera only: one yaw command.
+NAVIGATOR = Shape(((1, 4, 5, 2, True),
+                   (4, 4, 3, 2, False), (4, 4, 3, 1, False),
+                   (4, 16, 3, 2, False), (16, 16, 3, 1, False),
+                   (16, 32, 3, 2, False), (32, 32, 3, 1, False)), 1)
+# Where the gate is: yaw, rise, size, visible (sight.py). 1.7 times the navigator's products.
+SIGHT = Shape(((1, 8, 5, 2, True),
+               (8, 8, 3, 2, False), (8, 8, 3, 1, False),
+               (8, 16, 3, 2, False), (16, 16, 3, 1, False),
+               (16, 32, 3, 2, False), (32, 32, 3, 1, False)), 4)
 EDGE = 168
-FEATURES = 6 * 6 * 32
 INPUT_STEP = 1.0 / 64       # real value of one grey level of the picture
 ACTIVATION_STEP = 6.0 / 255  # of one count of an activation: ReLU6 is 0..255
-OUTPUT_STEP = 1.0 / 127     # of one count of the yaw output
+OUTPUT_STEP = 1.0 / 127     # of one count of an output
 
 
 class Navigator(nn.Module):
-    """Floating point, with batch normalisation. Takes pictures in grey levels less 128, gives yaw commands."""
+    """Floating point, with batch normalisation. Takes pictures in grey levels less 128, gives the outputs of each; a
+    single one without a dimension of its own."""
 
-    def __init__(self):
+    def __init__(self, shape=NAVIGATOR):
         super().__init__()
+        self.shape = shape
         self.convolutions = nn.ModuleList(
-            nn.Conv2d(i, o, k, s, k // 2, bias=False) for i, o, k, s, _ in CONVOLUTIONS)
-        self.norms = nn.ModuleList(nn.BatchNorm2d(c[1]) for c in CONVOLUTIONS)
-        self.dense = nn.Linear(FEATURES, 1)
+            nn.Conv2d(i, o, k, s, k // 2, bias=False) for i, o, k, s, _ in shape.convolutions)
+        self.norms = nn.ModuleList(nn.BatchNorm2d(c[1]) for c in shape.convolutions)
+        self.dense = nn.Linear(shape.features, shape.outputs)
 
     def forward(self, pictures):
         x = pictures * INPUT_STEP
-        for convolution, norm, (*_, pooled) in zip(self.convolutions, self.norms, CONVOLUTIONS):
+        for convolution, norm, (*_, pooled) in zip(self.convolutions, self.norms, self.shape.convolutions):
             x = functional.relu6(norm(convolution(x)))
             if pooled:
                 x = functional.max_pool2d(x, 2)
-        return self.dense(x.flatten(1)).squeeze(1)
+        return self.dense(x.flatten(1)).squeeze(1)  # takes off a dimension of 1 alone
 
     def folded(self):
         """Weights and biases with the batch normalisation multiplied in, layer by layer; the last is the dense one."""
@@ -66,11 +85,12 @@ class IntegerNavigator(nn.Module):
 
     def __init__(self, navigator):
         super().__init__()
+        self.shape = navigator.shape
         self.weights = nn.ParameterList()
         self.biases = nn.ParameterList()
         for i, (weight, bias) in enumerate(navigator.folded()):
             step_in = INPUT_STEP if i == 0 else ACTIVATION_STEP
-            step_out = OUTPUT_STEP if i == len(CONVOLUTIONS) else ACTIVATION_STEP
+            step_out = OUTPUT_STEP if i == len(self.shape.convolutions) else ACTIVATION_STEP
             self.weights.append(nn.Parameter((weight * (step_in / step_out)).detach().clone()))
             self.biases.append(nn.Parameter((bias / step_out).detach().clone()))
 
@@ -85,13 +105,13 @@ class IntegerNavigator(nn.Module):
 
     def forward(self, pictures):
         x = pictures
-        for i, (_, _, kernel, stride, pooled) in enumerate(CONVOLUTIONS):
+        for i, (_, _, kernel, stride, pooled) in enumerate(self.shape.convolutions):
             weight, bias, shift = self.layer(i)
             x = functional.conv2d(x, weight, bias, stride, kernel // 2)
             x = _Round.apply(x * (2.0 ** -shift).view(1, -1, 1, 1)).clamp(0, 255)
             if pooled:
                 x = functional.max_pool2d(x, 2)
-        weight, bias, shift = self.layer(len(CONVOLUTIONS))
+        weight, bias, shift = self.layer(len(self.shape.convolutions))
         # The chip's order of activations is row, column, channel; training keeps the usual channel, row, column.
         x = functional.linear(x.flatten(1), weight, bias)
         return _Round.apply(x * 2.0 ** -shift).squeeze(1)
@@ -100,10 +120,11 @@ class IntegerNavigator(nn.Module):
         """(weights, biases, shifts) of every layer as integer arrays in the chip's order: output channel, row,
         column, input channel."""
         layers = []
-        for i in range(len(CONVOLUTIONS) + 1):
+        last = len(self.shape.convolutions)
+        for i in range(last + 1):
             weight, bias, shift = (t.detach() for t in self.layer(i))
-            if i == len(CONVOLUTIONS):
-                weight = weight.view(1, CONVOLUTIONS[-1][1], 6, 6)
+            if i == last:
+                weight = weight.view(self.shape.outputs, self.shape.convolutions[-1][1], 6, 6)
             layers.append((weight.permute(0, 2, 3, 1).to(torch.int8).numpy(), bias.to(torch.int32).numpy(),
                            shift.to(torch.uint8).numpy()))
         return layers

@@ -1,0 +1,44 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the sight network tells of a picture, and the pictures to learn it from."""
+
+import pathlib
+
+import numpy as np
+
+from network import EDGE
+
+# The network's outputs, each in [-1, 1]. yaw, rise: the opening's middle, left and up of the picture's middle, over half
+# the picture; size: half the frame's edge over half the picture's width, over MOST_SIZE; visible: above 0 with a gate.
+OUTPUTS = ("yaw", "rise", "size", "visible")
+MOST_SIZE = 2.0
+
+
+class Sights:
+    """Pictures (grey levels less 128) and what is to be told of each: outputs, and whether there is a gate."""
+
+    def __init__(self, path):
+        path = pathlib.Path(path)
+        self.pixels = np.fromfile(f"{path}.pictures", np.int8).reshape(-1, 1, EDGE, EDGE)
+        self.labels = np.genfromtxt(f"{path}.labels.csv", delimiter=",", names=True)
+        if len(self.labels) != len(self.pixels):
+            raise SystemExit(f"{path}: {len(self.pixels)} pictures, but {len(self.labels)} labels: generate them again")
+        size = np.minimum(self.labels["size"], MOST_SIZE) / MOST_SIZE
+        self.visible = self.labels["visible"] > 0
+        self.wanted = np.stack([self.labels["yaw"], self.labels["rise"], size, self.visible], 1).astype(np.float32)
+
+    def __len__(self):
+        return len(self.pixels)
+
+
+def batches(sights, size, random=None):
+    """Batches as (pixels, wanted); with a random generator in random order, half of them mirrored."""
+    order = np.arange(len(sights)) if random is None else random.permutation(len(sights))
+    for begin in range(0, len(order), size):
+        chosen = order[begin:begin + size]
+        pixels = sights.pixels[chosen].astype(np.float32)
+        wanted = sights.wanted[chosen]
+        if random is not None:
+            mirrored = random.random(len(chosen)) < 0.5
+            pixels[mirrored] = pixels[mirrored, :, :, ::-1]
+            wanted[mirrored, 0] *= -1
+        yield pixels, wanted

@@ -1,0 +1,110 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Trains the sight network in floating point, then goes on with the integers that the chip computes with."""
+
+import argparse
+import json
+import pathlib
+import time
+
+import numpy as np
+import torch
+from torch.nn import functional
+
+from network import OUTPUT_STEP, SIGHT, IntegerNavigator, Navigator
+from sight import Sights, batches
+
+SEED = 20261123
+BATCH = 64
+# Logit of the output `visible`: steep enough that 0.5 is as good as sure.
+LOGIT = 6.0
+VISIBLE_WEIGHT = 0.08
+
+
+def loss_of(outputs, wanted):
+    """Errors of place and size where there is a gate, and whether there is one."""
+    there = wanted[:, 3:]
+    place = functional.smooth_l1_loss(outputs[:, :3] * there, wanted[:, :3] * there, beta=0.05)
+    return place + VISIBLE_WEIGHT * functional.binary_cross_entropy_with_logits(LOGIT * outputs[:, 3:], there)
+
+
+def answers(model, sights, scale):
+    model.eval()
+    with torch.no_grad():
+        parts = [(model(torch.from_numpy(x)) * scale).numpy() for x, _ in batches(sights, 250)]
+    return np.clip(np.concatenate(parts), -1.0, 1.0)
+
+
+def metrics(outputs, sights):
+    """Errors in units of the outputs where there is a gate; shares of gates missed and of gates seen where none are."""
+    there = sights.visible
+    error = np.abs(outputs - sights.wanted)[there]
+    result = {"missed": float((outputs[there, 3] <= 0).mean()),
+              "imagined": float((outputs[~there, 3] > 0).mean()) if (~there).any() else 0.0}
+    for i, name in enumerate(("yaw", "rise", "size")):
+        result[f"{name}_median"] = float(np.median(error[:, i]))
+        result[f"{name}_p95"] = float(np.quantile(error[:, i], 0.95))
+    return result
+
+
+def fit(model, train, validation, epochs, rate, decay, scale, name, keep):
+    """Adam with a rate that rises and falls once. Prints a line and keeps the weights after each epoch."""
+    random = np.random.default_rng(SEED)
+    optimizer = torch.optim.Adam(model.parameters(), lr=rate, weight_decay=decay)
+    steps = epochs * -(-len(train) // BATCH)
+    schedule = torch.optim.lr_scheduler.OneCycleLR(optimizer, rate, total_steps=steps, pct_start=0.2)
+    for epoch in range(epochs):
+        model.train()
+        start = time.process_time()
+        total = 0.0
+        for pixels, wanted in batches(train, BATCH, random):
+            pixels = torch.from_numpy(pixels).contiguous(memory_format=torch.channels_last)
+            loss = loss_of(model(pixels) * scale, torch.from_numpy(wanted))
+            optimizer.zero_grad()
+            loss.backward()
+            optimizer.step()
+            schedule.step()
+            total += float(loss.detach()) * len(wanted)
+        torch.save(model.state_dict(), keep)
+        result = metrics(answers(model, validation, scale), validation)
+        print(f"{name} {epoch + 1}/{epochs}: loss {total / len(train):.5f}, {time.process_time() - start:.0f} s, "
+              + ", ".join(f"{k} {v:.3f}" for k, v in result.items()), flush=True)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("data", type=pathlib.Path, help="folder with the pictures: train, val; test, easy, hard")
+    parser.add_argument("out", type=pathlib.Path, help="folder to write the trained network to")
+    parser.add_argument("--epochs", type=int, default=13)
+    parser.add_argument("--integer-epochs", type=int, default=2)
+    parser.add_argument("--rate", type=float, default=4e-3, help="highest learning rate in floating point")
+    parser.add_argument("--from-float", action="store_true", help="go on with the float.pt that lies in the folder")
+    arguments = parser.parse_args()
+    torch.manual_seed(SEED)
+    torch.set_num_threads(1)  # sums in one order, whatever the machine
+    train, validation = Sights(arguments.data / "train"), Sights(arguments.data / "val")
+    arguments.out.mkdir(parents=True, exist_ok=True)
+
+    network = Navigator(SIGHT).to(memory_format=torch.channels_last)
+    if arguments.from_float:
+        network.load_state_dict(torch.load(arguments.out / "float.pt"))
+    else:
+        fit(network, train, validation, arguments.epochs, arguments.rate, 1e-5, 1.0, "float", arguments.out / "float.pt")
+    network.eval()
+    integer = IntegerNavigator(network)
+    print("integer, before fine-tuning:", metrics(answers(integer, validation, OUTPUT_STEP), validation), flush=True)
+    if arguments.integer_epochs:
+        fit(integer, train, validation, arguments.integer_epochs, 3e-4, 0.0, OUTPUT_STEP, "integer",
+            arguments.out / "integer.pt")
+    np.savez(arguments.out / "integer.npz", **{f"{what}{i}": array for i, layer in enumerate(integer.exported())
+                                              for what, array in zip(("weights", "biases", "shifts"), layer)})
+    report = {"pictures": {"train": len(train), "val": len(validation)}}
+    for name in ("val", "test", "easy", "hard"):
+        sights = Sights(arguments.data / name)
+        report[name] = {"float": metrics(answers(network, sights, 1.0), sights),
+                        "integer": metrics(answers(integer, sights, OUTPUT_STEP), sights)}
+    (arguments.out / "metrics.json").write_text(json.dumps(report, indent=2) + "\n")
+    print(json.dumps(report, indent=2))
+
+
+if __name__ == "__main__":
+    main()
