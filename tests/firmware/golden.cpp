@@ -4,6 +4,7 @@
 #include "nn/network.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <fstream>
 #include <sstream>
@@ -12,7 +13,7 @@
 namespace mebots::firmware_test {
 
 std::vector<Golden> golden_vectors() {
-  const std::string path = std::string(MEBOTS_SOURCE_DIR) + "/examples/paper/training/golden";
+  const std::string path = std::string(MEBOTS_SOURCE_DIR) + "/examples/paper/training/" + MEBOTS_GOLDEN;
   std::ifstream table(path + ".csv");
   std::ifstream pictures(path + ".pictures", std::ios::binary);
   std::vector<Golden> all;
@@ -24,8 +25,10 @@ std::vector<Golden> golden_vectors() {
     Golden golden;
     std::getline(fields, golden.set, ',');
     std::getline(fields, field, ',');  // index in its set
-    std::getline(fields, field, ',');
-    golden.yaw = std::stoi(field);
+    for (auto& output : golden.outputs) {
+      std::getline(fields, field, ',');
+      output = std::stoi(field);
+    }
     for (auto& checksum : golden.checksums) {
       std::getline(fields, field, ',');
       checksum = static_cast<std::uint32_t>(std::stoul(field, nullptr, 16));
@@ -40,7 +43,7 @@ std::vector<Golden> golden_vectors() {
 }
 
 std::string text_of(const Golden& golden) {
-  auto text = fmt::format("{}", golden.yaw);
+  auto text = fmt::format("{}", fmt::join(golden.outputs, " "));
   for (const auto checksum : golden.checksums) text += fmt::format(" {:x}", checksum);
   return text;
 }

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Takes pictures by the camera, as many as there come, and tells what every kernel makes of each. Of pictures of
 // 168 x 168 pixels, which are the network's already:
-//   plain|alone|cluster<cores> yaw checksum-of-each-layer
+//   plain|alone|cluster<cores> outputs checksum-of-each-layer
 // Of larger ones:
-//   whole<cores> yaw
+//   whole<cores> outputs
 #include <stdint.h>
 
 #include "drivers/camera.h"
@@ -28,8 +28,15 @@ static void print_hex(uint32_t hash) {
   print(" %x", hash);
 }
 
+static void print_output(const char* kernel, nn_output_t output) {
+  print("%s", kernel);
+  for (int i = 0; i < NN_OUTPUTS; ++i) {
+    print(" %d", (int32_t)NN_OUTPUT(output, i));
+  }
+}
+
 static void check_plain(void) {
-  const int8_t yaw = nn_plain_infer(pixels, &activations);
+  const nn_output_t output = nn_plain_infer(pixels, &activations);
   const struct {
     const void* bytes;
     int count;
@@ -37,7 +44,7 @@ static void check_plain(void) {
                 {activations.third, sizeof(activations.third)},    {activations.fourth, sizeof(activations.fourth)},
                 {activations.fifth, sizeof(activations.fifth)},    {activations.sixth, sizeof(activations.sixth)},
                 {activations.seventh, sizeof(activations.seventh)}};
-  print("plain %d", (int32_t)yaw);
+  print_output("plain", output);
   for (int i = 0; i < NN_CONVOLUTIONS; ++i) {
     print_hex(nn_checksum(layers[i].bytes, layers[i].count, NN_CHECKSUM_START));
   }
@@ -50,7 +57,7 @@ static void check_alone(void) {
       arena.picture[(y + 2) * NN_PICTURE_PITCH + 2 + x] = pixels[y * SHRUNK_EDGE + x];
     }
   }
-  print("alone %d", (int32_t)nn_fast_infer_alone(&arena, &small_weights));
+  print_output("alone", nn_fast_infer_alone(&arena, &small_weights));
   for (int i = 0; i < NN_CONVOLUTIONS; ++i) {
     print_hex(nn_fast_checksum(&arena, i));
   }
@@ -60,7 +67,8 @@ static void check_alone(void) {
 // Switched off and on for each picture, so that nothing is left in L1 from the one before.
 static void check_cluster(unsigned cores) {
   cluster_on();
-  print("cluster%u %d", cores, (int32_t)nn_cluster_infer_shrunk(pixels, cores));
+  print("cluster%u", cores);
+  print_output("", nn_cluster_infer_shrunk(pixels, cores));
   for (int i = 0; i < NN_CONVOLUTIONS; ++i) {
     print_hex(nn_cluster_checksum(i));
   }
@@ -72,7 +80,9 @@ static void check_cluster(unsigned cores) {
 static void check_whole(const picture_t* picture) {
   for (unsigned cores = 1; cores <= cluster_cores; cores *= 2) {
     cluster_on();
-    print("whole%u %d\n", cores, (int32_t)nn_cluster_infer(picture->pixels, picture->width, picture->height, cores));
+    print("whole%u", cores);
+    print_output("", nn_cluster_infer(picture->pixels, picture->width, picture->height, cores));
+    print("\n");
     cluster_off();
   }
 }

@@ -11,7 +11,7 @@ typedef struct {
   int width;
   int height;
   unsigned cores;
-  int8_t yaw;
+  nn_output_t output;
 } job_t;
 
 static nn_arena_t arena CLUSTER_L1;
@@ -67,8 +67,15 @@ static void work(void* argument) {
   }
   cluster_barrier();
   nn_fast_clear_later(&arena, share);
+#if NN_SHARES_PLACES
+  cluster_barrier();
+#endif
   nn_fast_first(&arena, share);
   cluster_barrier();
+#if NN_SHARES_PLACES
+  nn_fast_clear_middle(&arena, share);
+  cluster_barrier();
+#endif
   if (share.core == 0) {
     for (int i = 0; i < 4; ++i) {
       const nn_move_t move = nn_fast_large_weights(&arena, 4 + i);
@@ -90,23 +97,23 @@ static void work(void* argument) {
   nn_fast_dense(&arena, share);
   cluster_barrier();
   if (share.core == 0) {
-    j->yaw = nn_fast_output(&arena, j->cores);
+    j->output = nn_fast_output(&arena, j->cores);
   }
 }
 
-static int8_t run(const uint8_t* frame, int width, int height, unsigned cores) {
-  const job_t wanted = {frame, width, height, cores, 0};
+static nn_output_t run(const uint8_t* frame, int width, int height, unsigned cores) {
+  const job_t wanted = {frame, width, height, cores, NN_NO_OUTPUT};
   job = wanted;
   cluster_fork(work, cores, &job);
   cluster_wait();
-  return *(volatile int8_t*)&job.yaw;
+  return *(volatile nn_output_t*)&job.output;
 }
 
-int8_t nn_cluster_infer(const uint8_t* frame, int width, int height, unsigned cores) {
+nn_output_t nn_cluster_infer(const uint8_t* frame, int width, int height, unsigned cores) {
   return run(frame, width, height, cores);
 }
 
-int8_t nn_cluster_infer_shrunk(const int8_t picture[NN_PICTURE_BYTES], unsigned cores) {
+nn_output_t nn_cluster_infer_shrunk(const int8_t picture[NN_PICTURE_BYTES], unsigned cores) {
   for (int y = 0; y < SHRUNK_EDGE; ++y) {
     for (int x = 0; x < SHRUNK_EDGE; ++x) {
       arena.picture[(y + 2) * NN_PICTURE_PITCH + 2 + x] = picture[y * SHRUNK_EDGE + x];

@@ -19,12 +19,12 @@ static inline bool nn_cluster_takes(int width, int height) {
   return width >= SHRUNK_EDGE && width <= 324 && width % 4 == 0 && height >= SHRUNK_EDGE && height <= 324;
 }
 
-// The yaw output for a picture of 8-bit grey pixels in L2, on `cores` cores. The cluster must be on; L1 may hold
+// The network's outputs for a picture of 8-bit grey pixels in L2, on `cores` cores. The cluster must be on; L1 may hold
 // anything.
-int8_t nn_cluster_infer(const uint8_t* frame, int width, int height, unsigned cores);
+nn_output_t nn_cluster_infer(const uint8_t* frame, int width, int height, unsigned cores);
 
 // The same for a picture of 168 x 168 that is small already (grey level less 128), to compare with the golden vectors.
-int8_t nn_cluster_infer_shrunk(const int8_t picture[NN_PICTURE_BYTES], unsigned cores);
+nn_output_t nn_cluster_infer_shrunk(const int8_t picture[NN_PICTURE_BYTES], unsigned cores);
 
 // Hash of layer 0 to 6's output of the last inference, while the cluster is on.
 uint32_t nn_cluster_checksum(int layer);

@@ -38,8 +38,9 @@ static int border_of(int layer) {
 
 // Where the weights of layers 1 to 3 begin among the small ones, and those of layers 4 to 7 among the large ones
 // [words].
-static const uint16_t kSmall[] = {0, 0, 144 / 4, 288 / 4};
-static const uint16_t kLarge[] = {0, 2304 / 4, 6912 / 4, 16128 / 4};
+static const uint16_t kSmall[] = {0, 0, NN_BYTES_1 / 4, (NN_BYTES_1 + NN_BYTES_2) / 4};
+static const uint16_t kLarge[] = {0, NN_BYTES_4 / 4, (NN_BYTES_4 + NN_BYTES_5) / 4,
+                                  (NN_BYTES_4 + NN_BYTES_5 + NN_BYTES_6) / 4};
 
 static const word_t* weights_of(const nn_arena_t* a, int layer) {
   return layer < 4 ? &a->small.others[kSmall[layer]] : &a->weights[kLarge[layer - 4]];
@@ -47,7 +48,7 @@ static const word_t* weights_of(const nn_arena_t* a, int layer) {
 
 static int weight_bytes(int layer) {
   if (layer == NN_CONVOLUTIONS) {
-    return NN_FEATURES;
+    return NN_BYTES_7;
   }
   const nn_shape_t* shape = &nn_shapes[layer];
   return shape->out_channels * shape->kernel * shape->kernel * shape->in_channels;
@@ -71,7 +72,9 @@ static void clear_words(void* first, const void* end, nn_share_t share) {
 }
 
 void nn_fast_clear_first(nn_arena_t* arena, nn_share_t share) {
+#if !NN_SHARES_PLACES
   clear_words(arena->pooled, arena->stripes, share);
+#endif
   for (int y = (int)share.core; y < NN_PICTURE_ROWS; y += (int)share.cores) {
     int8_t* row = &arena->picture[y * NN_PICTURE_PITCH];
     if (y < 2 || y >= SHRUNK_EDGE + 2) {
@@ -85,12 +88,22 @@ void nn_fast_clear_first(nn_arena_t* arena, nn_share_t share) {
 }
 
 void nn_fast_clear_later(nn_arena_t* arena, nn_share_t share) {
+#if NN_SHARES_PLACES
+  clear_words(arena->pooled, arena->seventh, share);
+#else
   clear_words(arena->second, arena->seventh, share);
+#endif
 }
+
+#if NN_SHARES_PLACES
+void nn_fast_clear_middle(nn_arena_t* arena, nn_share_t share) {
+  clear_words(arena->second, arena->third + sizeof(arena->third), share);
+}
+#endif
 
 void nn_fast_make_small_weights(nn_small_weights_t* small) {
   const uint8_t* from = (const uint8_t*)nn_layer(0).weights;
-  for (int c = 0; c < 4; ++c, from += 25) {
+  for (int c = 0; c < NN_CHANNELS_FIRST; ++c, from += 25) {
     uint32_t* to = &small->first[c * NN_FIRST_WORDS];
     to[5] = 0;
     for (int row = 0; row < 5; ++row) {
@@ -187,19 +200,29 @@ static inline __attribute__((always_inline)) int32_t to_byte(int32_t sum, int32_
   return xpulp_clipur(sum >> shift, 255);
 }
 
+// Four channels at a time: those from `from` on. A network that has no more is spared the call.
+#if NN_CHANNELS_FIRST == 4
+#define FIRST_FROM 0
 void nn_fast_first(nn_arena_t* arena, nn_share_t share) {
-  const nn_layer_t layer = nn_layer(0);
+#else
+#define FIRST_FROM from
+static void first_four(nn_arena_t* arena, nn_share_t share, int from) {
+#endif
+  nn_layer_t layer = nn_layer(0);
+  layer.biases += FIRST_FROM;
+  layer.shifts += FIRST_FROM;
   const int32_t b0 = layer.biases[0], b1 = layer.biases[1], b2 = layer.biases[2], b3 = layer.biases[3];
   const int32_t s0 = layer.shifts[0], s1 = layer.shifts[1], s2 = layer.shifts[2], s3 = layer.shifts[3];
-  const word_t* const weights = arena->small.first;
+  const word_t* const weights = arena->small.first + FIRST_FROM * NN_FIRST_WORDS;
   // Half rows, so that the last ones fall to more than two of eight cores.
   const int parts = 2 * NN_POOLED_EDGE;
   for (int part = (int)share.core; part < parts; part += (int)share.cores) {
     const int y = part / 2;
     const int x = part % 2 * (NN_POOLED_EDGE / 2);
     const word_t* at = (const word_t*)(const void*)&arena->picture[4 * y * NN_PICTURE_PITCH + 4 * x];
-    word_t* to = (word_t*)(void*)&arena->pooled[((y + 1) * (NN_POOLED_EDGE + 2) + x + 1) * 4];
-    for (int i = 0; i < NN_POOLED_EDGE / 2; ++i, ++at, ++to) {
+    word_t* to =
+        (word_t*)(void*)&arena->pooled[((y + 1) * (NN_POOLED_EDGE + 2) + x + 1) * NN_CHANNELS_FIRST + FIRST_FROM];
+    for (int i = 0; i < NN_POOLED_EDGE / 2; ++i, ++at, to += NN_CHANNELS_FIRST / 4) {
       patch_t p;
       uint32_t right[7];
 #pragma GCC unroll 7
@@ -228,6 +251,14 @@ void nn_fast_first(nn_arena_t* arena, nn_share_t share) {
     }
   }
 }
+
+#if NN_CHANNELS_FIRST > 4
+void nn_fast_first(nn_arena_t* arena, nn_share_t share) {
+  for (int from = 0; from < NN_CHANNELS_FIRST; from += 4) {
+    first_four(arena, share, from);
+  }
+}
+#endif
 
 // --- Layers 1 to 6: 3 x 3 -------------------------------------------------------------------------------------------
 //
@@ -316,31 +347,49 @@ void nn_fast_convolution(nn_arena_t* arena, int index, nn_share_t share) {
 void nn_fast_dense(nn_arena_t* arena, nn_share_t share) {
   const word_t* weights = weights_of(arena, NN_CONVOLUTIONS);
   const word_t* values = (const word_t*)(const void*)arena->seventh;
-  int32_t sum = 0;
-  for (unsigned i = share.core; i < NN_FEATURES / 4; i += share.cores) {
-    sum = xpulp_sdotusp_b(sum, values[i], weights[i]);
+  for (int o = 0; o < NN_OUTPUTS; ++o, weights += NN_FEATURES / 4) {
+    int32_t sum = 0;
+    for (unsigned i = share.core; i < NN_FEATURES / 4; i += share.cores) {
+      sum = xpulp_sdotusp_b(sum, values[i], weights[i]);
+    }
+    arena->partial_sums[8 * o + (int)share.core] = sum;
   }
-  arena->partial_sums[share.core] = sum;
 }
 
-int8_t nn_fast_output(const nn_arena_t* arena, unsigned cores) {
+nn_output_t nn_fast_output(const nn_arena_t* arena, unsigned cores) {
   const nn_layer_t dense = nn_layer(NN_CONVOLUTIONS);
+#if NN_OUTPUTS == 1
   int32_t sum = dense.biases[0];
   for (unsigned i = 0; i < cores; ++i) {
     sum += arena->partial_sums[i];
   }
   const int32_t yaw = sum >> dense.shifts[0];
   return (int8_t)(yaw < -127 ? -127 : yaw > 127 ? 127 : yaw);
+#else
+  nn_output_t output;
+  for (int o = 0; o < NN_OUTPUTS; ++o) {
+    int32_t sum = dense.biases[o];
+    for (unsigned i = 0; i < cores; ++i) {
+      sum += arena->partial_sums[8 * o + (int)i];
+    }
+    const int32_t value = sum >> dense.shifts[o];
+    output.of[o] = (int8_t)(value < -127 ? -127 : value > 127 ? 127 : value);
+  }
+  return output;
+#endif
 }
 
 // --- All of it on one core ------------------------------------------------------------------------------------------
 
-int8_t nn_fast_infer_alone(nn_arena_t* arena, const nn_small_weights_t* small) {
+nn_output_t nn_fast_infer_alone(nn_arena_t* arena, const nn_small_weights_t* small) {
   const nn_share_t all = {0, 1};
   copy_words((word_t*)&arena->small, (const word_t*)small, sizeof(*small));
   nn_fast_clear_first(arena, all);
   nn_fast_clear_later(arena, all);
   nn_fast_first(arena, all);
+#if NN_SHARES_PLACES
+  nn_fast_clear_middle(arena, all);
+#endif
   for (int layer = 4; layer <= NN_CONVOLUTIONS; ++layer) {
     const nn_move_t move = nn_fast_large_weights(arena, layer);
     copy_words(move.to, move.from, move.bytes);

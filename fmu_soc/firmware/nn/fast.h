@@ -19,10 +19,19 @@ extern "C" {
 // weights of the first four rows, the fifth weight of the last row.
 #define NN_FIRST_WORDS 7
 
+// Bytes of the weights of layers 1 to 7.
+#define NN_BYTES_1 (9 * NN_CHANNELS_FIRST * NN_CHANNELS_SECOND)
+#define NN_BYTES_2 (9 * NN_CHANNELS_SECOND * NN_CHANNELS_SECOND)
+#define NN_BYTES_3 (9 * NN_CHANNELS_SECOND * NN_CHANNELS_THIRD)
+#define NN_BYTES_4 (9 * NN_CHANNELS_THIRD * NN_CHANNELS_THIRD)
+#define NN_BYTES_5 (9 * NN_CHANNELS_THIRD * NN_CHANNELS_FOURTH)
+#define NN_BYTES_6 (9 * NN_CHANNELS_FOURTH * NN_CHANNELS_FOURTH)
+#define NN_BYTES_7 (NN_OUTPUTS * NN_FEATURES)
+
 // Weights of the first four layers, as the kernels take them.
 typedef struct {
-  uint32_t first[4 * NN_FIRST_WORDS];
-  uint32_t others[(144 + 144 + 576) / 4];
+  uint32_t first[NN_CHANNELS_FIRST * NN_FIRST_WORDS];
+  uint32_t others[(NN_BYTES_1 + NN_BYTES_2 + NN_BYTES_3) / 4];
 } nn_small_weights_t;
 
 // The camera's rows that eight rows of the picture are made of.
@@ -30,28 +39,55 @@ typedef struct {
 #define NN_STRIPE_BYTES (18 * 324)
 #define NN_STRIPES (SHRUNK_EDGE / NN_STRIPE_ROWS)
 
+// Whether more must share its place than in the navigator's arena, so that L1 is enough.
+#define NN_SHARES_PLACES (NN_CHANNELS_FIRST > 4)
+
 // Everything an inference works on, in the cores' shared memory. What is not needed at the same time shares its place:
-// the large weights come where the picture was, the later layers' outputs where the camera's rows were.
+// the large weights come where the picture was, the later layers' outputs where the camera's rows were. With
+// NN_SHARES_PLACES the first layer's output comes where the camera's rows were, the next two beside the large weights.
+#if NN_SHARES_PLACES
 typedef struct {
   union {
     int8_t picture[NN_PICTURE_ROWS * NN_PICTURE_PITCH];
-    uint32_t weights[(2304 + 4608 + 9216 + NN_FEATURES) / 4];
+    struct {
+      uint32_t weights[(NN_BYTES_4 + NN_BYTES_5 + NN_BYTES_6 + NN_BYTES_7) / 4];
+      uint8_t second[NN_BORDERED(21, NN_CHANNELS_SECOND)];
+      uint8_t third[NN_BORDERED(21, NN_CHANNELS_SECOND)];
+    };
   };
-  uint8_t pooled[NN_BORDERED(NN_POOLED_EDGE, 4)];
+  union {
+    uint8_t pooled[NN_BORDERED(NN_POOLED_EDGE, NN_CHANNELS_FIRST)];
+    uint8_t stripes[2][NN_STRIPE_BYTES];
+  };
+  uint8_t fourth[NN_BORDERED(11, NN_CHANNELS_THIRD)];
+  uint8_t fifth[NN_BORDERED(11, NN_CHANNELS_THIRD)];
+  uint8_t sixth[NN_BORDERED(6, NN_CHANNELS_FOURTH)];
+  uint8_t seventh[NN_FEATURES];
+  nn_small_weights_t small;
+  int32_t partial_sums[8 * NN_OUTPUTS];  // of the dense layer: for each output, one for each core
+} nn_arena_t;
+#else
+typedef struct {
+  union {
+    int8_t picture[NN_PICTURE_ROWS * NN_PICTURE_PITCH];
+    uint32_t weights[(NN_BYTES_4 + NN_BYTES_5 + NN_BYTES_6 + NN_BYTES_7) / 4];
+  };
+  uint8_t pooled[NN_BORDERED(NN_POOLED_EDGE, NN_CHANNELS_FIRST)];
   union {
     struct {
-      uint8_t second[NN_BORDERED(21, 4)];
-      uint8_t third[NN_BORDERED(21, 4)];
-      uint8_t fourth[NN_BORDERED(11, 16)];
-      uint8_t fifth[NN_BORDERED(11, 16)];
-      uint8_t sixth[NN_BORDERED(6, 32)];
+      uint8_t second[NN_BORDERED(21, NN_CHANNELS_SECOND)];
+      uint8_t third[NN_BORDERED(21, NN_CHANNELS_SECOND)];
+      uint8_t fourth[NN_BORDERED(11, NN_CHANNELS_THIRD)];
+      uint8_t fifth[NN_BORDERED(11, NN_CHANNELS_THIRD)];
+      uint8_t sixth[NN_BORDERED(6, NN_CHANNELS_FOURTH)];
       uint8_t seventh[NN_FEATURES];
     };
     uint8_t stripes[2][NN_STRIPE_BYTES];
   };
   nn_small_weights_t small;
-  int32_t partial_sums[8];  // of the dense layer, one for each core
+  int32_t partial_sums[8 * NN_OUTPUTS];  // of the dense layer: for each output, one for each core
 } nn_arena_t;
+#endif
 
 // Who does a part of the work.
 typedef struct {
@@ -66,6 +102,11 @@ void nn_fast_make_small_weights(nn_small_weights_t* small);
 void nn_fast_clear_first(nn_arena_t* arena, nn_share_t share);
 // After the picture is made: zeros into the borders of the later layers' outputs.
 void nn_fast_clear_later(nn_arena_t* arena, nn_share_t share);
+// With NN_SHARES_PLACES, clear_first leaves out the first layer's output, which clear_later clears, so that all must
+// wait before the first layer; and after it this clears the second's and third's, after which all wait again.
+#if NN_SHARES_PLACES
+void nn_fast_clear_middle(nn_arena_t* arena, nn_share_t share);
+#endif
 
 // Rows `first` to `first + count - 1` of the picture from the camera's rows, of which `source` is the first one needed;
 // the camera's pictures are `width` x `height`.
@@ -77,7 +118,7 @@ void nn_fast_first(nn_arena_t* arena, nn_share_t share);
 void nn_fast_convolution(nn_arena_t* arena, int layer, nn_share_t share);
 // The dense layer, in two steps: every core's part, then by one core the output of the network.
 void nn_fast_dense(nn_arena_t* arena, nn_share_t share);
-int8_t nn_fast_output(const nn_arena_t* arena, unsigned cores);
+nn_output_t nn_fast_output(const nn_arena_t* arena, unsigned cores);
 
 // Where layers 4 to 7 have their weights in the file, and in the arena: words to move before layer 4.
 typedef struct {
@@ -88,7 +129,7 @@ typedef struct {
 nn_move_t nn_fast_large_weights(nn_arena_t* arena, int layer);
 
 // The whole network on the core that calls, alone, for a picture that lies in the arena; clears all borders itself.
-int8_t nn_fast_infer_alone(nn_arena_t* arena, const nn_small_weights_t* small);
+nn_output_t nn_fast_infer_alone(nn_arena_t* arena, const nn_small_weights_t* small);
 
 // Hash of layer 0 to 6's output without its border, as nn_checksum of the plain one.
 uint32_t nn_fast_checksum(const nn_arena_t* arena, int layer);

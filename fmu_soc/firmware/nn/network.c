@@ -2,8 +2,13 @@
 #include "nn/network.h"
 
 const nn_shape_t nn_shapes[NN_CONVOLUTIONS] = {
-    {168, 1, 84, 4, 5, 2},  {42, 4, 21, 4, 3, 2},  {21, 4, 21, 4, 3, 1}, {21, 4, 11, 16, 3, 2},
-    {11, 16, 11, 16, 3, 1}, {11, 16, 6, 32, 3, 2}, {6, 32, 6, 32, 3, 1},
+    {168, 1, 84, NN_CHANNELS_FIRST, 5, 2},
+    {42, NN_CHANNELS_FIRST, 21, NN_CHANNELS_SECOND, 3, 2},
+    {21, NN_CHANNELS_SECOND, 21, NN_CHANNELS_SECOND, 3, 1},
+    {21, NN_CHANNELS_SECOND, 11, NN_CHANNELS_THIRD, 3, 2},
+    {11, NN_CHANNELS_THIRD, 11, NN_CHANNELS_THIRD, 3, 1},
+    {11, NN_CHANNELS_THIRD, 6, NN_CHANNELS_FOURTH, 3, 2},
+    {6, NN_CHANNELS_FOURTH, 6, NN_CHANNELS_FOURTH, 3, 1},
 };
 
 // weights.S brings in the file that training wrote: for each layer biases, shifts, weights, each part filled up with
@@ -18,7 +23,7 @@ nn_layer_t nn_layer(int index) {
   const uint8_t* at = nn_weights_file;
   for (int i = 0;; ++i) {
     const nn_shape_t* shape = &nn_shapes[i];
-    const int channels = i < NN_CONVOLUTIONS ? shape->out_channels : 1;
+    const int channels = i < NN_CONVOLUTIONS ? shape->out_channels : NN_OUTPUTS;
     const int per_channel = i < NN_CONVOLUTIONS ? shape->kernel * shape->kernel * shape->in_channels : NN_FEATURES;
     const uint8_t* shifts = at + 4 * channels;
     const uint8_t* weights = shifts + words(channels);

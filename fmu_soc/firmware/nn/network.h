@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// The navigator network, Stargate's with the camera alone: its shape, its weights, and what all kernels compute.
+// The navigator network, Stargate's with the camera alone, or the sight network, twice as wide at first (shape.h): its
+// shape, its weights, and what all kernels compute.
 //
-//   picture 168x168x1 (int8) -> 5x5/2, 4 channels -> largest of 2x2 -> [3x3/2, 3x3] 4 -> [3x3/2, 3x3] 16
-//                            -> [3x3/2, 3x3] 32 -> dense 1152 -> 1
+//   picture 168x168x1 (int8) -> 5x5/2, 4 or 8 channels -> largest of 2x2 -> [3x3/2, 3x3] 4 or 8 -> [3x3/2, 3x3] 16
+//                            -> [3x3/2, 3x3] 32 -> dense 1152 -> 1 or 4
 //
 // A convolution's output is clip((sum of weight x input + bias) >> shift, 0, 255) with zeros around the picture and
 // one bias and shift for each output channel; half of 1 << shift is in the bias already, so the shift rounds half up.
@@ -12,6 +13,7 @@
 
 #include <stdint.h>
 
+#include "nn/shape.h"
 #include "nn/shrink.h"
 
 #ifdef __cplusplus
@@ -34,7 +36,7 @@ typedef struct {
 // The convolutions. The first one's output is pooled: the largest of each 2 x 2.
 extern const nn_shape_t nn_shapes[NN_CONVOLUTIONS];
 #define NN_POOLED_EDGE 42
-#define NN_FEATURES (6 * 6 * 32)
+#define NN_FEATURES (6 * 6 * NN_CHANNELS_FOURTH)
 
 typedef struct {
   const int32_t* biases;  // one for each output channel
@@ -51,17 +53,33 @@ uint32_t nn_checksum(const void* bytes, int count, uint32_t hash);
 
 // The outputs of all convolutions, the first one pooled.
 typedef struct {
-  uint8_t pooled[NN_POOLED_EDGE * NN_POOLED_EDGE * 4];
-  uint8_t second[21 * 21 * 4];
-  uint8_t third[21 * 21 * 4];
-  uint8_t fourth[11 * 11 * 16];
-  uint8_t fifth[11 * 11 * 16];
-  uint8_t sixth[6 * 6 * 32];
+  uint8_t pooled[NN_POOLED_EDGE * NN_POOLED_EDGE * NN_CHANNELS_FIRST];
+  uint8_t second[21 * 21 * NN_CHANNELS_SECOND];
+  uint8_t third[21 * 21 * NN_CHANNELS_SECOND];
+  uint8_t fourth[11 * 11 * NN_CHANNELS_THIRD];
+  uint8_t fifth[11 * 11 * NN_CHANNELS_THIRD];
+  uint8_t sixth[6 * 6 * NN_CHANNELS_FOURTH];
   uint8_t seventh[NN_FEATURES];
 } nn_activations_t;
 
-// The whole network in plain C, one core: the yaw output in [-127, 127], 127 = 1. `activations` is filled.
-int8_t nn_plain_infer(const int8_t picture[NN_PICTURE_BYTES], nn_activations_t* activations);
+// The outputs, each in [-127, 127], 127 = 1; a single one is a plain number.
+#if NN_OUTPUTS == 1
+typedef int8_t nn_output_t;
+#define NN_OUTPUT(output, index) (output)
+#define NN_NO_OUTPUT 0
+#else
+typedef struct {
+  int8_t of[NN_OUTPUTS];
+} nn_output_t;
+#define NN_OUTPUT(output, index) ((output).of[index])
+#define NN_NO_OUTPUT \
+  {                  \
+    { 0 }            \
+  }
+#endif
+
+// The whole network in plain C, one core. `activations` is filled.
+nn_output_t nn_plain_infer(const int8_t picture[NN_PICTURE_BYTES], nn_activations_t* activations);
 
 #ifdef __cplusplus
 }

@@ -60,7 +60,7 @@ static void convolve_and_pool(const int8_t* picture, uint8_t* output) {
   }
 }
 
-int8_t nn_plain_infer(const int8_t picture[NN_PICTURE_BYTES], nn_activations_t* a) {
+nn_output_t nn_plain_infer(const int8_t picture[NN_PICTURE_BYTES], nn_activations_t* a) {
   convolve_and_pool(picture, a->pooled);
   convolve(1, a->pooled, a->second);
   convolve(2, a->second, a->third);
@@ -69,9 +69,13 @@ int8_t nn_plain_infer(const int8_t picture[NN_PICTURE_BYTES], nn_activations_t* 
   convolve(5, a->fifth, a->sixth);
   convolve(6, a->sixth, a->seventh);
   const nn_layer_t dense = nn_layer(NN_CONVOLUTIONS);
-  int32_t sum = dense.biases[0];
-  for (int i = 0; i < NN_FEATURES; ++i) {
-    sum += dense.weights[i] * a->seventh[i];
+  nn_output_t output;
+  for (int o = 0; o < NN_OUTPUTS; ++o) {
+    int32_t sum = dense.biases[o];
+    for (int i = 0; i < NN_FEATURES; ++i) {
+      sum += dense.weights[o * NN_FEATURES + i] * a->seventh[i];
+    }
+    NN_OUTPUT(output, o) = (int8_t)clip(sum >> dense.shifts[o], -127, 127);
   }
-  return (int8_t)clip(sum >> dense.shifts[0], -127, 127);
+  return output;
 }

@@ -4,7 +4,11 @@
     .balign 16
     .globl nn_weights_file
 nn_weights_file:
+#ifdef NN_SIGHT
+    .incbin "nn/sight.weights"
+#else
     .incbin "nn/navigator.weights"
+#endif
     .byte 0
 #if defined(__linux__)
     .section .note.GNU-stack, "", @progbits

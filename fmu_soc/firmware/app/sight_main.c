@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: Apache-2.0
+// A flight by the sight network: take off, then picture -> where is the gate -> traverser -> set-points -> sleep until
+// the next picture; land behind the gate or when the charge runs low.
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "app/sight.h"
+#include "app/traverser.h"
+#include "board.h"
+#include "drivers/camera.h"
+#include "drivers/flight.h"
+#include "drivers/timer.h"
+#include "runtime/console.h"
+#include "runtime/exit.h"
+#include "runtime/interrupt.h"
+
+// How often the flight phase is looked at while climbing and descending.
+#define PHASE_POLL_NS (20 * NS_PER_MS)
+// A line about the flight every so many pictures.
+#define PICTURES_PER_LINE 10
+
+typedef struct {
+  uint32_t pictures;
+  uint32_t sightings;    // pictures with a gate
+  uint32_t late;         // pictures that did not come in time
+  uint32_t overruns;     // frame periods without a picture since the work took too long
+  int64_t look_most_ns;  // longest time that a look took
+} statistics_t;
+
+static statistics_t statistics;
+
+static void command(uint32_t mode, const traverser_command_t* order) {
+  const setpoint_t setpoint = {mode, order->velocity_um_s, order->yaw_rate_urad_s, order->altitude_um};
+  flight_command(&setpoint);
+}
+
+// Sleeps until the phase is `wanted`. False if the drone crashed before, or the charge fell to `least_charge_ppm`.
+static bool wait_for_phase(uint32_t wanted, uint32_t least_charge_ppm) {
+  for (int64_t next_ns = timer_now_ns();;) {
+    const uint32_t phase = flight_phase();
+    if (phase == wanted) {
+      return true;
+    }
+    if (phase == FLIGHT_PHASE_CRASHED || battery_charge_ppm() < least_charge_ppm) {
+      return false;
+    }
+    next_ns += PHASE_POLL_NS;
+    timer_sleep_until(next_ns);
+  }
+}
+
+static sight_t look(const picture_t* picture) {
+  const int64_t start_ns = timer_now_ns();
+  const sight_t sight = cluster_sight(picture->pixels, picture->width, picture->height);
+  const int64_t took_ns = timer_now_ns() - start_ns;
+  if (took_ns > statistics.look_most_ns) {
+    statistics.look_most_ns = took_ns;
+  }
+  ++statistics.pictures;
+  statistics.sightings += sight.visible > 0 ? 1 : 0;
+  return sight;
+}
+
+static void tell(const traverser_t* traverser, const sight_t* sight, const traverser_command_t* order) {
+  static const char* const kPhases[] = {"search", "approach", "through", "done"};
+  print("%m s  picture %u, %s", (int32_t)(timer_now_ns() / NS_PER_MS), statistics.pictures, kPhases[traverser->phase]);
+  if (sight->visible > 0) {
+    print(", gate at %m, %m, size %m", sight->yaw * 1000 / 127, sight->rise * 1000 / 127,
+          sight->size * SIGHT_MOST_SIZE * 1000 / 127);
+  } else {
+    print(", no gate in the picture");
+  }
+  print(", speed %M m/s, yaw rate %M rad/s, altitude %M m, charge %M\n", order->velocity_um_s, order->yaw_rate_urad_s,
+        order->altitude_um, (int32_t)battery_charge_ppm());
+}
+
+static traverser_t traverser_of_mission(void) {
+  policy_t policy;
+  policy_init(&policy, MISSION_POLICY == POLICY_ADAPTIVE, (int32_t)MISSION_CRUISE_SPEED,
+              (int32_t)MISSION_INITIAL_SPEED);
+  traverser_t traverser;
+  traverser_init(&traverser, &policy, (int32_t)MISSION_YAW_RATE_SCALE, (int32_t)MISSION_ALTITUDE);
+  return traverser;
+}
+
+// The loop from picture to set-points; `order` is the last one sent. Returns the exit code that the flight has earned.
+static int fly(traverser_command_t* order) {
+  traverser_t traverser = traverser_of_mission();
+  const int64_t period_ns = (int64_t)MISSION_FRAME_PERIOD * NS_PER_US;
+  int64_t frame_ns = timer_now_ns();  // when to ask for the next picture
+  int64_t last_ns = frame_ns;
+  bool asked = false;
+  while (traverser.phase != PILOT_DONE) {
+    if (flight_phase() == FLIGHT_PHASE_CRASHED) {
+      return EXIT_CRASHED;
+    }
+    if (battery_charge_ppm() <= MISSION_LANDING_CHARGE) {
+      print("charge %M: time to land\n", (int32_t)battery_charge_ppm());
+      return EXIT_LANDED_EARLY;
+    }
+    picture_t picture;
+    sight_t sight = {0, 0, 0, -127};
+    camera_result_t result = PICTURE_REFUSED;
+    if (asked || camera_ask()) {
+      result = camera_wait(&picture, frame_ns + 5 * period_ns);
+    }
+    const int64_t here_ns = timer_now_ns();
+    for (frame_ns += period_ns; frame_ns + period_ns <= here_ns; frame_ns += period_ns) {
+      ++statistics.overruns;
+    }
+    if (result == PICTURE_REFUSED) {
+      print("the camera refuses to take pictures\n");
+      return EXIT_CAMERA;
+    }
+    asked = true;
+    if (result == PICTURE_TAKEN) {
+      // A picture that would be due before this look ends is exposed and read out meanwhile.
+      asked = here_ns + statistics.look_most_ns > frame_ns && camera_ask();
+      sight = look(&picture);
+    } else {
+      ++statistics.late;
+    }
+
+    const int64_t now_ns = timer_now_ns();
+    const pilot_phase_t before = traverser.phase;
+    const traverser_state_t state = {flight_forward_velocity_um_s(), flight_range_um(), flight_gate_crossed(),
+                                     (int32_t)((now_ns - last_ns) / NS_PER_US)};
+    *order = traverser_step(&traverser, &sight, &state);
+    last_ns = now_ns;
+    command(FLIGHT_MODE_FLY, order);
+    if (traverser.phase != before || statistics.pictures % PICTURES_PER_LINE == 1) {
+      tell(&traverser, &sight, order);
+    }
+    if (!asked) {
+      timer_sleep_until(frame_ns);
+    }
+  }
+  return EXIT_GATE_CROSSED;
+}
+
+static void print_summary(int code) {
+  static const char* const kEnds[] = {"gate crossed, ended", "landed without the gate", "crashed", "did not take off",
+                                      "landed, camera out of order"};
+  print("%s after %m s: %u pictures, %u with a gate, %u late, %u periods overrun, a look took %m ms at most\n",
+        kEnds[code], (int32_t)(timer_now_ns() / NS_PER_MS), statistics.pictures, statistics.sightings, statistics.late,
+        statistics.overruns, (int32_t)(statistics.look_most_ns / NS_PER_US));
+  print("battery: %m V, charge %M\n", (int32_t)battery_voltage_mv(), (int32_t)battery_charge_ppm());
+}
+
+int main(void) {
+  interrupts_off();
+  timer_init();
+  camera_init();
+  sleep_clock_set(MISSION_SLEEP_CLOCK);
+
+  print("sight firmware: %s speed policy, cruise %M m/s at %M m, a picture every %m ms, core at %M MHz\n",
+        MISSION_POLICY == POLICY_ADAPTIVE ? "adaptive" : "constant", (int32_t)MISSION_CRUISE_SPEED,
+        (int32_t)MISSION_ALTITUDE, (int32_t)MISSION_FRAME_PERIOD, (int32_t)POWER_MANAGER_CLOCK_HZ);
+  if (battery_charge_ppm() <= MISSION_LANDING_CHARGE) {
+    print("charge %M is too low to take off\n", (int32_t)battery_charge_ppm());
+    return EXIT_TOO_LOW_CHARGE;
+  }
+
+  traverser_command_t order = {0, 0, (int32_t)MISSION_ALTITUDE};
+  command(FLIGHT_MODE_TAKE_OFF, &order);
+  int code = EXIT_LANDED_EARLY;
+  if (wait_for_phase(FLIGHT_PHASE_FLYING, MISSION_LANDING_CHARGE)) {
+    print("%m s  flying at %M m\n", (int32_t)(timer_now_ns() / NS_PER_MS), flight_range_um());
+    code = fly(&order);
+  }
+  order.velocity_um_s = 0;
+  order.yaw_rate_urad_s = 0;
+  command(FLIGHT_MODE_LAND, &order);
+  if (!wait_for_phase(FLIGHT_PHASE_LANDED, 0)) {
+    code = EXIT_CRASHED;
+  }
+  print_summary(code);
+  return code;
+}

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which network the code of this folder is compiled for: the navigator, or with NN_SIGHT the sight network. Both have
+// the same layers; they differ in channels and outputs.
+#pragma once
+
+#ifdef NN_SIGHT
+#define NN_CHANNELS_FIRST 8
+#define NN_CHANNELS_SECOND 8
+#define NN_OUTPUTS 4  // yaw, rise, size, visible: app/sight.h
+#else
+#define NN_CHANNELS_FIRST 4
+#define NN_CHANNELS_SECOND 4
+#define NN_OUTPUTS 1  // yaw
+#endif
+#define NN_CHANNELS_THIRD 16
+#define NN_CHANNELS_FOURTH 32
