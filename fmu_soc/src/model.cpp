@@ -40,9 +40,13 @@ Settings settings_of(const Parameters& parameters) {
   return settings;
 }
 
+/// A bare name is one of those inside the FMU, if there is such a one; everything else is a path.
 Elf firmware_of(const Parameters& parameters, const std::filesystem::path& resources) {
   if (parameters.firmware.empty()) return Elf::read(resources / MEBOTS_SOC_FIRMWARE);
   try {
+    const std::filesystem::path name = parameters.firmware;
+    const auto inside = resources / (parameters.firmware + ".elf");
+    if (!name.has_parent_path() && !name.has_extension() && std::filesystem::exists(inside)) return Elf::read(inside);
     return Elf::read(parameters.firmware);
   } catch (const Error& error) {
     throw Error(fmt::format("firmware = \"{}\": {}", parameters.firmware, error.what()));
