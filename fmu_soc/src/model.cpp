@@ -2,9 +2,14 @@
 #include "model.hpp"
 
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
 #include <array>
+#include <filesystem>
+#include <string>
 #include <utility>
+#include <vector>
 
 namespace mebots::soc {
 namespace {
@@ -40,16 +45,28 @@ Settings settings_of(const Parameters& parameters) {
   return settings;
 }
 
+/// Names of the programs inside the FMU, in the order of the alphabet.
+std::vector<std::string> programs_in(const std::filesystem::path& resources) {
+  std::vector<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator(resources)) {
+    if (entry.path().extension() == ".elf") names.push_back(entry.path().stem().string());
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
 /// A bare name is one of those inside the FMU, if there is such a one; everything else is a path.
 Elf firmware_of(const Parameters& parameters, const std::filesystem::path& resources) {
   if (parameters.firmware.empty()) return Elf::read(resources / MEBOTS_SOC_FIRMWARE);
+  const auto inside = programs_in(resources);
+  if (std::find(inside.begin(), inside.end(), parameters.firmware) != inside.end()) {
+    return Elf::read(resources / (parameters.firmware + ".elf"));
+  }
   try {
-    const std::filesystem::path name = parameters.firmware;
-    const auto inside = resources / (parameters.firmware + ".elf");
-    if (!name.has_parent_path() && !name.has_extension() && std::filesystem::exists(inside)) return Elf::read(inside);
     return Elf::read(parameters.firmware);
   } catch (const Error& error) {
-    throw Error(fmt::format("firmware = \"{}\": {}", parameters.firmware, error.what()));
+    throw Error(fmt::format("firmware = \"{}\": {}; inside the FMU: {}", parameters.firmware, error.what(),
+                            fmt::join(inside, ", ")));
   }
 }
 

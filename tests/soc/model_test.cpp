@@ -103,6 +103,18 @@ TEST(Model, RunsTheGateFirmwareAloneWithInputsAtTheirStartValues) {
   }
 }
 
+TEST(Model, ABareNameIsAProgramInsideTheFmu) {
+  picture_program();  // writes picture.elf
+  Variables variables;
+  variables.parameters.firmware = "picture";
+  variables.parameters.camera_frame_width = 16;
+  Model model(variables, resources(), {});
+  model.start(0);
+  for (std::int64_t t = 0; t < 10 * kMs; t += 2 * kMs) model.step(t, 2 * kMs);
+  EXPECT_EQ(variables.outputs.camera_trigger, 1)
+      << "it asks for a picture, which the gate firmware on its ground does not";
+}
+
 TEST(Model, PowerIsTheMeanOverTheStepSoThatItSumsToTheEnergy) {
   Variables variables;
   Model model(variables, resources(), {});
@@ -246,6 +258,8 @@ TEST(Model, NamesTheParameterWhenTheFirmwareIsNotThere) {
     FAIL();
   } catch (const Error& error) {
     EXPECT_THAT(error.what(), HasSubstr("firmware = \"/nowhere/fw.elf\""));
+    EXPECT_THAT(error.what(), HasSubstr("inside the FMU: "));
+    EXPECT_THAT(error.what(), HasSubstr("gate"));
   }
 }
 
