@@ -250,6 +250,8 @@ const systemTests = {
     const text = await page.$eval(".graph svg", (graph) => graph.textContent);
     assert.match(text, /battery/);
     assert.match(text, /motors/);
+    assert.match(text, /bus\.voltage \[V\]/); // the one thing that goes there, by its name
+    assert.match(text, /2 values: W/);
     assert.equal((await page.$$(".graph .bundle path")).length, 2);
     assert.equal((await page.$$(".connections tbody tr")).length, 3);
   },

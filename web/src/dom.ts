@@ -26,3 +26,8 @@ function apply(made: Element, attributes: Attributes): void {
     else made.setAttribute(name, value);
   }
 }
+
+/** A variable's name that breaks behind its dots where there is no room for it. */
+export function dotted(name: string): (string | HTMLElement)[] {
+  return name.split(/(?<=\.)/).flatMap((part, i) => (i > 0 ? [element("wbr", {}), part] : [part]));
+}

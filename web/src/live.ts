@@ -4,7 +4,7 @@ import type { Clock } from "./clock";
 import { type Payload, readPayload } from "./data/payload";
 import type { Run } from "./data/run";
 import { shownTime, shownUnit } from "./data/units";
-import { element } from "./dom";
+import { dotted, element } from "./dom";
 import type { Window } from "./view/window";
 
 /** Between two looks [ms]. */
@@ -80,7 +80,7 @@ export function makeInputs(run: Run): HTMLElement {
       }
     };
     value.addEventListener("keydown", (event) => event.key === "Enter" && void send());
-    return element("tr", {}, element("td", {}, variable), element("td", {}, value, ` ${shownUnit(unit) || (type === "Real" ? "" : type)} `,
+    return element("tr", {}, element("td", {}, ...dotted(variable)), element("td", { class: "whole" }, value, ` ${shownUnit(unit) || (type === "Real" ? "" : type)} `,
       element("button", { onclick: () => void send() }, "set")), element("td", { class: "faint" }, text));
   });
   return element("div", { class: "inputs scroll" }, said, element("table", {}, element("tbody", {}, ...rows)));

@@ -90,7 +90,7 @@ export class Chart implements Drawing {
       axes: [
         { stroke: text, grid, font: FONT, size: 22, ticks: { show: false }, values: (_plot, ticks) => ticks.map((tick) => `${+tick.toFixed(6)} s`) },
         {
-          stroke: text, grid, font: FONT, size: AXIS.left, ticks: { show: false }, space: 18,
+          stroke: text, grid, font: FONT, size: AXIS.left, ticks: { show: false }, space: 13,
           values: (_plot, ticks, _axis, _space, step) => ticks.map((tick) => tickText(tick / factor, step / factor, prefix, name)),
         },
       ],

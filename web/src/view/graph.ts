@@ -4,9 +4,20 @@ import type { Clock } from "../clock";
 import type { SystemInfo } from "../data/payload";
 import type { Run } from "../data/run";
 import { shownUnit } from "../data/units";
-import { element, svg } from "../dom";
+import { dotted, element, svg } from "../dom";
 
 const BOX = { width: 170, height: 58 };
+
+/** Of an arrow's way, where its words may stand: near its tail first, since arrows cross in the middle. */
+const SHARES = [0.34, 0.42, 0.5, 0.26, 0.58, 0.66, 0.74];
+
+/** A box around its middle. */
+interface Place {
+  x: number;
+  y: number;
+  width: number;
+  height: number;
+}
 
 interface Bundle {
   from: string;
@@ -33,10 +44,11 @@ export function makeGraph(run: Run, clock: Clock): HTMLElement {
   let show = () => {};
   const choose = (chosen: Bundle[], title: string) => (show = showConnections(run, clock, list, chosen, title));
   clock.onTime(() => show());
+  const taken: Place[] = [...places.values()].map(([x, y]) => ({ x, y, ...BOX }));
   for (const bundle of bundles) {
     const from = places.get(bundle.from);
     const to = places.get(bundle.to);
-    if (from && to) drawing.append(makeArrow(bundle, from, to, () => choose([bundle], `${bundle.from} \u2192 ${bundle.to}`)));
+    if (from && to) drawing.append(makeArrow(bundle, from, to, taken, () => choose([bundle], `${bundle.from} \u2192 ${bundle.to}`)));
   }
   for (const name of names) {
     const touching = bundles.filter((bundle) => bundle.from === name || bundle.to === name);
@@ -51,7 +63,7 @@ function placesOf(names: string[]): Map<string, [number, number]> {
   const count = names.length;
   if (count === 1) return new Map([[names[0], [140, 70]]]);
   if (count === 2) return new Map([[names[0], [130, 90]], [names[1], [480, 90]]]);
-  const radiusY = Math.max(120, 22 * count);
+  const radiusY = Math.max(150, 22 * count); // room for words between boxes
   const radiusX = 1.7 * radiusY;
   return new Map(names.map((name, i) => {
     const angle = (2 * Math.PI * i) / count - Math.PI / 2 - Math.PI / count;
@@ -76,13 +88,13 @@ function makeBox(name: string, model: string, [x, y]: [number, number], onChoose
   return svg("g", { class: "box", tabindex: "0", onclick: onChoose, onfocus: onChoose },
     svg("rect", { x: String(x - BOX.width / 2), y: String(y - BOX.height / 2), width: String(BOX.width), height: String(BOX.height), rx: "8" }),
     svg("text", { x: String(x), y: String(y - 3), class: "name" }, name),
-    svg("text", { x: String(x), y: String(y + 16), class: "model" }, model.length > 26 ? model.slice(0, 25) + "\u2026" : model));
+    svg("text", { x: String(x), y: String(y + 16), class: "model" }, shortened(model)));
 }
 
-function makeArrow(bundle: Bundle, from: [number, number], to: [number, number], onChoose: () => void): SVGElement {
+/** Adds the place of its words to those that are taken. */
+function makeArrow(bundle: Bundle, from: [number, number], to: [number, number], taken: Place[], onChoose: () => void): SVGElement {
   const group = svg("g", { class: "bundle", tabindex: "0", onclick: onChoose, onfocus: onChoose });
-  const units = [...new Set(bundle.connections.map((connection) => shownUnit(connection.unit ?? "") || (connection.type === "Binary" ? "bytes" : "")))].filter(Boolean);
-  const text = `${bundle.connections.length}${units.length > 0 ? `: ${units.slice(0, 3).join(", ")}${units.length > 3 ? " \u2026" : ""}` : ""}`;
+  const text = labelOf(bundle);
   if (bundle.from === bundle.to) return group;
   const [dx, dy] = [to[0] - from[0], to[1] - from[1]];
   const length = Math.hypot(dx, dy);
@@ -91,14 +103,32 @@ function makeArrow(bundle: Bundle, from: [number, number], to: [number, number],
   const control: [number, number] = [(from[0] + to[0]) / 2 + bend * nx, (from[1] + to[1]) / 2 + bend * ny];
   const start = edgeOf(from, control);
   const end = edgeOf(to, control);
-  const at = (axis: 0 | 1) => 0.4356 * start[axis] + 0.4488 * control[axis] + 0.1156 * end[axis]; // a third of the way
-  const middle = [at(0), at(1)];
+  const at = (share: number, axis: 0 | 1) => (1 - share) ** 2 * start[axis] + 2 * share * (1 - share) * control[axis] + share ** 2 * end[axis];
+  const size = { width: 6.6 * text.length + 8, height: 18 };
+  const label = SHARES.map((share) => ({ x: at(share, 0), y: at(share, 1), ...size }));
+  const place = label.find((one) => !taken.some((other) => overlap(one, other))) ?? label[0];
+  taken.push(place);
   group.append(
     svg("path", { d: `M${start} Q${control} ${end}`, "marker-end": "url(#arrow)" }),
-    svg("rect", { x: String(middle[0] - 3.3 * text.length - 4), y: String(middle[1] - 9), width: String(6.6 * text.length + 8), height: "18", class: "behind" }),
-    svg("text", { x: String(middle[0]), y: String(middle[1] + 4) }, text),
+    svg("rect", { x: String(place.x - place.width / 2), y: String(place.y - place.height / 2), width: String(place.width), height: String(place.height), class: "behind" }),
+    svg("text", { x: String(place.x), y: String(place.y + 4) }, text),
   );
   return group;
+}
+
+function overlap(one: Place, other: Place): boolean {
+  return 2 * Math.abs(one.x - other.x) < one.width + other.width && 2 * Math.abs(one.y - other.y) < one.height + other.height;
+}
+
+/** The one variable that goes there, or how many values do; their units, as far as there is room. */
+function labelOf({ from, connections }: Bundle): string {
+  const units = [...new Set(connections.map(({ unit, type }) => shownUnit(unit ?? "") || (type === "Binary" ? "bytes" : "")))].filter(Boolean);
+  if (connections.length === 1) return shortened(connections[0].from.slice(from.length + 1)) + (units.length > 0 ? ` [${units[0]}]` : "");
+  return `${connections.length} values` + (units.length > 2 ? `, ${units.length} units` : units.length > 0 ? `: ${units.join(", ")}` : "");
+}
+
+function shortened(name: string): string {
+  return name.length > 26 ? name.slice(0, 25) + "\u2026" : name;
 }
 
 /** Where the line from a box's middle to a point leaves the box. */
@@ -116,7 +146,7 @@ function showConnections(run: Run, clock: Clock, into: HTMLElement, bundles: Bun
   for (const { from, to, unit, type } of rows) {
     const value = element("td", { class: "number" });
     if (run.has(from)) values.push([value, from]);
-    body.append(element("tr", {}, element("td", {}, from), element("td", {}, to), element("td", {}, shownUnit(unit ?? "") || (unit === "1" ? "1" : type)), value));
+    body.append(element("tr", {}, element("td", {}, ...dotted(from)), element("td", {}, ...dotted(to)), element("td", { class: "whole" }, shownUnit(unit ?? "") || (unit === "1" ? "1" : type)), value));
   }
   const show = () => {
     for (const [cell, name] of values) cell.textContent = run.textAt(name, clock.time);
