@@ -102,6 +102,19 @@ std::uint32_t read_bytes(const Node& node) {
   return size;
 }
 
+constexpr std::uint32_t kMostWayCycles = 1000;
+
+BoardWay read_way(const Node& node) {
+  Object object(node);
+  BoardWay way;
+  object.read("fabric_controller", way.fabric_controller, count_up_to(kMostWayCycles));
+  object.read("cluster", way.cluster, count_up_to(kMostWayCycles));
+  object.read("soc", way.soc, count_up_to(kMostWayCycles));
+  object.comment("text");
+  object.finish();
+  return way;
+}
+
 BoardMemory read_memory(const Node& node, std::set<std::string>& names) {
   Object object(node);
   BoardMemory memory;
@@ -112,6 +125,12 @@ BoardMemory read_memory(const Node& node, std::set<std::string>& names) {
   object.read_if("banks", memory.banks, power_of_two(1, Banks::kMost));
   object.read_if("leaks", memory.leaks, &Node::flag);
   object.read_if("alias", memory.alias, &read_address);
+  object.visit_if("way", [&](const Node& member) {
+    memory.way = read_way(member);
+    if (memory.place == Place::cluster) {
+      member.fail(ErrorCode::invalid_value, "the cluster's own memory has no way; leave it out, or change the place");
+    }
+  });
   object.read_if("text", memory.text, &Node::text);
   object.finish();
   return memory;
@@ -129,6 +148,7 @@ void read_instruction_cache(const Node& node, BoardInstructionCaches& caches) {
   object.read("ways", cache.ways, power_of_two(1, 64));
   object.read("size", cache.size, power_of_two(object.sound() ? cache.line * cache.ways : 1, kMostCacheBytes));
   object.read("refill_cycles", cache.refill_cycles, count_up_to(kMostRefillCycles));
+  object.read_if("refill_soc_cycles", cache.refill_soc_cycles, count_up_to(kMostRefillCycles));
   object.comment("text");
   object.finish();
   if (!object.sound()) return;

@@ -19,6 +19,13 @@ namespace mebots::soc {
 /// Where a memory stands, which says how long the way to it is.
 enum class Place : std::uint8_t { fabric_controller, cluster };
 
+/// How long the way to a memory is that stands outside the cluster: cycles that an access waits there and back.
+struct BoardWay {
+  std::uint32_t fabric_controller = 0;  // of the fabric controller, in its clock
+  std::uint32_t cluster = 0;            // of the cluster's cores and DMA: as far as the cluster's clock goes
+  std::uint32_t soc = 0;                // and behind that, in the clock of the SoC
+};
+
 struct BoardMemory {
   std::string name;
   std::uint32_t base = 0;
@@ -27,6 +34,7 @@ struct BoardMemory {
   bool leaks = true;                   // false: stands for no real memory
   unsigned banks = 1;                  // that serve a word per cycle each; told apart in the cluster only
   std::optional<std::uint32_t> alias;  // where the cores of its place see it, too
+  std::optional<BoardWay> way;         // nothing = as the chip has it for all memories
   std::string text;
 };
 

@@ -68,12 +68,11 @@ void read_interconnect(const data::Node& node, Chip& chip) {
 
 void read_dma(const data::Node& node, Chip& chip) {
   data::Object object(node);
-  std::uint32_t outstanding = 1;
   object.read("bytes_per_cycle", chip.dma.bytes_per_cycle, count("byte/cycle", 1));
   object.read("burst", chip.dma.most_burst_bytes, count("byte", 1));
-  object.read("outstanding", outstanding, count("1", 1));
+  object.read("outstanding", chip.dma.outstanding, count("1", 1));
   object.finish();
-  chip.dma.least_burst_cycles = std::max(1U, (chip.dma.latency + outstanding - 1) / outstanding);
+  chip.dma.least_burst_cycles = chip.dma.least_burst_of(chip.dma.latency);
 }
 
 Chip read_chip(const data::Node& node) {

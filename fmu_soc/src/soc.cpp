@@ -145,6 +145,7 @@ Soc::Soc(const BoardDescription& board, const Chip& chip, const Settings& settin
   add_cluster(settings);
   add_devices();
   connect_memories();
+  set_ways();
   load_program();
   if (const auto& cache = board.instruction_cache(Place::fabric_controller); cache.size != 0) {
     hart_.fetch_through(instruction_cache_.emplace(cache));
@@ -161,7 +162,7 @@ void Soc::connect_memories() {
   MEBOTS_ASSERT(places_.size() == memory_.regions().size());
   std::vector<MemoryPort> ports;
   for (std::size_t i = 0; i < places_.size(); ++i) {
-    if (places_[i] == Place::fabric_controller) ports.push_back({i, 0, nullptr});
+    if (places_[i] == Place::fabric_controller) ports.push_back({i, wait_of_fabric_controller(i), nullptr});
   }
   std::stable_sort(ports.begin(), ports.end(), [this](const auto& a, const auto& b) {
     return memory_.regions()[a.region].size > memory_.regions()[b.region].size;
@@ -174,10 +175,47 @@ void Soc::connect_memories() {
   for (std::size_t i = 0; i < places_.size(); ++i) {
     const auto& alias = board_.memories[i].alias;
     if (alias && places_[i] == Place::fabric_controller) {
-      ports.push_back({i, 0, nullptr, *alias - board_.memories[i].base});
+      ports.push_back({i, wait_of_fabric_controller(i), nullptr, *alias - board_.memories[i].base});
     }
   }
   hart_.connect(ports);
+}
+
+std::uint32_t Soc::wait_of_fabric_controller(std::size_t memory) const {
+  const auto& way = board_.memories[memory].way;
+  return way ? way->fabric_controller : 0;
+}
+
+/// The cluster's ways to memories whose board says how much of them lies in the clock of the SoC. An access, a refill
+/// and a beat of the DMA take a cycle of the slower clock: the AXI bus between the two is as wide in both.
+void Soc::set_ways() {
+  if (!cluster_ || !has_ways()) return;
+  const auto ticks_of = [&](std::uint64_t soc_cycles) {
+    return static_cast<std::uint32_t>((soc_cycles * cluster_->clock_hz() + clock_.hz() - 1) / clock_.hz());
+  };
+  ClusterWays ways;
+  ways.dma = chip_.dma;
+  for (const auto& port : cluster_->ports()) {
+    const auto& way = board_.memories[port.region].way;
+    ways.waits.push_back(way ? way->cluster + ticks_of(way->soc) : port.wait_cycles);
+  }
+  const auto& cache = board_.instruction_cache(Place::cluster);
+  ways.refill_cycles = cache.refill_cycles + ticks_of(cache.refill_soc_cycles);
+  ways.access_ticks = ticks_of(1);
+  // Of the memory that the DMA mostly works on, which is the largest one.
+  const auto outside = std::ranges::find_if(
+      cluster_->ports(), [&](const MemoryPort& port) { return board_.memories[port.region].way.has_value(); });
+  const auto least = chip_.dma.latency - chip_.interconnect.cluster_to_soc;  // the DMA's own
+  ways.dma.latency = least + ways.waits[static_cast<std::size_t>(outside - cluster_->ports().begin())];
+  ways.dma.least_burst_cycles = chip_.dma.least_burst_of(ways.dma.latency);
+  const auto beat = std::uint64_t{DmaTiming::kBeatUnit} * cluster_->clock_hz() / clock_.hz();
+  ways.dma.beat_ticks = static_cast<std::uint32_t>(std::max<std::uint64_t>(beat, DmaTiming::kBeatUnit));
+  cluster_->set_ways(ways);
+  memory_.forget_code();  // what came through the cluster's instruction cache holds the cycles of a refill
+}
+
+bool Soc::has_ways() const {
+  return std::ranges::any_of(board_.memories, [](const BoardMemory& memory) { return memory.way.has_value(); });
 }
 
 void Soc::add_cluster(const Settings& settings) {
@@ -190,6 +228,7 @@ void Soc::add_cluster(const Settings& settings) {
   cluster.cores = settings.cluster_cores;
   cluster.clock_hz = checked_cluster_clock(chip_, settings);
   cluster.dma = chip_.dma;
+  cluster.shares_way = has_ways();
   cluster.timing = timing_of(board_, chip_);
   cluster.instruction_cache = board_.instruction_cache(Place::cluster);
   cluster.translate = settings.translate;
@@ -651,7 +690,10 @@ void Soc::apply_power_settings() {
   if (wanted.clock_hz != clock_.hz()) clock_.change(wanted.clock_hz, hart_.counters().cycles);
   if (cluster_ && wanted.cluster_clock_hz != cluster_->clock_hz()) cluster_->set_clock(now, wanted.cluster_clock_hz);
   voltage_mv_ = wanted.voltage_mv;
-  if (changed) meter_.change(power_state(), before);
+  if (changed) {
+    meter_.change(power_state(), before);
+    set_ways();
+  }
   if (!cluster_) return;
   if ((wanted.cluster_on != 0) == cluster_->powered()) return;
   if (wanted.cluster_on != 0) {
@@ -800,7 +842,9 @@ void Soc::visit(state::Visitor& v) {
   v("retained", retained_);
   v("retention", retention_);
   v("state_times", state_times_);
-  if (v.restores()) connect_memories();
+  if (!v.restores()) return;
+  connect_memories();
+  set_ways();
 }
 
 }  // namespace mebots::soc

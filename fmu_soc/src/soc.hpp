@@ -201,6 +201,9 @@ class Soc final : private Bus {
   static constexpr std::uint64_t kNoLimit = std::numeric_limits<std::uint64_t>::max();
 
   void connect_memories();
+  std::uint32_t wait_of_fabric_controller(std::size_t memory) const;
+  void set_ways();
+  bool has_ways() const;
   void add_cluster(const Settings& settings);
   void choose_peripherals(ClusterSettings& cluster);
   void add_devices();

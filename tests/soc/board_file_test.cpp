@@ -118,5 +118,18 @@ TEST(BoardFile, WantsAVoltageWhereStatesHaveCurrents) {
               HasSubstr("the key 'supply_voltage' is missing"));
 }
 
+TEST(BoardFile, TakesAWayToAMemoryOutsideTheClusterOnly) {
+  constexpr auto kWay = R"("way": {"fabric_controller": 8, "cluster": 2, "soc": 17})";
+  const auto memory = [&](std::string_view more) {
+    return fmt::format(R"({{"name": "ram", "base": "0x1000", "size": 4096, {}}})", more);
+  };
+  EXPECT_EQ(complaint(memory(kWay), ""), "");
+  EXPECT_THAT(complaint(memory(fmt::format(R"("place": "cluster", {})", kWay)), ""),
+              HasSubstr("the cluster's own memory has no way"));
+  EXPECT_THAT(complaint(memory(R"("way": {"fabric_controller": 8, "cluster": 2})"), ""), HasSubstr("'soc'"));
+  EXPECT_THAT(complaint(memory(R"("way": {"fabric_controller": -1, "cluster": 2, "soc": 1})"), ""),
+              HasSubstr("/memories/0/way/fabric_controller"));
+}
+
 }  // namespace
 }  // namespace mebots::soc::test

@@ -8,12 +8,14 @@
 
 #include "mebots/state/save.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cstdint>
 #include <numeric>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -355,6 +357,136 @@ TEST(Gap8Cluster, GivesTheSameBitsInterpretedAndFromAState) {
   state::restore(second.soc, state::save(first.soc));
   second.soc.advance(1 * kMs);
   EXPECT_TRUE(mebots::test::same_state(second.soc, straight.soc));
+}
+
+/// Of the two clock loops, in units of 32768 Hz.
+struct Factors {
+  std::uint32_t soc;
+  std::uint32_t cluster;
+};
+
+/// Switches the cluster on; the cores that `who` names load 256 words of L2, each of them, and sleep.
+std::string cores_that_load_from_l2(std::uint32_t who, const Factors& factors) {
+  return fmt::format(R"(
+    .balign 256
+vectors: j fault
+    .org vectors + 0x80
+    .globl _start
+_start: csrr a0, mhartid
+    li a1, 0x400
+    bne a0, a1, core
+    li s0, 0x1A100000
+    li a0, 1 << 26 | {}
+    sw a0, 0x04(s0)
+    li a0, 1 << 26 | {}
+    sw a0, 0x14(s0)
+    li s0, 0x1A104000
+    li a0, 8
+    sw a0, 0x70(s0)
+    li s0, 0x10200000
+    la a1, vectors
+    li a2, 8
+    addi a3, s0, 0x40
+1:  sw a1, 0(a3)
+    addi a3, a3, 4
+    addi a2, a2, -1
+    bnez a2, 1b
+    li a0, {}
+    sw a0, 0x08(s0)
+    li s1, 0x1C040000
+    li a2, 256
+2:  lw a0, 0(s1)
+    addi a2, a2, -1
+    bnez a2, 2b
+3:  wfi
+    j 3b
+core: li s1, 0x1C040000
+    li a2, 256
+4:  lw a0, 0(s1)
+    addi a2, a2, -1
+    bnez a2, 4b
+    li s0, 0x00204000
+5:  .insn i 0x03, 6, a5, 0x3c(s0)
+    j 5b
+fault: j fault
+)",
+                     factors.soc, factors.cluster, who);
+}
+
+std::uint64_t cycles_of_core(std::uint32_t who, const Factors& factors, unsigned core,
+                             const BoardDescription& board = gap8_board_of_cluster()) {
+  BoardSystem system(cores_that_load_from_l2(who, factors), {}, board);
+  system.soc.advance(20 * kMs);
+  EXPECT_TRUE(system.faults.empty()) << system.faults.front();
+  EXPECT_TRUE(system.soc.hart(1 + core).sleeping());
+  return system.soc.hart(1 + core).counters().cycles;
+}
+
+/// An addition and a taken branch, and the load itself, beside what it waits.
+constexpr std::uint64_t kLoads = 256;
+constexpr std::uint64_t kLoopCycles = 5;
+
+TEST(Gap8Cluster, CountsTheWayToL2InTheClocksOfClusterAndSoc) {
+  // Beginning, end, and the refills of the instruction cache, which wait as long as loads.
+  const auto around = [](double way) { return 20 + 10 * way; };
+  const auto expect_way = [&](const Factors& factors, std::uint64_t way) {
+    EXPECT_NEAR(static_cast<double>(cycles_of_core(1, factors, 0)), static_cast<double>(kLoads * (kLoopCycles + way)),
+                around(static_cast<double>(way)))
+        << factors.soc << " " << factors.cluster;
+  };
+  expect_way({1500, 1500}, 2 + 17);
+  expect_way({1500, 3000}, 2 + 2 * 17);
+  expect_way({3000, 1500}, 2 + 9);
+  expect_way({600, 4800}, 2 + 8 * 17);
+}
+
+TEST(Gap8Cluster, LetsOneCoreAtATimeThroughToL2) {
+  // A cycle of the SoC is 8 of the cluster, which each access takes for itself. With the way as it is eight accesses
+  // fit behind each other while one is on its way.
+  const Factors factors{600, 4800};
+  EXPECT_LT(cycles_of_core(0xff, factors, 7), cycles_of_core(1, factors, 0) * 5 / 4);
+  auto board = gap8_board_of_cluster();
+  for (auto& memory : board.memories) {
+    if (memory.way) memory.way->soc = 1;
+  }
+  EXPECT_LT(cycles_of_core(1, factors, 0, board), kLoads * 24);
+  EXPECT_GE(cycles_of_core(0xff, factors, 7, board), kLoads * 8 * 8 * 9 / 10) << "eight loads take 64 cycles";
+}
+
+TEST(Gap8Cluster, LetsTheFabricControllerWaitForL2AndNotForItsOwnMemory) {
+  const auto cycles_from = [](std::uint32_t address) {
+    BoardSystem system(fmt::format(R"(
+_start: li s1, {}
+    li a2, 256
+1:  lw a0, 0(s1)
+    addi a2, a2, -1
+    bnez a2, 1b
+2:  wfi
+    j 2b
+)",
+                                   address),
+                       {}, gap8_board_of_cluster());
+    system.soc.advance(1 * kMs);
+    return system.soc.hart().counters().cycles;
+  };
+  EXPECT_EQ(cycles_from(0x1C040000) - cycles_from(0x1B000000), kLoads * 8);
+}
+
+TEST_F(MchanTest, TakesAsLongAsTheSlowerClockNeedsForItsBeats) {
+  const auto ticks_for = [this](std::uint32_t soc_ticks_of_two_beats) {
+    DmaTiming timing;
+    timing.beat_ticks = soc_ticks_of_two_beats * DmaTiming::kBeatUnit / 2;
+    ClusterDma slow{memory, 0, timing};
+    ClusterDma::Draft what;
+    what.l2 = 0x1C000000;
+    what.l1 = kL1;
+    what.size = 4096;
+    EXPECT_TRUE(slow.enqueue(0, what, false, 0));
+    return slow.next_tick();
+  };
+  EXPECT_EQ(ticks_for(2), 16U + 512);
+  EXPECT_EQ(ticks_for(3), 16U + 512 * 3 / 2);
+  EXPECT_EQ(ticks_for(4), 16U + 512 * 2);
 }
 
 TEST(Gap8Cluster, TellsOnceOfARegisterThatIsNotModelled) {

@@ -7,6 +7,12 @@
 #include <algorithm>
 
 namespace mebots::soc {
+namespace {
+
+/// The way to the SoC is taken no longer by one access, however slow the SoC's clock is.
+constexpr std::uint32_t kMostAccessTicks = 512;
+
+}  // namespace
 
 Cluster::Cluster(Memory& memory, const ClusterSettings& settings, const InstructionEnergy& energy)
     : settings_(settings),
@@ -36,6 +42,7 @@ void Cluster::power_on(Picoseconds now, std::uint32_t boot) {
   peripherals_->reset(boot);
   dma_.reset();
   banks_.free_all();  // nothing of what cores had claimed ahead of time when they were switched off
+  way_.free_all();
   if (instruction_cache_) instruction_cache_->flush();
   for (auto& core : cores_) core->halt();
   start_cores(tick_at(now));
@@ -57,6 +64,15 @@ void Cluster::power_off(Picoseconds now) {
   for (auto& core : cores_) core->stop();
   interrupt_ = false;
   fabric_woken_ = false;
+}
+
+void Cluster::set_ways(const ClusterWays& ways) {
+  MEBOTS_ASSERT(ways.waits.size() == settings_.ports.size());
+  for (std::size_t i = 0; i < ways.waits.size(); ++i) settings_.ports[i].wait_cycles = ways.waits[i];
+  dma_.set_timing(ways.dma);
+  if (instruction_cache_) instruction_cache_->set_refill_cycles(ways.refill_cycles);
+  for (auto& core : cores_) core->connect(std::clamp(ways.access_ticks, 1U, kMostAccessTicks));
+  drop_resume_points();
 }
 
 void Cluster::set_clock(Picoseconds now, std::uint32_t hz) {
@@ -117,12 +133,14 @@ void Cluster::drop_resume_points() {
 void Cluster::move_banks(std::uint64_t tick) {
   if (!banks_.must_start_over(tick)) {
     banks_.move_to(tick);
+    if (settings_.shares_way) way_.move_to(tick);
     return;
   }
   // The DMA takes nothing behind the last quantum's end, and no core anything behind where it stands.
   auto last = tick + kQuantum;
   for (const auto& core : cores_) last = std::max(last, core->tick());
   banks_.start_over(tick, last);
+  if (settings_.shares_way) way_.start_over(tick, last + kMostAccessTicks);
   drop_resume_points();
 }
 
@@ -153,6 +171,7 @@ void Cluster::next_in_front() {
 std::uint64_t Cluster::run_quantum_in_step(std::uint64_t start, std::uint64_t until) {
   MEBOTS_ASSERT(sharing_banks_ && start > banks_.start());
   banks_.move_to(start);
+  if (settings_.shares_way) way_.move_to(start);
   const auto end = std::min(start + kQuantum, until);
   rotate_queue();
   next_in_front();
@@ -402,6 +421,7 @@ std::uint64_t Cluster::longest_cycles() const {
 
 void Cluster::visit(state::Visitor& v) {
   v("banks", banks_);
+  v("way", way_);
   if (instruction_cache_) v("instruction_cache", *instruction_cache_);
   v("event_unit", *peripherals_);
   v("dma", dma_);

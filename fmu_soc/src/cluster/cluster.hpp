@@ -17,12 +17,22 @@
 
 namespace mebots::soc {
 
+/// How far cores and DMA of a cluster are from the memories of the SoC, in the cluster's ticks. It changes with the
+/// clocks: the SoC has its own.
+struct ClusterWays {
+  std::vector<std::uint32_t> waits;  // of each port
+  std::uint32_t refill_cycles = 0;   // of the instruction cache
+  DmaTiming dma;
+  std::uint32_t access_ticks = 1;  // that an access of a core keeps the way that it shares with others
+};
+
 /// What a cluster is made of; from the board and its chip.
 struct ClusterSettings {
   unsigned cores = 0;
   std::size_t l1_region = 0;  // index in Memory::regions()
   unsigned l1_banks = 16;
   std::vector<MemoryPort> ports;  // of a core, L1 first; its banks are filled in here
+  bool shares_way = false;        // to the SoC: a core's access there waits for those of others
   InstructionCacheSettings instruction_cache;
   std::uint32_t clock_hz = 0;
   /// Its registers; the DMA engine is the cluster's.
@@ -75,6 +85,10 @@ class Cluster {
   /// Another frequency, from the first tick at or after `now` on.
   void set_clock(Picoseconds now, std::uint32_t hz);
   std::uint32_t clock_hz() const { return clock_.hz(); }
+  /// Of a core: L1 first.
+  const std::vector<MemoryPort>& ports() const { return settings_.ports; }
+  /// From now on; between quanta.
+  void set_ways(const ClusterWays& ways);
 
   /// When the cluster next does something by itself; kNever while all cores sleep and no transfer runs.
   Picoseconds next() const;
@@ -157,6 +171,7 @@ class Cluster {
   std::shared_ptr<DecodedCode> decoded_;  // one for all cores: they run the same code
   std::optional<InstructionCache> instruction_cache_;
   Banks banks_;
+  Banks way_{1};  // to the SoC: one access a cycle, whose it may be
   ClusterDma dma_;
   std::unique_ptr<ClusterPeripherals> peripherals_;
   /// Of each core: the tick in which its next instruction starts; kNoTick while it sleeps, or when there is none.

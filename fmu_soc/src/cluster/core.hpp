@@ -19,13 +19,26 @@ class Cluster::Core final : private Bus {
         id_(id),
         hart_(memory, *this, std::move(decoded)),
         schedule_(cluster.banks_),
+        way_(cluster.way_),
         ready_(cluster.ready_[id]) {
     hart_.set_id(id);
     if (cluster.settings_.has_gap8_interrupts) hart_.use_event_unit();
     hart_.set_loose_limit(true);
     if (cluster.instruction_cache_) hart_.fetch_through(*cluster.instruction_cache_);
     hart_.set_translation(cluster.settings_.translate);
-    hart_.connect(cluster.settings_.ports);
+    connect(1);
+  }
+
+  /// To the memories, as the cluster's settings have them; an access outside keeps the way there for so many ticks.
+  void connect(std::uint32_t access_ticks) {
+    const auto& settings = cluster_.settings_;
+    auto ports = settings.ports;
+    for (auto& port : ports) {
+      if (settings.shares_way && port.region != settings.l1_region) port.banks = &way_;
+    }
+    way_.set_ticks(access_ticks);
+    hart_.connect(ports);
+    share_banks(cluster_.sharing_banks_);
   }
 
   unsigned id() const { return id_; }
@@ -116,6 +129,7 @@ class Cluster::Core final : private Bus {
   }
   void apply_offset() {
     schedule_.set_offset(offset_);
+    way_.set_offset(offset_);
     hart_.set_tick_offset(offset_);
   }
 
@@ -144,8 +158,9 @@ class Cluster::Core final : private Bus {
   Cluster& cluster_;
   unsigned id_;
   Hart hart_;
-  BankSchedule schedule_;
-  std::uint64_t& ready_;  // of the cluster's
+  BankSchedule schedule_;  // of L1
+  BankSchedule way_;       // to the SoC
+  std::uint64_t& ready_;   // of the cluster's
   Observer* observer_ = nullptr;
   std::uint64_t offset_ = 0;
   std::uint64_t accessed_ = 0;

@@ -96,7 +96,7 @@ bool ClusterDma::fits(const Draft& draft) const {
 std::uint32_t ClusterDma::cycles_of(const Draft& draft) const {
   const auto cycles_of_bytes = [this](std::uint32_t bytes) {
     const auto beats = (bytes + timing_.bytes_per_cycle - 1) / timing_.bytes_per_cycle;
-    return std::max(beats, timing_.least_burst_cycles);
+    return std::max(timing_.ticks_of(beats), timing_.least_burst_cycles);
   };
   const auto cycles_of_row = [&](std::uint32_t bytes) {
     const auto whole = bytes / timing_.most_burst_bytes;
@@ -195,13 +195,14 @@ std::uint64_t ClusterDma::occupy_burst(Banks& banks, Transfer& transfer, std::ui
     transfer.moved += end - in_burst;
     MEBOTS_ASSERT(end > in_burst);
     MEBOTS_ASSERT(transfer.moved <= what.size, "beats end with the transfer");
-    transfer.next_beat += wait + 1;
+    const auto beat = in_burst / timing_.bytes_per_cycle;
+    transfer.next_beat += wait + timing_.ticks_of(beat + 1) - timing_.ticks_of(beat);
     waited += wait;
     in_burst = end;
   }
   if (in_burst == burst) {
-    const auto beats = (burst - 1) / timing_.bytes_per_cycle + 1;
-    transfer.next_beat += std::max(beats, timing_.least_burst_cycles) - beats;
+    const auto ticks = timing_.ticks_of((burst - 1) / timing_.bytes_per_cycle + 1);
+    transfer.next_beat += std::max(ticks, timing_.least_burst_cycles) - ticks;
   }
   return waited;
 }

@@ -5,6 +5,7 @@
 #include "memory/banks.hpp"
 #include "memory/memory.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <limits>
@@ -18,7 +19,20 @@ struct DmaTiming {
   std::uint32_t bytes_per_cycle = 8;
   std::uint32_t most_burst_bytes = 256;
   std::uint32_t latency = 16;            // from the start to the first data
-  std::uint32_t least_burst_cycles = 2;  // latency over the bursts that can be on their way at once
+  std::uint32_t outstanding = 8;         // bursts that can be on their way at once
+  std::uint32_t least_burst_cycles = 2;  // least_burst_of(latency)
+  /// Ticks of the cluster that the SoC takes for a beat, in 1/kBeatUnit; as many when the SoC is not slower.
+  std::uint32_t beat_ticks = kBeatUnit;
+
+  std::uint32_t least_burst_of(std::uint32_t its_latency) const {
+    return std::max(1U, (its_latency + outstanding - 1) / outstanding);
+  }
+
+  static constexpr std::uint32_t kBeatUnit = 1U << 16;
+  /// Ticks of the first so many beats of a burst.
+  std::uint32_t ticks_of(std::uint32_t beats) const {
+    return static_cast<std::uint32_t>(std::uint64_t{beats} * beat_ticks / kBeatUnit);
+  }
 };
 
 /// Moves bytes between L2 and the cluster's L1 while the cores go on. Each requester has its own draft registers;
@@ -34,6 +48,9 @@ class ClusterDma {
 
   ClusterDma(Memory& memory, std::size_t l1_region, const DmaTiming& timing)
       : memory_(memory), l1_region_(l1_region), timing_(timing) {}
+
+  /// For transfers that are queued from now on.
+  void set_timing(const DmaTiming& timing) { timing_ = timing; }
 
   BusReply load(unsigned who, std::uint32_t offset) const;
   bool store(unsigned who, std::uint32_t offset, std::uint32_t value, std::uint64_t tick);

@@ -155,14 +155,22 @@ class BankSchedule {
  public:
   explicit BankSchedule(Banks& banks) : banks_(&banks) {}
 
+  /// How many ticks an access keeps its bank; at least 1.
+  void set_ticks(std::uint32_t ticks) { ticks_ = ticks; }
+
   /// Active cycle `cycle` of the core is tick `cycle + offset` of the banks (modulo 2^64).
   void set_offset(std::uint64_t offset) { offset_ = offset; }
 
   /// Extra cycles of an access in active cycle `cycle`.
-  std::uint32_t claim(std::uint64_t cycle, std::uint32_t address) { return banks_->claim(cycle + offset_, address); }
+  std::uint32_t claim(std::uint64_t cycle, std::uint32_t address) {
+    const auto wait = banks_->claim(cycle + offset_, address);
+    for (std::uint32_t i = 1; i < ticks_; ++i) banks_->claim(cycle + offset_ + wait + i, address);
+    return wait;
+  }
 
  private:
   Banks* banks_;
+  std::uint32_t ticks_ = 1;
   std::uint64_t offset_ = 0;
 };
 

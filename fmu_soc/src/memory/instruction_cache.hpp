@@ -19,7 +19,8 @@ struct InstructionCacheSettings {
   std::uint32_t size = 0;  // bytes; 0 = there is none
   std::uint32_t line = 16;
   std::uint32_t ways = 4;
-  std::uint32_t refill_cycles = 0;  // from the miss until the core has its instruction
+  std::uint32_t refill_cycles = 0;      // from the miss until the core has its instruction
+  std::uint32_t refill_soc_cycles = 0;  // of a cluster's, beside them: those in the clock of the SoC
 };
 
 /// Which lines of code a cache holds. Only presence matters: the instructions themselves are always those of the
@@ -41,6 +42,8 @@ class InstructionCache {
   std::uint32_t address_of(std::uint32_t line) const { return line << line_bits_; }
   std::uint32_t words_per_line() const { return 1U << (line_bits_ - 2); }
   std::uint32_t refill_cycles() const { return refill_cycles_; }
+  /// For refills from now on. Who has decoded code that comes through here must decode it anew.
+  void set_refill_cycles(std::uint32_t cycles) { refill_cycles_ = cycles; }
   std::uint32_t ways() const { return ways_; }
   std::uint32_t set_mask() const { return set_mask_; }
 
