@@ -3,6 +3,7 @@
 #include "board_system.hpp"
 #include "devices/described_device.hpp"
 #include "gap8_devices/event_unit.hpp"
+#include "gap8_devices/hyper_flash.hpp"
 #include "gap8_devices/soc_events.hpp"
 #include "gap8_devices/timer.hpp"
 #include "support/same_state.hpp"
@@ -12,6 +13,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cstddef>
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -339,6 +343,77 @@ text: .ascii "hello\n"
   system.soc.advance(1 * kMs);
   EXPECT_THAT(system.console, ElementsAre("hello"));
   EXPECT_NEAR(system.result(0), 6 * 10 * 10, 25) << "cycles; a turn of the loop takes some, and its code is fetched";
+}
+
+class Gap8HyperFlash : public testing::Test {
+ protected:
+  Gap8HyperFlash() {
+    for (std::size_t i = 0; i < image.size(); ++i) image[i] = static_cast<std::uint8_t>(i * 7);
+  }
+  bool tell(std::uint32_t word_address, std::uint8_t word, std::uint32_t shift = 1) {
+    const std::array<std::uint8_t, 2> bytes{word, 0};
+    return flash.write(word_address << shift, bytes);
+  }
+  bool unlock() { return tell(0x555, 0xAA) && tell(0x2AA, 0x55); }
+  bool program(std::uint32_t place, const std::vector<std::uint8_t>& bytes) {
+    return unlock() && tell(0x555, 0xA0) && flash.write(place, bytes);
+  }
+  bool erase_sector(std::uint32_t place) { return unlock() && tell(0x555, 0x80) && unlock() && tell(place, 0x30, 0); }
+  std::vector<std::uint8_t> read(std::uint32_t place, std::size_t count) {
+    std::vector<std::uint8_t> bytes(count);
+    flash.read(place, bytes);
+    return bytes;
+  }
+
+  static constexpr std::uint32_t kSector = gap8_devices::HyperFlash::kSectorBytes;
+  std::vector<std::uint8_t> image = std::vector<std::uint8_t>(kSector + 100);
+  gap8_devices::HyperFlash flash{image};
+};
+
+TEST_F(Gap8HyperFlash, ErasesASectorProgramsItAndReadsItBack) {
+  EXPECT_TRUE(erase_sector(kSector));
+  EXPECT_EQ(read(kSector, 100), std::vector<std::uint8_t>(100, 0xff));
+  EXPECT_EQ(read(kSector - 1, 2), (std::vector<std::uint8_t>{image[kSector - 1], 0xff})) << "the one before stays";
+  std::vector<std::uint8_t> line(512);
+  for (std::size_t i = 0; i < line.size(); ++i) line[i] = static_cast<std::uint8_t>(i * 3 + 1);
+  for (std::uint32_t at = 0; at < kSector; at += 512) ASSERT_TRUE(program(kSector + at, line));
+  for (std::uint32_t at = 0; at < kSector; at += 512) ASSERT_EQ(read(kSector + at, 512), line);
+  EXPECT_EQ(read(2 * kSector, 1).front(), 0xff);
+}
+
+TEST_F(Gap8HyperFlash, ProgramsZerosOnlyAndWithinALine) {
+  EXPECT_TRUE(program(0x100, {0x0f, 0xff}));
+  EXPECT_EQ(read(0x100, 2), (std::vector<std::uint8_t>{static_cast<std::uint8_t>(image[0x100] & 0x0fU), image[0x101]}));
+  EXPECT_FALSE(program(0x1ff, {0, 0}));
+  EXPECT_EQ(read(0x1ff, 1).front(), image[0x1ff]);
+}
+
+TEST_F(Gap8HyperFlash, ShowsItsStatusOnceAndErasesAll) {
+  EXPECT_TRUE(tell(0x555, 0x70));
+  EXPECT_EQ(read(0, 4), (std::vector<std::uint8_t>{0x80, 0, 0x80, 0}));
+  EXPECT_EQ(read(0, 1).front(), image[0]);
+  EXPECT_TRUE(unlock() && tell(0x555, 0x80) && unlock() && tell(0x555, 0x10));
+  EXPECT_EQ(read(kSector - 2, 4), std::vector<std::uint8_t>(4, 0xff));
+}
+
+TEST_F(Gap8HyperFlash, ForgetsACommandThatIsNotInItsOrder) {
+  EXPECT_FALSE(tell(0x555, 0xA0)) << "not unlocked";
+  EXPECT_TRUE(tell(0x555, 0xAA));
+  EXPECT_FALSE(tell(0x555, 0x55)) << "another address";
+  EXPECT_FALSE(flash.write(0, std::vector<std::uint8_t>(4)));
+  EXPECT_FALSE(tell(0, 0x30));
+  EXPECT_EQ(read(0, 4), std::vector<std::uint8_t>(image.begin(), image.begin() + 4));
+}
+
+TEST_F(Gap8HyperFlash, GoesOnFromAState) {
+  EXPECT_TRUE(program(0x10, {0}));
+  EXPECT_TRUE(unlock() && tell(0x555, 0xA0));
+  gap8_devices::HyperFlash other{image};
+  state::restore(other, state::save(flash));
+  EXPECT_TRUE(other.write(0x20, std::vector<std::uint8_t>{0}));
+  std::vector<std::uint8_t> bytes(0x11);
+  other.read(0x10, bytes);
+  EXPECT_EQ(bytes.front() | bytes.back(), 0);
 }
 
 TEST(Gap8, RefusesAFlashImageThatIsTooLarge) {

@@ -13,7 +13,6 @@ constexpr std::uint32_t kHyperConfig4 = 0x1B8;
 constexpr double kBusClocksBefore = 3 + 12;
 constexpr double kBytesPerBusClock = 2;
 constexpr double kSocClocksPerBusClock = 2;
-constexpr std::uint8_t kErased = 0xff;
 
 }  // namespace
 
@@ -34,17 +33,23 @@ void UdmaHyperBus::end(const UdmaTransfer& transfer) {
   if (place > room || size > room - place) return complain("the memory there ends before");
   bytes_.resize(size);
   if (transfer.channel == send_channel_) {
-    if (is_flash) return complain("the flash's commands are not modelled: nothing was written");
     if (!host_.host.read_memory(transfer.address, bytes_)) return complain("no memory of the chip there");
+    if (is_flash) {
+      if (!flash_.write(place, bytes_)) complain("no command of the flash, or not in its order: nothing was written");
+      return;
+    }
     if (ram_.size() < place + size) ram_.resize(place + size);
     std::ranges::copy(bytes_, ram_.begin() + place);
     return;
   }
-  const auto source = is_flash ? flash_ : std::span<const std::uint8_t>(ram_);
-  const auto there = place < source.size() ? std::min<std::size_t>(size, source.size() - place) : 0;
-  std::copy_n(source.begin() + static_cast<std::ptrdiff_t>(std::min<std::size_t>(place, source.size())), there,
-              bytes_.begin());
-  std::fill(bytes_.begin() + static_cast<std::ptrdiff_t>(there), bytes_.end(), is_flash ? kErased : std::uint8_t{0});
+  if (is_flash) {
+    flash_.read(place, bytes_);
+  } else {
+    const auto there = place < ram_.size() ? std::min<std::size_t>(size, ram_.size() - place) : 0;
+    std::copy_n(ram_.begin() + static_cast<std::ptrdiff_t>(std::min<std::size_t>(place, ram_.size())), there,
+                bytes_.begin());
+    std::fill(bytes_.begin() + static_cast<std::ptrdiff_t>(there), bytes_.end(), std::uint8_t{0});
+  }
   if (!host_.host.write_memory(transfer.address, bytes_)) complain("no memory of the chip there");
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "gap8_devices/hyper_flash.hpp"
 #include "gap8_devices/udma_host.hpp"
 #include "gap8_devices/udma_peripheral.hpp"
 
@@ -16,20 +17,25 @@ namespace mebots::soc::gap8_devices {
 /// Source of registers: archi/udma/udma_hyper_v1.h.
 class UdmaHyperBus final : public UdmaPeripheral {
  public:
-  static constexpr std::uint32_t kRamBytes = 8U << 20;     // S71KS512S, the GAPuino's HyperBus memory
-  static constexpr std::uint32_t kFlashBytes = 64U << 20;  // likewise
+  static constexpr std::uint32_t kRamBytes = 8U << 20;  // S71KS512S, the GAPuino's HyperBus memory
+  static constexpr std::uint32_t kFlashBytes = HyperFlash::kBytes;
 
   /// `flash` holds the image that the flash begins with, all ones behind it; it must stay where it is.
   UdmaHyperBus(UdmaHost& host, std::span<const std::uint8_t> flash, std::uint32_t send_channel)
       : host_(host), flash_(flash), send_channel_(send_channel) {}
 
+  void set_flash(std::span<const std::uint8_t> image) { flash_.set_image(image); }
+
   Picoseconds end_time(const UdmaTransfer& transfer, Picoseconds start) override;
   void end(const UdmaTransfer& transfer) override;
-  void visit(state::Visitor& v) override { v("ram", ram_); }
+  void visit(state::Visitor& v) override {
+    v("ram", ram_);
+    v("flash", flash_);
+  }
 
  private:
   UdmaHost& host_;
-  std::span<const std::uint8_t> flash_;
+  HyperFlash flash_;
   std::uint32_t send_channel_;
   std::vector<std::uint8_t> ram_;    // as far as it has been written
   std::vector<std::uint8_t> bytes_;  // of a transfer
