@@ -408,7 +408,9 @@ BusReply Soc::from_cluster(const ClusterAccess& access, Picoseconds time) {
   const auto offset = access.address - slot->base;
   const auto wait = chip_.interconnect.cluster_to_soc + chip_.interconnect.fabric_controller_to_device;
   if (access.stored != nullptr) {
-    return slot->device->store(offset, now, *access.stored) ? BusReply::done(0, wait) : BusReply{};
+    const bool stored = access.size == 4 ? slot->device->store(offset, now, *access.stored)
+                                         : slot->device->store_narrow(offset, now, *access.stored, access.size);
+    return stored ? BusReply::done(0, wait) : BusReply{};
   }
   std::uint32_t value = 0;
   return slot->device->load(offset, now, value) ? BusReply::done(value, wait) : BusReply{};

@@ -489,6 +489,74 @@ TEST_F(MchanTest, TakesAsLongAsTheSlowerClockNeedsForItsBeats) {
   EXPECT_EQ(ticks_for(4), 16U + 512 * 2);
 }
 
+/// Each core adds 20 times 1 to a word of L1, between taking a lock by test and set and giving it back; the last one to
+/// come stores characters, by bytes, where programs for simulators print.
+constexpr std::string_view kLocks = R"(
+    .balign 256
+vectors: j fault
+    .org vectors + 0x80
+    .globl _start
+_start: csrr a0, mhartid
+    li a1, 0x400
+    bne a0, a1, core
+    li s0, 0x1A104000
+    li a0, 8
+    sw a0, 0x70(s0)
+    li s0, 0x10200000
+    la a1, vectors
+    li a2, 8
+    addi a3, s0, 0x40
+1:  sw a1, 0(a3)
+    addi a3, a3, 4
+    addi a2, a2, -1
+    bnez a2, 1b
+    li a0, 0xff
+    sw a0, 0x08(s0)
+2:  wfi
+    j 2b
+core: li s0, 0x00204000
+    li s1, 0x10000100      # the lock
+    li s2, 0x00100100      # where it is tested and set, by the cores' alias
+    li a2, 20
+3:  lw a3, 0(s2)
+    bnez a3, 3b
+    lw a4, 4(s1)
+    addi a4, a4, 1
+    sw a4, 4(s1)
+    sw zero, 0(s1)
+    addi a2, a2, -1
+    bnez a2, 3b
+    li a5, 160
+    bne a4, a5, 4f
+    li a6, 0x1C060000
+    sw a4, 0(a6)
+    lw a3, 0(s2)
+    sw a3, 4(a6)
+    li s2, 0x10100100      # the long way
+    lw a3, 0(s2)
+    sw a3, 8(a6)
+    li a6, 0x1A110000
+    li a5, 'o'
+    sb a5, 0(a6)
+    li a5, 'k'
+    sh a5, 4(a6)
+    li a5, 10
+    sb a5, 1(a6)
+4:  .insn i 0x03, 6, a5, 0x3c(s0)
+    j 4b
+fault: j fault
+)";
+
+TEST(Gap8Cluster, LocksByTestAndSetAndStoresBytesIntoDevicesOfTheSoc) {
+  BoardSystem system(kLocks, {}, gap8_board_of_cluster());
+  system.soc.advance(5 * kMs);
+  EXPECT_TRUE(system.faults.empty()) << system.faults.front();
+  EXPECT_EQ(system.result(0), 160U);
+  EXPECT_EQ(system.result(1), 0U) << "it was free";
+  EXPECT_EQ(system.result(2), 0xffffffffU) << "taken by the load before";
+  EXPECT_EQ(system.console, std::vector<std::string>{"ok"});
+}
+
 TEST(Gap8Cluster, TellsOnceOfARegisterThatIsNotModelled) {
   BoardSystem system(R"(
 _start: li s0, 0x1A104000

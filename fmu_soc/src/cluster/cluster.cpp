@@ -337,7 +337,7 @@ BusReply Cluster::access(const ClusterAccess& access) {
   MEBOTS_ASSERT(access.who < cores() || access.who == kFabricController);
   MEBOTS_ASSERT(powered_, "devices of a cluster that is off belong to nobody");
   if (access.who == kFabricController || peripherals_->owns_of_core(access.address)) {
-    return peripherals_->access(access);
+    return access.size == 4 ? peripherals_->access(access) : BusReply{};
   }
   return access_outside(access);
 }

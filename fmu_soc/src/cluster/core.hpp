@@ -133,14 +133,15 @@ class Cluster::Core final : private Bus {
     hart_.set_tick_offset(offset_);
   }
 
-  BusReply turn(std::uint32_t address, std::uint64_t cycle, const std::uint32_t* stored, bool event) {
+  BusReply turn(std::uint32_t address, std::uint64_t cycle, const std::uint32_t* stored, bool event,
+                unsigned size = 4) {
     if (!granted_) {
       waits_for_turn_ = true;
       return {BusReply::Kind::later};
     }
     granted_ = false;
     accessed_ = cycle + offset_;
-    return cluster_.access({id_, address, accessed_, stored, event});
+    return cluster_.access({id_, address, accessed_, stored, event, size});
   }
   BusReply load(std::uint32_t address, std::uint64_t cycle) override { return turn(address, cycle, nullptr, false); }
   BusReply load_event(std::uint32_t address, std::uint64_t cycle) override {
@@ -148,6 +149,9 @@ class Cluster::Core final : private Bus {
   }
   BusReply store(std::uint32_t address, std::uint64_t cycle, std::uint32_t value) override {
     return turn(address, cycle, &value, false);
+  }
+  BusReply store_narrow(std::uint32_t address, std::uint64_t cycle, std::uint32_t value, unsigned size) override {
+    return turn(address, cycle, &value, false, size);
   }
   void interrupt_taken(unsigned line) override {
     cluster_.peripherals_->interrupt_taken(id_, line);

@@ -28,6 +28,7 @@ struct ClusterAccess {
   std::uint64_t tick = 0;
   const std::uint32_t* stored = nullptr;  // null = a load
   bool event = false;                     // a p.elw, which may wait
+  unsigned size = 4;                      // bytes; less only of a store
 };
 
 /// What a cluster has beside cores, memory and DMA engine: the registers by which its cores wait for each other and

@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <cstring>
 
 namespace mebots::soc::gap8_devices {
 namespace {
@@ -11,6 +13,9 @@ namespace {
 constexpr std::uint32_t kSpan = 0x5000;
 /// Where each core sees its own cluster's registers: less this.
 constexpr std::uint32_t kAlias = 0x1000'0000;
+
+/// From a word of L1 to where it is tested and set.
+constexpr std::uint32_t kTestAndSet = 1U << 20;
 
 constexpr std::uint32_t kControlBytes = 0x400;
 constexpr std::uint32_t kEventUnit = 0x800;
@@ -32,17 +37,42 @@ constexpr std::uint32_t kBootAddress = 0x40;
 }  // namespace
 
 ClusterPeripherals::ClusterPeripherals(const BoardDevice& entry, DeviceHost& host, const Parts& parts)
-    : entry_(entry), host_(host), cores_(parts.cores), events_(parts.cores), mchan_(parts.l1, *parts.dma) {}
+    : entry_(entry),
+      host_(host),
+      l1_(parts.l1),
+      cores_(parts.cores),
+      events_(parts.cores),
+      mchan_(parts.l1, *parts.dma) {}
 
 bool ClusterPeripherals::owns_of_core(std::uint32_t address) const {
-  return address - entry_.base < kSpan || address - (entry_.base - kAlias) < kSpan;
+  return address - entry_.base < kSpan || address - (entry_.base - kAlias) < kSpan || is_test_and_set(address);
 }
 
 bool ClusterPeripherals::owns_of_fabric_controller(std::uint32_t address) const {
-  return address - entry_.base < kSpan;
+  return address - entry_.base < kSpan || address - (l1_.base + kTestAndSet) < l1_.size;
+}
+
+bool ClusterPeripherals::is_test_and_set(std::uint32_t address) const {
+  const auto offset = address - (l1_.base + kTestAndSet);
+  return offset < l1_.size || offset + kAlias < l1_.size;
+}
+
+/// A store is one like any other.
+BusReply ClusterPeripherals::test_and_set(std::uint32_t address, const std::uint32_t* stored) {
+  const auto offset = address - (l1_.base + kTestAndSet);
+  const auto place = l1_.base + (offset < l1_.size ? offset : offset + kAlias);
+  std::array<std::uint8_t, 4> bytes{};
+  host_.read_memory(place, bytes);
+  std::uint32_t value = 0;
+  std::memcpy(&value, bytes.data(), sizeof value);
+  const std::uint32_t left = stored == nullptr ? ~std::uint32_t{0} : *stored;
+  std::memcpy(bytes.data(), &left, sizeof left);
+  host_.write_memory(place, bytes);
+  return BusReply::done(stored == nullptr ? value : 0);
 }
 
 BusReply ClusterPeripherals::access(const ClusterAccess& access) {
+  if (is_test_and_set(access.address)) return test_and_set(access.address, access.stored);
   const auto offset = access.address - entry_.base;
   return access_at(offset < kSpan ? offset : offset + kAlias, access);
 }
