@@ -8,6 +8,10 @@
 
 #include <algorithm>
 #include <array>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <system_error>
 #include <utility>
 
 namespace mebots::soc::gap8_devices {
@@ -73,7 +77,7 @@ Udma::Udma(const BoardDevice& entry, DeviceHost& host, Signals& signals, std::sp
       hyper_bus_(host_, flash, kHyperSend),
       uart_(host_),
       i2c_{{{host_, kI2c0Send, &sensor_}, {host_, kI2c1Send, &sensor_}}},
-      spim_{{{host_, kSpim0Send, kSpim0End}, {host_, kSpim1Send, kSpim1End}}},
+      spim_{{{host_, "spim0", kSpim0Send, kSpim0End}, {host_, "spim1", kSpim1Send, kSpim1End}}},
       camera_(host_, sensor_, pictures) {}
 
 UdmaPeripheral& Udma::peripheral(std::size_t channel) {
@@ -186,7 +190,33 @@ void Udma::advance(Picoseconds now) {
   }
 }
 
+const double* Udma::output(std::string_view variable) const {
+  for (const auto& spim : spim_) {
+    if (const auto* found = spim.output(variable)) return found;
+  }
+  return camera_.output(variable);
+}
+
+/// The image that the parameter names, once.
+void Udma::load_flash() {
+  const auto refuse = [this](std::string_view why) {
+    throw Error(fmt::format("flash.image = \"{}\": {}", flash_path_, why));
+  };
+  std::error_code error;
+  const std::filesystem::path path(flash_path_);
+  std::ifstream file(path, std::ios::binary);
+  if (!file || !std::filesystem::is_regular_file(path, error)) refuse("this is no file that can be read");
+  flash_image_.assign(std::istreambuf_iterator<char>(file), {});
+  if (flash_image_.size() > kFlashBytes) {
+    refuse(fmt::format("the image has {} bytes, the flash of device {} holds {}", flash_image_.size(), host_.entry.name,
+                       kFlashBytes));
+  }
+  hyper_bus_.set_flash(flash_image_);
+  loaded_ = flash_path_;
+}
+
 void Udma::begin_step(Picoseconds now) {
+  if (!flash_path_.empty() && flash_path_ != loaded_) load_flash();
   camera_.begin_step(now);
   ask_who_waits(now);
 }

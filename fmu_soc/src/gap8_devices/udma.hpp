@@ -15,6 +15,8 @@
 #include <cstdint>
 #include <functional>
 #include <span>
+#include <string>
+#include <string_view>
 #include <vector>
 
 namespace mebots::soc::gap8_devices {
@@ -23,6 +25,9 @@ namespace mebots::soc::gap8_devices {
 /// a GAPuino has there: RAM, flash, a terminal, an HM01B0. A store into a channel's CFG with the enable bit starts a
 /// transfer, or queues one behind that which runs; its end is the channel's SoC event. Bytes move when the transfer
 /// ends. The camera listens at both I2C masters: a GAPuino has it at the second one, a PULP-Shield at the first.
+///
+/// Its variables are those of its peripherals, and flash.image, a parameter: the path of the image that the flash
+/// begins with, in place of the one that it was made with; empty = that one.
 ///
 /// Other peripherals' channels are as the entry describes them. Source: archi/udma/udma_v2.h.
 class Udma final : public Device {
@@ -39,11 +44,13 @@ class Udma final : public Device {
   void advance(Picoseconds now) override;
   Picoseconds next_event() const override;
   double* input(std::string_view variable) override { return camera_.input(variable); }
-  std::string_view* text_input(std::string_view variable) override { return camera_.text_input(variable); }
+  std::string_view* text_input(std::string_view variable) override {
+    return variable == "flash.image" ? &flash_path_ : camera_.text_input(variable);
+  }
   std::span<const std::uint8_t>* bytes_input(std::string_view variable) override {
     return camera_.bytes_input(variable);
   }
-  const double* output(std::string_view variable) const override { return camera_.output(variable); }
+  const double* output(std::string_view variable) const override;
   void begin_step(Picoseconds now) override;
   bool takes_picture() const override { return camera_.takes_picture(); }
   void program_ended() override { uart_.program_ended(); }
@@ -66,6 +73,7 @@ class Udma final : public Device {
 
   UdmaPeripheral& peripheral(std::size_t channel);
   std::size_t queued(std::size_t channel) const;
+  void load_flash();
   void enqueue(std::size_t channel, Picoseconds now);
   void ask_who_waits(Picoseconds now);
 
@@ -79,6 +87,10 @@ class Udma final : public Device {
   std::array<Channel, kChannels> channels_;
   std::array<Queue, kLines> queues_;
   std::uint32_t outside_ = 0;
+
+  std::string_view flash_path_;  // as it comes in
+  std::string loaded_;           // whose image this is
+  std::vector<std::uint8_t> flash_image_;
 };
 
 }  // namespace mebots::soc::gap8_devices

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gap8_devices/udma_spim.hpp"
 
+#include "mebots/error.hpp"
+
 #include <algorithm>
 #include <cstring>
 
@@ -58,6 +60,12 @@ double UdmaSpim::obey(Master& master, bool acts, Picoseconds now) {
     if (master.bits_to_send > 0) {
       const auto bits = std::min(master.bits_to_send, kWordBits);
       master.bits_to_send -= bits;
+      if (acts && master.sends_data) {
+        const auto room = kWords * sizeof(std::uint16_t) - data_.size();
+        const auto count = std::min<std::size_t>({(bits + 7) / 8, room, bytes_.size() - at});
+        data_.insert(data_.end(), bytes_.begin() + static_cast<std::ptrdiff_t>(at),
+                     bytes_.begin() + static_cast<std::ptrdiff_t>(at + count));
+      }
       pass_bits(bits);
       continue;
     }
@@ -70,12 +78,14 @@ double UdmaSpim::obey(Master& master, bool acts, Picoseconds now) {
         break;
       case kSpimSendAddress:
         master.bits_to_send = (word >> kSpimSizeShift & 0x1fU) + 1;
+        master.sends_data = false;
         break;
       case kSpimDummy:
         pass_bits((word >> kSpimSizeShift & 0x1fU) + 1);
         break;
       case kSpimSendData:
         master.bits_to_send = (word & 0xffffU) + 1;
+        master.sends_data = true;
         break;
       case kSpimReceiveData: {
         const auto bits = (word & 0xffffU) + 1;
@@ -84,6 +94,7 @@ double UdmaSpim::obey(Master& master, bool acts, Picoseconds now) {
         break;
       }
       case kSpimEnd:
+        if (acts) tell_what_was_sent();
         if (acts && (word & 1U) != 0) host_.signals.raise_soc_event(end_event_, now);
         break;
       case kSpimSelect:
@@ -97,9 +108,35 @@ double UdmaSpim::obey(Master& master, bool acts, Picoseconds now) {
   return clocks;
 }
 
+/// A transaction has ended.
+void UdmaSpim::tell_what_was_sent() {
+  if (data_.empty()) return;
+  transactions_ += 1;
+  data_.resize(kWords * sizeof(std::uint16_t));
+  for (std::size_t i = 0; i < kWords; ++i) {
+    sent_[i] = static_cast<std::int16_t>(data_[2 * i] | data_[2 * i + 1] << 8);
+  }
+  data_.clear();
+}
+
+const double* UdmaSpim::output(std::string_view variable) const {
+  if (!variable.starts_with(name_)) return nullptr;
+  variable.remove_prefix(name_.size());
+  if (variable == ".transactions") return &transactions_;
+  static constexpr std::array<std::string_view, kWords> kNames{".sent[0]", ".sent[1]", ".sent[2]", ".sent[3]"};
+  const auto* const found = std::ranges::find(kNames, variable);
+  return found == kNames.end() ? nullptr : &sent_[static_cast<std::size_t>(found - kNames.begin())];
+}
+
 void UdmaSpim::visit(state::Visitor& v) {
   v("master", master_);
   v("bytes_to_receive", bytes_to_receive_);
+  v("data", data_);
+  v("transactions", transactions_);
+  v("sent", sent_);
+  if (data_.size() > kWords * sizeof(std::uint16_t)) {
+    throw Error(ErrorCode::state_damaged, "a saved state is damaged: an SPI master has sent more than it shows");
+  }
 }
 
 }  // namespace mebots::soc::gap8_devices
