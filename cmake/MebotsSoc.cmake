@@ -166,13 +166,18 @@ function(mebots_device_library name)
   endif()
 endfunction()
 
-# mebots_soc_fmu(<name> BOARD <board file> FIRMWARE <name of mebots_add_firmware>... [DEVICES <name of mebots_device_library>...])
-# The chip with another board and another firmware inside, the first one unless its parameter `firmware` names another: ${MEBOTS_FMU_DIR}/<name>.fmu, as target <name>_archive. Its
+# mebots_soc_fmu(<name> BOARD <board file> [FIRMWARE <name of mebots_add_firmware>...] [DEVICES <name of mebots_device_library>...])
+# The chip with another board and other firmware inside, as target <name>_archive: ${MEBOTS_FMU_DIR}/<name>.fmu. The first
+# firmware runs unless the parameter `firmware` names another; without any, the FMU asks for the path of one. Its
 # variables are those of fmu_soc/description.json and of the board's devices. DEVICES are the libraries that the board
 # names: they travel beside it.
 function(mebots_soc_fmu name)
   cmake_parse_arguments(ARG "" "BOARD" "FIRMWARE;DEVICES" ${ARGN})
-  list(GET ARG_FIRMWARE 0 first_firmware)
+  set(first_program)
+  if(ARG_FIRMWARE)
+    list(GET ARG_FIRMWARE 0 first_program)
+    string(APPEND first_program .elf)
+  endif()
   list(TRANSFORM ARG_FIRMWARE REPLACE "(.+)" "${PROJECT_BINARY_DIR}/firmware/\\1.elf" OUTPUT_VARIABLE programs)
   get_property(root GLOBAL PROPERTY MEBOTS_ROOT)
   set(libraries)
@@ -186,7 +191,7 @@ function(mebots_soc_fmu name)
     IDENTIFIER fmu_soc
     MODEL_SOURCES ${root}/fmu_soc/src/model.cpp ${root}/fmu_soc/src/variable_fields.cpp
     MODEL_LIBRARIES mebots::soc_platform
-    MODEL_DEFINITIONS MEBOTS_SOC_BOARD="${board_name}" MEBOTS_SOC_FIRMWARE="${first_firmware}.elf"
+    MODEL_DEFINITIONS MEBOTS_SOC_BOARD="${board_name}" MEBOTS_SOC_FIRMWARE="${first_program}"
     LINKED_IN /usr/include/xbyak/xbyak.h ${MEBOTS_RISCV_LIBGCC}
     BOARD ${board}
     RESOURCE_FILES ${board} ${programs} ${libraries})

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "model.hpp"
 
+#include "elf/built_for.hpp"
+
 #include <fmt/core.h>
 #include <fmt/ranges.h>
 
@@ -8,6 +10,7 @@
 #include <array>
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -45,6 +48,9 @@ Settings settings_of(const Parameters& parameters) {
   return settings;
 }
 
+/// Of the file in the FMU's resources that runs unless the parameter says otherwise; empty = there is none.
+constexpr std::string_view kFirmwareInside = MEBOTS_SOC_FIRMWARE;
+
 /// Names of the programs inside the FMU, in the order of the alphabet.
 std::vector<std::string> programs_in(const std::filesystem::path& resources) {
   std::vector<std::string> names;
@@ -57,16 +63,24 @@ std::vector<std::string> programs_in(const std::filesystem::path& resources) {
 
 /// A bare name is one of those inside the FMU, if there is such a one; everything else is a path.
 Elf firmware_of(const Parameters& parameters, const std::filesystem::path& resources) {
-  if (parameters.firmware.empty()) return Elf::read(resources / MEBOTS_SOC_FIRMWARE);
+  if (parameters.firmware.empty()) {
+    if (kFirmwareInside.empty()) {
+      throw Error(fmt::format(
+          "firmware = \"\": this FMU has board {} and no program inside; give the path of an ELF file for it",
+          MEBOTS_SOC_BOARD));
+    }
+    return Elf::read(resources / kFirmwareInside);
+  }
   const auto inside = programs_in(resources);
   if (std::find(inside.begin(), inside.end(), parameters.firmware) != inside.end()) {
     return Elf::read(resources / (parameters.firmware + ".elf"));
   }
   try {
+    require_own_chip(parameters.firmware, read_board(resources / MEBOTS_SOC_BOARD));
     return Elf::read(parameters.firmware);
   } catch (const Error& error) {
-    throw Error(fmt::format("firmware = \"{}\": {}; inside the FMU: {}", parameters.firmware, error.what(),
-                            fmt::join(inside, ", ")));
+    const auto names = inside.empty() ? "" : fmt::format("; inside the FMU: {}", fmt::join(inside, ", "));
+    throw Error(fmt::format("firmware = \"{}\": {}{}", parameters.firmware, error.what(), names));
   }
 }
 

@@ -1,7 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "elf/built_for.hpp"
 
+#include "board_file.hpp"
+#include "mebots/error.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <array>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <system_error>
 #include <utility>
 
 namespace mebots::soc {
@@ -18,6 +28,18 @@ std::string_view other_chip_of(std::string_view elf_bytes) {
     if (elf_bytes.find(folder) != std::string_view::npos) return chip;
   }
   return {};
+}
+
+void require_own_chip(const std::filesystem::path& program, const BoardDescription& board) {
+  if (std::ranges::find(board.devices, "gap8_event_unit", &BoardDevice::kind) == board.devices.end()) return;
+  std::error_code error;
+  std::ifstream file(program, std::ios::binary);
+  if (!file || !std::filesystem::is_regular_file(program, error)) return;
+  const std::string bytes(std::istreambuf_iterator<char>(file), {});
+  if (const auto chip = other_chip_of(bytes); !chip.empty()) {
+    throw Error(fmt::format("{}: this program is for {}; board {} is a GAP8: take the program that was built for it",
+                            program.string(), chip, board.name));
+  }
 }
 
 }  // namespace mebots::soc

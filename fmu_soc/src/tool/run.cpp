@@ -57,17 +57,6 @@ std::vector<std::uint8_t> read_flash(const std::string& path) {
   return {bytes->begin(), bytes->end()};
 }
 
-/// On GAP8's own memory map, a program for another chip would run into the weeds.
-void require_own_chip(const std::string& path, const BoardDescription& board) {
-  if (!has_kind(board, "gap8_event_unit")) return;
-  const auto bytes = bytes_of(path);
-  if (!bytes) return;  // told where the program is loaded
-  if (const auto chip = other_chip_of(*bytes); !chip.empty()) {
-    throw Error(fmt::format("{}: this program is for {}; board {} is a GAP8: take the program that was built for it",
-                            path, chip, board.name));
-  }
-}
-
 /// The most active cycles that a core has behind it.
 std::uint64_t busiest_cycles(const Soc& soc) {
   const auto* cluster = soc.cluster();
