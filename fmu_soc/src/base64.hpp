@@ -8,7 +8,7 @@
 namespace mebots::soc {
 
 /// Decodes base64 (RFC 4648, section 4) into `bytes`, whose memory is used again. False when the text is not
-/// base64: a length that is no multiple of 4, another character, or padding inside.
+/// base64: a length that is not a multiple of 4, another character, or padding inside.
 inline bool decode_base64(std::string_view text, std::vector<std::uint8_t>& bytes) {
   const auto value_of = [](char c) -> int {
     if (c >= 'A' && c <= 'Z') return c - 'A';

@@ -31,7 +31,7 @@ class Model {
 
   /// Writes the outputs at the start.
   void start(std::int64_t start_ns);
-  /// Goes from start_ns to start_ns + duration_ns (> 0). Throws Error for an input that is no number.
+  /// Goes from start_ns to start_ns + duration_ns (> 0). Throws Error for an input that is not a number.
   void step(std::int64_t start_ns, std::int64_t duration_ns);
 
   void visit(state::Visitor& v);

@@ -69,7 +69,7 @@ std::string Soc::fault_text() const {
                        text_of(fault.first, program_), stack_text(fault.first, program_, memory_));
   }
   auto text = fmt::format("{}{}: {}", core >= 0 ? fmt::format("cluster core {}: ", core) : "",
-                          fault.double_trap ? "no way out of its own trap handler" : "trap without a handler",
+                          fault.double_trap ? "an exception in its own trap handler" : "trap without a handler",
                           text_of(fault.last, program_));
   if (fault.double_trap && fault.first.pc != fault.last.pc) {
     text += fmt::format("; it began with {} (mtval 0x{:08x}) at {}", cause_text(fault.first.cause), fault.first.value,

@@ -25,7 +25,7 @@ class VariableFields {
   /// the board file has and the FMU, or the device's kind, does not.
   VariableFields(Soc& soc, void* variables);
 
-  /// Throws Error for an input that is no number.
+  /// Throws Error for an input that is not a number.
   void take();
   void write(double step_s);
   /// The voltage that the chip lives on; nothing when the board does not say.

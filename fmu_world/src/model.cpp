@@ -175,7 +175,7 @@ void World::check_inputs() const {
   require_at_least_zero(inputs_.setpoint_altitude_m, "setpoint.altitude");
   require_at_least_zero(inputs_.cell_mass_kg, "cell.mass");
   if (to_string(inputs_.setpoint_mode) == "?") {
-    throw Error(fmt::format("setpoint.mode = {} is no mode; off is 0, take_off 1, fly 2, land 3",
+    throw Error(fmt::format("setpoint.mode = {} is not a mode; off is 0, take_off 1, fly 2, land 3",
                             static_cast<std::int32_t>(inputs_.setpoint_mode)));
   }
 }

@@ -45,7 +45,7 @@ std::vector<std::string> names_of_options(const CLI::App& command) {
   return names;
 }
 
-/// What is wrong with the command line, in one line with the way out.
+/// What is wrong with the command line, in one line with what to do.
 std::string complaint(CLI::App& app, const CLI::ParseError& error) {
   const auto given = app.get_subcommands();
   if (given.empty()) {

@@ -198,7 +198,7 @@ void add_run(CLI::App& app, Action& action) {
   command->add_flag("--isolate", run->isolate, "Run every instance in a process of its own");
   command
       ->add_option("--live", report->live_port,
-                   "Let a browser on this machine look at the run, hold it and set its free inputs; on this port")
+                   "Let a browser on this machine follow the run, hold it and set its free inputs; on this port")
       ->expected(0, 1)
       ->default_str("0")
       ->type_name("PORT")

@@ -158,7 +158,7 @@ bool validate(const Path& file) {
       return false;
     }
     found->read(file);
-    std::printf("%s: a good %s file\n", file.c_str(), kind.c_str());
+    std::printf("%s: valid %s file\n", file.c_str(), kind.c_str());
     return true;
   } catch (const data::Mistakes& mistakes) {
     std::vector<std::string> told;  // two readers of one file tell some twice
@@ -184,7 +184,7 @@ int validate_all(const std::vector<std::string>& files) {
 
 void add_validate(CLI::App& app, Action& action) {
   auto* command =
-      app.add_subcommand("validate", "Tell all mistakes of configs, boards, scenes and other files; run nothing");
+      app.add_subcommand("validate", "List all mistakes of configs, boards, scenes and other files; run nothing");
   const auto files = std::make_shared<std::vector<std::string>>();
   std::string kinds;
   for (const auto& kind : known_kinds()) kinds += (kinds.empty() ? "" : ", ") + kind;

@@ -162,7 +162,7 @@ class FmuCheck {
 Report check_fmu(const fs::path& fmu, const Options& options) {
   if (!fs::exists(fmu)) throw Error(ErrorCode::file_not_found, fmt::format("{}: there is no such file", fmu.string()));
   if (!fs::is_regular_file(fmu))
-    throw Error(ErrorCode::file_not_found, fmt::format("{}: this is no file", fmu.string()));
+    throw Error(ErrorCode::file_not_found, fmt::format("{}: this is not a file", fmu.string()));
   return FmuCheck(fmu, options).run();
 }
 

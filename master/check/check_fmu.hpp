@@ -19,7 +19,7 @@ struct Options {
 /// Throws mebots::Error when the file cannot be read at all.
 Report check_fmu(const std::filesystem::path& fmu, const Options& options);
 
-/// The report for people: findings by group, with the way out.
+/// The report for people: findings by group, with what to do.
 std::string to_text(const Report& report);
 /// The report for machines. Keys: fmu, summary, level, clean, errors, warnings, checks [{group, name, result, why,
 /// findings}].

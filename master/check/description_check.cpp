@@ -123,7 +123,7 @@ void check_start(const ModelDescription& model, const Variable& variable, Findin
     findings.error(fmt::format("the enumeration {} has no declared type", quoted(variable)),
                    "add declaredType and define its items in TypeDefinitions");
   } else if (start && std::ranges::none_of(type->items, [&](const auto& item) { return item.value == *start; })) {
-    findings.error(fmt::format("{} starts at {}, which is no item of {}", quoted(variable), *start, type->name),
+    findings.error(fmt::format("{} starts at {}, which is not an item of {}", quoted(variable), *start, type->name),
                    "take the value of one of its items");
   }
 }
@@ -267,7 +267,7 @@ void check_head(const ModelDescription& model, const std::filesystem::path& fold
   if (!model.co_simulation) return;
   const auto& flags = *model.co_simulation;
   if (!is_c_identifier(flags.model_identifier))
-    findings.error(fmt::format("modelIdentifier \"{}\" is no C identifier", flags.model_identifier),
+    findings.error(fmt::format("modelIdentifier \"{}\" is not a C identifier", flags.model_identifier),
                    "take letters, digits and underscores, not starting with a digit");
   if (flags.can_serialize_fmu_state && !flags.can_get_and_set_fmu_state)
     findings.error("canSerializeFMUstate is true, but canGetAndSetFMUstate is not",
@@ -334,7 +334,7 @@ void check_variables(const ModelDescription& model, Findings findings) {
     }
     if (variable.causality == Causality::independent) {
       if (variable.type != Type::real)
-        findings.error(fmt::format("the independent variable {} is no Real", quoted(variable)), "make it one");
+        findings.error(fmt::format("the independent variable {} is not a Real", quoted(variable)), "make it one");
       if (++independents == 2)
         findings.error(fmt::format("{} is a second independent variable", quoted(variable)), "keep one");
     }
@@ -353,7 +353,7 @@ void check_names(const ModelDescription& model, Findings findings) {
     if (!model.structured_names || is_structured_name(variable.name)) continue;
     constexpr std::size_t kShown = 5;
     if (++odd <= kShown)
-      findings.error(fmt::format("{} is no structured name", quoted(variable)),
+      findings.error(fmt::format("{} is not a structured name", quoted(variable)),
                      "write names like a.b[1].c, quote odd ones ('a b'), or take variableNamingConvention flat");
   }
   if (odd > 5) findings.error(fmt::format("{} names are not structured", odd), "take variableNamingConvention flat");

@@ -154,7 +154,7 @@ class Probes {
           [](Instance& i) { return i.functions().get_fmu_state(i.component(), nullptr); });
     }
     if (flags.can_serialize_fmu_state) {
-      add("fmi2DeSerializeFMUstate of bytes that are no state", started, [](Instance& i) {
+      add("fmi2DeSerializeFMUstate of bytes that are not a state", started, [](Instance& i) {
         const std::vector<fmi2Byte> bytes(64, 'x');
         fmi2FMUstate state = nullptr;
         return i.functions().deserialize_fmu_state(i.component(), bytes.data(), bytes.size(), &state);

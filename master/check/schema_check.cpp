@@ -65,7 +65,7 @@ class SchemaCheck {
       bool good = length != 0 && i + length <= text_.size();
       for (std::size_t k = 1; good && k < length; ++k) good = (static_cast<unsigned char>(text_[i + k]) >> 6) == 2;
       if (!good) {
-        findings_.error(fmt::format("line {}: byte 0x{:02x} is no UTF-8", line(static_cast<std::ptrdiff_t>(i)), byte),
+        findings_.error(fmt::format("line {}: byte 0x{:02x} is not UTF-8", line(static_cast<std::ptrdiff_t>(i)), byte),
                         "write the file in UTF-8");
         return;
       }

@@ -61,7 +61,7 @@ Trace read_trace(const fs::path& file, const ModelDescription& model, bool of_ma
   for (std::size_t i = 1; i < header.size(); ++i) {
     const auto* variable = model.find(header[i]);
     const bool number = variable != nullptr && variable->type != Type::string;
-    if (!number && !of_many_versions) fail(1, fmt::format("\"{}\" is no number of this FMU", header[i]));
+    if (!number && !of_many_versions) fail(1, fmt::format("\"{}\" is not a number of this FMU", header[i]));
     if (!number) continue;
     trace.variables.push_back(variable);
     kept.push_back(i);
@@ -71,7 +71,7 @@ Trace read_trace(const fs::path& file, const ModelDescription& model, bool of_ma
     if (texts.size() != header.size()) fail(number, fmt::format("{} cells instead of {}", texts.size(), header.size()));
     const auto value = [&](std::size_t column) {
       const auto found = value_of(texts[column]);
-      if (!found) fail(number, fmt::format("\"{}\" is no number", texts[column]));
+      if (!found) fail(number, fmt::format("\"{}\" is not a number", texts[column]));
       return *found;
     };
     trace.times.push_back(value(0));

@@ -85,7 +85,8 @@ Slot free_slot(const std::string& text, const fs::path& board, const std::string
       interrupts.insert(device.value("interrupt", -1));
     }
   } catch (const nlohmann::json::exception& error) {
-    throw Error(ErrorCode::syntax_error, fmt::format("{}: this is no board file ({})", board.string(), error.what()));
+    throw Error(ErrorCode::syntax_error,
+                fmt::format("{}: this is not a board file ({})", board.string(), error.what()));
   }
   Slot slot{kFirstBase, kFirstInterrupt};
   while (pages.contains(slot.base / kPage)) slot.base += kPage;

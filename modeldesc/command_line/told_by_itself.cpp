@@ -24,7 +24,7 @@ int print_completion(const Command& program, const std::string& shell) {
   if (shell == "bash") text = bash_completion(program);
   if (shell == "fish") text = fish_completion(program);
   if (shell == "zsh") text = zsh_completion(program);
-  if (text.empty()) return fail(program, "there is no completion for '" + shell + "', but for bash, fish and zsh");
+  if (text.empty()) return fail(program, "there is no completion for '" + shell + "'; known: bash, fish, zsh");
   return std::fputs(text.c_str(), stdout) >= 0 && std::fflush(stdout) == 0 ? 0 : 1;
 }
 

@@ -40,7 +40,7 @@ struct Document::Content {
   std::string place(std::size_t offset) const { return name + lines.place(offset); }
 };
 
-/// Takes the text apart. Throws Mistakes when it is not JSON; notes each key that stands twice in one object.
+/// Takes the text apart. Throws Mistakes when it is not JSON; notes each key that occurs twice in one object.
 std::vector<Value> parse(std::string_view text, const std::string& name, const TextLines& lines,
                          std::vector<Mistake>& mistakes);
 

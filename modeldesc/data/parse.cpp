@@ -80,7 +80,7 @@ class Builder : public nlohmann::json_sax<nlohmann::json> {
     key_offset_ = next_token();
     if (!open_.back().keys.insert(key).second) {
       note(ErrorCode::duplicate_key, key_offset_,
-           fmt::format("the key '{}' stands twice in one object; remove one of them", key),
+           fmt::format("the key '{}' occurs twice in one object; remove one of them", key),
            pointer_of(values_, open_.back().value) + pointer_step(key));
     }
     key_ = std::move(key);

@@ -208,7 +208,7 @@ void Instance::do_step(double point_s, double step_s) {
     throw Error(fmt::format("communicationStepSize = {} s: a step above 0 is needed", step_s));
   const double own_s = to_s(time_ns_);
   if (!(std::abs(point_s - own_s) <= time_tolerance_s(own_s)))
-    throw Error(fmt::format("currentCommunicationPoint = {} s, but this instance stands at {} s", point_s, own_s));
+    throw Error(fmt::format("currentCommunicationPoint = {} s, but this instance is at {} s", point_s, own_s));
   const std::int64_t end_ns = to_ns(point_s + step_s, "end of the step");
   // Tools that add up their steps end a run with what rounding left, 2e-13 s, say: the nanosecond is reached already.
   if (end_ns <= time_ns_) return;

@@ -50,14 +50,14 @@ std::vector<std::byte> serialize(const Definition& definition, const SavedState&
 }
 
 SavedState deserialize(const Definition& definition, std::span<const std::byte> bytes) {
-  constexpr const char* kWayOut = "serialise a state of this FMU and version again";
+  constexpr const char* kRemedy = "serialise a state of this FMU and version again";
   state::Reader reader(bytes);
   if (bytes.size() < sizeof kMagic || reader.get<std::uint64_t>() != kMagic)
     throw Error(ErrorCode::state_damaged,
-                fmt::format("these {} bytes are no state of a MEbots FMU; {}", bytes.size(), kWayOut));
+                fmt::format("these {} bytes are not a state of a MEbots FMU; {}", bytes.size(), kRemedy));
   if (const auto format = reader.get<std::uint32_t>(); format != kFormat)
     throw Error(ErrorCode::state_of_other_build,
-                fmt::format("the state has format {}, this FMU reads format {}; {}", format, kFormat, kWayOut));
+                fmt::format("the state has format {}, this FMU reads format {}; {}", format, kFormat, kRemedy));
   std::string identifier;
   std::string guid;
   reader.get(identifier);
@@ -68,16 +68,16 @@ SavedState deserialize(const Definition& definition, std::span<const std::byte> 
   if (guid != definition.guid)
     throw Error(ErrorCode::state_of_other_build,
                 fmt::format("the state belongs to {} with GUID {}, this one has {}; {}", identifier, guid,
-                            definition.guid, kWayOut));
+                            definition.guid, kRemedy));
   const auto layout = reader.get<std::uint64_t>();
   const auto expected = reader.get<std::uint64_t>();
   std::vector<std::byte> payload;
   reader.get(payload);
   if (!reader.at_end())
-    throw Error(ErrorCode::state_damaged, fmt::format("the state has bytes left over at its end; {}", kWayOut));
+    throw Error(ErrorCode::state_damaged, fmt::format("the state has bytes left over at its end; {}", kRemedy));
   if (checksum(layout, payload) != expected)
     throw Error(ErrorCode::state_damaged,
-                fmt::format("the state of {} is damaged: its checksum does not fit; {}", identifier, kWayOut));
+                fmt::format("the state of {} is damaged: its checksum does not fit; {}", identifier, kRemedy));
   SavedState saved;
   state::restore(saved, payload);
   saved.layout = layout;

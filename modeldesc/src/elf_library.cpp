@@ -22,11 +22,11 @@ class ElfFile {
     std::ifstream stream(file, std::ios::binary);
     if (!stream) throw Error(ErrorCode::file_unreadable, fmt::format("{}: cannot be opened", name_));
     bytes_.assign(std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>());
-    if (!std::string_view(bytes_).starts_with(ELFMAG)) fail("is no ELF file");
+    if (!std::string_view(bytes_).starts_with(ELFMAG)) fail("is not an ELF file");
     header_ = at<Elf64_Ehdr>(0);
     if (header_.e_ident[EI_CLASS] != ELFCLASS64 || header_.e_ident[EI_DATA] != ELFDATA2LSB)
       fail("is no 64-bit little-endian ELF file");
-    if (header_.e_type != ET_DYN) fail("is no shared library");
+    if (header_.e_type != ET_DYN) fail("is not a shared library");
   }
 
   ElfLibrary read() const {

@@ -220,7 +220,7 @@ class XmlReader {
     flags.model_identifier = element.required_text("modelIdentifier");
     // It becomes part of a path.
     if (flags.model_identifier.empty() || flags.model_identifier.find_first_of("/\\") != std::string::npos)
-      element.fail(fmt::format("modelIdentifier is \"{}\", which is no C name", flags.model_identifier));
+      element.fail(fmt::format("modelIdentifier is \"{}\", which is not a C name", flags.model_identifier));
     flags.needs_execution_tool = element.flag("needsExecutionTool", false);
     flags.can_handle_variable_communication_step_size = element.flag("canHandleVariableCommunicationStepSize", false);
     flags.can_interpolate_inputs = element.flag("canInterpolateInputs", false);
@@ -382,7 +382,7 @@ class XmlReader {
     const auto value = parse_number<std::size_t>(text);
     if (!value || *value == 0 || *value > result_.variables.size())
       element.fail(
-          fmt::format("\"{}\" is no index of a variable; they go from 1 to {}", text, result_.variables.size()));
+          fmt::format("\"{}\" is not an index of a variable; they go from 1 to {}", text, result_.variables.size()));
     return *value - 1;
   }
 

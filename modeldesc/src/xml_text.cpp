@@ -122,7 +122,7 @@ bool is_xml_character(std::uint32_t code) {
          (code >= 0xE000 && code <= 0xFFFD) || (code >= 0x10000 && code <= 0x10FFFF);
 }
 
-/// pugixml makes bytes of any number in a reference such as &#xD800;, also of those that are no character.
+/// pugixml makes bytes of any number in a reference such as &#xD800;, also of those that are not characters
 void refuse_references(std::string_view text, std::string_view source) {
   for (auto at = text.find("&#"); at != std::string_view::npos; at = text.find("&#", at + 1)) {
     const bool hex = text.substr(at + 2).starts_with('x');
@@ -130,7 +130,7 @@ void refuse_references(std::string_view text, std::string_view source) {
     std::uint32_t code = 0;
     const auto [end, error] = std::from_chars(first, text.data() + text.size(), code, hex ? 16 : 10);
     if (end == first || (error == std::errc{} && is_xml_character(code))) continue;
-    throw Error(ErrorCode::syntax_error, fmt::format("{}, line {}: &#{}; is no character of XML", source,
+    throw Error(ErrorCode::syntax_error, fmt::format("{}, line {}: &#{}; is not a character of XML", source,
                                                      line_of(text, static_cast<std::ptrdiff_t>(at)),
                                                      std::string_view(hex ? first - 1 : first, end)));
   }

@@ -54,7 +54,7 @@ TEST(CheckArchive, ABombIsFoundWithoutUnpackingIt) {
 TEST(CheckArchive, SomethingElseThanAnArchiveCannotBeRead) {
   modeldesc::TemporaryFolder folder("mebots-check-test");
   const auto file = folder.path() / "text.fmu";
-  std::ofstream(file) << "this is no archive";
+  std::ofstream(file) << "this is not an archive";
   EXPECT_THROW(check_fmu(file, {}), Error);
   EXPECT_THROW(check_fmu(folder.path() / "missing.fmu", {}), Error);
 }

@@ -89,7 +89,8 @@ TEST_F(CheckDescription, UnitsAndTypes) {
 }
 
 TEST_F(CheckDescription, NamesFollowTheDeclaredConvention) {
-  EXPECT_THAT(with("name=\"gain\"", "name=\"two words\""), Contains(HasSubstr("\"two words\" is no structured name")));
+  EXPECT_THAT(with("name=\"gain\"", "name=\"two words\""),
+              Contains(HasSubstr("\"two words\" is not a structured name")));
   for (const char* name : {"a", "a.b.c", "a[1].b[2,3]", "der(x)", "der(a.b[1],2)", "'odd name!'.x", "_a1", "'it\\'s'"})
     EXPECT_TRUE(is_structured_name(name)) << name;
   for (const char* name : {"", "1a", "a..b", "a.", "a[", "a[x]", "der(x", "a b", "'open", "''", "a[1]b"})

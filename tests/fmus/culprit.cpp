@@ -201,7 +201,7 @@ fmi2Status fmi2SerializeFMUstate(fmi2Component component, fmi2FMUstate state, fm
 fmi2Status fmi2DeSerializeFMUstate(fmi2Component component, const fmi2Byte bytes[], std::size_t size,
                                    fmi2FMUstate* state) {
   auto& c = self(component);
-  if (size != sizeof(State)) return c.refuse("this is no state");
+  if (size != sizeof(State)) return c.refuse("this is not a state");
   auto* fresh = new State;
   std::memcpy(fresh, bytes, size);
   if (c.does("bytes")) fresh->y = 0;

@@ -521,7 +521,7 @@ FMI2_EXPORT fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate* state) {
 
 FMI2_EXPORT fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate state) {
   memcpy(&((Probe*)c)->state, state, sizeof(State));
-  show_buffer(c);  // an address is no state: this instance has its own buffers
+  show_buffer(c);  // an address is not a state: this instance has its own buffers
   return fmi2OK;
 }
 

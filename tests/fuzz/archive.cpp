@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Any bytes as an .fmu archive: refused with an Error, or entries that all lie in the folder and are no larger than
+// Any bytes as an .fmu archive: refused with an Error, or entries that all lie in the folder and are not larger than
 // allowed. All in memory; a few of the inputs go through the disk as well, where what the entries' names do to each
 // other shows.
 #include "archive_check.hpp"

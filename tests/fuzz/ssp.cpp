@@ -47,7 +47,7 @@ class MemoryFiles final : public mebots::master::ssp::Files {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   try {
     auto config = mebots::master::ssp::read(MemoryFiles({reinterpret_cast<const char*>(data), size}), "input.ssp");
-    config.config.dump();  // convert writes it: throws for text that is no UTF-8
+    config.config.dump();  // convert writes it: throws for text that is not UTF-8
     const auto loaded = mebots::master::config::load_ssp_config(std::move(config), "/input.ssp", {0.001, {}});
     mebots::fuzz::require_sound(loaded.system);
   } catch (const InputError&) {

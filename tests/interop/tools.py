@@ -251,7 +251,7 @@ def at_points(times, step, steps):
 
 
 class Libcosim:
-    """Enumerations are no type of its interface: connections and parameters of them are left out, and said to be."""
+    """Enumerations are not a type of its interface: connections and parameters of them are left out, and said to be."""
 
     name = "libcosim"
     types = {"Real": "real", "Integer": "integer", "Boolean": "boolean", "String": "string"}

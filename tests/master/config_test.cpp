@@ -96,7 +96,7 @@ TEST(Config, AnUnknownKeyIsAnsweredByPointerAndNearestKey) {
 
 TEST(Config, AKeyThatStandsTwiceIsRefused) {
   EXPECT_THAT(reading_error(config_with("", R"("a": {"fmu": "PROBE"}, "a": {"fmu": "PROBE"})")),
-              HasSubstr("'a' stands twice"));
+              HasSubstr("'a' occurs twice"));
 }
 
 TEST(Config, TheSchemaKnowsTheKeysThatTheReaderKnows) {
@@ -117,9 +117,9 @@ TEST(Config, EveryComplaintHasLineAndColumn) {
                   "{\"step\": 0.1,\n \"stop_time\": 2, \"connections\": [],\n  \"instances\": {\"ä\": {}, \"b\": 3}}"),
               HasSubstr("mission.json:3:17: /instances/ä: the key 'fmu' is missing"));
   EXPECT_THAT(reading_error("{\"step\": 0.1,\n\n   \"step\": 0.2}"),
-              HasSubstr("mission.json:3:4: /step: the key 'step' stands twice"));
+              HasSubstr("mission.json:3:4: /step: the key 'step' occurs twice"));
   EXPECT_THAT(reading_error("{\"step\": 0.1,\n\"st\\u0065p\": 0.2}"),
-              HasSubstr(":2:1: /step: the key 'step' stands twice"));
+              HasSubstr(":2:1: /step: the key 'step' occurs twice"));
   std::string umlauts;
   for (int i = 0; i < 3000; ++i) umlauts += "ä";
   EXPECT_THAT(reading_error("{\"text\": \"" + umlauts + "\", \"stpe\": 1}"), HasSubstr("mission.json:1:3014: /stpe"))

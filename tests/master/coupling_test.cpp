@@ -103,7 +103,7 @@ TEST(Transformation, AnOverflowIsCaughtWhereItHappens) {
   TestRun run(pair(R"("celsius": 1e300)", R"({"from": "a.celsius", "to": "b.bare_in", "factor": 1e300})"));
   try {
     run.initialize();
-    FAIL() << "1e600 is no double";
+    FAIL() << "1e600 is not a double";
   } catch (const NotFiniteError& error) {
     EXPECT_THAT(error.what(), AllOf(HasSubstr("instance 'b'"), HasSubstr("'bare_in' would be inf")));
   }

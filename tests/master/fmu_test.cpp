@@ -46,7 +46,7 @@ std::string load_error(const std::filesystem::path& archive) {
 
 TEST(Fmu, AFileThatIsNoArchiveIsRefused) {
   const modeldesc::TemporaryFolder folder("mebots-test");
-  test::write_file(folder.path() / "text.fmu", "this is no zip archive");
+  test::write_file(folder.path() / "text.fmu", "this is not a zip archive");
   EXPECT_THAT(load_error(folder.path() / "text.fmu"), HasSubstr("text.fmu"));
 }
 
@@ -77,7 +77,8 @@ TEST(Fmu, ALibraryThatIsNoneIsNamed) {
 
 TEST(Fmu, MissingFunctionsAreListed) {
   const ChangedProbe probe([](std::string&) {}, "/lib/x86_64-linux-gnu/libz.so.1");
-  if (!std::filesystem::exists("/lib/x86_64-linux-gnu/libz.so.1")) GTEST_SKIP() << "needs some library that is no FMU";
+  if (!std::filesystem::exists("/lib/x86_64-linux-gnu/libz.so.1"))
+    GTEST_SKIP() << "needs some library that is not an FMU";
   EXPECT_THAT(load_error(probe.path()),
               AllOf(HasSubstr("lacks functions"), HasSubstr("fmi2DoStep"), HasSubstr("fmi2Instantiate")));
 }

@@ -145,7 +145,7 @@ TEST(Scale, InstancesThatComeAndGoLeaveNothingBehind) {
   };
   const auto cycle = [&] { start("cycle")->terminate(); };
   const auto stays = start("stays");                // and with it what the instances of an FMU share
-  for (int i = 0; i < cycles() / 10; ++i) cycle();  // what is made once, late, is no growth
+  for (int i = 0; i < cycles() / 10; ++i) cycle();  // what is made once, late, is not growth
   const auto before = holdings();
   for (int i = 0; i < cycles(); ++i) cycle();
   const auto after = holdings();

@@ -138,7 +138,7 @@ TEST_F(ArchiveTest, BrokenArchivesGiveAClearError) {
   expect_refused(folder_.path() / "missing.fmu", "there is no such file");
   fs::create_directories(folder_.path() / "folder.fmu");
   expect_refused(folder_.path() / "folder.fmu", "this is a folder");
-  write_file(folder_.path() / "text.fmu", "this is no archive");
+  write_file(folder_.path() / "text.fmu", "this is not an archive");
   expect_refused(folder_.path() / "text.fmu", "was it copied completely?");
   write_file(folder_.path() / "empty.fmu", "");
   expect_refused(folder_.path() / "empty.fmu", "was it copied completely?");

@@ -68,7 +68,7 @@ TEST_F(DescriptionTest, NamesCppFieldsAfterTheFmiNameAndTheUnit) {
 
 TEST_F(DescriptionTest, RefusesNoVariablesKeysThatStandTwiceAndDeepNesting) {
   EXPECT_THAT(error_of(""), HasSubstr("/variables: the list is empty"));
-  EXPECT_THAT(error_of("", R"("step": 0.2, )"), HasSubstr("/step: the key 'step' stands twice"));
+  EXPECT_THAT(error_of("", R"("step": 0.2, )"), HasSubstr("/step: the key 'step' occurs twice"));
   EXPECT_THAT(error_of(std::string(100'000, '[')), HasSubstr("nested more than 100 levels deep"));
 }
 

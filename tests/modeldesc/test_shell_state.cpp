@@ -158,7 +158,7 @@ TEST(ShellState, DamagedOrForeignBytesAreRefused) {
     EXPECT_EQ(state, nullptr);
     return lag.last_message();
   };
-  EXPECT_THAT(refused({}), HasSubstr("these 0 bytes are no state of a MEbots FMU"));
+  EXPECT_THAT(refused({}), HasSubstr("these 0 bytes are not a state of a MEbots FMU"));
   EXPECT_THAT(refused(std::vector<char>(100, 'x')), HasSubstr("no state of a MEbots FMU"));
   for (std::size_t size = 8; size < good.size(); size += 5)
     refused(std::vector<char>(good.begin(), good.begin() + static_cast<std::ptrdiff_t>(size)));

@@ -148,7 +148,7 @@ TEST(ShellValues, AStepThatDisagreesAboutTheTimeIsRefused) {
   Lag lag;
   lag.start(10);
   EXPECT_EQ(lag.step(10.1, 0.1), fmi2Error);
-  EXPECT_EQ(lag.last_message(), "fmi2DoStep: currentCommunicationPoint = 10.1 s, but this instance stands at 10 s");
+  EXPECT_EQ(lag.last_message(), "fmi2DoStep: currentCommunicationPoint = 10.1 s, but this instance is at 10 s");
   EXPECT_EQ(lag.step(10, 0), fmi2Error);
   EXPECT_EQ(lag.step(10, -0.1), fmi2Error);
   EXPECT_EQ(lag.step(10, std::nan("")), fmi2Error);

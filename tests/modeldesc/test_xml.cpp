@@ -151,8 +151,8 @@ TEST(Xml, ErrorsNameFileLineElementAttributeAndValue) {
   const std::string a = "<ScalarVariable name=\"a\" valueReference=\"1\"><Real/></ScalarVariable>";
   expect_error(foreign(a + a), "the variable \"a\" is there twice");
   expect_error(foreign(a, "<Outputs><Unknown index=\"2\"/></Outputs>"),
-               "\"2\" is no index of a variable; they go from 1 to 1");
-  expect_error(foreign(a, "<Outputs><Unknown index=\"0\"/></Outputs>"), "\"0\" is no index");
+               "\"2\" is not an index of a variable; they go from 1 to 1");
+  expect_error(foreign(a, "<Outputs><Unknown index=\"0\"/></Outputs>"), "\"0\" is not an index");
 }
 
 TEST(Xml, EntitiesOfADtdAreNeverExpanded) {

@@ -100,7 +100,7 @@ TEST(BoardFile, RefusesOverlaps) {
 TEST(BoardFile, RefusesUnknownAndRepeatedKeysAndNames) {
   EXPECT_THAT(complaint(kRam, device("\"irq\": 7,")), HasSubstr("/devices/0/irq"));
   EXPECT_THAT(complaint(R"({"name": "ram", "name": "ram", "base": "0x1000", "size": 4096})", ""),
-              HasSubstr("/memories/0/name: the key 'name' stands twice"));
+              HasSubstr("/memories/0/name: the key 'name' occurs twice"));
   EXPECT_THAT(complaint(kRam, device("") + "," + device("", "d", "0x9000")), HasSubstr("is taken by another one"));
   EXPECT_THAT(complaint(kRam, device("", "2nd")), HasSubstr("a letter first"));
   EXPECT_THAT(complaint(kRam, "", R"("core": "z80",)"), HasSubstr("/core: the word 'z80'"));

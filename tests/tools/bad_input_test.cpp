@@ -54,9 +54,10 @@ TEST_F(BadInput, OfTheCommandLineIsRefused) {
 }
 
 TEST_F(BadInput, OfAFlashThatIsNotThereOrThatTheBoardLacksIsRefused) {
-  expect_refused(fmt::format("run {} --board gap8 --flash /nowhere", program_), "--flash /nowhere: this is no file");
-  expect_refused(fmt::format("run {} --board gap8 --flash /dev/zero", program_), "--flash /dev/zero: this is no file");
-  expect_refused(fmt::format("run {} --board ri5cy --flash {}", program_, folder_ / "flash"), "this is no file");
+  expect_refused(fmt::format("run {} --board gap8 --flash /nowhere", program_), "--flash /nowhere: this is not a file");
+  expect_refused(fmt::format("run {} --board gap8 --flash /dev/zero", program_),
+                 "--flash /dev/zero: this is not a file");
+  expect_refused(fmt::format("run {} --board ri5cy --flash {}", program_, folder_ / "flash"), "this is not a file");
   write_file(folder_ / "flash", "x");
   expect_refused(fmt::format("run {} --board ri5cy --flash {}", program_, folder_ / "flash"),
                  "board ri5cy has no device of kind gap8_udma");
@@ -66,10 +67,10 @@ TEST_F(BadInput, OfPicturesThatAreNotThereOrNoneOfTheCameraIsRefused) {
   const auto with = [&](std::string_view board) {
     return fmt::format("run {} --board {} --pictures {}", program_, board, folder_ / ".");
   };
-  expect_refused(fmt::format("run {} --board gap8 --pictures /nowhere", program_), "this is no folder");
+  expect_refused(fmt::format("run {} --board gap8 --pictures /nowhere", program_), "this is not a folder");
   expect_refused(with("gap8"), "there is no .png or .pgm file");
   write_file(folder_ / "a.pgm", "P2 1 1 255 0");
-  expect_refused(with("gap8"), "a.pgm: this is no binary PGM");
+  expect_refused(with("gap8"), "a.pgm: this is not a binary PGM");
   write_file(folder_ / "a.pgm", "P5\n324 243 255\n" + std::string(std::size_t{324} * 243, '0'));
   expect_refused(with("gap8"), "it has 324 x 243 pixels; the camera takes 324 x 244");
   write_file(folder_ / "a.pgm", "P5\n# grey\n324 244\n255\n" + std::string(std::size_t{324} * 244 - 1, '0'));

@@ -119,7 +119,7 @@ TEST(ClusterProfile, GivesACoreTheEnergyOfItsFunctionsAndTheRestToTheFabricContr
     }
     EXPECT_GT(costs.at("[off]").time_ps, 0) << "before the firmware switches it on";
     EXPECT_EQ(costs.at("[off]").energy_fj, 0);
-    EXPECT_EQ(costs.at("[asleep]").energy_fj, 0) << "what a gated core takes is no work of its own";
+    EXPECT_EQ(costs.at("[asleep]").energy_fj, 0) << "what a gated core takes is not work of its own";
     EXPECT_GT(costs.at("[asleep]").time_ps, 0);
     of_cores_fj += run.profile.hart(number).total().energy_fj;
   }

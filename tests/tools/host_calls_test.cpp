@@ -166,7 +166,7 @@ TEST(HostFiles, MustBeAFolder) {
   const auto run = run_tool(fmt::format("run {} --host-files {}", folder.program("_start: nop"), folder / "nowhere"));
   EXPECT_EQ(run.exit_code, 102);
   EXPECT_THAT(run.err, HasSubstr("--host-files"));
-  EXPECT_THAT(run.err, HasSubstr("this is no folder"));
+  EXPECT_THAT(run.err, HasSubstr("this is not a folder"));
 }
 
 /// Debian's picolibc, with its own start, linker script and printf; optimised for size, in a memory map of its own.

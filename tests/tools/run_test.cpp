@@ -187,14 +187,14 @@ TEST(Run, OfAHandlerThatFaultsItselfTellsHowItBegan) {
       "_start: la t0, handler\ncsrw mtvec, t0\nli a0, 0x40000000\nculprit: lw a1, 0(a0)\n1: j 1b\n.balign 4\n"
       "handler: nop\nagain: sw a1, 8(a0)");
   EXPECT_EQ(run.exit_code, 101);
-  EXPECT_THAT(run.err, HasSubstr("no way out of its own trap handler: store into nothing"));
+  EXPECT_THAT(run.err, HasSubstr("an exception in its own trap handler: store into nothing"));
   EXPECT_THAT(run.err, HasSubstr("it began with load from nothing (mtval 0x40000000) at pc 0x80000010 in culprit"));
 }
 
 TEST(Run, OfAHandlerThatCallsItselfEndsToo) {
   const auto run = run_program("_start: la t0, handler\ncsrw mtvec, t0\necall\n.balign 4\nhandler: ecall");
   EXPECT_EQ(run.exit_code, 101);
-  EXPECT_THAT(run.err, HasSubstr("no way out of its own trap handler: ecall"));
+  EXPECT_THAT(run.err, HasSubstr("an exception in its own trap handler: ecall"));
 }
 
 TEST(Run, OnABoardEndsByItsExitRegister) {

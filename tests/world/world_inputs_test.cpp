@@ -50,7 +50,7 @@ TEST(WorldInputs, RefusesSetPointsThatAreNotNumbers) {
 
 TEST(WorldInputs, RefusesAModeThatDoesNotExist) {
   EXPECT_THAT(step_error([](Inputs& in) { in.setpoint_mode = static_cast<FlightMode>(7); }),
-              HasSubstr("setpoint.mode = 7 is no mode"));
+              HasSubstr("setpoint.mode = 7 is not a mode"));
 }
 
 TEST(WorldInputs, RefusesACellOfNegativeMass) {

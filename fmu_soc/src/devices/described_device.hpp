@@ -14,7 +14,8 @@ namespace mebots::soc {
 /// A device without code of its own: the board file says what its registers show and send, which stored values are
 /// opcodes, which states there are, what each draws, how long it lasts and what follows.
 ///
-///   opcode stored    the device goes into the opcode's state. Refused: a value that is no opcode, and a state with a
+///   opcode stored    the device goes into the opcode's state. Refused: a value that is not an opcode, and a state with
+///   a
 ///                    delay while another one runs.
 ///   + delay          registers that show an input take its value of now; ready is set, the interrupt line goes up; the
 ///                    state that follows begins.

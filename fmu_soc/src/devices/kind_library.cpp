@@ -25,7 +25,7 @@ KindLibrary::KindLibrary(const std::filesystem::path& path) : path_(path) {
   using Function = const DeviceLibrary* (*)();
   const auto function = reinterpret_cast<Function>(dlsym(handle_.get(), "mebots_device_library"));
   if (function == nullptr) {
-    throw Error(fmt::format("{}: is no library of devices: MEBOTS_DEVICE_KINDS stands nowhere in it", path.string()));
+    throw Error(fmt::format("{}: this is not a library of devices: it lacks MEBOTS_DEVICE_KINDS", path.string()));
   }
   library_ = function();
   if (library_->interface != DeviceLibrary::kInterface || library_->entry_bytes != sizeof(BoardDevice)) {

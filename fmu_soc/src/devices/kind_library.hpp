@@ -14,7 +14,7 @@ namespace mebots::soc {
 /// A shared library with kinds of devices, open as long as this lives.
 class KindLibrary {
  public:
-  /// Throws Error for a file that cannot be opened, is no such library, or was made for another MEbots.
+  /// Throws Error for a file that cannot be opened, is not such a library, or was made for another MEbots.
   explicit KindLibrary(const std::filesystem::path& path);
 
   const std::filesystem::path& path() const { return path_; }

@@ -43,7 +43,7 @@ std::vector<Point> sorted_points(const data::Node& node) {
   std::ranges::stable_sort(points, {}, &Point::where);
   for (std::size_t i = 1; i < points.size(); ++i) {
     if (points[i].where == points[i - 1].where) {
-      points[i].node.complain(ErrorCode::duplicate_key, "this point stands twice on its axis");
+      points[i].node.complain(ErrorCode::duplicate_key, "this point occurs twice on its axis");
     }
   }
   return points;

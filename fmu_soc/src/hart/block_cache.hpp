@@ -169,7 +169,7 @@ class BlockCache {
   std::uint8_t mark_;  // on words of which something is decoded here
   Timing timing_;
   std::array<std::uint32_t, kOpCount> energy_fj_;
-  std::vector<Block> blocks_;         // number 0 is no block; never moves
+  std::vector<Block> blocks_;         // number 0 is not a block; never moves
   std::vector<std::uint32_t> free_;   // numbers of invalid blocks
   std::vector<std::uint32_t> by_pc_;  // first block of each bucket, 0 = none
   std::vector<std::uint32_t> by_page_;

@@ -26,7 +26,7 @@ class Functions final : public FlowMap {
   /// The function that the code at `address` belongs to when `current` has run on, or jumped, to it. Code without a
   /// symbol belongs to whom it was reached from.
   std::uint32_t reached(std::uint32_t address, std::uint32_t current);
-  /// A place that is no code, such as "asleep".
+  /// A place that is not code, such as "asleep".
   std::uint32_t named(std::string_view name);
 
   /// Whether `address` is certainly inside `function`; cheap.

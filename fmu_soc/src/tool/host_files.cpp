@@ -27,7 +27,7 @@ HostFiles::HostFiles(const std::optional<std::string>& folder) {
   std::error_code error;
   folder_ = std::filesystem::canonical(*folder, error);
   if (error || !std::filesystem::is_directory(*folder_, error)) {
-    throw Error(fmt::format("--host-files {}: this is no folder; make it first, or name another one", *folder));
+    throw Error(fmt::format("--host-files {}: this is not a folder; make it first, or name another one", *folder));
   }
 }
 

@@ -60,7 +60,7 @@ Picture read_pgm(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
   std::string magic(2, '\0');
   file.read(magic.data(), 2);
-  if (!file || magic != "P5") refuse(path, "this is no binary PGM: it does not begin with P5");
+  if (!file || magic != "P5") refuse(path, "this is not a binary PGM: it does not begin with P5");
   Picture picture;
   picture.width = number_of_head(file);
   picture.height = number_of_head(file);
@@ -86,7 +86,7 @@ std::vector<std::vector<std::uint8_t>> read_pictures(const std::filesystem::path
     const auto extension = entry.path().extension();
     if (extension == ".png" || extension == ".pgm") paths.push_back(entry.path());
   }
-  if (error) refuse(folder, "this is no folder that can be read");
+  if (error) refuse(folder, "this is not a folder that can be read");
   if (paths.empty()) refuse(folder, "there is no .png or .pgm file in this folder");
   std::ranges::sort(paths);
   std::vector<std::vector<std::uint8_t>> pictures;

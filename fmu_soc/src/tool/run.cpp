@@ -53,7 +53,7 @@ std::optional<std::string> bytes_of(const std::string& path) {
 
 std::vector<std::uint8_t> read_flash(const std::string& path) {
   const auto bytes = bytes_of(path);
-  if (!bytes) throw Error(fmt::format("--flash {}: this is no file that can be read", path));
+  if (!bytes) throw Error(fmt::format("--flash {}: this is not a file that can be read", path));
   return {bytes->begin(), bytes->end()};
 }
 

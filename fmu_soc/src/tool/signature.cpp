@@ -23,7 +23,7 @@ std::uint32_t checked_end(const std::string& path, const Soc& soc, std::uint32_t
   const auto end = required_symbol(path, soc, "end_signature");
   if (end < begin || (end - begin) % 4 != 0) {
     throw Error(
-        fmt::format("--signature {}: from begin_signature 0x{:08x} to end_signature 0x{:08x} is no whole number "
+        fmt::format("--signature {}: from begin_signature 0x{:08x} to end_signature 0x{:08x} is not a whole number "
                     "of words",
                     path, begin, end));
   }

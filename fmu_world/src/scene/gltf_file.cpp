@@ -132,7 +132,8 @@ class GltfReader {
       }
       if (node.scale.size() == 3) transform.scale(Vector3d(Eigen::Map<const Vector3d>(node.scale.data())));
     }
-    if (!transform.matrix().allFinite()) refuse(fmt::format("node \"{}\" stands nowhere", node.name));
+    if (!transform.matrix().allFinite())
+      refuse(fmt::format("the transformation of node \"{}\" is not finite", node.name));
     return transform;
   }
 

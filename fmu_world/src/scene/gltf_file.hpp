@@ -10,7 +10,7 @@ namespace mebots::world::scene {
 /// The triangles of a glTF 2.0 file (.gltf or .glb): all nodes of its default scene, with the base colours of their
 /// materials as grey levels. glTF's axes (y up, z forward) become ours (z up, x forward); lengths are multiplied by
 /// `scale`. Textures are PNG pictures, inside the file or beside it. Throws mebots::Error that begins with the file's
-/// name for a file that is no glTF or is damaged, for primitives other than triangles, for required extensions, and
+/// name for a file that is not a glTF or is damaged, for primitives other than triangles, for required extensions, and
 /// beyond kMostTriangles.
 Mesh read_gltf(const std::filesystem::path& file, double scale);
 

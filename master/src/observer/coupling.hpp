@@ -72,7 +72,7 @@ class InputDeviation {
 /// Skjong, Pedersen 2017, "Energy conservation and power bonds in co-simulations"); it is lost where it is negative.
 class BondEnergy {
  public:
-  /// Throws InputError when the two are no connected Real inputs of two instances with the same step, one towards the
+  /// Throws InputError when the two are not connected Real inputs of two instances with the same step, one towards the
   /// other.
   BondEnergy(const ResolvedSystem& system, Ensemble& ensemble, const BondDescription& description);
 

@@ -13,7 +13,7 @@ namespace mebots::master {
 /// `0012.345000.png` is the frame that was out at 12.345 s.
 class PictureRecorder final : public Observer {
  public:
-  /// Throws InputError when the frame or its id is no variable of the kind that is needed.
+  /// Throws InputError when the frame or its id is not a variable of the kind that is needed.
   PictureRecorder(const ResolvedSystem& system, Ensemble& ensemble, const PictureDescription& pictures,
                   std::filesystem::path folder);
 

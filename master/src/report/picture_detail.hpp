@@ -27,8 +27,8 @@ struct PictureSeries {
 inline constexpr std::size_t kMostPictureBytes = 1'500'000;
 
 /// Makes the pictures fit into a page: first smaller, by means of 2 x 2 pixels, but not under 128 pixels of width;
-/// then fewer, evenly in time. Those within the spans `whole` stay as they are. A file that is no PNG of grey pixels is
-/// not made smaller.
+/// then fewer, evenly in time. Those within the spans `whole` stay as they are. A file that is not a PNG of grey pixels
+/// is not made smaller.
 void fit_into_page(PictureSeries& series, const std::vector<TimeSpan>& whole);
 
 }  // namespace mebots::master::report

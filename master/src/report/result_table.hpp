@@ -37,7 +37,7 @@ struct ResultTable {
 };
 
 /// Reads results.csv; every row stays within the spans `whole`, however long the table is. A last line that is cut off,
-/// of a run that was killed, is left out. Throws InputError for a file that is no such table.
+/// of a run that was killed, is left out. Throws InputError for a file that is not such a table.
 ResultTable read_results(const std::filesystem::path& file, const std::vector<TimeSpan>& whole = {});
 
 }  // namespace mebots::master::report

@@ -66,7 +66,7 @@ Checkpoint read_checkpoint(const std::filesystem::path& folder) {
   constexpr std::size_t kHashSize = 64;
   if (all.compare(0, kMagic.size(), kMagic) != 0 || all.size() < kMagic.size() + kHashSize) {
     throw InputError(ErrorCode::state_of_other_build,
-                     fmt::format("{}: this is no checkpoint of this version of mebots", path.string()));
+                     fmt::format("{}: this is not a checkpoint of this version of mebots", path.string()));
   }
   const auto content = std::string_view(all).substr(kMagic.size() + kHashSize);
   if (all.compare(kMagic.size(), kHashSize, sha256(content)) != 0) {

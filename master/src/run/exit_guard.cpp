@@ -28,15 +28,15 @@ Guards& guards() {
 
 std::string reason() {
   const auto call = current_call();
-  constexpr const char* kWayOut =
+  constexpr const char* kRemedy =
       "which ends the whole process. Run the instance in a process of its own (\"process\": \"own\", or --isolate)";
   if (call.library != nullptr)
     return fmt::format("the library of the FMU {} called exit() while it was {}, {}", call.library, call.function,
-                       kWayOut);
+                       kRemedy);
   if (call.instance == nullptr)
-    return fmt::format("a library of an FMU called exit() in the middle of a run, {}", kWayOut);
+    return fmt::format("a library of an FMU called exit() in the middle of a run, {}", kRemedy);
   return fmt::format("instance '{}' at {} s: its FMU called exit() in {}, {}", call.instance, to_seconds(call.time_ns),
-                     call.function, kWayOut);
+                     call.function, kRemedy);
 }
 
 /// Runs on the thread that called exit(), with the FMU still below it on the stack.

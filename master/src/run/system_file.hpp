@@ -17,8 +17,8 @@ inline constexpr std::string_view kSceneFile = "scene.json.gz";
 /// connections with their units, recorded variables with type, unit, meaning and the items of their enumerations, and
 /// what the config says under `view`. Throws InputError for names under `view` that no FMU has.
 ///
-/// It is no part of summary.json, which comes with the end: this is known at t = 0, also of a run that is being watched
-/// or that never came to its end.
+/// It is not part of summary.json, which comes with the end: this is known at t = 0, also of a run that is being
+/// watched or that never came to its end.
 nlohmann::ordered_json system_json(const ResolvedSystem& system);
 
 /// Writes system.json at t = 0, and the scene that the config names under `view` as scene.json.gz: its textures are

@@ -26,7 +26,7 @@ class MemorySink final : public RowSink {
   void flush() override {}
   /// Goes back to fewer rows than there are, or as many.
   void visit(state::Visitor& v) override;
-  /// The rows themselves, which are no part of the state above.
+  /// The rows themselves, which are not part of the state above.
   void visit_rows(state::Visitor& v);
 
  private:

@@ -54,7 +54,7 @@ class Line {
 
 void on_signal(int signal) {
   constexpr std::int64_t kPerMillisecond = 1'000'000;
-  constexpr std::string_view kWayOut =
+  constexpr std::string_view kRemedy =
       ". Run the instance in a process of its own (\"process\": \"own\", or --isolate)\n";
   const auto call = current_call();
   const auto callback = current_callback();
@@ -71,12 +71,12 @@ void on_signal(int signal) {
     line << "mebots: error: instance '" << call.instance << "' at " << call.time_ns / kPerMillisecond
          << " ms: its FMU ended the process by " << name_of(signal) << " in " << call.function;
     if (callback.name != nullptr) line << ", by what it handed to " << callback.name << " or had damaged before";
-    line << kWayOut;
+    line << kRemedy;
     line.write_to(STDERR_FILENO);
   } else if (call.library != nullptr) {
     Line line;
     line << "mebots: error: the library of the FMU " << call.library << " ended the process by " << name_of(signal)
-         << " while it was " << call.function << kWayOut;
+         << " while it was " << call.function << kRemedy;
     line.write_to(STDERR_FILENO);
   }
   raise(signal);  // SA_RESETHAND: it finds the default, once this handler is left

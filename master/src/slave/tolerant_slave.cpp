@@ -106,7 +106,7 @@ void TolerantSlave::visit(state::Visitor& v) {
   v("booleans", booleans_);
   v("strings", strings_);
   if (!v.restores()) return;
-  // Addresses are no part of a state, and nobody is left to ask for them anew.
+  // Addresses are not part of a state, and nobody is left to ask for them anew.
   for (const auto& triple : isolation::osmp_triples(description())) {
     for (auto& kept : integers_) {
       if (const auto places = isolation::places_of(triple, kept.references)) {

@@ -64,7 +64,7 @@ std::int32_t whole_number(const XmlFile& file, pugi::xml_node node, const std::s
   const auto value = parse_number(text);
   // Comparisons first: a number that does not fit, or NaN, must not be converted.
   if (!value || !(*value >= Limits::min() && *value <= Limits::max()) || *value != std::floor(*value)) {
-    file.fail(node, fmt::format("\"{}\" is no whole number of 32 bits", text));
+    file.fail(node, fmt::format("\"{}\" is not a whole number of 32 bits", text));
   }
   return static_cast<std::int32_t>(*value);
 }
@@ -75,7 +75,7 @@ Json value_of(const XmlFile& file, pugi::xml_node parameter) {
     const auto text = [&] { return file.required(node, "value"); };
     if (type == "Real" || type == "Float64" || type == "Float32") {
       const auto value = parse_number(text());
-      if (!value) file.fail(node, fmt::format("\"{}\" is no finite number", text()));
+      if (!value) file.fail(node, fmt::format("\"{}\" is not a finite number", text()));
       return *value;
     }
     if (type == "Integer" || type.starts_with("Int") || type.starts_with("UInt")) {

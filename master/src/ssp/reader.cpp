@@ -242,7 +242,7 @@ class SspReader {
   void feed_from_outside(const Endpoint& to, const Edge& edge) {
     const auto value = values_.find(edge.from);
     if (value == values_.end()) {
-      result_.notices.push_back(fmt::format("{}: {} hangs on the system's connector \"{}\", which nothing feeds",
+      result_.notices.push_back(fmt::format("{}: {} is connected to the system's connector \"{}\", which nothing feeds",
                                             edge.place, to.text(), edge.from.text()));
       return;
     }
@@ -316,7 +316,7 @@ class SspReader {
     for (const auto& [name, keys] : more.items()) {
       auto& instances = result_.config["instances"];
       if (!instances.contains(name) || !keys.is_object()) {
-        file_.fail(annotation, fmt::format("\"instances\" names \"{}\", which is no component of this SSP", name));
+        file_.fail(annotation, fmt::format("\"instances\" names \"{}\", which is not a component of this SSP", name));
       }
       for (const auto& [key, value] : keys.items()) {
         instances[name][key] = value;

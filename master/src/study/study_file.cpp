@@ -64,7 +64,7 @@ void check_choice(const Node& node) {
     element.attempt([&] {
       check_scalar(element);
       if (!seen.insert(element.shown()).second) {
-        element.fail(ErrorCode::duplicate_name, fmt::format("the value {} stands twice", element.shown()));
+        element.fail(ErrorCode::duplicate_name, fmt::format("the value {} occurs twice", element.shown()));
       }
     });
   }
@@ -385,7 +385,7 @@ void check_names(const Node& node, std::string_view what, const std::vector<std:
     element.attempt([&] {
       const auto name = known_all ? read_known(element, what, known) : element.readable_text();
       if (!seen.insert(name).second) {
-        element.fail(ErrorCode::duplicate_name, fmt::format("'{}' stands twice", name));
+        element.fail(ErrorCode::duplicate_name, fmt::format("'{}' occurs twice", name));
       }
     });
   }
@@ -477,8 +477,9 @@ void check_study(const Node& root, const std::filesystem::path& folder) {
   study.read_if("results", results, &read_mark);
   study.finish();
   if (results && study.has("fork")) {
-    root.at("results").complain(ErrorCode::invalid_value,
-                                "'results' does not go with 'fork': who begins in the middle has no files for before");
+    root.at("results").complain(
+        ErrorCode::invalid_value,
+        "'results' cannot be used with 'fork': a mission that begins at the fork has no files of the time before it");
   }
   if (study.has("splitting")) check_alone(study, names);
 }

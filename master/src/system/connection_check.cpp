@@ -106,16 +106,16 @@ class ConnectionCheck {
     const auto* to_unit = model(connection_.to).unit(to_.unit);
     const bool from_known = from_unit != nullptr && from_unit->has_base;
     const bool to_known = to_unit != nullptr && to_unit->has_base;
-    constexpr const char* kWayOut = "Connect others, or give factor and offset yourself with \"convert_units\": false";
+    constexpr const char* kRemedy = "Connect others, or give factor and offset yourself with \"convert_units\": false";
     if (!from_known || !to_known) {
       if (from_.unit == to_.unit) return;
       fail(fmt::format("the units differ: [{}] and [{}], and {} does not say what [{}] is. {}", from_.unit, to_.unit,
                        model(from_known ? connection_.to : connection_.from).model_name,
-                       from_known ? to_.unit : from_.unit, kWayOut));
+                       from_known ? to_.unit : from_.unit, kRemedy));
     }
     if (!modeldesc::same_dimension(*from_unit, *to_unit)) {
       fail(fmt::format("the units differ in dimension: [{}] is {} and [{}] is {}. {}", from_.unit,
-                       modeldesc::base_unit_text(*from_unit), to_.unit, modeldesc::base_unit_text(*to_unit), kWayOut));
+                       modeldesc::base_unit_text(*from_unit), to_.unit, modeldesc::base_unit_text(*to_unit), kRemedy));
     }
     const auto conversion =
         modeldesc::unit_conversion(*from_unit, *to_unit, from_.relative_quantity && to_.relative_quantity);
@@ -123,7 +123,7 @@ class ConnectionCheck {
       fail(
           fmt::format("one of them is a difference (relativeQuantity) and the other is not, so [{}] cannot be "
                       "converted to [{}]. {}",
-                      from_.unit, to_.unit, kWayOut));
+                      from_.unit, to_.unit, kRemedy));
     }
     connection_.factor = conversion.factor;
     connection_.offset = conversion.offset;

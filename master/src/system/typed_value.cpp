@@ -100,8 +100,9 @@ std::int32_t enumeration_value(const modeldesc::ModelDescription& description, c
     for (const auto& item : items) {
       if (item.name == *name) return item.value;
     }
-    complaint.fail(ErrorCode::unknown_name, fmt::format("'{}' is no item of the enumeration '{}' of '{}'. {}", *name,
-                                                        variable.declared_type, variable.name, suggest(*name, names)));
+    complaint.fail(ErrorCode::unknown_name,
+                   fmt::format("'{}' is not an item of the enumeration '{}' of '{}'. {}", *name, variable.declared_type,
+                               variable.name, suggest(*name, names)));
   }
   const auto number = integer_value(written, complaint, "the name or the number of an item");
   for (const auto& item : items) {

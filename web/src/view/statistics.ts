@@ -5,7 +5,7 @@ import type { Run } from "../data/run";
 import { shown, shownUnit } from "../data/units";
 import { element } from "../dom";
 
-/** Keys of summary.json that are no value of the config's `summary`. */
+/** Keys of summary.json that are not values of the config's `summary`. */
 const OWN = new Set(["outcome", "end_reason", "end_text", "error", "real_time_factor", "step", "steps", "stop_time", "rows", "units",
   "wall_clock", "versions", "parameters", "inputs", "notices", "statistics", "scenario", "lost_instances", "simulated_time"]);
 

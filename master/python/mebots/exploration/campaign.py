@@ -133,10 +133,10 @@ class Campaign:
                 raise InputError(f"'fork': there is no factor or draw '{name}'", "unknown_name")
             spread = self.study.design.get("factors", {}).get(name)
             if name.startswith("/") or (isinstance(spread, dict) and "options" in spread):
-                raise InputError(f"'fork': '{name}' is no variable that could change in a mission", "invalid_value")
+                raise InputError(f"'fork': '{name}' is not a variable that could change in a mission", "invalid_value")
         for one in self.study.objectives if self.study.results else ():
             if one.source == "series":
-                raise InputError(f"the objective '{one.label}': a series does not go with 'results', which has the whole of it", "invalid_value")
+                raise InputError(f"the objective '{one.label}': a series cannot be used with 'results', which has the whole of it", "invalid_value")
         for name in self.study.draws:
             if name in self.factors:
                 raise InputError(f"'{name}' is a factor and a draw; it can only be one of them", "duplicate_name")
@@ -423,7 +423,7 @@ class Campaign:
 
 
 def _labels(flat_summary: dict[str, Any]) -> list[str]:
-    """The summary's labels; of one with conditions the parts "variable" and "when" are no labels."""
+    """The summary's labels; of one with conditions the parts "variable" and "when" are not labels."""
     result = []
     for label in flat_summary:
         before, _, last = label.rpartition(".")

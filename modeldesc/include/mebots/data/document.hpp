@@ -33,7 +33,7 @@ class Document {
   Document(const Document&) = delete;
   Document& operator=(const Document&) = delete;
 
-  /// What `read` makes of the root. Throws Mistakes when there were any, each key that stands twice included. Nodes
+  /// What `read` makes of the root. Throws Mistakes when there were any, each key that occurs twice included. Nodes
   /// must not outlive the document.
   template <typename Read>
   auto read(const Read& read) {

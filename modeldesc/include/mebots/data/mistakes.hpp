@@ -13,7 +13,7 @@ namespace mebots::data {
 struct Mistake {
   ErrorCode code = ErrorCode::unspecified;
   std::string place;       // "cell.json:12:5: /mass/value"
-  std::string text;        // what is wrong, and the way out
+  std::string text;        // what is wrong, and what to do
   std::size_t offset = 0;  // bytes into the file
 };
 

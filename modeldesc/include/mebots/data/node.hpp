@@ -42,7 +42,7 @@ class Node {
 
   /// Of a list.
   std::vector<Node> elements() const;
-  /// Of an object, in the order of the file. A key that stands twice is told, and its first value taken.
+  /// Of an object, in the order of the file. A key that occurs twice is told, and its first value taken.
   std::vector<Member> members() const;
   bool has(std::string_view key) const { return find(key).has_value(); }
   /// Nothing also where this is not an object.

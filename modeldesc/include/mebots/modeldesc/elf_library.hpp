@@ -18,7 +18,7 @@ struct ElfLibrary {
   std::vector<std::string> exports;  // names that it defines for others, in the order of the file
 };
 
-/// Throws mebots::Error when the file is no such library.
+/// Throws mebots::Error when the file is not such a library.
 ElfLibrary read_elf_library(const std::filesystem::path& file);
 
 }  // namespace mebots::modeldesc
