@@ -30,7 +30,7 @@ def check(text, where):
     require(re.fullmatch(r"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\dZ", bill["creationInfo"]["created"]), f"{where}: time")
     require(all(re.match(r"(Tool|Person|Organization): \S", each) for each in bill["creationInfo"]["creators"]), f"{where}: creators")
     ids = [package["SPDXID"] for package in bill["packages"]]
-    require(len(ids) == len(set(ids)), f"{where}: an id stands twice")
+    require(len(ids) == len(set(ids)), f"{where}: an id occurs twice")
     for package in bill["packages"]:
         require(re.fullmatch(r"SPDXRef-[A-Za-z0-9.-]+", package["SPDXID"]), f"{where}: id {package['SPDXID']}")
         require(package["name"] and package["downloadLocation"] and package["filesAnalyzed"] is False, f"{where}: {package['name']}")

@@ -69,7 +69,7 @@ inline constexpr std::array kErrorCodes{
     ErrorCodeRow{ErrorCode::syntax_error, "syntax_error", "the text does not follow its format: JSON, XML, CSV, ELF"},
     ErrorCodeRow{ErrorCode::unknown_key, "unknown_key", "a key or option that nobody reads"},
     ErrorCodeRow{ErrorCode::missing_key, "missing_key", "a key or option that is needed is absent"},
-    ErrorCodeRow{ErrorCode::duplicate_key, "duplicate_key", "a key stands twice in one object"},
+    ErrorCodeRow{ErrorCode::duplicate_key, "duplicate_key", "a key occurs twice in one object"},
     ErrorCodeRow{ErrorCode::wrong_type, "wrong_type", "a text where a number is needed, and the like"},
     ErrorCodeRow{ErrorCode::wrong_unit, "wrong_unit", "a unit that is unknown or does not fit"},
     ErrorCodeRow{ErrorCode::value_out_of_range, "value_out_of_range", "a number outside its limits"},
