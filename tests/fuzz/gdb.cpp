@@ -56,7 +56,7 @@ constexpr int kLine = kListener + 1;
 }  // namespace
 
 // The server's line without the kernel: the linker gives these to what asks for the system's (CMakeLists.txt).
-// NOLINTBEGIN(bugprone-reserved-identifier): the linker's names
+// NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming): the linker's names
 extern "C" {
 
 int __wrap_socket(int, int, int) {
@@ -101,7 +101,7 @@ int __wrap_close(int descriptor) {
 }
 
 }  // extern "C"
-// NOLINTEND(bugprone-reserved-identifier)
+// NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming)
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   auto& soc = chip();
