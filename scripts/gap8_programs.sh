@@ -4,8 +4,9 @@
 # checkouts, of which those that are missing are left out:
 #   git clone https://github.com/pulp-platform/pulp-dronet             PULP-Dronet's ELF, flash image and weights
 #   git clone https://github.com/pulp-platform/Himax_Dataset           pictures of its camera
-#   git clone https://github.com/GreenWaves-Technologies/gap_sdk       flasher, dumper, fuser
-# Build first: cmake --build --preset release --target mebots-soc. Needs numpy for the integers of the reference.
+#   git clone https://github.com/GreenWaves-Technologies/gap_sdk       flasher, fuser
+# Build first: cmake --build --preset release --target mebots-soc. Needs numpy for the integers of the reference, and
+# riscv64-unknown-elf-gcc.
 set -euo pipefail
 if [[ $# -ne 1 || ! -d "$1" ]]; then
   echo "usage: scripts/gap8_programs.sh FOLDER   (see the comment at its top)" >&2
@@ -61,7 +62,15 @@ else
   row PULPDroNet_GAPuino "not there" "$image, $pictures"
 fi
 bins=$folder/gap_sdk/utils/openocd_tools/gap_bins
-milestone gap_flasher-gapuino8 "$bins/gap_flasher-gapuino8.elf" "flasher is ready"
+flasher=$bins/gap_flasher-gapuino8.elf
+if [[ ! -f "$flasher" ]]; then
+  row gap_flasher-gapuino8 "not there" "$flasher"
+elif "$python" scripts/gap8_flash.py "$soc" "$flasher" >"$out/log" 2>&1; then
+  row gap_flasher-gapuino8 reached "$(tail -n 1 "$out/log")"
+else
+  failed=1
+  row gap_flasher-gapuino8 "NOT REACHED" "$(tail -n 1 "$out/log")"
+fi
 milestone gap_fuser-gapuino8 "$bins/gap_fuser-gapuino8.elf" "Wait for fuse operation"
 milestone gap_flasher-gapuino9 "$bins/gap_flasher-gapuino9.elf" "this program is for GAP9"
 milestone gap_flasher-vega "$bins/gap_flasher-vega.elf" "this program is for GAP9"
