@@ -152,6 +152,10 @@ void read_instruction_cache(const Node& node, BoardInstructionCaches& caches) {
   object.comment("text");
   object.finish();
   if (!object.sound()) return;
+  if (place == Place::fabric_controller && object.has("refill_soc_cycles")) {
+    node.at("refill_soc_cycles")
+        .fail(ErrorCode::invalid_value, "the fabric controller has the clock of the SoC: add them to refill_cycles");
+  }
   auto& taken = caches[static_cast<std::size_t>(place)];
   if (taken.size != 0) {
     node.at("place").fail(ErrorCode::duplicate_name, "this place has an instruction cache already");
@@ -603,6 +607,12 @@ BoardDescription read_root(const Node& root) {
       entry.attempt([&] { read_instruction_cache(entry, board.instruction_caches); });
     }
   });
+  const bool has_way =
+      std::ranges::any_of(board.memories, [](const BoardMemory& memory) { return memory.way.has_value(); });
+  if (board.instruction_cache(Place::cluster).refill_soc_cycles != 0 && !has_way) {
+    root.at("instruction_caches")
+        .complain(ErrorCode::invalid_value, "refill_soc_cycles counts where a memory has a 'way'; none has");
+  }
   const bool has_devices =
       object.read("devices", board.devices, data::list_of([&](const Node& node) { return read_device(node, names); }));
   object.visit_if("supply", [&](const Node& member) { board.supply = read_supply(member, board); });
