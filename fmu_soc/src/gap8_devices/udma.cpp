@@ -206,11 +206,12 @@ void Udma::load_flash() {
   const std::filesystem::path path(flash_path_);
   std::ifstream file(path, std::ios::binary);
   if (!file || !std::filesystem::is_regular_file(path, error)) refuse("this is no file that can be read");
-  flash_image_.assign(std::istreambuf_iterator<char>(file), {});
-  if (flash_image_.size() > kFlashBytes) {
-    refuse(fmt::format("the image has {} bytes, the flash of device {} holds {}", flash_image_.size(), host_.entry.name,
+  std::vector<std::uint8_t> image(std::istreambuf_iterator<char>(file), {});
+  if (image.size() > kFlashBytes) {
+    refuse(fmt::format("the image has {} bytes, the flash of device {} holds {}", image.size(), host_.entry.name,
                        kFlashBytes));
   }
+  flash_image_ = std::move(image);
   hyper_bus_.set_flash(flash_image_);
   loaded_ = flash_path_;
 }
