@@ -131,5 +131,18 @@ TEST(BoardFile, TakesAWayToAMemoryOutsideTheClusterOnly) {
               HasSubstr("/memories/0/way/fabric_controller"));
 }
 
+TEST(BoardFile, TakesCyclesOfTheSocOfAClustersCacheOnlyWhereTheyCount) {
+  const auto caches = [](std::string_view place) {
+    return fmt::format(R"("instruction_caches": [{{"place": "{}", "size": 4096, "line": 16, "ways": 4,
+                          "refill_cycles": 4, "refill_soc_cycles": 21}}],)",
+                       place);
+  };
+  constexpr auto kFar = R"({"name": "ram", "base": "0x1000", "size": 4096,
+                            "way": {"fabric_controller": 8, "cluster": 2, "soc": 17}})";
+  EXPECT_EQ(complaint(kFar, "", caches("cluster")), "");
+  EXPECT_THAT(complaint(kFar, "", caches("fabric_controller")), HasSubstr("add them to refill_cycles"));
+  EXPECT_THAT(complaint(kRam, "", caches("cluster")), HasSubstr("where a memory has a 'way'"));
+}
+
 }  // namespace
 }  // namespace mebots::soc::test
