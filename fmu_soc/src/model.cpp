@@ -49,7 +49,9 @@ Settings settings_of(const Parameters& parameters) {
 }
 
 /// Of the file in the FMU's resources that runs unless the parameter says otherwise; empty = there is none.
-constexpr std::string_view kFirmwareInside = MEBOTS_SOC_FIRMWARE;
+constexpr std::string_view firmware_inside() {
+  return MEBOTS_SOC_FIRMWARE;
+}
 
 /// Names of the programs inside the FMU, in the order of the alphabet.
 std::vector<std::string> programs_in(const std::filesystem::path& resources) {
@@ -64,12 +66,12 @@ std::vector<std::string> programs_in(const std::filesystem::path& resources) {
 /// A bare name is one of those inside the FMU, if there is such a one; everything else is a path.
 Elf firmware_of(const Parameters& parameters, const std::filesystem::path& resources) {
   if (parameters.firmware.empty()) {
-    if (kFirmwareInside.empty()) {
+    if (firmware_inside().empty()) {
       throw Error(fmt::format(
           "firmware = \"\": this FMU has board {} and no program inside; give the path of an ELF file for it",
           MEBOTS_SOC_BOARD));
     }
-    return Elf::read(resources / kFirmwareInside);
+    return Elf::read(resources / firmware_inside());
   }
   const auto inside = programs_in(resources);
   if (std::find(inside.begin(), inside.end(), parameters.firmware) != inside.end()) {
