@@ -37,7 +37,7 @@ TEST_F(CheckDescription, ASoundOneHasNoFindings) {
 
 TEST_F(CheckDescription, HeadAndCapabilities) {
   EXPECT_THAT(with("modelIdentifier=\"culprit\"", "modelIdentifier=\"my-model\""),
-              Contains(HasSubstr("no C identifier")));
+              Contains(HasSubstr("not a C identifier")));
   EXPECT_THAT(with("canGetAndSetFMUstate=\"true\" ", ""), Contains(HasSubstr("canSerializeFMUstate is true")));
   EXPECT_THAT(with("stopTime=\"2\"", "stopTime=\"-2\""), Contains(HasSubstr("stopTime -2 is not after startTime 0")));
   EXPECT_THAT(with("stepSize=\"0.1\"", "stepSize=\"0\""), Contains(HasSubstr("stepSize is 0")));

@@ -73,7 +73,7 @@ TEST(CheckSchema, OrderAndEncodingCount) {
                    "name=\"m\"/></UnitDefinitions>"),
               Contains(HasSubstr("stands after <LogCategories>")));
   EXPECT_THAT(with("encoding=\"UTF-8\"", "encoding=\"ISO-8859-1\""), Contains(HasSubstr("ISO-8859-1")));
-  EXPECT_THAT(with("modelName=\"culprit\"", "modelName=\"b\xfcro\""), Contains(HasSubstr("no UTF-8")));
+  EXPECT_THAT(with("modelName=\"culprit\"", "modelName=\"b\xfcro\""), Contains(HasSubstr("not UTF-8")));
   EXPECT_THAT(with("modelName=\"culprit\"", "modelName=\"\x07\""), Contains(HasSubstr("control character 0x07")));
   EXPECT_THAT(with("<fmiModelDescription", "<!DOCTYPE x [<!ENTITY a \"b\">]><fmiModelDescription"),
               Contains(HasSubstr("DOCTYPE")));

@@ -111,7 +111,7 @@ TEST(StartValues, TypesAreChecked) {
 
 TEST(StartValues, EnumerationsAreGivenByItemOrNumber) {
   EXPECT_THAT(error_of(R"("mode_in": "bth")"),
-              AllOf(HasSubstr("no item of the enumeration 'Mode'"), HasSubstr("'both'")));
+              AllOf(HasSubstr("not an item of the enumeration 'Mode'"), HasSubstr("'both'")));
   EXPECT_THAT(error_of(R"("mode_in": 3)"), HasSubstr("3 is the number of no item"));
   for (const char* value : {"\"both\"", "7"}) {
     const test::TestRun run(two_probes(fmt::format(R"("mode_in": {})", value), ""));

@@ -296,10 +296,10 @@ TEST_F(Ssp, ValuesThatNoFmuCanTakeAreRefused) {
               AllOf(HasSubstr("\"u\" is \"much\""), HasSubstr("only numbers")));
   EXPECT_THAT(error_of(with_value(R"(<ssv:Real value="1e308"/>)", R"(<ssc:LinearTransformation factor="1e9"/>)")),
               HasSubstr("range of numbers"));
-  EXPECT_THAT(error_of(with_value(R"(<ssv:Real value="INF"/>)", "")), HasSubstr("no finite number"));
+  EXPECT_THAT(error_of(with_value(R"(<ssv:Real value="INF"/>)", "")), HasSubstr("not a finite number"));
   EXPECT_THAT(error_of(with_value(R"(<ssv:Integer value="3e9"/>)", "")), HasSubstr("whole number of 32 bits"));
   EXPECT_THAT(error_of(with_value(R"(<ssv:Enumeration value="1.5"/>)", "")), HasSubstr("whole number of 32 bits"));
-  EXPECT_THAT(error_of(with_value(R"(<ssv:String value="&#xD800;"/>)", "")), HasSubstr("no character of XML"));
+  EXPECT_THAT(error_of(with_value(R"(<ssv:String value="&#xD800;"/>)", "")), HasSubstr("not a character of XML"));
 }
 
 TEST_F(Ssp, AnInputThatFitsNothingIsAnsweredWithThePlaceInTheSsd) {

@@ -159,7 +159,7 @@ TEST(ShellState, DamagedOrForeignBytesAreRefused) {
     return lag.last_message();
   };
   EXPECT_THAT(refused({}), HasSubstr("these 0 bytes are not a state of a MEbots FMU"));
-  EXPECT_THAT(refused(std::vector<char>(100, 'x')), HasSubstr("no state of a MEbots FMU"));
+  EXPECT_THAT(refused(std::vector<char>(100, 'x')), HasSubstr("not a state of a MEbots FMU"));
   for (std::size_t size = 8; size < good.size(); size += 5)
     refused(std::vector<char>(good.begin(), good.begin() + static_cast<std::ptrdiff_t>(size)));
   for (std::size_t i = 0; i < good.size(); ++i) {
