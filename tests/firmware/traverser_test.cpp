@@ -167,5 +167,92 @@ TEST(Traverser, SearchesForAGateThatIsNotInThePicture) {
   EXPECT_GE(clean_of_200("wide", scene, [](Uniform& u) { return near_start(u, 0.3, 0.5, M_PI); }), 190);
 }
 
+constexpr sight_t kNoGate{0, 0, 0, -127};
+
+traverser_t new_traverser() {
+  policy_t policy;
+  policy_init(&policy, false, 277778, 277778);
+  traverser_t traverser;
+  traverser_init(&traverser, &policy, 800000, 1000000);
+  return traverser;
+}
+
+/// Pictures that all show the same to a drone at 1 m that flies 0.28 m/s.
+traverser_command_t see(traverser_t& traverser, int pictures, sight_t sight, bool crossed = false) {
+  const traverser_state_t state{280000, 1000000, crossed, 33000};
+  traverser_command_t command{};
+  for (int i = 0; i < pictures; ++i) command = traverser_step(&traverser, &sight, &state);
+  return command;
+}
+
+TEST(Traverser, HoversAndTurnsLeftWithoutAnySighting) {
+  auto traverser = new_traverser();
+  const auto command = see(traverser, 100, kNoGate);
+  EXPECT_EQ(traverser.phase, PILOT_SEARCH);
+  EXPECT_EQ(command.velocity_um_s, 0);
+  EXPECT_GT(command.yaw_rate_urad_s, 0);
+}
+
+TEST(Traverser, DoesNotGoWhereThreePicturesAloneShowAGate) {
+  auto traverser = new_traverser();
+  see(traverser, 3, {20, 0, 10, 100});
+  EXPECT_EQ(see(traverser, 1, kNoGate).velocity_um_s, 0);
+  EXPECT_EQ(see(traverser, 3, {20, 0, 10, 100}).velocity_um_s, 0);
+  EXPECT_EQ(traverser.phase, PILOT_SEARCH);
+  see(traverser, 1, {20, 0, 10, 100});
+  EXPECT_EQ(traverser.phase, PILOT_APPROACH);
+}
+
+TEST(Traverser, GoesStraightOnWithoutTheGateForASecondAndThenSearchesOnItsSide) {
+  auto traverser = new_traverser();
+  see(traverser, 20, {-60, 0, 10, 100});
+  const auto blind = see(traverser, 30, kNoGate);
+  EXPECT_EQ(traverser.phase, PILOT_APPROACH);
+  EXPECT_EQ(blind.yaw_rate_urad_s, 0);
+  EXPECT_GT(blind.velocity_um_s, 0);
+  const auto search = see(traverser, 10, kNoGate);
+  EXPECT_EQ(traverser.phase, PILOT_SEARCH);
+  EXPECT_EQ(search.velocity_um_s, 0);
+  EXPECT_LT(search.yaw_rate_urad_s, 0);
+}
+
+TEST(Traverser, ASinglePictureOfALargeGateDoesNotMakeItNear) {
+  auto traverser = new_traverser();
+  see(traverser, 3, {0, 0, 10, 100});
+  see(traverser, 2, {0, 0, 127, 100});
+  see(traverser, 10, {0, 0, 10, 100});
+  EXPECT_EQ(traverser.phase, PILOT_APPROACH);
+}
+
+TEST(Traverser, HoldsHeadingAndAltitudeBeforeTheFrameAndEndsHalfAMetreBehind) {
+  auto traverser = new_traverser();
+  see(traverser, 60, {10, 20, 60, 100});
+  const auto altitude_um = traverser.altitude_um;
+  EXPECT_GT(altitude_um, 1000000);
+  const auto command = see(traverser, 20, {90, -90, 100, 100});
+  EXPECT_EQ(traverser.phase, PILOT_THROUGH);
+  EXPECT_EQ(command.yaw_rate_urad_s, 0);
+  see(traverser, 50, kNoGate, true);
+  EXPECT_EQ(traverser.phase, PILOT_THROUGH) << "0.46 m behind";
+  EXPECT_EQ(see(traverser, 10, kNoGate, true).velocity_um_s, 0);
+  EXPECT_EQ(traverser.phase, PILOT_DONE);
+}
+
+TEST(Traverser, SearchesAgainWhenNothingWasCrossedInAMetreAndAHalf) {
+  auto traverser = new_traverser();
+  see(traverser, 30, {0, 0, 100, 100});
+  ASSERT_EQ(traverser.phase, PILOT_THROUGH);
+  see(traverser, 180, kNoGate);
+  EXPECT_EQ(traverser.phase, PILOT_SEARCH);
+}
+
+TEST(Traverser, StaysWithinItsAltitudesWhateverItIsTold) {
+  auto traverser = new_traverser();
+  see(traverser, 500, {0, 127, 1, 100});
+  EXPECT_LE(traverser.altitude_um, 1700000);
+  see(traverser, 1000, {0, -127, 1, 100});
+  EXPECT_GE(traverser.altitude_um, 250000);
+}
+
 }  // namespace
 }  // namespace mebots::firmware_test

@@ -69,7 +69,8 @@ static traverser_command_t straight_on(traverser_t* t) {
 static traverser_command_t search(traverser_t* t, const sight_t* sight, bool sighted) {
   if (sighted && t->sightings >= SIGHTINGS_TO_APPROACH) {
     t->phase = PILOT_APPROACH;
-    t->size_q8 = sight->size * 256;
+    // Near only when more pictures say so.
+    t->size_q8 = limited(sight->size, 0, NEAR_SIZE - 1) * 256;
   }
   // A gate in sight: turn to it, and look again before going there.
   return command(t, 0, sighted ? sight->yaw : t->last_yaw < 0 ? -SEARCH_YAW : SEARCH_YAW);
