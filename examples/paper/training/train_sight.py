@@ -77,7 +77,6 @@ def main():
     parser.add_argument("--epochs", type=int, default=13)
     parser.add_argument("--integer-epochs", type=int, default=2)
     parser.add_argument("--rate", type=float, default=4e-3, help="highest learning rate in floating point")
-    parser.add_argument("--from-float", action="store_true", help="go on with the float.pt that lies in the folder")
     arguments = parser.parse_args()
     torch.manual_seed(SEED)
     torch.set_num_threads(1)  # sums in one order, whatever the machine
@@ -85,10 +84,7 @@ def main():
     arguments.out.mkdir(parents=True, exist_ok=True)
 
     network = Navigator(SIGHT).to(memory_format=torch.channels_last)
-    if arguments.from_float:
-        network.load_state_dict(torch.load(arguments.out / "float.pt"))
-    else:
-        fit(network, train, validation, arguments.epochs, arguments.rate, 1e-5, 1.0, "float", arguments.out / "float.pt")
+    fit(network, train, validation, arguments.epochs, arguments.rate, 1e-5, 1.0, "float", arguments.out / "float.pt")
     network.eval()
     integer = IntegerNavigator(network)
     print("integer, before fine-tuning:", metrics(answers(integer, validation, OUTPUT_STEP), validation), flush=True)

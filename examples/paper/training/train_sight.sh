@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
 # Pictures, training, fine-tuning in whole numbers, weights and golden vectors of the sight network: all of it, from
-# nothing. 20 minutes of processor time on one core, on which it trains, so that a machine gives the same weights again.
+# nothing. 20 minutes of processor time on one core: one thread, whose sums have one order.
 # Needs scripts/setup.sh training.
 #
 #   examples/paper/training/train_sight.sh [BUILD [WORK]]    default: build/release results/sight
