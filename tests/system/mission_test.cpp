@@ -154,7 +154,7 @@ Flight fly_changed(const std::vector<std::string>& sets) {
   return fly(write(folder / "changed.json", shipped_config("gate_easy")), folder / "out", sets);
 }
 
-TEST(Mission, EasyOneAsItIsShippedWritesLessThanThreeMegabytes) {
+TEST(Mission, EasyOneAsItIsShippedLeavesRoomForItsPage) {
   const Folder folder;
   const auto flight = fly(write(folder / "easy.json", shipped_config("gate_easy")), folder / "out");
   ASSERT_EQ(flight.exit_code, 0) << flight.output;
@@ -162,7 +162,7 @@ TEST(Mission, EasyOneAsItIsShippedWritesLessThanThreeMegabytes) {
   for (const auto& entry : std::filesystem::recursive_directory_iterator(folder / "out")) {
     if (entry.is_regular_file()) bytes += entry.file_size();
   }
-  EXPECT_LT(bytes, 3'000'000U);
+  EXPECT_LT(bytes, 3'300'000U) << "with its page, of 2.4 MB, within 6 MB";
   EXPECT_GT(bytes, 1'000'000U) << "table, pictures and scene are there";
 }
 
