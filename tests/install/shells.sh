@@ -6,7 +6,8 @@ pages=$(find "$share/man/man1" -name '*.1' | wc -l)
 ((pages >= 15)) || { echo "FAILED: $pages manual pages"; exit 1; }
 if command -v mandoc >/dev/null; then
   mandoc -T lint -W error "$share"/man/man1/*.1
-  mandoc -T ascii "$share/man/man1/mebots-run.1" | grep -q 'mebots run configs/gate_easy.json --out' \
+  # A pipe into grep -q would fail at times: grep goes at its first find, and who still writes is ended by SIGPIPE.
+  grep -q 'mebots run configs/gate_easy.json --out' <<<"$(mandoc -T ascii "$share/man/man1/mebots-run.1")" \
     || { echo "FAILED: the page of mebots-run lacks its examples"; exit 1; }
 fi
 # Every command that the help lists has a page.
@@ -23,15 +24,16 @@ completed() {  # completed WORD...: what bash offers in place of the last of the
     printf "%s\n" "${COMPREPLY[@]}"' "$share/bash-completion/completions/mebots" "$@"
 }
 expect() {  # expect TEXT WORD...
-  local text=$1
+  local text=$1 offered
   shift
-  completed "$@" | grep -qxF -e "$text" || { echo "FAILED: '$*' does not offer $text in bash, but: $(completed "$@" | tr '\n' ' ')"; exit 1; }
+  offered=$(completed "$@")
+  grep -qxF -e "$text" <<<"$offered" || { echo "FAILED: '$*' does not offer $text in bash, but: ${offered//$'\n'/ }"; exit 1; }
 }
 expect run mebots r
 expect --stop-time mebots run --st
 expect a_config.json mebots run a_
 expect a_config.json mebots run --scenario a_
-if completed mebots run --print | grep -q print-completion; then echo "FAILED: hidden options are offered"; exit 1; fi
+if grep -q print-completion <<<"$(completed mebots run --print)"; then echo "FAILED: hidden options are offered"; exit 1; fi
 
 if command -v fish >/dev/null; then
   offered=$(HOME=$PWD fish --no-config -c "source '$share/fish/vendor_completions.d/mebots.fish'; complete -C 'mebots run --st'")
