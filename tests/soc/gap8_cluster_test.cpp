@@ -224,9 +224,8 @@ TEST_F(MchanTest, HasAPlaceForAnyNumberOfCommandsAndNoneForMemoryThatIsNot) {
   EXPECT_EQ(mchan.access(1, 0, &nowhere, 0).kind, BusReply::Kind::none);
 }
 
-/// Switches the cluster on, lets eight cores begin, and waits for core 0's word. Each core copies 64 bytes of L2 into
-/// L1, adds them up, and meets the others; core 0 adds what they found and sends it out.
-constexpr std::string_view kEightCores = R"(
+/// Vectors, and where the fabric controller begins; the cluster's cores go to `core`.
+constexpr std::string_view kBegin = R"(
     .balign 256
 vectors: j fault
     .org vectors + 0x80
@@ -234,6 +233,32 @@ vectors: j fault
 _start: csrr a0, mhartid
     li a1, 0x400
     bne a0, a1, core
+)";
+
+/// Switches the cluster on; the cores that `who` names begin.
+std::string start_cluster(std::uint32_t who) {
+  return fmt::format(R"(
+    li s0, 0x1A104000
+    li a0, 8
+    sw a0, 0x70(s0)
+    li s0, 0x10200000
+    la a1, vectors
+    li a2, 8
+    addi a3, s0, 0x40
+1:  sw a1, 0(a3)
+    addi a3, a3, 4
+    addi a2, a2, -1
+    bnez a2, 1b
+    li a0, {}
+    sw a0, 0x08(s0)
+)",
+                     who);
+}
+
+/// Switches the cluster on, lets eight cores begin, and waits for core 0's word. Each core copies 64 bytes of L2 into
+/// L1, adds them up, and meets the others; core 0 adds what they found and sends it out.
+std::string eight_cores() {
+  return fmt::format("{}{}", kBegin, R"(
     li s1, 0x1C060000
     li s0, 0x1A104000
     li s2, 0x00204000
@@ -325,14 +350,15 @@ numbers: .set n, 1
     .4byte n
     .set n, n + 1
     .endr
-)";
+)");
+}
 
 BoardDescription gap8_board_of_cluster() {
   return read_board(MEBOTS_SOURCE_DIR "/configs/boards/gap8.json");
 }
 
 TEST(Gap8Cluster, RunsEightCoresWithDmaBarrierAndAWordToTheFabricController) {
-  BoardSystem system(kEightCores, {}, gap8_board_of_cluster());
+  BoardSystem system(eight_cores(), {}, gap8_board_of_cluster());
   system.soc.advance(5 * kMs);
   EXPECT_TRUE(system.faults.empty()) << system.faults.front();
   EXPECT_EQ(system.result(0), 1U << 27);
@@ -344,12 +370,12 @@ TEST(Gap8Cluster, RunsEightCoresWithDmaBarrierAndAWordToTheFabricController) {
 }
 
 TEST(Gap8Cluster, GivesTheSameBitsInterpretedAndFromAState) {
-  BoardSystem straight(kEightCores, {}, gap8_board_of_cluster());
+  BoardSystem straight(eight_cores(), {}, gap8_board_of_cluster());
   Settings interpreted;
   interpreted.translate = false;
-  BoardSystem slow(kEightCores, interpreted, gap8_board_of_cluster());
-  BoardSystem first(kEightCores, {}, gap8_board_of_cluster());
-  BoardSystem second(kEightCores, {}, gap8_board_of_cluster());
+  BoardSystem slow(eight_cores(), interpreted, gap8_board_of_cluster());
+  BoardSystem first(eight_cores(), {}, gap8_board_of_cluster());
+  BoardSystem second(eight_cores(), {}, gap8_board_of_cluster());
   straight.soc.advance(1 * kMs);
   slow.soc.advance(1 * kMs);
   EXPECT_TRUE(mebots::test::same_state(slow.soc, straight.soc));
@@ -367,32 +393,15 @@ struct Factors {
 
 /// Switches the cluster on; the cores that `who` names load 256 words of L2, each of them, and sleep.
 std::string cores_that_load_from_l2(std::uint32_t who, const Factors& factors) {
-  return fmt::format(R"(
-    .balign 256
-vectors: j fault
-    .org vectors + 0x80
-    .globl _start
-_start: csrr a0, mhartid
-    li a1, 0x400
-    bne a0, a1, core
+  const auto clocks = fmt::format(R"(
     li s0, 0x1A100000
     li a0, 1 << 26 | {}
     sw a0, 0x04(s0)
     li a0, 1 << 26 | {}
     sw a0, 0x14(s0)
-    li s0, 0x1A104000
-    li a0, 8
-    sw a0, 0x70(s0)
-    li s0, 0x10200000
-    la a1, vectors
-    li a2, 8
-    addi a3, s0, 0x40
-1:  sw a1, 0(a3)
-    addi a3, a3, 4
-    addi a2, a2, -1
-    bnez a2, 1b
-    li a0, {}
-    sw a0, 0x08(s0)
+)",
+                                  factors.soc, factors.cluster);
+  constexpr std::string_view kLoad = R"(
     li s1, 0x1C040000
     li a2, 256
 2:  lw a0, 0(s1)
@@ -409,8 +418,8 @@ core: li s1, 0x1C040000
 5:  .insn i 0x03, 6, a5, 0x3c(s0)
     j 5b
 fault: j fault
-)",
-                     factors.soc, factors.cluster, who);
+)";
+  return fmt::format("{}{}{}{}", kBegin, clocks, start_cluster(who), kLoad);
 }
 
 std::uint64_t cycles_of_core(std::uint32_t who, const Factors& factors, unsigned core,
@@ -492,26 +501,6 @@ TEST_F(MchanTest, TakesAsLongAsTheSlowerClockNeedsForItsBeats) {
 /// Each core adds 20 times 1 to a word of L1, between taking a lock by test and set and giving it back; the last one to
 /// come stores characters, by bytes, where programs for simulators print.
 constexpr std::string_view kLocks = R"(
-    .balign 256
-vectors: j fault
-    .org vectors + 0x80
-    .globl _start
-_start: csrr a0, mhartid
-    li a1, 0x400
-    bne a0, a1, core
-    li s0, 0x1A104000
-    li a0, 8
-    sw a0, 0x70(s0)
-    li s0, 0x10200000
-    la a1, vectors
-    li a2, 8
-    addi a3, s0, 0x40
-1:  sw a1, 0(a3)
-    addi a3, a3, 4
-    addi a2, a2, -1
-    bnez a2, 1b
-    li a0, 0xff
-    sw a0, 0x08(s0)
 2:  wfi
     j 2b
 core: li s0, 0x00204000
@@ -548,7 +537,7 @@ fault: j fault
 )";
 
 TEST(Gap8Cluster, LocksByTestAndSetAndStoresBytesIntoDevicesOfTheSoc) {
-  BoardSystem system(kLocks, {}, gap8_board_of_cluster());
+  BoardSystem system(fmt::format("{}{}{}", kBegin, start_cluster(0xff), kLocks), {}, gap8_board_of_cluster());
   system.soc.advance(5 * kMs);
   EXPECT_TRUE(system.faults.empty()) << system.faults.front();
   EXPECT_EQ(system.result(0), 160U);
