@@ -4,7 +4,7 @@
 set(manual_folder ${PROJECT_BINARY_DIR}/manual)
 file(MAKE_DIRECTORY ${manual_folder}/man1 ${manual_folder}/bash ${manual_folder}/fish ${manual_folder}/zsh)
 set(told)
-foreach(program mebots mebots-modeldesc mebots-soc)
+foreach(program mebots mebots-boardgen mebots-modeldesc mebots-soc)
   if(NOT TARGET ${program})
     continue()
   endif()

@@ -3,130 +3,30 @@
 // mebots-boardgen BOARD.json --c HEADER.h --cpp HEADER.hpp
 // mebots-boardgen BOARD.json --skeleton DEVICE FILE.cpp
 //
-// The first writes what a board description says about addresses, register offsets, interrupts and named values
-// twice: as a C header for the firmware (also fit for the assembler) and as a C++ header for the device
-// models. Both come from the same table, so that software and hardware cannot disagree. The second one writes a device
-// model in C++ that lacks only what the device does by itself.
+// The first writes headers for firmware and device models, both from one table, so that software and hardware cannot
+// disagree. The second writes a device model in C++ that lacks only what the device does by itself.
 
 #include "board_file.hpp"
-#include "devices/described_device.hpp"
-#include "names.hpp"
+#include "command_line/told_by_itself.hpp"
+#include "headers.hpp"
 #include "skeleton.hpp"
 
 #include "mebots/error.hpp"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
 
-#include <algorithm>
-#include <cstdint>
 #include <cstdio>
 #include <exception>
 #include <fstream>
-#include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace {
 
 using mebots::Error;
-using mebots::boardgen::camel_case;
-using mebots::boardgen::macro_case;
 using mebots::soc::BoardDescription;
-using mebots::soc::read_board;
-
-std::string c_header(const BoardDescription& board) {
-  std::ostringstream out;
-  out << "// SPDX-License-Identifier: Apache-2.0\n"
-      << "// Made from the board description \"" << board.name << "\" by mebots-boardgen. Do not edit.\n"
-      << "// " << board.text << "\n"
-      << "//\n"
-      << "// DEVICE_BASE, DEVICE_INTERRUPT, DEVICE_REGISTER_OFFSET are numbers, for the assembler too;\n"
-      << "// DEVICE_REGISTER is the register itself, to read or write as a 32-bit variable.\n"
-      << "#pragma once\n\n"
-      << "#ifndef __ASSEMBLER__\n#include <stdint.h>\n#endif\n\n";
-  for (const auto& memory : board.memories) {
-    const auto name = macro_case(memory.name);
-    out << fmt::format("// {}\n#define {}_BASE 0x{:08X}\n#define {}_SIZE {}\n\n", memory.text, name, memory.base, name,
-                       memory.size);
-  }
-  for (const auto& device : board.devices) {
-    const auto name = macro_case(device.name);
-    out << fmt::format("// {}\n#define {}_BASE 0x{:08X}\n", device.text, name, device.base);
-    if (device.interrupt >= 0) out << fmt::format("#define {}_INTERRUPT {}\n", name, device.interrupt);
-    for (const auto& reg : device.registers) {
-      out << fmt::format("#define {}_{}_OFFSET 0x{:X}  // {}: {}\n", name, macro_case(reg.name), reg.offset, reg.access,
-                         reg.text);
-    }
-    for (const auto& opcode : device.opcodes) {
-      out << fmt::format("#define {}_OPCODE_{} {}  // into {}: {}\n", name, macro_case(opcode.name), opcode.value,
-                         opcode.register_name, opcode.text);
-    }
-    // A device model in C++ that keeps such a register keeps its bits too.
-    if (std::ranges::any_of(device.registers, [](const auto& reg) { return reg.shows == "status"; })) {
-      using Described = mebots::soc::DescribedDevice;
-      out << fmt::format("#define {0}_STATUS_BUSY {1}\n#define {0}_STATUS_READY {2}\n#define {0}_STATUS_REFUSED {3}\n",
-                         name, Described::kBusy, Described::kReady, Described::kRefused);
-    }
-    out << "#ifndef __ASSEMBLER__\n";
-    for (const auto& reg : device.registers) {
-      out << fmt::format("#define {0}_{1} (*({2}volatile uint32_t*)({0}_BASE + {0}_{1}_OFFSET))\n", name,
-                         macro_case(reg.name), reg.access == "r" ? "const " : "");
-    }
-    for (const auto& enumeration : device.enumerations) {
-      out << fmt::format("enum {} {{\n", enumeration.name);
-      for (const auto& item : enumeration.items) {
-        out << fmt::format("  {}_{} = {},\n", macro_case(enumeration.name), macro_case(item.name), item.value);
-      }
-      out << "};\n";
-    }
-    out << "#endif\n";
-    for (const auto& state : device.states) {
-      if (state.delay_s > 0) {
-        out << fmt::format("#define {}_{}_DELAY_NS {:.0f}  // {}\n", name, macro_case(state.name), state.delay_s * 1e9,
-                           state.text);
-      }
-    }
-    out << "\n";
-  }
-  return out.str();
-}
-
-std::string cpp_header(const BoardDescription& board) {
-  std::ostringstream out;
-  out << "// SPDX-License-Identifier: Apache-2.0\n"
-      << "// Made from the board description \"" << board.name << "\" by mebots-boardgen. Do not edit.\n"
-      << "#pragma once\n\n#include <array>\n#include <cstdint>\n#include <string_view>\n\n"
-      << "/// " << board.text << ".\n"
-      << "namespace mebots::soc::board {\n\n"
-      << "/// A register as the board file names it; the file read at start must agree.\n"
-      << "struct RegisterName {\n  std::string_view name;\n  std::uint32_t offset;\n};\n\n";
-  for (const auto& memory : board.memories) {
-    out << fmt::format("/// {}.\nnamespace {} {{\n", memory.text, memory.name);
-    out << fmt::format("inline constexpr std::uint32_t kBase = 0x{:08X};\n", memory.base);
-    out << fmt::format("inline constexpr std::uint32_t kSize = {};\n}}\n\n", memory.size);
-  }
-  for (const auto& device : board.devices) {
-    out << fmt::format("/// {}.\nnamespace {} {{\n", device.text, device.name);
-    out << fmt::format("inline constexpr std::uint32_t kBase = 0x{:08X};\n", device.base);
-    if (device.interrupt >= 0) out << fmt::format("inline constexpr int kInterrupt = {};\n", device.interrupt);
-    for (const auto& reg : device.registers) {
-      out << fmt::format("/// {}: {}.\ninline constexpr std::uint32_t k{} = 0x{:X};\n", reg.access, reg.text,
-                         camel_case(reg.name), reg.offset);
-    }
-    out << fmt::format("inline constexpr std::array<RegisterName, {}> kRegisters{{{{\n", device.registers.size());
-    for (const auto& reg : device.registers)
-      out << fmt::format("    {{\"{}\", k{}}},\n", reg.name, camel_case(reg.name));
-    out << "}};\n";
-    for (const auto& enumeration : device.enumerations) {
-      out << fmt::format("enum class {} : std::int32_t {{\n", enumeration.name);
-      for (const auto& item : enumeration.items) out << fmt::format("  {} = {},\n", item.name, item.value);
-      out << "};\n";
-    }
-    out << "}\n\n";
-  }
-  out << "}  // namespace mebots::soc::board\n";
-  return out.str();
-}
 
 void write_file(const std::string& path, const std::string& text) {
   std::ofstream file(path);
@@ -136,36 +36,47 @@ void write_file(const std::string& path, const std::string& text) {
 }
 
 const mebots::soc::BoardDevice& device_of(const BoardDescription& board, const std::string& name) {
+  std::vector<std::string> known;
   for (const auto& device : board.devices) {
     if (device.name == name) return device;
+    known.push_back(device.name);
   }
-  throw Error(fmt::format("board {} has no device \"{}\"", board.name, name));
+  throw Error(fmt::format("board {} has no device \"{}\"; it has: {}", board.name, name, fmt::join(known, ", ")));
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  const std::vector<std::string> arguments(argv + 1, argv + argc);
-  if (arguments.size() == 1 && arguments[0] == "--version") {
-    fmt::print("mebots-boardgen {}\n", MEBOTS_VERSION);
-    return 0;
-  }
-  const bool headers = arguments.size() == 5 && arguments[1] == "--c" && arguments[3] == "--cpp";
-  const bool skeleton = arguments.size() == 4 && arguments[1] == "--skeleton";
-  if (!headers && !skeleton) {
-    fmt::print(stderr,
-               "usage: mebots-boardgen BOARD.json --c HEADER.h --cpp HEADER.hpp\n"
-               "       mebots-boardgen BOARD.json --skeleton DEVICE FILE.cpp\n"
-               "       mebots-boardgen --version\n");
-    return 2;
+  CLI::App app{"Writes headers and skeletons of devices from a board file"};
+  app.name("mebots-boardgen");
+  app.set_version_flag("--version", "mebots-boardgen " MEBOTS_VERSION);
+  std::string board_path;
+  std::string c_path;
+  std::string cpp_path;
+  std::pair<std::string, std::string> skeleton;
+  app.add_option("board", board_path, "The board file")->required()->type_name("BOARD.json");
+  auto* c_option = app.add_option("--c", c_path, "Write addresses, registers and opcodes as a C header for firmware")
+                       ->type_name("HEADER.h");
+  auto* cpp_option =
+      app.add_option("--cpp", cpp_path, "Write the same as a C++ header for device models")->type_name("HEADER.hpp");
+  auto* skeleton_option =
+      app.add_option("--skeleton", skeleton, "Write the source of a device of this board, all but its behaviour")
+          ->type_name("DEVICE FILE.cpp");
+  if (const auto code = mebots::command_line::tell_of_it(app, MEBOTS_VERSION, argc, argv)) return *code;
+  try {
+    app.parse(argc, argv);
+    if (c_option->empty() && cpp_option->empty() && skeleton_option->empty()) {
+      throw CLI::ParseError("nothing to write: say --c, --cpp or --skeleton", CLI::ExitCodes::RequiredError);
+    }
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
   }
   try {
-    const auto board = read_board(arguments[0]);
-    if (skeleton) {
-      write_file(arguments[3], mebots::boardgen::skeleton(board, device_of(board, arguments[2])));
-    } else {
-      write_file(arguments[2], c_header(board));
-      write_file(arguments[4], cpp_header(board));
+    const auto board = mebots::soc::read_board(board_path);
+    if (!c_option->empty()) write_file(c_path, mebots::boardgen::c_header(board));
+    if (!cpp_option->empty()) write_file(cpp_path, mebots::boardgen::cpp_header(board));
+    if (!skeleton_option->empty()) {
+      write_file(skeleton.second, mebots::boardgen::skeleton(board, device_of(board, skeleton.first)));
     }
   } catch (const std::exception& error) {
     fmt::print(stderr, "mebots-boardgen: {}\n", error.what());

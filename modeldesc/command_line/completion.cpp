@@ -108,6 +108,18 @@ std::string zsh_arguments(const Command& command) {
   return text + " \\\n          '*:file:_files'";
 }
 
+/// The end of the function, and what calls it or gives it to zsh.
+std::string zsh_end(const Command& program) {
+  return fmt::format(R"(}}
+if [[ $funcstack[1] == {0} ]]; then
+  {0} "$@"
+else
+  compdef {0} {1}
+fi
+)",
+                     function_of(program), program.name);
+}
+
 }  // namespace
 
 std::string bash_completion(const Command& program) {
@@ -117,7 +129,12 @@ std::string bash_completion(const Command& program) {
   std::string text = fmt::format(R"(# Completion of {0} for bash. Made by `{0} --print-completion bash`.
 {1}() {{
   local word=${{COMP_WORDS[COMP_CWORD]}} before=${{COMP_WORDS[COMP_CWORD - 1]}} command= choices= options= i
-  for ((i = 1; i < COMP_CWORD; ++i)); do
+)",
+                                 program.name, function);
+  if (program.commands.empty()) {
+    text += "  case $command in\n" + bash_case(program, "''");
+  } else {
+    text += fmt::format(R"(  for ((i = 1; i < COMP_CWORD; ++i)); do
     if [[ ${{COMP_WORDS[i]}} != -* ]]; then
       command=${{COMP_WORDS[i]}}
       break
@@ -125,12 +142,13 @@ std::string bash_completion(const Command& program) {
   done
   case $command in
     '')
-      choices={2}
-      options={3}
+      choices={}
+      options={}
       ;;
 )",
-                                 program.name, function, in_bash(fmt::format("{}", fmt::join(commands, " "))),
-                                 in_bash(fmt::format("{}", fmt::join(names_of(program.options), " "))));
+                        in_bash(fmt::format("{}", fmt::join(commands, " "))),
+                        in_bash(fmt::format("{}", fmt::join(names_of(program.options), " "))));
+  }
   for (const auto& command : program.commands) text += bash_case(command, command.name);
   text += fmt::format(R"(  esac
   if [[ $word == -* && -n $options ]]; then
@@ -151,6 +169,7 @@ complete -F {0} {1}
 std::string fish_completion(const Command& program) {
   std::string text =
       fmt::format("# Completion of {0} for fish. Made by `{0} --print-completion fish`.\n", program.name);
+  if (program.commands.empty()) return text + fish_options(program, "complete -c " + program.name);
   const auto start = "complete -c " + program.name + " -n ";
   text += fish_options(program, start + "__fish_use_subcommand");
   for (const auto& command : program.commands) {
@@ -169,9 +188,10 @@ std::string zsh_completion(const Command& program) {
 {1}() {{
   local context state state_descr line
   local -A opt_args
-  local -a commands=(
 )",
                                  program.name, function);
+  if (program.commands.empty()) return text + "  _arguments" + zsh_arguments(program) + "\n" + zsh_end(program);
+  text += "  local -a commands=(\n";
   for (const auto& command : program.commands) {
     text += "    " + in_bash(command.name + ":" + escaped(command.text)) + "\n";
   }
@@ -185,18 +205,8 @@ std::string zsh_completion(const Command& program) {
   for (const auto& command : program.commands) {
     text += fmt::format("        {})\n          _arguments{}\n          ;;\n", command.name, zsh_arguments(command));
   }
-  text += fmt::format(R"(      esac
-      ;;
-  esac
-}}
-if [[ $funcstack[1] == {0} ]]; then
-  {0} "$@"
-else
-  compdef {0} {1}
-fi
-)",
-                      function, program.name);
-  return text;
+  text += "      esac\n      ;;\n  esac\n";
+  return text + zsh_end(program);
 }
 
 }  // namespace mebots::command_line

@@ -10,18 +10,24 @@ if command -v mandoc >/dev/null; then
   grep -q 'mebots run configs/gate_easy.json --out' <<<"$(mandoc -T ascii "$share/man/man1/mebots-run.1")" \
     || { echo "FAILED: the page of mebots-run lacks its examples"; exit 1; }
 fi
-# Every command that the help lists has a page.
+# Every program that people start has a page and a completion, and every command that the help lists has a page.
+for program in "$MEBOTS"/bin/*; do
+  name=$(basename "$program")
+  if [[ $name == mebots-fmu-host ]]; then continue; fi  # the master starts it
+  [[ -s $share/man/man1/$name.1 && -s $share/bash-completion/completions/$name ]] \
+    || { echo "FAILED: $name has no page or no completion"; exit 1; }
+done
 for command in $(mebots --help | sed -n '/^Subcommands/,/^$/s/^  \([a-z-]*\) .*/\1/p'); do
   [[ -s $share/man/man1/mebots-$command.1 ]] || { echo "FAILED: mebots-$command has no page"; exit 1; }
 done
 
 touch a_config.json
-completed() {  # completed WORD...: what bash offers in place of the last of these words
+completed() {  # completed PROGRAM WORD...: what bash offers in place of the last of these words
   bash -c '
     source "$0"
     COMP_WORDS=("$@") COMP_CWORD=$(($# - 1)) COMPREPLY=()
-    _mebots 2>/dev/null
-    printf "%s\n" "${COMPREPLY[@]}"' "$share/bash-completion/completions/mebots" "$@"
+    "_${1//-/_}" 2>/dev/null
+    printf "%s\n" "${COMPREPLY[@]}"' "$share/bash-completion/completions/$1" "$@"
 }
 expect() {  # expect TEXT WORD...
   local text=$1 offered
@@ -33,6 +39,10 @@ expect run mebots r
 expect --stop-time mebots run --st
 expect a_config.json mebots run a_
 expect a_config.json mebots run --scenario a_
+if [[ -x $MEBOTS/bin/mebots-boardgen ]]; then  # it has no commands
+  expect --skeleton mebots-boardgen a_config.json --sk
+  expect a_config.json mebots-boardgen a_
+fi
 if grep -q print-completion <<<"$(completed mebots run --print)"; then echo "FAILED: hidden options are offered"; exit 1; fi
 
 if command -v fish >/dev/null; then
