@@ -116,8 +116,8 @@ def landing(page, data):
     page.heading("The charge at which a landing must begin", 3)
     page.text("Hover at 1 m, and the landing begins at a charge that differs from flight to flight; it takes 3.5 s. The drone "
               "reaches the ground under power if the protection has not opened by then. A smaller cell has more resistance for "
-              "the same current, so it has to land earlier; the paper's 10 % for all cells is too low for the two of 250 mAh "
-              "with the bench's motors.")
+              "the same current, so it has to land earlier. With the bench's motors, the paper's 10 % for all cells is too low for "
+              "the two of 250 mAh.")
     rows = [(MOTORS[motors], BATTERIES[battery][0], n(entry["opens"]),
              ", ".join(f"{f['charge']:.1f}" for f in entry["flights"] if f["landed"]) or "-",
              ", ".join(f"{f['charge']:.1f}" for f in entry["flights"] if not f["landed"]) or "-",
