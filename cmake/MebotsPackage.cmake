@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 # A Debian package of what is installed: `cpack` in the build folder; scripts/package.sh makes it and flies it in a clean root.
 # The programs' libraries are found by dpkg-shlibdeps. Who builds firmware or FMUs against it needs the compilers besides.
-set(MEBOTS_MAINTAINER "MEbots <maintainers@localhost>" CACHE STRING "Whom the Debian package names; who publishes it sets it")
+# .invalid: an address that can reach nobody (RFC 2606), until someone publishes the package. scripts/release.sh asks for theirs.
+set(MEBOTS_MAINTAINER "nobody yet <unset@mebots.invalid>" CACHE STRING "The maintainer that the Debian package names, as NAME <ADDRESS>")
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME mebots)
 set(CPACK_PACKAGE_VENDOR MEbots)

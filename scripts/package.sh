@@ -1,11 +1,12 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
 # Makes the Debian package in build/deb and tries it in a clean Debian 12 (scripts/try_package.sh).
-# Needs scripts/setup.sh once before, root and debootstrap.
+# Needs scripts/setup.sh once before, root and debootstrap. The package names MEBOTS_MAINTAINER='NAME <ADDRESS>' as its maintainer.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-cmake --preset release -B build/deb -DCMAKE_INSTALL_PREFIX=/usr -DMEBOTS_SITE_PACKAGES=lib/python3/dist-packages
+cmake --preset release -B build/deb -DCMAKE_INSTALL_PREFIX=/usr -DMEBOTS_SITE_PACKAGES=lib/python3/dist-packages \
+  ${MEBOTS_MAINTAINER:+"-DMEBOTS_MAINTAINER=$MEBOTS_MAINTAINER"}
 cmake --build build/deb
 rm -f build/deb/*.deb
 (cd build/deb && cpack)
