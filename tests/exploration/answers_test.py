@@ -13,8 +13,10 @@ import unittest
 from mebots.exploration import answers, chance
 from mebots.exploration.answers import Moments, mean_sequence, share_sequence, student, t_quantile, wilson
 
-STUDIES = 1000
+STUDIES = int(os.environ.get("MEBOTS_STUDIES", "200"))
 FLIGHTS = 500
+# Of few studies the share of wrong ones scatters by itself: two standard deviations of a share of 5 %.
+MOST_WRONG = 0.05 if STUDIES >= 1000 else 0.05 + 2 * math.sqrt(0.05 * 0.95 / STUDIES)
 
 
 class Intervals(unittest.TestCase):
@@ -83,7 +85,7 @@ class Sequences(unittest.TestCase):
             peeking[share] = self.wrong(lambda chance: finds(chance, interval=wilson))
         print(f"wrong by sequence {sequence}, by peeking at Wilson {peeking}")
         for share in sequence:
-            self.assertLessEqual(sequence[share], 0.05)
+            self.assertLessEqual(sequence[share], MOST_WRONG)
             self.assertGreater(peeking[share], 0.2)
 
     def test_is_a_success_above_a_bound_that_it_just_does_not_pass(self):
@@ -97,7 +99,7 @@ class Sequences(unittest.TestCase):
 
         rate = self.wrong(finds)
         print(f"\"success above 0.95\" said of 0.95: {rate}")
-        self.assertLessEqual(rate, 0.05)
+        self.assertLessEqual(rate, MOST_WRONG)
 
     def test_is_one_of_two_equal_designs_better_by_success(self):
         def finds(chance):
@@ -113,7 +115,7 @@ class Sequences(unittest.TestCase):
 
         rate = self.wrong(finds)
         print(f"\"A better than B\" said of equals: {rate}")
-        self.assertLessEqual(rate, 0.05)
+        self.assertLessEqual(rate, MOST_WRONG)
 
     def test_has_one_of_two_equal_designs_less_energy(self):
         rates = {}
@@ -136,7 +138,7 @@ class Sequences(unittest.TestCase):
             rates[name] = self.wrong(finds)
         print(f"\"less energy\" said of equals: {rates}")
         for rate in rates.values():
-            self.assertLessEqual(rate, 0.05)
+            self.assertLessEqual(rate, MOST_WRONG)
 
     def test_what_is_there_is_found(self):
         chance = random.Random(2)

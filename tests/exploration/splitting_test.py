@@ -25,7 +25,7 @@ def chance_to_reach(height):
     return more(height) + more(height + 1)
 
 
-class RareEvents(StudyCase):
+class WalkCase(StudyCase):
     def mission(self):
         (self.folder / "mission.json").write_text(json.dumps({
             "step": 1, "stop_time": STEPS, "instances": {"walk": {"fmu": str(BUILD / "test_fmus" / "walk.fmu")}},
@@ -46,23 +46,8 @@ class RareEvents(StudyCase):
             draws={"replicates": estimates, "seed": seed, "variables": {"walk.seed": {"integer": [1, 2000000000]}}},
             splitting={"score": "walk.height", "missions": missions, "reseed": ["walk.seed"]} | way | more)
 
-    def check_one_in_ten_thousand(self, levels, estimates):
-        """20 % relative error, with a tenth of the simulated time that counting needs."""
-        exact = chance_to_reach(HEIGHT)
-        self.assertLess(abs(math.log10(exact) + 4), 0.15)
-        self.rare(levels, 200, estimates)
-        self.sweep()
-        (answer,) = self.rows("designs.csv")
-        found, relative = float(answer["probability"]), float(answer["relative_error"])
-        self.assertLess(relative, 0.2)
-        self.assertLess(float(answer["probability: low"]), exact)
-        self.assertGreater(float(answer["probability: high"]), exact)
-        self.assertLess(abs(found / exact - 1), 3 * relative)
-        # As many missions as plain counting needs for this relative error: (1 - p) / (p e^2), each of them whole.
-        plain_s = (1 - exact) / (exact * relative**2) * STEPS
-        print(f"{found:.3g} ({exact:.3g}), error {relative:.2g}, {plain_s / float(answer['simulated_time [s]']):.0f} times less simulated")
-        self.assertGreater(plain_s / float(answer["simulated_time [s]"]), 10)
 
+class RareEvents(WalkCase):
     def test_a_scenario_sets_a_tunable_parameter_as_a_program_does(self):
         def heights(scenarios, write):
             mission = mebots.Mission(self.folder / "mission.json", scenarios=scenarios, record=["walk.height"])
@@ -76,22 +61,6 @@ class RareEvents(StudyCase):
         scenario.write_text(json.dumps({"scenario": [{"variable": "walk.seed", "set": 7, "from": 50}]}))
         self.assertEqual(heights([scenario], []), heights([], [7]))
         self.assertNotEqual(heights([scenario], []), heights([], []))
-
-    def test_a_probability_of_one_in_ten_thousand_is_found_with_a_tenth_of_the_simulated_time(self):
-        self.check_one_in_ten_thousand([9, 15, 21, 27, 33, HEIGHT], 12)
-
-    def test_so_it_is_by_levels_that_pilot_missions_found(self):
-        self.check_one_in_ten_thousand(HEIGHT, 12)
-        pilot = [row for row in self.rows("levels.csv") if row["estimate"] == "pilot"]
-        levels = [float(row["level"]) for row in pilot]
-        self.assertGreater(len(levels), 3)
-        self.assertEqual(levels, sorted(set(levels)))
-        self.assertEqual(levels[-1], HEIGHT)
-        for row in pilot[:-1]:  # a fifth, or some more where many came equally far
-            self.assertGreaterEqual(int(row["reached"]), 40)
-            self.assertLess(int(row["reached"]), 80)
-        own = [row["level"] for row in self.rows("levels.csv") if row["estimate"] == "3"]
-        self.assertEqual([float(level) for level in own], levels)
 
     def test_levels_are_found_on_the_way_down_too_and_for_each_design_of_its_own(self):
         self.study(
@@ -138,26 +107,6 @@ class RareEvents(StudyCase):
         scenario = json.loads((self.folder / "out" / "rare" / "design_0.json").read_text())["scenario"]
         self.assertEqual(len(scenario), len(design["levels"]) - 1)
         self.assertEqual(summary["outcome"], "high")
-
-    def test_it_agrees_with_counting_where_that_is_possible(self):
-        """At height 12, which every fourth walk reaches, by one level, by three, and by counting."""
-        exact = chance_to_reach(12)
-        for number, levels in enumerate(([12], [4, 8, 12])):
-            self.rare(levels, 50, 12)
-            self.sweep(out=f"rare{number}")
-            (answer,) = self.rows("designs.csv", f"rare{number}")
-            self.assertLess(float(answer["probability: low"]), exact)
-            self.assertGreater(float(answer["probability: high"]), exact)
-        self.study(design={"kind": "grid", "factors": {"/stop_time": [STEPS]}},
-                   draws={"replicates": 600, "seed": 1, "variables": {"walk.seed": {"integer": [1, 2000000000]}}},
-                   objectives={"success": {"outcome": "high"}})
-        self.sweep(out="counted")
-        (counted,) = self.rows("designs.csv", "counted")
-        self.assertLess(float(counted["success: low"]), exact)
-        self.assertGreater(float(counted["success: high"]), exact)
-        # One level is counting: its missions are those with the same draws.
-        successes = int(counted["success: successes"])
-        self.assertEqual(sum(int(row["reached"]) for row in self.rows("levels.csv", "rare0")), successes)
 
     def test_the_same_bytes_come_for_any_jobs_and_after_a_kill(self):
         for levels in ([4, 8], 8):
@@ -206,6 +155,63 @@ class RareEvents(StudyCase):
         self.assertIn("walk.seed", self.sweep(code=2))
         self.rare([4, 8], 20, 2, score="walk.hight")
         self.assertIn("Did you mean 'height'", self.sweep(code=2))
+
+
+class RareEventsAgainstTheory(WalkCase):
+    """Probabilities beside closed forms and counting: many missions."""
+
+    def check_one_in_ten_thousand(self, levels, estimates):
+        """20 % relative error, with a tenth of the simulated time that counting needs."""
+        exact = chance_to_reach(HEIGHT)
+        self.assertLess(abs(math.log10(exact) + 4), 0.15)
+        self.rare(levels, 200, estimates)
+        self.sweep()
+        (answer,) = self.rows("designs.csv")
+        found, relative = float(answer["probability"]), float(answer["relative_error"])
+        self.assertLess(relative, 0.2)
+        self.assertLess(float(answer["probability: low"]), exact)
+        self.assertGreater(float(answer["probability: high"]), exact)
+        self.assertLess(abs(found / exact - 1), 3 * relative)
+        # As many missions as plain counting needs for this relative error: (1 - p) / (p e^2), each of them whole.
+        plain_s = (1 - exact) / (exact * relative**2) * STEPS
+        print(f"{found:.3g} ({exact:.3g}), error {relative:.2g}, {plain_s / float(answer['simulated_time [s]']):.0f} times less simulated")
+        self.assertGreater(plain_s / float(answer["simulated_time [s]"]), 10)
+
+    def test_a_probability_of_one_in_ten_thousand_is_found_with_a_tenth_of_the_simulated_time(self):
+        self.check_one_in_ten_thousand([9, 15, 21, 27, 33, HEIGHT], 12)
+
+    def test_so_it_is_by_levels_that_pilot_missions_found(self):
+        self.check_one_in_ten_thousand(HEIGHT, 12)
+        pilot = [row for row in self.rows("levels.csv") if row["estimate"] == "pilot"]
+        levels = [float(row["level"]) for row in pilot]
+        self.assertGreater(len(levels), 3)
+        self.assertEqual(levels, sorted(set(levels)))
+        self.assertEqual(levels[-1], HEIGHT)
+        for row in pilot[:-1]:  # a fifth, or some more where many came equally far
+            self.assertGreaterEqual(int(row["reached"]), 40)
+            self.assertLess(int(row["reached"]), 80)
+        own = [row["level"] for row in self.rows("levels.csv") if row["estimate"] == "3"]
+        self.assertEqual([float(level) for level in own], levels)
+
+    def test_it_agrees_with_counting_where_that_is_possible(self):
+        """At height 12, which every fourth walk reaches, by one level, by three, and by counting."""
+        exact = chance_to_reach(12)
+        for number, levels in enumerate(([12], [4, 8, 12])):
+            self.rare(levels, 50, 12)
+            self.sweep(out=f"rare{number}")
+            (answer,) = self.rows("designs.csv", f"rare{number}")
+            self.assertLess(float(answer["probability: low"]), exact)
+            self.assertGreater(float(answer["probability: high"]), exact)
+        self.study(design={"kind": "grid", "factors": {"/stop_time": [STEPS]}},
+                   draws={"replicates": 600, "seed": 1, "variables": {"walk.seed": {"integer": [1, 2000000000]}}},
+                   objectives={"success": {"outcome": "high"}})
+        self.sweep(out="counted")
+        (counted,) = self.rows("designs.csv", "counted")
+        self.assertLess(float(counted["success: low"]), exact)
+        self.assertGreater(float(counted["success: high"]), exact)
+        # One level is counting: its missions are those with the same draws.
+        successes = int(counted["success: successes"])
+        self.assertEqual(sum(int(row["reached"]) for row in self.rows("levels.csv", "rare0")), successes)
 
 
 if __name__ == "__main__":
