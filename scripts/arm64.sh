@@ -30,7 +30,7 @@ if [[ $(cat "$sysroot/.packages" 2>/dev/null) != "$packages" ]]; then
 fi
 
 cmake --preset release -B build/arm64 "-DCMAKE_TOOLCHAIN_FILE=$PWD/cmake/arm64.cmake" "-DCMAKE_SYSROOT=$sysroot" \
-  -DMEBOTS_SOC_TRANSLATE=OFF -DMEBOTS_PYTHON=OFF -DMEBOTS_PAGES=OFF
+  -DMEBOTS_SOC_TRANSLATE=OFF -DMEBOTS_EXAMPLES=OFF -DMEBOTS_PYTHON=OFF -DMEBOTS_PAGES=OFF
 cmake --build build/arm64
 
 place=$(mktemp -d)

