@@ -153,8 +153,8 @@ def speeds(page, data):
                 "off the middle [cm]"),
                [(name, plain(f["outcome"]), n(f["gate_s"]), n(f["end_s"]), n(f["path_m"], 2), n(f["charge"], 2),
                  n(None if f["lateral_m"] is None else 100 * f["lateral_m"])) for name, f in flights.items()])
-    page.text("The adaptive flight over time. When the frame lets it go it darts back at 5 km/h; the stabiliser's integrals, which "
-              "had pushed against the frame for 50 s, are the likely cause, not looked into.")
+    page.text("The adaptive flight over time. When the frame lets it go it darts back at 5 km/h. The likely cause is the stabiliser's "
+              "integrals, which had pushed against the frame for 50 s; we did not examine it.")
     page.figure("course", "Time course of the hard adaptive flight", figures.course(data["adaptive"]["course"]))
 
 
