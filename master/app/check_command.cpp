@@ -43,7 +43,7 @@ int check_command(const CheckOptions& options) {
 void add_check(CLI::App& app, Action& action) {
   const auto options = std::make_shared<CheckOptions>();
   auto* command = app.add_subcommand("check", "Look for mistakes in an FMU, from archive to behaviour");
-  command->add_option("fmu", options->fmu, "FMU file")->required();
+  command->add_option("fmu", options->fmu, "FMU file")->type_name("FILE.fmu")->required();
   command
       ->add_option("--level", options->level,
                    "interoperable: what keeps other tools from running it; standard: what FMI 2.0 demands; pedantic: "

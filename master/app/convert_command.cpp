@@ -48,8 +48,9 @@ void add_convert(CLI::App& app, Action& action) {
   const auto options = std::make_shared<ConvertOptions>();
   auto* command = app.add_subcommand("convert", "Turn a config into an SSP 1.0, or an SSP into a config");
   command->add_option("from", options->from, "Config (.json), SSP (.ssp, .ssd or its folder) or OspSystemStructure.xml")
+      ->type_name("FILE")
       ->required();
-  command->add_option("to", options->to, "SSP (.ssp) or config (.json) to write")->required();
+  command->add_option("to", options->to, "SSP (.ssp) or config (.json) to write")->type_name("FILE")->required();
   command->footer(help_footer({"0 written", "1 the file could not be written", "2 the input cannot be used"},
                               {"mebots convert configs/gate_easy.json gate.ssp", "mebots convert gate.ssp gate.json"}));
   command->callback(

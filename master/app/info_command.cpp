@@ -176,10 +176,11 @@ void info(const std::filesystem::path& file) {
 
 void add_info(CLI::App& app, Action& action) {
   const auto file = std::make_shared<std::filesystem::path>();
-  auto* command = app.add_subcommand("info", "Show what an FMU, a config or an SSP says of itself");
+  auto* command = app.add_subcommand("info", "Show what an FMU, a config or an SSP contains");
   command
       ->add_option("file", *file,
                    "FMU (.fmu), config (.json), SSP (.ssp, .ssd or its folder) or OspSystemStructure.xml")
+      ->type_name("FILE")
       ->required();
   command->footer(help_footer({"0 shown", "2 the file cannot be used"},
                               {"mebots info fmu_battery.fmu", "mebots info configs/gate_easy.json"}));

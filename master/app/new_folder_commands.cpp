@@ -35,8 +35,12 @@ void add_new_firmware(CLI::App& app, Action& action) {
   };
   const auto options = std::make_shared<Options>();
   auto* command = app.add_subcommand("new-firmware", "Write the folder of a new program for the chip, which builds");
-  command->add_option("name", options->name, "Its name: lower-case letters, digits and _")->required();
-  command->add_option("--out", options->out, "Folder to make; default: the name")->check(not_empty());
+  command->add_option("name", options->name, "Its name: lower-case letters, digits and _")
+      ->type_name("NAME")
+      ->required();
+  command->add_option("--out", options->out, "Folder to make; default: the name")
+      ->type_name("FOLDER")
+      ->check(not_empty());
   command->footer(help_footer(kExitCodesOfWriting, {"mebots new-firmware blink"}));
   command->callback([options, &action] {
     action = [options] {
@@ -55,13 +59,17 @@ void add_new_sensor(CLI::App& app, Action& action) {
   auto& sensor = options->sensor;
   auto* command = app.add_subcommand(
       "new-sensor", "Write the folder of a new sensor on the chip with driver, firmware and mission, which builds");
-  command->add_option("name", sensor.name, "Its name: lower-case letters, digits and _")->required();
+  command->add_option("name", sensor.name, "Its name: lower-case letters, digits and _")->type_name("NAME")->required();
   command->add_option("--senses", sensor.senses, "What it senses: a Real output of world, motors or battery")
+      ->type_name("INSTANCE.VARIABLE")
       ->capture_default_str();
   command->add_option("--board", sensor.board, "Board file that gets the sensor; default: GAP8 alone")
+      ->type_name("FILE.json")
       ->check(CLI::ExistingFile);
   command->add_flag("--cpp", sensor.with_code, "With a device model in C++, for what states cannot say");
-  command->add_option("--out", options->out, "Folder to make; default: the name")->check(not_empty());
+  command->add_option("--out", options->out, "Folder to make; default: the name")
+      ->type_name("FOLDER")
+      ->check(not_empty());
   command->footer(help_footer(kExitCodesOfWriting, {"mebots new-sensor height",
                                                     "mebots new-sensor voltmeter --senses battery.bus.voltage --cpp"}));
   command->callback([options, &action] {

@@ -96,23 +96,29 @@ void add_report(CLI::App& app, Action& action) {
   const auto options = std::make_shared<PageOptions>();
   auto* command =
       app.add_subcommand("report", "Make one page of a run's results, or of several runs beside each other");
-  command->add_option("folders", options->folders, "Results folders; the first is shown in full")->required();
+  command->add_option("folders", options->folders, "Results folders; the first is shown in full")
+      ->type_name("FOLDER")
+      ->required();
   command->add_option("--out", options->out, "File of the page; default: flight.html in the first folder")
+      ->type_name("FILE.html")
       ->check(not_empty());
   command
       ->add_option(
           "--detail", options->detail,
           "FROM:TO [s] or all: of a table too long for a page, every row of this span of time stays; may be repeated")
+      ->type_name("FROM:TO")
       ->allow_extra_args(false);
   command
       ->add_option(
           "--mcap", options->mcap,
           "Write the first run as an MCAP file, too, for Foxglove, Lichtblick and PlotJuggler (needs the Python "
           "package mcap)")
+      ->type_name("FILE.mcap")
       ->check(not_empty());
   command
       ->add_option("--video", options->video,
-                   "Write a film of the page, too; its ending says the format, .mp4 say (needs Chromium and ffmpeg)")
+                   "Write a film of the page, too; the suffix (.mp4) says the format. Needs Chromium and ffmpeg")
+      ->type_name("FILE.mp4")
       ->check(not_empty());
   command->add_option("--fps", options->frames_per_second, "Frames in a second of the film; default: 15")
       ->check(CLI::Range(1U, 240U));

@@ -155,9 +155,12 @@ void add_report_options(CLI::App& command, ReportOptions& options) {
   command
       .add_option("--expect", options.expect,
                   "Exit with 1 unless the outcome is this one (may be repeated: any of them)")
+      ->type_name("OUTCOME")
       ->allow_extra_args(false)
       ->take_all();
-  command.add_option("--junit", options.junit, "Write the run as one test case of a JUnit file")->check(not_empty());
+  command.add_option("--junit", options.junit, "Write the run as one test case of a JUnit file")
+      ->type_name("FILE.xml")
+      ->check(not_empty());
   command.add_flag("--quiet", options.quiet, "Show warnings and errors only");
 }
 
@@ -175,26 +178,33 @@ void add_run(CLI::App& app, Action& action) {
   command
       ->add_option("config", run->config,
                    "Config (.json), SSP 1.0 (.ssp, .ssd or its folder) or OspSystemStructure.xml")
+      ->type_name("FILE")
       ->required();
   command
       ->add_option("--out", run->out,
                    "Folder for results.csv, summary.json and log.txt; default: results/<name of the config>")
+      ->type_name("FOLDER")
       ->check(not_empty());
-  command
-      ->add_option("--set", run->sets, "Give a parameter or a start value: INSTANCE.VARIABLE=VALUE (may be repeated)")
+  command->add_option("--set", run->sets, "Give a parameter or a start value (may be repeated)")
+      ->type_name("INSTANCE.VARIABLE=VALUE")
       ->allow_extra_args(false)
       ->take_all();
   command
       ->add_option("--scenario", run->scenarios,
                    "Overrides of variables from a file, after those of the config (may be repeated)")
+      ->type_name("FILE.json")
       ->allow_extra_args(false)
       ->take_all();
-  command->add_option("--stop-time", run->stop_time_s, "End of the simulation [s], instead of the config's");
-  command->add_option("--step", run->step_s, "Communication step [s], for an SSP that does not say it");
+  command->add_option("--stop-time", run->stop_time_s, "End of the simulation [s], instead of the config's")
+      ->type_name("SECONDS");
+  command->add_option("--step", run->step_s, "Communication step [s], for an SSP that does not say it")
+      ->type_name("SECONDS");
   command->add_flag("--statistics", run->statistics,
                     "Show calls, time and slowest step of every instance, and write them to summary.json");
-  command->add_option("--checkpoint-every", run->checkpoint_every_s,
-                      "Write a checkpoint at t = 0 and after every so many seconds of simulated time");
+  command
+      ->add_option("--checkpoint-every", run->checkpoint_every_s,
+                   "Write a checkpoint at t = 0 and after every so many seconds of simulated time")
+      ->type_name("SECONDS");
   command->add_flag("--isolate", run->isolate, "Run every instance in a process of its own");
   command
       ->add_option("--live", report->live_port,
@@ -221,7 +231,7 @@ void add_resume(CLI::App& app, Action& action) {
   const auto folder = std::make_shared<std::filesystem::path>();
   const auto report = std::make_shared<ReportOptions>();
   auto* command = app.add_subcommand("resume", "Go on with a run from its last checkpoint");
-  command->add_option("folder", *folder, "The results folder of the run")->required();
+  command->add_option("folder", *folder, "The results folder of the run")->type_name("FOLDER")->required();
   add_report_options(*command, *report);
   command->footer(help_footer(kExitCodes, {"mebots resume results/gate_easy"}));
   command->callback([folder, report, &action] {

@@ -33,7 +33,7 @@ void add_schema(CLI::App& app, Action& action) {
   const auto kind = std::make_shared<std::string>("config");
   std::string kinds;
   for (const auto& schema : master::schemas()) kinds += (kinds.empty() ? "" : ", ") + std::string(schema.kind);
-  command->add_option("kind", *kind, "Kind of file: " + kinds)->capture_default_str();
+  command->add_option("kind", *kind, "Kind of file: " + kinds)->type_name("KIND")->capture_default_str();
   command->footer(help_footer({"0 printed", "1 standard output is closed or full", "2 there is no such kind of file"},
                               {"mebots schema > mebots-config.schema.json", "mebots schema board"}));
   command->callback([&action, kind] { action = [kind] { return print_schema(*kind); }; });

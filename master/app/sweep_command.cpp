@@ -39,20 +39,23 @@ std::vector<std::string> words_of(const SweepOptions& options) {
 void add_sweep(CLI::App& app, Action& action) {
   const auto options = std::make_shared<SweepOptions>();
   auto* command = app.add_subcommand("sweep", "Fly the missions of a study, and answer its question");
-  command->add_option("study", options->study, "Study (.json)");
+  command->add_option("study", options->study, "Study (.json)")->type_name("FILE.json");
   command
       ->add_option("--out", options->out,
                    "Folder for missions.csv, designs.csv, journal.jsonl and report.html; a study that was interrupted "
                    "goes on there")
+      ->type_name("FOLDER")
       ->check(not_empty());
   command->add_option("--jobs", options->jobs, "Missions at the same time; default: one for each processor")
       ->check(CLI::Range(1U, 1024U));
   command->add_flag("--dry-run", options->dry_run, "Check the study; tell how many missions, how long, how much disk");
-  command->add_option("--status", options->status, "Tell how far the study in this folder is; fly nothing")
+  command->add_option("--status", options->status, "Show how far the study in this folder is; fly nothing")
+      ->type_name("FOLDER")
       ->check(not_empty());
   command
       ->add_option("--reuse", options->reuse,
                    "Take missions that this folder's journal has, instead of flying them (may be repeated)")
+      ->type_name("FOLDER")
       ->allow_extra_args(false)
       ->take_all();
   command->footer(

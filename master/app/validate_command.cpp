@@ -188,7 +188,9 @@ void add_validate(CLI::App& app, Action& action) {
   const auto files = std::make_shared<std::vector<std::string>>();
   std::string kinds;
   for (const auto& kind : known_kinds()) kinds += (kinds.empty() ? "" : ", ") + kind;
-  command->add_option("files", *files, "Files (.json); \"$schema\" or their keys tell the kind: " + kinds)->required();
+  command->add_option("files", *files, "Files (.json); \"$schema\" or their keys tell the kind: " + kinds)
+      ->type_name("FILE.json")
+      ->required();
   command->footer(
       help_footer({"0 all files are good", "2 a file has mistakes, or cannot be read"},
                   {"mebots validate mission.json", "mebots validate configs/*.json configs/boards/*.json"}));

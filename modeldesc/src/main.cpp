@@ -29,39 +29,49 @@ int main(int argc, char** argv) {
   std::string folder;
   CLI::App* generate_command =
       app.add_subcommand("generate", "Write modelDescription.xml, index.html and the C++ files");
-  generate_command->add_option("description", description, "description.json of the FMU")->required();
-  generate_command->add_option("--board", board, "board file whose devices' variables join in");
-  generate_command->add_option("--out", folder, "folder to write to")->required();
+  generate_command->add_option("description", description, "description.json of the FMU")
+      ->type_name("FILE.json")
+      ->required();
+  generate_command->add_option("--board", board, "board file whose devices' variables join in")->type_name("FILE.json");
+  generate_command->add_option("--out", folder, "folder to write to")->type_name("FOLDER")->required();
   generate_command->callback([&] { generate(read_description(description, board), folder); });
 
   std::string archive;
   FmuParts parts;
   CLI::App* pack_command = app.add_subcommand("pack", "Write an .fmu archive");
-  pack_command->add_option("archive", archive, "the .fmu to write")->required();
-  pack_command->add_option("--description", parts.description, "modelDescription.xml")->required();
-  pack_command->add_option("--documentation", parts.documentation, "index.html")->required();
-  pack_command->add_option("--binary", parts.binary, "shared library of the FMU")->required();
-  pack_command->add_option("--library", parts.libraries, "library that travels beside it (may repeat)");
-  pack_command->add_option("--resources", parts.resource_folders,
-                           "folder whose contents go to resources/ (may repeat)");
-  pack_command->add_option("--resource-file", parts.resource_files, "file that goes to resources/ (may repeat)");
-  pack_command->add_option("--icon", parts.icon, "picture that becomes model.png");
-  pack_command->add_option("--license", parts.license, "licence text of the FMU");
-  pack_command->add_option("--license-id", parts.license_id, "the same as an SPDX expression");
-  pack_command->add_option("--parts", parts.parts,
-                           "list of other people's parts, for their licences and the bill of materials");
-  pack_command->add_option("--reference", parts.reference, "folder with reference traces");
+  pack_command->add_option("archive", archive, "the .fmu to write")->type_name("FILE.fmu")->required();
+  pack_command->add_option("--description", parts.description, "modelDescription.xml")
+      ->type_name("FILE.xml")
+      ->required();
+  pack_command->add_option("--documentation", parts.documentation, "index.html")->type_name("FILE.html")->required();
+  pack_command->add_option("--binary", parts.binary, "shared library of the FMU")->type_name("FILE.so")->required();
+  pack_command->add_option("--library", parts.libraries, "library that travels beside it (may repeat)")
+      ->type_name("FILE");
+  pack_command->add_option("--resources", parts.resource_folders, "folder whose contents go to resources/ (may repeat)")
+      ->type_name("FOLDER");
+  pack_command->add_option("--resource-file", parts.resource_files, "file that goes to resources/ (may repeat)")
+      ->type_name("FILE");
+  pack_command->add_option("--icon", parts.icon, "picture that becomes model.png")->type_name("FILE.png");
+  pack_command->add_option("--license", parts.license, "licence text of the FMU")->type_name("FILE");
+  pack_command->add_option("--license-id", parts.license_id, "the same as an SPDX expression")->type_name("EXPRESSION");
+  pack_command
+      ->add_option("--parts", parts.parts, "list of other people's parts, for their licences and the bill of materials")
+      ->type_name("FILE");
+  pack_command->add_option("--reference", parts.reference, "folder with reference traces")->type_name("FOLDER");
   pack_command->callback([&] { pack_fmu(archive, parts); });
 
   Product product;
   std::vector<std::string> part_lists;
   std::string bill;
   CLI::App* sbom_command = app.add_subcommand("sbom", "Write a bill of materials (SPDX 2.3 JSON)");
-  sbom_command->add_option("file", bill, "the file to write")->required();
-  sbom_command->add_option("--name", product.name, "of the product")->required();
-  sbom_command->add_option("--product-version", product.version, "of the product");
-  sbom_command->add_option("--license-id", product.license, "of the product, as an SPDX expression");
-  sbom_command->add_option("--parts", part_lists, "lists of other people's parts (may repeat)")->required();
+  sbom_command->add_option("file", bill, "the file to write")->type_name("FILE.json")->required();
+  sbom_command->add_option("--name", product.name, "of the product")->type_name("NAME")->required();
+  sbom_command->add_option("--product-version", product.version, "of the product")->type_name("VERSION");
+  sbom_command->add_option("--license-id", product.license, "of the product, as an SPDX expression")
+      ->type_name("EXPRESSION");
+  sbom_command->add_option("--parts", part_lists, "lists of other people's parts (may repeat)")
+      ->type_name("FILE")
+      ->required();
   sbom_command->callback([&] {
     std::vector<Part> others;
     for (const auto& list : part_lists) {

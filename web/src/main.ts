@@ -129,7 +129,7 @@ const KEYS: [string, string][] = [
   ["home, end", "begin, end"],
   ["+ \u2212", "faster, slower"],
   [LOOKS.map((_, i) => i + 1).join(" "), `camera: ${LOOKS.join(", ")}`],
-  ["ctrl + wheel, two fingers", "on a plot: look closer; double click or escape: show all"],
+  ["ctrl + wheel, two fingers", "on a plot: zoom in; double click or escape: show all"],
   ["/", "search a variable"],
   ["d", "dark or light"],
 ];

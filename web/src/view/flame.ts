@@ -70,7 +70,7 @@ function windowedChoices(profile: WindowedProfile, window: Window): Choices {
       const span = `from ${shownTime(slice.from)} to ${shownTime(slice.to)}`;
       const total = `${shown(tree.value, profile.unit(chosen))}${chosen === "energy" ? `, ${shown(tree.value / (slice.to - slice.from || 1), "W")} in the mean` : ""}${withIdle ? "" : " while awake"}`;
       return { tree, factor: 1, unit: profile.unit(chosen),
-        note: `${total}, ${span}${window.isWhole ? "; ctrl and wheel on a plot choose a span" : ", the span of the plots in whole windows of the profile"}. Click a box to look closer.` };
+        note: `${total}, ${span}${window.isWhole ? "; ctrl and wheel on a plot choose a span" : ", the span of the plots in whole windows of the profile"}. Click a box to zoom in.` };
     },
   };
 }
@@ -85,7 +85,7 @@ function wholeChoices(profiles: Json[]): Choices {
     read: (withIdle) => {
       const { profile, frames } = list[Number(choice.value)];
       const [factor, unit] = UNITS[profile.unit] ?? [1, "-"];
-      return { tree: treeOf(profile, frames, withIdle), factor, unit, note: "Over the whole run. Click a box to look closer." };
+      return { tree: treeOf(profile, frames, withIdle), factor, unit, note: "Over the whole run. Click a box to zoom in." };
     },
   };
 }
