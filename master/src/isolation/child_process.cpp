@@ -144,7 +144,7 @@ std::filesystem::path find_fmu_host() {
   }
   throw Error(
       ErrorCode::file_not_found,
-      fmt::format("the program mebots-fmu-host, which runs an FMU in a process of its own, is at none of {}; set "
+      fmt::format("the program mebots-fmu-host, which runs an FMU in a process of its own, was not found at {}; set "
                   "MEBOTS_FMU_HOST to its path",
                   fmt::join(as_texts(places), ", ")));
 }

@@ -351,8 +351,7 @@ int run_fmu_host(int argument_count, char** arguments) {
     return 0;
   }
   if (argument_count != 3 && argument_count != 4) {
-    std::fputs("mebots-fmu-host: runs one FMU for mebots, which starts it; there is nothing to call it for by hand\n",
-               stderr);
+    std::fputs("mebots-fmu-host: mebots starts this program to run one FMU; use `mebots run --isolate`\n", stderr);
     return 2;
   }
   try {
