@@ -128,7 +128,8 @@ BoardMemory read_memory(const Node& node, std::set<std::string>& names) {
   object.visit_if("way", [&](const Node& member) {
     memory.way = read_way(member);
     if (memory.place == Place::cluster) {
-      member.fail(ErrorCode::invalid_value, "the cluster's own memory has no way; leave it out, or change the place");
+      member.fail(ErrorCode::invalid_value,
+                  "the cluster's own memory takes no 'way': remove the key, or change 'place'");
     }
   });
   object.read_if("text", memory.text, &Node::text);
@@ -224,7 +225,7 @@ std::vector<BoardRegister> read_registers(const Node& node) {
     });
   }
   if (node.elements().empty()) {
-    node.fail(ErrorCode::invalid_value, "the list is empty: nothing could be said to the device");
+    node.fail(ErrorCode::invalid_value, "the list is empty, so firmware could not use the device: add a register");
   }
   std::ranges::sort(registers, {}, &BoardRegister::offset);
   return registers;
@@ -611,7 +612,7 @@ BoardDescription read_root(const Node& root) {
       std::ranges::any_of(board.memories, [](const BoardMemory& memory) { return memory.way.has_value(); });
   if (board.instruction_cache(Place::cluster).refill_soc_cycles != 0 && !has_way) {
     root.at("instruction_caches")
-        .complain(ErrorCode::invalid_value, "refill_soc_cycles counts where a memory has a 'way'; none has");
+        .complain(ErrorCode::invalid_value, "refill_soc_cycles needs a memory with a 'way', and none has one");
   }
   const bool has_devices =
       object.read("devices", board.devices, data::list_of([&](const Node& node) { return read_device(node, names); }));

@@ -205,7 +205,7 @@ void Udma::load_flash() {
   std::error_code error;
   const std::filesystem::path path(flash_path_);
   std::ifstream file(path, std::ios::binary);
-  if (!file || !std::filesystem::is_regular_file(path, error)) refuse("this is no file that can be read");
+  if (!file || !std::filesystem::is_regular_file(path, error)) refuse("this is not a file that can be read");
   std::vector<std::uint8_t> image(std::istreambuf_iterator<char>(file), {});
   if (image.size() > kFlashBytes) {
     refuse(fmt::format("the image has {} bytes, the flash of device {} holds {}", image.size(), host_.entry.name,
