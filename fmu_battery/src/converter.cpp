@@ -127,7 +127,7 @@ Converter load_converter(const std::filesystem::path& file, const std::string& n
   std::vector<std::string> known;
   known.reserve(converters.size());
   for (const auto& [other, converter] : converters) known.push_back(other);
-  throw Error(ErrorCode::unknown_name, fmt::format("{} = \"{}\": {} knows no such converter. {}", variable, name,
+  throw Error(ErrorCode::unknown_name, fmt::format("{} = \"{}\": {} has no converter of this name. {}", variable, name,
                                                    file.string(), suggest(name, known)));
 }
 

@@ -95,7 +95,7 @@ class ArchiveCheck {
     const auto top = name.substr(0, name.find('/'));
     if (!climbs && tops_.insert(top).second && !is_known_top(top) && !top.empty())
       findings_.at(Level::pedantic)
-          .warning(fmt::format("\"{}\" at the top of the archive is nothing that FMI 2.0 knows", top),
+          .warning(fmt::format("\"{}\" at the top of the archive is not a part of an FMU by FMI 2.0", top),
                    "move it to resources, documentation or extra");
   }
 

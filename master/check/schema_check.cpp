@@ -117,7 +117,7 @@ class SchemaCheck {
       // FMI allows ModelExchange and CoSimulation in either order.
       const bool swapped = name == "ModelExchange" && last == 1;
       if (position < last && !swapped)
-        error(child, fmt::format("it stands after <{}>", rule.children[last].name),
+        error(child, fmt::format("it comes after <{}>, but must come before", rule.children[last].name),
               fmt::format("the order is: {}", names(rule.children)));
       last = std::max(last, position);
       if (++counts[name] == found->most + 1)

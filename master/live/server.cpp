@@ -81,8 +81,9 @@ LiveRun::Server::Server(int port, Answers answers) : sockets_(std::make_unique<S
   const auto token = new_token();
   const int bound = port == 0 ? server.bind_to_any_port(kLoopback) : (server.bind_to_port(kLoopback, port) ? port : -1);
   if (bound < 0) {
-    throw InputError(ErrorCode::system_failure,
-                     fmt::format("--live: port {} of {} cannot be had; 0 stands for a free one", port, kLoopback));
+    throw InputError(
+        ErrorCode::system_failure,
+        fmt::format("--live: port {} of {} is not free; name another, or 0 for any free one", port, kLoopback));
   }
   address_ = fmt::format("http://{}:{}/{}/", kLoopback, bound, token);
   server.new_task_queue = [] { return new httplib::ThreadPool(4); };

@@ -110,7 +110,7 @@ void refuse_entities(const pugi::xml_document& document, std::string_view text, 
       if (used == std::string_view::npos) continue;
       throw Error(ErrorCode::syntax_error,
                   fmt::format("{}, line {}: the entity &{}; of the DTD is not expanded, as it could multiply or fetch "
-                              "files; write out what it stands for",
+                              "files; write its text in its place",
                               source, line_of(text, static_cast<std::ptrdiff_t>(used)), name));
     }
   }

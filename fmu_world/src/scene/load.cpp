@@ -99,7 +99,7 @@ void check_path(const Node& node, const Path& path) {
   const auto points = node.at("points").elements();
   if (path.points.size() < 2) {
     node.at("points").fail(ErrorCode::invalid_value,
-                           "a path needs two points or more; leave it out for what stands still");
+                           "a path needs two points or more; remove it from a thing that does not move");
   }
   if (path.points.front().time_ns != 0)
     points[0].at("time").complain(ErrorCode::invalid_value, "a path begins at time 0");

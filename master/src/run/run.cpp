@@ -169,8 +169,8 @@ void Run::start_from(std::span<const std::byte> state) {
   if (!request_.folder.empty()) {
     throw InputError(
         ErrorCode::invalid_argument,
-        "start_from(): a run that begins in its middle has no files for what came before; leave the folder "
-        "for the results out");
+        "start_from(): a run that begins in its middle has no results of the time before; do not name a folder for "
+        "results");
   }
   past_ = saved_run(state);
 }
@@ -302,8 +302,9 @@ void Run::initialise() {
       copy_csv_rows(request_.folder / "results.csv", checkpoint_->results_bytes, recorder_->columns(), *sink);
     } else if (past_) {
       if (past_->rows.empty()) {
-        throw InputError(ErrorCode::invalid_argument,
-                         "the saved state has no rows: its run kept none in memory, and this one is asked to");
+        throw InputError(
+            ErrorCode::invalid_argument,
+            "the saved state has no rows, since its run kept none in memory, but this run is to keep them");
       }
       state::Reader reader(past_->rows);
       state::Restorer restorer(reader);

@@ -516,8 +516,8 @@ void FmuSlave::restore_state(const SlaveState& state) {
     throw Error(
         ErrorCode::wrong_call_order,
         fmt::format("instance '{}': its state of {} s cannot be restored: at {} s no state was kept, so its FMU was "
-                    "told that it "
-                    "is not set back any more (noSetFMUStatePriorToCurrentPoint). Keep the state while the run goes on",
+                    "told that it will not be set back (noSetFMUStatePriorToCurrentPoint). Keep a state for as long as "
+                    "the run may go back",
                     name_, to_seconds(saved.time_ns), to_seconds(promised_ns_)));
   }
   require("fmi2SetFMUstate", functions_->set_fmu_state, saved.state);
@@ -540,7 +540,7 @@ std::vector<std::byte> FmuSlave::serialize(const SlaveState& state) {
     if (size > kLargestState) throw std::bad_alloc();
     bytes.resize(size);
   } catch (const std::bad_alloc&) {
-    fail("fmi2SerializedFMUstateSize", fmt::format("says {} bytes, for which there is no memory", size));
+    fail("fmi2SerializedFMUstateSize", fmt::format("reports a state of {} bytes, for which there is no memory", size));
   }
   require("fmi2SerializeFMUstate", functions_->serialize_fmu_state, saved.state,
           reinterpret_cast<fmi2Byte*>(bytes.data()), size);

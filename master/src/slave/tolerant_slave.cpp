@@ -34,7 +34,8 @@ void TolerantSlave::attempt(Work work) {
     loss_->at_ns = time_ns_;
     loss_->text = error.what();
     messages_->message({name(), Severity::error, "",
-                        fmt::format("{}. The others go on; its outputs stand still", error.what()), time_ns_});
+                        fmt::format("{}. The other instances go on; its outputs keep their last values", error.what()),
+                        time_ns_});
   }
 }
 
