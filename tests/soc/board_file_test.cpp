@@ -141,7 +141,7 @@ TEST(BoardFile, TakesCyclesOfTheSocOfAClustersCacheOnlyWhereTheyCount) {
                             "way": {"fabric_controller": 8, "cluster": 2, "soc": 17}})";
   EXPECT_EQ(complaint(kFar, "", caches("cluster")), "");
   EXPECT_THAT(complaint(kFar, "", caches("fabric_controller")), HasSubstr("add them to refill_cycles"));
-  EXPECT_THAT(complaint(kRam, "", caches("cluster")), HasSubstr("where a memory has a 'way'"));
+  EXPECT_THAT(complaint(kRam, "", caches("cluster")), HasSubstr("needs a memory with a 'way'"));
 }
 
 }  // namespace
