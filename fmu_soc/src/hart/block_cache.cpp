@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <type_traits>
 
 namespace mebots::soc {
 namespace {
@@ -42,7 +43,9 @@ BlockCache::BlockCache(Memory& memory, Timing timing, const InstructionEnergy& e
       energy_fj_(energy.fj),
       by_pc_(std::size_t{1} << kBucketBits),
       by_page_(std::size_t{1} << kBucketBits),
-      arena_(std::make_unique_for_overwrite<Instruction[]>(std::size_t{kSegmentSize} * kSegments)) {
+      arena_(std::allocator<Instruction>().allocate(kArenaSize)) {
+  static_assert(std::is_trivially_copyable_v<Instruction> && std::is_trivially_destructible_v<Instruction>,
+                "an Instruction begins where it is assigned");
   blocks_.reserve(kMaxBlocks);
   free_.reserve(kMaxBlocks);
   blocks_.emplace_back();

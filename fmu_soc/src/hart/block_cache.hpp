@@ -148,6 +148,13 @@ class BlockCache {
   static constexpr unsigned kBucketBits = 15;
   static constexpr unsigned kPageBits = 8;  // no block is longer than a page
 
+  static constexpr std::size_t kArenaSize = std::size_t{kSegmentSize} * kSegments;
+
+  /// Frees an arena that was never initialised: who begins a mission would wait for 16 MB of which most decode a part.
+  struct FreeArena {
+    void operator()(Instruction* arena) const { std::allocator<Instruction>().deallocate(arena, kArenaSize); }
+  };
+
   std::size_t index_of(const Instruction* at) const { return static_cast<std::size_t>(at - arena_.get()); }
   static std::uint32_t bucket_of_pc(std::uint32_t pc) { return ((pc >> 1) * 0x9e3779b1U) >> (32 - kBucketBits); }
   static std::uint32_t bucket_of_page(std::uint32_t pc) { return (pc >> kPageBits) & ((1U << kBucketBits) - 1); }
@@ -173,7 +180,7 @@ class BlockCache {
   std::vector<std::uint32_t> free_;   // numbers of invalid blocks
   std::vector<std::uint32_t> by_pc_;  // first block of each bucket, 0 = none
   std::vector<std::uint32_t> by_page_;
-  std::unique_ptr<Instruction[]> arena_;
+  std::unique_ptr<Instruction[], FreeArena> arena_;
   std::uint32_t segment_ = 0;     // in which blocks are decoded now
   std::uint32_t arena_used_ = 0;  // index of the next free slot in it
   bool end_at_targets_ = true;
