@@ -8,7 +8,9 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstddef>
 #include <utility>
+#include <vector>
 
 namespace mebots::world::camera {
 namespace {
@@ -38,30 +40,58 @@ double smooth(double t) {
 }
 
 /// Value noise in [0, 1) that repeats after `cells` lattice cells.
-double value_noise(std::uint32_t seed, int layer, int cells, double u, double v) {
-  const double x = u * cells;
-  const double y = v * cells;
-  const int x0 = static_cast<int>(x);
-  const int y0 = static_cast<int>(y);
-  const double fx = smooth(x - x0);
-  const double fy = smooth(y - y0);
-  const int x1 = (x0 + 1) % cells;
-  const int y1 = (y0 + 1) % cells;
-  const double upper = std::lerp(lattice(seed, layer, x0, y0), lattice(seed, layer, x1, y0), fx);
-  const double lower = std::lerp(lattice(seed, layer, x0, y1), lattice(seed, layer, x1, y1), fx);
-  return std::lerp(upper, lower, fy);
-}
-
-double layered_noise(const Texture& texture, double u, double v) {
-  double sum = 0.0;
-  double total = 0.0;
-  for (int octave = 0; octave < kNoiseOctaves; ++octave) {
-    const double amplitude = 1.0 / (1 << octave);
-    sum += amplitude * value_noise(texture.seed, octave, kNoiseCells << octave, u, v);
-    total += amplitude;
+class ValueNoise {
+ public:
+  ValueNoise(std::uint32_t seed, int layer, int cells) : cells_(cells), lattice_(std::size_t{1} * cells * cells) {
+    for (int y = 0; y < cells; ++y) {
+      for (int x = 0; x < cells; ++x) lattice_[index_of(x, y)] = lattice(seed, layer, x, y);
+    }
   }
-  return std::lerp(texture.dark, texture.light, sum / total);
-}
+
+  double at(double u, double v) const {
+    const double x = u * cells_;
+    const double y = v * cells_;
+    const int x0 = static_cast<int>(x);
+    const int y0 = static_cast<int>(y);
+    const double fx = smooth(x - x0);
+    const double fy = smooth(y - y0);
+    const int x1 = (x0 + 1) % cells_;
+    const int y1 = (y0 + 1) % cells_;
+    const double upper = std::lerp(lattice_[index_of(x0, y0)], lattice_[index_of(x1, y0)], fx);
+    const double lower = std::lerp(lattice_[index_of(x0, y1)], lattice_[index_of(x1, y1)], fx);
+    return std::lerp(upper, lower, fy);
+  }
+
+ private:
+  std::size_t index_of(int x, int y) const { return static_cast<std::size_t>(y) * cells_ + x; }
+
+  int cells_;
+  std::vector<double> lattice_;
+};
+
+class LayeredNoise {
+ public:
+  explicit LayeredNoise(std::uint32_t seed) {
+    for (int octave = 0; octave < kNoiseOctaves; ++octave) {
+      octaves_.emplace_back(seed, octave, kNoiseCells << octave);
+    }
+  }
+
+  /// In [0, 1).
+  double at(double u, double v) const {
+    double sum = 0.0;
+    double total = 0.0;
+    for (int octave = 0; octave < kNoiseOctaves; ++octave) {
+      const double amplitude = 1.0 / (1 << octave);
+      sum += amplitude * octaves_[octave].at(u, v);
+      total += amplitude;
+    }
+    return sum / total;
+  }
+
+ private:
+  std::vector<ValueNoise> octaves_;
+};
 
 double bricks(const Texture& texture, double u, double v) {
   const double y = v * kBrickRows;
@@ -102,6 +132,11 @@ Tile picture_tile(const Texture& texture) {
           texture.scale_m, texture.scale_m * picture.height / picture.width};
 }
 
+Ripmap noise(const Texture& texture) {
+  const LayeredNoise layers(texture.seed);
+  return {kNoiseTexels, 1, [&](double u, double v) { return std::lerp(texture.dark, texture.light, layers.at(u, v)); }};
+}
+
 Tile square(Ripmap ripmap, double edge_m) {
   return {std::move(ripmap), edge_m, edge_m};
 }
@@ -121,8 +156,7 @@ Tile make_tile(const Texture& texture) {
                            [&](double u, double) { return u < 0.5 ? texture.light : texture.dark; }),
                     2.0 * texture.scale_m);
     case Texture::Kind::noise:
-      return square(Ripmap(kNoiseTexels, 1, [&](double u, double v) { return layered_noise(texture, u, v); }),
-                    kNoiseCells * texture.scale_m);
+      return square(noise(texture), kNoiseCells * texture.scale_m);
     case Texture::Kind::bricks:
       return square(Ripmap(kBrickTexels, 2, [&](double u, double v) { return bricks(texture, u, v); }),
                     kBrickRows * texture.scale_m);

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
 #include <cstddef>
 
@@ -21,10 +22,25 @@ double upper_quantile(double tail) {
   double x = 0.0;
   for (int i = 0; i < 60; ++i) {
     const double excess = 0.5 * std::erfc(x / std::sqrt(2.0)) - tail;
-    x += excess / (kInverseSqrt2Pi * std::exp(-0.5 * x * x));
+    const double next = x + excess / (kInverseSqrt2Pi * std::exp(-0.5 * x * x));
+    if (next == x) break;
+    x = next;
   }
   return x;
 }
+
+/// The positive half of the samples before they are scaled, the greatest first, and the sum of all squares.
+struct Quantiles {
+  std::array<double, kSamples / 2> upper{};
+  double square_sum = 0.0;
+
+  Quantiles() {
+    for (int i = 0; i < kSamples / 2; ++i) {
+      upper[i] = upper_quantile((i + 0.5) / kSamples);
+      square_sum += 2.0 * upper[i] * upper[i];
+    }
+  }
+};
 
 }  // namespace
 
@@ -32,15 +48,10 @@ PixelNoise::PixelNoise(double standard_deviation) : standard_deviation_(standard
   if (!(standard_deviation >= 0.0) || !std::isfinite(standard_deviation)) {
     throw Error(fmt::format("camera noise: standard deviation {} must be a finite number >= 0", standard_deviation));
   }
-  std::vector<double> upper(kSamples / 2);
-  double square_sum = 0.0;
+  static const Quantiles quantiles;  // the same for all worlds of the process
+  const double scale = standard_deviation / std::sqrt(quantiles.square_sum / kSamples);
   for (int i = 0; i < kSamples / 2; ++i) {
-    upper[i] = upper_quantile((i + 0.5) / kSamples);
-    square_sum += 2.0 * upper[i] * upper[i];
-  }
-  const double scale = standard_deviation / std::sqrt(square_sum / kSamples);
-  for (int i = 0; i < kSamples / 2; ++i) {
-    samples_[i] = static_cast<float>(scale * upper[i]);
+    samples_[i] = static_cast<float>(scale * quantiles.upper[i]);
     samples_[kSamples - 1 - i] = -samples_[i];
   }
 }

@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <bit>
-#include <cmath>
 #include <cstddef>
 
 namespace mebots::world::camera {
@@ -40,6 +40,13 @@ Level sample(int size, int samples, const Ripmap::Pattern& pattern) {
   return level;
 }
 
+/// The nearest whole grey level, halves upwards: std::lround() of what is not negative, without its call.
+std::uint8_t rounded(float grey) {
+  MEBOTS_ASSERT(grey >= 0.0F && grey <= 255.0F);
+  const auto whole = static_cast<int>(grey);
+  return static_cast<std::uint8_t>(grey - static_cast<float>(whole) >= 0.5F ? whole + 1 : whole);
+}
+
 Level halved_along_u(const Level& fine) {
   MEBOTS_ASSERT(fine.width % 2 == 0);
   Level coarse{fine.width / 2, fine.height, std::vector<float>(fine.grey.size() / 2)};
@@ -67,17 +74,22 @@ Ripmap::Ripmap(int size, int samples, const Pattern& pattern) : size_(size), row
   row_shift_ = std::bit_width(static_cast<unsigned>(size));
   words_.assign(static_cast<std::size_t>(4) * size * size, 0U);
 
-  const auto store = [this](const Level& level) {
-    const auto grey = [&level](int x, int y) {
-      return static_cast<std::uint32_t>(std::lround(level.at(x % level.width, y % level.height)));
+  std::vector<std::uint8_t> greys;
+  const auto store = [this, &greys](const Level& level) {
+    greys.resize(level.grey.size());
+    std::transform(level.grey.begin(), level.grey.end(), greys.begin(), rounded);
+    const auto grey = [&](int x, int y) -> std::uint32_t {
+      return greys[static_cast<std::size_t>(y) * level.width + x];
     };
     const std::size_t first_column = static_cast<std::size_t>(size_ - level.width) * 2;
     for (int y = 0; y < level.height; ++y) {
       const std::size_t row = static_cast<std::size_t>(2 * size_ - 2 * level.height + y) << row_shift_;
       MEBOTS_ASSERT(row + first_column + level.width <= words_.size());
+      const int below = y + 1 == level.height ? 0 : y + 1;
       for (int x = 0; x < level.width; ++x) {
+        const int right = x + 1 == level.width ? 0 : x + 1;
         words_[row + first_column + x] =
-            grey(x, y) | grey(x + 1, y) << 8 | grey(x, y + 1) << 16 | grey(x + 1, y + 1) << 24;
+            grey(x, y) | grey(right, y) << 8 | grey(x, below) << 16 | grey(right, below) << 24;
       }
     }
   };
