@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <vector>
@@ -27,6 +28,8 @@ class Ripmap {
   /// log2 of the array's row length 2S.
   int row_shift() const { return row_shift_; }
   const std::uint32_t* words() const { return words_.data(); }
+  /// What it takes of memory.
+  std::size_t bytes() const { return words_.size() * sizeof(words_[0]); }
   /// Grey level of a texel: (0, 0) is level 0 in that direction.
   int texel(int level_u, int level_v, int column, int row) const;
 
