@@ -338,6 +338,36 @@ class BadInput(StudyCase):
         self.study(design={"kind": "grid", "factors": {"/stop/time": [1]}})
         self.assertIn("'/stop/time'", self.refused())
 
+    def test_a_refusal_names_the_study_and_who_asks_for_what_is_refused(self):
+        study = str(self.folder / "study.json")
+        self.study(design={"kind": "grid", "factors": {"a.gain": [1, -100], "a.gian": [1]}})
+        self.assertIn(f"{study}: factor 'a.gian' = 1: instance 'a'", self.refused())
+        self.study(design={"kind": "grid", "factors": {"a.gain": [1, -100]}})
+        self.assertIn(f"{study}: factor 'a.gain' = -100: -100 is below", self.refused())
+        self.study(design={"kind": "grid", "factors": {"strength": {"options": {"weak": {"a.gain": 1}, "none": {"a.gain": -100}}}}})
+        self.assertIn(f"{study}: factor 'strength' = \"none\": -100 is below", self.refused())
+        self.study(draws={"replicates": 2, "variables": {"a.real_on": {"uniform": [0, 3]}}})
+        self.assertIn(f"{study}: draw 'a.real_on'", self.refused())
+        for source in ({"series": "a.real_oot", "of": "max"}, {"final": "a.real_oot"}):
+            self.study(objectives={"top": source})
+            self.assertIn(f"{study}: the objective 'top': ", self.refused())
+        self.study(objectives={"x": {"outcome": "fra"}})
+        self.assertIn(f"{study}: the objective 'x': ", self.refused())
+
+    def test_a_folder_that_cannot_be_made_or_a_journal_that_is_none_is_told(self):
+        self.study()
+        (self.folder / "out").write_text("a file")
+        self.assertIn("out: File exists", self.refused())
+        (self.folder / "out").unlink()
+        self.sweep()
+        (self.folder / "out" / "missions.csv").unlink()
+        journal = self.folder / "out" / "journal.jsonl"
+        sound = journal.read_text()
+        for line in ("garbage", "{}", '{"mission": "00"}', '{"mission": "00", "outcome": 3, "error": ""}',
+                     '{"mission": "00", "outcome": "far", "error": "", "values": 3}'):
+            journal.write_text(sound + line + "\n")
+            self.assertIn("journal.jsonl:21: this is not a line of a journal; remove it", self.refused())
+
     def test_an_expression_is_arithmetic_and_nothing_else(self):
         self.study(objectives={"x": {"expression": "__import__('os').system('true')"}})
         self.refused()
@@ -353,7 +383,38 @@ class BadInput(StudyCase):
             self.assertIn("another", self.sweep(code=2))
 
 
+    @unittest.skipUnless(pathlib.Path("/dev/full").exists(), "there is no /dev/full here")
+    def test_a_full_disk_is_told_and_costs_no_mission_that_was_flown(self):
+        self.study()
+        (self.folder / "out").mkdir()
+        (self.folder / "out" / "missions.csv.part").symlink_to("/dev/full")
+        command = [MEBOTS, "sweep", str(self.folder / "study.json"), "--out", str(self.folder / "out")]
+        full = subprocess.run(command, capture_output=True, text=True, timeout=170)
+        self.assertEqual(full.returncode, 1, full.stderr)
+        self.assertIn("mebots: error: ", full.stderr)
+        self.assertIn("No space left on device", full.stderr)
+        self.assertNotIn("Traceback", full.stderr)
+        (self.folder / "out" / "missions.csv.part").unlink()
+        self.assertIn("20 missions, 20 of them known before, 0 failed", self.sweep())
+
+
 class Reuse(StudyCase):
+    def test_the_tables_of_another_study_are_not_replaced_in_silence(self):
+        self.study()
+        self.assertNotIn("another study", self.sweep())
+        self.assertNotIn("another study", self.sweep())
+        self.study(design={"kind": "grid", "factors": {"a.gain": [1, 5]}})
+        text = self.sweep()
+        self.assertIn("another study", text)
+        self.assertIn("10 of them known before", text)
+
+    def test_status_finds_the_missions_of_a_study_that_names_files(self):
+        (self.folder / "data.txt").write_text("one")
+        self.study(design={"kind": "grid", "factors": {"a.string_in": ["data.txt"]}})
+        self.sweep()
+        status = subprocess.run([MEBOTS, "sweep", "--status", str(self.folder / "out")], capture_output=True, text=True, cwd="/", check=True)
+        self.assertIn("10 of at most 10 missions are flown", status.stdout)
+
     def test_another_study_takes_the_missions_that_it_shares(self):
         self.study()
         self.sweep()

@@ -14,7 +14,7 @@ import time
 from collections.abc import Callable, Iterable, Iterator
 from typing import Any
 
-from mebots.errors import InputError
+from mebots.errors import Error, InputError
 from mebots.exploration import chance, columns, designs, front, report, sensitivity, splitting, tables
 from mebots.exploration.comparison import Evidence
 from mebots.exploration.dispatch import Dispatcher
@@ -86,7 +86,7 @@ class Campaign:
         self.factors = list(self.designs[0] if self.designs else study.design["factors"])
         self._check_names()
         labels = flat(self.missions.config.get("summary", {}))
-        self._measurer = Measurer(study.objectives, _labels(labels))
+        self._measurer = Measurer(study, _labels(labels))
         self._draws: dict[int, Values] = {}
         self.flown = self.taken = self.failed = 0
         self._begun_s = time.monotonic()
@@ -130,22 +130,22 @@ class Campaign:
     def _check_names(self) -> None:
         for name in self.study.fork.variables if self.study.fork else ():
             if name not in self.factors and name not in self.study.draws:
-                raise InputError(f"'fork': there is no factor or draw '{name}'", "unknown_name")
+                raise InputError(f"{self.study.place}: 'fork': there is no factor or draw '{name}'", "unknown_name")
             spread = self.study.design.get("factors", {}).get(name)
             if name.startswith("/") or (isinstance(spread, dict) and "options" in spread):
-                raise InputError(f"'fork': '{name}' is not a variable that could change in a mission", "invalid_value")
+                raise InputError(f"{self.study.place}: 'fork': '{name}' is not a variable that could change in a mission", "invalid_value")
         for one in self.study.objectives if self.study.results else ():
             if one.source == "series":
-                raise InputError(f"the objective '{one.label}': a series cannot be used with 'results', which has the whole of it", "invalid_value")
+                raise InputError(f"{self.study.place}: the objective '{one.label}': a series cannot be used with 'results', which has the whole of it", "invalid_value")
         for name in self.study.draws:
             if name in self.factors:
-                raise InputError(f"'{name}' is a factor and a draw; it can only be one of them", "duplicate_name")
+                raise InputError(f"{self.study.place}: '{name}' is a factor and a draw; it can only be one of them", "duplicate_name")
         known = [one["outcome"] for one in self.missions.config.get("outcomes", [])] + ["completed"]
         for one in self.study.objectives:
             for outcome in one.what if one.is_share else ():
                 if outcome not in known:
                     raise InputError(
-                        f"the objective '{one.label}': the mission has no outcome '{outcome}'. It has: {', '.join(dict.fromkeys(known))}",
+                        f"{self.study.place}: the objective '{one.label}': the mission has no outcome '{outcome}'. It has: {', '.join(dict.fromkeys(known))}",
                         "unknown_name",
                     )
 
@@ -154,28 +154,41 @@ class Campaign:
     def check(self, journal: Journal | None = None) -> None:
         """Brings missions to t = 0 in which every value of every factor occurs, and those at the ends of each draw.
         Raises InputError with everything that is refused."""
-        tried: dict[str, str] = {}
-        found: dict[str, str] = {}
+        tried: dict[str, tuple[str, Values]] = {}
+        found: dict[str, Record] = {}
 
         def take() -> None:
-            found.update((record["mission"], record["error"]) for record in self._dispatcher.take())
+            found.update((record["mission"], record) for record in self._dispatcher.take())
 
         for what, values in self._trials():
             order = self._trial(values)
             if order["mission"] in tried or (journal is not None and order["mission"] in journal):
                 continue
-            tried[order["mission"]] = what
+            tried[order["mission"]] = what, values
             while self._dispatcher.is_full:
                 take()
             self._dispatcher.give(order | {"check": True})
         while len(found) < len(tried):
             take()
         problems: dict[str, str] = {}
-        for mission, what in tried.items():
-            if found[mission]:
-                problems.setdefault(found[mission], what)
+        for mission, (what, values) in tried.items():
+            error, about = found[mission]["error"], found[mission].get("about", "")
+            if error:
+                # Nobody called set(): the study says it.
+                problems.setdefault(error.removeprefix(f'set("{about}"): '), self._blamed(about, error, values) or what)
         if problems:
-            raise InputError("\n".join(f"{what}: {error}" for error, what in problems.items()), "invalid_value")
+            told = (f"{self.study.place}: {what}: {error}" for error, what in problems.items())
+            raise InputError("\n".join(told), "invalid_value")
+
+    def _blamed(self, about: str, error: str, values: Values) -> str:
+        """Who asks for the variable that an error is about: a factor, a draw or an objective; "" for none of them."""
+        for name, value in values.items():
+            if about in self.missions.settings(name, value):
+                return f"{'draw' if name in self.study.draws else 'factor'} '{name}' = {json.dumps(value)}"
+        for one in self.study.objectives:
+            if one.source in ("final", "series") and (one.what == about or f"'{one.what}'" in error):
+                return f"the objective '{one.label}'"
+        return ""
 
     def _trial(self, values: Values) -> Order:
         if self.study.splitting is None:
@@ -211,7 +224,18 @@ class Campaign:
 
     def run(self, folder: pathlib.Path, reuse: Iterable[pathlib.Path], tell: Callable[[Progress], None]) -> Sweep:
         """Flies what the folder's journal does not have, and writes the tables. Raises InputError and Error."""
-        folder.mkdir(parents=True, exist_ok=True)
+        try:
+            return self._run(folder, reuse, tell)
+        except (ConnectionError, TimeoutError):  # of an executor
+            raise
+        except OSError as error:
+            raise Error(f"{error.filename or folder}: {error.strerror}", "file_unwritable") from None
+
+    def _run(self, folder: pathlib.Path, reuse: Iterable[pathlib.Path], tell: Callable[[Progress], None]) -> Sweep:
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise InputError(f"{folder}: {error.strerror}. Choose another folder with --out", "file_unwritable") from None
         if self.study.results:
             self.missions.folder = folder.resolve() / FLIGHTS
             self.missions.folder.mkdir(exist_ok=True)
@@ -221,7 +245,7 @@ class Campaign:
             self.check(journal)
             for name in TABLES:  # where they are, the study is done
                 (folder / name).unlink(missing_ok=True)
-            (folder / "study.json").write_text(self.study.text + "\n", encoding="utf-8")
+            self.study.write(folder)
             if self.study.splitting is not None:
                 bring = functools.partial(self._bring, journal, others, tell)
                 return Sweep(folder, *splitting.fly(self, folder, bring))

@@ -22,7 +22,7 @@ from mebots.errors import Error, InputError
 from mebots.exploration import flying
 from mebots.exploration.campaign import Campaign, Progress, Sweep, is_done
 from mebots.exploration.journal import Journal
-from mebots.exploration.study import Study, read_study
+from mebots.exploration.study import NAME, Study, read_study
 
 DONE, NOT_DONE, BAD_INPUT = 0, 1, 2
 
@@ -118,16 +118,24 @@ def _sweep(study: Study, options: argparse.Namespace) -> int:
     out = pathlib.Path(options.out)
     with _campaign(study, None, options.jobs) as campaign:
         teller = _Teller()
-        print(f"{_designs(campaign)}at most {campaign.most_missions} missions", file=sys.stderr)
+        print(_size(campaign), file=sys.stderr)
+        if study.is_another_in(out):
+            print(f"{out} has the tables of another study, which this one's replace; missions of both are not flown again", file=sys.stderr)
         result = campaign.run(out, [pathlib.Path(one) for one in options.reuse], teller)
         teller.end()
     written = ("missions.csv" if study.splitting is None else "levels.csv", "designs.csv", "report.html")
-    print(f"{result.missions} missions, {result.failed} failed: {', '.join(str(out / name) for name in written)}")
+    known = f", {campaign.taken} of them known before" if campaign.taken else ""
+    print(f"{_counted(result.missions, 'mission')}{known}, {result.failed} failed: {', '.join(str(out / name) for name in written)}")
     return NOT_DONE if result.failed else DONE
 
 
-def _designs(campaign: Campaign) -> str:
-    return f"{len(campaign.designs)} designs, " if campaign.designs else ""
+def _size(campaign: Campaign) -> str:
+    designs = f"{_counted(len(campaign.designs), 'design')}, " if campaign.designs else ""
+    return f"{designs}at most {_counted(campaign.most_missions, 'mission')}"
+
+
+def _counted(count: int, what: str) -> str:
+    return f"{count} {what}" if count == 1 else f"{count} {what}s"
 
 
 class _Teller:
@@ -172,10 +180,11 @@ def _duration(time_s: float) -> str:
 
 def _status(folder: pathlib.Path) -> int:
     try:
-        content = json.loads((folder / "study.json").read_text(encoding="utf-8"))
-    except (OSError, ValueError):
-        raise InputError(f"{folder}: there is no study in this folder", "file_not_found") from None
-    study = read_study(content)
+        study = read_study(folder / NAME)
+    except InputError as error:
+        if (folder / NAME).exists():
+            raise
+        raise InputError(f"{folder}: there is no study in this folder", "file_not_found") from error
     with _campaign(study, None, 1) as campaign:
         journal = Journal(folder, writable=False)
         flown, outcomes = 0, collections.Counter[str]()
@@ -207,7 +216,7 @@ def _dry_run(study: Study, options: argparse.Namespace) -> int:
         count = campaign.most_missions
         line_bytes = len(json.dumps(record)) + 1 + files
         time_s = count * record["processor_time"] / jobs
-        print(f"{_designs(campaign)}at most {count} missions")
+        print(_size(campaign))
         print(f"about {_duration(time_s)} with {jobs} jobs ({record['processor_time']:.2f} s a mission, measured on one)")
         print(f"about {count * (line_bytes + 200) / 1e6:.1f} MB of disk")
     return DONE

@@ -25,7 +25,7 @@ def designs_of(study: Study) -> list[Values]:
     conditions = study.design.get("conditions", [])
     kept = [design for design in found if all(_fits(one, design) for one in conditions)]
     if not kept and kind != "search":
-        raise InputError("the study has no design: its conditions leave none", "invalid_value")
+        raise InputError(f"{study.place}: there is no design: the conditions leave none", "invalid_value")
     return kept
 
 
@@ -39,7 +39,7 @@ def _grid(study: Study) -> list[Values]:
     choices = [levels(spread) for spread in factors.values()]
     count = math.prod(len(choice) for choice in choices)
     if count > MOST:
-        raise InputError(f"the grid has {count} designs; at most {MOST} are possible", "value_out_of_range")
+        raise InputError(f"{study.place}: the grid has {count} designs; at most {MOST} are possible", "value_out_of_range")
     return [dict(zip(factors, values, strict=True)) for values in itertools.product(*choices)]
 
 

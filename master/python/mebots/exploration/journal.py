@@ -4,6 +4,7 @@ counts on it; several times a second, and before tables are written, the system 
 
 from __future__ import annotations
 
+import contextlib
 import fcntl
 import json
 import os
@@ -86,7 +87,8 @@ class Journal:
         self._synced_s = time.monotonic()
 
     def close(self) -> None:
-        self._stream.close()
+        with contextlib.suppress(OSError):  # append() told of what could not be written
+            self._stream.close()
 
     def _lock(self) -> None:
         try:
@@ -101,8 +103,18 @@ class Journal:
             if not line.endswith(b"\n"):
                 break
             try:
-                self._places[bytes.fromhex(json.loads(line)["mission"])] = end
+                self._places[_mission_of(line)] = end
             except (ValueError, KeyError, TypeError):
                 raise InputError(f"{self.file}:{number}: this is not a line of a journal; remove it", "syntax_error") from None
             end += len(line)
         return end
+
+
+def _mission_of(line: bytes) -> bytes:
+    """Raises ValueError, KeyError or TypeError for what is not a record."""
+    record = json.loads(line)
+    texts = (record["mission"], record["outcome"], record["error"])
+    parts = (record.get("values", {}), record.get("finals", {}), record.get("series", {}))
+    if not all(isinstance(one, str) for one in texts) or not all(isinstance(one, dict) for one in parts):
+        raise ValueError
+    return bytes.fromhex(record["mission"])

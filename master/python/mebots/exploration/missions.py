@@ -172,25 +172,25 @@ class Missions:
             command += f" --scenario {shlex.quote(str(file))}"
         return command
 
+    def settings(self, name: str, value: Any) -> Values:
+        """What a factor or draw with this value sets: itself, or that of its option."""
+        spread = self._study.design.get("factors", {}).get(name)
+        return spread["options"][value] if isinstance(spread, dict) and "options" in spread else {name: value}
+
     def _divide(self, values: Values) -> tuple[Values, Values]:
         """Keys of the config, and parameters; options become what they set."""
         pointers, settings = {}, {}
         for name, value in values.items():
-            spread = self._study.design.get("factors", {}).get(name)
-            if isinstance(spread, dict) and "options" in spread:
-                chosen = spread["options"][value]
-            else:
-                chosen = {name: value}
-            for key, setting in chosen.items():
+            for key, setting in self.settings(name, value).items():
                 (pointers if key.startswith("/") else settings)[key] = self._located(setting)
         return pointers, settings
 
     def _located(self, value: Any) -> Any:
         """A text that names a file beside the study, as a path that holds from anywhere."""
         if isinstance(value, str) and value and not os.path.isabs(value):
-            beside = self._study.folder / value
-            if beside.is_file():
-                return str(beside)
+            for folder in self._study.folders:
+                if (folder / value).is_file():
+                    return str(folder / value)
         return value
 
     def _portable(self, value: Any, files: dict[str, list[str]]) -> Any:

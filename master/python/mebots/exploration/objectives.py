@@ -12,7 +12,7 @@ from typing import Any
 
 from mebots.errors import InputError
 from mebots.exploration.journal import Record
-from mebots.exploration.study import Objective
+from mebots.exploration.study import Objective, Study
 
 Measures = tuple[float | None, ...]
 """One number for each objective; None where the mission has none."""
@@ -22,16 +22,17 @@ class Measurer:
     """Makes the numbers of one mission. ``labels`` are those of the mission's summary. Raises InputError for an
     objective that asks for something that is not there."""
 
-    def __init__(self, objectives: Iterable[Objective], labels: Iterable[str]) -> None:
-        self._objectives = tuple(objectives)
+    def __init__(self, study: Study, labels: Iterable[str]) -> None:
+        self._objectives = study.objectives
         self._formulas: dict[str, Callable[[Mapping[str, Any]], float]] = {}
         labels = list(labels)
         known: set[str] = set(labels)
         for one in self._objectives:
+            place = f"{study.place}: the objective '{one.label}'"
             if one.source == "summary" and one.what not in known.intersection(labels):
-                raise InputError(f"the objective '{one.label}': the mission's summary has no '{one.what}'. {_nearest(one.what, labels)}", "unknown_name")
+                raise InputError(f"{place}: the mission's summary has no '{one.what}'. {_nearest(one.what, labels)}", "unknown_name")
             if one.source == "expression":
-                self._formulas[one.label] = formula(one.what, known, f"the objective '{one.label}'")
+                self._formulas[one.label] = formula(one.what, known, place)
             known.add(one.label)
 
     def __call__(self, record: Record) -> Measures:

@@ -11,6 +11,9 @@ from typing import Any
 
 from mebots import _mebots
 
+NAME = "study.json"
+"""Of the study's copy beside its results."""
+
 Values = dict[str, Any]
 """Factor or variable -> value as the study has it."""
 
@@ -81,9 +84,11 @@ class Splitting:
 
 @dataclasses.dataclass(frozen=True)
 class Study:
-    """A checked study. ``text`` is the JSON it was made of, with absolute paths."""
+    """A checked study. ``place`` names it in messages; files of its factors and draws are looked for in ``folders``;
+    ``text`` is the JSON it was made of, with absolute paths."""
 
-    folder: pathlib.Path
+    place: str
+    folders: tuple[pathlib.Path, ...]
     text: str
     mission: pathlib.Path
     design: dict[str, Any]
@@ -101,6 +106,17 @@ class Study:
     fork: Fork | None
     splitting: Splitting | None
     results: bool
+
+    def write(self, folder: pathlib.Path) -> None:
+        """For `--status`, and for who calls again."""
+        (folder / NAME).write_text(self.text + "\n", encoding="utf-8")
+
+    def is_another_in(self, folder: pathlib.Path) -> bool:
+        """Whether the folder has the results of another study."""
+        try:
+            return (folder / NAME).read_text(encoding="utf-8") != self.text + "\n"
+        except (OSError, ValueError):
+            return False
 
     def objective(self, label: str) -> Objective:
         return next(one for one in self.objectives if one.label == label)
@@ -123,23 +139,26 @@ def read_study(source: str | os.PathLike[str] | dict[str, Any]) -> Study:
     mistake."""
     if isinstance(source, dict):
         return _from_dict(source)
-    return _study(pathlib.Path(source).absolute().parent, json.loads(_mebots.read_study(source)))
+    return _study(os.fspath(source), pathlib.Path(source).absolute().parent, json.loads(_mebots.read_study(source)))
 
 
 def _from_dict(source: dict[str, Any]) -> Study:
     folder = pathlib.Path.cwd()
-    return _study(folder, json.loads(_mebots.check_study(json.dumps(source), str(folder / "study.json"))))
+    return _study("the study", folder, json.loads(_mebots.check_study(json.dumps(source), str(folder / "study.json"))))
 
 
-def _study(folder: pathlib.Path, content: dict[str, Any]) -> Study:
+def _study(place: str, folder: pathlib.Path, content: dict[str, Any]) -> Study:
     draws = content.get("draws", {})
+    design = content["design"]
+    file = design.get("file")
     limits = content.get("limits", {})
     rounds = content.get("rounds", {})
     return Study(
-        folder=folder,
-        text=json.dumps(content, indent=1),
+        place=place,
+        folders=(folder, pathlib.Path(file).parent) if file else (folder,),
+        text=json.dumps(_with_absolute_files(content, folder), indent=1),
         mission=pathlib.Path(content["mission"]),
-        design=content["design"],
+        design=design,
         replicates=draws.get("replicates", 1),
         draws_seed=draws.get("seed", 0),
         draws=draws.get("variables", {}),
@@ -155,6 +174,25 @@ def _study(folder: pathlib.Path, content: dict[str, Any]) -> Study:
         splitting=_splitting(content["splitting"]) if "splitting" in content else None,
         results=content.get("results", False),
     )
+
+
+def _with_absolute_files(content: dict[str, Any], folder: pathlib.Path) -> dict[str, Any]:
+    """The content as it reads from any folder: where factors and draws name files beside the study, their paths."""
+
+    def absolute(value: Any) -> Any:
+        if isinstance(value, dict):
+            return {key: absolute(one) for key, one in value.items()}
+        if isinstance(value, list):
+            return [absolute(one) for one in value]
+        if isinstance(value, str) and value and (folder / value).is_file():
+            return str(folder / value)
+        return value
+
+    found = dict(content)
+    for section, keys in (("design", ("factors", "conditions")), ("draws", ("variables",))):
+        if section in content:
+            found[section] = {key: absolute(one) if key in keys else one for key, one in content[section].items()}
+    return found
 
 
 def _fork(content: dict[str, Any]) -> Fork:

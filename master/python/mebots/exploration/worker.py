@@ -41,9 +41,11 @@ class Worker:
         self._pasts = pasts
         self._waiting = waiting
         self._open: collections.OrderedDict[str, tuple[Mission, str]] = collections.OrderedDict()
+        self._about = ""  # the variable that is set or read now
 
     def answer(self, order: Order) -> dict[str, Any]:
-        """The record of a mission; of an order to ``check``, only what is wrong with it."""
+        """The record of a mission; of an order to ``check``, only what is wrong with it, and ``about`` which variable."""
+        self._about = ""
         record: dict[str, Any] = {"mission": order.get("mission", ""), "outcome": "failed", "error": "", "code": ""}
         begun = time.process_time()
         try:
@@ -56,6 +58,8 @@ class Worker:
                 self._fly(order, record)
         except Error as error:
             record["error"], record["code"] = _without_paths(str(error), order), error.code
+            if order.get("check"):
+                record["about"] = self._about
         record["processor_time"] = round(time.process_time() - begun, 4)
         return record
 
@@ -64,7 +68,9 @@ class Worker:
         out = None if order.get("check") or "out" not in order else _unfinished(order["out"])
         mission = self._mission(order["config"], places, bool(order["series"]), out)
         for name, value in order["settings"].items():
+            self._about = name
             mission.set(name, places.get(value, value) if isinstance(value, str) else value)
+        self._about = ""
         if out is None:
             mission.record([name for name, _ in order["series"]])
         return mission
@@ -89,13 +95,14 @@ class Worker:
         self._open[config] = (mission, file)
         return mission
 
-    @staticmethod
-    def _check(mission: Mission, order: Order) -> None:
+    def _check(self, mission: Mission, order: Order) -> None:
         """Everything that the order asks for, at t = 0."""
         mission.start()
         scores = [turn["place"]["score"][0] for turn in order["course"] if "score" in turn["place"]]
         for name in (*order["finals"], *scores):
+            self._about = name
             mission.value(name)
+        self._about = ""
         for turn in order["course"]:
             _write(mission, turn["writes"])
         if order["course"]:
