@@ -44,8 +44,9 @@ class MissionProcess:
         environment = dict(os.environ)
         package = str(pathlib.Path(__file__).resolve().parents[2])
         environment["PYTHONPATH"] = os.pathsep.join([package, *filter(None, [environment.get("PYTHONPATH")])])
+        environment["TMPDIR"] = folder = _folder()  # it is killed, and its unpacked FMUs go with the folder
         self._process = subprocess.Popen(
-            [sys.executable, "-m", "mebots.exploration.worker", str(life), str(out), _folder()],
+            [sys.executable, "-m", "mebots.exploration.worker", str(life), str(out), folder],
             stdin=subprocess.PIPE,
             stdout=subprocess.DEVNULL,  # an FMU may print
             stderr=self._last_words,  # of an assertion, say
