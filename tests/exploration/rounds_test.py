@@ -20,7 +20,8 @@ OUT = {"summary": "deep.out", "minimize": True}
 
 class Rounds(StudyCase):
     def test_what_is_left_is_told_as_if_designs_went_on_to_end_as_they_did(self):
-        study = read_study(self.study(draws={"replicates": 40, "variables": {"a.real_in": {"uniform": [0, 3]}}}, rounds={"size": 10, "racing": True}))
+        study = read_study(self.study(objectives={"out": OUT}, draws={"replicates": 40, "variables": {"a.real_in": {"uniform": [0, 3]}}},
+                                      rounds={"size": 10, "racing": True}))
         rounds = exploration_rounds.Rounds(study, Evidence(study, 16))
         self.assertEqual(rounds.likely_left(), 16 * 40)
         with unittest.mock.patch.object(rounds, "_race", lambda: rounds.status.__setitem__(slice(8), ["dropped"] * 8)):

@@ -354,6 +354,14 @@ class BadInput(StudyCase):
         self.study(objectives={"x": {"outcome": "fra"}})
         self.assertIn(f"{study}: the objective 'x': ", self.refused())
 
+    def test_what_can_never_be_decided_is_refused(self):
+        self.study(constraints={"success": {"above": 95}})
+        self.assertIn("/constraints/success/above: 95 must be >= 0 and <= 1", self.refused())
+        self.study(rounds={"size": 5, "stop": {"objective": "success", "above": 1.5}})
+        self.assertIn("/rounds/stop/above", self.refused())
+        self.study(rounds={"size": 5, "racing": True})
+        self.assertIn("/rounds/racing", self.refused())
+
     def test_a_folder_that_cannot_be_made_or_a_journal_that_is_none_is_told(self):
         self.study()
         (self.folder / "out").write_text("a file")

@@ -32,6 +32,7 @@ struct Names {
   std::vector<std::string> draws;       // variables
   std::vector<std::string> objectives;  // labels
   std::vector<std::string> successes;   // labels of those of an outcome
+  bool compared = false;                // by an objective to minimise or maximise, or by a constraint
 };
 
 auto count_from(std::int64_t least) {
@@ -310,6 +311,7 @@ void check_objectives(const Node& node, Names& names) {
   for (const auto& [label, value] : members) {
     names.objectives.push_back(label);
     if (value.has("outcome")) names.successes.push_back(label);
+    names.compared |= value.has("minimize") || value.has("maximize");
   }
   for (const auto& [label, value] : members) {
     value.attempt([&, &label = label, &value = value] {
@@ -322,20 +324,27 @@ void check_objectives(const Node& node, Names& names) {
 }
 
 /// {"above": x} or {"below": x}.
-void read_side(Object& object) {
+void read_side(Object& object, const Limits& limits = {}) {
   double bound = 0;
-  object.read_if("above", bound, data::number());
-  object.read_if("below", bound, data::number());
+  object.read_if("above", bound, data::number(limits));
+  object.read_if("below", bound, data::number(limits));
 }
 
-void check_constraints(const Node& node, const Names& names) {
+/// What an objective's bound may be: one of an outcome has a share of missions.
+Limits limits_of(const std::string& label, const Names& names) {
+  const bool is_share = std::ranges::find(names.successes, label) != names.successes.end();
+  return is_share ? Limits::between(0, 1) : Limits{};
+}
+
+void check_constraints(const Node& node, Names& names) {
+  names.compared |= !node.members().empty();
   for (const auto& [label, value] : node.members()) {
     value.attempt([&, &label = label, &value = value] {
       if (std::ranges::find(names.objectives, label) == names.objectives.end()) {
         value.fail_unknown("the objective", label, names.objectives);
       }
       Object side(value);
-      read_side(side);
+      read_side(side, limits_of(label, names));
       side.finish();
       require_one_of(side, std::array<std::string_view, 2>{"above", "below"});
     });
@@ -358,7 +367,7 @@ void check_stop(const Node& node, const Names& names) {
   bool mark = false;
   stop.read("objective", label, [&](const Node& name) { return read_known(name, "the objective", names.objectives); });
   stop.read_if("width", width, data::number(Limits::positive()));
-  read_side(stop);
+  read_side(stop, limits_of(label, names));
   stop.read_if("best", mark, &read_mark);
   stop.finish();
   require_one_of(stop, std::array<std::string_view, 4>{"width", "above", "below", "best"});
@@ -374,6 +383,11 @@ void check_rounds(const Node& node, const Names& names) {
   rounds.read_if("racing", mark, &read_mark);
   rounds.visit_if("stop", [&](const Node& stop) { check_stop(stop, names); });
   rounds.finish();
+  if (mark && !names.compared) {
+    node.at("racing").complain(
+        ErrorCode::invalid_value,
+        "nothing can be raced: say 'minimize' or 'maximize' at an objective, or add constraints");
+  }
 }
 
 /// Names of factors or draws, all different. A list's factors stand in its own file.
