@@ -2,6 +2,7 @@
 // The Python module mebots._mebots: mebots::Mission as it is. Texts for people, defaults and NumPy stand in
 // mebots/*.py.
 #include "base/input_text.hpp"
+#include "sink/hdf5_tables.hpp"
 #include "study/ground.hpp"
 #include "study/study_file.hpp"
 
@@ -178,6 +179,11 @@ PYBIND11_MODULE(_mebots, module) {
   module.def("check_study", [](const std::string& text, const std::filesystem::path& file) {
     return mebots::master::refused_as_input([&] { return study::read(text, file); }).dump();
   });
+  py::class_<mebots::master::TableColumn>(module, "TableColumn")
+      .def(py::init<std::string, std::string, decltype(mebots::master::TableColumn::values)>());
+  py::class_<mebots::master::Table>(module, "Table")
+      .def(py::init<std::string, std::vector<mebots::master::TableColumn>>());
+  module.def("write_hdf5", &mebots::master::write_hdf5);
   py::class_<study::Ground>(module, "Ground")
       .def(py::init(&study::read_ground), "mission"_a, "text"_a = std::nullopt)
       .def_property_readonly("config", [](const study::Ground& ground) { return ground.config.dump(); })

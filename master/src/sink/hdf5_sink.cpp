@@ -3,14 +3,12 @@
 
 #include "base/time.hpp"
 #include "mebots/input_error.hpp"
+#include "sink/hdf5_parts.hpp"
 
 #include <fmt/format.h>
-#include <hdf5.h>
 
-#include <algorithm>
 #include <bit>
 #include <charconv>
-#include <mutex>
 #include <set>
 #include <string>
 #include <utility>
@@ -18,61 +16,29 @@
 namespace mebots::master {
 namespace {
 
+using hdf5::Handle;
+using hdf5::library;
+using hdf5::put_attribute;
+
 constexpr hsize_t kChunkRows = 4096;
 
-/// Debian's HDF5 is not made for threads: one call at a time in the whole process.
-std::mutex& library() {
-  static std::mutex mutex;
-  return mutex;
-}
-
-/// An HDF5 identifier that closes itself.
-class Handle {
- public:
-  Handle(hid_t id, herr_t (*close)(hid_t)) : id_(id), close_(close) {}
-  Handle(Handle&& other) noexcept : id_(std::exchange(other.id_, -1)), close_(other.close_) {}
-  Handle& operator=(Handle&&) = delete;
-  Handle(const Handle&) = delete;
-  Handle& operator=(const Handle&) = delete;
-  ~Handle() {
-    if (id_ >= 0) close_(id_);
-  }
-  operator hid_t() const { return id_; }  // NOLINT(google-explicit-constructor): that is what it stands for
-
- private:
-  hid_t id_;
-  herr_t (*close_)(hid_t);
-};
-
-hid_t memory_type(ValueKind kind) {
+Handle memory_type(ValueKind kind) {
   switch (kind) {
     case ValueKind::real:
-      return H5Tcopy(H5T_NATIVE_DOUBLE);
+      return {H5Tcopy(H5T_NATIVE_DOUBLE), &H5Tclose};
     case ValueKind::integer:
-      return H5Tcopy(H5T_NATIVE_INT32);
+      return {H5Tcopy(H5T_NATIVE_INT32), &H5Tclose};
     case ValueKind::boolean:
-      return H5Tcopy(H5T_NATIVE_UINT8);
+      return {H5Tcopy(H5T_NATIVE_UINT8), &H5Tclose};
     case ValueKind::string:
       break;
   }
-  const auto type = H5Tcopy(H5T_C_S1);
-  H5Tset_size(type, H5T_VARIABLE);
-  H5Tset_cset(type, H5T_CSET_UTF8);
-  return type;
-}
-
-void put_attribute(hid_t object, const char* name, const std::string& text) {
-  const Handle type(memory_type(ValueKind::string), &H5Tclose);
-  const Handle space(H5Screate(H5S_SCALAR), &H5Sclose);
-  const Handle attribute(H5Acreate2(object, name, type, space, H5P_DEFAULT, H5P_DEFAULT), &H5Aclose);
-  const char* content = text.c_str();
-  H5Awrite(attribute, type, &content);
+  return hdf5::text_type();
 }
 
 /// `instance/variable`, with what HDF5 takes for a separator replaced.
 std::string link_name(const std::string& name) {
-  auto link = name;
-  std::replace(link.begin(), link.end(), '/', '|');
+  auto link = hdf5::without_slashes(name);
   const auto dot = link.find('.');
   if (dot != std::string::npos) link[dot] = '/';
   return link;
@@ -106,7 +72,7 @@ struct Hdf5Sink::File {
   void add(const std::string& link, const RecordColumn& column) {
     constexpr hsize_t kNone = 0;
     constexpr hsize_t kUnlimited = H5S_UNLIMITED;
-    Handle type(memory_type(column.kind), &H5Tclose);
+    Handle type = memory_type(column.kind);
     const Handle space(H5Screate_simple(1, &kNone, &kUnlimited), &H5Sclose);
     const Handle creation(H5Pcreate(H5P_DATASET_CREATE), &H5Pclose);
     H5Pset_chunk(creation, 1, &kChunkRows);
@@ -184,12 +150,11 @@ void Hdf5Sink::put_parameters(const std::vector<ParameterValue>& parameters) {
   if (H5Lexists(file_->file, "parameters", H5P_DEFAULT) > 0) return;
   const Handle group(H5Gcreate2(file_->file, "parameters", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), &H5Gclose);
   for (const auto& [name, unit, value] : parameters) {
-    auto link = name;
-    std::replace(link.begin(), link.end(), '/', '|');
+    const auto link = hdf5::without_slashes(name);
     double number = 0;
     const auto parsed = std::from_chars(value.data(), value.data() + value.size(), number);
     const bool is_number = parsed.ec == std::errc{} && parsed.ptr == value.data() + value.size();
-    const Handle type(memory_type(is_number ? ValueKind::real : ValueKind::string), &H5Tclose);
+    const Handle type = memory_type(is_number ? ValueKind::real : ValueKind::string);
     const Handle space(H5Screate(H5S_SCALAR), &H5Sclose);
     const Handle set(H5Dcreate2(group, link.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), &H5Dclose);
     const char* text = value.c_str();

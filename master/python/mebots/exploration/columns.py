@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The tables for programs: tables.h5 where h5py is installed, missions.parquet and designs.parquet where pyarrow is. They
-are made of the CSV files, which are what counts."""
+"""The tables for programs: tables.h5, and missions.parquet and designs.parquet where pyarrow is installed. They are made of
+the CSV files, which are what counts."""
 
 from __future__ import annotations
 
@@ -10,6 +10,8 @@ import pathlib
 import re
 from typing import Any
 
+from mebots import _mebots
+
 NAMES = ("tables.h5", "missions.parquet", "designs.parquet")
 _TABLES = ("missions", "designs")
 _UNIT = re.compile(r" \[([^]]+)\]")
@@ -17,11 +19,10 @@ _UNIT = re.compile(r" \[([^]]+)\]")
 
 def write(folder: pathlib.Path) -> None:
     """Beside the CSV files of this folder."""
-    offered = [kind for kind, module in (("h5", "h5py"), ("parquet", "pyarrow")) if importlib.util.find_spec(module)]
-    tables = {name: read(folder / f"{name}.csv") for name in _TABLES if offered and (folder / f"{name}.csv").exists()}
-    if "h5" in offered and tables:
+    tables = {name: read(folder / f"{name}.csv") for name in _TABLES if (folder / f"{name}.csv").exists()}
+    if tables:
         _write_hdf5(folder / "tables.h5", tables)
-    for name, table in tables.items() if "parquet" in offered else ():
+    for name, table in tables.items() if importlib.util.find_spec("pyarrow") else ():
         _write_parquet(folder / f"{name}.parquet", table)
 
 
@@ -49,19 +50,17 @@ def _typed(cells: list[str]) -> list[Any]:
 
 
 def _write_hdf5(file: pathlib.Path, tables: dict[str, dict[str, list[Any]]]) -> None:
-    import h5py
-
     beside = file.with_name(file.name + ".part")
-    with h5py.File(beside, "w") as output:
-        for name, table in tables.items():
-            group = output.create_group(name)
-            for title, values in table.items():
-                text = h5py.string_dtype() if values and isinstance(values[0], str) else None
-                column = group.create_dataset(_UNIT.sub("", title).replace("/", "|"), data=values, dtype=text)
-                unit = _UNIT.search(title)
-                if unit:
-                    column.attrs["unit"] = unit[1]
+    _mebots.write_hdf5([_mebots.Table(name, _columns(table)) for name, table in tables.items()], beside)
     beside.replace(file)
+
+
+def _columns(table: dict[str, list[Any]]) -> list[_mebots.TableColumn]:
+    columns = []
+    for title, values in table.items():
+        unit = _UNIT.search(title)
+        columns.append(_mebots.TableColumn(_UNIT.sub("", title), unit[1] if unit else "", values))
+    return columns
 
 
 def _write_parquet(file: pathlib.Path, table: dict[str, list[Any]]) -> None:
