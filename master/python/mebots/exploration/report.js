@@ -2,6 +2,7 @@
 // Draws the report of a study that compares designs, with the parts of report_parts.js.
 "use strict";
 const { objectives } = study;
+const MOST_NAMED = 50; // designs side by side whose numbers have room
 const PLACES = {
   on: "on the front",
   undecided: "undecided: a difference is not sure",
@@ -23,31 +24,36 @@ for (const [place, text] of Object.entries(PLACES)) {
 }
 main.append(key);
 
-// Two objectives against each other, with their intervals.
+// Two objectives against each other, with their intervals; one alone stands over a factor that is a number.
 const pair = node("div", { class: "pair" });
 main.append(pair);
 {
   const sorted = objectives.map((_, i) => i).sort((a, b) => Math.abs(objectives[b].sense) - Math.abs(objectives[a].sense));
+  const choices = [
+    ...objectives.map((one, i) => ({ name: titled(one), label: one.label, share: one.share, at: (design) => design.estimates[i] })),
+    ...factors.map((name, i) => ({ name, at: (design) => [design.values[i], null, null] })).filter(({ at }) => designs.every((one) => typeof at(one)[0] === "number")),
+  ];
   let across = sorted[0];
   let up = objectives.findIndex((one, i) => one.share && i !== across);
   if (up < 0) up = sorted[Math.min(1, sorted.length - 1)];
+  if (up === across && choices.length > objectives.length) across = objectives.length;
   const made = section(pair, "Front", "Each point a design; bars are intervals. Click one for what it is.");
-  const names = objectives.map(titled);
+  const names = choices.map((one) => one.name);
   const redraw = chart(made, () => {
     const picture = frame(520, 340);
     const box = { left: 60, right: 505, top: 24, bottom: 295 };
-    const xRange = extent(designs.map((one) => one.estimates[across][0]));
-    const yRange = objectives[up].share ? [-0.03, 1.03] : extent(designs.map((one) => one.estimates[up][0]));
+    const xRange = extent(designs.map((one) => choices[across].at(one)[0]));
+    const yRange = choices[up].share ? [-0.03, 1.03] : extent(designs.map((one) => choices[up].at(one)[0]));
     const x = scale(xRange, box.left, box.right);
     const y = scale(yRange, box.bottom, box.top);
     axes(picture, box, x, y, xRange, yRange, names[across], names[up]);
-    for (const bound of study.constraints.filter((one) => one.label === objectives[up].label)) {
+    for (const bound of study.constraints.filter((one) => one.label === choices[up].label)) {
       picture.append(node("line", { x1: box.left, x2: box.right, y1: y(bound.bound), y2: y(bound.bound), stroke: "var(--excluded)", "stroke-dasharray": "4 3" }));
     }
     const inside = (value, [low, high]) => Math.min(Math.max(value, low), high);
     const order = designs.map((_, i) => i).sort((a, b) => (a === chosen) - (b === chosen) || (designs[a].front === "on") - (designs[b].front === "on"));
     for (const i of order) {
-      const [ex, ey] = [designs[i].estimates[across], designs[i].estimates[up]];
+      const [ex, ey] = [choices[across].at(designs[i]), choices[up].at(designs[i])];
       if (ex[0] === null || ey[0] === null) continue;
       const faint = { stroke: colour(i), "stroke-opacity": i === chosen ? 1 : 0.3 };
       if (ex[1] !== null) picture.append(node("line", { ...faint, x1: x(inside(ex[1], xRange)), x2: x(inside(ex[2], xRange)), y1: y(ey[0]), y2: y(ey[0]) }));
@@ -177,7 +183,7 @@ if (factors.length >= 2) {
 // Distributions.
 if (designs.some((one) => one.flights.length)) {
   let objective = Math.max(0, objectives.findIndex((one) => !one.share));
-  const made = section(main, "Distributions", "Each dot a mission, designs by their mean; the chosen one is outlined.");
+  const made = section(main, "Distributions", "Each dot a mission, designs by their mean, with their numbers; the chosen one is outlined.");
   const redraw = chart(made, () => {
     const order = designs.map((_, i) => i).filter((i) => designs[i].estimates[objective][0] !== null)
       .sort((a, b) => designs[a].estimates[objective][0] - designs[b].estimates[objective][0]);
@@ -193,6 +199,7 @@ if (designs.some((one) => one.flights.length)) {
       const middle = 60 + (place + 0.5) * width;
       const dots = (designs[i].flights[objective] ?? []).filter((one) => one !== null);
       const path = dots.map((one, j) => `M${middle + (((j * 0.618) % 1) - 0.5) * width * 0.6},${y(one)}h0`).join("");
+      if (order.length <= MOST_NAMED) picture.append(node("text", { x: middle, y: 252, "text-anchor": "middle" }, String(i)));
       picture.append(
         node("path", { d: path, stroke: colour(i), "stroke-opacity": 0.5, "stroke-width": 4, "stroke-linecap": "round" }),
         mark(i, "rect", { x: middle - width / 2, y: 15, width, height: 220, fill: "transparent" }),
