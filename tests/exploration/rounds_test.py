@@ -118,6 +118,14 @@ class Rounds(StudyCase):
             self.assertEqual(self.bytes_of(name, "one"), self.bytes_of(name, "two"))
         self.assertLess(len(self.rows("missions.csv", "one")), 180)
 
+    def test_what_was_flown_for_the_round_to_come_was_not_known_before(self):
+        self.study(design={"kind": "grid", "factors": {"a.offset": [0, 1, 2]}}, objectives={"out": OUT},
+                   draws={"replicates": 30, "seed": 1, "variables": {"a.real_in": {"uniform": [0, 3]}}},
+                   rounds={"size": 5, "racing": True})
+        self.assertNotIn("known before", self.sweep("--jobs", "2"))
+        missions = len(self.rows("missions.csv"))
+        self.assertIn(f"{missions} missions, {missions} of them known before, 0 failed", self.sweep("--jobs", "2"))
+
     def test_the_report_holds_every_design_and_the_command_that_flies_it_again(self):
         self.study()
         self.sweep()

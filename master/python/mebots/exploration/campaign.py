@@ -92,6 +92,7 @@ class Campaign:
         self._begun_s = time.monotonic()
         self._outcomes: collections.Counter[str] = collections.Counter()
         self._ahead = ""
+        self._flown_ahead: set[str] = set()  # of rounds to come
 
     # What the missions are.
 
@@ -318,6 +319,7 @@ class Campaign:
             self._fill(queue, ahead, journal, others)
             records = self._dispatcher.take()
             journal.append(records)
+            self._flown_ahead.update(record["mission"] for record in records if record["mission"] not in missing)
             missing.difference_update(record["mission"] for record in records)
             self._note(records)
             tell(self._progress(left + len(missing), likely_left + len(missing), len(rounds.flying())))
@@ -362,19 +364,27 @@ class Campaign:
         return f"ahead so far: designs {shown}{more}" if ahead else ""
 
     def _is_known(self, order: Order, journal: Journal, others: list[Journal]) -> bool:
-        record = journal.find(order["mission"])
-        if record is not None and has_all(record, order):
+        """Counts it as taken, unless this call flew it."""
+        record = self._known(order, journal, others)
+        if record is None:
+            return False
+        if order["mission"] in self._flown_ahead:
+            self._flown_ahead.remove(order["mission"])
+        else:
             self.taken += 1
             self._outcomes[record["outcome"]] += 1
-            return True
+        return True
+
+    def _known(self, order: Order, journal: Journal, others: list[Journal]) -> Record | None:
+        record = journal.find(order["mission"])
+        if record is not None and has_all(record, order):
+            return record
         for other in others:
             record = other.find(order["mission"])
             if record is not None and has_all(record, order):
                 journal.append([record])
-                self.taken += 1
-                self._outcomes[record["outcome"]] += 1
-                return True
-        return False
+                return record
+        return None
 
     def _fill(self, queue: Iterator[Order], ahead: Iterator[Flight], journal: Journal, others: list[Journal]) -> None:
         while not self._dispatcher.is_full:
@@ -384,7 +394,7 @@ class Campaign:
                 if flight is None:
                     return
                 order = self.order(flight)
-                if self._is_known(order, journal, others):
+                if self._known(order, journal, others) is not None:
                     continue
             self._dispatcher.give(order)
 
