@@ -188,16 +188,35 @@ def straight(name, flights):
 
 
 def robustness(name, flights, summaries):
-    through = [s for s in summaries.values() if s["outcome"] in PASSED]
-    clean = sum(s["outcome"] == "passed" for s in through)
-    ways = [{"name": name, **Trace(s["folder"]).way(WAY_POINTS["start"]), "outcome": s["outcome"]}
-            for name, s in summaries.items()]
-    return {"flights": len(flights), "passed": len(through), "interval": wilson(len(through), len(flights)),
-            "clean": clean, "clean_interval": wilson(clean, len(flights)), "spread": SPREAD[name],
-            "straight": straight(name, flights), "speed_km_h": ADAPTIVE_SPEED,
-            "crossed": sum(s["gate"]["crossed"] for s in summaries.values()),
-            "lateral_m": [None if x is None else round(x, 3) for x in map(lateral_m, summaries.values())],
-            "outcomes": outcomes(summaries), "ways": ways, "failures": []}
+    return {"spread": SPREAD[name], "straight": straight(name, flights), "speed_km_h": ADAPTIVE_SPEED,
+            **counted(start_ways(summaries), start_offsets(summaries)), "failures": []}
+
+
+def start_ways(summaries):
+    """Way and end of each flight from a random start."""
+    return [{"name": name, **Trace(s["folder"]).way(WAY_POINTS["start"]), "outcome": s["outcome"],
+             "crossed": bool(s["gate"]["crossed"])} for name, s in summaries.items()]
+
+
+def start_offsets(summaries):
+    return [None if x is None else round(x, 3) for x in map(lateral_m, summaries.values())]
+
+
+def counted(ways, offsets):
+    """What is counted over the random starts of a scenario. Who passed has crossed the opening."""
+    ends = [way["outcome"] for way in ways]
+    passed, clean = sum(end in PASSED for end in ends), ends.count("passed")
+    return {"flights": len(ways), "passed": passed, "interval": wilson(passed, len(ways)), "clean": clean,
+            "clean_interval": wilson(clean, len(ways)),
+            "crossed": sum(way["outcome"] in PASSED or way.get("crossed", False) for way in ways), "lateral_m": offsets,
+            "outcomes": {end: ends.count(end) for end in sorted(set(ends))}, "ways": ways}
+
+
+def flown_again(part, summaries):
+    """The part with the rows of these flights in place of those that it had."""
+    new = dict(zip(summaries, zip(start_ways(summaries), start_offsets(summaries))))
+    rows = [new.get(way["name"], (way, offset)) for way, offset in zip(part["ways"], part["lateral_m"])]
+    return {**part, **counted([way for way, _ in rows], [offset for _, offset in rows])}
 
 
 def failure(flight, summary):
