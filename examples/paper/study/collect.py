@@ -203,19 +203,22 @@ def start_offsets(summaries):
 
 
 def counted(ways, offsets):
-    """What is counted over the random starts of a scenario. Who passed has crossed the opening."""
+    """What is counted over the random starts of a scenario."""
     ends = [way["outcome"] for way in ways]
     passed, clean = sum(end in PASSED for end in ends), ends.count("passed")
     return {"flights": len(ways), "passed": passed, "interval": wilson(passed, len(ways)), "clean": clean,
             "clean_interval": wilson(clean, len(ways)),
-            "crossed": sum(way["outcome"] in PASSED or way.get("crossed", False) for way in ways), "lateral_m": offsets,
+            "crossed": sum(way["crossed"] for way in ways), "lateral_m": offsets,
             "outcomes": {end: ends.count(end) for end in sorted(set(ends))}, "ways": ways}
 
 
-def flown_again(part, summaries):
-    """The part with the rows of these flights in place of those that it had."""
+def flown_again(name, part, summaries):
+    """The part of a scenario with the rows of these flights in place of those that it had. Older rows do not say whether
+    the opening was crossed: where the gate's plane was does."""
+    half = scene(scenario(name)["world.scene.name"])["gates"][0]["inner"] / 2
     new = dict(zip(summaries, zip(start_ways(summaries), start_offsets(summaries))))
-    rows = [new.get(way["name"], (way, offset)) for way, offset in zip(part["ways"], part["lateral_m"])]
+    rows = [new.get(way["name"], ({"crossed": offset is not None and abs(offset) < half, **way}, offset))
+            for way, offset in zip(part["ways"], part["lateral_m"])]
     return {**part, **counted([way for way, _ in rows], [offset for _, offset in rows])}
 
 

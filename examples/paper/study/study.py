@@ -86,7 +86,7 @@ def fly_failed_again(place, data, name, count):
     part = data["robustness"][name]
     before = {way["name"]: way["outcome"] for way in part["ways"]}
     flights = [f for f in experiments.starts(name, part["flights"], seed=1) if before[f.name] not in PASSED][:count]
-    part = data["robustness"][name] = collect.flown_again(part, fly_all(flights, place))
+    part = data["robustness"][name] = collect.flown_again(name, part, fly_all(flights, place))
     after = {way["name"]: way["outcome"] for way in part["ways"]}
     for (was, now), count in collections.Counter((before[f.name], after[f.name]) for f in flights).items():
         print(f"{name}: {count} {was} -> {now}")
