@@ -51,6 +51,26 @@ TEST_F(Containment, ExitInsideAnFmuEndsTheRunAsAFailureWithItsResults) {
   EXPECT_THAT(result("results.csv"), AllOf(HasSubstr("\n0.4,"), Not(HasSubstr("\n0.5,"))));
 }
 
+TEST_F(Containment, WhateverFunctionOfTheCLibraryEndsTheProcessTheRunFailsWithItsResults) {
+  for (const std::string function : {"exit", "quick_exit", "_exit", "_Exit"}) {
+    const auto ended = run(function);
+    EXPECT_EQ(ended.code, 1) << function;
+    EXPECT_THAT(ended.err, AllOf(HasSubstr("instance 'b' at 0.4 s"), HasSubstr(" called " + function + "() in")));
+    EXPECT_EQ(nlohmann::json::parse(result("summary.json"))["outcome"], "failed") << function;
+    EXPECT_THAT(result("results.csv"), AllOf(HasSubstr("\n0.4,"), Not(HasSubstr("\n0.5,")))) << function;
+  }
+}
+
+TEST_F(Containment, TheEndOfAProcessThatAnFmuForksIsNotTheRuns) {
+  for (const std::string fault : {"child_exit", "child__exit"}) {
+    const auto ended = run(fault);
+    EXPECT_EQ(ended.code, 0) << fault << ": " << ended.err;
+    EXPECT_THAT(ended.err, Not(HasSubstr("error"))) << fault;
+    EXPECT_EQ(nlohmann::json::parse(result("summary.json"))["outcome"], "completed") << fault;
+    EXPECT_THAT(result("results.csv"), HasSubstr("\n1,")) << fault;
+  }
+}
+
 TEST_F(Containment, ACrashIsToldBeforeTheSignalTakesItsCourse) {
 #ifdef __SANITIZE_ADDRESS__
   GTEST_SKIP() << "the address sanitizer handles these signals itself";
