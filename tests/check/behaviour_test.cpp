@@ -2,6 +2,7 @@
 #include "child.hpp"
 #include "slave/fmi2_callbacks.hpp"
 #include "support.hpp"
+#include "support/sanitizer.hpp"
 
 #include <gmock/gmock.h>
 
@@ -23,6 +24,7 @@
 namespace mebots::check {
 namespace {
 
+using test::kSanitizerTakesCrashesAndMemory;
 using testing::Contains;
 using testing::HasSubstr;
 using testing::IsEmpty;
@@ -53,9 +55,7 @@ TEST(CheckBehaviour, StateThatLeaksBetweenRunsAndInstancesIsFound) {
 }
 
 TEST(CheckBehaviour, WhatIsLeftBehindIsCounted) {
-#ifdef __SANITIZE_ADDRESS__
-  GTEST_SKIP() << "the address sanitizer owns malloc, which the check asks for its count";
-#endif
+  if (kSanitizerTakesCrashesAndMemory) GTEST_SKIP() << "it owns malloc, which the check asks for its count";
   EXPECT_THAT(of("leak"),
               Contains(testing::ContainsRegex("100 instances that came and went left 1[0-9]{5} bytes of heap")));
   EXPECT_THAT(of("file"), Contains(HasSubstr("100 instances that came and went left 100 open files behind")));
@@ -68,9 +68,7 @@ TEST(CheckBehaviour, IllegalCallsThatAreAcceptedAreFound) {
 }
 
 TEST(CheckBehaviour, ACrashIsAFindingThatNamesSignalAndCall) {
-#ifdef __SANITIZE_ADDRESS__
-  GTEST_SKIP() << "the address sanitizer answers a crash's signal before the check can";
-#endif
+  if (kSanitizerTakesCrashesAndMemory) GTEST_SKIP() << "it answers a crash's signal before the check can";
   EXPECT_THAT(
       of("crash"),
       Contains(HasSubstr("error: crashed with SIGSEGV (Segmentation fault) in fmi2DoStep before initialisation")));
@@ -132,9 +130,7 @@ class CrashingListener final : public master::CallbackListener {
 };
 
 TEST(CheckBehaviour, ACrashInACallbackOfOursIsNotTheFmus) {
-#ifdef __SANITIZE_ADDRESS__
-  GTEST_SKIP() << "the address sanitizer answers a crash's signal before the check can";
-#endif
+  if (kSanitizerTakesCrashesAndMemory) GTEST_SKIP() << "it answers a crash's signal before the check can";
   Check check;
   const auto crash = [](Witness& witness) {
     CrashingListener listener;
@@ -154,9 +150,7 @@ TEST(CheckBehaviour, ACrashInACallbackOfOursIsNotTheFmus) {
 }
 
 TEST(CheckBehaviour, MemoryThatTheFmuDamagedIsItsOwnMistakeWhereverItShows) {
-#ifdef __SANITIZE_ADDRESS__
-  GTEST_SKIP() << "the address sanitizer ends the process where the damage is done";
-#endif
+  if (kSanitizerTakesCrashesAndMemory) GTEST_SKIP() << "it ends the process where the damage is done";
   EXPECT_THAT(of("heap"), Contains(testing::ContainsRegex("error: crashed with SIG[A-Z]+ .* in fmi2DoStep")));
   EXPECT_THAT(of("foreign_free"),
               Contains(HasSubstr("error: freeMemory was called with a pointer that allocateMemory")));

@@ -2,6 +2,7 @@
 // FMUs in processes of their own: the same bits as in the master's, and nothing that they do takes it down.
 #include "isolation/guard.hpp"
 #include "slave/unpack_folder.hpp"
+#include "support/sanitizer.hpp"
 #include "test_system.hpp"
 
 #include <fcntl.h>
@@ -155,12 +156,10 @@ class IsolationFault : public Isolation, public testing::WithParamInterface<Faul
   void SetUp() override {
     if (GetParam().name == std::string_view("kill_group") && !kernel_keeps_signals_inside())
       GTEST_SKIP() << "a process signals itself alone there";
-#ifdef __SANITIZE_ADDRESS__
-    if (GetParam().name == std::string_view("memory")) {
-      GTEST_SKIP() << "the limit is one of address space (RLIMIT_AS), of which the address sanitizer's allocator has "
-                      "taken its terabytes before: what the FMU allocates is no more";
+    if (kSanitizerTakesCrashesAndMemory && GetParam().name == std::string_view("memory")) {
+      GTEST_SKIP() << "the limit is one of address space (RLIMIT_AS), of which the sanitizer's allocator has taken its "
+                      "terabytes before: what the FMU allocates is no more";
     }
-#endif
   }
 };
 

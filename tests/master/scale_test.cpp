@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Many instances of one FMU: at the same time, and one after the other. scripts/scale.sh does the same in full length.
 #include "slave/fmu_slave.hpp"
+#include "support/sanitizer.hpp"
 #include "test_system.hpp"
 
 #include <fmt/format.h>
@@ -130,9 +131,7 @@ TEST(Scale, ReadingALargeConfigIsInterrupted) {
 }
 
 TEST(Scale, InstancesThatComeAndGoLeaveNothingBehind) {
-#ifdef __SANITIZE_ADDRESS__
-  GTEST_SKIP() << "heap and mappings are the address sanitizer's own; it looks for leaks itself";
-#endif
+  if (kSanitizerTakesCrashesAndMemory) GTEST_SKIP() << "heap and mappings are the sanitizer's own";
   const auto fmu = std::make_shared<Fmu>(cycled_fmu());
   Messages messages;
   const auto start = [&](const char* name) {
@@ -156,9 +155,7 @@ TEST(Scale, InstancesThatComeAndGoLeaveNothingBehind) {
 }
 
 TEST(Scale, ArchivesThatAreOpenedAndClosedLeaveNothingBehind) {
-#ifdef __SANITIZE_ADDRESS__
-  GTEST_SKIP() << "heap and mappings are the address sanitizer's own; it looks for leaks itself";
-#endif
+  if (kSanitizerTakesCrashesAndMemory) GTEST_SKIP() << "heap and mappings are the sanitizer's own";
   const auto open = [] { Fmu(cycled_fmu()).functions(); };
   for (int i = 0; i < 5; ++i) open();
   const auto before = holdings();
