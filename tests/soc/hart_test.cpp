@@ -1,10 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "hart/csr_names.hpp"
 #include "hart/csr_numbers.hpp"
 #include "isa/encoding.hpp"
 #include "machine.hpp"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+#include <utility>
+#include <vector>
 
 namespace mebots::soc::test {
 namespace {
@@ -149,6 +155,65 @@ TEST(Csr, ReadOfAReadOnlyRegisterBySetWithX0IsNoWrite) {
   ASSERT_EQ(machine.run(), Stop::watch);
   EXPECT_EQ(machine.reg(10), 0x602U);
   EXPECT_EQ(machine.reg(11), 4U);
+}
+
+/// From the manuals, written down a second time: numbers that a core has, and which of them an access waits for.
+struct CsrSet {
+  std::vector<std::pair<unsigned, unsigned>> there;  // first and last
+  std::vector<std::pair<unsigned, unsigned>> slow;
+  std::map<unsigned, std::uint32_t> after_reset;  // all others read 0
+
+  bool has(unsigned number) const { return contains(there, number); }
+  static bool contains(const std::vector<std::pair<unsigned, unsigned>>& ranges, unsigned number) {
+    return std::ranges::any_of(ranges,
+                               [number](const auto& range) { return number >= range.first && number <= range.second; });
+  }
+};
+
+CsrSet csrs_of(CoreKind kind) {
+  CsrSet set;
+  set.there = {{0x300, 0x301}, {0x304, 0x305}, {0x320, 0x320}, {0x323, 0x33f}, {0x340, 0x344},
+               {0xb00, 0xb00}, {0xb02, 0xb1f}, {0xb80, 0xb80}, {0xb82, 0xb9f}, {0xc00, 0xc00},
+               {0xc02, 0xc1f}, {0xc80, 0xc80}, {0xc82, 0xc9f}, {0xf11, 0xf14}};
+  set.slow = {{0x300, 0x300}, {0x305, 0x305}, {0x320, 0x33f}, {0x341, 0x342},
+              {0xb00, 0xb1f}, {0xb80, 0xb9f}, {0xc00, 0xc1f}, {0xc80, 0xc9f}};
+  set.after_reset = {{0x300, 0x1800}, {0x301, 0x40001104}, {0xf11, 0x602}, {0xf12, 4}};
+  if (kind == CoreKind::cv32e40p) return set;
+  set.there.insert(set.there.end(), {{0x014, 0x014}, {0x780, 0x7a1}, {0x7b0, 0x7b2}, {0x7b4, 0x7b6}});
+  set.slow = {{0x300, 0x300}};
+  set.after_reset[0x7a1] = 3;
+  set.after_reset[0xc10] = 3;  // the privilege, in the place of an event counter
+  return set;
+}
+
+TEST(Csr, IsThereReadOnlyAndSlowAsTheManualsHaveIt) {
+  for (const auto kind : {CoreKind::cv32e40p, CoreKind::ri5cy}) {
+    const auto expected = csrs_of(kind);
+    const Timing timing{kind};
+    Machine machine(fmt::format("_start: nop\n{}", kEnd), kind);
+    for (unsigned number = 0; number < 0x1000; ++number) {
+      const auto text = fmt::format("0x{:03x}", number);
+      std::uint32_t value = 1;
+      ASSERT_EQ(machine.hart().csr(number, value), expected.has(number)) << text;
+      if (!expected.has(number)) continue;
+      const auto reset = expected.after_reset.find(number);
+      ASSERT_EQ(value, reset == expected.after_reset.end() ? 0 : reset->second) << text;
+      ASSERT_EQ(timing.csr_cycles(number), CsrSet::contains(expected.slow, number) ? 4U : 1U) << text;
+    }
+    for (unsigned number = 0; number < 0x1000; ++number) {
+      ASSERT_EQ(machine.hart().set_csr(number, 0), expected.has(number) && number < 0xc00)
+          << fmt::format("0x{:03x}", number);
+    }
+  }
+}
+
+TEST(Csr, HasItsNameFromTheTable) {
+  EXPECT_EQ(csr::name(0x341), "mepc");
+  EXPECT_EQ(csr::name(0xb07), "mhpmcounter7");
+  EXPECT_EQ(csr::name(0xc9f), "hpmcounter31h");
+  EXPECT_EQ(csr::name(0x7b5), "lpend1");
+  EXPECT_EQ(csr::name(0x7c0), "csr0x7c0");
+  for (const auto& named : csr::named()) EXPECT_EQ(csr::name(named.number), named.name);
 }
 
 TEST(Counter, OfInstructionsCanBeSetStoppedAndRead) {

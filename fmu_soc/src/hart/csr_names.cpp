@@ -1,52 +1,47 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hart/csr_names.hpp"
 
-#include "hart/csr_numbers.hpp"
-
 #include <fmt/core.h>
 
 #include <array>
+#include <cstddef>
 
 namespace mebots::soc::csr {
 namespace {
 
-constexpr std::array kNamed{
-    Named{kMstatus, "mstatus"},
-    Named{kMisa, "misa"},
-    Named{kMie, "mie"},
-    Named{kMtvec, "mtvec"},
-    Named{kMcountinhibit, "mcountinhibit"},
-    Named{kMscratch, "mscratch"},
-    Named{kMepc, "mepc"},
-    Named{kMcause, "mcause"},
-    Named{kMtval, "mtval"},
-    Named{kMip, "mip"},
-    Named{kMcycle, "mcycle"},
-    Named{kMinstret, "minstret"},
-    Named{kMcycleh, "mcycleh"},
-    Named{kMinstreth, "minstreth"},
-    Named{kCycle, "cycle"},
-    Named{kInstret, "instret"},
-    Named{kCycleh, "cycleh"},
-    Named{kInstreth, "instreth"},
-    Named{kMvendorid, "mvendorid"},
-    Named{kMarchid, "marchid"},
-    Named{kMimpid, "mimpid"},
-    Named{kMhartid, "mhartid"},
+enum class Core : std::uint8_t { every, ri5cy, gap8 };
+
+struct Row {
+  unsigned number;
+  unsigned count;
+  std::string_view name;
+  unsigned first;  // number of the first one in the name
+  Core core;
 };
 
-struct Numbered {
-  unsigned first;
-  std::string_view text;
-  std::string_view end;
-};
+constexpr auto kRows = std::to_array<Row>({
+#define MEBOTS_CSR(constant, number, count, name, first, core, ...) {number, count, name, first, Core::core},
+#include "hart/csrs.inc"
+});
 
-/// 29 of each, counted from 3.
-constexpr std::array kNumbered{
-    Numbered{kMhpmevent3, "mhpmevent", ""},       Numbered{kMhpmcounter3, "mhpmcounter", ""},
-    Numbered{kMhpmcounter3h, "mhpmcounter", "h"}, Numbered{kHpmcounter3, "hpmcounter", ""},
-    Numbered{kHpmcounter3h, "hpmcounter", "h"},
-};
+constexpr bool stands_alone(const Row& row) {
+  return row.core == Core::every && row.count == 1;
+}
+
+constexpr std::size_t alone() {
+  std::size_t number = 0;
+  for (const auto& row : kRows) number += stands_alone(row) ? 1 : 0;
+  return number;
+}
+
+constexpr auto kNamed = [] {
+  std::array<Named, alone()> named{};
+  std::size_t i = 0;
+  for (const auto& row : kRows) {
+    if (stands_alone(row)) named[i++] = {row.number, row.name};
+  }
+  return named;
+}();
 
 }  // namespace
 
@@ -55,13 +50,12 @@ std::span<const Named> named() {
 }
 
 std::string name(unsigned number) {
-  for (const auto& entry : kNamed) {
-    if (entry.number == number) return std::string(entry.name);
-  }
-  for (const auto& entry : kNumbered) {
-    if (number >= entry.first && number < entry.first + 29) {
-      return fmt::format("{}{}{}", entry.text, number - entry.first + 3, entry.end);
-    }
+  for (const auto& row : kRows) {
+    if (number < row.number || number >= row.number + row.count) continue;
+    const auto place = row.name.find('#');
+    if (place == std::string_view::npos) return std::string(row.name);
+    return fmt::format("{}{}{}", row.name.substr(0, place), number - row.number + row.first,
+                       row.name.substr(place + 1));
   }
   return fmt::format("csr0x{:03x}", number);
 }

@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Control and status registers: those of machine mode that CV32E40P has; with Xpulp also RI5CY's own. All others trap.
+// What an access to a control or status register does: the table's column of meanings, and the functions that it names.
 #include "hart/csrs.hpp"
 
-#include "hart/csr_numbers.hpp"
+#include <array>
+#include <cstddef>
+#include <span>
+#include <string_view>
+#include <type_traits>
 
 namespace mebots::soc {
 namespace {
@@ -19,32 +23,141 @@ constexpr std::uint32_t kInterruptLines = 0xffff0000U | (1U << 11) | (1U << 7) |
 /// JEDEC number of the OpenHW Group and architecture number of CV32E40P; GAP8's RI5CY says the same kind of thing.
 constexpr std::uint32_t kVendor = 0x602;
 constexpr std::uint32_t kArchitecture = 4;
-
-bool inside(unsigned number, unsigned first, unsigned count) {
-  return number >= first && number < first + count;
-}
-
-/// Event counters 3 to 31 and their selectors: there, always 0.
-bool is_zero_register(unsigned number) {
-  return inside(number, csr::kMhpmevent3, 29) || inside(number, csr::kMhpmcounter3, 29) ||
-         inside(number, csr::kMhpmcounter3h, 29) || inside(number, csr::kHpmcounter3, 29) ||
-         inside(number, csr::kHpmcounter3h, 29);
-}
-
 constexpr std::uint32_t kCountersOn = 1U << 0;      // PCMR
 constexpr std::uint32_t kCountersStop = 1U << 1;    // at their highest value
 constexpr std::uint32_t kEvents = (1U << 31) - 1U;  // of PCER
 constexpr std::uint32_t kMachineMode = 3;
 
+bool is_read_only(unsigned number) {
+  return (number >> 10) == 3;
+}
+
 bool is_event_counter(unsigned number) {
-  return inside(number, csr::kPccr, csr::kPccrAll - csr::kPccr + 1);
+  return number >= csr::kPccr && number <= csr::kPccrAll;
 }
 
 }  // namespace
 
+/// The rows, and which of them a core has at a number.
+struct Csrs::Rows {
+  enum class Core : std::uint8_t { every, ri5cy, gap8 };
+  static constexpr std::size_t kCores = 3;
+  static constexpr std::size_t kNumbers = 4096;
+
+  struct Row;
+  struct Meaning {
+    std::uint32_t (*read)(const Csrs&, const Row&, unsigned index);
+    void (*write)(Csrs&, const Row&, unsigned index, std::uint32_t value);  // null: a store changes nothing
+    bool keeps;                                                             // a word, which is `reset` at first
+    std::uint32_t reset;
+  };
+  struct Row {
+    unsigned number;
+    unsigned count;
+    Core core;
+    Meaning meaning;
+    std::string_view name;
+    unsigned slot = 0;  // of its first word
+  };
+
+  static std::uint32_t kept(const Csrs& csrs, const Row& row, unsigned index) {
+    return csrs.state_.words[row.slot + index];
+  }
+
+  template <std::uint32_t kMask = ~0U, auto kThen = nullptr>
+  static constexpr Meaning word(std::uint32_t reset = 0) {
+    return {kept,
+            [](Csrs& csrs, const Row& row, unsigned index, std::uint32_t value) {
+              csrs.state_.words[row.slot + index] = value & kMask;
+              if constexpr (!std::is_null_pointer_v<decltype(kThen)>) (csrs.*kThen)();
+            },
+            true, reset};
+  }
+  static constexpr Meaning lines() { return {kept, nullptr, true, 0}; }
+  template <std::uint32_t kValue>
+  static constexpr Meaning constant() {
+    return {[](const Csrs&, const Row&, unsigned) { return kValue; }, nullptr, false, 0};
+  }
+  template <auto kWrite>
+  static constexpr auto writer() {
+    if constexpr (std::is_null_pointer_v<decltype(kWrite)>) {
+      return nullptr;
+    } else {
+      return [](Csrs& csrs, const Row&, [[maybe_unused]] unsigned index, std::uint32_t value) {
+        if constexpr (std::is_invocable_v<decltype(kWrite), Csrs&, unsigned, std::uint32_t>) {
+          (csrs.*kWrite)(index, value);
+        } else {
+          (csrs.*kWrite)(value);
+        }
+      };
+    }
+  }
+  template <auto kRead, auto kWrite = nullptr>
+  static constexpr Meaning of() {
+    return {[](const Csrs& csrs, const Row&, [[maybe_unused]] unsigned index) {
+              if constexpr (std::is_invocable_v<decltype(kRead), const Csrs&, unsigned>) {
+                return (csrs.*kRead)(index);
+              } else {
+                return (csrs.*kRead)();
+              }
+            },
+            writer<kWrite>(), false, 0};
+  }
+  template <auto kWrite>
+  static constexpr Meaning of_word(std::uint32_t reset = 0) {
+    return {kept, writer<kWrite>(), true, reset};
+  }
+
+  static const std::array<Row, csr::kPlaces.size()> kAll;
+  /// By core and number: which row, counted from 1; 0 = none.
+  static const std::array<std::array<std::uint8_t, kNumbers>, kCores> kRowOf;
+  static const Row* find(const Csrs& csrs, unsigned number);
+};
+
+constexpr std::array<Csrs::Rows::Row, csr::kPlaces.size()> Csrs::Rows::kAll = [] {
+  std::array<Row, csr::kPlaces.size()> rows{{
+#define MEBOTS_CSR(constant, number, count, name, first, core, pace, ...) \
+  {number, count, Core::core, __VA_ARGS__, name},
+#include "hart/csrs.inc"
+  }};
+  for (std::size_t i = 0; i < rows.size(); ++i) rows[i].slot = csr::slots_before(i);
+  return rows;
+}();
+
+/// Where two rows have a number, RI5CY's own is what RI5CY has.
+constexpr std::array<std::array<std::uint8_t, Csrs::Rows::kNumbers>, Csrs::Rows::kCores> Csrs::Rows::kRowOf = [] {
+  std::array<std::array<std::uint8_t, kNumbers>, kCores> row_of{};
+  for (std::size_t core = 0; core < kCores; ++core) {
+    for (std::size_t rows_of = 0; rows_of <= core; ++rows_of) {
+      for (std::size_t i = 0; i < kAll.size(); ++i) {
+        if (static_cast<std::size_t>(kAll[i].core) != rows_of) continue;
+        for (unsigned n = 0; n < kAll[i].count; ++n)
+          row_of[core][kAll[i].number + n] = static_cast<std::uint8_t>(i + 1);
+      }
+    }
+  }
+  return row_of;
+}();
+
+/// Null: this core has none.
+const Csrs::Rows::Row* Csrs::Rows::find(const Csrs& csrs, unsigned number) {
+  if (number >= kNumbers) return nullptr;
+  const auto core = !csrs.timing_.has_xpulp() ? Core::every : csrs.has_event_unit_ ? Core::gap8 : Core::ri5cy;
+  const auto row = kRowOf[static_cast<std::size_t>(core)][number];
+  return row == 0 ? nullptr : &kAll[row - 1U];
+}
+
+Csrs::Csrs(Execution& execution, BlockCache& cache, Timing timing)
+    : execution_(execution), cache_(cache), timing_(timing) {
+  restart();
+}
+
 void Csrs::restart() {
   state_ = {};
-  if (has_event_unit_) state_.mie = ~0U;
+  for (const auto& row : Rows::kAll) {
+    for (unsigned i = 0; i < row.count; ++i) state_.words[row.slot + i] = row.meaning.reset;
+  }
+  if (has_event_unit_) word<csr::kMie>() = ~0U;
   state_.cycle_base = execution_.counters.cycles;
   state_.instret_base = execution_.counters.instructions;
   interrupt_ready_ = false;
@@ -52,11 +165,11 @@ void Csrs::restart() {
 
 void Csrs::set_interrupt(unsigned bit, bool level) {
   const auto mask = 1U << bit;
-  set_interrupts(level ? state_.mip | mask : state_.mip & ~mask);
+  set_interrupts(level ? word<csr::kMip>() | mask : word<csr::kMip>() & ~mask);
 }
 
 void Csrs::set_interrupts(std::uint32_t lines) {
-  state_.mip = lines;
+  word<csr::kMip>() = lines;
   update_interrupts();
 }
 
@@ -66,9 +179,9 @@ void Csrs::update_interrupts() {
 }
 
 void Csrs::enter_handler(std::uint32_t cause, std::uint32_t value) {
-  state_.mepc = execution_.pc;
-  state_.mcause = cause;
-  state_.mtval = value;
+  word<csr::kMepc>() = execution_.pc;
+  word<csr::kMcause>() = cause;
+  word<csr::kMtval>() = value;
   state_.interrupts_were_on = state_.interrupts_on;
   state_.interrupts_on = false;
   update_interrupts();
@@ -78,7 +191,7 @@ std::uint32_t Csrs::leave_handler() {
   state_.interrupts_on = state_.interrupts_were_on;
   state_.interrupts_were_on = true;
   update_interrupts();
-  return state_.mepc;
+  return word<csr::kMepc>();
 }
 
 const Instruction* Csrs::access(const Instruction* at) {
@@ -91,14 +204,13 @@ const Instruction* Csrs::access(const Instruction* at) {
   // Set and clear with x0 (or 0) only read; replace into x0 only writes.
   // RI5CY's event counters are written back even then, in the place of what this instruction would have counted.
   const bool writes = replace || at->rs1 != 0 || (timing_.has_xpulp() && is_event_counter(number));
-  const bool read_only = (number >> 10) == 3;
 
   // Counters count what retired before this instruction.
   const auto saved = e.counters;
   e.counters.instructions += at->index;
   e.counters.cycles = e.start_of(at);
   std::uint32_t old = 0;
-  bool good = read(number, old) && !(writes && read_only);
+  bool good = read(number, old);
   if (good && writes) good = write(number, replace ? operand : set ? old | operand : old & ~operand);
   e.counters = saved;
   if (!good) return e.raise(at, cause::kIllegalInstruction, cache_.word_at(at->pc).value_or(0));
@@ -107,216 +219,84 @@ const Instruction* Csrs::access(const Instruction* at) {
 }
 
 bool Csrs::read(unsigned number, std::uint32_t& value) const {
-  value = 0;
-  switch (number) {
-    case csr::kMstatus:
-      value = kMppMachine | (state_.interrupts_on ? kMieBit : 0U) | (state_.interrupts_were_on ? kMpieBit : 0U);
-      return true;
-    case csr::kMisa:
-      value = kMisaValue;
-      return true;
-    case csr::kMie:
-      value = state_.mie;
-      return true;
-    case csr::kMtvec:
-      value = state_.mtvec;
-      return true;
-    case csr::kMcountinhibit:
-      value = state_.mcountinhibit;
-      return true;
-    case csr::kMscratch:
-      value = state_.mscratch;
-      return true;
-    case csr::kMepc:
-      value = state_.mepc;
-      return true;
-    case csr::kMcause:
-      value = state_.mcause;
-      return true;
-    case csr::kMtval:
-      value = state_.mtval;
-      return true;
-    case csr::kMip:
-      value = state_.mip;
-      return true;
-    case csr::kMcycle:
-    case csr::kCycle:
-      value = static_cast<std::uint32_t>(read_counter(false));
-      return true;
-    case csr::kMcycleh:
-    case csr::kCycleh:
-      value = static_cast<std::uint32_t>(read_counter(false) >> 32);
-      return true;
-    case csr::kMinstret:
-    case csr::kInstret:
-      value = static_cast<std::uint32_t>(read_counter(true));
-      return true;
-    case csr::kMinstreth:
-    case csr::kInstreth:
-      value = static_cast<std::uint32_t>(read_counter(true) >> 32);
-      return true;
-    case csr::kMvendorid:
-      value = kVendor;
-      return true;
-    case csr::kMarchid:
-      value = kArchitecture;
-      return true;
-    case csr::kMimpid:
-      return true;
-    case csr::kMhartid:
-      value = id_;
-      return true;
-    default:
-      return is_zero_register(number) || (timing_.has_xpulp() && read_ri5cy(number, value));
-  }
-}
-
-bool Csrs::read_ri5cy(unsigned number, std::uint32_t& value) const {
-  const auto& loops = execution_.loops;
-  if (inside(number, csr::kLoopStart0, 3) || inside(number, csr::kLoopStart1, 3)) {
-    const auto& loop = loops[number < csr::kLoopStart1 ? 0 : 1];
-    const auto which = (number - csr::kLoopStart0) & 3U;
-    value = which == 0 ? loop.start : which == 1 ? loop.end : loop.count;
-    return true;
-  }
-  switch (number) {
-    case csr::kPccr:
-    case csr::kPccr + 1:
-      value = read_event_counter(number - csr::kPccr);
-      return true;
-    case csr::kPcer:
-      value = state_.pcer;
-      return true;
-    case csr::kPcmr:
-      value = state_.pcmr;
-      return true;
-    case csr::kPrivilege:
-      value = kMachineMode;
-      return true;
-    case csr::kUhartid:
-      return read(csr::kMhartid, value);
-    default:
-      if (has_event_unit_ && inside(number, csr::kStackCheck, 3)) {
-        value = state_.stack_check[number - csr::kStackCheck];
-        return true;
-      }
-      return is_event_counter(number);  // other events are not counted: 0
-  }
+  const auto* row = Rows::find(*this, number);
+  value = row == nullptr ? 0 : row->meaning.read(*this, *row, number - row->number);
+  return row != nullptr;
 }
 
 bool Csrs::write(unsigned number, std::uint32_t value) {
-  switch (number) {
-    case csr::kMstatus:
-      state_.interrupts_on = (value & kMieBit) != 0;
-      state_.interrupts_were_on = (value & kMpieBit) != 0;
-      update_interrupts();
-      return true;
-    case csr::kMie:
-      state_.mie = value & kInterruptLines;
-      update_interrupts();
-      return true;
-    case csr::kMtvec:
-      state_.mtvec = value & ~2U;
-      return true;
-    case csr::kMcountinhibit:
-      set_count_inhibit(value & (kInhibitCycle | kInhibitInstret));
-      return true;
-    case csr::kMscratch:
-      state_.mscratch = value;
-      return true;
-    case csr::kMepc:
-      state_.mepc = value & ~1U;
-      return true;
-    case csr::kMcause:
-      state_.mcause = value;
-      return true;
-    case csr::kMtval:
-      state_.mtval = value;
-      return true;
-    case csr::kMcycle:
-      write_counter(false, value, false);
-      return true;
-    case csr::kMcycleh:
-      write_counter(false, value, true);
-      return true;
-    case csr::kMinstret:
-      write_counter(true, value, false);
-      return true;
-    case csr::kMinstreth:
-      write_counter(true, value, true);
-      return true;
-    case csr::kMisa:  // fixed
-    case csr::kMip:   // lines of devices
-      return true;
-    default:
-      return is_zero_register(number) || (timing_.has_xpulp() && write_ri5cy(number, value));
-  }
+  const auto* row = Rows::find(*this, number);
+  if (row == nullptr || is_read_only(number)) return false;
+  if (row->meaning.write != nullptr) row->meaning.write(*this, *row, number - row->number, value);
+  return true;
 }
 
-bool Csrs::write_ri5cy(unsigned number, std::uint32_t value) {
-  auto& loops = execution_.loops;
-  if (inside(number, csr::kLoopStart0, 3) || inside(number, csr::kLoopStart1, 3)) {
-    auto& loop = loops[number < csr::kLoopStart1 ? 0 : 1];
-    const auto which = (number - csr::kLoopStart0) & 3U;
-    (which == 0 ? loop.start : which == 1 ? loop.end : loop.count) = value;
-    if (which == 1) cache_.end_block_at(value);
-    return true;
+void Csrs::visit(state::Visitor& v) {
+  for (const auto& row : Rows::kAll) {
+    if (row.meaning.keeps) v(row.name, std::span(state_.words).subspan(row.slot, row.count));
   }
-  switch (number) {
-    case csr::kPccr:
-    case csr::kPccr + 1:
-      write_event_counter(number - csr::kPccr, value);
-      return true;
-    case csr::kPccrAll:
-      for (unsigned counter = 0; counter < state_.pccr_base.size(); ++counter) write_event_counter(counter, value);
-      return true;
-    case csr::kPcer:
-      set_event_enable(value & kEvents, state_.pcmr);
-      return true;
-    case csr::kPcmr:
-      set_event_enable(state_.pcer, value & (kCountersOn | kCountersStop));
-      return true;
-    case csr::kUhartid:
-      return true;
-    default:
-      if (has_event_unit_ && inside(number, csr::kStackCheck, 3)) {
-        state_.stack_check[number - csr::kStackCheck] = value;
-        return true;
-      }
-      return is_event_counter(number);
-  }
+  v("interrupts_on", state_.interrupts_on);
+  v("interrupts_were_on", state_.interrupts_were_on);
+  v("cycle_base", state_.cycle_base);
+  v("instret_base", state_.instret_base);
+  v("pccr_base", state_.pccr_base);
+  v("interrupt_ready", interrupt_ready_);
+}
+
+std::uint32_t Csrs::mstatus() const {
+  return kMppMachine | (state_.interrupts_on ? kMieBit : 0U) | (state_.interrupts_were_on ? kMpieBit : 0U);
+}
+
+void Csrs::set_mstatus(std::uint32_t value) {
+  state_.interrupts_on = (value & kMieBit) != 0;
+  state_.interrupts_were_on = (value & kMpieBit) != 0;
+  update_interrupts();
 }
 
 bool Csrs::counts_event(unsigned counter) const {
-  return (state_.pcmr & kCountersOn) != 0 && (state_.pcer >> counter & 1U) != 0;
+  return (word<csr::kPcmr>() & kCountersOn) != 0 && (word<csr::kPcer>() >> counter & 1U) != 0;
 }
 
 /// As of the standard counters: while one counts, its base is the distance; otherwise it is the value.
-std::uint32_t Csrs::read_event_counter(unsigned counter) const {
+std::uint32_t Csrs::event_counter(unsigned counter) const {
+  if (counter >= state_.pccr_base.size()) return 0;  // other events are not counted
   const auto base = state_.pccr_base[counter];
   if (!counts_event(counter)) return static_cast<std::uint32_t>(base);
   const auto value = (counter == 0 ? execution_.counters.cycles : execution_.counters.instructions) - base;
-  const bool full = value > 0xffffffffU && (state_.pcmr & kCountersStop) != 0;
+  const bool full = value > 0xffffffffU && (word<csr::kPcmr>() & kCountersStop) != 0;
   return full ? 0xffffffffU : static_cast<std::uint32_t>(value);
 }
 
-void Csrs::write_event_counter(unsigned counter, std::uint32_t value) {
+void Csrs::set_event_counter(unsigned counter, std::uint32_t value) {
+  if (counter >= state_.pccr_base.size()) return;
   const auto next_count = (counter == 0 ? execution_.counters.cycles : execution_.counters.instructions) + 1;
   state_.pccr_base[counter] = counts_event(counter) ? next_count - value : value;
 }
 
+void Csrs::set_event_counters(std::uint32_t value) {
+  for (unsigned counter = 0; counter < state_.pccr_base.size(); ++counter) set_event_counter(counter, value);
+}
+
+void Csrs::set_counted_events(std::uint32_t value) {
+  set_event_enable(value & kEvents, word<csr::kPcmr>());
+}
+
+void Csrs::set_count_mode(std::uint32_t value) {
+  set_event_enable(word<csr::kPcer>(), value & (kCountersOn | kCountersStop));
+}
+
 void Csrs::set_event_enable(std::uint32_t pcer, std::uint32_t pcmr) {
-  const std::array<std::uint32_t, 2> values{read_event_counter(0), read_event_counter(1)};
-  state_.pcer = pcer;
-  state_.pcmr = pcmr;
-  for (unsigned counter = 0; counter < values.size(); ++counter) write_event_counter(counter, values[counter]);
+  const std::array<std::uint32_t, 2> values{event_counter(0), event_counter(1)};
+  word<csr::kPcer>() = pcer;
+  word<csr::kPcmr>() = pcmr;
+  for (unsigned counter = 0; counter < values.size(); ++counter) set_event_counter(counter, values[counter]);
 }
 
 /// While a counter is inhibited its base holds its value; otherwise the value is the distance from the base.
 std::uint64_t Csrs::read_counter(bool instret) const {
   const auto base = instret ? state_.instret_base : state_.cycle_base;
   const auto inhibit = instret ? kInhibitInstret : kInhibitCycle;
-  if ((state_.mcountinhibit & inhibit) != 0) return base;
+  if ((word<csr::kMcountinhibit>() & inhibit) != 0) return base;
   return (instret ? execution_.counters.instructions : execution_.counters.cycles) - base;
 }
 
@@ -327,13 +307,14 @@ void Csrs::write_counter(bool instret, std::uint32_t value, bool high) {
   const auto inhibit = instret ? kInhibitInstret : kInhibitCycle;
   // A write takes the place of its own instruction's increment: the next instruction reads back what was written.
   const auto count = instret ? execution_.counters.instructions + 1 : execution_.counters.cycles;
-  base = (state_.mcountinhibit & inhibit) != 0 ? wanted : count - wanted;
+  base = (word<csr::kMcountinhibit>() & inhibit) != 0 ? wanted : count - wanted;
 }
 
 void Csrs::set_count_inhibit(std::uint32_t value) {
+  value &= kInhibitCycle | kInhibitInstret;
   const auto cycle = read_counter(false);
   const auto instret = read_counter(true);
-  state_.mcountinhibit = value;
+  word<csr::kMcountinhibit>() = value;
   state_.cycle_base = (value & kInhibitCycle) != 0 ? cycle : execution_.counters.cycles - cycle;
   state_.instret_base = (value & kInhibitInstret) != 0 ? instret : execution_.counters.instructions - instret;
 }

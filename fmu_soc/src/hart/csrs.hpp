@@ -2,6 +2,7 @@
 #pragma once
 
 #include "hart/block_cache.hpp"
+#include "hart/csr_numbers.hpp"
 #include "hart/execution.hpp"
 #include "hart/observer.hpp"
 #include "hart/timing.hpp"
@@ -12,14 +13,14 @@
 
 namespace mebots::soc {
 
-/// The control and status registers of a core: those of machine mode that CV32E40P has; with Xpulp also RI5CY's own.
-/// All others are none. They own what decides whether an interrupt is let in.
+/// The control and status registers of a core, as their table has them (csrs.inc): those of machine mode that CV32E40P
+/// has; with Xpulp also RI5CY's own, and with an event unit GAP8's. All others are none. They own what decides whether
+/// an interrupt is let in.
 class Csrs {
  public:
-  Csrs(Execution& execution, BlockCache& cache, Timing timing)
-      : execution_(execution), cache_(cache), timing_(timing) {}
+  Csrs(Execution& execution, BlockCache& cache, Timing timing);
 
-  /// All 0, and the counters count from here on.
+  /// As after reset, and the counters count from here on.
   void restart();
   void set_id(std::uint32_t id) { id_ = id; }
   void use_event_unit() { has_event_unit_ = true; }
@@ -35,71 +36,89 @@ class Csrs {
   void set_interrupt(unsigned bit, bool level);
   void set_interrupts(std::uint32_t lines);
   /// Lines that are up and enabled.
-  std::uint32_t pending() const { return state_.mip & state_.mie; }
+  std::uint32_t pending() const { return word<csr::kMip>() & word<csr::kMie>(); }
   /// Whether one of these is let in (mstatus).
   bool interrupt_ready() const { return interrupt_ready_; }
-  bool interrupts_enabled() const { return state_.interrupts_on && state_.mie != 0; }
+  bool interrupts_enabled() const { return state_.interrupts_on && word<csr::kMie>() != 0; }
 
-  std::uint32_t mtvec() const { return state_.mtvec; }
+  std::uint32_t mtvec() const { return word<csr::kMtvec>(); }
   /// A trap at the pc: what happened is noted, and no interrupt is let in.
   void enter_handler(std::uint32_t cause, std::uint32_t value);
-  Trapped last_trap() const { return {state_.mepc, state_.mcause, state_.mtval}; }
+  Trapped last_trap() const { return {word<csr::kMepc>(), word<csr::kMcause>(), word<csr::kMtval>()}; }
   /// mret: the pc to go on at.
   std::uint32_t leave_handler();
 
-  void visit(state::Visitor& v) {
-    state_.visit(v);
-    v("interrupt_ready", interrupt_ready_);
-  }
+  void visit(state::Visitor& v);
 
  private:
+  struct Rows;  // their table (csrs.inc) as it is asked for by number
   struct State {
-    std::uint32_t mie = 0;
-    std::uint32_t mip = 0;
-    std::uint32_t mtvec = 0;
-    std::uint32_t mscratch = 0;
-    std::uint32_t mepc = 0;
-    std::uint32_t mcause = 0;
-    std::uint32_t mtval = 0;
-    std::uint32_t mcountinhibit = 0;
-    bool interrupts_on = false;       // mstatus.MIE
-    bool interrupts_were_on = false;  // mstatus.MPIE
-    std::uint64_t cycle_base = 0;     // mcycle = counter - base; while inhibited, mcycle = base
+    std::array<std::uint32_t, csr::slots_before(csr::kPlaces.size())> words{};  // of those that keep one
+    bool interrupts_on = false;                                                 // mstatus.MIE
+    bool interrupts_were_on = false;                                            // mstatus.MPIE
+    std::uint64_t cycle_base = 0;  // mcycle = counter - base; while inhibited, mcycle = base
     std::uint64_t instret_base = 0;
-    std::uint32_t pcer = 0;  // RI5CY's event counters: which count
-    std::uint32_t pcmr = 3;  // how they count
-    std::array<std::uint64_t, 2> pccr_base{};
-    std::array<std::uint32_t, 3> stack_check{};  // on or off, first address, end
-
-    void visit(state::Visitor& v) {
-      v("mie", mie);
-      v("mip", mip);
-      v("mtvec", mtvec);
-      v("mscratch", mscratch);
-      v("mepc", mepc);
-      v("mcause", mcause);
-      v("mtval", mtval);
-      v("mcountinhibit", mcountinhibit);
-      v("interrupts_on", interrupts_on);
-      v("interrupts_were_on", interrupts_were_on);
-      v("cycle_base", cycle_base);
-      v("instret_base", instret_base);
-      v("pcer", pcer);
-      v("pcmr", pcmr);
-      v("pccr_base", pccr_base);
-      v("stack_check", stack_check);
-    }
+    std::array<std::uint64_t, 2> pccr_base{};  // of RI5CY's event counters
   };
 
+  template <unsigned kNumber>
+  std::uint32_t& word() {
+    return state_.words[csr::slot_of(kNumber)];
+  }
+  template <unsigned kNumber>
+  std::uint32_t word() const {
+    return state_.words[csr::slot_of(kNumber)];
+  }
+
+  // What the rows of the table name.
+  std::uint32_t id() const { return id_; }
+  std::uint32_t zero() const { return 0; }
+  std::uint32_t mstatus() const;
+  void set_mstatus(std::uint32_t value);
   void update_interrupts();
+  std::uint32_t cycle() const { return static_cast<std::uint32_t>(read_counter(false)); }
+  std::uint32_t cycle_high() const { return static_cast<std::uint32_t>(read_counter(false) >> 32); }
+  std::uint32_t instret() const { return static_cast<std::uint32_t>(read_counter(true)); }
+  std::uint32_t instret_high() const { return static_cast<std::uint32_t>(read_counter(true) >> 32); }
+  void set_cycle(std::uint32_t value) { write_counter(false, value, false); }
+  void set_cycle_high(std::uint32_t value) { write_counter(false, value, true); }
+  void set_instret(std::uint32_t value) { write_counter(true, value, false); }
+  void set_instret_high(std::uint32_t value) { write_counter(true, value, true); }
+  void set_count_inhibit(std::uint32_t value);
+  std::uint32_t event_counter(unsigned counter) const;
+  void set_event_counter(unsigned counter, std::uint32_t value);
+  void set_event_counters(std::uint32_t value);
+  void set_counted_events(std::uint32_t value);
+  void set_count_mode(std::uint32_t value);
+  template <unsigned kLoop>
+  std::uint32_t loop_start() const {
+    return execution_.loops[kLoop].start;
+  }
+  template <unsigned kLoop>
+  std::uint32_t loop_end() const {
+    return execution_.loops[kLoop].end;
+  }
+  template <unsigned kLoop>
+  std::uint32_t loop_count() const {
+    return execution_.loops[kLoop].count;
+  }
+  template <unsigned kLoop>
+  void set_loop_start(std::uint32_t value) {
+    execution_.loops[kLoop].start = value;
+  }
+  template <unsigned kLoop>
+  void set_loop_end(std::uint32_t value) {
+    execution_.loops[kLoop].end = value;
+    cache_.end_block_at(value);
+  }
+  template <unsigned kLoop>
+  void set_loop_count(std::uint32_t value) {
+    execution_.loops[kLoop].count = value;
+  }
+
   std::uint64_t read_counter(bool instret) const;
   void write_counter(bool instret, std::uint32_t value, bool high);
-  void set_count_inhibit(std::uint32_t value);
-  bool read_ri5cy(unsigned number, std::uint32_t& value) const;
-  bool write_ri5cy(unsigned number, std::uint32_t value);
   bool counts_event(unsigned counter) const;
-  std::uint32_t read_event_counter(unsigned counter) const;
-  void write_event_counter(unsigned counter, std::uint32_t value);
   void set_event_enable(std::uint32_t pcer, std::uint32_t pcmr);
 
   Execution& execution_;

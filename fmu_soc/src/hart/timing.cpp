@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hart/timing.hpp"
 
-#include "hart/csr_numbers.hpp"
+#include <array>
+#include <cstdint>
 
 namespace mebots::soc {
 namespace {
@@ -42,6 +43,18 @@ unsigned jump_cycles(const Previous& two_before, const Previous& before, const C
   return needs_two_before ? 3 : 2;
 }
 
+/// The column of paces of hart/csrs.inc.
+enum class Pace : std::uint8_t { quick, slow, slow_always };
+struct CsrPace {
+  unsigned number;
+  unsigned count;
+  Pace pace;
+};
+constexpr auto kCsrPaces = std::to_array<CsrPace>({
+#define MEBOTS_CSR(constant, number, count, name, first, core, pace, ...) {number, count, Pace::pace},
+#include "hart/csrs.inc"
+});
+
 }  // namespace
 
 std::optional<CoreKind> core_kind(std::string_view name) {
@@ -51,15 +64,12 @@ std::optional<CoreKind> core_kind(std::string_view name) {
 }
 
 unsigned Timing::csr_cycles(unsigned number) const {
-  if (kind == CoreKind::ri5cy) return number == csr::kMstatus ? 4 : 1;
-  const bool counter = (number >= csr::kMcycle && number < csr::kMcycle + 32) ||
-                       (number >= csr::kMcycleh && number < csr::kMcycleh + 32) ||
-                       (number >= csr::kMcountinhibit && number < csr::kMcountinhibit + 32) ||
-                       (number >= csr::kCycle && number < csr::kCycle + 32) ||
-                       (number >= csr::kCycleh && number < csr::kCycleh + 32);
-  const bool status =
-      number == csr::kMstatus || number == csr::kMepc || number == csr::kMtvec || number == csr::kMcause;
-  return counter || status ? 4 : 1;
+  for (const auto& row : kCsrPaces) {
+    if (number < row.number || number >= row.number + row.count) continue;
+    const bool slow = row.pace == Pace::slow_always || (row.pace == Pace::slow && kind != CoreKind::ri5cy);
+    return slow ? 4 : 1;
+  }
+  return 1;
 }
 
 unsigned static_cycles(const Timing& timing, const Previous& two_before, const Previous& before,
