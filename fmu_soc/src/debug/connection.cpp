@@ -101,20 +101,27 @@ bool Connection::accept(bool wait) {
 
 std::optional<char> Connection::next_byte() {
   if (read_ == unread_.size()) {
-    char buffer[4096];
-    ssize_t count = 0;
     wait_for_client();
-    do {
-      count = client_.open() ? ::recv(client_.descriptor(), buffer, sizeof buffer, 0) : 0;
-    } while (count < 0 && errno == EINTR);
-    if (count <= 0) {
-      disconnect();
-      return std::nullopt;
-    }
-    unread_.assign(buffer, static_cast<std::size_t>(count));
-    read_ = 0;
+    if (!read_more(0)) return std::nullopt;
   }
   return unread_[read_++];
+}
+
+/// False: nothing has come, or the debugger has gone.
+bool Connection::read_more(int flags) {
+  char buffer[4096];
+  ssize_t count = 0;
+  do {
+    count = client_.open() ? ::recv(client_.descriptor(), buffer, sizeof buffer, flags) : 0;
+  } while (count < 0 && errno == EINTR);
+  if (count < 0 && (errno == EAGAIN || errno == EWOULDBLOCK)) return false;
+  if (count <= 0) {
+    disconnect();
+    return false;
+  }
+  unread_.assign(buffer, static_cast<std::size_t>(count));
+  read_ = 0;
+  return true;
 }
 
 /// Until the debugger has said something. Others who call meanwhile are told.
@@ -200,18 +207,11 @@ bool Connection::write_all(std::string_view bytes) {
 
 bool Connection::interrupted() {
   if (!client_.open()) return false;
-  char byte = 0;
-  const auto count = ::recv(client_.descriptor(), &byte, 1, MSG_DONTWAIT | MSG_PEEK);
-  if (count == 0) {
-    disconnect();
-    return true;
-  }
-  if (count < 0) return false;
-  if (byte == kInterrupt || byte == '+') {
-    ::recv(client_.descriptor(), &byte, 1, MSG_DONTWAIT);
-    return byte == kInterrupt;
-  }
-  return true;  // a packet while the program runs: stop to answer it
+  // It may have come with the packet before it, and wait among what is read already.
+  if (read_ == unread_.size() && !read_more(MSG_DONTWAIT)) return !client_.open();
+  const char byte = unread_[read_];
+  if (byte == kInterrupt || byte == '+') ++read_;
+  return byte != '+';  // a packet while the program runs: stop to answer it
 }
 
 }  // namespace mebots::soc::debug

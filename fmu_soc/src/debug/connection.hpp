@@ -51,6 +51,7 @@ class Connection {
 
  private:
   std::optional<char> next_byte();
+  bool read_more(int flags);
   bool write_all(std::string_view bytes);
   void wait_for_client();
 
