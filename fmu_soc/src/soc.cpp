@@ -23,6 +23,7 @@ namespace mebots::soc {
 namespace {
 
 constexpr unsigned kArgument0 = 10;
+constexpr Picoseconds kWithoutEnd = kNever - 1;
 /// What lies below are registers that each core has for itself.
 constexpr std::uint32_t kSharedDevices = 0x1000'0000;
 
@@ -489,7 +490,7 @@ void Soc::advance(std::int64_t time_ns) {
 }
 
 void Soc::run_cycles(std::uint64_t cycle_limit) {
-  go_on(kNever - 1, cycle_limit);
+  go_on(kWithoutEnd, cycle_limit);
 }
 
 void Soc::go_on(Picoseconds until, std::uint64_t cycle_limit) {
@@ -498,6 +499,7 @@ void Soc::go_on(Picoseconds until, std::uint64_t cycle_limit) {
     const auto event = next_event();
     const auto cluster = cluster_next();
     if (cluster_ && cluster_->longest_cycles() >= cycle_limit) break;
+    if (until == kWithoutEnd && !running()) break;  // timers of an ended program tick for ever
     if (asleep_) {
       const auto first = std::min(event, cluster);
       if (first > until || first == kNever) break;
@@ -535,7 +537,7 @@ void Soc::go_on(Picoseconds until, std::uint64_t cycle_limit) {
     }
     tell(core_time());
   }
-  now_ = until == kNever - 1 ? (asleep_ ? std::max(now_, asleep_since_) : core_time()) : until;
+  now_ = until == kWithoutEnd ? (asleep_ ? std::max(now_, asleep_since_) : core_time()) : until;
   tell(now_);
 }
 

@@ -201,6 +201,15 @@ TEST_F(Gdb, KillsTheRun) {
   EXPECT_THAT(run.err, HasSubstr("stopped by the debugger at pc 0x"));
 }
 
+TEST_F(Gdb, KillsTheRunOfAProgramWhoseTimerTicksForEver) {
+  const Folder folder;
+  const auto program = folder.program(
+      "_start: li a0, 0x1B200400\nli a1, 1000\nsw a1, 16(a0)\nli a1, 0x15\nsw a1, 0(a0)\nspin: j spin\n", 0x1C000000);
+  const Debugged run("stepi 8\nkill\n", program, "--board '" MEBOTS_SOURCE_DIR "/configs/boards/gap8.json'");
+  EXPECT_EQ(run.exit_code, 101) << run.gdb;
+  EXPECT_THAT(run.err, HasSubstr("stopped by the debugger at pc 0x1c0000"));
+}
+
 TEST_F(Gdb, SeesAFaultBeforeTheRunEnds) {
   const Debugged run("continue\nprint/x $a0\nbacktrace 1\ncontinue\n",
                      ".globl bad\n_start: li sp, 0x80010000\ncall bad\n.type bad, @function\nbad: lui a0, 0x40000\n"
