@@ -63,6 +63,36 @@ _start: li s1, 0x1C060000
   EXPECT_EQ(system.result(4) & 0xffffU, 0x1234U) << "across two words";
 }
 
+TEST(Gap8, CoreTellsItsPrivilegeAndAHandlersReturnClearsTheCause) {
+  auto system = on_gap8(R"(
+_start: li s1, 0x1C060000
+    la t0, vectors
+    csrw mtvec, t0
+    csrr a0, 0xC10         # of RI5CY: the privilege level
+    sw a0, 0(s1)
+    ecall
+    csrr a0, mcause
+    sw a0, 8(s1)
+1:  j 1b
+handler: csrr a0, mcause
+    sw a0, 4(s1)
+    csrr a0, mepc
+    addi a0, a0, 4
+    csrw mepc, a0
+    mret
+    .option norvc
+    .balign 256
+vectors: .rept 34
+    j vectors
+    .endr
+    j handler              # of calls: at 0x88
+)");
+  system.soc.advance(1 * kMs);
+  EXPECT_EQ(system.result(0), 3U) << "machine mode";
+  EXPECT_EQ(system.result(1), 11U) << "a call of the handler";
+  EXPECT_EQ(system.result(2), 0U);
+}
+
 TEST(Gap8, CodeThatIsChangedByTheAliasOfItsMemoryRunsAsChanged) {
   auto system = on_gap8(R"(
 _start: li s2, 0x1B000200
