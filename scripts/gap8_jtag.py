@@ -1,12 +1,15 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The host at GAP8's JTAG, for the flasher of gap_sdk's utils/openocd_tools: a sector is programmed and read back.
+"""The host at GAP8's JTAG, for the programs of gap_sdk's utils/openocd_tools, which run unmodified on board gap8.
 
-    gap8_flash.py MEBOTS_SOC FLASHER [--bytes N]    N pseudo-random bytes from the second sector on, at most 262144
+    gap8_jtag.py flash MEBOTS_SOC FLASHER [--bytes N]    N pseudo-random bytes from the second sector on, at most 262144;
+                                                         tests/conformance/gap8/read_flash.S, which is loaded into the
+                                                         same chip, reads them back
+    gap8_jtag.py dump MEBOTS_SOC DUMPER IMAGE            the flash holds IMAGE: its first two sectors come out
+    gap8_jtag.py fuse MEBOTS_SOC FUSER                   bits of two fuses are programmed, and all 1024 read
 
-The unmodified flasher runs on board gap8; behind it tests/conformance/gap8/read_flash.S, which is loaded into the same
-chip, reads what the flash holds. Memory is read and written by mebots-soc's gdb server; what the words of the bridge mean
-is told in gap_flasher.c and flash_image.tcl of gap_sdk. Needs riscv64-unknown-elf-gcc.
+Memory is read and written by mebots-soc's gdb server; what the words of the bridges mean is told in gap_flasher.c,
+gap_dumper.c and tcl/fuser.tcl of gap_sdk. `flash` needs riscv64-unknown-elf-gcc.
 """
 import argparse
 import pathlib
@@ -17,25 +20,28 @@ import struct
 import subprocess
 import sys
 import tempfile
+import time
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 BOARD = ROOT / "configs/boards/gap8.json"
 READER = ROOT / "tests/conformance/gap8/read_flash.S"
 READER_BUFFER = 0x1C020000
-BRIDGE_POINTER = 0x1C000090  # where the flasher keeps the address of its bridge
+BRIDGE_POINTER = 0x1C000090  # where flasher and dumper keep the address of their bridge
+FUSER_POINTER = 0x1C000190
+FUSES = 128  # bytes
 HOST_READY, GAP_READY, BUFFER, RUN, ADDRESS, SIZE = 0, 4, 8, 16, 20, 24
 SECTOR = 256 << 10
 LONGEST = 1024  # bytes of a packet
-SLICE_S = 0.2
-MOST_SLICES = 300
+SLICES_S = (0.02, 1.0)  # of the first slice that a program runs for, and of the longest
+LONGEST_WAIT_S = 120
 
 
 class Chip:
     """A program in mebots-soc, stopped but for run()."""
 
-    def __init__(self, soc, program):
+    def __init__(self, soc, program, *options):
         self.process = subprocess.Popen(
-            [soc, "run", program, "--board", BOARD, "--gdb", "0"], text=True, stdout=subprocess.PIPE,
+            [soc, "run", program, "--board", BOARD, "--gdb", "0", *options], text=True, stdout=subprocess.PIPE,
             stderr=subprocess.PIPE)
         for line in self.process.stderr:
             if port := re.search(r"127\.0\.0\.1:(\d+)", line):
@@ -80,10 +86,9 @@ class Chip:
     def put(self, address, value):
         self.write(address, struct.pack("<I", value))
 
-    def run(self):
-        """For a while."""
+    def run(self, seconds):
         self.send("c")
-        self.socket.settimeout(SLICE_S)
+        self.socket.settimeout(seconds)
         try:
             stopped = self.receive()
             raise SystemExit(f"the program stopped by itself: {stopped}")
@@ -94,11 +99,13 @@ class Chip:
         self.receive()
 
     def run_until(self, what, good):
-        for _ in range(MOST_SLICES):
-            if good():
-                return
-            self.run()
-        raise SystemExit(f"{what}: this has not come")
+        end = time.monotonic() + LONGEST_WAIT_S
+        slice_s = SLICES_S[0]
+        while not good():
+            if time.monotonic() > end:
+                raise SystemExit(f"{what}: this has not come in {LONGEST_WAIT_S} s")
+            self.run(slice_s)
+            slice_s = min(2 * slice_s, SLICES_S[1])
 
     def load(self, program):
         """As a host does it: bytes of the segments, and the pc at the entry."""
@@ -117,19 +124,24 @@ class Chip:
         self.process.communicate()
 
 
-def bridge_of(chip):
-    chip.run_until("the bridge", lambda: chip.word(BRIDGE_POINTER) not in (0, 0xDEADBEEF)
-                   and chip.word(chip.word(BRIDGE_POINTER) + GAP_READY) == 1)
-    bridge = chip.word(BRIDGE_POINTER)
+def bridge_at(chip, pointer, ready):
+    """Address of the program's bridge, once its word at `ready` is 1."""
+    chip.run_until("the bridge", lambda: chip.word(pointer) not in (0, 0xDEADBEEF)
+                   and chip.word(chip.word(pointer) + ready) == 1)
+    return chip.word(pointer)
+
+
+def sector_bridge(chip):
+    """The bridge of flasher and dumper, whose readiness is taken back."""
+    bridge = bridge_at(chip, BRIDGE_POINTER, GAP_READY)
     chip.put(bridge + GAP_READY, 0)
-    return bridge
+    chip.put(bridge + RUN, 1)
+    return bridge, chip.word(bridge + BUFFER)
 
 
 def flash(chip, place, data):
-    bridge = bridge_of(chip)
-    chip.put(bridge + RUN, 1)
+    bridge, buffer = sector_bridge(chip)
     chip.put(bridge + HOST_READY, 1)
-    buffer = chip.word(bridge + BUFFER)
     for at in range(0, len(data), SECTOR):
         chip.run_until("the flasher is ready", lambda: chip.word(bridge + GAP_READY) == 1)
         chip.put(bridge + HOST_READY, 0)
@@ -144,6 +156,53 @@ def flash(chip, place, data):
     chip.run_until("the flasher is done", lambda: chip.word(bridge + RUN) == 1)
 
 
+def dump(chip, place, count):
+    bridge, buffer = sector_bridge(chip)
+    pieces = []
+    for at in range(0, count, SECTOR):
+        size = min(SECTOR, count - at)
+        chip.put(bridge + ADDRESS, place + at)
+        chip.put(bridge + SIZE, size)
+        chip.put(bridge + HOST_READY, 1)
+        chip.run_until("the dumper is ready", lambda: chip.word(bridge + GAP_READY) == 1)
+        chip.put(bridge + HOST_READY, 0)
+        pieces.append(chip.read(buffer, size))
+        if at + SECTOR >= count:
+            chip.put(bridge + RUN, 0)
+        chip.put(bridge + GAP_READY, 0)
+    chip.run_until("the dumper is done", lambda: chip.word(bridge + RUN) == 1)
+    return b"".join(pieces)
+
+
+class Fuser:
+    """gap_fuser's bridge."""
+
+    TO_CHIP, TO_HOST, COMMAND, BIT, COUNT, STATUS, BITS = 8, 12, 16, 20, 24, 28, 36
+    READ, PROGRAM = 0, 1
+    READY, DONE = 1, 2
+
+    def __init__(self, chip):
+        self.chip = chip
+        self.bridge = bridge_at(chip, FUSER_POINTER, self.TO_HOST)
+
+    def ask(self, command, bit, count):
+        """The program's status: 0 is good."""
+        for offset, value in ((self.BIT, bit), (self.COUNT, count), (self.COMMAND, command), (self.TO_HOST, 0),
+                              (self.TO_CHIP, 1)):
+            self.chip.put(self.bridge + offset, value)
+        self.chip.run_until("the fuser is done", lambda: self.chip.word(self.bridge + self.TO_HOST) == self.DONE)
+        return self.chip.word(self.bridge + self.STATUS)
+
+    def program(self, bit, bits):
+        self.chip.write(self.bridge + self.BITS, bits)
+        return self.ask(self.PROGRAM, bit, 8 * len(bits))
+
+    def read(self):
+        if status := self.ask(self.READ, 0, 8 * FUSES):
+            raise SystemExit(f"reading the fuses: status {status}")
+        return self.chip.read(self.bridge + self.BITS, FUSES)
+
+
 def read_back(chip, count):
     with tempfile.TemporaryDirectory() as folder:
         program = pathlib.Path(folder) / "read_flash.elf"
@@ -156,23 +215,65 @@ def read_back(chip, count):
     return chip.read(READER_BUFFER, count)
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    for name in ("soc", "flasher"):
-        parser.add_argument(name, type=pathlib.Path)
-    parser.add_argument("--bytes", type=int, default=SECTOR)
-    arguments = parser.parse_args()
-    if not 0 < arguments.bytes <= SECTOR:
-        sys.exit(f"--bytes {arguments.bytes}: 1 to {SECTOR}")
+def compare(read, data):
+    if read != data:
+        wrong = next(i for i, (a, b) in enumerate(zip(read, data)) if a != b)
+        raise SystemExit(f"byte {wrong} of {len(data)} read back is 0x{read[wrong]:02x}, not 0x{data[wrong]:02x}")
+
+
+def run_flash(arguments):
     data = random.Random(8).randbytes(arguments.bytes)
-    chip = Chip(arguments.soc, arguments.flasher)
+    chip = Chip(arguments.soc, arguments.program)
     flash(chip, SECTOR, data)
     read = read_back(chip, len(data))
     chip.end()
-    if read != data:
-        wrong = next(i for i, (a, b) in enumerate(zip(read, data)) if a != b)
-        sys.exit(f"byte {wrong} of {len(data)} read back is 0x{read[wrong]:02x}, not 0x{data[wrong]:02x}")
-    print(f"{len(data)} bytes programmed by the flasher and read back")
+    compare(read, data)
+    return f"{len(data)} bytes programmed by the flasher and read back"
+
+
+def run_dump(arguments):
+    data = arguments.image.read_bytes()[:2 * SECTOR]
+    chip = Chip(arguments.soc, arguments.program, "--flash", arguments.image)
+    read = dump(chip, 0, len(data))
+    chip.end()
+    compare(read, data)
+    return f"{len(data)} bytes of the flash dumped, those of the image"
+
+
+def run_fuse(arguments):
+    """What boots a GAPuino from its HyperFlash, by fuser.tcl: 0x10 in the first fuse, 1 in the one at bit 296."""
+    chip = Chip(arguments.soc, arguments.program)
+    fuser = Fuser(chip)
+    wanted = bytearray(FUSES)
+    compare(fuser.read(), wanted)
+    for bit, value in ((0, 0x10), (296, 0x01)):
+        wanted[bit // 8] = value
+        if status := fuser.program(bit, bytes([value])):
+            raise SystemExit(f"programming {value:#x} at bit {bit}: status {status}")
+    compare(fuser.read(), wanted)
+    if fuser.program(0, b"\x00") == 0:
+        raise SystemExit("the fuser let a bit be programmed back to 0")
+    compare(fuser.read(), wanted)
+    chip.end()
+    return f"2 fuses programmed, {FUSES} read back, one back to 0 refused by the program"
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    commands = parser.add_subparsers(required=True, metavar="COMMAND")
+    for name, function in (("flash", run_flash), ("dump", run_dump), ("fuse", run_fuse)):
+        command = commands.add_parser(name)
+        command.set_defaults(function=function)
+        command.add_argument("soc", type=pathlib.Path)
+        command.add_argument("program", type=pathlib.Path)
+        if name == "flash":
+            command.add_argument("--bytes", type=int, default=SECTOR)
+        if name == "dump":
+            command.add_argument("image", type=pathlib.Path)
+    arguments = parser.parse_args()
+    if not 0 < getattr(arguments, "bytes", 1) <= SECTOR:
+        sys.exit(f"--bytes {arguments.bytes}: 1 to {SECTOR}")
+    print(arguments.function(arguments))
 
 
 if __name__ == "__main__":

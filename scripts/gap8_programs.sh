@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Runs published GAP8 programs, unmodified, on board gap8, and prints a table of how far they come. FOLDER holds
 # checkouts, of which those that are missing are left out:
-#   git clone https://github.com/pulp-platform/pulp-dronet             PULP-Dronet's ELF, flash image and weights
+#   git clone https://github.com/pulp-platform/pulp-dronet             PULP-Dronet's ELF, flash image (for the dumper, too) and weights
 #   git clone https://github.com/pulp-platform/Himax_Dataset           pictures of its camera
 #   git clone https://github.com/GreenWaves-Technologies/gap_sdk       flasher, fuser
 # Build first: cmake --build --preset release --target mebots-soc. Needs numpy for the integers of the reference, and
@@ -62,16 +62,22 @@ else
   row PULPDroNet_GAPuino "not there" "$image, $pictures"
 fi
 bins=$folder/gap_sdk/utils/openocd_tools/gap_bins
-flasher=$bins/gap_flasher-gapuino8.elf
-if [[ ! -f "$flasher" ]]; then
-  row gap_flasher-gapuino8 "not there" "$flasher"
-elif "$python" scripts/gap8_flash.py "$soc" "$flasher" >"$out/log" 2>&1; then
-  row gap_flasher-gapuino8 reached "$(tail -n 1 "$out/log")"
-else
-  failed=1
-  row gap_flasher-gapuino8 "NOT REACHED" "$(tail -n 1 "$out/log")"
-fi
-milestone gap_fuser-gapuino8 "$bins/gap_fuser-gapuino8.elf" "Wait for fuse operation"
+# COMMAND NAME [MORE]: the program NAME with its host at JTAG.
+with_host() {
+  local command=$1 name=$2
+  shift 2
+  if [[ ! -f "$bins/$name.elf" ]]; then
+    row "$name" "not there" "$bins/$name.elf"
+  elif "$python" scripts/gap8_jtag.py "$command" "$soc" "$bins/$name.elf" "$@" >"$out/log" 2>&1; then
+    row "$name" reached "$(tail -n 1 "$out/log")"
+  else
+    failed=1
+    row "$name" "NOT REACHED" "$(tail -n 1 "$out/log")"
+  fi
+}
+with_host flash gap_flasher-gapuino8
+if [[ -f "$image" ]]; then with_host dump gap_dumper-gapuino8 "$image"; fi
+with_host fuse gap_fuser-gapuino8
 milestone gap_flasher-gapuino9 "$bins/gap_flasher-gapuino9.elf" "this program is for GAP9"
 milestone gap_flasher-vega "$bins/gap_flasher-vega.elf" "this program is for GAP9"
 exit $failed

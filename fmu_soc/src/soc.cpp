@@ -670,6 +670,14 @@ const PowerSettings* Soc::power_settings() const {
   return signals_.power ? &*signals_.power : nullptr;
 }
 
+BusReply Soc::load_narrow(std::uint32_t address, std::uint64_t cycle, unsigned size) {
+  const auto* slot = slot_at(address);
+  const auto offset = slot == nullptr ? 0 : address - slot->base;
+  std::uint32_t value = 0;
+  if (slot == nullptr || !slot->device->load_narrow(offset, clock_.time_of(cycle), value, size)) return {};
+  return BusReply::done(value, chip_.interconnect.fabric_controller_to_device);
+}
+
 BusReply Soc::store_narrow(std::uint32_t address, std::uint64_t cycle, std::uint32_t value, unsigned size) {
   const auto* slot = slot_at(address);
   const auto offset = slot == nullptr ? 0 : address - slot->base;

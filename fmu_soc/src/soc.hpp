@@ -212,6 +212,7 @@ class Soc final : private Bus {
   BusReply load(std::uint32_t address, std::uint64_t cycle) override;
   BusReply load_event(std::uint32_t address, std::uint64_t cycle) override;
   BusReply store(std::uint32_t address, std::uint64_t cycle, std::uint32_t value) override;
+  BusReply load_narrow(std::uint32_t address, std::uint64_t cycle, unsigned size) override;
   BusReply store_narrow(std::uint32_t address, std::uint64_t cycle, std::uint32_t value, unsigned size) override;
   void interrupt_taken(unsigned line) override;
   BusReply from_cluster(const ClusterAccess& access, Picoseconds time);

@@ -93,6 +93,45 @@ vectors: .rept 34
   EXPECT_EQ(system.result(2), 0U);
 }
 
+TEST(Gap8, FusesAreProgrammedBitByBitAndReadAsBytes) {
+  auto system = on_gap8(R"(
+_start: li s1, 0x1C060000
+    li s2, 0x1A109000
+    li a0, 2
+    sw a0, 0(s2)           # program
+    li a0, 4
+    sb a0, 0x200(s2)       # bit 4 of the first
+    li a0, 0
+    sw a0, 0x3fc(s2)       # bits 0 and 7 of the last
+    li a0, 7
+    sb a0, 0x3fc(s2)
+    li a0, 1
+    sw a0, 0(s2)           # read
+    lbu a0, 0x200(s2)
+    sw a0, 0(s1)
+    lw a0, 0x3fc(s2)
+    sw a0, 4(s1)
+    lb a0, 0x3fc(s2)
+    sw a0, 8(s1)
+    sb zero, 0x200(s2)     # not the command for it
+    lbu a0, 0x200(s2)
+    sw a0, 12(s1)
+    li a0, 4
+    sw a0, 0(s2)           # sleep
+    lw a0, 0x200(s2)
+    sw a0, 16(s1)
+1:  j 1b
+)");
+  system.soc.advance(1 * kMs);
+  EXPECT_EQ(system.result(0), 0x10U);
+  EXPECT_EQ(system.result(1), 0x81U);
+  EXPECT_EQ(system.result(2), 0xffffff81U);
+  EXPECT_EQ(system.result(3), 0x10U);
+  EXPECT_EQ(system.result(4), 0U);
+  EXPECT_THAT(system.faults, ElementsAre(HasSubstr("efuse: a fuse is stored into while the command is not program"),
+                                         HasSubstr("efuse: a fuse is read while the command is not read")));
+}
+
 TEST(Gap8, CodeThatIsChangedByTheAliasOfItsMemoryRunsAsChanged) {
   auto system = on_gap8(R"(
 _start: li s2, 0x1B000200

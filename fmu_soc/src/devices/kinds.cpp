@@ -6,6 +6,7 @@
 #include "devices/described_device.hpp"
 #include "devices/timer.hpp"
 #include "fmu_soc_board/board.hpp"
+#include "gap8_devices/efuse.hpp"
 #include "gap8_devices/event_unit.hpp"
 #include "gap8_devices/fll.hpp"
 #include "gap8_devices/power_unit.hpp"
@@ -95,6 +96,7 @@ constexpr std::array kRows{
         [](const BoardDevice& /*entry*/, ChipHost& host) -> std::unique_ptr<Device> {
           return std::make_unique<gap8_devices::Timer>(host.signals(), [&host] { return host.clock_hz(); });
         }},
+    Row{"gap8_efuse", {}, of_its_entry<gap8_devices::Efuse>},
     Row{"gap8_fll", {}, with_signals<gap8_devices::Fll>},
     Row{"gap8_soc_control", {}, with_signals<gap8_devices::SocControl>},
     Row{"gap8_power_unit", {}, with_signals<gap8_devices::PowerUnit>},

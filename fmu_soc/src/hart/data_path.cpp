@@ -79,8 +79,11 @@ const Instruction* DataPath::load(const Instruction* at, std::uint32_t address, 
     }
     return execution_.leave_after(at, Leave::normal);
   }
-  if (size != 4 || address % 4 != 0) return execution_.raise(at, cause::kLoadAccess, address);
-  return finish_load(at, address, bus_.load(address, execution_.start_of(at)));
+  const bool is_word = size == 4 && address % 4 == 0;
+  auto reply =
+      is_word ? bus_.load(address, execution_.start_of(at)) : bus_.load_narrow(address, execution_.start_of(at), size);
+  reply.value = loaded(reply.value, size, sign);
+  return finish_load(at, address, reply);
 }
 
 const Instruction* DataPath::event_load(const Instruction* at) {

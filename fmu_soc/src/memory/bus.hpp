@@ -31,7 +31,8 @@ class Bus {
   virtual BusReply store(std::uint32_t address, std::uint64_t cycle, std::uint32_t value) = 0;
   /// Likewise a p.elw, which may wait for an event.
   virtual BusReply load_event(std::uint32_t address, std::uint64_t cycle) { return load(address, cycle); }
-  /// A store of 1 or 2 bytes, or one that is not aligned within a word.
+  /// A load or store of 1 or 2 bytes, or one that is not aligned within a word.
+  virtual BusReply load_narrow(std::uint32_t /*address*/, std::uint64_t /*cycle*/, unsigned /*size*/) { return {}; }
   virtual BusReply store_narrow(std::uint32_t /*address*/, std::uint64_t /*cycle*/, std::uint32_t /*value*/,
                                 unsigned /*size*/) {
     return {};

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# Copies the second sector of the HyperFlash into L2, whatever ran before: for scripts/gap8_flash.py, which looks there.
+# Copies the second sector of the HyperFlash into L2, whatever ran before: for scripts/gap8_jtag.py, which looks there.
     .equ kUdma, 0x1A102000
     .equ kSectorBytes, 0x40000
     .equ kBuffer, 0x1C020000

@@ -29,7 +29,10 @@ class Device {
   /// A register access of the core at `now`; false = no such register, or not this way.
   virtual bool load(std::uint32_t offset, Picoseconds now, std::uint32_t& value) = 0;
   virtual bool store(std::uint32_t offset, Picoseconds now, std::uint32_t value) = 0;
-  /// A store of `size` bytes, less than a word, at any offset; false = words only.
+  /// A load or store of `size` bytes, less than a word, at any offset; false = words only.
+  virtual bool load_narrow(std::uint32_t /*offset*/, Picoseconds /*now*/, std::uint32_t& /*value*/, unsigned /*size*/) {
+    return false;
+  }
   virtual bool store_narrow(std::uint32_t /*offset*/, Picoseconds /*now*/, std::uint32_t /*value*/, unsigned /*size*/) {
     return false;
   }
