@@ -9,6 +9,8 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <gmock/gmock.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
 #include <unistd.h>
 #include <nlohmann/json.hpp>
 
@@ -203,6 +205,28 @@ TEST(ProcessState, AnFmuMayCloseWhatItOpened) {
   close(opened);
   EXPECT_THAT(knowing.put_right(), testing::IsEmpty());
   EXPECT_THAT(ignorant.put_right(), testing::ElementsAre(HasSubstr("is closed")));
+}
+
+TEST(ProcessState, AConnectionThatEndsIsNobodysDoing) {
+  const int listener = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  socklen_t size = sizeof address;
+  auto* const place = reinterpret_cast<sockaddr*>(&address);
+  ASSERT_EQ(bind(listener, place, size), 0);
+  ASSERT_EQ(listen(listener, 1), 0);
+  ASSERT_EQ(getsockname(listener, place, &size), 0);
+  const int client = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  ASSERT_EQ(connect(client, place, size), 0);
+  const int served = accept4(listener, nullptr, nullptr, SOCK_CLOEXEC);
+  ASSERT_GE(served, 0);
+  const master::ProcessState state;
+  close(served);
+  close(client);
+  EXPECT_THAT(state.put_right(), testing::IsEmpty());
+  close(listener);
+  EXPECT_THAT(state.put_right(), testing::ElementsAre(HasSubstr("is closed"))) << "the socket that waits for others";
 }
 
 TEST(FloatEnvironment, IsEachInstancesOwnAndAChangeIsToldOnce) {

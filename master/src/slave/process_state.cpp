@@ -3,6 +3,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/socket.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -51,6 +52,14 @@ std::optional<File> file_behind(int descriptor) {
   return File{status.st_dev, status.st_ino};
 }
 
+/// Whoever serves somebody in the network, such as the page of a live run, closes a connection when that one leaves.
+bool is_connection(int descriptor) {
+  sockaddr_storage peer{};
+  socklen_t size = sizeof peer;
+  if (getpeername(descriptor, reinterpret_cast<sockaddr*>(&peer), &size) != 0) return false;
+  return peer.ss_family == AF_INET || peer.ss_family == AF_INET6;
+}
+
 struct sigaction action_of(int signal) {
   struct sigaction action {};
   sigaction(signal, nullptr, &action);
@@ -90,6 +99,7 @@ ProcessState::Files ProcessState::open_files() {
     const auto name = entry.path().filename().string();
     int descriptor = -1;
     std::from_chars(name.data(), name.data() + name.size(), descriptor);
+    if (is_connection(descriptor)) continue;
     if (const auto file = file_behind(descriptor)) files[descriptor] = *file;
   }
   std::erase_if(files, [](const auto& file) { return fcntl(file.first, F_GETFD) == -1; });  // the folder's own

@@ -18,7 +18,7 @@ namespace mebots::master {
 /// write. One at a time may be looked at; not for use by two threads at once.
 class ProcessState {
  public:
-  /// Open descriptors, and the file that each leads to.
+  /// Open descriptors, and the file that each leads to. Without connections of the network, which end without an FMU.
   using Files = std::map<int, std::pair<dev_t, ino_t>>;
 
   /// As it stands. Of the open descriptors those in `files` that still lead there; others may be closed by whoever
