@@ -406,13 +406,32 @@ static void end_child(void) {
   if (kill(child, SIGTERM) != 0 || waitpid(child, &status, 0) != child || WTERMSIG(status) != SIGTERM) abort();
 }
 
-/// Ends the process, or one that it forks, in each way that needs no signal. "kernel_exit" asks the C library for
-/// nothing.
+static void* end_from_thread(void* unused) {
+  (void)unused;
+  _exit(0);
+}
+
+static void end_from_handler(int signal_number) {
+  (void)signal_number;
+  _exit(0);
+}
+
+/// Ends the process, or one that it forks. "kernel_exit" asks the C library for nothing.
 static void end_process(const char* fault) {
   if (strcmp(fault, "exit") == 0) exit(3);
   if (strcmp(fault, "quick_exit") == 0) quick_exit(0);
   if (strcmp(fault, "_exit") == 0) _exit(0);
   if (strcmp(fault, "_Exit") == 0) _Exit(0);
+  if (strcmp(fault, "handler__exit") == 0) {
+    signal(SIGUSR1, end_from_handler);
+    raise(SIGUSR1);
+  }
+  if (strcmp(fault, "threads__exit") == 0) {
+    enum { kThreads = 8 };
+    pthread_t threads[kThreads];
+    for (int i = 0; i < kThreads; ++i) pthread_create(&threads[i], NULL, end_from_thread, NULL);
+    for (int i = 0; i < kThreads; ++i) pthread_join(threads[i], NULL);
+  }
   if (strcmp(fault, "kernel_exit") == 0) syscall(SYS_exit_group, 0);
   if (strcmp(fault, "child_exit") == 0 || strcmp(fault, "child__exit") == 0) {
     const pid_t child = fork();

@@ -64,6 +64,16 @@ TEST_F(Containment, WhateverFunctionOfTheCLibraryEndsTheProcessTheRunFailsWithIt
   }
 }
 
+TEST_F(Containment, AnEndByAHandlerOfASignalOrByManyThreadsAtOnceFailsTheRunWithItsResults) {
+  for (const std::string fault : {"handler__exit", "threads__exit"}) {
+    const auto ended = run(fault);
+    EXPECT_EQ(ended.code, 1) << fault;
+    EXPECT_THAT(ended.err, HasSubstr(" called _exit() in")) << fault;
+    EXPECT_EQ(nlohmann::json::parse(result("summary.json"))["outcome"], "failed") << fault;
+    EXPECT_THAT(result("results.csv"), AllOf(HasSubstr("\n0.4,"), Not(HasSubstr("\n0.5,")))) << fault;
+  }
+}
+
 TEST_F(Containment, TheEndOfAProcessThatAnFmuForksIsNotTheRuns) {
   for (const std::string fault : {"child_exit", "child__exit"}) {
     const auto ended = run(fault);

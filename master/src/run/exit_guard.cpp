@@ -5,11 +5,15 @@
 #include "slave/fmi2_callbacks.hpp"
 
 #include <fmt/format.h>
+#include <sys/syscall.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
+#include <ctime>
 #include <mutex>
 #include <vector>
 
@@ -39,6 +43,44 @@ std::string reason(const char* function) {
                      function, call.function, kRemedy);
 }
 
+/// The process in which runs are guarded; what it forks is not.
+std::atomic<pid_t> guarded_process = 0;
+/// The thread that ends the process because of a busy run.
+std::atomic<pid_t> ending_thread = 0;
+
+[[noreturn]] void end_at_once() {
+  for (;;) syscall(SYS_exit_group, EXIT_FAILURE);
+}
+
+/// While a thread ends the process: the others wait for that, and what this thread calls on the way is part of it.
+void leave_it_to_the_ending_thread() {
+  const pid_t ending = ending_thread.load();
+  if (ending == 0) return;
+  if (ending == gettid()) end_at_once();
+  for (;;) pause();
+}
+
+/// _exit() may be called where hardly anything else may: in the handler of a signal, with the heap's locks held by what
+/// it interrupted. Writing results would wait for them for ever; rather they are lost.
+void end_by_alarm() {
+  constexpr unsigned kLongestEndS = 60;
+  std::signal(SIGALRM, SIG_DFL);
+  sigset_t signals;
+  sigemptyset(&signals);
+  sigaddset(&signals, SIGALRM);
+  pthread_sigmask(SIG_UNBLOCK, &signals, nullptr);
+  alarm(kLongestEndS);
+}
+
+/// Not locked: what a signal interrupted on this thread holds it.
+std::unique_lock<std::mutex> lock_known_guards() {
+  constexpr int kTries = 1000;
+  constexpr timespec kPause{0, 1'000'000};
+  std::unique_lock lock(guards().mutex, std::defer_lock);
+  for (int i = 0; i < kTries && !lock.try_lock(); ++i) nanosleep(&kPause, nullptr);
+  return lock;
+}
+
 /// Of the C library, with the FMU still below it on the stack.
 bool ask_to_hear_of_ends() {
   return std::atexit([] { end_busy_runs("exit"); }) == 0 &&
@@ -48,24 +90,32 @@ bool ask_to_hear_of_ends() {
 }  // namespace
 
 void end_busy_runs(const char* function) {
+  if (guarded_process.load() != getpid()) return;
   std::vector<const ExitGuard*> busy;
   {
-    auto& known = guards();
-    const std::lock_guard lock(known.mutex);
-    std::ranges::copy_if(known.all, std::back_inserter(busy), &ExitGuard::busy);
-    for (const auto* guard : busy) std::erase(known.all, guard);  // its end is told once, whoever ends the process then
+    const auto lock = lock_known_guards();
+    if (!lock.owns_lock()) end_at_once();
+    auto& all = guards().all;
+    std::ranges::copy_if(all, std::back_inserter(busy), &ExitGuard::busy);
+    for (const auto* guard : busy) std::erase(all, guard);  // its end is told once, whoever ends the process then
+    if (!busy.empty()) ending_thread = gettid();
   }
-  if (busy.empty()) return;
+  if (busy.empty()) {
+    leave_it_to_the_ending_thread();
+    return;
+  }
+  end_by_alarm();
   const auto what = reason(function);
   for (const auto* guard : busy) guard->fail(what);
   std::fprintf(stderr, "mebots: error: %s\n", what.c_str());
   std::fflush(nullptr);
-  _exit(EXIT_FAILURE);
+  end_at_once();
 }
 
 ExitGuard::ExitGuard(const bool& busy, Fail fail) : busy_(&busy), process_(getpid()), fail_(std::move(fail)) {
   static const bool asked = ask_to_hear_of_ends();
   static_cast<void>(asked);
+  guarded_process = process_;
   auto& known = guards();
   const std::lock_guard lock(known.mutex);
   known.all.push_back(this);
