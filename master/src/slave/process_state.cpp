@@ -53,11 +53,15 @@ std::optional<File> file_behind(int descriptor) {
 }
 
 /// Whoever serves somebody in the network, such as the page of a live run, closes a connection when that one leaves.
+/// The peer may have gone already.
 bool is_connection(int descriptor) {
-  sockaddr_storage peer{};
-  socklen_t size = sizeof peer;
-  if (getpeername(descriptor, reinterpret_cast<sockaddr*>(&peer), &size) != 0) return false;
-  return peer.ss_family == AF_INET || peer.ss_family == AF_INET6;
+  const auto option = [descriptor](int name) {
+    int value = -1;
+    socklen_t size = sizeof value;
+    return getsockopt(descriptor, SOL_SOCKET, name, &value, &size) == 0 ? value : -1;
+  };
+  const int family = option(SO_DOMAIN);
+  return descriptor > STDERR_FILENO && (family == AF_INET || family == AF_INET6) && option(SO_ACCEPTCONN) == 0;
 }
 
 struct sigaction action_of(int signal) {
