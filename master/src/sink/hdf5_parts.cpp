@@ -17,12 +17,12 @@ Handle text_type() {
   return type;
 }
 
-void put_attribute(hid_t object, const char* name, const std::string& text) {
+bool put_attribute(hid_t object, const char* name, const std::string& text) {
   const Handle type = text_type();
   const Handle space(H5Screate(H5S_SCALAR), &H5Sclose);
   const Handle attribute(H5Acreate2(object, name, type, space, H5P_DEFAULT, H5P_DEFAULT), &H5Aclose);
   const char* content = text.c_str();
-  H5Awrite(attribute, type, &content);
+  return H5Awrite(attribute, type, &content) >= 0;
 }
 
 std::string without_slashes(std::string name) {

@@ -33,7 +33,7 @@ class Handle {
 
 /// UTF-8 of any length.
 Handle text_type();
-void put_attribute(hid_t object, const char* name, const std::string& text);
+bool put_attribute(hid_t object, const char* name, const std::string& text);
 /// A name with what HDF5 takes for a separator replaced.
 std::string without_slashes(std::string name);
 

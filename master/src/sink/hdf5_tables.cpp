@@ -21,8 +21,7 @@ bool put_values(hid_t group, const TableColumn& column, hid_t type, const void* 
       H5Dcreate2(group, hdf5::without_slashes(column.name).c_str(), type, space, H5P_DEFAULT, creation, H5P_DEFAULT),
       &H5Dclose);
   if (dataset < 0 || H5Dwrite(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) < 0) return false;
-  if (!column.unit.empty()) hdf5::put_attribute(dataset, "unit", column.unit);
-  return true;
+  return column.unit.empty() || hdf5::put_attribute(dataset, "unit", column.unit);
 }
 
 struct Putter {
@@ -44,23 +43,32 @@ struct Putter {
   }
 };
 
+/// Where it failed; empty = nowhere.
+std::string put_tables(hid_t output, const std::vector<Table>& tables) {
+  if (output < 0) return {};
+  for (const auto& table : tables) {
+    const Handle group(
+        H5Gcreate2(output, hdf5::without_slashes(table.name).c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
+        &H5Gclose);
+    for (const auto& column : table.columns) {
+      if (!std::visit(Putter{group, column}, column.values))
+        return fmt::format("table '{}', column '{}': ", table.name, column.name);
+    }
+  }
+  return {};
+}
+
 }  // namespace
 
 void write_hdf5(const std::vector<Table>& tables, const std::filesystem::path& file) {
   const std::lock_guard lock(hdf5::library());
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // we say ourselves what went wrong
-  hid_t output = H5Fcreate(file.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
-  bool written = output >= 0;
-  for (const auto& table : tables) {
-    if (!written) break;
-    const Handle group(
-        H5Gcreate2(output, hdf5::without_slashes(table.name).c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
-        &H5Gclose);
-    for (const auto& column : table.columns) written = written && std::visit(Putter{group, column}, column.values);
-  }
-  if (output >= 0) written = H5Fclose(output) >= 0 && written;
-  if (!written) {
-    throw Error(ErrorCode::file_unwritable, fmt::format("{}: writing failed (HDF5). Is the disk full?", file.string()));
+  const hid_t output = H5Fcreate(file.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
+  const auto place = put_tables(output, tables);
+  const bool closed = output >= 0 && H5Fclose(output) >= 0;
+  if (!closed || !place.empty()) {
+    throw Error(ErrorCode::file_unwritable,
+                fmt::format("{}: {}writing failed (HDF5). Is the disk full?", file.string(), place));
   }
 }
 
