@@ -230,7 +230,9 @@ class Campaign:
         except (ConnectionError, TimeoutError):  # of an executor
             raise
         except OSError as error:
-            raise Error(f"{error.filename or folder}: {error.strerror}", "file_unwritable") from None
+            if error.errno is None:  # not of the system: dask's closed connections are OSErrors, too
+                raise
+            raise Error(f"{error.filename or folder}: {error.strerror}", "file_unwritable") from error
 
     def _run(self, folder: pathlib.Path, reuse: Iterable[pathlib.Path], tell: Callable[[Progress], None]) -> Sweep:
         try:
