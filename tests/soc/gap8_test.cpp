@@ -99,8 +99,8 @@ _start: li s1, 0x1C060000
     li s2, 0x1A109000
     li a0, 2
     sw a0, 0(s2)           # program
-    li a0, 4
-    sb a0, 0x200(s2)       # bit 4 of the first
+    li a0, 0x104
+    sb a0, 0x200(s2)       # bit 4 of the first: a byte
     li a0, 0
     sw a0, 0x3fc(s2)       # bits 0 and 7 of the last
     li a0, 7

@@ -60,12 +60,14 @@ bool Efuse::store(std::uint32_t offset, Picoseconds /*now*/, std::uint32_t value
   return true;
 }
 
+/// The low bytes of a fuse register; the others take words.
 bool Efuse::load_narrow(std::uint32_t offset, Picoseconds now, std::uint32_t& value, unsigned /*size*/) {
-  return offset % 4 == 0 && load(offset, now, value);
+  return offset >= kRegisters && offset % 4 == 0 && load(offset, now, value);
 }
 
-bool Efuse::store_narrow(std::uint32_t offset, Picoseconds now, std::uint32_t value, unsigned /*size*/) {
-  return offset % 4 == 0 && store(offset, now, value);
+bool Efuse::store_narrow(std::uint32_t offset, Picoseconds now, std::uint32_t value, unsigned size) {
+  const auto mask = size == 1 ? 0xffU : 0xffffU;
+  return offset >= kRegisters && offset % 4 == 0 && store(offset, now, value & mask);
 }
 
 }  // namespace mebots::soc::gap8_devices

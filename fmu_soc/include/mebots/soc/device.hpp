@@ -29,7 +29,8 @@ class Device {
   /// A register access of the core at `now`; false = no such register, or not this way.
   virtual bool load(std::uint32_t offset, Picoseconds now, std::uint32_t& value) = 0;
   virtual bool store(std::uint32_t offset, Picoseconds now, std::uint32_t value) = 0;
-  /// A load or store of `size` bytes, less than a word, at any offset; false = words only.
+  /// A load or store of `size` bytes, less than a word, at any offset; false = words only. A store's value is the whole
+  /// register of the core, a load's low bytes count. Loads come from the fabric controller only.
   virtual bool load_narrow(std::uint32_t /*offset*/, Picoseconds /*now*/, std::uint32_t& /*value*/, unsigned /*size*/) {
     return false;
   }
