@@ -40,16 +40,31 @@ class Chip:
     """A program in mebots-soc, stopped but for run()."""
 
     def __init__(self, soc, program, *options):
+        self.said = tempfile.TemporaryFile("a+")  # a pipe that nobody reads would stop the program when it is full
         self.process = subprocess.Popen(
-            [soc, "run", program, "--board", BOARD, "--gdb", "0", *options], text=True, stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE)
-        for line in self.process.stderr:
-            if port := re.search(r"127\.0\.0\.1:(\d+)", line):
-                break
-        else:
-            raise SystemExit("mebots-soc named no port")
-        self.socket = socket.create_connection(("127.0.0.1", int(port[1])))
+            [soc, "run", program, "--board", BOARD, "--gdb", "0", *options], text=True, stdout=subprocess.DEVNULL,
+            stderr=self.said)
+        self.socket = socket.create_connection(("127.0.0.1", self.port()))
         self.buffer = b""
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.process.kill()
+        self.process.wait()
+        self.said.close()
+
+    def port(self):
+        while True:
+            ended = self.process.poll() is not None
+            self.said.seek(0)
+            said = self.said.read()
+            if port := re.search(r"127\.0\.0\.1:(\d+)\n", said):
+                return int(port[1])
+            if ended:
+                raise SystemExit(f"mebots-soc named no port: {said}")
+            time.sleep(0.05)
 
     def receive(self):
         while not (found := re.search(rb"\$([^#]*)#..", self.buffer)):
@@ -119,9 +134,10 @@ class Chip:
         self.ask(f"P20={struct.pack('<I', entry).hex()}")
 
     def end(self):
+        """As gdb's kill does; the run ends by itself."""
         self.send("k")
         self.socket.close()
-        self.process.communicate()
+        self.process.wait(LONGEST_WAIT_S)
 
 
 def bridge_at(chip, pointer, ready):
@@ -223,38 +239,38 @@ def compare(read, data):
 
 def run_flash(arguments):
     data = random.Random(8).randbytes(arguments.bytes)
-    chip = Chip(arguments.soc, arguments.program)
-    flash(chip, SECTOR, data)
-    read = read_back(chip, len(data))
-    chip.end()
+    with Chip(arguments.soc, arguments.program) as chip:
+        flash(chip, SECTOR, data)
+        read = read_back(chip, len(data))
+        chip.end()
     compare(read, data)
     return f"{len(data)} bytes programmed by the flasher and read back"
 
 
 def run_dump(arguments):
     data = arguments.image.read_bytes()[:2 * SECTOR]
-    chip = Chip(arguments.soc, arguments.program, "--flash", arguments.image)
-    read = dump(chip, 0, len(data))
-    chip.end()
+    with Chip(arguments.soc, arguments.program, "--flash", arguments.image) as chip:
+        read = dump(chip, 0, len(data))
+        chip.end()
     compare(read, data)
     return f"{len(data)} bytes of the flash dumped, those of the image"
 
 
 def run_fuse(arguments):
     """What boots a GAPuino from its HyperFlash, by fuser.tcl: 0x10 in the first fuse, 1 in the one at bit 296."""
-    chip = Chip(arguments.soc, arguments.program)
-    fuser = Fuser(chip)
-    wanted = bytearray(FUSES)
-    compare(fuser.read(), wanted)
-    for bit, value in ((0, 0x10), (296, 0x01)):
-        wanted[bit // 8] = value
-        if status := fuser.program(bit, bytes([value])):
-            raise SystemExit(f"programming {value:#x} at bit {bit}: status {status}")
-    compare(fuser.read(), wanted)
-    if fuser.program(0, b"\x00") == 0:
-        raise SystemExit("the fuser let a bit be programmed back to 0")
-    compare(fuser.read(), wanted)
-    chip.end()
+    with Chip(arguments.soc, arguments.program) as chip:
+        fuser = Fuser(chip)
+        wanted = bytearray(FUSES)
+        compare(fuser.read(), wanted)
+        for bit, value in ((0, 0x10), (296, 0x01)):
+            wanted[bit // 8] = value
+            if status := fuser.program(bit, bytes([value])):
+                raise SystemExit(f"programming {value:#x} at bit {bit}: status {status}")
+        compare(fuser.read(), wanted)
+        if fuser.program(0, b"\x00") == 0:
+            raise SystemExit("the fuser let a bit be programmed back to 0")
+        compare(fuser.read(), wanted)
+        chip.end()
     return f"2 fuses programmed, {FUSES} read back, one back to 0 refused by the program"
 
 
