@@ -3,7 +3,8 @@
 turns, by a preloaded library that leaves them out. Usage: filter_cost.py MEBOTS PASSTHROUGH.fmu [--pairs 20] [--steps 50000] [--core 0]
 
 Processor time of mebots and all its processes on one core, so that nobody spins beside the other. Medians and quartiles; a pair's
-ratio is of two runs that follow each other, so that what else the machine does counts in both.
+ratio is of two runs that follow each other, so that what else the machine does counts in both. Before, a run of each kind tells by
+/proc/PID/status whether the FMU's process has the filter, or has it not. (Of Landlock the kernel tells nothing there.)
 """
 
 import argparse
@@ -13,7 +14,9 @@ import pathlib
 import resource
 import statistics
 import subprocess
+import sys
 import tempfile
+import time
 
 # In front of both runs, so that it costs both the same.
 LIBRARY = """
@@ -43,15 +46,65 @@ long syscall(long number, ...) {
 """
 
 
-def microseconds_a_step(program, config, steps, core, library, without):
+def start(program, config, core, library, without):
+    environment = os.environ | {"LD_PRELOAD": str(library)} | ({"WITHOUT_FILTER": "1"} if without else {})
+    return subprocess.Popen([program, "run", config, "--quiet", "--out", config.parent / "out"], cwd=config.parent, env=environment,
+                            preexec_fn=lambda: os.sched_setaffinity(0, {core}))
+
+
+def ended(run):
+    if run.wait() != 0:
+        sys.exit(f"filter_cost.py: {run.args[0]} ended with {run.returncode}")
+
+
+def microseconds_a_step(steps, *what):
     def used():
         usage = resource.getrusage(resource.RUSAGE_CHILDREN)
         return usage.ru_utime + usage.ru_stime
-    environment = os.environ | {"LD_PRELOAD": str(library)} | ({"WITHOUT_FILTER": "1"} if without else {})
     before = used()
-    subprocess.run([program, "run", config, "--quiet", "--out", config.parent / "out"], check=True, cwd=config.parent, env=environment,
-                   preexec_fn=lambda: os.sched_setaffinity(0, {core}))
+    ended(start(*what))
     return 1e6 * (used() - before) / steps
+
+
+def status(pid):
+    """What the kernel tells of a process; nothing of one that is gone."""
+    try:
+        return dict(line.split(":", 1) for line in pathlib.Path(f"/proc/{pid}/status").read_text().splitlines())
+    except (FileNotFoundError, ProcessLookupError):
+        return {}
+
+
+def below(pid):
+    """The processes that it started, and those that they started."""
+    for file in pathlib.Path(f"/proc/{pid}/task").glob("*/children"):
+        try:
+            children = file.read_text().split()
+        except (FileNotFoundError, ProcessLookupError):
+            continue
+        for child in children:
+            yield child
+            yield from below(child)
+
+
+def check_the_filter(*what):
+    """Refuses a run whose FMU's process has a filter where it must not, or none where it must: beyond those of this process, which a
+    container may have given it."""
+    def filters(of):
+        return int(of.get("Seccomp_filters", 0))
+    own = status("self")
+    if "Seccomp_filters" not in own:
+        sys.exit("filter_cost.py: /proc/PID/status has no line Seccomp_filters here (Linux 5.9), so nobody can tell who has the filter")
+    run = start(*what)
+    seen = set()
+    while run.poll() is None:
+        hosts = [of for of in map(status, below(run.pid)) if of.get("Name", "").strip() == "mebots-fmu-host"]
+        seen |= {filters(of) - filters(own) for of in hosts}
+        time.sleep(0.001)
+    ended(run)
+    without = what[-1]
+    if not seen or (max(seen) > 0) == without:
+        sys.exit(f"filter_cost.py: mebots-fmu-host had {max(seen, default='no process, and so no')} filters in the run "
+                 f"{'without' if without else 'with'} them; the comparison would mean nothing")
 
 
 def row(name, values):
@@ -76,11 +129,13 @@ def main():
         config = folder / "one.json"
         config.write_text(json.dumps({"step": 0.1, "stop_time": round(0.1 * arguments.steps, 1), "record": ["a.y"], "connections": [],
                                       "instances": {"a": {"fmu": str(fmu), "process": "own"}}}))
+        for left_out in (False, True):
+            check_the_filter(program, config, arguments.core, library, left_out)
         with_them, without = [], []
         for pair in range(arguments.pairs):
             kinds = [(with_them, False), (without, True)]
             for values, left_out in kinds if pair % 2 == 0 else reversed(kinds):
-                values.append(microseconds_a_step(program, config, arguments.steps, arguments.core, library, left_out))
+                values.append(microseconds_a_step(arguments.steps, program, config, arguments.core, library, left_out))
     print("| us a step | lower quartile | median | upper quartile |\n|---|---|---|---|")
     print(row("with filter and Landlock", with_them))
     print(row("without", without))
