@@ -3,6 +3,7 @@
 
 #include "mebots/assert.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
