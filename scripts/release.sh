@@ -32,7 +32,11 @@ maintainer() { [[ -n ${MEBOTS_MAINTAINER:-} ]] || skip "MEBOTS_MAINTAINER is not
 tests() { scripts/test.sh; }
 long() { cmake --preset ci && cmake --build --preset ci && ctest --preset long -j "$(nproc)"; }
 demo() { scripts/demo.sh; }
-bits() { built && need qemu-x86_64 && scripts/same_results.sh build/release && scripts/same_bytes.sh build/release; }
+bits() {
+  built && need qemu-x86_64 && cmake --preset dev &&
+    cmake --build --preset dev --target mebots fmu_{soc,world,battery,motors}_archive &&
+    scripts/same_results.sh build/release build/dev && scripts/same_bytes.sh build/release
+}
 leaks() { cmake --preset ci && cmake --build --preset ci && scripts/scale.sh build/ci; }
 sanitizers() { scripts/sanitize.sh; }
 fuzz() {
