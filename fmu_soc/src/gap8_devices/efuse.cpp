@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <optional>
+
 namespace mebots::soc::gap8_devices {
 namespace {
 
@@ -11,6 +13,13 @@ constexpr std::uint32_t kTimings = 0x004;
 constexpr std::uint32_t kRegisters = 0x200;
 constexpr std::uint32_t kBits = 8;
 
+/// Which fuse register is there, if any.
+std::optional<std::uint32_t> fuse_at(std::uint32_t offset) {
+  const auto index = (offset - kRegisters) / 4;
+  if (offset < kRegisters || index >= Efuse::kFuses) return std::nullopt;
+  return index;
+}
+
 }  // namespace
 
 bool Efuse::load(std::uint32_t offset, Picoseconds /*now*/, std::uint32_t& value) {
@@ -18,14 +27,14 @@ bool Efuse::load(std::uint32_t offset, Picoseconds /*now*/, std::uint32_t& value
     value = timings_;
     return true;
   }
-  const auto index = (offset - kRegisters) / 4;
-  if (offset < kRegisters || index >= kFuses) return false;
+  const auto fuse = fuse_at(offset);
+  if (!fuse) return false;
   if (command_ != kRead) {
     host_.complain(fmt::format("{}: a fuse is read while the command is not read (1 into offset 0): 0", entry_.name));
     value = 0;
     return true;
   }
-  value = fuses_[index];
+  value = fuses_[*fuse];
   return true;
 }
 
@@ -43,8 +52,8 @@ bool Efuse::store(std::uint32_t offset, Picoseconds /*now*/, std::uint32_t value
     }
     return true;
   }
-  const auto index = (offset - kRegisters) / 4;
-  if (offset < kRegisters || index >= kFuses) return false;
+  const auto fuse = fuse_at(offset);
+  if (!fuse) return false;
   if (command_ != kProgram) {
     host_.complain(fmt::format(
         "{}: a fuse is stored into while the command is not program ({} into offset 0): nothing was changed",
@@ -53,21 +62,21 @@ bool Efuse::store(std::uint32_t offset, Picoseconds /*now*/, std::uint32_t value
     host_.complain(
         fmt::format("{}: bit {} of fuse register {} was to be programmed, which has bits 0 to 7: nothing was "
                     "changed",
-                    entry_.name, value, index));
+                    entry_.name, value, *fuse));
   } else {
-    fuses_[index] = static_cast<std::uint8_t>(fuses_[index] | 1U << value);
+    fuses_[*fuse] = static_cast<std::uint8_t>(fuses_[*fuse] | 1U << value);
   }
   return true;
 }
 
 /// The low bytes of a fuse register; the others take words.
 bool Efuse::load_narrow(std::uint32_t offset, Picoseconds now, std::uint32_t& value, unsigned /*size*/) {
-  return offset >= kRegisters && offset % 4 == 0 && load(offset, now, value);
+  return fuse_at(offset) && offset % 4 == 0 && load(offset, now, value);
 }
 
 bool Efuse::store_narrow(std::uint32_t offset, Picoseconds now, std::uint32_t value, unsigned size) {
   const auto mask = size == 1 ? 0xffU : 0xffffU;
-  return offset >= kRegisters && offset % 4 == 0 && store(offset, now, value & mask);
+  return fuse_at(offset) && offset % 4 == 0 && store(offset, now, value & mask);
 }
 
 }  // namespace mebots::soc::gap8_devices

@@ -13,6 +13,8 @@ namespace mebots::soc::gap8_devices {
 /// of it. The time that a bit takes is not modelled. Source: archi/efuse/efuse_v1.h, hal/efuse/efuse_v1.h.
 class Efuse final : public Device {
  public:
+  static constexpr std::size_t kFuses = 128;
+
   Efuse(const BoardDevice& entry, DeviceHost& host) : entry_(entry), host_(host) {}
 
   bool load(std::uint32_t offset, Picoseconds now, std::uint32_t& value) override;
@@ -26,7 +28,6 @@ class Efuse final : public Device {
   }
 
  private:
-  static constexpr std::size_t kFuses = 128;
   static constexpr std::uint32_t kRead = 1;
   static constexpr std::uint32_t kProgram = 2;
   static constexpr std::uint32_t kSleep = 4;
