@@ -123,7 +123,7 @@ static int fly(traverser_command_t* order) {
 
     const int64_t now_ns = timer_now_ns();
     const pilot_phase_t before = traverser.phase;
-    const traverser_state_t state = {flight_forward_velocity_um_s(), flight_range_um(), flight_gate_crossed(),
+    const traverser_state_t state = {flight_forward_velocity_um_s(), flight_range_um(),
                                      (int32_t)((now_ns - last_ns) / NS_PER_US)};
     *order = traverser_step(&traverser, &sight, &state);
     last_ns = now_ns;

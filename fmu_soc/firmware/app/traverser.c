@@ -12,8 +12,9 @@
 // enough that it can only have left it (0.65).
 #define ENTERED_SIZE 76
 #define NEAR_SIZE 41
-// Straight on without the referee's word that the gate is crossed, the drone is somewhere else: search.
-#define MOST_BLIND_UM 1500000
+// Focal length over half the picture's width, in thousandths, of the longest lens that the network knows (0.82 rad). A
+// shorter lens sees a frame of the same size from nearer, so that this one tells the farthest that the gate can be.
+#define LONGEST_FOCAL_MILLI 2301
 // The altitude follows a gate's within this time, up to this far from the mission's. A size below the least one (0.13,
 // a gate at 5 m with a lens of 50 degrees) is too small to divide by: it counts as that.
 #define ALTITUDE_US 400000
@@ -35,8 +36,7 @@ void traverser_init(traverser_t* t, const policy_t* policy, int32_t yaw_rate_sca
   t->altitude_um = altitude_um;
   t->size_q8 = 0;
   t->unseen_us = 0;
-  t->blind_um = 0;
-  t->behind_um = 0;
+  t->left_um = 0;
   t->sightings = 0;
   t->last_yaw = 1;  // a search without any sighting turns left
 }
@@ -66,6 +66,18 @@ static traverser_command_t straight_on(traverser_t* t) {
   return command(t, policy_speed_um_s(&t->policy, 0), 0);
 }
 
+// The farthest that a gate of this size can be: half the frame over its size is half the picture's width there.
+static int32_t farthest_um(int32_t size_q8) {
+  return (int32_t)((int64_t)GATE_OUTER_MM * LONGEST_FOCAL_MILLI * 127 * 256 / (2 * SIGHT_MOST_SIZE * (int64_t)size_q8));
+}
+
+// The frame leaves the picture: from here on nothing but the flown distance tells where the gate is.
+static traverser_command_t enter(traverser_t* t) {
+  t->phase = PILOT_THROUGH;
+  t->left_um = farthest_um(t->size_q8) + PILOT_BEHIND_MM * 1000;
+  return straight_on(t);
+}
+
 static traverser_command_t search(traverser_t* t, const sight_t* sight, bool sighted) {
   if (sighted && t->sightings >= SIGHTINGS_TO_APPROACH) {
     t->phase = PILOT_APPROACH;
@@ -80,9 +92,7 @@ static traverser_command_t approach(traverser_t* t, const sight_t* sight, bool s
                                     const traverser_state_t* state) {
   const bool near = t->size_q8 >= NEAR_SIZE * 256;
   if (t->size_q8 >= ENTERED_SIZE * 256 || (near && t->unseen_us > ENTERED_US)) {
-    t->phase = PILOT_THROUGH;
-    t->blind_um = 0;
-    return straight_on(t);
+    return enter(t);
   }
   if (sighted) {
     t->size_q8 += (sight->size * 256 - t->size_q8) / 4;
@@ -97,21 +107,12 @@ static traverser_command_t approach(traverser_t* t, const sight_t* sight, bool s
 }
 
 static traverser_command_t through(traverser_t* t, const traverser_state_t* state) {
-  const int32_t flown_um = (int32_t)((int64_t)state->forward_velocity_um_s * state->elapsed_us / 1000000);
-  if (state->crossed) {
-    t->behind_um += flown_um;
-  } else {
-    t->blind_um += flown_um;
+  t->left_um -= (int32_t)((int64_t)state->forward_velocity_um_s * state->elapsed_us / 1000000);
+  if (t->left_um > 0) {
+    return straight_on(t);
   }
-  if (t->behind_um >= PILOT_BEHIND_MM * 1000) {
-    t->phase = PILOT_DONE;
-    return command(t, 0, 0);
-  }
-  if (t->blind_um >= MOST_BLIND_UM) {
-    t->phase = PILOT_SEARCH;
-    t->sightings = 0;
-  }
-  return straight_on(t);
+  t->phase = PILOT_DONE;
+  return command(t, 0, 0);
 }
 
 traverser_command_t traverser_step(traverser_t* t, const sight_t* sight, const traverser_state_t* state) {
@@ -120,9 +121,6 @@ traverser_command_t traverser_step(traverser_t* t, const sight_t* sight, const t
   t->unseen_us = sighted ? 0 : limited(t->unseen_us, 0, LOST_US) + state->elapsed_us;
   if (sighted && sight->yaw != 0) {
     t->last_yaw = sight->yaw;
-  }
-  if (state->crossed && t->phase != PILOT_DONE) {
-    t->phase = PILOT_THROUGH;
   }
   switch (t->phase) {
     case PILOT_SEARCH:

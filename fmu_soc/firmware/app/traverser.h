@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Steers through a gate by what the sight network tells: turns and climbs towards the middle of its opening up to where
 // the frame leaves the picture, then holds heading and altitude; turns until it sees a gate that was never seen, or
-// that got lost.
+// that got lost. Nobody tells it when the drone has passed the gate: it flies on as far as the gate can be, and half a
+// metre more.
 #pragma once
 
 #include <stdbool.h>
@@ -25,7 +26,6 @@ typedef struct {
 typedef struct {
   int32_t forward_velocity_um_s;
   int32_t altitude_um;  // measured
-  bool crossed;         // the referee's word
   int32_t elapsed_us;   // since the picture before
 } traverser_state_t;
 
@@ -38,8 +38,7 @@ typedef struct {
   int32_t altitude_um;        // where the gate's middle is
   int32_t size_q8;            // mean of the last sizes, in 127ths of SIGHT_MOST_SIZE
   int32_t unseen_us;          // since a gate was in the picture
-  int32_t blind_um;           // flown straight on since the frame left the picture
-  int32_t behind_um;          // flown since the gate was crossed
+  int32_t left_um;            // to fly straight on, since the frame left the picture
   int sightings;              // pictures with a gate in a row
   int8_t last_yaw;
 } traverser_t;
