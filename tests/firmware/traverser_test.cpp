@@ -168,6 +168,7 @@ TEST(Traverser, SearchesForAGateThatIsNotInThePicture) {
 }
 
 constexpr sight_t kNoGate{0, 0, 0, -127};
+constexpr sight_t kSameGate{0, 0, 10, 127};
 
 traverser_t new_traverser() {
   policy_t policy;
@@ -177,9 +178,9 @@ traverser_t new_traverser() {
   return traverser;
 }
 
-/// Pictures that all show the same to a drone at 1 m that flies 0.28 m/s.
-traverser_command_t see(traverser_t& traverser, int pictures, sight_t sight) {
-  const traverser_state_t state{280000, 1000000, 33000};
+/// Pictures that all show the same to a drone at 1 m that flies at that velocity.
+traverser_command_t see(traverser_t& traverser, int pictures, sight_t sight, std::int32_t velocity_um_s = 280000) {
+  const traverser_state_t state{velocity_um_s, 1000000, 33000};
   traverser_command_t command{};
   for (int i = 0; i < pictures; ++i) command = traverser_step(&traverser, &sight, &state);
   return command;
@@ -193,13 +194,22 @@ TEST(Traverser, HoversAndTurnsLeftWithoutAnySighting) {
   EXPECT_GT(command.yaw_rate_urad_s, 0);
 }
 
-TEST(Traverser, DoesNotGoWhereThreePicturesAloneShowAGate) {
+TEST(Traverser, GoesWhereFourPicturesInARowShowAGatePlainly) {
   auto traverser = new_traverser();
-  see(traverser, 3, {20, 0, 10, 100});
-  EXPECT_EQ(see(traverser, 1, kNoGate).velocity_um_s, 0);
-  EXPECT_EQ(see(traverser, 3, {20, 0, 10, 100}).velocity_um_s, 0);
+  see(traverser, 2, {20, 0, 10, 127});
+  see(traverser, 12, kNoGate);
+  see(traverser, 3, {20, 0, 10, 127});
   EXPECT_EQ(traverser.phase, PILOT_SEARCH);
-  see(traverser, 1, {20, 0, 10, 100});
+  see(traverser, 1, {20, 0, 10, 127});
+  EXPECT_EQ(traverser.phase, PILOT_APPROACH);
+}
+
+TEST(Traverser, NeverGoesWhereAllPicturesAreDoubtful) {
+  auto traverser = new_traverser();
+  const auto command = see(traverser, 1000, {20, 0, 10, 32});
+  EXPECT_EQ(traverser.phase, PILOT_SEARCH);
+  EXPECT_GT(command.yaw_rate_urad_s, 0) << "and does not stop before them";
+  see(traverser, 11, {20, 0, 10, 64});
   EXPECT_EQ(traverser.phase, PILOT_APPROACH);
 }
 
@@ -214,6 +224,20 @@ TEST(Traverser, GoesStraightOnWithoutTheGateForASecondAndThenSearchesOnItsSide) 
   EXPECT_EQ(traverser.phase, PILOT_SEARCH);
   EXPECT_EQ(search.velocity_um_s, 0);
   EXPECT_LT(search.yaw_rate_urad_s, 0);
+}
+
+TEST(Traverser, TurnsAwayFromWhatItLeansAgainst) {
+  for (const int size : {10, 100}) {
+    auto traverser = new_traverser();
+    see(traverser, 30, {0, 0, static_cast<std::int8_t>(size), 127});
+    ASSERT_EQ(traverser.phase, size == 10 ? PILOT_APPROACH : PILOT_THROUGH);
+    see(traverser, 60, kSameGate, 0);
+    EXPECT_EQ(traverser.phase, size == 10 ? PILOT_APPROACH : PILOT_THROUGH) << "2 s";
+    const auto command = see(traverser, 3, kSameGate, 0);
+    EXPECT_EQ(traverser.phase, PILOT_SEARCH);
+    EXPECT_EQ(command.velocity_um_s, 0);
+    EXPECT_NE(command.yaw_rate_urad_s, 0);
+  }
 }
 
 TEST(Traverser, ASinglePictureOfALargeGateDoesNotMakeItNear) {

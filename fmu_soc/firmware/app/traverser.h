@@ -37,10 +37,12 @@ typedef struct {
   int32_t start_altitude_um;  // that the mission asks for
   int32_t altitude_um;        // where the gate's middle is
   int32_t size_q8;            // mean of the last sizes, in 127ths of SIGHT_MOST_SIZE
+  int32_t evidence;           // that there is a gate: 127ths of `visible` times ms
   int32_t unseen_us;          // since a gate was in the picture
+  int32_t stalled_us;         // since the drone flew as it was commanded to
   int32_t left_um;            // to fly straight on, since the frame left the picture
-  int sightings;              // pictures with a gate in a row
-  int8_t last_yaw;
+  int32_t ordered_um_s;       // the last command's velocity
+  int8_t last_yaw;            // where the gate of the last approach was
 } traverser_t;
 
 // Starts in PILOT_SEARCH with the policy as it is. The scale is the yaw rate at output 127.
