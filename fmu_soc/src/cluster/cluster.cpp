@@ -167,7 +167,7 @@ void Cluster::next_in_front() {
 }
 
 /// As run_quantum, right behind one in which all cores that are awake have stayed in translated code, with nothing else
-/// to happen: only their ticks have changed, and the table of banks goes on.
+/// to happen. Only their ticks have changed, and the table of banks goes on.
 std::uint64_t Cluster::run_quantum_in_step(std::uint64_t start, std::uint64_t until) {
   MEBOTS_ASSERT(sharing_banks_ && start > banks_.start());
   banks_.move_to(start);

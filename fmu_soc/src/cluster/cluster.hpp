@@ -48,11 +48,12 @@ struct ClusterSettings {
 ///
 /// The cores run one after the other for a quantum: kQuantum ticks when several are awake or the DMA moves data,
 /// kLongQuantum when one is alone. The banks of L1 serve cores and DMA in turns (source: MUX2_REQ of the PULP
-/// platform's cluster_interconnect, a round robin between the channel of the cores and that of the DMA): here the DMA
-/// takes its cycles before the cores in one quantum, so that they wait, and behind them in the next one, so that it
-/// waits, a cycle at most. Who touches the event unit or the DMA stops before it and goes on when nobody is behind, so
-/// that those see all accesses in the order of their ticks (within a tick: of the cores). What a core stores in RAM
-/// another one may see up to a quantum late or early; cores that synchronise through the event unit see all of it.
+/// platform's cluster_interconnect, a round robin between the channel of the cores and that of the DMA). Here the DMA
+/// takes its cycles before the cores in one quantum, so that they wait. In the next one it takes them behind the
+/// cores, so that it waits, a cycle at most. Who touches the event unit or the DMA stops before it and goes on when
+/// nobody is behind. So those see all accesses in the order of their ticks (within a tick: of the cores). What a core
+/// stores in RAM another one may see up to a quantum late or early; cores that synchronise through the event unit see
+/// all of it.
 class Cluster {
  public:
   static constexpr std::uint64_t kQuantum = 64;
@@ -98,7 +99,7 @@ class Cluster {
   }
   /// Does it: quantum after quantum, none of which goes on behind `until`, which lies after next(). The last one is
   /// that behind which the next would start after `last`, or in which something happened that the rest of the chip must
-  /// know of, or a core's active cycles reached `cycle_limit`.
+  /// know of; or a core's active cycles reached `cycle_limit`.
   void advance(Picoseconds until, Picoseconds last, std::uint64_t cycle_limit);
 
   /// Access of the fabric controller at `now`, up to which the cluster must have been advanced.

@@ -109,7 +109,7 @@ class BlockCache {
   }
   /// Who hears of invalid blocks from now on, or null.
   void set_listener(BlockListener* listener) { listener_ = listener; }
-  /// What one bus access of the core may wait for its way: limits are kept with the most of all times, so that a memory
+  /// What one bus access of the core may wait for its way. Limits are kept with the most of all times, so that a memory
   /// that comes and goes with its supply costs no decoding.
   void set_longest_wait(std::uint32_t cycles);
   /// Code comes through a cache with these lines from now on.

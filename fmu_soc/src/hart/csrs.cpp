@@ -190,7 +190,7 @@ void Csrs::enter_handler(std::uint32_t cause, std::uint32_t value) {
 std::uint32_t Csrs::leave_handler() {
   state_.interrupts_on = state_.interrupts_were_on;
   state_.interrupts_were_on = true;
-  // GAP8's FreeRTOS asks bit 31 of mcause whether it is in a handler, also behind the handler: returning clears the
+  // GAP8's FreeRTOS asks bit 31 of mcause whether it is in a handler, also behind the handler. Returning clears the
   // register (GVSoC's models of GAP8 do the same; the privileged specification leaves it as it is).
   if (has_event_unit_) word<csr::kMcause>() = 0;
   update_interrupts();

@@ -38,7 +38,7 @@ enum class Stop : std::uint8_t {
 };
 
 /// One RISC-V hardware thread: RV32IMC_Zicsr_Zifencei in machine mode, timed as RI5CY (then with Xpulp v2) or CV32E40P.
-/// Straight code is decoded once into blocks; a block runs only when none of its instructions can start
+/// Straight code is decoded once into blocks. A block runs only when none of its instructions can start
 /// at or after the limit, otherwise one instruction at a time is taken, with the same counts.
 class Hart {
  public:

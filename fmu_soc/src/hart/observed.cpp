@@ -14,7 +14,7 @@ void Hart::observe(Observer* observer) {
   drop_resume_point();
 }
 
-/// Translated code is no place for an observer who wants to be asked, nor for one whose steps it does not note.
+/// Translated code does not serve an observer who wants to be asked, nor one whose steps it does not note.
 bool Hart::may_translate(const Block& block, std::uint32_t stall) const {
   if (!translation_on_) return false;
   if (observer_ != nullptr && (flow_ == nullptr || flow_ != decoded_->flow)) return false;

@@ -11,7 +11,7 @@
 namespace mebots::soc {
 namespace {
 
-/// An exception that comes back this often at the same place, with no return from a handler between, has no way out.
+/// An exception that comes back this often at the same place, with no return from a handler between, never ends.
 constexpr std::uint32_t kHopelessRepeats = 16;
 
 constexpr unsigned kReturnAddress = 1;

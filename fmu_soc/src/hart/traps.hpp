@@ -44,7 +44,7 @@ struct Fault {
   }
 };
 
-/// Takes a core into its handlers and out of them, and knows when there is no way out.
+/// Takes a core into its handlers and out of them, and knows when that never ends.
 class Traps {
  public:
   Traps(Execution& execution, Csrs& csrs, const BlockCache& cache)
@@ -77,7 +77,7 @@ class Traps {
   Csrs& csrs_;
   const BlockCache& cache_;
   Fault fault_;
-  // The same exception again and again without a return from its handler means no way out.
+  // The same exception again and again without a return from its handler never ends.
   std::uint32_t pc_ = 0;
   std::uint32_t cause_ = 0;
   std::uint32_t repeats_ = 0;

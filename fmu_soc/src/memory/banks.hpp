@@ -17,7 +17,7 @@ namespace mebots::soc {
 /// Which cycles of the banks of a shared memory are taken: a table with a row per tick and a byte per bank, from some
 /// tick on. A bank serves one word per cycle; consecutive words lie in consecutive banks.
 ///
-/// Translated code holds on to places in the table, and goes on in it unchecked: so it has room behind the last
+/// Translated code holds on to places in the table, and goes on in it unchecked. So it has room behind the last
 /// tick that can be waited for, and only whoever has the whole picture lets it start over.
 class Banks {
  public:

@@ -138,8 +138,8 @@ class InstructionCache {
   std::uint32_t refill_cycles_;
   std::vector<Entry> entries_;
   State state_;
-  // Not part of a state, since it follows from the entries: presence of the lines of each memory, the byte of each
-  // entry, and the memory in which a line was looked for last.
+  // Not part of a state, since it follows from the entries. It is presence of the lines of each memory, the byte of
+  // each entry, and the memory in which a line was looked for last.
   std::vector<Presence> presence_;
   std::vector<std::uint8_t*> present_;
   std::uint8_t* covered_ = nullptr;

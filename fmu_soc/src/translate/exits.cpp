@@ -131,7 +131,7 @@ void Emitter::jump_when_absent(std::uint32_t address, Label& absent) {
 }
 
 /// In front of an instruction: brings those of its lines that are absent, but for the last one of the instruction
-/// before, or where others use the cache, leaves that to the interpreter. eax, rcx and rdx may be lost.
+/// before. Where others use the cache, leaves that to the interpreter. eax, rcx and rdx may be lost.
 void Emitter::emit_fetch(const Instruction* at, const Instruction* before) {
   const auto& cache = *cache_.fetched();
   const auto last = cache.line_of(at[1].pc - 1);

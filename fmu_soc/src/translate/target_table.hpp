@@ -8,7 +8,7 @@
 
 namespace mebots::soc::translate {
 
-/// Code of the last known targets of indirect jumps, looked up by translated code: as large as the code of a real
+/// Code of the last known targets of indirect jumps, looked up by translated code. As large as the code of a real
 /// program, so that what is hot does not push each other out.
 class TargetTable {
  public:

@@ -8,8 +8,8 @@
 #include <memory>
 #include <vector>
 
-/// Hot blocks as code of the host. Counts are those of the interpreter to the last unit: what is static in a block is
-/// added where it is left, what only execution tells is added when it happens, and everything that is rare goes back
+/// Hot blocks as code of the host. Counts are those of the interpreter to the last unit. What is static in a block is
+/// added where it is left; what only execution tells is added when it happens. Everything that is rare goes back
 /// to the interpreter in front of the instruction that needs it.
 namespace mebots::soc::translate {
 
