@@ -7,7 +7,7 @@
 
 namespace mebots::boardgen {
 
-/// The source of a library of devices with one kind, complete but for what the device does by itself: registers, states
+/// The source of a library of devices with one kind, complete but for what the device does by itself. Registers, states
 /// with their energy and delays, opcodes, variables, saving and restoring are there.
 std::string skeleton(const soc::BoardDescription& board, const soc::BoardDevice& device);
 

@@ -67,9 +67,9 @@ struct BoardDescription {
   }
 };
 
-/// Throws Error, naming file, line and key of everything that does not fit: unknown keys and keys that stand twice,
-/// names that are none or are taken, memories and devices that overlap, interrupts that the core does not have or that
-/// two devices would share.
+/// Throws Error, naming file, line and key of everything that does not fit. That is: unknown keys and keys that
+/// stand twice, names that are none or are taken, memories and devices that overlap; interrupts that the core does not
+/// have or that two devices would share.
 BoardDescription read_board(const std::filesystem::path& path);
 /// The same from the text of a board file; `name` stands in errors.
 BoardDescription parse_board(std::string_view text, const std::string& name);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The paper's pilot: cruise to where the network points, at the policy's speed, until the referee says that the gate
-// is crossed; then a little farther, so that the drone does not land on the gate.
+// is crossed. Then a little farther, so that the drone does not land on the gate.
 #pragma once
 
 #include <stdbool.h>

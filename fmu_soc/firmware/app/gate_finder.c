@@ -26,7 +26,7 @@
 // From this edge on, a template three quarters as wide is tried too: a frame seen from the side.
 #define LEAST_NARROW_EDGE 20
 
-// Outer edges that are tried, in work pixels; in steps of about a fifth, so that a template half a step off still lies
+// Outer edges that are tried, in work pixels; in steps of about a fifth. So a template half a step off still lies
 // on its frame with two thirds of its border. With borders of one or two pixels there are no two thirds: every edge.
 static const uint8_t kEdges[] = {7, 8, 9, 10, 11, 12, 13, 15, 18, 21, 25, 30, 36, 43, 52, 62, 74, 89, 104};
 #define EDGE_COUNT ((int)(sizeof(kEdges) / sizeof(kEdges[0])))
@@ -240,7 +240,7 @@ static __attribute__((noinline)) const int32_t* next_place(const int32_t* at, co
 // Best place of a template of width x height pixels with beams of a contrast of at least `least_q4`.
 //
 // Nearly all places fail at an upright beam already, so that these come first, from sums that all places of a row
-// share: the left beam against the opening to its right, then the right beam against the opening to its left.
+// share. The left beam against the opening to its right, then the right beam against the opening to its left.
 static fit_t scan(int width, int height, int least_q4, frame_t* best) {
   const sizes_t sizes = sizes_of(width, height);
   const ptrdiff_t pitch = work.width + 1;

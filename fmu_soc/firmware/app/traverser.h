@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Steers through a gate by what the sight network tells: turns and climbs towards the middle of its opening up to where
-// the frame leaves the picture, then holds heading and altitude; turns until it sees a gate that was never seen, or
+// the frame leaves the picture, then holds heading and altitude. Turns until it sees a gate that was never seen, or
 // that got lost. Nobody tells it when the drone has passed the gate: it flies on as far as the gate can be, and half a
 // metre more.
 #pragma once

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The network with Xpulp instructions, split over any number of cores that share a memory: every core calls the same
+// The network with Xpulp instructions, split over any number of cores that share a memory. Every core calls the same
 // function with its own number, and all wait for each other before the next one. Same results as nn_plain_infer.
 #pragma once
 
@@ -15,7 +15,7 @@ extern "C" {
 // Tensors with a border of one place around; one place more at the end, where a pair of places reaches beyond it.
 #define NN_BORDERED(edge, channels) (((edge) + 2) * ((edge) + 2) * (channels) + 2 * (channels))
 
-// First layer's weights as its kernel takes them: for each channel four weights of each of the five rows, the fifth
+// First layer's weights as its kernel takes them. For each channel four weights of each of the five rows, the fifth
 // weights of the first four rows, the fifth weight of the last row.
 #define NN_FIRST_WORDS 7
 
@@ -103,7 +103,7 @@ void nn_fast_clear_first(nn_arena_t* arena, nn_share_t share);
 // After the picture is made: zeros into the borders of the later layers' outputs.
 void nn_fast_clear_later(nn_arena_t* arena, nn_share_t share);
 // With NN_SHARES_PLACES, clear_first leaves out the first layer's output, which clear_later clears, so that all must
-// wait before the first layer; and after it this clears the second's and third's, after which all wait again.
+// wait before the first layer. After it this clears the second's and third's, after which all wait again.
 #if NN_SHARES_PLACES
 void nn_fast_clear_middle(nn_arena_t* arena, nn_share_t share);
 #endif

@@ -2,7 +2,7 @@
 // Interrupts and sleep of the fabric controller.
 //
 // An interrupt handler only takes note of what happened; the work is done by the code that sleeps and wakes up.
-// The order that loses no wake-up: interrupts off, look at the note, sleep (a pending interrupt ends the sleep even
+// The order that loses no wake-up. Interrupts off, look at the note, sleep (a pending interrupt ends the sleep even
 // with interrupts off), interrupts on for a moment so that the handler runs, look again.
 #pragma once
 

@@ -18,7 +18,7 @@
 namespace mebots::soc::debug {
 
 /// Lets gdb hold, look into and change the cores, each of which is a thread to it. While one is held, whoever runs the
-/// chip waits in its observer's `before`: the whole simulation stands still, all cores with it, and goes on with the
+/// chip waits in its observer's `before`: the whole simulation stands still, all cores with it. It goes on with the
 /// same results when gdb has changed nothing.
 class GdbServer {
  public:

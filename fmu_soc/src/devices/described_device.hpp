@@ -11,8 +11,8 @@
 
 namespace mebots::soc {
 
-/// A device without code of its own: the board file says what its registers show and send, which stored values are
-/// opcodes, which states there are, what each draws, how long it lasts and what follows.
+/// A device without code of its own. The board file says what its registers show and send, and which stored values
+/// are opcodes; which states there are, what each draws, how long it lasts and what follows.
 ///
 ///   opcode stored    the device goes into the opcode's state. Refused: a value that is not an opcode, and a state with
 ///   a
@@ -25,7 +25,7 @@ namespace mebots::soc {
 /// they are. Registers that show nothing keep what is stored into them, and hold
 /// their `reset` before. In a device with a `span`, an access where no register stands is told once and passes: it
 /// reads 0. What is stored into one that sends goes out, at once or, where another register commits, with the next
-/// store into that; a value outside the limits of its register or of its variable's enumeration is told, and nothing
+/// store into that. A value outside the limits of its register or of its variable's enumeration is told, and nothing
 /// goes out.
 class DescribedDevice final : public Device {
  public:

@@ -25,7 +25,7 @@ struct PowerSettings {
   }
 };
 
-/// Clocks, voltage and the cluster's switch as the firmware asks for them, and the way out of the firmware. A request
+/// Clocks, voltage and the cluster's switch as the firmware asks for them, and the end of the firmware. A request
 /// outside the chip's limits changes nothing and sets the refused bit.
 class PowerManager final : public Device {
  public:

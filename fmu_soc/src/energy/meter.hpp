@@ -157,7 +157,7 @@ struct Inventory {
 };
 
 /// Turns activity into joules. While the chip's settings stay the same, energy is computed from the integers since
-/// their last change, never summed up step by step: the result does not depend on how often somebody looks.
+/// their last change, never summed up step by step. The result does not depend on how often somebody looks.
 class EnergyMeter {
  public:
   EnergyMeter(const EnergyTables& tables, const Inventory& inventory, const PowerState& state);

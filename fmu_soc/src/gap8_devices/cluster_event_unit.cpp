@@ -104,7 +104,7 @@ BusReply ClusterEventUnit::core_register(Core& core, std::uint32_t offset, const
   }
 }
 
-/// The events that ended the wait; a load that is no p.elw answers with what is there.
+/// The events that ended the wait; a load other than p.elw answers with what is there.
 BusReply ClusterEventUnit::wait(Core& core, Wait what, bool clear, bool event) {
   const auto events = core.buffer & core.event_mask;
   if (events == 0 && event) {

@@ -12,7 +12,7 @@
 namespace mebots::soc::gap8_devices {
 
 /// GAP8's event unit as the cluster's cores have it: for each core a buffer of 32 events, a mask of those that end a
-/// wait and one of those that interrupt; and for all of them eight software events, eight barriers, mutexes and the
+/// wait and one of those that interrupt. For all of them: eight software events, eight barriers, mutexes and the
 /// dispatcher, by which one core hands words to a team.
 ///
 /// A wait is a p.elw. It ends when an event that the core's mask lets through is in its buffer; the barrier, the mutex

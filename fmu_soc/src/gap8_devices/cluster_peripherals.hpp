@@ -15,7 +15,7 @@ namespace mebots::soc::gap8_devices {
 /// Registers of GAP8's cluster, from 0x10200000 on: control unit (boot addresses, fetch enable), event unit,
 /// instruction cache's control, DMA. A core sees them at 0x00200000, too, and its own of event unit and DMA by the
 /// short ways at +0x4000 and +0x4400. A register that is not modelled is told once, and reads 0. Below them, 1 MiB
-/// above L1, each word of it is seen once more: a load from there takes what it holds and leaves all ones, so that one
+/// above L1, each word of it is seen once more. A load from there takes what it holds and leaves all ones, so that one
 /// core gets a lock. Sources: archi/chips/gap/memory_map.h, properties.h (ARCHI_L1_TAS_BIT),
 /// archi/cluster_ctrl/cluster_ctrl_v2.h.
 class ClusterPeripherals final : public soc::ClusterPeripherals {

@@ -11,12 +11,12 @@
 
 namespace mebots::soc::gap8_devices {
 
-/// Registers of GAP8's cluster DMA, MCHAN: a load of the queue takes one of 16 counters, stores into it make a command
+/// Registers of GAP8's cluster DMA, MCHAN. A load of the queue takes one of 16 counters; stores into it make a command
 /// (what, L1's address, L2's address, and for rows their step and length), which counts in the requester's last
 /// counter. The status says which counters have bytes to come, and which are taken; a store gives counters back. When
 /// a counter comes to 0, the requester of the last command gets events 8 or 9, as that command says.
 ///
-/// Silicon stalls a core that asks when all counters are taken, or when too many commands wait; here the former is an
+/// Silicon stalls a core that asks when all counters are taken, or when too many commands wait. Here the former is an
 /// access fault and the latter never happens: the queue has no end. Sources: archi/dma/mchan_v6.h; GVSoC's mchan_v6 for
 /// the order of words.
 class Mchan {

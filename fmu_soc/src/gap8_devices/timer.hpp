@@ -10,7 +10,7 @@
 
 namespace mebots::soc::gap8_devices {
 
-/// GAP8's timer: two counters of 32 bits, of the fabric controller's clock or of the reference clock, each with a
+/// GAP8's timer: two counters of 32 bits, of the fabric controller's clock or of the reference clock. Each has a
 /// comparison that raises an event, starts it anew, or stops it; or both as one of 64 bits. Source:
 /// archi/timer/timer_v2.h.
 class Timer final : public Device {

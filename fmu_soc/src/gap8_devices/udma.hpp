@@ -27,7 +27,7 @@ namespace mebots::soc::gap8_devices {
 /// ends. The camera listens at both I2C masters: a GAPuino has it at the second one, a PULP-Shield at the first.
 ///
 /// Its variables are those of its peripherals, and flash.image, a parameter: the path of the image that the flash
-/// begins with, in place of the one that it was made with; empty = that one.
+/// begins with, in place of the one of its file; empty = that one.
 ///
 /// Other peripherals' channels are as the entry describes them. Source: archi/udma/udma_v2.h.
 class Udma final : public Device {

@@ -24,7 +24,7 @@ class PictureRoll {
 };
 
 /// The camera interface (CPI) of the uDMA with an HM01B0. A transfer asks for a picture, from the roll or from the
-/// world, when interface and camera are on; the picture comes with the next frame that begins, line after line, and
+/// world, when interface and camera are on. The picture comes with the next frame that begins, line after line, and
 /// the transfer ends with the last line of its window. Dropping frames is not modelled, and told.
 ///
 /// Its variables are those of the entry: camera.frame, .frame_id and .frame.base64 go in, camera.trigger goes out, as

@@ -13,7 +13,7 @@ namespace mebots::soc::gap8_devices {
 
 /// The HyperBus and what a GAPuino has on it: 8 MiB of RAM, flash from MEM_CFG4's MBR1 on (16 MiB after reset). A
 /// transfer takes 3 clocks of the bus for command and address, 12 of latency, and one for two bytes (HyperBus
-/// specification, fixed latency of 6 clocks twice); the bus has half the clock of the SoC, which is ours: no source.
+/// specification, fixed latency of 6 clocks twice). The bus has half the clock of the SoC, which is ours: no source.
 /// Source of registers: archi/udma/udma_hyper_v1.h.
 class UdmaHyperBus final : public UdmaPeripheral {
  public:

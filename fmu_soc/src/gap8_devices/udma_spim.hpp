@@ -12,13 +12,13 @@
 
 namespace mebots::soc::gap8_devices {
 
-/// An SPI master of the uDMA, behind which somebody only listens: what its sending channel fetches are words of
+/// An SPI master of the uDMA, behind which somebody only listens. What its sending channel fetches are words of
 /// commands and, behind a command that sends, of data; what it would receive are zeros. A bit takes twice the divider
 /// in clocks of the SoC, or one with divider 0. The command that ends a transaction raises the event of the master.
 /// Source: archi/udma/spim/udma_spim_v2.h.
 ///
 /// Its variables are those of the entry that begin with its name, spim0 or spim1: .transactions counts those in which
-/// data went out, .sent[0] to .sent[3] are the first 16-bit words of the last one, signed, the low byte first.
+/// data went out; .sent[0] to .sent[3] are the first 16-bit words of the last one, signed, the low byte first.
 class UdmaSpim final : public UdmaPeripheral {
  public:
   UdmaSpim(UdmaHost& host, std::string_view name, std::uint32_t send_channel, unsigned end_event)

@@ -7,7 +7,7 @@
 #include <cstdint>
 
 /// What the scalar instructions of Xpulp v2 compute.
-/// Sources: RI5CY user manual 4.45 chapter 14; corners that it leaves open (sums that wrap, bit fields that pass the
+/// Sources: RI5CY user manual 4.45 chapter 14. Corners that it leaves open (sums that wrap, bit fields that pass the
 /// end, negative bounds of a clip) as the ALU and multiplier of RI5CY's RTL do them (pulp-platform/riscv, February
 /// 2018).
 namespace mebots::soc::operations {

@@ -13,8 +13,8 @@ namespace mebots::soc::observe {
 
 /// Cost of one hart by function and call stack.
 ///
-/// Stacks follow the calling convention: jal and jalr that write a link register (ra, t0) are calls; a jump through
-/// one that meets a return address of the stack is a return to it; any other way into another function takes the place
+/// Stacks follow the calling convention: jal and jalr that write a link register (ra, t0) are calls. A jump through
+/// one that meets a return address of the stack is a return to it. Any other way into another function takes the place
 /// of the function that it comes from (a tail call). A trap or interrupt is a frame of its own until its mret; so are
 /// sleep and having no supply.
 ///

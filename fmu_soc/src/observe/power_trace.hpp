@@ -14,7 +14,7 @@ namespace mebots::soc::observe {
 
 /// States of core and devices, clock, voltage, and power by component, over time.
 ///
-/// Power is the mean between two looks at the ledger. There is a look whenever something happens, but not before
+/// Power is the mean between two readings of the ledger. It is read whenever something happens, but not before
 /// kShortest is over; so the area under the curve is the energy, and a file stays readable.
 class PowerTrace final : public StateListener {
  public:

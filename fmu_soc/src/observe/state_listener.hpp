@@ -5,7 +5,7 @@
 
 namespace mebots::soc {
 
-/// Who hears when something about a chip may have changed that is not an instruction: a device was touched or has gone
+/// Who hears when something about a chip may have changed that is not an instruction. A device was touched or has gone
 /// on, the core fell asleep, woke or ended, or the caller's span of time is over. Times never go back.
 class StateListener {
  public:

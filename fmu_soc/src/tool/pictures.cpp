@@ -15,7 +15,7 @@
 namespace mebots::soc::tool {
 namespace {
 
-/// More is no camera's.
+/// No camera has more.
 constexpr std::uint32_t kMostPixels = 1U << 24;
 
 struct Picture {
