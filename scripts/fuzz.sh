@@ -10,7 +10,7 @@
 # scripts/fuzz_corpora.sh add NAME FILE; ctest replays it.
 #
 # Options that a profile chose: most of the time goes into libFuzzer's own bookkeeping, which grows with the features
-# that an input shows (-entropic=0, inputs of at most 2 KiB), and into the sanitizer's stacks of every allocation
+# that an input shows (-entropic=0, inputs of at most 2 KiB). The rest goes into the sanitizer's stacks of every allocation
 # (malloc_context_size=1; repeat a finding with the sanitizer's default to see where its memory came from).
 set -euo pipefail
 cd "$(dirname "$0")/.."

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
 # Runs clang-tidy with the rules of .clang-tidy over all C++ sources, tests and benchmarks included, of a folder that a
-# preset with unity builds configured and built: most of clang-tidy's time goes into library headers, so sources that
+# preset with unity builds configured and built. Most of clang-tidy's time goes into library headers, so sources that
 # share them are looked at in one go. clang-tidy comes from PyPI: Debian's visits library headers, which takes four times
 # as long. The build folder is GCC's; clang-tidy does not know all of GCC's warnings.
 # Usage: scripts/lint.sh [BUILD_DIR]

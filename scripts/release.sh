@@ -93,7 +93,7 @@ for name in "${chosen[@]}"; do
     77) result=skipped remark=$(sed -n 's/^skipped: //p' "$logs/$name.txt" | tail -n 1) skipped=$((skipped + 1)) ;;
     *) result=FAILED remark=$(tail -n 1 "$logs/$name.txt") failed=$((failed + 1)); tail -n 5 "$logs/$name.txt" ;;
   esac
-  # What ctest left out is told, and is no proof.
+  # What ctest left out is told, and is not a proof.
   left_out=
   while IFS= read -r test; do
     left_out+="${left_out:+, }$test"

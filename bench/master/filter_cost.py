@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the filter of system calls and Landlock cost a step of an FMU in a process of its own: the same run with and without them, in
+"""What the filter of system calls and Landlock cost a step of an FMU in a process of its own. The same run with and without them, in
 turns, by a preloaded library that leaves them out. Usage: filter_cost.py MEBOTS PASSTHROUGH.fmu [--pairs 20] [--steps 50000] [--core 0]
 
 Processor time of mebots and all its processes on one core, so that nobody spins beside the other. Medians and quartiles; a pair's

@@ -3,7 +3,7 @@
 and in a sandbox. Usage: isolation.py MEBOTS PASSTHROUGH.fmu [--sizes 1,50,500] [--repeats 3]
 
 Processor time of mebots and all its processes, so that other work on the machine counts little; wall time beside it. A step is the
-difference between a long run and a short one, divided by steps and instances; an opening is the short run without that of one
+difference between a long run and a short one, divided by steps and instances. An opening is the short run without that of one
 instance in the master's process, divided by instances. The least of the repeats counts.
 """
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the master costs beyond the FMU calls: the same FMU stepped by a bare loop over its C functions and by
+// What the master costs beyond the FMU calls. The same FMU stepped by a bare loop over its C functions and by
 // Simulation, turn about, in one process; and what every single call costs. Usage: bench_master_overhead
 // PASSTHROUGH.fmu [REPEATS]
 #include "message/message.hpp"
@@ -111,7 +111,7 @@ double by_master(const Shape& shape, const std::filesystem::path& fmu, FmuLibrar
   return time * 1e9 / static_cast<double>(steps * shape.instances);
 }
 
-/// ns per call of fmi2GetReal: the bare one, with the watch over the floating-point environment around it, and by the
+/// ns per call of fmi2GetReal. The bare one; with the watch over the floating-point environment around it, and by the
 /// master, which also keeps the instance for callbacks and looks at the answer.
 struct CallCosts {
   double bare, watched, by_master;

@@ -39,8 +39,8 @@ struct Cell {
 };
 
 /// Reads and checks a cell file. Throws mebots::Error naming file, key, value and limit when a key is missing
-/// or unknown, a type or unit is wrong, mass, capacity, a resistance or a capacitance is not positive, the
-/// open-circuit voltage falls with rising s, or the cut-off is not below the full cell's voltage.
+/// or unknown or a type or unit is wrong. So it does when mass, capacity, a resistance or a capacitance is not
+/// positive, the open-circuit voltage falls with rising s, or the cut-off is not below the full cell's voltage.
 Cell load_cell(const std::filesystem::path& path);
 
 /// Current at the terminals [A, positive = discharge] when they give `power_w` (negative = charging) and the

@@ -20,12 +20,12 @@ namespace mebots::battery {
 /// The protection opens at the instant when the terminal voltage falls under the cut-off (or no current can give
 /// the power asked for) and at state of charge 0. It stays open: bus voltage, current and delivered power are
 /// 0 from then on, also for the rest of that step.
-/// A full cell takes no charge before its state of charge has fallen under kResumeChargingBelow; until then
+/// A full cell takes no charge before its state of charge has fallen under kResumeChargingBelow. Until then
 /// the source carries what the loads take and the rest of its power is not counted as given.
 class Model {
  public:
   static constexpr double kResumeChargingBelow = 0.999;
-  /// A continuous limit is about heat, which a take-off of some tenths of a second does not bring: the log tells of a
+  /// A continuous limit is about heat, which a take-off of some tenths of a second does not bring. The log tells of a
   /// current above it that has flowed this long without a break. The output tells at once.
   static constexpr std::int64_t kTellOverCurrentAfterNs = 1'000'000'000;
 

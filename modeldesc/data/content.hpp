@@ -12,7 +12,7 @@
 
 namespace mebots::data {
 
-/// One value. The values of a document stand in the order of its text, an object or list before what is in it: the
+/// One value. The values of a document stand in the order of its text, an object or list before what is in it. The
 /// first inside of value i is i + 1, and behind a value with all that is in it comes `end`.
 struct Value {
   Kind kind = Kind::null;

@@ -62,7 +62,7 @@ bool find(const std::vector<std::uint8_t>& pixels, const Camera& camera, gate_vi
 }
 
 /// A drone that flies towards the gate: `ahead_m` before its plane, off its axis by up to 20 degrees, the gate up to
-/// 25 degrees off the middle of the picture, 5 cm of altitude error, up to 4 degrees of tilt.
+/// 25 degrees off the middle of the picture; 5 cm of altitude error, up to 4 degrees of tilt.
 BodyPose approach_pose(Uniform& uniform, const world::scene::Gate& gate, double ahead_m) {
   BodyPose pose;
   const double off_axis = uniform(-20, 20) * kDegree;

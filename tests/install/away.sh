@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
 # Runs one of the scripts beside it in an empty folder, the installed programs in PATH, sources and build hidden behind
-# empty folders (in a mount namespace of its own; where the machine refuses one, they are only left alone).
+# empty folders in a mount namespace of its own. Where the machine refuses one, they are only left alone.
 # Usage: away.sh SOURCES BUILD WORK SCRIPT
 set -euo pipefail
 sources=$1 build=$2 work=$3 script=$4

@@ -49,7 +49,7 @@ class StepCounter final : public Observer, private FlowMap {
   std::map<const Hart*, Flow> last_;
 };
 
-/// One program four times: straight on in translated code, interpreted, watched now and then, and restored now and then
+/// One program four times. Straight on in translated code, interpreted, watched now and then, and restored now and then
 /// from the state of the first, in a fresh system or in one that has run something else.
 class Comparison {
  public:

@@ -356,7 +356,7 @@ TEST(ClusterRuntime, GoesOnWithTheSameBitsFromAStateInTheMiddleOfAJob) {
   EXPECT_TRUE(mebots::test::same_state(other.soc, straight.soc));
 }
 
-/// Eight cores on one bank whose code comes to the same instructions in every way: into the middle of straight code,
+/// Eight cores on one bank whose code comes to the same instructions in every way. Into the middle of straight code,
 /// to a jump right behind other code, back from a trap, over the end of a hardware loop that is none any more.
 constexpr std::string_view kMixed = R"(
     mv a0, s1
@@ -421,7 +421,7 @@ TEST(ClusterRuntime, TakesItsTurnsTheSameWithAndWithoutDecodedCode) {
   EXPECT_GT(straight.soc.cluster()->counters().instructions, 100'000U);
 }
 
-/// The network on 1, 2, 4 and 8 cores, saved again and again, most of the time in the middle of a layer: what goes on
+/// The network on 1, 2, 4 and 8 cores, saved again and again, most of the time in the middle of a layer. What goes on
 /// from the state in another system, which has decoded and translated other code, comes to the bits of the straight
 /// run.
 TEST(ClusterRuntime, GoesOnWithTheSameBitsFromStatesAllOverAnInference) {

@@ -498,7 +498,7 @@ TEST_F(MchanTest, TakesAsLongAsTheSlowerClockNeedsForItsBeats) {
   EXPECT_EQ(ticks_for(4), 16U + 512 * 2);
 }
 
-/// Each core adds 20 times 1 to a word of L1, between taking a lock by test and set and giving it back; the last one to
+/// Each core adds 20 times 1 to a word of L1, between taking a lock by test and set and giving it back. The last one to
 /// come stores characters, by bytes, where programs for simulators print.
 constexpr std::string_view kLocks = R"(
 2:  wfi

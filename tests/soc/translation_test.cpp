@@ -160,7 +160,7 @@ data: .word 0
   EXPECT_TRUE(same) << "the program, which never ends, ended";
 }
 
-/// A hot block whose rear comes every 64th turn, and is not in the instruction cache then: translated code begins with
+/// A hot block whose rear comes every 64th turn, and is not in the instruction cache then. Translated code begins with
 /// the front, and stops in front of the rest when there is room for that and all its refills, at whatever limit.
 TEST(Translation, FetchesTheRearOfABlockThatIsSeldomReached) {
   const auto program = assemble(R"(

@@ -50,7 +50,7 @@ TEST(Run, EndsAtTheStoreThatSetsBit0OfTohostHoweverItIsDone) {
   ends_after("sb t1, 0(t0)", 4, 2);
   ends_after("sh t1, 2(t0)\nsb t1, 0(t0)", 5, 2);  // 0x00050000 ends nothing
   ends_after("sb t1, 3(t0)\nsb t1, 0(t0)", 5, 2);
-  ends_after("slli t2, t1, 1\nsw t2, 0(t0)\nsw t1, 0(t0)", 6, 2);  // 10 is no end
+  ends_after("slli t2, t1, 1\nsw t2, 0(t0)\nsw t1, 0(t0)", 6, 2);  // 10 is not an end
   ends_after("sw t0, 0(t0)\nsw t1, 0(t0)", 5, 2);                  // nor is an address, as of a call to the host
   ends_after("sw t1, 4(t0)\nsw t1, 0(t0)", 5, 2);                  // the high word first, as a 64-bit store may be done
   ends_after("sw zero, 0(t0)\nsw t1, 0(t0)", 5, 2);                // storing 0 ends nothing

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""At which charge a landing must begin so that the drone reaches the ground under power: flights that begin to land at
+"""At which charge a landing must begin so that the drone reaches the ground under power. Flights that begin to land at
 charges STEP apart, for each cell and motor model, until one that lands stands beside one that falls."""
 
 import experiments

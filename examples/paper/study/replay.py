@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A flight's loads on another cell: what the battery's FMU says of the powers that a flight recorded, with the paper's motors,
+"""A flight's loads on another cell. What the battery's FMU says of the powers that a flight recorded, with the paper's motors,
 with or without the flight controller's power and the cell's resistance. Where the drone flew is the flight's own."""
 
 import functools

@@ -8,7 +8,7 @@ import numpy as np
 from network import EDGE
 
 # The network's outputs, each in [-1, 1]. yaw, rise: the opening's middle, left and up of the picture's middle, over half
-# the picture; size: half the frame's edge over half the picture's width, over MOST_SIZE; visible: above 0 with a gate.
+# the picture. size: half the frame's edge over half the picture's width, over MOST_SIZE; visible: above 0 with a gate.
 OUTPUTS = ("yaw", "rise", "size", "visible")
 MOST_SIZE = 2.0
 

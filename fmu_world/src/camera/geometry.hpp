@@ -55,7 +55,7 @@ double lambert(const scene::Lighting& lighting, const Eigen::Vector3d& normal_W)
 /// Builds ground, boxes, cylinders, meshes and gates (of those with beams the outside of Gate::beams()). Texture axes:
 /// the ground's are world x and y from the world's origin; a mesh's own, or those of its frame. A cylinder has 32
 /// sides. Upright sides have the first axis horizontal to the right and the second one up, from the lower left corner
-/// as seen from outside; a gate's front and back have one pattern over the whole frame. Tops and bottoms have the
+/// as seen from outside. A gate's front and back have one pattern over the whole frame. Tops and bottoms have the
 /// solid's x and y from their corner of least x and y. Undersides of boxes at or below the ground are left out, since
 /// nobody can see them. There are no shadows.
 Geometry make_geometry(const scene::Scene& scene);

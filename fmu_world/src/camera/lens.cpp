@@ -15,7 +15,7 @@ namespace {
 /// tan of the angle to the axis that a lens may look aside: 80 degrees.
 constexpr double kFarthestAside = 5.67;
 
-/// Where a ray that meets the sensor at `at` comes from: the least root of r (1 + k1 r^2 + k2 r^4) = at, by Newton's
+/// Where a ray that meets the sensor at `at` comes from. The least root of r (1 + k1 r^2 + k2 r^4) = at, by Newton's
 /// method from 0, which rises to it while the slope is positive.
 double undistorted(const LensSettings& settings, double at) {
   double r = 0.0;

@@ -15,7 +15,7 @@ namespace {
 
 constexpr int kSamples = 4096;
 
-/// x with P(X > x) = tail for a standard normal X and 0 < tail < 1/2, by Newton's method: the tail is convex
+/// x with P(X > x) = tail for a standard normal X and 0 < tail < 1/2, by Newton's method. The tail is convex
 /// for x > 0, so that the iteration rises to the root from 0.
 double upper_quantile(double tail) {
   constexpr double kInverseSqrt2Pi = 0.39894228040143267794;

@@ -10,8 +10,8 @@ namespace mebots::world::camera {
 /// Gaussian sensor noise that depends on (seed, frame, row, column) and on nothing else: neither on the size of
 /// the picture, nor on the order or thread in which pixels are made.
 ///
-/// Each row of each frame has its own SplitMix64 sequence; one 64-bit number serves four pixels, 12 bits each, as
-/// indices into 4096 equally likely values of the normal distribution (its quantiles at (i + 1/2) / 4096, scaled to
+/// Each row of each frame has its own SplitMix64 sequence. One 64-bit number serves four pixels, 12 bits each. They
+/// are indices into 4096 equally likely values of the normal distribution (its quantiles at (i + 1/2) / 4096, scaled to
 /// unit variance). So mean and variance are exact and the tails end at 3.7 standard deviations.
 class PixelNoise {
  public:

@@ -18,7 +18,7 @@ struct Intrinsics {
 
 /// Where the camera is. Camera frame C, as the body's: x forward along the optical axis, y left, z up.
 /// A point (x, y, z) in C with x > 0 appears at column width/2 - f y/x and row height/2 - f z/x, counted
-/// from the picture's top left corner; the centre of the top left pixel is (0.5, 0.5).
+/// from the picture's top left corner. The centre of the top left pixel is (0.5, 0.5).
 struct Pose {
   Eigen::Vector3d p_WC_m = Eigen::Vector3d::Zero();
   Eigen::Matrix3d R_WC = Eigen::Matrix3d::Identity();

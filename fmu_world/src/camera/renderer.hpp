@@ -16,8 +16,8 @@ namespace mebots::world::camera {
 
 /// The drone's camera: what a pinhole camera with an 8-bit grey sensor sees of a scene.
 ///
-/// Row by row: every face's pixels are tested against the inverse depths of the row, then each visible pixel is
-/// textured once, exact in perspective, then noise is added and the row is rounded and saturated to 0..255.
+/// Row by row: every face's pixels are tested against the inverse depths of the row. Then each visible pixel is
+/// textured once, exact in perspective. Then noise is added and the row is rounded and saturated to 0..255.
 /// Same arguments, same bytes, whichever renderer, thread or vector unit made them. No heap after construction.
 class Renderer {
  public:

@@ -11,7 +11,7 @@ namespace mebots::world::camera {
 /// A square tile of grey levels that repeats without end, ready for filtered look-up.
 ///
 /// It is halved along u and along v independently (Williams' mip map, taken per axis), so that ground seen
-/// at a grazing angle is averaged over its long axis only: one bilinear look-up per pixel neither shimmers nor smears.
+/// at a grazing angle is averaged over its long axis only. One bilinear look-up per pixel neither shimmers nor smears.
 ///
 /// All levels lie in one array of 2S x 2S for a tile of S x S texels. The level whose width is s = S / 2^k
 /// starts at column 2S - 2s; rows alike. Each 32-bit word holds a texel and its right, lower and lower right

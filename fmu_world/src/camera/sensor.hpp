@@ -39,8 +39,8 @@ struct SensorSettings {
 /// Row r gathers light from t + r line_time on, for the exposure, while the camera goes on as it did at t. The renderer
 /// takes bands of eight rows at one time each, and `blur_samples` pictures for the exposure. Rows count in the picture
 /// before distortion. Shot noise: n electrons vary by sqrt(n). Automatic exposure looks at a picture's mean when it is
-/// done: if that is further than 5 grey levels from the target, the product of exposure and gain is multiplied by
-/// target / mean, at most by 2 and at least by 1/2; the exposure is lengthened first, then the gain is doubled.
+/// done. If that is further than 5 grey levels from the target, the product of exposure and gain is multiplied by
+/// target / mean, at most by 2 and at least by 1/2. The exposure is lengthened first, then the gain is doubled.
 class Sensor {
  public:
   /// The camera's pose some seconds after the picture begins.

@@ -13,7 +13,7 @@ namespace mebots::world::camera {
 inline constexpr float kFarthest_per_m = 1e-4F;
 
 /// A face in one picture. With x and y a pixel centre's distance to the right of and below the picture's middle, the
-/// inverse depth is w = w_0 + w_x x + w_y y, and the texture coordinate in texels
+/// inverse depth is w = w_0 + w_x x + w_y y. The texture coordinate in texels
 /// u = u_eye + (u_0 + u_x x + u_y y) / w; v alike.
 struct FaceView {
   double w_0, u_0, v_0;

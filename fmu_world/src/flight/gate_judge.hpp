@@ -58,13 +58,13 @@ struct GateEvent {
 ///   crossed --the whole drone is in front of the frame again--> before
 ///
 /// The plane is the middle of the frame's thickness; the opening's border belongs to the opening. "The whole drone" is
-/// its contact box: seen from the gate, it reaches e = (|n.x_B| l_x + |n.y_B| l_y + |n.z_B| l_z) / 2 to both sides of
+/// its contact box. Seen from the gate, it reaches e = (|n.x_B| l_x + |n.y_B| l_y + |n.z_B| l_z) / 2 to both sides of
 /// its centre, with n the gate's x axis and l the box's edges. It is in front when x + e <= -thickness / 2, and behind
 /// when x - e >= thickness / 2. In between it cannot leave the opening sideways, so that a drone that trembles to
 /// and fro in the plane neither crosses twice nor comes back.
 ///
 /// A course may lead round a gate, so a gate is taken back by coming back through its frame, while the next one is
-/// still to be crossed; the last gate by coming back anywhere, since behind it is where the flight has to end.
+/// still to be crossed. The last gate by coming back anywhere, since behind it is where the flight has to end.
 class GateJudge {
  public:
   /// `body_size_m`: edges of the drone's contact box along its body axes.
@@ -73,8 +73,8 @@ class GateJudge {
   /// The drone went straight from one state to the other.
   std::optional<GateEvent> move(const RigidState& from, const RigidState& to);
 
-  /// The drone touches a gate. Touches less than half a second apart are one contact; a contact of ten seconds is no
-  /// skid any more (the slowest of the paper's flights slides through a frame in 6 s), so that the drone is stuck.
+  /// The drone touches a gate. Touches less than half a second apart are one contact. A contact of ten seconds is not
+  /// a skid (the slowest of the paper's flights slides through a frame in 6 s): the drone is stuck.
   std::optional<GateEvent> touch(std::size_t gate, std::int64_t time_ns);
 
   /// The drone has landed. It is stuck if it rests on a gate, or in the plane of the last one after crossing it.

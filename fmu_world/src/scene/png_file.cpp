@@ -15,7 +15,7 @@ namespace {
 
 constexpr unsigned kLargest = 4096;
 
-/// libpng's reader, let go of on every way out.
+/// libpng's reader, freed however the reading ends.
 struct PngImage {
   PngImage() { image.version = PNG_IMAGE_VERSION; }
   ~PngImage() { png_image_free(&image); }

@@ -71,7 +71,7 @@ class Mission {
   void record(const std::vector<std::string>& patterns);
 
   /// Begins where save_state() of a mission with the same config, FMUs, settings and choice of what is recorded was
-  /// called, in this process or another, in place of t = 0: it goes on to the same bits. Missions without `out` only.
+  /// called, in this process or another, in place of t = 0. It goes on to the same bits. Missions without `out` only.
   void start_from(std::span<const std::byte> state);
 
   // The run. Each starts the mission if that was not done.
@@ -94,7 +94,7 @@ class Mission {
   /// to write their state as bytes; missions without `out` only, and not after the end.
   std::vector<std::byte> save_state();
 
-  /// Closes the mission and makes it one that was just opened: what was asked for after the constructor (settings,
+  /// Closes the mission and makes it one that was just opened. What was asked for after the constructor (settings,
   /// scenarios, stop time, choice of what is recorded, listeners) is forgotten, the config is read again. FMUs stay
   /// unpacked and loaded, each of their instances is new: the next run is, to the last bit, that of a new Mission. Not
   /// for one that was resumed, and not from a listener.

@@ -116,7 +116,7 @@ class Mission:
 
     def start_from(self, state: bytes) -> None:
         """Begins where ``save_state`` of a mission with the same config, FMUs, settings and choice of what is recorded was
-        called, in this process or another, in place of t = 0: it goes on to the same bits. Missions without ``out``
+        called, in this process or another, in place of t = 0. It goes on to the same bits. Missions without ``out``
         only. Before start()."""
         self._run.start_from(state)
 

@@ -42,7 +42,7 @@ struct AlgorithmKind {
 };
 
 /// The one that the description names. Throws InputError without a place, with the nearest names, when there is none,
-/// or when it takes no order and one is given: whoever reads a config asks, so that a run finds it.
+/// or when it takes no order and one is given. Whoever reads a config asks, so that a run finds it.
 const AlgorithmKind& find_algorithm(const AlgorithmDescription& description);
 
 }  // namespace mebots::master

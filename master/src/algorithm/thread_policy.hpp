@@ -14,7 +14,7 @@ namespace mebots::master {
 ///
 /// Serial windows come first: the fastest of the last few serial runs is what parallel has to beat, so that cheap steps
 /// are never compared with dear ones that went before. When their steps are long enough for
-/// threads to have a chance, parallel is tried, and kept as long as every window wins; it is given up in the middle of
+/// threads to have a chance, parallel is tried, and kept as long as every window wins. It is given up in the middle of
 /// a window that takes longer than a serial one, so that a trial costs one serial window at most. Trials that fail
 /// become rare.
 class ThreadPolicy {

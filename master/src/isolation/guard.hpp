@@ -7,7 +7,7 @@
 
 namespace mebots::master::isolation {
 
-/// What a host process does before it touches foreign code: takes no more than `memory_bytes` beyond what it has
+/// What a host process does before it touches foreign code. It takes no more than `memory_bytes` beyond what it has
 /// already, can do nothing to processes that are not its children, and tells `control` of a fault before it dies of it.
 /// One thread only.
 void guard(std::uint64_t memory_bytes, Control& control);

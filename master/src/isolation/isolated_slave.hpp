@@ -19,7 +19,7 @@
 namespace mebots::master::isolation {
 
 /// A slave that runs in a process of its own (mebots-fmu-host). Values to set wait until the next call that does
-/// something; with a step go the reads that followed the last one, and their answers are kept: a communication step
+/// something. With a step go the reads that followed the last one, and their answers are kept: a communication step
 /// is one hand-over. When the process ends, or a call takes longer than its deadline, every call throws SlaveError.
 class IsolatedSlave final : public Slave {
  public:

@@ -11,7 +11,7 @@ namespace mebots::master::isolation {
 std::string restrict_files(const std::filesystem::path& folder);
 
 /// From now on this process and its children have no access to what other processes have in memory and open (since
-/// Linux 5.19), and send them no signals (since 6.12): true where the latter holds. Files are as they were. One thread
+/// Linux 5.19), and send them no signals (since 6.12). True where the latter holds. Files are as they were. One thread
 /// only.
 bool shield_other_processes();
 

@@ -8,7 +8,7 @@
 #include <cstdint>
 
 /// What master and host process say to each other. The master writes a batch of calls into one shared buffer, the
-/// host does them in order and writes the answers into another: one hand-over per batch, and a batch holds all that
+/// host does them in order and writes the answers into another. One hand-over per batch, and a batch holds all that
 /// a communication step needs. Which of the two works is a matter of two counters.
 namespace mebots::master::isolation {
 

@@ -14,7 +14,7 @@
 #include <vector>
 
 /// What the coupling of a run cost in accuracy. Between two communication points an input follows a polynomial p (a
-/// constant where no derivatives are known), and its source's output y goes its own way: the difference is the
+/// constant where no derivatives are known), and its source's output y goes its own way. The difference is the
 /// coupling's error, which no FMU can see.
 namespace mebots::master {
 
@@ -29,8 +29,8 @@ struct OutputCourse {
   std::array<double, 3> coefficients(double length_s) const;
 };
 
-/// How far one continuous Real input was from its source, in the input's unit: p - y at all points that the source
-/// reached in a step of the reader, and at the step's start.
+/// How far one continuous Real input was from its source, in the input's unit. That is p - y at all points that the
+/// source reached in a step of the reader, and at the step's start.
 class InputDeviation {
  public:
   InputDeviation(const ResolvedSystem& system, Ensemble& ensemble, const ResolvedConnection& connection);
@@ -68,8 +68,8 @@ class InputDeviation {
 };
 
 /// The energy that the coupling made in one power bond. With the effort e from A to B and the flow f from B to A, B
-/// takes e_in f and A gives e f_in, so that the integral of e_in f - e f_in was made on the way (Sadjina, Kyllingstad,
-/// Skjong, Pedersen 2017, "Energy conservation and power bonds in co-simulations"); it is lost where it is negative.
+/// takes e_in f and A gives e f_in. So the integral of e_in f - e f_in was made on the way (Sadjina, Kyllingstad,
+/// Skjong, Pedersen 2017, "Energy conservation and power bonds in co-simulations"). It is lost where it is negative.
 class BondEnergy {
  public:
   /// Throws InputError when the two are not connected Real inputs of two instances with the same step, one towards the

@@ -22,7 +22,7 @@ struct Override {
 };
 
 /// Which overrides act when. Slaves whose variables are overridden ask it (see OverriddenSlave); as an observer it
-/// finds the moments at which conditions hold: such an override acts on inputs from that communication point on,
+/// finds the moments at which conditions hold. Such an override acts on inputs from that communication point on,
 /// and on outputs from the next one.
 class Scenario final : public Observer {
  public:

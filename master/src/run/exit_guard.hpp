@@ -9,7 +9,7 @@
 namespace mebots::master {
 
 /// exit() inside an FMU ends the process in the middle of a run, with the code that the FMU likes. While one of these
-/// lives and its run is busy, such an end is a failure of the run: the reason, with instance and call, is handed to
+/// lives and its run is busy, such an end is a failure of the run. The reason, with instance and call, is handed to
 /// `fail`, which writes results and summary, and the process ends with code 1. The C library asks for exit() and
 /// quick_exit(), but not for _exit(): a program has one of its own for that (app/own_exit.cpp). Processes that an FMU
 /// forks end as they like. Against an end by the kernel there is only a process of its own for the instance.

@@ -38,7 +38,7 @@ class GrowingFileHash {
   std::uint64_t bytes_ = 0;
 };
 
-/// Fingerprint of all that a run depends on: the config's bytes, every FMU's bytes, the bytes of files that texts
+/// Fingerprint of all that a run depends on. The config's bytes, every FMU's bytes, the bytes of files that texts
 /// among the parameters name (a program for a chip, say), and what the command line changed.
 struct InputHash {
   std::string all;

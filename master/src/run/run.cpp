@@ -347,7 +347,7 @@ void Run::initialise() {
 
 /// Looks after the process in the first, second, fourth ... step of this call, and at its end.
 void Run::step_until(std::int64_t until_ns) {
-  // A look costs more than a step.
+  // Watching the process costs more than a step.
   std::optional<ProcessWatch> watch;
   if (!has_foreign_ && until_ns - time_ns() > system_.step_ns) watch.emplace(resolved_, messages_);
   auto seen_ns = time_ns();

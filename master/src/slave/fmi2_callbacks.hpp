@@ -30,7 +30,7 @@ class CallbackListener {
 };
 
 /// A listener that callbacks find, as long as this lives. A callback belongs to the instance that this thread is in a
-/// call of; on a thread of the FMU to the one whose environment it names, then to the one whose name it says, then to
+/// call of. On a thread of the FMU to the one whose environment it names, then to the one whose name it says, then to
 /// the only one that there is. A callback that belongs to none is dropped.
 class CallbackTarget {
  public:

@@ -8,7 +8,7 @@
 
 namespace mebots::master {
 
-/// Lets the others go on when the slave behind it fails in or after its first step: from then on its outputs stand
+/// Lets the others go on when the slave behind it fails in or after its first step. From then on its outputs stand
 /// still at what was read last, and what it is given is dropped.
 class TolerantSlave final : public AccessSlave {
  public:

@@ -98,8 +98,8 @@ class ConnectionCheck {
     return result;
   }
 
-  /// Rules: a variable without a unit takes and gives numbers as they are; one name without definitions is one
-  /// unit; else both units must be defined, of the same dimension, and values are converted.
+  /// Rules: a variable without a unit takes and gives numbers as they are. One name without definitions is one
+  /// unit. Else both units must be defined, of the same dimension, and values are converted.
   void check_units() {
     if (!description_.convert_units || from_.unit.empty() || to_.unit.empty()) return;
     const auto* from_unit = model(connection_.from).unit(from_.unit);

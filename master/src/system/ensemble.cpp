@@ -436,7 +436,7 @@ double Ensemble::line_slope(const DerivativeLink& link) const {
   return (real(link.from) - source.earlier_reals[link.from.slot]) / length_s;
 }
 
-/// A source that stepped before (Gauss-Seidel) stands at a later time: its value at the step's end is known, so the
+/// A source that stepped before (Gauss-Seidel) stands at a later time. Its value at the step's end is known, so the
 /// input starts at the step's start and goes to it on a line. Holding the later value would cost an order.
 void Ensemble::start_on_lines(Member& member, std::int64_t time_ns) const {
   for (const auto& link : member.derivatives) {

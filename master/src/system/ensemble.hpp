@@ -170,7 +170,7 @@ class Ensemble {
   struct Member {
     std::unique_ptr<Slave> slave;
     std::int64_t step_ns = 0;
-    // Which banks hold anything, and whether inputs are copies of Reals and nothing else: one look instead of one per
+    // Which banks hold anything, and whether inputs are copies of Reals and nothing else. One look instead of one per
     // list, in the loop that runs at every point over more instances than a cache holds.
     KindSet output_kinds = 0;
     KindSet input_kinds = 0;

@@ -10,7 +10,7 @@ namespace mebots::master {
 
 /// Takes values along the connections in initialisation mode until they stand still. Without a loop that takes as
 /// many sweeps as the longest chain has links. A loop of Reals x = G(x) that sweeping does not settle is solved by
-/// Newton's method with differences for derivatives: the loop is cut at as few inputs as a depth-first search finds
+/// Newton's method with differences for derivatives. The loop is cut at as few inputs as a depth-first search finds
 /// (the tearing method of equation-based tools), all else follows from these by sweeping.
 class InitialValues {
  public:

@@ -105,7 +105,7 @@ std::vector<ResolvedVariable> recorded_variables(const ResolvedSystem& system) {
     const bool output = variable.causality == Causality::output && (variable.type != Type::string || record.texts);
     const auto fit = wanted.fit(name);
     // A pattern that names one variable outright may name any; one with a star means outputs, and texts
-    // only where the config wants them: an FMU may make a text at some cost when it is read.
+    // only where the config wants them. An FMU may make a text at some cost when it is read.
     const bool by_pattern = record.patterns ? fit == Patterns::Fit::pattern : true;
     if (output || variable.causality == Causality::output) names.push_back(name);
     if (fit != Patterns::Fit::outright && !(output && by_pattern)) return;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Random programs on the platform and on QEMU's RISC-V virt machine, whose RAM is a file: the registers that a program
+// Random programs on the platform and on QEMU's RISC-V virt machine, whose RAM is a file. The registers that a program
 // noted every few instructions, its traps and its data have to be the same. MEBOTS_LOCKSTEP_INSTRUCTIONS says how many
 // random instructions; scripts/lockstep.sh asks for many.
 #include "program.hpp"

@@ -8,7 +8,7 @@
 
 namespace mebots::soc::test {
 
-/// A second description of Xpulp v2, to compare the platform with: written from the tables of the RI5CY user
+/// A second description of Xpulp v2, to compare the platform with. Written from the tables of the RI5CY user
 /// manual 4.45 in the order of its opcodes, decoded field by field, computed on 64-bit numbers part by part. It shares
 /// nothing with the platform's encoding table, decoder or operations.
 class XpulpReference {

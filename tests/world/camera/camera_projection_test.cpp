@@ -257,8 +257,8 @@ TEST(CameraProjection, EveryPixelSeesWhatARayThroughItsCentreMeets) {
         wrong += std::abs(seen.at(column, row) - expected) > 0.51 ? 1 : 0;
       }
     }
-    // Corners are rounded to 1/4096 pixel, so of some 3000 pixels on edges about one may fall on the other side;
-    // where the camera nearly touches a face, single precision decides some more.
+    // Corners are rounded to 1/4096 pixel, so of some 3000 pixels on edges about one may fall on the other side.
+    // Where the camera nearly touches a face, single precision decides some more.
     EXPECT_LE(wrong, 8) << "pose " << place;
     ++place;
   }

@@ -25,8 +25,8 @@ struct Advice {
 
 /// The expert steers at the middle of the opening: yaw = its offset from the picture's middle over half the
 /// picture's width, 1 = the left edge, limited to [-1, 1]. Near the gate the command fades,
-/// from where the frame's edge looks 1.05 half widths long (0.6 m away with a lens of 87 degrees) and is 0 from 2.1 on:
-/// the frame leaves the picture there, and the drone flies straight on. Without a gate in the
+/// from where the frame's edge looks 1.05 half widths long (0.6 m away with a lens of 87 degrees) and is 0 from 2.1 on.
+/// The frame leaves the picture there, and the drone flies straight on. Without a gate in the
 /// picture the command is 0 too. A gate of which less than a quarter is in the picture, across, or that is seen at
 /// less than 17 degrees to its plane or from behind, is a `sliver`, which has no right answer.
 Advice expert(const world::scene::Scene& scene, const world::camera::Intrinsics& intrinsics,

@@ -6,7 +6,7 @@
 
 namespace mebots::training {
 
-/// A room as random_room() makes them, with more in it and more of a difference between one and the next: gates of 0.42
+/// A room as random_room() makes them, with more in it and more of a difference between one and the next. Gates of 0.42
 /// to 0.9 m at other heights and of any grey level, pillars and columns, light from dim to glaring.
 world::scene::Scene random_hall(Random& random);
 

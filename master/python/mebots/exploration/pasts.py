@@ -17,7 +17,7 @@ _MOST_IN_MEMORY = 4
 MOST_BYTES = 4 << 30
 """On disk. Those that were used longest ago go first."""
 _LOOK_EVERY_BYTES = MOST_BYTES // 64
-"""Written by one process, before it looks how full the folder is: a look reads the size of every state in it."""
+"""Written by one process, before it asks how full the folder is: that reads the size of every state in it."""
 _ASK_EVERY_S = 0.02
 _SAY_EVERY_S = 1.0
 

@@ -2,7 +2,7 @@
 """The probability of what hardly ever happens, by multilevel splitting with fixed effort (Garvels 2000; Cérou, Guyader,
 2007): the way to a rare event is cut by levels of a score, of which each is likely once the one before was reached.
 
-N missions begin at t = 0. Those that reach the first level are its entrances; from them N missions go on, each with
+N missions begin at t = 0. Those that reach the first level are its entrances. From them N missions go on, each with
 chance of its own, as equally many from each entrance as N allows (the rest by lot), and so on to the last level. With r_k
 missions of N that reached level k, the estimate is the product of r_k/N. Its expectation is the probability itself for
 any levels and any N; how far it spreads depends on both. So several estimates are made independently of each other, and

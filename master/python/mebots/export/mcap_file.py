@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A run's results as an MCAP file, which Foxglove, Lichtblick and PlotJuggler open.
 
-Channels: /<instance> for what was recorded of each instance, nested by the dots of the names, `rotor[1]` as `rotor_1`, with
+Channels: /<instance> for what was recorded of each instance, nested by the dots of the names; `rotor[1]` as `rotor_1`, with
 units in the schema; /tf for the poses of the bodies of the scene; /scene for its faces; /<picture> for what a camera
 saw; /log. Poses, faces, pictures and log have Foxglove's own schemas, in JSON.
 """

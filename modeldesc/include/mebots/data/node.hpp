@@ -21,8 +21,8 @@ struct Member;
 enum class Kind : std::uint8_t { null, boolean, whole_number, number, text, list, object };
 
 /// One value of a Document together with its place: cheap to copy, valid as long as the document. All that read
-/// throw Mistakes, naming file, line, column and JSON pointer, when the value is not what was asked for;
-/// whoever wants to go on reading behind it calls them inside attempt(), as Object does.
+/// throw Mistakes, naming file, line, column and JSON pointer, when the value is not what was asked for.
+/// Whoever wants to go on reading behind it calls them inside attempt(), as Object does.
 class Node {
  public:
   Kind kind() const;

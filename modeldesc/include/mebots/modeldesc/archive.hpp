@@ -18,7 +18,7 @@ struct UnpackLimits {
 };
 
 /// Unpacks an FMU (a zip archive) into `folder`, which is made if missing. Throws mebots::Error naming archive
-/// and entry for: a missing or damaged archive, an entry that would leave the folder (absolute, `..`, drive
+/// and entry for: a missing or damaged archive; an entry that would leave the folder (absolute, `..`, drive
 /// letter, backslash, symbolic link), two entries of one name, or a limit passed. Nothing is written before all names
 /// passed.
 void unpack(const std::filesystem::path& archive, const std::filesystem::path& folder, const UnpackLimits& limits = {});

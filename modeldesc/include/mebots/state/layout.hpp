@@ -10,7 +10,7 @@
 namespace mebots::state {
 
 /// A number that follows from the names, types, numbers and order of all values that an object shows, whatever they
-/// are: states of two builds can be exchanged when it is the same. 64-bit FNV-1a.
+/// are. States of two builds can be exchanged when it is the same. 64-bit FNV-1a.
 class Layout final : public Visitor {
  public:
   Layout() : Visitor(Purpose::layout) {}

@@ -25,8 +25,8 @@
 ///
 /// shows every value with its name to whoever comes. From it follow saving and restoring (mebots/state/save.hpp), the
 /// fingerprint of the layout (mebots/state/layout.hpp) and the comparison of two states (mebots/state/difference.hpp).
-/// Two rules keep them one: which names are shown follows from how the object was made, never from values that change
-/// (a list and an optional are shown as a whole), and only where restores() holds does anything change.
+/// Two rules keep them one. Which names are shown follows from how the object was made, never from values that change
+/// (a list and an optional are shown as a whole). And only where restores() holds does anything change.
 namespace mebots::state {
 
 class Visitor;
