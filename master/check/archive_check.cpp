@@ -55,7 +55,7 @@ class ArchiveCheck {
   void check_entry(zip_uint64_t index) {
     zip_stat_t stat;
     if (zip_stat_index(archive_, index, ZIP_FL_ENC_RAW, &stat) != 0 || stat.name == nullptr) {
-      findings_.error(fmt::format("entry {} cannot be read: {}", index, zip_strerror(archive_)), "pack the FMU anew");
+      findings_.error(fmt::format("entry {} cannot be read: {}", index, zip_strerror(archive_)), "pack the FMU again");
       return;
     }
     const std::string name = stat.name;
@@ -72,7 +72,7 @@ class ArchiveCheck {
 
   void check_name(const std::string& name) {
     const auto path = fs::path(name).lexically_normal().generic_string();
-    if (name.empty()) findings_.error("an entry has no name", "pack the FMU anew");
+    if (name.empty()) findings_.error("an entry has no name", "pack the FMU again");
     if (name.find('\\') != std::string::npos)
       findings_.error(fmt::format("\"{}\" has a backslash; zip demands forward slashes", name),
                       "pack with a tool that writes forward slashes");
@@ -123,7 +123,7 @@ class ArchiveCheck {
     if (stat.size > kSmall && static_cast<double>(stat.size) > ratio * static_cast<double>(stat.comp_size))
       findings_.error(
           fmt::format("\"{}\" unpacks from {} bytes to {}: tools take it for a bomb", name, stat.comp_size, stat.size),
-          "make the file anew when it is needed, instead of packing it");
+          "make the file again when it is needed, instead of packing it");
   }
 
   zip_t* archive_;

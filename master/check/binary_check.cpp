@@ -88,7 +88,7 @@ class NeededLibraries {
       return;
     }
     findings_.error(
-        fmt::format("{} is needed by {} and found nowhere (looked in {}{}the system's folders)", needed,
+        fmt::format("{} is needed by {} and was not found (looked in {}{}the system's folders)", needed,
                     asking.filename().string(), fmt::join(folders, ", "), folders.empty() ? "" : ", "),
         "install the package that holds it, or put it beside the FMU's own and link with -Wl,-rpath,'$ORIGIN'");
   }

@@ -65,7 +65,7 @@ class FmuCheck {
       modeldesc::unpack(fmu_, folder_.path());
       fs::create_directories(folder_.path() / "resources");
     } catch (const Error& error) {
-      Findings(unpacked).error(error.what(), "pack the FMU anew");
+      Findings(unpacked).error(error.what(), "pack the FMU again");
       return false;
     }
     return fs::is_regular_file(folder_.path() / "modelDescription.xml");
@@ -109,7 +109,7 @@ class FmuCheck {
       try {
         check_it(check);
       } catch (const Error& error) {
-        Findings(check).error(error.what(), "build the library anew");
+        Findings(check).error(error.what(), "build the library again");
       }
       return !has_error(check);
     };

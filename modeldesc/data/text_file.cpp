@@ -34,7 +34,7 @@ std::string text_of(const std::filesystem::path& path) {
   while (stream.read(block.data(), static_cast<std::streamsize>(block.size())) || stream.gcount() > 0) {
     text.append(block.data(), static_cast<std::size_t>(stream.gcount()));
   }
-  if (stream.bad()) refuse(ErrorCode::file_unreadable, "the device that it lies on reports an error");
+  if (stream.bad()) refuse(ErrorCode::file_unreadable, "the device that holds it reports an error");
   return text;
 }
 

@@ -75,7 +75,7 @@ void check_value(const Variable& variable, fmi2Integer value) {
   std::string known;
   for (const EnumerationItem& item : variable.items)
     known += fmt::format("{}{} = {}", known.empty() ? "" : ", ", item.value, item.name);
-  throw Error(fmt::format("{} = {} is none of its values ({})", variable.name, value, known));
+  throw Error(fmt::format("{} = {} is not one of its values ({})", variable.name, value, known));
 }
 
 void check_boolean(const Variable& variable, fmi2Boolean value) {

@@ -76,7 +76,8 @@ TEST(ShellValues, AreRefusedOutsideTheirLimitsWithNothingChanged) {
   EXPECT_THAT(lag.last_message(), HasSubstr("left.u = nan: a finite number is needed"));
   EXPECT_EQ(lag.set("gain", std::numeric_limits<double>::infinity()), fmi2Error);
   EXPECT_EQ(lag.set_integer("trouble", 3), fmi2Error);
-  EXPECT_THAT(lag.last_message(), HasSubstr("trouble = 3 is none of its values (0 = none, 1 = mendable, 2 = fatal)"));
+  EXPECT_THAT(lag.last_message(),
+              HasSubstr("trouble = 3 is not one of its values (0 = none, 1 = mendable, 2 = fatal)"));
   EXPECT_EQ(lag.set_boolean("enabled", 2), fmi2Error);
   EXPECT_EQ(lag.set_string("note", nullptr), fmi2Error);
   EXPECT_EQ(lag.real("left.u"), 7);

@@ -13,7 +13,7 @@ def _become(name: str) -> None:
     try:
         os.execv(program, [name, *sys.argv[1:]])
     except OSError as error:
-        sys.exit(f"{name}: error: {program} cannot be started: {error.strerror}. Install MEbots anew: pip install --force-reinstall mebots")
+        sys.exit(f"{name}: error: {program} cannot be started: {error.strerror}. Install MEbots again: pip install --force-reinstall mebots")
 
 
 def mebots() -> None:

@@ -101,7 +101,7 @@ std::filesystem::path own_data(std::string_view name) {
       std::ranges::find_if(places, [&](const auto& place) { return std::filesystem::exists(place, ignored); });
   if (found != places.end()) return *found;
   throw Error(ErrorCode::file_not_found,
-              fmt::format("this installation lacks {}: it is at none of {}; install MEbots anew", name,
+              fmt::format("this installation lacks {}: it was not found at {}; install MEbots again", name,
                           fmt::join(as_texts(places), ", ")));
 }
 

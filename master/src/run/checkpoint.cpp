@@ -59,7 +59,7 @@ Checkpoint read_checkpoint(const std::filesystem::path& folder) {
         ErrorCode::file_not_found,
         fmt::format("{}: there is no checkpoint to go on from. A run writes them with --checkpoint-every, from t = 0 "
                     "until it comes to "
-                    "its end; run the config anew",
+                    "its end; run the config again",
                     path.string()));
   }
   const auto all = input_text(path);
@@ -71,7 +71,7 @@ Checkpoint read_checkpoint(const std::filesystem::path& folder) {
   const auto content = std::string_view(all).substr(kMagic.size() + kHashSize);
   if (all.compare(kMagic.size(), kHashSize, sha256(content)) != 0) {
     throw InputError(ErrorCode::state_damaged,
-                     fmt::format("{}: this checkpoint is damaged; run the config anew", path.string()));
+                     fmt::format("{}: this checkpoint is damaged; run the config again", path.string()));
   }
   Checkpoint checkpoint;
   state::restore(checkpoint, std::as_bytes(std::span(content)));
@@ -107,7 +107,7 @@ void check_inputs(const std::string& inputs_then, const std::string& inputs_now,
   }
   throw InputError(ErrorCode::state_of_other_fmu,
                    fmt::format("the inputs are not those of {} any more: {}. Put them back as they were, or "
-                               "run the config anew",
+                               "run the config again",
                                what, fmt::join(changed, ", ")));
 }
 

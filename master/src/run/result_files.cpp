@@ -50,7 +50,7 @@ ResultFiles::ResultFiles(const std::filesystem::path& folder, const ResolvedSyst
   if (results_->size() < resumed->results_bytes || log_->size() < resumed->log_bytes) {
     throw InputError(
         ErrorCode::state_damaged,
-        fmt::format("{}: results.csv or log.txt is shorter than it was at the checkpoint; run the config anew",
+        fmt::format("{}: results.csv or log.txt is shorter than it was at the checkpoint; run the config again",
                     folder.string()));
   }
   const auto verify = [](const std::filesystem::path& file, std::uint64_t bytes, const std::string& hash) {
@@ -58,7 +58,7 @@ ResultFiles::ResultFiles(const std::filesystem::path& folder, const ResolvedSyst
     throw InputError(
         ErrorCode::state_damaged,
         fmt::format("{}: its first {} bytes are not those that the run wrote up to its checkpoint; put them "
-                    "back, or run the config anew",
+                    "back, or run the config again",
                     file.string(), bytes));
   };
   verify(results_->path(), resumed->results_bytes, resumed->results_hash);

@@ -111,7 +111,7 @@ void Simulation::restore_state(const SimulationState& state) {
   if (state.layout != state::layout_of(*this)) {
     throw Error(ErrorCode::state_of_other_build,
                 "a saved state holds other values than this run, or was written by another version of mebots; run the "
-                "config anew");
+                "config again");
   }
   for (std::size_t i = 0; i < ensemble_.size(); ++i) ensemble_.slave(i).restore_state(*state.slaves[i]);
   step_ = state.step;

@@ -290,5 +290,5 @@ def _write_replay(campaign: Campaign, folder: pathlib.Path, design: int, estimat
         for name, value in turn.writes.items():
             entry = {"variable": name, "set": value, "from": begin_s}
             scenario.append(entry | {"until": end_s} if turn is not way.course[-1] else entry)
-    text = f"A mission of design {design} that reached the last level: what was drawn anew on the way"
+    text = f"A mission of design {design} that reached the last level: what was drawn again on the way"
     return campaign.missions.replay(campaign.values((design, way.draw)), folder / "rare", f"design_{design}", text, scenario)
