@@ -52,7 +52,7 @@ struct ClusterSettings {
 /// takes its cycles before the cores in one quantum, so that they wait. In the next one it takes them behind the
 /// cores, so that it waits, a cycle at most. Who touches the event unit or the DMA stops before it and goes on when
 /// nobody is behind. So those see all accesses in the order of their ticks (within a tick: of the cores). What a core
-/// stores in RAM another one may see up to a quantum late or early; cores that synchronise through the event unit see
+/// stores in RAM another one may see up to a quantum late or early. Cores that synchronise through the event unit see
 /// all of it.
 class Cluster {
  public:

@@ -178,7 +178,7 @@ void ClusterDma::occupy(Banks& banks, std::uint64_t until) {
   }
 }
 
-/// The next beats up to the end of a burst, as far as they start before `until`, take their words; the answer is how
+/// The next beats up to the end of a burst, as far as they start before `until`, take their words. The answer is how
 /// many ticks they wait.
 std::uint64_t ClusterDma::occupy_burst(Banks& banks, Transfer& transfer, std::uint64_t until) const {
   const auto& what = transfer.what;

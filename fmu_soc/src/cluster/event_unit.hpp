@@ -18,10 +18,10 @@ inline constexpr unsigned kDmaDone = 8;
 inline constexpr unsigned kJobDone = 17;
 }  // namespace event
 
-/// Lets cores wait for each other without spinning: events with a mask and a buffer for each, a barrier, and a fork
-/// that hands an entry and an argument to idle cores. Each requester sees its own registers at the same addresses.
+/// Lets cores wait for each other without spinning. It has events with a mask and a buffer for each, a barrier, and a
+/// fork that hands an entry and an argument to idle cores. Each requester sees its own registers at the same addresses.
 ///
-/// A p.elw of EVENT_WAIT, BARRIER_WAIT or DISPATCH_WAIT puts its core to sleep until the answer is there; the sleeper
+/// A p.elw of EVENT_WAIT, BARRIER_WAIT or DISPATCH_WAIT puts its core to sleep until the answer is there. The sleeper
 /// is in woken() then, and asks again.
 class EventUnit {
  public:

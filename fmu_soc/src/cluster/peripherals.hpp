@@ -31,8 +31,9 @@ struct ClusterAccess {
   unsigned size = 4;                      // bytes; less only of a store
 };
 
-/// What a cluster has beside cores, memory and DMA engine: the registers by which its cores wait for each other and
-/// for the DMA, and whatever starts them. Calls come in the order of ticks; what an access did is asked for behind it.
+/// What a cluster has beside cores, memory and DMA engine. That is the registers by which its cores wait for each other
+/// and for the DMA, and whatever starts them. Calls come in the order of ticks; what an access did is asked for behind
+/// it.
 class ClusterPeripherals : public TransferListener {
  public:
   ClusterPeripherals() = default;

@@ -84,7 +84,7 @@ Instruction BlockCache::translate(const Decoded& decoded, std::uint32_t pc) cons
   return instruction;
 }
 
-/// Whether a block that has come to `pc` should end before it, since another one begins there: one that does already,
+/// Whether a block that has come to `pc` should end before it, since another one begins there. One that does already,
 /// or that a branch of this one leads to (`target`). What runs straight into a block costs more than what goes on in
 /// one, so blocks do not end before code that is left at once. There, what came before would still matter to the
 /// pipeline.

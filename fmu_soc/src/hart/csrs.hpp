@@ -13,7 +13,7 @@
 
 namespace mebots::soc {
 
-/// The control and status registers of a core, as their table has them (csrs.inc): those of machine mode that CV32E40P
+/// The control and status registers of a core, as their table has them (csrs.inc). Those of machine mode that CV32E40P
 /// has; with Xpulp also RI5CY's own, and with an event unit GAP8's. All others are none. They own what decides whether
 /// an interrupt is let in.
 class Csrs {

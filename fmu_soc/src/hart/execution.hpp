@@ -79,7 +79,7 @@ struct Execution;
 
 /// What translated code leaves behind, and what it is told.
 struct HostState {
-  /// Where its count of cycles starts and ends: from those that may start down to 0, or where banks are shared, from
+  /// Where its count of cycles starts and ends. From those that may start down to 0, or where banks are shared, from
   /// one row of their table to another.
   std::uint64_t begin = 0;
   std::uint64_t end = 0;
@@ -104,7 +104,7 @@ struct HostState {
 /// No pc of an instruction: none is odd.
 inline constexpr std::uint32_t kNoPc = 1;
 
-/// The state of a core that its handlers and translated code work on, and the block in progress: while that runs, the
+/// The state of a core that its handlers and translated code work on, and the block in progress. While that runs, the
 /// counters and the pipeline are those of its start.
 struct Execution {
   std::array<std::uint32_t, 33> x{};  // x[0] stays 0; x[32] takes what is written to x0
@@ -147,7 +147,7 @@ struct Execution {
   std::uint32_t stalled_before(const Instruction* at) const { return at->index == 0 ? first_stall : 0U; }
   /// The active cycle in which an instruction starts.
   std::uint64_t cycle_of(const Instruction* at) const { return counters.cycles + at->cycles_before + extra_cycles; }
-  /// Likewise, as devices and counters see it: a stall for the load before comes from the instruction's start on, at
+  /// Likewise, as devices and counters see it. A stall for the load before comes from the instruction's start on, at
   /// the start of a block as in its middle. An instruction that is left before it has done anything has not stalled
   /// yet.
   std::uint64_t start_of(const Instruction* at) const { return cycle_of(at) - stalled_before(at); }

@@ -9,7 +9,7 @@
 namespace mebots::soc {
 
 /// How a core's instructions come through the instruction cache, where there is one. An instruction waits for its lines
-/// when it is reached, never before: so a core that was stopped anywhere has made the same refills in the same cycles.
+/// when it is reached, never before. So a core that was stopped anywhere has made the same refills in the same cycles.
 class Fetch {
  public:
   explicit Fetch(Execution& execution) : execution_(execution) {}

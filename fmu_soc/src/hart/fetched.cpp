@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // How a hart runs code of which lines are absent from the instruction cache. Blocks whose lines are all there run as if
-// there were no cache; of the others translated code runs the front, if that is there, and the rest comes here.
+// there were no cache. Of the others translated code runs the front, if that is there, and the rest comes here.
 #include "hart/hart.hpp"
 
 namespace mebots::soc {
@@ -75,7 +75,7 @@ void Hart::resume_fetching(const Instruction* at, std::uint32_t wait_cycles, std
   unsettled_ = fetch_.is_unsettled() ? kAbsent : 0;
 }
 
-/// As `execute` of an instruction that is fetched, but lines come one by one: it goes on to the next instruction that
+/// As `execute` of an instruction that is fetched, but lines come one by one. It goes on to the next instruction that
 /// needs one, and waits there.
 void Hart::execute_fetching(const Instruction* at) {
   while (at != nullptr) {

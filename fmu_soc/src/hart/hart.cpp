@@ -118,7 +118,7 @@ bool Hart::stays_awake() {
 /// The block at the pc, by the link of what led here if it knows. 0: nothing can be fetched there, or only a limit or a
 /// return from a trap has led there, and no block begins there otherwise. Limits cut anywhere: blocks from all of these
 /// places would fill the cache and, one after the other, get hot. With a loose limit blocks say where a core stops, so
-/// they must not depend on what is decoded: a core restored from a state has decoded nothing.
+/// they must not depend on what is decoded. A core restored from a state has decoded nothing.
 inline std::uint32_t Hart::following() {
   const auto* link = execution_.link;
   const auto next = execution_.next_block;

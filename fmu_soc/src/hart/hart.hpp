@@ -39,7 +39,7 @@ enum class Stop : std::uint8_t {
 
 /// One RISC-V hardware thread: RV32IMC_Zicsr_Zifencei in machine mode, timed as RI5CY (then with Xpulp v2) or CV32E40P.
 /// Straight code is decoded once into blocks. A block runs only when none of its instructions can start
-/// at or after the limit, otherwise one instruction at a time is taken, with the same counts.
+/// at or after the limit. Otherwise one instruction at a time is taken, with the same counts.
 class Hart {
  public:
   /// Reaches all regions of the memory without waiting; the first two are the fast ones.
@@ -126,8 +126,8 @@ class Hart {
     sleeping_ = false;
     waits_for_event_ = false;
   }
-  /// Whether something is pending that ends a sleep: an enabled interrupt, which for an event load must also be let in
-  /// (mstatus), since the load would only fall asleep again.
+  /// Whether something is pending that ends a sleep. That is an enabled interrupt, which for an event load must also be
+  /// let in (mstatus), since the load would only fall asleep again.
   bool wakes() const { return waits_for_event_ ? csrs_.interrupt_ready() : csrs_.pending() != 0; }
   const Fault& fault() const { return traps_.fault(); }
   /// Whether no handler has returned since the last exception: fault().first is the first one since.

@@ -44,9 +44,9 @@ template <unsigned Size>
   return count_access(e, place);
 }
 
-/// Finds the bytes of an access in the two fast regions and adds what it waits for: the way there, and the bank when
-/// others use it too. Bytes across two words are two bus accesses, each with its wait; the extra cycle of the second
-/// one (kMisalignedExtra) is left to the caller.
+/// Finds the bytes of an access in the two fast regions and adds what it waits for. That is the way there, and the bank
+/// when others use it too. Bytes across two words are two bus accesses, each with its wait; the extra cycle of the
+/// second one (kMisalignedExtra) is left to the caller.
 template <unsigned Size>
 [[gnu::always_inline]] inline RamAccess ram_access(Execution& e, const Instruction* at, std::uint32_t address) {
   const auto place = find_ram(e, address);
