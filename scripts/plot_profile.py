@@ -4,7 +4,7 @@
 
 Usage: plot_profile.py PROFILE.json [--out PICTURE.png] [--profiles time energy]
 
-The file is speedscope's, so that speedscope.app shows it too; this script draws its call trees as a still picture:
+The file is speedscope's, so that speedscope.app shows it too. This script draws its call trees as a still picture:
 each box is a function, as wide as its share with all that it calls, standing on its caller.
 """
 

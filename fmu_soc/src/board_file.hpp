@@ -68,7 +68,7 @@ struct BoardDescription {
 };
 
 /// Throws Error, naming file, line and key of everything that does not fit. That is: unknown keys and keys that
-/// stand twice, names that are none or are taken, memories and devices that overlap; interrupts that the core does not
+/// stand twice, names that are none or are taken, memories and devices that overlap. Interrupts that the core does not
 /// have or that two devices would share.
 BoardDescription read_board(const std::filesystem::path& path);
 /// The same from the text of a board file; `name` stands in errors.

@@ -10,7 +10,7 @@
 namespace mebots::app {
 
 /// Writes the run as one test case of a JUnit file, which CI systems read. Passed when it ended with one of the
-/// `expected` outcomes (any, when there are none); a failure with another outcome or when it was interrupted, an error
+/// `expected` outcomes (any, when there are none). A failure with another outcome or when it was interrupted, an error
 /// with `error` when that is not empty. `run` null = it could not be opened. Throws Error.
 void write_junit(const std::filesystem::path& file, const master::Run* run, const std::vector<std::string>& expected,
                  const std::string& error);

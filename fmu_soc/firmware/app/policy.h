@@ -23,7 +23,7 @@ typedef struct {
 } policy_t;
 
 // Constant policy: always the cruise speed. Adaptive policy: the cruise speed (1 km/h in the paper, the mission's
-// default) while the mean of the last ten outputs is at most 0.3 in magnitude, otherwise 0.05 km/h less at each
+// default) while the mean of the last ten outputs is at most 0.3 in magnitude. Otherwise 0.05 km/h less at each
 // output, never below 0, starting from `first_um_s`. Before ten outputs are there, the mean is over those that are.
 void policy_init(policy_t* policy, bool adaptive, int32_t cruise_um_s, int32_t first_um_s);
 

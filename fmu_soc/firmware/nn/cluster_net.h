@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The network on the cluster: the picture comes into L1 by DMA in stripes while the cores make the stripe before it
-// small, the large weights while the cores compute the layers before they are needed. For the fabric controller.
+// The network on the cluster. The picture comes into L1 by DMA in stripes while the cores make the stripe before it
+// small; the large weights while the cores compute the layers before they are needed. For the fabric controller.
 #pragma once
 
 #include <stdbool.h>

@@ -99,7 +99,7 @@ class Cluster {
   }
   /// Does it: quantum after quantum, none of which goes on behind `until`, which lies after next(). The last one is
   /// that behind which the next would start after `last`, or in which something happened that the rest of the chip must
-  /// know of; or a core's active cycles reached `cycle_limit`.
+  /// know of. Or a core's active cycles reached `cycle_limit`.
   void advance(Picoseconds until, Picoseconds last, std::uint64_t cycle_limit);
 
   /// Access of the fabric controller at `now`, up to which the cluster must have been advanced.

@@ -11,7 +11,7 @@
 
 namespace mebots::soc::gap8_devices {
 
-/// Registers of GAP8's cluster DMA, MCHAN. A load of the queue takes one of 16 counters; stores into it make a command
+/// Registers of GAP8's cluster DMA, MCHAN. A load of the queue takes one of 16 counters. Stores into it make a command
 /// (what, L1's address, L2's address, and for rows their step and length), which counts in the requester's last
 /// counter. The status says which counters have bytes to come, and which are taken; a store gives counters back. When
 /// a counter comes to 0, the requester of the last command gets events 8 or 9, as that command says.

@@ -18,7 +18,7 @@ namespace mebots::soc::gap8_devices {
 /// Source: archi/udma/spim/udma_spim_v2.h.
 ///
 /// Its variables are those of the entry that begin with its name, spim0 or spim1: .transactions counts those in which
-/// data went out; .sent[0] to .sent[3] are the first 16-bit words of the last one, signed, the low byte first.
+/// data went out. .sent[0] to .sent[3] are the first 16-bit words of the last one, signed, the low byte first.
 class UdmaSpim final : public UdmaPeripheral {
  public:
   UdmaSpim(UdmaHost& host, std::string_view name, std::uint32_t send_channel, unsigned end_event)

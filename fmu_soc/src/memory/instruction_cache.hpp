@@ -49,7 +49,7 @@ class InstructionCache {
 
   bool holds(std::uint32_t line) const { return find(line) != nullptr; }
   /// A byte that tells whether the line of this address is here, and behind it those of the lines that follow in the
-  /// same memory: a question of one instruction for translated code. Null when the address is not in the memory
+  /// same memory. A question of one instruction for translated code. Null when the address is not in the memory
   /// covered.
   const std::uint8_t* presence(std::uint32_t address) const;
   /// Cycles that a fetch from this line in cycle `tick` waits; brings it here when it is not.

@@ -25,8 +25,8 @@ struct Wrench {
   Eigen::Vector3d torque_n_m = Eigen::Vector3d::Zero();
 };
 
-/// Principal moments of inertia about body axes for a drone of `mass_kg`: those of the measured drone;
-/// plus the mass beyond the measured one spread evenly over `drone.load_size_m` at the centre (a lighter
+/// Principal moments of inertia about body axes for a drone of `mass_kg`: those of the measured drone.
+/// Added is the mass beyond the measured one spread evenly over `drone.load_size_m` at the centre (a lighter
 /// drone lacks such a load). Throws mebots::Error when that leaves no body (mass or a moment not > 0).
 Eigen::Vector3d inertia_for(const scene::Drone& drone, double mass_kg);
 

@@ -7,7 +7,7 @@ namespace mebots::master::isolation {
 
 /// Forks, and returns in the child, which leads a session of its own. The calling process stays as its keeper. When the
 /// child ends, when `parent` does (by whatever signal), or when end_kept() asks for it, the keeper ends every process
-/// that came of the child, whatever group or session it went to; and then itself as the child ended. The child ends
+/// that came of the child, whatever group or session it went to. Then it ends itself as the child ended. The child ends
 /// with its keeper, too; neither dumps core. One thread only. Throws Error when there is no process to be had.
 void fork_kept(pid_t parent);
 

@@ -183,7 +183,7 @@ def _order(campaign: Campaign, estimate: Estimate, way: Way, level: float) -> Or
 # Levels that nobody gave.
 
 SHARE = 0.2
-"""Of the missions that start for a level, those that are to reach it: with fixed effort the work for an error is least
+"""Of the missions that start for a level, those that are to reach it. With fixed effort the work for an error is least
 where a fifth does (Lagnoux 2006, Probability in the Engineering and Informational Sciences 20, 45)."""
 MOST_LEVELS = 20
 """A fifth of a fifth and so on: 1e-14."""

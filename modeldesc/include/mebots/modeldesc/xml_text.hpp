@@ -17,7 +17,7 @@ inline constexpr int kDeepestXml = 200;
 std::string xml_as_utf8(std::string_view bytes, std::string_view source);
 
 /// Parses UTF-8 text. Nothing outside of it is ever loaded. Throws Error naming `source` and line for text that is
-/// not well-formed, for a use of an entity of the DTD (it could multiply, or fetch files), and for elements nested
+/// not well-formed, for a use of an entity of the DTD (it could multiply, or fetch files). Also for elements nested
 /// deeper than kDeepestXml.
 void parse_xml(pugi::xml_document& document, std::string_view text, std::string_view source);
 
