@@ -288,7 +288,7 @@ TEST(ChipFlight, APictureIsExposedWhileTheOneBeforeIsLookedAt) {
     std::sscanf(line.c_str(),
                 "gate crossed, ended after %*[0-9.] s: %u pictures, %*u with a gate, %*u late, %u periods", &pictures,
                 &overruns);
-    std::sscanf(line.c_str(), "a look took %*[0-9.] ms at most; %u pictures", &overlapped);
+    std::sscanf(line.c_str(), "vision took %*[0-9.] ms at most; %u pictures", &overlapped);
   }
   EXPECT_LE(overruns, 1U) << "at most for the first look, of which nobody knew how long it takes";
   EXPECT_GE(overlapped, pictures / 2) << "those whose look is longer than 17 ms; near the gate none is";

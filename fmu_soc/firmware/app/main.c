@@ -189,7 +189,7 @@ static void print_summary(int code) {
   print("%s after %m s: %u pictures, %u with a gate, %u late, %u periods overrun\n", kEnds[code],
         (int32_t)(timer_now_ns() / NS_PER_MS), statistics.pictures, statistics.sightings, statistics.late,
         statistics.overruns);
-  print("a look took %m ms at most; %u pictures were exposed during one\n",
+  print("vision took %m ms at most; %u pictures were exposed during it.\n",
         (int32_t)(statistics.look_most_ns / NS_PER_US), statistics.overlapped);
   if (statistics.pictures > 0) {
     print("instructions per inference: mean %u, most %u\n", (uint32_t)(statistics.instructions / statistics.pictures),

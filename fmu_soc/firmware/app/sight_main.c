@@ -141,7 +141,7 @@ static int fly(traverser_command_t* order) {
 static void print_summary(int code) {
   static const char* const kEnds[] = {"gate crossed, ended", "landed without the gate", "crashed", "did not take off",
                                       "landed, camera out of order"};
-  print("%s after %m s: %u pictures, %u with a gate, %u late, %u periods overrun, a look took %m ms at most\n",
+  print("%s after %m s: %u pictures, %u with a gate, %u late, %u periods overrun, vision took %m ms at most\n",
         kEnds[code], (int32_t)(timer_now_ns() / NS_PER_MS), statistics.pictures, statistics.sightings, statistics.late,
         statistics.overruns, (int32_t)(statistics.look_most_ns / NS_PER_US));
   print("battery: %m V, charge %M\n", (int32_t)battery_voltage_mv(), (int32_t)battery_charge_ppm());
