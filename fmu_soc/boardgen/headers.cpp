@@ -31,6 +31,7 @@ std::string c_header(const BoardDescription& board) {
                        memory.size);
   }
   for (const auto& device : board.devices) {
+    if (!device.is_on_bus()) continue;
     const auto name = macro_case(device.name);
     out << fmt::format("// {}\n#define {}_BASE 0x{:08X}\n", device.text, name, device.base);
     if (device.interrupt >= 0) out << fmt::format("#define {}_INTERRUPT {}\n", name, device.interrupt);
@@ -87,6 +88,7 @@ std::string cpp_header(const BoardDescription& board) {
     out << fmt::format("inline constexpr std::uint32_t kSize = {};\n}}\n\n", memory.size);
   }
   for (const auto& device : board.devices) {
+    if (!device.is_on_bus()) continue;
     out << fmt::format("/// {}.\nnamespace {} {{\n", device.text, device.name);
     out << fmt::format("inline constexpr std::uint32_t kBase = 0x{:08X};\n", device.base);
     if (device.interrupt >= 0) out << fmt::format("inline constexpr int kInterrupt = {};\n", device.interrupt);

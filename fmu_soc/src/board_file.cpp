@@ -463,25 +463,81 @@ BoardVariable read_variable(const Node& node, bool described) {
 
 constexpr std::string_view kDescribed = "described";
 
+BoardPart read_part(const Node& node) {
+  Object object(node);
+  BoardPart part;
+  object.read_if("attached_to", part.attached_to, &Node::readable_text);
+  object.read_if("charge_per_byte", part.charge_per_byte, data::number(data::Limits::at_least(0)));
+  object.comment("text");
+  object.finish();
+  if (object.has("charge_per_byte") && part.attached_to.empty()) {
+    node.complain(ErrorCode::missing_key, "the key 'attached_to' is missing: it says whose bytes are counted");
+  }
+  return part;
+}
+
+BoardRegulator read_regulator(const Node& node) {
+  Object object(node);
+  BoardRegulator regulator;
+  if (object.read("loads", regulator.loads, data::list_of(&Node::readable_text)) && regulator.loads.empty()) {
+    node.at("loads").complain(ErrorCode::invalid_value, "the list is empty: a regulator has a load");
+  }
+  object.read_if("efficiency", regulator.efficiency, data::number(data::Limits::between(0.01, 1)));
+  object.comment("text");
+  object.finish();
+  return regulator;
+}
+
+/// It has no address, and so nothing for a program to see.
+void check_part(const Node& node, const Object& object, const BoardDevice& device) {
+  for (const auto* key : {"base", "also_at", "span", "interrupt", "registers", "opcodes", "enumerations"}) {
+    if (!object.has(key)) continue;
+    node.at(key).complain(
+        ErrorCode::invalid_value,
+        fmt::format("{} is a part of the board, without an address: remove the key '{}'", device.name, key));
+  }
+  if (device.kind == kDescribed) {
+    node.at("kind").complain(ErrorCode::invalid_value,
+                             "a described device has registers and an address: remove the key 'kind'");
+  }
+  if (device.part && device.regulator) {
+    node.complain(ErrorCode::invalid_value, "a part of the board has 'part' or 'regulator', not both");
+  }
+  if (device.regulator && !device.states.empty()) {
+    node.at("states").complain(ErrorCode::invalid_value, "a regulator has no states: remove the key 'states'");
+  }
+  if (device.part && !object.has("supply_voltage")) {
+    node.complain(ErrorCode::missing_key, "the key 'supply_voltage' is missing: currents and charges need it");
+  }
+}
+
 BoardDevice read_device(const Node& node, std::set<std::string>& names) {
   Object object(node);
   BoardDevice device;
   object.read("name", device.name, new_name(names));
   object.read_if("kind", device.kind, &read_name);
-  const bool described = device.kind == kDescribed;
   object.read_if("text", device.text, &Node::text);
-  object.read("base", device.base, &read_address);
+  object.visit_if("part", [&](const Node& member) { device.part = read_part(member); });
+  object.visit_if("regulator", [&](const Node& member) { device.regulator = read_regulator(member); });
+  const bool on_bus = !object.has("part") && !object.has("regulator");
+  if (!on_bus && !object.has("kind")) device.kind = object.has("part") ? "part" : "regulator";
+  const bool described = device.kind == kDescribed;
+  if (on_bus) {
+    object.read("base", device.base, &read_address);
+  } else {
+    object.read_if("base", device.base, &read_address);
+  }
   object.read_if("also_at", device.also_at, data::list_of(&read_address));
   object.read_if("span", device.span, &read_bytes);
   object.read_if("interrupt", device.interrupt, &read_interrupt);
   object.read_if("supply_voltage", device.supply_voltage_v, data::number(data::Limits::positive()));
-  if (described || !object.has("span")) {
+  if (on_bus && (described || !object.has("span"))) {
     object.read("registers", device.registers, &read_registers);
   } else {
     object.read_if("registers", device.registers, &read_registers);
   }
   object.read_if("states", device.states, by_name<BoardState>(&read_state));
-  if (!device.states.empty() && !object.has("supply_voltage")) {
+  if (on_bus && !device.states.empty() && !object.has("supply_voltage")) {
     node.complain(ErrorCode::missing_key, "the key 'supply_voltage' is missing: the currents of the states need it");
   }
   object.read_if("opcodes", device.opcodes, by_name<BoardOpcode>(&read_opcode));
@@ -490,9 +546,10 @@ BoardDevice read_device(const Node& node, std::set<std::string>& names) {
                  data::list_of([&](const Node& member) { return read_variable(member, described); }));
   object.read_if("enumerations", device.enumerations, by_name<BoardEnumeration>(&read_enumeration));
   object.finish();
+  if (!on_bus) check_part(node, object, device);
   if (!object.sound()) return device;
   check_names(node, device);
-  if (described) check_description(node, device);
+  if (described || !on_bus) check_description(node, device);
   return device;
 }
 
@@ -531,6 +588,7 @@ void check_overlaps(const Node& root, const BoardDescription& board) {
   const auto devices = root.at("devices").elements();
   for (std::size_t i = 0; i < board.devices.size(); ++i) {
     const auto& device = board.devices[i];
+    if (!device.is_on_bus()) continue;
     take(devices[i], {device.name, device.base, device.size()});
     for (const auto address : device.also_at) take(devices[i], {device.name, address, device.size()});
   }
@@ -550,6 +608,39 @@ void check_interrupts(const Node& root, const BoardDescription& board) {
         .complain(ErrorCode::duplicate_name,
                   fmt::format("{} and {} would share interrupt {}; give each a line of its own", other->second,
                               device.name, device.interrupt));
+  }
+}
+
+/// A part is attached to a device, which says itself what places it has; a regulator has loads that stand before it, so
+/// that none supplies itself.
+void check_parts(const Node& root, const BoardDescription& board) {
+  const auto entries = root.at("devices").elements();
+  std::vector<std::string> on_bus;
+  for (const auto& device : board.devices) {
+    if (device.is_on_bus()) on_bus.push_back(device.name);
+  }
+  std::vector<std::string> loads{std::string(kChipLoad)};
+  std::set<std::string> supplied;
+  for (std::size_t i = 0; i < board.devices.size(); ++i) {
+    const auto& device = board.devices[i];
+    if (device.part && !device.part->attached_to.empty()) {
+      const auto owner = device.part->attached_to.substr(0, device.part->attached_to.find('.'));
+      if (std::ranges::find(on_bus, owner) == on_bus.end()) {
+        entries[i].at("part").at("attached_to").complain_unknown("the device", owner, on_bus);
+      }
+    }
+    if (device.regulator) {
+      const auto nodes = entries[i].at("regulator").at("loads").elements();
+      for (std::size_t k = 0; k < device.regulator->loads.size(); ++k) {
+        const auto& load = device.regulator->loads[k];
+        if (std::ranges::find(loads, load) == loads.end()) {
+          nodes[k].complain_unknown("the part or regulator before this one", load, loads);
+        } else if (!supplied.insert(load).second) {
+          nodes[k].complain(ErrorCode::duplicate_name, fmt::format("{} hangs on a regulator already", load));
+        }
+      }
+    }
+    if (!device.is_on_bus()) loads.push_back(device.name);
   }
 }
 
@@ -620,6 +711,7 @@ BoardDescription read_root(const Node& root) {
   object.read_if("libraries", board.libraries, data::list_of(&read_file_name));
   object.finish();
   if (has_devices) check_interrupts(root, board);
+  if (has_devices) check_parts(root, board);
   if (has_memories && has_devices) check_overlaps(root, board);
   return board;
 }

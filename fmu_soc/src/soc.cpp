@@ -8,6 +8,7 @@
 #include "hart/csr_numbers.hpp"
 #include "isa/encoding.hpp"
 #include "mebots/assert.hpp"
+#include "mebots/nearest_names.hpp"
 #include "mebots/soc/fixed_point.hpp"
 
 #include <fmt/core.h>
@@ -107,6 +108,21 @@ class Soc::Host final : public ChipHost, private gap8_devices::PictureRoll {
   std::span<const std::uint8_t> flash() override { return soc_.flash_; }
   const gap8_devices::PictureRoll& pictures() const override { return *this; }
   std::string function() const override { return soc_.program_.where(soc_.hart_.pc()); }
+  PartPort part_at(const BoardDevice& entry, std::string_view place) override {
+    places_.push_back(fmt::format("{}.{}", entry.name, place));
+    const auto found = std::ranges::find_if(soc_.board_.devices, [this](const BoardDevice& part) {
+      return part.part && part.part->attached_to == places_.back();
+    });
+    if (found == soc_.board_.devices.end()) return {};
+    return PartPort(dynamic_cast<AttachedPart*>(soc_.device(found->name)));
+  }
+  double load_energy_j(std::string_view load, Picoseconds now) const override {
+    if (load == kChipLoad) return soc_.energy_at(now).total_j();
+    const auto* device = soc_.device(load);
+    MEBOTS_ASSERT(device != nullptr, "the reader of boards knows all loads");
+    return device->energy_j(now);
+  }
+  std::span<const std::string> places() const override { return places_; }
 
  protected:
   std::vector<Device*> devices() const override {
@@ -123,6 +139,7 @@ class Soc::Host final : public ChipHost, private gap8_devices::PictureRoll {
   }
 
   Soc& soc_;
+  std::vector<std::string> places_;
 };
 
 Soc::Soc(const BoardDescription& board, const Chip& chip, const Settings& settings, const Elf& program,
@@ -289,8 +306,42 @@ void Soc::choose_peripherals(ClusterSettings& cluster) {
   };
 }
 
+/// Parts of the board first: devices ask for those that are attached to them.
 void Soc::add_devices() {
   for (const auto& entry : board_.devices) {
+    if (entry.is_on_bus()) continue;
+    auto part = kinds_.make(entry, *host_);
+    if (!part) {
+      throw Error(fmt::format("board {}: {}: kind {} is part of the cluster and has an address", board_.name,
+                              entry.name, entry.kind));
+    }
+    devices_.push_back({&entry, part.get()});
+    owned_.push_back(std::move(part));
+  }
+  add_devices_on_bus();
+  check_attachments();
+}
+
+/// That each part is attached to a place that there is, and to one of its own.
+void Soc::check_attachments() const {
+  std::vector<std::string> places(host_->places().begin(), host_->places().end());
+  for (const auto& entry : board_.devices) {
+    if (!entry.part || entry.part->attached_to.empty()) continue;
+    const auto found = std::ranges::find(places, entry.part->attached_to);
+    if (found == places.end()) {
+      throw Error(
+          ErrorCode::unknown_name,
+          fmt::format("board {}: part {}: attached_to \"{}\": no device has such a place, or another part is "
+                      "attached there. {}",
+                      board_.name, entry.name, entry.part->attached_to, suggest(entry.part->attached_to, places)));
+    }
+    places.erase(found);
+  }
+}
+
+void Soc::add_devices_on_bus() {
+  for (const auto& entry : board_.devices) {
+    if (!entry.is_on_bus()) continue;
     auto device = kinds_.make(entry, *host_);
     if (!device) continue;  // part of the cluster
     if (auto* power_manager = dynamic_cast<PowerManager*>(device.get())) {

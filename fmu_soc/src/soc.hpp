@@ -171,7 +171,7 @@ class Soc final : private Bus {
     const BoardDevice* entry = nullptr;
     Device* device = nullptr;
   };
-  /// In the order of the file; without those that are part of the cluster.
+  /// Parts of the board first, each group in the order of the file; without those that are part of the cluster.
   std::span<const BoardSlot> devices() const { return devices_; }
   /// By its name; null = there is none.
   Device* device(std::string_view name) const;
@@ -207,6 +207,8 @@ class Soc final : private Bus {
   void add_cluster(const Settings& settings);
   void choose_peripherals(ClusterSettings& cluster);
   void add_devices();
+  void add_devices_on_bus();
+  void check_attachments() const;
   void load_program();
 
   BusReply load(std::uint32_t address, std::uint64_t cycle) override;

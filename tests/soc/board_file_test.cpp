@@ -89,6 +89,37 @@ TEST(BoardFile, NeedsRegistersOfADeviceUnlessItsKindHasThem) {
       HasSubstr("overlaps d"));
 }
 
+TEST(BoardFile, PartsOfTheBoardHaveNoAddress) {
+  const auto part = [](std::string_view more) {
+    return fmt::format(R"({{"name": "p", "supply_voltage": 1.8, "part": {{}} {}}})", more);
+  };
+  EXPECT_EQ(complaint(kRam, part("")), "");
+  EXPECT_THAT(complaint(kRam, part(R"(, "base": "0x8000")")), HasSubstr("remove the key 'base'"));
+  EXPECT_THAT(complaint(kRam, part(R"(, "interrupt": 7)")), HasSubstr("remove the key 'interrupt'"));
+  EXPECT_THAT(complaint(kRam, R"({"name": "p", "part": {}})"), HasSubstr("'supply_voltage' is missing"));
+  EXPECT_THAT(complaint(kRam, R"({"name": "p", "supply_voltage": 1, "part": {"charge_per_byte": 1}})"),
+              HasSubstr("'attached_to' is missing"));
+  EXPECT_THAT(complaint(kRam, R"({"name": "p", "supply_voltage": 1, "part": {"attached_to": "dd.x"}},)" + device("")),
+              HasSubstr("dd"));
+  EXPECT_THAT(complaint(kRam, part(R"(, "states": {"on": {"current": 1}})")), HasSubstr("'initial_state' is missing"));
+  EXPECT_THAT(complaint(kRam, part(R"(, "variables": [{"name": "q", "causality": "output"}])")),
+              HasSubstr("p.power or p.energy"));
+}
+
+TEST(BoardFile, RegulatorsHaveLoadsBeforeThem) {
+  constexpr auto kRegulator = R"({{"name": "{}", "regulator": {{"loads": [{}], "efficiency": {}}}}})";
+  const auto regulator = [&](std::string_view name, std::string_view loads, double efficiency = 1) {
+    return fmt::format(fmt::runtime(kRegulator), name, loads, efficiency);
+  };
+  EXPECT_EQ(complaint(kRam, regulator("r", "\"chip\"") + "," + regulator("s", "\"r\"", 0.5)), "");
+  EXPECT_THAT(complaint(kRam, regulator("r", "\"r\"")), HasSubstr("/devices/0/regulator/loads/0"));
+  EXPECT_THAT(complaint(kRam, regulator("r", "\"s\"") + "," + regulator("s", "\"chip\"")), HasSubstr("s"));
+  EXPECT_THAT(complaint(kRam, regulator("r", "\"chip\"") + "," + regulator("s", "\"chip\"")),
+              HasSubstr("chip hangs on a regulator already"));
+  EXPECT_THAT(complaint(kRam, regulator("r", "\"chip\"", 1.1)), HasSubstr("efficiency"));
+  EXPECT_THAT(complaint(kRam, regulator("r", "\"chip\"", 0)), HasSubstr("efficiency"));
+}
+
 TEST(BoardFile, RefusesOverlaps) {
   EXPECT_THAT(complaint(std::string(kRam) + R"(, {"name": "more", "base": "0x1FFC", "size": 16})", ""),
               HasSubstr("/memories/1: more (0x00001ffc to 0x0000200b) overlaps ram"));

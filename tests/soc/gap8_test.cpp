@@ -414,6 +414,37 @@ text: .ascii "hello\n"
   EXPECT_NEAR(system.result(0), 6 * 10 * 10, 25) << "cycles; a turn of the loop takes some, and its code is fetched";
 }
 
+TEST(Gap8, AReceiverThatNobodySendsToWaitsUntilItsChannelIsCleared) {
+  BoardSystem system(R"(
+_start: li s0, 0x1A102200
+    li s1, 0x1C060000
+    sw s1, 0(s0)
+    li a0, 4
+    sw a0, 4(s0)
+    li a0, 0x10
+    sw a0, 8(s0)
+    li a1, 1000
+1:  addi a1, a1, -1
+    bnez a1, 1b
+    lw a0, 8(s0)
+    sw a0, 0x40(s1)
+    li a0, 0x20
+    sw a0, 8(s0)
+    lw a0, 8(s0)
+    sw a0, 0x44(s1)
+    lw a0, 0x20(s0)        # the transmitter rests
+    sw a0, 0x48(s1)
+2:  j 2b
+)",
+                     {}, gap8_board());
+  system.soc.advance(1 * kMs);
+  EXPECT_TRUE(system.faults.empty()) << system.faults.front();
+  EXPECT_EQ(system.result(16), 0x10U);
+  EXPECT_EQ(system.result(17), 0U);
+  EXPECT_EQ(system.result(18), 0U);
+  EXPECT_EQ(system.result(0), 0U);
+}
+
 class Gap8HyperFlash : public testing::Test {
  protected:
   Gap8HyperFlash() {

@@ -4,6 +4,7 @@
 #include "devices/camera.hpp"
 #include "devices/console.hpp"
 #include "devices/described_device.hpp"
+#include "devices/regulator.hpp"
 #include "devices/timer.hpp"
 #include "fmu_soc_board/board.hpp"
 #include "gap8_devices/efuse.hpp"
@@ -74,6 +75,17 @@ constexpr std::array kRows{
           return std::make_unique<PowerManager>(host.chip(), host.power_at_start(), host.has_cluster());
         }},
     Row{"camera", board::camera::kRegisters, of_its_entry<Camera>},
+    Row{"part",
+        {},
+        [](const BoardDevice& entry, ChipHost& /*host*/) -> std::unique_ptr<Device> {
+          return std::make_unique<AttachedPart>(entry);
+        }},
+    Row{"regulator",
+        {},
+        [](const BoardDevice& entry, ChipHost& host) -> std::unique_ptr<Device> {
+          return std::make_unique<Regulator>(
+              entry, [&host](std::string_view load, Picoseconds now) { return host.load_energy_j(load, now); });
+        }},
     Row{"gap8_event_unit",
         {},
         [](const BoardDevice& /*entry*/, ChipHost& host) -> std::unique_ptr<Device> {
@@ -108,8 +120,11 @@ constexpr std::array kRows{
             throw Error(fmt::format("the flash image has {} bytes, the flash of device {} holds {}", image.size(),
                                     entry.name, gap8_devices::Udma::kFlashBytes));
           }
-          return std::make_unique<gap8_devices::Udma>(entry, host, host.signals(), image, host.pictures(),
-                                                      [&host] { return host.clock_hz(); });
+          return std::make_unique<gap8_devices::Udma>(
+              entry, host, host.signals(), image, host.pictures(), [&host] { return host.clock_hz(); },
+              gap8_devices::UdmaParts{{host.part_at(entry, "hyper_ram"), host.part_at(entry, "hyper_flash"),
+                                       host.part_at(entry, "hyper_pads")},
+                                      host.part_at(entry, "camera")});
         }},
     Row{"gap8_stdout",
         {},

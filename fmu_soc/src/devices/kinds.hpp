@@ -2,6 +2,7 @@
 #pragma once
 
 #include "board_file.hpp"
+#include "devices/attached_part.hpp"
 #include "devices/kind_library.hpp"
 #include "devices/power_manager.hpp"
 #include "gap8_devices/signals.hpp"
@@ -30,6 +31,12 @@ class ChipHost : public DeviceHost {
   virtual std::span<const std::uint8_t> flash() = 0;
   /// What the board's camera sees, where no world says it.
   virtual const gap8_devices::PictureRoll& pictures() const = 0;
+  /// The part of the board that is attached to this place of the device, if there is one.
+  virtual PartPort part_at(const BoardDevice& entry, std::string_view place) = 0;
+  /// Where devices have let parts be attached, as DEVICE.PLACE.
+  virtual std::span<const std::string> places() const = 0;
+  /// Of the chip or a device, by its name, up to a time.
+  virtual double load_energy_j(std::string_view load, Picoseconds now) const = 0;
   /// A device made before by its class; null = there is none.
   template <typename T>
   T* find() const {

@@ -36,7 +36,17 @@ void Himax::reset() {
   set(kModelHigh, kModel);
   set(kFrameLines, kResetFrameLines);
   set(kLineClocks, kResetLineClocks);
-  streams_ = false;
+}
+
+void Himax::stream(bool on, Picoseconds now) {
+  if (on == streams_) return;
+  streams_ = on;
+  if (on) {
+    streams_since_ = now;
+    port_.begin(now);
+  } else {
+    port_.end(now);
+  }
 }
 
 void Himax::write(std::uint8_t byte, Picoseconds now) {
@@ -49,14 +59,12 @@ void Himax::write(std::uint8_t byte, Picoseconds now) {
   at_ = (at_ + 1) & 0xffffU;
   if (at == kSoftwareReset) {
     reset();
+    stream(false, now);
     return;
   }
   if (at >= kRegisters) return;
   registers_[at] = byte;
-  if (at != kModeSelect) return;
-  const bool streams = (byte & kStreaming) != 0;
-  if (streams && !streams_) streams_since_ = now;
-  streams_ = streams;
+  if (at == kModeSelect) stream((byte & kStreaming) != 0, now);
 }
 
 std::uint8_t Himax::read() {

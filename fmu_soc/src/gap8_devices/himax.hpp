@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "devices/attached_part.hpp"
 #include "mebots/soc/time.hpp"
 #include "mebots/state/visitor.hpp"
 
@@ -36,7 +37,8 @@ class Himax final : public I2cDevice {
   static constexpr std::uint32_t kHeight = 324;
   static constexpr std::uint32_t kWindowHeight = 244;
 
-  Himax() { reset(); }
+  /// `port`: the part of the board that consumes as the camera does; active while it streams.
+  explicit Himax(PartPort port = {}) : port_(port) { reset(); }
 
   std::uint8_t address() const override { return 0x24; }
   void start() override { address_bytes_ = 0; }
@@ -59,9 +61,11 @@ class Himax final : public I2cDevice {
   static constexpr std::size_t kRegisters = 0x4000;
 
   void reset();
+  void stream(bool on, Picoseconds now);
   std::uint8_t reg(std::size_t at) const { return registers_[at]; }
   std::uint32_t pair(std::size_t at) const { return std::uint32_t{reg(at)} << 8 | reg(at + 1); }
 
+  PartPort port_;
   std::vector<std::uint8_t> registers_;
   std::uint32_t at_ = 0;             // the register that is next
   std::uint32_t address_bytes_ = 0;  // that have come since the start

@@ -26,13 +26,14 @@ struct ChannelRow {
   std::size_t line;
   unsigned event;
 };
-constexpr std::array<ChannelRow, 12> kChannelRows{{
+constexpr std::array<ChannelRow, 13> kChannelRows{{
     {0x080, Behind::spim0, 0, 2},
     {0x090, Behind::spim0, 1, 3},
     {0x100, Behind::spim1, 2, 4},
     {0x110, Behind::spim1, 3, 5},
     {0x180, Behind::hyper_bus, 4, 6},
     {0x190, Behind::hyper_bus, 4, 7},
+    {0x200, Behind::uart, 11, 8},
     {0x210, Behind::uart, 5, 9},
     {0x280, Behind::i2c0, 6, 10},
     {0x290, Behind::i2c0, 7, 11},
@@ -43,8 +44,9 @@ constexpr std::array<ChannelRow, 12> kChannelRows{{
 constexpr std::uint32_t kSpim0Send = 1;
 constexpr std::uint32_t kSpim1Send = 3;
 constexpr std::uint32_t kHyperSend = 5;
-constexpr std::uint32_t kI2c0Send = 8;
-constexpr std::uint32_t kI2c1Send = 10;
+constexpr std::uint32_t kUartReceive = 6;
+constexpr std::uint32_t kI2c0Send = 9;
+constexpr std::uint32_t kI2c1Send = 11;
 constexpr unsigned kSpim0End = 22;
 constexpr unsigned kSpim1End = 23;
 
@@ -72,10 +74,11 @@ void UdmaHost::complain_of_memory(std::uint32_t address, std::uint32_t size) con
 }
 
 Udma::Udma(const BoardDevice& entry, DeviceHost& host, Signals& signals, std::span<const std::uint8_t> flash,
-           const PictureRoll& pictures, std::function<double()> clock_hz)
+           const PictureRoll& pictures, std::function<double()> clock_hz, const UdmaParts& parts)
     : host_{entry, host, signals, std::move(clock_hz), {entry, host}},
-      hyper_bus_(host_, flash, kHyperSend),
-      uart_(host_),
+      sensor_(parts.camera),
+      hyper_bus_(host_, flash, kHyperSend, parts.hyper_bus),
+      uart_(host_, kUartReceive),
       i2c_{{{host_, kI2c0Send, &sensor_}, {host_, kI2c1Send, &sensor_}}},
       spim_{{{host_, "spim0", kSpim0Send, kSpim0End}, {host_, "spim1", kSpim1Send, kSpim1End}}},
       camera_(host_, sensor_, pictures) {}
@@ -137,12 +140,18 @@ bool Udma::store(std::uint32_t offset, Picoseconds now, std::uint32_t value) {
   const auto reg = offset - kChannelRows[channel].offset;
   if (reg == kChannelAddress) channels_[channel].address = value;
   if (reg == kChannelSize) channels_[channel].size = value;
-  if (reg == kChannelConfig && (value & kQueued) != 0) {
-    std::erase_if(queues_[kChannelRows[channel].line],
-                  [&](const UdmaTransfer& transfer) { return transfer.channel == channel; });
-  }
+  if (reg == kChannelConfig && (value & kQueued) != 0) clear(channel, now);
   if (reg == kChannelConfig && (value & kRun) != 0) enqueue(channel, now);
   return true;
+}
+
+/// Gives the channel's transfers up. What another channel of its line has queued behind the one that ran begins now.
+void Udma::clear(std::size_t channel, Picoseconds now) {
+  auto& queue = queues_[kChannelRows[channel].line];
+  const bool runs = !queue.empty() && queue.front().channel == channel;
+  if (runs) peripheral(channel).cancel(queue.front(), now);
+  std::erase_if(queue, [&](const UdmaTransfer& transfer) { return transfer.channel == channel; });
+  if (runs && !queue.empty()) queue.front().done_at = peripheral(queue.front().channel).end_time(queue.front(), now);
 }
 
 void Udma::enqueue(std::size_t channel, Picoseconds now) {

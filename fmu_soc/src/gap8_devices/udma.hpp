@@ -21,7 +21,13 @@
 
 namespace mebots::soc::gap8_devices {
 
-/// GAP8's uDMA with the channels of its HyperBus, UART transmitter, I2C and SPI masters and camera interface, and what
+/// What of the board consumes with the uDMA.
+struct UdmaParts {
+  HyperBusParts hyper_bus;
+  PartPort camera;
+};
+
+/// GAP8's uDMA with the channels of its HyperBus, UART, I2C and SPI masters and camera interface, and what
 /// a GAPuino has there: RAM, flash, a terminal, an HM01B0. A store into a channel's CFG with the enable bit starts a
 /// transfer, or queues one behind that which runs; its end is the channel's SoC event. Bytes move when the transfer
 /// ends. The camera listens at both I2C masters: a GAPuino has it at the second one, a PULP-Shield at the first.
@@ -37,7 +43,7 @@ class Udma final : public Device {
   /// `flash` holds the image that the flash begins with, all ones behind it; it must stay where it is, and the pictures
   /// as well.
   Udma(const BoardDevice& entry, DeviceHost& host, Signals& signals, std::span<const std::uint8_t> flash,
-       const PictureRoll& pictures, std::function<double()> clock_hz);
+       const PictureRoll& pictures, std::function<double()> clock_hz, const UdmaParts& parts);
 
   bool load(std::uint32_t offset, Picoseconds now, std::uint32_t& value) override;
   bool store(std::uint32_t offset, Picoseconds now, std::uint32_t value) override;
@@ -68,13 +74,14 @@ class Udma final : public Device {
   };
   using Queue = std::vector<UdmaTransfer>;
 
-  static constexpr std::size_t kChannels = 12;
-  static constexpr std::size_t kLines = 11;  // as many channels, but those of the HyperBus share one
+  static constexpr std::size_t kChannels = 13;
+  static constexpr std::size_t kLines = 12;  // as many channels, but those of the HyperBus share one
 
   UdmaPeripheral& peripheral(std::size_t channel);
   std::size_t queued(std::size_t channel) const;
   void load_flash();
   void enqueue(std::size_t channel, Picoseconds now);
+  void clear(std::size_t channel, Picoseconds now);
   void ask_who_waits(Picoseconds now);
 
   UdmaHost host_;

@@ -16,13 +16,36 @@ constexpr double kSocClocksPerBusClock = 2;
 
 }  // namespace
 
+std::uint32_t UdmaHyperBus::flash_base() const {
+  return (host_.config(kHyperConfig4) & 0xffU) << 24;
+}
+
 Picoseconds UdmaHyperBus::end_time(const UdmaTransfer& transfer, Picoseconds start) {
+  (is_of_flash(transfer) ? parts_.flash : parts_.ram).begin(start);
+  parts_.pads.begin(start);
   return host_.later(start, (kBusClocksBefore + transfer.size / kBytesPerBusClock) * kSocClocksPerBusClock);
 }
 
 void UdmaHyperBus::end(const UdmaTransfer& transfer) {
-  const auto base = (host_.config(kHyperConfig4) & 0xffU) << 24;
-  const bool is_flash = transfer.outside >= base;
+  release(transfer.done_at, transfer.size, is_of_flash(transfer));
+  move(transfer);
+}
+
+/// Its bytes count as if none had passed.
+void UdmaHyperBus::cancel(const UdmaTransfer& /*transfer*/, Picoseconds now) {
+  release(now, 0, false);
+}
+
+/// Both memories rest, wherever the border between them was when the transfer began.
+void UdmaHyperBus::release(Picoseconds now, std::uint32_t bytes, bool of_flash) {
+  parts_.ram.end(now, of_flash ? 0 : bytes);
+  parts_.flash.end(now, of_flash ? bytes : 0);
+  parts_.pads.end(now, bytes);
+}
+
+void UdmaHyperBus::move(const UdmaTransfer& transfer) {
+  const auto base = flash_base();
+  const bool is_flash = is_of_flash(transfer);
   const auto place = is_flash ? transfer.outside - base : transfer.outside;
   const auto room = is_flash ? kFlashBytes : kRamBytes;
   const auto size = transfer.size;

@@ -40,6 +40,8 @@ class UdmaPeripheral {
   virtual Picoseconds end_time(const UdmaTransfer& transfer, Picoseconds start) = 0;
   /// It ends now: its bytes move.
   virtual void end(const UdmaTransfer& transfer) = 0;
+  /// One that has begun is given up: nothing of it moves.
+  virtual void cancel(const UdmaTransfer& /*transfer*/, Picoseconds /*now*/) {}
 
   /// Registers that the board's entry does not describe; false = none of its own there.
   virtual bool load(std::uint32_t /*offset*/, std::uint32_t& /*value*/) { return false; }

@@ -17,6 +17,7 @@ double clocks_per_byte(std::uint32_t setup) {
 }  // namespace
 
 Picoseconds UdmaUart::end_time(const UdmaTransfer& transfer, Picoseconds start) {
+  if (transfer.channel == receive_channel_) return kNever;
   sends_ = true;
   return host_.later(start, transfer.size * clocks_per_byte(host_.config(kUartSetup)));
 }

@@ -68,6 +68,20 @@ struct BoardEnumeration {
   std::vector<BoardValue> items;  // by value
 };
 
+/// What the board has beside the chip and without an address: a memory behind a bus, a camera, pads.
+struct BoardPart {
+  std::string attached_to;     // DEVICE.PLACE, where its traffic goes through; empty = it has none
+  double charge_per_byte = 0;  // [C], beside the current of its state
+};
+
+/// What parts and the chip hang on, seen from its own input.
+struct BoardRegulator {
+  std::vector<std::string> loads;  // parts, other regulators, or kChipLoad
+  double efficiency = 1;           // what comes out over what goes in
+};
+/// How a regulator names the chip.
+inline constexpr std::string_view kChipLoad = "chip";
+
 struct BoardDevice {
   std::string name;
   std::string kind = "described";  // which model: mebots/soc/device_kind.hpp
@@ -82,7 +96,11 @@ struct BoardDevice {
   std::vector<BoardEnumeration> enumerations;
   std::string initial_state;
   std::vector<BoardOpcode> opcodes;
-  std::vector<BoardVariable> variables;  // in the order of the file
+  std::vector<BoardVariable> variables;     // in the order of the file
+  std::optional<BoardPart> part;            // a part of the board: it has no address
+  std::optional<BoardRegulator> regulator;  // likewise
+
+  bool is_on_bus() const { return !part && !regulator; }
 
   std::string power_variable() const { return name + ".power"; }
   std::string energy_variable() const { return name + ".energy"; }

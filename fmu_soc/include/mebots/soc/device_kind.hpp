@@ -55,7 +55,7 @@ struct DeviceKind {
 /// What a shared library says of itself; one that was built with other headers is refused.
 struct DeviceLibrary {
   /// Goes up with every change of the headers that such a library includes.
-  static constexpr std::uint32_t kInterface = 2;
+  static constexpr std::uint32_t kInterface = 3;
 
   std::uint32_t interface = kInterface;
   std::uint32_t entry_bytes = sizeof(BoardDevice);

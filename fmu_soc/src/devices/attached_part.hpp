@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "mebots/soc/device_kind.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+namespace mebots::soc {
+
+/// A part of the board without an address: it consumes by its state and by the bytes that pass it,
+///
+///   energy = supply_voltage (sum over states of current x time + charge_per_byte x bytes)
+///
+/// States change, and bytes pass, where the part is attached: see PartPort. One that is attached nowhere stays in its
+/// initial state. Energy is computed from whole picoseconds and bytes, so it does not depend on who looks when.
+class AttachedPart final : public Device {
+ public:
+  explicit AttachedPart(const BoardDevice& entry);
+
+  /// Throws Error when the entry has no such state.
+  std::size_t state(std::string_view name) const;
+  bool has_states() const { return !spent_.empty(); }
+  void enter(std::size_t state, Picoseconds now);
+  void pass(std::uint64_t bytes) { bytes_ += bytes; }
+
+  bool load(std::uint32_t /*offset*/, Picoseconds /*now*/, std::uint32_t& /*value*/) override { return false; }
+  bool store(std::uint32_t /*offset*/, Picoseconds /*now*/, std::uint32_t /*value*/) override { return false; }
+  double energy_j(Picoseconds now) const override;
+  std::string_view state_name() const override;
+  void visit(state::Visitor& v) override;
+
+ private:
+  const BoardDevice& entry_;
+  std::vector<Picoseconds> spent_;  // in each state, up to the last change
+  std::uint64_t state_ = 0;
+  Picoseconds since_ = 0;
+  std::uint64_t bytes_ = 0;
+};
+
+/// The place of a device where a part of the board may be attached: it is active while the device uses it, and idle
+/// otherwise. Nothing happens at a place that the board leaves empty.
+class PartPort {
+ public:
+  PartPort() = default;
+  /// Null = nothing is attached. Throws Error for a part with states that lacks `idle` or `active`.
+  explicit PartPort(AttachedPart* part);
+
+  void begin(Picoseconds now) {
+    if (part_ != nullptr && part_->has_states()) part_->enter(active_, now);
+  }
+  void end(Picoseconds now, std::uint64_t bytes = 0) {
+    if (part_ == nullptr) return;
+    part_->pass(bytes);
+    if (part_->has_states()) part_->enter(idle_, now);
+  }
+
+ private:
+  AttachedPart* part_ = nullptr;
+  std::size_t idle_ = 0;
+  std::size_t active_ = 0;
+};
+
+}  // namespace mebots::soc
