@@ -448,7 +448,7 @@ BusReply Soc::load(std::uint32_t address, std::uint64_t cycle) {
   }
   const auto* slot = slot_at(address);
   std::uint32_t value = 0;
-  if (slot == nullptr || !slot->device->load(address - slot->base, now, value)) return {};
+  if (slot == nullptr || !slot->device->load(address - slot->base, now, value)) return unmodelled(address, false, true);
   return BusReply::done(value, chip_.interconnect.fabric_controller_to_device);
 }
 
@@ -462,10 +462,11 @@ BusReply Soc::from_cluster(const ClusterAccess& access, Picoseconds time) {
   if (access.stored != nullptr) {
     const bool stored = access.size == 4 ? slot->device->store(offset, now, *access.stored)
                                          : slot->device->store_narrow(offset, now, *access.stored, access.size);
-    return stored ? BusReply::done(0, wait) : BusReply{};
+    return stored ? BusReply::done(0, wait) : unmodelled(access.address, true, false);
   }
   std::uint32_t value = 0;
-  return slot->device->load(offset, now, value) ? BusReply::done(value, wait) : BusReply{};
+  return slot->device->load(offset, now, value) ? BusReply::done(value, wait)
+                                                : unmodelled(access.address, false, false);
 }
 
 BusReply Soc::load_event(std::uint32_t address, std::uint64_t cycle) {
@@ -490,7 +491,21 @@ BusReply Soc::store(std::uint32_t address, std::uint64_t cycle, std::uint32_t va
     return reply;
   }
   const auto* slot = slot_at(address);
-  if (slot == nullptr || !slot->device->store(address - slot->base, now, value)) return {};
+  if (slot == nullptr || !slot->device->store(address - slot->base, now, value)) return unmodelled(address, true, true);
+  return BusReply::done(0, chip_.interconnect.fabric_controller_to_device);
+}
+
+/// An access that nothing answers.
+BusReply Soc::unmodelled(std::uint32_t address, bool stores, bool by_fabric_controller) {
+  if (event_unit_ == nullptr || !UnmodelledRegisters::are_at(address)) return {};
+  if (unmodelled_.is_new(address) && listeners_.faults) {
+    const auto* slot = slot_at(address);
+    const auto found =
+        slot == nullptr ? board_.devices.end() : std::ranges::find(board_.devices, slot->name, &BoardDevice::name);
+    const auto* entry = found == board_.devices.end() ? nullptr : &*found;
+    const auto function = by_fabric_controller ? host_->function() : std::string("a core of the cluster");
+    listeners_.faults(unmodelled_.text(address, stores, function, entry));
+  }
   return BusReply::done(0, chip_.interconnect.fabric_controller_to_device);
 }
 
@@ -725,14 +740,18 @@ BusReply Soc::load_narrow(std::uint32_t address, std::uint64_t cycle, unsigned s
   const auto* slot = slot_at(address);
   const auto offset = slot == nullptr ? 0 : address - slot->base;
   std::uint32_t value = 0;
-  if (slot == nullptr || !slot->device->load_narrow(offset, clock_.time_of(cycle), value, size)) return {};
+  if (slot == nullptr || !slot->device->load_narrow(offset, clock_.time_of(cycle), value, size)) {
+    return unmodelled(address, false, true);
+  }
   return BusReply::done(value, chip_.interconnect.fabric_controller_to_device);
 }
 
 BusReply Soc::store_narrow(std::uint32_t address, std::uint64_t cycle, std::uint32_t value, unsigned size) {
   const auto* slot = slot_at(address);
   const auto offset = slot == nullptr ? 0 : address - slot->base;
-  if (slot == nullptr || !slot->device->store_narrow(offset, clock_.time_of(cycle), value, size)) return {};
+  if (slot == nullptr || !slot->device->store_narrow(offset, clock_.time_of(cycle), value, size)) {
+    return unmodelled(address, true, true);
+  }
   return BusReply::done(0, chip_.interconnect.fabric_controller_to_device);
 }
 

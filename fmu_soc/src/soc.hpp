@@ -18,6 +18,7 @@
 #include "memory/memory.hpp"
 #include "observe/state_listener.hpp"
 #include "state_times.hpp"
+#include "unmodelled_registers.hpp"
 
 #include <cstdint>
 #include <filesystem>
@@ -216,6 +217,7 @@ class Soc final : private Bus {
   BusReply store(std::uint32_t address, std::uint64_t cycle, std::uint32_t value) override;
   BusReply load_narrow(std::uint32_t address, std::uint64_t cycle, unsigned size) override;
   BusReply store_narrow(std::uint32_t address, std::uint64_t cycle, std::uint32_t value, unsigned size) override;
+  BusReply unmodelled(std::uint32_t address, bool stores, bool by_fabric_controller);
   void interrupt_taken(unsigned line) override;
   BusReply from_cluster(const ClusterAccess& access, Picoseconds time);
   const PowerSettings* power_settings() const;
@@ -263,6 +265,7 @@ class Soc final : private Bus {
   gap8_devices::EventUnit* event_unit_ = nullptr;      // GAP8's own, of the fabric controller
   std::optional<InstructionCache> instruction_cache_;  // of the fabric controller
   Hart hart_;
+  UnmodelledRegisters unmodelled_;
   StateListener* listener_ = nullptr;
   Clock clock_;
   EnergyMeter meter_;
