@@ -5,6 +5,7 @@
 #   git clone https://github.com/pulp-platform/pulp-dronet             PULP-Dronet's ELF, flash image (for the dumper, too) and weights
 #   git clone https://github.com/pulp-platform/Himax_Dataset           pictures of its camera
 #   git clone https://github.com/GreenWaves-Technologies/gap_sdk       flasher, fuser
+# and hello, which gvsoc/gvsoc has as examples/pulp-open/hello at e4a7e8c.
 # Build first: cmake --build --preset release --target mebots-soc. Needs numpy for the integers of the reference, and
 # riscv64-unknown-elf-gcc.
 set -euo pipefail
@@ -30,7 +31,7 @@ milestone() {
     row "$name" "not there" "$elf"
     return
   fi
-  "$soc" run "$elf" --board configs/boards/gap8.json --max-instructions 20000000 "$@" >"$out/log" 2>&1 || true
+  "$soc" run "$elf" --board "configs/boards/${soc_board:-gap8}.json" --max-instructions 20000000 "$@" >"$out/log" 2>&1 || true
   if grep -qF -- "$wanted" "$out/log"; then
     row "$name" "reached" "$wanted"
   else
@@ -78,6 +79,11 @@ with_host() {
 with_host flash gap_flasher-gapuino8
 if [[ -f "$image" ]]; then with_host dump gap_dumper-gapuino8 "$image"; fi
 with_host fuse gap_fuser-gapuino8
+if [[ -f "$folder/hello" ]]; then
+  soc_board=pulp_open milestone pulp-open/hello "$folder/hello" "Hello from FC"
+else
+  row pulp-open/hello "not there" "$folder/hello"
+fi
 milestone gap_flasher-gapuino9 "$bins/gap_flasher-gapuino9.elf" "this program is for GAP9"
 milestone gap_flasher-vega "$bins/gap_flasher-vega.elf" "this program is for GAP9"
 exit $failed

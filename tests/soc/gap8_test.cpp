@@ -93,6 +93,95 @@ vectors: .rept 34
   EXPECT_EQ(system.result(2), 0U);
 }
 
+TEST(Gap8, RegistersThatNobodyModelsAreToldOnceAndTheProgramGoesOn) {
+  auto system = on_gap8(R"(
+_start: li s1, 0x1C060000
+    li s0, 0x1A103004      # no device
+    li a0, 7
+    sw a0, 0(s0)
+    lw a1, 0(s0)
+    lw a1, 0(s0)
+    sw a1, 0(s1)
+    li s0, 0x1A1000F0      # behind the loops
+    lw a1, 0(s0)
+    sw a1, 4(s1)
+    lb a1, 0x11(s0)
+    li a0, 0x600d
+    sw a0, 8(s1)
+1:  j 1b
+)");
+  system.soc.advance(1 * kMs);
+  EXPECT_EQ(system.result(0), 0U);
+  EXPECT_EQ(system.result(2), 0x600dU);
+  ASSERT_EQ(system.faults.size(), 3U);
+  EXPECT_THAT(system.faults[0], HasSubstr("store into 0x1a103004 in _start"));
+  EXPECT_THAT(system.faults[0], HasSubstr("no device of the board is there"));
+  EXPECT_THAT(system.faults[1], HasSubstr("load from 0x1a1000f0"));
+  EXPECT_THAT(system.faults[1], HasSubstr("device fll of kind gap8_fll has no such register"));
+  EXPECT_FALSE(system.soc.faulted());
+}
+
+TEST(Gap8, ElsewhereAnAccessIsAFault) {
+  auto system = on_gap8("_start: li s0, 0x1A200000\nlw a0, 0(s0)\n1: j 1b\n");
+  system.soc.advance(1 * kMs);
+  EXPECT_TRUE(system.soc.faulted());
+}
+
+TEST(Gap8, EventCountersAreChosenByTheirUserNumbersToo) {
+  auto system = on_gap8(R"(
+_start: li s1, 0x1C060000
+    li a0, 3
+    csrw 0xCC0, a0         # cycles and instructions
+    li a0, 1
+    csrw 0xCC1, a0
+    csrr a0, 0x7A0
+    sw a0, 0(s1)
+    csrr a0, 0x7A1
+    sw a0, 4(s1)
+    csrw 0x79F, zero
+    nop
+    nop
+    csrr a0, 0x781
+    sw a0, 8(s1)
+1:  j 1b
+)");
+  system.soc.advance(1 * kMs);
+  EXPECT_TRUE(system.faults.empty()) << system.faults.front();
+  EXPECT_EQ(system.result(0), 3U);
+  EXPECT_EQ(system.result(1), 1U);
+  EXPECT_GE(system.result(2), 2U);
+}
+
+TEST(Gap8, RunsWhatTheOpenPulpChipsHelloDoes) {
+  BoardSystem system(R"(
+_start: csrw 0xCC1, zero
+    li s0, 0x1A109800
+    li a0, -1
+    sw a0, 8(s0)
+    li s0, 0x1A10F000
+    csrr a1, mhartid       # cluster 31, core 0
+    srli a2, a1, 5
+    slli a2, a2, 7
+    add s0, s0, a2
+    li a0, 'h'
+    sb a0, 0(s0)
+    li a0, 'i'
+    sb a0, 0(s0)
+    li a0, 10
+    sb a0, 0(s0)
+    li s0, 0x1A1040A0
+    li a0, 0x80000005
+    sw a0, 0(s0)
+1:  wfi
+    j 1b
+)",
+                     {}, read_board(MEBOTS_SOURCE_DIR "/configs/boards/pulp_open.json"));
+  system.soc.advance(1 * kMs);
+  EXPECT_TRUE(system.faults.empty()) << system.faults.front();
+  EXPECT_THAT(system.console, ElementsAre("hi"));
+  EXPECT_EQ(system.soc.exit_code(), 5);
+}
+
 TEST(Gap8, FusesAreProgrammedBitByBitAndReadAsBytes) {
   auto system = on_gap8(R"(
 _start: li s1, 0x1C060000

@@ -29,7 +29,7 @@ constexpr std::uint32_t kEvents = (1U << 31) - 1U;  // of PCER
 constexpr std::uint32_t kMachineMode = 3;
 
 bool is_read_only(unsigned number) {
-  return (number >> 10) == 3;
+  return (number >> 10) == 3 && number != csr::kPcerUser && number != csr::kPcmrUser;
 }
 
 bool is_event_counter(unsigned number) {

@@ -88,6 +88,8 @@ class Csrs {
   std::uint32_t event_counter(unsigned counter) const;
   void set_event_counter(unsigned counter, std::uint32_t value);
   void set_event_counters(std::uint32_t value);
+  std::uint32_t counted_events() const { return word<csr::kPcer>(); }
+  std::uint32_t count_mode() const { return word<csr::kPcmr>(); }
   void set_counted_events(std::uint32_t value);
   void set_count_mode(std::uint32_t value);
   template <unsigned kLoop>
