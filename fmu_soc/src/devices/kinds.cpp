@@ -7,10 +7,12 @@
 #include "devices/regulator.hpp"
 #include "devices/timer.hpp"
 #include "fmu_soc_board/board.hpp"
+#include "gap8_devices/advanced_timer.hpp"
 #include "gap8_devices/efuse.hpp"
 #include "gap8_devices/event_unit.hpp"
 #include "gap8_devices/fll.hpp"
 #include "gap8_devices/power_unit.hpp"
+#include "gap8_devices/rtc.hpp"
 #include "gap8_devices/soc_control.hpp"
 #include "gap8_devices/soc_events.hpp"
 #include "gap8_devices/stdout.hpp"
@@ -107,6 +109,18 @@ constexpr std::array kRows{
         {},
         [](const BoardDevice& /*entry*/, ChipHost& host) -> std::unique_ptr<Device> {
           return std::make_unique<gap8_devices::Timer>(host.signals(), [&host] { return host.clock_hz(); });
+        }},
+    Row{"gap8_advanced_timer",
+        {},
+        [](const BoardDevice& entry, ChipHost& host) -> std::unique_ptr<Device> {
+          return std::make_unique<gap8_devices::AdvancedTimer>(
+              host.signals(), [&host] { return host.clock_hz(); },
+              [&host, name = entry.name](const char* text) { host.complain(fmt::format("{}: {}", name, text)); });
+        }},
+    Row{"gap8_rtc",
+        {},
+        [](const BoardDevice& /*entry*/, ChipHost& host) -> std::unique_ptr<Device> {
+          return std::make_unique<gap8_devices::Rtc>(host.signals());
         }},
     Row{"gap8_efuse", {}, of_its_entry<gap8_devices::Efuse>},
     Row{"gap8_fll", {}, with_signals<gap8_devices::Fll>},

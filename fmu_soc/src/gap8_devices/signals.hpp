@@ -30,7 +30,7 @@ inline constexpr std::int64_t kReferenceClockHz = 32768;
 struct Signals {
   std::function<void(unsigned event)> raise_fabric_event = [](unsigned) {};
   std::function<void(unsigned event, Picoseconds now)> raise_soc_event = [](unsigned, Picoseconds) {};
-  /// The fabric controller's clock is about to change.
+  /// The fabric controller's clock is about to change. Who listens calls who did so before.
   std::function<void(Picoseconds now)> clock_changes = [](Picoseconds) {};
   /// What the FLLs and the power unit ask of the chip; nothing on a board without FLLs.
   std::optional<PowerSettings> power;

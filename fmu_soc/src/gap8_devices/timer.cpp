@@ -36,7 +36,10 @@ std::uint32_t divider_of(std::uint32_t config) {
 }  // namespace
 
 Timer::Timer(Signals& signals, std::function<double()> clock_hz) : signals_(signals), clock_hz_(std::move(clock_hz)) {
-  signals.clock_changes = [this](Picoseconds now) { count_all(now); };
+  signals.clock_changes = [this, others = signals.clock_changes](Picoseconds now) {
+    others(now);
+    count_all(now);
+  };
 }
 
 bool Timer::is_pair() const {
