@@ -678,6 +678,7 @@ std::string read_file_name(const Node& node) {
 
 BoardDescription read_root(const Node& root) {
   static const auto chip = data::word_of<std::string>({{"gap8", "gap8"}});
+  static const auto energy = data::word_of<std::string>({{"gap8", "gap8"}, {"gap8_silicon", "gap8_silicon"}});
   static const auto core = data::word_of<std::string>({{"ri5cy", "ri5cy"}, {"cv32e40p", "cv32e40p"}});
   Object object(root);
   BoardDescription board;
@@ -686,6 +687,7 @@ BoardDescription read_root(const Node& root) {
   object.read("name", board.name, &read_name);
   object.read_if("text", board.text, &Node::text);
   object.read_if("chip", board.chip, chip);
+  object.read_if("energy", board.energy, energy);
   object.read_if("core", board.core, core);
   object.read_if("hart_id", board.hart_id, count_up_to(std::numeric_limits<std::uint32_t>::max()));
   object.read_if("cluster_cores", board.cluster_cores, count_up_to(kMostClusterCores));

@@ -50,10 +50,11 @@ struct BoardSupply {
 struct BoardDescription {
   std::string name;
   std::string text;
-  std::string chip = "gap8";   // whose clocks, ways and energies
-  std::string core;            // ri5cy or cv32e40p; empty = the chip's
-  std::uint32_t hart_id = 0;   // what the fabric controller reads as mhartid
-  unsigned cluster_cores = 0;  // the most that there are; 0 = no cluster
+  std::string chip = "gap8";    // whose clocks, ways and energies
+  std::string energy = "gap8";  // whose joules: params/<energy>.json
+  std::string core;             // ri5cy or cv32e40p; empty = the chip's
+  std::uint32_t hart_id = 0;    // what the fabric controller reads as mhartid
+  unsigned cluster_cores = 0;   // the most that there are; 0 = no cluster
   std::vector<BoardMemory> memories;
   BoardInstructionCaches instruction_caches;
   std::vector<BoardDevice> devices;

@@ -3,6 +3,7 @@
 
 #include "fmu_soc_board/chip_data.hpp"
 
+#include "mebots/assert.hpp"
 #include "mebots/data/document.hpp"
 #include "mebots/data/object.hpp"
 
@@ -75,6 +76,13 @@ void read_dma(const data::Node& node, Chip& chip) {
   chip.dma.least_burst_cycles = chip.dma.least_burst_of(chip.dma.latency);
 }
 
+void read_energies(data::Object& object, Chip& chip) {
+  object.read("energy", chip.energy, &EnergyTables::read);
+  object.read("instruction_weight", chip.instruction_energy, [&](const data::Node& member) {
+    return read_instruction_energy(member, chip.energy.reference_instruction_j);
+  });
+}
+
 Chip read_chip(const data::Node& node) {
   const auto positive = data::Limits::positive();
   data::Object object(node);
@@ -106,10 +114,17 @@ Chip read_chip(const data::Node& node) {
   object.visit("interconnect", [&](const data::Node& member) { read_interconnect(member, chip); });
   object.visit("dma", [&](const data::Node& member) { read_dma(member, chip); });
   object.read("wake_up", chip.wake_up_s, data::quantity("s", data::Limits::between(0, 1)));
-  object.read("energy", chip.energy, &EnergyTables::read);
-  object.read("instruction_weight", chip.instruction_energy, [&](const data::Node& member) {
-    return read_instruction_energy(member, chip.energy.reference_instruction_j);
-  });
+  read_energies(object, chip);
+  object.finish();
+  return chip;
+}
+
+/// A chip with energies of its own is another one in nothing else.
+Chip read_energy_model(const data::Node& node, const Chip& base) {
+  data::Object object(node);
+  Chip chip = base;
+  for (const auto* key : {"$schema", "name", "text"}) object.comment(key);
+  read_energies(object, chip);
   object.finish();
   return chip;
 }
@@ -150,6 +165,15 @@ Chip parse_chip(const std::string& json_text, const std::string& name) {
 const Chip& gap8() {
   static const Chip chip = parse_chip(kGap8Json, "gap8.json");
   return chip;
+}
+
+const Chip& chip_of(const BoardDescription& board) {
+  if (board.energy == "gap8") return gap8();
+  MEBOTS_ASSERT(board.energy == "gap8_silicon", "the reader of boards knows no other");
+  static const Chip silicon = data::Document(kGap8SiliconJson, "gap8_silicon.json").read([](const data::Node& node) {
+    return read_energy_model(node, gap8());
+  });
+  return silicon;
 }
 
 }  // namespace mebots::soc

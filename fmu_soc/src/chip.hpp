@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "board_file.hpp"
 #include "cluster/dma.hpp"
 #include "energy/meter.hpp"
 #include "hart/hart.hpp"
@@ -48,5 +49,8 @@ Chip parse_chip(const std::string& json_text, const std::string& name);
 
 /// The chip of the AI-deck, from the data built into this library.
 const Chip& gap8();
+/// The chip with the energies that the board names: gap8()'s own, or gap8_silicon's, which were calibrated on currents
+/// of a GAPuino.
+const Chip& chip_of(const BoardDescription& board);
 
 }  // namespace mebots::soc

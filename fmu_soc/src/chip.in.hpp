@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Made from params/gap8.json by CMake. Do not edit.
+// Made from params/*.json by CMake. Do not edit.
 #pragma once
 
 namespace mebots::soc {
 
 inline constexpr const char* kGap8Json = R"json(@MEBOTS_SOC_CHIP_JSON@)json";
+inline constexpr const char* kGap8SiliconJson = R"json(@MEBOTS_SOC_SILICON_JSON@)json";
 
 }  // namespace mebots::soc

@@ -64,7 +64,7 @@ std::vector<std::string> programs_in(const std::filesystem::path& resources) {
 }
 
 /// A bare name is one of those inside the FMU, if there is such a one; everything else is a path.
-Elf firmware_of(const Parameters& parameters, const std::filesystem::path& resources) {
+Elf firmware_of(const Parameters& parameters, const std::filesystem::path& resources, const BoardDescription& board) {
   if (parameters.firmware.empty()) {
     if (firmware_inside().empty()) {
       throw Error(fmt::format(
@@ -78,7 +78,7 @@ Elf firmware_of(const Parameters& parameters, const std::filesystem::path& resou
     return Elf::read(resources / (parameters.firmware + ".elf"));
   }
   try {
-    require_own_chip(parameters.firmware, read_board(resources / MEBOTS_SOC_BOARD));
+    require_own_chip(parameters.firmware, board);
     return Elf::read(parameters.firmware);
   } catch (const Error& error) {
     const auto names = inside.empty() ? "" : fmt::format("; inside the FMU: {}", fmt::join(inside, ", "));
@@ -106,10 +106,14 @@ observe::Requests requests_of(const Parameters& parameters, const Listeners& lis
 }  // namespace
 
 Model::Model(Variables& variables, const std::filesystem::path& resources, Listeners listeners)
+    : Model(variables, resources, read_board(resources / MEBOTS_SOC_BOARD), std::move(listeners)) {}
+
+Model::Model(Variables& variables, const std::filesystem::path& resources, const BoardDescription& board,
+             Listeners listeners)
     : variables_(variables),
       listeners_(listeners),
-      soc_(read_board(resources / MEBOTS_SOC_BOARD), gap8(), settings_of(variables.parameters),
-           firmware_of(variables.parameters, resources), std::move(listeners)),
+      soc_(board, chip_of(board), settings_of(variables.parameters),
+           firmware_of(variables.parameters, resources, board), std::move(listeners)),
       fields_(soc_, &variables) {
   const auto requests = requests_of(variables.parameters, listeners_);
   if (requests.any()) session_ = std::make_unique<observe::Session>(requests, soc_);

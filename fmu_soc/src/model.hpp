@@ -39,6 +39,9 @@ class Model {
   const Soc& soc() const { return soc_; }
 
  private:
+  Model(Variables& variables, const std::filesystem::path& resources, const BoardDescription& board,
+        Listeners listeners);
+
   void take_inputs();
   void write(double step_s);
   void say_when_spinning();

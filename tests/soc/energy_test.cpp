@@ -60,6 +60,23 @@ TEST(Energy, OfAWorkingCoreIsInstructionsAccessesBackgroundAndLeakage) {
   EXPECT_EQ(ledger.total_j(), ledger.core_active_j() + ledger.memory_j() + ledger.standing_j());
 }
 
+TEST(Energy, OfSiliconGivesTheCurrentsThatItWasCalibratedOn) {
+  // A GAPuino at 1.2 V and 250 MHz, in reset and with its cluster off: 1.3 and 9.3 mA of a 1.8 V rail
+  // (bench/silicon/points.json). L2, the fabric controller's memory and its core leak; a sleeping one has its gate.
+  constexpr double kRailV = 1.8;
+  auto board = read_board(MEBOTS_SOURCE_DIR "/configs/boards/gap8.json");
+  EXPECT_EQ(board.energy, "gap8_silicon");
+  const auto& energy = chip_of(board).energy;
+  const OperatingPoint top{25, 1.2, 250e6};
+  const auto leakage_w = energy.core_leakage.at(top) + energy.memory_leakage.at(top) * (524288 + 16384) / 4096;
+  EXPECT_NEAR(leakage_w, kRailV * 1.3e-3, 1e-3 * leakage_w) << "four digits of each figure";
+  const auto asleep_w = leakage_w + energy.fc_background.at(top) + energy.core_clock_gated.at(top);
+  EXPECT_NEAR(asleep_w, kRailV * 9.3e-3, 1e-3 * asleep_w);
+  board.energy = "gap8";
+  EXPECT_EQ(&chip_of(board), &gap8());
+  EXPECT_EQ(read_board(MEBOTS_SOURCE_DIR "/configs/boards/ai_deck.json").energy, "gap8") << "the drone's keeps its own";
+}
+
 TEST(Energy, OfASleepingCoreIsItsGatedClockBackgroundAndLeakage) {
   BoardSystem system("_start: wfi\nj _start\n");
   system.soc.advance(1'000'000'000);

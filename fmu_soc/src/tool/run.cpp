@@ -160,6 +160,7 @@ int run(const Options& options) {
   BoardDescription board;
   if (options.board) {
     board = read_board(board_file(*options.board));
+    chip = chip_of(board);
   } else {
     board = board_around(program);
     chip.timing.kind = CoreKind::cv32e40p;
