@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kernels.h"
+
+#include "runtime/xpulp.h"
+
+// Sums become bytes again like this.
+#define SHIFT 7
+
+static int8_t narrow(int32_t sum) {
+  const int32_t value = sum >> SHIFT;
+  return (int8_t)(value > 127 ? 127 : value < -128 ? -128 : value);
+}
+
+// The share of `count` rows that begins here for a core.
+static unsigned first_of(unsigned count, const job_t* job, unsigned core) {
+  return count * core / job->cores;
+}
+
+void convolution_plain(const job_t* shared, unsigned core) {
+  const job_t job = *shared;  // it lies in L2
+  const unsigned end = first_of(kOut, &job, core + 1);
+  for (unsigned y = first_of(kOut, &job, core); y < end; ++y) {
+    for (unsigned x = 0; x < kOut; ++x) {
+      int32_t sum = 0;
+      for (unsigned row = 0; row < 5; ++row) {
+        for (unsigned column = 0; column < 5; ++column) {
+          sum += job.pixels[(y + row) * kWidth + x + column] * job.weights[row * 5 + column];
+        }
+      }
+      job.out[y * kOut + x] = narrow(sum);
+    }
+  }
+}
+
+// A row of five taps: no load is used by the instruction behind it.
+#define TAPS_OF_A_ROW                                                                                 \
+  XPULP_LB_POST("t0", "1", "%[p]")                                                                    \
+  XPULP_LB_POST("t1", "1", "%[w]")                                                                    \
+  XPULP_LB_POST("t2", "1", "%[p]")                                                                    \
+  XPULP_LB_POST("t3", "1", "%[w]")                                                                    \
+  XPULP_MAC("%[sum]", "t0", "t1")                                                                     \
+  XPULP_LB_POST("t0", "1", "%[p]")                                                                    \
+  XPULP_LB_POST("t1", "1", "%[w]")                                                                    \
+  XPULP_MAC("%[sum]", "t2", "t3")                                                                     \
+  XPULP_LB_POST("t2", "1", "%[p]")                                                                    \
+  XPULP_LB_POST("t3", "1", "%[w]")                                                                    \
+  XPULP_MAC("%[sum]", "t0", "t1") XPULP_LB_POST("t0", "108", "%[p]") XPULP_LB_POST("t1", "1", "%[w]") \
+      XPULP_MAC("%[sum]", "t2", "t3") XPULP_MAC("%[sum]", "t0", "t1")
+
+void convolution_scalar(const job_t* shared, unsigned core) {
+  const job_t job = *shared;  // it lies in L2
+  const unsigned end = first_of(kOut, &job, core + 1);
+  for (unsigned y = first_of(kOut, &job, core); y < end; ++y) {
+    int8_t* out = job.out + y * kOut;
+    for (unsigned x = 0; x < kOut; ++x) {
+      int32_t sum = 0;
+      const int8_t* p = job.pixels + y * kWidth + x;
+      const int8_t* w = job.weights;
+      __asm__ volatile(XPULP_LOOP("x0", "%[n]", "15") TAPS_OF_A_ROW XPULP_LOOP_END
+                       : [sum] "+r"(sum), [p] "+r"(p), [w] "+r"(w)
+                       : [n] "r"(5)
+                       : "t0", "t1", "t2", "t3", "memory");
+      xpulp_sb_post(out, 1, xpulp_clip(sum >> SHIFT, 8));
+    }
+  }
+}
+
+// Down a column: four words and four bytes stay in registers, one of each is new.
+void convolution_vector(const job_t* shared, unsigned core) {
+  const job_t job = *shared;  // it lies in L2
+  const unsigned begin = first_of(kOut, &job, core);
+  const unsigned end = first_of(kOut, &job, core + 1);
+  const xpulp_word* const w = (const xpulp_word*)job.weights;
+  const uint32_t w0 = w[0], w1 = w[1], w2 = w[2], w3 = w[3], w4 = w[4];  // four columns of each row
+  const uint32_t w_last = w[5];                                          // the fifth column, rows 0 to 3
+  const int32_t w_corner = job.weights[24];
+  const uint32_t next_byte = 0x04030201;  // shuffle2: bytes 1 to 3, and the low one of the other
+  for (unsigned x = 0; x < kOut; ++x) {
+    const int8_t* p = job.pixels + begin * kWidth + x;
+    const int8_t* q = p + 4;
+    int8_t* out = job.out + begin * kOut + x;
+    uint32_t r0 = xpulp_lw_post(p, kWidth), r1 = xpulp_lw_post(p, kWidth);
+    uint32_t r2 = xpulp_lw_post(p, kWidth), r3 = xpulp_lw_post(p, kWidth);
+    uint32_t last = (uint8_t)q[0] | (uint32_t)(uint8_t)q[kWidth] << 8 | (uint32_t)(uint8_t)q[2 * kWidth] << 16 |
+                    (uint32_t)(uint8_t)q[3 * kWidth] << 24;
+    q += 4 * kWidth;
+    // Four at a time, so that no word moves from register to register.
+#pragma GCC unroll 4
+    for (unsigned y = begin; y < end; ++y) {
+      const uint32_t r4 = xpulp_lw_post(p, kWidth);
+      const int32_t corner = xpulp_lb_post(q, kWidth);
+      int32_t sum = xpulp_sdotsp_b(0, r0, w0);
+      sum = xpulp_sdotsp_b(sum, r1, w1);
+      sum = xpulp_sdotsp_b(sum, r2, w2);
+      sum = xpulp_sdotsp_b(sum, r3, w3);
+      sum = xpulp_sdotsp_b(sum, r4, w4);
+      sum = xpulp_sdotsp_b(sum, last, w_last);
+      sum = xpulp_mac(sum, (uint32_t)corner, (uint32_t)w_corner);
+      last = xpulp_shuffle2_b((uint32_t)last, (uint32_t)corner, next_byte);
+      r0 = r1;
+      r1 = r2;
+      r2 = r3;
+      r3 = r4;
+      xpulp_sb_post(out, kOut, xpulp_clip(sum >> SHIFT, 8));
+    }
+  }
+}
+
+// Two products: the second one waits a cycle for its load, as the published cycles say of GreenWaves' kernel.
+#define PRODUCT_PAIR(load, product, step)                                                                  \
+  load("t0", step, "%[p]") load("t1", step, "%[w]") load("t2", step, "%[p]") product("%[sum]", "t0", "t1") \
+      load("t3", step, "%[w]") product("%[sum]", "t2", "t3")
+
+void linear_plain(const job_t* shared, unsigned core) {
+  const job_t job = *shared;  // it lies in L2
+  const unsigned end = first_of(kOutputs, &job, core + 1);
+  for (unsigned output = first_of(kOutputs, &job, core); output < end; ++output) {
+    int32_t sum = 0;
+    for (unsigned i = 0; i < kInputs; ++i) sum += job.pixels[i] * job.weights[output * kInputs + i];
+    job.sums[output] = sum;
+  }
+}
+
+void linear_scalar(const job_t* shared, unsigned core) {
+  const job_t job = *shared;  // it lies in L2
+  const unsigned end = first_of(kOutputs, &job, core + 1);
+  for (unsigned output = first_of(kOutputs, &job, core); output < end; ++output) {
+    int32_t sum = 0;
+    const int8_t* p = job.pixels;
+    const int8_t* w = job.weights + output * kInputs;
+    __asm__ volatile(XPULP_LOOP("x0", "%[n]", "6") PRODUCT_PAIR(XPULP_LB_POST, XPULP_MAC, "1") XPULP_LOOP_END
+                     : [sum] "+r"(sum), [p] "+r"(p), [w] "+r"(w)
+                     : [n] "r"(kInputs / 2)
+                     : "t0", "t1", "t2", "t3", "memory");
+    job.sums[output] = sum;
+  }
+}
+
+void linear_vector(const job_t* shared, unsigned core) {
+  const job_t job = *shared;  // it lies in L2
+  const unsigned end = first_of(kOutputs, &job, core + 1);
+  for (unsigned output = first_of(kOutputs, &job, core); output < end; ++output) {
+    int32_t sum = 0;
+    const int8_t* p = job.pixels;
+    const int8_t* w = job.weights + output * kInputs;
+    __asm__ volatile(XPULP_LOOP("x0", "%[n]", "6") PRODUCT_PAIR(XPULP_LW_POST, XPULP_SDOTSP_B, "4") XPULP_LOOP_END
+                     : [sum] "+r"(sum), [p] "+r"(p), [w] "+r"(w)
+                     : [n] "r"(kInputs / 8)
+                     : "t0", "t1", "t2", "t3", "memory");
+    job.sums[output] = sum;
+  }
+}
+
+void pool_plain(const job_t* shared, unsigned core) {
+  const job_t job = *shared;  // it lies in L2
+  const unsigned end = first_of(kPooled, &job, core + 1);
+  for (unsigned y = first_of(kPooled, &job, core); y < end; ++y) {
+    for (unsigned x = 0; x < kPooled; ++x) {
+      const int8_t* top = job.pixels + 2 * (y * kWidth + x);
+      const int8_t left = top[0] > top[kWidth] ? top[0] : top[kWidth];
+      const int8_t right = top[1] > top[kWidth + 1] ? top[1] : top[kWidth + 1];
+      job.out[y * kPooled + x] = left > right ? left : right;
+    }
+  }
+}
+
+void pool_scalar(const job_t* shared, unsigned core) {
+  const job_t job = *shared;  // it lies in L2
+  const unsigned end = first_of(kPooled, &job, core + 1);
+  for (unsigned y = first_of(kPooled, &job, core); y < end; ++y) {
+    const int8_t* top = job.pixels + 2 * y * kWidth;
+    const int8_t* bottom = top + kWidth;
+    int8_t* out = job.out + y * kPooled;
+    for (unsigned x = 0; x < kPooled; ++x) {
+      const int32_t a = xpulp_lb_post(top, 1), b = xpulp_lb_post(bottom, 1);
+      const int32_t c = xpulp_lb_post(top, 1), d = xpulp_lb_post(bottom, 1);
+      const int32_t left = xpulp_max((uint32_t)a, (uint32_t)b);
+      xpulp_sb_post(out, 1, xpulp_max((uint32_t)left, (uint32_t)xpulp_max((uint32_t)c, (uint32_t)d)));
+    }
+  }
+}
+
+void pool_vector(const job_t* shared, unsigned core) {
+  const job_t job = *shared;  // it lies in L2
+  const unsigned end = first_of(kPooled, &job, core + 1);
+  for (unsigned y = first_of(kPooled, &job, core); y < end; ++y) {
+    const int8_t* top = job.pixels + 2 * y * kWidth;
+    const int8_t* bottom = top + kWidth;
+    int8_t* out = job.out + y * kPooled;
+    for (unsigned x = 0; x < kPooled; x += 4) {
+      const uint32_t a = xpulp_lw_post(top, 4), b = xpulp_lw_post(top, 4);
+      const uint32_t c = xpulp_lw_post(bottom, 4), d = xpulp_lw_post(bottom, 4);
+      const uint32_t low = xpulp_max_b(a, c), high = xpulp_max_b(b, d);
+      const uint32_t even = xpulp_shuffle2_b(low, high, 0x06040200), odd = xpulp_shuffle2_b(low, high, 0x07050301);
+      xpulp_sw_post(out, 4, xpulp_max_b(even, odd));
+    }
+  }
+}

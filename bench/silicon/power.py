@@ -1,0 +1,201 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""What the chip's energy figures say beside what was published of GAP8 (points.json): a table in Markdown.
+
+Usage: power.py BUILD [--dronet FOLDER] [--calibrate]
+
+BUILD is a build folder. --dronet runs PULP-Dronet v1, of which FOLDER has checkouts as scripts/gap8_programs.sh wants
+them. --calibrate writes fmu_soc/params/gap8_silicon.json anew from gap8.json and the points whose use is calibration;
+build again behind it.
+"""
+import argparse
+import json
+import pathlib
+import re
+import shutil
+import subprocess
+import tempfile
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+HERE = pathlib.Path(__file__).parent
+MODELS = ("gap8", "gap8_silicon")
+TOP = (1.2, 250, 175)
+CAMERA_W = 1.75e-3 * 2.8  # configs/boards/gap8.json, camera
+# A longer run of the same program, so that what it does once falls out of the difference.
+FEW, MANY = 2, 6
+
+
+def phases(build, model, at):
+    voltage, clock, cluster = at
+    done = subprocess.run(
+        [build / "bin/mebots-silicon-phases", "--board", ROOT / "configs/boards/gap8_bare.json", "--energy", model,
+         "--voltage", str(voltage), "--clock", str(clock * 1e6), "--cluster-clock", str(cluster * 1e6),
+         build / "firmware/silicon_phases.elf"], text=True, capture_output=True, check=True)
+    found = json.loads(done.stdout)
+    checks = {}
+    for name, value in found.items():
+        if not name.startswith("checksum "):
+            continue
+        kernel = name.split()[1].split("_")[0]
+        if checks.setdefault(kernel, value) != value:
+            raise SystemExit(f"{name} {value}: another form of {kernel} has {checks[kernel]}")
+    return found
+
+
+PARTS = ("fabric_controller", "cluster_cores", "fc_memory", "l2", "l1", "interconnect", "dma", "fc_background",
+         "cluster_background", "leakage", "retention")
+
+
+def joules(phase):
+    return sum(phase[part] for part in PARTS)
+
+
+class Model:
+    """The chip with one set of energies; phases by name and point, as they are asked for."""
+
+    def __init__(self, build, name):
+        self.build, self.name, self.at = build, name, {}
+
+    def phase(self, name, at=TOP):
+        at = tuple(at)
+        if at not in self.at:
+            self.at[at] = phases(self.build, self.name, at)
+        found = [key for key in self.at[at] if key == name or key.startswith(name + " ")]
+        return self.at[at][found[0]], int(found[0].split()[-1])
+
+    def power_w(self, name, at=TOP):
+        phase, _ = self.phase(name, at)
+        return joules(phase) / phase["seconds"]
+
+    def leakage_w(self):
+        phase, _ = self.phase("fc_asleep 0 1")
+        return phase["leakage"] / phase["seconds"]
+
+    def gain(self, over, name, cycles):
+        """Energy of `over` over that of a phase, which take so many cycles."""
+        return self.power_w(over) * cycles[0] / (self.power_w(name) * cycles[1])
+
+
+def of_dronet(build, model, folder):
+    """Energy of a picture and mean power of the board, at 100 MHz."""
+    dronet = folder / "pulp-dronet/pulp-dronet-v1"
+    frames = sorted((folder / "Himax_Dataset/test_2").glob("frame_2[2-9].pgm"))
+    found = []
+    with tempfile.TemporaryDirectory() as out:
+        board = json.loads((ROOT / "configs/boards/gap8.json").read_text())
+        board["energy"] = model
+        (pathlib.Path(out) / "board.json").write_text(json.dumps(board))
+        for count in FEW, MANY:
+            pictures = pathlib.Path(out) / str(count)
+            pictures.mkdir()
+            for frame in frames[:count]:
+                shutil.copy(frame, pictures)
+            done = subprocess.run([build / "bin/mebots-soc", "run", dronet / "bin/PULPDroNet_GAPuino", "--board",
+                                   pathlib.Path(out) / "board.json", "--flash",
+                                   dronet / "weights/WeightsPULPDroNet.raw", "--pictures", pictures],
+                                  text=True, capture_output=True, check=True)
+            lines = dict(re.findall(r"^(\w+) ([0-9.e+-]+) [Js]\b", done.stdout, re.MULTILINE))
+            found.append({name: float(value) for name, value in lines.items()})
+    return {name: (found[1][name] - found[0][name]) / (MANY - FEW) for name in found[0]}
+
+
+def figure(model, point, rail_v, dronet):
+    """What the model says, in the point's unit; None where it says nothing."""
+    kind = point.get("figure")
+    extra_w = CAMERA_W if "camera" in point.get("plus", ()) else 0
+    if kind in ("power", "leakage"):
+        if kind == "leakage":
+            power_w = model.leakage_w()
+        else:
+            power_w = model.power_w(point["phase"], point.get("at", TOP)) + extra_w
+        return power_w / rail_v * 1e3 if point["unit"] == "mA" else power_w * 1e3
+    if kind == "gain":
+        return model.gain(point["over"], point["phase"], point["cycles"])
+    if kind in ("dronet_power", "dronet_energy") and dronet:
+        of_picture = dronet[model.name]
+        return of_picture["board"] * 1e3 / (of_picture["time"] if kind == "dronet_power" else 1)
+    return None
+
+
+def scaled(table, factor, source):
+    def deep(value):
+        return {key: deep(each) for key, each in value.items()} if isinstance(value, dict) else \
+            float(f"{value * factor:.4g}")
+    return {"unit": table["unit"], "source": source, "values": deep(table["values"])}
+
+
+def calibrate(model, points, rail_v):
+    """Four factors on gap8.json's figures, from four currents; each of them stands in the sources of what it changed."""
+    chip = json.loads((ROOT / "fmu_soc/params/gap8.json").read_text())
+    wanted_w = {point["name"]: point["value"] * 1e-3 * rail_v for point in points if point["use"] == "calibration"}
+    reset_w, fabric_w, idle_w, eight_w = wanted_w.values()
+
+    def watts(phase, *parts):
+        found, _ = model.phase(phase)
+        return sum(found[part] for part in parts) / found["seconds"]
+
+    leakage = reset_w / watts("fc_asleep 0 1", "leakage")
+    fabric = (fabric_w - reset_w) / watts("fc_asleep 0 1", "fc_background")
+    # Of the cluster's leakage, that of its cores and banks goes with the fabric controller's; its own stays.
+    own_w = chip["energy"]["cluster_leakage"]["values"]["25"]["1.2"]["any"]
+    others_w = watts("cluster_idle 0 1", "leakage") - watts("fc_asleep 0 1", "leakage") - own_w
+    clocked_w = watts("cluster_idle 0 1", "cluster_background", "dma", "cluster_cores")
+    cluster = (idle_w - fabric_w - own_w - leakage * others_w) / clocked_w
+    busy = ("cluster_cores", "l1", "l2", "interconnect", "dma")
+    background_w = watts("cluster_idle 0 1", *busy)
+    core = (eight_w - idle_w) / (watts("convolution_scalar 8", *busy) - background_w)
+
+    say = "{:.4g} x gap8.json's, so that a GAPuino's current {} comes out (docs/soc-energy.md); {}"
+    rules = {"core_leakage": leakage, "memory_leakage": leakage, "fc_background": fabric,
+             "cluster_background": cluster, "dma_background": cluster, "core_clock_gated": cluster,
+             "instruction": core, "l1_access": core, "memory_access": core, "interconnect_word": core,
+             "dma_active": core}
+    why = {leakage: "in reset", fabric: "with the cluster off", cluster: "with the cluster idle",
+           core: "with eight cores in a scalar convolution"}
+    energy = {key: value for key, value in chip["energy"].items()}
+    for key, factor in rules.items():
+        energy[key] = scaled(energy[key], factor, say.format(factor, why[factor], energy[key]["source"]))
+    text = json.dumps({"name": "gap8_silicon",
+                       "text": "Energies of GAP8, calibrated on four currents of a GAPuino; written by "
+                               "bench/silicon/power.py --calibrate (docs/soc-energy.md)",
+                       "instruction_weight": chip["instruction_weight"], "energy": {}}, indent=2)
+    rows = ",\n".join(f"    {json.dumps(key)}: {json.dumps(value)}" for key, value in energy.items())
+    text = text.replace('"energy": {}', '"energy": {\n' + rows + "\n  }")
+    (ROOT / "fmu_soc/params/gap8_silicon.json").write_text(text + "\n")
+    for factor, where in why.items():
+        print(f"{factor:8.4f}  {where}")
+
+
+def shown(value):
+    return f"{value:.3g}" if value < 100 else f"{value:.0f}"
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("build", type=pathlib.Path)
+    parser.add_argument("--dronet", type=pathlib.Path)
+    parser.add_argument("--calibrate", action="store_true")
+    arguments = parser.parse_args()
+    data = json.loads((HERE / "points.json").read_text())
+    rail_v = data["rail"]["value"]
+    models = {name: Model(arguments.build, name) for name in MODELS}
+    if arguments.calibrate:
+        calibrate(models["gap8"], data["points"], rail_v)
+        return
+    dronet = arguments.dronet and {name: of_dronet(arguments.build, name, arguments.dronet) for name in MODELS}
+    print("| published | | gap8 | off | gap8_silicon | off | use |\n|---|---|---|---|---|---|---|")
+    for point in data["points"]:
+        values = point["value"] if isinstance(point["value"], list) else [point["value"]]
+        cells = [point["name"], ", ".join(map(str, values)) + " " + point["unit"]]
+        for model in models.values():
+            says = figure(model, point, rail_v, dronet)
+            cells += ["", ""] if says is None else [shown(says), f"{(says / point['value'] - 1) * 100:+.0f} %"]
+        print("| " + " | ".join([*cells, point["use"]]) + " |")
+    if dronet:
+        for name, parts in dronet.items():
+            print(f"\nPULP-Dronet v1, a picture, {name}: " +
+                  ", ".join(f"{part} {value * 1e3:.3g} m{'s' if part == 'time' else 'J'}" for part, value in parts.items()))
+
+
+if __name__ == "__main__":
+    main()
