@@ -39,7 +39,9 @@ TEST(Banks, KeepWhatWasTakenWhenTheTableStartsOver) {
   std::uint64_t start = 0;
   while (!banks.must_start_over(start)) banks.move_to(++start);
   for (std::uint64_t tick = start; tick < start + 100; ++tick) EXPECT_EQ(banks.claim(tick, 0), 0U);
-  banks.start_over(start + 10, start + 99);
+  const auto* row = banks.row(start + 50);
+  const auto moved = banks.start_over(start + 10, start + 99);
+  EXPECT_EQ(banks.row(start + 50), row - moved);
   EXPECT_FALSE(banks.must_start_over(start + 10));
   EXPECT_EQ(banks.claim(start + 10, 0), 90U);
   EXPECT_EQ(banks.claim(start + 10, 4), 0U);

@@ -108,8 +108,7 @@ void Cluster::advance(Picoseconds until, Picoseconds last, std::uint64_t cycle_l
   bool goes_on_in_step = false;  // nothing has come between
   do {
     const auto most = std::max(end, start + 1);
-    goes_on_in_step = goes_on_in_step && awake_ > 1 && !dma_.busy() && !banks_.must_start_over(start) &&
-                      last_ready_ < std::min(start + kQuantum, most);
+    goes_on_in_step = goes_on_in_step && awake_ > 1 && !dma_.busy();
     start = goes_on_in_step ? run_quantum_in_step(start, most) : run_quantum(start, most);
     goes_on_in_step = in_step_;
   } while (start < stop && !has_news_ && (start - begin < far_from_limit || longest_cycles() < cycle_limit));
@@ -139,9 +138,9 @@ void Cluster::move_banks(std::uint64_t tick) {
   // The DMA takes nothing behind the last quantum's end, and no core anything behind where it stands.
   auto last = tick + kQuantum;
   for (const auto& core : cores_) last = std::max(last, core->tick());
-  banks_.start_over(tick, last);
+  const auto moved = banks_.start_over(tick, last);
+  for (auto& core : cores_) core->hart().move_resume_point(moved);
   if (settings_.shares_way) way_.start_over(tick, last + kMostAccessTicks);
-  drop_resume_points();
 }
 
 /// The answer is when the next one starts.
@@ -170,10 +169,9 @@ void Cluster::next_in_front() {
 /// to happen. Only their ticks have changed, and the table of banks goes on.
 std::uint64_t Cluster::run_quantum_in_step(std::uint64_t start, std::uint64_t until) {
   MEBOTS_ASSERT(sharing_banks_ && start > banks_.start());
-  banks_.move_to(start);
-  if (settings_.shares_way) way_.move_to(start);
+  move_banks(start);
   const auto end = std::min(start + kQuantum, until);
-  rotate_queue();
+  line_up(end);
   next_in_front();
   const auto round = Hart::run_round_robin(queue_.front()->hart(), end);
   if (round.broke_off == nullptr) return keep_in_step();
@@ -235,13 +233,18 @@ void Cluster::rotate_queue() {
   queue_.back()->hart().set_next(nullptr);
 }
 
-/// Every core that may run without asking, up to `end`.
-void Cluster::run_cores(std::uint64_t start, std::uint64_t end) {
-  if (in_step_ && last_ready_ < end) {
+/// The queue of a quantum up to `end`: that of the one before if it holds the same cores.
+void Cluster::line_up(std::uint64_t end) {
+  if (in_step_ && queue_.size() == awake_ && last_ready_ < end) {
     rotate_queue();
   } else {
     queue_cores(end);
   }
+}
+
+/// Every core that may run without asking, up to `end`.
+void Cluster::run_cores(std::uint64_t start, std::uint64_t end) {
+  line_up(end);
   in_step_ = false;
   run_queue(0, start, end);
 }
@@ -270,7 +273,7 @@ std::size_t Cluster::note_round(std::size_t i, const Hart::RoundEnd& round) {
 }
 
 /// All cores of the queue have come to the end of the quantum in translated code: nothing but their ticks has changed.
-/// The answer is when the first of them goes on.
+/// The answer is when the first core goes on.
 std::uint64_t Cluster::keep_in_step() {
   last_ready_ = 0;
   auto first = kNoTick;
@@ -280,7 +283,15 @@ std::uint64_t Cluster::keep_in_step() {
     last_ready_ = std::max(last_ready_, ready);
     first = std::min(first, ready);
   }
-  in_step_ = queue_.size() == awake_;
+  in_step_ = true;
+  if (queue_.size() == awake_) return first;
+  // The others had come beyond this quantum in the one before, or wait for something.
+  for (const auto& core : cores_) {
+    if (core->sleeps()) continue;
+    in_step_ = in_step_ && core->can_resume();
+    last_ready_ = std::max(last_ready_, ready_[core->id()]);
+    first = std::min(first, ready_[core->id()]);
+  }
   return first;
 }
 

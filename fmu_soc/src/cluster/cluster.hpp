@@ -154,6 +154,7 @@ class Cluster {
   std::uint64_t first_ready() const;
   void queue_cores(std::uint64_t end);
   void rotate_queue();
+  void line_up(std::uint64_t end);
   std::uint64_t keep_in_step();
   void run_cores(std::uint64_t start, std::uint64_t end);
   void run_queue(std::size_t i, std::uint64_t start, std::uint64_t end);
@@ -180,7 +181,7 @@ class Cluster {
   std::vector<std::unique_ptr<Core>> cores_;
   unsigned awake_ = 0;            // of them
   std::vector<Core*> queue_;      // of this quantum: who runs without asking, in the order of the round-robin
-  bool in_step_ = false;          // the queue holds all who are awake, and all came through the last quantum in it
+  bool in_step_ = false;          // all who are awake came to the end of their last quantum in translated code
   std::uint64_t last_ready_ = 0;  // then: the tick of the core that is farthest ahead
   std::function<bool(std::uint32_t)> watcher_;
   Outside outside_;

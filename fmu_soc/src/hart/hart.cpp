@@ -169,7 +169,8 @@ inline bool Hart::run_block(std::uint32_t number, std::uint64_t limit, bool left
   const auto present = cache_.is_present(block) ? 0 : kAbsent;
   const auto bound = ((std::uint64_t{block.last_start_bound} + stall) & bound_mask_) | present | unsettled_;
   const bool may_run = e.counters.cycles + bound < limit;
-  if (!early_jump && may_translate(block, stall) && may_begin(block, stall, limit)) {
+  const bool at_access = std::exchange(at_access_, false);
+  if (!early_jump && !at_access && may_translate(block, stall) && may_begin(block, stall, limit)) {
     // With a loose limit, a stall may reach it; translated code would not begin then.
     const auto* entry = e.counters.cycles + stall < limit ? translated(number, block) : nullptr;
     if (entry != nullptr) {
@@ -240,6 +241,7 @@ Stop Hart::leave() {
     case Leave::stop:
       return Stop::watch;
     case Leave::turn:
+      at_access_ = true;
       return Stop::turn;
     case Leave::event:
     case Leave::sleep:

@@ -112,6 +112,10 @@ class Hart {
   void set_next(Hart* next) { execution_.host.next = next == nullptr ? nullptr : &next->execution_; }
   /// Whether its last run stopped at the limit in translated code, where it only has to go on.
   bool has_resume_point() const { return execution_.host.resume_point != nullptr; }
+  /// The rows of the banks' table stand so many bytes further to the front.
+  void move_resume_point(std::uint64_t bytes) {
+    if (has_resume_point()) execution_.host.begin -= bytes;
+  }
   /// Something has changed: the next run begins in the interpreter.
   void drop_resume_point() { execution_.drop_resume_point(); }
 
@@ -234,6 +238,7 @@ class Hart {
   Observer* observer_ = nullptr;
   const FlowMap* flow_ = nullptr;  // of the observer
   bool observer_knows_of_sleep_ = false;
+  bool at_access_ = false;  // the next instruction has waited for its turn: translated code would only leave before it
   bool sleeping_ = false;
   bool waits_for_event_ = false;  // the sleep is that of an event load
 };

@@ -80,16 +80,19 @@ class Banks {
 
   /// Whether the table must start over before it can move to `tick`.
   bool must_start_over(std::uint64_t tick) const { return tick >= base_ + kTurn; }
-  /// The table begins at `tick` from now on, which it moves to. Nothing is taken behind `last`.
-  void start_over(std::uint64_t tick, std::uint64_t last) {
+  /// The table begins at `tick` from now on, which it moves to. Nothing is taken behind `last`. The answer is how many
+  /// bytes further to the front a row stands now.
+  std::uint64_t start_over(std::uint64_t tick, std::uint64_t last) {
     move_to(tick);
     const auto first = std::min(tick - base_, kRows);
     const auto rows = last < tick ? 0 : std::min(last + 1 - tick, kRows - first);
     std::copy_n(taken_.data() + first * count_, rows * count_, taken_.begin());  // kTurn rows lie between, or none
     clear(base_ + std::max(first, rows), base_ + first + rows);
+    const auto moved = (tick - base_) * count_;
     base_ = tick;
     MEBOTS_ASSERT(start_ == base_);
     set_horizon();
+    return moved;
   }
 
   /// For translated code: the byte of the first bank in a tick. The next tick's are count() on.
