@@ -18,7 +18,8 @@ def cell(text):
 def row_of(variable, enumerations):
     kind = variable[0]
     unit = kind.get("unit", "")
-    limits = " ".join(f"{sign} {kind.get(key)}" for key, sign in (("min", "≥"), ("max", "≤")) if kind.get(key))
+    least, most = kind.get("min"), kind.get("max")
+    limits = f"{least} to {most}" if least and most else f"≥ {least}" if least else f"≤ {most}" if most else ""
     start = kind.get("start", "")
     name = kind.tag
     if name == "Enumeration":
