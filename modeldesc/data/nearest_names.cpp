@@ -5,7 +5,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cctype>
+#include <utility>
 #include <vector>
 
 namespace mebots {
@@ -15,7 +15,36 @@ constexpr std::size_t kOffered = 3;
 constexpr std::size_t kListed = 12;
 
 char lower(char c) {
-  return static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+}
+
+/// edit_distance(); a number above `most` when that is greater than `most`. Most names are far from each other, which
+/// a few characters tell: a file with many wrong names is to be refused as fast as a right one is read.
+std::size_t bounded_distance(std::string_view a, std::string_view b, std::size_t most) {
+  if (std::max(a.size(), b.size()) - std::min(a.size(), b.size()) > most) return most + 1;
+  std::vector<std::size_t> rows(3 * (b.size() + 1));
+  auto* before_last = rows.data();
+  auto* last = before_last + b.size() + 1;
+  auto* row = last + b.size() + 1;
+  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
+  std::size_t nearest_of_last = 0;
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::swap(before_last, last);
+    std::swap(last, row);
+    row[0] = i;
+    auto nearest = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const bool same = lower(a[i - 1]) == lower(b[j - 1]);
+      row[j] = std::min({last[j] + 1, row[j - 1] + 1, last[j - 1] + (same ? 0 : 1)});
+      const bool swapped = i > 1 && j > 1 && lower(a[i - 1]) == lower(b[j - 2]) && lower(a[i - 2]) == lower(b[j - 1]);
+      if (swapped) row[j] = std::min(row[j], before_last[j - 2] + 1);
+      nearest = std::min(nearest, row[j]);
+    }
+    // A row comes from the two before it, and nothing in it is below both.
+    if (std::min(nearest, nearest_of_last) > most) return most + 1;
+    nearest_of_last = nearest;
+  }
+  return row[b.size()];
 }
 
 std::string in_quotes(std::string_view name) {
@@ -31,22 +60,7 @@ std::string one_of(const std::vector<std::string>& names) {
 }  // namespace
 
 std::size_t edit_distance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> before_last(b.size() + 1);
-  std::vector<std::size_t> last(b.size() + 1);
-  std::vector<std::size_t> row(b.size() + 1);
-  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    before_last.swap(last);
-    last.swap(row);
-    row[0] = i;
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const bool same = lower(a[i - 1]) == lower(b[j - 1]);
-      row[j] = std::min({last[j] + 1, row[j - 1] + 1, last[j - 1] + (same ? 0 : 1)});
-      const bool swapped = i > 1 && j > 1 && lower(a[i - 1]) == lower(b[j - 2]) && lower(a[i - 2]) == lower(b[j - 1]);
-      if (swapped) row[j] = std::min(row[j], before_last[j - 2] + 1);
-    }
-  }
-  return row.back();
+  return bounded_distance(a, b, std::max(a.size(), b.size()));
 }
 
 std::string suggest(std::string_view wrong, std::span<const std::string> known) {
@@ -60,10 +74,9 @@ std::string suggest(std::string_view wrong, std::span<const std::string> known) 
     // A name that contains what was typed, or the other way round, is near however much is missing.
     const bool contained = wrong.size() >= 3 && name.size() >= 3 &&
                            (name.find(wrong) != std::string::npos || wrong.find(name) != std::string_view::npos);
-    const auto distance = edit_distance(wrong, name);
-    if (contained || distance <= std::max<std::size_t>(1, std::max(wrong.size(), name.size()) / 3)) {
-      candidates.push_back({contained ? std::min<std::size_t>(distance, 2) : distance, &name});
-    }
+    const auto most = contained ? 1 : std::max<std::size_t>(1, std::max(wrong.size(), name.size()) / 3);
+    const auto distance = bounded_distance(wrong, name, most);
+    if (contained || distance <= most) candidates.push_back({distance, &name});
   }
   std::stable_sort(candidates.begin(), candidates.end(),
                    [](const Candidate& a, const Candidate& b) { return a.distance < b.distance; });

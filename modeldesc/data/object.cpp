@@ -8,9 +8,15 @@
 #include <algorithm>
 
 namespace mebots::data {
+namespace {
+
+constexpr std::size_t kUsualKeys = 16;
+
+}  // namespace
 
 Object::Object(const Node& node) : node_(node), noted_before_(node.noted()) {
-  static_cast<void>(node.members());  // which fails when it is not an object
+  if (!node.is(Kind::object)) static_cast<void>(node.members());  // which fails
+  known_.reserve(kUsualKeys);
 }
 
 void Object::comment(std::string_view key) {

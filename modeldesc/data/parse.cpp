@@ -9,7 +9,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
+#include <string_view>
+#include <utility>
 
 namespace mebots::data {
 namespace {
@@ -22,11 +23,14 @@ std::size_t string_end(std::string_view text, std::size_t at) {
   return std::min(at + 1, text.size());
 }
 
+constexpr std::size_t kBytesAValue = 16;  // of most texts at least, with its key
+
 class Builder : public nlohmann::json_sax<nlohmann::json> {
  public:
   Builder(std::string_view text, const std::string& name, const TextLines& lines, std::vector<Mistake>& mistakes)
       : text_(text), name_(name), lines_(lines), mistakes_(mistakes) {
     if (text_.starts_with("\xEF\xBB\xBF")) cursor_ = 3;
+    values_.reserve(text.size() / kBytesAValue);  // to grow costs as much as to read
   }
 
   std::vector<Value> values() { return std::move(values_); }
@@ -73,16 +77,16 @@ class Builder : public nlohmann::json_sax<nlohmann::json> {
 
   bool start_object(std::size_t /*size*/) override { return open(Kind::object); }
   bool start_array(std::size_t /*size*/) override { return open(Kind::list); }
-  bool end_object() override { return close(); }
+  bool end_object() override {
+    const auto object = open_.back().value;
+    close();
+    note_keys_that_stand_twice(object);
+    return true;
+  }
   bool end_array() override { return close(); }
 
   bool key(std::string& key) override {
     key_offset_ = next_token();
-    if (!open_.back().keys.insert(key).second) {
-      note(ErrorCode::duplicate_key, key_offset_,
-           fmt::format("the key '{}' occurs twice in one object; remove one of them", key),
-           pointer_of(values_, open_.back().value) + pointer_step(key));
-    }
     key_ = std::move(key);
     has_key_ = true;
     return true;
@@ -109,7 +113,6 @@ class Builder : public nlohmann::json_sax<nlohmann::json> {
   struct Open {
     std::size_t value;
     std::size_t size = 0;
-    std::set<std::string> keys;
   };
 
   void note(ErrorCode code, std::size_t offset, std::string what, const std::string& pointer = {}) {
@@ -153,7 +156,7 @@ class Builder : public nlohmann::json_sax<nlohmann::json> {
              fmt::format("this is nested more than {} levels deep, which no file of ours needs", Document::kDeepest));
     }
     begin_value(kind);
-    open_.push_back({values_.size() - 1, 0, {}});
+    open_.push_back({values_.size() - 1});
     return true;
   }
 
@@ -164,10 +167,38 @@ class Builder : public nlohmann::json_sax<nlohmann::json> {
     return true;
   }
 
+  /// Of an object that is closed. Most have few members, which are compared with each other; to sort many takes less.
+  void note_keys_that_stand_twice(std::size_t object) {
+    constexpr std::size_t kFew = 16;
+    members_.clear();
+    for (auto i = object + 1; i < values_[object].end; i = values_[i].end) members_.push_back(i);
+    const auto same = [&](std::size_t a, std::size_t b) { return values_[a].key == values_[b].key; };
+    if (members_.size() > kFew) {
+      std::ranges::sort(members_, {}, [&](std::size_t i) { return std::pair(std::string_view(values_[i].key), i); });
+      for (std::size_t i = 1; i < members_.size(); ++i) {
+        if (same(members_[i - 1], members_[i])) note_second(members_[i]);
+      }
+      return;
+    }
+    for (auto second = members_.begin(); second != members_.end(); ++second) {
+      if (std::any_of(members_.begin(), second, [&](std::size_t first) { return same(first, *second); })) {
+        note_second(*second);
+      }
+    }
+  }
+
+  void note_second(std::size_t member) {
+    const auto& value = values_[member];
+    note(ErrorCode::duplicate_key, value.offset,
+         fmt::format("the key '{}' occurs twice in one object; remove one of them", value.key),
+         pointer_of(values_, value.parent) + pointer_step(value.key));
+  }
+
   std::string_view text_;
   const std::string& name_;
   const TextLines& lines_;
   std::vector<Mistake>& mistakes_;
+  std::vector<std::size_t> members_;  // of the object that was closed last
   std::size_t cursor_ = 0;
   std::vector<Value> values_;
   std::vector<Open> open_;

@@ -9,7 +9,7 @@
 namespace mebots::data {
 namespace {
 
-constexpr std::size_t kTextBlock = 4096;  // bytes
+constexpr std::size_t kTextBlock = 256;  // bytes: as long as the lines of most files
 
 /// Characters that begin in this piece of UTF-8.
 std::size_t characters_in(std::string_view piece) {
@@ -40,7 +40,9 @@ std::string TextLines::place(std::size_t offset) const {
   offset = std::min(offset, text_.size());
   const auto next = std::upper_bound(starts_.begin(), starts_.end(), offset);
   const auto line = static_cast<std::size_t>(next - starts_.begin());
-  const auto column = characters_before(offset) - characters_before(starts_[line - 1]);
+  const auto start = starts_[line - 1];
+  const auto column = offset - start < kTextBlock ? characters_in(std::string_view(text_).substr(start, offset - start))
+                                                  : characters_before(offset) - characters_before(start);
   return fmt::format(":{}:{}", line, column + 1);
 }
 

@@ -130,6 +130,15 @@ TEST(Document, TellsEveryKeyThatStandsTwice) {
                           std::pair(ErrorCode::duplicate_key, "f.json:1:33: /a")));
 }
 
+TEST(Document, TellsEveryKeyThatStandsTwiceAmongMany) {
+  std::string text = "{";
+  for (int i = 0; i < 30; ++i) text.append("\"").append(std::to_string(i % 27)).append("\": {\"x\": 0},\n");
+  text += R"("x": 1})";
+  EXPECT_THAT(mistakes_of(text, kReadNothing), ElementsAre(std::pair(ErrorCode::duplicate_key, "f.json:28:1: /0"),
+                                                           std::pair(ErrorCode::duplicate_key, "f.json:29:1: /1"),
+                                                           std::pair(ErrorCode::duplicate_key, "f.json:30:1: /2")));
+}
+
 TEST(Document, TakesTimeInProportionToItsLength) {
   using Clock = std::chrono::steady_clock;
   const auto seconds = [](int values) {

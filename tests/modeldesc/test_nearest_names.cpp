@@ -17,6 +17,14 @@ TEST(NearestNames, DistanceCountsEdits) {
   EXPECT_EQ(edit_distance("setp", "step"), 1u);  // neighbours swapped
 }
 
+TEST(NearestNames, ANameIsNearUpToAThirdOfItsLength) {
+  const std::vector<std::string> known = {"abcdefghi"};
+  EXPECT_EQ(suggest("xyzdefghi", known), "Did you mean 'abcdefghi'?");
+  EXPECT_EQ(suggest("badcfeghi", known), "Did you mean 'abcdefghi'?");  // three swaps
+  EXPECT_EQ(suggest("xyzuefghi", known), "Known are 'abcdefghi'.");
+  EXPECT_EQ(suggest("abcdefghi_jklm", known), "Did you mean 'abcdefghi'?");
+}
+
 TEST(NearestNames, ATypoIsAnsweredByTheNameThatWasMeant) {
   EXPECT_EQ(suggest("conections", kNames), "Did you mean 'connections'?");
   EXPECT_EQ(suggest("Instances", kNames), "Did you mean 'instances'?");
