@@ -35,8 +35,9 @@ class LiveRun {
   /// To the end. Then waits a moment for whoever is looking to fetch it.
   void run();
 
- private:
   class Server;
+
+ private:
   /// What a browser has already; nothing of it: all there is.
   struct Known {
     std::size_t rows = 0;

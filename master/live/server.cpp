@@ -9,6 +9,8 @@
 #include <httplib.h>
 
 #include <array>
+#include <atomic>
+#include <chrono>
 #include <exception>
 #include <random>
 #include <thread>
@@ -18,6 +20,7 @@ namespace mebots::live {
 namespace {
 
 constexpr const char* kLoopback = "127.0.0.1";
+constexpr std::chrono::milliseconds kUntilItListens{1};  // between two looks
 
 /// 128 bits of the system's own randomness.
 std::string new_token() {
@@ -73,6 +76,7 @@ void reply(httplib::Response& response, const char* type, const std::function<st
 
 struct LiveRun::Server::Sockets {
   httplib::Server server;
+  std::atomic<bool> has_ended{false};
   std::thread thread;
 };
 
@@ -113,13 +117,16 @@ LiveRun::Server::Server(int port, Answers answers) : sockets_(std::make_unique<S
     reply(response, "application/json",
           [&] { return answers.set(request.get_param_value("variable"), request.get_param_value("value")); });
   });
-  sockets_->thread = std::thread([&server] {
+  sockets_->thread = std::thread([&server, &has_ended = sockets_->has_ended] {
     master::mark_own_family();
     server.listen_after_bind();
+    has_ended = true;
   });
 }
 
 LiveRun::Server::~Server() {
+  // A run may be over before the thread listens, and until then stop() does nothing: nobody would end the thread.
+  while (!sockets_->server.is_running() && !sockets_->has_ended) std::this_thread::sleep_for(kUntilItListens);
   sockets_->server.stop();
   sockets_->thread.join();
 }
