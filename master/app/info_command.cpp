@@ -163,7 +163,7 @@ void info(const std::filesystem::path& file) {
     throw InputError(ErrorCode::file_not_found, fmt::format("{}: there is no such file", file.string()));
   }
   if (master::may_be_system(file)) {
-    print_system(master::load_system(file).system);
+    print_system(master::read_config(file));
     return;
   }
   const master::Fmu opened(file);

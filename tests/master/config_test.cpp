@@ -65,6 +65,25 @@ TEST(Config, ReadingTakesTimeByTheNumberOfInstancesNotByItsSquare) {
   EXPECT_LT(seconds(100'000), 40 * seconds(10'000));
 }
 
+TEST(Config, ManyUnknownNamesAreRefusedWithoutLookingForTheNearestOfEach) {
+  const modeldesc::TemporaryFolder folder("mebots-test");
+  std::string instances;
+  std::string connections;
+  for (int i = 0; i < 10'000; ++i) {
+    instances += fmt::format(R"({}"i{}": {{"fmu": "{}"}})", i == 0 ? "" : ", ", i, PROBE_FMU);
+    connections += fmt::format(R"({}{{"from": "j{}.real_out", "to": "i0.real_in"}})", i == 0 ? "" : ", ", i);
+  }
+  const auto file = folder.path() / "many.json";
+  test::write_file(file, fmt::format(R"({{"step": 1, "stop_time": 2, "instances": {{{}}}, "connections": [{}]}})",
+                                     instances, connections));
+  const auto before = std::clock();
+  const auto text = test::input_error([&] { read_config(file); });
+  // 10,000 names, each compared with 10,000, would take a minute.
+  EXPECT_LT(static_cast<double>(std::clock() - before) / CLOCKS_PER_SEC, 5.0);
+  EXPECT_THAT(text, HasSubstr("there is no instance 'j0'. Did you mean 'i0'"));
+  EXPECT_THAT(text, HasSubstr("and 9980 more"));
+}
+
 TEST(Config, FmuPathsAreRelativeToTheConfig) {
   const modeldesc::TemporaryFolder folder("mebots-test");
   std::filesystem::create_directories(folder.path() / "configs");

@@ -161,10 +161,13 @@ void read_made_config(LoadedSystem& loaded, const std::string& file, std::map<st
   });
 }
 
-void read_config_text(LoadedSystem& loaded, const std::string& file, const GivenTimes& times) {
+/// Whether somebody wants the JSON of a config as well: it takes as long as reading it.
+enum class WithJson : std::uint8_t { yes, no };
+
+void read_config_text(LoadedSystem& loaded, const std::string& file, const GivenTimes& times, WithJson with_json) {
   data::Document document(loaded.system.source, file);
-  loaded.config = ordered_json(loaded.system.source);
   const bool is_changed = times.step_s || times.stop_time_s;
+  if (is_changed || with_json == WithJson::yes) loaded.config = ordered_json(loaded.system.source);
   if (is_changed && loaded.config.is_object()) {
     loaded.config = give(std::move(loaded.config), times);
     read_made_config(loaded, file, {});
@@ -204,7 +207,7 @@ std::vector<std::string> config_keys() {
 
 LoadedSystem config::load_text(std::string text, const std::filesystem::path& file) {
   auto loaded = named(std::move(text), file);
-  refused_as_input([&] { read_config_text(loaded, file.string(), {}); });
+  refused_as_input([&] { read_config_text(loaded, file.string(), {}, WithJson::yes); });
   return loaded;
 }
 
@@ -217,7 +220,7 @@ LoadedSystem config::load_ssp_config(SspConfig ssp, const std::filesystem::path&
 void config::check(const std::filesystem::path& file) {
   auto loaded = named(text_of(file), file);
   refuse_archive(loaded.system.source, file);
-  read_config_text(loaded, file.string(), {});
+  read_config_text(loaded, file.string(), {}, WithJson::no);
 }
 
 void config::check_scenario(const std::filesystem::path& file) {
@@ -225,7 +228,9 @@ void config::check_scenario(const std::filesystem::path& file) {
   data::Document(file).read([&](const data::Node& root) { read_scenario_file(root, system); });
 }
 
-LoadedSystem load_system(const std::filesystem::path& path, const GivenTimes& times) {
+namespace {
+
+LoadedSystem load(const std::filesystem::path& path, const GivenTimes& times, WithJson with_json) {
   return refused_as_input([&] {
     const auto [file, form] = find_system(path);
     auto loaded = named(text_of(file), file);
@@ -233,7 +238,7 @@ LoadedSystem load_system(const std::filesystem::path& path, const GivenTimes& ti
     switch (form) {
       case SystemForm::config:
         refuse_archive(loaded.system.source, file);
-        read_config_text(loaded, file.string(), times);
+        read_config_text(loaded, file.string(), times, with_json);
         break;
       case SystemForm::ssp:
         read_ssp_config(loaded, open_ssp(file, loaded.system), file.string(), times);
@@ -251,8 +256,14 @@ LoadedSystem load_system(const std::filesystem::path& path, const GivenTimes& ti
   });
 }
 
-SystemDescription read_config(const std::filesystem::path& file) {
-  return load_system(file).system;
+}  // namespace
+
+LoadedSystem load_system(const std::filesystem::path& path, const GivenTimes& times) {
+  return load(path, times, WithJson::yes);
+}
+
+SystemDescription read_config(const std::filesystem::path& path, const GivenTimes& times) {
+  return load(path, times, WithJson::no).system;
 }
 
 }  // namespace mebots::master

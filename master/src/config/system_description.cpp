@@ -15,6 +15,7 @@ std::optional<std::size_t> InstanceIndex::find(const std::vector<InstanceDescrip
     places_.clear();
     known_ = 0;
   }
+  if (known_ < instances.size()) places_.reserve(instances.size());
   for (; known_ < instances.size(); ++known_) places_.emplace(instances[known_].name, known_);
   const auto found = places_.find(name);
   if (found == places_.end()) return std::nullopt;

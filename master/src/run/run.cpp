@@ -55,7 +55,7 @@ Run::Run(RunRequest request, std::shared_ptr<FmuLibrary> library)
   const auto settings = std::exchange(request_.settings, {});
   const auto scenarios = std::exchange(request_.scenarios, {});
   const auto stop_time_ns = request_.stop_time_ns;
-  system_ = load_system(request_.config, given_times(request_)).system;
+  system_ = read_config(request_.config, given_times(request_));
   request_.config = system_.file;  // absolute: the working folder may change before a checkpoint names it
   for (const auto& setting : settings) set(setting);
   for (const auto& file : scenarios) add_scenario(file);
