@@ -161,7 +161,7 @@ void read_made_config(LoadedSystem& loaded, const std::string& file, std::map<st
   });
 }
 
-/// Whether somebody wants the JSON of a config as well: it takes as long as reading it.
+/// Whether somebody wants the JSON of a config as well, which takes time of its own.
 enum class WithJson : std::uint8_t { yes, no };
 
 void read_config_text(LoadedSystem& loaded, const std::string& file, const GivenTimes& times, WithJson with_json) {

@@ -298,7 +298,7 @@ struct LoadedSystem {
 /// Reads a system from a config file, an SSP (`.ssp`, `.ssd`, or the folder of one) or an OspSystemStructure.xml.
 /// Throws InputError that names file, line and column, JSON pointer and the nearest valid key.
 LoadedSystem load_system(const std::filesystem::path& path, const GivenTimes& times = {});
-/// The same without the JSON, in half the time.
+/// The same without the JSON, which takes time of its own.
 SystemDescription read_config(const std::filesystem::path& path, const GivenTimes& times = {});
 
 /// "instance.variable" apart; the instance is the first word when none of this name is there. Throws InputError for a
