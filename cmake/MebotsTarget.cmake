@@ -8,6 +8,9 @@ function(mebots_target target)
   target_link_libraries(${target} PRIVATE mebots::math)
   target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wshadow -ffp-contract=off
     $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>)  # GCC 12 warns falsely at string + string, GCC bug 105651
+  if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(aarch64|arm64)$")  # Eigen would fuse products and sums by name
+    target_compile_options(${target} PRIVATE -U__ARM_FEATURE_FMA)
+  endif()
   target_compile_options(${target} PRIVATE -ffile-prefix-map=${PROJECT_SOURCE_DIR}=. -ffile-prefix-map=${PROJECT_BINARY_DIR}=.)
   if(NOT MEBOTS_SANITIZE AND NOT MEBOTS_FUZZ)
     target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-fstack-protector-strong>)
