@@ -1,0 +1,55 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# Lays Debian's libraries for 64-bit ARM into build/arm64-sysroot, for scripts/arm64.sh. ODE, libccd, libpng and musl's functions are built
+# again from Debian's sources: its own builds fuse a product and a sum into one operation with one rounding, as compilers for ARM do
+# unless told otherwise. So their last bits are not those of x86-64. ARKODE stays: it is C99, for which compilers do not fuse.
+set -Eeuo pipefail
+cd "$(dirname "$0")/.."
+sysroot=$PWD/build/arm64-sysroot
+mirror=${DEBIAN_MIRROR:-http://deb.debian.org/debian}
+target=aarch64-linux-gnu
+libraries=$sysroot/usr/lib/$target
+
+# The libraries of scripts/setup.sh for that processor, but for those of tests and of the translation.
+packages=$(sed -n '/^packages=(/,/^)/p' scripts/setup.sh | sed 's/#.*//' | grep -oE '\b[a-z0-9.+-]+-dev\b' |
+  grep -vE '^(libxbyak|libgtest|libgmock|libbenchmark|libclang-rt-[0-9]+|python3|pybind11)-dev$' | paste -sd,)
+wanted=$packages$'\n'$(sha256sum <scripts/arm64_sysroot.sh)
+if [[ $(cat "$sysroot/.made_of" 2>/dev/null) == "$wanted" ]]; then exit; fi
+
+rm -rf "$sysroot"
+mmdebstrap --quiet --variant=extract --architectures=arm64 "--include=libc6-dev,libstdc++-12-dev,$packages" bookworm "$sysroot" "$mirror"
+
+# Debian's sources and patches, by an apt of our own: the machine's need not know them.
+place=$PWD/build/arm64-sources
+rm -rf "$place"
+mkdir -p "$place/lists/partial" "$place/cache/archives/partial"
+echo "deb-src $mirror bookworm main" >"$place/sources.list"
+sources() {
+  apt-get -qq -o "Dir::Etc::SourceList=$place/sources.list" -o Dir::Etc::SourceParts=- -o "Dir::State::Lists=$place/lists" \
+    -o "Dir::Cache=$place/cache" -o APT::Sandbox::User=root "$@" >/dev/null
+}
+sources update
+(cd "$place" && sources source musl ode libccd libpng1.6)
+
+plain="-O2 -fPIC -ffp-contract=off"
+build() {
+  # Where it fuses by name, musl asks the compiler first whether that is quick.
+  (cd "$place"/musl-*/ && ./configure "--target=$target" "CROSS_COMPILE=$target-" \
+    "CFLAGS=$plain -U__FP_FAST_FMA -U__FP_FAST_FMAF" && make -j"$(nproc)" lib/libc.a)
+  cmake -S "$place"/libccd-*/ -B "$place/libccd" -G Ninja -DCMAKE_BUILD_TYPE=None "-DCMAKE_TOOLCHAIN_FILE=$PWD/cmake/arm64.cmake" \
+    "-DCMAKE_SYSROOT=$sysroot" "-DCMAKE_C_FLAGS=$plain" -DCCD_DOUBLE=ON
+  cmake --build "$place/libccd"
+  (cd "$place"/libpng1.6-*/ && ./configure "--host=$target" "CC=$target-gcc --sysroot=$sysroot" "CFLAGS=$plain" --disable-shared &&
+    make -j"$(nproc)" libpng16.la)
+  (cd "$place"/ode-*/ && PKG_CONFIG_SYSROOT_DIR=$sysroot PKG_CONFIG_LIBDIR=$libraries/pkgconfig ./configure "--host=$target" \
+    "CC=$target-gcc --sysroot=$sysroot" "CXX=$target-g++ --sysroot=$sysroot" "CFLAGS=$plain" "CXXFLAGS=$plain" \
+    --enable-double-precision --with-libccd=system --enable-libccd --disable-shared --disable-demos && make -j"$(nproc)")
+}
+trap 'tail -n 20 "$place/build.txt" >&2' ERR
+build >"$place/build.txt" 2>&1
+
+cp "$place"/musl-*/lib/libc.a "$sysroot/usr/lib/aarch64-linux-musl/"
+cp "$place/libccd/src/libccd.so.2.0" "$libraries/"
+cp "$place"/libpng1.6-*/.libs/libpng16.a "$libraries/"
+cp "$place"/ode-*/ode/src/.libs/libode.a "$libraries/"
+echo "$wanted" >"$sysroot/.made_of"
