@@ -184,7 +184,35 @@ TEST_F(Gdb, TellsCyclesAndEnergy) {
   const Debugged run("stepi\nstepi\nmonitor cycles\nmonitor energy\nmonitor help\ncontinue\n");
   EXPECT_THAT(run.gdb, HasSubstr("2 cycles, 2 instructions"));
   EXPECT_THAT(run.gdb, HasSubstr("fabric_controller "));
-  EXPECT_THAT(run.gdb, HasSubstr("monitor commands: cycles"));
+  EXPECT_THAT(run.gdb, HasSubstr("monitor commands: callers, cycles"));
+}
+
+TEST_F(Gdb, TellsTheCallersThatRaAndTheStackKnow) {
+  const Debugged run("break *inner+8\ncontinue\nbacktrace\nmonitor callers\nkill\n", R"(
+    .globl _start, outer, inner
+    .type _start, @function
+_start: li sp, 0x80010000
+    call outer
+1:  j 1b
+    .size _start, . - _start
+    .type outer, @function
+outer: addi sp, sp, -16
+    sw ra, 12(sp)
+    call inner
+    lw ra, 12(sp)
+    addi sp, sp, 16
+    ret
+    .size outer, . - outer
+    .type inner, @function
+inner: nop
+    addi t1, zero, 1
+    addi t2, zero, 2
+    ret
+    .size inner, . - inner
+)");
+  EXPECT_THAT(run.gdb, HasSubstr("inner"));
+  EXPECT_THAT(run.gdb, HasSubstr(" < outer+0x"));
+  EXPECT_THAT(run.gdb, HasSubstr(" < _start+0x"));
 }
 
 TEST_F(Gdb, ThatGoesAwayLetsTheRunGoOnWithTheSameCounts) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "debug/gdb_server.hpp"
 
+#include "debug/backtrace.hpp"
 #include "debug/hex.hpp"
 #include "debug/target_description.hpp"
 #include "hart/csr_numbers.hpp"
@@ -218,7 +219,16 @@ std::string GdbServer::monitor(std::string_view command) const {
     }
     return text;
   }
-  return "monitor commands: cycles, time, energy\n";
+  if (command == "callers") {
+    constexpr unsigned kReturnAddress = 1;
+    constexpr unsigned kStackPointer = 2;
+    const auto& hart = threads_.hart();
+    const auto callers = backtrace(soc_.program(), soc_.memory(), hart.reg(kReturnAddress), hart.reg(kStackPointer));
+    const auto here = soc_.program().where(hart.pc());
+    return fmt::format("{}{}{}\n", here.empty() ? fmt::format("0x{:08x}", hart.pc()) : here,
+                       callers.empty() ? "" : " < ", callers);
+  }
+  return "monitor commands: callers, cycles, energy, time\n";
 }
 
 std::string GdbServer::read_registers() const {
