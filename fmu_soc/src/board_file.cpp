@@ -666,6 +666,32 @@ BoardSupply read_supply(const Node& node, const BoardDescription& board) {
   return supply;
 }
 
+/// A device, or what counts its transactions in a variable of the board.
+std::string read_decisions(const Node& node, const BoardDescription& board) {
+  Object object(node);
+  std::string sender;
+  object.read("end_with", sender, [&](const Node& member) {
+    auto name = member.text();
+    std::vector<std::string> known;
+    constexpr std::string_view kCounted = ".transactions";
+    for (const auto& device : board.devices) {
+      if (std::ranges::any_of(device.registers, [](const BoardRegister& reg) { return !reg.sends.empty(); })) {
+        known.push_back(device.name);
+      }
+      for (const auto& variable : device.variables) {
+        if (variable.name.ends_with(kCounted)) {
+          known.push_back(variable.name.substr(0, variable.name.size() - kCounted.size()));
+        }
+      }
+    }
+    if (std::ranges::find(known, name) == known.end()) member.fail_unknown("the sender of set-points", name, known);
+    return name;
+  });
+  object.comment("text");
+  object.finish();
+  return sender;
+}
+
 /// The name of a file, without a way to it: the board travels with its libraries.
 std::string read_file_name(const Node& node) {
   auto name = node.readable_text();
@@ -710,6 +736,7 @@ BoardDescription read_root(const Node& root) {
   const bool has_devices =
       object.read("devices", board.devices, data::list_of([&](const Node& node) { return read_device(node, names); }));
   object.visit_if("supply", [&](const Node& member) { board.supply = read_supply(member, board); });
+  object.visit_if("decisions", [&](const Node& member) { board.decisions_end_with = read_decisions(member, board); });
   object.read_if("libraries", board.libraries, data::list_of(&read_file_name));
   object.finish();
   if (has_devices) check_interrupts(root, board);

@@ -59,6 +59,9 @@ struct BoardDescription {
   BoardInstructionCaches instruction_caches;
   std::vector<BoardDevice> devices;
   BoardSupply supply;
+  /// What sends set-points, with which a decision about a picture ends: a device, or a peripheral of a uDMA (spim0,
+  /// spim1); empty = nothing.
+  std::string decisions_end_with;
   /// Shared libraries with kinds of devices, as the file names them: beside it, in `folder`, or where the program says.
   std::vector<std::string> libraries;
   std::filesystem::path folder;  // of the file; empty for one that was a text

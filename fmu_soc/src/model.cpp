@@ -37,6 +37,8 @@ constexpr std::array<double Outputs::*, kParts> kPartPowers{
 static_assert(std::tuple_size_v<decltype(Outputs::energy_j)> == kParts);
 static_assert(std::tuple_size_v<decltype(Outputs::state_time_s)> == StateTimes::kCounted);
 static_assert(std::tuple_size_v<decltype(Outputs::cluster_core_cycles)> == kMostClusterCores);
+static_assert(std::tuple_size_v<decltype(Outputs::decision_s)> == kDecisionParts);
+static_assert(std::tuple_size_v<decltype(Outputs::decision_mean_awake_s)> == kMostHarts);
 
 Settings settings_of(const Parameters& parameters) {
   Settings settings;
@@ -203,7 +205,25 @@ void Model::write(double step_s) {
     }
     outputs.cluster_powered = cluster->powered();
   }
+  write_decisions();
   fields_.write(step_s);
+}
+
+void Model::write_decisions() {
+  auto& outputs = variables_.outputs;
+  const auto& decisions = soc_.decisions();
+  const auto count = static_cast<double>(decisions.count());
+  const auto seconds = [](Picoseconds time) { return static_cast<double>(time) * kPicosecond; };
+  const auto mean = [&](Picoseconds sum) { return count == 0 ? 0 : seconds(sum) / count; };
+  outputs.decision_count = static_cast<std::int32_t>(decisions.count());
+  for (std::size_t i = 0; i < kDecisionParts; ++i) {
+    outputs.decision_s[i] = seconds(decisions.last().parts[i]);
+    outputs.decision_mean_s[i] = mean(decisions.sum().parts[i]);
+  }
+  outputs.decision_latency_s = seconds(decisions.last().latency);
+  outputs.decision_mean_latency_s = mean(decisions.sum().latency);
+  outputs.decision_longest_s = seconds(decisions.longest());
+  for (std::size_t i = 0; i < kMostHarts; ++i) outputs.decision_mean_awake_s[i] = mean(decisions.sum().awake[i]);
 }
 
 void Model::visit(state::Visitor& v) {

@@ -44,6 +44,7 @@ class Model {
 
   void take_inputs();
   void write(double step_s);
+  void write_decisions();
   void say_when_spinning();
 
   Variables& variables_;

@@ -123,6 +123,13 @@ class Soc::Host final : public ChipHost, private gap8_devices::PictureRoll {
     return device->energy_j(now);
   }
   std::span<const std::string> places() const override { return places_; }
+  void picture_stored(const PictureTimes& times) override {
+    soc_.decisions_.picture_stored(times, soc_.work_at(times.stored));
+  }
+  void setpoints_sent(std::string_view sender, Picoseconds now) override {
+    soc_.decisions_.sent(sender, now, soc_.work_at(now));
+    if (soc_.alone_) soc_.decisions_.published(now);
+  }
 
  protected:
   std::vector<Device*> devices() const override {
@@ -157,7 +164,8 @@ Soc::Soc(const BoardDescription& board, const Chip& chip, const Settings& settin
       meter_(chip.energy, inventory_of(board, settings),
              {settings.temperature_c, settings.voltage_v, settings.clock_hz, settings.cluster_clock_hz}),
       temperature_c_(settings.temperature_c),
-      voltage_mv_(static_cast<std::uint32_t>(std::lround(settings.voltage_v * kMilli))) {
+      voltage_mv_(static_cast<std::uint32_t>(std::lround(settings.voltage_v * kMilli))),
+      decisions_(board.decisions_end_with) {
   clock_.reset(checked_clock(chip, settings));
   for (const auto& entry : board.memories) places_.push_back(entry.place);
   add_cluster(settings);
@@ -552,10 +560,13 @@ bool Soc::called_host() {
 }
 
 void Soc::advance(std::int64_t time_ns) {
+  alone_ = false;
   go_on(time_ns * kPsPerNs, kNoLimit);
+  decisions_.published(now_);
 }
 
 void Soc::run_cycles(std::uint64_t cycle_limit) {
+  alone_ = true;
   go_on(kWithoutEnd, cycle_limit);
 }
 
@@ -802,7 +813,7 @@ void Soc::wake_if_interrupted(Picoseconds time) {
 }
 
 Picoseconds Soc::sleep_time() const {
-  return slept_ + (asleep_ && now_ > asleep_since_ ? now_ - asleep_since_ : 0);
+  return slept_at(now_);
 }
 
 bool Soc::waits_for_picture() const {
@@ -818,8 +829,44 @@ ChipState Soc::chip_state() const {
 
 /// Something may have changed at `time`, or later, when it woke the core.
 void Soc::tell(Picoseconds time) {
-  state_times_.pass(asleep_ ? time : std::max(time, core_time()), chip_state());
+  const auto reached = asleep_ ? time : std::max(time, core_time());
+  state_times_.pass(reached, chip_state());
+  note_work(reached);
   if (listener_ != nullptr) listener_->changed(time);
+}
+
+/// The fabric controller has been awake, or has slept, up to `time`.
+void Soc::note_work(Picoseconds time) {
+  if (time > work_noted_) {
+    controller_work_ = controller_work(time);
+    work_noted_ = time;
+    cluster_work_noted_ = cluster_ ? cluster_->busy_time(time) : 0;
+  }
+  awake_noted_ = !asleep_;
+}
+
+Picoseconds Soc::controller_work(Picoseconds now) const {
+  const auto span = now - work_noted_;
+  if (!awake_noted_ || span <= 0) return controller_work_;
+  const auto of_cluster = cluster_ ? cluster_->busy_time(now) - cluster_work_noted_ : 0;
+  return controller_work_ + span - std::clamp<Picoseconds>(of_cluster, 0, span);
+}
+
+Picoseconds Soc::slept_at(Picoseconds now) const {
+  return slept_ + (asleep_ && now > asleep_since_ ? now - asleep_since_ : 0);
+}
+
+CoreWork Soc::work_at(Picoseconds now) const {
+  CoreWork work;
+  work.controller = controller_work(now);
+  work.controller_awake = now - slept_at(now);
+  if (!cluster_) return work;
+  work.cluster = cluster_->busy_time(now);
+  work.cluster_hz = cluster_->clock_hz();
+  for (unsigned core = 0; core < cluster_->cores(); ++core) {
+    work.core_cycles[core] = cluster_->hart(core).counters().cycles;
+  }
+  return work;
 }
 
 Picoseconds Soc::retention_time(Picoseconds now) const {
@@ -843,7 +890,7 @@ Activity Soc::activity_at(Picoseconds now) const {
   activity.far_words = counters.device_accesses;
   if (instruction_cache_) activity.l2_accesses += instruction_cache_->refills() * instruction_cache_->words_per_line();
   activity.powered = now;
-  activity.fc_asleep = slept_ + (asleep_ && now > asleep_since_ ? now - asleep_since_ : 0);
+  activity.fc_asleep = slept_at(now);
   activity.retained = retention_time(now);
   if (!cluster_) return activity;
   const auto cluster = cluster_->counters();
@@ -924,6 +971,11 @@ void Soc::visit(state::Visitor& v) {
   v("retained", retained_);
   v("retention", retention_);
   v("state_times", state_times_);
+  v("decisions", decisions_);
+  v("controller_work", controller_work_);
+  v("work_noted", work_noted_);
+  v("cluster_work_noted", cluster_work_noted_);
+  v("awake_noted", awake_noted_);
   if (!v.restores()) return;
   connect_memories();
   set_ways();

@@ -5,6 +5,7 @@
 #include "chip.hpp"
 #include "clock.hpp"
 #include "cluster/cluster.hpp"
+#include "decisions.hpp"
 #include "devices/kinds.hpp"
 #include "devices/power_manager.hpp"
 #include "elf/elf.hpp"
@@ -153,6 +154,8 @@ class Soc final : private Bus {
   Picoseconds sleep_time() const;
   /// What it did how long, up to now; the instruction under way counts to its end.
   const StateTimes& state_times() const { return state_times_; }
+  /// How long its program takes from pictures to set-points.
+  const Decisions& decisions() const { return decisions_; }
   std::int32_t exit_code() const {
     if (host_exit_) return static_cast<std::int32_t>(*host_exit_);
     if (signals_.exit_code) return *signals_.exit_code;
@@ -239,6 +242,10 @@ class Soc final : private Bus {
   void tell(Picoseconds time);
   ChipState chip_state() const;
   void finish(End why);
+  void note_work(Picoseconds time);
+  CoreWork work_at(Picoseconds now) const;
+  Picoseconds controller_work(Picoseconds now) const;
+  Picoseconds slept_at(Picoseconds now) const;
   Picoseconds retention_time(Picoseconds now) const;
   Picoseconds supplied_until() const { return end_ == End::powered_off ? end_time_ : now_; }
   PowerState power_state() const;
@@ -284,6 +291,12 @@ class Soc final : private Bus {
   bool retained_ = false;      // this sleep is retention sleep
   Picoseconds retention_ = 0;  // time in it, up to the last waking
   StateTimes state_times_;
+  Decisions decisions_;
+  bool alone_ = false;               // nobody outside waits for the end of a step; not part of a state
+  Picoseconds controller_work_ = 0;  // while the cluster did nothing, up to
+  Picoseconds work_noted_ = 0;
+  Picoseconds cluster_work_noted_ = 0;
+  bool awake_noted_ = true;
 };
 
 }  // namespace mebots::soc

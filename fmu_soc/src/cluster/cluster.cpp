@@ -60,6 +60,7 @@ void Cluster::power_off(Picoseconds now) {
   if (!powered_) return;
   powered_ = false;
   powered_total_ += now - powered_since_;
+  if (busy_) end_work(now);
   MEBOTS_ASSERT(powered_total_ >= 0 && now >= powered_since_, "time does not go back");
   for (auto& core : cores_) core->stop();
   interrupt_ = false;
@@ -197,6 +198,7 @@ std::uint64_t Cluster::finish_quantum(std::uint64_t end) {
     if (transfer < end && transfer <= first) {
       dma_.advance(transfer, *peripherals_);
       spread_events(transfer);
+      if (awake_ == 0) note_asleep(transfer);
       continue;
     }
     if (first >= end) return std::min(transfer, first);
@@ -338,6 +340,25 @@ void Cluster::spread_events(std::uint64_t tick) {
   if (fabric_woken || raised) fabric_event_time_ = clock_.time_of(tick);
 }
 
+/// A core is awake from `tick` on.
+void Cluster::note_awake(std::uint64_t tick) {
+  if (busy_) return;
+  busy_ = true;
+  busy_since_ = clock_.time_of(tick);
+  last_asleep_ = 0;
+}
+
+/// A core fell asleep in `tick`, or a transfer ended in it.
+void Cluster::note_asleep(std::uint64_t tick) {
+  last_asleep_ = std::max(last_asleep_, tick);
+  if (busy_ && awake_ == 0 && !dma_.busy()) end_work(clock_.time_of(last_asleep_));
+}
+
+void Cluster::end_work(Picoseconds time) {
+  busy_ = false;
+  busy_total_ += std::max<Picoseconds>(time - busy_since_, 0);
+}
+
 bool Cluster::take_fabric_wake() {
   const bool woken = fabric_woken_;
   fabric_woken_ = false;
@@ -446,6 +467,10 @@ void Cluster::visit(state::Visitor& v) {
   v("first_core", first_core_);
   v("dma_first", dma_first_);
   v("fabric_event_time", fabric_event_time_);
+  v("busy", busy_);
+  v("last_asleep", last_asleep_);
+  v("busy_since", busy_since_);
+  v("busy_total", busy_total_);
   v("powered_since", powered_since_);
   v("powered_total", powered_total_);
   if (!v.restores()) return;

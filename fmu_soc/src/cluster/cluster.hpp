@@ -129,6 +129,11 @@ class Cluster {
   Picoseconds powered_time(Picoseconds now) const {
     return powered_total_ + (powered_ && now > powered_since_ ? now - powered_since_ : 0);
   }
+  /// Time in which a core was awake or all of them waited for the DMA, up to `now`. A cluster that is behind `now`
+  /// counts as going on as it is.
+  Picoseconds busy_time(Picoseconds now) const {
+    return busy_total_ + (busy_ && now > busy_since_ ? now - busy_since_ : 0);
+  }
   /// The core that cannot go on; -1 = none.
   int faulted_core() const { return faulted_core_; }
   /// A core's store into a watched word ended the run.
@@ -166,6 +171,9 @@ class Cluster {
   std::uint64_t next_tick() const;
   std::uint64_t tick_at(Picoseconds time) const { return clock_.first_at(time); }
   void start_cores(std::uint64_t tick);
+  void note_awake(std::uint64_t tick);
+  void note_asleep(std::uint64_t tick);
+  void end_work(Picoseconds time);
   BusReply access(const ClusterAccess& access);
   BusReply access_outside(const ClusterAccess& access);
 
@@ -199,6 +207,10 @@ class Cluster {
   std::uint32_t first_core_ = 0;                // of the next quantum
   bool dma_first_ = false;                      // in it, before the cores; else behind them
   Picoseconds fabric_event_time_ = 0;
+  bool busy_ = false;
+  std::uint64_t last_asleep_ = 0;  // the tick in which the last core fell asleep, since it is busy
+  Picoseconds busy_since_ = 0;
+  Picoseconds busy_total_ = 0;  // up to the last time it was idle
   Picoseconds powered_since_ = 0;
   Picoseconds powered_total_ = 0;  // up to the last time it went off
 };

@@ -62,6 +62,7 @@ class Cluster::Core final : private Bus {
     hart_.restart(pc);
     if (cluster_.settings_.has_gap8_interrupts) hart_.set_csr(csr::kMtvec, pc & ~0xffU);
     set_asleep(false);
+    cluster_.note_awake(tick);
     waits_for_turn_ = false;
     granted_ = false;
     go_on_at(tick);
@@ -84,6 +85,7 @@ class Cluster::Core final : private Bus {
   void wake(std::uint64_t tick) {
     if (!asleep_) return;
     set_asleep(false);
+    cluster_.note_awake(tick);
     hart_.wake();
     go_on_at(tick);
   }
@@ -97,7 +99,7 @@ class Cluster::Core final : private Bus {
   Stop run(std::uint64_t end) { return hart_.run(end - offset_); }
   /// Its hart has run, and came back so.
   void stopped(Stop stop) {
-    set_asleep(stop == Stop::sleeping);
+    if (set_asleep(stop == Stop::sleeping)) cluster_.note_asleep(tick());
     find_ready();
   }
 
@@ -118,11 +120,13 @@ class Cluster::Core final : private Bus {
   }
 
  private:
-  void set_asleep(bool asleep) {
-    if (asleep == asleep_) return;
+  /// Whether that is a change.
+  bool set_asleep(bool asleep) {
+    if (asleep == asleep_) return false;
     MEBOTS_ASSERT(asleep ? cluster_.awake_ > 0 : cluster_.awake_ < kMostClusterCores);
     asleep_ = asleep;
     asleep ? --cluster_.awake_ : ++cluster_.awake_;
+    return true;
   }
   void find_ready() { ready_ = asleep_ ? kNoTick : tick(); }
   void go_on_at(std::uint64_t tick) {

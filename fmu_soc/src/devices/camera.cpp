@@ -18,7 +18,8 @@ Camera::Camera(const BoardDevice& entry, DeviceHost& host)
       host_(host),
       idle_w_(entry.state("idle").current_a * entry.supply_voltage_v),
       active_w_(entry.state("active").current_a * entry.supply_voltage_v),
-      delay_ps_(std::llround(entry.state("active").delay_s * kPsPerS)) {
+      delay_ps_(std::llround(entry.state("active").delay_s * kPsPerS)),
+      read_out_ps_(delay_ps_) {
   picture_.reserve(kReservedBytes);
   if (const auto* width = entry.variable(entry.name + ".frame_width")) frame_width_ = width->start;
 }
@@ -54,12 +55,13 @@ void Camera::begin_step(Picoseconds now) {
   if (!picture.empty()) offer(picture, now);
 }
 
-void Camera::request() {
+void Camera::request(Picoseconds now) {
   if (busy() || state_.buffer_size == 0 || !host_.is_memory(state_.buffer, state_.buffer_size)) {
     state_.status |= kRefused;
     return;
   }
   trigger_ = ++state_.requests;
+  state_.asked_at = now;
   MEBOTS_ASSERT(!state_.waiting, "busy until the picture has come");
   state_.status |= kBusy;
   state_.waiting = true;
@@ -80,6 +82,7 @@ void Camera::advance(Picoseconds now) {
 void Camera::finish() {
   MEBOTS_ASSERT(state_.done_at != kNever && state_.done_at >= state_.active_since);
   state_.active_total += state_.done_at - state_.active_since;
+  const auto stored = state_.done_at;
   state_.done_at = kNever;
   state_.status &= ~kBusy;
   state_.interrupt = true;
@@ -95,6 +98,7 @@ void Camera::finish() {
     state_.width = width;
     state_.height = size / width;
     state_.frame_id = state_.requests;
+    host_.picture_stored({state_.asked_at, state_.active_since, stored - read_out_ps_, stored});
   }
   picture_.clear();
 }
@@ -131,10 +135,10 @@ bool Camera::load(std::uint32_t offset, Picoseconds /*now*/, std::uint32_t& valu
   }
 }
 
-bool Camera::store(std::uint32_t offset, Picoseconds /*now*/, std::uint32_t value) {
+bool Camera::store(std::uint32_t offset, Picoseconds now, std::uint32_t value) {
   switch (offset) {
     case board::camera::kControl:
-      if ((value & 1U) != 0) request();
+      if ((value & 1U) != 0) request(now);
       return true;
     case board::camera::kStatus:
       state_.status &= ~(value & (kReady | kRefused));
@@ -157,6 +161,7 @@ void Camera::visit(state::Visitor& v) {
   v("waiting", state_.waiting);
   v("interrupt", state_.interrupt);
   v("frame_id", state_.frame_id);
+  v("asked_at", state_.asked_at);
   v("done_at", state_.done_at);
   v("active_since", state_.active_since);
   v("active_total", state_.active_total);

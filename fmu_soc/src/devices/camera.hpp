@@ -70,6 +70,7 @@ class Camera final : public Device {
     bool waiting = false;  // for the picture
     bool interrupt = false;
     std::int32_t frame_id = 0;
+    Picoseconds asked_at = 0;
     Picoseconds done_at = kNever;
     Picoseconds active_since = 0;
     Picoseconds active_total = 0;  // up to the last end
@@ -79,14 +80,15 @@ class Camera final : public Device {
     std::uint32_t height = 0;
   };
 
-  void request();
+  void request(Picoseconds now);
   void finish();
 
   const BoardDevice& entry_;
   DeviceHost& host_;
   double idle_w_;
   double active_w_;
-  Picoseconds delay_ps_;
+  Picoseconds delay_ps_;     // exposure and read-out
+  Picoseconds read_out_ps_;  // of it
   State state_;
   std::vector<std::uint8_t> picture_;
 

@@ -108,10 +108,10 @@ bool DescribedDevice::store(std::uint32_t offset, Picoseconds now, std::uint32_t
   } else if (registers_[index].takes_opcodes) {
     obey(index, value, now);
   } else if (described.commits) {
-    send(0, registers_.size());
+    send(0, registers_.size(), now);
   } else {
     values_[index] = value;
-    if (!commits_) send(index, index + 1);
+    if (!commits_) send(index, index + 1, now);
   }
   return true;
 }
@@ -130,17 +130,20 @@ bool DescribedDevice::pass_over(std::uint32_t offset, std::string_view access) {
 }
 
 /// Those of these registers that send do so, all of them or none.
-void DescribedDevice::send(std::size_t first, std::size_t last) {
+void DescribedDevice::send(std::size_t first, std::size_t last, Picoseconds now) {
   for (auto i = first; i < last; ++i) {
     if (const auto fault = fault_of(i); !fault.empty()) {
       host_.complain(fmt::format("{}: {}: nothing was sent", entry_.name, fault));
       return;
     }
   }
+  bool sends = false;
   for (auto i = first; i < last; ++i) {
     if (registers_[i].output == kNone) continue;
     outputs_[registers_[i].output] = from_register(values_[i], entry_.registers[i].units_per_si);
+    sends = true;
   }
+  if (sends) host_.setpoints_sent(entry_.name, now);
 }
 
 std::string DescribedDevice::fault_of(std::size_t reg) const {

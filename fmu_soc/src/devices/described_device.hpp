@@ -68,7 +68,7 @@ class DescribedDevice final : public Device {
   /// What is wrong with what the register holds; empty = nothing.
   std::string fault_of(std::size_t reg) const;
   bool pass_over(std::uint32_t offset, std::string_view access);
-  void send(std::size_t first, std::size_t last);
+  void send(std::size_t first, std::size_t last, Picoseconds now);
 
   const BoardDevice& entry_;
   DeviceHost& host_;

@@ -15,6 +15,7 @@ constexpr std::uint32_t kOrientation = 0x0101;
 constexpr std::uint32_t kSoftwareReset = 0x0103;
 constexpr std::uint32_t kFrameLines = 0x0340;
 constexpr std::uint32_t kLineClocks = 0x0342;
+constexpr std::uint32_t kIntegrationLines = 0x0202;
 constexpr std::uint32_t kStreaming = 1;
 constexpr std::uint32_t kMirrored = 1;
 constexpr std::uint32_t kUpsideDown = 2;
@@ -76,6 +77,10 @@ std::uint8_t Himax::read() {
 Picoseconds Himax::lines_time(std::uint32_t lines) const {
   const auto clocks = std::int64_t{lines} * std::max<std::uint32_t>(pair(kLineClocks), kWidth);
   return clocks * 1'000'000'000'000 / kPixelClockHz;
+}
+
+Picoseconds Himax::exposure_time() const {
+  return lines_time(pair(kIntegrationLines));
 }
 
 Picoseconds Himax::frame_at(Picoseconds time) const {

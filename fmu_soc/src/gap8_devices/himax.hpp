@@ -50,6 +50,8 @@ class Himax final : public I2cDevice {
   Picoseconds frame_at(Picoseconds time) const;
   /// From a frame's begin up to the end of so many lines.
   Picoseconds lines_time(std::uint32_t lines) const;
+  /// How long each line gathers light.
+  Picoseconds exposure_time() const;
   std::uint32_t height() const { return (reg(0x3010) & 1U) != 0 ? kWindowHeight : kHeight; }
   /// The pixels of a frame in the order in which they come out, from a picture of kWidth columns with at least height()
   /// rows, of which those in the middle are taken.

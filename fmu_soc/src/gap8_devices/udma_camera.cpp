@@ -49,6 +49,7 @@ Picoseconds UdmaCamera::end_time(const UdmaTransfer& /*transfer*/, Picoseconds s
 
 void UdmaCamera::ask(Picoseconds now) {
   trigger_ = ++requests_;
+  asked_at_ = now;
   if (!roll_.exists()) {
     waits_ = true;
     return;
@@ -123,7 +124,13 @@ void UdmaCamera::end(const UdmaTransfer& transfer) {
   if (stream_.size() > transfer.size) stream_.resize(transfer.size);
   if (!host_.host.write_memory(transfer.address, stream_)) {
     host_.complain_of_memory(transfer.address, transfer.size);
+    return;
   }
+  const auto stored = transfer.done_at;
+  const auto read_out = std::max(stored - sensor_.lines_time(last_line()), came_at_);
+  const auto exposed = read_out - sensor_.exposure_time();
+  // It exposes one frame while it reads out another, so it may have begun before somebody asked.
+  host_.host.picture_stored({std::min(asked_at_, exposed), exposed, read_out, stored});
 }
 
 double* UdmaCamera::input(std::string_view variable) {
@@ -156,6 +163,7 @@ void UdmaCamera::begin_step(Picoseconds now) {
 
 void UdmaCamera::visit(state::Visitor& v) {
   v("requests", requests_);
+  v("asked_at", asked_at_);
   v("waits", waits_);
   v("has_picture", has_picture_);
   v("came_at", came_at_);

@@ -57,6 +57,7 @@ class UdmaCamera final : public UdmaPeripheral {
   Himax& sensor_;
   const PictureRoll& roll_;
   std::int32_t requests_ = 0;
+  Picoseconds asked_at_ = 0;
   bool waits_ = false;  // for the world's picture
   bool has_picture_ = false;
   Picoseconds came_at_ = 0;

@@ -94,7 +94,7 @@ double UdmaSpim::obey(Master& master, bool acts, Picoseconds now) {
         break;
       }
       case kSpimEnd:
-        if (acts) tell_what_was_sent();
+        if (acts) tell_what_was_sent(now);
         if (acts && (word & 1U) != 0) host_.signals.raise_soc_event(end_event_, now);
         break;
       case kSpimSelect:
@@ -109,7 +109,7 @@ double UdmaSpim::obey(Master& master, bool acts, Picoseconds now) {
 }
 
 /// A transaction has ended.
-void UdmaSpim::tell_what_was_sent() {
+void UdmaSpim::tell_what_was_sent(Picoseconds now) {
   if (data_.empty()) return;
   transactions_ += 1;
   data_.resize(kWords * sizeof(std::uint16_t));
@@ -117,6 +117,7 @@ void UdmaSpim::tell_what_was_sent() {
     sent_[i] = static_cast<std::int16_t>(data_[2 * i] | data_[2 * i + 1] << 8);
   }
   data_.clear();
+  host_.host.setpoints_sent(name_, now);
 }
 
 const double* UdmaSpim::output(std::string_view variable) const {

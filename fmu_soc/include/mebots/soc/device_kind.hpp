@@ -24,6 +24,22 @@
 /// mebots_device_library() of the installed CMake package builds it; mebots-boardgen --skeleton begins its source.
 namespace mebots::soc {
 
+/// When a camera was asked for a picture, when its first row began to gather light, when reading out began, and when
+/// its last pixel was in the chip's memory: in this order.
+struct PictureTimes {
+  Picoseconds asked = 0;
+  Picoseconds exposed = 0;
+  Picoseconds read_out = 0;
+  Picoseconds stored = 0;
+
+  void visit(state::Visitor& v) {
+    v("asked", asked);
+    v("exposed", exposed);
+    v("read_out", read_out);
+    v("stored", stored);
+  }
+};
+
 /// What the chip does for a device. Lives longer than the device.
 class DeviceHost {
  public:
@@ -44,6 +60,11 @@ class DeviceHost {
   virtual void complain(std::string_view text) = 0;
   /// The function that the fabric controller executes, for such texts; empty = not known.
   virtual std::string function() const { return {}; }
+
+  /// A picture is in memory now: a decision may begin.
+  virtual void picture_stored(const PictureTimes& /*times*/) {}
+  /// Set-points go out: a decision ends when this is the sender that the board names.
+  virtual void setpoints_sent(std::string_view /*sender*/, Picoseconds /*now*/) {}
 };
 
 struct DeviceKind {
