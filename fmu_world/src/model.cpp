@@ -204,7 +204,7 @@ void World::step(std::int64_t start_ns, std::int64_t duration_ns) {
   check_inputs();
   take_mass();
   reseed();
-  take_setpoint(start_ns);
+  take_setpoint(start_ns, duration_ns);
   take_rotor_speeds(static_cast<double>(duration_ns) * 1e-9);
   camera_.see_trigger(inputs_.camera_trigger, state_, start_ns);
   const std::int64_t count = (duration_ns + inner_step_ns_ - 1) / inner_step_ns_;
@@ -215,11 +215,15 @@ void World::step(std::int64_t start_ns, std::int64_t duration_ns) {
   write_outputs();
 }
 
-void World::take_setpoint(std::int64_t time_ns) {
+void World::take_setpoint(std::int64_t time_ns, std::int64_t duration_ns) {
+  const Setpoint before = setpoint_;
   setpoint_ =
       link_.exchange({inputs_.setpoint_mode, inputs_.setpoint_velocity_x_m_per_s, inputs_.setpoint_velocity_y_m_per_s,
                       inputs_.setpoint_yaw_rate_rad_per_s, inputs_.setpoint_altitude_m},
                      time_ns);
+  if (setpoint_ == before) return;
+  outputs_.setpoint_link_time_s = static_cast<double>(link_.travelled_ns()) * 1e-9;
+  outputs_.setpoint_control_time_s = static_cast<double>(duration_ns) * 1e-9;  // commands go out at the step's end
 }
 
 /// Speeds are those at the beginning of the step: they changed over the one before, which is taken to be as long.

@@ -54,7 +54,7 @@ class World {
   void take_mass();
   void reseed();
   void set_mass(double mass_kg);
-  void take_setpoint(std::int64_t time_ns);
+  void take_setpoint(std::int64_t time_ns, std::int64_t duration_ns);
   void take_rotor_speeds(double duration_s);
   Wrench rotors_wrench() const;
   const std::string& name_of(const Touch& touch) const;

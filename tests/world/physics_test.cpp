@@ -120,6 +120,20 @@ TEST(Link, LatencyShiftsAFlightInTime) {
   EXPECT_GT(delayed.altitude_m(), 0.5);
 }
 
+TEST(Link, TellsHowLongSetpointsTravelledAndWhenRotorsFollowThem) {
+  Parameters parameters = FlightRig::small_camera();
+  parameters.setpoint_latency_s = 0.005;
+  FlightRig rig(shipped_scene("empty"), parameters);
+  rig.run(0.1);
+  const auto still = rig.outputs.rotor_command;
+  rig.inputs.setpoint_mode = FlightMode::take_off;
+  const double sent_s = rig.time_s();
+  while (rig.outputs.rotor_command == still && rig.time_s() < sent_s + 0.1) rig.step();
+  const double took_s = rig.time_s() - sent_s;
+  EXPECT_GE(rig.outputs.setpoint_link_time_s, 0.005);
+  EXPECT_NEAR(rig.outputs.setpoint_link_time_s + rig.outputs.setpoint_control_time_s, took_s, 1e-9);
+}
+
 TEST(Imu, FeelsTheWeightAtRestAndNothingInFreeFall) {
   FlightRig standing;
   standing.run(0.5);

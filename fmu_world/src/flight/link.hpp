@@ -35,15 +35,19 @@ class Link {
 
   /// What is sent at a time, not before the last one; gives what has arrived by then.
   const Setpoint& exchange(const Setpoint& sent, std::int64_t time_ns);
+  /// How long the last set-point that arrived had travelled; 0 before the first one.
+  std::int64_t travelled_ns() const { return travelled_ns_; }
 
   void visit(state::Visitor& v);
 
  private:
   struct Message {
+    std::int64_t sent_ns = 0;
     std::int64_t due_ns = 0;
     Setpoint setpoint;
 
     void visit(state::Visitor& v) {
+      v("sent_ns", sent_ns);
       v("due_ns", due_ns);
       v("setpoint", setpoint);
     }
@@ -51,6 +55,7 @@ class Link {
 
   std::int64_t latency_ns_;
   Setpoint arrived_;
+  std::int64_t travelled_ns_ = 0;
   std::vector<Message> under_way_;
 };
 
