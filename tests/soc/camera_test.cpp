@@ -87,6 +87,54 @@ TEST(Camera, BringsThePictureADelayAfterItCameAndRaisesItsInterruptOnce) {
   EXPECT_EQ(found, bytes);
 }
 
+/// A camera with an HM01B0's lines.
+BoardDescription with_lines(double frame_lines, double exposure_lines) {
+  auto board = BoardSystem::narrow();
+  for (auto& device : board.devices) {
+    for (auto& variable : device.variables) {
+      if (variable.name == "camera.frame_lines") variable.start = frame_lines;
+      if (variable.name == "camera.exposure_lines") variable.start = exposure_lines;
+    }
+  }
+  return board;
+}
+
+TEST(Camera, WithLinesTakesTheTimeOfItsExposureAndOfItsRows) {
+  BoardSystem system(fmt::format(fmt::runtime(kAsk), 4096, 0), {}, with_lines(260, 30));
+  system.soc.advance(2 * kMs);
+  system.camera().offer(picture(64 * 40), system.soc.now());
+  // 30 and 40 lines of 376 clocks at 6 MHz.
+  const auto ready_ns = 2 * kMs + 70 * 376 * 1000 / 6;
+  system.soc.advance(ready_ns - 10);
+  EXPECT_EQ(system.result(2), 0U);
+  system.soc.advance(30 * kMs);
+  EXPECT_NEAR(system.result(6), static_cast<double>(ready_ns), 1000);
+}
+
+TEST(Camera, WithLinesReadsOutNoMoreThanOnePictureAFrame) {
+  BoardSystem system(fmt::format(fmt::runtime(kAsk), 4096, 0), {}, with_lines(344, 30));
+  system.soc.advance(2 * kMs);
+  auto& camera = system.camera();
+  const auto line_ps = [](std::int64_t lines) { return static_cast<double>(lines) * 376e12 / 6e6; };
+  camera.offer(picture(64 * 40), system.soc.now());
+  const auto first_done = camera.next_event();
+  camera.advance(first_done);
+  const auto now = first_done + kPsPerNs;
+  ASSERT_TRUE(camera.store(0, now, 1));
+  camera.offer(picture(64 * 40), now);
+  EXPECT_NEAR(static_cast<double>(camera.next_event() - first_done), line_ps(344), 2);
+}
+
+TEST(Camera, RefusesLinesInWhichItsPictureHasNoRoom) {
+  BoardSystem system(fmt::format(fmt::runtime(kAsk), 4096, 0), {}, with_lines(39, 0));
+  system.soc.advance(2 * kMs);
+  EXPECT_THAT([&] { system.camera().offer(picture(64 * 40), system.soc.now()); },
+              testing::ThrowsMessage<Error>(testing::HasSubstr("camera.frame_lines 39 is too few")));
+  BoardSystem exposed(fmt::format(fmt::runtime(kAsk), 4096, 0), {}, with_lines(60, 59));
+  exposed.soc.advance(2 * kMs);
+  EXPECT_THROW(exposed.camera().offer(picture(64 * 40), exposed.soc.now()), Error);
+}
+
 double seconds_of(const Soc& soc, ChipState state) {
   return static_cast<double>(soc.state_times().total(static_cast<std::size_t>(state))) * 1e-12;
 }

@@ -68,6 +68,56 @@ TEST(Gap8Himax, HasTheFrameTimesThatWereMeasuredOnAnAiDeck) {
   EXPECT_NEAR(static_cast<double>(sensor.frame_at(1'000'001) - 1'000'000), 16.293e9, 1e6);
 }
 
+void set_pair(Himax& sensor, std::uint32_t at, std::uint32_t value) {
+  set(sensor, at, static_cast<std::uint8_t>(value >> 8));
+  set(sensor, at + 1, static_cast<std::uint8_t>(value));
+}
+
+TEST(Gap8Himax, HasTheHighestRateOfEachFormatOfTheTable) {
+  struct Format {
+    bool halved;
+    bool window;
+    std::uint32_t lines;
+    std::uint32_t clocks;
+    std::uint32_t width;
+    std::uint32_t height;
+    double rate_hz;
+  };
+  // idsia-robotics/nanocockpit, himax_supported_framerates.md: formats 0 to 3, "Max".
+  for (const auto& format :
+       {Format{false, false, 344, 376, 324, 324, 46.39}, Format{false, true, 260, 376, 324, 244, 61.37},
+        Format{true, false, 170, 215, 162, 162, 164.16}, Format{true, true, 128, 215, 162, 122, 218.02}}) {
+    Himax sensor;
+    set(sensor, 0x0383, format.halved ? 3 : 1);
+    set(sensor, 0x0387, format.halved ? 3 : 1);
+    set(sensor, 0x3010, format.window ? 1 : 0);
+    set_pair(sensor, 0x0340, format.lines);
+    set_pair(sensor, 0x0342, format.clocks);
+    set(sensor, 0x0100, 1);
+    EXPECT_EQ(sensor.width(), format.width);
+    EXPECT_EQ(sensor.height(), format.height);
+    EXPECT_NEAR(1e12 / static_cast<double>(sensor.frame_at(1)), format.rate_hz, 0.005);
+    set_pair(sensor, 0x0202, 100);
+    EXPECT_EQ(sensor.exposure_time(), sensor.lines_time(100));
+  }
+}
+
+TEST(Gap8Himax, HalvesAPictureByBinningOrByLeavingOut) {
+  Himax sensor;
+  const auto picture = picture_of(Himax::kHeight);  // (row, column) is row + column
+  std::vector<std::uint8_t> pixels;
+  set(sensor, 0x0383, 3);
+  set(sensor, 0x0387, 3);
+  sensor.read_out(picture, pixels);
+  ASSERT_EQ(pixels.size(), std::size_t{162} * 162);
+  EXPECT_EQ(pixels[0], 0);
+  EXPECT_EQ(pixels[162 + 1], 4) << "row 2, column 2";
+  set(sensor, 0x0390, 3);
+  sensor.read_out(picture, pixels);
+  EXPECT_EQ(pixels[0], 1) << "mean of 0, 1, 1, 2";
+  EXPECT_EQ(pixels[162 + 1], 5);
+}
+
 TEST(Gap8Himax, ReadsOutTheWindowMirroredAndUpsideDown) {
   Himax sensor;
   const auto picture = picture_of(Himax::kHeight);

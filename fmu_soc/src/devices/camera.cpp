@@ -8,25 +8,42 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cmath>
 #include <type_traits>
 
 namespace mebots::soc {
+namespace {
+
+/// An HM01B0 gathers light for as many lines as its frame has, less these. Source: its data sheet, as nanocockpit's
+/// driver (himax.c) obeys it.
+constexpr double kBlankLines = 2;
+
+}  // namespace
 
 Camera::Camera(const BoardDevice& entry, DeviceHost& host)
     : entry_(entry),
       host_(host),
       idle_w_(entry.state("idle").current_a * entry.supply_voltage_v),
       active_w_(entry.state("active").current_a * entry.supply_voltage_v),
-      delay_ps_(std::llround(entry.state("active").delay_s * kPsPerS)),
-      read_out_ps_(delay_ps_) {
+      delay_ps_(std::llround(entry.state("active").delay_s * kPsPerS)) {
   picture_.reserve(kReservedBytes);
-  if (const auto* width = entry.variable(entry.name + ".frame_width")) frame_width_ = width->start;
+  for (const auto& variable : entry.variables) {
+    if (auto* number = variable.is_number() && variable.causality == BoardVariable::Causality::parameter
+                           ? input(variable.name)
+                           : nullptr) {
+      *number = variable.start;
+    }
+  }
 }
 
 double* Camera::input(std::string_view variable) {
   if (variable == entry_.name + ".frame_id") return &frame_id_;
   if (variable == entry_.name + ".frame_width") return &frame_width_;
+  if (variable == entry_.name + ".frame_lines") return &frame_lines_;
+  if (variable == entry_.name + ".line_clocks") return &line_clocks_;
+  if (variable == entry_.name + ".pixel_clock") return &pixel_clock_hz_;
+  if (variable == entry_.name + ".exposure_lines") return &exposure_lines_;
   return nullptr;
 }
 
@@ -71,8 +88,29 @@ void Camera::offer(std::span<const std::uint8_t> picture, Picoseconds now) {
   MEBOTS_ASSERT(state_.waiting, "ask wants() first");
   picture_.assign(picture.begin(), picture.end());
   state_.waiting = false;
+  if (frame_lines_ > 0) return time_lines(now);
   state_.active_since = now;
+  state_.read_out_at = now;
   state_.done_at = now + delay_ps_;
+}
+
+/// One row behind the other: a frame's lines leave no room for more pictures, whatever the firmware asks for.
+void Camera::time_lines(Picoseconds now) {
+  const auto rows = frame_width_ > 0 ? static_cast<double>(picture_.size()) / frame_width_ : 0;
+  if (rows > frame_lines_ || exposure_lines_ > frame_lines_ - kBlankLines) {
+    throw Error(
+        fmt::format("{0}.frame_lines {1} is too few for pictures of {2} rows and {0}.exposure_lines {3}: it must be at "
+                    "least the rows, and the exposure and {4} more",
+                    entry_.name, frame_lines_, rows, exposure_lines_, kBlankLines));
+  }
+  const auto lines = [this](double count) {
+    return static_cast<Picoseconds>(std::llround(count * line_clocks_ / pixel_clock_hz_ * kPsPerS));
+  };
+  auto read_out_at = now + lines(exposure_lines_);
+  if (state_.read_out_at) read_out_at = std::max(read_out_at, *state_.read_out_at + lines(frame_lines_));
+  state_.read_out_at = read_out_at;
+  state_.active_since = read_out_at - lines(exposure_lines_);
+  state_.done_at = read_out_at + lines(rows);
 }
 
 void Camera::advance(Picoseconds now) {
@@ -98,13 +136,13 @@ void Camera::finish() {
     state_.width = width;
     state_.height = size / width;
     state_.frame_id = state_.requests;
-    host_.picture_stored({state_.asked_at, state_.active_since, stored - read_out_ps_, stored});
+    host_.picture_stored({state_.asked_at, state_.active_since, *state_.read_out_at, stored});
   }
   picture_.clear();
 }
 
 double Camera::energy_j(Picoseconds now) const {
-  const bool active = state_.done_at != kNever;
+  const bool active = state_.done_at != kNever && now > state_.active_since;
   const auto active_ps = state_.active_total + (active ? now - state_.active_since : 0);
   MEBOTS_ASSERT(active_ps >= 0 && active_ps <= now);
   return (active_w_ * static_cast<double>(active_ps) + idle_w_ * static_cast<double>(now - active_ps)) / kPsPerS;
@@ -163,6 +201,7 @@ void Camera::visit(state::Visitor& v) {
   v("frame_id", state_.frame_id);
   v("asked_at", state_.asked_at);
   v("done_at", state_.done_at);
+  v("read_out_at", state_.read_out_at);
   v("active_since", state_.active_since);
   v("active_total", state_.active_total);
   v("buffer", state_.buffer);
@@ -172,6 +211,10 @@ void Camera::visit(state::Visitor& v) {
   v("picture", picture_);
   v("frame_id_input", frame_id_);
   v("frame_width", frame_width_);
+  v("frame_lines", frame_lines_);
+  v("line_clocks", line_clocks_);
+  v("pixel_clock", pixel_clock_hz_);
+  v("exposure_lines", exposure_lines_);
   v("trigger", trigger_);
 }
 

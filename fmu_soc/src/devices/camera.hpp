@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -22,8 +23,12 @@ namespace mebots::soc {
 /// that does not fit when it comes is dropped: refused is set, and the line goes up, so that nobody waits for ever. The
 /// camera draws its active current from offer() to the end, its idle current otherwise.
 ///
-/// Its variables are those of its entry that begin with its name: .frame, .frame_id, .frame.base64 and .frame_width go
-/// in, .trigger goes out.
+/// With the parameter .frame_lines above 0 it keeps an HM01B0's times instead of the delay: a row after another, each
+/// in .line_clocks of .pixel_clock, after .exposure_lines of them in which the first row gathers light. It reads out no
+/// more than one picture in .frame_lines.
+///
+/// Its variables are those of its entry that begin with its name: .frame, .frame_id, .frame.base64, .frame_width and
+/// the four above go in, .trigger goes out.
 class Camera final : public Device {
  public:
   static constexpr std::uint32_t kBusy = 1;
@@ -72,6 +77,7 @@ class Camera final : public Device {
     std::int32_t frame_id = 0;
     Picoseconds asked_at = 0;
     Picoseconds done_at = kNever;
+    std::optional<Picoseconds> read_out_at;  // of the picture that comes, or came last
     Picoseconds active_since = 0;
     Picoseconds active_total = 0;  // up to the last end
     std::uint32_t buffer = 0;
@@ -82,19 +88,23 @@ class Camera final : public Device {
 
   void request(Picoseconds now);
   void finish();
+  void time_lines(Picoseconds now);
 
   const BoardDevice& entry_;
   DeviceHost& host_;
   double idle_w_;
   double active_w_;
-  Picoseconds delay_ps_;     // exposure and read-out
-  Picoseconds read_out_ps_;  // of it
+  Picoseconds delay_ps_;  // exposure and read-out, where no lines say it
   State state_;
   std::vector<std::uint8_t> picture_;
 
   // Variables.
   double frame_id_ = 0;
   double frame_width_ = 0;
+  double frame_lines_ = 0;
+  double line_clocks_ = 376;
+  double pixel_clock_hz_ = 6e6;
+  double exposure_lines_ = 0;
   double trigger_ = 0;
   std::span<const std::uint8_t> frame_;
   std::string_view frame_base64_;

@@ -16,6 +16,9 @@ constexpr std::uint32_t kSoftwareReset = 0x0103;
 constexpr std::uint32_t kFrameLines = 0x0340;
 constexpr std::uint32_t kLineClocks = 0x0342;
 constexpr std::uint32_t kIntegrationLines = 0x0202;
+constexpr std::uint32_t kBinning = 0x0390;
+constexpr std::uint32_t kBinsRows = 1;
+constexpr std::uint32_t kBinsColumns = 2;
 constexpr std::uint32_t kStreaming = 1;
 constexpr std::uint32_t kMirrored = 1;
 constexpr std::uint32_t kUpsideDown = 2;
@@ -75,7 +78,7 @@ std::uint8_t Himax::read() {
 }
 
 Picoseconds Himax::lines_time(std::uint32_t lines) const {
-  const auto clocks = std::int64_t{lines} * std::max<std::uint32_t>(pair(kLineClocks), kWidth);
+  const auto clocks = std::int64_t{lines} * std::max(pair(kLineClocks), width());
   return clocks * 1'000'000'000'000 / kPixelClockHz;
 }
 
@@ -91,18 +94,25 @@ Picoseconds Himax::frame_at(Picoseconds time) const {
 }
 
 void Himax::read_out(std::span<const std::uint8_t> picture, std::vector<std::uint8_t>& pixels) const {
-  const std::size_t rows = height();
-  MEBOTS_ASSERT(picture.size() % kWidth == 0 && picture.size() / kWidth >= rows);
-  const auto above = (picture.size() / kWidth - rows) / 2;
+  const std::size_t window = window_height();
+  MEBOTS_ASSERT(picture.size() % kWidth == 0 && picture.size() / kWidth >= window);
+  const auto top = picture.subspan((picture.size() / kWidth - window) / 2 * kWidth);
   const auto orientation = reg(kOrientation);
+  const std::size_t rows = height();
+  const std::size_t columns = width();
+  const std::size_t binned_rows = row_step() == 2 && (reg(kBinning) & kBinsRows) != 0 ? 2 : 1;
+  const std::size_t binned_columns = column_step() == 2 && (reg(kBinning) & kBinsColumns) != 0 ? 2 : 1;
+  const auto count = binned_rows * binned_columns;
   pixels.clear();
   for (std::size_t row = 0; row < rows; ++row) {
-    const auto source = above + ((orientation & kUpsideDown) != 0 ? rows - 1 - row : row);
-    const auto line = picture.subspan(source * kWidth, kWidth);
-    if ((orientation & kMirrored) != 0) {
-      pixels.insert(pixels.end(), line.rbegin(), line.rend());
-    } else {
-      pixels.insert(pixels.end(), line.begin(), line.end());
+    const auto from_row = ((orientation & kUpsideDown) != 0 ? rows - 1 - row : row) * row_step();
+    for (std::size_t column = 0; column < columns; ++column) {
+      const auto from_column = ((orientation & kMirrored) != 0 ? columns - 1 - column : column) * column_step();
+      std::size_t sum = count / 2;
+      for (std::size_t i = 0; i < binned_rows; ++i) {
+        for (std::size_t j = 0; j < binned_columns; ++j) sum += top[(from_row + i) * kWidth + from_column + j];
+      }
+      pixels.push_back(static_cast<std::uint8_t>(sum / count));
     }
   }
 }

@@ -26,11 +26,15 @@ class I2cDevice {
 
 /// HM01B0, the AI-deck's and the GAPuino's camera, as a driver sees it: 8-bit registers at 16-bit addresses by I2C,
 /// which keep what is stored, and a frame after another while MODE_SELECT says so. Of the registers these do something:
-/// 0x0100 mode, 0x0101 orientation, 0x0103 reset, 0x0340 lines of a frame, 0x0342 pixel clocks of a line, 0x3010 window
-/// of 244 lines instead of 324. Pictures are exposed as they come: gain and integration time change nothing.
+/// 0x0100 mode, 0x0101 orientation, 0x0103 reset, 0x0202 lines of integration, 0x0340 lines of a frame, 0x0342 pixel
+/// clocks of a line, 0x0383 and 0x0387 every second column and row (3), 0x0390 binning of those pairs (bit 0 rows, bit
+/// 1 columns), 0x3010 window of 244 lines instead of 324. So frames come as often as lines and clocks say: at 6 MHz at
+/// most 46.4 a second of 344 lines of 376 clocks (all rows), 61.4 of 260 (window), 164 of 170 lines of 215 clocks (all
+/// rows, halved), 218 of 128 (window, halved). A frame with fewer lines than it has rows takes a line for each row.
+/// Pictures are as bright as they come: gain and integration change nothing in them.
 ///
-/// Sources: register names in the driver of GreenWaves' gap_sdk (himax.c); pixel clock of 6 MHz and lines of 376 clocks
-/// in idsia-robotics/nanocockpit, himax_supported_framerates.md.
+/// Sources: register names in the driver of GreenWaves' gap_sdk (himax.c); formats, least lines and clocks, and the
+/// clock of 6 MHz in idsia-robotics/nanocockpit (himax.c, himax_supported_framerates.md).
 class Himax final : public I2cDevice {
  public:
   static constexpr std::uint32_t kWidth = 324;
@@ -52,19 +56,26 @@ class Himax final : public I2cDevice {
   Picoseconds lines_time(std::uint32_t lines) const;
   /// How long each line gathers light.
   Picoseconds exposure_time() const;
-  std::uint32_t height() const { return (reg(0x3010) & 1U) != 0 ? kWindowHeight : kHeight; }
-  /// The pixels of a frame in the order in which they come out, from a picture of kWidth columns with at least height()
-  /// rows, of which those in the middle are taken.
+  /// Rows of the array that a frame shows.
+  std::uint32_t window_height() const { return (reg(0x3010) & 1U) != 0 ? kWindowHeight : kHeight; }
+  /// Of a frame as it comes out.
+  std::uint32_t width() const { return kWidth / column_step(); }
+  std::uint32_t height() const { return window_height() / row_step(); }
+  /// The pixels of a frame in the order in which they come out, from a picture of kWidth columns with at least
+  /// window_height() rows, of which those in the middle are taken.
   void read_out(std::span<const std::uint8_t> picture, std::vector<std::uint8_t>& pixels) const;
 
   void visit(state::Visitor& v);
 
  private:
   static constexpr std::size_t kRegisters = 0x4000;
+  static constexpr std::uint8_t kEverySecond = 3;
 
   void reset();
   void stream(bool on, Picoseconds now);
   std::uint8_t reg(std::size_t at) const { return registers_[at]; }
+  std::uint32_t column_step() const { return reg(0x0383) == kEverySecond ? 2 : 1; }
+  std::uint32_t row_step() const { return reg(0x0387) == kEverySecond ? 2 : 1; }
   std::uint32_t pair(std::size_t at) const { return std::uint32_t{reg(at)} << 8 | reg(at + 1); }
 
   PartPort port_;

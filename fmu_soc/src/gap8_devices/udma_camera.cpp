@@ -64,10 +64,10 @@ void UdmaCamera::ask(Picoseconds now) {
 
 void UdmaCamera::take(std::span<const std::uint8_t> picture, Picoseconds now) {
   waits_ = false;
-  if (picture.size() % Himax::kWidth != 0 || picture.size() / Himax::kWidth < sensor_.height()) {
+  if (picture.size() % Himax::kWidth != 0 || picture.size() / Himax::kWidth < sensor_.window_height()) {
     throw Error(fmt::format(
         "{}: picture {} of the camera has {} bytes; this camera's has rows of {} and now at least {} of them",
-        host_.entry.name, requests_, picture.size(), Himax::kWidth, sensor_.height()));
+        host_.entry.name, requests_, picture.size(), Himax::kWidth, sensor_.window_height()));
   }
   picture_.assign(picture.begin(), picture.end());
   has_picture_ = true;
@@ -89,10 +89,11 @@ void UdmaCamera::convert() {
   const auto format = global >> kFormatShift & 7U;
   const auto shift = global >> kShiftShift & 0xfU;
   const bool has_window = (global & kHasWindow) != 0;
-  const std::size_t pairs = Himax::kWidth / kPixelBytes;
+  const std::size_t width = sensor_.width();
+  const std::size_t pairs = width / kPixelBytes;
   stream_.clear();
   for (std::size_t i = 0; i + 1 < pixels_.size(); i += kPixelBytes) {
-    const auto row = i / Himax::kWidth;
+    const auto row = i / width;
     const auto column = i / kPixelBytes % pairs;
     if (has_window &&
         (row < lower >> 16 || row > upper >> 16 || column < (lower & 0xffffU) || column > (upper & 0xffffU))) {
