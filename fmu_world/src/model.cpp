@@ -381,6 +381,8 @@ void World::write_outputs() {
   outputs_.gate_lateral_error_m = gates_.lateral_error_m();
   outputs_.camera_frame = fmu::BinaryRef::to(camera_.frame());
   outputs_.camera_frame_id = camera_.frame_id();
+  outputs_.camera_frame_exposure_s = camera_.exposure_s();
+  outputs_.camera_frame_gain = camera_.gain();
 }
 
 void World::report(std::int64_t time_ns, std::string_view what) const {

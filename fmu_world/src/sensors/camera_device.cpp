@@ -30,9 +30,12 @@ void CameraDevice::see_trigger(std::int32_t count, const RigidState& body, std::
   const std::uint64_t seed = noise::bits(settings_.seed, noise::Stream::camera, 0);
   const auto index = static_cast<std::uint32_t>(count);
   if (sensor_) {
+    exposure_s_ = sensor_->exposure_s();
+    gain_ = sensor_->gain();
     const auto pose_at = [&](double after_s) { return pose_after(body, time_ns, after_s); };
     sensor_->take(std::cref(pose_at), seed, index, buffers_[front_]);  // a reference needs no heap
   } else {
+    gain_ = 1.0;
     renderer_->render(pose_after(body, time_ns, 0.0), seed, index, buffers_[front_]);
   }
   frame_id_ = count;
@@ -60,6 +63,8 @@ std::span<const std::uint8_t> CameraDevice::frame() const {
 void CameraDevice::visit(state::Visitor& v) {
   v("last_count", last_count_);
   v("frame_id", frame_id_);
+  v("exposure_s", exposure_s_);
+  v("gain", gain_);
   if (sensor_) v("sensor", *sensor_);
   // Into a new buffer, as a picture taken would: the bytes of the one before stay readable.
   if (v.restores()) front_ ^= 1U;

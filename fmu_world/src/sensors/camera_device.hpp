@@ -38,6 +38,9 @@ class CameraDevice {
   std::span<const std::uint8_t> frame() const;
   /// The count that the last picture answers; 0 before the first.
   std::int32_t frame_id() const { return frame_id_; }
+  /// Of the last picture; 0 before the first.
+  double exposure_s() const { return exposure_s_; }
+  double gain() const { return gain_; }
 
   void visit(state::Visitor& v);
 
@@ -53,6 +56,8 @@ class CameraDevice {
   std::uint8_t front_ = 0;
   std::int32_t last_count_ = 0;
   std::int32_t frame_id_ = 0;
+  double exposure_s_ = 0.0;
+  double gain_ = 0.0;
 };
 
 }  // namespace mebots::world
