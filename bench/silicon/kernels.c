@@ -33,19 +33,19 @@ void convolution_plain(const job_t* shared, unsigned core) {
 }
 
 // A row of five taps: no load is used by the instruction behind it.
-#define TAPS_OF_A_ROW                                                                                 \
-  XPULP_LB_POST("t0", "1", "%[p]")                                                                    \
-  XPULP_LB_POST("t1", "1", "%[w]")                                                                    \
-  XPULP_LB_POST("t2", "1", "%[p]")                                                                    \
-  XPULP_LB_POST("t3", "1", "%[w]")                                                                    \
-  XPULP_MAC("%[sum]", "t0", "t1")                                                                     \
-  XPULP_LB_POST("t0", "1", "%[p]")                                                                    \
-  XPULP_LB_POST("t1", "1", "%[w]")                                                                    \
-  XPULP_MAC("%[sum]", "t2", "t3")                                                                     \
-  XPULP_LB_POST("t2", "1", "%[p]")                                                                    \
-  XPULP_LB_POST("t3", "1", "%[w]")                                                                    \
-  XPULP_MAC("%[sum]", "t0", "t1") XPULP_LB_POST("t0", "108", "%[p]") XPULP_LB_POST("t1", "1", "%[w]") \
-      XPULP_MAC("%[sum]", "t2", "t3") XPULP_MAC("%[sum]", "t0", "t1")
+// clang-format off
+#define TAPS_OF_A_ROW                                                 \
+  XPULP_LB_POST("t0", "1", "%[p]") XPULP_LB_POST("t1", "1", "%[w]")   \
+  XPULP_LB_POST("t2", "1", "%[p]") XPULP_LB_POST("t3", "1", "%[w]")   \
+  XPULP_MAC("%[sum]", "t0", "t1")                                     \
+  XPULP_LB_POST("t0", "1", "%[p]") XPULP_LB_POST("t1", "1", "%[w]")   \
+  XPULP_MAC("%[sum]", "t2", "t3")                                     \
+  XPULP_LB_POST("t2", "1", "%[p]") XPULP_LB_POST("t3", "1", "%[w]")   \
+  XPULP_MAC("%[sum]", "t0", "t1")                                     \
+  XPULP_LB_POST("t0", "108", "%[p]") XPULP_LB_POST("t1", "1", "%[w]") \
+  XPULP_MAC("%[sum]", "t2", "t3")                                     \
+  XPULP_MAC("%[sum]", "t0", "t1")
+// clang-format on
 
 void convolution_scalar(const job_t* shared, unsigned core) {
   const job_t job = *shared;  // it lies in L2
@@ -107,9 +107,11 @@ void convolution_vector(const job_t* shared, unsigned core) {
 }
 
 // Two products: the second one waits a cycle for its load, as the published cycles say of GreenWaves' kernel.
-#define PRODUCT_PAIR(load, product, step)                                                                  \
-  load("t0", step, "%[p]") load("t1", step, "%[w]") load("t2", step, "%[p]") product("%[sum]", "t0", "t1") \
-      load("t3", step, "%[w]") product("%[sum]", "t2", "t3")
+// clang-format off
+#define PRODUCT_PAIR(load, product, step)                                    \
+  load("t0", step, "%[p]") load("t1", step, "%[w]") load("t2", step, "%[p]") \
+  product("%[sum]", "t0", "t1") load("t3", step, "%[w]") product("%[sum]", "t2", "t3")
+// clang-format on
 
 void linear_plain(const job_t* shared, unsigned core) {
   const job_t job = *shared;  // it lies in L2
