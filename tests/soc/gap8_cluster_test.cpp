@@ -462,38 +462,6 @@ TEST(Gap8Cluster, LetsOneCoreAtATimeThroughToL2) {
   EXPECT_GE(cycles_of_core(0xff, factors, 7, board), kLoads * 8 * 8 * 9 / 10) << "eight loads take 64 cycles";
 }
 
-TEST(Gap8Cluster, TakesTurnsAtABankOfL1ByItsAliasAsWell) {
-  const auto cycles_of_both = [](std::uint32_t who, std::string_view address) {
-    constexpr std::string_view kProgram = R"(
-1:  wfi
-    j 1b
-core: li s1, {}
-    li a2, 256
-2:  lw a0, 0(s1)
-    lw a0, 0(s1)
-    lw a0, 0(s1)
-    lw a0, 0(s1)
-    addi a2, a2, -1
-    bnez a2, 2b
-    li s0, 0x00204000
-3:  .insn i 0x03, 6, a5, 0x3c(s0)
-    j 3b
-fault: j fault
-)";
-    BoardSystem system(fmt::format("{}{}{}", kBegin, start_cluster(who), fmt::format(fmt::runtime(kProgram), address)),
-                       {}, gap8_board_of_cluster());
-    system.soc.advance(5 * kMs);
-    EXPECT_TRUE(system.faults.empty()) << system.faults.front();
-    return system.soc.hart(1).counters().cycles + system.soc.hart(2).counters().cycles;
-  };
-  const auto waited = [&](std::string_view address) {
-    return static_cast<double>(cycles_of_both(3, address)) - 2.0 * static_cast<double>(cycles_of_both(1, address));
-  };
-  const auto by_address = waited("0x10000040");
-  EXPECT_GT(by_address, 256) << "one waits for the other";
-  EXPECT_NEAR(waited("0x00000040"), by_address, 0.05 * by_address);
-}
-
 TEST(Gap8Cluster, LetsTheFabricControllerWaitForL2AndNotForItsOwnMemory) {
   const auto cycles_from = [](std::uint32_t address) {
     BoardSystem system(fmt::format(R"(
