@@ -41,9 +41,7 @@ std::uint32_t DataPath::longest_wait() const {
 }
 
 void DataPath::share_first(BankSchedule* banks) {
-  for (auto& port : ports_) {
-    if (port.region == ports_.front().region) port.banks = banks;  // its alias as well
-  }
+  ports_.front().banks = banks;
   execution_.ram[0].banks = banks;
 }
 
