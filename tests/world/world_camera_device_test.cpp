@@ -38,6 +38,27 @@ TEST(CameraDevice, AnswersARequestAtTheEndOfTheStepThatSeesIt) {
   EXPECT_EQ(rig.outputs.camera_frame.bytes().size(), 64U * 48U);
 }
 
+TEST(CameraDevice, TellsWithWhatItTookThePicture) {
+  FlightRig instant(shipped_scene("gate_easy"), parameters());
+  EXPECT_EQ(instant.outputs.camera_frame_gain, 0.0);
+  instant.inputs.camera_trigger = 1;
+  instant.step();
+  EXPECT_EQ(instant.outputs.camera_frame_exposure_s, 0.0);
+  EXPECT_EQ(instant.outputs.camera_frame_gain, 1.0);
+
+  Parameters automatic = parameters();
+  automatic.camera_exposure_s = 0.001;
+  automatic.camera_auto_exposure = true;
+  automatic.camera_auto_exposure_target = 200.0;
+  FlightRig rig(shipped_scene("gate_easy"), automatic);
+  rig.inputs.camera_trigger = 1;
+  rig.step();
+  EXPECT_DOUBLE_EQ(rig.outputs.camera_frame_exposure_s, 0.001);
+  rig.inputs.camera_trigger = 2;
+  rig.step();
+  EXPECT_GT(rig.outputs.camera_frame_exposure_s, 0.001) << "the first one was too dark";
+}
+
 TEST(CameraDevice, ShowsTheViewAtTheBeginningOfTheStep) {
   // Falling from 1.3 m for half a second would change the picture a lot; asked at the start, it shows the start.
   const auto picture_of_start = [] {
