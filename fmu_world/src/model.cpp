@@ -84,6 +84,15 @@ double checked(double value, double least, double most, std::string_view name) {
   return value;
 }
 
+std::optional<FlowSensor> flow_sensor(const scene::Drone& drone, const Parameters& parameters, std::int64_t start_ns) {
+  if (!parameters.flow_enabled && parameters.stabiliser_state == StateSource::truth) return std::nullopt;
+  if (!drone.flow) {
+    throw Error(fmt::format("{} needs flow_sensor in the drone file of \"{}\"; add it or leave the parameter out",
+                            parameters.flow_enabled ? "flow.enabled" : "stabiliser.state = estimate", drone.name));
+  }
+  return FlowSensor(*drone.flow, seed_of(parameters), start_ns);
+}
+
 std::vector<std::string> names_of(const std::vector<scene::Solid>& solids) {
   std::vector<std::string> names;
   for (const auto& solid : solids) names.push_back(solid.name);
@@ -111,24 +120,26 @@ World::World(scene::Scene scene, const Parameters& parameters, const Inputs& inp
       inner_step_ns_(inner_step_of(parameters)),
       obstacle_names_(names_of(scene::solids_of(scene_))),
       bodies_(scene_),
-      stabiliser_(scene_.drone),
       camera_(scene_, camera_settings(parameters)),
-      range_(scene_, parameters.range_noise_m, seed_of(parameters)),
+      range_(scene_, {parameters.range_model, parameters.range_noise_m}, seed_of(parameters)),
       imu_({parameters.imu_acceleration_noise_m_per_s2, parameters.imu_acceleration_bias_m_per_s2,
             parameters.imu_rate_noise_rad_per_s, parameters.imu_rate_bias_rad_per_s},
            seed_of(parameters)),
+      flow_(flow_sensor(scene_.drone, parameters, start_ns)),
       gusts_({parameters.gust_intensity_m_per_s, parameters.gust_length_m, parameters.gust_speed_m_per_s,
               static_cast<std::uint32_t>(parameters.gust_seed)}),
       link_(std::llround(checked(parameters.setpoint_latency_s, 0.0, 10.0, "setpoint.latency") * 1e9)),
       sequencer_(scene_.start.p_WB_m.z() + parameters.start_offset_m[axis::z] - 0.5 * scene_.drone.body_size_m.z() <=
                  kOnGround_m),
       gates_({scene_.gates.begin(), scene_.gates.end()}, scene_.drone.body_size_m),
-      state_(start_of(scene_, parameters)) {
+      state_(start_of(scene_, parameters)),
+      flight_control_(scene_.drone, parameters.stabiliser_controller, parameters.stabiliser_state, state_, start_ns) {
   require_at_least_zero(in_.drone_dry_mass_kg, "drone.dry_mass");
   require_at_least_zero(in_.range_noise_m, "range.noise");
   checked(in_.rotors_inertia_kg_m2, 0.0, 1.0, "rotors.inertia");
   checked(in_.rotors_radius_m, 1e-3, 10.0, "rotors.radius");
   checked(in_.rotors_ground_effect, 0.0, 4.0, "rotors.ground_effect");
+  check_words();
   check_inputs();
   rotor_speed_rad_per_s_ = inputs_.rotor_speed_rad_per_s;  // what turns already does not speed up
   take_mass();
@@ -161,6 +172,27 @@ void World::check_start(std::int64_t start_ns) {
   }
 }
 
+void World::check_words() const {
+  if (to_string(in_.stabiliser_controller) == "?") {
+    throw Error(fmt::format("stabiliser.controller = {} is not a controller; ideal is 0, crazyflie 1",
+                            static_cast<std::int32_t>(in_.stabiliser_controller)));
+  }
+  if (to_string(in_.stabiliser_state) == "?") {
+    throw Error(fmt::format("stabiliser.state = {} is not a source of the state; truth is 0, estimate 1",
+                            static_cast<std::int32_t>(in_.stabiliser_state)));
+  }
+  if (to_string(in_.range_model) == "?") {
+    throw Error(
+        fmt::format("range.model = {} is not a model; ray is 0, cone 1", static_cast<std::int32_t>(in_.range_model)));
+  }
+  constexpr double kAttitudePeriod_s = 1e-9 * static_cast<double>(crazyflie::Controller::kAttitudePeriod_ns);
+  if (in_.stabiliser_controller == FlightController::crazyflie && in_.physics_step_s > kAttitudePeriod_s) {
+    throw Error(
+        fmt::format("physics.step = {} s is too long for stabiliser.controller = crazyflie, which runs every {} s",
+                    in_.physics_step_s, kAttitudePeriod_s));
+  }
+}
+
 void World::check_inputs() const {
   for (std::size_t i = 0; i < rotor::kCount; ++i) {
     require_at_least_zero(inputs_.rotor_thrust_n[i], rotor::kWords[i], ".thrust");
@@ -174,6 +206,7 @@ void World::check_inputs() const {
   require_finite(inputs_.setpoint_yaw_rate_rad_per_s, "setpoint.yaw_rate");
   require_at_least_zero(inputs_.setpoint_altitude_m, "setpoint.altitude");
   require_at_least_zero(inputs_.cell_mass_kg, "cell.mass");
+  require_at_least_zero(inputs_.bus_voltage_v, "bus.voltage");
   if (to_string(inputs_.setpoint_mode) == "?") {
     throw Error(fmt::format("setpoint.mode = {} is not a mode; off is 0, take_off 1, fly 2, land 3",
                             static_cast<std::int32_t>(inputs_.setpoint_mode)));
@@ -191,12 +224,13 @@ void World::reseed() {
   camera_.reseed(seed);
   range_.reseed(seed);
   imu_.reseed(seed);
+  if (flow_) flow_->reseed(seed);
 }
 
 void World::set_mass(double mass_kg) {
   const Eigen::Vector3d inertia_kg_m2 = inertia_for(scene_.drone, mass_kg);
   bodies_.set_mass(mass_kg, inertia_kg_m2);
-  stabiliser_.set_mass(mass_kg, inertia_kg_m2);
+  flight_control_.set_mass(mass_kg, inertia_kg_m2);
   mass_kg_ = mass_kg;
 }
 
@@ -277,9 +311,15 @@ void World::inner_step(std::int64_t begin_ns, std::int64_t end_ns, double dt_s) 
   if (before != FlightPhase::landed && sequencer_.phase() == FlightPhase::landed) {
     if (const auto event = gates_.land(state_, end_ns)) report_gate(end_ns, *event);
   }
-  stabiliser_.update(goal(), state_, dt_s);
-  range_.update(end_ns, state_);
-  imu_.update(end_ns, from, state_, dt_s);
+  sense(end_ns, from, dt_s);
+  flight_control_.update(goal(), state_, {imu_, flow_ ? &*flow_ : nullptr, range_}, end_ns, dt_s,
+                         inputs_.bus_voltage_v);
+}
+
+void World::sense(std::int64_t time_ns, const RigidState& from, double dt_s) {
+  range_.update(time_ns, state_);
+  imu_.update(time_ns, from, state_, dt_s);
+  if (flow_) flow_->update(time_ns, state_, range_.sight_m(state_, time_ns), dt_s);
 }
 
 void World::judge_touches(const std::vector<Touch>& touches, std::int64_t time_ns, Situation& situation) {
@@ -351,7 +391,7 @@ StabiliserGoal World::goal() const {
 void World::write_outputs() {
   const Eigen::Matrix3d R_WB = state_.rotation();
   const Attitude attitude = attitude_of(R_WB);
-  outputs_.rotor_command = stabiliser_.command();
+  outputs_.rotor_command = flight_control_.command();
   outputs_.drone_position_m = array(state_.p_WB_m);
   outputs_.drone_velocity_m_per_s = array(state_.v_WB_m_per_s);
   outputs_.drone_roll_rad = attitude.roll_rad;
@@ -366,10 +406,9 @@ void World::write_outputs() {
   outputs_.drone_phase = sequencer_.phase();
   outputs_.drone_landed = sequencer_.phase() == FlightPhase::landed;
   outputs_.drone_crashed = sequencer_.phase() == FlightPhase::crashed;
-  outputs_.imu_acceleration_m_per_s2 = array(imu_.acceleration_m_per_s2());
-  outputs_.imu_angular_velocity_rad_per_s = array(imu_.rate_rad_per_s());
   outputs_.wind_gust_m_per_s = array(gust_W_m_per_s_);
-  outputs_.range_down_m = range_.reading_m();
+  write_sensors();
+  write_estimate();
   outputs_.gate_reached = gates_.reached();
   outputs_.gate_crossed = gates_.crossed();
   outputs_.gate_passed = gates_.passed();
@@ -383,6 +422,29 @@ void World::write_outputs() {
   outputs_.camera_frame_id = camera_.frame_id();
   outputs_.camera_frame_exposure_s = camera_.exposure_s();
   outputs_.camera_frame_gain = camera_.gain();
+}
+
+void World::write_sensors() {
+  outputs_.imu_acceleration_m_per_s2 = array(imu_.acceleration_m_per_s2());
+  outputs_.imu_angular_velocity_rad_per_s = array(imu_.rate_rad_per_s());
+  outputs_.range_down_m = range_.reading_m();
+  if (!flow_) return;
+  outputs_.flow_motion_x = flow_->sample().counts[0];
+  outputs_.flow_motion_y = flow_->sample().counts[1];
+  outputs_.flow_seen = flow_->sample().seen;
+}
+
+void World::write_estimate() {
+  const RigidState* estimate = flight_control_.estimate();
+  if (estimate == nullptr) return;
+  const Attitude attitude = attitude_of(estimate->rotation());
+  outputs_.estimate_position_m = array(estimate->p_WB_m);
+  outputs_.estimate_velocity_m_per_s = array(estimate->v_WB_m_per_s);
+  outputs_.estimate_roll_rad = attitude.roll_rad;
+  outputs_.estimate_pitch_rad = attitude.pitch_rad;
+  outputs_.estimate_yaw_rad = attitude.yaw_rad;
+  outputs_.estimate_forward_velocity_m_per_s =
+      std::cos(attitude.yaw_rad) * estimate->v_WB_m_per_s.x() + std::sin(attitude.yaw_rad) * estimate->v_WB_m_per_s.y();
 }
 
 void World::report(std::int64_t time_ns, std::string_view what) const {
@@ -401,11 +463,12 @@ void World::visit(state::Visitor& v) {
   v("body", state_);
   v("mass_kg", mass_kg);
   v("path_length_m", path_length_m_);
-  v("stabiliser", stabiliser_);
+  v("flight_control", flight_control_);
   v("sequencer", sequencer_);
   v("gates", gates_);
   v("range", range_);
   v("imu", imu_);
+  if (flow_) v("flow", *flow_);
   v("gusts", gusts_);
   v("link", link_);
   v("setpoint", setpoint_);

@@ -9,14 +9,16 @@
 #include "mebots/state/visitor.hpp"
 #include "scene/scene.hpp"
 #include "sensors/camera_device.hpp"
+#include "sensors/flow_sensor.hpp"
 #include "sensors/imu.hpp"
 #include "sensors/range_sensor.hpp"
-#include "stabiliser/stabiliser.hpp"
+#include "stabiliser/flight_control.hpp"
 #include "wind/dryden.hpp"
 
 #include <cstdint>
 #include <functional>
 #include <limits>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -30,7 +32,7 @@ using EventLog = std::function<void(std::string_view)>;
 /// A drone in its world: rigid body, stabiliser, take-off and landing, gates, sensors.
 ///
 /// A step of h is cut into n = ceil(h / physics.step) equal inner steps. Rotor thrusts, wind and set-points
-/// are held over the step; the stabiliser runs in every inner step on the state just reached. Outputs are those of
+/// are held over the step; the flight control runs in every inner step on the state just reached. Outputs are those of
 /// the end of the step, except for the picture, which shows what the camera saw at its beginning.
 class World {
  public:
@@ -50,6 +52,7 @@ class World {
   void visit(state::Visitor& v);
 
  private:
+  void check_words() const;
   void check_inputs() const;
   void take_mass();
   void reseed();
@@ -64,7 +67,10 @@ class World {
   void report_gate(std::int64_t time_ns, const GateEvent& event, double closing_speed_m_per_s = 0.0) const;
   void report_phase(FlightPhase before, std::int64_t time_ns);
   StabiliserGoal goal() const;
+  void sense(std::int64_t time_ns, const RigidState& from, double dt_s);
   void write_outputs();
+  void write_sensors();
+  void write_estimate();
   void report(std::int64_t time_ns, std::string_view what) const;
 
   scene::Scene scene_;
@@ -76,16 +82,17 @@ class World {
 
   std::vector<std::string> obstacle_names_;  // in the order of scene::solids_of()
   RigidWorld bodies_;
-  Stabiliser stabiliser_;
   CameraDevice camera_;
   RangeSensor range_;
   Imu imu_;
+  std::optional<FlowSensor> flow_;
   Dryden gusts_;
   Link link_;
   Sequencer sequencer_;
   GateJudge gates_;
 
   RigidState state_;
+  FlightControl flight_control_;
   Setpoint setpoint_;
   RotorValues rotor_speed_rad_per_s_{};  // of the step before
   RotorValues rotor_acceleration_rad_per_s2_{};

@@ -23,6 +23,20 @@ TEST(WorldHeap, StepsInFlightAndOnTheGroundAllocateNothing) {
   EXPECT_EQ(allocations(), before) << "in flight";
 }
 
+TEST(WorldHeap, ACrazyflieOfItsOwnAllocatesNothing) {
+  auto parameters = test::FlightRig::small_camera();
+  parameters.stabiliser_controller = FlightController::crazyflie;
+  parameters.stabiliser_state = StateSource::estimate;
+  parameters.range_model = RangeModel::cone;
+  test::FlightRig rig(test::shipped_scene("gate_easy"), parameters);
+  rig.take_off_and_fly();
+  rig.inputs.setpoint_velocity_x_m_per_s = 0.3;
+  rig.run(1.0);
+  const long before = allocations();
+  rig.run(1.0);
+  EXPECT_EQ(allocations(), before);
+}
+
 TEST(WorldHeap, PicturesAllocateNothingAfterTheFirst) {
   test::FlightRig rig(test::shipped_scene("gate_easy"));
   rig.inputs.camera_trigger = 1;

@@ -248,7 +248,7 @@ TEST(MovingObstacle, ARestoredFlightMeetsItWithTheSameBits) {
 class RangeOver : public testing::Test {
  protected:
   double from(const Vector3d& p_W_m, std::int64_t time_ns = 0) const {
-    return RangeSensor(scene_, 0.0, 1).distance_m(at(p_W_m), time_ns);
+    return RangeSensor(scene_, {}, 1).distance_m(at(p_W_m), time_ns);
   }
   scene::Scene scene_ = shipped_scene("empty");
 };
@@ -283,7 +283,7 @@ TEST_F(RangeOver, AMeshIsThatOfTheBoxOfItsShape) {
   thing.pitch_rad = 0.3;
   thing.mesh = test::box_mesh(scene_.boxes[0].size_m, {});
   meshes.meshes = {thing};
-  const RangeSensor sensor(meshes, 0.0, 1);
+  const RangeSensor sensor(meshes, {}, 1);
   for (double x = -1.2; x < 1.2; x += 0.017)
     EXPECT_NEAR(sensor.distance_m(at({x, 0.013, 3.0})), from({x, 0.013, 3.0}), 1e-9);
 }

@@ -16,18 +16,18 @@ RigidState at(double x, double y, double z, double roll_rad = 0.0) {
 }
 
 TEST(RangeSensor, ReadsTheHeightAboveGroundWhenLevel) {
-  const RangeSensor sensor(test::shipped_scene("empty"), 0.0, 1);
+  const RangeSensor sensor(test::shipped_scene("empty"), {}, 1);
   EXPECT_DOUBLE_EQ(sensor.distance_m(at(0.0, 0.0, 1.25)), 1.25);
 }
 
 TEST(RangeSensor, ReadsTheSlantedDistanceWhenTilted) {
-  const RangeSensor sensor(test::shipped_scene("empty"), 0.0, 1);
+  const RangeSensor sensor(test::shipped_scene("empty"), {}, 1);
   EXPECT_NEAR(sensor.distance_m(at(0.0, 0.0, 1.0, 0.5)), 1.0 / std::cos(0.5), 1e-12);
 }
 
 TEST(RangeSensor, SeesTheGatesBeamsBelow) {
   const auto scene = test::shipped_scene("gate_easy");
-  const RangeSensor sensor(scene, 0.0, 1);
+  const RangeSensor sensor(scene, {}, 1);
   const auto& gate = scene.gates[0].p_W_m;
   // In the opening the lower beam's top is at 0.83 m; above the frame its top is at 1.33 m.
   EXPECT_NEAR(sensor.distance_m(at(gate.x(), gate.y(), 1.0)), 1.0 - 0.83, 1e-12);
@@ -36,13 +36,13 @@ TEST(RangeSensor, SeesTheGatesBeamsBelow) {
 }
 
 TEST(RangeSensor, ReadsItsLimitWhereNothingIsNear) {
-  const RangeSensor sensor(test::shipped_scene("empty"), 0.0, 1);
+  const RangeSensor sensor(test::shipped_scene("empty"), {}, 1);
   EXPECT_EQ(sensor.distance_m(at(0.0, 0.0, 10.0)), 4.0);
   EXPECT_EQ(sensor.distance_m(at(0.0, 0.0, 1.0, 3.0)), 4.0);  // looks up
 }
 
 TEST(RangeSensor, HoldsASampleFor25Milliseconds) {
-  RangeSensor sensor(test::shipped_scene("empty"), 0.01, 1);
+  RangeSensor sensor(test::shipped_scene("empty"), {.noise_m = 0.01}, 1);
   sensor.update(0, at(0.0, 0.0, 1.0));
   const double first = sensor.reading_m();
   sensor.update(24'999'999, at(0.0, 0.0, 2.0));
@@ -52,8 +52,8 @@ TEST(RangeSensor, HoldsASampleFor25Milliseconds) {
 }
 
 TEST(RangeSensor, ANewSeedCountsFromTheNextSampleOn) {
-  RangeSensor changed(test::shipped_scene("empty"), 0.01, 1);
-  RangeSensor other(test::shipped_scene("empty"), 0.01, 2);
+  RangeSensor changed(test::shipped_scene("empty"), {.noise_m = 0.01}, 1);
+  RangeSensor other(test::shipped_scene("empty"), {.noise_m = 0.01}, 2);
   changed.update(0, at(0.0, 0.0, 1.0));
   const double first = changed.reading_m();
   changed.reseed(2);
@@ -65,7 +65,7 @@ TEST(RangeSensor, ANewSeedCountsFromTheNextSampleOn) {
 }
 
 TEST(RangeSensor, NoiseHasTheDeviationAskedFor) {
-  RangeSensor sensor(test::shipped_scene("empty"), 0.01, 3);
+  RangeSensor sensor(test::shipped_scene("empty"), {.noise_m = 0.01}, 3);
   double sum = 0.0;
   double squares = 0.0;
   constexpr int kCount = 20'000;
@@ -79,11 +79,54 @@ TEST(RangeSensor, NoiseHasTheDeviationAskedFor) {
 }
 
 TEST(RangeSensor, NeverReadsLessThanNothing) {
-  RangeSensor sensor(test::shipped_scene("empty"), 0.5, 3);
+  RangeSensor sensor(test::shipped_scene("empty"), {.noise_m = 0.5}, 3);
   for (int i = 0; i < 100; ++i) {
     sensor.update(i * RangeSensor::kPeriod_ns, at(0.0, 0.0, 0.01));
     EXPECT_GE(sensor.reading_m(), 0.0);
   }
+}
+
+RigidState tilted(double height_m, double roll_rad) {
+  return at(0.0, 0.0, height_m, roll_rad);
+}
+
+/// Mean and standard deviation of a cone's readings.
+std::pair<double, double> readings(const RigidState& state) {
+  RangeSensor sensor(test::shipped_scene("empty"), {.model = RangeModel::cone}, 7);
+  constexpr int kCount = 4000;
+  double sum = 0.0;
+  double squares = 0.0;
+  for (int i = 1; i <= kCount; ++i) {
+    sensor.update(i * RangeSensor::kPeriod_ns, state);
+    sum += sensor.reading_m();
+    squares += sensor.reading_m() * sensor.reading_m();
+  }
+  const double mean = sum / kCount;
+  return {mean, std::sqrt(std::max(0.0, squares / kCount - mean * mean))};
+}
+
+TEST(RangeCone, ATiltWithinTheFieldOfViewChangesLittle) {
+  // 0.2 rad is within the half angle of 0.2356: the nearest point is below. Between the cone's rays it is missed by
+  // 1 - cos(half of a ray's distance), 0.3 %.
+  EXPECT_NEAR(readings(tilted(1.0, 0.2)).first, 1.0, 0.004);
+  // Beyond it the nearest ray is the cone's edge.
+  EXPECT_NEAR(readings(tilted(1.0, 0.5)).first, 1.0 / std::cos(0.5 - 0.2356), 0.002);
+}
+
+TEST(RangeCone, NoiseGrowsWithTheDistanceAsThePublishedModelSays) {
+  const auto [near_m, near_noise_m] = readings(tilted(1.0, 0.0));
+  // near_noise (1 + exp(-1.5 growth)), growth = log(80) / 1.5: 2.53 mm; a millimetre's rounding adds 0.29 mm squared.
+  EXPECT_NEAR(near_noise_m, std::hypot(0.00253, 0.00029), 0.00012);
+  EXPECT_NEAR(near_m, 1.0, 0.001);
+  EXPECT_NEAR(readings(tilted(3.0, 0.0)).second, 0.0025 * (1.0 + std::pow(80.0, 0.5 / 1.5)), 0.0006);
+}
+
+TEST(RangeCone, ReadsWholeMillimetresAndItsLimit) {
+  RangeSensor sensor(test::shipped_scene("empty"), {.model = RangeModel::cone}, 7);
+  sensor.update(RangeSensor::kPeriod_ns, at(0.0, 0.0, 1.2345));
+  EXPECT_NEAR(std::remainder(sensor.reading_m(), 0.001), 0.0, 1e-12);
+  sensor.update(2 * RangeSensor::kPeriod_ns, at(0.0, 0.0, 9.0));
+  EXPECT_EQ(sensor.reading_m(), 4.0);
 }
 
 }  // namespace

@@ -63,6 +63,39 @@ Eigen::Vector3d read_inertia(const Node& node) {
   return j;
 }
 
+RangeData read_range(const Node& node) {
+  const auto positive = Limits::positive();
+  Object object(node);
+  RangeData range;
+  object.read("field_of_view", range.field_of_view_rad, quantity("rad", Limits::between(0.0, 1.5)));
+  object.read("period", range.period_s, quantity("s", Limits::between(0.001, 10.0)));
+  object.read("resolution", range.resolution_m, quantity("m", Limits::at_least(0.0)));
+  object.read("near", range.near_m, quantity("m", Limits::at_least(0.0)));
+  object.read("near_noise", range.near_noise_m, quantity("m", positive));
+  object.read("far", range.far_m, quantity("m", positive));
+  object.read("far_noise", range.far_noise_m, quantity("m", positive));
+  object.finish();
+  if (object.sound() && range.far_m <= range.near_m) {
+    node.at("far").complain(ErrorCode::invalid_value,
+                            fmt::format("{} m is not farther than near, {} m", range.far_m, range.near_m));
+  }
+  return range;
+}
+
+FlowData read_flow(const Node& node) {
+  const auto positive = Limits::positive();
+  Object object(node);
+  FlowData flow;
+  object.read("pixels_per_rad", flow.pixels_per_rad, quantity("1/rad", positive));
+  object.read("period", flow.period_s, quantity("s", Limits::between(0.001, 10.0)));
+  object.read("resolution", flow.resolution_pixels, quantity("1", positive));
+  object.read("noise", flow.noise_pixels, quantity("1", Limits::at_least(0.0)));
+  object.read("nearest", flow.nearest_m, quantity("m", Limits::at_least(0.0)));
+  object.read("fastest", flow.fastest_rad_per_s, quantity("rad/s", positive));
+  object.finish();
+  return flow;
+}
+
 Drone read_drone(const Node& node) {
   const auto positive = Limits::positive();
   Object object(node);
@@ -79,6 +112,8 @@ Drone read_drone(const Node& node) {
   object.read("rotor_lag", drone.rotor_lag_s, quantity("s", Limits::at_least(0.0)));
   object.read("range_limit", drone.range_limit_m, quantity("m", positive));
   object.read("thrust_curve", drone.thrust_curve, &read_thrust_curve);
+  object.visit_if("range_sensor", [&](const Node& section) { drone.range = read_range(section); });
+  object.visit_if("flow_sensor", [&](const Node& section) { drone.flow = read_flow(section); });
   object.finish();
   return drone;
 }

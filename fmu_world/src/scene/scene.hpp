@@ -130,6 +130,28 @@ struct ThrustPoint {
 };
 
 /// The drone as a body and what its stabiliser knows of it.
+/// What a time-of-flight sensor with a field of view tells: the nearest surface in its cone, at `period`.
+/// Standard deviation: near_noise (1 + (far_noise / near_noise)^((d - near) / (far - near))).
+struct RangeData {
+  double field_of_view_rad = 0.0;  ///< angle of the whole cone
+  double period_s = 0.0;
+  double resolution_m = 0.0;
+  double near_m = 0.0;
+  double near_noise_m = 0.0;
+  double far_m = 0.0;
+  double far_noise_m = 0.0;
+};
+
+/// An optical flow sensor: how far its picture of the surface below moves in each period.
+struct FlowData {
+  double pixels_per_rad = 0.0;  ///< of motion in the middle of the picture
+  double period_s = 0.0;
+  double resolution_pixels = 0.0;  ///< one count
+  double noise_pixels = 0.0;       ///< standard deviation of a sample
+  double nearest_m = 0.0;          ///< nearer surfaces are not seen
+  double fastest_rad_per_s = 0.0;  ///< faster motion is not seen
+};
+
 struct Drone {
   std::string name;
   Eigen::Vector3d body_size_m{0.092, 0.092, 0.029};  ///< contact box, centred at the body frame's origin
@@ -142,6 +164,8 @@ struct Drone {
   double rotor_lag_s = 0.1;                                ///< first-order lag of thrust that the stabiliser expects
   double range_limit_m = 4.0;                              ///< farthest distance that the range sensor sees
   std::vector<ThrustPoint> thrust_curve;                   ///< rising, from (0, 0) to the greatest command
+  std::optional<RangeData> range;                          ///< absent: the drone's file does not tell
+  std::optional<FlowData> flow;                            ///< likewise
 };
 
 struct Scene {

@@ -37,6 +37,7 @@ class Imu {
   void update(std::int64_t time_ns, const RigidState& from, const RigidState& to, double dt_s);
 
   const Eigen::Vector3d& acceleration_m_per_s2() const { return acceleration_m_per_s2_; }
+  std::int64_t sample() const { return sample_; }  ///< number of the last sample since time 0; -1 = none yet
   const Eigen::Vector3d& rate_rad_per_s() const { return rate_rad_per_s_; }
 
   void visit(state::Visitor& v);

@@ -3,11 +3,14 @@
 
 #include "math/rotation.hpp"
 #include "mebots/assert.hpp"
+#include "mebots/error.hpp"
 #include "noise/counter_noise.hpp"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <utility>
 
 namespace mebots::world {
@@ -114,26 +117,76 @@ double entry(const scene::Solid& solid, std::int64_t time_ns, const Ray& ray_W) 
   return kFar;
 }
 
+/// The axis, and eight rays each half way to the cone's edge and on it.
+std::vector<Eigen::Vector3d> rays_of_cone(double half_angle_rad) {
+  std::vector<Eigen::Vector3d> rays{-Eigen::Vector3d::UnitZ()};
+  constexpr int kAround = 8;
+  for (const double angle : {0.5 * half_angle_rad, half_angle_rad}) {
+    for (int i = 0; i < kAround; ++i) {
+      const double turn = 2.0 * std::numbers::pi * i / kAround;
+      rays.emplace_back(std::sin(angle) * std::cos(turn), std::sin(angle) * std::sin(turn), -std::cos(angle));
+    }
+  }
+  return rays;
+}
+
+double cone_noise_m(const scene::RangeData& cone, double distance_m) {
+  const double per_m = std::log(cone.far_noise_m / cone.near_noise_m) / (cone.far_m - cone.near_m);
+  return cone.near_noise_m * (1.0 + std::exp(per_m * (distance_m - cone.near_m)));
+}
+
 }  // namespace
 
-RangeSensor::RangeSensor(const scene::Scene& scene, double noise_m, std::uint64_t seed)
-    : solids_(scene::solids_of(scene)), limit_m_(scene.drone.range_limit_m), noise_m_(noise_m), seed_(seed) {}
+RangeSensor::RangeSensor(const scene::Scene& scene, const Settings& settings, std::uint64_t seed)
+    : solids_(scene::solids_of(scene)), limit_m_(scene.drone.range_limit_m), noise_m_(settings.noise_m), seed_(seed) {
+  if (settings.model == RangeModel::ray) return;
+  if (!scene.drone.range) {
+    throw Error(fmt::format("range.model = cone needs range_sensor in the drone file of \"{}\"; add it or use ray",
+                            scene.drone.name));
+  }
+  cone_ = scene.drone.range;
+  period_ns_ = std::llround(cone_->period_s * 1e9);
+  rays_B_ = rays_of_cone(0.5 * cone_->field_of_view_rad);
+}
+
+double RangeSensor::along_m(const RigidState& state, const Eigen::Vector3d& direction_B, std::int64_t time_ns) const {
+  const Eigen::Vector3d direction_W = state.q_WB * direction_B;
+  double nearest_m = kFar;
+  if (direction_W.z() < 0.0) nearest_m = std::max(0.0, state.p_WB_m.z() / -direction_W.z());
+  for (const auto& solid : solids_) nearest_m = std::min(nearest_m, entry(solid, time_ns, {state.p_WB_m, direction_W}));
+  return nearest_m;
+}
+
+double RangeSensor::sight_m(const RigidState& state, std::int64_t time_ns) const {
+  return along_m(state, -Eigen::Vector3d::UnitZ(), time_ns);
+}
 
 double RangeSensor::distance_m(const RigidState& state, std::int64_t time_ns) const {
-  const Eigen::Vector3d down_W = -(state.q_WB * Eigen::Vector3d::UnitZ());
-  double nearest_m = limit_m_;
   MEBOTS_ASSERT(limit_m_ > 0);
-  if (down_W.z() < 0.0) nearest_m = std::min(nearest_m, std::max(0.0, state.p_WB_m.z() / -down_W.z()));
-  for (const auto& solid : solids_) nearest_m = std::min(nearest_m, entry(solid, time_ns, {state.p_WB_m, down_W}));
+  return std::min(limit_m_, sight_m(state, time_ns));
+}
+
+double RangeSensor::nearest_in_cone_m(const RigidState& state, std::int64_t time_ns) const {
+  double nearest_m = limit_m_;
+  for (const auto& ray_B : rays_B_) nearest_m = std::min(nearest_m, along_m(state, ray_B, time_ns));
   return nearest_m;
 }
 
 void RangeSensor::update(std::int64_t time_ns, const RigidState& state) {
-  const std::int64_t due = time_ns / kPeriod_ns;
+  const std::int64_t due = time_ns / period_ns_;
   if (due == sample_) return;
   sample_ = due;
-  const double noise_m = noise_m_ * noise::gaussian(seed_, noise::Stream::range, static_cast<std::uint64_t>(due));
-  reading_m_ = std::max(0.0, distance_m(state, time_ns) + noise_m);
+  const double truth_m = cone_ ? nearest_in_cone_m(state, time_ns) : distance_m(state, time_ns);
+  if (cone_ && truth_m >= limit_m_) {
+    reading_m_ = limit_m_;
+    return;
+  }
+  const double noise_m = (cone_ ? cone_noise_m(*cone_, truth_m) : noise_m_) *
+                         noise::gaussian(seed_, noise::Stream::range, static_cast<std::uint64_t>(due));
+  reading_m_ = std::max(0.0, truth_m + noise_m);
+  if (cone_ && cone_->resolution_m > 0.0) {
+    reading_m_ = cone_->resolution_m * std::round(reading_m_ / cone_->resolution_m);
+  }
 }
 
 void RangeSensor::visit(state::Visitor& v) {

@@ -5,26 +5,16 @@
 #include "dynamics/rigid_state.hpp"
 #include "mebots/state/visitor.hpp"
 #include "stabiliser/gains.hpp"
+#include "stabiliser/goal.hpp"
 #include "stabiliser/thrust_curve.hpp"
 
 #include <Eigen/Core>
 
 namespace mebots::world {
 
-/// What the stabiliser is asked for.
-struct StabiliserGoal {
-  bool motors_on = false;
-  bool hold_place = false;       ///< brake, then hold the place reached; velocity and yaw rate are not used
-  double forward_m_per_s = 0.0;  ///< in the heading frame
-  double left_m_per_s = 0.0;
-  double yaw_rate_rad_per_s = 0.0;
-  bool descend = false;     ///< sink at the descent speed; altitude is not used
-  double altitude_m = 0.0;  ///< of the body's centre above z = 0
-};
-
 /// Cascaded flight controller: place -> velocity -> acceleration -> tilt and thrust; tilt -> rate ->
-/// angular acceleration -> rotor thrusts -> commands. It sees the true state of the body (no estimator),
-/// knows mass and inertia, but neither the bus voltage nor the wind. See fmu_world/README.md.
+/// angular acceleration -> rotor thrusts -> commands. It knows mass and inertia, but neither the bus voltage nor the
+/// wind. See fmu_world/README.md.
 class Stabiliser {
  public:
   explicit Stabiliser(const scene::Drone& drone);

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "crazyflie/gains.hpp"
+#include "crazyflie/pid.hpp"
+#include "dynamics/airframe.hpp"
+#include "dynamics/rigid_state.hpp"
+#include "mebots/state/visitor.hpp"
+#include "stabiliser/goal.hpp"
+
+#include <Eigen/Core>
+#include <cstdint>
+
+namespace mebots::world::crazyflie {
+
+/// The cascade of PID controllers that a Crazyflie flies with: position -> velocity -> roll, pitch and thrust at 100
+/// Hz; attitude -> rate -> four motors at 500 Hz. It knows neither mass nor inertia.
+///
+/// A goal with velocities is its hover set-point: level velocity along the heading, yaw rate, altitude. Of a goal that
+/// holds the place it brakes, then holds the place reached by position; the altitude goes to the wanted one at the pace
+/// of Gains.
+class Controller {
+ public:
+  static constexpr std::int64_t kAttitudePeriod_ns = 2'000'000;
+  static constexpr std::int64_t kPositionPeriod_ns = 10'000'000;
+
+  Controller();
+
+  /// Commands (duty cycle, 0..1) for what the drone is taken to do at time_ns; held until the next attitude period.
+  /// With a bus voltage of at least 2 V the firmware's battery compensation makes them, otherwise there is none.
+  const RotorValues& update(const StabiliserGoal& goal, const RigidState& state, std::int64_t time_ns,
+                            double bus_voltage_v);
+
+  const RotorValues& command() const { return memory_.command; }
+
+  void visit(state::Visitor& v);
+
+ private:
+  struct Memory {
+    bool running = false;
+    bool holding = false;
+    Eigen::Vector3d hold_W_m = Eigen::Vector3d::Zero();
+    double altitude_m = 0.0;                                 ///< wanted
+    Eigen::Vector3d attitude_deg = Eigen::Vector3d::Zero();  ///< wanted roll, pitch and yaw
+    double thrust = 0.0;                                     ///< of 65535
+    std::int64_t attitude_tick = -1;
+    std::int64_t position_tick = -1;
+    RotorValues command{};
+  };
+
+  void start(const StabiliserGoal& goal, const RigidState& state, const Eigen::Vector3d& attitude_deg);
+  void want_altitude(const StabiliserGoal& goal);
+  void control_position(const StabiliserGoal& goal, const RigidState& state, double yaw_rad);
+  RotorValues control_attitude(const RigidState& state, const Eigen::Vector3d& attitude_deg);
+
+  Gains gains_;
+  Pid roll_rate_{gains_.roll_rate};
+  Pid pitch_rate_{gains_.pitch_rate};
+  Pid yaw_rate_{gains_.yaw_rate};
+  Pid roll_{gains_.roll};
+  Pid pitch_{gains_.pitch};
+  Pid yaw_{gains_.yaw};
+  Pid velocity_x_{gains_.velocity_xy};
+  Pid velocity_y_{gains_.velocity_xy};
+  Pid velocity_z_{gains_.velocity_z};
+  Pid position_x_{gains_.position_xy};
+  Pid position_y_{gains_.position_xy};
+  Pid position_z_{gains_.position_z};
+  Memory memory_;
+};
+
+}  // namespace mebots::world::crazyflie

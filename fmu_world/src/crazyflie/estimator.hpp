@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "crazyflie/kalman.hpp"
+#include "crazyflie/low_pass.hpp"
+#include "dynamics/rigid_state.hpp"
+#include "mebots/state/visitor.hpp"
+#include "sensors/flow_sensor.hpp"
+#include "sensors/imu.hpp"
+#include "sensors/range_sensor.hpp"
+
+#include <Eigen/Core>
+#include <cstdint>
+
+namespace mebots::world::crazyflie {
+
+/// Feeds a Kalman filter with what the sensors tell, at the firmware's pace: the IMU's samples go through low-passes
+/// (gyroscope 80 Hz, accelerometer 30 Hz), their means make a prediction every 10 ms; flow and distance count as they
+/// come. The filter knows where the drone starts and how it is turned there.
+class Estimator {
+ public:
+  static constexpr std::int64_t kPredictionPeriod_ns = 10'000'000;
+
+  Estimator(const scene::FlowData& flow, const RigidState& start, std::int64_t start_ns);
+
+  void update(std::int64_t time_ns, const Imu& imu, const FlowSensor& flow, const RangeSensor& range, bool flying);
+
+  /// What the drone takes itself to do.
+  const RigidState& state() const { return state_; }
+
+  void visit(state::Visitor& v);
+
+ private:
+  void take_imu(std::int64_t time_ns, const Imu& imu);
+  bool predict(std::int64_t time_ns, bool flying);
+
+  Kalman filter_;
+  LowPass rate_filter_;
+  LowPass force_filter_;
+  RigidState state_;
+  Eigen::Vector3d rate_rad_per_s_ = Eigen::Vector3d::Zero();  ///< last, filtered
+  Eigen::Vector3d rate_sum_ = Eigen::Vector3d::Zero();
+  Eigen::Vector3d force_sum_ = Eigen::Vector3d::Zero();
+  std::int64_t samples_ = 0;  ///< in the sums
+  std::int64_t imu_sample_ = -1;
+  std::int64_t flow_sample_ = -1;
+  std::int64_t range_sample_;
+  std::int64_t noise_ns_;       ///< until when process noise is in
+  std::int64_t prediction_ns_;  ///< of the last prediction
+};
+
+}  // namespace mebots::world::crazyflie

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "dynamics/rigid_state.hpp"
+#include "mebots/state/visitor.hpp"
+#include "scene/scene.hpp"
+
+#include <Eigen/Geometry>
+#include <array>
+
+namespace mebots::world::crazyflie {
+
+/// Extended Kalman filter of position, velocity in body axes and attitude error, around an attitude that takes the
+/// error in after each update: M. W. Mueller, M. Hamer, R. D'Andrea, "Fusing ultra-wideband range measurements with
+/// accelerometers and rate gyroscopes for quadrocopter state estimation", ICRA 2015; the covariance turns with the
+/// attitude as in M. W. Mueller, M. Hehn, R. D'Andrea, "Covariance correction step for Kalman filtering with an
+/// attitude", JGCD 2016. With x' = R v, v' = f - w x v - g R^T e_z, R' = R [w]x. The measurements of flow and distance
+/// are those of the Crazyflie's firmware, and so are all numbers (crazyflie-firmware, commit 2a18fc29,
+/// kalman_core_params_defaults.h, mm_flow.c, mm_tof.c, zranger2.c).
+class Kalman {
+ public:
+  /// Begins at rest, at a place and an attitude that are known.
+  Kalman(const scene::FlowData& flow, const RigidState& start);
+
+  /// Goes on by dt with the mean specific force and body rate meanwhile. In flight the force along x and y is left
+  /// out: it is drag, which says nothing of the attitude; on the ground the attitude is drawn to the first one.
+  void predict(const Eigen::Vector3d& force_m_per_s2, const Eigen::Vector3d& rate_rad_per_s, bool flying, double dt_s);
+  /// What dt adds to the uncertainty. The deviation grows with dt, so it matters how often: each millisecond.
+  void add_process_noise(double dt_s);
+  /// Of the flow sensor, over dt, at a body rate.
+  void measure_flow(const std::array<double, 2>& pixels, const Eigen::Vector3d& rate_rad_per_s, double dt_s);
+  /// Of the distance sensor.
+  void measure_distance(double distance_m);
+  /// Takes the attitude error into the attitude; after measurements, before anything is read.
+  void finish();
+
+  const Eigen::Vector3d& position_m() const { return position_m_; }
+  const Eigen::Quaterniond& attitude() const { return q_WB_; }
+  Eigen::Vector3d velocity_W_m_per_s() const { return q_WB_ * velocity_B_m_per_s_; }
+  /// Standard deviation of a state: position, velocity, attitude error.
+  double deviation(int state) const;
+
+  void visit(state::Visitor& v);
+
+ private:
+  static constexpr int kStates = 9;
+  using Vector = Eigen::Matrix<double, kStates, 1>;
+  using Matrix = Eigen::Matrix<double, kStates, kStates>;
+
+  void turn_covariance(const Matrix& by);
+  void bound_covariance();
+  void update(const Vector& h, double error, double deviation);
+
+  scene::FlowData flow_;
+  Eigen::Quaterniond first_q_WB_;
+  Eigen::Vector3d position_m_;
+  Eigen::Vector3d velocity_B_m_per_s_ = Eigen::Vector3d::Zero();
+  Eigen::Vector3d attitude_error_rad_ = Eigen::Vector3d::Zero();
+  Eigen::Quaterniond q_WB_;
+  Matrix covariance_ = Matrix::Zero();
+};
+
+}  // namespace mebots::world::crazyflie

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "crazyflie/controller.hpp"
+#include "crazyflie/estimator.hpp"
+#include "fmu_world/variables.hpp"
+#include "mebots/state/visitor.hpp"
+#include "scene/scene.hpp"
+#include "stabiliser/stabiliser.hpp"
+
+#include <cstdint>
+#include <optional>
+
+namespace mebots::world {
+
+/// What the drone can sense of itself.
+struct Senses {
+  const Imu& imu;
+  const FlowSensor* flow;  ///< null: it carries none
+  const RangeSensor& range;
+};
+
+/// Who keeps the drone in the air, and from what: the ideal stabiliser or the Crazyflie's own controller, on the true
+/// state or on an estimate from the sensors.
+class FlightControl {
+ public:
+  /// An estimate needs a flow sensor in the drone's file.
+  FlightControl(const scene::Drone& drone, FlightController controller, StateSource source, const RigidState& start,
+                std::int64_t start_ns);
+
+  void set_mass(double mass_kg, const Eigen::Vector3d& inertia_kg_m2) { ideal_.set_mass(mass_kg, inertia_kg_m2); }
+
+  /// The body has come to `truth` by time_ns, dt after the last call, and the sensors have seen it.
+  void update(const StabiliserGoal& goal, const RigidState& truth, const Senses& senses, std::int64_t time_ns,
+              double dt_s, double bus_voltage_v);
+
+  const RotorValues& command() const;
+  /// What the drone takes itself to do; null where it knows.
+  const RigidState* estimate() const { return estimator_ ? &estimator_->state() : nullptr; }
+
+  void visit(state::Visitor& v);
+
+ private:
+  FlightController controller_;
+  Stabiliser ideal_;
+  crazyflie::Controller crazyflie_;
+  std::optional<crazyflie::Estimator> estimator_;
+};
+
+}  // namespace mebots::world
