@@ -2,7 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Replays the reference traces that an FMU carries in documentation/reference, and reports the first divergence.
 
-Usage: replay_check.py FILE.fmu
+Usage: replay_check.py FILE.fmu [--every-output]
+
+With --every-output the trace must have a column for each Real and Boolean output, as scripts/update_golden.py writes them.
 
 Row k of <fmu>_out.csv holds outputs at its time; the step from there to the next row holds the inputs of the last row
 of <fmu>_in.csv that is not later.
@@ -38,6 +40,11 @@ def main():
         reference = pathlib.Path(folder) / "documentation" / "reference"
         inputs = read_csv(reference / f"{archive.stem}_in.csv")
         expected = read_csv(reference / f"{archive.stem}_out.csv")
+        if "--every-output" in sys.argv[2:]:
+            lacking = [v.name for v in description.modelVariables
+                       if v.causality == "output" and v.type in ("Real", "Boolean") and v.name not in expected[0]]
+            if lacking:
+                sys.exit(f"FAILED: the trace lacks {', '.join(lacking)}; draw it anew with scripts/update_golden.py")
 
         fmu = fmpy.fmi2.FMU2Slave(guid=description.guid, unzipDirectory=folder, instanceName="replay",
                                   modelIdentifier=description.coSimulation.modelIdentifier)
