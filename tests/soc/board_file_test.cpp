@@ -107,9 +107,9 @@ TEST(BoardFile, PartsOfTheBoardHaveNoAddress) {
 }
 
 TEST(BoardFile, RegulatorsHaveLoadsBeforeThem) {
-  constexpr auto kRegulator = R"({{"name": "{}", "regulator": {{"loads": [{}], "efficiency": {}}}}})";
   const auto regulator = [&](std::string_view name, std::string_view loads, double efficiency = 1) {
-    return fmt::format(fmt::runtime(kRegulator), name, loads, efficiency);
+    return fmt::format(R"({{"name": "{}", "regulator": {{"loads": [{}], "efficiency": {}}}}})", name, loads,
+                       efficiency);
   };
   EXPECT_EQ(complaint(kRam, regulator("r", "\"chip\"") + "," + regulator("s", "\"r\"", 0.5)), "");
   EXPECT_THAT(complaint(kRam, regulator("r", "\"r\"")), HasSubstr("/devices/0/regulator/loads/0"));
