@@ -3,6 +3,7 @@
 """fmu_world's estimate beside that of the Crazyflie's own firmware, from the same samples of the same sensors.
 
     git clone https://github.com/bitcraze/crazyflie-firmware /tmp/firmware
+    git -C /tmp/firmware checkout 2a18fc299d7b48cf094d26c38a79f33dec64b5d7
     .venv/bin/python bench/world/firmware_estimate.py build/release/fmus/fmu_world.fmu /tmp/firmware
 
 A Crazyflie takes off, flies two legs and turns in between on its own estimate, with noise in all sensors. Each millisecond the firmware's

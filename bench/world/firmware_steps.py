@@ -3,7 +3,8 @@
 """Step responses of fmu_world's controllers beside the Crazyflie's own firmware and an identified Crazyflie.
 
     git clone https://github.com/bitcraze/crazyflie-firmware /tmp/firmware
-    pip download --no-deps --no-binary :none: crazyflow -d /tmp && unzip -d /tmp/crazyflow /tmp/crazyflow-*.whl
+    git -C /tmp/firmware checkout 2a18fc299d7b48cf094d26c38a79f33dec64b5d7
+    pip download --no-deps --no-binary :none: crazyflow==0.4.0 -d /tmp && unzip -d /tmp/crazyflow /tmp/crazyflow-*.whl
     .venv/bin/python bench/world/firmware_steps.py build/release/fmus/fmu_world.fmu /tmp/firmware --identified /tmp/crazyflow
 
 The firmware's controller_pid.c and what it calls are compiled as they are, and fly the body of fmu_world: from its outputs to
@@ -141,7 +142,7 @@ def main():
     parser.add_argument("fmu")
     parser.add_argument("firmware", type=Path, help="checkout of crazyflie-firmware")
     parser.add_argument("--identified", type=Path, metavar="FOLDER", help="crazyflow, unpacked")
-    parser.add_argument("--lag", type=float, default=0.05, metavar="SECONDS", help="of the rotors")
+    parser.add_argument("--lag", type=float, default=0.1, metavar="SECONDS", help="of the rotors; the README's table has 0.1")
     given = parser.parse_args()
     unpacked = fmpy.extract(given.fmu)
     drone = json.loads((Path(unpacked) / "resources/drones/crazyflie.json").read_text())
