@@ -5,7 +5,7 @@
 Usage: power.py BUILD [--dronet FOLDER] [--calibrate]
 
 BUILD is a build folder. --dronet runs PULP-Dronet v1, of which FOLDER has checkouts as scripts/gap8_programs.sh wants
-them. --calibrate writes fmu_soc/params/gap8_silicon.json anew from gap8.json and the points whose use is calibration;
+them. --calibrate writes fmu_soc/params/gap8_silicon.json again from gap8.json and the points whose use is calibration;
 build again behind it.
 """
 import argparse

@@ -44,7 +44,7 @@ def main():
             lacking = [v.name for v in description.modelVariables
                        if v.causality == "output" and v.type in ("Real", "Boolean") and v.name not in expected[0]]
             if lacking:
-                sys.exit(f"FAILED: the trace lacks {', '.join(lacking)}; draw it anew with scripts/update_golden.py")
+                sys.exit(f"FAILED: the trace lacks {', '.join(lacking)}; draw it again with scripts/update_golden.py")
 
         fmu = fmpy.fmi2.FMU2Slave(guid=description.guid, unzipDirectory=folder, instanceName="replay",
                                   modelIdentifier=description.coSimulation.modelIdentifier)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Integer code of CoreMark's kind, written anew. A linked list that is searched, turned round and sorted, small
+// New integer code of CoreMark's kind. A linked list that is searched, turned round and sorted, small
 // matrices, a state machine that reads numbers from text, and a CRC over all that comes out.
 #include <stdint.h>
 

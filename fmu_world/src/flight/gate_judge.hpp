@@ -64,7 +64,7 @@ struct GateEvent {
 /// and fro in the plane neither crosses twice nor comes back.
 ///
 /// A course may lead round a gate, so a gate is taken back by coming back through its frame, while the next one is
-/// still to be crossed. The last gate by coming back anywhere, since behind it is where the flight has to end.
+/// still to be crossed. The last gate is taken back by coming back anywhere: the flight has to end behind it.
 class GateJudge {
  public:
   /// `body_size_m`: edges of the drone's contact box along its body axes.
