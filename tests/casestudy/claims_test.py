@@ -125,6 +125,15 @@ class HardFlightTooFast(unittest.TestCase):
         self.assertLess(summary["lateral_error"], -0.2, "the turn is too slow: it passes to the right of the opening")
 
 
+class WorldMissions(unittest.TestCase):
+    def test_warehouse_and_forest_are_one_mission_in_two_scenes(self):
+        missions = {name: json.loads((ROOT / f"configs/{name}.json").read_text()) for name in ("warehouse", "forest")}
+        for name, mission in missions.items():
+            self.assertEqual(mission["instances"]["world"]["parameters"].pop("scene.name"), name)
+            self.assertIn(name, mission.pop("text"))
+        self.assertEqual(missions["warehouse"], missions["forest"])
+
+
 class Arithmetic(unittest.TestCase):
     def test_wilsons_interval_is_that_of_the_textbook(self):
         low, high = collect.wilson(81, 263)
