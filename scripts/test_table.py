@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tests by area, from what ctest wrote. Usage: scripts/test_table.py BUILD_FOLDER JUNIT_FILE
 
-An area is a folder below tests/. `skipped` are tests that said themselves that they cannot run; each is named below the table.
+An area is a folder below tests/. `skipped` are tests that said themselves that they cannot run; `not run` those that ctest could not
+start, or that are disabled. Each of either kind is named below the table, as are those that failed.
 """
 
 import collections
@@ -11,6 +12,19 @@ import pathlib
 import subprocess
 import sys
 import xml.etree.ElementTree
+
+
+# ctest's words; it writes "notrun" with a message of its own for a test that skipped.
+KINDS = ("passed", "failed", "skipped", "not run")
+
+
+def kind_of(case):
+    """Of a testcase element."""
+    status = case.get("status")
+    if status == "notrun":
+        skip = case.find("skipped")
+        return "skipped" if skip is not None and (skip.get("message") or "").startswith("SKIP_") else "not run"
+    return {"run": "passed", "fail": "failed"}.get(status, "not run")
 
 
 def areas(build):
@@ -27,20 +41,17 @@ def areas(build):
 def main(build, junit):
     area_of = areas(build)
     counts = collections.defaultdict(collections.Counter)
-    skipped, failed = [], []
+    named = {kind: [] for kind in KINDS if kind != "passed"}
     for case in xml.etree.ElementTree.parse(junit).getroot().iter("testcase"):
-        name, status = case.get("name"), case.get("status")
-        kind = {"run": "passed", "fail": "failed"}.get(status, "skipped")
+        name, kind = case.get("name"), kind_of(case)
         counts[area_of.get(name, "others")][kind] += 1
         counts["all"][kind] += 1
-        if kind == "skipped":
-            skipped.append(name)
-        elif kind == "failed":
-            failed.append(name)
-    print("\n| area | passed | failed | skipped |\n|---|---|---|---|")
+        if kind in named:
+            named[kind].append(name)
+    print("\n| area | " + " | ".join(KINDS) + " |\n|" + "---|" * (1 + len(KINDS)))
     for area in sorted(counts, key=lambda name: (name == "all", name)):
-        print(f"| {area} | " + " | ".join(str(counts[area][kind]) for kind in ("passed", "failed", "skipped")) + " |")
-    for title, names in (("failed", failed), ("skipped", skipped)):
+        print(f"| {area} | " + " | ".join(str(counts[area][kind]) for kind in KINDS) + " |")
+    for title, names in named.items():
         if names:
             print(f"\n{title}: " + ", ".join(sorted(names)))
 
