@@ -191,6 +191,13 @@ void World::check_words() const {
         fmt::format("physics.step = {} s is too long for stabiliser.controller = crazyflie, which runs every {} s",
                     in_.physics_step_s, kAttitudePeriod_s));
   }
+  if (in_.stabiliser_state == StateSource::estimate && inner_step_ns_ > Imu::kPeriod_ns) {
+    constexpr double kImuPeriod_s = 1e-9 * static_cast<double>(Imu::kPeriod_ns);
+    throw Error(
+        fmt::format("physics.step = {} s is too long for stabiliser.state = estimate, which needs every sample of the "
+                    "IMU, one each {} s; set physics.step to {} or less",
+                    in_.physics_step_s, kImuPeriod_s, kImuPeriod_s));
+  }
 }
 
 void World::check_inputs() const {

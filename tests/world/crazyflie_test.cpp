@@ -21,6 +21,7 @@ using crazyflie::Pid;
 using Eigen::Vector3d;
 using test::FlightRig;
 using test::shipped_scene;
+using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
@@ -296,6 +297,17 @@ TEST(CrazyflieParameters, RefusesWhatCannotFly) {
   slow.physics_step_s = 0.004;
   EXPECT_THAT([&] { FlightRig(shipped_scene("empty"), slow); },
               ThrowsMessage<Error>(HasSubstr("physics.step = 0.004 s is too long for stabiliser.controller")));
+  for (const auto controller : {FlightController::ideal, FlightController::crazyflie}) {
+    Parameters sparse = own();
+    sparse.stabiliser_controller = controller;
+    sparse.physics_step_s = 0.0015;
+    EXPECT_THAT(
+        [&] { FlightRig(shipped_scene("empty"), sparse); },
+        ThrowsMessage<Error>(AllOf(HasSubstr("physics.step = 0.0015 s is too long for stabiliser.state = estimate"),
+                                   HasSubstr("set physics.step to 0.001 or less"))));
+    sparse.physics_step_s = 0.001;
+    EXPECT_NO_THROW(FlightRig(shipped_scene("empty"), sparse));
+  }
   Parameters unknown = FlightRig::small_camera();
   unknown.stabiliser_controller = static_cast<FlightController>(7);
   EXPECT_THAT([&] { FlightRig(shipped_scene("empty"), unknown); },
