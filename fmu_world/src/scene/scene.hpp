@@ -129,7 +129,6 @@ struct ThrustPoint {
   double thrust_n = 0.0;  ///< of one rotor
 };
 
-/// The drone as a body and what its stabiliser knows of it.
 /// What a time-of-flight sensor with a field of view tells: the nearest surface in its cone, at `period`.
 /// Standard deviation: near_noise (1 + (far_noise / near_noise)^((d - near) / (far - near))).
 struct RangeData {
@@ -152,6 +151,7 @@ struct FlowData {
   double fastest_rad_per_s = 0.0;  ///< faster motion is not seen
 };
 
+/// The drone as a body and what its stabiliser knows of it.
 struct Drone {
   std::string name;
   Eigen::Vector3d body_size_m{0.092, 0.092, 0.029};  ///< contact box, centred at the body frame's origin
