@@ -50,6 +50,15 @@ TEST(FlowSensor, CountsHowFarThePictureMovesAndLosesNothingToRounding) {
   EXPECT_EQ(sum.seen, 1000);
 }
 
+TEST(FlowSensor, SeesNothingAtNoDistance) {
+  auto data = shipped_flow(0.0);
+  data.nearest_m = 0.0;
+  FlowSensor sensor(data, 1, 0);
+  const Sum sum = counted(sensor, RigidState{}, 0.0, 100);  // 0 / 0
+  EXPECT_EQ(sum.seen, 0);
+  EXPECT_EQ(sum.x, 0.0);
+}
+
 TEST(FlowSensor, SeesItsOwnTurningAndAHeading) {
   FlowSensor sensor(shipped_flow(0.0), 1, 0);
   RigidState turning;

@@ -200,6 +200,16 @@ TEST_F(SceneFile, RefusesAThrustCurveThatFalls) {
   EXPECT_THAT(message(), AllOf(HasSubstr("/thrust_curve/thrust/3"), HasSubstr("greater than the value before")));
 }
 
+TEST_F(SceneFile, RefusesAFlowSensorWhoseCountsDoNotFit) {
+  auto& flow = drone["flow_sensor"];
+  flow["resolution"]["value"] = 1e-4;
+  EXPECT_THAT(message(), AllOf(HasSubstr("/flow_sensor/resolution"), HasSubstr(">= 0.001")));
+  flow["resolution"]["value"] = 1e-3;
+  EXPECT_NO_THROW(load());
+  flow["pixels_per_rad"]["value"] = 1e9;
+  EXPECT_THAT(message(), AllOf(HasSubstr("/flow_sensor/resolution"), HasSubstr("make resolution coarser")));
+}
+
 TEST_F(SceneFile, NamesTheDroneFileThatIsNotThere) {
   scene["drone"] = "nowhere.json";
   EXPECT_THAT(message(), AllOf(HasSubstr("nowhere.json"), HasSubstr("cannot be read")));

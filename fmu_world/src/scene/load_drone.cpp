@@ -5,6 +5,8 @@
 #include "scene/vector_reader.hpp"
 
 #include <fmt/format.h>
+#include <cstdint>
+#include <limits>
 #include <string_view>
 #include <vector>
 
@@ -82,17 +84,35 @@ RangeData read_range(const Node& node) {
   return range;
 }
 
+constexpr double kFinestFlow_pixels = 1e-3;
+
+/// More than any sample of the sensor.
+double most_counts(const FlowData& flow) {
+  constexpr double kLongestStep_s = 1.0;  // of physics; a sample may come so much late
+  constexpr double kLargestDeviation = 10.0;
+  return (flow.pixels_per_rad * flow.fastest_rad_per_s * (flow.period_s + kLongestStep_s) +
+          kLargestDeviation * flow.noise_pixels) /
+         flow.resolution_pixels;
+}
+
 FlowData read_flow(const Node& node) {
   const auto positive = Limits::positive();
   Object object(node);
   FlowData flow;
   object.read("pixels_per_rad", flow.pixels_per_rad, quantity("1/rad", positive));
   object.read("period", flow.period_s, quantity("s", Limits::between(0.001, 10.0)));
-  object.read("resolution", flow.resolution_pixels, quantity("1", positive));
+  object.read("resolution", flow.resolution_pixels, quantity("1", Limits::at_least(kFinestFlow_pixels)));
   object.read("noise", flow.noise_pixels, quantity("1", Limits::at_least(0.0)));
   object.read("nearest", flow.nearest_m, quantity("m", Limits::at_least(0.0)));
   object.read("fastest", flow.fastest_rad_per_s, quantity("rad/s", positive));
   object.finish();
+  if (object.sound() && most_counts(flow) > std::numeric_limits<std::int32_t>::max()) {
+    node.at("resolution")
+        .complain(ErrorCode::invalid_value,
+                  fmt::format("a sample could have {:.3g} counts, more than 32 bits hold: make resolution coarser, or "
+                              "pixels_per_rad, fastest, noise or period smaller",
+                              most_counts(flow)));
+  }
   return flow;
 }
 
