@@ -837,6 +837,8 @@ void Soc::tell(Picoseconds time) {
 
 /// The fabric controller has been awake, or has slept, up to `time`.
 void Soc::note_work(Picoseconds time) {
+  // Only where it changes: what the cluster is known to have done up to `time` depends on when it is asked.
+  if (awake_noted_ == !asleep_) return;
   if (time > work_noted_) {
     controller_work_ = controller_work(time);
     work_noted_ = time;
