@@ -102,6 +102,14 @@ TEST_F(Gap8Rtc, CountdownTakesOneTickMoreThanItSaysAndAMaskKeepsItQuiet) {
   EXPECT_EQ(get(0x0A, kSecond) & 0x10U, 0x10U);
 }
 
+TEST_F(Gap8Rtc, CountdownThatEndsBehindAllTimesIsNoEvent) {
+  set(0x21, 0xffffffffU, 0);
+  set(0x20, 0, 0);
+  EXPECT_EQ(rtc.next_event(), kNever) << "136 years";
+  set(0x21, 0x800000U, 0);
+  EXPECT_EQ(rtc.next_event(), (0x800000 + 1) * kSecond);
+}
+
 class Gap8AdvancedTimer : public testing::Test {
  protected:
   static constexpr std::uint32_t kSaw = 1U << 12;
@@ -192,9 +200,44 @@ TEST_F(Gap8AdvancedTimer, GoesOnWithAnotherClockWhereItIs) {
   EXPECT_THAT(heard, ElementsAre(Pair(38U, 20), Pair(38U, 120)));
 }
 
+TEST_F(Gap8AdvancedTimer, GoesOnWithinATickAtAnotherClock) {
+  begin(kSaw | 9U << 16, kSetThenClear);  // a tick in ten clocks
+  signals.clock_changes(25 * kTick);
+  clock_hz = 1e9;
+  EXPECT_EQ(get(0x40 + 0x2C, 25 * kTick), 12U) << "no tick has passed meanwhile";
+  EXPECT_EQ(get(0x40 + 0x2C, 25 * kTick + 4'999), 12U);
+  EXPECT_EQ(get(0x40 + 0x2C, 25 * kTick + 5'000), 13U) << "half of a tick was left";
+}
+
+TEST_F(Gap8AdvancedTimer, RaisesNoEventOfTheTimeBeforeItIsListenedTo) {
+  begin(kSaw, kSetThenClear);
+  set(0x100, 0);
+  set(0x40 + 0x0C, 0, 25 * kTick);
+  EXPECT_EQ(timer.next_event(), kNever);
+  set(0x100, 1U << 16 | (1 * 4 + 2), 25 * kTick);
+  EXPECT_EQ(timer.next_event(), 33 * kTick);
+  run(45);
+  EXPECT_THAT(heard, ElementsAre(Pair(38U, 33), Pair(38U, 43)));
+}
+
+TEST_F(Gap8AdvancedTimer, CountsOnUnderStoresMoreOftenThanATick) {
+  begin(kSaw, kSetThenClear);
+  for (Picoseconds now = 0; now <= 25 * kTick; now += kTick / 4) {
+    set(0x40 + 0x0C, 0, now);                      // a channel nobody looks at
+    set(0x104, 1U << 1 | (now / kTick & 1), now);  // another timer's enable
+    set(0x40, 1, now);                             // starts what runs
+    ASSERT_EQ(get(0x40 + 0x2C, now), 10 + static_cast<std::uint32_t>(now / kTick % 10)) << now;
+  }
+  EXPECT_THAT(heard, ElementsAre(Pair(38U, 3), Pair(38U, 13), Pair(38U, 23)));
+}
+
 TEST_F(Gap8AdvancedTimer, TellsThatInputPadsAreNotModelledAndKeepsItsState) {
   begin(kSaw | 3U << 8, kSetThenClear);
   EXPECT_EQ(complaints.size(), 1U);
+  begin(kSaw | 3U << 8, kSetThenClear);
+  EXPECT_EQ(complaints.size(), 1U) << "once";
+  set(0x80 + 0x04, 3U << 8);
+  EXPECT_EQ(complaints.size(), 2U) << "of each timer";
   run(15);
   gap8_devices::AdvancedTimer other(
       signals, [this] { return clock_hz; }, [](const char*) {});

@@ -60,7 +60,7 @@ AdvancedTimer::AdvancedTimer(Signals& signals, std::function<double()> clock_hz,
     : signals_(signals), clock_hz_(std::move(clock_hz)), complain_(std::move(complain)) {
   signals.clock_changes = [this, others = signals.clock_changes](Picoseconds now) {
     others(now);
-    settle(now);
+    for (std::size_t timer = 0; timer < kTimers; ++timer) settle(timer, now);
   };
 }
 
@@ -113,22 +113,30 @@ bool AdvancedTimer::counts(std::size_t timer) const {
 std::uint64_t AdvancedTimer::ticks_at(std::size_t timer, Picoseconds now) const {
   const auto& counter = counters_[timer];
   if (!counts(timer)) return counter.ticks;
-  return counter.ticks +
-         static_cast<std::uint64_t>(static_cast<double>(now - counter.since) * tick_hz(counter) / kPsPerS);
+  const auto passed = static_cast<double>(now - counter.since) * tick_hz(counter) / kPsPerS;
+  const auto ticks = counter.ticks + static_cast<std::uint64_t>(counter.fraction + passed);
+  // Both round: a tick has passed when time_of() says so.
+  return ticks > counter.ticks && time_of(counter, ticks) > now ? ticks - 1 : ticks;
 }
 
-/// At or behind which ticks_at() says `ticks`.
+/// At or behind which ticks_at() says `ticks`; of ticks that had passed at its last change, the time of that.
 Picoseconds AdvancedTimer::time_of(const Counter& counter, std::uint64_t ticks) const {
-  return counter.since +
-         static_cast<Picoseconds>(std::ceil(static_cast<double>(ticks - counter.ticks) * kPsPerS / tick_hz(counter)));
+  if (ticks <= counter.ticks) return counter.since;
+  const auto missing = static_cast<double>(ticks - counter.ticks) - counter.fraction;
+  return counter.since + static_cast<Picoseconds>(std::ceil(missing * kPsPerS / tick_hz(counter)));
 }
 
-/// What runs goes on from `now`, whatever changes then.
-void AdvancedTimer::settle(Picoseconds now) {
-  for (std::size_t timer = 0; timer < kTimers; ++timer) {
-    counters_[timer].ticks = ticks_at(timer, now);
-    counters_[timer].since = now;
+/// It goes on from `now`, where its rate or its run changes. The part of a tick that has passed stays.
+void AdvancedTimer::settle(std::size_t timer, Picoseconds now) {
+  auto& counter = counters_[timer];
+  if (counts(timer)) {
+    const auto passed = static_cast<double>(now - counter.since) * tick_hz(counter) / kPsPerS;
+    const auto ticks = ticks_at(timer, now);
+    const auto rest = counter.fraction + passed - static_cast<double>(ticks - counter.ticks);
+    counter.fraction = std::clamp(rest, 0.0, std::nextafter(1.0, 0.0));
+    counter.ticks = ticks;
   }
+  counter.since = now;
 }
 
 bool AdvancedTimer::load(std::uint32_t offset, Picoseconds now, std::uint32_t& value) {
@@ -150,9 +158,14 @@ bool AdvancedTimer::load(std::uint32_t offset, Picoseconds now, std::uint32_t& v
 
 bool AdvancedTimer::store(std::uint32_t offset, Picoseconds now, std::uint32_t value) {
   advance(now);
-  settle(now);
-  if (offset == kPwmEventConfig || offset == kPwmEnable) {
-    (offset == kPwmEnable ? enabled_ : events_) = value;
+  if (offset == kPwmEnable) {
+    enable(value, now);
+    return true;
+  }
+  if (offset == kPwmEventConfig) {
+    events_ = value;
+    // A channel that nobody listened to may have risen up to now.
+    for (std::size_t i = 0; i < kTimers; ++i) counters_[i].told = std::max(counters_[i].told, ticks_at(i, now));
     return true;
   }
   const auto timer = offset / kPwmTimerBytes;
@@ -162,24 +175,35 @@ bool AdvancedTimer::store(std::uint32_t offset, Picoseconds now, std::uint32_t v
   if (reg == kPwmCommand) command(timer, value, now);
   if (reg == kPwmConfig) {
     stored.config = value;
-    if ((value >> kPwmModeShift & kPwmModeMask) != 0)
+    if ((value >> kPwmModeShift & kPwmModeMask) != 0 && !std::exchange(told_pads_[timer], true)) {
       complain_("counting at an input pad is not modelled: it counts its clock");
+    }
   }
   if (reg == kPwmLimits) stored.limits = value;
   if (reg >= kPwmChannels && reg < kPwmTables) stored.channels[(reg - kPwmChannels) / 4] = value;
   return reg < kPwmCounterValue;
 }
 
+void AdvancedTimer::enable(std::uint32_t value, Picoseconds now) {
+  for (std::size_t timer = 0; timer < kTimers; ++timer) {
+    if (((enabled_ ^ value) >> timer & 1U) != 0) settle(timer, now);
+  }
+  enabled_ = value;
+}
+
 void AdvancedTimer::command(std::size_t timer, std::uint32_t value, Picoseconds now) {
+  settle(timer, now);
   auto& counter = counters_[timer];
   if ((value & kPwmUpdate) != 0 || ((value & kPwmStart) != 0 && counter.is_fresh)) {
     counter.active = counter.stored;
     counter.is_fresh = false;
   }
-  if ((value & kPwmReset) != 0) counter.ticks = counter.told = 0;
+  if ((value & kPwmReset) != 0) {
+    counter.ticks = counter.told = 0;
+    counter.fraction = 0;
+  }
   if ((value & kPwmStop) != 0) counter.runs = false;
   if ((value & kPwmStart) != 0) counter.runs = true;
-  counter.since = now;
   counter.told = std::max(counter.told, counter.ticks);
 }
 

@@ -49,6 +49,7 @@ class AdvancedTimer final : public Device {
     bool runs = false;
     Picoseconds since = 0;
     std::uint64_t ticks = 0;  // at `since`
+    double fraction = 0;      // of the next tick, which had passed then
     std::uint64_t told = 0;   // up to which events have been raised
     bool is_fresh = true;     // never updated: takes what is stored when it starts
 
@@ -58,6 +59,7 @@ class AdvancedTimer final : public Device {
       v("runs", runs);
       v("since", since);
       v("ticks", ticks);
+      v("fraction", fraction);
       v("told", told);
       v("is_fresh", is_fresh);
     }
@@ -75,7 +77,8 @@ class AdvancedTimer final : public Device {
   bool counts(std::size_t timer) const;
   std::uint64_t ticks_at(std::size_t timer, Picoseconds now) const;
   Picoseconds time_of(const Counter& counter, std::uint64_t ticks) const;
-  void settle(Picoseconds now);
+  void settle(std::size_t timer, Picoseconds now);
+  void enable(std::uint32_t value, Picoseconds now);
   void command(std::size_t timer, std::uint32_t value, Picoseconds now);
   /// The channel of event `event`; nothing when it is off.
   std::optional<std::size_t> chosen(unsigned event) const;
@@ -87,6 +90,7 @@ class AdvancedTimer final : public Device {
   std::array<Counter, kTimers> counters_;
   std::uint32_t events_ = 0;
   std::uint32_t enabled_ = 0;
+  std::array<bool, kTimers> told_pads_{};  // not part of a state: a restored run tells it again
 };
 
 }  // namespace mebots::soc::gap8_devices

@@ -51,6 +51,7 @@ inline std::int64_t reference_edges(Picoseconds now) {
 /// When edge number `edge` comes.
 inline Picoseconds reference_edge_time(std::int64_t edge) {
   const auto whole_s = edge / kReferenceClockHz;
+  if (whole_s >= kNever / 1'000'000'000'000) return kNever;
   const auto rest = edge % kReferenceClockHz;
   return whole_s * 1'000'000'000'000 + (rest * 1'000'000'000'000 + kReferenceClockHz - 1) / kReferenceClockHz;
 }
