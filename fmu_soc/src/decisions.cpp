@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "decisions.hpp"
 
-#include "mebots/assert.hpp"
+#include "mebots/error.hpp"
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -9,8 +11,14 @@
 namespace mebots::soc {
 
 void Decisions::picture_stored(const PictureTimes& times, const CoreWork& work) {
+  // They come from devices of anybody's library.
+  if (times.asked > times.exposed || times.exposed > times.read_out || times.read_out > times.stored) {
+    throw Error(fmt::format(
+        "picture_stored(): a device of the board says that its picture was asked for at {} ps, exposed from "
+        "{} ps, read out from {} ps and stored at {} ps; give these times in their order",
+        times.asked, times.exposed, times.read_out, times.stored));
+  }
   if (sender_.empty()) return;
-  MEBOTS_ASSERT(times.asked <= times.exposed && times.exposed <= times.read_out && times.read_out <= times.stored);
   if (picture_) {
     next_ = times;
     return;

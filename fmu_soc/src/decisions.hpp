@@ -54,7 +54,7 @@ struct Decision {
 /// How long the program takes from a picture to the set-points that rest on it.
 ///
 ///   picture_stored()   a picture is in memory. If nothing is being decided it is the one that is decided about; else
-///                      it waits, in place of one that waited before.
+///                      it waits, in place of one that waited before. Throws Error for times out of their order.
 ///   sent()             the board's sender has sent: ends the decision about the picture. The one that waits is next.
 ///                      Without a picture this is not a decision.
 ///   published()        the world outside sees what was sent: the end of the FMU's step.

@@ -3,6 +3,7 @@
 #include "board_system.hpp"
 #include "support/same_state.hpp"
 
+#include "mebots/error.hpp"
 #include "mebots/state/save.hpp"
 
 #include <gtest/gtest.h>
@@ -82,6 +83,18 @@ TEST(Decisions, NeedAPictureAndTheBoardsSender) {
   none.sent("", 3 * kPsPerMs, {});
   none.published(3 * kPsPerMs);
   EXPECT_EQ(none.count(), 0U);
+}
+
+TEST(Decisions, RefuseTimesThatAreNotInTheirOrder) {
+  for (const auto& times : {picture(2, 1, 3, 4), picture(1, 3, 2, 4), picture(1, 2, 4, 3)}) {
+    for (const auto* sender : {"flight", ""}) {
+      Decisions decisions(sender);
+      EXPECT_THROW(decisions.picture_stored(times, {}), Error);
+      decisions.sent(sender, 5 * kPsPerMs, {});
+      decisions.published(5 * kPsPerMs);
+      EXPECT_EQ(decisions.count(), 0U) << "the picture is left out";
+    }
+  }
 }
 
 /// Asks for a picture and sleeps until it is there; 20,000 turns of the fabric controller's loop, then 40,000 of two

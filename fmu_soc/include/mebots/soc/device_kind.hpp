@@ -61,7 +61,7 @@ class DeviceHost {
   /// The function that the fabric controller executes, for such texts; empty = not known.
   virtual std::string function() const { return {}; }
 
-  /// A picture is in memory now: a decision may begin.
+  /// A picture is in memory now: a decision may begin. Throws Error for times out of their order.
   virtual void picture_stored(const PictureTimes& /*times*/) {}
   /// Set-points go out: a decision ends when this is the sender that the board names.
   virtual void setpoints_sent(std::string_view /*sender*/, Picoseconds /*now*/) {}
