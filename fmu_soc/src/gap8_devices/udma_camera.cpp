@@ -129,9 +129,10 @@ void UdmaCamera::end(const UdmaTransfer& transfer) {
   }
   const auto stored = transfer.done_at;
   const auto read_out = std::max(stored - sensor_.lines_time(last_line()), came_at_);
-  const auto exposed = read_out - sensor_.exposure_time();
-  // It exposes one frame while it reads out another, so it may have begun before somebody asked.
-  host_.host.picture_stored({std::min(asked_at_, exposed), exposed, read_out, stored});
+  // It exposes one frame while it reads out another, so it may have begun before somebody asked. A decision begins
+  // with the request.
+  const auto exposed = std::max(read_out - sensor_.exposure_time(), asked_at_);
+  host_.host.picture_stored({asked_at_, exposed, read_out, stored});
 }
 
 double* UdmaCamera::input(std::string_view variable) {
