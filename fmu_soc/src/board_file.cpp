@@ -488,6 +488,11 @@ BoardRegulator read_regulator(const Node& node) {
   return regulator;
 }
 
+/// Of an entry without an address, after its key.
+std::string_view kind_without_address(const Object& object) {
+  return object.has("part") ? "part" : "regulator";
+}
+
 /// It has no address, and so nothing for a program to see.
 void check_part(const Node& node, const Object& object, const BoardDevice& device) {
   for (const auto* key : {"base", "also_at", "span", "interrupt", "registers", "opcodes", "enumerations"}) {
@@ -496,9 +501,11 @@ void check_part(const Node& node, const Object& object, const BoardDevice& devic
         ErrorCode::invalid_value,
         fmt::format("{} is a part of the board, without an address: remove the key '{}'", device.name, key));
   }
-  if (device.kind == kDescribed) {
-    node.at("kind").complain(ErrorCode::invalid_value,
-                             "a described device has registers and an address: remove the key 'kind'");
+  if (const auto kind = kind_without_address(object); device.kind != kind) {
+    node.at("kind").complain(
+        ErrorCode::invalid_value,
+        fmt::format("{} has the key '{}', so its kind is \"{}\", not \"{}\": remove the key 'kind'", device.name, kind,
+                    kind, device.kind));
   }
   if (device.part && device.regulator) {
     node.complain(ErrorCode::invalid_value, "a part of the board has 'part' or 'regulator', not both");
@@ -520,7 +527,7 @@ BoardDevice read_device(const Node& node, std::set<std::string>& names) {
   object.visit_if("part", [&](const Node& member) { device.part = read_part(member); });
   object.visit_if("regulator", [&](const Node& member) { device.regulator = read_regulator(member); });
   const bool on_bus = !object.has("part") && !object.has("regulator");
-  if (!on_bus && !object.has("kind")) device.kind = object.has("part") ? "part" : "regulator";
+  if (!on_bus && !object.has("kind")) device.kind = kind_without_address(object);
   const bool described = device.kind == kDescribed;
   if (on_bus) {
     object.read("base", device.base, &read_address);

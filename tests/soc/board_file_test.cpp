@@ -95,6 +95,14 @@ TEST(BoardFile, PartsOfTheBoardHaveNoAddress) {
   };
   EXPECT_EQ(complaint(kRam, part("")), "");
   EXPECT_THAT(complaint(kRam, part(R"(, "base": "0x8000")")), HasSubstr("remove the key 'base'"));
+  EXPECT_EQ(complaint(kRam, part(R"(, "kind": "part")")), "");
+  for (const auto* kind : {"camera", "described", "regulator"}) {
+    const auto text = complaint(kRam, part(fmt::format(R"(, "kind": "{}")", kind)));
+    EXPECT_THAT(text, HasSubstr("/devices/0/kind"));
+    EXPECT_THAT(text, HasSubstr(fmt::format("p has the key 'part', so its kind is \"part\", not \"{}\"", kind)));
+  }
+  EXPECT_THAT(complaint(kRam, R"({"name": "r", "kind": "part", "regulator": {"loads": ["chip"], "efficiency": 1}})"),
+              HasSubstr("its kind is \"regulator\", not \"part\": remove the key 'kind'"));
   EXPECT_THAT(complaint(kRam, part(R"(, "interrupt": 7)")), HasSubstr("remove the key 'interrupt'"));
   EXPECT_THAT(complaint(kRam, R"({"name": "p", "part": {}})"), HasSubstr("'supply_voltage' is missing"));
   EXPECT_THAT(complaint(kRam, R"({"name": "p", "supply_voltage": 1, "part": {"charge_per_byte": 1}})"),
