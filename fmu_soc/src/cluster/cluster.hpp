@@ -97,9 +97,9 @@ class Cluster {
   Picoseconds later(Picoseconds time, std::uint64_t ticks) const {
     return clock_.time_of(clock_.first_at(time) + ticks);
   }
-  /// Does it: quantum after quantum, none of which goes on behind `until`, which lies after next(). The last one is
-  /// that behind which the next would start after `last`, or in which something happened that the rest of the chip must
-  /// know of. Or a core's active cycles reached `cycle_limit`.
+  /// Runs quantum after quantum, none of which goes on behind `until`, which lies after next(). It ends when the next
+  /// one would start after `last`, when something happened that the rest of the chip must know of, or when a core's
+  /// active cycles have reached `cycle_limit`.
   void advance(Picoseconds until, Picoseconds last, std::uint64_t cycle_limit);
 
   /// Access of the fabric controller at `now`, up to which the cluster must have been advanced.

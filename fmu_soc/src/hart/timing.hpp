@@ -65,8 +65,8 @@ struct Current {
   std::int32_t imm = 0;
 };
 
-/// Cycles that an instruction takes after the two before it, without what only its execution can tell.
-/// That is taken branches, operands of divisions, misaligned addresses, unaligned targets.
+/// Says how many cycles an instruction takes after the two before it, without what only its execution can tell. That
+/// leaves out taken branches, operands of divisions, misaligned addresses and unaligned targets.
 unsigned static_cycles(const Timing& timing, const Previous& two_before, const Previous& before,
                        const Current& current);
 

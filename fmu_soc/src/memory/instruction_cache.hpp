@@ -49,7 +49,7 @@ class InstructionCache {
 
   bool holds(std::uint32_t line) const { return find(line) != nullptr; }
   /// A byte that tells whether the line of this address is here, and behind it those of the lines that follow in the
-  /// same memory. A question of one instruction for translated code. Null when the address is not in the memory
+  /// same memory. Translated code asks it with one instruction. Null when the address is not in the memory
   /// covered.
   const std::uint8_t* presence(std::uint32_t address) const;
   /// Cycles that a fetch from this line in cycle `tick` waits; brings it here when it is not.
@@ -138,7 +138,7 @@ class InstructionCache {
   std::uint32_t refill_cycles_;
   std::vector<Entry> entries_;
   State state_;
-  // Not part of a state, since it follows from the entries. It is presence of the lines of each memory, the byte of
+  // Not part of a state, since it follows from the entries. These are the presence of each memory's lines, the byte of
   // each entry, and the memory in which a line was looked for last.
   std::vector<Presence> presence_;
   std::vector<std::uint8_t*> present_;
