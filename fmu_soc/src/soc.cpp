@@ -464,7 +464,8 @@ BusReply Soc::load(std::uint32_t address, std::uint64_t cycle) {
 BusReply Soc::from_cluster(const ClusterAccess& access, Picoseconds time) {
   const auto now = asleep_ ? time : std::max(time, core_time());
   const auto* slot = slot_at(access.address);
-  if (slot == nullptr || slot->base < kSharedDevices) return {};
+  if (access.address < kSharedDevices) return {};
+  if (slot == nullptr) return unmodelled(access.address, access.stored != nullptr, false);
   const auto offset = access.address - slot->base;
   const auto wait = chip_.interconnect.cluster_to_soc + chip_.interconnect.fabric_controller_to_device;
   if (access.stored != nullptr) {
@@ -503,7 +504,7 @@ BusReply Soc::store(std::uint32_t address, std::uint64_t cycle, std::uint32_t va
   return BusReply::done(0, chip_.interconnect.fabric_controller_to_device);
 }
 
-/// An access that nothing answers.
+/// An access that nothing answers; where it goes on, it takes as long as one that something answers.
 BusReply Soc::unmodelled(std::uint32_t address, bool stores, bool by_fabric_controller) {
   if (event_unit_ == nullptr || !UnmodelledRegisters::are_at(address)) return {};
   if (unmodelled_.is_new(address) && listeners_.faults) {
@@ -514,7 +515,8 @@ BusReply Soc::unmodelled(std::uint32_t address, bool stores, bool by_fabric_cont
     const auto function = by_fabric_controller ? host_->function() : std::string("a core of the cluster");
     listeners_.faults(unmodelled_.text(address, stores, function, entry));
   }
-  return BusReply::done(0, chip_.interconnect.fabric_controller_to_device);
+  const auto way = by_fabric_controller ? 0 : chip_.interconnect.cluster_to_soc;
+  return BusReply::done(0, way + chip_.interconnect.fabric_controller_to_device);
 }
 
 bool Soc::watched(std::uint32_t /*address*/) {

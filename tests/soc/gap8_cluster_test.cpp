@@ -546,6 +546,39 @@ TEST(Gap8Cluster, LocksByTestAndSetAndStoresBytesIntoDevicesOfTheSoc) {
   EXPECT_EQ(system.console, std::vector<std::string>{"ok"});
 }
 
+/// Core 0 loads 256 times and stores once at `offset` behind `base`, and sleeps.
+BoardSystem core_that_reads(std::string_view base, std::string_view offset) {
+  const auto reads = fmt::format(R"(
+2:  wfi
+    j 2b
+core: li s1, {0}
+    li a2, 256
+3:  lw a0, {1}(s1)
+    addi a2, a2, -1
+    bnez a2, 3b
+    sw a0, {1}(s1)
+    li s0, 0x00204000
+4:  .insn i 0x03, 6, a5, 0x3c(s0)
+    j 4b
+fault: j fault
+)",
+                                 base, offset);
+  return BoardSystem(fmt::format("{}{}{}", kBegin, start_cluster(1), reads), {}, gap8_board_of_cluster());
+}
+
+TEST(Gap8Cluster, GoesOnWhereNoDeviceStandsAndWaitsAsLongAsForOne) {
+  auto modelled = core_that_reads("0x1A104000", "0x70");
+  auto nowhere = core_that_reads("0x1A103000", "0x04");
+  modelled.soc.advance(5 * kMs);
+  nowhere.soc.advance(5 * kMs);
+  EXPECT_TRUE(modelled.faults.empty()) << modelled.faults.front();
+  ASSERT_EQ(nowhere.faults.size(), 1U);
+  EXPECT_THAT(nowhere.faults[0], testing::HasSubstr("load from 0x1a103004 in a core of the cluster"));
+  EXPECT_FALSE(nowhere.soc.faulted());
+  EXPECT_TRUE(nowhere.soc.hart(1).sleeping());
+  EXPECT_EQ(nowhere.soc.hart(1).counters().cycles, modelled.soc.hart(1).counters().cycles);
+}
+
 TEST(Gap8Cluster, TellsOnceOfARegisterThatIsNotModelled) {
   BoardSystem system(R"(
 _start: li s0, 0x1A104000
