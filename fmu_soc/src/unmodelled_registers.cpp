@@ -23,9 +23,7 @@ bool UnmodelledRegisters::are_at(std::uint32_t address) {
 }
 
 bool UnmodelledRegisters::is_new(std::uint32_t address) {
-  if (std::ranges::find(told_, address) != told_.end()) return false;
-  told_.push_back(address);
-  return true;
+  return told_.insert(address).second;
 }
 
 std::string UnmodelledRegisters::text(std::uint32_t address, bool stores, std::string_view function,

@@ -4,10 +4,9 @@
 #include "mebots/soc/board_device.hpp"
 
 #include <cstdint>
-#include <functional>
+#include <set>
 #include <string>
 #include <string_view>
-#include <vector>
 
 namespace mebots::soc {
 
@@ -25,7 +24,7 @@ class UnmodelledRegisters {
   bool is_new(std::uint32_t address);
 
  private:
-  std::vector<std::uint32_t> told_;
+  std::set<std::uint32_t> told_;
 };
 
 }  // namespace mebots::soc
