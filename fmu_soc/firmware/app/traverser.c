@@ -88,6 +88,10 @@ static traverser_command_t enter(traverser_t* t) {
   return straight_on(t);
 }
 
+static traverser_command_t turn_on(const traverser_t* t) {
+  return command(t, 0, t->last_yaw < 0 ? -SEARCH_YAW : SEARCH_YAW);
+}
+
 static traverser_command_t search(traverser_t* t, const sight_t* sight, bool sighted) {
   if (sighted && t->evidence >= EVIDENCE_TO_APPROACH) {
     t->phase = PILOT_APPROACH;
@@ -95,14 +99,14 @@ static traverser_command_t search(traverser_t* t, const sight_t* sight, bool sig
     t->size_q8 = limited(sight->size, 0, NEAR_SIZE - 1) * 256;
     return command(t, 0, sight->yaw);
   }
-  return command(t, 0, t->last_yaw < 0 ? -SEARCH_YAW : SEARCH_YAW);
+  return turn_on(t);
 }
 
 static traverser_command_t search_again(traverser_t* t) {
   t->phase = PILOT_SEARCH;
   t->evidence = 0;
   t->stalled_us = 0;
-  return command(t, 0, t->last_yaw < 0 ? -SEARCH_YAW : SEARCH_YAW);
+  return turn_on(t);
 }
 
 static traverser_command_t approach(traverser_t* t, const sight_t* sight, bool sighted,

@@ -26,12 +26,15 @@ class I2cDevice {
 
 /// HM01B0, the AI-deck's and the GAPuino's camera, as a driver sees it: 8-bit registers at 16-bit addresses by I2C,
 /// which keep what is stored, and a frame after another while MODE_SELECT says so. Of the registers these do something:
-/// 0x0100 mode, 0x0101 orientation, 0x0103 reset, 0x0202 lines of integration, 0x0340 lines of a frame, 0x0342 pixel
-/// clocks of a line, 0x0383 and 0x0387 every second column and row (3), 0x0390 binning of those pairs (bit 0 rows, bit
-/// 1 columns), 0x3010 window of 244 lines instead of 324. So frames come as often as lines and clocks say: at 6 MHz at
-/// most 46.4 a second of 344 lines of 376 clocks (all rows), 61.4 of 260 (window), 164 of 170 lines of 215 clocks (all
-/// rows, halved), 218 of 128 (window, halved). A frame with fewer lines than it has rows takes a line for each row.
-/// Pictures are as bright as they come: gain and integration change nothing in them.
+///
+///   0x0100 mode                  0x0340 lines of a frame                    0x0390 binning: bit 0 rows, bit 1 columns
+///   0x0101 orientation           0x0342 pixel clocks of a line              0x3010 window of 244 lines, not 324
+///   0x0103 reset                 0x0383, 0x0387 every second column, row (3)
+///   0x0202 lines of integration
+///
+/// Frames come as often as lines and clocks say (docs/chip/gap8.md has the highest rates). A frame with fewer lines
+/// than it has rows takes a line for each row. Pictures are as bright as they come: gain and integration change nothing
+/// in them.
 ///
 /// Sources: register names in the driver of GreenWaves' gap_sdk (himax.c); formats, least lines and clocks, and the
 /// clock of 6 MHz in idsia-robotics/nanocockpit (himax.c, himax_supported_framerates.md).

@@ -16,8 +16,9 @@ struct Demand {
 /// Shares of a motor's full thrust, before limits.
 RotorValues distributed(const Demand& demand);
 
-/// Which share of the supply (0..1, or beyond what it can) gives a share of 0.12 N, the firmware's greatest thrust of a
-/// rotor, by its published cubic fit of thrust over motor voltage for legacy propellers. Below 0.0128 N it is 0.
+/// Which share of the supply gives a share of 0.12 N, the firmware's greatest thrust of a rotor: by its published cubic
+/// fit of thrust over motor voltage for legacy propellers. In 0 to 1, above 1 where the supply cannot give it, 0 below
+/// 0.0128 N.
 double compensated(double share, double supply_v);
 
 /// A motor beyond full takes what it exceeds by off all four; none is below 0.
