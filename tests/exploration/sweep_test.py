@@ -416,6 +416,23 @@ class Reuse(StudyCase):
         self.assertIn("another study", text)
         self.assertIn("10 of them known before", text)
 
+    def test_missions_of_another_build_are_not_flown_again_in_silence(self):
+        self.study()
+        self.sweep()
+        self.assertNotIn("other builds", self.sweep())
+        journal = self.folder / "out" / "journal.jsonl"
+        records = [json.loads(line) for line in journal.read_text().splitlines()]
+        del records[0]["flown_by"]  # as before it was written down
+        for number, record in enumerate(records):
+            record["mission"] = f"{number:064x}"
+            if number > 0:
+                record["flown_by"] = "0" * 64
+        journal.write_text("".join(json.dumps(record) + "\n" for record in records))
+        text = self.sweep()
+        self.assertIn(f"{len(records)} records of other builds not used", text)
+        self.assertNotIn("known before", text)
+        self.assertNotIn("other builds", self.sweep())  # of this one is now all that it needs
+
     def test_status_finds_the_missions_of_a_study_that_names_files(self):
         (self.folder / "data.txt").write_text("one")
         self.study(design={"kind": "grid", "factors": {"a.string_in": ["data.txt"]}})

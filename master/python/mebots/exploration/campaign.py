@@ -19,7 +19,7 @@ from mebots.exploration import chance, columns, designs, front, report, sensitiv
 from mebots.exploration.comparison import Evidence
 from mebots.exploration.dispatch import Dispatcher
 from mebots.exploration.journal import Journal, Record
-from mebots.exploration.missions import Missions, Order
+from mebots.exploration.missions import Missions, Order, build
 from mebots.exploration.objectives import Measurer, has_all
 from mebots.exploration.rounds import Flight, Rounds
 from mebots.exploration.search import Search
@@ -47,7 +47,7 @@ _MOST_VALUES_TRIED = 64
 class Progress:
     """How far a study is. ``most_left`` counts missions that a decision may still save, ``likely_left`` those that stay if
     decisions go on to save as many as until now; ``answer`` is what is known so far: how missions ended, and after a round
-    which designs are ahead."""
+    which designs are ahead. ``of_other_builds``: records of journals that are not used, since another build flew them."""
 
     flown: int
     taken: int
@@ -57,6 +57,7 @@ class Progress:
     designs_flying: int
     rate_per_s: float
     answer: str = ""
+    of_other_builds: int = 0
 
 
 @dataclasses.dataclass(frozen=True)
@@ -88,7 +89,7 @@ class Campaign:
         labels = flat(self.missions.config.get("summary", {}))
         self._measurer = Measurer(study, _labels(labels))
         self._draws: dict[int, Values] = {}
-        self.flown = self.taken = self.failed = 0
+        self.flown = self.taken = self.failed = self.of_other_builds = 0
         self._begun_s = time.monotonic()
         self._outcomes: collections.Counter[str] = collections.Counter()
         self._ahead = ""
@@ -244,6 +245,7 @@ class Campaign:
             self.missions.folder.mkdir(exist_ok=True)
         journal = Journal(folder)
         others = [Journal(pathlib.Path(one), writable=False) for one in reuse]
+        self.of_other_builds = sum(one.of_other_builds(build()) for one in (journal, *others))
         try:
             self.check(journal)
             for name in TABLES:  # where they are, the study is done
@@ -350,7 +352,7 @@ class Campaign:
         self._outcomes.update(record["outcome"] for record in records)
 
     def _progress(self, most_left: int, likely_left: float, flying: int) -> Progress:
-        return Progress(self.flown, self.taken, self.failed, most_left, likely_left, flying, self._rate(), self._answer())
+        return Progress(self.flown, self.taken, self.failed, most_left, likely_left, flying, self._rate(), self._answer(), self.of_other_builds)
 
     def _answer(self) -> str:
         ended = ", ".join(f"{outcome} {count}" for outcome, count in self._outcomes.most_common(4))

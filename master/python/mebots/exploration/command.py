@@ -125,6 +125,8 @@ def _sweep(study: Study, options: argparse.Namespace) -> int:
         teller.end()
     written = ("missions.csv" if study.splitting is None else "levels.csv", "designs.csv", "report.html")
     known = f", {campaign.taken} of them known before" if campaign.taken else ""
+    if campaign.flown and campaign.of_other_builds:
+        known += f", {_counted(campaign.of_other_builds, 'record')} of other builds not used"
     print(f"{_counted(result.missions, 'mission')}{known}, {result.failed} failed: {', '.join(str(out / name) for name in written)}")
     return NOT_DONE if result.failed else DONE
 
@@ -149,8 +151,9 @@ class _Teller:
         if time.monotonic() < self._next_s:
             return
         self._next_s = time.monotonic() + (0.2 if self._terminal else 10)
+        unused = f" ({now.of_other_builds} of other builds not used)" if now.of_other_builds else ""
         text = (
-            f"{now.flown} flown, {now.taken} from a journal, {now.failed} failed, {_left(now)} "
+            f"{now.flown} flown, {now.taken} from a journal{unused}, {now.failed} failed, {_left(now)} "
             f"({now.rate_per_s:.2f} a second); {now.designs_flying} designs flying"
         )
         if now.answer:

@@ -172,7 +172,7 @@ def _ticks_of(process: int) -> int:
 
 def failed(order: Order, error: str, code: str) -> dict[str, Any]:
     """The record of a mission whose process told nothing."""
-    return {"mission": order["mission"], "outcome": "failed", "error": error, "code": code}
+    return {"mission": order["mission"], "flown_by": order["build"], "outcome": "failed", "error": error, "code": code}
 
 
 _mine = threading.local()

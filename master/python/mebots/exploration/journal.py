@@ -4,6 +4,7 @@ counts on it; several times a second, and before tables are written, the system 
 
 from __future__ import annotations
 
+import collections
 import contextlib
 import fcntl
 import json
@@ -30,6 +31,7 @@ class Journal:
     def __init__(self, folder: pathlib.Path, *, writable: bool = True) -> None:
         self.file = folder / NAME
         self._places: dict[bytes, int] = {}
+        self._builds: collections.Counter[str] = collections.Counter()
         flags = os.O_RDWR | os.O_CREAT if writable else os.O_RDONLY
         try:
             self._stream = os.fdopen(os.open(self.file, flags | os.O_CLOEXEC, 0o666), "r+b" if writable else "rb")
@@ -56,6 +58,10 @@ class Journal:
             return None
         self._stream.seek(place)
         return json.loads(self._stream.readline())
+
+    def of_other_builds(self, build: str) -> int:
+        """How many of the records that were there at first are not this build's; older ones do not say whose they are."""
+        return self._builds.total() - self._builds[build]
 
     def append(self, records: Iterable[Record]) -> None:
         """Returns when a kill of this process cannot undo it. Raises Error when they cannot be written."""
@@ -103,18 +109,20 @@ class Journal:
             if not line.endswith(b"\n"):
                 break
             try:
-                self._places[_mission_of(line)] = end
+                mission, build = _identity(line)
             except (ValueError, KeyError, TypeError):
                 raise InputError(f"{self.file}:{number}: this is not a line of a journal; remove it", "syntax_error") from None
+            self._places[mission] = end
+            self._builds[build] += 1
             end += len(line)
         return end
 
 
-def _mission_of(line: bytes) -> bytes:
-    """Raises ValueError, KeyError or TypeError for what is not a record."""
+def _identity(line: bytes) -> tuple[bytes, str]:
+    """The mission, and the build that flew it. Raises ValueError, KeyError or TypeError for what is not a record."""
     record = json.loads(line)
     texts = (record["mission"], record["outcome"], record["error"])
     parts = (record.get("values", {}), record.get("finals", {}), record.get("series", {}))
     if not all(isinstance(one, str) for one in texts) or not all(isinstance(one, dict) for one in parts):
         raise ValueError
-    return bytes.fromhex(record["mission"])
+    return bytes.fromhex(record["mission"]), record.get("flown_by", "")

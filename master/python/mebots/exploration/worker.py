@@ -46,7 +46,7 @@ class Worker:
     def answer(self, order: Order) -> dict[str, Any]:
         """The record of a mission; of an order to ``check``, only what is wrong with it, and ``about`` which variable."""
         self._about = ""
-        record: dict[str, Any] = {"mission": order.get("mission", ""), "outcome": "failed", "error": "", "code": ""}
+        record: dict[str, Any] = {"mission": order.get("mission", ""), "flown_by": order.get("build", ""), "outcome": "failed", "error": "", "code": ""}
         begun = time.process_time()
         try:
             if order.get("check"):
