@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // One palette for everything: Okabe and Ito's, which people with any kind of colour vision tell apart, with a lighter
-// blue and no black on dark ground.
+// blue and no black on dark ground, then brown for a ninth curve.
 
-const LIGHT = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#b58900", "#56b4e9", "#5c4d9e", "#7f7f7f"];
-const DARK = ["#4ea8de", "#f0803c", "#2fc79a", "#e39ac4", "#e6c14a", "#8fd3ff", "#a394e8", "#a9a9a9"];
+const LIGHT = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#b58900", "#56b4e9", "#5c4d9e", "#7f7f7f", "#8c564b"];
+const DARK = ["#4ea8de", "#f0803c", "#2fc79a", "#e39ac4", "#e6c14a", "#8fd3ff", "#a394e8", "#a9a9a9", "#c49c94"];
 
 const darkQuery = matchMedia("(prefers-color-scheme: dark)");
 const listeners: (() => void)[] = [];
