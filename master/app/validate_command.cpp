@@ -30,6 +30,7 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <unordered_set>
 #include <vector>
 
 namespace mebots::app {
@@ -161,12 +162,9 @@ bool validate(const Path& file) {
     std::printf("%s: valid %s file\n", file.c_str(), kind.c_str());
     return true;
   } catch (const data::Mistakes& mistakes) {
-    std::vector<std::string> told;  // two readers of one file tell some twice
+    std::unordered_set<std::string> told;  // two readers of one file tell some twice
     for (const auto& mistake : mistakes.list()) {
-      const auto line = mistake.place + mistake.text;
-      if (std::ranges::find(told, line) != told.end()) continue;
-      print_mistake(mistake.place, mistake.text, mistake.code);
-      told.push_back(line);
+      if (told.insert(mistake.place + mistake.text).second) print_mistake(mistake.place, mistake.text, mistake.code);
     }
   } catch (const Error& error) {
     print_mistake("", error.what(), error.code());

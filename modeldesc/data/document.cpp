@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 namespace mebots::data {
 namespace {
@@ -46,9 +47,9 @@ Node Document::root() {
   return {*this, 0};
 }
 
-void Document::check() const {
+void Document::check() {
   if (content_->mistakes.empty()) return;
-  auto mistakes = content_->mistakes;
+  auto mistakes = std::exchange(content_->mistakes, {});
   std::ranges::stable_sort(mistakes, {}, &Mistake::offset);
   throw Mistakes(std::move(mistakes));
 }

@@ -6,6 +6,8 @@
 #include "run/input_hash.hpp"
 #include "test_system.hpp"
 
+#include <fmt/format.h>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -16,6 +18,7 @@ namespace {
 
 using testing::AllOf;
 using testing::HasSubstr;
+using testing::Not;
 
 /// MEBOTS_FMU_PATH as long as this object lives.
 class SearchPath {
@@ -86,6 +89,27 @@ TEST_F(FindFmu, ErrorListsThePlacesLookedAtAndTheNearestNames) {
   EXPECT_THAT(error_of("my_batery"), AllOf(HasSubstr(folder.path().string()), HasSubstr("nowhere (which is not there)"),
                                            HasSubstr(data_places("fmus").front().string()), HasSubstr("'my_battery'"),
                                            HasSubstr("MEBOTS_FMU_PATH")));
+}
+
+TEST_F(FindFmu, WhatWasAskedForBeforeIsAnsweredFromMemory) {
+  FmuSearch search(folder.path());
+  const auto a = file("a.fmu");
+  EXPECT_EQ(search.find("a").path, a);
+  EXPECT_THAT(search.find("b").problem, HasSubstr("there is no FMU 'b'"));
+  file("b.fmu");
+  std::filesystem::remove(a);
+  EXPECT_EQ(search.find("a").path, a);
+  EXPECT_THAT(search.find("b").problem, HasSubstr("there is no FMU 'b'")) << "a config sees its folders at one time";
+}
+
+TEST_F(FindFmu, OnlyTheFirstOfManyThatAreMissingAreComparedWithThoseThatAreThere) {
+  FmuSearch search(folder.path());
+  file("my_battery.fmu");
+  for (int i = 0; i < 20; ++i) {
+    EXPECT_THAT(search.find(fmt::format("my_batery{}", i)).problem, HasSubstr("Did you mean 'my_battery'"));
+  }
+  EXPECT_THAT(search.find("my_batery").problem,
+              AllOf(Not(HasSubstr("Did you mean")), HasSubstr("Folders with your own FMUs go into MEBOTS_FMU_PATH.")));
 }
 
 TEST_F(FindFmu, HashOfTheInputsIsThatOfTheBytesWhereverTheyWereFound) {

@@ -15,7 +15,13 @@
 namespace mebots::master::config {
 namespace {
 
-using ReadKey = void (*)(const Node&, InstanceDescription&, const SystemDescription&);
+/// What a reader of a key may count on beside its instance.
+struct Surroundings {
+  const SystemDescription& system;  // with the sections and instances before it
+  FmuSearch& fmus;
+};
+
+using ReadKey = void (*)(const Node&, InstanceDescription&, const Surroundings&);
 
 /// `others`: the names before it.
 void check_name(const std::string& name, const Node& node, const std::set<std::string, std::less<>>& others) {
@@ -37,18 +43,14 @@ void check_name(const std::string& name, const Node& node, const std::set<std::s
   if (control) node.complain(ErrorCode::invalid_value, "the instance name holds a control character");
 }
 
-void read_fmu(const Node& node, InstanceDescription& instance, const SystemDescription& system) {
+void read_fmu(const Node& node, InstanceDescription& instance, const Surroundings& around) {
   instance.fmu = node.readable_text();
-  // Many instances are often of one FMU, and stand together.
-  if (!system.instances.empty() && system.instances.back().fmu == instance.fmu &&
-      !system.instances.back().fmu_path.empty()) {
-    instance.fmu_path = system.instances.back().fmu_path;
-    return;
-  }
-  instance.fmu_path = find_fmu(instance.fmu, system.file.parent_path());
+  const auto& answer = around.fmus.find(instance.fmu);
+  if (!answer.problem.empty()) node.complain(ErrorCode::fmu_not_found, answer.problem);
+  instance.fmu_path = answer.path;
 }
 
-void read_parameters(const Node& node, InstanceDescription& instance, const SystemDescription& /*system*/) {
+void read_parameters(const Node& node, InstanceDescription& instance, const Surroundings& /*around*/) {
   for (const auto& [variable, value] : node.members()) {
     value.attempt([&, &variable = variable, &value = value] {
       instance.parameters.push_back({variable, written_value(value), value.place()});
@@ -56,11 +58,11 @@ void read_parameters(const Node& node, InstanceDescription& instance, const Syst
   }
 }
 
-void read_step_multiple(const Node& node, InstanceDescription& instance, const SystemDescription& system) {
-  instance.step_ns = multiple_of_step_ns(node, system);
+void read_step_multiple(const Node& node, InstanceDescription& instance, const Surroundings& around) {
+  instance.step_ns = multiple_of_step_ns(node, around.system);
 }
 
-void read_process(const Node& node, InstanceDescription& instance, const SystemDescription& /*system*/) {
+void read_process(const Node& node, InstanceDescription& instance, const Surroundings& /*around*/) {
   instance.isolation.process = data::word_of<ProcessKind>(
       {{"own", ProcessKind::own}, {"shared", ProcessKind::shared}, {"sandboxed", ProcessKind::sandboxed}})(node);
 }
@@ -72,26 +74,26 @@ void need_own_process(const Node& node, const InstanceDescription& instance) {
   }
 }
 
-void read_deadline(const Node& node, InstanceDescription& instance, const SystemDescription& /*system*/) {
+void read_deadline(const Node& node, InstanceDescription& instance, const Surroundings& /*around*/) {
   need_own_process(node, instance);
   instance.isolation.deadline_s = node.number(data::Limits::positive());
 }
 
-void read_memory_limit(const Node& node, InstanceDescription& instance, const SystemDescription& /*system*/) {
+void read_memory_limit(const Node& node, InstanceDescription& instance, const Surroundings& /*around*/) {
   constexpr std::int64_t kLargestMb = 1 << 24;  // 16 TiB
   need_own_process(node, instance);
   instance.isolation.memory_bytes = static_cast<std::uint64_t>(node.whole_number(1, kLargestMb)) << 20;
 }
 
-void read_on_failure(const Node& node, InstanceDescription& instance, const SystemDescription& /*system*/) {
+void read_on_failure(const Node& node, InstanceDescription& instance, const Surroundings& /*around*/) {
   instance.isolation.go_on_without = data::word_of<bool>({{"stop", false}, {"continue", true}})(node);
 }
 
-void read_on_discard(const Node& node, InstanceDescription& instance, const SystemDescription& /*system*/) {
+void read_on_discard(const Node& node, InstanceDescription& instance, const Surroundings& /*around*/) {
   instance.divide_discarded = data::word_of<bool>({{"end", false}, {"divide", true}})(node);
 }
 
-void read_instance_text(const Node& node, InstanceDescription& /*instance*/, const SystemDescription& /*system*/) {
+void read_instance_text(const Node& node, InstanceDescription& /*instance*/, const Surroundings& /*around*/) {
   static_cast<void>(node.text());  // for people only
 }
 
@@ -113,10 +115,10 @@ constexpr Key kKeys[] = {
     {"text", false, &read_instance_text},
 };
 
-void read_instance(const Node& node, InstanceDescription& instance, const SystemDescription& system) {
+void read_instance(const Node& node, InstanceDescription& instance, const Surroundings& around) {
   Object object(node);
   for (const auto& key : kKeys) {
-    const auto read = [&](const Node& member) { key.read(member, instance, system); };
+    const auto read = [&](const Node& member) { key.read(member, instance, around); };
     if (key.required) {
       object.visit(key.name, read);
     } else {
@@ -130,6 +132,7 @@ void read_instance(const Node& node, InstanceDescription& instance, const System
 
 void read_instances(const Node& node, SystemDescription& system) {
   std::set<std::string, std::less<>> names;
+  FmuSearch fmus(system.file.parent_path());
   for (const auto& [name, member] : node.members()) {
     check_name(name, member, names);
     names.insert(name);
@@ -137,7 +140,7 @@ void read_instances(const Node& node, SystemDescription& system) {
     instance.name = name;
     instance.place = member.place();
     instance.step_ns = system.step_ns;
-    member.attempt([&, &member = member] { read_instance(member, instance, system); });
+    member.attempt([&, &member = member] { read_instance(member, instance, {system, fmus}); });
     system.instances.push_back(std::move(instance));  // mistaken ones, too: others name them
   }
   if (system.instances.empty()) {

@@ -35,7 +35,9 @@ VariableName variable_name(const Node& node, const SystemDescription& system) {
   if (auto name = system.split(text)) return *name;
   const auto dot = text.find('.');
   if (dot == std::string::npos || dot == 0 || dot + 1 == text.size()) {
-    node.fail(ErrorCode::invalid_value, fmt::format("'{}' does not name a variable; write instance.variable", text));
+    node.complain(ErrorCode::invalid_value,
+                  fmt::format("'{}' does not name a variable; write instance.variable", text));
+    return {};
   }
   const auto instance = text.substr(0, dot);
   // A scenario that is looked at alone: nobody knows what its instances will be.
@@ -49,7 +51,8 @@ std::string instance_name(const std::string& name, const Node& node, const Syste
   constexpr std::size_t kAnswered = 20;
   auto what = fmt::format("there is no instance '{}'", name);
   if (node.noted() < kAnswered) what += ". " + suggest(name, system.instance_names());
-  node.fail(ErrorCode::unknown_name, what);
+  node.complain(ErrorCode::unknown_name, what);
+  return name;
 }
 
 std::int64_t time_ns(const Node& node) {

@@ -7,7 +7,8 @@
 
 #include <string>
 
-/// Values that several sections of a config have in common. All throw data::Mistakes with the value's place.
+/// Values that several sections of a config have in common. All throw data::Mistakes with the value's place, but for
+/// names: a file may have 100,000 unknown ones, and to throw each would take longer than to read it.
 namespace mebots::master::config {
 
 using data::Node;
@@ -16,13 +17,13 @@ using data::Object;
 /// A number, true, false or a text.
 WrittenValue written_value(const Node& node);
 
-/// "instance.variable" of an instance that the system has.
+/// "instance.variable" of an instance that the system has. A mistake is noted at the node.
 VariableName variable_name(const Node& node, const SystemDescription& system);
 inline auto variable_of(const SystemDescription& system) {
   return [&system](const Node& node) { return variable_name(node, system); };
 }
 
-/// The name of an instance that the system has.
+/// The name of an instance that the system has. A mistake is noted at the node.
 std::string instance_name(const std::string& name, const Node& node, const SystemDescription& system);
 
 /// A time in seconds that is a whole number of nanoseconds.

@@ -8,9 +8,11 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <set>
 #include <string>
+#include <utility>
 
 namespace mebots::master {
 namespace {
@@ -67,25 +69,50 @@ std::vector<fs::path> fmu_folders(const fs::path& beside) {
   return folders;
 }
 
-fs::path find_fmu(std::string_view text, const fs::path& beside) {
+const FmuSearch::Answer& FmuSearch::find(std::string_view text) {
+  if (const auto known = answers_.find(text); known != answers_.end()) return known->second;
+  auto answer = look_for(text);
+  if (!answer.problem.empty()) ++problems_;
+  return answers_.emplace(text, std::move(answer)).first->second;
+}
+
+FmuSearch::Answer FmuSearch::look_for(std::string_view text) {
   std::error_code error;
-  const auto path = beside / text;  // an absolute path stays as it is
-  if (!is_fmu_name(text) || fs::is_regular_file(path, error)) {
-    auto found = fs::canonical(path, error);
-    if (!error) return found;
-    throw InputError(ErrorCode::fmu_not_found,
-                     fmt::format("there is no FMU at {} ({}); paths are relative to the config",
-                                 path.lexically_normal().string(), error.message()));
+  const auto path = beside_ / text;  // an absolute path stays as it is
+  const auto status = fs::status(path, error);
+  if (!is_fmu_name(text) || fs::is_regular_file(status)) {
+    auto found = fs::exists(status) ? fs::canonical(path, error) : fs::path();
+    if (!error) return {std::move(found), {}};
+    return {{},
+            fmt::format("there is no FMU at {} ({}); paths are relative to the config",
+                        path.lexically_normal().string(), error.message())};
   }
-  const auto folders = fmu_folders(beside);
-  for (const auto& folder : folders) {
+  if (!folders_) folders_ = fmu_folders(beside_);
+  // Once a name was missing it is known what there is: no need to ask every folder again.
+  if (!listed_.empty() && !std::ranges::binary_search(names_, text)) return {{}, problem_of_name(text)};
+  for (const auto& folder : *folders_) {
     auto found = fs::canonical(folder / (std::string(text) + std::string(kSuffix)), error);
-    if (!error) return found;
+    if (!error) return {std::move(found), {}};
   }
-  throw InputError(
-      ErrorCode::fmu_not_found,
-      fmt::format("there is no FMU '{}' ({}{}) in {}. {} Folders with your own FMUs go into MEBOTS_FMU_PATH.", text,
-                  text, kSuffix, listed(folders), suggest(text, names_in(folders))));
+  return {{}, problem_of_name(text)};
+}
+
+std::string FmuSearch::problem_of_name(std::string_view name) {
+  // To look for the nearest among many takes a while: not for mistakes that nobody gets to see.
+  constexpr std::size_t kAnswered = 20;
+  if (listed_.empty()) {
+    listed_ = listed(*folders_);
+    names_ = names_in(*folders_);
+  }
+  return fmt::format("there is no FMU '{}' ({}{}) in {}. {}Folders with your own FMUs go into MEBOTS_FMU_PATH.", name,
+                     name, kSuffix, listed_, problems_ < kAnswered ? suggest(name, names_) + " " : "");
+}
+
+fs::path find_fmu(std::string_view text, const fs::path& beside) {
+  FmuSearch search(beside);
+  const auto& answer = search.find(text);
+  if (!answer.problem.empty()) throw InputError(ErrorCode::fmu_not_found, answer.problem);
+  return answer.path;
 }
 
 }  // namespace mebots::master

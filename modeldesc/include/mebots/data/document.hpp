@@ -55,7 +55,7 @@ class Document {
   struct Content;
 
   Node root();
-  void check() const;
+  void check();
 
   std::unique_ptr<Content> content_;
 };
