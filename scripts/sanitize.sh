@@ -26,6 +26,8 @@ Left out with sanitizers, since what they would test is not ours or is the sanit
   tests/interop, examples, casestudy   other tools and Python load FMUs and libraries, which need the sanitizer loaded first
   tests/install                        what is installed is a release build
   master/python                        the same: Python would have to be started with the sanitizer
+  Page.McapFileAgreesWithTheResults, Page.FilmShowsTheFlight
+                                       need the Python package, which is not built then
   Isolation.TheTableOfFmusThatMisbehaveIsTrue, Check.HasNothingToSayAbout_*
                                        crashes, memory and descriptors of the process are the sanitizer's
 Tests of crashes, heap and mappings inside other suites skip themselves: they are in the column `skipped`.
