@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hart/csr_names.hpp"
 
+#include "hart/csr_numbers.hpp"
+
 #include <fmt/core.h>
 
 #include <array>
@@ -8,8 +10,6 @@
 
 namespace mebots::soc::csr {
 namespace {
-
-enum class Core : std::uint8_t { every, ri5cy, gap8 };
 
 struct Row {
   unsigned number;

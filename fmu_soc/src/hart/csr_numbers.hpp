@@ -3,12 +3,16 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 
 /// Numbers of the control and status registers, from their table.
 namespace mebots::soc::csr {
 
 #define MEBOTS_CSR(constant, number, ...) inline constexpr unsigned k##constant = number;
 #include "hart/csrs.inc"
+
+/// Which cores have the registers of a row.
+enum class Core : std::uint8_t { every, ri5cy, gap8 };
 
 /// Where the registers of a row stand among all, one behind the other in the order of the table.
 struct Place {

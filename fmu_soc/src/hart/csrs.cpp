@@ -40,7 +40,7 @@ bool is_event_counter(unsigned number) {
 
 /// The rows, and which of them a core has at a number.
 struct Csrs::Rows {
-  enum class Core : std::uint8_t { every, ri5cy, gap8 };
+  using Core = csr::Core;
   static constexpr std::size_t kCores = 3;
   static constexpr std::size_t kNumbers = 4096;
 
