@@ -127,7 +127,7 @@ void Cluster::share_banks() {
 /// Every core begins its next run in the interpreter.
 void Cluster::drop_resume_points() {
   in_step_ = false;
-  for (auto& core : cores_) core->hart().drop_resume_point();
+  for (auto& core : cores_) core->hart().translated().drop_resume_point();
 }
 
 void Cluster::move_banks(std::uint64_t tick) {
@@ -140,7 +140,7 @@ void Cluster::move_banks(std::uint64_t tick) {
   auto last = tick + kQuantum;
   for (const auto& core : cores_) last = std::max(last, core->tick());
   const auto moved = banks_.start_over(tick, last);
-  for (auto& core : cores_) core->hart().move_resume_point(moved);
+  for (auto& core : cores_) core->hart().translated().move_resume_point(moved);
   if (settings_.shares_way) way_.start_over(tick, last + kMostAccessTicks);
 }
 
@@ -218,21 +218,21 @@ void Cluster::queue_cores(std::uint64_t end) {
   for (std::uint32_t i = 0; i < cores(); ++i) {
     auto& core = *cores_[next];
     if (ready_[next] < end && !core.waits_for_turn()) {
-      if (!queue_.empty()) queue_.back()->hart().set_next(&core.hart());
+      if (!queue_.empty()) queue_.back()->hart().translated().set_next(&core.hart().translated());
       queue_.push_back(&core);
     }
     if (++next == cores()) next = 0;
   }
-  if (!queue_.empty()) queue_.back()->hart().set_next(nullptr);
+  if (!queue_.empty()) queue_.back()->hart().translated().set_next(nullptr);
 }
 
 /// The same cores as in the quantum before, each one place further to the front if the first one goes to the end.
 void Cluster::rotate_queue() {
   const auto before = (first_core_ == 0 ? cores() : first_core_) - 1;
   if (queue_.front()->id() != before) return;  // who sleeps has no place
-  queue_.back()->hart().set_next(&queue_.front()->hart());
+  queue_.back()->hart().translated().set_next(&queue_.front()->hart().translated());
   std::rotate(queue_.begin(), queue_.begin() + 1, queue_.end());
-  queue_.back()->hart().set_next(nullptr);
+  queue_.back()->hart().translated().set_next(nullptr);
 }
 
 /// The queue of a quantum up to `end`: that of the one before if it holds the same cores.
@@ -299,7 +299,7 @@ std::uint64_t Cluster::keep_in_step() {
 
 /// Whether the hart, and who comes behind it, may run a round from `start` on.
 bool Cluster::can_resume(const Hart& hart, std::uint64_t start) {
-  if (!sharing_banks_ || !hart.has_resume_point()) return false;
+  if (!sharing_banks_ || !hart.translated().has_resume_point()) return false;
   if (instruction_cache_ && start < instruction_cache_->settled()) return false;
   decoded_->blocks.forget_if_stale();
   if (version_ == decoded_->version()) return true;

@@ -49,7 +49,7 @@ class Cluster::Core final : private Bus {
   bool waits_for_turn() const { return waits_for_turn_; }
   bool sleeps() const { return asleep_; }
   /// Whether its next run only has to go on in translated code.
-  bool can_resume() const { return !waits_for_turn_ && hart_.has_resume_point(); }
+  bool can_resume() const { return !waits_for_turn_ && hart_.translated().has_resume_point(); }
   void grant_turn() {
     granted_ = waits_for_turn_;
     waits_for_turn_ = false;

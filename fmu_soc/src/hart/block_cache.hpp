@@ -39,10 +39,13 @@ struct Block {
   /// The pc of a block that is none, or not any more. No pc is odd.
   static constexpr std::uint32_t kInvalid = 1;
   bool valid() const { return pc != kInvalid; }
+  /// What its first instruction waits for a load just before.
+  std::uint32_t stall_behind(const Previous& before) const {
+    return is_load(before.op) ? static_cast<std::uint32_t>(stalled_by >> before.rd & 1U) : 0U;
+  }
+  /// A jump soon behind what came straight waits for that, as only its own decoding can tell.
+  bool jumps_too_early_behind(const Previous& before) const { return before.op != Op::end_of_block && early_jump; }
 };
-
-/// More cycles than any core will see.
-inline constexpr std::uint64_t kAbsent = std::uint64_t{1} << 62;
 
 /// Who keeps something of decoded blocks and must hear when one becomes invalid.
 class BlockListener {
@@ -79,6 +82,11 @@ class BlockCache {
   /// A number that was right once gives the block that it means now, or an invalid one.
   const Block& block(std::uint32_t number) const { return blocks_[number]; }
   const Instruction* instructions(const Block& block) const { return &arena_[block.first]; }
+  /// Where to note the block of a hardware loop's next iteration, emptied when it holds that of another start.
+  std::uint32_t* loop_link(const Instruction& holder, std::uint32_t start) const {
+    if (block(holder.link).pc != start) holder.link = 0;
+    return &holder.link;
+  }
   /// Puts another handler in the place of an instruction's, and gives that one back.
   Handler exchange(const Instruction* at, Handler handler) { return std::exchange(arena_[index_of(at)].run, handler); }
 

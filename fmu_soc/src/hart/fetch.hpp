@@ -23,6 +23,9 @@ class Fetch {
   bool is_unsettled() const {
     return cache_ != nullptr && execution_.counters.cycles + execution_.host.tick_offset < cache_->settled();
   }
+  /// Likewise, as of the last time that it was noted: only fetching and other cores' runs change it.
+  bool was_unsettled() const { return unsettled_; }
+  void note_unsettled() { unsettled_ = is_unsettled(); }
   /// Brings the lines of an instruction that is reached in active cycle `cycle`: the cycles that it waits.
   std::uint32_t bring(const Instruction* at, std::uint64_t cycle);
   /// The first instruction of the block behind `at` that may have to wait, or the end of the block.
@@ -33,6 +36,7 @@ class Fetch {
  private:
   Execution& execution_;
   InstructionCache* cache_ = nullptr;
+  bool unsettled_ = false;
 };
 
 }  // namespace mebots::soc

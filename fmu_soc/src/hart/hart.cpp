@@ -2,7 +2,6 @@
 #include "hart/hart.hpp"
 
 #include "hart/csr_numbers.hpp"
-#include "hart/observer.hpp"
 #include "mebots/assert.hpp"
 
 #include <algorithm>
@@ -19,7 +18,9 @@ Hart::Hart(Memory& memory, Bus& bus, std::shared_ptr<DecodedCode> decoded)
       traps_(execution_, csrs_, cache_),
       data_path_(execution_, memory, bus),
       fetch_(execution_),
-      flow_notes_(execution_, *decoded_) {
+      interpreter_(execution_, memory, cache_, fetch_, limit_),
+      observed_(*this, execution_, *decoded_, interpreter_, limit_),
+      translated_(execution_, *decoded_, interpreter_, fetch_, observed_, limit_) {
   execution_.hart = this;
   std::vector<MemoryPort> ports(memory.regions().size());
   for (std::size_t i = 0; i < ports.size(); ++i) ports[i].region = i;
@@ -30,6 +31,19 @@ void Hart::connect(std::span<const MemoryPort> ports) {
   // Translated code holds all of the fast memories but who else is there.
   if (data_path_.connect(ports)) decoded_->drop_translations();
   cache_.set_longest_wait(data_path_.longest_wait());
+}
+
+void Hart::fetch_through(InstructionCache& cache) {
+  if (fetch_.cache() == &cache) return;
+  fetch_.go_through(cache);
+  decoded_->drop_translations();
+  if (cache_.fetched() != &cache) cache.cover(memory_);
+  cache_.fetch_through(cache);
+}
+
+void Hart::observe(Observer* observer) {
+  observed_.observe(observer, sleeping_);
+  translated_.drop_resume_point();
 }
 
 void Hart::reset(std::uint32_t pc) {
@@ -47,7 +61,7 @@ void Hart::restart(std::uint32_t pc) {
   traps_.restart();
   execution_.pipeline = {};
   wake();
-  drop_resume_point();
+  translated_.drop_resume_point();
 }
 
 Stop Hart::run(std::uint64_t limit) {
@@ -63,8 +77,8 @@ Stop Hart::run(std::uint64_t limit) {
 /// To the limit, or whatever else stops it. `left_translated`: translated code has just been left.
 Stop Hart::go_on(std::uint64_t limit, bool left_translated) {
   auto& e = execution_;
-  limit = std::min(limit, kAbsent);
-  note_unsettled();
+  limit_.set_end(limit);
+  fetch_.note_unsettled();
   for (;;) {
     if (cache_.forget_if_stale()) [[unlikely]]
       e.link = nullptr;
@@ -73,31 +87,31 @@ Stop Hart::go_on(std::uint64_t limit, bool left_translated) {
     }
     std::uint32_t number = 0;
     if (e.jumped) number = land();
-    if (e.counters.cycles >= limit) {
-      if (left_translated && e.host.resume_point == nullptr) chain_to_here();
+    if (limit_.reached_at(e.counters.cycles)) {
+      if (left_translated && !translated_.has_resume_point()) translated_.chain_to_here();
       return Stop::limit;
     }
-    e.host.resume_point = nullptr;
+    translated_.drop_resume_point();
     if (csrs_.interrupt_ready()) {
       take_interrupt();
       if (traps_.fault().happened) return Stop::fault;
       left_translated = false;
       continue;
     }
-    if (wants_all()) [[unlikely]] {
-      if (!observer_->before(*this)) return Stop::observer;
+    if (observed_.wants_all()) [[unlikely]] {
+      if (!observed_.goes_on()) return Stop::observer;
       cache_.forget_if_stale();  // a debugger may have changed code, or the pc
       number = 0;
       e.link = nullptr;
-      execution_.cut_pc = kNoPc;
+      e.cut_pc = kNoPc;
     }
     if (number == 0) number = following();
     e.link = nullptr;
     if (number != 0) [[likely]] {
-      left_translated = run_block(number, limit, left_translated);
+      left_translated = run_block(number, left_translated);
     } else {
       left_translated = false;
-      observer_ != nullptr ? step_observed() : step();
+      observed_.observer() != nullptr ? observed_.step() : interpreter_.step();
     }
   }
 }
@@ -108,10 +122,7 @@ bool Hart::stays_awake() {
     if (!wakes()) return false;
     wake();
   }
-  if (observer_knows_of_sleep_) [[unlikely]] {
-    observer_knows_of_sleep_ = false;
-    if (observer_ != nullptr) observer_->woke(*this);
-  }
+  observed_.woke();
   return true;
 }
 
@@ -121,13 +132,11 @@ bool Hart::stays_awake() {
 /// they must not depend on what is decoded. A core restored from a state has decoded nothing.
 inline std::uint32_t Hart::following() {
   const auto* link = execution_.link;
-  const auto next = execution_.next_block;
-  if (link == nullptr && next != 0 && next_generation_ == cache_.generation() &&
-      cache_.block(next).pc == execution_.pc) {
-    return next;
+  if (link == nullptr) {
+    if (const auto next = translated_.next_block(); next != 0) return next;
   }
   if (link != nullptr && *link != 0 && cache_.block(*link).pc == execution_.pc) return *link;
-  if (link == nullptr && execution_.pc == execution_.cut_pc && !has_loose_limit())
+  if (link == nullptr && execution_.pc == execution_.cut_pc && !limit_.is_loose())
     return cache_.known(execution_.cut_pc);
   return following_block(execution_.link);
 }
@@ -142,86 +151,29 @@ inline std::uint32_t Hart::land() {
   return number;
 }
 
-/// One instruction, decoded with what the pipeline holds.
-void Hart::step() {
-  auto& e = execution_;
-  const auto* first = cache_.single(e.pc, e.pipeline.two_before, e.pipeline.before);
-  if (first == nullptr) {
-    std::uint32_t word = 0;
-    BlockCache::fetch(memory_, e.pc, word, e.trap_value);
-    e.trap_cause = cause::kFetchAccess;
-    e.leave = Leave::trap;
-    return;
-  }
-  execution_.cut_pc = first[1].pc;
-  execute(first, fetch_.is_cached() ? fetch_.bring(first, e.counters.cycles) : 0);
-  e.link = nullptr;
-}
-
 /// Runs a block as fits, or only its first instruction. True: translated code did, and begins no other
 /// block only because no patch point leads there yet.
-inline bool Hart::run_block(std::uint32_t number, std::uint64_t limit, bool left_translated) {
-  auto& e = execution_;
+inline bool Hart::run_block(std::uint32_t number, bool left_translated) {
+  const auto& before = execution_.pipeline.before;
   const auto& block = cache_.block(number);
   // What ran before can delay the first instruction if it was a load. A jump soon after it is another matter.
-  const bool early_jump = jumps_too_early(block);
-  const auto stall = stall_of(block);
-  const auto present = cache_.is_present(block) ? 0 : kAbsent;
-  const auto bound = ((std::uint64_t{block.last_start_bound} + stall) & bound_mask_) | present | unsettled_;
-  const bool may_run = e.counters.cycles + bound < limit;
+  const bool early_jump = block.jumps_too_early_behind(before);
+  const auto stall = block.stall_behind(before);
   const bool at_access = std::exchange(at_access_, false);
-  if (!early_jump && !at_access && may_translate(block, stall) && may_begin(block, stall, limit)) {
-    // With a loose limit, a stall may reach it; translated code would not begin then.
-    const auto* entry = e.counters.cycles + stall < limit ? translated(number, block) : nullptr;
-    if (entry != nullptr) {
-      if (left_translated) decoded_->translator->chain_last_exit(block.pc, *entry, stall != 0);
-      e.counters.cycles += stall;
-      return run_translated(*entry, limit);
+  if (!early_jump && !at_access) {
+    if (const auto* entry = translated_.entry(number, block, stall); entry != nullptr) {
+      if (left_translated) translated_.chain(block, *entry, stall);
+      return translated_.run(*entry, stall);
     }
   }
-  if (observer_ != nullptr) [[unlikely]] {
-    run_block_observed(block, stall, limit, early_jump);
+  if (observed_.observer() != nullptr) [[unlikely]] {
+    observed_.run_block(block, stall, early_jump);
     return false;
   }
-  if (early_jump || !may_run) [[unlikely]] {
-    if (early_jump || bound < kAbsent || !fetch_and_execute(block, stall, limit)) step();
-    note_unsettled();
-  } else if (translation_on_) {
-    execute(cache_.instructions(block), 0, stall);
-  } else {
-    interpret(block, stall, limit);
-  }
+  const bool runs =
+      !early_jump && (translated_.is_on() ? interpreter_.run(block, stall) : interpreter_.run_on(block, stall, csrs_));
+  if (!runs) interpreter_.step();
   return false;
-}
-
-/// Whether translated code may begin a block: no instruction of it can start too late, whatever must be fetched for it.
-/// It asks for its lines when it gets there, but for those of the first instruction where others use the cache, or
-/// where a stall comes behind them.
-inline bool Hart::may_begin(const Block& block, std::uint32_t stall, std::uint64_t limit) const {
-  if (unsettled_ != 0) return false;
-  if (block.line_count != 0 && (has_loose_limit() || stall != 0) && !cache_.begins_present(block)) return false;
-  const auto bound = std::uint64_t{block.fetch_bound} + stall;
-  return execution_.counters.cycles + (bound & bound_mask_) < limit;
-}
-
-/// A block, and behind it what follows by links without anything to decide.
-inline void Hart::interpret(const Block& block, std::uint32_t stall, std::uint64_t limit) {
-  auto& e = execution_;
-  execute(cache_.instructions(block), 0, stall);
-  // Only the limit and the lines are to be checked.
-  while (e.link != nullptr && *e.link != 0 && e.leave == Leave::normal && !csrs_.interrupt_ready() &&
-         !cache_.is_stale()) {
-    const auto& next = cache_.block(*e.link);
-    if (next.pc != e.pc || !cache_.is_present(next)) return;
-    if (jumps_too_early(next)) return;
-    const auto cycles = e.counters.cycles + (e.jumped && next.unaligned ? kUnalignedTargetExtra : 0U);
-    const auto next_stall = stall_of(next);
-    if (cycles + ((std::uint64_t{next.last_start_bound} + next_stall) & bound_mask_) >= limit) return;
-    e.counters.cycles = cycles;
-    e.jumped = false;
-    e.link = nullptr;
-    execute(cache_.instructions(next), 0, next_stall);
-  }
 }
 
 /// What a block was left for other than the next one. Stop::limit: the core goes on.
@@ -248,8 +200,7 @@ Stop Hart::leave() {
       waits_for_event_ = why == Leave::event;
       if (!wakes()) {
         sleeping_ = true;
-        if (observer_ != nullptr) observer_->slept(*this);
-        observer_knows_of_sleep_ = observer_ != nullptr;
+        observed_.slept();
         return Stop::sleeping;
       }
       waits_for_event_ = false;
@@ -268,34 +219,18 @@ std::uint32_t Hart::following_block(std::uint32_t* link) {
   return number;
 }
 
-/// Code for a block, once it is hot.
-inline const translate::Entry* Hart::translated(std::uint32_t number, const Block& block) {
-  auto& translator = decoded_->translator;
-  if (translator != nullptr) [[likely]] {
-    if (const auto* entry = translator->find(number); entry != nullptr) return entry;
-  }
-  return translate_when_hot(number, block);
-}
-
-void Hart::execute(const Instruction* first, std::uint32_t extra_cycles, std::uint32_t stall,
-                   const Instruction* slow_load) {
-  execution_.begin_block(extra_cycles, stall, slow_load);
-  for (const auto* at = first; at != nullptr;) at = at->run(execution_, at);
-  execution_.finish_block();
-}
-
 /// A debugger moves the pc: what the pipeline held is gone.
 void Hart::set_pc(std::uint32_t pc) {
   execution_.pc = pc & ~1U;
   execution_.link = nullptr;
   execution_.jumped = false;
   execution_.pipeline = {};
-  drop_resume_point();
+  translated_.drop_resume_point();
 }
 
 /// Behind Traps::enter_handler: the pc is at the handler.
 void Hart::entered_handler() {
-  if (observer_ != nullptr) observer_->trapped(*this, csrs_.last_trap());
+  observed_.trapped(csrs_.last_trap());
   execution_.counters.cycles += kTrapEntryCycles;
 }
 
@@ -327,10 +262,19 @@ void Hart::visit(state::Visitor& v) {
   if (!v.restores()) return;
   execution_.x = registers;
   execution_.cut_pc = kNoPc;
-  observer_knows_of_sleep_ = observer_ != nullptr && sleeping_;
-  drop_resume_point();
+  observed_.restored(sleeping_);
+  translated_.drop_resume_point();
   cache_.clear();
   for (const auto& loop : execution_.loops) cache_.end_block_at(loop.end);  // for a hart restored without its memory
+}
+
+Hart::RoundEnd Hart::run_round_robin(Hart& first, std::uint64_t limit_tick) {
+  const auto [exit, execution] = first.translated_.run_round(limit_tick);
+  if (execution == nullptr) return {};
+  auto& hart = *execution->hart;
+  if (exit == nullptr) return {&hart};
+  const bool begins = hart.translated_.finish(*exit);
+  return {&hart, true, hart.go_on(limit_tick - hart.execution_.host.tick_offset, begins)};
 }
 
 }  // namespace mebots::soc

@@ -6,13 +6,15 @@
 #include "hart/decoded_code.hpp"
 #include "hart/execution.hpp"
 #include "hart/fetch.hpp"
-#include "hart/flow_notes.hpp"
+#include "hart/interpreter.hpp"
+#include "hart/observed_run.hpp"
+#include "hart/run_limit.hpp"
 #include "hart/timing.hpp"
+#include "hart/translated_run.hpp"
 #include "hart/traps.hpp"
 #include "memory/bus.hpp"
 #include "memory/instruction_cache.hpp"
 #include "memory/memory.hpp"
-#include "translate/translator.hpp"
 
 #include "mebots/state/visitor.hpp"
 
@@ -23,8 +25,6 @@
 namespace mebots::soc {
 
 class Observer;
-struct QuietCode;
-struct Retired;
 
 /// Why `Hart::run` came back.
 enum class Stop : std::uint8_t {
@@ -80,7 +80,7 @@ class Hart {
 
   /// With a loose limit, a block that starts before it runs to its end.
   void set_loose_limit(bool loose) {
-    bound_mask_ = loose ? ~std::uint64_t{0xffffffff} : ~std::uint64_t{0};
+    limit_.set_loose(loose);
     cache_.set_end_at_targets(!loose);
     data_path_.run_on_over_code(loose);
   }
@@ -93,7 +93,7 @@ class Hart {
   bool translates() const { return decoded_->translator != nullptr; }
   /// Whether hot code is translated to code of the host where that is possible; at the start it is. Counts are the
   /// same with and without.
-  void set_translation(bool on);
+  void set_translation(bool on) { translated_.set_on(on); }
 
   /// Executes every instruction that starts before active cycle `limit`.
   Stop run(std::uint64_t limit);
@@ -108,17 +108,6 @@ class Hart {
   /// It ends with the first that does not stay there. For harts that share banks and decoded
   /// code.
   static RoundEnd run_round_robin(Hart& first, std::uint64_t limit_tick);
-  /// Who comes after this one in a round; null = nobody.
-  void set_next(Hart* next) { execution_.host.next = next == nullptr ? nullptr : &next->execution_; }
-  /// Whether its last run stopped at the limit in translated code, where it only has to go on.
-  bool has_resume_point() const { return execution_.host.resume_point != nullptr; }
-  /// The rows of the banks' table stand so many bytes further to the front.
-  void move_resume_point(std::uint64_t bytes) {
-    if (has_resume_point()) execution_.host.begin -= bytes;
-  }
-  /// Something has changed: the next run begins in the interpreter.
-  void drop_resume_point() { execution_.drop_resume_point(); }
-
   /// Who watches every instruction from now on, or null. Not part of a state.
   void observe(Observer* observer);
 
@@ -154,6 +143,10 @@ class Hart {
 
   void visit(state::Visitor& v);
 
+  /// How it runs translated code, for who runs several harts in rounds.
+  TranslatedRun& translated() { return translated_; }
+  const TranslatedRun& translated() const { return translated_; }
+
   // For the handlers.
   Csrs& csrs() { return csrs_; }
   Traps& traps() { return traps_; }
@@ -162,62 +155,16 @@ class Hart {
   /// Sets where a hardware loop ends, and goes on behind `at`, which did it.
   const Instruction* set_loop_end(const Instruction* at, unsigned loop, std::uint32_t pc);
   /// Where to note the block of a loop's next iteration, emptied when it holds that of another start.
-  std::uint32_t* loop_link(const Instruction& holder, std::uint32_t start) {
-    if (cache_.block(holder.link).pc != start) holder.link = 0;
-    return &holder.link;
-  }
+  std::uint32_t* loop_link(const Instruction& holder, std::uint32_t start) { return cache_.loop_link(holder, start); }
 
  private:
   bool stays_awake();
   std::uint32_t following();
   std::uint32_t land();
-  Stop go_on(std::uint64_t limit, bool left_translated);
-  void step();
-  bool run_block(std::uint32_t number, std::uint64_t limit, bool left_translated);
-  void interpret(const Block& block, std::uint32_t stall, std::uint64_t limit);
-  Stop leave();
-  void execute(const Instruction* first, std::uint32_t extra_cycles = 0, std::uint32_t stall = 0,
-               const Instruction* slow_load = nullptr);
-  std::uint32_t stall_of(const Block& block) const {
-    return is_load(execution_.pipeline.before.op)
-               ? static_cast<std::uint32_t>(block.stalled_by >> execution_.pipeline.before.rd & 1U)
-               : 0U;
-  }
-  bool has_loose_limit() const { return bound_mask_ != ~std::uint64_t{0}; }
-  const Instruction* run_until(const Instruction* at, const Instruction* stop);
-  static bool is_told(const Instruction* at, const QuietCode& quiet);
-  const Instruction* next_told(const Instruction* at, const Instruction* stop) const;
-  Retired foresee(std::uint32_t pc) const;
-  void run_block_observed(const Block& block, std::uint32_t stall, std::uint64_t limit, bool alone);
-  bool run_whole_block_observed(const Block& block, std::uint32_t stall, std::uint64_t limit);
-  void execute_observed(const Instruction* first, std::uint32_t extra_cycles, std::uint32_t stall,
-                        const Instruction* slow_load);
-  void step_observed();
-  bool wants_all() const { return observer_ != nullptr && flow_ == nullptr; }
-  bool may_translate(const Block& block, std::uint32_t stall) const;
-  const Instruction* run_until_observed(const Instruction* at, const Instruction* stop);
-  bool fetch_and_execute(const Block& block, std::uint32_t stall, std::uint64_t limit);
-  void execute_fetching(const Instruction* at);
-  std::uint32_t block_of(const Instruction* at) const { return cache_.known((at - at->index)->pc); }
-  void resume_fetching(const Instruction* at, std::uint32_t wait_cycles, std::uint32_t stall,
-                       const Instruction* slow_load);
-  bool may_begin(const Block& block, std::uint32_t stall, std::uint64_t limit) const;
-  void note_unsettled() { unsettled_ = fetch_.is_unsettled() ? kAbsent : 0; }
-  const translate::Entry* translated(std::uint32_t number, const Block& block);
-  const translate::Entry* translate_when_hot(std::uint32_t number, const Block& block);
-  void note_next(std::uint32_t block) {
-    execution_.next_block = block;
-    next_generation_ = cache_.generation();
-  }
-  /// A jump soon behind what came straight waits for that, as only its own decoding can tell.
-  bool jumps_too_early(const Block& block) const {
-    return execution_.pipeline.before.op != Op::end_of_block && block.early_jump;
-  }
-  void chain_to_here();
-  bool run_translated(const translate::Entry& entry, std::uint64_t limit);
-  void set_budget(std::uint64_t limit);
-  bool finish_translated(const translate::Exit& exit);
   std::uint32_t following_block(std::uint32_t* link);
+  Stop go_on(std::uint64_t limit, bool left_translated);
+  bool run_block(std::uint32_t number, bool left_translated);
+  Stop leave();
   void entered_handler();
   void take_interrupt();
 
@@ -226,18 +173,14 @@ class Hart {
   std::shared_ptr<DecodedCode> decoded_;
   BlockCache& cache_;  // of it
   Execution execution_;
+  RunLimit limit_;
   Csrs csrs_;
   Traps traps_;
   DataPath data_path_;
   Fetch fetch_;
-  FlowNotes flow_notes_;
-  bool translation_on_ = true;
-  std::uint64_t next_generation_ = 0;  // of blocks, in which Execution::next_block is meant
-  std::uint64_t bound_mask_ = ~std::uint64_t{0};
-  std::uint64_t unsettled_ = 0;  // kAbsent while lines that another core asked for may be on their way, else 0
-  Observer* observer_ = nullptr;
-  const FlowMap* flow_ = nullptr;  // of the observer
-  bool observer_knows_of_sleep_ = false;
+  Interpreter interpreter_;
+  ObservedRun observed_;
+  TranslatedRun translated_;
   bool at_access_ = false;  // the next instruction has waited for its turn: translated code would only leave before it
   bool sleeping_ = false;
   bool waits_for_event_ = false;  // the sleep is that of an event load

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hart/interpreter.hpp"
+
+#include "hart/csr_numbers.hpp"
+
+namespace mebots::soc {
+namespace {
+
+/// In place of an instruction that must wait.
+const Instruction* stop_here(Execution& e, const Instruction* at) {
+  e.exit = at;
+  e.waits_at = at;
+  return nullptr;
+}
+
+/// A jump hides some of its cycles behind a load across two words, which has given them back already.
+std::uint32_t hidden_in(const Execution& e, const Instruction* jump) {
+  const bool hides = jump->index != 0 && is_jump(jump->op) && e.slow_load == jump - 1 && jump->rs1 != jump[-1].rd;
+  return hides ? jump[1].cycles_before - jump->cycles_before - 1U : 0U;
+}
+
+}  // namespace
+
+void Interpreter::step() {
+  auto& e = execution_;
+  const auto* first = blocks_.single(e.pc, e.pipeline.two_before, e.pipeline.before);
+  if (first == nullptr) {
+    std::uint32_t word = 0;
+    BlockCache::fetch(memory_, e.pc, word, e.trap_value);
+    e.trap_cause = cause::kFetchAccess;
+    e.leave = Leave::trap;
+    return;
+  }
+  e.cut_pc = first[1].pc;
+  e.begin_block(fetch_.is_cached() ? fetch_.bring(first, e.counters.cycles) : 0, 0, nullptr);
+  for (const auto* at = first; at != nullptr;) at = at->run(e, at);
+  e.finish_block();
+  e.link = nullptr;
+  fetch_.note_unsettled();
+}
+
+bool Interpreter::run(const Block& block, std::uint32_t stall) {
+  if (fetch_.was_unsettled() || !blocks_.is_present(block)) return run_fetching(block, stall);
+  if (!limit_.admits(execution_.counters.cycles, std::uint64_t{block.last_start_bound} + stall)) return false;
+  execute(blocks_.instructions(block), 0, stall, nullptr);
+  return true;
+}
+
+bool Interpreter::run_on(const Block& block, std::uint32_t stall, const Csrs& csrs) {
+  auto& e = execution_;
+  if (!run(block, stall)) return false;
+  // Only the limit and the lines are to be checked.
+  while (e.link != nullptr && *e.link != 0 && e.leave == Leave::normal && !csrs.interrupt_ready() &&
+         !blocks_.is_stale() && !fetch_.was_unsettled()) {
+    const auto& next = blocks_.block(*e.link);
+    if (next.pc != e.pc || !blocks_.is_present(next)) break;
+    if (next.jumps_too_early_behind(e.pipeline.before)) break;
+    const auto cycles = e.counters.cycles + (e.jumped && next.unaligned ? kUnalignedTargetExtra : 0U);
+    const auto next_stall = next.stall_behind(e.pipeline.before);
+    if (!limit_.admits(cycles, std::uint64_t{next.last_start_bound} + next_stall)) break;
+    e.counters.cycles = cycles;
+    e.jumped = false;
+    e.link = nullptr;
+    execute(blocks_.instructions(next), 0, next_stall, nullptr);
+  }
+  return true;
+}
+
+void Interpreter::resume(const Instruction* at, std::uint32_t wait_cycles, std::uint32_t stall,
+                         const Instruction* slow_load, bool fetches) {
+  if (!fetches) {
+    execute(at, wait_cycles, stall, slow_load);
+    return;
+  }
+  execution_.begin_block(wait_cycles, stall, slow_load);
+  execution_.extra_cycles += fetch_.bring(at, execution_.cycle_of(at));
+  execute_fetching(at);
+}
+
+const Instruction* Interpreter::run_until(const Instruction* at, const Instruction* stop) {
+  auto& e = execution_;
+  e.waits_at = nullptr;
+  const bool to_end = is_block_end(stop->op);
+  const auto handler = to_end ? nullptr : blocks_.exchange(stop, stop_here);
+  while (at != nullptr) at = at->run(e, at);
+  if (!to_end) blocks_.exchange(stop, handler);
+  return e.waits_at;
+}
+
+/// A block of which lines are absent, or may not have arrived yet.
+bool Interpreter::run_fetching(const Block& block, std::uint32_t stall) {
+  const bool unsettled = fetch_.is_unsettled();
+  std::uint32_t missing = 0;  // at most: what is brought can drive out what comes behind it
+  for (std::uint32_t i = 0; i < block.line_count; ++i) {
+    if (missing != 0 || unsettled || block.lines[i] == 0) ++missing;
+  }
+  const auto wait = std::uint64_t{missing} * fetch_.cache()->refill_cycles();
+  if (!limit_.admits(execution_.counters.cycles, block.last_start_bound + stall + wait)) return false;
+  const auto* first = blocks_.instructions(block);
+  if (missing == 0) {
+    execute(first, 0, stall, nullptr);
+    fetch_.note_unsettled();
+  } else {
+    // The first instruction is fetched before it stalls for a load, as all others are.
+    execution_.begin_block(fetch_.bring(first, execution_.counters.cycles), stall, nullptr);
+    execute_fetching(first);
+  }
+  return true;
+}
+
+/// As `execute` of an instruction that is fetched, but lines come one by one. It goes on to the next instruction that
+/// needs one, and waits there.
+void Interpreter::execute_fetching(const Instruction* at) {
+  while (at != nullptr) {
+    const auto* stop = fetch_.next_to_wait(at);
+    at = walk_ != nullptr ? walk_->walk(at, stop) : run_until(at, stop);
+    if (at != nullptr) execution_.extra_cycles += fetch_.bring(at, execution_.cycle_of(at) + hidden_in(execution_, at));
+  }
+  execution_.finish_block();
+  fetch_.note_unsettled();
+}
+
+}  // namespace mebots::soc

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hart/observed_run.hpp"
+
+namespace mebots::soc {
+
+void ObservedRun::observe(Observer* observer, bool sleeping) {
+  observer_ = observer;
+  restored(sleeping);
+  flow_ = observer == nullptr ? nullptr : observer->flow();
+  decoded_.note_flow(flow_);
+  interpreter_.set_walk(observer == nullptr ? nullptr : this);
+}
+
+/// Whether an observer for whom this code is quiet must be told of the instruction.
+bool ObservedRun::is_told(const Instruction* at, const QuietCode& quiet) {
+  if (!quiet.holds(at->pc) || !quiet.holds(at[1].pc) || at[1].op == Op::loop_end) return true;
+  if (is_branch(at->op)) return !quiet.holds(static_cast<std::uint32_t>(at->imm));
+  if (at->op == Op::jal) return at->rd != 32 || !quiet.holds(static_cast<std::uint32_t>(at->imm));
+  return at->op == Op::jalr || at->op == Op::mret;
+}
+
+/// The first instruction from `at` on, before `stop` and in the block, of which the observer must be told; else where
+/// that ends.
+const Instruction* ObservedRun::next_told(const Instruction* at, const Instruction* stop) const {
+  const auto quiet = observer_->quiet();
+  while (at != stop && !is_block_end(at->op) && !is_told(at, quiet)) ++at;
+  return at;
+}
+
+/// What the instruction at `pc` is about to do.
+Retired ObservedRun::foresee(std::uint32_t pc) const {
+  Retired retired;
+  retired.pc = pc;
+  retired.word = decoded_.blocks.word_at(pc).value_or(0);
+  retired.decoded = decode(retired.word);
+  retired.access = access_of(retired.decoded, hart_);
+  if (retired.access.store) retired.stored = execution_.x[retired.decoded.rs2];
+  return retired;
+}
+
+void ObservedRun::step() {
+  const auto retired = foresee(execution_.pc);
+  const auto instructions = execution_.counters.instructions;
+  interpreter_.step();
+  if (execution_.counters.instructions != instructions) observer_->retired(hart_, retired);
+}
+
+/// With a strict limit the observer may want the run to end behind any instruction of which it is told, so those run
+/// alone. It has been asked before the first instruction.
+void ObservedRun::run_block(const Block& block, std::uint32_t stall, bool alone) {
+  const auto* first = decoded_.blocks.instructions(block);
+  alone = alone || (wants_all() && !limit_.is_loose() && is_told(first, observer_->quiet()));
+  if (alone || !interpreter_.run(block, stall)) step();
+  if (wants_all()) execution_.link = nullptr;
+}
+
+/// As Interpreter::run_until, but for what need not be told. While the observer looks, counters and pc are those behind
+/// the instruction; for the block they are those of its start.
+const Instruction* ObservedRun::walk(const Instruction* at, const Instruction* stop) {
+  auto& e = execution_;
+  while (at != nullptr && at != stop) {
+    if (const auto* told = next_told(at, stop); told != at) {
+      at = interpreter_.run_until(at, told);
+      continue;
+    }
+    const auto retired = foresee(at->pc);
+    const auto* next = interpreter_.run_until(at, at + 1);
+    if (next != nullptr) e.pc = next->pc;
+    const bool has_retired = e.exit->index > at->index;
+    if (!has_retired) return nullptr;
+    const auto at_start = e.counters;
+    e.count_up_to(*e.exit);
+    observer_->retired(hart_, retired);
+    if (next != nullptr) observer_->before(hart_);
+    e.counters = at_start;
+    at = next;
+  }
+  return at;
+}
+
+void ObservedRun::slept() {
+  if (observer_ != nullptr) observer_->slept(hart_);
+  knows_of_sleep_ = observer_ != nullptr;
+}
+
+void ObservedRun::tell_of_waking() {
+  knows_of_sleep_ = false;
+  if (observer_ != nullptr) observer_->woke(hart_);
+}
+
+}  // namespace mebots::soc

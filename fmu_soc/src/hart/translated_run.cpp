@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hart/translated_run.hpp"
+
+#include "hart/hart.hpp"
+
+#include <algorithm>
+#include <bit>
+
+namespace mebots::soc {
+namespace {
+
+/// A block is translated when it was interpreted this often in one epoch: what runs now and then, for however long, is
+/// not worth it.
+constexpr std::uint16_t kHot = 64;
+constexpr unsigned kEpochBits = 26;  // of cycles: a program of a megabyte, all of it hot, runs 64 times in one
+/// Most cycles of one stay in translated code: its counts have 32 bits.
+constexpr std::uint64_t kLongestRun = std::uint64_t{1} << 30;
+
+}  // namespace
+
+void TranslatedRun::set_on(bool on) {
+  on_ = on;
+  decoded_.drop_translations();
+}
+
+const translate::Entry* TranslatedRun::translate_when_hot(std::uint32_t number, const Block& block) {
+  auto& blocks = decoded_.blocks;
+  auto& translator = decoded_.translator;
+  if (const auto epoch = static_cast<std::uint32_t>(execution_.counters.cycles >> kEpochBits); epoch != block.epoch) {
+    block.epoch = epoch;
+    block.heat = 0;
+  }
+  if (++block.heat < kHot) return nullptr;
+  block.heat = 0;
+  const auto first = blocks.instructions(block)->op;
+  if (ends_block(first) && !is_jump(first) && !is_hardware_loop(first)) return nullptr;  // nothing to gain
+  if (translator == nullptr) {
+    translator = translate::make_translator(blocks, execution_, {limit_.is_loose(), decoded_.banks, decoded_.flow});
+    on_ = translator != nullptr;
+    if (!on_) return nullptr;
+    blocks.set_listener(translator.get());
+  }
+  return &translator->translate(number);
+}
+
+/// Tells translated code how far it may go.
+void TranslatedRun::set_budget() {
+  auto& host = execution_.host;
+  const auto cycles = flow_notes_.make_room(limit_.cycles_from(execution_.counters.cycles));
+  auto* banks = decoded_.banks;
+  if (banks == nullptr) {
+    host.begin = std::min(cycles, kLongestRun);
+    return;
+  }
+  host.alone = execution_.ram[0].banks == nullptr;
+  const auto* row = host.alone ? banks->unread() : banks->row(execution_.counters.cycles + execution_.host.tick_offset);
+  host.begin = reinterpret_cast<std::uintptr_t>(row);
+  host.end = host.begin + std::min(cycles, Banks::kLongestRun) * banks->count();
+}
+
+bool TranslatedRun::finish(const translate::Exit& exit) {
+  auto& e = execution_;
+  auto& host = e.host;
+  // What came before the block that was left, or that begins: nothing when another block led there by a jump.
+  if ((host.instructions & 0xffffffffU) != (exit.straight ? exit.at->index : 0U)) {
+    e.pipeline = {};
+  }
+  e.slow_load = nullptr;
+  if (exit.is_reached_straight && host.came_from != 0) e.pipeline = std::bit_cast<Pipeline>(host.came_from);
+  if (exit.resumes) {
+    resume_interpreter(exit);
+    return false;
+  }
+  if (!exit.indirect) e.pc = exit.pc;
+  if (exit.straight) {
+    e.remember(exit.at);
+    const bool iterates = exit.at->op == Op::loop_end && e.pc != exit.at->pc;
+    e.link = iterates ? decoded_.blocks.loop_link(exit.at[1], e.pc) : &exit.at->link;
+    note_next(*e.link);
+    return true;
+  }
+  e.jumped = exit.jumped;
+  e.link = exit.at != nullptr ? &exit.at->link : nullptr;
+  note_next(exit.block);
+  return true;
+}
+
+/// In the middle of a block.
+void TranslatedRun::resume_interpreter(const translate::Exit& exit) {
+  auto& e = execution_;
+  const auto* at = exit.at;
+  std::uint32_t stall = 0;
+  if (at->index == 0) {  // counted already, but it has not begun
+    stall = decoded_.blocks.block(decoded_.blocks.known(at->pc)).stall_behind(e.pipeline.before);
+    e.counters.cycles -= stall;
+  }
+  const auto* slow_load = e.host.slow_load_when == e.host.instructions ? e.host.slow_load : nullptr;
+  interpreter_.resume(at, exit.wait_cycles, stall, slow_load, exit.fetches || !fetch_.is_present(at));
+}
+
+void TranslatedRun::chain_to_here() {
+  const auto number = decoded_.blocks.known(execution_.pc);
+  if (number == 0 || decoded_.translator == nullptr) return;
+  const auto& block = decoded_.blocks.block(number);
+  const auto& before = execution_.pipeline.before;
+  if (block.jumps_too_early_behind(before)) return;
+  if (const auto* entry = decoded_.translator->find(number); entry != nullptr) {
+    chain(block, *entry, block.stall_behind(before));
+  }
+}
+
+translate::RunEnd TranslatedRun::run_round(std::uint64_t limit_tick) {
+  auto& host = execution_.host;
+  host.end = reinterpret_cast<std::uintptr_t>(decoded_.banks->row(limit_tick));
+  const auto end = decoded_.translator->run(execution_, host.resume_point);
+  if (decoded_.flow != nullptr) {
+    for (auto* e = &execution_; e != nullptr; e = e->host.next) e->hart->translated().tell_flow();
+  }
+  return end;
+}
+
+}  // namespace mebots::soc
