@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hall.hpp"
 
+#include "clutter.hpp"
 #include "paint.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <utility>
 
 namespace mebots::training {
 namespace {
@@ -17,6 +20,13 @@ using world::scene::Texture;
 
 constexpr int kMostThings = 11;
 constexpr double kClearOfGate_m = 0.8;
+
+constexpr int kMostClutter = 9;
+/// Clutter may stand beside a gate, but not in it.
+constexpr double kClutterClearOfGate_m = 0.55;
+constexpr double kCrownReach_m = 1.0;
+/// Part of the cluttered halls whose walls are hedges, with the sky above.
+constexpr double kOutdoors = 0.2;
 
 Texture frame_paint(Random& random) {
   const double kind = random.unit();
@@ -37,11 +47,31 @@ Texture frame_paint(Random& random) {
   return texture;
 }
 
-Gate random_gate(Random& random, double length_m, double half_width_m) {
+/// More than half of the gates stay squares.
+void random_shape(Random& random, Gate& gate) {
+  const double kind = random.unit();
+  if (kind < 0.55) return;
+  gate.outer_m = random.log_between(0.5, 1.15);
+  gate.inner_m = gate.outer_m * random.between(0.65, 0.82);
+  if (kind < 0.7) {
+    gate.shape = Gate::Shape::rectangle;
+    gate.outer_height_m = gate.outer_m * random.between(0.7, 1.3);
+    gate.inner_height_m = gate.outer_height_m - (gate.outer_m - gate.inner_m);
+  } else if (kind < 0.85) {
+    gate.shape = Gate::Shape::circle;
+  } else {
+    gate.shape = Gate::Shape::polygon;
+    gate.sides = 5 + random.below(4);
+    gate.roll_rad = random.between(-0.3, 0.3);
+  }
+}
+
+Gate random_gate(Random& random, bool any_shape, double length_m, double half_width_m) {
   Gate gate;
   gate.name = "gate";
   gate.outer_m = random.chance(0.5) ? random.between(0.54, 0.66) : random.log_between(0.42, 0.9);
   gate.inner_m = gate.outer_m * random.between(0.6, 0.75);
+  if (any_shape) random_shape(random, gate);
   gate.thickness_m = random.between(0.02, 0.08);
   gate.p_W_m = {random.between(0.0, length_m - 2.6), random.between(0.8 - half_width_m, half_width_m - 0.8),
                 random.between(0.65, 1.7)};
@@ -61,10 +91,36 @@ Cylinder column(Random& random, double length_m, double half_width_m) {
   return cylinder;
 }
 
-/// Whether a thing of that half diagonal keeps away from the gate, so that it does not hide it from every side.
-bool keeps_away(const Scene& scene, const Vector3d& p_W, double reach_m) {
-  if (scene.gates.empty()) return true;
-  return (p_W - scene.gates[0].p_W_m).head<2>().norm() >= kClearOfGate_m + reach_m;
+/// Whether a thing of that half diagonal keeps away from the gates, so that it does not hide one from every side.
+bool keeps_away(const Scene& scene, const Vector3d& p_W, double reach_m, double clear_m = kClearOfGate_m) {
+  return std::all_of(scene.gates.begin(), scene.gates.end(),
+                     [&](const Gate& gate) { return (p_W - gate.p_W_m).head<2>().norm() >= clear_m + reach_m; });
+}
+
+/// A gate behind the first one, to be flown in about the same direction.
+Gate next_gate(Random& random, const Gate& first, double length_m, double half_width_m) {
+  Gate gate = random_gate(random, true, length_m, half_width_m);
+  gate.yaw_rad = first.yaw_rad + random.between(-0.4, 0.4);
+  const double ahead = random.between(2.0, 5.0);
+  const double left = random.between(-1.5, 1.5);
+  gate.p_W_m.x() = first.p_W_m.x() + ahead * std::cos(first.yaw_rad) - left * std::sin(first.yaw_rad);
+  gate.p_W_m.y() = first.p_W_m.y() + ahead * std::sin(first.yaw_rad) + left * std::cos(first.yaw_rad);
+  return gate;
+}
+
+/// Whether everything that `with` has and `before` had not keeps away from the gates.
+bool clear_of_gates(const Scene& before, const Scene& with) {
+  const auto boxes_keep = std::all_of(
+      with.boxes.begin() + static_cast<std::ptrdiff_t>(before.boxes.size()), with.boxes.end(), [&](const auto& box) {
+        return keeps_away(with, box.p_W_m, 0.5 * box.size_m.template head<2>().norm(), kClutterClearOfGate_m);
+      });
+  const auto cylinders_keep = std::all_of(
+      with.cylinders.begin() + static_cast<std::ptrdiff_t>(before.cylinders.size()), with.cylinders.end(),
+      [&](const auto& cylinder) { return keeps_away(with, cylinder.p_W_m, cylinder.radius_m, kClutterClearOfGate_m); });
+  const auto meshes_keep = std::all_of(
+      with.meshes.begin() + static_cast<std::ptrdiff_t>(before.meshes.size()), with.meshes.end(),
+      [&](const auto& thing) { return keeps_away(with, thing.p_W_m, kCrownReach_m, kClutterClearOfGate_m); });
+  return boxes_keep && cylinders_keep && meshes_keep;
 }
 
 void add_things(Random& random, double length_m, double half_width_m, Scene& scene) {
@@ -80,14 +136,24 @@ void add_things(Random& random, double length_m, double half_width_m, Scene& sce
   }
 }
 
+void add_much_clutter(Random& random, const Floor& floor, Scene& scene) {
+  const int clutter = random.below(kMostClutter);
+  for (int i = 0; i < clutter; ++i) {
+    Scene with = scene;
+    add_clutter(random, floor, with);
+    if (clear_of_gates(scene, with)) scene = std::move(with);
+  }
+}
+
 }  // namespace
 
-Scene random_hall(Random& random) {
+Scene random_hall(Random& random, bool cluttered) {
   Scene scene;
   scene.name = "hall";
   const double length = random.between(7.0, 16.0);
   const double half = random.between(2.5, 7.0);
-  const double height = random.between(2.4, 5.0);
+  const bool outdoors = cluttered && random.chance(kOutdoors);
+  const double height = outdoors ? random.between(0.1, 0.6) : random.between(2.4, 5.0);
   const double middle = 0.5 * length - 2.0;
   scene.ground.half_size_m = 15.0;
   scene.ground.texture = random_paint(random, random.between(30.0, 215.0));
@@ -95,8 +161,17 @@ Scene random_hall(Random& random) {
                  wall(random, "west wall", {-2.05, 0.0, 0.5 * height}, {0.1, 2.0 * half + 0.2, height}),
                  wall(random, "north wall", {middle, half + 0.05, 0.5 * height}, {length, 0.1, height}),
                  wall(random, "south wall", {middle, -half - 0.05, 0.5 * height}, {length, 0.1, height})};
-  if (random.chance(0.92)) scene.gates.push_back(random_gate(random, length, half));
+  for (auto& side : scene.boxes) {
+    if (cluttered && random.chance(0.15)) side.texture = drawn_paint(random);
+  }
+  if (random.chance(0.92)) scene.gates.push_back(random_gate(random, cluttered, length, half));
+  if (cluttered && !scene.gates.empty() && random.chance(0.25)) {
+    const auto gate = next_gate(random, scene.gates[0], length, half);
+    const Vector3d& p = gate.p_W_m;
+    if (p.x() > -1.5 && p.x() < length - 2.5 && std::abs(p.y()) < half - 0.6) scene.gates.push_back(gate);
+  }
   add_things(random, length, half, scene);
+  if (cluttered) add_much_clutter(random, {-2.0, length - 2.0, half}, scene);
   scene.lighting.ambient = random.between(0.2, 0.85);
   scene.lighting.sun = random.between(0.0, 0.7);
   scene.lighting.to_sun_W = Vector3d(random.normal(1.0), random.normal(1.0), random.between(0.3, 1.5)).normalized();

@@ -49,6 +49,7 @@ struct Options {
   int scenes = 100;
   int pictures = 16;
   double field_of_view_rad = 0.0;  ///< 0 = another one in each room
+  bool clutter = false;            ///< views among clutter, in random rooms that have much of it
 };
 
 /// How a picture is spoilt on its way from the renderer to the network.
@@ -172,6 +173,44 @@ BodyPose random_view(Random& random, const mebots::world::scene::Scene& scene, d
   return {p, R};
 }
 
+/// What a camera is turned to that looks for what is not a gate: any wall or thing.
+Vector3d random_thing(Random& random, const mebots::world::scene::Scene& scene) {
+  const int boxes = static_cast<int>(scene.boxes.size());
+  const int cylinders = static_cast<int>(scene.cylinders.size());
+  const int which = random.below(boxes + cylinders + static_cast<int>(scene.meshes.size()));
+  if (which < boxes) return scene.boxes[static_cast<std::size_t>(which)].p_W_m;
+  if (which < boxes + cylinders) return scene.cylinders[static_cast<std::size_t>(which - boxes)].p_W_m;
+  return scene.meshes[static_cast<std::size_t>(which - boxes - cylinders)].p_W_m;
+}
+
+/// The same in a cluttered hall: many pictures of what is not a gate.
+BodyPose view_of_clutter(Random& random, const mebots::world::scene::Scene& scene, double half_view_rad) {
+  double yaw = random.between(-M_PI, M_PI);
+  Vector3d p{random.between(-1.5, 4.0), random.between(-2.0, 2.0), random.between(0.5, 1.6)};
+  const double what = random.unit();
+  if (!scene.gates.empty() && what < 0.58) {
+    const auto& gate = scene.gates[static_cast<std::size_t>(random.below(static_cast<int>(scene.gates.size())))];
+    const double distance = random.chance(0.6) ? random.between(0.5, 7.5) : random.log_between(0.3, 2.5);
+    const double off_axis = random.chance(0.6) ? random.normal(0.3) : random.between(-1.15, 1.15);
+    const double towards = gate.yaw_rad + off_axis;
+    p.head<2>() = gate.p_W_m.head<2>() - distance * Vector3d(std::cos(towards), std::sin(towards), 0.0).head<2>();
+    const double away = random.chance(0.5) ? random.normal(0.08) : random.between(-0.45, 0.45);
+    p.z() = std::max(0.3, gate.p_W_m.z() + away);
+    const double bearing = random.chance(0.4) ? random.normal(0.15) : random.between(-1.15, 1.15) * half_view_rad;
+    yaw = towards - bearing;
+  } else if (what < 0.92) {
+    const Vector3d thing = random_thing(random, scene);
+    const double distance = random.log_between(0.3, 6.0);
+    const double towards = random.between(-M_PI, M_PI);
+    p.head<2>() = thing.head<2>() - distance * Vector3d(std::cos(towards), std::sin(towards), 0.0).head<2>();
+    yaw = towards - random.normal(0.5) * half_view_rad;
+  }
+  const Eigen::Matrix3d R = (AngleAxisd(yaw, Vector3d::UnitZ()) * AngleAxisd(random.normal(0.045), Vector3d::UnitY()) *
+                             AngleAxisd(random.normal(0.045), Vector3d::UnitX()))
+                                .toRotationMatrix();
+  return {p, R};
+}
+
 /// Everything that can hide a gate, as boxes; a cylinder as the one around it.
 std::vector<mebots::world::scene::Box> obstacles(const mebots::world::scene::Scene& scene) {
   auto boxes = scene.boxes;
@@ -179,6 +218,18 @@ std::vector<mebots::world::scene::Box> obstacles(const mebots::world::scene::Sce
     auto& box = boxes.emplace_back();
     box.p_W_m = cylinder.p_W_m;
     box.size_m = {2.0 * cylinder.radius_m, 2.0 * cylinder.radius_m, cylinder.height_m};
+  }
+  for (const auto& thing : scene.meshes) {
+    Vector3d low = Vector3d::Constant(1e9);
+    Vector3d high = -low;
+    for (const auto& point : thing.mesh->points_m) {
+      low = low.cwiseMin(point);
+      high = high.cwiseMax(point);
+    }
+    auto& box = boxes.emplace_back();
+    box.p_W_m = thing.p_W_m + AngleAxisd(thing.yaw_rad, Vector3d::UnitZ()) * Vector3d(0.5 * (low + high));
+    box.size_m = high - low;
+    box.yaw_rad = thing.yaw_rad;
   }
   return boxes;
 }
@@ -204,6 +255,56 @@ bool free_view(const mebots::world::scene::Scene& scene, const Vector3d& p_W) {
     }
   }
   return true;
+}
+
+/// Whether the straight line from `from` to `to` meets the box.
+bool meets(const mebots::world::scene::Box& box, const Vector3d& from_W, const Vector3d& to_W) {
+  const AngleAxisd turn(-box.yaw_rad, Vector3d::UnitZ());
+  const Vector3d from = turn * (from_W - box.p_W_m);
+  const Vector3d step = turn * (to_W - from_W);
+  double enter = 0.0;
+  double leave = 1.0;
+  for (int i = 0; i < 3; ++i) {
+    const double half = 0.5 * box.size_m[i];
+    if (std::abs(step[i]) < 1e-12) {
+      if (std::abs(from[i]) > half) return false;
+      continue;
+    }
+    const double one = (-half - from[i]) / step[i];
+    const double other = (half - from[i]) / step[i];
+    enter = std::max(enter, std::min(one, other));
+    leave = std::min(leave, std::max(one, other));
+  }
+  return enter < leave;
+}
+
+/// The part of a gate's frame that the things hide from `p`, of sixteen points around it.
+double hidden_part(const std::vector<mebots::world::scene::Box>& things, const mebots::world::scene::Gate& gate,
+                   const Vector3d& p_W) {
+  constexpr int kPoints = 16;
+  const double half_across = 0.25 * (gate.inner_m + gate.outer_m);
+  const double half_up = 0.25 * (gate.opening_height_m() + gate.frame_height_m());
+  int hidden = 0;
+  for (int i = 0; i < kPoints; ++i) {
+    const double angle = 2.0 * M_PI * i / kPoints;
+    const Vector3d left{-std::sin(gate.yaw_rad), std::cos(gate.yaw_rad), 0.0};
+    const Vector3d point =
+        gate.p_W_m + half_across * std::cos(angle) * left + half_up * std::sin(angle) * Vector3d::UnitZ();
+    hidden +=
+        std::any_of(things.begin(), things.end(), [&](const auto& box) { return meets(box, p_W, point); }) ? 1 : 0;
+  }
+  return static_cast<double>(hidden) / kPoints;
+}
+
+/// The most that things may hide of a gate which the sight network is to see.
+constexpr double kMostHidden = 0.35;
+
+/// Whether the drone can be at `p`, and the gate that it is to see is not hidden.
+bool has_answer(const mebots::world::scene::Scene& scene, const std::vector<mebots::world::scene::Box>& things,
+                const Sight& seen, const Vector3d& p_W) {
+  if (std::any_of(things.begin(), things.end(), [&](const auto& box) { return inside(box, p_W, 0.1); })) return false;
+  if (seen.visibility == Visibility::none) return true;
+  return hidden_part(things, scene.gates[static_cast<std::size_t>(seen.gate)], p_W) <= kMostHidden;
 }
 
 /// The outermost walls bound the room: the first four boxes of every scene.
@@ -280,13 +381,17 @@ void take_pictures(const mebots::world::scene::Scene& scene, int scene_number, c
   std::vector<std::int8_t> small(static_cast<std::size_t>(SHRUNK_EDGE) * SHRUNK_EDGE);
   std::array<std::uint16_t, SHRUNK_EDGE> columns{};
   shrink_columns(intrinsics.width, columns.data());
+  const auto things = obstacles(scene);
   for (int taken = 0, tries = 0; taken < count && tries < 100 * count; ++tries) {
-    const BodyPose pose = sight ? random_view(random, scene, half_view_rad) : random_pose(random, scene, half_view_rad);
-    if (!in_room(scene, pose.p_WB_m) || !free_view(scene, pose.p_WB_m)) continue;
+    const BodyPose pose = options.clutter ? view_of_clutter(random, scene, half_view_rad)
+                          : sight         ? random_view(random, scene, half_view_rad)
+                                          : random_pose(random, scene, half_view_rad);
+    if (!in_room(scene, pose.p_WB_m)) continue;
     const auto camera = mebots::world::camera::camera_pose({}, pose.p_WB_m, pose.R_WB);
     const Advice advice = sight ? Advice{} : mebots::training::expert(scene, intrinsics, camera);
     const Sight seen = sight ? mebots::training::sight_of(scene, intrinsics, camera) : Sight{};
     if (advice.visibility == Visibility::sliver || seen.visibility == Visibility::sliver) continue;
+    if (options.clutter ? !has_answer(scene, things, seen, pose.p_WB_m) : !free_view(scene, pose.p_WB_m)) continue;
     renderer.render(camera, random.word(), static_cast<std::uint64_t>(taken), pixels);
     disturb(sight ? strong_disturbance(random) : random_disturbance(random), intrinsics.width, pixels);
     for (int y = 0; y < SHRUNK_EDGE; ++y) {
@@ -304,7 +409,8 @@ void take_pictures(const mebots::world::scene::Scene& scene, int scene_number, c
 
 mebots::world::scene::Scene room_of(const Options& options, Random& random) {
   if (!options.scene.empty()) return mebots::world::scene::load_scene(options.scene);
-  return options.task == Task::sight ? mebots::training::random_hall(random) : mebots::training::random_room(random);
+  return options.task == Task::sight ? mebots::training::random_hall(random, options.clutter)
+                                     : mebots::training::random_room(random);
 }
 
 Options read_options(int argc, char** argv) {
@@ -321,6 +427,7 @@ Options read_options(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--field-of-view", options.field_of_view_rad, "Of the lens [rad]; default: another one in each room")
       ->check(CLI::Range(0.1, 3.0));
+  app.add_flag("--clutter", options.clutter, "With --task sight: pictures among much that is not a gate");
   app.add_option("--scene", options.scene, "A scene file instead of random rooms")->check(CLI::ExistingFile);
   try {
     app.parse(argc, argv);
