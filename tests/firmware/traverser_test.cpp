@@ -70,7 +70,7 @@ End fly(const world::scene::Scene& scene, const Start& start, std::uint64_t seed
   policy_t policy;
   policy_init(&policy, true, micro(start.cruise_m_s), micro(start.cruise_m_s));
   traverser_t traverser;
-  traverser_init(&traverser, &policy, 800000, 1000000);
+  traverser_init(&traverser, &policy, 800000, 1000000, 1);
   traverser_command_t command{0, 0, 1000000};
   traverser_command_t next = command;
   double drift_m_s = start.drift_m_s;
@@ -80,7 +80,8 @@ End fly(const world::scene::Scene& scene, const Start& start, std::uint64_t seed
       command = next;
       const auto sight = look(scene, drone.pose, start, uniform);
       const traverser_state_t state{micro(drone.velocity_m_s), micro(drone.pose.p_WB_m.z()),
-                                    micro(kTraverseStep_s * kStepsPerLook)};
+                                    micro(kTraverseStep_s * kStepsPerLook),
+                                    micro(std::remainder(drone.pose.yaw_rad, 2.0 * M_PI))};
       next = traverser_step(&traverser, &sight, &state);
     }
     const double before_m = drone.pose.p_WB_m.x();
@@ -174,13 +175,13 @@ traverser_t new_traverser() {
   policy_t policy;
   policy_init(&policy, false, 277778, 277778);
   traverser_t traverser;
-  traverser_init(&traverser, &policy, 800000, 1000000);
+  traverser_init(&traverser, &policy, 800000, 1000000, 1);
   return traverser;
 }
 
 /// Pictures that all show the same to a drone at 1 m that flies at that velocity.
 traverser_command_t see(traverser_t& traverser, int pictures, sight_t sight, std::int32_t velocity_um_s = 280000) {
-  const traverser_state_t state{velocity_um_s, 1000000, 33000};
+  const traverser_state_t state{velocity_um_s, 1000000, 33000, 0};
   traverser_command_t command{};
   for (int i = 0; i < pictures; ++i) command = traverser_step(&traverser, &sight, &state);
   return command;
@@ -189,7 +190,7 @@ traverser_command_t see(traverser_t& traverser, int pictures, sight_t sight, std
 TEST(Traverser, HoversAndTurnsLeftWithoutAnySighting) {
   auto traverser = new_traverser();
   const auto command = see(traverser, 100, kNoGate);
-  EXPECT_EQ(traverser.phase, PILOT_SEARCH);
+  EXPECT_EQ(traverser.phase, TRAVERSER_SEARCH);
   EXPECT_EQ(command.velocity_um_s, 0);
   EXPECT_GT(command.yaw_rate_urad_s, 0);
 }
@@ -199,45 +200,104 @@ TEST(Traverser, GoesWhereFourPicturesInARowShowAGatePlainly) {
   see(traverser, 2, {20, 0, 10, 127});
   see(traverser, 12, kNoGate);
   see(traverser, 3, {20, 0, 10, 127});
-  EXPECT_EQ(traverser.phase, PILOT_SEARCH);
+  EXPECT_EQ(traverser.phase, TRAVERSER_SEARCH);
   see(traverser, 1, {20, 0, 10, 127});
-  EXPECT_EQ(traverser.phase, PILOT_APPROACH);
+  EXPECT_EQ(traverser.phase, TRAVERSER_APPROACH);
 }
 
 TEST(Traverser, NeverGoesWhereAllPicturesAreDoubtful) {
   auto traverser = new_traverser();
   const auto command = see(traverser, 1000, {20, 0, 10, 32});
-  EXPECT_EQ(traverser.phase, PILOT_SEARCH);
+  EXPECT_EQ(traverser.phase, TRAVERSER_SEARCH);
   EXPECT_GT(command.yaw_rate_urad_s, 0) << "and does not stop before them";
   see(traverser, 11, {20, 0, 10, 64});
-  EXPECT_EQ(traverser.phase, PILOT_APPROACH);
+  EXPECT_EQ(traverser.phase, TRAVERSER_APPROACH);
 }
 
 TEST(Traverser, GoesStraightOnWithoutTheGateForASecondAndThenSearchesOnItsSide) {
   auto traverser = new_traverser();
   see(traverser, 20, {-60, 0, 10, 100});
   const auto blind = see(traverser, 30, kNoGate);
-  EXPECT_EQ(traverser.phase, PILOT_APPROACH);
+  EXPECT_EQ(traverser.phase, TRAVERSER_APPROACH);
   EXPECT_EQ(blind.yaw_rate_urad_s, 0);
   EXPECT_GT(blind.velocity_um_s, 0);
   const auto search = see(traverser, 10, kNoGate);
-  EXPECT_EQ(traverser.phase, PILOT_SEARCH);
+  EXPECT_EQ(traverser.phase, TRAVERSER_SEARCH);
   EXPECT_EQ(search.velocity_um_s, 0);
   EXPECT_LT(search.yaw_rate_urad_s, 0);
 }
 
-TEST(Traverser, TurnsAwayFromWhatItLeansAgainst) {
-  for (const int size : {10, 100}) {
-    auto traverser = new_traverser();
-    see(traverser, 30, {0, 0, static_cast<std::int8_t>(size), 127});
-    ASSERT_EQ(traverser.phase, size == 10 ? PILOT_APPROACH : PILOT_THROUGH);
-    see(traverser, 60, kSameGate, 0);
-    EXPECT_EQ(traverser.phase, size == 10 ? PILOT_APPROACH : PILOT_THROUGH) << "2 s";
-    const auto command = see(traverser, 3, kSameGate, 0);
-    EXPECT_EQ(traverser.phase, PILOT_SEARCH);
-    EXPECT_EQ(command.velocity_um_s, 0);
-    EXPECT_NE(command.yaw_rate_urad_s, 0);
+/// A traverser that has followed a gate for 60 pictures straight ahead, 0.55 m, and leans against it until it leaves.
+traverser_t leaning(std::int8_t size) {
+  auto traverser = new_traverser();
+  see(traverser, 60, {0, 0, size, 127});
+  see(traverser, 60, {0, 0, size, 127}, 0);
+  EXPECT_NE(traverser.phase, TRAVERSER_ELSEWHERE) << "2 s";
+  see(traverser, 3, {0, 0, size, 127}, 0);
+  return traverser;
+}
+
+TEST(Traverser, FliesBackFromWhatItLeansAgainstToWhereItSawItFirst) {
+  for (const std::int8_t size : {std::int8_t{10}, std::int8_t{100}}) {
+    auto traverser = leaning(size);
+    ASSERT_EQ(traverser.phase, TRAVERSER_ELSEWHERE);
+    const auto back = see(traverser, 50, kSameGate, -280000);
+    EXPECT_EQ(traverser.phase, TRAVERSER_ELSEWHERE) << "0.46 m";
+    EXPECT_LT(back.velocity_um_s, 0);
+    EXPECT_EQ(back.yaw_rate_urad_s, 0);
+    const auto search = see(traverser, 12, kSameGate, -280000);
+    EXPECT_EQ(traverser.phase, TRAVERSER_SEARCH);
+    EXPECT_EQ(search.velocity_um_s, 0);
+    EXPECT_NE(search.yaw_rate_urad_s, 0);
   }
+}
+
+TEST(Traverser, EndsItsWayBackWhereSomethingStandsInIt) {
+  auto traverser = leaning(10);
+  see(traverser, 63, kNoGate, 0);
+  EXPECT_EQ(traverser.phase, TRAVERSER_SEARCH);
+}
+
+TEST(Traverser, DoesNotFollowASightingThatLedAgainstSomethingButOneElsewhere) {
+  auto traverser = leaning(10);
+  see(traverser, 62, kNoGate, -280000);
+  ASSERT_EQ(traverser.phase, TRAVERSER_SEARCH);
+  see(traverser, 100, {0, 0, 10, 127}, 0);
+  EXPECT_EQ(traverser.phase, TRAVERSER_SEARCH);
+  const traverser_state_t elsewhere{0, 1000000, 33000, 900000};
+  const sight_t gate{0, 0, 10, 127};
+  for (int i = 0; i < 4; ++i) traverser_step(&traverser, &gate, &elsewhere);
+  EXPECT_EQ(traverser.phase, TRAVERSER_APPROACH);
+}
+
+TEST(Traverser, SearchesAMetreFartherOnAfterAWholeTurn) {
+  auto traverser = new_traverser();
+  see(traverser, 470, kNoGate, 0);
+  EXPECT_EQ(traverser.phase, TRAVERSER_SEARCH) << "15.5 s at 0.403 rad/s";
+  const auto on = see(traverser, 5, kNoGate, 0);
+  EXPECT_EQ(traverser.phase, TRAVERSER_ELSEWHERE);
+  EXPECT_GT(on.velocity_um_s, 0);
+  see(traverser, 112, kNoGate);
+  EXPECT_EQ(traverser.phase, TRAVERSER_SEARCH);
+}
+
+TEST(Traverser, SearchesTheNextGateAheadWhereTheMissionHasTwo) {
+  auto traverser = new_traverser();
+  traverser.gates = 2;
+  const auto fly_through = [&] {
+    see(traverser, 60, {0, 0, 50, 100});
+    see(traverser, 20, {0, 0, 100, 100});
+    ASSERT_EQ(traverser.phase, TRAVERSER_THROUGH);
+    see(traverser, 150, kNoGate);
+  };
+  fly_through();
+  EXPECT_EQ(traverser.phase, TRAVERSER_SEARCH);
+  const traverser_state_t turned_round{0, 1000000, 33000, 3141593};
+  const sight_t gate{0, 0, 10, 127};
+  for (int i = 0; i < 50; ++i) traverser_step(&traverser, &gate, &turned_round);
+  EXPECT_EQ(traverser.phase, TRAVERSER_SEARCH) << "not back through the first";
+  fly_through();
+  EXPECT_EQ(traverser.phase, TRAVERSER_DONE);
 }
 
 TEST(Traverser, ASinglePictureOfALargeGateDoesNotMakeItNear) {
@@ -245,7 +305,7 @@ TEST(Traverser, ASinglePictureOfALargeGateDoesNotMakeItNear) {
   see(traverser, 3, {0, 0, 10, 100});
   see(traverser, 2, {0, 0, 127, 100});
   see(traverser, 10, {0, 0, 10, 100});
-  EXPECT_EQ(traverser.phase, PILOT_APPROACH);
+  EXPECT_EQ(traverser.phase, TRAVERSER_APPROACH);
 }
 
 TEST(Traverser, HoldsHeadingAndAltitudeFromTheFrameToHalfAMetreBehindTheFarthestGate) {
@@ -253,29 +313,29 @@ TEST(Traverser, HoldsHeadingAndAltitudeFromTheFrameToHalfAMetreBehindTheFarthest
   see(traverser, 60, {10, 20, 60, 100});
   const auto altitude_um = traverser.altitude_um;
   EXPECT_GT(altitude_um, 1000000);
-  EXPECT_EQ(traverser.phase, PILOT_APPROACH);
+  EXPECT_EQ(traverser.phase, TRAVERSER_APPROACH);
   int sightings = 0;
-  for (; traverser.phase == PILOT_APPROACH; ++sightings) see(traverser, 1, {0, 0, 100, 100});
+  for (; traverser.phase == TRAVERSER_APPROACH; ++sightings) see(traverser, 1, {0, 0, 100, 100});
   EXPECT_GT(sightings, 1) << "one picture alone made the gate near";
   // 0.6 m over 2 half pictures at a size of 1.2, by the longest lens: 0.57 m, and 0.5 m behind, 9.24 mm a picture.
   const auto blind = see(traverser, 110, kNoGate);
-  EXPECT_EQ(traverser.phase, PILOT_THROUGH);
+  EXPECT_EQ(traverser.phase, TRAVERSER_THROUGH);
   EXPECT_EQ(blind.yaw_rate_urad_s, 0);
   EXPECT_EQ(blind.altitude_um, traverser.altitude_um);
   EXPECT_GT(blind.velocity_um_s, 0);
   EXPECT_EQ(see(traverser, 8, kNoGate).velocity_um_s, 0);
-  EXPECT_EQ(traverser.phase, PILOT_DONE);
+  EXPECT_EQ(traverser.phase, TRAVERSER_DONE);
 }
 
 TEST(Traverser, FliesFartherWhereANearGateLeftThePictureSooner) {
   auto traverser = new_traverser();
   see(traverser, 60, {0, 0, 50, 100});
   see(traverser, 10, kNoGate);
-  ASSERT_EQ(traverser.phase, PILOT_THROUGH);
+  ASSERT_EQ(traverser.phase, TRAVERSER_THROUGH);
   see(traverser, 125, kNoGate);
-  EXPECT_EQ(traverser.phase, PILOT_THROUGH) << "1.16 m";
+  EXPECT_EQ(traverser.phase, TRAVERSER_THROUGH) << "1.16 m";
   see(traverser, 30, kNoGate);
-  EXPECT_EQ(traverser.phase, PILOT_DONE) << "1.44 m";
+  EXPECT_EQ(traverser.phase, TRAVERSER_DONE) << "1.44 m";
 }
 
 TEST(Traverser, StaysWithinItsAltitudesWhateverItIsTold) {

@@ -62,7 +62,7 @@ static sight_t look(const picture_t* picture) {
 }
 
 static void tell(const traverser_t* traverser, const sight_t* sight, const traverser_command_t* order) {
-  static const char* const kPhases[] = {"search", "approach", "through", "done"};
+  static const char* const kPhases[] = {"search", "approach", "through", "elsewhere", "done"};
   print("%m s  picture %u, %s", (int32_t)(timer_now_ns() / NS_PER_MS), statistics.pictures, kPhases[traverser->phase]);
   if (sight->visible > 0) {
     print(", gate at %m, %m, size %m", sight->yaw * 1000 / 127, sight->rise * 1000 / 127,
@@ -79,7 +79,7 @@ static traverser_t traverser_of_mission(void) {
   policy_init(&policy, MISSION_POLICY == POLICY_ADAPTIVE, (int32_t)MISSION_CRUISE_SPEED,
               (int32_t)MISSION_INITIAL_SPEED);
   traverser_t traverser;
-  traverser_init(&traverser, &policy, (int32_t)MISSION_YAW_RATE_SCALE, (int32_t)MISSION_ALTITUDE);
+  traverser_init(&traverser, &policy, (int32_t)MISSION_YAW_RATE_SCALE, (int32_t)MISSION_ALTITUDE, (int)MISSION_GATES);
   return traverser;
 }
 
@@ -90,7 +90,7 @@ static int fly(traverser_command_t* order) {
   int64_t frame_ns = timer_now_ns();  // when to ask for the next picture
   int64_t last_ns = frame_ns;
   bool asked = false;
-  while (traverser.phase != PILOT_DONE) {
+  while (traverser.phase != TRAVERSER_DONE) {
     if (flight_phase() == FLIGHT_PHASE_CRASHED) {
       return EXIT_CRASHED;
     }
@@ -122,9 +122,9 @@ static int fly(traverser_command_t* order) {
     }
 
     const int64_t now_ns = timer_now_ns();
-    const pilot_phase_t before = traverser.phase;
+    const traverser_phase_t before = traverser.phase;
     const traverser_state_t state = {flight_forward_velocity_um_s(), flight_range_um(),
-                                     (int32_t)((now_ns - last_ns) / NS_PER_US)};
+                                     (int32_t)((now_ns - last_ns) / NS_PER_US), flight_yaw_urad()};
     *order = traverser_step(&traverser, &sight, &state);
     last_ns = now_ns;
     command(FLIGHT_MODE_FLY, order);

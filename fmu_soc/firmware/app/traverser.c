@@ -31,13 +31,32 @@
 #define LEAST_SIZE 8
 // Part of the scale at which a search turns.
 #define SEARCH_YAW 64
+// What led against something is not followed again: no sighting counts this near to its heading. Where a sighting is,
+// is reckoned by half the view of the longest lens.
+#define DEAD_END_URAD 450000
+#define HALF_VIEW_URAD 410000
+#define HALF_TURN_URAD 3141593
+// A search that has turned once around goes so far ahead, forgets its dead ends, and turns again.
+#define ELSEWHERE_UM 1000000
 
 static int32_t limited(int32_t value, int32_t low, int32_t high) {
   return value < low ? low : value > high ? high : value;
 }
 
-void traverser_init(traverser_t* t, const policy_t* policy, int32_t yaw_rate_scale_urad_s, int32_t altitude_um) {
-  t->phase = PILOT_SEARCH;
+// Between -HALF_TURN_URAD and HALF_TURN_URAD.
+static int32_t turned(int32_t angle_urad) {
+  while (angle_urad > HALF_TURN_URAD) {
+    angle_urad -= 2 * HALF_TURN_URAD;
+  }
+  while (angle_urad < -HALF_TURN_URAD) {
+    angle_urad += 2 * HALF_TURN_URAD;
+  }
+  return angle_urad;
+}
+
+void traverser_init(traverser_t* t, const policy_t* policy, int32_t yaw_rate_scale_urad_s, int32_t altitude_um,
+                    int gates) {
+  t->phase = TRAVERSER_SEARCH;
   t->policy = *policy;
   t->yaw_rate_scale_urad_s = yaw_rate_scale_urad_s;
   t->start_altitude_um = altitude_um;
@@ -48,6 +67,11 @@ void traverser_init(traverser_t* t, const policy_t* policy, int32_t yaw_rate_sca
   t->stalled_us = 0;
   t->left_um = 0;
   t->ordered_um_s = 0;
+  t->flown_um = 0;
+  t->dead_ends = 0;
+  t->turned_urad = 0;
+  t->yaw_urad = 0;
+  t->gates = gates;
   t->last_yaw = 1;  // a search without any sighting turns left
 }
 
@@ -83,7 +107,7 @@ static int32_t farthest_um(int32_t size_q8) {
 
 // The frame leaves the picture: from here on nothing but the flown distance tells where the gate is.
 static traverser_command_t enter(traverser_t* t) {
-  t->phase = PILOT_THROUGH;
+  t->phase = TRAVERSER_THROUGH;
   t->left_um = farthest_um(t->size_q8) + PILOT_BEHIND_MM * 1000;
   return straight_on(t);
 }
@@ -92,21 +116,63 @@ static traverser_command_t turn_on(const traverser_t* t) {
   return command(t, 0, t->last_yaw < 0 ? -SEARCH_YAW : SEARCH_YAW);
 }
 
-static traverser_command_t search(traverser_t* t, const sight_t* sight, bool sighted) {
+static traverser_command_t search_again(traverser_t* t) {
+  t->phase = TRAVERSER_SEARCH;
+  t->evidence = 0;
+  t->stalled_us = 0;
+  t->turned_urad = 0;
+  return turn_on(t);
+}
+
+// The oldest is forgotten where there are too many.
+static void remember_dead_end(traverser_t* t, int32_t yaw_urad) {
+  if (t->dead_ends == TRAVERSER_DEAD_ENDS) {
+    for (int i = 1; i < TRAVERSER_DEAD_ENDS; ++i) {
+      t->dead_ends_urad[i - 1] = t->dead_ends_urad[i];
+    }
+    --t->dead_ends;
+  }
+  t->dead_ends_urad[t->dead_ends++] = turned(yaw_urad);
+}
+
+static bool leads_to_dead_end(const traverser_t* t, const sight_t* sight) {
+  const int32_t heading_urad = t->yaw_urad + HALF_VIEW_URAD / 127 * sight->yaw;
+  for (int i = 0; i < t->dead_ends; ++i) {
+    const int32_t off_urad = turned(heading_urad - t->dead_ends_urad[i]);
+    if (off_urad < DEAD_END_URAD && off_urad > -DEAD_END_URAD) {
+      return true;
+    }
+  }
+  return false;
+}
+
+static traverser_command_t go_elsewhere(traverser_t* t, int32_t ahead_um) {
+  t->phase = TRAVERSER_ELSEWHERE;
+  t->left_um = ahead_um;
+  t->stalled_us = 0;
+  return command(t, ahead_um < 0 ? -t->policy.cruise_um_s : t->policy.cruise_um_s, 0);
+}
+
+static traverser_command_t search(traverser_t* t, const sight_t* sight, bool sighted, const traverser_state_t* state) {
   if (sighted && t->evidence >= EVIDENCE_TO_APPROACH) {
-    t->phase = PILOT_APPROACH;
+    t->phase = TRAVERSER_APPROACH;
+    t->flown_um = 0;
     // Near only when more pictures say so.
     t->size_q8 = limited(sight->size, 0, NEAR_SIZE - 1) * 256;
     return command(t, 0, sight->yaw);
   }
+  t->turned_urad += (int32_t)((int64_t)t->yaw_rate_scale_urad_s * SEARCH_YAW / 127 * state->elapsed_us / 1000000);
+  if (t->turned_urad > 2 * HALF_TURN_URAD) {
+    t->dead_ends = 0;
+    return go_elsewhere(t, ELSEWHERE_UM);
+  }
   return turn_on(t);
 }
 
-static traverser_command_t search_again(traverser_t* t) {
-  t->phase = PILOT_SEARCH;
-  t->evidence = 0;
-  t->stalled_us = 0;
-  return turn_on(t);
+// Leans against something: back to where the approach began, to search where this was not.
+static traverser_command_t leave(traverser_t* t) {
+  remember_dead_end(t, t->yaw_urad);
+  return go_elsewhere(t, -t->flown_um);
 }
 
 static traverser_command_t approach(traverser_t* t, const sight_t* sight, bool sighted,
@@ -130,17 +196,39 @@ static traverser_command_t approach(traverser_t* t, const sight_t* sight, bool s
   return straight_on(t);
 }
 
+// Velocity times time, which is some seconds at most, as whole micrometres.
+static int32_t flown_um(const traverser_state_t* state) {
+  return (int32_t)((int64_t)state->forward_velocity_um_s * state->elapsed_us / 1000000);
+}
+
 static traverser_command_t through(traverser_t* t, const traverser_state_t* state) {
-  t->left_um -= (int32_t)((int64_t)state->forward_velocity_um_s * state->elapsed_us / 1000000);
+  t->left_um -= flown_um(state);
   if (t->left_um > 0) {
     return straight_on(t);
   }
-  t->phase = PILOT_DONE;
+  if (--t->gates > 0) {
+    // Not back through this one.
+    t->dead_ends = 0;
+    remember_dead_end(t, t->yaw_urad + HALF_TURN_URAD);
+    return search_again(t);
+  }
+  t->phase = TRAVERSER_DONE;
   return command(t, 0, 0);
 }
 
+static traverser_command_t elsewhere(traverser_t* t, const traverser_state_t* state) {
+  const bool back = t->left_um < 0;
+  t->left_um -= flown_um(state);
+  const bool there = back ? t->left_um >= 0 : t->left_um <= 0;
+  if (there || t->stalled_us > STALLED_US) {
+    return search_again(t);
+  }
+  return command(t, back ? -t->policy.cruise_um_s : t->policy.cruise_um_s, 0);
+}
+
 static void weigh(traverser_t* t, const sight_t* sight, int32_t elapsed_us) {
-  const int32_t sign = limited(sight->visible - DOUBTFUL, LEAST_SIGN, 127);
+  const bool dead_end = t->phase == TRAVERSER_SEARCH && leads_to_dead_end(t, sight);
+  const int32_t sign = dead_end ? LEAST_SIGN : limited(sight->visible - DOUBTFUL, LEAST_SIGN, 127);
   const int32_t elapsed_ms = limited(elapsed_us, 0, 1000000) / 1000;
   t->evidence = limited(t->evidence + sign * elapsed_ms, 0, MOST_EVIDENCE);
   t->unseen_us = sight->visible > 0 ? 0 : limited(t->unseen_us, 0, ENTERED_US) + elapsed_us;
@@ -149,21 +237,28 @@ static void weigh(traverser_t* t, const sight_t* sight, int32_t elapsed_us) {
 static traverser_command_t next(traverser_t* t, const sight_t* sight, const traverser_state_t* state) {
   const bool sighted = sight->visible > 0;
   switch (t->phase) {
-    case PILOT_SEARCH:
-      return search(t, sight, sighted);
-    case PILOT_APPROACH:
-      return t->stalled_us > STALLED_US ? search_again(t) : approach(t, sight, sighted, state);
-    case PILOT_THROUGH:
-      return t->stalled_us > STALLED_US ? search_again(t) : through(t, state);
-    case PILOT_DONE:
+    case TRAVERSER_SEARCH:
+      return search(t, sight, sighted, state);
+    case TRAVERSER_APPROACH:
+      t->flown_um += flown_um(state);
+      return t->stalled_us > STALLED_US ? leave(t) : approach(t, sight, sighted, state);
+    case TRAVERSER_THROUGH:
+      t->flown_um += flown_um(state);
+      return t->stalled_us > STALLED_US ? leave(t) : through(t, state);
+    case TRAVERSER_ELSEWHERE:
+      return elsewhere(t, state);
+    case TRAVERSER_DONE:
       break;
   }
   return command(t, 0, 0);
 }
 
 traverser_command_t traverser_step(traverser_t* t, const sight_t* sight, const traverser_state_t* state) {
+  t->yaw_urad = state->yaw_urad;
   weigh(t, sight, state->elapsed_us);
-  const bool slow = t->ordered_um_s > 0 && state->forward_velocity_um_s < t->ordered_um_s / 4;
+  const int32_t along_um_s = t->ordered_um_s < 0 ? -state->forward_velocity_um_s : state->forward_velocity_um_s;
+  const int32_t ordered_um_s = t->ordered_um_s < 0 ? -t->ordered_um_s : t->ordered_um_s;
+  const bool slow = ordered_um_s > 0 && along_um_s < ordered_um_s / 4;
   t->stalled_us = slow ? limited(t->stalled_us, 0, STALLED_US) + state->elapsed_us : 0;
   const traverser_command_t order = next(t, sight, state);
   t->ordered_um_s = order.velocity_um_s;

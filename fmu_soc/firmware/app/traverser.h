@@ -27,11 +27,23 @@ typedef struct {
   int32_t forward_velocity_um_s;
   int32_t altitude_um;  // measured
   int32_t elapsed_us;   // since the picture before
+  int32_t yaw_urad;     // heading; may go around
 } traverser_state_t;
+
+// How many headings that led to no gate are remembered.
+#define TRAVERSER_DEAD_ENDS 6
+
+typedef enum {
+  TRAVERSER_SEARCH,     // hover and turn until a gate is seen
+  TRAVERSER_APPROACH,   // fly to where the gate is
+  TRAVERSER_THROUGH,    // straight on through it
+  TRAVERSER_ELSEWHERE,  // straight to where to search next, back or on
+  TRAVERSER_DONE        // behind the last gate
+} traverser_phase_t;
 
 // Set by traverser_init; `phase` may be read.
 typedef struct {
-  pilot_phase_t phase;
+  traverser_phase_t phase;
   policy_t policy;
   int32_t yaw_rate_scale_urad_s;
   int32_t start_altitude_um;  // that the mission asks for
@@ -40,13 +52,20 @@ typedef struct {
   int32_t evidence;           // that there is a gate: 127ths of `visible` times ms
   int32_t unseen_us;          // since a gate was in the picture
   int32_t stalled_us;         // since the drone flew as it was commanded to
-  int32_t left_um;            // to fly straight on, since the frame left the picture
+  int32_t left_um;            // to fly straight, since the frame left the picture or the search ended; negative: back
   int32_t ordered_um_s;       // the last command's velocity
-  int8_t last_yaw;            // where the gate of the last approach was
+  int32_t flown_um;           // forwards, since the last search
+  int32_t dead_ends_urad[TRAVERSER_DEAD_ENDS];  // headings that led against something
+  int dead_ends;
+  int32_t turned_urad;  // by this search
+  int32_t yaw_urad;     // at the picture before
+  int gates;            // to fly through, from here on
+  int8_t last_yaw;      // where the gate of the last approach was
 } traverser_t;
 
 // Starts in PILOT_SEARCH with the policy as it is. The scale is the yaw rate at output 127.
-void traverser_init(traverser_t* traverser, const policy_t* policy, int32_t yaw_rate_scale_urad_s, int32_t altitude_um);
+void traverser_init(traverser_t* traverser, const policy_t* policy, int32_t yaw_rate_scale_urad_s, int32_t altitude_um,
+                    int gates);
 
 // One picture.
 traverser_command_t traverser_step(traverser_t* traverser, const sight_t* sight, const traverser_state_t* state);
