@@ -39,33 +39,6 @@ void Interpreter::step() {
   fetch_.note_unsettled();
 }
 
-bool Interpreter::run(const Block& block, std::uint32_t stall) {
-  if (fetch_.was_unsettled() || !blocks_.is_present(block)) return run_fetching(block, stall);
-  if (!limit_.admits(execution_.counters.cycles, std::uint64_t{block.last_start_bound} + stall)) return false;
-  execute(blocks_.instructions(block), 0, stall, nullptr);
-  return true;
-}
-
-bool Interpreter::run_on(const Block& block, std::uint32_t stall, const Csrs& csrs) {
-  auto& e = execution_;
-  if (!run(block, stall)) return false;
-  // Only the limit and the lines are to be checked.
-  while (e.link != nullptr && *e.link != 0 && e.leave == Leave::normal && !csrs.interrupt_ready() &&
-         !blocks_.is_stale() && !fetch_.was_unsettled()) {
-    const auto& next = blocks_.block(*e.link);
-    if (next.pc != e.pc || !blocks_.is_present(next)) break;
-    if (next.jumps_too_early_behind(e.pipeline.before)) break;
-    const auto cycles = e.counters.cycles + (e.jumped && next.unaligned ? kUnalignedTargetExtra : 0U);
-    const auto next_stall = next.stall_behind(e.pipeline.before);
-    if (!limit_.admits(cycles, std::uint64_t{next.last_start_bound} + next_stall)) break;
-    e.counters.cycles = cycles;
-    e.jumped = false;
-    e.link = nullptr;
-    execute(blocks_.instructions(next), 0, next_stall, nullptr);
-  }
-  return true;
-}
-
 void Interpreter::resume(const Instruction* at, std::uint32_t wait_cycles, std::uint32_t stall,
                          const Instruction* slow_load, bool fetches) {
   if (!fetches) {

@@ -40,7 +40,7 @@ class Interpreter {
   /// A block, whose first instruction waits for a load for `stall` cycles. False: it might reach the limit, and nothing
   /// has happened.
   bool run(const Block& block, std::uint32_t stall);
-  /// Likewise, and behind it what follows by links without anything to decide.
+  /// Likewise, and behind it what follows by links without anything to decide. Nobody walks in its place.
   bool run_on(const Block& block, std::uint32_t stall, const Csrs& csrs);
   /// From inside a block that translated code has left, which has waited for `wait_cycles`. `fetches`: lines of what
   /// comes may be absent.
@@ -72,6 +72,39 @@ inline void Interpreter::execute(const Instruction* first, std::uint32_t extra_c
     for (const auto* at = first; at != nullptr;) at = at->run(execution_, at);
   }
   execution_.finish_block();
+}
+
+inline bool Interpreter::run(const Block& block, std::uint32_t stall) {
+  if (fetch_.was_unsettled() || !blocks_.is_present(block)) [[unlikely]]
+    return run_fetching(block, stall);
+  if (!limit_.admits(execution_.counters.cycles, std::uint64_t{block.last_start_bound} + stall)) return false;
+  execute(blocks_.instructions(block), 0, stall, nullptr);
+  return true;
+}
+
+inline bool Interpreter::run_on(const Block& block, std::uint32_t stall, const Csrs& csrs) {
+  if (!run(block, stall)) return false;
+  if (fetch_.was_unsettled()) return true;
+  // Only the limit and the lines are to be checked.
+  auto& e = execution_;
+  const auto& blocks = blocks_;
+  const auto& limit = limit_;
+  while (e.link != nullptr && *e.link != 0 && e.leave == Leave::normal && !csrs.interrupt_ready() &&
+         !blocks.is_stale()) {
+    const auto& next = blocks.block(*e.link);
+    if (next.pc != e.pc || !blocks.is_present(next)) break;
+    if (next.jumps_too_early_behind(e.pipeline.before)) break;
+    const auto cycles = e.counters.cycles + (e.jumped && next.unaligned ? kUnalignedTargetExtra : 0U);
+    const auto next_stall = next.stall_behind(e.pipeline.before);
+    if (!limit.admits(cycles, std::uint64_t{next.last_start_bound} + next_stall)) break;
+    e.counters.cycles = cycles;
+    e.jumped = false;
+    e.link = nullptr;
+    e.begin_block(0, next_stall, nullptr);
+    for (const auto* at = blocks.instructions(next); at != nullptr;) at = at->run(e, at);
+    e.finish_block();
+  }
+  return true;
 }
 
 }  // namespace mebots::soc
