@@ -252,6 +252,22 @@ TEST(Traverser, FliesBackFromWhatItLeansAgainstToWhereItSawItFirst) {
   }
 }
 
+TEST(Traverser, LeavesWhatDoesNotGrowWhereAGateWouldHaveFilledThePicture) {
+  auto wall = new_traverser();
+  see(wall, 120, {0, 0, 50, 127});
+  see(wall, 8, kNoGate);
+  EXPECT_EQ(wall.phase, TRAVERSER_ELSEWHERE) << "1.1 m at a size of 0.79";
+  EXPECT_LT(see(wall, 1, kNoGate).velocity_um_s, 0);
+
+  auto gate = new_traverser();
+  for (int i = 0; i < 132; ++i) {
+    const double distance_m = 1.6 - 0.0092 * i;
+    see(gate, 1, {0, 0, static_cast<std::int8_t>(127 * 0.316 / (2.0 * distance_m)), 127});
+  }
+  see(gate, 8, kNoGate);
+  EXPECT_EQ(gate.phase, TRAVERSER_THROUGH) << "a frame of 0.6 m by a lens of 87 degrees, from 1.6 to 0.4 m";
+}
+
 TEST(Traverser, EndsItsWayBackWhereSomethingStandsInIt) {
   auto traverser = leaning(10);
   see(traverser, 63, kNoGate, 0);

@@ -20,6 +20,9 @@
 // enough that it can only have left it (0.65).
 #define ENTERED_SIZE 76
 #define NEAR_SIZE 41
+// What is flown to grows: a frame of 0.6 m from half a metre before by two thirds or more, one of 1 m by half. What
+// stayed below a quarter, from the third mark back to its entry, is no gate.
+#define LEAST_GROWTH_Q2 5
 // Focal length over half the picture's width, in thousandths, of the longest lens that the network knows (0.82 rad). A
 // shorter lens sees a frame of the same size from nearer, so that this one tells the farthest that the gate can be.
 #define LONGEST_FOCAL_MILLI 2301
@@ -54,6 +57,13 @@ static int32_t turned(int32_t angle_urad) {
   return angle_urad;
 }
 
+static void begin_way(traverser_t* t) {
+  t->flown_um = 0;
+  for (int i = 0; i < TRAVERSER_MARKS; ++i) {
+    t->marked_q8[i] = 0;
+  }
+}
+
 void traverser_init(traverser_t* t, const policy_t* policy, int32_t yaw_rate_scale_urad_s, int32_t altitude_um,
                     int gates) {
   t->phase = TRAVERSER_SEARCH;
@@ -67,7 +77,7 @@ void traverser_init(traverser_t* t, const policy_t* policy, int32_t yaw_rate_sca
   t->stalled_us = 0;
   t->left_um = 0;
   t->ordered_um_s = 0;
-  t->flown_um = 0;
+  begin_way(t);
   t->dead_ends = 0;
   t->turned_urad = 0;
   t->yaw_urad = 0;
@@ -156,7 +166,7 @@ static traverser_command_t go_elsewhere(traverser_t* t, int32_t ahead_um) {
 static traverser_command_t search(traverser_t* t, const sight_t* sight, bool sighted, const traverser_state_t* state) {
   if (sighted && t->evidence >= EVIDENCE_TO_APPROACH) {
     t->phase = TRAVERSER_APPROACH;
-    t->flown_um = 0;
+    begin_way(t);
     // Near only when more pictures say so.
     t->size_q8 = limited(sight->size, 0, NEAR_SIZE - 1) * 256;
     return command(t, 0, sight->yaw);
@@ -169,10 +179,30 @@ static traverser_command_t search(traverser_t* t, const sight_t* sight, bool sig
   return turn_on(t);
 }
 
-// Leans against something: back to where the approach began, to search where this was not.
+// Velocity times time, which is some seconds at most, as whole micrometres.
+static int32_t flown_um(const traverser_state_t* state) {
+  return (int32_t)((int64_t)state->forward_velocity_um_s * state->elapsed_us / 1000000);
+}
+
+static void fly_on(traverser_t* t, const traverser_state_t* state) {
+  const int32_t mark = t->flown_um / TRAVERSER_MARK_UM;
+  t->flown_um += flown_um(state);
+  if (t->flown_um / TRAVERSER_MARK_UM > mark) {
+    for (int i = TRAVERSER_MARKS - 1; i > 0; --i) {
+      t->marked_q8[i] = t->marked_q8[i - 1];
+    }
+    t->marked_q8[0] = t->size_q8;
+  }
+}
+
+// It is no gate: back to where the approach began, to search where this was not.
 static traverser_command_t leave(traverser_t* t) {
   remember_dead_end(t, t->yaw_urad);
   return go_elsewhere(t, -t->flown_um);
+}
+
+static bool has_grown(const traverser_t* t) {
+  return 4 * t->size_q8 >= LEAST_GROWTH_Q2 * t->marked_q8[TRAVERSER_MARKS - 1];
 }
 
 static traverser_command_t approach(traverser_t* t, const sight_t* sight, bool sighted,
@@ -180,7 +210,7 @@ static traverser_command_t approach(traverser_t* t, const sight_t* sight, bool s
   const bool near = t->size_q8 >= NEAR_SIZE * 256;
   const bool left = t->unseen_us > ENTERED_US && t->evidence >= EVIDENCE_TO_ENTER;
   if (t->size_q8 >= ENTERED_SIZE * 256 || (near && left)) {
-    return enter(t);
+    return has_grown(t) ? enter(t) : leave(t);
   }
   if (t->evidence == 0) {
     return search_again(t);
@@ -194,11 +224,6 @@ static traverser_command_t approach(traverser_t* t, const sight_t* sight, bool s
     return command(t, policy_speed_um_s(&t->policy, sight->yaw), sight->yaw);
   }
   return straight_on(t);
-}
-
-// Velocity times time, which is some seconds at most, as whole micrometres.
-static int32_t flown_um(const traverser_state_t* state) {
-  return (int32_t)((int64_t)state->forward_velocity_um_s * state->elapsed_us / 1000000);
 }
 
 static traverser_command_t through(traverser_t* t, const traverser_state_t* state) {
@@ -240,10 +265,10 @@ static traverser_command_t next(traverser_t* t, const sight_t* sight, const trav
     case TRAVERSER_SEARCH:
       return search(t, sight, sighted, state);
     case TRAVERSER_APPROACH:
-      t->flown_um += flown_um(state);
+      fly_on(t, state);
       return t->stalled_us > STALLED_US ? leave(t) : approach(t, sight, sighted, state);
     case TRAVERSER_THROUGH:
-      t->flown_um += flown_um(state);
+      fly_on(t, state);
       return t->stalled_us > STALLED_US ? leave(t) : through(t, state);
     case TRAVERSER_ELSEWHERE:
       return elsewhere(t, state);

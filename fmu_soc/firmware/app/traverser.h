@@ -30,6 +30,10 @@ typedef struct {
   int32_t yaw_urad;     // heading; may go around
 } traverser_state_t;
 
+// Sizes that are remembered, one each so far apart.
+#define TRAVERSER_MARKS 3
+#define TRAVERSER_MARK_UM 250000
+
 // How many headings that led to no gate are remembered.
 #define TRAVERSER_DEAD_ENDS 6
 
@@ -55,6 +59,7 @@ typedef struct {
   int32_t left_um;            // to fly straight, since the frame left the picture or the search ended; negative: back
   int32_t ordered_um_s;       // the last command's velocity
   int32_t flown_um;           // forwards, since the last search
+  int32_t marked_q8[TRAVERSER_MARKS];           // sizes at the last marks of that way, the latest first; 0 = not yet
   int32_t dead_ends_urad[TRAVERSER_DEAD_ENDS];  // headings that led against something
   int dead_ends;
   int32_t turned_urad;  // by this search
