@@ -20,8 +20,8 @@ TEST(InstructionCache, MissesOnceAndThenHits) {
   EXPECT_EQ(cache.refills(), 1U);
 }
 
-TEST(InstructionCache, ALineOnItsWayIsWaitedForButNotFetchedAgain) {
-  InstructionCache cache(kGap8);
+TEST(InstructionCache, ALineOnItsWayForAnotherCoreIsWaitedForButNotFetchedAgain) {
+  InstructionCache cache(kGap8, InstructionCache::Users::several);
   cache.fetch(5, 100);
   EXPECT_EQ(cache.settled(), 109U);
   EXPECT_EQ(cache.fetch(5, 103), 6U);

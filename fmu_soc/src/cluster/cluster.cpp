@@ -17,13 +17,13 @@ constexpr std::uint32_t kMostAccessTicks = 512;
 Cluster::Cluster(Memory& memory, const ClusterSettings& settings, const InstructionEnergy& energy)
     : settings_(settings),
       decoded_(std::make_shared<DecodedCode>(memory, settings.timing, energy, &banks_)),
-      instruction_cache_(settings.instruction_cache.size == 0
-                             ? std::nullopt
-                             : std::optional<InstructionCache>(settings.instruction_cache)),
       banks_(settings.l1_banks),
       dma_(memory, settings.l1_region, settings.dma),
       peripherals_(settings.make_peripherals(dma_)) {
   MEBOTS_ASSERT(settings.cores > 0 && settings.cores <= kMostClusterCores);
+  if (settings.instruction_cache.size != 0) {
+    instruction_cache_.emplace(settings.instruction_cache, InstructionCache::Users::several);
+  }
   ready_.fill(kNoTick);
   queue_.reserve(settings.cores);
   for (unsigned id = 0; id < settings.cores; ++id) {

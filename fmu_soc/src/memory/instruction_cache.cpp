@@ -15,17 +15,28 @@ namespace {
 /// by a short address. Elsewhere it costs an instruction more.
 constexpr std::size_t kLeastPresenceBytes = std::size_t{256} << 10;
 
+/// To the left, and bit 0 is set while an even number of bits 7, 3, 2 and 1 is.
+constexpr auto kNextShift = [] {
+  constexpr unsigned kTaps = 0x8e;
+  std::array<std::uint8_t, 256> next{};
+  for (unsigned value = 0; value < next.size(); ++value) {
+    const auto even = static_cast<unsigned>(~std::popcount(value & kTaps) & 1);
+    next[value] = static_cast<std::uint8_t>(value << 1 | even);
+  }
+  return next;
+}();
+
 }  // namespace
 
-InstructionCache::InstructionCache(const InstructionCacheSettings& settings)
+InstructionCache::InstructionCache(const InstructionCacheSettings& settings, Users users)
     : line_bits_(static_cast<unsigned>(std::countr_zero(settings.line))),
       ways_(settings.ways),
       set_mask_(settings.size / settings.line / settings.ways - 1),
       refill_cycles_(settings.refill_cycles),
-      entries_(settings.size / settings.line),
-      present_(entries_.size(), &nowhere_) {
+      entries_(settings.size / settings.line, Entry{&nowhere_, kNoLine}),
+      arrivals_(users == Users::several ? entries_.size() : 0) {
   state_.entries = entries_.data();
-  state_.present = present_.data();
+  state_.next_shift = kNextShift;
 }
 
 void InstructionCache::cover(const Memory& memory) {
@@ -70,24 +81,26 @@ void InstructionCache::cover_line(std::uint32_t line) {
 }
 
 void InstructionCache::note_absent() {
-  for (auto& present : present_) {
-    *present = 0;
-    present = &nowhere_;
+  for (auto& entry : entries_) {
+    *entry.present = 0;
+    entry.present = &nowhere_;
   }
 }
 
 void InstructionCache::note_present() {
-  for (std::size_t i = 0; i < entries_.size(); ++i) {
-    if (entries_[i].line == kNoLine) continue;
-    present_[i] = byte_of(entries_[i].line);
-    *present_[i] = 1;
+  for (auto& entry : entries_) {
+    if (entry.line == kNoLine) continue;
+    entry.present = byte_of(entry.line);
+    *entry.present = 1;
   }
 }
 
 std::uint32_t InstructionCache::fetch(std::uint32_t line, std::uint64_t tick) {
   if (const auto* entry = find(line); entry != nullptr) {
+    if (!is_shared()) return 0;
     // On its way for another core. One that is behind in time would have asked for it itself.
-    const auto wait = entry->ready > tick ? entry->ready - tick : 0;
+    const auto arrival = arrivals_[static_cast<std::size_t>(entry - entries_.data())];
+    const auto wait = arrival > tick ? arrival - tick : 0;
     return static_cast<std::uint32_t>(std::min<std::uint64_t>(wait, refill_cycles_));
   }
   return refill(line, tick);
@@ -95,15 +108,17 @@ std::uint32_t InstructionCache::fetch(std::uint32_t line, std::uint64_t tick) {
 
 void InstructionCache::flush() {
   note_absent();
-  std::fill(entries_.begin(), entries_.end(), Entry{});
+  for (auto& entry : entries_) entry.line = kNoLine;
+  std::fill(arrivals_.begin(), arrivals_.end(), 0);
 }
 
 void InstructionCache::visit(state::Visitor& v) {
   if (v.restores()) note_absent();
   v("entries", std::span(entries_));
   if (v.restores()) note_present();
+  v("arrivals", std::span(arrivals_));
   v("shift_register", state_.shift_register);
-  v("settled", state_.settled);
+  v("settled", settled_);
   v("refills", state_.refills);
 }
 

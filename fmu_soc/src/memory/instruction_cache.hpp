@@ -4,7 +4,7 @@
 #include "mebots/state/visitor.hpp"
 
 #include <algorithm>
-#include <bit>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -29,9 +29,14 @@ struct InstructionCacheSettings {
 /// A hit changes nothing, as in the chip: the way that a refill takes comes from an 8-bit shift register that moves
 /// with every refill. (Source: GVSoC, models/cache, which names it as that of GAP's fabric controller.) So who knows
 /// that all lines of a piece of code are here need not ask again until one of them has left.
+///
+/// A core that has the cache for itself has waited for each line that is here. Where several cores share it, one may
+/// want a line that is still on its way for another.
 class InstructionCache {
  public:
-  explicit InstructionCache(const InstructionCacheSettings& settings);
+  enum class Users : std::uint8_t { one, several };
+
+  explicit InstructionCache(const InstructionCacheSettings& settings, Users users = Users::one);
   InstructionCache(const InstructionCache&) = delete;
   InstructionCache& operator=(const InstructionCache&) = delete;
 
@@ -45,7 +50,8 @@ class InstructionCache {
   /// For refills from now on. Who has decoded code that comes through here must decode it anew.
   void set_refill_cycles(std::uint32_t cycles) { refill_cycles_ = cycles; }
   std::uint32_t ways() const { return ways_; }
-  std::uint32_t set_mask() const { return set_mask_; }
+
+  bool is_shared() const { return !arrivals_.empty(); }
 
   bool holds(std::uint32_t line) const { return find(line) != nullptr; }
   /// A byte that tells whether the line of this address is here, and behind it those of the lines that follow in the
@@ -58,17 +64,19 @@ class InstructionCache {
   std::uint32_t refill(std::uint32_t line, std::uint64_t tick) {
     const auto place = (line & set_mask_) * ways_ + next_way();
     auto& entry = entries_[place];
-    *present_[place] = 0;
-    present_[place] = byte_of(line);
-    *present_[place] = 1;
+    *entry.present = 0;
+    entry.present = byte_of(line);
+    *entry.present = 1;
     entry.line = line;
-    entry.ready = tick + refill_cycles_;
-    state_.settled = std::max(state_.settled, entry.ready);
     ++state_.refills;
+    if (is_shared()) {
+      arrivals_[place] = tick + refill_cycles_;
+      settled_ = std::max(settled_, arrivals_[place]);
+    }
     return refill_cycles_;
   }
-  /// All lines have arrived from this tick on.
-  std::uint64_t settled() const { return state_.settled; }
+  /// All lines have arrived from this tick on; 0 where one core waits for each of them.
+  std::uint64_t settled() const { return settled_; }
   /// Empties it.
   void flush();
   /// Lines fetched from memory since reset of the chip.
@@ -76,29 +84,29 @@ class InstructionCache {
 
   void visit(state::Visitor& v);
 
-  /// What the shift register feeds back: bits 7, 3, 2 and 1.
-  static constexpr std::uint8_t kTaps = 0x8e;
   static constexpr std::uint32_t kNoLine = ~std::uint32_t{0};  // the number of no line: the last one holds no code
 
   struct Entry {
+    std::uint8_t* present = nullptr;  // where presence of its line is noted; follows from that
     std::uint32_t line = kNoLine;
-    std::uint64_t ready = 0;  // the tick in which it has arrived
 
-    void visit(state::Visitor& v) {
-      v("line", line);
-      v("ready", ready);
-    }
+    void visit(state::Visitor& v) { v("line", line); }
   };
 
-  /// What a refill changes, for translated code, which does what `refill` does.
+  /// What a refill changes, for translated code, which does what `refill` does where one core uses the cache.
   struct State {
-    Entry* entries = nullptr;          // by set, then way
-    std::uint8_t** present = nullptr;  // of each entry: where presence of its line is noted
-    std::uint64_t settled = 0;
+    Entry* entries = nullptr;  // by set, then way
     std::uint64_t refills = 0;
     std::uint8_t shift_register = 0;
+    std::array<std::uint8_t, 256> next_shift{};  // what follows each value of the shift register
   };
+  /// Bit of the shift register from which on the way of a refill stands, once it has moved.
+  static constexpr unsigned kWayBit = 1;
   const State& state() const { return state_; }
+  /// The first entry of a line's set, in bytes from the first of all.
+  std::uint32_t first_of_set(std::uint32_t line) const {
+    return (line & set_mask_) * ways_ * static_cast<std::uint32_t>(sizeof(Entry));
+  }
 
  private:
   const Entry* find(std::uint32_t line) const {
@@ -118,10 +126,8 @@ class InstructionCache {
   };
 
   std::uint32_t next_way() {
-    const auto taps = static_cast<std::uint8_t>(state_.shift_register & kTaps);
-    const auto even = static_cast<std::uint8_t>(~std::popcount(taps) & 1);
-    state_.shift_register = static_cast<std::uint8_t>(state_.shift_register << 1 | even);
-    return (state_.shift_register >> 1) & (ways_ - 1);
+    state_.shift_register = state_.next_shift[state_.shift_register];
+    return (state_.shift_register >> kWayBit) & (ways_ - 1);
   }
   /// Where presence of a line is noted; a byte that means nothing for a line outside the memory.
   std::uint8_t* byte_of(std::uint32_t line) {
@@ -137,11 +143,12 @@ class InstructionCache {
   std::uint32_t set_mask_;
   std::uint32_t refill_cycles_;
   std::vector<Entry> entries_;
+  std::vector<std::uint64_t> arrivals_;  // the tick in which each line has arrived; none where one core uses it
+  std::uint64_t settled_ = 0;
   State state_;
-  // Not part of a state, since it follows from the entries. These are the presence of each memory's lines, the byte of
-  // each entry, and the memory in which a line was looked for last.
+  // Not part of a state, since it follows from the entries. These are the presence of each memory's lines, and the
+  // memory in which a line was looked for last.
   std::vector<Presence> presence_;
-  std::vector<std::uint8_t*> present_;
   std::uint8_t* covered_ = nullptr;
   std::uint32_t covered_first_ = 0;
   std::uint32_t covered_count_ = 0;

@@ -47,8 +47,8 @@ class Emitter : private Xbyak::CodeGenerator {
     const std::uint8_t* enter = nullptr;  // to be executed
     const std::uint8_t* leave = nullptr;  // as written; eax = number of the exit
     const std::uint8_t* park = nullptr;   // likewise, for a block that may not begin; rdx = where it does
-    /// As written, to be called: brings line eax of the code, whose presence is noted in byte [rcx], edx cycles after
-    /// the start of the block. Null without an instruction cache, and where others use it.
+    /// As written, to be called: brings line edx of the code, whose presence is noted in byte [rcx], into the set that
+    /// begins at byte rax of the entries. Null without an instruction cache, and where others use it.
     const std::uint8_t* fetch = nullptr;
   };
   /// In place of the number of an exit: not in translated code.

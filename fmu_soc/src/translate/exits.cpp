@@ -145,13 +145,13 @@ void Emitter::emit_fetch(const Instruction* at, const Instruction* before) {
       L(absent);
       if (fetches_inline()) {
         const auto* byte_of_line = cache_.fetched()->presence(std::max(at->pc, cache_.fetched()->address_of(line)));
-        mov(eax, line);
+        mov(eax, cache_.fetched()->first_of_set(line));
+        mov(edx, line);
         if (near(byte_of_line, 1)) {
           lea(rcx, ptr[r14 + from_first_memory(byte_of_line)]);
         } else {
           mov(rcx, reinterpret_cast<std::uint64_t>(byte_of_line));
         }
-        mov(edx, at->cycles_before + waits_before(at));
         call(gates_.fetch);
         jmp(present, T_NEAR);
         return;

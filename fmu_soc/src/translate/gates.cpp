@@ -86,57 +86,36 @@ Emitter::Gates Emitter::emit_gates() {
   return gates;
 }
 
-/// InstructionCache::refill in the cycle in which an instruction is reached; spends what it waits. eax, rcx and rdx are
-/// lost.
+/// InstructionCache::refill for the core that uses it alone; spends what that waits. rax, rcx and rdx are lost.
 void Emitter::emit_fetch_gate() {
   using Cache = InstructionCache;
   static_assert(std::is_standard_layout_v<Cache::State> && std::is_standard_layout_v<Cache::Entry>);
-  static_assert(sizeof(Cache::Entry) == 16);
+  static_assert(sizeof(Cache::Entry) == 8U << Cache::kWayBit, "a way of the shift register leads to its entry by 8");
   const auto& cache = *cache_.fetched();
+  MEBOTS_ASSERT(!cache.is_shared());
   MEBOTS_ASSERT(cache.ways() <= 128, "the shift register has eight bits");
   const auto state = [this](std::size_t offset) { return rsi + static_cast<int>(offset); };
-  const std::array saved{rsi, rdi, r8};
-  Label is_last;
-  for (const auto& reg : saved) push(reg);
+  push(rsi);
+  push(rdi);
   mov(rsi, reinterpret_cast<std::uint64_t>(&cache.state()));
-  // rdx = when the line has arrived.
-  add(rdx, ptr[rbx + offset_of_host(offsetof(HostState, begin))]);
-  sub(rdx, r15);
-  add(rdx, ptr[rbx + offset_of_counter(offsetof(Counters, cycles))]);
-  add(rdx, ptr[rbx + offset_of_host(offsetof(HostState, tick_offset))]);
-  add(rdx, cache.refill_cycles());
-  // r8 = the entry that it takes: the shift register moves on, and says which of its set.
+  // rax = the entry that the line takes: the shift register moves on, and says which of its set.
   movzx(edi, byte[state(offsetof(Cache::State, shift_register))]);
-  test(edi, Cache::kTaps);
-  setp(r8b);
-  movzx(r8d, r8b);
-  lea(edi, ptr[r8 + rdi * 2]);
+  movzx(edi, byte[state(offsetof(Cache::State, next_shift)) + rdi]);
   mov(byte[state(offsetof(Cache::State, shift_register))], dil);
-  shr(edi, 1);
-  and_(edi, cache.ways() - 1);
-  mov(r8d, eax);
-  and_(r8d, cache.set_mask());
-  shl(r8d, std::countr_zero(cache.ways()));
-  add(r8d, edi);
-  mov(rdi, ptr[state(offsetof(Cache::State, present))]);
-  lea(rdi, ptr[rdi + r8 * 8]);
-  shl(r8, std::countr_zero(sizeof(Cache::Entry)));
-  add(r8, ptr[state(offsetof(Cache::State, entries))]);
-  mov(dword[r8 + static_cast<int>(offsetof(Cache::Entry, line))], eax);
-  mov(qword[r8 + static_cast<int>(offsetof(Cache::Entry, ready))], rdx);
-  // What was there has left.
-  mov(rax, ptr[rdi]);
-  mov(byte[rax], 0);
-  mov(ptr[rdi], rcx);
-  mov(byte[rcx], 1);
-  cmp(rdx, ptr[state(offsetof(Cache::State, settled))]);
-  jbe(is_last);
-  mov(ptr[state(offsetof(Cache::State, settled))], rdx);
-  L(is_last);
+  and_(edi, (cache.ways() - 1) << Cache::kWayBit);
+  add(rax, ptr[state(offsetof(Cache::State, entries))]);
+  lea(rax, ptr[rax + rdi * 8]);
   inc(qword[state(offsetof(Cache::State, refills))]);
+  // What was there has left.
+  mov(rdi, ptr[rax + static_cast<int>(offsetof(Cache::Entry, present))]);
+  mov(byte[rdi], 0);
+  mov(ptr[rax + static_cast<int>(offsetof(Cache::Entry, present))], rcx);
+  mov(byte[rcx], 1);
+  mov(dword[rax + static_cast<int>(offsetof(Cache::Entry, line))], edx);
   add(qword[rbx + offset_of_counter(offsetof(Counters, fetch_cycles))], cache.refill_cycles());
   sub(r15, cache.refill_cycles());
-  for (auto reg = saved.rbegin(); reg != saved.rend(); ++reg) pop(*reg);
+  pop(rdi);
+  pop(rsi);
   ret();
 }
 
