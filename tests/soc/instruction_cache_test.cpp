@@ -29,6 +29,16 @@ TEST(InstructionCache, ALineOnItsWayForAnotherCoreIsWaitedForButNotFetchedAgain)
   EXPECT_EQ(cache.refills(), 1U);
 }
 
+TEST(InstructionCache, WhoHasItAloneHasWaitedForEachLineThatIsHere) {
+  InstructionCache cache(kGap8);
+  EXPECT_FALSE(cache.is_shared());
+  EXPECT_EQ(cache.fetch(5, 100), 9U);
+  EXPECT_EQ(cache.fetch(5, 109), 0U);
+  EXPECT_EQ(cache.fetch(5, 0), 0U) << "a core that was reset counts from 0 again";
+  EXPECT_EQ(cache.settled(), 0U);
+  EXPECT_EQ(cache.refills(), 1U);
+}
+
 TEST(InstructionCache, ARefillTakesTheWayOfTheShiftRegister) {
   // 8 bits, shifted to the left; the new bit 0 is set while an even number of bits 7, 3, 2, 1 is. From 0 it becomes
   // 1, 3, 6, 0xd, 0x1b: bits 2 and 1 are 0, 1, 3, 2, 1. So the fifth line takes the place of the second.
