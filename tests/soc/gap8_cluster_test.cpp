@@ -3,6 +3,7 @@
 // archi/dma/mchan_v6.h), and a program that brings eight cores to work on GAP8's own addresses.
 #include "board_system.hpp"
 #include "gap8_devices/cluster_event_unit.hpp"
+#include "gap8_devices/cluster_timer.hpp"
 #include "gap8_devices/mchan.hpp"
 #include "support/same_state.hpp"
 
@@ -12,6 +13,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <numeric>
 #include <optional>
@@ -23,6 +25,7 @@ namespace mebots::soc::test {
 namespace {
 
 using gap8_devices::ClusterEventUnit;
+using gap8_devices::ClusterTimer;
 using gap8_devices::Mchan;
 
 constexpr std::uint32_t kMaskOr = 0x08;
@@ -129,6 +132,54 @@ TEST_F(EventUnitOfFour, ShowsAllCoresRegistersByTheLongWay) {
   unit.shared(0x600 + 4 * 5, &all);
   EXPECT_EQ(load(0, kBuffer), 1U << 5);
   EXPECT_EQ(unit.shared(4 * 0x40, nullptr).kind, BusReply::Kind::none) << "there is no fifth core";
+}
+
+/// The cluster's timer, with what it raises.
+class ClusterTimerTest : public testing::Test {
+ protected:
+  std::uint32_t load(std::uint32_t offset, std::uint64_t tick) {
+    std::uint32_t value = 0;
+    EXPECT_TRUE(timer.load(offset, tick, value));
+    return value;
+  }
+
+  std::vector<unsigned> raised;
+  ClusterTimer timer{[this](unsigned counter) { raised.push_back(counter); }};
+};
+
+TEST_F(ClusterTimerTest, CountsTicksAndRaisesAtItsComparisonAgainAndAgain) {
+  timer.store(0x14, 100, 30);
+  timer.store(0x04, 100, 0x15);  // the high counter: on, event, begins anew
+  EXPECT_EQ(load(0x0C, 117), 17U);
+  EXPECT_EQ(timer.next_tick(), 130U);
+  timer.advance(130);
+  EXPECT_EQ(raised, std::vector<unsigned>{1});
+  EXPECT_EQ(timer.next_tick(), 160U);
+  EXPECT_EQ(load(0x0C, 135), 5U);
+  EXPECT_EQ(load(0x08, 135), 0U) << "the low one is off";
+}
+
+TEST_F(ClusterTimerTest, StopsAfterOneShotAndCountsInPairsAndByItsPrescaler) {
+  timer.store(0x10, 0, 4);
+  timer.store(0x00, 0, 0x65 | 2U << 8);  // one shot, every third tick
+  EXPECT_EQ(timer.next_tick(), 12U);
+  timer.advance(12);
+  EXPECT_EQ(timer.next_tick(), kNoTick);
+  EXPECT_EQ(load(0x08, 1000), 4U);
+  timer.store(0x00, 1000, 1U << 31);
+  timer.store(0x08, 1000, 0xffffffffU);
+  timer.store(0x18, 1000, 1);
+  EXPECT_EQ(load(0x0C, 1002), 1U) << "carried over";
+  EXPECT_EQ(load(0x08, 1002), 1U);
+}
+
+TEST_F(ClusterTimerTest, HasNoEventThatNobodyWantsAndStandsAtTheReferenceClock) {
+  timer.store(0x00, 0, 1);
+  EXPECT_EQ(timer.next_tick(), kNoTick) << "it counts only";
+  timer.store(0x00, 10, 0x85);
+  EXPECT_TRUE(ClusterTimer::wants_reference_clock(0x00, 0x85));
+  EXPECT_EQ(timer.next_tick(), kNoTick);
+  EXPECT_EQ(load(0x08, 500), 10U);
 }
 
 class MchanTest : public testing::Test, public TransferListener {
@@ -579,6 +630,134 @@ TEST(Gap8Cluster, GoesOnWhereNoDeviceStandsAndWaitsAsLongAsForOne) {
   EXPECT_EQ(nowhere.soc.hart(1).counters().cycles, modelled.soc.hart(1).counters().cycles);
 }
 
+/// Core 0 sets the cluster's timer to 1000 ticks and wakes with core 1 by its event; core 2 takes the same as an
+/// interrupt. Each stores what the timer has counted then.
+constexpr std::string_view kTimed = R"(
+2:  wfi
+    j 2b
+core: li s0, 0x00204000
+    li s1, 0x00200400      # the timer
+    li s3, 0x1C060000
+    csrr a0, mhartid
+    slli a1, a0, 2
+    add s3, s3, a1
+    li a1, 1 << 10
+    li a2, 2
+    beq a0, a2, 4f
+    sw a1, 0x08(s0)
+    bnez a0, 3f
+    li a1, 1000
+    sw a1, 0x10(s1)
+    li a1, 0x07            # from 0, with its event
+    sw a1, 0(s1)
+3:  .insn i 0x03, 6, a4, 0x3c(s0)
+    lw a5, 0x08(s1)
+    sw a5, 0(s3)
+    sw a4, 0x20(s3)
+5:  .insn i 0x03, 6, a4, 0x3c(s0)
+    j 5b
+4:  sw a1, 0x14(s0)
+    csrsi mstatus, 8
+6:  j 6b                   # awake, so that only the interrupt ends it
+fault: csrr a0, mcause
+    lw a5, 0x08(s1)
+    sw a5, 0(s3)
+    sw a0, 0x20(s3)
+    j 5b
+)";
+
+TEST(Gap8Cluster, WakesAndInterruptsItsCoresByTheClustersTimer) {
+  auto board = gap8_board_of_cluster();
+  board.instruction_caches = {};  // refills would come between the event and what is read
+  // All exceptions and interrupts of this program's cores go to the first vector or ten behind it.
+  const auto vectors = std::string(kBegin).replace(kBegin.find("j fault"), 7, ".rept 32\n j fault\n .endr");
+  BoardSystem system(fmt::format("{}{}{}", vectors, start_cluster(0b111), kTimed), {}, board);
+  system.soc.advance(5 * kMs);
+  EXPECT_TRUE(system.faults.empty()) << system.faults.front();
+  EXPECT_EQ(system.result(8), 1U << 10);
+  EXPECT_EQ(system.result(9), 1U << 10);
+  EXPECT_EQ(system.result(10), 0x80000000U | 10U);
+  for (unsigned core = 0; core < 3; ++core) {
+    EXPECT_GE(system.result(core), 1000U) << core;
+    EXPECT_LE(system.result(core), 1016U) << core;
+  }
+}
+
+TEST(Gap8Cluster, KeepsTheTimersEventOverASavedState) {
+  const auto program = fmt::format("{}{}{}", kBegin, start_cluster(0b11), kTimed);
+  BoardSystem straight(program, {}, gap8_board_of_cluster());
+  straight.soc.advance(1 * kMs);
+  EXPECT_EQ(straight.result(8), 1U << 10);
+  BoardSystem first(program, {}, gap8_board_of_cluster());
+  BoardSystem second(program, {}, gap8_board_of_cluster());
+  first.soc.advance(25'000);  // all cores wait
+  ASSERT_EQ(first.result(8), 0U);
+  ASSERT_TRUE(first.soc.hart(1).sleeping());
+  state::restore(second.soc, state::save(first.soc));
+  second.soc.advance(1 * kMs);
+  EXPECT_TRUE(mebots::test::same_state(second.soc, straight.soc));
+}
+
+TEST(Gap8Cluster, LetsTheFabricControllerReadTheClustersTimer) {
+  BoardSystem system(R"(
+_start: li s0, 0x1A104000
+    li a0, 8
+    sw a0, 0x70(s0)
+    li s0, 0x10200000
+    li a0, 3
+    sw a0, 0x400(s0)
+    lw a1, 0x408(s0)
+    lw a2, 0x408(s0)
+    li s1, 0x1C060000
+    sw a1, 0(s1)
+    sw a2, 4(s1)
+    li a0, 0x83
+    sw a0, 0x400(s0)
+2:  j 2b
+)",
+                     {}, gap8_board_of_cluster());
+  system.soc.advance(1 * kMs);
+  EXPECT_GT(system.result(1), system.result(0));
+  ASSERT_EQ(system.faults.size(), 1U);
+  EXPECT_THAT(system.faults[0], testing::HasSubstr("reference clock is not modelled"));
+}
+
+/// Eight cores load one word of L1 256 times each, which they see at `address`; cycles of the slowest.
+std::uint64_t cycles_of_one_bank(std::string_view address) {
+  const auto loads = fmt::format(R"(
+    .option norvc          # the code is as long with either address
+2:  wfi
+    j 2b
+core: li s0, 0x00204000
+    li s1, {}
+    li a2, 256
+3:  lw a0, 0(s1)
+    addi a2, a2, -1
+    bnez a2, 3b
+4:  .insn i 0x03, 6, a5, 0x3c(s0)
+    j 4b
+fault: j fault
+)",
+                                 address);
+  BoardSystem system(fmt::format("{}{}{}", kBegin, start_cluster(0xff), loads), {}, gap8_board_of_cluster());
+  system.soc.advance(5 * kMs);
+  EXPECT_TRUE(system.faults.empty()) << system.faults.front();
+  std::uint64_t longest = 0;
+  for (unsigned core = 1; core <= 8; ++core) longest = std::max(longest, system.soc.hart(core).counters().cycles);
+  return longest;
+}
+
+TEST(Gap8Cluster, WaitsForABankOfL1ByItsAliasAsByItsAddress) {
+  constexpr std::uint64_t kOneWordACycle = 8U * 256;
+  // Cores come to the end of a quantum at other instructions, so that they take the bank in another order.
+  constexpr std::uint64_t kMost = kOneWordACycle * 11 / 10;
+  for (const auto* address : {"0x10001100", "0x00001100"}) {
+    const auto cycles = cycles_of_one_bank(address);
+    EXPECT_GE(cycles, kOneWordACycle) << address;
+    EXPECT_LE(cycles, kMost) << address;
+  }
+}
+
 TEST(Gap8Cluster, TellsOnceOfARegisterThatIsNotModelled) {
   BoardSystem system(R"(
 _start: li s0, 0x1A104000
@@ -586,7 +765,7 @@ _start: li s0, 0x1A104000
     sw a0, 0x70(s0)
     li s0, 0x10200000
     li a1, 3
-1:  lw a0, 0x400(s0)
+1:  lw a0, 0x300(s0)
     addi a1, a1, -1
     bnez a1, 1b
 2:  j 2b
@@ -594,7 +773,7 @@ _start: li s0, 0x1A104000
                      {}, gap8_board_of_cluster());
   system.soc.advance(1 * kMs);
   ASSERT_EQ(system.faults.size(), 1U);
-  EXPECT_THAT(system.faults[0], testing::HasSubstr("cluster: load from 0x10200400 by the fabric controller"));
+  EXPECT_THAT(system.faults[0], testing::HasSubstr("cluster: load from 0x10200300 by the fabric controller"));
 }
 
 }  // namespace

@@ -40,6 +40,7 @@ void Cluster::power_on(Picoseconds now, std::uint32_t boot) {
   powered_since_ = now;
   in_step_ = false;
   peripherals_->reset(boot);
+  alarm_ = peripherals_->next_tick();
   dma_.reset();
   banks_.free_all();  // nothing of what cores had claimed ahead of time when they were switched off
   way_.free_all();
@@ -83,7 +84,7 @@ void Cluster::set_clock(Picoseconds now, std::uint32_t hz) {
 
 std::uint64_t Cluster::next_tick() const {
   if (!powered_ || faulted_core_ >= 0 || stopped_) return kNoTick;
-  return std::min(dma_.next_tick(), first_ready());
+  return std::min({dma_.next_tick(), alarm_, first_ready()});
 }
 
 Picoseconds Cluster::next() const {
@@ -109,7 +110,7 @@ void Cluster::advance(Picoseconds until, Picoseconds last, std::uint64_t cycle_l
   bool goes_on_in_step = false;  // nothing has come between
   do {
     const auto most = std::max(end, start + 1);
-    goes_on_in_step = goes_on_in_step && awake_ > 1 && !dma_.busy();
+    goes_on_in_step = goes_on_in_step && awake_ > 1 && !dma_.busy() && alarm_ == kNoTick;
     start = goes_on_in_step ? run_quantum_in_step(start, most) : run_quantum(start, most);
     goes_on_in_step = in_step_;
   } while (start < stop && !has_news_ && (start - begin < far_from_limit || longest_cycles() < cycle_limit));
@@ -148,12 +149,14 @@ void Cluster::move_banks(std::uint64_t tick) {
 std::uint64_t Cluster::run_quantum(std::uint64_t start, std::uint64_t until) {
   MEBOTS_ASSERT(start < until);
   MEBOTS_ASSERT(first_core_ < cores());
+  while (alarm_ <= start) ring(alarm_);
   share_banks();
   if (sharing_banks_ && start > banks_.start()) {
     dma_.occupy(banks_, start);  // what it moved while all slept
     move_banks(start);
   }
   auto end = std::min(start + (sharing_banks_ ? kQuantum : kLongQuantum), until);
+  end = std::min(end, alarm_);
   if (dma_first_) dma_.occupy(banks_, end);
   run_cores(start, end);
   next_in_front();
@@ -195,13 +198,17 @@ std::uint64_t Cluster::finish_quantum(std::uint64_t end) {
     dma_.occupy(banks_, end);
     const auto first = first_ready();
     const auto transfer = dma_.next_tick();
+    if (alarm_ < end && alarm_ <= std::min(first, transfer)) {
+      ring(alarm_);
+      continue;
+    }
     if (transfer < end && transfer <= first) {
       dma_.advance(transfer, *peripherals_);
       spread_events(transfer);
       if (awake_ == 0) note_asleep(transfer);
       continue;
     }
-    if (first >= end) return std::min(transfer, first);
+    if (first >= end) return std::min({transfer, alarm_, first});
     in_step_ = false;
     auto& core = *cores_[static_cast<std::size_t>(std::find(ready_.begin(), ready_.end(), first) - ready_.begin())];
     MEBOTS_ASSERT(core.tick() < end);
@@ -209,6 +216,13 @@ std::uint64_t Cluster::finish_quantum(std::uint64_t end) {
     run_core(core, end);
   }
   return kNoTick;
+}
+
+/// Something happens in the registers by itself.
+void Cluster::ring(std::uint64_t tick) {
+  peripherals_->advance(tick);
+  spread_events(tick);
+  MEBOTS_ASSERT(alarm_ > tick, "it happens once in a tick");
 }
 
 /// The cores that run without asking, from the first one of this quantum on, each linked to the next one.
@@ -324,6 +338,7 @@ void Cluster::note_stop(Core& core, Stop stop) {
 
 /// What happened in `tick` wakes who waited for it, and starts who was to begin.
 void Cluster::spread_events(std::uint64_t tick) {
+  alarm_ = peripherals_->next_tick();
   const auto woken = peripherals_->take_woken();
   if (woken != 0) in_step_ = false;
   const auto changed_lines = peripherals_->take_line_changes();
@@ -476,6 +491,7 @@ void Cluster::visit(state::Visitor& v) {
   if (!v.restores()) return;
   core_stopped_by_observer_ = -1;
   in_step_ = false;
+  alarm_ = peripherals_->next_tick();
 }
 
 }  // namespace mebots::soc

@@ -167,6 +167,7 @@ class Cluster {
   bool can_resume(const Hart& hart, std::uint64_t start);
   void run_core(Core& core, std::uint64_t end);
   void note_stop(Core& core, Stop stop);
+  void ring(std::uint64_t tick);
   void spread_events(std::uint64_t tick);
   std::uint64_t next_tick() const;
   std::uint64_t tick_at(Picoseconds time) const { return clock_.first_at(time); }
@@ -184,6 +185,7 @@ class Cluster {
   Banks way_{1};  // to the SoC: one access a cycle, whose it may be
   ClusterDma dma_;
   std::unique_ptr<ClusterPeripherals> peripherals_;
+  std::uint64_t alarm_ = kNoTick;  // when something next happens in them by itself; not part of a state
   /// Of each core: the tick in which its next instruction starts; kNoTick while it sleeps, or when there is none.
   std::array<std::uint64_t, kMostClusterCores> ready_{};
   std::vector<std::unique_ptr<Core>> cores_;

@@ -8,11 +8,8 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
-#include <limits>
 
 namespace mebots::soc {
-
-inline constexpr std::uint64_t kNoTick = std::numeric_limits<std::uint64_t>::max();
 
 /// Times of the cluster DMA, in cluster cycles.
 struct DmaTiming {

@@ -6,6 +6,7 @@
 #include "mebots/state/visitor.hpp"
 
 #include <cstdint>
+#include <limits>
 
 namespace mebots::soc {
 
@@ -13,6 +14,9 @@ namespace mebots::soc {
 inline constexpr unsigned kMostClusterCores = 8;
 inline constexpr unsigned kFabricController = kMostClusterCores;
 inline constexpr unsigned kRequesters = kMostClusterCores + 1;
+
+/// A tick that never comes.
+inline constexpr std::uint64_t kNoTick = std::numeric_limits<std::uint64_t>::max();
 
 /// Who hears that a transfer of the cluster's DMA has ended: `tag` is what it was started with.
 class TransferListener {
@@ -45,6 +49,9 @@ class ClusterPeripherals : public TransferListener {
   virtual bool owns_of_core(std::uint32_t address) const = 0;
   virtual bool owns_of_fabric_controller(std::uint32_t address) const = 0;
   virtual BusReply access(const ClusterAccess& access) = 0;
+  /// When something next happens in them by itself, and that it does. Only accesses change it.
+  virtual std::uint64_t next_tick() const { return kNoTick; }
+  virtual void advance(std::uint64_t /*tick*/) {}
 
   /// The cluster is switched on; `boot` is what the power manager says of it.
   virtual void reset(std::uint32_t boot) = 0;

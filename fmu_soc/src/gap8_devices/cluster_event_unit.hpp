@@ -22,6 +22,7 @@ class ClusterEventUnit {
  public:
   static constexpr unsigned kDmaEvent = 8;
   static constexpr unsigned kDmaInterruptEvent = 9;
+  static constexpr unsigned kTimerEvent = 10;  // of the low counter; of the high one, the next
   static constexpr unsigned kBarrierEvent = 16;
   static constexpr unsigned kMutexEvent = 17;
   static constexpr unsigned kDispatchEvent = 18;

@@ -18,6 +18,7 @@ constexpr std::uint32_t kAlias = 0x1000'0000;
 constexpr std::uint32_t kTestAndSet = 1U << 20;
 
 constexpr std::uint32_t kControlBytes = 0x400;
+constexpr std::uint32_t kTimer = 0x400;
 constexpr std::uint32_t kEventUnit = 0x800;
 constexpr std::uint32_t kEventUnitBytes = 0x800;
 constexpr std::uint32_t kCacheControl = 0x1400;
@@ -42,7 +43,9 @@ ClusterPeripherals::ClusterPeripherals(const BoardDevice& entry, DeviceHost& hos
       l1_(parts.l1),
       cores_(parts.cores),
       events_(parts.cores),
-      mchan_(parts.l1, *parts.dma) {}
+      mchan_(parts.l1, *parts.dma),
+      timer_([this](unsigned counter) { events_.raise((1U << cores_) - 1, ClusterEventUnit::kTimerEvent + counter); }) {
+}
 
 bool ClusterPeripherals::owns_of_core(std::uint32_t address) const {
   return address - entry_.base < kSpan || address - (entry_.base - kAlias) < kSpan || is_test_and_set(address);
@@ -82,6 +85,8 @@ BusReply ClusterPeripherals::access_at(std::uint32_t offset, const ClusterAccess
   BusReply reply;
   if (offset < kControlBytes) {
     reply = control(offset, access.stored);
+  } else if (offset >= kTimer && offset < kTimer + TimerCounters::kSpan) {
+    reply = timer(offset - kTimer, access);
   } else if (offset >= kEventUnit && offset < kEventUnit + kEventUnitBytes) {
     reply = events_.shared(offset - kEventUnit, access.stored);
   } else if (offset >= kCacheControl && offset < kCacheControl + kCacheControlBytes) {
@@ -120,17 +125,30 @@ BusReply ClusterPeripherals::control(std::uint32_t offset, const std::uint32_t* 
   }
 }
 
+BusReply ClusterPeripherals::timer(std::uint32_t offset, const ClusterAccess& access) {
+  if (access.stored == nullptr) {
+    std::uint32_t value = 0;
+    return timer_.load(offset, access.tick, value) ? BusReply::done(value) : BusReply{};
+  }
+  if (ClusterTimer::wants_reference_clock(offset, *access.stored)) {
+    complain_once(kTimer + offset, access, "its reference clock is not modelled; the counter stands still");
+  }
+  return timer_.store(offset, access.tick, *access.stored) ? BusReply::done() : BusReply{};
+}
+
 /// Silicon answers there, or not, in a way that we do not know.
 BusReply ClusterPeripherals::pass_over(std::uint32_t offset, const ClusterAccess& access) {
-  if (std::ranges::find(told_, offset) == told_.end()) {
-    told_.push_back(offset);
-    const auto who = access.who == kFabricController ? std::string("the fabric controller")
-                                                     : fmt::format("cluster core {}", access.who);
-    host_.complain(
-        fmt::format("{}: {} 0x{:08x} by {}: no register of it is modelled there, or not for this; it reads 0",
-                    entry_.name, access.stored == nullptr ? "load from" : "store into", entry_.base + offset, who));
-  }
+  complain_once(offset, access, "no register of it is modelled there, or not for this; it reads 0");
   return BusReply::done();
+}
+
+void ClusterPeripherals::complain_once(std::uint32_t offset, const ClusterAccess& access, std::string_view what) {
+  if (std::ranges::find(told_, offset) != told_.end()) return;
+  told_.push_back(offset);
+  const auto who = access.who == kFabricController ? std::string("the fabric controller")
+                                                   : fmt::format("cluster core {}", access.who);
+  host_.complain(fmt::format("{}: {} 0x{:08x} by {}: {}", entry_.name,
+                             access.stored == nullptr ? "load from" : "store into", entry_.base + offset, who, what));
 }
 
 void ClusterPeripherals::transfer_ended(unsigned who, std::uint32_t tag, std::uint64_t tick) {
@@ -144,6 +162,7 @@ void ClusterPeripherals::transfer_ended(unsigned who, std::uint32_t tag, std::ui
 void ClusterPeripherals::reset(std::uint32_t /*boot*/) {
   events_ = ClusterEventUnit(cores_);
   mchan_.reset();
+  timer_.reset();
   boot_ = {};
   fetching_ = 0;
   started_ = 0;
@@ -158,6 +177,7 @@ std::uint32_t ClusterPeripherals::take_started() {
 void ClusterPeripherals::visit(state::Visitor& v) {
   v("events", events_);
   v("mchan", mchan_);
+  v("timer", timer_);
   v("boot", boot_);
   v("fetching", fetching_);
 }

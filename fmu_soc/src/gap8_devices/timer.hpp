@@ -2,60 +2,37 @@
 #pragma once
 
 #include "gap8_devices/signals.hpp"
+#include "gap8_devices/timer_counters.hpp"
 #include "mebots/soc/device.hpp"
 
-#include <array>
 #include <cstdint>
 #include <functional>
 
 namespace mebots::soc::gap8_devices {
 
-/// GAP8's timer: two counters of 32 bits, of the fabric controller's clock or of the reference clock. Each has a
-/// comparison that raises an event, starts it anew, or stops it; or both as one of 64 bits. Source:
-/// archi/timer/timer_v2.h.
-class Timer final : public Device {
+/// GAP8's timer of the fabric controller. Its counters count the controller's clock or the reference clock.
+class Timer final : public Device, private TimerClock {
  public:
   /// `clock_hz`: of the fabric controller, now.
   Timer(Signals& signals, std::function<double()> clock_hz);
 
-  bool load(std::uint32_t offset, Picoseconds now, std::uint32_t& value) override;
-  bool store(std::uint32_t offset, Picoseconds now, std::uint32_t value) override;
-  void advance(Picoseconds now) override;
-  Picoseconds next_event() const override;
-  void visit(state::Visitor& v) override;
+  bool load(std::uint32_t offset, Picoseconds now, std::uint32_t& value) override {
+    return counters_.load(offset, now, value);
+  }
+  bool store(std::uint32_t offset, Picoseconds now, std::uint32_t value) override {
+    return counters_.store(offset, now, value);
+  }
+  void advance(Picoseconds now) override { counters_.advance(now); }
+  Picoseconds next_event() const override { return counters_.next_event(); }
+  void visit(state::Visitor& v) override { counters_.visit(v); }
 
  private:
-  struct Counter {
-    std::uint32_t config = 0;
-    std::uint32_t compare = 0;
-    std::uint64_t value = 0;        // at `since`; the low counter of a pair holds both
-    std::uint64_t compared_at = 0;  // the value at which the comparison was last met
-    bool met = false;               // and it has not moved on since
-    Picoseconds since = 0;
+  std::int64_t never() const override { return kNever; }
+  std::uint64_t counts(std::uint32_t config, Picoseconds from, Picoseconds to) const override;
+  Picoseconds time_of(std::uint32_t config, Picoseconds since, std::uint64_t counts) const override;
 
-    void visit(state::Visitor& v) {
-      v("config", config);
-      v("compare", compare);
-      v("value", value);
-      v("compared_at", compared_at);
-      v("met", met);
-      v("since", since);
-    }
-  };
-
-  bool is_pair() const;
-  std::uint64_t ticks(const Counter& counter, Picoseconds from, Picoseconds to) const;
-  Picoseconds time_of(const Counter& counter, std::uint64_t ticks) const;
-  std::uint64_t width_mask() const { return is_pair() ? ~std::uint64_t{0} : 0xffffffffU; }
-  std::uint64_t target_of(unsigned index) const;
-  void count(unsigned index, Picoseconds now);
-  void count_all(Picoseconds now);
-  void compare(unsigned index);
-  void configure(unsigned index, std::uint32_t config);
-
-  Signals& signals_;
   std::function<double()> clock_hz_;
-  std::array<Counter, 2> counters_;
+  TimerCounters counters_;
 };
 
 }  // namespace mebots::soc::gap8_devices

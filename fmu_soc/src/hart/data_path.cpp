@@ -41,7 +41,9 @@ std::uint32_t DataPath::longest_wait() const {
 }
 
 void DataPath::share_first(BankSchedule* banks) {
-  ports_.front().banks = banks;
+  for (auto& port : ports_) {
+    if (port.region == ports_.front().region) port.banks = banks;
+  }
   execution_.ram[0].banks = banks;
 }
 

@@ -27,6 +27,7 @@ class DataPath {
 
   /// True: the fast memories are others, or have other waits.
   bool connect(std::span<const MemoryPort> ports);
+  /// The first memory, wherever the core sees it.
   void share_first(BankSchedule* banks);
   std::uint32_t longest_wait() const;
   /// Behind a store into code the block runs to its end as it was at its start, and is forgotten then.
