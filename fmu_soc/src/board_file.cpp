@@ -150,12 +150,16 @@ void read_instruction_cache(const Node& node, BoardInstructionCaches& caches) {
   object.read("size", cache.size, power_of_two(object.sound() ? cache.line * cache.ways : 1, kMostCacheBytes));
   object.read("refill_cycles", cache.refill_cycles, count_up_to(kMostRefillCycles));
   object.read_if("refill_soc_cycles", cache.refill_soc_cycles, count_up_to(kMostRefillCycles));
+  object.read_if("invalid_ways_first", cache.invalid_ways_first, &Node::flag);
   object.comment("text");
   object.finish();
   if (!object.sound()) return;
   if (place == Place::fabric_controller && object.has("refill_soc_cycles")) {
     node.at("refill_soc_cycles")
         .fail(ErrorCode::invalid_value, "the fabric controller has the clock of the SoC: add them to refill_cycles");
+  }
+  if (place == Place::fabric_controller && cache.invalid_ways_first) {
+    node.at("invalid_ways_first").fail(ErrorCode::invalid_value, "only the cluster's cache can be so; leave it out");
   }
   auto& taken = caches[static_cast<std::size_t>(place)];
   if (taken.size != 0) {

@@ -180,6 +180,9 @@ TEST(BoardFile, TakesCyclesOfTheSocOfAClustersCacheOnlyWhereTheyCount) {
                             "way": {"fabric_controller": 8, "cluster": 2, "soc": 17}})";
   EXPECT_EQ(complaint(kFar, "", caches("cluster")), "");
   EXPECT_THAT(complaint(kFar, "", caches("fabric_controller")), HasSubstr("add them to refill_cycles"));
+  const std::string ways = R"("instruction_caches": [{"place": "fabric_controller", "size": 4096, "line": 16, "ways": 4,
+                              "refill_cycles": 4, "invalid_ways_first": true}],)";
+  EXPECT_THAT(complaint(kFar, "", ways), HasSubstr("only the cluster's cache can be so"));
   EXPECT_THAT(complaint(kRam, "", caches("cluster")), HasSubstr("needs a memory with a 'way'"));
 }
 

@@ -52,6 +52,19 @@ TEST(InstructionCache, ARefillTakesTheWayOfTheShiftRegister) {
   EXPECT_TRUE(cache.holds(1) && cache.holds(3) && cache.holds(4) && cache.holds(5));
 }
 
+TEST(InstructionCache, TakesWaysThatHoldNothingFirstWhereTheBoardSaysSo) {
+  InstructionCache cache({64, 16, 4, 9, 0, true});
+  for (std::uint32_t line = 1; line <= 4; ++line) cache.fetch(line, 0);
+  for (std::uint32_t line = 1; line <= 4; ++line) EXPECT_TRUE(cache.holds(line)) << line;
+  EXPECT_EQ(cache.state().shift_register, 0U) << "not asked yet";
+  cache.fetch(5, 0);  // bits 2 and 1 of 1
+  EXPECT_FALSE(cache.holds(1));
+  EXPECT_TRUE(cache.holds(5));
+  cache.flush();
+  for (std::uint32_t line = 11; line <= 14; ++line) cache.fetch(line, 0);
+  for (std::uint32_t line = 11; line <= 14; ++line) EXPECT_TRUE(cache.holds(line)) << line;
+}
+
 TEST(InstructionCache, HoldsNothingAfterAFlush) {
   InstructionCache cache(kGap8);
   for (std::uint32_t line = 0; line < 256; ++line) cache.fetch(line, 0);

@@ -33,6 +33,7 @@ InstructionCache::InstructionCache(const InstructionCacheSettings& settings, Use
       ways_(settings.ways),
       set_mask_(settings.size / settings.line / settings.ways - 1),
       refill_cycles_(settings.refill_cycles),
+      invalid_ways_first_(settings.invalid_ways_first),
       entries_(settings.size / settings.line, Entry{&nowhere_, kNoLine}),
       arrivals_(users == Users::several ? entries_.size() : 0) {
   state_.entries = entries_.data();

@@ -21,6 +21,7 @@ struct InstructionCacheSettings {
   std::uint32_t ways = 4;
   std::uint32_t refill_cycles = 0;      // from the miss until the core has its instruction
   std::uint32_t refill_soc_cycles = 0;  // of a cluster's, beside them: those in the clock of the SoC
+  bool invalid_ways_first = false;      // of a cluster's: a refill takes the first way that holds nothing
 };
 
 /// Which lines of code a cache holds. Only presence matters: the instructions themselves are always those of the
@@ -28,7 +29,9 @@ struct InstructionCacheSettings {
 ///
 /// A hit changes nothing, as in the chip: the way that a refill takes comes from an 8-bit shift register that moves
 /// with every refill. (Source: GVSoC, models/cache, which names it as that of GAP's fabric controller.) So who knows
-/// that all lines of a piece of code are here need not ask again until one of them has left.
+/// that all lines of a piece of code are here need not ask again until one of them has left. A cluster's may take ways
+/// that hold nothing first, as pulp-platform/icache_mp_128_pf (icache_bank_mp_128.sv) does; its register then moves
+/// only when all ways of a set are in use.
 ///
 /// A core that has the cache for itself has waited for each line that is here. Where several cores share it, one may
 /// want a line that is still on its way for another.
@@ -62,7 +65,7 @@ class InstructionCache {
   std::uint32_t fetch(std::uint32_t line, std::uint64_t tick);
   /// Brings a line that is not here; gives the cycles that takes.
   std::uint32_t refill(std::uint32_t line, std::uint64_t tick) {
-    const auto place = (line & set_mask_) * ways_ + next_way();
+    const auto place = (line & set_mask_) * ways_ + way_for(line);
     auto& entry = entries_[place];
     *entry.present = 0;
     entry.present = byte_of(line);
@@ -125,6 +128,14 @@ class InstructionCache {
     std::unique_ptr<std::uint8_t[]> bytes;
   };
 
+  std::uint32_t way_for(std::uint32_t line) {
+    if (!invalid_ways_first_) return next_way();
+    const auto* set = &entries_[std::size_t{line & set_mask_} * ways_];
+    for (std::uint32_t way = 0; way < ways_; ++way) {
+      if (set[way].line == kNoLine) return way;
+    }
+    return next_way();
+  }
   std::uint32_t next_way() {
     state_.shift_register = state_.next_shift[state_.shift_register];
     return (state_.shift_register >> kWayBit) & (ways_ - 1);
@@ -142,6 +153,7 @@ class InstructionCache {
   std::uint32_t ways_;
   std::uint32_t set_mask_;
   std::uint32_t refill_cycles_;
+  bool invalid_ways_first_;
   std::vector<Entry> entries_;
   std::vector<std::uint64_t> arrivals_;  // the tick in which each line has arrived; none where one core uses it
   std::uint64_t settled_ = 0;
