@@ -112,6 +112,16 @@ TEST_F(FindFmu, OnlyTheFirstOfManyThatAreMissingAreComparedWithThoseThatAreThere
               AllOf(Not(HasSubstr("Did you mean")), HasSubstr("Folders with your own FMUs go into MEBOTS_FMU_PATH.")));
 }
 
+TEST_F(FindFmu, OneThatIsThereIsFoundAfterManyThatAreNot) {
+  FmuSearch search(folder.path());
+  const auto it = file("it.fmu");
+  for (int i = 0; i < 25; ++i) EXPECT_NE(search.find(fmt::format("nowhere{}.fmu", i)).problem, "");
+  EXPECT_EQ(search.find("it").path, it);
+  const auto other = file("other.fmu");
+  for (int i = 0; i < 25; ++i) EXPECT_NE(search.find(fmt::format("nowhere{}", i)).problem, "");
+  EXPECT_EQ(search.find("other").path, other);
+}
+
 TEST_F(FindFmu, HashOfTheInputsIsThatOfTheBytesWhereverTheyWereFound) {
   const auto hash_of = [&](const std::string& fmu) {
     const auto config = folder.path() / "config.json";

@@ -21,6 +21,9 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view kSuffix = ".fmu";
 
+// To ask all folders, and for the nearest of many names, takes a while: not for mistakes that nobody gets to see.
+constexpr std::size_t kFullyAnswered = 20;
+
 void append_search_path(std::string_view search_path, std::vector<fs::path>& folders) {
   while (!search_path.empty()) {
     const auto colon = search_path.find(':');
@@ -88,8 +91,9 @@ FmuSearch::Answer FmuSearch::look_for(std::string_view text) {
                         path.lexically_normal().string(), error.message())};
   }
   if (!folders_) folders_ = fmu_folders(beside_);
-  // Once a name was missing it is known what there is: no need to ask every folder again.
-  if (!listed_.empty() && !std::ranges::binary_search(names_, text)) return {{}, problem_of_name(text)};
+  // It is known by now what there is, but for folders that may be entered and not listed.
+  if (problems_ >= kFullyAnswered && !listed_.empty() && !std::ranges::binary_search(names_, text))
+    return {{}, problem_of_name(text)};
   for (const auto& folder : *folders_) {
     auto found = fs::canonical(folder / (std::string(text) + std::string(kSuffix)), error);
     if (!error) return {std::move(found), {}};
@@ -98,14 +102,12 @@ FmuSearch::Answer FmuSearch::look_for(std::string_view text) {
 }
 
 std::string FmuSearch::problem_of_name(std::string_view name) {
-  // To look for the nearest among many takes a while: not for mistakes that nobody gets to see.
-  constexpr std::size_t kAnswered = 20;
   if (listed_.empty()) {
     listed_ = listed(*folders_);
     names_ = names_in(*folders_);
   }
   return fmt::format("there is no FMU '{}' ({}{}) in {}. {}Folders with your own FMUs go into MEBOTS_FMU_PATH.", name,
-                     name, kSuffix, listed_, problems_ < kAnswered ? suggest(name, names_) + " " : "");
+                     name, kSuffix, listed_, problems_ < kFullyAnswered ? suggest(name, names_) + " " : "");
 }
 
 fs::path find_fmu(std::string_view text, const fs::path& beside) {
