@@ -26,6 +26,11 @@ std::string text_of_all(const std::vector<Mistake>& mistakes) {
 
 }  // namespace
 
+std::string without_zero_bytes(std::string text) {
+  for (auto at = text.find('\0'); at != std::string::npos; at = text.find('\0', at)) text.replace(at, 1, "\\u0000");
+  return text;
+}
+
 Mistakes::Mistakes(std::vector<Mistake> mistakes)
     : Error(mistakes.at(0).code, text_of_all(mistakes)), mistakes_(std::move(mistakes)) {}
 

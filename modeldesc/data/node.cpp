@@ -129,7 +129,8 @@ Node Node::at(std::string_view key) const {
 }
 
 Mistake Node::mistake(ErrorCode code, std::string_view what) const {
-  return {code, place(), std::string(what), document_->content_->values[index_].offset};
+  return {code, without_zero_bytes(place()), without_zero_bytes(std::string(what)),
+          document_->content_->values[index_].offset};
 }
 
 void Node::complain(ErrorCode code, std::string_view what) const {

@@ -117,7 +117,7 @@ class Builder : public nlohmann::json_sax<nlohmann::json> {
 
   void note(ErrorCode code, std::size_t offset, std::string what, const std::string& pointer = {}) {
     auto place = name_ + lines_.place(offset) + (pointer.empty() ? "" : ": " + pointer);
-    mistakes_.push_back({code, std::move(place), std::move(what), offset});
+    mistakes_.push_back({code, without_zero_bytes(std::move(place)), without_zero_bytes(std::move(what)), offset});
   }
 
   /// Offset of the token that the parser read last; the cursor goes behind it.

@@ -233,6 +233,15 @@ TEST(Mistakes, AreShownUpToTwentyAndCounted) {
   }
 }
 
+TEST(Mistakes, BehindAZeroByteAreShown) {
+  try {
+    Document(R"({"a\u0000b": 0, "unknown": 0, "name": "x"})", "f.json").read(&read_gate);
+    FAIL();
+  } catch (const Mistakes& mistakes) {
+    EXPECT_THAT(mistakes.what(), AllOf(HasSubstr(R"('a\u0000b' is unknown)"), HasSubstr("'unknown' is unknown")));
+  }
+}
+
 TEST(FindFile, TellsTheNearestNameInTheFolder) {
   const std::filesystem::path cells = MEBOTS_SOURCE_DIR "/fmu_battery/params/cells";
   EXPECT_EQ(find_file(cells, "ufx_250", "cell.name"), cells / "ufx_250.json");
