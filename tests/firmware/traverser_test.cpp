@@ -270,7 +270,9 @@ TEST(Traverser, LeavesWhatDoesNotGrowWhereAGateWouldHaveFilledThePicture) {
 
 TEST(Traverser, EndsItsWayBackWhereSomethingStandsInIt) {
   auto traverser = leaning(10);
-  see(traverser, 63, kNoGate, 0);
+  see(traverser, 175, kNoGate, 0);
+  EXPECT_EQ(traverser.phase, TRAVERSER_ELSEWHERE) << "5.8 s";
+  see(traverser, 8, kNoGate, 0);
   EXPECT_EQ(traverser.phase, TRAVERSER_SEARCH);
 }
 

@@ -16,6 +16,8 @@
 #define EVIDENCE_TO_ENTER 6500
 // Slower than a quarter of what was commanded for so long, the drone leans against something: it was no gate.
 #define STALLED_US 2000000
+// A drone that comes free of what it leaned against needs that much to fly back.
+#define STUCK_US 6000000
 // Size, in 127ths of SIGHT_MOST_SIZE, at which the frame has left the picture (1.2), and that of a gate which is near
 // enough that it can only have left it (0.65).
 #define ENTERED_SIZE 76
@@ -59,6 +61,7 @@ static int32_t turned(int32_t angle_urad) {
 
 static void begin_way(traverser_t* t) {
   t->flown_um = 0;
+  t->way_urad = t->yaw_urad;
   for (int i = 0; i < TRAVERSER_MARKS; ++i) {
     t->marked_q8[i] = 0;
   }
@@ -77,10 +80,10 @@ void traverser_init(traverser_t* t, const policy_t* policy, int32_t yaw_rate_sca
   t->stalled_us = 0;
   t->left_um = 0;
   t->ordered_um_s = 0;
+  t->yaw_urad = 0;
   begin_way(t);
   t->dead_ends = 0;
   t->turned_urad = 0;
-  t->yaw_urad = 0;
   t->gates = gates;
   t->last_yaw = 1;  // a search without any sighting turns left
 }
@@ -192,12 +195,13 @@ static void fly_on(traverser_t* t, const traverser_state_t* state) {
       t->marked_q8[i] = t->marked_q8[i - 1];
     }
     t->marked_q8[0] = t->size_q8;
+    t->way_urad = t->yaw_urad;
   }
 }
 
 // It is no gate: back to where the approach began, to search where this was not.
 static traverser_command_t leave(traverser_t* t) {
-  remember_dead_end(t, t->yaw_urad);
+  remember_dead_end(t, t->way_urad);
   return go_elsewhere(t, -t->flown_um);
 }
 
@@ -245,7 +249,7 @@ static traverser_command_t elsewhere(traverser_t* t, const traverser_state_t* st
   const bool back = t->left_um < 0;
   t->left_um -= flown_um(state);
   const bool there = back ? t->left_um >= 0 : t->left_um <= 0;
-  if (there || t->stalled_us > STALLED_US) {
+  if (there || t->stalled_us > STUCK_US) {
     return search_again(t);
   }
   return command(t, back ? -t->policy.cruise_um_s : t->policy.cruise_um_s, 0);
@@ -284,7 +288,7 @@ traverser_command_t traverser_step(traverser_t* t, const sight_t* sight, const t
   const int32_t along_um_s = t->ordered_um_s < 0 ? -state->forward_velocity_um_s : state->forward_velocity_um_s;
   const int32_t ordered_um_s = t->ordered_um_s < 0 ? -t->ordered_um_s : t->ordered_um_s;
   const bool slow = ordered_um_s > 0 && along_um_s < ordered_um_s / 4;
-  t->stalled_us = slow ? limited(t->stalled_us, 0, STALLED_US) + state->elapsed_us : 0;
+  t->stalled_us = slow ? limited(t->stalled_us, 0, STUCK_US) + state->elapsed_us : 0;
   const traverser_command_t order = next(t, sight, state);
   t->ordered_um_s = order.velocity_um_s;
   return order;

@@ -59,6 +59,7 @@ typedef struct {
   int32_t left_um;            // to fly straight, since the frame left the picture or the search ended; negative: back
   int32_t ordered_um_s;       // the last command's velocity
   int32_t flown_um;           // forwards, since the last search
+  int32_t way_urad;           // heading at the last mark, before anything that it leans against turns the drone
   int32_t marked_q8[TRAVERSER_MARKS];           // sizes at the last marks of that way, the latest first; 0 = not yet
   int32_t dead_ends_urad[TRAVERSER_DEAD_ENDS];  // headings that led against something
   int dead_ends;
