@@ -74,3 +74,22 @@ def to_bytes(layers):
             out += part.tobytes()
             out += bytes(-len(out) % 4)
     return bytes(out)
+
+
+def from_bytes(packed, like):
+    """Layers from such a file; `like` are the shapes of the layers' weights."""
+    layers, at = [], 0
+
+    def take(kind, count):
+        nonlocal at
+        part = np.frombuffer(packed, kind, count, at)
+        at += part.nbytes + -part.nbytes % 4
+        return part
+
+    for shape in like:
+        rounded, shifts = take("<i4", shape[0]), take(np.uint8, shape[0])
+        weights = take(np.int8, int(np.prod(shape))).reshape(shape)
+        layers.append((weights, (rounded - (1 << (shifts.astype(np.int32) - 1))).astype(np.int32), shifts))
+    if at != len(packed):
+        raise ValueError(f"{len(packed)} bytes of weights where the network has {at}")
+    return layers

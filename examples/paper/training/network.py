@@ -116,6 +116,16 @@ class IntegerNavigator(nn.Module):
         x = functional.linear(x.flatten(1), weight, bias)
         return _Round.apply(x * 2.0 ** -shift).squeeze(1)
 
+    def take(self, layers):
+        """Goes on from layers as exported() gives them."""
+        for i, (weights, biases, shifts) in enumerate(layers):
+            scale = 2.0 ** -torch.tensor(shifts.astype("float32"))
+            weight = torch.tensor(weights.astype("float32")).permute(0, 3, 1, 2)
+            if i == len(layers) - 1:
+                weight = weight.flatten(1)
+            self.weights[i].data = (weight * scale.view((-1,) + (1,) * (weight.dim() - 1))).contiguous()
+            self.biases[i].data = torch.tensor(biases.astype("float32")) * scale
+
     def exported(self):
         """(weights, biases, shifts) of every layer as integer arrays in the chip's order: output channel, row,
         column, input channel."""

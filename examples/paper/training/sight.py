@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the sight network tells of a picture, and the pictures to learn it from."""
 
+import copy
 import pathlib
 
 import numpy as np
@@ -28,6 +29,13 @@ class Sights:
 
     def __len__(self):
         return len(self.pixels)
+
+    def with_first(self, count, others):
+        """These and the first pictures of others, without their labels."""
+        both = copy.copy(self)
+        for name in ("pixels", "visible", "wanted"):
+            setattr(both, name, np.concatenate([getattr(self, name), getattr(others, name)[:count]]))
+        return both
 
 
 def batches(sights, size, random=None):

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Trains the sight network in floating point, then goes on with the integers that the chip computes with."""
+"""Trains the sight network in floating point, goes on with the integers that the chip computes with; with
+--begin instead goes on with a trained one among clutter."""
 
 import argparse
 import json
@@ -10,6 +11,7 @@ import numpy as np
 import torch
 from torch.nn import functional
 
+import integer_network
 from network import OUTPUT_STEP, SIGHT, IntegerNavigator, Navigator
 from sight import Sights, batches
 
@@ -18,13 +20,17 @@ BATCH = 64
 # Logit of the output `visible`: steep enough that 0.5 is as good as sure.
 LOGIT = 6.0
 VISIBLE_WEIGHT = 0.08
+# Among clutter, whether there is a gate is the question.
+CLUTTER_VISIBLE_WEIGHT = 0.15
+# Pictures of the first training that the one among clutter has, so that it keeps what it can do.
+KEPT = 10000
 
 
-def loss_of(outputs, wanted):
+def loss_of(outputs, wanted, visible_weight):
     """Errors of place and size where there is a gate, and whether there is one."""
     there = wanted[:, 3:]
     place = functional.smooth_l1_loss(outputs[:, :3] * there, wanted[:, :3] * there, beta=0.05)
-    return place + VISIBLE_WEIGHT * functional.binary_cross_entropy_with_logits(LOGIT * outputs[:, 3:], there)
+    return place + visible_weight * functional.binary_cross_entropy_with_logits(LOGIT * outputs[:, 3:], there)
 
 
 def answers(model, sights, scale):
@@ -46,7 +52,7 @@ def metrics(outputs, sights):
     return result
 
 
-def fit(model, train, validation, epochs, rate, decay, scale, name, keep):
+def fit(model, train, validation, epochs, rate, decay, scale, name, keep, visible_weight=VISIBLE_WEIGHT):
     """Adam with a rate that rises and falls once. Prints a line and keeps the weights after each epoch."""
     random = np.random.default_rng(SEED)
     optimizer = torch.optim.Adam(model.parameters(), lr=rate, weight_decay=decay)
@@ -58,7 +64,7 @@ def fit(model, train, validation, epochs, rate, decay, scale, name, keep):
         total = 0.0
         for pixels, wanted in batches(train, BATCH, random):
             pixels = torch.from_numpy(pixels).contiguous(memory_format=torch.channels_last)
-            loss = loss_of(model(pixels) * scale, torch.from_numpy(wanted))
+            loss = loss_of(model(pixels) * scale, torch.from_numpy(wanted), visible_weight)
             optimizer.zero_grad()
             loss.backward()
             optimizer.step()
@@ -70,6 +76,31 @@ def fit(model, train, validation, epochs, rate, decay, scale, name, keep):
               + ", ".join(f"{k} {v:.3f}" for k, v in result.items()), flush=True)
 
 
+def save(integer, path):
+    np.savez(path, **{f"{what}{i}": array for i, layer in enumerate(integer.exported())
+                      for what, array in zip(("weights", "biases", "shifts"), layer)})
+
+
+def read(weights):
+    """The network of a weights file."""
+    integer = IntegerNavigator(Navigator(SIGHT))
+    shapes = [layer[0].shape for layer in integer.exported()]
+    integer.take(integer_network.from_bytes(weights.read_bytes(), shapes))
+    return integer
+
+
+def train_among_clutter(arguments):
+    """Goes on with the network of a weights file, on clutter_train and the first pictures of train; clutter_val and
+    clutter_test say what it is good for."""
+    integer = read(arguments.begin)
+    data = {name: Sights(arguments.data / name) for name in ("train", "clutter_train", "clutter_val", "clutter_test")}
+    print("before:", metrics(answers(integer, data["clutter_val"], OUTPUT_STEP), data["clutter_val"]), flush=True)
+    fit(integer, data["clutter_train"].with_first(KEPT, data["train"]), data["clutter_val"], arguments.clutter_epochs,
+        arguments.clutter_rate, 0.0, OUTPUT_STEP, "clutter", arguments.out / "clutter.pt", CLUTTER_VISIBLE_WEIGHT)
+    save(integer, arguments.out / "integer.npz")
+    print("after:", metrics(answers(integer, data["clutter_test"], OUTPUT_STEP), data["clutter_test"]))
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("data", type=pathlib.Path, help="folder with the pictures: train, val; test, easy, hard")
@@ -77,11 +108,18 @@ def main():
     parser.add_argument("--epochs", type=int, default=13)
     parser.add_argument("--integer-epochs", type=int, default=2)
     parser.add_argument("--rate", type=float, default=4e-3, help="highest learning rate in floating point")
+    parser.add_argument("--begin", type=pathlib.Path,
+                        help="weights file to go on with among clutter, instead of a new network")
+    parser.add_argument("--clutter-epochs", type=int, default=4)
+    parser.add_argument("--clutter-rate", type=float, default=8e-4, help="highest learning rate among clutter")
     arguments = parser.parse_args()
     torch.manual_seed(SEED)
     torch.set_num_threads(1)  # sums in one order, whatever the machine
-    train, validation = Sights(arguments.data / "train"), Sights(arguments.data / "val")
     arguments.out.mkdir(parents=True, exist_ok=True)
+    if arguments.begin:
+        train_among_clutter(arguments)
+        return
+    train, validation = Sights(arguments.data / "train"), Sights(arguments.data / "val")
 
     network = Navigator(SIGHT).to(memory_format=torch.channels_last)
     fit(network, train, validation, arguments.epochs, arguments.rate, 1e-5, 1.0, "float", arguments.out / "float.pt")
@@ -91,8 +129,7 @@ def main():
     if arguments.integer_epochs:
         fit(integer, train, validation, arguments.integer_epochs, 3e-4, 0.0, OUTPUT_STEP, "integer",
             arguments.out / "integer.pt")
-    np.savez(arguments.out / "integer.npz", **{f"{what}{i}": array for i, layer in enumerate(integer.exported())
-                                              for what, array in zip(("weights", "biases", "shifts"), layer)})
+    save(integer, arguments.out / "integer.npz")
     report = {"pictures": {"train": len(train), "val": len(validation)}}
     for name in ("val", "test", "easy", "hard"):
         sights = Sights(arguments.data / name)
