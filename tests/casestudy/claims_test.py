@@ -11,9 +11,11 @@ import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "examples/paper/study"))
+sys.path.insert(0, str(ROOT / "examples/paper/training"))
 
 import collect  # noqa: E402
 import experiments  # noqa: E402
+import integer_network  # noqa: E402
 import landing  # noqa: E402
 from missions import KM_H, Flight, config  # noqa: E402
 from results import CRUISE, Trace, energy_by_phase  # noqa: E402
@@ -140,6 +142,14 @@ class Arithmetic(unittest.TestCase):
         # Newcombe, Two-sided confidence intervals for the single proportion, Statistics in Medicine 17 (1998), table I.
         self.assertAlmostEqual(low, 0.2553, delta=1e-4)
         self.assertAlmostEqual(high, 0.3662, delta=1e-4)
+
+    def test_a_weights_file_is_read_as_the_layers_that_were_written(self):
+        packed = (ROOT / "fmu_soc/firmware/nn/sight.weights").read_bytes()
+        channels = [(8, 5, 1), (8, 3, 8), (8, 3, 8), (16, 3, 8), (16, 3, 16), (32, 3, 16), (32, 3, 32), (4, 6, 32)]
+        shapes = [(out, kernel, kernel, into) for out, kernel, into in channels]
+        self.assertEqual(integer_network.to_bytes(integer_network.from_bytes(packed, shapes)), packed)
+        with self.assertRaisesRegex(ValueError, "bytes of weights"):
+            integer_network.from_bytes(packed + bytes(4), shapes)
 
     def test_the_least_charge_for_landing_stands_between_one_that_landed_and_one_that_fell(self):
         def found(**flights):

@@ -268,6 +268,12 @@ TEST(Traverser, LeavesWhatDoesNotGrowWhereAGateWouldHaveFilledThePicture) {
   EXPECT_EQ(gate.phase, TRAVERSER_THROUGH) << "a frame of 0.6 m by a lens of 87 degrees, from 1.6 to 0.4 m";
 }
 
+TEST(Traverser, EntersNothingThatItHasNotFlownTo) {
+  auto traverser = new_traverser();
+  see(traverser, 75, {0, 0, 100, 127});
+  EXPECT_EQ(traverser.phase, TRAVERSER_APPROACH) << "0.7 m";
+}
+
 TEST(Traverser, EndsItsWayBackWhereSomethingStandsInIt) {
   auto traverser = leaning(10);
   see(traverser, 175, kNoGate, 0);
@@ -303,7 +309,7 @@ TEST(Traverser, SearchesTheNextGateAheadWhereTheMissionHasTwo) {
   auto traverser = new_traverser();
   traverser.gates = 2;
   const auto fly_through = [&] {
-    see(traverser, 60, {0, 0, 50, 100});
+    see(traverser, 90, {0, 0, 50, 100});
     see(traverser, 20, {0, 0, 100, 100});
     ASSERT_EQ(traverser.phase, TRAVERSER_THROUGH);
     see(traverser, 150, kNoGate);
@@ -328,7 +334,7 @@ TEST(Traverser, ASinglePictureOfALargeGateDoesNotMakeItNear) {
 
 TEST(Traverser, HoldsHeadingAndAltitudeFromTheFrameToHalfAMetreBehindTheFarthestGate) {
   auto traverser = new_traverser();
-  see(traverser, 60, {10, 20, 60, 100});
+  see(traverser, 90, {10, 20, 60, 100});
   const auto altitude_um = traverser.altitude_um;
   EXPECT_GT(altitude_um, 1000000);
   EXPECT_EQ(traverser.phase, TRAVERSER_APPROACH);
@@ -347,7 +353,8 @@ TEST(Traverser, HoldsHeadingAndAltitudeFromTheFrameToHalfAMetreBehindTheFarthest
 
 TEST(Traverser, FliesFartherWhereANearGateLeftThePictureSooner) {
   auto traverser = new_traverser();
-  see(traverser, 60, {0, 0, 50, 100});
+  see(traverser, 60, {0, 0, 30, 100});
+  see(traverser, 40, {0, 0, 50, 100});
   see(traverser, 10, kNoGate);
   ASSERT_EQ(traverser.phase, TRAVERSER_THROUGH);
   see(traverser, 125, kNoGate);

@@ -194,7 +194,7 @@ static void fly_on(traverser_t* t, const traverser_state_t* state) {
     for (int i = TRAVERSER_MARKS - 1; i > 0; --i) {
       t->marked_q8[i] = t->marked_q8[i - 1];
     }
-    t->marked_q8[0] = t->size_q8;
+    t->marked_q8[0] = t->size_q8 > 0 ? t->size_q8 : 1;
     t->way_urad = t->yaw_urad;
   }
 }
@@ -213,7 +213,8 @@ static traverser_command_t approach(traverser_t* t, const sight_t* sight, bool s
                                     const traverser_state_t* state) {
   const bool near = t->size_q8 >= NEAR_SIZE * 256;
   const bool left = t->unseen_us > ENTERED_US && t->evidence >= EVIDENCE_TO_ENTER;
-  if (t->size_q8 >= ENTERED_SIZE * 256 || (near && left)) {
+  const bool known = t->marked_q8[TRAVERSER_MARKS - 1] > 0;
+  if (known && (t->size_q8 >= ENTERED_SIZE * 256 || (near && left))) {
     return has_grown(t) ? enter(t) : leave(t);
   }
   if (t->evidence == 0) {
