@@ -12,7 +12,7 @@
 namespace mebots::soc {
 
 /// Runs a core that somebody watches: as it runs otherwise, with a pause behind every instruction of which the observer
-/// wants to be told. Everything here asks for an observer but where it says so.
+/// wants to be told. All functions need an observer unless stated.
 class ObservedRun final : private BlockWalk {
  public:
   ObservedRun(Hart& hart, Execution& execution, DecodedCode& decoded, Interpreter& interpreter, const RunLimit& limit)
