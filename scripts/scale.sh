@@ -12,7 +12,7 @@ run() {
   MEBOTS_CYCLES=10000 "$build/bin/master_test" --gtest_brief=1 --gtest_filter="$1" | grep -v '^Running main'
 }
 run 'Scale.*'
-for fmu in "$build"/fmus/fmu_*.fmu; do
+for fmu in "$build"/fmus/fmu_{battery,motors,soc,world}.fmu; do  # fmu_gap8 has no program inside
   echo "$(basename "$fmu"):"
   MEBOTS_CYCLED_FMU=$(realpath "$fmu") run 'Scale.InstancesThatComeAndGo*:Scale.ArchivesThat*'
 done
