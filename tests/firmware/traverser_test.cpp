@@ -268,6 +268,15 @@ TEST(Traverser, LeavesWhatDoesNotGrowWhereAGateWouldHaveFilledThePicture) {
   EXPECT_EQ(gate.phase, TRAVERSER_THROUGH) << "a frame of 0.6 m by a lens of 87 degrees, from 1.6 to 0.4 m";
 }
 
+TEST(Traverser, SearchesAtOnceWhereItWasPushedBack) {
+  auto traverser = new_traverser();
+  see(traverser, 4, kSameGate, 0);
+  ASSERT_EQ(traverser.phase, TRAVERSER_APPROACH);
+  const auto search = see(traverser, 64, kSameGate, -10000);
+  EXPECT_EQ(traverser.phase, TRAVERSER_SEARCH) << "and does not fly on into it";
+  EXPECT_EQ(search.velocity_um_s, 0);
+}
+
 TEST(Traverser, EntersNothingThatItHasNotFlownTo) {
   auto traverser = new_traverser();
   see(traverser, 75, {0, 0, 100, 127});

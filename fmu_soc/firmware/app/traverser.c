@@ -202,7 +202,7 @@ static void fly_on(traverser_t* t, const traverser_state_t* state) {
 // It is no gate: back to where the approach began, to search where this was not.
 static traverser_command_t leave(traverser_t* t) {
   remember_dead_end(t, t->way_urad);
-  return go_elsewhere(t, -t->flown_um);
+  return t->flown_um > 0 ? go_elsewhere(t, -t->flown_um) : search_again(t);
 }
 
 static bool has_grown(const traverser_t* t) {

@@ -69,7 +69,7 @@ typedef struct {
   int8_t last_yaw;      // where the gate of the last approach was
 } traverser_t;
 
-// Starts in PILOT_SEARCH with the policy as it is. The scale is the yaw rate at output 127.
+// Starts in TRAVERSER_SEARCH with the policy as it is. The scale is the yaw rate at output 127.
 void traverser_init(traverser_t* traverser, const policy_t* policy, int32_t yaw_rate_scale_urad_s, int32_t altitude_um,
                     int gates);
 
