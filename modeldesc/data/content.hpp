@@ -45,7 +45,7 @@ std::vector<Value> parse(std::string_view text, const std::string& name, const T
                          std::vector<Mistake>& mistakes);
 
 /// A zero byte, which a file can name by \u0000, would end a mistake for who takes it from what(): as JSON names it.
-std::string without_zero_bytes(std::string text);
+std::string without_zero_bytes(std::string_view text);
 
 /// Of the value of this index; empty for the root.
 std::string pointer_of(const std::vector<Value>& values, std::size_t index);

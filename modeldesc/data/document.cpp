@@ -26,9 +26,16 @@ std::string text_of_all(const std::vector<Mistake>& mistakes) {
 
 }  // namespace
 
-std::string without_zero_bytes(std::string text) {
-  for (auto at = text.find('\0'); at != std::string::npos; at = text.find('\0', at)) text.replace(at, 1, "\\u0000");
-  return text;
+std::string without_zero_bytes(std::string_view text) {
+  std::string written;
+  for (const char byte : text) {
+    if (byte == '\0') {
+      written += "\\u0000";
+    } else {
+      written += byte;
+    }
+  }
+  return written;
 }
 
 Mistakes::Mistakes(std::vector<Mistake> mistakes)

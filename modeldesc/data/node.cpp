@@ -129,8 +129,7 @@ Node Node::at(std::string_view key) const {
 }
 
 Mistake Node::mistake(ErrorCode code, std::string_view what) const {
-  return {code, without_zero_bytes(place()), without_zero_bytes(std::string(what)),
-          document_->content_->values[index_].offset};
+  return {code, without_zero_bytes(place()), without_zero_bytes(what), document_->content_->values[index_].offset};
 }
 
 void Node::complain(ErrorCode code, std::string_view what) const {

@@ -115,9 +115,9 @@ class Builder : public nlohmann::json_sax<nlohmann::json> {
     std::size_t size = 0;
   };
 
-  void note(ErrorCode code, std::size_t offset, std::string what, const std::string& pointer = {}) {
+  void note(ErrorCode code, std::size_t offset, std::string_view what, const std::string& pointer = {}) {
     auto place = name_ + lines_.place(offset) + (pointer.empty() ? "" : ": " + pointer);
-    mistakes_.push_back({code, without_zero_bytes(std::move(place)), without_zero_bytes(std::move(what)), offset});
+    mistakes_.push_back({code, without_zero_bytes(place), without_zero_bytes(what), offset});
   }
 
   /// Offset of the token that the parser read last; the cursor goes behind it.

@@ -62,15 +62,16 @@ End judge(const world::scene::Gate& gate, const BodyPose& pose) {
   return clean ? End::clean : End::touched;
 }
 
+/// Up to the plane of the last gate. All gates are flown through along x, in their order.
 End fly(const world::scene::Scene& scene, const Start& start, std::uint64_t seed) {
   const auto micro = [](double value) { return static_cast<std::int32_t>(std::lround(value * 1e6)); };
-  const auto& gate = scene.gates.at(0);
+  auto gate = scene.gates.begin();
   Uniform uniform(seed);
   PlainDrone drone{start.pose};
   policy_t policy;
   policy_init(&policy, true, micro(start.cruise_m_s), micro(start.cruise_m_s));
   traverser_t traverser;
-  traverser_init(&traverser, &policy, 800000, 1000000, 1);
+  traverser_init(&traverser, &policy, 800000, 1000000, micro(start.pose.yaw_rad), static_cast<int>(scene.gates.size()));
   traverser_command_t command{0, 0, 1000000};
   traverser_command_t next = command;
   double drift_m_s = start.drift_m_s;
@@ -90,7 +91,10 @@ End fly(const world::scene::Scene& scene, const Start& start, std::uint64_t seed
     drift_m_s -= drift_m_s * kTraverseStep_s / 2.5;
     const double climb = std::clamp(1.2 * (command.altitude_um * 1e-6 - drone.pose.p_WB_m.z()), -0.3, 0.5);
     drone.pose.p_WB_m.z() += climb * kTraverseStep_s;
-    if (before_m < gate.p_W_m.x() && drone.pose.p_WB_m.x() >= gate.p_W_m.x()) return judge(gate, drone.pose);
+    if (before_m < gate->p_W_m.x() && drone.pose.p_WB_m.x() >= gate->p_W_m.x()) {
+      const auto end = judge(*gate, drone.pose);
+      if (end != End::clean || ++gate == scene.gates.end()) return end;
+    }
   }
   return End::lost;
 }
@@ -163,6 +167,14 @@ TEST(Traverser, ClimbsAndSinksToAGateAtAnotherHeight) {
   }
 }
 
+TEST(Traverser, FliesThroughTwoGatesOneAfterTheOther) {
+  auto scene = load_scene("gate_edge");
+  scene.gates.push_back(scene.gates[0]);
+  scene.gates[1].p_W_m.x() += 3.5;
+  scene.gates[1].p_W_m.y() += 0.3;
+  EXPECT_GE(clean_of_200("two gates", scene, [](Uniform& u) { return near_start(u, 0.3, 0.1, 0.02); }), 190);
+}
+
 TEST(Traverser, SearchesForAGateThatIsNotInThePicture) {
   const auto scene = load_scene("gate_edge");
   EXPECT_GE(clean_of_200("wide", scene, [](Uniform& u) { return near_start(u, 0.3, 0.5, M_PI); }), 190);
@@ -171,11 +183,11 @@ TEST(Traverser, SearchesForAGateThatIsNotInThePicture) {
 constexpr sight_t kNoGate{0, 0, 0, -127};
 constexpr sight_t kSameGate{0, 0, 10, 127};
 
-traverser_t new_traverser() {
+traverser_t new_traverser(int gates = 1) {
   policy_t policy;
   policy_init(&policy, false, 277778, 277778);
   traverser_t traverser;
-  traverser_init(&traverser, &policy, 800000, 1000000, 1);
+  traverser_init(&traverser, &policy, 800000, 1000000, 0, gates);
   return traverser;
 }
 
@@ -283,6 +295,27 @@ TEST(Traverser, EntersNothingThatItHasNotFlownTo) {
   EXPECT_EQ(traverser.phase, TRAVERSER_APPROACH) << "0.7 m";
 }
 
+TEST(Traverser, SwingingOverAMarkIsNoWay) {
+  auto traverser = new_traverser();
+  see(traverser, 33, {0, 0, 100, 127});
+  for (int i = 0; i < 20; ++i) {
+    see(traverser, 3, {0, 0, 100, 127}, -280000);
+    see(traverser, 3, {0, 0, 100, 127});
+  }
+  EXPECT_EQ(traverser.phase, TRAVERSER_APPROACH) << "20 times back and forth at 0.3 m";
+}
+
+TEST(Traverser, TheHeadingThatLedAgainstSomethingIsThatBeforeItTurnedTheDrone) {
+  auto traverser = new_traverser();
+  see(traverser, 60, {0, 0, 10, 127});
+  const traverser_state_t held{0, 1000000, 33000, 1500000};
+  const sight_t gate{0, 0, 10, 127};
+  while (traverser.phase == TRAVERSER_APPROACH) traverser_step(&traverser, &gate, &held);
+  ASSERT_EQ(traverser.phase, TRAVERSER_ELSEWHERE);
+  ASSERT_EQ(traverser.dead_ends, 1);
+  EXPECT_EQ(traverser.dead_ends_urad[0], 0);
+}
+
 TEST(Traverser, EndsItsWayBackWhereSomethingStandsInIt) {
   auto traverser = leaning(10);
   see(traverser, 175, kNoGate, 0);
@@ -303,20 +336,59 @@ TEST(Traverser, DoesNotFollowASightingThatLedAgainstSomethingButOneElsewhere) {
   EXPECT_EQ(traverser.phase, TRAVERSER_APPROACH);
 }
 
+/// Turns by so much [urad] with these pictures, 0.0132 rad each, and hovers. The heading goes around.
+traverser_command_t turn(traverser_t& traverser, std::int32_t by_urad, sight_t sight = kNoGate) {
+  traverser_command_t command{};
+  for (std::int32_t done = 0; done < by_urad; done += 13200) {
+    const double yaw_rad = std::remainder(1e-6 * (traverser.yaw_urad + 13200), 2.0 * M_PI);
+    const traverser_state_t state{0, 1000000, 33000, static_cast<std::int32_t>(std::lround(yaw_rad * 1e6))};
+    command = traverser_step(&traverser, &sight, &state);
+    if (traverser.phase != TRAVERSER_SEARCH) break;
+  }
+  return command;
+}
+
 TEST(Traverser, SearchesAMetreFartherOnAfterAWholeTurn) {
   auto traverser = new_traverser();
-  see(traverser, 470, kNoGate, 0);
-  EXPECT_EQ(traverser.phase, TRAVERSER_SEARCH) << "15.5 s at 0.403 rad/s";
-  const auto on = see(traverser, 5, kNoGate, 0);
+  see(traverser, 1000, kNoGate, 0);
+  EXPECT_EQ(traverser.phase, TRAVERSER_SEARCH) << "it did not turn";
+  turn(traverser, 6250000);
+  EXPECT_EQ(traverser.phase, TRAVERSER_SEARCH);
+  const auto on = turn(traverser, 100000);
   EXPECT_EQ(traverser.phase, TRAVERSER_ELSEWHERE);
   EXPECT_GT(on.velocity_um_s, 0);
   see(traverser, 112, kNoGate);
   EXPECT_EQ(traverser.phase, TRAVERSER_SEARCH);
 }
 
-TEST(Traverser, SearchesTheNextGateAheadWhereTheMissionHasTwo) {
+TEST(Traverser, GoesFartherOnWhereThatIsNoDeadEnd) {
+  auto traverser = leaning(10);
+  see(traverser, 62, kNoGate, -280000);
+  turn(traverser, 6700000);
+  EXPECT_EQ(traverser.phase, TRAVERSER_SEARCH) << "0.42 rad beside what it leaned against";
+  turn(traverser, 200000);
+  ASSERT_EQ(traverser.phase, TRAVERSER_ELSEWHERE);
+  see(traverser, 62, kNoGate, 0);
+  EXPECT_EQ(traverser.phase, TRAVERSER_SEARCH) << "it leaned against something there, too";
+  see(traverser, 100, kSameGate, 0);
+  EXPECT_EQ(traverser.phase, TRAVERSER_SEARCH) << "and does not go there again";
+}
+
+TEST(Traverser, CountsAGateBehindWhichSomethingHoldsIt) {
   auto traverser = new_traverser();
-  traverser.gates = 2;
+  see(traverser, 90, {0, 0, 50, 100});
+  see(traverser, 20, {0, 0, 100, 100});
+  ASSERT_EQ(traverser.phase, TRAVERSER_THROUGH);
+  auto held_before = traverser;
+  see(held_before, 62, kNoGate, 0);
+  EXPECT_EQ(held_before.phase, TRAVERSER_ELSEWHERE) << "at the frame";
+  while (traverser.left_um > 400000) see(traverser, 1, kNoGate);
+  see(traverser, 62, kNoGate, 0);
+  EXPECT_EQ(traverser.phase, TRAVERSER_DONE);
+}
+
+TEST(Traverser, SearchesTheNextGateAheadWhereTheMissionHasTwo) {
+  auto traverser = new_traverser(2);
   const auto fly_through = [&] {
     see(traverser, 90, {0, 0, 50, 100});
     see(traverser, 20, {0, 0, 100, 100});
@@ -325,6 +397,10 @@ TEST(Traverser, SearchesTheNextGateAheadWhereTheMissionHasTwo) {
   };
   fly_through();
   EXPECT_EQ(traverser.phase, TRAVERSER_SEARCH);
+  turn(traverser, 6300000);
+  ASSERT_EQ(traverser.phase, TRAVERSER_ELSEWHERE) << "once around, and on";
+  see(traverser, 112, kNoGate);
+  ASSERT_EQ(traverser.phase, TRAVERSER_SEARCH);
   const traverser_state_t turned_round{0, 1000000, 33000, 3141593};
   const sight_t gate{0, 0, 10, 127};
   for (int i = 0; i < 50; ++i) traverser_step(&traverser, &gate, &turned_round);

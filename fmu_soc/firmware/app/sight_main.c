@@ -79,7 +79,8 @@ static traverser_t traverser_of_mission(void) {
   policy_init(&policy, MISSION_POLICY == POLICY_ADAPTIVE, (int32_t)MISSION_CRUISE_SPEED,
               (int32_t)MISSION_INITIAL_SPEED);
   traverser_t traverser;
-  traverser_init(&traverser, &policy, (int32_t)MISSION_YAW_RATE_SCALE, (int32_t)MISSION_ALTITUDE, (int)MISSION_GATES);
+  traverser_init(&traverser, &policy, (int32_t)MISSION_YAW_RATE_SCALE, (int32_t)MISSION_ALTITUDE, flight_yaw_urad(),
+                 (int)MISSION_GATES);
   return traverser;
 }
 

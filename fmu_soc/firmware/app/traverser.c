@@ -22,8 +22,9 @@
 // enough that it can only have left it (0.65).
 #define ENTERED_SIZE 76
 #define NEAR_SIZE 41
-// What is flown to grows: a frame of 0.6 m from half a metre before by two thirds or more, one of 1 m by half. What
-// stayed below a quarter, from the third mark back to its entry, is no gate.
+// What is flown to grows. Over the last half metre, by the longest lens, a frame of 0.6 m grows by 87 % up to a size of
+// 1.2 and by 47 % up to one of 0.65, where it may leave the picture; one of 1 m by 52 and 28 %. What has grown by less
+// than a quarter since the third mark back is no gate, or a frame of more than 1.1 m.
 #define LEAST_GROWTH_Q2 5
 // Focal length over half the picture's width, in thousandths, of the longest lens that the network knows (0.82 rad). A
 // shorter lens sees a frame of the same size from nearer, so that this one tells the farthest that the gate can be.
@@ -41,7 +42,7 @@
 #define DEAD_END_URAD 450000
 #define HALF_VIEW_URAD 410000
 #define HALF_TURN_URAD 3141593
-// A search that has turned once around goes so far ahead, forgets its dead ends, and turns again.
+// A search that has turned once around goes so far on, where that was no dead end, forgets the others, and turns again.
 #define ELSEWHERE_UM 1000000
 
 static int32_t limited(int32_t value, int32_t low, int32_t high) {
@@ -62,13 +63,11 @@ static int32_t turned(int32_t angle_urad) {
 static void begin_way(traverser_t* t) {
   t->flown_um = 0;
   t->way_urad = t->yaw_urad;
-  for (int i = 0; i < TRAVERSER_MARKS; ++i) {
-    t->marked_q8[i] = 0;
-  }
+  t->marks = 0;
 }
 
 void traverser_init(traverser_t* t, const policy_t* policy, int32_t yaw_rate_scale_urad_s, int32_t altitude_um,
-                    int gates) {
+                    int32_t yaw_urad, int gates) {
   t->phase = TRAVERSER_SEARCH;
   t->policy = *policy;
   t->yaw_rate_scale_urad_s = yaw_rate_scale_urad_s;
@@ -80,9 +79,10 @@ void traverser_init(traverser_t* t, const policy_t* policy, int32_t yaw_rate_sca
   t->stalled_us = 0;
   t->left_um = 0;
   t->ordered_um_s = 0;
-  t->yaw_urad = 0;
+  t->yaw_urad = yaw_urad;
   begin_way(t);
   t->dead_ends = 0;
+  t->kept_dead_ends = 0;
   t->turned_urad = 0;
   t->gates = gates;
   t->last_yaw = 1;  // a search without any sighting turns left
@@ -137,10 +137,10 @@ static traverser_command_t search_again(traverser_t* t) {
   return turn_on(t);
 }
 
-// The oldest is forgotten where there are too many.
+// The oldest that is not kept is forgotten where there are too many.
 static void remember_dead_end(traverser_t* t, int32_t yaw_urad) {
   if (t->dead_ends == TRAVERSER_DEAD_ENDS) {
-    for (int i = 1; i < TRAVERSER_DEAD_ENDS; ++i) {
+    for (int i = t->kept_dead_ends + 1; i < TRAVERSER_DEAD_ENDS; ++i) {
       t->dead_ends_urad[i - 1] = t->dead_ends_urad[i];
     }
     --t->dead_ends;
@@ -148,8 +148,7 @@ static void remember_dead_end(traverser_t* t, int32_t yaw_urad) {
   t->dead_ends_urad[t->dead_ends++] = turned(yaw_urad);
 }
 
-static bool leads_to_dead_end(const traverser_t* t, const sight_t* sight) {
-  const int32_t heading_urad = t->yaw_urad + HALF_VIEW_URAD / 127 * sight->yaw;
+static bool is_dead_end(const traverser_t* t, int32_t heading_urad) {
   for (int i = 0; i < t->dead_ends; ++i) {
     const int32_t off_urad = turned(heading_urad - t->dead_ends_urad[i]);
     if (off_urad < DEAD_END_URAD && off_urad > -DEAD_END_URAD) {
@@ -166,7 +165,7 @@ static traverser_command_t go_elsewhere(traverser_t* t, int32_t ahead_um) {
   return command(t, ahead_um < 0 ? -t->policy.cruise_um_s : t->policy.cruise_um_s, 0);
 }
 
-static traverser_command_t search(traverser_t* t, const sight_t* sight, bool sighted, const traverser_state_t* state) {
+static traverser_command_t search(traverser_t* t, const sight_t* sight, bool sighted) {
   if (sighted && t->evidence >= EVIDENCE_TO_APPROACH) {
     t->phase = TRAVERSER_APPROACH;
     begin_way(t);
@@ -174,9 +173,9 @@ static traverser_command_t search(traverser_t* t, const sight_t* sight, bool sig
     t->size_q8 = limited(sight->size, 0, NEAR_SIZE - 1) * 256;
     return command(t, 0, sight->yaw);
   }
-  t->turned_urad += (int32_t)((int64_t)t->yaw_rate_scale_urad_s * SEARCH_YAW / 127 * state->elapsed_us / 1000000);
-  if (t->turned_urad > 2 * HALF_TURN_URAD) {
-    t->dead_ends = 0;
+  const bool once_around = t->turned_urad > 2 * HALF_TURN_URAD || t->turned_urad < -2 * HALF_TURN_URAD;
+  if (once_around && !is_dead_end(t, t->yaw_urad)) {
+    t->dead_ends = t->kept_dead_ends;
     return go_elsewhere(t, ELSEWHERE_UM);
   }
   return turn_on(t);
@@ -188,18 +187,18 @@ static int32_t flown_um(const traverser_state_t* state) {
 }
 
 static void fly_on(traverser_t* t, const traverser_state_t* state) {
-  const int32_t mark = t->flown_um / TRAVERSER_MARK_UM;
   t->flown_um += flown_um(state);
-  if (t->flown_um / TRAVERSER_MARK_UM > mark) {
+  if (t->flown_um >= (t->marks + 1) * TRAVERSER_MARK_UM) {
+    ++t->marks;
     for (int i = TRAVERSER_MARKS - 1; i > 0; --i) {
       t->marked_q8[i] = t->marked_q8[i - 1];
     }
-    t->marked_q8[0] = t->size_q8 > 0 ? t->size_q8 : 1;
+    t->marked_q8[0] = t->size_q8;
     t->way_urad = t->yaw_urad;
   }
 }
 
-// It is no gate: back to where the approach began, to search where this was not.
+// It is no gate: straight back as far as the approach has flown, to search where this was not.
 static traverser_command_t leave(traverser_t* t) {
   remember_dead_end(t, t->way_urad);
   return t->flown_um > 0 ? go_elsewhere(t, -t->flown_um) : search_again(t);
@@ -213,7 +212,7 @@ static traverser_command_t approach(traverser_t* t, const sight_t* sight, bool s
                                     const traverser_state_t* state) {
   const bool near = t->size_q8 >= NEAR_SIZE * 256;
   const bool left = t->unseen_us > ENTERED_US && t->evidence >= EVIDENCE_TO_ENTER;
-  const bool known = t->marked_q8[TRAVERSER_MARKS - 1] > 0;
+  const bool known = t->marks >= TRAVERSER_MARKS;
   if (known && (t->size_q8 >= ENTERED_SIZE * 256 || (near && left))) {
     return has_grown(t) ? enter(t) : leave(t);
   }
@@ -233,13 +232,19 @@ static traverser_command_t approach(traverser_t* t, const sight_t* sight, bool s
 
 static traverser_command_t through(traverser_t* t, const traverser_state_t* state) {
   t->left_um -= flown_um(state);
-  if (t->left_um > 0) {
+  const bool stalled = t->stalled_us > STALLED_US;
+  // What it leans against in the last half metre stands behind the gate.
+  if (stalled && t->left_um > PILOT_BEHIND_MM * 1000) {
+    return leave(t);
+  }
+  if (!stalled && t->left_um > 0) {
     return straight_on(t);
   }
   if (--t->gates > 0) {
     // Not back through this one.
-    t->dead_ends = 0;
+    t->dead_ends = t->kept_dead_ends = 0;
     remember_dead_end(t, t->yaw_urad + HALF_TURN_URAD);
+    t->kept_dead_ends = 1;
     return search_again(t);
   }
   t->phase = TRAVERSER_DONE;
@@ -250,6 +255,10 @@ static traverser_command_t elsewhere(traverser_t* t, const traverser_state_t* st
   const bool back = t->left_um < 0;
   t->left_um -= flown_um(state);
   const bool there = back ? t->left_um >= 0 : t->left_um <= 0;
+  if (!back && t->stalled_us > STALLED_US) {
+    remember_dead_end(t, t->yaw_urad);
+    return search_again(t);
+  }
   if (there || t->stalled_us > STUCK_US) {
     return search_again(t);
   }
@@ -257,7 +266,8 @@ static traverser_command_t elsewhere(traverser_t* t, const traverser_state_t* st
 }
 
 static void weigh(traverser_t* t, const sight_t* sight, int32_t elapsed_us) {
-  const bool dead_end = t->phase == TRAVERSER_SEARCH && leads_to_dead_end(t, sight);
+  const int32_t heading_urad = t->yaw_urad + HALF_VIEW_URAD / 127 * sight->yaw;
+  const bool dead_end = t->phase == TRAVERSER_SEARCH && is_dead_end(t, heading_urad);
   const int32_t sign = dead_end ? LEAST_SIGN : limited(sight->visible - DOUBTFUL, LEAST_SIGN, 127);
   const int32_t elapsed_ms = limited(elapsed_us, 0, 1000000) / 1000;
   t->evidence = limited(t->evidence + sign * elapsed_ms, 0, MOST_EVIDENCE);
@@ -268,13 +278,13 @@ static traverser_command_t next(traverser_t* t, const sight_t* sight, const trav
   const bool sighted = sight->visible > 0;
   switch (t->phase) {
     case TRAVERSER_SEARCH:
-      return search(t, sight, sighted, state);
+      return search(t, sight, sighted);
     case TRAVERSER_APPROACH:
       fly_on(t, state);
       return t->stalled_us > STALLED_US ? leave(t) : approach(t, sight, sighted, state);
     case TRAVERSER_THROUGH:
       fly_on(t, state);
-      return t->stalled_us > STALLED_US ? leave(t) : through(t, state);
+      return through(t, state);
     case TRAVERSER_ELSEWHERE:
       return elsewhere(t, state);
     case TRAVERSER_DONE:
@@ -284,6 +294,7 @@ static traverser_command_t next(traverser_t* t, const sight_t* sight, const trav
 }
 
 traverser_command_t traverser_step(traverser_t* t, const sight_t* sight, const traverser_state_t* state) {
+  t->turned_urad += turned(state->yaw_urad - t->yaw_urad);
   t->yaw_urad = state->yaw_urad;
   weigh(t, sight, state->elapsed_us);
   const int32_t along_um_s = t->ordered_um_s < 0 ? -state->forward_velocity_um_s : state->forward_velocity_um_s;

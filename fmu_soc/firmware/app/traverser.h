@@ -60,18 +60,21 @@ typedef struct {
   int32_t ordered_um_s;       // the last command's velocity
   int32_t flown_um;           // forwards, since the last search
   int32_t way_urad;           // heading at the last mark, before anything that it leans against turns the drone
-  int32_t marked_q8[TRAVERSER_MARKS];           // sizes at the last marks of that way, the latest first; 0 = not yet
+  int32_t marks;              // passed on that way
+  int32_t marked_q8[TRAVERSER_MARKS];           // sizes at the last of them, the latest first
   int32_t dead_ends_urad[TRAVERSER_DEAD_ENDS];  // headings that led against something
   int dead_ends;
-  int32_t turned_urad;  // by this search
-  int32_t yaw_urad;     // at the picture before
+  int kept_dead_ends;   // the first of them are kept: the one back through the gate before
+  int32_t turned_urad;  // by this search; left is positive
+  int32_t yaw_urad;     // at the last picture
   int gates;            // to fly through, from here on
   int8_t last_yaw;      // where the gate of the last approach was
 } traverser_t;
 
-// Starts in TRAVERSER_SEARCH with the policy as it is. The scale is the yaw rate at output 127.
+// Starts in TRAVERSER_SEARCH at the heading `yaw_urad` with the policy as it is. The scale is the yaw rate at output
+// 127.
 void traverser_init(traverser_t* traverser, const policy_t* policy, int32_t yaw_rate_scale_urad_s, int32_t altitude_um,
-                    int gates);
+                    int32_t yaw_urad, int gates);
 
 // One picture.
 traverser_command_t traverser_step(traverser_t* traverser, const sight_t* sight, const traverser_state_t* state);
