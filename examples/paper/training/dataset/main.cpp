@@ -183,7 +183,7 @@ Vector3d random_thing(Random& random, const mebots::world::scene::Scene& scene) 
   return scene.meshes[static_cast<std::size_t>(which - boxes - cylinders)].p_W_m;
 }
 
-/// The same in a cluttered hall: many pictures of what is not a gate.
+/// As random_view(), in a cluttered hall: any of its gates, and many pictures of what is not a gate.
 BodyPose view_of_clutter(Random& random, const mebots::world::scene::Scene& scene, double half_view_rad) {
   double yaw = random.between(-M_PI, M_PI);
   Vector3d p{random.between(-1.5, 4.0), random.between(-2.0, 2.0), random.between(0.5, 1.6)};
