@@ -413,6 +413,19 @@ mebots::world::scene::Scene room_of(const Options& options, Random& random) {
                                      : mebots::training::random_room(random);
 }
 
+/// Ends the program where options contradict each other, before a file is written.
+void refuse_contradictions(const Options& options) {
+  const char* why = nullptr;
+  if (options.clutter && options.task != Task::sight) {
+    why = "the task is command, whose rooms and labels know no clutter. Add --task sight, or leave --clutter out";
+  } else if (options.clutter && !options.scene.empty()) {
+    why = "clutter stands in random rooms, --scene names a fixed one. Leave one of the two out";
+  }
+  if (why == nullptr) return;
+  fmt::print(stderr, "mebots-dataset: --clutter: {}\n", why);
+  std::exit(2);
+}
+
 Options read_options(int argc, char** argv) {
   Options options;
   CLI::App app("Pictures of random rooms as the drone's network gets them, with what it is to say");
@@ -427,13 +440,15 @@ Options read_options(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--field-of-view", options.field_of_view_rad, "Of the lens [rad]; default: another one in each room")
       ->check(CLI::Range(0.1, 3.0));
-  app.add_flag("--clutter", options.clutter, "With --task sight: pictures among much that is not a gate");
+  app.add_flag("--clutter", options.clutter,
+               "Random rooms with much that is not a gate. Needs --task sight, excludes --scene");
   app.add_option("--scene", options.scene, "A scene file instead of random rooms")->check(CLI::ExistingFile);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     std::exit(app.exit(error));
   }
+  refuse_contradictions(options);
   return options;
 }
 
