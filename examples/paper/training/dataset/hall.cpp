@@ -24,7 +24,6 @@ constexpr double kClearOfGate_m = 0.8;
 constexpr int kMostClutter = 9;
 /// Clutter may stand beside a gate, but not in it.
 constexpr double kClutterClearOfGate_m = 0.55;
-constexpr double kCrownReach_m = 1.0;
 /// Part of the cluttered halls whose walls are hedges, with the sky above.
 constexpr double kOutdoors = 0.2;
 
@@ -108,6 +107,13 @@ Gate next_gate(Random& random, const Gate& first, double length_m, double half_w
   return gate;
 }
 
+/// The most that a thing of triangles reaches from the upright line through its place.
+double reach_m(const world::scene::MeshThing& thing) {
+  double reach = 0.0;
+  for (const auto& point : thing.mesh->points_m) reach = std::max(reach, point.head<2>().norm());
+  return reach;
+}
+
 /// Whether everything that `with` has and `before` had not keeps away from the gates.
 bool clear_of_gates(const Scene& before, const Scene& with) {
   const auto boxes_keep = std::all_of(
@@ -119,7 +125,7 @@ bool clear_of_gates(const Scene& before, const Scene& with) {
       [&](const auto& cylinder) { return keeps_away(with, cylinder.p_W_m, cylinder.radius_m, kClutterClearOfGate_m); });
   const auto meshes_keep = std::all_of(
       with.meshes.begin() + static_cast<std::ptrdiff_t>(before.meshes.size()), with.meshes.end(),
-      [&](const auto& thing) { return keeps_away(with, thing.p_W_m, kCrownReach_m, kClutterClearOfGate_m); });
+      [&](const auto& thing) { return keeps_away(with, thing.p_W_m, reach_m(thing), kClutterClearOfGate_m); });
   return boxes_keep && cylinders_keep && meshes_keep;
 }
 
