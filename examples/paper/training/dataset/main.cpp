@@ -7,6 +7,7 @@
 
 #include "camera/renderer.hpp"
 #include "expert.hpp"
+#include "frame.hpp"
 #include "hall.hpp"
 #include "mebots/error.hpp"
 #include "nn/shrink.h"
@@ -278,22 +279,12 @@ bool meets(const mebots::world::scene::Box& box, const Vector3d& from_W, const V
   return enter < leave;
 }
 
-/// The part of a gate's frame that the things hide from `p`, of sixteen points around it.
+/// The part of a gate's frame that the things hide from `p`, along the middle of its beams.
 double hidden_part(const std::vector<mebots::world::scene::Box>& things, const mebots::world::scene::Gate& gate,
                    const Vector3d& p_W) {
-  constexpr int kPoints = 16;
-  const double half_across = 0.25 * (gate.inner_m + gate.outer_m);
-  const double half_up = 0.25 * (gate.opening_height_m() + gate.frame_height_m());
-  int hidden = 0;
-  for (int i = 0; i < kPoints; ++i) {
-    const double angle = 2.0 * M_PI * i / kPoints;
-    const Vector3d left{-std::sin(gate.yaw_rad), std::cos(gate.yaw_rad), 0.0};
-    const Vector3d point =
-        gate.p_W_m + half_across * std::cos(angle) * left + half_up * std::sin(angle) * Vector3d::UnitZ();
-    hidden +=
-        std::any_of(things.begin(), things.end(), [&](const auto& box) { return meets(box, p_W, point); }) ? 1 : 0;
-  }
-  return static_cast<double>(hidden) / kPoints;
+  return mebots::training::part_of_frame(gate, 0.5, [&](const Vector3d& point_W) {
+    return std::any_of(things.begin(), things.end(), [&](const auto& box) { return meets(box, p_W, point_W); });
+  });
 }
 
 /// The most that things may hide of a gate which the sight network is to see.
