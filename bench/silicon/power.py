@@ -117,9 +117,9 @@ def figure(model, point, rail_v, dronet):
     return None
 
 
-def interval(model, points, rail_v, dronet):
-    """Between what silicon takes and what the model says, over currents and energies that fixed nothing in this model and
-    whose own program ran; the leaking chip apart."""
+def extremes(model, points, rail_v, dronet):
+    """The least and the most that silicon took beside what the model says, over currents and energies that fixed nothing
+    in this model and whose own program ran; the leaking chip apart. They are few, so this is no confidence interval."""
     fixed = {"gap8": (), "gap8_silicon": ("calibration",)}[model.name]
     ratios = {}
     for point in points:
@@ -130,7 +130,8 @@ def interval(model, points, rail_v, dronet):
         if says is not None:
             ratios[point["name"]] = point["value"] / says
     low, high = min(ratios, key=ratios.get), max(ratios, key=ratios.get)
-    return f"silicon takes {ratios[low]:.2f} ({low}) to {ratios[high]:.2f} times ({high}) as much, {len(ratios)} points"
+    which = f"{len(ratios)} checks" + ("" if dronet else " (without PULP-Dronet)")
+    return f"in {which} silicon took {ratios[low]:.2f} ({low}) to {ratios[high]:.2f} times ({high}) as much"
 
 
 def scaled(table, factor, source):
@@ -208,7 +209,7 @@ def main():
             cells += ["", ""] if says is None else [shown(says), f"{(says / point['value'] - 1) * 100:+.0f} %"]
         print("| " + " | ".join([*cells, point["use"]]) + " |")
     for model in models.values():
-        print(f"\n{model.name}: " + interval(model, data["points"], rail_v, dronet))
+        print(f"\n{model.name}: " + extremes(model, data["points"], rail_v, dronet))
     if dronet:
         for name, parts in dronet.items():
             print(f"\nPULP-Dronet v1, a picture, {name}: " +
