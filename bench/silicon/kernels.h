@@ -2,6 +2,8 @@
 // Kernels of GreenWaves' CNN benchmark of GAP8 (gap_sdk, benchmarks/gap8/cnn), new, written from what its README says
 // of them: bytes, a 5 x 5 convolution and a 2 x 2 pool of 112 x 112 pixels, a linear layer of 1024 to 16. Each in forms
 // of one result: plain RV32IMC, with Xpulp's scalar instructions, with its vectors of bytes.
+// GreenWaves' own convolution has 100 x 100 pixels (docs/chip/silicon.md tells how that is known). Of these kernels
+// only powers are taken, and what is published stands for the cycles.
 #pragma once
 
 #include <stdint.h>
