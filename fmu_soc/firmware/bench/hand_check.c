@@ -41,7 +41,7 @@ static void hand_first(nn_share_t share) {
   nn_hand_first(&arena, share);
 }
 
-// Noise in the arena, zeros in its borders.
+// Noise everywhere in the arena, its borders included, but for the weights.
 static void prepare(nn_share_t share) {
   if (share.core == 0) {
     uint32_t noise = 1;

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 # First layer, 5 x 5 with stride 2, pooled 2 x 2 on the fly: `count` pooled places of a row, four channels.
-#   void nn_hand_row(const uint32_t* at, uint8_t* to, const uint32_t* table, int count)
+#   void nn_hand_row(const uint8_t* at, uint8_t* to, const uint32_t* table, int count)
 # `at`: the patch of the first place, in rows of NN_HAND_PITCH bytes; it moves by 4 bytes from place to place, `to` by
-# NN_CHANNELS_FIRST. `table`: NN_HAND_WORDS words of each channel, as nn_hand_table makes them.
+# NN_CHANNELS_FIRST. `table`: NN_HAND_WORDS words of each channel, as make_table (hand.c) makes them.
 #
 # Four places that pool to one share a patch of 7 x 7 pixels. 20 registers hold it: of each row pixels 0 to 3 (left
 # places) and 2 to 5 (right ones), their rows' fifth pixels, gathered, and rows 4 and 6 from pixel 4 on, whose bytes 0
