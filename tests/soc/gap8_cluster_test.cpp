@@ -173,6 +173,27 @@ TEST_F(ClusterTimerTest, StopsAfterOneShotAndCountsInPairsAndByItsPrescaler) {
   EXPECT_EQ(load(0x08, 1002), 1U);
 }
 
+TEST_F(ClusterTimerTest, ComparesBothHalvesOfAPairWhicheverIsStored) {
+  timer.store(0x10, 0, 10);
+  timer.store(0x14, 0, 1);
+  timer.store(0x00, 0, 1U << 31 | 0x05);
+  timer.store(0x14, 10, 0);
+  EXPECT_EQ(raised, (std::vector<unsigned>{0})) << "the comparison came to the count";
+  timer.store(0x14, 10, 1);
+  timer.store(0x0C, 10, 1);
+  EXPECT_EQ(raised, (std::vector<unsigned>{0, 0})) << "the count came to the comparison";
+}
+
+TEST_F(ClusterTimerTest, BeginsACountAnewWhereEitherHalfOfAPairIsStored) {
+  for (const std::uint32_t half : {0x08U, 0x0CU}) {
+    timer.reset();
+    timer.store(0x00, 0, 1U << 31 | 0x41 | 2U << 8);  // every third tick
+    timer.store(half, 2, 0);
+    EXPECT_EQ(load(0x08, 4), 0U) << half;
+    EXPECT_EQ(load(0x08, 5), 1U) << half;
+  }
+}
+
 TEST_F(ClusterTimerTest, HasNoEventThatNobodyWantsAndStandsAtTheReferenceClock) {
   timer.store(0x00, 0, 1);
   EXPECT_EQ(timer.next_tick(), kNoTick) << "it counts only";

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gap8_devices/cluster_timer.hpp"
 
-#include "cluster/dma.hpp"
+#include "cluster/peripherals.hpp"
 
 #include <limits>
 

@@ -100,6 +100,8 @@ bool TimerCounters::store(std::uint32_t offset, std::int64_t now, std::uint32_t 
   count(now);
   const auto index = offset / 4 % 2;
   auto& counter = counters_[index];
+  // Of a pair, the low counter holds the value of both, and whether the comparison was met.
+  const auto owner = is_pair() ? 0U : index;
   if (offset >= kSpan) return false;
   switch (offset / 8) {
     case kConfig:
@@ -114,12 +116,12 @@ bool TimerCounters::store(std::uint32_t offset, std::int64_t now, std::uint32_t 
       } else {
         counter.value = value;
       }
-      counter.met = false;
-      counter.since = now;
+      counters_[owner].met = false;
+      counters_[owner].since = now;
       break;
     case kCompare:
       counter.compare = value;
-      counter.met = false;
+      counters_[owner].met = false;
       break;
     case kStart:
       configure(index, counter.config | kEnable);
@@ -130,7 +132,7 @@ bool TimerCounters::store(std::uint32_t offset, std::int64_t now, std::uint32_t 
       counter.since = now;
       break;
   }
-  compare(index);
+  compare(owner);
   return true;
 }
 
