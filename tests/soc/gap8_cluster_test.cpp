@@ -687,12 +687,16 @@ fault: csrr a0, mcause
     j 5b
 )";
 
-TEST(Gap8Cluster, WakesAndInterruptsItsCoresByTheClustersTimer) {
+/// A program of these cores, whose exceptions and interrupts all lead to `fault`.
+BoardSystem timed_system(unsigned cores, std::string_view code) {
   auto board = gap8_board_of_cluster();
   board.instruction_caches = {};  // refills would come between the event and what is read
-  // All exceptions and interrupts of this program's cores go to the first vector or ten behind it.
   const auto vectors = std::string(kBegin).replace(kBegin.find("j fault"), 7, ".rept 32\n j fault\n .endr");
-  BoardSystem system(fmt::format("{}{}{}", vectors, start_cluster(0b111), kTimed), {}, board);
+  return BoardSystem(fmt::format("{}{}{}", vectors, start_cluster(cores), code), {}, board);
+}
+
+TEST(Gap8Cluster, WakesAndInterruptsItsCoresByTheClustersTimer) {
+  auto system = timed_system(0b111, kTimed);
   system.soc.advance(5 * kMs);
   EXPECT_TRUE(system.faults.empty()) << system.faults.front();
   EXPECT_EQ(system.result(8), 1U << 10);
@@ -702,6 +706,38 @@ TEST(Gap8Cluster, WakesAndInterruptsItsCoresByTheClustersTimer) {
     EXPECT_GE(system.result(core), 1000U) << core;
     EXPECT_LE(system.result(core), 1016U) << core;
   }
+}
+
+/// The only core that is awake sets the timer to 100 ticks and spins. What comes stores the timer's count.
+constexpr std::string_view kTimedAlone = R"(
+2:  wfi
+    j 2b
+core: li s0, 0x00204000
+    li s1, 0x00200400      # the timer
+    li s3, 0x1C060000
+    li a1, 1 << 10
+    sw a1, 0x14(s0)
+    csrsi mstatus, 8
+    li a1, 100
+    sw a1, 0x10(s1)
+    li a1, 0x07            # from 0, with its event
+    sw a1, 0(s1)
+3:  j 3b
+fault: csrr a0, mcause
+    lw a5, 0x08(s1)
+    sw a5, 0(s3)
+    sw a0, 4(s3)
+4:  .insn i 0x03, 6, a4, 0x3c(s0)
+    j 4b
+)";
+
+TEST(Gap8Cluster, InterruptsInTimeTheCoreThatSetTheTimerAndIsAwakeAlone) {
+  auto system = timed_system(1, kTimedAlone);
+  system.soc.advance(5 * kMs);
+  EXPECT_TRUE(system.faults.empty()) << system.faults.front();
+  EXPECT_EQ(system.result(1), 0x80000000U | 10U);
+  EXPECT_GE(system.result(0), 100U);
+  EXPECT_LE(system.result(0), 116U);
 }
 
 TEST(Gap8Cluster, KeepsTheTimersEventOverASavedState) {

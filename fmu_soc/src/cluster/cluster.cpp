@@ -211,9 +211,11 @@ std::uint64_t Cluster::finish_quantum(std::uint64_t end) {
     if (first >= end) return std::min({transfer, alarm_, first});
     in_step_ = false;
     auto& core = *cores_[static_cast<std::size_t>(std::find(ready_.begin(), ready_.end(), first) - ready_.begin())];
-    MEBOTS_ASSERT(core.tick() < end);
+    // A core may have set the alarm in this very quantum.
+    const auto stop = std::min(end, alarm_);
+    MEBOTS_ASSERT(core.tick() < stop);
     core.grant_turn();
-    run_core(core, end);
+    run_core(core, stop);
   }
   return kNoTick;
 }
