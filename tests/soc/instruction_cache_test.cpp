@@ -53,7 +53,7 @@ TEST(InstructionCache, ARefillTakesTheWayOfTheShiftRegister) {
 }
 
 TEST(InstructionCache, TakesWaysThatHoldNothingFirstWhereTheBoardSaysSo) {
-  InstructionCache cache({64, 16, 4, 9, 0, true});
+  InstructionCache cache({64, 16, 4, 9, 0, true}, InstructionCache::Users::several);
   for (std::uint32_t line = 1; line <= 4; ++line) cache.fetch(line, 0);
   for (std::uint32_t line = 1; line <= 4; ++line) EXPECT_TRUE(cache.holds(line)) << line;
   EXPECT_EQ(cache.state().shift_register, 0U) << "not asked yet";

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "memory/instruction_cache.hpp"
 
+#include "mebots/assert.hpp"
 #include "memory/memory.hpp"
 
 #include <fmt/core.h>
@@ -36,6 +37,7 @@ InstructionCache::InstructionCache(const InstructionCacheSettings& settings, Use
       invalid_ways_first_(settings.invalid_ways_first),
       entries_(settings.size / settings.line, Entry{&nowhere_, kNoLine}),
       arrivals_(users == Users::several ? entries_.size() : 0) {
+  MEBOTS_ASSERT(!settings.invalid_ways_first || users == Users::several, "translated code asks the register alone");
   state_.entries = entries_.data();
   state_.next_shift = kNextShift;
 }
