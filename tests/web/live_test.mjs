@@ -171,8 +171,8 @@ const overHttp = {
 const inTheBrowser = {
   async "the page follows a flight, holds it, and shows its end"() {
     const { launch, openUrl } = await import("./browser.mjs");
+    const browser = await launch(chromium); // may take longer than the flight
     const live = await runLive("flight", resolve(configs, "gate_easy.json"), ["--stop-time", "20"]); // long enough to be caught
-    const browser = await launch(chromium);
     try {
       await order(live, "hold");
       const { page, problems, requests } = await openUrl(browser, live.address.href);
