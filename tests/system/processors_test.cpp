@@ -53,7 +53,7 @@ TEST(Processors, NoProgramOfOursAsksTheMachineForAFunctionThatIsNotExact) {
       R"(\bU ((a?(sin|cos|tan)h?|atan2|sincos|exp(2|10|m1)?|log(2|10|1p)?|pow|cbrt|hypot|erfc?|[lt]gamma)[fl]?)@)");
   for (const std::string file : {FMU_BATTERY, FMU_MOTORS, FMU_SOC, FMU_WORLD, MEBOTS_PROGRAM}) {
     const auto symbols = output_of("nm --dynamic --undefined-only '" + file + "'");
-    ASSERT_NE(symbols.find("malloc"), std::string::npos) << file << ": " << symbols;
+    ASSERT_NE(symbols.find("@GLIBC_"), std::string::npos) << file << ": " << symbols;
     std::smatch found;
     EXPECT_FALSE(std::regex_search(symbols, found, inexact)) << file << " asks for " << found[1];
   }
