@@ -133,6 +133,15 @@ struct BodyPose {
   Eigen::Matrix3d R_WB;
 };
 
+/// A drone at this place and heading that pitches and rolls by about so much.
+BodyPose tilted(Random& random, const Vector3d& p, double yaw, double spread_rad) {
+  const Eigen::Matrix3d R =
+      (AngleAxisd(yaw, Vector3d::UnitZ()) * AngleAxisd(random.normal(spread_rad), Vector3d::UnitY()) *
+       AngleAxisd(random.normal(spread_rad), Vector3d::UnitX()))
+          .toRotationMatrix();
+  return {p, R};
+}
+
 BodyPose random_pose(Random& random, const mebots::world::scene::Scene& scene, double half_view_rad) {
   double yaw = random.between(-M_PI, M_PI);
   Vector3d p{random.between(-1.5, 4.0), random.between(-2.0, 2.0), 1.0 + random.normal(0.06)};
@@ -147,31 +156,31 @@ BodyPose random_pose(Random& random, const mebots::world::scene::Scene& scene, d
     const double bearing = random.chance(0.4) ? random.normal(0.12) : random.between(-1.1, 1.1) * half_view_rad;
     yaw = towards - bearing;
   }
-  const Eigen::Matrix3d R = (AngleAxisd(yaw, Vector3d::UnitZ()) * AngleAxisd(random.normal(0.035), Vector3d::UnitY()) *
-                             AngleAxisd(random.normal(0.035), Vector3d::UnitX()))
-                                .toRotationMatrix();
-  return {p, R};
+  return tilted(random, p, yaw, 0.035);
 }
 
-/// The same for the sight network: other heights, stronger tilt, and more pictures without a gate.
+/// Where a camera of the sight network is that has the gate in view, or nearly so.
+void place_before(Random& random, const mebots::world::scene::Gate& gate, double half_view_rad, Vector3d& p,
+                  double& yaw) {
+  const double distance = random.chance(0.6) ? random.between(0.5, 7.5) : random.log_between(0.3, 2.5);
+  const double off_axis = random.chance(0.6) ? random.normal(0.3) : random.between(-1.15, 1.15);
+  const double towards = gate.yaw_rad + off_axis;
+  p.head<2>() = gate.p_W_m.head<2>() - distance * Vector3d(std::cos(towards), std::sin(towards), 0.0).head<2>();
+  const double away = random.chance(0.5) ? random.normal(0.08) : random.between(-0.45, 0.45);
+  p.z() = std::max(0.3, gate.p_W_m.z() + away);
+  const double bearing = random.chance(0.4) ? random.normal(0.15) : random.between(-1.15, 1.15) * half_view_rad;
+  yaw = towards - bearing;
+}
+
+/// As the view before, for the sight network: other heights, stronger tilt, and more pictures without a gate.
 BodyPose random_view(Random& random, const mebots::world::scene::Scene& scene, double half_view_rad) {
   double yaw = random.between(-M_PI, M_PI);
   Vector3d p{random.between(-1.5, 4.0), random.between(-2.0, 2.0), random.between(0.5, 1.6)};
   if (!scene.gates.empty() && random.chance(0.82)) {
     const auto& gate = scene.gates[0];
-    const double distance = random.chance(0.6) ? random.between(0.5, 7.5) : random.log_between(0.3, 2.5);
-    const double off_axis = random.chance(0.6) ? random.normal(0.3) : random.between(-1.15, 1.15);
-    const double towards = gate.yaw_rad + off_axis;
-    p.head<2>() = gate.p_W_m.head<2>() - distance * Vector3d(std::cos(towards), std::sin(towards), 0.0).head<2>();
-    const double away = random.chance(0.5) ? random.normal(0.08) : random.between(-0.45, 0.45);
-    p.z() = std::max(0.3, gate.p_W_m.z() + away);
-    const double bearing = random.chance(0.4) ? random.normal(0.15) : random.between(-1.15, 1.15) * half_view_rad;
-    yaw = towards - bearing;
+    place_before(random, gate, half_view_rad, p, yaw);
   }
-  const Eigen::Matrix3d R = (AngleAxisd(yaw, Vector3d::UnitZ()) * AngleAxisd(random.normal(0.045), Vector3d::UnitY()) *
-                             AngleAxisd(random.normal(0.045), Vector3d::UnitX()))
-                                .toRotationMatrix();
-  return {p, R};
+  return tilted(random, p, yaw, 0.045);
 }
 
 /// What a camera is turned to that looks for what is not a gate: any wall or thing.
@@ -191,14 +200,7 @@ BodyPose view_of_clutter(Random& random, const mebots::world::scene::Scene& scen
   const double what = random.unit();
   if (!scene.gates.empty() && what < 0.58) {
     const auto& gate = scene.gates[static_cast<std::size_t>(random.below(static_cast<int>(scene.gates.size())))];
-    const double distance = random.chance(0.6) ? random.between(0.5, 7.5) : random.log_between(0.3, 2.5);
-    const double off_axis = random.chance(0.6) ? random.normal(0.3) : random.between(-1.15, 1.15);
-    const double towards = gate.yaw_rad + off_axis;
-    p.head<2>() = gate.p_W_m.head<2>() - distance * Vector3d(std::cos(towards), std::sin(towards), 0.0).head<2>();
-    const double away = random.chance(0.5) ? random.normal(0.08) : random.between(-0.45, 0.45);
-    p.z() = std::max(0.3, gate.p_W_m.z() + away);
-    const double bearing = random.chance(0.4) ? random.normal(0.15) : random.between(-1.15, 1.15) * half_view_rad;
-    yaw = towards - bearing;
+    place_before(random, gate, half_view_rad, p, yaw);
   } else if (what < 0.92) {
     const Vector3d thing = random_thing(random, scene);
     const double distance = random.log_between(0.3, 6.0);
@@ -206,10 +208,7 @@ BodyPose view_of_clutter(Random& random, const mebots::world::scene::Scene& scen
     p.head<2>() = thing.head<2>() - distance * Vector3d(std::cos(towards), std::sin(towards), 0.0).head<2>();
     yaw = towards - random.normal(0.5) * half_view_rad;
   }
-  const Eigen::Matrix3d R = (AngleAxisd(yaw, Vector3d::UnitZ()) * AngleAxisd(random.normal(0.045), Vector3d::UnitY()) *
-                             AngleAxisd(random.normal(0.045), Vector3d::UnitX()))
-                                .toRotationMatrix();
-  return {p, R};
+  return tilted(random, p, yaw, 0.045);
 }
 
 /// Everything that can hide a gate, as boxes; a cylinder as the one around it.
