@@ -53,7 +53,12 @@ bool Node::is_integer_literal() const {
 
 std::string Node::text() const {
   if (!is(Kind::text)) fail_kind("a text");
-  return document_->content_->values[index_].text;
+  const auto& text = document_->content_->values[index_].text;
+  // Whoever takes it as a C string (the system for a path, FMI for a value) would get another text in silence.
+  if (text.find('\0') != std::string::npos) {
+    fail(ErrorCode::invalid_value, fmt::format("{} holds a zero byte, where a C string ends; remove it", shown()));
+  }
+  return text;
 }
 
 std::string Node::readable_text() const {

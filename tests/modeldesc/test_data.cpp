@@ -242,6 +242,16 @@ TEST(Mistakes, BehindAZeroByteAreShown) {
   }
 }
 
+TEST(Text, HoldsNoZeroByte) {
+  try {
+    Document(R"({"name": "a.fmu\u0000x"})", "f.json").read(&read_gate);
+    FAIL();
+  } catch (const Mistakes& mistakes) {
+    EXPECT_THAT(mistakes.what(),
+                AllOf(HasSubstr("f.json:1:2: /name"), HasSubstr(R"("a.fmu\u0000x" holds a zero byte)")));
+  }
+}
+
 TEST(FindFile, TellsTheNearestNameInTheFolder) {
   const std::filesystem::path cells = MEBOTS_SOURCE_DIR "/fmu_battery/params/cells";
   EXPECT_EQ(find_file(cells, "ufx_250", "cell.name"), cells / "ufx_250.json");
