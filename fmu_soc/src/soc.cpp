@@ -101,8 +101,15 @@ void Soc::go_on(Picoseconds until, std::uint64_t cycle_limit) {
     }
     tell(core_time());
   }
-  now_ = until == kWithoutEnd ? (asleep_ ? std::max(now_, asleep_since_) : core_time()) : until;
+  now_ = until == kWithoutEnd ? reached() : until;
   tell(now_);
+}
+
+/// How far a run without end has come: to where the core stands that ended it, or else the last of all.
+Picoseconds Soc::reached() const {
+  if (!running()) return std::max(now_, end_time_);
+  const auto of_cluster = cluster_ && cluster_->powered() ? cluster_->reached() : 0;
+  return std::max({now_, asleep_ ? asleep_since_ : core_time(), of_cluster});
 }
 
 Picoseconds Soc::cluster_next() const {
@@ -117,17 +124,17 @@ void Soc::advance_cluster(Picoseconds until, Picoseconds last, std::uint64_t cyc
     if (event_unit_ != nullptr) {  // a core may have used the devices of GAP8's SoC
       apply_power_settings();
       if (signals_.exit_code && running()) {
-        finish(End::exited);
+        finish(End::exited, cluster_->fabric_event_time());
         return;
       }
     }
     update_lines();
     if (cluster_->take_fabric_wake()) hart_.wake();
     if (cluster_->faulted_core() >= 0) {
-      finish(End::faulted);
+      finish(End::faulted, cluster_->stop_time());
       if (listeners_.faults) listeners_.faults(fault_text());
     } else if (cluster_->stopped()) {
-      finish(cluster_->core_stopped_by_observer() >= 0 ? End::stopped : End::host);
+      finish(cluster_->core_stopped_by_observer() >= 0 ? End::stopped : End::host, cluster_->stop_time());
     } else if (asleep_) {
       wake_if_interrupted(cluster_->fabric_event_time());
       return;
@@ -141,7 +148,7 @@ void Soc::handle(Stop stop) {
       apply_power_settings();
       update_lines();
       if (host_exit_ || signals_.exit_code || (power_manager_ && power_manager_->exited())) {
-        finish(End::exited);
+        finish(End::exited, core_time());
         if (exited_on_exception() && listeners_.faults) listeners_.faults(fault_text());
       }
       break;
@@ -151,17 +158,17 @@ void Soc::handle(Stop stop) {
       retained_ = power_manager_ && power_manager_->settings().retention != 0;
       break;
     case Stop::watch:
-      finish(End::host);
+      finish(End::host, core_time());
       break;
     case Stop::fault:
-      finish(End::faulted);
+      finish(End::faulted, core_time());
       if (listeners_.faults) listeners_.faults(fault_text());
       break;
     case Stop::turn:
       advance_cluster(core_time(), core_time());
       break;
     case Stop::observer:
-      finish(End::stopped);
+      finish(End::stopped, core_time());
       break;
     case Stop::limit:
       break;
@@ -179,11 +186,13 @@ bool Soc::spins() const {
          (decoded.op == Op::beq || decoded.op == Op::bge || decoded.op == Op::bgeu);
 }
 
-void Soc::finish(End why) {
+/// At `time` by the core that ended the program. A fabric controller that is awake may be ahead of it; one that slept
+/// sleeps on.
+void Soc::finish(End why, Picoseconds time) {
   end_ = why;
-  end_time_ = core_time();
+  end_time_ = std::max(core_time(), time);
+  if (!asleep_) asleep_since_ = end_time_;
   asleep_ = true;
-  asleep_since_ = end_time_;
   for (const auto& slot : devices_) slot.device->program_ended();
 }
 

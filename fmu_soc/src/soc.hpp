@@ -241,7 +241,8 @@ class Soc final : private Bus {
   void wake_if_interrupted(Picoseconds time);
   void tell(Picoseconds time);
   ChipState chip_state() const;
-  void finish(End why);
+  void finish(End why, Picoseconds time);
+  Picoseconds reached() const;
   void note_work(Picoseconds time);
   CoreWork work_at(Picoseconds now) const;
   Picoseconds controller_work(Picoseconds now) const;

@@ -553,5 +553,41 @@ TEST(ClusterRuntime, TranslatedCoresKeepTheInterpretersBits) {
   EXPECT_EQ(translated.soc.cluster()->hart(0).translates(), translate::can_translate());
 }
 
+/// 40,000 cycles of a core, and then `end`.
+std::string works_and(std::string_view end) {
+  return fmt::format("li t0, 10000\n3: addi t0, t0, -1\nbnez t0, 3b\n{}\n", end);
+}
+constexpr auto kWork = static_cast<Picoseconds>(39'998 / kClusterHz * kPsPerS);
+constexpr Picoseconds kStart = 10'000 * kPsPerNs;  // more than the controller takes to switch the cluster on
+
+TEST(ClusterAlone, RunTakesAsLongAsTheClusterThoughTheControllerSleeps) {
+  struct Case {
+    std::string_view how;
+    std::string_view end;
+    End why;
+  };
+  for (const auto& [how, end, why] :
+       {Case{"stored tohost",
+             "la t0, tohost\nli t1, 1\nsw t1, 0(t0)\n.pushsection .tohost, \"aw\"\n.balign 64\n"
+             ".globl tohost\ntohost: .word 0, 0\n.popsection",
+             End::host},
+        Case{"faulted", "li t0, 0x30000000\nlw t0, 0(t0)", End::faulted}, Case{"fell asleep", "", End::none}}) {
+    auto system = cores_run(works_and(end), 1);
+    auto& soc = system.soc;
+    if (const auto tohost = soc.program().symbol("tohost")) soc.stop_when_stored(*tohost);
+    soc.run_cycles(1'000'000);
+    EXPECT_EQ(soc.end(), why) << how;
+    EXPECT_GT(soc.now(), kWork) << how;
+    EXPECT_LT(soc.now(), kWork + kStart) << how;
+    EXPECT_GT(soc.sleep_time(), kWork - kStart) << how << ": the controller slept meanwhile";
+  }
+}
+
+TEST(ClusterAlone, RunTakesAsLongAsTheClusterUpToItsLimitOfCycles) {
+  auto system = cores_run(works_and(""), 1);
+  system.soc.run_cycles(20'000);
+  EXPECT_GE(system.soc.now(), static_cast<Picoseconds>(20'000 / kClusterHz * kPsPerS));
+}
+
 }  // namespace
 }  // namespace mebots::soc::test

@@ -194,6 +194,19 @@ TEST_F(ClusterTimerTest, BeginsACountAnewWhereEitherHalfOfAPairIsStored) {
   }
 }
 
+TEST_F(ClusterTimerTest, KeepsItsCountsWhereAPairIsSplitAndWhereTwoArePaired) {
+  timer.store(0x00, 0, 1U << 31 | 1);
+  timer.store(0x08, 0, 0xfffffff0U);
+  timer.store(0x04, 0, 1);     // means nothing in a pair
+  timer.store(0x00, 1000, 1);  // from here on each for itself
+  EXPECT_EQ(load(0x08, 1000), 984U);
+  EXPECT_EQ(load(0x0C, 1000), 1U) << "carried over, and nothing for the time in the pair";
+  EXPECT_EQ(load(0x0C, 1010), 11U);
+  timer.store(0x00, 1010, 1U << 31);
+  EXPECT_EQ(load(0x08, 1020), 994U) << "off";
+  EXPECT_EQ(load(0x0C, 1020), 11U);
+}
+
 TEST_F(ClusterTimerTest, HasNoEventThatNobodyWantsAndStandsAtTheReferenceClock) {
   timer.store(0x00, 0, 1);
   EXPECT_EQ(timer.next_tick(), kNoTick) << "it counts only";

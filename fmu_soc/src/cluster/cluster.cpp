@@ -335,7 +335,9 @@ void Cluster::note_stop(Core& core, Stop stop) {
   if (stop == Stop::fault) faulted_core_ = static_cast<std::int32_t>(core.id());
   if (stop == Stop::watch || stop == Stop::observer) stopped_ = true;
   if (stop == Stop::observer) core_stopped_by_observer_ = static_cast<std::int32_t>(core.id());
-  if (stop == Stop::fault || stopped_) has_news_ = true;
+  if (stop != Stop::fault && stop != Stop::watch && stop != Stop::observer) return;
+  has_news_ = true;
+  stop_time_ = clock_.time_of(core.tick());
 }
 
 /// What happened in `tick` wakes who waited for it, and starts who was to begin.
@@ -435,6 +437,12 @@ Hart& Cluster::hart(unsigned core) {
 Picoseconds Cluster::core_time(unsigned core) const {
   MEBOTS_ASSERT(core < cores_.size());
   return clock_.time_of(cores_[core]->tick());
+}
+
+Picoseconds Cluster::reached() const {
+  std::uint64_t tick = 0;
+  for (const auto& core : cores_) tick = std::max(tick, core->tick());
+  return clock_.time_of(tick);
 }
 
 void Cluster::observe(unsigned core, Observer* observer) {

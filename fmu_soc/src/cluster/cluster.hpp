@@ -118,6 +118,10 @@ class Cluster {
   Hart& hart(unsigned core);
   /// When the core's next instruction starts, or its sleep began; while it is on.
   Picoseconds core_time(unsigned core) const;
+  /// How far the core has come that is farthest, awake or not; while it is on.
+  Picoseconds reached() const;
+  /// When the core that faulted or stopped the run would have gone on.
+  Picoseconds stop_time() const { return stop_time_; }
   /// Who watches this core from now on, or null. Not part of a state.
   void observe(unsigned core, Observer* observer);
   /// Sum over the cores since reset of the chip.
@@ -200,6 +204,7 @@ class Cluster {
   bool interrupt_ = false;  // what the line was
   bool fabric_woken_ = false;
   bool stopped_ = false;
+  Picoseconds stop_time_ = 0;  // not part of a state
   /// DecodedCode::version() when resume points were last dropped for it: they are good in this one only.
   std::uint64_t version_ = 0;
   bool has_news_ = false;  // for the rest of the chip, in this quantum

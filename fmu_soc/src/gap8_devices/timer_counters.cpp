@@ -51,7 +51,11 @@ void TimerCounters::count_one(Counter& counter, std::int64_t now) {
 
 void TimerCounters::count(std::int64_t now) {
   count_one(counters_[0], now);
-  if (!is_pair()) count_one(counters_[1], now);
+  if (is_pair()) {
+    counters_[1].since = now;  // from here on it counts for itself again
+  } else {
+    count_one(counters_[1], now);
+  }
 }
 
 /// What happens at the value of the comparison.
@@ -70,11 +74,27 @@ void TimerCounters::compare(unsigned index) {
 
 void TimerCounters::configure(unsigned index, std::uint32_t config) {
   auto& counter = counters_[index];
+  const bool was_pair = is_pair();
+  counter.config = config & ~kReset & (index == 0 ? ~0U : ~kPair);
+  if (is_pair() != was_pair) pair_or_split();
   if ((config & kReset) != 0) {
     counter.value = 0;
     counter.met = false;
   }
-  counter.config = config & ~kReset & (index == 0 ? ~0U : ~kPair);
+}
+
+/// Each register keeps its count: the high counter's is the upper half of a pair's.
+void TimerCounters::pair_or_split() {
+  auto& low = counters_[0];
+  auto& high = counters_[1];
+  if (is_pair()) {
+    low.value |= high.value << 32;
+  } else {
+    high.value = low.value >> 32;
+    low.value &= 0xffffffffU;
+  }
+  low.met = false;
+  high.met = false;
 }
 
 bool TimerCounters::load(std::uint32_t offset, std::int64_t now, std::uint32_t& value) {

@@ -75,6 +75,7 @@ class TimerCounters {
   void count_one(Counter& counter, std::int64_t now);
   void compare(unsigned index);
   void configure(unsigned index, std::uint32_t config);
+  void pair_or_split();
 
   const TimerClock& clock_;
   std::function<void(unsigned counter)> raise_;
