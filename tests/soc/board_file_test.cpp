@@ -46,6 +46,28 @@ TEST(BoardFile, OfTheRepositoryAreGood) {
   }
 }
 
+/// A program for a real GAP8 must not take our devices for its own.
+TEST(BoardFile, AiDeckHasNoDeviceOfItsOwnWhereAGap8HasOne) {
+  const auto board = [](std::string_view name) {
+    return read_board(fmt::format("{}/configs/boards/{}.json", MEBOTS_SOURCE_DIR, name));
+  };
+  const auto gap8 = board("gap8");
+  for (const auto* name : {"ai_deck", "gap8_bare"}) {
+    for (const auto& ours : board(name).devices) {
+      if (!ours.is_on_bus()) continue;
+      for (const auto& theirs : gap8.devices) {
+        if (!theirs.is_on_bus() || theirs.kind == ours.kind) continue;
+        auto places = theirs.also_at;
+        places.push_back(theirs.base);
+        for (const auto place : places) {
+          EXPECT_TRUE(ours.base >= place + theirs.size() || place >= ours.base + ours.size())
+              << name << ": " << ours.name << " stands on GAP8's " << theirs.name;
+        }
+      }
+    }
+  }
+}
+
 TEST(BoardFile, TakesOnlyInterruptsThatTheCoreHas) {
   for (const int line : {3, 7, 11, 16, 31}) {
     EXPECT_EQ(complaint(kRam, device(fmt::format("\"interrupt\": {},", line))), "");

@@ -252,7 +252,7 @@ TEST(Bus, RefusesOtherThanAlignedWords) {
   system.soc.advance(1 * kMs);
   EXPECT_EQ(system.soc.end(), End::faulted);
   ASSERT_EQ(system.faults.size(), 1U);
-  EXPECT_THAT(system.faults[0], HasSubstr("load from nothing (mcause 5, mtval 0x1a10b000) at pc 0x1c00000"));
+  EXPECT_THAT(system.faults[0], HasSubstr("load from nothing (mcause 5, mtval 0x1a18b000) at pc 0x1c00000"));
   EXPECT_THAT(system.faults[0], HasSubstr("in at: lbu a0, 0(s0)"));
 }
 
@@ -272,7 +272,7 @@ BoardDescription with_two_timers() {
   auto board = read_board(MEBOTS_SOURCE_DIR "/configs/boards/gap8_bare.json");
   auto second = board.devices[1];
   second.name = "watchdog";
-  second.base = 0x1A10C000;
+  second.base = 0x1A18C000;
   second.interrupt = 17;
   board.devices.push_back(second);
   return board;
@@ -284,7 +284,7 @@ _start: la t0, handler
     csrw mtvec, t0
     li s0, TIMER_BASE
     li s1, 0x1C060000
-    li s2, 0x1A10C000
+    li s2, 0x1A18C000
     li a0, 1000000
     sw a0, TIMER_COMPARE_LO_OFFSET(s0)
     sw zero, TIMER_COMPARE_HI_OFFSET(s0)

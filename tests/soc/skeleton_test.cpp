@@ -28,7 +28,7 @@ Settings with_library() {
 }
 
 constexpr std::string_view kMeasure = R"(
-_start: li s0, 0x1A108000
+_start: li s0, 0x1A188000
     li s1, 0x1C060000
     li a0, 1
     sw a0, 0(s0)
