@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The first layer and the shrinking of the picture, scheduled by hand: same results as nn_fast_first and
-// nn_fast_shrink, whose arguments they take. The shipped programs do not use them yet.
+// nn_fast_shrink, whose arguments they take. CMakeLists.txt says which programs have them.
 #pragma once
 
 #include "nn/shape.h"
