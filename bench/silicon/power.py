@@ -130,6 +130,11 @@ def extremes(model, points, rail_v, dronet):
         if says is not None:
             ratios[point["name"]] = point["value"] / says
     low, high = min(ratios, key=ratios.get), max(ratios, key=ratios.get)
+    if dronet:
+        found = {"least": round(ratios[low], 2), "most": round(ratios[high], 2), "count": len(ratios)}
+        checks = json.loads((ROOT / f"fmu_soc/params/{model.name}.json").read_text())["checks"]
+        if said := {key: check["value"] for key, check in checks.items() if check["value"] != found[key]}:
+            raise SystemExit(f"fmu_soc/params/{model.name}.json: checks has {said}; here they are {found}")
     which = f"{len(ratios)} checks" + ("" if dronet else " (without PULP-Dronet)")
     return f"in {which} silicon took {ratios[low]:.2f} ({low}) to {ratios[high]:.2f} times ({high}) as much"
 
@@ -170,15 +175,18 @@ def calibrate(model, points, rail_v):
     why = {leakage: "in reset", fabric: "with the cluster off", cluster: "with the cluster idle",
            core: "with eight cores in a scalar convolution"}
     energy = {key: value for key, value in chip["energy"].items()}
+    path = ROOT / "fmu_soc/params/gap8_silicon.json"
+    checks = json.loads(path.read_text())["checks"]  # to be looked at again once this is built
     for key, factor in rules.items():
         energy[key] = scaled(energy[key], factor, say.format(factor, why[factor], energy[key]["source"]))
     text = json.dumps({"name": "gap8_silicon",
                        "text": "Energies of GAP8, calibrated on four currents of a GAPuino; written by "
                                "bench/silicon/power.py --calibrate (docs/soc-energy.md)",
-                       "instruction_weight": chip["instruction_weight"], "energy": {}}, indent=2)
-    rows = ",\n".join(f"    {json.dumps(key)}: {json.dumps(value)}" for key, value in energy.items())
-    text = text.replace('"energy": {}', '"energy": {\n' + rows + "\n  }")
-    (ROOT / "fmu_soc/params/gap8_silicon.json").write_text(text + "\n")
+                       "checks": {}, "instruction_weight": chip["instruction_weight"], "energy": {}}, indent=2)
+    for part, figures in (("checks", checks), ("energy", energy)):
+        rows = ",\n".join(f"    {json.dumps(key)}: {json.dumps(value)}" for key, value in figures.items())
+        text = text.replace(f'"{part}": {{}}', f'"{part}": {{\n{rows}\n  }}')
+    path.write_text(text + "\n")
     for factor, where in why.items():
         print(f"{factor:8.4f}  {where}")
 

@@ -76,7 +76,18 @@ void read_dma(const data::Node& node, Chip& chip) {
   chip.dma.least_burst_cycles = chip.dma.least_burst_of(chip.dma.latency);
 }
 
+void read_checks(const data::Node& node, EnergyChecks& checks) {
+  data::Object object(node);
+  object.read("least", checks.least, data::quantity("1", data::Limits::positive()));
+  if (object.read("most", checks.most, data::quantity("1", data::Limits::positive())) && checks.most < checks.least) {
+    node.at("most").complain(ErrorCode::invalid_value, "this must not be below least");
+  }
+  object.read("count", checks.count, count("1", 1));
+  object.finish();
+}
+
 void read_energies(data::Object& object, Chip& chip) {
+  object.visit("checks", [&](const data::Node& member) { read_checks(member, chip.checks); });
   object.read("energy", chip.energy, &EnergyTables::read);
   object.read("instruction_weight", chip.instruction_energy, [&](const data::Node& member) {
     return read_instruction_energy(member, chip.energy.reference_instruction_j);

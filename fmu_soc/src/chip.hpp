@@ -18,6 +18,13 @@ struct Interconnect {
   std::uint32_t cluster_to_soc = 0;
 };
 
+/// Between which multiples of these energies silicon took, in so few checks that it is no confidence interval.
+struct EnergyChecks {
+  double least = 0;
+  double most = 0;
+  std::uint32_t count = 0;
+};
+
 /// What params/*.json says about a chip.
 struct Chip {
   Timing timing;
@@ -34,6 +41,7 @@ struct Chip {
   double wake_up_s = 0;                  // from the interrupt that ends retention sleep to the first instruction
   InstructionEnergy instruction_energy;  // at the reference point
   EnergyTables energy;
+  EnergyChecks checks;  // of its sum
 
   /// The highest clocks at a voltage: linear between the two given points.
   double highest_clock_hz(double voltage_v) const;

@@ -132,6 +132,10 @@ Model::~Model() {
 
 void Model::start(std::int64_t start_ns) {
   origin_ns_ = start_ns;
+  const auto& checks = soc_.energy_checks();
+  variables_.outputs.energy_checks = fmt::format(
+      "in {} checks silicon took {:.2f} to {:.2f} times what the energies of {} say; no confidence interval",
+      checks.count, checks.least, checks.most, soc_.board().energy);
   take_inputs();
   write(0);
 }
@@ -193,6 +197,8 @@ void Model::write(double step_s) {
   outputs.core_faulted = soc_.faulted();
   outputs.core_exit_code = soc_.exit_code();
   outputs.energy_total_j = energy.total_j();
+  outputs.energy_total_least_j = soc_.energy_checks().least * energy.total_j();
+  outputs.energy_total_most_j = soc_.energy_checks().most * energy.total_j();
   for (std::size_t i = 0; i < kParts; ++i) outputs.energy_j[i] = energy.by_part_j[i];
   outputs.energy_core_active_j = energy.core_active_j();
   outputs.energy_memory_j = energy.memory_j();

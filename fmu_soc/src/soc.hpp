@@ -121,6 +121,7 @@ class Soc final : private Bus {
   const Elf& program() const { return program_; }
   const BoardDescription& board() const { return board_; }
   EnergyLedger energy() const { return energy_at(now_); }
+  const EnergyChecks& energy_checks() const { return chip_.checks; }
   /// For observers, who look in the middle of a run: when the core's next instruction starts, or its sleep began, and
   /// the energy up to then.
   Picoseconds core_time() const { return clock_.time_of(hart_.counters().cycles); }

@@ -279,11 +279,14 @@ TEST(ChipFile, TellsEverythingThatIsWrong) {
   };
   const auto codes = codes_of(R"({"name": "x", "clok": 1,
 "core": "z80", "wake_up": {"value": 2, "unit": "s", "source": "x"},
+"checks": {"least": {"value": 2, "unit": "1", "source": "x"}, "most": {"value": 1, "unit": "1", "source": "x"}},
 "energy": {"instruction": {"unit": "pJ", "source": "", "values": {"warm": {}}}}})");
   EXPECT_THAT(codes, testing::IsSupersetOf({std::pair(ErrorCode::unknown_key, "x.json:1:15: /clok"),
                                             std::pair(ErrorCode::unknown_name, "x.json:2:1: /core"),
                                             std::pair(ErrorCode::value_out_of_range, "x.json:2:28: /wake_up/value"),
-                                            std::pair(ErrorCode::missing_key, "x.json:3:1: /energy")}));
+                                            std::pair(ErrorCode::invalid_value, "x.json:3:63: /checks/most"),
+                                            std::pair(ErrorCode::missing_key, "x.json:3:1: /checks"),
+                                            std::pair(ErrorCode::missing_key, "x.json:4:1: /energy")}));
   EXPECT_EQ(codes_of("{").size(), 1U);
 }
 

@@ -134,6 +134,39 @@ TEST(Model, PowerIsTheMeanOverTheStepSoThatItSumsToTheEnergy) {
 }
 
 /// Core n of four turns 100 (n + 1) times in a loop, then sleeps.
+/// The same resources with other energies in the board file.
+std::filesystem::path resources_with(std::string_view energies) {
+  const auto path = resources() / energies;
+  std::filesystem::create_directories(path);
+  std::filesystem::copy(resources() / "gate.elf", path, std::filesystem::copy_options::overwrite_existing);
+  std::ifstream file(resources() / "ai_deck.json");
+  std::string board(std::istreambuf_iterator<char>(file), {});
+  constexpr std::string_view kChip = R"("chip": "gap8",)";
+  board.insert(board.find(kChip) + kChip.size(), fmt::format(R"("energy": "{}",)", energies));
+  std::ofstream(path / "ai_deck.json") << board;
+  return path;
+}
+
+TEST(Model, SaysBetweenWhichEnergiesTheChecksOfItsFiguresLie) {
+  for (const auto* energies : {"gap8", "gap8_silicon"}) {
+    const auto folder = resources_with(energies);
+    const auto& checks = chip_of(read_board(folder / "ai_deck.json")).checks;
+    EXPECT_LT(0, checks.least);
+    EXPECT_LT(checks.least, 1) << "the figures themselves lie between their checks";
+    EXPECT_GT(checks.most, 1);
+    Variables variables;
+    Model model(variables, folder, {});
+    model.start(0);
+    model.step(0, 100 * kMs);
+    const auto& outputs = variables.outputs;
+    EXPECT_GT(outputs.energy_total_j, 0);
+    EXPECT_EQ(outputs.energy_total_least_j, checks.least * outputs.energy_total_j);
+    EXPECT_EQ(outputs.energy_total_most_j, checks.most * outputs.energy_total_j);
+    EXPECT_THAT(outputs.energy_checks, HasSubstr(fmt::format("the energies of {} say", energies)));
+    EXPECT_THAT(outputs.energy_checks, HasSubstr(fmt::format("in {} checks", checks.count)));
+  }
+}
+
 TEST(Model, CyclesOfTheClusterAreThoseOfItsCoresEachByItsNumber) {
   Variables variables;
   variables.parameters.firmware = program("cores.elf", R"(
