@@ -1,0 +1,93 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""The velocity loop of fmu_world's Crazyflie controller beside a flight of a real Crazyflie that somebody published.
+
+    git clone https://github.com/MarkAkbashev/crazyflie-dataset /tmp/dataset
+    git -C /tmp/dataset checkout 5a16f969dc18214ba977fff4ffe492d33f94f73c
+    .venv/bin/python bench/world/measured_velocity.py build/release/fmus/fmu_world.fmu /tmp/dataset/drone?/flight1/posCtl1.csv
+
+The log has, ten times a second, where the position controller is told to be and the velocity that it asks for. That one is the
+firmware's gain, 2 1/s, times what is missing (PID_POS_X_KP; I and D are 0), so that the drone's own place follows. It held its heading.
+The asked velocities go into fmu_world, whose place and speed forwards are then compared with the flown ones.
+"""
+import argparse
+import json
+from pathlib import Path
+
+import fmpy
+import numpy as np
+
+from firmware_steps import COMMAND, HOVER, SETTLED, STEP, Fmu
+
+GAIN = 2.0
+CRAZYFLIE = 1
+
+
+def measured(path, least_height):
+    """Times from 0 on, asked velocities and places of the first flight, from its height to its descent from there."""
+    log = np.genfromtxt(path, delimiter=",", names=True)
+    level = log["posCtltargetZ"] > least_height
+    first = int(np.argmax(level))
+    flight = log[first:first + int(np.argmax(~level[first:]))]
+    asked = np.stack([flight["posCtltargetVX"], flight["posCtltargetVY"]], 1)
+    place = np.stack([flight["posCtltargetX"], flight["posCtltargetY"]], 1) - asked / GAIN
+    return 1e-3 * (flight["timestamp"] - flight["timestamp"][0]), asked, place
+
+
+def flown(archive, times, asked, lag):
+    """Places at the times, of a drone that is asked for the same velocities, in straight lines from row to row."""
+    unpacked = fmpy.extract(archive)
+    drone = json.loads((Path(unpacked) / "resources/drones/crazyflie.json").read_text())
+    curve = drone["thrust_curve"]
+    fmu = Fmu(archive, unpacked, CRAZYFLIE)
+    thrust = np.full(4, 0.25 * 0.04 * 9.80665)
+    share = -np.expm1(-STEP / lag)
+    settled = round(SETTLED / STEP)
+    rows = []
+    for k in range(settled + round(times[-1] / STEP) + 1):
+        at = (k - settled) * STEP
+        wanted = dict(HOVER)
+        if at >= 0.0:
+            wanted |= {name: np.interp(at, times, asked[:, i]) for i, name in enumerate(("forward", "left"))}
+            rows.append(fmu.read(["drone.position.x", "drone.position.y"]))
+        command = fmu.read(COMMAND)
+        fmu.step(k, wanted, thrust, drone["torque_per_thrust"]["value"] * thrust)
+        thrust = thrust + share * (np.interp(command, curve["command"], curve["thrust"]) - thrust)
+    fmu.close()
+    rows = np.array(rows)
+    at = np.arange(len(rows)) * STEP
+    return np.stack([np.interp(times, at, rows[:, i]) for i in (0, 1)], 1)
+
+
+def delay(times, asked, place):
+    """By how much the velocity lags behind the asked one: the shift with the least squares."""
+    speed = np.gradient(place, times)
+    shifts = np.arange(0.0, 1.0, 0.01)
+    inner = times > shifts[-1]
+    return shifts[np.argmin([np.square(speed[inner] - np.interp(times[inner] - s, times, asked)).sum() for s in shifts])]
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("fmu")
+    parser.add_argument("logs", nargs="+", help="posCtl1.csv")
+    parser.add_argument("--height", type=float, default=0.48, metavar="METRES",
+                        help="where the flight counts: from the first row above it to the descent below it")
+    parser.add_argument("--lag", type=float, default=0.1, metavar="SECONDS", help="of the rotors")
+    given = parser.parse_args()
+    print("| flight | way | place off, root mean square (largest) | speed off, root mean square | greatest speed asked, flown, ours | delay flown, ours |")
+    print("|---|---|---|---|---|---|")
+    for log in given.logs:
+        times, asked, place = measured(log, given.height)
+        ours = flown(given.fmu, times, asked, given.lag)
+        way, own_way = place - place[0], ours - ours[0]
+        off = np.abs(own_way - way)[:, 0]
+        speed, own_speed = np.gradient(place[:, 0], times), np.gradient(ours[:, 0], times)
+        late = [delay(times, asked[:, 0], p[:, 0]) for p in (place, ours)]
+        print(f"| {log} | {np.ptp(way[:, 0]):.2f} m in {times[-1]:.1f} s | {np.sqrt(np.mean(off**2)):.3f} m ({off.max():.3f} m) | "
+              f"{np.sqrt(np.mean((own_speed - speed)**2)):.3f} m/s | "
+              f"{asked[:, 0].max():.3f}, {speed.max():.3f}, {own_speed.max():.3f} m/s | {late[0]:.2f} s, {late[1]:.2f} s |")
+
+
+if __name__ == "__main__":
+    main()
