@@ -133,7 +133,6 @@ TEST(Model, PowerIsTheMeanOverTheStepSoThatItSumsToTheEnergy) {
   EXPECT_NEAR(parts_j, variables.outputs.energy_total_j, 1e-15 * 12 * parts_j) << "rounding of eleven sums";
 }
 
-/// Core n of four turns 100 (n + 1) times in a loop, then sleeps.
 /// The same resources with other energies in the board file.
 std::filesystem::path resources_with(std::string_view energies) {
   const auto path = resources() / energies;
@@ -167,6 +166,7 @@ TEST(Model, SaysBetweenWhichEnergiesTheChecksOfItsFiguresLie) {
   }
 }
 
+/// Core n of four turns 100 (n + 1) times in a loop, then sleeps.
 TEST(Model, CyclesOfTheClusterAreThoseOfItsCoresEachByItsNumber) {
   Variables variables;
   variables.parameters.firmware = program("cores.elf", R"(
