@@ -133,9 +133,9 @@ Model::~Model() {
 void Model::start(std::int64_t start_ns) {
   origin_ns_ = start_ns;
   const auto& checks = soc_.energy_checks();
-  variables_.outputs.energy_checks = fmt::format(
-      "in {} checks silicon took {:.2f} to {:.2f} times what the energies of {} say; no confidence interval",
-      checks.count, checks.least, checks.most, soc_.board().energy);
+  variables_.outputs.energy_checks =
+      fmt::format("{} checks of {}: silicon took {:.2f} to {:.2f} times, no confidence interval", checks.count,
+                  soc_.board().energy, checks.least, checks.most);
   take_inputs();
   write(0);
 }

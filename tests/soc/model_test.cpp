@@ -161,8 +161,7 @@ TEST(Model, SaysBetweenWhichEnergiesTheChecksOfItsFiguresLie) {
     EXPECT_GT(outputs.energy_total_j, 0);
     EXPECT_EQ(outputs.energy_total_least_j, checks.least * outputs.energy_total_j);
     EXPECT_EQ(outputs.energy_total_most_j, checks.most * outputs.energy_total_j);
-    EXPECT_THAT(outputs.energy_checks, HasSubstr(fmt::format("the energies of {} say", energies)));
-    EXPECT_THAT(outputs.energy_checks, HasSubstr(fmt::format("in {} checks", checks.count)));
+    EXPECT_THAT(outputs.energy_checks, testing::StartsWith(fmt::format("{} checks of {}:", checks.count, energies)));
   }
 }
 
