@@ -8,8 +8,10 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
 /// Random Xpulp programs, and a hart to run them on.
@@ -56,7 +58,9 @@ class Random {
 class Generator {
  public:
   /// `mostly_dots`: half of the instructions are dot products on registers that little else touches.
-  explicit Generator(Random& random, bool mostly_dots = false) : random_(random), mostly_dots_(mostly_dots) {
+  /// `left_out`: words that programs do not have.
+  explicit Generator(Random& random, bool mostly_dots = false, std::function<bool(std::uint32_t)> left_out = {})
+      : random_(random), mostly_dots_(mostly_dots), left_out_(std::move(left_out)) {
     for (const auto& row : encodings()) {
       if (row.extension != Extension::xpulp || is_hardware_loop(row.op) || is_branch(row.op)) continue;
       (is_load(row.op) || is_store(row.op) ? accesses_ : computing_).push_back(&row);
@@ -66,6 +70,14 @@ class Generator {
 
   /// One instruction that goes straight on.
   std::uint32_t plain() {
+    for (;;) {
+      const auto word = any_plain();
+      if (!left_out_ || !left_out_(word)) return word;
+    }
+  }
+
+  /// Likewise, and it may be one that is left out.
+  std::uint32_t any_plain() {
     if (mostly_dots_ && random_.below(2) == 0) {
       const auto& row = *dots_[random_.below(static_cast<std::uint32_t>(dots_.size()))];
       auto word = (random_.word() & ~row.mask) | row.match;
@@ -122,15 +134,17 @@ class Generator {
     return words;
   }
 
+  /// The same word with another register in the place from bit `low` on.
+  static std::uint32_t with(std::uint32_t word, unsigned low, std::uint32_t value) {
+    return (word & ~(31U << low)) | value << low;
+  }
+
  private:
   static constexpr std::uint32_t kFirstDot = 24;  // x24 to x31
   std::uint32_t dot_register() { return kFirstDot + random_.below(32 - kFirstDot); }
   /// The same word with another register in this place, when that is one of dot products.
   static std::uint32_t off_dots(std::uint32_t word, unsigned low) {
     return (word >> low & 31U) >= kFirstDot ? with(word, low, (word >> low & 31U) - 8) : word;
-  }
-  static std::uint32_t with(std::uint32_t word, unsigned low, std::uint32_t value) {
-    return (word & ~(31U << low)) | value << low;
   }
   /// Not one of those that keep addresses and counts sensible.
   std::uint32_t free_register() {
@@ -190,6 +204,7 @@ class Generator {
 
   Random& random_;
   bool mostly_dots_;
+  std::function<bool(std::uint32_t)> left_out_;
   std::vector<const Encoding*> computing_;
   std::vector<const Encoding*> accesses_;
   std::vector<const Encoding*> dots_;
