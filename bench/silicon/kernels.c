@@ -123,35 +123,26 @@ void linear_plain(const job_t* shared, unsigned core) {
   }
 }
 
-void linear_scalar(const job_t* shared, unsigned core) {
-  const job_t job = *shared;  // it lies in L2
-  const unsigned end = first_of(kOutputs, &job, core + 1);
-  for (unsigned output = first_of(kOutputs, &job, core); output < end; ++output) {
-    int32_t sum = 0;
-    const int8_t* p = job.pixels;
-    const int8_t* w = job.weights + output * kInputs;
-    __asm__ volatile(XPULP_LOOP("x0", "%[n]", "6") PRODUCT_PAIR(XPULP_LB_POST, XPULP_MAC, "1") XPULP_LOOP_END
-                     : [sum] "+r"(sum), [p] "+r"(p), [w] "+r"(w)
-                     : [n] "r"(kInputs / 2)
-                     : "t0", "t1", "t2", "t3", "memory");
-    job.sums[output] = sum;
+// One layer for both forms: so many bytes a load.
+// clang-format off
+#define LINEAR(name, load, product, bytes)                                                                     \
+  void name(const job_t* shared, unsigned core) {                                                              \
+    const job_t job = *shared; /* it lies in L2 */                                                             \
+    const unsigned end = first_of(kOutputs, &job, core + 1);                                                   \
+    for (unsigned output = first_of(kOutputs, &job, core); output < end; ++output) {                           \
+      int32_t sum = 0;                                                                                         \
+      const int8_t* p = job.pixels;                                                                            \
+      const int8_t* w = job.weights + output * kInputs;                                                        \
+      __asm__ volatile(XPULP_LOOP("x0", "%[n]", "6") PRODUCT_PAIR(load, product, #bytes) XPULP_LOOP_END        \
+                       : [sum] "+r"(sum), [p] "+r"(p), [w] "+r"(w)                                             \
+                       : [n] "r"(kInputs / (2 * (bytes)))                                                     \
+                       : "t0", "t1", "t2", "t3", "memory");                                                    \
+      job.sums[output] = sum;                                                                                  \
+    }                                                                                                          \
   }
-}
-
-void linear_vector(const job_t* shared, unsigned core) {
-  const job_t job = *shared;  // it lies in L2
-  const unsigned end = first_of(kOutputs, &job, core + 1);
-  for (unsigned output = first_of(kOutputs, &job, core); output < end; ++output) {
-    int32_t sum = 0;
-    const int8_t* p = job.pixels;
-    const int8_t* w = job.weights + output * kInputs;
-    __asm__ volatile(XPULP_LOOP("x0", "%[n]", "6") PRODUCT_PAIR(XPULP_LW_POST, XPULP_SDOTSP_B, "4") XPULP_LOOP_END
-                     : [sum] "+r"(sum), [p] "+r"(p), [w] "+r"(w)
-                     : [n] "r"(kInputs / 8)
-                     : "t0", "t1", "t2", "t3", "memory");
-    job.sums[output] = sum;
-  }
-}
+// clang-format on
+LINEAR(linear_scalar, XPULP_LB_POST, XPULP_MAC, 1)
+LINEAR(linear_vector, XPULP_LW_POST, XPULP_SDOTSP_B, 4)
 
 void pool_plain(const job_t* shared, unsigned core) {
   const job_t job = *shared;  // it lies in L2
