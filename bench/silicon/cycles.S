@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-# The 18 rows of GreenWaves' CNN benchmark (gap_sdk, benchmarks/gap8/cnn) for board gap8, by its own registers: core 0
-# times 100 runs of a kernel by the cluster's timer, alone, or with a team that the dispatcher forks and a barrier joins.
+# The 18 rows of GreenWaves' CNN benchmark (gap_sdk, benchmarks/gap8/cnn) for GAP8, by its own registers: core 0 times
+# RUNS runs of a kernel by the cluster's timer, alone, or with a team that the dispatcher forks and a barrier joins. The
+# open PULP chip has the same registers, so that GVSoC runs the same program.
 # Each kernel is new, written from what the benchmark computes and how it shares the work out: columns (rows of the
 # linear layer) in equal parts, a column from top to bottom. One loop serves one core and eight, so what eight cores
 # take follows from what one takes, and from fork, barrier and banks.
-# It leaves cycles and a sum of the output for each row, from begin_signature on; cycles.py prints them.
+# It leaves cycles and a sum of the output for each row in the file "result", by semihosting; cycles.py prints them.
 
     .option norvc
     .option norelax
@@ -14,7 +15,10 @@
     .equ kMem, 0x10001000
     .equ kMemBytes, 55000
     .equ kJob, 0x1000F000          # input, filter, output, log2 of the cores
-    .equ kRuns, 100
+#ifndef RUNS
+#define RUNS 100
+#endif
+    .equ kRuns, RUNS
     .equ kPixels, 112              # of pools: width and height
     .equ kPooled, kPixels / 2
     .equ kWidth, 100               # of convolutions, likewise: docs/chip/silicon.md tells why not 112
@@ -397,33 +401,8 @@ xnor:
 
 # --- The program ---
 
-    .section .text.start, "ax"
-    .balign 256
-vectors: j fault
-    .org vectors + 0x80
-    .globl _start
-_start: csrr a0, mhartid
-    li a1, 0x400
-    bne a0, a1, core
-    li s0, 0x1A104000
-    li a0, 8
-    sw a0, 0x70(s0)                # the cluster's power
-    li s0, 0x10200000
-    la a1, vectors
-    li a2, 8
-    addi a3, s0, 0x40
-1:  sw a1, 0(a3)
-    addi a3, a3, 4
-    addi a2, a2, -1
-    bnez a2, 1b
-    li a0, 0xff
-    sw a0, 0x08(s0)
-2:  wfi
-    j 2b
-fault: la t0, tohost
-    li t1, 3
-    sw t1, 0(t0)
-3:  j 3b
+    .equ kStarted, 0xff            # cores of the cluster
+    .include "cluster_boot.inc"
 
 core: li s0, kEventUnit
     li t0, 1 << 16 | 1 << 18       # barrier and dispatcher end a wait
@@ -486,10 +465,11 @@ master: la s11, begin_signature
     addi s10, s10, 24
     addi s11, s11, 8
     j 5b
-8:  la t0, tohost
+8:  la t0, done
     li t1, 1
     sw t1, 0(t0)
-12: j 12b
+12: p.elw t0, 0x21c, s0            # for ever: it is alone at the barrier
+    j 12b
 
 # The job of the row at s10: noise everywhere, an output of zeros.
 prepare:
@@ -560,13 +540,7 @@ rows:
     row linear_vector, kMem, kMem + kInputs, kMem + kInputs + kInputs * kOutputs, kOutputs, 3
     .4byte 0
 
-    .section .tohost, "aw", @progbits
-    .balign 64
-    .globl tohost
-tohost: .dword 0
-    .data
+    .section .l2, "aw", @progbits
     .balign 16
-    .globl begin_signature
 begin_signature: .fill 36, 4, 0
-    .globl end_signature
 end_signature:

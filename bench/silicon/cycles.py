@@ -3,62 +3,100 @@
 """Cycles of 18 kernels of our own, written after GreenWaves' CNN benchmark, on board gap8 beside those that are published
 of the benchmark on a GAPuino (cycles.json): a table in Markdown. Seven are fits, eight validations, three not comparable.
 
-Usage: cycles.py BUILD [--check]
+Usage: cycles.py BUILD [--check] [--gvsoc]
 
 BUILD is a build folder. --check ends with 1 when forms of one kernel have other results, a fit is off by more than 5 %,
-or a validation by more than 15 %. Needs riscv64-unknown-elf-gcc.
+or a validation by more than 15 %. --gvsoc runs the same ELF on GVSoC, too, as bench/gvsoc/gvsoc.py finds it. Needs
+riscv64-unknown-elf-gcc.
 """
 import argparse
 import json
 import pathlib
+import struct
 import subprocess
 import sys
 import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 HERE = pathlib.Path(__file__).parent
+sys.path.insert(0, str(ROOT / "bench/gvsoc"))
+
+import gvsoc  # noqa: E402
+
 MOST_OFF = {"fit": 0.05, "validation": 0.15}
 # Its filter lies elsewhere, as in the benchmark: it is another layer.
 OTHER_FILTER = ("linear, vector", 8)
 
 
-def measured(build):
-    """Cycles and sum of the output of each row."""
-    with tempfile.TemporaryDirectory() as out:
-        program = pathlib.Path(out) / "cycles.elf"
-        signature = pathlib.Path(out) / "signature"
-        subprocess.run(["riscv64-unknown-elf-gcc", "-march=rv32imc_zicsr", "-mabi=ilp32", "-nostdlib", "-nostartfiles",
-                        "-Wl,--build-id=none,-Ttext-segment=0x1C000000", HERE / "cycles.S", "-o", program], check=True)
-        subprocess.run([build / "bin/mebots-soc", "run", program, "--board", ROOT / "configs/boards/gap8.json",
-                        "--signature", signature], check=True, capture_output=True)
-        words = [int(word, 16) for word in signature.read_text().split()]
-    return list(zip(words[::2], words[1::2]))
+def compiled(runs, folder):
+    program = folder / "cycles.elf"
+    subprocess.run(["riscv64-unknown-elf-gcc", f"-DRUNS={runs}", "-march=rv32imc_zicsr", "-mabi=ilp32", "-nostdlib",
+                    "-nostartfiles", "-Wl,--build-id=none,-n,-Ttext=0x1C000000,--no-warn-rwx-segments",
+                    f"-I{ROOT / 'bench/gvsoc'}", HERE / "cycles.S", "-o", program], check=True)
+    return program
+
+
+def rows_of(simulator, done, folder):
+    """Cycles and sum of the output of each row, of a program that ran; and its processor time."""
+    text, code, seconds = done
+    file = folder / "result"
+    if code != 0 or not file.exists():
+        raise SystemExit(f"{simulator}: the program ended with {code}:\n{text}")
+    words = struct.unpack(f"<{file.stat().st_size // 4}I", file.read_bytes())
+    file.unlink()
+    return list(zip(words[::2], words[1::2])), seconds
+
+
+def measured(build, runs, with_gvsoc):
+    """Rows and processor time of each simulator."""
+    with tempfile.TemporaryDirectory() as name:
+        out = pathlib.Path(name)
+        program = compiled(runs, out)
+        soc = [build.resolve() / "bin/mebots-soc", "run", program, "--board", ROOT / "configs/boards/gap8.json",
+               "--host-files", out]
+        found = [rows_of("mebots-soc", gvsoc.processor_time(soc, out), out)]
+        if with_gvsoc:
+            found.append(rows_of("GVSoC", gvsoc.run(program, out), out))
+    return found
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("build", type=pathlib.Path)
     parser.add_argument("--check", action="store_true")
+    parser.add_argument("--gvsoc", action="store_true")
     arguments = parser.parse_args()
     data = json.loads((HERE / "cycles.json").read_text())
     runs = data["runs"]
     failures = []
     sums = {}
-    found = measured(arguments.build)
+    if arguments.gvsoc and not gvsoc.path():
+        raise SystemExit(gvsoc.MISSING)
+    (found, seconds), *peer = measured(arguments.build, runs, arguments.gvsoc)
     if len(found) != len(data["rows"]):
         raise SystemExit(f"{len(found)} rows measured, {len(data['rows'])} in cycles.json")
-    print("| kernel | cores | a run on silicon | here | off | cycles less than silicon | use |\n|---|---|---|---|---|---|---|")
-    for row, (cycles, total) in zip(data["rows"], found):
+    heads = ["kernel", "cores", "a run on silicon", "here", "off", "cycles less than silicon"]
+    heads += ["GVSoC", "off"] if peer else []
+    print("| " + " | ".join([*heads, "use"]) + " |\n|" + "---|" * (len(heads) + 1))
+    for index, (row, (cycles, total)) in enumerate(zip(data["rows"], found)):
         name = f"{row['kernel']}, {row['cores']} cores"
         off = cycles / row["cycles"] - 1
         less = (row["cycles"] - cycles) / runs
-        print(f"| {row['kernel']} | {row['cores']} | {row['cycles'] / runs:.0f} | {cycles / runs:.0f} | {off * 100:+.1f} % "
-              f"| {less:.0f} | {row['use']} |")
+        cells = [row["kernel"], row["cores"], f"{row['cycles'] / runs:.0f}", f"{cycles / runs:.0f}", f"{off * 100:+.1f} %",
+                 f"{less:.0f}"]
+        if peer:
+            its_cycles, its_total = peer[0][0][index]
+            cells += [f"{its_cycles / runs:.0f}", f"{(its_cycles / row['cycles'] - 1) * 100:+.1f} %"]
+            if its_total != total:
+                failures.append(f"{name}: another result than GVSoC's")
+        print("| " + " | ".join(map(str, [*cells, row["use"]])) + " |")
         if abs(off) > MOST_OFF.get(row["use"], 1):
             failures.append(f"{name}: {off * 100:+.1f} % off silicon")
         kernel = row["kernel"].removesuffix(", vector")
         if (row["kernel"], row["cores"]) != OTHER_FILTER and sums.setdefault(kernel, total) != total:
             failures.append(f"{name}: another result than with its other forms")
+    if peer:
+        print(f"\nProcessor time: {seconds:.2f} s here, {peer[0][1]:.1f} s in GVSoC: {peer[0][1] / seconds:.0f} times as much.")
     if arguments.check and failures:
         print("\n".join(failures), file=sys.stderr)
         raise SystemExit(1)
