@@ -5,7 +5,9 @@
 #   git clone https://github.com/pulp-platform/pulp-dronet             PULP-Dronet's ELF, flash image (for the dumper, too) and weights
 #   git clone https://github.com/pulp-platform/Himax_Dataset           pictures of its camera
 #   git clone https://github.com/GreenWaves-Technologies/gap_sdk       flasher, fuser
-# and hello, which gvsoc/gvsoc has as examples/pulp-open/hello at e4a7e8c.
+# and hello, which gvsoc/gvsoc has as examples/pulp-open/hello at e4a7e8c. Where there is a GVSoC (MEBOTS_GVSOC names its
+# program, or it is on the PATH), what both can run runs on both, with CoreMark from
+#   git clone https://github.com/eembc/coremark
 # Build first: cmake --build --preset release --target mebots-soc. Needs numpy for the integers of the reference, and
 # riscv64-unknown-elf-gcc.
 set -euo pipefail
@@ -86,4 +88,14 @@ else
 fi
 milestone gap_flasher-gapuino9 "$bins/gap_flasher-gapuino9.elf" "this program is for GAP9"
 milestone gap_flasher-vega "$bins/gap_flasher-vega.elf" "this program is for GAP9"
+
+if command -v "${MEBOTS_GVSOC:-gvsoc}" >/dev/null; then
+  printf '\nThe same ELFs on GVSoC, target pulp-open:\n\n'
+  both=()
+  if [[ -f "$folder/hello" ]]; then both+=(--hello "$folder/hello"); fi
+  if [[ -d "$folder/coremark" ]]; then both+=(--coremark "$folder/coremark"); fi
+  "$python" bench/gvsoc/side_by_side.py "$(dirname "$(dirname "$soc")")" "${both[@]}" || failed=1
+else
+  row GVSoC "not there" "name its program in MEBOTS_GVSOC to run what it can run, too"
+fi
 exit $failed
