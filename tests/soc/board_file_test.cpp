@@ -56,7 +56,8 @@ TEST(BoardFile, AiDeckHasNoDeviceOfItsOwnWhereAGap8HasOne) {
     for (const auto& ours : board(name).devices) {
       if (!ours.is_on_bus()) continue;
       for (const auto& theirs : gap8.devices) {
-        if (!theirs.is_on_bus() || theirs.kind == ours.kind) continue;
+        const bool same = theirs.kind == ours.kind && ours.kind != BoardDevice{}.kind;  // two described ones are not
+        if (!theirs.is_on_bus() || same) continue;
         auto places = theirs.also_at;
         places.push_back(theirs.base);
         for (const auto place : places) {
