@@ -1,0 +1,74 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""The micro programs of tests/soc/rtl on a core of the cluster, here and in GVSoC: cycles of a turn, where they differ.
+
+Usage: micro.py BUILD
+
+A turn's cycles are those of 64 turns less those of 32, so that what comes only once drops out: filling instruction caches,
+and what surrounds the turns. That ours are the RTL's, a test says (soc_rtl_test). GVSoC is found as gvsoc.py says.
+"""
+import csv
+import pathlib
+import struct
+import subprocess
+import sys
+import tempfile
+
+import gvsoc
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+HERE = pathlib.Path(__file__).parent
+RTL = ROOT / "tests/soc/rtl"
+MCYCLE = "0xb00"
+TURNS = 32, 64
+
+
+def compiled(turns, folder):
+    program = folder / f"micro{turns}.elf"
+    subprocess.run(["riscv64-unknown-elf-gcc", "-DRI5CY", f"-DCYC={MCYCLE}", f"-DINS={MCYCLE}", f"-DL={turns}",
+                    "-march=rv32imc_zicsr", "-mabi=ilp32", "-nostdlib", "-nostartfiles", f"-I{HERE}", "-T", HERE / "link.ld",
+                    "-Wl,--no-warn-rwx-segments,--build-id=none", HERE / "micro.S", RTL / "micro.S", "-o", program], check=True)
+    return program
+
+
+def noted(simulator, done, folder):
+    """Cycles of each micro program, in their order."""
+    text, code, _ = done
+    file = folder / "result"
+    if code != 0 or not file.exists():
+        raise SystemExit(f"{simulator}: the program ended with {code}:\n{text}")
+    words = struct.unpack(f"<{file.stat().st_size // 4}I", file.read_bytes())
+    file.unlink()
+    return [words[2 + 16 * i] for i in range(words[0])]
+
+
+def main():
+    if len(sys.argv) != 2:
+        raise SystemExit(__doc__)
+    if not gvsoc.path():
+        raise SystemExit(gvsoc.MISSING)
+    build = pathlib.Path(sys.argv[1]).resolve()
+    ours, its = [], []
+    with tempfile.TemporaryDirectory() as name:
+        folder = pathlib.Path(name)
+        for turns in TURNS:
+            program = compiled(turns, folder)
+            soc = [build / "bin/mebots-soc", "run", program, "--board", ROOT / "configs/boards/gap8.json", "--host-files", folder]
+            ours.append(noted("mebots-soc", gvsoc.processor_time(soc, folder), folder))
+            its.append(noted("GVSoC", gvsoc.run(program, folder), folder))
+    with open(RTL / "micro.csv", newline="") as file:
+        names = [row["name"] for row in csv.DictReader(file) if row["ri32_cycles"]]
+    if {len(names)} != {len(each) for each in ours + its}:
+        raise SystemExit(f"{[len(each) for each in ours + its]} micro programs ran, {len(names)} are in micro.csv")
+    more = TURNS[1] - TURNS[0]
+    turns = [[(after - before) / more for before, after in zip(*one)] for one in (ours, its)]
+    rows = list(zip(names, *turns))
+    differ = [row for row in rows if row[1] != row[2]]
+    print("| a turn of | cycles here | in GVSoC |\n|---|---|---|")
+    for name, mine, theirs in differ:
+        print(f"| {name} | {mine:g} | {theirs:g} |")
+    print(f"\n{len(rows) - len(differ)} of {len(rows)} micro programs take the same cycles.")
+
+
+if __name__ == "__main__":
+    main()
