@@ -24,6 +24,7 @@ WATCHED = 0x80000000
 # Instructions around the random ones, about: of a program, of a segment with its two watched ones.
 AROUND_PROGRAM, AROUND_SEGMENT = 393_300, 89
 DATA_BYTES = 0x40000
+MOST_SEGMENTS = 230
 
 
 def signed(value, bits):
@@ -139,9 +140,11 @@ def main():
     parser.add_argument("build", type=pathlib.Path)
     parser.add_argument("--programs", type=int, default=200)
     parser.add_argument("--first", type=int, default=1)
-    parser.add_argument("--segments", type=int, default=200, help="in each program, at most 250")
+    parser.add_argument("--segments", type=int, default=200, help=f"in each program, at most {MOST_SEGMENTS}")
     parser.add_argument("--alone", action="store_true")
     options = parser.parse_args()
+    if not 1 <= options.segments <= MOST_SEGMENTS:
+        parser.error(f"--segments {options.segments}: 1 to {MOST_SEGMENTS} find room in front of the log")
     if not options.alone and not gvsoc.path():
         raise SystemExit(gvsoc.MISSING)
     seen, instructions, failures = collections.Counter(), 0, 0
