@@ -157,6 +157,7 @@ TEST(Xpulp, SimdDoesWhatTheManualSays) {
       {"simd 0x24, 4, a0, a1, a2", 0x8000ff00, 4, 0, 0xf800fff0},                    // pv.sra.sc.h
       {"simd 0x28, 1, a0, a1, a2", 0x01020304, 0x01020304, 0, 0x02081840},           // pv.sll.b
       {"simd 0x38, 1, a0, a1, x0", 0x80ff7f01, 0, 0, 0x80017f01},                    // pv.abs.b
+      {"simd 0x38, 1, a0, a1, a2", 0x80ff7f01, 7, 0, 0x80017f01},                    // its rs2 says nothing
       {"simd 0x3c, 7, a0, a1, x1", 0x12845678, 0, 0, 0xffffff84},                    // pv.extract.b part 2
       {"simd 0x49, 6, a0, a1, x0", 0x92345678, 0, 0, 0x00009234},                    // pv.extractu.h part 1
       {"simd 0x58, 7, a0, a1, x1", 0x123456ab, 0, 0x11111111, 0x11ab1111},           // pv.insert.b part 2

@@ -33,8 +33,7 @@ constexpr std::uint32_t word(std::uint32_t opcode, std::uint32_t funct3, std::ui
 constexpr std::uint32_t kFunct7NoRs2 = 0xfff0707f;  // rs2 = 0
 constexpr std::uint32_t kTop2 = 0xc000707f;         // bits 31:30
 constexpr std::uint32_t kTop6 = 0xfc00707f;         // bits 31:26
-constexpr std::uint32_t kTop6NoRs2 = 0xfdf0707f;
-constexpr std::uint32_t kLoopMask = 0x00007f7f;  // funct3 and bits 11:8
+constexpr std::uint32_t kLoopMask = 0x00007f7f;     // funct3 and bits 11:8
 
 /// An encoding as it stands in the row of its operation.
 struct Form {

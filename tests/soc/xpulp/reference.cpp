@@ -464,7 +464,7 @@ bool XpulpReference::simd(std::uint32_t word) {
       }
       break;
     case 14:
-      if (!vector || field2 != 0) return false;
+      if (!vector) return false;  // RTL: it looks at bits 31 to 26 only, and rs2 may say anything
       for (unsigned i = 0; i < count; ++i) put(i, std::max(part(a, i, true), -part(a, i, true)));
       break;
     case 15:
