@@ -3,6 +3,7 @@
 
 #include "mebots/assert.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace mebots::world::camera {
@@ -37,64 +38,74 @@ Polygon clipped(const Polygon& polygon, const ClipPlane& plane) {
     // directions and must get the same bits.
     if (da >= 0.0 && db < 0.0) kept.corners[kept.count++] = a + (da / (da - db)) * (b - a);
     if (da < 0.0 && db >= 0.0) kept.corners[kept.count++] = b + (db / (db - da)) * (a - b);
-    if (kept.count > kMaxOutlineCorners - 2) break;  // a convex polygon never gets there
-    MEBOTS_ASSERT(kept.count < kMaxOutlineCorners);
+    if (kept.count > static_cast<int>(kMaxOutlineCorners) - 2) break;  // a convex polygon never gets there
+    MEBOTS_ASSERT(kept.count < static_cast<int>(kMaxOutlineCorners));
   }
   return kept;
 }
 
+/// To the nearest, halves away from 0, as std::llround does without a call.
+std::int32_t to_nearest(double value) {
+  const auto whole = static_cast<std::int32_t>(value);
+  const double rest = value - whole;  // exact
+  return whole + static_cast<std::int32_t>(rest >= 0.5) - static_cast<std::int32_t>(rest <= -0.5);
+}
+
 }  // namespace
 
-Outline::Outline(std::span<const Vector3d> corners_C_m, double focal_length_px, double centre_x_px, double centre_y_px,
-                 int height) {
+Outline::Outline(const Picture& picture, std::span<const Vector3d> corners_C_m, Edges edges)
+    : edges_(edges.data()), width_(picture.width) {
+  const auto [focal_length_px, width, height] = picture;
   Polygon polygon;
   for (const Vector3d& corner : corners_C_m) polygon.corners[polygon.count++] = corner;
 
   const double side = kGuard_px / focal_length_px;
   MEBOTS_ASSERT(polygon.count >= 3 && focal_length_px > 0);
-  const std::array<ClipPlane, 5> planes{{{Vector3d(1.0, 0.0, 0.0), kNearPlane_m},
-                                         {Vector3d(side, 1.0, 0.0), 0.0},
-                                         {Vector3d(side, -1.0, 0.0), 0.0},
-                                         {Vector3d(side, 0.0, 1.0), 0.0},
-                                         {Vector3d(side, 0.0, -1.0), 0.0}}};
+  const std::array<ClipPlane, kClipPlanes> planes{{{Vector3d(1.0, 0.0, 0.0), kNearPlane_m},
+                                                   {Vector3d(side, 1.0, 0.0), 0.0},
+                                                   {Vector3d(side, -1.0, 0.0), 0.0},
+                                                   {Vector3d(side, 0.0, 1.0), 0.0},
+                                                   {Vector3d(side, 0.0, -1.0), 0.0}}};
   for (const ClipPlane& plane : planes) {
-    const auto lost = [&](const Vector3d& p) { return plane.distance(p) < 0.0; };
-    if (std::none_of(polygon.corners.begin(), polygon.corners.begin() + polygon.count, lost)) continue;
+    bool lost = false;
+    for (int i = 0; i < polygon.count; ++i) lost = lost || plane.distance(polygon.corners[i]) < 0.0;
+    if (!lost) continue;
     polygon = clipped(polygon, plane);
     if (polygon.count < 3) return;
   }
 
-  std::array<std::int64_t, kMaxOutlineCorners> x;
-  std::array<std::int64_t, kMaxOutlineCorners> y;
+  // Within the guard band: below 2^28 as well as what they differ by, so that the edges' 32 bits hold them.
+  std::array<std::int32_t, kMaxOutlineCorners> x;
+  std::array<std::int32_t, kMaxOutlineCorners> y;
   for (int i = 0; i < polygon.count; ++i) {
     const Vector3d& p = polygon.corners[i];
     const double scale = focal_length_px / p.x();
-    x[i] = std::llround((centre_x_px - scale * p.y()) * static_cast<double>(kOne));
-    y[i] = std::llround((centre_y_px - scale * p.z()) * static_cast<double>(kOne));
+    x[i] = to_nearest((0.5 * width - scale * p.y()) * static_cast<double>(kOne));
+    y[i] = to_nearest((0.5 * height - scale * p.z()) * static_cast<double>(kOne));
   }
 
-  std::int64_t top = INT64_MAX;
-  std::int64_t bottom = INT64_MIN;
+  const auto [left, right] = std::minmax_element(x.begin(), x.begin() + polygon.count);
+  const auto [top, bottom] = std::minmax_element(y.begin(), y.begin() + polygon.count);
+  // The first row whose centre is at or below y, and the first column whose centre is at or right of x.
+  const auto first_at = [](std::int32_t at, int count) {
+    static_assert(kOne == 1 << 12);
+    return static_cast<int>(std::clamp<std::int64_t>((at - kHalf + kOne - 1) >> 12, 0, count));
+  };
+  if (first_at(*left, width) == first_at(*right, width)) return;
   for (int i = 0; i < polygon.count; ++i) {
     const int j = (i + 1) % polygon.count;
-    top = std::min(top, y[i]);
-    bottom = std::max(bottom, y[i]);
     if (y[i] == y[j]) continue;
     // Counter-clockwise in a picture whose y grows downwards: left edges run down, right edges run up.
     const bool down = y[i] < y[j];
     const int a = down ? i : j;
     const int b = down ? j : i;
-    edges_[edge_count_++] = Edge{x[a], y[a], y[b], x[b] - x[a], y[b] - y[a], down ? 1 : -1};
+    const std::int32_t dy = y[b] - y[a];
+    edges[static_cast<std::size_t>(edge_count_++)] = Edge{
+        x[a], y[a], y[b], x[b] - x[a], dy, down ? 1 : -1, 1.0 / (static_cast<double>(dy) * static_cast<double>(kOne))};
   }
   if (edge_count_ == 0) return;
-  // The first row whose centre is at or below y.
-  const auto row_at = [height](std::int64_t at) {
-    const std::int64_t row = (at - kHalf + kOne - 1) >> 12;
-    return static_cast<int>(std::clamp<std::int64_t>(row, 0, height));
-  };
-  static_assert(kOne == 1 << 12);
-  first_row_ = row_at(top);
-  end_row_ = row_at(bottom);
+  first_row_ = first_at(*top, height);
+  end_row_ = first_at(*bottom, height);
 }
 
 }  // namespace mebots::world::camera

@@ -32,7 +32,7 @@ void check(const Intrinsics& intrinsics) {
   }
 }
 
-void check(const Geometry& geometry) {
+Geometry checked(Geometry geometry) {
   for (std::size_t i = 0; i < geometry.faces.size(); ++i) {
     const Face& face = geometry.faces[i];
     const std::size_t corners = face.corners_W_m.size();
@@ -47,6 +47,7 @@ void check(const Geometry& geometry) {
       throw Error(fmt::format("camera: face {} asks for texture {} of {}", i, face.tile, geometry.tiles.size()));
     }
   }
+  return geometry;
 }
 
 /// A linear function of the viewing ray as a function of the pixel: value(x, y) = at_0 + x along_x + y along_y.
@@ -108,52 +109,69 @@ Renderer::Renderer(const scene::Scene& scene, Intrinsics intrinsics, double nois
     : Renderer(make_geometry(scene), intrinsics, noise_std) {}
 
 Renderer::Renderer(Geometry geometry, Intrinsics intrinsics, double noise_std)
-    : geometry_(std::move(geometry)), intrinsics_(intrinsics), noise_(noise_std) {
+    : geometry_(checked(std::move(geometry))),
+      covers_(geometry_.faces),
+      groups_(groups_of(geometry_.faces)),
+      intrinsics_(intrinsics),
+      noise_(noise_std) {
   check(intrinsics_);
-  check(geometry_);
   workspace_ = make_workspace();
 }
 
 Renderer::Workspace Renderer::make_workspace() const {
   Workspace workspace;
   workspace.faces_.reserve(geometry_.faces.size());
+  // A clip plane adds one corner at most; the last outline is given room for any.
+  workspace.edges_.resize(covers_.corners_W_m.size() + kClipPlanes * geometry_.faces.size() + kMaxOutlineCorners);
   workspace.rows_.resize(static_cast<std::size_t>(intrinsics_.height) + 1);
   workspace.by_row_.reserve(geometry_.faces.size());
   workspace.active_.reserve(geometry_.faces.size());
   workspace.next_.reserve(geometry_.faces.size());
   workspace.eyes_.resize(geometry_.movers.size());
-  workspace.inverse_depth_.resize(intrinsics_.width);
-  workspace.nearest_.resize(intrinsics_.width);
+  const auto columns = static_cast<std::size_t>(intrinsics_.width) + kSpareColumns;
+  workspace.inverse_depth_.resize(columns);
+  workspace.nearest_.resize(columns);
   workspace.grey_.resize(intrinsics_.width);
   return workspace;
 }
 
-void Renderer::find_visible(const Pose& pose, Workspace& workspace) const {
+void Renderer::find_visible(const Pose& pose, int first_row, int end_row, Workspace& workspace) const {
   const double focal_length_px = intrinsics_.focal_length_px();
+  const Outline::Picture picture{focal_length_px, intrinsics_.width, intrinsics_.height};
+  const PictureSides sides(intrinsics_, first_row, end_row);
   workspace.faces_.clear();
+  std::size_t edges = 0;
   for (std::size_t i = 0; i < geometry_.movers.size(); ++i) workspace.eyes_[i] = seen_from(geometry_.movers[i], pose);
-  MEBOTS_ASSERT(workspace.nearest_.size() == static_cast<std::size_t>(intrinsics_.width), "make_workspace() made it");
-  for (const Face& face : geometry_.faces) {
-    const bool stands = face.mover == Face::kStands;
-    const Pose& eye = stands ? pose : workspace.eyes_[face.mover];
-    const double height_over_plane_m = face.normal_W.dot(eye.p_WC_m) - face.offset_m;
-    if (height_over_plane_m < kEdgeOn_m) continue;  // its back, or edge-on
-    std::array<Vector3d, kMaxCorners> corners_C;
-    MEBOTS_ASSERT(face.corners_W_m.size() <= corners_C.size() && face.tile < geometry_.tiles.size(),
-                  "check() has seen it");
+  MEBOTS_ASSERT(workspace.nearest_.size() == static_cast<std::size_t>(intrinsics_.width) + kSpareColumns,
+                "make_workspace() made it");
+  for (const FaceGroup& group : groups_) {
+    const bool stands = group.mover == Face::kStands;
+    const Pose& eye = stands ? pose : workspace.eyes_[group.mover];
     const Eigen::Matrix3d R_CE = eye.R_WC.transpose();
-    bool before = false;  // the camera
-    for (std::size_t i = 0; i < face.corners_W_m.size(); ++i) {
-      corners_C[i] = R_CE * (face.corners_W_m[i] - eye.p_WC_m);
-      before = before || corners_C[i].x() > kNearPlane_m;
+    if (sides.leave_out(R_CE * (group.middle_W_m - eye.p_WC_m), group.radius_m)) continue;
+    for (std::size_t k = group.first; k < group.end; ++k) {
+      const FaceCover& cover = covers_.faces[k];
+      const double height_over_plane_m = cover.normal_W.dot(eye.p_WC_m) - cover.offset_m;
+      if (height_over_plane_m < kEdgeOn_m) continue;  // its back, or edge-on
+      const auto corners_W = covers_.corners_of(cover);
+      std::array<Vector3d, kMaxCorners> corners_C;
+      MEBOTS_ASSERT(corners_W.size() <= corners_C.size(), "checked() has seen it");
+      bool before = false;  // the camera
+      for (std::size_t i = 0; i < corners_W.size(); ++i) {
+        corners_C[i] = R_CE * (corners_W[i] - eye.p_WC_m);
+        before = before || corners_C[i].x() > kNearPlane_m;
+      }
+      const std::span<const Vector3d> corners(corners_C.data(), corners_W.size());
+      if (!before || sides.leave_out(corners)) continue;
+      const Outline outline(picture, corners, Outline::Edges(workspace.edges_.data() + edges, kMaxOutlineCorners));
+      if (std::max(outline.first_row(), first_row) >= std::min(outline.end_row(), end_row)) continue;
+      edges += static_cast<std::size_t>(outline.edge_count());
+      const Face& face = geometry_.faces[k];
+      const double light = stands ? face.light : lambert(geometry_.lighting, pose.R_WC * (R_CE * face.normal_W));
+      MEBOTS_ASSERT(face.tile < geometry_.tiles.size(), "checked() has seen it");
+      workspace.faces_.push_back(
+          {outline, view_of(face, *geometry_.tiles[face.tile], light, eye, height_over_plane_m, focal_length_px)});
     }
-    if (!before) continue;
-    const Outline outline({corners_C.data(), face.corners_W_m.size()}, focal_length_px, 0.5 * intrinsics_.width,
-                          0.5 * intrinsics_.height, intrinsics_.height);
-    if (outline.first_row() >= outline.end_row()) continue;
-    const double light = stands ? face.light : lambert(geometry_.lighting, pose.R_WC * (R_CE * face.normal_W));
-    workspace.faces_.push_back(
-        {outline, view_of(face, *geometry_.tiles[face.tile], light, eye, height_over_plane_m, focal_length_px)});
   }
   sort_by_row(workspace);
 }
@@ -187,7 +205,7 @@ void Renderer::shade_row(int row, Workspace& workspace, float* grey) const {
   std::fill_n(nearest, width, kNothing);
   for (const std::int32_t i : workspace.active_) {
     const auto& [outline, view] = workspace.faces_[static_cast<std::size_t>(i)];
-    outline.spans(row, width, [&, w = static_cast<float>(view.w_0 + view.w_y * y), w_x = view.w_x](int begin, int end) {
+    outline.spans(row, [&, w = static_cast<float>(view.w_0 + view.w_y * y), w_x = view.w_x](int begin, int end) {
       MEBOTS_ASSERT(begin >= 0 && end <= width);
       test_depth(w, w_x, x_0 + static_cast<float>(begin), end - begin, i, inverse_depth + begin, nearest + begin);
     });
@@ -222,7 +240,7 @@ void Renderer::render_light(const Pose& pose, int first_row, int end_row, std::s
                             Workspace& workspace) const {
   MEBOTS_ASSERT(first_row >= 0 && end_row <= intrinsics_.height &&
                 grey.size() >= static_cast<std::size_t>(end_row) * intrinsics_.width);
-  find_visible(pose, workspace);
+  find_visible(pose, first_row, end_row, workspace);
   for (int row = 0; row < end_row; ++row) {
     enter_row(row, workspace);
     if (row >= first_row) shade_row(row, workspace, grey.data() + static_cast<std::size_t>(row) * intrinsics_.width);
@@ -237,7 +255,7 @@ void Renderer::render(const Pose& pose, std::uint64_t seed, std::uint64_t frame_
     throw Error(fmt::format("camera: a picture of {} x {} needs {} bytes, not {}", width, height,
                             static_cast<std::size_t>(width) * height, pixels.size()));
   }
-  find_visible(pose, workspace);
+  find_visible(pose, 0, height, workspace);
 
   float* const grey = workspace.grey_.data();
   for (int row = 0; row < height; ++row) {

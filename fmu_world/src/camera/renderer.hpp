@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "camera/culling.hpp"
 #include "camera/geometry.hpp"
 #include "camera/outline.hpp"
 #include "camera/pixel_noise.hpp"
@@ -16,8 +17,9 @@ namespace mebots::world::camera {
 
 /// The drone's camera: what a pinhole camera with an 8-bit grey sensor sees of a scene.
 ///
-/// Row by row: every face's pixels are tested against the inverse depths of the row. Then each visible pixel is
-/// textured once, exact in perspective. Then noise is added and the row is rounded and saturated to 0..255.
+/// Faces that are not in the picture are left out, in groups where that can be told of all of them. Then row by row:
+/// every face's pixels are tested against the inverse depths of the row, and each visible pixel is textured once, exact
+/// in perspective. Then noise is added and the row is rounded and saturated to 0..255.
 /// Same arguments, same bytes, whichever renderer, thread or vector unit made them. No heap after construction.
 class Renderer {
  public:
@@ -29,6 +31,7 @@ class Renderer {
       FaceView view;
     };
     std::vector<VisibleFace> faces_;
+    std::vector<Outline::Edge> edges_;  // of their outlines
     std::vector<std::size_t> rows_;     // where in by_row_ the faces begin whose first row it is
     std::vector<std::int32_t> by_row_;  // faces by their first row, and then in their order
     std::vector<std::int32_t> active_;  // faces in the row under way, in their order
@@ -64,13 +67,16 @@ class Renderer {
   void render_light(const Pose& pose, int first_row, int end_row, std::span<float> grey, Workspace& workspace) const;
 
  private:
-  void find_visible(const Pose& pose, Workspace& workspace) const;
+  /// What may be seen in the rows [first, end).
+  void find_visible(const Pose& pose, int first_row, int end_row, Workspace& workspace) const;
   static void sort_by_row(Workspace& workspace);
   static void enter_row(int row, Workspace& workspace);
   /// Rows in rising order after find_visible().
   void shade_row(int row, Workspace& workspace, float* grey) const;
 
   Geometry geometry_;
+  FaceCovers covers_;
+  std::vector<FaceGroup> groups_;
   Intrinsics intrinsics_;
   PixelNoise noise_;
   Workspace workspace_;

@@ -8,7 +8,8 @@
 namespace mebots::world::camera {
 namespace {
 
-constexpr int kChunk = 64;  // pixels whose intermediate values stay in the first-level cache
+constexpr int kChunk = 64;                  // pixels whose intermediate values stay in the first-level cache
+constexpr int kVector = kSpareColumns + 1;  // pixels of the longest vectors
 
 /// condition ? a : b, in bits. GCC turns the operator into a branch or a store under a condition in some of the
 /// loops below, and these then stay scalar.
@@ -61,11 +62,17 @@ const bool kHasLongVectors = __builtin_cpu_supports("avx2") != 0;
 constexpr bool kHasLongVectors = false;
 #endif
 
+/// Pixels in whole vectors that hold so many: short runs would spend their time on what is left over, one by one.
+int whole_vectors(int count) {
+  return (count + kVector - 1) / kVector * kVector;
+}
+
 [[gnu::always_inline]] inline void test_depth_here(float w, float w_x, float x_0, int count, std::int32_t face,
                                                    float* __restrict inverse_depth, std::int32_t* __restrict faces) {
-  for (int i = 0; i < count; ++i) {
+  const int whole = whole_vectors(count);
+  for (int i = 0; i < whole; ++i) {
     const float here = w + w_x * (x_0 + static_cast<float>(i));
-    const bool nearer = here > inverse_depth[i];
+    const bool nearer = static_cast<int>(here > inverse_depth[i]) & static_cast<int>(i < count);
     inverse_depth[i] = select(nearer, here, inverse_depth[i]);
     faces[i] = select(nearer, face, faces[i]);
   }
@@ -98,8 +105,9 @@ MEBOTS_LONG_VECTORS void test_depth_long(float w, float w_x, float x_0, int coun
   for (int begin = 0; begin < count; begin += kChunk) {
     const int n = std::min(kChunk, count - begin);
     const float x_begin = x_0 + static_cast<float>(begin);
-    for (int i = 0; i < n; ++i) {
-      const float x = x_begin + static_cast<float>(i);
+    const int whole = whole_vectors(n);
+    for (int i = 0; i < whole; ++i) {
+      const float x = x_begin + static_cast<float>(std::min(i, n - 1));
       const float depth = 1.0F / (w + f.w_x * x);
       const float du = depth * (u + f.u_x * x);
       const float dv = depth * (v + f.v_x * x);

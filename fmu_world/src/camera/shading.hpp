@@ -24,8 +24,12 @@ struct FaceView {
   const Ripmap* ripmap;
 };
 
+/// What test_depth() may read behind its last pixel, and write as it was.
+inline constexpr int kSpareColumns = 7;
+
 /// Takes over the pixels of a row where a face is nearer than what is there. All arrays begin at the first of
-/// `count` pixels, whose centre is at x = `x_0`; `w` is the face's inverse depth at x = 0 in this row.
+/// `count` pixels, whose centre is at x = `x_0`, and go on for kSpareColumns after the last one. `w` is the face's
+/// inverse depth at x = 0 in this row.
 void test_depth(float w, float w_x, float x_0, int count, std::int32_t face, float* inverse_depth, std::int32_t* faces);
 
 /// Grey levels, unrounded and unlimited, of `count` pixels of the row at `y`, from the pixel at x = `x_0` on.

@@ -21,9 +21,10 @@ class Counter {
  public:
   /// `corners_C` counter-clockwise as the camera sees them.
   void add(const std::vector<Vector3d>& corners_C) {
-    const Outline outline(corners_C, kFocal_px, 0.5 * kSize, 0.5 * kSize, kSize);
+    std::array<Outline::Edge, kMaxOutlineCorners> edges;
+    const Outline outline({kFocal_px, kSize, kSize}, corners_C, edges);
     for (int row = outline.first_row(); row < outline.end_row(); ++row) {
-      outline.spans(row, kSize, [&](int begin, int end) {
+      outline.spans(row, [&](int begin, int end) {
         for (int column = begin; column < end; ++column) ++counts_[static_cast<std::size_t>(row) * kSize + column];
       });
     }
