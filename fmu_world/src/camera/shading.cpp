@@ -10,6 +10,7 @@ namespace {
 
 constexpr int kChunk = 64;                  // pixels whose intermediate values stay in the first-level cache
 constexpr int kVector = kSpareColumns + 1;  // pixels of the longest vectors
+static_assert(kChunk % kVector == 0);
 
 /// condition ? a : b, in bits. GCC turns the operator into a branch or a store under a condition in some of the
 /// loops below, and these then stay scalar.
