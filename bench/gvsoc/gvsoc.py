@@ -1,36 +1,85 @@
 # SPDX-License-Identifier: Apache-2.0
-"""GVSoC, where there is one: the program that the variable MEBOTS_GVSOC names, else the one on the PATH."""
+"""What the scripts of this folder run: GVSoC, programs of a build folder and the cross compiler, and the files that programs
+leave. GVSoC is what the variable MEBOTS_GVSOC names, else `gvsoc` on the PATH."""
 
 import os
 import pathlib
+import re
 import resource
 import shutil
+import signal
+import struct
 import subprocess
 
 LONGEST_S = 600
-MISSING = "GVSoC is missing: name its program in MEBOTS_GVSOC, or put `gvsoc` on the PATH"
 
 
-def path():
-    """None: there is none, or what is named does not exist."""
-    return shutil.which(os.environ.get("MEBOTS_GVSOC") or "gvsoc")
+def program(name, mend):
+    """Its path; without it, an end with what to do."""
+    path = shutil.which(name)
+    if not path:
+        raise SystemExit(f"{name} is missing: {mend}")
+    return pathlib.Path(path).absolute()
+
+
+def peer():
+    return program(os.environ.get("MEBOTS_GVSOC") or "gvsoc",
+                   "name GVSoC's program in MEBOTS_GVSOC, or put `gvsoc` on the PATH")
+
+
+def built(build, name):
+    return program(build / "bin" / name, f"name a build folder, and build it: cmake --build {build} --target {name}")
+
+
+def compiler():
+    return program("riscv64-unknown-elf-gcc", "scripts/setup.sh installs it")
 
 
 def processor_time(command, folder):
-    """(what the command printed, its exit code or None when it took too long, its processor time [s])."""
+    """(what the command printed, its exit code, its processor time [s])."""
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    try:
-        done = subprocess.run([str(part) for part in command], cwd=folder, capture_output=True, text=True,
-                              errors="replace", timeout=LONGEST_S)
-        text, code = done.stdout + done.stderr, done.returncode
-    except subprocess.TimeoutExpired as late:
-        text, code = (late.stdout or b"").decode(errors="replace"), None
+    # GVSoC's program starts others: a session of their own lets all of them be ended.
+    with subprocess.Popen([str(part) for part in command], cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                          text=True, errors="replace", start_new_session=True) as running:
+        try:
+            out, err = running.communicate(timeout=LONGEST_S)
+        except subprocess.TimeoutExpired:
+            os.killpg(running.pid, signal.SIGKILL)
+            out, err = running.communicate()
+            raise SystemExit(f"{command[0]}: not done after {LONGEST_S} s:\n{out}{err}")
+        except BaseException:
+            os.killpg(running.pid, signal.SIGKILL)
+            raise
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return text, code, after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    return out + err, running.returncode, after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
 
 
 def run(program, folder):
     """Runs an ELF on GVSoC's open PULP chip (target pulp-open), in a folder of its own."""
-    gvsoc = pathlib.Path(path()).absolute()
-    return processor_time([gvsoc, "--target=pulp-open", f"--work-dir={folder}", "--binary", pathlib.Path(program).absolute(),
+    return processor_time([peer(), "--target=pulp-open", f"--work-dir={folder}", "--binary", pathlib.Path(program).absolute(),
                            "image", "flash", "run"], folder)
+
+
+def instructions_of(done):
+    """Of a run of mebots-soc, as it prints them: of all cores."""
+    return sum(map(int, re.findall(r"^(?:cluster )?instructions (\d+)", done[0], re.MULTILINE)))
+
+
+def left_by(simulator, done, folder):
+    """The bytes of the file "result" that a program left, which ended well; the next one finds none."""
+    text, code, _ = done
+    file = folder / "result"
+    if code != 0:
+        raise SystemExit(f"{simulator}: the program ended with {code}:\n{text}")
+    if not file.exists():
+        raise SystemExit(f"{simulator}: the program left no result:\n{text}")
+    data = file.read_bytes()
+    file.unlink()
+    return data
+
+
+def words_left_by(simulator, done, folder):
+    data = left_by(simulator, done, folder)
+    if not data or len(data) % 4:
+        raise SystemExit(f"{simulator}: the program left {len(data)} bytes, no whole number of words")
+    return struct.unpack(f"<{len(data) // 4}I", data)

@@ -9,7 +9,6 @@ and what surrounds the turns. That ours are the RTL's, a test says (soc_rtl_test
 """
 import csv
 import pathlib
-import struct
 import subprocess
 import sys
 import tempfile
@@ -25,7 +24,7 @@ TURNS = 32, 64
 
 def compiled(turns, folder):
     program = folder / f"micro{turns}.elf"
-    subprocess.run(["riscv64-unknown-elf-gcc", "-DRI5CY", f"-DCYC={MCYCLE}", f"-DINS={MCYCLE}", f"-DL={turns}",
+    subprocess.run([gvsoc.compiler(), "-DRI5CY", f"-DCYC={MCYCLE}", f"-DINS={MCYCLE}", f"-DL={turns}",
                     "-march=rv32imc_zicsr", "-mabi=ilp32", "-nostdlib", "-nostartfiles", f"-I{HERE}", "-T", HERE / "link.ld",
                     "-Wl,--no-warn-rwx-segments,--build-id=none", HERE / "micro.S", RTL / "micro.S", "-o", program], check=True)
     return program
@@ -33,28 +32,22 @@ def compiled(turns, folder):
 
 def noted(simulator, done, folder):
     """Cycles of each micro program, in their order."""
-    text, code, _ = done
-    file = folder / "result"
-    if code != 0 or not file.exists():
-        raise SystemExit(f"{simulator}: the program ended with {code}:\n{text}")
-    words = struct.unpack(f"<{file.stat().st_size // 4}I", file.read_bytes())
-    file.unlink()
-    return [words[2 + 16 * i] for i in range(words[0])]
+    count, *words = gvsoc.words_left_by(simulator, done, folder)
+    return words[1::16][:count]
 
 
 def main():
     if len(sys.argv) != 2:
         raise SystemExit(__doc__)
-    if not gvsoc.path():
-        raise SystemExit(gvsoc.MISSING)
-    build = pathlib.Path(sys.argv[1]).resolve()
+    gvsoc.peer()
+    soc = gvsoc.built(pathlib.Path(sys.argv[1]), "mebots-soc")
     ours, its = [], []
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         for turns in TURNS:
             program = compiled(turns, folder)
-            soc = [build / "bin/mebots-soc", "run", program, "--board", ROOT / "configs/boards/gap8.json", "--host-files", folder]
-            ours.append(noted("mebots-soc", gvsoc.processor_time(soc, folder), folder))
+            command = [soc, "run", program, "--board", ROOT / "configs/boards/gap8.json", "--host-files", folder]
+            ours.append(noted("mebots-soc", gvsoc.processor_time(command, folder), folder))
             its.append(noted("GVSoC", gvsoc.run(program, folder), folder))
     with open(RTL / "micro.csv", newline="") as file:
         names = [row["name"] for row in csv.DictReader(file) if row["ri32_cycles"]]

@@ -4,9 +4,9 @@
 
 Usage: random_xpulp.py BUILD [--programs N] [--first SEED] [--segments N] [--alone]
 
-BUILD is a build folder with tests. GVSoC is what MEBOTS_GVSOC names, or `gvsoc` on the PATH. --alone compares the
-translated with the interpreted run instead. Four kinds of instructions are known to differ, with some operands (known());
-any other difference is printed, and ends with 1. Needs riscv64-unknown-elf-gcc.
+BUILD is a build folder with tests. GVSoC is found as gvsoc.py says. --alone compares the translated with the interpreted
+run instead. Beside encodings that GVSoC does not know, four kinds of instructions are known to differ, with some operands
+(known()); any other difference is printed, and ends with 1. Needs riscv64-unknown-elf-gcc.
 """
 import argparse
 import collections
@@ -86,29 +86,25 @@ def records(log):
             return
 
 
-def build(build_folder, seed, segments, folder):
-    text = subprocess.run([build_folder / "bin/mebots-random-segments", str(seed), str(segments)], check=True,
-                          capture_output=True, text=True).stdout
+def build(author, seed, segments, folder):
+    text = subprocess.run([author, str(seed), str(segments)], check=True, capture_output=True, text=True).stdout
     (folder / "segments.inc").write_text(text)
     program = folder / "random.elf"
-    subprocess.run(["riscv64-unknown-elf-gcc", "-march=rv32imc_zicsr", "-mabi=ilp32", "-nostdlib", "-nostartfiles",
-                    f"-I{folder}", "-Wl,--build-id=none,-n,-Ttext=0x1C000000,--no-warn-rwx-segments",
+    subprocess.run([gvsoc.compiler(), "-march=rv32imc_zicsr", "-mabi=ilp32", "-nostdlib", "-nostartfiles",
+                    f"-I{folder}", f"-I{HERE}", "-Wl,--build-id=none,-n,-Ttext=0x1C000000,--no-warn-rwx-segments",
                     HERE / "random_xpulp.S", "-o", program], check=True)
     return program
 
 
-def ours(build_folder, program, folder, *options):
-    text, code, _ = gvsoc.processor_time([build_folder / "bin/mebots-soc", "run", program, "--board",
-                                          ROOT / "configs/boards/pulp_open.json", "--host-files", folder, *options], folder)
-    return result(text, code, folder), int(text.split()[1])
+def ours(soc, program, folder, *options):
+    """Records, memory, and how many instructions it executed."""
+    done = gvsoc.processor_time([soc, "run", program, "--board", ROOT / "configs/boards/pulp_open.json", "--host-files", folder,
+                                 *options], folder)
+    return result("mebots-soc", done, folder), gvsoc.instructions_of(done)
 
 
-def result(text, code, folder):
-    file = folder / "result"
-    if code != 0 or not file.exists():
-        raise SystemExit(f"a program ended with {code}:\n{text}")
-    data = file.read_bytes()
-    file.unlink()
+def result(simulator, done, folder):
+    data = gvsoc.left_by(simulator, done, folder)
     return list(records(data[:-DATA_BYTES])), data[-DATA_BYTES:]
 
 
@@ -120,11 +116,13 @@ def compare(one, other, seen):
             seen["watched"] += 1
             if mine != its:
                 if kind is None:
-                    return f"watched 0x{mine[1]:08x}, rs1 0x{mine[2]:x}, rs2 0x{mine[3]:x}, rd 0x{mine[4]:x}: 0x{mine[5]:x} and 0x{its[5]:x}"
+                    return (f"watched 0x{mine[1]:08x}, rs1 0x{mine[2]:x}, rs2 0x{mine[3]:x}, rd 0x{mine[4]:x}: "
+                            f"0x{mine[5]:x} and 0x{its[5]:x}")
                 seen[kind] += 1
         elif mine != its:
             if "trap" in (mine[0], its[0]):
-                return f"an instruction is unknown: {[hex(each) if isinstance(each, int) else each for each in (mine if mine[0] == 'trap' else its)]}"
+                simulator, pc = ("mebots-soc", mine[1]) if mine[0] == "trap" else ("GVSoC", its[1])
+                return f"an instruction is unknown to {simulator}, at 0x{pc:x}"
             which = [f"x{i + 1} 0x{a:x} and 0x{b:x}" for i, (a, b) in enumerate(zip(mine[-1], its[-1])) if a != b]
             return f"after {mine[0]} {mine[1]}: {', '.join(which)}"
         else:
@@ -135,29 +133,37 @@ def compare(one, other, seen):
     return None if at is None else f"memory differs first at byte 0x{at:x} of the data"
 
 
+def number(least, most):
+    """The type of an option."""
+    def read(text):
+        if not text.isdecimal() or not least <= int(text) <= most:
+            raise argparse.ArgumentTypeError(f"{text}: want a number from {least} to {most}")
+        return int(text)
+    return read
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("build", type=pathlib.Path)
-    parser.add_argument("--programs", type=int, default=200)
-    parser.add_argument("--first", type=int, default=1)
-    parser.add_argument("--segments", type=int, default=200, help=f"in each program, at most {MOST_SEGMENTS}")
+    parser.add_argument("--programs", type=number(1, 1_000_000), default=210)
+    parser.add_argument("--first", type=number(0, (1 << 64) - 1_000_001), default=1, help="seed of the first program")
+    parser.add_argument("--segments", type=number(1, MOST_SEGMENTS), default=200,
+                        help=f"in each program, 1 to {MOST_SEGMENTS}: so many have room in front of the log")
     parser.add_argument("--alone", action="store_true")
     options = parser.parse_args()
-    if not 1 <= options.segments <= MOST_SEGMENTS:
-        parser.error(f"--segments {options.segments}: 1 to {MOST_SEGMENTS} find room in front of the log")
-    if not options.alone and not gvsoc.path():
-        raise SystemExit(gvsoc.MISSING)
+    author, soc = (gvsoc.built(options.build, name) for name in ("mebots-random-segments", "mebots-soc"))
+    if not options.alone:
+        gvsoc.peer()
     seen, instructions, failures = collections.Counter(), 0, 0
     for seed in range(options.first, options.first + options.programs):
         with tempfile.TemporaryDirectory() as name:
             folder = pathlib.Path(name)
-            program = build(options.build.resolve(), seed, options.segments, folder)
-            mine, count = ours(options.build.resolve(), program, folder)
+            program = build(author, seed, options.segments, folder)
+            mine, count = ours(soc, program, folder)
             if options.alone:
-                its, _ = ours(options.build.resolve(), program, folder, "--interpret")
+                its, _ = ours(soc, program, folder, "--interpret")
             else:
-                text, code, _ = gvsoc.run(program, folder)
-                its = result(text, code, folder)
+                its = result("GVSoC", gvsoc.run(program, folder), folder)
         instructions += count
         difference = compare(mine, its, seen)
         if difference:

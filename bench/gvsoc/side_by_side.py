@@ -6,15 +6,15 @@ Usage: side_by_side.py BUILD [--hello ELF] [--coremark CHECKOUT] [--repeats N]
 
 BUILD is a build folder; GVSoC is found as bench/gvsoc/gvsoc.py says. Programs of bench/soc and CoreMark run on one core of
 the cluster, with code in L2 behind the instruction cache and data in L1, hello on the fabric controller of board
-pulp_open. Processor time is that of the whole process, the least of the repeats, which take turns. It ends with 1 when
-results differ. Needs riscv64-unknown-elf-gcc and picolibc.
+pulp_open. Processor time is that of the whole process, the least of the repeats, which take turns. Instructions are those
+that mebots-soc executed, of all cores. It ends with 1 when results differ. Needs riscv64-unknown-elf-gcc and picolibc.
 """
 import argparse
 import pathlib
-import struct
 import subprocess
 import sys
 import tempfile
+import typing
 
 import gvsoc
 
@@ -30,7 +30,7 @@ COREMARK_TURNS = 60
 
 def compiled(name, sources, options, folder):
     program = folder / f"{name}.elf"
-    subprocess.run(["riscv64-unknown-elf-gcc", "-O2", "-march=rv32imc", "-mabi=ilp32", "-mcmodel=medany",
+    subprocess.run([gvsoc.compiler(), "-O2", "-march=rv32imc", "-mabi=ilp32", "-mcmodel=medany",
                     "--specs=picolibc.specs", "-nostartfiles", "-w", "-Wl,--no-warn-rwx-segments,--build-id=none",
                     f"-I{HERE}", *options, "-T", HERE / "link.ld", HERE / "start.S", *sources, "-lm", "-o", program],
                    check=True)
@@ -38,41 +38,47 @@ def compiled(name, sources, options, folder):
 
 
 def programs(options, folder):
-    """Name, ELF and board of each."""
+    """Name, ELF, board and reader of the outcome of each."""
     if options.hello:
-        yield "pulp-open's hello", options.hello.resolve(), "pulp_open"
+        yield "pulp-open's hello", options.hello.resolve(), "pulp_open", greeted
     for name, turns in TURNS.items():
         source = ROOT / f"bench/soc/programs/{name}.c"
-        yield f"{name} of bench/soc", compiled(name, [source], [f"-DTURNS={turns}", "-ffreestanding"], folder), "gap8"
+        yield f"{name} of bench/soc", compiled(name, [source], [f"-DTURNS={turns}", "-ffreestanding"], folder), "gap8", computed
     if options.coremark:
         sources, flags = embench.coremark_program(options.coremark.resolve())(COREMARK_TURNS)
-        yield f"CoreMark, {COREMARK_TURNS} turns", compiled("coremark", sources, flags, folder), "gap8"
+        yield f"CoreMark, {COREMARK_TURNS} turns", compiled("coremark", sources, flags, folder), "gap8", computed
 
 
-def outcome(simulator, name, done, folder):
-    """(what it computed or printed, cycles or None, processor time) of a run."""
+class Outcome(typing.NamedTuple):
+    said: object  # what the program computed or printed
+    cycles: int | None
+    seconds: float
+
+
+def greeted(simulator, done, folder):
     text, code, seconds = done
-    file = folder / "result"
-    if code != 0:
-        raise SystemExit(f"{name}: {simulator} ended with {code}:\n{text}")
-    if not file.exists():
-        return [line for line in text.splitlines() if line.startswith("Hello")], None, seconds
-    result, cycles = struct.unpack("<2I", file.read_bytes())
-    file.unlink()
-    return result, cycles, seconds
+    line = next((line for line in text.splitlines() if line.startswith("Hello")), None)
+    if code != 0 or not line:
+        raise SystemExit(f"{simulator}: the program ended with {code}, and printed {line or 'no Hello'}:\n{text}")
+    return Outcome(line, None, seconds)
 
 
-def measure(name, program, board, build, repeats, folder):
-    """The outcome of each simulator, with the least processor time."""
-    soc = [build / "bin/mebots-soc", "run", program, "--board", ROOT / f"configs/boards/{board}.json",
-           "--host-files", folder]
-    best = {}
+def computed(simulator, done, folder):
+    words = gvsoc.words_left_by(simulator, done, folder)
+    if len(words) != 2:
+        raise SystemExit(f"{simulator}: the program left {len(words)} words, not a result and its cycles")
+    return Outcome(*words, done[2])
+
+
+def measure(soc, program, board, read, repeats, folder):
+    """The outcome of each simulator, with the least processor time; and the instructions."""
+    command = [soc, "run", program, "--board", ROOT / f"configs/boards/{board}.json", "--host-files", folder]
+    ours, its = [], []
     for _ in range(repeats):
-        for simulator, run in (("mebots-soc", lambda: gvsoc.processor_time(soc, folder)),
-                               ("GVSoC", lambda: gvsoc.run(program, folder))):
-            found = outcome(simulator, name, run(), folder)
-            best[simulator] = min(best.get(simulator, found), found, key=lambda each: each[2])
-    return best["mebots-soc"], best["GVSoC"]
+        done = gvsoc.processor_time(command, folder)
+        ours.append(read("mebots-soc", done, folder))
+        its.append(read("GVSoC", gvsoc.run(program, folder), folder))
+    return *(min(each, key=lambda one: one.seconds) for each in (ours, its)), gvsoc.instructions_of(done)
 
 
 def main():
@@ -82,21 +88,27 @@ def main():
     parser.add_argument("--coremark", type=pathlib.Path)
     parser.add_argument("--repeats", type=int, default=3)
     options = parser.parse_args()
-    if not gvsoc.path():
-        raise SystemExit(gvsoc.MISSING)
+    if options.repeats < 1:
+        parser.error(f"--repeats {options.repeats}: want 1 or more")
+    if options.hello and not options.hello.is_file():
+        parser.error(f"--hello {options.hello}: no such file")
+    if options.coremark and not (options.coremark / "core_main.c").is_file():
+        parser.error(f"--coremark {options.coremark}: no checkout of CoreMark, which has core_main.c")
+    gvsoc.peer()
+    soc = gvsoc.built(options.build, "mebots-soc")
     differ = 0
-    print("| program | results | cycles here | in GVSoC | off | seconds here | in GVSoC | times |\n|" + "---|" * 8)
+    heads = ["program", "results", "million instructions", "cycles here", "in GVSoC", "off", "seconds here", "in GVSoC", "times"]
+    print("| " + " | ".join(heads) + " |\n|" + "---|" * len(heads))
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
-        for name, program, board in programs(options, folder):
-            mine, its = measure(name, program, board, options.build.resolve(), options.repeats, folder)
-            same = mine[0] == its[0]
+        for name, program, board, read in programs(options, folder):
+            mine, its, instructions = measure(soc, program, board, read, options.repeats, folder)
+            same = mine.said == its.said
             differ += not same
-            said = mine[0][0] if isinstance(mine[0], list) and mine[0] else mine[0]
-            result = f"both: {said}" if same else f"**{mine[0]} and {its[0]}**"
-            cycles = [mine[1], its[1], f"{(mine[1] / its[1] - 1) * 100:+.2f} %"] if mine[1] else ["", "", ""]
-            print("| " + " | ".join(map(str, [name, result, *cycles, f"{mine[2]:.3f}", f"{its[2]:.2f}",
-                                              f"{its[2] / mine[2]:.0f}"])) + " |", flush=True)
+            result = f"both: {mine.said}" if same else f"**{mine.said} and {its.said}**"
+            cycles = [mine.cycles, its.cycles, f"{(mine.cycles / its.cycles - 1) * 100:+.2f} %"] if mine.cycles else ["", "", ""]
+            print("| " + " | ".join(map(str, [name, result, f"{instructions / 1e6:.2f}", *cycles, f"{mine.seconds:.3f}",
+                                              f"{its.seconds:.2f}", f"{its.seconds / mine.seconds:.0f}"])) + " |", flush=True)
     return 1 if differ else 0
 
 

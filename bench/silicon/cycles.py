@@ -5,14 +5,13 @@ of the benchmark on a GAPuino (cycles.json): a table in Markdown. Seven are fits
 
 Usage: cycles.py BUILD [--check] [--gvsoc]
 
-BUILD is a build folder. --check ends with 1 when forms of one kernel have other results, a fit is off by more than 5 %,
-or a validation by more than 15 %. --gvsoc runs the same ELF on GVSoC, too, as bench/gvsoc/gvsoc.py finds it. Needs
-riscv64-unknown-elf-gcc.
+BUILD is a build folder. It ends with 1 when forms of one kernel have other results, with --check also when a fit is off
+by more than 5 %, or a validation by more than 15 %. --gvsoc runs the same ELF on GVSoC, too, as bench/gvsoc/gvsoc.py finds
+it, whose results must be the same. Needs riscv64-unknown-elf-gcc.
 """
 import argparse
 import json
 import pathlib
-import struct
 import subprocess
 import sys
 import tempfile
@@ -30,33 +29,29 @@ OTHER_FILTER = ("linear, vector", 8)
 
 def compiled(runs, folder):
     program = folder / "cycles.elf"
-    subprocess.run(["riscv64-unknown-elf-gcc", f"-DRUNS={runs}", "-march=rv32imc_zicsr", "-mabi=ilp32", "-nostdlib",
+    subprocess.run([gvsoc.compiler(), f"-DRUNS={runs}", "-march=rv32imc_zicsr", "-mabi=ilp32", "-nostdlib",
                     "-nostartfiles", "-Wl,--build-id=none,-n,-Ttext=0x1C000000,--no-warn-rwx-segments",
                     f"-I{ROOT / 'bench/gvsoc'}", HERE / "cycles.S", "-o", program], check=True)
     return program
 
 
-def rows_of(simulator, done, folder):
+def rows_of(simulator, done, folder, rows):
     """Cycles and sum of the output of each row, of a program that ran; and its processor time."""
-    text, code, seconds = done
-    file = folder / "result"
-    if code != 0 or not file.exists():
-        raise SystemExit(f"{simulator}: the program ended with {code}:\n{text}")
-    words = struct.unpack(f"<{file.stat().st_size // 4}I", file.read_bytes())
-    file.unlink()
-    return list(zip(words[::2], words[1::2])), seconds
+    words = gvsoc.words_left_by(simulator, done, folder)
+    if len(words) != 2 * rows:
+        raise SystemExit(f"{simulator}: {len(words)} words measured, two for each of {rows} rows in cycles.json are wanted")
+    return list(zip(words[::2], words[1::2])), done[2]
 
 
-def measured(build, runs, with_gvsoc):
+def measured(soc, data, with_gvsoc):
     """Rows and processor time of each simulator."""
     with tempfile.TemporaryDirectory() as name:
         out = pathlib.Path(name)
-        program = compiled(runs, out)
-        soc = [build.resolve() / "bin/mebots-soc", "run", program, "--board", ROOT / "configs/boards/gap8.json",
-               "--host-files", out]
-        found = [rows_of("mebots-soc", gvsoc.processor_time(soc, out), out)]
+        program = compiled(data["runs"], out)
+        command = [soc, "run", program, "--board", ROOT / "configs/boards/gap8.json", "--host-files", out]
+        found = [rows_of("mebots-soc", gvsoc.processor_time(command, out), out, len(data["rows"]))]
         if with_gvsoc:
-            found.append(rows_of("GVSoC", gvsoc.run(program, out), out))
+            found.append(rows_of("GVSoC", gvsoc.run(program, out), out, len(data["rows"])))
     return found
 
 
@@ -68,13 +63,11 @@ def main():
     arguments = parser.parse_args()
     data = json.loads((HERE / "cycles.json").read_text())
     runs = data["runs"]
-    failures = []
+    wrong, far = [], []
     sums = {}
-    if arguments.gvsoc and not gvsoc.path():
-        raise SystemExit(gvsoc.MISSING)
-    (found, seconds), *peer = measured(arguments.build, runs, arguments.gvsoc)
-    if len(found) != len(data["rows"]):
-        raise SystemExit(f"{len(found)} rows measured, {len(data['rows'])} in cycles.json")
+    if arguments.gvsoc:
+        gvsoc.peer()
+    (found, seconds), *peer = measured(gvsoc.built(arguments.build, "mebots-soc"), data, arguments.gvsoc)
     heads = ["kernel", "cores", "a run on silicon", "here", "off", "cycles less than silicon"]
     heads += ["GVSoC", "off"] if peer else []
     print("| " + " | ".join([*heads, "use"]) + " |\n|" + "---|" * (len(heads) + 1))
@@ -88,19 +81,19 @@ def main():
             its_cycles, its_total = peer[0][0][index]
             cells += [f"{its_cycles / runs:.0f}", f"{(its_cycles / row['cycles'] - 1) * 100:+.1f} %"]
             if its_total != total:
-                failures.append(f"{name}: another result than GVSoC's")
+                wrong.append(f"{name}: another result than GVSoC's")
         print("| " + " | ".join(map(str, [*cells, row["use"]])) + " |")
         if abs(off) > MOST_OFF.get(row["use"], 1):
-            failures.append(f"{name}: {off * 100:+.1f} % off silicon")
+            far.append(f"{name}: {off * 100:+.1f} % off silicon")
         kernel = row["kernel"].removesuffix(", vector")
         if (row["kernel"], row["cores"]) != OTHER_FILTER and sums.setdefault(kernel, total) != total:
-            failures.append(f"{name}: another result than with its other forms")
+            wrong.append(f"{name}: another result than with its other forms")
     if peer:
         print(f"\nProcessor time: {seconds:.2f} s here, {peer[0][1]:.1f} s in GVSoC: {peer[0][1] / seconds:.0f} times as much.")
-    if arguments.check and failures:
-        print("\n".join(failures), file=sys.stderr)
-        raise SystemExit(1)
+    for each in wrong + far:
+        print(each, file=sys.stderr)
+    return 1 if wrong or (arguments.check and far) else 0
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())
