@@ -12,8 +12,11 @@
 #include <fmt/ranges.h>
 
 #include <array>
+#include <charconv>
 #include <cstdint>
-#include <cstdlib>
+#include <optional>
+#include <string_view>
+#include <system_error>
 
 namespace {
 
@@ -29,9 +32,13 @@ bool loads_with_step(std::uint32_t word) {
   return is_load(op) && is_post_increment(op);
 }
 
-bool stores_its_pointer(std::uint32_t word) {
+bool stores_with_step(std::uint32_t word) {
   const auto op = decode(word).op;
-  return is_store(op) && is_post_increment(op) && (word >> 15 & 31U) == (word >> 20 & 31U);
+  return is_store(op) && is_post_increment(op);
+}
+
+bool stores_its_pointer(std::uint32_t word) {
+  return stores_with_step(word) && (word >> 15 & 31U) == (word >> 20 & 31U);
 }
 
 bool is_watched(std::uint32_t word) {
@@ -98,8 +105,7 @@ class Author {
         return Generator::with(word, 7, word >> 15 & 31U);
       }
       case 1: {
-        const auto word =
-            any([](std::uint32_t each) { return is_store(decode(each).op) && is_post_increment(decode(each).op); });
+        const auto word = any(stores_with_step);
         return Generator::with(word, 20, word >> 15 & 31U);
       }
       default:
@@ -120,15 +126,25 @@ class Author {
   Generator generator_;
 };
 
+template <typename Number>
+std::optional<Number> number(std::string_view text) {
+  Number value{};
+  const auto* const end = text.data() + text.size();
+  const auto read = std::from_chars(text.data(), end, value);
+  return read.ec == std::errc{} && read.ptr == end ? std::optional{value} : std::nullopt;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 3) {
-    fmt::print(stderr, "usage: mebots-random-segments SEED COUNT\n");
+  const auto seed = argc == 3 ? number<std::uint64_t>(argv[1]) : std::nullopt;
+  const auto count = argc == 3 ? number<std::uint32_t>(argv[2]) : std::nullopt;
+  if (!seed || !count) {
+    fmt::print(stderr,
+               "usage: mebots-random-segments SEED COUNT\nboth are whole numbers, SEED below 2^64, COUNT below 2^32\n");
     return 2;
   }
-  Author author(std::strtoull(argv[1], nullptr, 10));
-  const auto count = std::strtoul(argv[2], nullptr, 10);
-  for (unsigned i = 0; i < count; ++i) author.segment(i);
+  Author author(*seed);
+  for (std::uint32_t i = 0; i < *count; ++i) author.segment(i);
   return 0;
 }
