@@ -64,14 +64,7 @@
     li x\rd, \after
     addi x17, x17, 24
 .endm
-.macro call_host number, arguments
-    li a0, \number
-    la a1, \arguments
-    .balign 16
-    slli x0, x0, 0x1f
-    ebreak
-    srai x0, x0, 7
-.endm
+    .include "call_host.inc"
 
     .text
 # Exceptions come here: an instruction that a core does not know is the log's last word.
@@ -112,14 +105,9 @@ finish:
     sw t1, 8(t0)
     call_host 5, log
     call_host 5, data
-    la t0, close
-    lw a1, 0(t0)
-    li a0, 0x18
+    call_host 2, close
     li a1, 0x20026
-    .balign 16
-    slli x0, x0, 0x1f
-    ebreak
-    srai x0, x0, 7
+    call_host 0x18
 2:  j 2b
 
     .data
