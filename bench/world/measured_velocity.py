@@ -12,6 +12,7 @@ The asked velocities go into fmu_world, whose place and speed forwards are then 
 """
 import argparse
 import json
+import tempfile
 from pathlib import Path
 
 import fmpy
@@ -21,22 +22,28 @@ from firmware_steps import COMMAND, HOVER, SETTLED, STEP, Fmu
 
 GAIN = 2.0
 CRAZYFLIE = 1
+LONGEST_DELAY = 1.0
 
 
 def measured(path, least_height):
-    """Times from 0 on, asked velocities and places of the first flight, from its height to its descent from there."""
+    """Times from 0 on, asked velocities and places of the first flight: from its height to its descent from there, or to the
+    end of the log."""
     log = np.genfromtxt(path, delimiter=",", names=True)
     level = log["posCtltargetZ"] > least_height
+    if not level.any():
+        raise SystemExit(f"{path}: never above {least_height} m; set --height")
     first = int(np.argmax(level))
-    flight = log[first:first + int(np.argmax(~level[first:]))]
+    below = np.flatnonzero(~level[first:])
+    flight = log[first:first + below[0]] if below.size else log[first:]
+    if flight["timestamp"][-1] - flight["timestamp"][0] <= 1e3 * LONGEST_DELAY:
+        raise SystemExit(f"{path}: above {least_height} m for less than {LONGEST_DELAY} s; set --height")
     asked = np.stack([flight["posCtltargetVX"], flight["posCtltargetVY"]], 1)
     place = np.stack([flight["posCtltargetX"], flight["posCtltargetY"]], 1) - asked / GAIN
     return 1e-3 * (flight["timestamp"] - flight["timestamp"][0]), asked, place
 
 
-def flown(archive, times, asked, lag):
+def flown(archive, unpacked, times, asked, lag):
     """Places at the times, of a drone that is asked for the same velocities, in straight lines from row to row."""
-    unpacked = fmpy.extract(archive)
     drone = json.loads((Path(unpacked) / "resources/drones/crazyflie.json").read_text())
     curve = drone["thrust_curve"]
     fmu = Fmu(archive, unpacked, CRAZYFLIE)
@@ -62,7 +69,7 @@ def flown(archive, times, asked, lag):
 def delay(times, asked, place):
     """By how much the velocity lags behind the asked one: the shift with the least squares."""
     speed = np.gradient(place, times)
-    shifts = np.arange(0.0, 1.0, 0.01)
+    shifts = np.arange(0.0, LONGEST_DELAY, 0.01)
     inner = times > shifts[-1]
     return shifts[np.argmin([np.square(speed[inner] - np.interp(times[inner] - s, times, asked)).sum() for s in shifts])]
 
@@ -75,18 +82,21 @@ def main():
                         help="where the flight counts: from the first row above it to the descent below it")
     parser.add_argument("--lag", type=float, default=0.1, metavar="SECONDS", help="of the rotors")
     given = parser.parse_args()
-    print("| flight | way | place off, root mean square (largest) | speed off, root mean square | greatest speed asked, flown, ours | delay flown, ours |")
+    print("| flight | way | place off, root mean square (largest) | speed off, root mean square | "
+          "greatest speed asked, flown, ours | delay flown, ours |")
     print("|---|---|---|---|---|---|")
-    for log in given.logs:
-        times, asked, place = measured(log, given.height)
-        ours = flown(given.fmu, times, asked, given.lag)
-        way, own_way = place - place[0], ours - ours[0]
-        off = np.abs(own_way - way)[:, 0]
-        speed, own_speed = np.gradient(place[:, 0], times), np.gradient(ours[:, 0], times)
-        late = [delay(times, asked[:, 0], p[:, 0]) for p in (place, ours)]
-        print(f"| {log} | {np.ptp(way[:, 0]):.2f} m in {times[-1]:.1f} s | {np.sqrt(np.mean(off**2)):.3f} m ({off.max():.3f} m) | "
-              f"{np.sqrt(np.mean((own_speed - speed)**2)):.3f} m/s | "
-              f"{asked[:, 0].max():.3f}, {speed.max():.3f}, {own_speed.max():.3f} m/s | {late[0]:.2f} s, {late[1]:.2f} s |")
+    with tempfile.TemporaryDirectory() as unpacked:
+        fmpy.extract(given.fmu, unpacked)
+        for log in given.logs:
+            times, asked, place = measured(log, given.height)
+            ours = flown(given.fmu, unpacked, times, asked, given.lag)
+            way, own_way = place - place[0], ours - ours[0]
+            off = np.abs(own_way - way)[:, 0]
+            speed, own_speed = np.gradient(place[:, 0], times), np.gradient(ours[:, 0], times)
+            late = [delay(times, asked[:, 0], p[:, 0]) for p in (place, ours)]
+            print(f"| {log} | {np.ptp(way[:, 0]):.2f} m in {times[-1]:.1f} s | {np.sqrt(np.mean(off**2)):.3f} m ({off.max():.3f} m) | "
+                  f"{np.sqrt(np.mean((own_speed - speed)**2)):.3f} m/s | "
+                  f"{asked[:, 0].max():.3f}, {speed.max():.3f}, {own_speed.max():.3f} m/s | {late[0]:.2f} s, {late[1]:.2f} s |")
 
 
 if __name__ == "__main__":
