@@ -107,7 +107,7 @@ def main():
             differ += not same
             result = f"both: {mine.said}" if same else f"**{mine.said} and {its.said}**"
             cycles = [mine.cycles, its.cycles, f"{(mine.cycles / its.cycles - 1) * 100:+.2f} %"] if mine.cycles else ["", "", ""]
-            print("| " + " | ".join(map(str, [name, result, f"{instructions / 1e6:.2f}", *cycles, f"{mine.seconds:.3f}",
+            print("| " + " | ".join(map(str, [name, result, f"{instructions / 1e6:.3g}", *cycles, f"{mine.seconds:.3f}",
                                               f"{its.seconds:.2f}", f"{its.seconds / mine.seconds:.0f}"])) + " |", flush=True)
     return 1 if differ else 0
 
