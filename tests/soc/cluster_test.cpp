@@ -583,6 +583,35 @@ TEST(ClusterAlone, RunTakesAsLongAsTheClusterThoughTheControllerSleeps) {
   }
 }
 
+/// Two cores fault, one of them up to a quantum after the other.
+TEST(ClusterAlone, RunEndsWithTheCoreThatStopsFirst) {
+  unsigned both = 0;
+  for (unsigned later = 0; later < 2; ++later) {
+    for (unsigned by = 0; by < 12; by += 3) {
+      auto system = cores_run(fmt::format(R"(
+    li t0, 20
+    li t1, {}
+    bne s0, t1, 3f
+    addi t0, t0, {}
+3:  addi t0, t0, -1
+    bnez t0, 3b
+    unimp)",
+                                          later, by),
+                              2);
+      auto& soc = system.soc;
+      soc.run_cycles(1'000'000);
+      ASSERT_EQ(soc.end(), End::faulted);
+      const auto reported = static_cast<unsigned>(soc.cluster()->faulted_core());
+      EXPECT_EQ(soc.now(), soc.core_time(1 + reported)) << by;
+      const auto& other = soc.hart(2 - reported);
+      if (!other.fault().happened) continue;
+      ++both;
+      EXPECT_LE(soc.now(), soc.core_time(2 - reported)) << "core " << later << " is later by " << by;
+    }
+  }
+  EXPECT_GT(both, 4U) << "in one quantum";
+}
+
 TEST(ClusterAlone, RunTakesAsLongAsTheClusterUpToItsLimitOfCycles) {
   auto system = cores_run(works_and(""), 1);
   system.soc.run_cycles(20'000);

@@ -332,12 +332,17 @@ void Cluster::note_stop(Core& core, Stop stop) {
   MEBOTS_ASSERT(core.id() < cores_.size() && cores_[core.id()].get() == &core);
   core.stopped(stop);
   if (stop == Stop::device) spread_events(core.accessed());
-  if (stop == Stop::fault) faulted_core_ = static_cast<std::int32_t>(core.id());
-  if (stop == Stop::watch || stop == Stop::observer) stopped_ = true;
-  if (stop == Stop::observer) core_stopped_by_observer_ = static_cast<std::int32_t>(core.id());
   if (stop != Stop::fault && stop != Stop::watch && stop != Stop::observer) return;
   has_news_ = true;
-  stop_time_ = clock_.time_of(core.tick());
+  // The others go on to the end of the quantum, and may stop in it, too: before this one in time, if not in turn. An
+  // observer that has ended the run at one core lets no other go on, wherever that stands.
+  const auto time = clock_.time_of(core.tick());
+  if (core_stopped_by_observer_ >= 0 || ((faulted_core_ >= 0 || stopped_) && stop_time_ <= time)) return;
+  const auto id = static_cast<std::int32_t>(core.id());
+  stop_time_ = time;
+  faulted_core_ = stop == Stop::fault ? id : -1;
+  stopped_ = stop != Stop::fault;
+  core_stopped_by_observer_ = stop == Stop::observer ? id : -1;
 }
 
 /// What happened in `tick` wakes who waited for it, and starts who was to begin.
