@@ -31,7 +31,9 @@ class Clock {
     hz_ = hz;
   }
 
-  /// When a cycle starts.
+  /// The first cycle of this frequency, where none was slept since.
+  std::uint64_t begin() const { return std::uint64_t{0} - skipped_; }
+  /// When a cycle starts, which is not one before the last change of frequency.
   Picoseconds time_of(std::uint64_t cycle) const {
     MEBOTS_ASSERT(hz_ > 0, "reset() comes first");
     return epoch_ps_ + static_cast<Picoseconds>(Wide{cycle + skipped_} * kPsPerSecond / hz_);

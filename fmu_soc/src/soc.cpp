@@ -108,7 +108,7 @@ void Soc::go_on(Picoseconds until, std::uint64_t cycle_limit) {
 /// How far a run without end has come: to where the core stands that ended it, or else the last of all.
 Picoseconds Soc::reached() const {
   if (!running()) return std::max(now_, end_time_);
-  const auto of_cluster = cluster_ && cluster_->powered() ? cluster_->reached() : 0;
+  const auto of_cluster = cluster_ ? cluster_->reached() : 0;
   return std::max({now_, asleep_ ? asleep_since_ : core_time(), of_cluster});
 }
 
@@ -122,7 +122,7 @@ void Soc::advance_cluster(Picoseconds until, Picoseconds last, std::uint64_t cyc
   do {
     cluster_->advance(until, last, cycle_limit);
     if (event_unit_ != nullptr) {  // a core may have used the devices of GAP8's SoC
-      apply_power_settings();
+      apply_power_settings(cluster_->fabric_event_time());
       if (signals_.exit_code && running()) {
         finish(End::exited, cluster_->fabric_event_time());
         return;
@@ -145,7 +145,7 @@ void Soc::advance_cluster(Picoseconds until, Picoseconds last, std::uint64_t cyc
 void Soc::handle(Stop stop) {
   switch (stop) {
     case Stop::device:
-      apply_power_settings();
+      apply_power_settings(core_time());
       update_lines();
       if (host_exit_ || signals_.exit_code || (power_manager_ && power_manager_->exited())) {
         finish(End::exited, core_time());
@@ -249,16 +249,18 @@ void Soc::interrupt_taken(unsigned line) {
   hart_.set_interrupts(event_unit_->lines());
 }
 
-void Soc::apply_power_settings() {
+/// At `time` a core has asked for them. The cluster's clock changes then: no core of it stands before. All else changes
+/// behind the fabric controller's last instruction, which may be further on and has had the old settings.
+void Soc::apply_power_settings(Picoseconds time) {
   const auto* settings = power_settings();
   if (settings == nullptr) return;
   const auto& wanted = *settings;
   const bool changed = wanted.clock_hz != clock_.hz() || wanted.voltage_mv != voltage_mv_ ||
                        (cluster_ && wanted.cluster_clock_hz != cluster_->clock_hz());
-  const auto now = core_time();
+  const auto now = std::max(time, core_time());
   const auto before = changed ? activity_at(now) : Activity{};
   if (wanted.clock_hz != clock_.hz()) clock_.change(wanted.clock_hz, hart_.counters().cycles);
-  if (cluster_ && wanted.cluster_clock_hz != cluster_->clock_hz()) cluster_->set_clock(now, wanted.cluster_clock_hz);
+  if (cluster_ && wanted.cluster_clock_hz != cluster_->clock_hz()) cluster_->set_clock(time, wanted.cluster_clock_hz);
   voltage_mv_ = wanted.voltage_mv;
   if (changed) {
     meter_.change(power_state(), before);

@@ -238,7 +238,7 @@ class Soc final : private Bus {
   Picoseconds next_event() const;
   void advance_devices(Picoseconds time);
   void update_lines();
-  void apply_power_settings();
+  void apply_power_settings(Picoseconds time);
   void wake_if_interrupted(Picoseconds time);
   void tell(Picoseconds time);
   ChipState chip_state() const;

@@ -100,7 +100,7 @@ Soc::Soc(const BoardDescription& board, const Chip& chip, const Settings& settin
   hart_.set_id(board_.hart_id);
   if (event_unit_ != nullptr) hart_.use_event_unit();
   hart_.reset(program_.entry());
-  apply_power_settings();  // what GAP8's own devices begin with
+  apply_power_settings(core_time());  // what GAP8's own devices begin with
 }
 
 /// The way of the fabric controller to the memories, the large near ones first: the first two are the fast ones.

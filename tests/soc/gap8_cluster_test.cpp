@@ -792,6 +792,143 @@ _start: li s0, 0x1A104000
   EXPECT_THAT(system.faults[0], testing::HasSubstr("reference clock is not modelled"));
 }
 
+/// What others do while core 0 works: the fabric controller, and the cores that `cores` names beside it.
+enum class Meanwhile : std::uint8_t { sleeps, spins };
+struct Others {
+  Meanwhile controller = Meanwhile::sleeps;
+  std::uint32_t cores = 0;
+  Meanwhile of_cores = Meanwhile::sleeps;
+};
+
+/// Core 0 loops 200,000 times, does what `change` says, and loops as often again. Then it stores into tohost.
+std::string core_that_changes(std::string_view change, const Others& others) {
+  return fmt::format(R"({}{}
+2:  {}
+    j 2b
+core: bnez a0, 6f
+    li t0, 200000
+3:  addi t0, t0, -1
+    bnez t0, 3b
+    {}
+    li t0, 200000
+4:  addi t0, t0, -1
+    bnez t0, 4b
+    la t0, tohost
+    li t1, 1
+    sw t1, 0(t0)
+5:  j 5b
+6:  li s0, 0x00204000
+7:  {}
+    j 7b
+fault: j fault
+    .section .tohost, "aw", @progbits
+    .balign 64
+    .globl tohost
+tohost: .word 0, 0
+)",
+                     kBegin, start_cluster(1 | others.cores), others.controller == Meanwhile::sleeps ? "wfi" : "nop",
+                     change, others.of_cores == Meanwhile::sleeps ? ".insn i 0x03, 6, a5, 0x3c(s0)" : "nop");
+}
+
+/// Cycles of one of its two loops.
+constexpr double kLoopOfWork = 200'000 * 4.0;
+constexpr double kHzAtReset = 1525 * 32768.0;
+
+/// The cluster's clock, from a core or from the fabric controller.
+std::string set_cluster_clock(std::uint32_t factor) {
+  return fmt::format("li s0, 0x1A100000\n li a0, 1 << 26 | {}\n sw a0, 0x14(s0)", factor);
+}
+
+void run_to_tohost(BoardSystem& system) {
+  system.soc.stop_when_stored(*system.soc.program().symbol("tohost"));
+  system.soc.run_cycles(10'000'000);
+}
+
+TEST(Gap8Cluster, ACoreSetsTheClockNowWhateverOthersDo) {
+  const auto run = [](std::uint32_t factor, const Others& others) {
+    BoardSystem system(core_that_changes(set_cluster_clock(factor), others), {}, gap8_board_of_cluster());
+    run_to_tohost(system);
+    EXPECT_EQ(system.soc.end(), End::host);
+    const auto expected_s = kLoopOfWork / kHzAtReset + kLoopOfWork / (factor * 32768.0);
+    EXPECT_NEAR(static_cast<double>(system.soc.now()) / kPsPerS, expected_s, 1e-3 * expected_s)
+        << factor << ", controller " << static_cast<int>(others.controller) << ", cores " << others.cores;
+    return system.soc.energy();
+  };
+  for (const std::uint32_t factor : {762U, 3050U}) {
+    for (const std::uint32_t cores : {0U, 0b10U}) {
+      const auto beside = run(factor, {Meanwhile::spins, cores, Meanwhile::spins});
+      const auto alone = run(factor, {Meanwhile::sleeps, cores, Meanwhile::spins});
+      for (const auto part : {Part::cluster_background, Part::cluster_cores, Part::leakage}) {
+        EXPECT_GT(beside[part], 0);
+        EXPECT_NEAR(alone[part], beside[part], 1e-3 * beside[part])
+            << factor << ", cores " << cores << ", part " << static_cast<int>(part);
+      }
+    }
+  }
+}
+
+TEST(Gap8Cluster, ACoreThatChangesTheClockGivesTheSameBitsInStepsInterpretedAndFromAState) {
+  const auto program = core_that_changes(set_cluster_clock(762), {Meanwhile::sleeps, 0xfe, Meanwhile::sleeps});
+  const auto board = gap8_board_of_cluster();
+  BoardSystem straight(program, {}, board);
+  Settings interpreted;
+  interpreted.translate = false;
+  BoardSystem slow(program, interpreted, board);
+  BoardSystem steps(program, {}, board);
+  BoardSystem second(program, {}, board);
+  straight.soc.advance(30 * kMs);
+  slow.soc.advance(30 * kMs);
+  EXPECT_TRUE(mebots::test::same_state(slow.soc, straight.soc));
+  double last_j = 0;
+  for (std::int64_t time = 0; time < 20 * kMs; time += 7'919) {
+    steps.soc.advance(time);
+    const auto total_j = steps.soc.energy().total_j();
+    ASSERT_GE(total_j, last_j) << "at " << time << " ns";
+    last_j = total_j;
+  }
+  state::restore(second.soc, state::save(steps.soc));
+  for (auto* system : {&steps, &second}) {
+    system->soc.advance(30 * kMs);
+    EXPECT_TRUE(mebots::test::same_state(system->soc, straight.soc));
+  }
+}
+
+TEST(Gap8Cluster, RunLastsUntilACoreSwitchesTheClusterOff) {
+  BoardSystem system(core_that_changes("li s0, 0x1A104000\n sw zero, 0x70(s0)", {}), {}, gap8_board_of_cluster());
+  run_to_tohost(system);
+  EXPECT_EQ(system.soc.end(), End::none) << "nothing can go on";
+  EXPECT_FALSE(system.soc.cluster()->powered());
+  const auto expected_s = kLoopOfWork / kHzAtReset;
+  const auto now = system.soc.now();
+  EXPECT_NEAR(static_cast<double>(now) / kPsPerS, expected_s, 1e-3 * expected_s);
+  EXPECT_NEAR(static_cast<double>(system.soc.cluster()->powered_time(now)) / kPsPerS, expected_s, 1e-3 * expected_s);
+  EXPECT_GT(static_cast<double>(system.soc.sleep_time()) / kPsPerS, 0.99 * expected_s);
+}
+
+/// A core that slept before the clock changed has a tick of the old one.
+TEST(Gap8Cluster, CoresThatSleepHaveATimeThoughTheClockHasChangedSince) {
+  BoardSystem by_core(core_that_changes(set_cluster_clock(762), {Meanwhile::sleeps, 0b10}), {},
+                      gap8_board_of_cluster());
+  run_to_tohost(by_core);
+  EXPECT_LE(by_core.soc.core_time(2), by_core.soc.now());
+  const auto program = fmt::format(R"({}{}
+    li t0, 10000
+2:  addi t0, t0, -1
+    bnez t0, 2b
+    {}
+3:  wfi
+    j 3b
+core: li s0, 0x00204000
+4:  .insn i 0x03, 6, a5, 0x3c(s0)
+    j 4b
+fault: j fault
+)",
+                                   kBegin, start_cluster(1), set_cluster_clock(762));
+  BoardSystem by_controller(program, {}, gap8_board_of_cluster());
+  by_controller.soc.run_cycles(10'000'000);
+  EXPECT_EQ(by_controller.soc.now(), by_controller.soc.core_time());
+}
+
 /// Eight cores load one word of L1 256 times each, which they see at `address`; cycles of the slowest.
 std::uint64_t cycles_of_one_bank(std::string_view address) {
   const auto loads = fmt::format(R"(

@@ -37,7 +37,7 @@ Cluster::~Cluster() = default;
 void Cluster::power_on(Picoseconds now, std::uint32_t boot) {
   if (powered_) return;
   powered_ = true;
-  powered_since_ = now;
+  switched_at_ = now;
   in_step_ = false;
   peripherals_->reset(boot);
   alarm_ = peripherals_->next_tick();
@@ -60,9 +60,10 @@ void Cluster::start_cores(std::uint64_t tick) {
 void Cluster::power_off(Picoseconds now) {
   if (!powered_) return;
   powered_ = false;
-  powered_total_ += now - powered_since_;
+  powered_total_ += now - switched_at_;
   if (busy_) end_work(now);
-  MEBOTS_ASSERT(powered_total_ >= 0 && now >= powered_since_, "time does not go back");
+  MEBOTS_ASSERT(powered_total_ >= 0 && now >= switched_at_, "time does not go back");
+  switched_at_ = now;
   for (auto& core : cores_) core->stop();
   interrupt_ = false;
   fabric_woken_ = false;
@@ -441,13 +442,14 @@ Hart& Cluster::hart(unsigned core) {
 
 Picoseconds Cluster::core_time(unsigned core) const {
   MEBOTS_ASSERT(core < cores_.size());
-  return clock_.time_of(cores_[core]->tick());
+  return time_of_core_at(cores_[core]->tick());
 }
 
 Picoseconds Cluster::reached() const {
+  if (!powered_) return switched_at_;
   std::uint64_t tick = 0;
   for (const auto& core : cores_) tick = std::max(tick, core->tick());
-  return clock_.time_of(tick);
+  return time_of_core_at(tick);
 }
 
 void Cluster::observe(unsigned core, Observer* observer) {
@@ -501,7 +503,7 @@ void Cluster::visit(state::Visitor& v) {
   v("last_asleep", last_asleep_);
   v("busy_since", busy_since_);
   v("busy_total", busy_total_);
-  v("powered_since", powered_since_);
+  v("switched_at", switched_at_);
   v("powered_total", powered_total_);
   if (!v.restores()) return;
   core_stopped_by_observer_ = -1;

@@ -8,6 +8,7 @@
 #include "memory/banks.hpp"
 #include "memory/instruction_cache.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <functional>
@@ -110,15 +111,16 @@ class Cluster {
 
   /// The fabric controller's event load can be answered; forgotten with the call.
   bool take_fabric_wake();
-  /// When its interrupt line last went up, or its event load was answered.
+  /// When its interrupt line last went up, its event load was answered, or a core last reached outside.
   Picoseconds fabric_event_time() const { return fabric_event_time_; }
   bool interrupt() const { return powered_ && peripherals_->interrupt(); }
 
   const Hart& hart(unsigned core) const;
   Hart& hart(unsigned core);
-  /// When the core's next instruction starts, or its sleep began; while it is on.
+  /// When the core's next instruction starts, or its sleep began; while it is on. Of a sleep that began before the
+  /// clock last changed, that change.
   Picoseconds core_time(unsigned core) const;
-  /// How far the core has come that is farthest, awake or not; while it is on.
+  /// How far the core has come that is farthest, awake or not; of a cluster that is off, when it went off.
   Picoseconds reached() const;
   /// When the core that faulted or stopped the run would have gone on.
   Picoseconds stop_time() const { return stop_time_; }
@@ -131,7 +133,7 @@ class Cluster {
   std::uint64_t longest_cycles() const;
   /// Time it was on, up to `now`, which may lie in the middle of the instruction that switches it on.
   Picoseconds powered_time(Picoseconds now) const {
-    return powered_total_ + (powered_ && now > powered_since_ ? now - powered_since_ : 0);
+    return powered_total_ + (powered_ && now > switched_at_ ? now - switched_at_ : 0);
   }
   /// Time in which a core was awake or all of them waited for the DMA, up to `now`. A cluster that is behind `now`
   /// counts as going on as it is.
@@ -175,6 +177,7 @@ class Cluster {
   void spread_events(std::uint64_t tick);
   std::uint64_t next_tick() const;
   std::uint64_t tick_at(Picoseconds time) const { return clock_.first_at(time); }
+  Picoseconds time_of_core_at(std::uint64_t tick) const { return clock_.time_of(std::max(tick, clock_.begin())); }
   void start_cores(std::uint64_t tick);
   void note_awake(std::uint64_t tick);
   void note_asleep(std::uint64_t tick);
@@ -217,8 +220,8 @@ class Cluster {
   bool busy_ = false;
   std::uint64_t last_asleep_ = 0;  // the tick in which the last core fell asleep, since it is busy
   Picoseconds busy_since_ = 0;
-  Picoseconds busy_total_ = 0;  // up to the last time it was idle
-  Picoseconds powered_since_ = 0;
+  Picoseconds busy_total_ = 0;     // up to the last time it was idle
+  Picoseconds switched_at_ = 0;    // on or off, the last time
   Picoseconds powered_total_ = 0;  // up to the last time it went off
 };
 
