@@ -92,20 +92,27 @@ Outline::Outline(const Picture& picture, std::span<const Vector3d> corners_C_m, 
     return static_cast<int>(std::clamp<std::int64_t>((at - kHalf + kOne - 1) >> 12, 0, count));
   };
   if (first_at(*left, width) == first_at(*right, width)) return;
+  first_row_ = first_at(*top, height);
+  end_row_ = first_at(*bottom, height);
+  if (first_row_ == end_row_) return;
+  int begun_rows = 0;
   for (int i = 0; i < polygon.count; ++i) {
-    const int j = (i + 1) % polygon.count;
-    if (y[i] == y[j]) continue;
+    const int j = i + 1 < polygon.count ? i + 1 : 0;
     // Counter-clockwise in a picture whose y grows downwards: left edges run down, right edges run up.
     const bool down = y[i] < y[j];
     const int a = down ? i : j;
     const int b = down ? j : i;
+    const int first = first_at(y[a], height);
+    const int end = first_at(y[b], height);
+    if (first == end) continue;
     const std::int32_t dy = y[b] - y[a];
-    edges[static_cast<std::size_t>(edge_count_++)] = Edge{
-        x[a], y[a], y[b], x[b] - x[a], dy, down ? 1 : -1, 1.0 / (static_cast<double>(dy) * static_cast<double>(kOne))};
+    edges[static_cast<std::size_t>(edge_count_++)] = {
+        x[a],  y[a], x[b] - x[a],   dy,
+        first, end,  down ? 1 : -1, 1.0 / (static_cast<double>(dy) * static_cast<double>(kOne))};
+    if (down) begun_rows += end - first;
   }
-  if (edge_count_ == 0) return;
-  first_row_ = first_at(*top, height);
-  end_row_ = first_at(*bottom, height);
+  // A closed line crosses each row between its top and bottom, downwards as often as upwards.
+  two_crossings_ = begun_rows == end_row_ - first_row_;
 }
 
 }  // namespace mebots::world::camera

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "mebots/assert.hpp"
+
 #include <Eigen/Core>
 #include <algorithm>
 #include <array>
@@ -30,24 +32,39 @@ class Outline {
   static constexpr std::int64_t kOne = 4096;  // a pixel
   static constexpr std::int64_t kHalf = kOne / 2;
 
+  /// One that passes the centre of a row at least.
   struct Edge {
-    std::int32_t x_top, y_top, y_bottom;  // in 1/4096 pixel
-    std::int32_t dx, dy;                  // from top to bottom, dy > 0
-    std::int32_t winding;                 // 1 where the polygon begins to its right, -1 where it ends
-    double columns_per_unit;              // 1 / (4096 dy), rounded
+    std::int32_t x_top, y_top;  // in 1/4096 pixel
+    std::int32_t dx, dy;        // from top to bottom, dy > 0
+    int first_row, end_row;     // whose centres it passes, cut to the picture
+    std::int32_t winding;       // 1 where the polygon begins to its right, -1 where it ends
+    double columns_per_unit;    // 1 / (4096 dy), rounded
 
-    /// First column whose centre is on or right of the edge at height y, cut to [0, width].
-    int first_column(std::int64_t y, int width) const {
-      // (kOne column + kHalf - x_top) dy >= dx (y - y_top). At most 2^30 times 2^31, so it fits.
+    /// For each of the rows [first, end), which it must pass: the first column whose centre is on or right of the edge.
+    void columns(int first, int end, std::int32_t* columns) const {
+      // That is the least column with (kOne column + kHalf - x_top) dy >= dx (y - y_top), so a quotient rounded up.
+      // At most 2^30 times 2^31, so it fits.
+      const std::int64_t y = first * kOne + kHalf;
       const std::int64_t numerator = (x_top - kHalf) * dy + dx * (y - y_top);
-      if (numerator <= 0) return 0;
       const std::int64_t denominator = dy * kOne;
-      if (numerator > width * denominator) return width;
-      // The quotient in floating point is off by less than 1e-12, so that its whole part is the one looked for or the
-      // one before. A division of integers would take most of the time of a picture with many small faces.
+      // In floating point it is off by less than 1e-10, and its whole part by at most one. A division of integers would
+      // take most of the time of a picture with many small faces.
       auto column = static_cast<std::int64_t>(static_cast<double>(numerator) * columns_per_unit);
-      while (column * denominator < numerator) ++column;
-      return static_cast<int>(column);
+      std::int64_t beyond = column * denominator - numerator;  // is in [0, denominator) of the right one
+      const int off = static_cast<int>(beyond < 0) - static_cast<int>(beyond >= denominator);
+      column += off;
+      beyond += off * denominator;
+      // From row to row the quotient grows by dx / dy: by whole columns and a rest that is taken from what it is
+      // beyond.
+      const std::int32_t whole = dx / dy - static_cast<int>(dx % dy < 0);
+      const std::int64_t rest = (dx - static_cast<std::int64_t>(whole) * dy) * kOne;
+      for (int row = first; row < end; ++row) {
+        *columns++ = static_cast<std::int32_t>(column);
+        beyond -= rest;
+        const bool next = beyond < 0;
+        column += whole + static_cast<int>(next);
+        beyond += next ? denominator : 0;
+      }
     }
   };
   using Edges = std::span<Edge, kMaxOutlineCorners>;
@@ -61,29 +78,31 @@ class Outline {
   int end_row() const { return end_row_; }
   int edge_count() const { return edge_count_; }
 
-  /// Calls span(begin, end) for each run of covered columns in a row, cut to the picture.
+  /// Rows that spans() takes at once, at most.
+  static constexpr int kStripRows = 16;
+
+  /// Calls span(row, begin, end) for each run of covered columns in the rows [first, end), cut to the picture.
   template <typename Span>
-  void spans(int row, Span&& span) const {
-    // Crossings of the row's centre line, from left to right. A convex polygon has two; snapping can dent
-    // one by 1/4096 pixel, hence the general winding count.
-    std::array<Crossing, kMaxOutlineCorners> crossings;
-    int count = 0;
-    const std::int64_t y = row * kOne + kHalf;
+  void spans(int first, int end, Span&& span) const {
+    first = std::max(first, first_row_);
+    end = std::min(end, end_row_);
+    if (!two_crossings_) {
+      for (int row = first; row < end; ++row) winding_spans(row, span);
+      return;
+    }
+    MEBOTS_ASSERT(end - first <= kStripRows);
+    std::array<std::int32_t, kStripRows> begins;
+    std::array<std::int32_t, kStripRows> ends;
     for (int i = 0; i < edge_count_; ++i) {
       const Edge& edge = edges_[i];
-      if (y < edge.y_top || y >= edge.y_bottom) continue;
-      const Crossing crossing{edge.first_column(y, width_), edge.winding};
-      int place = count++;
-      for (; place > 0 && crossings[place - 1].column > crossing.column; --place)
-        crossings[place] = crossings[place - 1];
-      crossings[place] = crossing;
+      const int from = std::max(first, edge.first_row);
+      const int to = std::min(end, edge.end_row);
+      if (from < to) edge.columns(from, to, (edge.winding > 0 ? begins : ends).data() + (from - first));
     }
-    int winding = 0;
-    for (int i = 0; i + 1 < count; ++i) {
-      winding += crossings[i].winding;
-      if (winding > 0 && crossings[i].column < crossings[i + 1].column) {
-        span(crossings[i].column, crossings[i + 1].column);
-      }
+    for (int row = first; row < end; ++row) {
+      const int from = std::max(begins[row - first], 0);
+      const int to = std::min(ends[row - first], width_);
+      if (from < to) span(row, from, to);
     }
   }
 
@@ -92,11 +111,35 @@ class Outline {
     int column, winding;
   };
 
+  /// The same for one row that has any number of crossings.
+  template <typename Span>
+  void winding_spans(int row, Span&& span) const {
+    std::array<Crossing, kMaxOutlineCorners> crossings;  // of the row's centre line, from left to right
+    int count = 0;
+    for (int i = 0; i < edge_count_; ++i) {
+      const Edge& edge = edges_[i];
+      if (row < edge.first_row || row >= edge.end_row) continue;
+      std::int32_t column = 0;
+      edge.columns(row, row + 1, &column);
+      int place = count++;
+      for (; place > 0 && crossings[place - 1].column > column; --place) crossings[place] = crossings[place - 1];
+      crossings[place] = {std::clamp(column, 0, width_), edge.winding};
+    }
+    int winding = 0;
+    for (int i = 0; i + 1 < count; ++i) {
+      winding += crossings[i].winding;
+      if (winding > 0 && crossings[i].column < crossings[i + 1].column)
+        span(row, crossings[i].column, crossings[i + 1].column);
+    }
+  }
+
   const Edge* edges_;
   int edge_count_ = 0;
   int width_;
   int first_row_ = 0;
   int end_row_ = 0;
+  /// Each row's centre line is crossed twice, as a convex polygon's. Snapping can dent one by 1/4096 pixel.
+  bool two_crossings_ = true;
 };
 
 }  // namespace mebots::world::camera

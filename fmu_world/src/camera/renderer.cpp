@@ -50,6 +50,22 @@ Geometry checked(Geometry geometry) {
   return geometry;
 }
 
+/// Rows whose depths are tested face by face: enough that a face seldom comes again, few enough for the nearest cache.
+constexpr int kStripRows = Outline::kStripRows;
+
+/// In place of a face's index.
+constexpr std::int32_t kNothing = -1;
+
+/// How far a row's centre is below the picture's middle, in pixels.
+double below_middle(int row, const Intrinsics& intrinsics) {
+  return row + 0.5 - 0.5 * intrinsics.height;
+}
+
+/// How far the first column's centre is to the right of it.
+float left_centre(const Intrinsics& intrinsics) {
+  return 0.5F - 0.5F * static_cast<float>(intrinsics.width);
+}
+
 /// A linear function of the viewing ray as a function of the pixel: value(x, y) = at_0 + x along_x + y along_y.
 struct PixelPlane {
   double at_0, along_x, along_y;
@@ -123,14 +139,14 @@ Renderer::Workspace Renderer::make_workspace() const {
   workspace.faces_.reserve(geometry_.faces.size());
   // A clip plane adds one corner at most; the last outline is given room for any.
   workspace.edges_.resize(covers_.corners_W_m.size() + kClipPlanes * geometry_.faces.size() + kMaxOutlineCorners);
-  workspace.rows_.resize(static_cast<std::size_t>(intrinsics_.height) + 1);
-  workspace.by_row_.reserve(geometry_.faces.size());
+  workspace.strips_.resize(static_cast<std::size_t>((intrinsics_.height + kStripRows - 1) / kStripRows) + 1);
+  workspace.by_strip_.reserve(geometry_.faces.size());
   workspace.active_.reserve(geometry_.faces.size());
   workspace.next_.reserve(geometry_.faces.size());
   workspace.eyes_.resize(geometry_.movers.size());
   const auto columns = static_cast<std::size_t>(intrinsics_.width) + kSpareColumns;
-  workspace.inverse_depth_.resize(columns);
-  workspace.nearest_.resize(columns);
+  workspace.inverse_depth_.resize(columns * kStripRows);
+  workspace.nearest_.resize(columns * kStripRows);
   workspace.grey_.resize(intrinsics_.width);
   return workspace;
 }
@@ -142,7 +158,7 @@ void Renderer::find_visible(const Pose& pose, int first_row, int end_row, Worksp
   workspace.faces_.clear();
   std::size_t edges = 0;
   for (std::size_t i = 0; i < geometry_.movers.size(); ++i) workspace.eyes_[i] = seen_from(geometry_.movers[i], pose);
-  MEBOTS_ASSERT(workspace.nearest_.size() == static_cast<std::size_t>(intrinsics_.width) + kSpareColumns,
+  MEBOTS_ASSERT(workspace.nearest_.size() == (static_cast<std::size_t>(intrinsics_.width) + kSpareColumns) * kStripRows,
                 "make_workspace() made it");
   for (const FaceGroup& group : groups_) {
     const bool stands = group.mover == Face::kStands;
@@ -173,78 +189,101 @@ void Renderer::find_visible(const Pose& pose, int first_row, int end_row, Worksp
           {outline, view_of(face, *geometry_.tiles[face.tile], light, eye, height_over_plane_m, focal_length_px)});
     }
   }
-  sort_by_row(workspace);
+  sort_by_strip(first_row, workspace);
 }
 
-/// Counting sort: stable, so that faces of one row keep their order.
-void Renderer::sort_by_row(Workspace& workspace) {
-  auto& rows = workspace.rows_;
-  std::fill(rows.begin(), rows.end(), 0);
-  for (const auto& face : workspace.faces_) ++rows[static_cast<std::size_t>(face.outline.first_row())];
+/// Counting sort: stable, so that faces of one strip keep their order.
+void Renderer::sort_by_strip(int first_row, Workspace& workspace) {
+  auto& strips = workspace.strips_;
+  const auto strip_of = [=](const Workspace::VisibleFace& face) {
+    return static_cast<std::size_t>(std::max(face.outline.first_row() - first_row, 0) / kStripRows);
+  };
+  std::fill(strips.begin(), strips.end(), 0);
+  for (const auto& face : workspace.faces_) ++strips[strip_of(face)];
   std::size_t sum = 0;
-  for (auto& row : rows) sum += std::exchange(row, sum);
-  workspace.by_row_.resize(workspace.faces_.size());
-  for (std::size_t i = 0; i < workspace.faces_.size(); ++i) {
-    auto& place = rows[static_cast<std::size_t>(workspace.faces_[i].outline.first_row())];
-    workspace.by_row_[place++] = static_cast<std::int32_t>(i);
-  }
-  // Each entry moved on to where the next row begins.
-  std::rotate(rows.begin(), rows.end() - 1, rows.end());
-  rows[0] = 0;
+  for (auto& strip : strips) sum += std::exchange(strip, sum);
+  workspace.by_strip_.resize(workspace.faces_.size());
+  for (std::size_t i = 0; i < workspace.faces_.size(); ++i)
+    workspace.by_strip_[strips[strip_of(workspace.faces_[i])]++] = static_cast<std::int32_t>(i);
+  // Each entry moved on to where the next strip begins.
+  std::rotate(strips.begin(), strips.end() - 1, strips.end());
+  strips[0] = 0;
   workspace.active_.clear();
 }
 
-void Renderer::shade_row(int row, Workspace& workspace, float* grey) const {
-  constexpr std::int32_t kNothing = -1;
+/// Faces that end before the strip leave, those that begin in it come; both lists are in the faces' order.
+void Renderer::enter_strip(std::size_t strip, int first, Workspace& workspace) {
+  const auto& by_strip = workspace.by_strip_;
+  std::size_t coming = workspace.strips_[strip];
+  const std::size_t end = workspace.strips_[strip + 1];
+  workspace.next_.clear();
+  for (const std::int32_t face : workspace.active_) {
+    while (coming < end && by_strip[coming] < face) workspace.next_.push_back(by_strip[coming++]);
+    if (first < workspace.faces_[static_cast<std::size_t>(face)].outline.end_row()) workspace.next_.push_back(face);
+  }
+  while (coming < end) workspace.next_.push_back(by_strip[coming++]);
+  workspace.active_.swap(workspace.next_);
+}
+
+void Renderer::see_strip(std::size_t strip, int first, int end, Workspace& workspace) const {
+  enter_strip(strip, first, workspace);
   const int width = intrinsics_.width;
+  const std::ptrdiff_t stride = width + kSpareColumns;
   float* const inverse_depth = workspace.inverse_depth_.data();
   std::int32_t* const nearest = workspace.nearest_.data();
-  const float x_0 = 0.5F - 0.5F * static_cast<float>(width);
-  const double y = row + 0.5 - 0.5 * intrinsics_.height;
-  std::fill_n(inverse_depth, width, kFarthest_per_m);
-  std::fill_n(nearest, width, kNothing);
+  std::fill_n(inverse_depth, stride * (end - first), kFarthest_per_m);
+  std::fill_n(nearest, stride * (end - first), kNothing);
+  const float x_0 = left_centre(intrinsics_);
   for (const std::int32_t i : workspace.active_) {
     const auto& [outline, view] = workspace.faces_[static_cast<std::size_t>(i)];
-    outline.spans(row, [&, w = static_cast<float>(view.w_0 + view.w_y * y), w_x = view.w_x](int begin, int end) {
-      MEBOTS_ASSERT(begin >= 0 && end <= width);
-      test_depth(w, w_x, x_0 + static_cast<float>(begin), end - begin, i, inverse_depth + begin, nearest + begin);
+    outline.spans(first, end, [&](int row, int from, int to) {
+      MEBOTS_ASSERT(row >= first && row < end && from >= 0 && to <= width);
+      const auto w = static_cast<float>(view.w_0 + view.w_y * below_middle(row, intrinsics_));
+      const std::ptrdiff_t at = stride * (row - first) + from;
+      test_depth(w, view.w_x, x_0 + static_cast<float>(from), to - from, i, inverse_depth + at, nearest + at);
     });
   }
+}
+
+void Renderer::shade_row(int row, const std::int32_t* nearest, const Workspace& workspace, float* grey) const {
+  const int width = intrinsics_.width;
+  const float x_0 = left_centre(intrinsics_);
   for (int begin = 0; begin < width;) {
     int end = begin + 1;
     while (end < width && nearest[end] == nearest[begin]) ++end;
     if (nearest[begin] == kNothing) {
       std::fill(grey + begin, grey + end, static_cast<float>(geometry_.background));
     } else {
-      shade(workspace.faces_[nearest[begin]].view, y, x_0 + static_cast<float>(begin), end - begin, grey + begin);
+      shade(workspace.faces_[static_cast<std::size_t>(nearest[begin])].view, below_middle(row, intrinsics_),
+            x_0 + static_cast<float>(begin), end - begin, grey + begin);
     }
     begin = end;
   }
 }
 
-/// Faces that end before the row leave, those that begin at it come; both lists are in the faces' order.
-void Renderer::enter_row(int row, Workspace& workspace) {
-  const auto& by_row = workspace.by_row_;
-  std::size_t coming = workspace.rows_[static_cast<std::size_t>(row)];
-  const std::size_t end = workspace.rows_[static_cast<std::size_t>(row) + 1];
-  workspace.next_.clear();
-  for (const std::int32_t face : workspace.active_) {
-    while (coming < end && by_row[coming] < face) workspace.next_.push_back(by_row[coming++]);
-    if (row < workspace.faces_[static_cast<std::size_t>(face)].outline.end_row()) workspace.next_.push_back(face);
+template <typename Shaded>
+void Renderer::shade_rows(const Pose& pose, int first, int end, Workspace& workspace, Shaded&& shaded) const {
+  find_visible(pose, first, end, workspace);
+  const std::ptrdiff_t stride = intrinsics_.width + kSpareColumns;
+  std::size_t strip = 0;
+  for (int top = first; top < end; top += kStripRows) {
+    const int bottom = std::min(top + kStripRows, end);
+    see_strip(strip++, top, bottom, workspace);
+    for (int row = top; row < bottom; ++row) {
+      shade_row(row, workspace.nearest_.data() + stride * (row - top), workspace, workspace.grey_.data());
+      shaded(row);
+    }
   }
-  while (coming < end) workspace.next_.push_back(by_row[coming++]);
-  workspace.active_.swap(workspace.next_);
 }
 
 void Renderer::render_light(const Pose& pose, int first_row, int end_row, std::span<float> grey,
                             Workspace& workspace) const {
+  const int width = intrinsics_.width;
   MEBOTS_ASSERT(first_row >= 0 && end_row <= intrinsics_.height &&
-                grey.size() >= static_cast<std::size_t>(end_row) * intrinsics_.width);
-  find_visible(pose, first_row, end_row, workspace);
-  for (int row = 0; row < end_row; ++row) {
-    enter_row(row, workspace);
-    if (row >= first_row) shade_row(row, workspace, grey.data() + static_cast<std::size_t>(row) * intrinsics_.width);
-  }
+                grey.size() >= static_cast<std::size_t>(end_row) * width);
+  shade_rows(pose, first_row, end_row, workspace, [&](int row) {
+    std::copy_n(workspace.grey_.data(), width, grey.data() + static_cast<std::size_t>(row) * width);
+  });
 }
 
 void Renderer::render(const Pose& pose, std::uint64_t seed, std::uint64_t frame_index, std::span<std::uint8_t> pixels,
@@ -255,15 +294,11 @@ void Renderer::render(const Pose& pose, std::uint64_t seed, std::uint64_t frame_
     throw Error(fmt::format("camera: a picture of {} x {} needs {} bytes, not {}", width, height,
                             static_cast<std::size_t>(width) * height, pixels.size()));
   }
-  find_visible(pose, 0, height, workspace);
-
   float* const grey = workspace.grey_.data();
-  for (int row = 0; row < height; ++row) {
-    enter_row(row, workspace);
-    shade_row(row, workspace, grey);
+  shade_rows(pose, 0, height, workspace, [&](int row) {
     noise_.add({grey, static_cast<std::size_t>(width)}, seed, frame_index, row);
     quantise(grey, width, pixels.data() + static_cast<std::size_t>(row) * width);
-  }
+  });
 }
 
 }  // namespace mebots::world::camera

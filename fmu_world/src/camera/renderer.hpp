@@ -17,9 +17,9 @@ namespace mebots::world::camera {
 
 /// The drone's camera: what a pinhole camera with an 8-bit grey sensor sees of a scene.
 ///
-/// Faces that are not in the picture are left out, in groups where that can be told of all of them. Then row by row:
-/// every face's pixels are tested against the inverse depths of the row, and each visible pixel is textured once, exact
-/// in perspective. Then noise is added and the row is rounded and saturated to 0..255.
+/// Faces that are not in the picture are left out, in groups where that can be told of all of them. Then strip by strip
+/// of 16 rows: every face's pixels are tested against the strip's inverse depths, and each visible pixel is textured
+/// once, exact in perspective. Then noise is added and each row is rounded and saturated to 0..255.
 /// Same arguments, same bytes, whichever renderer, thread or vector unit made them. No heap after construction.
 class Renderer {
  public:
@@ -31,14 +31,14 @@ class Renderer {
       FaceView view;
     };
     std::vector<VisibleFace> faces_;
-    std::vector<Outline::Edge> edges_;  // of their outlines
-    std::vector<std::size_t> rows_;     // where in by_row_ the faces begin whose first row it is
-    std::vector<std::int32_t> by_row_;  // faces by their first row, and then in their order
-    std::vector<std::int32_t> active_;  // faces in the row under way, in their order
+    std::vector<Outline::Edge> edges_;    // of their outlines
+    std::vector<std::size_t> strips_;     // where in by_strip_ the faces begin whose first strip it is
+    std::vector<std::int32_t> by_strip_;  // faces by their first strip, and then in their order
+    std::vector<std::int32_t> active_;    // faces in the strip under way, in their order
     std::vector<std::int32_t> next_;
-    std::vector<Pose> eyes_;  // the camera, seen from each mover
-    std::vector<float> inverse_depth_;
-    std::vector<std::int32_t> nearest_;
+    std::vector<Pose> eyes_;             // the camera, seen from each mover
+    std::vector<float> inverse_depth_;   // of the strip's pixels
+    std::vector<std::int32_t> nearest_;  // faces at them
     std::vector<float> grey_;
   };
 
@@ -69,10 +69,14 @@ class Renderer {
  private:
   /// What may be seen in the rows [first, end).
   void find_visible(const Pose& pose, int first_row, int end_row, Workspace& workspace) const;
-  static void sort_by_row(Workspace& workspace);
-  static void enter_row(int row, Workspace& workspace);
-  /// Rows in rising order after find_visible().
-  void shade_row(int row, Workspace& workspace, float* grey) const;
+  static void sort_by_strip(int first_row, Workspace& workspace);
+  /// The nearest faces of a strip, whose rows are [first, end). Strips in rising order after find_visible().
+  void see_strip(std::size_t strip, int first, int end, Workspace& workspace) const;
+  static void enter_strip(std::size_t strip, int first, Workspace& workspace);
+  /// Calls shaded(row) for each of the rows [first, end) when its light is in the workspace's `grey_`.
+  template <typename Shaded>
+  void shade_rows(const Pose& pose, int first, int end, Workspace& workspace, Shaded&& shaded) const;
+  void shade_row(int row, const std::int32_t* nearest, const Workspace& workspace, float* grey) const;
 
   Geometry geometry_;
   FaceCovers covers_;

@@ -23,8 +23,8 @@ class Counter {
   void add(const std::vector<Vector3d>& corners_C) {
     std::array<Outline::Edge, kMaxOutlineCorners> edges;
     const Outline outline({kFocal_px, kSize, kSize}, corners_C, edges);
-    for (int row = outline.first_row(); row < outline.end_row(); ++row) {
-      outline.spans(row, [&](int begin, int end) {
+    for (int first = 0; first < kSize; first += Outline::kStripRows) {
+      outline.spans(first, first + Outline::kStripRows, [&](int row, int begin, int end) {
         for (int column = begin; column < end; ++column) ++counts_[static_cast<std::size_t>(row) * kSize + column];
       });
     }

@@ -47,8 +47,8 @@ bool covers_a_pixel(const std::vector<Vector3d>& corners_C, int first_row, int e
   std::array<Outline::Edge, kMaxOutlineCorners> edges;
   const Outline outline({kCamera.focal_length_px(), kCamera.width, kCamera.height}, corners_C, edges);
   bool covered = false;
-  for (int row = std::max(outline.first_row(), first_row); row < std::min(outline.end_row(), end_row); ++row)
-    outline.spans(row, [&](int begin, int end) { covered = covered || begin < end; });
+  for (int row = first_row; row < end_row; ++row)
+    outline.spans(row, row + 1, [&](int, int begin, int end) { covered = covered || begin < end; });
   return covered;
 }
 
