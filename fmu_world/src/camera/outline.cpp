@@ -44,6 +44,33 @@ Polygon clipped(const Polygon& polygon, const ClipPlane& plane) {
   return kept;
 }
 
+/// Nothing of nearly all faces is cut off, which this tells at less cost than planes.
+bool all_inside(std::span<const Vector3d> corners_C_m, double side) {
+  bool inside = true;
+  for (const Vector3d& p : corners_C_m) {
+    const double limit = side * p.x();
+    inside = inside && p.x() >= kNearPlane_m && std::abs(p.y()) <= limit && std::abs(p.z()) <= limit;
+  }
+  return inside;
+}
+
+Polygon clipped(std::span<const Vector3d> corners_C_m, double side) {
+  Polygon polygon;
+  for (const Vector3d& corner : corners_C_m) polygon.corners[static_cast<std::size_t>(polygon.count++)] = corner;
+  const std::array<ClipPlane, kClipPlanes> planes{{{Vector3d(1.0, 0.0, 0.0), kNearPlane_m},
+                                                   {Vector3d(side, 1.0, 0.0), 0.0},
+                                                   {Vector3d(side, -1.0, 0.0), 0.0},
+                                                   {Vector3d(side, 0.0, 1.0), 0.0},
+                                                   {Vector3d(side, 0.0, -1.0), 0.0}}};
+  for (const ClipPlane& plane : planes) {
+    bool lost = false;
+    for (int i = 0; i < polygon.count; ++i) lost = lost || plane.distance(polygon.corners[i]) < 0.0;
+    if (lost) polygon = clipped(polygon, plane);
+    if (polygon.count < 3) break;
+  }
+  return polygon;
+}
+
 /// To the nearest, halves away from 0, as std::llround does without a call.
 std::int32_t to_nearest(double value) {
   const auto whole = static_cast<std::int32_t>(value);
@@ -56,36 +83,28 @@ std::int32_t to_nearest(double value) {
 Outline::Outline(const Picture& picture, std::span<const Vector3d> corners_C_m, Edges edges)
     : edges_(edges.data()), width_(picture.width) {
   const auto [focal_length_px, width, height] = picture;
-  Polygon polygon;
-  for (const Vector3d& corner : corners_C_m) polygon.corners[polygon.count++] = corner;
-
   const double side = kGuard_px / focal_length_px;
-  MEBOTS_ASSERT(polygon.count >= 3 && focal_length_px > 0);
-  const std::array<ClipPlane, kClipPlanes> planes{{{Vector3d(1.0, 0.0, 0.0), kNearPlane_m},
-                                                   {Vector3d(side, 1.0, 0.0), 0.0},
-                                                   {Vector3d(side, -1.0, 0.0), 0.0},
-                                                   {Vector3d(side, 0.0, 1.0), 0.0},
-                                                   {Vector3d(side, 0.0, -1.0), 0.0}}};
-  for (const ClipPlane& plane : planes) {
-    bool lost = false;
-    for (int i = 0; i < polygon.count; ++i) lost = lost || plane.distance(polygon.corners[i]) < 0.0;
-    if (!lost) continue;
-    polygon = clipped(polygon, plane);
+  MEBOTS_ASSERT(corners_C_m.size() >= 3 && focal_length_px > 0);
+  Polygon polygon;
+  if (!all_inside(corners_C_m, side)) {
+    polygon = clipped(corners_C_m, side);
     if (polygon.count < 3) return;
+    corners_C_m = {polygon.corners.data(), static_cast<std::size_t>(polygon.count)};
   }
+  const int corners = static_cast<int>(corners_C_m.size());
 
   // Within the guard band: below 2^28 as well as what they differ by, so that the edges' 32 bits hold them.
   std::array<std::int32_t, kMaxOutlineCorners> x;
   std::array<std::int32_t, kMaxOutlineCorners> y;
-  for (int i = 0; i < polygon.count; ++i) {
-    const Vector3d& p = polygon.corners[i];
+  for (int i = 0; i < corners; ++i) {
+    const Vector3d& p = corners_C_m[static_cast<std::size_t>(i)];
     const double scale = focal_length_px / p.x();
     x[i] = to_nearest((0.5 * width - scale * p.y()) * static_cast<double>(kOne));
     y[i] = to_nearest((0.5 * height - scale * p.z()) * static_cast<double>(kOne));
   }
 
-  const auto [left, right] = std::minmax_element(x.begin(), x.begin() + polygon.count);
-  const auto [top, bottom] = std::minmax_element(y.begin(), y.begin() + polygon.count);
+  const auto [left, right] = std::minmax_element(x.begin(), x.begin() + corners);
+  const auto [top, bottom] = std::minmax_element(y.begin(), y.begin() + corners);
   // The first row whose centre is at or below y, and the first column whose centre is at or right of x.
   const auto first_at = [](std::int32_t at, int count) {
     static_assert(kOne == 1 << 12);
@@ -96,8 +115,8 @@ Outline::Outline(const Picture& picture, std::span<const Vector3d> corners_C_m, 
   end_row_ = first_at(*bottom, height);
   if (first_row_ == end_row_) return;
   int begun_rows = 0;
-  for (int i = 0; i < polygon.count; ++i) {
-    const int j = i + 1 < polygon.count ? i + 1 : 0;
+  for (int i = 0; i < corners; ++i) {
+    const int j = i + 1 < corners ? i + 1 : 0;
     // Counter-clockwise in a picture whose y grows downwards: left edges run down, right edges run up.
     const bool down = y[i] < y[j];
     const int a = down ? i : j;
