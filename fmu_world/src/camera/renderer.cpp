@@ -147,7 +147,7 @@ Renderer::Workspace Renderer::make_workspace() const {
   const auto columns = static_cast<std::size_t>(intrinsics_.width) + kSpareColumns;
   workspace.inverse_depth_.resize(columns * kStripRows);
   workspace.nearest_.resize(columns * kStripRows);
-  workspace.grey_.resize(intrinsics_.width);
+  workspace.grey_.resize(columns);
   return workspace;
 }
 

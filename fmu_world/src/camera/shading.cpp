@@ -120,8 +120,8 @@ MEBOTS_LONG_VECTORS void test_depth_long(float w, float w_x, float x_0, int coun
       fraction_u[i] = column.fraction;
       fraction_v[i] = row.fraction;
     }
-    for (int i = 0; i < n; ++i) word[i] = words[place[i]];
-    for (int i = 0; i < n; ++i) {
+    for (int i = 0; i < whole; ++i) word[i] = words[place[i]];
+    for (int i = 0; i < whole; ++i) {
       const std::uint32_t four = word[i];
       const float c00 = static_cast<float>(static_cast<std::int32_t>(four & 0xFFU));
       const float c10 = static_cast<float>(static_cast<std::int32_t>((four >> 8) & 0xFFU));

@@ -24,15 +24,16 @@ struct FaceView {
   const Ripmap* ripmap;
 };
 
-/// What test_depth() may read behind its last pixel, and write as it was.
+/// How far the loops may go behind their last pixel, so that they take whole vectors.
 inline constexpr int kSpareColumns = 7;
 
 /// Takes over the pixels of a row where a face is nearer than what is there. All arrays begin at the first of
-/// `count` pixels, whose centre is at x = `x_0`, and go on for kSpareColumns after the last one. `w` is the face's
-/// inverse depth at x = 0 in this row.
+/// `count` pixels, whose centre is at x = `x_0`, and go on for kSpareColumns after the last one, which stay as they
+/// are. `w` is the face's inverse depth at x = 0 in this row.
 void test_depth(float w, float w_x, float x_0, int count, std::int32_t face, float* inverse_depth, std::int32_t* faces);
 
-/// Grey levels, unrounded and unlimited, of `count` pixels of the row at `y`, from the pixel at x = `x_0` on.
+/// Grey levels, unrounded and unlimited, of `count` pixels of the row at `y`, from the pixel at x = `x_0` on. What
+/// stood in the kSpareColumns after them is lost.
 void shade(const FaceView& view, double y, float x_0, int count, float* grey);
 
 /// Rounds to the nearest of 0..255 and saturates, as the sensor's converter does.
