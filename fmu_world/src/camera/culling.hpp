@@ -30,11 +30,13 @@ class PictureSides {
   double per_across_, per_lower_, per_upper_;  // lengths of the planes' normals
 };
 
-/// What tells whether a face may be seen, apart from how it looks: few cache lines for thousands of faces.
+/// What tells whether a face may be seen, and all of one without texture: few cache lines for thousands of faces.
 struct FaceCover {
   Eigen::Vector3d normal_W;
   double offset_m;
+  double light;
   std::uint32_t first_corner, corner_count;  // in FaceCovers::corners_W_m
+  std::uint32_t tile;
 };
 
 /// Of all faces, in their order.

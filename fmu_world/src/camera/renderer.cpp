@@ -91,21 +91,28 @@ Pose seen_from(const Mover& mover, const Pose& pose) {
           pose.time_ns};
 }
 
-FaceView view_of(const Face& face, const Tile& tile, double light, const Pose& pose, double height_over_plane_m,
+FaceView view_of(const FaceCover& face, double light, const Pose& pose, double height_over_plane_m,
                  double focal_length_px) {
-  const double texels_per_m_u = tile.ripmap.size() / tile.edge_u_m;
-  const double texels_per_m_v = tile.ripmap.size() / tile.edge_v_m;
-  MEBOTS_ASSERT(tile.edge_u_m > 0 && tile.edge_v_m > 0 && height_over_plane_m >= kEdgeOn_m);
+  MEBOTS_ASSERT(height_over_plane_m >= kEdgeOn_m);
   // A point on the ray at depth d (along the optical axis) is in the plane if normal . (p_WC + d ray) = offset.
   const PixelPlane n = along_ray(face.normal_W, pose.R_WC, focal_length_px);
-  const PixelPlane u = along_ray(face.u_axis_W, pose.R_WC, focal_length_px);
-  const PixelPlane v = along_ray(face.v_axis_W, pose.R_WC, focal_length_px);
   const double per_height = -1.0 / height_over_plane_m;
-  const Vector3d from_origin = pose.p_WC_m - face.texture_origin_W_m;
   FaceView view;
   view.w_0 = n.at_0 * per_height;
   view.w_x = static_cast<float>(n.along_x * per_height);
   view.w_y = static_cast<float>(n.along_y * per_height);
+  view.light = static_cast<float>(light);
+  return view;
+}
+
+/// The rest of the view of a face with a texture.
+void add_texture(const Face& face, const Tile& tile, const Pose& pose, double focal_length_px, FaceView& view) {
+  const double texels_per_m_u = tile.ripmap.size() / tile.edge_u_m;
+  const double texels_per_m_v = tile.ripmap.size() / tile.edge_v_m;
+  MEBOTS_ASSERT(tile.edge_u_m > 0 && tile.edge_v_m > 0);
+  const PixelPlane u = along_ray(face.u_axis_W, pose.R_WC, focal_length_px);
+  const PixelPlane v = along_ray(face.v_axis_W, pose.R_WC, focal_length_px);
+  const Vector3d from_origin = pose.p_WC_m - face.texture_origin_W_m;
   view.u_0 = u.at_0 * texels_per_m_u;
   view.u_x = static_cast<float>(u.along_x * texels_per_m_u);
   view.u_y = static_cast<float>(u.along_y * texels_per_m_u);
@@ -114,9 +121,7 @@ FaceView view_of(const Face& face, const Tile& tile, double light, const Pose& p
   view.v_y = static_cast<float>(v.along_y * texels_per_m_v);
   view.u_eye = eye_texel(face.u_axis_W.dot(from_origin) + face.u_origin_m, tile.edge_u_m, tile.ripmap.size());
   view.v_eye = eye_texel(face.v_axis_W.dot(from_origin) + face.v_origin_m, tile.edge_v_m, tile.ripmap.size());
-  view.light = static_cast<float>(light);
   view.ripmap = &tile.ripmap;
-  return view;
 }
 
 }  // namespace
@@ -182,11 +187,16 @@ void Renderer::find_visible(const Pose& pose, int first_row, int end_row, Worksp
       const Outline outline(picture, corners, Outline::Edges(workspace.edges_.data() + edges, kMaxOutlineCorners));
       if (std::max(outline.first_row(), first_row) >= std::min(outline.end_row(), end_row)) continue;
       edges += static_cast<std::size_t>(outline.edge_count());
-      const Face& face = geometry_.faces[k];
-      const double light = stands ? face.light : lambert(geometry_.lighting, pose.R_WC * (R_CE * face.normal_W));
-      MEBOTS_ASSERT(face.tile < geometry_.tiles.size(), "checked() has seen it");
-      workspace.faces_.push_back(
-          {outline, view_of(face, *geometry_.tiles[face.tile], light, eye, height_over_plane_m, focal_length_px)});
+      const double light = stands ? cover.light : lambert(geometry_.lighting, pose.R_WC * (R_CE * cover.normal_W));
+      FaceView view = view_of(cover, light, eye, height_over_plane_m, focal_length_px);
+      MEBOTS_ASSERT(cover.tile < geometry_.tiles.size(), "checked() has seen it");
+      const Tile& tile = *geometry_.tiles[cover.tile];
+      if (tile.ripmap.size() == 1) {
+        view.light *= static_cast<float>(tile.ripmap.texel(0, 0, 0, 0));
+      } else {
+        add_texture(geometry_.faces[k], tile, eye, focal_length_px, view);
+      }
+      workspace.faces_.push_back({outline, view});
     }
   }
   sort_by_strip(first_row, workspace);
@@ -251,11 +261,13 @@ void Renderer::shade_row(int row, const std::int32_t* nearest, const Workspace& 
   for (int begin = 0; begin < width;) {
     int end = begin + 1;
     while (end < width && nearest[end] == nearest[begin]) ++end;
-    if (nearest[begin] == kNothing) {
-      std::fill(grey + begin, grey + end, static_cast<float>(geometry_.background));
+    const FaceView* const view =
+        nearest[begin] == kNothing ? nullptr : &workspace.faces_[static_cast<std::size_t>(nearest[begin])].view;
+    if (view != nullptr && view->ripmap != nullptr) {
+      shade(*view, below_middle(row, intrinsics_), x_0 + static_cast<float>(begin), end - begin, grey + begin);
     } else {
-      shade(workspace.faces_[static_cast<std::size_t>(nearest[begin])].view, below_middle(row, intrinsics_),
-            x_0 + static_cast<float>(begin), end - begin, grey + begin);
+      const float alike = view != nullptr ? view->light : static_cast<float>(geometry_.background);
+      for (int i = begin; i < end; ++i) grey[i] = alike;
     }
     begin = end;
   }

@@ -87,10 +87,6 @@ MEBOTS_LONG_VECTORS void test_depth_long(float w, float w_x, float x_0, int coun
 [[gnu::always_inline]] inline void shade_here(const FaceView& view, double y, float x_0, int count,
                                               float* __restrict grey) {
   const Ripmap& ripmap = *view.ripmap;
-  if (ripmap.size() == 1) {
-    std::fill_n(grey, count, view.light * static_cast<float>(ripmap.texel(0, 0, 0, 0)));
-    return;
-  }
   const FaceView f = view;
   const float w = static_cast<float>(f.w_0 + f.w_y * y);
   const float u = static_cast<float>(f.u_0 + f.u_y * y);

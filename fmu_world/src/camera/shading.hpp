@@ -21,7 +21,7 @@ struct FaceView {
   float w_y, u_y, v_y;
   float u_eye, v_eye;
   float light;
-  const Ripmap* ripmap;
+  const Ripmap* ripmap = nullptr;  // without one, `light` is the grey level, and no texture coordinate is set
 };
 
 /// How far the loops may go behind their last pixel, so that they take whole vectors.
@@ -33,7 +33,7 @@ inline constexpr int kSpareColumns = 7;
 void test_depth(float w, float w_x, float x_0, int count, std::int32_t face, float* inverse_depth, std::int32_t* faces);
 
 /// Grey levels, unrounded and unlimited, of `count` pixels of the row at `y`, from the pixel at x = `x_0` on. What
-/// stood in the kSpareColumns after them is lost.
+/// stood in the kSpareColumns after them is lost. The face has a ripmap.
 void shade(const FaceView& view, double y, float x_0, int count, float* grey);
 
 /// Rounds to the nearest of 0..255 and saturates, as the sensor's converter does.
