@@ -36,7 +36,7 @@ std::uint32_t read_number(const Node& node, std::string_view what) {
     used = 0;
   }
   if (used == 0 || used != text.size() || value > 0xffffffffULL) {
-    node.fail(ErrorCode::invalid_value, fmt::format("\"{}\" must be a 32-bit {} such as \"0x1A102000\"", text, what));
+    node.fail(ErrorCode::invalid_value, fmt::format("\"{}\" must be a 32-bit {} such as \"0x1A188000\"", text, what));
   }
   return static_cast<std::uint32_t>(value);
 }

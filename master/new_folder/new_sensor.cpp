@@ -65,8 +65,8 @@ std::uint32_t address(const std::string& text) {
   return value;
 }
 
-/// The first free page of the peripherals and the first free interrupt. What else is wrong with the board is found when
-/// it is built.
+/// The first free page of the devices of our own, above GAP8's, and the first free interrupt. What else is wrong with
+/// the board is found when it is built.
 Slot free_slot(const std::string& text, const fs::path& board, const std::string& name) {
   constexpr std::uint32_t kFirstBase = 0x1A188000;
   constexpr std::uint32_t kPage = 0x1000;
