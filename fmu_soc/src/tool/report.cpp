@@ -34,8 +34,8 @@ void print_report(const Soc& soc, double host_s, std::optional<std::uint32_t> to
     fmt::print("{}{} {:.9g} J", std::exchange(before, ", "), component.name, component.energy_j);
   }
   const auto& checks = soc.energy_checks();
-  fmt::print("\nenergy by {} checks {:.9g} J to {:.9g} J\n", checks.count, checks.least * energy.total_j(),
-             checks.most * energy.total_j());
+  fmt::print("\nenergy as {} checks would have it: {:.9g} J to {:.9g} J (no confidence interval)\n", checks.count,
+             checks.least * energy.total_j(), checks.most * energy.total_j());
   for (const auto& slot : soc.devices()) {
     const bool consumes = !slot.entry->states.empty() || !slot.entry->is_on_bus();
     if (consumes) fmt::print("{} {:.9g} J\n", slot.entry->name, soc.energy_j(*slot.device));
