@@ -64,10 +64,11 @@ def main():
     if sent != wanted:
         sys.exit(f"picture {count}, {pictures[count - 1]}: sent {sent}, expected {wanted}")
     print(f"{count} looks; the last one sent {sent}, as its picture wants")
-    of_parts = sum(summary[f"{part}_energy"] for part in ("chip", "hyperram", "hyperflash", "pads", "camera"))
+    chip = summary["chip_energy"]["total"]
+    of_parts = chip + sum(summary[f"{part}_energy"] for part in ("hyperram", "hyperflash", "pads", "camera"))
     if abs(of_parts - summary["rails_energy"]) > 1e-9 * of_parts:
         sys.exit(f"chip and parts take {of_parts} J, the rails {summary['rails_energy']} J")
-    if not summary["board_energy"] > summary["rails_energy"] > summary["chip_energy"] + summary["camera_energy"] > 0:
+    if not summary["board_energy"] > summary["rails_energy"] > chip + summary["camera_energy"] > 0:
         sys.exit(f"energies that cannot be: {summary}")
 
     for option, complaint in ((["--set", "soc.firmware="], "no program inside"),
