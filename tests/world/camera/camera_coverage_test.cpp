@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <cmath>
 #include <random>
 
 namespace mebots::world::camera {
@@ -120,6 +121,37 @@ TEST(CameraCoverage, TrianglesThroughTheCamerasPlaneLeaveNoHole) {
       }
     }
   }
+}
+
+TEST(CameraCoverage, RowsOfAStripAreThoseTakenOneByOne) {
+  // In a strip the edges go on from row to row; one by one each row begins with a quotient.
+  std::mt19937 random(13);
+  std::uniform_real_distribution<double> place(-1.0, 1.0);
+  std::uniform_real_distribution<double> exponent(-1.0, 14.0);
+  using Spans = std::vector<std::array<int, 3>>;
+  std::size_t compared = 0;
+  for (int round = 0; round < 20000; ++round) {
+    const double reach_px = std::exp2(exponent(random));  // from less than a pixel to far beyond the picture
+    const double x_px = 0.5 * kSize * (1.0 + place(random));
+    const double y_px = 0.5 * kSize * (1.0 + place(random));
+    std::vector<Vector3d> corners;
+    for (int i = 0; i < 3; ++i)
+      corners.push_back(behind_pixel(x_px + reach_px * place(random), y_px + reach_px * place(random)));
+    std::array<Outline::Edge, kMaxOutlineCorners> edges;
+    const Outline outline({kFocal_px, kSize, kSize}, corners, edges);
+    Spans in_strips;
+    Spans one_by_one;
+    for (int first = 0; first < kSize; first += Outline::kStripRows) {
+      outline.spans(first, first + Outline::kStripRows, [&](int row, int begin, int end) {
+        in_strips.push_back({row, begin, end});
+      });
+    }
+    for (int row = 0; row < kSize; ++row)
+      outline.spans(row, row + 1, [&](int, int begin, int end) { one_by_one.push_back({row, begin, end}); });
+    ASSERT_EQ(in_strips, one_by_one) << "round " << round;
+    compared += in_strips.size();
+  }
+  EXPECT_GT(compared, 100000U);
 }
 
 Geometry one_face(const Face& face) {
