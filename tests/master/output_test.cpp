@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "observer/parameter_recorder.hpp"
 #include "run/input_hash.hpp"
+#include "run/run.hpp"
 #include "run/summary.hpp"
 #include "test_system.hpp"
 
@@ -74,6 +75,20 @@ TEST(Recorder, AnExclusionThatFitsNothingIsRefused) {
               }),
               testing::AllOf(HasSubstr("/record/exclude/0"), HasSubstr("nothing that is recorded fits 'a.stepz'"),
                              HasSubstr("a.steps")));
+}
+
+TEST(Recorder, AChoiceOfTheRunTakesThePlaceOfTheConfigs) {
+  const modeldesc::TemporaryFolder folder("mebots-test");
+  RunRequest request;
+  request.config = folder.path() / "test.json";
+  request.folder = folder.path() / "out";
+  test::write_file(request.config,
+                   test::with_probe(R"({"step": 0.1, "stop_time": 0.1, "instances": {"a": {"fmu": "PROBE"}},
+                       "connections": [], "record": {"variables": ["a.s*"], "exclude": ["*.steps"]}})"));
+  master::Run run(request);
+  run.record({"a.integer_out", "a.steps"});
+  run.run();
+  EXPECT_THAT(test::read_file(request.folder / "results.csv"), StartsWith("time [s],a.integer_out [-],a.steps [-]\n"));
 }
 
 TEST(Recorder, ManyBlocksOfRowsArriveWholeAndInOrder) {

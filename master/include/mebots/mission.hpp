@@ -67,7 +67,7 @@ class Mission {
   void add_scenario(const std::filesystem::path& file);
   /// The end of the run [s].
   void set_stop_time(double stop_time_s);
-  /// Records these variables (patterns with * and ?) instead of the config's choice.
+  /// Records these variables (patterns with * and ?) in place of the config's `variables` and `exclude`.
   void record(const std::vector<std::string>& patterns);
 
   /// Begins where save_state() of a mission with the same config, FMUs, settings and choice of what is recorded was

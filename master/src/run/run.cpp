@@ -140,6 +140,7 @@ void Run::record(const std::vector<std::string>& patterns) {
   require_open("record");
   system_.record.patterns.emplace();
   for (const auto& pattern : patterns) system_.record.patterns->push_back({pattern, "record"});
+  system_.record.exclude.clear();
   request_.record = patterns;
 }
 

@@ -64,7 +64,7 @@ class Run {
   /// Appends the overrides of a file.
   void add_scenario(const std::filesystem::path& file);
   void set_stop_time(std::int64_t stop_time_ns, const std::string& place);
-  /// Records these variables (patterns with * and ?) instead of the config's choice.
+  /// Records these variables (patterns with * and ?) in place of the config's `variables` and `exclude`.
   void record(const std::vector<std::string>& patterns);
   /// Must outlive the run's last step.
   void add(Observer& observer);
