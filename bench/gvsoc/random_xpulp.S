@@ -32,8 +32,8 @@
     sw x0, 4 * 18(x17)
     addi x17, x17, 128
 .endm
-# One instruction, whose rd has `after` behind it.
-.macro watch word, rd, rs1, rs2, after
+# What a watched instruction gets.
+.macro log_watched word, rd, rs1, rs2
     li x18, kWatched
     sw x18, 0(x17)
     li x18, \word
@@ -41,6 +41,10 @@
     sw x\rs1, 8(x17)
     sw x\rs2, 12(x17)
     sw x\rd, 16(x17)
+.endm
+# One instruction, whose rd has `after` behind it.
+.macro watch word, rd, rs1, rs2, after
+    log_watched \word, \rd, \rs1, \rs2
     .word \word
     sw x\rd, 20(x17)
     li x\rd, \after
@@ -48,13 +52,7 @@
 .endm
 # Likewise a store with post-increment, whose pointer is x\rd: what lies at the pointer's old place is the result.
 .macro watch_store word, rd, rs1, rs2, after
-    li x18, kWatched
-    sw x18, 0(x17)
-    li x18, \word
-    sw x18, 4(x17)
-    sw x\rs1, 8(x17)
-    sw x\rs2, 12(x17)
-    sw x\rd, 16(x17)
+    log_watched \word, \rd, \rs1, \rs2
     mv x18, x\rs1
     sw x0, 0(x18)
     .word \word
@@ -65,6 +63,7 @@
     addi x17, x17, 24
 .endm
     .include "call_host.inc"
+    .include "noise.inc"
 
     .text
 # Exceptions come here: an instruction that a core does not know is the log's last word.
@@ -78,17 +77,7 @@ vectors:
 _start:
     la t0, vectors
     csrw mtvec, t0
-    li t0, kData
-    li t1, kDataBytes / 4
-    li t2, 1
-    li t3, 1664525
-    li t4, 1013904223
-1:  mul t2, t2, t3
-    add t2, t2, t4
-    sw t2, 0(t0)
-    addi t0, t0, 4
-    addi t1, t1, -1
-    bnez t1, 1b
+    fill_noise kData, kDataBytes
     li x17, kLog
     .include "segments.inc"
 

@@ -403,6 +403,7 @@ xnor:
 
     .equ kStarted, 0xff            # cores of the cluster
     .include "cluster_boot.inc"
+    .include "noise.inc"
 
 core: li s0, kEventUnit
     li t0, 1 << 16 | 1 << 18       # barrier and dispatcher end a wait
@@ -473,17 +474,7 @@ master: la s11, begin_signature
 
 # The job of the row at s10: noise everywhere, an output of zeros.
 prepare:
-    li t0, kMem
-    li t1, kMemBytes / 4
-    li t2, 1
-    li t3, 1664525
-    li t4, 1013904223
-1:  mul t2, t2, t3
-    add t2, t2, t4
-    sw t2, 0(t0)
-    addi t0, t0, 4
-    addi t1, t1, -1
-    bnez t1, 1b
+    fill_noise kMem, kMemBytes
     lw t0, 12(s10)
     lw t1, 16(s10)
 2:  sb zero, 0(t0)
