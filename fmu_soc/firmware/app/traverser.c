@@ -22,10 +22,11 @@
 // enough that it can only have left it (0.65).
 #define ENTERED_SIZE 76
 #define NEAR_SIZE 41
-// What is flown to grows. Over the last half metre, by the longest lens, a frame of 0.6 m grows by 87 % up to a size of
-// 1.2 and by 47 % up to one of 0.65, where it may leave the picture; one of 1 m by 52 and 28 %. What has grown by less
-// than a quarter since the third mark back is no gate, or a frame of more than 1.1 m.
-#define LEAST_GROWTH_Q2 5
+// What is flown to comes nearer by what was flown. The distance told is that of a frame of 0.6 m by the longest lens:
+// it falls faster by a shorter lens or for a smaller frame, slower for a larger one. What is told to come nearer by
+// less than four fifths of what was flown is no gate, or a frame of more than 0.75 m by that lens, 1.6 m by one of 87
+// degrees.
+#define LEAST_NEARER_PERCENT 80
 // Focal length over half the picture's width, in thousandths, of the longest lens that the network knows (0.82 rad). A
 // shorter lens sees a frame of the same size from nearer, so that this one tells the farthest that the gate can be.
 #define LONGEST_FOCAL_MILLI 2301
@@ -64,6 +65,8 @@ static void begin_way(traverser_t* t) {
   t->flown_um = 0;
   t->way_urad = t->yaw_urad;
   t->marks = 0;
+  t->most_q8 = 0;
+  t->came_nearer = false;
 }
 
 void traverser_init(traverser_t* t, const policy_t* policy, int32_t yaw_rate_scale_urad_s, int32_t altitude_um,
@@ -115,13 +118,14 @@ static traverser_command_t straight_on(traverser_t* t) {
 
 // The farthest that a gate of this size can be: half the frame over its size is half the picture's width there.
 static int32_t farthest_um(int32_t size_q8) {
-  return (int32_t)((int64_t)GATE_OUTER_MM * LONGEST_FOCAL_MILLI * 127 * 256 / (2 * SIGHT_MOST_SIZE * (int64_t)size_q8));
+  const int64_t divisor_q8 = size_q8 < LEAST_SIZE * 256 ? LEAST_SIZE * 256 : size_q8;
+  return (int32_t)((int64_t)GATE_OUTER_MM * LONGEST_FOCAL_MILLI * 127 * 256 / (2 * SIGHT_MOST_SIZE * divisor_q8));
 }
 
 // The frame leaves the picture: from here on nothing but the flown distance tells where the gate is.
 static traverser_command_t enter(traverser_t* t) {
   t->phase = TRAVERSER_THROUGH;
-  t->left_um = farthest_um(t->size_q8) + PILOT_BEHIND_MM * 1000;
+  t->left_um = farthest_um(t->most_q8) + PILOT_BEHIND_MM * 1000;
   return straight_on(t);
 }
 
@@ -204,17 +208,23 @@ static traverser_command_t leave(traverser_t* t) {
   return t->flown_um > 0 ? go_elsewhere(t, -t->flown_um) : search_again(t);
 }
 
-static bool has_grown(const traverser_t* t) {
-  return 4 * t->size_q8 >= LEAST_GROWTH_Q2 * t->marked_q8[TRAVERSER_MARKS - 1];
+// What is flown to only grows, but the told size falls while the frame leaves the picture: the greatest one counts.
+static void follow_size(traverser_t* t, const sight_t* sight) {
+  t->size_q8 += (sight->size * 256 - t->size_q8) / 4;
+  if (t->marks >= TRAVERSER_MARKS && t->size_q8 > t->most_q8) {
+    t->most_q8 = t->size_q8;
+    const int32_t nearer_um = farthest_um(t->marked_q8[TRAVERSER_MARKS - 1]) - farthest_um(t->most_q8);
+    const int32_t since_um = t->flown_um - (t->marks - TRAVERSER_MARKS + 1) * TRAVERSER_MARK_UM;
+    t->came_nearer = 100 * nearer_um >= LEAST_NEARER_PERCENT * since_um;
+  }
 }
 
 static traverser_command_t approach(traverser_t* t, const sight_t* sight, bool sighted,
                                     const traverser_state_t* state) {
-  const bool near = t->size_q8 >= NEAR_SIZE * 256;
+  const bool near = t->most_q8 >= NEAR_SIZE * 256;
   const bool left = t->unseen_us > ENTERED_US && t->evidence >= EVIDENCE_TO_ENTER;
-  const bool known = t->marks >= TRAVERSER_MARKS;
-  if (known && (t->size_q8 >= ENTERED_SIZE * 256 || (near && left))) {
-    return has_grown(t) ? enter(t) : leave(t);
+  if (t->most_q8 >= ENTERED_SIZE * 256 || (near && left)) {
+    return t->came_nearer ? enter(t) : leave(t);
   }
   if (t->evidence == 0) {
     return search_again(t);
@@ -223,7 +233,7 @@ static traverser_command_t approach(traverser_t* t, const sight_t* sight, bool s
     if (sight->yaw != 0) {
       t->last_yaw = sight->yaw;
     }
-    t->size_q8 += (sight->size * 256 - t->size_q8) / 4;
+    follow_size(t, sight);
     follow_altitude(t, sight, state);
     return command(t, policy_speed_um_s(&t->policy, sight->yaw), sight->yaw);
   }

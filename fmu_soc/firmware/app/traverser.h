@@ -53,6 +53,8 @@ typedef struct {
   int32_t start_altitude_um;  // that the mission asks for
   int32_t altitude_um;        // where the gate's middle is
   int32_t size_q8;            // mean of the last sizes, in 127ths of SIGHT_MOST_SIZE
+  int32_t most_q8;            // the greatest such mean of this approach, after the first marks
+  bool came_nearer;           // whether what is flown to had then come nearer as a gate does
   int32_t evidence;           // that there is a gate: 127ths of `visible` times ms
   int32_t unseen_us;          // since a gate was in the picture
   int32_t stalled_us;         // since the drone flew as it was commanded to
