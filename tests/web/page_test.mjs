@@ -292,6 +292,13 @@ const besideTests = {
     assert.ok(rows.some((row) => row.startsWith("soc.mission.cruise_speed") && row.endsWith("0.5")), rows.join("\n"));
     assert.ok(rows.some((row) => row.startsWith("outcome")));
   },
+
+  async "in this table a long text leaves the names their room"({ page }) {
+    const broken = await page.$$eval(".comparison td:first-child", (cells) => cells.filter((cell) => cell.scrollWidth > cell.clientWidth || cell.offsetWidth < 80).map((cell) => cell.textContent));
+    assert.deepEqual(broken, []);
+    const { scrollWidth, clientWidth } = await page.$eval(".comparison", ({ scrollWidth, clientWidth }) => ({ scrollWidth, clientWidth }));
+    assert.ok(scrollWidth <= clientWidth, `${scrollWidth} of ${clientWidth} pixels`);
+  },
 };
 
 const lengthsTests = {
