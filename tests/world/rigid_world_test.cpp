@@ -117,6 +117,27 @@ TEST_F(FreeFlight, RefusesAStateThatIsNotFinite) {
   EXPECT_THROW(bodies_.step(state_, kNone, kNone, 1e-3), Error);
 }
 
+TEST_F(FreeFlight, RefusesFiniteNumbersWhoseProductsAreNot) {
+  for (const double huge : {1e40, 1e155, 1e308}) {
+    EXPECT_THROW(bodies_.step(state_, {huge, 0.0, 0.0}, kNone, 1e-3), Error) << huge;
+    EXPECT_THROW(bodies_.step(state_, kNone, {0.0, -huge, 0.0}, 1e-3), Error) << huge;
+    for (auto member : {&RigidState::p_WB_m, &RigidState::v_WB_m_per_s, &RigidState::w_WB_W_rad_per_s}) {
+      RigidState far = state_;
+      (far.*member).x() = huge;
+      EXPECT_THROW(bodies_.step(far, kNone, kNone, 1e-3), Error) << huge;
+    }
+    bodies_.set_mass(huge, Eigen::Vector3d::Constant(huge));
+    EXPECT_THROW(bodies_.step(state_, kNone, kNone, 1e-3), Error) << huge;
+    bodies_.set_mass(kMass_kg, inertia_);
+  }
+}
+
+TEST_F(FreeFlight, GoesOnWithWhatIsJustBelowTheLimit) {
+  state_.w_WB_W_rad_per_s.x() = 9e39;
+  for (int i = 0; i < 10; ++i) bodies_.step(state_, {9e39, 0.0, 0.0}, kNone, 1e-3);
+  EXPECT_TRUE(state_.is_finite());
+}
+
 TEST_F(FreeFlight, RefusesForcesThatAreNotFinite) {
   EXPECT_THROW(bodies_.step(state_, {0.0, 0.0, INFINITY}, kNone, 1e-3), Error);
 }

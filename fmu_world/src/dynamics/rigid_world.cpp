@@ -124,6 +124,7 @@ class RigidWorld::Impl {
     dMassSetParameters(&mass, mass_kg, 0.0, 0.0, 0.0, inertia_kg_m2.x(), inertia_kg_m2.y(), inertia_kg_m2.z(), 0.0, 0.0,
                        0.0);
     dBodySetMass(body_, &mass);
+    mass_kg_ = mass_kg;
   }
 
   const std::vector<Touch>& step(RigidState& state, const Eigen::Vector3d& force_W, const Eigen::Vector3d& torque_B,
@@ -132,6 +133,12 @@ class RigidWorld::Impl {
     if (!state.is_finite() || !force_W.allFinite() || !torque_B.allFinite()) {
       throw Error("the drone's state or the forces on it are not finite: no step is possible from here");
     }
+    require_moderate("the drone's mass [kg]", mass_kg_);
+    require_moderate("a force on the drone [N]", force_W.cwiseAbs().maxCoeff());
+    require_moderate("a torque on the drone [N.m]", torque_B.cwiseAbs().maxCoeff());
+    require_moderate("a coordinate of the drone [m]", state.p_WB_m.cwiseAbs().maxCoeff());
+    require_moderate("a velocity of the drone [m/s]", state.v_WB_m_per_s.cwiseAbs().maxCoeff());
+    require_moderate("an angular velocity of the drone [rad/s]", state.w_WB_W_rad_per_s.cwiseAbs().maxCoeff());
     MEBOTS_ASSERT(dt_s > 0);
     load(state, time_ns);
     collide(state);
@@ -156,6 +163,15 @@ class RigidWorld::Impl {
   }
 
  private:
+  /// ODE multiplies a few of such numbers. Where a product is not finite, it ends the process (dxNormalize4).
+  static constexpr double kMost = 1e40;
+
+  static void require_moderate(const char* what, double value) {
+    if (value < kMost) return;
+    throw Error(fmt::format("{} is {}, and a step is possible below {} only; look at inputs and parameters", what,
+                            value, kMost));
+  }
+
   struct Obstacle {
     dGeomID geom;
     Touch::What what;
@@ -281,6 +297,7 @@ class RigidWorld::Impl {
   dThreadingImplementationID threading_ = nullptr;
   dJointGroupID joints_ = nullptr;
   dBodyID body_ = nullptr;
+  double mass_kg_ = 0.0;
   dGeomID drone_ = nullptr;
   double drone_radius_m_ = 0.0;
   std::vector<scene::Solid> solids_;

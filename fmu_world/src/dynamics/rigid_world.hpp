@@ -48,7 +48,7 @@ class RigidWorld {
 
   /// Moves `state` by dt from `time_ns` on under gravity, contact and the given wrench (force in world axes, torque in
   /// body axes). Returns the touches at the state before the move; valid until the next call.
-  /// Throws mebots::Error when the state is or becomes not finite.
+  /// Throws mebots::Error when the state is or becomes not finite, or anything here is 1e40 or more.
   const std::vector<Touch>& step(RigidState& state, const Eigen::Vector3d& force_W_n,
                                  const Eigen::Vector3d& torque_B_n_m, double dt_s, std::int64_t time_ns = 0);
 
