@@ -4,7 +4,6 @@
 #include "check_fmu.hpp"
 #include "mebots/error.hpp"
 
-#include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -22,6 +21,8 @@ struct CheckOptions {
 };
 
 int check_command(const CheckOptions& options) {
+  std::string text;
+  bool clean = false;
   try {
     check::Options how;
     how.half_step_tolerance = options.half_step_tolerance;
@@ -29,13 +30,14 @@ int check_command(const CheckOptions& options) {
     how.level = check::level_named(options.level);
     how.run = !options.files_only;
     const auto report = check::check_fmu(options.fmu, how);
-    const auto text = options.json ? check::to_json(report) : check::to_text(report);
-    std::fputs(text.c_str(), stdout);
-    return report.clean() ? 0 : 1;
+    text = options.json ? check::to_json(report) : check::to_text(report);
+    clean = report.clean();
   } catch (const Error& error) {
     print_error(error.what());
     return 2;
   }
+  const int code = guarded([&] { print_product(text); });
+  return code != 0 || clean ? code : 1;
 }
 
 }  // namespace
@@ -59,7 +61,7 @@ void add_check(CLI::App& app, Action& action) {
   command->add_option("--deadline", options->deadline_s, "Time that each experiment may compute or sleep [s]")
       ->check(positive());
   command->footer(
-      help_footer({"0 clean", "1 findings", "2 the file cannot be read"},
+      help_footer({"0 clean", "1 findings, or standard output is closed or full", "2 the file cannot be read"},
                   {"mebots check yours.fmu", "mebots check yours.fmu --level pedantic --json > report.json"}));
   command->callback([options, &action] { action = [options] { return check_command(*options); }; });
 }

@@ -6,14 +6,23 @@
 
 #include <fmt/format.h>
 
+#include <cerrno>
 #include <cmath>
 #include <cstdio>
+#include <cstring>
 #include <exception>
 
 namespace mebots::app {
 
 void print_error(const std::string& text) {
   std::fprintf(stderr, "mebots: error: %s\n", text.c_str());
+}
+
+void print_product(std::string_view text) {
+  std::fwrite(text.data(), 1, text.size(), stdout);
+  if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
+    throw Error(ErrorCode::file_unwritable, fmt::format("standard output: {}", std::strerror(errno)));
+  }
 }
 
 int guarded(const std::function<void()>& work) {

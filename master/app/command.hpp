@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <functional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace mebots::app {
@@ -48,6 +49,10 @@ int guarded(const std::function<void()>& work);
 
 /// Prints "mebots: error: ..." to standard error.
 void print_error(const std::string& text);
+
+/// Writes a command's product to standard output, behind what stands there. Throws Error when the output is closed or
+/// full.
+void print_product(std::string_view text);
 
 /// The footer of a command's help: "Exit codes: ..." and "Examples: ...", one per line.
 std::string help_footer(const std::vector<std::string>& exit_codes, const std::vector<std::string>& examples);

@@ -164,12 +164,13 @@ void info(const std::filesystem::path& file) {
   }
   if (master::may_be_system(file)) {
     print_system(master::read_config(file));
-    return;
+  } else {
+    const master::Fmu opened(file);
+    print_description(opened.description());
+    fmt::print("\n");
+    print_variables(opened.description());
   }
-  const master::Fmu opened(file);
-  print_description(opened.description());
-  fmt::print("\n");
-  print_variables(opened.description());
+  print_product("");  // all of it is out
 }
 
 }  // namespace
@@ -182,7 +183,7 @@ void add_info(CLI::App& app, Action& action) {
                    "FMU (.fmu), config (.json), SSP (.ssp, .ssd or its folder) or OspSystemStructure.xml")
       ->type_name("FILE")
       ->required();
-  command->footer(help_footer({"0 shown", "2 the file cannot be used"},
+  command->footer(help_footer({"0 shown", "1 standard output is closed or full", "2 the file cannot be used"},
                               {"mebots info fmu_battery.fmu", "mebots info configs/gate_easy.json"}));
   command->callback([file, &action] { action = [file] { return guarded([&] { info(*file); }); }; });
 }

@@ -77,6 +77,7 @@ std::string complaint(CLI::App& app, const CLI::ParseError& error) {
 int main(int argument_count, char** arguments) {
   open_standard_streams();
   std::signal(SIGPIPE, SIG_IGN);  // whoever reads our text may leave; the results are still wanted
+  std::signal(SIGXFSZ, SIG_IGN);  // a file at the limit of its size is an error that is told, as a full disk is
   CLI::App app{"MEbots: co-simulation of FMI 2.0 FMUs"};
   app.name("mebots");
   app.set_version_flag("--version", "mebots " + std::string(mebots::version()));

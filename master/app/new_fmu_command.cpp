@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "command.hpp"
+#include "run_texts.hpp"
 
 #include "new_fmu.hpp"
 
-#include <cstdio>
+#include <fmt/format.h>
+
 #include <filesystem>
 #include <memory>
 
@@ -18,12 +20,14 @@ struct NewFmuOptions {
 int new_fmu_command(const NewFmuOptions& options) {
   try {
     const auto folder = new_fmu::new_fmu(options.description, options.out).string();
-    std::printf(
-        "%s is written. Next:\n"
-        "  cmake -S %s -B %s/build -DCMAKE_BUILD_TYPE=Release && cmake --build %s/build && ctest --test-dir %s/build\n"
-        "  mebots check %s/build/fmus/*.fmu\n"
-        "then put your equations into %s/src/model.cpp\n",
-        folder.c_str(), folder.c_str(), folder.c_str(), folder.c_str(), folder.c_str(), folder.c_str(), folder.c_str());
+    const auto word = shell_word(folder);
+    fmt::print(
+        "{0} is written. Next:\n"
+        "  cmake -S {1} -B {1}/build -DCMAKE_BUILD_TYPE=Release && cmake --build {1}/build && ctest --test-dir "
+        "{1}/build\n"
+        "  mebots check {1}/build/fmus/*.fmu\n"
+        "then put your equations into {0}/src/model.cpp\n",
+        folder, word);
     return 0;
   } catch (const std::exception& error) {
     print_error(error.what());

@@ -220,9 +220,12 @@ void add_run(CLI::App& app, Action& action) {
                                "mebots run configs/gate_easy.json --isolate --checkpoint-every 5"}));
   command->callback([run, report, &action] {
     action = [run, report] {
-      auto request = request_of(*run);
-      request.in_memory = report->live_port.has_value();
-      return execute([&] { return std::make_unique<Run>(request); }, *report);
+      const auto open = [&] {
+        auto request = request_of(*run);
+        request.in_memory = report->live_port.has_value();
+        return std::make_unique<Run>(request);
+      };
+      return execute(open, *report);
     };
   });
 }

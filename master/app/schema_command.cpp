@@ -6,7 +6,6 @@
 #include "mebots/nearest_names.hpp"
 
 #include <algorithm>
-#include <cstdio>
 #include <memory>
 #include <string>
 #include <vector>
@@ -14,16 +13,15 @@
 namespace mebots::app {
 namespace {
 
-int print_schema(const std::string& kind) {
+void print_schema(const std::string& kind) {
   const auto all = master::schemas();
   const auto found = std::ranges::find(all, kind, &master::Schema::kind);
   if (found == all.end()) {
     std::vector<std::string> known;
     for (const auto& schema : all) known.emplace_back(schema.kind);
-    print_error("there is no kind of file '" + kind + "'. " + suggest(kind, known));
-    return 2;
+    throw InputError(ErrorCode::unknown_name, "there is no kind of file '" + kind + "'. " + suggest(kind, known));
   }
-  return std::fwrite(found->text.data(), 1, found->text.size(), stdout) == found->text.size() ? 0 : 1;
+  print_product(found->text);
 }
 
 }  // namespace
@@ -36,7 +34,7 @@ void add_schema(CLI::App& app, Action& action) {
   command->add_option("kind", *kind, "Kind of file: " + kinds)->type_name("KIND")->capture_default_str();
   command->footer(help_footer({"0 printed", "1 standard output is closed or full", "2 there is no such kind of file"},
                               {"mebots schema > mebots-config.schema.json", "mebots schema board"}));
-  command->callback([&action, kind] { action = [kind] { return print_schema(*kind); }; });
+  command->callback([&action, kind] { action = [kind] { return guarded([&] { print_schema(*kind); }); }; });
 }
 
 }  // namespace mebots::app

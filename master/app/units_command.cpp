@@ -5,13 +5,12 @@
 
 #include <fmt/format.h>
 
-#include <cstdio>
 #include <string>
 
 namespace mebots::app {
 namespace {
 
-int print_units() {
+void print_units() {
   std::string text = fmt::format("{:<6} {:<22} {:<18} {:>24} {:>8}\n", "unit", "", "SI base", "factor", "offset");
   for (const auto& known : modeldesc::known_units()) {
     const auto& unit = known.unit;
@@ -22,7 +21,7 @@ int print_units() {
       "\nvalue in SI units = factor x value + offset. Products of powers of these are units, too, in the notation of "
       "FMI:\n"
       "m/s2, kg.m2, rad/(s.V), 1/s, s-1. In a product a unit with an offset counts as a difference.\n";
-  return std::fwrite(text.data(), 1, text.size(), stdout) == text.size() ? 0 : 1;
+  print_product(text);
 }
 
 }  // namespace
@@ -30,7 +29,7 @@ int print_units() {
 void add_units(CLI::App& app, Action& action) {
   auto* command = app.add_subcommand("units", "List the units that a description may use, with dimension and factor");
   command->footer(help_footer({"0 printed", "1 standard output is closed or full"}, {"mebots units"}));
-  command->callback([&action] { action = &print_units; });
+  command->callback([&action] { action = [] { return guarded(&print_units); }; });
 }
 
 }  // namespace mebots::app

@@ -202,6 +202,14 @@ TEST_F(Program, BadUsageIsAnsweredByTwo) {
     EXPECT_EQ(result.code, 2) << testing::PrintToString(arguments);
     EXPECT_THAT(result.err, Not(IsEmpty()));
   }
+  for (const auto& more : {std::vector<std::string>{"--stop-time", "nan"},
+                           {"--step", "0"},
+                           {"--checkpoint-every", "1e400"},
+                           {"--set", "gain=3"}}) {
+    const auto result = run_config(more);
+    EXPECT_EQ(result.code, 2) << testing::PrintToString(more);
+    EXPECT_THAT(result.err, HasSubstr(more.front() + " " + more.back()));
+  }
   EXPECT_EQ(run({"--help"}).code, 0);
   EXPECT_EQ(run({"--version"}).code, 0);
 }
@@ -236,6 +244,20 @@ TEST_F(Program, ClosedStreamsGetIntoNoFile) {
   const auto command = fmt::format("cd '{}' && '{}' run two.json <&- >&- 2>&-", folder.path().string(), MEBOTS_PROGRAM);
   ASSERT_EQ(std::system(command.c_str()), 0);
   EXPECT_EQ(read_file(results() / "results.csv"), csv);
+}
+
+TEST_F(Program, ACommandWhoseOutputHasNoRoomFails) {
+  for (const char* arguments : {"info two.json", "schema rotor", "units", "check --json --files-only " PROBE_FMU}) {
+    const auto command =
+        fmt::format("cd '{}' && '{}' {} >/dev/full", folder.path().string(), MEBOTS_PROGRAM, arguments);
+    EXPECT_EQ(WEXITSTATUS(std::system(command.c_str())), 1) << arguments;
+  }
+}
+
+TEST_F(Program, WhatIsToBeTypedNextIsQuotedForTheShell) {
+  write_file(folder.path() / "d.json", R"({"name": "d", "text": "A length", "step": 1, "stop_time": 1, "variables": [
+      {"name": "out", "causality": "output", "unit": "m", "text": "A length"}]})");
+  EXPECT_THAT(run({"new-fmu", "d.json", "--out", "my fmu"}).out, HasSubstr("cmake -S 'my fmu' -B 'my fmu'/build "));
 }
 
 TEST_F(Program, ALogCategoryThatTheFmuDoesNotDeclareIsNoticed) {
@@ -290,6 +312,14 @@ TEST_F(Program, AFullDiskIsReportedAndTheSummaryStillWritten) {
   const auto result = run_config({"--stop-time", "1000"});
   EXPECT_EQ(result.code, 1);
   EXPECT_THAT(result.err, AllOf(HasSubstr("results.csv"), HasSubstr("No space left on device")));
+  EXPECT_EQ(summary()["outcome"], "failed");
+}
+
+TEST_F(Program, AFileAtTheLimitOfItsSizeIsReportedAndTheSummaryStillWritten) {
+  const auto command = fmt::format("ulimit -f 4000; cd '{}' && '{}' run two.json --quiet --stop-time 10000 2>err",
+                                   folder.path().string(), MEBOTS_PROGRAM);
+  EXPECT_EQ(WEXITSTATUS(std::system(command.c_str())), 1);
+  EXPECT_THAT(read_file(folder.path() / "err"), AllOf(HasSubstr("results.csv"), HasSubstr("File too large")));
   EXPECT_EQ(summary()["outcome"], "failed");
 }
 
