@@ -216,6 +216,10 @@ class Forks(StudyCase):
         self.study(fork={"at": 0, "variables": ["a.real_in"]})
         self.sweep(code=2)
 
+    def test_a_fork_at_or_behind_the_stop_time_is_bad_input(self):
+        self.study(fork=self.FORK | {"at": 1})
+        self.assertIn("'fork': at 1 s is not before the mission's stop time, 1 s", self.sweep(code=2))
+
     def test_an_fmu_that_cannot_write_its_state_is_named(self):
         mission = json.loads((self.folder / "mission.json").read_text())
         mission["instances"]["b"] = {"fmu": str(BUILD / "test_fmus" / "passthrough.fmu")}

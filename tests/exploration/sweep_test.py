@@ -125,6 +125,12 @@ class Tables(StudyCase):
         self.assertEqual([(row["a.gain"], row["a.string_in"]) for row in self.rows("designs.csv")],
                          [("0.5", "one"), ("1.5", "two")])
 
+    def test_a_list_may_begin_with_the_mark_that_spreadsheets_write(self):
+        (self.folder / "designs.csv").write_bytes(b"\xef\xbb\xbfa.gain\n0.5\n")
+        self.study(design={"kind": "list", "file": "designs.csv"})
+        self.sweep()
+        self.assertEqual([row["a.gain"] for row in self.rows("designs.csv")], ["0.5"])
+
     def test_a_latin_hypercube_has_one_design_in_each_stratum(self):
         self.study(design={"kind": "latin_hypercube", "points": 8, "seed": 3, "factors": {
             "a.gain": {"uniform": [0, 8]}, "a.offset": {"uniform": [0, 8]}}},
@@ -354,6 +360,18 @@ class BadInput(StudyCase):
         self.study(objectives={"x": {"outcome": "fra"}})
         self.assertIn(f"{study}: the objective 'x': ", self.refused())
 
+    def test_a_refused_key_of_the_config_names_the_factor_and_its_value(self):
+        study = str(self.folder / "study.json")
+        self.study(design={"kind": "grid", "factors": {"a.gain": [1, 2], "/step": [0, 0.1, 1e-12]}})
+        text = self.refused()
+        for value in ("0", "1e-12"):
+            self.assertIn(f"{study}: factor '/step' = {value}: ", text)
+
+    def test_a_list_that_is_not_utf_8_is_named(self):
+        (self.folder / "designs.csv").write_bytes("a.gain,a.string_in\n1,groß\n".encode("latin-1"))
+        self.study(design={"kind": "list", "file": "designs.csv"})
+        self.assertIn("designs.csv: this is not a CSV file in UTF-8", self.refused())
+
     def test_what_can_never_be_decided_is_refused(self):
         self.study(constraints={"success": {"above": 95}})
         self.assertIn("/constraints/success/above: 95 must be >= 0 and <= 1", self.refused())
@@ -381,6 +399,9 @@ class BadInput(StudyCase):
         self.refused()
         self.study(objectives={"x": {"expression": "integral +"}})
         self.assertIn("not an expression", self.refused())
+        for text in ("integral" + "+integral" * 20000, "(" * 3000 + "integral" + ")" * 3000):
+            self.study(objectives={"x": {"expression": text}})
+            self.assertIn("the objective 'x': ", self.refused())
 
     def test_a_folder_belongs_to_one_sweep_at_a_time(self):
         import fcntl

@@ -158,12 +158,17 @@ class Campaign:
         Raises InputError with everything that is refused."""
         tried: dict[str, tuple[str, Values]] = {}
         found: dict[str, Record] = {}
+        problems: dict[str, str] = {}
 
         def take() -> None:
             found.update((record["mission"], record) for record in self._dispatcher.take())
 
         for what, values in self._trials():
-            order = self._trial(values)
+            try:
+                order = self._trial(values)
+            except InputError as error:  # of the config that the values make
+                problems.setdefault(str(error), self._blamed("", str(error), values))
+                continue
             if order["mission"] in tried or (journal is not None and order["mission"] in journal):
                 continue
             tried[order["mission"]] = what, values
@@ -172,20 +177,20 @@ class Campaign:
             self._dispatcher.give(order | {"check": True})
         while len(found) < len(tried):
             take()
-        problems: dict[str, str] = {}
         for mission, (what, values) in tried.items():
             error, about = found[mission]["error"], found[mission].get("about", "")
             if error:
                 # Nobody called set(): the study says it.
                 problems.setdefault(error.removeprefix(f'set("{about}"): '), self._blamed(about, error, values) or what)
         if problems:
-            told = (f"{self.study.place}: {what}: {error}" for error, what in problems.items())
+            told = (": ".join(filter(None, (self.study.place, what, error))) for error, what in problems.items())
             raise InputError("\n".join(told), "invalid_value")
 
     def _blamed(self, about: str, error: str, values: Values) -> str:
         """Who asks for the variable that an error is about: a factor, a draw or an objective; "" for none of them."""
         for name, value in values.items():
-            if about in self.missions.settings(name, value):
+            settings = self.missions.settings(name, value)
+            if about in settings or any(key.startswith("/") and f" {key}: " in error for key in settings):
                 return f"{'draw' if name in self.study.draws else 'factor'} '{name}' = {json.dumps(value)}"
         for one in self.study.objectives:
             if one.source in ("final", "series") and (one.what == about or f"'{one.what}'" in error):

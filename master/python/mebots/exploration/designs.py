@@ -45,8 +45,11 @@ def _grid(study: Study) -> list[Values]:
 
 def _list(study: Study) -> list[Values]:
     file = pathlib.Path(study.design["file"])
-    with open(file, newline="", encoding="utf-8") as stream:
-        rows = [row for row in csv.reader(stream) if row]
+    try:
+        with open(file, newline="", encoding="utf-8-sig") as stream:  # spreadsheets write a mark first
+            rows = [row for row in csv.reader(stream) if row]
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise InputError(f"{file}: this is not a CSV file in UTF-8: {error}. Save it as one", "syntax_error") from None
     if len(rows) < 2:
         raise InputError(f"{file}: a row of names and at least one design are needed", "syntax_error")
     names = [name.strip() for name in rows[0]]

@@ -12,6 +12,7 @@ import dataclasses
 import functools
 import hashlib
 import json
+import math
 import os
 import pathlib
 import re
@@ -81,6 +82,7 @@ class _Variant:
     config: str
     digest: str
     files: dict[str, list[str]]
+    stop_time_s: float
     kept: Any  # an SSP's unpacked folder goes with it
 
 
@@ -101,10 +103,16 @@ class Missions:
         """Where results are kept."""
 
     def order(self, values: Values) -> Order:
-        """The mission with these values of factors and draws. Raises InputError for a pointer into nowhere."""
+        """The mission with these values of factors and draws. Raises InputError for a pointer into nowhere, and for
+        a fork behind the end."""
         fork = self._study.fork
         if fork is None:
             return self._order(values, ())
+        stop_time_s = self._variant(self._divide(values)[0]).stop_time_s
+        if fork.at_s >= stop_time_s:
+            raise InputError(
+                f"'fork': at {fork.at_s:g} s is not before the mission's stop time, {stop_time_s:g} s: what it names would never count", "invalid_value"
+            )
         later = {name: value for name, value in values.items() if name in fork.variables}
         before = {name: value for name, value in values.items() if name not in later}
         return self._order(before, (Turn({"at": fork.at_s}, later),))
@@ -226,7 +234,7 @@ class Missions:
         digest = digest_of(config)
         if self._study.results:
             config |= {section: shown[section] for section in _OF_RESULTS if section in shown}
-        return _Variant(json.dumps(config), digest, files, ground)
+        return _Variant(json.dumps(config), digest, files, config.get("stop_time", math.inf), ground)
 
 
 def _put(config: dict[str, Any], pointer: str, value: Any) -> None:

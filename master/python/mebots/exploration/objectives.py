@@ -120,7 +120,16 @@ def formula(text: str, known: Iterable[str], place: str) -> Callable[[Mapping[st
         tree = ast.parse(text, mode="eval").body
     except (SyntaxError, ValueError):
         raise InputError(f"{place}: '{text}' is not an expression", "syntax_error") from None
-    return compiled(tree)
+    except (MemoryError, RecursionError):
+        raise _too_long(text, place) from None
+    try:
+        return compiled(tree)
+    except RecursionError:
+        raise _too_long(text, place) from None
+
+
+def _too_long(text: str, place: str) -> InputError:
+    return InputError(f"{place}: '{text[:40]}...' is too long an expression; make several objectives of it", "syntax_error")
 
 
 def _dotted(node: ast.AST) -> str | None:
