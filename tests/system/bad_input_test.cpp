@@ -35,6 +35,13 @@ TEST(BadInput, FirmwareForAnotherMachineIsNamed) {
   EXPECT_THAT(flight.output, AllOf(HasSubstr("soc"), HasSubstr(X86_PROGRAM), HasSubstr("64-bit")));
 }
 
+TEST(BadInput, ATraceThatFindsNoRoomIsToldWithoutBeingAskedFor) {
+  const Folder folder;
+  const auto flight = fly(write(folder / "easy.json", shipped_config("gate_easy")), folder / "out",
+                          {"soc.observe.trace=/dev/full"}, {"--quiet", "--stop-time", "0.1"});
+  EXPECT_THAT(flight.output, AllOf(HasSubstr("observe.trace /dev/full"), HasSubstr("is the disk full?")));
+}
+
 TEST(BadInput, NegativeMassIsRefusedWithItsLimit) {
   const auto flight = refused({"world.drone.dry_mass=-0.01"});
   EXPECT_EQ(flight.exit_code, 2);

@@ -230,7 +230,7 @@ struct LogDescription {
 };
 
 /// Categories that are shown when the config says nothing else about an instance.
-inline constexpr std::string_view kDefaultLogCategories[] = {"console", "events", "faults"};
+inline constexpr std::string_view kDefaultLogCategories[] = {"console", "events", "faults", "observe"};
 
 /// SystemDescription::threads: as many as the machine runs at the same time.
 inline constexpr unsigned kAutomaticThreads = 0;
