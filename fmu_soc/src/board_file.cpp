@@ -123,6 +123,12 @@ BoardMemory read_memory(const Node& node, std::set<std::string>& names) {
   object.read("size", memory.size, &read_bytes);
   object.read_if("place", memory.place, read_place());
   object.read_if("banks", memory.banks, power_of_two(1, Banks::kMost));
+  object.visit_if("arbitration_tree", [&](const Node& member) {
+    memory.arbitration_tree = member.flag();
+    if (memory.arbitration_tree && memory.place != Place::cluster) {
+      member.fail(ErrorCode::invalid_value, "only the cluster's own memory can have it; leave it out");
+    }
+  });
   object.read_if("leaks", memory.leaks, &Node::flag);
   object.read_if("alias", memory.alias, &read_address);
   object.visit_if("way", [&](const Node& member) {

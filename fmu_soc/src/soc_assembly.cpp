@@ -182,7 +182,10 @@ void Soc::add_cluster(const Settings& settings) {
     for (std::size_t i = 0; i < board_.memories.size(); ++i) {
       if (board_.memories[i].place != place) continue;
       const auto wait = place == Place::cluster ? 0 : chip_.interconnect.cluster_to_soc;
-      if (place == Place::cluster) cluster.l1_banks = board_.memories[i].banks;
+      if (place == Place::cluster) {
+        cluster.l1_banks = board_.memories[i].banks;
+        cluster.arbitration_tree = board_.memories[i].arbitration_tree;
+      }
       cluster.ports.push_back({i, wait, nullptr});
     }
     if (place == Place::cluster && cluster.ports.size() != 1) {

@@ -198,6 +198,15 @@ TEST(BoardFile, TakesAWayToAMemoryOutsideTheClusterOnly) {
               HasSubstr("/memories/0/way/fabric_controller"));
 }
 
+TEST(BoardFile, TakesATreeOfTheClustersMemoryOnly) {
+  const auto memory = [](std::string_view place) {
+    return fmt::format(R"({{"name": "ram", "base": "0x1000", "size": 4096, "place": "{}", "arbitration_tree": true}})",
+                       place);
+  };
+  EXPECT_EQ(complaint(memory("cluster"), ""), "");
+  EXPECT_THAT(complaint(memory("fabric_controller"), ""), HasSubstr("only the cluster's own memory can have it"));
+}
+
 TEST(BoardFile, TakesCyclesOfTheSocOfAClustersCacheOnlyWhereTheyCount) {
   const auto caches = [](std::string_view place) {
     return fmt::format(R"("instruction_caches": [{{"place": "{}", "size": 4096, "line": 16, "ways": 4,

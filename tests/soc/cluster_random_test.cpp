@@ -56,6 +56,7 @@ class Comparison {
   explicit Comparison(std::uint32_t seed)
       : random_(seed), program_(BoardSystem::assembled(random_cluster_program(seed))) {
     settings_.cluster_cores = below(3) == 0 ? 1 + below(8) : 8;
+    for (auto& memory : board_.memories) memory.arbitration_tree = memory.place == Place::cluster && seed % 2 == 0;
     straight_ = made();
     restored_ = made();
     watched_ = made();
@@ -88,7 +89,7 @@ class Comparison {
 
  private:
   unsigned below(unsigned count) { return static_cast<unsigned>(random_() % count); }
-  std::unique_ptr<BoardSystem> made() { return std::make_unique<BoardSystem>(program_, settings_); }
+  std::unique_ptr<BoardSystem> made() { return std::make_unique<BoardSystem>(program_, settings_, board_); }
 
   void watch(bool on) {
     watching_ = on;
@@ -120,6 +121,7 @@ class Comparison {
   std::mt19937_64 random_;
   Elf program_;
   Settings settings_;
+  BoardDescription board_ = BoardSystem::ai_deck();
   Onlooker onlooker_;
   StepCounter step_counter_;
   std::unique_ptr<BoardSystem> straight_;

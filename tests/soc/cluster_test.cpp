@@ -27,7 +27,8 @@ void expect_same_bits(Soc& one, Soc& other, std::int64_t step_ns, std::int64_t e
 
 /// The fabric controller switches the cluster on and sleeps; each core runs `body` with its number in s0, then leaves
 /// the cycles that it took in result(number).
-BoardSystem cores_run(std::string_view body, unsigned cores, bool translate = true) {
+BoardSystem cores_run(std::string_view body, unsigned cores, bool translate = true,
+                      const BoardDescription& board = BoardSystem::without_caches()) {
   Settings settings;
   settings.cluster_cores = cores;
   settings.translate = translate;
@@ -53,14 +54,15 @@ core: csrr s0, mhartid
     j 2b
 )",
                                                         body)),
-                     settings, BoardSystem::without_caches());
+                     settings, board);
 }
 
 /// 256 loads that take a cycle each when nobody is in the way.
 constexpr std::string_view kHammer = ".rept 128\n lw a1, 0(a0)\n lw a2, 0(a0)\n.endr\n";
 
-std::vector<std::uint32_t> cycles_of(std::string_view body, unsigned cores) {
-  auto system = cores_run(body, cores);
+std::vector<std::uint32_t> cycles_of(std::string_view body, unsigned cores,
+                                     const BoardDescription& board = BoardSystem::without_caches()) {
+  auto system = cores_run(body, cores, true, board);
   system.soc.advance(1'000'000);
   std::vector<std::uint32_t> cycles;
   for (unsigned core = 0; core < cores; ++core) cycles.push_back(system.result(core));
@@ -109,6 +111,56 @@ TEST(ClusterBanks, CoresOnBanksOfTheirOwnDoNotSeeEachOther) {
 TEST(ClusterBanks, SixteenWordsApartIsTheSameBank) {
   const auto cycles = cycles_of("slli a0, s0, 6\n add a0, a0, s1\n" + std::string(kHammer), 2);
   EXPECT_GE(std::max(cycles[0], cycles[1]), 512U);
+}
+
+BoardDescription with_tree(BoardDescription board) {
+  for (auto& memory : board.memories) memory.arbitration_tree = memory.place == Place::cluster;
+  return board;
+}
+
+/// A loop of 16 loads of one word, `turns` times, without any cycle between them.
+std::string hammer(unsigned turns) {
+  return fmt::format(
+      "mv a0, s1\n.balign 4\n.option push\n.option norvc\nli a3, {}\n.insn i 0x7b, 4, x0, a3, 32\n"
+      ".rept 8\n lw a1, 0(a0)\n lw a2, 0(a0)\n.endr\n.option pop\n",
+      turns);
+}
+
+/// What cores take that want one word in every cycle, by the rule of the RTL: the bank counts its grants modulo the
+/// cores, and goes to the core whose number XOR that is the least.
+std::vector<std::uint32_t> cycles_by_tree(unsigned cores, std::uint32_t loads) {
+  std::vector<std::uint32_t> left(cores, loads);
+  std::vector<std::uint32_t> end(cores, 0);
+  for (std::uint32_t cycle = 0; cycle < cores * loads; ++cycle) {
+    unsigned first = cores;
+    for (unsigned core = 0; core < cores; ++core) {
+      if (left[core] == 0) continue;
+      if (first == cores || (core ^ cycle % cores) < (first ^ cycle % cores)) first = core;
+    }
+    if (--left[first] == 0) end[first] = cycle + 1;
+  }
+  return end;
+}
+
+TEST(ClusterBanks, ATreeServesCoresInTurns) {
+  constexpr unsigned kTurns = 64;
+  for (const unsigned cores : {2, 3, 4, 8}) {
+    const auto cycles = cycles_of(hammer(kTurns), cores, with_tree(BoardSystem::without_caches()));
+    const auto expected = cycles_by_tree(cores, 16 * kTurns);
+    for (unsigned core = 0; core < cores; ++core) {
+      EXPECT_NEAR(cycles[core], expected[core], 0.05 * expected[core]) << core << " of " << cores;
+    }
+  }
+}
+
+/// Whoever else sleeps.
+TEST(ClusterBanks, ATreeServesTwoOfEightCoresInTurns) {
+  const auto body = "li t0, 2\nblt s0, t0, 4f\n3: wfi\nj 3b\n4:\n" + hammer(64);
+  const auto rotating = cycles_of(body, 8, BoardSystem::without_caches());
+  const auto by_tree = cycles_of(body, 8, with_tree(BoardSystem::without_caches()));
+  EXPECT_LT(rotating[0], 0.8 * rotating[1]) << "core 0 is first in seven of eight quanta";
+  EXPECT_NEAR(by_tree[0], by_tree[1], 0.04 * by_tree[1]);
+  EXPECT_NEAR(by_tree[1], 2048, 16);
 }
 
 TEST(ClusterCore, WaitsForL2ThatLiesFarAway) {
@@ -407,18 +459,28 @@ handler: csrr a5, mepc
     mret
 )";
 
-TEST(ClusterRuntime, TakesItsTurnsTheSameWithAndWithoutDecodedCode) {
-  auto straight = cores_run(kMixed, 8);
+/// A run of `cores` on `board`, saved again and again, goes on from each state with its bits, translated and
+/// interpreted.
+void expect_same_turns(unsigned cores, const BoardDescription& board) {
+  auto straight = cores_run(kMixed, cores, true, board);
+  auto interpreted = cores_run(kMixed, cores, false, board);
   for (std::int64_t t = 24'003; t < 1'000'000; t += 24'003) {
     const auto saved = state::save(straight.soc);
     straight.soc.advance(t);
-    auto other = cores_run(kMixed, 8);
+    interpreted.soc.advance(t);
+    auto other = cores_run(kMixed, cores, true, board);
     state::restore(other.soc, saved);
     other.soc.advance(t);
-    ASSERT_TRUE(mebots::test::same_state(other.soc, straight.soc)) << "up to " << t << " ns";
+    ASSERT_TRUE(mebots::test::same_state(other.soc, straight.soc)) << cores << " cores, restored, up to " << t << " ns";
+    ASSERT_TRUE(mebots::test::same_state(interpreted.soc, straight.soc)) << cores << " cores, up to " << t << " ns";
   }
   EXPECT_TRUE(straight.faults.empty());
-  EXPECT_GT(straight.soc.cluster()->counters().instructions, 100'000U);
+  EXPECT_GT(straight.soc.cluster()->counters().instructions, 10'000U * cores);
+}
+
+TEST(ClusterRuntime, TakesItsTurnsTheSameWithAndWithoutDecodedCode) {
+  expect_same_turns(8, BoardSystem::without_caches());
+  for (const unsigned cores : {2, 3, 8}) expect_same_turns(cores, with_tree(BoardSystem::without_caches()));
 }
 
 /// The network on 1, 2, 4 and 8 cores, saved again and again, most of the time in the middle of a layer. What goes on

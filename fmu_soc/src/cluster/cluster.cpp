@@ -5,6 +5,7 @@
 #include "mebots/assert.hpp"
 
 #include <algorithm>
+#include <bit>
 
 namespace mebots::soc {
 namespace {
@@ -231,14 +232,18 @@ void Cluster::ring(std::uint64_t tick) {
 /// The cores that run without asking, from the first one of this quantum on, each linked to the next one.
 void Cluster::queue_cores(std::uint64_t end) {
   queue_.clear();
-  auto next = first_core_;
-  for (std::uint32_t i = 0; i < cores(); ++i) {
-    auto& core = *cores_[next];
-    if (ready_[next] < end && !core.waits_for_turn()) {
-      if (!queue_.empty()) queue_.back()->hart().translated().set_next(&core.hart().translated());
-      queue_.push_back(&core);
+  const bool tree = settings_.arbitration_tree;
+  const auto places = tree ? std::bit_ceil(cores()) : cores();
+  for (std::uint32_t place = 0; place < places; ++place) {
+    auto id = tree ? place ^ first_core_ : place + first_core_;
+    if (id >= cores()) {
+      if (tree) continue;  // a leaf without a core
+      id -= cores();
     }
-    if (++next == cores()) next = 0;
+    auto& core = *cores_[id];
+    if (ready_[id] >= end || core.waits_for_turn()) continue;
+    if (!queue_.empty()) queue_.back()->hart().translated().set_next(&core.hart().translated());
+    queue_.push_back(&core);
   }
   if (!queue_.empty()) queue_.back()->hart().translated().set_next(nullptr);
 }
@@ -252,10 +257,24 @@ void Cluster::rotate_queue() {
   queue_.back()->hart().translated().set_next(nullptr);
 }
 
-/// The queue of a quantum up to `end`: that of the one before if it holds the same cores.
+/// All cores, of which each leaf of the tree has one, in the order of this quantum.
+void Cluster::reorder_queue() {
+  TranslatedRun* behind = nullptr;
+  for (auto place = cores(); place-- > 0;) {
+    auto& core = *cores_[place ^ first_core_];
+    core.hart().translated().set_next(behind);
+    behind = &core.hart().translated();
+    queue_[place] = &core;
+  }
+}
+
+/// The queue of a quantum up to `end`, made of that of the one before if it holds the same cores.
 void Cluster::line_up(std::uint64_t end) {
-  if (in_step_ && queue_.size() == awake_ && last_ready_ < end) {
+  const bool same = in_step_ && queue_.size() == awake_ && last_ready_ < end;
+  if (same && !settings_.arbitration_tree) {
     rotate_queue();
+  } else if (same && awake_ == cores() && std::has_single_bit(cores())) {
+    reorder_queue();
   } else {
     queue_cores(end);
   }

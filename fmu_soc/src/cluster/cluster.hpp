@@ -32,6 +32,8 @@ struct ClusterSettings {
   unsigned cores = 0;
   std::size_t l1_region = 0;  // index in Memory::regions()
   unsigned l1_banks = 16;
+  /// The order at L1 is that of the tree of its interconnect: of the number XOR a count of quanta. Else it rotates.
+  bool arbitration_tree = false;
   std::vector<MemoryPort> ports;  // of a core, L1 first; its banks are filled in here
   bool shares_way = false;        // to the SoC: a core's access there waits for those of others
   InstructionCacheSettings instruction_cache;
@@ -165,6 +167,7 @@ class Cluster {
   std::uint64_t first_ready() const;
   void queue_cores(std::uint64_t end);
   void rotate_queue();
+  void reorder_queue();
   void line_up(std::uint64_t end);
   std::uint64_t keep_in_step();
   void run_cores(std::uint64_t start, std::uint64_t end);
@@ -214,7 +217,7 @@ class Cluster {
   bool sharing_banks_ = false;
   std::int32_t faulted_core_ = -1;
   std::int32_t core_stopped_by_observer_ = -1;  // not part of a state
-  std::uint32_t first_core_ = 0;                // of the next quantum
+  std::uint32_t first_core_ = 0;                // of the next quantum, when all are awake
   bool dma_first_ = false;                      // in it, before the cores; else behind them
   Picoseconds fabric_event_time_ = 0;
   bool busy_ = false;
