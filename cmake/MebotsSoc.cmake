@@ -50,7 +50,8 @@ endfunction()
 # Compiles C, C++ (.cpp: C++20 without exceptions, RTTI and heap) and assembler sources, links them with the runtime of fmu_soc/firmware, and makes
 # ${PROJECT_BINARY_DIR}/firmware/<name>.elf as target <name>_firmware. DRIVERS are those of fmu_soc/firmware/drivers;
 # DATA are files that assembler sources bring in. BOARD is the AI-deck when not said; NO_CLUSTER is for a board without
-# one. OPTIONS come behind the usual ones, so that -Os or -O3 holds in place of -O2. LINKER_SCRIPT takes the place of the
+# one. On a board with GAP8's own event unit, files of fmu_soc/firmware/gap8 take the places of those of the same names.
+# OPTIONS come behind the usual ones, so that -Os or -O3 holds in place of -O2. LINKER_SCRIPT takes the place of the
 # runtime's (firmware/runtime/link.ld.in, whose symbols it must define); the C preprocessor fills in the board's memory map.
 function(mebots_add_firmware name)
   cmake_parse_arguments(ARG "NO_CLUSTER" "BOARD;LINKER_SCRIPT" "SOURCES;DRIVERS;DATA;OPTIONS" ${ARGN})
@@ -66,9 +67,18 @@ function(mebots_add_firmware name)
   endif()
   get_target_property(board_dir ${ARG_BOARD}_headers MEBOTS_BOARD_DIR)
   get_target_property(board_file ${ARG_BOARD}_headers MEBOTS_BOARD_FILE)
+  # A board with GAP8's own devices: files of firmware/gap8 take the places of those of the same names.
+  set(overlay)
+  file(READ ${board_file} board_text)
+  if(board_text MATCHES "\"gap8_event_unit\"")
+    set(overlay ${firmware_dir}/gap8)
+  endif()
   set(options -march=rv32imc_zicsr -mabi=ilp32 -mcmodel=medany -O2 -g -ffreestanding -ffunction-sections
-      -fdata-sections -Wall -Wextra -Wpedantic -Wshadow -I${firmware_dir} -I${board_dir}
+      -fdata-sections -Wall -Wextra -Wpedantic -Wshadow
       -ffile-prefix-map=${root}=. -ffile-prefix-map=${PROJECT_SOURCE_DIR}=. -ffile-prefix-map=${PROJECT_BINARY_DIR}=.)  # the last one that fits counts
+  foreach(folder ${overlay} ${firmware_dir} ${board_dir})
+    list(APPEND options -I${folder})
+  endforeach()
   if(MEBOTS_WARNINGS_AS_ERRORS)
     list(APPEND options -Werror)
   endif()
@@ -83,6 +93,12 @@ function(mebots_add_firmware name)
   if(NOT ARG_NO_CLUSTER)
     list(PREPEND sources cluster.c cluster_start.S)
   endif()
+  if(overlay)
+    list(APPEND sources chip.c soc_events.c uart.c vectors.S)
+    if(NOT ARG_NO_CLUSTER)
+      list(APPEND sources dma.c)
+    endif()
+  endif()
   # Constructors of C++ objects run before main() where there is C++: other programs keep their code, and its cycles.
   if(ARG_SOURCES MATCHES "\\.cpp(;|$)")
     list(APPEND sources cxx.cpp)
@@ -96,6 +112,17 @@ function(mebots_add_firmware name)
   foreach(driver IN LISTS ARG_DRIVERS)
     list(APPEND sources ${firmware_dir}/drivers/${driver}.c)
   endforeach()
+  if(overlay)
+    set(chosen)
+    foreach(source IN LISTS sources)
+      string(REPLACE ${firmware_dir}/ ${overlay}/ instead ${source})
+      if(EXISTS ${instead})
+        set(source ${instead})
+      endif()
+      list(APPEND chosen ${source})
+    endforeach()
+    set(sources ${chosen})
+  endif()
   set(data)
   foreach(file IN LISTS ARG_DATA)
     get_filename_component(file ${file} ABSOLUTE)

@@ -203,6 +203,7 @@ void Soc::add_cluster(const Settings& settings) {
   MEBOTS_ASSERT(cluster.l1_region < memory_.regions().size());
   choose_peripherals(cluster);
   cluster_ = std::make_unique<Cluster>(memory_, cluster, chip_.instruction_energy);
+  signals_.cluster_cores = cluster.cores;
   if (cluster.has_gap8_interrupts) {
     cluster_->set_outside([this](const ClusterAccess& access, Picoseconds now) { return from_cluster(access, now); });
   }

@@ -5,6 +5,7 @@
 #include "mebots/error.hpp"
 #include "support/same_state.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -368,26 +369,42 @@ _start: li s0, POWER_MANAGER_BASE
   EXPECT_EQ(system.result(0), 1U) << "refused";
 }
 
-Elf selftest() {
-  return Elf::read(MEBOTS_BINARY_DIR "/firmware/cluster_selftest.elf");
-}
+/// The runtime's own test on a board: with our devices, and with GAP8's.
+struct RuntimeOn {
+  std::string_view board;
+  std::string_view program;
+};
 
-constexpr std::int64_t kMiddle = 2'000'000;
+class ClusterRuntimeOn : public testing::TestWithParam<RuntimeOn> {
+ protected:
+  static BoardSystem selftest() {
+    return BoardSystem(Elf::read(fmt::format("{}/firmware/{}.elf", MEBOTS_BINARY_DIR, GetParam().program)), {},
+                       read_board(fmt::format("{}/configs/boards/{}.json", MEBOTS_SOURCE_DIR, GetParam().board)));
+  }
+};
+
+INSTANTIATE_TEST_SUITE_P(Boards, ClusterRuntimeOn,
+                         testing::Values(RuntimeOn{"ai_deck", "cluster_selftest"},
+                                         RuntimeOn{"gap8", "gap8_cluster_selftest"}),
+                         [](const auto& each) { return std::string(each.param.board); });
+
+constexpr std::int64_t kMiddle = 3'000'000;
 constexpr std::int64_t kEnd = 20'000'000;
 
-TEST(ClusterRuntime, ForksMeetsCopiesAndRestarts) {
-  BoardSystem system(selftest());
+TEST_P(ClusterRuntimeOn, ForksMeetsCopiesAndRestarts) {
+  auto system = selftest();
   system.soc.advance(kEnd);
   EXPECT_EQ(system.soc.end(), End::exited);
   EXPECT_EQ(system.soc.exit_code(), 0);
   EXPECT_EQ(system.console, std::vector<std::string>{"cluster: all right"});
+  EXPECT_TRUE(system.faults.empty());
 }
 
-TEST(ClusterRuntime, ComesToTheSameBitsForEverySplitOfTheTime) {
-  BoardSystem whole(selftest());
+TEST_P(ClusterRuntimeOn, ComesToTheSameBitsForEverySplitOfTheTime) {
+  auto whole = selftest();
   whole.soc.advance(kEnd);
   for (const std::int64_t step : {std::int64_t{777}, std::int64_t{10'000}, std::int64_t{1'999'999}}) {
-    BoardSystem split(selftest());
+    auto split = selftest();
     for (std::int64_t t = step; t < kEnd; t += step) split.soc.advance(t);
     split.soc.advance(kEnd);
     EXPECT_TRUE(mebots::test::same_state(split.soc, whole.soc)) << step;
@@ -395,13 +412,13 @@ TEST(ClusterRuntime, ComesToTheSameBitsForEverySplitOfTheTime) {
   }
 }
 
-TEST(ClusterRuntime, GoesOnWithTheSameBitsFromAStateInTheMiddleOfAJob) {
-  BoardSystem straight(selftest());
+TEST_P(ClusterRuntimeOn, GoesOnWithTheSameBitsFromAStateInTheMiddleOfAJob) {
+  auto straight = selftest();
   straight.soc.advance(kMiddle);
   ASSERT_TRUE(straight.soc.cluster()->powered());
   const auto middle = state::save(straight.soc);
   straight.soc.advance(kEnd);
-  BoardSystem other(selftest());
+  auto other = selftest();
   other.soc.advance(kMiddle / 3);
   state::restore(other.soc, middle);
   other.soc.advance(kEnd);

@@ -19,6 +19,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace mebots::soc::test {
@@ -962,6 +963,23 @@ TEST(Gap8Cluster, WaitsForABankOfL1ByItsAliasAsByItsAddress) {
     const auto cycles = cycles_of_one_bank(address);
     EXPECT_GE(cycles, kOneWordACycle) << address;
     EXPECT_LE(cycles, kMost) << address;
+  }
+}
+
+TEST(Gap8Cluster, SocControlTellsHowManyCoresThisChipHas) {
+  constexpr std::string_view kProgram = R"(
+_start: li s0, 0x1A104000
+    lw a0, 0(s0)
+    li t0, 0x1C060000
+    sw a0, 0(t0)
+2:  j 2b
+)";
+  for (const auto& [cores, info] : {std::pair{8U, 0x80001U}, std::pair{1U, 0x10001U}, std::pair{0U, 0U}}) {
+    Settings settings;
+    settings.cluster_cores = cores;
+    BoardSystem system(kProgram, settings, gap8_board_of_cluster());
+    system.soc.advance(1 * kMs);
+    EXPECT_EQ(system.result(0), info) << cores;
   }
 }
 

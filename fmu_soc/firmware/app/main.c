@@ -12,6 +12,7 @@
 #include "drivers/flight.h"
 #include "drivers/timer.h"
 #include "runtime/console.h"
+#include "runtime/core.h"
 #include "runtime/exit.h"
 #include "runtime/interrupt.h"
 
@@ -207,7 +208,7 @@ int main(void) {
   print("gate firmware: %s, %s speed policy, cruise %M m/s at %M m, a picture every %m ms, core at %M MHz\n",
         MISSION_NAVIGATOR == NAVIGATOR_NETWORK ? "neural network" : "gate finder",
         MISSION_POLICY == POLICY_ADAPTIVE ? "adaptive" : "constant", (int32_t)MISSION_CRUISE_SPEED,
-        (int32_t)MISSION_ALTITUDE, (int32_t)MISSION_FRAME_PERIOD, (int32_t)POWER_MANAGER_CLOCK_HZ);
+        (int32_t)MISSION_ALTITUDE, (int32_t)MISSION_FRAME_PERIOD, (int32_t)core_clock_hz());
   if (battery_charge_ppm() <= MISSION_LANDING_CHARGE) {
     print("charge %M is too low to take off\n", (int32_t)battery_charge_ppm());
     return EXIT_TOO_LOW_CHARGE;

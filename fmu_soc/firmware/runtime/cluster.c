@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "runtime/cluster.h"
 
+#include "board.h"
+
 #define EVENT_DMA (UINT32_C(1) << 8)
 #define EVENT_JOB (UINT32_C(1) << 17)
 #define DMA_IN 1u
@@ -77,25 +79,7 @@ static uint32_t start(uint32_t direction, uint32_t l1, uint32_t l2, uint32_t byt
   return CLUSTER_DMA_START;
 }
 
-static uint32_t word(const volatile void* address) {
-  return (uint32_t)(uintptr_t)address;
-}
-
-uint32_t dma_copy_in(void* l1, const void* l2, uint32_t bytes) {
-  return start(DMA_IN, word(l1), word(l2), bytes, 0, 0);
-}
-
-uint32_t dma_copy_out(void* l2, const void* l1, uint32_t bytes) {
-  return start(DMA_OUT, word(l1), word(l2), bytes, 0, 0);
-}
-
-uint32_t dma_copy_in_2d(void* l1, const void* l2, uint32_t bytes, uint32_t row, uint32_t stride) {
-  return start(DMA_IN, word(l1), word(l2), bytes, row, stride);
-}
-
-uint32_t dma_copy_out_2d(void* l2, const void* l1, uint32_t bytes, uint32_t row, uint32_t stride) {
-  return start(DMA_OUT, word(l1), word(l2), bytes, row, stride);
-}
+#include "runtime/dma_copies.h"
 
 void dma_wait(uint32_t copy) {
   while ((CLUSTER_DMA_STATUS >> copy & 1u) != 0) {

@@ -9,7 +9,7 @@
 
 #include <stdint.h>
 
-#include "board.h"
+#include "runtime/barrier.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -54,12 +54,13 @@ static inline unsigned cluster_core_id(void) {
 
 // Sleeps until all cores of the fork have come here.
 static inline void cluster_barrier(void) {
-  cluster_event_load(EVENT_UNIT_BASE + EVENT_UNIT_BARRIER_WAIT_OFFSET);
+  cluster_event_load(BARRIER_ADDRESS);
 }
 
 // For both: the DMA. A copy starts and runs by itself, after those started before it; its number is for dma_wait.
-// Every core, and the fabric controller, must wait for its own copies itself. When 16 copies are under way, the start
-// of another one sleeps until one has ended. DMA_REFUSED: addresses or sizes that do not fit.
+// Every core, and the fabric controller, must wait for its own copies itself, and for each of them. When 16 copies are
+// under way, the start of another one waits until one has ended; on GAP8's own DMA, until one has been waited for.
+// DMA_REFUSED: addresses or sizes that do not fit.
 #define DMA_REFUSED 0xffffffffu
 
 uint32_t dma_copy_in(void* l1, const void* l2, uint32_t bytes);

@@ -2,12 +2,9 @@
 #include "runtime/console.h"
 
 #include <stdarg.h>
+#include <stdint.h>
 
-#include "board.h"
-
-static void put_char(char c) {
-  CONSOLE_PUTCHAR = (uint8_t)c;
-}
+#include "runtime/character.h"
 
 static void put_text(const char* text) {
   while (*text != '\0') {

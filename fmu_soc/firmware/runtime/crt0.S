@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # First instructions after reset: stack, trap vector, cleared variables, main, exit.
+#include "runtime/start.h"
 
     .section .text.start, "ax"
     .globl _start
@@ -10,9 +11,9 @@ _start:
     la      gp, __global_pointer$
     .option pop
     la      sp, __stack_top
-    la      t0, trap_entry
-    csrw    mtvec, t0              # direct mode: the address is a multiple of four
-    csrw    mie, zero
+    la      t0, TRAP_VECTORS
+    csrw    mtvec, t0
+    NO_INTERRUPT
 
     la      t0, __bss_start
     la      t1, __bss_end
@@ -21,7 +22,7 @@ _start:
     addi    t0, t0, 4
     j       1b
 
-2:
+2:  START_CHIP
 #ifdef WITH_CONSTRUCTORS
     la      s0, __init_array_start
     la      s1, __init_array_end

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "board.h"
+#include "runtime/core.h"
 #include "runtime/interrupt.h"
 
 static uint32_t sleep_clock_hz = UINT32_MAX;
@@ -9,19 +9,19 @@ void sleep_clock_set(uint32_t hz) {
 }
 
 uint32_t sleep_clock_lower(void) {
-  const uint32_t awake_clock_hz = POWER_MANAGER_CLOCK_HZ;
+  const uint32_t awake_clock_hz = core_clock_hz();
   // The clock tree draws in proportion to the clock, also while nothing runs on it.
   if (sleep_clock_hz < awake_clock_hz) {
-    POWER_MANAGER_CLOCK_HZ = sleep_clock_hz;
+    core_clock_set(sleep_clock_hz);
   }
   return awake_clock_hz;
 }
 
 void sleep_until_interrupt(void) {
   const uint32_t awake_clock_hz = sleep_clock_lower();
-  __asm__ volatile("wfi" ::: "memory");
+  core_sleep();
   if (sleep_clock_hz < awake_clock_hz) {
-    POWER_MANAGER_CLOCK_HZ = awake_clock_hz;
+    core_clock_set(awake_clock_hz);
   }
   interrupts_on();
   interrupts_off();

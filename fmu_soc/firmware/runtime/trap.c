@@ -3,6 +3,7 @@
 #include <stddef.h>
 
 #include "runtime/console.h"
+#include "runtime/core.h"
 #include "runtime/exit.h"
 #include "runtime/interrupt.h"
 
@@ -12,8 +13,7 @@ static interrupt_handler_t handlers[INTERRUPT_COUNT];
 
 void interrupt_attach(unsigned number, interrupt_handler_t handler) {
   handlers[number] = handler;
-  const uint32_t bit = UINT32_C(1) << number;
-  __asm__ volatile("csrs mie, %0" ::"r"(bit) : "memory");
+  core_let_in(number);
 }
 
 static void end_on_exception(uint32_t cause) {

@@ -35,6 +35,8 @@ struct Signals {
   /// What the FLLs and the power unit ask of the chip; nothing on a board without FLLs.
   std::optional<PowerSettings> power;
   std::optional<std::int32_t> exit_code;
+  /// Of this chip; not part of a state.
+  unsigned cluster_cores = 0;
 
   void visit(state::Visitor& v) {
     v("power", power);

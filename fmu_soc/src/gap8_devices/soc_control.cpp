@@ -6,6 +6,8 @@
 namespace mebots::soc::gap8_devices {
 namespace {
 
+constexpr std::uint32_t kInfo = 0x0;
+constexpr unsigned kInfoCoresShift = 16;
 constexpr std::uint32_t kClusterBypass = 0x70;
 constexpr std::uint32_t kClusterOn = 1U << 3;
 constexpr std::uint32_t kClockGated = 1U << 10;
@@ -24,6 +26,12 @@ SocControl::SocControl(const BoardDevice& entry, DeviceHost& host, Signals& sign
   if (registers_.load(kVoltages, 0, voltages)) {
     signals.power->voltage_mv = kLowest_mv + kStep_mv * (voltages & kVoltageMask);
   }
+}
+
+bool SocControl::load(std::uint32_t offset, Picoseconds now, std::uint32_t& value) {
+  if (!registers_.load(offset, now, value)) return false;
+  if (offset == kInfo) value = signals_.cluster_cores << kInfoCoresShift | (signals_.cluster_cores == 0 ? 0 : 1);
+  return true;
 }
 
 bool SocControl::store(std::uint32_t offset, Picoseconds now, std::uint32_t value) {

@@ -9,7 +9,8 @@
 
 namespace mebots::soc::gap8_devices {
 
-/// GAP8's SoC control: registers as its entry describes them, of which three do something. CORESTATUS with bit 31 ends
+/// GAP8's SoC control: registers as its entry describes them. INFO has the cores of this chip's cluster. Three of the
+/// others do something. CORESTATUS with bit 31 ends
 /// the program with the code in the bits below; the low five bits of SAFE_PMU_RAR set the voltage, 550 mV and 50 mV a
 /// step. Of CL_BYPASS, bit 3 switches the cluster's power and bit 10 gates its clock; SoC events 31 and 35 tell when
 /// that is done (the delay of the entry's state "switching"). A core without clock would stop: the programs gate it
@@ -19,9 +20,7 @@ class SocControl final : public Device {
  public:
   SocControl(const BoardDevice& entry, DeviceHost& host, Signals& signals);
 
-  bool load(std::uint32_t offset, Picoseconds now, std::uint32_t& value) override {
-    return registers_.load(offset, now, value);
-  }
+  bool load(std::uint32_t offset, Picoseconds now, std::uint32_t& value) override;
   bool store(std::uint32_t offset, Picoseconds now, std::uint32_t value) override;
   void advance(Picoseconds now) override;
   Picoseconds next_event() const override { return std::min(power_changes_at_, clock_changes_at_); }

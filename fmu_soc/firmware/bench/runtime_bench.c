@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the runtime's services take on a board, in picoseconds each: switching the cluster on and off, a fork with its
+// wait, a barrier, a copy of the DMA with its wait. A line for one core and one for all.
+#include "drivers/timer.h"
+#include "runtime/cluster.h"
+#include "runtime/console.h"
+#include "runtime/interrupt.h"
+
+#define TURNS 50000
+#define SWITCHES 100
+
+static uint8_t outside[1024] __attribute__((aligned(4)));
+static CLUSTER_L1 uint8_t inside[1024] __attribute__((aligned(4)));
+
+static void nothing(void* argument) {
+  (void)argument;
+}
+
+static void meet(void* argument) {
+  (void)argument;
+  for (int i = 0; i < TURNS; ++i) {
+    cluster_barrier();
+  }
+}
+
+// One core copies, whatever the team.
+static void copy(void* argument) {
+  if (cluster_core_id() != 0) {
+    return;
+  }
+  for (int i = 0; i < TURNS; ++i) {
+    dma_wait(dma_copy_in(inside, outside, (uint32_t)(uintptr_t)argument));
+  }
+}
+
+static uint32_t each(int64_t begin_ns, uint32_t turns) {
+  return (uint32_t)((uint64_t)(timer_now_ns() - begin_ns) * 1000 / turns);
+}
+
+static uint32_t fork_of(cluster_entry_t entry, unsigned cores, uintptr_t argument) {
+  const int64_t begin_ns = timer_now_ns();
+  cluster_fork(entry, cores, (void*)argument);
+  cluster_wait();
+  return each(begin_ns, TURNS);
+}
+
+int main(void) {
+  interrupts_off();
+  if (cluster_on() != 0) {
+    print("no cluster\n");
+    return 1;
+  }
+  for (unsigned cores = 1; cores <= cluster_core_count(); cores += cluster_core_count() - 1) {
+    const int64_t begin_ns = timer_now_ns();
+    for (int i = 0; i < TURNS; ++i) {
+      cluster_fork(nothing, cores, 0);
+      cluster_wait();
+    }
+    const uint32_t fork_ps = each(begin_ns, TURNS);
+    print("%u cores: fork %u", cores, fork_ps);
+    print(", barrier %u", fork_of(meet, cores, 0));
+    print(", copy of 4 bytes %u", fork_of(copy, cores, 4));
+    print(", of 1024 %u\n", fork_of(copy, cores, sizeof inside));
+  }
+  const int64_t begin_ns = timer_now_ns();
+  for (int i = 0; i < SWITCHES; ++i) {
+    cluster_off();
+    cluster_on();
+  }
+  print("off and on %u\n", each(begin_ns, SWITCHES));
+  return 0;
+}

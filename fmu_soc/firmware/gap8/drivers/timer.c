@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+// By GAP8's timer, both counters as one that counts the reference clock: the time has steps of 30.5 us.
+#include "drivers/timer.h"
+
+#include "runtime/interrupt.h"
+#include "runtime/registers.h"
+
+// A count is NS / COUNTS nanoseconds: 1e9 / 32768.
+#define NS 1953125
+#define COUNTS_LOG2 6
+
+static volatile bool alarm_came;
+static uint64_t alarm_count;
+
+static uint64_t count(void) {
+  for (;;) {
+    const uint32_t high = load(TIMER_BASE + TIMER_COUNT_HI_OFFSET);
+    const uint32_t low = load(TIMER_BASE + TIMER_COUNT_LO_OFFSET);
+    if (load(TIMER_BASE + TIMER_COUNT_HI_OFFSET) == high) {
+      return (uint64_t)high << 32 | low;
+    }
+  }
+}
+
+// One that belongs to an alarm before is none of this one.
+static void look(void) {
+  if (count() >= alarm_count) {
+    alarm_came = true;
+  }
+}
+
+void timer_init(void) {
+  interrupt_attach(FABRIC_EVENT_TIMER, look);
+}
+
+int64_t timer_now_ns(void) {
+  return (int64_t)(count() * NS >> COUNTS_LOG2);
+}
+
+void timer_set_alarm(int64_t time_ns) {
+  alarm_count = time_ns <= 0 ? 0 : (((uint64_t)time_ns << COUNTS_LOG2) + NS - 1) / NS;
+  alarm_came = false;
+  store(TIMER_BASE + TIMER_COMPARE_LO_OFFSET, (uint32_t)alarm_count);
+  store(TIMER_BASE + TIMER_COMPARE_HI_OFFSET, (uint32_t)(alarm_count >> 32));
+  look();  // the timer tells only when it is there, not that it was
+}
+
+bool timer_alarm_came(void) {
+  return alarm_came;
+}
+
+void timer_sleep_until(int64_t time_ns) {
+  timer_set_alarm(time_ns);
+  while (!alarm_came) {
+    sleep_until_interrupt();
+  }
+}

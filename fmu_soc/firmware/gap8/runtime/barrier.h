@@ -1,0 +1,7 @@
+// SPDX-License-Identifier: Apache-2.0
+// Where a core of the cluster waits for the others. Here: GAP8's event unit.
+#pragma once
+
+#include "runtime/registers.h"
+
+#define BARRIER_ADDRESS (EU_BASE + EU_BARRIER_OFFSET + BARRIER_ARRIVE_WAIT_OFFSET)

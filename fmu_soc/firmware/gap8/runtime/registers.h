@@ -1,0 +1,103 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* GAP8's registers that the runtime uses and board.h does not have: the board file gives the devices' addresses, their
+   kinds have the registers. Sources: archi/eu/eu_v3.h, archi/cluster_ctrl/cluster_ctrl_v2.h, archi/dma/mchan_v6.h,
+   archi/timer/timer_v2.h, archi/fll/fll_v1.h, archi/soc_eu/soc_eu_v1.h, archi/chips/gap/ and hal/maestro/ of
+   pulp-platform's and GreenWaves' headers. */
+#pragma once
+
+#include "board.h"
+
+/* Event unit: of the core that asks, by the short way. That of the fabric controller and those of the cluster's cores
+   have one address. */
+#define EU_BASE EVENT_UNIT_DEMUX_BASE
+#define EU_MASK_OFFSET 0x00
+#define EU_MASK_OR_OFFSET 0x08
+#define EU_MASK_IRQ_OR_OFFSET 0x14
+#define EU_BUFFER_OFFSET 0x1C
+#define EU_BUFFER_CLEAR_OFFSET 0x28
+#define EU_WAIT_OFFSET 0x38
+#define EU_WAIT_CLEAR_OFFSET 0x3C
+#define EU_BARRIER_OFFSET 0x200
+
+/* The same of the fabric controller for others, and of the cluster. */
+#define EU_OF_FABRIC_CONTROLLER_BASE 0x1B200800
+#define EU_OF_CLUSTER_BASE (CLUSTER_BASE + 0x800)
+#define EU_SOFTWARE_EVENT_OFFSET 0x600
+#define EU_SOC_EVENT_OFFSET 0x700
+#define EU_LONG_BARRIER_OFFSET 0x400
+
+#define BARRIER_BYTES 0x20
+#define BARRIER_TEAM_OFFSET 0x00
+#define BARRIER_TARGETS_OFFSET 0x0C
+#define BARRIER_ARRIVE_OFFSET 0x14
+#define BARRIER_ARRIVE_WAIT_OFFSET 0x1C
+
+/* Events of the cluster's cores. */
+#define CLUSTER_EVENT_JOB 0 /* of software: ours */
+#define CLUSTER_EVENT_DMA 8
+#define CLUSTER_EVENT_BARRIER 16
+
+/* Events of the fabric controller. */
+#define FABRIC_EVENT_JOB_DONE 0 /* of software: ours */
+#define FABRIC_EVENT_TIMER 10
+#define FABRIC_EVENT_SOC 27
+
+/* Events of the SoC. */
+#define SOC_EVENT_UART_SENT 9
+#define SOC_EVENT_CLUSTER_POWER 31
+#define SOC_EVENT_CLUSTER_CLOCK 35
+#define SOC_EVENTS 64
+#define SOC_EVENT_MASKS_OFFSET 0x04 /* of the fabric controller: events 32 to 63, then 0 to 31; 1 = not let through */
+
+/* Frequency-locked loops: that of the SoC, then that of the cluster. */
+#define FLL_BYTES 0x10
+#define FLL_CONFIG1_OFFSET 0x4
+#define REFERENCE_CLOCK_HZ 32768
+
+/* Power of the cluster, SOC_CONTROL_CL_BYPASS. */
+#define BYPASS_POWER_UNIT 0x1
+#define BYPASS_CLUSTER_ON 0x8
+#define BYPASS_CLOCK 0x200
+#define BYPASS_CLOCK_GATE 0x400
+#define BYPASS_CLUSTER_RESET 0x2000
+
+/* Control of the cluster. */
+#define CLUSTER_FETCH_ENABLE_OFFSET 0x08
+#define CLUSTER_BOOT_OFFSET 0x40
+#define CLUSTER_CACHE_ENABLE_OFFSET 0x1400
+
+/* Its DMA: for the fabric controller, and for a core by its short way. */
+#define DMA_LONG_BASE (CLUSTER_BASE + 0x1800)
+#define DMA_BASE 0x00204400
+#define DMA_QUEUE_OFFSET 0x0
+#define DMA_STATUS_OFFSET 0x4
+
+/* Timer: both counters as one. */
+#define TIMER_CONFIG_LO_OFFSET 0x00
+#define TIMER_CONFIG_HI_OFFSET 0x04
+#define TIMER_COUNT_LO_OFFSET 0x08
+#define TIMER_COUNT_HI_OFFSET 0x0C
+#define TIMER_COMPARE_LO_OFFSET 0x10
+#define TIMER_COMPARE_HI_OFFSET 0x14
+
+/* Channels of the uDMA. */
+#define UDMA_UART_SEND_OFFSET 0x210
+#define UDMA_ADDRESS_OFFSET 0x0
+#define UDMA_SIZE_OFFSET 0x4
+#define UDMA_CONFIG_OFFSET 0x8
+#define UDMA_CONFIG_RUN 0x10 /* write: start; read: a transfer runs */
+#define UDMA_CLOCK_UART 0x10
+
+#ifndef __ASSEMBLER__
+#include <stdint.h>
+
+static inline volatile uint32_t* register_at(uint32_t address) {
+  return (volatile uint32_t*)(uintptr_t)address;
+}
+static inline void store(uint32_t address, uint32_t value) {
+  *register_at(address) = value;
+}
+static inline uint32_t load(uint32_t address) {
+  return *register_at(address);
+}
+#endif

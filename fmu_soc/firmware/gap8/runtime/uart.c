@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "runtime/uart.h"
+
+#include <stdint.h>
+
+#include "runtime/chip.h"
+#include "runtime/registers.h"
+#include "runtime/soc_events.h"
+
+#define BAUD 115200
+#define SETUP_8_BITS 6u
+#define SETUP_TRANSMITTER 0x100u
+#define SETUP_DIVIDER_SHIFT 16
+#define LINE_BYTES 128
+#define SEND(offset) (UDMA_BASE + UDMA_UART_SEND_OFFSET + (offset))
+
+static char lines[2][LINE_BYTES];
+static unsigned filling;
+static unsigned filled;
+
+// What has been sent needs nobody; the interrupt ends a sleep at the clock that the transmitter needed.
+static void on_sent(void) {}
+
+void uart_start(void) {
+  UDMA_CLOCK_GATE |= UDMA_CLOCK_UART;
+  UDMA_UART_SETUP = (START_CLOCK_HZ / BAUD - 1) << SETUP_DIVIDER_SHIFT | SETUP_TRANSMITTER | SETUP_8_BITS;
+  soc_event_attach(SOC_EVENT_UART_SENT, on_sent);
+}
+
+bool uart_sends(void) {
+  return (load(SEND(UDMA_CONFIG_OFFSET)) & UDMA_CONFIG_RUN) != 0;
+}
+
+static void wait(void) {
+  while (uart_sends()) {
+  }
+}
+
+static void send(void) {
+  wait();
+  store(SEND(UDMA_ADDRESS_OFFSET), (uint32_t)(uintptr_t)lines[filling]);
+  store(SEND(UDMA_SIZE_OFFSET), filled);
+  store(SEND(UDMA_CONFIG_OFFSET), UDMA_CONFIG_RUN);
+  filling ^= 1;
+  filled = 0;
+}
+
+void uart_put(char c) {
+  lines[filling][filled++] = c;
+  if (c == '\n' || filled == LINE_BYTES) {
+    send();
+  }
+}
+
+void uart_flush(void) {
+  if (filled > 0) {
+    send();
+  }
+  wait();
+}

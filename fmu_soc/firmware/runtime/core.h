@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+// What differs between chips in the fabric controller's clock, sleep and end. Here: boards with our power manager.
+#pragma once
+
+#include <stdint.h>
+
+#include "board.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+// The clock now [Hz].
+static inline uint32_t core_clock_hz(void) {
+  return POWER_MANAGER_CLOCK_HZ;
+}
+static inline void core_clock_set(uint32_t hz) {
+  POWER_MANAGER_CLOCK_HZ = hz;
+}
+
+// Lets interrupt `number` in: it ends a sleep, and comes when interrupts are on.
+static inline void core_let_in(unsigned number) {
+  const uint32_t bit = UINT32_C(1) << number;
+  __asm__ volatile("csrs mie, %0" ::"r"(bit) : "memory");
+}
+
+// Sleeps until an interrupt that is let in is pending, also with interrupts off.
+static inline void core_sleep(void) {
+  __asm__ volatile("wfi" ::: "memory");
+}
+
+// The program ends.
+static inline void core_end(int code) {
+  POWER_MANAGER_EXIT = (uint32_t)code;
+}
+
+#ifdef __cplusplus
+}
+#endif
