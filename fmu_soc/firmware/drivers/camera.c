@@ -65,7 +65,3 @@ camera_result_t camera_wait(picture_t* picture, int64_t deadline_ns) {
   picture->id = CAMERA_FRAME_ID;
   return PICTURE_TAKEN;
 }
-
-camera_result_t camera_take(picture_t* picture, int64_t deadline_ns) {
-  return camera_ask() ? camera_wait(picture, deadline_ns) : PICTURE_REFUSED;
-}

@@ -34,7 +34,9 @@ bool camera_ask(void);
 camera_result_t camera_wait(picture_t* picture, int64_t deadline_ns);
 
 // Both at once.
-camera_result_t camera_take(picture_t* picture, int64_t deadline_ns);
+static inline camera_result_t camera_take(picture_t* picture, int64_t deadline_ns) {
+  return camera_ask() ? camera_wait(picture, deadline_ns) : PICTURE_REFUSED;
+}
 
 #ifdef __cplusplus
 }

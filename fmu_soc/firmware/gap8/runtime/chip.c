@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "runtime/chip.h"
 
+#include <stdbool.h>
+
 #include "runtime/core.h"
 #include "runtime/soc_events.h"
 #include "runtime/uart.h"
@@ -61,7 +63,8 @@ uint32_t core_clock_hz(void) {
 }
 
 void core_clock_set(uint32_t hz) {
-  if (hz < core_clock_hz() && uart_sends()) {
+  const bool sends = uart_sends() || udma_runs(UDMA_I2C1_SEND_OFFSET);
+  if (sends && hz < core_clock_hz()) {
     return;
   }
   loop_set(LOOP_SOC, hz);

@@ -44,6 +44,8 @@
 
 /* Events of the SoC. */
 #define SOC_EVENT_UART_SENT 9
+#define SOC_EVENT_I2C1_SENT 13
+#define SOC_EVENT_CAMERA 18
 #define SOC_EVENT_CLUSTER_POWER 31
 #define SOC_EVENT_CLUSTER_CLOCK 35
 #define SOC_EVENTS 64
@@ -82,11 +84,15 @@
 
 /* Channels of the uDMA. */
 #define UDMA_UART_SEND_OFFSET 0x210
+#define UDMA_I2C1_SEND_OFFSET 0x310
+#define UDMA_CAMERA_OFFSET 0x480
 #define UDMA_ADDRESS_OFFSET 0x0
 #define UDMA_SIZE_OFFSET 0x4
 #define UDMA_CONFIG_OFFSET 0x8
 #define UDMA_CONFIG_RUN 0x10 /* write: start; read: a transfer runs */
 #define UDMA_CLOCK_UART 0x10
+#define UDMA_CLOCK_I2C1 0x40
+#define UDMA_CLOCK_CAMERA 0x200
 
 #ifndef __ASSEMBLER__
 #include <stdint.h>
@@ -99,5 +105,15 @@ static inline void store(uint32_t address, uint32_t value) {
 }
 static inline uint32_t load(uint32_t address) {
   return *register_at(address);
+}
+
+// A transfer of a channel of the uDMA.
+static inline void udma_start(uint32_t channel, const volatile void* memory, uint32_t bytes) {
+  store(UDMA_BASE + channel + UDMA_ADDRESS_OFFSET, (uint32_t)(uintptr_t)memory);
+  store(UDMA_BASE + channel + UDMA_SIZE_OFFSET, bytes);
+  store(UDMA_BASE + channel + UDMA_CONFIG_OFFSET, UDMA_CONFIG_RUN);
+}
+static inline int udma_runs(uint32_t channel) {
+  return (load(UDMA_BASE + channel + UDMA_CONFIG_OFFSET) & UDMA_CONFIG_RUN) != 0;
 }
 #endif

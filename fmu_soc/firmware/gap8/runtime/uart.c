@@ -12,7 +12,6 @@
 #define SETUP_TRANSMITTER 0x100u
 #define SETUP_DIVIDER_SHIFT 16
 #define LINE_BYTES 128
-#define SEND(offset) (UDMA_BASE + UDMA_UART_SEND_OFFSET + (offset))
 
 static char lines[2][LINE_BYTES];
 static unsigned filling;
@@ -28,7 +27,7 @@ void uart_start(void) {
 }
 
 bool uart_sends(void) {
-  return (load(SEND(UDMA_CONFIG_OFFSET)) & UDMA_CONFIG_RUN) != 0;
+  return udma_runs(UDMA_UART_SEND_OFFSET);
 }
 
 static void wait(void) {
@@ -38,9 +37,7 @@ static void wait(void) {
 
 static void send(void) {
   wait();
-  store(SEND(UDMA_ADDRESS_OFFSET), (uint32_t)(uintptr_t)lines[filling]);
-  store(SEND(UDMA_SIZE_OFFSET), filled);
-  store(SEND(UDMA_CONFIG_OFFSET), UDMA_CONFIG_RUN);
+  udma_start(UDMA_UART_SEND_OFFSET, lines[filling], filled);
   filling ^= 1;
   filled = 0;
 }

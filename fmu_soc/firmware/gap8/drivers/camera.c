@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+// An HM01B0 at I2C master 1 and the camera interface of GAP8's uDMA. The sensor has 324 x 324 pixels, of which the
+// interface hands on the middle. It streams only while a picture is wanted. What a real sensor wants to be told beside
+// this, black level and gain, is its maker's table.
+#include "drivers/camera.h"
+
+#include "drivers/timer.h"
+#include "runtime/chip.h"
+#include "runtime/interrupt.h"
+#include "runtime/registers.h"
+#include "runtime/soc_events.h"
+
+// Pixels each way that the program gets.
+#ifndef CAMERA_EDGE
+#define CAMERA_EDGE 320
+#endif
+#define SENSOR_EDGE 324
+#define MARGIN ((SENSOR_EDGE - CAMERA_EDGE) / 2)
+_Static_assert(MARGIN >= 0 && MARGIN % 2 == 0 && CAMERA_EDGE % 2 == 0, "the interface counts pairs of pixels");
+
+// Camera interface.
+#define INTERFACE_ON (UINT32_C(1) << 31)
+#define INTERFACE_WINDOW (UINT32_C(1) << 7)
+#define INTERFACE_AS_IT_COMES (UINT32_C(5) << 8)
+#define ROW_SHIFT 16
+
+// Sensor.
+#define SENSOR_WRITE 0x48  // its address, and that bytes go to it
+#define MODE_SELECT 0x0100
+#define STREAMS 1
+#define STANDBY 0
+
+// Commands of the I2C master.
+#define I2C_START 0x00
+#define I2C_STOP 0x20
+#define I2C_BYTE 0x80
+#define I2C_DIVIDER 0xE0
+#define I2C_HZ 400000
+#define DIVIDER (START_CLOCK_HZ / (2 * I2C_HZ))
+
+static uint8_t buffers[2][CAMERA_EDGE * CAMERA_EDGE] __attribute__((aligned(4), section(".noinit.camera")));
+// The buffer that the picture on its way goes to, or went to last.
+static unsigned filling;
+static bool on_its_way;
+static uint32_t count;
+static volatile bool stored;
+static volatile unsigned told;  // the sensor was
+static uint8_t commands[13];
+
+static void on_picture(void) {
+  stored = true;
+}
+
+static void on_told(void) {
+  told = 1;
+}
+
+// Stores into a register of the sensor; goes on while the bits are on their way, which nothing may overtake.
+static void tell_sensor(uint32_t at, uint32_t value) {
+  soc_event_wait(&told);
+  told = 0;
+  uint8_t* next = commands;
+  *next++ = I2C_DIVIDER;
+  *next++ = DIVIDER >> 8;
+  *next++ = DIVIDER & 0xFF;
+  *next++ = I2C_START;
+  const uint32_t bytes[] = {SENSOR_WRITE, at >> 8, at, value};
+  for (unsigned i = 0; i < 4; ++i) {
+    *next++ = I2C_BYTE;
+    *next++ = (uint8_t)bytes[i];
+  }
+  *next++ = I2C_STOP;
+  udma_start(UDMA_I2C1_SEND_OFFSET, commands, (uint32_t)(next - commands));
+}
+
+void camera_init(void) {
+  UDMA_CLOCK_GATE |= UDMA_CLOCK_I2C1 | UDMA_CLOCK_CAMERA;
+  soc_event_attach(SOC_EVENT_I2C1_SENT, on_told);
+  soc_event_attach(SOC_EVENT_CAMERA, on_picture);
+  told = 1;
+  UDMA_CAM_CFG_LL = MARGIN << ROW_SHIFT | MARGIN / 2;
+  UDMA_CAM_CFG_UR = (MARGIN + CAMERA_EDGE - 1) << ROW_SHIFT | ((MARGIN + CAMERA_EDGE) / 2 - 1);
+  UDMA_CAM_CFG_SIZE = (SENSOR_EDGE - 1) << ROW_SHIFT;
+  UDMA_CAM_CFG_GLOB = INTERFACE_ON | INTERFACE_WINDOW | INTERFACE_AS_IT_COMES;
+}
+
+bool camera_ask(void) {
+  if (on_its_way) {
+    return true;
+  }
+  stored = false;
+  filling ^= 1;
+  tell_sensor(MODE_SELECT, STREAMS);
+  udma_start(UDMA_CAMERA_OFFSET, buffers[filling], sizeof buffers[filling]);
+  on_its_way = true;
+  return true;
+}
+
+camera_result_t camera_wait(picture_t* picture, int64_t deadline_ns) {
+  timer_set_alarm(deadline_ns);
+  while (!stored && !timer_alarm_came()) {
+    sleep_until_interrupt();
+  }
+  if (!stored) {
+    return PICTURE_LATE;
+  }
+  on_its_way = false;
+  tell_sensor(MODE_SELECT, STANDBY);
+  picture->pixels = buffers[filling];
+  picture->width = CAMERA_EDGE;
+  picture->height = CAMERA_EDGE;
+  picture->id = ++count;
+  return PICTURE_TAKEN;
+}
