@@ -110,7 +110,7 @@ if(MEBOTS_PAGES)
   install(DIRECTORY ${PROJECT_BINARY_DIR}/web/ DESTINATION ${share}/web FILES_MATCHING REGEX "page\\.(html|js|css)$|LICENSES\\.txt$"
     PATTERN CMakeFiles EXCLUDE)
 endif()
-foreach(fmu fmu_battery fmu_motors fmu_world fmu_soc fmu_gap8)
+foreach(fmu fmu_battery fmu_motors fmu_world fmu_soc fmu_gap8 fmu_gap8_drone)
   if(TARGET ${fmu})
     install(FILES ${MEBOTS_FMU_DIR}/${fmu}.fmu DESTINATION ${share}/fmus)
   endif()

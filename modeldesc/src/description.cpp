@@ -126,6 +126,7 @@ class DescriptionReader {
       });
     }
     if (node.members().empty()) node.fail(ErrorCode::invalid_value, "an enumeration needs at least one item");
+    std::ranges::sort(items, {}, &EnumerationItem::value);  // as the chip has a board's
     return items;
   }
 

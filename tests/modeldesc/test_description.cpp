@@ -181,10 +181,12 @@ TEST_F(DescriptionTest, JoinsTheVariablesOfABoardsDevices) {
   const auto own = write("description.json", R"({"name": "x", "text": "t", "namespace": "x", "step": 1, "stop_time": 1,
     "variables": [{"name": "power", "causality": "output", "unit": "W", "text": "t"}]})");
   const auto board = write("board.json", R"({"name": "b", "devices": [{"name": "camera", "base": "0x0",
-    "enumerations": {"Mode": {"off": 0, "on": 1}},
+    "enumerations": {"Mode": {"on": 1, "off": 0}},
     "variables": [{"name": "mode", "type": "Mode", "causality": "input", "start": 1, "text": "t"}]}]})");
   const Description joined = read_description(own, board);
   ASSERT_EQ(joined.fields.size(), 2U);
+  ASSERT_EQ(joined.enumerations.size(), 1U);
+  EXPECT_EQ(joined.enumerations[0].items[0].name, "off") << "by value, as the chip has it";
   EXPECT_EQ(joined.fields[1].enumeration, "Mode");
   EXPECT_THAT(variables_header(joined), HasSubstr("Mode mode = Mode::on;"));
 

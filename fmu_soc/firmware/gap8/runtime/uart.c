@@ -17,8 +17,12 @@ static char lines[2][LINE_BYTES];
 static unsigned filling;
 static unsigned filled;
 
-// What has been sent needs nobody; the interrupt ends a sleep at the clock that the transmitter needed.
-static void on_sent(void) {}
+static volatile unsigned sent = 1;
+
+// Also ends a sleep at the clock that the transmitter needed.
+static void on_sent(void) {
+  sent = 1;
+}
 
 void uart_start(void) {
   UDMA_CLOCK_GATE |= UDMA_CLOCK_UART;
@@ -30,13 +34,9 @@ bool uart_sends(void) {
   return udma_runs(UDMA_UART_SEND_OFFSET);
 }
 
-static void wait(void) {
-  while (uart_sends()) {
-  }
-}
-
 static void send(void) {
-  wait();
+  soc_event_wait(&sent);
+  sent = 0;
   udma_start(UDMA_UART_SEND_OFFSET, lines[filling], filled);
   filling ^= 1;
   filled = 0;
@@ -53,5 +53,5 @@ void uart_flush(void) {
   if (filled > 0) {
     send();
   }
-  wait();
+  soc_event_wait(&sent);
 }
