@@ -116,7 +116,10 @@ Outcome run(const FlightParameters& mission, const Surroundings& around, double 
   soc::Soc chip(board, soc::gap8(), {}, program, listeners);
   mission.put_into(chip);
   auto* const eye = dynamic_cast<soc::Camera*>(chip.device("camera"));  // null: GAP8's interface
-  if (eye != nullptr) *chip.input("camera.frame_width") = around.picture_edge_px;
+  if (eye != nullptr) {
+    *chip.input("camera.frame_width") = around.picture_edge_px;
+    *chip.input("camera.frame_height") = around.picture_edge_px;
+  }
 
   auto scene = load_scene("gate_easy");
   const auto gate = scene.gates.at(0);

@@ -89,6 +89,7 @@ std::vector<std::string> on_chip(const std::vector<std::vector<std::uint8_t>>& p
   const auto program = soc::Elf::read(std::string(MEBOTS_BINARY_DIR) + "/firmware/" + MEBOTS_NETWORK_CHECK);
   soc::Soc chip(board, soc::gap8(), {}, program, listeners);
   *chip.input("camera.frame_width") = edge;
+  *chip.input("camera.frame_height") = edge;
   auto& camera = dynamic_cast<soc::Camera&>(*chip.device("camera"));
   constexpr std::int64_t kStep = 2'000'000;
   std::int32_t id = 0;

@@ -38,12 +38,13 @@ class BoardSystem {
     board.instruction_caches = {};
     return board;
   }
-  /// A camera of narrow pictures.
+  /// A camera of narrow pictures with any rows.
   static BoardDescription narrow(double frame_width = 64) {
     auto board = ai_deck();
     for (auto& device : board.devices) {
       for (auto& variable : device.variables) {
         if (variable.name == "camera.frame_width") variable.start = frame_width;
+        if (variable.name == "camera.frame_height") variable.start = 0;
       }
     }
     return board;

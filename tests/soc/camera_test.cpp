@@ -135,6 +135,33 @@ TEST(Camera, RefusesLinesInWhichItsPictureHasNoRoom) {
   EXPECT_THROW(exposed.camera().offer(picture(64 * 40), exposed.soc.now()), Error);
 }
 
+TEST(Camera, DropsPicturesOfAnotherSizeThanItsParametersSayAndTellsItOnce) {
+  // 160 x 160 would fill 80 rows of 320 without a remainder.
+  BoardSystem system(fmt::format(fmt::runtime(kAsk), 320 * 320, 0));
+  system.soc.advance(2 * kMs);
+  system.camera().offer(picture(160 * 160), system.soc.now());
+  system.soc.advance(30 * kMs);
+  EXPECT_EQ(system.result(2), Camera::kRefused);
+  EXPECT_EQ(system.result(7), 1U) << "the program learns of it";
+  EXPECT_EQ(system.result(3), 0U);
+  ASSERT_EQ(system.faults.size(), 1U);
+  EXPECT_THAT(system.faults[0],
+              testing::StartsWith("picture 1 has 25600 bytes, not 102400 as camera.frame_width 320 and "
+                                  "camera.frame_height 320 say"));
+
+  ASSERT_TRUE(system.camera().store(0, system.soc.now(), 1));
+  system.camera().offer(picture(8 * 320), system.soc.now());
+  system.soc.advance(60 * kMs);
+  EXPECT_EQ(system.result(7), 2U);
+  EXPECT_EQ(system.faults.size(), 1U);
+
+  ASSERT_TRUE(system.camera().store(0, system.soc.now(), 1));
+  system.camera().offer(picture(320 * 320), system.soc.now());
+  system.soc.advance(90 * kMs);
+  EXPECT_EQ(system.result(2), Camera::kReady);
+  EXPECT_EQ(system.result(4), 320U);
+}
+
 double seconds_of(const Soc& soc, ChipState state) {
   return static_cast<double>(soc.state_times().total(static_cast<std::size_t>(state))) * 1e-12;
 }

@@ -81,6 +81,7 @@ Variables picture_variables() {
   Variables variables;
   variables.parameters.firmware = picture_program();
   variables.parameters.camera_frame_width = 16;
+  variables.parameters.camera_frame_height = 8;
   return variables;
 }
 
@@ -108,6 +109,7 @@ TEST(Model, ABareNameIsAProgramInsideTheFmu) {
   Variables variables;
   variables.parameters.firmware = "picture";
   variables.parameters.camera_frame_width = 16;
+  variables.parameters.camera_frame_height = 8;
   Model model(variables, resources(), {});
   model.start(0);
   for (std::int64_t t = 0; t < 10 * kMs; t += 2 * kMs) model.step(t, 2 * kMs);
@@ -307,6 +309,7 @@ TEST(Model, InputThatIsNoNumberIsAnError) {
 TEST(Model, TakesNothingFromTheHeapInAStepOnceItsCodeIsTranslated) {
   Variables variables;
   const std::vector<std::uint8_t> picture(320 * 240, 100);
+  variables.parameters.camera_frame_height = 240;
   Model model(variables, resources(), {});
   variables.inputs.battery_voltage_v = 3.9;
   variables.inputs.battery_state_of_charge = 1;

@@ -40,6 +40,7 @@ Camera::Camera(const BoardDevice& entry, DeviceHost& host)
 double* Camera::input(std::string_view variable) {
   if (variable == entry_.name + ".frame_id") return &frame_id_;
   if (variable == entry_.name + ".frame_width") return &frame_width_;
+  if (variable == entry_.name + ".frame_height") return &frame_height_;
   if (variable == entry_.name + ".frame_lines") return &frame_lines_;
   if (variable == entry_.name + ".line_clocks") return &line_clocks_;
   if (variable == entry_.name + ".pixel_clock") return &pixel_clock_hz_;
@@ -126,7 +127,19 @@ void Camera::finish() {
   state_.interrupt = true;
   const auto size = static_cast<std::uint32_t>(picture_.size());
   const auto width = static_cast<std::uint32_t>(frame_width_);
-  if (size > state_.buffer_size || width == 0 || size % width != 0 || !host_.write_memory(state_.buffer, picture_)) {
+  // Bytes say nothing of rows: cut at another width, they would be garbled without a word.
+  if (const auto height = static_cast<std::uint32_t>(frame_height_); height != 0 && size != width * height) {
+    state_.status |= kRefused;
+    if (!state_.told_format) {
+      state_.told_format = true;
+      host_.complain(
+          fmt::format("picture {0} has {1} bytes, not {2} as {3}.frame_width {4} and {3}.frame_height {5} say: it and "
+                      "others of another size are dropped. Set the two to camera.width and camera.height of the world; "
+                      "{3}.frame_height 0 takes any rows",
+                      state_.requests, size, width * height, entry_.name, width, height));
+    }
+  } else if (size > state_.buffer_size || width == 0 || size % width != 0 ||
+             !host_.write_memory(state_.buffer, picture_)) {
     state_.status |= kRefused;
     host_.complain(
         fmt::format("picture {} has {} bytes, rows of {}; the firmware's buffer at 0x{:08x} holds {}: dropped",
@@ -198,6 +211,7 @@ void Camera::visit(state::Visitor& v) {
   v("status", state_.status);
   v("waiting", state_.waiting);
   v("interrupt", state_.interrupt);
+  v("told_format", state_.told_format);
   v("frame_id", state_.frame_id);
   v("asked_at", state_.asked_at);
   v("done_at", state_.done_at);
@@ -211,6 +225,7 @@ void Camera::visit(state::Visitor& v) {
   v("picture", picture_);
   v("frame_id_input", frame_id_);
   v("frame_width", frame_width_);
+  v("frame_height", frame_height_);
   v("frame_lines", frame_lines_);
   v("line_clocks", line_clocks_);
   v("pixel_clock", pixel_clock_hz_);

@@ -20,15 +20,16 @@ namespace mebots::soc {
 ///   + delay       the picture stands in the buffer, ready is set, the interrupt line goes up.
 ///
 /// A request without a usable buffer, or while busy, is refused on the spot: the bit is set, no interrupt. A picture
-/// that does not fit when it comes is dropped: refused is set, and the line goes up, so that nobody waits for ever. The
-/// camera draws its active current from offer() to the end, its idle current otherwise.
+/// that does not fit when it comes, or has not .frame_width times .frame_height pixels, is dropped: refused is set, and
+/// the line goes up, so that nobody waits for ever. The camera draws its active current from offer() to the end, its
+/// idle current otherwise.
 ///
 /// With the parameter .frame_lines above 0 it keeps an HM01B0's times instead of the delay: a row after another, each
 /// in .line_clocks of .pixel_clock, after .exposure_lines of them in which the first row gathers light. It reads out no
 /// more than one picture in .frame_lines.
 ///
-/// Its variables are those of its entry that begin with its name: .frame, .frame_id, .frame.base64, .frame_width and
-/// the four above go in, .trigger goes out.
+/// Its variables are those of its entry that begin with its name: .frame, .frame_id, .frame.base64, .frame_width,
+/// .frame_height and the four above go in, .trigger goes out.
 class Camera final : public Device {
  public:
   static constexpr std::uint32_t kBusy = 1;
@@ -74,6 +75,7 @@ class Camera final : public Device {
     std::uint32_t status = 0;
     bool waiting = false;  // for the picture
     bool interrupt = false;
+    bool told_format = false;  // that a picture had another size than the parameters say
     std::int32_t frame_id = 0;
     Picoseconds asked_at = 0;
     Picoseconds done_at = kNever;
@@ -101,6 +103,7 @@ class Camera final : public Device {
   // Variables.
   double frame_id_ = 0;
   double frame_width_ = 0;
+  double frame_height_ = 0;
   double frame_lines_ = 0;
   double line_clocks_ = 376;
   double pixel_clock_hz_ = 6e6;
