@@ -74,6 +74,11 @@ void Console::line(std::string_view text) {
   if (!quiet_) put(stdout, text);
 }
 
+void Console::always(std::string_view text) {
+  const std::lock_guard lock(mutex_);
+  put(stdout, text);
+}
+
 void Console::warning(std::string_view text) {
   const std::lock_guard lock(mutex_);
   put(stderr, coloured(Severity::warning, fmt::format("mebots: warning: {}", text)));

@@ -12,7 +12,7 @@
 
 namespace mebots::app {
 
-/// What the user sees: lines on standard output (none when quiet), warnings and errors on standard error (always), and
+/// What the user sees: lines on standard output (few when quiet), warnings and errors on standard error (always), and
 /// one line that is redrawn in place on a terminal. Warnings and errors are coloured on a terminal, unless NO_COLOR is
 /// set (no-color.org).
 class Console final {
@@ -21,6 +21,8 @@ class Console final {
 
   void message(const Message& message);
   void line(std::string_view text);
+  /// A line that is wanted even when quiet: nothing could be done without it.
+  void always(std::string_view text);
   void warning(std::string_view text);
   void error(std::string_view text);
 

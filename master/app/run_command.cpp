@@ -86,7 +86,7 @@ void run_to_the_end(Run& run, const std::optional<int>& live_port, Console& cons
   }
 #ifdef MEBOTS_HAS_live
   live::LiveRun live(run, *live_port);
-  console.line("live: " + live.address());
+  console.always("live: " + live.address());
   live.run();
 #else
   static_cast<void>(console);
