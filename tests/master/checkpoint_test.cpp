@@ -103,6 +103,17 @@ TEST_F(Checkpoints, InstancesInOwnProcessesAreResumedToo) {
   EXPECT_EQ(summary("killed"), summary("straight"));
 }
 
+TEST_F(Checkpoints, AFolderOfPicturesThatIsGoneIsMadeAgain) {
+  auto system = nlohmann::json::parse(with_probe(kSavedSystem));
+  system["pictures"] = {{{"frame", "a.buffer"}, {"id", "a.steps"}, {"width", 1}}};
+  write_file(folder.path() / "seen.json", system.dump());
+  EXPECT_EQ(run({"run", "seen.json", "--out", "seen", "--checkpoint-every", "0.5", "--stop-time", "0.8"}).code, 0);
+  std::filesystem::remove_all(folder.path() / "seen" / "pictures");
+  const auto resumed = run({"resume", "seen"});
+  EXPECT_EQ(resumed.code, 0) << resumed.err;
+  EXPECT_FALSE(std::filesystem::is_empty(folder.path() / "seen" / "pictures" / "a.buffer"));
+}
+
 TEST_F(Checkpoints, WhatWasWrittenAfterTheLastCheckpointIsCutOff) {
   ASSERT_EQ(run({"run", "two.json", "--out", "straight"}).code, 0);
   const auto child = start({"run", "two.json", "--out", "killed", "--quiet", "--checkpoint-every", "0.5"});

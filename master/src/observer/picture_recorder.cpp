@@ -54,6 +54,10 @@ void PictureRecorder::make_folder() const {
   if (error)
     throw InputError(ErrorCode::file_unwritable,
                      fmt::format("{}: this folder cannot be made: {}", folder_.string(), error.message()));
+}
+
+void PictureRecorder::remove_pictures() const {
+  std::error_code error;
   // An earlier run's pictures would look like this one's.
   for (const auto& entry : std::filesystem::directory_iterator(folder_)) {
     if (entry.path().extension() == ".png") std::filesystem::remove(entry.path(), error);
@@ -61,7 +65,9 @@ void PictureRecorder::make_folder() const {
 }
 
 std::optional<std::string> PictureRecorder::reached(const Point& point) {
-  if (point.step == 0) make_folder();
+  if (!has_folder_) make_folder();  // of a run that is resumed, too: somebody may have removed it
+  has_folder_ = true;
+  if (point.step == 0) remove_pictures();
   const auto id = ensemble_->integer(id_);
   if (id != last_id_) {
     last_id_ = id;

@@ -24,6 +24,7 @@ class PictureRecorder final : public Observer {
 
  private:
   void make_folder() const;
+  void remove_pictures() const;
   void write(const Point& point) const;
 
   const Ensemble* ensemble_;
@@ -33,6 +34,7 @@ class PictureRecorder final : public Observer {
   SignalId base_hi_;
   SignalId size_;
   SignalId id_;
+  bool has_folder_ = false;
   std::int32_t last_id_ = 0;
   std::int64_t next_ns_ = 0;
 };
