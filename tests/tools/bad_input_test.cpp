@@ -41,10 +41,13 @@ class BadInput : public testing::Test {
 
 TEST_F(BadInput, OfTheCommandLineIsRefused) {
   expect_refused("", "");
-  expect_refused("run", "required");
-  expect_refused("walk x", "");
-  expect_refused("run " + program_ + " --max-instructions many", "");
-  expect_refused("run " + program_ + " --max-instructions -1", "");
+  expect_refused("run", "mebots-soc: program is required");
+  expect_refused("walk x", "mebots-soc: ");
+  expect_refused("run " + program_ + " --max-instructions many", "'many' is not a whole number from 0 on");
+  expect_refused("run " + program_ + " --max-instructions -1",
+                 "mebots-soc: --max-instructions: '-1' is not a whole number from 0 on. `mebots-soc run --help`");
+  expect_refused("run " + program_ + " --devices nope", "mebots-soc: --devices nope: this is not a folder");
+  expect_refused("run " + program_ + " --devices " + program_, "this is not a folder");
   expect_refused("run " + program_ + " --gdb 65536", "");
   expect_refused("run " + program_ + " --trace-cycles", "--trace FILE");
   expect_refused("run ''", "empty file name");

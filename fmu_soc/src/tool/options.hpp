@@ -26,7 +26,8 @@ struct Options {
   std::optional<std::uint64_t> max_instructions;
 };
 
-/// Throws Error for what cannot be meant: an empty name, one file for two things, a file that the run reads as output.
+/// Throws Error for what cannot be meant: an empty name, one file for two things, a file that the run reads as output,
+/// a folder that is none.
 void check(const Options& options);
 
 }  // namespace mebots::soc::tool
