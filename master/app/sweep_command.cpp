@@ -59,7 +59,8 @@ void add_sweep(CLI::App& app, Action& action) {
       ->allow_extra_args(false)
       ->take_all();
   command->footer(
-      help_footer({"0 the study is done", "1 it was interrupted, or missions failed", "2 the input cannot be used"},
+      help_footer({"0 the study is done", "1 it was interrupted, or missions failed",
+                   "2 the input cannot be used, or an objective has no value in any mission"},
                   {"mebots sweep study.json --out results/study --jobs 2",
                    "mebots sweep study.json --out results/study --dry-run", "mebots sweep --status results/study"}));
   command->callback([options, &action] {

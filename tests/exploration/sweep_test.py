@@ -394,6 +394,24 @@ class BadInput(StudyCase):
             journal.write_text(sound + line + "\n")
             self.assertIn("journal.jsonl:21: this is not a line of a journal; remove it", self.refused())
 
+    def test_an_objective_whose_arithmetic_has_no_value_in_any_mission_is_told_once(self):
+        self.study(objectives={
+            "integral": {"summary": "integral"}, "none": {"expression": "integral / 0"},
+            "root": {"expression": "sqrt(-1)"}, "huge": {"expression": "1e308 * 10"}})
+        told = self.sweep(code=2)
+        for label, text, why in (("none", "integral / 0", "float division by zero"), ("root", "sqrt(-1)", "math domain error"),
+                                 ("huge", "1e308 * 10", "its result is inf")):
+            line = f"the objective '{label}' has no value in any of 20 missions: '{text}': {why}"
+            self.assertEqual(told.count(line), 1, told)
+        self.assertNotIn("objective 'integral'", told)
+        self.assertEqual(len(self.rows("missions.csv")), 20)
+
+    def test_an_objective_that_some_missions_lack_is_no_mistake(self):
+        self.study(objectives={"success": {"outcome": "far"}, "x": {"expression": "1 / 0", "where": "success"},
+                               "y": {"summary": "integral", "where": "success"}, "z": {"expression": "2 * y"}},
+                   design={"kind": "grid", "factors": {"a.gain": [0]}})
+        self.assertNotIn("the objective", self.sweep())
+
     def test_an_expression_is_arithmetic_and_nothing_else(self):
         self.study(objectives={"x": {"expression": "__import__('os').system('true')"}})
         self.refused()
@@ -535,6 +553,22 @@ class Kept(StudyCase):
         command = [MEBOTS, "sweep", str(self.folder / "study.json"), "--out", str(self.folder / "out"), "--jobs", "2"]
         subprocess.run(command, env=environment, capture_output=True, check=True)
         self.assertEqual([path.name for path in temporary.iterdir()], [])
+
+    def test_no_temporary_files_stay_after_an_interrupt_at_any_time(self):
+        temporary = self.folder / "temporary"
+        temporary.mkdir()
+        self.mission(fault="slow", fault_time=0)
+        self.study()
+        environment = dict(os.environ, TMPDIR=str(temporary))
+        command = [MEBOTS, "sweep", str(self.folder / "study.json"), "--out", str(self.folder / "out"), "--jobs", "2"]
+        for wait_s in (0, 0.1, 0.2, 0.4, 0.8):
+            process = subprocess.Popen(command, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            while not any(temporary.iterdir()):
+                time.sleep(0.001)
+            time.sleep(wait_s)
+            process.send_signal(signal.SIGINT)
+            self.assertEqual(process.wait(timeout=20), 1)
+            self.assertEqual([path.name for path in temporary.iterdir()], [], f"after {wait_s} s")
 
     def test_results_that_were_lost_are_flown_again_and_others_are_not(self):
         self.study(results=True)

@@ -67,6 +67,8 @@ class Sweep:
     folder: pathlib.Path
     missions: int
     failed: int
+    without_value: list[str] = dataclasses.field(default_factory=list)
+    """What to tell of objectives whose expression had no value in any mission."""
 
     def designs(self) -> list[dict[str, str]]:
         """The rows of designs.csv."""
@@ -278,7 +280,7 @@ class Campaign:
                 self._ahead = self._who_is_ahead(evidence)
             journal.sync()
             self._write(folder, journal, evidence, rounds, hashes, failures)
-            return Sweep(folder, sum(len(one) for one in hashes.values()), failures.total())
+            return Sweep(folder, sum(len(one) for one in hashes.values()), failures.total(), self._measurer.without_value())
         finally:
             for one in (journal, *others):
                 one.close()

@@ -128,7 +128,11 @@ def _sweep(study: Study, options: argparse.Namespace) -> int:
     if campaign.flown and campaign.of_other_builds:
         known += f", {_counted(campaign.of_other_builds, 'record')} of other builds not used"
     print(f"{_counted(result.missions, 'mission')}{known}, {result.failed} failed: {', '.join(str(out / name) for name in written)}")
-    return NOT_DONE if result.failed else DONE
+    for text in result.without_value:
+        print(f"mebots: error: {text}", file=sys.stderr)
+    if result.failed:
+        return NOT_DONE
+    return BAD_INPUT if result.without_value else DONE
 
 
 def _size(campaign: Campaign) -> str:

@@ -218,9 +218,15 @@ def fly(order: Order) -> dict[str, Any]:
 
 def _my_process() -> MissionProcess:
     if getattr(_mine, "process", None) is None:
-        _mine.process = MissionProcess()
+        process = MissionProcess()
         with _lock:
-            _all.add(_mine.process)
+            is_late = _closing.is_set()
+            if not is_late:
+                _all.add(process)
+        if is_late:  # the study ended while it started: end_all did not see it
+            process.close()
+            raise RuntimeError("the study is over")
+        _mine.process = process
     return _mine.process
 
 

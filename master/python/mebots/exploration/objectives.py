@@ -24,7 +24,11 @@ class Measurer:
 
     def __init__(self, study: Study, labels: Iterable[str]) -> None:
         self._objectives = study.objectives
+        self._place = study.place
         self._formulas: dict[str, Callable[[Mapping[str, Any]], float]] = {}
+        self._sound = 0  # missions
+        self._valued: set[str] = set()  # objectives that had a value
+        self._mistakes: dict[str, str] = {}  # what was wrong with an expression's arithmetic, first
         labels = list(labels)
         known: set[str] = set(labels)
         for one in self._objectives:
@@ -38,15 +42,30 @@ class Measurer:
     def __call__(self, record: Record) -> Measures:
         values: dict[str, Any] = dict(record.get("values", {}))
         sound = not record["error"]
+        self._sound += sound
         measured: dict[str, float | None] = {}
         for one in self._objectives:
-            found = self._one(one, record, values) if sound else None
-            if one.is_share:
-                found = float(record["outcome"] in one.what)
             if one.where is not None and measured.get(one.where, 1.0) != 1.0:
                 found = None
+            elif one.is_share:
+                found = float(record["outcome"] in one.what)
+            else:
+                found = self._one(one, record, values) if sound else None
+            if found is not None:
+                self._valued.add(one.label)
             measured[one.label] = values[one.label] = found
         return tuple(measured[one.label] for one in self._objectives)
+
+    def without_value(self) -> list[str]:
+        """Of each expression that had no value in any of the missions so far, because its arithmetic has none: what to
+        tell. One of values that a mission may lack, or restricted by ``where``, is none of them."""
+        return [
+            f"{self._place}: the objective '{label}' has no value in any of {self._sound} missions: '{what}': {why}"
+            for label, what, why in (
+                (one.label, one.what, self._mistakes.get(one.label)) for one in self._objectives if one.label not in self._valued
+            )
+            if why is not None
+        ]
 
     def _one(self, one: Objective, record: Record, values: Mapping[str, Any]) -> float | None:
         if one.source == "summary":
@@ -57,9 +76,15 @@ class Measurer:
             return _number(record["series"][f"{one.what} {one.reduction}"])
         if one.source == "expression":
             try:
-                return _number(self._formulas[one.label](values))
-            except (ArithmeticError, TypeError, ValueError):  # of a value that this mission does not have, say
+                result = self._formulas[one.label](values)
+            except TypeError:  # of a value that this mission does not have
                 return None
+            except (ArithmeticError, ValueError) as error:
+                self._mistakes.setdefault(one.label, str(error))
+                return None
+            if not math.isfinite(result):
+                self._mistakes.setdefault(one.label, f"its result is {result}")
+            return _number(result)
         return None
 
 
