@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Numbers for people: four digits, a prefix where the unit takes one, the unit always.
 
-const PREFIXED = new Set(["W", "J", "V", "A", "N", "N.m", "Hz", "Pa", "C", "F", "Ohm", "1/s", "bit/s"]);
+const PREFIXED = new Set(["W", "J", "V", "A", "N", "N.m", "Hz", "Pa", "C", "F", "Ohm", "1/s", "bit/s", "s"]);
 const PREFIXES: [number, string][] = [
   [1e9, "G"], [1e6, "M"], [1e3, "k"], [1, ""], [1e-3, "m"], [1e-6, "µ"], [1e-9, "n"],
 ];
@@ -34,6 +34,8 @@ function digits(value: number): string {
 export function prefixFor(size: number, unit: string): [number, string] {
   if (unit === SHARE) return [0.01, ""];
   if (!PREFIXED.has(unit) || !(size > 0)) return [1, ""];
+  // Nobody reads kiloseconds.
+  if (unit === "s" && size >= 1) return [1, ""];
   return PREFIXES.find(([factor]) => size >= 0.9995 * factor) ?? PREFIXES[PREFIXES.length - 1];
 }
 
