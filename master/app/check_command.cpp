@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "command.hpp"
 
+#include "base/signal_guard.hpp"
 #include "check_fmu.hpp"
+#include "child.hpp"
 #include "mebots/error.hpp"
 
+#include <atomic>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -23,15 +26,22 @@ struct CheckOptions {
 int check_command(const CheckOptions& options) {
   std::string text;
   bool clean = false;
+  std::atomic<bool> given_up = false;
   try {
+    // The signal ends this process after all, once the unpacked FMU is removed.
+    const master::SignalGuard guard(given_up, master::SignalGuard::Afterwards::raise);
     check::Options how;
     how.half_step_tolerance = options.half_step_tolerance;
     how.deadline_s = options.deadline_s;
     how.level = check::level_named(options.level);
+    how.given_up = &given_up;
     how.run = !options.files_only;
     const auto report = check::check_fmu(options.fmu, how);
     text = options.json ? check::to_json(report) : check::to_text(report);
     clean = report.clean();
+  } catch (const check::Interrupted& error) {
+    print_error(error.what());
+    return 1;
   } catch (const Error& error) {
     print_error(error.what());
     return 2;

@@ -142,6 +142,7 @@ class FmuCheck {
       CrashRule rule;
       rule.severity = probe.crash;
       rule.deadline_s = options_.deadline_s;
+      rule.given_up = options_.given_up;
       run_in_child(rule, check, [&](Witness& witness) {
         const Library library(target, witness);
         probe.run(library);

@@ -3,6 +3,7 @@
 
 #include "finding.hpp"
 
+#include <atomic>
 #include <filesystem>
 #include <string>
 
@@ -12,7 +13,8 @@ struct Options {
   double half_step_tolerance = 1e-3;  ///< of an output's largest magnitude in the run
   double deadline_s = 30;             ///< for each experiment with the FMU: seconds that it computes or sleeps
   Level level = Level::standard;      ///< findings of higher levels are counted, not told
-  bool run = true;                    ///< false: look at the files only, run nothing of the FMU's
+  const std::atomic<bool>* given_up = nullptr;  ///< true ends the check by Interrupted; null = nobody can
+  bool run = true;                              ///< false: look at the files only, run nothing of the FMU's
 };
 
 /// Looks at an FMU from its archive to its behaviour. What the FMU's code does, it does in child processes.

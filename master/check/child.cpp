@@ -68,7 +68,7 @@ void catch_crashes(BlackBox& box) {
   action.sa_handler = &on_signal;
   action.sa_flags = static_cast<int>(SA_RESETHAND);
   for (const int signal : {SIGSEGV, SIGABRT, SIGFPE, SIGILL, SIGBUS}) sigaction(signal, &action, nullptr);
-  for (const int signal : {SIGTERM, SIGINT}) std::signal(signal, SIG_DFL);
+  for (const int signal : {SIGTERM, SIGINT, SIGHUP}) std::signal(signal, SIG_DFL);
 }
 
 /// Findings as lines of JSON through a pipe.
@@ -175,13 +175,17 @@ bool has_ended(pid_t keeper) {
   return waitid(P_PID, static_cast<id_t>(keeper), &info, WEXITED | WNOHANG | WNOWAIT) != 0 || info.si_pid != 0;
 }
 
+bool is_given_up(const CrashRule& rule) {
+  return rule.given_up != nullptr && *rule.given_up;
+}
+
 /// Reads until the child closed its end, or ended: a process that it leaves behind may hold the end open. False when
-/// the deadline came first.
-bool read_all(int pipe, pid_t keeper, const BlackBox& box, double deadline_s, std::string& text) {
+/// the deadline came first, or the user gave up.
+bool read_all(int pipe, pid_t keeper, const BlackBox& box, const CrashRule& rule, std::string& text) {
   constexpr int kLook_ms = 50;
   SpentTime spent(box.child);
   for (bool ended = false;;) {
-    if (!ended && spent.seconds() > deadline_s) return false;
+    if (!ended && (is_given_up(rule) || spent.seconds() > rule.deadline_s)) return false;
     pollfd watched{pipe, POLLIN, 0};
     const int ready = poll(&watched, 1, ended ? 0 : kLook_ms);
     if (ready < 0 && errno != EINTR) return true;
@@ -228,7 +232,7 @@ int status_of(pid_t keeper) {
   return status;
 }
 
-ChildEnd run_once(double deadline_s, Findings& findings, const std::function<void(Witness&)>& work) {
+ChildEnd run_once(const CrashRule& rule, Findings& findings, const std::function<void(Witness&)>& work) {
   SharedBox box;
   int ends[2];
   if (pipe2(ends, O_CLOEXEC) != 0)
@@ -246,10 +250,11 @@ ChildEnd run_once(double deadline_s, Findings& findings, const std::function<voi
   }
   close(ends[1]);
   std::string lines;
-  const bool in_time = read_all(ends[0], keeper, *box, deadline_s, lines);
+  const bool in_time = read_all(ends[0], keeper, *box, rule, lines);
   close(ends[0]);
   if (!in_time) master::isolation::end_kept(keeper);
   const int status = status_of(keeper);
+  if (is_given_up(rule)) throw Interrupted();
   take(lines, findings);
   return {in_time, status, (*box).doing[0] == '\0' ? "the start" : (*box).doing, (*box).callback, (*box).finished};
 }
@@ -265,7 +270,7 @@ std::string crash_text(const ChildEnd& end) {
 void judge(const CrashRule& rule, Findings& findings, const ChildEnd& end, const std::function<void(Witness&)>& work) {
   Check aside;  // what it found was told by the first run
   Findings unheard(aside);
-  const auto without = run_once(rule.deadline_s, unheard, [&](Witness& witness) {
+  const auto without = run_once(rule, unheard, [&](Witness& witness) {
     master::deafen_callbacks();
     work(witness);
   });
@@ -285,7 +290,7 @@ void judge(const CrashRule& rule, Findings& findings, const ChildEnd& end, const
 }  // namespace
 
 void run_in_child(const CrashRule& rule, Findings findings, const std::function<void(Witness&)>& work) {
-  const auto end = run_once(rule.deadline_s, findings, work);
+  const auto end = run_once(rule, findings, work);
   if (!end.in_time) {
     findings.add(rule.severity,
                  fmt::format("no answer from {1} within {0} s of computing or sleeping", rule.deadline_s, end.doing),

@@ -355,6 +355,23 @@ TEST_F(Program, AnInterruptEndsCleanlyWithItsResults) {
   EXPECT_GT(json["rows"], 1);
 }
 
+TEST_F(Program, ACheckThatIsInterruptedLeavesNoFiles) {
+  const auto temporary = folder.path() / "temporary";
+  std::filesystem::create_directory(temporary);
+  const auto child = fork();
+  if (child == 0) {
+    setenv("TMPDIR", temporary.c_str(), 1);
+    execl(MEBOTS_PROGRAM, MEBOTS_PROGRAM, "check", PROBE_FMU, nullptr);
+    _exit(98);
+  }
+  while (std::filesystem::is_empty(temporary)) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  kill(child, SIGINT);
+  int status = 0;
+  waitpid(child, &status, 0);
+  EXPECT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == SIGINT) << status;
+  EXPECT_TRUE(std::filesystem::is_empty(temporary));
+}
+
 TEST_F(Program, InfoShowsWhatAnFmuSaysOfItself) {
   const auto result = run({"info", PROBE_FMU});
   EXPECT_EQ(result.code, 0);
