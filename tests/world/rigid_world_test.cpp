@@ -126,9 +126,18 @@ TEST_F(FreeFlight, RefusesFiniteNumbersWhoseProductsAreNot) {
       (far.*member).x() = huge;
       EXPECT_THROW(bodies_.step(far, kNone, kNone, 1e-3), Error) << huge;
     }
-    bodies_.set_mass(huge, Eigen::Vector3d::Constant(huge));
+    bodies_.set_mass(huge, inertia_);
     EXPECT_THROW(bodies_.step(state_, kNone, kNone, 1e-3), Error) << huge;
     bodies_.set_mass(kMass_kg, inertia_);
+  }
+}
+
+TEST_F(FreeFlight, RefusesAHugeMomentOfInertiaAboutAnyAxis) {
+  for (int axis = 0; axis < 3; ++axis) {
+    Eigen::Vector3d huge = inertia_;
+    huge[axis] = 1e155;
+    bodies_.set_mass(kMass_kg, huge);
+    EXPECT_THROW(bodies_.step(state_, kNone, kNone, 1e-3), Error) << axis;
   }
 }
 

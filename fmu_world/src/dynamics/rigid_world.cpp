@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 #include <ode/ode.h>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <deque>
@@ -124,7 +125,6 @@ class RigidWorld::Impl {
     dMassSetParameters(&mass, mass_kg, 0.0, 0.0, 0.0, inertia_kg_m2.x(), inertia_kg_m2.y(), inertia_kg_m2.z(), 0.0, 0.0,
                        0.0);
     dBodySetMass(body_, &mass);
-    mass_kg_ = mass_kg;
   }
 
   const std::vector<Touch>& step(RigidState& state, const Eigen::Vector3d& force_W, const Eigen::Vector3d& torque_B,
@@ -133,7 +133,10 @@ class RigidWorld::Impl {
     if (!state.is_finite() || !force_W.allFinite() || !torque_B.allFinite()) {
       throw Error("the drone's state or the forces on it are not finite: no step is possible from here");
     }
-    require_moderate("the drone's mass [kg]", mass_kg_);
+    dMass mass;
+    dBodyGetMass(body_, &mass);
+    require_moderate("the drone's mass [kg]", mass.mass);
+    require_moderate("a moment of inertia of the drone [kg.m2]", std::max({mass.I[0], mass.I[5], mass.I[10]}));
     require_moderate("a force on the drone [N]", force_W.cwiseAbs().maxCoeff());
     require_moderate("a torque on the drone [N.m]", torque_B.cwiseAbs().maxCoeff());
     require_moderate("a coordinate of the drone [m]", state.p_WB_m.cwiseAbs().maxCoeff());
@@ -297,7 +300,6 @@ class RigidWorld::Impl {
   dThreadingImplementationID threading_ = nullptr;
   dJointGroupID joints_ = nullptr;
   dBodyID body_ = nullptr;
-  double mass_kg_ = 0.0;
   dGeomID drone_ = nullptr;
   double drone_radius_m_ = 0.0;
   std::vector<scene::Solid> solids_;
