@@ -1,22 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "command.hpp"
+#include "run_texts.hpp"
 
 #include "new_folder.hpp"
 
-#include <cstdio>
+#include <fmt/format.h>
+
 #include <filesystem>
 #include <memory>
 
 namespace mebots::app {
 namespace {
 
-/// Writes the folder and says what to type next; a folder's name may hold spaces.
+/// Writes the folder and says what to type next.
 template <typename Write>
 int written(const Write& write, const char* targets) {
   try {
     const auto folder = write().string();
-    std::printf("%s is written. Next:\n  cd '%s'\n  cmake -S . -B build && cmake --build build\n%s", folder.c_str(),
-                folder.c_str(), targets);
+    fmt::print("{} is written. Next:\n  cd {}\n  cmake -S . -B build && cmake --build build\n{}", folder,
+               shell_word(folder), targets);
     return 0;
   } catch (const std::exception& error) {
     print_error(error.what());

@@ -216,9 +216,13 @@ class Forks(StudyCase):
         self.study(fork={"at": 0, "variables": ["a.real_in"]})
         self.sweep(code=2)
 
-    def test_a_fork_at_or_behind_the_stop_time_is_bad_input(self):
-        self.study(fork=self.FORK | {"at": 1})
-        self.assertIn("'fork': at 1 s is not before the mission's stop time, 1 s", self.sweep(code=2))
+    def test_a_fork_whose_values_would_never_count_is_bad_input(self):
+        for at in (0.95, 1):  # the step is 0.1 s
+            self.study(fork=self.FORK | {"at": at})
+            self.assertIn(f"'fork': at {at:g} s or later there is no communication point before the mission's stop time, 1 s",
+                          self.sweep(code=2))
+        self.study(fork=self.FORK | {"at": 0.9})
+        self.sweep()
 
     def test_an_fmu_that_cannot_write_its_state_is_named(self):
         mission = json.loads((self.folder / "mission.json").read_text())

@@ -366,6 +366,9 @@ class BadInput(StudyCase):
         text = self.refused()
         for value in ("0", "1e-12"):
             self.assertIn(f"{study}: factor '/step' = {value}: ", text)
+        wrong = {"outcome": "far", "when": [{"variable": "a.gain", "abov": 2}]}
+        self.study(design={"kind": "grid", "factors": {"case": {"options": {"wrong": {"/outcomes/0": wrong}}}}})
+        self.assertIn("factor 'case' = \"wrong\": ", self.refused())
 
     def test_a_list_that_is_not_utf_8_is_named(self):
         (self.folder / "designs.csv").write_bytes("a.gain,a.string_in\n1,groß\n".encode("latin-1"))
@@ -417,9 +420,13 @@ class BadInput(StudyCase):
         self.refused()
         self.study(objectives={"x": {"expression": "integral +"}})
         self.assertIn("not an expression", self.refused())
-        for text in ("integral" + "+integral" * 20000, "(" * 3000 + "integral" + ")" * 3000):
+        for text in ("integral" + "+integral" * 20000, "1" + "+1" * 150, "-" * 150 + "integral"):
             self.study(objectives={"x": {"expression": text}})
-            self.assertIn("the objective 'x': ", self.refused())
+            self.assertIn(f"the objective 'x': '{text[:40]}...' is too long an expression", self.refused())
+        self.study(objectives={"x": {"expression": "(" * 1500 + "integral" + ")" * 1500}})
+        self.assertIn("is not an expression", self.refused())
+        self.study(objectives={"integral": {"summary": "integral"}, "x": {"expression": "integral" + "+integral" * 90}})
+        self.sweep()
 
     def test_a_folder_belongs_to_one_sweep_at_a_time(self):
         import fcntl

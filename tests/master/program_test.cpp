@@ -210,6 +210,8 @@ TEST_F(Program, BadUsageIsAnsweredByTwo) {
     EXPECT_EQ(result.code, 2) << testing::PrintToString(more);
     EXPECT_THAT(result.err, HasSubstr(more.front() + " " + more.back()));
   }
+  EXPECT_EQ(run_config({"--step", "0", "--junit", "junit.xml"}).code, 2);
+  EXPECT_THAT(read_file(folder.path() / "junit.xml"), HasSubstr("errors=\"1\""));
   EXPECT_EQ(run({"--help"}).code, 0);
   EXPECT_EQ(run({"--version"}).code, 0);
 }
@@ -258,6 +260,10 @@ TEST_F(Program, WhatIsToBeTypedNextIsQuotedForTheShell) {
   write_file(folder.path() / "d.json", R"({"name": "d", "text": "A length", "step": 1, "stop_time": 1, "variables": [
       {"name": "out", "causality": "output", "unit": "m", "text": "A length"}]})");
   EXPECT_THAT(run({"new-fmu", "d.json", "--out", "my fmu"}).out, HasSubstr("cmake -S 'my fmu' -B 'my fmu'/build "));
+  for (const char* command : {"new-firmware", "new-sensor"}) {
+    const auto out = std::string("it's ") + command;
+    EXPECT_THAT(run({command, "blink", "--out", out}).out, HasSubstr(fmt::format("  cd 'it'\\''s {}'\n", command)));
+  }
 }
 
 TEST_F(Program, ALogCategoryThatTheFmuDoesNotDeclareIsNoticed) {

@@ -12,8 +12,8 @@ namespace {
 constexpr double kEasyLens = 1.51844;  // rad, of 320 pixels: the world's default
 constexpr double kHardLens = 0.87;
 
-/// A shipped mission, flown and judged. The sensor sends 324 x 324 pixels, of which the firmware takes 320 in the middle:
-/// they see what the lens says.
+/// A shipped mission, flown and judged. The sensor sends 324 x 324 pixels, of which the firmware takes 320 in the
+/// middle: they see what the lens says.
 void expect_passed(const std::string& mission, const char* firmware, double lens, int least_pictures) {
   auto config = shipped_config(mission);
   auto& soc = config["instances"]["soc"];

@@ -200,7 +200,7 @@ class Cluster {
   std::array<std::uint64_t, kMostClusterCores> ready_{};
   std::vector<std::unique_ptr<Core>> cores_;
   unsigned awake_ = 0;            // of them
-  std::vector<Core*> queue_;      // of this quantum: who runs without asking, in the order of the round-robin
+  std::vector<Core*> queue_;      // of this quantum: who runs without asking, who comes first at a bank in front
   bool in_step_ = false;          // all who are awake came to the end of their last quantum in translated code
   std::uint64_t last_ready_ = 0;  // then: the tick of the core that is farthest ahead
   std::function<bool(std::uint32_t)> watcher_;

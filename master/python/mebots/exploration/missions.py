@@ -12,7 +12,6 @@ import dataclasses
 import functools
 import hashlib
 import json
-import math
 import os
 import pathlib
 import re
@@ -82,6 +81,7 @@ class _Variant:
     config: str
     digest: str
     files: dict[str, list[str]]
+    step_s: float
     stop_time_s: float
     kept: Any  # an SSP's unpacked folder goes with it
 
@@ -108,10 +108,13 @@ class Missions:
         fork = self._study.fork
         if fork is None:
             return self._order(values, ())
-        stop_time_s = self._variant(self._divide(values)[0]).stop_time_s
-        if fork.at_s >= stop_time_s:
+        variant = self._variant(self._divide(values)[0])
+        at_ns, step_ns, stop_time_ns = (round(1e9 * time_s) for time_s in (fork.at_s, variant.step_s, variant.stop_time_s))
+        if -(-at_ns // step_ns) * step_ns >= stop_time_ns:
             raise InputError(
-                f"'fork': at {fork.at_s:g} s is not before the mission's stop time, {stop_time_s:g} s: what it names would never count", "invalid_value"
+                f"'fork': at {fork.at_s:g} s or later there is no communication point before the mission's stop time, "
+                f"{variant.stop_time_s:g} s: what it names would never count",
+                "invalid_value",
             )
         later = {name: value for name, value in values.items() if name in fork.variables}
         before = {name: value for name, value in values.items() if name not in later}
@@ -234,7 +237,7 @@ class Missions:
         digest = digest_of(config)
         if self._study.results:
             config |= {section: shown[section] for section in _OF_RESULTS if section in shown}
-        return _Variant(json.dumps(config), digest, files, config.get("stop_time", math.inf), ground)
+        return _Variant(json.dumps(config), digest, files, config["step"], config["stop_time"], ground)
 
 
 def _put(config: dict[str, Any], pointer: str, value: Any) -> None:

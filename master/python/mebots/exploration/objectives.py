@@ -113,6 +113,10 @@ _OPERATORS: dict[type, Callable[..., float]] = {
     ast.USub: operator.neg,
     ast.UAdd: operator.pos,
 }
+_MOST_CHARACTERS = 4000
+_MOST_LEVELS = 100
+"""Of an expression, far from where Python's own recursion ends, in whatever depth it is evaluated."""
+
 _FUNCTIONS: dict[str, Callable[..., float]] = {"abs": abs, "min": min, "max": max, "sqrt": math.sqrt}
 
 
@@ -141,20 +145,24 @@ def formula(text: str, known: Iterable[str], place: str) -> Callable[[Mapping[st
             return lambda values: function(*(part(values) for part in parts))
         raise InputError(f"{place}: '{ast.unparse(node)}' is neither a number, a name, + - * / nor one of {', '.join(_FUNCTIONS)}", "syntax_error")
 
+    too_long = InputError(f"{place}: '{text[:40]}...' is too long an expression; make several objectives of it", "syntax_error")
+    if len(text) > _MOST_CHARACTERS:
+        raise too_long
     try:
         tree = ast.parse(text, mode="eval").body
-    except (SyntaxError, ValueError):
+    except (SyntaxError, ValueError, MemoryError):  # parentheses nested too deep, too
         raise InputError(f"{place}: '{text}' is not an expression", "syntax_error") from None
-    except (MemoryError, RecursionError):
-        raise _too_long(text, place) from None
-    try:
-        return compiled(tree)
-    except RecursionError:
-        raise _too_long(text, place) from None
+    if _depth(tree) > _MOST_LEVELS:
+        raise too_long
+    return compiled(tree)
 
 
-def _too_long(text: str, place: str) -> InputError:
-    return InputError(f"{place}: '{text[:40]}...' is too long an expression; make several objectives of it", "syntax_error")
+def _depth(tree: ast.AST) -> int:
+    """Levels of a tree, counted without recursion."""
+    depth, level = 0, [tree]
+    while level:
+        depth, level = depth + 1, [child for node in level for child in ast.iter_child_nodes(node)]
+    return depth
 
 
 def _dotted(node: ast.AST) -> str | None:
