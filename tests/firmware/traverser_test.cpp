@@ -443,12 +443,45 @@ TEST(Traverser, SearchesTheNextGateAheadWhereTheMissionHasTwo) {
   EXPECT_EQ(traverser.phase, TRAVERSER_DONE);
 }
 
-TEST(Traverser, ASinglePictureOfALargeGateDoesNotMakeItNear) {
+TEST(Traverser, OneOrTwoPicturesOfALargeGateDoNotMakeItNear) {
+  for (const int outliers : {1, 2}) {
+    for (const int pictures_before : {3, 90}) {
+      auto traverser = new_traverser();
+      see(traverser, pictures_before, kSameGate);
+      see(traverser, outliers, {0, 0, 127, 127});
+      for (const int pictures_since : {0, 10, 100}) {
+        auto then = traverser;
+        see(then, pictures_since, kSameGate);
+        see(then, 8, kNoGate);
+        EXPECT_NE(then.phase, TRAVERSER_THROUGH)
+            << outliers << " after " << pictures_before << ", unseen after " << pictures_since;
+      }
+    }
+  }
+}
+
+TEST(Traverser, ForgetsTheSizeOfAGateOnceItMustBeBehind) {
   auto traverser = new_traverser();
-  see(traverser, 3, {0, 0, 10, 100});
-  see(traverser, 2, {0, 0, 127, 100});
-  see(traverser, 10, {0, 0, 10, 100});
-  EXPECT_EQ(traverser.phase, TRAVERSER_APPROACH);
+  fly_to(traverser, kSizeAt1mBy50Degrees, 2.15, 0.7);
+  const sight_t next_gate{0, 0, size_in_127ths(0.3), 127};
+  see(traverser, 50, next_gate);
+  auto before_it = traverser;
+  see(before_it, 8, kNoGate);
+  EXPECT_EQ(before_it.phase, TRAVERSER_THROUGH) << "0.46 m, where 0.77 m may be left";
+  see(traverser, 50, next_gate);
+  auto behind_it = traverser;
+  see(behind_it, 8, kNoGate);
+  EXPECT_EQ(behind_it.phase, TRAVERSER_APPROACH) << "0.92 m";
+  fly_to(traverser, kSizeAt1mBy50Degrees, 2.15, 0.45);
+  EXPECT_EQ(traverser.phase, TRAVERSER_THROUGH) << "the next gate counts by its own size";
+}
+
+TEST(Traverser, EntersAGateWhoseFirstPicturesToldNoSize) {
+  auto traverser = new_traverser();
+  see(traverser, 4, {0, 0, -20, 127}, 0);
+  ASSERT_EQ(traverser.phase, TRAVERSER_APPROACH);
+  fly_to(traverser, kSizeAt1mBy50Degrees, 2.15, 0.45);
+  EXPECT_EQ(traverser.phase, TRAVERSER_THROUGH);
 }
 
 TEST(Traverser, HoldsHeadingAndAltitudeFromTheFrameToHalfAMetreBehindTheFarthestGate) {

@@ -61,12 +61,16 @@ static int32_t turned(int32_t angle_urad) {
   return angle_urad;
 }
 
+static void forget_most(traverser_t* t) {
+  t->most_q8 = 0;
+  t->came_nearer = false;
+}
+
 static void begin_way(traverser_t* t) {
   t->flown_um = 0;
   t->way_urad = t->yaw_urad;
   t->marks = 0;
-  t->most_q8 = 0;
-  t->came_nearer = false;
+  forget_most(t);
 }
 
 void traverser_init(traverser_t* t, const policy_t* policy, int32_t yaw_rate_scale_urad_s, int32_t altitude_um,
@@ -174,7 +178,7 @@ static traverser_command_t search(traverser_t* t, const sight_t* sight, bool sig
     t->phase = TRAVERSER_APPROACH;
     begin_way(t);
     // Near only when more pictures say so.
-    t->size_q8 = limited(sight->size, 0, NEAR_SIZE - 1) * 256;
+    t->size_q8 = limited(sight->size, LEAST_SIZE, NEAR_SIZE - 1) * 256;
     return command(t, 0, sight->yaw);
   }
   const bool once_around = t->turned_urad > 2 * HALF_TURN_URAD || t->turned_urad < -2 * HALF_TURN_URAD;
@@ -208,19 +212,33 @@ static traverser_command_t leave(traverser_t* t) {
   return t->flown_um > 0 ? go_elsewhere(t, -t->flown_um) : search_again(t);
 }
 
+// A gate grows by some hundredths from one picture to the next: one that tells more than half as much again as the mean
+// counts as that. Two such lift the mean by 27 %; what is entered too soon for that is crossed in the half metre
+// behind.
+//
 // What is flown to only grows, but the told size falls while the frame leaves the picture: the greatest one counts.
 static void follow_size(traverser_t* t, const sight_t* sight) {
-  t->size_q8 += (sight->size * 256 - t->size_q8) / 4;
+  t->size_q8 += (limited(sight->size * 256, LEAST_SIZE * 256, t->size_q8 * 3 / 2) - t->size_q8) / 4;
   if (t->marks >= TRAVERSER_MARKS && t->size_q8 > t->most_q8) {
     t->most_q8 = t->size_q8;
+    t->most_at_um = t->flown_um;
     const int32_t nearer_um = farthest_um(t->marked_q8[TRAVERSER_MARKS - 1]) - farthest_um(t->most_q8);
     const int32_t since_um = t->flown_um - (t->marks - TRAVERSER_MARKS + 1) * TRAVERSER_MARK_UM;
     t->came_nearer = 100 * nearer_um >= LEAST_NEARER_PERCENT * since_um;
   }
 }
 
+// Flown as far as a gate of the greatest size can be, and none was entered: it was none, or one that is behind the
+// drone and was not noticed. What comes next has a greatest size of its own.
+static bool most_is_behind(const traverser_t* t) {
+  return t->flown_um - t->most_at_um > farthest_um(t->most_q8);
+}
+
 static traverser_command_t approach(traverser_t* t, const sight_t* sight, bool sighted,
                                     const traverser_state_t* state) {
+  if (t->most_q8 > 0 && most_is_behind(t)) {
+    forget_most(t);
+  }
   const bool near = t->most_q8 >= NEAR_SIZE * 256;
   const bool left = t->unseen_us > ENTERED_US && t->evidence >= EVIDENCE_TO_ENTER;
   if (t->most_q8 >= ENTERED_SIZE * 256 || (near && left)) {

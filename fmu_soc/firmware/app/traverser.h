@@ -54,6 +54,7 @@ typedef struct {
   int32_t altitude_um;        // where the gate's middle is
   int32_t size_q8;            // mean of the last sizes, in 127ths of SIGHT_MOST_SIZE
   int32_t most_q8;            // the greatest such mean of this approach, after the first marks
+  int32_t most_at_um;         // flown then
   bool came_nearer;           // whether what is flown to had then come nearer as a gate does
   int32_t evidence;           // that there is a gate: 127ths of `visible` times ms
   int32_t unseen_us;          // since a gate was in the picture
