@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Text out of the chip.
+// Text out of the chip. For the fabric controller only: a core of GAP8's cluster that prints may sleep for ever.
 #pragma once
 
 #ifdef __cplusplus

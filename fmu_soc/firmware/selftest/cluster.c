@@ -7,6 +7,7 @@
 #define CORES 8
 #define COUNT 4096
 #define ROWS 16
+#define COPIES 16
 
 static int32_t source[COUNT];
 static int32_t result[COUNT];
@@ -56,7 +57,9 @@ static void meet(void* argument) {
 }
 
 int main(void) {
+  cluster_off();
   if (cluster_on() != 0) return 1;
+  if (cluster_on() != 0) return 16;
   if (cluster_core_count() != CORES) return 2;
   for (int32_t i = 0; i < COUNT; ++i) source[i] = i - 1000;
   for (unsigned cores = 1; cores <= CORES; ++cores) {
@@ -82,7 +85,18 @@ int main(void) {
     if (result[2 * row] != 4 * row - 1000) return 9;
   }
   if (dma_copy_in(tile, (const void*)0x1000, 4) != DMA_REFUSED) return 10;
+  dma_wait(DMA_REFUSED);
 
+  // As many copies as there may be at once.
+  uint32_t copies[COPIES];
+  for (int i = 0; i < COPIES; ++i) copies[i] = dma_copy_in(&tile[i], &source[COPIES - i], 4);
+  for (int i = 0; i < COPIES; ++i) dma_wait(copies[i]);
+  dma_wait(dma_copy_out(result, tile, COPIES * 4));
+  for (int32_t i = 0; i < COPIES; ++i) {
+    if (result[i] != COPIES - i - 1000) return 17;
+  }
+
+  cluster_off();
   cluster_off();
   if (cluster_clock_set(175000001) != -1) return 11;
   if (cluster_clock_set(100000000) != 0) return 12;

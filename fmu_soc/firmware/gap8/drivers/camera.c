@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // An HM01B0 at I2C master 1 and the camera interface of GAP8's uDMA. The sensor has 324 x 324 pixels, of which the
-// interface hands on the middle. It streams only while a picture is wanted. What a real sensor wants to be told beside
-// this, black level and gain, is its maker's table.
+// interface hands on the middle. It streams from a request until its picture is fetched, and is assumed
+// to stop at once at STANDBY, in the middle of a frame. What a real sensor wants to be told beside this, black level
+// and gain, is its maker's table.
 #include "drivers/camera.h"
 
 #include "drivers/timer.h"

@@ -38,7 +38,10 @@ int64_t timer_now_ns(void) {
 }
 
 void timer_set_alarm(int64_t time_ns) {
-  alarm_count = time_ns <= 0 ? 0 : (((uint64_t)time_ns << COUNTS_LOG2) + NS - 1) / NS;
+  // In parts: the whole time in parts of a nanosecond does not fit 64 bits.
+  const uint64_t groups = time_ns <= 0 ? 0 : (uint64_t)time_ns / NS;
+  const uint32_t rest_ns = time_ns <= 0 ? 0 : (uint32_t)((uint64_t)time_ns - groups * NS);
+  alarm_count = (groups << COUNTS_LOG2) + ((rest_ns << COUNTS_LOG2) + NS - 1) / NS;
   alarm_came = false;
   store(TIMER_BASE + TIMER_COMPARE_LO_OFFSET, (uint32_t)alarm_count);
   store(TIMER_BASE + TIMER_COMPARE_HI_OFFSET, (uint32_t)(alarm_count >> 32));

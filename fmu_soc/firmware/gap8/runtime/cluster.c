@@ -48,11 +48,19 @@ static void switch_clock(uint32_t bypass) {
   soc_event_wait(&clock_changed);
 }
 
+static bool is_on(void) {
+  return (SOC_CONTROL_CL_BYPASS & BYPASS_CLUSTER_ON) != 0;
+}
+
 // The order of power, isolation, reset and clock is that of gap_sdk (kernel/gap/maestro.c).
 int cluster_on(void) {
   const unsigned cores = cluster_core_count();
   if (cores == 0) {
     return -1;
+  }
+  // What is on already changes nothing, and the chip would say nothing.
+  if (is_on()) {
+    return 0;
   }
   soc_event_attach(SOC_EVENT_CLUSTER_POWER, on_power);
   soc_event_attach(SOC_EVENT_CLUSTER_CLOCK, on_clock);
@@ -74,17 +82,20 @@ int cluster_on(void) {
   store(CLUSTER_BASE + CLUSTER_CACHE_ENABLE_OFFSET, UINT32_MAX);
   store(CLUSTER_BASE + CLUSTER_FETCH_ENABLE_OFFSET, (UINT32_C(1) << cores) - 1);
   team = 0;
-  works = false;
   return 0;
 }
 
 void cluster_off(void) {
+  if (!is_on()) {
+    return;
+  }
   uint32_t bypass = SOC_CONTROL_CL_BYPASS | BYPASS_CLOCK_GATE;
   switch_clock(bypass);
   SOC_CONTROL_CL_ISOLATE = 1;
   bypass &= ~(uint32_t)BYPASS_CLUSTER_ON;
   switch_power(bypass);
   SOC_CONTROL_CL_BYPASS = bypass | BYPASS_CLUSTER_RESET;
+  works = false;
 }
 
 int cluster_clock_set(uint32_t hz) {

@@ -15,6 +15,7 @@
 #define STRIDE_SHIFT 16
 #define TAKEN_SHIFT 16
 #define ALL_TAKEN 0xFFFFu
+#define COUNTERS 16
 #define FABRIC_CONTROLLER 32u  // and above: its number is that of another cluster
 
 static bool is_core(void) {
@@ -57,6 +58,9 @@ static inline __attribute__((always_inline)) uint32_t start(uint32_t direction, 
 
 // A core sleeps; the fabric controller, which the DMA tells nothing, asks again and again.
 void dma_wait(uint32_t copy) {
+  if (copy >= COUNTERS) {  // DMA_REFUSED
+    return;
+  }
   const bool core = is_core();
   const uint32_t dma = core ? DMA_BASE : DMA_LONG_BASE;
   while ((load(dma + DMA_STATUS_OFFSET) >> copy & 1u) != 0) {

@@ -33,9 +33,14 @@ void soc_event_attach(unsigned number, interrupt_handler_t handler) {
   store(mask, load(mask) & ~(UINT32_C(1) << number % 32));
 }
 
+// Between the look at the note and the sleep an interrupt would take the event that ends the sleep: none comes. p.elw
+// wakes by the event, not by its interrupt.
 void soc_event_wait(const volatile unsigned* note) {
+  uint32_t status;
+  __asm__ volatile("csrrci %0, mstatus, 8" : "=r"(status)::"memory");
   while (*note == 0) {
     core_sleep_until(FABRIC_EVENT_SOC);
     on_soc_event();
   }
+  __asm__ volatile("csrs mstatus, %0" ::"r"(status & 8) : "memory");
 }

@@ -9,6 +9,6 @@
 void soc_events_start(void);
 // Calls `handler`, as an interrupt's, when event `number` comes, and lets it through.
 void soc_event_attach(unsigned number, interrupt_handler_t handler);
-// Sleeps, with interrupts off, until `note` is not zero, which the handler of an event sets. Handlers of other events
-// run.
+// Sleeps until `note` is not zero, which the handler of an event sets. Handlers of other events run meanwhile,
+// interrupts do not, whether they are on or off.
 void soc_event_wait(const volatile unsigned* note);

@@ -30,8 +30,9 @@ void uart_start(void) {
   soc_event_attach(SOC_EVENT_UART_SENT, on_sent);
 }
 
+// The channel ends when the uDMA has handed on the last byte; the transmitter's status says when its bits are out.
 bool uart_sends(void) {
-  return udma_runs(UDMA_UART_SEND_OFFSET);
+  return udma_runs(UDMA_UART_SEND_OFFSET) || (load(UDMA_BASE + UDMA_UART_STATUS_OFFSET) & UDMA_UART_SENDS) != 0;
 }
 
 static void send(void) {
@@ -54,4 +55,6 @@ void uart_flush(void) {
     send();
   }
   soc_event_wait(&sent);
+  while (uart_sends()) {
+  }
 }
