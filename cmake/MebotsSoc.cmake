@@ -69,8 +69,9 @@ function(mebots_add_firmware name)
   get_target_property(board_file ${ARG_BOARD}_headers MEBOTS_BOARD_FILE)
   # A board with GAP8's own devices: files of firmware/gap8 take the places of those of the same names.
   set(overlay)
+  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${board_file})
   file(READ ${board_file} board_text)
-  if(board_text MATCHES "\"gap8_event_unit\"")
+  if(board_text MATCHES "\"kind\"[ \t\r\n]*:[ \t\r\n]*\"gap8_event_unit\"")
     set(overlay ${firmware_dir}/gap8)
   endif()
   set(options -march=rv32imc_zicsr -mabi=ilp32 -mcmodel=medany -O2 -g -ffreestanding -ffunction-sections
