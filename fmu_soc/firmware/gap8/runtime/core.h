@@ -14,8 +14,8 @@ extern "C" {
 // The clock now [Hz].
 uint32_t core_clock_hz(void);
 // The loop takes the nearest frequency that it has. While a peripheral whose bits are counted in this clock sends, a
-// lower one is passed over: the transfer's end is an interrupt. A last byte that is still on the wire is none: the clock
-// stays until the next sleep.
+// lower one is passed over: the transfer's end is an interrupt. A last byte that is still on the wire is none: the
+// clock stays until the next sleep.
 void core_clock_set(uint32_t hz);
 
 // p.elw: sleeps until the event unit answers.
