@@ -58,9 +58,9 @@ static inline void cluster_barrier(void) {
 }
 
 // For both: the DMA. A copy starts and runs by itself, after those started before it; its number is for dma_wait.
-// Who started it, core or fabric controller, must wait for it exactly once. With 16 under way, a start waits for an end.
-// GAP8's own DMA: at most 16 of all cores together that nobody has waited for, or the program may stop; 65535 bytes.
-// DMA_REFUSED: addresses or sizes that do not fit; dma_wait() returns at once.
+// Who started it, core or fabric controller, must wait for it exactly once. With 16 under way, a start waits for an
+// end. GAP8's own DMA: at most 16 of all cores together that nobody has waited for, or the program may stop; 65535
+// bytes. DMA_REFUSED: addresses or sizes that do not fit; dma_wait() returns at once.
 #define DMA_REFUSED 0xffffffffu
 
 uint32_t dma_copy_in(void* l1, const void* l2, uint32_t bytes);
