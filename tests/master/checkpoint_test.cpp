@@ -107,7 +107,12 @@ TEST_F(Checkpoints, AFolderOfPicturesThatIsGoneIsMadeAgain) {
   auto system = nlohmann::json::parse(with_probe(kSavedSystem));
   system["pictures"] = {{{"frame", "a.buffer"}, {"id", "a.steps"}, {"width", 1}}};
   write_file(folder.path() / "seen.json", system.dump());
-  EXPECT_EQ(run({"run", "seen.json", "--out", "seen", "--checkpoint-every", "0.5", "--stop-time", "0.8"}).code, 0);
+  const auto child = start({"run", "seen.json", "--out", "seen", "--quiet", "--checkpoint-every", "0.5"});
+  while (!std::filesystem::exists(folder.path() / "seen" / "checkpoint.bin")) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  kill(child, SIGKILL);
+  wait(child);
   std::filesystem::remove_all(folder.path() / "seen" / "pictures");
   const auto resumed = run({"resume", "seen"});
   EXPECT_EQ(resumed.code, 0) << resumed.err;

@@ -18,7 +18,7 @@ TEST(LiveServer, EndsThoughItIsOverBeforeItsThreadListens) {
 TEST(LiveRun, TellsItsAddressEvenWhenQuiet) {
   const modeldesc::TemporaryFolder folder("mebots-test");
   write_file(folder.path() / "one.json",
-             with_probe(R"({"step": 0.1, "stop_time": 1, "instances": {"a": {"fmu": "PROBE"}}})"));
+             with_probe(R"({"step": 0.1, "stop_time": 1, "instances": {"a": {"fmu": "PROBE"}}, "connections": []})"));
   const auto done = run_program({"run", "one.json", "--live", "--quiet"}, folder.path());
   EXPECT_EQ(done.code, 0) << done.err;
   EXPECT_THAT(done.out, testing::MatchesRegex("live: http://127.0.0.1:[0-9]+/[0-9a-f]+/\n"));

@@ -39,7 +39,7 @@ TEST(BadInput, ATraceThatFindsNoRoomIsToldWithoutBeingAskedFor) {
   const Folder folder;
   const auto flight = fly(write(folder / "easy.json", shipped_config("gate_easy")), folder / "out",
                           {"soc.observe.trace=/dev/full"}, {"--quiet", "--stop-time", "0.1"});
-  EXPECT_THAT(flight.output, AllOf(HasSubstr("observe.trace /dev/full"), HasSubstr("is the disk full?")));
+  EXPECT_THAT(flight.output, AllOf(HasSubstr("observe.trace /dev/full"), HasSubstr("is the disk full")));
 }
 
 TEST(BadInput, NegativeMassIsRefusedWithItsLimit) {

@@ -22,6 +22,7 @@ void expect_passed(const std::string& mission, const char* firmware, double lens
   auto& world = config["instances"]["world"]["parameters"];
   world["camera.width"] = 324;
   world["camera.height"] = 324;
+  config["pictures"][0]["width"] = 324;
   world["camera.field_of_view"] = 2 * std::atan(std::tan(lens / 2) * 324 / 320);
 
   const Folder folder;

@@ -192,7 +192,7 @@ class Campaign:
         """Who asks for the variable that an error is about: a factor, a draw or an objective; "" for none of them."""
         for name, value in values.items():
             settings = self.missions.settings(name, value)
-            if about in settings or any(key.startswith("/") and (f" {key}: " in error or f" {key}/" in error) for key in settings):
+            if about in settings or any(key.startswith("/") and f" {key}: " in error for key in settings):
                 return f"{'draw' if name in self.study.draws else 'factor'} '{name}' = {json.dumps(value)}"
         for one in self.study.objectives:
             if one.source in ("final", "series") and (one.what == about or f"'{one.what}'" in error):
