@@ -81,7 +81,7 @@ TEST(MissionObserve, ProfileOfAnInferenceHasTheClustersCoresAndChangesNothing) {
   unwatched.mission_navigator = Navigator::network;
   auto watched = unwatched;
   watched.observe_profile = folder / "profile.json";
-  const std::vector<std::uint8_t> picture(std::size_t{320} * 240, 100);
+  const std::vector<std::uint8_t> picture(std::size_t{320} * 320, 100);
   constexpr int kSteps = 60;
   EXPECT_TRUE(state_after(unwatched, kSteps, {}, picture) == state_after(watched, kSteps, {}, picture));
   EXPECT_TRUE(read_file(folder / "profile.json").find("\"cycles, cluster core 7\"") != std::string::npos);
