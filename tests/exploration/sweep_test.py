@@ -565,10 +565,10 @@ class Kept(StudyCase):
         self.study()
         environment = dict(os.environ, TMPDIR=str(temporary))
         command = [MEBOTS, "sweep", str(self.folder / "study.json"), "--out", str(self.folder / "out"), "--jobs", "2"]
-        for wait_s in (0, 0.1, 0.2, 0.4, 0.8):
+        for wait_s in [0] * 10 + [0.1, 0.2, 0.4, 0.8]:
             process = subprocess.Popen(command, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
             while not any(temporary.iterdir()):
-                time.sleep(0.001)
+                pass  # a pause would miss the threads' start, which comes right after
             time.sleep(wait_s)
             process.send_signal(signal.SIGINT)
             self.assertEqual(process.wait(timeout=20), 1)

@@ -19,7 +19,7 @@ from collections.abc import Iterable
 from typing import Any
 
 from mebots.errors import Error, InputError
-from mebots.exploration import flying
+from mebots.exploration import flying, interrupts
 from mebots.exploration.campaign import Campaign, Progress, Sweep, is_done
 from mebots.exploration.journal import Journal
 from mebots.exploration.study import NAME, Study, read_study
@@ -57,21 +57,23 @@ def _campaign(study: Study, executor: concurrent.futures.Executor | None, jobs: 
         return
     jobs = jobs or len(os.sched_getaffinity(0))
     flying.ready()
-    threads = concurrent.futures.ThreadPoolExecutor(jobs)  # each with a mission process of its own: see flying
-    try:
-        # Enough in flight that nobody waits, and few enough that little is flown in vain.
-        yield Campaign(study, threads, 2 * jobs)
-    finally:
-        ended = flying.end_all()
-        threads.shutdown(wait=True, cancel_futures=True)
-        flying.close_ended(ended)
+    with interrupts.held():
+        threads = concurrent.futures.ThreadPoolExecutor(jobs)  # each with a mission process of its own: see flying
+        try:
+            with interrupts.allowed():
+                # Enough in flight that nobody waits, and few enough that little is flown in vain.
+                yield Campaign(study, threads, 2 * jobs)
+        finally:
+            ended = flying.end_all()
+            threads.shutdown(wait=True, cancel_futures=True)
+            flying.close_ended(ended)
 
 
 def main(words: list[str] | None = None) -> int:
     """Returns the exit code."""
     options = _options(words)
-    signal.signal(signal.SIGTERM, _interrupt)
-    signal.signal(signal.SIGHUP, _interrupt)
+    signal.signal(signal.SIGTERM, interrupts.interrupt)
+    signal.signal(signal.SIGHUP, interrupts.interrupt)
     try:
         if options.status:
             return _status(pathlib.Path(options.status))
@@ -103,10 +105,6 @@ def _options(words: list[str] | None) -> argparse.Namespace:
     parser.add_argument("--status")
     parser.add_argument("--reuse", action="append", default=[])
     return parser.parse_args(words)
-
-
-def _interrupt(number: int, frame: object) -> None:
-    raise KeyboardInterrupt
 
 
 def _complain(error: Error) -> None:

@@ -6,9 +6,10 @@ from __future__ import annotations
 
 import concurrent.futures
 import pathlib
+import queue
 
 from mebots.errors import Error
-from mebots.exploration import flying
+from mebots.exploration import flying, interrupts
 from mebots.exploration.journal import Record
 from mebots.exploration.missions import Order
 
@@ -25,6 +26,7 @@ class Dispatcher:
         self._executor = executor
         self._most = most
         self._out: dict[Future, tuple[Order, int]] = {}
+        self._done: queue.SimpleQueue[Future] = queue.SimpleQueue()
         self._missions: set[str] = set()
 
     @property
@@ -40,7 +42,10 @@ class Dispatcher:
     def take(self) -> list[Record]:
         """Waits for at least one executor's answer; the records of those that are done, perhaps none. Raises Error when
         an order is lost again and again."""
-        done, _ = concurrent.futures.wait(self._out, return_when=concurrent.futures.FIRST_COMPLETED)
+        # Not concurrent.futures.wait: an interrupt may leave it with a lock of a future, for which its worker waits for ever.
+        done = [self._done.get()]
+        while not self._done.empty():
+            done.append(self._done.get())
         records = []
         for future in done:
             order, tries = self._out.pop(future)
@@ -64,11 +69,13 @@ class Dispatcher:
         return records
 
     def _submit(self, order: Order, tries: int) -> None:
-        try:
-            future = self._executor.submit(flying.fly, order)
-        except RuntimeError as error:
-            raise Error(f"the executor takes no more missions: {error}", "system_failure") from None
-        self._out[future] = ({key: value for key, value in order.items() if key != "contents"}, tries)
+        with interrupts.held():
+            try:
+                future = self._executor.submit(flying.fly, order)
+            except RuntimeError as error:
+                raise Error(f"the executor takes no more missions: {error}", "system_failure") from None
+            self._out[future] = ({key: value for key, value in order.items() if key != "contents"}, tries)
+            future.add_done_callback(self._done.put)
 
 
 def _with_contents(order: Order, lacking: list[str]) -> Order:
