@@ -2,6 +2,7 @@
 #include "command.hpp"
 
 #include "config/system_file.hpp"
+#include "mebots/file_kind.hpp"
 #include "mebots/input_error.hpp"
 
 #include <fmt/format.h>
@@ -63,7 +64,7 @@ const CLI::Validator& positive() {
 
 void require_folder_of(const std::filesystem::path& file) {
   const auto folder = file.parent_path();
-  if (folder.empty() || std::filesystem::is_directory(folder)) return;
+  if (folder.empty() || is_folder(folder)) return;
   throw InputError(ErrorCode::invalid_argument,
                    fmt::format("{}: there is no folder {}; make it first", file.string(), folder.string()));
 }

@@ -5,6 +5,7 @@
 #include "base/time.hpp"
 #include "config/system_description.hpp"
 #include "config/system_file.hpp"
+#include "mebots/file_kind.hpp"
 #include "mebots/input_error.hpp"
 #include "slave/fmu.hpp"
 
@@ -159,7 +160,7 @@ void print_system(const master::SystemDescription& system) {
 }
 
 void info(const std::filesystem::path& file) {
-  if (!std::filesystem::exists(file)) {
+  if (!is_there(file)) {
     throw InputError(ErrorCode::file_not_found, fmt::format("{}: there is no such file", file.string()));
   }
   if (master::may_be_system(file)) {

@@ -7,6 +7,7 @@
 #include "description_check.hpp"
 #include "schema_check.hpp"
 
+#include "mebots/file_kind.hpp"
 #include "mebots/modeldesc/archive.hpp"
 #include "mebots/modeldesc/xml.hpp"
 
@@ -161,9 +162,8 @@ class FmuCheck {
 }  // namespace
 
 Report check_fmu(const fs::path& fmu, const Options& options) {
-  if (!fs::exists(fmu)) throw Error(ErrorCode::file_not_found, fmt::format("{}: there is no such file", fmu.string()));
-  if (!fs::is_regular_file(fmu))
-    throw Error(ErrorCode::file_not_found, fmt::format("{}: this is not a file", fmu.string()));
+  if (!is_there(fmu)) throw Error(ErrorCode::file_not_found, fmt::format("{}: there is no such file", fmu.string()));
+  if (!is_file(fmu)) throw Error(ErrorCode::file_not_found, fmt::format("{}: this is not a file", fmu.string()));
   return FmuCheck(fmu, options).run();
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "description_check.hpp"
 
+#include "mebots/file_kind.hpp"
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -273,7 +275,7 @@ void check_head(const ModelDescription& model, const std::filesystem::path& fold
     findings.error("canSerializeFMUstate is true, but canGetAndSetFMUstate is not",
                    "a state must be got before it is written");
   for (const auto& file : flags.source_files)
-    if (!std::filesystem::exists(folder / "sources" / file))
+    if (!is_there(folder / "sources" / file))
       findings.error(fmt::format("SourceFiles names \"{}\", which sources does not hold", file),
                      "pack it, or remove the entry");
   std::set<std::string> categories;

@@ -2,6 +2,7 @@
 #include "mebots/modeldesc/archive.hpp"
 
 #include "mebots/error.hpp"
+#include "mebots/file_kind.hpp"
 #include "mebots/modeldesc/archive_reader.hpp"
 
 #include <fmt/format.h>
@@ -69,7 +70,7 @@ void pack(const fs::path& archive, std::vector<PackedFile> files) {
       throw Error(ErrorCode::file_unwritable, fmt::format("{}: {} cannot be added as {}: {}", archive.string(),
                                                           file.source.string(), file.entry, zip_strerror(zip.get())));
     };
-    if (!fs::is_regular_file(file.source))
+    if (!is_file(file.source))
       throw Error(ErrorCode::file_not_found,
                   fmt::format("{}: {} is not there or no file", archive.string(), file.source.string()));
     zip_source_t* source = zip_source_file(zip.get(), file.source.c_str(), 0, -1);

@@ -3,6 +3,7 @@
 #include "mebots/assert.hpp"
 
 #include "mebots/error.hpp"
+#include "mebots/file_kind.hpp"
 
 #include <fmt/format.h>
 #include <sys/stat.h>
@@ -50,7 +51,7 @@ void DiscardZip::operator()(zip* archive) const {
 ZipHandle open_zip(const fs::path& archive) {
   if (!fs::exists(archive))
     throw Error(ErrorCode::file_not_found, fmt::format("{}: there is no such file", archive.string()));
-  if (fs::is_directory(archive))
+  if (is_folder(archive))
     throw Error(ErrorCode::file_not_found, fmt::format("{}: this is a folder, not an archive", archive.string()));
   int code = 0;
   ZipHandle handle(zip_open(archive.c_str(), ZIP_RDONLY, &code));

@@ -2,6 +2,7 @@
 #include "pack_fmu.hpp"
 
 #include "mebots/error.hpp"
+#include "mebots/file_kind.hpp"
 #include "mebots/modeldesc/archive.hpp"
 #include "mebots/modeldesc/elf_library.hpp"
 #include "mebots/modeldesc/xml.hpp"
@@ -39,7 +40,7 @@ void check_needs(const fs::path& file, const std::map<std::string, fs::path>& bu
 }
 
 void add_folder(const fs::path& folder, const std::string& target, std::vector<PackedFile>& files) {
-  if (!fs::is_directory(folder))
+  if (!is_folder(folder))
     throw Error(ErrorCode::file_not_found, fmt::format("{}: there is no such folder", folder.string()));
   for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder))
     if (entry.is_regular_file())

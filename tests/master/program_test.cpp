@@ -235,6 +235,11 @@ TEST_F(Program, MistakesOnTheCommandLineAreNamedWithTheWayOut) {
   write_file(folder.path() / "deep.json", std::string(1'000'000, '['));
   expect({"new-fmu", "deep.json"}, "this is nested more than 100 levels deep");
   expect({"new-fmu", "."}, "it is a folder");
+  const std::string long_name(300, 'x');  // std::filesystem throws for what no file can be called
+  expect({"check", long_name + ".fmu"}, "there is no such file");
+  expect({"info", long_name + ".fmu"}, "there is no such file");
+  expect({"report", long_name}, "there is no such folder");
+  expect({"run", long_name + ".ssp"}, "File name too long");
   std::filesystem::create_directories(folder.path() / "strange");
   std::filesystem::create_symlink("/dev/zero", folder.path() / "strange/checkpoint.bin");
   expect({"resume", "strange"}, "checkpoint.bin: cannot be read: it is a device");

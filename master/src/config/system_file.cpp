@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "config/system_file.hpp"
 
+#include "mebots/file_kind.hpp"
 #include "mebots/input_error.hpp"
 
 #include <fmt/format.h>
@@ -14,9 +15,9 @@ constexpr auto kOsp = "OspSystemStructure.xml";
 }  // namespace
 
 SystemFile find_system(const std::filesystem::path& path) {
-  if (std::filesystem::is_directory(path)) {
-    if (std::filesystem::exists(path / kSsd)) return {path / kSsd, SystemForm::ssd};
-    if (std::filesystem::exists(path / kOsp)) return {path / kOsp, SystemForm::osp};
+  if (is_folder(path)) {
+    if (is_there(path / kSsd)) return {path / kSsd, SystemForm::ssd};
+    if (is_there(path / kOsp)) return {path / kOsp, SystemForm::osp};
     throw InputError(
         ErrorCode::file_not_found,
         fmt::format("{}: this folder holds neither {} nor {}; name a config (.json), an SSP (.ssp, .ssd, or its "
@@ -32,13 +33,12 @@ SystemFile find_system(const std::filesystem::path& path) {
 
 bool may_be_system(const std::filesystem::path& path) {
   const auto ending = path.extension();
-  return std::filesystem::is_directory(path) || ending == ".json" || ending == ".ssp" || ending == ".ssd" ||
-         ending == ".xml";
+  return is_folder(path) || ending == ".json" || ending == ".ssp" || ending == ".ssd" || ending == ".xml";
 }
 
 std::string system_name(const std::filesystem::path& path) {
   const auto whole = std::filesystem::absolute(path).lexically_normal();
-  const bool folder = !whole.has_filename() || std::filesystem::is_directory(whole);
+  const bool folder = !whole.has_filename() || is_folder(whole);
   if (folder) return (whole.has_filename() ? whole : whole.parent_path()).filename().string();
   if (whole.filename() == kSsd || whole.filename() == kOsp) return whole.parent_path().filename().string();
   return whole.stem().string();

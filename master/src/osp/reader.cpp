@@ -2,6 +2,7 @@
 #include "osp/osp.hpp"
 
 #include "mebots/data/node.hpp"
+#include "mebots/file_kind.hpp"
 #include "mebots/input_error.hpp"
 #include "mebots/nearest_names.hpp"
 #include "mebots/text_file.hpp"
@@ -211,8 +212,8 @@ class OspReader {
     const auto& fmu = *fmus_.at(simulator);
     const auto described = fmu.description().model_name + "_OspModelDescription.xml";
     auto path = folder_ / described;
-    if (!std::filesystem::exists(path)) path = fmu.archive().parent_path() / described;
-    if (!std::filesystem::exists(path)) {
+    if (!is_there(path)) path = fmu.archive().parent_path() / described;
+    if (!is_there(path)) {
       file_.fail(end, fmt::format("the groups of \"{}\" are unknown: there is no {} beside the system or the FMU",
                                   simulator, described));
     }

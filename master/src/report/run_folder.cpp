@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "report/run_folder.hpp"
 
+#include "mebots/file_kind.hpp"
+
 #include "base/input_text.hpp"
 #include "base/packed.hpp"
 #include "run/system_file.hpp"
@@ -90,7 +92,7 @@ RunFolder read_side_files(const fs::path& folder) {
 
 RunFolder read_run_folder(const fs::path& folder, const std::vector<TimeSpan>& whole) {
   const auto results = folder / "results.csv";
-  if (!fs::is_directory(folder)) {
+  if (!is_folder(folder)) {
     throw InputError(
         ErrorCode::file_not_found,
         fmt::format("{}: there is no such folder; name one that `mebots run --out` wrote", folder.string()));

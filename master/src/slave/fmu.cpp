@@ -2,6 +2,7 @@
 #include "slave/fmu.hpp"
 
 #include "base/own_threads.hpp"
+#include "mebots/file_kind.hpp"
 #include "mebots/input_error.hpp"
 #include "mebots/modeldesc/xml.hpp"
 
@@ -46,7 +47,7 @@ modeldesc::ModelDescription unpack_and_read(const std::filesystem::path& archive
   const auto file = folder / "modelDescription.xml";
   try {
     modeldesc::unpack(archive, folder);
-    if (!std::filesystem::exists(file)) {
+    if (!is_there(file)) {
       throw InputError(ErrorCode::fmu_inconsistent,
                        fmt::format("{}: this is not an FMU: it holds no modelDescription.xml", archive.string()));
     }
@@ -123,7 +124,7 @@ void Fmu::load() {
   const auto& identifier = description_.co_simulation->model_identifier;
   const auto file = folder_ / "binaries" / "linux64" / (identifier + ".so");
   library_file_ = file;
-  if (!std::filesystem::exists(file)) {
+  if (!is_there(file)) {
     auto found = binaries(folder_);
     constexpr std::size_t kShown = 10;
     const auto count = found.size();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "files.hpp"
 
+#include "mebots/file_kind.hpp"
 #include "mebots/input_error.hpp"
 
 #include <fmt/format.h>
@@ -11,7 +12,7 @@
 namespace mebots::master::ssp {
 
 bool FolderFiles::holds(const std::filesystem::path& inside) const {
-  return std::filesystem::is_regular_file(folder_ / inside);
+  return is_file(folder_ / inside);
 }
 
 std::string FolderFiles::read(const std::filesystem::path& inside) const {

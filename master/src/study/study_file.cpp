@@ -3,6 +3,7 @@
 
 #include "mebots/data/document.hpp"
 #include "mebots/data/object.hpp"
+#include "mebots/file_kind.hpp"
 #include "mebots/text_file.hpp"
 
 #include <fmt/format.h>
@@ -226,7 +227,7 @@ void check_design(const Node& node, const std::filesystem::path& folder, Names& 
   design.read_if("seed", number, count_from(0));
   design.read_if("file", text, [&](const Node& file) {
     auto name = file.readable_text();
-    if (!std::filesystem::is_regular_file(folder / name)) {
+    if (!is_file(folder / name)) {
       file.fail(ErrorCode::file_not_found, fmt::format("there is no file {}; paths are relative to the study", name));
     }
     return name;
@@ -469,7 +470,7 @@ void check_study(const Node& root, const std::filesystem::path& folder) {
   std::string mission;
   study.read("mission", mission, [&](const Node& node) {
     auto name = node.readable_text();
-    if (!std::filesystem::is_regular_file(folder / name)) {
+    if (!is_file(folder / name)) {
       node.fail(ErrorCode::file_not_found, fmt::format("there is no file {}; paths are relative to the study", name));
     }
     return name;

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// What lies under a name that somebody gave. std::filesystem throws for a name that no file can have, such as one that
+// is too long; here nothing lies under it. Where only the system's answer is missing (no permission on the way),
+// something may lie there: opening it tells why not.
+#pragma once
+
+#include <filesystem>
+#include <system_error>
+
+namespace mebots {
+
+[[nodiscard]] inline bool is_there(const std::filesystem::path& path) noexcept {
+  std::error_code failure;
+  const auto type = std::filesystem::status(path, failure).type();
+  if (type == std::filesystem::file_type::none) return failure == std::errc::permission_denied;
+  return type != std::filesystem::file_type::not_found;
+}
+
+[[nodiscard]] inline bool is_file(const std::filesystem::path& path) noexcept {
+  std::error_code failure;
+  return std::filesystem::is_regular_file(path, failure);
+}
+
+[[nodiscard]] inline bool is_folder(const std::filesystem::path& path) noexcept {
+  std::error_code failure;
+  return std::filesystem::is_directory(path, failure);
+}
+
+}  // namespace mebots
