@@ -44,6 +44,47 @@ TEST(Config, TheSmallestConfigIsRead) {
   EXPECT_EQ(system.name, "mission");
 }
 
+/// A variant beside the smallest config, which is base.json.
+SystemDescription read_variant(const std::string& text, const GivenTimes& times = {}) {
+  const modeldesc::TemporaryFolder folder("mebots-test");
+  test::write_file(folder.path() / "base.json", test::with_probe(config_with(R"("text": "the base",)")));
+  const auto file = folder.path() / "variant.json";
+  test::write_file(file, test::with_probe(text));
+  return read_config(file, times);
+}
+
+TEST(Config, AVariantIsTheOtherConfigWithItsChanges) {
+  const auto system = read_variant(R"({"text": "mine", "extends": "base.json", "changes": {
+      "stop_time": 3, "instances": {"a": {"step": 0.2}, "b": {"fmu": "PROBE"}}}})");
+  EXPECT_EQ(system.name, "variant");
+  EXPECT_EQ(system.step_ns, 100'000'000);
+  EXPECT_EQ(system.stop_time_ns, 3'000'000'000);
+  EXPECT_THAT(system.instance_names(), testing::ElementsAre("a", "b"));
+  EXPECT_EQ(system.instances[0].step_ns, 200'000'000);
+  EXPECT_THAT(system.source, AllOf(HasSubstr("mine"), HasSubstr("the base"))) << "both are inputs of the run";
+  const auto removed = read_variant(R"({"extends": "base.json", "changes": {
+      "instances": {"a": null, "b": {"fmu": "PROBE"}}}})");
+  EXPECT_THAT(removed.instance_names(), testing::ElementsAre("b"));
+}
+
+TEST(Config, AVariantTakesTimesThatAreGiven) {
+  EXPECT_EQ(read_variant(R"({"extends": "base.json", "changes": {}})", {.step_s = 0.5, .stop_time_s = {}}).step_ns,
+            500'000'000);
+}
+
+TEST(Config, MistakesOfAVariantSayWhichFileHasThem) {
+  const auto error = [](const std::string& text) { return test::input_error([&] { read_variant(text); }); };
+  EXPECT_THAT(error(R"({"extends": "base.json", "changes": {"stop_time": "x"}})"),
+              HasSubstr("variant.json: changes: /stop_time"));
+  EXPECT_THAT(error(R"({"extends": "base.json", "changes": {"instances": {"a": {"fmu": null}}}})"),
+              HasSubstr("variant.json: extends base.json: /instances/a: the key 'fmu' is missing"));
+  EXPECT_THAT(error(R"({"extends": "base.json"})"), HasSubstr("variant.json:1:1: /: the key 'changes' is missing"));
+  EXPECT_THAT(error(R"({"extends": "base.json", "changes": {}, "step": 1})"), HasSubstr("'step' is unknown"));
+  EXPECT_THAT(error(R"({"extends": "../base.json", "changes": {}})"), HasSubstr("in the folder of this one"));
+  EXPECT_THAT(error(R"({"extends": "nothing.json", "changes": {}})"), HasSubstr("variant.json: /extends: there is no nothing.json"));
+  EXPECT_THAT(error(R"({"extends": "variant.json", "changes": {}})"), HasSubstr("extends another one"));
+}
+
 TEST(Config, InstancesKeepTheirOrder) {
   const auto system = read(config_with("", R"("z": {"fmu": "PROBE"}, "a": {"fmu": "PROBE"}, "m": {"fmu": "PROBE"})"));
   EXPECT_THAT(system.instance_names(), testing::ElementsAre("z", "a", "m"));

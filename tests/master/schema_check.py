@@ -147,6 +147,20 @@ CASES = [
     (["log"], {"a": "*"}, False),
     (["log"], {"a": [""]}, False),
     (["log"], [], False),
+    (["changes"], {}, False),
+]
+
+# A config that extends the good one, written as config_0.json, and whether it is a good one.
+VARIANTS = [
+    ({"extends": "config_0.json", "changes": {}}, True),
+    ({"extends": "config_0.json", "changes": {"stop_time": 3}, "text": "a text", "$schema": "mebots-config.schema.json"}, True),
+    ({"extends": "config_0.json"}, False),
+    ({"extends": "config_0.json", "changes": []}, False),
+    ({"extends": "config_0.json", "changes": {}, "step": 0.1}, False),
+    ({"extends": "", "changes": {}}, False),
+    ({"extends": "./config_0.json", "changes": {}}, False),
+    ({"extends": 1, "changes": {}}, False),
+    ({"changes": {}}, False),
 ]
 
 
@@ -264,7 +278,8 @@ class Check:
             "connections": [{"from": "a.real_out", "to": "b.real_in"}],
         }
         cases = [([], good, True)] + [case for case in CASES if case[0] and case[0] != ["$schema"]]
-        contents = [changed(good, path, value) for path, value, _ in cases]
+        contents = [changed(good, path, value) for path, value, _ in cases] + [content for content, _ in VARIANTS]
+        cases += [(["extends"], content, expected) for content, expected in VARIANTS]
         codes = codes_of(self.mebots, self.written("config", contents))
         for (path, value, expected), content, found in zip(cases, contents, codes.values()):
             by_schema = validator.is_valid(content)

@@ -69,7 +69,7 @@ def cell(text):
 
 def table_of(schema, whole, anchors):
     rows = ["| key | value | meaning |", "|---|---|---|"]
-    required = schema.get("required", [])
+    required = schema.get("required") or schema.get("else", {}).get("required", [])
     for key, value in properties_of(schema).items():
         if value is False or key == "$schema":
             continue

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A config is a list of sections; each has its reader in config/. A new section is a line in the table below,
-// a reader in a file of its own, and a property in configs/schemas/mebots-config.schema.json.
+// a reader in a file of its own, and a property in configs/schemas/mebots-config.schema.json. Or it is another config
+// with changes: variant.hpp.
 #include "config/schemas.hpp"
 #include "config/system_file.hpp"
 #include "mebots/data/document.hpp"
@@ -11,6 +12,7 @@
 #include "base/input_text.hpp"
 #include "config/from_memory.hpp"
 #include "config/sections.hpp"
+#include "config/variant.hpp"
 
 #include <fmt/format.h>
 
@@ -161,18 +163,47 @@ void read_made_config(LoadedSystem& loaded, const std::string& file, std::map<st
   });
 }
 
+/// `loaded.config` is the variant's; then it is the whole.
+void read_extended(LoadedSystem& loaded, const std::string& file, const std::string& base, const GivenTimes& times) {
+  const auto base_file = std::filesystem::path(file).parent_path() / base;
+  if (!std::filesystem::exists(base_file)) {
+    throw InputError(ErrorCode::file_not_found,
+                     fmt::format("{}: /{}: there is no {} in the folder of this config", file, config::kExtends, base));
+  }
+  const auto text = text_of(base_file);
+  refuse_archive(text, base_file);
+  data::Document(text, base_file.string()).read([](const data::Node& root) {
+    if (data::Object(root).has(config::kExtends)) {
+      root.at(config::kExtends)
+          .fail(ErrorCode::invalid_value, "this file extends another one; extend that one instead");
+    }
+  });
+  auto places = config::places_of(loaded.config);
+  loaded.config = give(config::laid_over(ordered_json(text), loaded.config), times);
+  loaded.system.source += text;  // both make the inputs of a run
+  read_made_config(loaded, file, std::move(places));
+}
+
 /// Whether somebody wants the JSON of a config as well, which takes time of its own.
 enum class WithJson : std::uint8_t { yes, no };
 
 void read_config_text(LoadedSystem& loaded, const std::string& file, const GivenTimes& times, WithJson with_json) {
   data::Document document(loaded.system.source, file);
   const bool is_changed = times.step_s || times.stop_time_s;
-  if (is_changed || with_json == WithJson::yes) loaded.config = ordered_json(loaded.system.source);
-  if (is_changed && loaded.config.is_object()) {
+  std::optional<std::string> base;
+  document.read([&](const data::Node& root) {
+    if (root.has(config::kExtends)) {
+      base = config::read_variant(root);
+    } else if (!is_changed || !root.is(data::Kind::object)) {
+      read_sections(root, loaded.system);
+    }
+  });
+  if (base || is_changed || with_json == WithJson::yes) loaded.config = ordered_json(loaded.system.source);
+  if (base) {
+    read_extended(loaded, file, *base, times);
+  } else if (is_changed) {
     loaded.config = give(std::move(loaded.config), times);
     read_made_config(loaded, file, {});
-  } else {
-    document.read([&](const data::Node& root) { read_sections(root, loaded.system); });
   }
 }
 
@@ -202,6 +233,7 @@ LoadedSystem named(std::string source, const std::filesystem::path& file) {
 std::vector<std::string> config_keys() {
   std::vector<std::string> keys;
   for (const auto& section : kSections) keys.emplace_back(section.key);
+  keys.insert(keys.end(), {config::kExtends, config::kChanges});
   return keys;
 }
 
