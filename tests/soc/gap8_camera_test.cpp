@@ -68,6 +68,39 @@ TEST(Gap8Himax, HasTheFrameTimesThatWereMeasuredOnAnAiDeck) {
   EXPECT_NEAR(static_cast<double>(sensor.frame_at(1'000'001) - 1'000'000), 16.293e9, 1e6);
 }
 
+TEST(Gap8Himax, ReadsTheFirstFrameOutWhenItsRowHasGatheredLight) {
+  Himax sensor;
+  set(sensor, 0x0203, 100);
+  set(sensor, 0x0100, 1, 1000);
+  EXPECT_EQ(sensor.frame_at(0), 1000 + sensor.lines_time(100));
+}
+
+TEST(Gap8Himax, TakesAsManyFramesAsItIsToldAndStandsBy) {
+  Himax sensor;
+  const auto frame = sensor.lines_time(344);
+  set(sensor, 0x3020, 2);
+  set(sensor, 0x0100, 3, 1000);
+  EXPECT_EQ(sensor.frame_at(1000), 1000);
+  EXPECT_EQ(sensor.frame_at(1001), 1000 + frame);
+  EXPECT_EQ(sensor.frame_at(1001 + frame), kNever);
+  EXPECT_EQ(sensor.next_event(), 1000 + 2 * frame);
+  sensor.advance(999 + 2 * frame);
+  EXPECT_TRUE(sensor.streams());
+  sensor.advance(1000 + 2 * frame);
+  EXPECT_FALSE(sensor.streams());
+  EXPECT_EQ(sensor.next_event(), kNever);
+}
+
+TEST(Gap8Himax, ToldSomeFramesInTheMiddleOfOneCountsFromTheNext) {
+  Himax sensor;
+  const auto frame = sensor.lines_time(344);
+  set(sensor, 0x3020, 1);
+  set(sensor, 0x0100, 3, 0);
+  set(sensor, 0x0100, 3, frame / 2);
+  EXPECT_EQ(sensor.frame_at(1), frame);
+  EXPECT_EQ(sensor.next_event(), 2 * frame);
+}
+
 void set_pair(Himax& sensor, std::uint32_t at, std::uint32_t value) {
   set(sensor, at, static_cast<std::uint8_t>(value >> 8));
   set(sensor, at + 1, static_cast<std::uint8_t>(value));
@@ -222,6 +255,40 @@ TEST(Gap8Camera, BringsThePictureOfTheRollWhenItsFrameHasBeenReadOut) {
   std::vector<std::uint8_t> taken(picture.size());
   ASSERT_TRUE(system.soc.memory().read(0x1C040000, taken));
   EXPECT_EQ(taken, picture);
+}
+
+/// The world's answer to the request that is out.
+void give(BoardSystem& system, const std::vector<std::uint8_t>& picture) {
+  *system.soc.input("camera.frame_id") = system.output("camera.trigger");
+  *system.soc.device("udma")->bytes_input("camera.frame") = picture;
+  system.soc.begin_step();
+}
+
+TEST(Gap8Camera, AsksTheWorldWhenTheFrameBeginsAndStoresThePictureWithItsLastRow) {
+  BoardSystem system(kTakesAPicture, {}, gap8_board_of_camera());
+  system.soc.advance(15 * kMs);
+  EXPECT_EQ(system.output("camera.trigger"), 0) << "the frame under way had begun before the transfer";
+  EXPECT_TRUE(system.soc.waits_for_picture());
+  system.soc.advance(24 * kMs);
+  ASSERT_EQ(system.output("camera.trigger"), 1) << "344 lines after the first one";
+  const auto picture = picture_of(Himax::kWindowHeight);
+  give(system, picture);
+  system.soc.advance(36 * kMs);
+  EXPECT_EQ(system.result(2), 0U);
+  system.soc.advance(40 * kMs);
+  EXPECT_EQ(system.result(2), 0x80000000U | 18U) << "244 lines are 15.3 ms, whenever the picture came";
+  std::vector<std::uint8_t> taken(picture.size());
+  ASSERT_TRUE(system.soc.memory().read(0x1C040000, taken));
+  EXPECT_EQ(taken, picture);
+}
+
+TEST(Gap8Camera, StoresAPictureThatComesBehindItsFrameWhenItComes) {
+  BoardSystem system(kTakesAPicture, {}, gap8_board_of_camera());
+  system.soc.advance(90 * kMs);
+  EXPECT_EQ(system.result(2), 0U);
+  give(system, picture_of(Himax::kWindowHeight));
+  system.soc.advance(91 * kMs);
+  EXPECT_EQ(system.result(2), 0x80000000U | 18U);
 }
 
 TEST(Gap8Camera, WaitsWhenTheRollHasNoPictureAnyMore) {

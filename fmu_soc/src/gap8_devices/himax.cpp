@@ -19,7 +19,10 @@ constexpr std::uint32_t kIntegrationLines = 0x0202;
 constexpr std::uint32_t kBinning = 0x0390;
 constexpr std::uint32_t kBinsRows = 1;
 constexpr std::uint32_t kBinsColumns = 2;
+constexpr std::uint32_t kFrameCount = 0x3020;
+constexpr std::uint32_t kModes = 7;
 constexpr std::uint32_t kStreaming = 1;
+constexpr std::uint32_t kSomeFrames = 3;
 constexpr std::uint32_t kMirrored = 1;
 constexpr std::uint32_t kUpsideDown = 2;
 
@@ -42,15 +45,26 @@ void Himax::reset() {
   set(kLineClocks, kResetLineClocks);
 }
 
-void Himax::stream(bool on, Picoseconds now) {
-  if (on == streams_) return;
-  streams_ = on;
-  if (on) {
-    streams_since_ = now;
+void Himax::select_mode(std::uint32_t mode, Picoseconds now) {
+  if ((mode & kStreaming) == 0) return stand_by(now);
+  const auto lit_at = now + exposure_time();
+  if (!streams_) {
+    streams_ = true;
+    first_at_ = lit_at;
     port_.begin(now);
-  } else {
-    port_.end(now);
   }
+  const auto frames = std::max<Picoseconds>(reg(kFrameCount), 1);
+  ends_at_ = (mode & kModes) == kSomeFrames ? frame_behind(lit_at) + frames * period() : kNever;
+}
+
+void Himax::stand_by(Picoseconds now) {
+  if (!streams_) return;
+  streams_ = false;
+  port_.end(now);
+}
+
+void Himax::advance(Picoseconds now) {
+  if (now >= next_event()) stand_by(ends_at_);
 }
 
 void Himax::write(std::uint8_t byte, Picoseconds now) {
@@ -63,12 +77,12 @@ void Himax::write(std::uint8_t byte, Picoseconds now) {
   at_ = (at_ + 1) & 0xffffU;
   if (at == kSoftwareReset) {
     reset();
-    stream(false, now);
+    stand_by(now);
     return;
   }
   if (at >= kRegisters) return;
   registers_[at] = byte;
-  if (at == kModeSelect) stream((byte & kStreaming) != 0, now);
+  if (at == kModeSelect) select_mode(byte, now);
 }
 
 std::uint8_t Himax::read() {
@@ -86,11 +100,19 @@ Picoseconds Himax::exposure_time() const {
   return lines_time(pair(kIntegrationLines));
 }
 
+Picoseconds Himax::period() const {
+  return lines_time(std::max(pair(kFrameLines), height()));
+}
+
+Picoseconds Himax::frame_behind(Picoseconds time) const {
+  const auto past = std::max<Picoseconds>(time - first_at_, 0);
+  return first_at_ + (past + period() - 1) / period() * period();
+}
+
 Picoseconds Himax::frame_at(Picoseconds time) const {
   MEBOTS_ASSERT(streams_);
-  const auto period = lines_time(std::max(pair(kFrameLines), height()));
-  const auto past = std::max<Picoseconds>(time - streams_since_, 0);
-  return streams_since_ + (past + period - 1) / period * period;
+  const auto begin = frame_behind(time);
+  return begin < ends_at_ ? begin : kNever;
 }
 
 void Himax::read_out(std::span<const std::uint8_t> picture, std::vector<std::uint8_t>& pixels) const {
@@ -122,7 +144,8 @@ void Himax::visit(state::Visitor& v) {
   v("at", at_);
   v("address_bytes", address_bytes_);
   v("streams", streams_);
-  v("streams_since", streams_since_);
+  v("first_at", first_at_);
+  v("ends_at", ends_at_);
   if (registers_.size() != kRegisters || at_ > 0xffffU) {
     throw Error(ErrorCode::state_damaged, "a saved state is damaged: a camera has other registers");
   }

@@ -25,19 +25,25 @@ class I2cDevice {
 };
 
 /// HM01B0, the AI-deck's and the GAPuino's camera, as a driver sees it: 8-bit registers at 16-bit addresses by I2C,
-/// which keep what is stored, and a frame after another while MODE_SELECT says so. Of the registers these do something:
+/// which keep what is stored, and frames as MODE_SELECT says. Of the registers these do something:
 ///
 ///   0x0100 mode                  0x0340 lines of a frame                    0x0390 binning: bit 0 rows, bit 1 columns
 ///   0x0101 orientation           0x0342 pixel clocks of a line              0x3010 window of 244 lines, not 324
-///   0x0103 reset                 0x0383, 0x0387 every second column, row (3)
+///   0x0103 reset                 0x0383, 0x0387 every second column, row (3) 0x3020 frames of mode 3
 ///   0x0202 lines of integration
+///
+/// In mode 1 a frame follows another until mode 0, which is assumed to be obeyed at once, in the middle of a frame too.
+/// In mode 3 so many frames come as 0x3020 says (0: one, assumed), and the sensor goes to standby by itself behind the
+/// last one. The first frame's rows are read out when they have gathered light; to wake up takes no time (assumed).
+/// Told mode 3 while frames come, it counts from the next one on that begins an integration later.
 ///
 /// Frames come as often as lines and clocks say (docs/chip/gap8.md has the highest rates). A frame with fewer lines
 /// than it has rows takes a line for each row. Pictures are as bright as they come: gain and integration change nothing
 /// in them.
 ///
 /// Sources: register names in the driver of GreenWaves' gap_sdk (himax.c); formats, least lines and clocks, and the
-/// clock of 6 MHz in idsia-robotics/nanocockpit (himax.c, himax_supported_framerates.md).
+/// clock of 6 MHz in idsia-robotics/nanocockpit (himax.c, himax_supported_framerates.md); mode 3 and 0x3020 in the
+/// driver of TensorFlow Lite Micro's person detection (apollo3evb, HM01B0.c).
 class Himax final : public I2cDevice {
  public:
   static constexpr std::uint32_t kWidth = 324;
@@ -53,8 +59,11 @@ class Himax final : public I2cDevice {
   std::uint8_t read() override;
 
   bool streams() const { return streams_; }
-  /// When the first frame begins that does so at or after `time`; while it streams.
+  /// When the first frame begins to be read out that does so at or after `time`; kNever: none does. While it streams.
   Picoseconds frame_at(Picoseconds time) const;
+  /// When it goes to standby by itself.
+  Picoseconds next_event() const { return streams_ ? ends_at_ : kNever; }
+  void advance(Picoseconds now);
   /// From a frame's begin up to the end of so many lines.
   Picoseconds lines_time(std::uint32_t lines) const;
   /// How long each line gathers light.
@@ -75,7 +84,11 @@ class Himax final : public I2cDevice {
   static constexpr std::uint8_t kEverySecond = 3;
 
   void reset();
-  void stream(bool on, Picoseconds now);
+  void select_mode(std::uint32_t mode, Picoseconds now);
+  void stand_by(Picoseconds now);
+  /// From a frame's begin to that of the next.
+  Picoseconds period() const;
+  Picoseconds frame_behind(Picoseconds time) const;
   std::uint8_t reg(std::size_t at) const { return registers_[at]; }
   std::uint32_t column_step() const { return reg(0x0383) == kEverySecond ? 2 : 1; }
   std::uint32_t row_step() const { return reg(0x0387) == kEverySecond ? 2 : 1; }
@@ -86,7 +99,8 @@ class Himax final : public I2cDevice {
   std::uint32_t at_ = 0;             // the register that is next
   std::uint32_t address_bytes_ = 0;  // that have come since the start
   bool streams_ = false;
-  Picoseconds streams_since_ = 0;
+  Picoseconds first_at_ = 0;      // frame since it streams
+  Picoseconds ends_at_ = kNever;  // the last one
 };
 
 }  // namespace mebots::soc::gap8_devices

@@ -176,7 +176,7 @@ void Udma::ask_who_waits(Picoseconds now) {
 }
 
 Picoseconds Udma::next_event() const {
-  auto next = kNever;
+  auto next = std::min(sensor_.next_event(), camera_.next_event());
   for (const auto& queue : queues_) {
     if (!queue.empty()) next = std::min(next, queue.front().done_at);
   }
@@ -185,6 +185,11 @@ Picoseconds Udma::next_event() const {
 
 void Udma::advance(Picoseconds now) {
   while (now >= next_event()) {
+    if (now >= std::min(sensor_.next_event(), camera_.next_event())) {
+      sensor_.advance(now);
+      camera_.advance(now);
+      ask_who_waits(now);
+    }
     for (auto& queue : queues_) {
       if (queue.empty() || now < queue.front().done_at) continue;
       const auto transfer = queue.front();

@@ -41,15 +41,31 @@ std::uint32_t UdmaCamera::last_line() const {
 }
 
 Picoseconds UdmaCamera::end_time(const UdmaTransfer& /*transfer*/, Picoseconds start) {
-  if (!is_on()) return kNever;
-  if (!has_picture_ && !waits_) ask(start);
+  if (asked_at_ == kNever) asked_at_ = start;
+  if (!is_on()) {
+    frame_at_ = kNever;
+    return kNever;
+  }
+  if (frame_at_ == kNever) {
+    frame_at_ = sensor_.frame_at(start);
+    if (frame_at_ == kNever) return kNever;
+    light_at_ = std::max(frame_at_ - sensor_.exposure_time(), asked_at_);
+  }
+  advance(start);
   if (!has_picture_) return kNever;
-  return sensor_.frame_at(std::max(start, came_at_)) + sensor_.lines_time(last_line());
+  return std::max(came_at_, frame_at_ + sensor_.lines_time(last_line()));
 }
 
-void UdmaCamera::ask(Picoseconds now) {
+Picoseconds UdmaCamera::next_event() const {
+  return frame_at_ == kNever || waits_ || has_picture_ ? kNever : light_at_;
+}
+
+void UdmaCamera::advance(Picoseconds now) {
+  if (now >= next_event()) expose(light_at_);
+}
+
+void UdmaCamera::expose(Picoseconds now) {
   trigger_ = ++requests_;
-  asked_at_ = now;
   if (!roll_.exists()) {
     waits_ = true;
     return;
@@ -120,19 +136,30 @@ void UdmaCamera::convert() {
 
 void UdmaCamera::end(const UdmaTransfer& transfer) {
   sensor_.read_out(picture_, pixels_);
-  has_picture_ = false;
   convert();
+  const PictureTimes times{asked_at_, light_at_, frame_at_, transfer.done_at};
+  forget();
+  has_picture_ = false;
   if (stream_.size() > transfer.size) stream_.resize(transfer.size);
   if (!host_.host.write_memory(transfer.address, stream_)) {
     host_.complain_of_memory(transfer.address, transfer.size);
     return;
   }
-  const auto stored = transfer.done_at;
-  const auto read_out = std::max(stored - sensor_.lines_time(last_line()), came_at_);
-  // It exposes one frame while it reads out another, so it may have begun before somebody asked. A decision begins
-  // with the request.
-  const auto exposed = std::max(read_out - sensor_.exposure_time(), asked_at_);
-  host_.host.picture_stored({asked_at_, exposed, read_out, stored});
+  host_.host.picture_stored(times);
+}
+
+/// What the roll has handed out is not lost: its pictures are of no time.
+void UdmaCamera::cancel(const UdmaTransfer& /*transfer*/, Picoseconds /*now*/) {
+  forget();
+  if (roll_.exists()) return;
+  waits_ = false;
+  has_picture_ = false;
+}
+
+void UdmaCamera::forget() {
+  asked_at_ = kNever;
+  frame_at_ = kNever;
+  light_at_ = kNever;
 }
 
 double* UdmaCamera::input(std::string_view variable) {
@@ -166,6 +193,8 @@ void UdmaCamera::begin_step(Picoseconds now) {
 void UdmaCamera::visit(state::Visitor& v) {
   v("requests", requests_);
   v("asked_at", asked_at_);
+  v("frame_at", frame_at_);
+  v("light_at", light_at_);
   v("waits", waits_);
   v("has_picture", has_picture_);
   v("came_at", came_at_);

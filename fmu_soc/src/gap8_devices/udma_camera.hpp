@@ -23,9 +23,13 @@ class PictureRoll {
   virtual std::span<const std::uint8_t> picture(std::size_t number) const = 0;
 };
 
-/// The camera interface (CPI) of the uDMA with an HM01B0. A transfer asks for a picture, from the roll or from the
-/// world, when interface and camera are on. The picture comes with the next frame that begins, line after line, and
-/// the transfer ends with the last line of its window. Dropping frames is not modelled, and told.
+/// The camera interface (CPI) of the uDMA with an HM01B0. A transfer takes the next frame that begins while interface
+/// and camera are on, line after line, and ends with the last line of its window. Dropping frames is not modelled, and
+/// told.
+///
+/// When the frame's first row begins to gather light, its picture is asked for, from the roll or from the world. The
+/// world's comes later than that, and in time for the last line: bytes move at the transfer's end. Where it does not,
+/// because steps are long, the transfer ends when it comes.
 ///
 /// Its variables are those of the entry: camera.frame, .frame_id and .frame.base64 go in, camera.trigger goes out, as
 /// of MEbots' own camera. Source of registers: archi/udma/cpi/udma_cpi_v1.h.
@@ -35,6 +39,10 @@ class UdmaCamera final : public UdmaPeripheral {
 
   Picoseconds end_time(const UdmaTransfer& transfer, Picoseconds start) override;
   void end(const UdmaTransfer& transfer) override;
+  void cancel(const UdmaTransfer& transfer, Picoseconds now) override;
+  /// When the frame begins that a transfer waits for.
+  Picoseconds next_event() const;
+  void advance(Picoseconds now);
   void registers_changed(std::uint32_t offset, Picoseconds now) override;
 
   double* input(std::string_view variable) override;
@@ -42,23 +50,28 @@ class UdmaCamera final : public UdmaPeripheral {
   std::span<const std::uint8_t>* bytes_input(std::string_view variable) override;
   const double* output(std::string_view variable) const override;
   void begin_step(Picoseconds now) override;
-  bool takes_picture() const override { return waits_; }
+  /// With a roll: one that it has not.
+  bool takes_picture() const override { return roll_.exists() ? waits_ : asked_at_ != kNever; }
 
   void visit(state::Visitor& v) override;
 
  private:
   bool is_on() const;
-  void ask(Picoseconds now);
+  void expose(Picoseconds now);
   void take(std::span<const std::uint8_t> picture, Picoseconds now);
   void convert();
+  void forget();
   std::uint32_t last_line() const;
 
   UdmaHost& host_;
   Himax& sensor_;
   const PictureRoll& roll_;
   std::int32_t requests_ = 0;
-  Picoseconds asked_at_ = 0;
-  bool waits_ = false;  // for the world's picture
+  // Of the transfer that runs; kNever = there is none, or not yet.
+  Picoseconds asked_at_ = kNever;
+  Picoseconds frame_at_ = kNever;
+  Picoseconds light_at_ = kNever;
+  bool waits_ = false;  // for its picture
   bool has_picture_ = false;
   Picoseconds came_at_ = 0;
   std::vector<std::uint8_t> picture_;  // as it came

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // An HM01B0 at I2C master 1 and the camera interface of GAP8's uDMA. The sensor has 324 x 324 pixels, of which the
-// interface hands on the middle. It streams from a request until its picture is fetched, and is assumed
-// to stop at once at STANDBY, in the middle of a frame. What a real sensor wants to be told beside this, black level
-// and gain, is its maker's table.
+// interface hands on the middle. A request lets it take one frame, behind which it goes to standby by itself: the
+// newest picture that there is, and no frame that nobody looks at. What a real sensor wants to be told beside this,
+// integration, black level and gain, is its maker's table.
 #include "drivers/camera.h"
 
 #include "drivers/timer.h"
@@ -28,8 +28,8 @@ _Static_assert(MARGIN >= 0 && MARGIN % 2 == 0 && CAMERA_EDGE % 2 == 0, "the inte
 // Sensor.
 #define SENSOR_WRITE 0x48  // its address, and that bytes go to it
 #define MODE_SELECT 0x0100
-#define STREAMS 1
-#define STANDBY 0
+#define SOME_FRAMES 3
+#define FRAME_COUNT 0x3020
 
 // Commands of the I2C master.
 #define I2C_START 0x00
@@ -83,6 +83,7 @@ void camera_init(void) {
   UDMA_CAM_CFG_UR = (MARGIN + CAMERA_EDGE - 1) << ROW_SHIFT | ((MARGIN + CAMERA_EDGE) / 2 - 1);
   UDMA_CAM_CFG_SIZE = (SENSOR_EDGE - 1) << ROW_SHIFT;
   UDMA_CAM_CFG_GLOB = INTERFACE_ON | INTERFACE_WINDOW | INTERFACE_AS_IT_COMES;
+  tell_sensor(FRAME_COUNT, 1);
 }
 
 bool camera_ask(void) {
@@ -91,8 +92,9 @@ bool camera_ask(void) {
   }
   stored = false;
   filling ^= 1;
-  tell_sensor(MODE_SELECT, STREAMS);
+  // First: the interface takes a frame from its begin only.
   udma_start(UDMA_CAMERA_OFFSET, buffers[filling], sizeof buffers[filling]);
+  tell_sensor(MODE_SELECT, SOME_FRAMES);
   on_its_way = true;
   return true;
 }
@@ -106,7 +108,6 @@ camera_result_t camera_wait(picture_t* picture, int64_t deadline_ns) {
     return PICTURE_LATE;
   }
   on_its_way = false;
-  tell_sensor(MODE_SELECT, STANDBY);
   picture->pixels = buffers[filling];
   picture->width = CAMERA_EDGE;
   picture->height = CAMERA_EDGE;
