@@ -5,6 +5,7 @@
 #include "gap8_devices/himax.hpp"
 #include "support/same_state.hpp"
 
+#include "mebots/error.hpp"
 #include "mebots/state/save.hpp"
 
 #include <gmock/gmock.h>
@@ -266,6 +267,7 @@ void give(BoardSystem& system, const std::vector<std::uint8_t>& picture) {
 
 TEST(Gap8Camera, AsksTheWorldWhenTheFrameBeginsAndStoresThePictureWithItsLastRow) {
   BoardSystem system(kTakesAPicture, {}, gap8_board_of_camera());
+  *system.soc.input("camera.frame_height") = Himax::kWindowHeight;
   system.soc.advance(15 * kMs);
   EXPECT_EQ(system.output("camera.trigger"), 0) << "the frame under way had begun before the transfer";
   EXPECT_TRUE(system.soc.waits_for_picture());
@@ -284,11 +286,23 @@ TEST(Gap8Camera, AsksTheWorldWhenTheFrameBeginsAndStoresThePictureWithItsLastRow
 
 TEST(Gap8Camera, StoresAPictureThatComesBehindItsFrameWhenItComes) {
   BoardSystem system(kTakesAPicture, {}, gap8_board_of_camera());
+  *system.soc.input("camera.frame_height") = 0;
   system.soc.advance(90 * kMs);
   EXPECT_EQ(system.result(2), 0U);
   give(system, picture_of(Himax::kWindowHeight));
   system.soc.advance(91 * kMs);
   EXPECT_EQ(system.result(2), 0x80000000U | 18U);
+}
+
+TEST(Gap8Camera, RefusesAPictureOfTheWorldsOfAnotherSize) {
+  BoardSystem system(kTakesAPicture, {}, gap8_board_of_camera());
+  system.soc.advance(24 * kMs);
+  try {
+    give(system, picture_of(648));
+    FAIL() << "taken";
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("has 209952 bytes, not 324 x 324"));
+  }
 }
 
 TEST(Gap8Camera, WaitsWhenTheRollHasNoPictureAnyMore) {

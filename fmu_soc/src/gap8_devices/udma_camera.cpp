@@ -29,6 +29,11 @@ constexpr std::uint32_t kPixelBytes = 2;  // the interface pairs the bytes that 
 UdmaCamera::UdmaCamera(UdmaHost& host, Himax& sensor, const PictureRoll& roll)
     : host_(host), sensor_(sensor), roll_(roll) {
   picture_.reserve(std::size_t{Himax::kWidth} * Himax::kHeight);
+  for (const auto& variable : host.entry.variables) {
+    if (auto* number = variable.causality == BoardVariable::Causality::parameter ? input(variable.name) : nullptr) {
+      *number = variable.start;
+    }
+  }
 }
 
 bool UdmaCamera::is_on() const {
@@ -163,7 +168,10 @@ void UdmaCamera::forget() {
 }
 
 double* UdmaCamera::input(std::string_view variable) {
-  return variable == "camera.frame_id" ? &frame_id_ : nullptr;
+  if (variable == "camera.frame_id") return &frame_id_;
+  if (variable == "camera.frame_width") return &frame_width_;
+  if (variable == "camera.frame_height") return &frame_height_;
+  return nullptr;
 }
 
 std::string_view* UdmaCamera::text_input(std::string_view variable) {
@@ -187,7 +195,19 @@ void UdmaCamera::begin_step(Picoseconds now) {
     }
     picture = decoded_;
   }
-  if (!picture.empty()) take(picture, now);
+  if (picture.empty()) return;
+  require_size(picture.size());
+  take(picture, now);
+}
+
+/// Bytes say nothing of rows: cut at another width, they would be garbled without a word.
+void UdmaCamera::require_size(std::size_t bytes) const {
+  const auto rows = static_cast<std::size_t>(frame_height_);
+  if (rows == 0 || bytes == static_cast<std::size_t>(frame_width_) * rows) return;
+  throw Error(fmt::format(
+      "{}: picture {} of the camera has {} bytes, not {} x {} as camera.frame_width and camera.frame_height "
+      "say: set camera.width and camera.height of the world to the same; camera.frame_height 0 takes any rows",
+      host_.entry.name, requests_, bytes, frame_width_, rows));
 }
 
 void UdmaCamera::visit(state::Visitor& v) {
@@ -200,6 +220,8 @@ void UdmaCamera::visit(state::Visitor& v) {
   v("came_at", came_at_);
   v("picture", picture_);
   v("frame_id", frame_id_);
+  v("frame_width", frame_width_);
+  v("frame_height", frame_height_);
   v("trigger", trigger_);
 }
 

@@ -31,8 +31,9 @@ class PictureRoll {
 /// world's comes later than that, and in time for the last line: bytes move at the transfer's end. Where it does not,
 /// because steps are long, the transfer ends when it comes.
 ///
-/// Its variables are those of the entry: camera.frame, .frame_id and .frame.base64 go in, camera.trigger goes out, as
-/// of MEbots' own camera. Source of registers: archi/udma/cpi/udma_cpi_v1.h.
+/// Its variables are those of the entry: camera.frame, .frame_id, .frame.base64, .frame_width and .frame_height go in,
+/// camera.trigger goes out, as of MEbots' own camera. A picture of the world's of another size ends the run; rows are
+/// Himax::kWidth columns. Source of registers: archi/udma/cpi/udma_cpi_v1.h.
 class UdmaCamera final : public UdmaPeripheral {
  public:
   UdmaCamera(UdmaHost& host, Himax& sensor, const PictureRoll& roll);
@@ -61,6 +62,7 @@ class UdmaCamera final : public UdmaPeripheral {
   void take(std::span<const std::uint8_t> picture, Picoseconds now);
   void convert();
   void forget();
+  void require_size(std::size_t bytes) const;
   std::uint32_t last_line() const;
 
   UdmaHost& host_;
@@ -80,6 +82,8 @@ class UdmaCamera final : public UdmaPeripheral {
 
   // Variables.
   double frame_id_ = 0;
+  double frame_width_ = Himax::kWidth;
+  double frame_height_ = 0;  // any
   double trigger_ = 0;
   std::span<const std::uint8_t> frame_;
   std::string_view frame_base64_;

@@ -4,6 +4,7 @@
 #include "base/time.hpp"
 #include "mebots/fmu/binary_ref.hpp"
 #include "sink/png_file.hpp"
+#include "system/picture_size.hpp"
 
 #include <fmt/format.h>
 
@@ -36,6 +37,12 @@ Source find_source(const ResolvedSystem& system, const PictureDescription& pictu
 
 void check_pictures(const ResolvedSystem& system, const PictureDescription& pictures) {
   find_source(system, pictures);
+  const auto width = picture_width(system, pictures.frame);
+  if (!width || width->pixels == pictures.width) return;
+  throw InputError(ErrorCode::invalid_value,
+                   fmt::format("{0}/width: {1}, but {2} is {3}: pictures cut at another width would be garbled; let it "
+                               "be {3}",
+                               pictures.place, pictures.width, width->parameter, width->pixels));
 }
 
 PictureRecorder::PictureRecorder(const ResolvedSystem& system, Ensemble& ensemble, const PictureDescription& pictures,

@@ -39,7 +39,7 @@ class PictureRecorder final : public Observer {
   std::int64_t next_ns_ = 0;
 };
 
-/// Throws InputError when the variables do not exist or are of the wrong kind.
+/// Throws InputError when the variables do not exist or are of the wrong kind, or the FMU says another width.
 void check_pictures(const ResolvedSystem& system, const PictureDescription& pictures);
 
 }  // namespace mebots::master

@@ -3,6 +3,7 @@
 
 #include "base/interrupt.hpp"
 #include "base/time.hpp"
+#include "system/picture_size.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -188,6 +189,7 @@ std::vector<ResolvedConnection> scalars_of(const ResolvedSystem& system, const C
   const auto from_parts = from_scalar ? std::nullopt : binary_parts(system, connection.from);
   const auto to_parts = to_scalar ? std::nullopt : binary_parts(system, connection.to);
   if (from_parts && to_parts) {
+    check_picture_sizes(system, connection);
     std::vector<ResolvedConnection> result;
     for (std::size_t i = 0; i < from_parts->size(); ++i) result.push_back({(*from_parts)[i], (*to_parts)[i], true});
     return result;
