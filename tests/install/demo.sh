@@ -6,3 +6,5 @@ mebots demo --out flight --expect passed
 # A copied config flies too, and FMUs of one's own in front of the shipped ones.
 cp "$MEBOTS/share/mebots/configs/battery_motors.json" copy.json
 mebots run copy.json --quiet --out copy
+# A config that extends another finds it, and the chip with GAP8's own devices.
+mebots run "$MEBOTS/share/mebots/configs/gate_hard_gap8.json" --stop-time 3 --quiet --out gap8

@@ -2,6 +2,7 @@
 // The drone's missions with its firmware on GAP8's own devices: fmu_gap8_drone in the place of fmu_soc.
 #include "missions.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -9,36 +10,53 @@
 namespace mebots::system_test {
 namespace {
 
-constexpr double kEasyLens = 1.51844;  // rad, of 320 pixels: the world's default
-constexpr double kHardLens = 0.87;
+using testing::AllOf;
+using testing::HasSubstr;
 
-/// A shipped mission, flown and judged. The sensor sends 324 x 324 pixels, of which the firmware takes 320 in the
-/// middle: they see what the lens says.
-void expect_passed(const std::string& mission, const char* firmware, double lens, int least_pictures) {
-  auto config = shipped_config(mission);
-  auto& soc = config["instances"]["soc"];
-  soc["fmu"] = "fmu_gap8_drone";
-  soc["parameters"]["firmware"] = firmware;
-  auto& world = config["instances"]["world"]["parameters"];
-  world["camera.width"] = 324;
-  world["camera.height"] = 324;
-  config["pictures"][0]["width"] = 324;
-  world["camera.field_of_view"] = 2 * std::atan(std::tan(lens / 2) * 324 / 320);
+std::filesystem::path shipped(const std::string& name) {
+  return std::filesystem::path(MEBOTS_SOURCE_DIR) / "configs" / (name + ".json");
+}
 
+/// A shipped mission, flown as it is and judged. A decision takes its frame's 20.2 ms and less than one more frame.
+void expect_passed(const std::string& mission, int least_pictures) {
   const Folder folder;
-  const auto flight = fly(write(folder / (mission + ".json"), config), folder / "out");
+  const auto flight = fly(shipped(mission), folder / "out");
   ASSERT_EQ(flight.exit_code, 0) << flight.output;
   EXPECT_EQ(flight.summary.at("outcome"), "passed");
   EXPECT_GE(flight.summary.at("pictures").get<int>(), least_pictures);
   EXPECT_LT(std::abs(flight.summary.at("lateral_error").get<double>()), 0.05);
+  const auto& mean = flight.summary.at("decision").at("mean");
+  EXPECT_LT(mean.at("request").get<double>(), 0.001) << "the sensor waits for the request, not the other way round";
+  EXPECT_NEAR(mean.at("read_out").get<double>(), 322 * 376 / 6e6, 1e-6) << "rows up to the window's last one";
+  EXPECT_LT(mean.at("latency").get<double>(), 0.030);
 }
 
 TEST(Gap8Drone, FliesTheEasyMissionByTheNavigator) {
-  expect_passed("gate_easy", "gap8_gate", kEasyLens, 150);
+  expect_passed("gate_easy_gap8", 150);
 }
 
 TEST(Gap8Drone, FliesTheHardMissionBySight) {
-  expect_passed("gate_hard", "gap8_sight", kHardLens, 400);
+  expect_passed("gate_hard_gap8", 600);
+}
+
+/// Mistakes about pictures: told before t = 0, with the place, both sizes and what to do.
+TEST(Gap8Drone, PicturesOfAnotherSizeThanTheSensorsAreRefusedBeforeTheFlight) {
+  const Folder folder;
+  const auto flight =
+      fly(shipped("gate_easy_gap8"), folder / "out", {"world.camera.width=648", "world.camera.height=162"});
+  EXPECT_EQ(flight.exit_code, 2);
+  EXPECT_THAT(flight.output, AllOf(HasSubstr("/connections/6"),
+                                   HasSubstr("world.camera.width is 648 and soc.camera.frame_width is 324")))
+      << "648 x 162 has as many bytes as 324 x 324";
+}
+
+TEST(Gap8Drone, RecordedPicturesOfAnotherWidthAreRefusedBeforeTheFlight) {
+  auto config = shipped_config("gate_easy");
+  config["pictures"][0]["width"] = 160;
+  const Folder folder;
+  const auto flight = fly(write(folder / "mission.json", config), folder / "out");
+  EXPECT_EQ(flight.exit_code, 2);
+  EXPECT_THAT(flight.output, HasSubstr("/pictures/0/width: 160, but world.camera.width is 320"));
 }
 
 }  // namespace
