@@ -124,7 +124,7 @@ void Soc::advance_cluster(Picoseconds until, Picoseconds last, std::uint64_t cyc
     if (event_unit_ != nullptr) {  // a core may have used the devices of GAP8's SoC
       apply_power_settings(cluster_->fabric_event_time());
       if (signals_.exit_code && running()) {
-        finish(End::exited, cluster_->fabric_event_time());
+        end_by_program(cluster_->fabric_event_time());
         return;
       }
     }
@@ -142,14 +142,18 @@ void Soc::advance_cluster(Picoseconds until, Picoseconds last, std::uint64_t cyc
   } while (cluster_next() < until);
 }
 
+void Soc::end_by_program(Picoseconds time) {
+  finish(End::exited, time);
+  if (gave_up() && listeners_.faults) listeners_.faults(fault_text());
+}
+
 void Soc::handle(Stop stop) {
   switch (stop) {
     case Stop::device:
       apply_power_settings(core_time());
       update_lines();
       if (host_exit_ || signals_.exit_code || (power_manager_ && power_manager_->exited())) {
-        finish(End::exited, core_time());
-        if (exited_on_exception() && listeners_.faults) listeners_.faults(fault_text());
+        end_by_program(core_time());
       }
       break;
     case Stop::sleeping:

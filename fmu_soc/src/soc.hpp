@@ -162,11 +162,14 @@ class Soc final : private Bus {
     if (signals_.exit_code) return *signals_.exit_code;
     return power_manager_ ? power_manager_->exit_code() : 0;
   }
-  /// Whether the program's own handler of an exception ended it, with an exit code that says that something is wrong.
-  bool exited_on_exception() const;
+  /// Among the numbers of the cluster's cores.
+  static constexpr int kFabricController = -1;
+  /// The core whose exception led the program's own handler to end it, with an exit code that says that something is
+  /// wrong; of several the first.
+  std::optional<int> gave_up() const;
   /// Whether a core cannot go on, of the cluster's too, or ended on an exception.
   bool faulted() const {
-    return hart_.fault().happened || (cluster_ && cluster_->faulted_core() >= 0) || exited_on_exception();
+    return hart_.fault().happened || (cluster_ && cluster_->faulted_core() >= 0) || gave_up().has_value();
   }
   /// Why the core cannot go on, with function, line, instruction and callers; empty without a fault.
   std::string fault_text() const;
@@ -243,6 +246,8 @@ class Soc final : private Bus {
   void tell(Picoseconds time);
   ChipState chip_state() const;
   void finish(End why, Picoseconds time);
+  void end_by_program(Picoseconds time);
+  const Hart& hart_of(int core) const;
   Picoseconds reached() const;
   void note_work(Picoseconds time);
   CoreWork work_at(Picoseconds now) const;

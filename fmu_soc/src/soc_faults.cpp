@@ -54,21 +54,31 @@ std::string stack_text(const Exception& what, const Elf& program, const Memory& 
 
 }  // namespace
 
-bool Soc::exited_on_exception() const {
-  const bool exception = hart_.in_exception() && hart_.fault().first.cause != cause::kMachineEcall;
-  return end_ == End::exited && exit_code() != 0 && exception;
+std::optional<int> Soc::gave_up() const {
+  if (end_ != End::exited || exit_code() == 0) return std::nullopt;
+  const int cores = cluster_ ? static_cast<int>(cluster_->cores()) : 0;
+  for (int core = kFabricController; core < cores; ++core) {
+    const auto& hart = hart_of(core);
+    if (hart.in_exception() && hart.fault().first.cause != cause::kMachineEcall) return core;
+  }
+  return std::nullopt;
+}
+
+const Hart& Soc::hart_of(int core) const {
+  return core == kFabricController ? hart_ : cluster_->hart(static_cast<unsigned>(core));
 }
 
 std::string Soc::fault_text() const {
-  const int core = cluster_ ? cluster_->faulted_core() : -1;
-  const auto& hart = core >= 0 ? cluster_->hart(static_cast<unsigned>(core)) : hart_;
-  const auto& fault = hart.fault();
-  if (!fault.happened) {
-    if (!exited_on_exception()) return {};
-    return fmt::format("the program's own handler gave up, with exit code {}, after {}{}", exit_code(),
+  const auto giver = gave_up();
+  const int core = giver ? *giver : cluster_ ? cluster_->faulted_core() : kFabricController;
+  const auto& fault = hart_of(core).fault();
+  if (!giver && !fault.happened) return {};
+  const auto whose = core == kFabricController ? "" : fmt::format("cluster core {}: ", core);
+  if (giver) {
+    return fmt::format("{}the program's own handler gave up, with exit code {}, after {}{}", whose, exit_code(),
                        text_of(fault.first, program_), stack_text(fault.first, program_, memory_));
   }
-  auto text = fmt::format("{}{}: {}", core >= 0 ? fmt::format("cluster core {}: ", core) : "",
+  auto text = fmt::format("{}{}: {}", whose,
                           fault.double_trap ? "an exception in its own trap handler" : "trap without a handler",
                           text_of(fault.last, program_));
   if (fault.double_trap && fault.first.pc != fault.last.pc) {

@@ -105,6 +105,20 @@ TEST(Run, OfFirmwareInCxxThatFailsNamesItsLinesAndCallers) {
   EXPECT_THAT(run.err, HasSubstr("(main.cpp:36) < main+0x"));
 }
 
+TEST(Run, OfFirmwareOfWhichAClusterCoreFailsNamesCoreCauseLineAndCallersOnBothBoards) {
+  for (const std::string board : {"ai_deck", "gap8"}) {
+    SCOPED_TRACE(board);
+    const auto run = run_tool(fmt::format("run {}/firmware/{}cluster_fault.elf --board {}/configs/boards/{}.json",
+                                          MEBOTS_BINARY_DIR, board == "gap8" ? "gap8_" : "", MEBOTS_SOURCE_DIR, board));
+    EXPECT_NE(run.exit_code, 0) << run.out;
+    EXPECT_THAT(run.err, HasSubstr("cluster core 3: "));
+    EXPECT_THAT(run.err, HasSubstr("illegal instruction (mcause 2, "));
+    EXPECT_THAT(run.err, HasSubstr("in fail+0x"));
+    EXPECT_THAT(run.err, HasSubstr("(main.c:9): "));
+    EXPECT_THAT(run.err, HasSubstr("called from work+0x"));
+  }
+}
+
 TEST(Run, OfAProgramWithoutTohostThatSpinsEndsWithTheReason) {
   const Folder folder;
   const auto run = run_tool("run " + folder.program("_start: nop\nforever: j forever"));
