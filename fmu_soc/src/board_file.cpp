@@ -129,6 +129,12 @@ BoardMemory read_memory(const Node& node, std::set<std::string>& names) {
       member.fail(ErrorCode::invalid_value, "only the cluster's own memory can have it; leave it out");
     }
   });
+  object.visit_if("quantum", [&](const Node& member) {
+    memory.quantum = static_cast<std::uint32_t>(member.whole_number(1, Banks::kLongestRun));
+    if (memory.place != Place::cluster) {
+      member.fail(ErrorCode::invalid_value, "only the cluster's own memory can have it; leave it out");
+    }
+  });
   object.read_if("leaks", memory.leaks, &Node::flag);
   object.read_if("alias", memory.alias, &read_address);
   object.visit_if("way", [&](const Node& member) {

@@ -34,6 +34,7 @@ struct BoardMemory {
   bool leaks = true;                   // false: stands for no real memory
   unsigned banks = 1;                  // that serve a word per cycle each; told apart in the cluster only
   bool arbitration_tree = false;       // of the cluster's: its cores' order at the banks is a tree's, else it rotates
+  std::uint32_t quantum = 64;          // of the cluster's: ticks for which a core takes banks in one go
   std::optional<std::uint32_t> alias;  // where the cores of its place see it, too
   std::optional<BoardWay> way;         // nothing = as the chip has it for all memories
   std::string text;

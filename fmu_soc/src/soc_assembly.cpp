@@ -185,6 +185,7 @@ void Soc::add_cluster(const Settings& settings) {
       if (place == Place::cluster) {
         cluster.l1_banks = board_.memories[i].banks;
         cluster.arbitration_tree = board_.memories[i].arbitration_tree;
+        cluster.quantum = board_.memories[i].quantum;
       }
       cluster.ports.push_back({i, wait, nullptr});
     }

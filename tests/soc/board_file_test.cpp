@@ -207,6 +207,20 @@ TEST(BoardFile, TakesATreeOfTheClustersMemoryOnly) {
   EXPECT_THAT(complaint(memory("fabric_controller"), ""), HasSubstr("only the cluster's own memory can have it"));
 }
 
+TEST(BoardFile, TakesAQuantumOfTheClustersMemoryOnly) {
+  const auto memory = [](std::string_view place, int quantum) {
+    return fmt::format(R"({{"name": "ram", "base": "0x1000", "size": 4096, "place": "{}", "quantum": {}}})", place,
+                       quantum);
+  };
+  EXPECT_EQ(complaint(memory("cluster", 1), ""), "");
+  EXPECT_EQ(complaint(memory("cluster", 1024), ""), "");
+  for (const auto quantum : {0, 1025}) {
+    EXPECT_THAT(complaint(memory("cluster", quantum), ""),
+                HasSubstr(fmt::format("/memories/0/quantum: {} must be a whole number from 1 to 1024", quantum)));
+  }
+  EXPECT_THAT(complaint(memory("fabric_controller", 64), ""), HasSubstr("only the cluster's own memory can have it"));
+}
+
 TEST(BoardFile, TakesCyclesOfTheSocOfAClustersCacheOnlyWhereTheyCount) {
   const auto caches = [](std::string_view place) {
     return fmt::format(R"("instruction_caches": [{{"place": "{}", "size": 4096, "line": 16, "ways": 4,

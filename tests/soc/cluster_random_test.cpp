@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cstdlib>
 #include <map>
 #include <memory>
@@ -56,7 +57,12 @@ class Comparison {
   explicit Comparison(std::uint32_t seed)
       : random_(seed), program_(BoardSystem::assembled(random_cluster_program(seed))) {
     settings_.cluster_cores = below(3) == 0 ? 1 + below(8) : 8;
-    for (auto& memory : board_.memories) memory.arbitration_tree = memory.place == Place::cluster && seed % 2 == 0;
+    for (auto& memory : board_.memories) {
+      if (memory.place != Place::cluster) continue;
+      memory.arbitration_tree = seed % 2 == 0;
+      constexpr std::array kQuanta{64U, 1U, 17U, 256U, 1024U};
+      memory.quantum = kQuanta[seed % kQuanta.size()];
+    }
     straight_ = made();
     restored_ = made();
     watched_ = made();

@@ -164,6 +164,27 @@ TEST(ClusterBanks, ATreeServesTwoOfEightCoresInTurns) {
   EXPECT_NEAR(by_tree[1], 2048, 16);
 }
 
+BoardDescription with_quantum(std::uint32_t quantum) {
+  auto board = with_tree(BoardSystem::without_caches());
+  for (auto& memory : board.memories) {
+    if (memory.place == Place::cluster) memory.quantum = quantum;
+  }
+  return board;
+}
+
+/// 256 loads fit into a quantum, so that who is first in it waits for nobody; in short ones it waits every second turn
+/// of the loop.
+TEST(ClusterBanks, AQuantumIsAsLongAsTheBoardHasIt) {
+  const auto difference = [](std::uint32_t quantum) {
+    const auto cycles = cycles_of(hammer(16), 2, with_quantum(quantum));
+    EXPECT_NEAR(std::max(cycles[0], cycles[1]), 512, 8) << quantum;
+    return std::max(cycles[0], cycles[1]) - std::min(cycles[0], cycles[1]);
+  };
+  EXPECT_LE(difference(1), 16U + 4U);
+  EXPECT_LE(difference(16), 16U + 4U);
+  EXPECT_GE(difference(1024), 240U);
+}
+
 TEST(ClusterCore, WaitsForL2ThatLiesFarAway) {
   const auto near = cycles_of("li a0, L1_BASE\n.rept 10\n lw a1, 0(a0)\n lw a2, 0(a0)\n.endr\n", 1)[0];
   const auto far = cycles_of("li a0, 0x1C070000\n.rept 10\n lw a1, 0(a0)\n lw a2, 0(a0)\n.endr\n", 1)[0];

@@ -22,6 +22,7 @@ Cluster::Cluster(Memory& memory, const ClusterSettings& settings, const Instruct
       dma_(memory, settings.l1_region, settings.dma),
       peripherals_(settings.make_peripherals(dma_)) {
   MEBOTS_ASSERT(settings.cores > 0 && settings.cores <= kMostClusterCores);
+  MEBOTS_ASSERT(settings.quantum > 0 && settings.quantum <= Banks::kLongestRun);
   if (settings.instruction_cache.size != 0) {
     instruction_cache_.emplace(settings.instruction_cache, InstructionCache::Users::several);
   }
@@ -140,7 +141,7 @@ void Cluster::move_banks(std::uint64_t tick) {
     return;
   }
   // The DMA takes nothing behind the last quantum's end, and no core anything behind where it stands.
-  auto last = tick + kQuantum;
+  auto last = tick + settings_.quantum;
   for (const auto& core : cores_) last = std::max(last, core->tick());
   const auto moved = banks_.start_over(tick, last);
   for (auto& core : cores_) core->hart().translated().move_resume_point(moved);
@@ -157,7 +158,7 @@ std::uint64_t Cluster::run_quantum(std::uint64_t start, std::uint64_t until) {
     dma_.occupy(banks_, start);  // what it moved while all slept
     move_banks(start);
   }
-  auto end = std::min(start + (sharing_banks_ ? kQuantum : kLongQuantum), until);
+  auto end = std::min(start + (sharing_banks_ ? settings_.quantum : kLongQuantum), until);
   end = std::min(end, alarm_);
   if (dma_first_) dma_.occupy(banks_, end);
   run_cores(start, end);
@@ -176,7 +177,7 @@ void Cluster::next_in_front() {
 std::uint64_t Cluster::run_quantum_in_step(std::uint64_t start, std::uint64_t until) {
   MEBOTS_ASSERT(sharing_banks_ && start > banks_.start());
   move_banks(start);
-  const auto end = std::min(start + kQuantum, until);
+  const auto end = std::min(start + settings_.quantum, until);
   line_up(end);
   next_in_front();
   const auto round = Hart::run_round_robin(queue_.front()->hart(), end);
@@ -193,7 +194,7 @@ std::uint64_t Cluster::finish_quantum(std::uint64_t end) {
       share_banks();
       if (sharing_banks_) {  // the only core has woken others, or started a transfer
         const auto now = next_tick();
-        end = std::min(end, now + kQuantum);
+        end = std::min(end, now + settings_.quantum);
         move_banks(std::max(banks_.start(), now));
       }
     }

@@ -34,6 +34,8 @@ struct ClusterSettings {
   unsigned l1_banks = 16;
   /// The order at L1 is that of the tree of its interconnect: of the number XOR a count of quanta. Else it rotates.
   bool arbitration_tree = false;
+  /// Ticks of a quantum when several cores are awake or the DMA moves data.
+  std::uint32_t quantum = 0;
   std::vector<MemoryPort> ports;  // of a core, L1 first; its banks are filled in here
   bool shares_way = false;        // to the SoC: a core's access there waits for those of others
   InstructionCacheSettings instruction_cache;
@@ -49,18 +51,17 @@ struct ClusterSettings {
 /// Up to eight cores with their shared L1, event unit and DMA, in a clock domain of their own. Time is counted in ticks
 /// of the cluster's clock, which never stops; a core that sleeps does not count cycles.
 ///
-/// The cores run one after the other for a quantum: kQuantum ticks when several are awake or the DMA moves data,
-/// kLongQuantum when one is alone. The banks of L1 serve cores and DMA in turns (source: MUX2_REQ of the PULP
-/// platform's cluster_interconnect, a round robin between the channel of the cores and that of the DMA). Here the DMA
-/// takes its cycles before the cores in one quantum, so that they wait. In the next one it takes them behind the
+/// The cores run one after the other for a quantum: as many ticks as the board has it when several are awake or the DMA
+/// moves data, kLongQuantum when one is alone. The banks of L1 serve cores and DMA in turns (source: MUX2_REQ of the
+/// PULP platform's cluster_interconnect, a round robin between the channel of the cores and that of the DMA). Here the
+/// DMA takes its cycles before the cores in one quantum, so that they wait. In the next one it takes them behind the
 /// cores, so that it waits, a cycle at most. Who touches the event unit or the DMA stops before it and goes on when
 /// nobody is behind. So those see all accesses in the order of their ticks (within a tick: of the cores). What a core
 /// stores in RAM another one may see up to a quantum late or early. Cores that synchronise through the event unit see
 /// all of it.
 class Cluster {
  public:
-  static constexpr std::uint64_t kQuantum = 64;
-  static constexpr std::uint64_t kLongQuantum = 1024;
+  static constexpr std::uint64_t kLongQuantum = Banks::kLongestRun;
   /// More ticks than a core can be ahead of the start of the quantum that follows.
   static constexpr std::uint64_t kFarthestAhead = kLongQuantum + Banks::kLongestBlock;
   /// Ticks from an event to the first instruction of the core that it wakes. Source: GVSoC, event unit of pulp_open.
