@@ -10,6 +10,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
+#include <set>
+#include <utility>
 
 namespace mebots::soc::test {
 namespace {
@@ -344,6 +347,40 @@ TEST(Dma, TakesCyclesOfTheBanksFromTheCores) {
   EXPECT_GT(core_waited, 0U);
   EXPECT_GT(dma_waited, 0U);
   EXPECT_NEAR(static_cast<double>(core_waited + dma_waited), 256.0 / 8, 4) << "a cycle shifts which words meet";
+}
+
+/// Who comes first in the cluster's next quantum, out of its state: a core, and whether the DMA is before the cores.
+class Order final : public state::Visitor {
+ public:
+  explicit Order(Soc& soc) : Visitor(Purpose::save) { soc.visit(*this); }
+  std::pair<std::uint32_t, bool> of_next_quantum() const { return {core_, dma_}; }
+
+ private:
+  void fixed(std::string_view name, const state::Values& values) override {
+    if (name == "first_core") std::memcpy(&core_, values.data, sizeof core_);
+    if (name == "dma_first") std::memcpy(&dma_, values.data, sizeof dma_);
+  }
+  void changing(std::string_view /*name*/, state::List& /*list*/) override {}
+  std::size_t count(std::string_view /*name*/, std::size_t present) override { return present; }
+
+  std::uint32_t core_ = 0;
+  bool dma_ = false;
+};
+
+std::size_t orders_of(unsigned cores, const BoardDescription& board) {
+  auto system = cores_run(hammer(1000), cores, true, board);
+  std::set<std::pair<std::uint32_t, bool>> seen;
+  for (std::int64_t t = 10'000; t < 100'000; t += 300) {  // half a quantum
+    system.soc.advance(t);
+    seen.insert(Order(system.soc).of_next_quantum());
+  }
+  return seen.size();
+}
+
+TEST(Dma, MeetsEachFirstCoreOfATreeOnEitherSide) {
+  const auto board = BoardSystem::without_caches();
+  for (const unsigned cores : {2, 3, 8}) EXPECT_EQ(orders_of(cores, with_tree(board)), 2 * cores) << cores;
+  EXPECT_EQ(orders_of(8, board), 8U) << "where orders rotate, flights are recorded with a side for each core";
 }
 
 TEST(Cluster, LeavesL1OnlyWhileItIsOn) {

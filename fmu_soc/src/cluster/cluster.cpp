@@ -166,10 +166,12 @@ std::uint64_t Cluster::run_quantum(std::uint64_t start, std::uint64_t until) {
   return finish_quantum(end);
 }
 
-/// Behind the quantum just begun the next core and the other of DMA and cores come first.
+/// Behind the quantum just begun the next core and the other of DMA and cores come first. With the tree the DMA's side
+/// stays once where an even count of cores begins anew, so that each core that is first meets the DMA on either side.
 void Cluster::next_in_front() {
   if (++first_core_ == cores()) first_core_ = 0;
-  dma_first_ = !dma_first_;
+  const bool stays = settings_.arbitration_tree && first_core_ == 0 && cores() % 2 == 0;
+  dma_first_ = dma_first_ != !stays;
 }
 
 /// As run_quantum, right behind one in which all cores that are awake have stayed in translated code, with nothing else
