@@ -62,7 +62,7 @@ bool TranslatedRun::finish(const translate::Exit& exit) {
   auto& e = execution_;
   auto& host = e.host;
   // What came before the block that was left, or that begins: nothing when another block led there by a jump.
-  if ((host.instructions & 0xffffffffU) != (exit.straight ? exit.at->index : 0U)) {
+  if ((host.instructions & 0xffffffffU) != 0) {
     e.pipeline = {};
   }
   e.slow_load = nullptr;
@@ -73,7 +73,6 @@ bool TranslatedRun::finish(const translate::Exit& exit) {
   }
   if (!exit.indirect) e.pc = exit.pc;
   if (exit.straight) {
-    e.remember(exit.at);
     const bool iterates = exit.at->op == Op::loop_end && e.pc != exit.at->pc;
     e.link = iterates ? decoded_.blocks.loop_link(exit.at[1], e.pc) : &exit.at->link;
     note_next(*e.link);

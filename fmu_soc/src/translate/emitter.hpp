@@ -188,10 +188,10 @@ class Emitter : private Xbyak::CodeGenerator {
   Xbyak::Address loop_register(const Instruction* at, std::size_t offset);
   bool emit_set_loop_end(const Instruction* at, std::uint32_t pc);
   void emit_iteration(const Instruction* at, unsigned loop);
-  const Node* straight_successor(const Instruction* end, std::uint32_t link) const;
+  const Node* straight_successor(std::uint32_t link) const;
   void emit_straight_edge(const Instruction* at, std::uint32_t link, std::uint32_t pc);
   void emit_straight_to(const Instruction* at, const Node& node);
-  void set_where_from(const Pipeline& pipeline);
+  void note_what_came(const Instruction* end);
   void forget_what_came();
 
   // memory.cpp
@@ -219,7 +219,7 @@ class Emitter : private Xbyak::CodeGenerator {
   void take_back(const Instruction* at);
   void spend(std::uint32_t cycles);
   static std::uint64_t bits_of(const Pipeline& pipeline) { return std::bit_cast<std::uint64_t>(pipeline); }
-  void check_limit(const Node& node, std::uint32_t stall, const Exit& at_limit, const Pipeline& pipeline);
+  void check_limit(const Node& node, std::uint32_t stall, const Exit& at_limit);
   void check_limit(const Node& node);
   void jump_at_limit(const Block& block, std::uint32_t stall, Label& leave);
   bool fetches_inline() const { return !options_.loose_limit; }
@@ -227,7 +227,7 @@ class Emitter : private Xbyak::CodeGenerator {
   void emit_fetch(const Instruction* at, const Instruction* before);
   const Node* node_at(std::uint32_t link, std::uint32_t pc) const;
   void emit_leave(const Exit& exit);
-  void emit_park(const Node& node, const Exit& exit, std::uint32_t stall, const Pipeline& pipeline);
+  void emit_park(const Node& node, const Exit& exit, std::uint32_t stall);
   void emit_park_at_entry(const Node& node, const Exit& exit, std::uint32_t stall);
   void note_place(const Node& node);
   void emit_chained_exit(Exit exit);

@@ -172,15 +172,15 @@ const Node* Emitter::node_at(std::uint32_t link, std::uint32_t pc) const {
   return number == 0 ? nullptr : region_->find(number);
 }
 
-/// A block may only begin when none of its instructions can start too late. `pipeline` is how it finds the pipeline.
-void Emitter::check_limit(const Node& node, std::uint32_t stall, const Exit& at_limit, const Pipeline& pipeline) {
+/// A block may only begin when none of its instructions can start too late.
+void Emitter::check_limit(const Node& node, std::uint32_t stall, const Exit& at_limit) {
   Label leave;
   jump_at_limit(*node.block, stall, leave);
-  later([this, &node, stall, at_limit, pipeline, leave]() mutable {
+  later([this, &node, stall, at_limit, leave]() mutable {
     L(leave);
     // With a strict limit, a stall asks for a cycle more, so that the next run may have to begin otherwise.
     if (stall == 0 || options_.loose_limit) {
-      emit_park(node, at_limit, stall, pipeline);
+      emit_park(node, at_limit, stall);
     } else {
       emit_leave(at_limit);
     }
@@ -194,12 +194,15 @@ void Emitter::note_place(const Node& node) {
 }
 
 /// Leaves in front of a block so that the next run can begin with it by its resume point. A stall comes with that run.
-void Emitter::emit_park(const Node& node, const Exit& exit, std::uint32_t stall, const Pipeline& pipeline) {
+void Emitter::emit_park(const Node& node, const Exit& exit, std::uint32_t stall) {
   static_assert(sizeof(Pipeline) == sizeof(std::uint64_t));
   note_place(node);
-  mov(rdx, bits_of(pipeline));
+  if (exit.straight) {
+    mov(rdx, ptr[rbx + static_cast<int>(offsetof(Execution, host.came_from))]);
+  } else {
+    mov(rdx, bits_of({}));
+  }
   mov(ptr[rbx + static_cast<int>(offsetof(Execution, pipeline))], rdx);
-  if (stall != 0) mov(ptr[rbx + static_cast<int>(offsetof(Execution, host.came_from))], rdx);
   mov(eax, add_exit(exit));
   lea(rdx, ptr[rip + (stall == 0 ? entries_ : stalled_entries_)[index_of(node)]]);
   jmp(park_all_, T_NEAR);
@@ -232,7 +235,7 @@ void Emitter::check_limit(const Node& node) {
   Exit exit;
   exit.pc = node.block->pc;
   exit.block = node.number;
-  check_limit(node, 0, exit, {});
+  check_limit(node, 0, exit);
   forget_what_came();
 }
 

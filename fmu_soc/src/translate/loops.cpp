@@ -3,6 +3,8 @@
 // Hardware loops, and the end of a block that goes straight on.
 #include "translate/emitter.hpp"
 
+#include <bit>
+
 namespace mebots::soc::translate {
 namespace {
 
@@ -10,10 +12,7 @@ int offset_of_loop(unsigned loop) {
   return static_cast<int>(offsetof(Execution, loops) + sizeof(HardwareLoop) * loop);
 }
 
-/// What the pipeline holds behind the end of a block of two instructions or more.
-Pipeline behind(const Instruction* end) {
-  return {executed(end[-1], false), executed(end[-2], false)};
-}
+static_assert(offsetof(Pipeline, before) == 0 && offsetof(Pipeline, two_before) == 4 && sizeof(Previous) == 4);
 
 }  // namespace
 
@@ -82,14 +81,16 @@ void Emitter::emit_end(const Instruction* at) {
 /// To the start of a loop, which is where it was last time or not.
 void Emitter::emit_iteration(const Instruction* at, unsigned loop) {
   const auto start = dword[rbx + offset_of_loop(loop) + static_cast<int>(offsetof(HardwareLoop, start))];
-  if (const auto* node = straight_successor(at, at[1].link); node != nullptr) {
+  if (const auto link = at[1].link; link != 0 && cache_.block(link).valid()) {
+    const auto pc = cache_.block(link).pc;
     Label elsewhere;
-    cmp(start, node->block->pc);
+    cmp(start, pc);
     jne(elsewhere, T_NEAR);
-    emit_straight_to(at, *node);
+    emit_straight_edge(at, link, pc);
     L(elsewhere);
   }
   count(at - 1, 0);
+  note_what_came(at);
   mov(eax, start);
   if (options_.flow != nullptr) note_flow_to(at - 1, eax);
   mov(ptr[rbx + static_cast<int>(offsetof(Execution, pc))], eax);
@@ -101,15 +102,15 @@ void Emitter::emit_iteration(const Instruction* at, unsigned loop) {
 }
 
 /// Where the end of a block leads by a link, if that is in the region and nothing but a stall depends on what came
-/// before it. A block of one instruction knows too little of what came before.
-const Node* Emitter::straight_successor(const Instruction* end, std::uint32_t link) const {
-  if (link == 0 || end->index < 2) return nullptr;
+/// before it.
+const Node* Emitter::straight_successor(std::uint32_t link) const {
+  if (link == 0) return nullptr;
   const auto* node = cache_.block(link).valid() ? region_->find(link) : nullptr;
   return node != nullptr && !node->block->early_jump ? node : nullptr;
 }
 
 void Emitter::emit_straight_edge(const Instruction* at, std::uint32_t link, std::uint32_t pc) {
-  const auto* node = straight_successor(at, link);
+  const auto* node = straight_successor(link);
   if (node != nullptr && node->block->pc == pc) {
     emit_straight_to(at, *node);
     return;
@@ -120,31 +121,46 @@ void Emitter::emit_straight_edge(const Instruction* at, std::uint32_t link, std:
   exit.straight = true;
   exit.pc = pc;
   exit.at = at;
-  if (at->index < 2) {
-    emit_leave(exit);
-    return;
-  }
-  set_where_from(behind(at));
+  note_what_came(at);
   emit_chained_exit(exit);
 }
 
-/// Notes what the pipeline holds for the next block, which is reached straight. rdx is lost.
-void Emitter::set_where_from(const Pipeline& pipeline) {
-  mov(rdx, bits_of(pipeline));
-  mov(ptr[rbx + static_cast<int>(offsetof(Execution, host.came_from))], rdx);
+/// Notes what the pipeline holds for the next block, which is reached straight behind `end`, up to which all is counted.
+/// rcx and rdx are lost.
+void Emitter::note_what_came(const Instruction* end) {
+  const auto came_from = ptr[rbx + static_cast<int>(offsetof(Execution, host.came_from))];
+  if (end->index >= 2) {
+    mov(rdx, bits_of({executed(end[-1], false), executed(end[-2], false)}));
+    mov(came_from, rdx);
+    return;
+  }
+  // A block of one instruction: also what came before it, which of a run's first block the run has found.
+  Label straight;
+  mov(rdx, came_from);
+  test(rdx, rdx);
+  jnz(straight);
+  movd(ecx, xmm15);
+  mov(rdx, bits_of({}));
+  cmp(ecx, 1);
+  cmove(rdx, ptr[rbx + static_cast<int>(offsetof(Execution, pipeline))]);
+  L(straight);
+  shl(rdx, 32);
+  mov(ecx, std::bit_cast<std::uint32_t>(executed(end[-1], false)));
+  or_(rdx, rcx);
+  mov(came_from, rdx);
 }
 
 void Emitter::emit_straight_to(const Instruction* at, const Node& node) {
   count(at - 1, 0);
   if (is_noted(at - 1, node.block->pc)) note_flow_to(at - 1, node.block->pc);
+  note_what_came(at);
   const bool stalls = translate::stalls(*node.block, at);
   Exit at_limit;
   at_limit.straight = true;
   at_limit.pc = node.block->pc;
   at_limit.block = node.number;
   at_limit.at = at;
-  check_limit(node, stalls ? 1U : 0U, at_limit, behind(at));
-  set_where_from(behind(at));
+  check_limit(node, stalls ? 1U : 0U, at_limit);
   if (stalls) {
     if (cache_.fetched() != nullptr && fetches_inline()) emit_fetch(node.first, nullptr);  // before it stalls
     spend(1);

@@ -119,7 +119,8 @@ class HostTranslator : public Translator {
 
   void chain_where_known(const Exit& exit) {
     if (exit.patch_point == 0) return;
-    const auto number = linked(cache_, exit.at->link, exit.pc);
+    const bool iterates = exit.straight && exit.pc != exit.at->pc;
+    const auto number = linked(cache_, iterates ? exit.at[1].link : exit.at->link, exit.pc);
     if (number == 0 || find(number) == nullptr) return;
     const auto& block = cache_.block(number);
     if (exit.straight && block.early_jump) return;
