@@ -3,17 +3,20 @@
 """Cycles of cores that want the same banks of L1 at the same time, on board gap8, beside those of the RTL's arbitration:
 a table in Markdown of how far a core is off, in the mean, and the last one, with orders that rotate and with the tree's.
 
-Usage: banks.py BUILD [--each]
+Usage: banks.py BUILD [--each] [--quanta 32,64,128]
 
 The rule of the RTL is pulp-platform/cluster_interconnect's (ArbitrationTree.sv, FanInPrimitive_Req.sv): each bank counts
 its grants modulo the cores, and a binary tree of the cores takes at each node the side that a bit of the count names, if
 that asks, from the least bit at the leaves to the highest at the root. So that core has the bank whose number XOR the
-count is the least. --each prints the cycles of every core. Needs riscv64-unknown-elf-gcc.
+count is the least. --each prints the cycles of every core. --quanta prints instead how far cores with the tree's order
+are off in quanta of so many cycles, in the mean over runs that begin at six places of a quantum. The fabric controller
+is awake here, which cuts quanta at 256. Needs riscv64-unknown-elf-gcc.
 """
 import argparse
 import json
 import pathlib
 import random
+import statistics
 import subprocess
 import sys
 import tempfile
@@ -26,6 +29,7 @@ import gvsoc  # noqa: E402
 BANKS = 16
 MOST_CORES = 8
 LOADS = (16, 64, 256, 1024, 4096)
+DELAYS = (0, 13, 27, 38, 51, 77)  # cycles in front of each run
 
 
 def any_bank(seed):
@@ -80,7 +84,7 @@ def turns_of(form, loads):
     return loads // in_body if loads % in_body == 0 else None
 
 
-def source(cases):
+def source(cases, delay):
     lines = ["    .option norvc", "    .option norelax", "    .equ kEventUnit, 0x00204000", "    .equ kL1, 0x10001000",
              "    .equ kStarted, 0xff", '    .include "cluster_boot.inc"',
              "core: li s0, kEventUnit", "    li t0, 1 << 16 | 1 << 18", "    sw t0, 0x08(s0)", "    beqz a0, master",
@@ -95,7 +99,8 @@ def source(cases):
                   "    andi t1, t1, 31", "    slli t2, t1, 2", "    add s7, s7, t2", f"    li t3, {4 * step}",
                   "    mul t3, t1, t3", "    li s5, kL1", "    add s5, s5, t3", "    li s8, 2", "    mv s9, s6",
                   # The first of two runs brings the code into the instruction cache.
-                  "6:  mv s6, s9", "    li t0, kEventUnit", "    p.elw t0, 0x21c, t0", "    csrr s3, 0xB00",
+                  "6:  mv s6, s9", "    li t0, kEventUnit", "    p.elw t0, 0x21c, t0", *["    addi t5, t5, 1"] * delay,
+                  "    csrr s3, 0xB00",
                   f"    lp.setup 0, s6, {len(body)}"]
         for place, word in enumerate(body):
             lines.append("    addi t5, t5, 1" if word is None else f"    lw a{2 + place % 4}, {4 * word}(s5)")
@@ -117,20 +122,20 @@ def source(cases):
     return macros + "\n".join(lines)
 
 
-def measured(soc, folder, cases, tree):
-    """Cycles of each core in each case, with the tree or with orders that rotate."""
+def measured(soc, folder, cases, **arbitration):
+    """Cycles of each core in each case, with what the cluster's memory shall say of its arbitration."""
     board = json.loads((ROOT / "configs/boards/gap8.json").read_text())
     for memory in board["memories"]:
         if memory.get("place") == "cluster":
-            memory["arbitration_tree"] = tree
+            memory.update(arbitration)
     (folder / "board.json").write_text(json.dumps(board))
     command = [soc, "run", folder / "banks.elf", "--board", folder / "board.json", "--host-files", folder]
     words = gvsoc.words_left_by("mebots-soc", gvsoc.processor_time(command, folder), folder)
     return [words[MOST_CORES * i:MOST_CORES * i + cores] for i, (_, cores, _) in enumerate(cases)]
 
 
-def assembled(folder, cases):
-    (folder / "banks.S").write_text(source(cases))
+def assembled(folder, cases, delay=0):
+    (folder / "banks.S").write_text(source(cases, delay))
     subprocess.run([gvsoc.compiler(), "-march=rv32imc_zicsr", "-mabi=ilp32", "-nostdlib", "-nostartfiles",
                     "-Wl,--build-id=none,-n,-Ttext=0x1C000000,--no-warn-rwx-segments", f"-I{ROOT / 'bench/gvsoc'}",
                     folder / "banks.S", "-o", folder / "banks.elf"], check=True)
@@ -141,18 +146,50 @@ def deviation(here, rtl):
     return sum(abs(ours / its - 1) for ours, its in zip(here, rtl)) / len(rtl), max(here) / max(rtl) - 1
 
 
+def print_quanta(soc, folder, cases, quanta):
+    off = {}  # (quantum, case) -> deviations
+    rtl = {case: expected(*case) for case in cases}
+    for delay in DELAYS:
+        assembled(folder, cases, delay)
+        for quantum in quanta:
+            found = dict(zip(cases, measured(soc, folder, cases, arbitration_tree=True, quantum=quantum)))
+            around = found[cases[0]][0] - rtl[cases[0]][0]  # of a core alone
+            for case, cycles in found.items():
+                off.setdefault((quantum, case), []).append(deviation([each - around for each in cycles], rtl[case]))
+    several = [case for case in cases if case[1] > 1]
+    rows = {
+        "16 and 64 loads; 2, 4 or 8 cores": lambda cores, loads: cores in (2, 4, 8) and loads <= 64,
+        "256 loads and more; 2, 4 or 8 cores": lambda cores, loads: cores in (2, 4, 8) and loads > 64,
+        "16 and 64 loads; 3, 5, 6 or 7 cores": lambda cores, loads: cores not in (2, 4, 8) and loads <= 64,
+        "256 loads and more; 3, 5, 6 or 7 cores": lambda cores, loads: cores not in (2, 4, 8) and loads > 64,
+        "all": lambda cores, loads: True,
+    }
+    print("| quantum | " + " | ".join(map(str, quanta)) + " |\n|" + "---|" * (len(quanta) + 1))
+    for name, belongs in rows.items():
+        cells = []
+        for quantum in quanta:
+            each = [one for case in several if belongs(*case[1:]) for one in off[quantum, case]]
+            cells.append(f"{statistics.mean(one[0] for one in each) * 100:.1f} % "
+                         f"({statistics.mean(abs(one[1]) for one in each) * 100:.1f})")
+        print(f"| {name} | " + " | ".join(cells) + " |")
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("build", type=pathlib.Path)
     parser.add_argument("--each", action="store_true")
+    parser.add_argument("--quanta", type=lambda text: [int(quantum) for quantum in text.split(",")])
     arguments = parser.parse_args()
     soc = gvsoc.built(arguments.build, "mebots-soc")
     cases = [(form, cores, loads) for form in FORMS for loads in LOADS if turns_of(form, loads)
              for cores in range(1, MOST_CORES + 1)]
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
+        if arguments.quanta:
+            print_quanta(soc, folder, cases, arguments.quanta)
+            return
         assembled(folder, cases)
-        found = [measured(soc, folder, cases, tree) for tree in (False, True)]
+        found = [measured(soc, folder, cases, arbitration_tree=tree) for tree in (False, True)]
     cells = {}
     around = 0  # cycles that a core alone takes beside the loop
     for (form, cores, loads), *both in zip(cases, *found):

@@ -349,6 +349,27 @@ TEST(Dma, TakesCyclesOfTheBanksFromTheCores) {
   EXPECT_NEAR(static_cast<double>(core_waited + dma_waited), 256.0 / 8, 4) << "a cycle shifts which words meet";
 }
 
+/// Two cores that wait for each other's stores by a loop: what one stores the other one sees a quantum later.
+TEST(Cluster, HandsAWordOnOnceAQuantum) {
+  constexpr std::uint32_t kTimes = 30;
+  const auto body = fmt::format(R"(
+    sw zero, 0(s1)
+    li a2, {}
+3:  lw a0, 0(s1)
+    andi a1, a0, 1
+    bne a1, s0, 3b
+    addi a0, a0, 1
+    sw a0, 0(s1)
+    addi a2, a2, -1
+    bnez a2, 3b
+)",
+                                kTimes);
+  for (const std::uint32_t quantum : {32, 64, 256, 1024}) {
+    const auto cycles = cycles_of(body, 2, with_quantum(quantum));
+    EXPECT_NEAR(std::max(cycles[0], cycles[1]) / (2.0 * kTimes), quantum, 0.1 * quantum);
+  }
+}
+
 /// Who comes first in the cluster's next quantum, out of its state: a core, and whether the DMA is before the cores.
 class Order final : public state::Visitor {
  public:

@@ -125,8 +125,8 @@ void Emitter::emit_straight_edge(const Instruction* at, std::uint32_t link, std:
   emit_chained_exit(exit);
 }
 
-/// Notes what the pipeline holds for the next block, which is reached straight behind `end`, up to which all is counted.
-/// rcx and rdx are lost.
+/// Notes what the pipeline holds for the next block, which is reached straight behind `end`, up to which all is
+/// counted. rcx and rdx are lost.
 void Emitter::note_what_came(const Instruction* end) {
   const auto came_from = ptr[rbx + static_cast<int>(offsetof(Execution, host.came_from))];
   if (end->index >= 2) {
