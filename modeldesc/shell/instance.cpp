@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -27,9 +28,10 @@ double to_s(std::int64_t time_ns) {
   return static_cast<double>(time_ns) / 1e9;
 }
 
-/// How far two ways of computing the same time may differ: sums of steps drift in tools that add them up.
-double time_tolerance_s(double time_s) {
-  return 1e-6 + 1e-9 * std::abs(time_s);
+/// How far two ways of computing the same time may differ: sums of steps drift in tools that add them up. Never as far
+/// as half a step: the point would be another one.
+double time_tolerance_s(double time_s, double step_s) {
+  return 1e-6 + std::min(1e-9 * std::abs(time_s), step_s / 4);
 }
 
 }  // namespace
@@ -207,12 +209,12 @@ void Instance::do_step(double point_s, double step_s) {
   if (!(step_s > 0) || !std::isfinite(step_s))
     throw Error(fmt::format("communicationStepSize = {} s: a step above 0 is needed", step_s));
   const double own_s = to_s(time_ns_);
-  if (!(std::abs(point_s - own_s) <= time_tolerance_s(own_s)))
+  if (!(std::abs(point_s - own_s) <= time_tolerance_s(own_s, step_s)))
     throw Error(fmt::format("currentCommunicationPoint = {} s, but this instance is at {} s", point_s, own_s));
   const std::int64_t end_ns = to_ns(point_s + step_s, "end of the step");
   // Tools that add up their steps end a run with what rounding left, 2e-13 s, say: the nanosecond is reached already.
   if (end_ns <= time_ns_) return;
-  if (stop_ns_ && to_s(end_ns - *stop_ns_) > time_tolerance_s(to_s(*stop_ns_)))
+  if (stop_ns_ && to_s(end_ns - *stop_ns_) > time_tolerance_s(to_s(*stop_ns_), step_s))
     throw Error(fmt::format("the step would end at {} s, after the stopTime of {} s given to fmi2SetupExperiment",
                             to_s(end_ns), to_s(*stop_ns_)));
   last_step_status_ = fmi2Error;

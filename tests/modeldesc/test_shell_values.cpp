@@ -145,6 +145,19 @@ TEST(ShellValues, AStepThatEndsInTheNanosecondReachedAlreadyChangesNothing) {
   EXPECT_EQ(lag.integer("steps"), 1);
 }
 
+TEST(ShellValues, ALateStartDoesNotMakeAnotherPointPass) {
+  constexpr double kUnixTime = 1.7e9;  // doubles are 2.4e-7 s apart
+  Lag lag;
+  lag.start(kUnixTime);
+  EXPECT_EQ(lag.step(kUnixTime, 0.002), fmi2OK);
+  EXPECT_EQ(lag.step(kUnixTime + 0.002, 0.002), fmi2OK);
+  EXPECT_EQ(lag.step(kUnixTime + 0.002, 0.002), fmi2Error) << "that step was made";
+  EXPECT_EQ(lag.integer("steps"), 2);
+  Lag other;
+  other.start(kUnixTime);
+  EXPECT_EQ(other.step(kUnixTime + 1.5, 0.002), fmi2Error);
+}
+
 TEST(ShellValues, AStepThatDisagreesAboutTheTimeIsRefused) {
   Lag lag;
   lag.start(10);
