@@ -93,6 +93,24 @@ vectors: .rept 34
   EXPECT_EQ(system.result(2), 0U);
 }
 
+TEST(Gap8, HandlersThatFaultInTurnsBeforeAnythingRetiresEndTheCore) {
+  auto system = on_gap8(R"(
+_start: la t0, vectors
+    csrw mtvec, t0
+    li sp, 0x40000000
+    .word 0xffffffff
+    .balign 256
+vectors: .rept 33
+    .word 0
+    .endr
+    .word 0x00012083       # of illegal instructions, at 0x84: lw ra, 0(sp), where no memory is
+    .word 0
+    .word 0xffffffff       # of that load, at 0x8c
+)");
+  system.soc.advance(1 * kMs);
+  EXPECT_THAT(system.soc.fault_text(), HasSubstr("an exception in its own trap handler"));
+}
+
 TEST(Gap8, RegistersThatNobodyModelsAreToldOnceAndTheProgramGoesOn) {
   auto system = on_gap8(R"(
 _start: li s1, 0x1C060000

@@ -11,7 +11,8 @@
 namespace mebots::soc {
 namespace {
 
-/// An exception that comes back this often at the same place, with no return from a handler between, never ends.
+/// An exception that comes back this often at the same place, with no return from a handler between, never ends. Nor do
+/// this many in a row, wherever they are, between which nothing retires: handlers whose first instructions fault.
 constexpr std::uint32_t kHopelessRepeats = 16;
 
 constexpr unsigned kReturnAddress = 1;
@@ -60,10 +61,10 @@ bool Traps::take_exception() {
   const auto cause = execution_.trap_cause;
   const auto value = execution_.trap_value;
   const auto pc = execution_.pc;
-  // A call of the handler, too, is hopeless when the handler begins with one.
+  // A handler may call another one at the same place again and again, as long as something retires between.
   const bool is_call = cause == cause::kMachineEcall || cause == cause::kBreakpoint;
-  const bool again =
-      repeats_ != 0 && pc_ == pc && cause_ == cause && (!is_call || instructions_ == execution_.counters.instructions);
+  const bool nothing_retired = instructions_ == execution_.counters.instructions;
+  const bool again = repeats_ != 0 && (nothing_retired || (pc_ == pc && cause_ == cause && !is_call));
   if (repeats_ == 0) fault_.first = exception_here(cause, value);
   instructions_ = execution_.counters.instructions;
   repeats_ = again ? repeats_ + 1 : 1;
