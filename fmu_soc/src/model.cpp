@@ -141,6 +141,11 @@ void Model::start(std::int64_t start_ns) {
 }
 
 void Model::step(std::int64_t start_ns, std::int64_t duration_ns) {
+  if (duration_ns > kLongestNs - (start_ns - origin_ns_)) {
+    throw Error(fmt::format(
+        "the step would end more than {} s after its start, where the chip's time of whole picoseconds ends",
+        kLongestNs / 1'000'000'000));
+  }
   take_inputs();
   const auto energy_before = soc_.energy();
   soc_.advance(start_ns - origin_ns_ + duration_ns);

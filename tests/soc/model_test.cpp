@@ -305,6 +305,18 @@ TEST(Model, InputThatIsNoNumberIsAnError) {
   EXPECT_THROW(model.step(0, kMs), Error);
 }
 
+TEST(Model, StepBeyondTheChipsTimeIsAnErrorThatTellsIt) {
+  Variables variables;
+  Model model(variables, resources(), {});
+  model.start(0);
+  try {
+    model.step(0, 9'000'001'000'000'000);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("9000000 s after its start"));
+  }
+}
+
 /// Flies blind: the gate firmware with one picture again and again.
 TEST(Model, TakesNothingFromTheHeapInAStepOnceItsCodeIsTranslated) {
   Variables variables;

@@ -11,5 +11,7 @@ using Picoseconds = std::int64_t;
 inline constexpr Picoseconds kNever = std::numeric_limits<Picoseconds>::max();
 inline constexpr Picoseconds kPsPerNs = 1000;
 inline constexpr double kPsPerS = 1e12;
+/// A step may go no further from the start: what is planned from there on, two days ahead at most, still fits.
+inline constexpr std::int64_t kLongestNs = 9'000'000 * std::int64_t{1'000'000'000};
 
 }  // namespace mebots::soc
