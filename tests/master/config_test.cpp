@@ -81,7 +81,8 @@ TEST(Config, MistakesOfAVariantSayWhichFileHasThem) {
   EXPECT_THAT(error(R"({"extends": "base.json"})"), HasSubstr("variant.json:1:1: /: the key 'changes' is missing"));
   EXPECT_THAT(error(R"({"extends": "base.json", "changes": {}, "step": 1})"), HasSubstr("'step' is unknown"));
   EXPECT_THAT(error(R"({"extends": "../base.json", "changes": {}})"), HasSubstr("in the folder of this one"));
-  EXPECT_THAT(error(R"({"extends": "nothing.json", "changes": {}})"), HasSubstr("variant.json: /extends: there is no nothing.json"));
+  EXPECT_THAT(error(R"({"extends": "nothing.json", "changes": {}})"),
+              HasSubstr("variant.json: /extends: there is no nothing.json"));
   EXPECT_THAT(error(R"({"extends": "variant.json", "changes": {}})"), HasSubstr("extends another one"));
 }
 
