@@ -35,10 +35,22 @@ py::bytes bytes_of(const std::vector<double>& values) {
   return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(double)};
 }
 
+/// Throws InputError for what the type cannot hold.
+template <typename T>
+T held_by(const py::object& value, const char* what) {
+  try {
+    return value.cast<T>();
+  } catch (const py::cast_error&) {
+    throw mebots::InputError(mebots::ErrorCode::invalid_value,
+                             "a value is " + std::string(what) + ", not " +
+                                 std::string(py::str(py::module_::import("builtins").attr("ascii")(value))));
+  }
+}
+
 mebots::Value value_of(const py::object& value) {
   if (py::isinstance<py::bool_>(value)) return value.cast<bool>();
-  if (py::isinstance<py::int_>(value)) return value.cast<std::int64_t>();
-  if (py::isinstance<py::str>(value)) return value.cast<std::string>();
+  if (py::isinstance<py::int_>(value)) return held_by<std::int64_t>(value, "a whole number of 64 bits");
+  if (py::isinstance<py::str>(value)) return held_by<std::string>(value, "text in Unicode");
   if (py::isinstance<py::float_>(value)) return value.cast<double>();
   // NumPy's numbers and the like.
   if (py::hasattr(value, "item")) return value_of(value.attr("item")());

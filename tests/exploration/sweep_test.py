@@ -512,6 +512,16 @@ class Reuse(StudyCase):
 
 
 class Python(StudyCase):
+    def test_values_that_a_mission_cannot_hold_are_told(self):
+        with mebots.Mission(self.folder / "mission.json") as mission:
+            for value, text in ((2**70, "whole number of 64 bits"), ("\ud800", "text in Unicode")):
+                with self.assertRaises(mebots.InputError) as caught:
+                    mission.set("a.gain", value)
+                self.assertIn(text, str(caught.exception))
+        with self.assertRaises(TypeError) as told:
+            mebots.Mission(self.folder / "mission.json", set="a.gain=2")
+        self.assertIn("a.gain=2", str(told.exception))
+
     def test_sweep_gives_the_same_bytes_as_the_program(self):
         self.sweep_file = self.study()
         self.sweep()
@@ -568,7 +578,7 @@ class Kept(StudyCase):
         for wait_s in [0] * 10 + [0.1, 0.2, 0.4, 0.8]:
             process = subprocess.Popen(command, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
             while not any(temporary.iterdir()):
-                pass  # a pause would miss the threads' start, which comes right after
+                self.assertIsNone(process.poll())  # and no pause, which would miss the threads' start right after
             time.sleep(wait_s)
             process.send_signal(signal.SIGINT)
             self.assertEqual(process.wait(timeout=20), 1)

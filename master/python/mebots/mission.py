@@ -60,6 +60,8 @@ class Mission:
         self._run = _mebots.Mission(
             config, out, in_memory, list(scenarios), stop_time, step, isolate, statistics, checkpoint_every
         )
+        if set is not None and not isinstance(set, Mapping):
+            raise TypeError(f"set is a dict of variables and their values, not {set!r}")
         for variable, value in (set or {}).items():
             self.set(variable, value)
         if record is not None:

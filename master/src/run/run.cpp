@@ -86,8 +86,8 @@ Run::~Run() {
 Run::Busy::Busy(Run& run, std::string_view what) : run_(&run) {
   if (run.busy_) {
     throw InputError(ErrorCode::wrong_call_order,
-                     fmt::format("{} from a listener: it is called in the middle of a step. interrupt() ends the run "
-                                 "after it",
+                     fmt::format("{} from a listener or another thread, in the middle of a step. interrupt() ends the "
+                                 "run after it",
                                  what));
   }
   run.busy_ = true;

@@ -64,9 +64,10 @@ def _campaign(study: Study, executor: concurrent.futures.Executor | None, jobs: 
                 # Enough in flight that nobody waits, and few enough that little is flown in vain.
                 yield Campaign(study, threads, 2 * jobs)
         finally:
-            ended = flying.end_all()
-            threads.shutdown(wait=True, cancel_futures=True)
-            flying.close_ended(ended)
+            with interrupts.held():  # again: an interrupt may have cut ``allowed`` short
+                ended = flying.end_all()
+                threads.shutdown(wait=True, cancel_futures=True)
+                flying.close_ended(ended)
 
 
 def main(words: list[str] | None = None) -> int:

@@ -23,12 +23,13 @@ def held() -> Iterator[None]:
     if threading.current_thread() is not threading.main_thread():
         yield
         return
-    _holds += 1
+    before = _holds
+    _holds = before + 1
     try:
         with _handled():
             yield
     finally:
-        _holds -= 1
+        _holds = before  # an interrupt may have cut ``allowed`` short
         _raise_what_came()
 
 
