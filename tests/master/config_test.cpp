@@ -78,6 +78,9 @@ TEST(Config, MistakesOfAVariantSayWhichFileHasThem) {
               HasSubstr("variant.json: changes: /stop_time"));
   EXPECT_THAT(error(R"({"extends": "base.json", "changes": {"instances": {"a": {"fmu": null}}}})"),
               HasSubstr("variant.json: extends base.json: /instances/a: the key 'fmu' is missing"));
+  EXPECT_THAT(error(R"({"extends": "base.json", "changes": {"instances": {"new": {"step": 0.2}}}})"),
+              HasSubstr("variant.json: changes: /instances/new: the key 'fmu' is missing"));
+  EXPECT_THAT(error(R"({"extends": ")" + std::string(300, 'x') + R"(", "changes": {}})"), HasSubstr("there is no xxx"));
   EXPECT_THAT(error(R"({"extends": "base.json"})"), HasSubstr("variant.json:1:1: /: the key 'changes' is missing"));
   EXPECT_THAT(error(R"({"extends": "base.json", "changes": {}, "step": 1})"), HasSubstr("'step' is unknown"));
   EXPECT_THAT(error(R"({"extends": "../base.json", "changes": {}})"), HasSubstr("in the folder of this one"));

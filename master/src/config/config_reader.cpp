@@ -6,6 +6,7 @@
 #include "config/system_file.hpp"
 #include "mebots/data/document.hpp"
 #include "mebots/data/object.hpp"
+#include "mebots/file_kind.hpp"
 #include "osp/osp.hpp"
 #include "ssp/ssp.hpp"
 
@@ -166,7 +167,7 @@ void read_made_config(LoadedSystem& loaded, const std::string& file, std::map<st
 /// `loaded.config` is the variant's; then it is the whole.
 void read_extended(LoadedSystem& loaded, const std::string& file, const std::string& base, const GivenTimes& times) {
   const auto base_file = std::filesystem::path(file).parent_path() / base;
-  if (!std::filesystem::exists(base_file)) {
+  if (!is_there(base_file)) {
     throw InputError(ErrorCode::file_not_found,
                      fmt::format("{}: /{}: there is no {} in the folder of this config", file, config::kExtends, base));
   }
@@ -178,8 +179,9 @@ void read_extended(LoadedSystem& loaded, const std::string& file, const std::str
           .fail(ErrorCode::invalid_value, "this file extends another one; extend that one instead");
     }
   });
-  auto places = config::places_of(loaded.config);
-  loaded.config = give(config::laid_over(ordered_json(text), loaded.config), times);
+  auto extended = ordered_json(text);
+  auto places = config::places_of(loaded.config, extended);
+  loaded.config = give(config::laid_over(std::move(extended), loaded.config), times);
   loaded.system.source += text;  // both make the inputs of a run
   read_made_config(loaded, file, std::move(places));
 }

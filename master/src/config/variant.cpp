@@ -23,12 +23,17 @@ std::string name_beside(const data::Node& node) {
   return name;
 }
 
-void mark(const Json& change, const Json::json_pointer& at, std::map<std::string, std::string>& places) {
-  if (!change.is_object()) {
-    places[at.to_string()] = kChanges;
-    return;
+/// `base`: what the other file has there; null for nothing. An object that is new there is a change as a whole, too:
+/// what it lacks is missing in the changes.
+void mark(const Json& change, const Json* base, const Json::json_pointer& at,
+          std::map<std::string, std::string>& places) {
+  const bool goes_into = base != nullptr && base->is_object();
+  if (!change.is_object() || !goes_into) places[at.to_string()] = kChanges;
+  if (!change.is_object()) return;
+  for (const auto& [key, value] : change.items()) {
+    const bool is_known = goes_into && base->contains(key);
+    mark(value, is_known ? &base->at(key) : nullptr, at / key, places);
   }
-  for (const auto& [key, value] : change.items()) mark(value, at / key, places);
 }
 
 }  // namespace
@@ -50,10 +55,10 @@ Json laid_over(Json base, const Json& variant) {
   return base;
 }
 
-std::map<std::string, std::string> places_of(const Json& variant) {
+std::map<std::string, std::string> places_of(const Json& variant, const Json& base) {
   std::map<std::string, std::string> places;
   places[""] = fmt::format("extends {}", variant.at(kExtends).get<std::string>());
-  mark(variant.at(kChanges), Json::json_pointer(), places);
+  mark(variant.at(kChanges), &base, Json::json_pointer(), places);
   return places;
 }
 

@@ -21,7 +21,7 @@ std::string read_variant(const data::Node& root);
 /// Both in one; a `text` of its own takes the place of the other's.
 nlohmann::ordered_json laid_over(nlohmann::ordered_json base, const nlohmann::ordered_json& variant);
 
-/// Where each part of the whole was written, as data::Document wants it.
-std::map<std::string, std::string> places_of(const nlohmann::ordered_json& variant);
+/// Where each part of the whole was written, as data::Document wants it. `base`: the extended file's content.
+std::map<std::string, std::string> places_of(const nlohmann::ordered_json& variant, const nlohmann::ordered_json& base);
 
 }  // namespace mebots::master::config
