@@ -18,7 +18,7 @@ std::optional<PictureSide> side(const ResolvedSystem& system, const VariableName
   const auto& instance = system.instances[*index];
   const auto parameter = frame.variable.substr(0, frame.variable.size() - kFrame.size()) + std::string(name);
   const auto* variable = instance.fmu->description().find(parameter);
-  if (variable == nullptr) return std::nullopt;
+  if (variable == nullptr || variable->causality != modeldesc::Causality::parameter) return std::nullopt;
   auto value = variable->start;
   for (const auto& start : instance.starts) {
     if (start.variable == variable) value = start.value;
