@@ -163,9 +163,9 @@ class Soc final : private Bus {
     return power_manager_ ? power_manager_->exit_code() : 0;
   }
   /// Among the numbers of the cluster's cores.
-  static constexpr int kFabricController = -1;
+  static constexpr int kFabricControllerCore = -1;
   /// The core whose exception led the program's own handler to end it, with an exit code that says that something is
-  /// wrong; of several the first.
+  /// wrong. Of several the one with the least number, which need not be the first in time.
   std::optional<int> gave_up() const;
   /// Whether a core cannot go on, of the cluster's too, or ended on an exception.
   bool faulted() const {

@@ -57,7 +57,7 @@ std::string stack_text(const Exception& what, const Elf& program, const Memory& 
 std::optional<int> Soc::gave_up() const {
   if (end_ != End::exited || exit_code() == 0) return std::nullopt;
   const int cores = cluster_ ? static_cast<int>(cluster_->cores()) : 0;
-  for (int core = kFabricController; core < cores; ++core) {
+  for (int core = kFabricControllerCore; core < cores; ++core) {
     const auto& hart = hart_of(core);
     if (hart.in_exception() && hart.fault().first.cause != cause::kMachineEcall) return core;
   }
@@ -65,15 +65,15 @@ std::optional<int> Soc::gave_up() const {
 }
 
 const Hart& Soc::hart_of(int core) const {
-  return core == kFabricController ? hart_ : cluster_->hart(static_cast<unsigned>(core));
+  return core == kFabricControllerCore ? hart_ : cluster_->hart(static_cast<unsigned>(core));
 }
 
 std::string Soc::fault_text() const {
   const auto giver = gave_up();
-  const int core = giver ? *giver : cluster_ ? cluster_->faulted_core() : kFabricController;
+  const int core = giver ? *giver : cluster_ ? cluster_->faulted_core() : kFabricControllerCore;
   const auto& fault = hart_of(core).fault();
   if (!giver && !fault.happened) return {};
-  const auto whose = core == kFabricController ? "" : fmt::format("cluster core {}: ", core);
+  const auto whose = core == kFabricControllerCore ? "" : fmt::format("cluster core {}: ", core);
   if (giver) {
     return fmt::format("{}the program's own handler gave up, with exit code {}, after {}{}", whose, exit_code(),
                        text_of(fault.first, program_), stack_text(fault.first, program_, memory_));
