@@ -4,6 +4,7 @@
 #include "child.hpp"
 
 #include "mebots/error.hpp"
+#include "mebots/file_kind.hpp"
 #include "mebots/fmi2/library.hpp"
 #include "mebots/modeldesc/elf_library.hpp"
 
@@ -70,7 +71,7 @@ class NeededLibraries {
                const std::vector<std::string>& inherited) {
     for (const auto& folder : folders) {
       const auto candidate = fs::path(folder) / needed;
-      if (!fs::exists(candidate)) continue;
+      if (!is_there(candidate)) continue;
       if (fs::weakly_canonical(candidate).string().starts_with(fs::weakly_canonical(folder_).string())) {
         follow(candidate, inherited);
       } else if (!folder.starts_with("/usr") && !folder.starts_with("/lib") && told_.insert(needed).second) {
@@ -81,7 +82,7 @@ class NeededLibraries {
       return;
     }
     if (system_has(needed) || !told_.insert(needed).second) return;
-    if (fs::exists(folder_ / needed)) {
+    if (is_there(folder_ / needed)) {
       findings_.error(fmt::format("{} is needed by {} and lies beside it, but nothing tells the loader to look there",
                                   needed, asking.filename().string()),
                       "link with -Wl,-rpath,'$ORIGIN' -Wl,--disable-new-dtags");
@@ -137,13 +138,13 @@ void check_platforms(const ModelDescription& model, const fs::path& folder, Find
     if (platform == std::end(kPlatforms)) {
       findings.warning(fmt::format("binaries/{} is not a platform that FMI 2.0 names", name),
                        "FMI 2.0 names win32, win64, linux32, linux64, darwin32, darwin64");
-    } else if (!fs::exists(entry.path() / (identifier + platform->suffix))) {
+    } else if (!is_there(entry.path() / (identifier + platform->suffix))) {
       findings.error(fmt::format("binaries/{} holds no {}{}", name, identifier, platform->suffix),
                      "name the library after modelIdentifier");
     }
   }
   const auto library = library_path(model, folder);
-  if (!fs::exists(library)) {
+  if (!is_there(library)) {
     findings.warning(fmt::format("there is no binary for 64-bit Linux (binaries/linux64/{}.so)", identifier),
                      "build one: its behaviour cannot be checked here");
     return;

@@ -114,7 +114,7 @@ class FmuCheck {
       }
       return !has_error(check);
     };
-    if (!look(platforms, [&](Check& check) { check_platforms(model_, folder_.path(), check); }) || !fs::exists(library))
+    if (!look(platforms, [&](Check& check) { check_platforms(model_, folder_.path(), check); }) || !is_there(library))
       return false;
     look(add(Group::binaries, "the functions of FMI 2.0 are exported, and nothing else", Level::interoperable),
          [&](Check& check) { check_symbols(model_, library, check); });

@@ -27,7 +27,11 @@ std::string read(const fs::path& file) {
 }
 
 void write(const fs::path& file, const std::string& text) {
-  fs::create_directories(file.parent_path());
+  std::error_code failure;
+  fs::create_directories(file.parent_path(), failure);
+  if (failure)
+    throw Error(ErrorCode::file_unwritable,
+                fmt::format("{}: the folder cannot be made: {}", file.parent_path().string(), failure.message()));
   std::ofstream stream(file, std::ios::binary);
   stream << text;
   stream.close();

@@ -49,7 +49,7 @@ void DiscardZip::operator()(zip* archive) const {
 }
 
 ZipHandle open_zip(const fs::path& archive) {
-  if (!fs::exists(archive))
+  if (!is_there(archive))
     throw Error(ErrorCode::file_not_found, fmt::format("{}: there is no such file", archive.string()));
   if (is_folder(archive))
     throw Error(ErrorCode::file_not_found, fmt::format("{}: this is a folder, not an archive", archive.string()));
