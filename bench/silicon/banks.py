@@ -186,6 +186,8 @@ def main():
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         if arguments.quanta:
+            if max(arguments.quanta) > 256:
+                parser.error("--quanta: the fabric controller, which is awake here, cuts quanta at 256")
             print_quanta(soc, folder, cases, arguments.quanta)
             return
         assembled(folder, cases)
