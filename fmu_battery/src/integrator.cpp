@@ -10,6 +10,7 @@
 #include <sundials/sundials_context.h>
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 
 namespace mebots::battery {
@@ -35,7 +36,12 @@ enum Index : int {
 constexpr double kSocTolerance = 1e-12;
 constexpr double kVoltageTolerance = 1e-10;
 constexpr double kEnergyTolerance = 1e-10;
+// Of one advance; a piece that has begun may go over it.
 constexpr long kMaxSteps = 1'000'000;
+constexpr long kMaxEvaluations = 5 * kMaxSteps;
+// Where a piece of an advance cannot be integrated, one of a tenth is tried, down to this.
+constexpr double kPieceFactor = 10;
+constexpr double kShortestPiece = 1e-15;
 
 enum Root : int { kPowerRoot, kEmptyRoot, kFullRoot, kRootCount };
 
@@ -102,29 +108,62 @@ class Integrator::Solver {
       if (power_margin_w(state.soc, state.pair1_v, state.pair2_v) < 0) return {0, Event::cut_off};
     }
 
-    double* y = N_VGetArrayPointer(y_);
-    std::fill(y, y + kSize, 0.0);
-    y[kSoc] = state.soc;
-    y[kPair1] = state.pair1_v;
-    y[kPair2] = state.pair2_v;
-    // Starting afresh, with the whole duration as the first try, leaves no history of earlier calls.
-    check(ERKStepReInit(memory_, &Solver::right_hand_side, 0, y_), "ERKStepReInit");
-    if (fixed_step_s_ == 0) check(ERKStepSetInitStep(memory_, duration_s), "ERKStepSetInitStep");
-    check(ERKStepSetStopTime(memory_, duration_s), "ERKStepSetStopTime");
-    double reached_s = 0;
-    const int flag = ERKStepEvolve(memory_, duration_s, y_, &reached_s, ARK_NORMAL);
-    check(flag, "ERKStepEvolve");
-    MEBOTS_ASSERT(reached_s >= 0 && reached_s <= duration_s);
-
-    state = {y[kSoc], y[kPair1], y[kPair2]};
-    ledger += Ledger{y[kOpenCircuit],  y[kDelivered],  y[kSource],       y[kOhmic],
-                     y[kPolarisation], y[kConverters], y[kSelfDischarge]};
-    return {reached_s, flag == ARK_ROOT_RETURN ? settle(state) : Event::none};
+    CellState now = state;
+    Ledger sum = ledger;
+    const long evaluations_before = evaluations_;
+    double passed_s = 0;
+    double piece_s = duration_s;
+    Event event = Event::none;
+    for (;;) {
+      double reached_s = 0;
+      const bool last = piece_s >= duration_s - passed_s;
+      const int flag = evolve(now, sum, piece_s, reached_s);
+      const bool too_much = flag == ARK_TOO_MUCH_WORK || evaluations_ - evaluations_before > kMaxEvaluations;
+      if (flag < 0) {
+        piece_s /= kPieceFactor;
+        if (too_much || piece_s < kShortestPiece) fail(flag, duration_s, passed_s);
+        continue;
+      }
+      passed_s = std::min(passed_s + reached_s, duration_s);
+      if (flag == ARK_ROOT_RETURN) event = settle(now);
+      if (last || flag == ARK_ROOT_RETURN) break;
+      if (too_much) fail(ARK_TOO_MUCH_WORK, duration_s, passed_s);
+      piece_s = std::min(piece_s * kPieceFactor, duration_s - passed_s);
+    }
+    MEBOTS_ASSERT(passed_s >= 0);
+    state = now;
+    ledger = sum;
+    return {passed_s, event};
   }
 
   long evaluations() const { return evaluations_; }
 
  private:
+  /// Integrates a piece. Returns ARKODE's flag; a negative one leaves `state` and `ledger` as they are.
+  int evolve(CellState& state, Ledger& ledger, double piece_s, double& reached_s) {
+    double* y = N_VGetArrayPointer(y_);
+    std::fill(y, y + kSize, 0.0);
+    y[kSoc] = state.soc;
+    y[kPair1] = state.pair1_v;
+    y[kPair2] = state.pair2_v;
+    // Starting afresh, with the whole piece as the first try, leaves no history of earlier calls.
+    check(ERKStepReInit(memory_, &Solver::right_hand_side, 0, y_), "ERKStepReInit");
+    if (fixed_step_s_ == 0) check(ERKStepSetInitStep(memory_, piece_s), "ERKStepSetInitStep");
+    check(ERKStepSetStopTime(memory_, piece_s), "ERKStepSetStopTime");
+    const int flag = ERKStepEvolve(memory_, piece_s, y_, &reached_s, ARK_NORMAL);
+    if (flag < 0) return flag;
+    if (!all_finite(y)) return ARK_ERR_FAILURE;
+    MEBOTS_ASSERT(reached_s >= 0 && reached_s <= piece_s);
+    state = {y[kSoc], y[kPair1], y[kPair2]};
+    ledger += Ledger{y[kOpenCircuit],  y[kDelivered],  y[kSource],       y[kOhmic],
+                     y[kPolarisation], y[kConverters], y[kSelfDischarge]};
+    return flag;
+  }
+
+  static bool all_finite(const double* y) {
+    return std::all_of(y, y + kSize, [](double value) { return std::isfinite(value); });
+  }
+
   /// Which event it was; the state that root finding left within rounding of a limit is put on it.
   Event settle(CellState& state) {
     int found[kRootCount] = {};
@@ -154,14 +193,14 @@ class Integrator::Solver {
     const Cell& cell = solver.cell_;
     const Demand& demand = solver.demand_;
 
+    // A stage of a step that is too long may lie far outside of 0 <= s <= 1, where the curves mean nothing and values
+    // may be no numbers. The error test turns such a step down: it takes only what is within the tolerance.
     const Circuit circuit = cell.circuit_at(y[kSoc]);
     const double source_v = circuit.open_circuit_v - y[kPair1] - y[kPair2];
     const double current_a =
         solver.connected_ ? terminal_current_a(source_v, circuit.series_ohm, demand.terminal_w()) : 0;
     const double leak_a = solver.charged_ ? cell.self_discharge_current_a : 0;
     const double resistor1_a = y[kPair1] / circuit.pair1_ohm;
-    MEBOTS_ASSERT(circuit.pair1_ohm > 0 && circuit.pair2_ohm > 0 && circuit.series_ohm > 0);
-    MEBOTS_ASSERT(circuit.pair1_farad > 0 && circuit.pair2_farad > 0, "load_cell() refuses the others");
     const double resistor2_a = y[kPair2] / circuit.pair2_ohm;
     const double capacitor1_a = current_a - resistor1_a;
     const double capacitor2_a = current_a - resistor2_a;
@@ -195,8 +234,15 @@ class Integrator::Solver {
 
   void check(int flag, const char* function) const {
     if (flag >= 0) return;
-    throw Error(fmt::format("the cell's equations cannot be integrated: {} gave {} ({}) at {} W terminal power",
-                            function, flag, message_, demand_.terminal_w()));
+    throw Error(fmt::format("the cell's equations cannot be integrated: {} gave {} ({})", function, flag, message_));
+  }
+
+  [[noreturn]] void fail(int flag, double duration_s, double passed_s) const {
+    throw Error(fmt::format(
+        "the cell's equations cannot be integrated over a step of {} s at {} W terminal power: after {} s "
+        "ERKStepEvolve gave {} ({}). Take shorter steps or less power, or a cell with a larger capacity and "
+        "longer time constants",
+        duration_s, demand_.terminal_w(), passed_s, flag, message_));
   }
 
   const Cell& cell_;

@@ -92,7 +92,8 @@ class Integrator {
 
   /// Moves `state` on by `duration_s`, or up to the first event, and adds to `ledger`.
   /// Connected cells feed `demand`; a disconnected one rests and takes no notice of it.
-  /// Throws mebots::Error when the integrator gives up.
+  /// What cannot be integrated whole goes in pieces. Where none of them goes either, throws mebots::Error with
+  /// duration, power and remedy and leaves `state` and `ledger` as they were.
   Result advance(CellState& state, Ledger& ledger, const Demand& demand, bool connected, double duration_s);
 
   /// Evaluations of the right-hand side so far; a measure of cost.

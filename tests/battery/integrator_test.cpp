@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cmath>
+#include <string>
 
 namespace mebots::battery {
 namespace {
@@ -118,6 +119,94 @@ TEST(Integrator, CutOffIsLocatedWhereTheVoltageCrosses) {
     if (part.event != Event::none) break;
   }
   EXPECT_NEAR(result.reached_s, passed_s, 1e-5);
+}
+
+struct LongStep {
+  double soc;
+  Demand demand;
+  double duration_s;
+  Event event;
+};
+
+/// 1000 steps in place of one give the same, event included.
+void expect_the_same_in_short_steps(const LongStep& step) {
+  SCOPED_TRACE(testing::Message() << "charge " << step.soc << ", " << step.demand.terminal_w() << " W, "
+                                  << step.duration_s << " s");
+  const Cell cell = cell_named("bitcraze_250");
+  Integrator integrator(cell);
+  CellState once{step.soc, 0, 0};
+  Ledger ledger_once;
+  const auto whole = integrator.advance(once, ledger_once, step.demand, true, step.duration_s);
+  ASSERT_EQ(whole.event, step.event);
+
+  CellState state{step.soc, 0, 0};
+  Ledger ledger;
+  Integrator::Result part;
+  double passed_s = 0;
+  for (int i = 0; i < 1000 && part.event == Event::none; ++i) {
+    part = integrator.advance(state, ledger, step.demand, true, step.duration_s / 1000);
+    passed_s += part.reached_s;
+  }
+  EXPECT_EQ(part.event, step.event);
+  EXPECT_NEAR(whole.reached_s, passed_s, 1e-5 * passed_s);
+  EXPECT_NEAR(once.soc, state.soc, 1e-6);
+  EXPECT_NEAR(once.pair1_v, state.pair1_v, 1e-6);
+  EXPECT_NEAR(once.pair2_v, state.pair2_v, 1e-6);
+  EXPECT_NEAR(ledger_once.open_circuit_j, ledger.open_circuit_j, 1e-6 * std::abs(ledger.open_circuit_j));
+  EXPECT_NEAR(ledger_once.imbalance_j(), 0, 1e-9);
+}
+
+TEST(Integrator, LongStepsAgreeWithShortOnes) {
+  // Tried whole, their stages lie where a resistance is negative or the voltage no number.
+  expect_the_same_in_short_steps({0.9, load_of(0.01), 86'400, Event::none});
+  expect_the_same_in_short_steps({0.5, load_of(5), 3000, Event::cut_off});
+  expect_the_same_in_short_steps({0.03, load_of(5), 600, Event::cut_off});
+  expect_the_same_in_short_steps({0.3, load_of(20), 600, Event::cut_off});
+  expect_the_same_in_short_steps({0.5, {0, 0, 1, 1}, 3600, Event::full});
+}
+
+TEST(Integrator, TinyCellIsEmptiedWhereItsChargeEnds) {
+  Cell cell = constant_cell();
+  cell.capacity_c = 1e-9;
+  Integrator integrator(cell);
+  CellState state{0.5, 0, 0};
+  Ledger ledger;
+  const auto result = integrator.advance(state, ledger, load_of(1), true, 60);
+  EXPECT_EQ(result.event, Event::empty);
+  EXPECT_EQ(state.soc, 0);
+  const double current_a = terminal_current_a(3.8, 0.1, 1);
+  EXPECT_NEAR(result.reached_s, 0.5e-9 / (current_a + cell.self_discharge_current_a), 1e-6 * result.reached_s);
+}
+
+/// The message of a step of 60 s, which must leave everything as it was.
+std::string refusal(const Cell& cell, const Demand& demand) {
+  Integrator integrator(cell);
+  CellState state{0.5, 0.01, 0.02};
+  Ledger ledger;
+  ledger.delivered_j = 7;
+  const auto message = error_of([&] { integrator.advance(state, ledger, demand, true, 60); });
+  EXPECT_EQ(state.soc, 0.5);
+  EXPECT_EQ(state.pair1_v, 0.01);
+  EXPECT_EQ(ledger.delivered_j, 7);
+  return message;
+}
+
+TEST(Integrator, StepThatCannotBeIntegratedIsToldAndChangesNothing) {
+  using testing::AllOf;
+  using testing::HasSubstr;
+  EXPECT_THAT(refusal(constant_cell(), {0, 0, 1e308, 1e308}),
+              AllOf(HasSubstr("over a step of 60 s at -1e+308 W"), HasSubstr("Take shorter steps or less power")));
+
+  Cell stiff = constant_cell();
+  stiff.pair1_farad = Curve::analytic(0, 0, {4e-9});  // 0.2 ns
+  EXPECT_THAT(refusal(stiff, load_of(1)),
+              AllOf(HasSubstr("over a step of 60 s at 1 W"), HasSubstr("longer time constants")));
+  // A step short enough for the time constant goes.
+  Integrator integrator(stiff);
+  CellState state{0.5, 0.01, 0.02};
+  Ledger ledger;
+  EXPECT_EQ(integrator.advance(state, ledger, load_of(1), true, 1e-6).event, Event::none);
+  EXPECT_NEAR(state.pair1_v, 0.05 * terminal_current_a(3.8 - state.pair1_v - 0.02, 0.1, 1), 1e-6);
 }
 
 }  // namespace
