@@ -174,6 +174,31 @@ void expect_a_landing(FlightRig& rig) {
   for (const double command : rig.outputs.rotor_command) EXPECT_EQ(command, 0.0);
 }
 
+TEST(CrazyflieEstimate, AFlightAcrossTimeZeroIsThatOfAnyOtherTime) {
+  // 100 ms are a whole number of every sensor's and the controller's periods; without noise nothing else knows time.
+  constexpr std::int64_t kMillisecond = 1'000'000;
+  Parameters p = own();
+  p.range_model = RangeModel::ray;
+  p.imu_acceleration_noise_m_per_s2 = 0.0;
+  p.imu_rate_noise_rad_per_s = 0.0;
+  auto scene = shipped_scene("empty");
+  scene.drone.flow->noise_pixels = 0.0;
+  for (const std::int64_t start_ms : {-100, -24, -9, -1}) {
+    FlightRig across(scene, p, start_ms * kMillisecond);
+    FlightRig after(scene, p, (start_ms + 100) * kMillisecond);
+    for (auto* rig : {&across, &after}) {
+      rig->inputs.setpoint_mode = FlightMode::take_off;
+      rig->run(2.0, kMillisecond);
+    }
+    EXPECT_GT(after.altitude_m(), 0.1);
+    EXPECT_EQ(across.outputs.rotor_command, after.outputs.rotor_command) << start_ms;
+    EXPECT_EQ(across.outputs.drone_position_m, after.outputs.drone_position_m) << start_ms;
+    EXPECT_EQ(across.outputs.estimate_position_m, after.outputs.estimate_position_m) << start_ms;
+    EXPECT_EQ(across.outputs.imu_acceleration_m_per_s2, after.outputs.imu_acceleration_m_per_s2) << start_ms;
+    EXPECT_EQ(across.outputs.range_down_m, after.outputs.range_down_m) << start_ms;
+  }
+}
+
 TEST(CrazyflieController, TakesOffFliesThroughTheGateAndLands) {
   Parameters p = knowing();
   p.start_offset_m = {0.0, 0.25, 0.0};  // the gate's middle

@@ -88,6 +88,22 @@ TEST(Dryden, IsTheSameWhateverTheSteps) {
   EXPECT_EQ(coarse.at(1'999'000'000), fine.at(1'999'000'000));
 }
 
+TEST(Dryden, BlowsBeforeTimeZeroAsAfter) {
+  // Periods of 10 ms, one of which begins at 0. Within one the gust is held, to the next it goes on with tau = 5 s.
+  Dryden gusts({1.0, 5.0, 1.0, 3});
+  Vector3d last = gusts.at(-10'000'000'000);
+  double sum = 0.0;
+  int changes = 0;
+  for (std::int64_t ms = -9'999; ms < 1'000; ++ms) {
+    const Vector3d now = gusts.at(ms * 1'000'000);
+    changes += now != last ? 1 : 0;
+    sum += std::abs(now.x() - last.x());
+    last = now;
+  }
+  EXPECT_EQ(changes, 1'099);
+  EXPECT_NEAR(sum / changes, std::sqrt(2.0 / M_PI) * std::sqrt(2.0 * 0.01 / 5.0), 0.005);
+}
+
 TEST(Dryden, RefusesWhatIsNoGust) {
   EXPECT_THROW(Dryden({-1.0, 5.0, 1.0, 3}), Error);
   EXPECT_THROW(Dryden({1.0, 0.0, 1.0, 3}), Error);

@@ -2,6 +2,7 @@
 #include "crazyflie/controller.hpp"
 
 #include "crazyflie/power_distribution.hpp"
+#include "math/periods.hpp"
 #include "math/rotation.hpp"
 
 #include <algorithm>
@@ -98,7 +99,7 @@ const RotorValues& Controller::update(const StabiliserGoal& goal, const RigidSta
     memory_ = {};
     return memory_.command;
   }
-  const std::int64_t attitude_tick = time_ns / kAttitudePeriod_ns;
+  const std::int64_t attitude_tick = period_at(time_ns, kAttitudePeriod_ns);
   if (memory_.running && attitude_tick == memory_.attitude_tick) return memory_.command;
   const Attitude attitude = attitude_of(state.rotation());
   const Eigen::Vector3d attitude_deg =
@@ -110,7 +111,7 @@ const RotorValues& Controller::update(const StabiliserGoal& goal, const RigidSta
     memory_.attitude_deg.z() =
         std::remainder(memory_.attitude_deg.z() + kDegrees * goal.yaw_rate_rad_per_s * kAttitudePeriod_s, 360.0);
   }
-  const std::int64_t position_tick = time_ns / kPositionPeriod_ns;
+  const std::int64_t position_tick = period_at(time_ns, kPositionPeriod_ns);
   if (position_tick != memory_.position_tick) {
     memory_.position_tick = position_tick;
     control_position(goal, state, attitude.yaw_rad);

@@ -5,6 +5,7 @@
 #include "crazyflie/pid.hpp"
 #include "dynamics/airframe.hpp"
 #include "dynamics/rigid_state.hpp"
+#include "math/periods.hpp"
 #include "mebots/state/visitor.hpp"
 #include "stabiliser/goal.hpp"
 
@@ -43,8 +44,8 @@ class Controller {
     double altitude_m = 0.0;                                 ///< wanted
     Eigen::Vector3d attitude_deg = Eigen::Vector3d::Zero();  ///< wanted roll, pitch and yaw
     double thrust = 0.0;                                     ///< of 65535
-    std::int64_t attitude_tick = -1;
-    std::int64_t position_tick = -1;
+    std::int64_t attitude_tick = kNoPeriod;
+    std::int64_t position_tick = kNoPeriod;
     RotorValues command{};
   };
 

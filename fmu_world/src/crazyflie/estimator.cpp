@@ -20,7 +20,6 @@ Estimator::Estimator(const scene::FlowData& flow, const RigidState& start, std::
       rate_filter_(kRateCutoff_hz, kImuRate_hz),
       force_filter_(kForceCutoff_hz, kImuRate_hz),
       state_(start),
-      range_sample_(-1),
       noise_ns_(start_ns),
       prediction_ns_(start_ns) {}
 

@@ -42,9 +42,9 @@ class Estimator {
   Eigen::Vector3d rate_sum_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d force_sum_ = Eigen::Vector3d::Zero();
   std::int64_t samples_ = 0;  ///< in the sums
-  std::int64_t imu_sample_ = -1;
-  std::int64_t flow_sample_ = -1;
-  std::int64_t range_sample_;
+  std::int64_t imu_sample_ = kNoPeriod;
+  std::int64_t flow_sample_ = kNoPeriod;
+  std::int64_t range_sample_ = kNoPeriod;
   std::int64_t noise_ns_;       ///< until when process noise is in
   std::int64_t prediction_ns_;  ///< of the last prediction
 };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sensors/flow_sensor.hpp"
 
+#include "math/periods.hpp"
 #include "noise/counter_noise.hpp"
 
 #include <cmath>
@@ -9,7 +10,7 @@ namespace mebots::world {
 
 FlowSensor::FlowSensor(const scene::FlowData& data, std::uint64_t seed, std::int64_t start_ns)
     : data_(data), period_ns_(std::llround(data.period_s * 1e9)), seed_(seed) {
-  sample_.number = start_ns / period_ns_;
+  sample_.number = period_at(start_ns, period_ns_);
 }
 
 void FlowSensor::update(std::int64_t time_ns, const RigidState& state, double distance_m, double dt_s) {
@@ -25,7 +26,7 @@ void FlowSensor::update(std::int64_t time_ns, const RigidState& state, double di
   } else {
     hidden_ = true;
   }
-  const std::int64_t due = time_ns / period_ns_;
+  const std::int64_t due = period_at(time_ns, period_ns_);
   if (due == sample_.number) return;
   sample_.number = due;
   sample_.seen = !hidden_;

@@ -2,6 +2,7 @@
 #include "sensors/imu.hpp"
 
 #include "dynamics/rigid_world.hpp"
+#include "math/periods.hpp"
 #include "mebots/error.hpp"
 #include "noise/counter_noise.hpp"
 
@@ -42,7 +43,7 @@ Eigen::Vector3d Imu::disturbed(const Eigen::Vector3d& truth, double noise, doubl
 }
 
 void Imu::update(std::int64_t time_ns, const RigidState& from, const RigidState& to, double dt_s) {
-  const std::int64_t due = time_ns / kPeriod_ns;
+  const std::int64_t due = period_at(time_ns, kPeriod_ns);
   if (due == sample_) return;
   sample_ = due;
   const Eigen::Vector3d gravity_W{0.0, 0.0, -kGravity_m_per_s2};

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "dynamics/rigid_state.hpp"
+#include "math/periods.hpp"
 #include "mebots/state/visitor.hpp"
 
 #include <Eigen/Core>
@@ -37,7 +38,7 @@ class Imu {
   void update(std::int64_t time_ns, const RigidState& from, const RigidState& to, double dt_s);
 
   const Eigen::Vector3d& acceleration_m_per_s2() const { return acceleration_m_per_s2_; }
-  std::int64_t sample() const { return sample_; }  ///< number of the last sample since time 0; -1 = none yet
+  std::int64_t sample() const { return sample_; }  ///< number of the last one since time 0; kNoPeriod = none yet
   const Eigen::Vector3d& rate_rad_per_s() const { return rate_rad_per_s_; }
 
   void visit(state::Visitor& v);
@@ -48,7 +49,7 @@ class Imu {
 
   Settings settings_;
   std::uint64_t seed_;
-  std::int64_t sample_ = -1;
+  std::int64_t sample_ = kNoPeriod;
   Eigen::Vector3d acceleration_m_per_s2_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d rate_rad_per_s_ = Eigen::Vector3d::Zero();
 };

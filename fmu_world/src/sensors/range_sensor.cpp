@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sensors/range_sensor.hpp"
 
+#include "math/periods.hpp"
 #include "math/rotation.hpp"
 #include "mebots/assert.hpp"
 #include "mebots/error.hpp"
@@ -173,7 +174,7 @@ double RangeSensor::nearest_in_cone_m(const RigidState& state, std::int64_t time
 }
 
 void RangeSensor::update(std::int64_t time_ns, const RigidState& state) {
-  const std::int64_t due = time_ns / period_ns_;
+  const std::int64_t due = period_at(time_ns, period_ns_);
   if (due == sample_) return;
   sample_ = due;
   const double truth_m = cone_ ? nearest_in_cone_m(state, time_ns) : distance_m(state, time_ns);

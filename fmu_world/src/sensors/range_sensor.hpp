@@ -3,6 +3,7 @@
 
 #include "dynamics/rigid_state.hpp"
 #include "fmu_world/variables.hpp"
+#include "math/periods.hpp"
 #include "mebots/state/visitor.hpp"
 #include "scene/solids.hpp"
 
@@ -38,7 +39,7 @@ class RangeSensor {
   /// The body is at `state` at time_ns; takes a sample when a new one is due.
   void update(std::int64_t time_ns, const RigidState& state);
   double reading_m() const { return reading_m_; }
-  std::int64_t sample() const { return sample_; }  ///< its number since time 0; -1 = none yet
+  std::int64_t sample() const { return sample_; }  ///< its number since time 0; kNoPeriod = none yet
   double limit_m() const { return limit_m_; }
 
   /// Along -z, without noise, at most the limit.
@@ -59,7 +60,7 @@ class RangeSensor {
   double limit_m_;
   double noise_m_;
   std::uint64_t seed_;
-  std::int64_t sample_ = -1;
+  std::int64_t sample_ = kNoPeriod;
   double reading_m_ = 0.0;
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "wind/dryden.hpp"
 
+#include "math/periods.hpp"
 #include "mebots/error.hpp"
 #include "noise/counter_noise.hpp"
 
@@ -79,16 +80,16 @@ void Dryden::combine() {
 
 const Eigen::Vector3d& Dryden::at(std::int64_t time_ns) {
   if (settings_.intensity_m_per_s == 0.0) return gust_;
-  const std::int64_t index = time_ns / kPeriod_ns;
+  const std::int64_t index = period_at(time_ns, kPeriod_ns);
   if (index == index_) return gust_;
-  if (index_ < 0) begin(index);
+  if (index_ == kNoPeriod) begin(index);
   while (index_ < index) step(index_ + 1);
   combine();
   return gust_;
 }
 
 void Dryden::visit(state::Visitor& v) {
-  v("index", index_);
+  v("period", index_);
   v("along", along_);
   v("across", across_);
   v("gust", numbers(gust_));

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "math/eigen_state.hpp"
+#include "math/periods.hpp"
 #include "mebots/state/visitor.hpp"
 
 #include <Eigen/Core>
@@ -46,7 +47,7 @@ class Dryden {
   double share_;                    // dt V / L
   double spread_x_;                 // of the noise on the first filter's state
   std::array<double, 3> root_;      // lower Cholesky factor of the noise on the two states of the others
-  std::int64_t index_ = -1;         // of the last step; -1 before the first
+  std::int64_t index_ = kNoPeriod;  // of the last step
   double along_ = 0.0;              // state of x
   std::array<double, 4> across_{};  // states of y, then of z
   Eigen::Vector3d gust_ = Eigen::Vector3d::Zero();

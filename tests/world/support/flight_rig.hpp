@@ -38,12 +38,14 @@ struct Rotors {
 /// World and rotors coupled as a Jacobi master does: both step from t_k with what the other put out at t_k.
 class FlightRig {
  public:
-  explicit FlightRig(scene::Scene scene = shipped_scene("empty"), Parameters parameters = small_camera())
+  explicit FlightRig(scene::Scene scene = shipped_scene("empty"), Parameters parameters = small_camera(),
+                     std::int64_t start_ns = 0)
       : rotors(scene.drone),
         parameters_(std::move(parameters)),
         world(
             std::move(scene), parameters_, inputs, outputs,
-            [this](std::string_view text) { events.emplace_back(text); }, 0) {}
+            [this](std::string_view text) { events.emplace_back(text); }, start_ns),
+        time_ns(start_ns) {}
 
   static Parameters small_camera() {
     Parameters parameters;
@@ -97,7 +99,7 @@ class FlightRig {
 
  public:
   World world;
-  std::int64_t time_ns = 0;
+  std::int64_t time_ns;
 };
 
 }  // namespace mebots::world::test
