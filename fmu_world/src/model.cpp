@@ -49,6 +49,14 @@ std::int64_t inner_step_of(const Parameters& parameters) {
   return std::llround(step_s * 1e9);
 }
 
+/// `index` of `count` equal parts of a duration, 0 <= index <= count, rounded down. Their product may need more than 64
+/// bits.
+std::int64_t part_of(std::int64_t duration_ns, std::int64_t index, std::int64_t count) {
+  MEBOTS_ASSERT(duration_ns >= 0 && 0 <= index && index <= count && count > 0);
+  __extension__ using Wide = __int128;
+  return static_cast<std::int64_t>(Wide{duration_ns} * index / count);
+}
+
 std::uint64_t seed_of(const Parameters& parameters) {
   return static_cast<std::uint32_t>(parameters.sensors_seed);
 }
@@ -251,7 +259,7 @@ void World::step(std::int64_t start_ns, std::int64_t duration_ns) {
   const std::int64_t count = (duration_ns + inner_step_ns_ - 1) / inner_step_ns_;
   const double dt_s = static_cast<double>(duration_ns) * 1e-9 / static_cast<double>(count);
   for (std::int64_t i = 0; i < count; ++i) {
-    inner_step(start_ns + duration_ns * i / count, start_ns + duration_ns * (i + 1) / count, dt_s);
+    inner_step(start_ns + part_of(duration_ns, i, count), start_ns + part_of(duration_ns, i + 1, count), dt_s);
   }
   write_outputs();
 }

@@ -103,6 +103,23 @@ TEST(WorldAlone, RunsAtStartValuesWithAnyStepUpToATenthOfASecond) {
   }
 }
 
+TEST(WorldAlone, AStepOfADayIsTwoOfHalfADay) {
+  // Parts of a second, so that nanoseconds times their number pass 63 bits; noise tells which time the sensors are at.
+  constexpr std::int64_t kDay_ns = 100'000'000'000'000;
+  Parameters parameters = FlightRig::small_camera();
+  parameters.physics_step_s = 1.0;
+  parameters.range_noise_m = 0.001;
+  parameters.imu_rate_noise_rad_per_s = 0.001;
+  FlightRig whole(shipped_scene("empty"), parameters);
+  FlightRig halves(shipped_scene("empty"), parameters);
+  whole.world.step(0, kDay_ns);
+  halves.world.step(0, kDay_ns / 2);
+  halves.world.step(kDay_ns / 2, kDay_ns / 2);
+  EXPECT_EQ(whole.outputs.drone_position_m, halves.outputs.drone_position_m);
+  EXPECT_EQ(whole.outputs.range_down_m, halves.outputs.range_down_m);
+  EXPECT_EQ(whole.outputs.imu_angular_velocity_rad_per_s, halves.outputs.imu_angular_velocity_rad_per_s);
+}
+
 TEST(WorldAlone, AskedToFlyWithoutRotorsItStaysOnTheGround) {
   FlightRig rig(shipped_scene("gate_easy"));
   rig.inputs.setpoint_mode = FlightMode::take_off;
