@@ -33,6 +33,10 @@ void check(const Inputs& inputs) {
   check(inputs.body_climb_m_per_s, "body.climb", "m/s", Limits());
 }
 
+double effective_voltage_v(const Inputs& inputs, std::size_t i) {
+  return inputs.rotor_command[i] * inputs.bus_voltage_v;
+}
+
 PowerModel checked(PowerModel model) {
   if (model == PowerModel::bench || model == PowerModel::hover_propel) return model;
   throw Error(fmt::format("power_model = {} must be 1 (bench) or 2 (hover_propel)", static_cast<int>(model)));
@@ -63,7 +67,7 @@ void Model::step(const Inputs& inputs, std::int64_t duration_ns, Outputs& output
   bool driven = false;
   for (std::size_t i = 0; i < rotor::kCount; ++i) {
     RotorDrive drive;
-    const double voltage_v = inputs.rotor_command[i] * inputs.bus_voltage_v;
+    const double voltage_v = effective_voltage_v(inputs, i);
     drive.driven = voltage_v > 0;
     drive.steady_speed_rad_per_s = rotor_.steady_speed_rad_per_s(voltage_v);
     drive.thrust_coefficient = rotor_.thrust_coefficient_at(inputs.air_density_kg_per_m3);
@@ -84,11 +88,13 @@ void Model::step(const Inputs& inputs, std::int64_t duration_ns, Outputs& output
   write(inputs, outputs);
 }
 
-/// At the thrust of the step's end; propeller and motor take more than the air gets.
+/// Of the rotors that are driven, at the thrust of the step's end; propeller and motor take more than the air gets.
 double Model::inflow_power_w(const Inputs& inputs) const {
   const double coefficient = rotor_.thrust_coefficient_at(inputs.air_density_kg_per_m3);
   double power_w = 0;
-  for (const double speed : speed_rad_per_s_) {
+  for (std::size_t i = 0; i < rotor::kCount; ++i) {
+    if (!(effective_voltage_v(inputs, i) > 0)) continue;
+    const double speed = speed_rad_per_s_[i];
     power_w += Inflow{coefficient * speed * speed, inputs.air_density_kg_per_m3, inflow_radius_m_,
                       inputs.body_speed_m_per_s, inputs.body_climb_m_per_s}
                    .power_beyond_hover_w();

@@ -48,6 +48,21 @@ TEST(Inflow, TheMissionsSpeedsHardlyChangePower) {
   EXPECT_NEAR(at(0, 0.5).power_beyond_hover_w() / hover_w, 0.0535, 5e-4);
 }
 
+TEST(Inflow, ARotorWithoutDriveTakesNone) {
+  Parameters parameters;
+  parameters.inflow = true;
+  Stand stand(parameters);
+  stand.command(1);
+  stand.inputs.body_climb_m_per_s = 3;
+  stand.settle();
+  const double of_four_w = stand.outputs.inflow_power_w;
+  ASSERT_GT(of_four_w, 0.1);
+  stand.inputs.rotor_command = {1, 0, 0, 0};  // the others turn on, and lift
+  stand.step(kMillisecond);
+  EXPECT_GT(stand.outputs.rotor_thrust_n[1], 0.9 * stand.outputs.rotor_thrust_n[0]);
+  EXPECT_NEAR(stand.outputs.inflow_power_w, of_four_w / 4, 1e-9);
+}
+
 TEST(Inflow, NoThrustTakesNoPower) {
   EXPECT_EQ((Inflow{0, 1.225, kRadius_m, 1, 2}).power_beyond_hover_w(), 0);
 }
