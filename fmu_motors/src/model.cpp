@@ -14,6 +14,10 @@
 namespace mebots::motors {
 namespace {
 
+/// Up to here the products of a few inputs are finite. The world's forces and motion have the same limit.
+constexpr double kMost = 1e40;
+constexpr double kLeastDensity = 1 / kMost;
+
 void check(double value, std::string_view name, std::string_view unit, const data::Limits& limits) {
   if (limits.admit(value)) return;
   throw Error(fmt::format("{} = {}{}{} must be {}", name, value, unit.empty() ? "" : " ", unit, limits.text()));
@@ -26,11 +30,11 @@ void check(const Inputs& inputs) {
     if (Limits::between(0, 1).admit(command)) continue;
     throw Error(fmt::format("{}.command = {} must be >= 0 and <= 1: a duty cycle", rotor::kWords[i], command));
   }
-  check(inputs.bus_voltage_v, "bus.voltage", "V", Limits::at_least(0));
-  check(inputs.air_density_kg_per_m3, "air.density", "kg/m3", Limits::positive());
-  check(inputs.body_mass_kg, "body.mass", "kg", Limits::at_least(0));
-  check(inputs.body_speed_m_per_s, "body.speed", "m/s", Limits::at_least(0));
-  check(inputs.body_climb_m_per_s, "body.climb", "m/s", Limits());
+  check(inputs.bus_voltage_v, "bus.voltage", "V", Limits::between(0, kMost));
+  check(inputs.air_density_kg_per_m3, "air.density", "kg/m3", Limits::between(kLeastDensity, kMost));
+  check(inputs.body_mass_kg, "body.mass", "kg", Limits::between(0, kMost));
+  check(inputs.body_speed_m_per_s, "body.speed", "m/s", Limits::between(0, kMost));
+  check(inputs.body_climb_m_per_s, "body.climb", "m/s", Limits::between(-kMost, kMost));
 }
 
 double effective_voltage_v(const Inputs& inputs, std::size_t i) {

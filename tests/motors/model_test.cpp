@@ -143,7 +143,51 @@ TEST(Motors, InputsOutsideTheirRangeAreRefused) {
   EXPECT_THAT(message([](Inputs& in) { in.bus_voltage_v = -1; }), HasSubstr("bus.voltage = -1 V must be >= 0"));
   EXPECT_THAT(message([](Inputs& in) { in.body_mass_kg = -0.04; }), HasSubstr("body.mass = -0.04 kg must be >= 0"));
   EXPECT_THAT(message([](Inputs& in) { in.air_density_kg_per_m3 = 0; }),
-              HasSubstr("air.density = 0 kg/m3 must be > 0"));
+              HasSubstr("air.density = 0 kg/m3 must be >= 1e-40 and <= 1e+40"));
+}
+
+TEST(Motors, InputsOfWhichNoPowerCouldBeANumberAreRefused) {
+  const auto message = [](const auto& spoil) {
+    Stand stand;
+    stand.command(1);
+    spoil(stand.inputs);
+    return error_of([&] { stand.step(kMillisecond); });
+  };
+  EXPECT_THAT(message([](Inputs& in) { in.bus_voltage_v = 1e200; }),
+              HasSubstr("bus.voltage = 1e+200 V must be >= 0 and <= 1e+40"));
+  EXPECT_THAT(message([](Inputs& in) { in.body_mass_kg = 1e300; }), HasSubstr("body.mass = 1e+300 kg"));
+  EXPECT_THAT(message([](Inputs& in) { in.air_density_kg_per_m3 = 1e300; }), HasSubstr("air.density = 1e+300 kg/m3"));
+  EXPECT_THAT(message([](Inputs& in) { in.air_density_kg_per_m3 = 1e-310; }), HasSubstr("air.density = 1e-310 kg/m3"));
+  EXPECT_THAT(message([](Inputs& in) { in.body_speed_m_per_s = 1e300; }), HasSubstr("body.speed = 1e+300 m/s"));
+  EXPECT_THAT(message([](Inputs& in) { in.body_climb_m_per_s = -1e300; }), HasSubstr("body.climb = -1e+300 m/s"));
+}
+
+TEST(Motors, WhatTheLimitsAdmitGivesNumbers) {
+  Parameters parameters;
+  parameters.inflow = true;
+  constexpr double kMost = 1e40;
+  for (const double density : {1 / kMost, kMost}) {
+    for (const double climb : {-kMost, kMost}) {
+      Stand stand(parameters);
+      stand.command(1);
+      stand.inputs.air_density_kg_per_m3 = density;
+      stand.inputs.body_mass_kg = kMost;
+      stand.inputs.body_speed_m_per_s = kMost;
+      stand.inputs.body_climb_m_per_s = climb;
+      for (const double voltage : {kMost, 3.7, 0.0, kMost}) {  // up, down and up again
+        stand.inputs.bus_voltage_v = voltage;
+        for (const std::int64_t step_ns : {kMillisecond, 1'000'000 * kMillisecond}) {
+          stand.step(step_ns);
+          EXPECT_TRUE(std::isfinite(stand.outputs.power_w)) << density << ' ' << climb << ' ' << voltage;
+          EXPECT_TRUE(std::isfinite(stand.outputs.bench_power_w));
+          EXPECT_TRUE(std::isfinite(stand.outputs.inflow_power_w));
+          EXPECT_TRUE(std::isfinite(stand.outputs.hover_power_w));
+          EXPECT_TRUE(std::isfinite(stand.outputs.propel_power_w));
+          EXPECT_TRUE(std::isfinite(stand.outputs.rotor_thrust_n[0]));
+        }
+      }
+    }
+  }
 }
 
 TEST(Motors, UnknownPowerModelIsRefused) {
