@@ -6,6 +6,7 @@
 #include "support/same_state.hpp"
 #include "wind/dryden.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <cmath>
 
@@ -108,6 +109,21 @@ TEST(Dryden, RefusesWhatIsNoGust) {
   EXPECT_THROW(Dryden({-1.0, 5.0, 1.0, 3}), Error);
   EXPECT_THROW(Dryden({1.0, 0.0, 1.0, 3}), Error);
   EXPECT_THROW(Dryden({1.0, 5.0, NAN, 3}), Error);
+}
+
+TEST(Dryden, NamesSpeedAndLengthThatNoFilterCanHave) {
+  const auto named = testing::ThrowsMessage<Error>(
+      testing::AllOf(testing::HasSubstr("gust.speed = "), testing::HasSubstr("gust.length = ")));
+  EXPECT_THAT([] { Dryden({1.0, 1e15, 0.01, 3}); }, named);
+  EXPECT_THAT([] { Dryden({1.0, 1e-300, 1e300, 3}); }, named);
+  EXPECT_THAT([] { Dryden({1.0, 1e-200, 1.0, 3}); }, named);
+  // At the limits there are gusts yet, and who wants none may say what he likes.
+  for (const double length_m : {5e11, 2e-12}) {
+    Dryden gusts({1.0, length_m, 1.0, 3});
+    gusts.at(0);
+    EXPECT_LT(gusts.at(10'000'000'000).norm(), 10.0) << length_m;
+  }
+  EXPECT_EQ(Dryden({0.0, 1e15, 0.01, 3}).at(1'000'000'000), Vector3d::Zero());
 }
 
 TEST(Link, ASetpointArrivesAfterItsLatencyAndInOrder) {

@@ -14,6 +14,9 @@ namespace mebots::world {
 namespace {
 
 constexpr std::int64_t kPeriod_ns = 10'000'000;
+/// Of speed / length: beyond them the filters' coefficients are lost in rounding, or no numbers any more.
+constexpr double kSlowest_per_s = 1e-12;
+constexpr double kFastest_per_s = 1e12;
 constexpr int kNormals = 5;  // for a step
 
 }  // namespace
@@ -28,6 +31,11 @@ Dryden::Dryden(const Settings& settings) : settings_(settings) {
   require(settings.speed_m_per_s, "gust.speed", settings.speed_m_per_s > 0.0, "> 0");
   // With tau = L / V and unit variances: x' = (-x + n) / tau, and for the others a second x2' = (-x2 + x1) / tau, put
   // together as sqrt(3) x1 + (1 - sqrt(3)) x2. White noise n of intensity tau gives that sum a variance of 1.
+  const double rate_per_s = settings.speed_m_per_s / settings.length_m;
+  if (settings.intensity_m_per_s > 0.0 && !(rate_per_s >= kSlowest_per_s && rate_per_s <= kFastest_per_s)) {
+    throw Error(fmt::format("gust.speed = {} m/s over gust.length = {} m is {} per s and must be from {} to {}",
+                            settings.speed_m_per_s, settings.length_m, rate_per_s, kSlowest_per_s, kFastest_per_s));
+  }
   const double e = static_cast<double>(kPeriod_ns) * 1e-9 * settings.speed_m_per_s / settings.length_m;
   decay_ = std::exp(-e);
   share_ = e;
