@@ -8,10 +8,12 @@
 #include "mebots/error.hpp"
 #include "mebots/state/save.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cstdint>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -167,8 +169,9 @@ TEST(Gap8Himax, ReadsOutTheWindowMirroredAndUpsideDown) {
   EXPECT_EQ(pixels[0], static_cast<std::uint8_t>(283 + 323));
 }
 
-/// Sets the camera up by I2C, reads its mode back, takes a picture into L2 and tells when it is there.
-constexpr std::string_view kTakesAPicture = R"(
+/// Sets the camera up by I2C, in mode 3 for two frames, reads its mode back, takes a picture into L2 and tells when it
+/// is there. The first frame begins before the transfer.
+constexpr std::string_view kPictureProgram = R"(
 _start: li s0, 0x1A102000
     li s1, 0x1C060000
     li s2, 0x00204000
@@ -178,7 +181,7 @@ _start: li s0, 0x1A102000
     li a0, 0x08000000
     sw a0, 0x08(s2)
     la a0, window
-    li a1, 13
+    li a1, 23
     call send
     la a0, mode
     li a1, 10
@@ -228,10 +231,15 @@ wait: .insn i 0x03, 6, a4, 0x38(s2)
     sw a4, 0x28(s2)
     ret
 window: .byte 0xE0, 0, 100, 0x00, 0x80, 0x48, 0xC0, 3, 0x80, 0x30, 0x10, 1, 0x20
-mode: .byte 0x00, 0x80, 0x48, 0xC0, 3, 0x80, 0x01, 0x00, 1, 0x20
+        .byte 0x00, 0x80, 0x48, 0xC0, 3, 0x80, 0x30, 0x20, 2, 0x20
+mode: .byte 0x00, 0x80, 0x48, 0xC0, 3, 0x80, 0x01, 0x00, MODE, 0x20
 at_mode: .byte 0x00, 0x80, 0x48, 0xC0, 2, 0x80, 0x01, 0x00
 read: .byte 0x00, 0x80, 0x49, 0x60, 0x20
 )";
+
+std::string takes_a_picture(int mode = 1) {
+  return fmt::format("#define MODE {}\n{}", mode, kPictureProgram);
+}
 
 BoardDescription gap8_board_of_camera() {
   return read_board(MEBOTS_SOURCE_DIR "/configs/boards/gap8.json");
@@ -244,7 +252,7 @@ Settings with_pictures(std::size_t count) {
 }
 
 TEST(Gap8Camera, BringsThePictureOfTheRollWhenItsFrameHasBeenReadOut) {
-  BoardSystem system(kTakesAPicture, with_pictures(1), gap8_board_of_camera());
+  BoardSystem system(takes_a_picture(), with_pictures(1), gap8_board_of_camera());
   system.soc.advance(15 * kMs);
   EXPECT_TRUE(system.faults.empty()) << system.faults.front();
   EXPECT_EQ(system.result(4) & 0xffU, 1U) << "the mode, read back";
@@ -266,7 +274,7 @@ void give(BoardSystem& system, const std::vector<std::uint8_t>& picture) {
 }
 
 TEST(Gap8Camera, AsksTheWorldWhenTheFrameBeginsAndStoresThePictureWithItsLastRow) {
-  BoardSystem system(kTakesAPicture, {}, gap8_board_of_camera());
+  BoardSystem system(takes_a_picture(), {}, gap8_board_of_camera());
   *system.soc.input("camera.frame_height") = Himax::kWindowHeight;
   system.soc.advance(15 * kMs);
   EXPECT_EQ(system.output("camera.trigger"), 0) << "the frame under way had begun before the transfer";
@@ -284,8 +292,11 @@ TEST(Gap8Camera, AsksTheWorldWhenTheFrameBeginsAndStoresThePictureWithItsLastRow
   EXPECT_EQ(taken, picture);
 }
 
-TEST(Gap8Camera, StoresAPictureThatComesBehindItsFrameWhenItComes) {
-  BoardSystem system(kTakesAPicture, {}, gap8_board_of_camera());
+class Gap8CameraInMode : public testing::TestWithParam<int> {};
+INSTANTIATE_TEST_SUITE_P(Modes, Gap8CameraInMode, testing::Values(1, 3));
+
+TEST_P(Gap8CameraInMode, StoresAPictureThatComesBehindItsFrameWhenItComes) {
+  BoardSystem system(takes_a_picture(GetParam()), {}, gap8_board_of_camera());
   *system.soc.input("camera.frame_height") = 0;
   system.soc.advance(90 * kMs);
   EXPECT_EQ(system.result(2), 0U);
@@ -295,7 +306,7 @@ TEST(Gap8Camera, StoresAPictureThatComesBehindItsFrameWhenItComes) {
 }
 
 TEST(Gap8Camera, RefusesAPictureOfTheWorldsOfAnotherSize) {
-  BoardSystem system(kTakesAPicture, {}, gap8_board_of_camera());
+  BoardSystem system(takes_a_picture(), {}, gap8_board_of_camera());
   system.soc.advance(24 * kMs);
   try {
     give(system, picture_of(648));
@@ -308,16 +319,16 @@ TEST(Gap8Camera, RefusesAPictureOfTheWorldsOfAnotherSize) {
 TEST(Gap8Camera, WaitsWhenTheRollHasNoPictureAnyMore) {
   Settings settings = with_pictures(1);
   settings.pictures.front().clear();
-  BoardSystem system(kTakesAPicture, settings, gap8_board_of_camera());
+  BoardSystem system(takes_a_picture(), settings, gap8_board_of_camera());
   system.soc.advance(60 * kMs);
   EXPECT_EQ(system.result(2), 0U);
   EXPECT_TRUE(system.soc.waits_for_picture());
 }
 
 TEST(Gap8Camera, GoesOnFromAState) {
-  BoardSystem straight(kTakesAPicture, with_pictures(1), gap8_board_of_camera());
-  BoardSystem first(kTakesAPicture, with_pictures(1), gap8_board_of_camera());
-  BoardSystem second(kTakesAPicture, with_pictures(1), gap8_board_of_camera());
+  BoardSystem straight(takes_a_picture(), with_pictures(1), gap8_board_of_camera());
+  BoardSystem first(takes_a_picture(), with_pictures(1), gap8_board_of_camera());
+  BoardSystem second(takes_a_picture(), with_pictures(1), gap8_board_of_camera());
   straight.soc.advance(50 * kMs);
   first.soc.advance(10 * kMs);
   state::restore(second.soc, state::save(first.soc));

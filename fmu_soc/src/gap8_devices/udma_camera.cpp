@@ -47,7 +47,9 @@ std::uint32_t UdmaCamera::last_line() const {
 
 Picoseconds UdmaCamera::end_time(const UdmaTransfer& /*transfer*/, Picoseconds start) {
   if (asked_at_ == kNever) asked_at_ = start;
-  if (!is_on()) {
+  // A frame that was read out whole stays: its picture may come later than the standby behind it.
+  const bool cut_off = !is_on() && (frame_at_ == kNever || start < frame_at_ + sensor_.lines_time(last_line()));
+  if (cut_off) {
     frame_at_ = kNever;
     return kNever;
   }
