@@ -235,7 +235,16 @@ window: .byte 0xE0, 0, 100, 0x00, 0x80, 0x48, 0xC0, 3, 0x80, 0x30, 0x10, 1, 0x20
 mode: .byte 0x00, 0x80, 0x48, 0xC0, 3, 0x80, 0x01, 0x00, MODE, 0x20
 at_mode: .byte 0x00, 0x80, 0x48, 0xC0, 2, 0x80, 0x01, 0x00
 read: .byte 0x00, 0x80, 0x49, 0x60, 0x20
+    .org 0x800             # for the tests to send
+        .byte 0x00, 0x80, 0x48, 0xC0, 3, 0x80, 0x30, 0x10, 0, 0x20
+    .org 0x820
+        .byte 0x00, 0x80, 0x48, 0xC0, 3, 0x80, 0x01, 0x00, 0, 0x20
+    .org 0x840
+        .byte 0x00, 0x80, 0x48, 0xC0, 3, 0x80, 0x01, 0x00, MODE, 0x20
 )";
+constexpr std::uint32_t kAllRows = kL2 + 0x800;
+constexpr std::uint32_t kStandBy = kL2 + 0x820;
+constexpr std::uint32_t kStream = kL2 + 0x840;
 
 std::string takes_a_picture(int mode = 1) {
   return fmt::format("#define MODE {}\n{}", mode, kPictureProgram);
@@ -303,6 +312,43 @@ TEST_P(Gap8CameraInMode, StoresAPictureThatComesBehindItsFrameWhenItComes) {
   give(system, picture_of(Himax::kWindowHeight));
   system.soc.advance(91 * kMs);
   EXPECT_EQ(system.result(2), 0x80000000U | 18U);
+}
+
+void store(BoardSystem& system, std::uint32_t offset, std::uint32_t value, std::int64_t now_ns) {
+  system.soc.device("udma")->store(offset, now_ns * 1000, value);
+}
+
+/// By the other I2C master, whose end the program does not hear.
+void tell_sensor(BoardSystem& system, std::uint32_t commands, std::int64_t now_ns) {
+  store(system, 0x290, commands, now_ns);
+  store(system, 0x294, 10, now_ns);
+  store(system, 0x298, 0x10, now_ns);
+}
+
+void expect_row_is_missed(BoardSystem& system) {
+  try {
+    system.soc.advance(60 * kMs);
+    FAIL() << "stored";
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("now at least 324 of them"));
+  }
+}
+
+TEST(Gap8Camera, RefusesAPictureWithFewerRowsThanTheWindowHasInTheEnd) {
+  BoardSystem system(takes_a_picture(), {}, gap8_board_of_camera());
+  *system.soc.input("camera.frame_height") = 0;
+  system.soc.advance(24 * kMs);
+  give(system, picture_of(Himax::kWindowHeight));
+  tell_sensor(system, kAllRows, 24 * kMs);
+  expect_row_is_missed(system);
+}
+
+TEST(Gap8Camera, RefusesAPictureThatAClearedTransferLeftWithFewerRows) {
+  BoardSystem system(takes_a_picture(), with_pictures(1), gap8_board_of_camera());
+  system.soc.advance(24 * kMs);
+  tell_sensor(system, kAllRows, 24 * kMs);
+  store(system, 0x488, 0x30, 24 * kMs);
+  expect_row_is_missed(system);
 }
 
 TEST(Gap8Camera, RefusesAPictureOfTheWorldsOfAnotherSize) {

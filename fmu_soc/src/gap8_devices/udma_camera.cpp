@@ -87,14 +87,18 @@ void UdmaCamera::expose(Picoseconds now) {
 
 void UdmaCamera::take(std::span<const std::uint8_t> picture, Picoseconds now) {
   waits_ = false;
-  if (picture.size() % Himax::kWidth != 0 || picture.size() / Himax::kWidth < sensor_.window_height()) {
-    throw Error(fmt::format(
-        "{}: picture {} of the camera has {} bytes; this camera's has rows of {} and now at least {} of them",
-        host_.entry.name, requests_, picture.size(), Himax::kWidth, sensor_.window_height()));
-  }
+  require_rows(picture.size());
   picture_.assign(picture.begin(), picture.end());
   has_picture_ = true;
   came_at_ = now;
+}
+
+void UdmaCamera::require_rows(std::size_t bytes) const {
+  if (bytes % Himax::kWidth != 0 || bytes / Himax::kWidth < sensor_.window_height()) {
+    throw Error(fmt::format(
+        "{}: picture {} of the camera has {} bytes; this camera's has rows of {} and now at least {} of them",
+        host_.entry.name, requests_, bytes, Himax::kWidth, sensor_.window_height()));
+  }
 }
 
 void UdmaCamera::registers_changed(std::uint32_t offset, Picoseconds /*now*/) {
@@ -142,6 +146,7 @@ void UdmaCamera::convert() {
 }
 
 void UdmaCamera::end(const UdmaTransfer& transfer) {
+  require_rows(picture_.size());  // once more: the program may have changed the window since it came
   sensor_.read_out(picture_, pixels_);
   convert();
   const PictureTimes times{asked_at_, light_at_, frame_at_, transfer.done_at};

@@ -63,6 +63,7 @@ class UdmaCamera final : public UdmaPeripheral {
   void convert();
   void forget();
   void require_size(std::size_t bytes) const;
+  void require_rows(std::size_t bytes) const;
   std::uint32_t last_line() const;
 
   UdmaHost& host_;
