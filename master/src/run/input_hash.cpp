@@ -2,6 +2,7 @@
 #include "run/input_hash.hpp"
 
 #include "mebots/assert.hpp"
+#include "mebots/file_kind.hpp"
 
 #include <fmt/format.h>
 #include <openssl/evp.h>
@@ -58,8 +59,7 @@ std::map<std::string, std::filesystem::path> named_files(const SystemDescription
       files.erase(name);
       const auto* text = std::get_if<std::string>(&assignment.value);
       if (const auto* typed = std::get_if<UntypedText>(&assignment.value)) text = &typed->text;
-      std::error_code no_file;
-      if (text != nullptr && std::filesystem::is_regular_file(*text, no_file)) files[name] = *text;
+      if (text != nullptr && is_file(*text)) files[name] = *text;
     }
   }
   return files;

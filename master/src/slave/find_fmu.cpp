@@ -2,6 +2,7 @@
 #include "slave/find_fmu.hpp"
 
 #include "base/installation.hpp"
+#include "mebots/file_kind.hpp"
 #include "mebots/input_error.hpp"
 #include "mebots/nearest_names.hpp"
 
@@ -48,9 +49,8 @@ std::vector<std::string> names_in(const std::vector<fs::path>& folders) {
 std::string listed(const std::vector<fs::path>& folders) {
   std::vector<std::string> texts;
   texts.reserve(folders.size());
-  std::error_code ignored;
   for (const auto& folder : folders) {
-    texts.push_back(folder.string() + (fs::is_directory(folder, ignored) ? "" : " (which is not there)"));
+    texts.push_back(folder.string() + (is_folder(folder) ? "" : " (which is not there)"));
   }
   return fmt::format("{}", fmt::join(texts, ", "));
 }

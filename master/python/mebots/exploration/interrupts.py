@@ -20,7 +20,7 @@ def held() -> Iterator[None]:
     """What the block does is done whole: an interrupt that comes meanwhile is raised at the block's end. In a thread
     other than the main one it does nothing: Python interrupts only that."""
     global _holds
-    if threading.current_thread() is not threading.main_thread():
+    if not _can_come():
         yield
         return
     before = _holds
@@ -37,7 +37,7 @@ def held() -> Iterator[None]:
 def allowed() -> Iterator[None]:
     """Within ``held``: here an interrupt is raised at once, as everywhere else."""
     global _holds
-    if threading.current_thread() is not threading.main_thread():
+    if not _can_come():
         yield
         return
     holds, _holds = _holds, 0
@@ -46,6 +46,10 @@ def allowed() -> Iterator[None]:
         yield
     finally:
         _holds = holds
+
+
+def _can_come() -> bool:
+    return threading.current_thread() is threading.main_thread()
 
 
 def interrupt(number: int, frame: object) -> None:
