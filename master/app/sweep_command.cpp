@@ -16,6 +16,7 @@ using Path = std::filesystem::path;
 
 struct SweepOptions {
   Path study;
+  Path mission;
   Path out;
   unsigned jobs = 0;
   bool dry_run = false;
@@ -26,6 +27,7 @@ struct SweepOptions {
 std::vector<std::string> words_of(const SweepOptions& options) {
   std::vector<std::string> words;
   if (!options.study.empty()) words.push_back(options.study.string());
+  if (!options.mission.empty()) words.insert(words.end(), {"--mission", options.mission.string()});
   if (!options.out.empty()) words.insert(words.end(), {"--out", options.out.string()});
   if (options.jobs > 0) words.insert(words.end(), {"--jobs", std::to_string(options.jobs)});
   if (options.dry_run) words.emplace_back("--dry-run");
@@ -40,6 +42,11 @@ void add_sweep(CLI::App& app, Action& action) {
   const auto options = std::make_shared<SweepOptions>();
   auto* command = app.add_subcommand("sweep", "Fly the missions of a study, and answer its question");
   command->add_option("study", options->study, "Study (.json)")->type_name("FILE.json");
+  command
+      ->add_option("--mission", options->mission,
+                   "Config that is flown in place of the study's: the same designs and draws on another mission")
+      ->type_name("FILE.json")
+      ->check(not_empty());
   command
       ->add_option("--out", options->out,
                    "Folder for missions.csv, designs.csv, journal.jsonl and report.html; a study that was interrupted "
@@ -62,6 +69,7 @@ void add_sweep(CLI::App& app, Action& action) {
       help_footer({"0 the study is done", "1 it was interrupted, or missions failed",
                    "2 the input cannot be used, or an objective has no value in any mission"},
                   {"mebots sweep study.json --out results/study --jobs 2",
+                   "mebots sweep study.json --mission configs/gate_hard_gap8.json --out results/gap8",
                    "mebots sweep study.json --out results/study --dry-run", "mebots sweep --status results/study"}));
   command->callback([options, &action] {
     action = [options] {

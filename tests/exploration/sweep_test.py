@@ -483,6 +483,20 @@ class Reuse(StudyCase):
         status = subprocess.run([MEBOTS, "sweep", "--status", str(self.folder / "out")], capture_output=True, text=True, cwd="/", check=True)
         self.assertIn("10 of at most 10 missions are flown", status.stdout)
 
+    def test_the_same_question_of_another_mission(self):
+        self.study(design={"kind": "grid", "factors": {"a.integer_in": [1]}})
+        self.sweep()
+        (self.folder / "mission.json").rename(self.folder / "other.json")
+        self.mission(gain=4)
+        self.sweep(out="twice")
+        other = self.folder / "other.json"
+        self.assertIn("another study", self.sweep("--mission", str(other), out="twice"))
+        self.assertEqual(self.bytes_of("missions.csv", "twice"), self.bytes_of("missions.csv"))
+        self.assertEqual(json.loads(self.bytes_of("study.json", "twice"))["mission"], str(other))
+        mebots.sweep(self.folder / "study.json", self.folder / "python", mission=other)
+        self.assertEqual(self.bytes_of("missions.csv", "python"), self.bytes_of("missions.csv"))
+        self.assertIn("no.json", self.sweep("--mission", str(self.folder / "no.json"), code=2))
+
     def test_another_study_takes_the_missions_that_it_shares(self):
         self.study()
         self.sweep()

@@ -34,6 +34,7 @@ def sweep(
     executor: concurrent.futures.Executor | None = None,
     jobs: int | None = None,
     reuse: Iterable[str | os.PathLike[str]] = (),
+    mission: str | os.PathLike[str] | None = None,
     progress: Any = None,
 ) -> Sweep:
     """Flies the missions of a study, as ``mebots sweep`` does, and writes its tables into ``out``; the same call goes on
@@ -43,11 +44,17 @@ def sweep(
     :param executor: any ``concurrent.futures.Executor`` whose workers have the package mebots; None = this machine.
     :param jobs: missions at the same time; the number of processors by default. For an executor: how many are given out.
     :param reuse: folders of studies whose missions need not be flown again.
+    :param mission: a config that is flown in place of the study's.
     :param progress: called with a ``Progress`` after every mission.
     """
-    read = read_study(study)
+    read = _asked(study, mission)
     with _campaign(read, executor, jobs) as campaign:
         return campaign.run(pathlib.Path(out), [pathlib.Path(one) for one in reuse], progress or (lambda now: None))
+
+
+def _asked(study: str | os.PathLike[str] | dict[str, Any], mission: str | os.PathLike[str] | None) -> Study:
+    read = read_study(study)
+    return read if mission is None else read.on(pathlib.Path(mission))
 
 
 @contextlib.contextmanager
@@ -80,7 +87,7 @@ def main(words: list[str] | None = None) -> int:
             return _status(pathlib.Path(options.status))
         if not options.study:
             raise InputError("a study is missing. `mebots sweep --help` tells what it takes", "missing_key")
-        study = read_study(options.study)
+        study = _asked(options.study, options.mission)
         if options.dry_run:
             return _dry_run(study, options)
         if not options.out:
@@ -100,6 +107,7 @@ def main(words: list[str] | None = None) -> int:
 def _options(words: list[str] | None) -> argparse.Namespace:
     parser = argparse.ArgumentParser("mebots sweep")
     parser.add_argument("study", nargs="?")
+    parser.add_argument("--mission")
     parser.add_argument("--out")
     parser.add_argument("--jobs", type=int)
     parser.add_argument("--dry-run", action="store_true")

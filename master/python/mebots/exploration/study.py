@@ -118,6 +118,11 @@ class Study:
         except (OSError, ValueError):
             return False
 
+    def on(self, mission: pathlib.Path) -> Study:
+        """The same question of another mission."""
+        path = mission.absolute()
+        return dataclasses.replace(self, mission=path, text=_written({**json.loads(self.text), "mission": str(path)}))
+
     def objective(self, label: str) -> Objective:
         return next(one for one in self.objectives if one.label == label)
 
@@ -156,7 +161,7 @@ def _study(place: str, folder: pathlib.Path, content: dict[str, Any]) -> Study:
     return Study(
         place=place,
         folders=(folder, pathlib.Path(file).parent) if file else (folder,),
-        text=json.dumps(_with_absolute_files(content, folder), indent=1),
+        text=_written(_with_absolute_files(content, folder)),
         mission=pathlib.Path(content["mission"]),
         design=design,
         replicates=draws.get("replicates", 1),
@@ -174,6 +179,10 @@ def _study(place: str, folder: pathlib.Path, content: dict[str, Any]) -> Study:
         splitting=_splitting(content["splitting"]) if "splitting" in content else None,
         results=content.get("results", False),
     )
+
+
+def _written(content: dict[str, Any]) -> str:
+    return json.dumps(content, indent=1)
 
 
 def _with_absolute_files(content: dict[str, Any], folder: pathlib.Path) -> dict[str, Any]:
