@@ -8,7 +8,7 @@
 #include "runtime/console.h"
 #include "runtime/interrupt.h"
 
-static int8_t pixels[kWidth * kWidth] CLUSTER_L1 __attribute__((aligned(4)));
+static int8_t pixels[kPixels * kPixels] CLUSTER_L1 __attribute__((aligned(4)));
 static int8_t weights[kOutputs * kInputs] CLUSTER_L1 __attribute__((aligned(4)));
 static int8_t filter[28] CLUSTER_L1 __attribute__((aligned(4)));
 static int8_t filter_by_words[28] CLUSTER_L1 __attribute__((aligned(4)));
@@ -26,7 +26,7 @@ static void fill(void* argument) {
   uint32_t noise = 1;
   for (unsigned i = 0; i < sizeof pixels; ++i) pixels[i] = (int8_t)((noise = noise * 1664525u + 1013904223u) >> 24);
   for (unsigned i = 0; i < sizeof weights; ++i) weights[i] = (int8_t)((noise = noise * 1664525u + 1013904223u) >> 24);
-  for (unsigned i = 0; i < sizeof filter; ++i) filter[i] = (int8_t)(i < 25 ? weights[i] : 0);
+  for (unsigned i = 0; i < sizeof filter; ++i) filter[i] = (int8_t)(i < kTaps ? weights[i] : 0);
   // Four columns of each row, then the fifth column, its corner last.
   for (unsigned row = 0; row < 5; ++row) {
     for (unsigned column = 0; column < 4; ++column) filter_by_words[row * 4 + column] = filter[row * 5 + column];
@@ -103,6 +103,10 @@ int main(void) {
     measure("pool_plain", pool_plain, weights, cores, 8 * cores);
     measure("pool_scalar", pool_scalar, weights, cores, 16 * cores);
     measure("pool_vector", pool_vector, weights, cores, 64 * cores);
+    measure("average_scalar", average_scalar, weights, cores, 16 * cores);
+    measure("average_vector", average_vector, weights, cores, 16 * cores);
+    measure("xnor_plain", xnor_plain, filter, cores, cores);
+    measure("xnor_scalar", xnor_scalar, filter, cores, 4 * cores);
   }
   cluster_off();
   return 0;
