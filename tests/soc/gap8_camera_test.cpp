@@ -13,8 +13,10 @@
 #include <gtest/gtest.h>
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <vector>
 
 namespace mebots::soc::test {
@@ -130,8 +132,8 @@ TEST(Gap8Himax, HasTheHighestRateOfEachFormatOfTheTable) {
     set_pair(sensor, 0x0340, format.lines);
     set_pair(sensor, 0x0342, format.clocks);
     set(sensor, 0x0100, 1);
-    EXPECT_EQ(sensor.width(), format.width);
-    EXPECT_EQ(sensor.height(), format.height);
+    EXPECT_EQ(sensor.format().width(), format.width);
+    EXPECT_EQ(sensor.format().height(), format.height);
     EXPECT_NEAR(1e12 / static_cast<double>(sensor.frame_at(1)), format.rate_hz, 0.005);
     set_pair(sensor, 0x0202, 100);
     EXPECT_EQ(sensor.exposure_time(), sensor.lines_time(100));
@@ -144,12 +146,12 @@ TEST(Gap8Himax, HalvesAPictureByBinningOrByLeavingOut) {
   std::vector<std::uint8_t> pixels;
   set(sensor, 0x0383, 3);
   set(sensor, 0x0387, 3);
-  sensor.read_out(picture, pixels);
+  sensor.format().read_out(picture, pixels);
   ASSERT_EQ(pixels.size(), std::size_t{162} * 162);
   EXPECT_EQ(pixels[0], 0);
   EXPECT_EQ(pixels[162 + 1], 4) << "row 2, column 2";
   set(sensor, 0x0390, 3);
-  sensor.read_out(picture, pixels);
+  sensor.format().read_out(picture, pixels);
   EXPECT_EQ(pixels[0], 1) << "mean of 0, 1, 1, 2";
   EXPECT_EQ(pixels[162 + 1], 5);
 }
@@ -158,14 +160,14 @@ TEST(Gap8Himax, ReadsOutTheWindowMirroredAndUpsideDown) {
   Himax sensor;
   const auto picture = picture_of(Himax::kHeight);
   std::vector<std::uint8_t> pixels;
-  sensor.read_out(picture, pixels);
+  sensor.format().read_out(picture, pixels);
   EXPECT_EQ(pixels, picture);
   set(sensor, 0x3010, 1);
-  sensor.read_out(picture, pixels);
+  sensor.format().read_out(picture, pixels);
   EXPECT_EQ(pixels.size(), std::size_t{244} * 324);
   EXPECT_EQ(pixels[0], 40) << "40 rows above the window";
   set(sensor, 0x0101, 3);
-  sensor.read_out(picture, pixels);
+  sensor.format().read_out(picture, pixels);
   EXPECT_EQ(pixels[0], static_cast<std::uint8_t>(283 + 323));
 }
 
@@ -235,10 +237,16 @@ window: .byte 0xE0, 0, 100, 0x00, 0x80, 0x48, 0xC0, 3, 0x80, 0x30, 0x10, 1, 0x20
 mode: .byte 0x00, 0x80, 0x48, 0xC0, 3, 0x80, 0x01, 0x00, MODE, 0x20
 at_mode: .byte 0x00, 0x80, 0x48, 0xC0, 2, 0x80, 0x01, 0x00
 read: .byte 0x00, 0x80, 0x49, 0x60, 0x20
-    .org 0x800             # for the tests to send
+    .org 0x800             # for the tests to send, 10 bytes each
         .byte 0x00, 0x80, 0x48, 0xC0, 3, 0x80, 0x30, 0x10, 0, 0x20
+        .byte 0x00, 0x80, 0x48, 0xC0, 3, 0x80, 0x01, 0x03, 1, 0x20
+        .byte 0x00, 0x80, 0x48, 0xC0, 3, 0x80, 0x01, 0x00, 0, 0x20
+        .byte 0x00, 0x80, 0x48, 0xC0, 3, 0x80, 0x01, 0x00, 1, 0x20
 )";
 constexpr std::uint32_t kAllRows = kL2 + 0x800;
+constexpr std::uint32_t kReset = kAllRows + 10;
+constexpr std::uint32_t kStandBy = kReset + 10;
+constexpr std::uint32_t kStream = kStandBy + 10;
 
 std::string takes_a_picture(int mode = 1) {
   return fmt::format("#define MODE {}\n{}", mode, kPictureProgram);
@@ -313,28 +321,117 @@ void store(BoardSystem& system, std::uint32_t offset, std::uint32_t value, std::
 }
 
 /// By the other I2C master, whose end the program does not hear.
-void tell_sensor(BoardSystem& system, std::uint32_t commands, std::int64_t now_ns) {
+void tell_sensor(BoardSystem& system, std::uint32_t commands, std::int64_t now_ns, std::uint32_t bytes = 10) {
   store(system, 0x290, commands, now_ns);
-  store(system, 0x294, 10, now_ns);
+  store(system, 0x294, bytes, now_ns);
   store(system, 0x298, 0x10, now_ns);
 }
 
 void expect_row_is_missed(BoardSystem& system) {
   try {
-    system.soc.advance(60 * kMs);
+    system.soc.advance(70 * kMs);
     FAIL() << "stored";
   } catch (const Error& error) {
     EXPECT_THAT(error.what(), testing::HasSubstr("now at least 324 of them"));
   }
 }
 
-TEST(Gap8Camera, RefusesAPictureWithFewerRowsThanTheWindowHasInTheEnd) {
-  BoardSystem system(takes_a_picture(), {}, gap8_board_of_camera());
-  *system.soc.input("camera.frame_height") = 0;
-  system.soc.advance(24 * kMs);
+/// The frame of the transfer is under way, and has been asked for.
+struct InItsFrame : BoardSystem {
+  InItsFrame() : BoardSystem(takes_a_picture(), {}, gap8_board_of_camera()) {
+    *soc.input("camera.frame_height") = Himax::kWindowHeight;
+    soc.advance(24 * kMs);
+    EXPECT_EQ(output("camera.trigger"), 1);
+  }
+};
+
+std::vector<std::uint8_t> stored_by(const BoardSystem& system) {
+  std::vector<std::uint8_t> taken(picture_of(Himax::kWindowHeight).size());
+  EXPECT_TRUE(system.soc.memory().read(0x1C040000, taken));
+  return taken;
+}
+
+/// Black: not the picture that the other one is.
+std::vector<std::uint8_t> night() {
+  return std::vector<std::uint8_t>(picture_of(Himax::kWindowHeight).size());
+}
+
+class Gap8CameraTold : public testing::TestWithParam<std::uint32_t> {};
+INSTANTIATE_TEST_SUITE_P(Commands, Gap8CameraTold, testing::Values(kAllRows, kReset, kStandBy));
+
+TEST_P(Gap8CameraTold, StoresALateFrameAsItWasReadOutWhateverTheSensorIsToldBehindIt) {
+  InItsFrame system;
+  system.soc.advance(60 * kMs);
+  tell_sensor(system, GetParam(), 60 * kMs);
+  system.soc.advance(61 * kMs);
   give(system, picture_of(Himax::kWindowHeight));
+  system.soc.advance(62 * kMs);
+  EXPECT_EQ(system.result(2), 0x80000000U | 18U);
+  EXPECT_EQ(stored_by(system), picture_of(Himax::kWindowHeight));
+}
+
+TEST(Gap8Camera, ReadsAFrameOutInTheFormatWithWhichItBegan) {
+  InItsFrame system;
   tell_sensor(system, kAllRows, 24 * kMs);
-  expect_row_is_missed(system);
+  give(system, picture_of(Himax::kWindowHeight));
+  system.soc.advance(40 * kMs);
+  EXPECT_EQ(system.result(2), 0x80000000U | 18U);
+  EXPECT_EQ(stored_by(system), picture_of(Himax::kWindowHeight));
+}
+
+/// When the picture comes beside the standby.
+enum class Comes : std::uint8_t { before, behind, never };
+class Gap8CameraStandingBy : public testing::TestWithParam<std::tuple<Comes, std::uint32_t>> {};
+INSTANTIATE_TEST_SUITE_P(Pictures, Gap8CameraStandingBy,
+                         testing::Combine(testing::Values(Comes::before, Comes::behind, Comes::never),
+                                          testing::Values(kStandBy, kReset)));
+
+TEST_P(Gap8CameraStandingBy, LosesTheFrameUnderWayAndTakesTheNextOne) {
+  const auto [comes, command] = GetParam();
+  InItsFrame system;
+  if (comes == Comes::before) give(system, night());
+  tell_sensor(system, command, 25 * kMs);
+  system.soc.advance(26 * kMs);
+  if (comes == Comes::behind) give(system, night());
+  system.soc.advance(90 * kMs);
+  EXPECT_EQ(system.result(2), 0U);
+  tell_sensor(system, kStream, 90 * kMs);
+  system.soc.advance(91 * kMs);
+  EXPECT_EQ(system.output("camera.trigger"), 2) << "another frame, another picture";
+  *system.soc.input("camera.frame_height") = 0;
+  give(system, picture_of(Himax::kHeight));
+  system.soc.advance(120 * kMs);
+  EXPECT_EQ(system.result(2), 0x80000000U | 18U);
+  EXPECT_EQ(stored_by(system)[0], command == kReset ? 0 : 40) << "of all rows, or of the window";
+}
+
+TEST(Gap8Camera, LosesTheFrameUnderWayAlsoWhenItIsWokenInTheSameTransfer) {
+  InItsFrame system;
+  give(system, night());
+  tell_sensor(system, kStandBy, 30 * kMs, 20);
+  system.soc.advance(40 * kMs);
+  EXPECT_EQ(system.output("camera.trigger"), 2);
+  EXPECT_EQ(system.result(2), 0U);
+  give(system, picture_of(Himax::kWindowHeight));
+  system.soc.advance(50 * kMs);
+  EXPECT_EQ(system.result(2), 0x80000000U | 18U);
+  EXPECT_EQ(stored_by(system), picture_of(Himax::kWindowHeight));
+}
+
+TEST(Gap8Camera, TakesNoPictureThatWasAskedForByAClearedTransfer) {
+  InItsFrame system;
+  store(system, 0x488, 0x30, 25 * kMs);
+  *system.soc.input("camera.frame_id") = 1;
+  const auto dark = night();
+  *system.soc.device("udma")->bytes_input("camera.frame") = dark;
+  system.soc.begin_step();
+  system.soc.advance(46 * kMs);
+  system.soc.begin_step();
+  ASSERT_EQ(system.output("camera.trigger"), 2) << "of the next frame";
+  give(system, picture_of(Himax::kWindowHeight));
+  system.soc.advance(70 * kMs);
+  EXPECT_EQ(system.result(2), 0x80000000U | 18U);
+  EXPECT_EQ(stored_by(system), picture_of(Himax::kWindowHeight));
 }
 
 TEST(Gap8Camera, RefusesAPictureThatAClearedTransferLeftWithFewerRows) {
@@ -365,15 +462,57 @@ TEST(Gap8Camera, WaitsWhenTheRollHasNoPictureAnyMore) {
   EXPECT_TRUE(system.soc.waits_for_picture());
 }
 
-TEST(Gap8Camera, GoesOnFromAState) {
-  BoardSystem straight(takes_a_picture(), with_pictures(1), gap8_board_of_camera());
-  BoardSystem first(takes_a_picture(), with_pictures(1), gap8_board_of_camera());
-  BoardSystem second(takes_a_picture(), with_pictures(1), gap8_board_of_camera());
-  straight.soc.advance(50 * kMs);
-  first.soc.advance(10 * kMs);
-  state::restore(second.soc, state::save(first.soc));
-  second.soc.advance(50 * kMs);
-  EXPECT_TRUE(mebots::test::same_state(second.soc, straight.soc));
+/// 70 ms, with what a scenario does behind each; at some time another system goes on from the state of the first.
+template <typename Scenario>
+void expect_goes_on_from_states(const Settings& settings, int mode, const Scenario& scenario) {
+  const auto run = [&](std::int64_t saved_at_ms) {
+    auto system = std::make_unique<BoardSystem>(takes_a_picture(mode), settings, gap8_board_of_camera());
+    *system->soc.input("camera.frame_height") = Himax::kWindowHeight;
+    for (std::int64_t ms = 1; ms <= 70; ++ms) {
+      system->soc.advance(ms * kMs);
+      if (ms == saved_at_ms) {
+        auto other = std::make_unique<BoardSystem>(takes_a_picture(mode), settings, gap8_board_of_camera());
+        state::restore(other->soc, state::save(system->soc));
+        system = std::move(other);
+      }
+      scenario(*system, ms);
+    }
+    return system;
+  };
+  const auto straight = run(0);
+  for (const std::int64_t saved_at_ms : {1, 10, 15, 24, 25, 30, 39, 46, 60}) {
+    EXPECT_TRUE(mebots::test::same_state(run(saved_at_ms)->soc, straight->soc)) << saved_at_ms << " ms";
+  }
+}
+
+TEST_P(Gap8CameraInMode, GoesOnFromAStateWithPicturesOfARoll) {
+  expect_goes_on_from_states(with_pictures(1), GetParam(), [](BoardSystem&, std::int64_t) {});
+}
+
+TEST_P(Gap8CameraInMode, GoesOnFromAStateWithPicturesOfAWorld) {
+  const auto picture = picture_of(Himax::kWindowHeight);
+  expect_goes_on_from_states({}, GetParam(), [&](BoardSystem& system, std::int64_t ms) {
+    if (ms == 30) give(system, picture);
+    if (ms == 60) {
+      EXPECT_EQ(system.result(2), 0x80000000U | 18U);
+    }
+  });
+}
+
+TEST_P(Gap8CameraInMode, GoesOnFromAStateInFrontOfAndBehindAClearedTransfer) {
+  const auto picture = picture_of(Himax::kWindowHeight);
+  expect_goes_on_from_states({}, GetParam(), [&](BoardSystem& system, std::int64_t ms) {
+    if (ms == 25) give(system, picture);
+    if (ms == 30) store(system, 0x488, 0x30, ms * kMs);
+    if (ms == 40) tell_sensor(system, kStream, ms * kMs);  // as those of mode 3 are over
+    if (ms == 50) {
+      EXPECT_EQ(system.output("camera.trigger"), 2);
+    }
+    if (ms == 50) give(system, picture);
+    if (ms == 70) {
+      EXPECT_EQ(system.result(2), 0x80000000U | 18U);
+    }
+  });
 }
 
 }  // namespace

@@ -19,6 +19,9 @@ constexpr std::uint32_t kIntegrationLines = 0x0202;
 constexpr std::uint32_t kBinning = 0x0390;
 constexpr std::uint32_t kBinsRows = 1;
 constexpr std::uint32_t kBinsColumns = 2;
+constexpr std::uint32_t kEverySecondColumn = 0x0383;
+constexpr std::uint32_t kEverySecondRow = 0x0387;
+constexpr std::uint32_t kWindow = 0x3010;
 constexpr std::uint32_t kFrameCount = 0x3020;
 constexpr std::uint32_t kModes = 7;
 constexpr std::uint32_t kStreaming = 1;
@@ -91,8 +94,17 @@ std::uint8_t Himax::read() {
   return at < kRegisters ? registers_[at] : std::uint8_t{0};
 }
 
+FrameFormat Himax::format() const {
+  constexpr std::uint8_t kEverySecond = 3;
+  return {.window_height = (reg(kWindow) & 1U) != 0 ? kWindowHeight : kHeight,
+          .row_step = reg(kEverySecondRow) == kEverySecond ? 2U : 1U,
+          .column_step = reg(kEverySecondColumn) == kEverySecond ? 2U : 1U,
+          .binning = reg(kBinning),
+          .orientation = reg(kOrientation)};
+}
+
 Picoseconds Himax::lines_time(std::uint32_t lines) const {
-  const auto clocks = std::int64_t{lines} * std::max(pair(kLineClocks), width());
+  const auto clocks = std::int64_t{lines} * std::max(pair(kLineClocks), format().width());
   return clocks * 1'000'000'000'000 / kPixelClockHz;
 }
 
@@ -101,7 +113,7 @@ Picoseconds Himax::exposure_time() const {
 }
 
 Picoseconds Himax::period() const {
-  return lines_time(std::max(pair(kFrameLines), height()));
+  return lines_time(std::max(pair(kFrameLines), format().height()));
 }
 
 Picoseconds Himax::frame_behind(Picoseconds time) const {
@@ -115,27 +127,42 @@ Picoseconds Himax::frame_at(Picoseconds time) const {
   return begin < ends_at_ ? begin : kNever;
 }
 
-void Himax::read_out(std::span<const std::uint8_t> picture, std::vector<std::uint8_t>& pixels) const {
-  const std::size_t window = window_height();
-  MEBOTS_ASSERT(picture.size() % kWidth == 0 && picture.size() / kWidth >= window);
-  const auto top = picture.subspan((picture.size() / kWidth - window) / 2 * kWidth);
-  const auto orientation = reg(kOrientation);
+std::uint32_t FrameFormat::width() const {
+  return Himax::kWidth / column_step;
+}
+
+void FrameFormat::read_out(std::span<const std::uint8_t> picture, std::vector<std::uint8_t>& pixels) const {
+  constexpr auto kWidth = Himax::kWidth;
+  MEBOTS_ASSERT(picture.size() % kWidth == 0 && picture.size() / kWidth >= window_height);
+  const auto top = picture.subspan((picture.size() / kWidth - window_height) / 2 * kWidth);
   const std::size_t rows = height();
   const std::size_t columns = width();
-  const std::size_t binned_rows = row_step() == 2 && (reg(kBinning) & kBinsRows) != 0 ? 2 : 1;
-  const std::size_t binned_columns = column_step() == 2 && (reg(kBinning) & kBinsColumns) != 0 ? 2 : 1;
+  const std::size_t binned_rows = row_step == 2 && (binning & kBinsRows) != 0 ? 2 : 1;
+  const std::size_t binned_columns = column_step == 2 && (binning & kBinsColumns) != 0 ? 2 : 1;
   const auto count = binned_rows * binned_columns;
   pixels.clear();
   for (std::size_t row = 0; row < rows; ++row) {
-    const auto from_row = ((orientation & kUpsideDown) != 0 ? rows - 1 - row : row) * row_step();
+    const auto from_row = ((orientation & kUpsideDown) != 0 ? rows - 1 - row : row) * row_step;
     for (std::size_t column = 0; column < columns; ++column) {
-      const auto from_column = ((orientation & kMirrored) != 0 ? columns - 1 - column : column) * column_step();
+      const auto from_column = ((orientation & kMirrored) != 0 ? columns - 1 - column : column) * column_step;
       std::size_t sum = count / 2;
       for (std::size_t i = 0; i < binned_rows; ++i) {
         for (std::size_t j = 0; j < binned_columns; ++j) sum += top[(from_row + i) * kWidth + from_column + j];
       }
       pixels.push_back(static_cast<std::uint8_t>(sum / count));
     }
+  }
+}
+
+void FrameFormat::visit(state::Visitor& v) {
+  v("window_height", window_height);
+  v("row_step", row_step);
+  v("column_step", column_step);
+  v("binning", binning);
+  v("orientation", orientation);
+  const auto is_step = [](std::uint32_t step) { return step == 1 || step == 2; };
+  if (window_height > Himax::kHeight || !is_step(row_step) || !is_step(column_step)) {
+    throw Error(ErrorCode::state_damaged, "a saved state is damaged: a camera's frame has another format");
   }
 }
 

@@ -24,6 +24,24 @@ class I2cDevice {
   virtual std::uint8_t read() = 0;
 };
 
+/// What of the array a frame shows, and how.
+struct FrameFormat {
+  std::uint32_t window_height = 0;  // rows of the array
+  std::uint32_t row_step = 1;       // 2: every second one
+  std::uint32_t column_step = 1;
+  std::uint32_t binning = 0;
+  std::uint32_t orientation = 0;
+
+  /// Of a frame as it comes out.
+  std::uint32_t width() const;
+  std::uint32_t height() const { return window_height / row_step; }
+  /// The pixels of a frame in the order in which they come out, from a picture of Himax::kWidth columns with at least
+  /// window_height rows, of which those in the middle are taken.
+  void read_out(std::span<const std::uint8_t> picture, std::vector<std::uint8_t>& pixels) const;
+
+  void visit(state::Visitor& v);
+};
+
 /// HM01B0, the AI-deck's and the GAPuino's camera, as a driver sees it: 8-bit registers at 16-bit addresses by I2C,
 /// which keep what is stored, and frames as MODE_SELECT says. Of the registers these do something:
 ///
@@ -32,7 +50,8 @@ class I2cDevice {
 ///   0x0103 reset                 0x0383, 0x0387 every second column, row (3) 0x3020 frames of mode 3
 ///   0x0202 lines of integration
 ///
-/// In mode 1 a frame follows another until mode 0, which is assumed to be obeyed at once, in the middle of a frame too.
+/// In mode 1 a frame follows another until mode 0, which is assumed to be obeyed at once: a frame under way is lost. A
+/// reset is standby, too.
 /// In mode 3 so many frames come as 0x3020 says (0: one, assumed), and the sensor goes to standby by itself behind the
 /// last one. The first frame's rows are read out when they have gathered light; to wake up takes no time (assumed).
 /// Told mode 3 while frames come, it counts from the next one on that begins an integration later.
@@ -66,22 +85,17 @@ class Himax final : public I2cDevice {
   void advance(Picoseconds now);
   /// From a frame's begin up to the end of so many lines.
   Picoseconds lines_time(std::uint32_t lines) const;
+  /// When the first frame since it streams begins to be read out: another one behind every standby. While it streams.
+  Picoseconds first_frame_at() const { return first_at_; }
   /// How long each line gathers light.
   Picoseconds exposure_time() const;
-  /// Rows of the array that a frame shows.
-  std::uint32_t window_height() const { return (reg(0x3010) & 1U) != 0 ? kWindowHeight : kHeight; }
-  /// Of a frame as it comes out.
-  std::uint32_t width() const { return kWidth / column_step(); }
-  std::uint32_t height() const { return window_height() / row_step(); }
-  /// The pixels of a frame in the order in which they come out, from a picture of kWidth columns with at least
-  /// window_height() rows, of which those in the middle are taken.
-  void read_out(std::span<const std::uint8_t> picture, std::vector<std::uint8_t>& pixels) const;
+  /// Of a frame that begins now.
+  FrameFormat format() const;
 
   void visit(state::Visitor& v);
 
  private:
   static constexpr std::size_t kRegisters = 0x4000;
-  static constexpr std::uint8_t kEverySecond = 3;
 
   void reset();
   void select_mode(std::uint32_t mode, Picoseconds now);
@@ -90,8 +104,6 @@ class Himax final : public I2cDevice {
   Picoseconds period() const;
   Picoseconds frame_behind(Picoseconds time) const;
   std::uint8_t reg(std::size_t at) const { return registers_[at]; }
-  std::uint32_t column_step() const { return reg(0x0383) == kEverySecond ? 2 : 1; }
-  std::uint32_t row_step() const { return reg(0x0387) == kEverySecond ? 2 : 1; }
   std::uint32_t pair(std::size_t at) const { return std::uint32_t{reg(at)} << 8 | reg(at + 1); }
 
   PartPort port_;

@@ -184,14 +184,14 @@ Picoseconds Udma::next_event() const {
 }
 
 void Udma::advance(Picoseconds now) {
-  while (now >= next_event()) {
-    if (now >= std::min(sensor_.next_event(), camera_.next_event())) {
-      sensor_.advance(now);
-      camera_.advance(now);
-      ask_who_waits(now);
+  for (auto at = next_event(); at <= now; at = next_event()) {
+    if (at >= std::min(sensor_.next_event(), camera_.next_event())) {
+      sensor_.advance(at);
+      camera_.advance(at);
+      ask_who_waits(at);
     }
     for (auto& queue : queues_) {
-      if (queue.empty() || now < queue.front().done_at) continue;
+      if (queue.empty() || at < queue.front().done_at) continue;
       const auto transfer = queue.front();
       queue.erase(queue.begin());
       peripheral(transfer.channel).end(transfer);

@@ -40,35 +40,43 @@ bool UdmaCamera::is_on() const {
   return (host_.config(kCameraGlobal) & kCameraOn) != 0 && sensor_.streams();
 }
 
-std::uint32_t UdmaCamera::last_line() const {
-  if ((host_.config(kCameraGlobal) & kHasWindow) == 0) return sensor_.height();
-  return std::min((host_.config(kCameraUpperRight) >> 16) + 1, sensor_.height());
+Picoseconds UdmaCamera::end_of_frame() const {
+  auto lines = format_.height();
+  if ((host_.config(kCameraGlobal) & kHasWindow) != 0) {
+    lines = std::min((host_.config(kCameraUpperRight) >> 16) + 1, lines);
+  }
+  return frame_at_ + sensor_.lines_time(lines);
 }
 
 Picoseconds UdmaCamera::end_time(const UdmaTransfer& /*transfer*/, Picoseconds start) {
   if (asked_at_ == kNever) asked_at_ = start;
-  // A frame that was read out whole stays: its picture may come later than the standby behind it.
-  const bool cut_off = !is_on() && (frame_at_ == kNever || start < frame_at_ + sensor_.lines_time(last_line()));
-  if (cut_off) {
-    frame_at_ = kNever;
-    return kNever;
-  }
+  // Every change of sensor and interface comes by here when it is made, so that a frame's fate hangs on their time
+  // only. One that was read out whole stays: its picture may come later than the standby behind it.
+  const bool goes_on = is_on() && sensor_.first_frame_at() == first_frame_at_;
+  if (frame_at_ != kNever && !goes_on && start < ends_at_) lose_frame();
   if (frame_at_ == kNever) {
+    if (!is_on()) return kNever;
     frame_at_ = sensor_.frame_at(start);
     if (frame_at_ == kNever) return kNever;
+    first_frame_at_ = sensor_.first_frame_at();
     light_at_ = std::max(frame_at_ - sensor_.exposure_time(), asked_at_);
   }
+  if (start <= frame_at_) {
+    format_ = sensor_.format();
+    ends_at_ = end_of_frame();
+  }
   advance(start);
-  if (!has_picture_) return kNever;
-  return std::max(came_at_, frame_at_ + sensor_.lines_time(last_line()));
+  return has_picture_ && start >= stored_at() ? stored_at() : kNever;
 }
 
 Picoseconds UdmaCamera::next_event() const {
-  return frame_at_ == kNever || waits_ || has_picture_ ? kNever : light_at_;
+  if (frame_at_ == kNever) return kNever;
+  if (has_picture_) return stored_at();
+  return waits_ ? kNever : light_at_;
 }
 
 void UdmaCamera::advance(Picoseconds now) {
-  if (now >= next_event()) expose(light_at_);
+  if (!has_picture_ && now >= next_event()) expose(light_at_);
 }
 
 void UdmaCamera::expose(Picoseconds now) {
@@ -94,10 +102,10 @@ void UdmaCamera::take(std::span<const std::uint8_t> picture, Picoseconds now) {
 }
 
 void UdmaCamera::require_rows(std::size_t bytes) const {
-  if (bytes % Himax::kWidth != 0 || bytes / Himax::kWidth < sensor_.window_height()) {
+  if (bytes % Himax::kWidth != 0 || bytes / Himax::kWidth < format_.window_height) {
     throw Error(fmt::format(
         "{}: picture {} of the camera has {} bytes; this camera's has rows of {} and now at least {} of them",
-        host_.entry.name, requests_, bytes, Himax::kWidth, sensor_.window_height()));
+        host_.entry.name, requests_, bytes, Himax::kWidth, format_.window_height));
   }
 }
 
@@ -116,7 +124,7 @@ void UdmaCamera::convert() {
   const auto format = global >> kFormatShift & 7U;
   const auto shift = global >> kShiftShift & 0xfU;
   const bool has_window = (global & kHasWindow) != 0;
-  const std::size_t width = sensor_.width();
+  const std::size_t width = format_.width();
   const std::size_t pairs = width / kPixelBytes;
   stream_.clear();
   for (std::size_t i = 0; i + 1 < pixels_.size(); i += kPixelBytes) {
@@ -146,8 +154,8 @@ void UdmaCamera::convert() {
 }
 
 void UdmaCamera::end(const UdmaTransfer& transfer) {
-  require_rows(picture_.size());  // once more: the program may have changed the window since it came
-  sensor_.read_out(picture_, pixels_);
+  require_rows(picture_.size());  // once more: it may have come for another frame
+  format_.read_out(picture_, pixels_);
   convert();
   const PictureTimes times{asked_at_, light_at_, frame_at_, transfer.done_at};
   forget();
@@ -160,9 +168,14 @@ void UdmaCamera::end(const UdmaTransfer& transfer) {
   host_.host.picture_stored(times);
 }
 
-/// What the roll has handed out is not lost: its pictures are of no time.
 void UdmaCamera::cancel(const UdmaTransfer& /*transfer*/, Picoseconds /*now*/) {
+  lose_frame();
   forget();
+}
+
+/// What the roll has handed out is not lost: its pictures are of no time.
+void UdmaCamera::lose_frame() {
+  frame_at_ = kNever;
   if (roll_.exists()) return;
   waits_ = false;
   has_picture_ = false;
@@ -171,7 +184,6 @@ void UdmaCamera::cancel(const UdmaTransfer& /*transfer*/, Picoseconds /*now*/) {
 void UdmaCamera::forget() {
   asked_at_ = kNever;
   frame_at_ = kNever;
-  light_at_ = kNever;
 }
 
 double* UdmaCamera::input(std::string_view variable) {
@@ -222,6 +234,9 @@ void UdmaCamera::visit(state::Visitor& v) {
   v("asked_at", asked_at_);
   v("frame_at", frame_at_);
   v("light_at", light_at_);
+  v("ends_at", ends_at_);
+  v("first_frame_at", first_frame_at_);
+  v("format", format_);
   v("waits", waits_);
   v("has_picture", has_picture_);
   v("came_at", came_at_);

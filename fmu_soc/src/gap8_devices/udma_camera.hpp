@@ -5,6 +5,7 @@
 #include "gap8_devices/udma_host.hpp"
 #include "gap8_devices/udma_peripheral.hpp"
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -24,8 +25,9 @@ class PictureRoll {
 };
 
 /// The camera interface (CPI) of the uDMA with an HM01B0. A transfer takes the next frame that begins while interface
-/// and camera are on, line after line, and ends with the last line of its window. Dropping frames is not modelled, and
-/// told.
+/// and camera are on, line after line, and ends with the last line of its window. If one of them goes off before that,
+/// the frame is lost, and the transfer takes the next one. A frame has the format and the lines with which it began.
+/// Dropping frames is not modelled, and told.
 ///
 /// When the frame's first row begins to gather light, its picture is asked for, from the roll or from the world. The
 /// world's comes later than that, and in time for the last line: bytes move at the transfer's end. Where it does not,
@@ -41,7 +43,7 @@ class UdmaCamera final : public UdmaPeripheral {
   Picoseconds end_time(const UdmaTransfer& transfer, Picoseconds start) override;
   void end(const UdmaTransfer& transfer) override;
   void cancel(const UdmaTransfer& transfer, Picoseconds now) override;
-  /// When the frame begins that a transfer waits for.
+  /// When the frame begins that a transfer waits for, or when it ends.
   Picoseconds next_event() const;
   void advance(Picoseconds now);
   void registers_changed(std::uint32_t offset, Picoseconds now) override;
@@ -62,9 +64,11 @@ class UdmaCamera final : public UdmaPeripheral {
   void take(std::span<const std::uint8_t> picture, Picoseconds now);
   void convert();
   void forget();
+  void lose_frame();
+  Picoseconds stored_at() const { return std::max(came_at_, ends_at_); }
   void require_size(std::size_t bytes) const;
   void require_rows(std::size_t bytes) const;
-  std::uint32_t last_line() const;
+  Picoseconds end_of_frame() const;
 
   UdmaHost& host_;
   Himax& sensor_;
@@ -74,6 +78,9 @@ class UdmaCamera final : public UdmaPeripheral {
   Picoseconds asked_at_ = kNever;
   Picoseconds frame_at_ = kNever;
   Picoseconds light_at_ = kNever;
+  Picoseconds ends_at_ = kNever;
+  Picoseconds first_frame_at_ = kNever;  // the sensor's first frame since it streams: another one behind a standby
+  FrameFormat format_;
   bool waits_ = false;  // for its picture
   bool has_picture_ = false;
   Picoseconds came_at_ = 0;
