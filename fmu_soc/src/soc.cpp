@@ -2,6 +2,7 @@
 #include "soc.hpp"
 
 #include "isa/encoding.hpp"
+#include "mebots/error.hpp"
 #include "mebots/soc/fixed_point.hpp"
 
 #include <algorithm>
@@ -316,6 +317,7 @@ void Soc::visit(state::Visitor& v) {
   v("now", now_);
   v("end", end_);
   v("end_time", end_time_);
+  v("ended_by", ended_by_);
   v("asleep", asleep_);
   v("asleep_since", asleep_since_);
   v("slept", slept_);
@@ -328,6 +330,9 @@ void Soc::visit(state::Visitor& v) {
   v("cluster_work_noted", cluster_work_noted_);
   v("awake_noted", awake_noted_);
   if (!v.restores()) return;
+  if (ended_by_ < kFabricControllerCore || ended_by_ >= (cluster_ ? static_cast<int>(cluster_->cores()) : 0)) {
+    throw Error(ErrorCode::state_damaged, "a saved state is damaged: a core that there is not ended the program");
+  }
   connect_memories();
   set_ways();
 }

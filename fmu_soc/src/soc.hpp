@@ -164,8 +164,9 @@ class Soc final : private Bus {
   }
   /// Among the numbers of the cluster's cores.
   static constexpr int kFabricControllerCore = -1;
-  /// The core whose exception led the program's own handler to end it, with an exit code that says that something is
-  /// wrong. Of several the one with the least number, which need not be the first in time.
+  /// The core that ended the program, the first one to do so, if it had taken an exception and no handler of its had
+  /// returned since, and its exit code says that something is wrong. Others may be in handlers, too: those do not
+  /// count.
   std::optional<int> gave_up() const;
   /// Whether a core cannot go on, of the cluster's too, or ended on an exception.
   bool faulted() const {
@@ -291,6 +292,7 @@ class Soc final : private Bus {
 
   Picoseconds now_ = 0;
   End end_ = End::none;
+  std::int32_t ended_by_ = kFabricControllerCore;
   Picoseconds end_time_ = 0;
   bool asleep_ = false;  // the core waits for an interrupt, or has ended
   Picoseconds asleep_since_ = 0;

@@ -97,8 +97,10 @@ BusReply Soc::from_cluster(const ClusterAccess& access, Picoseconds time) {
   const auto offset = access.address - slot->base;
   const auto wait = chip_.interconnect.cluster_to_soc + chip_.interconnect.fabric_controller_to_device;
   if (access.stored != nullptr) {
+    const bool had_ended = signals_.exit_code.has_value();
     const bool stored = access.size == 4 ? slot->device->store(offset, now, *access.stored)
                                          : slot->device->store_narrow(offset, now, *access.stored, access.size);
+    if (!had_ended && signals_.exit_code) ended_by_ = static_cast<std::int32_t>(access.who);
     return stored ? BusReply::done(0, wait) : unmodelled(access.address, true, false);
   }
   std::uint32_t value = 0;

@@ -56,12 +56,9 @@ std::string stack_text(const Exception& what, const Elf& program, const Memory& 
 
 std::optional<int> Soc::gave_up() const {
   if (end_ != End::exited || exit_code() == 0) return std::nullopt;
-  const int cores = cluster_ ? static_cast<int>(cluster_->cores()) : 0;
-  for (int core = kFabricControllerCore; core < cores; ++core) {
-    const auto& hart = hart_of(core);
-    if (hart.in_exception() && hart.fault().first.cause != cause::kMachineEcall) return core;
-  }
-  return std::nullopt;
+  const auto& hart = hart_of(ended_by_);
+  if (!hart.in_exception() || hart.fault().first.cause == cause::kMachineEcall) return std::nullopt;
+  return ended_by_;
 }
 
 const Hart& Soc::hart_of(int core) const {

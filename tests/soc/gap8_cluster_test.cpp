@@ -443,6 +443,92 @@ BoardDescription gap8_board_of_cluster() {
   return read_board(MEBOTS_SOURCE_DIR "/configs/boards/gap8.json");
 }
 
+/// A program whose exceptions go to `ends`. The fabric controller goes on with `rest`, cores 1 and 5 at `core`.
+std::string with_handler(std::string_view rest) {
+  constexpr std::string_view kVectors = R"(
+    .balign 256
+vectors: j ends
+    .org vectors + 0x80
+    j begin
+    .org vectors + 0x84
+    j ends
+    .globl _start
+_start:
+begin: csrr a0, mhartid
+    li a1, 0x400
+    bne a0, a1, core
+)";
+  return fmt::format("{}{}{}", kVectors, start_cluster(0b100010), rest);
+}
+
+TEST(Gap8Cluster, NamesTheFirstCoreInTimeWhoseExceptionEndsTheProgram) {
+  BoardSystem system(with_handler(R"(
+2:  j 2b
+core: li a1, 1
+    beq a0, a1, 3f
+    .word 0
+3:  .rept 4
+    nop
+    .endr
+    .word 0
+ends: csrr a1, mhartid
+    li a2, 0x80000000
+    add a2, a2, a1
+    li a1, 0x1A1040A0
+    sw a2, 0(a1)
+4:  j 4b
+)"),
+                     {}, gap8_board_of_cluster());
+  system.soc.advance(1 * kMs);
+  EXPECT_EQ(system.soc.exit_code(), 5);
+  EXPECT_EQ(system.soc.gave_up(), 5);
+  ASSERT_EQ(system.faults.size(), 1U);
+  EXPECT_THAT(system.faults.front(), testing::HasSubstr("cluster core 5: the program's own handler gave up"));
+}
+
+TEST(Gap8Cluster, BlamesNoCoreWhoseHandlerGoesOnAndEndsNothing) {
+  BoardSystem system(with_handler(R"(
+2:  j 2b
+core: li a1, 1
+    beq a0, a1, 4f
+    li a1, 1000
+3:  addi a1, a1, -1
+    bnez a1, 3b
+4:  .word 0
+ends: csrr a1, mhartid
+    li a2, 1
+    beq a1, a2, 2b
+    li a1, 0x1A1040A0
+    li a2, 0x80000007
+    sw a2, 0(a1)
+5:  j 5b
+)"),
+                     {}, gap8_board_of_cluster());
+  system.soc.advance(1 * kMs);
+  EXPECT_EQ(system.soc.exit_code(), 7);
+  EXPECT_EQ(system.soc.gave_up(), 5);
+}
+
+TEST(Gap8Cluster, BlamesNoCoreWhenTheFabricControllerEndsTheProgramWithoutAnException) {
+  BoardSystem system(with_handler(R"(
+    li a1, 10000
+2:  addi a1, a1, -1
+    bnez a1, 2b
+    li a1, 0x1A1040A0
+    li a2, 0x80000003
+    sw a2, 0(a1)
+core: .word 0
+ends: j ends
+)"),
+                     {}, gap8_board_of_cluster());
+  system.soc.advance(1 * kMs);
+  EXPECT_EQ(system.soc.end(), End::exited);
+  EXPECT_EQ(system.soc.exit_code(), 3);
+  EXPECT_EQ(system.soc.gave_up(), std::nullopt);
+  EXPECT_FALSE(system.soc.faulted());
+  EXPECT_TRUE(system.faults.empty());
+}
+
 TEST(Gap8Cluster, RunsEightCoresWithDmaBarrierAndAWordToTheFabricController) {
   BoardSystem system(eight_cores(), {}, gap8_board_of_cluster());
   system.soc.advance(5 * kMs);

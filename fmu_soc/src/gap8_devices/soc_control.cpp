@@ -40,7 +40,7 @@ bool SocControl::store(std::uint32_t offset, Picoseconds now, std::uint32_t valu
   if (!registers_.store(offset, now, value)) return false;
   if (offset == kClusterBypass) {
     switch_cluster(before, value, now);
-  } else if (offset == kCoreStatus && (value & kEnded) != 0) {
+  } else if (offset == kCoreStatus && (value & kEnded) != 0 && !signals_.exit_code) {
     signals_.exit_code = static_cast<std::int32_t>(value & ~kEnded);
   } else if (offset == kVoltages) {
     signals_.power->voltage_mv = kLowest_mv + kStep_mv * (value & kVoltageMask);
