@@ -34,13 +34,4 @@ void timer_set_alarm(int64_t time_ns) {
   set_compare((uint64_t)time_ns);
 }
 
-bool timer_alarm_came(void) {
-  return alarm_came;
-}
-
-void timer_sleep_until(int64_t time_ns) {
-  timer_set_alarm(time_ns);
-  while (!alarm_came) {
-    sleep_until_interrupt();
-  }
-}
+#include "drivers/timer_alarm.inc"

@@ -16,7 +16,7 @@ void cluster_start(void);
 // Lets only these events through, and takes one: others stay in the buffer for who waits for them.
 static void wait_for(uint32_t events) {
   EVENT_UNIT_EVENT_MASK = events;
-  cluster_event_load(EVENT_UNIT_BASE + EVENT_UNIT_EVENT_WAIT_OFFSET);
+  event_load(EVENT_UNIT_BASE + EVENT_UNIT_EVENT_WAIT_OFFSET);
   EVENT_UNIT_EVENT_MASK = 0;
 }
 

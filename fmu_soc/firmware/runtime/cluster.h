@@ -10,6 +10,7 @@
 #include <stdint.h>
 
 #include "runtime/barrier.h"
+#include "runtime/event_load.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -38,13 +39,6 @@ void cluster_wait(void);
 
 // For the cluster's cores.
 
-// p.elw: sleeps until the event unit answers.
-static inline uint32_t cluster_event_load(uint32_t address) {
-  uint32_t value;
-  __asm__ volatile(".insn i 0x03, 6, %0, 0(%1)" : "=r"(value) : "r"(address) : "memory");
-  return value;
-}
-
 // 0 to 7.
 static inline unsigned cluster_core_id(void) {
   unsigned id;
@@ -54,7 +48,7 @@ static inline unsigned cluster_core_id(void) {
 
 // Sleeps until all cores of the fork have come here.
 static inline void cluster_barrier(void) {
-  cluster_event_load(BARRIER_ADDRESS);
+  event_load(BARRIER_ADDRESS);
 }
 
 // For both: the DMA. A copy starts and runs by itself, after those started before it; its number is for dma_wait.

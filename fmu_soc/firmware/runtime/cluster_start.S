@@ -2,24 +2,17 @@
 # Where the cluster's cores start when the cluster is switched on: a stack for each at the end of L1, then wait for
 # work, do it, report it, for ever.
 #include "board.h"
+#include "runtime/cluster_stack.inc"
 
     .section .text.cluster_start, "ax"
     .globl cluster_start
     .type cluster_start, @function
 cluster_start:
-    .option push
-    .option norelax
-    la      gp, __global_pointer$
-    .option pop
+    global_pointer
     csrr    t0, mhartid            # 0 to 7
-    la      t1, __cluster_stack_size
-    la      sp, __cluster_stack_top
-1:  beqz    t0, 2f
-    sub     sp, sp, t1
-    addi    t0, t0, -1
-    j       1b
+    own_stack
 
-2:  li      s0, EVENT_UNIT_BASE
+    li      s0, EVENT_UNIT_BASE
 3:  .insn i 0x03, 6, t0, EVENT_UNIT_DISPATCH_WAIT_OFFSET(s0)   # p.elw: sleeps until a fork names this core
     lw      a0, EVENT_UNIT_DISPATCH_ARGUMENT_OFFSET(s0)
     jalr    t0

@@ -48,13 +48,4 @@ void timer_set_alarm(int64_t time_ns) {
   look();  // the timer tells only when it is there, not that it was
 }
 
-bool timer_alarm_came(void) {
-  return alarm_came;
-}
-
-void timer_sleep_until(int64_t time_ns) {
-  timer_set_alarm(time_ns);
-  while (!alarm_came) {
-    sleep_until_interrupt();
-  }
-}
+#include "drivers/timer_alarm.inc"

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Where the cluster's cores start: a stack for each at the end of L1, then wait for work, do it, report it, for ever.
 # They take no interrupts; an exception of one ends the program.
+#include "runtime/cluster_stack.inc"
 #include "runtime/registers.h"
 #include "runtime/vectors.inc"
 
@@ -21,20 +22,12 @@ cluster_trap:
     .globl cluster_start
     .type cluster_start, @function
 cluster_start:
-    .option push
-    .option norelax
-    la      gp, __global_pointer$
-    .option pop
+    global_pointer
     csrr    s1, mhartid            # 0 to 7
     mv      t0, s1
-    la      t1, __cluster_stack_size
-    la      sp, __cluster_stack_top
-1:  beqz    t0, 2f
-    sub     sp, sp, t1
-    addi    t0, t0, -1
-    j       1b
+    own_stack
 
-2:  li      s0, EU_BASE
+    li      s0, EU_BASE
     li      s2, 1 << CLUSTER_EVENT_JOB
     li      s3, 1 << CLUSTER_EVENT_BARRIER
     la      s4, cluster_job

@@ -5,6 +5,7 @@
 
 #include <stdint.h>
 
+#include "runtime/event_load.h"
 #include "runtime/registers.h"
 
 #ifdef __cplusplus
@@ -17,13 +18,6 @@ uint32_t core_clock_hz(void);
 // lower one is passed over: the transfer's end is an interrupt. A last byte that is still on the wire is none: the
 // clock stays until the next sleep.
 void core_clock_set(uint32_t hz);
-
-// p.elw: sleeps until the event unit answers.
-static inline uint32_t event_load(uint32_t address) {
-  uint32_t value;
-  __asm__ volatile(".insn i 0x03, 6, %0, 0(%1)" : "=r"(value) : "r"(address) : "memory");
-  return value;
-}
 
 // Lets interrupt `number` in: it ends a sleep, and comes when interrupts are on.
 static inline void core_let_in(unsigned number) {

@@ -66,7 +66,7 @@ void dma_wait(uint32_t copy) {
   while ((load(dma + DMA_STATUS_OFFSET) >> copy & 1u) != 0) {
     if (core) {
       store(EU_BASE + EU_MASK_OFFSET, UINT32_C(1) << CLUSTER_EVENT_DMA);
-      cluster_event_load(EU_BASE + EU_WAIT_CLEAR_OFFSET);
+      event_load(EU_BASE + EU_WAIT_CLEAR_OFFSET);
       store(EU_BASE + EU_MASK_OFFSET, UINT32_C(1) << CLUSTER_EVENT_BARRIER);
     }
   }
