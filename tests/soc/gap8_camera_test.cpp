@@ -453,6 +453,25 @@ TEST(Gap8Camera, RefusesAPictureOfTheWorldsOfAnotherSize) {
   }
 }
 
+TEST(Gap8Camera, RefusesParametersThatAreNotTheSensorsAtTheStart) {
+  struct Size {
+    double width;
+    double height;
+    bool good;
+  };
+  for (const auto& [width, height, good] : {Size{324, 324, true}, Size{324, 244, true}, Size{324, 0, true},
+                                            Size{648, 162, false}, Size{648, 0, false}, Size{324, 243, false}}) {
+    BoardSystem system(takes_a_picture(), {}, gap8_board_of_camera());
+    *system.soc.input("camera.frame_width") = width;
+    *system.soc.input("camera.frame_height") = height;
+    if (good) {
+      EXPECT_NO_THROW(system.soc.begin_step()) << width << " x " << height;
+    } else {
+      EXPECT_THROW(system.soc.begin_step(), Error) << width << " x " << height;
+    }
+  }
+}
+
 TEST(Gap8Camera, WaitsWhenTheRollHasNoPictureAnyMore) {
   Settings settings = with_pictures(1);
   settings.pictures.front().clear();

@@ -206,6 +206,7 @@ const double* UdmaCamera::output(std::string_view variable) const {
 }
 
 void UdmaCamera::begin_step(Picoseconds now) {
+  require_parameters();
   if (!waits_ || roll_.exists() || static_cast<std::int32_t>(frame_id_) != requests_) return;
   auto picture = frame_;
   if (picture.empty()) {
@@ -217,6 +218,15 @@ void UdmaCamera::begin_step(Picoseconds now) {
   if (picture.empty()) return;
   require_size(picture.size());
   take(picture, now);
+}
+
+/// Before the first picture, since a board file may allow more: 648 x 162 has as many bytes as 324 x 324.
+void UdmaCamera::require_parameters() const {
+  if (frame_width_ == Himax::kWidth && (frame_height_ == 0 || frame_height_ >= Himax::kWindowHeight)) return;
+  throw Error(
+      fmt::format("{}: camera.frame_width {} and camera.frame_height {}: the sensor takes pictures of {} columns "
+                  "with at least {} rows; camera.frame_height 0 takes any rows",
+                  host_.entry.name, frame_width_, frame_height_, Himax::kWidth, Himax::kWindowHeight));
 }
 
 /// Bytes say nothing of rows: cut at another width, they would be garbled without a word.

@@ -66,6 +66,7 @@ class UdmaCamera final : public UdmaPeripheral {
   void forget();
   void lose_frame();
   Picoseconds stored_at() const { return std::max(came_at_, ends_at_); }
+  void require_parameters() const;
   void require_size(std::size_t bytes) const;
   void require_rows(std::size_t bytes) const;
   Picoseconds end_of_frame() const;
