@@ -139,6 +139,10 @@ void Model::write(const Inputs& inputs, std::int64_t now_ns, Outputs& outputs) {
   const double current_a =
       connected_ ? terminal_current_a(source_v, circuit.series_ohm, demand(inputs).terminal_w()) : 0;
   const double voltage_v = source_v - circuit.series_ohm * current_a;
+  if (!std::isfinite(voltage_v)) {
+    throw Error(fmt::format("source.power = {} W makes bus.voltage {} V, which must be finite; give less power",
+                            inputs.source_power_w, voltage_v));
+  }
   watch_current(current_a, now_ns);
 
   outputs.bus_voltage_v = connected_ ? voltage_v : 0;

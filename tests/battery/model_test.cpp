@@ -125,6 +125,13 @@ TEST(Battery, PowerThatIsNegativeOrNotANumberIsRefused) {
   EXPECT_THAT(error_of([&] { bench.step(kMillisecond); }), testing::HasSubstr("source.power = -1 W"));
 }
 
+TEST(Battery, PowerThatMakesTheVoltageInfiniteIsRefusedAtTheStart) {
+  Inputs inputs;
+  inputs.source_power_w = 1e308;
+  EXPECT_THAT(error_of([&] { Bench(parameters("bitcraze_250", 0.5), inputs); }),
+              testing::HasSubstr("source.power = 1e+308 W makes bus.voltage inf V"));
+}
+
 TEST(Battery, StateOfChargeOutsideItsRangeIsRefused) {
   EXPECT_THAT(error_of([] { Bench{parameters("bitcraze_250", 1.2)}; }),
               testing::HasSubstr("cell.initial_state_of_charge = 1.2"));

@@ -9,6 +9,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <cmath>
+#include <utility>
 
 namespace mebots::world {
 namespace {
@@ -111,15 +112,30 @@ TEST(Dryden, RefusesWhatIsNoGust) {
   EXPECT_THROW(Dryden({1.0, 5.0, NAN, 3}), Error);
 }
 
+TEST(Dryden, HasTheLeastLengthAndSpeedOfItsDescription) {
+  Dryden({1.0, 0.001, 1.0, 3});
+  Dryden({1.0, 1.0, 0.001, 3});
+  EXPECT_THAT(
+      [] {
+        Dryden({1.0, 0.0009, 1.0, 3});
+      },
+      testing::ThrowsMessage<Error>(testing::HasSubstr("gust.length = 0.0009 must be a finite number >= 0.001")));
+  EXPECT_THAT(
+      [] {
+        Dryden({1.0, 1.0, 0.0009, 3});
+      },
+      testing::ThrowsMessage<Error>(testing::HasSubstr("gust.speed = 0.0009 must be a finite number >= 0.001")));
+}
+
 TEST(Dryden, NamesSpeedAndLengthThatNoFilterCanHave) {
   const auto named = testing::ThrowsMessage<Error>(
       testing::AllOf(testing::HasSubstr("gust.speed = "), testing::HasSubstr("gust.length = ")));
   EXPECT_THAT([] { Dryden({1.0, 1e15, 0.01, 3}); }, named);
-  EXPECT_THAT([] { Dryden({1.0, 1e-300, 1e300, 3}); }, named);
-  EXPECT_THAT([] { Dryden({1.0, 1e-200, 1.0, 3}); }, named);
+  EXPECT_THAT([] { Dryden({1.0, 0.001, 1e300, 3}); }, named);
+  EXPECT_THAT([] { Dryden({1.0, 0.001, 1e10, 3}); }, named);
   // At the limits there are gusts yet, and who wants none may say what he likes.
-  for (const double length_m : {5e11, 2e-12}) {
-    Dryden gusts({1.0, length_m, 1.0, 3});
+  for (const auto& [length_m, speed_m_per_s] : {std::pair{5e11, 1.0}, std::pair{0.001, 5e8}}) {
+    Dryden gusts({1.0, length_m, speed_m_per_s, 3});
     gusts.at(0);
     EXPECT_LT(gusts.at(10'000'000'000).norm(), 10.0) << length_m;
   }

@@ -18,6 +18,8 @@ constexpr std::int64_t kPeriod_ns = 10'000'000;
 constexpr double kSlowest_per_s = 1e-12;
 constexpr double kFastest_per_s = 1e12;
 constexpr int kNormals = 5;  // for a step
+/// Of length [m] and speed [m/s], as description.json says.
+constexpr double kLeast = 0.001;
 
 }  // namespace
 
@@ -27,8 +29,8 @@ Dryden::Dryden(const Settings& settings) : settings_(settings) {
       throw Error(fmt::format("{} = {} must be a finite number {}", name, value, limit));
   };
   require(settings.intensity_m_per_s, "gust.intensity", settings.intensity_m_per_s >= 0.0, ">= 0");
-  require(settings.length_m, "gust.length", settings.length_m > 0.0, "> 0");
-  require(settings.speed_m_per_s, "gust.speed", settings.speed_m_per_s > 0.0, "> 0");
+  require(settings.length_m, "gust.length", settings.length_m >= kLeast, ">= 0.001");
+  require(settings.speed_m_per_s, "gust.speed", settings.speed_m_per_s >= kLeast, ">= 0.001");
   // With tau = L / V and unit variances: x' = (-x + n) / tau, and for the others a second x2' = (-x2 + x1) / tau, put
   // together as sqrt(3) x1 + (1 - sqrt(3)) x2. White noise n of intensity tau gives that sum a variance of 1.
   const double rate_per_s = settings.speed_m_per_s / settings.length_m;
