@@ -12,6 +12,7 @@
 namespace mebots::soc {
 
 class Hart;
+struct Rooms;
 
 /// A piece of RAM as the inner loop sees it.
 struct FastRegion {
@@ -129,7 +130,8 @@ struct Execution {
   std::uint32_t trap_cause = 0;
   std::uint32_t trap_value = 0;
   std::uint32_t cut_pc = kNoPc;  // behind an instruction that ran alone, or where a trap returned to
-  Hart* hart = nullptr;
+  const Rooms* rooms = nullptr;  // of the same core
+  Hart* hart = nullptr;          // whose it is
   HostState host;
 
   /// The next instruction of a run must begin in the interpreter.

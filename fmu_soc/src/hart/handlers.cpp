@@ -4,9 +4,12 @@
 // instruction set but for loads and stores.
 #include "hart/bind.hpp"
 #include "hart/csr_numbers.hpp"
-#include "hart/hart.hpp"
+#include "hart/csrs.hpp"
+#include "hart/fetch.hpp"
 #include "hart/meaning_simd.hpp"
 #include "hart/meaning_xpulp.hpp"
+#include "hart/rooms.hpp"
+#include "hart/traps.hpp"
 #include "isa/operations.hpp"
 
 #include <array>
@@ -61,7 +64,7 @@ const Instruction* nothing(Execution& e, const Instruction* at) {
 }
 
 const Instruction* fence_instructions(Execution& e, const Instruction* at) {
-  e.hart->fetch().flush();
+  e.rooms->fetch.flush();
   return next(e, at);
 }
 
@@ -82,10 +85,10 @@ const Instruction* breakpoint(Execution& e, const Instruction* at) {
   return e.raise(at, cause::kBreakpoint, at->pc);
 }
 const Instruction* csr_access(Execution& e, const Instruction* at) {
-  return e.hart->csrs().access(at);
+  return e.rooms->csrs.access(at);
 }
 const Instruction* trap_return(Execution& e, const Instruction* at) {
-  return e.hart->traps().leave_handler(at);
+  return e.rooms->traps.leave_handler(at);
 }
 const Instruction* wait_for_interrupt(Execution& e, const Instruction* at) {
   return e.leave_after(at, Leave::sleep);

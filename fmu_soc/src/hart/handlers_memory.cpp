@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Loads and stores, standard ones and those of Xpulp v2.
+#include "hart/data_path.hpp"
 #include "hart/handler.hpp"
-#include "hart/hart.hpp"
 #include "hart/ram_access.hpp"
+#include "hart/rooms.hpp"
 
 #include <cstring>
 #include <type_traits>
@@ -66,7 +67,7 @@ template <typename T, Mode kMode>
   const auto address = addresses_of<kMode>(e, at, at->rs2);
   const auto ram = ram_access<sizeof(T)>(e, at, address.access);
   if (ram.data == nullptr) {
-    const auto* left = e.hart->data_path().load(at, address.access, sizeof(T), std::is_signed_v<T>);
+    const auto* left = e.rooms->data_path.load(at, address.access, sizeof(T), std::is_signed_v<T>);
     if (is_post(kMode) && retired(e, at) && at->rd != at->rs1) increment(e, at, address.moved);
     return left;
   }
@@ -98,7 +99,7 @@ template <typename T, Mode kMode>
   const auto address = addresses_of<kMode>(e, at, static_cast<std::uint32_t>(at->imm));
   const auto ram = ram_access<sizeof(T)>(e, at, address.access);
   if (ram.data == nullptr) {
-    const auto* left = e.hart->data_path().store(at, address.access, sizeof(T), e.x[at->rs2]);
+    const auto* left = e.rooms->data_path.store(at, address.access, sizeof(T), e.x[at->rs2]);
     if (is_post(kMode) && retired(e, at)) increment(e, at, address.moved);
     return left;
   }
@@ -108,7 +109,7 @@ template <typename T, Mode kMode>
     e.extra_cycles += kMisalignedExtra;
     marks |= ram.marks[1];
   }
-  return marks != 0 ? e.hart->data_path().stored_over_mark(at, address.access, sizeof(T)) : next(e, at);
+  return marks != 0 ? e.rooms->data_path.stored_over_mark(at, address.access, sizeof(T)) : next(e, at);
 }
 
 template <typename T, Mode kMode>
@@ -119,7 +120,7 @@ const Instruction* store(Execution& e, const Instruction* at) {
     return careful_store<T, kMode>(e, at);
   finish_store<T, kMode>(e, at, ram.data, address.moved);
   if (*ram.marks != 0) [[unlikely]]
-    return e.hart->data_path().stored_over_mark(at, address.access, sizeof(T));
+    return e.rooms->data_path.stored_over_mark(at, address.access, sizeof(T));
   return next(e, at);
 }
 
@@ -138,7 +139,7 @@ Handler handler_in_mode(const OpTraits& op) {
 }  // namespace
 
 const Instruction* event_load(Execution& e, const Instruction* at) {
-  return e.hart->data_path().event_load(at);
+  return e.rooms->data_path.event_load(at);
 }
 
 Handler memory_handler_of(Op op) {

@@ -21,6 +21,7 @@ Hart::Hart(Memory& memory, Bus& bus, std::shared_ptr<DecodedCode> decoded)
       interpreter_(execution_, memory, cache_, fetch_, limit_),
       observed_(*this, execution_, *decoded_, interpreter_, limit_),
       translated_(execution_, *decoded_, interpreter_, fetch_, observed_, limit_) {
+  execution_.rooms = &rooms_;
   execution_.hart = this;
   std::vector<MemoryPort> ports(memory.regions().size());
   for (std::size_t i = 0; i < ports.size(); ++i) ports[i].region = i;
@@ -238,11 +239,6 @@ void Hart::take_interrupt() {
   const auto number = traps_.next_interrupt();
   if (traps_.enter_handler(cause::kInterrupt | number, 0)) entered_handler();
   if (csrs_.has_event_unit()) bus_.interrupt_taken(number);
-}
-
-const Instruction* Hart::set_loop_end(const Instruction* at, unsigned loop, std::uint32_t pc) {
-  execution_.loops[loop].end = pc;
-  return cache_.end_block_at(pc) ? execution_.leave_after(at, Leave::normal) : at + 1;
 }
 
 void Hart::visit(state::Visitor& v) {

@@ -8,6 +8,7 @@
 #include "hart/fetch.hpp"
 #include "hart/interpreter.hpp"
 #include "hart/observed_run.hpp"
+#include "hart/rooms.hpp"
 #include "hart/run_limit.hpp"
 #include "hart/timing.hpp"
 #include "hart/translated_run.hpp"
@@ -147,16 +148,6 @@ class Hart {
   TranslatedRun& translated() { return translated_; }
   const TranslatedRun& translated() const { return translated_; }
 
-  // For the handlers.
-  Csrs& csrs() { return csrs_; }
-  Traps& traps() { return traps_; }
-  DataPath& data_path() { return data_path_; }
-  Fetch& fetch() { return fetch_; }
-  /// Sets where a hardware loop ends, and goes on behind `at`, which did it.
-  const Instruction* set_loop_end(const Instruction* at, unsigned loop, std::uint32_t pc);
-  /// Where to note the block of a loop's next iteration, emptied when it holds that of another start.
-  std::uint32_t* loop_link(const Instruction& holder, std::uint32_t start) { return cache_.loop_link(holder, start); }
-
  private:
   bool stays_awake();
   std::uint32_t following();
@@ -178,6 +169,7 @@ class Hart {
   Traps traps_;
   DataPath data_path_;
   Fetch fetch_;
+  Rooms rooms_{csrs_, traps_, data_path_, fetch_, cache_};
   Interpreter interpreter_;
   ObservedRun observed_;
   TranslatedRun translated_;

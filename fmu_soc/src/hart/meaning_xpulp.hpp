@@ -2,7 +2,8 @@
 #pragma once
 
 #include "hart/bind.hpp"
-#include "hart/hart.hpp"
+#include "hart/block_cache.hpp"
+#include "hart/rooms.hpp"
 #include "isa/operations_xpulp.hpp"
 
 /// Handlers of Xpulp v2 on whole words, of its branches and of its hardware loops.
@@ -48,8 +49,13 @@ inline const Instruction* loop_start(Execution& e, const Instruction* at) {
   e.loops[at->rs2].start = at->pc + static_cast<Word>(at->imm);
   return next(e, at);
 }
+/// A block in progress that would go on behind the new end is left: it does not stand for its code any more.
+inline const Instruction* set_loop_end(Execution& e, const Instruction* at, Word pc) {
+  e.loops[at->rs2].end = pc;
+  return e.rooms->blocks.end_block_at(pc) ? e.leave_after(at, Leave::normal) : next(e, at);
+}
 inline const Instruction* loop_set_end(Execution& e, const Instruction* at) {
-  return e.hart->set_loop_end(at, at->rs2, at->pc + static_cast<Word>(at->imm));
+  return set_loop_end(e, at, at->pc + static_cast<Word>(at->imm));
 }
 inline const Instruction* loop_count(Execution& e, const Instruction* at) {
   e.loops[at->rs2].count = e.x[at->rs1];
@@ -62,13 +68,13 @@ inline const Instruction* loop_count_immediate(Execution& e, const Instruction* 
 inline const Instruction* loop_setup(Execution& e, const Instruction* at) {
   e.loops[at->rs2].start = at->pc + 4;
   e.loops[at->rs2].count = e.x[at->rs1];
-  return e.hart->set_loop_end(at, at->rs2, at->pc + static_cast<Word>(at->imm));
+  return set_loop_end(e, at, at->pc + static_cast<Word>(at->imm));
 }
 inline const Instruction* loop_setup_immediate(Execution& e, const Instruction* at) {
   const auto fields = static_cast<Word>(at->imm);
   e.loops[at->rs2].start = at->pc + 4;
   e.loops[at->rs2].count = fields & 0xffffU;
-  return e.hart->set_loop_end(at, at->rs2, at->pc + (fields >> 16));
+  return set_loop_end(e, at, at->pc + (fields >> 16));
 }
 
 /// The end of a block whose last instruction may end a loop. The inner loop (0) comes first; a loop with no turn left
@@ -80,7 +86,7 @@ inline const Instruction* loop_end(Execution& e, const Instruction* at) {
     if (loop.end != last || loop.count <= 1) continue;
     --loop.count;
     e.pc = loop.start;
-    e.link = e.hart->loop_link(at[1], loop.start);
+    e.link = e.rooms->blocks.loop_link(at[1], loop.start);
     return nullptr;
   }
   e.pc = at->pc;
