@@ -288,7 +288,7 @@ void Soc::wake_if_interrupted(Picoseconds time) {
     retention_ += wake - asleep_since_;
     retained_ = false;
     power_manager_->woken();
-    hart_.flush_fetched();  // the memories are kept, the cache is not
+    if (instruction_cache_) instruction_cache_->flush();  // the memories are kept, the cache is not
     wake += std::llround(chip_.wake_up_s * kPsPerS);
   }
   clock_.wake(hart_.counters().cycles, wake);

@@ -114,7 +114,7 @@ class Soc final : private Bus {
   /// Who watches a hart from now on, or null. Not part of a state.
   void observe(unsigned number, Observer* observer);
   /// Of the fabric controller; null without one.
-  const InstructionCache* instruction_cache() const { return instruction_cache_ ? &*instruction_cache_ : nullptr; }
+  const InstructionCache* instruction_cache() const { return instruction_cache_.get(); }
   const Memory& memory() const { return memory_; }
   /// Changes RAM from outside, between instructions; false, with nothing done, when it is not all in one memory.
   bool poke(std::uint32_t address, std::span<const std::uint8_t> bytes);
@@ -277,8 +277,9 @@ class Soc final : private Bus {
   std::vector<std::unique_ptr<Device>> owned_;
   std::vector<BoardSlot> devices_;
   PowerManager* power_manager_ = nullptr;
-  gap8_devices::EventUnit* event_unit_ = nullptr;      // GAP8's own, of the fabric controller
-  std::optional<InstructionCache> instruction_cache_;  // of the fabric controller
+  gap8_devices::EventUnit* event_unit_ = nullptr;        // GAP8's own, of the fabric controller
+  std::unique_ptr<InstructionCache> instruction_cache_;  // of the fabric controller
+  DecodedCode decoded_;                                  // likewise
   Hart hart_;
   UnmodelledRegisters unmodelled_;
   StateListener* listener_ = nullptr;

@@ -32,6 +32,12 @@ Timing timing_of(const BoardDescription& board, const Chip& chip) {
   return timing;
 }
 
+/// The board's first device of a kind; null = there is none.
+const BoardDevice* device_of(const BoardDescription& board, std::string_view kind) {
+  const auto found = std::ranges::find(board.devices, kind, &BoardDevice::kind);
+  return found == board.devices.end() ? nullptr : &*found;
+}
+
 Inventory inventory_of(const BoardDescription& board, const Settings& settings) {
   Inventory inventory;
   if (board.cluster_cores != 0) inventory.cluster_cores = settings.cluster_cores;
@@ -80,7 +86,15 @@ Soc::Soc(const BoardDescription& board, const Chip& chip, const Settings& settin
       flash_(settings.flash),
       pictures_(settings.pictures),
       host_(std::make_unique<Host>(*this)),
-      hart_(memory_, *this, timing_of(board, chip), chip.instruction_energy),
+      instruction_cache_(
+          make_instruction_cache(board.instruction_cache(Place::fabric_controller), InstructionCache::Users::one)),
+      decoded_(memory_, {.timing = timing_of(board, chip),
+                         .energy = chip.instruction_energy,
+                         .instruction_cache = instruction_cache_.get()}),
+      hart_(memory_, *this, decoded_,
+            {.id = board.hart_id,
+             .has_gap8_interrupts = device_of(board, kGap8EventUnitKind) != nullptr,
+             .translate = settings.translate}),
       meter_(chip.energy, inventory_of(board, settings),
              {settings.temperature_c, settings.voltage_v, settings.clock_hz, settings.cluster_clock_hz}),
       temperature_c_(settings.temperature_c),
@@ -93,12 +107,6 @@ Soc::Soc(const BoardDescription& board, const Chip& chip, const Settings& settin
   connect_memories();
   set_ways();
   load_program();
-  if (const auto& cache = board.instruction_cache(Place::fabric_controller); cache.size != 0) {
-    hart_.fetch_through(instruction_cache_.emplace(cache));
-  }
-  hart_.set_translation(settings.translate);
-  hart_.set_id(board_.hart_id);
-  if (event_unit_ != nullptr) hart_.use_event_unit();
   hart_.reset(program_.entry());
   apply_power_settings(core_time());  // what GAP8's own devices begin with
 }
@@ -213,11 +221,7 @@ void Soc::add_cluster(const Settings& settings) {
 
 /// GAP8's own, or those of our boards.
 void Soc::choose_peripherals(ClusterSettings& cluster) {
-  const auto entry_of = [this](std::string_view kind) {
-    const auto found = std::ranges::find(board_.devices, kind, &BoardDevice::kind);
-    return found == board_.devices.end() ? nullptr : &*found;
-  };
-  if (const auto* gap8 = entry_of(kGap8ClusterKind); gap8 != nullptr) {
+  if (const auto* gap8 = device_of(board_, kGap8ClusterKind); gap8 != nullptr) {
     cluster.has_gap8_interrupts = true;
     cluster.make_peripherals = [this, &cluster, gap8](ClusterDma& dma) {
       return std::make_unique<gap8_devices::ClusterPeripherals>(
@@ -227,8 +231,8 @@ void Soc::choose_peripherals(ClusterSettings& cluster) {
     };
     return;
   }
-  const auto* event_unit = entry_of(kEventUnitKind);
-  const auto* dma_entry = entry_of(kClusterDmaKind);
+  const auto* event_unit = device_of(board_, kEventUnitKind);
+  const auto* dma_entry = device_of(board_, kClusterDmaKind);
   if (event_unit == nullptr || dma_entry == nullptr) {
     throw Error(fmt::format("board {}: a cluster needs a device of kind {}, or one of kind {} and one of kind {}",
                             board_.name, kGap8ClusterKind, kEventUnitKind, kClusterDmaKind));

@@ -635,8 +635,8 @@ TEST(ClusterRuntime, TranslatedCoresSeeCodeThatOneOfThemChanges) {
   auto interpreted = cores_run(kPatching, 8, false);
   expect_same_bits(translated.soc, interpreted.soc, 99'991, 3'000'000);
   const auto& core = translated.soc.cluster()->hart(5);
-  EXPECT_EQ(core.translates(), translate::can_translate());
-  EXPECT_FALSE(interpreted.soc.cluster()->hart(5).translates());
+  EXPECT_EQ(core.code().is_translated(), translate::can_translate());
+  EXPECT_FALSE(interpreted.soc.cluster()->hart(5).code().is_translated());
   EXPECT_GT(core.reg(13), core.reg(21) + 1000U) << "a3 grows by 1 and 3 in turns, s5 always by 1";
   EXPECT_TRUE(translated.faults.empty());
 }
@@ -652,7 +652,7 @@ TEST(ClusterRuntime, TranslatedCoresWaitAsInterpretedInTheLongestBlocks) {
   auto translated = cores_run(body, 8);
   auto interpreted = cores_run(body, 8, false);
   expect_same_bits(translated.soc, interpreted.soc, 99'991, 10'000'000);
-  EXPECT_EQ(translated.soc.cluster()->hart(0).translates(), translate::can_translate());
+  EXPECT_EQ(translated.soc.cluster()->hart(0).code().is_translated(), translate::can_translate());
 }
 
 /// Somebody who watches every instruction of every hart, and does nothing.
@@ -708,7 +708,7 @@ TEST(ClusterRuntime, TranslatedCoresKeepTheInterpretersBits) {
   BoardSystem interpreted(program, settings);
   expect_same_bits(translated.soc, interpreted.soc, 17'777'777, 400'000'000);
   EXPECT_GT(translated.soc.cluster()->counters().instructions, 40'000'000U);
-  EXPECT_EQ(translated.soc.cluster()->hart(0).translates(), translate::can_translate());
+  EXPECT_EQ(translated.soc.cluster()->hart(0).code().is_translated(), translate::can_translate());
 }
 
 /// 40,000 cycles of a core, and then `end`.

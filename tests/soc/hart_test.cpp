@@ -322,10 +322,10 @@ TEST(Code, IsDecodedAndTranslatedAtMostTwiceHoweverItBranches) {
   Machine machine(branchy_program(300));
   ASSERT_EQ(machine.run(1'000'000'000), Stop::watch);
   constexpr std::uint64_t kInstructions = 1500 * (14 + 1) + 10;
-  EXPECT_LE(machine.hart().instructions_decoded(), 2 * kInstructions);
-  EXPECT_LE(machine.hart().instructions_translated(), 2 * kInstructions);
+  EXPECT_LE(machine.hart().code().blocks.decoded(), 2 * kInstructions);
+  EXPECT_LE(machine.hart().code().instructions_translated(), 2 * kInstructions);
   if (translate::can_translate()) {
-    EXPECT_GT(machine.hart().instructions_translated(), kInstructions / 2);
+    EXPECT_GT(machine.hart().code().instructions_translated(), kInstructions / 2);
   }
 }
 
@@ -363,7 +363,7 @@ done: {})",
   ASSERT_EQ(machine.run(1'000'000'000), Stop::watch);
   EXPECT_EQ(machine.reg(10), 250U) << "0 and 1 by turns";
   EXPECT_EQ(machine.reg(11), 500U * 200 * 2);
-  EXPECT_LE(machine.hart().instructions_decoded(), 2U * (200 * 4 + 30) + 500 * 2 * 2);
+  EXPECT_LE(machine.hart().code().blocks.decoded(), 2U * (200 * 4 + 30) + 500 * 2 * 2);
 }
 
 TEST(Memory, OfTheSecondRegionWorksLikeTheFirst) {

@@ -93,11 +93,9 @@ _start: li s0, {}
 }
 
 Counters counters_of(const Elf& program, std::uint64_t* refills, bool translated = true) {
-  Machine machine(program);
-  const auto& cache = machine.fetch_through(kGap8);
-  machine.hart().set_translation(translated);
+  Machine machine(program, {.instruction_cache = kGap8, .translate = translated});
   EXPECT_EQ(machine.run(), Stop::watch);
-  *refills = cache.refills();
+  *refills = machine.instruction_cache()->refills();
   return machine.hart().counters();
 }
 
@@ -176,16 +174,15 @@ far_away: lw a4, 0(s1)
 TEST(Fetch, ARunCutAnywhereMakesTheSameRefillsInTheSameCycles) {
   const auto program = assemble(std::string(kWanderer) + std::string(kEnd) + ".data\n.balign 64\ndata: .zero 64\n");
   for (const std::uint32_t bytes : {64U, 256U, 4096U}) {
-    Machine whole(program);
-    const auto& refills = whole.fetch_through({bytes, 16, 2, 9});
+    const MachineSettings settings{.instruction_cache = {bytes, 16, 2, 9}};
+    Machine whole(program, settings);
     EXPECT_EQ(whole.run(), Stop::watch);
-    Machine cut(program);
-    const auto& cut_refills = cut.fetch_through({bytes, 16, 2, 9});
+    Machine cut(program, settings);
     for (std::uint64_t limit = 1; cut.run(limit) == Stop::limit; ++limit) {
     }
     EXPECT_EQ(cut.hart().counters().cycles, whole.hart().counters().cycles) << bytes;
     EXPECT_EQ(cut.hart().counters().fetch_cycles, whole.hart().counters().fetch_cycles) << bytes;
-    EXPECT_EQ(cut_refills.refills(), refills.refills()) << bytes;
+    EXPECT_EQ(cut.instruction_cache()->refills(), whole.instruction_cache()->refills()) << bytes;
     EXPECT_EQ(cut.word("data", 1), whole.word("data", 1));
   }
 }

@@ -25,8 +25,15 @@ InstructionEnergy energies() {
 
 }  // namespace
 
-Machine::Machine(const Elf& program, CoreKind kind)
-    : program_(program), memory_(make_memory()), hart_(memory_, *this, Timing{kind}, energies()) {
+Machine::Machine(const Elf& program, const MachineSettings& settings)
+    : program_(program),
+      memory_(make_memory()),
+      instruction_cache_(make_instruction_cache(settings.instruction_cache, InstructionCache::Users::one)),
+      code_(memory_, {.timing = {settings.kind},
+                      .energy = energies(),
+                      .loose_limit = settings.loose_limit,
+                      .instruction_cache = instruction_cache_.get()}),
+      hart_(memory_, *this, code_, {.translate = settings.translate}) {
   for (const auto& segment : program_.segments()) {
     if (!memory_.write(segment.address, segment.bytes)) throw Error("test program outside the RAM");
   }

@@ -8,11 +8,19 @@
 #include "memory/memory.hpp"
 
 #include <cstdint>
-#include <optional>
+#include <memory>
 #include <string_view>
 #include <vector>
 
 namespace mebots::soc::test {
+
+/// How a machine differs from a CV32E40P that fetches without waiting.
+struct MachineSettings {
+  CoreKind kind = CoreKind::cv32e40p;
+  InstructionCacheSettings instruction_cache = {};
+  bool loose_limit = false;
+  bool translate = true;
+};
 
 /// A hart with 1 MiB of RAM at 0x80000000 and 4 KiB at 0x70000000, no devices. A program ends by storing into `tohost`.
 class Machine : private Bus {
@@ -20,20 +28,16 @@ class Machine : private Bus {
   static constexpr std::uint32_t kRam = 0x80000000;
   static constexpr std::uint32_t kSmallRam = 0x70000000;
 
-  explicit Machine(const Elf& program, CoreKind kind = CoreKind::cv32e40p);
+  explicit Machine(const Elf& program, const MachineSettings& settings = {});
+  Machine(const Elf& program, CoreKind kind) : Machine(program, MachineSettings{.kind = kind}) {}
   explicit Machine(std::string_view text, CoreKind kind = CoreKind::cv32e40p) : Machine(assemble(text), kind) {}
 
   /// Runs until tohost is stored, the core faults or sleeps, or `limit` cycles.
   Stop run(std::uint64_t limit = 10'000'000) { return hart_.run(limit); }
 
-  /// Its code comes through an instruction cache from now on.
-  InstructionCache& fetch_through(const InstructionCacheSettings& settings) {
-    hart_.fetch_through(instruction_cache_.emplace(settings));
-    return *instruction_cache_;
-  }
-
   Hart& hart() { return hart_; }
-  InstructionCache* instruction_cache() { return instruction_cache_ ? &*instruction_cache_ : nullptr; }
+  /// Null without one.
+  InstructionCache* instruction_cache() { return instruction_cache_.get(); }
   Memory& memory() { return memory_; }
   const Elf& program() const { return program_; }
   std::uint32_t reg(unsigned index) const { return hart_.reg(index); }
@@ -48,7 +52,8 @@ class Machine : private Bus {
 
   Elf program_;
   Memory memory_;
-  std::optional<InstructionCache> instruction_cache_;
+  std::unique_ptr<InstructionCache> instruction_cache_;
+  DecodedCode code_;
   Hart hart_;
 };
 

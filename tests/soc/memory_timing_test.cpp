@@ -144,7 +144,8 @@ again:
   const auto writer =
       assemble("la a0, 0x80000004\n la a1, 2f\n lw a1, 0(a1)\n sw a1, 0(a0)\n1: j 1b\n .option norvc\n2: j .");
   for (const auto& segment : writer.segments()) machine.memory().write(0x80001000, segment.bytes);
-  Hart other(machine.memory(), nothing, Timing{}, InstructionEnergy{});
+  DecodedCode code(machine.memory(), {});
+  Hart other(machine.memory(), nothing, code);
   other.reset(0x80001000);
   const auto before = machine.reg(10);
   other.run(200);

@@ -31,23 +31,21 @@ std::string text_of(Machine& machine) {
   return text;
 }
 
+/// Small, so that lines leave it all the time.
+InstructionCacheSettings small_cache(std::uint32_t bytes) {
+  return {bytes, 16, 2, 7};
+}
+
 /// The same program twice.
 struct Pair {
-  explicit Pair(const Elf& program, CoreKind kind = CoreKind::cv32e40p)
-      : translated(program, kind), interpreted(program, kind) {
-    interpreted.hart().set_translation(false);
-  }
+  explicit Pair(const Elf& program, const MachineSettings& settings = {})
+      : translated(program, settings), interpreted(program, without_translation(settings)) {}
 
   void wait_for_memory(std::uint32_t first, std::uint32_t second) {
     for (auto* machine : {&translated, &interpreted}) {
       const std::array ports{MemoryPort{0, first, nullptr}, MemoryPort{1, second, nullptr}};
       machine->hart().connect(ports);
     }
-  }
-
-  /// Small, so that lines leave it all the time.
-  void fetch_through_cache(std::uint32_t bytes) {
-    for (auto* machine : {&translated, &interpreted}) machine->fetch_through({bytes, 16, 2, 7});
   }
 
   /// False when they differ, or have ended.
@@ -65,6 +63,11 @@ struct Pair {
   Machine interpreted;
 
  private:
+  static MachineSettings without_translation(MachineSettings settings) {
+    settings.translate = false;
+    return settings;
+  }
+
   int stops_ = 0;
 };
 
@@ -96,16 +99,15 @@ class RandomProgram : public testing::TestWithParam<std::uint32_t> {};
 TEST_P(RandomProgram, RunsTranslatedAsInterpreted) {
   const auto seed = GetParam();
   const auto program = assemble(random_program(seed));
-  Pair straight(program, seed % 2 == 0 ? CoreKind::cv32e40p : CoreKind::ri5cy);
+  Pair straight(program, {.kind = seed % 2 == 0 ? CoreKind::cv32e40p : CoreKind::ri5cy});
   straight.run(1'000'000'000);
   EXPECT_EQ(straight.translated.word("tohost"), 1U);
-  Pair pair(program, seed % 2 == 0 ? CoreKind::ri5cy : CoreKind::cv32e40p);
+  Pair pair(program, {.kind = seed % 2 == 0 ? CoreKind::ri5cy : CoreKind::cv32e40p});
   compare_at_random_limits(pair, seed);
   Pair waiting(program);
   waiting.wait_for_memory(seed % 4, seed / 2 % 4);
   compare_at_random_limits(waiting, seed + 1);
-  Pair fetching(program);
-  fetching.fetch_through_cache(128U << seed % 6);
+  Pair fetching(program, {.instruction_cache = small_cache(128U << seed % 6)});
   compare_at_random_limits(fetching, seed + 2);
 }
 
@@ -149,9 +151,8 @@ _start: la s0, data
     .balign 4
 data: .word 0
 )");
-  Pair pair(program, CoreKind::ri5cy);
   // A core of a cluster: a block that starts before the limit is not cut, so that it can stop behind the store.
-  for (auto* machine : {&pair.translated, &pair.interpreted}) machine->hart().set_loose_limit(true);
+  Pair pair(program, {.kind = CoreKind::ri5cy, .loose_limit = true});
   std::mt19937 random(7);
   bool same = true;
   for (int stops = 0; same && stops < 20000; ++stops) {
@@ -177,13 +178,12 @@ again: addi a0, a0, 1
     bnez a3, again
 )" + std::string(kEnd));
   for (const std::uint64_t step : {1, 61, 211, 307, 997}) {
-    Pair pair(program);
-    pair.fetch_through_cache(1024);
+    Pair pair(program, {.instruction_cache = small_cache(1024)});
     for (std::uint64_t limit = step; pair.run(limit); limit += step) ASSERT_LT(limit, 100'000U);
     EXPECT_EQ(pair.translated.word("tohost"), 1U);
     const bool has_room = step > 200;
-    EXPECT_EQ(pair.translated.hart().translates(), has_room && translate::can_translate()) << step;
-    EXPECT_FALSE(pair.interpreted.hart().translates());
+    EXPECT_EQ(pair.translated.hart().code().is_translated(), has_room && translate::can_translate()) << step;
+    EXPECT_FALSE(pair.interpreted.hart().code().is_translated());
   }
 }
 

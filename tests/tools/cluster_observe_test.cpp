@@ -31,8 +31,8 @@ struct ProfiledCluster {
     auto& soc = system.soc;
     for (unsigned number = 0; number < soc.harts(); ++number) soc.observe(number, &profile.hart(number));
     soc.advance(end_ns);
-    fabric_controller_translates = soc.hart(0).translates();
-    cluster_translates = soc.hart(1).translates();
+    fabric_controller_translates = soc.hart(0).code().is_translated();
+    cluster_translates = soc.hart(1).code().is_translated();
     for (unsigned number = 0; number < soc.harts(); ++number) soc.observe(number, nullptr);
     profile.finish();
     written = read_file(folder / file);

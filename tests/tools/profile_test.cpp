@@ -46,7 +46,7 @@ struct Profiled {
     } else {
       system.soc.run_cycles(1'000'000);
     }
-    translated = system.soc.hart().translates();
+    translated = system.soc.hart().code().is_translated();
     system.soc.observe(0, nullptr);
     profile.finish();
     written = read_file(folder / file);

@@ -17,19 +17,21 @@ constexpr std::uint32_t kMostAccessTicks = 512;
 
 Cluster::Cluster(Memory& memory, const ClusterSettings& settings, const InstructionEnergy& energy)
     : settings_(settings),
-      decoded_(std::make_shared<DecodedCode>(memory, settings.timing, energy, &banks_)),
+      instruction_cache_(make_instruction_cache(settings.instruction_cache, InstructionCache::Users::several)),
       banks_(settings.l1_banks),
+      decoded_(memory, {.timing = settings.timing,
+                        .energy = energy,
+                        .loose_limit = true,
+                        .instruction_cache = instruction_cache_.get(),
+                        .banks = &banks_}),
       dma_(memory, settings.l1_region, settings.dma),
       peripherals_(settings.make_peripherals(dma_)) {
   MEBOTS_ASSERT(settings.cores > 0 && settings.cores <= kMostClusterCores);
   MEBOTS_ASSERT(settings.quantum > 0 && settings.quantum <= Banks::kLongestRun);
-  if (settings.instruction_cache.size != 0) {
-    instruction_cache_.emplace(settings.instruction_cache, InstructionCache::Users::several);
-  }
   ready_.fill(kNoTick);
   queue_.reserve(settings.cores);
   for (unsigned id = 0; id < settings.cores; ++id) {
-    cores_.push_back(std::make_unique<Core>(*this, id, memory, decoded_));
+    cores_.push_back(std::make_unique<Core>(*this, id, memory));
   }
   clock_.reset(settings.clock_hz);
 }
@@ -340,9 +342,9 @@ std::uint64_t Cluster::keep_in_step() {
 bool Cluster::can_resume(const Hart& hart, std::uint64_t start) {
   if (!sharing_banks_ || !hart.translated().has_resume_point()) return false;
   if (instruction_cache_ && start < instruction_cache_->settled()) return false;
-  decoded_->blocks.forget_if_stale();
-  if (version_ == decoded_->version()) return true;
-  version_ = decoded_->version();
+  decoded_.blocks.forget_if_stale();
+  if (version_ == decoded_.version()) return true;
+  version_ = decoded_.version();
   drop_resume_points();
   return false;
 }

@@ -13,7 +13,6 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <optional>
 #include <vector>
 
 namespace mebots::soc {
@@ -151,7 +150,7 @@ class Cluster {
   int core_stopped_by_observer() const { return core_stopped_by_observer_; }
   const ClusterDma& dma() const { return dma_; }
   /// That all cores share; null without one.
-  const InstructionCache* instruction_cache() const { return instruction_cache_ ? &*instruction_cache_ : nullptr; }
+  const InstructionCache* instruction_cache() const { return instruction_cache_.get(); }
 
   void visit(state::Visitor& v);
 
@@ -190,10 +189,10 @@ class Cluster {
   BusReply access_outside(const ClusterAccess& access);
 
   ClusterSettings settings_;
-  std::shared_ptr<DecodedCode> decoded_;  // one for all cores: they run the same code
-  std::optional<InstructionCache> instruction_cache_;
+  std::unique_ptr<InstructionCache> instruction_cache_;
   Banks banks_;
-  Banks way_{1};  // to the SoC: one access a cycle, whose it may be
+  Banks way_{1};         // to the SoC: one access a cycle, whose it may be
+  DecodedCode decoded_;  // one for all cores: they run the same code
   ClusterDma dma_;
   std::unique_ptr<ClusterPeripherals> peripherals_;
   std::uint64_t alarm_ = kNoTick;  // when something next happens in them by itself; not part of a state

@@ -7,25 +7,21 @@
 #include "hart/csr_numbers.hpp"
 #include "hart/observer.hpp"
 
-#include <memory>
-
 namespace mebots::soc {
 
 /// One core of the cluster: its hart, where its cycles lie in the cluster's ticks, and its turn at shared devices.
 class Cluster::Core final : private Bus {
  public:
-  Core(Cluster& cluster, unsigned id, Memory& memory, std::shared_ptr<DecodedCode> decoded)
+  Core(Cluster& cluster, unsigned id, Memory& memory)
       : cluster_(cluster),
         id_(id),
-        hart_(memory, *this, std::move(decoded)),
+        hart_(memory, *this, cluster.decoded_,
+              {.id = id,
+               .has_gap8_interrupts = cluster.settings_.has_gap8_interrupts,
+               .translate = cluster.settings_.translate}),
         schedule_(cluster.banks_),
         way_(cluster.way_),
         ready_(cluster.ready_[id]) {
-    hart_.set_id(id);
-    if (cluster.settings_.has_gap8_interrupts) hart_.use_event_unit();
-    hart_.set_loose_limit(true);
-    if (cluster.instruction_cache_) hart_.fetch_through(*cluster.instruction_cache_);
-    hart_.set_translation(cluster.settings_.translate);
     connect(1);
   }
 

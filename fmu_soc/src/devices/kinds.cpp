@@ -58,8 +58,8 @@ std::unique_ptr<Device> with_signals(const BoardDevice& entry, ChipHost& host) {
 
 gap8_devices::EventUnit& event_unit_of(const BoardDevice& entry, ChipHost& host) {
   if (auto* port = host.find<gap8_devices::EventUnitPort>()) return port->unit();
-  throw Error(fmt::format("board: device {} of kind {} needs one of kind gap8_event_unit in front of it", entry.name,
-                          entry.kind));
+  throw Error(fmt::format("board: device {} of kind {} needs one of kind {} in front of it", entry.name, entry.kind,
+                          kGap8EventUnitKind));
 }
 
 constexpr std::array kRows{
@@ -88,7 +88,7 @@ constexpr std::array kRows{
           return std::make_unique<Regulator>(
               entry, [&host](std::string_view load, Picoseconds now) { return host.load_energy_j(load, now); });
         }},
-    Row{"gap8_event_unit",
+    Row{kGap8EventUnitKind,
         {},
         [](const BoardDevice& /*entry*/, ChipHost& host) -> std::unique_ptr<Device> {
           return std::make_unique<gap8_devices::EventUnitPort>(host.signals());

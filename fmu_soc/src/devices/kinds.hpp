@@ -50,6 +50,8 @@ class ChipHost : public DeviceHost {
   virtual std::vector<Device*> devices() const = 0;
 };
 
+/// GAP8's, of the fabric controller: with it that has GAP8's interrupts.
+inline constexpr std::string_view kGap8EventUnitKind = "gap8_event_unit";
 /// Those that the cluster itself is made of: the board says where they are.
 inline constexpr std::string_view kEventUnitKind = "event_unit";
 inline constexpr std::string_view kClusterDmaKind = "cluster_dma";

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hart/block_cache.hpp"
 
-#include "hart/hart.hpp"
 #include "mebots/assert.hpp"
 
 #include <algorithm>
@@ -36,11 +35,13 @@ std::uint8_t accesses_of(Op op) {
 
 }  // namespace
 
-BlockCache::BlockCache(Memory& memory, Timing timing, const InstructionEnergy& energy)
+BlockCache::BlockCache(Memory& memory, const CodeSettings& settings)
     : memory_(memory),
       mark_(memory.add_code_mark()),
-      timing_(timing),
-      energy_fj_(energy.fj),
+      timing_(settings.timing),
+      energy_fj_(settings.energy.fj),
+      end_at_targets_(!settings.loose_limit),
+      cached_lines_(settings.instruction_cache),
       by_pc_(std::size_t{1} << kBucketBits),
       by_page_(std::size_t{1} << kBucketBits),
       arena_(std::allocator<Instruction>().allocate(kArenaSize)) {
@@ -284,18 +285,6 @@ const Instruction* BlockCache::single(std::uint32_t pc, const Previous& two_befo
 void BlockCache::set_longest_wait(std::uint32_t cycles) {
   if (cycles <= longest_wait_) return;
   longest_wait_ = cycles;
-  forget();
-}
-
-void BlockCache::set_end_at_targets(bool on) {
-  if (on == end_at_targets_) return;
-  end_at_targets_ = on;
-  forget();
-}
-
-void BlockCache::fetch_through(const InstructionCache& cache) {
-  if (cached_lines_ == &cache) return;
-  cached_lines_ = &cache;
   forget();
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "hart/code_settings.hpp"
 #include "hart/instruction.hpp"
 #include "hart/timing.hpp"
 #include "isa/encoding.hpp"
@@ -15,8 +16,6 @@
 #include <vector>
 
 namespace mebots::soc {
-
-struct InstructionEnergy;
 
 /// Straight code from one address, decoded once.
 struct Block {
@@ -64,7 +63,7 @@ class BlockCache {
   static constexpr std::uint32_t kMaxBlocks = 1U << 16;
 
   /// Takes a mark of its own from the memory, which must outlive it.
-  BlockCache(Memory& memory, Timing timing, const InstructionEnergy& energy);
+  BlockCache(Memory& memory, const CodeSettings& settings);
 
   const Timing& timing() const { return timing_; }
 
@@ -100,10 +99,6 @@ class BlockCache {
   /// Whether the instruction at `pc` may be the last of a hardware loop: blocks end there.
   bool may_end_loop(std::uint32_t pc) const { return timing_.has_xpulp() && memory_.marked(pc, 2, Region::kLoop); }
 
-  /// Whether a block also ends where a jump or branch is known to lead, so that no instruction lies in many blocks.
-  /// Not for harts with a loose limit: those must end where memory and pc alone say.
-  void set_end_at_targets(bool on);
-
   /// Invalidates all blocks, of other cores that share the memory too.
   void clear();
   /// Whether code has changed since the last check, by a device or another core too.
@@ -120,8 +115,6 @@ class BlockCache {
   /// What one bus access of the core may wait for its way. Limits are kept with the most of all times, so that a memory
   /// that comes and goes with its supply costs no decoding.
   void set_longest_wait(std::uint32_t cycles);
-  /// Code comes through a cache with these lines from now on.
-  void fetch_through(const InstructionCache& cache);
   /// The cache that code comes through; null without one.
   const InstructionCache* fetched() const { return cached_lines_; }
   /// Whether all lines of the block are in the instruction cache, or there is none.
@@ -184,6 +177,10 @@ class BlockCache {
   std::uint8_t mark_;  // on words of which something is decoded here
   Timing timing_;
   std::array<std::uint32_t, kOpCount> energy_fj_;
+  /// Whether a block also ends where a jump or branch is known to lead, so that no instruction lies in many blocks.
+  /// Not for harts with a loose limit: those must end where memory and pc alone say.
+  bool end_at_targets_;
+  const InstructionCache* cached_lines_;
   std::vector<Block> blocks_;         // number 0 is not a block; never moves
   std::vector<std::uint32_t> free_;   // numbers of invalid blocks
   std::vector<std::uint32_t> by_pc_;  // first block of each bucket, 0 = none
@@ -191,12 +188,10 @@ class BlockCache {
   std::unique_ptr<Instruction[], FreeArena> arena_;
   std::uint32_t segment_ = 0;     // in which blocks are decoded now
   std::uint32_t arena_used_ = 0;  // index of the next free slot in it
-  bool end_at_targets_ = true;
   std::uint64_t generation_ = 0;
   std::uint64_t code_generation_ = 0;  // of the memory, at the last check
   std::uint64_t decoded_ = 0;
   std::uint32_t longest_wait_ = 0;
-  const InstructionCache* cached_lines_ = nullptr;
   BlockListener* listener_ = nullptr;
   std::array<Instruction, 3> single_{};
 };

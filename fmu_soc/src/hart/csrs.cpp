@@ -142,13 +142,17 @@ constexpr std::array<std::array<std::uint8_t, Csrs::Rows::kNumbers>, Csrs::Rows:
 /// Null: this core has none.
 const Csrs::Rows::Row* Csrs::Rows::find(const Csrs& csrs, unsigned number) {
   if (number >= kNumbers) return nullptr;
-  const auto core = !csrs.timing_.has_xpulp() ? Core::every : csrs.has_event_unit_ ? Core::gap8 : Core::ri5cy;
+  const auto core = !csrs.timing_.has_xpulp() ? Core::every : csrs.has_gap8_interrupts_ ? Core::gap8 : Core::ri5cy;
   const auto row = kRowOf[static_cast<std::size_t>(core)][number];
   return row == 0 ? nullptr : &kAll[row - 1U];
 }
 
-Csrs::Csrs(Execution& execution, BlockCache& cache, Timing timing)
-    : execution_(execution), cache_(cache), timing_(timing) {
+Csrs::Csrs(Execution& execution, BlockCache& cache, std::uint32_t id, bool has_gap8_interrupts)
+    : execution_(execution),
+      cache_(cache),
+      timing_(cache.timing()),
+      id_(id),
+      has_gap8_interrupts_(has_gap8_interrupts) {
   restart();
 }
 
@@ -157,7 +161,7 @@ void Csrs::restart() {
   for (const auto& row : Rows::kAll) {
     for (unsigned i = 0; i < row.count; ++i) state_.words[row.slot + i] = row.meaning.reset;
   }
-  if (has_event_unit_) word<csr::kMie>() = ~0U;
+  if (has_gap8_interrupts_) word<csr::kMie>() = ~0U;
   state_.cycle_base = execution_.counters.cycles;
   state_.instret_base = execution_.counters.instructions;
   interrupt_ready_ = false;
@@ -192,7 +196,7 @@ std::uint32_t Csrs::leave_handler() {
   state_.interrupts_were_on = true;
   // GAP8's FreeRTOS asks bit 31 of mcause whether it is in a handler, also behind the handler. Returning clears the
   // register (GVSoC's models of GAP8 do the same; the privileged specification leaves it as it is).
-  if (has_event_unit_) word<csr::kMcause>() = 0;
+  if (has_gap8_interrupts_) word<csr::kMcause>() = 0;
   update_interrupts();
   return word<csr::kMepc>();
 }

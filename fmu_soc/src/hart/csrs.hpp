@@ -18,13 +18,13 @@ namespace mebots::soc {
 /// an interrupt is let in.
 class Csrs {
  public:
-  Csrs(Execution& execution, BlockCache& cache, Timing timing);
+  /// `id`: what mhartid reads. With GAP8's interrupts come the CSRs of the stack check, which are kept; nothing is
+  /// checked.
+  Csrs(Execution& execution, BlockCache& cache, std::uint32_t id, bool has_gap8_interrupts);
 
   /// As after reset, and the counters count from here on.
   void restart();
-  void set_id(std::uint32_t id) { id_ = id; }
-  void use_event_unit() { has_event_unit_ = true; }
-  bool has_event_unit() const { return has_event_unit_; }
+  bool has_gap8_interrupts() const { return has_gap8_interrupts_; }
 
   /// As an instruction would, without its cycles; false = there is none, or not this way.
   bool read(unsigned number, std::uint32_t& value) const;
@@ -126,9 +126,9 @@ class Csrs {
   Execution& execution_;
   BlockCache& cache_;
   Timing timing_;
+  std::uint32_t id_;
+  bool has_gap8_interrupts_;
   State state_;
-  std::uint32_t id_ = 0;
-  bool has_event_unit_ = false;
   bool interrupt_ready_ = false;
 };
 

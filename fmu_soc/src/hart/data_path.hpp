@@ -23,15 +23,15 @@ struct MemoryPort {
 /// and watched words.
 class DataPath {
  public:
-  DataPath(Execution& execution, Memory& memory, Bus& bus) : execution_(execution), memory_(memory), bus_(bus) {}
+  /// `runs_on`: behind a store into code the block runs to its end as it was at its start, and is forgotten then.
+  DataPath(Execution& execution, Memory& memory, Bus& bus, bool runs_on)
+      : execution_(execution), memory_(memory), bus_(bus), runs_on_(runs_on) {}
 
   /// True: the fast memories are others, or have other waits.
   bool connect(std::span<const MemoryPort> ports);
   /// The first memory, wherever the core sees it.
   void share_first(BankSchedule* banks);
   std::uint32_t longest_wait() const;
-  /// Behind a store into code the block runs to its end as it was at its start, and is forgotten then.
-  void run_on_over_code(bool on) { runs_on_ = on; }
 
   // Of an instruction; what comes back is what its handler gives.
   const Instruction* load(const Instruction* at, std::uint32_t address, unsigned size, bool sign);
@@ -49,8 +49,8 @@ class DataPath {
   Execution& execution_;
   Memory& memory_;
   Bus& bus_;
+  bool runs_on_;
   std::vector<MemoryPort> ports_;
-  bool runs_on_ = false;
 };
 
 }  // namespace mebots::soc

@@ -2,35 +2,42 @@
 #pragma once
 
 #include "hart/block_cache.hpp"
+#include "hart/code_settings.hpp"
 #include "hart/flow.hpp"
-#include "hart/timing.hpp"
+#include "memory/instruction_cache.hpp"
 #include "memory/memory.hpp"
 #include "translate/translator.hpp"
 
-#include <array>
 #include <cstdint>
 #include <memory>
 
 namespace mebots::soc {
 
-class Banks;
-
-/// Energy of one instruction by kind [fJ], at the reference voltage.
-struct InstructionEnergy {
-  std::array<std::uint32_t, kOpCount> fj{};
-};
-
 /// Code as harts of one kind share it that run in the same thread and reach the same memories.
 struct DecodedCode {
-  /// `banks`: of the first memory, when its users may have to wait for each other; null = one user.
-  DecodedCode(Memory& memory, Timing timing, const InstructionEnergy& energy, Banks* shared_banks = nullptr)
-      : blocks(memory, timing, energy), banks(shared_banks) {}
+  /// The memory outlives it, and has all its regions.
+  DecodedCode(Memory& memory, const CodeSettings& settings)
+      : blocks(memory, settings),
+        loose_limit(settings.loose_limit),
+        instruction_cache(settings.instruction_cache),
+        banks(settings.banks) {
+    if (instruction_cache != nullptr) instruction_cache->cover(memory);
+  }
+  DecodedCode(const DecodedCode&) = delete;
+  DecodedCode& operator=(const DecodedCode&) = delete;
 
   BlockCache blocks;
-  Banks* banks;
+  const bool loose_limit;
+  InstructionCache* const instruction_cache;          // null = none
+  Banks* const banks;                                 // null = one user
   std::unique_ptr<translate::Translator> translator;  // made when the first block is hot
   const FlowMap* flow = nullptr;                      // who wants steps between functions to be noted
   std::uint64_t times_dropped = 0;                    // that translations were thrown away
+
+  /// Whether some code has been translated, by any of its harts.
+  bool is_translated() const { return translator != nullptr; }
+  /// Instructions translated since construction. What is done again counts again.
+  std::uint64_t instructions_translated() const { return is_translated() ? translator->translated() : 0; }
 
   void drop_translations() {
     if (translator == nullptr) return;

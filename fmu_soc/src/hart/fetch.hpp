@@ -12,10 +12,9 @@ namespace mebots::soc {
 /// when it is reached, never before. So a core that was stopped anywhere has made the same refills in the same cycles.
 class Fetch {
  public:
-  explicit Fetch(Execution& execution) : execution_(execution) {}
+  /// `cache`: null without one.
+  Fetch(Execution& execution, InstructionCache* cache) : execution_(execution), cache_(cache) {}
 
-  /// Through this cache from now on.
-  void go_through(InstructionCache& cache) { cache_ = &cache; }
   bool is_cached() const { return cache_ != nullptr; }
   const InstructionCache* cache() const { return cache_; }
   void flush();
@@ -35,7 +34,7 @@ class Fetch {
 
  private:
   Execution& execution_;
-  InstructionCache* cache_ = nullptr;
+  InstructionCache* cache_;
   bool unsettled_ = false;
 };
 

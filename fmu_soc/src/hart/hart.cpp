@@ -4,23 +4,23 @@
 #include "hart/csr_numbers.hpp"
 #include "mebots/assert.hpp"
 
-#include <algorithm>
 #include <utility>
+#include <vector>
 
 namespace mebots::soc {
 
-Hart::Hart(Memory& memory, Bus& bus, std::shared_ptr<DecodedCode> decoded)
-    : memory_(memory),
-      bus_(bus),
-      decoded_(std::move(decoded)),
-      cache_(decoded_->blocks),
-      csrs_(execution_, cache_, cache_.timing()),
+Hart::Hart(Memory& memory, Bus& bus, DecodedCode& decoded, const HartSettings& settings)
+    : bus_(bus),
+      decoded_(decoded),
+      cache_(decoded.blocks),
+      limit_(decoded.loose_limit),
+      csrs_(execution_, cache_, settings.id, settings.has_gap8_interrupts),
       traps_(execution_, csrs_, cache_),
-      data_path_(execution_, memory, bus),
-      fetch_(execution_),
+      data_path_(execution_, memory, bus, decoded.loose_limit),
+      fetch_(execution_, decoded.instruction_cache),
       interpreter_(execution_, memory, cache_, fetch_, limit_),
-      observed_(*this, execution_, *decoded_, interpreter_, limit_),
-      translated_(execution_, *decoded_, interpreter_, fetch_, observed_, limit_) {
+      observed_(*this, execution_, decoded, interpreter_, limit_),
+      translated_(execution_, decoded, interpreter_, fetch_, observed_, limit_, settings.translate) {
   execution_.rooms = &rooms_;
   execution_.hart = this;
   std::vector<MemoryPort> ports(memory.regions().size());
@@ -30,16 +30,8 @@ Hart::Hart(Memory& memory, Bus& bus, std::shared_ptr<DecodedCode> decoded)
 
 void Hart::connect(std::span<const MemoryPort> ports) {
   // Translated code holds all of the fast memories but who else is there.
-  if (data_path_.connect(ports)) decoded_->drop_translations();
+  if (data_path_.connect(ports)) decoded_.drop_translations();
   cache_.set_longest_wait(data_path_.longest_wait());
-}
-
-void Hart::fetch_through(InstructionCache& cache) {
-  if (fetch_.cache() == &cache) return;
-  fetch_.go_through(cache);
-  decoded_->drop_translations();
-  if (cache_.fetched() != &cache) cache.cover(memory_);
-  cache_.fetch_through(cache);
 }
 
 void Hart::observe(Observer* observer) {
@@ -238,7 +230,7 @@ void Hart::entered_handler() {
 void Hart::take_interrupt() {
   const auto number = traps_.next_interrupt();
   if (traps_.enter_handler(cause::kInterrupt | number, 0)) entered_handler();
-  if (csrs_.has_event_unit()) bus_.interrupt_taken(number);
+  if (csrs_.has_gap8_interrupts()) bus_.interrupt_taken(number);
 }
 
 void Hart::visit(state::Visitor& v) {

@@ -20,7 +20,6 @@
 #include "mebots/state/visitor.hpp"
 
 #include <cstdint>
-#include <memory>
 #include <span>
 
 namespace mebots::soc {
@@ -38,16 +37,24 @@ enum class Stop : std::uint8_t {
   observer,  // the observer wants the run to end before the next instruction
 };
 
+/// What a hart has for itself, for good; what it has in common with others is in CodeSettings.
+struct HartSettings {
+  std::uint32_t id = 0;  // what mhartid reads
+  /// Interrupts are those of GAP8's cores: 32 lines of an event unit, one of which is up, without mie; vectors at
+  /// mtvec, whose low eight bits are 0; exceptions behind them. Source: RI5CY's user manual of 2018, chapters on
+  /// exceptions and CSRs.
+  bool has_gap8_interrupts = false;
+  bool translate = true;  // hot code to host code, where that is possible; counts are the same without
+};
+
 /// One RISC-V hardware thread: RV32IMC_Zicsr_Zifencei in machine mode, timed as RI5CY (then with Xpulp v2) or CV32E40P.
 /// Straight code is decoded once into blocks. A block runs only when none of its instructions can start
 /// at or after the limit. Otherwise one instruction at a time is taken, with the same counts.
 class Hart {
  public:
-  /// Reaches all regions of the memory without waiting; the first two are the fast ones.
-  Hart(Memory& memory, Bus& bus, Timing timing, const InstructionEnergy& energy)
-      : Hart(memory, bus, std::make_shared<DecodedCode>(memory, timing, energy)) {}
-  /// Shares decoded code with other harts of the same kind that run in the same thread.
-  Hart(Memory& memory, Bus& bus, std::shared_ptr<DecodedCode> decoded);
+  /// Reaches all regions of the memory without waiting; the first two are the fast ones. Other harts that run in the
+  /// same thread may share the decoded code. Memory, bus and code outlive it.
+  Hart(Memory& memory, Bus& bus, DecodedCode& decoded, const HartSettings& settings = {});
   Hart(const Hart&) = delete;
   Hart& operator=(const Hart&) = delete;
 
@@ -56,45 +63,12 @@ class Hart {
   void reset(std::uint32_t pc);
   /// Likewise, but the counters that nothing in the core can write go on, and memory is as it was.
   void restart(std::uint32_t pc);
-  /// What mhartid reads; 0 unless set.
-  void set_id(std::uint32_t id) { csrs_.set_id(id); }
-  /// Interrupts are those of GAP8's cores from the next reset on: 32 lines of an event unit, one of which is up,
-  /// without mie; vectors at mtvec, whose low eight bits are 0; exceptions behind them. With it come the CSRs of the
-  /// stack check, which are kept; nothing is checked. Source: RI5CY's user manual of 2018, chapters on exceptions and
-  /// CSRs.
-  void use_event_unit() { csrs_.use_event_unit(); }
-  /// All lines at once.
-  void set_interrupts(std::uint32_t lines) { csrs_.set_interrupts(lines); }
-
   /// Says which memories the core reaches, and how; all others are nothing to it. The first two are the fast ones.
   void connect(std::span<const MemoryPort> ports);
   /// Who else uses the first memory from now on; null = nobody.
   void share_first(BankSchedule* banks) { data_path_.share_first(banks); }
-
-  /// Instructions come through this cache from now on, which harts with the same decoded code may share. Without one,
-  /// fetching never waits.
-  void fetch_through(InstructionCache& cache);
-  /// All lines of it are absent from now on.
-  void flush_fetched() { fetch_.flush(); }
   /// Active cycle c of this core is tick c + offset (modulo 2^64) of what it shares with others: cache, banks.
   void set_tick_offset(std::uint64_t offset) { execution_.host.tick_offset = offset; }
-
-  /// With a loose limit, a block that starts before it runs to its end.
-  void set_loose_limit(bool loose) {
-    limit_.set_loose(loose);
-    cache_.set_end_at_targets(!loose);
-    data_path_.run_on_over_code(loose);
-  }
-
-  /// Instructions decoded, and translated, since construction for this hart and those that share its decoded code. What
-  /// is done again counts again.
-  std::uint64_t instructions_decoded() const { return cache_.decoded(); }
-  std::uint64_t instructions_translated() const { return translates() ? decoded_->translator->translated() : 0; }
-  /// Whether code of this hart, or of one that shares its decoded code, has been translated.
-  bool translates() const { return decoded_->translator != nullptr; }
-  /// Whether hot code is translated to code of the host where that is possible; at the start it is. Counts are the
-  /// same with and without.
-  void set_translation(bool on) { translated_.set_on(on); }
 
   /// Executes every instruction that starts before active cycle `limit`.
   Stop run(std::uint64_t limit);
@@ -112,8 +86,9 @@ class Hart {
   /// Who watches every instruction from now on, or null. Not part of a state.
   void observe(Observer* observer);
 
-  /// Level of an interrupt line (bit of mip).
+  /// Level of an interrupt line (bit of mip), or of all.
   void set_interrupt(unsigned bit, bool level) { csrs_.set_interrupt(bit, level); }
+  void set_interrupts(std::uint32_t lines) { csrs_.set_interrupts(lines); }
   bool sleeping() const { return sleeping_; }
   /// The event that an event load waits for may have come: the sleep ends, and the load asks again.
   void wake() {
@@ -147,6 +122,8 @@ class Hart {
   /// How it runs translated code, for who runs several harts in rounds.
   TranslatedRun& translated() { return translated_; }
   const TranslatedRun& translated() const { return translated_; }
+  /// That it runs.
+  const DecodedCode& code() const { return decoded_; }
 
  private:
   bool stays_awake();
@@ -159,9 +136,8 @@ class Hart {
   void entered_handler();
   void take_interrupt();
 
-  Memory& memory_;
   Bus& bus_;
-  std::shared_ptr<DecodedCode> decoded_;
+  DecodedCode& decoded_;
   BlockCache& cache_;  // of it
   Execution execution_;
   RunLimit limit_;

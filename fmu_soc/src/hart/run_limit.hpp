@@ -10,7 +10,8 @@ namespace mebots::soc {
 /// before it runs to its end.
 class RunLimit {
  public:
-  void set_loose(bool loose) { counted_ = loose ? 0 : ~std::uint64_t{0}; }
+  explicit RunLimit(bool loose) : counted_(loose ? 0 : ~std::uint64_t{0}) {}
+
   bool is_loose() const { return counted_ == 0; }
   void set_end(std::uint64_t cycle) { end_ = std::min(cycle, kLongest); }
   bool reached_at(std::uint64_t cycle) const { return cycle >= end_; }
@@ -22,7 +23,7 @@ class RunLimit {
   static constexpr std::uint64_t kLongest = std::uint64_t{1} << 62;  // more than any core will see
 
   std::uint64_t end_ = 0;
-  std::uint64_t counted_ = ~std::uint64_t{0};  // the bits of a bound that count
+  std::uint64_t counted_;  // the bits of a bound that count
 };
 
 }  // namespace mebots::soc

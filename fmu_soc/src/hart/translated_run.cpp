@@ -18,11 +18,6 @@ constexpr std::uint64_t kLongestRun = std::uint64_t{1} << 30;
 
 }  // namespace
 
-void TranslatedRun::set_on(bool on) {
-  on_ = on;
-  decoded_.drop_translations();
-}
-
 const translate::Entry* TranslatedRun::translate_when_hot(std::uint32_t number, const Block& block) {
   auto& blocks = decoded_.blocks;
   auto& translator = decoded_.translator;
@@ -35,7 +30,7 @@ const translate::Entry* TranslatedRun::translate_when_hot(std::uint32_t number, 
   const auto first = blocks.instructions(block)->op;
   if (ends_block(first) && !is_jump(first) && !is_hardware_loop(first)) return nullptr;  // nothing to gain
   if (translator == nullptr) {
-    translator = translate::make_translator(blocks, execution_, {limit_.is_loose(), decoded_.banks, decoded_.flow});
+    translator = translate::make_translator(blocks, execution_, {decoded_.loose_limit, decoded_.banks, decoded_.flow});
     on_ = translator != nullptr;
     if (!on_) return nullptr;
     blocks.set_listener(translator.get());

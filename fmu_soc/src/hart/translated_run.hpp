@@ -18,18 +18,19 @@ namespace mebots::soc {
 /// left in its middle, the interpreter finishes it.
 class TranslatedRun {
  public:
+  /// `on`: hot code is translated where that is possible.
   TranslatedRun(Execution& execution, DecodedCode& decoded, Interpreter& interpreter, Fetch& fetch,
-                const ObservedRun& observed, const RunLimit& limit)
+                const ObservedRun& observed, const RunLimit& limit, bool on)
       : execution_(execution),
         decoded_(decoded),
         interpreter_(interpreter),
         fetch_(fetch),
         observed_(observed),
         limit_(limit),
-        flow_notes_(execution, decoded) {}
+        flow_notes_(execution, decoded),
+        on_(on) {}
 
-  /// Whether hot code is translated where that is possible.
-  void set_on(bool on);
+  /// Whether hot code is translated.
   bool is_on() const { return on_; }
 
   /// Code that may begin this block now; null = the interpreter runs it. A block gets code when it is hot.
@@ -85,7 +86,7 @@ class TranslatedRun {
   const ObservedRun& observed_;
   const RunLimit& limit_;
   FlowNotes flow_notes_;
-  bool on_ = true;
+  bool on_;
   std::uint64_t next_generation_ = 0;  // of blocks, in which Execution::next_block is meant
 };
 

@@ -18,7 +18,7 @@ constexpr std::uint32_t kHopelessRepeats = 16;
 constexpr unsigned kReturnAddress = 1;
 constexpr unsigned kStackPointer = 2;
 
-/// Vectors of exceptions behind those of 32 interrupts and the reset, with an event unit.
+/// GAP8's vectors of exceptions, behind those of 32 interrupts and the reset.
 constexpr std::uint32_t kIllegalVector = 0x84;
 constexpr std::uint32_t kCallVector = 0x88;
 constexpr std::uint32_t kAccessVector = 0x8C;
@@ -91,7 +91,7 @@ unsigned Traps::next_interrupt() const {
 
 std::uint32_t Traps::handler_of(std::uint32_t cause) const {
   const bool is_interrupt = (cause & cause::kInterrupt) != 0;
-  if (csrs_.has_event_unit()) {
+  if (csrs_.has_gap8_interrupts()) {
     const auto vectors = csrs_.mtvec() & ~0xffU;
     if (is_interrupt) return vectors + 4 * (cause & 31U);
     return vectors + (cause == cause::kIllegalInstruction ? kIllegalVector

@@ -125,4 +125,9 @@ void InstructionCache::visit(state::Visitor& v) {
   v("refills", state_.refills);
 }
 
+std::unique_ptr<InstructionCache> make_instruction_cache(const InstructionCacheSettings& settings,
+                                                         InstructionCache::Users users) {
+  return settings.size == 0 ? nullptr : std::make_unique<InstructionCache>(settings, users);
+}
+
 }  // namespace mebots::soc

@@ -167,4 +167,8 @@ class InstructionCache {
   std::uint8_t nowhere_ = 0;
 };
 
+/// Null when the settings say that there is none.
+std::unique_ptr<InstructionCache> make_instruction_cache(const InstructionCacheSettings& settings,
+                                                         InstructionCache::Users users);
+
 }  // namespace mebots::soc

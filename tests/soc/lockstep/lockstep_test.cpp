@@ -33,7 +33,7 @@ std::uint64_t wanted_instructions() {
 class Platform : public Bus {
  public:
   explicit Platform(std::span<const std::uint8_t> ram)
-      : memory_(make_memory()), hart_(memory_, *this, Timing{CoreKind::cv32e40p}, InstructionEnergy{}) {
+      : memory_(make_memory()), code_(memory_, {.timing = {CoreKind::cv32e40p}}), hart_(memory_, *this, code_) {
     memory_.write(Layout::kCode, ram);
     memory_.mark(Layout::kTohost, 4, Region::kWatch);
     hart_.reset(Layout::kCode);
@@ -52,6 +52,7 @@ class Platform : public Bus {
   bool watched(std::uint32_t) override { return true; }
 
   Memory memory_;
+  DecodedCode code_;
   Hart hart_;
 };
 

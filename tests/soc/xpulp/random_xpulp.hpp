@@ -213,7 +213,10 @@ class Generator {
 /// A hart that leaves at a store into nothing.
 class Platform : public Bus {
  public:
-  Platform() : memory_(make_memory()), hart_(memory_, *this, Timing{CoreKind::ri5cy}, InstructionEnergy{}) {
+  explicit Platform(bool translate = true)
+      : memory_(make_memory()),
+        code_(memory_, {.timing = {CoreKind::ri5cy}}),
+        hart_(memory_, *this, code_, {.translate = translate}) {
     hart_.reset(kXpulpRam);
   }
   Hart& hart() { return hart_; }
@@ -231,6 +234,7 @@ class Platform : public Bus {
     return memory;
   }
   Memory memory_;
+  DecodedCode code_;
   Hart hart_;
 };
 

@@ -61,10 +61,8 @@ void compare(std::uint64_t seed, int programs, std::uint32_t pointers, std::set<
              bool mostly_dots = false) {
   Random random(seed);
   Generator generator(random, mostly_dots);
-  const auto platforms = std::make_unique<std::array<Platform, 2>>();
-  auto& translated = (*platforms)[0];
-  auto& interpreted = (*platforms)[1];
-  interpreted.hart().set_translation(false);
+  Platform translated;
+  Platform interpreted(false);
   for (std::uint32_t i = 0; i < kXpulpRamBytes; ++i) translated.ram()[i] = static_cast<std::uint8_t>(random.word());
   std::memcpy(interpreted.ram(), translated.ram(), kXpulpRamBytes);
   for (int program = 0; program < programs; ++program) {
@@ -123,9 +121,8 @@ TEST(XpulpTranslation, FaultsInAPostIncrementAsInterpreted) {
        }) {
     std::array<std::vector<std::byte>, 2> states;
     for (const bool translate : {false, true}) {
-      Platform platform;
+      Platform platform(translate);
       auto& hart = platform.hart();
-      hart.set_translation(translate);
       const std::array<std::uint32_t, 3> words{access, 0x00160613U, 0xff9ff06fU};  // addi x12, x12, 1; j back
       platform.memory().write(kXpulpRam, {reinterpret_cast<const std::uint8_t*>(words.data()), sizeof words});
       // A word that points to the next one, for the load into its own pointer.

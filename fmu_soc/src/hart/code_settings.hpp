@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "hart/timing.hpp"
+#include "isa/op.hpp"
+
+#include <array>
+#include <cstdint>
+
+namespace mebots::soc {
+
+class Banks;
+class InstructionCache;
+
+/// Energy of one instruction by kind [fJ], at the reference voltage.
+struct InstructionEnergy {
+  std::array<std::uint32_t, kOpCount> fj{};
+};
+
+/// What harts have in common that share decoded code. Cache and banks outlive it.
+struct CodeSettings {
+  Timing timing = {};
+  InstructionEnergy energy = {};
+  /// A block that starts before the limit of a run goes on to its end. So memory and pc alone say where a hart stops.
+  bool loose_limit = false;
+  InstructionCache* instruction_cache = nullptr;  // that the code comes through; null = fetching never waits
+  Banks* banks = nullptr;  // of the first memory, when its users may have to wait for each other; null = one user
+};
+
+}  // namespace mebots::soc
