@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "soc.hpp"
 
-#include "isa/encoding.hpp"
 #include "mebots/error.hpp"
 #include "mebots/soc/fixed_point.hpp"
 
@@ -178,17 +177,6 @@ void Soc::handle(Stop stop) {
     case Stop::limit:
       break;
   }
-}
-
-bool Soc::spins() const {
-  if (end_ != End::none || hart_.sleeping() || hart_.interrupts_enabled()) return false;
-  std::uint32_t word = 0;
-  std::uint32_t fault_address = 0;
-  if (!BlockCache::fetch(memory_, hart_.pc(), word, fault_address)) return false;
-  const auto decoded = decode(word);
-  if (decoded.op == Op::jal) return decoded.imm == 0 && decoded.rd == 0;
-  return is_branch(decoded.op) && decoded.imm == 0 && decoded.rs1 == decoded.rs2 &&
-         (decoded.op == Op::beq || decoded.op == Op::bge || decoded.op == Op::bgeu);
 }
 
 /// At `time` by the core that ended the program. A fabric controller that is awake may be ahead of it; one that slept

@@ -92,8 +92,8 @@ class Soc final : private Bus {
   /// cores' system calls through the word of stop_when_stored(). For programs run alone; not part of a state.
   void serve_calls(HostCalls* calls) { host_calls_ = calls; }
 
-  /// Whether the core can only do the same for ever: it jumps to where it is, and no interrupt is enabled.
-  bool spins() const;
+  /// Whether the fabric controller can only do the same for ever, and the program has not ended.
+  bool spins() const { return running() && hart_.spins(); }
 
   End end() const { return end_; }
   bool running() const { return end_ == End::none; }

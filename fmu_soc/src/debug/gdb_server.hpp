@@ -47,7 +47,7 @@ class GdbServer {
   class OfHart final : public Observer {
    public:
     OfHart(GdbServer& server, unsigned number) : server_(server), number_(number) {}
-    bool before(Hart& hart) override;
+    bool before(const Hart& hart) override;
     void retired(const Hart& hart, const Retired& instruction) override;
     void trapped(const Hart& /*hart*/, const Trapped& /*trap*/) override { has_stood_ = false; }
     void switched(const Hart& hart, bool on) override;

@@ -24,7 +24,7 @@ void GdbServer::stop(unsigned number, std::string_view signal, std::string_view 
   stop_reply_ = fmt::format("{}thread:{:x};{}", signal, number + 1, why);
 }
 
-bool GdbServer::OfHart::before(Hart& hart) {
+bool GdbServer::OfHart::before(const Hart& hart) {
   auto& server = server_;
   auto& connection = server.connection_;
   if (server.killed_) return false;

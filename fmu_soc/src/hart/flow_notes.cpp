@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hart/flow_notes.hpp"
 
-#include "hart/observer.hpp"
+#include "hart/observed_run.hpp"
 #include "mebots/assert.hpp"
 
 #include <algorithm>
@@ -25,13 +25,13 @@ std::uint64_t FlowNotes::make_room(std::uint64_t cycles) {
   return std::min(cycles, kLongestRun);
 }
 
-void FlowNotes::tell(const Hart& hart, Observer* observer) {
+void FlowNotes::tell(const ObservedRun& observed) {
   auto& e = execution_;
   if (e.host.flow == steps_.get()) return;
   const std::span steps(steps_.get(), e.host.flow);
   MEBOTS_ASSERT(steps.size() <= kMostSteps);
   e.host.flow = steps_.get();
-  if (observer == nullptr) return;
+  if (observed.observer() == nullptr) return;
   make_absolute(steps);
   // For as long as it looks, the hart stands behind the last step.
   const auto at_end = e.counters;
@@ -42,7 +42,7 @@ void FlowNotes::tell(const Hart& hart, Observer* observer) {
   e.counters.instruction_fj = last.instruction_fj;
   e.counters.accesses = last.accesses;
   e.far_accesses = last.far_accesses;
-  observer->flowed(hart, steps);
+  observed.flowed(steps);
   e.counters = at_end;
   e.far_accesses = far_at_end;
 }

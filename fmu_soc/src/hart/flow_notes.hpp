@@ -11,7 +11,7 @@
 
 namespace mebots::soc {
 
-class Observer;
+class ObservedRun;
 
 /// Steps between functions that translated code notes in a run, for an observer who hears of them behind it.
 class FlowNotes {
@@ -24,7 +24,7 @@ class FlowNotes {
   /// How far a run may go so that there is room for what it notes.
   std::uint64_t make_room(std::uint64_t cycles);
   /// Tells the observer, if there is one, what the run that has just ended has noted.
-  void tell(const Hart& hart, Observer* observer);
+  void tell(const ObservedRun& observed);
 
  private:
   void make_absolute(std::span<Flow> steps) const;

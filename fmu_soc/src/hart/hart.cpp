@@ -2,6 +2,7 @@
 #include "hart/hart.hpp"
 
 #include "hart/csr_numbers.hpp"
+#include "isa/encoding.hpp"
 #include "mebots/assert.hpp"
 
 #include <utility>
@@ -202,6 +203,16 @@ Stop Hart::leave() {
       break;
   }
   return Stop::limit;
+}
+
+bool Hart::spins() const {
+  if (sleeping_ || csrs_.interrupts_enabled()) return false;
+  const auto word = cache_.word_at(execution_.pc);
+  if (!word) return false;
+  const auto here = decode(*word);
+  if (here.op == Op::jal) return here.imm == 0 && here.rd == 0;
+  return is_branch(here.op) && here.imm == 0 && here.rs1 == here.rs2 &&
+         (here.op == Op::beq || here.op == Op::bge || here.op == Op::bgeu);
 }
 
 /// The block at the pc, noted in the link of the instruction that led here when there is one.

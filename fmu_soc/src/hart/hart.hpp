@@ -98,6 +98,8 @@ class Hart {
   /// Whether something is pending that ends a sleep. That is an enabled interrupt, which for an event load must also be
   /// let in (mstatus), since the load would only fall asleep again.
   bool wakes() const { return waits_for_event_ ? csrs_.interrupt_ready() : csrs_.pending() != 0; }
+  /// Whether it can only do the same for ever: it jumps to where it is, and no interrupt is enabled.
+  bool spins() const;
   const Fault& fault() const { return traps_.fault(); }
   /// Whether no handler has returned since the last exception: fault().first is the first one since.
   bool in_exception() const { return traps_.in_exception(); }
@@ -111,7 +113,6 @@ class Hart {
   /// Reads or writes a CSR as an instruction would, without its cycles; false = there is none, or not this way.
   bool csr(unsigned number, std::uint32_t& value) const { return csrs_.read(number, value); }
   bool set_csr(unsigned number, std::uint32_t value) { return csrs_.write(number, value); }
-  bool interrupts_enabled() const { return csrs_.interrupts_enabled(); }
   std::uint32_t reg(unsigned index) const { return execution_.x[index]; }
   void set_reg(unsigned index, std::uint32_t value) {
     if (index != 0) execution_.x[index] = value;

@@ -8,6 +8,7 @@
 #include "hart/run_limit.hpp"
 
 #include <cstdint>
+#include <span>
 
 namespace mebots::soc {
 
@@ -15,7 +16,8 @@ namespace mebots::soc {
 /// wants to be told. All functions need an observer unless stated.
 class ObservedRun final : private BlockWalk {
  public:
-  ObservedRun(Hart& hart, Execution& execution, DecodedCode& decoded, Interpreter& interpreter, const RunLimit& limit)
+  ObservedRun(const Hart& hart, Execution& execution, DecodedCode& decoded, Interpreter& interpreter,
+              const RunLimit& limit)
       : hart_(hart), execution_(execution), decoded_(decoded), interpreter_(interpreter), limit_(limit) {}
 
   /// Who watches from now on, or null. `sleeping`: whether the core does now.
@@ -38,6 +40,9 @@ class ObservedRun final : private BlockWalk {
   void trapped(const Trapped& trap) const {
     if (observer_ != nullptr) observer_->trapped(hart_, trap);
   }
+  void flowed(std::span<const Flow> steps) const {
+    if (observer_ != nullptr) observer_->flowed(hart_, steps);
+  }
   void slept();
   void woke() {
     if (knows_of_sleep_) [[unlikely]]
@@ -53,7 +58,7 @@ class ObservedRun final : private BlockWalk {
   Retired foresee(std::uint32_t pc) const;
   void tell_of_waking();
 
-  Hart& hart_;
+  const Hart& hart_;
   Execution& execution_;
   DecodedCode& decoded_;
   Interpreter& interpreter_;

@@ -57,7 +57,7 @@ class Observer {
 
   /// The instruction at the hart's pc comes next, or a trap if it cannot run. False: the run ends before it; with a
   /// loose limit, before the next block for whose first instruction the answer is false.
-  virtual bool before(Hart& /*hart*/) { return true; }
+  virtual bool before(const Hart& /*hart*/) { return true; }
   virtual void retired(const Hart& /*hart*/, const Retired& /*instruction*/) {}
   /// Instructions that begin here and go on here need not be told, nor asked about, but for calls, jumps by a register
   /// and returns from traps. The answer holds until the next call of a function that is not const.

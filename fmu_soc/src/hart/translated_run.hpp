@@ -72,7 +72,7 @@ class TranslatedRun {
   bool may_begin(const Block& block, std::uint32_t stall) const;
   const translate::Entry* translate_when_hot(std::uint32_t number, const Block& block);
   void set_budget();
-  void tell_flow() { flow_notes_.tell(*execution_.hart, observed_.observer()); }
+  void tell_flow() { flow_notes_.tell(observed_); }
   void resume_interpreter(const translate::Exit& exit);
   void note_next(std::uint32_t block) {
     execution_.next_block = block;

@@ -14,7 +14,7 @@ class Observers final : public Observer {
   void remove(const Observer& observer) { std::erase(list_, &observer); }
   bool empty() const { return list_.empty(); }
 
-  bool before(Hart& hart) override {
+  bool before(const Hart& hart) override {
     for (auto* observer : list_) {
       if (!observer->before(hart)) return false;
     }

@@ -67,7 +67,7 @@ std::uint64_t busiest_cycles(const Soc& soc) {
 class InstructionLimit final : public Observer {
  public:
   explicit InstructionLimit(std::uint64_t last) : last_(last) {}
-  bool before(Hart& hart) override { return hart.counters().instructions < last_; }
+  bool before(const Hart& hart) override { return hart.counters().instructions < last_; }
 
  private:
   std::uint64_t last_;
