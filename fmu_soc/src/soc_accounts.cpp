@@ -80,11 +80,10 @@ PowerState Soc::power_state() const {
 /// own memory's, over the interconnect. Of a cluster core's, the first is L1, all others are L2.
 Activity Soc::activity_at(Picoseconds now) const {
   const auto& counters = hart_.counters();
-  const auto far = hart_.far_accesses();
   Activity activity;
   activity.fc_instruction_fj = counters.instruction_fj;
-  activity.fc_memory_accesses = far;
-  activity.l2_accesses = counters.accesses - counters.device_accesses - far;
+  activity.fc_memory_accesses = counters.far_accesses;
+  activity.l2_accesses = counters.near_accesses();
   activity.far_words = counters.device_accesses;
   if (instruction_cache_) activity.l2_accesses += instruction_cache_->refills() * instruction_cache_->words_per_line();
   activity.powered = now;
@@ -92,14 +91,13 @@ Activity Soc::activity_at(Picoseconds now) const {
   activity.retained = retention_time(now);
   if (!cluster_) return activity;
   const auto cluster = cluster_->counters();
-  const auto cluster_far = cluster_->far_accesses();
   const auto& dma = cluster_->dma().counts();
   const auto dma_words = dma.bytes / 4;
   activity.cluster_instruction_fj = cluster.instruction_fj;
   activity.cluster_cycles = cluster.cycles;
-  activity.l1_accesses = cluster.accesses - cluster.device_accesses - cluster_far + dma_words;
-  activity.l2_accesses += cluster_far + dma_words;
-  activity.far_words += cluster_far + dma_words;
+  activity.l1_accesses = cluster.near_accesses() + dma_words;
+  activity.l2_accesses += cluster.far_accesses + dma_words;
+  activity.far_words += cluster.far_accesses + dma_words;
   activity.dma_cycles = dma.busy_cycles;
   if (const auto* cache = cluster_->instruction_cache(); cache != nullptr) {
     const auto words = cache->refills() * cache->words_per_line();
@@ -112,10 +110,8 @@ Activity Soc::activity_at(Picoseconds now) const {
 }
 
 CoreActivity Soc::core_activity(unsigned core) const {
-  const auto& hart = cluster_->hart(core);
-  const auto& counters = hart.counters();
-  const auto far = hart.far_accesses();
-  return {counters.instruction_fj, counters.cycles, counters.accesses - counters.device_accesses - far, far};
+  const auto& counters = cluster_->hart(core).counters();
+  return {counters.instruction_fj, counters.cycles, counters.near_accesses(), counters.far_accesses};
 }
 
 std::uint64_t Soc::instructions() const {

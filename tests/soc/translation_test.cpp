@@ -26,7 +26,7 @@ std::vector<std::byte> state_of(Machine& machine, bool with_memory) {
 std::string text_of(Machine& machine) {
   const auto& c = machine.hart().counters();
   auto text = fmt::format("pc {:08x}, {} instructions, {} cycles, {} fJ, {} accesses, {} far", machine.hart().pc(),
-                          c.instructions, c.cycles, c.instruction_fj, c.accesses, machine.hart().far_accesses());
+                          c.instructions, c.cycles, c.instruction_fj, c.accesses, c.far_accesses);
   for (unsigned i = 1; i < 32; ++i) text += fmt::format("{}x{} {:08x}", i % 8 == 1 ? "\n" : " ", i, machine.reg(i));
   return text;
 }

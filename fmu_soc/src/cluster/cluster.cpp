@@ -483,21 +483,7 @@ void Cluster::observe(unsigned core, Observer* observer) {
 
 Counters Cluster::counters() const {
   Counters sum;
-  for (const auto& core : cores_) {
-    const auto& counters = core->hart().counters();
-    sum.instructions += counters.instructions;
-    sum.cycles += counters.cycles;
-    sum.instruction_fj += counters.instruction_fj;
-    sum.accesses += counters.accesses;
-    sum.device_accesses += counters.device_accesses;
-    sum.fetch_cycles += counters.fetch_cycles;
-  }
-  return sum;
-}
-
-std::uint64_t Cluster::far_accesses() const {
-  std::uint64_t sum = 0;
-  for (const auto& core : cores_) sum += core->hart().far_accesses();
+  for (const auto& core : cores_) sum += core->hart().counters();
   return sum;
 }
 

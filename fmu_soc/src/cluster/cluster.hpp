@@ -130,7 +130,6 @@ class Cluster {
   void observe(unsigned core, Observer* observer);
   /// Sum over the cores since reset of the chip.
   Counters counters() const;
-  std::uint64_t far_accesses() const;
   /// The most cycles that one of them was awake.
   std::uint64_t longest_cycles() const;
   /// Time it was on, up to `now`, which may lie in the middle of the instruction that switches it on.

@@ -63,7 +63,7 @@ void DataPath::wait_for_ram(const Instruction* at, const MemoryPort& port, std::
     e.extra_cycles += port.banks->claim(e.cycle_of(at), address);
     if (twice) e.extra_cycles += port.banks->claim(e.cycle_of(at) + 1, address + 4);
   }
-  if (port.region != ports_.front().region) ++e.far_accesses;
+  if (port.region != ports_.front().region) ++e.counters.far_accesses;
 }
 
 const Instruction* DataPath::load(const Instruction* at, std::uint32_t address, unsigned size, bool sign) {

@@ -47,14 +47,28 @@ struct Counters {
   std::uint64_t instruction_fj = 0;   // energy of instructions at the reference voltage
   std::uint64_t accesses = 0;         // loads and stores, all together
   std::uint64_t device_accesses = 0;  // of these: to devices
+  std::uint64_t far_accesses = 0;     // of these: to memories other than the first
   std::uint64_t fetch_cycles = 0;     // of the cycles: waiting for the instruction cache
 
+  /// Loads and stores to the first memory.
+  std::uint64_t near_accesses() const { return accesses - device_accesses - far_accesses; }
+  Counters& operator+=(const Counters& other) {
+    instructions += other.instructions;
+    cycles += other.cycles;
+    instruction_fj += other.instruction_fj;
+    accesses += other.accesses;
+    device_accesses += other.device_accesses;
+    far_accesses += other.far_accesses;
+    fetch_cycles += other.fetch_cycles;
+    return *this;
+  }
   void visit(state::Visitor& v) {
     v("instructions", instructions);
     v("cycles", cycles);
     v("instruction_fj", instruction_fj);
     v("accesses", accesses);
     v("device_accesses", device_accesses);
+    v("far_accesses", far_accesses);
     v("fetch_cycles", fetch_cycles);
   }
 };
@@ -114,7 +128,6 @@ struct Execution {
   FastRegion ram[2];
   Counters counters;
   Pipeline pipeline;
-  std::uint64_t far_accesses = 0;  // loads and stores that went to ram[1], since reset
 
   // Of the block in progress.
   std::uint32_t extra_cycles = 0;          // beyond the static ones

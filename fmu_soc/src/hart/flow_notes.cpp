@@ -35,16 +35,14 @@ void FlowNotes::tell(const ObservedRun& observed) {
   make_absolute(steps);
   // For as long as it looks, the hart stands behind the last step.
   const auto at_end = e.counters;
-  const auto far_at_end = e.far_accesses;
   const auto& last = steps.back();
   e.counters.instructions = last.instructions;
   e.counters.cycles = last.cycles;
   e.counters.instruction_fj = last.instruction_fj;
   e.counters.accesses = last.accesses;
-  e.far_accesses = last.far_accesses;
+  e.counters.far_accesses = last.far_accesses;
   observed.flowed(steps);
   e.counters = at_end;
-  e.far_accesses = far_at_end;
 }
 
 /// From what translated code counts in a run to what the counters were.

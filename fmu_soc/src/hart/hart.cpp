@@ -42,7 +42,6 @@ void Hart::observe(Observer* observer) {
 
 void Hart::reset(std::uint32_t pc) {
   execution_.counters = {};
-  execution_.far_accesses = 0;
   restart(pc);
   cache_.clear();
 }
@@ -251,7 +250,6 @@ void Hart::visit(state::Visitor& v) {
   v("x", std::span(registers).first<32>());
   v("pc", execution_.pc);
   v("loops", execution_.loops);
-  v("far_accesses", execution_.far_accesses);
   v("csr", csrs_);
   v("counters", execution_.counters);
   v("traps", traps_);

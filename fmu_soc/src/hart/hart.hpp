@@ -104,8 +104,6 @@ class Hart {
   /// Whether no handler has returned since the last exception: fault().first is the first one since.
   bool in_exception() const { return traps_.in_exception(); }
   const Counters& counters() const { return execution_.counters; }
-  /// Of the loads and stores: those that did not go to the first region of the memory, nor to a device.
-  std::uint64_t far_accesses() const { return execution_.far_accesses; }
 
   std::uint32_t pc() const { return execution_.pc; }
   /// For debuggers, between instructions.

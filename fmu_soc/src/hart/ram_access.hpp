@@ -29,7 +29,7 @@ struct RamPlace {
 /// Counts an access to one word but for its bank.
 [[gnu::always_inline]] inline RamAccess count_access(Execution& e, const RamPlace& place) {
   const auto& ram = *place.region;
-  if (&ram != &e.ram[0]) ++e.far_accesses;
+  if (&ram != &e.ram[0]) ++e.counters.far_accesses;
   if (ram.wait_cycles != 0) e.extra_cycles += ram.wait_cycles;
   return {ram.data + place.offset, ram.marks + place.offset / 4};
 }

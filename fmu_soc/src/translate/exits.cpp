@@ -43,7 +43,7 @@ void Emitter::note_flow(const Instruction* at, SetNext set_next) {
   mov(rdx, ptr[end]);
   movdqu(ptr[field(offsetof(Flow, instructions))], xmm15);
   mov(ptr[field(offsetof(Flow, cycles))], r15);
-  mov(rcx, ptr[rbx + static_cast<int>(offsetof(Execution, far_accesses))]);
+  mov(rcx, ptr[rbx + static_cast<int>(offsetof(Execution, counters.far_accesses))]);
   mov(ptr[field(offsetof(Flow, far_accesses))], rcx);
   mov(rcx, ptr[rbx + static_cast<int>(offsetof(Execution, counters.fetch_cycles))]);
   mov(ptr[field(offsetof(Flow, fetch_cycles))], rcx);

@@ -162,7 +162,7 @@ bool Emitter::emit_load(const Instruction* at) {
     Label neither;
     lea(ecx, ptr[rax + static_cast<std::int32_t>(ram_[0].base - ram.base)]);
     check_address(ecx, edx, ram, size, neither);
-    inc(qword[rbx + static_cast<int>(offsetof(Execution, far_accesses))]);
+    inc(qword[rbx + static_cast<int>(offsetof(Execution, counters.far_accesses))]);
     if (ram.wait_cycles != ram_[0].wait_cycles) {
       spend(ram.wait_cycles - ram_[0].wait_cycles);
     }
@@ -218,7 +218,7 @@ bool Emitter::emit_store(const Instruction* at) {
       mov(rdx, reinterpret_cast<std::uint64_t>(ram.marks));
       cmp(byte[rdx + rax], 0);
       jne(marked, T_NEAR);
-      inc(qword[rbx + static_cast<int>(offsetof(Execution, far_accesses))]);
+      inc(qword[rbx + static_cast<int>(offsetof(Execution, counters.far_accesses))]);
       if (ram.wait_cycles != ram_[0].wait_cycles) {
         spend(ram.wait_cycles - ram_[0].wait_cycles);
       }
