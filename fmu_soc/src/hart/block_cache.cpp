@@ -14,11 +14,6 @@ Current current_of(const Decoded& decoded) {
   return {decoded.op, decoded.rd, decoded.rs1, decoded.rs2, decoded.rs3, decoded.imm};
 }
 
-Previous previous_of(const Decoded& decoded) {
-  return {decoded.op, decoded.rd, is_multiply_high(decoded.op) || is_divide(decoded.op),
-          is_post_increment(decoded.op) ? decoded.rs1 : std::uint8_t{0}};
-}
-
 /// Bit r: a load of register r just before the instruction costs it a cycle.
 std::uint64_t loads_that_stall(const Timing& timing, const Current& current) {
   std::uint64_t registers = 0;
@@ -67,7 +62,8 @@ bool BlockCache::fetch(const Memory& memory, std::uint32_t pc, std::uint32_t& wo
   return true;
 }
 
-Instruction BlockCache::translate(const Decoded& decoded, std::uint32_t pc) const {
+/// As it stands in a block, but for the sums before it.
+Instruction BlockCache::instruction_of(const Decoded& decoded, std::uint32_t pc) const {
   Instruction instruction;
   instruction.run = handler_of(decoded.op, decoded.operand);
   instruction.pc = pc;
@@ -104,78 +100,100 @@ bool BlockCache::ends_before(std::uint32_t pc, std::uint32_t target) const {
   return true;
 }
 
+/// A block as far as it is decoded; its `end` is where the next instruction is.
+struct BlockCache::Decoding {
+  Block block;
+  Instruction sums;  // over its instructions
+  Previous two_before;
+  Previous before;
+  std::uint32_t next_start_bound = 0;  // the most cycles from its start to the start of the next instruction
+  std::uint32_t target = 0;            // the nearest one ahead of a branch of this block
+  bool ends_loop = false;              // its last instruction may
+};
+
 std::uint32_t BlockCache::decode_block(std::uint32_t pc) {
   std::uint32_t word = 0;
   std::uint32_t fault_address = 0;
   if (!fetch(memory_, pc, word, fault_address)) return 0;
   make_room();
-
-  Block block;
+  Decoding decoding;
+  auto& block = decoding.block;
   block.pc = pc;
+  block.end = pc;
   block.first = arena_used_;
-  const auto first_word = word;
   block.unaligned = (pc & 2U) != 0 && !is_compressed(word);
-  Previous two_before;
-  Previous before;
-  Instruction sums;
-  std::uint32_t bound = 0;
-  auto at = pc;
-  auto target = pc;  // the nearest one ahead of a branch of this block
-  bool loop = false;
-  while (sums.index < kMaxBlockLength && fetch(memory_, at, word, fault_address)) {
+  decoding.target = pc;
+  while (decoding.sums.index < kMaxBlockLength && fetch(memory_, block.end, word, fault_address)) {
     // A block of one instruction knows too little of what came before.
-    if (end_at_targets_ && sums.index >= 2 && ends_before(at, target)) break;
-    if (target <= at) target = 0xffffffffU;
+    if (end_at_targets_ && decoding.sums.index >= 2 && ends_before(block.end, decoding.target)) break;
     const auto decoded = decode_word(word);
-    auto& instruction = arena_[arena_used_ + sums.index];
-    instruction = translate(decoded, at);
-    instruction.cycles_before = sums.cycles_before;
-    instruction.index = sums.index;
-    instruction.accesses_before = sums.accesses_before;
-    instruction.energy_before_fj = sums.energy_before_fj;
-    if (sums.index == 0) block.stalled_by = loads_that_stall(timing_, current_of(decoded));
-    if (is_jump(decoded.op)) {
-      // What the jump's handler cannot see: whether a slow instruction hides an unaligned target.
-      instruction.rs2 = before.slow && timing_.multi_cycle_hides_unaligned_target() ? 1 : 0;
-      if (sums.index < 2) block.early_jump = true;
-    }
-    const auto cycles = static_cycles(timing_, two_before, before, current_of(decoded));
-    block.last_start_bound = bound;
-    // A misaligned access goes twice.
-    bound += cycles + most_extra_cycles(decoded.op) + 2 * longest_wait_ * accesses_of(decoded.op);
-    sums.cycles_before = static_cast<std::uint16_t>(sums.cycles_before + cycles);
-    sums.index = static_cast<std::uint8_t>(sums.index + 1);
-    sums.accesses_before = static_cast<std::uint8_t>(sums.accesses_before + accesses_of(decoded.op));
-    sums.energy_before_fj += energy_fj_[static_cast<std::size_t>(decoded.op)];
-    two_before = before;
-    before = previous_of(decoded);
-    loop = may_end_loop(at);
-    if (is_branch(decoded.op) && static_cast<std::uint32_t>(instruction.imm) > at) {
-      target = std::min(target, static_cast<std::uint32_t>(instruction.imm));
-    }
-    at += decoded.length;
-    if (loop || ends_block(decoded.op)) break;
+    append(decoding, decoded);
+    if (decoding.ends_loop || ends_block(decoded.op)) break;
   }
-  decoded_ += sums.index;
-  auto& end = arena_[arena_used_ + sums.index];
+  end_block(decoding);
+  return add(block);
+}
+
+void BlockCache::append(Decoding& decoding, const Decoded& decoded) {
+  auto& block = decoding.block;
+  auto& sums = decoding.sums;
+  const auto at = block.end;
+  auto& instruction = arena_[block.first + sums.index];
+  instruction = instruction_of(decoded, at);
+  instruction.cycles_before = sums.cycles_before;
+  instruction.index = sums.index;
+  instruction.accesses_before = sums.accesses_before;
+  instruction.energy_before_fj = sums.energy_before_fj;
+  if (sums.index == 0) block.stalled_by = loads_that_stall(timing_, current_of(decoded));
+  if (is_jump(decoded.op)) {
+    // What the jump's handler cannot see: whether a slow instruction hides an unaligned target.
+    instruction.rs2 = decoding.before.slow && timing_.multi_cycle_hides_unaligned_target() ? 1 : 0;
+    if (sums.index < 2) block.early_jump = true;
+  }
+  const auto cycles = static_cycles(timing_, decoding.two_before, decoding.before, current_of(decoded));
+  block.last_start_bound = decoding.next_start_bound;
+  // A misaligned access goes twice.
+  decoding.next_start_bound += cycles + most_extra_cycles(decoded.op) + 2 * longest_wait_ * accesses_of(decoded.op);
+  sums.cycles_before = static_cast<std::uint16_t>(sums.cycles_before + cycles);
+  sums.index = static_cast<std::uint8_t>(sums.index + 1);
+  sums.accesses_before = static_cast<std::uint8_t>(sums.accesses_before + accesses_of(decoded.op));
+  sums.energy_before_fj += energy_fj_[static_cast<std::size_t>(decoded.op)];
+  decoding.two_before = decoding.before;
+  decoding.before = executed(decoded, false);
+  decoding.ends_loop = may_end_loop(at);
+  if (decoding.target <= at) decoding.target = 0xffffffffU;
+  if (is_branch(decoded.op) && static_cast<std::uint32_t>(instruction.imm) > at) {
+    decoding.target = std::min(decoding.target, static_cast<std::uint32_t>(instruction.imm));
+  }
+  block.end = at + decoded.length;
+}
+
+/// Behind its last instruction: the slot that ends it, and what is known of it as a whole.
+void BlockCache::end_block(Decoding& decoding) {
+  auto& block = decoding.block;
+  const auto& sums = decoding.sums;
+  auto& end = arena_[block.first + sums.index];
   end = sums;
-  end.op = loop ? Op::loop_end : Op::end_of_block;
+  end.op = decoding.ends_loop ? Op::loop_end : Op::end_of_block;
   end.run = handler_of(end.op);
   MEBOTS_ASSERT(sums.index > 0 && end.run != nullptr);
-  end.pc = at;
-  block.end = at;
+  end.pc = block.end;
+  arena_[block.first + sums.index + 1] = Instruction{};  // holds the link of a loop's next iteration
+  arena_used_ += sums.index + 2U;
+  decoded_ += sums.index;
   block.fetch_bound = block.last_start_bound;
   if (cached_lines_ != nullptr) {
-    block.lines = cached_lines_->presence(pc);
-    block.line_count = cached_lines_->line_of(at - 1) - cached_lines_->line_of(pc) + 1;
-    block.begins_across =
-        cached_lines_->line_of(pc) != cached_lines_->line_of(pc + (is_compressed(first_word) ? 1 : 3));
+    const auto first_line = cached_lines_->line_of(block.pc);
+    block.lines = cached_lines_->presence(block.pc);
+    block.line_count = cached_lines_->line_of(block.end - 1) - first_line + 1;
+    block.begins_across = cached_lines_->line_of(arena_[block.first + 1].pc - 1) != first_line;
     block.fetch_bound += block.line_count * cached_lines_->refill_cycles();
   }
-  arena_[arena_used_ + sums.index + 1] = Instruction{};  // holds the link of a loop's next iteration
-  memory_.mark(pc, at - pc, mark_);
+  memory_.mark(block.pc, block.end - block.pc, mark_);
+}
 
-  arena_used_ += sums.index + 2U;
+/// Gives it a number, by which it is found from now on.
+std::uint32_t BlockCache::add(const Block& block) {
   std::uint32_t number = 0;
   if (free_.empty()) {
     number = static_cast<std::uint32_t>(blocks_.size());
@@ -184,17 +202,11 @@ std::uint32_t BlockCache::decode_block(std::uint32_t pc) {
     number = free_.back();
     free_.pop_back();
   }
-  blocks_[number] = block;
-  insert(number);
+  auto& added = blocks_[number];
+  added = block;
+  added.next_of_pc = std::exchange(by_pc_[bucket_of_pc(block.pc)], number);
+  added.next_of_page = std::exchange(by_page_[bucket_of_page(block.pc)], number);
   return number;
-}
-
-void BlockCache::insert(std::uint32_t number) {
-  auto& block = blocks_[number];
-  auto& by_pc = by_pc_[bucket_of_pc(block.pc)];
-  auto& by_page = by_page_[bucket_of_page(block.pc)];
-  block.next_of_pc = std::exchange(by_pc, number);
-  block.next_of_page = std::exchange(by_page, number);
 }
 
 /// For one more block: in the segment in work, or in the next one, whose blocks are evicted.
@@ -264,7 +276,7 @@ const Instruction* BlockCache::single(std::uint32_t pc, const Previous& two_befo
   std::uint32_t fault_address = 0;
   if (!fetch(memory_, pc, word, fault_address)) return nullptr;
   const auto decoded = decode_word(word);
-  single_[0] = translate(decoded, pc);
+  single_[0] = instruction_of(decoded, pc);
   if (is_jump(decoded.op)) {
     const bool behind = is_multiply_high(before.op) || is_divide(before.op);
     single_[0].rs2 = behind && timing_.multi_cycle_hides_unaligned_target() ? 1 : 0;

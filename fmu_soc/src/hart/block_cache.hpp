@@ -159,16 +159,19 @@ class BlockCache {
   std::size_t index_of(const Instruction* at) const { return static_cast<std::size_t>(at - arena_.get()); }
   static std::uint32_t bucket_of_pc(std::uint32_t pc) { return ((pc >> 1) * 0x9e3779b1U) >> (32 - kBucketBits); }
   static std::uint32_t bucket_of_page(std::uint32_t pc) { return (pc >> kPageBits) & ((1U << kBucketBits) - 1); }
+  struct Decoding;
   std::uint32_t decode_block(std::uint32_t pc);
+  void append(Decoding& decoding, const Decoded& decoded);
+  void end_block(Decoding& decoding);
+  std::uint32_t add(const Block& block);
   bool ends_before(std::uint32_t pc, std::uint32_t target) const;
   void make_room();
   void evict(std::uint32_t segment);
-  void insert(std::uint32_t number);
   void invalidate(std::uint32_t number);
   void invalidate_overlapping(std::uint32_t address, std::uint32_t count);
   void follow_changes();
   void forget();
-  Instruction translate(const Decoded& decoded, std::uint32_t pc) const;
+  Instruction instruction_of(const Decoded& decoded, std::uint32_t pc) const;
   Decoded decode_word(std::uint32_t word) const {
     return decode(word, timing_.has_xpulp() ? Extension::xpulp : Extension::standard);
   }

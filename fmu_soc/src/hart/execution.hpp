@@ -84,12 +84,6 @@ struct Pipeline {
   }
 };
 
-/// What the pipeline knows of an instruction that it has executed.
-inline Previous executed(const Instruction& instruction, bool across_words) {
-  return {instruction.op, instruction.rd, is_multiply_high(instruction.op) || is_divide(instruction.op) || across_words,
-          is_post_increment(instruction.op) ? instruction.rs1 : std::uint8_t{0}};
-}
-
 struct Execution;
 
 /// What translated code leaves behind, and what it is told.

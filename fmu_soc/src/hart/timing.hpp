@@ -55,6 +55,13 @@ struct Previous {
   }
 };
 
+/// What the pipeline knows of an instruction that it has executed; of one as decoded, or as it stands in a block.
+template <typename Executed>
+Previous executed(const Executed& instruction, bool across_words) {
+  return {instruction.op, instruction.rd, is_multiply_high(instruction.op) || is_divide(instruction.op) || across_words,
+          is_post_increment(instruction.op) ? instruction.rs1 : std::uint8_t{0}};
+}
+
 /// The instruction whose cycles are asked for.
 struct Current {
   Op op = Op::end_of_block;
