@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <CLI/CLI.hpp>
+
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -25,6 +27,9 @@ struct Options {
   std::optional<int> gdb_port;
   std::optional<std::uint64_t> max_instructions;
 };
+
+/// Lets the command take them, with what its help says of each; they are set when the command line is parsed.
+void add_options(CLI::App& command, Options& options);
 
 /// Throws Error for what cannot be meant: an empty name, one file for two things, a file that the run reads as output,
 /// a folder that is none.
