@@ -147,10 +147,10 @@ const Csrs::Rows::Row* Csrs::Rows::find(const Csrs& csrs, unsigned number) {
   return row == 0 ? nullptr : &kAll[row - 1U];
 }
 
-Csrs::Csrs(Execution& execution, BlockCache& cache, std::uint32_t id, bool has_gap8_interrupts)
+Csrs::Csrs(Execution& execution, BlockCache& blocks, std::uint32_t id, bool has_gap8_interrupts)
     : execution_(execution),
-      cache_(cache),
-      timing_(cache.timing()),
+      blocks_(blocks),
+      timing_(blocks.timing()),
       id_(id),
       has_gap8_interrupts_(has_gap8_interrupts) {
   restart();
@@ -220,9 +220,9 @@ const Instruction* Csrs::access(const Instruction* at) {
   bool good = read(number, old);
   if (good && writes) good = write(number, replace ? operand : set ? old | operand : old & ~operand);
   e.counters = saved;
-  if (!good) return e.raise(at, cause::kIllegalInstruction, cache_.word_at(at->pc).value_or(0));
+  if (!good) return e.raise(at, cause::kIllegalInstruction, blocks_.word_at(at->pc).value_or(0));
   e.x[at->rd] = old;
-  return cache_.is_stale() ? e.leave_after(at, Leave::normal) : at + 1;  // it has set where a hardware loop ends
+  return blocks_.is_stale() ? e.leave_after(at, Leave::normal) : at + 1;  // it has set where a hardware loop ends
 }
 
 bool Csrs::read(unsigned number, std::uint32_t& value) const {

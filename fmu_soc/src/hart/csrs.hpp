@@ -20,7 +20,7 @@ class Csrs {
  public:
   /// `id`: what mhartid reads. With GAP8's interrupts come the CSRs of the stack check, which are kept; nothing is
   /// checked.
-  Csrs(Execution& execution, BlockCache& cache, std::uint32_t id, bool has_gap8_interrupts);
+  Csrs(Execution& execution, BlockCache& blocks, std::uint32_t id, bool has_gap8_interrupts);
 
   /// As after reset, and the counters count from here on.
   void restart();
@@ -111,7 +111,7 @@ class Csrs {
   template <unsigned kLoop>
   void set_loop_end(std::uint32_t value) {
     execution_.loops[kLoop].end = value;
-    cache_.end_block_at(value);
+    blocks_.end_block_at(value);
   }
   template <unsigned kLoop>
   void set_loop_count(std::uint32_t value) {
@@ -124,7 +124,7 @@ class Csrs {
   void set_event_enable(std::uint32_t pcer, std::uint32_t pcmr);
 
   Execution& execution_;
-  BlockCache& cache_;
+  BlockCache& blocks_;
   Timing timing_;
   std::uint32_t id_;
   bool has_gap8_interrupts_;

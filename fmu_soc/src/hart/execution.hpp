@@ -94,8 +94,8 @@ struct HostState {
   std::uint64_t end = 0;
   /// Where to go on when it was left only for the end of its budget, and nothing has happened since; else null.
   const std::uint8_t* resume_point = nullptr;
-  Execution* next =
-      nullptr;  // the next hart of the round, which goes on then without leaving translated code; null = none
+  /// Of the next hart of the round, which goes on then without leaving translated code; null = none.
+  Execution* next = nullptr;
   std::uint64_t instructions = 0;  // of the last run; upper half: loads and stores
   /// What the pipeline holds for a region's block that was reached straight from the end of another one, as bits of a
   /// Pipeline; 0 = nothing came straight.

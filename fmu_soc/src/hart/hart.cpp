@@ -13,13 +13,13 @@ namespace mebots::soc {
 Hart::Hart(Memory& memory, Bus& bus, DecodedCode& decoded, const HartSettings& settings)
     : bus_(bus),
       decoded_(decoded),
-      cache_(decoded.blocks),
+      blocks_(decoded.blocks),
       limit_(decoded.loose_limit),
-      csrs_(execution_, cache_, settings.id, settings.has_gap8_interrupts),
-      traps_(execution_, csrs_, cache_),
+      csrs_(execution_, blocks_, settings.id, settings.has_gap8_interrupts),
+      traps_(execution_, csrs_, blocks_),
       data_path_(execution_, memory, bus, decoded.loose_limit),
       fetch_(execution_, decoded.instruction_cache),
-      interpreter_(execution_, memory, cache_, fetch_, limit_),
+      interpreter_(execution_, memory, blocks_, fetch_, limit_),
       observed_(*this, execution_, decoded, interpreter_, limit_),
       translated_(execution_, decoded, interpreter_, fetch_, observed_, limit_, settings.translate) {
   execution_.rooms = &rooms_;
@@ -32,7 +32,7 @@ Hart::Hart(Memory& memory, Bus& bus, DecodedCode& decoded, const HartSettings& s
 void Hart::connect(std::span<const MemoryPort> ports) {
   // Translated code holds all of the fast memories but who else is there.
   if (data_path_.connect(ports)) decoded_.drop_translations();
-  cache_.set_longest_wait(data_path_.longest_wait());
+  blocks_.set_longest_wait(data_path_.longest_wait());
 }
 
 void Hart::observe(Observer* observer) {
@@ -43,7 +43,7 @@ void Hart::observe(Observer* observer) {
 void Hart::reset(std::uint32_t pc) {
   execution_.counters = {};
   restart(pc);
-  cache_.clear();
+  blocks_.clear();
 }
 
 void Hart::restart(std::uint32_t pc) {
@@ -60,7 +60,7 @@ void Hart::restart(std::uint32_t pc) {
 Stop Hart::run(std::uint64_t limit) {
   auto& e = execution_;
   if (traps_.fault().happened) return Stop::fault;
-  cache_.forget_if_stale();
+  blocks_.forget_if_stale();
   if (!stays_awake()) return Stop::sleeping;
   e.link = nullptr;
   e.jumped = false;
@@ -73,7 +73,7 @@ Stop Hart::go_on(std::uint64_t limit, bool left_translated) {
   limit_.set_end(limit);
   fetch_.note_unsettled();
   for (;;) {
-    if (cache_.forget_if_stale()) [[unlikely]]
+    if (blocks_.forget_if_stale()) [[unlikely]]
       e.link = nullptr;
     if (e.leave != Leave::normal) {
       if (const auto stop = leave(); stop != Stop::limit) return stop;
@@ -93,7 +93,7 @@ Stop Hart::go_on(std::uint64_t limit, bool left_translated) {
     }
     if (observed_.wants_all()) [[unlikely]] {
       if (!observed_.goes_on()) return Stop::observer;
-      cache_.forget_if_stale();  // a debugger may have changed code, or the pc
+      blocks_.forget_if_stale();  // a debugger may have changed code, or the pc
       number = 0;
       e.link = nullptr;
       e.cut_pc = kNoPc;
@@ -128,9 +128,9 @@ inline std::uint32_t Hart::following() {
   if (link == nullptr) {
     if (const auto next = translated_.next_block(); next != 0) return next;
   }
-  if (link != nullptr && *link != 0 && cache_.block(*link).pc == execution_.pc) return *link;
+  if (link != nullptr && *link != 0 && blocks_.block(*link).pc == execution_.pc) return *link;
   if (link == nullptr && execution_.pc == execution_.cut_pc && !limit_.is_loose())
-    return cache_.known(execution_.cut_pc);
+    return blocks_.known(execution_.cut_pc);
   return following_block(execution_.link);
 }
 
@@ -138,9 +138,9 @@ inline std::uint32_t Hart::following() {
 inline std::uint32_t Hart::land() {
   execution_.jumped = false;
   const auto* link = execution_.link;
-  const bool known = link != nullptr && *link != 0 && cache_.block(*link).pc == execution_.pc;
+  const bool known = link != nullptr && *link != 0 && blocks_.block(*link).pc == execution_.pc;
   const auto number = known ? *link : following_block(execution_.link);
-  if (number != 0 && cache_.block(number).unaligned) execution_.counters.cycles += kUnalignedTargetExtra;
+  if (number != 0 && blocks_.block(number).unaligned) execution_.counters.cycles += kUnalignedTargetExtra;
   return number;
 }
 
@@ -148,7 +148,7 @@ inline std::uint32_t Hart::land() {
 /// block only because no patch point leads there yet.
 inline bool Hart::run_block(std::uint32_t number, bool left_translated) {
   const auto& before = execution_.pipeline.before;
-  const auto& block = cache_.block(number);
+  const auto& block = blocks_.block(number);
   // What ran before can delay the first instruction if it was a load. A jump soon after it is another matter.
   const bool early_jump = block.jumps_too_early_behind(before);
   const auto stall = block.stall_behind(before);
@@ -206,7 +206,7 @@ Stop Hart::leave() {
 
 bool Hart::spins() const {
   if (sleeping_ || csrs_.interrupts_enabled()) return false;
-  const auto word = cache_.word_at(execution_.pc);
+  const auto word = blocks_.word_at(execution_.pc);
   if (!word) return false;
   const auto here = decode(*word);
   if (here.op == Op::jal) return here.imm == 0 && here.rd == 0;
@@ -216,9 +216,9 @@ bool Hart::spins() const {
 
 /// The block at the pc, noted in the link of the instruction that led here when there is one.
 std::uint32_t Hart::following_block(std::uint32_t* link) {
-  const auto generation = cache_.generation();
-  const auto number = cache_.find(execution_.pc);
-  if (link != nullptr && cache_.generation() == generation) *link = number;
+  const auto generation = blocks_.generation();
+  const auto number = blocks_.find(execution_.pc);
+  if (link != nullptr && blocks_.generation() == generation) *link = number;
   return number;
 }
 
@@ -261,8 +261,8 @@ void Hart::visit(state::Visitor& v) {
   execution_.cut_pc = kNoPc;
   observed_.restored(sleeping_);
   translated_.drop_resume_point();
-  cache_.clear();
-  for (const auto& loop : execution_.loops) cache_.end_block_at(loop.end);  // for a hart restored without its memory
+  blocks_.clear();
+  for (const auto& loop : execution_.loops) blocks_.end_block_at(loop.end);  // for a hart restored without its memory
 }
 
 Hart::RoundEnd Hart::run_round_robin(Hart& first, std::uint64_t limit_tick) {

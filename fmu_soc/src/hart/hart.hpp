@@ -48,8 +48,8 @@ struct HartSettings {
 };
 
 /// One RISC-V hardware thread: RV32IMC_Zicsr_Zifencei in machine mode, timed as RI5CY (then with Xpulp v2) or CV32E40P.
-/// Straight code is decoded once into blocks. A block runs only when none of its instructions can start
-/// at or after the limit. Otherwise one instruction at a time is taken, with the same counts.
+/// Straight code is decoded once into blocks. A block runs only when none of its instructions can start at or after the
+/// limit. Otherwise one instruction at a time is taken, with the same counts.
 class Hart {
  public:
   /// Reaches all regions of the memory without waiting; the first two are the fast ones. Other harts that run in the
@@ -63,6 +63,7 @@ class Hart {
   void reset(std::uint32_t pc);
   /// Likewise, but the counters that nothing in the core can write go on, and memory is as it was.
   void restart(std::uint32_t pc);
+
   /// Says which memories the core reaches, and how; all others are nothing to it. The first two are the fast ones.
   void connect(std::span<const MemoryPort> ports);
   /// Who else uses the first memory from now on; null = nobody.
@@ -80,8 +81,7 @@ class Hart {
     Stop stop = Stop::limit;    // and came back so
   };
   /// A round: as `run` up to the same tick (active cycle + offset) of each hart from this one on, in translated code.
-  /// It ends with the first that does not stay there. For harts that share banks and decoded
-  /// code.
+  /// It ends with the first that does not stay there. For harts that share banks and decoded code.
   static RoundEnd run_round_robin(Hart& first, std::uint64_t limit_tick);
   /// Who watches every instruction from now on, or null. Not part of a state.
   void observe(Observer* observer);
@@ -137,14 +137,14 @@ class Hart {
 
   Bus& bus_;
   DecodedCode& decoded_;
-  BlockCache& cache_;  // of it
+  BlockCache& blocks_;  // of it
   Execution execution_;
   RunLimit limit_;
   Csrs csrs_;
   Traps traps_;
   DataPath data_path_;
   Fetch fetch_;
-  Rooms rooms_{csrs_, traps_, data_path_, fetch_, cache_};
+  Rooms rooms_{csrs_, traps_, data_path_, fetch_, blocks_};
   Interpreter interpreter_;
   ObservedRun observed_;
   TranslatedRun translated_;

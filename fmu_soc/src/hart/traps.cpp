@@ -47,7 +47,7 @@ Exception Traps::exception_here(std::uint32_t cause, std::uint32_t value) const 
                  .value = value,
                  .return_address = execution_.x[kReturnAddress],
                  .stack_pointer = execution_.x[kStackPointer]};
-  here.instruction = cache_.word_at(here.pc).value_or(0);
+  here.instruction = blocks_.word_at(here.pc).value_or(0);
   return here;
 }
 
@@ -104,7 +104,7 @@ std::uint32_t Traps::handler_of(std::uint32_t cause) const {
 
 bool Traps::enter_handler(std::uint32_t cause, std::uint32_t value) {
   const auto target = handler_of(cause);
-  if (!cache_.word_at(target)) {
+  if (!blocks_.word_at(target)) {
     fail(cause, value, false);
     return false;
   }

@@ -47,8 +47,8 @@ struct Fault {
 /// Takes a core into its handlers and out of them, and knows when that never ends.
 class Traps {
  public:
-  Traps(Execution& execution, Csrs& csrs, const BlockCache& cache)
-      : execution_(execution), csrs_(csrs), cache_(cache) {}
+  Traps(Execution& execution, Csrs& csrs, const BlockCache& blocks)
+      : execution_(execution), csrs_(csrs), blocks_(blocks) {}
 
   void restart();
   /// The exception with which the last block was left; the cycles to its handler are not counted yet. False: the core
@@ -75,7 +75,7 @@ class Traps {
 
   Execution& execution_;
   Csrs& csrs_;
-  const BlockCache& cache_;
+  const BlockCache& blocks_;
   Fault fault_;
   // The same exception again and again without a return from its handler never ends.
   std::uint32_t pc_ = 0;
