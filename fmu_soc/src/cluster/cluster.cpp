@@ -39,9 +39,8 @@ Cluster::Cluster(Memory& memory, const ClusterSettings& settings, const Instruct
 Cluster::~Cluster() = default;
 
 void Cluster::power_on(Picoseconds now, std::uint32_t boot) {
-  if (powered_) return;
-  powered_ = true;
-  switched_at_ = now;
+  if (powered()) return;
+  powered_.begin(now);
   in_step_ = false;
   peripherals_->reset(boot);
   alarm_ = peripherals_->next_tick();
@@ -62,12 +61,10 @@ void Cluster::start_cores(std::uint64_t tick) {
 }
 
 void Cluster::power_off(Picoseconds now) {
-  if (!powered_) return;
-  powered_ = false;
-  powered_total_ += now - switched_at_;
-  if (busy_) end_work(now);
-  MEBOTS_ASSERT(powered_total_ >= 0 && now >= switched_at_, "time does not go back");
-  switched_at_ = now;
+  if (!powered()) return;
+  MEBOTS_ASSERT(now >= powered_.changed_at(), "time does not go back");
+  powered_.end(now);
+  if (busy_.runs()) busy_.end(now);
   for (auto& core : cores_) core->stop();
   interrupt_ = false;
   fabric_woken_ = false;
@@ -88,7 +85,7 @@ void Cluster::set_clock(Picoseconds now, std::uint32_t hz) {
 }
 
 std::uint64_t Cluster::next_tick() const {
-  if (!powered_ || faulted_core_ >= 0 || stopped_) return kNoTick;
+  if (!powered() || faulted_core_ >= 0 || stopped_) return kNoTick;
   return std::min({dma_.next_tick(), alarm_, first_ready()});
 }
 
@@ -391,21 +388,15 @@ void Cluster::spread_events(std::uint64_t tick) {
 
 /// A core is awake from `tick` on.
 void Cluster::note_awake(std::uint64_t tick) {
-  if (busy_) return;
-  busy_ = true;
-  busy_since_ = clock_.time_of(tick);
+  if (busy_.runs()) return;
+  busy_.begin(clock_.time_of(tick));
   last_asleep_ = 0;
 }
 
 /// A core fell asleep in `tick`, or a transfer ended in it.
 void Cluster::note_asleep(std::uint64_t tick) {
   last_asleep_ = std::max(last_asleep_, tick);
-  if (busy_ && awake_ == 0 && !dma_.busy()) end_work(clock_.time_of(last_asleep_));
-}
-
-void Cluster::end_work(Picoseconds time) {
-  busy_ = false;
-  busy_total_ += std::max<Picoseconds>(time - busy_since_, 0);
+  if (busy_.runs() && awake_ == 0 && !dma_.busy()) busy_.end(clock_.time_of(last_asleep_));
 }
 
 bool Cluster::take_fabric_wake() {
@@ -416,7 +407,7 @@ bool Cluster::take_fabric_wake() {
 
 BusReply Cluster::access(const ClusterAccess& access) {
   MEBOTS_ASSERT(access.who < cores() || access.who == kFabricController);
-  MEBOTS_ASSERT(powered_, "devices of a cluster that is off belong to nobody");
+  MEBOTS_ASSERT(powered(), "devices of a cluster that is off belong to nobody");
   if (access.who == kFabricController || peripherals_->owns_of_core(access.address)) {
     return access.size == 4 ? peripherals_->access(access) : BusReply{};
   }
@@ -431,7 +422,7 @@ BusReply Cluster::access_outside(const ClusterAccess& access) {
 }
 
 bool Cluster::owns(std::uint32_t address) const {
-  return powered_ && peripherals_->owns_of_fabric_controller(address);
+  return powered() && peripherals_->owns_of_fabric_controller(address);
 }
 
 BusReply Cluster::load(std::uint32_t address, Picoseconds now) {
@@ -470,7 +461,7 @@ Picoseconds Cluster::core_time(unsigned core) const {
 }
 
 Picoseconds Cluster::reached() const {
-  if (!powered_) return switched_at_;
+  if (!powered()) return powered_.changed_at();
   std::uint64_t tick = 0;
   for (const auto& core : cores_) tick = std::max(tick, core->tick());
   return time_of_core_at(tick);
@@ -511,10 +502,6 @@ void Cluster::visit(state::Visitor& v) {
   v("fabric_event_time", fabric_event_time_);
   v("busy", busy_);
   v("last_asleep", last_asleep_);
-  v("busy_since", busy_since_);
-  v("busy_total", busy_total_);
-  v("switched_at", switched_at_);
-  v("powered_total", powered_total_);
   if (!v.restores()) return;
   core_stopped_by_observer_ = -1;
   in_step_ = false;

@@ -7,6 +7,7 @@
 #include "hart/hart.hpp"
 #include "memory/banks.hpp"
 #include "memory/instruction_cache.hpp"
+#include "stopwatch.hpp"
 
 #include <algorithm>
 #include <array>
@@ -80,7 +81,7 @@ class Cluster {
   void set_outside(Outside outside) { outside_ = std::move(outside); }
 
   unsigned cores() const { return static_cast<unsigned>(cores_.size()); }
-  bool powered() const { return powered_; }
+  bool powered() const { return powered_.runs(); }
 
   /// Off: what the cores and devices knew is lost. On: cores start as its registers have it, our own at once at `boot`,
   /// in the first tick at or after `now`.
@@ -115,7 +116,7 @@ class Cluster {
   bool take_fabric_wake();
   /// When its interrupt line last went up, its event load was answered, or a core last reached outside.
   Picoseconds fabric_event_time() const { return fabric_event_time_; }
-  bool interrupt() const { return powered_ && peripherals_->interrupt(); }
+  bool interrupt() const { return powered() && peripherals_->interrupt(); }
 
   const Hart& hart(unsigned core) const;
   Hart& hart(unsigned core);
@@ -133,14 +134,10 @@ class Cluster {
   /// The most cycles that one of them was awake.
   std::uint64_t longest_cycles() const;
   /// Time it was on, up to `now`, which may lie in the middle of the instruction that switches it on.
-  Picoseconds powered_time(Picoseconds now) const {
-    return powered_total_ + (powered_ && now > switched_at_ ? now - switched_at_ : 0);
-  }
+  Picoseconds powered_time(Picoseconds now) const { return powered_.up_to(now); }
   /// Time in which a core was awake or all of them waited for the DMA, up to `now`. A cluster that is behind `now`
   /// counts as going on as it is.
-  Picoseconds busy_time(Picoseconds now) const {
-    return busy_total_ + (busy_ && now > busy_since_ ? now - busy_since_ : 0);
-  }
+  Picoseconds busy_time(Picoseconds now) const { return busy_.up_to(now); }
   /// The core that cannot go on; -1 = none.
   int faulted_core() const { return faulted_core_; }
   /// A core's store into a watched word ended the run.
@@ -183,7 +180,6 @@ class Cluster {
   void start_cores(std::uint64_t tick);
   void note_awake(std::uint64_t tick);
   void note_asleep(std::uint64_t tick);
-  void end_work(Picoseconds time);
   BusReply access(const ClusterAccess& access);
   BusReply access_outside(const ClusterAccess& access);
 
@@ -205,7 +201,7 @@ class Cluster {
   std::function<bool(std::uint32_t)> watcher_;
   Outside outside_;
   Clock clock_;
-  bool powered_ = false;
+  Stopwatch powered_;
   bool interrupt_ = false;  // what the line was
   bool fabric_woken_ = false;
   bool stopped_ = false;
@@ -219,12 +215,8 @@ class Cluster {
   std::uint32_t first_core_ = 0;                // of the next quantum, when all are awake
   bool dma_first_ = false;                      // in it, before the cores; else behind them
   Picoseconds fabric_event_time_ = 0;
-  bool busy_ = false;
+  Stopwatch busy_;
   std::uint64_t last_asleep_ = 0;  // the tick in which the last core fell asleep, since it is busy
-  Picoseconds busy_since_ = 0;
-  Picoseconds busy_total_ = 0;     // up to the last time it was idle
-  Picoseconds switched_at_ = 0;    // on or off, the last time
-  Picoseconds powered_total_ = 0;  // up to the last time it went off
 };
 
 }  // namespace mebots::soc
