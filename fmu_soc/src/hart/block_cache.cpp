@@ -272,26 +272,37 @@ void BlockCache::follow_changes() {
 }
 
 const Instruction* BlockCache::single(std::uint32_t pc, const Previous& two_before, const Previous& before) {
+  MEBOTS_ASSERT(!is_stale(), "what follows a change of code later would take the mark off again");
+  auto& single = singles_[(pc >> 1) % singles_.size()];
+  const auto generation = memory_.code_generation();
+  if (single.generation == generation && single.slots[0].pc == pc && single.two_before == two_before &&
+      single.before == before) {
+    return single.slots.data();
+  }
   std::uint32_t word = 0;
   std::uint32_t fault_address = 0;
   if (!fetch(memory_, pc, word, fault_address)) return nullptr;
   const auto decoded = decode_word(word);
-  single_[0] = instruction_of(decoded, pc);
+  memory_.mark(pc, decoded.length, mark_);
+  single.generation = generation;
+  single.two_before = two_before;
+  single.before = before;
+  auto& slots = single.slots;
+  slots[0] = instruction_of(decoded, pc);
   if (is_jump(decoded.op)) {
     const bool behind = is_multiply_high(before.op) || is_divide(before.op);
-    single_[0].rs2 = behind && timing_.multi_cycle_hides_unaligned_target() ? 1 : 0;
+    slots[0].rs2 = behind && timing_.multi_cycle_hides_unaligned_target() ? 1 : 0;
   }
-  single_[1] = Instruction{};
-  single_[1].op = may_end_loop(pc) ? Op::loop_end : Op::end_of_block;
-  single_[1].run = handler_of(single_[1].op);
-  single_[1].pc = pc + decoded.length;
-  single_[1].index = 1;
-  single_[1].cycles_before =
-      static_cast<std::uint16_t>(static_cycles(timing_, two_before, before, current_of(decoded)));
-  single_[1].accesses_before = accesses_of(decoded.op);
-  single_[1].energy_before_fj = energy_fj_[static_cast<std::size_t>(decoded.op)];
-  single_[2] = Instruction{};
-  return single_.data();
+  slots[1] = Instruction{};
+  slots[1].op = may_end_loop(pc) ? Op::loop_end : Op::end_of_block;
+  slots[1].run = handler_of(slots[1].op);
+  slots[1].pc = pc + decoded.length;
+  slots[1].index = 1;
+  slots[1].cycles_before = static_cast<std::uint16_t>(static_cycles(timing_, two_before, before, current_of(decoded)));
+  slots[1].accesses_before = accesses_of(decoded.op);
+  slots[1].energy_before_fj = energy_fj_[static_cast<std::size_t>(decoded.op)];
+  slots[2] = Instruction{};
+  return slots.data();
 }
 
 void BlockCache::set_longest_wait(std::uint32_t cycles) {

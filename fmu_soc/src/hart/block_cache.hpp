@@ -89,7 +89,8 @@ class BlockCache {
   /// Puts another handler in the place of an instruction's, and gives that one back.
   Handler exchange(const Instruction* at, Handler handler) { return std::exchange(arena_[index_of(at)].run, handler); }
 
-  /// One instruction and the end of a block, decoded with what the pipeline holds. Null when it cannot be fetched.
+  /// One instruction and the end of a block, decoded with what the pipeline holds. Null when it cannot be fetched. A
+  /// limit that cuts a loop asks for the same few again and again, so they are kept until code changes.
   const Instruction* single(std::uint32_t pc, const Previous& two_before, const Previous& before);
 
   /// A hardware loop ends with the instruction at `pc`: blocks end there from now on. True: they did not before, and
@@ -151,6 +152,14 @@ class BlockCache {
 
   static constexpr std::size_t kArenaSize = std::size_t{kSegmentSize} * kSegments;
 
+  /// An instruction alone, its end, and the place of its link, as of one generation of the memory's code.
+  struct Single {
+    std::uint64_t generation = 0;  // 0 = nothing, which is none of the memory's
+    Previous two_before;
+    Previous before;
+    std::array<Instruction, 3> slots{};
+  };
+
   /// Frees an arena that was never initialised: who begins a mission would wait for 16 MB of which most decode a part.
   struct FreeArena {
     void operator()(Instruction* arena) const { std::allocator<Instruction>().deallocate(arena, kArenaSize); }
@@ -196,7 +205,7 @@ class BlockCache {
   std::uint64_t decoded_ = 0;
   std::uint32_t longest_wait_ = 0;
   BlockListener* listener_ = nullptr;
-  std::array<Instruction, 3> single_{};
+  std::array<Single, 64> singles_{};  // by pc
 };
 
 }  // namespace mebots::soc

@@ -47,6 +47,7 @@ struct Previous {
   bool slow = false;         // took several cycles: mulh, div, misaligned load
   std::uint8_t pointer = 0;  // the register that a post-increment wrote; 0 = none
 
+  bool operator==(const Previous&) const = default;
   void visit(state::Visitor& v) {
     v(kOpInStates, op);
     v("rd", rd);
