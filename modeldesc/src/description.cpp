@@ -21,6 +21,27 @@ namespace {
 using data::Node;
 using data::Object;
 
+/// XML 1.0, section 2.2: whatever other characters of JSON cannot stand in a modelDescription.xml, not even as a
+/// reference.
+void check_xml_text(const Node& node, std::string_view text) {
+  for (const char c : text) {
+    if (static_cast<unsigned char>(c) >= 0x20 || c == '\t' || c == '\n' || c == '\r') continue;
+    node.fail(ErrorCode::invalid_value,
+              fmt::format("there is a control character, \\u{:04x}, which XML cannot hold; remove it", c));
+  }
+  for (const std::string_view noncharacter : {"\xEF\xBF\xBE", "\xEF\xBF\xBF"}) {
+    if (text.find(noncharacter) == std::string_view::npos) continue;
+    node.fail(ErrorCode::invalid_value,
+              "there is \\ufffe or \\uffff, which no text has and XML cannot hold; remove it");
+  }
+}
+
+std::string xml_text(const Node& node) {
+  auto text = node.text();
+  check_xml_text(node, text);
+  return text;
+}
+
 /// Builds a Description piece by piece and keeps the names unique. Whatever is wrong is noted in the documents that the
 /// nodes are of.
 class DescriptionReader {
@@ -35,7 +56,7 @@ class DescriptionReader {
       node.fail(ErrorCode::invalid_value,
                 fmt::format("{} must name a library and C functions: use letters, digits and _", node.shown()));
     });
-    object.read("text", result_.text, &Node::text);
+    object.read("text", result_.text, &xml_text);
     object.read_if("namespace", result_.cpp_namespace, [](const Node& node) {
       auto name = node.text();
       if (name.empty() || is_cpp_namespace(name)) return name;  // none: global
@@ -45,7 +66,10 @@ class DescriptionReader {
     object.read("stop_time", result_.stop_time_s, data::number(data::Limits::positive()));
     object.visit_if("log_categories", [this](const Node& node) {
       for (const auto& [name, text] : node.members()) {
-        text.attempt([&, &name = name, &text = text] { result_.log_categories.push_back({name, text.text()}); });
+        text.attempt([&, &name = name, &text = text] {
+          check_xml_text(text, name);
+          result_.log_categories.push_back({name, xml_text(text)});
+        });
       }
     });
     object.visit_if("groups", [this](const Node& node) { read_groups(node); });
@@ -145,7 +169,7 @@ class DescriptionReader {
     Object object(node);
     Field field;
     bool sound = object.read("name", field.name, &Node::readable_text);
-    object.read("text", field.text, &Node::text);
+    object.read("text", field.text, &xml_text);
     sound &= read_type(object, field);
     sound &= object.read("causality", field.causality, causality);
     object.allow({"variability", "unit", "start", "min", "max", "nominal", "depends_on", "first_depends_on",
@@ -349,7 +373,7 @@ class DescriptionReader {
       case FieldType::boolean:
         return node.flag();
       case FieldType::string:
-        return node.text();
+        return xml_text(node);
       case FieldType::binary:
         break;
     }
@@ -359,7 +383,7 @@ class DescriptionReader {
   /// What only one kind of variable has.
   static void read_kind(Object& object, Field& field) {
     if (field.type == FieldType::binary) {
-      object.read("mime_type", field.mime_type, &Node::text);
+      object.read("mime_type", field.mime_type, &xml_text);
     } else {
       refuse(object, "mime_type", "this is for Binary only");
     }

@@ -124,6 +124,19 @@ TEST_F(DescriptionTest, TellsWhatIsWrongWithAVariable) {
          "/first_depends_on: this is for outputs only");
 }
 
+TEST_F(DescriptionTest, RefusesWhatXmlCannotHold) {
+  const std::string y = R"({"name": "y", "causality": "output", "unit": "V", "text": "t"})";
+  EXPECT_THAT(error_of(R"({"name": "y", "causality": "output", "unit": "V", "text": "\f so far"})"),
+              AllOf(HasSubstr("/variables/0/text"), HasSubstr(R"(\u000c)")));
+  EXPECT_THAT(error_of(R"({"name": "y", "type": "String", "causality": "parameter", "start": "\u0001", "text": "t"})"),
+              HasSubstr("/variables/0/start"));
+  EXPECT_THAT(
+      error_of(R"({"name": "y", "type": "Binary", "causality": "output", "mime_type": "a\uffff", "text": "t"})"),
+      HasSubstr("/variables/0/mime_type"));
+  EXPECT_THAT(error_of(y, R"("log_categories": {"a\u001b": "t"}, )"), HasSubstr(R"(\u001b)"));
+  EXPECT_EQ(error_of(R"({"name": "y", "causality": "output", "unit": "V", "text": "tab\tand line\n"})"), "no error");
+}
+
 TEST_F(DescriptionTest, RefusesTheSameNameTwice) {
   const std::string a = R"({"name": "a.b", "causality": "output", "unit": "V", "text": "t"})";
   EXPECT_THAT(error_of(a + "," + a), HasSubstr("the name a.b is already taken"));
