@@ -384,6 +384,23 @@ TEST(Run, EndsAtTheStoreIntoTohost) {
   EXPECT_EQ(machine.reg(10), 3U) << "nothing later is executed";
 }
 
+/// Runs a program at once and in pieces, of which the small ones let most of its instructions run alone.
+void expect_the_same_in_pieces(const Elf& program, CoreKind kind) {
+  Machine straight(program, kind);
+  ASSERT_EQ(straight.run(), Stop::watch);
+  for (const std::uint64_t piece : {1U, 2U, 3U, 5U, 7U, 64U, 1000U}) {
+    Machine split(program, kind);
+    std::uint64_t limit = 0;
+    Stop stop = Stop::limit;
+    while (stop == Stop::limit) stop = split.run(limit += piece);
+    EXPECT_EQ(stop, Stop::watch);
+    EXPECT_EQ(split.hart().counters().cycles, straight.hart().counters().cycles) << "pieces of " << piece;
+    EXPECT_EQ(split.hart().counters().instructions, straight.hart().counters().instructions);
+    EXPECT_EQ(split.hart().counters().accesses, straight.hart().counters().accesses);
+    for (unsigned i = 0; i < 32; ++i) EXPECT_EQ(split.reg(i), straight.reg(i)) << register_name(i);
+  }
+}
+
 TEST(Run, CountsTheSameHoweverItIsSplit) {
   // Loads, dependent jumps, branches, divisions, misaligned accesses, calls: all that has a delay.
   const auto program = assemble(fmt::format(R"(
@@ -419,21 +436,47 @@ pointer: .word helper
 data: .word 77, 0, 0, 0, 0, 0
 )",
                                             kEnd));
-  for (const auto kind : {CoreKind::cv32e40p, CoreKind::ri5cy}) {
-    Machine straight(program, kind);
-    ASSERT_EQ(straight.run(), Stop::watch);
-    for (const std::uint64_t piece : {1U, 2U, 3U, 5U, 7U, 64U, 1000U}) {
-      Machine split(program, kind);
-      std::uint64_t limit = 0;
-      Stop stop = Stop::limit;
-      while (stop == Stop::limit) stop = split.run(limit += piece);
-      EXPECT_EQ(stop, Stop::watch);
-      EXPECT_EQ(split.hart().counters().cycles, straight.hart().counters().cycles) << "pieces of " << piece;
-      EXPECT_EQ(split.hart().counters().instructions, straight.hart().counters().instructions);
-      EXPECT_EQ(split.hart().counters().accesses, straight.hart().counters().accesses);
-      for (unsigned i = 0; i < 32; ++i) EXPECT_EQ(split.reg(i), straight.reg(i)) << register_name(i);
-    }
-  }
+  for (const auto kind : {CoreKind::cv32e40p, CoreKind::ri5cy}) expect_the_same_in_pieces(program, kind);
+}
+
+TEST(Run, InPiecesSeesCodeThatIsStoredOverAndALoopThatEndsElsewhere) {
+  // Eight turns through the same instructions. Every other one stores an instruction over `patch`; from the fourth on a
+  // hardware loop ends at `last`.
+  const auto program = assemble(fmt::format(R"(
+_start: .option norvc
+    la s0, patch
+    la s1, words
+    la s2, body
+    la s3, last
+    li s4, 8
+    csrw 0x7b0, s2
+turn: li t0, 5
+    bgt s4, t0, no_loop
+    csrw 0x7b1, s3
+    csrwi 0x7b2, 3
+no_loop: andi t1, s4, 1
+    bnez t1, body
+    andi t1, s4, 4
+    add t1, t1, s1
+    lw t2, 0(t1)
+    sw t2, 0(s0)
+body: addi a0, a0, 1
+    add a1, a1, a0
+last: xor a2, a2, a1
+    addi a3, a3, 1
+patch: addi a4, a4, 1
+    addi s4, s4, -1
+    bnez s4, turn
+    {}
+words: addi a4, a4, 16
+    addi a4, a4, 64
+)",
+                                            kEnd));
+  Machine machine(program, CoreKind::ri5cy);
+  ASSERT_EQ(machine.run(), Stop::watch);
+  EXPECT_EQ(machine.reg(10), 3U + 5 * 3) << "the loop was taken from the fourth turn on";
+  EXPECT_EQ(machine.reg(14), 2U * (16 + 16 + 64 + 64)) << "each word ran in two turns of four";
+  expect_the_same_in_pieces(program, CoreKind::ri5cy);
 }
 
 TEST(Run, StartsNoInstructionAtOrAfterTheLimit) {

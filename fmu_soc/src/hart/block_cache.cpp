@@ -273,21 +273,21 @@ void BlockCache::follow_changes() {
 
 const Instruction* BlockCache::single(std::uint32_t pc, const Previous& two_before, const Previous& before) {
   MEBOTS_ASSERT(!is_stale(), "what follows a change of code later would take the mark off again");
-  auto& single = singles_[(pc >> 1) % singles_.size()];
+  auto& kept = singles_[(pc >> 1) % singles_.size()];
   const auto generation = memory_.code_generation();
-  if (single.generation == generation && single.slots[0].pc == pc && single.two_before == two_before &&
-      single.before == before) {
-    return single.slots.data();
+  if (kept.generation == generation && kept.slots[0].pc == pc && kept.two_before == two_before &&
+      kept.before == before) {
+    return kept.slots.data();
   }
   std::uint32_t word = 0;
   std::uint32_t fault_address = 0;
   if (!fetch(memory_, pc, word, fault_address)) return nullptr;
   const auto decoded = decode_word(word);
   memory_.mark(pc, decoded.length, mark_);
-  single.generation = generation;
-  single.two_before = two_before;
-  single.before = before;
-  auto& slots = single.slots;
+  kept.generation = generation;
+  kept.two_before = two_before;
+  kept.before = before;
+  auto& slots = kept.slots;
   slots[0] = instruction_of(decoded, pc);
   if (is_jump(decoded.op)) {
     const bool behind = is_multiply_high(before.op) || is_divide(before.op);

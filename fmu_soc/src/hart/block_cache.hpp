@@ -205,7 +205,7 @@ class BlockCache {
   std::uint64_t decoded_ = 0;
   std::uint32_t longest_wait_ = 0;
   BlockListener* listener_ = nullptr;
-  std::array<Single, 64> singles_{};  // by pc
+  std::array<Single, 64> singles_{};  // by pc: more than a loop has that polls
 };
 
 }  // namespace mebots::soc
