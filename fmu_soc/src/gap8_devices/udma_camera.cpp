@@ -40,11 +40,16 @@ bool UdmaCamera::is_on() const {
   return (host_.config(kCameraGlobal) & kCameraOn) != 0 && sensor_.streams();
 }
 
+InterfaceSettings UdmaCamera::interface_settings() const {
+  return {.global = host_.config(kCameraGlobal),
+          .lower_left = host_.config(kCameraLowerLeft),
+          .upper_right = host_.config(kCameraUpperRight),
+          .filter = host_.config(kCameraFilter)};
+}
+
 Picoseconds UdmaCamera::end_of_frame() const {
   auto lines = format_.height();
-  if ((host_.config(kCameraGlobal) & kHasWindow) != 0) {
-    lines = std::min((host_.config(kCameraUpperRight) >> 16) + 1, lines);
-  }
+  if ((interface_.global & kHasWindow) != 0) lines = std::min((interface_.upper_right >> 16) + 1, lines);
   return frame_at_ + sensor_.lines_time(lines);
 }
 
@@ -63,6 +68,7 @@ Picoseconds UdmaCamera::end_time(const UdmaTransfer& /*transfer*/, Picoseconds s
   }
   if (start <= frame_at_) {
     format_ = sensor_.format();
+    interface_ = interface_settings();
     ends_at_ = end_of_frame();
   }
   advance(start);
@@ -117,10 +123,7 @@ void UdmaCamera::registers_changed(std::uint32_t offset, Picoseconds /*now*/) {
 
 /// The frame's pixels as the interface hands them on.
 void UdmaCamera::convert() {
-  const auto global = host_.config(kCameraGlobal);
-  const auto lower = host_.config(kCameraLowerLeft);
-  const auto upper = host_.config(kCameraUpperRight);
-  const auto filter = host_.config(kCameraFilter);
+  const auto [global, lower, upper, filter] = interface_;
   const auto format = global >> kFormatShift & 7U;
   const auto shift = global >> kShiftShift & 0xfU;
   const bool has_window = (global & kHasWindow) != 0;
@@ -239,6 +242,13 @@ void UdmaCamera::require_size(std::size_t bytes) const {
       host_.entry.name, requests_, bytes, frame_width_, rows));
 }
 
+void InterfaceSettings::visit(state::Visitor& v) {
+  v("global", global);
+  v("lower_left", lower_left);
+  v("upper_right", upper_right);
+  v("filter", filter);
+}
+
 void UdmaCamera::visit(state::Visitor& v) {
   v("requests", requests_);
   v("asked_at", asked_at_);
@@ -247,6 +257,7 @@ void UdmaCamera::visit(state::Visitor& v) {
   v("ends_at", ends_at_);
   v("first_frame_at", first_frame_at_);
   v("format", format_);
+  v("interface", interface_);
   v("waits", waits_);
   v("has_picture", has_picture_);
   v("came_at", came_at_);

@@ -24,6 +24,16 @@ class PictureRoll {
   virtual std::span<const std::uint8_t> picture(std::size_t number) const = 0;
 };
 
+/// How the camera interface is set for a frame: its registers.
+struct InterfaceSettings {
+  std::uint32_t global = 0;
+  std::uint32_t lower_left = 0;
+  std::uint32_t upper_right = 0;
+  std::uint32_t filter = 0;
+
+  void visit(state::Visitor& v);
+};
+
 /// The camera interface (CPI) of the uDMA with an HM01B0. A transfer takes the next frame that begins while interface
 /// and camera are on, line after line, and ends with the last line of its window. If one of them goes off before that,
 /// the frame is lost, and the transfer takes the next one. A frame has the format and the lines with which it began.
@@ -60,6 +70,7 @@ class UdmaCamera final : public UdmaPeripheral {
 
  private:
   bool is_on() const;
+  InterfaceSettings interface_settings() const;
   void expose(Picoseconds now);
   void take(std::span<const std::uint8_t> picture, Picoseconds now);
   void convert();
@@ -81,7 +92,9 @@ class UdmaCamera final : public UdmaPeripheral {
   Picoseconds light_at_ = kNever;
   Picoseconds ends_at_ = kNever;
   Picoseconds first_frame_at_ = kNever;  // the sensor's first frame since it streams: another one behind a standby
+  // As the frame began: its picture may come behind later settings.
   FrameFormat format_;
+  InterfaceSettings interface_;
   bool waits_ = false;  // for its picture
   bool has_picture_ = false;
   Picoseconds came_at_ = 0;
