@@ -46,5 +46,9 @@ function(mebots_test name)
   target_link_libraries(${name} PRIVATE ${ARG_LIBRARIES} mebots_test_support GTest::gmock GTest::gtest_main)
   target_compile_definitions(${name} PRIVATE MEBOTS_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
                              MEBOTS_BINARY_DIR="${PROJECT_BINARY_DIR}")
-  gtest_discover_tests(${name} PROPERTIES TIMEOUT 300 LABELS "${MEBOTS_TEST_LABEL}")
+  set(longest_s 300)
+  if(MEBOTS_SANITIZE)
+    set(longest_s 1800)  # a whole mission is up to ten times as slow, and beside other work more
+  endif()
+  gtest_discover_tests(${name} PROPERTIES TIMEOUT ${longest_s} LABELS "${MEBOTS_TEST_LABEL}")
 endfunction()
