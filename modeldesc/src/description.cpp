@@ -5,6 +5,7 @@
 #include "mebots/data/document.hpp"
 #include "mebots/data/object.hpp"
 #include "mebots/error.hpp"
+#include "mebots/modeldesc/xml_text.hpp"
 
 #include <fmt/format.h>
 
@@ -21,18 +22,11 @@ namespace {
 using data::Node;
 using data::Object;
 
-/// XML 1.0, section 2.2: whatever other characters of JSON cannot stand in a modelDescription.xml, not even as a
-/// reference.
+/// A modelDescription.xml could not hold it.
 void check_xml_text(const Node& node, std::string_view text) {
-  for (const char c : text) {
-    if (static_cast<unsigned char>(c) >= 0x20 || c == '\t' || c == '\n' || c == '\r') continue;
+  if (const auto found = first_no_xml_character(text)) {
     node.fail(ErrorCode::invalid_value,
-              fmt::format("there is a control character, \\u{:04x}, which XML cannot hold; remove it", c));
-  }
-  for (const std::string_view noncharacter : {"\xEF\xBF\xBE", "\xEF\xBF\xBF"}) {
-    if (text.find(noncharacter) == std::string_view::npos) continue;
-    node.fail(ErrorCode::invalid_value,
-              "there is \\ufffe or \\uffff, which no text has and XML cannot hold; remove it");
+              fmt::format("there is the character \\u{:04x}, which XML cannot hold; remove it", *found));
   }
 }
 

@@ -156,6 +156,18 @@ std::string xml_as_utf8(std::string_view bytes, std::string_view source) {
   return text;
 }
 
+std::optional<std::uint32_t> first_no_xml_character(std::string_view text) {
+  for (std::size_t at = 0; at < text.size();) {
+    std::uint32_t code = static_cast<unsigned char>(text[at++]);
+    const int more = code < 0xC0 ? 0 : code < 0xE0 ? 1 : code < 0xF0 ? 2 : 3;  // bytes of six bits each
+    if (more > 0) code &= 0x3FU >> more;
+    for (int i = 0; i < more && at < text.size(); ++i)
+      code = code << 6 | (static_cast<unsigned char>(text[at++]) & 0x3FU);
+    if (!is_xml_character(code)) return code;
+  }
+  return std::nullopt;
+}
+
 void parse_xml(pugi::xml_document& document, std::string_view text, std::string_view source) {
   const auto result =
       document.load_buffer(text.data(), text.size(), pugi::parse_default | pugi::parse_doctype, pugi::encoding_utf8);
