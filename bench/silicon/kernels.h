@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Kernels of GreenWaves' CNN benchmark of GAP8 (gap_sdk, benchmarks/gap8/cnn), new, written from what its README and
-// its code say of them: bytes, a 5 x 5 convolution of 100 x 100 pixels (docs/chip/silicon.md tells why not 112 x 112),
-// the same of bits, 2 x 2 pools of 112 x 112 pixels, a linear layer of 1024 to 16. Each in some of these forms of one
-// result: plain RV32IMC, with Xpulp's scalar instructions, with its vectors of bytes. Of these kernels only powers are
-// taken, and what is published stands for the cycles.
+// its code say of them. A 5 x 5 convolution has 100 x 100 pixels of a byte (docs/chip/silicon.md tells why not
+// 112 x 112), another one so many of a bit. The 2 x 2 pools have 112 x 112 pixels, the linear layer is 1024 to 16. Each
+// is there in some of these forms of one result: plain RV32IMC, with Xpulp's scalar instructions, with its vectors of
+// bytes. Of these kernels only powers are taken, and what is published stands for the cycles.
 #pragma once
 
 #include <stdint.h>

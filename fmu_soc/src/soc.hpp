@@ -164,9 +164,8 @@ class Soc final : private Bus {
   }
   /// Among the numbers of the cluster's cores.
   static constexpr int kFabricControllerCore = -1;
-  /// The core that ended the program, the first one to do so, if it had taken an exception and no handler of its had
-  /// returned since, and its exit code says that something is wrong. Others may be in handlers, too: those do not
-  /// count.
+  /// The first core that ended the program, if its exit code says that something is wrong. It must have taken an
+  /// exception from which no handler has returned since. Others that are in handlers do not count.
   std::optional<int> gave_up() const;
   /// Whether a core cannot go on, of the cluster's too, or ended on an exception.
   bool faulted() const {

@@ -35,7 +35,7 @@ struct FrameFormat {
   /// Of a frame as it comes out.
   std::uint32_t width() const;
   std::uint32_t height() const { return window_height / row_step; }
-  /// The pixels of a frame in the order in which they come out, from a picture of Himax::kWidth columns with at least
+  /// The pixels of a frame in the order in which they come out. The picture has Himax::kWidth columns and at least
   /// window_height rows, of which those in the middle are taken.
   void read_out(std::span<const std::uint8_t> picture, std::vector<std::uint8_t>& pixels) const;
 
