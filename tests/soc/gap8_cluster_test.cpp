@@ -788,11 +788,11 @@ fault: csrr a0, mcause
 )";
 
 /// A program of these cores, whose exceptions and interrupts all lead to `fault`.
-BoardSystem timed_system(unsigned cores, std::string_view code) {
+BoardSystem timed_system(unsigned cores, std::string_view code, const Settings& settings = {}) {
   auto board = gap8_board_of_cluster();
   board.instruction_caches = {};  // refills would come between the event and what is read
   const auto vectors = std::string(kBegin).replace(kBegin.find("j fault"), 7, ".rept 32\n j fault\n .endr");
-  return BoardSystem(fmt::format("{}{}{}", vectors, start_cluster(cores), code), {}, board);
+  return BoardSystem(fmt::format("{}{}{}", vectors, start_cluster(cores), code), settings, board);
 }
 
 TEST(Gap8Cluster, WakesAndInterruptsItsCoresByTheClustersTimer) {
@@ -838,6 +838,52 @@ TEST(Gap8Cluster, InterruptsInTimeTheCoreThatSetTheTimerAndIsAwakeAlone) {
   EXPECT_EQ(system.result(1), 0x80000000U | 10U);
   EXPECT_GE(system.result(0), 100U);
   EXPECT_LE(system.result(0), 116U);
+}
+
+/// Cores 0 and 1 loop; the end of a transfer interrupts core 0, which starts the next one, 16 times in all.
+constexpr std::string_view kTransfers = R"(
+2:  wfi
+    j 2b
+core: li s0, 0x00204000
+    li s1, 0x1C060000
+    li s2, 0               # transfers that have ended
+    bnez a0, 3f
+    li a1, 1 << 8
+    sw a1, 0x14(s0)
+    j next
+3:  addi a2, a2, 1         # hot, and without an access
+    j 3b
+fault: csrr a1, mcause
+    addi s2, s2, 1
+    sw s2, 0(s1)
+    sw a1, 4(s1)
+    li a1, 16
+    beq s2, a1, 4f
+next: lw a1, 0x400(s0)
+    li a1, 4096 | 1 << 16 | 1 << 17 | 1 << 19
+    sw a1, 0x400(s0)
+    li a1, 0x10000000
+    sw a1, 0x400(s0)
+    li a1, 0x1C000000
+    sw a1, 0x400(s0)
+    la a1, 3b
+    csrw mepc, a1
+    li a1, 0x80
+    csrs mstatus, a1
+    mret
+4:  .insn i 0x03, 6, a4, 0x3c(s0)
+    j 4b
+)";
+
+TEST(Gap8Cluster, InterruptsACoreAtTheEndOfATransferAsItRunsTranslatedWithAnother) {
+  auto translated = timed_system(0b11, kTransfers);
+  auto interpreted = timed_system(0b11, kTransfers, {.translate = false});
+  translated.soc.advance(1 * kMs);
+  interpreted.soc.advance(1 * kMs);
+  EXPECT_TRUE(translated.faults.empty()) << translated.faults.front();
+  EXPECT_EQ(translated.result(0), 16U);
+  EXPECT_EQ(translated.result(1), 0x80000000U | 8U);
+  EXPECT_TRUE(mebots::test::same_state(translated.soc, interpreted.soc));
 }
 
 TEST(Gap8Cluster, KeepsTheTimersEventOverASavedState) {

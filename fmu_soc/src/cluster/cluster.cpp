@@ -371,8 +371,8 @@ void Cluster::note_stop(Core& core, Stop stop) {
 void Cluster::spread_events(std::uint64_t tick) {
   alarm_ = peripherals_->next_tick();
   const auto woken = peripherals_->take_woken();
-  if (woken != 0) in_step_ = false;
   const auto changed_lines = peripherals_->take_line_changes();
+  if ((woken | changed_lines) != 0) in_step_ = false;  // a core may have an interrupt to take
   for (auto& core : cores_) {
     if ((changed_lines >> core->id() & 1U) != 0) core->set_interrupts(peripherals_->lines(core->id()), tick);
     if ((woken >> core->id() & 1U) != 0) core->wake(tick + kWakeLatency);
