@@ -2,15 +2,18 @@
 #pragma once
 
 #include "clock.hpp"
+#include "cluster/core.hpp"
 #include "cluster/dma.hpp"
 #include "cluster/peripherals.hpp"
+#include "cluster/scheduler.hpp"
+#include "cluster/settings.hpp"
+#include "hart/decoded_code.hpp"
 #include "hart/hart.hpp"
 #include "memory/banks.hpp"
 #include "memory/instruction_cache.hpp"
 #include "stopwatch.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -18,57 +21,19 @@
 
 namespace mebots::soc {
 
-/// How far cores and DMA of a cluster are from the memories of the SoC, in the cluster's ticks. It changes with the
-/// clocks: the SoC has its own.
-struct ClusterWays {
-  std::vector<std::uint32_t> waits;  // of each port
-  std::uint32_t refill_cycles = 0;   // of the instruction cache
-  DmaTiming dma;
-  std::uint32_t access_ticks = 1;  // that an access of a core keeps the way that it shares with others
-};
-
-/// What a cluster is made of; from the board and its chip.
-struct ClusterSettings {
-  unsigned cores = 0;
-  std::size_t l1_region = 0;  // index in Memory::regions()
-  unsigned l1_banks = 16;
-  /// The order at L1 is that of the tree of its interconnect: of the number XOR a count of quanta. Else it rotates.
-  bool arbitration_tree = false;
-  /// Ticks of a quantum when several cores are awake or the DMA moves data.
-  std::uint32_t quantum = 0;
-  std::vector<MemoryPort> ports;  // of a core, L1 first; its banks are filled in here
-  bool shares_way = false;        // to the SoC: a core's access there waits for those of others
-  InstructionCacheSettings instruction_cache;
-  std::uint32_t clock_hz = 0;
-  /// Its registers; the DMA engine is the cluster's.
-  std::function<std::unique_ptr<ClusterPeripherals>(ClusterDma& dma)> make_peripherals;
-  bool has_gap8_interrupts = false;  // cores have the interrupts and CSRs of GAP8's
-  DmaTiming dma;
-  Timing timing;
-  bool translate = true;  // hot code to host code; counts are the same without
-};
-
-/// Up to eight cores with their shared L1, event unit and DMA, in a clock domain of their own. Time is counted in ticks
-/// of the cluster's clock, which never stops; a core that sleeps does not count cycles.
+/// Up to eight cores with their shared L1, event unit and DMA, in a clock domain of their own, as the rest of the chip
+/// sees them: power, clock, the ways to the SoC, accesses and events. Time is counted in ticks of the cluster's clock,
+/// which never stops; a core that sleeps does not count cycles. The rest of the chip has picoseconds; only here is one
+/// turned into the other.
 ///
-/// The cores run one after the other for a quantum: as many ticks as the board has it when several are awake or the DMA
-/// moves data, kLongQuantum when one is alone. The banks of L1 serve cores and DMA in turns (source: MUX2_REQ of the
-/// PULP platform's cluster_interconnect, a round robin between the channel of the cores and that of the DMA). Here the
-/// DMA takes its cycles before the cores in one quantum, so that they wait. In the next one it takes them behind the
-/// cores, so that it waits, a cycle at most. Who touches the event unit or the DMA stops before it and goes on when
-/// nobody is behind. So those see all accesses in the order of their ticks (within a tick: of the cores). What a core
-/// stores in RAM another one may see up to a quantum late or early. Cores that synchronise through the event unit see
-/// all of it.
-class Cluster {
+/// In which order cores, event unit and DMA act is the scheduler's: a quantum of ticks for one core after the other.
+/// Those that touch the event unit or the DMA do so in the order of their ticks (within a tick: of the cores). What a
+/// core stores in RAM another one may see up to a quantum late or early. Cores that synchronise through the event unit
+/// see all of it.
+class Cluster final : private ClusterBus, private ClusterEvents {
  public:
-  static constexpr std::uint64_t kLongQuantum = Banks::kLongestRun;
-  /// More ticks than a core can be ahead of the start of the quantum that follows.
-  static constexpr std::uint64_t kFarthestAhead = kLongQuantum + Banks::kLongestBlock;
-  /// Ticks from an event to the first instruction of the core that it wakes. Source: GVSoC, event unit of pulp_open.
-  static constexpr std::uint64_t kWakeLatency = 2;
-
   Cluster(Memory& memory, const ClusterSettings& settings, const InstructionEnergy& energy);
-  ~Cluster();
+  ~Cluster() override = default;
   Cluster(const Cluster&) = delete;
   Cluster& operator=(const Cluster&) = delete;
 
@@ -151,28 +116,19 @@ class Cluster {
   void visit(state::Visitor& v);
 
  private:
-  class Core;
+  /// Ticks from an event to the first instruction of the core that it wakes. Source: GVSoC, event unit of pulp_open.
+  static constexpr std::uint64_t kWakeLatency = 2;
 
-  std::uint64_t run_quantum(std::uint64_t start, std::uint64_t until);
-  std::uint64_t run_quantum_in_step(std::uint64_t start, std::uint64_t until);
-  std::uint64_t finish_quantum(std::uint64_t end);
-  void next_in_front();
-  void share_banks();
-  void drop_resume_points();
-  void move_banks(std::uint64_t tick);
-  std::uint64_t first_ready() const;
-  void queue_cores(std::uint64_t end);
-  void rotate_queue();
-  void reorder_queue();
-  void line_up(std::uint64_t end);
-  std::uint64_t keep_in_step();
-  void run_cores(std::uint64_t start, std::uint64_t end);
-  void run_queue(std::size_t i, std::uint64_t start, std::uint64_t end);
-  std::size_t note_round(std::size_t i, const Hart::RoundEnd& round);
-  bool can_resume(const Hart& hart, std::uint64_t start);
-  void run_core(Core& core, std::uint64_t end);
-  void note_stop(Core& core, Stop stop);
-  void ring(std::uint64_t tick);
+  // Of the cores.
+  BusReply access(const ClusterAccess& access) override;
+  std::uint32_t interrupt_taken(unsigned core, unsigned line) override;
+  bool watched(std::uint32_t address) override { return watcher_ && watcher_(address); }
+  BusReply access_outside(const ClusterAccess& access);
+  // Of the scheduler.
+  void alarm_rings(std::uint64_t tick) override;
+  void transfers_end(std::uint64_t tick) override;
+  bool core_stopped(ClusterCore& core, Stop stop) override;
+
   void spread_events(std::uint64_t tick);
   std::uint64_t next_tick() const;
   std::uint64_t tick_at(Picoseconds time) const { return clock_.first_at(time); }
@@ -180,8 +136,6 @@ class Cluster {
   void start_cores(std::uint64_t tick);
   void note_awake(std::uint64_t tick);
   void note_asleep(std::uint64_t tick);
-  BusReply access(const ClusterAccess& access);
-  BusReply access_outside(const ClusterAccess& access);
 
   ClusterSettings settings_;
   std::unique_ptr<InstructionCache> instruction_cache_;
@@ -190,14 +144,8 @@ class Cluster {
   DecodedCode decoded_;  // one for all cores: they run the same code
   ClusterDma dma_;
   std::unique_ptr<ClusterPeripherals> peripherals_;
-  std::uint64_t alarm_ = kNoTick;  // when something next happens in them by itself; not part of a state
-  /// Of each core: the tick in which its next instruction starts; kNoTick while it sleeps, or when there is none.
-  std::array<std::uint64_t, kMostClusterCores> ready_{};
-  std::vector<std::unique_ptr<Core>> cores_;
-  unsigned awake_ = 0;            // of them
-  std::vector<Core*> queue_;      // of this quantum: who runs without asking, who comes first at a bank in front
-  bool in_step_ = false;          // all who are awake came to the end of their last quantum in translated code
-  std::uint64_t last_ready_ = 0;  // then: the tick of the core that is farthest ahead
+  ClusterScheduler scheduler_;
+  std::vector<std::unique_ptr<ClusterCore>> cores_;
   std::function<bool(std::uint32_t)> watcher_;
   Outside outside_;
   Clock clock_;
@@ -206,14 +154,9 @@ class Cluster {
   bool fabric_woken_ = false;
   bool stopped_ = false;
   Picoseconds stop_time_ = 0;  // not part of a state
-  /// DecodedCode::version() when resume points were last dropped for it: they are good in this one only.
-  std::uint64_t version_ = 0;
-  bool has_news_ = false;  // for the rest of the chip, in this quantum
-  bool sharing_banks_ = false;
+  bool has_news_ = false;      // for the rest of the chip, in this quantum
   std::int32_t faulted_core_ = -1;
   std::int32_t core_stopped_by_observer_ = -1;  // not part of a state
-  std::uint32_t first_core_ = 0;                // of the next quantum, when all are awake
-  bool dma_first_ = false;                      // in it, before the cores; else behind them
   Picoseconds fabric_event_time_ = 0;
   Stopwatch busy_;
   std::uint64_t last_asleep_ = 0;  // the tick in which the last core fell asleep, since it is busy

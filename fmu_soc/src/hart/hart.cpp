@@ -37,7 +37,7 @@ void Hart::connect(std::span<const MemoryPort> ports) {
 
 void Hart::observe(Observer* observer) {
   observed_.observe(observer, sleeping_);
-  translated_.drop_resume_point();
+  drop_resume_point();
 }
 
 void Hart::reset(std::uint32_t pc) {
@@ -54,7 +54,7 @@ void Hart::restart(std::uint32_t pc) {
   traps_.restart();
   execution_.pipeline = {};
   wake();
-  translated_.drop_resume_point();
+  drop_resume_point();
 }
 
 Stop Hart::run(std::uint64_t limit) {
@@ -84,7 +84,7 @@ Stop Hart::go_on(std::uint64_t limit, bool left_translated) {
       if (left_translated && !translated_.has_resume_point()) translated_.chain_to_here();
       return Stop::limit;
     }
-    translated_.drop_resume_point();
+    drop_resume_point();
     if (csrs_.interrupt_ready()) {
       take_interrupt();
       if (traps_.fault().happened) return Stop::fault;
@@ -228,7 +228,7 @@ void Hart::set_pc(std::uint32_t pc) {
   execution_.link = nullptr;
   execution_.jumped = false;
   execution_.pipeline = {};
-  translated_.drop_resume_point();
+  drop_resume_point();
 }
 
 /// Behind Traps::enter_handler: the pc is at the handler.
@@ -260,13 +260,16 @@ void Hart::visit(state::Visitor& v) {
   execution_.x = registers;
   execution_.cut_pc = kNoPc;
   observed_.restored(sleeping_);
-  translated_.drop_resume_point();
+  drop_resume_point();
   blocks_.clear();
   for (const auto& loop : execution_.loops) blocks_.end_block_at(loop.end);  // for a hart restored without its memory
 }
 
 Hart::RoundEnd Hart::run_round_robin(Hart& first, std::uint64_t limit_tick) {
   const auto [exit, execution] = first.translated_.run_round(limit_tick);
+  if (first.decoded_.flow != nullptr) {
+    for (auto* e = &first.execution_; e != nullptr; e = e->host.next) e->hart->translated_.tell_flow();
+  }
   if (execution == nullptr) return {};
   auto& hart = *execution->hart;
   if (exit == nullptr) return {&hart};

@@ -83,6 +83,14 @@ class Hart {
   /// A round: as `run` up to the same tick (active cycle + offset) of each hart from this one on, in translated code.
   /// It ends with the first that does not stay there. For harts that share banks and decoded code.
   static RoundEnd run_round_robin(Hart& first, std::uint64_t limit_tick);
+  /// Who comes after this one in a round; null = nobody. A run by itself forgets it.
+  void set_next(Hart* next) { execution_.host.next = next == nullptr ? nullptr : &next->execution_; }
+  /// Whether the last run stopped at the limit in translated code, where it only has to go on: a round may begin here.
+  bool has_resume_point() const { return translated_.has_resume_point(); }
+  /// The rows of the banks' table stand so many bytes further to the front.
+  void move_resume_point(std::uint64_t bytes) { translated_.move_resume_point(bytes); }
+  /// Something has changed: the next run begins in the interpreter.
+  void drop_resume_point() { execution_.drop_resume_point(); }
   /// Who watches every instruction from now on, or null. Not part of a state.
   void observe(Observer* observer);
 
@@ -118,9 +126,6 @@ class Hart {
 
   void visit(state::Visitor& v);
 
-  /// How it runs translated code, for who runs several harts in rounds.
-  TranslatedRun& translated() { return translated_; }
-  const TranslatedRun& translated() const { return translated_; }
   /// That it runs.
   const DecodedCode& code() const { return decoded_; }
 

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hart/translated_run.hpp"
 
-#include "hart/hart.hpp"
-
 #include <algorithm>
 #include <bit>
 
@@ -106,11 +104,7 @@ void TranslatedRun::chain_to_here() {
 translate::RunEnd TranslatedRun::run_round(std::uint64_t limit_tick) {
   auto& host = execution_.host;
   host.end = reinterpret_cast<std::uintptr_t>(decoded_.banks->row(limit_tick));
-  const auto end = decoded_.translator->run(execution_, host.resume_point);
-  if (decoded_.flow != nullptr) {
-    for (auto* e = &execution_; e != nullptr; e = e->host.next) e->hart->translated().tell_flow();
-  }
-  return end;
+  return decoded_.translator->run(execution_, host.resume_point);
 }
 
 }  // namespace mebots::soc

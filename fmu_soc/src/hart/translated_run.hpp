@@ -58,13 +58,11 @@ class TranslatedRun {
   void move_resume_point(std::uint64_t bytes) {
     if (has_resume_point()) execution_.host.begin -= bytes;
   }
-  /// Something has changed: the next run begins in the interpreter.
-  void drop_resume_point() { execution_.drop_resume_point(); }
-
-  /// Who comes after this one in a round; null = nobody.
-  void set_next(TranslatedRun* next) { execution_.host.next = next == nullptr ? nullptr : &next->execution_; }
-  /// From the resume point up to this tick, and so the next ones of the round.
+  /// From the resume point up to this tick, and so the next ones of the round. Steps between functions are noted, and
+  /// not told yet.
   translate::RunEnd run_round(std::uint64_t limit_tick);
+  /// Tells the observer the steps between functions that the last run noted.
+  void tell_flow() { flow_notes_.tell(observed_); }
   /// What translated code leaves to do; as `run`.
   bool finish(const translate::Exit& exit);
 
@@ -72,7 +70,6 @@ class TranslatedRun {
   bool may_begin(const Block& block, std::uint32_t stall) const;
   const translate::Entry* translate_when_hot(std::uint32_t number, const Block& block);
   void set_budget();
-  void tell_flow() { flow_notes_.tell(observed_); }
   void resume_interpreter(const translate::Exit& exit);
   void note_next(std::uint32_t block) {
     execution_.next_block = block;

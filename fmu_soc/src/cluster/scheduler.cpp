@@ -1,0 +1,287 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cluster/scheduler.hpp"
+
+#include "mebots/assert.hpp"
+
+#include <algorithm>
+#include <bit>
+
+namespace mebots::soc {
+
+ClusterScheduler::ClusterScheduler(const ClusterSettings& settings, DecodedCode& code, Banks& way, ClusterDma& dma,
+                                   ClusterEvents& events)
+    : settings_(settings), code_(code), banks_(*code.banks), way_(way), dma_(dma), events_(events) {
+  MEBOTS_ASSERT(settings.quantum > 0 && settings.quantum <= Banks::kLongestRun);
+  cores_.reserve(settings.cores);
+  queue_.reserve(settings.cores);
+}
+
+void ClusterScheduler::add(ClusterCore& core) {
+  MEBOTS_ASSERT(core.id() == cores_.size() && cores_.size() < kMostClusterCores);
+  cores_.push_back(&core);
+}
+
+void ClusterScheduler::cores_changed() {
+  awake_ = 0;
+  for (const auto* core : cores_) awake_ += core->sleeps() ? 0U : 1U;
+  in_step_ = false;
+}
+
+void ClusterScheduler::drop_resume_points() {
+  in_step_ = false;
+  for (auto* core : cores_) core->hart().drop_resume_point();
+}
+
+std::uint64_t ClusterScheduler::next_tick() const {
+  return std::min({dma_.next_tick(), alarm_, first_ready()});
+}
+
+/// When the core that is farthest behind goes on; kNoTick while all sleep.
+std::uint64_t ClusterScheduler::first_ready() const {
+  auto first = kNoTick;
+  // No branch: which one it is cannot be predicted.
+  for (const auto* core : cores_) first = std::min(first, core->ready());
+  return first;
+}
+
+ClusterCore& ClusterScheduler::core_at(std::uint64_t ready) {
+  const auto is_there = [ready](const ClusterCore* core) { return core->ready() == ready; };
+  return **std::find_if(cores_.begin(), cores_.end(), is_there);
+}
+
+std::uint64_t ClusterScheduler::run_quantum(std::uint64_t start, std::uint64_t until, bool undisturbed) {
+  MEBOTS_ASSERT(start < until);
+  MEBOTS_ASSERT(first_core_ < cores());
+  goes_on_ = true;
+  if (undisturbed && in_step_ && awake_ > 1 && !dma_.busy() && alarm_ == kNoTick) {
+    return run_quantum_in_step(start, until);
+  }
+  while (alarm_ <= start) ring();
+  share_banks();
+  if (sharing_banks_ && start > banks_.start()) {
+    dma_.occupy(banks_, start);  // what it moved while all slept
+    move_banks(start);
+  }
+  auto end = std::min(start + (sharing_banks_ ? settings_.quantum : kLongQuantum), until);
+  end = std::min(end, alarm_);
+  if (dma_first_) dma_.occupy(banks_, end);
+  line_up(end);
+  in_step_ = false;
+  run_queue(0, start, end);
+  next_in_front();
+  return finish_quantum(end);
+}
+
+/// As run_quantum, right behind one in which all cores that are awake have stayed in translated code, with nothing else
+/// to happen. Only their ticks have changed, and the table of banks goes on.
+std::uint64_t ClusterScheduler::run_quantum_in_step(std::uint64_t start, std::uint64_t until) {
+  MEBOTS_ASSERT(sharing_banks_ && start > banks_.start());
+  move_banks(start);
+  const auto end = std::min(start + settings_.quantum, until);
+  line_up(end);
+  next_in_front();
+  const auto round = Hart::run_round_robin(queue_.front()->hart(), end);
+  if (round.broke_off == nullptr) return keep_in_step();
+  in_step_ = false;
+  run_queue(note_round(0, round), start, end);
+  return finish_quantum(end);
+}
+
+/// What no core does without asking, in the order of its ticks. The answer is when the next quantum starts.
+std::uint64_t ClusterScheduler::finish_quantum(std::uint64_t end) {
+  while (goes_on_) {
+    if (!sharing_banks_) {
+      share_banks();
+      if (sharing_banks_) {  // the only core has woken others, or started a transfer
+        const auto now = next_tick();
+        end = std::min(end, now + settings_.quantum);
+        move_banks(std::max(banks_.start(), now));
+      }
+    }
+    dma_.occupy(banks_, end);
+    const auto first = first_ready();
+    const auto transfer = dma_.next_tick();
+    if (alarm_ < end && alarm_ <= std::min(first, transfer)) {
+      ring();
+      continue;
+    }
+    if (transfer < end && transfer <= first) {
+      events_.transfers_end(transfer);
+      continue;
+    }
+    if (first >= end) return std::min({transfer, alarm_, first});
+    in_step_ = false;
+    auto& core = core_at(first);
+    // A core may have set the alarm in this very quantum.
+    const auto stop = std::min(end, alarm_);
+    MEBOTS_ASSERT(core.tick() < stop);
+    core.grant_turn();
+    run_core(core, stop);
+  }
+  return kNoTick;
+}
+
+/// Something happens in the registers by itself.
+void ClusterScheduler::ring() {
+  const auto tick = alarm_;
+  events_.alarm_rings(tick);
+  MEBOTS_ASSERT(alarm_ > tick, "it happens once in a tick");
+}
+
+/// Whether somebody can find a bank of L1 taken: alone, a core finds all of them free.
+void ClusterScheduler::share_banks() {
+  const bool several = awake_ > 1 || dma_.busy();
+  if (several == sharing_banks_) return;
+  sharing_banks_ = several;
+  for (auto* core : cores_) core->share_banks(several);
+  drop_resume_points();
+}
+
+void ClusterScheduler::move_banks(std::uint64_t tick) {
+  if (!banks_.must_start_over(tick)) {
+    banks_.move_to(tick);
+    if (settings_.shares_way) way_.move_to(tick);
+    return;
+  }
+  // The DMA takes nothing behind the last quantum's end, and no core anything behind where it stands.
+  auto last = tick + settings_.quantum;
+  for (const auto* core : cores_) last = std::max(last, core->tick());
+  const auto moved = banks_.start_over(tick, last);
+  for (auto* core : cores_) core->hart().move_resume_point(moved);
+  if (settings_.shares_way) way_.start_over(tick, last + ClusterWays::kMostAccessTicks);
+}
+
+/// Behind the quantum just begun the next core and the other of DMA and cores come first. With the tree the DMA's side
+/// stays once where an even count of cores begins anew, so that each core that is first meets the DMA on either side.
+void ClusterScheduler::next_in_front() {
+  if (++first_core_ == cores()) first_core_ = 0;
+  const bool stays = settings_.arbitration_tree && first_core_ == 0 && cores() % 2 == 0;
+  dma_first_ = dma_first_ != !stays;
+}
+
+/// The queue of a quantum up to `end`, made of that of the one before if it holds the same cores.
+void ClusterScheduler::line_up(std::uint64_t end) {
+  const bool same = in_step_ && queue_.size() == awake_ && last_ready_ < end;
+  if (same && !settings_.arbitration_tree) {
+    rotate_queue();
+  } else if (same && awake_ == cores() && std::has_single_bit(cores())) {
+    reorder_queue();
+  } else {
+    queue_cores(end);
+  }
+}
+
+/// The cores that run without asking, from the first one of this quantum on, each linked to the next one.
+void ClusterScheduler::queue_cores(std::uint64_t end) {
+  queue_.clear();
+  const bool tree = settings_.arbitration_tree;
+  const auto places = tree ? std::bit_ceil(cores()) : cores();
+  for (std::uint32_t place = 0; place < places; ++place) {
+    auto id = tree ? place ^ first_core_ : place + first_core_;
+    if (id >= cores()) {
+      if (tree) continue;  // a leaf without a core
+      id -= cores();
+    }
+    auto& core = *cores_[id];
+    if (core.ready() >= end || core.waits_for_turn()) continue;
+    if (!queue_.empty()) queue_.back()->hart().set_next(&core.hart());
+    queue_.push_back(&core);
+  }
+  if (!queue_.empty()) queue_.back()->hart().set_next(nullptr);
+}
+
+/// The same cores as in the quantum before, each one place further to the front if the first one goes to the end.
+void ClusterScheduler::rotate_queue() {
+  const auto before = (first_core_ == 0 ? cores() : first_core_) - 1;
+  if (queue_.front()->id() != before) return;  // who sleeps has no place
+  queue_.back()->hart().set_next(&queue_.front()->hart());
+  std::rotate(queue_.begin(), queue_.begin() + 1, queue_.end());
+  queue_.back()->hart().set_next(nullptr);
+}
+
+/// All cores, of which each leaf of the tree has one, in the order of this quantum.
+void ClusterScheduler::reorder_queue() {
+  Hart* behind = nullptr;
+  for (auto place = cores(); place-- > 0;) {
+    auto& core = *cores_[place ^ first_core_];
+    core.hart().set_next(behind);
+    behind = &core.hart();
+    queue_[place] = &core;
+  }
+}
+
+/// The queue from a place on, up to `end`.
+void ClusterScheduler::run_queue(std::size_t place, std::uint64_t start, std::uint64_t end) {
+  while (place < queue_.size()) {
+    auto& core = *queue_[place];
+    if (!can_resume(core, start)) {
+      run_core(core, end);
+      ++place;
+      continue;
+    }
+    const auto round = Hart::run_round_robin(core.hart(), end);
+    if (place == 0 && round.broke_off == nullptr) {
+      keep_in_step();
+      return;
+    }
+    place = note_round(place, round);
+  }
+}
+
+/// Whether the core, and who comes behind it, may run a round from `start` on.
+bool ClusterScheduler::can_resume(const ClusterCore& core, std::uint64_t start) {
+  if (!sharing_banks_ || !core.hart().has_resume_point()) return false;
+  if (code_.instruction_cache != nullptr && start < code_.instruction_cache->settled()) return false;
+  code_.blocks.forget_if_stale();
+  if (version_ == code_.version()) return true;
+  version_ = code_.version();
+  drop_resume_points();
+  return false;
+}
+
+/// What a round from a place on has done; the answer is the place behind.
+std::size_t ClusterScheduler::note_round(std::size_t place, const Hart::RoundEnd& round) {
+  while (place < queue_.size() && &queue_[place]->hart() != round.broke_off) ++place;
+  if (round.ran) note_stop(*queue_[place++], round.stop);
+  return place;
+}
+
+void ClusterScheduler::run_core(ClusterCore& core, std::uint64_t end) {
+  note_stop(core, core.run(end));
+}
+
+void ClusterScheduler::note_stop(ClusterCore& core, Stop stop) {
+  core.stopped(stop);
+  if (stop == Stop::limit || stop == Stop::turn) return;
+  if (stop == Stop::sleeping) cores_changed();
+  if (!events_.core_stopped(core, stop)) goes_on_ = false;
+}
+
+/// All cores of the queue have come to the end of the quantum in translated code: nothing but their ticks has changed.
+/// The answer is when the first core goes on.
+std::uint64_t ClusterScheduler::keep_in_step() {
+  last_ready_ = 0;
+  auto first = kNoTick;
+  for (const auto* core : queue_) {
+    const auto ready = core->tick();
+    last_ready_ = std::max(last_ready_, ready);
+    first = std::min(first, ready);
+  }
+  in_step_ = true;
+  if (queue_.size() == awake_) return first;
+  // The others had come beyond this quantum in the one before, or wait for something.
+  for (const auto* core : cores_) {
+    if (core->sleeps()) continue;
+    in_step_ = in_step_ && core->can_resume();
+    last_ready_ = std::max(last_ready_, core->tick());
+    first = std::min(first, core->tick());
+  }
+  return first;
+}
+
+void ClusterScheduler::visit(state::Visitor& v) {
+  v("first_core", first_core_);
+  v("dma_first", dma_first_);
+}
+
+}  // namespace mebots::soc
