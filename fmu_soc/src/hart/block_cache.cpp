@@ -146,8 +146,7 @@ void BlockCache::append(Decoding& decoding, const Decoded& decoded) {
   instruction.energy_before_fj = sums.energy_before_fj;
   if (sums.index == 0) block.stalled_by = loads_that_stall(timing_, current_of(decoded));
   if (is_jump(decoded.op)) {
-    // What the jump's handler cannot see: whether a slow instruction hides an unaligned target.
-    instruction.rs2 = decoding.before.slow && timing_.multi_cycle_hides_unaligned_target() ? 1 : 0;
+    instruction.rs2 = timing_.hides_unaligned_target(decoding.before.op) ? 1 : 0;  // what its handler cannot see
     if (sums.index < 2) block.early_jump = true;
   }
   const auto cycles = static_cycles(timing_, decoding.two_before, decoding.before, current_of(decoded));
@@ -289,10 +288,7 @@ const Instruction* BlockCache::single(std::uint32_t pc, const Previous& two_befo
   kept.before = before;
   auto& slots = kept.slots;
   slots[0] = instruction_of(decoded, pc);
-  if (is_jump(decoded.op)) {
-    const bool behind = is_multiply_high(before.op) || is_divide(before.op);
-    slots[0].rs2 = behind && timing_.multi_cycle_hides_unaligned_target() ? 1 : 0;
-  }
+  if (is_jump(decoded.op)) slots[0].rs2 = timing_.hides_unaligned_target(before.op) ? 1 : 0;
   slots[1] = Instruction{};
   slots[1].op = may_end_loop(pc) ? Op::loop_end : Op::end_of_block;
   slots[1].run = handler_of(slots[1].op);

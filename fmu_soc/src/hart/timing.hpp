@@ -28,7 +28,8 @@ struct Timing {
 
   bool load_after_load_stalls() const { return kind == CoreKind::ri5cy; }      // same destination register
   bool store_offset_looks_like_rd() const { return kind == CoreKind::ri5cy; }  // imm[4:0] compared with the load's rd
-  bool multi_cycle_hides_unaligned_target() const { return kind == CoreKind::ri5cy; }
+  /// Behind it, that a jump's target is unaligned costs nothing: it is fetched while the core is busy.
+  bool hides_unaligned_target(Op before) const { return kind == CoreKind::ri5cy && is_multi_cycle(before); }
   /// Xpulp v2 in the encodings of RI5CY. (CV32E40P has its own.)
   bool has_xpulp() const { return kind == CoreKind::ri5cy; }
   unsigned csr_cycles(unsigned csr) const;
@@ -59,7 +60,7 @@ struct Previous {
 /// What the pipeline knows of an instruction that it has executed; of one as decoded, or as it stands in a block.
 template <typename Executed>
 Previous executed(const Executed& instruction, bool across_words) {
-  return {instruction.op, instruction.rd, is_multiply_high(instruction.op) || is_divide(instruction.op) || across_words,
+  return {instruction.op, instruction.rd, is_multi_cycle(instruction.op) || across_words,
           is_post_increment(instruction.op) ? instruction.rs1 : std::uint8_t{0}};
 }
 

@@ -163,6 +163,10 @@ constexpr bool is_multiply_high(Op op) {
 constexpr bool is_divide(Op op) {
   return traits_of(op).kind == OpKind::divide;
 }
+/// Takes several cycles, whatever comes before it.
+constexpr bool is_multi_cycle(Op op) {
+  return is_multiply_high(op) || is_divide(op);
+}
 constexpr bool is_csr(Op op) {
   return traits_of(op).kind == OpKind::csr || traits_of(op).kind == OpKind::csr_immediate;
 }
