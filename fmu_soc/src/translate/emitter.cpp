@@ -20,12 +20,12 @@ static_assert(std::is_standard_layout_v<Execution>);
 
 }  // namespace
 
-Emitter::Emitter(const CodeMemory& code_memory, std::size_t used, const BlockCache& cache, const Execution& execution,
+Emitter::Emitter(const CodeMemory& code_memory, std::size_t used, const BlockCache& blocks, const Execution& execution,
                  const Options& options, ExitTable& exits)
     : CodeGenerator(code_memory.size() - used, code_memory.writable() + used),
       ram_{execution.ram[0], execution.ram[1]},
       code_memory_(code_memory),
-      cache_(cache),
+      blocks_(blocks),
       options_(options),
       exits_(exits) {
   for (unsigned reg = 0; reg < execution.x.size(); ++reg) memory_operands_.push_back(memory(reg));
@@ -91,7 +91,7 @@ Entry Emitter::emit_entry(const Node& node, bool runs_into_node) {
   entry.stalled = code_memory_.executable(getCurr());
   L(stalled_entries_[index_of(node)]);
   check(true, 1);
-  if (cache_.fetched() != nullptr && fetches_inline()) emit_fetch(node.first, nullptr);  // before it stalls
+  if (blocks_.fetched() != nullptr && fetches_inline()) emit_fetch(node.first, nullptr);  // before it stalls
   spend(1);
   jmp(inside);
   entry.straight = code_memory_.executable(getCurr());
@@ -112,7 +112,7 @@ Entry Emitter::emit_entry(const Node& node, bool runs_into_node) {
 void Emitter::emit_node(const Node& node) {
   block_ = node.block;
   const auto* at = node.first;
-  if (cache_.fetched() == nullptr) {
+  if (blocks_.fetched() == nullptr) {
     while (emit_instruction(at)) note_flow_inside(at++);
     return;
   }

@@ -55,7 +55,7 @@ class Emitter : private Xbyak::CodeGenerator {
   static constexpr std::uint64_t kNoExit = 0xffffffff;
 
   /// Writes behind the first `used` bytes.
-  Emitter(const CodeMemory& code_memory, std::size_t used, const BlockCache& cache, const Execution& execution,
+  Emitter(const CodeMemory& code_memory, std::size_t used, const BlockCache& blocks, const Execution& execution,
           const Options& options, ExitTable& exits);
 
   /// The gates, at the start of the code memory.
@@ -137,6 +137,7 @@ class Emitter : private Xbyak::CodeGenerator {
 
   // gates.cpp
   void emit_account();
+  void emit_next_core(const Label& next_core, const Label& done);
   void emit_fetch_gate();
 
   // emitter.cpp: blocks, operands
@@ -241,7 +242,7 @@ class Emitter : private Xbyak::CodeGenerator {
 
   const FastRegion ram_[2];
   const CodeMemory& code_memory_;
-  const BlockCache& cache_;
+  const BlockCache& blocks_;
   const Options options_;
   ExitTable& exits_;
   const Region* region_ = nullptr;

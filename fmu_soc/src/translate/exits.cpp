@@ -112,7 +112,7 @@ void Emitter::jump_at_limit(const Block& block, std::uint32_t stall, Label& leav
     cmp(r15, 0);
     jle(leave, T_NEAR);
   }
-  if (cache_.fetched() != nullptr && !fetches_inline()) {
+  if (blocks_.fetched() != nullptr && !fetches_inline()) {
     jump_when_absent(block.pc, leave);
     if (block.begins_across) jump_when_absent(block.pc + 2, leave);
   }
@@ -120,7 +120,7 @@ void Emitter::jump_at_limit(const Block& block, std::uint32_t stall, Label& leav
 
 /// Jumps when the line of this code is not in the instruction cache; rdx may be lost.
 void Emitter::jump_when_absent(std::uint32_t address, Label& absent) {
-  const auto* present = cache_.fetched()->presence(address);
+  const auto* present = blocks_.fetched()->presence(address);
   if (near(present, 1)) {
     cmp(byte[r14 + from_first_memory(present)], 0);
   } else {
@@ -133,7 +133,7 @@ void Emitter::jump_when_absent(std::uint32_t address, Label& absent) {
 /// In front of an instruction: brings those of its lines that are absent, but for the last one of the instruction
 /// before. Where others use the cache, leaves that to the interpreter. eax, rcx and rdx may be lost.
 void Emitter::emit_fetch(const Instruction* at, const Instruction* before) {
-  const auto& cache = *cache_.fetched();
+  const auto& cache = *blocks_.fetched();
   const auto last = cache.line_of(at[1].pc - 1);
   for (auto line = cache.line_of(at->pc); line <= last; ++line) {
     if (before != nullptr && line == cache.line_of(before[1].pc - 1)) continue;
@@ -144,8 +144,8 @@ void Emitter::emit_fetch(const Instruction* at, const Instruction* before) {
     later([this, at, line, absent, present]() mutable {
       L(absent);
       if (fetches_inline()) {
-        const auto* byte_of_line = cache_.fetched()->presence(std::max(at->pc, cache_.fetched()->address_of(line)));
-        mov(eax, cache_.fetched()->first_of_set(line));
+        const auto* byte_of_line = blocks_.fetched()->presence(std::max(at->pc, blocks_.fetched()->address_of(line)));
+        mov(eax, blocks_.fetched()->first_of_set(line));
         mov(edx, line);
         if (near(byte_of_line, 1)) {
           lea(rcx, ptr[r14 + from_first_memory(byte_of_line)]);
@@ -168,7 +168,7 @@ void Emitter::emit_fetch(const Instruction* at, const Instruction* before) {
 
 /// The node of the region to which a link has led, at `pc`; null when there is none.
 const Node* Emitter::node_at(std::uint32_t link, std::uint32_t pc) const {
-  const auto number = linked(cache_, link, pc);
+  const auto number = linked(blocks_, link, pc);
   return number == 0 ? nullptr : region_->find(number);
 }
 

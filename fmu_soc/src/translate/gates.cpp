@@ -23,13 +23,9 @@ constexpr int offset_of_counter(std::size_t member) {
 }  // namespace
 
 Emitter::Gates Emitter::emit_gates() {
-  const auto begin = ptr[rbx + offset_of_host(offsetof(HostState, begin))];
-  const auto end = ptr[rbx + offset_of_host(offsetof(HostState, end))];
-  const auto resume_point = qword[rbx + offset_of_host(offsetof(HostState, resume_point))];
-  const auto next = ptr[rbx + offset_of_host(offsetof(HostState, next))];
   Gates gates;
   Label next_core;
-  Label parks;
+  Label limit;
   Label done;
 
   gates.enter = code_memory_.executable(getCurr());
@@ -40,28 +36,45 @@ Emitter::Gates Emitter::emit_gates() {
   mov(rdx, rsi);
   mov(r14, ptr[rbx + static_cast<int>(offsetof(Execution, ram[0].data))]);
   L(next_core);
-  mov(r15, begin);
+  mov(r15, ptr[rbx + offset_of_host(offsetof(HostState, begin))]);
   pxor(xmm15, xmm15);
   mov(qword[rbx + offset_of_host(offsetof(HostState, slow_load))], 0);
   jmp(rdx);
 
   gates.park = getCurr();
   if (options_.banks != nullptr) {
-    cmp(r15, end);
-    jae(parks);
+    cmp(r15, ptr[rbx + offset_of_host(offsetof(HostState, end))]);
+    jae(limit);
   } else {
     test(r15, r15);
-    jle(parks);
+    jle(limit);
   }
   gates.leave = getCurr();
-  mov(resume_point, 0);
+  mov(qword[rbx + offset_of_host(offsetof(HostState, resume_point))], 0);
   emit_account();
   mov(rdx, rbx);
   L(done);
   for (auto reg = saved.rbegin(); reg != saved.rend(); ++reg) pop(*reg);
   ret();
 
-  L(parks);
+  L(limit);
+  emit_next_core(next_core, done);
+
+  if (blocks_.fetched() != nullptr && fetches_inline()) {
+    gates.fetch = getCurr();
+    emit_fetch_gate();
+  }
+  align(kGateAlignment);
+  return gates;
+}
+
+/// Behind a core that came to its limit in translated code: it leaves a resume point, and the next one of the round
+/// goes on at its own.
+void Emitter::emit_next_core(const Label& next_core, const Label& done) {
+  const auto begin = ptr[rbx + offset_of_host(offsetof(HostState, begin))];
+  const auto end = ptr[rbx + offset_of_host(offsetof(HostState, end))];
+  const auto resume_point = qword[rbx + offset_of_host(offsetof(HostState, resume_point))];
+  const auto next = ptr[rbx + offset_of_host(offsetof(HostState, next))];
   mov(resume_point, rdx);
   emit_account();
   mov(begin, r15);
@@ -77,13 +90,6 @@ Emitter::Gates Emitter::emit_gates() {
   mov(eax, static_cast<std::uint32_t>(kNoExit));
   mov(rdx, rbx);
   jmp(done);
-
-  if (cache_.fetched() != nullptr && fetches_inline()) {
-    gates.fetch = getCurr();
-    emit_fetch_gate();
-  }
-  align(kGateAlignment);
-  return gates;
 }
 
 /// InstructionCache::refill for the core that uses it alone; spends what that waits. rax, rcx and rdx are lost.
@@ -91,7 +97,7 @@ void Emitter::emit_fetch_gate() {
   using Cache = InstructionCache;
   static_assert(std::is_standard_layout_v<Cache::State> && std::is_standard_layout_v<Cache::Entry>);
   static_assert(sizeof(Cache::Entry) == 8U << Cache::kWayBit, "a way of the shift register leads to its entry by 8");
-  const auto& cache = *cache_.fetched();
+  const auto& cache = *blocks_.fetched();
   MEBOTS_ASSERT(!cache.is_shared());
   MEBOTS_ASSERT(cache.ways() <= 128, "the shift register has eight bits");
   const auto state = [this](std::size_t offset) { return rsi + static_cast<int>(offset); };

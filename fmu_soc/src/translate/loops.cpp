@@ -23,7 +23,7 @@ Xbyak::Address Emitter::loop_register(const Instruction* at, std::size_t offset)
 
 /// False: a block ends there that does not yet.
 bool Emitter::emit_set_loop_end(const Instruction* at, std::uint32_t pc) {
-  if (!cache_.may_end_loop(pc)) return false;
+  if (!blocks_.may_end_loop(pc)) return false;
   mov(loop_register(at, offsetof(HardwareLoop, end)), pc);
   return true;
 }
@@ -81,8 +81,8 @@ void Emitter::emit_end(const Instruction* at) {
 /// To the start of a loop, which is where it was last time or not.
 void Emitter::emit_iteration(const Instruction* at, unsigned loop) {
   const auto start = dword[rbx + offset_of_loop(loop) + static_cast<int>(offsetof(HardwareLoop, start))];
-  if (const auto link = at[1].link; link != 0 && cache_.block(link).valid()) {
-    const auto pc = cache_.block(link).pc;
+  if (const auto link = at[1].link; link != 0 && blocks_.block(link).valid()) {
+    const auto pc = blocks_.block(link).pc;
     Label elsewhere;
     cmp(start, pc);
     jne(elsewhere, T_NEAR);
@@ -105,7 +105,7 @@ void Emitter::emit_iteration(const Instruction* at, unsigned loop) {
 /// before it.
 const Node* Emitter::straight_successor(std::uint32_t link) const {
   if (link == 0) return nullptr;
-  const auto* node = cache_.block(link).valid() ? region_->find(link) : nullptr;
+  const auto* node = blocks_.block(link).valid() ? region_->find(link) : nullptr;
   return node != nullptr && !node->block->early_jump ? node : nullptr;
 }
 
@@ -162,7 +162,7 @@ void Emitter::emit_straight_to(const Instruction* at, const Node& node) {
   at_limit.at = at;
   check_limit(node, stalls ? 1U : 0U, at_limit);
   if (stalls) {
-    if (cache_.fetched() != nullptr && fetches_inline()) emit_fetch(node.first, nullptr);  // before it stalls
+    if (blocks_.fetched() != nullptr && fetches_inline()) emit_fetch(node.first, nullptr);  // before it stalls
     spend(1);
   }
   jmp(label_of(node), T_NEAR);

@@ -13,7 +13,7 @@ bool has_translation(Op /*op*/) {
   return false;
 }
 
-std::unique_ptr<Translator> make_translator(const BlockCache& /*cache*/, const Execution& /*execution*/,
+std::unique_ptr<Translator> make_translator(const BlockCache& /*blocks*/, const Execution& /*execution*/,
                                             const Options& /*options*/) {
   return nullptr;
 }

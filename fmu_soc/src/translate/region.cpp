@@ -78,14 +78,14 @@ class LoopFinder {
 
 }  // namespace
 
-Region grow_region(const BlockCache& cache, std::uint32_t head, const std::function<bool(std::uint32_t)>& has_code) {
+Region grow_region(const BlockCache& blocks, std::uint32_t head, const std::function<bool(std::uint32_t)>& has_code) {
   Region region;
   std::size_t instructions = 0;
   const auto add = [&](std::uint32_t number) {
     if (region.nodes.size() == kMostNodes || instructions >= kMostInstructions) return;
-    if (!cache.block(number).valid() || region.find(number) != nullptr || has_code(number)) return;
-    const auto& block = cache.block(number);
-    region.nodes.push_back({number, &block, cache.instructions(block)});
+    if (!blocks.block(number).valid() || region.find(number) != nullptr || has_code(number)) return;
+    const auto& block = blocks.block(number);
+    region.nodes.push_back({number, &block, blocks.instructions(block)});
     const auto* at = region.nodes.back().first;
     while (!is_block_end(at->op)) ++at;
     instructions += at->index;

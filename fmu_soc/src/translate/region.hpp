@@ -30,11 +30,11 @@ struct Region {
 };
 
 /// The block `head` and what follows it by links that have been taken, without what has code already.
-Region grow_region(const BlockCache& cache, std::uint32_t head, const std::function<bool(std::uint32_t)>& has_code);
+Region grow_region(const BlockCache& blocks, std::uint32_t head, const std::function<bool(std::uint32_t)>& has_code);
 
 /// The block to which an instruction's link has led, at `pc`; 0 when it is not known, or invalid now.
-inline std::uint32_t linked(const BlockCache& cache, std::uint32_t link, std::uint32_t pc) {
-  return link != 0 && cache.block(link).pc == pc ? link : 0;
+inline std::uint32_t linked(const BlockCache& blocks, std::uint32_t link, std::uint32_t pc) {
+  return link != 0 && blocks.block(link).pc == pc ? link : 0;
 }
 
 /// Whether the block's first instruction waits for a load that ends the block before, which `end` stands behind.

@@ -19,20 +19,20 @@ constexpr std::size_t kMostRegionPatchPoints = 4096;
 
 class HostTranslator : public Translator {
  public:
-  HostTranslator(const BlockCache& cache, const Execution& execution, const Options& options,
+  HostTranslator(const BlockCache& blocks, const Execution& execution, const Options& options,
                  std::unique_ptr<CodeMemory> memory)
-      : cache_(cache), options_(options), memory_(std::move(memory)), exits_(*memory_) {
+      : blocks_(blocks), options_(options), memory_(std::move(memory)), exits_(*memory_) {
     memories_.ram[0] = execution.ram[0];
     memories_.ram[1] = execution.ram[1];
     entries_.reserve(BlockCache::kMaxBlocks);
-    Emitter emitter(*memory_, 0, cache_, memories_, options_, exits_);
+    Emitter emitter(*memory_, 0, blocks_, memories_, options_, exits_);
     gates_ = emitter.emit_gates();
     begin_segment(0);
   }
 
   const Entry& translate(std::uint32_t block) override {
     make_room();
-    const auto region = grow_region(cache_, block, [this](auto number) { return find(number) != nullptr; });
+    const auto region = grow_region(blocks_, block, [this](auto number) { return find(number) != nullptr; });
     for (const auto& node : region.nodes) {
       if (entries_.size() <= node.number) entries_.resize(std::max<std::size_t>(2 * entries_.size(), node.number + 1));
     }
@@ -41,7 +41,7 @@ class HostTranslator : public Translator {
     made.segment = segment_;
     const auto first_exit = exits_.count();
     made.begin = memory_->executable(memory_->writable() + used_);
-    Emitter emitter(*memory_, used_, cache_, memories_, options_, exits_);
+    Emitter emitter(*memory_, used_, blocks_, memories_, options_, exits_);
     const auto entries = emitter.emit(region, allocate(region), gates_);
     used_ += align_up(emitter.size());
     made.end = memory_->executable(memory_->writable() + used_);
@@ -120,9 +120,9 @@ class HostTranslator : public Translator {
   void chain_where_known(const Exit& exit) {
     if (exit.patch_point == 0) return;
     const bool iterates = exit.straight && exit.pc != exit.at->pc;
-    const auto number = linked(cache_, iterates ? exit.at[1].link : exit.at->link, exit.pc);
+    const auto number = linked(blocks_, iterates ? exit.at[1].link : exit.at->link, exit.pc);
     if (number == 0 || find(number) == nullptr) return;
-    const auto& block = cache_.block(number);
+    const auto& block = blocks_.block(number);
     if (exit.straight && block.early_jump) return;
     chain(exit, entries_[number], exit.straight && stalls(block, exit.at));
   }
@@ -181,7 +181,7 @@ class HostTranslator : public Translator {
     begin_segment(next);
   }
 
-  const BlockCache& cache_;
+  const BlockCache& blocks_;
   Execution memories_;  // only these of it
   Options options_;
   std::unique_ptr<CodeMemory> memory_;
@@ -205,7 +205,7 @@ bool can_translate() {
          cpu.has(Cpu::tPOPCNT);
 }
 
-std::unique_ptr<Translator> make_translator(const BlockCache& cache, const Execution& execution,
+std::unique_ptr<Translator> make_translator(const BlockCache& blocks, const Execution& execution,
                                             const Options& options) {
   if (!can_translate()) return nullptr;
   for (const auto& ram : execution.ram) {
@@ -220,7 +220,7 @@ std::unique_ptr<Translator> make_translator(const BlockCache& cache, const Execu
   }
   auto memory = CodeMemory::create(Segments::all_bytes());
   if (memory == nullptr) return nullptr;
-  return std::make_unique<HostTranslator>(cache, execution, options, std::move(memory));
+  return std::make_unique<HostTranslator>(blocks, execution, options, std::move(memory));
 }
 
 }  // namespace mebots::soc::translate

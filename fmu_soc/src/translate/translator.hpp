@@ -84,7 +84,7 @@ bool can_translate();
 bool has_translation(Op op);
 
 /// Null where that is not so, or code cannot be made for such memories. `execution` says where the memories are.
-std::unique_ptr<Translator> make_translator(const BlockCache& cache, const Execution& execution,
+std::unique_ptr<Translator> make_translator(const BlockCache& blocks, const Execution& execution,
                                             const Options& options);
 
 }  // namespace mebots::soc::translate
