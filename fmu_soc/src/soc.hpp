@@ -12,6 +12,7 @@
 #include "energy/meter.hpp"
 #include "gap8_devices/event_unit.hpp"
 #include "hart/hart.hpp"
+#include "hart_number.hpp"
 #include "host_calls.hpp"
 #include "mebots/soc/device_kind.hpp"
 #include "memory/bus.hpp"
@@ -105,12 +106,14 @@ class Soc final : private Bus {
   const Cluster* cluster() const { return cluster_.get(); }
   const Hart& hart() const { return hart_; }
   Hart& hart() { return hart_; }
-  /// All harts by number: 0 is the fabric controller, n + 1 core n of the cluster.
+  /// All harts by number (hart_number.hpp).
   unsigned harts() const { return 1 + (cluster_ ? cluster_->cores() : 0); }
-  const Hart& hart(unsigned number) const { return number == 0 ? hart_ : std::as_const(*cluster_).hart(number - 1); }
-  Hart& hart(unsigned number) { return number == 0 ? hart_ : cluster_->hart(number - 1); }
+  const Hart& hart(unsigned number) const {
+    return number == kFabricControllerHart ? hart_ : std::as_const(*cluster_).hart(core_of_hart(number));
+  }
+  Hart& hart(unsigned number) { return number == kFabricControllerHart ? hart_ : cluster_->hart(core_of_hart(number)); }
   /// Whether it can run: a cluster that is off is forgotten.
-  bool is_on(unsigned number) const { return number == 0 || cluster_->powered(); }
+  bool is_on(unsigned number) const { return number == kFabricControllerHart || cluster_->powered(); }
   /// Who watches a hart from now on, or null. Not part of a state.
   void observe(unsigned number, Observer* observer);
   /// Of the fabric controller; null without one.
@@ -128,7 +131,9 @@ class Soc final : private Bus {
   EnergyLedger energy_at_core() const { return energy_at(core_time()); }
   EnergyLedger energy_at(Picoseconds time) const;
   /// Likewise of any hart that is on.
-  Picoseconds core_time(unsigned number) const { return number == 0 ? core_time() : cluster_->core_time(number - 1); }
+  Picoseconds core_time(unsigned number) const {
+    return number == kFabricControllerHart ? core_time() : cluster_->core_time(core_of_hart(number));
+  }
   /// What core `core` of the cluster takes for what it does itself [J], over what it takes with its clock gated.
   double cluster_core_energy_j(unsigned core) const { return meter_.core_j(core, core_activity(core)); }
   /// What one more count of a hart costs now.
@@ -138,7 +143,9 @@ class Soc final : private Bus {
     return instruction_cache_ ? 1.0 * instruction_cache_->words_per_line() / instruction_cache_->refill_cycles() : 0;
   }
   /// Of the clock of a hart.
-  double clock_hz(unsigned number) const { return number == 0 ? clock_.hz() : cluster_->clock_hz(); }
+  double clock_hz(unsigned number) const {
+    return number == kFabricControllerHart ? clock_.hz() : cluster_->clock_hz();
+  }
   double clock_hz() const { return clock_.hz(); }
   double voltage_v() const { return voltage_mv_ / 1e3; }
   struct DeviceState {
@@ -162,8 +169,6 @@ class Soc final : private Bus {
     if (signals_.exit_code) return *signals_.exit_code;
     return power_manager_ ? power_manager_->exit_code() : 0;
   }
-  /// Among the numbers of the cluster's cores.
-  static constexpr int kFabricControllerCore = -1;
   /// The first core that ended the program, if its exit code says that something is wrong. It must have taken an
   /// exception from which no handler has returned since. Others that are in handlers do not count.
   std::optional<int> gave_up() const;
@@ -247,7 +252,6 @@ class Soc final : private Bus {
   ChipState chip_state() const;
   void finish(End why, Picoseconds time);
   void end_by_program(Picoseconds time);
-  const Hart& hart_of(int core) const;
   Picoseconds reached() const;
   void note_work(Picoseconds time);
   CoreWork work_at(Picoseconds now) const;

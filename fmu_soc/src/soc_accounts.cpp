@@ -126,7 +126,7 @@ EnergyLedger Soc::energy_at(Picoseconds time) const {
 }
 
 CountEnergy Soc::energy_per_count(unsigned number) const {
-  if (number != 0) return meter_.per_count_of_core();
+  if (number != kFabricControllerHart) return meter_.per_count_of_core();
   return meter_.per_count_of_fabric_controller(cluster_ && cluster_->powered());
 }
 

@@ -56,19 +56,15 @@ std::string stack_text(const Exception& what, const Elf& program, const Memory& 
 
 std::optional<int> Soc::gave_up() const {
   if (end_ != End::exited || exit_code() == 0) return std::nullopt;
-  const auto& hart = hart_of(ended_by_);
-  if (!hart.in_exception() || hart.fault().first.cause == cause::kMachineEcall) return std::nullopt;
+  const auto& ender = hart(hart_of_core(ended_by_));
+  if (!ender.in_exception() || ender.fault().first.cause == cause::kMachineEcall) return std::nullopt;
   return ended_by_;
-}
-
-const Hart& Soc::hart_of(int core) const {
-  return core == kFabricControllerCore ? hart_ : cluster_->hart(static_cast<unsigned>(core));
 }
 
 std::string Soc::fault_text() const {
   const auto giver = gave_up();
   const int core = giver ? *giver : cluster_ ? cluster_->faulted_core() : kFabricControllerCore;
-  const auto& fault = hart_of(core).fault();
+  const auto& fault = hart(hart_of_core(core)).fault();
   if (!giver && !fault.happened) return {};
   const auto whose = core == kFabricControllerCore ? "" : fmt::format("cluster core {}: ", core);
   if (giver) {

@@ -305,7 +305,8 @@ std::string GdbServer::change_point(std::string_view text, bool insert) {
 void GdbServer::finish(int exit_code) {
   if (std::exchange(ended_, true) || !connection_.connected()) return;
   if (soc_.end() == End::faulted) {
-    const auto number = soc_.cluster() == nullptr ? 0U : static_cast<unsigned>(soc_.cluster()->faulted_core() + 1);
+    const auto number =
+        soc_.cluster() == nullptr ? kFabricControllerHart : hart_of_core(soc_.cluster()->faulted_core());
     stop(number, fault_signal(std::as_const(soc_).hart(number).fault().last.cause));
     announce_(soc_.fault_text());
     serve();

@@ -22,7 +22,8 @@ std::string Threads::list() const {
 }
 
 std::string Threads::describe(unsigned number) const {
-  const auto name = number == 0 ? "fabric controller" : fmt::format("cluster core {}", number - 1);
+  const auto name =
+      number == kFabricControllerHart ? "fabric controller" : fmt::format("cluster core {}", core_of_hart(number));
   if (!soc_.is_on(number)) return name + ", off";
   return std::as_const(soc_).hart(number).sleeping() ? name + ", asleep" : name;
 }

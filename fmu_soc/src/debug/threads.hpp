@@ -30,11 +30,11 @@ class Threads {
   /// What `info threads` shows behind the number.
   std::string describe(unsigned number) const;
   /// When the chosen hart's next instruction starts, or its sleep began; of the fabric controller when that one is off.
-  Picoseconds time() const { return soc_.core_time(soc_.is_on(chosen_) ? chosen_ : 0); }
+  Picoseconds time() const { return soc_.core_time(soc_.is_on(chosen_) ? chosen_ : kFabricControllerHart); }
 
  private:
   Soc& soc_;
-  unsigned chosen_ = 0;
+  unsigned chosen_ = kFabricControllerHart;
 };
 
 }  // namespace mebots::soc::debug

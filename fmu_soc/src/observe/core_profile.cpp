@@ -44,7 +44,7 @@ Cost CoreProfile::now() const {
   const auto& counters = hart_.counters();
   return {static_cast<std::int64_t>(counters.cycles), static_cast<std::int64_t>(counters.instructions),
           soc_.is_on(number_) ? soc_.core_time(number_) : soc_.core_time(),
-          energy_fj(number_ == 0 ? soc_.energy_at_core().total_j() : 0)};
+          energy_fj(number_ == kFabricControllerHart ? soc_.energy_at_core().total_j() : 0)};
 }
 
 Cost CoreProfile::now_of_chip() const {
@@ -57,11 +57,11 @@ Cost CoreProfile::now_of_chip() const {
 /// This hart's part of the chip's energy.
 std::int64_t CoreProfile::energy_fj(double chip_j) const {
   const auto of_core = [this](unsigned number) {
-    return std::llround(soc_.cluster_core_energy_j(number - 1) / kFemtojoule);
+    return std::llround(soc_.cluster_core_energy_j(core_of_hart(number)) / kFemtojoule);
   };
-  if (number_ != 0) return of_core(number_);
+  if (number_ != kFabricControllerHart) return of_core(number_);
   auto rest = std::llround(chip_j / kFemtojoule);
-  for (unsigned number = 1; number < soc_.harts(); ++number) rest -= of_core(number);
+  for (auto number = hart_of_core(0); number < soc_.harts(); ++number) rest -= of_core(number);
   return rest;
 }
 

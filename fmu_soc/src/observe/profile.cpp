@@ -48,10 +48,10 @@ void Profile::finish() {
   windows_.restart(soc_.now(), harts_);
   for (auto& hart : harts_) {
     const auto number = hart.number();
-    if (number == 0) {
+    if (number == kFabricControllerHart) {
       trees.push_back({number, "", &hart.tree()});
     } else if (hart.total().instructions != 0) {
-      trees.push_back({number, fmt::format("cluster core {}", number - 1), &hart.tree()});
+      trees.push_back({number, fmt::format("cluster core {}", core_of_hart(number)), &hart.tree()});
     }
   }
   if (callgrind_) {

@@ -109,15 +109,16 @@ std::optional<std::uint32_t> tohost_of(const Soc& soc) {
 /// The hart that a message of the end is about: the fabric controller, or the core at which a debugger ended the run.
 unsigned last_hart(const Soc& soc) {
   const auto* cluster = soc.cluster();
-  return cluster == nullptr ? 0 : static_cast<unsigned>(cluster->core_stopped_by_observer() + 1);
+  return cluster == nullptr ? kFabricControllerHart : hart_of_core(cluster->core_stopped_by_observer());
 }
 
 std::string why_no_end(const Soc& soc, const Options& options) {
   const auto number = last_hart(soc);
   const auto pc = soc.hart(number).pc();
   const auto function = soc.program().where(pc);
-  const auto place = fmt::format("{}pc 0x{:08x} in {}", number == 0 ? "" : fmt::format("cluster core {}, ", number - 1),
-                                 pc, function.empty() ? "no function of the program" : function);
+  const auto whose = number == kFabricControllerHart ? "" : fmt::format("cluster core {}, ", core_of_hart(number));
+  const auto place =
+      fmt::format("{}pc 0x{:08x} in {}", whose, pc, function.empty() ? "no function of the program" : function);
   const bool at_limit = options.max_instructions && soc.hart().counters().instructions == *options.max_instructions;
   if (soc.end() == End::stopped && !at_limit) return fmt::format("stopped by the debugger at {}", place);
   if (soc.hart().sleeping()) return fmt::format("the core sleeps at {} and nothing is left that could wake it", place);
