@@ -165,7 +165,10 @@ class ClusterCore final : private Bus {
   BusReply store_narrow(std::uint32_t address, std::uint64_t cycle, std::uint32_t value, unsigned size) override {
     return turn(address, cycle, &value, false, size);
   }
-  void interrupt_taken(unsigned line) override { hart_.set_interrupts(bus_.interrupt_taken(id_, line)); }
+  void interrupt_taken(unsigned line) override {
+    granted_ = false;  // the handler runs before the access that had its turn, and has accesses of its own
+    hart_.set_interrupts(bus_.interrupt_taken(id_, line));
+  }
   bool watched(std::uint32_t address) override { return bus_.watched(address); }
 
   ClusterBus& bus_;
