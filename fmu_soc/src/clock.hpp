@@ -6,6 +6,7 @@
 #include "mebots/state/visitor.hpp"
 
 #include <cstdint>
+#include <numeric>
 
 namespace mebots::soc {
 
@@ -16,7 +17,7 @@ class Clock {
  public:
   void reset(std::uint32_t hz) {
     MEBOTS_ASSERT(hz > 0);
-    hz_ = hz;
+    set(hz);
     epoch_ps_ = 0;
     skipped_ = 0;
   }
@@ -28,7 +29,7 @@ class Clock {
     MEBOTS_ASSERT(hz > 0);
     epoch_ps_ = time_of(cycle);
     skipped_ = std::uint64_t{0} - cycle;
-    hz_ = hz;
+    set(hz);
   }
 
   /// The first cycle of this frequency, where none was slept since.
@@ -36,19 +37,17 @@ class Clock {
   /// When a cycle starts, which is not one before the last change of frequency.
   Picoseconds time_of(std::uint64_t cycle) const {
     MEBOTS_ASSERT(hz_ > 0, "reset() comes first");
-    return epoch_ps_ + static_cast<Picoseconds>(Wide{cycle + skipped_} * kPsPerSecond / hz_);
+    return epoch_ps_ + static_cast<Picoseconds>(scaled(cycle + skipped_, period_, 0, ticks_));
   }
   /// The first cycle that starts at or after a time.
   std::uint64_t first_at(Picoseconds time) const {
     if (time <= epoch_ps_) return std::uint64_t{0} - skipped_;
-    const auto product = Wide{static_cast<std::uint64_t>(time - epoch_ps_)} * hz_;
-    return static_cast<std::uint64_t>((product + kPsPerSecond - 1) / kPsPerSecond) - skipped_;
+    return scaled(static_cast<std::uint64_t>(time - epoch_ps_), ticks_, period_ - 1, period_) - skipped_;
   }
   /// The first cycle that starts after a time.
   std::uint64_t first_after(Picoseconds time) const {
     if (time < epoch_ps_) return std::uint64_t{0} - skipped_;
-    const auto product = Wide{static_cast<std::uint64_t>(time - epoch_ps_)} * hz_;
-    return static_cast<std::uint64_t>(product / kPsPerSecond) + 1 - skipped_;
+    return scaled(static_cast<std::uint64_t>(time - epoch_ps_), ticks_, 0, period_) + 1 - skipped_;
   }
   /// The core slept: active cycle `cycle` starts at the first tick at or after `time`.
   void wake(std::uint64_t cycle, Picoseconds time) {
@@ -60,13 +59,32 @@ class Clock {
     v("hz", hz_);
     v("epoch_ps", epoch_ps_);
     v("skipped", skipped_);
+    if (v.restores()) set(static_cast<std::uint32_t>(hz_));
   }
 
  private:
-  __extension__ using Wide = unsigned __int128;
   static constexpr std::uint64_t kPsPerSecond = 1'000'000'000'000ULL;
 
+  void set(std::uint32_t hz) {
+    hz_ = hz;
+    const auto common = std::gcd(kPsPerSecond, hz_);
+    period_ = kPsPerSecond / common;
+    ticks_ = hz_ / common;
+  }
+  /// (value * factor + rest) / divisor. Clocks of whole kHz need no product of more than 64 bits for hours.
+  static std::uint64_t scaled(std::uint64_t value, std::uint64_t factor, std::uint64_t rest, std::uint64_t divisor) {
+    __extension__ using Wide = unsigned __int128;
+    std::uint64_t product = 0;
+    if (!__builtin_mul_overflow(value, factor, &product) && !__builtin_add_overflow(product, rest, &product)) {
+      return product / divisor;
+    }
+    return static_cast<std::uint64_t>((Wide{value} * factor + rest) / divisor);
+  }
+
   std::uint64_t hz_ = 1;
+  // A fraction in its lowest terms: so many ticks take so many picoseconds. Follows from hz.
+  std::uint64_t ticks_ = 1;
+  std::uint64_t period_ = kPsPerSecond;
   Picoseconds epoch_ps_ = 0;
   std::uint64_t skipped_ = 0;  // ticks slept since the epoch, less the active cycles before it (modulo 2^64)
 };
