@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace mebots::soc {
 namespace {
@@ -58,6 +59,7 @@ void Soc::run_cycles(std::uint64_t cycle_limit) {
 }
 
 void Soc::go_on(Picoseconds until, std::uint64_t cycle_limit) {
+  touch_devices();  // from outside
   tell(now_);
   for (;;) {
     const auto event = next_event();
@@ -121,7 +123,7 @@ Picoseconds Soc::cluster_next() const {
 void Soc::advance_cluster(Picoseconds until, Picoseconds last, std::uint64_t cycle_limit) {
   do {
     cluster_->advance(until, last, cycle_limit);
-    if (event_unit_ != nullptr) {  // a core may have used the devices of GAP8's SoC
+    if (event_unit_ != nullptr && !asked_.power) {  // a core has used the devices of GAP8's SoC
       apply_power_settings(cluster_->fabric_event_time());
       if (signals_.exit_code && running()) {
         end_by_program(cluster_->fabric_event_time());
@@ -148,6 +150,7 @@ void Soc::end_by_program(Picoseconds time) {
 }
 
 void Soc::handle(Stop stop) {
+  touch_devices();
   switch (stop) {
     case Stop::device:
       apply_power_settings(core_time());
@@ -187,6 +190,7 @@ void Soc::finish(End why, Picoseconds time) {
   if (!asleep_) asleep_since_ = end_time_;
   asleep_ = true;
   for (const auto& slot : devices_) slot.device->program_ended();
+  touch_devices();
 }
 
 void Soc::power_off() {
@@ -199,22 +203,30 @@ void Soc::power_off() {
   asleep_ = true;
   asleep_since_ = kNever;
   for (const auto& slot : devices_) slot.device->program_ended();
+  touch_devices();
 }
 
-Picoseconds Soc::next_event() const {
+/// When a device next does something by itself.
+Picoseconds Soc::next_event() {
   if (end_ == End::powered_off) return kNever;
-  auto next = kNever;
-  for (const auto& slot : devices_) next = std::min(next, slot.device->next_event());
-  return next;
+  if (!asked_.next_event) {
+    next_event_ = kNever;
+    for (const auto& slot : devices_) next_event_ = std::min(next_event_, slot.device->next_event());
+    asked_.next_event = true;
+  }
+  return next_event_;
 }
 
 void Soc::advance_devices(Picoseconds time) {
   for (const auto& slot : devices_) slot.device->advance(time);
+  touch_devices();
   update_lines();
 }
 
 void Soc::update_lines() {
+  const bool asked = std::exchange(asked_.lines, true);
   if (event_unit_ != nullptr) {
+    if (asked) return;
     for (const auto& slot : slots_) {
       if (slot.interrupt >= 0 && slot.device->interrupt()) event_unit_->raise(static_cast<unsigned>(slot.interrupt));
     }
@@ -222,8 +234,10 @@ void Soc::update_lines() {
     if (event_unit_->take_wake()) hart_.wake();
     return;
   }
-  for (const auto& slot : slots_) {
-    if (slot.interrupt >= 0) hart_.set_interrupt(static_cast<unsigned>(slot.interrupt), slot.device->interrupt());
+  if (!asked) {
+    for (const auto& slot : slots_) {
+      if (slot.interrupt >= 0) hart_.set_interrupt(static_cast<unsigned>(slot.interrupt), slot.device->interrupt());
+    }
   }
   if (cluster_ && cluster_interrupt_ >= 0) {
     hart_.set_interrupt(static_cast<unsigned>(cluster_interrupt_), cluster_->interrupt());
@@ -238,6 +252,7 @@ const PowerSettings* Soc::power_settings() const {
 
 void Soc::interrupt_taken(unsigned line) {
   if (event_unit_ == nullptr) return;
+  touch_devices();
   event_unit_->acknowledge(line);
   hart_.set_interrupts(event_unit_->lines());
 }
@@ -245,6 +260,7 @@ void Soc::interrupt_taken(unsigned line) {
 /// At `time` a core has asked for them. The cluster's clock changes then: no core of it stands before. All else changes
 /// behind the fabric controller's last instruction, which may be further on and has had the old settings.
 void Soc::apply_power_settings(Picoseconds time) {
+  asked_.power = true;
   const auto* settings = power_settings();
   if (settings == nullptr) return;
   const auto& wanted = *settings;
@@ -258,6 +274,7 @@ void Soc::apply_power_settings(Picoseconds time) {
   if (changed) {
     meter_.change(power_state(), before);
     set_ways();
+    asked_.next_event = false;  // of timers
   }
   if (!cluster_) return;
   if ((wanted.cluster_on != 0) == cluster_->powered()) return;

@@ -210,6 +210,13 @@ class Soc final : private Bus {
     bool sets_power = false;  // clocks, voltage or the cluster's power
   };
 
+  /// What need not be asked of the devices again, since nobody has touched one. Not part of a state.
+  struct AskedOfDevices {
+    bool next_event = false;
+    bool lines = false;  // of interrupts
+    bool power = false;  // what they want of it
+  };
+
   static constexpr std::uint64_t kLead = 256;
   static constexpr std::uint64_t kNoLimit = std::numeric_limits<std::uint64_t>::max();
 
@@ -243,10 +250,11 @@ class Soc final : private Bus {
   void handle(Stop stop);
   Picoseconds cluster_next() const;
   void advance_cluster(Picoseconds until, Picoseconds last, std::uint64_t cycle_limit = kNoLimit);
-  Picoseconds next_event() const;
+  Picoseconds next_event();
   void advance_devices(Picoseconds time);
   void update_lines();
   void apply_power_settings(Picoseconds time);
+  void touch_devices() { asked_ = {}; }
   void wake_if_interrupted(Picoseconds time);
   void tell(Picoseconds time);
   ChipState chip_state() const;
@@ -279,6 +287,8 @@ class Soc final : private Bus {
   gap8_devices::Signals signals_;   // between them
   std::vector<std::unique_ptr<Device>> owned_;
   std::vector<BoardSlot> devices_;
+  AskedOfDevices asked_;
+  Picoseconds next_event_ = kNever;  // as last asked
   PowerManager* power_manager_ = nullptr;
   gap8_devices::EventUnit* event_unit_ = nullptr;        // GAP8's own, of the fabric controller
   std::unique_ptr<InstructionCache> instruction_cache_;  // of the fabric controller

@@ -30,6 +30,7 @@ bool Soc::must_wait(std::uint32_t address, Picoseconds now) const {
 }
 
 BusReply Soc::load(std::uint32_t address, std::uint64_t cycle) {
+  touch_devices();
   const auto now = clock_.time_of(cycle);
   if (must_wait(address, now)) return {BusReply::Kind::later};
   if (cluster_ && cluster_->owns(address)) {
@@ -44,6 +45,7 @@ BusReply Soc::load(std::uint32_t address, std::uint64_t cycle) {
 }
 
 BusReply Soc::load_event(std::uint32_t address, std::uint64_t cycle) {
+  touch_devices();
   const auto now = clock_.time_of(cycle);
   if (const auto* slot = slot_at(address); event_unit_ != nullptr && slot != nullptr &&
                                            dynamic_cast<gap8_devices::EventUnitDemux*>(slot->device) != nullptr) {
@@ -57,6 +59,7 @@ BusReply Soc::load_event(std::uint32_t address, std::uint64_t cycle) {
 }
 
 BusReply Soc::store(std::uint32_t address, std::uint64_t cycle, std::uint32_t value) {
+  touch_devices();
   const auto now = clock_.time_of(cycle);
   if (must_wait(address, now)) return {BusReply::Kind::later};
   if (cluster_ && cluster_->owns(address)) {
@@ -70,6 +73,7 @@ BusReply Soc::store(std::uint32_t address, std::uint64_t cycle, std::uint32_t va
 }
 
 BusReply Soc::load_narrow(std::uint32_t address, std::uint64_t cycle, unsigned size) {
+  touch_devices();
   const auto* slot = slot_at(address);
   const auto offset = slot == nullptr ? 0 : address - slot->base;
   std::uint32_t value = 0;
@@ -80,6 +84,7 @@ BusReply Soc::load_narrow(std::uint32_t address, std::uint64_t cycle, unsigned s
 }
 
 BusReply Soc::store_narrow(std::uint32_t address, std::uint64_t cycle, std::uint32_t value, unsigned size) {
+  touch_devices();
   const auto* slot = slot_at(address);
   const auto offset = slot == nullptr ? 0 : address - slot->base;
   if (slot == nullptr || !slot->device->store_narrow(offset, clock_.time_of(cycle), value, size)) {
@@ -90,6 +95,7 @@ BusReply Soc::store_narrow(std::uint32_t address, std::uint64_t cycle, std::uint
 
 /// A cluster core reaches a device of the SoC, which it finds as far on as the fabric controller does.
 BusReply Soc::from_cluster(const ClusterAccess& access, Picoseconds time) {
+  touch_devices();
   const auto now = asleep_ ? time : std::max(time, core_time());
   const auto* slot = slot_at(access.address);
   if (access.address < kSharedDevices) return {};
