@@ -111,6 +111,34 @@ TEST_P(RandomProgram, RunsTranslatedAsInterpreted) {
   compare_at_random_limits(fetching, seed + 2);
 }
 
+TEST_P(RandomProgram, CountsTheSameWhereverItIsCut) {
+  const auto seed = GetParam();
+  const auto program = assemble(random_program(seed));
+  for (const bool cached : {false, true}) {
+    MachineSettings settings{.kind = seed % 2 == 0 ? CoreKind::cv32e40p : CoreKind::ri5cy};
+    if (cached) settings.instruction_cache = small_cache(128U << seed % 6);
+    Pair pair(program, settings);
+    pair.wait_for_memory(seed % 4, seed / 2 % 4);
+    auto& seldom = pair.interpreted;
+    auto& often = pair.translated;
+    std::mt19937 random(seed);
+    auto stop = Stop::limit;
+    bool same = true;
+    while (stop == Stop::limit && same) {
+      const auto now = often.hart().counters().cycles;
+      const auto limit = now + 60 + random() % 200;
+      for (auto cut = now; stop == Stop::limit && cut < limit;) {
+        cut = std::min(limit, cut + 1 + random() % 20);
+        stop = often.run(cut);
+      }
+      EXPECT_EQ(stop, seldom.run(limit));
+      same = state_of(often, stop != Stop::limit) == state_of(seldom, stop != Stop::limit);
+    }
+    EXPECT_TRUE(same) << "often cut: " << text_of(often) << "\nseldom: " << text_of(seldom);
+    EXPECT_EQ(often.word("tohost"), 1U);
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Translation, RandomProgram, testing::Range(1U, 41U));
 
 /// What is left to the interpreter by name is rare. A new row gets a translation, or stands here.

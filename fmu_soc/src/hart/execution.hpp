@@ -78,6 +78,7 @@ struct Pipeline {
   Previous before;
   Previous two_before;
 
+  bool operator==(const Pipeline&) const = default;
   void visit(state::Visitor& v) {
     v("before", before);
     v("two_before", two_before);
@@ -153,6 +154,8 @@ struct Execution {
     redirected = false;
     slow_load = slow_load_before;
   }
+  /// From an instruction behind the first one on. All before it has been counted.
+  void begin_block_inside(const Instruction* at);
   std::uint32_t stalled_before(const Instruction* at) const { return at->index == 0 ? first_stall : 0U; }
   /// The active cycle in which an instruction starts.
   std::uint64_t cycle_of(const Instruction* at) const { return counters.cycles + at->cycles_before + extra_cycles; }
@@ -176,6 +179,15 @@ struct Execution {
   /// Notes the last two instructions of a block that was left straight on, before `last`.
   void remember(const Instruction* last);
 };
+
+inline void Execution::begin_block_inside(const Instruction* at) {
+  counters.instructions -= at->index;
+  counters.cycles -= at->cycles_before;
+  counters.instruction_fj -= at->energy_before_fj;
+  counters.accesses -= at->accesses_before;
+  if (at->index == 1) pipeline.before = pipeline.two_before;  // what came before the block: see remember()
+  begin_block(0, 0, nullptr);
+}
 
 inline void Execution::finish_block() {
   count_up_to(*exit);

@@ -27,6 +27,10 @@ class Fetch {
   void note_unsettled() { unsettled_ = is_unsettled(); }
   /// Brings the lines of an instruction that is reached in active cycle `cycle`: the cycles that it waits.
   std::uint32_t bring(const Instruction* at, std::uint64_t cycle);
+  /// Whether an instruction lies in the line in which the one before it in the block ends.
+  bool shares_line(const Instruction* before, const Instruction* at) const {
+    return cache_->line_of(before[1].pc - 1) == cache_->line_of(at[1].pc - 1);
+  }
   /// The first instruction of the block behind `at` that may have to wait, or the end of the block.
   const Instruction* next_to_wait(const Instruction* at) const;
   /// Whether all lines of a block from this instruction on are there.

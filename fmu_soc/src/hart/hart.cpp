@@ -104,7 +104,7 @@ Stop Hart::go_on(std::uint64_t limit, bool left_translated) {
       left_translated = run_block(number, left_translated);
     } else {
       left_translated = false;
-      observed_.observer() != nullptr ? observed_.step() : interpreter_.step();
+      step();
     }
   }
 }
@@ -165,8 +165,17 @@ inline bool Hart::run_block(std::uint32_t number, bool left_translated) {
   }
   const bool runs =
       !early_jump && (translated_.is_on() ? interpreter_.run(block, stall) : interpreter_.run_on(block, stall, csrs_));
-  if (!runs) interpreter_.step();
+  if (!runs) early_jump ? interpreter_.step() : interpreter_.run_to_limit(block, stall);
   return false;
+}
+
+/// Where no block begins.
+void Hart::step() {
+  if (observed_.observer() != nullptr) {
+    observed_.step();
+  } else if (!interpreter_.go_on_to_limit()) {
+    interpreter_.step();
+  }
 }
 
 /// What a block was left for other than the next one. Stop::limit: the core goes on.

@@ -135,6 +135,7 @@ class Hart {
   std::uint32_t land();
   std::uint32_t following_block(std::uint32_t* link);
   Stop go_on(std::uint64_t limit, bool left_translated);
+  void step();
   bool run_block(std::uint32_t number, bool left_translated);
   Stop leave();
   void entered_handler();

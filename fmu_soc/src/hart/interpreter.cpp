@@ -39,6 +39,56 @@ void Interpreter::step() {
   fetch_.note_unsettled();
 }
 
+void Interpreter::run_to_limit(const Block& block, std::uint32_t stall) {
+  const auto* first = blocks_.instructions(block);
+  execution_.begin_block(fetch_.is_cached() ? fetch_.bring(first, execution_.counters.cycles) : 0, stall, nullptr);
+  run_one_by_one(first);
+}
+
+bool Interpreter::go_on_to_limit() {
+  auto& e = execution_;
+  const auto* at = cut_.at;
+  const bool is_here = at != nullptr && cut_.generation == blocks_.generation() && at->pc == e.pc;
+  if (!is_here || cut_.pipeline != e.pipeline) return false;
+  e.begin_block_inside(at);
+  if (fetch_.is_cached()) e.extra_cycles += fetch_.bring(at, e.cycle_of(at));
+  run_one_by_one(at);
+  return true;
+}
+
+/// From an instruction of a block on, whose lines are here. What is static in a block is what each instruction takes
+/// alone, but for a jump that gives back cycles to the load before it: the limit may lie between the two.
+void Interpreter::run_one_by_one(const Instruction* at) {
+  auto& e = execution_;
+  cut_.at = nullptr;
+  for (;;) {
+    const auto* next = run_until(at, at + 1);
+    if (next == nullptr) break;
+    const auto hidden = hidden_in(e, next);
+    const auto cycle = e.cycle_of(next) + hidden;
+    if (limit_.reached_at(cycle)) {
+      e.extra_cycles += hidden;
+      cut_at(next);
+      break;
+    }
+    if (fetch_.is_cached() && !fetch_.shares_line(at, next)) e.extra_cycles += fetch_.bring(next, cycle);
+    at = next;
+  }
+  e.finish_block();
+  if (cut_.at != nullptr) cut_.pipeline = e.pipeline;
+}
+
+/// The core stops in front of an instruction of a block.
+void Interpreter::cut_at(const Instruction* at) {
+  auto& e = execution_;
+  e.pc = at->pc;
+  e.exit = at;
+  e.link = nullptr;
+  e.cut_pc = at->pc;
+  if (e.slow_load == at - 1) return;  // a jump takes less then, which the block does not say
+  cut_ = {at, blocks_.generation(), {}};
+}
+
 void Interpreter::resume(const Instruction* at, std::uint32_t wait_cycles, std::uint32_t stall,
                          const Instruction* slow_load, bool fetches) {
   if (!fetches) {

@@ -37,6 +37,11 @@ class Interpreter {
 
   /// The instruction at the pc alone, decoded with what the pipeline holds. Nobody walks in its place.
   void step();
+  /// From the start of a block, whose first instruction waits for a load for `stall` cycles, to the limit, or to where
+  /// the block is left. Nobody walks in its place.
+  void run_to_limit(const Block& block, std::uint32_t stall);
+  /// Likewise, from where the limit cut a block last. False: the core stands elsewhere, and nothing has happened.
+  bool go_on_to_limit();
   /// A block, whose first instruction waits for a load for `stall` cycles. False: it might reach the limit, and nothing
   /// has happened.
   bool run(const Block& block, std::uint32_t stall);
@@ -54,6 +59,15 @@ class Interpreter {
   void execute(const Instruction* first, std::uint32_t extra_cycles, std::uint32_t stall, const Instruction* slow_load);
   bool run_fetching(const Block& block, std::uint32_t stall);
   void execute_fetching(const Instruction* at);
+  void run_one_by_one(const Instruction* at);
+  void cut_at(const Instruction* at);
+
+  /// Where the limit cut a block. The slots behind it hold as long as blocks do, and behind what came then.
+  struct Cut {
+    const Instruction* at = nullptr;  // null = nowhere
+    std::uint64_t generation = 0;     // of blocks
+    Pipeline pipeline;
+  };
 
   Execution& execution_;
   const Memory& memory_;
@@ -61,6 +75,7 @@ class Interpreter {
   Fetch& fetch_;
   const RunLimit& limit_;
   BlockWalk* walk_ = nullptr;
+  Cut cut_;
 };
 
 inline void Interpreter::execute(const Instruction* first, std::uint32_t extra_cycles, std::uint32_t stall,
