@@ -79,8 +79,9 @@ with_host() {
   fi
 }
 with_host flash gap_flasher-gapuino8
+with_host flash gap_flasher-gapoc_a
 if [[ -f "$image" ]]; then with_host dump gap_dumper-gapuino8 "$image"; fi
-with_host fuse gap_fuser-gapuino8
+for name in gap_fuser-gapuino8 gap_fuser-gapoc_a gap_fuser-gapoc_a_qpif; do with_host fuse "$name"; done
 if [[ -f "$folder/hello" ]]; then
   soc_board=pulp_open milestone pulp-open/hello "$folder/hello" "Hello from FC"
 else
