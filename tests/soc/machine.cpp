@@ -32,8 +32,9 @@ Machine::Machine(const Elf& program, const MachineSettings& settings)
       code_(memory_, {.timing = {settings.kind},
                       .energy = energies(),
                       .loose_limit = settings.loose_limit,
-                      .instruction_cache = instruction_cache_.get()}),
-      hart_(memory_, *this, code_, {.translate = settings.translate}) {
+                      .instruction_cache = instruction_cache_.get(),
+                      .translate = settings.translate}),
+      hart_(memory_, *this, code_) {
   for (const auto& segment : program_.segments()) {
     if (!memory_.write(segment.address, segment.bytes)) throw Error("test program outside the RAM");
   }

@@ -15,7 +15,8 @@ Cluster::Cluster(Memory& memory, const ClusterSettings& settings, const Instruct
                         .energy = energy,
                         .loose_limit = true,
                         .instruction_cache = instruction_cache_.get(),
-                        .banks = &banks_}),
+                        .banks = &banks_,
+                        .translate = settings.translate}),
       dma_(memory, settings.l1_region, settings.dma),
       peripherals_(settings.make_peripherals(dma_)),
       scheduler_(settings_, decoded_, way_, dma_, *this) {

@@ -36,8 +36,7 @@ class ClusterCore final : private Bus {
       : bus_(bus),
         settings_(settings),
         id_(id),
-        hart_(memory, *this, code,
-              {.id = id, .has_gap8_interrupts = settings.has_gap8_interrupts, .translate = settings.translate}),
+        hart_(memory, *this, code, {.id = id, .has_gap8_interrupts = settings.has_gap8_interrupts}),
         l1_(*code.banks),
         way_(way) {
     connect(1);

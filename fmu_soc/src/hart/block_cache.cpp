@@ -36,6 +36,7 @@ BlockCache::BlockCache(Memory& memory, const CodeSettings& settings)
       timing_(settings.timing),
       energy_fj_(settings.energy.fj),
       end_at_targets_(!settings.loose_limit),
+      end_behind_loops_(end_at_targets_ && settings.translate),
       cached_lines_(settings.instruction_cache),
       by_pc_(std::size_t{1} << kBucketBits),
       by_page_(std::size_t{1} << kBucketBits),
@@ -81,23 +82,17 @@ Instruction BlockCache::instruction_of(const Decoded& decoded, std::uint32_t pc)
   return instruction;
 }
 
-/// Whether a block that has come to `pc` should end before it, since another one begins there. One that does already,
-/// or that a branch of this one leads to (`target`). What runs straight into a block costs more than what goes on in
-/// one, so blocks do not end before code that is left at once. There, what came before would still matter to the
-/// pipeline.
-bool BlockCache::ends_before(std::uint32_t pc, std::uint32_t target) const {
-  const auto number = known(pc);
-  if (number != 0) return !blocks_[number].early_jump;
-  if (pc != target) return false;
+/// Whether one of the first two instructions at `pc` ends a block, or cannot be fetched.
+bool BlockCache::leaves_soon(std::uint32_t pc) const {
   for (unsigned i = 0; i < 2; ++i) {
     std::uint32_t word = 0;
     std::uint32_t fault_address = 0;
-    if (!fetch(memory_, pc, word, fault_address)) return false;
+    if (!fetch(memory_, pc, word, fault_address)) return true;
     const auto decoded = decode_word(word);
-    if (ends_block(decoded.op)) return false;
+    if (ends_block(decoded.op)) return true;
     pc += decoded.length;
   }
-  return true;
+  return false;
 }
 
 /// A block as far as it is decoded; its `end` is where the next instruction is.
@@ -108,8 +103,21 @@ struct BlockCache::Decoding {
   Previous before;
   std::uint32_t next_start_bound = 0;  // the most cycles from its start to the start of the next instruction
   std::uint32_t target = 0;            // the nearest one ahead of a branch of this block
-  bool ends_loop = false;              // its last instruction may
+  bool branched_back = false;          // its last instruction may lead to what lies before
+  bool ends_loop = false;              // its last instruction may be that of a hardware loop
 };
+
+/// Whether a block that has come so far should end. Another one begins there, or a branch of this one leads there: what
+/// runs straight into a block costs more than what goes on in one. Where code is translated, also behind a loop. What
+/// comes there would count in the time that each turn can take, and in the lines that it needs. Not before code that is
+/// left at once, where what came before would still matter to the pipeline.
+bool BlockCache::ends_here(const Decoding& decoding) const {
+  // A block of one instruction knows too little of what came before.
+  if (!end_at_targets_ || decoding.sums.index < 2) return false;
+  const auto pc = decoding.block.end;
+  if (const auto number = known(pc); number != 0) return !blocks_[number].early_jump;
+  return (pc == decoding.target || (end_behind_loops_ && decoding.branched_back)) && !leaves_soon(pc);
+}
 
 std::uint32_t BlockCache::decode_block(std::uint32_t pc) {
   std::uint32_t word = 0;
@@ -124,8 +132,7 @@ std::uint32_t BlockCache::decode_block(std::uint32_t pc) {
   block.unaligned = (pc & 2U) != 0 && !is_compressed(word);
   decoding.target = pc;
   while (decoding.sums.index < kMaxBlockLength && fetch(memory_, block.end, word, fault_address)) {
-    // A block of one instruction knows too little of what came before.
-    if (end_at_targets_ && decoding.sums.index >= 2 && ends_before(block.end, decoding.target)) break;
+    if (ends_here(decoding)) break;
     const auto decoded = decode_word(word);
     append(decoding, decoded);
     if (decoding.ends_loop || ends_block(decoded.op)) break;
@@ -161,7 +168,8 @@ void BlockCache::append(Decoding& decoding, const Decoded& decoded) {
   decoding.before = executed(decoded, false);
   decoding.ends_loop = may_end_loop(at);
   if (decoding.target <= at) decoding.target = 0xffffffffU;
-  if (is_branch(decoded.op) && static_cast<std::uint32_t>(instruction.imm) > at) {
+  decoding.branched_back = is_branch(decoded.op) && static_cast<std::uint32_t>(instruction.imm) <= at;
+  if (is_branch(decoded.op) && !decoding.branched_back) {
     decoding.target = std::min(decoding.target, static_cast<std::uint32_t>(instruction.imm));
   }
   block.end = at + decoded.length;

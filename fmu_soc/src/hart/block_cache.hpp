@@ -173,7 +173,8 @@ class BlockCache {
   void append(Decoding& decoding, const Decoded& decoded);
   void end_block(Decoding& decoding);
   std::uint32_t add(const Block& block);
-  bool ends_before(std::uint32_t pc, std::uint32_t target) const;
+  bool leaves_soon(std::uint32_t pc) const;
+  bool ends_here(const Decoding& decoding) const;
   void make_room();
   void evict(std::uint32_t segment);
   void invalidate(std::uint32_t number);
@@ -192,6 +193,7 @@ class BlockCache {
   /// Whether a block also ends where a jump or branch is known to lead, so that no instruction lies in many blocks.
   /// Not for harts with a loose limit: those must end where memory and pc alone say.
   bool end_at_targets_;
+  bool end_behind_loops_;  // likewise, behind branches that lead back
   const InstructionCache* cached_lines_;
   std::vector<Block> blocks_;         // number 0 is not a block; never moves
   std::vector<std::uint32_t> free_;   // numbers of invalid blocks

@@ -25,6 +25,7 @@ struct CodeSettings {
   bool loose_limit = false;
   InstructionCache* instruction_cache = nullptr;  // that the code comes through; null = fetching never waits
   Banks* banks = nullptr;  // of the first memory, when its users may have to wait for each other; null = one user
+  bool translate = true;   // hot code to host code, where that is possible; counts are the same without
 };
 
 }  // namespace mebots::soc

@@ -21,7 +21,7 @@ Hart::Hart(Memory& memory, Bus& bus, DecodedCode& decoded, const HartSettings& s
       fetch_(execution_, decoded.instruction_cache),
       interpreter_(execution_, memory, blocks_, fetch_, limit_),
       observed_(*this, execution_, decoded, interpreter_, limit_),
-      translated_(execution_, decoded, interpreter_, fetch_, observed_, limit_, settings.translate) {
+      translated_(execution_, decoded, interpreter_, fetch_, observed_, limit_) {
   execution_.rooms = &rooms_;
   execution_.hart = this;
   std::vector<MemoryPort> ports(memory.regions().size());

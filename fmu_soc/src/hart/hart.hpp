@@ -44,7 +44,6 @@ struct HartSettings {
   /// mtvec, whose low eight bits are 0; exceptions behind them. Source: RI5CY's user manual of 2018, chapters on
   /// exceptions and CSRs.
   bool has_gap8_interrupts = false;
-  bool translate = true;  // hot code to host code, where that is possible; counts are the same without
 };
 
 /// One RISC-V hardware thread: RV32IMC_Zicsr_Zifencei in machine mode, timed as RI5CY (then with Xpulp v2) or CV32E40P.
@@ -135,8 +134,8 @@ class Hart {
   std::uint32_t land();
   std::uint32_t following_block(std::uint32_t* link);
   Stop go_on(std::uint64_t limit, bool left_translated);
-  void step();
   bool run_block(std::uint32_t number, bool left_translated);
+  void step();
   Stop leave();
   void entered_handler();
   void take_interrupt();

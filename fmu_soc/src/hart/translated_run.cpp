@@ -29,8 +29,8 @@ const translate::Entry* TranslatedRun::translate_when_hot(std::uint32_t number, 
   if (ends_block(first) && !is_jump(first) && !is_hardware_loop(first)) return nullptr;  // nothing to gain
   if (translator == nullptr) {
     translator = translate::make_translator(blocks, execution_, {decoded_.loose_limit, decoded_.banks, decoded_.flow});
-    on_ = translator != nullptr;
-    if (!on_) return nullptr;
+    decoded_.translates = translator != nullptr;
+    if (translator == nullptr) return nullptr;
     blocks.set_listener(translator.get());
   }
   return &translator->translate(number);

@@ -18,20 +18,18 @@ namespace mebots::soc {
 /// left in its middle, the interpreter finishes it.
 class TranslatedRun {
  public:
-  /// `on`: hot code is translated where that is possible.
   TranslatedRun(Execution& execution, DecodedCode& decoded, Interpreter& interpreter, Fetch& fetch,
-                const ObservedRun& observed, const RunLimit& limit, bool on)
+                const ObservedRun& observed, const RunLimit& limit)
       : execution_(execution),
         decoded_(decoded),
         interpreter_(interpreter),
         fetch_(fetch),
         observed_(observed),
         limit_(limit),
-        flow_notes_(execution, decoded),
-        on_(on) {}
+        flow_notes_(execution, decoded) {}
 
   /// Whether hot code is translated.
-  bool is_on() const { return on_; }
+  bool is_on() const { return decoded_.translates; }
 
   /// Code that may begin this block now; null = the interpreter runs it. A block gets code when it is hot.
   const translate::Entry* entry(std::uint32_t number, const Block& block, std::uint32_t stall);
@@ -83,7 +81,6 @@ class TranslatedRun {
   const ObservedRun& observed_;
   const RunLimit& limit_;
   FlowNotes flow_notes_;
-  bool on_;
   std::uint64_t next_generation_ = 0;  // of blocks, in which Execution::next_block is meant
 };
 
@@ -91,7 +88,7 @@ class TranslatedRun {
 /// its lines when it gets there, but for those of the first instruction where others use the cache, or where a stall
 /// comes behind them.
 inline bool TranslatedRun::may_begin(const Block& block, std::uint32_t stall) const {
-  if (!on_ || !observed_.allows_translation() || fetch_.was_unsettled()) return false;
+  if (!is_on() || !observed_.allows_translation() || fetch_.was_unsettled()) return false;
   const auto bound = std::uint64_t{block.fetch_bound} + stall;
   if (decoded_.flow != nullptr && bound >= FlowNotes::kLongestRun) return false;
   if (block.line_count != 0 && (limit_.is_loose() || stall != 0) && !decoded_.blocks.begins_present(block))

@@ -199,10 +199,13 @@ class HostTranslator : public Translator {
 }  // namespace
 
 bool can_translate() {
-  using Xbyak::util::Cpu;
-  const Cpu cpu;
-  return cpu.has(Cpu::tBMI1) && cpu.has(Cpu::tBMI2) && cpu.has(Cpu::tLZCNT) && cpu.has(Cpu::tSSE41) &&
-         cpu.has(Cpu::tPOPCNT);
+  static const bool can = [] {  // a virtual machine's host answers each question
+    using Xbyak::util::Cpu;
+    const Cpu cpu;
+    return cpu.has(Cpu::tBMI1) && cpu.has(Cpu::tBMI2) && cpu.has(Cpu::tLZCNT) && cpu.has(Cpu::tSSE41) &&
+           cpu.has(Cpu::tPOPCNT);
+  }();
+  return can;
 }
 
 std::unique_ptr<Translator> make_translator(const BlockCache& blocks, const Execution& execution,

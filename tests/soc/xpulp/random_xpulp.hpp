@@ -215,8 +215,8 @@ class Platform : public Bus {
  public:
   explicit Platform(bool translate = true)
       : memory_(make_memory()),
-        code_(memory_, {.timing = {CoreKind::ri5cy}}),
-        hart_(memory_, *this, code_, {.translate = translate}) {
+        code_(memory_, {.timing = {CoreKind::ri5cy}, .translate = translate}),
+        hart_(memory_, *this, code_) {
     hart_.reset(kXpulpRam);
   }
   Hart& hart() { return hart_; }
