@@ -199,12 +199,9 @@ inline void Execution::finish_block() {
 }
 
 inline void Execution::remember(const Instruction* last) {
-  const auto previous = [this](const Instruction& instruction) {
-    return executed(instruction, slow_load == &instruction);
-  };
   if (last->index == 0) return;
-  pipeline.two_before = last->index >= 2 ? previous(last[-2]) : pipeline.before;
-  pipeline.before = previous(last[-1]);
+  pipeline.two_before = one_later(last->index >= 2 ? executed(last[-2], false) : pipeline.before);
+  pipeline.before = executed(last[-1], slow_load == last - 1);
 }
 
 }  // namespace mebots::soc

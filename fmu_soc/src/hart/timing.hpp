@@ -64,6 +64,12 @@ Previous executed(const Executed& instruction, bool across_words) {
           is_post_increment(instruction.op) ? instruction.rs1 : std::uint8_t{0}};
 }
 
+/// What it knows of the same instruction one later. That it was slow matters to a jump right behind it only.
+constexpr Previous one_later(Previous before) {
+  before.slow = false;
+  return before;
+}
+
 /// The instruction whose cycles are asked for.
 struct Current {
   Op op = Op::end_of_block;

@@ -130,7 +130,7 @@ void Emitter::emit_straight_edge(const Instruction* at, std::uint32_t link, std:
 void Emitter::note_what_came(const Instruction* end) {
   const auto came_from = ptr[rbx + static_cast<int>(offsetof(Execution, host.came_from))];
   if (end->index >= 2) {
-    mov(rdx, bits_of({executed(end[-1], false), executed(end[-2], false)}));
+    mov(rdx, bits_of({executed(end[-1], false), one_later(executed(end[-2], false))}));
     mov(came_from, rdx);
     return;
   }
@@ -144,6 +144,7 @@ void Emitter::note_what_came(const Instruction* end) {
   cmp(ecx, 1);
   cmove(rdx, ptr[rbx + static_cast<int>(offsetof(Execution, pipeline))]);
   L(straight);
+  and_(edx, ~(0xffU << 8 * offsetof(Previous, slow)));  // one_later()
   shl(rdx, 32);
   mov(ecx, std::bit_cast<std::uint32_t>(executed(end[-1], false)));
   or_(rdx, rcx);
