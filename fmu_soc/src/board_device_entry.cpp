@@ -4,6 +4,7 @@
 #include "board_device_entry.hpp"
 
 #include "board_values.hpp"
+#include "chip_settings.hpp"
 
 #include "mebots/data/object.hpp"
 
@@ -189,10 +190,11 @@ void check_sender(const Node& node, const BoardDevice& device, const BoardRegist
   }
 }
 
-/// A register that shows a variable has its parameter or input.
+/// A register that shows a variable has its parameter or input, or a parameter of the chip.
 void check_display(const Node& node, const BoardDevice& device, const BoardRegister& reg) {
   const auto entry = entry_of(node, reg);
   auto known = numbers_of(device, true);
+  for (const auto& setting : kChipSettings) known.emplace_back(setting.variable);
   if (std::ranges::find(known, reg.shows) == known.end()) {
     known.insert(known.begin(), "status");
     nearest(entry, {"shows"}).complain_unknown("the device's input", reg.shows, known);

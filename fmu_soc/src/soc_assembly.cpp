@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // How a chip is put together from its board: memories and the ways to them, cluster, devices, program.
+#include "chip_settings.hpp"
 #include "cluster/own_peripherals.hpp"
 #include "gap8_devices/cluster_peripherals.hpp"
 #include "gap8_devices/fll.hpp"
@@ -61,6 +62,17 @@ std::uint32_t checked_clock(const Chip& chip, const Settings& settings) {
   return clock_hz;
 }
 
+/// The board whose registers hold the chip's parameters that they show.
+BoardDescription with_settings(BoardDescription board, const Settings& settings) {
+  for (auto& device : board.devices) {
+    for (auto& reg : device.registers) {
+      const auto shown = std::ranges::find(kChipSettings, std::string_view(reg.shows), &ChipSetting::variable);
+      if (shown != kChipSettings.end()) reg.reset = to_register(settings.*shown->value, reg.units_per_si);
+    }
+  }
+  return board;
+}
+
 std::uint32_t checked_cluster_clock(const Chip& chip, const Settings& settings) {
   const auto clock_hz = static_cast<std::uint32_t>(std::llround(settings.cluster_clock_hz));
   const auto voltage_mv = static_cast<std::uint32_t>(std::lround(settings.voltage_v * kMilli));
@@ -81,7 +93,7 @@ Soc::Soc(const BoardDescription& board, const Chip& chip, const Settings& settin
       listeners_(std::move(listeners)),
       program_(program),
       memory_(make_memory(board)),
-      board_(board),
+      board_(with_settings(board, settings)),
       kinds_(board_, settings.library_folders),
       flash_(settings.flash),
       pictures_(settings.pictures),

@@ -33,6 +33,25 @@ text: .asciz "hello\n\nworld\nrest"
   EXPECT_EQ(system.soc.exit_code(), 42);
 }
 
+TEST(Mission, ShowsTheClocksAndTheVoltageThatTheChipIsGiven) {
+  Settings settings;
+  settings.clock_hz = 50e6;
+  settings.cluster_clock_hz = 25e6;
+  settings.voltage_v = 1.05;
+  BoardSystem system(R"(
+_start: li s0, MISSION_BASE
+    lw s1, MISSION_CORE_CLOCK_OFFSET(s0)
+    lw s2, MISSION_CLUSTER_CLOCK_OFFSET(s0)
+    lw s3, MISSION_SUPPLY_VOLTAGE_OFFSET(s0)
+1:  j 1b
+)",
+                     settings);
+  system.soc.advance(1 * kMs);
+  EXPECT_EQ(system.soc.hart().reg(9), 50'000'000U);
+  EXPECT_EQ(system.soc.hart().reg(18), 25'000'000U);
+  EXPECT_EQ(system.soc.hart().reg(19), 1'050U);
+}
+
 TEST(PowerManager, ExitEndsTheFirmwareAndTimeGoesOn) {
   BoardSystem system(
       "_start: li s0, POWER_MANAGER_BASE\nli a0, -1\nsw a0, POWER_MANAGER_EXIT_OFFSET(s0)\nli s1, 1\n1: j 1b\n");

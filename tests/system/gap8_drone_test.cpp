@@ -39,6 +39,26 @@ TEST(Gap8Drone, FliesTheHardMissionBySight) {
   expect_passed("gate_hard_gap8", 600);
 }
 
+/// 87 MHz at 1.2 V are the default, with which an inference takes 3.1 ms.
+TEST(Gap8Drone, TheFirmwareSetsTheClocksAndTheVoltageThatTheMissionSays) {
+  const Folder folder;
+  const std::vector<std::string> short_flight{"--stop-time", "6"};
+  const auto usual = fly(shipped("gate_easy_gap8"), folder / "usual", {}, short_flight);
+  const auto slow = fly(shipped("gate_easy_gap8"), folder / "slow",
+                        {"soc.cluster.clock=25e6", "soc.core.clock=50e6", "soc.core.supply_voltage=1.0"}, short_flight);
+  ASSERT_EQ(usual.exit_code, 0) << usual.output;
+  ASSERT_EQ(slow.exit_code, 0) << slow.output;
+  const auto inference_s = [](const auto& flight) {
+    return flight.summary.at("decision").at("mean").at("inference").template get<double>();
+  };
+  const auto chip_j = [](const auto& flight) {
+    return flight.summary.at("chip_energy").at("total").template get<double>();
+  };
+  // Nearly as many cycles: the ways to L2 are shorter by the cluster's clock.
+  EXPECT_NEAR(inference_s(slow) / inference_s(usual), 87.0 / 25.0, 0.25);
+  EXPECT_LT(chip_j(slow), 0.8 * chip_j(usual)) << "the voltage goes in squared";
+}
+
 /// Mistakes about pictures: told before t = 0, with the place, both sizes and what to do.
 TEST(Gap8Drone, PicturesOfAnotherSizeThanTheSensorsAreRefusedBeforeTheFlight) {
   const Folder folder;

@@ -37,7 +37,6 @@ _Static_assert(MARGIN >= 0 && MARGIN % 2 == 0 && CAMERA_EDGE % 2 == 0, "the inte
 #define I2C_BYTE 0x80
 #define I2C_DIVIDER 0xE0
 #define I2C_HZ 400000
-#define DIVIDER (START_CLOCK_HZ / (2 * I2C_HZ))
 
 static uint8_t buffers[2][CAMERA_EDGE * CAMERA_EDGE] __attribute__((aligned(4), section(".noinit.camera")));
 // The buffer that the picture on its way goes to, or went to last.
@@ -47,6 +46,7 @@ static uint32_t count;
 static volatile bool stored;
 static volatile unsigned told;  // the sensor was
 static uint8_t commands[13];
+static uint32_t divider;  // of the clock, for the bits on the bus
 
 static void on_picture(void) {
   stored = true;
@@ -62,8 +62,8 @@ static void tell_sensor(uint32_t at, uint32_t value) {
   told = 0;
   uint8_t* next = commands;
   *next++ = I2C_DIVIDER;
-  *next++ = DIVIDER >> 8;
-  *next++ = DIVIDER & 0xFF;
+  *next++ = (uint8_t)(divider >> 8);
+  *next++ = (uint8_t)divider;
   *next++ = I2C_START;
   const uint32_t bytes[] = {SENSOR_WRITE, at >> 8, at, value};
   for (unsigned i = 0; i < 4; ++i) {
@@ -75,6 +75,7 @@ static void tell_sensor(uint32_t at, uint32_t value) {
 }
 
 void camera_init(void) {
+  divider = START_CLOCK_HZ / (2 * I2C_HZ);
   UDMA_CLOCK_GATE |= UDMA_CLOCK_I2C1 | UDMA_CLOCK_CAMERA;
   soc_event_attach(SOC_EVENT_I2C1_SENT, on_told);
   soc_event_attach(SOC_EVENT_CAMERA, on_picture);

@@ -26,6 +26,21 @@
 #define TIMER_BOTH (UINT32_C(1) << 31)
 #define TIMER_INTERRUPTS 4u
 
+static uint32_t voltage_mv(void) {
+  return VOLTAGE_LOWEST_MV + VOLTAGE_STEP_MV * (SOC_CONTROL_SAFE_PMU_RAR & VOLTAGE_MASK);
+}
+
+#ifdef MISSION_BASE
+// The mission's, which is one of those that there are.
+static void voltage_start(void) {
+  const uint32_t others = SOC_CONTROL_SAFE_PMU_RAR & ~VOLTAGE_MASK;
+  SOC_CONTROL_SAFE_PMU_RAR = others | (MISSION_SUPPLY_VOLTAGE - VOLTAGE_LOWEST_MV) / VOLTAGE_STEP_MV;
+}
+#else
+// That of the reset.
+static void voltage_start(void) {}
+#endif
+
 static uint32_t config_of(unsigned loop) {
   return FLL_BASE + loop * FLL_BYTES + FLL_CONFIG1_OFFSET;
 }
@@ -45,8 +60,7 @@ static uint32_t highest_hz(unsigned loop, uint32_t millivolts) {
 }
 
 int loop_set(unsigned loop, uint32_t hz) {
-  const uint32_t millivolts = VOLTAGE_LOWEST_MV + VOLTAGE_STEP_MV * (SOC_CONTROL_SAFE_PMU_RAR & VOLTAGE_MASK);
-  if (hz < REFERENCE_CLOCK_HZ || hz > highest_hz(loop, millivolts)) {
+  if (hz < REFERENCE_CLOCK_HZ || hz > highest_hz(loop, voltage_mv())) {
     return -1;
   }
   const int log2_hz = 31 - __builtin_clz(hz);
@@ -75,6 +89,7 @@ void core_end(int code) {
 }
 
 void chip_start(void) {
+  voltage_start();
   loop_set(LOOP_SOC, START_CLOCK_HZ);
   loop_set(LOOP_CLUSTER, START_CLUSTER_CLOCK_HZ);
   // The time counts the reference clock, which no change of the others touches.

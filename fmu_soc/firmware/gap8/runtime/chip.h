@@ -1,12 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
-// GAP8's clocks: after the start as on our boards without a power unit of GAP8's.
+// GAP8's clocks and voltage: after the start as on our boards without a power unit of GAP8's.
 #pragma once
 
 #include <stdint.h>
 
-// Clocks of the fabric controller and the cluster from the start of the program on [Hz].
+#include "board.h"
+
+// Clocks of the fabric controller and the cluster from the start of the program on [Hz]: what the mission says, where
+// the board has one.
+#ifdef MISSION_BASE
+#define START_CLOCK_HZ MISSION_CORE_CLOCK
+#define START_CLUSTER_CLOCK_HZ MISSION_CLUSTER_CLOCK
+#else
 #define START_CLOCK_HZ 100000000
 #define START_CLUSTER_CLOCK_HZ 87000000
+#endif
 
 enum { LOOP_SOC, LOOP_CLUSTER };
 

@@ -23,7 +23,7 @@ struct {
 
 static volatile unsigned power_changed;
 static volatile unsigned clock_changed;
-static uint32_t clock_hz = START_CLUSTER_CLOCK_HZ;
+static uint32_t clock_hz;  // 0: that of the start
 static uint32_t team;
 static bool works;
 
@@ -75,7 +75,7 @@ int cluster_on(void) {
   bypass &= ~(uint32_t)BYPASS_CLUSTER_RESET;
   SOC_CONTROL_CL_BYPASS = bypass;
   switch_clock(bypass & ~(uint32_t)BYPASS_CLOCK_GATE);
-  loop_set(LOOP_CLUSTER, clock_hz);
+  loop_set(LOOP_CLUSTER, clock_hz != 0 ? clock_hz : START_CLUSTER_CLOCK_HZ);
   for (unsigned core = 0; core < cores; ++core) {
     store(CLUSTER_BASE + CLUSTER_BOOT_OFFSET + 4 * core, (uint32_t)(uintptr_t)cluster_vectors);
   }
