@@ -3,6 +3,7 @@
 
 import dataclasses
 import json
+import math
 import os
 import pathlib
 import subprocess
@@ -13,13 +14,16 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "examples/paper/study"))
 sys.path.insert(0, str(ROOT / "examples/paper/training"))
 
+import chips  # noqa: E402
 import collect  # noqa: E402
 import experiments  # noqa: E402
 import integer_network  # noqa: E402
 import landing  # noqa: E402
+import missions  # noqa: E402
 from missions import KM_H, Flight, config  # noqa: E402
 from results import CRUISE, Trace, energy_by_phase  # noqa: E402
 from run import Place, fly  # noqa: E402
+import study  # noqa: E402
 
 BUILD = pathlib.Path(os.environ["MEBOTS_BUILD"])
 # A folder of each claim's own: a study keeps others out of its own while it flies.
@@ -27,8 +31,8 @@ PLACE = Place(BUILD, BUILD / "tests/casestudy/flights" / "-".join(sys.argv[1:2])
 MACS_PER_INFERENCE = 1_679_904
 
 
-def flown(flight):
-    summary = fly(flight, PLACE)
+def flown(flight, place=PLACE):
+    summary = fly(flight, place)
     return summary, Trace(summary["folder"])
 
 
@@ -97,7 +101,7 @@ class HardMission(unittest.TestCase):
     def test_it_is_the_studys_adaptive_flight_with_the_sight_firmware(self):
         shipped = json.loads(self.SHIPPED.read_text())
         base = next(f for f in experiments.speeds() if f.name == "b-adaptive")
-        study = config(base)
+        study = config(base, "ai_deck")
         chip = shipped["instances"]["soc"]["parameters"]
         self.assertEqual(chip.pop("firmware"), "sight")
         chip["mission.yaw_rate_scale"] = study["instances"]["soc"]["parameters"]["mission.yaw_rate_scale"]
@@ -117,6 +121,56 @@ class HardMission(unittest.TestCase):
         asked = trace["soc.setpoint.velocity.x"][flying]
         self.assertAlmostEqual(asked.max(), 1.0 * KM_H, delta=1e-4)
         self.assertLess(asked[:20].min(), 0.3 * KM_H, "the gate at the edge of the picture slows it down")
+
+
+class SecondChip(unittest.TestCase):
+    """The study on board gap8_drone."""
+
+    PLACE = dataclasses.replace(PLACE, results=PLACE.results / "gap8_drone", chip="gap8_drone")
+    # Rows of the sensor up to the window's last one, clocks of a row, and its clock.
+    READ_OUT_S = 322 * 376 / 6e6
+
+    def test_a_flight_is_that_of_the_other_chip_with_what_the_shipped_mission_changes(self):
+        changes = json.loads((ROOT / "configs/gate_easy_gap8.json").read_text())["changes"]
+        for flight in (experiments.speeds()[0], experiments.batteries()[0], experiments.starts("shipped", 1, 1)[0]):
+            wanted = missions.merged(config(flight, "ai_deck"), changes)
+            found = config(flight, "gap8_drone")
+            lenses = [mission["instances"]["world"]["parameters"].pop("camera.field_of_view") for mission in (wanted, found)]
+            if not flight.pictures:
+                del wanted["pictures"]
+            self.assertEqual(found, wanted, flight.name)
+            if flight.scenario == "shipped":
+                self.assertEqual(*lenses)
+
+    def test_the_middle_of_the_sensor_sees_what_the_other_camera_sees(self):
+        own = missions.scenario("hard")[missions.LENS]
+        self.assertEqual(missions.lens(own, "ai_deck"), own)
+        wider = math.tan(missions.lens(own, "gap8_drone") / 2) / math.tan(own / 2)
+        self.assertAlmostEqual(wider, 324 / 320, delta=1e-5)
+
+    def test_a_lens_that_no_shipped_mission_has_is_refused(self):
+        with self.assertRaises(KeyError):
+            missions.lens(0.5, "gap8_drone")
+
+    def test_the_fastest_easy_flight_is_as_published(self):
+        published = json.loads(study.PUBLISHED["gap8_drone"].read_text())
+        base = next(f for f in experiments.batteries() if f.name == "a-bitcraze_250-1.5-real")
+        summary, _ = flown(base, self.PLACE)
+        before = published["decisions"][base.name]
+        self.assertEqual(summary["outcome"], before["outcome"])
+        self.assertEqual(summary["pictures"], before["pictures"])
+        self.assertAlmostEqual(summary["decision"]["mean"]["read_out"], self.READ_OUT_S, delta=1e-6)
+        self.assertAlmostEqual(summary["chip_energy"]["total"] / before["chip_j"], 1, delta=1e-4)
+        self.assertLess(summary["chip_energy"]["least"], summary["chip_energy"]["total"])
+
+    def test_a_study_of_its_clocks_changes_what_an_inference_takes(self):
+        """The firmware sets the clocks that the mission says."""
+        took = {}
+        for clock in (25, 175):
+            flight = experiments.clocks(1)[8, clock][0]
+            summary, _ = flown(dataclasses.replace(flight, stop_time=6.0), self.PLACE)
+            took[clock] = summary["decision"]["mean"]["inference"]
+        self.assertGreater(took[25] / took[175], 4)
 
 
 class HardFlightTooFast(unittest.TestCase):
@@ -160,13 +214,29 @@ class Arithmetic(unittest.TestCase):
         self.assertIsNone(landing.least(found(c110=True)))
 
     def test_who_passed_in_the_published_data_has_crossed_the_opening(self):
-        published = json.loads((ROOT / "examples/paper/results.json").read_text())["robustness"]
-        for name, part in published.items():
-            self.assertLessEqual(part["passed"], part["crossed"], name)
-            self.assertLessEqual(part["crossed"], part["flights"], name)
-            for way, lateral_m in zip(part["ways"], part["lateral_m"], strict=True):
-                if way["outcome"] in collect.PASSED:
-                    self.assertIsNotNone(lateral_m, f"{way['name']} passed: it came to the plane")
+        for chip, file in study.PUBLISHED.items():
+            for name, part in json.loads(file.read_text())["robustness"].items():
+                self.assertLessEqual(part["passed"], part["crossed"], (chip, name))
+                self.assertLessEqual(part["crossed"], part["flights"], (chip, name))
+                for way, lateral_m in zip(part["ways"], part["lateral_m"], strict=True):
+                    if way["outcome"] in collect.PASSED:
+                        self.assertIsNotNone(lateral_m, f"{chip}: {way['name']} passed: it came to the plane")
+
+    def test_two_chips_are_compared_over_the_starts_that_both_flew(self):
+        def part(*ends):
+            ways = [{"name": f"easy-1-{i:03}", "outcome": end, "crossed": True} for i, end in enumerate(ends)]
+            return {"robustness": {"easy": collect.counted(ways, [0.0] * len(ways))}}
+
+        first = part("passed", "passed", "stuck", "touched_passed", "missed")
+        second = part("passed", "stuck", "passed", "passed")
+        self.assertEqual(chips.same_starts(first, second, "easy"), [2, 1, 1, 0])
+        rows = list(chips.of_starts({"a": first, "b": second}))
+        self.assertEqual([row[1:4] for row in rows], [("a", "4", "3"), ("b", "4", "3")], "the fifth start was flown by one alone")
+
+    def test_the_clock_of_least_energy_is_among_those_that_came_to_the_gate(self):
+        rows = [{"cores": 8, "clock_mhz": clock, "crossed": crossed, "chip_j": energy}
+                for clock, crossed, energy in ((25, 0, None), (50, 3, 0.2), (87, 4, 0.1))]
+        self.assertEqual(chips.least(rows, 8), 87)
 
     def test_a_straight_flight_meets_the_opening_only_when_it_points_there(self):
         def start(y, yaw):

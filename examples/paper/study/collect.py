@@ -28,6 +28,15 @@ def costs(summaries):
             "processor_s": sum(s["processor_s"] for s in values), "memory_mb": max(s["memory_mb"] for s in values)}
 
 
+def decisions(summaries):
+    """{flight: what its decisions took, and its joules; of the chip's, what the checks say}"""
+    return {name: {"outcome": s["outcome"], "pictures": s["pictures"], "latency_s": s["decision"]["mean"]["latency"],
+                   "read_out_s": s["decision"]["mean"]["read_out"], "inference_s": s["decision"]["mean"]["inference"],
+                   "chip_j": s["chip_energy"]["total"], "least_j": s["chip_energy"]["least"], "most_j": s["chip_energy"]["most"],
+                   "camera_j": s["energy"]["camera"], "cell_j": s["energy"]["open_circuit"]}
+            for name, s in summaries.items()}
+
+
 def outcomes(summaries):
     """{outcome: flights}"""
     values = [s["outcome"] for s in summaries.values()]
@@ -212,13 +221,18 @@ def counted(ways, offsets):
             "outcomes": {end: ends.count(end) for end in sorted(set(ends))}, "ways": ways}
 
 
-def flown_again(name, part, summaries):
-    """The part of a scenario with the rows of these flights in place of those that it had. Older rows do not say whether
-    the opening was crossed: where the gate's plane was does."""
+def start_rows(name, part):
+    """(way, offset) of each flight from a random start. Older rows do not say whether the opening was crossed: where the gate's
+    plane was does."""
     half = scene(scenario(name)["world.scene.name"])["gates"][0]["inner"] / 2
-    new = dict(zip(summaries, zip(start_ways(summaries), start_offsets(summaries))))
-    rows = [new.get(way["name"], ({"crossed": offset is not None and abs(offset) < half, **way}, offset))
+    return [({"crossed": offset is not None and abs(offset) < half, **way}, offset)
             for way, offset in zip(part["ways"], part["lateral_m"])]
+
+
+def flown_again(name, part, summaries):
+    """The part of a scenario with the rows of these flights in place of those that it had."""
+    new = dict(zip(summaries, zip(start_ways(summaries), start_offsets(summaries))))
+    rows = [new.get(way["name"], (way, offset)) for way, offset in start_rows(name, part)]
     return {**part, **counted([way for way, _ in rows], [offset for _, offset in rows])}
 
 

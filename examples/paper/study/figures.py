@@ -128,6 +128,23 @@ def clocks(rows):
     return figure
 
 
+def chips(both):
+    """The same by chip, a plot for eight cores and one for one core: {chip: (rows, what the checks
+    beside silicon say, as parts of it)}."""
+    figure, plots = plt.subplots(1, 2, figsize=(8, 3.4), constrained_layout=True, sharey=True)
+    for axes, cores in zip(plots, (8, 1)):
+        for (chip, (rows, (low, high))), marker, colour in zip(both.items(), "os", (style.BLUE, style.VERMILION)):
+            group = [row for row in rows if row["cores"] == cores and row["crossed"]]
+            clocks_mhz, energy = np.array([[row["clock_mhz"], row["chip_j"]] for row in group]).T
+            axes.fill_between(clocks_mhz, low * energy, high * energy, color=colour, alpha=0.15, linewidth=0)
+            axes.plot(clocks_mhz, energy, marker, color=colour, linestyle=":", label=chip)
+        axes.set_title(f"{cores} core{'s' if cores > 1 else ''}", loc="left")
+        axes.set_xlabel("clock of the cluster [MHz]")
+    plots[0].set(ylabel="chip, energy up to the gate [J]", ylim=(0, None))
+    plots[0].legend(loc="upper left", title="shaded: what checks beside silicon say", fontsize=8, title_fontsize=8)
+    return figure
+
+
 def starts(part, name):
     """Flights from random starts, seen from above: those that passed, apart from them those that did not; and where the
     drone's centre crossed the gate's plane."""

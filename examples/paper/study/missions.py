@@ -3,6 +3,7 @@
 
 import copy
 import dataclasses
+import functools
 import json
 import pathlib
 
@@ -17,8 +18,42 @@ BATTERIES = {  # name in fmu_battery/params/cells -> (label, capacity mAh, mass 
 }
 HEAVIEST_G = max(mass for _, _, mass in BATTERIES.values())
 
+# The chips that fly: the ends of their shipped missions' names in configs/. Those missions say what a chip changes.
+CHIPS = {"ai_deck": "", "gap8_drone": "_gap8"}
+SHIPPED = ("gate_easy", "gate_hard")
+LENS = "world.camera.field_of_view"
+
 # Both motor models are flown; what else the paper may leave out is computed from the loads of a flight (replay.py).
 MOTORS = {"bench": "bench motors", "paper": "paper's motors"}
+
+
+def merged(value, patch):
+    """A JSON value with a patch laid over it, as RFC 7396 says; so does `extends` of a config."""
+    if not isinstance(patch, dict):
+        return patch
+    result = dict(value) if isinstance(value, dict) else {}
+    for key, member in patch.items():
+        if member is None:
+            result.pop(key, None)
+        else:
+            result[key] = merged(result.get(key), member)
+    return result
+
+
+@functools.cache
+def shipped(name, chip):
+    """The shipped mission of this name on a chip."""
+    mission = json.loads((ROOT / f"configs/{name}{CHIPS[chip]}.json").read_text())
+    if "extends" not in mission:
+        return mission
+    return merged(json.loads((ROOT / "configs" / mission["extends"]).read_text()), mission["changes"])
+
+
+def lens(field_of_view, chip):
+    """The field of view of a chip's camera [rad] whose middle sees what this one sees: that of the shipped mission which has it."""
+    def of(name, on):
+        return shipped(name, on)["instances"]["world"]["parameters"].get(LENS.removeprefix("world."))
+    return {of(name, "ai_deck"): of(name, chip) for name in SHIPPED}[field_of_view]
 
 
 def scene(name):
@@ -49,8 +84,10 @@ class Flight:
     pictures: bool = False
     replay: bool = False    # with all that a page of the flight shows
 
-    def parameters(self):
+    def parameters(self, chip):
         values = dict(scenario(self.scenario))
+        if LENS in values:
+            values[LENS] = lens(values[LENS], chip)
         values["soc.mission.navigator"] = "network"
         values["soc.mission.cruise_speed"] = self.speed_km_h * KM_H
         values["soc.mission.initial_speed"] = self.speed_km_h * KM_H
@@ -79,12 +116,12 @@ CHIP_PARTS = [f"soc.energy.{part}" for part in ("fabric_controller", "cluster_co
                                                 "retention")]
 
 
-def config(flight):
-    """The config of a flight: that of the easy gate, changed."""
-    system = copy.deepcopy(json.loads((ROOT / "configs/gate_easy.json").read_text()))
+def config(flight, chip):
+    """The config of a flight: that of the easy gate on this chip, changed."""
+    system = copy.deepcopy(shipped("gate_easy", chip))
     system["text"] = flight.name
     system["stop_time"] = flight.stop_time
-    for variable, value in flight.parameters().items():
+    for variable, value in flight.parameters(chip).items():
         instance, name = variable.split(".", 1)
         system["instances"][instance].setdefault("parameters", {})[name] = value
     system["stop_when"].append({"variable": "world.gate.missed", "equals": True, "for": 2})

@@ -5,11 +5,12 @@ import html
 import json
 import math
 
+import chips
 import figures
 import targets
 from experiments import STUCK_S
 from landing import STEP, least
-from missions import BATTERIES, MOTORS, ROOT, scenario
+from missions import BATTERIES, CHIPS, MOTORS, ROOT, scenario
 from replay import READINGS
 
 SHOWN = ("0.1", "0.2", "0.3", "adaptive")
@@ -233,8 +234,67 @@ def what_it_rests_on(page, data):
                 for key, entry in entries.items()], "What was assumed")
 
 
-def write(data, out):
-    """Writes report.html, REPORT.md and their figures; returns the table of targets as lines of text."""
+def numbers(rows, texts):
+    """Rows whose cells behind the first `texts` stand to the right."""
+    return [(*row[:texts], *map(Number, row[texts:])) for row in map(tuple, rows)]
+
+
+def on_both_chips(page, data, beside):
+    """`beside`: what the second chip gave."""
+    both = dict(zip(CHIPS, (data, beside)))
+    first, second = both
+    page.heading("The same flights on GAP8's own devices")
+    page.text(f"All above is of board {first}: our devices, a picture in the paper's 16.7 ms, joules of a table fitted at one point. "
+              f"Board {second} has GAP8's own devices and an HM01B0: 20.2 ms for the rows of a picture. Its joules are calibrated on "
+              "silicon. Behind the joules of both stands what checks beside silicon say, which is no confidence interval. Application, "
+              "network, world, starts and seeds are the same, and so is what the middle of the camera sees.")
+    for line in beside.get("notes", []):
+        page.text(line)
+    bench, read = chips.of_targets(data, beside)
+    page.table(("target", "what", "paper", first, second), bench, "Targets, bench motors")
+    page.table(("target", "what", "reading", first, second), read, "Targets, other readings")
+    chip_columns = ("chip [J]", "checks say [J]", "camera [J]", "chip's part of the cell's joules [%]")
+    page.table(("speed [km/h]", "chip", "outcome", "at the plane [s]", "off the middle [cm]", "charge left [%]", "pictures", "latency [ms]",
+                *chip_columns), numbers(chips.of_speeds(both), 3), "Experiment B")
+    page.text(f"Experiment A: the charges used in the 24 easy flights are at most {chips.charge_apart(data, beside):.3f} % of the "
+              f"capacity apart. With {second}: "
+              + ", ".join(f"{count} {plain(name)}" for name, count in beside["batteries"]["outcomes"].items()) + ".")
+    page.table(("speed [km/h]", "chip", "outcome", "charge used [%]", "pictures", "latency [ms]", "read-out [ms]", "inference [ms]",
+                *chip_columns), numbers(chips.of_easy(both), 3), "Easy flights, standard battery")
+    page.table(("motors", "battery", "flight", f"until 10 % are left, {first} [s]", f"{second} [s]", f"end, {first}", f"end, {second}"),
+               list(chips.of_lives(data, beside)), "Endurance")
+    if "robustness" in data:
+        starts_of_both(page, data, beside)
+    if "clocks" in data:
+        clocks_of_both(page, both)
+    page.table(("part", f"{first} [mJ]", "%", f"{second} [mJ]", "%"), numbers(chips.of_parts(both), 1),
+               "The chip's joules in the hard adaptive flight")
+
+
+def clocks_of_both(page, both):
+    page.figure("chips", "The chip's energy up to the gate by clock, cores and chip",
+                figures.chips({chip: (of["clocks"], chips.bounds(of)) for chip, of in both.items()}))
+    page.text("The energy is least " + "; ".join(
+        f"with {chip} at {chips.least(of['clocks'], 8)} MHz on eight cores and at {chips.least(of['clocks'], 1)} MHz on one"
+        for chip, of in both.items()) + ".")
+    page.table(("cores", "clock [MHz]", "supply [V]", "chip", "crossed", "pictures/s", "at the gate [s]", "chip [mW]", "chip up to it [J]",
+                "checks say [J]"), numbers(chips.of_clocks(both), 4), "The cluster's clock")
+
+
+def starts_of_both(page, data, beside):
+    both = dict(zip(CHIPS, (data, beside)))
+    first, second = both
+    page.table(("starts", "chip", "flights", "passed", "95 %", "without a touch", "crossed the opening", "not passed"),
+               numbers(chips.of_starts(both), 2), "From the random starts that both flew")
+    for name in chips.scenarios_of_both(data, beside):
+        with_both, alone_first, alone_second, none = chips.same_starts(data, beside, name)
+        page.text(f"{name}: from {with_both} starts both passed, from {alone_first} {first} alone, from {alone_second} {second} alone, "
+                  f"from {none} neither.")
+
+
+def write(data, out, beside=None):
+    """Writes report.html, REPORT.md and their figures; returns the table of targets as lines of text. `beside`: what the
+    second of CHIPS gave, where `data` is the first's."""
     page = Page(out)
     page.heading("The paper's study, flown again", 1)
     page.text("The drone's firmware on the simulated chip, its network on every picture, instruction by instruction; world, motors "
@@ -253,6 +313,8 @@ def write(data, out):
         clocks(page, data)
     if "speeds" in data:
         joules(page, data)
+        if beside is not None:
+            on_both_chips(page, data, beside)
         what_it_rests_on(page, data)
     page.write(out, "MEbots: the paper's study")
     return lines

@@ -17,10 +17,11 @@ from results import PASSED
 
 @dataclasses.dataclass(frozen=True)
 class Place:
-    """Where the programs are, where results go, and how many flights may fly at a time."""
+    """Where the programs are, where results go, how many flights may fly at a time, and with which chip."""
     build: pathlib.Path
     results: pathlib.Path
     jobs: int
+    chip: str = "ai_deck"
 
     def sweep(self, *arguments, **options):
         """mebots.sweep of this build, in this process."""
@@ -30,13 +31,13 @@ class Place:
         return mebots.sweep(*arguments, jobs=self.jobs, **options)
 
 
-def write_study(name, flights, folder):
+def write_study(name, flights, folder, chip):
     """Files of a study whose designs are these flights, which differ in parameters alone: `mebots sweep` takes them, too.
     Returns the study's."""
     folder.mkdir(parents=True, exist_ok=True)
-    mission = config(flights[0])
+    mission = config(flights[0], chip)
     mission["text"] = name
-    varied = list(flights[0].parameters())
+    varied = list(flights[0].parameters(chip))
     for variable in varied:
         instance, parameter = variable.split(".", 1)
         del mission["instances"][instance]["parameters"][parameter]
@@ -44,7 +45,7 @@ def write_study(name, flights, folder):
     with open(folder / "designs.csv", "w", newline="") as file:
         rows = csv.writer(file, lineterminator="\n")
         rows.writerow(varied)
-        rows.writerows([flight.parameters()[variable] for variable in varied] for flight in flights)
+        rows.writerows([flight.parameters(chip)[variable] for variable in varied] for flight in flights)
     study = {
         "text": f"{name}: {len(flights)} flights",
         "mission": "mission.json",
@@ -56,15 +57,15 @@ def write_study(name, flights, folder):
     return folder / "study.json"
 
 
-def studies(flights):
+def studies(flights, chip):
     """{name of its first flight: flights that one study can fly}: the same but for the values of parameters."""
     groups = collections.defaultdict(list)
     for flight in flights:
-        system = config(flight)
+        system = config(flight, chip)
         for instance in system["instances"].values():
             del instance["parameters"]
         del system["text"]
-        groups[json.dumps([system, list(flight.parameters())])].append(flight)
+        groups[json.dumps([system, list(flight.parameters(chip))])].append(flight)
     return {group[0].name: group for group in groups.values()}
 
 
@@ -73,11 +74,11 @@ def fly_all(flights, place):
     whether it was flown now. What the place holds from the same programs is not flown again. Raises RuntimeError for a
     flight that failed."""
     flown = {}
-    for name, group in studies(flights).items():
+    for name, group in studies(flights, place.chip).items():
         folder = place.results / "studies" / name
         before = set(_costs(place.results))
         started = time.monotonic()
-        place.sweep(write_study(name, group, folder), place.results, progress=lambda now, name=name: _tell(name, now))
+        place.sweep(write_study(name, group, folder, place.chip), place.results, progress=lambda now, name=name: _tell(name, now))
         print(f"\r\033[K{name}: {len(group)} flights, {time.monotonic() - started:.0f} s", file=sys.stderr)
         for table in ("missions.csv", "report.html"):  # the next study of this place writes its own
             shutil.copyfile(place.results / table, folder / table)

@@ -20,12 +20,12 @@ import collect
 import experiments
 import landing
 import report
-from missions import MOTORS, ROOT
+from missions import CHIPS, MOTORS, ROOT
 from results import PASSED
 from run import Place, fly_all
 
 PARTS = ("experiments", "landing", "clocks", *experiments.SPREAD)
-PUBLISHED = ROOT / "examples/paper/results.json"
+PUBLISHED = {"ai_deck": ROOT / "examples/paper/results.json", "gap8_drone": ROOT / "examples/paper/results_gap8.json"}
 STARTS_PER_CLOCK = 20  # a clock flies one in so many of the random starts of a scenario
 
 
@@ -40,6 +40,7 @@ def fly_experiments(place, data):
     data["batteries"] = collect.batteries({n: s for n, s in summaries.items() if n.startswith("a-")})
     data["lives"] = {motors: collect.lives(summaries, motors) for motors in MOTORS}
     data["speeds"] = collect.speeds(summaries)
+    data["decisions"] = collect.decisions({n: s for n, s in summaries.items() if n.startswith(("a-bitcraze_250", "b-"))})
     data["adaptive"] = collect.adaptive(summaries["b-adaptive"])
     data["readings"] = collect.readings(place.build / "fmus/fmu_battery.fmu", summaries)
 
@@ -67,12 +68,12 @@ def replay(place, name, summary):
     return file.relative_to(place.results.parent).as_posix()
 
 
-def fly_starts(place, data, name, count):
-    """Random starts of a scenario; those that fail are flown again, each for a page of its own."""
+def fly_starts(place, data, name, count, pages):
+    """Random starts of a scenario; so many of those that fail are flown again, each for a page of its own."""
     flights = experiments.starts(name, count, seed=1)
     summaries = fly_all(flights, place)
     part = collect.robustness(name, flights, summaries)
-    failed = [f for f in flights if summaries[f.name]["outcome"] not in PASSED]
+    failed = [f for f in flights if summaries[f.name]["outcome"] not in PASSED][:pages]
     again = [dataclasses.replace(f, name=f"{f.name}-replay", replay=True) for f in failed]
     if again:
         pictured = fly_all(again, place)
@@ -94,7 +95,7 @@ def fly_failed_again(place, data, name, count):
 
 def check_published(count, place):
     """Exit code 1 where a flight differs from what is published."""
-    published = json.loads(PUBLISHED.read_text())
+    published = json.loads(PUBLISHED[place.chip].read_text())
     differ = 0
     for name, found in check.differences(published, count, place):
         differ += bool(found)
@@ -103,22 +104,42 @@ def check_published(count, place):
     return 1 if differ else 0
 
 
+def published_beside(chip):
+    """What the report of the first chip has beside it: the second's published data."""
+    first, second = CHIPS
+    return json.loads(PUBLISHED[second].read_text()) if chip == first else None
+
+
+def publish(chip, data, folder):
+    """Puts what a chip's flights gave where the README shows it, with the report of both chips."""
+    PUBLISHED[chip].write_text(json.dumps(data) + "\n")
+    folder.mkdir(exist_ok=True)
+    first = next(iter(CHIPS))
+    report.write(json.loads(PUBLISHED[first].read_text()), folder, published_beside(first))
+    (ROOT / "examples/paper/REPORT.md").write_text((folder / "REPORT.md").read_text())
+    for figure in (folder / "figures").glob("*.png"):
+        shutil.copyfile(figure, ROOT / f"docs/img/paper_{figure.name}")
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build/release", help="folder of the build")
-    parser.add_argument("--out", type=pathlib.Path, default=ROOT / "results/paper", help="folder to write to")
+    parser.add_argument("--chip", choices=list(CHIPS), default="ai_deck", help="the chip that flies: its board")
+    parser.add_argument("--out", type=pathlib.Path, help="folder to write to: default results/paper, of another chip results/paper_CHIP")
     parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="flights at a time")
     parser.add_argument("--parts", nargs="*", choices=PARTS, default=["experiments", "landing"], help="what to fly; shipped, easy and hard are random starts; none: report only")
     parser.add_argument("--count", type=int, default=200, help="random starts of each scenario; at most so many again")
+    parser.add_argument("--pages", type=int, metavar="N", help="make pages of N random starts that do not pass: default all")
     parser.add_argument("--data", type=pathlib.Path, help="what was found, added to: default OUT/data.json")
     parser.add_argument("--check", type=int, metavar="N", help="fly N flights of each part again, and compare with what is published")
     parser.add_argument("--failed-again", choices=list(experiments.SPREAD), metavar="SCENARIO", help="fly the random starts again that did not pass")
     parser.add_argument("--publish", action="store_true", help="also put data and figures where the README shows them")
     arguments = parser.parse_args()
 
-    out = arguments.out.resolve()
+    chip = arguments.chip
+    out = (arguments.out or ROOT / "results" / ("paper" if chip == "ai_deck" else f"paper_{chip}")).resolve()
     out.mkdir(parents=True, exist_ok=True)
-    place = Place(arguments.build.resolve(), out / "flights", arguments.jobs)
+    place = Place(arguments.build.resolve(), out / "flights", arguments.jobs, chip)
     if arguments.check:
         return check_published(arguments.check, place)
     kept = arguments.data or out / "data.json"
@@ -132,18 +153,15 @@ def main():
         elif part == "clocks":
             fly_clocks(place, data, max(1, arguments.count // STARTS_PER_CLOCK))
         else:
-            fly_starts(place, data, part, arguments.count)
+            fly_starts(place, data, part, arguments.count, arguments.pages)
         kept.write_text(json.dumps(data) + "\n")
     if arguments.failed_again:
         fly_failed_again(place, data, arguments.failed_again, arguments.count)
         kept.write_text(json.dumps(data) + "\n")
-    for line in report.write(data, out):
+    for line in report.write(data, out, published_beside(chip)):
         print(line)
     if arguments.publish:
-        PUBLISHED.write_text(json.dumps(data) + "\n")
-        (ROOT / "examples/paper/REPORT.md").write_text((out / "REPORT.md").read_text())
-        for figure in (out / "figures").glob("*.png"):
-            shutil.copyfile(figure, ROOT / f"docs/img/paper_{figure.name}")
+        publish(chip, data, out / "published")
     print(f"wrote {out / 'report.html'}")
     return 0
 
