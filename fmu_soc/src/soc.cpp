@@ -302,10 +302,10 @@ void Soc::wake_if_interrupted(Picoseconds time) {
 }
 
 void Soc::observe(unsigned number, Observer* observer) {
-  if (number == 0) {
+  if (number == kFabricControllerHart) {
     hart_.observe(observer);
   } else {
-    cluster_->observe(number - 1, observer);
+    cluster_->observe(core_of_hart(number), observer);
   }
 }
 
