@@ -2,10 +2,12 @@
 #pragma once
 
 #include "mebots/assert.hpp"
+#include "mebots/error.hpp"
 #include "mebots/soc/time.hpp"
 #include "mebots/state/visitor.hpp"
 
 #include <cstdint>
+#include <limits>
 #include <numeric>
 
 namespace mebots::soc {
@@ -36,7 +38,6 @@ class Clock {
   std::uint64_t begin() const { return std::uint64_t{0} - skipped_; }
   /// When a cycle starts, which is not one before the last change of frequency.
   Picoseconds time_of(std::uint64_t cycle) const {
-    MEBOTS_ASSERT(hz_ > 0, "reset() comes first");
     return epoch_ps_ + static_cast<Picoseconds>(scaled(cycle + skipped_, period_, 0, ticks_));
   }
   /// The first cycle that starts at or after a time.
@@ -59,19 +60,24 @@ class Clock {
     v("hz", hz_);
     v("epoch_ps", epoch_ps_);
     v("skipped", skipped_);
-    if (v.restores()) set(static_cast<std::uint32_t>(hz_));
+    if (!v.restores()) return;
+    if (hz_ == 0 || hz_ > std::numeric_limits<std::uint32_t>::max()) {
+      throw Error(ErrorCode::state_damaged, "a saved state is damaged: a clock without a frequency");
+    }
+    set(hz_);
   }
 
  private:
   static constexpr std::uint64_t kPsPerSecond = 1'000'000'000'000ULL;
 
-  void set(std::uint32_t hz) {
+  void set(std::uint64_t hz) {
     hz_ = hz;
     const auto common = std::gcd(kPsPerSecond, hz_);
     period_ = kPsPerSecond / common;
     ticks_ = hz_ / common;
   }
-  /// (value * factor + rest) / divisor. Clocks of whole kHz need no product of more than 64 bits for hours.
+  /// (value * factor + rest) / divisor. The product fits in 64 bits for hours where the clock has whole
+  /// MHz, for minutes where it is one of GAP8's loops.
   static std::uint64_t scaled(std::uint64_t value, std::uint64_t factor, std::uint64_t rest, std::uint64_t divisor) {
     __extension__ using Wide = unsigned __int128;
     std::uint64_t product = 0;

@@ -254,6 +254,7 @@ class Soc final : private Bus {
   void advance_devices(Picoseconds time);
   void update_lines();
   void apply_power_settings(Picoseconds time);
+  /// Whoever reaches them says so: the bus, an event, the world outside.
   void touch_devices() { asked_ = {}; }
   void wake_if_interrupted(Picoseconds time);
   void tell(Picoseconds time);

@@ -30,13 +30,13 @@ std::uint8_t accesses_of(Op op) {
 
 }  // namespace
 
-BlockCache::BlockCache(Memory& memory, const CodeSettings& settings)
+BlockCache::BlockCache(Memory& memory, const CodeSettings& settings, bool for_translation)
     : memory_(memory),
       mark_(memory.add_code_mark()),
       timing_(settings.timing),
       energy_fj_(settings.energy.fj),
       end_at_targets_(!settings.loose_limit),
-      end_behind_loops_(end_at_targets_ && settings.translate),
+      end_behind_loops_(end_at_targets_ && for_translation),
       cached_lines_(settings.instruction_cache),
       by_pc_(std::size_t{1} << kBucketBits),
       by_page_(std::size_t{1} << kBucketBits),

@@ -62,8 +62,9 @@ class BlockCache {
   static constexpr std::uint32_t kMaxBlockLength = 64;
   static constexpr std::uint32_t kMaxBlocks = 1U << 16;
 
-  /// Takes a mark of its own from the memory, which must outlive it.
-  BlockCache(Memory& memory, const CodeSettings& settings);
+  /// Takes a mark of its own from the memory, which must outlive it. `for_translation`: blocks have the shape that
+  /// suits translated code; else the interpreter's. All else is the same.
+  BlockCache(Memory& memory, const CodeSettings& settings, bool for_translation);
 
   const Timing& timing() const { return timing_; }
 
@@ -90,7 +91,7 @@ class BlockCache {
   Handler exchange(const Instruction* at, Handler handler) { return std::exchange(arena_[index_of(at)].run, handler); }
 
   /// One instruction and the end of a block, decoded with what the pipeline holds. Null when it cannot be fetched. A
-  /// limit that cuts a loop asks for the same few again and again, so they are kept until code changes.
+  /// loop's are asked for again and again, so they are kept until code changes.
   const Instruction* single(std::uint32_t pc, const Previous& two_before, const Previous& before);
 
   /// A hardware loop ends with the instruction at `pc`: blocks end there from now on. True: they did not before, and
@@ -207,7 +208,7 @@ class BlockCache {
   std::uint64_t decoded_ = 0;
   std::uint32_t longest_wait_ = 0;
   BlockListener* listener_ = nullptr;
-  std::array<Single, 64> singles_{};  // by pc: more than a loop has that polls
+  std::array<Single, 64> singles_{};  // by pc
 };
 
 }  // namespace mebots::soc

@@ -17,8 +17,8 @@ namespace mebots::soc {
 struct DecodedCode {
   /// The memory outlives it, and has all its regions.
   DecodedCode(Memory& memory, const CodeSettings& settings)
-      : blocks(memory, as_possible(settings)),
-        translates(as_possible(settings).translate),
+      : translates(settings.translate && translate::can_translate()),
+        blocks(memory, settings, translates),
         loose_limit(settings.loose_limit),
         instruction_cache(settings.instruction_cache),
         banks(settings.banks) {
@@ -27,8 +27,8 @@ struct DecodedCode {
   DecodedCode(const DecodedCode&) = delete;
   DecodedCode& operator=(const DecodedCode&) = delete;
 
-  BlockCache blocks;
   bool translates;  // hot code, as far as that turned out to be possible
+  BlockCache blocks;
   const bool loose_limit;
   InstructionCache* const instruction_cache;          // null = none
   Banks* const banks;                                 // null = one user
@@ -55,12 +55,6 @@ struct DecodedCode {
   /// Grows whenever code that a hart has left to go on there may be gone.
   std::uint64_t version() const {
     return blocks.generation() + times_dropped + (translator == nullptr ? 0 : translator->times_dropped());
-  }
-
- private:
-  static CodeSettings as_possible(CodeSettings settings) {
-    settings.translate = settings.translate && translate::can_translate();
-    return settings;
   }
 };
 

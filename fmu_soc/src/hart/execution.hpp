@@ -137,7 +137,7 @@ struct Execution {
   Leave leave = Leave::normal;
   std::uint32_t trap_cause = 0;
   std::uint32_t trap_value = 0;
-  std::uint32_t cut_pc = kNoPc;  // behind an instruction that ran alone, or where a trap returned to
+  std::uint32_t cut_pc = kNoPc;  // where a limit cut a block, behind what ran alone, or where a trap returned to
   const Rooms* rooms = nullptr;  // of the same core
   Hart* hart = nullptr;          // whose it is
   HostState host;
@@ -154,7 +154,8 @@ struct Execution {
     redirected = false;
     slow_load = slow_load_before;
   }
-  /// From an instruction behind the first one on. All before it has been counted.
+  /// From an instruction behind the first one on. All before it has been counted, so the counters go back to the
+  /// block's start, of which the clock may know no more: nobody may ask for the time until the block is finished.
   void begin_block_inside(const Instruction* at);
   std::uint32_t stalled_before(const Instruction* at) const { return at->index == 0 ? first_stall : 0U; }
   /// The active cycle in which an instruction starts.

@@ -144,8 +144,8 @@ inline std::uint32_t Hart::land() {
   return number;
 }
 
-/// Runs a block as fits, or only its first instruction. True: translated code did, and begins no other
-/// block only because no patch point leads there yet.
+/// Runs a block, as far as the limit lets it, or only its first instruction. True: translated code did, and begins no
+/// other block only because no patch point leads there yet.
 inline bool Hart::run_block(std::uint32_t number, bool left_translated) {
   const auto& before = execution_.pipeline.before;
   const auto& block = blocks_.block(number);

@@ -2,6 +2,7 @@
 #include "hart/interpreter.hpp"
 
 #include "hart/csr_numbers.hpp"
+#include "mebots/assert.hpp"
 
 namespace mebots::soc {
 namespace {
@@ -40,6 +41,7 @@ void Interpreter::step() {
 }
 
 void Interpreter::run_to_limit(const Block& block, std::uint32_t stall) {
+  MEBOTS_ASSERT(!limit_.is_loose() && walk_ == nullptr);
   const auto* first = blocks_.instructions(block);
   execution_.begin_block(fetch_.is_cached() ? fetch_.bring(first, execution_.counters.cycles) : 0, stall, nullptr);
   run_one_by_one(first);

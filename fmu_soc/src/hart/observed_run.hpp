@@ -32,7 +32,7 @@ class ObservedRun final : private BlockWalk {
 
   /// Whether the run goes on with the instruction at the pc.
   bool goes_on() { return observer_->before(hart_); }
-  /// A block, or only its first instruction, wherever a core without an observer would decide so; `alone`: it would.
+  /// A block, or only its first instruction where the block may reach the limit. `alone`: only that in any case.
   void run_block(const Block& block, std::uint32_t stall, bool alone);
   void step();
 

@@ -40,7 +40,8 @@ class Device {
 
   /// Time has reached `now`, which is never beyond next_event().
   virtual void advance(Picoseconds /*now*/) {}
-  /// When the device wants to be advanced.
+  /// When the device wants to be advanced. This and interrupt() change by what happens to a device, of the list above,
+  /// and with the fabric controller's clock. Nobody asks for them again otherwise.
   virtual Picoseconds next_event() const { return kNever; }
   /// Level of its interrupt line.
   virtual bool interrupt() const { return false; }
