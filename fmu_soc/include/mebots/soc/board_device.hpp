@@ -19,8 +19,7 @@ struct BoardRegister {
   std::string access;       // r, w or rw
   std::uint32_t reset = 0;  // of a described device: what it holds after reset
   std::string text;
-  std::string
-      shows;  // of a described device: "status", one of its variables or of the chip's parameters; empty: its own
+  std::string shows;        // of a described device: "status", a variable, a parameter of the chip; empty: its own
   std::string sends;        // of a described device: the variable that what is stored goes out as; empty = none
   double units_per_si = 1;  // of the variable that it shows or sends
   bool commits = false;     // a store sends what all other registers of the device hold, together
