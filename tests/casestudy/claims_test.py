@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the paper's study claims, checked on a handful of its flights with the study's own tools."""
 
+import copy
 import dataclasses
 import json
 import math
@@ -237,6 +238,24 @@ class Arithmetic(unittest.TestCase):
         rows = [{"cores": 8, "clock_mhz": clock, "crossed": crossed, "chip_j": energy}
                 for clock, crossed, energy in ((25, 0, None), (50, 3, 0.2), (87, 4, 0.1))]
         self.assertEqual(chips.least(rows, 8), 87)
+
+    def test_what_is_told_of_two_chips_is_what_differs_in_their_data(self):
+        first = json.loads(study.PUBLISHED["ai_deck"].read_text())
+        second = copy.deepcopy(first)
+        self.assertEqual(chips.ends_apart(first, second), (54, []))
+        self.assertEqual([most for most, _ in chips.targets_apart(first, second).values()], [0.0, 0.0])
+        second["speeds"]["adaptive"]["gate_s"] += 2.0
+        second["speeds"]["adaptive"]["path_m"] *= 1.05
+        fell = second["lives"]["bench"]["lipol_350"]["cruise"]
+        fell.update(crashed=True, to_ten_s=None, air_s=fell["air_s"] - 7.0)
+        self.assertEqual(chips.ends_apart(first, second), (54, ["cruise on Lipol's cell, bench motors"]))
+        apart = chips.targets_apart(first, second)
+        self.assertAlmostEqual(apart["s"][0], 2.0)
+        self.assertEqual(apart["s"][1], "adaptive, time to the gate")
+        self.assertGreater(apart["%"][0], 5.0)
+        self.assertIn("path to the plane", apart["%"][1])
+        self.assertAlmostEqual(chips.furthest(first, second, "air_s"), 7.0)
+        self.assertEqual(chips.furthest(first, second, "to_ten_s"), 0.0)
 
     def test_a_straight_flight_meets_the_opening_only_when_it_points_there(self):
         def start(y, yaw):

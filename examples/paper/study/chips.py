@@ -1,13 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
 """The same flights with two chips, side by side: tables and texts of the report from the data of both."""
 
+import re
+
 import collect
 import targets
 from collect import HARD_NAMES
 from experiments import EASY_SPEEDS
 from missions import BATTERIES, MOTORS
 from replay import READINGS
-from results import PASSED
+from results import LAST_STRETCH_M, PASSED
+
+# Endurance flights: those that land at 10 % charge, and hovering until the protection opens.
+IN_THE_AIR = ("hover", "cruise", "empty")
 
 
 def off_the_middle(lateral_m):
@@ -22,17 +27,86 @@ def of_targets(first, second):
     """(target, what, paper's, first's, second's) with the bench's motors, and (target, what, reading, first's, second's) of the
     rows that have other readings."""
     pairs = list(zip(targets.rows(first), targets.rows(second), strict=True))
-    bench = [(*a[:4], b[3]) for a, b in pairs]
-    places = {name: 3 + targets.COLUMNS.index(name) for name in READINGS}
-    read = [(a[0], a[1], READINGS[name][0], a[place], b[place]) for a, b in pairs for name, place in places.items()
-            if a[place] != targets.NOTHING]
+    bench = [(a.target, a.what, a.paper, a.texts()[0], b.texts()[0]) for a, b in pairs]
+    read = [(a.target, a.what, READINGS[name][0], of_first, of_second) for a, b in pairs
+            for name, of_first, of_second in zip(targets.COLUMNS, a.texts(), b.texts())
+            if name in READINGS and of_first != targets.NOTHING]
     return bench, read
 
 
+def targets_apart(first, second):
+    """{unit: (how far apart a target in it is with both chips at most, which)}"""
+    apart = dict.fromkeys(("s", "%"), (-1.0, ""))
+    for a, b in zip(targets.rows(first), targets.rows(second), strict=True):
+        units = [after.strip(" ,") for after in re.findall(r"{[^}]*}( [^ ,]*)?", a.form)]
+        for column in zip(a.values, b.values, strict=True):
+            for unit, one, other in zip(units, *column, strict=True):
+                if unit in apart:
+                    apart[unit] = max(apart[unit], (abs(one - other), a.what))
+    return apart
+
+
+def lives_of_both(first, second):
+    """(motors, battery, kind, first's, second's) of each endurance flight."""
+    return [(motors, battery, kind, first["lives"][motors][battery][kind], second["lives"][motors][battery][kind])
+            for motors in MOTORS for battery in BATTERIES for kind in IN_THE_AIR]
+
+
+def ends_apart(first, second):
+    """How many flights both experiments have, and what of them ends otherwise with the second chip."""
+    ends = [(f"{kind} on {BATTERIES[battery][0]}'s cell, {MOTORS[motors]}", a["crashed"], b["crashed"])
+            for motors, battery, kind, a, b in lives_of_both(first, second)]
+    ends += [(f"hard, {name}", *(data["speeds"][name]["outcome"] for data in (first, second))) for name in HARD_NAMES]
+    easy = [data["batteries"]["outcomes"] for data in (first, second)]
+    return len(ends) + sum(easy[0].values()), [what for what, a, b in [*ends, ("easy flights", *easy)] if a != b]
+
+
+def furthest(first, second, value, kinds=IN_THE_AIR):
+    """How far a value of the endurance flights is apart at most, where both have it."""
+    return max(abs(a[value] - b[value]) for _, _, kind, a, b in lives_of_both(first, second)
+               if kind in kinds and None not in (a[value], b[value]))
+
+
+def told_of_experiments(both):
+    first, second = both.values()
+    flights, otherwise = ends_apart(first, second)
+    apart = " and by ".join(f"{most:.1f} {unit} ({what})" for unit, (most, what) in targets_apart(first, second).items())
+    yield ((f"Of the {flights} flights of both experiments these end otherwise: {'; '.join(otherwise)}. " if otherwise else
+            f"None of the {flights} flights of both experiments ends otherwise. ")
+           + f"The targets told below differ by {apart} at most.")
+    alone = [f"{kind} on {BATTERIES[battery][0]}'s cell with the {MOTORS[motors]} ({chip})"
+             for motors, battery, kind, a, b in lives_of_both(first, second)
+             for chip, one, other in zip(both, (a, b), (b, a)) if other["to_ten_s"] is None is not one["to_ten_s"]]
+    yield (f"The endurance flights that come to 10 % with both chips do so at most {furthest(first, second, 'to_ten_s'):.1f} s apart; "
+           f"with one chip alone: {', '.join(alone) or 'none'}. Their times in the air are at most "
+           f"{furthest(first, second, 'air_s'):.1f} s apart. The protection opens in hover at most "
+           f"{furthest(first, second, 'opens', ('hover', 'empty')):.3f} % of charge apart, in cruise "
+           f"{furthest(first, second, 'opens', ('cruise',)):.2f} %.")
+
+
+def told_of_decisions(both):
+    ones = {chip: data["decisions"]["b-adaptive"] for chip, data in both.items()}
+    yield "A decision of the hard adaptive flight takes " + ", ".join(
+        f"{1e3 * one['latency_s']:.1f} ms with {chip} (rows {1e3 * one['read_out_s']:.1f}, inference "
+        f"{1e3 * one['inference_s']:.1f}, all else "
+        f"{1e3 * (one['latency_s'] - one['read_out_s'] - one['inference_s']):.1f})" for chip, one in ones.items()) + "."
+
+
+def told_of_joules(both):
+    for chip, data in both.items():
+        one, parts, seconds = data["decisions"]["b-adaptive"], data["adaptive"]["chip"], data["speeds"]["adaptive"]["simulated_s"]
+        low, high = bounds(data)
+        milliwatts = 1e3 * one["chip_j"] / seconds
+        yield (f"In all {seconds:.0f} s of the hard adaptive flight the chip of {chip} takes {milliwatts:.1f} mW; checks allow "
+               f"{low * milliwatts:.1f} to {high * milliwatts:.1f}. Leakage has {1e3 * parts['leakage'] / seconds:.2f} mW of it, the "
+               f"cluster's background {1e3 * parts['cluster_background'] / seconds:.2f}. A picture takes the chip "
+               f"{1e3 * one['chip_j'] / one['pictures']:.2f} mJ, the camera {1e3 * one['camera_j'] / one['pictures']:.2f}. Both together "
+               f"are {100 * (one['chip_j'] + one['camera_j']) / one['cell_j']:.2f} % of the cell's joules.")
+
+
 def joules(one):
-    """Of a flight's decisions: the chip's joules, what the checks say of them, the camera's, the chip's part of the cell's."""
-    return (f"{one['chip_j']:.3f}", f"{one['least_j']:.3f} to {one['most_j']:.3f}", f"{one['camera_j']:.3f}",
-            f"{100 * one['chip_j'] / one['cell_j']:.3f}")
+    """Of a flight's decisions: the chip's joules, the camera's, the chip's part of the cell's."""
+    return f"{one['chip_j']:.3f}", f"{one['camera_j']:.3f}", f"{100 * one['chip_j'] / one['cell_j']:.3f}"
 
 
 def of_speeds(both):
@@ -67,11 +141,9 @@ def ended(entry):
 def of_lives(first, second):
     def seconds(entry):
         return "-" if entry["to_ten_s"] is None else f"{entry['to_ten_s']:.1f}"
-    for motors in MOTORS:
-        for battery, (label, _, _) in BATTERIES.items():
-            for kind in ("hover", "cruise"):
-                a, b = first["lives"][motors][battery][kind], second["lives"][motors][battery][kind]
-                yield MOTORS[motors], label, kind, seconds(a), seconds(b), ended(a), ended(b)
+    for motors, battery, kind, a, b in lives_of_both(first, second):
+        if kind != "empty":
+            yield MOTORS[motors], BATTERIES[battery][0], kind, seconds(a), seconds(b), ended(a), ended(b)
 
 
 def scenarios_of_both(first, second):
@@ -98,19 +170,31 @@ def same_starts(first, second, name):
     return [pairs.count(pair) for pair in ((True, True), (True, False), (False, True), (False, False))]
 
 
+def told_of_starts(both, name):
+    first, second = both
+    with_both, alone_first, alone_second, none = same_starts(both[first], both[second], name)
+    told = (f"{name}: from {with_both} starts both passed, from {alone_first} {first} alone, from {alone_second} {second} alone, "
+            f"from {none} neither.")
+    came = [way for way in both[second]["robustness"][name]["ways"] if way["last_stretch_s"] is not None]
+    passed, others = ([way["last_stretch_s"] for way in came if (way["outcome"] in PASSED) == wanted] for wanted in (True, False))
+    if passed and others:
+        begin, end = LAST_STRETCH_M
+        told += (f" From {begin} m to {end} m before the gate's plane those that passed with {second} took {min(passed):.1f} to "
+                 f"{max(passed):.1f} s, the others {min(others):.1f} to {max(others):.1f} s.")
+    return told
+
+
 def bounds(data):
-    """What the checks beside silicon say of the chip's joules, as parts of them: the same in every flight."""
-    one = data["decisions"]["b-adaptive"]
-    return one["least_j"] / one["chip_j"], one["most_j"] / one["chip_j"]
+    """What checks against silicon allow for the chip's joules, as parts of them."""
+    parts = [(one["least_j"] / one["chip_j"], one["most_j"] / one["chip_j"]) for one in data["decisions"].values()]
+    return min(low for low, _ in parts), max(high for _, high in parts)
 
 
 def of_clocks(both):
     for rows in zip(*(data["clocks"] for data in both.values()), strict=True):
-        for (chip, data), row in zip(both.items(), rows):
-            low, high = bounds(data)
+        for chip, row in zip(both, rows):
             yield (row["cores"], row["clock_mhz"], f"{row['voltage_v']:.2f}", chip, f"{row['crossed']} of {row['flights']}",
-                   f"{row['pictures_per_s']:.1f}", f"{row['gate_s']:.1f}", f"{row['chip_mw']:.2f}", f"{row['chip_j']:.3f}",
-                   f"{low * row['chip_j']:.3f} to {high * row['chip_j']:.3f}")
+                   f"{row['pictures_per_s']:.1f}", f"{row['gate_s']:.1f}", f"{row['chip_mw']:.2f}", f"{row['chip_j']:.3f}")
 
 
 def least(rows, cores):

@@ -29,7 +29,7 @@ def costs(summaries):
 
 
 def decisions(summaries):
-    """{flight: what its decisions took, and its joules; of the chip's, what the checks say}"""
+    """{flight: what its decisions took, and its joules; of the chip's, what checks against silicon allow}"""
     return {name: {"outcome": s["outcome"], "pictures": s["pictures"], "latency_s": s["decision"]["mean"]["latency"],
                    "read_out_s": s["decision"]["mean"]["read_out"], "inference_s": s["decision"]["mean"]["inference"],
                    "chip_j": s["chip_energy"]["total"], "least_j": s["chip_energy"]["least"], "most_j": s["chip_energy"]["most"],
@@ -201,10 +201,15 @@ def robustness(name, flights, summaries):
             **counted(start_ways(summaries), start_offsets(summaries)), "failures": []}
 
 
+def start_way(name, summary):
+    """Way and end of a flight from a random start, and its time just before the gate."""
+    trace = Trace(summary["folder"])
+    return {"name": name, **trace.way(WAY_POINTS["start"]), "outcome": summary["outcome"],
+            "crossed": bool(summary["gate"]["crossed"]), "last_stretch_s": trace.last_stretch_s()}
+
+
 def start_ways(summaries):
-    """Way and end of each flight from a random start."""
-    return [{"name": name, **Trace(s["folder"]).way(WAY_POINTS["start"]), "outcome": s["outcome"],
-             "crossed": bool(s["gate"]["crossed"])} for name, s in summaries.items()]
+    return [start_way(name, summary) for name, summary in summaries.items()]
 
 
 def start_offsets(summaries):

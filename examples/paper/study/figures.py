@@ -129,8 +129,8 @@ def clocks(rows):
 
 
 def chips(both):
-    """The same by chip, a plot for eight cores and one for one core: {chip: (rows, what the checks
-    beside silicon say, as parts of it)}."""
+    """The same by chip, a plot for eight cores and one for one core: {chip: (rows, what checks against
+    silicon allow, as parts of it)}."""
     figure, plots = plt.subplots(1, 2, figsize=(8, 3.4), constrained_layout=True, sharey=True)
     for axes, cores in zip(plots, (8, 1)):
         for (chip, (rows, (low, high))), marker, colour in zip(both.items(), "os", (style.BLUE, style.VERMILION)):
@@ -141,7 +141,7 @@ def chips(both):
         axes.set_title(f"{cores} core{'s' if cores > 1 else ''}", loc="left")
         axes.set_xlabel("clock of the cluster [MHz]")
     plots[0].set(ylabel="chip, energy up to the gate [J]", ylim=(0, None))
-    plots[0].legend(loc="upper left", title="shaded: what checks beside silicon say", fontsize=8, title_fontsize=8)
+    plots[0].legend(loc="upper left", title="shaded: what checks against silicon allow", fontsize=8, title_fontsize=8)
     return figure
 
 

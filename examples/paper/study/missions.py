@@ -20,6 +20,7 @@ HEAVIEST_G = max(mass for _, _, mass in BATTERIES.values())
 
 # The chips that fly: the ends of their shipped missions' names in configs/. Those missions say what a chip changes.
 CHIPS = {"ai_deck": "", "gap8_drone": "_gap8"}
+FIRST_CHIP, SECOND_CHIP = CHIPS  # the report is the first's and has the second beside it
 SHIPPED = ("gate_easy", "gate_hard")
 LENS = "world.camera.field_of_view"
 
@@ -53,7 +54,7 @@ def lens(field_of_view, chip):
     """The field of view of a chip's camera [rad] whose middle sees what this one sees: that of the shipped mission which has it."""
     def of(name, on):
         return shipped(name, on)["instances"]["world"]["parameters"].get(LENS.removeprefix("world."))
-    return {of(name, "ai_deck"): of(name, chip) for name in SHIPPED}[field_of_view]
+    return {of(name, FIRST_CHIP): of(name, chip) for name in SHIPPED}[field_of_view]
 
 
 def scene(name):

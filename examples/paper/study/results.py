@@ -10,6 +10,8 @@ TAKE_OFF, CRUISE, LANDING = 1, 2, 3  # world.drone.phase
 # The gate's part of a flight: from so far before its plane until the landing [m].
 NEAR_GATE_M = 0.5
 PASSED = ("passed", "touched_passed")
+# Just before the gate: from so far before its plane to so far before it [m].
+LAST_STRETCH_M = (1.4, 0.2)
 
 
 class Trace:
@@ -33,6 +35,11 @@ class Trace:
     def time_at_gate(self):
         """When the gate's plane was crossed [s]; none if it was not."""
         return self.first(self["world.gate.distance"] <= 0)
+
+    def last_stretch_s(self):
+        """How long the last stretch before the gate took [s]; none for a drone that never came to its end."""
+        begin, end = (self.first(self["world.gate.distance"] <= left) for left in LAST_STRETCH_M)
+        return None if end is None else round(end - begin, 3)
 
     def flown(self):
         """First and last time in the air [s]."""

@@ -11,7 +11,7 @@ import shutil
 import sys
 import time
 
-from missions import config
+from missions import FIRST_CHIP, config
 from results import PASSED
 
 
@@ -21,7 +21,7 @@ class Place:
     build: pathlib.Path
     results: pathlib.Path
     jobs: int
-    chip: str = "ai_deck"
+    chip: str = FIRST_CHIP
 
     def sweep(self, *arguments, **options):
         """mebots.sweep of this build, in this process."""

@@ -20,12 +20,12 @@ import collect
 import experiments
 import landing
 import report
-from missions import CHIPS, MOTORS, ROOT
+from missions import CHIPS, FIRST_CHIP, MOTORS, ROOT, SECOND_CHIP
 from results import PASSED
 from run import Place, fly_all
 
 PARTS = ("experiments", "landing", "clocks", *experiments.SPREAD)
-PUBLISHED = {"ai_deck": ROOT / "examples/paper/results.json", "gap8_drone": ROOT / "examples/paper/results_gap8.json"}
+PUBLISHED = {FIRST_CHIP: ROOT / "examples/paper/results.json", SECOND_CHIP: ROOT / "examples/paper/results_gap8.json"}
 STARTS_PER_CLOCK = 20  # a clock flies one in so many of the random starts of a scenario
 
 
@@ -106,16 +106,14 @@ def check_published(count, place):
 
 def published_beside(chip):
     """What the report of the first chip has beside it: the second's published data."""
-    first, second = CHIPS
-    return json.loads(PUBLISHED[second].read_text()) if chip == first else None
+    return json.loads(PUBLISHED[SECOND_CHIP].read_text()) if chip == FIRST_CHIP else None
 
 
 def publish(chip, data, folder):
     """Puts what a chip's flights gave where the README shows it, with the report of both chips."""
     PUBLISHED[chip].write_text(json.dumps(data) + "\n")
     folder.mkdir(exist_ok=True)
-    first = next(iter(CHIPS))
-    report.write(json.loads(PUBLISHED[first].read_text()), folder, published_beside(first))
+    report.write(json.loads(PUBLISHED[FIRST_CHIP].read_text()), folder, published_beside(FIRST_CHIP))
     (ROOT / "examples/paper/REPORT.md").write_text((folder / "REPORT.md").read_text())
     for figure in (folder / "figures").glob("*.png"):
         shutil.copyfile(figure, ROOT / f"docs/img/paper_{figure.name}")
@@ -124,7 +122,7 @@ def publish(chip, data, folder):
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build/release", help="folder of the build")
-    parser.add_argument("--chip", choices=list(CHIPS), default="ai_deck", help="the chip that flies: its board")
+    parser.add_argument("--chip", choices=list(CHIPS), default=FIRST_CHIP, help="the chip that flies: its board")
     parser.add_argument("--out", type=pathlib.Path, help="folder to write to: default results/paper, of another chip results/paper_CHIP")
     parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="flights at a time")
     parser.add_argument("--parts", nargs="*", choices=PARTS, default=["experiments", "landing"], help="what to fly; shipped, easy and hard are random starts; none: report only")
@@ -137,7 +135,7 @@ def main():
     arguments = parser.parse_args()
 
     chip = arguments.chip
-    out = (arguments.out or ROOT / "results" / ("paper" if chip == "ai_deck" else f"paper_{chip}")).resolve()
+    out = (arguments.out or ROOT / "results" / ("paper" if chip == FIRST_CHIP else f"paper_{chip}")).resolve()
     out.mkdir(parents=True, exist_ok=True)
     place = Place(arguments.build.resolve(), out / "flights", arguments.jobs, chip)
     if arguments.check:
