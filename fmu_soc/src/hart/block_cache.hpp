@@ -31,6 +31,7 @@ struct Block {
   bool early_jump = false;              // a jump is among the first two: what ran before may delay it
   std::uint64_t stalled_by = 0;         // bit r: a load of register r just before costs its first instruction a cycle
   mutable std::uint16_t heat = 0;       // how often it was interpreted in its epoch
+  mutable std::uint16_t absences = 0;   // of these, how often one of its lines was not in the cache at its start
   mutable std::uint32_t epoch = 0;      // of the core's cycles
   std::uint32_t next_of_pc = 0;         // block in the same bucket of the table by pc
   std::uint32_t next_of_page = 0;       // likewise by page
@@ -38,6 +39,8 @@ struct Block {
   /// The pc of a block that is none, or not any more. No pc is odd.
   static constexpr std::uint32_t kInvalid = 1;
   bool valid() const { return pc != kInvalid; }
+  /// Whether translated code had better expect to fetch its lines.
+  bool is_often_absent() const { return 2 * absences > heat; }
   /// What its first instruction waits for a load just before.
   std::uint32_t stall_behind(const Previous& before) const {
     return is_load(before.op) ? static_cast<std::uint32_t>(stalled_by >> before.rd & 1U) : 0U;

@@ -14,6 +14,11 @@ constexpr unsigned kEpochBits = 26;  // of cycles: a program of a megabyte, all 
 /// Most cycles of one stay in translated code: its counts have 32 bits.
 constexpr std::uint64_t kLongestRun = std::uint64_t{1} << 30;
 
+void cool(const Block& block) {
+  block.heat = 0;
+  block.absences = 0;
+}
+
 }  // namespace
 
 const translate::Entry* TranslatedRun::translate_when_hot(std::uint32_t number, const Block& block) {
@@ -21,19 +26,24 @@ const translate::Entry* TranslatedRun::translate_when_hot(std::uint32_t number, 
   auto& translator = decoded_.translator;
   if (const auto epoch = static_cast<std::uint32_t>(execution_.counters.cycles >> kEpochBits); epoch != block.epoch) {
     block.epoch = epoch;
-    block.heat = 0;
+    cool(block);
   }
+  if (!blocks.is_present(block)) ++block.absences;
   if (++block.heat < kHot) return nullptr;
-  block.heat = 0;
   const auto first = blocks.instructions(block)->op;
-  if (ends_block(first) && !is_jump(first) && !is_hardware_loop(first)) return nullptr;  // nothing to gain
+  if (ends_block(first) && !is_jump(first) && !is_hardware_loop(first)) {  // nothing to gain
+    cool(block);
+    return nullptr;
+  }
   if (translator == nullptr) {
     translator = translate::make_translator(blocks, execution_, {decoded_.loose_limit, decoded_.banks, decoded_.flow});
     decoded_.translates = translator != nullptr;
     if (translator == nullptr) return nullptr;
     blocks.set_listener(translator.get());
   }
-  return &translator->translate(number);
+  const auto& entry = translator->translate(number);
+  cool(block);
+  return &entry;
 }
 
 /// Tells translated code how far it may go.

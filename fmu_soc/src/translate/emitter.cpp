@@ -46,11 +46,7 @@ std::vector<Entry> Emitter::emit(const Region& region, const Registers& register
     L(labels_[i]);
     emit_node(region.nodes[i]);
   }
-  while (!cold_.empty()) {
-    const auto emit_cold = std::move(cold_.front());
-    cold_.pop_front();
-    emit_cold();
-  }
+  emit_warm_and_cold();
   L(leave_all_);
   store_registers();
   jmp(gates_.leave);
@@ -65,6 +61,16 @@ std::vector<Entry> Emitter::emit(const Region& region, const Registers& register
     dq(counts.second);
   }
   return entries;
+}
+
+/// What has been put off, and what that puts off.
+void Emitter::emit_warm_and_cold() {
+  while (!warm_.empty() || !cold_.empty()) {
+    auto& pending = warm_.empty() ? cold_ : warm_;
+    const auto emit_next = std::move(pending.front());
+    pending.pop_front();
+    emit_next();
+  }
 }
 
 /// The ways into a node from outside. The code goes on with it, when that is what comes next, or jumps there.
@@ -91,7 +97,8 @@ Entry Emitter::emit_entry(const Node& node, bool runs_into_node) {
   entry.stalled = code_memory_.executable(getCurr());
   L(stalled_entries_[index_of(node)]);
   check(true, 1);
-  if (blocks_.fetched() != nullptr && fetches_inline()) emit_fetch(node.first, nullptr);  // before it stalls
+  if (blocks_.fetched() != nullptr && fetches_inline())
+    emit_fetch(*node.block, node.first, nullptr);  // before it stalls
   spend(1);
   jmp(inside);
   entry.straight = code_memory_.executable(getCurr());
@@ -110,17 +117,16 @@ Entry Emitter::emit_entry(const Node& node, bool runs_into_node) {
 }
 
 void Emitter::emit_node(const Node& node) {
-  block_ = node.block;
   const auto* at = node.first;
   if (blocks_.fetched() == nullptr) {
     while (emit_instruction(at)) note_flow_inside(at++);
     return;
   }
   // With a cache that others use, too, who begins the block has asked for its first line.
-  if (fetches_inline()) emit_fetch(at, nullptr);
+  if (fetches_inline()) emit_fetch(*node.block, at, nullptr);
   while (emit_instruction(at)) {
     note_flow_inside(at++);
-    if (!is_block_end(at->op)) emit_fetch(at, at - 1);
+    if (!is_block_end(at->op)) emit_fetch(*node.block, at, at - 1);
   }
 }
 

@@ -224,8 +224,11 @@ class Emitter : private Xbyak::CodeGenerator {
   void check_limit(const Node& node);
   void jump_at_limit(const Block& block, std::uint32_t stall, Label& leave);
   bool fetches_inline() const { return !options_.loose_limit; }
+  void compare_presence(std::uint32_t address);
   void jump_when_absent(std::uint32_t address, Label& absent);
-  void emit_fetch(const Instruction* at, const Instruction* before);
+  void emit_fetch(const Block& block, const Instruction* at, const Instruction* before);
+  void emit_fetch_line(std::uint32_t line, std::uint32_t address, bool often_absent);
+  void emit_refill(std::uint32_t line, std::uint32_t address);
   const Node* node_at(std::uint32_t link, std::uint32_t pc) const;
   void emit_leave(const Exit& exit);
   void emit_park(const Node& node, const Exit& exit, std::uint32_t stall);
@@ -237,8 +240,11 @@ class Emitter : private Xbyak::CodeGenerator {
   std::uint32_t add_exit(const Exit& exit);
   std::size_t index_of(const Node& node) const { return static_cast<std::size_t>(&node - region_->nodes.data()); }
   Label& label_of(const Node& node) { return labels_[index_of(node)]; }
-  /// To be emitted behind the region's hot code.
+  /// To be emitted behind the region's hot code: what runs as well, but not each time.
+  void aside(std::function<void()> emit) { warm_.push_back(std::move(emit)); }
+  /// To be emitted behind all that: what hardly ever runs, so that no line of the host's caches holds both.
   void later(std::function<void()> emit) { cold_.push_back(std::move(emit)); }
+  void emit_warm_and_cold();
 
   const FastRegion ram_[2];
   const CodeMemory& code_memory_;
@@ -249,12 +255,12 @@ class Emitter : private Xbyak::CodeGenerator {
   const Registers* registers_ = nullptr;
   Gates gates_;
   std::vector<Label> labels_;
-  const Block* block_ = nullptr;        // of the node in work
   const Node* following_ = nullptr;     // emitted after it
   std::vector<Label> entries_;          // plain ones
   std::vector<Label> stalled_entries_;  // of those that ask for a stall
   Label leave_all_;                     // stores the registers and leaves by exit eax
   Label park_all_;                      // likewise, to go on at rdx
+  std::deque<std::function<void()>> warm_;
   std::deque<std::function<void()>> cold_;
   std::map<std::pair<std::uint64_t, std::uint64_t>, Label> constants_;
   std::vector<Xbyak::Address> memory_operands_;  // by guest register

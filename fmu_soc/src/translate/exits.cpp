@@ -118,8 +118,8 @@ void Emitter::jump_at_limit(const Block& block, std::uint32_t stall, Label& leav
   }
 }
 
-/// Jumps when the line of this code is not in the instruction cache; rdx may be lost.
-void Emitter::jump_when_absent(std::uint32_t address, Label& absent) {
+/// Sets the zero flag when the line of this code is not in the instruction cache; rdx may be lost.
+void Emitter::compare_presence(std::uint32_t address) {
   const auto* present = blocks_.fetched()->presence(address);
   if (near(present, 1)) {
     cmp(byte[r14 + from_first_memory(present)], 0);
@@ -127,35 +127,30 @@ void Emitter::jump_when_absent(std::uint32_t address, Label& absent) {
     mov(rdx, reinterpret_cast<std::uint64_t>(present));
     cmp(byte[rdx], 0);
   }
+}
+
+/// Jumps when it is not; likewise.
+void Emitter::jump_when_absent(std::uint32_t address, Label& absent) {
+  compare_presence(address);
   je(absent, T_NEAR);
 }
 
 /// In front of an instruction: brings those of its lines that are absent, but for the last one of the instruction
 /// before. Where others use the cache, leaves that to the interpreter. eax, rcx and rdx may be lost.
-void Emitter::emit_fetch(const Instruction* at, const Instruction* before) {
+void Emitter::emit_fetch(const Block& block, const Instruction* at, const Instruction* before) {
   const auto& cache = *blocks_.fetched();
   const auto last = cache.line_of(at[1].pc - 1);
   for (auto line = cache.line_of(at->pc); line <= last; ++line) {
     if (before != nullptr && line == cache.line_of(before[1].pc - 1)) continue;
+    const auto address = std::max(at->pc, cache.address_of(line));
+    if (fetches_inline()) {
+      emit_fetch_line(line, address, block.is_often_absent());
+      continue;
+    }
     Label absent;
-    Label present;
-    jump_when_absent(std::max(at->pc, cache.address_of(line)), absent);
-    L(present);
-    later([this, at, line, absent, present]() mutable {
+    jump_when_absent(address, absent);
+    later([this, at, absent]() mutable {
       L(absent);
-      if (fetches_inline()) {
-        const auto* byte_of_line = blocks_.fetched()->presence(std::max(at->pc, blocks_.fetched()->address_of(line)));
-        mov(eax, blocks_.fetched()->first_of_set(line));
-        mov(edx, line);
-        if (near(byte_of_line, 1)) {
-          lea(rcx, ptr[r14 + from_first_memory(byte_of_line)]);
-        } else {
-          mov(rcx, reinterpret_cast<std::uint64_t>(byte_of_line));
-        }
-        call(gates_.fetch);
-        jmp(present, T_NEAR);
-        return;
-      }
       Exit exit;
       exit.resumes = true;
       exit.fetches = true;
@@ -164,6 +159,40 @@ void Emitter::emit_fetch(const Instruction* at, const Instruction* before) {
       emit_leave(exit);
     });
   }
+}
+
+/// Brings the line of this code when it is absent. What is seldom so stands aside: a jump fewer where it is present,
+/// and three more, to code elsewhere, where it is not.
+void Emitter::emit_fetch_line(std::uint32_t line, std::uint32_t address, bool often_absent) {
+  Label present;
+  if (often_absent) {
+    compare_presence(address);
+    jne(present);
+    emit_refill(line, address);
+    L(present);
+    return;
+  }
+  Label absent;
+  jump_when_absent(address, absent);
+  L(present);
+  aside([this, line, address, absent, present]() mutable {
+    L(absent);
+    emit_refill(line, address);
+    jmp(present, T_NEAR);
+  });
+}
+
+/// Brings an absent line; eax, rcx and rdx are lost.
+void Emitter::emit_refill(std::uint32_t line, std::uint32_t address) {
+  const auto* present = blocks_.fetched()->presence(address);
+  mov(eax, blocks_.fetched()->first_of_set(line));
+  mov(edx, line);
+  if (near(present, 1)) {
+    lea(rcx, ptr[r14 + from_first_memory(present)]);
+  } else {
+    mov(rcx, reinterpret_cast<std::uint64_t>(present));
+  }
+  call(gates_.fetch);
 }
 
 /// The node of the region to which a link has led, at `pc`; null when there is none.
@@ -290,7 +319,7 @@ void Emitter::emit_branch_immediate(const Instruction* at, host::Branch jump) {
 void Emitter::emit_branch_by_flags(const Instruction* at, host::Branch jump) {
   Label taken;
   jump(*this, taken);
-  later([this, at, taken]() mutable {
+  aside([this, at, taken]() mutable {
     L(taken);
     emit_edge(at, static_cast<std::uint32_t>(at->imm), true);
   });
@@ -313,7 +342,7 @@ bool Emitter::emit_jump_register(const Instruction* at) {
     Label guessed;
     cmp(eax, node->block->pc);
     je(guessed, T_NEAR);
-    later([this, at, node, guessed]() mutable {
+    aside([this, at, node, guessed]() mutable {
       L(guessed);
       const auto landing = node->block->unaligned ? kUnalignedTargetExtra : 0U;
       if (options_.flow != nullptr) {

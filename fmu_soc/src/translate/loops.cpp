@@ -163,7 +163,8 @@ void Emitter::emit_straight_to(const Instruction* at, const Node& node) {
   at_limit.at = at;
   check_limit(node, stalls ? 1U : 0U, at_limit);
   if (stalls) {
-    if (blocks_.fetched() != nullptr && fetches_inline()) emit_fetch(node.first, nullptr);  // before it stalls
+    if (blocks_.fetched() != nullptr && fetches_inline())
+      emit_fetch(*node.block, node.first, nullptr);  // before it stalls
     spend(1);
   }
   jmp(label_of(node), T_NEAR);

@@ -249,7 +249,7 @@ void Emitter::emit_claim(const Instruction* at, bool word_in_ecx) {
   jne(taken, T_NEAR);
   mov(byte[r15 + rcx + distance], 1);
   L(done);
-  later([this, retry, taken, done, host, count, distance]() mutable {
+  aside([this, retry, taken, done, host, count, distance]() mutable {
     L(taken);
     cmp(byte[rbx + host(offsetof(HostState, alone))], 0);
     jne(done, T_NEAR);
