@@ -75,7 +75,7 @@ void Emitter::emit_end(const Instruction* at) {
       L(other);
     }
   }
-  emit_straight_edge(at, at->link, at->pc);
+  emit_straight_edge(at, at->link, at->pc, true);
 }
 
 /// To the start of a loop, which is where it was last time or not.
@@ -86,7 +86,7 @@ void Emitter::emit_iteration(const Instruction* at, unsigned loop) {
     Label elsewhere;
     cmp(start, pc);
     jne(elsewhere, T_NEAR);
-    emit_straight_edge(at, link, pc);
+    emit_straight_edge(at, link, pc, false);
     L(elsewhere);
   }
   count(at - 1, 0);
@@ -109,10 +109,11 @@ const Node* Emitter::straight_successor(std::uint32_t link) const {
   return node != nullptr && !node->block->early_jump ? node : nullptr;
 }
 
-void Emitter::emit_straight_edge(const Instruction* at, std::uint32_t link, std::uint32_t pc) {
+/// Straight on to the block at `pc`, to which a link has led. `is_last`: nothing else of its node comes behind it.
+void Emitter::emit_straight_edge(const Instruction* at, std::uint32_t link, std::uint32_t pc, bool is_last) {
   const auto* node = straight_successor(link);
   if (node != nullptr && node->block->pc == pc) {
-    emit_straight_to(at, *node);
+    emit_straight_to(at, *node, is_last);
     return;
   }
   count(at - 1, 0);
@@ -151,7 +152,7 @@ void Emitter::note_what_came(const Instruction* end) {
   mov(came_from, rdx);
 }
 
-void Emitter::emit_straight_to(const Instruction* at, const Node& node) {
+void Emitter::emit_straight_to(const Instruction* at, const Node& node, bool is_last) {
   count(at - 1, 0);
   if (is_noted(at - 1, node.block->pc)) note_flow_to(at - 1, node.block->pc);
   note_what_came(at);
@@ -167,7 +168,7 @@ void Emitter::emit_straight_to(const Instruction* at, const Node& node) {
       emit_fetch(*node.block, node.first, nullptr);  // before it stalls
     spend(1);
   }
-  jmp(label_of(node), T_NEAR);
+  if (!is_last || &node != following_) jmp(label_of(node), T_NEAR);
 }
 
 /// Before a jump to a node: nothing came straight.

@@ -2,6 +2,7 @@
 #include "translate/region.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace mebots::soc::translate {
 namespace {
@@ -76,6 +77,28 @@ class LoopFinder {
   std::vector<std::vector<std::size_t>> from_;
 };
 
+/// The block to which the end of a node has led last, past its last instruction or by it; 0 = none.
+std::uint32_t next_of(const Node& node) {
+  const auto* at = node.first;
+  while (!is_block_end(at->op)) ++at;
+  return at->link != 0 || at->index == 0 || !is_jump(at[-1].op) ? at->link : at[-1].link;
+}
+
+/// Puts behind each node the one to which it leads, if that has no other place yet: code goes on there without a jump.
+void put_in_order(Region& region) {
+  std::vector<Node> ordered;
+  ordered.reserve(region.nodes.size());
+  const auto is_placed = [&ordered](const Node& node) {
+    return std::any_of(ordered.begin(), ordered.end(), [&](const Node& other) { return other.number == node.number; });
+  };
+  for (const auto& first : region.nodes) {
+    for (const auto* node = &first; node != nullptr && !is_placed(*node); node = region.find(next_of(*node))) {
+      ordered.push_back(*node);
+    }
+  }
+  region.nodes = std::move(ordered);
+}
+
 }  // namespace
 
 Region grow_region(const BlockCache& blocks, std::uint32_t head, const std::function<bool(std::uint32_t)>& has_code) {
@@ -93,6 +116,7 @@ Region grow_region(const BlockCache& blocks, std::uint32_t head, const std::func
   add(head);
   for (std::size_t i = 0; i < region.nodes.size(); ++i) for_successors(Node(region.nodes[i]), add);
   LoopFinder(region).weigh_loops();
+  put_in_order(region);
   return region;
 }
 

@@ -19,7 +19,7 @@ struct Node {
 
 /// Blocks that are translated together, so that registers stay in host registers from one to the next.
 struct Region {
-  std::vector<Node> nodes;  // the first is where the region is entered
+  std::vector<Node> nodes;  // the first is where the region is entered; in the order of their code
 
   const Node* find(std::uint32_t number) const {
     for (const auto& node : nodes) {
