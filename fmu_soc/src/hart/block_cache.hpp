@@ -39,8 +39,9 @@ struct Block {
   /// The pc of a block that is none, or not any more. No pc is odd.
   static constexpr std::uint32_t kInvalid = 1;
   bool valid() const { return pc != kInvalid; }
-  /// Whether translated code had better expect to fetch its lines.
-  bool is_often_absent() const { return 2 * absences > heat; }
+  /// Whether translated code had better expect to fetch its lines. Each is absent the first time, so a few times say
+  /// nothing.
+  bool is_often_absent() const { return 2 * absences > heat + 8; }
   /// What its first instruction waits for a load just before.
   std::uint32_t stall_behind(const Previous& before) const {
     return is_load(before.op) ? static_cast<std::uint32_t>(stalled_by >> before.rd & 1U) : 0U;
