@@ -14,7 +14,7 @@ void Emitter::emit_nothing(const Instruction* /*at*/) {}
 void Emitter::emit_add_immediate(const Instruction* at) {
   if (at->rs1 == 0) {
     set(at->rd, static_cast<std::uint32_t>(at->imm));
-  } else if (at->rd == at->rs1) {
+  } else if (at->rd == at->rs1 && !in_vector(at->rd)) {
     if (at->imm != 0) add(operand(at->rd), static_cast<std::uint32_t>(at->imm));
   } else {
     const auto to = place(at->rd, eax);
@@ -34,6 +34,8 @@ void Emitter::emit_add(const Instruction* at) {
     const auto to = place(at->rd, eax);
     copy(to, a == 0 ? b : a);
     finish(at->rd, to);
+  } else if (at->rd == a && in_vector(a)) {
+    paddd(vector(a), in_vector_for(b, xmm0));
   } else if (at->rd == a) {
     add(operand(a), value(b, eax));
   } else {
@@ -52,7 +54,7 @@ void Emitter::emit_binary(const Instruction* at, host::Binary apply) {
     mov(ecx, 0);
     apply(*this, to, ecx);
   } else {
-    apply(*this, to, operand(at->rs2));
+    apply(*this, to, source(at->rs2, ecx));
   }
   finish(at->rd, to);
 }
@@ -84,7 +86,7 @@ void Emitter::emit_compare(unsigned rs1, unsigned rs2) {
     if (in_host(rs1)) {
       test(host(rs1), host(rs1));
     } else {
-      cmp(operand(rs1), 0);
+      cmp(source(rs1, eax), 0);
     }
     return;
   }
@@ -92,7 +94,7 @@ void Emitter::emit_compare(unsigned rs1, unsigned rs2) {
   if (rs2 == 0) {
     cmp(left, 0);
   } else {
-    cmp(left, operand(rs2));
+    cmp(left, source(rs2, ecx));
   }
 }
 
@@ -107,7 +109,7 @@ void Emitter::emit_set_immediate(const Instruction* at, host::Set set_byte) {
     mov(eax, 0);
     cmp(eax, static_cast<std::uint32_t>(at->imm));
   } else {
-    cmp(operand(at->rs1), static_cast<std::uint32_t>(at->imm));
+    cmp(source(at->rs1, eax), static_cast<std::uint32_t>(at->imm));
   }
   finish_set(at->rd, set_byte);
 }
@@ -122,7 +124,7 @@ void Emitter::finish_set(unsigned rd, host::Set set_byte) {
 void Emitter::emit_multiply_high(const Instruction* at, bool first_sign, bool second_sign) {
   const auto widen = [this](const Xbyak::Reg64& to, unsigned reg, bool sign) {
     if (sign && reg != 0) {
-      movsxd(to, operand(reg));
+      movsxd(to, source(reg, to.cvt32()));
     } else {
       copy(to.cvt32(), reg);
     }

@@ -169,13 +169,19 @@ Xbyak::Xmm Emitter::vector(unsigned reg) const {
 }
 
 const Xbyak::Operand& Emitter::operand(unsigned reg) {
-  MEBOTS_ASSERT(!in_vector(reg), "allocate() asks may_be_in_vector()");
+  MEBOTS_ASSERT(!in_vector(reg));
   static constexpr std::size_t kCount = kHosts.size();
   static const std::array<Reg32, kCount> kOperands{Reg32(kHosts[0]), Reg32(kHosts[1]), Reg32(kHosts[2]),
                                                    Reg32(kHosts[3]), Reg32(kHosts[4]), Reg32(kHosts[5]),
                                                    Reg32(kHosts[6]), Reg32(kHosts[7]), Reg32(kHosts[8])};
   if (in_host(reg)) return kOperands[static_cast<std::uint8_t>(registers_->host[reg])];
   return memory_operands_[reg];
+}
+
+const Xbyak::Operand& Emitter::source(unsigned reg, const Reg32& scratch) {
+  if (!in_vector(reg)) return operand(reg);
+  copy(scratch, reg);
+  return scratch;
 }
 
 Xbyak::Reg32 Emitter::value(unsigned reg, const Reg32& scratch) {

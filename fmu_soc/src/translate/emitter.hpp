@@ -151,8 +151,10 @@ class Emitter : private Xbyak::CodeGenerator {
   Xbyak::Xmm vector(unsigned reg) const;
   Reg32 host(unsigned reg) const;
   Xbyak::Address memory(unsigned reg) { return dword[rbx + offset_of_register(reg)]; }
-  /// A register's value as an operand, never x0.
+  /// A register as an operand of the host's instruction; neither x0 nor one in a vector register.
   const Xbyak::Operand& operand(unsigned reg);
+  /// Likewise to be read only, from `scratch` where it lives in a vector register.
+  const Xbyak::Operand& source(unsigned reg, const Reg32& scratch);
   /// A register's value in a host register, which must not be changed unless it is `scratch`.
   Reg32 value(unsigned reg, const Reg32& scratch);
   /// Where to compute a result: the register's own place, or `scratch` when it has none or is needed until the end.

@@ -30,7 +30,8 @@ Xbyak::Label Emitter::emit_address(const Instruction* at, unsigned size, Label& 
     const auto base = value(at->rs1, eax);
     lea(eax, ptr[base.cvt64() + static_cast<std::int32_t>(distance)]);
   }
-  if (const auto step = step_register(at); mode == AddressMode::offset_register && step != 0) add(eax, operand(step));
+  if (const auto step = step_register(at); mode == AddressMode::offset_register && step != 0)
+    add(eax, source(step, ecx));
   Label inside;
   check_address(eax, ecx, ram_[0], size, other);
   L(inside);
@@ -97,14 +98,23 @@ Xbyak::Address Emitter::marks_of_word(unsigned words) {
   return frame[rdx + rcx];
 }
 
-/// Adds to the address register of a post-increment.
+/// Adds to the address register of a post-increment; ecx and edx are lost.
 void Emitter::emit_increment(const Instruction* at) {
   const auto mode = traits_of(at->op).mode;
   if (at->rs1 == 0 || (is_load(at->op) && at->rd == at->rs1)) return;  // what is loaded wins
-  if (mode == AddressMode::post_immediate) {
-    add(operand(at->rs1), static_cast<std::uint32_t>(at->imm));
-  } else if (mode == AddressMode::post_register && step_register(at) != 0) {
-    add(operand(at->rs1), value(step_register(at), ecx));
+  const auto add_to = [this, at, mode](const Xbyak::Operand& to) {
+    if (mode == AddressMode::post_immediate) {
+      add(to, static_cast<std::uint32_t>(at->imm));
+    } else if (mode == AddressMode::post_register && step_register(at) != 0) {
+      add(to, value(step_register(at), edx));
+    }
+  };
+  if (!in_vector(at->rs1)) {
+    add_to(operand(at->rs1));
+  } else if (is_post_increment(at->op)) {
+    copy(ecx, at->rs1);
+    add_to(ecx);
+    finish(at->rs1, ecx);
   }
 }
 
@@ -144,13 +154,22 @@ bool Emitter::emit_load(const Instruction* at) {
   auto inside = emit_address(at, size, other);
   emit_claim(at, size == 4);
   L(claimed);
-  // The increment reads its registers before the load writes its own.
-  const auto to = is_post_increment(at->op) ? eax : place(at->rd, eax);
-  fetch(to, r14 + rax, size, sign);
+  // An increment by the register that is loaded reads it first.
+  const bool is_own_step = traits_of(at->op).mode == AddressMode::post_register && step_register(at) == at->rd;
+  const auto to = place(at->rd, eax, is_own_step);
+  const bool into_vector = size == 4 && in_vector(at->rd) && !is_own_step;
+  const auto take = [this, at, size, sign, to, into_vector](const Xbyak::RegExp& from) {
+    if (into_vector) {
+      movd(vector(at->rd), dword[from]);
+    } else {
+      fetch(to, from, size, sign);
+    }
+  };
+  take(r14 + rax);
   L(done);
   emit_increment(at);
-  finish(at->rd, to);
-  later([this, at, size, sign, to, other, claimed, done, inside]() mutable {
+  if (!into_vector) finish(at->rd, to);
+  later([this, at, size, take, other, claimed, done, inside]() mutable {
     L(other);
     emit_middle_of_word(size, inside);
     emit_across_words(at, size, claimed, claimed);
@@ -167,7 +186,7 @@ bool Emitter::emit_load(const Instruction* at) {
       spend(ram.wait_cycles - ram_[0].wait_cycles);
     }
     mov(rdx, reinterpret_cast<std::uint64_t>(ram.data));
-    fetch(to, rdx + rcx, size, sign);
+    take(rdx + rcx);
     jmp(done, T_NEAR);
     L(neither);
     emit_resume(at);

@@ -1,35 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "translate/registers.hpp"
 
-#include "translate/translation_row.hpp"
-
 #include <algorithm>
 #include <numeric>
 
 namespace mebots::soc::translate {
 namespace {
 
-/// Whether translated code can do this instruction with the register `reg` of it in a vector register.
-bool may_be_in_vector(const Instruction& at, std::uint8_t reg) {
-  if (is_store(at.op) && has_step_register(traits_of(at.op).mode) && reg == at.imm) return false;
-  const auto& may = translation_of(at.op).in_vector;
-  const bool is_target = reg == at.rd;
-  const bool is_first = reg == at.rs1;
-  const bool is_second = reg == at.rs2;
-  if (is_target && (is_first || is_second) && !may.in_place) return false;
-  return (!is_target || may.target) && (!is_first || may.first) && (!is_second || may.second);
-}
-
-/// Weighted uses of each register.
+/// What a register costs by weight, in moves to where an instruction wants it and back.
 struct Uses {
   std::array<std::uint64_t, 33> all{};
   std::array<std::uint64_t, 33> in_dot_products{};
-  std::array<bool, 33> not_vector{};
 
   void add(const Instruction& at, std::uint8_t reg, std::uint32_t weight) {
     all[reg] += weight;
     if (is_dot_product(at.op)) in_dot_products[reg] += weight;
-    not_vector[reg] = not_vector[reg] || !may_be_in_vector(at, reg);
   }
 };
 
@@ -43,6 +28,7 @@ Registers allocate(const Region& region) {
   for (const auto& node : region.nodes) {
     for (const auto* at = node.first; !is_block_end(at->op); ++at) {
       counted.add(*at, at->rd, node.weight);
+      if (reads_rd(at->op)) counted.add(*at, at->rd, node.weight);
       counted.add(*at, at->rs1, node.weight);
       if (traits_of(at->op).reads_rs2) counted.add(*at, at->rs2, node.weight);
       if (is_store(at->op) && has_step_register(traits_of(at->op).mode)) {
@@ -61,7 +47,7 @@ Registers allocate(const Region& region) {
   std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return dots[a] > dots[b]; });
   for (const auto reg : order) {
     if (registers.vector_count == kVectorRegisters || dots[reg] == 0) break;
-    if (uses[reg] == 0 || counted.not_vector[reg] || 2 * dots[reg] < uses[reg]) continue;
+    if (uses[reg] == 0 || 2 * dots[reg] < uses[reg]) continue;
     registers.vector[reg] = static_cast<std::int8_t>(registers.vector_count);
     registers.vector_guest[registers.vector_count++] = reg;
     uses[reg] = 0;

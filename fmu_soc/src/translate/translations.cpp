@@ -20,15 +20,6 @@ constexpr bool kHigh = true;
 constexpr bool kLow = false;
 using Shift = Emitter::PartShift;
 
-constexpr InVector kAll{true, true, true, true};
-/// A result is computed in the place of rd, where no source may be.
-constexpr InVector kAllApart{true, true, true, false};
-/// rs2 is an operand of the host's instruction.
-constexpr InVector kNotSecond{true, true, false, true};
-/// What is loaded, or stored; not what makes the address.
-constexpr InVector kLoaded{.target = true};
-constexpr InVector kStored{.second = true};
-
 /// Calls a member of the emitter. One that says nothing has always emitted something.
 template <auto kEmit, auto... kHow>
 bool call(Emitter& emitter, const Instruction* at) {
@@ -47,28 +38,28 @@ constexpr Translation interpreted() {
 
 // Standard instructions
 constexpr Translation constant() {
-  return {call<&Emitter::emit_constant>, kAll};
+  return {call<&Emitter::emit_constant>};
 }
 constexpr Translation nothing() {
   return {call<&Emitter::emit_nothing>};
 }
 constexpr Translation add_immediate() {
-  return {call<&Emitter::emit_add_immediate>, kAllApart};
+  return {call<&Emitter::emit_add_immediate>};
 }
 constexpr Translation add_registers() {
-  return {call<&Emitter::emit_add>, kAllApart};
+  return {call<&Emitter::emit_add>};
 }
 template <host::Binary kApply>
 constexpr Translation binary() {
-  return {call<&Emitter::emit_binary, kApply>, kNotSecond};
+  return {call<&Emitter::emit_binary, kApply>};
 }
 template <host::Immediate kApply>
 constexpr Translation immediate() {
-  return {call<&Emitter::emit_immediate, kApply>, kAll};
+  return {call<&Emitter::emit_immediate, kApply>};
 }
 template <host::ShiftImmediate kApply>
 constexpr Translation shift_immediate() {
-  return {call<&Emitter::emit_shift_immediate, kApply>, kAll};
+  return {call<&Emitter::emit_shift_immediate, kApply>};
 }
 template <host::Shift kApply>
 constexpr Translation shift() {
@@ -95,10 +86,10 @@ constexpr Translation remainder() {
   return {call<&Emitter::emit_divide, kSign, true>};
 }
 constexpr Translation load() {
-  return {call<&Emitter::emit_load>, kLoaded};
+  return {call<&Emitter::emit_load>};
 }
 constexpr Translation store() {
-  return {call<&Emitter::emit_store>, kStored};
+  return {call<&Emitter::emit_store>};
 }
 template <host::Branch kTaken>
 constexpr Translation branch() {
@@ -156,7 +147,7 @@ constexpr Translation extend() {
 }
 template <bool kSign>
 constexpr Translation clip() {
-  return {call<&Emitter::emit_clip, kSign>, kAll};
+  return {call<&Emitter::emit_clip, kSign>};
 }
 template <bool kSign>
 constexpr Translation extract_field() {
@@ -187,52 +178,52 @@ constexpr Translation multiply_halves() {
   return {call<&Emitter::emit_multiply_halves>};
 }
 constexpr Translation shifted_sum() {
-  return {call<&Emitter::emit_shifted_sum>, kAll};
+  return {call<&Emitter::emit_shifted_sum>};
 }
 
 // Xpulp: halves and bytes
 template <host::Packed kApply>
 constexpr Translation packed() {
-  return {call<&Emitter::emit_packed, kApply>, kAll};
+  return {call<&Emitter::emit_packed, kApply>};
 }
 template <host::Packed kApply>
 constexpr Translation packed_unary() {
-  return {call<&Emitter::emit_packed_unary, kApply>, kAll};
+  return {call<&Emitter::emit_packed_unary, kApply>};
 }
 template <bool kSign>
 constexpr Translation average() {
-  return {call<&Emitter::emit_average, kSign>, kAll};
+  return {call<&Emitter::emit_average, kSign>};
 }
 template <host::Binary kApply>
 constexpr Translation logic() {
-  return {call<&Emitter::emit_logic, kApply>, kAll};
+  return {call<&Emitter::emit_logic, kApply>};
 }
 constexpr Translation compare_parts() {
-  return {call<&Emitter::emit_compare_parts>, kAll};
+  return {call<&Emitter::emit_compare_parts>};
 }
 template <Shift kShift>
 constexpr Translation shift_parts() {
-  return {call<&Emitter::emit_shift_parts, kShift>, kAll};
+  return {call<&Emitter::emit_shift_parts, kShift>};
 }
 constexpr Translation dot_product() {
-  return {call<&Emitter::emit_dot>, kAll};
+  return {call<&Emitter::emit_dot>};
 }
 constexpr Translation extract_part() {
-  return {call<&Emitter::emit_extract_part>, kAll};
+  return {call<&Emitter::emit_extract_part>};
 }
 constexpr Translation insert_part() {
-  return {call<&Emitter::emit_insert_part>, kAll};
+  return {call<&Emitter::emit_insert_part>};
 }
 constexpr Translation shuffle() {
-  return {call<&Emitter::emit_shuffle>, kAll};
+  return {call<&Emitter::emit_shuffle>};
 }
 template <bool kOfHigh>
 constexpr Translation pack_halves() {
-  return {call<&Emitter::emit_pack_halves, kOfHigh>, kAll};
+  return {call<&Emitter::emit_pack_halves, kOfHigh>};
 }
 template <bool kIntoHigh>
 constexpr Translation pack_bytes() {
-  return {call<&Emitter::emit_pack_bytes, kIntoHigh>, kAll};
+  return {call<&Emitter::emit_pack_bytes, kIntoHigh>};
 }
 
 constexpr auto kTranslations = std::to_array<Translation>({

@@ -57,7 +57,10 @@ void Emitter::emit_multiply_accumulate(const Instruction* at, bool subtracts) {
   copy(eax, at->rs1);
   copy(ecx, at->rs2);
   imul(eax, ecx);
-  if (subtracts) {
+  if (in_vector(at->rd)) {
+    movd(xmm0, eax);
+    subtracts ? psubd(vector(at->rd), xmm0) : paddd(vector(at->rd), xmm0);
+  } else if (subtracts) {
     sub(operand(at->rd), eax);
   } else {
     add(operand(at->rd), eax);
@@ -189,7 +192,7 @@ void Emitter::emit_multiply_halves(const Instruction* at) {
   take_half(eax, at->rs1);
   take_half(ecx, at->rs2);
   imul(eax, ecx);
-  if (traits.reads_rd) add(eax, operand(at->rd));
+  if (traits.reads_rd) add(eax, source(at->rd, ecx));
   if (traits.rounds) add(eax, (1U << shift) >> 1);
   traits.sign ? sar(eax, static_cast<int>(shift)) : shr(eax, static_cast<int>(shift));
   finish(at->rd, eax);

@@ -19,6 +19,8 @@ namespace mebots::soc::test {
 
 inline constexpr std::uint32_t kXpulpRam = 0x80000000;
 inline constexpr std::uint32_t kXpulpRamBytes = 4U << 20;  // further than post-increments get in one program
+inline constexpr std::uint32_t kXpulpSmall = 0x20000000;   // a second memory, which random programs leave alone
+inline constexpr std::uint32_t kXpulpSmallBytes = 4096;
 inline constexpr std::uint32_t kMiddle = kXpulpRam + kXpulpRamBytes / 2;  // where pointers start
 inline constexpr std::uint32_t kLeave = 0xfe002e23;  // sw zero, -4(zero): to a device, which ends the run
 inline constexpr unsigned kFirstPointer = 10;        // x10 to x13
@@ -57,11 +59,13 @@ class Random {
 /// Makes words of instructions out of the rows of the encoding table, with operands that keep accesses inside the RAM.
 class Generator {
  public:
-  /// `mostly_dots`: half of the instructions are dot products on registers that little else touches.
+  /// `mostly_dots`: half of the instructions are dot products, on registers that all others use less; among these are
+  /// the standard ones that compute.
   /// `left_out`: words that programs do not have.
   explicit Generator(Random& random, bool mostly_dots = false, std::function<bool(std::uint32_t)> left_out = {})
       : random_(random), mostly_dots_(mostly_dots), left_out_(std::move(left_out)) {
     for (const auto& row : encodings()) {
+      if (mostly_dots && computes_in_32_bits(row)) standard_.push_back(&row);
       if (row.extension != Extension::xpulp || is_hardware_loop(row.op) || is_branch(row.op)) continue;
       (is_load(row.op) || is_store(row.op) ? accesses_ : computing_).push_back(&row);
       if (is_dot_product(row.op)) dots_.push_back(&row);
@@ -72,6 +76,7 @@ class Generator {
   std::uint32_t plain() {
     for (;;) {
       const auto word = any_plain();
+      if (decode(word).op == Op::illegal) continue;  // since another register stands in it
       if (!left_out_ || !left_out_(word)) return word;
     }
   }
@@ -81,20 +86,30 @@ class Generator {
     if (mostly_dots_ && random_.below(2) == 0) {
       const auto& row = *dots_[random_.below(static_cast<std::uint32_t>(dots_.size()))];
       auto word = (random_.word() & ~row.mask) | row.match;
-      for (const auto place : {7U, 15U, 20U}) word = with(word, place, dot_register());
+      word = with(word, 7, dot_register());
+      for (const auto place : {15U, 20U}) {
+        word = with(word, place, random_.below(2) == 0 ? address_register() : dot_register());
+      }
       return word;
     }
     auto word = any_row();
     if (!mostly_dots_ || is_store(decode(word).op)) return word;
-    // What dot products work on comes from somewhere, mostly by a load; seldom does anything else read it.
-    if (random_.below(32) != 0) word = off_dots(off_dots(word, 15), 20);
-    const bool feeds = random_.below(is_load(decode(word).op) ? 2 : 16) == 0;
+    // What dot products work on comes from somewhere, mostly by a load; now and then something else works on it, too.
+    if (random_.below(8) != 0) {
+      word = off_dots(off_dots(word, 15), 20);
+    } else if (!is_load(decode(word).op)) {
+      const auto first = dot_register();
+      word = with(with(word, 15, first), 20, dot_register());
+      return with(word, 7, random_.below(2) == 0 ? first : dot_register());
+    }
+    const bool feeds = random_.below(is_load(decode(word).op) ? 2 : 8) == 0;
     return with(word, 7, feeds ? dot_register() : free_register() % 8);
   }
 
   std::uint32_t any_row() {
     const bool access = random_.below(4) == 0;
-    const auto& rows = access ? accesses_ : computing_;
+    const bool standard = !access && mostly_dots_ && random_.below(3) == 0;
+    const auto& rows = access ? accesses_ : standard ? standard_ : computing_;
     const auto& row = *rows[random_.below(static_cast<std::uint32_t>(rows.size()))];
     for (;;) {
       auto word = (random_.word() & ~row.mask) | row.match;
@@ -142,6 +157,12 @@ class Generator {
  private:
   static constexpr std::uint32_t kFirstDot = 24;  // x24 to x31
   std::uint32_t dot_register() { return kFirstDot + random_.below(32 - kFirstDot); }
+  /// A pointer, or an offset.
+  std::uint32_t address_register() { return kFirstPointer + random_.below(kLastOffset - kFirstPointer + 1); }
+  static bool computes_in_32_bits(const Encoding& row) {
+    return row.extension == Extension::standard && (row.match & 3U) == 3 && !ends_block(row.op) && !is_load(row.op) &&
+           !is_store(row.op) && !is_branch(row.op) && !is_csr(row.op);
+  }
   /// The same word with another register in this place, when that is one of dot products.
   static std::uint32_t off_dots(std::uint32_t word, unsigned low) {
     return (word >> low & 31U) >= kFirstDot ? with(word, low, (word >> low & 31U) - 8) : word;
@@ -157,8 +178,9 @@ class Generator {
   void branch(std::vector<std::uint32_t>& words) {
     const auto skipped = random_.below(3);
     const auto distance = 4 * (skipped + 1);
-    const auto registers = mostly_dots_ ? kFirstDot : 32U;
-    words.push_back(0x63U | (2U + random_.below(2)) << 12 | random_.below(registers) << 15 | random_.below(32) << 20 |
+    const auto registers = mostly_dots_ && random_.below(4) != 0 ? kFirstDot : 32U;
+    const auto kind = mostly_dots_ ? random_.below(8) : 2U + random_.below(2);  // 2 and 3 are Xpulp's
+    words.push_back(0x63U | kind << 12 | random_.below(registers) << 15 | random_.below(32) << 20 |
                     (distance >> 1 & 15U) << 8 | (distance >> 5) << 25);
     for (std::uint32_t i = 0; i < skipped; ++i) words.push_back(plain());
   }
@@ -206,6 +228,7 @@ class Generator {
   bool mostly_dots_;
   std::function<bool(std::uint32_t)> left_out_;
   std::vector<const Encoding*> computing_;
+  std::vector<const Encoding*> standard_;
   std::vector<const Encoding*> accesses_;
   std::vector<const Encoding*> dots_;
 };
@@ -222,6 +245,7 @@ class Platform : public Bus {
   Hart& hart() { return hart_; }
   Memory& memory() { return memory_; }
   std::uint8_t* ram() { return memory_.regions()[0].data.get(); }
+  std::uint8_t* small() { return memory_.regions()[1].data.get(); }
 
   BusReply load(std::uint32_t, std::uint64_t) override { return {}; }
   BusReply store(std::uint32_t, std::uint64_t, std::uint32_t) override { return BusReply::done(); }
@@ -231,6 +255,7 @@ class Platform : public Bus {
   static Memory make_memory() {
     Memory memory;
     memory.add("ram", kXpulpRam, kXpulpRamBytes);
+    memory.add("small", kXpulpSmall, kXpulpSmallBytes);
     return memory;
   }
   Memory memory_;

@@ -104,10 +104,45 @@ TEST(XpulpTranslation, RunsAsInterpreted) {
 /// Registers that dot products use most live in vector registers, whatever else reads and writes them.
 TEST(XpulpTranslation, RunsDotProductsAsInterpreted) {
   std::set<const Encoding*> seen;
-  for (std::uint64_t seed = 101; seed <= 120; ++seed) {
+  for (std::uint64_t seed = 101; seed <= 180; ++seed) {
     compare(seed, 4, kMiddle, seen, true);
     if (HasFatalFailure()) return;
   }
+}
+
+/// What dot products work on is loaded from either memory, and by a step that the load itself writes.
+TEST(XpulpTranslation, LoadsOperandsOfDotProductsAsInterpreted) {
+  constexpr std::array<std::uint32_t, 10> kWords{0x20e5770bU,  // p.lw x14, x14(x10!): the next step, 4 or 8
+                                                 0x20e5f783U,  // p.lw x15, x14(x11), in the small memory
+                                                 0x00460613U,  // addi x12, x12, 4
+                                                 0xa8f71857U,  // pv.sdotusp.b x16, x14, x15
+                                                 0xa8f71857U,  // three times more
+                                                 0xa8f71857U, 0xa8f71857U,
+                                                 0x0f087813U,   // andi x16, x16, 240
+                                                 0x010685b3U,   // add x11, x13, x16
+                                                 0xfddff06fU};  // j back
+  std::array<std::vector<std::byte>, 2> states;
+  for (const bool translate : {false, true}) {
+    Platform platform(translate);
+    platform.memory().write(kXpulpRam, {reinterpret_cast<const std::uint8_t*>(kWords.data()), sizeof kWords});
+    Random random(1);
+    for (std::uint32_t at = 4096; at < kXpulpRamBytes; at += 4) {
+      const std::uint32_t step = 4U << random.below(2);
+      std::memcpy(platform.ram() + at, &step, 4);
+    }
+    for (std::uint32_t at = 0; at < kXpulpSmallBytes; ++at) {
+      platform.small()[at] = static_cast<std::uint8_t>(random.word());
+    }
+    auto& hart = platform.hart();
+    hart.set_reg(10, kXpulpRam + 4096);
+    hart.set_reg(11, kXpulpSmall);
+    hart.set_reg(13, kXpulpSmall);
+    hart.set_reg(14, 4);
+    EXPECT_EQ(hart.run(200'000), Stop::limit);
+    EXPECT_GT(hart.reg(10), kXpulpRam + 50'000);
+    states[translate ? 1 : 0] = state::save(hart);
+  }
+  EXPECT_EQ(states[0], states[1]);
 }
 
 /// A post-increment whose access faults leaves its pointer as it was.
