@@ -176,7 +176,6 @@ void Soc::set_ways() {
   const auto beat = std::uint64_t{DmaTiming::kBeatUnit} * cluster_->clock_hz() / clock_.hz();
   ways.dma.beat_ticks = static_cast<std::uint32_t>(std::max<std::uint64_t>(beat, DmaTiming::kBeatUnit));
   cluster_->set_ways(ways);
-  memory_.forget_code();  // what came through the cluster's instruction cache holds the cycles of a refill
 }
 
 bool Soc::has_ways() const {

@@ -1038,6 +1038,44 @@ TEST(Gap8Cluster, RunLastsUntilACoreSwitchesTheClusterOff) {
   EXPECT_GT(static_cast<double>(system.soc.sleep_time()) / kPsPerS, 0.99 * expected_s);
 }
 
+/// Firmware may change clocks for each picture. What a load from L2 and a cache line take in the cluster's cycles then
+/// changes, and no code does.
+TEST(Gap8Cluster, CodeIsDecodedAndTranslatedOnceWhateverTheClocks) {
+  BoardSystem system(fmt::format(R"({}{}
+2:  li a2, 200
+3:  addi a2, a2, -1
+    bnez a2, 3b
+    {}
+    li a2, 200
+4:  addi a2, a2, -1
+    bnez a2, 4b
+    {}
+    j 2b
+core: li s1, 0x1C040000
+5:  lw a0, 0(s1)
+    addi a1, a1, 1
+    addi a1, a1, 1
+    addi a1, a1, 1
+    j 5b
+fault: j fault
+)",
+                                 kBegin, start_cluster(1), set_cluster_clock(762), set_cluster_clock(3050)),
+                     {}, gap8_board_of_cluster());
+  system.soc.advance(10 * kMs);
+  const auto& controller = system.soc.hart().code();
+  const auto& cluster = system.soc.cluster()->hart(0).code();
+  const auto decoded = controller.blocks.decoded() + cluster.blocks.decoded();
+  const auto translated = controller.instructions_translated() + cluster.instructions_translated();
+  if (translate::can_translate()) {
+    EXPECT_GT(cluster.instructions_translated(), 0U);
+    EXPECT_GT(controller.instructions_translated(), 0U);
+  }
+  system.soc.advance(30 * kMs);
+  EXPECT_GT(system.soc.hart().counters().instructions, 100'000U) << "hundreds of changes";
+  EXPECT_EQ(controller.blocks.decoded() + cluster.blocks.decoded(), decoded);
+  EXPECT_EQ(controller.instructions_translated() + cluster.instructions_translated(), translated);
+}
+
 /// A core that slept before the clock changed has a tick of the old one.
 TEST(Gap8Cluster, CoresThatSleepHaveATimeThoughTheClockHasChangedSince) {
   BoardSystem by_core(core_that_changes(set_cluster_clock(762), {Meanwhile::sleeps, 0b10}), {},

@@ -188,13 +188,11 @@ void BlockCache::end_block(Decoding& decoding) {
   arena_[block.first + sums.index + 1] = Instruction{};  // holds the link of a loop's next iteration
   arena_used_ += sums.index + 2U;
   decoded_ += sums.index;
-  block.fetch_bound = block.last_start_bound;
   if (cached_lines_ != nullptr) {
     const auto first_line = cached_lines_->line_of(block.pc);
     block.lines = cached_lines_->presence(block.pc);
     block.line_count = cached_lines_->line_of(block.end - 1) - first_line + 1;
     block.begins_across = cached_lines_->line_of(arena_[block.first + 1].pc - 1) != first_line;
-    block.fetch_bound += block.line_count * cached_lines_->refill_cycles();
   }
   memory_.mark(block.pc, block.end - block.pc, mark_);
 }

@@ -20,11 +20,11 @@ namespace mebots::soc {
 /// Straight code from one address, decoded once.
 struct Block {
   std::uint32_t pc = kInvalid;
-  std::uint32_t end = 0;                // address behind it
-  std::uint32_t first = 0;              // index of its first Instruction
-  std::uint32_t last_start_bound = 0;   // the most cycles from its start to the start of its last instruction
-  std::uint32_t fetch_bound = 0;        // likewise, and each of its lines may have to be fetched
-  std::uint32_t line_count = 0;         // of the instruction cache; 0 without one
+  std::uint32_t end = 0;    // address behind it
+  std::uint32_t first = 0;  // index of its first Instruction
+  std::uint32_t last_start_bound =
+      0;                         // the most cycles from its start to the start of its last instruction, all lines there
+  std::uint32_t line_count = 0;  // of the instruction cache; 0 without one
   const std::uint8_t* lines = nullptr;  // whether its lines are in the cache, a byte each
   bool begins_across = false;           // its first instruction lies in two lines
   bool unaligned = false;               // starts with a 32-bit instruction at 2 mod 4
@@ -123,6 +123,12 @@ class BlockCache {
   void set_longest_wait(std::uint32_t cycles);
   /// The cache that code comes through; null without one.
   const InstructionCache* fetched() const { return cached_lines_; }
+  /// The most cycles from the start of the block to the start of its last instruction, all of whose lines may have to
+  /// be fetched.
+  std::uint32_t fetch_bound(const Block& block) const {
+    const auto refill = cached_lines_ == nullptr ? 0U : cached_lines_->refill_cycles();
+    return block.last_start_bound + block.line_count * refill;
+  }
   /// Whether all lines of the block are in the instruction cache, or there is none.
   bool is_present(const Block& block) const {
     for (std::uint32_t i = 0; i < block.line_count; ++i) {

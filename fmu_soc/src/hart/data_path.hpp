@@ -27,7 +27,7 @@ class DataPath {
   DataPath(Execution& execution, Memory& memory, Bus& bus, bool runs_on)
       : execution_(execution), memory_(memory), bus_(bus), runs_on_(runs_on) {}
 
-  /// True: the fast memories are others, or have other waits.
+  /// True: the fast memories are others, or have other waits that translated code holds.
   bool connect(std::span<const MemoryPort> ports);
   /// The first memory, wherever the core sees it.
   void share_first(BankSchedule* banks);

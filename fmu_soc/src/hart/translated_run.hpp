@@ -89,7 +89,7 @@ class TranslatedRun {
 /// comes behind them.
 inline bool TranslatedRun::may_begin(const Block& block, std::uint32_t stall) const {
   if (!is_on() || !observed_.allows_translation() || fetch_.was_unsettled()) return false;
-  const auto bound = std::uint64_t{block.fetch_bound} + stall;
+  const auto bound = std::uint64_t{decoded_.blocks.fetch_bound(block)} + stall;
   if (decoded_.flow != nullptr && bound >= FlowNotes::kLongestRun) return false;
   if (block.line_count != 0 && (limit_.is_loose() || stall != 0) && !decoded_.blocks.begins_present(block))
     return false;

@@ -50,7 +50,7 @@ class InstructionCache {
   std::uint32_t address_of(std::uint32_t line) const { return line << line_bits_; }
   std::uint32_t words_per_line() const { return 1U << (line_bits_ - 2); }
   std::uint32_t refill_cycles() const { return refill_cycles_; }
-  /// For refills from now on. Who has decoded code that comes through here must decode it anew.
+  /// For refills from now on. Translated code holds them where one core uses the cache, whose do not change.
   void set_refill_cycles(std::uint32_t cycles) { refill_cycles_ = cycles; }
   std::uint32_t ways() const { return ways_; }
 

@@ -103,7 +103,7 @@ void Emitter::emit_resume(const Instruction* at) {
 /// block asks for one cycle, and for the lines of its first instruction: others use the cache, too.
 void Emitter::jump_at_limit(const Block& block, std::uint32_t stall, Label& leave) {
   if (!options_.loose_limit) {
-    cmp(r15, block.fetch_bound + stall);
+    cmp(r15, blocks_.fetch_bound(block) + stall);
     jle(leave, T_NEAR);
   } else if (options_.banks != nullptr) {
     cmp(r15, ptr[rbx + static_cast<int>(offsetof(Execution, host.end))]);
