@@ -5,6 +5,7 @@
 #include "mebots/error.hpp"
 
 #include <algorithm>
+#include <bit>
 
 namespace mebots::soc::gap8_devices {
 namespace {
@@ -140,7 +141,9 @@ void FrameFormat::read_out(std::span<const std::uint8_t> picture, std::vector<st
   const std::size_t binned_rows = row_step == 2 && (binning & kBinsRows) != 0 ? 2 : 1;
   const std::size_t binned_columns = column_step == 2 && (binning & kBinsColumns) != 0 ? 2 : 1;
   const auto count = binned_rows * binned_columns;
-  pixels.clear();
+  const auto shift = std::countr_zero(count);
+  pixels.resize(rows * columns);
+  auto* to = pixels.data();
   for (std::size_t row = 0; row < rows; ++row) {
     const auto from_row = ((orientation & kUpsideDown) != 0 ? rows - 1 - row : row) * row_step;
     for (std::size_t column = 0; column < columns; ++column) {
@@ -149,7 +152,7 @@ void FrameFormat::read_out(std::span<const std::uint8_t> picture, std::vector<st
       for (std::size_t i = 0; i < binned_rows; ++i) {
         for (std::size_t j = 0; j < binned_columns; ++j) sum += top[(from_row + i) * kWidth + from_column + j];
       }
-      pixels.push_back(static_cast<std::uint8_t>(sum / count));
+      *to++ = static_cast<std::uint8_t>(sum >> shift);
     }
   }
 }

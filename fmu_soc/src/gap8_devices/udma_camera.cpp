@@ -121,38 +121,43 @@ void UdmaCamera::registers_changed(std::uint32_t offset, Picoseconds /*now*/) {
   }
 }
 
+/// A pair of bytes as the interface hands it on.
+std::uint32_t UdmaCamera::converted(std::uint32_t first, std::uint32_t second) const {
+  const auto format = interface_.global >> kFormatShift & 7U;
+  const auto word = first << 8 | second;
+  if (format == kFormatLittle) return word;
+  if (format == kFormatBig) return second << 8 | first;
+  const auto field = [word](unsigned low, unsigned bits) { return (word >> low & ((1U << bits) - 1)) << (8 - bits); };
+  const auto blue = field(0, format == 2 ? 4 : 5);
+  const auto green = format == 0 ? field(5, 6) : format == 1 ? field(5, 5) : field(4, 4);
+  const auto red = format == 0 ? field(11, 5) : format == 1 ? field(10, 5) : field(8, 4);
+  const auto filter = interface_.filter;
+  const auto sum = blue * (filter & 0xffU) + green * (filter >> 8 & 0xffU) + red * (filter >> 16 & 0xffU);
+  return sum >> (interface_.global >> kShiftShift & 0xfU);
+}
+
 /// The frame's pixels as the interface hands them on.
 void UdmaCamera::convert() {
-  const auto [global, lower, upper, filter] = interface_;
-  const auto format = global >> kFormatShift & 7U;
-  const auto shift = global >> kShiftShift & 0xfU;
-  const bool has_window = (global & kHasWindow) != 0;
+  const auto lower = interface_.lower_left;
+  const auto upper = interface_.upper_right;
   const std::size_t width = format_.width();
+  const std::size_t rows = pixels_.size() / width;
   const std::size_t pairs = width / kPixelBytes;
+  // The window counts pairs of bytes, as the interface does; its last row and column are part of it.
+  const bool has_window = (interface_.global & kHasWindow) != 0;
+  const std::size_t first_row = has_window ? lower >> 16 : 0;
+  const std::size_t end_row = has_window ? std::min<std::size_t>(rows, (upper >> 16) + 1) : rows;
+  const std::size_t first_pair = has_window ? lower & 0xffffU : 0;
+  const std::size_t end_pair = has_window ? std::min<std::size_t>(pairs, (upper & 0xffffU) + 1) : pairs;
   stream_.clear();
-  for (std::size_t i = 0; i + 1 < pixels_.size(); i += kPixelBytes) {
-    const auto row = i / width;
-    const auto column = i / kPixelBytes % pairs;
-    if (has_window &&
-        (row < lower >> 16 || row > upper >> 16 || column < (lower & 0xffffU) || column > (upper & 0xffffU))) {
-      continue;
+  stream_.reserve(pixels_.size());
+  for (auto row = first_row; row < end_row; ++row) {
+    for (auto pair = first_pair; pair < end_pair; ++pair) {
+      const auto* at = &pixels_[row * width + pair * kPixelBytes];
+      const auto word = converted(at[0], at[1]);
+      stream_.push_back(static_cast<std::uint8_t>(word));
+      stream_.push_back(static_cast<std::uint8_t>(word >> 8));
     }
-    const std::uint32_t first = pixels_[i];
-    const std::uint32_t second = pixels_[i + 1];
-    std::uint32_t word = first << 8 | second;
-    if (format == kFormatBig) {
-      word = second << 8 | first;
-    } else if (format != kFormatLittle) {
-      const auto field = [word](unsigned low, unsigned bits) {
-        return (word >> low & ((1U << bits) - 1)) << (8 - bits);
-      };
-      const auto blue = field(0, format == 2 ? 4 : 5);
-      const auto green = format == 0 ? field(5, 6) : format == 1 ? field(5, 5) : field(4, 4);
-      const auto red = format == 0 ? field(11, 5) : format == 1 ? field(10, 5) : field(8, 4);
-      word = (blue * (filter & 0xffU) + green * (filter >> 8 & 0xffU) + red * (filter >> 16 & 0xffU)) >> shift;
-    }
-    stream_.push_back(static_cast<std::uint8_t>(word));
-    stream_.push_back(static_cast<std::uint8_t>(word >> 8));
   }
 }
 

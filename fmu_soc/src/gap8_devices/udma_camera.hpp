@@ -74,6 +74,7 @@ class UdmaCamera final : public UdmaPeripheral {
   void expose(Picoseconds now);
   void take(std::span<const std::uint8_t> picture, Picoseconds now);
   void convert();
+  std::uint32_t converted(std::uint32_t first, std::uint32_t second) const;
   void forget();
   void lose_frame();
   Picoseconds stored_at() const { return std::max(came_at_, ends_at_); }
