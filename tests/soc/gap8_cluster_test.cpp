@@ -1041,7 +1041,8 @@ TEST(Gap8Cluster, RunLastsUntilACoreSwitchesTheClusterOff) {
 /// Firmware may change clocks for each picture. What a load from L2 and a cache line take in the cluster's cycles then
 /// changes, and no code does.
 TEST(Gap8Cluster, CodeIsDecodedAndTranslatedOnceWhateverTheClocks) {
-  BoardSystem system(fmt::format(R"({}{}
+  const auto program =
+      BoardSystem::assembled(fmt::format(R"({}{}
 2:  li a2, 200
 3:  addi a2, a2, -1
     bnez a2, 3b
@@ -1059,8 +1060,12 @@ core: li s1, 0x1C040000
     j 5b
 fault: j fault
 )",
-                                 kBegin, start_cluster(1), set_cluster_clock(762), set_cluster_clock(3050)),
-                     {}, gap8_board_of_cluster());
+                                         kBegin, start_cluster(0xff), set_cluster_clock(762), set_cluster_clock(3050)));
+  BoardSystem system(program, {}, gap8_board_of_cluster());
+  Settings without_translation;
+  without_translation.translate = false;
+  BoardSystem interpreted(program, without_translation, gap8_board_of_cluster());
+  BoardSystem restored(program, {}, gap8_board_of_cluster());
   system.soc.advance(10 * kMs);
   const auto& controller = system.soc.hart().code();
   const auto& cluster = system.soc.cluster()->hart(0).code();
@@ -1070,7 +1075,12 @@ fault: j fault
     EXPECT_GT(cluster.instructions_translated(), 0U);
     EXPECT_GT(controller.instructions_translated(), 0U);
   }
-  system.soc.advance(30 * kMs);
+  state::restore(restored.soc, state::save(system.soc));
+  for (int ms = 11; ms <= 30; ++ms) {
+    for (auto* each : {&system, &interpreted, &restored}) each->soc.advance(ms * kMs);
+    ASSERT_TRUE(mebots::test::same_state(interpreted.soc, system.soc)) << ms;
+    ASSERT_TRUE(mebots::test::same_state(restored.soc, system.soc)) << ms;
+  }
   EXPECT_GT(system.soc.hart().counters().instructions, 100'000U) << "hundreds of changes";
   EXPECT_EQ(controller.blocks.decoded() + cluster.blocks.decoded(), decoded);
   EXPECT_EQ(controller.instructions_translated() + cluster.instructions_translated(), translated);

@@ -20,11 +20,10 @@ namespace mebots::soc {
 /// Straight code from one address, decoded once.
 struct Block {
   std::uint32_t pc = kInvalid;
-  std::uint32_t end = 0;    // address behind it
-  std::uint32_t first = 0;  // index of its first Instruction
-  std::uint32_t last_start_bound =
-      0;                         // the most cycles from its start to the start of its last instruction, all lines there
-  std::uint32_t line_count = 0;  // of the instruction cache; 0 without one
+  std::uint32_t end = 0;                // address behind it
+  std::uint32_t first = 0;              // index of its first Instruction
+  std::uint32_t last_start_bound = 0;   // the most cycles to its last instruction's start, all lines being there
+  std::uint32_t line_count = 0;         // of the instruction cache; 0 without one
   const std::uint8_t* lines = nullptr;  // whether its lines are in the cache, a byte each
   bool begins_across = false;           // its first instruction lies in two lines
   bool unaligned = false;               // starts with a 32-bit instruction at 2 mod 4
@@ -41,7 +40,8 @@ struct Block {
   bool valid() const { return pc != kInvalid; }
   /// Whether translated code had better expect to fetch its lines. Each is absent the first time, so a few times say
   /// nothing.
-  bool is_often_absent() const { return 2 * absences > heat + 8; }
+  bool is_often_absent() const { return 2 * absences > heat + kFewAbsences; }
+  static constexpr int kFewAbsences = 8;  // of the 64 turns after which a block is hot
   /// What its first instruction waits for a load just before.
   std::uint32_t stall_behind(const Previous& before) const {
     return is_load(before.op) ? static_cast<std::uint32_t>(stalled_by >> before.rd & 1U) : 0U;

@@ -28,10 +28,11 @@ bool DataPath::connect(std::span<const MemoryPort> ports) {
   for (std::size_t i = 0; i < 2; ++i) {
     const bool is_fast = i < ports.size() && ports[i].moved == 0;
     const auto ram = is_fast ? fast_region(memory_, ports[i]) : FastRegion{};
-    // Translated code leaves in front of an access to a second memory that others use, too: it holds no wait of that.
-    const bool holds_wait = i == 0 || ram.banks == nullptr;
-    others = others || ram.data != execution_.ram[i].data ||
-             (holds_wait && ram.wait_cycles != execution_.ram[i].wait_cycles);
+    const auto& before = execution_.ram[i];
+    const bool was_left = i == 1 && before.is_left_to_interpreter();
+    const bool is_left = i == 1 && ram.is_left_to_interpreter();
+    others =
+        others || ram.data != before.data || is_left != was_left || (!is_left && ram.wait_cycles != before.wait_cycles);
     execution_.ram[i] = ram;
   }
   return others;

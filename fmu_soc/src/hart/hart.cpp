@@ -30,7 +30,7 @@ Hart::Hart(Memory& memory, Bus& bus, DecodedCode& decoded, const HartSettings& s
 }
 
 void Hart::connect(std::span<const MemoryPort> ports) {
-  // Translated code holds all of the fast memories but who else is there.
+  // Translated code holds all of the fast memories, but who else is there, and what it waits where others are.
   if (data_path_.connect(ports)) decoded_.drop_translations();
   blocks_.set_longest_wait(data_path_.longest_wait());
 }

@@ -14,6 +14,7 @@ constexpr unsigned kEpochBits = 26;  // of cycles: a program of a megabyte, all 
 /// Most cycles of one stay in translated code: its counts have 32 bits.
 constexpr std::uint64_t kLongestRun = std::uint64_t{1} << 30;
 
+/// Behind the translation, which asks how often its lines were absent.
 void cool(const Block& block) {
   block.heat = 0;
   block.absences = 0;

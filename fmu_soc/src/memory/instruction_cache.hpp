@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "mebots/assert.hpp"
 #include "mebots/state/visitor.hpp"
 
 #include <algorithm>
@@ -50,8 +51,11 @@ class InstructionCache {
   std::uint32_t address_of(std::uint32_t line) const { return line << line_bits_; }
   std::uint32_t words_per_line() const { return 1U << (line_bits_ - 2); }
   std::uint32_t refill_cycles() const { return refill_cycles_; }
-  /// For refills from now on. Translated code holds them where one core uses the cache, whose do not change.
-  void set_refill_cycles(std::uint32_t cycles) { refill_cycles_ = cycles; }
+  /// For refills from now on, where several cores share it: where one does, translated code holds the cycles.
+  void set_refill_cycles(std::uint32_t cycles) {
+    MEBOTS_ASSERT(is_shared());
+    refill_cycles_ = cycles;
+  }
   std::uint32_t ways() const { return ways_; }
 
   bool is_shared() const { return !arrivals_.empty(); }

@@ -206,8 +206,8 @@ void Emitter::finish(unsigned rd, const Reg32& result) {
 
 void Emitter::set(unsigned rd, std::uint32_t constant) {
   if (in_vector(rd)) {
-    mov(eax, constant);
-    movd(vector(rd), eax);
+    mov(ecx, constant);  // eax holds where a jump leads
+    movd(vector(rd), ecx);
   } else if (!in_host(rd)) {
     mov(memory(rd), constant);
   } else if (constant == 0) {

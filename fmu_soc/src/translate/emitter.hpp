@@ -160,7 +160,9 @@ class Emitter : private Xbyak::CodeGenerator {
   /// Where to compute a result: the register's own place, or `scratch` when it has none or is needed until the end.
   Reg32 place(unsigned rd, const Reg32& scratch, bool needed_later = false) const;
   void finish(unsigned rd, const Reg32& result);
+  /// ecx may be lost.
   void set(unsigned rd, std::uint32_t constant);
+  /// Flags stay.
   void copy(const Reg32& to, unsigned reg);
 
   // arithmetic.cpp

@@ -162,7 +162,7 @@ void Emitter::emit_fetch(const Block& block, const Instruction* at, const Instru
 }
 
 /// Brings the line of this code when it is absent. What is seldom so stands aside: a jump fewer where it is present,
-/// and three more, to code elsewhere, where it is not.
+/// and two more, to code elsewhere and back, where it is not.
 void Emitter::emit_fetch_line(std::uint32_t line, std::uint32_t address, bool often_absent) {
   Label present;
   if (often_absent) {

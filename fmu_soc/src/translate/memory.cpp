@@ -174,7 +174,7 @@ bool Emitter::emit_load(const Instruction* at) {
     emit_middle_of_word(size, inside);
     emit_across_words(at, size, claimed, claimed);
     const auto& ram = ram_[1];
-    if (ram.span == 0 || ram.banks != nullptr) {
+    if (ram.span == 0 || ram.is_left_to_interpreter()) {
       emit_resume(at);
       return;
     }
@@ -229,7 +229,7 @@ bool Emitter::emit_store(const Instruction* at) {
     emit_middle_of_word(size, inside);
     emit_across_words(at, size, marked, claimed);
     const auto& ram = ram_[1];
-    if (ram.span != 0 && ram.banks == nullptr) {
+    if (ram.span != 0 && !ram.is_left_to_interpreter()) {
       lea(ecx, ptr[rax + static_cast<std::int32_t>(ram_[0].base - ram.base)]);
       check_address(ecx, edx, ram, size, marked);
       mov(eax, ecx);

@@ -26,8 +26,8 @@ struct Registers {
   std::array<bool, 33> written{};  // somewhere in the region
 };
 
-/// Gives the vector registers to those that dot products use most, which nothing else wants in another place, and the
-/// host registers to those of the others that are used most.
+/// Gives the vector registers to those that dot products use most and that are used by little else, and the host
+/// registers to those of the others that are used most.
 Registers allocate(const Region& region);
 
 }  // namespace mebots::soc::translate

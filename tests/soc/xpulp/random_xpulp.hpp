@@ -149,6 +149,12 @@ class Generator {
     return words;
   }
 
+  /// Standard ones that compute, and go straight on.
+  static bool computes_in_32_bits(const Encoding& row) {
+    return row.extension == Extension::standard && (row.match & 3U) == 3 && !ends_block(row.op) && !is_load(row.op) &&
+           !is_store(row.op) && !is_branch(row.op) && !is_csr(row.op);
+  }
+
   /// The same word with another register in the place from bit `low` on.
   static std::uint32_t with(std::uint32_t word, unsigned low, std::uint32_t value) {
     return (word & ~(31U << low)) | value << low;
@@ -159,10 +165,6 @@ class Generator {
   std::uint32_t dot_register() { return kFirstDot + random_.below(32 - kFirstDot); }
   /// A pointer, or an offset.
   std::uint32_t address_register() { return kFirstPointer + random_.below(kLastOffset - kFirstPointer + 1); }
-  static bool computes_in_32_bits(const Encoding& row) {
-    return row.extension == Extension::standard && (row.match & 3U) == 3 && !ends_block(row.op) && !is_load(row.op) &&
-           !is_store(row.op) && !is_branch(row.op) && !is_csr(row.op);
-  }
   /// The same word with another register in this place, when that is one of dot products.
   static std::uint32_t off_dots(std::uint32_t word, unsigned low) {
     return (word >> low & 31U) >= kFirstDot ? with(word, low, (word >> low & 31U) - 8) : word;
