@@ -79,8 +79,7 @@ class LoopFinder {
 
 /// The block to which the end of a node has led last, past its last instruction or by it; 0 = none.
 std::uint32_t next_of(const Node& node) {
-  const auto* at = node.first;
-  while (!is_block_end(at->op)) ++at;
+  const auto* at = node.end();
   return at->link != 0 || at->index == 0 || !is_jump(at[-1].op) ? at->link : at[-1].link;
 }
 
@@ -109,9 +108,7 @@ Region grow_region(const BlockCache& blocks, std::uint32_t head, const std::func
     if (!blocks.block(number).valid() || region.find(number) != nullptr || has_code(number)) return;
     const auto& block = blocks.block(number);
     region.nodes.push_back({number, &block, blocks.instructions(block)});
-    const auto* at = region.nodes.back().first;
-    while (!is_block_end(at->op)) ++at;
-    instructions += at->index;
+    instructions += region.nodes.back().end()->index;
   };
   add(head);
   for (std::size_t i = 0; i < region.nodes.size(); ++i) for_successors(Node(region.nodes[i]), add);

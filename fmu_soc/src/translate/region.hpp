@@ -15,6 +15,13 @@ struct Node {
   const Block* block = nullptr;
   const Instruction* first = nullptr;
   std::uint32_t weight = 1;  // how often it runs, guessed: 8 to the power of the loops it lies in
+
+  /// What stands behind its last instruction; its index says how many there are.
+  const Instruction* end() const {
+    const auto* at = first;
+    while (!is_block_end(at->op)) ++at;
+    return at;
+  }
 };
 
 /// Blocks that are translated together, so that registers stay in host registers from one to the next.

@@ -50,9 +50,7 @@ class HostTranslator : public Translator {
       entries_[node.number] = entries[i];
       entries_[node.number].region = number;
       made.blocks.push_back({node.number, node.block->pc});
-      const auto* last = node.first;
-      while (!is_block_end(last->op)) ++last;
-      translated_ += last->index;
+      translated_ += node.end()->index;
     }
     // What it leads to may have code already.
     for (auto exit = first_exit; exit < exits_.count(); ++exit) chain_where_known(exits_.exit_in_work(exit));
