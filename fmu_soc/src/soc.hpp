@@ -134,6 +134,11 @@ class Soc final : private Bus {
   Picoseconds core_time(unsigned number) const {
     return number == kFabricControllerHart ? core_time() : cluster_->core_time(core_of_hart(number));
   }
+  /// When one of its active cycles started, since when it has neither slept nor had another clock.
+  Picoseconds core_time_at(unsigned number, std::uint64_t cycle) const {
+    return number == kFabricControllerHart ? clock_.time_of(cycle)
+                                           : cluster_->core_time_at(core_of_hart(number), cycle);
+  }
   /// What core `core` of the cluster takes for what it does itself [J], over what it takes with its clock gated.
   double cluster_core_energy_j(unsigned core) const { return meter_.core_j(core, core_activity(core)); }
   /// What one more count of a hart costs now.
@@ -141,10 +146,6 @@ class Soc final : private Bus {
   /// Words that come for a cycle that the fabric controller waits for its instruction cache.
   double refill_words_per_fetch_cycle() const {
     return instruction_cache_ ? 1.0 * instruction_cache_->words_per_line() / instruction_cache_->refill_cycles() : 0;
-  }
-  /// Of the clock of a hart.
-  double clock_hz(unsigned number) const {
-    return number == kFabricControllerHart ? clock_.hz() : cluster_->clock_hz();
   }
   double clock_hz() const { return clock_.hz(); }
   double voltage_v() const { return voltage_mv_ / 1e3; }

@@ -232,6 +232,11 @@ Picoseconds Cluster::core_time(unsigned core) const {
   return time_of_core_at(cores_[core]->tick());
 }
 
+Picoseconds Cluster::core_time_at(unsigned core, std::uint64_t cycle) const {
+  MEBOTS_ASSERT(core < cores_.size());
+  return time_of_core_at(cores_[core]->tick_of(cycle));
+}
+
 Picoseconds Cluster::reached() const {
   if (!powered()) return powered_.changed_at();
   std::uint64_t tick = 0;

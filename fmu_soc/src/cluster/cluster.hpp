@@ -88,6 +88,8 @@ class Cluster final : private ClusterBus, private ClusterEvents {
   /// When the core's next instruction starts, or its sleep began; while it is on. Of a sleep that began before the
   /// clock last changed, that change.
   Picoseconds core_time(unsigned core) const;
+  /// When one of its active cycles started, since when it has neither slept nor had another clock.
+  Picoseconds core_time_at(unsigned core, std::uint64_t cycle) const;
   /// How far the core has come that is farthest, awake or not; of a cluster that is off, when it went off.
   Picoseconds reached() const;
   /// When the core that faulted or stopped the run would have gone on.

@@ -60,7 +60,9 @@ class ClusterCore final : private Bus {
   // Its time.
 
   /// The tick in which its next instruction starts, or its sleep began.
-  std::uint64_t tick() const { return hart_.counters().cycles + offset_; }
+  std::uint64_t tick() const { return tick_of(hart_.counters().cycles); }
+  /// The tick of one of its active cycles, since when it has not slept.
+  std::uint64_t tick_of(std::uint64_t cycle) const { return cycle + offset_; }
   bool sleeps() const { return asleep_; }
   /// The tick in which its next instruction starts; kNoTick while it sleeps.
   std::uint64_t ready() const { return asleep_ ? kNoTick : tick(); }
@@ -151,7 +153,7 @@ class ClusterCore final : private Bus {
       return {BusReply::Kind::later};
     }
     granted_ = false;
-    accessed_ = cycle + offset_;
+    accessed_ = tick_of(cycle);
     return bus_.access({id_, address, accessed_, stored, event, size});
   }
   BusReply load(std::uint32_t address, std::uint64_t cycle) override { return turn(address, cycle, nullptr, false); }

@@ -94,13 +94,12 @@ void CoreProfile::retired(const Hart& hart, const Retired& instruction) {
   step({decoded.op, decoded.rd, decoded.rs1, instruction.pc + decoded.length, hart.pc()}, [this] { return now(); });
 }
 
-/// In translated code only this hart's counts have changed, and energy and time are linear in them: from what the last
-/// step has cost follows what each one had.
+/// In translated code only this hart's counts have changed. Time follows from its cycles, rounded as `now` does, so that
+/// no rounding adds up. Energy is linear in the counts: from what the last step has cost follows what each one had.
 void CoreProfile::flowed(const Hart& hart, std::span<const Flow> steps) {
   const auto last = now();
   const auto per_count = soc_.energy_per_count(number_);
   const auto per_fetch_cycle_j = number_ == 0 ? soc_.refill_words_per_fetch_cycle() * per_count.refill_word_j : 0.0;
-  const auto cycle_ps = kPsPerS / soc_.clock_hz(number_);
   const auto& end = steps.back();
   // Lines that came after the last step are in the energy already.
   const auto fetch_cycles = hart.counters().fetch_cycles;
@@ -113,7 +112,7 @@ void CoreProfile::flowed(const Hart& hart, std::span<const Flow> steps) {
                          near * per_count.near_access_j + far * per_count.far_access_j +
                          static_cast<double>(fetch_cycles - flow.fetch_cycles) * per_fetch_cycle_j;
     const Cost cost{static_cast<std::int64_t>(flow.cycles), static_cast<std::int64_t>(flow.instructions),
-                    last.time_ps - rounded(cycles * cycle_ps), last.energy_fj - rounded(later_j / kFemtojoule)};
+                    soc_.core_time_at(number_, flow.cycles), last.energy_fj - rounded(later_j / kFemtojoule)};
     const auto* at = flow.at;
     step({at->op, at->rd, at->rs1, at[1].pc, flow.next}, [&cost] { return cost; });
   }
