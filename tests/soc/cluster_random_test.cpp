@@ -58,7 +58,10 @@ class Comparison {
       : random_(seed), program_(BoardSystem::assembled(random_cluster_program(seed))) {
     settings_.cluster_cores = below(3) == 0 ? 1 + below(8) : 8;
     for (auto& memory : board_.memories) {
-      if (memory.place != Place::cluster) continue;
+      if (memory.place != Place::cluster) {
+        if (seed % 3 == 1) memory.way = {.fabric_controller = 3, .cluster = 2, .soc = 17};  // which cores share
+        continue;
+      }
       memory.arbitration_tree = seed % 2 == 0;
       constexpr std::array kQuanta{64U, 1U, 17U, 256U, 1024U};
       memory.quantum = kQuanta[seed % kQuanta.size()];

@@ -634,6 +634,58 @@ TEST(Gap8Cluster, LetsOneCoreAtATimeThroughToL2) {
   EXPECT_GE(cycles_of_core(0xff, factors, 7, board), kLoads * 8 * 8 * 9 / 10) << "eight loads take 64 cycles";
 }
 
+/// Straight code that loads from L2 until no table of banks reaches as far, and goes on in L1.
+TEST(Gap8Cluster, TranslatedCodeWaitsForL2HoweverLong) {
+  const auto program = [](std::uint32_t who, const Factors& factors) {
+    return fmt::format(R"({}
+    li s0, 0x1A100000
+    li a0, 1 << 26 | {}
+    sw a0, 0x04(s0)
+    li a0, 1 << 26 | {}
+    sw a0, 0x14(s0)
+    {}
+3:  wfi
+    j 3b
+core: csrr s2, mhartid
+    andi s2, s2, 15
+    slli s2, s2, 8
+    li s1, 0x1C040000
+    add s1, s1, s2
+    li s0, 0x10000000
+    add s0, s0, s2
+4:  .rept 30
+    lw a0, 0(s1)
+    sw a1, 4(s1)
+    .endr
+    .rept 16
+    lw a1, 0(s0)
+    sw a0, 4(s0)
+    .endr
+    addi a0, a0, 1
+    j 4b
+fault: j fault
+)",
+                       kBegin, factors.soc, factors.cluster, start_cluster(who));
+  };
+  for (const auto& factors : {Factors{1500, 1500}, Factors{600, 4800}, Factors{150, 4800}, Factors{80, 4800}}) {
+    for (const std::uint32_t who : {1U, 3U, 0xffU}) {
+      const auto elf = BoardSystem::assembled(program(who, factors));
+      BoardSystem system(elf, {}, gap8_board_of_cluster());
+      Settings without_translation;
+      without_translation.translate = false;
+      BoardSystem interpreted(elf, without_translation, gap8_board_of_cluster());
+      for (int ms = 10; ms <= 50; ms += 10) {
+        for (auto* each : {&system, &interpreted}) each->soc.advance(ms * kMs);
+        ASSERT_TRUE(mebots::test::same_state(interpreted.soc, system.soc))
+            << factors.soc << " and " << factors.cluster << ", cores " << who << ", " << ms << " ms";
+      }
+      const auto& core = system.soc.hart(1);
+      EXPECT_TRUE(!translate::can_translate() || core.code().instructions_translated() > 60);
+      EXPECT_GT(core.counters().far_accesses, 5000U) << factors.soc;
+    }
+  }
+}
+
 TEST(Gap8Cluster, LetsTheFabricControllerWaitForL2AndNotForItsOwnMemory) {
   const auto cycles_from = [](std::uint32_t address) {
     BoardSystem system(fmt::format(R"(

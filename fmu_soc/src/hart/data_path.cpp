@@ -29,10 +29,10 @@ bool DataPath::connect(std::span<const MemoryPort> ports) {
     const bool is_fast = i < ports.size() && ports[i].moved == 0;
     const auto ram = is_fast ? fast_region(memory_, ports[i]) : FastRegion{};
     const auto& before = execution_.ram[i];
-    const bool was_left = i == 1 && before.is_left_to_interpreter();
-    const bool is_left = i == 1 && ram.is_left_to_interpreter();
-    others =
-        others || ram.data != before.data || is_left != was_left || (!is_left && ram.wait_cycles != before.wait_cycles);
+    // Who accesses a second memory that is shared asks for its wait (far_access.hpp).
+    const bool asks = i == 1 && ram.is_shared();
+    const bool asked = i == 1 && before.is_shared();
+    others = others || ram.data != before.data || asks != asked || (!asks && ram.wait_cycles != before.wait_cycles);
     execution_.ram[i] = ram;
   }
   return others;

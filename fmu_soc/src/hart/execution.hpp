@@ -23,8 +23,7 @@ struct FastRegion {
   std::uint32_t wait_cycles = 0;  // added to every access: the way there and back
   BankSchedule* banks = nullptr;  // who else uses it; null = nobody
 
-  /// Of the second one: translated code leaves in front of an access, and so holds no wait of it.
-  bool is_left_to_interpreter() const { return banks != nullptr; }
+  bool is_shared() const { return banks != nullptr; }
 };
 
 /// Why a block was left other than by a branch or at its end.

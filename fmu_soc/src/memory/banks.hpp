@@ -27,10 +27,12 @@ class Banks {
   /// Most ticks of one run of translated code, and most that it can go beyond them in the block in which they end.
   static constexpr std::uint64_t kLongestRun = 1024;
   static constexpr std::uint64_t kLongestBlock = 5120;
+  /// Ticks from the start on that can be taken: cores come as far in their last block, and may wait there.
+  static constexpr std::uint64_t kReach = kLongestRun + kLongestBlock + 1024;
 
   /// `count` must be a power of two, at most kMost.
   explicit Banks(unsigned count = 16)
-      : count_(count), taken_(kRows * count), unread_((kLongestRun + kLongestBlock) * count) {
+      : count_(count), taken_(kRows * count), unread_((kReach + kLongestBlock) * count) {
     set_horizon();
   }
   Banks(const Banks&) = delete;
@@ -38,18 +40,23 @@ class Banks {
 
   unsigned count() const { return count_; }
 
-  /// Takes the first free cycle of the bank at or after `tick`; the answer is how long to wait for it. A tick before
-  /// the start counts as the start; kReach behind it nobody is in the way.
-  std::uint32_t claim(std::uint64_t tick, std::uint32_t address) {
+  /// Ticks from `tick` to the first free cycle of the bank. A tick before the start counts as the start; kReach behind
+  /// it nobody is in the way.
+  std::uint32_t wait(std::uint64_t tick, std::uint32_t address) const {
     const auto end = start_ + kReach;
-    for (auto at = std::max(tick, start_); at < end; ++at) {
-      auto& taken = byte_of(at, address);
-      if (taken != 0) continue;
-      taken = 1;
-      return static_cast<std::uint32_t>(at - tick);
-    }
-    return tick < end ? static_cast<std::uint32_t>(end - tick) : 0;
+    if (tick >= end) return 0;
+    auto at = std::max(tick, start_);
+    while (at < end && taken_[place_of(at, address)] != 0) ++at;
+    return static_cast<std::uint32_t>(at - tick);
   }
+  /// Takes that cycle; the answer is how long to wait for it.
+  std::uint32_t claim(std::uint64_t tick, std::uint32_t address) {
+    const auto waited = wait(tick, address);
+    if (tick + waited < start_ + kReach) byte_of(tick + waited, address) = 1;
+    return waited;
+  }
+  /// Ticks from `tick` on for which somebody may be in the way.
+  std::uint64_t ticks_left(std::uint64_t tick) const { return start_ + kReach - std::min(tick, start_ + kReach); }
 
   /// For who has its turn at the latest after one other, and takes all words from `address` on before `end` at once: of
   /// each one the bank's cycle in `tick`, or when that is taken the next one in any case. The answer is 1 when one of
@@ -116,8 +123,6 @@ class Banks {
   }
 
  private:
-  /// Ticks from the start on that can be taken: cores come as far in their last block, and may wait there.
-  static constexpr std::uint64_t kReach = kLongestRun + kLongestBlock + 1024;
   static constexpr std::uint64_t kRows = kTurn + kReach + kLongestBlock;
 
   /// What is taken from the start on, without the free end: nearly all is free.
@@ -132,9 +137,10 @@ class Banks {
     while (end > begin && taken_[end - 1] == 0) --end;
     return {taken_.data() + begin, taken_.data() + end};
   }
-  std::uint8_t& byte_of(std::uint64_t tick, std::uint32_t address) {
-    return taken_[(tick - base_) * count_ + (address / 4 & (count_ - 1))];
+  std::size_t place_of(std::uint64_t tick, std::uint32_t address) const {
+    return (tick - base_) * count_ + (address / 4 & (count_ - 1));
   }
+  std::uint8_t& byte_of(std::uint64_t tick, std::uint32_t address) { return taken_[place_of(tick, address)]; }
   void clear(std::uint64_t from, std::uint64_t to) {
     MEBOTS_ASSERT(from >= base_);
     const auto first = std::min(from - base_, kRows);
@@ -163,6 +169,13 @@ class BankSchedule {
 
   /// Active cycle `cycle` of the core is tick `cycle + offset` of the banks (modulo 2^64).
   void set_offset(std::uint64_t offset) { offset_ = offset; }
+
+  /// Cycles from active cycle `cycle` to the first in which an access finds its bank free.
+  std::uint32_t wait(std::uint64_t cycle, std::uint32_t address) const {
+    return banks_->wait(cycle + offset_, address);
+  }
+  /// Cycles from there on for which somebody may be in the way.
+  std::uint64_t cycles_left(std::uint64_t cycle) const { return banks_->ticks_left(cycle + offset_); }
 
   /// Extra cycles of an access in active cycle `cycle`.
   std::uint32_t claim(std::uint64_t cycle, std::uint32_t address) {

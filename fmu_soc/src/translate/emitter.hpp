@@ -50,6 +50,9 @@ class Emitter : private Xbyak::CodeGenerator {
     /// As written, to be called: brings line edx of the code, whose presence is noted in byte [rcx], into the set that
     /// begins at byte rax of the entries. Null without an instruction cache, and where others use it.
     const std::uint8_t* fetch = nullptr;
+    /// As written, to be called: eax = what an access at offset ecx of the second memory waits, below 0 when the
+    /// interpreter must make it; edx cycles of the block come before. rdx is lost. Null where nobody else uses it.
+    const std::uint8_t* far = nullptr;
   };
   /// In place of the number of an exit: not in translated code.
   static constexpr std::uint64_t kNoExit = 0xffffffff;
@@ -139,6 +142,7 @@ class Emitter : private Xbyak::CodeGenerator {
   void emit_account();
   void emit_next_core(const Label& next_core, const Label& done);
   void emit_fetch_gate();
+  void emit_far_gate();
 
   // emitter.cpp: blocks, operands
   void emit_node(const Node& node);
@@ -208,6 +212,7 @@ class Emitter : private Xbyak::CodeGenerator {
   Xbyak::Address marks_of_word(unsigned words);
   void emit_increment(const Instruction* at);
   void emit_claim(const Instruction* at, bool word_in_ecx);
+  void emit_far_wait(const Instruction* at, Label& left);
   void check_address(const Reg32& offset, const Reg32& scratch, const FastRegion& ram, unsigned size, Label& other);
   void fetch(const Reg32& to, const Xbyak::RegExp& from, unsigned size, bool sign);
 

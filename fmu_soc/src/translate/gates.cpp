@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Pieces of code that all regions share: into translated code, out of it, from one core to the next one of the round.
+#include "hart/far_access.hpp"
 #include "mebots/assert.hpp"
 #include "translate/emitter.hpp"
 
@@ -64,6 +65,10 @@ Emitter::Gates Emitter::emit_gates() {
     gates.fetch = getCurr();
     emit_fetch_gate();
   }
+  if (ram_[1].is_shared()) {
+    gates.far = getCurr();
+    emit_far_gate();
+  }
   align(kGateAlignment);
   return gates;
 }
@@ -122,6 +127,43 @@ void Emitter::emit_fetch_gate() {
   sub(r15, cache.refill_cycles());
   pop(rdi);
   pop(rsi);
+  ret();
+}
+
+/// Calls wait_for_far, and spends what it says.
+void Emitter::emit_far_gate() {
+  MEBOTS_ASSERT(options_.banks != nullptr, "a core whose second memory is shared shares the first one");
+  static_assert(kNoRoom >> 63 == 1 && Banks::kReach < std::uint64_t{1} << 31, "the sign tells which it is");
+  const auto bits = std::countr_zero(options_.banks->count());
+  // What a called function may change (System V ABI), and where an even number of words leaves the stack aligned.
+  const std::array saved{rsi, rdi, r8, r9, r10, r11, rcx};
+  constexpr int kVectors = 12;
+  constexpr int kFirst = 3;
+  constexpr int kRoom = 16 + 8 * kVectors + 8;
+  for (const auto& reg : saved) push(reg);
+  sub(rsp, kRoom);
+  movdqu(ptr[rsp], xmm15);
+  for (int i = 0; i < kVectors; ++i) movq(ptr[rsp + 16 + 8 * i], Xbyak::Xmm(kFirst + i));
+  mov(rsi, r15);
+  sub(rsi, ptr[rbx + offset_of_host(offsetof(HostState, begin))]);
+  shr(rsi, bits);
+  add(rsi, rdx);
+  add(rsi, ptr[rbx + offset_of_counter(offsetof(Counters, cycles))]);
+  mov(rdi, rbx);
+  mov(edx, ecx);
+  mov(rax, reinterpret_cast<std::uint64_t>(&wait_for_far));
+  call(rax);
+  for (int i = 0; i < kVectors; ++i) movq(Xbyak::Xmm(kFirst + i), ptr[rsp + 16 + 8 * i]);
+  movdqu(xmm15, ptr[rsp]);
+  add(rsp, kRoom);
+  for (auto reg = saved.rbegin(); reg != saved.rend(); ++reg) pop(*reg);
+  Label left;
+  test(rax, rax);
+  js(left);
+  mov(rdx, rax);
+  shl(rdx, bits);
+  add(r15, rdx);
+  L(left);
   ret();
 }
 

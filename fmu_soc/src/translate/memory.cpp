@@ -174,17 +174,14 @@ bool Emitter::emit_load(const Instruction* at) {
     emit_middle_of_word(size, inside);
     emit_across_words(at, size, claimed, claimed);
     const auto& ram = ram_[1];
-    if (ram.span == 0 || ram.is_left_to_interpreter()) {
+    if (ram.span == 0) {
       emit_resume(at);
       return;
     }
     Label neither;
     lea(ecx, ptr[rax + static_cast<std::int32_t>(ram_[0].base - ram.base)]);
     check_address(ecx, edx, ram, size, neither);
-    inc(qword[rbx + static_cast<int>(offsetof(Execution, counters.far_accesses))]);
-    if (ram.wait_cycles != ram_[0].wait_cycles) {
-      spend(ram.wait_cycles - ram_[0].wait_cycles);
-    }
+    emit_far_wait(at, neither);
     mov(rdx, reinterpret_cast<std::uint64_t>(ram.data));
     take(rdx + rcx);
     jmp(done, T_NEAR);
@@ -229,7 +226,7 @@ bool Emitter::emit_store(const Instruction* at) {
     emit_middle_of_word(size, inside);
     emit_across_words(at, size, marked, claimed);
     const auto& ram = ram_[1];
-    if (ram.span != 0 && !ram.is_left_to_interpreter()) {
+    if (ram.span != 0) {
       lea(ecx, ptr[rax + static_cast<std::int32_t>(ram_[0].base - ram.base)]);
       check_address(ecx, edx, ram, size, marked);
       mov(eax, ecx);
@@ -237,10 +234,7 @@ bool Emitter::emit_store(const Instruction* at) {
       mov(rdx, reinterpret_cast<std::uint64_t>(ram.marks));
       cmp(byte[rdx + rax], 0);
       jne(marked, T_NEAR);
-      inc(qword[rbx + static_cast<int>(offsetof(Execution, counters.far_accesses))]);
-      if (ram.wait_cycles != ram_[0].wait_cycles) {
-        spend(ram.wait_cycles - ram_[0].wait_cycles);
-      }
+      emit_far_wait(at, marked);
       mov(rdx, reinterpret_cast<std::uint64_t>(ram.data));
       store(rdx + rcx, eax);
       jmp(done, T_NEAR);
@@ -249,6 +243,21 @@ bool Emitter::emit_store(const Instruction* at) {
     emit_resume(at);
   });
   return true;
+}
+
+/// Counts an access to the second memory at offset ecx, and spends what it waits; eax and edx are lost. Goes to `left`,
+/// with nothing done, where the interpreter must make it.
+void Emitter::emit_far_wait(const Instruction* at, Label& left) {
+  const auto& ram = ram_[1];
+  if (ram.is_shared()) {
+    mov(edx, at->cycles_before);
+    call(gates_.far);
+    test(eax, eax);
+    js(left, T_NEAR);
+    return;
+  }
+  inc(qword[rbx + static_cast<int>(offsetof(Execution, counters.far_accesses))]);
+  if (ram.wait_cycles != ram_[0].wait_cycles) spend(ram.wait_cycles - ram_[0].wait_cycles);
 }
 
 /// Takes a cycle of a bank of the first memory for the access at offset eax, when others use it too. ecx, which may

@@ -217,7 +217,7 @@ std::unique_ptr<Translator> make_translator(const BlockCache& blocks, const Exec
     if (execution.ram[0].wait_cycles != 0 || execution.ram[0].base / 4 % options.banks->count() != 0) return nullptr;
     // No block goes on in the table farther than there is room: a division is the longest, an access can go twice.
     const auto& far = execution.ram[1];
-    const std::uint64_t far_wait = far.is_left_to_interpreter() ? 0U : far.wait_cycles;
+    const std::uint64_t far_wait = far.is_shared() ? 0U : far.wait_cycles;  // shared, an access asks for room
     const std::uint64_t longest = kDivideBaseCycles + 32 + 2 * (far_wait + 1);
     if (BlockCache::kMaxBlockLength * longest > Banks::kLongestBlock) return nullptr;
   }
