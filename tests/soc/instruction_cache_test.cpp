@@ -23,10 +23,40 @@ TEST(InstructionCache, MissesOnceAndThenHits) {
 TEST(InstructionCache, ALineOnItsWayForAnotherCoreIsWaitedForButNotFetchedAgain) {
   InstructionCache cache(kGap8, InstructionCache::Users::several);
   cache.fetch(5, 100);
-  EXPECT_EQ(cache.settled(), 109U);
   EXPECT_EQ(cache.fetch(5, 103), 6U);
   EXPECT_EQ(cache.fetch(5, 50), 9U) << "who is behind in time waits no longer than had it asked itself";
   EXPECT_EQ(cache.refills(), 1U);
+}
+
+TEST(InstructionCache, ALineHasArrivedForAllWhenNobodyAsksForAnEarlierTick) {
+  Memory memory;
+  memory.add("ram", 0, 4096);
+  InstructionCache cache(kGap8, InstructionCache::Users::several);
+  cache.cover(memory);
+  cache.fetch(5, 100);
+  cache.fetch(6, 104);
+  const auto arrived = [&cache](std::uint32_t line) {
+    EXPECT_EQ(cache.has_arrived(line), *cache.presence(cache.address_of(line)) != 0);
+    return cache.has_arrived(line);
+  };
+  cache.settle(108);
+  EXPECT_FALSE(arrived(5));
+  cache.settle(109);
+  EXPECT_TRUE(arrived(5));
+  EXPECT_FALSE(arrived(6));
+  EXPECT_TRUE(cache.holds(6));
+  // Who is alone has waited for it; who joins has not.
+  cache.settle(200);
+  cache.set_alone(true);
+  cache.fetch(7, 200);
+  EXPECT_TRUE(arrived(7));
+  cache.set_alone(false);
+  EXPECT_FALSE(arrived(7));
+  EXPECT_TRUE(arrived(5));
+  cache.settle(209);
+  EXPECT_TRUE(arrived(7));
+  cache.flush();
+  EXPECT_FALSE(arrived(5) || arrived(6) || arrived(7));
 }
 
 TEST(InstructionCache, WhoHasItAloneHasWaitedForEachLineThatIsHere) {
@@ -35,7 +65,6 @@ TEST(InstructionCache, WhoHasItAloneHasWaitedForEachLineThatIsHere) {
   EXPECT_EQ(cache.fetch(5, 100), 9U);
   EXPECT_EQ(cache.fetch(5, 109), 0U);
   EXPECT_EQ(cache.fetch(5, 0), 0U) << "a core that was reset counts from 0 again";
-  EXPECT_EQ(cache.settled(), 0U);
   EXPECT_EQ(cache.refills(), 1U);
 }
 

@@ -14,6 +14,7 @@ ClusterScheduler::ClusterScheduler(const ClusterSettings& settings, DecodedCode&
   MEBOTS_ASSERT(settings.quantum > 0 && settings.quantum <= Banks::kLongestRun);
   cores_.reserve(settings.cores);
   queue_.reserve(settings.cores);
+  if (code_.instruction_cache != nullptr) code_.instruction_cache->set_alone(!sharing_banks_);
 }
 
 void ClusterScheduler::add(ClusterCore& core) {
@@ -53,6 +54,7 @@ std::uint64_t ClusterScheduler::run_quantum(std::uint64_t start, std::uint64_t u
   MEBOTS_ASSERT(start < until);
   MEBOTS_ASSERT(first_core_ < cores());
   goes_on_ = true;
+  if (code_.instruction_cache != nullptr) code_.instruction_cache->settle(start);
   if (undisturbed && in_step_ && awake_ > 1 && !dma_.busy() && alarm_ == kNoTick) {
     return run_quantum_in_step(start, until);
   }
@@ -67,7 +69,7 @@ std::uint64_t ClusterScheduler::run_quantum(std::uint64_t start, std::uint64_t u
   if (dma_first_) dma_.occupy(banks_, end);
   line_up(end);
   in_step_ = false;
-  run_queue(0, start, end);
+  run_queue(0, end);
   next_in_front();
   return finish_quantum(end);
 }
@@ -83,7 +85,7 @@ std::uint64_t ClusterScheduler::run_quantum_in_step(std::uint64_t start, std::ui
   const auto round = Hart::run_round_robin(queue_.front()->hart(), end);
   if (round.broke_off == nullptr) return keep_in_step();
   in_step_ = false;
-  run_queue(note_round(0, round), start, end);
+  run_queue(note_round(0, round), end);
   return finish_quantum(end);
 }
 
@@ -134,6 +136,7 @@ void ClusterScheduler::share_banks() {
   if (several == sharing_banks_) return;
   sharing_banks_ = several;
   for (auto* core : cores_) core->share_banks(several);
+  if (code_.instruction_cache != nullptr) code_.instruction_cache->set_alone(!several);
   drop_resume_points();
 }
 
@@ -211,10 +214,10 @@ void ClusterScheduler::reorder_queue() {
 }
 
 /// The queue from a place on, up to `end`.
-void ClusterScheduler::run_queue(std::size_t place, std::uint64_t start, std::uint64_t end) {
+void ClusterScheduler::run_queue(std::size_t place, std::uint64_t end) {
   while (place < queue_.size()) {
     auto& core = *queue_[place];
-    if (!can_resume(core, start)) {
+    if (!can_resume(core)) {
       run_core(core, end);
       ++place;
       continue;
@@ -228,10 +231,9 @@ void ClusterScheduler::run_queue(std::size_t place, std::uint64_t start, std::ui
   }
 }
 
-/// Whether the core, and who comes behind it, may run a round from `start` on.
-bool ClusterScheduler::can_resume(const ClusterCore& core, std::uint64_t start) {
+/// Whether the core, and who comes behind it, may run a round.
+bool ClusterScheduler::can_resume(const ClusterCore& core) {
   if (!sharing_banks_ || !core.hart().has_resume_point()) return false;
-  if (code_.instruction_cache != nullptr && start < code_.instruction_cache->settled()) return false;
   code_.blocks.forget_if_stale();
   if (version_ == code_.version()) return true;
   version_ = code_.version();

@@ -76,8 +76,8 @@ class ClusterScheduler {
   void queue_cores(std::uint64_t end);
   void rotate_queue();
   void reorder_queue();
-  void run_queue(std::size_t place, std::uint64_t start, std::uint64_t end);
-  bool can_resume(const ClusterCore& core, std::uint64_t start);
+  void run_queue(std::size_t place, std::uint64_t end);
+  bool can_resume(const ClusterCore& core);
   std::size_t note_round(std::size_t place, const Hart::RoundEnd& round);
   void run_core(ClusterCore& core, std::uint64_t end);
   void note_stop(ClusterCore& core, Stop stop);

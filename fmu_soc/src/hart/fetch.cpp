@@ -17,12 +17,11 @@ std::uint32_t Fetch::bring(const Instruction* at, std::uint64_t cycle) {
 }
 
 const Instruction* Fetch::next_to_wait(const Instruction* at) const {
-  const bool all = is_unsettled();
   auto line = cache_->line_of(at[1].pc - 1);
   for (++at; !is_block_end(at->op); ++at) {
     const auto last = cache_->line_of(at[1].pc - 1);
     if (last == line) continue;
-    if (all || !cache_->holds(last) || !cache_->holds(cache_->line_of(at->pc))) return at;
+    if (!cache_->has_arrived(last) || !cache_->has_arrived(cache_->line_of(at->pc))) return at;
     line = last;
   }
   return at;
@@ -33,7 +32,7 @@ bool Fetch::is_present(const Instruction* at) const {
   const auto first = cache_->line_of(at->pc);
   while (!is_block_end(at->op)) ++at;
   for (auto line = first; line <= cache_->line_of(at->pc - 1); ++line) {
-    if (!cache_->holds(line)) return false;
+    if (!cache_->has_arrived(line)) return false;
   }
   return true;
 }

@@ -18,13 +18,6 @@ class Fetch {
   bool is_cached() const { return cache_ != nullptr; }
   const InstructionCache* cache() const { return cache_; }
   void flush();
-  /// Whether lines that another core asked for may be on their way: one that is here may not have arrived yet.
-  bool is_unsettled() const {
-    return cache_ != nullptr && execution_.counters.cycles + execution_.host.tick_offset < cache_->settled();
-  }
-  /// Likewise, as of the last time that it was noted: only fetching and other cores' runs change it.
-  bool was_unsettled() const { return unsettled_; }
-  void note_unsettled() { unsettled_ = is_unsettled(); }
   /// Brings the lines of an instruction that is reached in active cycle `cycle`: the cycles that it waits.
   std::uint32_t bring(const Instruction* at, std::uint64_t cycle);
   /// Whether an instruction lies in the line in which the one before it in the block ends.
@@ -33,13 +26,12 @@ class Fetch {
   }
   /// The first instruction of the block behind `at` that may have to wait, or the end of the block.
   const Instruction* next_to_wait(const Instruction* at) const;
-  /// Whether all lines of a block from this instruction on are there.
+  /// Whether all lines of a block from this instruction on have arrived, whoever asks.
   bool is_present(const Instruction* at) const;
 
  private:
   Execution& execution_;
   InstructionCache* cache_;
-  bool unsettled_ = false;
 };
 
 }  // namespace mebots::soc

@@ -71,7 +71,6 @@ Stop Hart::run(std::uint64_t limit) {
 Stop Hart::go_on(std::uint64_t limit, bool left_translated) {
   auto& e = execution_;
   limit_.set_end(limit);
-  fetch_.note_unsettled();
   for (;;) {
     if (blocks_.forget_if_stale()) [[unlikely]]
       e.link = nullptr;

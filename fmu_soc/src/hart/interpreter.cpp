@@ -37,7 +37,6 @@ void Interpreter::step() {
   for (const auto* at = first; at != nullptr;) at = at->run(e, at);
   e.finish_block();
   e.link = nullptr;
-  fetch_.note_unsettled();
 }
 
 void Interpreter::run_to_limit(const Block& block, std::uint32_t stall) {
@@ -114,22 +113,16 @@ const Instruction* Interpreter::run_until(const Instruction* at, const Instructi
 
 /// A block of which lines are absent, or may not have arrived yet.
 bool Interpreter::run_fetching(const Block& block, std::uint32_t stall) {
-  const bool unsettled = fetch_.is_unsettled();
   std::uint32_t missing = 0;  // at most: what is brought can drive out what comes behind it
   for (std::uint32_t i = 0; i < block.line_count; ++i) {
-    if (missing != 0 || unsettled || block.lines[i] == 0) ++missing;
+    if (missing != 0 || block.lines[i] == 0) ++missing;
   }
   const auto wait = std::uint64_t{missing} * fetch_.cache()->refill_cycles();
   if (!limit_.admits(execution_.counters.cycles, block.last_start_bound + stall + wait)) return false;
   const auto* first = blocks_.instructions(block);
-  if (missing == 0) {
-    execute(first, 0, stall, nullptr);
-    fetch_.note_unsettled();
-  } else {
-    // The first instruction is fetched before it stalls for a load, as all others are.
-    execution_.begin_block(fetch_.bring(first, execution_.counters.cycles), stall, nullptr);
-    execute_fetching(first);
-  }
+  // The first instruction is fetched before it stalls for a load, as all others are.
+  execution_.begin_block(fetch_.bring(first, execution_.counters.cycles), stall, nullptr);
+  execute_fetching(first);
   return true;
 }
 
@@ -142,7 +135,6 @@ void Interpreter::execute_fetching(const Instruction* at) {
     if (at != nullptr) execution_.extra_cycles += fetch_.bring(at, execution_.cycle_of(at) + hidden_in(execution_, at));
   }
   execution_.finish_block();
-  fetch_.note_unsettled();
 }
 
 }  // namespace mebots::soc

@@ -90,7 +90,7 @@ inline void Interpreter::execute(const Instruction* first, std::uint32_t extra_c
 }
 
 inline bool Interpreter::run(const Block& block, std::uint32_t stall) {
-  if (fetch_.was_unsettled() || !blocks_.is_present(block)) [[unlikely]]
+  if (!blocks_.is_present(block)) [[unlikely]]
     return run_fetching(block, stall);
   if (!limit_.admits(execution_.counters.cycles, std::uint64_t{block.last_start_bound} + stall)) return false;
   execute(blocks_.instructions(block), 0, stall, nullptr);
@@ -99,7 +99,6 @@ inline bool Interpreter::run(const Block& block, std::uint32_t stall) {
 
 inline bool Interpreter::run_on(const Block& block, std::uint32_t stall, const Csrs& csrs) {
   if (!run(block, stall)) return false;
-  if (fetch_.was_unsettled()) return true;
   // Only the limit and the lines are to be checked.
   auto& e = execution_;
   const auto& blocks = blocks_;

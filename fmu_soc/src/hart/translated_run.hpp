@@ -88,7 +88,7 @@ class TranslatedRun {
 /// its lines when it gets there, but for those of the first instruction where others use the cache, or where a stall
 /// comes behind them.
 inline bool TranslatedRun::may_begin(const Block& block, std::uint32_t stall) const {
-  if (!is_on() || !observed_.allows_translation() || fetch_.was_unsettled()) return false;
+  if (!is_on() || !observed_.allows_translation()) return false;
   const auto bound = std::uint64_t{decoded_.blocks.fetch_bound(block)} + stall;
   if (decoded_.flow != nullptr && bound >= FlowNotes::kLongestRun) return false;
   if (block.line_count != 0 && (limit_.is_loose() || stall != 0) && !decoded_.blocks.begins_present(block))

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <numeric>
 
 namespace mebots::soc {
 namespace {
@@ -36,7 +37,8 @@ InstructionCache::InstructionCache(const InstructionCacheSettings& settings, Use
       refill_cycles_(settings.refill_cycles),
       invalid_ways_first_(settings.invalid_ways_first),
       entries_(settings.size / settings.line, Entry{&nowhere_, kNoLine}),
-      arrivals_(users == Users::several ? entries_.size() : 0) {
+      arrivals_(users == Users::several ? entries_.size() : 0),
+      is_alone_(users == Users::one) {
   MEBOTS_ASSERT(!settings.invalid_ways_first || users == Users::several, "translated code asks the register alone");
   state_.entries = entries_.data();
   state_.next_shift = kNextShift;
@@ -98,6 +100,20 @@ void InstructionCache::note_present() {
   }
 }
 
+void InstructionCache::note_arrivals(std::uint64_t tick) {
+  std::erase_if(on_their_way_, [&](std::size_t place) {
+    if (arrivals_[place] > tick) return false;
+    *entries_[place].present = 1;
+    return true;
+  });
+}
+
+void InstructionCache::set_alone(bool alone) {
+  MEBOTS_ASSERT(is_shared());
+  is_alone_ = alone;
+  for (const auto place : on_their_way_) *entries_[place].present = 0;  // for who joins
+}
+
 std::uint32_t InstructionCache::fetch(std::uint32_t line, std::uint64_t tick) {
   if (const auto* entry = find(line); entry != nullptr) {
     if (!is_shared()) return 0;
@@ -113,6 +129,7 @@ void InstructionCache::flush() {
   note_absent();
   for (auto& entry : entries_) entry.line = kNoLine;
   std::fill(arrivals_.begin(), arrivals_.end(), 0);
+  on_their_way_.clear();
 }
 
 void InstructionCache::visit(state::Visitor& v) {
@@ -121,8 +138,11 @@ void InstructionCache::visit(state::Visitor& v) {
   if (v.restores()) note_present();
   v("arrivals", std::span(arrivals_));
   v("shift_register", state_.shift_register);
-  v("settled", settled_);
   v("refills", state_.refills);
+  if (!v.restores() || !is_shared()) return;
+  on_their_way_.resize(entries_.size());
+  std::iota(on_their_way_.begin(), on_their_way_.end(), std::size_t{0});
+  set_alone(is_alone_);
 }
 
 std::unique_ptr<InstructionCache> make_instruction_cache(const InstructionCacheSettings& settings,

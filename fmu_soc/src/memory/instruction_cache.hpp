@@ -35,7 +35,8 @@ struct InstructionCacheSettings {
 /// only when all ways of a set are in use.
 ///
 /// A core that has the cache for itself has waited for each line that is here. Where several cores share it, one may
-/// want a line that is still on its way for another.
+/// want a line that is still on its way for another. Such a line is told from those that have arrived for all: who
+/// knows when the earliest core goes on says so (`settle`). Until then who wants it asks (`fetch`).
 class InstructionCache {
  public:
   enum class Users : std::uint8_t { one, several };
@@ -60,10 +61,15 @@ class InstructionCache {
 
   bool is_shared() const { return !arrivals_.empty(); }
 
+  /// Whether the line is here, or on its way.
   bool holds(std::uint32_t line) const { return find(line) != nullptr; }
-  /// A byte that tells whether the line of this address is here, and behind it those of the lines that follow in the
-  /// same memory. Translated code asks it with one instruction. Null when the address is not in the memory
-  /// covered.
+  /// Whether the line has arrived, whoever asks.
+  bool has_arrived(std::uint32_t line) const {
+    const auto* entry = find(line);
+    return entry != nullptr && *entry->present != 0;
+  }
+  /// A byte that tells whether the line of this address has arrived, and behind it those of the lines that follow in
+  /// the same memory. Translated code asks it with one instruction. Null when the address is not in the memory covered.
   const std::uint8_t* presence(std::uint32_t address) const;
   /// Cycles that a fetch from this line in cycle `tick` waits; brings it here when it is not.
   std::uint32_t fetch(std::uint32_t line, std::uint64_t tick);
@@ -73,17 +79,22 @@ class InstructionCache {
     auto& entry = entries_[place];
     *entry.present = 0;
     entry.present = byte_of(line);
-    *entry.present = 1;
     entry.line = line;
+    *entry.present = is_alone_ ? 1 : 0;
     ++state_.refills;
     if (is_shared()) {
       arrivals_[place] = tick + refill_cycles_;
-      settled_ = std::max(settled_, arrivals_[place]);
+      on_their_way_.push_back(place);
     }
     return refill_cycles_;
   }
-  /// All lines have arrived from this tick on; 0 where one core waits for each of them.
-  std::uint64_t settled() const { return settled_; }
+  /// Of a shared cache: nobody asks for a tick before this one any more.
+  void settle(std::uint64_t tick) {
+    if (!on_their_way_.empty()) [[unlikely]]
+      note_arrivals(tick);
+  }
+  /// Likewise: whether only one core is awake, which has waited for each line that it brings.
+  void set_alone(bool alone);
   /// Empties it.
   void flush();
   /// Lines fetched from memory since reset of the chip.
@@ -152,6 +163,7 @@ class InstructionCache {
   void cover_line(std::uint32_t line);
   void note_absent();
   void note_present();
+  void note_arrivals(std::uint64_t tick);
 
   unsigned line_bits_;
   std::uint32_t ways_;
@@ -160,7 +172,6 @@ class InstructionCache {
   bool invalid_ways_first_;
   std::vector<Entry> entries_;
   std::vector<std::uint64_t> arrivals_;  // the tick in which each line has arrived; none where one core uses it
-  std::uint64_t settled_ = 0;
   State state_;
   // Not part of a state, since it follows from the entries. These are the presence of each memory's lines, and the
   // memory in which a line was looked for last.
@@ -169,6 +180,9 @@ class InstructionCache {
   std::uint32_t covered_first_ = 0;
   std::uint32_t covered_count_ = 0;
   std::uint8_t nowhere_ = 0;
+  // Likewise, of a cache that cores share. More lines than needed may count as on their way, never fewer.
+  std::vector<std::size_t> on_their_way_;  // places of entries
+  bool is_alone_;
 };
 
 /// Null when the settings say that there is none.
