@@ -468,6 +468,65 @@ TEST(HardwareLoop, CountsTheSameWhenItIsStoppedAtEveryCycle) {
   EXPECT_EQ(pieces.reg(11), 35U);
 }
 
+/// What a jump behind a loop's end takes depends on the last instructions of the body. Decoded for itself, at each
+/// cycle, it knows them; in a block and in translated code somebody must.
+TEST(HardwareLoop, JumpRightBehindItTakesAsLongInEveryWayToRunIt) {
+  constexpr std::string_view kLoops[] = {"lp_setupi 0, 3, 16\n nop\n", "lp_setupi 1, 2, 16\n lp_setupi 0, 2, 8\n"};
+  constexpr std::string_view kBefore[] = {"nop", "lw t4, 0(s2)", "lw ra, 0(s2)"};
+  constexpr std::string_view kLast[] = {
+      "addi a0, a0, 1", "addi t4, t4, 0",  "lw t4, 0(s2)", "lw a0, 0(s2)", "lw a0, 0(s3)",  // s3: across two words
+      "lw ra, 0(s2)",   "mulh a1, a1, a2", "sb a0, 4(s2)", "sw a0, 0(s3)", "div a1, a1, a2"};
+  constexpr std::string_view kJumps[] = {"jr t4", "j there", "jal ra, there", "jalr ra, 0(t4)"};
+  const auto expect_same_cycles = [](const Elf& elf, const std::string& of) {
+    Machine translated(elf, CoreKind::ri5cy);
+    Machine interpreted(elf, {.kind = CoreKind::ri5cy, .translate = false});
+    Machine cut(elf, {.kind = CoreKind::ri5cy, .translate = false});
+    ASSERT_EQ(translated.run(), Stop::watch);
+    ASSERT_EQ(interpreted.run(), Stop::watch);
+    for (std::uint64_t limit = 1; cut.run(limit) == Stop::limit;) ++limit;
+    EXPECT_EQ(interpreted.hart().counters().cycles, cut.hart().counters().cycles) << of;
+    EXPECT_EQ(translated.hart().counters().cycles, cut.hart().counters().cycles) << of;
+    EXPECT_EQ(translated.reg(15), 0U) << "it jumps";
+  };
+  for (const auto loops : kLoops) {
+    for (const auto before : kBefore) {
+      for (const auto last : kLast) {
+        for (const auto jump : kJumps) {
+          // In every other turn a jump leads to the last instruction of the body, which ends no loop then.
+          const auto elf = assembled(fmt::format(R"(
+    la s2, data
+    addi s3, s2, 10
+    la t4, there
+    sw t4, 0(s2)
+    li s1, 400
+again: andi t0, s1, 1
+    bnez t0, 1f
+    lp_counti 0, 0
+    lp_counti 1, 0
+    j 2f
+1:  {}
+    addi a4, a4, 1
+    {}
+2:  {}
+    {}
+    addi a5, a5, 1
+    .p2align 2
+    .2byte 1
+there: addi s1, s1, -1
+    bnez s1, again
+    .data
+    .balign 4
+data: .space 32
+    .text
+)",
+                                                 loops, before, last, jump));
+          expect_same_cycles(elf, fmt::format("{}{}; {}; {}", loops, before, last, jump));
+        }
+      }
+    }
+  }
+}
+
 TEST(HardwareLoop, GoesOnFromAStateSavedInsideIt) {
   const auto elf = assembled(kNested);
   Machine whole(elf, CoreKind::ri5cy);

@@ -313,6 +313,15 @@ void BlockCache::set_longest_wait(std::uint32_t cycles) {
   forget();
 }
 
+bool BlockCache::delays_first_jump(const Block& block, const Previous& two_before, const Previous& before) const {
+  const auto& jump = *instructions(block);
+  if (!is_jump(jump.op)) return true;
+  const std::uint8_t rd = jump.rd > 31 ? 0 : jump.rd;
+  const bool delays = static_cycles(timing_, two_before, before, {jump.op, rd, jump.rs1}) != (&jump)[1].cycles_before;
+  MEBOTS_ASSERT(delays || !timing_.hides_unaligned_target(before.op), "what hides its target takes time from it, too");
+  return delays;
+}
+
 bool BlockCache::end_block_at(std::uint32_t pc) {
   if (memory_.marked(pc, 2, Region::kLoop)) return false;
   memory_.mark(pc, 2, Region::kLoop);

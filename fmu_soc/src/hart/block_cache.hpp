@@ -27,7 +27,7 @@ struct Block {
   const std::uint8_t* lines = nullptr;  // whether its lines are in the cache, a byte each
   bool begins_across = false;           // its first instruction lies in two lines
   bool unaligned = false;               // starts with a 32-bit instruction at 2 mod 4
-  bool early_jump = false;              // a jump is among the first two: what ran before may delay it
+  bool early_jump = false;              // a jump is among the first two: see BlockCache::delays_jump
   std::uint64_t stalled_by = 0;         // bit r: a load of register r just before costs its first instruction a cycle
   mutable std::uint16_t heat = 0;       // how often it was interpreted in its epoch
   mutable std::uint16_t absences = 0;   // of these, how often one of its lines was not in the cache at its start
@@ -46,8 +46,6 @@ struct Block {
   std::uint32_t stall_behind(const Previous& before) const {
     return is_load(before.op) ? static_cast<std::uint32_t>(stalled_by >> before.rd & 1U) : 0U;
   }
-  /// A jump soon behind what came straight waits for that, as only its own decoding can tell.
-  bool jumps_too_early_behind(const Previous& before) const { return before.op != Op::end_of_block && early_jump; }
 };
 
 /// Who keeps something of decoded blocks and must hear when one becomes invalid.
@@ -90,6 +88,12 @@ class BlockCache {
   std::uint32_t* loop_link(const Instruction& holder, std::uint32_t start) const {
     if (block(holder.link).pc != start) holder.link = 0;
     return &holder.link;
+  }
+  /// Whether an early jump of the block takes other cycles behind the two instructions that came straight before it
+  /// than behind nothing, as the block has it; `single` has the right ones then. Of a jump that comes second it is
+  /// assumed.
+  bool delays_jump(const Block& block, const Previous& two_before, const Previous& before) const {
+    return block.early_jump && before.op != Op::end_of_block && delays_first_jump(block, two_before, before);
   }
   /// Puts another handler in the place of an instruction's, and gives that one back.
   Handler exchange(const Instruction* at, Handler handler) { return std::exchange(arena_[index_of(at)].run, handler); }
@@ -185,6 +189,7 @@ class BlockCache {
   void end_block(Decoding& decoding);
   std::uint32_t add(const Block& block);
   bool leaves_soon(std::uint32_t pc) const;
+  bool delays_first_jump(const Block& block, const Previous& two_before, const Previous& before) const;
   bool ends_here(const Decoding& decoding) const;
   void make_room();
   void evict(std::uint32_t segment);

@@ -149,7 +149,7 @@ inline bool Hart::run_block(std::uint32_t number, bool left_translated) {
   const auto& before = execution_.pipeline.before;
   const auto& block = blocks_.block(number);
   // What ran before can delay the first instruction if it was a load. A jump soon after it is another matter.
-  const bool early_jump = block.jumps_too_early_behind(before);
+  const bool early_jump = blocks_.delays_jump(block, execution_.pipeline.two_before, before);
   const auto stall = block.stall_behind(before);
   const bool at_access = std::exchange(at_access_, false);
   if (!early_jump && !at_access) {

@@ -107,7 +107,7 @@ inline bool Interpreter::run_on(const Block& block, std::uint32_t stall, const C
          !blocks.is_stale()) {
     const auto& next = blocks.block(*e.link);
     if (next.pc != e.pc || !blocks.is_present(next)) break;
-    if (next.jumps_too_early_behind(e.pipeline.before)) break;
+    if (blocks.delays_jump(next, e.pipeline.two_before, e.pipeline.before)) break;
     const auto cycles = e.counters.cycles + (e.jumped && next.unaligned ? kUnalignedTargetExtra : 0U);
     const auto next_stall = next.stall_behind(e.pipeline.before);
     if (!limit.admits(cycles, std::uint64_t{next.last_start_bound} + next_stall)) break;

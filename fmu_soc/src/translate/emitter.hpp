@@ -197,7 +197,7 @@ class Emitter : private Xbyak::CodeGenerator {
   Xbyak::Address loop_register(const Instruction* at, std::size_t offset);
   bool emit_set_loop_end(const Instruction* at, std::uint32_t pc);
   void emit_iteration(const Instruction* at, unsigned loop);
-  const Node* straight_successor(std::uint32_t link) const;
+  const Node* straight_successor(const Instruction* at, std::uint32_t link) const;
   void emit_straight_edge(const Instruction* at, std::uint32_t link, std::uint32_t pc, bool is_last);
   void emit_straight_to(const Instruction* at, const Node& node, bool is_last);
   void note_what_came(const Instruction* end);

@@ -103,15 +103,15 @@ void Emitter::emit_iteration(const Instruction* at, unsigned loop) {
 
 /// Where the end of a block leads by a link, if that is in the region and nothing but a stall depends on what came
 /// before it.
-const Node* Emitter::straight_successor(std::uint32_t link) const {
+const Node* Emitter::straight_successor(const Instruction* at, std::uint32_t link) const {
   if (link == 0) return nullptr;
   const auto* node = blocks_.block(link).valid() ? region_->find(link) : nullptr;
-  return node != nullptr && !node->block->early_jump ? node : nullptr;
+  return node != nullptr && !delays_jump(blocks_, *node->block, at) ? node : nullptr;
 }
 
 /// Straight on to the block at `pc`, to which a link has led. `is_last`: nothing else of its node comes behind it.
 void Emitter::emit_straight_edge(const Instruction* at, std::uint32_t link, std::uint32_t pc, bool is_last) {
-  const auto* node = straight_successor(link);
+  const auto* node = straight_successor(at, link);
   if (node != nullptr && node->block->pc == pc) {
     emit_straight_to(at, *node, is_last);
     return;

@@ -76,6 +76,7 @@ class HostTranslator : public Translator {
     if (exit.indirect) {
       if (!exit.straight) exits_.targets.set(pc, entry.jumped);
     } else if (exit.patch_point != 0 && exit.pc == pc) {
+      if (exit.straight && delays_jump(blocks_, blocks_.block(blocks_.known(pc)), exit.at)) return;
       chain(exit, entry, stalled);
     }
   }
@@ -121,7 +122,7 @@ class HostTranslator : public Translator {
     const auto number = linked(blocks_, iterates ? exit.at[1].link : exit.at->link, exit.pc);
     if (number == 0 || find(number) == nullptr) return;
     const auto& block = blocks_.block(number);
-    if (exit.straight && block.early_jump) return;
+    if (exit.straight && delays_jump(blocks_, block, exit.at)) return;
     chain(exit, entries_[number], exit.straight && stalls(block, exit.at));
   }
 
