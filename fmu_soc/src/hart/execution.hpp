@@ -89,6 +89,8 @@ struct Pipeline {
 
 struct Execution;
 
+inline constexpr const std::uint8_t* kNoResumePoint = nullptr;
+
 /// What translated code leaves behind, and what it is told.
 struct HostState {
   /// Where its count of cycles starts and ends. From those that may start down to 0, or where banks are shared, from
@@ -97,8 +99,10 @@ struct HostState {
   std::uint64_t end = 0;
   /// Where to go on when it was left only for the end of its budget, and nothing has happened since; else null.
   const std::uint8_t* resume_point = nullptr;
-  /// Of the next hart of the round, which goes on then without leaving translated code; null = none.
+  /// Of the next hart of the round, which goes on then without leaving translated code; null = none. And where its
+  /// resume point stands, or a null one: what the host needs first, for a jump that it cannot foresee.
   Execution* next = nullptr;
+  const std::uint8_t* const* resume_point_of_next = &kNoResumePoint;
   std::uint64_t instructions = 0;  // of the last run; upper half: loads and stores
   /// What the pipeline holds for a region's block that was reached straight from the end of another one, as bits of a
   /// Pipeline; 0 = nothing came straight.
@@ -144,6 +148,11 @@ struct Execution {
   Hart* hart = nullptr;          // whose it is
   HostState host;
 
+  /// Who comes behind it in the round, or null.
+  void set_next(Execution* next) {
+    host.next = next;
+    host.resume_point_of_next = next == nullptr ? &kNoResumePoint : &next->host.resume_point;
+  }
   /// The next instruction of a run must begin in the interpreter.
   void drop_resume_point() { host.resume_point = nullptr; }
 

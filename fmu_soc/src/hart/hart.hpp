@@ -83,7 +83,7 @@ class Hart {
   /// It ends with the first that does not stay there. For harts that share banks and decoded code.
   static RoundEnd run_round_robin(Hart& first, std::uint64_t limit_tick);
   /// Who comes after this one in a round; null = nobody. A run by itself forgets it.
-  void set_next(Hart* next) { execution_.host.next = next == nullptr ? nullptr : &next->execution_; }
+  void set_next(Hart* next) { execution_.set_next(next == nullptr ? nullptr : &next->execution_); }
   /// Whether the last run stopped at the limit in translated code, where it only has to go on: a round may begin here.
   bool has_resume_point() const { return translated_.has_resume_point(); }
   /// The rows of the banks' table stand so many bytes further to the front.

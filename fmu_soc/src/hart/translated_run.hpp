@@ -109,7 +109,7 @@ inline const translate::Entry* TranslatedRun::entry(std::uint32_t number, const 
 inline bool TranslatedRun::run(const translate::Entry& entry, std::uint32_t stall) {
   execution_.counters.cycles += stall;
   set_budget();
-  execution_.host.next = nullptr;
+  execution_.set_next(nullptr);
   const auto& exit = *decoded_.translator->run(execution_, entry.plain).exit;
   if (decoded_.flow != nullptr) tell_flow();
   return finish(exit);

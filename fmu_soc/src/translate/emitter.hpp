@@ -46,7 +46,8 @@ class Emitter : private Xbyak::CodeGenerator {
   struct Gates {
     const std::uint8_t* enter = nullptr;  // to be executed
     const std::uint8_t* leave = nullptr;  // as written; eax = number of the exit
-    const std::uint8_t* park = nullptr;   // likewise, for a block that may not begin; rdx = where it does
+    /// Likewise, for a block that may not begin; rdx = where it does, rcx as load_next_point() leaves it.
+    const std::uint8_t* park = nullptr;
     /// As written, to be called: brings line edx of the code, whose presence is noted in byte [rcx], into the set that
     /// begins at byte rax of the entries. Null without an instruction cache, and where others use it.
     const std::uint8_t* fetch = nullptr;
@@ -243,6 +244,7 @@ class Emitter : private Xbyak::CodeGenerator {
   void emit_park(const Node& node, const Exit& exit, std::uint32_t stall);
   void emit_park_at_entry(const Node& node, const Exit& exit, std::uint32_t stall);
   void note_place(const Node& node);
+  void load_next_point();
   void emit_chained_exit(Exit exit);
   void emit_resume(const Instruction* at);
   std::uint32_t waits_before(const Instruction* at) const { return ram_[0].wait_cycles * at->accesses_before; }
@@ -268,7 +270,7 @@ class Emitter : private Xbyak::CodeGenerator {
   std::vector<Label> entries_;          // plain ones
   std::vector<Label> stalled_entries_;  // of those that ask for a stall
   Label leave_all_;                     // stores the registers and leaves by exit eax
-  Label park_all_;                      // likewise, to go on at rdx
+  Label park_all_;                      // likewise, to go on at rdx; rcx as in `Gates::park`
   std::deque<std::function<void()>> warm_;
   std::deque<std::function<void()>> cold_;
   std::map<std::pair<std::uint64_t, std::uint64_t>, Label> constants_;

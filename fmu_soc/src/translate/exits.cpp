@@ -222,9 +222,17 @@ void Emitter::note_place(const Node& node) {
   mov(dword[rbx + static_cast<int>(offsetof(Execution, next_block))], node.number);
 }
 
+/// rcx = where the next core of the round goes on, or 0. The host cannot foresee that jump, and all that comes in
+/// between waits for it: so this comes first.
+void Emitter::load_next_point() {
+  mov(rcx, ptr[rbx + static_cast<int>(offsetof(Execution, host.resume_point_of_next))]);
+  mov(rcx, ptr[rcx]);
+}
+
 /// Leaves in front of a block so that the next run can begin with it by its resume point. A stall comes with that run.
 void Emitter::emit_park(const Node& node, const Exit& exit, std::uint32_t stall) {
   static_assert(sizeof(Pipeline) == sizeof(std::uint64_t));
+  load_next_point();
   note_place(node);
   if (exit.straight) {
     mov(rdx, ptr[rbx + static_cast<int>(offsetof(Execution, host.came_from))]);
@@ -241,6 +249,7 @@ void Emitter::emit_park(const Node& node, const Exit& exit, std::uint32_t stall)
 /// came by a jump finds it empty; for who has just begun it is as it was.
 void Emitter::emit_park_at_entry(const Node& node, const Exit& exit, std::uint32_t stall) {
   const auto pipeline = ptr[rbx + static_cast<int>(offsetof(Execution, pipeline))];
+  load_next_point();
   note_place(node);
   if (exit.is_reached_straight) {
     mov(rdx, ptr[rbx + static_cast<int>(offsetof(Execution, host.came_from))]);

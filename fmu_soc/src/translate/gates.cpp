@@ -34,13 +34,13 @@ Emitter::Gates Emitter::emit_gates() {
   const std::array saved{rbx, rbp, r12, r13, r14, r15};
   for (const auto& reg : saved) push(reg);
   mov(rbx, rdi);
-  mov(rdx, rsi);
+  mov(rcx, rsi);
   mov(r14, ptr[rbx + static_cast<int>(offsetof(Execution, ram[0].data))]);
   L(next_core);
   mov(r15, ptr[rbx + offset_of_host(offsetof(HostState, begin))]);
   pxor(xmm15, xmm15);
   mov(qword[rbx + offset_of_host(offsetof(HostState, slow_load))], 0);
-  jmp(rdx);
+  jmp(rcx);
 
   gates.park = getCurr();
   if (options_.banks != nullptr) {
@@ -74,7 +74,7 @@ Emitter::Gates Emitter::emit_gates() {
 }
 
 /// Behind a core that came to its limit in translated code: it leaves a resume point, and the next one of the round
-/// goes on at its own.
+/// goes on at its own, rcx. Guest registers are stored.
 void Emitter::emit_next_core(const Label& next_core, const Label& done) {
   const auto begin = ptr[rbx + offset_of_host(offsetof(HostState, begin))];
   const auto end = ptr[rbx + offset_of_host(offsetof(HostState, end))];
@@ -83,17 +83,15 @@ void Emitter::emit_next_core(const Label& next_core, const Label& done) {
   mov(resume_point, rdx);
   emit_account();
   mov(begin, r15);
-  mov(rcx, end);
+  mov(rsi, end);
   mov(rbx, next);
   mov(rdx, rbx);
   test(rbx, rbx);
   jz(done);
-  mov(end, rcx);
-  mov(rdx, resume_point);
-  test(rdx, rdx);
+  mov(end, rsi);
+  test(rcx, rcx);
   jnz(next_core);
   mov(eax, static_cast<std::uint32_t>(kNoExit));
-  mov(rdx, rbx);
   jmp(done);
 }
 
@@ -167,7 +165,7 @@ void Emitter::emit_far_gate() {
   ret();
 }
 
-/// Adds what a run has counted to the counters; rcx and rdx are lost.
+/// Adds what a run has counted to the counters. Guest registers are stored; rsi and rdx are lost.
 void Emitter::emit_account() {
   if (options_.flow != nullptr) mov(ptr[rbx + offset_of_host(offsetof(HostState, position))], r15);
   mov(rdx, ptr[rbx + offset_of_host(offsetof(HostState, begin))]);
@@ -179,8 +177,8 @@ void Emitter::emit_account() {
   add(ptr[rbx + offset_of_counter(offsetof(Counters, cycles))], rdx);
   movq(rdx, xmm15);
   mov(ptr[rbx + offset_of_host(offsetof(HostState, instructions))], rdx);
-  mov(ecx, edx);
-  add(ptr[rbx + offset_of_counter(offsetof(Counters, instructions))], rcx);
+  mov(esi, edx);
+  add(ptr[rbx + offset_of_counter(offsetof(Counters, instructions))], rsi);
   shr(rdx, 32);
   add(ptr[rbx + offset_of_counter(offsetof(Counters, accesses))], rdx);
   psrldq(xmm15, 8);
