@@ -24,7 +24,7 @@ struct Block {
   std::uint32_t first = 0;              // index of its first Instruction
   std::uint32_t last_start_bound = 0;   // the most cycles to its last instruction's start, all lines being there
   std::uint32_t line_count = 0;         // of the instruction cache; 0 without one
-  const std::uint8_t* lines = nullptr;  // whether its lines are in the cache, a byte each
+  const std::uint8_t* lines = nullptr;  // whether its lines have arrived, a byte each
   bool begins_across = false;           // its first instruction lies in two lines
   bool unaligned = false;               // starts with a 32-bit instruction at 2 mod 4
   bool early_jump = false;              // a jump is among the first two: see BlockCache::delays_jump
@@ -133,14 +133,14 @@ class BlockCache {
     const auto refill = cached_lines_ == nullptr ? 0U : cached_lines_->refill_cycles();
     return block.last_start_bound + block.line_count * refill;
   }
-  /// Whether all lines of the block are in the instruction cache, or there is none.
+  /// Whether all lines of the block have arrived in the instruction cache, or there is none.
   bool is_present(const Block& block) const {
     for (std::uint32_t i = 0; i < block.line_count; ++i) {
       if (block.lines[i] == 0) return false;
     }
     return true;
   }
-  /// Whether those of its first instruction are; only for blocks with lines.
+  /// Whether those of its first instruction have; only for blocks with lines.
   bool begins_present(const Block& block) const {
     return block.lines[0] != 0 && (!block.begins_across || block.lines[1] != 0);
   }

@@ -6,7 +6,8 @@
 namespace mebots::soc {
 namespace {
 
-/// How many cycles translated code may still wait in a block.
+/// For how many cycles there are banks to be taken. Behind that the interpreter finds all free and takes none, and
+/// translated code, which does not look where it is, must not come there.
 std::uint64_t room_behind(const Execution& e, std::uint64_t cycle) {
   if (const auto* shared = e.ram[0].banks; shared != nullptr) return shared->cycles_left(cycle);
   const auto passed = cycle - e.counters.cycles;  // of the run, which began at the first row
@@ -20,7 +21,7 @@ std::uint64_t wait_for_far(Execution& execution, std::uint64_t cycle, std::uint3
   const auto address = far.base + offset;
   const auto arrival = cycle + far.wait_cycles;
   const std::uint64_t wait = far.wait_cycles + far.banks->wait(arrival, address);
-  if (wait > room_behind(execution, cycle)) return kNoRoom;
+  if (wait + Banks::kLongestBlock > room_behind(execution, cycle)) return kNoRoom;  // with the rest of the block
   far.banks->claim(arrival, address);
   ++execution.counters.far_accesses;
   return wait;

@@ -12,9 +12,9 @@ namespace mebots::soc {
 inline constexpr std::uint64_t kNoRoom = std::numeric_limits<std::uint64_t>::max();
 
 /// For translated code, of an access within a word of the second memory, which others use, too: takes its bank for the
-/// instruction that starts in active cycle `cycle`, and counts the access. `offset`: from the memory's start. The answer is how many cycles it waits,
-/// for the way and for the bank. kNoRoom: the wait would lead further than translated code may go in the banks of the
-/// first memory, where nobody checks its place; the interpreter makes the access.
+/// instruction that starts in active cycle `cycle`, and counts the access. `offset`: from the memory's start. The
+/// answer is how many cycles it waits, for the way and for the bank. kNoRoom: the rest of the block could lead further
+/// than the banks of the first memory reach, where translated code does not look; the interpreter makes the access.
 std::uint64_t wait_for_far(Execution& execution, std::uint64_t cycle, std::uint32_t offset) noexcept;
 
 }  // namespace mebots::soc

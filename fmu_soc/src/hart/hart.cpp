@@ -148,23 +148,23 @@ inline std::uint32_t Hart::land() {
 inline bool Hart::run_block(std::uint32_t number, bool left_translated) {
   const auto& before = execution_.pipeline.before;
   const auto& block = blocks_.block(number);
-  // What ran before can delay the first instruction if it was a load. A jump soon after it is another matter.
-  const bool early_jump = blocks_.delays_jump(block, execution_.pipeline.two_before, before);
+  // What ran before can delay the first instruction if it was a load, and a jump soon behind it in more ways.
+  const bool delays_jump = blocks_.delays_jump(block, execution_.pipeline.two_before, before);
   const auto stall = block.stall_behind(before);
   const bool at_access = std::exchange(at_access_, false);
-  if (!early_jump && !at_access) {
+  if (!delays_jump && !at_access) {
     if (const auto* entry = translated_.entry(number, block, stall); entry != nullptr) {
       if (left_translated) translated_.chain(block, *entry, stall);
       return translated_.run(*entry, stall);
     }
   }
   if (observed_.observer() != nullptr) [[unlikely]] {
-    observed_.run_block(block, stall, early_jump);
+    observed_.run_block(block, stall, delays_jump);
     return false;
   }
   const bool runs =
-      !early_jump && (translated_.is_on() ? interpreter_.run(block, stall) : interpreter_.run_on(block, stall, csrs_));
-  if (!runs) early_jump ? interpreter_.step() : interpreter_.run_to_limit(block, stall);
+      !delays_jump && (translated_.is_on() ? interpreter_.run(block, stall) : interpreter_.run_on(block, stall, csrs_));
+  if (!runs) delays_jump ? interpreter_.step() : interpreter_.run_to_limit(block, stall);
   return false;
 }
 

@@ -105,10 +105,8 @@ void TranslatedRun::chain_to_here() {
   const auto number = decoded_.blocks.known(execution_.pc);
   if (number == 0 || decoded_.translator == nullptr) return;
   const auto& block = decoded_.blocks.block(number);
-  const auto& [before, two_before] = execution_.pipeline;
-  if (decoded_.blocks.delays_jump(block, two_before, before)) return;
   if (const auto* entry = decoded_.translator->find(number); entry != nullptr) {
-    chain(block, *entry, block.stall_behind(before));
+    chain(block, *entry, block.stall_behind(execution_.pipeline.before));
   }
 }
 

@@ -38,7 +38,7 @@ class TranslatedRun {
   bool run(const translate::Entry& entry, std::uint32_t stall);
   /// Block chaining: the patch point by which the last run was left leads to this block from now on.
   void chain(const Block& block, const translate::Entry& entry, std::uint32_t stall) {
-    decoded_.translator->chain_last_exit(block.pc, entry, stall != 0);
+    decoded_.translator->chain_last_exit(block, entry, stall != 0);
   }
   /// Likewise to the block at the pc, if there is code for it. It was left at the limit: where a block is as long as
   /// the time between two limits, nothing else would ever chain it.

@@ -31,10 +31,7 @@ class Banks {
   static constexpr std::uint64_t kReach = kLongestRun + kLongestBlock + 1024;
 
   /// `count` must be a power of two, at most kMost.
-  explicit Banks(unsigned count = 16)
-      : count_(count), taken_(kRows * count), unread_((kReach + kLongestBlock) * count) {
-    set_horizon();
-  }
+  explicit Banks(unsigned count = 16) : count_(count), taken_(kRows * count), unread_(kReach * count) { set_horizon(); }
   Banks(const Banks&) = delete;
   Banks& operator=(const Banks&) = delete;
 

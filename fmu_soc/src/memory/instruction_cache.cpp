@@ -111,7 +111,7 @@ void InstructionCache::note_arrivals(std::uint64_t tick) {
 void InstructionCache::set_alone(bool alone) {
   MEBOTS_ASSERT(is_shared());
   is_alone_ = alone;
-  for (const auto place : on_their_way_) *entries_[place].present = 0;  // for who joins
+  for (const auto place : on_their_way_) *entries_[place].present = 0;  // who joins has not waited
 }
 
 std::uint32_t InstructionCache::fetch(std::uint32_t line, std::uint64_t tick) {

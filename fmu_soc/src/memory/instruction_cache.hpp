@@ -63,7 +63,7 @@ class InstructionCache {
 
   /// Whether the line is here, or on its way.
   bool holds(std::uint32_t line) const { return find(line) != nullptr; }
-  /// Whether the line has arrived, whoever asks.
+  /// Whether a line of the memory covered has arrived, whoever asks.
   bool has_arrived(std::uint32_t line) const {
     const auto* entry = find(line);
     return entry != nullptr && *entry->present != 0;
@@ -93,7 +93,7 @@ class InstructionCache {
     if (!on_their_way_.empty()) [[unlikely]]
       note_arrivals(tick);
   }
-  /// Likewise: whether only one core is awake, which has waited for each line that it brings.
+  /// Likewise: whether nobody else asks for a line before it has arrived for who brings it.
   void set_alone(bool alone);
   /// Empties it.
   void flush();
@@ -180,9 +180,9 @@ class InstructionCache {
   std::uint32_t covered_first_ = 0;
   std::uint32_t covered_count_ = 0;
   std::uint8_t nowhere_ = 0;
-  // Likewise, of a cache that cores share. More lines than needed may count as on their way, never fewer.
+  // Likewise, of a shared cache. More lines than needed may count as on their way, never fewer.
   std::vector<std::size_t> on_their_way_;  // places of entries
-  bool is_alone_;
+  bool is_alone_;                          // set_alone()
 };
 
 /// Null when the settings say that there is none.

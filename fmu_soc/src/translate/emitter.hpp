@@ -51,8 +51,9 @@ class Emitter : private Xbyak::CodeGenerator {
     /// As written, to be called: brings line edx of the code, whose presence is noted in byte [rcx], into the set that
     /// begins at byte rax of the entries. Null without an instruction cache, and where others use it.
     const std::uint8_t* fetch = nullptr;
-    /// As written, to be called: eax = what an access at offset ecx of the second memory waits, below 0 when the
-    /// interpreter must make it; edx cycles of the block come before. rdx is lost. Null where nobody else uses it.
+    /// As written, to be called: counts an access at offset ecx of the second memory, and spends what it waits; edx
+    /// cycles of the block come before. eax below 0: nothing done, the interpreter must make it. rdx is lost. Null
+    /// where nobody else uses that memory.
     const std::uint8_t* far = nullptr;
   };
   /// In place of the number of an exit: not in translated code.

@@ -118,7 +118,7 @@ void Emitter::jump_at_limit(const Block& block, std::uint32_t stall, Label& leav
   }
 }
 
-/// Sets the zero flag when the line of this code is not in the instruction cache; rdx may be lost.
+/// Sets the zero flag when the line of this code has not arrived in the instruction cache; rdx may be lost.
 void Emitter::compare_presence(std::uint32_t address) {
   const auto* present = blocks_.fetched()->presence(address);
   if (near(present, 1)) {
@@ -222,9 +222,10 @@ void Emitter::note_place(const Node& node) {
   mov(dword[rbx + static_cast<int>(offsetof(Execution, next_block))], node.number);
 }
 
-/// rcx = where the next core of the round goes on, or 0. The host cannot foresee that jump, and all that comes in
-/// between waits for it: so this comes first.
+/// rcx = where the next core of the round goes on, or 0. The host cannot foresee that jump, and knows of its mistake
+/// only when it has this: so it comes first.
 void Emitter::load_next_point() {
+  if (options_.banks == nullptr) return;  // there are no rounds
   mov(rcx, ptr[rbx + static_cast<int>(offsetof(Execution, host.resume_point_of_next))]);
   mov(rcx, ptr[rcx]);
 }

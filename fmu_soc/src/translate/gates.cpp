@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Pieces of code that all regions share: into translated code, out of it, from one core to the next one of the round.
+// Pieces of code that all regions share: into translated code, out of it, from one core to the next one of the round;
+// what brings a line of code, and what accesses a memory that cores share.
 #include "hart/far_access.hpp"
 #include "mebots/assert.hpp"
 #include "translate/emitter.hpp"

@@ -69,14 +69,14 @@ class HostTranslator : public Translator {
     return {&exits_.exit(last_exit_), stopped};
   }
 
-  void chain_last_exit(std::uint32_t pc, const Entry& entry, bool stalled) override {
+  void chain_last_exit(const Block& block, const Entry& entry, bool stalled) override {
     if (last_exit_ == kNone) return;
     const auto& exit = exits_.exit(last_exit_);
     if (stalled && !exit.straight) return;
     if (exit.indirect) {
-      if (!exit.straight) exits_.targets.set(pc, entry.jumped);
-    } else if (exit.patch_point != 0 && exit.pc == pc) {
-      if (exit.straight && delays_jump(blocks_, blocks_.block(blocks_.known(pc)), exit.at)) return;
+      if (!exit.straight) exits_.targets.set(block.pc, entry.jumped);
+    } else if (exit.patch_point != 0 && exit.pc == block.pc) {
+      if (exit.straight && delays_jump(blocks_, block, exit.at)) return;
       chain(exit, entry, stalled);
     }
   }

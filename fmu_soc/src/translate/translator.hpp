@@ -16,7 +16,7 @@ namespace mebots::soc::translate {
 /// How translated code was left.
 struct Exit {
   bool resumes = false;              // at `at`, inside its block, which the interpreter finishes; else a block begins
-  bool fetches = false;              // resumes: `at` may not be in the instruction cache
+  bool fetches = false;              // resumes: lines of `at` may not have arrived
   bool indirect = false;             // the code has put the pc into Execution::pc
   bool jumped = false;               // an unaligned target costs its cycle yet
   bool straight = false;             // behind the last instruction of a block, which `at` stands behind
@@ -64,10 +64,10 @@ class Translator : public BlockListener {
   /// Goes on at `code` of an entry with its budget, and when it was left only for the end of that, with the
   /// next ones of the round. The answer holds until the next translation.
   virtual RunEnd run(Execution& execution, const std::uint8_t* code) = 0;
-  /// Block chaining: the last run was left to go on at the block at `pc`; the patch point by which it was left leads to
-  /// that block's code from now on.
+  /// Block chaining: the last run was left to go on at this block; the patch point by which it was left leads to its
+  /// code from now on.
   /// `stalled`: its first instruction waits for a load before.
-  virtual void chain_last_exit(std::uint32_t pc, const Entry& entry, bool stalled) = 0;
+  virtual void chain_last_exit(const Block& block, const Entry& entry, bool stalled) = 0;
   /// How often regions were dropped: where a run goes on may be gone then.
   virtual std::uint64_t times_dropped() const = 0;
   /// Instructions translated so far, those translated again counted again.
