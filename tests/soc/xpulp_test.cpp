@@ -2,6 +2,7 @@
 //
 // Xpulp v2 by examples: values worked out by hand from the RI5CY user manual, and what hardware loops have to cope
 // with. The words come from Debian's assembler by way of .insn, with the numbers of the manual's tables.
+#include "hart/observer.hpp"
 #include "machine.hpp"
 #include "mebots/state/save.hpp"
 
@@ -213,6 +214,42 @@ room: .word 0, 0, 0, 0
   EXPECT_EQ(machine.word("room", 2), 0x00008182U);
   EXPECT_EQ(machine.reg(8), 8U);
   EXPECT_EQ(machine.reg(18), 0x818283f4U);
+}
+
+/// Whoever watches each instruction has it decoded for itself, with what the pipeline holds; else it stands in a block.
+TEST(Xpulp, JumpBehindALoadAcrossTwoWordsTakesAsLongWatchedAsNot) {
+  // t4 points to the place to which the jump leads; p.lw a3, 0(t4!) writes it, too.
+  constexpr std::string_view kLoads[] = {".insn i 0x0b, 2, a3, t4, 0", "lw a3, 0(t4)", "lw ra, 0(t4)"};
+  constexpr std::string_view kJumps[] = {"jalr ra, 0(t4)", "jalr ra, 0(t5)", "jalr a3, 0(t5)", "j there",
+                                         "jal a3, there"};
+  for (const auto load : kLoads) {
+    for (const auto jump : kJumps) {
+      for (const auto place : {"", ".2byte 1"}) {
+        const auto elf = assembled(fmt::format(R"(
+    la t4, there
+    mv t5, t4
+    j 1f
+    .p2align 4
+1:  nop
+    {}
+    {}
+    .p2align 2
+    {}
+there: nop
+    .p2align 2
+)",
+                                               load, jump, place));
+        Machine plain(elf, CoreKind::ri5cy);
+        Machine watched(elf, CoreKind::ri5cy);
+        Observer observer;
+        watched.hart().observe(&observer);
+        ASSERT_EQ(plain.run(), Stop::watch) << load << "; " << jump;
+        ASSERT_EQ(watched.run(), Stop::watch);
+        EXPECT_EQ(plain.hart().counters().cycles, watched.hart().counters().cycles)
+            << load << "; " << jump << ", " << place;
+      }
+    }
+  }
 }
 
 TEST(Xpulp, PostIncrementThatTrapsLeavesThePointer) {

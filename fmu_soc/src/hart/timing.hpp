@@ -64,6 +64,14 @@ Previous executed(const Executed& instruction, bool across_words) {
           is_post_increment(instruction.op) ? instruction.rs1 : std::uint8_t{0}};
 }
 
+/// Whether a jump right behind a load across two words is fetched while that one is busy: not one through what the load
+/// writes.
+template <typename Executed>
+bool hides_jump(const Executed& load, const Executed& jump) {
+  const bool needs_pointer = is_post_increment(load.op) && load.rs1 != 0 && jump.rs1 == load.rs1;
+  return is_jump(jump.op) && jump.rs1 != load.rd && !needs_pointer;
+}
+
 /// What it knows of the same instruction one later. That it was slow matters to a jump right behind it only.
 constexpr Previous one_later(Previous before) {
   before.slow = false;
