@@ -282,7 +282,7 @@ BoardDescription read_root(const Node& root) {
   });
   const bool has_way =
       std::ranges::any_of(board.memories, [](const BoardMemory& memory) { return memory.way.has_value(); });
-  if (board.instruction_cache(Place::cluster).refill_soc_cycles != 0 && !has_way) {
+  if (object.sound() && board.instruction_cache(Place::cluster).refill_soc_cycles != 0 && !has_way) {
     root.at("instruction_caches")
         .complain(ErrorCode::invalid_value, "refill_soc_cycles needs a memory with a 'way', and none has one");
   }
