@@ -94,8 +94,9 @@ void CoreProfile::retired(const Hart& hart, const Retired& instruction) {
   step({decoded.op, decoded.rd, decoded.rs1, instruction.pc + decoded.length, hart.pc()}, [this] { return now(); });
 }
 
-/// In translated code only this hart's counts have changed. Time follows from its cycles, rounded as `now` does, so that
-/// no rounding adds up. Energy is linear in the counts: from what the last step has cost follows what each one had.
+/// In translated code only this hart's counts have changed. Time follows from its cycles, rounded as `now` does, so
+/// that no rounding adds up. Energy is linear in the counts: from what the last step has cost follows what each one
+/// had.
 void CoreProfile::flowed(const Hart& hart, std::span<const Flow> steps) {
   const auto last = now();
   const auto per_count = soc_.energy_per_count(number_);
