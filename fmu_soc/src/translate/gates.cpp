@@ -142,7 +142,8 @@ void Emitter::emit_far_gate() {
   for (const auto& reg : saved) push(reg);
   sub(rsp, kRoom);
   movdqu(ptr[rsp], xmm15);
-  for (int i = 0; i < kVectors; ++i) movq(ptr[rsp + 16 + 8 * i], Xbyak::Xmm(kFirst + i));
+  const auto place = [this](int i) { return ptr[rsp + (16 + 8 * static_cast<std::size_t>(i))]; };
+  for (int i = 0; i < kVectors; ++i) movq(place(i), Xbyak::Xmm(kFirst + i));
   mov(rsi, r15);
   sub(rsi, ptr[rbx + offset_of_host(offsetof(HostState, begin))]);
   shr(rsi, bits);
@@ -152,7 +153,7 @@ void Emitter::emit_far_gate() {
   mov(edx, ecx);
   mov(rax, reinterpret_cast<std::uint64_t>(&wait_for_far));
   call(rax);
-  for (int i = 0; i < kVectors; ++i) movq(Xbyak::Xmm(kFirst + i), ptr[rsp + 16 + 8 * i]);
+  for (int i = 0; i < kVectors; ++i) movq(Xbyak::Xmm(kFirst + i), place(i));
   movdqu(xmm15, ptr[rsp]);
   add(rsp, kRoom);
   for (auto reg = saved.rbegin(); reg != saved.rend(); ++reg) pop(*reg);
