@@ -19,10 +19,9 @@ std::uint64_t room_behind(const Execution& e, std::uint64_t cycle) {
 std::uint64_t wait_for_far(Execution& execution, std::uint64_t cycle, std::uint32_t offset) noexcept {
   const auto& far = execution.ram[1];
   const auto address = far.base + offset;
-  const auto arrival = cycle + far.wait_cycles;
-  const std::uint64_t wait = far.wait_cycles + far.banks->wait(arrival, address);
+  const std::uint64_t wait = far.wait_cycles + far.banks->wait(cycle + far.wait_cycles, address);
   if (wait + Banks::kLongestBlock > room_behind(execution, cycle)) return kNoRoom;  // with the rest of the block
-  far.banks->claim(arrival, address);
+  far.banks->claim(cycle + wait, address);
   ++execution.counters.far_accesses;
   return wait;
 }

@@ -16,7 +16,8 @@ const Instruction* stop_here(Execution& e, const Instruction* at) {
 
 /// A jump hides some of its cycles behind a load across two words, which has given them back already.
 std::uint32_t hidden_in(const Execution& e, const Instruction* jump) {
-  const bool hides = jump->index != 0 && e.slow_load == jump - 1 && hides_jump(jump[-1], jump[0]);
+  const bool hides = jump->index != 0 && e.slow_load == jump - 1 &&
+                     hides_behind(executed(jump[-1], true), {jump->op, jump->rd, jump->rs1});
   return hides ? jump[1].cycles_before - jump->cycles_before - 1U : 0U;
 }
 

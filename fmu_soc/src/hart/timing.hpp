@@ -64,14 +64,6 @@ Previous executed(const Executed& instruction, bool across_words) {
           is_post_increment(instruction.op) ? instruction.rs1 : std::uint8_t{0}};
 }
 
-/// Whether a jump right behind a load across two words is fetched while that one is busy: not one through what the load
-/// writes.
-template <typename Executed>
-bool hides_jump(const Executed& load, const Executed& jump) {
-  const bool needs_pointer = is_post_increment(load.op) && load.rs1 != 0 && jump.rs1 == load.rs1;
-  return is_jump(jump.op) && jump.rs1 != load.rd && !needs_pointer;
-}
-
 /// What it knows of the same instruction one later. That it was slow matters to a jump right behind it only.
 constexpr Previous one_later(Previous before) {
   before.slow = false;
@@ -92,6 +84,10 @@ struct Current {
 /// leaves out taken branches, operands of divisions, misaligned addresses and unaligned targets.
 unsigned static_cycles(const Timing& timing, const Previous& two_before, const Previous& before,
                        const Current& current);
+
+/// Whether the instruction is a jump that is fetched while the slow one before it is busy, and takes one cycle behind
+/// it.
+bool hides_behind(const Previous& slow, const Current& current);
 
 /// The most cycles that execution can add to `static_cycles`, apart from an unaligned target.
 unsigned most_extra_cycles(Op op);

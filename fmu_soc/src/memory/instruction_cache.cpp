@@ -140,7 +140,7 @@ void InstructionCache::visit(state::Visitor& v) {
   v("shift_register", state_.shift_register);
   v("refills", state_.refills);
   if (!v.restores() || !is_shared()) return;
-  on_their_way_.resize(entries_.size());
+  on_their_way_.resize(entries_.size());  // for who goes on first, which is not known here
   std::iota(on_their_way_.begin(), on_their_way_.end(), std::size_t{0});
   set_alone(is_alone_);
 }

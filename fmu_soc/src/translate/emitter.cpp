@@ -12,7 +12,6 @@ namespace {
 constexpr std::array<int, kHostRegisters> kHosts{Xbyak::Operand::RSI, Xbyak::Operand::RDI, Xbyak::Operand::RBP,
                                                  Xbyak::Operand::R8,  Xbyak::Operand::R9,  Xbyak::Operand::R10,
                                                  Xbyak::Operand::R11, Xbyak::Operand::R12, Xbyak::Operand::R13};
-constexpr int kFirstVector = 3;
 constexpr std::size_t kAlignment = 16;
 
 /// The compiler must not take offsets for those of another type.

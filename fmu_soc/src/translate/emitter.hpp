@@ -258,6 +258,9 @@ class Emitter : private Xbyak::CodeGenerator {
   void later(std::function<void()> emit) { cold_.push_back(std::move(emit)); }
   void emit_warm_and_cold();
 
+  /// The host's number of the first of kVectorRegisters.
+  static constexpr int kFirstVector = 3;
+
   const FastRegion ram_[2];
   const CodeMemory& code_memory_;
   const BlockCache& blocks_;

@@ -136,14 +136,14 @@ void Emitter::emit_far_gate() {
   const auto bits = std::countr_zero(options_.banks->count());
   // What a called function may change (System V ABI), and where an even number of words leaves the stack aligned.
   const std::array saved{rsi, rdi, r8, r9, r10, r11, rcx};
-  constexpr int kVectors = 12;
-  constexpr int kFirst = 3;
+  constexpr int kVectors = kVectorRegisters;
   constexpr int kRoom = 16 + 8 * kVectors + 8;
+  static_assert((8 * std::tuple_size_v<decltype(saved)> + kRoom) % 16 == 0);
   for (const auto& reg : saved) push(reg);
   sub(rsp, kRoom);
   movdqu(ptr[rsp], xmm15);
   const auto place = [this](int i) { return ptr[rsp + (16 + 8 * static_cast<std::size_t>(i))]; };
-  for (int i = 0; i < kVectors; ++i) movq(place(i), Xbyak::Xmm(kFirst + i));
+  for (int i = 0; i < kVectors; ++i) movq(place(i), Xbyak::Xmm(kFirstVector + i));
   mov(rsi, r15);
   sub(rsi, ptr[rbx + offset_of_host(offsetof(HostState, begin))]);
   shr(rsi, bits);
@@ -153,7 +153,7 @@ void Emitter::emit_far_gate() {
   mov(edx, ecx);
   mov(rax, reinterpret_cast<std::uint64_t>(&wait_for_far));
   call(rax);
-  for (int i = 0; i < kVectors; ++i) movq(Xbyak::Xmm(kFirst + i), place(i));
+  for (int i = 0; i < kVectors; ++i) movq(Xbyak::Xmm(kFirstVector + i), place(i));
   movdqu(xmm15, ptr[rsp]);
   add(rsp, kRoom);
   for (auto reg = saved.rbegin(); reg != saved.rend(); ++reg) pop(*reg);
