@@ -1,11 +1,12 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Installs what is needed, builds MEbots with warnings as errors, checks format and lint, and runs all tests.
+# Installs what is needed, builds MEbots with warnings as errors, checks format, English and lint, and runs all tests.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
 scripts/setup.sh
 scripts/format.sh --check
+scripts/prose_lint.py
 cmake --preset ci
 cmake --build --preset ci
 scripts/lint.sh build/ci
