@@ -156,7 +156,7 @@ void check_platforms(const ModelDescription& model, const fs::path& folder, Find
 }
 
 void check_symbols(const ModelDescription& model, const fs::path& library, Findings findings) {
-  const auto exports = modeldesc::read_elf_library(library).exports;
+  const auto exports = modeldesc::read_elf_library(library).exports();
   const std::set<std::string> names(exports.begin(), exports.end());
   std::vector<std::string> missing;
   std::vector<std::string> spared;
@@ -188,7 +188,7 @@ void check_symbols(const ModelDescription& model, const fs::path& library, Findi
 }
 
 bool can_be_run(const ModelDescription& model, const fs::path& library) {
-  const auto exports = modeldesc::read_elf_library(library).exports;
+  const auto exports = modeldesc::read_elf_library(library).exports();
   const std::set<std::string> names(exports.begin(), exports.end());
   bool all = names.contains("fmi2Reset");
   fmi2::for_each_function([&](const char* name, auto, fmi2::Need need) {

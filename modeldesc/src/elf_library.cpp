@@ -4,74 +4,196 @@
 #include "mebots/error.hpp"
 
 #include <elf.h>
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <link.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cstring>
-#include <fstream>
-#include <iterator>
+#include <map>
 #include <string_view>
+#include <utility>
 
 namespace mebots::modeldesc {
 namespace {
 
-/// Bounds-checked reading of the structures in <elf.h>.
-class ElfFile {
+/// A file, mapped for reading.
+class Mapping {
  public:
-  explicit ElfFile(const std::filesystem::path& file) : name_(file.string()) {
-    std::ifstream stream(file, std::ios::binary);
-    if (!stream) throw Error(ErrorCode::file_unreadable, fmt::format("{}: cannot be opened", name_));
-    bytes_.assign(std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>());
-    if (!std::string_view(bytes_).starts_with(ELFMAG)) fail("is not an ELF file");
-    header_ = at<Elf64_Ehdr>(0);
-    if (header_.e_ident[EI_CLASS] != ELFCLASS64 || header_.e_ident[EI_DATA] != ELFDATA2LSB)
-      fail("is no 64-bit little-endian ELF file");
-    if (header_.e_type != ET_DYN) fail("is not a shared library");
-  }
-
-  ElfLibrary read() const {
-    ElfLibrary library;
-    library.machine = header_.e_machine;
-    bool dynamic = false;
-    for (std::size_t i = 0; i < header_.e_shnum; ++i) {
-      const auto section = section_header(i);
-      if (section.sh_type == SHT_DYNSYM) read_symbols(section, library);
-      if (section.sh_type != SHT_DYNAMIC || dynamic) continue;
-      dynamic = true;
-      read_dynamic(section, library);
+  explicit Mapping(const std::filesystem::path& file) {
+    const int descriptor = open(file.c_str(), O_RDONLY | O_CLOEXEC);
+    struct stat status {};
+    if (descriptor < 0 || fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode)) {
+      if (descriptor >= 0) close(descriptor);
+      throw Error(ErrorCode::file_unreadable, fmt::format("{}: cannot be opened", file.string()));
     }
-    if (!dynamic) fail("has no dynamic section");
-    return library;
+    size_ = static_cast<std::size_t>(status.st_size);
+    if (size_ > 0) data_ = mmap(nullptr, size_, PROT_READ, MAP_PRIVATE, descriptor, 0);
+    close(descriptor);
+    if (data_ == MAP_FAILED) throw Error(ErrorCode::file_unreadable, fmt::format("{}: cannot be read", file.string()));
   }
+  ~Mapping() {
+    if (data_ != nullptr) munmap(data_, size_);
+  }
+  Mapping(const Mapping&) = delete;
+  Mapping& operator=(const Mapping&) = delete;
+
+  std::string_view bytes() const { return {static_cast<const char*>(data_), size_}; }
 
  private:
+  void* data_ = nullptr;
+  std::size_t size_ = 0;
+};
+
+/// The bytes of a loadable segment, at the addresses that the library counts from 0.
+struct Segment {
+  std::uint64_t address;
+  std::string_view bytes;
+  bool writable;
+};
+
+/// Bounds-checked reading of the structures in <elf.h>, from a file or from memory.
+class ElfImage {
+ public:
+  /// `name` is for errors. `base`: where the loader put it, which it has added to the pointers of the dynamic section.
+  ElfImage(std::string name, std::uint64_t base) : name_(std::move(name)), base_(base) {}
+
+  void add(Segment segment) { segments_.push_back(segment); }
+  void set_dynamic(std::uint64_t address) { read_dynamic(address); }
+
   [[noreturn]] void fail(std::string_view what) const {
     throw Error(ErrorCode::fmu_inconsistent, fmt::format("{}: {}", name_, what));
   }
 
-  void read_dynamic(const Elf64_Shdr& section, ElfLibrary& library) const {
-    const Elf64_Shdr strings = section_header(section.sh_link);
-    for (std::uint64_t offset = 0; offset < section.sh_size; offset += sizeof(Elf64_Dyn)) {
-      const auto entry = at<Elf64_Dyn>(section.sh_offset + offset);
-      if (entry.d_tag == DT_NULL) break;
-      const auto word = [&] { return text(strings.sh_offset + entry.d_un.d_val); };
-      if (entry.d_tag == DT_SONAME) library.soname = word();
-      if (entry.d_tag == DT_NEEDED) library.needed.push_back(word());
-      if (entry.d_tag == DT_RPATH) library.rpath = parts(word());
-      if (entry.d_tag == DT_RUNPATH) library.runpath = parts(word());
+  void read_names(ElfLibrary& library) const {
+    for (const auto& [tag, value] : names_) {
+      if (tag == DT_SONAME) library.soname = string(value);
+      if (tag == DT_NEEDED) library.needed.push_back(string(value));
+      if (tag == DT_RPATH) library.rpath = parts(string(value));
+      if (tag == DT_RUNPATH) library.runpath = parts(string(value));
+    }
+    library.symbolic = values_.contains(DT_SYMBOLIC) || (value(DT_FLAGS) & DF_SYMBOLIC) != 0;
+  }
+
+  std::vector<ElfSymbol> symbols() const {
+    const auto bound = bound_symbols();
+    const auto count = std::max<std::uint64_t>(bound.size(), hashed_symbols());
+    std::vector<ElfSymbol> symbols;
+    for (std::uint64_t i = 1; i < count; ++i) {
+      const auto entry = symbol(i);
+      if (!is_shown(entry)) continue;
+      auto read = to_symbol(entry);
+      read.bound = i < bound.size() && bound[i];
+      symbols.push_back(std::move(read));
+    }
+    return symbols;
+  }
+
+  std::vector<ElfSymbol> unique_symbols() const {
+    std::vector<ElfSymbol> symbols;
+    const auto count = hashed_symbols();
+    for (std::uint64_t i = 1; i < count; ++i) {
+      const auto entry = symbol(i);
+      if (ELF64_ST_BIND(entry.st_info) == STB_GNU_UNIQUE && entry.st_shndx != SHN_UNDEF)
+        symbols.push_back(to_symbol(entry));
+    }
+    return symbols;
+  }
+
+ private:
+  void read_dynamic(std::uint64_t address) {
+    for (;; address += sizeof(Elf64_Dyn)) {
+      const auto entry = at<Elf64_Dyn>(address);
+      if (entry.d_tag == DT_NULL) return;
+      if (entry.d_tag == DT_NEEDED || entry.d_tag == DT_SONAME || entry.d_tag == DT_RPATH || entry.d_tag == DT_RUNPATH)
+        names_.emplace_back(entry.d_tag, entry.d_un.d_val);
+      else
+        values_[entry.d_tag] = entry.d_un.d_val;
     }
   }
 
-  void read_symbols(const Elf64_Shdr& section, ElfLibrary& library) const {
-    const Elf64_Shdr strings = section_header(section.sh_link);
-    for (std::uint64_t offset = 0; offset < section.sh_size; offset += sizeof(Elf64_Sym)) {
-      const auto symbol = at<Elf64_Sym>(section.sh_offset + offset);
-      const auto binding = ELF64_ST_BIND(symbol.st_info);
-      const auto visibility = ELF64_ST_VISIBILITY(symbol.st_other);
-      const bool shown = (binding == STB_GLOBAL || binding == STB_WEAK || binding == STB_GNU_UNIQUE) &&
-                         (visibility == STV_DEFAULT || visibility == STV_PROTECTED);
-      if (shown && symbol.st_shndx != SHN_UNDEF) library.exports.push_back(text(strings.sh_offset + symbol.st_name));
+  std::uint64_t value(std::int64_t tag) const {
+    const auto found = values_.find(tag);
+    return found == values_.end() ? 0 : found->second;
+  }
+  /// The loader of glibc makes pointers of most objects absolute, but not of the kernel's own.
+  std::uint64_t pointer(std::int64_t tag) const {
+    const auto address = value(tag);
+    return address >= base_ ? address - base_ : address;
+  }
+
+  static bool is_shown(const Elf64_Sym& symbol) {
+    const auto binding = ELF64_ST_BIND(symbol.st_info);
+    const auto visibility = ELF64_ST_VISIBILITY(symbol.st_other);
+    return (binding == STB_GLOBAL || binding == STB_WEAK || binding == STB_GNU_UNIQUE) &&
+           (visibility == STV_DEFAULT || visibility == STV_PROTECTED);
+  }
+
+  ElfSymbol to_symbol(const Elf64_Sym& symbol) const {
+    ElfSymbol read;
+    const auto binding = ELF64_ST_BIND(symbol.st_info);
+    read.name = string(symbol.st_name);
+    read.defined = symbol.st_shndx != SHN_UNDEF;
+    read.weak = binding == STB_WEAK;
+    read.unique = read.defined && binding == STB_GNU_UNIQUE;
+    read.preemptible = read.defined && ELF64_ST_VISIBILITY(symbol.st_other) == STV_DEFAULT;
+    if (read.unique && ELF64_ST_TYPE(symbol.st_info) != STT_TLS) read.constant = constant(symbol);
+    return read;
+  }
+
+  std::string constant(const Elf64_Sym& symbol) const {
+    for (const auto& segment : segments_) {
+      if (segment.writable || symbol.st_value < segment.address) continue;
+      const auto offset = symbol.st_value - segment.address;
+      if (offset < segment.bytes.size() && symbol.st_size <= segment.bytes.size() - offset)
+        return std::string(segment.bytes.substr(offset, symbol.st_size));
     }
+    return {};
+  }
+
+  Elf64_Sym symbol(std::uint64_t index) const { return at<Elf64_Sym>(pointer(DT_SYMTAB) + index * sizeof(Elf64_Sym)); }
+
+  /// The number of symbols up to the last in a hash table. Those that no table holds are undefined.
+  std::uint64_t hashed_symbols() const {
+    if (values_.contains(DT_HASH)) return at<std::uint32_t>(pointer(DT_HASH) + sizeof(std::uint32_t));
+    return values_.contains(DT_GNU_HASH) ? gnu_hashed_symbols(pointer(DT_GNU_HASH)) : 0;
+  }
+
+  /// The table: counts, bloom filter, first symbol of each bucket, then one word per symbol; a set lowest bit ends a
+  /// bucket.
+  std::uint64_t gnu_hashed_symbols(std::uint64_t table) const {
+    constexpr std::uint64_t kWord = sizeof(std::uint32_t);
+    const auto word = [&](std::uint64_t i) { return std::uint64_t{at<std::uint32_t>(table + i * kWord)}; };
+    const auto buckets = word(0);
+    const auto first = word(1);
+    const auto chains = 4 + 2 * word(2) + buckets;
+    std::uint64_t last = 0;
+    for (std::uint64_t i = 0; i < buckets; ++i) last = std::max(last, word(chains - buckets + i));
+    if (last < first) return first;
+    while ((word(chains + last - first) & 1) == 0) ++last;
+    return last + 1;
+  }
+
+  /// By index, whether a relocation names the symbol.
+  std::vector<bool> bound_symbols() const {
+    std::vector<bool> bound;
+    const auto scan = [&](std::uint64_t address, std::uint64_t size) {
+      for (std::uint64_t offset = 0; offset + sizeof(Elf64_Rela) <= size; offset += sizeof(Elf64_Rela)) {
+        const auto index = ELF64_R_SYM(at<Elf64_Rela>(address + offset).r_info);
+        if (index == 0) continue;
+        if (index >= bound.size()) {
+          static_cast<void>(symbol(index));  // within the file, so that the vector does not outgrow it
+          bound.resize(index + 1);
+        }
+        bound[index] = true;
+      }
+    };
+    scan(pointer(DT_RELA), value(DT_RELASZ));
+    scan(pointer(DT_JMPREL), value(DT_PLTRELSZ));
+    return bound;
   }
 
   /// A search path taken apart at its colons.
@@ -86,33 +208,144 @@ class ElfFile {
     return found;
   }
 
+  std::string_view from(std::uint64_t address) const {
+    for (const auto& segment : segments_) {
+      if (address >= segment.address && address - segment.address < segment.bytes.size())
+        return segment.bytes.substr(address - segment.address);
+    }
+    fail("is cut short");
+  }
+
   template <typename T>
-  T at(std::uint64_t offset) const {
-    if (offset > bytes_.size() || bytes_.size() - offset < sizeof(T)) fail("is cut short");
+  T at(std::uint64_t address) const {
+    const auto bytes = from(address);
+    if (bytes.size() < sizeof(T)) fail("is cut short");
     T value;
-    std::memcpy(&value, bytes_.data() + offset, sizeof value);
+    std::memcpy(&value, bytes.data(), sizeof value);
     return value;
   }
 
-  Elf64_Shdr section_header(std::size_t index) const {
-    return at<Elf64_Shdr>(header_.e_shoff + index * std::uint64_t{header_.e_shentsize});
-  }
-
-  std::string text(std::uint64_t offset) const {
-    const auto end = bytes_.find('\0', offset);
-    if (offset >= bytes_.size() || end == std::string::npos) fail("is cut short");
-    return bytes_.substr(offset, end - offset);
+  std::string string(std::uint64_t offset) const {
+    const auto bytes = from(pointer(DT_STRTAB) + offset);
+    const auto end = bytes.find('\0');
+    if (end == std::string_view::npos) fail("is cut short");
+    return std::string(bytes.substr(0, end));
   }
 
   std::string name_;
-  std::string bytes_;
+  std::uint64_t base_;
+  std::vector<Segment> segments_;
+  std::vector<std::pair<std::int64_t, std::uint64_t>> names_;
+  std::map<std::int64_t, std::uint64_t> values_;
+};
+
+/// The headers of a file, with bounds checked.
+class ElfFile {
+ public:
+  explicit ElfFile(const std::filesystem::path& file) : mapping_(file), image_(file.string(), 0) {
+    if (!mapping_.bytes().starts_with(ELFMAG)) image_.fail("is not an ELF file");
+    header_ = at<Elf64_Ehdr>(0);
+    if (header_.e_ident[EI_CLASS] != ELFCLASS64 || header_.e_ident[EI_DATA] != ELFDATA2LSB)
+      image_.fail("is no 64-bit little-endian ELF file");
+    if (header_.e_type != ET_DYN) image_.fail("is not a shared library");
+    map_segments();
+  }
+
+  ElfLibrary read() const {
+    ElfLibrary library;
+    library.machine = header_.e_machine;
+    image_.read_names(library);
+    library.symbols = image_.symbols();
+    return library;
+  }
+
+ private:
+  void map_segments() {
+    std::vector<std::uint64_t> dynamic;
+    for (std::uint64_t i = 0; i < header_.e_phnum; ++i) {
+      const auto segment = at<Elf64_Phdr>(header_.e_phoff + i * header_.e_phentsize);
+      if (segment.p_type == PT_DYNAMIC) dynamic.push_back(segment.p_vaddr);
+      if (segment.p_type != PT_LOAD || segment.p_filesz == 0) continue;
+      const auto bytes = mapping_.bytes();
+      if (segment.p_offset > bytes.size() || bytes.size() - segment.p_offset < segment.p_filesz)
+        image_.fail("is cut short");
+      image_.add({segment.p_vaddr, bytes.substr(segment.p_offset, segment.p_filesz), (segment.p_flags & PF_W) != 0});
+    }
+    if (dynamic.empty()) image_.fail("has no dynamic section");
+    image_.set_dynamic(dynamic.front());
+  }
+
+  template <typename T>
+  T at(std::uint64_t offset) const {
+    if (offset > mapping_.bytes().size() || mapping_.bytes().size() - offset < sizeof(T)) image_.fail("is cut short");
+    T value;
+    std::memcpy(&value, mapping_.bytes().data() + offset, sizeof value);
+    return value;
+  }
+
+  Mapping mapping_;
+  ElfImage image_;
   Elf64_Ehdr header_{};
 };
 
+LoadedLibrary read_loaded(const dl_phdr_info& info, UniqueSymbols unique) {
+  ElfImage image(info.dlpi_name, info.dlpi_addr);
+  const ElfW(Phdr)* dynamic = nullptr;
+  for (std::size_t i = 0; i < info.dlpi_phnum; ++i) {
+    const auto& segment = info.dlpi_phdr[i];
+    if (segment.p_type == PT_DYNAMIC) dynamic = &segment;
+    if (segment.p_type != PT_LOAD || (segment.p_flags & PF_R) == 0) continue;
+    const auto* const bytes = reinterpret_cast<const char*>(info.dlpi_addr + segment.p_vaddr);  // NOLINT: its place
+    image.add({segment.p_vaddr, {bytes, segment.p_memsz}, (segment.p_flags & PF_W) != 0});
+  }
+  LoadedLibrary loaded;
+  loaded.file = info.dlpi_name;
+  if (dynamic == nullptr) return loaded;
+  image.set_dynamic(dynamic->p_vaddr);
+  ElfLibrary names;
+  image.read_names(names);
+  loaded.soname = names.soname;
+  if (unique == UniqueSymbols::read) loaded.unique = image.unique_symbols();
+  return loaded;
+}
+
+std::vector<std::string> names_of(const std::vector<ElfSymbol>& symbols, bool defined) {
+  std::vector<std::string> names;
+  for (const auto& symbol : symbols) {
+    if (symbol.defined == defined) names.push_back(symbol.name);
+  }
+  return names;
+}
+
 }  // namespace
+
+std::vector<std::string> ElfLibrary::exports() const {
+  return names_of(symbols, true);
+}
+
+std::vector<std::string> ElfLibrary::imports() const {
+  return names_of(symbols, false);
+}
 
 ElfLibrary read_elf_library(const std::filesystem::path& file) {
   return ElfFile(file).read();
+}
+
+std::vector<LoadedLibrary> loaded_libraries(UniqueSymbols unique) {
+  std::vector<LoadedLibrary> libraries;
+  auto take = [&](const dl_phdr_info& info) {
+    try {
+      libraries.push_back(read_loaded(info, unique));
+    } catch (const Error&) {  // an object without the tables of a library
+      libraries.push_back({info.dlpi_name, {}, {}});
+    }
+  };
+  const auto visit = [](dl_phdr_info* info, std::size_t, void* taker) {
+    (*static_cast<decltype(take)*>(taker))(*info);
+    return 0;
+  };
+  dl_iterate_phdr(visit, &take);
+  return libraries;
 }
 
 }  // namespace mebots::modeldesc

@@ -1,46 +1,55 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lag_fmu.hpp"
+#include "mebots/modeldesc/elf_library.hpp"
 
-#include <elf.h>
 #include <gmock/gmock.h>
 
-#include <cstring>
-#include <fstream>
-#include <iterator>
+#include <algorithm>
 
 namespace mebots::test {
 namespace {
 
-template <typename T>
-T at(const std::string& bytes, std::uint64_t offset) {
-  T value;
-  std::memcpy(&value, bytes.data() + offset, sizeof value);
-  return value;
-}
-
-/// Names that a shared library defines for others.
-std::vector<std::string> exported_symbols(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  const std::string bytes{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-  std::vector<std::string> names;
-  const auto header = at<Elf64_Ehdr>(bytes, 0);
-  const auto section = [&](std::size_t i) { return at<Elf64_Shdr>(bytes, header.e_shoff + i * header.e_shentsize); };
-  for (std::size_t i = 0; i < header.e_shnum; ++i) {
-    if (section(i).sh_type != SHT_DYNSYM) continue;
-    const Elf64_Shdr strings = section(section(i).sh_link);
-    for (std::uint64_t offset = 0; offset < section(i).sh_size; offset += sizeof(Elf64_Sym)) {
-      const auto symbol = at<Elf64_Sym>(bytes, section(i).sh_offset + offset);
-      if (symbol.st_shndx != SHN_UNDEF && ELF64_ST_BIND(symbol.st_info) != STB_LOCAL)
-        names.emplace_back(bytes.c_str() + strings.sh_offset + symbol.st_name);
-    }
-  }
-  return names;
-}
-
 TEST(Fmu, ExportsAllOfItsFmi2FunctionsAndNothingElse) {
-  const auto names = exported_symbols(LagFmu::get().binary());
+  const auto names = modeldesc::read_elf_library(LagFmu::get().binary()).exports();
   EXPECT_EQ(names.size(), sizeof(Library) / sizeof(void*));
   EXPECT_THAT(names, testing::Each(testing::StartsWith("fmi2")));
+}
+
+TEST(ElfLibrary, ListsWhatTheFmuTakesFromOthers) {
+  const auto library = modeldesc::read_elf_library(LagFmu::get().binary());
+  EXPECT_THAT(library.imports(), testing::Contains("memcpy"));
+  EXPECT_THAT(library.imports(), testing::Not(testing::Contains(testing::StartsWith("fmi2"))));
+  EXPECT_THAT(library.needed, testing::Contains("libc.so.6"));
+}
+
+TEST(ElfLibrary, MemoryHoldsWhatTheFileHolds) {
+  const auto file = LagFmu::get().binary();
+  const auto loaded = modeldesc::loaded_libraries(modeldesc::UniqueSymbols::skip);
+  EXPECT_THAT(loaded, testing::Contains(testing::Field(&modeldesc::LoadedLibrary::file, file)));
+  EXPECT_THAT(loaded, testing::Contains(testing::Field(&modeldesc::LoadedLibrary::soname, "libc.so.6")));
+}
+
+TEST(ElfLibrary, ReadsUniqueSymbolsFromFileAndFromMemory) {
+  const auto loaded = modeldesc::loaded_libraries(modeldesc::UniqueSymbols::read);
+  const auto runtime = std::ranges::find(loaded, "libstdc++.so.6", &modeldesc::LoadedLibrary::soname);
+  ASSERT_NE(runtime, loaded.end());
+  const auto in_file = modeldesc::read_elf_library(runtime->file);
+  std::vector<std::string> from_file;
+  for (const auto& symbol : in_file.symbols) {
+    if (symbol.unique) from_file.push_back(symbol.name);
+  }
+  std::vector<std::string> from_memory;
+  for (const auto& symbol : runtime->unique) from_memory.push_back(symbol.name);
+  EXPECT_THAT(from_memory, testing::Contains("_ZNSt7collateIcE2idE"));
+  EXPECT_EQ(from_memory, from_file);
+}
+
+TEST(ElfLibrary, FindsSymbolsThatTheLoaderLooksUp) {
+  const auto library = modeldesc::read_elf_library(LagFmu::get().binary());
+  const auto found = std::ranges::find(library.symbols, "memcpy", &modeldesc::ElfSymbol::name);
+  ASSERT_NE(found, library.symbols.end());
+  EXPECT_TRUE(found->bound);
+  EXPECT_FALSE(found->defined);
 }
 
 }  // namespace

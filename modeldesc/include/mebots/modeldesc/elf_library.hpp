@@ -8,17 +8,46 @@
 
 namespace mebots::modeldesc {
 
-/// What the dynamic section and the dynamic symbols of a 64-bit little-endian ELF shared library say.
-struct ElfLibrary {
-  std::uint16_t machine = 0;         // EM_X86_64 and so on
-  std::string soname;                // empty when it has none
-  std::vector<std::string> needed;   // in the order of the file
-  std::vector<std::string> rpath;    // DT_RPATH, as written: `$ORIGIN` is not expanded
-  std::vector<std::string> runpath;  // DT_RUNPATH
-  std::vector<std::string> exports;  // names that it defines for others, in the order of the file
+/// A dynamic symbol of a library that other libraries see.
+struct ElfSymbol {
+  std::string name;
+  bool defined = false;      ///< the library defines it; false: another library must
+  bool weak = false;         ///< an undefined weak symbol may stay undefined
+  bool unique = false;       ///< STB_GNU_UNIQUE: the loader keeps one definition for the whole process
+  bool bound = false;        ///< a relocation of the library names it, so the loader looks it up by name
+  bool preemptible = false;  ///< defined with default visibility: the lookup may find another library's first
+  std::string constant;      ///< the bytes of a unique symbol in memory that nobody writes; else empty
 };
 
-/// Throws mebots::Error when the file is not such a library.
+/// The dynamic section and the dynamic symbols of a 64-bit little-endian ELF shared library.
+struct ElfLibrary {
+  std::uint16_t machine = 0;         ///< EM_X86_64 and so on
+  std::string soname;                ///< empty if the library has none
+  std::vector<std::string> needed;   ///< in the order of the file
+  std::vector<std::string> rpath;    ///< DT_RPATH, as written: `$ORIGIN` is not expanded
+  std::vector<std::string> runpath;  ///< DT_RUNPATH
+  bool symbolic = false;             ///< DF_SYMBOLIC: finds its own definitions before all others
+  std::vector<ElfSymbol> symbols;    ///< in the order of the file
+
+  /// The names that the library defines for others.
+  std::vector<std::string> exports() const;
+  /// The names that the library takes from others.
+  std::vector<std::string> imports() const;
+};
+
+/// Reads what the loader reads: program headers, not sections, which may be stripped. Throws mebots::Error if the file
+/// is not such a library.
 ElfLibrary read_elf_library(const std::filesystem::path& file);
+
+/// A library that this process has loaded.
+struct LoadedLibrary {
+  std::filesystem::path file;  ///< as the loader names it; empty for the program itself
+  std::string soname;
+  std::vector<ElfSymbol> unique;  ///< its definitions of unique symbols, if asked for
+};
+
+/// Lists the libraries of this process, read from memory: their files may be gone.
+enum class UniqueSymbols { skip, read };
+std::vector<LoadedLibrary> loaded_libraries(UniqueSymbols unique);
 
 }  // namespace mebots::modeldesc
