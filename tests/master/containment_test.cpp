@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What an FMU does to the process that it shares with the master and the other FMUs: told, with its name, and kept from
 // them where it can be.
+#include "slave/environment_variables.hpp"
 #include "slave/float_environment.hpp"
 #include "slave/process_state.hpp"
 #include "support/sanitizer.hpp"
@@ -15,7 +16,9 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
+#include <cstdlib>
 #include <sstream>
 #include <thread>
 
@@ -125,6 +128,42 @@ TEST_F(Containment, WhatInitialisationChangesInTheProcessIsToldAndPutBack) {
                     HasSubstr("of core files"), HasSubstr("descriptor 0 is closed (put back)"),
                     HasSubstr("signal 10 (SIGUSR1)")));
   EXPECT_THAT(result("results.csv"), HasSubstr("\n1,")) << "the folder is relative to the working directory";
+}
+
+TEST_F(Containment, ReportsAndUndoesChangesOfTheEnvironment) {
+  for (const std::string process : {"shared", "own"}) {
+    write_file(folder.path() / "environment.json",
+               with_probe(fmt::format(R"({{"step": 0.1, "stop_time": 1, "instances": {{
+      "a": {{"fmu": "PROBE", "process": "{0}", "parameters": {{"fault": "set_environment"}}}},
+      "b": {{"fmu": "PROBE", "process": "{0}", "parameters": {{"real_in": 0.5, "fault": "read_environment", "fault_time": 0.5}}}}}},
+      "connections": [], "record": ["b.integral"]}})",
+                                      process)));
+    setenv("PROBE_HOME", "/somewhere", 1);
+    const auto ended = run_program({"run", "environment.json"}, folder.path());
+    unsetenv("PROBE_HOME");
+    EXPECT_EQ(ended.code, 0) << ended.err;
+    EXPECT_THAT(ended.err, AllOf(HasSubstr("changed the process for all, in fmi2EnterInitializationMode"),
+                                 HasSubstr("environment variable PROBE_INTEGRAL became '7' (removed again)"),
+                                 HasSubstr("environment variable TZ became 'PST8PDT'"),
+                                 HasSubstr("environment variable PROBE_HOME was removed (put back)"),
+                                 HasSubstr("environment variable PROBE_ENTRY became '1' (removed again)")));
+    EXPECT_THAT(read_file(folder.path() / "results" / "environment" / "results.csv"), HasSubstr("\n1,0.5\n"))
+        << "b integrates 0.5 and sees no PROBE_INTEGRAL";
+  }
+}
+
+TEST(EnvironmentVariables, AreRestoredEvenIfTheWholeTableWasReplaced) {
+  const auto before = master::EnvironmentVariables::now();
+  ASSERT_NE(std::getenv("PATH"), nullptr);
+  const std::string path = std::getenv("PATH");
+  static char entry[] = "PATH=/nowhere";
+  static std::array<char*, 2> table{entry, nullptr};
+  char** const old_table = environ;
+  environ = table.data();
+  EXPECT_THAT(before.restore(), Not(testing::IsEmpty()));
+  EXPECT_EQ(std::getenv("PATH"), path);
+  EXPECT_THAT(before.restore(), testing::IsEmpty());
+  environ = old_table;
 }
 
 TEST_F(Containment, EveryInstanceIsWatched) {

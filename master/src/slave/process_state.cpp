@@ -81,7 +81,11 @@ bool is_new(std::string fact) {
 }  // namespace
 
 ProcessState::ProcessState(const Files& files)
-    : umask_(current_umask()), folder_(current_folder()), locale_(current_locale()), files_(files) {
+    : umask_(current_umask()),
+      folder_(current_folder()),
+      locale_(current_locale()),
+      environment_(EnvironmentVariables::now()),
+      files_(files) {
   std::erase_if(files_, [](const auto& file) { return file_behind(file.first) != file.second; });
   for (std::size_t i = 0; i < kLimits.size(); ++i) getrlimit(kLimits[i], &limits_[i]);
   for (int i = 0; i < kStandard; ++i) {
@@ -167,6 +171,7 @@ std::vector<std::string> ProcessState::put_right() const {
     const bool back = std::setlocale(LC_ALL, locale_.c_str()) != nullptr;
     texts.push_back(fmt::format("the locale became {}{}", locale, back ? " (put back)" : ""));
   }
+  for (auto& text : environment_.restore()) texts.push_back(std::move(text));
   compare_limits(texts);
   compare_files(texts);
   compare_handlers(texts);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "slave/environment_variables.hpp"
+
 #include <sys/resource.h>
 #include <sys/types.h>
 
@@ -13,9 +15,9 @@
 
 namespace mebots::master {
 
-/// What an FMU in this process can change for everybody: mask of file modes, working directory, locale, limits, open
-/// descriptors, signal handlers. Whoever changes one of them changes what the other FMUs and the master compute or
-/// write. One at a time may be looked at; not for use by two threads at once.
+/// What an FMU in this process can change for everybody: mask of file modes, working directory, locale, environment
+/// variables, limits, open descriptors, signal handlers. Whoever changes one of them changes what the other FMUs and
+/// the master compute or write. One at a time may be looked at; not for use by two threads at once.
 class ProcessState {
  public:
   /// Open descriptors, and the file that each leads to. Without connections of the network, which end without an FMU.
@@ -49,6 +51,7 @@ class ProcessState {
   mode_t umask_;
   std::string folder_;
   std::string locale_;
+  EnvironmentVariables environment_;
   std::array<rlimit, kLimits.size()> limits_{};
   Files files_;
   std::array<int, kStandard> copies_{};  // of the standard descriptors; -1 where there is none
