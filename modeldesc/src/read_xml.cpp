@@ -6,6 +6,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <malloc.h>
+
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -18,6 +20,7 @@
 #include <span>
 #include <unordered_map>
 #include <unordered_set>
+#include <utility>
 
 namespace mebots::modeldesc {
 namespace {
@@ -40,24 +43,27 @@ std::optional<T> parse_number(std::string_view text) {
   return value;
 }
 
-/// Where in which document an element stands, for messages.
+/// A parsed document, and the lines of its elements for messages. The text itself is freed after the parse.
 class Document {
  public:
-  Document(std::string_view text, std::string_view source) : text_(text), source_(source) {
+  Document(std::string text, std::string_view source) : source_(source) {
     parse_xml(xml_, text, source);
+    for (auto at = text.find('\n'); at != std::string::npos; at = text.find('\n', at + 1)) {
+      line_ends_.push_back(static_cast<std::ptrdiff_t>(at));
+    }
   }
 
   pugi::xml_node root() const { return xml_.document_element(); }
 
   [[noreturn]] void fail(pugi::xml_node node, std::string_view what) const {
-    throw Error(ErrorCode::syntax_error,
-                fmt::format("{}, line {}, <{}>: {}", source_, line_of(text_, node.offset_debug()), node.name(), what));
+    const auto line = std::ranges::lower_bound(line_ends_, node.offset_debug()) - line_ends_.begin() + 1;
+    throw Error(ErrorCode::syntax_error, fmt::format("{}, line {}, <{}>: {}", source_, line, node.name(), what));
   }
 
  private:
-  std::string_view text_;
   std::string source_;
   pugi::xml_document xml_;
+  std::vector<std::ptrdiff_t> line_ends_;
 };
 
 /// One element with typed, checked access to its attributes.
@@ -116,6 +122,18 @@ class Element {
   void each_child(const char* name, Action action) const {
     for (const pugi::xml_node node : node_.children(name)) action(Element(*document_, node));
   }
+  std::size_t count_children(const char* name) const {
+    const auto children = node_.children(name);
+    return static_cast<std::size_t>(std::distance(children.begin(), children.end()));
+  }
+  /// As each_child(), and removes each child afterwards, so that its memory is free again.
+  template <typename Action>
+  void consume_children(const char* name, Action action) {
+    for (auto node = node_.child(name); node;) {
+      action(Element(*document_, node));
+      node_.remove_child(std::exchange(node, node.next_sibling(name)));
+    }
+  }
 
   [[noreturn]] void fail(std::string_view what) const { document_->fail(node_, what); }
 
@@ -156,6 +174,16 @@ std::optional<Initial> default_initial(Causality causality, Variability variabil
   return variability == Variability::constant ? Initial::exact : Initial::calculated;
 }
 
+/// Variables that are read before the memory of their elements goes back to the system. Elements and variables together
+/// would double the peak of a description with a million variables.
+constexpr std::size_t kVariablesPerTrim = 1 << 16;
+
+void release_free_memory() {
+#ifdef __GLIBC__
+  malloc_trim(0);
+#endif
+}
+
 class XmlReader {
  public:
   explicit XmlReader(const Document& document) : root_(document, document.root()) {}
@@ -171,15 +199,21 @@ class XmlReader {
     if (const Element experiment = root_.child("DefaultExperiment"))
       result_.default_experiment = {experiment.real("startTime"), experiment.real("stopTime"),
                                     experiment.real("tolerance"), experiment.real("stepSize")};
-    const Element variables = root_.child("ModelVariables");
+    Element variables = root_.child("ModelVariables");
     if (!variables) root_.fail("the element <ModelVariables> is missing");
-    variables.each_child("ScalarVariable", [&](const Element& e) { read_variable(e); });
+    result_.variables.reserve(variables.count_children("ScalarVariable"));
+    names_.reserve(result_.variables.capacity());
+    variables.consume_children("ScalarVariable", [&](const Element& e) {
+      read_variable(e);
+      if (result_.variables.size() % kVariablesPerTrim == 0) release_free_memory();
+    });
     check_derivatives(variables);
     const Element structure = root_.child("ModelStructure");
     if (!structure) root_.fail("the element <ModelStructure> is missing");
     result_.outputs = read_unknowns(structure.child("Outputs"));
     result_.derivatives = read_unknowns(structure.child("Derivatives"));
     result_.initial_unknowns = read_unknowns(structure.child("InitialUnknowns"));
+    result_.index_names();
     return std::move(result_);
   }
 
@@ -282,10 +316,10 @@ class XmlReader {
   }
 
   void read_variable(const Element& element) {
-    Variable variable;
+    Variable& variable = result_.variables.emplace_back();
     variable.name = element.required_text("name");
     if (!names_.insert(variable.name).second)
-      element.fail(fmt::format("the variable \"{}\" is there twice", variable.name));
+      element.fail(fmt::format("two variables have the name \"{}\"", variable.name));
     element.required_text("valueReference");
     variable.value_reference = *element.number<std::uint32_t>("valueReference", "a whole number of 32 bits");
     variable.text = element.text("description");
@@ -317,7 +351,6 @@ class XmlReader {
     }
     if (!variable.declared_type.empty()) take_declared_type(element, variable);
     read_osmp(element, variable);
-    result_.variables.push_back(std::move(variable));
   }
 
   static Variability default_variability(const Variable& variable) {
@@ -417,26 +450,35 @@ class XmlReader {
 
   Element root_;
   ModelDescription result_;
-  std::unordered_set<std::string> names_;
+  std::unordered_set<std::string_view> names_;  // of the variables, which stay in their place
   std::set<std::string> unit_names_;
   std::unordered_map<std::string, std::size_t> types_;  // name, index; descriptions may have thousands
 };
 
-}  // namespace
-
-ModelDescription read_xml_text(std::string_view text, std::string_view source) {
-  const auto utf8 = xml_as_utf8(text, source);
-  const Document document(utf8, source);
+ModelDescription read_utf8(std::string text, std::string_view source) {
+  const Document document(std::move(text), source);
   return XmlReader(document).read();
 }
 
-ModelDescription read_xml(const std::filesystem::path& file) {
+std::string bytes_of(const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary);
-  if (!stream)
-    throw Error(ErrorCode::file_not_found,
-                fmt::format("{}: cannot be opened; an FMU has this file at its top", file.string()));
-  const std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-  return read_xml_text(text, file.string());
+  if (!stream) {
+    throw Error(
+        ErrorCode::file_not_found,
+        fmt::format("{}: cannot be opened; modelDescription.xml must be at the root of the archive", file.string()));
+  }
+  return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+}
+
+}  // namespace
+
+ModelDescription read_xml_text(std::string_view text, std::string_view source) {
+  return read_utf8(xml_as_utf8(text, source), source);
+}
+
+ModelDescription read_xml(const std::filesystem::path& file) {
+  // The file's bytes are freed before the text is parsed: a description may have a million variables.
+  return read_utf8(xml_as_utf8(bytes_of(file), file.string()), file.string());
 }
 
 }  // namespace mebots::modeldesc

@@ -4,8 +4,10 @@
 #include "mebots/fmi2/variable_kinds.hpp"
 #include "mebots/modeldesc/units.hpp"
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <numeric>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -120,6 +122,36 @@ struct LogCategory {
   bool operator==(const LogCategory&) const = default;
 };
 
+/// The positions of a list's elements, sorted by their names, so that looking one up takes logarithmic time. Four bytes
+/// per element.
+class NameIndex {
+ public:
+  /// Indexes elements with a member `name`. Of equal names the first one is found.
+  template <typename T>
+  void build(const std::vector<T>& list) {
+    positions_.resize(list.size());
+    std::iota(positions_.begin(), positions_.end(), std::uint32_t{0});
+    std::ranges::stable_sort(positions_, {}, [&](std::uint32_t i) { return std::string_view(list[i].name); });
+  }
+  /// The element of `list` that has this name, or null. If the list has another size than the indexed one, searches it
+  /// from the front.
+  template <typename T>
+  const T* find(const std::vector<T>& list, std::string_view name) const {
+    if (positions_.size() != list.size()) {
+      const auto found = std::ranges::find(list, name, &T::name);
+      return found == list.end() ? nullptr : &*found;
+    }
+    const auto name_of = [&](std::uint32_t i) { return std::string_view(list[i].name); };
+    const auto found = std::ranges::lower_bound(positions_, name, {}, name_of);
+    return found == positions_.end() || name_of(*found) != name ? nullptr : &list[*found];
+  }
+  /// Two descriptions are equal if their lists are.
+  bool operator==(const NameIndex& /*other*/) const { return true; }
+
+ private:
+  std::vector<std::uint32_t> positions_;
+};
+
 struct ModelDescription {
   std::string fmi_version;  // "2.0"
   std::string model_name;
@@ -145,12 +177,19 @@ struct ModelDescription {
   std::vector<Unknown> initial_unknowns;
   bool operator==(const ModelDescription&) const = default;
 
-  /// The variable of this name, or null. Searches from the front: look names up once, before a run.
-  const Variable* find(std::string_view name) const;
-  /// The unit definition of this name, or null.
-  const Unit* unit(std::string_view name) const;
-  /// The type definition of this name, or null.
-  const TypeDefinition* type_definition(std::string_view name) const;
+  /// Indexes variables, units and types by name. Readers of descriptions call it last. Lists that change afterwards
+  /// must keep names and order, or be indexed again.
+  void index_names();
+  /// Returns the variable of this name, or null. Takes logarithmic time after index_names(), else linear time.
+  const Variable* find(std::string_view name) const { return variable_index.find(variables, name); }
+  /// Returns the unit definition of this name, or null.
+  const Unit* unit(std::string_view name) const { return unit_index.find(units, name); }
+  /// Returns the type definition of this name, or null.
+  const TypeDefinition* type_definition(std::string_view name) const { return type_index.find(types, name); }
+
+  NameIndex variable_index;
+  NameIndex unit_index;
+  NameIndex type_index;
 };
 
 }  // namespace mebots::modeldesc
