@@ -7,6 +7,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
+#include <span>
+#include <utility>
 
 namespace mebots::master {
 namespace {
@@ -18,10 +21,38 @@ constexpr std::string_view kOwnLabels[] = {
     "rows",     "real_time_factor", "wall_clock", "units",    "versions",       "inputs",    "notices", "statistics",
     "scenario", "lost_instances",   "parameters", "coupling", "start_time",     "error_code"};
 
-void put(Json& root, const std::vector<std::string>& path, Json value) {
-  auto* node = &root;
-  for (const auto& label : path) node = &(*node)[label];
-  *node = std::move(value);
+/// Values under nested labels, in the order in which they were put. A label is looked up in logarithmic time; an
+/// ordered JSON object would compare it with each of its members.
+class LabelTree {
+ public:
+  /// `path` holds at least one label.
+  void put(std::span<const std::string> path, Json value) {
+    const auto [place, added] = places_.emplace(path.front(), children_.size());
+    if (added) children_.emplace_back(path.front(), LabelTree());
+    auto& child = children_[place->second].second;
+    if (path.size() > 1) {
+      child.put(path.subspan(1), std::move(value));
+    } else {
+      child.value_ = std::move(value);
+    }
+  }
+
+  Json json() const {
+    if (children_.empty()) return value_;
+    Json object;
+    for (const auto& [label, child] : children_) add_member(object, label) = child.json();
+    return object;
+  }
+
+ private:
+  std::map<std::string, std::size_t> places_;  // of labels among the children
+  std::vector<std::pair<std::string, LabelTree>> children_;
+  Json value_ = Json::object();  // of a leaf; of an empty tree, no members
+};
+
+/// Appends the members of `more`. `object` has none of them.
+void append(Json& object, Json more) {
+  for (auto& [label, value] : more.get_ref<Json::object_t&>()) add_member(object, label) = std::move(value);
 }
 
 /// The FMU as its config names it; one from an SSP by its place in the archive, not by where that happens to be
@@ -90,20 +121,20 @@ Json SummaryValues::value_of(const Entry& entry) const {
 }
 
 Json SummaryValues::values() const {
-  auto result = Json::object();
-  if (!any_point_) return result;
+  LabelTree tree;
+  if (!any_point_) return tree.json();
   for (const auto& entry : entries_) {
-    if (entry.shown) put(result, entry.path, value_of(entry));
+    if (entry.shown) tree.put(entry.path, value_of(entry));
   }
-  return result;
+  return tree.json();
 }
 
 Json SummaryValues::units() const {
-  auto result = Json::object();
+  LabelTree tree;
   for (const auto& entry : entries_) {
-    if (entry.shown && !entry.variable->unit.empty()) put(result, entry.path, entry.variable->unit);
+    if (entry.shown && !entry.variable->unit.empty()) tree.put(entry.path, entry.variable->unit);
   }
-  return result;
+  return tree.json();
 }
 
 double RunReport::real_time_factor() const {
@@ -123,7 +154,7 @@ Json summary_json(const ResolvedSystem& system, const InputHash& hash, const Run
   }
   json["simulated_time"] = to_seconds(report.simulated_ns);
   json["real_time_factor"] = report.real_time_factor();
-  json.update(values.values());
+  append(json, values.values());
   json["step"] = to_seconds(description.step_ns);
   json["steps"] = report.steps;
   if (description.start_time_ns != 0) json["start_time"] = to_seconds(description.start_time_ns);
@@ -132,7 +163,7 @@ Json summary_json(const ResolvedSystem& system, const InputHash& hash, const Run
 
   Json units = {{"simulated_time", "s"}, {"step", "s"}, {"stop_time", "s"}, {"wall_clock", "s"}};
   if (description.start_time_ns != 0) units["start_time"] = "s";
-  units.update(values.units());
+  append(units, values.units());
   json["units"] = units;
   json["wall_clock"] = {{"open", report.wall.open_s},
                         {"initialise", report.wall.initialise_s},
@@ -146,7 +177,7 @@ Json summary_json(const ResolvedSystem& system, const InputHash& hash, const Run
   for (const auto& instance : system.instances) {
     if (instance.starts.empty()) continue;
     auto& of_instance = add_member(parameters, instance.description->name);
-    for (const auto& start : instance.starts) of_instance[start.variable->name] = json_of(start.value);
+    for (const auto& start : instance.starts) add_member(of_instance, start.variable->name) = json_of(start.value);
   }
   Json inputs;
   inputs["sha256"] = hash.all;

@@ -57,6 +57,11 @@ std::variant<double, std::int32_t, std::string> plain(const modeldesc::Value& va
   return 0;
 }
 
+std::uint64_t place_key(ValueKind kind, ValueReference reference) {
+  constexpr unsigned kReferenceBits = 32;
+  return static_cast<std::uint64_t>(kind) << kReferenceBits | reference;
+}
+
 }  // namespace
 
 OverriddenSlave::OverriddenSlave(std::unique_ptr<Slave> inner, const Scenario& scenario, std::size_t instance)
@@ -66,18 +71,16 @@ OverriddenSlave::OverriddenSlave(std::unique_ptr<Slave> inner, const Scenario& s
     if (overrides[i].variable.instance != instance) continue;
     const auto& variable = *overrides[i].variable.variable;
     const auto kind = kind_of(variable.type);
-    auto target = std::find_if(targets_.begin(), targets_.end(), [&](const Target& other) {
-      return other.reference == variable.value_reference && other.kind == kind;
-    });
-    if (target == targets_.end()) {
+    const auto [place, is_new] = places_.emplace(place_key(kind, variable.value_reference), targets_.size());
+    if (is_new) {
       Target added;
       added.reference = variable.value_reference;
       added.kind = kind;
       added.input = variable.causality != modeldesc::Causality::output;  // or a tunable parameter, which is one
       added.base = plain(variable.start, kind);
-      target = targets_.insert(targets_.end(), std::move(added));
+      targets_.push_back(std::move(added));
     }
-    target->layers.push_back({i, noise_key(*overrides[i].description), -1, {}});
+    targets_[place->second].layers.push_back({i, noise_key(*overrides[i].description), -1, {}});
   }
 }
 
@@ -127,11 +130,8 @@ OverriddenSlave::Value OverriddenSlave::apply(Target& target, const Value& value
 
 template <typename T>
 void OverriddenSlave::change_outputs(ValueKind kind, std::span<const ValueReference> references, std::span<T> values) {
-  for (auto& target : targets_) {
-    if (target.kind != kind || target.input) continue;
-    for (std::size_t i = 0; i < references.size(); ++i) {
-      if (references[i] == target.reference) values[i] = std::get<T>(apply(target, values[i]));
-    }
+  for (std::size_t i = 0; i < references.size(); ++i) {
+    if (auto* target = find(false, kind, references[i])) values[i] = std::get<T>(apply(*target, values[i]));
   }
 }
 
@@ -139,17 +139,22 @@ template <typename T>
 bool OverriddenSlave::change_inputs(ValueKind kind, std::span<const ValueReference> references,
                                     std::vector<T>& values) {
   bool changed = false;
-  for (auto& target : targets_) {
-    if (target.kind != kind || !target.input) continue;
-    for (std::size_t i = 0; i < references.size(); ++i) {
-      if (references[i] != target.reference) continue;
-      target.base = values[i];
-      target.fresh = true;
-      values[i] = std::get<T>(apply(target, values[i]));
-      changed = true;
-    }
+  for (std::size_t i = 0; i < references.size(); ++i) {
+    auto* target = find(true, kind, references[i]);
+    if (target == nullptr) continue;
+    target->base = values[i];
+    target->fresh = true;
+    values[i] = std::get<T>(apply(*target, values[i]));
+    changed = true;
   }
   return changed;
+}
+
+OverriddenSlave::Target* OverriddenSlave::find(bool input, ValueKind kind, ValueReference reference) {
+  const auto found = places_.find(place_key(kind, reference));
+  if (found == places_.end()) return nullptr;
+  auto& target = targets_[found->second];
+  return target.input == input ? &target : nullptr;
 }
 
 StepResult OverriddenSlave::step(std::int64_t start_ns, std::int64_t duration_ns) {
@@ -187,14 +192,12 @@ double OverriddenSlave::apply(const Layer& layer, std::int32_t order, double der
   return (description.number - std::get<double>(layer.found)) / to_seconds(description.over_ns);
 }
 
-double OverriddenSlave::changed_derivative(bool input, ValueReference reference, std::int32_t order,
-                                           double value) const {
-  for (const auto& target : targets_) {
-    if (target.kind != ValueKind::real || target.input != input || target.reference != reference) continue;
-    for (const auto& layer : target.layers) {
-      const auto since_ns = scenario_->since(layer.override, time_ns_);
-      if (since_ns) value = apply(layer, order, value, *since_ns);
-    }
+double OverriddenSlave::changed_derivative(bool input, ValueReference reference, std::int32_t order, double value) {
+  const auto* target = find(input, ValueKind::real, reference);
+  if (target == nullptr) return value;
+  for (const auto& layer : target->layers) {
+    const auto since_ns = scenario_->since(layer.override, time_ns_);
+    if (since_ns) value = apply(layer, order, value, *since_ns);
   }
   return value;
 }

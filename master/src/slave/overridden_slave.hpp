@@ -6,6 +6,7 @@
 #include "slave/access_slave.hpp"
 
 #include <optional>
+#include <unordered_map>
 #include <variant>
 
 namespace mebots::master {
@@ -74,12 +75,15 @@ class OverriddenSlave final : public AccessSlave {
   void change_outputs(ValueKind kind, std::span<const ValueReference> references, std::span<T> values);
   template <typename T>
   bool change_inputs(ValueKind kind, std::span<const ValueReference> references, std::vector<T>& values);
-  double changed_derivative(bool input, ValueReference reference, std::int32_t order, double value) const;
+  /// The target among inputs or outputs with this value reference; null if the scenario does not change it.
+  Target* find(bool input, ValueKind kind, ValueReference reference);
+  double changed_derivative(bool input, ValueReference reference, std::int32_t order, double value);
   double apply(const Layer& layer, std::int32_t order, double derivative, std::int64_t since_ns) const;
   void set_one(const Target& target, const Value& value);
 
   const Scenario* scenario_;
   std::vector<Target> targets_;
+  std::unordered_map<std::uint64_t, std::size_t> places_;  // kind and value reference of a target, its place
   std::int64_t time_ns_ = 0;
 };
 

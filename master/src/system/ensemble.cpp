@@ -165,21 +165,22 @@ void Ensemble::check_items_of(const ResolvedConnection& connection, std::size_t 
 }
 
 std::size_t Ensemble::Derivatives::place(ValueReference reference, std::uint32_t most) {
-  const auto found = std::ranges::find(references, reference);
-  const auto first = static_cast<std::size_t>(found - references.begin());
-  if (found != references.end()) return first;
+  const auto [found, added] = firsts.emplace(reference, references.size());
+  if (!added) return found->second;
   for (std::uint32_t order = 1; order <= most; ++order) {
     references.push_back(reference);
     orders.push_back(static_cast<std::int32_t>(order));
     values.push_back(0);
   }
-  return first;
+  return found->second;
 }
 
 std::span<const double> Ensemble::Derivatives::of(ValueReference reference) const {
-  const auto first = static_cast<std::size_t>(std::ranges::find(references, reference) - references.begin());
-  const auto count = static_cast<std::size_t>(std::ranges::count(references, reference));
-  return std::span(values).subspan(first, count);
+  const auto found = firsts.find(reference);
+  if (found == firsts.end()) return {};
+  auto end = found->second;
+  while (end < references.size() && references[end] == reference) ++end;
+  return std::span(values).subspan(found->second, end - found->second);
 }
 
 InputCourse Ensemble::course_of(const ResolvedVariable& input) const {

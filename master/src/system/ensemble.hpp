@@ -138,14 +138,16 @@ class Ensemble {
     double offset;
   };
 
-  /// Time derivatives of several variables, side by side; each variable's are together, of orders 1 and up.
+  /// Time derivatives of several variables. Those of one variable are adjacent, of orders 1 and up.
   struct Derivatives {
     std::vector<ValueReference> references;
     std::vector<std::int32_t> orders;
     std::vector<double> values;
+    std::unordered_map<ValueReference, std::size_t> firsts;  // the place of order 1
 
-    /// Where those of a variable begin, made if missing.
+    /// Returns the place of a variable's first derivative. Adds derivatives up to order `most` if it has none.
     std::size_t place(ValueReference reference, std::uint32_t most);
+    /// Returns a variable's derivatives; empty if it has none.
     std::span<const double> of(ValueReference reference) const;
   };
 

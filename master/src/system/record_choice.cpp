@@ -5,7 +5,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <functional>
+#include <set>
+#include <unordered_map>
 
 namespace mebots::master {
 namespace {
@@ -15,32 +18,39 @@ using modeldesc::Type;
 using modeldesc::Variability;
 using modeldesc::Variable;
 
-/// Some patterns, and which of them have fitted anything.
+/// Patterns, and which of them fitted any name.
+///
+/// A name is compared only with the patterns whose literal beginning (the text before the first * or ?) begins the
+/// name, so a long list of names or of patterns such as "cell.branch[7].*" costs one look-up per length of a beginning.
 class Patterns {
  public:
-  explicit Patterns(const std::vector<RecordPattern>& patterns) : patterns_(&patterns), used_(patterns.size(), false) {}
+  explicit Patterns(const std::vector<RecordPattern>& patterns) : patterns_(&patterns), used_(patterns.size(), false) {
+    for (std::size_t i = 0; i < patterns.size(); ++i) {
+      const auto beginning = literal_beginning(patterns[i].pattern);
+      if (by_beginning_[beginning].empty()) lengths_.insert(beginning.size());
+      by_beginning_[beginning].push_back(i);
+    }
+  }
 
   enum class Fit { none, pattern, outright };
 
-  /// Whether a pattern fits the name, or is the name.
-  Fit fit(std::string_view name) {
+  /// Returns `outright` if a pattern is the name itself, `pattern` if a pattern only fits it.
+  Fit fit(std::string_view name) const {
     auto best = Fit::none;
-    for (std::size_t i = 0; i < used_.size(); ++i) {
-      const auto& pattern = (*patterns_)[i].pattern;
-      if (!fits(name, pattern)) continue;
-      if (name == pattern) {
+    for_each_fitting(name, [&](std::size_t i) {
+      if (name == (*patterns_)[i].pattern) {
         best = Fit::outright;
       } else if (best == Fit::none) {
         best = Fit::pattern;
       }
-    }
+    });
     return best;
   }
-  /// What fits `name` has found something.
+  /// Marks every pattern that fits `name` as used.
   void use(std::string_view name) {
-    for (std::size_t i = 0; i < used_.size(); ++i) used_[i] = used_[i] || fits(name, (*patterns_)[i].pattern);
+    for_each_fitting(name, [&](std::size_t i) { used_[i] = true; });
   }
-  /// Throws for a pattern that found nothing.
+  /// Throws InputError for a pattern that was never used. `names` are those that the error suggests.
   void check(const std::string& what, const std::vector<std::string>& names) const {
     for (std::size_t i = 0; i < used_.size(); ++i) {
       if (used_[i]) continue;
@@ -51,8 +61,26 @@ class Patterns {
   }
 
  private:
+  static std::string_view literal_beginning(std::string_view pattern) {
+    return pattern.substr(0, std::min(pattern.find_first_of("*?"), pattern.size()));
+  }
+
+  template <typename Work>
+  void for_each_fitting(std::string_view name, Work work) const {
+    for (const auto length : lengths_) {
+      if (length > name.size()) break;
+      const auto found = by_beginning_.find(name.substr(0, length));
+      if (found == by_beginning_.end()) continue;
+      for (const auto i : found->second) {
+        if (fits(name, (*patterns_)[i].pattern)) work(i);
+      }
+    }
+  }
+
   const std::vector<RecordPattern>* patterns_;
   std::vector<bool> used_;
+  std::unordered_map<std::string_view, std::vector<std::size_t>> by_beginning_;  // literal beginning, its patterns
+  std::set<std::size_t> lengths_;                                                // of the beginnings
 };
 
 void for_each_variable(const ResolvedSystem& system,

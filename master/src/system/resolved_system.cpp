@@ -12,6 +12,8 @@
 #include <algorithm>
 #include <map>
 #include <set>
+#include <unordered_map>
+#include <utility>
 
 namespace mebots::master {
 namespace {
@@ -68,24 +70,33 @@ std::vector<StartValue> resolve_starts(const InstanceDescription& instance,
   return result;
 }
 
-std::vector<std::string> log_categories(const SystemDescription& system, const InstanceDescription& instance) {
-  for (const auto& log : system.log) {
-    if (log.instance == instance.name) return log.categories;
-  }
+/// The categories that the config shows of each instance that it names.
+using LogSections = std::unordered_map<std::string_view, const std::vector<std::string>*>;
+
+LogSections log_sections(const SystemDescription& system) {
+  LogSections sections;
+  for (const auto& log : system.log) sections.emplace(log.instance, &log.categories);
+  return sections;
+}
+
+std::vector<std::string> log_categories(const LogSections& sections, const InstanceDescription& instance) {
+  const auto found = sections.find(instance.name);
+  if (found != sections.end()) return *found->second;
   return {std::begin(kDefaultLogCategories), std::end(kDefaultLogCategories)};
 }
 
-/// A category that is misspelt shows nothing. It may be right all the same: not every FMU declares all of its own.
+/// Gives a notice for each category that the FMU does not declare. It is not an error: not every FMU declares all of
+/// its categories.
 void note_unknown_categories(ResolvedSystem& system) {
   for (const auto& log : system.description->log) {
-    const auto instance = std::ranges::find(system.instances, log.instance, [](const ResolvedInstance& resolved) {
-      return std::string_view(resolved.description->name);
-    });
-    if (instance == system.instances.end()) {
+    const auto instance = system.description->index_of(log.instance);
+    if (!instance) {
       throw InputError(ErrorCode::unknown_name, fmt::format("log: there is no instance '{}'", log.instance));
     }
     std::vector<std::string> known;
-    for (const auto& category : instance->fmu->description().log_categories) known.push_back(category.name);
+    for (const auto& category : system.instances[*instance].fmu->description().log_categories) {
+      known.push_back(category.name);
+    }
     for (const auto& category : log.categories) {
       if (known.empty() || category == "*" || std::ranges::find(known, category) != known.end()) continue;
       system.notices.push_back(fmt::format("{}: its FMU declares no log category '{}'. {}", log.instance, category,
@@ -149,16 +160,22 @@ bool is_served_otherwise(const modeldesc::ModelDescription& description, const V
   return part != nullptr && is_osmp_part(description, *part) && served.count(part) != 0;
 }
 
-/// A value for an input that a connection overwrites would do nothing, and nobody would see it.
+/// Refuses a value for an input that a connection overwrites: it would have no effect.
 void refuse_values_of_connected_inputs(const ResolvedSystem& system) {
+  using Target = std::pair<std::size_t, std::string_view>;
+  std::map<Target, const Assignment*> given;
+  for (std::size_t i = 0; i < system.instances.size(); ++i) {
+    for (const auto& assignment : system.instances[i].description->parameters) {
+      given.emplace(Target(i, assignment.variable), &assignment);
+    }
+  }
   for (const auto& connection : system.connections) {
-    const auto& instance = *system.instances[connection.to.instance].description;
-    const auto given = std::ranges::find(instance.parameters, connection.to.variable->name, &Assignment::variable);
-    if (given == instance.parameters.end()) continue;
+    const auto found = given.find(Target(connection.to.instance, connection.to.variable->name));
+    if (found == given.end()) continue;
     throw InputError(ErrorCode::invalid_value,
                      fmt::format("{}: '{}' gets its value from {}, so the one that is given here would do nothing. "
                                  "Leave out the value or the connection",
-                                 given->place, system.text(connection.to), system.text(connection.from)));
+                                 found->second->place, system.text(connection.to), system.text(connection.from)));
   }
 }
 
@@ -245,6 +262,7 @@ ResolvedSystem resolve(const SystemDescription& description, FmuLibrary& library
   ResolvedSystem system;
   system.description = &description;
   system.notices = description.notices;
+  const auto sections = log_sections(description);
   for (const auto& instance : description.instances) {
     ResolvedInstance resolved;
     stop_if_interrupted(interrupted);
@@ -257,7 +275,7 @@ ResolvedSystem resolve(const SystemDescription& description, FmuLibrary& library
           "{}: its FMU is a wrapper for a tool that must be installed (needsExecutionTool)", instance.name));
     }
     resolved.starts = resolve_starts(instance, resolved.fmu->description());
-    resolved.log_categories = log_categories(description, instance);
+    resolved.log_categories = log_categories(sections, instance);
     system.instances.push_back(std::move(resolved));
   }
   check_single_use(system);
