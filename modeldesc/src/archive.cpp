@@ -10,7 +10,9 @@
 #include <zip.h>
 
 #include <algorithm>
+#include <cctype>
 #include <fstream>
+#include <utility>
 
 namespace mebots::modeldesc {
 namespace {
@@ -55,6 +57,28 @@ void unpack(const fs::path& archive, const fs::path& folder, const UnpackLimits&
     make_folder(entry.is_folder ? target : target.parent_path());
     if (!entry.is_folder) write_entry(reader, entry, target);
   }
+}
+
+std::string why_missing(const fs::path& folder, const std::string& name) {
+  const auto lower = [](std::string text) {
+    std::ranges::transform(text, text.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    return text;
+  };
+  std::string found;  // the shortest path, so that the answer does not depend on the order of a folder
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    if (!entry.is_regular_file() || lower(entry.path().filename().string()) != lower(name)) continue;
+    const auto path = entry.path().lexically_relative(folder).generic_string();
+    if (found.empty() || std::pair(path.size(), path) < std::pair(found.size(), found)) found = path;
+  }
+  if (found.empty()) return fmt::format("it contains no {}", name);
+  if (const auto top = fs::path(found).parent_path(); !top.empty()) {
+    return fmt::format(
+        "{} must be at the root of the archive, but is \"{}\"; pack the content of the folder "
+        "\"{}\", not the folder: `cd {} && zip -r NEW.fmu *`",
+        name, found, top.generic_string(), top.generic_string());
+  }
+  return fmt::format("its \"{}\" must be called \"{}\", with these capitals; rename it and pack the archive again",
+                     found, name);
 }
 
 void pack(const fs::path& archive, std::vector<PackedFile> files) {

@@ -10,7 +10,9 @@
 #include <zip.h>
 
 #include <array>
+#include <fstream>
 #include <set>
+#include <utility>
 
 namespace mebots::modeldesc {
 namespace {
@@ -22,9 +24,59 @@ struct CloseFile {
 };
 using ArchiveFile = std::unique_ptr<zip_file_t, CloseFile>;
 
-[[noreturn]] void cannot_open(std::string_view name, const char* reason) {
+/// Returns the kind of archive that begins with these bytes, "a RAR archive"; empty if none is known.
+std::string_view other_archive(std::string_view bytes) {
+  using namespace std::string_view_literals;
+  constexpr std::pair<std::string_view, std::string_view> kKinds[] = {{"7z\xbc\xaf\x27\x1c"sv, "a 7-Zip archive"},
+                                                                      {"\xfd\x37zXZ\0"sv, "an xz archive"},
+                                                                      {"\x1f\x8b"sv, "a gzip archive"},
+                                                                      {"BZh"sv, "a bzip2 archive"},
+                                                                      {"\x28\xb5\x2f\xfd"sv, "a Zstandard archive"},
+                                                                      {"Rar!\x1a\x07"sv, "a RAR archive"},
+                                                                      {"\x5d\0\0"sv, "an LZMA archive"}};
+  for (const auto& [start, kind] : kKinds) {
+    if (bytes.starts_with(start)) return kind;
+  }
+  return {};
+}
+
+/// `start`: the file's first bytes.
+[[noreturn]] void cannot_open(std::string_view name, std::string_view reason, std::string_view start) {
+  if (const auto kind = other_archive(start); !kind.empty()) {
+    throw Error(ErrorCode::archive_damaged,
+                fmt::format("{}: this is {}, but FMUs and SSPs are zip archives; unpack it and pack its content with "
+                            "`zip -r NEW.fmu *`",
+                            name, kind));
+  }
   throw Error(ErrorCode::archive_damaged,
               fmt::format("{}: {}; an FMU is a zip archive; was it copied completely?", name, reason));
+}
+
+std::string first_bytes(const fs::path& file) {
+  std::string bytes(8, '\0');
+  std::ifstream stream(file, std::ios::binary);
+  stream.read(bytes.data(), std::ssize(bytes));
+  bytes.resize(static_cast<std::size_t>(stream.gcount()));
+  return bytes;
+}
+
+std::string compression_name(std::uint16_t method) {
+  switch (method) {
+    case ZIP_CM_DEFLATE64:
+      return "Deflate64";
+    case ZIP_CM_BZIP2:
+      return "BZIP2";
+    case ZIP_CM_LZMA:
+      return "LZMA";
+    case ZIP_CM_XZ:
+      return "XZ";
+    case ZIP_CM_PPMD:
+      return "PPMd";
+    case 93:  // libzip 1.7 has no name for it
+      return "Zstandard";
+    default:
+      return fmt::format("method {}", method);
+  }
 }
 
 class ZipError {
@@ -55,18 +107,18 @@ ZipHandle open_zip(const fs::path& archive) {
     throw Error(ErrorCode::file_not_found, fmt::format("{}: this is a folder, not an archive", archive.string()));
   int code = 0;
   ZipHandle handle(zip_open(archive.c_str(), ZIP_RDONLY, &code));
-  if (!handle) cannot_open(archive.string(), ZipError(code).text());
+  if (!handle) cannot_open(archive.string(), ZipError(code).text(), first_bytes(archive));
   return handle;
 }
 
 ZipHandle open_zip(std::string_view bytes, std::string_view name) {
   ZipError error;
   zip_source_t* source = zip_source_buffer_create(bytes.data(), bytes.size(), 0, error.get());
-  if (source == nullptr) cannot_open(name, error.text());
+  if (source == nullptr) cannot_open(name, error.text(), {});
   ZipHandle handle(zip_open_from_source(source, ZIP_RDONLY, error.get()));
   if (handle) return handle;
   zip_source_free(source);
-  cannot_open(name, error.text());
+  cannot_open(name, error.text(), bytes);
 }
 
 ArchiveReader::ArchiveReader(ZipHandle archive, std::string name, const UnpackLimits& limits)
@@ -85,6 +137,7 @@ ArchiveReader::ArchiveReader(ZipHandle archive, std::string name, const UnpackLi
     const Entry entry{index, stat.name, stat.size, std::string_view(stat.name).ends_with('/')};
     check_name(entry.name);
     check_kind(entry);
+    check_storage(entry);
     if (!names.insert(fs::path(entry.name).lexically_normal()).second) refuse(entry.name, "is there twice");
     check_size(entry, stat.comp_size, total);
     entries_.push_back(entry);
@@ -113,6 +166,18 @@ void ArchiveReader::check_kind(const Entry& entry) const {
   const auto kind = static_cast<mode_t>(attributes >> 16) & S_IFMT;
   if (kind == S_IFLNK) refuse(entry.name, "is a symbolic link");
   if (kind != 0 && kind != S_IFREG && kind != S_IFDIR) refuse(entry.name, "is neither file nor folder");
+}
+
+void ArchiveReader::check_storage(const Entry& entry) const {
+  zip_stat_t stat;
+  if (zip_stat_index(archive_.get(), entry.index, 0, &stat) != 0) return;
+  if ((stat.valid & ZIP_STAT_ENCRYPTION_METHOD) != 0 && stat.encryption_method != ZIP_EM_NONE)
+    refuse(entry.name, "is encrypted; pack the archive again without a password");
+  if ((stat.valid & ZIP_STAT_COMP_METHOD) == 0 || zip_compression_method_supported(stat.comp_method, 0) != 0) return;
+  refuse(entry.name,
+         fmt::format("is compressed with {}, which cannot be read; pack the archive again with Deflate, such as with "
+                     "`zip -r` or `7z a -tzip -mm=Deflate`",
+                     compression_name(stat.comp_method)));
 }
 
 void ArchiveReader::check_size(const Entry& entry, std::uint64_t packed, std::uint64_t& total) const {

@@ -149,6 +149,48 @@ TEST_F(ArchiveTest, BrokenArchivesGiveAClearError) {
   }
 }
 
+TEST_F(ArchiveTest, CompressionThatCannotBeReadIsNamedWithTheWayOut) {
+  const auto file = with_entry("a", std::string(5000, 'y'));
+  for (const auto& [method, name] :
+       {std::pair<char, const char*>{14, "LZMA"}, {95, "XZ"}, {98, "PPMd"}, {77, "method 77"}}) {
+    auto bytes = read_file(file);
+    for (const auto& [record, offset] : {std::pair<const char*, std::size_t>{"PK\3\4", 8}, {"PK\1\2", 10}}) {
+      bytes[bytes.rfind(record) + offset] = method;  // the entry "a" has the last record of each kind
+    }
+    write_file(folder_.path() / "other.fmu", bytes);
+    expect_refused(folder_.path() / "other.fmu", "the entry \"a\" is compressed with ");
+    expect_refused(folder_.path() / "other.fmu", name);
+    expect_refused(folder_.path() / "other.fmu", "pack the archive again with Deflate");
+  }
+}
+
+TEST_F(ArchiveTest, ArchivesOfOtherKindsAreNamed) {
+  for (const auto& [start, kind] : {std::pair<std::string, const char*>{"7z\xbc\xaf\x27\x1c", "a 7-Zip archive"},
+                                    {std::string("\xfd\x37zXZ\0", 6), "an xz archive"},
+                                    {"\x1f\x8b", "a gzip archive"},
+                                    {std::string("\x5d\0\0", 3), "an LZMA archive"}}) {
+    write_file(folder_.path() / "other.fmu", start + "content");
+    expect_refused(folder_.path() / "other.fmu", kind);
+    expect_refused(folder_.path() / "other.fmu", "are zip archives; unpack it and pack its content with `zip -r");
+  }
+}
+
+TEST_F(ArchiveTest, WhyAFileIsMissingIsSaidWithTheWayOut) {
+  const auto why = [&](const std::vector<std::string>& files) {
+    const auto folder = folder_.path() / "unpacked";
+    fs::remove_all(folder);
+    fs::create_directories(folder);
+    for (const auto& file : files) write_file(folder / file, "x");
+    return why_missing(folder, "modelDescription.xml");
+  };
+  EXPECT_EQ(why({"readme.txt"}), "it contains no modelDescription.xml");
+  EXPECT_THAT(why({"pump/modelDescription.xml", "pump/resources/deep/modelDescription.xml"}),
+              HasSubstr("must be at the root of the archive, but is \"pump/modelDescription.xml\"; pack the "
+                        "content of the folder \"pump\", not the folder"));
+  EXPECT_THAT(why({"ModelDescription.XML", "pump/modelDescription.xml"}),
+              HasSubstr("its \"ModelDescription.XML\" must be called \"modelDescription.xml\""));
+}
+
 TEST_F(ArchiveTest, DamagedContentIsNoticed) {
   std::string content(5000, ' ');
   for (std::size_t i = 0; i < content.size(); ++i) content[i] = static_cast<char>('a' + i * i % 23);

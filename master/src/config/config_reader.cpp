@@ -7,6 +7,7 @@
 #include "mebots/data/document.hpp"
 #include "mebots/data/object.hpp"
 #include "mebots/file_kind.hpp"
+#include "mebots/modeldesc/archive.hpp"
 #include "osp/osp.hpp"
 #include "ssp/ssp.hpp"
 
@@ -130,6 +131,10 @@ SspConfig open_ssp(const std::filesystem::path& file, SystemDescription& system)
   auto folder = std::make_shared<const modeldesc::TemporaryFolder>("mebots");
   system.unpacked = folder;
   modeldesc::unpack(file, folder->path());
+  if (const std::string ssd = "SystemStructure.ssd"; !is_file(folder->path() / ssd)) {
+    throw InputError(ErrorCode::file_not_found, fmt::format("{}: this is not an SSP: {}", file.string(),
+                                                            modeldesc::why_missing(folder->path(), ssd)));
+  }
   return read_ssp(folder->path(), file);
 }
 

@@ -49,7 +49,8 @@ modeldesc::ModelDescription unpack_and_read(const std::filesystem::path& archive
     modeldesc::unpack(archive, folder);
     if (!is_there(file)) {
       throw InputError(ErrorCode::fmu_inconsistent,
-                       fmt::format("{}: this is not an FMU: it holds no modelDescription.xml", archive.string()));
+                       fmt::format("{}: this is not an FMU: {}", archive.string(),
+                                   modeldesc::why_missing(folder, file.filename().string())));
     }
     auto description = modeldesc::read_xml(file);
     if (description.fmi_version != "2.0") {

@@ -23,6 +23,10 @@ struct UnpackLimits {
 /// passed.
 void unpack(const std::filesystem::path& archive, const std::filesystem::path& folder, const UnpackLimits& limits = {});
 
+/// Why an unpacked archive has no file `name` at its root, and what to do: the file is in a folder, or its name differs
+/// in capitals. "It contains no `name`" if neither is so.
+std::string why_missing(const std::filesystem::path& folder, const std::string& name);
+
 /// One file of an archive to be: `entry` is its path inside, with forward slashes.
 struct PackedFile {
   std::string entry;

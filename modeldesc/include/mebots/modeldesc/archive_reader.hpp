@@ -42,6 +42,7 @@ class ArchiveReader {
   [[noreturn]] void refuse(std::string_view name, std::string_view why) const;
   void check_name(std::string_view name) const;
   void check_kind(const Entry& entry) const;
+  void check_storage(const Entry& entry) const;
   void check_size(const Entry& entry, std::uint64_t packed, std::uint64_t& total) const;
 
   ZipHandle archive_;
