@@ -2,12 +2,14 @@
 #include "command.hpp"
 
 #include "command_line/told_by_itself.hpp"
+#include "config/command_line.hpp"
 #include "mebots/nearest_names.hpp"
 #include "mebots/version.hpp"
 
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <csignal>
 #include <exception>
 #include <string>
@@ -88,7 +90,9 @@ int main(int argument_count, char** arguments) {
   const std::string version(mebots::version());
   if (const auto code = mebots::command_line::tell_of_it(app, version, argument_count, arguments)) return *code;
   try {
-    app.parse(argument_count, arguments);
+    const std::vector<std::string> given(arguments + std::min(argument_count, 1), arguments + argument_count);
+    const auto words = mebots::master::with_each_set(given);
+    app.parse(std::vector<std::string>(words.rbegin(), words.rend()));  // CLI11 takes them in reverse order
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
     print_error(complaint(app, error));

@@ -185,8 +185,10 @@ void add_run(CLI::App& app, Action& action) {
                    "Folder for results.csv, summary.json and log.txt; default: results/<name of the config>")
       ->type_name("FOLDER")
       ->check(not_empty());
-  command->add_option("--set", run->sets, "Give a parameter or a start value (may be repeated)")
-      ->type_name("INSTANCE.VARIABLE=VALUE")
+  command
+      ->add_option("--set", run->sets,
+                   "Set parameters or start values; more assignments may follow, or the option may be repeated")
+      ->type_name("INSTANCE.VARIABLE=VALUE ...")
       ->allow_extra_args(false)
       ->take_all();
   command

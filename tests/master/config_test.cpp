@@ -327,6 +327,29 @@ TEST(CommandLine, AValueMayHoldAnEqualsSign) {
   EXPECT_EQ(std::get<UntypedText>(system.instances[0].parameters.back().value).text, "x=y");
 }
 
+TEST(CommandLine, EachTokenWithAnEqualsSignAfterSetIsAnAssignmentUpToTheNextOption) {
+  using Words = std::vector<std::string>;
+  EXPECT_EQ(with_each_set({"run", "--set", "a.x=1", "b.y=2", "c.z==", "two.json", "--quiet", "d.w=3"}),
+            (Words{"run", "--set", "a.x=1", "--set", "b.y=2", "--set", "c.z==", "two.json", "--quiet", "d.w=3"}));
+  EXPECT_EQ(with_each_set({"--set=a.x=1", "b.y=2", "--set", "c.z=-1"}),
+            (Words{"--set=a.x=1", "--set", "b.y=2", "--set", "c.z=-1"}));
+  EXPECT_EQ(with_each_set({"run", "k=1.json", "--set"}), (Words{"run", "k=1.json", "--set"}));
+}
+
+TEST(CommandLine, ANameEndsAtTheEqualsSignAfterTheLongestKnownName) {
+  const auto split = [](const std::string& text) {
+    const auto setting = with_longest_name(
+        read_set(text), [](const std::string& name) { return name == "a.k" || name == "a.k=1" || name == "b=2.k"; });
+    return setting.variable + " <- " + std::get<UntypedText>(setting.value).text;
+  };
+  EXPECT_EQ(split("a.k=3"), "a.k <- 3");
+  EXPECT_EQ(split("a.k=1=3"), "a.k=1 <- 3");
+  EXPECT_EQ(split("a.k=1"), "a.k <- 1");
+  EXPECT_EQ(split("a.k=1=3=4"), "a.k=1 <- 3=4");
+  EXPECT_EQ(split("a.k=2=3"), "a.k <- 2=3");
+  EXPECT_EQ(split("b=2.k=3"), "b=2.k <- 3");
+}
+
 TEST(CommandLine, StopTimeReplacesTheConfigsAndMustFitTheStep) {
   auto system = read(config_with(""));
   set_stop_time(system, read_duration("--stop-time", "0.5"), "--stop-time");

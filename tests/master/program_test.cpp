@@ -125,6 +125,24 @@ TEST_F(Program, OptionsChangeTheRun) {
   EXPECT_EQ(json["inputs"]["changes"], nlohmann::json({"set a.gain=3", "set a.offset=1", "stop_time 0.5"}));
 }
 
+TEST_F(Program, SetTakesSeveralAssignments) {
+  const auto result = run_config({"--set", "a.gain=3", "a.offset=1", "b.string_in=x=y", "--stop-time", "0.5"});
+  EXPECT_EQ(result.code, 0) << result.err;
+  EXPECT_EQ(summary()["inputs"]["changes"],
+            nlohmann::json({"set a.gain=3", "set a.offset=1", "set b.string_in=x=y", "stop_time 0.5"}));
+}
+
+TEST_F(Program, SetFindsNamesWithAnEqualsSign) {
+  const test::ChangedFmu fmu("probe", "name=\"offset\"", "name=\"gain=2\"");
+  write_file(
+      folder.path() / "one.json",
+      fmt::format(R"({{"step": 0.1, "stop_time": 0.2, "instances": {{"a": {{"fmu": "{}"}}}}, "connections": []}})",
+                  fmu.path().string()));
+  const auto result = run({"run", "one.json", "--out", "out", "--set", "a.gain=2=5", "a.gain=3"});
+  ASSERT_EQ(result.code, 0) << result.err;
+  EXPECT_EQ(summary()["parameters"]["a"], nlohmann::json({{"gain", 3.0}, {"gain=2", 5.0}}));
+}
+
 TEST_F(Program, QuietShowsNothingButErrors) {
   const auto fine = run_config({"--quiet"});
   EXPECT_EQ(fine.code, 0);

@@ -12,12 +12,40 @@ namespace mebots::master {
 
 Setting read_set(const std::string& text) {
   auto place = fmt::format("--set {}", text);
-  const auto equals = text.find('=');
   const auto dot = text.find('.');
-  if (equals == std::string::npos || dot == std::string::npos || dot == 0 || equals <= dot + 1) {
+  const auto equals = dot == std::string::npos ? dot : text.find('=', dot);
+  if (equals == std::string::npos || dot == 0 || equals == dot + 1) {
     throw InputError(ErrorCode::syntax_error, fmt::format("{}: write INSTANCE.VARIABLE=VALUE", place));
   }
   return {text.substr(0, equals), UntypedText{text.substr(equals + 1)}, std::move(place)};
+}
+
+Setting with_longest_name(const Setting& setting, const std::function<bool(const std::string&)>& is_known) {
+  const auto* value = std::get_if<UntypedText>(&setting.value);
+  if (value == nullptr) return setting;
+  const auto text = setting.variable + "=" + value->text;
+  for (auto equals = text.rfind('='); equals > setting.variable.size(); equals = text.rfind('=', equals - 1)) {
+    auto name = text.substr(0, equals);
+    if (is_known(name)) return {std::move(name), UntypedText{text.substr(equals + 1)}, setting.place};
+  }
+  return setting;
+}
+
+std::vector<std::string> with_each_set(const std::vector<std::string>& arguments) {
+  std::vector<std::string> result;
+  bool in_set = false;
+  for (std::size_t i = 0; i < arguments.size(); ++i) {
+    const auto& argument = arguments[i];
+    const bool is_option = argument.starts_with('-');
+    if (in_set && !is_option && argument.find('=') != std::string::npos) {
+      result.emplace_back("--set");
+    } else if (is_option) {
+      in_set = argument == "--set" || argument.starts_with("--set=");
+    }
+    result.push_back(argument);
+    if (argument == "--set" && i + 1 < arguments.size()) result.push_back(arguments[++i]);
+  }
+  return result;
 }
 
 std::int64_t read_duration(const std::string& option, const std::string& text) {

@@ -3,6 +3,7 @@
 
 #include "base/interrupt.hpp"
 #include "base/time.hpp"
+#include "config/command_line.hpp"
 #include "config/scenario_file.hpp"
 #include "config/system_file.hpp"
 #include "mebots/assert.hpp"
@@ -115,8 +116,14 @@ void Run::listen(MessageHub::Listener listener) {
   messages_.add(std::move(listener));
 }
 
-void Run::set(const Setting& setting) {
-  require_open(setting.place);
+void Run::set(const Setting& written) {
+  require_open(written.place);
+  const auto setting = with_longest_name(written, [this](const std::string& name) {
+    const auto variable = system_.split(name);
+    if (!variable) return false;
+    const auto& instance = system_.instances[*system_.index_of(variable->instance)];
+    return open_fmu(instance, *library_)->description().find(variable->variable) != nullptr;
+  });
   const auto [instance, assignment] = locate(system_, setting);
   const auto start = checked_start(*instance, open_fmu(*instance, *library_)->description(), assignment);
   instance->parameters.push_back(assignment);

@@ -60,7 +60,7 @@ class Run {
   /// Who hears messages of FMUs and notices of the run.
   void listen(MessageHub::Listener listener);
   /// A parameter or start value, in place of the config's. Opens the instance's FMU and checks name, type and limits.
-  void set(const Setting& setting);
+  void set(const Setting& written);
   /// Appends the overrides of a file.
   void add_scenario(const std::filesystem::path& file);
   void set_stop_time(std::int64_t stop_time_ns, const std::string& place);
