@@ -391,6 +391,9 @@ void check_aliases(const ModelDescription& model, Findings findings) {
 }
 
 void check_structure(const ModelDescription& model, Findings findings) {
+  for (const auto& fault : model.structure_faults)
+    findings.error("modelDescription.xml, " + fault,
+                   "write the place of the variable in ModelVariables, which begins at 1");
   std::set<std::size_t> outputs;
   std::set<std::size_t> initial_unknowns;
   std::set<std::size_t> states;

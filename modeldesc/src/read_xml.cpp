@@ -55,9 +55,13 @@ class Document {
 
   pugi::xml_node root() const { return xml_.document_element(); }
 
-  [[noreturn]] void fail(pugi::xml_node node, std::string_view what) const {
+  /// "line 7, <Real>: what"
+  std::string located(pugi::xml_node node, std::string_view what) const {
     const auto line = std::ranges::lower_bound(line_ends_, node.offset_debug()) - line_ends_.begin() + 1;
-    throw Error(ErrorCode::syntax_error, fmt::format("{}, line {}, <{}>: {}", source_, line, node.name(), what));
+    return fmt::format("line {}, <{}>: {}", line, node.name(), what);
+  }
+  [[noreturn]] void fail(pugi::xml_node node, std::string_view what) const {
+    throw Error(ErrorCode::syntax_error, fmt::format("{}, {}", source_, located(node, what)));
   }
 
  private:
@@ -135,6 +139,7 @@ class Element {
     }
   }
 
+  std::string located(std::string_view what) const { return document_->located(node_, what); }
   [[noreturn]] void fail(std::string_view what) const { document_->fail(node_, what); }
 
  private:
@@ -411,28 +416,46 @@ class XmlReader {
                                    *variable.derivative_of + 1, result_.variables.size()));
   }
 
-  std::size_t index(const Element& element, std::string_view text) const {
+  /// The variable of an index of ModelStructure. Notes an index without a variable: some tools write 0, and an FMU runs
+  /// without its ModelStructure.
+  std::optional<std::size_t> index(const Element& element, std::string_view text) {
     const auto value = parse_number<std::size_t>(text);
-    if (!value || *value == 0 || *value > result_.variables.size())
-      element.fail(
-          fmt::format("\"{}\" is not an index of a variable; they go from 1 to {}", text, result_.variables.size()));
-    return *value - 1;
+    if (!value) element.fail(fmt::format("\"{}\" is not an index of a variable", text));
+    if (*value != 0 && *value <= result_.variables.size()) return *value - 1;
+    result_.structure_faults.push_back(element.located(
+        fmt::format("\"{}\" is not an index of a variable; they go from 1 to {}", text, result_.variables.size())));
+    return std::nullopt;
   }
 
-  std::vector<Unknown> read_unknowns(const Element& list) const {
+  /// The dependencies of an unknown; none (it may depend on everything) if one of them has no variable.
+  std::optional<std::vector<std::size_t>> read_dependencies(const Element& element) {
+    if (!element.has("dependencies")) return std::nullopt;
+    std::vector<std::size_t> dependencies;
+    bool all_known = true;
+    for (const std::string& word : words(element.text("dependencies"))) {
+      if (const auto variable = index(element, word)) {
+        dependencies.push_back(*variable);
+      } else {
+        all_known = false;
+      }
+    }
+    if (!all_known) return std::nullopt;
+    return dependencies;
+  }
+
+  std::vector<Unknown> read_unknowns(const Element& list) {
     std::vector<Unknown> unknowns;
     list.each_child("Unknown", [&](const Element& element) {
+      const auto variable = index(element, element.required_text("index"));
       Unknown unknown;
-      unknown.variable = index(element, element.required_text("index"));
-      if (element.has("dependencies")) {
-        unknown.dependencies.emplace();
-        for (const std::string& word : words(element.text("dependencies")))
-          unknown.dependencies->push_back(index(element, word));
-      }
+      unknown.dependencies = read_dependencies(element);
       unknown.dependency_kinds = words(element.text("dependenciesKind"));
       if (!unknown.dependency_kinds.empty() &&
-          unknown.dependency_kinds.size() != unknown.dependencies.value_or(std::vector<std::size_t>{}).size())
+          unknown.dependency_kinds.size() != words(element.text("dependencies")).size())
         element.fail("dependenciesKind and dependencies have different lengths");
+      if (!unknown.dependencies) unknown.dependency_kinds.clear();
+      if (!variable) return;
+      unknown.variable = *variable;
       unknowns.push_back(std::move(unknown));
     });
     return unknowns;

@@ -7,6 +7,17 @@
 namespace mebots::check {
 namespace {
 
+TEST(CheckDescription, IndicesWithoutAVariableAreFindings) {
+  Workshop workshop;
+  auto description = culprit_description("none");
+  const std::string outputs = "<Unknown index=\"2\" dependencies=\"\"/>";
+  description.replace(description.find(outputs), outputs.size(), "<Unknown index=\"2\" dependencies=\"0\"/>");
+  EXPECT_THAT(findings(workshop.culprit_with(description), true, 30, Level::standard),
+              testing::ElementsAre(testing::AllOf(testing::StartsWith("error: modelDescription.xml, line "),
+                                                  testing::EndsWith("<Unknown>: \"0\" is not an index of a variable; "
+                                                                    "they go from 1 to 3"))));
+}
+
 using testing::Contains;
 using testing::HasSubstr;
 using testing::IsEmpty;

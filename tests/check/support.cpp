@@ -52,10 +52,13 @@ fs::path Workshop::archive(const std::vector<std::pair<std::string, std::string>
 }
 
 fs::path Workshop::culprit(const std::string& crime, std::vector<std::pair<std::string, std::string>> more) {
+  return culprit_with(culprit_description(crime), std::move(more));
+}
+
+fs::path Workshop::culprit_with(const std::string& description, std::vector<std::pair<std::string, std::string>> more) {
   std::ifstream stream(CULPRIT_LIBRARY, std::ios::binary);
   const std::string library{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-  more.insert(more.begin(),
-              {{"modelDescription.xml", culprit_description(crime)}, {"binaries/linux64/culprit.so", library}});
+  more.insert(more.begin(), {{"modelDescription.xml", description}, {"binaries/linux64/culprit.so", library}});
   return archive(more);
 }
 

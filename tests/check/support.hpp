@@ -22,6 +22,9 @@ class Workshop {
   std::filesystem::path archive(const std::vector<std::pair<std::string, std::string>>& entries);
   /// A whole FMU with the culprit's library and more entries.
   std::filesystem::path culprit(const std::string& crime, std::vector<std::pair<std::string, std::string>> more = {});
+  /// The same with this description.
+  std::filesystem::path culprit_with(const std::string& description,
+                                     std::vector<std::pair<std::string, std::string>> more = {});
   /// The culprit with another description.
   std::filesystem::path described(const std::string& description);
 

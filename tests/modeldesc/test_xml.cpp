@@ -166,9 +166,26 @@ TEST(Xml, ErrorsNameFileLineElementAttributeAndValue) {
                "its declared type \"Voltage\" is of type Real");
   const std::string a = "<ScalarVariable name=\"a\" valueReference=\"1\"><Real/></ScalarVariable>";
   expect_error(foreign(a + a), "two variables have the name \"a\"");
-  expect_error(foreign(a, "<Outputs><Unknown index=\"2\"/></Outputs>"),
-               "\"2\" is not an index of a variable; they go from 1 to 1");
-  expect_error(foreign(a, "<Outputs><Unknown index=\"0\"/></Outputs>"), "\"0\" is not an index");
+  expect_error(foreign(a, "<Outputs><Unknown index=\"one\"/></Outputs>"), "\"one\" is not an index of a variable");
+}
+
+TEST(Xml, IndicesWithoutAVariableInModelStructureAreFaultsButNoErrors) {
+  const auto x =
+      read_xml_text(foreign(R"(<ScalarVariable name="a" valueReference="1" causality="output"><Real/></ScalarVariable>
+      <ScalarVariable name="b" valueReference="2" causality="output"><Real/></ScalarVariable>)",
+                            R"(<Outputs><Unknown index="1" dependencies="0 2" dependenciesKind="fixed dependent"/>
+      <Unknown index="3"/><Unknown index="2" dependencies="1"/><Unknown index="0" dependencies=""/></Outputs>)"),
+                    "f.xml");
+  ASSERT_EQ(x.outputs.size(), 2U);
+  EXPECT_EQ(x.outputs[0].variable, 0U);
+  EXPECT_FALSE(x.outputs[0].dependencies.has_value()) << "a lost dependency may be any";
+  EXPECT_TRUE(x.outputs[0].dependency_kinds.empty());
+  EXPECT_EQ(x.outputs[1].variable, 1U);
+  EXPECT_EQ(x.outputs[1].dependencies, std::vector<std::size_t>{0});
+  EXPECT_THAT(
+      x.structure_faults,
+      testing::ElementsAre(testing::EndsWith("<Unknown>: \"0\" is not an index of a variable; they go from 1 to 2"),
+                           HasSubstr("\"3\" is not an index"), HasSubstr("\"0\" is not an index")));
 }
 
 TEST(Xml, EntitiesOfADtdAreNeverExpanded) {

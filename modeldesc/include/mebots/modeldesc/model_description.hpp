@@ -114,6 +114,9 @@ struct DefaultExperiment {
   std::optional<double> tolerance;
   std::optional<double> step_size_s;
   bool operator==(const DefaultExperiment&) const = default;
+
+  /// The tolerance if an FMU can be given it: a finite number above 0.
+  std::optional<double> usable_tolerance() const;
 };
 
 struct LogCategory {
@@ -175,6 +178,7 @@ struct ModelDescription {
   std::vector<Unknown> outputs;
   std::vector<Unknown> derivatives;
   std::vector<Unknown> initial_unknowns;
+  std::vector<std::string> structure_faults;  // of ModelStructure: what is wrong and where; these parts are left out
   bool operator==(const ModelDescription&) const = default;
 
   /// Indexes variables, units and types by name. Readers of descriptions call it last. Lists that change afterwards
