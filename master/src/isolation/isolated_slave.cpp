@@ -403,7 +403,8 @@ void IsolatedSlave::get_integers(std::span<const ValueReference> references, std
 }
 
 void IsolatedSlave::get_booleans(std::span<const ValueReference> references, std::span<std::int32_t> values) {
-  std::ranges::copy(read(Call::get_booleans, references).integers, values.begin());
+  std::ranges::transform(read(Call::get_booleans, references).integers, values.begin(),
+                         [](std::int32_t value) { return value == 0 ? 0 : 1; });  // the other process may be hostile
 }
 
 void IsolatedSlave::get_strings(std::span<const ValueReference> references, std::span<std::string> values) {

@@ -31,9 +31,25 @@ std::size_t character_at(std::string_view text, std::size_t at) {
   return length;
 }
 
+/// Returns the index of the first byte outside of well-formed characters; the text's size if all are well-formed.
+std::size_t first_invalid(std::string_view text) {
+  std::size_t at = 0;
+  while (at < text.size()) {
+    const auto length = character_at(text, at);
+    if (length == 0) break;
+    at += length;
+  }
+  return at;
+}
+
 }  // namespace
 
+bool is_utf8(std::string_view text) {
+  return first_invalid(text) == text.size();
+}
+
 std::string valid_utf8(std::string_view text) {
+  if (is_utf8(text)) return std::string(text);
   std::string result;
   result.reserve(text.size());
   for (std::size_t at = 0; at < text.size();) {

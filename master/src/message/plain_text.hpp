@@ -6,6 +6,9 @@
 
 namespace mebots::master {
 
+/// Returns whether the text is well-formed UTF-8 (RFC 3629).
+bool is_utf8(std::string_view text);
+
 /// The text with every byte that is not part of well-formed UTF-8 (RFC 3629) replaced by U+FFFD.
 std::string valid_utf8(std::string_view text);
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "observer/parameter_recorder.hpp"
 
+#include "message/plain_text.hpp"
 #include "sink/csv_sink.hpp"
 #include "system/record_choice.hpp"
 
@@ -30,7 +31,7 @@ std::string value_text(Slave& slave, const modeldesc::Variable& variable) {
     case ValueKind::string:
       break;
   }
-  return one<std::string>([&](auto r, auto v) { slave.get_strings(r, v); }, reference);
+  return valid_utf8(one<std::string>([&](auto r, auto v) { slave.get_strings(r, v); }, reference));
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 #include "observer/recorder.hpp"
 
 #include "mebots/assert.hpp"
+#include "message/plain_text.hpp"
 #include "system/record_choice.hpp"
 
 #include <bit>
@@ -78,7 +79,7 @@ void Recorder::write_row(const Point& point) {
       *cell++ = static_cast<std::uint64_t>(source.boolean ? std::int64_t{value != 0} : value);
     } else {
       *cell++ = block_.texts.size();
-      block_.texts.push_back(*source.text);
+      block_.texts.push_back(valid_utf8(*source.text));
       text_bytes_ += source.text->size() + sizeof(std::string);
     }
   }

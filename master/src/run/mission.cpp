@@ -6,6 +6,7 @@
 #include "base/time.hpp"
 #include "mebots/nearest_names.hpp"
 #include "mebots/version.hpp"
+#include "message/plain_text.hpp"
 #include "run/run.hpp"
 #include "run/write.hpp"
 
@@ -233,7 +234,7 @@ std::string Mission::text(std::string_view variable) {
   const ValueReference reference[] = {found->value_reference};
   std::string value[1];
   door_->run->call(instance, "text()", [&](Slave& slave) { slave.get_strings(reference, value); });
-  return value[0];
+  return valid_utf8(value[0]);
 }
 
 void Mission::write(std::string_view variable, double value) {

@@ -2,6 +2,7 @@
 #include "run/summary.hpp"
 
 #include "base/time.hpp"
+#include "message/plain_text.hpp"
 #include "run/json_value.hpp"
 
 #include <fmt/format.h>
@@ -93,7 +94,7 @@ std::optional<std::string> SummaryValues::reached(const Point& /*point*/) {
         entry.number = ensemble_->integer(entry.signal);
         break;
       case ValueKind::string:
-        entry.text = ensemble_->string(entry.signal);
+        entry.text = valid_utf8(ensemble_->string(entry.signal));
         break;
     }
   }

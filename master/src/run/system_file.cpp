@@ -4,6 +4,7 @@
 #include "base/packed.hpp"
 #include "base/time.hpp"
 #include "mebots/input_error.hpp"
+#include "message/plain_text.hpp"
 #include "run/json_value.hpp"
 #include "sink/output_file.hpp"
 #include "system/record_choice.hpp"
@@ -138,7 +139,7 @@ std::optional<std::string> SystemFileWriter::reached(const Point& point) {
   std::string text;
   const auto reference = scene_->variable->value_reference;
   ensemble_->slave(scene_->instance).get_strings(std::span(&reference, 1), std::span(&text, 1));
-  write(folder_ / kSceneFile, gzipped(text, Packing::fast));
+  write(folder_ / kSceneFile, gzipped(valid_utf8(text), Packing::fast));
   return std::nullopt;
 }
 

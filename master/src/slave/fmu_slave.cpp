@@ -475,6 +475,7 @@ void FmuSlave::get_booleans(std::span<const ValueReference> references, std::spa
   require("fmi2GetBoolean", functions_->get_boolean, references.data(), references.size(), values.data());
 }
 
+  for (auto& value : values) value = value == fmi2False ? fmi2False : fmi2True;
 void FmuSlave::get_strings(std::span<const ValueReference> references, std::span<std::string> values) {
   texts_.assign(references.size(), nullptr);
   require("fmi2GetString", functions_->get_string, references.data(), references.size(), texts_.data());

@@ -73,7 +73,7 @@ class Slave {
   virtual void get_reals(std::span<const ValueReference> references, std::span<double> values) = 0;
   /// Enumerations too.
   virtual void get_integers(std::span<const ValueReference> references, std::span<std::int32_t> values) = 0;
-  /// 0 is false, anything else true.
+  /// Returns 0 or 1, whatever number the FMU uses for true.
   virtual void get_booleans(std::span<const ValueReference> references, std::span<std::int32_t> values) = 0;
   virtual void get_strings(std::span<const ValueReference> references, std::span<std::string> values) = 0;
 
@@ -82,10 +82,12 @@ class Slave {
   virtual void set_booleans(std::span<const ValueReference> references, std::span<const std::int32_t> values) = 0;
   virtual void set_strings(std::span<const ValueReference> references, std::span<const std::string> values) = 0;
 
+  /// Returns the FMU's bytes, which need not be UTF-8.
   /// Highest order of time derivatives of its outputs that the FMU gives; 0 = none.
   virtual std::uint32_t output_derivative_order() const { return 0; }
   /// Whether the FMU makes use of time derivatives of its inputs.
   virtual bool takes_input_derivatives() const { return false; }
+  /// Takes 0 or 1.
   /// Derivatives of Real outputs at the end of the last step, `orders` (from 1) one per reference. They are what the
   /// FMU says, NaN included.
   virtual void get_output_derivatives(std::span<const ValueReference> references, std::span<const std::int32_t> orders,

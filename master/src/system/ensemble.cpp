@@ -4,6 +4,7 @@
 #include "base/interrupt.hpp"
 #include "base/time.hpp"
 #include "mebots/assert.hpp"
+#include "message/plain_text.hpp"
 
 #include "slave/process_watch.hpp"
 #include "slave/slave_factory.hpp"
@@ -353,8 +354,25 @@ void Ensemble::read_outputs(std::size_t instance, std::int64_t time_ns) {
     member.slave->get_integers(outputs.integers.references, outputs.integers.values);
   if ((kinds & bit(ValueKind::boolean)) != 0)
     member.slave->get_booleans(outputs.booleans.references, outputs.booleans.values);
-  if ((kinds & bit(ValueKind::string)) != 0)
+  if ((kinds & bit(ValueKind::string)) != 0) {
     member.slave->get_strings(outputs.strings.references, outputs.strings.values);
+    check_texts(member, time_ns);
+  }
+}
+
+/// FMI 2.0 demands UTF-8. Gives one notice per instance: its connected inputs get the bytes, the results do not.
+void Ensemble::check_texts(Member& member, std::int64_t time_ns) {
+  if (member.told_of_texts) return;
+  const auto& bank = member.outputs.strings;
+  const auto bad = std::ranges::find_if_not(bank.values, is_utf8);
+  if (bad == bank.values.end()) return;
+  member.told_of_texts = true;
+  const auto text = fmt::format(
+      "the text of '{}' at {} s is not UTF-8, which FMI 2.0 demands; the results have \"{}\" "
+      "(U+FFFD for each wrong byte), and connected inputs get the FMU's bytes",
+      bank.variables[static_cast<std::size_t>(bad - bank.values.begin())]->name, to_seconds(time_ns),
+      one_line(valid_utf8(*bad)));
+  messages_->message({member.slave->name(), Severity::warning, "notice", text, time_ns});
 }
 
 void Ensemble::check_finite(const Member& member, std::int64_t time_ns) const {

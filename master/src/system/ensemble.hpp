@@ -194,6 +194,7 @@ class Ensemble {
     Derivatives output_derivatives;  // read with the outputs, so that the order of instances is nothing to them
     Derivatives input_derivatives;
     std::vector<ItemCheck> item_checks;
+    bool told_of_texts = false;  // a text that is not UTF-8 has had its notice
   };
 
   void lay_out();
@@ -215,6 +216,7 @@ class Ensemble {
   double number(SignalId id) const;
   void order_steps();
   void check_finite(const Member& member, std::int64_t time_ns) const;
+  void check_texts(Member& member, std::int64_t time_ns);
 
   friend class InitialValues;
 
