@@ -120,7 +120,7 @@ struct CallCosts {
 CallCosts call_costs(const std::shared_ptr<Fmu>& fmu) {
   Silent silent;
   FmuSlave slave("it", fmu, {}, silent);
-  slave.setup_experiment(0, kStepNs);
+  slave.setup_experiment({});
   slave.enter_initialization();
   slave.exit_initialization();
   const auto& f = fmu->functions();

@@ -99,7 +99,10 @@ void fmi2FreeInstance(fmi2Component component) {
   delete static_cast<Culprit*>(component);
 }
 
-fmi2Status fmi2SetupExperiment(fmi2Component component, fmi2Boolean, fmi2Real, fmi2Real start, fmi2Boolean, fmi2Real) {
+fmi2Status fmi2SetupExperiment(fmi2Component component, fmi2Boolean, fmi2Real, fmi2Real start, fmi2Boolean has_stop,
+                               fmi2Real stop) {
+  if (self(component).does("needs_stop") && has_stop == fmi2False) return self(component).refuse("no stop time");
+  if (self(component).does("stop") && has_stop != fmi2False) self(component).state.gain = stop;
   self(component).state.set_up = true;
   self(component).state.time = start;
   return go(component, Phase::instantiated, Phase::instantiated, "the experiment is set up too late");

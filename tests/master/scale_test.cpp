@@ -136,7 +136,7 @@ TEST(Scale, InstancesThatComeAndGoLeaveNothingBehind) {
   Messages messages;
   const auto start = [&](const char* name) {
     auto slave = std::make_unique<FmuSlave>(name, fmu, std::vector<std::string>{}, messages);
-    slave->setup_experiment(0, 1'000'000'000);
+    slave->setup_experiment({});
     slave->enter_initialization();
     slave->exit_initialization();
     slave->step(0, 2'000'000);

@@ -93,6 +93,20 @@ void read_on_discard(const Node& node, InstanceDescription& instance, const Surr
   instance.divide_discarded = data::word_of<bool>({{"end", false}, {"divide", true}})(node);
 }
 
+void read_pass_stop_time(const Node& node, InstanceDescription& instance, const Surroundings& /*around*/) {
+  instance.pass_stop_time = node.flag();
+}
+
+/// A number, or `false` for none.
+void read_tolerance(const Node& node, InstanceDescription& instance, const Surroundings& /*around*/) {
+  if (node.is(data::Kind::boolean)) {
+    if (node.flag()) node.fail(ErrorCode::invalid_value, "write a number above 0, or false to pass no tolerance");
+    instance.pass_tolerance = false;
+  } else {
+    instance.tolerance = node.number(data::Limits::positive());
+  }
+}
+
 void read_instance_text(const Node& node, InstanceDescription& /*instance*/, const Surroundings& /*around*/) {
   static_cast<void>(node.text());  // for people only
 }
@@ -112,6 +126,8 @@ constexpr Key kKeys[] = {
     {"memory_limit_mb", false, &read_memory_limit},
     {"on_failure", false, &read_on_failure},
     {"on_discard", false, &read_on_discard},
+    {"pass_stop_time", false, &read_pass_stop_time},
+    {"tolerance", false, &read_tolerance},
     {"text", false, &read_instance_text},
 };
 

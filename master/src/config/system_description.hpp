@@ -88,8 +88,11 @@ struct InstanceDescription {
   std::string fmu;                 ///< as written
   std::filesystem::path fmu_path;  ///< absolute
   std::vector<Assignment> parameters;
-  std::int64_t step_ns = 0;       ///< a multiple of the system's step
-  bool divide_discarded = false;  ///< repeat a discarded step in parts instead of ending the run
+  std::int64_t step_ns = 0;         ///< a multiple of the system's step
+  bool divide_discarded = false;    ///< repeat a discarded step in parts instead of ending the run
+  bool pass_stop_time = false;      ///< fmi2SetupExperiment gets the run's stop time
+  bool pass_tolerance = true;       ///< fmi2SetupExperiment gets a tolerance, if there is one
+  std::optional<double> tolerance;  ///< if absent, the FMU's default applies
   IsolationDescription isolation;
   std::string place;
 };

@@ -135,11 +135,9 @@ class Host {
         answers_.put(slave_->output_derivative_order());
         answers_.put(slave_->takes_input_derivatives());
         return true;
-      case Call::setup_experiment: {
-        const auto start_ns = commands.get<std::int64_t>();
-        slave_->setup_experiment(start_ns, commands.get<std::int64_t>());
+      case Call::setup_experiment:
+        slave_->setup_experiment(commands.get<Experiment>());
         break;
-      }
       case Call::enter_initialization:
         slave_->enter_initialization();
         break;

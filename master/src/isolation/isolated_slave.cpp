@@ -255,11 +255,10 @@ void IsolatedSlave::take_messages() {
   }
 }
 
-void IsolatedSlave::setup_experiment(std::int64_t start_ns, std::int64_t stop_ns) {
-  time_ns_ = start_ns;
+void IsolatedSlave::setup_experiment(const Experiment& experiment) {
+  time_ns_ = experiment.start_ns;
   put(Call::setup_experiment);
-  commands_.put(start_ns);
-  commands_.put(stop_ns);
+  commands_.put(experiment);
   hand_over();
 }
 

@@ -320,11 +320,13 @@ void FmuSlave::require(const char* name, Function* function, Arguments... argume
   check(fmi_->call(name, function, arguments...), name);
 }
 
-void FmuSlave::setup_experiment(std::int64_t start_ns, std::int64_t stop_ns) {
-  time_ns_ = start_ns;
+void FmuSlave::setup_experiment(const Experiment& experiment) {
+  time_ns_ = experiment.start_ns;
+  const auto& [start_ns, stop_ns, tolerance] = experiment;
   watched("fmi2SetupExperiment", [&] {
-    require("fmi2SetupExperiment", functions_->setup_experiment, fmi2False, 0, to_seconds(start_ns), fmi2True,
-            to_seconds(stop_ns));
+    require("fmi2SetupExperiment", functions_->setup_experiment, tolerance ? fmi2True : fmi2False,
+            tolerance.value_or(0), to_seconds(start_ns), stop_ns ? fmi2True : fmi2False,
+            to_seconds(stop_ns.value_or(0)));
   });
 }
 
@@ -473,9 +475,9 @@ void FmuSlave::get_integers(std::span<const ValueReference> references, std::spa
 
 void FmuSlave::get_booleans(std::span<const ValueReference> references, std::span<std::int32_t> values) {
   require("fmi2GetBoolean", functions_->get_boolean, references.data(), references.size(), values.data());
+  for (auto& value : values) value = value == fmi2False ? fmi2False : fmi2True;
 }
 
-  for (auto& value : values) value = value == fmi2False ? fmi2False : fmi2True;
 void FmuSlave::get_strings(std::span<const ValueReference> references, std::span<std::string> values) {
   texts_.assign(references.size(), nullptr);
   require("fmi2GetString", functions_->get_string, references.data(), references.size(), texts_.data());

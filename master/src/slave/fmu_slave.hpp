@@ -29,7 +29,7 @@ class FmuSlave final : public Slave {
   const std::string& name() const override { return name_; }
   const modeldesc::ModelDescription& description() const override { return fmu_->description(); }
 
-  void setup_experiment(std::int64_t start_ns, std::int64_t stop_ns) override;
+  void setup_experiment(const Experiment& experiment) override;
   void enter_initialization() override;
   void exit_initialization() override;
   StepResult step(std::int64_t start_ns, std::int64_t duration_ns) override;

@@ -15,9 +15,7 @@ class ForwardingSlave : public Slave {
   const std::string& name() const override { return inner_->name(); }
   const modeldesc::ModelDescription& description() const override { return inner_->description(); }
 
-  void setup_experiment(std::int64_t start_ns, std::int64_t stop_ns) override {
-    inner_->setup_experiment(start_ns, stop_ns);
-  }
+  void setup_experiment(const Experiment& experiment) override { inner_->setup_experiment(experiment); }
   void enter_initialization() override { inner_->enter_initialization(); }
   void exit_initialization() override { inner_->exit_initialization(); }
   StepResult step(std::int64_t start_ns, std::int64_t duration_ns) override {

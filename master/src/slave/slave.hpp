@@ -30,6 +30,13 @@ class NotFiniteError : public SlaveError {
   explicit NotFiniteError(const std::string& text) : SlaveError(ErrorCode::not_finite, text) {}
 };
 
+/// The arguments of fmi2SetupExperiment.
+struct Experiment {
+  std::int64_t start_ns = 0;
+  std::optional<std::int64_t> stop_ns = {};  ///< if absent, stopTimeDefined is fmi2False
+  std::optional<double> tolerance = {};      ///< if absent, toleranceDefined is fmi2False
+};
+
 /// What became of a step.
 struct StepResult {
   bool done = true;
@@ -58,7 +65,7 @@ class Slave {
   virtual const std::string& name() const = 0;
   virtual const modeldesc::ModelDescription& description() const = 0;
 
-  virtual void setup_experiment(std::int64_t start_ns, std::int64_t stop_ns) = 0;
+  virtual void setup_experiment(const Experiment& experiment) = 0;
   virtual void enter_initialization() = 0;
   virtual void exit_initialization() = 0;
   virtual StepResult step(std::int64_t start_ns, std::int64_t duration_ns) = 0;
@@ -75,19 +82,19 @@ class Slave {
   virtual void get_integers(std::span<const ValueReference> references, std::span<std::int32_t> values) = 0;
   /// Returns 0 or 1, whatever number the FMU uses for true.
   virtual void get_booleans(std::span<const ValueReference> references, std::span<std::int32_t> values) = 0;
+  /// Returns the FMU's bytes, which need not be UTF-8.
   virtual void get_strings(std::span<const ValueReference> references, std::span<std::string> values) = 0;
 
   virtual void set_reals(std::span<const ValueReference> references, std::span<const double> values) = 0;
   virtual void set_integers(std::span<const ValueReference> references, std::span<const std::int32_t> values) = 0;
+  /// Takes 0 or 1.
   virtual void set_booleans(std::span<const ValueReference> references, std::span<const std::int32_t> values) = 0;
   virtual void set_strings(std::span<const ValueReference> references, std::span<const std::string> values) = 0;
 
-  /// Returns the FMU's bytes, which need not be UTF-8.
   /// Highest order of time derivatives of its outputs that the FMU gives; 0 = none.
   virtual std::uint32_t output_derivative_order() const { return 0; }
   /// Whether the FMU makes use of time derivatives of its inputs.
   virtual bool takes_input_derivatives() const { return false; }
-  /// Takes 0 or 1.
   /// Derivatives of Real outputs at the end of the last step, `orders` (from 1) one per reference. They are what the
   /// FMU says, NaN included.
   virtual void get_output_derivatives(std::span<const ValueReference> references, std::span<const std::int32_t> orders,

@@ -15,8 +15,8 @@ class TimedSlave final : public AccessSlave {
   TimedSlave(std::unique_ptr<Slave> inner, InstanceStatistics& statistics)
       : AccessSlave(std::move(inner)), statistics_(&statistics) {}
 
-  void setup_experiment(std::int64_t start_ns, std::int64_t stop_ns) override {
-    timed([&] { inner().setup_experiment(start_ns, stop_ns); });
+  void setup_experiment(const Experiment& experiment) override {
+    timed([&] { inner().setup_experiment(experiment); });
   }
   void enter_initialization() override {
     timed([&] { inner().enter_initialization(); });

@@ -301,7 +301,7 @@ void Ensemble::initialize_slaves(std::int64_t stop_ns) {
   for (std::size_t i = 0; i < members_.size(); ++i) {
     stop_if_interrupted(*interrupted_);
     set_starts(i);
-    members_[i].slave->setup_experiment(start_ns, stop_ns);
+    members_[i].slave->setup_experiment(system_->instances[i].experiment(start_ns, stop_ns));
     members_[i].slave->enter_initialization();
   }
   InitialValues(*this).settle();

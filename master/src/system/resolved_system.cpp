@@ -105,6 +105,20 @@ void note_unknown_categories(ResolvedSystem& system) {
   }
 }
 
+/// The config's tolerance, else the FMU's default. Notes a default that is not above 0: it is not passed.
+void resolve_tolerance(ResolvedInstance& instance, std::vector<std::string>& notices) {
+  const auto& description = *instance.description;
+  if (!description.pass_tolerance) return;
+  const auto& usual = instance.fmu->description().default_experiment;
+  instance.tolerance = description.tolerance ? description.tolerance : usual.usable_tolerance();
+  if (usual.tolerance && !instance.tolerance) {
+    notices.push_back(
+        fmt::format("{}: its FMU has a default tolerance of {}, which is not passed to it: a tolerance "
+                    "is above 0. Set \"tolerance\" to pass one",
+                    description.name, *usual.tolerance));
+  }
+}
+
 /// What is wrong with an FMU is told with the place in the config that names it.
 template <typename Work>
 auto with_place_of_fmu(const InstanceDescription& instance, Work work) {
@@ -203,6 +217,12 @@ void note_open_inputs(ResolvedSystem& system) {
 
 }  // namespace
 
+Experiment ResolvedInstance::experiment(std::int64_t start_ns, std::int64_t stop_ns) const {
+  Experiment result{.start_ns = start_ns, .tolerance = tolerance};
+  if (description->pass_stop_time) result.stop_ns = stop_ns;
+  return result;
+}
+
 ResolvedVariable ResolvedSystem::find(const VariableName& name, const std::string& place) const {
   const auto instance = description->index_of(name.instance);
   if (!instance) {
@@ -273,6 +293,11 @@ ResolvedSystem resolve(const SystemDescription& description, FmuLibrary& library
     if (resolved.fmu->description().co_simulation->needs_execution_tool) {
       system.notices.push_back(fmt::format(
           "{}: its FMU is a wrapper for a tool that must be installed (needsExecutionTool)", instance.name));
+    }
+    resolve_tolerance(resolved, system.notices);
+    if (const auto& faults = resolved.fmu->description().structure_faults; !faults.empty()) {
+      system.notices.push_back(fmt::format("{}: parts of ModelStructure in its modelDescription.xml are ignored: {}",
+                                           instance.name, fmt::join(faults, "; ")));
     }
     resolved.starts = resolve_starts(instance, resolved.fmu->description());
     resolved.log_categories = log_categories(sections, instance);

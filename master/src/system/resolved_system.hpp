@@ -5,10 +5,13 @@
 #include "config/system_description.hpp"
 #include "mebots/modeldesc/model_description.hpp"
 #include "slave/fmu.hpp"
+#include "slave/slave.hpp"
 
 #include <atomic>
 #include <cstddef>
+#include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -46,6 +49,10 @@ struct ResolvedInstance {
   std::shared_ptr<Fmu> fmu;
   std::vector<StartValue> starts;
   std::vector<std::string> log_categories;
+  std::optional<double> tolerance;  ///< for fmi2SetupExperiment: the config's, else the FMU's default
+
+  /// The arguments of fmi2SetupExperiment for a run over this time.
+  Experiment experiment(std::int64_t start_ns, std::int64_t stop_ns) const;
 };
 
 struct ResolvedSystem {
