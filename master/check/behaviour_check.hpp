@@ -21,6 +21,12 @@ struct Probe {
 /// Runs, resets, saves, halves steps, replays and counts what is left behind. The second is a plain run: when it fails,
 /// the others have nothing to say.
 std::vector<Probe> life_probes(const Target& target, double half_step_tolerance);
+/// Finds an FMU that starts with a stop time only. Such an FMU gets one in all other experiments.
+Probe start_probe();
+/// Returns whether that probe found such an FMU.
+bool says_stop_time_is_needed(const Check& check);
+/// Compares a run with a stop time with a run without.
+Probe stop_time_probe(const std::string& skipped);
 /// Calls that the standard forbids, which must be answered by an error.
 std::vector<Probe> illegal_call_probes(const Target& target);
 

@@ -129,27 +129,55 @@ class FmuCheck {
     const double length =
         experiment.stop_time_s ? *experiment.stop_time_s - experiment.start_time_s.value_or(0) : HUGE_VAL;
     const int steps = static_cast<int>(std::clamp(std::floor(length / h + 1e-6), 2.0, static_cast<double>(kMostSteps)));
-    const Target target{&model_, folder_.path(), library_path(model_, folder_.path()), h, steps};
+    Target target{&model_, folder_.path(), library_path(model_, folder_.path()), h, steps};
+    target.experiment.tolerance = experiment.usable_tolerance();
     auto probes = life_probes(target, options_.half_step_tolerance);
     for (auto& probe : illegal_call_probes(target)) probes.push_back(std::move(probe));
     bool runs = true;
     for (std::size_t i = 0; i < probes.size(); ++i) {
-      const auto& probe = probes[i];
+      auto& probe = probes[i];
+      if (!runs) probe.skipped = "a plain run fails";
       Check& check = add(Group::behaviour, probe.name, probe.level);
-      check.skipped = !runs                          ? "a plain run fails"
-                      : probe.level > options_.level ? fmt::format("made at --level {}", to_string(probe.level))
-                                                     : probe.skipped;
-      if (!check.skipped.empty()) continue;
-      CrashRule rule;
-      rule.severity = probe.crash;
-      rule.deadline_s = options_.deadline_s;
-      rule.given_up = options_.given_up;
-      run_in_child(rule, check, [&](Witness& witness) {
-        const Library library(target, witness);
-        probe.run(library);
-      });
-      if (i <= kPlainRun) runs = runs && !has_error(check);
+      bool good = make(probe, target, check);
+      if (i == kPlainRun && !good && needs_stop_time(target)) {
+        target.experiment.stop_ns = target.end_ns();
+        check.findings.clear();
+        good = make(probe, target, check);
+      }
+      if (i <= kPlainRun) runs = runs && good;
     }
+  }
+
+  /// Returns whether the FMU starts with a stop time only, which is a finding.
+  bool needs_stop_time(const Target& target) {
+    const auto probe = start_probe();
+    Check aside;
+    try {
+      make(probe, target, aside);
+    } catch (const Error&) {  // the plain run has found what matters
+      return false;
+    }
+    if (!says_stop_time_is_needed(aside)) return false;
+    Check& check = add(Group::behaviour, probe.name, probe.level);
+    for (const auto& finding : aside.findings) Findings(check).error(finding.text, finding.way_out);
+    return true;
+  }
+
+  /// Makes one experiment, unless it is to be skipped. Returns false if it found an error.
+  bool make(const Probe& probe, const Target& target, Check& check) const {
+    check.skipped = probe.skipped.empty() && probe.level > options_.level
+                        ? fmt::format("made at --level {}", to_string(probe.level))
+                        : probe.skipped;
+    if (!check.skipped.empty()) return true;
+    CrashRule rule;
+    rule.severity = probe.crash;
+    rule.deadline_s = options_.deadline_s;
+    rule.given_up = options_.given_up;
+    run_in_child(rule, check, [&](Witness& witness) {
+      const Library library(target, witness);
+      probe.run(library);
+    });
+    return !has_error(check);
   }
 
   fs::path fmu_;

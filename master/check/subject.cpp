@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "subject.hpp"
 
+#include "base/time.hpp"
 #include "mebots/fmi2/status_name.hpp"
 #include "slave/fmu.hpp"
 
@@ -182,9 +183,13 @@ void Instance::require(const std::string& call, fmi2Status status) const {
                             messages_.empty() ? ", and the FMU logged nothing" : ": " + last_message()));
 }
 
-void Instance::setup() {
+void Instance::setup(const master::Experiment& experiment) {
   doing("fmi2SetupExperiment");
-  require("fmi2SetupExperiment", functions().setup_experiment(component_, fmi2False, 0, 0, fmi2False, 0));
+  require("fmi2SetupExperiment",
+          functions().setup_experiment(component_, experiment.tolerance ? fmi2True : fmi2False,
+                                       experiment.tolerance.value_or(0), master::to_seconds(experiment.start_ns),
+                                       experiment.stop_ns ? fmi2True : fmi2False,
+                                       master::to_seconds(experiment.stop_ns.value_or(0))));
 }
 void Instance::enter() {
   doing("fmi2EnterInitializationMode");
@@ -194,8 +199,8 @@ void Instance::exit() {
   doing("fmi2ExitInitializationMode");
   require("fmi2ExitInitializationMode", functions().exit_initialization_mode(component_));
 }
-void Instance::start() {
-  setup();
+void Instance::start(const master::Experiment& experiment) {
+  setup(experiment);
   enter();
   exit();
 }

@@ -9,7 +9,9 @@
 #include "slave/float_environment.hpp"
 #include "slave/fmi2_callbacks.hpp"
 #include "slave/process_state.hpp"
+#include "slave/slave.hpp"
 
+#include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -27,10 +29,14 @@ using modeldesc::Variable;
 /// What the probes know before any of the FMU's code runs.
 struct Target {
   const ModelDescription* model;
-  std::filesystem::path folder;   ///< the unpacked FMU
-  std::filesystem::path library;  ///< its shared library
-  double step_s;                  ///< of the default experiment, or 0.01 s
-  int steps;                      ///< how many steps a probe takes
+  std::filesystem::path folder;        ///< the unpacked FMU
+  std::filesystem::path library;       ///< its shared library
+  double step_s;                       ///< of the default experiment, or 0.01 s
+  int steps;                           ///< how many steps a probe takes
+  master::Experiment experiment = {};  ///< arguments of fmi2SetupExperiment, as a run passes them
+
+  /// The end of a plain run.
+  std::int64_t end_ns() const { return std::llround(step_s * steps * 1e9); }
 };
 
 /// The FMU refused something that it must do. The text names call, status and what the FMU logged.
@@ -102,11 +108,13 @@ class Instance final : private master::CallbackListener {
   void forget() { component_ = nullptr; }
   void free();
 
-  void setup();
+  void setup() { setup(library_->target().experiment); }
+  void setup(const master::Experiment& experiment);
   void enter();
   void exit();
   /// setup, enter, exit.
-  void start();
+  void start() { start(library_->target().experiment); }
+  void start(const master::Experiment& experiment);
   /// Throws Refused unless it is taken, or the FMU ends the run: fmi2Discard, and fmi2Terminated is true.
   void step(double point_s, double step_s);
   bool ended() const { return ended_; }

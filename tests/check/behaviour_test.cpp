@@ -47,6 +47,27 @@ TEST(CheckBehaviour, WrongValuesAreFound) {
   EXPECT_THAT(of("coarse"), Contains(HasSubstr("after twice as many halves")));
 }
 
+TEST(CheckBehaviour, AnFmuThatDependsOnTheStopTimeIsFound) {
+  // y(h) = gain (1 - e^-h). The FMU takes the stop time for its gain: 2, which it is anyway, or 1.
+  EXPECT_THAT(of("stop"), IsEmpty());
+  Workshop workshop;
+  auto description = culprit_description("stop");
+  const std::string stop = "stopTime=\"2\"";
+  description.replace(description.find(stop), stop.size(), "stopTime=\"1\"");
+  EXPECT_THAT(findings(workshop.culprit_with(description), true, 30, Level::interoperable),
+              testing::ElementsAre(testing::AllOf(
+                  HasSubstr("warning: values depend on the stop time: at 0.1 s, with stopTime 1 s against without, y "),
+                  HasSubstr("is 0.0951"), HasSubstr("instead of 0.1903"))));
+  EXPECT_THAT(findings(EXPERIMENT_FMU, true, 30, Level::interoperable),
+              Contains(HasSubstr("at 0 s, with stopTime 2 s against without, stop is 2 instead of 0")));
+}
+
+TEST(CheckBehaviour, AnFmuThatNeedsAStopTimeGetsOne) {
+  EXPECT_THAT(of("needs_stop", 30, Level::standard),
+              testing::ElementsAre(HasSubstr("error: it needs a stop time, and most tools pass none: "
+                                             "fmi2SetupExperiment answered fmi2Error: no stop time")));
+}
+
 TEST(CheckBehaviour, StateThatLeaksBetweenRunsAndInstancesIsFound) {
   EXPECT_THAT(of("global"), Contains(HasSubstr("error: beside another instance: y is")));
   EXPECT_THAT(of("reset"), Contains(HasSubstr("error: after fmi2Reset after some steps: y is")));
