@@ -119,6 +119,15 @@ void resolve_tolerance(ResolvedInstance& instance, std::vector<std::string>& not
   }
 }
 
+/// Notes the parts of ModelStructure that the reader left out; the first of them, as a file may have any number.
+void note_structure_faults(const ResolvedInstance& instance, std::vector<std::string>& notices) {
+  const auto& faults = instance.fmu->description().structure_faults;
+  if (faults.empty()) return;
+  const auto others = faults.size() == 1 ? "" : fmt::format(" ({} more by `mebots check`)", faults.size() - 1);
+  notices.push_back(fmt::format("{}: parts of ModelStructure in its modelDescription.xml are ignored: {}{}",
+                                instance.description->name, faults.front(), others));
+}
+
 /// What is wrong with an FMU is told with the place in the config that names it.
 template <typename Work>
 auto with_place_of_fmu(const InstanceDescription& instance, Work work) {
@@ -295,10 +304,7 @@ ResolvedSystem resolve(const SystemDescription& description, FmuLibrary& library
           "{}: its FMU is a wrapper for a tool that must be installed (needsExecutionTool)", instance.name));
     }
     resolve_tolerance(resolved, system.notices);
-    if (const auto& faults = resolved.fmu->description().structure_faults; !faults.empty()) {
-      system.notices.push_back(fmt::format("{}: parts of ModelStructure in its modelDescription.xml are ignored: {}",
-                                           instance.name, fmt::join(faults, "; ")));
-    }
+    note_structure_faults(resolved, system.notices);
     resolved.starts = resolve_starts(instance, resolved.fmu->description());
     resolved.log_categories = log_categories(sections, instance);
     system.instances.push_back(std::move(resolved));
