@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "trace_replay.hpp"
 
+#include "mebots/data/csv.hpp"
+#include "mebots/text_file.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
-#include <fstream>
 #include <pugixml.hpp>
 
 namespace mebots::check {
@@ -24,61 +25,33 @@ struct Trace {
   std::vector<std::vector<double>> rows;
 };
 
-std::vector<std::string> cells(std::string line) {
-  if (!line.empty() && line.back() == '\r') line.pop_back();
-  std::vector<std::string> result(1);
-  bool quoted = false;
-  for (const char c : line) {
-    if (c == '"') {
-      quoted = !quoted;
-    } else if (c == ',' && !quoted) {
-      result.emplace_back();
-    } else {
-      result.back() += c;
-    }
-  }
-  return result;
-}
-
-/// Numbers, and the words of XML Schema for Booleans.
-std::optional<double> value_of(const std::string& text) {
+/// The number of a cell; the words of XML Schema for Booleans are 0 and 1.
+double value_of(const data::CsvReader& reader, std::size_t column) {
+  const auto text = data::trimmed(reader.cell(column));
   if (text == "true" || text == "false") return text == "true" ? 1 : 0;
-  double value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return error == std::errc{} && end == text.data() + text.size() ? std::optional(value) : std::nullopt;
+  return reader.number(column);
 }
 
 Trace read_trace(const fs::path& file, const ModelDescription& model, bool of_many_versions) {
-  std::ifstream stream(file);
-  const auto fail = [&](std::size_t line, const std::string& what) {
-    throw Error(ErrorCode::syntax_error, fmt::format("{}, line {}: {}", file.filename().string(), line, what));
-  };
-  std::string line;
-  if (!std::getline(stream, line)) fail(1, "there is no header");
+  const auto content = text_of(file);
+  data::CsvReader reader(content, file.filename().string());
+  const auto& header = reader.header();
   Trace trace;
-  const auto header = cells(line);
   std::vector<std::size_t> kept;
   for (std::size_t i = 1; i < header.size(); ++i) {
     const auto* variable = model.find(header[i]);
     const bool number = variable != nullptr && variable->type != Type::string;
-    if (!number && !of_many_versions) fail(1, fmt::format("\"{}\" is not a number of this FMU", header[i]));
+    if (!number && !of_many_versions) reader.fail(i, ErrorCode::syntax_error, "this is not a number of this FMU");
     if (!number) continue;
     trace.variables.push_back(variable);
     kept.push_back(i);
   }
-  for (std::size_t number = 2; std::getline(stream, line); ++number) {
-    const auto texts = cells(line);
-    if (texts.size() != header.size()) fail(number, fmt::format("{} cells instead of {}", texts.size(), header.size()));
-    const auto value = [&](std::size_t column) {
-      const auto found = value_of(texts[column]);
-      if (!found) fail(number, fmt::format("\"{}\" is not a number", texts[column]));
-      return *found;
-    };
-    trace.times.push_back(value(0));
+  while (reader.next()) {
+    trace.times.push_back(value_of(reader, 0));
     auto& row = trace.rows.emplace_back();
-    for (const auto column : kept) row.push_back(value(column));
+    for (const auto column : kept) row.push_back(value_of(reader, column));
   }
-  if (trace.rows.empty()) fail(2, "there are no rows");
+  if (trace.rows.empty()) throw Error(ErrorCode::syntax_error, fmt::format("{}: there are no rows", reader.name()));
   return trace;
 }
 

@@ -2,6 +2,7 @@
 #include "live_run.hpp"
 
 #include "base/time.hpp"
+#include "mebots/data/csv.hpp"
 #include "mebots/input_error.hpp"
 #include "message/message_text.hpp"
 #include "report/page.hpp"
@@ -11,7 +12,6 @@
 #include "run/system_file.hpp"
 #include "run/write.hpp"
 #include "server.hpp"
-#include "sink/csv_cells.hpp"
 #include "sink/output_file.hpp"
 
 #include <fmt/format.h>
@@ -154,7 +154,7 @@ std::string LiveRun::control(const std::string& order) {
 }
 
 std::string LiveRun::set(const std::string& variable, const std::string& value) {
-  const auto number = master::csv_number<double>(value);
+  const auto number = data::csv_number<double>(value);
   if (!number) {
     throw InputError(ErrorCode::invalid_value, fmt::format("'{}' is not a number for {}", value, variable));
   }

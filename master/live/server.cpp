@@ -2,8 +2,8 @@
 #include "server.hpp"
 
 #include "base/own_threads.hpp"
+#include "mebots/data/csv.hpp"
 #include "mebots/input_error.hpp"
-#include "sink/csv_cells.hpp"
 
 #include <fmt/format.h>
 #include <httplib.h>
@@ -55,7 +55,7 @@ bool is_ours(const httplib::Request& request, int port) {
 std::size_t count_of(const httplib::Request& request, const char* name) {
   if (!request.has_param(name)) return 0;
   const auto text = request.get_param_value(name);
-  const auto count = master::csv_number<std::size_t>(text);
+  const auto count = data::csv_number<std::size_t>(text);
   if (!count) throw InputError(ErrorCode::invalid_argument, fmt::format("{} = '{}' is not a count", name, text));
   return *count;
 }

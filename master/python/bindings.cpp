@@ -2,6 +2,7 @@
 // The Python module mebots._mebots: mebots::Mission as it is. Texts for people, defaults and NumPy stand in
 // mebots/*.py.
 #include "base/input_text.hpp"
+#include "mebots/data/csv.hpp"
 #include "sink/hdf5_tables.hpp"
 #include "study/ground.hpp"
 #include "study/study_file.hpp"
@@ -89,6 +90,29 @@ void on_point(Mission& mission, const std::function<void(double)>& listener) {
   mission.on_point([listener](double time_s) {
     const py::gil_scoped_acquire acquire;
     listener(time_s);
+  });
+}
+
+/// The rows of a CSV file, its header first. `errors`: how Python treats bytes that are not UTF-8.
+py::list read_csv(const std::filesystem::path& file, const std::string& errors) {
+  const auto text = mebots::master::input_text(file);
+  const auto decoded = [&](std::string_view cell) {
+    PyObject* made = PyUnicode_DecodeUTF8(cell.data(), static_cast<Py_ssize_t>(cell.size()), errors.c_str());
+    if (made == nullptr) throw py::error_already_set();
+    return py::reinterpret_steal<py::str>(made);
+  };
+  return mebots::master::refused_as_input([&] {
+    mebots::data::CsvReader reader(text, file.string());
+    py::list rows;
+    py::list header;
+    for (const auto& name : reader.header()) header.append(decoded(name));
+    rows.append(std::move(header));
+    while (reader.next()) {
+      py::list row;
+      for (std::size_t i = 0; i < reader.header().size(); ++i) row.append(decoded(reader.cell(i)));
+      rows.append(std::move(row));
+    }
+    return rows;
   });
 }
 
@@ -195,6 +219,7 @@ PYBIND11_MODULE(_mebots, module) {
       .def(py::init<std::string, std::string, decltype(mebots::master::TableColumn::values)>());
   py::class_<mebots::master::Table>(module, "Table")
       .def(py::init<std::string, std::vector<mebots::master::TableColumn>>());
+  module.def("read_csv", &read_csv, "file"_a, "errors"_a = "strict");
   module.def("write_hdf5", &mebots::master::write_hdf5);
   py::class_<study::Ground>(module, "Ground")
       .def(py::init(&study::read_ground), "mission"_a, "text"_a = std::nullopt)

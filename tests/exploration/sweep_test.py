@@ -131,6 +131,11 @@ class Tables(StudyCase):
         self.sweep()
         self.assertEqual([row["a.gain"] for row in self.rows("designs.csv")], ["0.5"])
 
+    def test_a_list_with_semicolons_is_refused_by_the_name_of_its_separator(self):
+        (self.folder / "designs.csv").write_text("a.gain;a.offset\n0,5;1\n")
+        self.study(design={"kind": "list", "file": "designs.csv"})
+        self.assertIn("designs.csv:1: the cells are separated by semicolons", self.refused())
+
     def test_a_latin_hypercube_has_one_design_in_each_stratum(self):
         self.study(design={"kind": "latin_hypercube", "points": 8, "seed": 3, "factors": {
             "a.gain": {"uniform": [0, 8]}, "a.offset": {"uniform": [0, 8]}}},

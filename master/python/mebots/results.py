@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import csv
 import difflib
 import json
 import os
@@ -11,6 +10,7 @@ import pathlib
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
+from mebots import _mebots
 from mebots.errors import InputError
 
 if TYPE_CHECKING:
@@ -105,16 +105,10 @@ def _columns(folder: pathlib.Path) -> tuple[dict[str, str], dict[str, Any]]:
     import numpy as np
 
     file = folder / "results.csv"
-    try:
-        csv.field_size_limit(2**31 - 1)  # a text of an FMU may be long
-        with open(file, newline="", encoding="utf-8", errors="surrogateescape") as stream:
-            rows = csv.reader(stream)
-            header = next(rows, [])
-            cells = list(zip(*rows, strict=True)) or [() for _ in header]
-    except FileNotFoundError:
-        raise InputError(f"{file}: there is no such file; did the run record as \"hdf5\" only?", "file_not_found") from None
-    except ValueError:
-        raise InputError(f"{file}: the rows are not of one length; was the run killed?", "syntax_error") from None
+    if not file.exists():
+        raise InputError(f"{file}: there is no such file; did the run record as \"hdf5\" only?", "file_not_found")
+    header, *rows = _mebots.read_csv(file, "surrogateescape")
+    cells = list(zip(*rows, strict=True)) or [() for _ in header]
     units, columns = {}, {}
     for title, values in zip(header, cells, strict=True):
         name, _, unit = title.rpartition(" [")

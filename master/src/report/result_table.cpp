@@ -2,8 +2,8 @@
 #include "report/result_table.hpp"
 
 #include "base/input_text.hpp"
+#include "mebots/data/csv.hpp"
 #include "report/thinner.hpp"
-#include "sink/csv_cells.hpp"
 
 #include <fmt/format.h>
 
@@ -16,21 +16,16 @@ namespace {
 
 using Column = ResultTable::Column;
 
-/// "battery.cell.voltage [V]" apart.
-Column column_of(const std::string& title) {
-  const auto bracket = title.rfind(" [");
-  if (bracket == std::string::npos || !title.ends_with(']')) return {title, "-", {}};
-  return {title.substr(0, bracket), title.substr(bracket + 2, title.size() - bracket - 3), {}};
-}
-
-std::vector<Column> read_header(CsvCells& cells, const std::string& file) {
+std::vector<Column> read_header(const data::CsvReader& reader) {
   std::vector<Column> columns;
-  do {
-    columns.push_back(column_of(cells.next()));
-  } while (!cells.line_ended());
+  for (const auto& title : reader.header()) {
+    auto [name, unit] = data::csv_title(title);
+    columns.push_back({std::move(name), unit.empty() ? "-" : std::move(unit), {}});
+  }
   if (columns.front().name != "time" || columns.front().unit != "s") {
-    throw InputError(ErrorCode::syntax_error,
-                     fmt::format("{}: this is not a table of results: its first column is not 'time [s]'", file));
+    throw InputError(
+        ErrorCode::syntax_error,
+        fmt::format("{}: this is not a table of results: its first column is not 'time [s]'", reader.name()));
   }
   return columns;
 }
@@ -66,27 +61,21 @@ std::size_t ResultTable::span_of(std::size_t rows, std::size_t columns) {
   return numbers <= kMostValues ? 1 : (2 * numbers + kMostValues - 1) / kMostValues;  // of a span two rows stay
 }
 
-ResultTable read_results(const std::filesystem::path& file, const std::vector<TimeSpan>& whole) {
-  const auto content = input_text(file);
-  const auto text = whole_lines(content);
+namespace {
+
+ResultTable read_rows(data::CsvReader& reader, std::size_t rows, const std::vector<TimeSpan>& whole) {
   ResultTable table;
-  CsvCells cells(text);
-  table.columns = read_header(cells, file.string());
+  table.columns = read_header(reader);
   const auto width = table.columns.size();
-  table.span = ResultTable::span_of(rows_of(text), width);
+  table.span = ResultTable::span_of(rows, width);
   table.whole = whole;
   Thinner thinner(width, table.span);
   std::vector<bool> is_text(width, false);
   std::vector<double> row(width);
-  std::string room;
-  for (; !cells.at_end(); ++table.rows) {
-    for (std::size_t i = 0; i < width; ++i) {
-      const auto value = csv_number<double>(cells.next(room));
-      if (cells.line_ended() != (i + 1 == width) || (i == 0 && !value)) {
-        throw InputError(ErrorCode::syntax_error,
-                         fmt::format("{}: row {} does not have a number for the time and {} cells", file.string(),
-                                     table.rows + 1, width));
-      }
+  for (; reader.next(); ++table.rows) {
+    row[0] = reader.number(0);
+    for (std::size_t i = 1; i < width; ++i) {
+      const auto value = data::csv_number<double>(reader.cell(i));
       if (!value) is_text[i] = true;
       row[i] = value.value_or(0);
     }
@@ -100,6 +89,17 @@ ResultTable read_results(const std::filesystem::path& file, const std::vector<Ti
   for (std::size_t i = 0; i < width; ++i) table.columns[i].values = std::move(thinner.values()[i]);
   drop_texts(table, is_text);
   return table;
+}
+
+}  // namespace
+
+ResultTable read_results(const std::filesystem::path& file, const std::vector<TimeSpan>& whole) {
+  const auto content = input_text(file);
+  const auto text = whole_lines(content);
+  return refused_as_input([&] {
+    data::CsvReader reader(text, file.string());
+    return read_rows(reader, rows_of(text), whole);
+  });
 }
 
 }  // namespace mebots::master::report

@@ -2,8 +2,8 @@
 #include "sink/csv_rows.hpp"
 
 #include "base/time.hpp"
+#include "mebots/data/csv.hpp"
 #include "mebots/error.hpp"
-#include "sink/csv_cells.hpp"
 
 #include <fmt/format.h>
 
@@ -23,26 +23,26 @@ void copy_csv_rows(const std::filesystem::path& file, std::uint64_t bytes, const
     throw Error(ErrorCode::state_damaged,
                 fmt::format("{}: this file does not hold the rows that were written", file.string()));
   };
-  CsvCells cells(text);
-  for (std::size_t i = 0; i <= columns.size(); ++i) cells.next();  // the header
+  data::CsvReader reader(text, file.string());
+  if (reader.header().size() != columns.size() + 1) fail();
   RowBlock block;
   block.cells_per_row = columns.size() + 1;
-  while (!cells.at_end()) {
-    const auto time_s = csv_number<double>(cells.next());
+  while (reader.next()) {
+    const auto time_s = data::csv_number<double>(reader.cell(0));
     const auto time_ns = time_s ? to_nanoseconds(*time_s) : std::nullopt;
     if (!time_ns) fail();
     block.cells.push_back(static_cast<std::uint64_t>(*time_ns));
-    for (const auto& column : columns) {
-      const auto cell = cells.next();
-      if (column.kind == ValueKind::string) {
+    for (std::size_t i = 0; i < columns.size(); ++i) {
+      const auto cell = reader.cell(i + 1);
+      if (columns[i].kind == ValueKind::string) {
         block.cells.push_back(block.texts.size());
-        block.texts.push_back(cell);
-      } else if (column.kind == ValueKind::real) {
-        const auto value = csv_number<double>(cell);
+        block.texts.emplace_back(cell);
+      } else if (columns[i].kind == ValueKind::real) {
+        const auto value = data::csv_number<double>(cell);
         if (!value) fail();
         block.cells.push_back(std::bit_cast<std::uint64_t>(*value));
       } else {
-        const auto value = csv_number<std::int64_t>(cell);
+        const auto value = data::csv_number<std::int64_t>(cell);
         if (!value) fail();
         block.cells.push_back(static_cast<std::uint64_t>(*value));
       }

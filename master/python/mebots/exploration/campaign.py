@@ -14,6 +14,7 @@ import time
 from collections.abc import Callable, Iterable, Iterator
 from typing import Any
 
+from mebots import _mebots
 from mebots.errors import Error, InputError
 from mebots.exploration import chance, columns, designs, front, report, sensitivity, splitting, tables
 from mebots.exploration.comparison import Evidence
@@ -72,10 +73,8 @@ class Sweep:
 
     def designs(self) -> list[dict[str, str]]:
         """The rows of designs.csv."""
-        import csv
-
-        with open(self.folder / "designs.csv", newline="", encoding="utf-8") as stream:
-            return list(csv.DictReader(stream))
+        titles, *rows = _mebots.read_csv(self.folder / "designs.csv")
+        return [dict(zip(titles, row, strict=True)) for row in rows]
 
 
 class Campaign:

@@ -4,10 +4,10 @@ the CSV files, which are what counts."""
 
 from __future__ import annotations
 
-import csv
 import importlib.util
 import pathlib
 import re
+from collections.abc import Sequence
 from typing import Any
 
 from mebots import _mebots
@@ -28,17 +28,12 @@ def write(folder: pathlib.Path) -> None:
 
 def read(file: pathlib.Path) -> dict[str, list[Any]]:
     """Columns by their titles: whole numbers, numbers with NaN for what is not there, or texts."""
-    with open(file, newline="", encoding="utf-8") as stream:
-        rows = csv.reader(stream)
-        titles = next(rows)
-        columns: list[list[str]] = [[] for _ in titles]
-        for row in rows:
-            for column, cell in zip(columns, row, strict=True):
-                column.append(cell)
+    titles, *rows = _mebots.read_csv(file)
+    columns = list(zip(*rows, strict=True)) or [() for _ in titles]
     return {title: _typed(column) for title, column in zip(titles, columns, strict=True)}
 
 
-def _typed(cells: list[str]) -> list[Any]:
+def _typed(cells: Sequence[str]) -> list[Any]:
     for kind in (int, lambda cell: float(cell) if cell else float("nan")):
         try:
             values = [kind(cell) for cell in cells]
@@ -46,7 +41,7 @@ def _typed(cells: list[str]) -> list[Any]:
             continue
         if any(cells) and not (kind is int and any(abs(value) >= 1 << 63 for value in values)):
             return values
-    return cells
+    return list(cells)
 
 
 def _write_hdf5(file: pathlib.Path, tables: dict[str, dict[str, list[Any]]]) -> None:

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import csv
 import itertools
 import json
 import math
@@ -11,6 +10,7 @@ import pathlib
 from collections.abc import Callable
 from typing import Any
 
+from mebots import _mebots
 from mebots.errors import InputError
 from mebots.exploration import chance
 from mebots.exploration.study import Study, Values
@@ -46,19 +46,12 @@ def _grid(study: Study) -> list[Values]:
 def _list(study: Study) -> list[Values]:
     file = pathlib.Path(study.design["file"])
     try:
-        with open(file, newline="", encoding="utf-8-sig") as stream:  # spreadsheets write a mark first
-            rows = [row for row in csv.reader(stream) if row]
-    except (UnicodeDecodeError, csv.Error) as error:
+        names, *rows = _mebots.read_csv(file)
+    except UnicodeDecodeError as error:
         raise InputError(f"{file}: this is not a CSV file in UTF-8: {error}. Save it as one", "syntax_error") from None
-    if len(rows) < 2:
+    if not rows:
         raise InputError(f"{file}: a row of names and at least one design are needed", "syntax_error")
-    names = [name.strip() for name in rows[0]]
-    if len(set(names)) != len(names) or "" in names:
-        raise InputError(f"{file}:1: every column needs a name of its own", "duplicate_name")
-    for number, row in enumerate(rows[1:], 2):
-        if len(row) != len(names):
-            raise InputError(f"{file}:{number}: {len(row)} values for {len(names)} names", "syntax_error")
-    return [{name: _cell(text) for name, text in zip(names, row, strict=True)} for row in rows[1:]]
+    return [{name: _cell(text) for name, text in zip(names, row, strict=True)} for row in rows]
 
 
 def _cell(text: str) -> Any:

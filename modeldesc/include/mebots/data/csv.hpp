@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "mebots/error_code.hpp"
+
+#include <charconv>
+#include <cstddef>
+#include <deque>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace mebots::data {
+
+/// Reads a table in CSV (RFC 4180) row by row: commas between cells, points in decimals, one header row with a name for
+/// each column. Accepts a byte order mark, CR LF and CR as line ends, quoted cells, and blanks around names and
+/// numbers. Skips empty lines. All errors are an Error that names file, line and column.
+class CsvReader {
+ public:
+  /// Reads the header. `text` must outlive the reader; `name` is the file's name in errors. Throws Error for a text
+  /// that is not CSV, such as UTF-16 or a workbook, and for cells that are separated by something other than commas.
+  CsvReader(std::string_view text, std::string name);
+
+  const std::string& name() const { return name_; }
+  const std::vector<std::string>& header() const { return header_; }
+  /// The place of a column by its name, if there is one.
+  std::optional<std::size_t> column(std::string_view name) const;
+
+  /// Reads the next row. Returns false at the end. Throws Error if the row has more or fewer cells than the header.
+  bool next();
+  /// The line on which the row starts, from 1.
+  std::size_t line() const { return line_; }
+  /// A cell of the row, without its quotation marks. Valid until the next call of next().
+  std::string_view cell(std::size_t column) const { return cells_[column]; }
+  /// The finite number that a cell of the row is. Throws Error for anything else.
+  double number(std::size_t column) const;
+
+  /// Throws Error about a cell of the row.
+  [[noreturn]] void fail(std::size_t column, ErrorCode code, std::string_view what) const;
+
+ private:
+  [[noreturn]] void fail_line(ErrorCode code, std::string_view what) const;
+  void refuse_other_formats() const;
+  void refuse_other_separators() const;
+  void read_header();
+  bool split_line();
+  void take_quoted();
+  void check_width() const;
+
+  std::string_view text_;
+  std::string name_;
+  std::vector<std::string> header_;
+  std::vector<std::string_view> cells_;  // of the row: views of the text, or of `unquoted_`
+  std::deque<std::string> unquoted_;     // cells with doubled quotation marks
+  std::size_t at_ = 0;
+  std::size_t next_line_ = 1;
+  std::size_t line_ = 0;
+};
+
+/// The number that the whole text is; nothing for anything else.
+template <typename T>
+std::optional<T> csv_number(std::string_view text) {
+  T value{};
+  const auto result = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (result.ec != std::errc{} || result.ptr != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+/// The text without blanks and tabs at both ends.
+std::string_view trimmed(std::string_view text);
+
+/// A column's title "speed [km/h]" as name and unit. The unit is empty if the title has none or if it is "-".
+struct CsvTitle {
+  std::string name;
+  std::string unit;
+};
+
+CsvTitle csv_title(std::string_view title);
+
+}  // namespace mebots::data
