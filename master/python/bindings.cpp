@@ -143,12 +143,14 @@ PYBIND11_MODULE(_mebots, module) {
   py::class_<Mission>(module, "Mission")
       .def(py::init([](const std::filesystem::path& config, const std::optional<std::filesystem::path>& out,
                        bool in_memory, const std::vector<std::filesystem::path>& scenarios,
-                       std::optional<double> stop_time_s, std::optional<double> step_s, bool isolate, bool statistics,
+                       const std::vector<std::filesystem::path>& inputs, std::optional<double> stop_time_s,
+                       std::optional<double> step_s, bool isolate, bool statistics,
                        std::optional<double> checkpoint_every_s) {
              MissionOptions options;
              if (out) options.out = *out;
              options.in_memory = in_memory;
              options.scenarios = scenarios;
+             options.inputs = inputs;
              options.stop_time_s = stop_time_s;
              options.step_s = step_s;
              options.isolate = isolate;
@@ -156,14 +158,15 @@ PYBIND11_MODULE(_mebots, module) {
              options.checkpoint_every_s = checkpoint_every_s;
              return std::make_unique<Mission>(config, options);
            }),
-           "config"_a, "out"_a, "in_memory"_a, "scenarios"_a, "stop_time"_a, "step"_a, "isolate"_a, "statistics"_a,
-           "checkpoint_every"_a)
+           "config"_a, "out"_a, "in_memory"_a, "scenarios"_a, "inputs"_a, "stop_time"_a, "step"_a, "isolate"_a,
+           "statistics"_a, "checkpoint_every"_a)
       .def_static("resume", &Mission::resume, "folder"_a, "in_memory"_a)
       .def("on_message", &on_message)
       .def("on_point", &on_point)
       .def("set", [](Mission& mission, const std::string& variable,
                      const py::object& value) { mission.set(variable, value_of(value)); })
       .def("add_scenario", &Mission::add_scenario)
+      .def("add_inputs", &Mission::add_inputs)
       .def("set_stop_time", &Mission::set_stop_time)
       .def("record", &Mission::record)
       .def("start", [](Mission& mission) { stepping(mission, [&] { return mission.start(), true; }); })

@@ -118,6 +118,33 @@ class Tables(StudyCase):
         self.assertEqual([(row["a.gain"], row["a.offset"]) for row in self.rows("designs.csv")],
                          [("1", "0"), ("1", "1"), ("2", "1"), ("3", "1")])
 
+    def signals(self, **values):
+        """Files with a constant signal each."""
+        for name, value in values.items():
+            (self.folder / f"{name}.csv").write_text(f"time,u\n0,{value}\n1,{value}\n")
+
+    def test_a_design_chooses_the_file_of_input_signals(self):
+        self.signals(low=1, high=3)
+        mission = json.loads((self.folder / "mission.json").read_text())
+        del mission["instances"]["a"]["parameters"]["real_in"]
+        mission["inputs"] = {"file": "low.csv", "to": {"u": "a.real_in"}}
+        (self.folder / "mission.json").write_text(json.dumps(mission))
+        self.study(design={"kind": "grid", "factors": {"/inputs/file": ["low.csv", "high.csv"]}}, draws=None,
+                   objectives={"integral": {"summary": "integral"}})
+        self.sweep()
+        integrals = [float(row["integral"]) for row in self.rows("missions.csv")]
+        self.assertAlmostEqual(integrals[0], 1, 12)
+        self.assertAlmostEqual(integrals[1], 3, 12)
+        self.signals(low=2)
+        self.sweep()
+        self.assertAlmostEqual(float(self.rows("missions.csv")[0]["integral"]), 2, 12)  # the file is part of the hash
+
+    def test_the_mission_may_be_an_fmu(self):
+        self.study(mission=PROBE, design={"kind": "grid", "factors": {"probe.real_in": [1, 2]}}, draws=None,
+                   objectives={"integral": {"final": "probe.integral"}})
+        self.sweep()
+        self.assertEqual([round(float(row["integral"]), 12) for row in self.rows("missions.csv")], [1, 2])
+
     def test_a_list_of_designs_comes_from_a_csv_file(self):
         (self.folder / "designs.csv").write_text("a.gain,a.string_in\n0.5,one\n1.5,two\n")
         self.study(design={"kind": "list", "file": "designs.csv"})
@@ -134,7 +161,7 @@ class Tables(StudyCase):
     def test_a_list_with_semicolons_is_refused_by_the_name_of_its_separator(self):
         (self.folder / "designs.csv").write_text("a.gain;a.offset\n0,5;1\n")
         self.study(design={"kind": "list", "file": "designs.csv"})
-        self.assertIn("designs.csv:1: the cells are separated by semicolons", self.refused())
+        self.assertIn("designs.csv:1: the cells are separated by semicolons", self.sweep(code=2))
 
     def test_a_latin_hypercube_has_one_design_in_each_stratum(self):
         self.study(design={"kind": "latin_hypercube", "points": 8, "seed": 3, "factors": {

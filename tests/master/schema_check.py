@@ -295,6 +295,7 @@ class Check:
             good["mission"] = str((self.source / file).parent / good["mission"])
         all_changes = list(changes(good))
         chosen = random.Random(kind).sample(all_changes, min(CHANGES_OF_A_KIND, len(all_changes)))
+        (self.folder / "u.csv").write_text("time,u\n0,1\n")  # for the configs that name it
         contents = [changed(good, path, value) for path, value in chosen]
         codes = codes_of(self.mebots, self.written(kind, contents))
         for (path, value), content, found in zip(chosen, contents, codes.values()):

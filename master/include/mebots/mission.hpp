@@ -27,6 +27,7 @@ struct MissionOptions {
   std::filesystem::path out;                     ///< folder for results.csv, summary.json, log.txt; empty = no files
   bool in_memory = true;                         ///< keep recorded rows for times() and series()
   std::vector<std::filesystem::path> scenarios;  ///< overrides from files, after the config's
+  std::vector<std::filesystem::path> inputs;     ///< CSV files with signals for free inputs, after the config's
   std::optional<double> stop_time_s;             ///< instead of the config's
   std::optional<double> step_s;                  ///< communication step, for an SSP that says none
   bool isolate = false;                          ///< every instance in a process of its own
@@ -67,6 +68,8 @@ class Mission {
   void add_scenario(const std::filesystem::path& file);
   /// The end of the run [s].
   void set_stop_time(double stop_time_s);
+  /// Takes the columns of a CSV file as sources of the free inputs that they are named after, after the config's.
+  void add_inputs(const std::filesystem::path& file);
   /// Records these variables (patterns with * and ?) in place of the config's `variables` and `exclude`.
   void record(const std::vector<std::string>& patterns);
 

@@ -31,6 +31,7 @@ class Mission:
     :param set: values for parameters and start values, by "instance.variable", in place of the config's.
     :param record: names of variables to record (* and ? allowed), in place of the config's choice.
     :param scenarios: files with overrides, after those of the config.
+    :param inputs: CSV files whose columns are signals for the free inputs that they are named after.
     :param stop_time: end of the run [s], in place of the config's.
     :param step: communication step [s], for an SSP that says none.
     :param out: folder for results.csv, summary.json and log.txt; None = no files.
@@ -47,6 +48,7 @@ class Mission:
         set: Mapping[str, Scalar] | None = None,
         record: Iterable[str] | None = None,
         scenarios: Iterable[Path] = (),
+        inputs: Iterable[Path] = (),
         stop_time: float | None = None,
         step: float | None = None,
         out: Path | None = None,
@@ -57,8 +59,10 @@ class Mission:
     ) -> None:
         if isinstance(scenarios, (str, os.PathLike)):
             scenarios = [scenarios]
+        if isinstance(inputs, (str, os.PathLike)):
+            inputs = [inputs]
         self._run = _mebots.Mission(
-            config, out, in_memory, list(scenarios), stop_time, step, isolate, statistics, checkpoint_every
+            config, out, in_memory, list(scenarios), list(inputs), stop_time, step, isolate, statistics, checkpoint_every
         )
         if set is not None and not isinstance(set, Mapping):
             raise TypeError(f"set is a dict of variables and their values, not {set!r}")
@@ -105,6 +109,11 @@ class Mission:
     def add_scenario(self, file: Path) -> None:
         """Overrides from a file, after those of the config. Before start()."""
         self._run.add_scenario(file)
+
+    def add_inputs(self, file: Path) -> None:
+        """Takes the columns of a CSV file as sources of the free inputs that they are named after, after those of the
+        config. Before start()."""
+        self._run.add_inputs(file)
 
     def set_stop_time(self, stop_time_s: float) -> None:
         """The end of the run [s], in place of the config's. Before start()."""

@@ -9,6 +9,7 @@
 #include "mebots/file_kind.hpp"
 #include "mebots/modeldesc/archive.hpp"
 #include "osp/osp.hpp"
+#include "slave/fmu.hpp"
 #include "ssp/ssp.hpp"
 
 #include "base/input_text.hpp"
@@ -41,6 +42,7 @@ constexpr Section kSections[] = {
     {"connections", true, &config::read_connections, true},
     {"algorithm", false, &config::read_algorithm, true},
     {"scenario", false, &config::read_scenario, true},
+    {"inputs", false, &config::read_inputs, true},
     {"stop_when", false, &config::read_stop_when, true},
     {"outcomes", false, &config::read_outcomes, true},
     {"summary", false, &config::read_summary, true},
@@ -264,7 +266,8 @@ void config::check(const std::filesystem::path& file) {
 
 void config::check_scenario(const std::filesystem::path& file) {
   SystemDescription system;
-  data::Document(file).read([&](const data::Node& root) { read_scenario_file(root, system); });
+  data::Document(file).read(
+      [&](const data::Node& root) { read_scenario_file(root, system, std::filesystem::absolute(file).parent_path()); });
 }
 
 namespace {

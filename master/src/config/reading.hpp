@@ -26,6 +26,11 @@ inline auto variable_of(const SystemDescription& system) {
 /// The name of an instance that the system has. A mistake is noted at the node.
 std::string instance_name(const std::string& name, const Node& node, const SystemDescription& system);
 
+/// Reads the keys of a file of signals, which `inputs` and an entry of a scenario share. A path is relative to
+/// `folder`.
+SignalFileDescription read_signal_file(Object& object, const std::filesystem::path& folder);
+inline constexpr std::string_view kSignalFileKeys[] = {"file", "time", "before", "after"};
+
 /// A time in seconds that is a whole number of nanoseconds.
 std::int64_t time_ns(const Node& node);
 /// A time that is not negative.

@@ -17,6 +17,7 @@ struct Action {
 constexpr Action kActions[] = {
     {"set", OverrideAction::set},       {"offset", OverrideAction::offset}, {"scale", OverrideAction::scale},
     {"freeze", OverrideAction::freeze}, {"noise", OverrideAction::noise},   {"ramp", OverrideAction::ramp},
+    {"signal", OverrideAction::signal},
 };
 
 void read_action(Object& object, OverrideDescription& override) {
@@ -27,6 +28,8 @@ void read_action(Object& object, OverrideDescription& override) {
       override.action = action.action;
       if (action.action == OverrideAction::set) {
         override.value = written_value(value);
+      } else if (action.action == OverrideAction::signal) {
+        override.column = value.readable_text();
       } else if (action.action == OverrideAction::freeze) {
         if (!value.flag()) value.fail(ErrorCode::invalid_value, "write true, or leave this entry out");
       } else {
@@ -38,8 +41,9 @@ void read_action(Object& object, OverrideDescription& override) {
     });
   }
   if (actions != 1) {
-    object.node().complain(ErrorCode::invalid_value,
-                           "an entry needs exactly one of 'set', 'offset', 'scale', 'freeze', 'noise' and 'ramp'");
+    object.node().complain(
+        ErrorCode::invalid_value,
+        "an entry needs exactly one of 'set', 'offset', 'scale', 'freeze', 'noise', 'ramp' and 'signal'");
   }
 }
 
@@ -71,7 +75,20 @@ void read_times(Object& object, const SystemDescription& system, OverrideDescrip
   });
 }
 
-OverrideDescription read_override(const Node& node, const SystemDescription& system) {
+void read_file_of_signal(Object& object, const std::filesystem::path& folder, OverrideDescription& override) {
+  const bool signal = override.action == OverrideAction::signal;
+  if (signal) {
+    override.file = read_signal_file(object, folder);
+    return;
+  }
+  for (const std::string_view key : kSignalFileKeys) {
+    bool unused = false;
+    read_with(object, key, unused, false, "signal", &Node::flag);
+  }
+}
+
+OverrideDescription read_override(const Node& node, const SystemDescription& system,
+                                  const std::filesystem::path& folder) {
   Object object(node);
   OverrideDescription override;
   override.place = node.place();
@@ -82,6 +99,7 @@ OverrideDescription read_override(const Node& node, const SystemDescription& sys
   // Noise without a seed could not be repeated.
   read_with(object, "seed", override.seed, override.action == OverrideAction::noise, "noise", &Node::natural_number);
   read_with(object, "over", override.over_ns, override.action == OverrideAction::ramp, "ramp", &duration_ns);
+  read_file_of_signal(object, folder, override);
   read_times(object, system, override);
   object.finish();
   return override;
@@ -89,16 +107,24 @@ OverrideDescription read_override(const Node& node, const SystemDescription& sys
 
 }  // namespace
 
-void read_scenario(const Node& node, SystemDescription& system) {
-  auto overrides = data::list_of([&](const Node& element) { return read_override(element, system); })(node);
+namespace {
+
+void append_overrides(const Node& node, SystemDescription& system, const std::filesystem::path& folder) {
+  auto overrides = data::list_of([&](const Node& element) { return read_override(element, system, folder); })(node);
   for (auto& override : overrides) system.scenario.push_back(std::move(override));
 }
 
-void read_scenario_file(const Node& root, SystemDescription& system) {
+}  // namespace
+
+void read_scenario(const Node& node, SystemDescription& system) {
+  append_overrides(node, system, system.file.parent_path());
+}
+
+void read_scenario_file(const Node& root, SystemDescription& system, const std::filesystem::path& folder) {
   Object object(root);
   object.comment("$schema");
   object.comment("text");
-  object.visit("scenario", [&](const Node& node) { read_scenario(node, system); });
+  object.visit("scenario", [&](const Node& node) { append_overrides(node, system, folder); });
   object.finish();
 }
 

@@ -15,7 +15,7 @@ std::string apply_scenario(SystemDescription& system, const std::filesystem::pat
   auto changed = system;  // all of the file or nothing
   refused_as_input([&] {
     data::Document(text, file.string()).read([&](const data::Node& root) {
-      config::read_scenario_file(root, changed);
+      config::read_scenario_file(root, changed, std::filesystem::absolute(file).parent_path());
     });
   });
   system = std::move(changed);

@@ -16,8 +16,9 @@ void read_start_time(const data::Node& node, SystemDescription& system);
 void read_stop_time(const data::Node& node, SystemDescription& system);
 void read_connections(const data::Node& node, SystemDescription& system);
 void read_scenario(const data::Node& node, SystemDescription& system);
-/// The whole of a scenario file: `text` and `scenario`.
-void read_scenario_file(const data::Node& root, SystemDescription& system);
+void read_inputs(const data::Node& node, SystemDescription& system);
+/// The whole of a scenario file: `text` and `scenario`. Paths in it are relative to `folder`.
+void read_scenario_file(const data::Node& root, SystemDescription& system, const std::filesystem::path& folder);
 void read_algorithm(const data::Node& node, SystemDescription& system);
 void read_stop_when(const data::Node& node, SystemDescription& system);
 void read_outcomes(const data::Node& node, SystemDescription& system);

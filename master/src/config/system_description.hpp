@@ -131,22 +131,48 @@ struct OutcomeDescription {
   std::vector<ConditionDescription> when;
 };
 
-enum class OverrideAction { set, offset, scale, freeze, noise, ramp };
+enum class OverrideAction { set, offset, scale, freeze, noise, ramp, signal };
+
+/// A CSV file with the courses of variables over time.
+struct SignalFileDescription {
+  std::filesystem::path path;  ///< absolute
+  std::string name;            ///< as written
+  std::string time;            ///< the column of times; empty = the one named time or t
+  bool covers_start = false;   ///< refused if the run needs times before the first row; else the first values hold
+  bool covers_end = false;     ///< the same after the last row
+  std::string place;
+};
+
+/// A column that becomes an input.
+struct SignalColumn {
+  std::string column;
+  VariableName variable;
+  std::string unit;  ///< of the column, if its title has none
+  std::string place;
+};
+
+/// A file whose columns are the sources of free inputs.
+struct InputsDescription {
+  SignalFileDescription file;
+  std::optional<std::vector<SignalColumn>> to;  ///< nothing = columns are named after their inputs
+};
 
 /// One entry of a scenario: what happens to a variable, and when.
 struct OverrideDescription {
   std::string text;  ///< for people
   VariableName variable;
   OverrideAction action = OverrideAction::set;
-  WrittenValue value;                        ///< `set`
-  double number = 0;                         ///< `offset`, `scale`, standard deviation of `noise`, goal of `ramp`
-  std::string unit;                          ///< as written, to be checked; may be empty
-  std::uint64_t seed = 0;                    ///< `noise`
-  std::int64_t over_ns = 0;                  ///< `ramp`: time from the value found to the goal
-  std::int64_t from_ns = 0;                  ///< with `when`: the condition counts from then on
-  std::optional<std::int64_t> until_ns;      ///< not acting any more at this time
-  std::optional<ConditionDescription> when;  ///< begins when this has held for its time, once
-  std::optional<std::int64_t> duration_ns;   ///< from its beginning
+  WrittenValue value;                         ///< `set`
+  double number = 0;                          ///< `offset`, `scale`, standard deviation of `noise`, goal of `ramp`
+  std::string unit;                           ///< as written, to be checked (`signal`: of the column); may be empty
+  std::optional<SignalFileDescription> file;  ///< `signal`
+  std::string column;                         ///< `signal`
+  std::uint64_t seed = 0;                     ///< `noise`
+  std::int64_t over_ns = 0;                   ///< `ramp`: time from the value found to the goal
+  std::int64_t from_ns = 0;                   ///< with `when`: the condition counts from then on
+  std::optional<std::int64_t> until_ns;       ///< not acting any more at this time
+  std::optional<ConditionDescription> when;   ///< begins when this has held for its time, once
+  std::optional<std::int64_t> duration_ns;    ///< from its beginning
   std::string place;
 };
 
@@ -267,6 +293,7 @@ struct SystemDescription {
   std::vector<OutcomeDescription> outcomes;     ///< the first that holds is the outcome
   std::vector<OverrideDescription> scenario;    ///< overrides of one variable act in this order
   std::vector<SummaryEntry> summary;
+  std::vector<InputsDescription> inputs;  ///< sources of free inputs
   RecordDescription record;
   std::vector<PictureDescription> pictures;
   ViewDescription view;
@@ -282,7 +309,8 @@ struct SystemDescription {
   std::optional<std::size_t> index_of(std::string_view instance_name) const;
   const InstanceDescription* find_instance(std::string_view instance_name) const;
   std::vector<std::string> instance_names() const;
-  /// "instance.variable" apart, by the names of the instances; nothing when no instance fits.
+  /// Splits "instance.variable" by the names of the instances; returns nothing if no instance fits. In the system of a
+  /// single FMU every other text is a variable of that FMU.
   std::optional<VariableName> split(std::string_view text) const;
 };
 

@@ -39,8 +39,10 @@ void check_limits(const OverrideDescription& override, const modeldesc::Variable
   }
 }
 
-Override checked(const ResolvedSystem& system, const OverrideDescription& description) {
-  Override override{&description, system.find(description.variable, description.place + "/variable"), {}};
+Override checked(const ResolvedSystem& system, const OverrideDescription& description,
+                 std::shared_ptr<const Signal> signal) {
+  Override override{
+      &description, system.find(description.variable, description.place + "/variable"), {}, std::move(signal)};
   const auto& variable = *override.variable.variable;
   const auto& model = system.instances[override.variable.instance].fmu->description();
   const bool tunable = variable.causality == Causality::parameter && variable.variability == Variability::tunable;
@@ -50,6 +52,7 @@ Override checked(const ResolvedSystem& system, const OverrideDescription& descri
                      modeldesc::to_string(variable.causality), modeldesc::to_string(variable.variability)));
   }
   if (is_osmp_part(model, variable)) fail(description, "is part of a binary variable, which cannot be overridden");
+  if (description.action == OverrideAction::signal) return override;
   if (!description.unit.empty() && description.unit != variable.unit) {
     fail(description, fmt::format("is in [{}], and the entry says [{}]", variable.unit.empty() ? "-" : variable.unit,
                                   description.unit));
@@ -59,6 +62,7 @@ Override checked(const ResolvedSystem& system, const OverrideDescription& descri
       override.value = typed_value(model, variable, description.value, description.place + "/set");
       break;
     case OverrideAction::freeze:
+    case OverrideAction::signal:
       break;
     case OverrideAction::ramp:
       check_limits(description, variable, description.number);
@@ -86,14 +90,23 @@ std::string action_text(const OverrideDescription& override) {
       return "freeze";
     case OverrideAction::noise:
       return fmt::format("noise {}", override.number);
+    case OverrideAction::signal:
+      return fmt::format("signal {} of {}", override.column, override.file->name);
     case OverrideAction::ramp:
       break;
   }
   return fmt::format("ramp to {}", override.number);
 }
 
-Scenario::Scenario(const ResolvedSystem& system) {
-  for (const auto& description : system.description->scenario) overrides_.push_back(checked(system, description));
+Scenario::Scenario(const ResolvedSystem& system)
+    : start_ns_(system.description->start_time_ns), inputs_(system.inputs.size()) {
+  for (const auto& [variable, input] : system.inputs) {
+    overrides_.push_back({&input.description, variable, {}, input.signal});
+  }
+  const auto& entries = system.description->scenario;
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    overrides_.push_back(checked(system, entries[i], system.scenario_signals[i]));
+  }
   triggers_.resize(overrides_.size());
 }
 
@@ -134,7 +147,7 @@ void Scenario::visit(state::Visitor& v) {
 
 nlohmann::ordered_json Scenario::report(const ResolvedSystem& system, std::int64_t end_ns) const {
   auto json = nlohmann::ordered_json::array();
-  for (std::size_t i = 0; i < overrides_.size(); ++i) {
+  for (std::size_t i = inputs_; i < overrides_.size(); ++i) {
     const auto& description = *overrides_[i].description;
     nlohmann::ordered_json entry = {{"variable", system.text(overrides_[i].variable)},
                                     {"action", action_text(description)}};

@@ -7,7 +7,9 @@
 
 #include <nlohmann/json.hpp>
 
+#include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -19,11 +21,12 @@ struct Override {
   const OverrideDescription* description = nullptr;
   ResolvedVariable variable;
   std::optional<modeldesc::Value> value;  ///< for `set`
+  std::shared_ptr<const Signal> signal;   ///< for `signal`
 };
 
-/// Which overrides act when. Slaves whose variables are overridden ask it (see OverriddenSlave); as an observer it
-/// finds the moments at which conditions hold. Such an override acts on inputs from that communication point on,
-/// and on outputs from the next one.
+/// Which overrides act when. The columns of `inputs` come first, as overrides that always act. Slaves whose variables
+/// are overridden ask it (see OverriddenSlave); as an observer it finds the moments at which conditions hold. Such an
+/// override acts on inputs from that communication point on, and on outputs from the next one.
 class Scenario final : public Observer {
  public:
   /// Throws InputError for unknown variables, those that cannot be overridden, and values of the wrong type or unit.
@@ -33,6 +36,8 @@ class Scenario final : public Observer {
   void watch(const ResolvedSystem& system, Ensemble& ensemble);
 
   const std::vector<Override>& overrides() const { return overrides_; }
+  /// The start of the run.
+  std::int64_t start_ns() const { return start_ns_; }
   /// Since when an override acts, if it does at this time.
   std::optional<std::int64_t> since(std::size_t override, std::int64_t time_ns) const;
 
@@ -55,6 +60,8 @@ class Scenario final : public Observer {
     }
   };
 
+  std::int64_t start_ns_;
+  std::size_t inputs_;  // so many overrides come from `inputs`
   std::vector<Override> overrides_;
   std::vector<Trigger> triggers_;  // one per override; without a condition where there is none
 };

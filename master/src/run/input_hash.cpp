@@ -122,6 +122,17 @@ InputHash hash_inputs(const SystemDescription& system, std::span<const std::stri
     hash.files.emplace_back(name, sha256_of_file(file));
     lines += fmt::format("file {} {}\n", name, hash.files.back().second);
   }
+  const auto add_signals = [&](const std::string& name, const SignalFileDescription& file) {
+    hash.files.emplace_back(name, sha256_of_file(file.path));
+    lines += fmt::format("file {} {}\n", name, hash.files.back().second);
+  };
+  for (std::size_t i = 0; i < system.inputs.size(); ++i) {
+    add_signals(fmt::format("inputs/{} {}", i, system.inputs[i].file.name), system.inputs[i].file);
+  }
+  for (std::size_t i = 0; i < system.scenario.size(); ++i) {
+    const auto& file = system.scenario[i].file;
+    if (file) add_signals(fmt::format("scenario/{} {}", i, file->name), *file);
+  }
   for (const auto& change : overrides) lines += fmt::format("change {}\n", change);
   hash.all = sha256(lines);
   hash.lines = std::move(lines);

@@ -46,6 +46,7 @@ RunRequest request_of(const std::filesystem::path& config, const MissionOptions&
   request.folder = options.out;
   request.in_memory = options.in_memory;
   request.scenarios = options.scenarios;
+  request.inputs = options.inputs;
   if (options.stop_time_s) request.stop_time_ns = duration(*options.stop_time_s, "stop time");
   if (options.step_s) request.step_ns = duration(*options.step_s, "step");
   request.isolate = options.isolate;
@@ -113,6 +114,10 @@ void Mission::set(std::string_view variable, const Value& value) {
 
 void Mission::add_scenario(const std::filesystem::path& file) {
   door_->run->add_scenario(file);
+}
+
+void Mission::add_inputs(const std::filesystem::path& file) {
+  door_->run->add_inputs(file);
 }
 
 void Mission::set_stop_time(double stop_time_s) {

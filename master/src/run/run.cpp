@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "run/run.hpp"
 
+#include "base/input_text.hpp"
 #include "base/interrupt.hpp"
 #include "base/time.hpp"
 #include "config/command_line.hpp"
@@ -55,11 +56,13 @@ Run::Run(RunRequest request, std::shared_ptr<FmuLibrary> library)
     : request_(std::move(request)), library_(std::move(library)) {
   const auto settings = std::exchange(request_.settings, {});
   const auto scenarios = std::exchange(request_.scenarios, {});
+  const auto inputs = std::exchange(request_.inputs, {});
   const auto stop_time_ns = request_.stop_time_ns;
   system_ = read_config(request_.config, given_times(request_));
   request_.config = system_.file;  // absolute: the working folder may change before a checkpoint names it
   for (const auto& setting : settings) set(setting);
   for (const auto& file : scenarios) add_scenario(file);
+  for (const auto& file : inputs) add_inputs(file);
   if (stop_time_ns) set_stop_time(*stop_time_ns, "stop time");
   if (const auto patterns = request_.record) record(*patterns);
 }
@@ -137,6 +140,17 @@ void Run::add_scenario(const std::filesystem::path& file) {
   request_.scenarios.push_back(std::filesystem::absolute(file));
 }
 
+void Run::add_inputs(const std::filesystem::path& file) {
+  require_open("a file of inputs");
+  InputsDescription inputs;
+  inputs.file.path = std::filesystem::absolute(file);
+  inputs.file.name = file.filename().string();
+  inputs.file.place = "inputs " + file.string();
+  inputs_changes_.push_back(fmt::format("inputs {} {}", inputs.file.name, sha256(input_text(file))));
+  system_.inputs.push_back(std::move(inputs));
+  request_.inputs.push_back(std::filesystem::absolute(file));
+}
+
 void Run::set_stop_time(std::int64_t stop_time_ns, const std::string& place) {
   require_open(place);
   master::set_stop_time(system_, stop_time_ns, place);
@@ -157,6 +171,7 @@ std::vector<std::string> Run::changes() const {
   if (request_.step_ns) texts.push_back(fmt::format("step {}", to_seconds(*request_.step_ns)));
   texts.insert(texts.end(), setting_changes_.begin(), setting_changes_.end());
   texts.insert(texts.end(), scenario_changes_.begin(), scenario_changes_.end());
+  texts.insert(texts.end(), inputs_changes_.begin(), inputs_changes_.end());
   if (request_.stop_time_ns) texts.push_back(fmt::format("stop_time {}", to_seconds(*request_.stop_time_ns)));
   if (request_.record) texts.push_back(fmt::format("record {}", nlohmann::json(*request_.record).dump()));
   return texts;

@@ -63,6 +63,8 @@ class Run {
   void set(const Setting& written);
   /// Appends the overrides of a file.
   void add_scenario(const std::filesystem::path& file);
+  /// Takes a CSV file's columns as sources of the free inputs that they are named after.
+  void add_inputs(const std::filesystem::path& file);
   void set_stop_time(std::int64_t stop_time_ns, const std::string& place);
   /// Records these variables (patterns with * and ?) in place of the config's `variables` and `exclude`.
   void record(const std::vector<std::string>& patterns);
@@ -190,6 +192,7 @@ class Run {
   SystemDescription system_;
   std::vector<std::string> setting_changes_;
   std::vector<std::string> scenario_changes_;
+  std::vector<std::string> inputs_changes_;
   RunReport report_;
   // From the start on, in the order in which they depend on each other.
   ResolvedSystem resolved_;

@@ -5,6 +5,7 @@ namespace mebots::master {
 RunRequest with_absolute_paths(RunRequest request) {
   request.config = std::filesystem::absolute(request.config);
   for (auto& file : request.scenarios) file = std::filesystem::absolute(file);
+  for (auto& file : request.inputs) file = std::filesystem::absolute(file);
   if (!request.folder.empty()) request.folder = std::filesystem::absolute(request.folder);
   return request;
 }
@@ -13,6 +14,7 @@ void RunRequest::visit(state::Visitor& v) {
   v("config", config);
   v("settings", settings);
   v("scenarios", scenarios);
+  v("inputs", inputs);
   v("stop_time_ns", stop_time_ns);
   v("step_ns", step_ns);
   v("record", record);

@@ -18,6 +18,7 @@ struct RunRequest {
   std::filesystem::path config;                    ///< config or SSP
   std::vector<Setting> settings;                   ///< later ones win
   std::vector<std::filesystem::path> scenarios;    ///< files with more overrides, after the config's
+  std::vector<std::filesystem::path> inputs;       ///< CSV files with signals for free inputs, after the config's
   std::optional<std::int64_t> stop_time_ns;        ///< instead of the config's
   std::optional<std::int64_t> step_ns;             ///< communication step, for an SSP that says none
   std::optional<std::vector<std::string>> record;  ///< name patterns, in place of `variables` and `exclude`

@@ -60,6 +60,10 @@ void check_settable(const Run& run, const ResolvedVariable& target, std::string_
                      fmt::format("'{}' is connected to '{}', which would overwrite the value", name,
                                  run.resolved().text(connection->from)));
   }
+  if (const auto* input = run.resolved().input_signal(target); input != nullptr) {
+    throw InputError(ErrorCode::invalid_argument, fmt::format("'{}' gets its value from {}, which would overwrite it",
+                                                              name, input->description.file->name));
+  }
 }
 
 }  // namespace
@@ -96,7 +100,7 @@ nlohmann::ordered_json writable_variables(const ResolvedSystem& system) {
     for (const auto& variable : model.variables) {
       const ResolvedVariable target{i, &variable};
       if (!is_settable(variable) || variable.type == Type::string || is_osmp_part(model, variable)) continue;
-      if (connection_to(system, target) != nullptr) continue;
+      if (connection_to(system, target) != nullptr || system.input_signal(target) != nullptr) continue;
       list.push_back({{"variable", system.text(target)},
                       {"unit", variable.unit},
                       {"text", variable.text},

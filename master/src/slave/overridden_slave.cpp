@@ -47,6 +47,10 @@ class OverriddenState final : public SlaveState {
   std::vector<std::byte> own;
 };
 
+SignalTime signal_time(std::int64_t time_ns) {
+  return {time_ns, to_seconds(time_ns)};
+}
+
 std::variant<double, std::int32_t, std::string> plain(const modeldesc::Value& value, ValueKind kind) {
   if (const auto* number = std::get_if<double>(&value)) return *number;
   if (const auto* number = std::get_if<std::int32_t>(&value)) return *number;
@@ -64,8 +68,9 @@ std::uint64_t place_key(ValueKind kind, ValueReference reference) {
 
 }  // namespace
 
-OverriddenSlave::OverriddenSlave(std::unique_ptr<Slave> inner, const Scenario& scenario, std::size_t instance)
-    : AccessSlave(std::move(inner)), scenario_(&scenario) {
+OverriddenSlave::OverriddenSlave(std::unique_ptr<Slave> inner, const Scenario& scenario, std::size_t instance,
+                                 std::int64_t step_ns)
+    : AccessSlave(std::move(inner)), scenario_(&scenario), time_ns_(scenario.start_ns()), step_ns_(step_ns) {
   const auto& overrides = scenario.overrides();
   for (std::size_t i = 0; i < overrides.size(); ++i) {
     if (overrides[i].variable.instance != instance) continue;
@@ -80,11 +85,13 @@ OverriddenSlave::OverriddenSlave(std::unique_ptr<Slave> inner, const Scenario& s
       added.base = plain(variable.start, kind);
       targets_.push_back(std::move(added));
     }
-    targets_[place->second].layers.push_back({i, noise_key(*overrides[i].description), -1, {}});
+    auto& target = targets_[place->second];
+    target.sloped |= overrides[i].signal != nullptr && overrides[i].signal->linear() && target.input;
+    target.layers.push_back({i, noise_key(*overrides[i].description), 0, -1, {}});
   }
 }
 
-OverriddenSlave::Value OverriddenSlave::apply(const Layer& layer, const Value& value, std::int64_t since_ns) const {
+OverriddenSlave::Value OverriddenSlave::apply(Layer& layer, const Value& value, std::int64_t since_ns) {
   const auto& override = scenario_->overrides()[layer.override];
   const auto& description = *override.description;
   switch (description.action) {
@@ -92,6 +99,10 @@ OverriddenSlave::Value OverriddenSlave::apply(const Layer& layer, const Value& v
       return plain(*override.value, ValueKind::real);
     case OverrideAction::freeze:
       return layer.found;
+    case OverrideAction::signal:
+      // As in FMPy: initialisation gets the value before a jump at the start, the first step the value after it.
+      return override.signal->at(signal_time(time_ns_), initialising_ ? SignalSide::before : SignalSide::after,
+                                 layer.row);
     case OverrideAction::offset:
       return std::get<double>(value) + description.number;
     case OverrideAction::scale:
@@ -157,29 +168,82 @@ OverriddenSlave::Target* OverriddenSlave::find(bool input, ValueKind kind, Value
   return target.input == input ? &target : nullptr;
 }
 
-StepResult OverriddenSlave::step(std::int64_t start_ns, std::int64_t duration_ns) {
-  time_ns_ = start_ns;
+void OverriddenSlave::enter_initialization() {
+  inner().enter_initialization();
+  set_free_inputs();
+}
+
+void OverriddenSlave::exit_initialization() {
+  inner().exit_initialization();
+  initialising_ = false;
+}
+
+template <typename T>
+void OverriddenSlave::pass_batch(ValueKind kind, Batch<T>& batch) {
+  if (!batch.references.empty()) pass_set(kind, batch.references, std::span<const T>(batch.values));
+  batch.clear();
+}
+
+/// Sets the inputs that no connection has set since the last step: the scenario is their only source.
+void OverriddenSlave::set_free_inputs() {
+  const auto put = [](auto& batch, const Target& target, auto value) {
+    batch.references.push_back(target.reference);
+    batch.values.push_back(std::move(value));
+  };
   for (auto& target : targets_) {
     if (!target.input) continue;
-    if (!target.fresh) {  // nobody sets it: the scenario is its only source
+    if (!target.fresh) {
       const bool acted = target.acted;
-      const auto value = apply(target, target.base);
-      if (target.acted || acted) set_one(target, value);
+      auto value = apply(target, target.base);
+      if (!target.acted && !acted) continue;
+      if (target.kind == ValueKind::real) put(reals_, target, std::get<double>(value));
+      if (target.kind == ValueKind::integer) put(integers_, target, std::get<std::int32_t>(value));
+      if (target.kind == ValueKind::boolean) put(booleans_, target, std::get<std::int32_t>(value));
+      if (target.kind == ValueKind::string) put(strings_, target, std::get<std::string>(std::move(value)));
     }
     target.fresh = false;
   }
+  pass_batch(ValueKind::real, reals_);
+  pass_batch(ValueKind::integer, integers_);
+  pass_batch(ValueKind::boolean, booleans_);
+  pass_batch(ValueKind::string, strings_);
+}
+
+/// Gives an FMU that interpolates its inputs the slopes of signals. A slope of 0 ends the one of the step before.
+void OverriddenSlave::set_slopes() {
+  if (!inner().takes_input_derivatives()) return;
+  std::vector<std::int32_t> orders;
+  for (auto& target : targets_) {
+    if (!target.sloped || target.connected) continue;
+    reals_.references.push_back(target.reference);
+    reals_.values.push_back(changed_derivative(target, 1, 0));
+    orders.push_back(1);
+  }
+  if (!orders.empty()) inner().set_input_derivatives(reals_.references, orders, reals_.values);
+  reals_.clear();
+}
+
+StepResult OverriddenSlave::step(std::int64_t start_ns, std::int64_t duration_ns) {
+  time_ns_ = start_ns;
+  step_ns_ = duration_ns;
+  set_free_inputs();
+  set_slopes();
   auto result = inner().step(start_ns, duration_ns);
   time_ns_ = start_ns + duration_ns;
   return result;
 }
 
 /// What is left of a derivative of this order (from 1) behind one layer.
-double OverriddenSlave::apply(const Layer& layer, std::int32_t order, double derivative, std::int64_t since_ns) const {
-  const auto& description = *scenario_->overrides()[layer.override].description;
+double OverriddenSlave::apply(Layer& layer, std::int32_t order, double derivative, std::int64_t since_ns) {
+  const auto& override = scenario_->overrides()[layer.override];
+  const auto& description = *override.description;
   switch (description.action) {
     case OverrideAction::set:
     case OverrideAction::freeze:
       return 0;
+    case OverrideAction::signal:
+      if (order > 1) return 0;
+      return override.signal->slope(signal_time(time_ns_), signal_time(time_ns_ + step_ns_), layer.row);
     case OverrideAction::offset:
     case OverrideAction::noise:  // one value per point, added to what is there
       return derivative;
@@ -192,14 +256,19 @@ double OverriddenSlave::apply(const Layer& layer, std::int32_t order, double der
   return (description.number - std::get<double>(layer.found)) / to_seconds(description.over_ns);
 }
 
-double OverriddenSlave::changed_derivative(bool input, ValueReference reference, std::int32_t order, double value) {
-  const auto* target = find(input, ValueKind::real, reference);
-  if (target == nullptr) return value;
-  for (const auto& layer : target->layers) {
+double OverriddenSlave::changed_derivative(Target& target, std::int32_t order, double value) {
+  for (auto& layer : target.layers) {
     const auto since_ns = scenario_->since(layer.override, time_ns_);
     if (since_ns) value = apply(layer, order, value, *since_ns);
   }
   return value;
+}
+
+double OverriddenSlave::changed_derivative(bool input, ValueReference reference, std::int32_t order, double value) {
+  auto* target = find(input, ValueKind::real, reference);
+  if (target == nullptr) return value;
+  target->connected = true;
+  return changed_derivative(*target, order, value);
 }
 
 void OverriddenSlave::get_output_derivatives(std::span<const ValueReference> references,
@@ -217,14 +286,6 @@ void OverriddenSlave::set_input_derivatives(std::span<const ValueReference> refe
     changed[i] = changed_derivative(true, references[i], orders[i], changed[i]);
   }
   inner().set_input_derivatives(references, orders, changed);
-}
-
-void OverriddenSlave::set_one(const Target& target, const Value& value) {
-  std::visit(
-      [&]<typename T>(const T& one) {
-        pass_set(target.kind, {&target.reference, 1}, std::span<const T>(&one, 1));
-      },
-      value);
 }
 
 void OverriddenSlave::get(ValueKind kind, std::span<const ValueReference> references, Destination destination) {
@@ -245,6 +306,7 @@ void OverriddenSlave::set(ValueKind kind, std::span<const ValueReference> refere
 void OverriddenSlave::visit(state::Visitor& v) {
   MEBOTS_ASSERT(time_ns_ >= 0);
   v("time_ns", time_ns_);
+  v("initialising", initialising_);
   v("targets", std::span(targets_));
 }
 

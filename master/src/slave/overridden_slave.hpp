@@ -15,9 +15,11 @@ namespace mebots::master {
 /// outputs as all others see them. Times are those of the slave's own communication points.
 class OverriddenSlave final : public AccessSlave {
  public:
-  /// `scenario` must outlive the slave.
-  OverriddenSlave(std::unique_ptr<Slave> inner, const Scenario& scenario, std::size_t instance);
+  /// `scenario` must outlive the slave. `step_ns` is the length of its steps.
+  OverriddenSlave(std::unique_ptr<Slave> inner, const Scenario& scenario, std::size_t instance, std::int64_t step_ns);
 
+  void enter_initialization() override;
+  void exit_initialization() override;
   StepResult step(std::int64_t start_ns, std::int64_t duration_ns) override;
   /// Of the variable as the override leaves it: 0 where it stands still, the slope of a ramp.
   void get_output_derivatives(std::span<const ValueReference> references, std::span<const std::int32_t> orders,
@@ -43,6 +45,7 @@ class OverriddenSlave final : public AccessSlave {
   struct Layer {
     std::size_t override = 0;
     std::uint64_t noise_key = 0;
+    std::size_t row = 0;            // of a signal: near which the next value is looked for; no part of the state
     std::int64_t found_at_ns = -1;  // -1 = it does not act
     Value found;
 
@@ -57,9 +60,11 @@ class OverriddenSlave final : public AccessSlave {
     ValueKind kind = ValueKind::real;
     bool input = false;
     std::vector<Layer> layers;
-    Value base;          // what the input would be without overrides
-    bool fresh = false;  // it was set since the last step
-    bool acted = false;  // the slave has another value than the base
+    Value base;              // what the input would be without overrides
+    bool fresh = false;      // it was set since the last step
+    bool sloped = false;     // a signal gives its derivative; no part of the state
+    bool connected = false;  // its source gives derivatives, among which the signal's is set; no part of the state
+    bool acted = false;      // the slave has another value than the base
 
     void visit(state::Visitor& v) {
       v("base", base);
@@ -69,8 +74,24 @@ class OverriddenSlave final : public AccessSlave {
     }
   };
 
+  /// Values of free inputs, to be set in one call for each type.
+  template <typename T>
+  struct Batch {
+    std::vector<ValueReference> references;
+    std::vector<T> values;
+
+    void clear() {
+      references.clear();
+      values.clear();
+    }
+  };
+
   Value apply(Target& target, const Value& value);
-  Value apply(const Layer& layer, const Value& value, std::int64_t since_ns) const;
+  Value apply(Layer& layer, const Value& value, std::int64_t since_ns);
+  void set_free_inputs();
+  void set_slopes();
+  template <typename T>
+  void pass_batch(ValueKind kind, Batch<T>& batch);
   template <typename T>
   void change_outputs(ValueKind kind, std::span<const ValueReference> references, std::span<T> values);
   template <typename T>
@@ -78,13 +99,19 @@ class OverriddenSlave final : public AccessSlave {
   /// The target among inputs or outputs with this value reference; null if the scenario does not change it.
   Target* find(bool input, ValueKind kind, ValueReference reference);
   double changed_derivative(bool input, ValueReference reference, std::int32_t order, double value);
-  double apply(const Layer& layer, std::int32_t order, double derivative, std::int64_t since_ns) const;
-  void set_one(const Target& target, const Value& value);
+  double changed_derivative(Target& target, std::int32_t order, double value);
+  double apply(Layer& layer, std::int32_t order, double derivative, std::int64_t since_ns);
 
   const Scenario* scenario_;
   std::vector<Target> targets_;
   std::unordered_map<std::uint64_t, std::size_t> places_;  // kind and value reference of a target, its place
-  std::int64_t time_ns_ = 0;
+  std::int64_t time_ns_;
+  std::int64_t step_ns_;
+  bool initialising_ = true;
+  Batch<double> reals_;
+  Batch<std::int32_t> integers_;
+  Batch<std::int32_t> booleans_;
+  Batch<std::string> strings_;
 };
 
 }  // namespace mebots::master

@@ -8,11 +8,28 @@
 
 namespace mebots::master::study {
 
+namespace {
+
+/// Files of signals lie in places relative to the config; workers read it from another folder.
+void make_signal_paths_absolute(nlohmann::ordered_json& config, const SystemDescription& system) {
+  for (std::size_t i = 0; i < system.inputs.size(); ++i) {
+    auto& inputs = config["inputs"];
+    (inputs.is_array() ? inputs[i] : inputs)["file"] = system.inputs[i].file.path.string();
+  }
+  for (std::size_t i = 0; i < system.scenario.size(); ++i) {
+    const auto& file = system.scenario[i].file;
+    if (file) config["scenario"][i]["file"] = file->path.string();
+  }
+}
+
+}  // namespace
+
 Ground read_ground(const std::filesystem::path& mission, const std::optional<std::string>& text) {
   auto loaded = text ? config::load_text(*text, mission) : load_system(mission);
   Ground ground{std::move(loaded.config), nlohmann::ordered_json::object(), nlohmann::ordered_json::object(),
                 loaded.system.unpacked};
   ground.config.erase("$schema");
+  make_signal_paths_absolute(ground.config, loaded.system);
   for (const auto& instance : loaded.system.instances) {
     ground.fmus[instance.name] = instance.fmu_path.string();
     ground.config["instances"][instance.name]["fmu"] = instance.fmu_path.string();

@@ -5,6 +5,7 @@
 #include "mebots/nearest_names.hpp"
 
 #include "system/connection_check.hpp"
+#include "system/input_signals.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -204,6 +205,7 @@ void refuse_values_of_connected_inputs(const ResolvedSystem& system) {
 
 void note_open_inputs(ResolvedSystem& system) {
   auto connection = system.connections.begin();  // in the order of the instances that they go to
+  auto input = system.inputs.begin();            // likewise
   for (std::size_t i = 0; i < system.instances.size(); ++i) {
     const auto& instance = system.instances[i];
     std::set<const Variable*> served;
@@ -211,6 +213,7 @@ void note_open_inputs(ResolvedSystem& system) {
       served.insert(connection->to.variable);
     }
     for (const auto& start : instance.starts) served.insert(start.variable);
+    for (; input != system.inputs.end() && input->first.instance == i; ++input) served.insert(input->first.variable);
     std::vector<std::string> open;
     for (const auto& variable : instance.fmu->description().variables) {
       if (variable.causality != Causality::input || served.count(&variable) != 0) continue;
@@ -246,6 +249,11 @@ ResolvedVariable ResolvedSystem::find(const VariableName& name, const std::strin
                                  model.model_name, name.variable, suggest(name.variable, variable_names(model))));
   }
   return {*instance, variable};
+}
+
+const InputSignal* ResolvedSystem::input_signal(const ResolvedVariable& input) const {
+  const auto found = inputs.find(input);
+  return found == inputs.end() ? nullptr : &found->second;
 }
 
 std::string ResolvedSystem::text(const ResolvedVariable& variable) const {
@@ -314,6 +322,7 @@ ResolvedSystem resolve(const SystemDescription& description, FmuLibrary& library
   for (const auto& instance : system.instances) check_division(instance);
   resolve_connections(system, interrupted);
   refuse_values_of_connected_inputs(system);
+  resolve_signals(system);
   note_open_inputs(system);
   return system;
 }

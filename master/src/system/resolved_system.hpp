@@ -4,12 +4,15 @@
 #include "base/interrupt.hpp"
 #include "config/system_description.hpp"
 #include "mebots/modeldesc/model_description.hpp"
+#include "signal/signal.hpp"
 #include "slave/fmu.hpp"
 #include "slave/slave.hpp"
 
 #include <atomic>
+#include <compare>
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -24,6 +27,7 @@ struct ResolvedVariable {
   const modeldesc::Variable* variable = nullptr;
 
   bool operator==(const ResolvedVariable&) const = default;
+  auto operator<=>(const ResolvedVariable&) const = default;
 };
 
 /// One scalar to set before initialisation.
@@ -55,12 +59,22 @@ struct ResolvedInstance {
   Experiment experiment(std::int64_t start_ns, std::int64_t stop_ns) const;
 };
 
+/// A free input whose source is a column of a file, as an override that acts from start to end.
+struct InputSignal {
+  OverrideDescription description;
+  std::shared_ptr<const Signal> signal;
+};
+
 struct ResolvedSystem {
   const SystemDescription* description = nullptr;
-  std::vector<ResolvedInstance> instances;      ///< in the order of the config
-  std::vector<ResolvedConnection> connections;  ///< ordered by target, so that their order in the config is nothing
-  std::vector<std::string> notices;             ///< what the user should know, such as open inputs
+  std::vector<ResolvedInstance> instances;         ///< in the order of the config
+  std::vector<ResolvedConnection> connections;     ///< ordered by target, so that their order in the config is nothing
+  std::map<ResolvedVariable, InputSignal> inputs;  ///< by target, so that their order in the config does not matter
+  std::vector<std::shared_ptr<const Signal>> scenario_signals;  ///< one per scenario entry; null for other actions
+  std::vector<std::string> notices;                             ///< what the user should know, such as open inputs
 
+  /// Returns the signal that is the source of an input, or null.
+  const InputSignal* input_signal(const ResolvedVariable& input) const;
   /// Looks up a variable. Throws InputError with the nearest names; `place` says where it was written.
   ResolvedVariable find(const VariableName& name, const std::string& place) const;
   std::string text(const ResolvedVariable& variable) const;

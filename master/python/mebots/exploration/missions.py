@@ -234,10 +234,19 @@ class Missions:
             parameters = instance.get("parameters", {})
             for name, value in parameters.items():
                 parameters[name] = self._portable(value, files)
+        for entry in _signals(config):
+            entry["file"] = self._portable(entry["file"], files)
         digest = digest_of(config)
         if self._study.results:
             config |= {section: shown[section] for section in _OF_RESULTS if section in shown}
         return _Variant(json.dumps(config), digest, files, config["step"], config["stop_time"], ground)
+
+
+def _signals(config: dict[str, Any]) -> list[dict[str, Any]]:
+    """The parts of a config that name a file of signals."""
+    inputs = config.get("inputs", [])
+    entries = [inputs] if isinstance(inputs, dict) else inputs
+    return entries + [entry for entry in config.get("scenario", []) if "file" in entry]
 
 
 def _put(config: dict[str, Any], pointer: str, value: Any) -> None:
