@@ -120,6 +120,7 @@ void print_description(const ModelDescription& model) {
   if (model.co_simulation) print_flags(*model.co_simulation);
   if (model.has_model_exchange) print_field("model exchange", "yes (not used by mebots)");
   const auto& experiment = model.default_experiment;
+  if (experiment.start_time_s) print_field("start time", fmt::format("{} s", *experiment.start_time_s));
   if (experiment.step_size_s) print_field("step", fmt::format("{} s", *experiment.step_size_s));
   if (experiment.stop_time_s) print_field("stop time", fmt::format("{} s", *experiment.stop_time_s));
   for (const auto& category : model.log_categories) {

@@ -37,8 +37,10 @@ struct RunOptions {
   std::filesystem::path out;                     ///< empty = results/<name of the config>
   std::vector<std::string> sets;                 ///< INSTANCE.VARIABLE=VALUE
   std::vector<std::filesystem::path> scenarios;  ///< files with more overrides
+  std::vector<std::filesystem::path> inputs;     ///< CSV files with signals for free inputs
+  std::vector<std::string> record;               ///< name patterns
   std::optional<std::string> stop_time_s;
-  std::optional<std::string> step_s;              ///< for an SSP that says none
+  std::optional<std::string> step_s;              ///< for an FMU alone, or an SSP that states none
   std::optional<std::string> checkpoint_every_s;  ///< simulated time
   bool statistics = false;
   bool isolate = false;
@@ -58,6 +60,8 @@ RunRequest request_of(const RunOptions& options) {
   request.folder = options.out.empty() ? default_results(options.config) : options.out;
   for (const auto& set : options.sets) request.settings.push_back(master::read_set(set));
   request.scenarios = options.scenarios;
+  request.inputs = options.inputs;
+  if (!options.record.empty()) request.record = options.record;
   if (options.stop_time_s) request.stop_time_ns = master::read_duration("--stop-time", *options.stop_time_s);
   if (options.step_s) request.step_ns = master::read_duration("--step", *options.step_s);
   if (options.checkpoint_every_s) {
@@ -174,10 +178,11 @@ const std::vector<std::string> kExitCodes = {
 void add_run(CLI::App& app, Action& action) {
   const auto run = std::make_shared<RunOptions>();
   const auto report = std::make_shared<ReportOptions>();
-  auto* command = app.add_subcommand("run", "Run the ensemble of FMUs that a config or an SSP describes");
+  auto* command =
+      app.add_subcommand("run", "Run the ensemble of FMUs that a config or an SSP describes, or an FMU alone");
   command
       ->add_option("config", run->config,
-                   "Config (.json), SSP 1.0 (.ssp, .ssd or its folder) or OspSystemStructure.xml")
+                   "Config (.json), FMU (.fmu), SSP 1.0 (.ssp, .ssd or its folder) or OspSystemStructure.xml")
       ->type_name("FILE")
       ->required();
   command
@@ -197,9 +202,23 @@ void add_run(CLI::App& app, Action& action) {
       ->type_name("FILE.json")
       ->allow_extra_args(false)
       ->take_all();
+  command
+      ->add_option("--inputs", run->inputs,
+                   "Signals over time for free inputs, from a CSV file whose columns are named after them (may be "
+                   "repeated)")
+      ->type_name("FILE.csv")
+      ->allow_extra_args(false)
+      ->take_all();
+  command
+      ->add_option("--record", run->record,
+                   "Record the variables that fit this pattern (* and ?), in place of the config's choice (may be "
+                   "repeated)")
+      ->type_name("PATTERN")
+      ->allow_extra_args(false)
+      ->take_all();
   command->add_option("--stop-time", run->stop_time_s, "End of the simulation [s], instead of the config's")
       ->type_name("SECONDS");
-  command->add_option("--step", run->step_s, "Communication step [s], for an SSP that does not say it")
+  command->add_option("--step", run->step_s, "Communication step [s], for an FMU alone or an SSP that states none")
       ->type_name("SECONDS");
   command->add_flag("--statistics", run->statistics,
                     "Show calls, time and slowest step of every instance, and write them to summary.json");
@@ -219,7 +238,9 @@ void add_run(CLI::App& app, Action& action) {
   command->footer(
       help_footer(kExitCodes, {"mebots run configs/gate_easy.json --out results/fast --set soc.core.clock=150e6",
                                "mebots run configs/gate_easy.json --expect passed --junit gate.xml",
-                               "mebots run configs/gate_easy.json --isolate --checkpoint-every 5"}));
+                               "mebots run configs/gate_easy.json --isolate --checkpoint-every 5",
+                               "mebots run bouncing_ball.fmu --step 0.01 --stop-time 3 --set e=0.8",
+                               "mebots run motor.fmu --inputs drive.csv"}));
   command->callback([run, report, &action] {
     action = [run, report] {
       const auto open = [&] {

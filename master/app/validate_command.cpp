@@ -6,6 +6,7 @@
 #include "config/schemas.hpp"
 #include "description.hpp"
 #include "mebots/data/document.hpp"
+#include "mebots/input_error.hpp"
 #include "mebots/nearest_names.hpp"
 #include "study/study_file.hpp"
 
@@ -129,6 +130,11 @@ std::string kind_by_content(const data::Node& root) {
 }
 
 std::string kind_of(const Path& file) {
+  if (file.extension() == ".fmu") {
+    throw InputError(
+        ErrorCode::wrong_type,
+        fmt::format("{}: this is an FMU: `mebots check` tests it, and `mebots info` shows it", file.string()));
+  }
   std::string kind;
   // A mistake in the file is for its own reader to tell: keys that stand twice, say.
   data::Document document(file);

@@ -241,7 +241,8 @@ TEST_F(Program, MistakesOnTheCommandLineAreNamedWithTheWayOut) {
     EXPECT_THAT(result.err, HasSubstr(text)) << testing::PrintToString(arguments);
   };
   expect({"rnu", "two.json"}, "there is no command 'rnu'. Did you mean 'run'?");
-  expect({"run", PROBE_FMU}, "`mebots info` tells its variables");
+  std::filesystem::copy(PROBE_FMU, folder.path() / "probe.zip");
+  expect({"run", "probe.zip"}, "the name of an FMU ends in .fmu");
   expect({"run", "/dev/zero"}, "/dev/zero: cannot be read: it is a device");
   expect({"run", "two.json", "--scenario", "/dev/zero"}, "it is a device");
   expect({"run", "two.json", "--out", ""}, "--out: the name is empty");

@@ -143,6 +143,24 @@ CASES = [
     (["view"], {"marks": "a"}, False),
     (["view"], {"scene": 1}, False),
     (["view"], {"page": 1}, False),
+    (["record"], {"locals": True}, True),
+    (["record"], {"locals": 1}, False),
+    (["inputs"], {"file": "u.csv", "to": {"u": "a.integer_in"}}, True),
+    (["inputs"], [{"file": "u.csv", "to": {"u": ["a.integer_in", {"variable": "b.integer_in"}]}, "after": "error"}], True),
+    (["inputs"], {"file": "u.csv", "time": "time", "to": {}, "before": "hold", "text": "a text"}, True),
+    (["inputs"], {"file": "u.csv", "to": {"u": {"variable": "a.integer_in", "units": "m"}}}, False),
+    (["inputs"], {"file": "u.csv", "to": {"u": {"unit": "m"}}}, False),
+    (["inputs"], {"file": "u.csv", "to": {"u": 1}}, False),
+    (["inputs"], {"file": "u.csv", "to": ["a.integer_in"]}, False),
+    (["inputs"], {"file": "u.csv", "after": "zero"}, False),
+    (["inputs"], {"file": ""}, False),
+    (["inputs"], {"to": {}}, False),
+    (["inputs"], "u.csv", False),
+    (["scenario"], [{"variable": "a.integer_in", "signal": "u", "file": "u.csv", "until": 0.5, "before": "error"}], True),
+    (["scenario"], [{"variable": "a.integer_in", "signal": "u"}], False),
+    (["scenario"], [{"variable": "a.integer_in", "signal": "", "file": "u.csv"}], False),
+    (["scenario"], [{"variable": "a.integer_in", "set": 1, "file": "u.csv"}], False),
+    (["scenario"], [{"variable": "a.integer_in", "set": 1, "after": "hold"}], False),
     (["log"], {"a": ["*"]}, True),
     (["log"], {"a": "*"}, False),
     (["log"], {"a": [""]}, False),
@@ -277,6 +295,7 @@ class Check:
             "instances": {"a": {"fmu": str(probe)}, "b": {"fmu": str(probe)}},
             "connections": [{"from": "a.real_out", "to": "b.real_in"}],
         }
+        (self.folder / "u.csv").write_text("time,u\n0,1\n")  # for the configs that name it
         cases = [([], good, True)] + [case for case in CASES if case[0] and case[0] != ["$schema"]]
         contents = [changed(good, path, value) for path, value, _ in cases] + [content for content, _ in VARIANTS]
         cases += [(["extends"], content, expected) for content, expected in VARIANTS]
@@ -295,7 +314,6 @@ class Check:
             good["mission"] = str((self.source / file).parent / good["mission"])
         all_changes = list(changes(good))
         chosen = random.Random(kind).sample(all_changes, min(CHANGES_OF_A_KIND, len(all_changes)))
-        (self.folder / "u.csv").write_text("time,u\n0,1\n")  # for the configs that name it
         contents = [changed(good, path, value) for path, value in chosen]
         codes = codes_of(self.mebots, self.written(kind, contents))
         for (path, value), content, found in zip(chosen, contents, codes.values()):

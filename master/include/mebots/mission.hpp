@@ -29,13 +29,14 @@ struct MissionOptions {
   std::vector<std::filesystem::path> scenarios;  ///< overrides from files, after the config's
   std::vector<std::filesystem::path> inputs;     ///< CSV files with signals for free inputs, after the config's
   std::optional<double> stop_time_s;             ///< instead of the config's
-  std::optional<double> step_s;                  ///< communication step, for an SSP that says none
+  std::optional<double> step_s;                  ///< communication step, for an FMU alone or an SSP that has none
   bool isolate = false;                          ///< every instance in a process of its own
   bool statistics = false;                       ///< measure calls and wall time of every instance, for the summary
   std::optional<double> checkpoint_every_s;      ///< checkpoints in `out`, after every so much simulated time
 };
 
-/// A run of an ensemble of FMUs that a config or an SSP describes: the same run as `mebots run` makes, step by step.
+/// A run of an FMU, or of an ensemble of FMUs that a config or an SSP describes: the same run as `mebots run` makes,
+/// step by step.
 ///
 /// Times are in seconds, values in the unit of their variable. Everything throws InputError for what the caller can
 /// mend and Error for a run that went wrong; after the latter the run is `failed`, and step() and value() throw.
@@ -44,7 +45,8 @@ struct MissionOptions {
 /// One thread at a time per mission; several missions on several threads. interrupt() from any thread.
 class Mission {
  public:
-  /// Reads and checks a config (.json) or an SSP 1.0 (.ssp). No FMU is started yet.
+  /// Reads and checks a config (.json), an FMU (.fmu) or an SSP 1.0 (.ssp). No FMU is started yet. The names of an
+  /// FMU's variables need no instance in front.
   explicit Mission(const std::filesystem::path& config, const MissionOptions& options = {});
   /// A mission that goes on from the last checkpoint in a results folder.
   static Mission resume(const std::filesystem::path& folder, bool in_memory = true);
@@ -66,10 +68,10 @@ class Mission {
   void set(std::string_view variable, const Value& value);
   /// Overrides from a file, after those of the config.
   void add_scenario(const std::filesystem::path& file);
-  /// The end of the run [s].
-  void set_stop_time(double stop_time_s);
   /// Takes the columns of a CSV file as sources of the free inputs that they are named after, after the config's.
   void add_inputs(const std::filesystem::path& file);
+  /// The end of the run [s].
+  void set_stop_time(double stop_time_s);
   /// Records these variables (patterns with * and ?) in place of the config's `variables` and `exclude`.
   void record(const std::vector<std::string>& patterns);
 

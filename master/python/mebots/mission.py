@@ -19,7 +19,7 @@ Scalar = bool | int | float | str
 
 
 class Mission:
-    """A run of an ensemble of FMUs: the same run as ``mebots run`` makes, step by step.
+    """A run of an FMU, or of an ensemble of FMUs: the same run as ``mebots run`` makes, step by step.
 
     Times are in seconds, values in the unit of their variable. ``InputError`` is raised for what the caller can mend,
     ``Error`` for a run that went wrong; after that the mission has ``failed`` and steps no more.
@@ -27,13 +27,13 @@ class Mission:
     As a context manager it is closed at the end of the block, also when that is left early. One thread at a time per
     mission; several missions may run on several threads, since stepping releases the interpreter's lock.
 
-    :param config: config (.json) or SSP 1.0 (.ssp).
+    :param config: config (.json), FMU (.fmu) or SSP 1.0 (.ssp). The names of an FMU's variables need no instance in front.
     :param set: values for parameters and start values, by "instance.variable", in place of the config's.
     :param record: names of variables to record (* and ? allowed), in place of the config's choice.
     :param scenarios: files with overrides, after those of the config.
     :param inputs: CSV files whose columns are signals for the free inputs that they are named after.
     :param stop_time: end of the run [s], in place of the config's.
-    :param step: communication step [s], for an SSP that says none.
+    :param step: communication step [s], for an FMU alone or an SSP that has none.
     :param out: folder for results.csv, summary.json and log.txt; None = no files.
     :param in_memory: whether recorded rows are kept for ``times`` and ``mission[variable]``.
     :param isolate: every instance in a process of its own.

@@ -12,9 +12,8 @@ namespace mebots::master {
 
 Setting read_set(const std::string& text) {
   auto place = fmt::format("--set {}", text);
-  const auto dot = text.find('.');
-  const auto equals = dot == std::string::npos ? dot : text.find('=', dot);
-  if (equals == std::string::npos || dot == 0 || equals == dot + 1) {
+  const auto equals = text.find('=');
+  if (equals == std::string::npos || equals == 0) {
     throw InputError(ErrorCode::syntax_error, fmt::format("{}: write INSTANCE.VARIABLE=VALUE", place));
   }
   return {text.substr(0, equals), UntypedText{text.substr(equals + 1)}, std::move(place)};

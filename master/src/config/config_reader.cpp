@@ -3,6 +3,7 @@
 // a reader in a file of its own, and a property in configs/schemas/mebots-config.schema.json. Or it is another config
 // with changes: variant.hpp.
 #include "config/schemas.hpp"
+#include "config/single_fmu.hpp"
 #include "config/system_file.hpp"
 #include "mebots/data/document.hpp"
 #include "mebots/data/object.hpp"
@@ -41,8 +42,8 @@ constexpr Section kSections[] = {
     {"stop_time", true, &config::read_stop_time},
     {"connections", true, &config::read_connections, true},
     {"algorithm", false, &config::read_algorithm, true},
-    {"scenario", false, &config::read_scenario, true},
     {"inputs", false, &config::read_inputs, true},
+    {"scenario", false, &config::read_scenario, true},
     {"stop_when", false, &config::read_stop_when, true},
     {"outcomes", false, &config::read_outcomes, true},
     {"summary", false, &config::read_summary, true},
@@ -58,10 +59,8 @@ void refuse_archive(std::string_view text, const std::filesystem::path& file) {
   if (!text.starts_with("PK\x03\x04")) return;
   throw InputError(
       ErrorCode::wrong_type,
-      fmt::format(
-          "{}: this is an archive, and no config; of an FMU `mebots info` tells its variables, and an SSP has a "
-          "name that ends in .ssp",
-          file.string()));
+      fmt::format("{}: this is an archive, and not a config; the name of an FMU ends in .fmu, that of an SSP in .ssp",
+                  file.string()));
 }
 
 /// Puts a text together as ordered_json::parse() does, but looks for no earlier member of the same name at every one:
@@ -229,6 +228,17 @@ void read_ssp_config(LoadedSystem& loaded, SspConfig ssp, const std::string& fil
   read_made_config(loaded, file, std::move(ssp.places));
 }
 
+/// The source leaves out the FMU's folder: the hash of a run's inputs contains the FMU's bytes.
+void read_single_fmu(LoadedSystem& loaded, const std::filesystem::path& file, const GivenTimes& times) {
+  auto& system = loaded.system;
+  loaded.config = config::single_fmu_config(file, Fmu(file).description(), times, system.notices);
+  auto portable = loaded.config;
+  portable["instances"][system.name]["fmu"] = file.filename().string();
+  system.source = portable.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  system.single_fmu = true;
+  read_made_config(loaded, file.string(), {});
+}
+
 LoadedSystem named(std::string source, const std::filesystem::path& file) {
   LoadedSystem loaded;
   loaded.system.source = std::move(source);
@@ -275,9 +285,12 @@ namespace {
 LoadedSystem load(const std::filesystem::path& path, const GivenTimes& times, WithJson with_json) {
   return refused_as_input([&] {
     const auto [file, form] = find_system(path);
-    auto loaded = named(text_of(file), file);
+    auto loaded = named(form == SystemForm::fmu ? std::string() : text_of(file), file);
     loaded.system.name = system_name(path);
     switch (form) {
+      case SystemForm::fmu:
+        read_single_fmu(loaded, file, times);
+        break;
       case SystemForm::config:
         refuse_archive(loaded.system.source, file);
         read_config_text(loaded, file.string(), times, with_json);

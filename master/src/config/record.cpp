@@ -42,6 +42,7 @@ void read_record(const Node& node, SystemDescription& system) {
   record.csv = format.csv;
   record.hdf5 = format.hdf5;
   object.read_if("texts", record.texts, &Node::flag);
+  object.read_if("locals", record.locals, &Node::flag);
   object.read_if("interval", record.interval_ns,
                  [&](const Node& member) { return multiple_of_step_ns(member, system); });
   object.finish();

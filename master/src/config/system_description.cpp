@@ -46,6 +46,7 @@ std::optional<VariableName> SystemDescription::split(std::string_view text) cons
       return VariableName{std::string(instance), std::string(text.substr(dot + 1))};
     }
   }
+  if (single_fmu && !text.empty()) return VariableName{instances.front().name, std::string(text)};
   return std::nullopt;
 }
 

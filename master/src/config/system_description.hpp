@@ -197,6 +197,7 @@ struct RecordDescription {
   bool csv = true;                                     ///< into results.csv
   bool hdf5 = false;                                   ///< into results.h5
   bool texts = false;                                  ///< patterns, and the lack of them, choose texts too
+  bool locals = false;                                 ///< they choose local variables, too
   std::int64_t interval_ns = 0;                        ///< 0 = every communication point
 };
 
@@ -280,20 +281,21 @@ class InstanceIndex {
 };
 
 struct SystemDescription {
-  std::filesystem::path file;  ///< the config or SSP
+  std::filesystem::path file;  ///< the config, FMU or SSP
   std::string name;            ///< its file name without extension
   std::string source;          ///< its bytes, for the hash of the inputs
   std::int64_t step_ns = 0;
   std::int64_t start_time_ns = 0;
   std::int64_t stop_time_ns = 0;
+  bool single_fmu = false;  ///< made from an FMU alone: names of variables need no instance in front
   std::vector<InstanceDescription> instances;
   std::vector<ConnectionDescription> connections;
   AlgorithmDescription algorithm;
   std::vector<ConditionDescription> stop_when;  ///< any one of them ends the run
   std::vector<OutcomeDescription> outcomes;     ///< the first that holds is the outcome
+  std::vector<InputsDescription> inputs;        ///< sources of free inputs
   std::vector<OverrideDescription> scenario;    ///< overrides of one variable act in this order
   std::vector<SummaryEntry> summary;
-  std::vector<InputsDescription> inputs;  ///< sources of free inputs
   RecordDescription record;
   std::vector<PictureDescription> pictures;
   ViewDescription view;
@@ -326,8 +328,8 @@ struct LoadedSystem {
   nlohmann::ordered_json config;
 };
 
-/// Reads a system from a config file, an SSP (`.ssp`, `.ssd`, or the folder of one) or an OspSystemStructure.xml.
-/// Throws InputError that names file, line and column, JSON pointer and the nearest valid key.
+/// Reads a system from a config file, an FMU alone (`.fmu`), an SSP (`.ssp`, `.ssd`, or the folder of one) or an
+/// OspSystemStructure.xml. Throws InputError that names file, line and column, JSON pointer and the nearest valid key.
 LoadedSystem load_system(const std::filesystem::path& path, const GivenTimes& times = {});
 /// The same without the JSON, which takes time of its own.
 SystemDescription read_config(const std::filesystem::path& path, const GivenTimes& times = {});

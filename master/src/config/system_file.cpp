@@ -20,11 +20,12 @@ SystemFile find_system(const std::filesystem::path& path) {
     if (is_there(path / kOsp)) return {path / kOsp, SystemForm::osp};
     throw InputError(
         ErrorCode::file_not_found,
-        fmt::format("{}: this folder holds neither {} nor {}; name a config (.json), an SSP (.ssp, .ssd, or its "
-                    "folder), or an {}",
+        fmt::format("{}: this folder holds neither {} nor {}; name a config (.json), an FMU (.fmu), an SSP (.ssp, "
+                    ".ssd, or its folder), or an {}",
                     path.string(), kSsd, kOsp, kOsp));
   }
   const auto ending = path.extension();
+  if (ending == ".fmu") return {path, SystemForm::fmu};
   if (ending == ".ssp") return {path, SystemForm::ssp};
   if (ending == ".ssd") return {path, SystemForm::ssd};
   if (ending == ".xml") return {path, SystemForm::osp};

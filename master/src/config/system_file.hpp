@@ -9,6 +9,7 @@ namespace mebots::master {
 /// The forms in which a system can be described.
 enum class SystemForm {
   config,  ///< JSON
+  fmu,     ///< an FMU alone, `.fmu`: the system of this one instance
   ssp,     ///< an SSP archive, `.ssp`
   ssd,     ///< an unpacked SSP, by its `.ssd`
   osp,     ///< OspSystemStructure.xml

@@ -41,7 +41,7 @@ class Stopwatch {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-/// An SSP may lack both; a config has its own.
+/// An FMU alone and an SSP may lack both; a config has its own.
 GivenTimes given_times(const RunRequest& request) {
   GivenTimes times;
   if (request.step_ns) times.step_s = to_seconds(*request.step_ns);

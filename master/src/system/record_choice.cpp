@@ -122,15 +122,17 @@ bool fits(std::string_view text, std::string_view pattern) {
 }
 
 std::vector<ResolvedVariable> recorded_variables(const ResolvedSystem& system) {
-  static const std::vector<RecordPattern> kNone;
+  static const std::vector<RecordPattern> kNoPatterns;
   const auto& record = system.description->record;
-  Patterns wanted(record.patterns ? *record.patterns : kNone);
+  Patterns wanted(record.patterns ? *record.patterns : kNoPatterns);
   Patterns unwanted(record.exclude);
   std::vector<ResolvedVariable> chosen;
   std::vector<std::string> names;
   for_each_variable(system, [&](const ResolvedVariable& candidate, const std::string& name) {
     const auto& variable = *candidate.variable;
-    const bool output = variable.causality == Causality::output && (variable.type != Type::string || record.texts);
+    const bool shown =
+        variable.causality == Causality::output || (record.locals && variable.causality == Causality::local);
+    const bool output = shown && (variable.type != Type::string || record.texts);
     const auto fit = wanted.fit(name);
     // A pattern that names one variable outright may name any; one with a star means outputs, and texts
     // only where the config wants them. An FMU may make a text at some cost when it is read.

@@ -86,8 +86,8 @@ bool boolean_value(const WrittenValue& written, const Complaint& complaint) {
 std::int32_t enumeration_value(const modeldesc::ModelDescription& description, const Variable& variable,
                                const WrittenValue& written, const Complaint& complaint) {
   const auto* type = description.type_definition(variable.declared_type);
-  static const std::vector<modeldesc::EnumerationItem> kNone;
-  const auto& items = type == nullptr ? kNone : type->items;
+  static const std::vector<modeldesc::EnumerationItem> kNoItems;
+  const auto& items = type == nullptr ? kNoItems : type->items;
   std::vector<std::string> names;
   names.reserve(items.size());
   for (const auto& item : items) names.push_back(item.name);
