@@ -26,7 +26,7 @@ Probe start_probe();
 /// Returns whether that probe found such an FMU.
 bool says_stop_time_is_needed(const Check& check);
 /// Compares a run with a stop time with a run without.
-Probe stop_time_probe(const std::string& skipped);
+Probe stop_time_probe();
 /// Calls that the standard forbids, which must be answered by an error.
 std::vector<Probe> illegal_call_probes(const Target& target);
 

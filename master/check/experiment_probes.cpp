@@ -88,8 +88,8 @@ bool says_stop_time_is_needed(const Check& check) {
   return std::ranges::find(check.findings, kPassStopTime, &Finding::way_out) != check.findings.end();
 }
 
-Probe stop_time_probe(const std::string& skipped) {
-  return {"a stop time changes no value before it", check_values_with_stop_time, skipped, Severity::error,
+Probe stop_time_probe() {
+  return {"a stop time changes no value before it", check_values_with_stop_time, "", Severity::error,
           Level::interoperable};
 }
 

@@ -7,7 +7,7 @@
 namespace mebots::check {
 namespace {
 
-TEST(CheckDescription, IndicesWithoutAVariableAreFindings) {
+TEST(CheckModelStructure, IndicesWithoutAVariableAreFindings) {
   Workshop workshop;
   auto description = culprit_description("none");
   const std::string outputs = "<Unknown index=\"2\" dependencies=\"\"/>";

@@ -138,7 +138,7 @@ TEST_F(Program, SetFindsNamesWithAnEqualsSign) {
       folder.path() / "one.json",
       fmt::format(R"({{"step": 0.1, "stop_time": 0.2, "instances": {{"a": {{"fmu": "{}"}}}}, "connections": []}})",
                   fmu.path().string()));
-  const auto result = run({"run", "one.json", "--out", "out", "--set", "a.gain=2=5", "a.gain=3"});
+  const auto result = run({"run", "one.json", "--out", "results/two", "--set", "a.gain=2=5", "a.gain=3"});
   ASSERT_EQ(result.code, 0) << result.err;
   EXPECT_EQ(summary()["parameters"]["a"], nlohmann::json({{"gain", 3.0}, {"gain=2", 5.0}}));
 }
