@@ -1,11 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Every FMU below a folder through `mebots check`, `run`, `run --isolate`, and FMPy at the same times (scripts/corpus.sh).
+"""Runs every FMU below a folder by `mebots check`, `run`, `run --isolate`, and FMPy at the same times (scripts/corpus.sh).
 
-Each FMU runs alone with its start values, from its default experiment's start on: with the experiment's step where it says one, else
-a hundredth of its length, at most 1000 steps. Times are whole nanoseconds divided by 1e9 in both tools. All numeric outputs are
-compared at every communication point. Files of the same bytes count once. What is explained: an FMU that both refuse, one that
-mebots stops at NaN or infinity (FMPy goes on with it), one that neither brings to its end in time, and differences that FMPy shows
-against itself when it runs twice.
+Each FMU runs alone from its default experiment's start on: with the experiment's step if it has one, else a hundredth of its length, at
+most 1000 steps. Both tools pass the default tolerance and no stop time, and times are whole nanoseconds divided by 1e9. All numeric outputs
+are compared at every communication point. Files of the same bytes count once.
+
+Three truths do not depend on another tool. truths.py has the results that a model must have; there inputs get the values of the truth. A
+reference file beside the FMU is one as well. And if the FMU takes variable steps, it also runs with halved steps: the error must not grow.
+Without such a truth, two runs' differences must not grow: |y(h) - y(h/2)| against |y(h/2) - y(h/4)|.
+
+These cases are explained: an FMU that both tools refuse, one that mebots stops at NaN or infinity (FMPy continues), one that neither tool
+finishes in time, differences that FMPy shows against itself in two runs, and the disagreements with a truth that EXPLAINED names.
 """
 
 import argparse
@@ -27,11 +32,21 @@ import zipfile
 import fmpy
 import fmpy.fmi2
 
+import truths
+
 POINTERS = (".base.lo", ".base.hi", ".size")
 MOST_STEPS = 1000
 SECONDS = 60   # of processor time, for one tool and one FMU
 LATE = f"error: not done after {SECONDS} s"
 SAME = 1e-12   # relative: rounding of sums in another order
+HALVED_STEPS = 200  # most steps of the coarsest of the runs with halved steps
+GROWS = 1.05   # of an error: what a rounding of the last point may add
+
+# Disagreements with a truth whose reason lies in the FMU, by the end of its path. The reason is printed.
+EXPLAINED = {
+    "MassSpringDamper1.fmu": "adds its steps of 0.01 s up in floating point; five points are one such step ahead, all others exact to 1e-8",
+    "quarter_truck/Wheel.fmu": "controls its own step by a tolerance of 1e-4, which a parameter holds",
+}
 
 
 def nanoseconds(seconds):
@@ -73,7 +88,21 @@ def plan(fmu):
     steps = min(MOST_STEPS, max(1, (nanoseconds(stop) - nanoseconds(start)) // step_ns))
     outputs = {v.name: ("Integer" if v.type == "Enumeration" else v.type, v.valueReference) for v in model.modelVariables
                if v.causality == "output" and v.type != "String" and not v.name.endswith(POINTERS)}
-    return {"fmu": str(fmu), "tool": family(model.generationTool or ""), "outputs": outputs, "start_ns": max(nanoseconds(start), 0), "step_ns": step_ns, "steps": int(steps)}
+    known = truths.truths_of(fmu, model)
+    known = [truth for truth in known if truth.inputs == known[0].inputs]
+    inputs = known[0].inputs if known else {}
+    if known and known[0].step:
+        step_ns, steps = nanoseconds(known[0].step), known[0].steps
+    types = {v.name: ("Integer" if v.type == "Enumeration" else v.type, v.valueReference) for v in model.modelVariables}
+    start_ns = max(nanoseconds(start), 0)
+    times = [(start_ns + k * step_ns) / 1e9 for k in range(int(steps) + 1)]
+    for truth in known:
+        outputs |= {name: types[name] for name in truth.values(truths.np.array(times[:2])) if name in types}
+    what = {"fmu": str(fmu), "tool": family(model.generationTool or ""), "outputs": outputs, "start_ns": start_ns, "step_ns": step_ns,
+            "steps": int(steps), "tolerance": float(experiment.tolerance) if experiment and experiment.tolerance else None,
+            "inputs": {name: [*types[name], value] for name, value in inputs.items()},
+            "variable_step": bool(model.coSimulation.canHandleVariableCommunicationStepSize)}
+    return what, known
 
 
 def short(text, length=110):
@@ -98,9 +127,11 @@ def call(command, **more):
 
 
 def run_mebots(program, what, folder, *more):
+    values = {name: bool(value) if kind == "Boolean" else value for name, (kind, _, value) in what["inputs"].items()}
     config = {"step": what["step_ns"] / 1e9, "start_time": what["start_ns"] / 1e9,
               "stop_time": (what["start_ns"] + what["steps"] * what["step_ns"]) / 1e9, "connections": [],
-              "instances": {"it": {"fmu": what["fmu"]}}, "record": [f"it.{name}" for name in what["outputs"]]}
+              "instances": {"it": {"fmu": what["fmu"], "parameters": values}},
+              "record": [f"it.{name}" for name in what["outputs"]]}
     (folder / "config.json").write_text(json.dumps(config))
     out = folder / "out"
     result = call([program, "run", folder / "config.json", "--out", out, "--quiet", *more], cwd=folder)
@@ -125,8 +156,9 @@ def fmpy_child(what, target):
     slave = fmpy.fmi2.FMU2Slave(guid=model.guid, unzipDirectory=fmpy.extract(what["fmu"]), instanceName="it",
                                 modelIdentifier=model.coSimulation.modelIdentifier)
     slave.instantiate()
-    end_ns = what["start_ns"] + what["steps"] * what["step_ns"]
-    slave.setupExperiment(startTime=what["start_ns"] / 1e9, stopTime=end_ns / 1e9)
+    for kind, reference, value in what["inputs"].values():
+        getattr(slave, "set" + kind)([reference], [value])
+    slave.setupExperiment(tolerance=what["tolerance"], startTime=what["start_ns"] / 1e9, stopTime=None)
     slave.enterInitializationMode()
     slave.exitInitializationMode()
     by_type = {}
@@ -212,23 +244,91 @@ def judge(row, what, folder):
         row["verdict"] = f"{gap:.1e} ({place})" + (f"; FMPy against itself {own:.1e}" if own > 0 else "")
 
 
+def times_of(what):
+    return [(what["start_ns"] + k * what["step_ns"]) / 1e9 for k in range(what["steps"] + 1)]
+
+
+def finer(what, parts):
+    """The same run with each step divided; the coarsest of such runs has at most HALVED_STEPS steps."""
+    steps = min(what["steps"], HALVED_STEPS)
+    return what | {"step_ns": what["step_ns"] // parts, "steps": steps * parts}
+
+
+def compare_with_truths(row, what, known):
+    """Fills in how far the run of mebots is from each truth."""
+    row["truths"] = []
+    for truth in known:
+        ratio, error, place = truths.compare(truth, times_of(what), what["step_ns"] / 1e9, row["ours"].get("columns", {}))
+        row["truths"].append({"kind": truth.kind, "source": truth.source, "bound": truth.bound_text, "error": error,
+                              "agrees": ratio <= 1, "place": place})
+
+
+def error_of(what, columns, known):
+    """The largest error against the first truth at the points of the longest steps."""
+    return truths.compare(known[0], times_of(what), what["step_ns"] / 1e9, columns)[1]
+
+
+def halved_steps(program, what, known, folder):
+    """Returns how the error changes with halved steps: "exact", "shrinks", "stays", "grows", or why this is not known."""
+    if not what["variable_step"]:
+        return "fixed steps only"
+    if what["step_ns"] % 4:
+        return "steps cannot be halved twice"
+    runs = []
+    for parts in (1, 2, 4):
+        result = run_mebots(program, finer(what, parts), folder)
+        if "columns" not in result:
+            return "a run fails"
+        runs.append(result["columns"])
+    if not any(len(set(values)) > 1 for values in runs[0].values()):
+        return "all outputs are constant"
+    same_points = [{name: values[::parts] for name, values in columns.items()} for parts, columns in zip((1, 2, 4), runs)]
+    if known:
+        errors = [error_of(finer(what, 1), columns, known) for columns in same_points]
+    else:
+        errors = [difference(same_points[0], same_points[1])[0], difference(same_points[1], same_points[2])[0]]
+    if max(errors) <= truths.ROUNDING:
+        return "exact"
+    if max(errors) <= 10 * (what["tolerance"] or 0):
+        return "within 10 x tolerance"
+    if errors[-1] <= 0.75 * errors[0]:
+        return "shrinks"
+    return "stays" if errors[-1] <= GROWS * errors[0] else f"grows from {errors[0]:.1e} to {errors[-1]:.1e}"
+
+
+def explanation(row):
+    return next((why for end, why in EXPLAINED.items() if row["fmu"].endswith(end)), "")
+
+
+def judge_truths(row):
+    """A disagreement that EXPLAINED does not name is unexplained."""
+    wrong = [truth for truth in row.get("truths", []) if not truth["agrees"]]
+    if row["run"] == "runs" and (wrong or row["halved"].startswith("grows")) and not explanation(row):
+        row["explained"] = False
+
+
 def examine(program, base, fmu):
     row = {"fmu": str(fmu.relative_to(base))}
     try:
-        what = plan(fmu)
+        what, known = plan(fmu)
     except NotOurs as why:
         return row | {"verdict": "left out", "why": str(why), "explained": True}
     with tempfile.TemporaryDirectory(prefix="corpus") as name:
-        folders = [pathlib.Path(name) / part for part in ("check", "run", "isolated", "fmpy", "again")]
+        folders = [pathlib.Path(name) / part for part in ("check", "run", "isolated", "fmpy", "again", "halved")]
         for folder in folders:
             folder.mkdir()
         checked = call([program, "check", fmu], cwd=folders[0])
         row["check"] = {0: "clean", 1: "findings", 2: "cannot be used", 124: "not done"}.get(checked.returncode,
                                                                                          f"code {checked.returncode}")
+        row["stop_time"] = next((word for word in ("needs a stop time", "values depend on the stop time") if word in checked.stdout), "")
         row |= {"tool": what["tool"], "points": what["steps"] + 1, "outputs": len(what["outputs"]),
                 "ours": run_mebots(program, what, folders[1]), "alone": run_mebots(program, what, folders[2], "--isolate"),
                 "theirs": run_fmpy(what, folders[3])}
+        compare_with_truths(row, what, known)
+        runs = "columns" in row["ours"]
         judge(row, what, folders[4])
+        row["halved"] = halved_steps(program, what, known, folders[5]) if runs else "does not run"
+        judge_truths(row)
     return row
 
 
@@ -247,6 +347,41 @@ def word_of(row):
     if not re.match(r"\d", row["verdict"]):
         return row["verdict"]
     return "within 1e-12" if row["difference"] <= SAME else "numbers differ"
+
+
+def truth_text(row):
+    texts = [f"{truth['kind']}: {truth['error']:.0e} ({'agrees' if truth['agrees'] else truth['place']}; bound: {truth['bound']})"
+             for truth in row["truths"]]
+    return "; ".join(texts) or "none"
+
+
+def show_truths(rows):
+    """The table of truths: how many FMUs have one of each kind, and how many agree."""
+    rows = [row for row in rows if row["verdict"] != "left out" and row["run"] == "runs"]
+    print("\n| FMU | truth | halved steps | explanation |\n|---|---|---|---|")
+    for row in rows:
+        if row["truths"] or row["halved"].startswith(("grows", "stays")):
+            print(f"| {row['fmu']} | {truth_text(row)} | {row['halved']} | {explanation(row)} |")
+    print("\n| truth | FMUs that run | agree | explained | unexplained |\n|---|---|---|---|---|")
+
+    def line(name, having, agreeing):
+        explained = sum(1 for row in having if not agreeing(row) and explanation(row))
+        agree = sum(1 for row in having if agreeing(row))
+        print(f"| {name} | {len(having)} | {agree} | {explained} | {len(having) - agree - explained} |")
+
+    for kind in ("analytic", "equations", "reference file"):
+        line(kind, [row for row in rows if any(truth["kind"] == kind for truth in row["truths"])],
+             lambda row, kind=kind: all(truth["agrees"] for truth in row["truths"] if truth["kind"] == kind))
+    line("any of these", [row for row in rows if row["truths"]], lambda row: all(truth["agrees"] for truth in row["truths"]))
+    judged = [row for row in rows if row["halved"].startswith(("exact", "within", "shrinks", "stays", "grows"))]
+    line("halved steps", judged, lambda row: not row["halved"].startswith("grows"))
+    line("any", [row for row in rows if row["truths"] or row in judged],
+         lambda row: all(truth["agrees"] for truth in row["truths"]) and not row["halved"].startswith("grows"))
+    for row in rows:
+        if row["stop_time"]:
+            print(f"stop time: {row['fmu']}: {row['stop_time']}")
+    for why in sorted({row["halved"] for row in rows if row not in judged}):
+        print(f"halved steps: {why}: {sum(1 for row in rows if row['halved'] == why)}")
 
 
 def show(rows, repeated):
@@ -294,9 +429,10 @@ def main():
         for row in pool.map(lambda fmu: examine(arguments.program.resolve(), base, fmu), fmus):
             rows.append(row)
             print(f"{len(rows)}/{len(fmus)} {row['fmu']}: {row['verdict']}", file=sys.stderr)
+            if arguments.json:  # after each FMU, because a long run may be interrupted
+                arguments.json.write_text(json.dumps(rows, indent=1) + "\n")
     show(rows, repeated)
-    if arguments.json:
-        arguments.json.write_text(json.dumps(rows, indent=1) + "\n")
+    show_truths(rows)
     unexplained = [row["fmu"] for row in rows if not row["explained"]]
     if unexplained:
         sys.exit(f"corpus: unexplained: {', '.join(unexplained)}")

@@ -129,18 +129,19 @@ class Fmpy:
         recorded = [v.name for v in outputs(instance, ("Real", "Integer", "Boolean", "Enumeration"))]
         start = {n: number_of(known[n], v) for n, v in instance.get("parameters", {}).items()}
         h = system["step"]
-        result = fmpy.simulate_fmu(instance["fmu"], stop_time=round(h * system["steps"], 9), step_size=h, output_interval=h,
+        result = fmpy.simulate_fmu(instance["fmu"], stop_time=round(h * system["steps"], 9), step_size=h, output_interval=h, set_stop_time=False,
                                    start_values=start, output=recorded, validate=False)
         return {f"{name}.{n}": [float(v) for v in result[n]] for n in recorded}
 
     def coupled(self, system):
-        slaves, known = {}, {}
+        slaves, known, tolerances = {}, {}, {}
         for name, instance in system["instances"].items():
             model = description(instance)
             known[name] = {v.name: v for v in model.modelVariables}
             slaves[name] = fmpy.fmi2.FMU2Slave(guid=model.guid, unzipDirectory=fmpy.extract(instance["fmu"]), instanceName=name,
                                                modelIdentifier=model.coSimulation.modelIdentifier)
             slaves[name].instantiate()
+            tolerances[name] = model.defaultExperiment and model.defaultExperiment.tolerance
 
         def call(verb, path, *arguments):
             name, variable = path.split(".", 1)
@@ -155,8 +156,9 @@ class Fmpy:
         for name, instance in system["instances"].items():
             for variable, value in instance.get("parameters", {}).items():
                 call("set", f"{name}.{variable}", [number_of(known[name][variable], value)])
-        for slave in slaves.values():
-            slave.setupExperiment(startTime=0.0, stopTime=round(system["step"] * system["steps"], 9))
+        for name, slave in slaves.items():
+            tolerance = float(tolerances[name]) if tolerances[name] else None
+            slave.setupExperiment(tolerance=tolerance, startTime=0.0)
             slave.enterInitializationMode()
         connections = plain_connections(system)
 
