@@ -50,14 +50,13 @@ double seconds_of(auto work) {
 SystemDescription system_of(const Shape& shape, const std::filesystem::path& fmu, std::int64_t steps) {
   SystemDescription system;
   system.name = shape.name;
-  system.step_ns = kStepNs;
+  system.step = exact_time_of(kStepNs);
   system.stop_time_ns = steps * kStepNs;
   for (int i = 0; i < shape.instances; ++i) {
     auto& instance = system.instances.emplace_back();
     instance.name = fmt::format("i{}", i);
     instance.fmu = fmu.string();
     instance.fmu_path = fmu;
-    instance.step_ns = kStepNs;
   }
   for (int i = 0; i < shape.connections; ++i) {
     const int to = (i + 1) % shape.instances;

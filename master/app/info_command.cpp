@@ -137,7 +137,7 @@ void print_description(const ModelDescription& model) {
 }
 
 void print_system(const master::SystemDescription& system) {
-  print_field("step", fmt::format("{} s", master::to_seconds(system.step_ns)));
+  print_field("step", fmt::format("{} s", master::time_text(system.step)));
   if (system.start_time_ns != 0)
     print_field("start time", fmt::format("{} s", master::to_seconds(system.start_time_ns)));
   print_field("stop time", fmt::format("{} s", master::to_seconds(system.stop_time_ns)));
@@ -147,8 +147,7 @@ void print_system(const master::SystemDescription& system) {
   std::vector<std::vector<std::string>> instances{{"instance", "fmu", "step [s]", "values given"}};
   for (const auto& instance : system.instances) {
     instances.push_back({instance.name, instance.fmu_path.filename().string(),
-                         fmt::format("{}", master::to_seconds(instance.step_ns)),
-                         fmt::format("{}", instance.parameters.size())});
+                         master::time_text(system.step_of(instance)), fmt::format("{}", instance.parameters.size())});
   }
   print_table(instances);
   fmt::print("\n");

@@ -62,8 +62,8 @@ RunRequest request_of(const RunOptions& options) {
   request.scenarios = options.scenarios;
   request.inputs = options.inputs;
   if (!options.record.empty()) request.record = options.record;
-  if (options.stop_time_s) request.stop_time_ns = master::read_duration("--stop-time", *options.stop_time_s);
-  if (options.step_s) request.step_ns = master::read_duration("--step", *options.step_s);
+  if (options.stop_time_s) request.stop_time_ns = master::read_time("--stop-time", *options.stop_time_s);
+  if (options.step_s) request.step = master::read_step("--step", *options.step_s);
   if (options.checkpoint_every_s) {
     request.checkpoint_every_ns = master::read_duration("--checkpoint-every", *options.checkpoint_every_s);
   }
@@ -100,8 +100,8 @@ void run_to_the_end(Run& run, const std::optional<int>& live_port, Console& cons
 
 void show_end(const Run& run, Console& console) {
   for (const auto& loss : run.losses()) {
-    console.warning(
-        fmt::format("'{}' was lost at {} s; the others went on without it", loss.name, master::to_seconds(loss.at_ns)));
+    console.warning(fmt::format("'{}' was lost at {} s; the others went on without it", loss.name,
+                                master::to_seconds(*loss.at_ns)));
   }
   for (const auto& line : end_lines(run)) console.line(line);
   if (run.request().statistics) {
@@ -218,7 +218,9 @@ void add_run(CLI::App& app, Action& action) {
       ->take_all();
   command->add_option("--stop-time", run->stop_time_s, "End of the simulation [s], instead of the config's")
       ->type_name("SECONDS");
-  command->add_option("--step", run->step_s, "Communication step [s], for an FMU alone or an SSP that states none")
+  command
+      ->add_option("--step", run->step_s,
+                   "Communication step [s] or ratio such as 1/60, for an FMU alone or an SSP that states none")
       ->type_name("SECONDS");
   command->add_flag("--statistics", run->statistics,
                     "Show calls, time and slowest step of every instance, and write them to summary.json");

@@ -135,7 +135,7 @@ void LiveRun::tell_what_stays(master::report::RunFolder& folder) const {
   folder.scene = std::move(side.scene);
   folder.profiles = std::move(side.profiles);
   folder.system = master::system_json(run_->resolved());
-  folder.live["stop_time"] = master::to_seconds(run_->system().stop_time_ns);
+  folder.live["stop_time"] = run_->system().grid().time_s(run_->system().stop_time_ns);
   folder.live["settable"] = master::writable_variables(run_->resolved());
 }
 
@@ -164,7 +164,7 @@ std::string LiveRun::set(const std::string& variable, const std::string& value) 
                        {"set", master::json_of(typed)},
                        {"from", master::to_seconds(run_->time_ns())}});
   save_scenario();
-  return Json({{"at", master::to_seconds(run_->time_ns())}}).dump();
+  return Json({{"at", run_->time_s()}}).dump();
 }
 
 void LiveRun::save_scenario() const {

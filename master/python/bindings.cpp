@@ -228,5 +228,7 @@ PYBIND11_MODULE(_mebots, module) {
       .def(py::init(&study::read_ground), "mission"_a, "text"_a = std::nullopt)
       .def_property_readonly("config", [](const study::Ground& ground) { return ground.config.dump(); })
       .def_property_readonly("fmus", [](const study::Ground& ground) { return ground.fmus.dump(); })
-      .def_property_readonly("texts", [](const study::Ground& ground) { return ground.texts.dump(); });
+      .def_property_readonly("texts", [](const study::Ground& ground) { return ground.texts.dump(); })
+      .def_readonly("stop_time_s", &study::Ground::stop_time_s)
+      .def_readonly("last_point_s", &study::Ground::last_point_s);
 }

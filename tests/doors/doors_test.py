@@ -79,6 +79,21 @@ CASES = [
     Case("an SSP", system(TWO, LINK), "completed", ssp=True),
     Case("several rates", system({"a": probe(gain=2, real_in=3, more={"step": 0.2}), "b": probe(), "c": probe(
         more={"step": 0.3})}, [*LINK, ("b.real_out", "c.real_in")], stop_time=1.2), "completed"),
+    Case("several rates of a ratio", system({"a": probe(gain=2, real_in=3, more={"step": "1/20"}), "b": probe(), "c": probe(
+        more={"step": 0.03333333333333333})}, [*LINK, ("b.real_out", "c.real_in")], step="1/60"), "completed"),
+    Case("a ratio in two processes", system({"a": probe(gain=2, real_in=3), "b": probe(more={"process": "own"})}, LINK,
+                                            step="3/7", stop_time=3), "completed"),
+    Case("a ratio, interrupted and resumed",
+         system({"a": probe(fault="interrupt", fault_time=0.5, string_in="once"), "b": probe()}, LINK, step="1/60"),
+         "completed", checkpoint=0.2, resume=True, stop_time=0.9,
+         scenario={"scenario": [{"variable": "a.real_out", "offset": 1, "from": "1/3", "until": "2/3"}]}),
+    Case("a ratio as an SSP", system(TWO, LINK, step="1/60"), "completed", ssp=True),
+    Case("a ratio and divided steps", system({"a": coupling(behaviour="short", max_step=0.025, more={"on_discard": "divide"})},
+                                             step="1/3"), "completed"),
+    Case("a start before 0 s, interrupted and resumed",
+         system({"a": probe(fault="interrupt", fault_time=-0.5, string_in="once"), "b": probe()}, LINK,
+                start_time=-1.2, stop_time=-0.2), "completed", checkpoint=0.25, resume=True,
+         scenario={"scenario": [{"variable": "a.real_out", "offset": 1, "from": -0.9, "duration": 0.3}]}),
     Case("Gauss-Seidel", system(TWO, LINK, algorithm={"type": "gauss-seidel", "order": ["b", "a"]}), "completed"),
     Case("a scenario", system(TWO, LINK), "completed",
          scenario={"scenario": [{"variable": "a.real_out", "offset": 1, "from": 0.3, "until": 0.6}]}),
@@ -100,6 +115,12 @@ CASES = [
                  "motors": {"fmu": f"{FMU_DIR}/fmu_motors.fmu", "parameters": {"rotor[1].command": 0.6}}},
                 [("motors.power", "battery.motors.power"), ("battery.bus.voltage", "motors.bus.voltage")], step=0.01),
          "completed", checkpoint=0.5),
+    Case("battery and motors at 60 Hz from before 0 s",
+         system({"battery": {"fmu": f"{FMU_DIR}/fmu_battery.fmu", "parameters": {"cell.name": "bitcraze_250"}},
+                 "motors": {"fmu": f"{FMU_DIR}/fmu_motors.fmu", "parameters": {"rotor[1].command": 0.6}}},
+                [("motors.power", "battery.motors.power"), ("battery.bus.voltage", "motors.bus.voltage")], step="1/60",
+                start_time=-100, stop_time=100),
+         "completed", checkpoint=50),
 ]
 
 

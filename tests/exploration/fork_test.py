@@ -3,6 +3,7 @@
 """Many futures of one past: missions that go on from a saved state, and studies that fork."""
 
 import concurrent.futures
+import fractions
 import json
 import os
 import sys
@@ -223,6 +224,29 @@ class Forks(StudyCase):
                           self.sweep(code=2))
         self.study(fork=self.FORK | {"at": 0.9})
         self.sweep()
+
+    def test_a_study_of_a_ratio_forks_at_its_points(self):
+        config = json.loads((self.folder / "mission.json").read_text()) | {"step": "1/60"}
+        (self.folder / "mission.json").write_text(json.dumps(config))
+        self.study(fork=self.FORK | {"at": 0.984})
+        self.assertIn("no communication point before", self.sweep(code=2))
+        self.study(fork=self.FORK | {"at": 59 / 60})
+        self.sweep()
+        straight = mebots.Mission(self.folder / "mission.json", set={"a.gain": 1, "a.real_in": 3}, record=["a.*"])
+        straight.run_until(59 / 60)
+        self.assertEqual(straight.time, 59 / 60)
+        straight.write("a.real_in", 0.5)
+        straight.run()
+        self.assertEqual((straight.time, straight.step_size), (1, 1 / 60))
+        self.assertEqual(straight.times.tolist(), [float(fractions.Fraction(k, 60)) for k in range(61)])
+
+    def test_a_step_is_given_as_a_ratio(self):
+        for step in ("1/60", fractions.Fraction(1, 60), 1 / 60):
+            mission = mebots.Mission(self.folder / "mission.json", step=step)
+            mission.run()
+            self.assertEqual((mission.step_size, len(mission.times)), (1 / 60, 61))
+        with self.assertRaises(mebots.InputError):
+            mebots.Mission(self.folder / "mission.json", step=0.0166666666666)
 
     def test_an_fmu_that_cannot_write_its_state_is_named(self):
         mission = json.loads((self.folder / "mission.json").read_text())

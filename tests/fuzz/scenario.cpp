@@ -16,7 +16,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   } catch (const Error&) {
   }
   master::SystemDescription system;
-  system.step_ns = 1'000'000;
+  system.step = {1, 1000};
   system.stop_time_ns = 1'000'000'000;
   for (const auto* name : {"battery", "motors", "world", "soc"}) system.instances.emplace_back().name = name;
   try {

@@ -11,13 +11,15 @@ namespace mebots::fuzz {
 
 /// What everybody behind the readers of configs and SSPs counts on.
 inline void require_sound(const master::SystemDescription& system) {
-  require(system.step_ns > 0, "the step is above 0");
-  const auto length_ns = system.stop_time_ns - system.start_time_ns;
-  require(length_ns > 0 && length_ns % system.step_ns == 0, "the end is a communication point");
+  require(system.step.numerator > 0, "the step is above 0");
+  const auto grid = system.grid();
+  require(system.stop_time_ns > system.start_time_ns && grid.is_point(system.stop_time_ns),
+          "the end is a communication point");
+  const auto last = grid.point_at(system.stop_time_ns);
   require(!system.instances.empty(), "there are instances");
   for (const auto& instance : system.instances) {
-    require(instance.step_ns > 0 && instance.step_ns % system.step_ns == 0, "an instance's step is a multiple");
-    require(length_ns % instance.step_ns == 0, "the end is a communication point of every instance");
+    require(instance.steps > 0, "an instance's step is a multiple");
+    require(last % instance.steps == 0, "the end is a communication point of every instance");
   }
   for (const auto& connection : system.connections) {
     require(system.find_instance(connection.from.instance) != nullptr, "a connection begins at an instance");

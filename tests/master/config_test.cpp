@@ -37,11 +37,11 @@ std::string config_with(const std::string& line, const std::string& instance = R
 
 TEST(Config, TheSmallestConfigIsRead) {
   const auto system = read(config_with(""));
-  EXPECT_EQ(system.step_ns, 100'000'000);
+  EXPECT_EQ(system.step, (ExactTime{1, 10}));
   EXPECT_EQ(system.stop_time_ns, 2'000'000'000);
   ASSERT_EQ(system.instances.size(), 1u);
   EXPECT_EQ(system.instances[0].name, "a");
-  EXPECT_EQ(system.instances[0].step_ns, system.step_ns);
+  EXPECT_EQ(system.instances[0].steps, 1);
   EXPECT_EQ(system.name, "mission");
 }
 
@@ -58,10 +58,10 @@ TEST(Config, AVariantIsTheOtherConfigWithItsChanges) {
   const auto system = read_variant(R"({"text": "mine", "extends": "base.json", "changes": {
       "stop_time": 3, "instances": {"a": {"step": 0.2}, "b": {"fmu": "PROBE"}}}})");
   EXPECT_EQ(system.name, "variant");
-  EXPECT_EQ(system.step_ns, 100'000'000);
+  EXPECT_EQ(system.step, (ExactTime{1, 10}));
   EXPECT_EQ(system.stop_time_ns, 3'000'000'000);
   EXPECT_THAT(system.instance_names(), testing::ElementsAre("a", "b"));
-  EXPECT_EQ(system.instances[0].step_ns, 200'000'000);
+  EXPECT_EQ(system.instances[0].steps, 2);
   EXPECT_THAT(system.source, AllOf(HasSubstr("mine"), HasSubstr("the base"))) << "both are inputs of the run";
   const auto removed = read_variant(R"({"extends": "base.json", "changes": {
       "instances": {"a": null, "b": {"fmu": "PROBE"}}}})");
@@ -69,8 +69,8 @@ TEST(Config, AVariantIsTheOtherConfigWithItsChanges) {
 }
 
 TEST(Config, AVariantTakesTimesThatAreGiven) {
-  EXPECT_EQ(read_variant(R"({"extends": "base.json", "changes": {}})", {.step_s = 0.5, .stop_time_s = {}}).step_ns,
-            500'000'000);
+  EXPECT_EQ(read_variant(R"({"extends": "base.json", "changes": {}})", {.step = 0.5, .stop_time_s = {}}).step,
+            (ExactTime{1, 2}));
 }
 
 TEST(Config, MistakesOfAVariantSayWhichFileHasThem) {
@@ -263,6 +263,39 @@ TEST(Config, StepsAreWholeNanosecondsAndTheStopTimeAMultiple) {
   EXPECT_THAT(with_times(R"("step": 0.1, "stop_time": 0)"), HasSubstr("greater than 0"));
   EXPECT_THAT(with_times(R"("step": 0.3, "stop_time": 1)"),
               AllOf(HasSubstr("/stop_time"), HasSubstr("not a multiple"), HasSubstr("0.9 s and 1.2 s")));
+}
+
+TEST(Config, AStepIsReadAsARatio) {
+  const auto with_times = [](const std::string& times, const std::string& instance = R"("a": {"fmu": "PROBE"})") {
+    return config_with("", instance, times);
+  };
+  const auto typed = read(with_times(R"("step": "2/120", "stop_time": 1)"));
+  EXPECT_EQ(typed.step, (ExactTime{1, 60}));
+  EXPECT_TRUE(typed.notices.empty()) << "a ratio that is written needs no notice";
+  const auto meant = read(with_times(R"("step": 0.016666666666666666, "stop_time": "7/60")"));
+  EXPECT_EQ(meant.step, (ExactTime{1, 60}));
+  EXPECT_EQ(meant.stop_time_ns, 116'666'667);
+  EXPECT_THAT(meant.notices, testing::ElementsAre(AllOf(HasSubstr("/step"), HasSubstr("means 1/60 s"))));
+  const auto multiple = read(with_times(R"("step": "1/60", "stop_time": 1)", R"("a": {"fmu": "PROBE", "step": 0.05})"));
+  EXPECT_EQ(multiple.instances[0].steps, 3);
+
+  const auto error = [&](const std::string& times, const std::string& instance = R"("a": {"fmu": "PROBE"})") {
+    return reading_error(with_times(times, instance));
+  };
+  EXPECT_THAT(error(R"("step": "1/0", "stop_time": 1)"),
+              AllOf(HasSubstr("/step"), HasSubstr("\"1/0\" is not a ratio")));
+  EXPECT_THAT(error(R"("step": "1/6O", "stop_time": 1)"), HasSubstr("such as \"1/60\""));
+  EXPECT_THAT(error(R"("step": "-1/60", "stop_time": 1)"), HasSubstr("greater than 0"));
+  EXPECT_THAT(error(R"("step": "1/300000000", "stop_time": 1)"), HasSubstr("too short"));
+  EXPECT_THAT(error(R"("step": 0.0166666666666, "stop_time": 1)"), HasSubstr("whole number of nanoseconds"));
+  EXPECT_THAT(
+      error(R"("step": "1/60", "stop_time": 1.01)"),
+      AllOf(HasSubstr("/stop_time"), HasSubstr("step 1/60 s"), HasSubstr("nearest are 1 s and 1.0166666666666666 s")));
+  EXPECT_THAT(
+      error(R"("step": "1/60", "stop_time": 1)", R"("a": {"fmu": "PROBE", "step": "1/40"})"),
+      AllOf(HasSubstr("/instances/a/step"), HasSubstr("0.025 s is not a multiple of the system's step 1/60 s")));
+  EXPECT_THAT(error(R"("step": "1/60", "start_time": 0.3333333333333333, "stop_time": 1)"),
+              AllOf(HasSubstr("/start_time"), HasSubstr("whole number of nanoseconds")));
 }
 
 TEST(Config, AnInstanceStepIsAMultipleAndTheStopTimeFitsIt) {

@@ -287,7 +287,8 @@ TEST(StartTime, StepsMustFitBetweenItAndTheStopTime) {
   };
   EXPECT_THAT(error(R"("start_time": 0.05, "stop_time": 1)"), testing::HasSubstr("the nearest are 0.95 s and 1.05 s"));
   EXPECT_THAT(error(R"("start_time": 1, "stop_time": 1)"), testing::HasSubstr("greater than the start time 1 s"));
-  EXPECT_THAT(error(R"("start_time": -1, "stop_time": 1)"), testing::HasSubstr("must not be negative"));
+  EXPECT_THAT(error(R"("start_time": -1, "stop_time": -1)"), testing::HasSubstr("greater than the start time -1 s"));
+  EXPECT_THAT(error(R"("start_time": -9.2e9, "stop_time": 9.2e9)"), testing::HasSubstr("would last longer"));
 }
 
 }  // namespace

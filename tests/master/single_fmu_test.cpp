@@ -22,7 +22,7 @@ constexpr const char* kExperiment = R"(<DefaultExperiment startTime="0" stopTime
 std::vector<double> times(const std::string& experiment, const GivenTimes& given = {}) {
   const test::ChangedFmu fmu("probe", kExperiment, experiment);
   const auto system = read_config(fmu.path(), given);
-  return {to_seconds(system.start_time_ns), to_seconds(system.stop_time_ns), to_seconds(system.step_ns)};
+  return {to_seconds(system.start_time_ns), to_seconds(system.stop_time_ns), to_seconds(system.step)};
 }
 
 std::vector<std::string> notices(const std::string& experiment, const GivenTimes& given = {}) {
@@ -46,6 +46,19 @@ TEST(SingleFmu, TimesThatTheFmuDoesNotStateHaveDefaults) {
   EXPECT_THAT(times(R"(<DefaultExperiment stepSize="0.25"/>)"), ElementsAre(0, 1, 0.25));
   EXPECT_THAT(notices(""), Contains(AllOf(HasSubstr("from 0 s (by default"), HasSubstr("to 1 s (by default"),
                                           HasSubstr("part in 500"))));
+}
+
+TEST(SingleFmu, StepsMayBeRatios) {
+  EXPECT_THAT(times(R"(<DefaultExperiment stopTime="1" stepSize="0.016666666666666666"/>)"),
+              ElementsAre(0, 1, 1.0 / 60));
+  EXPECT_THAT(times(R"(<DefaultExperiment stopTime="1" stepSize="0.016666"/>)"), ElementsAre(0, 0.99996, 0.016666));
+  EXPECT_THAT(times(R"(<DefaultExperiment stopTime="1" stepSize="0.01666666667"/>)"),
+              ElementsAre(0, DoubleNear(0.983333353, 1e-15), 0.016666667));
+  EXPECT_THAT(times("", {"1/60", 2}), ElementsAre(0, 2, 1.0 / 60));
+  EXPECT_THAT(times(R"(<DefaultExperiment startTime="-1"/>)"), ElementsAre(-1, 0, 0.002));
+  EXPECT_THAT(times(R"(<DefaultExperiment stopTime="0.00001234"/>)"),
+              ElementsAre(0, 1.234e-5, DoubleNear(2.468e-8, 1e-22)))
+      << "a part in 500 is no whole number of nanoseconds";
 }
 
 TEST(SingleFmu, TimesThatMakeNoRunAreNotTaken) {

@@ -69,7 +69,7 @@ TEST_F(Ssp, ComponentsConnectionsAndTimesAreRead) {
                           .system;
   EXPECT_EQ(system.instance_names(), (std::vector<std::string>{"a", "b"}));
   EXPECT_EQ(system.instances[1].fmu_path.filename(), "my probe.fmu");
-  EXPECT_EQ(system.step_ns, 100'000'000);
+  EXPECT_EQ(system.step, (ExactTime{1, 10}));
   EXPECT_EQ(system.stop_time_ns, 400'000'000);
   ASSERT_EQ(system.connections.size(), 1u);
   EXPECT_EQ(system.connections[0].factor, 2);
@@ -149,7 +149,7 @@ TEST_F(Ssp, OMSimulatorsStepIsUnderstood) {
       ssp(two() + R"(<ssd:Annotations><ssc:Annotation type="org.openmodelica"><oms:Annotations xmlns:oms="x">
         <oms:SimulationInformation><oms:FixedStepMaster description="oms-ma" stepSize="1e-2"/></oms:SimulationInformation></oms:Annotations></ssc:Annotation></ssd:Annotations>)",
           {}, R"(</ssd:System><ssd:DefaultExperiment stopTime="1"/></ssd:SystemStructureDescription>)"));
-  EXPECT_EQ(loaded.system.step_ns, 10'000'000);
+  EXPECT_EQ(loaded.system.step, (ExactTime{1, 100}));
 }
 
 TEST_F(Ssp, WhatCannotBeUsedIsSaidWithFileAndLine) {
@@ -229,7 +229,7 @@ TEST_F(Osp, SimulatorsInitialValuesStepsAndConnectionsBecomeASystem) {
     <VariableGroupConnection><VariableGroup simulator="a" name="in"/><VariableGroup simulator="b" name="out"/></VariableGroupConnection>)");
   const auto loaded = load_system(system);
   EXPECT_EQ(loaded.system.start_time_ns, 200'000'000);
-  EXPECT_EQ(loaded.system.instances.at(1).step_ns, 200'000'000);
+  EXPECT_EQ(loaded.system.step_of(loaded.system.instances.at(1)), (ExactTime{1, 5}));
   EXPECT_EQ(loaded.config["instances"]["a"]["parameters"]["mass_x"], 1.0);
   EXPECT_EQ(loaded.config["instances"]["a"]["parameters"]["count"], 7);
   EXPECT_EQ(loaded.config["instances"]["a"]["parameters"]["flag"], true);

@@ -6,6 +6,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Callable, Iterable, Mapping
+from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
 from mebots import _mebots
@@ -33,7 +34,8 @@ class Mission:
     :param scenarios: files with overrides, after those of the config.
     :param inputs: CSV files whose columns are signals for the free inputs that they are named after.
     :param stop_time: end of the run [s], in place of the config's.
-    :param step: communication step [s], for an FMU alone or an SSP that has none.
+    :param step: communication step [s], for an FMU alone or an SSP that has none. A ratio is a text such as "1/60" or a
+        ``Fraction``, or the number next to it.
     :param out: folder for results.csv, summary.json and log.txt; None = no files.
     :param in_memory: whether recorded rows are kept for ``times`` and ``mission[variable]``.
     :param isolate: every instance in a process of its own.
@@ -50,7 +52,7 @@ class Mission:
         scenarios: Iterable[Path] = (),
         inputs: Iterable[Path] = (),
         stop_time: float | None = None,
-        step: float | None = None,
+        step: float | str | Fraction | None = None,
         out: Path | None = None,
         in_memory: bool = True,
         isolate: bool = False,
@@ -62,7 +64,16 @@ class Mission:
         if isinstance(inputs, (str, os.PathLike)):
             inputs = [inputs]
         self._run = _mebots.Mission(
-            config, out, in_memory, list(scenarios), list(inputs), stop_time, step, isolate, statistics, checkpoint_every
+            config,
+            out,
+            in_memory,
+            list(scenarios),
+            list(inputs),
+            stop_time,
+            None if step is None else float(Fraction(step)),
+            isolate,
+            statistics,
+            checkpoint_every,
         )
         if set is not None and not isinstance(set, Mapping):
             raise TypeError(f"set is a dict of variables and their values, not {set!r}")

@@ -15,13 +15,9 @@ End interrupted_at(std::int64_t time_ns) {
 }
 
 SlaveSteps::SlaveSteps(const ResolvedSystem& system, Ensemble& ensemble, const std::atomic<bool>& interrupted)
-    : system_(&system),
-      ensemble_(&ensemble),
-      interrupted_(&interrupted),
-      start_ns_(system.description->start_time_ns),
-      step_ns_(system.description->step_ns) {
-  for (std::size_t i = 0; i < ensemble.size(); ++i) multiples_.push_back(ensemble.step_ns(i) / step_ns_);
-  MEBOTS_ASSERT(step_ns_ > 0);
+    : system_(&system), ensemble_(&ensemble), interrupted_(&interrupted), grid_(system.description->grid()) {
+  for (const auto& instance : system.instances) multiples_.push_back(instance.description->steps);
+  MEBOTS_ASSERT(multiples_.size() == ensemble.size());
 }
 
 void SlaveSteps::write_inputs(std::size_t slave, std::int64_t k) {
@@ -31,11 +27,12 @@ void SlaveSteps::write_inputs(std::size_t slave, std::int64_t k) {
 StepResult SlaveSteps::step(std::size_t slave, std::int64_t k) {
   stop_if_interrupted(*interrupted_);
   auto& target = ensemble_->slave(slave);
-  const auto duration_ns = ensemble_->step_ns(slave);
+  const auto start_ns = time_ns(k);
+  const auto duration_ns = time_ns(k + multiples_[slave]) - start_ns;
   if (system_->instances[slave].description->divide_discarded) {
-    return step_in_parts(target, time_ns(k), duration_ns, *interrupted_);
+    return step_in_parts(target, start_ns, duration_ns, *interrupted_);
   }
-  return target.step(time_ns(k), duration_ns);
+  return target.step(start_ns, duration_ns);
 }
 
 StepResult SlaveSteps::finish(std::size_t slave, std::int64_t k, StepResult result) {
@@ -44,7 +41,8 @@ StepResult SlaveSteps::finish(std::size_t slave, std::int64_t k, StepResult resu
   throw SlaveError(fmt::format(
       "instance '{}' at {} s: fmi2DoStep refused a step of {} s (fmi2Discard; it came to {} s). Take a smaller step, "
       "or set \"on_discard\": \"divide\" for the instance. {}",
-      ensemble_->name(slave), to_seconds(time_ns(k)), to_seconds(ensemble_->step_ns(slave)),
+      ensemble_->name(slave), to_seconds(time_ns(k)),
+      time_text(system_->description->step_of(*system_->instances[slave].description)),
       result.last_successful_s.value_or(to_seconds(time_ns(k))), result.messages));
 }
 

@@ -12,7 +12,7 @@
 
 namespace mebots::master {
 
-/// The slaves on the grid of communication points t_k = k h: what every algorithm is made of. A slave may step on a
+/// The slaves on the grid of communication points t_k: what every algorithm is made of. A slave may step on a
 /// multiple of h; its own steps begin at every so many points.
 class SlaveSteps {
  public:
@@ -21,7 +21,7 @@ class SlaveSteps {
 
   Ensemble& ensemble() const { return *ensemble_; }
   std::size_t count() const { return multiples_.size(); }
-  std::int64_t time_ns(std::int64_t k) const { return start_ns_ + k * step_ns_; }
+  std::int64_t time_ns(std::int64_t k) const { return grid_.time_ns(k); }
   /// A division costs as much as a small FMU's step: most slaves have the system's own step.
   bool begins_step(std::size_t slave, std::int64_t k) const {
     return multiples_[slave] == 1 || k % multiples_[slave] == 0;
@@ -44,8 +44,7 @@ class SlaveSteps {
   const ResolvedSystem* system_;
   Ensemble* ensemble_;
   const std::atomic<bool>* interrupted_;
-  std::int64_t start_ns_;
-  std::int64_t step_ns_;
+  TimeGrid grid_;
   std::vector<std::int64_t> multiples_;
 };
 

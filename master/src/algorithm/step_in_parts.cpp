@@ -14,7 +14,7 @@ constexpr std::int64_t kShortestPartNs = 1000;
 std::int64_t shorter_part(const StepResult& result, std::int64_t at_ns, std::int64_t part_ns) {
   if (result.last_successful_s) {
     const double reached_ns = *result.last_successful_s * 1e9 - static_cast<double>(at_ns);
-    if (reached_ns >= kShortestPartNs && reached_ns < static_cast<double>(part_ns)) {
+    if (reached_ns >= kShortestPartNs && std::round(reached_ns) < static_cast<double>(part_ns)) {
       return static_cast<std::int64_t>(std::round(reached_ns));
     }
   }

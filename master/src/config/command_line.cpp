@@ -9,6 +9,40 @@
 #include <charconv>
 
 namespace mebots::master {
+namespace {
+
+struct TypedTime {
+  WrittenTime written;
+  ExactTime exact;
+};
+
+TypedTime read_typed(const std::string& option, const std::string& text) {
+  const auto place = fmt::format("{} {}", option, text);
+  if (const auto ratio = read_ratio(text)) return {text, *ratio};
+  double seconds = 0;
+  const auto result = std::from_chars(text.data(), text.data() + text.size(), seconds);
+  if (result.ec != std::errc{} || result.ptr != text.data() + text.size()) {
+    throw InputError(ErrorCode::syntax_error,
+                     fmt::format("{}: this is not a number of seconds, nor a ratio such as 1/60", place));
+  }
+  const auto time = exact_time(seconds);
+  if (!time) {
+    throw InputError(ErrorCode::value_out_of_range,
+                     fmt::format("{}: this is not a whole number of nanoseconds (or longer than {} s); a ratio such as "
+                                 "1/60 is possible",
+                                 place, kLongestTimeS));
+  }
+  return {seconds, *time};
+}
+
+TypedTime read_above_zero(const std::string& option, const std::string& text) {
+  auto time = read_typed(option, text);
+  if (time.exact.numerator > 0) return time;
+  throw InputError(ErrorCode::value_out_of_range,
+                   fmt::format("{} {}: this must be a time greater than 0 s", option, text));
+}
+
+}  // namespace
 
 Setting read_set(const std::string& text) {
   auto place = fmt::format("--set {}", text);
@@ -48,21 +82,15 @@ std::vector<std::string> with_each_set(const std::vector<std::string>& arguments
 }
 
 std::int64_t read_duration(const std::string& option, const std::string& text) {
-  const auto place = fmt::format("{} {}", option, text);
-  double seconds = 0;
-  const auto result = std::from_chars(text.data(), text.data() + text.size(), seconds);
-  if (result.ec != std::errc{} || result.ptr != text.data() + text.size()) {
-    throw InputError(ErrorCode::syntax_error, fmt::format("{}: this is not a number of seconds", place));
-  }
-  const auto time_ns = to_nanoseconds(seconds);
-  if (!time_ns) {
-    throw InputError(
-        ErrorCode::value_out_of_range,
-        fmt::format("{}: this is not a whole number of nanoseconds (or longer than {} s)", place, kLongestTimeS));
-  }
-  if (*time_ns <= 0)
-    throw InputError(ErrorCode::value_out_of_range, fmt::format("{}: this must be a time greater than 0 s", place));
-  return *time_ns;
+  return to_nanoseconds(read_above_zero(option, text).exact);
+}
+
+std::int64_t read_time(const std::string& option, const std::string& text) {
+  return to_nanoseconds(read_typed(option, text).exact);
+}
+
+WrittenTime read_step(const std::string& option, const std::string& text) {
+  return read_above_zero(option, text).written;
 }
 
 }  // namespace mebots::master

@@ -23,7 +23,12 @@ Setting with_longest_name(const Setting& setting, const std::function<bool(const
 /// `--set a.b=1 --set c.d=2`. Each token with `=` that follows an assignment is one, up to the next option.
 std::vector<std::string> with_each_set(const std::vector<std::string>& arguments);
 
-/// A time greater than 0, as typed in seconds, in nanoseconds. Throws InputError that names the option.
+/// A time greater than 0, as typed in seconds or as a ratio such as 1/60, rounded to nanoseconds. Throws InputError
+/// that names the option.
 std::int64_t read_duration(const std::string& option, const std::string& text);
+/// A time in seconds or as a ratio, rounded to nanoseconds. Throws InputError that names the option.
+std::int64_t read_time(const std::string& option, const std::string& text);
+/// A time greater than 0 as it was typed: a number of seconds or a ratio. Throws InputError that names the option.
+WrittenTime read_step(const std::string& option, const std::string& text);
 
 }  // namespace mebots::master

@@ -123,7 +123,7 @@ nlohmann::ordered_json ordered_json(const std::string& text) {
 }
 
 nlohmann::ordered_json give(nlohmann::ordered_json config, const GivenTimes& times) {
-  if (times.step_s) config["step"] = *times.step_s;
+  if (times.step) std::visit([&](const auto& step) { config["step"] = step; }, *times.step);
   if (times.stop_time_s) config["stop_time"] = *times.stop_time_s;
   return config;
 }
@@ -197,7 +197,7 @@ enum class WithJson : std::uint8_t { yes, no };
 
 void read_config_text(LoadedSystem& loaded, const std::string& file, const GivenTimes& times, WithJson with_json) {
   data::Document document(loaded.system.source, file);
-  const bool is_changed = times.step_s || times.stop_time_s;
+  const bool is_changed = times.step || times.stop_time_s;
   std::optional<std::string> base;
   document.read([&](const data::Node& root) {
     if (root.has(config::kExtends)) {
@@ -276,6 +276,7 @@ void config::check(const std::filesystem::path& file) {
 
 void config::check_scenario(const std::filesystem::path& file) {
   SystemDescription system;
+  system.start_time_ns = -static_cast<std::int64_t>(kLongestTimeS) * kNanosecondsPerSecond;  // it is not known
   data::Document(file).read(
       [&](const data::Node& root) { read_scenario_file(root, system, std::filesystem::absolute(file).parent_path()); });
 }

@@ -59,7 +59,7 @@ void read_parameters(const Node& node, InstanceDescription& instance, const Surr
 }
 
 void read_step_multiple(const Node& node, InstanceDescription& instance, const Surroundings& around) {
-  instance.step_ns = multiple_of_step_ns(node, around.system);
+  instance.steps = steps_in(node, around.system);
 }
 
 void read_process(const Node& node, InstanceDescription& instance, const Surroundings& /*around*/) {
@@ -155,7 +155,6 @@ void read_instances(const Node& node, SystemDescription& system) {
     InstanceDescription instance;
     instance.name = name;
     instance.place = member.place();
-    instance.step_ns = system.step_ns;
     member.attempt([&, &member = member] { read_instance(member, instance, {system, fmus}); });
     system.instances.push_back(std::move(instance));  // mistaken ones, too: others name them
   }

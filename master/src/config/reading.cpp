@@ -55,14 +55,35 @@ std::string instance_name(const std::string& name, const Node& node, const Syste
   return name;
 }
 
-std::int64_t time_ns(const Node& node) {
-  const auto time = to_nanoseconds(node.number());
-  if (!time) {
-    node.fail(ErrorCode::value_out_of_range,
-              fmt::format("{} s is not a whole number of nanoseconds (or longer than {} s); give a time such as 0.002",
-                          node.shown(), kLongestTimeS));
+ExactTime written_time(const Node& node) {
+  const bool is_text = node.kind() == data::Kind::text;
+  const auto time = is_text ? read_ratio(node.text()) : exact_time(node.number());
+  if (time) return *time;
+  if (is_text) {
+    node.fail(ErrorCode::invalid_value,
+              fmt::format("{} is not a ratio of two whole numbers; write a number of seconds, or a ratio such as "
+                          "\"1/60\" with a denominator up to 1e9",
+                          node.shown()));
   }
-  return *time;
+  node.fail(
+      ErrorCode::value_out_of_range,
+      fmt::format("{} s is neither a whole number of nanoseconds nor, within 1e-15, a ratio with a denominator up "
+                  "to {} (or longer than {} s); give a time such as 0.002, or a ratio such as \"1/60\"",
+                  node.shown(), kLargestDenominator, kLongestTimeS));
+}
+
+ExactTime step_time(const Node& node) {
+  const auto step = written_time(node);
+  if (step.numerator <= 0) node.fail(ErrorCode::value_out_of_range, "the step must be greater than 0 s");
+  if (!step.is_whole_nanoseconds() && to_nanoseconds(step) < TimeGrid::kShortestRatioNs) {
+    node.fail(ErrorCode::value_out_of_range, fmt::format("the step {} s is too short: a ratio must be at least {} ns",
+                                                         node.shown(), TimeGrid::kShortestRatioNs));
+  }
+  return step;
+}
+
+std::int64_t time_ns(const Node& node) {
+  return to_nanoseconds(written_time(node));
 }
 
 std::int64_t duration_ns(const Node& node) {
@@ -71,14 +92,17 @@ std::int64_t duration_ns(const Node& node) {
   return duration;
 }
 
-std::int64_t multiple_of_step_ns(const Node& node, const SystemDescription& system) {
-  const auto time = time_ns(node);
-  if (time <= 0) node.fail(ErrorCode::value_out_of_range, "this must be a time greater than 0 s");
-  if (system.step_ns > 0 && time % system.step_ns != 0) {
-    node.fail(ErrorCode::invalid_value, fmt::format("{} s is not a multiple of the system's step {} s",
-                                                    to_seconds(time), to_seconds(system.step_ns)));
+std::int64_t steps_in(const Node& node, const SystemDescription& system) {
+  const auto time = written_time(node);
+  if (time.numerator <= 0) node.fail(ErrorCode::value_out_of_range, "this must be a time greater than 0 s");
+  if (system.step.numerator <= 0) return 1;
+  const auto numerator = WideInteger{time.numerator} * system.step.denominator;
+  const auto denominator = WideInteger{time.denominator} * system.step.numerator;
+  if (numerator % denominator != 0) {
+    node.fail(ErrorCode::invalid_value,
+              fmt::format("{} s is not a multiple of the system's step {} s", time_text(time), time_text(system.step)));
   }
-  return time;
+  return static_cast<std::int64_t>(numerator / denominator);
 }
 
 }  // namespace mebots::master::config

@@ -31,11 +31,15 @@ std::string instance_name(const std::string& name, const Node& node, const Syste
 SignalFileDescription read_signal_file(Object& object, const std::filesystem::path& folder);
 inline constexpr std::string_view kSignalFileKeys[] = {"file", "time", "before", "after"};
 
-/// A time in seconds that is a whole number of nanoseconds.
+/// A time as a number of seconds or as a ratio such as "1/60".
+ExactTime written_time(const Node& node);
+/// A step: greater than 0, and long enough for internal time.
+ExactTime step_time(const Node& node);
+/// A time in seconds, rounded to internal time.
 std::int64_t time_ns(const Node& node);
 /// A time that is not negative.
 std::int64_t duration_ns(const Node& node);
-/// A time greater than 0 that is a multiple of the system's step, where that is known.
-std::int64_t multiple_of_step_ns(const Node& node, const SystemDescription& system);
+/// A time greater than 0 that is a multiple of the system's step: how many steps. 1 if the step is not known.
+std::int64_t steps_in(const Node& node, const SystemDescription& system);
 
 }  // namespace mebots::master::config

@@ -43,8 +43,7 @@ void read_record(const Node& node, SystemDescription& system) {
   record.hdf5 = format.hdf5;
   object.read_if("texts", record.texts, &Node::flag);
   object.read_if("locals", record.locals, &Node::flag);
-  object.read_if("interval", record.interval_ns,
-                 [&](const Node& member) { return multiple_of_step_ns(member, system); });
+  object.read_if("interval", record.every_steps, [&](const Node& member) { return steps_in(member, system); });
   object.finish();
 }
 

@@ -61,9 +61,10 @@ void read_with(Object& object, std::string_view key, T& into, bool wanted, std::
 }
 
 void read_times(Object& object, const SystemDescription& system, OverrideDescription& override) {
-  object.read_if("from", override.from_ns, &duration_ns);
+  override.from_ns = std::min<std::int64_t>(0, system.start_time_ns);
+  object.read_if("from", override.from_ns, &time_ns);
   object.read_if("until", override.until_ns, [&](const Node& node) {
-    const auto until_ns = duration_ns(node);
+    const auto until_ns = time_ns(node);
     if (until_ns <= override.from_ns) node.fail(ErrorCode::invalid_value, "this is not after 'from'");
     return until_ns;
   });

@@ -50,6 +50,10 @@ std::optional<VariableName> SystemDescription::split(std::string_view text) cons
   return std::nullopt;
 }
 
+ExactTime SystemDescription::step_of(const InstanceDescription& instance) const {
+  return reduced(WideInteger{step.numerator} * instance.steps, step.denominator);
+}
+
 std::optional<std::string> stop_time_problem(const SystemDescription& system, std::int64_t stop_time_ns) {
   const auto start_ns = system.start_time_ns;
   if (stop_time_ns <= start_ns) {
@@ -57,18 +61,26 @@ std::optional<std::string> stop_time_problem(const SystemDescription& system, st
     return fmt::format("the stop time {} s must be greater than the start time {} s", to_seconds(stop_time_ns),
                        to_seconds(start_ns));
   }
-  const auto length_ns = stop_time_ns - start_ns;
+  if (WideInteger{stop_time_ns} - start_ns >
+      WideInteger{static_cast<std::int64_t>(kLongestTimeS)} * kNanosecondsPerSecond)
+    return fmt::format("the run would last longer than {} s", kLongestTimeS);
+  if (system.step.numerator <= 0) return std::nullopt;  // it was not understood
+  const auto grid = system.grid();
   const auto after_start = start_ns == 0 ? "" : fmt::format(" after the start time {} s", to_seconds(start_ns));
-  const auto problem = [&](std::int64_t step_ns, const std::string& whose) -> std::optional<std::string> {
-    if (step_ns <= 0 || length_ns % step_ns == 0) return std::nullopt;  // a step of 0: was not understood
-    const auto below_ns = start_ns + length_ns / step_ns * step_ns;
+  const auto last = grid.point_at(stop_time_ns);
+  const auto problem = [&](std::int64_t steps, const std::string& whose,
+                           const ExactTime& step) -> std::optional<std::string> {
+    const auto below = last / steps * steps;
+    if (below == last && grid.time_ns(last) == stop_time_ns) return std::nullopt;
     return fmt::format("the stop time {} s is not a multiple of the step {} s{}{}; the nearest are {} s and {} s",
-                       to_seconds(stop_time_ns), to_seconds(step_ns), whose, after_start, to_seconds(below_ns),
-                       to_seconds(below_ns + step_ns));
+                       to_seconds(stop_time_ns), time_text(step), whose, after_start, grid.time_s(grid.time_ns(below)),
+                       grid.time_s(grid.time_ns(below + steps)));
   };
-  if (auto found = problem(system.step_ns, "")) return found;
+  if (auto found = problem(1, "", system.step)) return found;
   for (const auto& instance : system.instances) {
-    if (auto found = problem(instance.step_ns, fmt::format(" of instance '{}'", instance.name))) return found;
+    if (instance.steps == 1) continue;
+    const auto whose = fmt::format(" of instance '{}'", instance.name);
+    if (auto found = problem(instance.steps, whose, system.step_of(instance))) return found;
   }
   return std::nullopt;
 }

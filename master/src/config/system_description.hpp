@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "base/time_grid.hpp"
 #include "mebots/input_error.hpp"
 #include "mebots/modeldesc/archive.hpp"
 #include "mebots/state/visitor.hpp"
@@ -88,7 +89,7 @@ struct InstanceDescription {
   std::string fmu;                 ///< as written
   std::filesystem::path fmu_path;  ///< absolute
   std::vector<Assignment> parameters;
-  std::int64_t step_ns = 0;         ///< a multiple of the system's step
+  std::int64_t steps = 1;           ///< its step, in steps of the system
   bool divide_discarded = false;    ///< repeat a discarded step in parts instead of ending the run
   bool pass_stop_time = false;      ///< fmi2SetupExperiment gets the run's stop time
   bool pass_tolerance = true;       ///< fmi2SetupExperiment gets a tolerance, if there is one
@@ -198,7 +199,7 @@ struct RecordDescription {
   bool hdf5 = false;                                   ///< into results.h5
   bool texts = false;                                  ///< patterns, and the lack of them, choose texts too
   bool locals = false;                                 ///< they choose local variables, too
-  std::int64_t interval_ns = 0;                        ///< 0 = every communication point
+  std::int64_t every_steps = 1;                        ///< a row at every such communication point
 };
 
 /// Frames to keep as picture files: 8-bit grey pixels that an OSMP binary carries.
@@ -284,9 +285,9 @@ struct SystemDescription {
   std::filesystem::path file;  ///< the config, FMU or SSP
   std::string name;            ///< its file name without extension
   std::string source;          ///< its bytes, for the hash of the inputs
-  std::int64_t step_ns = 0;
+  ExactTime step;              ///< communication step
   std::int64_t start_time_ns = 0;
-  std::int64_t stop_time_ns = 0;
+  std::int64_t stop_time_ns = 0;  ///< internal time of a communication point, see TimeGrid
   bool single_fmu = false;  ///< made from an FMU alone: names of variables need no instance in front
   std::vector<InstanceDescription> instances;
   std::vector<ConnectionDescription> connections;
@@ -307,6 +308,9 @@ struct SystemDescription {
 
   InstanceIndex index;
 
+  TimeGrid grid() const { return {start_time_ns, step}; }
+  /// The step of an instance.
+  ExactTime step_of(const InstanceDescription& instance) const;
   /// Place among `instances`. Like all that looks for names, for one thread at a time.
   std::optional<std::size_t> index_of(std::string_view instance_name) const;
   const InstanceDescription* find_instance(std::string_view instance_name) const;
@@ -318,7 +322,7 @@ struct SystemDescription {
 
 /// Times that are given instead of those in the file, or because it has none [s].
 struct GivenTimes {
-  std::optional<double> step_s;
+  std::optional<WrittenTime> step;
   std::optional<double> stop_time_s;
 };
 

@@ -3,6 +3,8 @@
 #include "reading.hpp"
 #include "sections.hpp"
 
+#include <fmt/format.h>
+
 namespace mebots::master::config {
 
 void read_text(const Node& node, SystemDescription& /*system*/) {
@@ -10,19 +12,24 @@ void read_text(const Node& node, SystemDescription& /*system*/) {
 }
 
 void read_step(const Node& node, SystemDescription& system) {
-  const auto step_ns = time_ns(node);
-  if (step_ns <= 0) node.fail(ErrorCode::value_out_of_range, "the step must be greater than 0 s");
-  system.step_ns = step_ns;
+  const auto step = step_time(node);
+  if (node.kind() != data::Kind::text && !step.is_whole_nanoseconds()) {
+    system.notices.push_back(fmt::format("{}: the step {} s means {} s", node.place(), node.shown(), time_text(step)));
+  }
+  system.step = step;
 }
 
 void read_start_time(const Node& node, SystemDescription& system) {
-  const auto start_time_ns = time_ns(node);
-  if (start_time_ns < 0) node.fail(ErrorCode::value_out_of_range, "the start time must not be negative");
-  system.start_time_ns = start_time_ns;
+  const auto start_time = written_time(node);
+  if (!start_time.is_whole_nanoseconds()) {
+    node.fail(ErrorCode::invalid_value,
+              fmt::format("the start time {} s must be a whole number of nanoseconds", node.shown()));
+  }
+  system.start_time_ns = to_nanoseconds(start_time);
 }
 
 void read_stop_time(const Node& node, SystemDescription& system) {
-  const auto stop_time_ns = time_ns(node);
+  const auto stop_time_ns = to_nanoseconds(written_time(node));
   if (const auto problem = stop_time_problem(system, stop_time_ns)) node.fail(ErrorCode::invalid_value, *problem);
   system.stop_time_ns = stop_time_ns;
 }

@@ -228,6 +228,7 @@ class Host {
     const auto folder = commands.get_text();
     std::vector<std::string> categories;
     for (auto count = commands.get<std::uint64_t>(); count > 0; --count) categories.push_back(commands.get_text());
+    const auto grid = commands.get<TimeGrid>();
     if (!lacking_.empty()) {
       log_.message({name_, Severity::warning, "notice",
                     fmt::format("its sandbox is not whole, for this system does not offer or allow: {}",
@@ -237,7 +238,7 @@ class Host {
     fmu_ = std::make_shared<Fmu>(archive, folder);
     triples_ = osmp_triples(fmu_->description());
     taken_.resize(triples_.size());
-    slave_ = std::make_unique<FmuSlave>(name_, fmu_, std::move(categories), log_);
+    slave_ = std::make_unique<FmuSlave>(name_, fmu_, std::move(categories), log_, grid);
   }
 
   bool step(SharedReader& commands) {

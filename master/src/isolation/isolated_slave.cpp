@@ -48,7 +48,7 @@ std::uint64_t id_of(const SlaveState& state) {
 }  // namespace
 
 IsolatedSlave::IsolatedSlave(const ResolvedInstance& instance, MessageSink& messages,
-                             const std::atomic<bool>* interrupted)
+                             const std::atomic<bool>* interrupted, const TimeGrid& grid)
     : instance_(&instance),
       name_(instance.description->name),
       messages_(&messages),
@@ -67,7 +67,7 @@ IsolatedSlave::IsolatedSlave(const ResolvedInstance& instance, MessageSink& mess
       std::make_unique<ChildProcess>(find_fmu_host(), arguments,
                                      std::array<int, 4>{control_buffer_.descriptor(), command_buffer_.descriptor(),
                                                         answer_buffer_.descriptor(), log_buffer_.descriptor()});
-  open();
+  open(grid);
 }
 
 std::uint64_t IsolatedSlave::memory_bytes() const {
@@ -111,13 +111,14 @@ std::optional<std::string> IsolatedSlave::tell_of_end() {
   return fmt::format("instance '{}': {}", name_, problem);
 }
 
-void IsolatedSlave::open() {
+void IsolatedSlave::open(const TimeGrid& grid) {
   put(Call::open);
   commands_.put(std::string_view(name_));
   commands_.put(std::string_view(instance_->fmu->archive().native()));
   commands_.put(std::string_view(instance_->fmu->folder().native()));
   commands_.put(static_cast<std::uint64_t>(instance_->log_categories.size()));
   for (const auto& category : instance_->log_categories) commands_.put(std::string_view(category));
+  commands_.put(grid);
   hand_over(1, [this](SharedReader& answers) {
     check(answers);
     output_derivative_order_ = answers.get<std::uint32_t>();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "base/time_grid.hpp"
 #include "message/message.hpp"
 #include "slave/slave.hpp"
 #include "system/resolved_system.hpp"
@@ -25,7 +26,8 @@ class IsolatedSlave final : public Slave {
  public:
   /// Starts the process and instantiates. `instance` and `messages` must outlive the slave; so must `interrupted`,
   /// which ends a call that does not come back once it is true (null = nothing does).
-  IsolatedSlave(const ResolvedInstance& instance, MessageSink& messages, const std::atomic<bool>* interrupted);
+  IsolatedSlave(const ResolvedInstance& instance, MessageSink& messages, const std::atomic<bool>* interrupted,
+                const TimeGrid& grid = {});
   ~IsolatedSlave() override;
   IsolatedSlave(const IsolatedSlave&) = delete;
   IsolatedSlave& operator=(const IsolatedSlave&) = delete;
@@ -77,7 +79,7 @@ class IsolatedSlave final : public Slave {
     std::vector<std::string> strings;
   };
 
-  void open();
+  void open(const TimeGrid& grid);
   std::uint64_t memory_bytes() const;
   void put(Call call) { commands_.put(call); }
   void put_references(Call call, std::span<const ValueReference> references);

@@ -86,7 +86,7 @@ bool Condition::holds() const {
   return value < number_;
 }
 
-StopConditions::StopConditions(const ResolvedSystem& system, Ensemble& ensemble) {
+StopConditions::StopConditions(const ResolvedSystem& system, Ensemble& ensemble) : grid_(system.description->grid()) {
   for (const auto& description : system.description->stop_when) {
     watches_.push_back({Condition(system, ensemble, description), description.for_ns});
   }
@@ -96,12 +96,12 @@ std::optional<std::string> StopConditions::reached(const Point& point) {
   std::optional<std::string> wish;
   for (auto& watch : watches_) {
     if (!watch.condition.holds()) {
-      watch.since_ns = -1;
+      watch.since_ns.reset();
       continue;
     }
-    if (watch.since_ns < 0) watch.since_ns = point.time_ns;
-    if (wish || point.time_ns - watch.since_ns < watch.for_ns) continue;
-    wish = fmt::format("{} at {} s", watch.condition.text(), to_seconds(watch.since_ns));
+    if (!watch.since_ns) watch.since_ns = point.time_ns;
+    if (wish || !grid_.has_passed(*watch.since_ns, point.time_ns, watch.for_ns)) continue;
+    wish = fmt::format("{} at {} s", watch.condition.text(), to_seconds(*watch.since_ns));
     if (watch.for_ns > 0) *wish += fmt::format(", held for {} s", to_seconds(watch.for_ns));
   }
   return wish;

@@ -43,11 +43,12 @@ class StopConditions final : public Observer {
   struct Watch {
     Condition condition;
     std::int64_t for_ns;
-    std::int64_t since_ns = -1;  // start of the time for which it has held without a break
+    std::optional<std::int64_t> since_ns = {};  // start of the time for which it has held without a break
 
     void visit(state::Visitor& v) { v("since_ns", since_ns); }
   };
 
+  TimeGrid grid_;
   std::vector<Watch> watches_;
 };
 

@@ -116,16 +116,16 @@ void InputDeviation::take(double deviation, std::int64_t time_ns) {
   largest_at_ns_ = time_ns;
 }
 
-void InputDeviation::reached(std::int64_t time_ns) {
+void InputDeviation::reached(std::int64_t time_ns, const TimeGrid& grid) {
   // The source may be in the middle of a longer step.
   if (ensemble_->outputs_time_ns(output_.instance) != time_ns) return;
   const double value = factor_ * ensemble_->real(output_) + offset_;
-  if (last_time_ns_ < 0) {
+  if (!last_time_ns_) {
     least_ = most_ = value;
   } else {
     const auto start_ns = *course_.start_ns;
-    if (start_ns == last_time_ns_) take(*course_.value - last_value_, start_ns);
-    take(at(course_, to_seconds(time_ns - start_ns)) - value, time_ns);
+    if (start_ns == *last_time_ns_) take(*course_.value - last_value_, start_ns);
+    take(at(course_, grid.length_s(start_ns, time_ns)) - value, time_ns);
     least_ = std::min(least_, value);
     most_ = std::max(most_, value);
   }
@@ -182,11 +182,7 @@ BondEnergy::Half BondEnergy::half(const ResolvedSystem& system, Ensemble& ensemb
 }
 
 BondEnergy::BondEnergy(const ResolvedSystem& system, Ensemble& ensemble, const BondDescription& description)
-    : description_(&description),
-      ensemble_(&ensemble),
-      step_ns_(0),
-      start_ns_(-1),
-      first_time_ns_(system.description->start_time_ns) {
+    : description_(&description), ensemble_(&ensemble) {
   const auto effort = system.find(description.effort, description.place);
   const auto flow = system.find(description.flow, description.place);
   halves_ = {half(system, ensemble, description.effort), half(system, ensemble, description.flow)};
@@ -200,20 +196,23 @@ BondEnergy::BondEnergy(const ResolvedSystem& system, Ensemble& ensemble, const B
                                  description.place, description.effort.text(), description.flow.text(),
                                  description.effort.instance));
   }
-  step_ns_ = ensemble.step_ns(effort.instance);
-  if (step_ns_ != ensemble.step_ns(flow.instance)) {
+  const auto& effort_taker = *system.instances[effort.instance].description;
+  const auto& flow_taker = *system.instances[flow.instance].description;
+  steps_ = effort_taker.steps;
+  if (steps_ != flow_taker.steps) {
     throw InputError(ErrorCode::invalid_value,
                      fmt::format("{}: the two instances of a bond need the same step; '{}' has {} s and '{}' {} s",
-                                 description.place, description.effort.instance, to_seconds(step_ns_),
-                                 description.flow.instance, to_seconds(ensemble.step_ns(flow.instance))));
+                                 description.place, description.effort.instance,
+                                 time_text(system.description->step_of(effort_taker)), description.flow.instance,
+                                 time_text(system.description->step_of(flow_taker))));
   }
   unit_ = product_text(effort.variable->unit, flow.variable->unit);
 }
 
-void BondEnergy::reached(std::int64_t time_ns) {
-  if ((time_ns - first_time_ns_) % step_ns_ != 0) return;
-  if (start_ns_ >= 0) {
-    const double length_s = to_seconds(time_ns - start_ns_);
+void BondEnergy::reached(const Point& point, const TimeGrid& grid) {
+  if (point.step % steps_ != 0) return;
+  if (start_ns_) {
+    const double length_s = grid.length_s(*start_ns_, point.time_ns);
     for (auto& half : halves_) half.step.last = ensemble_->real(half.output);
     const auto& effort = halves_[0];
     const auto& flow = halves_[1];
@@ -232,10 +231,10 @@ void BondEnergy::reached(std::int64_t time_ns) {
     largest_ = std::max(largest_, std::abs(made_));
   }
   for (auto& half : halves_) {
-    half.step.before = start_ns_ >= 0 ? std::optional(half.step.first) : std::nullopt;
+    half.step.before = start_ns_ ? std::optional(half.step.first) : std::nullopt;
     half.step.first = ensemble_->real(half.output);
   }
-  start_ns_ = time_ns;
+  start_ns_ = point.time_ns;
 }
 
 int BondEnergy::order() const {
@@ -257,7 +256,8 @@ Json BondEnergy::json() const {
   return json;
 }
 
-Coupling::Coupling(const ResolvedSystem& system, Ensemble& ensemble) : step_ns_(system.description->step_ns) {
+Coupling::Coupling(const ResolvedSystem& system, Ensemble& ensemble)
+    : grid_(system.description->grid()), step_s_(to_seconds(system.description->step)) {
   MEBOTS_ASSERT(system.description->coupling.has_value());
   const auto& description = *system.description->coupling;
   input_limit_ = description.input_limit;
@@ -268,8 +268,8 @@ Coupling::Coupling(const ResolvedSystem& system, Ensemble& ensemble) : step_ns_(
 }
 
 std::optional<std::string> Coupling::reached(const Point& point) {
-  for (auto& input : inputs_) input.reached(point.time_ns);
-  for (auto& bond : bonds_) bond.reached(point.time_ns);
+  for (auto& input : inputs_) input.reached(point.time_ns, grid_);
+  for (auto& bond : bonds_) bond.reached(point, grid_);
   return std::nullopt;
 }
 
@@ -280,7 +280,6 @@ void Coupling::visit(state::Visitor& v) {
 
 std::vector<std::string> Coupling::warnings() const {
   std::vector<std::string> warnings;
-  const double step_s = to_seconds(step_ns_);
   for (const auto& bond : bonds_) {
     const auto& name = bond.description().name;
     const double limit = bond.description().limit;
@@ -288,7 +287,7 @@ std::vector<std::string> Coupling::warnings() const {
     warnings.push_back(fmt::format(
         "the coupling {} energy in the bond '{}': {:.2g} of the energy that passed, more than its limit {:g}; {}",
         bond.made() > 0 ? "made" : "lost", name, bond.relative(), limit,
-        advice(bond.relative(), limit, bond.order(), step_s)));
+        advice(bond.relative(), limit, bond.order(), step_s_)));
   }
   for (const auto& input : inputs_) {
     if (!input_limit_ || input.relative() <= *input_limit_) continue;
@@ -296,7 +295,7 @@ std::vector<std::string> Coupling::warnings() const {
         fmt::format("the input {} was {:.2g} of its range from what it would have been (root mean square), more than "
                     "the limit {:g}; {}",
                     input.input(), input.relative(), *input_limit_,
-                    advice(input.relative(), *input_limit_, input.order(), step_s)));
+                    advice(input.relative(), *input_limit_, input.order(), step_s_)));
   }
   return warnings;
 }

@@ -35,7 +35,7 @@ class InputDeviation {
  public:
   InputDeviation(const ResolvedSystem& system, Ensemble& ensemble, const ResolvedConnection& connection);
 
-  void reached(std::int64_t time_ns);
+  void reached(std::int64_t time_ns, const TimeGrid& grid);
   void visit(state::Visitor& v);
 
   const std::string& input() const { return input_; }
@@ -58,7 +58,7 @@ class InputDeviation {
   InputCourse course_;
 
   double last_value_ = 0;  // of the source, as the input would have it, at last_time_ns_
-  std::int64_t last_time_ns_ = -1;
+  std::optional<std::int64_t> last_time_ns_;
   double least_ = 0;
   double most_ = 0;
   double squares_ = 0;
@@ -76,7 +76,7 @@ class BondEnergy {
   /// other.
   BondEnergy(const ResolvedSystem& system, Ensemble& ensemble, const BondDescription& description);
 
-  void reached(std::int64_t time_ns);
+  void reached(const Point& point, const TimeGrid& grid);
   void visit(state::Visitor& v);
 
   const BondDescription& description() const { return *description_; }
@@ -104,10 +104,9 @@ class BondEnergy {
   const BondDescription* description_;
   const Ensemble* ensemble_;
   std::string unit_;
-  std::vector<Half> halves_;  // effort and flow
-  std::int64_t step_ns_;
-  std::int64_t start_ns_;
-  std::int64_t first_time_ns_;
+  std::vector<Half> halves_;              // effort and flow
+  std::int64_t steps_ = 1;                // both instances' step, in steps of the system
+  std::optional<std::int64_t> start_ns_;  // of the step that goes on
   double made_ = 0;
   double passed_ = 0;
   double largest_ = 0;
@@ -129,7 +128,8 @@ class Coupling final : public Observer {
 
  private:
   std::optional<double> input_limit_;
-  std::int64_t step_ns_;
+  TimeGrid grid_;
+  double step_s_;
   std::vector<InputDeviation> inputs_;
   std::vector<BondEnergy> bonds_;
 };

@@ -47,7 +47,7 @@ void check_pictures(const ResolvedSystem& system, const PictureDescription& pict
 
 PictureRecorder::PictureRecorder(const ResolvedSystem& system, Ensemble& ensemble, const PictureDescription& pictures,
                                  std::filesystem::path folder)
-    : ensemble_(&ensemble), pictures_(pictures), folder_(std::move(folder)) {
+    : ensemble_(&ensemble), pictures_(pictures), grid_(system.description->grid()), folder_(std::move(folder)) {
   const auto source = find_source(system, pictures_);
   base_lo_ = ensemble.watch(source.base_lo);
   base_hi_ = ensemble.watch(source.base_hi);
@@ -78,9 +78,9 @@ std::optional<std::string> PictureRecorder::reached(const Point& point) {
   const auto id = ensemble_->integer(id_);
   if (id != last_id_) {
     last_id_ = id;
-    if (point.time_ns >= next_ns_) {
+    if (!last_ns_ || grid_.has_passed(*last_ns_, point.time_ns, pictures_.interval_ns)) {
       write(point);
-      next_ns_ = point.time_ns + pictures_.interval_ns;
+      last_ns_ = point.time_ns;
     }
   }
   return std::nullopt;
@@ -101,7 +101,7 @@ void PictureRecorder::write(const Point& point) const {
 
 void PictureRecorder::visit(state::Visitor& v) {
   v("last_id", last_id_);
-  v("next_ns", next_ns_);
+  v("last_ns", last_ns_);
 }
 
 }  // namespace mebots::master

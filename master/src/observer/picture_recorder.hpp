@@ -29,6 +29,7 @@ class PictureRecorder final : public Observer {
 
   const Ensemble* ensemble_;
   PictureDescription pictures_;
+  TimeGrid grid_;
   std::filesystem::path folder_;
   SignalId base_lo_;
   SignalId base_hi_;
@@ -36,7 +37,7 @@ class PictureRecorder final : public Observer {
   SignalId id_;
   bool has_folder_ = false;
   std::int32_t last_id_ = 0;
-  std::int64_t next_ns_ = 0;
+  std::optional<std::int64_t> last_ns_;  // when a picture was written
 };
 
 /// Throws InputError when the variables do not exist or are of the wrong kind, or the FMU says another width.

@@ -15,9 +15,8 @@ constexpr std::size_t kBlockTextBytes = 1 << 20;
 
 }  // namespace
 
-Recorder::Recorder(const ResolvedSystem& system, Ensemble& ensemble) : ensemble_(&ensemble), every_steps_(1) {
-  const auto& description = *system.description;
-  if (description.record.interval_ns > 0) every_steps_ = description.record.interval_ns / description.step_ns;
+Recorder::Recorder(const ResolvedSystem& system, Ensemble& ensemble)
+    : ensemble_(&ensemble), grid_(system.description->grid()), every_steps_(system.description->record.every_steps) {
   for (const auto& variable : recorded_variables(system)) {
     signals_.push_back(ensemble.watch(variable));
     columns_.push_back({system.text(variable), variable.variable->unit, signals_.back().kind});
@@ -70,7 +69,7 @@ void Recorder::write_row(const Point& point) {
   const auto size = block_.cells.size();
   block_.cells.resize(size + block_.cells_per_row);
   auto* cell = block_.cells.data() + size;
-  *cell++ = static_cast<std::uint64_t>(point.time_ns);
+  *cell++ = std::bit_cast<std::uint64_t>(grid_.time_s(point.time_ns));
   for (const auto& source : sources_) {
     if (source.real != nullptr) {
       *cell++ = std::bit_cast<std::uint64_t>(*source.real);

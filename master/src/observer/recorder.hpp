@@ -46,6 +46,7 @@ class Recorder final : public Observer {
   void write_row(const Point& point);
 
   const Ensemble* ensemble_;
+  TimeGrid grid_;
   std::int64_t every_steps_;
   std::vector<RecordColumn> columns_;
   std::vector<SignalId> signals_;

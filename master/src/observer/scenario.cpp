@@ -99,7 +99,7 @@ std::string action_text(const OverrideDescription& override) {
 }
 
 Scenario::Scenario(const ResolvedSystem& system)
-    : start_ns_(system.description->start_time_ns), inputs_(system.inputs.size()) {
+    : start_ns_(system.description->start_time_ns), grid_(system.description->grid()), inputs_(system.inputs.size()) {
   for (const auto& [variable, input] : system.inputs) {
     overrides_.push_back({&input.description, variable, {}, input.signal});
   }
@@ -117,26 +117,33 @@ void Scenario::watch(const ResolvedSystem& system, Ensemble& ensemble) {
   }
 }
 
+std::optional<std::int64_t> Scenario::begin_of(std::size_t override) const {
+  const auto& description = *overrides_[override].description;
+  return description.when ? triggers_[override].started_ns : description.from_ns;
+}
+
 std::optional<std::int64_t> Scenario::since(std::size_t override, std::int64_t time_ns) const {
   const auto& description = *overrides_[override].description;
-  const auto start_ns = description.when ? triggers_[override].started_ns : description.from_ns;
-  if (start_ns < 0 || time_ns < start_ns) return std::nullopt;
+  const auto start = begin_of(override);
+  if (!start || time_ns < *start) return std::nullopt;
   if (description.until_ns && time_ns >= *description.until_ns) return std::nullopt;
-  if (description.duration_ns && time_ns - start_ns >= *description.duration_ns) return std::nullopt;
-  return start_ns;
+  if (description.duration_ns && grid_.has_passed(*start, time_ns, *description.duration_ns)) return std::nullopt;
+  return start;
 }
 
 std::optional<std::string> Scenario::reached(const Point& point) {
   for (std::size_t i = 0; i < triggers_.size(); ++i) {
     auto& trigger = triggers_[i];
     const auto& description = *overrides_[i].description;
-    if (!trigger.condition || trigger.started_ns >= 0 || point.time_ns < description.from_ns) continue;
+    if (!trigger.condition || trigger.started_ns || point.time_ns < description.from_ns) continue;
     if (!trigger.condition->holds()) {
-      trigger.holds_since_ns = -1;
+      trigger.holds_since_ns.reset();
       continue;
     }
-    if (trigger.holds_since_ns < 0) trigger.holds_since_ns = point.time_ns;
-    if (point.time_ns - trigger.holds_since_ns >= description.when->for_ns) trigger.started_ns = point.time_ns;
+    if (!trigger.holds_since_ns) trigger.holds_since_ns = point.time_ns;
+    if (grid_.has_passed(*trigger.holds_since_ns, point.time_ns, description.when->for_ns)) {
+      trigger.started_ns = point.time_ns;
+    }
   }
   return std::nullopt;
 }
@@ -152,14 +159,14 @@ nlohmann::ordered_json Scenario::report(const ResolvedSystem& system, std::int64
     nlohmann::ordered_json entry = {{"variable", system.text(overrides_[i].variable)},
                                     {"action", action_text(description)}};
     if (!description.text.empty()) entry["text"] = description.text;
-    const auto start_ns = description.when ? triggers_[i].started_ns : description.from_ns;
-    const bool applied = start_ns >= 0 && start_ns <= end_ns;
+    const auto start = begin_of(i);
+    const bool applied = start && *start <= end_ns;
     entry["applied"] = applied;
     if (applied) {
       auto until_ns = end_ns;
       if (description.until_ns) until_ns = std::min(until_ns, *description.until_ns);
-      if (description.duration_ns) until_ns = std::min(until_ns, start_ns + *description.duration_ns);
-      entry["from"] = to_seconds(start_ns);
+      if (description.duration_ns) until_ns = std::min(until_ns, *start + *description.duration_ns);
+      entry["from"] = to_seconds(*start);
       entry["until"] = to_seconds(until_ns);
     }
     json.push_back(std::move(entry));

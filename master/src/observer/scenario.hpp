@@ -38,6 +38,7 @@ class Scenario final : public Observer {
   const std::vector<Override>& overrides() const { return overrides_; }
   /// The start of the run.
   std::int64_t start_ns() const { return start_ns_; }
+  const TimeGrid& grid() const { return grid_; }
   /// Since when an override acts, if it does at this time.
   std::optional<std::int64_t> since(std::size_t override, std::int64_t time_ns) const;
 
@@ -51,8 +52,8 @@ class Scenario final : public Observer {
  private:
   struct Trigger {
     std::optional<Condition> condition;
-    std::int64_t holds_since_ns = -1;
-    std::int64_t started_ns = -1;
+    std::optional<std::int64_t> holds_since_ns;
+    std::optional<std::int64_t> started_ns;
 
     void visit(state::Visitor& v) {
       v("holds_since_ns", holds_since_ns);
@@ -60,7 +61,11 @@ class Scenario final : public Observer {
     }
   };
 
+  /// When an override begins, if that is known.
+  std::optional<std::int64_t> begin_of(std::size_t override) const;
+
   std::int64_t start_ns_;
+  TimeGrid grid_;
   std::size_t inputs_;  // so many overrides come from `inputs`
   std::vector<Override> overrides_;
   std::vector<Trigger> triggers_;  // one per override; without a condition where there is none

@@ -18,7 +18,7 @@
 namespace mebots::master {
 namespace {
 
-constexpr std::string_view kMagic = "mebots checkpoint 4\n";
+constexpr std::string_view kMagic = "mebots checkpoint 5\n";
 
 std::vector<std::string> lines_of(const std::string& text) {
   std::istringstream stream(text);
@@ -122,7 +122,8 @@ Checkpointer::Checkpointer(Simulation& simulation, std::filesystem::path folder,
 std::optional<std::string> Checkpointer::reached(const Point& point) {
   if (point.time_ns < next_ns_) return std::nullopt;
   const auto every_ns = checkpoint_.request.checkpoint_every_ns;
-  next_ns_ = (point.time_ns / every_ns + 1) * every_ns;
+  const auto passed = point.time_ns / every_ns - (point.time_ns % every_ns < 0 ? 1 : 0);  // rounded down
+  next_ns_ = (passed + 1) * every_ns;
   const auto state = simulation_->save_state();  // the recorder hands its rows to the file
   checkpoint_.simulation = simulation_->serialize(state);
   checkpoint_.time_ns = point.time_ns;

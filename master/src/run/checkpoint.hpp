@@ -73,7 +73,7 @@ class Checkpointer final : public Observer {
   OutputFile* log_;
   GrowingFileHash results_hash_;
   GrowingFileHash log_hash_;
-  std::int64_t next_ns_ = 0;
+  std::int64_t next_ns_ = std::numeric_limits<std::int64_t>::min();
 };
 
 }  // namespace mebots::master

@@ -23,13 +23,16 @@ namespace {
 using namespace master;
 using modeldesc::Type;
 
+/// In internal time: rounded to nanoseconds, if it is a ratio such as k / 60.
 std::int64_t nanoseconds(double time_s, std::string_view what) {
-  const auto time_ns = to_nanoseconds(time_s);
-  if (!time_ns) {
+  const auto time = exact_time(time_s);
+  if (!time) {
     throw InputError(ErrorCode::invalid_argument,
-                     fmt::format("{}: {} s is not a whole number of nanoseconds", what, time_s));
+                     fmt::format("{}: {} s is neither a whole number of nanoseconds nor a ratio with a denominator up "
+                                 "to {}",
+                                 what, time_s, kLargestDenominator));
   }
-  return *time_ns;
+  return to_nanoseconds(*time);
 }
 
 std::int64_t duration(double time_s, std::string_view what) {
@@ -47,8 +50,11 @@ RunRequest request_of(const std::filesystem::path& config, const MissionOptions&
   request.in_memory = options.in_memory;
   request.scenarios = options.scenarios;
   request.inputs = options.inputs;
-  if (options.stop_time_s) request.stop_time_ns = duration(*options.stop_time_s, "stop time");
-  if (options.step_s) request.step_ns = duration(*options.step_s, "step");
+  if (options.stop_time_s) request.stop_time_ns = nanoseconds(*options.stop_time_s, "stop time");
+  if (options.step_s) {
+    static_cast<void>(duration(*options.step_s, "step"));
+    request.step = *options.step_s;
+  }
   request.isolate = options.isolate;
   request.statistics = options.statistics;
   if (options.checkpoint_every_s) {
@@ -62,7 +68,7 @@ class PointListener final : public Observer {
   PointListener(Run& run, std::function<void(double)> listener) : run_(&run), listener_(std::move(listener)) {}
 
   std::optional<std::string> reached(const Point& point) override {
-    run_->at_point([&] { listener_(to_seconds(point.time_ns)); });
+    run_->at_point([&] { listener_(run_->system().grid().time_s(point.time_ns)); });
     return std::nullopt;
   }
 
@@ -121,7 +127,7 @@ void Mission::add_inputs(const std::filesystem::path& file) {
 }
 
 void Mission::set_stop_time(double stop_time_s) {
-  door_->run->set_stop_time(duration(stop_time_s, "set_stop_time"), "set_stop_time");
+  door_->run->set_stop_time(nanoseconds(stop_time_s, "set_stop_time"), "set_stop_time");
 }
 
 void Mission::record(const std::vector<std::string>& patterns) {
@@ -178,15 +184,15 @@ RunState Mission::state() const {
 }
 
 double Mission::time_s() const {
-  return to_seconds(door_->run->time_ns());
+  return door_->run->time_s();
 }
 
 double Mission::step_s() const {
-  return to_seconds(door_->run->system().step_ns);
+  return to_seconds(door_->run->system().step);
 }
 
 double Mission::stop_time_s() const {
-  return to_seconds(door_->run->system().stop_time_ns);
+  return door_->run->system().grid().time_s(door_->run->system().stop_time_ns);
 }
 
 bool Mission::ended() const {

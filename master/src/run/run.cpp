@@ -44,7 +44,7 @@ class Stopwatch {
 /// An FMU alone and an SSP may lack both; a config has its own.
 GivenTimes given_times(const RunRequest& request) {
   GivenTimes times;
-  if (request.step_ns) times.step_s = to_seconds(*request.step_ns);
+  times.step = request.step;
   if (request.stop_time_ns && find_system(request.config).form != SystemForm::config)
     times.stop_time_s = to_seconds(*request.stop_time_ns);
   return times;
@@ -168,7 +168,7 @@ void Run::record(const std::vector<std::string>& patterns) {
 /// What was asked for beyond the config: the same text whichever door it came through, and in whichever order.
 std::vector<std::string> Run::changes() const {
   std::vector<std::string> texts;
-  if (request_.step_ns) texts.push_back(fmt::format("step {}", to_seconds(*request_.step_ns)));
+  if (request_.step) texts.push_back(fmt::format("step {}", time_text(*request_.step)));
   texts.insert(texts.end(), setting_changes_.begin(), setting_changes_.end());
   texts.insert(texts.end(), scenario_changes_.begin(), scenario_changes_.end());
   texts.insert(texts.end(), inputs_changes_.begin(), inputs_changes_.end());
@@ -372,7 +372,7 @@ void Run::initialise() {
 void Run::step_until(std::int64_t until_ns) {
   // Watching the process costs more than a step.
   std::optional<ProcessWatch> watch;
-  if (!has_foreign_ && until_ns - time_ns() > system_.step_ns) watch.emplace(resolved_, messages_);
+  if (!has_foreign_ && until_ns > next_point_ns()) watch.emplace(resolved_, messages_);
   auto seen_ns = time_ns();
   const auto look = [&] {
     if (watch)
@@ -405,10 +405,15 @@ void Run::advance(std::int64_t until_ns, std::string_view what) {
   });
 }
 
+std::int64_t Run::next_point_ns() const {
+  const auto grid = system_.grid();
+  return grid.time_ns((simulation_ ? simulation_->steps_done() : 0) + 1);
+}
+
 bool Run::step() {
   if (state_ == RunState::open) start();
   const auto from = simulation_ ? simulation_->steps_done() : 0;
-  advance(time_ns() + system_.step_ns, "step()");
+  advance(next_point_ns(), "step()");
   return simulation_ && simulation_->steps_done() > from;
 }
 
@@ -574,7 +579,7 @@ nlohmann::ordered_json Run::summary() const {
   auto json = summary_json(resolved_, hash_, report, *values_);
   if (!system_.scenario.empty()) json["scenario"] = scenario_->report(resolved_, simulation_->time_ns());
   for (const auto& loss : losses()) {
-    json["lost_instances"][loss.name] = {{"at", to_seconds(loss.at_ns)}, {"error", loss.text}};
+    json["lost_instances"][loss.name] = {{"at", to_seconds(*loss.at_ns)}, {"error", loss.text}};
   }
   if (coupling_) json["coupling"] = coupling_->json();
   if (request_.statistics) json["statistics"] = statistics_json(statistics_, report.wall.simulating_s());
@@ -583,7 +588,8 @@ nlohmann::ordered_json Run::summary() const {
 
 std::vector<InstanceLoss> Run::losses() const {
   std::vector<InstanceLoss> lost;
-  std::ranges::copy_if(losses_, std::back_inserter(lost), [](const InstanceLoss& loss) { return loss.at_ns >= 0; });
+  std::ranges::copy_if(losses_, std::back_inserter(lost),
+                       [](const InstanceLoss& loss) { return loss.at_ns.has_value(); });
   return lost;
 }
 

@@ -114,6 +114,8 @@ class Run {
   const std::shared_ptr<FmuLibrary>& library() const { return library_; }
   const SystemDescription& system() const { return system_; }
   std::int64_t time_ns() const { return simulation_ ? simulation_->time_ns() : system_.start_time_ns; }
+  /// The double nearest to the communication point.
+  double time_s() const { return system_.grid().time_s(time_ns()); }
   /// The config's outcome at the point reached last ("completed" when none fits); "interrupted" and "failed" where the
   /// run was. Empty before the start.
   std::string outcome() const;
@@ -166,6 +168,7 @@ class Run {
   void begin();
   void advance(std::int64_t until_ns, std::string_view what);
   void step_until(std::int64_t until_ns);
+  std::int64_t next_point_ns() const;
   void finish();
   void fail(ErrorCode code, const std::string& what) noexcept;
   void write_reports() noexcept;

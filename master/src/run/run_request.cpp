@@ -16,7 +16,7 @@ void RunRequest::visit(state::Visitor& v) {
   v("scenarios", scenarios);
   v("inputs", inputs);
   v("stop_time_ns", stop_time_ns);
-  v("step_ns", step_ns);
+  v("step", step);
   v("record", record);
   v("folder", folder);
   v("in_memory", in_memory);

@@ -20,7 +20,7 @@ struct RunRequest {
   std::vector<std::filesystem::path> scenarios;    ///< files with more overrides, after the config's
   std::vector<std::filesystem::path> inputs;       ///< CSV files with signals for free inputs, after the config's
   std::optional<std::int64_t> stop_time_ns;        ///< instead of the config's
-  std::optional<std::int64_t> step_ns;             ///< communication step, for an FMU or an SSP that has none
+  std::optional<WrittenTime> step;                 ///< communication step, for an FMU or an SSP that has none
   std::optional<std::vector<std::string>> record;  ///< name patterns, in place of `variables` and `exclude`
   std::filesystem::path folder;                    ///< where the result files go; empty = no files
   bool in_memory = false;                          ///< keep the recorded rows in memory, too

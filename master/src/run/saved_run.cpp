@@ -10,7 +10,7 @@
 namespace mebots::master {
 namespace {
 
-constexpr std::string_view kMagic = "mebots saved run 1\n";
+constexpr std::string_view kSavedRunMagic = "mebots saved run 1\n";
 constexpr std::size_t kHashSize = 64;
 
 std::string_view text_of(std::span<const std::byte> bytes) {
@@ -23,7 +23,7 @@ std::vector<std::byte> to_bytes(const SavedRun& run) {
   const auto content = state::save(run);
   const auto hash = sha256(text_of(content));
   state::Writer writer;
-  writer.append(kMagic.data(), kMagic.size());
+  writer.append(kSavedRunMagic.data(), kSavedRunMagic.size());
   writer.append(hash.data(), hash.size());
   writer.append(content.data(), content.size());
   return writer.take();
@@ -31,11 +31,11 @@ std::vector<std::byte> to_bytes(const SavedRun& run) {
 
 SavedRun saved_run(std::span<const std::byte> bytes) {
   const auto text = text_of(bytes);
-  if (!text.starts_with(kMagic) || text.size() < kMagic.size() + kHashSize) {
+  if (!text.starts_with(kSavedRunMagic) || text.size() < kSavedRunMagic.size() + kHashSize) {
     throw InputError(ErrorCode::state_of_other_build, "this is not a saved state of a run of this version of mebots");
   }
-  const auto content = bytes.subspan(kMagic.size() + kHashSize);
-  if (text.substr(kMagic.size(), kHashSize) != sha256(text_of(content))) {
+  const auto content = bytes.subspan(kSavedRunMagic.size() + kHashSize);
+  if (text.substr(kSavedRunMagic.size(), kHashSize) != sha256(text_of(content))) {
     throw InputError(ErrorCode::state_damaged, "this saved state of a run is damaged");
   }
   SavedRun run;

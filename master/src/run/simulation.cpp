@@ -24,8 +24,7 @@ Simulation::Simulation(const ResolvedSystem& system, MessageSink& messages, cons
       ensemble_(system, messages_, options),
       slaves_(system, ensemble_, *interrupted_),
       algorithm_(find_algorithm(system.description->algorithm).make({system, slaves_, messages_})),
-      start_ns_(system.description->start_time_ns),
-      step_ns_(system.description->step_ns),
+      grid_(system.description->grid()),
       stop_ns_(system.description->stop_time_ns) {}
 
 Simulation::~Simulation() = default;
@@ -51,7 +50,7 @@ void Simulation::reach_point() {
   if (wish) {
     finish({EndReason::stop_condition, *wish});
   } else if (point.time_ns >= stop_ns_) {
-    finish({EndReason::stop_time, fmt::format("the stop time {} s was reached", to_seconds(point.time_ns))});
+    finish({EndReason::stop_time, fmt::format("the stop time {} s was reached", grid_.time_s(point.time_ns))});
   }
 }
 

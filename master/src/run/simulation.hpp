@@ -25,8 +25,8 @@ struct SimulationState {
   std::uint64_t layout = 0;       ///< of `master`
 };
 
-/// The loop of a run: fixed steps in whole nanoseconds, t_k = t_0 + k h, never a running sum. An Algorithm carries the
-/// slaves from point to point; observers are told of every point. Knows nothing of files and settings: see Run.
+/// The loop of a run over the points of a TimeGrid. An Algorithm carries the slaves from point to point; observers are
+/// called at every point. Knows nothing of files and settings: see Run.
 class Simulation {
  public:
   /// `system`, `messages` and what `options` points to must outlive the simulation.
@@ -64,7 +64,7 @@ class Simulation {
   std::vector<std::string> free_instances() { return ensemble_.free_instances(); }
 
   std::int64_t steps_done() const { return step_; }
-  std::int64_t time_ns() const { return start_ns_ + step_ * step_ns_; }
+  std::int64_t time_ns() const { return grid_.time_ns(step_); }
 
   /// Throws Error for a slave that cannot save its state.
   SimulationState save_state();
@@ -85,8 +85,7 @@ class Simulation {
   SlaveSteps slaves_;
   std::unique_ptr<Algorithm> algorithm_;
   std::vector<Observer*> observers_;
-  std::int64_t start_ns_;
-  std::int64_t step_ns_;
+  TimeGrid grid_;
   std::int64_t stop_ns_;
   std::int64_t step_ = 0;
   bool ended_ = false;

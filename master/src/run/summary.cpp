@@ -156,10 +156,10 @@ Json summary_json(const ResolvedSystem& system, const InputHash& hash, const Run
   json["simulated_time"] = to_seconds(report.simulated_ns);
   json["real_time_factor"] = report.real_time_factor();
   append(json, values.values());
-  json["step"] = to_seconds(description.step_ns);
+  json["step"] = to_seconds(description.step);
   json["steps"] = report.steps;
   if (description.start_time_ns != 0) json["start_time"] = to_seconds(description.start_time_ns);
-  json["stop_time"] = to_seconds(description.stop_time_ns);
+  json["stop_time"] = description.grid().time_s(description.stop_time_ns);
   json["rows"] = report.rows;
 
   Json units = {{"simulated_time", "s"}, {"step", "s"}, {"stop_time", "s"}, {"wall_clock", "s"}};

@@ -32,7 +32,7 @@ Json instances_json(const ResolvedSystem& system) {
     auto& json = add_member(instances, instance.description->name);
     json["model"] = model.model_name;
     put_unless_empty(json, "text", model.text);
-    json["step"] = to_seconds(instance.description->step_ns);
+    json["step"] = to_seconds(system.description->step_of(*instance.description));
   }
   return instances;
 }
@@ -110,8 +110,8 @@ Json system_json(const ResolvedSystem& system) {
   const auto& description = *system.description;
   Json json;
   json["name"] = description.name;
-  json["step"] = to_seconds(description.step_ns);
-  json["stop_time"] = to_seconds(description.stop_time_ns);
+  json["step"] = to_seconds(description.step);
+  json["stop_time"] = description.grid().time_s(description.stop_time_ns);
   json["instances"] = instances_json(system);
   json["connections"] = connections_json(system);
   json["variables"] = variables_json(system);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sink/csv_rows.hpp"
 
-#include "base/time.hpp"
 #include "mebots/data/csv.hpp"
 #include "mebots/error.hpp"
 
@@ -29,9 +28,8 @@ void copy_csv_rows(const std::filesystem::path& file, std::uint64_t bytes, const
   block.cells_per_row = columns.size() + 1;
   while (reader.next()) {
     const auto time_s = data::csv_number<double>(reader.cell(0));
-    const auto time_ns = time_s ? to_nanoseconds(*time_s) : std::nullopt;
-    if (!time_ns) fail();
-    block.cells.push_back(static_cast<std::uint64_t>(*time_ns));
+    if (!time_s) fail();
+    block.cells.push_back(std::bit_cast<std::uint64_t>(*time_s));
     for (std::size_t i = 0; i < columns.size(); ++i) {
       const auto cell = reader.cell(i + 1);
       if (columns[i].kind == ValueKind::string) {

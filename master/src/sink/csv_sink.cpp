@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sink/csv_sink.hpp"
 
-#include "base/time.hpp"
-
 #include <fmt/format.h>
 
 #include <bit>
@@ -52,7 +50,7 @@ void CsvSink::write(const RowBlock& block) {
   const auto* cell = block.cells.data();
   for (std::size_t row = 0; row < block.rows(); ++row) {
     char* at = line_.data();
-    at = std::to_chars(at, at + kLongestNumber, to_seconds(static_cast<std::int64_t>(*cell++))).ptr;
+    at = std::to_chars(at, at + kLongestNumber, std::bit_cast<double>(*cell++)).ptr;
     for (auto& column : columns_) {
       *at++ = ',';
       if (column.kind == ValueKind::string) {

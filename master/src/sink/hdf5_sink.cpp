@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sink/hdf5_sink.hpp"
 
-#include "base/time.hpp"
 #include "mebots/input_error.hpp"
 #include "sink/hdf5_parts.hpp"
 
@@ -107,7 +106,6 @@ struct Hdf5Sink::File {
       for (std::size_t row = 0; row < values.size(); ++row) values[row] = convert(cell(row));
       return values.data();
     };
-    if (index == 0) return fill(reals, [](auto bits) { return to_seconds(static_cast<std::int64_t>(bits)); });
     switch (column.kind) {
       case ValueKind::real:
         return fill(reals, [](auto bits) { return std::bit_cast<double>(bits); });

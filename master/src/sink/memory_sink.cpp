@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sink/memory_sink.hpp"
 
-#include "base/time.hpp"
 #include "mebots/error.hpp"
 
 #include <algorithm>
@@ -25,7 +24,7 @@ const Series* MemorySink::find(std::string_view name) const {
 void MemorySink::write(const RowBlock& block) {
   for (std::size_t row = 0; row < block.rows(); ++row) {
     const auto* cells = block.cells.data() + row * block.cells_per_row;
-    times_s_.push_back(to_seconds(static_cast<std::int64_t>(cells[0])));
+    times_s_.push_back(std::bit_cast<double>(cells[0]));
     for (std::size_t i = 0; i < sources_.size(); ++i) {
       const auto cell = cells[1 + sources_[i].cell];
       series_[i].values.push_back(sources_[i].kind == ValueKind::real

@@ -21,8 +21,8 @@ struct RecordColumn {
 /// Cells after which a block is handed on: 128 KiB, which stay in the cache of a core.
 inline constexpr std::size_t kBlockCells = 1 << 14;
 
-/// Rows as raw numbers, so that the simulation need not wait until they are text. A row is its time [ns] and
-/// one cell per column: a double's bits, a whole number, or the index of a text in `texts`.
+/// Rows as raw numbers, so that the simulation need not wait until they are text. A row is its time [s], a double's
+/// bits, and one cell per column: a double's bits, a whole number, or the index of a text in `texts`.
 struct RowBlock {
   std::size_t cells_per_row = 1;
   std::vector<std::uint64_t> cells;

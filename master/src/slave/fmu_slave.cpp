@@ -129,11 +129,12 @@ class FmuSlaveState final : public SlaveState {
 }  // namespace
 
 FmuSlave::FmuSlave(std::string name, std::shared_ptr<Fmu> fmu, std::vector<std::string> log_categories,
-                   MessageSink& messages)
+                   MessageSink& messages, const TimeGrid& grid)
     : name_(std::move(name)),
       fmu_(std::move(fmu)),
       log_categories_(std::move(log_categories)),
       sink_(&messages),
+      grid_(grid),
       functions_(&fmu_->functions()),
       fmi_(std::make_unique<Fmi>(*this)) {
   fmi_->callbacks = fmi_->target.functions(description().co_simulation->can_run_asynchronuously);
@@ -326,7 +327,7 @@ void FmuSlave::setup_experiment(const Experiment& experiment) {
   watched("fmi2SetupExperiment", [&] {
     require("fmi2SetupExperiment", functions_->setup_experiment, tolerance ? fmi2True : fmi2False,
             tolerance.value_or(0), to_seconds(start_ns), stop_ns ? fmi2True : fmi2False,
-            to_seconds(stop_ns.value_or(0)));
+            grid_.time_s(stop_ns.value_or(0)));
   });
 }
 
@@ -343,8 +344,8 @@ void FmuSlave::exit_initialization() {
 /// Every step cannot be watched; the first, second, fourth ... are, so that whoever does wrong in all of them is named.
 int FmuSlave::do_step(std::int64_t start_ns, std::int64_t duration_ns, bool never_back) {
   const auto call = [&] {
-    return fmi_->call("fmi2DoStep", functions_->do_step, to_seconds(start_ns), to_seconds(duration_ns),
-                      never_back ? fmi2True : fmi2False);
+    return fmi_->call("fmi2DoStep", functions_->do_step, grid_.time_s(start_ns),
+                      grid_.length_s(start_ns, start_ns + duration_ns), never_back ? fmi2True : fmi2False);
   };
   if (++steps_ != watched_step_) [[likely]]
     return call();

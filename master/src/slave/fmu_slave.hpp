@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "base/time_grid.hpp"
 #include "message/message.hpp"
 #include "slave/fmu.hpp"
 #include "slave/slave.hpp"
@@ -20,8 +21,10 @@ namespace mebots::master {
 class FmuSlave final : public Slave {
  public:
   /// Instantiates. `log_categories` are the categories whose ordinary messages (fmi2OK) go to `messages`,
-  /// "*" for all; warnings and errors always go there. `messages` must outlive the slave.
-  FmuSlave(std::string name, std::shared_ptr<Fmu> fmu, std::vector<std::string> log_categories, MessageSink& messages);
+  /// "*" for all; warnings and errors always go there. `messages` must outlive the slave. Points of `grid` are passed
+  /// to the FMU as the nearest doubles.
+  FmuSlave(std::string name, std::shared_ptr<Fmu> fmu, std::vector<std::string> log_categories, MessageSink& messages,
+           const TimeGrid& grid = {});
   ~FmuSlave() override;
   FmuSlave(const FmuSlave&) = delete;
   FmuSlave& operator=(const FmuSlave&) = delete;
@@ -83,6 +86,7 @@ class FmuSlave final : public Slave {
   std::shared_ptr<Fmu> fmu_;
   std::vector<std::string> log_categories_;
   MessageSink* sink_;
+  TimeGrid grid_;
   const Fmi2Functions* functions_;
 
   std::int64_t time_ns_ = 0;

@@ -47,10 +47,6 @@ class OverriddenState final : public SlaveState {
   std::vector<std::byte> own;
 };
 
-SignalTime signal_time(std::int64_t time_ns) {
-  return {time_ns, to_seconds(time_ns)};
-}
-
 std::variant<double, std::int32_t, std::string> plain(const modeldesc::Value& value, ValueKind kind) {
   if (const auto* number = std::get_if<double>(&value)) return *number;
   if (const auto* number = std::get_if<std::int32_t>(&value)) return *number;
@@ -87,8 +83,12 @@ OverriddenSlave::OverriddenSlave(std::unique_ptr<Slave> inner, const Scenario& s
     }
     auto& target = targets_[place->second];
     target.sloped |= overrides[i].signal != nullptr && overrides[i].signal->linear() && target.input;
-    target.layers.push_back({i, noise_key(*overrides[i].description), 0, -1, {}});
+    target.layers.push_back({i, noise_key(*overrides[i].description), 0, {}, {}});
   }
+}
+
+SignalTime OverriddenSlave::signal_time(std::int64_t time_ns) const {
+  return {time_ns, scenario_->grid().time_s(time_ns)};
 }
 
 OverriddenSlave::Value OverriddenSlave::apply(Layer& layer, const Value& value, std::int64_t since_ns) {
@@ -112,9 +112,8 @@ OverriddenSlave::Value OverriddenSlave::apply(Layer& layer, const Value& value, 
     case OverrideAction::ramp:
       break;
   }
-  const auto passed_ns = time_ns_ - since_ns;
-  if (passed_ns >= description.over_ns) return description.number;
-  const double part = static_cast<double>(passed_ns) / static_cast<double>(description.over_ns);
+  if (scenario_->grid().has_passed(since_ns, time_ns_, description.over_ns)) return description.number;
+  const double part = static_cast<double>(time_ns_ - since_ns) / static_cast<double>(description.over_ns);
   const double found = std::get<double>(layer.found);
   return found + part * (description.number - found);
 }
@@ -125,12 +124,12 @@ OverriddenSlave::Value OverriddenSlave::apply(Target& target, const Value& value
   for (auto& layer : target.layers) {
     const auto since_ns = scenario_->since(layer.override, time_ns_);
     if (!since_ns) {
-      layer.found_at_ns = -1;
+      layer.found_at_ns.reset();
       continue;
     }
     target.acted = true;
     // The first value at the point where it begins; of several at one point, as in initialisation, the last.
-    if (layer.found_at_ns < 0 || layer.found_at_ns == time_ns_) {
+    if (!layer.found_at_ns || layer.found_at_ns == time_ns_) {
       layer.found_at_ns = time_ns_;
       layer.found = result;
     }
@@ -252,7 +251,7 @@ double OverriddenSlave::apply(Layer& layer, std::int32_t order, double derivativ
     case OverrideAction::ramp:
       break;
   }
-  if (order > 1 || time_ns_ - since_ns >= description.over_ns) return 0;
+  if (order > 1 || scenario_->grid().has_passed(since_ns, time_ns_, description.over_ns)) return 0;
   return (description.number - std::get<double>(layer.found)) / to_seconds(description.over_ns);
 }
 
@@ -304,7 +303,6 @@ void OverriddenSlave::set(ValueKind kind, std::span<const ValueReference> refere
 }
 
 void OverriddenSlave::visit(state::Visitor& v) {
-  MEBOTS_ASSERT(time_ns_ >= 0);
   v("time_ns", time_ns_);
   v("initialising", initialising_);
   v("targets", std::span(targets_));

@@ -46,7 +46,7 @@ class OverriddenSlave final : public AccessSlave {
     std::size_t override = 0;
     std::uint64_t noise_key = 0;
     std::size_t row = 0;            // of a signal: near which the next value is looked for; no part of the state
-    std::int64_t found_at_ns = -1;  // -1 = it does not act
+    std::optional<std::int64_t> found_at_ns;  // absent: it does not act
     Value found;
 
     void visit(state::Visitor& v) {
@@ -101,6 +101,8 @@ class OverriddenSlave final : public AccessSlave {
   double changed_derivative(bool input, ValueReference reference, std::int32_t order, double value);
   double changed_derivative(Target& target, std::int32_t order, double value);
   double apply(Layer& layer, std::int32_t order, double derivative, std::int64_t since_ns);
+
+  SignalTime signal_time(std::int64_t time_ns) const;
 
   const Scenario* scenario_;
   std::vector<Target> targets_;

@@ -24,6 +24,7 @@ std::vector<std::unique_ptr<Slave>> make_slaves(const ResolvedSystem& system, Me
                                                 const SlaveOptions& options) {
   if (options.statistics != nullptr) options.statistics->instances.resize(system.instances.size());
   if (options.losses != nullptr) options.losses->resize(system.instances.size());
+  const auto grid = system.description->grid();
   std::vector<std::unique_ptr<Slave>> slaves;
   for (std::size_t i = 0; i < system.instances.size(); ++i) {
     const auto& instance = system.instances[i];
@@ -31,9 +32,9 @@ std::vector<std::unique_ptr<Slave>> make_slaves(const ResolvedSystem& system, Me
     const auto& wish = instance.description->isolation;
     std::unique_ptr<Slave> slave;
     if (wish.alone()) {
-      slave = std::make_unique<isolation::IsolatedSlave>(instance, messages, options.interrupted);
+      slave = std::make_unique<isolation::IsolatedSlave>(instance, messages, options.interrupted, grid);
     } else {
-      slave = std::make_unique<FmuSlave>(name, instance.fmu, instance.log_categories, messages);
+      slave = std::make_unique<FmuSlave>(name, instance.fmu, instance.log_categories, messages, grid);
     }
     if (wish.go_on_without && options.losses != nullptr) {
       auto& loss = (*options.losses)[i];
@@ -41,7 +42,8 @@ std::vector<std::unique_ptr<Slave>> make_slaves(const ResolvedSystem& system, Me
       slave = std::make_unique<TolerantSlave>(std::move(slave), messages, loss);
     }
     if (options.scenario != nullptr && overrides_any_of(*options.scenario, i)) {
-      slave = std::make_unique<OverriddenSlave>(std::move(slave), *options.scenario, i, instance.description->step_ns);
+      slave = std::make_unique<OverriddenSlave>(std::move(slave), *options.scenario, i, 
+                                                to_nanoseconds(system.description->step_of(*instance.description)));
     }
     if (options.statistics != nullptr) {
       auto& statistics = options.statistics->instances[i];

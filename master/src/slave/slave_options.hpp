@@ -5,6 +5,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,7 +14,7 @@ namespace mebots::master {
 /// An instance that failed on the way, while the others went on.
 struct InstanceLoss {
   std::string name;
-  std::int64_t at_ns = -1;  ///< start of the step, or communication point, at which it failed; -1 = it did not
+  std::optional<std::int64_t> at_ns = {};  ///< start of the step, or communication point, at which it failed
   std::string text;
 };
 

@@ -50,7 +50,7 @@ class TolerantSlave final : public AccessSlave {
     }
   };
 
-  bool lost() const { return loss_->at_ns >= 0; }
+  bool lost() const { return loss_->at_ns.has_value(); }
   template <typename Work>
   void attempt(Work work);
   template <typename T>

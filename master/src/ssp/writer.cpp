@@ -88,7 +88,8 @@ class SspWriter {
     auto experiment = root.append_child("ssd:DefaultExperiment");
     experiment.append_attribute("startTime") =
         fmt::format("{}", to_seconds(system_.description->start_time_ns)).c_str();
-    experiment.append_attribute("stopTime") = fmt::format("{}", to_seconds(system_.description->stop_time_ns)).c_str();
+    experiment.append_attribute("stopTime") =
+        fmt::format("{}", system_.description->grid().time_s(system_.description->stop_time_ns)).c_str();
     return document_;
   }
 
@@ -234,7 +235,7 @@ class SspWriter {
     theirs.append_child("oms:Annotations")
         .append_child("oms:SimulationInformation")
         .append_child("oms:FixedStepMaster")
-        .append_attribute("stepSize") = fmt::format("{}", to_seconds(system_.description->step_ns)).c_str();
+        .append_attribute("stepSize") = fmt::format("{}", to_seconds(system_.description->step)).c_str();
     auto master = theirs.first_child().first_child().first_child();
     master.append_attribute("description") = "oms-ma";
     master.append_attribute("absoluteTolerance") = "0.0001";

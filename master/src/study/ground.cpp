@@ -26,8 +26,14 @@ void make_signal_paths_absolute(nlohmann::ordered_json& config, const SystemDesc
 
 Ground read_ground(const std::filesystem::path& mission, const std::optional<std::string>& text) {
   auto loaded = text ? config::load_text(*text, mission) : load_system(mission);
-  Ground ground{std::move(loaded.config), nlohmann::ordered_json::object(), nlohmann::ordered_json::object(),
-                loaded.system.unpacked};
+  const auto grid = loaded.system.grid();
+  const auto last = grid.point_at(loaded.system.stop_time_ns);
+  Ground ground{.config = std::move(loaded.config),
+                .fmus = nlohmann::ordered_json::object(),
+                .texts = nlohmann::ordered_json::object(),
+                .stop_time_s = grid.time_s(loaded.system.stop_time_ns),
+                .last_point_s = grid.time_s(grid.time_ns(last - 1)),
+                .unpacked = loaded.system.unpacked};
   ground.config.erase("$schema");
   make_signal_paths_absolute(ground.config, loaded.system);
   for (const auto& instance : loaded.system.instances) {

@@ -17,6 +17,8 @@ struct Ground {
   nlohmann::ordered_json config;  ///< of an SSP too; FMUs by absolute path
   nlohmann::ordered_json fmus;    ///< instance -> absolute path
   nlohmann::ordered_json texts;   ///< instance.parameter -> text, which may name a file
+  double stop_time_s = 0;
+  double last_point_s = 0;  ///< of the communication points before the stop time
   std::shared_ptr<const modeldesc::TemporaryFolder>
       unpacked;  ///< where an SSP's FMUs lie, as long as this object lives
 };

@@ -174,13 +174,14 @@ bool is_scalar(const ResolvedSystem& system, const VariableName& name) {
 void check_buffer_lives(const ResolvedSystem& system, const ResolvedConnection& connection, const std::string& place) {
   const auto& owner = *system.instances[connection.from.instance].description;
   const auto& reader = *system.instances[connection.to.instance].description;
-  if (reader.step_ns % owner.step_ns == 0) return;
+  if (reader.steps % owner.steps == 0) return;
   throw InputError(
       ErrorCode::invalid_connection,
       fmt::format("{}: {} -> {}: a buffer is valid for one step of its owner, so the step of '{}' ({} s) must be "
                   "a multiple of the step of '{}' ({} s)",
                   place, system.text(connection.from), system.text(connection.to), reader.name,
-                  to_seconds(reader.step_ns), owner.name, to_seconds(owner.step_ns)));
+                  time_text(system.description->step_of(reader)), owner.name,
+                  time_text(system.description->step_of(owner))));
 }
 
 std::vector<ResolvedConnection> scalars_of(const ResolvedSystem& system, const ConnectionDescription& connection) {

@@ -107,14 +107,14 @@ void move_all(const Copies& copies) {
 Ensemble::Ensemble(const ResolvedSystem& system, MessageSink& messages, const SlaveOptions& options)
     : system_(&system),
       messages_(&messages),
-      interrupted_(options.interrupted != nullptr ? options.interrupted : &kNeverInterrupted) {
+      interrupted_(options.interrupted != nullptr ? options.interrupted : &kNeverInterrupted),
+      grid_(system.description->grid()) {
   ProcessWatch watch(system, messages);
   auto slaves = as_input([&] { return make_slaves(system, messages, options); });
   watch.look("in fmi2Instantiate", system.description->start_time_ns);
   for (std::size_t i = 0; i < slaves.size(); ++i) {
     Member member;
     member.slave = std::move(slaves[i]);
-    member.step_ns = system.instances[i].description->step_ns;
     members_.push_back(std::move(member));
   }
   for (const auto& connection : system.connections) connect(connection);
@@ -335,7 +335,6 @@ std::vector<std::string> Ensemble::free_instances() {
 
 void Ensemble::read_outputs(std::size_t instance, std::int64_t time_ns) {
   MEBOTS_ASSERT(instance < members_.size());
-  MEBOTS_ASSERT(time_ns >= 0);
   auto& member = members_[instance];
   auto& outputs = member.outputs;
   if (member.keeps_earlier && time_ns != member.outputs_time_ns) {  // the same point may be read twice
@@ -451,7 +450,7 @@ void Ensemble::check_items(const Member& member, std::int64_t time_ns) const {
 /// The source's slope over its last step.
 double Ensemble::line_slope(const DerivativeLink& link) const {
   const auto& source = members_[link.from.instance];
-  const double length_s = to_seconds(source.outputs_time_ns - source.earlier_time_ns);
+  const double length_s = grid_.length_s(source.earlier_time_ns, source.outputs_time_ns);
   return (real(link.from) - source.earlier_reals[link.from.slot]) / length_s;
 }
 
@@ -462,7 +461,7 @@ void Ensemble::start_on_lines(Member& member, std::int64_t time_ns) const {
     const auto& source = members_[link.from.instance];
     if (source.outputs_time_ns <= time_ns) continue;
     const double value =
-        source.earlier_reals[link.from.slot] + line_slope(link) * to_seconds(time_ns - source.earlier_time_ns);
+        source.earlier_reals[link.from.slot] + line_slope(link) * grid_.length_s(source.earlier_time_ns, time_ns);
     member.inputs.reals.values[link.to] = link.connection->factor * value + link.connection->offset;
   }
 }

@@ -86,7 +86,6 @@ class Ensemble {
   std::size_t size() const { return members_.size(); }
   Slave& slave(std::size_t instance) { return *members_[instance].slave; }
   const std::string& name(std::size_t instance) const { return members_[instance].slave->name(); }
-  std::int64_t step_ns(std::size_t instance) const { return members_[instance].step_ns; }
 
   /// Fetches a slave's watched and connected outputs. Throws Error for NaN or infinity in one of them;
   /// `time_ns` is the time they are valid at.
@@ -171,7 +170,6 @@ class Ensemble {
 
   struct Member {
     std::unique_ptr<Slave> slave;
-    std::int64_t step_ns = 0;
     // Which banks hold anything, and whether inputs are copies of Reals and nothing else. One look instead of one per
     // list, in the loop that runs at every point over more instances than a cache holds.
     KindSet output_kinds = 0;
@@ -223,6 +221,7 @@ class Ensemble {
   const ResolvedSystem* system_;
   MessageSink* messages_;
   const std::atomic<bool>* interrupted_;
+  TimeGrid grid_;
   std::vector<Member> members_;
   std::vector<std::size_t> step_order_;
 };

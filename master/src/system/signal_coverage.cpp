@@ -18,8 +18,9 @@ void SignalCoverage::check(const OverrideDescription& description, const Resolve
   const auto from_ns = std::max(system.start_time_ns, description.from_ns);
   // An input is needed at the start of its FMU's last step, all others at the end, too.
   const bool is_output = variable.variable->causality == modeldesc::Causality::output;
-  const auto step_ns = system_.instances[variable.instance].description->step_ns;
-  const auto last_ns = system.stop_time_ns - (is_output ? 0 : step_ns);
+  const auto steps = system_.instances[variable.instance].description->steps;
+  const auto grid = system.grid();
+  const auto last_ns = grid.time_ns(grid.point_at(system.stop_time_ns) - (is_output ? 0 : steps));
   const auto until_ns = description.until_ns ? std::min(*description.until_ns, last_ns) : last_ns;
   const bool late = from_ns < first_ns_;
   const bool early = until_ns > last_ns_;
@@ -47,19 +48,20 @@ void SignalCoverage::check(const OverrideDescription& description, const Resolve
 
 void SignalCoverage::check_rows(const ResolvedVariable& variable, const Signal& signal) {
   const auto& system = *system_.description;
-  const auto step_ns = system_.instances[variable.instance].description->step_ns;
+  const auto grid = system.grid();
+  const auto steps = system_.instances[variable.instance].description->steps;
   const auto& times = signal.times();
   Changes changes;
   for (std::size_t row = 1; row < times.size(); ++row) {
     const auto time_ns = times.ns(row);
     if (time_ns <= system.start_time_ns || time_ns >= system.stop_time_ns) continue;
     ++changes.rows;
-    const auto after_start_ns = time_ns - system.start_time_ns;
-    if (after_start_ns % step_ns == 0) continue;
+    const auto point = grid.point_at(time_ns);
+    if (point % steps == 0 && grid.time_ns(point) == time_ns) continue;
     const bool jump = times.ns(row - 1) == time_ns;
     if (signal.linear() ? jump : signal.differ(row - 1, row)) {
       if (changes.late++ == 0) changes.first_ns = time_ns;
-    } else if ((times.ns(row - 1) - system.start_time_ns) / step_ns == after_start_ns / step_ns) {
+    } else if (grid.point_at(times.ns(row - 1)) / steps == point / steps) {
       ++changes.skipped;  // the row before lies after the same communication point
     }
   }
@@ -80,7 +82,7 @@ void SignalCoverage::tell() {
   for (const auto& [instance, changes] : changes_) {
     const auto& description = *system_.instances[instance].description;
     const auto points = fmt::format("between the communication points of '{}' (every {} s)", description.name,
-                                    to_seconds(description.step_ns));
+                                    time_text(system_.description->step_of(description)));
     if (changes.late > 0) {
       notices.push_back(
           fmt::format("{}: {} jumps or changes of held values are {}, the first at {} s; each takes effect "

@@ -81,7 +81,8 @@ class _Variant:
     config: str
     digest: str
     files: dict[str, list[str]]
-    step_s: float
+    last_point_s: float
+    """The last communication point before the stop time."""
     stop_time_s: float
     kept: Any  # an SSP's unpacked folder goes with it
 
@@ -109,8 +110,7 @@ class Missions:
         if fork is None:
             return self._order(values, ())
         variant = self._variant(self._divide(values)[0])
-        at_ns, step_ns, stop_time_ns = (round(1e9 * time_s) for time_s in (fork.at_s, variant.step_s, variant.stop_time_s))
-        if -(-at_ns // step_ns) * step_ns >= stop_time_ns:
+        if fork.at_s > variant.last_point_s:
             raise InputError(
                 f"'fork': at {fork.at_s:g} s or later there is no communication point before the mission's stop time, "
                 f"{variant.stop_time_s:g} s: what it names would never count",
@@ -239,7 +239,7 @@ class Missions:
         digest = digest_of(config)
         if self._study.results:
             config |= {section: shown[section] for section in _OF_RESULTS if section in shown}
-        return _Variant(json.dumps(config), digest, files, config["step"], config["stop_time"], ground)
+        return _Variant(json.dumps(config), digest, files, ground.last_point_s, ground.stop_time_s, ground)
 
 
 def _signals(config: dict[str, Any]) -> list[dict[str, Any]]:
