@@ -12,6 +12,11 @@
 namespace mebots::battery {
 namespace {
 
+/// Release voltage over cut-off if the file does not state it: within the 0 to 0.7 V that protection circuits offer.
+constexpr double kUsualHysteresis_v = 0.2;
+/// Less would be within the tolerance of event location: the protection would open and close without end.
+constexpr double kLeastHysteresis_v = 1e-3;
+
 /// Fine enough to see a wrong sign or a falling stretch of any curve that is meant for a battery.
 constexpr int kSamples = 1000;
 
@@ -41,6 +46,18 @@ Curve read_open_circuit(const data::Node& node) {
   return curve;
 }
 
+void check_release_voltage(const data::Node& node, Cell& cell) {
+  const double full_v = cell.open_circuit_v(1);
+  if (!node.has("release_voltage")) cell.release_voltage_v = std::min(cell.release_voltage_v, full_v);
+  if (cell.release_voltage_v >= cell.cut_off_voltage_v + kLeastHysteresis_v && cell.release_voltage_v <= full_v) return;
+  node.at(node.has("release_voltage") ? "release_voltage" : "cut_off_voltage")
+      .fail(
+          ErrorCode::invalid_value,
+          fmt::format("the release voltage of {} V must be at least {} V above the cut-off of {} V, and not above the "
+                      "full cell's open-circuit voltage, {} V",
+                      cell.release_voltage_v, kLeastHysteresis_v, cell.cut_off_voltage_v, full_v));
+}
+
 Cell read_cell(const data::Node& node) {
   using data::Limits;
   using data::quantity;
@@ -52,6 +69,8 @@ Cell read_cell(const data::Node& node) {
   object.read("mass", cell.mass_kg, quantity("kg", Limits::positive()));
   object.read("capacity", cell.capacity_c, quantity("C", Limits::positive()));
   object.read("cut_off_voltage", cell.cut_off_voltage_v, quantity("V", Limits::at_least(0)));
+  cell.release_voltage_v = cell.cut_off_voltage_v + kUsualHysteresis_v;
+  object.read_if("release_voltage", cell.release_voltage_v, quantity("V", Limits::positive()));
   object.read("continuous_current", cell.continuous_current_a, quantity("A", Limits::positive()));
   object.read("self_discharge_current", cell.self_discharge_current_a, quantity("A", Limits::at_least(0)));
   object.read("hold_below_state_of_charge", cell.hold_below_soc, quantity("1", Limits::between(0, 1)));
@@ -78,6 +97,7 @@ Cell read_cell(const data::Node& node) {
               fmt::format("the cut-off of {} V must be below the full cell's open-circuit voltage, {} V",
                           cell.cut_off_voltage_v, cell.open_circuit_v(1)));
   }
+  if (object.sound()) check_release_voltage(node, cell);
   return cell;
 }
 

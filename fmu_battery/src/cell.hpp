@@ -25,6 +25,7 @@ struct Cell {
   double mass_kg = 0;
   double capacity_c = 0;                // charge between s = 1 and s = 0
   double cut_off_voltage_v = 0;         // the protection opens below it
+  double release_voltage_v = 0;         // an open protection closes when a charger lifts the terminals to it
   double continuous_current_a = 0;      // above it over_current is raised; nothing else happens
   double self_discharge_current_a = 0;  // flows while s > 0
   double hold_below_soc = 0;            // R and C keep their value at this s below it
@@ -40,7 +41,8 @@ struct Cell {
 
 /// Reads and checks a cell file. Throws mebots::Error naming file, key, value and limit when a key is missing
 /// or unknown or a type or unit is wrong. So it does when mass, capacity, a resistance or a capacitance is not
-/// positive, the open-circuit voltage falls with rising s, or the cut-off is not below the full cell's voltage.
+/// positive, the open-circuit voltage falls with rising s, or the cut-off or the release voltage is out of order: it
+/// must be cut-off < release <= voltage of the full cell.
 Cell load_cell(const std::filesystem::path& path);
 
 /// Current at the terminals [A, positive = discharge] when they give `power_w` (negative = charging) and the

@@ -43,7 +43,7 @@ constexpr long kMaxEvaluations = 5 * kMaxSteps;
 constexpr double kPieceFactor = 10;
 constexpr double kShortestPiece = 1e-15;
 
-enum Root : int { kPowerRoot, kEmptyRoot, kFullRoot, kRootCount };
+enum Root : int { kProtectionRoot, kEmptyRoot, kFullRoot, kRootCount };
 
 }  // namespace
 
@@ -94,19 +94,17 @@ class Integrator::Solver {
   Solver(const Solver&) = delete;
   Solver& operator=(const Solver&) = delete;
 
-  Result advance(CellState& state, Ledger& ledger, const Demand& demand, bool connected, double duration_s) {
-    demand_ = connected ? demand : Demand{};
+  Result advance(CellState& state, Ledger& ledger, const Demand& demand, Protection protection, double duration_s) {
+    protection_ = protection;
+    conducts_ = protection == Protection::closed || demand.charges();
+    demand_ = conducts_ ? demand : Demand{};
     MEBOTS_ASSERT(duration_s > 0);
     MEBOTS_ASSERT(state.soc >= 0 && state.soc <= 1 + kSocTolerance);
     MEBOTS_ASSERT(demand_.source_w >= demand_.source_bus_w, "a converter gives no more than it takes");
-    connected_ = connected;
     charged_ = state.soc > 0;
-    charging_ = connected && demand_.terminal_w() < 0;
-    if (connected) {
-      if (!charged_) return {0, Event::empty};
-      if (charging_ && state.soc >= 1) return {0, Event::full};
-      if (power_margin_w(state.soc, state.pair1_v, state.pair2_v) < 0) return {0, Event::cut_off};
-    }
+    charging_ = demand_.charges();
+    leaks_ = charged_ || charges_faster_than_leak(state);
+    if (const auto event = event_at_start(state); event != Event::none) return {0, event};
 
     CellState now = state;
     Ledger sum = ledger;
@@ -139,6 +137,23 @@ class Integrator::Solver {
   long evaluations() const { return evaluations_; }
 
  private:
+  /// An empty cell leaks as soon as it has a charge, which it gets if the current is above the leak.
+  bool charges_faster_than_leak(const CellState& state) const {
+    if (!charging_) return false;
+    const Circuit circuit = cell_.circuit_at(state.soc);
+    const double source_v = circuit.open_circuit_v - state.pair1_v - state.pair2_v;
+    return terminal_current_a(source_v, circuit.series_ohm, demand_.terminal_w()) < -cell_.self_discharge_current_a;
+  }
+
+  Event event_at_start(const CellState& state) const {
+    if (!conducts_) return Event::none;
+    if (!charged_ && !charging_) return Event::empty;
+    if (charging_ && state.soc >= 1) return Event::full;
+    const double margin = protection_margin(state.soc, state.pair1_v, state.pair2_v);
+    if (protection_ == Protection::open) return margin <= 0 ? Event::release : Event::none;
+    return margin < 0 ? Event::cut_off : Event::none;
+  }
+
   /// Integrates a piece. Returns ARKODE's flag; a negative one leaves `state` and `ledger` as they are.
   int evolve(CellState& state, Ledger& ledger, double piece_s, double& reached_s) {
     double* y = N_VGetArrayPointer(y_);
@@ -176,13 +191,19 @@ class Integrator::Solver {
       state.soc = 1;
       return Event::full;
     }
-    return Event::cut_off;
+    return protection_ == Protection::open ? Event::release : Event::cut_off;
   }
 
-  double power_margin_w(double soc, double pair1_v, double pair2_v) const {
+  /// Falls through 0 where the protection opens [W]: the power that may still be added before the terminals are at the
+  /// cut-off. Where it closes [V]: what the terminals lack to the release voltage.
+  double protection_margin(double soc, double pair1_v, double pair2_v) const {
     const double held = std::max(soc, cell_.hold_below_soc);
     const double source_v = cell_.open_circuit_v(soc) - pair1_v - pair2_v;
-    return power_limit_w(source_v, cell_.series_ohm(held), cell_.cut_off_voltage_v) - demand_.terminal_w();
+    const double series_ohm = cell_.series_ohm(held);
+    if (protection_ == Protection::closed)
+      return power_limit_w(source_v, series_ohm, cell_.cut_off_voltage_v) - demand_.terminal_w();
+    const double current_a = terminal_current_a(source_v, series_ohm, demand_.terminal_w());
+    return cell_.release_voltage_v - (source_v - series_ohm * current_a);
   }
 
   static int right_hand_side(double /*t*/, N_Vector y_vector, N_Vector derivative_vector, void* self) {
@@ -198,8 +219,8 @@ class Integrator::Solver {
     const Circuit circuit = cell.circuit_at(y[kSoc]);
     const double source_v = circuit.open_circuit_v - y[kPair1] - y[kPair2];
     const double current_a =
-        solver.connected_ ? terminal_current_a(source_v, circuit.series_ohm, demand.terminal_w()) : 0;
-    const double leak_a = solver.charged_ ? cell.self_discharge_current_a : 0;
+        solver.conducts_ ? terminal_current_a(source_v, circuit.series_ohm, demand.terminal_w()) : 0;
+    const double leak_a = solver.leaks_ ? cell.self_discharge_current_a : 0;
     const double resistor1_a = y[kPair1] / circuit.pair1_ohm;
     const double resistor2_a = y[kPair2] / circuit.pair2_ohm;
     const double capacitor1_a = current_a - resistor1_a;
@@ -222,7 +243,7 @@ class Integrator::Solver {
     const auto& solver = *static_cast<const Solver*>(self);
     const double* y = N_VGetArrayPointer(y_vector);
     // A constant never crosses zero: it switches a function off.
-    g[kPowerRoot] = solver.connected_ ? solver.power_margin_w(y[kSoc], y[kPair1], y[kPair2]) : 1;
+    g[kProtectionRoot] = solver.conducts_ ? solver.protection_margin(y[kSoc], y[kPair1], y[kPair2]) : 1;
     g[kEmptyRoot] = solver.charged_ ? y[kSoc] : 1;
     g[kFullRoot] = solver.charging_ ? 1 - y[kSoc] : 1;
     return 0;
@@ -255,17 +276,19 @@ class Integrator::Solver {
 
   // Held during one advance.
   Demand demand_;
-  bool connected_ = true;
+  Protection protection_ = Protection::closed;
+  bool conducts_ = true;
   bool charged_ = true;
+  bool leaks_ = true;
   bool charging_ = false;
 };
 
 Integrator::Integrator(const Cell& cell, const Options& options) : solver_(std::make_unique<Solver>(cell, options)) {}
 Integrator::~Integrator() = default;
 
-Integrator::Result Integrator::advance(CellState& state, Ledger& ledger, const Demand& demand, bool connected,
+Integrator::Result Integrator::advance(CellState& state, Ledger& ledger, const Demand& demand, Protection protection,
                                        double duration_s) {
-  return solver_->advance(state, ledger, demand, connected, duration_s);
+  return solver_->advance(state, ledger, demand, protection, duration_s);
 }
 
 long Integrator::evaluations() const {

@@ -54,6 +54,7 @@ struct Demand {
   double source_bus_w = 0;  // at its output
 
   double terminal_w() const { return drawn_w - source_bus_w; }
+  bool charges() const { return terminal_w() < 0; }
   double converter_loss_w() const { return drawn_w - delivered_w + source_w - source_bus_w; }
 };
 
@@ -63,6 +64,13 @@ enum class Event {
   cut_off,  // the terminal voltage would fall under the cut-off, or no current gives that much power
   empty,    // state of charge 0
   full,     // state of charge 1 while charging
+  release,  // a charger has lifted the terminals behind an open protection to the release voltage
+};
+
+/// The switch between cell and bus.
+enum class Protection {
+  closed,
+  open,  // blocks discharge; a charge passes, as through the body diode of the discharge transistor
 };
 
 /// Integrates the cell's ODEs and its ledger together with SUNDIALS (ARKODE's ERKStep, order 4), adaptive with local
@@ -91,10 +99,10 @@ class Integrator {
   };
 
   /// Moves `state` on by `duration_s`, or up to the first event, and adds to `ledger`.
-  /// Connected cells feed `demand`; a disconnected one rests and takes no notice of it.
-  /// What cannot be integrated whole goes in pieces. Where none of them goes either, throws mebots::Error with
-  /// duration, power and remedy and leaves `state` and `ledger` as they were.
-  Result advance(CellState& state, Ledger& ledger, const Demand& demand, bool connected, double duration_s);
+  /// Behind a closed protection the cell feeds `demand`. Behind an open one it rests, except under a demand that
+  /// charges it. What cannot be integrated whole goes in pieces. Where none of them goes either, throws mebots::Error
+  /// with duration, power and remedy and leaves `state` and `ledger` as they were.
+  Result advance(CellState& state, Ledger& ledger, const Demand& demand, Protection protection, double duration_s);
 
   /// Evaluations of the right-hand side so far; a measure of cost.
   long evaluations() const;

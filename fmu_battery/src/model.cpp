@@ -67,9 +67,10 @@ void Model::step(const Inputs& inputs, std::int64_t start_ns, std::int64_t durat
   const double duration_s = seconds(duration_ns);
   double passed_s = 0;
   while (duration_s - passed_s > kShortest) {
-    const auto [reached_s, event] =
-        integrator_.advance(state_, ledger_, demand(inputs), connected_, duration_s - passed_s);
-    if (connected_) {
+    const Demand now = demand(inputs);
+    const auto protection = connected_ ? Protection::closed : Protection::open;
+    const auto [reached_s, event] = integrator_.advance(state_, ledger_, now, protection, duration_s - passed_s);
+    if (conducts(now)) {
       for (std::size_t i = 0; i < load::kCount; ++i) load_energy_j_[i] += inputs.load_power_w[i] * reached_s;
     }
     if (event == Event::none) break;
@@ -107,6 +108,14 @@ void Model::handle(Event event, double time_s) {
                      kResumeChargingBelow));
     return;
   }
+  if (event == Event::release) {
+    connected_ = true;
+    log_(fmt::format(
+        "t = {:.9g} s: the charging source lifts the terminal voltage to {} V at a state of charge of {:.4f}; the "
+        "protection closes",
+        time_s, cell_.release_voltage_v, state_.soc));
+    return;
+  }
   if (!connected_) return;  // emptied by self-discharge behind an open protection
   connected_ = false;
   if (event == Event::empty) {
@@ -136,8 +145,9 @@ void Model::watch_current(double current_a, std::int64_t now_ns) {
 void Model::write(const Inputs& inputs, std::int64_t now_ns, Outputs& outputs) {
   const Circuit circuit = cell_.circuit_at(state_.soc);
   const double source_v = circuit.open_circuit_v - state_.pair1_v - state_.pair2_v;
-  const double current_a =
-      connected_ ? terminal_current_a(source_v, circuit.series_ohm, demand(inputs).terminal_w()) : 0;
+  const Demand now = demand(inputs);
+  const bool flows = conducts(now);
+  const double current_a = flows ? terminal_current_a(source_v, circuit.series_ohm, now.terminal_w()) : 0;
   const double voltage_v = source_v - circuit.series_ohm * current_a;
   if (!std::isfinite(voltage_v)) {
     throw Error(fmt::format("source.power = {} W makes bus.voltage {} V, which must be finite; give less power",
@@ -145,7 +155,7 @@ void Model::write(const Inputs& inputs, std::int64_t now_ns, Outputs& outputs) {
   }
   watch_current(current_a, now_ns);
 
-  outputs.bus_voltage_v = connected_ ? voltage_v : 0;
+  outputs.bus_voltage_v = flows ? voltage_v : 0;
   outputs.cell_voltage_v = voltage_v;
   outputs.cell_open_circuit_voltage_v = circuit.open_circuit_v;
   outputs.cell_current_a = current_a;

@@ -18,10 +18,12 @@ namespace mebots::battery {
 ///
 /// Inputs are powers and are held during a step; outputs are values at the end of the step.
 /// The protection opens at the instant when the terminal voltage falls under the cut-off (or no current can give
-/// the power asked for) and at state of charge 0. It stays open: bus voltage, current and delivered power are
-/// 0 from then on, also for the rest of that step.
-/// A full cell takes no charge before its state of charge has fallen under kResumeChargingBelow. Until then
-/// the source carries what the loads take and the rest of its power is not counted as given.
+/// the power asked for) and at state of charge 0. An open protection blocks discharge: bus voltage, current and
+/// delivered power are 0, also for the rest of that step. If the source gives more than the loads take, it supplies
+/// them and charges the cell through the open protection. The protection closes at the instant when the terminal
+/// voltage reaches the release voltage. A full cell takes no charge before its state of charge has fallen under
+/// kResumeChargingBelow. Until then the source carries what the loads take and the rest of its power is not counted as
+/// given.
 class Model {
  public:
   static constexpr double kResumeChargingBelow = 0.999;
@@ -64,6 +66,9 @@ class Model {
   CellState state_;
   Ledger ledger_;
   std::array<double, load::kCount> load_energy_j_{};
+  /// True if current flows between cell and bus.
+  bool conducts(const Demand& demand) const { return connected_ || demand.charges(); }
+
   bool connected_ = true;
   bool full_ = false;
   bool over_current_ = false;

@@ -29,7 +29,7 @@ TEST(Integrator, RestingPairsDecayExponentially) {
   Integrator integrator(cell);
   CellState state{0.8, 0.12, 0.15};
   Ledger ledger;
-  for (int i = 0; i < 30; ++i) integrator.advance(state, ledger, {}, true, 1.0);
+  for (int i = 0; i < 30; ++i) integrator.advance(state, ledger, {}, Protection::closed, 1.0);
   // 30 s with a relative tolerance of 1e-9 per step of 1 s.
   EXPECT_NEAR(state.pair1_v, 0.12 * std::exp(-30.0 / 20), 1e-9);
   EXPECT_NEAR(state.pair2_v, 0.15 * std::exp(-30.0 / 180), 1e-9);
@@ -47,7 +47,7 @@ TEST(Integrator, ConvergesWithTheFourthOrderOfItsMethod) {
     Integrator integrator(cell, options);
     CellState state{0.3, 0, 0};
     Ledger ledger;
-    const auto result = integrator.advance(state, ledger, load_of(5), true, 64);
+    const auto result = integrator.advance(state, ledger, load_of(5), Protection::closed, 64);
     EXPECT_EQ(result.event, Event::none);
     return std::array<double, 3>{state.soc, state.pair1_v, ledger.ohmic_j};
   };
@@ -68,9 +68,9 @@ TEST(Integrator, TwoHalfStepsAgreeWithOneWithinTheTolerance) {
   CellState twice = once;
   Ledger ledger_once;
   Ledger ledger_twice;
-  integrator.advance(once, ledger_once, load_of(9), true, 0.1);
-  integrator.advance(twice, ledger_twice, load_of(9), true, 0.05);
-  integrator.advance(twice, ledger_twice, load_of(9), true, 0.05);
+  integrator.advance(once, ledger_once, load_of(9), Protection::closed, 0.1);
+  integrator.advance(twice, ledger_twice, load_of(9), Protection::closed, 0.05);
+  integrator.advance(twice, ledger_twice, load_of(9), Protection::closed, 0.05);
   // Local error control: 1e-9 relative and 1e-12, 1e-10 V, 1e-10 J absolute, per component.
   EXPECT_NEAR(once.soc, twice.soc, 1e-9);
   EXPECT_NEAR(once.pair1_v, twice.pair1_v, 2e-10);
@@ -84,14 +84,14 @@ TEST(Integrator, ResultDependsOnItsArgumentsAlone) {
   Integrator fresh(cell);
   CellState other{0.9, 0, 0};
   Ledger ignored;
-  used.advance(other, ignored, load_of(12), true, 3.0);
-  used.advance(other, ignored, load_of(0), false, 0.001);
+  used.advance(other, ignored, load_of(12), Protection::closed, 3.0);
+  used.advance(other, ignored, load_of(0), Protection::open, 0.001);
   CellState a{0.4, 0.05, 0.03};
   CellState b = a;
   Ledger ledger_a;
   Ledger ledger_b;
-  used.advance(a, ledger_a, load_of(7), true, 0.002);
-  fresh.advance(b, ledger_b, load_of(7), true, 0.002);
+  used.advance(a, ledger_a, load_of(7), Protection::closed, 0.002);
+  fresh.advance(b, ledger_b, load_of(7), Protection::closed, 0.002);
   EXPECT_EQ(a.soc, b.soc);
   EXPECT_EQ(a.pair1_v, b.pair1_v);
   EXPECT_EQ(a.pair2_v, b.pair2_v);
@@ -103,7 +103,7 @@ TEST(Integrator, CutOffIsLocatedWhereTheVoltageCrosses) {
   Integrator integrator(cell);
   CellState state{0.12, 0.05, 0.05};
   Ledger ledger;
-  const auto result = integrator.advance(state, ledger, load_of(9), true, 100);
+  const auto result = integrator.advance(state, ledger, load_of(9), Protection::closed, 100);
   ASSERT_EQ(result.event, Event::cut_off);
   const Circuit c = cell.circuit_at(state.soc);
   const double source_v = c.open_circuit_v - state.pair1_v - state.pair2_v;
@@ -114,7 +114,7 @@ TEST(Integrator, CutOffIsLocatedWhereTheVoltageCrosses) {
   CellState slow{0.12, 0.05, 0.05};
   double passed_s = 0;
   for (;;) {
-    const auto part = integrator.advance(slow, ledger, load_of(9), true, 0.001);
+    const auto part = integrator.advance(slow, ledger, load_of(9), Protection::closed, 0.001);
     passed_s += part.reached_s;
     if (part.event != Event::none) break;
   }
@@ -136,7 +136,7 @@ void expect_the_same_in_short_steps(const LongStep& step) {
   Integrator integrator(cell);
   CellState once{step.soc, 0, 0};
   Ledger ledger_once;
-  const auto whole = integrator.advance(once, ledger_once, step.demand, true, step.duration_s);
+  const auto whole = integrator.advance(once, ledger_once, step.demand, Protection::closed, step.duration_s);
   ASSERT_EQ(whole.event, step.event);
 
   CellState state{step.soc, 0, 0};
@@ -144,7 +144,7 @@ void expect_the_same_in_short_steps(const LongStep& step) {
   Integrator::Result part;
   double passed_s = 0;
   for (int i = 0; i < 1000 && part.event == Event::none; ++i) {
-    part = integrator.advance(state, ledger, step.demand, true, step.duration_s / 1000);
+    part = integrator.advance(state, ledger, step.demand, Protection::closed, step.duration_s / 1000);
     passed_s += part.reached_s;
   }
   EXPECT_EQ(part.event, step.event);
@@ -171,7 +171,7 @@ TEST(Integrator, TinyCellIsEmptiedWhereItsChargeEnds) {
   Integrator integrator(cell);
   CellState state{0.5, 0, 0};
   Ledger ledger;
-  const auto result = integrator.advance(state, ledger, load_of(1), true, 60);
+  const auto result = integrator.advance(state, ledger, load_of(1), Protection::closed, 60);
   EXPECT_EQ(result.event, Event::empty);
   EXPECT_EQ(state.soc, 0);
   const double current_a = terminal_current_a(3.8, 0.1, 1);
@@ -184,7 +184,7 @@ std::string refusal(const Cell& cell, const Demand& demand) {
   CellState state{0.5, 0.01, 0.02};
   Ledger ledger;
   ledger.delivered_j = 7;
-  const auto message = error_of([&] { integrator.advance(state, ledger, demand, true, 60); });
+  const auto message = error_of([&] { integrator.advance(state, ledger, demand, Protection::closed, 60); });
   EXPECT_EQ(state.soc, 0.5);
   EXPECT_EQ(state.pair1_v, 0.01);
   EXPECT_EQ(ledger.delivered_j, 7);
@@ -205,7 +205,7 @@ TEST(Integrator, StepThatCannotBeIntegratedIsToldAndChangesNothing) {
   Integrator integrator(stiff);
   CellState state{0.5, 0.01, 0.02};
   Ledger ledger;
-  EXPECT_EQ(integrator.advance(state, ledger, load_of(1), true, 1e-6).event, Event::none);
+  EXPECT_EQ(integrator.advance(state, ledger, load_of(1), Protection::closed, 1e-6).event, Event::none);
   EXPECT_NEAR(state.pair1_v, 0.05 * terminal_current_a(3.8 - state.pair1_v - 0.02, 0.1, 1), 1e-6);
 }
 

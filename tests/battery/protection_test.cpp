@@ -26,7 +26,9 @@ TEST(Protection, OpensWhenTheVoltageFallsUnderTheCutOffAndStaysOpen) {
   EXPECT_THAT(bench.events.back(), HasSubstr("falls under the cut-off of 2.8 V"));
 
   const double delivered_j = bench.outputs.energy_delivered_j;
-  bench.inputs.load_power_w[load::motors] = 0.1;
+  // The resting cell is above the release voltage, but only a charge closes the protection. A source that gives less
+  // than the loads take does not charge.
+  bench.inputs.load_power_w[load::motors] = 1.1;
   bench.inputs.source_power_w = 1;
   for (int i = 0; i < 100; ++i) bench.step(kSecond);
   EXPECT_FALSE(bench.outputs.cell_connected);
@@ -79,7 +81,7 @@ TEST(Protection, OpensAtStateOfChargeZero) {
   CellState state{0.001, 0, 0};
   Ledger ledger;
   const Demand half_watt{0.5, 0.5, 0, 0};
-  const auto [reached_s, event] = integrator.advance(state, ledger, half_watt, true, 100);
+  const auto [reached_s, event] = integrator.advance(state, ledger, half_watt, Protection::closed, 100);
   EXPECT_EQ(event, Event::empty);
   EXPECT_EQ(state.soc, 0);
   // 0.9 C between 2.65 V and 2.69 V are 2.4 J, less what the resistances take at 0.2 A.
@@ -124,6 +126,115 @@ TEST(Protection, OverCurrentIsToldOnceItHasLastedASecond) {
   EXPECT_THAT(bench.events.back(), HasSubstr("above the cell's continuous limit of 3 A for 1 s"));
   draw(13, 2000);
   EXPECT_EQ(bench.events.size(), 1U);  // once, not at every step
+}
+
+/// A cell whose charge with constant power has a closed form: E = 2.5 V + 1.7 V s, R0 = 0.2 Ohm, no RC pairs to speak
+/// of.
+Cell straight_cell() {
+  Cell cell = cell_named("bitcraze_250");
+  cell.capacity_c = 100;
+  cell.self_discharge_current_a = 0;
+  cell.cut_off_voltage_v = 2.8;
+  cell.release_voltage_v = 3.0;
+  cell.open_circuit_v = Curve::analytic(0, 0, {2.5, 1.7});
+  cell.series_ohm = Curve::analytic(0, 0, {0.2});
+  cell.pair1_ohm = cell.pair2_ohm = Curve::analytic(0, 0, {1});
+  cell.pair1_farad = cell.pair2_farad = Curve::analytic(0, 0, {1e12});
+  return cell;
+}
+
+TEST(Charging, AnEmptyCellIsReleasedWhenTheClosedFormSays) {
+  // V i = P and V = E + R i give V = (E + sqrt(E^2 + 4 R P)) / 2, and t = Q / (b P) times the integral of V dE.
+  constexpr double kPower_w = 2;
+  constexpr double kFourRp = 4 * 0.2 * kPower_w;
+  const auto integral_of_v = [](double e) {
+    return (e * e + e * std::sqrt(e * e + kFourRp) + kFourRp * std::asinh(e / std::sqrt(kFourRp))) / 4;
+  };
+  const double release_e = 3.0 - 0.2 * kPower_w / 3.0;
+  const double release_s = 100 / (1.7 * kPower_w) * (integral_of_v(release_e) - integral_of_v(2.5));
+
+  const Cell cell = straight_cell();
+  Integrator integrator(cell);
+  CellState state{0, 0, 0};
+  Ledger ledger;
+  const Demand charger{0, 0, kPower_w, kPower_w};
+  const auto [reached_s, event] = integrator.advance(state, ledger, charger, Protection::open, 1000);
+  EXPECT_EQ(event, Event::release);
+  EXPECT_NEAR(reached_s, release_s, 1e-6 * release_s);
+  EXPECT_NEAR(2.5 + 1.7 * state.soc, release_e, 1e-7);
+  EXPECT_NEAR(ledger.source_j, kPower_w * reached_s, 1e-9);
+  // -integral of E ds Q, which is closed, too.
+  EXPECT_NEAR(ledger.open_circuit_j, -100 * (2.5 * state.soc + 1.7 * state.soc * state.soc / 2), 1e-7);
+  EXPECT_NEAR(ledger.imbalance_j(), 0, 1e-10 * ledger.source_j);
+}
+
+TEST(Charging, AnOpenProtectionBlocksDischargeOnly) {
+  const Cell cell = straight_cell();
+  Integrator integrator(cell);
+  CellState state{0.1, 0, 0};
+  Ledger ledger;
+  EXPECT_EQ(integrator.advance(state, ledger, {1, 1, 0.5, 0.5}, Protection::open, 10).event, Event::none);
+  EXPECT_EQ(state.soc, 0.1);
+  EXPECT_EQ(ledger.delivered_j, 0);
+  // 0.5 W of the source go to the load, 0.1 W into the cell.
+  EXPECT_EQ(integrator.advance(state, ledger, {0.5, 0.5, 0.6, 0.6}, Protection::open, 10).event, Event::none);
+  EXPECT_NEAR(ledger.delivered_j, 5, 1e-9);
+  EXPECT_NEAR(ledger.source_j, 6, 1e-9);
+  EXPECT_NEAR(state.soc, 0.1 + 10 * 0.1 / 2.675 / 100, 1e-5);
+}
+
+TEST(Charging, AnEmptiedCellComesBackAndEveryJouleIsAccountedFor) {
+  Bench bench(parameters("bitcraze_250", 0.02));
+  bench.inputs.load_power_w[load::motors] = 2;
+  while (bench.outputs.cell_connected) bench.step(10 * kMillisecond);
+  bench.inputs.load_power_w[load::motors] = 0;
+  for (int i = 0; i < 600; ++i) bench.step(kSecond);
+  ASSERT_FALSE(bench.outputs.cell_connected);
+  EXPECT_EQ(bench.outputs.bus_voltage_v, 0);
+  const double soc = bench.outputs.cell_state_of_charge;
+  const double delivered_j = bench.outputs.energy_delivered_j;
+
+  bench.inputs.load_power_w[load::avionics] = 0.1;
+  bench.inputs.source_power_w = 0.5;
+  double seconds = 0;
+  for (; seconds < 600; ++seconds) bench.step(kSecond);
+  EXPECT_TRUE(bench.outputs.cell_connected);
+  EXPECT_THAT(bench.events.back(), HasSubstr("lifts the terminal voltage to 3 V"));
+  EXPECT_GT(bench.outputs.bus_voltage_v, 3);
+  EXPECT_LT(bench.outputs.cell_current_a, 0);
+  EXPECT_GT(bench.outputs.cell_state_of_charge, soc);
+  EXPECT_NEAR(bench.outputs.energy_source_j, 0.5 * seconds, 1e-9);
+  EXPECT_NEAR(bench.outputs.energy_delivered_j - delivered_j, 0.1 * seconds, 1e-9);
+
+  bench.inputs.source_power_w = 0;
+  bench.inputs.load_power_w[load::motors] = 2;
+  bench.step(kSecond);
+  EXPECT_TRUE(bench.outputs.cell_connected);
+  EXPECT_GT(bench.outputs.cell_current_a, 0);
+  EXPECT_NEAR(bench.outputs.energy_imbalance_j, 0, 1e-9);
+}
+
+TEST(Charging, ACellWithoutAnyChargeComesBack) {
+  Bench bench(parameters("bitcraze_250", 0));
+  ASSERT_FALSE(bench.outputs.cell_connected);
+  bench.inputs.source_power_w = 0.1;
+  bench.step(kSecond);
+  EXPECT_FALSE(bench.outputs.cell_connected);
+  EXPECT_GT(bench.outputs.cell_state_of_charge, 0);
+  EXPECT_GT(bench.outputs.bus_voltage_v, 2.6);  // the source holds the bus
+  for (int i = 0; i < 600; ++i) bench.step(kSecond);
+  EXPECT_TRUE(bench.outputs.cell_connected);
+}
+
+TEST(Charging, ALongStepReleasesAtTheSameInstantAsShortOnes) {
+  Bench fine(parameters("bitcraze_250", 0));
+  Bench coarse(parameters("bitcraze_250", 0));
+  fine.inputs.source_power_w = coarse.inputs.source_power_w = 0.3;
+  for (int i = 0; i < 4000; ++i) fine.step(100 * kMillisecond);
+  coarse.step(400 * kSecond);
+  ASSERT_EQ(coarse.events.size(), 2U);  // empty at the start, released on the way
+  EXPECT_EQ(fine.events.size(), 2U);
+  EXPECT_NEAR(fine.outputs.cell_state_of_charge, coarse.outputs.cell_state_of_charge, 1e-8);
 }
 
 TEST(Charging, SourceIsANegativeLoad) {
