@@ -31,6 +31,7 @@ void add_resume(CLI::App& app, Action& action);
 void add_run(CLI::App& app, Action& action);
 void add_schema(CLI::App& app, Action& action);
 void add_sweep(CLI::App& app, Action& action);
+void add_test(CLI::App& app, Action& action);
 void add_units(CLI::App& app, Action& action);
 void add_validate(CLI::App& app, Action& action);
 

@@ -3,15 +3,14 @@
 
 #include "run_texts.hpp"
 
-#include "base/time.hpp"
 #include "message/plain_text.hpp"
 #include "sink/output_file.hpp"
 
 #include <fmt/format.h>
 #include <pugixml.hpp>
 
+#include <algorithm>
 #include <sstream>
-#include <utility>
 
 namespace mebots::app {
 namespace {
@@ -25,53 +24,61 @@ std::string printable(const std::string& raw) {
   return text;
 }
 
-struct Verdict {
-  const char* element = nullptr;  // null = passed
-  std::string text;
-};
+JunitCase case_of(const master::Run* run, const std::vector<std::string>& expected, const std::string& error) {
+  JunitCase result;
+  if (!error.empty() || run == nullptr) {
+    result.outcome = JunitOutcome::error;
+    result.message = error;
+  } else {
+    const bool interrupted = run->report().end_reason == EndReason::interrupted;
+    result.message = interrupted ? run->report().end_text : why_unexpected(*run, expected);
+    if (!result.message.empty()) result.outcome = JunitOutcome::failure;
+  }
+  result.name = run != nullptr ? run->system().name : std::string("mebots run");
+  if (run == nullptr) return result;
+  result.time_s = run->report().wall.open_s + run->report().wall.simulating_s();
+  result.out = fmt::format("outcome: {}\nsimulated: {} s\n", run->outcome(), run->time_s());
+  return result;
+}
 
-Verdict verdict_of(const master::Run* run, const std::vector<std::string>& expected, const std::string& error) {
-  if (!error.empty() || run == nullptr) return {"error", error};
-  if (run->report().end_reason == EndReason::interrupted) return {"failure", run->report().end_text};
-  auto why = why_unexpected(*run, expected);
-  if (why.empty()) return {};
-  return {"failure", std::move(why)};
+void append_case(pugi::xml_node suite, const std::string& classname, const JunitCase& one) {
+  auto test = suite.append_child("testcase");
+  test.append_attribute("classname") = printable(classname).c_str();
+  test.append_attribute("name") = printable(one.name).c_str();
+  test.append_attribute("time") = fmt::format("{:.3f}", one.time_s).c_str();
+  if (one.outcome != JunitOutcome::passed) {
+    auto element = test.append_child(one.outcome == JunitOutcome::failure ? "failure" : "error");
+    element.append_attribute("message") = printable(one.message).c_str();
+  }
+  if (!one.out.empty()) test.append_child("system-out").text().set(printable(one.out).c_str());
 }
 
 }  // namespace
 
-void write_junit(const std::filesystem::path& file, const master::Run* run, const std::vector<std::string>& expected,
-                 const std::string& error) {
-  const auto verdict = verdict_of(run, expected, error);
-  const auto is = [&](std::string_view element) { return verdict.element != nullptr && verdict.element == element; };
-  const auto& wall = run != nullptr ? run->report().wall : master::WallTimes{};
-  const auto time = fmt::format("{:.3f}", wall.open_s + wall.simulating_s());
-  const auto name = run != nullptr ? run->system().name : std::string("mebots run");
-
+void write_junit(const std::filesystem::path& file, const std::string& classname, const std::vector<JunitCase>& cases) {
+  const auto count = [&](JunitOutcome outcome) {
+    return static_cast<unsigned>(std::ranges::count(cases, outcome, &JunitCase::outcome));
+  };
+  double time_s = 0;
+  for (const auto& one : cases) time_s += one.time_s;
   pugi::xml_document document;
   auto suite = document.append_child("testsuites").append_child("testsuite");
-  suite.append_attribute("name") = "mebots";
-  suite.append_attribute("tests") = 1;
-  suite.append_attribute("failures") = is("failure") ? 1 : 0;
-  suite.append_attribute("errors") = is("error") ? 1 : 0;
-  suite.append_attribute("time") = time.c_str();
-  auto test = suite.append_child("testcase");
-  test.append_attribute("classname") = "mebots";
-  test.append_attribute("name") = name.c_str();
-  test.append_attribute("time") = time.c_str();
-  if (verdict.element != nullptr) {
-    auto element = test.append_child(verdict.element);
-    element.append_attribute("message") = printable(verdict.text).c_str();
-  }
-  if (run != nullptr) {
-    auto out = fmt::format("outcome: {}\nsimulated: {} s\n", run->outcome(), master::to_seconds(run->time_ns()));
-    test.append_child("system-out").text().set(printable(out).c_str());
-  }
+  suite.append_attribute("name") = printable(classname).c_str();
+  suite.append_attribute("tests") = static_cast<unsigned>(cases.size());
+  suite.append_attribute("failures") = count(JunitOutcome::failure);
+  suite.append_attribute("errors") = count(JunitOutcome::error);
+  suite.append_attribute("time") = fmt::format("{:.3f}", time_s).c_str();
+  for (const auto& one : cases) append_case(suite, classname, one);
   std::ostringstream text;
   document.save(text, "  ");
   master::OutputFile output(file);
   output.append(text.str());
   output.close();
+}
+
+void write_junit(const std::filesystem::path& file, const master::Run* run, const std::vector<std::string>& expected,
+                 const std::string& error) {
+  write_junit(file, "mebots", {case_of(run, expected, error)});
 }
 
 }  // namespace mebots::app

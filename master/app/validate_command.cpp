@@ -2,6 +2,7 @@
 // `mebots validate`: the readers of the parts, without what they read for.
 #include "command.hpp"
 
+#include "cases/case_file.hpp"
 #include "config/from_memory.hpp"
 #include "config/schemas.hpp"
 #include "description.hpp"
@@ -49,6 +50,7 @@ struct FileKind {
 constexpr FileKind kKinds[] = {
     {"config", &master::config::check},
     {"scenario", &master::config::check_scenario},
+    {"cases", [](const Path& file) { static_cast<void>(master::cases::read_cases(file)); }},
     {"study", [](const Path& file) { static_cast<void>(master::study::read(file)); }},
     {"description", [](const Path& file) { static_cast<void>(modeldesc::read_description(file)); }},
 #ifdef MEBOTS_HAS_battery

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "description.hpp"
+#include "new_fmu.hpp"
 
 #include <optional>
 #include <string>
@@ -35,5 +36,7 @@ std::string binding_source(const Plan& plan);
 std::string test_source(const Plan& plan);
 std::string readme(const Plan& plan);
 std::string cmake_lists(const Plan& plan);
+/// A first file of cases for `mebots test`, with its CSV files; none for an FMU without Real outputs.
+Files case_files(const Plan& plan);
 
 }  // namespace mebots::new_fmu

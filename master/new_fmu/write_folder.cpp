@@ -55,6 +55,7 @@ std::string readme(const Plan& plan) {
 
     cmake -S . -B build -DCMAKE_BUILD_TYPE=Release && cmake --build build && ctest --test-dir build
     mebots check build/fmus/{name}.fmu
+    mebots test test/{name}.mebots-test.json
 
 ## Equations
 
@@ -77,6 +78,7 @@ Every Real output y follows the sum u of the Real inputs of its unit with one ti
 | `src/model.hpp`, `src/model.cpp` | the model, plain C++ |
 | `src/fmu.cpp` | binds the model to FMI |
 | `test/model_test.cpp` | its tests |
+| `test/{name}.mebots-test.json` | tests of the FMU without C++, for `mebots test` and pytest |
 
 To build outside of the MEbots tree, install MEbots (`cmake --install`) and add `-DCMAKE_PREFIX_PATH=<where>`.
 )",
@@ -118,13 +120,14 @@ fs::path new_fmu(const fs::path& description_file, fs::path folder) {
         fmt::format("{}: this is there already, and nothing is ever overwritten; choose another folder with --out",
                     folder.string()));
   const Plan plan = make_plan(description);
-  const Files files = {{"description.json", read(description_file)},
-                       {"CMakeLists.txt", cmake_lists(plan)},
-                       {"README.md", readme(plan)},
-                       {"src/model.hpp", model_header(plan)},
-                       {"src/model.cpp", model_source(plan)},
-                       {"src/fmu.cpp", binding_source(plan)},
-                       {"test/model_test.cpp", test_source(plan)}};
+  Files files = {{"description.json", read(description_file)},
+                 {"CMakeLists.txt", cmake_lists(plan)},
+                 {"README.md", readme(plan)},
+                 {"src/model.hpp", model_header(plan)},
+                 {"src/model.cpp", model_source(plan)},
+                 {"src/fmu.cpp", binding_source(plan)},
+                 {"test/model_test.cpp", test_source(plan)}};
+  for (auto& file : case_files(plan)) files.push_back(std::move(file));
   for (const auto& [name, text] : files) write(folder / name, text);
   return folder;
 }

@@ -2,6 +2,7 @@
 // The Python module mebots._mebots: mebots::Mission as it is. Texts for people, defaults and NumPy stand in
 // mebots/*.py.
 #include "base/input_text.hpp"
+#include "cases/run_case.hpp"
 #include "mebots/data/csv.hpp"
 #include "sink/hdf5_tables.hpp"
 #include "study/ground.hpp"
@@ -209,6 +210,15 @@ PYBIND11_MODULE(_mebots, module) {
         const auto series = mission.series(variable);
         return py::make_tuple(series.unit, bytes_of(series.values));
       });
+
+  // For the plug-in of pytest.
+  namespace cases = mebots::master::cases;
+  module.def("case_names", [](const std::filesystem::path& file) {
+    std::vector<std::string> names;
+    for (const auto& description : cases::read_cases(file).cases) names.push_back(description.name);
+    return names;
+  });
+  module.def("run_case", &cases::run_case_as_json, py::call_guard<py::gil_scoped_release>());
 
   // For mebots.sweep: texts are JSON.
   namespace study = mebots::master::study;

@@ -9,6 +9,7 @@ try() {  # DESCRIPTION NAME NAMESPACE
   cmake --build "$2/build" -j2 >build.log || { cat build.log; exit 1; }
   ctest --test-dir "$2/build" --output-on-failure
   mebots check "$2/build/fmus/$1.fmu"
+  mebots test "$2/test/$1.mebots-test.json"
   printf '{"step": 0.01, "stop_time": 1, "connections": [], "instances": {"own": {"fmu": "%s"}}}' "$1" >config.json
   MEBOTS_FMU_PATH=$2/build/fmus mebots run config.json --quiet --out "results_$2"
   [[ $(wc -l <"results_$2/results.csv") == 102 ]] || { echo "FAILED: not every step was recorded"; exit 1; }

@@ -224,6 +224,7 @@ SHIPPED = {
     "rotor": (["fmu_motors/params/rotors/*.json"], "fmu_motors/params/rotors/crazyflie_l250.json"),
     "drone": (["fmu_world/params/drones/*.json"], "fmu_world/params/drones/crazyflie.json"),
     "scene": (["fmu_world/params/scenes/*.json"], "fmu_world/params/scenes/gate_easy.json"),
+    "cases": (["fmu_*/reference/*.mebots-test.json"], None),
     "study": (
         ["examples/exploration/*.json"],
         ["examples/exploration/study.json", "examples/exploration/gust.json", "examples/exploration/rare.json"],

@@ -29,10 +29,10 @@ struct MissionOptions {
   std::vector<std::filesystem::path> scenarios;  ///< overrides from files, after the config's
   std::vector<std::filesystem::path> inputs;     ///< CSV files with signals for free inputs, after the config's
   std::optional<double> stop_time_s;             ///< instead of the config's
-  std::optional<double> step_s;                  ///< step, for an FMU alone or an SSP that has none; 1.0 / 60 means 1/60 s
-  bool isolate = false;                          ///< every instance in a process of its own
-  bool statistics = false;                       ///< measure calls and wall time of every instance, for the summary
-  std::optional<double> checkpoint_every_s;      ///< checkpoints in `out`, after every so much simulated time
+  std::optional<double> step_s;              ///< step, for an FMU alone or an SSP that has none; 1.0 / 60 means 1/60 s
+  bool isolate = false;                      ///< every instance in a process of its own
+  bool statistics = false;                   ///< measure calls and wall time of every instance, for the summary
+  std::optional<double> checkpoint_every_s;  ///< checkpoints in `out`, after every so much simulated time
 };
 
 /// A run of an FMU, or of an ensemble of FMUs that a config or an SSP describes: the same run as `mebots run` makes,

@@ -108,8 +108,8 @@ nlohmann::ordered_json single_fmu_config(const std::filesystem::path& fmu,
   }
   const auto name = system_name(fmu);
   notices.push_back(fmt::format("{}: runs alone from {} s ({}) to {} s ({}) with a step of {} s ({})", name,
-                                to_seconds(start_ns), start_text, grid.time_s(stop_ns), stop_text,
-                                time_text(step.time), step.text));
+                                to_seconds(start_ns), start_text, grid.time_s(stop_ns), stop_text, time_text(step.time),
+                                step.text));
   nlohmann::ordered_json config;
   config["step"] = json_of_time(step.time);
   config["start_time"] = to_seconds(start_ns);

@@ -288,7 +288,7 @@ struct SystemDescription {
   ExactTime step;              ///< communication step
   std::int64_t start_time_ns = 0;
   std::int64_t stop_time_ns = 0;  ///< internal time of a communication point, see TimeGrid
-  bool single_fmu = false;  ///< made from an FMU alone: names of variables need no instance in front
+  bool single_fmu = false;        ///< made from an FMU alone: names of variables need no instance in front
   std::vector<InstanceDescription> instances;
   std::vector<ConnectionDescription> connections;
   AlgorithmDescription algorithm;

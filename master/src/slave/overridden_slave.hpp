@@ -45,7 +45,7 @@ class OverriddenSlave final : public AccessSlave {
   struct Layer {
     std::size_t override = 0;
     std::uint64_t noise_key = 0;
-    std::size_t row = 0;            // of a signal: near which the next value is looked for; no part of the state
+    std::size_t row = 0;  // of a signal: near which the next value is looked for; no part of the state
     std::optional<std::int64_t> found_at_ns;  // absent: it does not act
     Value found;
 

@@ -42,7 +42,7 @@ std::vector<std::unique_ptr<Slave>> make_slaves(const ResolvedSystem& system, Me
       slave = std::make_unique<TolerantSlave>(std::move(slave), messages, loss);
     }
     if (options.scenario != nullptr && overrides_any_of(*options.scenario, i)) {
-      slave = std::make_unique<OverriddenSlave>(std::move(slave), *options.scenario, i, 
+      slave = std::make_unique<OverriddenSlave>(std::move(slave), *options.scenario, i,
                                                 to_nanoseconds(system.description->step_of(*instance.description)));
     }
     if (options.statistics != nullptr) {

@@ -58,7 +58,10 @@ LEVELS = {"warning": 3, "error": 4}  # of foxglove.Log; 2 = info
 
 
 def nanoseconds(time_s):
-    return round(float(time_s) * 1e9)
+    time_ns = round(float(time_s) * 1e9)
+    if time_ns < 0:
+        raise InputError(f"a point at {time_s} s: MCAP has no times before 0 s; let the run start at 0 s or later", "invalid_value")
+    return time_ns
 
 
 def timestamp(time_ns):
