@@ -7,6 +7,7 @@
 #include "mebots/version.hpp"
 
 #include <fcntl.h>
+#include <pthread.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -79,6 +80,7 @@ std::string complaint(CLI::App& app, const CLI::ParseError& error) {
 int main(int argument_count, char** arguments) {
   open_standard_streams();
   std::signal(SIGPIPE, SIG_IGN);  // whoever reads our text may leave; the results are still wanted
+  pthread_setcancelstate(PTHREAD_CANCEL_DISABLE, nullptr);  // by an FMU, nobody else
   std::signal(SIGXFSZ, SIG_IGN);  // a file at the limit of its size is an error that is told, as a full disk is
   CLI::App app{"MEbots: co-simulation of FMI 2.0 FMUs"};
   app.name("mebots");

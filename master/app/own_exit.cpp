@@ -1,33 +1,121 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// _exit() and _Exit() of this program. The dynamic linker gives a program's functions to its libraries before those of
-// the C library, so an FMU that calls one ends here. The C library itself, in exit() say, does not.
-#include "run/exit_guard.hpp"
+// Functions of this program that end or replace its process, or copy it. The dynamic linker gives a program's functions
+// to its libraries before those of the C library, so an FMU that calls one arrives here. The C library itself, in
+// exit() or system() say, does not.
+#include "slave/exit_guard.hpp"
 
+#include <dlfcn.h>
 #include <sys/syscall.h>
 #include <unistd.h>
 
+#include <cstdarg>
 #include <cstdlib>
+#include <vector>
 
 namespace {
 
-[[noreturn]] void end(const char* function, int status) {
-  mebots::master::end_busy_runs(function);
+[[noreturn]] void end(const char* what, int status) {
+  mebots::master::end_busy_runs(what);
   for (;;) syscall(SYS_exit_group, status);
+}
+
+/// A function of the C library. Looked up when the program starts: the loader may not be asked in a forked process.
+template <typename Target>
+class Original {
+ public:
+  explicit Original(const char* name)
+      : function_(reinterpret_cast<int (*)(Target, char* const*, char* const*)>(dlsym(RTLD_NEXT, name))) {}
+  int operator()(Target target, char* const* words, char* const* environment) const {
+    return function_(target, words, environment);
+  }
+
+ private:
+  int (*function_)(Target, char* const*, char* const*);
+};
+
+const Original<const char*> original_execve("execve");
+const Original<const char*> original_execvpe("execvpe");
+const Original<int> original_fexecve("fexecve");
+
+/// The arguments of execl() and the like, up to null.
+std::vector<char*> listed(const char* first, std::va_list& more) {
+  std::vector<char*> words{const_cast<char*>(first)};
+  while (words.back() != nullptr) words.push_back(va_arg(more, char*));
+  return words;
 }
 
 }  // namespace
 
-// NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming): the C library's names
+// NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming,cert-dcl50-cpp): the C library's interface
 extern "C" {
 
 [[gnu::visibility("default")]] void _exit(int status) {
-  end("_exit", status);
+  end("called _exit()", status);
 }
 
 [[gnu::visibility("default")]] void _Exit(int status) noexcept {
-  end("_Exit", status);
+  end("called _Exit()", status);
+}
+
+[[gnu::visibility("default")]] int execve(const char* path, char* const* words, char* const* environment) noexcept {
+  mebots::master::end_busy_runs("called execve()");
+  return original_execve(path, words, environment);
+}
+
+[[gnu::visibility("default")]] int execv(const char* path, char* const* words) noexcept {
+  mebots::master::end_busy_runs("called execv()");
+  return original_execve(path, words, environ);
+}
+
+[[gnu::visibility("default")]] int execvpe(const char* file, char* const* words, char* const* environment) noexcept {
+  mebots::master::end_busy_runs("called execvpe()");
+  return original_execvpe(file, words, environment);
+}
+
+[[gnu::visibility("default")]] int execvp(const char* file, char* const* words) noexcept {
+  mebots::master::end_busy_runs("called execvp()");
+  return original_execvpe(file, words, environ);
+}
+
+[[gnu::visibility("default")]] int fexecve(int file, char* const* words, char* const* environment) noexcept {
+  mebots::master::end_busy_runs("called fexecve()");
+  return original_fexecve(file, words, environment);
+}
+
+[[gnu::visibility("default")]] int execl(const char* path, const char* first, ...) noexcept {
+  mebots::master::end_busy_runs("called execl()");
+  std::va_list more;
+  va_start(more, first);
+  const auto words = listed(first, more);
+  va_end(more);
+  return original_execve(path, words.data(), environ);
+}
+
+[[gnu::visibility("default")]] int execlp(const char* file, const char* first, ...) noexcept {
+  mebots::master::end_busy_runs("called execlp()");
+  std::va_list more;
+  va_start(more, first);
+  const auto words = listed(first, more);
+  va_end(more);
+  return original_execvpe(file, words.data(), environ);
+}
+
+[[gnu::visibility("default")]] int execle(const char* path, const char* first, ...) noexcept {
+  mebots::master::end_busy_runs("called execle()");
+  std::va_list more;
+  va_start(more, first);
+  const auto words = listed(first, more);
+  auto* const* environment = va_arg(more, char* const*);
+  va_end(more);
+  return original_execve(path, words.data(), environment);
+}
+
+/// Makes a copy with memory of its own, as POSIX allows. A copy that shares memory is not detected if it returns from
+/// the FMU's call.
+[[gnu::visibility("default")]] pid_t vfork() noexcept {
+  return fork();
 }
 
 }  // extern "C"
-// NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming)
+// NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming,cert-dcl50-cpp)

@@ -56,7 +56,7 @@ struct Outputs {
 };
 
 /// What the FMU changes for everybody in its process: file mode mask, working directory, locale, limits, descriptors,
-/// signal handlers, and how the thread computes.
+/// signal handlers and mask, timers, priority, affinity, and how the thread computes.
 class Surroundings {
  public:
   /// What changed since this was made or asked last; put right as far as may be.

@@ -20,19 +20,23 @@
 #include <math.h>
 #include <netinet/in.h>
 #include <pthread.h>
+#include <sched.h>
 #include <signal.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
+#include <sys/prctl.h>
 #include <sys/ptrace.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
+#include <sys/time.h>
 #include <sys/uio.h>
 #include <sys/wait.h>
+#include <time.h>
 #include <unistd.h>
 
 #ifndef GUID
@@ -79,7 +83,12 @@ typedef struct {
   int* null;
   int file;
   int has_thread;
+  int was_bad;     // a fault that happens once has happened
+  int bad_string;  // string_out is at an address where nothing is
 } Probe;
+
+/// C++ exceptions, in probe_throw.cpp.
+void probe_throw(const char* kind);
 
 static void say(Probe* p, fmi2Status status, const char* category, const char* text, double value) {
   p->callbacks.logger(p->callbacks.componentEnvironment, p->name, status, category, "%s (%g)", text, value);
@@ -160,6 +169,32 @@ static void change_environment(void) {
   putenv(own_entry);
 }
 
+/// Changes the thread that calls it, and starts timers.
+static void meddle_with_thread(void) {
+  static char stack[1 << 16];
+  const stack_t own_stack = {.ss_sp = stack, .ss_size = sizeof stack};
+  sigaltstack(&own_stack, NULL);
+  sigset_t keys;
+  sigemptyset(&keys);
+  sigaddset(&keys, SIGINT);
+  sigaddset(&keys, SIGTERM);
+  pthread_sigmask(SIG_BLOCK, &keys, NULL);
+  signal(SIGINT, SIG_IGN);
+  setpriority(PRIO_PROCESS, 0, 5);
+  cpu_set_t processors;
+  CPU_ZERO(&processors);
+  CPU_SET(sched_getcpu(), &processors);
+  sched_setaffinity(0, sizeof processors, &processors);
+  prctl(PR_SET_PDEATHSIG, SIGUSR2);
+  const struct itimerval later = {.it_value = {.tv_sec = 1000}};
+  setitimer(ITIMER_REAL, &later, NULL);
+  setitimer(ITIMER_PROF, &later, NULL);
+  struct sigevent event = {.sigev_notify = SIGEV_SIGNAL, .sigev_signo = SIGRTMIN};
+  timer_t timer;
+  const struct itimerspec much_later = {.it_value = {.tv_sec = 1000}};
+  if (timer_create(CLOCK_MONOTONIC, &event, &timer) == 0) timer_settime(timer, 0, &much_later, NULL);
+}
+
 // When the library goes.
 static int dies_at_end = 0;
 static int exits_at_end = 0;
@@ -175,6 +210,7 @@ FMI2_EXPORT void fmi2FreeInstance(fmi2Component c) {
     for (;;) pause();
   }
   if (c != NULL && strcmp(((Probe*)c)->state.strings[FAULT], "free_exit") == 0) exit(0);
+  if (c != NULL && strcmp(((Probe*)c)->state.strings[FAULT], "free_throw") == 0) probe_throw("throw");
   if (c != NULL && strcmp(((Probe*)c)->state.strings[FAULT], "destructor") == 0) dies_at_end = 1;
   if (c != NULL && strcmp(((Probe*)c)->state.strings[FAULT], "destructor_exit") == 0) exits_at_end = 1;
   if (c != NULL) ((Probe*)c)->callbacks.freeMemory(c);
@@ -207,6 +243,8 @@ FMI2_EXPORT fmi2Status fmi2EnterInitializationMode(fmi2Component c) {
   }
   if (strcmp(p->state.strings[FAULT], "meddle") == 0) meddle();
   if (strcmp(p->state.strings[FAULT], "set_environment") == 0) change_environment();
+  if (strcmp(p->state.strings[FAULT], "meddle_thread") == 0) meddle_with_thread();
+  if (strcmp(p->state.strings[FAULT], "early_throw") == 0) probe_throw("throw");
   return fmi2OK;
 }
 
@@ -233,7 +271,7 @@ FMI2_VALUES(Boolean, BOOLEANS_OF, BOOLEANS, compute)
 FMI2_EXPORT fmi2Status fmi2GetString(fmi2Component c, const fmi2ValueReference r[], size_t n, fmi2String v[]) {
   for (size_t i = 0; i < n; ++i) {
     if (r[i] >= STRINGS) return fmi2Error;
-    v[i] = ((Probe*)c)->state.strings[r[i]];
+    v[i] = ((Probe*)c)->bad_string && r[i] == STRING_OUT ? (const char*)8 : ((Probe*)c)->state.strings[r[i]];
   }
   return fmi2OK;
 }
@@ -451,6 +489,53 @@ static void end_process(const char* fault) {
   }
 }
 
+/// Leaves its thread, copies or replaces its process, lets a signal end it.
+static void leave(Probe* p, const char* fault) {
+  if (strcmp(fault, "pthread_exit") == 0) pthread_exit(NULL);
+  if (strcmp(fault, "cancel") == 0 || strcmp(fault, "enabled_cancel") == 0) {
+    if (strcmp(fault, "enabled_cancel") == 0) pthread_setcancelstate(PTHREAD_CANCEL_ENABLE, NULL);
+    pthread_cancel(pthread_self());
+    pthread_testcancel();
+  }
+  if (strcmp(fault, "exec") == 0) execl("/bin/true", "true", (char*)NULL);
+  if (strcmp(fault, "alarm") == 0 || strcmp(fault, "alarm_later") == 0) {
+    const struct itimerval soon = {.it_value = {.tv_usec = 3000}};
+    if (!p->was_bad) setitimer(ITIMER_REAL, &soon, NULL);
+    p->was_bad = 1;
+    if (strcmp(fault, "alarm_later") == 0) {
+      usleep(2000);
+    } else {
+      while (p->zero == 0) usleep(1000);
+    }
+  }
+  if (strcmp(fault, "usr1") == 0) raise(SIGUSR1);
+  if (strcmp(fault, "block") == 0 && !p->was_bad) {
+    sigset_t all;
+    sigfillset(&all);
+    pthread_sigmask(SIG_BLOCK, &all, NULL);
+    p->was_bad = 1;
+  }
+  if (p->was_bad) return;
+  if (strcmp(fault, "fork_returns") == 0 || strcmp(fault, "vfork_returns") == 0) {
+    p->was_bad = 1;
+    if (fault[0] == 'v') {
+      (void)!vfork();
+    } else {
+      (void)!fork();
+    }
+  }
+}
+
+/// Many long messages in one call.
+static void flood_log(Probe* p) {
+  enum { kMessages = 600, kBytes = 65000 };
+  char* text = calloc(1, kBytes + 1);
+  memset(text, 'x', kBytes);
+  for (int i = 0; i < kMessages && !p->was_bad; ++i) say(p, fmi2Warning, "logStatusWarning", text, i);
+  p->was_bad = 1;
+  free(text);
+}
+
 /// A process in a session of its own, whose parent is gone; then hangs.
 static void leave_daemon(void) {
   const pid_t between = fork();
@@ -493,6 +578,10 @@ static fmi2Status misbehave(Probe* p, const char* fault) {
   if (strcmp(fault, "illegal") == 0) __builtin_trap();
   if (strcmp(fault, "abort") == 0) abort();
   end_process(fault);
+  leave(p, fault);
+  if (strncmp(fault, "throw", 5) == 0) probe_throw(fault);
+  if (strcmp(fault, "bad_string") == 0) p->bad_string = 1;
+  if (strcmp(fault, "log_flood") == 0) flood_log(p);
   if (strcmp(fault, "upward") == 0) fesetround(FE_UPWARD);
   if (strcmp(fault, "open_masks") == 0 && p->state.time + p->state.reals[LAST_STEP] < p->state.reals[FAULT_TIME] + 1e-6)
     umask(0);

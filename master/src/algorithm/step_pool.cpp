@@ -4,6 +4,8 @@
 #include "base/own_threads.hpp"
 #include "mebots/assert.hpp"
 
+#include <pthread.h>
+
 namespace mebots::master {
 
 StepPool::StepPool(unsigned threads) {
@@ -34,6 +36,7 @@ void StepPool::run(std::size_t count, const std::function<void(std::size_t)>& wo
 
 void StepPool::serve() {
   const OwnThread own;
+  pthread_setcancelstate(PTHREAD_CANCEL_DISABLE, nullptr);  // an FMU may not cancel the thread that calls it
   std::uint32_t seen = 0;
   for (;;) {
     round_.wait(seen);

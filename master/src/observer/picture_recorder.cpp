@@ -4,6 +4,8 @@
 #include "base/time.hpp"
 #include "mebots/fmu/binary_ref.hpp"
 #include "sink/png_file.hpp"
+#include "slave/callback_text.hpp"
+#include "slave/slave.hpp"
 #include "system/picture_size.hpp"
 
 #include <fmt/format.h>
@@ -95,6 +97,11 @@ void PictureRecorder::write(const Point& point) const {
     throw Error(ErrorCode::invalid_value,
                 fmt::format("{}: {} holds {} bytes at {} s, which are not whole rows of {} pixels; correct 'width'",
                             pictures_.place, pictures_.frame.text(), pixels.size(), to_seconds(point.time_ns), width));
+  }
+  if (!is_readable(pixels)) {
+    throw SlaveError(fmt::format("instance '{}' at {} s: {} gives the address {} for {} bytes, which cannot be read",
+                                 pictures_.frame.instance, to_seconds(point.time_ns), pictures_.frame.text(),
+                                 fmt::ptr(pixels.data()), pixels.size()));
   }
   write_png(folder_ / fmt::format("{:011.6f}.png", to_seconds(point.time_ns)), pixels, width);
 }

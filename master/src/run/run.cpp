@@ -95,6 +95,12 @@ Run::Busy::Busy(Run& run, std::string_view what) : run_(&run) {
                                  what));
   }
   run.busy_ = true;
+  pthread_setcancelstate(PTHREAD_CANCEL_DISABLE, &cancel_state_);
+}
+
+Run::Busy::~Busy() {
+  pthread_setcancelstate(cancel_state_, nullptr);
+  run_->busy_ = false;
 }
 
 void Run::require_open(std::string_view what) const {
@@ -275,6 +281,7 @@ void Run::begin() {
 
 void Run::open() {
   install_crash_notice();
+  take_kept_signal();  // of an earlier run
   MEBOTS_ASSERT(state_ == RunState::open && !simulation_);
   if (request_.isolate) {
     for (auto& instance : system_.instances) {
@@ -314,6 +321,8 @@ void Run::initialise() {
   slaves.losses = &losses_;
   slaves.scenario = &*scenario_;
   slaves.interrupted = &interrupted_;
+  const auto is_here = [](const ResolvedInstance& instance) { return !instance.description->isolation.alone(); };
+  if (std::ranges::any_of(resolved_.instances, is_here)) copies_.emplace();
   simulation_.emplace(resolved_, messages_, slaves);
   auto& ensemble = simulation_->ensemble();
   scenario_->watch(resolved_, ensemble);
@@ -368,7 +377,8 @@ void Run::initialise() {
   if (files_) files_->started(ensemble);
 }
 
-/// Looks after the process in the first, second, fourth ... step of this call, and at its end.
+/// Looks after the process in the first, second, fourth ... step of this call, and at its end. A changed signal mask,
+/// by which an interrupt is lost, is noticed earlier.
 void Run::step_until(std::int64_t until_ns) {
   // Watching the process costs more than a step.
   std::optional<ProcessWatch> watch;
@@ -384,9 +394,11 @@ void Run::step_until(std::int64_t until_ns) {
   while (simulation_->time_ns() < until_ns && simulation_->step()) {
     state_ = RunState::running;
     messages_.rethrow();
-    if (++steps != look_at) continue;
-    look_at *= 2;
-    look();
+    if (const auto text = take_kept_signal()) throw SlaveError(*text);
+    constexpr std::int64_t kStepsPerMaskLook = 64;
+    const bool looks = ++steps == look_at;
+    if (looks) look_at *= 2;
+    if (looks || (steps % kStepsPerMaskLook == 0 && watch && watch->is_mask_changed())) look();
   }
   look();
 }
@@ -464,6 +476,8 @@ void Run::finish() {
     }
   }
   watch.look("in fmi2Terminate", time_ns());
+  if (const auto text = copies_ ? copies_->returned() : std::nullopt) report_fault(*text);
+  if (const auto text = take_kept_signal()) report_fault(*text);
   if (coupling_) {
     for (const auto& warning : coupling_->warnings()) {
       report_.notices.push_back(warning);
@@ -477,14 +491,27 @@ void Run::finish() {
   if (state_ == RunState::failed) throw Error(ErrorCode::file_unwritable, report_.error);
 }
 
+/// Reports a fault that occurred after the results were complete.
+void Run::report_fault(const std::string& text) {
+  report_.faults.push_back(text);
+  report_.notices.push_back(fmt::format("after the end: {}", text));
+  say(Severity::error, "notice", report_.notices.back());
+}
+
 /// The results are on the disk before: a crash in this process takes nothing away.
 void Run::free_fmus() {
   if (freed_ || !simulation_) return;
   freed_ = true;
   ProcessWatch watch(resolved_, messages_);
-  const auto faults = simulation_->free_instances();
+  auto faults = simulation_->free_instances();
   if (library_.use_count() == 1) {  // else a run after this one goes on with them
-    for (const auto& instance : resolved_.instances) instance.fmu->unload();
+    for (const auto& instance : resolved_.instances) {
+      try {
+        instance.fmu->unload();
+      } catch (const Error& error) {
+        faults.emplace_back(error.what());
+      }
+    }
   }
   watch.look("when it was freed", time_ns());
   if (faults.empty()) return;

@@ -9,7 +9,6 @@
 #include "observer/scenario.hpp"
 #include "observer/statistics.hpp"
 #include "run/checkpoint.hpp"
-#include "run/exit_guard.hpp"
 #include "run/input_hash.hpp"
 #include "run/result_files.hpp"
 #include "run/run_request.hpp"
@@ -17,6 +16,8 @@
 #include "run/simulation.hpp"
 #include "run/summary.hpp"
 #include "sink/memory_sink.hpp"
+#include "slave/exit_guard.hpp"
+#include "slave/forked_copies.hpp"
 
 #include <nlohmann/json_fwd.hpp>
 
@@ -152,16 +153,17 @@ class Run {
   void attempt(Work work);
   void open();
   void initialise();
-  /// Keeps listeners from calling back into what called them.
+  /// Keeps listeners from calling back into what called them, and FMUs from cancelling the thread that calls them.
   class Busy {
    public:
     Busy(Run& run, std::string_view what);
-    ~Busy() { run_->busy_ = false; }
+    ~Busy();
     Busy(const Busy&) = delete;
     Busy& operator=(const Busy&) = delete;
 
    private:
     Run* run_;
+    int cancel_state_ = 0;
   };
 
   std::vector<std::string> changes() const;
@@ -175,6 +177,7 @@ class Run {
   void write_summary();
   void release_files() noexcept;
   void free_fmus();
+  void report_fault(const std::string& text);
   void say(Severity severity, std::string_view category, const std::string& text);
 
   RunRequest request_;
@@ -187,6 +190,7 @@ class Run {
   bool frees_at_end_ = false;
   bool freed_ = false;
   ExitGuard exit_guard_{busy_, [this](const std::string& what) { fail(ErrorCode::fmu_failed, what); }};
+  std::optional<ForkedCopies> copies_;  ///< that FMUs in this process forked
   std::atomic<bool> interrupted_{false};
   MessageHub messages_;
   std::vector<Observer*> added_;

@@ -232,6 +232,23 @@ std::optional<std::string> read_text(const char* address, std::size_t most) {
   return text;
 }
 
+bool is_readable(std::span<const std::uint8_t> bytes) {
+  constexpr std::size_t kAtOnce = 64;
+  std::array<iovec, kAtOnce> remote;
+  std::array<char, kAtOnce> copies;
+  for (std::size_t at = 0; at < bytes.size();) {
+    std::size_t count = 0;
+    for (; count < kAtOnce - 1 && at < bytes.size(); at += kPage) {
+      remote[count++] = {const_cast<std::uint8_t*>(&bytes[at]), 1};
+    }
+    if (at >= bytes.size()) remote[count++] = {const_cast<std::uint8_t*>(&bytes.back()), 1};
+    const iovec local{copies.data(), count};
+    const auto copied = process_vm_readv(getpid(), &local, 1, remote.data(), count, 0);
+    if (copied != static_cast<ssize_t>(count)) return copied < 0 && errno != EFAULT && errno != ENOMEM;
+  }
+  return true;
+}
+
 std::string format_text(const std::string& format, std::va_list arguments) {
   Arguments own;
   va_copy(own.list, arguments);

@@ -3,9 +3,14 @@
 
 namespace mebots::master {
 
-/// From now on a signal that ends the process inside an FMU (SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT) is told on
-/// standard error first, with instance, call and time. Then it takes its course. A signal that somebody handles already
-/// stays theirs. From any thread; once is enough.
+/// From now on a signal that ends the process inside an FMU is reported on standard error, with instance, call and
+/// time, before it takes its course: SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGTRAP, SIGSYS. A signal of a timer, or
+/// one that the process sends itself, fails the runs that are busy (see end_by_signal()). A signal that somebody
+/// handles already stays theirs, and so does SIGALRM while the program around has a timer. From any thread; once is
+/// enough.
 void install_crash_notice();
+
+/// Returns true if nobody but install_crash_notice() handles the signal, which would end the process.
+bool ends_process(int signal);
 
 }  // namespace mebots::master

@@ -3,10 +3,12 @@
 
 #include "message/plain_text.hpp"
 #include "slave/callback_text.hpp"
+#include "slave/forked_copies.hpp"
 
 #include <algorithm>
 #include <atomic>
 #include <cstdarg>
+#include <cstdio>
 #include <cstdlib>
 #include <iterator>
 #include <mutex>
@@ -95,6 +97,12 @@ void log(fmi2ComponentEnvironment environment, fmi2String instance, fmi2Status s
     call.text = format ? without_line_end(valid_utf8(format_text(*format, arguments)))
                        : std::string(message == nullptr ? "(a message without a text)"
                                                         : "(a message whose text cannot be read)");
+    if (is_forked_copy()) {  // the files of the run belong to the original process
+      std::fprintf(stderr, "mebots: a process that instance '%s' forked: %s\n", call.instance.value_or("?").c_str(),
+                   one_line(call.text).c_str());
+      va_end(arguments);
+      return;
+    }
     with_target(environment, call.instance, [&](CallbackTarget& target, bool in_call) {
       call.own_environment = environment == &target;
       call.in_call = in_call;
@@ -145,6 +153,25 @@ fmi2CallbackFunctions CallbackTarget::functions(bool asynchronous) {
 
 CurrentCall current_call() noexcept {
   return current == nullptr ? of_library : current->call();
+}
+
+void visit_instances(void* context, void (*visit)(void* context, const char* name)) {
+  auto& all = registry();
+  const std::unique_lock lock(all.mutex, std::try_to_lock);
+  if (!lock.owns_lock()) return;
+  for (const auto* target : all.targets) visit(context, target->instance_name().c_str());
+}
+
+std::vector<std::string> instances_here() {
+  constexpr std::size_t kShown = 8;
+  std::vector<std::string> names;
+  for_each_instance([&](const char* name) { names.emplace_back(name); });
+  std::ranges::sort(names);
+  if (names.size() > kShown) {
+    names.resize(kShown);
+    names.emplace_back("...");
+  }
+  return names;
 }
 
 CurrentCallback current_callback() noexcept {

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 /// The functions that an FMU calls. What it hands over is never believed: neither whose environment it says it has, nor
 /// that its texts are texts.
@@ -63,6 +64,19 @@ struct CurrentCall {
 /// The call that this thread is in, for who is called out of it: signal handlers, exit(). Null instance and library: it
 /// is in none. Safe in signal handlers.
 CurrentCall current_call() noexcept;
+
+/// The names of instances in this process, sorted; the first few of many. Nothing while one is being made or freed on
+/// another thread, which is not waited for.
+std::vector<std::string> instances_here();
+
+void visit_instances(void* context, void (*visit)(void* context, const char* name));
+
+/// Calls `work` with each instance's name, in no order; not for a registry that another thread changes just now. Safe
+/// in signal handlers, as `work` is.
+template <typename Work>
+void for_each_instance(Work work) {
+  visit_instances(&work, [](void* context, const char* name) { (*static_cast<Work*>(context))(name); });
+}
 
 /// The callback of ours that this thread is in.
 struct CurrentCallback {

@@ -6,8 +6,10 @@
 #include "mebots/input_error.hpp"
 #include "mebots/modeldesc/xml.hpp"
 
+#include "slave/callback_text.hpp"
 #include "slave/fmi2_callbacks.hpp"
 #include "slave/fmi2_functions.hpp"
+#include "slave/foreign_call.hpp"
 #include "slave/process_state.hpp"
 
 #include <fmt/format.h>
@@ -41,6 +43,25 @@ std::string_view way_out(std::string_view why) {
            "your version of it)";
   }
   return "Install the missing library, or put it beside the FMU's own in binaries/linux64";
+}
+
+/// Calls code of the library that belongs to no instance; `doing` completes "while the library was".
+template <typename Work>
+auto call_library(const std::filesystem::path& archive, const char* doing, Work work) {
+  const auto name = archive.filename().string();
+  const LibraryScope scope(name.c_str(), doing);
+  try {
+    return call_foreign(work);
+  } catch (const ForeignException& exception) {
+    throw InputError(ErrorCode::fmu_failed, fmt::format("{}: the FMU's library {} while it was {}", archive.string(),
+                                                        exception.what(), doing));
+  }
+}
+
+/// "'2.0'", for messages.
+std::string shown_text(const std::optional<std::string>& text, const char* address) {
+  if (text) return fmt::format("'{}'", *text);
+  return address == nullptr ? "nothing" : "an address where nothing can be read";
 }
 
 modeldesc::ModelDescription unpack_and_read(const std::filesystem::path& archive, const std::filesystem::path& folder) {
@@ -87,18 +108,19 @@ Fmu::Fmu(std::filesystem::path archive, std::filesystem::path folder)
       description_(modeldesc::read_xml(folder_ / "modelDescription.xml")) {}
 
 Fmu::~Fmu() {
-  unload();
+  try {
+    unload();
+  } catch (const Error&) {  // NOLINT(bugprone-empty-catch): a run has unloaded it before, and reported it
+  }
 }
 
 void Fmu::unload() {
   auto* const library = std::exchange(library_, nullptr);
   // After fmi2Fatal nothing of it may be called: unloading would run its destructors.
   if (library == nullptr || corrupted_ || threads_left() != 0) return;
-  {
-    const auto name = archive_.filename().string();
-    const LibraryScope scope(name.c_str(), "unloaded");
-    dlclose(library);
-  }
+  const auto handlers = handlers_in_libraries();
+  call_library(archive_, "unloaded", [&] { dlclose(library); });
+  reset_unloaded_handlers(handlers);
   functions_.reset();
   // A library may refuse to go. By its path the loader would give it to the next FMU of that path.
   const bool gone = dlopen(library_file_.c_str(), RTLD_NOLOAD | RTLD_LAZY) == nullptr;
@@ -145,11 +167,7 @@ void Fmu::load() {
   const ProcessState before(files_of_others_);
   // Libraries that are built for fast mathematics change it for the thread that loads them.
   const auto floats = FloatEnvironment::now();
-  {
-    const auto name = archive_.filename().string();
-    const LibraryScope scope(name.c_str(), "loaded");
-    library_ = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
-  }
+  library_ = call_library(archive_, "loaded", [&] { return dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL); });
   if (const auto found = FloatEnvironment::now(); found != floats) {
     floats_at_load_ = found;
     floats.enter();
@@ -161,17 +179,20 @@ void Fmu::load() {
                                                               archive_.string(), why, way_out(why)));
   }
   functions_ = std::make_unique<Fmi2Functions>(load_functions(library_, archive_.string()));
-  const char* version = functions_->get_version();
-  if (version == nullptr || std::strcmp(version, "2.0") != 0) {
-    throw InputError(ErrorCode::fmu_inconsistent,
-                     fmt::format("{}: fmi2GetVersion says '{}' instead of '2.0'", archive_.string(),
-                                 version == nullptr ? "nothing" : version));
+  check_version();
+}
+
+void Fmu::check_version() const {
+  const char* const version = call_library(archive_, "asked for its version", functions_->get_version);
+  if (const auto text = read_text(version); text != "2.0") {
+    throw InputError(ErrorCode::fmu_inconsistent, fmt::format("{}: fmi2GetVersion says {} instead of '2.0'",
+                                                              archive_.string(), shown_text(text, version)));
   }
-  const char* platform = functions_->get_types_platform();
-  if (platform == nullptr || std::strcmp(platform, kTypesPlatform) != 0) {
+  const char* const platform = call_library(archive_, "asked for its platform", functions_->get_types_platform);
+  if (const auto text = read_text(platform); text != kTypesPlatform) {
     throw InputError(ErrorCode::fmu_unsupported,
-                     fmt::format("{}: fmi2GetTypesPlatform says '{}' instead of '{}': its numbers are of other sizes",
-                                 archive_.string(), platform == nullptr ? "nothing" : platform, kTypesPlatform));
+                     fmt::format("{}: fmi2GetTypesPlatform says {} instead of '{}': its numbers are of other sizes",
+                                 archive_.string(), shown_text(text, platform), kTypesPlatform));
   }
 }
 

@@ -43,7 +43,8 @@ class Fmu {
   /// The FMU's functions. Loads its shared library on the first call; throws InputError naming the
   /// missing library or function when that fails.
   const Fmi2Functions& functions();
-  /// Unloads the shared library, for good; the destructor does it otherwise. No instance may live.
+  /// Unloads the shared library, for good; the destructor does it otherwise. No instance may live. Throws InputError
+  /// for an exception that the library throws.
   void unload();
   /// After an fmi2Fatal no instance of this FMU may be called any more.
   bool corrupted() const { return corrupted_; }
@@ -73,6 +74,7 @@ class Fmu {
   static constexpr int kMostWatched = 32;
 
   void load();
+  void check_version() const;
   std::size_t threads_left() const;
 
   std::filesystem::path archive_;

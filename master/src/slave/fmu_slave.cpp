@@ -8,9 +8,11 @@
 #include "mebots/state/bytes.hpp"
 
 #include "message/plain_text.hpp"
+#include "slave/callback_text.hpp"
 #include "slave/float_environment.hpp"
 #include "slave/fmi2_callbacks.hpp"
 #include "slave/fmi2_functions.hpp"
+#include "slave/foreign_call.hpp"
 #include "slave/process_state.hpp"
 
 #include <fmt/format.h>
@@ -60,18 +62,29 @@ struct FmuSlave::Fmi final : CallbackListener {
   }
   void step_finished(int status) override { slave->step_finished(status); }
 
-  /// Every call to the FMU goes through here.
+  /// Every call to the FMU goes through here. Throws SlaveError for a C++ exception that comes out of it.
   template <typename Function, typename... Arguments>
   auto call(const char* name, Function* function, Arguments... arguments) {
+    return in_scope(name, [&] { return function(component, arguments...); });
+  }
+
+  template <typename Work>
+  auto in_scope(const char* name, Work work) {
     const CallbackScope scope(target, name, slave->time_ns_);
     if (floats != ours) floats.enter();
-    if constexpr (std::is_void_v<std::invoke_result_t<Function*, fmi2Component, Arguments...>>) {
-      function(component, arguments...);
+    try {
+      if constexpr (std::is_void_v<std::invoke_result_t<Work>>) {
+        call_foreign(work);
+        leave(name);
+      } else {
+        const auto result = call_foreign(work);
+        leave(name);
+        return result;
+      }
+    } catch (const ForeignException& exception) {
       leave(name);
-    } else {
-      const auto status = function(component, arguments...);
-      leave(name);
-      return status;
+      slave->unusable_ = true;  // its code was left in the middle
+      slave->fail(name, exception.what());
     }
   }
 
@@ -85,10 +98,15 @@ struct FmuSlave::Fmi final : CallbackListener {
     if (floats != ours) ours.enter();
   }
 
-  /// For a state's handle, which must not outlive the slave.
+  /// For a state's handle, which must not outlive the slave. Throws nothing.
   auto freeing(const Fmi2Functions& functions) {
     return [this, free = functions.free_fmu_state](fmi2FMUstate* state) {
-      if (free != nullptr) call("fmi2FreeFMUstate", free, state);
+      if (free == nullptr || slave->unusable_) return;
+      try {
+        call("fmi2FreeFMUstate", free, state);
+      } catch (const SlaveError& error) {
+        slave->sink_->message({slave->name_, Severity::error, "notice", error.what(), slave->time_ns_});
+      }
     };
   }
 
@@ -145,11 +163,10 @@ FmuSlave::FmuSlave(std::string name, std::shared_ptr<Fmu> fmu, std::vector<std::
   if (const auto found = fmu_->floats_at_load()) tell_of_floats(*found, "loading its library");
   tell_of_process(at_load, "loading its library");
   watched("fmi2Instantiate", [&] {
-    const CallbackScope scope(fmi_->target, "fmi2Instantiate", time_ns_);
-    fmi_->floats.enter();
-    fmi_->component = functions_->instantiate(name_.c_str(), fmi2CoSimulation, description().guid.c_str(),
-                                              fmu_->resource_uri().c_str(), &fmi_->callbacks, fmi2False, fmi2True);
-    fmi_->leave("fmi2Instantiate");
+    fmi_->component = fmi_->in_scope("fmi2Instantiate", [&] {
+      return functions_->instantiate(name_.c_str(), fmi2CoSimulation, description().guid.c_str(),
+                                     fmu_->resource_uri().c_str(), &fmi_->callbacks, fmi2False, fmi2True);
+    });
   });
   if (fmi_->component == nullptr) fail("fmi2Instantiate", "gave no instance");
   MEBOTS_ASSERT(!unusable_ && !pending_);
@@ -161,22 +178,29 @@ FmuSlave::~FmuSlave() {
   FmuSlave::free_instance();
 }
 
-/// A fault takes the whole process down.
+/// A crash takes the whole process down.
 std::optional<std::string> FmuSlave::free_instance() {
   if (std::exchange(freed_, true)) return std::nullopt;
-  if (fmi_->component != nullptr && !unusable_ && !fmu_->corrupted()) {
-    if (pending_ && functions_->cancel_step != nullptr) fmi_->call("fmi2CancelStep", functions_->cancel_step);
-    watched("fmi2FreeInstance", [&] { fmi_->call("fmi2FreeInstance", functions_->free_instance); });
+  std::optional<std::string> fault;
+  try {
+    if (fmi_->component != nullptr && !unusable_ && !fmu_->corrupted()) {
+      if (pending_ && functions_->cancel_step != nullptr) fmi_->call("fmi2CancelStep", functions_->cancel_step);
+      watched("fmi2FreeInstance", [&] { fmi_->call("fmi2FreeInstance", functions_->free_instance); });
+    }
+    deliver_held();
+  } catch (const SlaveError& error) {
+    fault = error.what();
+    sink_->message({name_, Severity::error, "notice", *fault, time_ns_});
   }
   const auto threads = fmu_->leave();
-  if (threads == 0) return std::nullopt;
+  if (threads == 0) return fault;
   sink_->message({name_, Severity::warning, "notice",
                   fmt::format("{} that started after the FMU {} was loaded still {}, so its code stays in memory until "
                               "the program ends",
                               threads == 1 ? "a thread" : fmt::format("{} threads", threads),
                               fmu_->archive().filename().string(), threads == 1 ? "runs" : "run"),
                   time_ns_});
-  return std::nullopt;
+  return fault;
 }
 
 void FmuSlave::tell_of_floats(const FloatEnvironment& found, const char* where) {
@@ -236,12 +260,13 @@ void FmuSlave::logged(int status, std::string_view category, std::string text, b
                      std::any_of(log_categories_.begin(), log_categories_.end(),
                                  [&](const std::string& wanted) { return wanted == "*" || wanted == category; });
   if (!shown) return;
+  any_held_ = true;
+  if (!limit_.take(text.size() + category.size())) return;
   if (in_call && severity != Severity::error) {
     sink_->message({name_, severity, category, text, time_ns_});
     return;
   }
   held_.push_back({severity, std::string(category), std::move(text)});
-  any_held_ = true;
 }
 
 std::string FmuSlave::with_names(std::string_view text) const {
@@ -284,8 +309,15 @@ std::string FmuSlave::with_names(std::string_view text) const {
 
 void FmuSlave::deliver_held() {
   const std::lock_guard lock(log_mutex_);
+  deliver_but(0);
+}
+
+/// Drops the last ones. Under the mutex.
+void FmuSlave::deliver_but(std::size_t last) {
+  held_.resize(held_.size() - std::min(held_.size(), last));
   for (const auto& held : held_) sink_->message({name_, held.severity, held.category, held.text, time_ns_});
   held_.clear();
+  if (const auto notice = limit_.restart()) sink_->message({name_, Severity::warning, "notice", *notice, time_ns_});
   any_held_ = false;
 }
 
@@ -298,8 +330,11 @@ std::string FmuSlave::said() const {
 
 void FmuSlave::fail(const char* function, std::string_view what) {
   const std::lock_guard lock(log_mutex_);
-  held_.clear();  // they are in the exception
-  any_held_ = false;
+  const auto is_said = [this](const Held& held) {
+    return std::ranges::find(last_words_, one_line(held.text)) != last_words_.end();
+  };
+  const auto first_said = std::find_if_not(held_.rbegin(), held_.rend(), is_said).base();
+  deliver_but(static_cast<std::size_t>(held_.end() - first_said));  // those are in the exception
   throw SlaveError(
       fmt::format("instance '{}' at {} s: {} {}. {}", name_, to_seconds(time_ns_), function, what, said()));
 }
@@ -482,7 +517,22 @@ void FmuSlave::get_booleans(std::span<const ValueReference> references, std::spa
 void FmuSlave::get_strings(std::span<const ValueReference> references, std::span<std::string> values) {
   texts_.assign(references.size(), nullptr);
   require("fmi2GetString", functions_->get_string, references.data(), references.size(), texts_.data());
-  for (std::size_t i = 0; i < texts_.size(); ++i) values[i] = texts_[i] == nullptr ? "" : texts_[i];
+  for (std::size_t i = 0; i < texts_.size(); ++i) {
+    const auto text = read_text(texts_[i], std::numeric_limits<std::size_t>::max());
+    if (!text && texts_[i] != nullptr) {
+      fail("fmi2GetString", fmt::format("gave the address {} for the text of {}, and nothing can be read there",
+                                        fmt::ptr(texts_[i]), string_name(references[i])));
+    }
+    values[i] = text.value_or("");
+  }
+}
+
+std::string FmuSlave::string_name(ValueReference reference) const {
+  const auto& variables = description().variables;
+  const auto found = std::ranges::find_if(variables, [&](const modeldesc::Variable& variable) {
+    return variable.type == modeldesc::Type::string && variable.value_reference == reference;
+  });
+  return found == variables.end() ? fmt::format("reference {}", reference) : found->name;
 }
 
 void FmuSlave::set_reals(std::span<const ValueReference> references, std::span<const double> values) {

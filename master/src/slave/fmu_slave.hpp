@@ -3,6 +3,7 @@
 
 #include "base/time_grid.hpp"
 #include "message/message.hpp"
+#include "message/message_limit.hpp"
 #include "slave/fmu.hpp"
 #include "slave/slave.hpp"
 
@@ -79,6 +80,8 @@ class FmuSlave final : public Slave {
   int do_step(std::int64_t start_ns, std::int64_t duration_ns, bool never_back);
   int wait_for_step(const std::atomic<bool>& cancel);
   void deliver_held();
+  void deliver_but(std::size_t last);
+  std::string string_name(ValueReference reference) const;
   std::string said() const;
   [[noreturn]] void fail(const char* function, std::string_view what);
 
@@ -117,7 +120,8 @@ class FmuSlave final : public Slave {
     std::string text;
   };
   std::vector<Held> held_;
-  std::atomic<bool> any_held_{false};
+  MessageLimit limit_;                 // of the call, or since the last one
+  std::atomic<bool> any_held_{false};  // or was said since the limit began anew
   std::deque<std::string> last_words_;
 
   std::unique_ptr<Fmi> fmi_;  // last: threads of the FMU find what they log to until it is gone

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "slave/process_state.hpp"
 
+#include <dlfcn.h>
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/socket.h>
@@ -70,15 +71,50 @@ struct sigaction action_of(int signal) {
   return action;
 }
 
-/// What stays as it is is told once in the life of the process.
-bool is_new(std::string fact) {
-  static std::mutex mutex;
-  static std::set<std::string> told;
-  const std::lock_guard lock(mutex);
-  return told.insert(std::move(fact)).second;
+Handlers current_handlers() {
+  Handlers handlers;
+  for (int signal = 1; signal < SIGRTMIN; ++signal) handlers[signal] = action_of(signal);
+  return handlers;
+}
+
+/// False for the default action, and where the handler's code was unloaded.
+bool is_code(const struct sigaction& action) {
+  Dl_info info{};
+  return dladdr(reinterpret_cast<const void*>(action.sa_handler), &info) != 0;
+}
+
+/// The signals by which a user ends a run.
+bool ends_a_run(int signal) {
+  return signal == SIGINT || signal == SIGTERM || signal == SIGHUP;
 }
 
 }  // namespace
+
+Handlers handlers_in_libraries() {
+  auto handlers = current_handlers();
+  std::erase_if(handlers, [](const auto& handler) { return !is_code(handler.second); });
+  return handlers;
+}
+
+void reset_unloaded_handlers(const Handlers& before) {
+  for (const auto& [signal, action] : before) {
+    if (is_code(action) || action_of(signal).sa_handler != action.sa_handler) continue;
+    stop_timers_of(signal);
+    std::signal(signal, SIG_DFL);
+  }
+}
+
+bool is_new_change(std::string text) {
+  static std::mutex mutex;
+  static std::set<std::string> reported;
+  const std::lock_guard lock(mutex);
+  return reported.insert(std::move(text)).second;
+}
+
+std::string signal_name(int signal) {
+  const char* const name = sigabbrev_np(signal);
+  return name == nullptr ? fmt::format("signal {}", signal) : fmt::format("SIG{}", name);
+}
 
 ProcessState::ProcessState(const Files& files)
     : umask_(current_umask()),
@@ -91,7 +127,7 @@ ProcessState::ProcessState(const Files& files)
   for (int i = 0; i < kStandard; ++i) {
     copies_[static_cast<std::size_t>(i)] = fcntl(i, F_DUPFD_CLOEXEC, kFirstDescriptor);
   }
-  for (int signal = 1; signal < SIGRTMIN; ++signal) handlers_[signal] = action_of(signal);
+  handlers_ = current_handlers();
 }
 
 ProcessState::~ProcessState() {
@@ -129,7 +165,7 @@ void ProcessState::compare_files(std::vector<std::string>& texts) const {
     const auto* what = now ? "leads to another file" : "is closed";
     const int copy = descriptor < kStandard ? copies_[static_cast<std::size_t>(descriptor)] : -1;
     const bool back = copy >= 0 && dup2(copy, descriptor) == descriptor;
-    if (!back && !is_new(fmt::format("descriptor {}: {} {}", descriptor, file.first, file.second))) continue;
+    if (!back && !is_new_change(fmt::format("descriptor {}: {} {}", descriptor, file.first, file.second))) continue;
     texts.push_back(fmt::format("descriptor {} {}{}", descriptor, what, back ? " (put back)" : ""));
   }
 }
@@ -140,7 +176,7 @@ void ProcessState::compare_limits(std::vector<std::string>& texts) const {
     getrlimit(kLimits[i], &now);
     if (now.rlim_cur == limits_[i].rlim_cur && now.rlim_max == limits_[i].rlim_max) continue;
     const bool back = setrlimit(kLimits[i], &limits_[i]) == 0;
-    if (!back && !is_new(fmt::format("limit {}: {} {}", i, now.rlim_cur, now.rlim_max))) continue;
+    if (!back && !is_new_change(fmt::format("limit {}: {} {}", i, now.rlim_cur, now.rlim_max))) continue;
     texts.push_back(fmt::format("the limit {} became {}{}", kLimitNames[i], now.rlim_cur, back ? " (put back)" : ""));
   }
 }
@@ -151,9 +187,10 @@ void ProcessState::compare_handlers(std::vector<std::string>& texts) const {
     if (now == before.sa_handler) continue;
     // A handler for one signal is gone when that came.
     if (now == SIG_DFL && (before.sa_flags & static_cast<int>(SA_RESETHAND)) != 0) continue;
-    if (!is_new(fmt::format("handler {}: {}", signal, reinterpret_cast<std::uintptr_t>(now)))) continue;
-    texts.push_back(fmt::format("the handler of signal {} (SIG{}) is another (left as it is)", signal,
-                                sigabbrev_np(signal) == nullptr ? "?" : sigabbrev_np(signal)));
+    const bool back = ends_a_run(signal) && sigaction(signal, &before, nullptr) == 0;
+    if (!back && !is_new_change(fmt::format("handler {}: {}", signal, reinterpret_cast<std::uintptr_t>(now)))) continue;
+    texts.push_back(fmt::format("the handler of signal {} ({}) is another ({})", signal, signal_name(signal),
+                                back ? "put back" : "left as it is"));
   }
 }
 
@@ -174,7 +211,9 @@ std::vector<std::string> ProcessState::put_right() const {
   for (auto& text : environment_.restore()) texts.push_back(std::move(text));
   compare_limits(texts);
   compare_files(texts);
+  timers_.put_right(texts);
   compare_handlers(texts);
+  thread_.put_right(texts);
   return texts;
 }
 

@@ -2,6 +2,8 @@
 #pragma once
 
 #include "slave/environment_variables.hpp"
+#include "slave/thread_state.hpp"
+#include "slave/timer_state.hpp"
 
 #include <sys/resource.h>
 #include <sys/types.h>
@@ -15,9 +17,12 @@
 
 namespace mebots::master {
 
+/// By signal.
+using Handlers = std::map<int, struct sigaction>;
+
 /// What an FMU in this process can change for everybody: mask of file modes, working directory, locale, environment
-/// variables, limits, open descriptors, signal handlers. Whoever changes one of them changes what the other FMUs and
-/// the master compute or write. One at a time may be looked at; not for use by two threads at once.
+/// variables, limits, open descriptors, signal handlers, timers; and for the calling thread, see ThreadState. Whoever
+/// changes one of them changes what the other FMUs and the master compute or write. Not for use by two threads at once.
 class ProcessState {
  public:
   /// Open descriptors, and the file that each leads to. Without connections of the network, which end without an FMU.
@@ -30,10 +35,12 @@ class ProcessState {
   ProcessState(const ProcessState&) = delete;
   ProcessState& operator=(const ProcessState&) = delete;
 
-  /// What is different now, one text each: "the mask of file modes became 000 (put back to 022)". Puts back what can
-  /// be: not descriptors, save the standard three, and never signal handlers, which the FMU may need. What stays is
-  /// told once in the life of the process.
+  /// Returns what is different now, one text each: "the mask of file modes became 000 (put back to 022)". Puts back
+  /// what it can. Descriptors stay, except the standard three. Signal handlers stay, since the FMU may need them,
+  /// except those that end a run (SIGINT, SIGTERM, SIGHUP). What stays is reported once in the life of the process.
   std::vector<std::string> put_right() const;
+  /// Returns true if the calling thread blocks other signals: a cheap question.
+  bool is_mask_changed() const { return thread_.is_mask_changed(); }
 
   static Files open_files();
   /// Those of input, output and errors.
@@ -55,7 +62,23 @@ class ProcessState {
   std::array<rlimit, kLimits.size()> limits_{};
   Files files_;
   std::array<int, kStandard> copies_{};  // of the standard descriptors; -1 where there is none
-  std::map<int, struct sigaction> handlers_;
+  Handlers handlers_;
+  TimerState timers_;
+  ThreadState thread_;
 };
+
+/// Returns the signal handlers that are code of a loaded library or of the program.
+Handlers handlers_in_libraries();
+
+/// If the code of a handler among `before` was unloaded since: its signal gets the default action again, and the timers
+/// that send it stop.
+void reset_unloaded_handlers(const Handlers& before);
+
+/// Returns true for the first call with this text in the life of the process: a change that stays is reported once.
+/// From any thread.
+bool is_new_change(std::string text);
+
+/// "SIGALRM"; "signal 40" if it has no name.
+std::string signal_name(int signal);
 
 }  // namespace mebots::master

@@ -6,7 +6,10 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <set>
+#include <string>
+#include <vector>
 
 namespace mebots::master {
 namespace {
@@ -18,6 +21,18 @@ std::set<std::string> fmus_here(const ResolvedSystem& system) {
     if (!instance.description->isolation.alone()) names.insert(instance.fmu->archive().filename().string());
   }
   return names;
+}
+
+/// The names of their instances, in quotes; the first few of many.
+std::string instances_here(const ResolvedSystem& system) {
+  constexpr std::size_t kShown = 8;
+  std::vector<std::string> names;
+  for (const auto& instance : system.instances) {
+    if (!instance.description->isolation.alone()) names.push_back(fmt::format("'{}'", instance.description->name));
+  }
+  const auto more = names.size() - std::min(names.size(), kShown);
+  names.resize(names.size() - more);
+  return fmt::format("{}{}", fmt::join(names, ", "), more == 0 ? "" : fmt::format(" and {} more", more));
 }
 
 }  // namespace
@@ -37,9 +52,9 @@ void ProcessWatch::look(const std::string& during, std::int64_t time_ns) {
   const auto changes = before_->put_right();
   if (changes.empty()) return;
   const auto fmus = fmus_here(*system_);
-  const auto text =
-      fmt::format("{} {} changed the process for all, {}: {}", fmus.size() == 1 ? "the FMU" : "one of the FMUs",
-                  fmt::join(fmus, ", "), during, fmt::join(changes, "; "));
+  const auto text = fmt::format("{} {} changed the process for all, {}: {}; instances of {}: {}",
+                                fmus.size() == 1 ? "the FMU" : "one of the FMUs", fmt::join(fmus, ", "), during,
+                                fmt::join(changes, "; "), fmus.size() == 1 ? "it" : "them", instances_here(*system_));
   messages_->message({{}, Severity::warning, "notice", text, time_ns});
   before_.emplace(ProcessState::standard_files());
 }

@@ -22,6 +22,8 @@ class ProcessWatch {
 
   /// Looks now; `during` completes "changed the process for all, ...".
   void look(const std::string& during, std::int64_t time_ns);
+  /// Returns true if the calling thread blocks other signals: a cheap question.
+  bool is_mask_changed() const { return before_ && before_->is_mask_changed(); }
 
  private:
   const ResolvedSystem* system_;

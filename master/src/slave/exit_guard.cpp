@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "run/exit_guard.hpp"
+#include "slave/exit_guard.hpp"
 
 #include "base/time.hpp"
 #include "slave/fmi2_callbacks.hpp"
+#include "slave/process_state.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <sys/syscall.h>
 #include <unistd.h>
 
@@ -30,23 +32,27 @@ Guards& guards() {
   return all;
 }
 
-std::string reason(const char* function) {
+constexpr const char* kRemedy =
+    "which ends the whole process. Run the instance in a process of its own (\"process\": \"own\", or --isolate)";
+
+std::string reason(const char* what) {
   const auto call = current_call();
-  constexpr const char* kRemedy =
-      "which ends the whole process. Run the instance in a process of its own (\"process\": \"own\", or --isolate)";
   if (call.library != nullptr)
-    return fmt::format("the library of the FMU {} called {}() while it was {}, {}", call.library, function,
-                       call.function, kRemedy);
-  if (call.instance == nullptr)
-    return fmt::format("a library of an FMU called {}() in the middle of a run, {}", function, kRemedy);
-  return fmt::format("instance '{}' at {} s: its FMU called {}() in {}, {}", call.instance, to_seconds(call.time_ns),
-                     function, call.function, kRemedy);
+    return fmt::format("the library of the FMU {} {} while it was {}, {}", call.library, what, call.function, kRemedy);
+  if (call.instance == nullptr) {
+    return fmt::format("a library of an FMU (instances: {}) {} in the middle of a run, {}",
+                       fmt::join(instances_here(), ", "), what, kRemedy);
+  }
+  return fmt::format("instance '{}' at {} s: its FMU {} in {}, {}", call.instance, to_seconds(call.time_ns), what,
+                     call.function, kRemedy);
 }
 
 /// The process in which runs are guarded; what it forks is not.
 std::atomic<pid_t> guarded_process = 0;
 /// The thread that ends the process because of a busy run.
 std::atomic<pid_t> ending_thread = 0;
+/// A signal that came outside of calls, for the run's own thread; 0: none.
+std::atomic<int> kept_signal = 0;
 
 [[noreturn]] void end_at_once() {
   for (;;) syscall(SYS_exit_group, EXIT_FAILURE);
@@ -83,13 +89,13 @@ std::unique_lock<std::mutex> lock_known_guards() {
 
 /// Of the C library, with the FMU still below it on the stack.
 bool ask_to_hear_of_ends() {
-  return std::atexit([] { end_busy_runs("exit"); }) == 0 &&
-         std::at_quick_exit([] { end_busy_runs("quick_exit"); }) == 0;
+  return std::atexit([] { end_busy_runs("called exit()"); }) == 0 &&
+         std::at_quick_exit([] { end_busy_runs("called quick_exit()"); }) == 0;
 }
 
 }  // namespace
 
-void end_busy_runs(const char* function) {
+void end_busy_runs(const char* what) {
   if (guarded_process.load() != getpid()) return;
   std::vector<const ExitGuard*> busy;
   {
@@ -105,11 +111,33 @@ void end_busy_runs(const char* function) {
     return;
   }
   end_by_alarm();
-  const auto what = reason(function);
-  for (const auto* guard : busy) guard->fail(what);
-  std::fprintf(stderr, "mebots: error: %s\n", what.c_str());
+  const auto text = reason(what);
+  for (const auto* guard : busy) guard->fail(text);
+  std::fprintf(stderr, "mebots: error: %s\n", text.c_str());
   std::fflush(nullptr);
   end_at_once();
+}
+
+bool end_by_signal(int signal) {
+  if (guarded_process.load() != getpid()) return false;
+  const auto call = current_call();
+  if (call.instance != nullptr || call.library != nullptr) {
+    end_busy_runs(fmt::format("caused the signal {}", signal_name(signal)).c_str());
+    return false;
+  }
+  const std::unique_lock lock(guards().mutex, std::try_to_lock);
+  // Whoever holds the mutex makes or removes a guard; a run is taken for busy then.
+  if (lock.owns_lock() && std::ranges::none_of(guards().all, &ExitGuard::busy)) return false;
+  kept_signal = signal;
+  return true;
+}
+
+std::optional<std::string> take_kept_signal() {
+  if (kept_signal.load(std::memory_order_relaxed) == 0) return std::nullopt;
+  return fmt::format(
+      "the process got the signal {}, of a timer or sent by itself, for which nobody has a handler: one "
+      "of the FMUs in it (instances: {}) let it be sent, {}",
+      signal_name(kept_signal.exchange(0)), fmt::join(instances_here(), ", "), kRemedy);
 }
 
 ExitGuard::ExitGuard(const bool& busy, Fail fail) : busy_(&busy), process_(getpid()), fail_(std::move(fail)) {

@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
+// C++ exceptions that the probe FMU lets through its C interface.
+#include <cstring>
+#include <stdexcept>
+
+extern "C" void probe_throw(const char* kind);
+
+extern "C" void probe_throw(const char* kind) {
+  if (std::strcmp(kind, "throw_number") == 0) throw 42;
+  throw std::domain_error("the solver diverged");
+}
