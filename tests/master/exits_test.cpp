@@ -329,6 +329,71 @@ TEST_F(Exits, MessagesBeyondTheLimitOfACallAreCountedInAnyProcess) {
   }
 }
 
+std::string pending_config(const std::string& process, const std::string& behaviour, const std::string& more = "") {
+  return fmt::format(R"({{"step": 0.1, "stop_time": 0.2, "instances": {{
+      "a": {{"fmu": "COUPLING", "process": "{}", "parameters": {{"behaviour": "{}", "pause": 0.002}}{}}},
+      "b": {{"fmu": "COUPLING"}}}}, "connections": [{{"from": "a.ramp_out", "to": "b.ramp_in"}}]}})",
+                     process, behaviour, more);
+}
+
+TEST(PendingInAProcessOfItsOwn, GivesTheSameBytesAsInTheMastersProcess) {
+  for (const char* behaviour : {"callback", "poll"}) {
+    TestRun shared(pending_config("shared", behaviour));
+    shared.to_end();
+    EXPECT_THAT(shared.column("a.steps"), ElementsAre(0, 1, 2)) << behaviour;
+    for (const char* process : {"own", "sandboxed"}) {
+      TestRun run(pending_config(process, behaviour));
+      run.to_end();
+      EXPECT_EQ(run.csv(), shared.csv()) << process << " " << behaviour;
+    }
+  }
+}
+
+TEST(PendingInAProcessOfItsOwn, ALateDiscardIsADiscard) {
+  TestRun run(pending_config("own", "late_discard"));
+  try {
+    run.to_end();
+    FAIL();
+  } catch (const master::SlaveError& error) {
+    EXPECT_THAT(error.what(), AllOf(HasSubstr("instance 'a' at 0 s"), HasSubstr("fmi2Discard")));
+  }
+}
+
+TEST(PendingInAProcessOfItsOwn, AnInterruptCancelsTheStepAndTheInstanceIsTerminated) {
+  for (const char* process : {"own", "sandboxed"}) {
+    TestRun run(pending_config(process, "never"));
+    run.initialize();
+    std::jthread user([&] {
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+      run.interrupted = true;
+    });
+    EXPECT_EQ(run.simulation().run().reason, EndReason::interrupted) << process;
+    EXPECT_NO_THROW(run.simulation().terminate()) << process << ": fmi2CancelStep was called, and the process lives";
+  }
+}
+
+TEST(PendingInAProcessOfItsOwn, AStepThatNeverEndsMeetsItsDeadline) {
+  TestRun run(pending_config("own", "never", R"(, "deadline": 0.2)"));
+  run.initialize();
+  try {
+    run.simulation().run();
+    FAIL();
+  } catch (const master::SlaveError& error) {
+    EXPECT_EQ(error.code(), ErrorCode::fmu_timeout);
+    EXPECT_THAT(error.what(), AllOf(HasSubstr("instance 'a' at 0 s: fmi2DoStep"), HasSubstr("deadline of 0.2 s")));
+  }
+}
+
+TEST(PendingInAProcessOfItsOwn, OthersContinueWithoutAnInstanceThatIsLostWhileItsStepIsPending) {
+  modeldesc::TemporaryFolder folder{"mebots-test"};
+  write_file(folder.path() / "run.json",
+             with_probe(pending_config("own", "never", R"(, "deadline": 0.2, "on_failure": "continue")")));
+  const auto ended = run_program({"run", "run.json"}, folder.path());
+  EXPECT_EQ(ended.code, 0) << ended.err;
+  const auto summary = nlohmann::json::parse(read_file(folder.path() / "results" / "run" / "summary.json"));
+  EXPECT_TRUE(summary["lost_instances"].contains("a"));
+}
+
 /// A mission of a program around: what ends it ends the program, with a code other than 0.
 class ExitsOfPrograms : public testing::Test {
  protected:

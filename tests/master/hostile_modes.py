@@ -39,6 +39,17 @@ MODES = {
     "quick_exit": "quick_exit(0)",
     "_exit": "_exit(0)",
     "kernel_exit": "exit_group(0) by the kernel",
+    "pthread_exit": "pthread_exit() on the thread that called it",
+    "cancel": "pthread_cancel() of the thread that called it",
+    "exec": "execl() of another program",
+    "alarm": "SIGALRM of a timer that it started",
+    "usr1": "raise(SIGUSR1)",
+    "block": "blocks all signals",
+    "fork_returns": "a process that it forks returns from the call",
+    "vfork_returns": "the same with vfork()",
+    "throw": "a C++ exception through the C interface",
+    "throw_number": "the same with a number",
+    "bad_string": "a text output at an address where nothing is",
     "child_exit": "a process that it forks calls exit(3)",
     "hang": "a step does not come back",
     "error": "fmi2Error",
@@ -51,8 +62,10 @@ MODES = {
     "log_format": "messages with hostile formats",
     "log_bytes": "messages with control characters, not UTF-8",
     "log_errors": "the same error message in every step",
+    "log_flood": "600 messages of 65 KB in one step",
     "upward": "changes the rounding of floating point",
     "meddle": "changes file mask, folder, limits and a signal handler, closes a descriptor",
+    "meddle_thread": "changes signal mask, timers, priority, affinity and what belongs to a thread",
     "close": "closes all descriptors",
     "own_file": "opens a file",
     "thread_stays": "leaves a thread",
@@ -68,10 +81,11 @@ MODES = {
     "free_crash": "crashes when it is freed",
     "free_hang": "hangs when it is freed",
     "free_exit": "exit(0) when it is freed",
+    "free_throw": "a C++ exception when it is freed",
     "destructor": "crashes when its library is unloaded",
 }
 NEEDS_CHECKPOINT = {"huge_state"}
-WHEN_FREED = {"free_crash", "free_hang", "free_exit", "destructor"}
+WHEN_FREED = {"free_crash", "free_hang", "free_exit", "free_throw", "destructor"}
 
 
 def config_of(fmu, process):
@@ -80,7 +94,8 @@ def config_of(fmu, process):
         misbehaving |= {"deadline": 3, "memory_limit_mb": 200}
     return {"step": 0.01, "stop_time": 1, "instances": {"a": {"fmu": fmu, "parameters": {"gain": 0.5, "offset": 1}},
                                                         "b": misbehaving},
-            "connections": [{"from": "a.real_out", "to": "b.real_in"}, {"from": "b.real_out", "to": "a.real_in"}],
+            "connections": [{"from": "a.real_out", "to": "b.real_in"}, {"from": "b.real_out", "to": "a.real_in"},
+                            {"from": "b.string_out", "to": "a.string_in"}],
             "record": ["a.real_out", "b.real_out", "b.integral", "b.last_end", "b.steps"]}
 
 

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "isolation/fmu_host.hpp"
 #include "mebots/input_error.hpp"
+#include "message/message_limit.hpp"
 #include "slave/fmu_slave.hpp"
+#include "slave/forked_copies.hpp"
 
 #include "guard.hpp"
 #include "keeper.hpp"
@@ -12,11 +14,14 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <pthread.h>
+
 #include <charconv>
 #include <cstdio>
 #include <map>
 #include <mutex>
 #include <new>
+#include <optional>
 #include <string_view>
 
 namespace mebots::master {
@@ -30,13 +35,13 @@ class SharedLog final : public MessageSink {
   SharedLog(SharedBuffer& buffer, Control& control) : writer_(buffer), control_(&control) {}
 
   void message(const Message& message) override {
-    const std::lock_guard lock(mutex_);              // an FMU may log from threads of its own
-    if (writer_.size() > kMostLogBytes / 2) return;  // who says so much in one call says nothing new
-    writer_.put(static_cast<std::uint8_t>(message.severity));
-    writer_.put(message.time_ns);
-    writer_.put(message.category);
-    writer_.put(message.text);
-    control_->log_bytes.store(writer_.size(), std::memory_order_release);
+    const std::lock_guard lock(mutex_);  // an FMU may log from threads of its own
+    if (limit_.take(message.text.size() + message.category.size())) put(message);
+  }
+  /// Says how many messages of this batch were dropped.
+  void end_batch(std::string_view instance) {
+    const std::lock_guard lock(mutex_);
+    if (const auto notice = limit_.restart()) put({instance, Severity::warning, "notice", *notice, 0});
   }
   /// The master has read them all.
   void clear() {
@@ -46,7 +51,16 @@ class SharedLog final : public MessageSink {
   }
 
  private:
+  void put(const Message& message) {
+    writer_.put(static_cast<std::uint8_t>(message.severity));
+    writer_.put(message.time_ns);
+    writer_.put(message.category);
+    writer_.put(message.text);
+    control_->log_bytes.store(writer_.size(), std::memory_order_release);
+  }
+
   std::mutex mutex_;
+  MessageLimit limit_{kMostLogBytes - (std::size_t{1} << 20)};  // room for the notice
   SharedWriter writer_;
   Control* control_;
 };
@@ -78,6 +92,7 @@ class Host {
       log_.clear();
       answers_.clear();
       do_batch();
+      log_.end_batch(name_);
       control_->answer_bytes.store(answers_.size(), std::memory_order_relaxed);
       control_->answered.pass();
     }
@@ -144,10 +159,15 @@ class Host {
       case Call::exit_initialization:
         slave_->exit_initialization();
         break;
-      case Call::step:
-        return step(commands);
+      case Call::step: {
+        const auto start_ns = commands.get<std::int64_t>();
+        return answer_step(slave_->step(start_ns, commands.get<std::int64_t>()));
+      }
+      case Call::finish_step:
+        return answer_step(slave_->finish_step(control_->cancel));
       case Call::terminate:
         slave_->terminate();
+        if (const auto text = copies_->returned()) throw SlaveError(ErrorCode::fmu_lost, *text);
         break;
       case Call::get_reals:
         get_numbers<double>(commands, [&](auto references, auto values) { slave_->get_reals(references, values); });
@@ -208,11 +228,7 @@ class Host {
         break;
       }
       case Call::close:
-        states_.clear();
-        slave_.reset();
-        control_->call.store(Call::unload, std::memory_order_relaxed);
-        fmu_.reset();
-        closed_ = true;
+        close();
         break;
       case Call::unload:
       case Call::none:
@@ -220,6 +236,17 @@ class Host {
     }
     put_done();
     return true;
+  }
+
+  /// Throws SlaveError if freeing the instance failed; the host ends in any case.
+  void close() {
+    closed_ = true;
+    states_.clear();
+    const auto fault = slave_ ? slave_->free_instance() : std::nullopt;
+    slave_.reset();
+    control_->call.store(Call::unload, std::memory_order_relaxed);
+    fmu_.reset();
+    if (fault) throw SlaveError(*fault);
   }
 
   void open(SharedReader& commands) {
@@ -235,17 +262,19 @@ class Host {
                                 fmt::join(lacking_, ", ")),
                     0});
     }
+    copies_.emplace();
     fmu_ = std::make_shared<Fmu>(archive, folder);
     triples_ = osmp_triples(fmu_->description());
     taken_.resize(triples_.size());
     slave_ = std::make_unique<FmuSlave>(name_, fmu_, std::move(categories), log_, grid);
   }
 
-  bool step(SharedReader& commands) {
-    const auto start_ns = commands.get<std::int64_t>();
-    const auto result = slave_->step(start_ns, commands.get<std::int64_t>());
+  /// Returns false, which ends the batch, unless the step is complete.
+  bool answer_step(const StepResult& result) {
     put_done();
     answers_.put(result.done);
+    answers_.put(result.pending);
+    answers_.put(result.cancelled);
     answers_.put(result.terminated);
     answers_.put(result.last_successful_s.has_value());
     answers_.put(result.last_successful_s.value_or(0));
@@ -326,6 +355,7 @@ class Host {
   std::vector<std::vector<std::uint8_t>> taken_;  // bytes of binary inputs, one per triple
   std::string name_;
   std::vector<std::string> lacking_;
+  std::optional<ForkedCopies> copies_;  // not before the keeper is split off
   std::shared_ptr<Fmu> fmu_;
   std::unique_ptr<FmuSlave> slave_;
   std::map<std::uint64_t, std::unique_ptr<SlaveState>> states_;
@@ -362,6 +392,7 @@ int run_fmu_host(int argument_count, char** arguments) {
       fork_kept(master);
     }
     guard(number<std::uint64_t>(arguments[2]), host.control());
+    pthread_setcancelstate(PTHREAD_CANCEL_DISABLE, nullptr);  // an FMU may not cancel the thread that calls it
     host.serve();
     return 0;
   } catch (const std::exception& error) {

@@ -6,6 +6,7 @@
 #include "mebots/assert.hpp"
 #include "mebots/input_error.hpp"
 #include "message/plain_text.hpp"
+#include "slave/callback_text.hpp"
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -106,9 +107,20 @@ std::optional<std::string> IsolatedSlave::tell_of_end() {
   } catch (const Error& error) {
     if (problem.empty()) problem = error.what();
   }
-  if (problem.empty()) return std::nullopt;
+  if (problem.empty()) return end ? failure_of_close() : std::nullopt;
   messages_->message({name_, Severity::error, "notice", problem, time_ns_});
   return fmt::format("instance '{}': {}", name_, problem);
+}
+
+/// Returns the error that the host answered when it freed the instance. The messages have it, too.
+std::optional<std::string> IsolatedSlave::failure_of_close() {
+  try {
+    auto reader = answers();
+    check(reader);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return std::nullopt;
 }
 
 void IsolatedSlave::open(const TimeGrid& grid) {
@@ -177,6 +189,7 @@ void IsolatedSlave::wait(std::size_t calls_left) {
       if (control_->answered.value() != batches_) return;  // it answered, and then went
       lost(ErrorCode::fmu_lost, fault_text(*end));
     }
+    if (cancel_ != nullptr && cancel_->load(std::memory_order_relaxed)) control_->cancel = true;
     const auto now = Clock::now();
     if (const auto count = control_->calls.load(std::memory_order_acquire); count != calls && calls_left > 0) {
       calls = count;
@@ -281,9 +294,30 @@ void IsolatedSlave::terminate() {
 StepResult IsolatedSlave::step(std::int64_t start_ns, std::int64_t duration_ns) {
   MEBOTS_ASSERT(duration_ns > 0);
   time_ns_ = start_ns;
+  step_end_ns_ = start_ns + duration_ns;
+  control_->cancel.store(false, std::memory_order_relaxed);
   put(Call::step);
   commands_.put(start_ns);
   commands_.put(duration_ns);
+  return hand_over_step();
+}
+
+/// The host waits for the end of the step. While it does, the master looks for an interrupt and for the deadline.
+StepResult IsolatedSlave::finish_step(const std::atomic<bool>& cancel) {
+  cancel_ = &cancel;
+  put(Call::finish_step);
+  try {
+    auto result = hand_over_step();
+    cancel_ = nullptr;
+    return result;
+  } catch (...) {
+    cancel_ = nullptr;
+    throw;
+  }
+}
+
+/// Sends a call that steps, followed by the reads of the last step.
+StepResult IsolatedSlave::hand_over_step() {
   std::erase_if(reads_, [](const Read& read) { return !read.used; });
   for (const auto& read : reads_) put_read(read.call, read.references, read.orders);
   pending_ += reads_.size();
@@ -291,13 +325,16 @@ StepResult IsolatedSlave::step(std::int64_t start_ns, std::int64_t duration_ns) 
   hand_over(reads_.size() + 1, [&](SharedReader& answers) {
     check(answers);
     result.done = answers.get<std::uint8_t>() != 0;
+    result.pending = answers.get<std::uint8_t>() != 0;
+    result.cancelled = answers.get<std::uint8_t>() != 0;
     result.terminated = answers.get<std::uint8_t>() != 0;
     const bool has_time = answers.get<std::uint8_t>() != 0;
     const auto last_successful_s = answers.get<double>();
     if (has_time) result.last_successful_s = last_successful_s;
     result.messages = answers.get_text();
+    if (result.pending) return;  // the reads are sent again when the step ends
     if (!result.done) return forget_reads();
-    time_ns_ = start_ns + duration_ns;
+    time_ns_ = step_end_ns_;
     turn_ ^= 1;
     take_reads(answers);
   });
@@ -425,7 +462,14 @@ void IsolatedSlave::set_integers(std::span<const ValueReference> references, std
   for (const auto& triple : triples_) {
     const auto places = places_of(triple, references);
     if (!places) continue;
-    commands_.put(fmu::BinaryRef{values[(*places)[0]], values[(*places)[1]], values[(*places)[2]]}.bytes());
+    const auto bytes = fmu::BinaryRef{values[(*places)[0]], values[(*places)[1]], values[(*places)[2]]}.bytes();
+    if (!is_readable(bytes)) {
+      throw SlaveError(
+          fmt::format("instance '{}' at {} s: its binary input (value reference {}) is the address {} "
+                      "of {} bytes, which cannot be read",
+                      name_, to_seconds(time_ns_), triple.references[0], fmt::ptr(bytes.data()), bytes.size()));
+    }
+    commands_.put(bytes);
   }
   ++pending_;
 }

@@ -39,6 +39,7 @@ class IsolatedSlave final : public Slave {
   void enter_initialization() override;
   void exit_initialization() override;
   StepResult step(std::int64_t start_ns, std::int64_t duration_ns) override;
+  StepResult finish_step(const std::atomic<bool>& cancel) override;
   void terminate() override;
   std::optional<std::string> free_instance() override;
 
@@ -91,12 +92,14 @@ class IsolatedSlave final : public Slave {
   void check(SharedReader& answers);
   void take_messages();
   std::optional<std::string> tell_of_end();
+  std::optional<std::string> failure_of_close();
   [[noreturn]] void lost(ErrorCode code, const std::string& how);
   std::string fault_text(const ProcessEnd& end) const;
   Read& read(Call call, std::span<const ValueReference> references, std::span<const std::int32_t> orders = {});
   void put_read(Call call, std::span<const ValueReference> references, std::span<const std::int32_t> orders);
   void take(Read& read, SharedReader& answers);
   void take_reads(SharedReader& answers);
+  StepResult hand_over_step();
   void take_binaries(Read& read, SharedReader& answers);
   void forget_reads();
   void free_state(std::uint64_t id) noexcept;
@@ -114,7 +117,8 @@ class IsolatedSlave final : public Slave {
   std::size_t pending_ = 0;    // calls that are written and not sent
   std::uint32_t batches_ = 0;  // answered
   std::unique_ptr<ChildProcess> process_;
-  std::string lost_;  // why the process is gone
+  const std::atomic<bool>* cancel_ = nullptr;  // of the pending step that is waited for
+  std::string lost_;                           // why the process is gone
   bool freed_ = false;
 
   // What the FMU can do, as its process found when it loaded the library.
@@ -122,6 +126,7 @@ class IsolatedSlave final : public Slave {
   bool takes_input_derivatives_ = false;
 
   std::int64_t time_ns_ = 0;
+  std::int64_t step_end_ns_ = 0;
   std::vector<Read> reads_;  // since the last step
   std::vector<OsmpTriple> triples_;
   // Bytes of binary outputs, one pair per triple: those of the last step stay valid during the next one.

@@ -43,6 +43,8 @@ const char* name_of(Call call) {
       return "fmi2ExitInitializationMode";
     case Call::step:
       return "fmi2DoStep";
+    case Call::finish_step:
+      return "fmi2DoStep, which answered fmi2Pending,";
     case Call::terminate:
       return "fmi2Terminate";
     case Call::get_reals:

@@ -19,6 +19,7 @@ enum class Call : std::uint32_t {
   enter_initialization,
   exit_initialization,
   step,
+  finish_step,
   terminate,
   get_reals,
   get_integers,
@@ -74,8 +75,10 @@ struct Control {
   std::atomic<std::uint32_t> fault_seen{0};
   std::atomic<std::uint64_t> fault_address{0};
   std::atomic<std::uint32_t> fault_on_stack{0};
+
+  std::atomic<bool> cancel{false};  // set by the master: the step that is pending is given up
 };
-static_assert(std::atomic<std::uint64_t>::is_always_lock_free);
+static_assert(std::atomic<std::uint64_t>::is_always_lock_free && std::atomic<bool>::is_always_lock_free);
 
 /// What the host says at most about one batch. All that lies in shared memory is the host's word: a master that finds
 /// more than this has another host before it than ours.

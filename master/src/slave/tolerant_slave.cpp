@@ -90,6 +90,12 @@ StepResult TolerantSlave::step(std::int64_t start_ns, std::int64_t duration_ns) 
   return result;
 }
 
+StepResult TolerantSlave::finish_step(const std::atomic<bool>& cancel) {
+  StepResult result;
+  attempt([&] { result = inner().finish_step(cancel); });
+  return result;
+}
+
 void TolerantSlave::terminate() {
   if (!lost()) inner().terminate();
 }

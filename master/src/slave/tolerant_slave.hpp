@@ -17,6 +17,7 @@ class TolerantSlave final : public AccessSlave {
       : AccessSlave(std::move(inner)), messages_(&messages), loss_(&loss) {}
 
   StepResult step(std::int64_t start_ns, std::int64_t duration_ns) override;
+  StepResult finish_step(const std::atomic<bool>& cancel) override;
   void terminate() override;
   /// Told, and no fault of the run.
   std::optional<std::string> free_instance() override;
