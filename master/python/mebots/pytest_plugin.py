@@ -14,6 +14,7 @@ from typing import Any
 import pytest
 
 from mebots import _mebots
+from mebots.errors import Error
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -48,7 +49,7 @@ class Case(pytest.Item):
             raise Diverged(result["text"])
 
     def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException]) -> Any:  # type: ignore[override]
-        if isinstance(excinfo.value, (Diverged, _mebots.Error)):
+        if isinstance(excinfo.value, (Diverged, Error)):
             return f"{self.path.name}: {self.name}: {excinfo.value}"
         return super().repr_failure(excinfo)
 
