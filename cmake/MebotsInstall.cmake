@@ -62,8 +62,12 @@ function(mebots_list_parts relation)
   set(parts ${parts} PARENT_SCOPE)
 endfunction()
 set(linked /usr/include/nlohmann/json.hpp /usr/include/fmt/core.h /usr/include/eigen3/Eigen/Core /usr/include/CLI/CLI.hpp)
+# mebots-fmu-host holds these, since an FMU may bring other versions of them.
+execute_process(COMMAND ${CMAKE_CXX_COMPILER} -print-file-name=libstdc++.a OUTPUT_VARIABLE cxx_library
+  OUTPUT_STRIP_TRAILING_WHITESPACE)
+list(APPEND linked ${cxx_library} ${MEBOTS_STATIC_PUGIXML} ${MEBOTS_STATIC_SECCOMP})
 set(needed)
-foreach(library fmt zip pugixml png deflate crypto hdf5_serial seccomp)
+foreach(library fmt zip pugixml png deflate crypto hdf5_serial)
   find_library(MEBOTS_NEEDED_${library} ${library})
   mark_as_advanced(MEBOTS_NEEDED_${library})
   if(MEBOTS_NEEDED_${library})

@@ -59,9 +59,9 @@ class NeededLibraries {
   void follow(const fs::path& file, std::vector<std::string> inherited) {
     if (!seen_.insert(file.filename().string()).second) return;
     const auto library = modeldesc::read_elf_library(file);
-    auto rpath = expanded(library.rpath, file);
+    auto rpath = modeldesc::search_folders(library.rpath, file);
     if (library.runpath.empty()) inherited.insert(inherited.begin(), rpath.begin(), rpath.end());
-    const auto runpath = expanded(library.runpath, file);
+    const auto runpath = modeldesc::search_folders(library.runpath, file);
     std::vector<std::string> folders = library.runpath.empty() ? inherited : runpath;
     for (const auto& needed : library.needed) resolve(needed, file, folders, inherited);
   }
@@ -102,18 +102,6 @@ class NeededLibraries {
       if (dlopen(needed.c_str(), RTLD_LAZY | RTLD_LOCAL) == nullptr) witness.error(dlerror(), "");
     });
     return check.findings.empty();
-  }
-
-  static std::vector<std::string> expanded(const std::vector<std::string>& paths, const fs::path& file) {
-    std::vector<std::string> result;
-    for (std::string path : paths) {
-      for (const std::string_view name : {"${ORIGIN}", "$ORIGIN"}) {
-        for (auto at = path.find(name); at != std::string::npos; at = path.find(name))
-          path.replace(at, name.size(), file.parent_path().string());
-      }
-      result.push_back(path);
-    }
-    return result;
   }
 
   fs::path folder_;

@@ -305,6 +305,7 @@ LoadedLibrary read_loaded(const dl_phdr_info& info, UniqueSymbols unique) {
   ElfLibrary names;
   image.read_names(names);
   loaded.soname = names.soname;
+  loaded.needed = names.needed;
   if (unique == UniqueSymbols::read) loaded.unique = image.unique_symbols();
   return loaded;
 }
@@ -331,13 +332,26 @@ ElfLibrary read_elf_library(const std::filesystem::path& file) {
   return ElfFile(file).read();
 }
 
+std::vector<std::string> search_folders(const std::vector<std::string>& paths, const std::filesystem::path& file) {
+  std::vector<std::string> folders;
+  for (std::string path : paths) {
+    for (const std::string_view name : {"${ORIGIN}", "$ORIGIN"}) {
+      const auto origin = file.parent_path().string();
+      for (auto at = path.find(name); at != std::string::npos; at = path.find(name, at + origin.size()))
+        path.replace(at, name.size(), origin);
+    }
+    folders.push_back(path);
+  }
+  return folders;
+}
+
 std::vector<LoadedLibrary> loaded_libraries(UniqueSymbols unique) {
   std::vector<LoadedLibrary> libraries;
   auto take = [&](const dl_phdr_info& info) {
     try {
       libraries.push_back(read_loaded(info, unique));
     } catch (const Error&) {  // an object without the tables of a library
-      libraries.push_back({info.dlpi_name, {}, {}});
+      libraries.push_back({info.dlpi_name, {}, {}, {}});
     }
   };
   const auto visit = [](dl_phdr_info* info, std::size_t, void* taker) {

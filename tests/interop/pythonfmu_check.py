@@ -1,13 +1,15 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""An FMU of pythonfmu takes the Python interpreter of its process: without one, mebots says how to get it.
+"""FMUs of pythonfmu just run: each in its own process, with the Python of MEBOTS_PYTHON or of PATH.
 
 Usage: pythonfmu_check.py MEBOTS
 
-What such FMUs compute is compared in compare.py.
+More of what such FMUs compute is compared in compare.py.
 """
 
+import csv
 import json
+import os
 import pathlib
 import subprocess
 import sys
@@ -15,19 +17,48 @@ import tempfile
 
 import pythonfmu
 
+GAIN = 3.5
+INPUT = 0.25
+STEP = 0.125
+STOP = 1
+
+
+def run(mebots, folder, fmu, keys, environment):
+    instance = {"fmu": str(fmu), "parameters": {"u": INPUT, "gain": GAIN}, **keys}
+    config = {"step": STEP, "stop_time": STOP, "instances": {"a": instance, "b": instance}, "connections": [], "record": ["*.y"]}
+    (folder / "config.json").write_text(json.dumps(config))
+    return subprocess.run([mebots, "run", folder / "config.json", "--out", folder / "out"], capture_output=True, text=True,
+                          env=environment)
+
+
+def check(name, result, folder):
+    if result.returncode != 0:
+        sys.exit(f"FAILED: {name}: exit code {result.returncode}: {result.stderr}")
+    if "Python interpreter" not in (folder / "out" / "log.txt").read_text() and not name.startswith("own"):
+        sys.exit(f"FAILED: {name}: no notice says why the FMU has its own process")
+    with open(folder / "out" / "results.csv", newline="") as stream:
+        last = list(csv.DictReader(stream))[-1]
+    print(f"ok: {name}: {last}")
+    return last
+
 
 def main():
     mebots = sys.argv[1]
     script = pathlib.Path(__file__).parent / "python_slave.py"
+    packages = next(path for path in sys.path if path.endswith("site-packages"))
+    plain = {name: value for name, value in os.environ.items() if name not in ("LD_PRELOAD", "PYTHONPATH")}
     with tempfile.TemporaryDirectory(prefix="foreign fmus ") as folder:
         folder = pathlib.Path(folder)
         fmu = pythonfmu.FmuBuilder.build_FMU(str(script), dest=str(folder))
-        config = {"step": 0.125, "stop_time": 1, "instances": {"a": {"fmu": str(fmu)}}, "connections": []}
-        (folder / "config.json").write_text(json.dumps(config))
-        alone = subprocess.run([mebots, "run", folder / "config.json", "--out", folder / "out"], capture_output=True, text=True)
-        if alone.returncode != 2 or "LD_PRELOAD" not in alone.stderr:
-            sys.exit(f"FAILED: without a Python interpreter the message must say how to get one: {alone.stderr}")
-        print(f"ok: {alone.stderr.strip()[-160:]}")
+        # The virtual environment of this program has pythonfmu: MEBOTS_PYTHON names it, and PYTHONPATH is not set.
+        of_environment = dict(plain, MEBOTS_PYTHON=sys.executable)
+        rows = [check("automatic", run(mebots, folder, fmu, {}, of_environment), folder),
+                check("own", run(mebots, folder, fmu, {"process": "own"}, of_environment), folder),
+                check("own, sandboxed", run(mebots, folder, fmu, {"process": "sandboxed"}, dict(of_environment, PYTHONPATH=packages)), folder),
+                check("automatic, PYTHONPATH", run(mebots, folder, fmu, {}, dict(of_environment, PYTHONPATH=packages)), folder)]
+        right = GAIN * INPUT + STOP - STEP  # the slave adds the time at which its last step began
+        if any(float(row[name]) != right for row in rows for name in row if not name.startswith("time")):
+            sys.exit(f"FAILED: every y is {right} at the end, not {rows}")
 
 
 if __name__ == "__main__":

@@ -111,11 +111,20 @@ TEST(Fmu, OneInstancePerProcessIsRespected) {
             "canSerializeFMUstate=\"true\" canBeInstantiatedOnlyOncePerProcess=\"true\"");
   });
   const auto path = probe.path().string();
-  EXPECT_THAT(test::input_error([&] {
-                test::TestRun run(R"({"step": 0.1, "stop_time": 1, "connections": [], "instances": {"a": {"fmu": ")" +
-                                  path + R"("}, "b": {"fmu": ")" + path + R"("}}})");
-              }),
-              AllOf(HasSubstr("one instance per process"), HasSubstr("/instances/b")));
+  const auto config = [&](const std::string& keys) {
+    return R"({"step": 0.1, "stop_time": 1, "connections": [], "record": ["*.integral"], "instances": {
+      "a": {"fmu": ")" +
+           path + R"(", "parameters": {"real_in": 1}}, "b": {"fmu": ")" + path + R"(", "parameters": {"real_in": 2})" +
+           keys + "}}}";
+  };
+  test::TestRun run(config(""));
+  run.to_end();
+  EXPECT_THAT(run.system.notices, testing::Contains(AllOf(HasSubstr("b: "), HasSubstr("its own process"),
+                                                          HasSubstr("one instance per process"), HasSubstr("'a'"))));
+  EXPECT_NEAR(run.column("a.integral").back(), 1, 1e-12);
+  EXPECT_NEAR(run.column("b.integral").back(), 2, 1e-12);
+  EXPECT_THAT(test::input_error([&] { test::TestRun(config(R"(, "process": "shared")")); }),
+              AllOf(HasSubstr("one instance per process"), HasSubstr("/instances/b/process")));
 }
 
 TEST(Fmu, AnFmuThatCannotSaveItsStateSaysSo) {

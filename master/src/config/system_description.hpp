@@ -76,6 +76,7 @@ struct IsolationDescription {
   bool go_on_without = false;                 ///< when it fails, the others go on
 
   static constexpr std::uint64_t kDefaultMemoryBytes = std::uint64_t{1024} << 20;
+  static constexpr std::uint64_t kNoMemoryLimit = 0;
 
   /// Whether it runs in a process of its own: where that is asked for, or needed for what is asked for.
   bool alone() const {

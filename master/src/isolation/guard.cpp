@@ -18,6 +18,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -70,6 +71,7 @@ void tell_of_faults(Control& control) {
 
 void limit_memory(std::uint64_t memory_bytes) {
   // Of address space, since that is what the kernel can limit; it counts from what the process has now.
+  if (memory_bytes == std::numeric_limits<std::uint64_t>::max()) return;  // no limit
   mallopt(M_ARENA_MAX, 2);  // otherwise every thread sets 64 MiB of address space aside
   std::uint64_t pages = 0;
   std::ifstream("/proc/self/statm") >> pages;

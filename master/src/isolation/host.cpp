@@ -4,20 +4,23 @@
 #include "message/message_limit.hpp"
 #include "slave/fmu_slave.hpp"
 #include "slave/forked_copies.hpp"
+#include "slave/osmp.hpp"
 
 #include "guard.hpp"
 #include "keeper.hpp"
-#include "osmp.hpp"
 #include "protocol.hpp"
 #include "sandbox.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <dlfcn.h>
 #include <pthread.h>
+#include <unistd.h>
 
 #include <charconv>
 #include <cstdio>
+#include <cstdlib>
 #include <map>
 #include <mutex>
 #include <new>
@@ -80,6 +83,9 @@ class Host {
   void set_lacking(std::vector<std::string> lacking) { lacking_ = std::move(lacking); }
 
   Control& control() { return *control_; }
+
+  /// True if code of the FMU that cannot be unloaded safely is there to the end.
+  bool keeps_library() const { return keeps_library_; }
 
   /// Until the master closes the instance.
   void serve() {
@@ -253,6 +259,9 @@ class Host {
     name_ = commands.get_text();
     const auto archive = commands.get_text();
     const auto folder = commands.get_text();
+    keeps_library_ = commands.get<std::uint8_t>() != 0;
+    const auto python = commands.get_text();
+    add_python_path(commands.get_text());
     std::vector<std::string> categories;
     for (auto count = commands.get<std::uint64_t>(); count > 0; --count) categories.push_back(commands.get_text());
     const auto grid = commands.get<TimeGrid>();
@@ -264,9 +273,27 @@ class Host {
     }
     copies_.emplace();
     fmu_ = std::make_shared<Fmu>(archive, folder);
+    if (keeps_library_) fmu_->keep_loaded();
+    if (!python.empty()) load_python(python);
     triples_ = osmp_triples(fmu_->description());
     taken_.resize(triples_.size());
     slave_ = std::make_unique<FmuSlave>(name_, fmu_, std::move(categories), log_, grid);
+  }
+
+  static void add_python_path(const std::string& folder) {
+    if (folder.empty()) return;
+    const char* before = std::getenv("PYTHONPATH");
+    const auto path = before == nullptr || *before == '\0' ? folder : fmt::format("{}:{}", before, folder);
+    setenv("PYTHONPATH", path.c_str(), 1);
+  }
+
+  /// The FMU and what its scripts import look for the interpreter's functions in the whole process.
+  static void load_python(const std::string& library) {
+    if (dlopen(library.c_str(), RTLD_NOW | RTLD_GLOBAL) != nullptr) return;
+    throw InputError(ErrorCode::fmu_inconsistent,
+                     fmt::format("the FMU needs a Python interpreter, and its library cannot be loaded: {}. Let "
+                                 "MEBOTS_PYTHON name another Python",
+                                 dlerror()));
   }
 
   /// Returns false, which ends the batch, unless the step is complete.
@@ -360,6 +387,7 @@ class Host {
   std::unique_ptr<FmuSlave> slave_;
   std::map<std::uint64_t, std::unique_ptr<SlaveState>> states_;
   bool closed_ = false;
+  bool keeps_library_ = false;
 };
 
 template <typename T>
@@ -394,7 +422,9 @@ int run_fmu_host(int argument_count, char** arguments) {
     guard(number<std::uint64_t>(arguments[2]), host.control());
     pthread_setcancelstate(PTHREAD_CANCEL_DISABLE, nullptr);  // an FMU may not cancel the thread that calls it
     host.serve();
-    return 0;
+    if (!host.keeps_library()) return 0;
+    std::fflush(nullptr);
+    _exit(0);  // without the destructors of an interpreter
   } catch (const std::exception& error) {
     std::fprintf(stderr, "mebots-fmu-host: %s\n", error.what());
     return 1;

@@ -14,6 +14,7 @@
 #include <algorithm>
 #include <chrono>
 #include <csignal>
+#include <limits>
 #include <utility>
 
 namespace mebots::master::isolation {
@@ -63,7 +64,7 @@ IsolatedSlave::IsolatedSlave(const ResolvedInstance& instance, MessageSink& mess
       triples_(osmp_triples(instance.fmu->description())),
       binaries_(triples_.size()) {
   std::vector<std::string> arguments{fmt::format("{}", getpid()), fmt::format("{}", memory_bytes())};
-  if (instance.description->isolation.sandboxed()) arguments.push_back(instance.fmu->folder().string());
+  if (instance.isolation.sandboxed()) arguments.push_back(instance.fmu->folder().string());
   process_ =
       std::make_unique<ChildProcess>(find_fmu_host(), arguments,
                                      std::array<int, 4>{control_buffer_.descriptor(), command_buffer_.descriptor(),
@@ -72,7 +73,8 @@ IsolatedSlave::IsolatedSlave(const ResolvedInstance& instance, MessageSink& mess
 }
 
 std::uint64_t IsolatedSlave::memory_bytes() const {
-  return instance_->description->isolation.memory_bytes.value_or(IsolationDescription::kDefaultMemoryBytes);
+  const auto bytes = instance_->isolation.memory_bytes.value_or(IsolationDescription::kDefaultMemoryBytes);
+  return bytes == IsolationDescription::kNoMemoryLimit ? std::numeric_limits<std::uint64_t>::max() : bytes;
 }
 
 IsolatedSlave::~IsolatedSlave() {
@@ -93,7 +95,7 @@ std::optional<std::string> IsolatedSlave::free_instance() {
 }
 
 std::optional<std::string> IsolatedSlave::tell_of_end() {
-  const auto grace_s = std::max(kGraceS, instance_->description->isolation.deadline_s.value_or(0));
+  const auto grace_s = std::max(kGraceS, instance_->isolation.deadline_s.value_or(0));
   const auto end = process_->ended_within(grace_s);
   std::string problem;
   if (!end) {
@@ -128,6 +130,9 @@ void IsolatedSlave::open(const TimeGrid& grid) {
   commands_.put(std::string_view(name_));
   commands_.put(std::string_view(instance_->fmu->archive().native()));
   commands_.put(std::string_view(instance_->fmu->folder().native()));
+  commands_.put(instance_->interpreter.embedded);
+  commands_.put(std::string_view(instance_->interpreter.library));
+  commands_.put(std::string_view(instance_->interpreter.python_path));
   commands_.put(static_cast<std::uint64_t>(instance_->log_categories.size()));
   for (const auto& category : instance_->log_categories) commands_.put(std::string_view(category));
   commands_.put(grid);
@@ -177,7 +182,7 @@ SharedReader IsolatedSlave::answers() {
 /// calls.
 void IsolatedSlave::wait(std::size_t calls_left) {
   using Clock = std::chrono::steady_clock;
-  const auto& isolation = instance_->description->isolation;
+  const auto& isolation = instance_->isolation;
   auto since = Clock::now();
   std::optional<Clock::time_point> interrupted_at;
   auto calls = control_->calls.load(std::memory_order_acquire);

@@ -7,8 +7,8 @@
 #include "system/resolved_system.hpp"
 
 #include "child_process.hpp"
-#include "osmp.hpp"
 #include "protocol.hpp"
+#include "slave/osmp.hpp"
 
 #include <atomic>
 #include <exception>

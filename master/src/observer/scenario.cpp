@@ -2,6 +2,7 @@
 #include "observer/scenario.hpp"
 
 #include "base/time.hpp"
+#include "slave/osmp.hpp"
 
 #include <fmt/format.h>
 

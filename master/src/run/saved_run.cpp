@@ -13,7 +13,7 @@ namespace {
 constexpr std::string_view kSavedRunMagic = "mebots saved run 1\n";
 constexpr std::size_t kHashSize = 64;
 
-std::string_view text_of(std::span<const std::byte> bytes) {
+std::string_view as_text(std::span<const std::byte> bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
@@ -21,7 +21,7 @@ std::string_view text_of(std::span<const std::byte> bytes) {
 
 std::vector<std::byte> to_bytes(const SavedRun& run) {
   const auto content = state::save(run);
-  const auto hash = sha256(text_of(content));
+  const auto hash = sha256(as_text(content));
   state::Writer writer;
   writer.append(kSavedRunMagic.data(), kSavedRunMagic.size());
   writer.append(hash.data(), hash.size());
@@ -30,12 +30,12 @@ std::vector<std::byte> to_bytes(const SavedRun& run) {
 }
 
 SavedRun saved_run(std::span<const std::byte> bytes) {
-  const auto text = text_of(bytes);
+  const auto text = as_text(bytes);
   if (!text.starts_with(kSavedRunMagic) || text.size() < kSavedRunMagic.size() + kHashSize) {
     throw InputError(ErrorCode::state_of_other_build, "this is not a saved state of a run of this version of mebots");
   }
   const auto content = bytes.subspan(kSavedRunMagic.size() + kHashSize);
-  if (text.substr(kSavedRunMagic.size(), kHashSize) != sha256(text_of(content))) {
+  if (text.substr(kSavedRunMagic.size(), kHashSize) != sha256(as_text(content))) {
     throw InputError(ErrorCode::state_damaged, "this saved state of a run is damaged");
   }
   SavedRun run;

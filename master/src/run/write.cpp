@@ -2,6 +2,7 @@
 #include "run/write.hpp"
 
 #include "mebots/input_error.hpp"
+#include "slave/osmp.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

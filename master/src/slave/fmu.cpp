@@ -4,6 +4,7 @@
 #include "base/own_threads.hpp"
 #include "mebots/file_kind.hpp"
 #include "mebots/input_error.hpp"
+#include "mebots/modeldesc/elf_library.hpp"
 #include "mebots/modeldesc/xml.hpp"
 
 #include "slave/callback_text.hpp"
@@ -39,8 +40,8 @@ std::vector<std::string> binaries(const std::filesystem::path& folder) {
 std::string_view way_out(std::string_view why) {
   if (why.find("undefined symbol: Py") != std::string_view::npos ||
       why.find("undefined symbol: _Py") != std::string_view::npos) {
-    return "The FMU expects a Python interpreter in the process: start mebots with LD_PRELOAD=libpython3.11.so.1.0 (or "
-           "your version of it)";
+    return "The FMU expects the library of a Python interpreter, and none was found: install libpython3-dev, or let "
+           "MEBOTS_PYTHON name a Python that has a shared library";
   }
   return "Install the missing library, or put it beside the FMU's own in binaries/linux64";
 }
@@ -64,43 +65,15 @@ std::string shown_text(const std::optional<std::string>& text, const char* addre
   return address == nullptr ? "nothing" : "an address where nothing can be read";
 }
 
-modeldesc::ModelDescription unpack_and_read(const std::filesystem::path& archive, const std::filesystem::path& folder) {
-  const auto file = folder / "modelDescription.xml";
-  try {
-    modeldesc::unpack(archive, folder);
-    if (!is_there(file)) {
-      throw InputError(ErrorCode::fmu_inconsistent,
-                       fmt::format("{}: this is not an FMU: {}", archive.string(),
-                                   modeldesc::why_missing(folder, file.filename().string())));
-    }
-    auto description = modeldesc::read_xml(file);
-    if (description.fmi_version != "2.0") {
-      throw InputError(ErrorCode::fmu_unsupported,
-                       fmt::format("{}: this FMU is of FMI version '{}'; FMI 2.0 is supported", archive.string(),
-                                   description.fmi_version));
-    }
-    return description;
-  } catch (const InputError&) {
-    throw;
-  } catch (const Error& error) {
-    // Name the archive rather than the temporary copy of the file inside it.
-    std::string what = error.what();
-    const auto at = what.find(file.string());
-    if (at != std::string::npos) what.replace(at, file.string().size(), "modelDescription.xml");
-    if (what.find(archive.string()) == std::string::npos) what = fmt::format("{}: {}", archive.string(), what);
-    throw InputError(error.code(), what);
-  }
+/// True if the process has a library from the folder, as it may after dlclose(): by its path the loader would give it
+/// to the next FMU of that path.
+bool has_loaded_from(const std::filesystem::path& folder) {
+  const auto start = folder.string() + "/";
+  return std::ranges::any_of(modeldesc::loaded_libraries(modeldesc::UniqueSymbols::skip),
+                             [&](const auto& library) { return library.file.native().starts_with(start); });
 }
 
 }  // namespace
-
-Fmu::Fmu(std::filesystem::path archive)
-    : archive_(std::move(archive)),
-      own_folder_(std::make_unique<UnpackFolder>()),
-      folder_(own_folder_->path()),
-      description_(unpack_and_read(archive_, folder_)) {
-  std::filesystem::create_directories(folder_ / "resources");  // an FMU may count on it
-}
 
 Fmu::Fmu(std::filesystem::path archive, std::filesystem::path folder)
     : archive_(std::move(archive)),
@@ -117,14 +90,12 @@ Fmu::~Fmu() {
 void Fmu::unload() {
   auto* const library = std::exchange(library_, nullptr);
   // After fmi2Fatal nothing of it may be called: unloading would run its destructors.
-  if (library == nullptr || corrupted_ || threads_left() != 0) return;
+  if (library == nullptr || corrupted_ || kept_loaded_ || threads_left() != 0) return;
   const auto handlers = handlers_in_libraries();
   call_library(archive_, "unloaded", [&] { dlclose(library); });
   reset_unloaded_handlers(handlers);
   functions_.reset();
-  // A library may refuse to go. By its path the loader would give it to the next FMU of that path.
-  const bool gone = dlopen(library_file_.c_str(), RTLD_NOLOAD | RTLD_LAZY) == nullptr;
-  if (gone && own_folder_) own_folder_->release_path();
+  if (own_folder_ && !has_loaded_from(folder_)) own_folder_->release_path();
 }
 
 std::size_t Fmu::threads_left() const {
@@ -138,15 +109,17 @@ const Fmi2Functions& Fmu::functions() {
   return *functions_;
 }
 
+void Fmu::require_co_simulation() const {
+  if (description_.co_simulation) return;
+  throw InputError(
+      ErrorCode::fmu_unsupported,
+      fmt::format("{}: this FMU is for model exchange only; a co-simulation FMU is needed", archive_.string()));
+}
+
 void Fmu::load() {
-  if (!description_.co_simulation) {
-    throw InputError(
-        ErrorCode::fmu_unsupported,
-        fmt::format("{}: this FMU is for model exchange only; a co-simulation FMU is needed", archive_.string()));
-  }
+  require_co_simulation();
   const auto& identifier = description_.co_simulation->model_identifier;
-  const auto file = folder_ / "binaries" / "linux64" / (identifier + ".so");
-  library_file_ = file;
+  const auto file = library_file();
   if (!is_there(file)) {
     auto found = binaries(folder_);
     constexpr std::size_t kShown = 10;
@@ -196,14 +169,13 @@ void Fmu::check_version() const {
   }
 }
 
-std::string Fmu::resource_uri() const {
-  return file_uri(folder_ / "resources");
+std::filesystem::path Fmu::library_file() const {
+  const auto identifier = description_.co_simulation ? description_.co_simulation->model_identifier : std::string();
+  return folder_ / "binaries" / "linux64" / (identifier + ".so");
 }
 
-std::shared_ptr<Fmu> FmuLibrary::open(const std::filesystem::path& archive) {
-  auto& fmu = fmus_[archive];
-  if (!fmu || fmu->corrupted()) fmu = std::make_shared<Fmu>(archive);
-  return fmu;
+std::string Fmu::resource_uri() const {
+  return file_uri(folder_ / "resources");
 }
 
 std::string file_uri(const std::filesystem::path& path) {

@@ -43,9 +43,16 @@ class Fmu {
   /// The FMU's functions. Loads its shared library on the first call; throws InputError naming the
   /// missing library or function when that fails.
   const Fmi2Functions& functions();
+  /// Throws InputError if the FMU is for model exchange only.
+  void require_co_simulation() const;
+  /// The shared library for this platform, whether it is there or not.
+  std::filesystem::path library_file() const;
+  bool is_loaded() const { return library_ != nullptr; }
   /// Unloads the shared library, for good; the destructor does it otherwise. No instance may live. Throws InputError
   /// for an exception that the library throws.
   void unload();
+  /// The shared library stays loaded until the process ends.
+  void keep_loaded() { kept_loaded_ = true; }
   /// After an fmi2Fatal no instance of this FMU may be called any more.
   bool corrupted() const { return corrupted_; }
   void set_corrupted() { corrupted_ = true; }
@@ -81,8 +88,8 @@ class Fmu {
   std::unique_ptr<UnpackFolder> own_folder_;  // null when another process unpacked it
   std::filesystem::path folder_;
   modeldesc::ModelDescription description_;
-  std::filesystem::path library_file_;
   void* library_ = nullptr;
+  bool kept_loaded_ = false;
   bool corrupted_ = false;
   std::vector<std::string> changes_at_load_;
   ProcessState::Files files_of_others_;

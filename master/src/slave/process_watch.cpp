@@ -18,7 +18,7 @@ namespace {
 std::set<std::string> fmus_here(const ResolvedSystem& system) {
   std::set<std::string> names;
   for (const auto& instance : system.instances) {
-    if (!instance.description->isolation.alone()) names.insert(instance.fmu->archive().filename().string());
+    if (!instance.isolation.alone()) names.insert(instance.fmu->archive().filename().string());
   }
   return names;
 }
@@ -40,7 +40,7 @@ std::string instances_here(const ResolvedSystem& system) {
 ProcessWatch::ProcessWatch(const ResolvedSystem& system, MessageSink& messages)
     : system_(&system), messages_(&messages) {
   for (const auto& instance : system.instances) {
-    if (instance.description->isolation.alone()) continue;
+    if (instance.isolation.alone()) continue;
     // Other descriptors come and go by mebots' own work.
     before_.emplace(ProcessState::standard_files());
     return;

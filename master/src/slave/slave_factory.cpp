@@ -29,7 +29,7 @@ std::vector<std::unique_ptr<Slave>> make_slaves(const ResolvedSystem& system, Me
   for (std::size_t i = 0; i < system.instances.size(); ++i) {
     const auto& instance = system.instances[i];
     const auto& name = instance.description->name;
-    const auto& wish = instance.description->isolation;
+    const auto& wish = instance.isolation;
     std::unique_ptr<Slave> slave;
     if (wish.alone()) {
       slave = std::make_unique<isolation::IsolatedSlave>(instance, messages, options.interrupted, grid);

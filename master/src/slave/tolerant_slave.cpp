@@ -2,8 +2,8 @@
 #include "slave/tolerant_slave.hpp"
 
 #include "base/interrupt.hpp"
-#include "isolation/osmp.hpp"
 #include "mebots/state/save.hpp"
+#include "slave/osmp.hpp"
 
 #include <fmt/format.h>
 
@@ -114,9 +114,9 @@ void TolerantSlave::visit(state::Visitor& v) {
   v("strings", strings_);
   if (!v.restores()) return;
   // Addresses are not part of a state, and nobody is left to ask for them anew.
-  for (const auto& triple : isolation::osmp_triples(description())) {
+  for (const auto& triple : osmp_triples(description())) {
     for (auto& kept : integers_) {
-      if (const auto places = isolation::places_of(triple, kept.references)) {
+      if (const auto places = places_of(triple, kept.references)) {
         for (const auto place : *places) kept.values.at(place) = 0;
       }
     }

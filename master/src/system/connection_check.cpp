@@ -3,6 +3,7 @@
 
 #include "base/interrupt.hpp"
 #include "base/time.hpp"
+#include "slave/osmp.hpp"
 #include "system/picture_size.hpp"
 
 #include <fmt/format.h>

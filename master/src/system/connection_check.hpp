@@ -7,9 +7,6 @@
 
 namespace mebots::master {
 
-/// What follows a binary variable's name in the names of its three Integers.
-inline constexpr const char* kOsmpEndings[] = {".base.lo", ".base.hi", ".size"};
-
 /// Looks up both ends of every connection of `system.description`, checks that they fit, and fills
 /// `system.connections`, in the order of the instances that they go to. Throws InputError, and InterruptedError.
 void resolve_connections(ResolvedSystem& system, const std::atomic<bool>& interrupted);

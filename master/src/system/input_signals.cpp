@@ -6,6 +6,7 @@
 #include "mebots/modeldesc/units.hpp"
 #include "mebots/nearest_names.hpp"
 #include "signal/signal_file.hpp"
+#include "slave/osmp.hpp"
 #include "system/signal_coverage.hpp"
 
 #include <fmt/format.h>

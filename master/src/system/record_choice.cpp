@@ -2,6 +2,7 @@
 #include "system/record_choice.hpp"
 
 #include "mebots/nearest_names.hpp"
+#include "slave/osmp.hpp"
 
 #include <fmt/format.h>
 

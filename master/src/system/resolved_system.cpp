@@ -3,9 +3,11 @@
 
 #include "base/time.hpp"
 #include "mebots/nearest_names.hpp"
+#include "slave/osmp.hpp"
 
 #include "system/connection_check.hpp"
 #include "system/input_signals.hpp"
+#include "system/process_choice.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -129,30 +131,6 @@ void note_structure_faults(const ResolvedInstance& instance, std::vector<std::st
                                 instance.description->name, faults.front(), others));
 }
 
-/// What is wrong with an FMU is told with the place in the config that names it.
-template <typename Work>
-auto with_place_of_fmu(const InstanceDescription& instance, Work work) {
-  try {
-    return work();
-  } catch (const InputError& error) {
-    throw InputError(error.code(), fmt::format("{}/fmu: {}", instance.place, error.what()));
-  }
-}
-
-void check_single_use(const ResolvedSystem& system) {
-  std::map<const Fmu*, std::string> users;
-  for (const auto& instance : system.instances) {
-    if (instance.description->isolation.alone()) continue;
-    const auto [user, first] = users.emplace(instance.fmu.get(), instance.description->name);
-    if (!first && instance.fmu->description().co_simulation->can_be_instantiated_only_once_per_process) {
-      throw InputError(ErrorCode::fmu_unsupported,
-                       fmt::format("{}: {} allows one instance per process, and instance '{}' is one already; "
-                                   "give one of them \"process\": \"own\"",
-                                   instance.description->place, instance.fmu->archive().string(), user->second));
-    }
-  }
-}
-
 /// Repeating a step in parts takes an FMU that can go back and take steps of any length.
 void check_division(const ResolvedInstance& instance) {
   if (!instance.description->divide_discarded) return;
@@ -260,22 +238,18 @@ std::string ResolvedSystem::text(const ResolvedVariable& variable) const {
   return instances[variable.instance].description->name + "." + variable.variable->name;
 }
 
-bool is_osmp_part(const modeldesc::ModelDescription& description, const Variable& variable) {
-  if (variable.osmp) return true;
-  if (variable.type != modeldesc::Type::integer) return false;
-  for (const auto* ending : kOsmpEndings) {
-    if (!variable.name.ends_with(ending)) continue;
-    const auto prefix = variable.name.substr(0, variable.name.size() - std::string_view(ending).size());
-    return std::all_of(std::begin(kOsmpEndings), std::end(kOsmpEndings), [&](const char* other) {
-      const auto* part = description.find(prefix + other);
-      return part != nullptr && part->type == modeldesc::Type::integer && part->causality == variable.causality;
-    });
+void with_place_of_fmu(const InstanceDescription& instance, const std::function<void()>& work) {
+  try {
+    work();
+  } catch (const InputError& error) {
+    throw InputError(error.code(), fmt::format("{}/fmu: {}", instance.place, error.what()));
   }
-  return false;
 }
 
 std::shared_ptr<Fmu> open_fmu(const InstanceDescription& instance, FmuLibrary& library) {
-  return with_place_of_fmu(instance, [&] { return library.open(instance.fmu_path); });
+  std::shared_ptr<Fmu> fmu;
+  with_place_of_fmu(instance, [&] { fmu = library.open(instance.fmu_path); });
+  return fmu;
 }
 
 StartValue checked_start(const InstanceDescription& instance, const modeldesc::ModelDescription& description,
@@ -305,8 +279,8 @@ ResolvedSystem resolve(const SystemDescription& description, FmuLibrary& library
     stop_if_interrupted(interrupted);
     resolved.description = &instance;
     resolved.fmu = open_fmu(instance, library);
-    // A missing library or function shows now; foreign code that gets its own process is never loaded in this one.
-    if (!instance.isolation.alone()) with_place_of_fmu(instance, [&] { static_cast<void>(resolved.fmu->functions()); });
+    with_place_of_fmu(instance, [&] { resolved.fmu->require_co_simulation(); });
+    resolved.isolation = instance.isolation;
     if (resolved.fmu->description().co_simulation->needs_execution_tool) {
       system.notices.push_back(fmt::format(
           "{}: its FMU is a wrapper for a tool that must be installed (needsExecutionTool)", instance.name));
@@ -317,7 +291,7 @@ ResolvedSystem resolve(const SystemDescription& description, FmuLibrary& library
     resolved.log_categories = log_categories(sections, instance);
     system.instances.push_back(std::move(resolved));
   }
-  check_single_use(system);
+  choose_processes(system, interrupted);  // a missing library or function shows now
   note_unknown_categories(system);
   for (const auto& instance : system.instances) check_division(instance);
   resolve_connections(system, interrupted);

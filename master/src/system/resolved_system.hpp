@@ -3,6 +3,7 @@
 
 #include "base/interrupt.hpp"
 #include "config/system_description.hpp"
+#include "isolation/interpreter.hpp"
 #include "mebots/modeldesc/model_description.hpp"
 #include "signal/signal.hpp"
 #include "slave/fmu.hpp"
@@ -12,6 +13,7 @@
 #include <compare>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -51,6 +53,8 @@ struct ResolvedConnection {
 struct ResolvedInstance {
   const InstanceDescription* description = nullptr;
   std::shared_ptr<Fmu> fmu;
+  IsolationDescription isolation;  ///< as described, or its own process if the FMU cannot share one
+  Interpreter interpreter;         ///< of an FMU in its own process
   std::vector<StartValue> starts;
   std::vector<std::string> log_categories;
   std::optional<double> tolerance;  ///< for fmi2SetupExperiment: the config's, else the FMU's default
@@ -89,6 +93,9 @@ ResolvedSystem resolve(const SystemDescription& description, FmuLibrary& library
 /// instance.
 std::shared_ptr<Fmu> open_fmu(const InstanceDescription& instance, FmuLibrary& library);
 
+/// Runs `work`; an InputError from it gets the place in the config that names the FMU.
+void with_place_of_fmu(const InstanceDescription& instance, const std::function<void()>& work);
+
 /// A start value, looked up and checked. Throws InputError that names the place, and the nearest variables.
 StartValue checked_start(const InstanceDescription& instance, const modeldesc::ModelDescription& description,
                          const Assignment& assignment);
@@ -100,9 +107,5 @@ modeldesc::Value typed_value(const modeldesc::ModelDescription& description, con
 
 /// "1.5e+08", "true", "lipol_350": the shortest form that reads back to the same bits.
 std::string value_text(const modeldesc::Value& value);
-
-/// True for Integers that carry a pointer's half or a buffer's size, by their OSMP mark or, lacking one,
-/// by their names `x.base.lo`, `x.base.hi` and `x.size`.
-bool is_osmp_part(const modeldesc::ModelDescription& description, const modeldesc::Variable& variable);
 
 }  // namespace mebots::master

@@ -39,10 +39,14 @@ struct ElfLibrary {
 /// is not such a library.
 ElfLibrary read_elf_library(const std::filesystem::path& file);
 
+/// The folders of DT_RPATH or DT_RUNPATH of the library in `file`, with `$ORIGIN` expanded.
+std::vector<std::string> search_folders(const std::vector<std::string>& paths, const std::filesystem::path& file);
+
 /// A library that this process has loaded.
 struct LoadedLibrary {
   std::filesystem::path file;  ///< as the loader names it; empty for the program itself
   std::string soname;
+  std::vector<std::string> needed;
   std::vector<ElfSymbol> unique;  ///< its definitions of unique symbols, if asked for
 };
 

@@ -9,7 +9,14 @@
 #include <span>
 #include <vector>
 
-namespace mebots::master::isolation {
+namespace mebots::master {
+
+/// Endings of the three Integers of a binary variable.
+inline constexpr const char* kOsmpEndings[] = {".base.lo", ".base.hi", ".size"};
+
+/// True for Integers that carry a pointer's half or a buffer's size, by their OSMP mark or, lacking one,
+/// by their names `x.base.lo`, `x.base.hi` and `x.size`.
+bool is_osmp_part(const modeldesc::ModelDescription& description, const modeldesc::Variable& variable);
 
 /// The three Integers of one OSMP binary variable, whose address means nothing in another process.
 struct OsmpTriple {
@@ -23,4 +30,4 @@ std::vector<OsmpTriple> osmp_triples(const modeldesc::ModelDescription& descript
 std::optional<std::array<std::size_t, 3>> places_of(const OsmpTriple& triple,
                                                     std::span<const ValueReference> references);
 
-}  // namespace mebots::master::isolation
+}  // namespace mebots::master

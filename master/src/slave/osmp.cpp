@@ -1,13 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "osmp.hpp"
-
-#include "system/resolved_system.hpp"
-
-#include "system/connection_check.hpp"
+#include "slave/osmp.hpp"
 
 #include <algorithm>
 
-namespace mebots::master::isolation {
+namespace mebots::master {
+
+bool is_osmp_part(const modeldesc::ModelDescription& description, const modeldesc::Variable& variable) {
+  if (variable.osmp) return true;
+  if (variable.type != modeldesc::Type::integer) return false;
+  for (const auto* ending : kOsmpEndings) {
+    if (!variable.name.ends_with(ending)) continue;
+    const auto prefix = variable.name.substr(0, variable.name.size() - std::string_view(ending).size());
+    return std::all_of(std::begin(kOsmpEndings), std::end(kOsmpEndings), [&](const char* other) {
+      const auto* part = description.find(prefix + other);
+      return part != nullptr && part->type == modeldesc::Type::integer && part->causality == variable.causality;
+    });
+  }
+  return false;
+}
 
 std::vector<OsmpTriple> osmp_triples(const modeldesc::ModelDescription& description) {
   std::vector<OsmpTriple> triples;
@@ -38,4 +48,4 @@ std::optional<std::array<std::size_t, 3>> places_of(const OsmpTriple& triple,
   return places;
 }
 
-}  // namespace mebots::master::isolation
+}  // namespace mebots::master

@@ -1,0 +1,6 @@
+// SPDX-License-Identifier: Apache-2.0
+// A library that travels with a tenant.
+double tenant_gain(void);
+__attribute__((visibility("default"))) double tenant_gain(void) {
+  return TENANT_GAIN;
+}
