@@ -116,6 +116,11 @@ RigidState start_of(const scene::Scene& scene, const Parameters& parameters) {
   return state;
 }
 
+bool starts_on_ground(const scene::Scene& scene, const Parameters& parameters) {
+  const double centre_m = scene.start.p_WB_m.z() + parameters.start_offset_m[axis::z];
+  return centre_m - 0.5 * scene.drone.body_size_m.z() <= kOnGround_m;
+}
+
 }  // namespace
 
 World::World(scene::Scene scene, const Parameters& parameters, const Inputs& inputs, Outputs& outputs, EventLog log,
@@ -137,8 +142,10 @@ World::World(scene::Scene scene, const Parameters& parameters, const Inputs& inp
       gusts_({parameters.gust_intensity_m_per_s, parameters.gust_length_m, parameters.gust_speed_m_per_s,
               static_cast<std::uint32_t>(parameters.gust_seed)}),
       link_(std::llround(checked(parameters.setpoint_latency_s, 0.0, 10.0, "setpoint.latency") * 1e9)),
-      sequencer_(scene_.start.p_WB_m.z() + parameters.start_offset_m[axis::z] - 0.5 * scene_.drone.body_size_m.z() <=
-                 kOnGround_m),
+      contact_(starts_on_ground(scene_, parameters), scene_.start.p_WB_m.z() + parameters.start_offset_m[axis::z],
+               start_ns,
+               std::llround(checked(parameters.drone_grounded_after_s, 0.0, 60.0, "drone.grounded_after") * 1e9)),
+      sequencer_(starts_on_ground(scene_, parameters)),
       gates_({scene_.gates.begin(), scene_.gates.end()}, scene_.drone.body_size_m),
       state_(start_of(scene_, parameters)),
       flight_control_(scene_.drone, parameters.stabiliser_controller, parameters.stabiliser_state, state_, start_ns) {
@@ -321,7 +328,9 @@ void World::inner_step(std::int64_t begin_ns, std::int64_t end_ns, double dt_s) 
     situation.crashed = true;
     report(end_ns, "crash: tipped over");
   }
+  situation.come_down = contact_.has_come_down();
   sequencer_.update(setpoint_.mode, setpoint_.altitude_m, situation, dt_s);
+  if (sequencer_.stands()) contact_.stand();
   report_phase(before, end_ns);
   if (before != FlightPhase::landed && sequencer_.phase() == FlightPhase::landed) {
     if (const auto event = gates_.land(state_, end_ns)) report_gate(end_ns, *event);
@@ -338,8 +347,11 @@ void World::sense(std::int64_t time_ns, const RigidState& from, double dt_s) {
 }
 
 void World::judge_touches(const std::vector<Touch>& touches, std::int64_t time_ns, Situation& situation) {
+  bool on_surface = false;  // a drone that hangs on a gate is the referee's
   for (const Touch& touch : touches) {
-    situation.supported = situation.supported || touch.normal_W.z() > kSupportNormal_z;
+    const bool supports = touch.normal_W.z() > kSupportNormal_z;
+    situation.supported = situation.supported || supports;
+    on_surface = on_surface || (supports && touch.what != Touch::What::gate);
     if (touch.what == Touch::What::gate && sequencer_.phase() != FlightPhase::crashed) {
       if (const auto event = gates_.touch(touch.index, time_ns)) {
         report_gate(time_ns, *event, touch.closing_speed_m_per_s);
@@ -351,6 +363,7 @@ void World::judge_touches(const std::vector<Touch>& touches, std::int64_t time_n
     }
     situation.crashed = true;
   }
+  contact_.update(on_surface, situation.altitude_m, time_ns);
 }
 
 void World::report_gate(std::int64_t time_ns, const GateEvent& event, double closing_speed_m_per_s) const {
@@ -385,10 +398,21 @@ void World::report_phase(FlightPhase before, std::int64_t time_ns) {
       return report(time_ns, "landing");
     case FlightPhase::landed:
       return report(time_ns, "landed");
+    case FlightPhase::grounded:
+      return note_descent(time_ns);
     case FlightPhase::on_ground:
     case FlightPhase::crashed:
       return;  // a crash has told its cause
   }
+}
+
+void World::note_descent(std::int64_t time_ns) {
+  const double since_s = static_cast<double>(contact_.since_ns()) * 1e-9;
+  report(time_ns, fmt::format("on the ground since t = {:.4f} s without a landing, motors on, with a mass of {:.4g} kg",
+                              since_s, mass_kg_));
+  if (came_down_) return;
+  came_down_ = true;
+  came_down_time_s_ = since_s;
 }
 
 StabiliserGoal World::goal() const {
@@ -421,6 +445,8 @@ void World::write_outputs() {
   outputs_.drone_phase = sequencer_.phase();
   outputs_.drone_landed = sequencer_.phase() == FlightPhase::landed;
   outputs_.drone_crashed = sequencer_.phase() == FlightPhase::crashed;
+  outputs_.drone_grounded = came_down_;
+  outputs_.drone_grounded_time_s = came_down_time_s_;
   outputs_.wind_gust_m_per_s = array(gust_W_m_per_s_);
   write_sensors();
   write_estimate();
@@ -479,7 +505,10 @@ void World::visit(state::Visitor& v) {
   v("mass_kg", mass_kg);
   v("path_length_m", path_length_m_);
   v("flight_control", flight_control_);
+  v("contact", contact_);
   v("sequencer", sequencer_);
+  v("came_down", came_down_);
+  v("came_down_time_s", came_down_time_s_);
   v("gates", gates_);
   v("range", range_);
   v("imu", imu_);

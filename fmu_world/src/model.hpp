@@ -3,6 +3,7 @@
 
 #include "dynamics/rigid_world.hpp"
 #include "flight/gate_judge.hpp"
+#include "flight/ground_contact.hpp"
 #include "flight/link.hpp"
 #include "flight/sequencer.hpp"
 #include "fmu_world/variables.hpp"
@@ -66,6 +67,7 @@ class World {
   void judge_touches(const std::vector<Touch>& touches, std::int64_t time_ns, Situation& situation);
   void report_gate(std::int64_t time_ns, const GateEvent& event, double closing_speed_m_per_s = 0.0) const;
   void report_phase(FlightPhase before, std::int64_t time_ns);
+  void note_descent(std::int64_t time_ns);
   StabiliserGoal goal() const;
   void sense(std::int64_t time_ns, const RigidState& from, double dt_s);
   void write_outputs();
@@ -88,6 +90,7 @@ class World {
   std::optional<FlowSensor> flow_;
   Dryden gusts_;
   Link link_;
+  GroundContact contact_;
   Sequencer sequencer_;
   GateJudge gates_;
 
@@ -99,6 +102,8 @@ class World {
   Eigen::Vector3d gust_W_m_per_s_ = Eigen::Vector3d::Zero();
   double mass_kg_ = std::numeric_limits<double>::quiet_NaN();
   double path_length_m_ = 0.0;
+  bool came_down_ = false;  // without a landing, at some time
+  double came_down_time_s_ = 0.0;
 };
 
 }  // namespace mebots::world

@@ -46,7 +46,7 @@ void script(FlightRig& rig) {
   rig.inputs.camera_trigger = static_cast<std::int32_t>(t / 0.1);
 }
 
-void fly(FlightRig& rig, int steps) {
+void fly_about(FlightRig& rig, int steps) {
   for (int i = 0; i < steps; ++i) {
     script(rig);
     rig.step();
@@ -60,7 +60,7 @@ TEST(WorldState, ARestoredRunGoesOnWithTheSameBitsAlsoDuringContact) {
   // In climb, before the gate, in touch with it, after it, while landing, landed.
   std::vector<std::unique_ptr<FlightRig>> restored;
   for (const int cut : {700, 4000, 5300, 5800, 7600, 9800}) {
-    fly(straight, cut - static_cast<int>(straight.time_ns / 2'000'000));
+    fly_about(straight, cut - static_cast<int>(straight.time_ns / 2'000'000));
     auto& other = *restored.emplace_back(std::make_unique<FlightRig>(shipped_scene("gate_easy"), noisy()));
     other.inputs = straight.inputs;
     other.outputs = straight.outputs;
@@ -71,9 +71,9 @@ TEST(WorldState, ARestoredRunGoesOnWithTheSameBitsAlsoDuringContact) {
     EXPECT_TRUE(same(straight, other)) << "right after the cut at step " << cut;
     const auto frame = other.outputs.camera_frame.bytes();
     EXPECT_TRUE(std::equal(frame.begin(), frame.end(), straight.outputs.camera_frame.bytes().begin()));
-    fly(other, kSteps - cut);
+    fly_about(other, kSteps - cut);
   }
-  fly(straight, kSteps - static_cast<int>(straight.time_ns / 2'000'000));
+  fly_about(straight, kSteps - static_cast<int>(straight.time_ns / 2'000'000));
   EXPECT_TRUE(straight.outputs.gate_touched);  // otherwise this test has not seen contact
   EXPECT_TRUE(straight.outputs.drone_landed);
   for (const auto& other : restored) EXPECT_TRUE(same(straight, *other));
@@ -81,14 +81,14 @@ TEST(WorldState, ARestoredRunGoesOnWithTheSameBitsAlsoDuringContact) {
 
 TEST(WorldState, InterleavedInstancesGiveTheSameBitsAsAlone) {
   FlightRig alone(shipped_scene("gate_easy"), noisy());
-  fly(alone, kSteps);
+  fly_about(alone, kSteps);
   FlightRig one(shipped_scene("gate_easy"), noisy());
   FlightRig two(shipped_scene("gate_easy"), noisy());
   FlightRig other(shipped_scene("empty"));
   for (int i = 0; i < kSteps; ++i) {
-    fly(one, 1);
-    fly(other, 1);
-    fly(two, 1);
+    fly_about(one, 1);
+    fly_about(other, 1);
+    fly_about(two, 1);
   }
   EXPECT_TRUE(same(one, alone));
   EXPECT_TRUE(same(two, alone));
@@ -96,11 +96,11 @@ TEST(WorldState, InterleavedInstancesGiveTheSameBitsAsAlone) {
 
 TEST(WorldState, InstancesInThreadsGiveTheSameBitsAsAlone) {
   FlightRig alone(shipped_scene("gate_easy"), noisy());
-  fly(alone, kSteps);
+  fly_about(alone, kSteps);
   std::vector<std::unique_ptr<FlightRig>> rigs;
   for (int i = 0; i < 3; ++i) rigs.push_back(std::make_unique<FlightRig>(shipped_scene("gate_easy"), noisy()));
   std::vector<std::thread> threads;
-  for (auto& rig : rigs) threads.emplace_back([&rig] { fly(*rig, kSteps); });
+  for (auto& rig : rigs) threads.emplace_back([&rig] { fly_about(*rig, kSteps); });
   for (auto& thread : threads) thread.join();
   for (const auto& rig : rigs) EXPECT_TRUE(same(*rig, alone));
 }

@@ -11,8 +11,10 @@ constexpr double kReachedClimb_m_per_s = 0.1;
 constexpr double kRestSpeed_m_per_s = 0.05;
 constexpr double kRestTime_s = 0.2;
 
-bool airborne(FlightPhase phase) {
-  return phase == FlightPhase::climbing || phase == FlightPhase::flying || phase == FlightPhase::descending;
+/// The motors turn unless the mode or a touch-down stops them.
+bool is_powered(FlightPhase phase) {
+  return phase == FlightPhase::climbing || phase == FlightPhase::flying || phase == FlightPhase::descending ||
+         phase == FlightPhase::grounded;
 }
 
 }  // namespace
@@ -23,10 +25,23 @@ void Sequencer::update(FlightMode mode, double altitude_goal_m, const Situation&
     motors_on_ = false;
     return;
   }
+  follow(mode, altitude_goal_m, situation);
+  if (phase_ == FlightPhase::descending) {
+    descend(mode, situation, dt_s);
+  } else {
+    touched_down_ = false;
+    rest_s_ = 0.0;
+  }
+  motors_on_ = is_powered(phase_) && mode != FlightMode::off && !touched_down_;
+}
+
+void Sequencer::follow(FlightMode mode, double altitude_goal_m, const Situation& situation) {
   switch (mode) {
     case FlightMode::take_off:
-      if (phase_ == FlightPhase::on_ground || phase_ == FlightPhase::landed || phase_ == FlightPhase::descending)
+      if (phase_ == FlightPhase::on_ground || phase_ == FlightPhase::landed || phase_ == FlightPhase::descending ||
+          (phase_ == FlightPhase::grounded && !situation.come_down)) {
         phase_ = FlightPhase::climbing;
+      }
       if (phase_ == FlightPhase::climbing && std::abs(altitude_goal_m - situation.altitude_m) < kReachedAltitude_m &&
           std::abs(situation.climb_m_per_s) < kReachedClimb_m_per_s) {
         phase_ = FlightPhase::flying;
@@ -37,16 +52,10 @@ void Sequencer::update(FlightMode mode, double altitude_goal_m, const Situation&
       break;
     case FlightMode::off:
     case FlightMode::land:
-      if (phase_ == FlightPhase::climbing || phase_ == FlightPhase::flying) phase_ = FlightPhase::descending;
-      break;
+      if (is_powered(phase_)) phase_ = FlightPhase::descending;
+      return;
   }
-  if (phase_ == FlightPhase::descending) {
-    descend(mode, situation, dt_s);
-  } else {
-    touched_down_ = false;
-    rest_s_ = 0.0;
-  }
-  motors_on_ = airborne(phase_) && mode != FlightMode::off && !touched_down_;
+  if (situation.come_down) phase_ = FlightPhase::grounded;
 }
 
 void Sequencer::descend(FlightMode mode, const Situation& situation, double dt_s) {

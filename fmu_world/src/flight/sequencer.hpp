@@ -13,6 +13,7 @@ struct Situation {
   double altitude_m = 0.0;
   double climb_m_per_s = 0.0;
   double speed_m_per_s = 0.0;  ///< of all three axes
+  bool come_down = false;      ///< GroundContact::has_come_down()
 };
 
 /// Take-off and landing: which phase follows from mode and situation, and whether the motors may turn.
@@ -20,6 +21,9 @@ struct Situation {
 ///   on_ground, landed --take_off--> climbing --altitude reached--> flying
 ///   on_ground, landed, climbing, descending --fly--> flying
 ///   climbing, flying --land or off--> descending --at rest on something--> landed
+///   climbing, flying --come down without land or off--> grounded
+///   grounded --lifted off again--> climbing (take_off), flying (fly)
+///   grounded --land or off--> descending
 ///   any --crash--> crashed (for good)
 ///
 /// `land` sinks with the motors on until the first touch from below, which stops them; `off` stops them at once.
@@ -31,10 +35,13 @@ class Sequencer {
 
   FlightPhase phase() const { return phase_; }
   bool motors_on() const { return motors_on_; }
+  /// True if the drone stands where it started or landed.
+  bool stands() const { return phase_ == FlightPhase::on_ground || phase_ == FlightPhase::landed; }
 
   void visit(state::Visitor& v);
 
  private:
+  void follow(FlightMode mode, double altitude_goal_m, const Situation& situation);
   void descend(FlightMode mode, const Situation& situation, double dt_s);
 
   FlightPhase phase_;
