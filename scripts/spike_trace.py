@@ -60,7 +60,7 @@ def main():
         folder = arguments.keep or pathlib.Path(temporary)
         folder.mkdir(parents=True, exist_ok=True)
         ours, theirs = folder / "mebots.log", folder / "spike.log"
-        subprocess.run([arguments.tool, "run", arguments.program, "--trace", ours,
+        subprocess.run([arguments.tool, "run", "--core", "rv32imc", arguments.program, "--trace", ours,
                         "--max-instructions", str(arguments.max_instructions)], check=False, stdout=subprocess.DEVNULL)
         base = entry & ~0xFFF
         subprocess.run(["timeout", "20", arguments.spike, f"--isa={arguments.isa}", "--priv=m", f"-m0x{base:x}:0x400000",

@@ -258,7 +258,8 @@ std::string read_file_name(const Node& node) {
 BoardDescription read_root(const Node& root) {
   static const auto chip = data::word_of<std::string>({{"gap8", "gap8"}});
   static const auto energy = data::word_of<std::string>({{"gap8", "gap8"}, {"gap8_silicon", "gap8_silicon"}});
-  static const auto core = data::word_of<std::string>({{"ri5cy", "ri5cy"}, {"cv32e40p", "cv32e40p"}});
+  static const auto core =
+      data::word_of<std::string>({{"ri5cy", "ri5cy"}, {"cv32e40p", "cv32e40p"}, {"rv32imc", "rv32imc"}});
   Object object(root);
   BoardDescription board;
   std::set<std::string> names;

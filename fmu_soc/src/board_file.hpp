@@ -54,7 +54,7 @@ struct BoardDescription {
   std::string text;
   std::string chip = "gap8";    // whose clocks, ways and energies
   std::string energy = "gap8";  // whose joules: params/<energy>.json
-  std::string core;             // ri5cy or cv32e40p; empty = the chip's
+  std::string core;             // ri5cy, cv32e40p or rv32imc; empty = the chip's
   std::uint32_t hart_id = 0;    // what the fabric controller reads as mhartid
   unsigned cluster_cores = 0;   // the most that there are; 0 = no cluster
   std::vector<BoardMemory> memories;

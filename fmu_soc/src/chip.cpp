@@ -103,7 +103,7 @@ Chip read_chip(const data::Node& node) {
   object.comment("text");
   object.read("core", chip.timing.kind, [](const data::Node& member) {
     const auto core = core_kind(member.text());
-    if (!core) member.fail_unknown("the core", member.text(), std::vector<std::string>{"ri5cy", "cv32e40p"});
+    if (!core) member.fail_unknown("the core", member.text(), std::vector<std::string>{"ri5cy", "cv32e40p", "rv32imc"});
     return *core;
   });
   const auto quantity = [&](std::string_view key, double& into, std::string_view unit) {

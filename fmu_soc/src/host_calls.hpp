@@ -28,6 +28,8 @@ class HostCalls {
   virtual HostReply semihosting(std::uint32_t operation, std::uint32_t parameter) = 0;
   /// A system call through `tohost`: seven arguments. Source: riscv-isa-sim, fesvr/syscall.cc.
   virtual HostReply system_call(std::uint32_t number, std::span<const std::uint32_t> arguments) = 0;
+  /// A command through `tohost` to another device than that of system calls. Nothing is answered.
+  virtual void device_command(unsigned device, unsigned command, std::uint64_t payload) = 0;
 };
 
 }  // namespace mebots::soc

@@ -165,7 +165,9 @@ void Soc::handle(Stop stop) {
       retained_ = power_manager_ && power_manager_->settings().retention != 0;
       break;
     case Stop::watch:
-      finish(End::host, core_time());
+      if (const auto command = command_to_host(); !is_half_stored(command) && serve_command(command)) {
+        finish(End::host, core_time());
+      }
       break;
     case Stop::fault:
       finish(End::faulted, core_time());

@@ -49,6 +49,8 @@ struct Settings {
   /// What the board's camera sees, one after the other; none = the world says it.
   std::vector<std::vector<std::uint8_t>> pictures = {};
   bool translate = true;  // hot code to host code; counts are the same without
+  /// HartSettings::keeps_written_mtvec of the fabric controller.
+  bool keeps_written_mtvec = false;
 };
 
 /// Who listens to a system. Each may be empty.
@@ -87,7 +89,8 @@ class Soc final : private Bus {
   /// Retired by all cores since the start.
   std::uint64_t instructions() const;
 
-  /// Stops at the store that sets bit 0 of this word. Throws Error when it is not in RAM.
+  /// Stops at the store that sets bit 0 of this word, unless it is half of a command to a device of the host. Throws
+  /// Error when it is not in RAM.
   void stop_when_stored(std::uint32_t address);
   /// Who serves the program's calls to the host from now on, or null: the fabric controller's by semihosting, all
   /// cores' system calls through the word of stop_when_stored(). For programs run alone; not part of a state.
@@ -179,6 +182,8 @@ class Soc final : private Bus {
   }
   /// Why the core cannot go on, with function, line, instruction and callers; empty without a fault.
   std::string fault_text() const;
+  /// The first exception of the fabric controller since a handler returned, as in fault_text(); empty without one.
+  std::string unfinished_exception_text() const;
 
   /// A device on the bus, and its entry in the board file.
   struct BoardSlot {
@@ -231,6 +236,8 @@ class Soc final : private Bus {
   void add_devices_on_bus();
   void check_attachments() const;
   void load_program();
+  [[noreturn]] void fail_outside(const ElfSegment& segment, std::string_view what, std::uint32_t address,
+                                 std::uint32_t size) const;
 
   BusReply load(std::uint32_t address, std::uint64_t cycle) override;
   BusReply load_event(std::uint32_t address, std::uint64_t cycle) override;
@@ -244,6 +251,11 @@ class Soc final : private Bus {
   bool must_wait(std::uint32_t address, Picoseconds now) const;
   bool watched(std::uint32_t address) override;
   bool called_host() override;
+  bool watched_by_cluster();
+  std::uint64_t command_to_host() const;
+  bool is_half_stored(std::uint64_t command) const;
+  bool serve_command(std::uint64_t command);
+  void clear_command();
   bool serve_system_call(std::uint32_t block);
   const Slot* slot_at(std::uint32_t address) const;
 
@@ -303,6 +315,7 @@ class Soc final : private Bus {
   double temperature_c_;
   std::uint32_t voltage_mv_ = 0;
   std::optional<std::uint32_t> stop_word_;
+  bool has_upper_half_ = false;  // of the stop word: with it, the program commands devices of the host
   HostCalls* host_calls_ = nullptr;
   std::optional<std::uint32_t> host_exit_;  // the program wants the run to end with this
 

@@ -105,7 +105,9 @@ Soc::Soc(const BoardDescription& board, const Chip& chip, const Settings& settin
                          .instruction_cache = instruction_cache_.get(),
                          .translate = settings.translate}),
       hart_(memory_, *this, decoded_,
-            {.id = board.hart_id, .has_gap8_interrupts = device_of(board, kGap8EventUnitKind) != nullptr}),
+            {.id = board.hart_id,
+             .keeps_written_mtvec = settings.keeps_written_mtvec,
+             .has_gap8_interrupts = device_of(board, kGap8EventUnitKind) != nullptr}),
       meter_(chip.energy, inventory_of(board, settings),
              {settings.temperature_c, settings.voltage_v, settings.clock_hz, settings.cluster_clock_hz}),
       temperature_c_(settings.temperature_c),
@@ -226,7 +228,7 @@ void Soc::add_cluster(const Settings& settings) {
   if (cluster.has_gap8_interrupts) {
     cluster_->set_outside([this](const ClusterAccess& access, Picoseconds now) { return from_cluster(access, now); });
   }
-  cluster_->set_watcher([this](std::uint32_t address) { return watched(address); });
+  cluster_->set_watcher([this](std::uint32_t /*address*/) { return watched_by_cluster(); });
 }
 
 /// GAP8's own, or those of our boards.
@@ -316,17 +318,41 @@ void Soc::add_devices_on_bus() {
   }
 }
 
+/// Copies each segment's bytes to where they are loaded. Start-up code copies them on to where they run.
 void Soc::load_program() {
   for (const auto& segment : program_.segments()) {
-    auto* region = memory_.find(segment.address, segment.size);
-    if (region == nullptr) {
-      throw Error(
-          fmt::format("{}: segment at 0x{:08x} with {} bytes lies outside the board's memories; link it with the "
-                      "board's addresses",
-                      program_.origin(), segment.address, segment.size));
+    const auto size = static_cast<std::uint32_t>(segment.bytes.size());
+    if (!memory_.covers(segment.load_address, size)) fail_outside(segment, "is loaded", segment.load_address, size);
+    // A linker script may name a device's registers by a section without bytes.
+    const bool is_device = segment.bytes.empty() && slot_at(segment.run_address) != nullptr;
+    if (!is_device && !memory_.covers(segment.run_address, segment.size)) {
+      fail_outside(segment, "runs", segment.run_address, segment.size);
     }
-    memory_.write(segment.address, segment.bytes);
+    for (std::span<const std::uint8_t> rest = segment.bytes; !rest.empty();) {
+      const auto at = segment.load_address + static_cast<std::uint32_t>(segment.bytes.size() - rest.size());
+      const auto* region = memory_.find(at, 1);
+      const auto here = std::min<std::size_t>(rest.size(), region->base + region->size - at);
+      memory_.write(at, rest.first(here));
+      rest = rest.subspan(here);
+    }
   }
+}
+
+void Soc::fail_outside(const ElfSegment& segment, std::string_view what, std::uint32_t address,
+                       std::uint32_t size) const {
+  std::string memories;
+  for (const auto& region : memory_.regions()) {
+    memories += fmt::format("{}{} from 0x{:08x} to 0x{:08x}", memories.empty() ? "" : ", ", region.name, region.base,
+                            region.base + (region.size - 1));
+  }
+  const auto other =
+      segment.load_address == segment.run_address
+          ? std::string()
+          : fmt::format(" (load address 0x{:08x}, run address 0x{:08x})", segment.load_address, segment.run_address);
+  throw Error(fmt::format(
+      "{}: a segment{} {} at 0x{:08x} with {} bytes; this lies outside the board's memories (board {}: {}); "
+      "link it with the board's addresses, or add a memory to the board",
+      program_.origin(), other, what, address, size, board_.name, memories));
 }
 
 }  // namespace mebots::soc

@@ -3,6 +3,7 @@
 // Why a core cannot go on, in words.
 #include "debug/backtrace.hpp"
 #include "hart/csr_numbers.hpp"
+#include "hart/extensions.hpp"
 #include "isa/encoding.hpp"
 #include "soc.hpp"
 
@@ -36,10 +37,14 @@ std::string place_text(const Elf& program, std::uint32_t pc) {
   return fmt::format("pc 0x{:08x} in {}", pc, function.empty() ? "no function of the program" : function);
 }
 
-std::string text_of(const Exception& what, const Elf& program) {
-  return fmt::format("{} (mcause {}, mtval 0x{:08x}) at {}: {}", cause_text(what.cause), what.cause, what.value,
-                     place_text(program, what.pc),
-                     what.instruction == 0 ? "no instruction there" : disassemble(what.instruction, what.pc));
+std::string text_of(const Exception& what, const Elf& program, const Hart& hart) {
+  auto text = fmt::format("{} (mcause {}, mtval 0x{:08x}) at {}: {}", cause_text(what.cause), what.cause, what.value,
+                          place_text(program, what.pc),
+                          what.instruction == 0 ? "no instruction there" : disassemble(what.instruction, what.pc));
+  if (what.cause != cause::kIllegalInstruction) return text;
+  const auto has = hart.code().blocks.timing().has_xpulp() ? Extension::xpulp : Extension::standard;
+  const auto advice = advice_for_illegal(what.instruction, has, program.architecture());
+  return advice.empty() ? text : fmt::format("{}; {}", text, advice);
 }
 
 /// What the stack says of it: that it is nowhere, and who called whom.
@@ -61,19 +66,26 @@ std::optional<int> Soc::gave_up() const {
   return ended_by_;
 }
 
+std::string Soc::unfinished_exception_text() const {
+  if (!hart_.in_exception()) return {};
+  const auto& first = hart_.fault().first;
+  return text_of(first, program_, hart_) + stack_text(first, program_, memory_);
+}
+
 std::string Soc::fault_text() const {
   const auto giver = gave_up();
   const int core = giver ? *giver : cluster_ ? cluster_->faulted_core() : kFabricControllerCore;
-  const auto& fault = hart(hart_of_core(core)).fault();
+  const auto& ender = hart(hart_of_core(core));
+  const auto& fault = ender.fault();
   if (!giver && !fault.happened) return {};
   const auto whose = core == kFabricControllerCore ? "" : fmt::format("cluster core {}: ", core);
   if (giver) {
     return fmt::format("{}the program's own handler gave up, with exit code {}, after {}{}", whose, exit_code(),
-                       text_of(fault.first, program_), stack_text(fault.first, program_, memory_));
+                       text_of(fault.first, program_, ender), stack_text(fault.first, program_, memory_));
   }
   auto text = fmt::format("{}{}: {}", whose,
                           fault.double_trap ? "an exception in its own trap handler" : "trap without a handler",
-                          text_of(fault.last, program_));
+                          text_of(fault.last, program_, ender));
   if (fault.double_trap && fault.first.pc != fault.last.pc) {
     text += fmt::format("; it began with {} (mtval 0x{:08x}) at {}", cause_text(fault.first.cause), fault.first.value,
                         place_text(program_, fault.first.pc));

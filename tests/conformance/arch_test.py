@@ -16,7 +16,7 @@ A test says for which machines it is, in lines like
 
 import re
 
-from tools import BARE, ROOT, WAYS, Verdict, build, checkout, run, spike
+from tools import BARE, ROOT, WAYS, Verdict, build, checkout, run, soc_run, spike
 
 ADDRESS = "https://github.com/riscv-non-isa/riscv-arch-test"
 ISA = "RV32IMCZicsr_Zifencei"
@@ -72,7 +72,7 @@ def judge(folder, soc, work, each):
             wrong = None if code == 0 else f"Spike ends with {code}: {text.strip()[-80:]}"
         for way in WAYS if wrong is None else ():
             ours = stem.with_suffix(".ours")
-            code, text = run([soc, "run", *way, "--max-instructions", LIMIT, "--signature", ours, program])
+            code, text = run([*soc_run(soc), *way, "--max-instructions", LIMIT, "--signature", ours, program])
             if wrong is None:
                 wrong = difference(wanted, ours) if code == 0 else f"ends with {code}: {text.strip()[-80:]}"
         return Verdict(f"{name} {source.stem}", wrong is None, wrong or "")

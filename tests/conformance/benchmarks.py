@@ -4,7 +4,7 @@
 import re
 
 import embench
-from tools import COMPILER, WAYS, Verdict, build, checkout, run, spike
+from tools import COMPILER, WAYS, Verdict, build, checkout, run, soc_run, spike
 
 EMBENCH = "https://github.com/embench/embench-iot"
 COREMARK = "https://github.com/eembc/coremark"
@@ -34,7 +34,7 @@ def judge(folder, soc, work, each):
         wrong = build(embench.compile_command(sources, [*options, level], place=[], path=program))
         counts = set()
         for way in WAYS if wrong is None else ():
-            code, text = run([soc, "run", *way, program])
+            code, text = run([*soc_run(soc), *way, program])
             if code != 0:
                 wrong = wrong or f"ends with {code}: {text.strip()[-80:]}"
             else:

@@ -3,7 +3,7 @@
 
 import re
 
-from tools import BARE, WAYS, CannotRun, Verdict, build, checkout, run
+from tools import BARE, WAYS, CannotRun, Verdict, build, checkout, run, soc_run
 
 ADDRESS = "https://github.com/riscv-software-src/riscv-tests"
 ENVIRONMENT = "https://github.com/riscv/riscv-test-env"
@@ -43,7 +43,7 @@ def judge(folder, soc, work, each):
         wrong = build([*BARE, *flags(isa, suite), f"-I{env}/p", f"-I{isa}/macros/scalar", f"-T{env}/p/link.ld",
                        isa / suite / f"{name}.S", "-o", program])
         for way in WAYS if wrong is None else ():
-            code, text = run([soc, "run", *way, "--max-instructions", LIMIT, program])
+            code, text = run([*soc_run(soc), *way, "--max-instructions", LIMIT, program])
             if code != 0 and wrong is None:
                 wrong = f"case {code} fails" if code is not None and code < 101 else text.strip().splitlines()[-1]
         return Verdict(f"{suite} {name}", wrong is None, wrong or "")

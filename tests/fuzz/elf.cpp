@@ -22,15 +22,19 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   for (const auto& segment : elf.segments()) {
     require(segment.size > 0, "a segment has a size");
     require(segment.bytes.size() <= segment.size, "a segment has no more bytes than it takes in memory");
-    require(std::uint64_t{segment.address} + segment.size <= 0x1'0000'0000ULL, "a segment ends in the address space");
-    entry_inside = entry_inside || elf.entry() - segment.address < segment.size;
+    require(std::uint64_t{segment.run_address} + segment.size <= 0x1'0000'0000ULL,
+            "a segment ends in the address space");
+    require(std::uint64_t{segment.load_address} + segment.bytes.size() <= 0x1'0000'0000ULL,
+            "a segment is loaded in the address space");
+    entry_inside = entry_inside || elf.entry() - segment.load_address < segment.bytes.size();
     for (const auto& other : elf.segments()) {
-      require(&segment == &other || segment.address >= std::uint64_t{other.address} + other.size ||
-                  other.address >= std::uint64_t{segment.address} + segment.size,
-              "segments do not overlap");
+      require(&segment == &other || segment.bytes.empty() || other.bytes.empty() ||
+                  segment.load_address >= std::uint64_t{other.load_address} + other.bytes.size() ||
+                  other.load_address >= std::uint64_t{segment.load_address} + segment.bytes.size(),
+              "no byte is loaded twice");
     }
-    elf.where(segment.address);  // reads the lines of the source, too
-    elf.where_called(segment.address + segment.size);
+    elf.where(segment.run_address);  // reads the lines of the source, too
+    elf.where_called(segment.run_address + segment.size);
   }
   require(entry_inside, "the entry lies in a segment");
   require(elf.entry() % 2 == 0, "the entry is even");

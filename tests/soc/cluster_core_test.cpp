@@ -36,7 +36,7 @@ class LoneClusterCore : public testing::Test, private ClusterBus {
  protected:
   LoneClusterCore() {
     const auto program = assemble(kProgram);
-    for (const auto& segment : program.segments()) memory_.write(segment.address, segment.bytes);
+    for (const auto& segment : program.segments()) memory_.write(segment.load_address, segment.bytes);
     core.start(program.entry(), 100);
   }
 

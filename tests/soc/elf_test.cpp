@@ -11,8 +11,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cstring>
+#include <initializer_list>
 #include <random>
+#include <span>
+#include <utility>
 
 namespace mebots::soc::test {
 namespace {
@@ -51,7 +55,7 @@ TEST(Elf, OfAnotherChipsSdkIsKnownByItsHeaders) {
 TEST(Elf, GivesSegmentsEntryAndSymbols) {
   const auto elf = Elf::parse(program(), "fw.elf");
   EXPECT_EQ(elf.entry(), 0x80000000U);
-  EXPECT_EQ(elf.segments().front().address, 0x80000000U);
+  EXPECT_EQ(elf.segments().front().load_address, 0x80000000U);
   EXPECT_EQ(elf.symbol("_start"), 0x80000000U);
   EXPECT_EQ(elf.symbol("nowhere"), std::nullopt);
   const auto function = *elf.symbol("add_two");
@@ -153,6 +157,60 @@ TEST(Elf, WithDamagedBytesNeverCrashes) {
     if (error_of(bytes) != "no error") ++refused;
   }
   EXPECT_GT(refused, 100);
+}
+
+/// Two program headers of 16 bytes of file each: code at 0x1000, and data with these addresses and sizes.
+std::vector<std::uint8_t> with_data_segment(std::uint32_t run, std::uint32_t load, std::uint32_t file_size,
+                                            std::uint32_t memory_size, std::uint32_t entry = 0x1000) {
+  std::vector<std::uint8_t> bytes(52 + 2 * 32 + 32);
+  const auto put = [&](std::size_t at, std::uint32_t value, std::size_t size) {
+    std::memcpy(&bytes[at], &value, size);
+  };
+  const std::array<std::uint8_t, 7> ident{0x7f, 'E', 'L', 'F', 1, 1, 1};
+  std::ranges::copy(ident, bytes.begin());
+  put(16, 2, 2);  // executable
+  put(18, 243, 2);
+  put(24, entry, 4);
+  put(28, 52, 4);
+  put(42, 32, 2);
+  put(44, 2, 2);
+  const auto segment = [&](std::size_t at, std::initializer_list<std::uint32_t> words) {
+    for (const auto word : words) put(std::exchange(at, at + 4), word, 4);
+  };
+  segment(52, {1, 116, 0x1000, 0x1000, 16, 16, 5, 4});
+  segment(84, {1, 132, run, load, file_size, memory_size, 6, 4});
+  return bytes;
+}
+
+TEST(Elf, LoadsAtOneAddressWhatRunsAtAnother) {
+  const auto elf = Elf::parse(with_data_segment(0x20000, 0x1010, 16, 64), "fw.elf");
+  ASSERT_EQ(elf.segments().size(), 2U);
+  EXPECT_EQ(elf.segments()[1].load_address, 0x1010U);
+  EXPECT_EQ(elf.segments()[1].run_address, 0x20000U);
+  EXPECT_EQ(elf.segments()[1].bytes.size(), 16U);
+  EXPECT_EQ(elf.segments()[1].size, 64U);
+  EXPECT_THAT(error_of(with_data_segment(0x20000, 0x100f, 16, 64)), HasSubstr("overlap at their load addresses"));
+}
+
+TEST(Elf, OfASectionWithoutBytesHasNoLoadAddressToOverlap) {
+  EXPECT_EQ(error_of(with_data_segment(0x20000, 0x1008, 0, 4096)), "no error") << "NOLOAD behind data with AT>";
+  EXPECT_EQ(error_of(with_data_segment(0x20000, 0xfffffff0, 0, 4096)), "no error");
+  EXPECT_THAT(error_of(with_data_segment(0xfffffff0, 0x1010, 0, 4096)), HasSubstr("run address 0xfffffff0 passes"));
+}
+
+TEST(Elf, StartsWhereItsFirstInstructionIsLoaded) {
+  EXPECT_EQ(Elf::parse(with_data_segment(0x20000, 0x1010, 16, 16, 0x20004), "fw.elf").entry(), 0x1014U);
+  EXPECT_THAT(error_of(with_data_segment(0x20000, 0x1010, 16, 64, 0x20010)), HasSubstr("lies in none of its segments"));
+}
+
+TEST(Elf, NamesTheExtensionsThatItWasCompiledFor) {
+  EXPECT_THAT(Elf::parse(program(), "fw.elf").architecture(), testing::StartsWith("rv32i2p"));
+  EXPECT_EQ(Elf::parse(with_data_segment(0x20000, 0x1010, 16, 64), "fw.elf").architecture(), "");
+  const std::vector<std::uint8_t> whole{'A', 26, 0, 0, 0,  'r', 'i', 's', 'c', 'v', 0,   1, 15,
+                                        0,   0,  0, 4, 16, 5,   'r', 'v', '3', '2', 'i', 0};
+  EXPECT_EQ(architecture_in(whole), "rv32i");
+  for (std::size_t size = 0; size + 6 < whole.size(); ++size)
+    EXPECT_EQ(architecture_in(std::span(whole).first(size)), "");
 }
 
 }  // namespace

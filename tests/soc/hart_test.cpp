@@ -150,6 +150,95 @@ _start: li t0, -1
   EXPECT_EQ(machine.reg(11), 0U);
 }
 
+TEST(Csr, OfCv32e40pKeepsTheBitsThatItsManualNames) {
+  Machine machine(fmt::format(R"(
+_start: .option norvc
+    csrr s2, mtvec
+    csrr s3, mcountinhibit
+    csrr s4, mcycle
+    nop
+    csrr s5, mcycle
+    csrr s6, minstret
+    li t0, -1
+    csrw mcountinhibit, t0
+    csrr s7, mcountinhibit
+    csrw mtval, t0
+    csrr s8, mtval
+    csrwi mcountinhibit, 4
+    csrr s9, mcycle
+    csrr s10, mcycle
+    la t0, handler + 1
+    csrw mtvec, t0
+    csrr s11, mtvec
+    lw a0, 0(zero)
+    .balign 256
+    li a0, 99
+    j end
+handler: li a0, 1
+end: {}
+)",
+                              kEnd),
+                  CoreKind::cv32e40p);
+  ASSERT_EQ(machine.run(), Stop::watch);
+  EXPECT_EQ(machine.reg(18), 1U) << "vectored";
+  EXPECT_EQ(machine.reg(19), 0xdU);
+  EXPECT_EQ(machine.reg(20), 0U) << "mcycle is stopped";
+  EXPECT_EQ(machine.reg(21), 0U);
+  EXPECT_EQ(machine.reg(22), 0U);
+  EXPECT_EQ(machine.reg(23), 0xdU) << "counters 0, 2 and 3";
+  EXPECT_EQ(machine.reg(24), 0U) << "mtval is read-only";
+  EXPECT_EQ(machine.reg(26) - machine.reg(25), 4U) << "mcycle runs, and an access takes 4 cycles";
+  EXPECT_EQ(machine.reg(27) & 0xffU, 1U) << "aligned to 256 bytes";
+  EXPECT_EQ(machine.reg(10), 99U) << "the trap entered the aligned address";
+  EXPECT_EQ(machine.hart().csr_remarks().moved_mtvec, *machine.program().symbol("handler") + 1);
+  EXPECT_EQ(machine.hart().csr_remarks().read_stopped_counter, csr::kMinstret);
+}
+
+/// A handler that leaves without mret, `count` times. `step`: what it does before.
+std::string leaves_without_mret(unsigned count, std::string_view step) {
+  return fmt::format(R"(
+_start: la t0, handler
+    csrw mtvec, t0
+    li s2, {}
+again: la t1, counter
+    lw t2, 0(t1)
+    li t1, 0
+    bge t2, s2, done
+    li t2, 0
+    lw a0, 0(zero)
+done: {}
+    .balign 4
+handler: {}
+    la t1, counter
+    lw t2, 0(t1)
+    addi t2, t2, 1
+    sw t2, 0(t1)
+    li t1, 0
+    li t2, 0
+    j again
+    .data
+counter: .word 0
+)",
+                     count, kEnd, step);
+}
+
+TEST(Trap, WhoseHandlerLeavesWithoutMretIsNoEndlessLoop) {
+  Machine counting(leaves_without_mret(1000, "addi s3, s3, 1"));
+  EXPECT_EQ(counting.run(), Stop::watch);
+  EXPECT_EQ(counting.reg(19), 1000U);
+  Machine in_memory(leaves_without_mret(1000, "nop"));
+  EXPECT_EQ(in_memory.run(), Stop::watch) << "all registers are the same, and memory is not";
+}
+
+TEST(Trap, ThatComesBackWithTheSameStateEndsTheCore) {
+  Machine machine("_start: la t0, again\ncsrw mtvec, t0\n.balign 4\nagain: li t1, 5\nj at\nnop\nat: lw a0, 0(zero)\n");
+  ASSERT_EQ(machine.run(), Stop::fault);
+  EXPECT_TRUE(machine.hart().fault().double_trap);
+  EXPECT_LT(machine.hart().counters().instructions, 100U);
+  Machine in_memory(leaves_without_mret(2'000'000, "nop"));
+  ASSERT_EQ(in_memory.run(100'000'000), Stop::fault) << "the same registers for a million times";
+}
+
 TEST(Csr, ReadOfAReadOnlyRegisterBySetWithX0IsNoWrite) {
   Machine machine(fmt::format("_start: csrrs a0, mvendorid, zero\ncsrrci a1, marchid, 0\n{}", kEnd));
   ASSERT_EQ(machine.run(), Stop::watch);
@@ -178,7 +267,8 @@ CsrSet csrs_of(CoreKind kind) {
   set.slow = {{0x300, 0x300}, {0x305, 0x305}, {0x320, 0x33f}, {0x341, 0x342},
               {0xb00, 0xb1f}, {0xb80, 0xb9f}, {0xc00, 0xc1f}, {0xc80, 0xc9f}};
   set.after_reset = {{0x300, 0x1800}, {0x301, 0x40001104}, {0xf11, 0x602}, {0xf12, 4}};
-  if (kind == CoreKind::cv32e40p) return set;
+  if (kind == CoreKind::cv32e40p) set.after_reset.insert({{0x305, 1}, {0x320, 0xd}});
+  if (kind != CoreKind::ri5cy) return set;
   set.there.insert(set.there.end(), {{0x014, 0x014}, {0x780, 0x7a1}, {0x7b0, 0x7b2}, {0x7b4, 0x7b6}, {0xcc0, 0xcc1}});
   set.slow = {{0x300, 0x300}};
   set.after_reset[0x7a1] = set.after_reset[0xcc1] = 3;
@@ -187,7 +277,7 @@ CsrSet csrs_of(CoreKind kind) {
 }
 
 TEST(Csr, IsThereReadOnlyAndSlowAsTheManualsHaveIt) {
-  for (const auto kind : {CoreKind::cv32e40p, CoreKind::ri5cy}) {
+  for (const auto kind : {CoreKind::cv32e40p, CoreKind::ri5cy, CoreKind::rv32imc}) {
     const auto expected = csrs_of(kind);
     const Timing timing{kind};
     Machine machine(fmt::format("_start: nop\n{}", kEnd), kind);

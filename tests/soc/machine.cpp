@@ -36,7 +36,7 @@ Machine::Machine(const Elf& program, const MachineSettings& settings)
                       .translate = settings.translate}),
       hart_(memory_, *this, code_) {
   for (const auto& segment : program_.segments()) {
-    if (!memory_.write(segment.address, segment.bytes)) throw Error("test program outside the RAM");
+    if (!memory_.write(segment.load_address, segment.bytes)) throw Error("test program outside the RAM");
   }
   if (const auto tohost = program_.symbol("tohost")) memory_.mark(*tohost, 4, Region::kWatch);
   hart_.reset(program_.entry());

@@ -16,7 +16,7 @@ namespace mebots::soc::test {
 
 /// How a machine differs from a CV32E40P that fetches without waiting.
 struct MachineSettings {
-  CoreKind kind = CoreKind::cv32e40p;
+  CoreKind kind = CoreKind::rv32imc;
   InstructionCacheSettings instruction_cache = {};
   bool loose_limit = false;
   bool translate = true;
@@ -30,7 +30,7 @@ class Machine : private Bus {
 
   explicit Machine(const Elf& program, const MachineSettings& settings = {});
   Machine(const Elf& program, CoreKind kind) : Machine(program, MachineSettings{.kind = kind}) {}
-  explicit Machine(std::string_view text, CoreKind kind = CoreKind::cv32e40p) : Machine(assemble(text), kind) {}
+  explicit Machine(std::string_view text, CoreKind kind = CoreKind::rv32imc) : Machine(assemble(text), kind) {}
 
   /// Runs until tohost is stored, the core faults or sleeps, or `limit` cycles.
   Stop run(std::uint64_t limit = 10'000'000) { return hart_.run(limit); }

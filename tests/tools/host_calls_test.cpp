@@ -107,6 +107,61 @@ TEST(Semihosting, CostsNoTimeAndCountsNoInstruction) {
   EXPECT_EQ(std::stoi(counts(calls.out).substr(13)) + 1, std::stoi(counts(plain.out).substr(13)));
 }
 
+/// Prints "Wow!" to the console of riscv-isa-sim, whose characters have bit 0 set and clear. `store` stores a command
+/// of the two words t0 and t1.
+std::string console_program(std::string_view store) {
+  return fmt::format(R"(
+_start: la s0, text
+next: lbu t0, 0(s0)
+    li t1, 0x01010000
+    beqz t0, end
+    la t2, tohost
+{}
+    # done when the host has cleared the command
+1:  lw t2, tohost
+    lw t3, tohost + 4
+    or t2, t2, t3
+    bnez t2, 1b
+    addi s0, s0, 1
+    j next
+end: la t2, tohost
+    li t0, 7
+    sw t0, 0(t2)
+2:  j 2b
+    .data
+text: .asciz "Wow!"
+    .text
+{})",
+                     store, kTohost);
+}
+
+TEST(HostConsole, PrintsWhateverOrderTheHalvesAreStoredIn) {
+  const Folder folder;
+  for (const std::string_view store : {"sw t0, 0(t2)\nsw t1, 4(t2)", "sw t1, 4(t2)\nsw t0, 0(t2)",
+                                       "sw t0, 0(t2)\nlui t1, 0x1010\naddi t4, t2, 4\nsw t1, 0(t4)"}) {
+    const auto run = run_tool("run " + folder.program(console_program(store)));
+    EXPECT_THAT(run.out, StartsWith("Wow!instructions ")) << store;
+    EXPECT_EQ(run.exit_code, 3) << "7 >> 1" << run.err;
+  }
+}
+
+TEST(HostConsole, NamesACommandThatIsNotServed) {
+  const auto run = run_program(
+      "_start: la t0, tohost\nli t1, 0x01000000\nsw t1, 4(t0)\n1: lw t2, 4(t0)\nbnez t2, 1b\nsw t1, 4(t0)\n"
+      "2: lw t2, 4(t0)\nbnez t2, 2b\nli t1, 1\nsw t1, 0(t0)\n1: j 1b");
+  EXPECT_EQ(run.exit_code, 0);
+  EXPECT_THAT(run.err, HasSubstr("command 0 to device 1 through tohost is not served"));
+  EXPECT_EQ(run.err.find("command 0"), run.err.rfind("command 0")) << "once";
+}
+
+TEST(HostConsole, AWordAfterTohostThatIsAnotherSymbolIsNoCommand) {
+  const Folder folder;
+  const auto program = folder.program(
+      "_start: la t0, tohost\nli t1, 9\nsw t1, 4(t0)\nsw t1, 0(t0)\n1: j 1b\n.data\n.balign 64\n.globl tohost\n"
+      "tohost: .word 0\nother: .word 0x01010000\n");
+  EXPECT_EQ(run_tool("run " + program).exit_code, 4);
+}
+
 TEST(SystemCalls, ThroughTohostAreServedAsSpikeDoes) {
   const Folder folder;
   std::filesystem::create_directory(folder / "shared");

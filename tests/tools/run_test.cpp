@@ -222,5 +222,59 @@ TEST(Run, OnABoardEndsByItsExitRegister) {
   EXPECT_THAT(run.out, HasSubstr("exit 42\n"));
 }
 
+TEST(Run, NamesTheExtensionOfAnInstructionThatTheCoreLacks) {
+  struct Case {
+    std::string_view instruction;
+    std::string_view said;
+  };
+  for (const auto& [instruction, said] : std::initializer_list<Case>{
+           {".word 0x0062a3af", "amoadd.w, of extension A"},
+           {".word 0x1002a32f", "lr.w, of extension A"},
+           {".word 0x00052007", "flw, of extension F"},
+           {".word 0x02a5f553", "a double-precision operation, of extension D"},
+           {".half 0x6108", "c.flw, of extension F"},
+           {".word 0x0d0572d7", "vsetvli, of extension V"},
+           {".word 0x00053503", "ld, of extension RV64I"},
+           {".word 0x20b52533", "sh1add, of extension Zba"},
+           {".word 0x60051513", "clz, of extension Zbb"},
+           {".word 0x10200073", "sret, of extension S"},
+           {".word 0x18002573", "the core has no register csr0x180 (0x180), or it cannot be written; it belongs to S"},
+           {".word 0x00302573", "it belongs to F"},
+           {".word 0x00000000", "there is no code here"},
+           {".word 0xffffffff", "erased flash"},
+           {".word 0x0045278b", "an instruction of Xpulp v2"}}) {
+    const auto run = run_program(fmt::format("_start: nop\n.balign 4\nplace: {}\n1: j 1b", instruction));
+    EXPECT_EQ(run.exit_code, 101) << instruction;
+    EXPECT_THAT(run.err, HasSubstr(said)) << instruction;
+    EXPECT_THAT(run.err, HasSubstr("in place")) << instruction;
+  }
+  const auto atomic = run_program("_start: nop\n.word 0x0062a3af");
+  EXPECT_THAT(atomic.err, HasSubstr("compile with -march=rv32imc_zicsr -mabi=ilp32"));
+  EXPECT_THAT(atomic.err, HasSubstr("the program was compiled for rv32i2p"));
+}
+
+TEST(Run, OfAHandlerThatWaitsForEverNamesTheException) {
+  const auto run =
+      run_program("_start: la t0, handler\ncsrw mtvec, t0\n.word 0x0062a3af\n.balign 256\nhandler: j handler");
+  EXPECT_EQ(run.exit_code, 101);
+  EXPECT_THAT(run.err, HasSubstr("endless loop"));
+  EXPECT_THAT(run.err, HasSubstr("no handler has returned since illegal instruction"));
+  EXPECT_THAT(run.err, HasSubstr("amoadd.w"));
+}
+
+TEST(Run, WithoutABoardEntersAHandlerThatCv32e40pWouldMoveAndSaysSo) {
+  const std::string_view program =
+      "_start: la t0, handler\ncsrw mtvec, t0\ncsrr a0, mcycle\necall\n.balign 4\nhandler: la t0, tohost\nli t1, 5\n"
+      "sw t1, 0(t0)\n1: j 1b";
+  const auto run = run_program(program);
+  EXPECT_EQ(run.exit_code, 2) << run.err;
+  EXPECT_THAT(run.err, HasSubstr("to mtvec; CV32E40P clears bits 7 to 2"));
+  EXPECT_THAT(run.err, HasSubstr("the program read mcycle, which CV32E40P stops at reset"));
+  const auto plain = run_program(program, "--core rv32imc");
+  EXPECT_EQ(plain.exit_code, 2);
+  EXPECT_EQ(plain.err, "");
+  EXPECT_THAT(run_program(program, "--core rv32").err, HasSubstr("there are cv32e40p, ri5cy and rv32imc"));
+}
+
 }  // namespace
 }  // namespace mebots::soc::test

@@ -16,8 +16,8 @@ namespace {
 
 std::vector<std::string> trace_of(std::string_view text, const std::string& options = "") {
   const Folder folder;
-  run_tool(fmt::format("run {} --trace {} {}", folder.program(fmt::format("{}{}", text, kTohost)), folder / "trace",
-                       options));
+  run_tool(fmt::format("run --core rv32imc {} --trace {} {}", folder.program(fmt::format("{}{}", text, kTohost)),
+                       folder / "trace", options));
   std::istringstream file(read_file(folder / "trace"));
   std::vector<std::string> lines;
   for (std::string line; std::getline(file, line);) lines.push_back(line);

@@ -1,12 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <span>
+#include <string>
 #include <string_view>
 
 namespace mebots::soc {
 
 struct BoardDescription;
+
+/// Tag_RISCV_arch in a section .riscv.attributes, such as "rv32i2p1_m2p0_c2p0"; empty if the section is damaged or has
+/// none. Source: RISC-V ELF psABI 1.0, chapter "Attributes".
+std::string architecture_in(std::span<const std::uint8_t> attributes);
 
 /// The chip that a program of GreenWaves' SDKs was built for, when that is another one than GAP8; empty when it is not
 /// known. Told by the SDK's own headers among the debug information: the file says nothing of it elsewhere (its note

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "elf/elf.hpp"
 
+#include "elf/built_for.hpp"
 #include "mebots/error.hpp"
 
 #include <cxxabi.h>
@@ -40,11 +41,13 @@ struct SymbolEntry {
   std::uint16_t section;
 };
 
+constexpr std::uint64_t kAddressSpace = 0x1'0000'0000;
 constexpr std::uint16_t kExecutable = 2;
 constexpr std::uint16_t kRiscv = 243;
 constexpr std::uint32_t kLoad = 1;
 constexpr std::uint32_t kProgramBits = 1;
 constexpr std::uint32_t kSymbolTable = 2;
+constexpr std::uint32_t kAttributes = 0x70000003;
 constexpr std::uint32_t kCompressed = 0x800;
 constexpr std::uint16_t kUndefined = 0;
 constexpr unsigned kFunction = 2;
@@ -106,6 +109,27 @@ FileHeader checked_header(const File& file) {
   return header;
 }
 
+void require_room(const File& file, unsigned number, std::string_view which, std::uint32_t address,
+                  std::uint64_t size) {
+  if (address + size <= kAddressSpace) return;
+  file.fail(fmt::format("segment {} with {} bytes at its {} address 0x{:08x} passes the end of the address space",
+                        number, size, which, address));
+}
+
+/// Two segments may share a run address (overlays), but no byte of memory is loaded twice.
+void require_apart(const File& file, std::vector<ElfSegment> segments) {
+  std::erase_if(segments, [](const ElfSegment& segment) { return segment.bytes.empty(); });
+  std::ranges::sort(segments, {}, &ElfSegment::load_address);
+  for (std::size_t i = 1; i < segments.size(); ++i) {
+    const auto& before = segments[i - 1];
+    if (segments[i].load_address >= before.load_address + std::uint64_t{before.bytes.size()}) continue;
+    file.fail(
+        fmt::format("segments overlap at their load addresses 0x{:08x} and 0x{:08x}; look at AT> in the linker "
+                    "script",
+                    before.load_address, segments[i].load_address));
+  }
+}
+
 std::vector<ElfSegment> read_segments(const File& file, const FileHeader& header) {
   std::vector<ElfSegment> segments;
   for (unsigned i = 0; i < header.program_count; ++i) {
@@ -116,22 +140,30 @@ std::vector<ElfSegment> read_segments(const File& file, const FileHeader& header
       file.fail(fmt::format("segment {} has {} bytes in the file but {} in memory", i, program.file_size,
                             program.memory_size));
     }
-    if (std::uint64_t{program.physical_address} + program.memory_size > 0x1'0000'0000ULL) {
-      file.fail(fmt::format("segment {} at 0x{:08x} with {} bytes passes the end of the address space", i,
-                            program.physical_address, program.memory_size));
-    }
+    require_room(file, i, "load", program.physical_address, program.file_size);
+    require_room(file, i, "run", program.virtual_address, program.memory_size);
     const auto bytes = file.part(program.offset, program.file_size, fmt::format("segment {}", i));
-    segments.push_back({program.physical_address, {bytes.begin(), bytes.end()}, program.memory_size});
+    segments.push_back(
+        {program.physical_address, program.virtual_address, {bytes.begin(), bytes.end()}, program.memory_size});
   }
   if (segments.empty()) file.fail("no segment to load; link the program before running it");
-  auto sorted = segments;
-  std::sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) { return a.address < b.address; });
-  for (std::size_t i = 1; i < sorted.size(); ++i) {
-    if (sorted[i].address < std::uint64_t{sorted[i - 1].address} + sorted[i - 1].size) {
-      file.fail(fmt::format("segments at 0x{:08x} and 0x{:08x} overlap", sorted[i - 1].address, sorted[i].address));
-    }
-  }
+  require_apart(file, segments);
   return segments;
+}
+
+/// Code that starts at its run address before anything could copy it there starts where it is loaded, as in QEMU.
+std::uint32_t loaded_entry(const File& file, std::uint32_t entry, const std::vector<ElfSegment>& segments) {
+  if (entry % 2 != 0) file.fail(fmt::format("entry point 0x{:08x} is odd", entry));
+  const auto holds = [&](std::uint32_t address, const ElfSegment& segment) {
+    return entry >= address && entry - address < segment.bytes.size();
+  };
+  for (const auto& segment : segments) {
+    if (holds(segment.load_address, segment)) return entry;
+  }
+  for (const auto& segment : segments) {
+    if (holds(segment.run_address, segment)) return entry - segment.run_address + segment.load_address;
+  }
+  file.fail(fmt::format("entry point 0x{:08x} lies in none of its segments", entry));
 }
 
 /// psABI mapping symbols tell code from data; .L labels are the compiler's own. Neither names anything.
@@ -188,6 +220,12 @@ std::vector<ElfSymbol> read_symbols(const File& file, std::span<const SectionHea
   return symbols;
 }
 
+std::string read_architecture(const File& file, std::span<const SectionHeader> sections) {
+  const auto section = std::ranges::find(sections, kAttributes, &SectionHeader::type);
+  if (section == sections.end() || !file.has(section->offset, section->size)) return {};
+  return architecture_in(file.part(section->offset, section->size, "the attributes"));
+}
+
 /// Lines are for messages: a file whose sections for them are not in order, or packed, has none.
 std::shared_ptr<const LineSections> read_lines(const File& file, const FileHeader& header,
                                                std::span<const SectionHeader> sections) {
@@ -235,16 +273,12 @@ Elf Elf::parse(std::span<const std::uint8_t> bytes, const std::string& origin) {
   if ((header.flags & kEmbeddedAbi) != 0) file.fail("compiled for RV32E; compile with -march=rv32imc -mabi=ilp32");
   Elf elf;
   elf.origin_ = origin;
-  elf.entry_ = header.entry;
   elf.segments_ = read_segments(file, header);
+  elf.entry_ = loaded_entry(file, header.entry, elf.segments_);
   const auto sections = read_sections(file, header);
   elf.symbols_ = read_symbols(file, sections, elf.names_);
   elf.lines_ = read_lines(file, header, sections);
-  const bool inside = std::any_of(elf.segments_.begin(), elf.segments_.end(), [&](const ElfSegment& segment) {
-    return header.entry >= segment.address && header.entry - segment.address < segment.size;
-  });
-  if (!inside) file.fail(fmt::format("entry point 0x{:08x} lies in none of its segments", header.entry));
-  if (header.entry % 2 != 0) file.fail(fmt::format("entry point 0x{:08x} is odd", header.entry));
+  elf.architecture_ = read_architecture(file, sections);
   return elf;
 }
 

@@ -15,10 +15,13 @@
 /// Programs as ELF32 files for RISC-V. Source: Tool Interface Standard, ELF 1.2; RISC-V ELF psABI 1.0.
 namespace mebots::soc {
 
+/// A loadable segment. `AT>` in a linker script makes its two addresses differ: the bytes are stored at the load
+/// address, as Spike, QEMU and a flash programmer do, and start-up code copies them to the run address.
 struct ElfSegment {
-  std::uint32_t address = 0;        // where it is loaded (p_paddr)
-  std::vector<std::uint8_t> bytes;  // from the file
-  std::uint32_t size = 0;           // in memory; what the file does not give is 0
+  std::uint32_t load_address = 0;   // p_paddr: where `bytes` are stored
+  std::uint32_t run_address = 0;    // p_vaddr: where the program expects them
+  std::vector<std::uint8_t> bytes;  // from the file; empty for .bss and for NOLOAD sections
+  std::uint32_t size = 0;           // at the run address; bytes that the file lacks are 0 after reset
 };
 
 struct ElfSymbol {
@@ -40,7 +43,10 @@ class Elf {
   static Elf read(const std::filesystem::path& path);
 
   const std::string& origin() const { return origin_; }
+  /// First instruction. If the entry point is a run address, this is the load address of the same instruction.
   std::uint32_t entry() const { return entry_; }
+  /// The extensions that the file's attributes name (Tag_RISCV_arch): "rv32i2p1_m2p0_c2p0"; empty without them.
+  const std::string& architecture() const { return architecture_; }
   const std::vector<ElfSegment>& segments() const { return segments_; }
   std::optional<std::uint32_t> symbol(std::string_view name) const;
   /// All symbols that stand for an address, sorted by it. The marks that tell code from data ($x, $d, $xrv32imc...)
@@ -59,6 +65,7 @@ class Elf {
 
   std::string origin_;
   std::uint32_t entry_ = 0;
+  std::string architecture_;
   std::vector<ElfSegment> segments_;
   std::shared_ptr<const std::string> names_;  // of the symbols
   std::vector<ElfSymbol> symbols_;            // by address

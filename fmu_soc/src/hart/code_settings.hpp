@@ -28,4 +28,15 @@ struct CodeSettings {
   bool translate = true;   // hot code to host code, where that is possible; counts are the same without
 };
 
+/// Settings of one hart, which never change; CodeSettings has those that harts share.
+struct HartSettings {
+  std::uint32_t id = 0;  // what mhartid reads
+  /// Traps enter the address written to mtvec, also if the core clears some of its low bits.
+  bool keeps_written_mtvec = false;
+  /// Interrupts are those of GAP8's cores: 32 lines of an event unit, one of which is up, without mie; vectors at
+  /// mtvec, whose low eight bits are 0; exceptions behind them. Source: RI5CY's user manual of 2018, chapters on
+  /// exceptions and CSRs.
+  bool has_gap8_interrupts = false;
+};
+
 }  // namespace mebots::soc

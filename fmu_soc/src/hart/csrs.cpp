@@ -147,12 +147,13 @@ const Csrs::Rows::Row* Csrs::Rows::find(const Csrs& csrs, unsigned number) {
   return row == 0 ? nullptr : &kAll[row - 1U];
 }
 
-Csrs::Csrs(Execution& execution, BlockCache& blocks, std::uint32_t id, bool has_gap8_interrupts)
+Csrs::Csrs(Execution& execution, BlockCache& blocks, const HartSettings& settings)
     : execution_(execution),
       blocks_(blocks),
       timing_(blocks.timing()),
-      id_(id),
-      has_gap8_interrupts_(has_gap8_interrupts) {
+      id_(settings.id),
+      has_gap8_interrupts_(settings.has_gap8_interrupts),
+      keeps_written_mtvec_(settings.keeps_written_mtvec) {
   restart();
 }
 
@@ -162,8 +163,11 @@ void Csrs::restart() {
     for (unsigned i = 0; i < row.count; ++i) state_.words[row.slot + i] = row.meaning.reset;
   }
   if (has_gap8_interrupts_) word<csr::kMie>() = ~0U;
-  state_.cycle_base = execution_.counters.cycles;
-  state_.instret_base = execution_.counters.instructions;
+  state_.handlers = word<csr::kMtvec>() = timing_.mtvec_after_reset();
+  word<csr::kMcountinhibit>() = timing_.mcountinhibit_after_reset();
+  const auto base = [this](std::uint32_t inhibit, std::uint64_t count) { return is_inhibited(inhibit) ? 0 : count; };
+  state_.cycle_base = base(kInhibitCycle, execution_.counters.cycles);
+  state_.instret_base = base(kInhibitInstret, execution_.counters.instructions);
   interrupt_ready_ = false;
 }
 
@@ -185,7 +189,7 @@ void Csrs::update_interrupts() {
 void Csrs::enter_handler(std::uint32_t cause, std::uint32_t value) {
   word<csr::kMepc>() = execution_.pc;
   word<csr::kMcause>() = cause;
-  word<csr::kMtval>() = value;
+  set_mtval(value);
   state_.interrupts_were_on = state_.interrupts_on;
   state_.interrupts_on = false;
   update_interrupts();
@@ -218,11 +222,21 @@ const Instruction* Csrs::access(const Instruction* at) {
   e.counters.cycles = e.start_of(at);
   std::uint32_t old = 0;
   bool good = read(number, old);
+  note_stopped_counter(number);
   if (good && writes) good = write(number, replace ? operand : set ? old | operand : old & ~operand);
   e.counters = saved;
   if (!good) return e.raise(at, cause::kIllegalInstruction, blocks_.word_at(at->pc).value_or(0));
   e.x[at->rd] = old;
   return blocks_.is_stale() ? e.leave_after(at, Leave::normal) : at + 1;  // it has set where a hardware loop ends
+}
+
+/// The first instruction that reads a counter that has not run since reset.
+void Csrs::note_stopped_counter(unsigned number) {
+  const bool cycles = number == csr::kMcycle || number == csr::kCycle;
+  const bool instructions = number == csr::kMinstret || number == csr::kInstret;
+  if (!cycles && !instructions) return;
+  const auto reset = timing_.mcountinhibit_after_reset();
+  if (reset != 0 && word<csr::kMcountinhibit>() == reset) remarks_.read_stopped_counter = number;
 }
 
 bool Csrs::read(unsigned number, std::uint32_t& value) const {
@@ -244,6 +258,7 @@ void Csrs::visit(state::Visitor& v) {
   }
   v("interrupts_on", state_.interrupts_on);
   v("interrupts_were_on", state_.interrupts_were_on);
+  v("handlers", state_.handlers);
   v("cycle_base", state_.cycle_base);
   v("instret_base", state_.instret_base);
   v("pccr_base", state_.pccr_base);
@@ -258,6 +273,17 @@ void Csrs::set_mstatus(std::uint32_t value) {
   state_.interrupts_on = (value & kMieBit) != 0;
   state_.interrupts_were_on = (value & kMpieBit) != 0;
   update_interrupts();
+}
+
+void Csrs::set_mtvec(std::uint32_t value) {
+  word<csr::kMtvec>() = value & timing_.mtvec_mask();
+  const bool moves = word<csr::kMtvec>() != (value & ~2U);
+  state_.handlers = keeps_written_mtvec_ ? value & ~2U : word<csr::kMtvec>();
+  if (moves) remarks_.moved_mtvec = value;
+}
+
+void Csrs::set_mtval(std::uint32_t value) {
+  if (timing_.has_mtval()) word<csr::kMtval>() = value;
 }
 
 bool Csrs::counts_event(unsigned counter) const {
@@ -303,7 +329,7 @@ void Csrs::set_event_enable(std::uint32_t pcer, std::uint32_t pcmr) {
 std::uint64_t Csrs::read_counter(bool instret) const {
   const auto base = instret ? state_.instret_base : state_.cycle_base;
   const auto inhibit = instret ? kInhibitInstret : kInhibitCycle;
-  if ((word<csr::kMcountinhibit>() & inhibit) != 0) return base;
+  if (is_inhibited(inhibit)) return base;
   return (instret ? execution_.counters.instructions : execution_.counters.cycles) - base;
 }
 
@@ -314,11 +340,11 @@ void Csrs::write_counter(bool instret, std::uint32_t value, bool high) {
   const auto inhibit = instret ? kInhibitInstret : kInhibitCycle;
   // A write takes the place of its own instruction's increment: the next instruction reads back what was written.
   const auto count = instret ? execution_.counters.instructions + 1 : execution_.counters.cycles;
-  base = (word<csr::kMcountinhibit>() & inhibit) != 0 ? wanted : count - wanted;
+  base = is_inhibited(inhibit) ? wanted : count - wanted;
 }
 
 void Csrs::set_count_inhibit(std::uint32_t value) {
-  value &= kInhibitCycle | kInhibitInstret;
+  value &= timing_.mcountinhibit_mask();
   const auto cycle = read_counter(false);
   const auto instret = read_counter(true);
   word<csr::kMcountinhibit>() = value;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "hart/block_cache.hpp"
+#include "hart/code_settings.hpp"
 #include "hart/csr_numbers.hpp"
 #include "hart/execution.hpp"
 #include "hart/observer.hpp"
@@ -10,17 +11,23 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 
 namespace mebots::soc {
+
+/// Accesses of a program that behave otherwise on most other cores; for messages.
+struct CsrRemarks {
+  std::optional<std::uint32_t> moved_mtvec = {};      // the value written, of which the core cleared low bits
+  std::optional<unsigned> read_stopped_counter = {};  // its number: it has not run since reset
+};
 
 /// The control and status registers of a core, as their table has them (csrs.inc). Those of machine mode that CV32E40P
 /// has; with Xpulp also RI5CY's own, and with an event unit GAP8's. All others are none. They own what decides whether
 /// an interrupt is let in.
 class Csrs {
  public:
-  /// `id`: what mhartid reads. With GAP8's interrupts come the CSRs of the stack check, which are kept; nothing is
-  /// checked.
-  Csrs(Execution& execution, BlockCache& blocks, std::uint32_t id, bool has_gap8_interrupts);
+  /// A core with GAP8's interrupts has the CSRs of the stack check, too; they keep their values, and no check is made.
+  Csrs(Execution& execution, BlockCache& blocks, const HartSettings& settings);
 
   /// As after reset, and the counters count from here on.
   void restart();
@@ -41,7 +48,9 @@ class Csrs {
   bool interrupt_ready() const { return interrupt_ready_; }
   bool interrupts_enabled() const { return state_.interrupts_on && word<csr::kMie>() != 0; }
 
-  std::uint32_t mtvec() const { return word<csr::kMtvec>(); }
+  /// Base address of the handlers, and in bit 0 whether interrupts are vectored.
+  std::uint32_t handlers() const { return state_.handlers; }
+  const CsrRemarks& remarks() const { return remarks_; }
   /// A trap at the pc: what happened is noted, and no interrupt is let in.
   void enter_handler(std::uint32_t cause, std::uint32_t value);
   Trapped last_trap() const { return {word<csr::kMepc>(), word<csr::kMcause>(), word<csr::kMtval>()}; }
@@ -58,6 +67,7 @@ class Csrs {
     bool interrupts_were_on = false;                                            // mstatus.MPIE
     std::uint64_t cycle_base = 0;  // mcycle = counter - base; while inhibited, mcycle = base
     std::uint64_t instret_base = 0;
+    std::uint32_t handlers = 0;                // where handlers are entered: mtvec, or what was written to it
     std::array<std::uint64_t, 2> pccr_base{};  // of RI5CY's event counters
   };
 
@@ -84,6 +94,8 @@ class Csrs {
   void set_cycle_high(std::uint32_t value) { write_counter(false, value, true); }
   void set_instret(std::uint32_t value) { write_counter(true, value, false); }
   void set_instret_high(std::uint32_t value) { write_counter(true, value, true); }
+  void set_mtvec(std::uint32_t value);
+  void set_mtval(std::uint32_t value);
   void set_count_inhibit(std::uint32_t value);
   std::uint32_t event_counter(unsigned counter) const;
   void set_event_counter(unsigned counter, std::uint32_t value);
@@ -118,6 +130,8 @@ class Csrs {
     execution_.loops[kLoop].count = value;
   }
 
+  bool is_inhibited(std::uint32_t bit) const { return (word<csr::kMcountinhibit>() & bit) != 0; }
+  void note_stopped_counter(unsigned number);
   std::uint64_t read_counter(bool instret) const;
   void write_counter(bool instret, std::uint32_t value, bool high);
   bool counts_event(unsigned counter) const;
@@ -128,6 +142,8 @@ class Csrs {
   Timing timing_;
   std::uint32_t id_;
   bool has_gap8_interrupts_;
+  bool keeps_written_mtvec_;
+  CsrRemarks remarks_;
   State state_;
   bool interrupt_ready_ = false;
 };

@@ -15,7 +15,7 @@ Hart::Hart(Memory& memory, Bus& bus, DecodedCode& decoded, const HartSettings& s
       decoded_(decoded),
       blocks_(decoded.blocks),
       limit_(decoded.loose_limit),
-      csrs_(execution_, blocks_, settings.id, settings.has_gap8_interrupts),
+      csrs_(execution_, blocks_, settings),
       traps_(execution_, csrs_, blocks_),
       data_path_(execution_, memory, bus, decoded.loose_limit),
       fetch_(execution_, decoded.instruction_cache),

@@ -37,15 +37,6 @@ enum class Stop : std::uint8_t {
   observer,  // the observer wants the run to end before the next instruction
 };
 
-/// What a hart has for itself, for good; what it has in common with others is in CodeSettings.
-struct HartSettings {
-  std::uint32_t id = 0;  // what mhartid reads
-  /// Interrupts are those of GAP8's cores: 32 lines of an event unit, one of which is up, without mie; vectors at
-  /// mtvec, whose low eight bits are 0; exceptions behind them. Source: RI5CY's user manual of 2018, chapters on
-  /// exceptions and CSRs.
-  bool has_gap8_interrupts = false;
-};
-
 /// One RISC-V hardware thread: RV32IMC_Zicsr_Zifencei in machine mode, timed as RI5CY (then with Xpulp v2) or CV32E40P.
 /// Straight code is decoded once into blocks. A block runs only when none of its instructions can start at or after the
 /// limit. Otherwise one instruction at a time is taken, with the same counts.
@@ -118,6 +109,8 @@ class Hart {
   /// Reads or writes a CSR as an instruction would, without its cycles; false = there is none, or not this way.
   bool csr(unsigned number, std::uint32_t& value) const { return csrs_.read(number, value); }
   bool set_csr(unsigned number, std::uint32_t value) { return csrs_.write(number, value); }
+  /// Accesses of the program that behave otherwise on most other cores. Not part of a state.
+  const CsrRemarks& csr_remarks() const { return csrs_.remarks(); }
   std::uint32_t reg(unsigned index) const { return execution_.x[index]; }
   void set_reg(unsigned index, std::uint32_t value) {
     if (index != 0) execution_.x[index] = value;

@@ -60,6 +60,7 @@ constexpr auto kCsrPaces = std::to_array<CsrPace>({
 std::optional<CoreKind> core_kind(std::string_view name) {
   if (name == "cv32e40p") return CoreKind::cv32e40p;
   if (name == "ri5cy") return CoreKind::ri5cy;
+  if (name == "rv32imc") return CoreKind::rv32imc;
   return std::nullopt;
 }
 

@@ -17,12 +17,15 @@
 ///          + extra cycles of multi-cycle instructions
 namespace mebots::soc {
 
-enum class CoreKind : std::uint8_t { cv32e40p, ri5cy };
+/// `rv32imc` is no chip's core. It has the cycles of CV32E40P, and its CSRs have every freedom of the privileged
+/// specification: mtvec aligned to 4 bytes, counters that run after reset, mtval written by exceptions.
+enum class CoreKind : std::uint8_t { cv32e40p, ri5cy, rv32imc };
 
-/// "cv32e40p", "ri5cy"; nothing for other names.
+/// "cv32e40p", "ri5cy", "rv32imc"; nothing for other names.
 std::optional<CoreKind> core_kind(std::string_view name);
 
-/// Where the two cores differ.
+/// Differences between the cores. CSRs of CV32E40P: its user manual 1.8.3, chapter "Control and status registers", with
+/// the default of one event counter.
 struct Timing {
   CoreKind kind = CoreKind::ri5cy;
 
@@ -33,6 +36,12 @@ struct Timing {
   /// Xpulp v2 in the encodings of RI5CY. (CV32E40P has its own.)
   bool has_xpulp() const { return kind == CoreKind::ri5cy; }
   unsigned csr_cycles(unsigned csr) const;
+
+  std::uint32_t mtvec_mask() const { return kind == CoreKind::cv32e40p ? 0xffffff01U : ~2U; }
+  std::uint32_t mtvec_after_reset() const { return kind == CoreKind::cv32e40p ? 1 : 0; }
+  std::uint32_t mcountinhibit_mask() const { return kind == CoreKind::cv32e40p ? 0xd : 0x5; }
+  std::uint32_t mcountinhibit_after_reset() const { return kind == CoreKind::cv32e40p ? 0xd : 0; }
+  bool has_mtval() const { return kind != CoreKind::cv32e40p; }
 };
 
 inline constexpr unsigned kTakenBranchExtra = 2;

@@ -6,14 +6,17 @@
 #include "hart/csr_numbers.hpp"
 #include "mebots/assert.hpp"
 
+#include <algorithm>
 #include <bit>
 
 namespace mebots::soc {
 namespace {
 
-/// An exception that comes back this often at the same place, with no return from a handler between, never ends. Nor do
-/// this many in a row, wherever they are, between which nothing retires: handlers whose first instructions fault.
+/// This many exceptions in a row, each with the hart in the same state, are an endless loop.
 constexpr std::uint32_t kHopelessRepeats = 16;
+/// This many of the same exception with the same registers are an endless loop, too. Fewer are not: a handler may count
+/// in memory and leave without mret.
+constexpr std::uint32_t kHopelessReturns = 1'000'000;
 
 constexpr unsigned kReturnAddress = 1;
 constexpr unsigned kStackPointer = 2;
@@ -28,6 +31,7 @@ constexpr std::uint32_t kAccessVector = 0x8C;
 void Traps::restart() {
   fault_ = {};
   repeats_ = 0;
+  returns_ = 0;
 }
 
 const Instruction* Traps::leave_handler(const Instruction* at) {
@@ -38,6 +42,7 @@ const Instruction* Traps::leave_handler(const Instruction* at) {
   e.link = nullptr;
   e.redirected = true;
   repeats_ = 0;
+  returns_ = 0;
   return nullptr;
 }
 
@@ -57,20 +62,33 @@ void Traps::fail(std::uint32_t cause, std::uint32_t value, bool double_trap) {
   fault_.double_trap = double_trap;
 }
 
+/// Compares the state of the hart at the last exception with that at this one.
+Traps::Progress Traps::progress_since_last(std::uint32_t cause) const {
+  const auto& e = execution_;
+  const auto& last = last_exception_;
+  if (repeats_ == 0) return Progress::some;
+  if (last.instructions == e.counters.instructions) return Progress::none;
+  // A handler may call another one at the same place again and again.
+  const bool is_call = cause == cause::kMachineEcall || cause == cause::kBreakpoint;
+  if (is_call || last.pc != e.pc || last.cause != cause) return Progress::some;
+  // The exception is in its own handler, which pushes a frame each time.
+  if (e.x[kStackPointer] < last.registers[kStackPointer]) return Progress::none;
+  const auto same = std::equal(last.registers.begin() + 1, last.registers.end(), e.x.begin() + 1);
+  if (!same) return Progress::some;
+  return last.accesses == e.counters.accesses ? Progress::none : Progress::unknown;
+}
+
 bool Traps::take_exception() {
   const auto cause = execution_.trap_cause;
   const auto value = execution_.trap_value;
-  const auto pc = execution_.pc;
-  // A handler may call another one at the same place again and again, as long as something retires between.
-  const bool is_call = cause == cause::kMachineEcall || cause == cause::kBreakpoint;
-  const bool nothing_retired = instructions_ == execution_.counters.instructions;
-  const bool again = repeats_ != 0 && (nothing_retired || (pc_ == pc && cause_ == cause && !is_call));
+  const auto progress = progress_since_last(cause);
   if (repeats_ == 0) fault_.first = exception_here(cause, value);
-  instructions_ = execution_.counters.instructions;
-  repeats_ = again ? repeats_ + 1 : 1;
-  pc_ = pc;
-  cause_ = cause;
-  if (repeats_ >= kHopelessRepeats) {
+  repeats_ = progress == Progress::none ? repeats_ + 1 : 1;
+  returns_ = progress == Progress::some ? 0 : returns_ + 1;
+  last_exception_ = {execution_.pc, cause, execution_.counters.instructions, execution_.counters.accesses, {}};
+  std::copy_n(execution_.x.begin(), last_exception_.registers.size(), last_exception_.registers.begin());
+  last_exception_.registers[0] = 0;
+  if (repeats_ >= kHopelessRepeats || returns_ >= kHopelessReturns) {
     fail(cause, value, true);
     return false;
   }
@@ -92,14 +110,14 @@ unsigned Traps::next_interrupt() const {
 std::uint32_t Traps::handler_of(std::uint32_t cause) const {
   const bool is_interrupt = (cause & cause::kInterrupt) != 0;
   if (csrs_.has_gap8_interrupts()) {
-    const auto vectors = csrs_.mtvec() & ~0xffU;
+    const auto vectors = csrs_.handlers() & ~0xffU;
     if (is_interrupt) return vectors + 4 * (cause & 31U);
     return vectors + (cause == cause::kIllegalInstruction ? kIllegalVector
                       : cause == cause::kMachineEcall     ? kCallVector
                                                           : kAccessVector);
   }
-  const bool is_vectored = (csrs_.mtvec() & 1U) != 0 && is_interrupt;
-  return (csrs_.mtvec() & ~3U) + (is_vectored ? 4 * (cause & 31U) : 0);
+  const bool is_vectored = (csrs_.handlers() & 1U) != 0 && is_interrupt;
+  return (csrs_.handlers() & ~3U) + (is_vectored ? 4 * (cause & 31U) : 0);
 }
 
 bool Traps::enter_handler(std::uint32_t cause, std::uint32_t value) {
@@ -117,10 +135,9 @@ bool Traps::enter_handler(std::uint32_t cause, std::uint32_t value) {
 
 void Traps::visit(state::Visitor& v) {
   v("fault", fault_);
-  v("pc", pc_);
-  v("cause", cause_);
+  v("last_exception", last_exception_);
   v("repeats", repeats_);
-  v("instructions", instructions_);
+  v("returns", returns_);
 }
 
 }  // namespace mebots::soc

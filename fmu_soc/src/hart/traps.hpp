@@ -6,6 +6,7 @@
 #include "hart/execution.hpp"
 #include "mebots/state/visitor.hpp"
 
+#include <array>
 #include <cstdint>
 
 namespace mebots::soc {
@@ -69,6 +70,31 @@ class Traps {
   void visit(state::Visitor& v);
 
  private:
+  enum class Progress : std::uint8_t {
+    none,     // the hart is where it was, or nests handlers
+    unknown,  // the registers are the same, but memory may have changed
+    some,
+  };
+
+  /// A handler may leave without mret, as one that calls longjmp. So the next exception at the same place is compared
+  /// with this one.
+  struct LastException {
+    std::uint32_t pc = 0;
+    std::uint32_t cause = 0;
+    std::uint64_t instructions = 0;  // retired before it
+    std::uint64_t accesses = 0;
+    std::array<std::uint32_t, 32> registers{};
+
+    void visit(state::Visitor& v) {
+      v("pc", pc);
+      v("cause", cause);
+      v("instructions", instructions);
+      v("accesses", accesses);
+      v("registers", registers);
+    }
+  };
+
+  Progress progress_since_last(std::uint32_t cause) const;
   Exception exception_here(std::uint32_t cause, std::uint32_t value) const;
   void fail(std::uint32_t cause, std::uint32_t value, bool double_trap);
   std::uint32_t handler_of(std::uint32_t cause) const;
@@ -77,11 +103,9 @@ class Traps {
   Csrs& csrs_;
   const BlockCache& blocks_;
   Fault fault_;
-  // The same exception again and again without a return from its handler never ends.
-  std::uint32_t pc_ = 0;
-  std::uint32_t cause_ = 0;
-  std::uint32_t repeats_ = 0;
-  std::uint64_t instructions_ = 0;  // retired before the last one
+  LastException last_exception_;
+  std::uint32_t repeats_ = 0;  // exceptions in a row without progress; 0: none since a handler returned
+  std::uint32_t returns_ = 0;  // exceptions in a row that leave the registers as they were
 };
 
 }  // namespace mebots::soc

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <new>
 
 namespace mebots::soc {
 namespace {
@@ -25,6 +26,13 @@ void for_marked(const Region& region, std::uint8_t marks, Visit visit) {
       if ((region.marks[word] & marks) != 0) visit(word);
     }
   }
+}
+
+/// calloc takes large pieces from the kernel, whose pages exist once they are written.
+ZeroedBytes zeroed(std::size_t size) {
+  auto* bytes = static_cast<std::uint8_t*>(std::calloc(size, 1));
+  if (bytes == nullptr) throw std::bad_alloc();
+  return ZeroedBytes(bytes);
 }
 
 }  // namespace
@@ -48,8 +56,8 @@ Region& Memory::add(const std::string& name, std::uint32_t base, std::uint32_t s
   region.name = name;
   region.base = base;
   region.size = size;
-  region.data = std::make_unique<std::uint8_t[]>(size);
-  region.marks = std::make_unique<std::uint8_t[]>(size / 4);
+  region.data = zeroed(size);
+  region.marks = zeroed(size / 4);
   return regions_.emplace_back(std::move(region));
 }
 
@@ -65,6 +73,15 @@ const Region* Memory::find(std::uint32_t address, std::uint32_t count) const {
     if (region.holds(address, count)) return &region;
   }
   return nullptr;
+}
+
+bool Memory::covers(std::uint32_t address, std::uint32_t count) const {
+  for (std::uint64_t at = address; at < std::uint64_t{address} + count;) {
+    const auto* region = at > 0xffffffffU ? nullptr : find(static_cast<std::uint32_t>(at), 1);
+    if (region == nullptr) return false;
+    at = std::uint64_t{region->base} + region->size;
+  }
+  return true;
 }
 
 bool Memory::read(std::uint32_t address, std::span<std::uint8_t> bytes) const {

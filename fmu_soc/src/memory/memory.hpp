@@ -6,12 +6,19 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <cstdlib>
 #include <deque>
 #include <memory>
 #include <span>
 #include <string>
 
 namespace mebots::soc {
+
+/// Bytes that are 0 at first. Pages that no access touches take no memory of the host.
+struct FreeBytes {
+  void operator()(std::uint8_t* bytes) const { std::free(bytes); }
+};
+using ZeroedBytes = std::unique_ptr<std::uint8_t[], FreeBytes>;
 
 /// One piece of RAM. Every word has a byte of marks, which tells stores that somebody must hear of them.
 struct Region {
@@ -24,8 +31,8 @@ struct Region {
   std::string name;
   std::uint32_t base = 0;
   std::uint32_t size = 0;  // bytes, a multiple of 4
-  std::unique_ptr<std::uint8_t[]> data;
-  std::unique_ptr<std::uint8_t[]> marks;
+  ZeroedBytes data;
+  ZeroedBytes marks;
 
   /// Whether `count` bytes from `address` lie inside.
   bool holds(std::uint32_t address, std::uint32_t count) const {
@@ -49,6 +56,9 @@ class Memory {
   /// Copies bytes in or out; false, with nothing done, when they are not all in one region.
   bool read(std::uint32_t address, std::span<std::uint8_t> bytes) const;
   bool write(std::uint32_t address, std::span<const std::uint8_t> bytes);
+
+  /// True if each of the `count` bytes is in some region; they may continue from one region into the next.
+  bool covers(std::uint32_t address, std::uint32_t count) const;
 
   /// Sets marks on every word that the bytes touch.
   void mark(std::uint32_t address, std::uint32_t count, std::uint8_t marks);

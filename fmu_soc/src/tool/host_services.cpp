@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tool/host_services.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cerrno>
 #include <cstdio>
@@ -240,7 +242,30 @@ HostReply HostServices::system_call(std::uint32_t number, std::span<const std::u
     case SystemCall::exit_group:
       return HostReply::exit(arguments[0]);
   }
+  report_once(
+      fmt::format("system call {} through tohost is not served and answers ENOSYS; openat (56), close (57), "
+                  "lseek (62), read (63), write (64) and exit (93, 94) are",
+                  number));
   return result(-ENOSYS);
+}
+
+/// Numbers of riscv-isa-sim's devices: fesvr/htif.cc registers the console after the system calls.
+void HostServices::device_command(unsigned device, unsigned command, std::uint64_t payload) {
+  constexpr unsigned kConsoleDevice = 1;
+  constexpr unsigned kWriteCharacter = 1;
+  if (device == kConsoleDevice && command == kWriteCharacter) {
+    const auto character = static_cast<char>(payload);
+    files_.write(1, {&character, 1});
+    return;
+  }
+  report_once(
+      fmt::format("command {} to device {} through tohost is not served; device 0 (system calls) and command 1 "
+                  "of device 1 (write a character to the console) are",
+                  command, device));
+}
+
+void HostServices::report_once(const std::string& request) {
+  if (reported_.insert(request).second) fmt::print(stderr, "mebots-soc: {}\n", request);
 }
 
 }  // namespace mebots::soc::tool

@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 
@@ -22,6 +23,7 @@ class HostServices final : public HostCalls {
 
   HostReply semihosting(std::uint32_t operation, std::uint32_t parameter) override;
   HostReply system_call(std::uint32_t number, std::span<const std::uint32_t> arguments) override;
+  void device_command(unsigned device, unsigned command, std::uint64_t payload) override;
 
  private:
   using Block = std::array<std::uint32_t, 4>;
@@ -30,6 +32,7 @@ class HostServices final : public HostCalls {
   std::optional<Block> words_at(std::uint32_t address) const;
   std::optional<std::string> text_at(std::uint32_t address, std::uint32_t length) const;
   std::optional<std::string> text_at(std::uint32_t address) const;
+  void report_once(const std::string& request);
   HostReply answer(long result);
   HostReply open(const Block& block);
   long transfer(bool is_read, int file, std::uint32_t address, std::uint32_t count);
@@ -40,7 +43,8 @@ class HostServices final : public HostCalls {
   Soc& soc_;
   HostFiles& files_;
   std::string program_;
-  int errno_ = 0;  // of the last operation that failed
+  std::set<std::string> reported_;  // requests that are not served
+  int errno_ = 0;                   // of the last operation that failed
 };
 
 }  // namespace mebots::soc::tool

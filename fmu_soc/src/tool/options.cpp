@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tool/options.hpp"
 
+#include "hart/timing.hpp"
 #include "mebots/error.hpp"
 
 #include <fmt/core.h>
@@ -42,6 +43,11 @@ void add_options(CLI::App& command, Options& options) {
       .add_option("--board", options.board,
                   "Board file, or the name of one of MEbots' own; without one: RAM around the program's segments")
       ->type_name("BOARD");
+  command
+      .add_option("--core", options.core,
+                  "Core of a run without --board: cv32e40p (default), ri5cy, or rv32imc, whose mtvec and counters "
+                  "follow the privileged specification alone")
+      ->type_name("CORE");
   command
       .add_option("--devices", options.device_folders,
                   "Folder with the libraries of devices that the board names, when they do not lie beside it")
@@ -102,6 +108,12 @@ void check(const Options& options) {
     for (const auto& file : *list) {
       if (file.path.empty()) throw Error(fmt::format("{} has an empty file name; give a path", file.option));
     }
+  }
+  if (options.core && options.board) {
+    throw Error(fmt::format("--core {}: the board names its core; leave --core out", *options.core));
+  }
+  if (options.core && !core_kind(*options.core)) {
+    throw Error(fmt::format("--core {}: there is no such core; there are cv32e40p, ri5cy and rv32imc", *options.core));
   }
   for (const auto& folder : options.device_folders) {
     std::error_code ignored;

@@ -14,6 +14,7 @@ namespace mebots::soc::tool {
 struct Options {
   std::string program;
   std::optional<std::string> board;
+  std::optional<std::string> core;
   std::vector<std::string> device_folders;
   std::optional<std::string> flash;
   std::optional<std::string> pictures;

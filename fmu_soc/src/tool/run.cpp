@@ -11,6 +11,7 @@
 #include "tool/standalone_board.hpp"
 
 #include "gap8_devices/himax.hpp"
+#include "hart/csr_names.hpp"
 #include "mebots/error.hpp"
 #include "soc.hpp"
 
@@ -129,6 +130,9 @@ std::string why_no_end(const Soc& soc, const Options& options) {
     text += ", which jumps to itself for ever: no interrupt is enabled that could end it";
     if (!soc.program().symbol("tohost")) text += "; the program has no symbol tohost to end by";
   }
+  if (const auto exception = soc.unfinished_exception_text(); !exception.empty()) {
+    text += fmt::format("; no handler has returned since {}", exception);
+  }
   return text;
 }
 
@@ -140,6 +144,24 @@ bool has_seen_all(const Soc& soc, const Options& options) {
 int exit_code(const Soc& soc, std::optional<std::uint32_t> tohost) {
   if (soc.end() == End::host) return static_cast<int>(tohost.value_or(0) >> 1 & 0xffU);
   return soc.end() == End::exited ? soc.exit_code() & 0xff : kFaultOrLimit;
+}
+
+/// Says once what the core did otherwise than the program may expect.
+void print_remarks(const Soc& soc, bool is_alone) {
+  const auto& remarks = soc.hart().csr_remarks();
+  const auto print = [](std::string_view text) {
+    fmt::print(stderr, "mebots-soc: {}; --core rv32imc is a core without this rule\n", text);
+  };
+  if (remarks.moved_mtvec) {
+    print(
+        fmt::format("notice: the program wrote 0x{:08x} to mtvec; CV32E40P clears bits 7 to 2, so that handlers need "
+                    ".balign 256{}",
+                    *remarks.moved_mtvec, is_alone ? ". Without a board, traps entered the address written" : ""));
+  }
+  if (remarks.read_stopped_counter) {
+    print(fmt::format("notice: the program read {}, which CV32E40P stops at reset: clear mcountinhibit first",
+                      csr::name(*remarks.read_stopped_counter)));
+  }
 }
 
 observe::Requests requests_of(const Options& options) {
@@ -166,9 +188,11 @@ int run(const Options& options) {
     board = board_around(program);
     chip.timing.kind = CoreKind::cv32e40p;
   }
+  if (options.core) board.core = *options.core;
   require_own_chip(options.program, board);
   Settings settings;
   settings.translate = !options.interpret;
+  settings.keeps_written_mtvec = !options.board;
   for (const auto& folder : options.device_folders) settings.library_folders.emplace_back(folder);
   if (options.flash) {
     settings.flash = read_flash(*options.flash);
@@ -205,6 +229,7 @@ int run(const Options& options) {
   print_report(soc, host_s, tohost);
   const bool is_told = soc.end() == End::host || soc.end() == End::exited || soc.end() == End::faulted;
   if (code == kFaultOrLimit && !is_told) fmt::print(stderr, "mebots-soc: {}\n", why_no_end(soc, options));
+  print_remarks(soc, !options.board);
   session.finish(code);
   if (signature) signature->write(soc);
   return code;

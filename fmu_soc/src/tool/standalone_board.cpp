@@ -7,39 +7,77 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <limits>
+#include <string>
+#include <vector>
 
 namespace mebots::soc::tool {
 namespace {
 
 constexpr std::uint64_t kPage = 4096;
 constexpr std::uint64_t kMiB = 1U << 20;
+/// Ranges that lie farther apart get a memory each: flash and RAM of a chip, with nothing between.
+constexpr std::uint64_t kFar = 64 * kMiB;
 constexpr std::uint64_t kMost = 2048 * kMiB;
+constexpr std::uint64_t kAddressSpace = std::uint64_t{1} << 32;
+
+struct Range {
+  std::uint64_t begin = 0;
+  std::uint64_t end = 0;
+};
+
+/// Address ranges of the program's segments: load addresses and run addresses.
+std::vector<Range> ranges_of(const Elf& program) {
+  std::vector<Range> ranges;
+  for (const auto& segment : program.segments()) {
+    const std::uint64_t load = segment.load_address;
+    const std::uint64_t run = segment.run_address;
+    if (!segment.bytes.empty()) ranges.push_back({load, load + segment.bytes.size()});
+    ranges.push_back({run, run + segment.size});
+  }
+  std::ranges::sort(ranges, {}, &Range::begin);
+  return ranges;
+}
+
+/// Ranges that are near each other as one.
+std::vector<Range> merged(const std::vector<Range>& ranges) {
+  std::vector<Range> groups;
+  for (const auto& range : ranges) {
+    if (groups.empty() || range.begin > groups.back().end + kFar) {
+      groups.push_back(range);
+    } else {
+      groups.back().end = std::max(groups.back().end, range.end);
+    }
+  }
+  return groups;
+}
+
+/// Rounds a range to pages and adds space after the program for its heap and stack.
+Range with_room(const Range& range) {
+  const auto begin = range.begin / kPage * kPage;
+  const auto end = std::max(begin + 4 * kMiB, (range.end + kMiB + kPage - 1) / kPage * kPage);
+  return {begin, std::min(end, kAddressSpace)};
+}
 
 }  // namespace
 
 BoardDescription board_around(const Elf& program) {
-  std::uint64_t lowest = std::numeric_limits<std::uint32_t>::max();
-  std::uint64_t highest = 0;
-  for (const auto& segment : program.segments()) {
-    lowest = std::min<std::uint64_t>(lowest, segment.address);
-    highest = std::max<std::uint64_t>(highest, std::uint64_t{segment.address} + segment.size);
-  }
-  const auto base = lowest / kPage * kPage;
-  auto end = std::max(base + 4 * kMiB, (highest + kMiB + kPage - 1) / kPage * kPage);
-  end = std::min<std::uint64_t>(end, std::uint64_t{1} << 32);
-  if (end - base > kMost) {
-    throw Error(fmt::format("{}: its segments span {} MiB, more than {}: name a board", program.origin(),
-                            (end - base) / kMiB, kMost / kMiB));
-  }
   BoardDescription board;
   board.name = "none";
-  BoardMemory ram;
-  ram.name = "ram";
-  ram.base = static_cast<std::uint32_t>(base);
-  ram.size = static_cast<std::uint32_t>(end - base);
-  ram.leaks = false;  // it is nobody's chip
-  board.memories.push_back(ram);
+  std::uint64_t total = 0;
+  for (const auto& group : merged(ranges_of(program))) {
+    const auto range = with_room(group);
+    BoardMemory ram;
+    ram.name = fmt::format("ram{}", board.memories.empty() ? "" : std::to_string(board.memories.size() + 1));
+    ram.base = static_cast<std::uint32_t>(range.begin);
+    ram.size = static_cast<std::uint32_t>(std::min(range.end - range.begin, kMost));
+    ram.leaks = false;  // it is nobody's chip
+    board.memories.push_back(ram);
+    total += range.end - range.begin;
+  }
+  if (total > kMost) {
+    throw Error(fmt::format("{}: its segments take {} MiB, more than {}: name a board", program.origin(), total / kMiB,
+                            kMost / kMiB));
+  }
   return board;
 }
 

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "isa/encoding.hpp"
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+/// Instructions of RISC-V extensions that the core lacks, for messages.
+namespace mebots::soc {
+
+/// An instruction, or the group that it belongs to, and its extension.
+struct ForeignInstruction {
+  std::string_view name;       // "amoadd.w", "a load of a float"; empty: unknown
+  std::string_view extension;  // "A", "RV64I"
+};
+
+/// Returns the instruction that a word is in other RISC-V cores; its name is empty if no ratified extension has one.
+/// Source: The RISC-V Instruction Set Manual, volumes I and II, 20240411, chapters of each extension.
+ForeignInstruction foreign_instruction(std::uint32_t word);
+
+/// Returns a text that names an illegal instruction and how to avoid it; empty if it is unknown. `has`: extensions of
+/// the core. `architecture`: that of the program, from Elf::architecture(), or empty.
+std::string advice_for_illegal(std::uint32_t word, Extension has, std::string_view architecture);
+
+}  // namespace mebots::soc
