@@ -23,6 +23,7 @@ class Author : RandomText {
 _start: la sp, stack_top
     la s0, data
     la s1, 0x70000000
+    csrwi mcountinhibit, 0
     la t0, handler
     csrw mtvec, t0
     li t0, 0x880
@@ -36,7 +37,7 @@ _start: la sp, stack_top
     text += kEnd;
     for (int i = 0; i < kFunctions; ++i) text += fmt::format("f{}:\n{}    ret\n", i, items(8, 0));
     text += R"(
-    .balign 4
+    .balign 256
 handler: csrw mscratch, t0
     csrr t0, mcause
     bltz t0, 1f

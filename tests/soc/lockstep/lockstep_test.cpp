@@ -33,7 +33,7 @@ std::uint64_t wanted_instructions() {
 class Platform : public Bus {
  public:
   explicit Platform(std::span<const std::uint8_t> ram)
-      : memory_(make_memory()), code_(memory_, {.timing = {CoreKind::cv32e40p}}), hart_(memory_, *this, code_) {
+      : memory_(make_memory()), code_(memory_, {.timing = {CoreKind::rv32imc}}), hart_(memory_, *this, code_) {
     memory_.write(Layout::kCode, ram);
     memory_.mark(Layout::kTohost, 4, Region::kWatch);
     hart_.reset(Layout::kCode);
