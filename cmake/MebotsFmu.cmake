@@ -68,7 +68,9 @@ function(mebots_add_fmu name)
   target_link_options(${name} PRIVATE -Wl,--version-script=${version_script} -Wl,--disable-new-dtags)
   set_target_properties(${name} PROPERTIES LINK_DEPENDS ${version_script})
   if(NOT MEBOTS_SANITIZE)
-    target_link_options(${name} PRIVATE -static-libstdc++ -static-libgcc -Wl,-z,defs)
+    # Leaves out unused code, such as the C++ library's functions that change the process: a library that imports none
+    # of them can run several missions of a study in one process.
+    target_link_options(${name} PRIVATE -static-libstdc++ -static-libgcc -Wl,-z,defs -Wl,--gc-sections)
   endif()
 
   set(archive ${MEBOTS_FMU_DIR}/${name}.fmu)

@@ -47,7 +47,7 @@ std::int32_t read_signed_word(const Node& node) {
 }
 
 BoardRegister read_register(const Node& node, std::set<std::string>& names) {
-  static const auto access = data::word_of<std::string>({{"r", "r"}, {"w", "w"}, {"rw", "rw"}});
+  const auto access = data::word_of<std::string>({{"r", "r"}, {"w", "w"}, {"rw", "rw"}});
   Object object(node);
   BoardRegister entry;
   object.read("name", entry.name, new_name(names));
@@ -300,10 +300,9 @@ double start_of(const Node& node) {
 }
 
 BoardVariable read_variable(const Node& node, bool described) {
-  static const auto causality =
-      data::word_of<BoardVariable::Causality>({{"parameter", BoardVariable::Causality::parameter},
-                                               {"input", BoardVariable::Causality::input},
-                                               {"output", BoardVariable::Causality::output}});
+  const auto causality = data::word_of<BoardVariable::Causality>({{"parameter", BoardVariable::Causality::parameter},
+                                                                  {"input", BoardVariable::Causality::input},
+                                                                  {"output", BoardVariable::Causality::output}});
   BoardVariable variable;
   variable.name = node.at("name").text();
   variable.causality = causality(node.at("causality"));

@@ -22,10 +22,8 @@ namespace {
 using data::Node;
 using data::Object;
 
-const auto& read_place() {
-  static const auto place =
-      data::word_of<Place>({{"fabric_controller", Place::fabric_controller}, {"cluster", Place::cluster}});
-  return place;
+auto read_place() {
+  return data::word_of<Place>({{"fabric_controller", Place::fabric_controller}, {"cluster", Place::cluster}});
 }
 
 constexpr std::uint32_t kMostWayCycles = 1000;
@@ -256,9 +254,9 @@ std::string read_file_name(const Node& node) {
 }
 
 BoardDescription read_root(const Node& root) {
-  static const auto chip = data::word_of<std::string>({{"gap8", "gap8"}});
-  static const auto energy = data::word_of<std::string>({{"gap8", "gap8"}, {"gap8_silicon", "gap8_silicon"}});
-  static const auto core =
+  const auto chip = data::word_of<std::string>({{"gap8", "gap8"}});
+  const auto energy = data::word_of<std::string>({{"gap8", "gap8"}, {"gap8_silicon", "gap8_silicon"}});
+  const auto core =
       data::word_of<std::string>({{"ri5cy", "ri5cy"}, {"cv32e40p", "cv32e40p"}, {"rv32imc", "rv32imc"}});
   Object object(root);
   BoardDescription board;

@@ -178,13 +178,17 @@ const Chip& gap8() {
   return chip;
 }
 
-const Chip& chip_of(const BoardDescription& board) {
-  if (board.energy == "gap8") return gap8();
-  MEBOTS_ASSERT(board.energy == "gap8_silicon", "the reader of boards knows no other");
+const Chip& gap8_silicon() {
   static const Chip silicon = data::Document(kGap8SiliconJson, "gap8_silicon.json").read([](const data::Node& node) {
     return read_energy_model(node, gap8());
   });
   return silicon;
+}
+
+const Chip& chip_of(const BoardDescription& board) {
+  if (board.energy == "gap8") return gap8();
+  MEBOTS_ASSERT(board.energy == "gap8_silicon", "the reader of boards knows no other");
+  return gap8_silicon();
 }
 
 }  // namespace mebots::soc

@@ -57,6 +57,8 @@ Chip parse_chip(const std::string& json_text, const std::string& name);
 
 /// The chip of the AI-deck, from the data built into this library.
 const Chip& gap8();
+/// GAP8 with energies that were calibrated on measured currents.
+const Chip& gap8_silicon();
 /// The chip with the energies that the board names: gap8()'s own, or gap8_silicon's, which were calibrated on currents
 /// of a GAPuino.
 const Chip& chip_of(const BoardDescription& board);

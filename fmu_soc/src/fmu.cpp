@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "chip.hpp"
 #include "fmu_soc/binding.hpp"
 #include "mebots/fmu/model.hpp"
 #include "model.hpp"
@@ -32,3 +33,11 @@ std::unique_ptr<fmu::Model> make_model(Variables& variables, fmu::Host& host, st
 }
 
 }  // namespace mebots::soc
+
+void mebots::fmu::prepare_shared_tables() {
+  static_cast<void>(soc::gap8());
+  static_cast<void>(soc::gap8_silicon());
+}
+
+/// Static memory holds the tables of chips and instructions, which are never written after they were built.
+extern "C" [[gnu::visibility("default")]] const char mebots_keeps_no_state_outside_instances = 1;

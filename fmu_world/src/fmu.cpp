@@ -36,3 +36,6 @@ std::unique_ptr<fmu::Model> make_model(Variables& variables, fmu::Host& host, st
 }
 
 }  // namespace mebots::world
+
+/// Static memory holds constants, the tiles of living worlds, and what ODE needs while one lives.
+extern "C" [[gnu::visibility("default")]] const char mebots_keeps_no_state_outside_instances = 1;

@@ -23,6 +23,8 @@ constexpr double kOnGround_m = 0.01;
 /// Deepest overlap with anything that a start may have.
 constexpr double kStartOverlap_m = 0.001;
 
+const std::string kGround = "the ground";
+
 /// `name` and `part` together are the variable's name, put together only when needed.
 void require_finite(double value, std::string_view name, std::string_view part = "") {
   if (!std::isfinite(value)) throw Error(fmt::format("{}{} = {} must be a finite number", name, part, value));
@@ -164,7 +166,6 @@ World::World(scene::Scene scene, const Parameters& parameters, const Inputs& inp
 }
 
 const std::string& World::name_of(const Touch& touch) const {
-  static const std::string ground = "the ground";
   MEBOTS_ASSERT(touch.what != Touch::What::gate || touch.index < scene_.gates.size());
   MEBOTS_ASSERT(touch.what != Touch::What::obstacle || touch.index < obstacle_names_.size());
   switch (touch.what) {
@@ -175,7 +176,7 @@ const std::string& World::name_of(const Touch& touch) const {
     case Touch::What::ground:
       break;
   }
-  return ground;
+  return kGround;
 }
 
 void World::check_start(std::int64_t start_ns) {

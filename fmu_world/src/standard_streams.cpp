@@ -1,8 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the archives that are linked in call stdout and stderr, see fmu_world/CMakeLists.txt.
+// The archives that are linked in call these in place of names of the C library, see fmu_world/CMakeLists.txt.
 #include <cstdio>
+#include <cstdlib>
 
 extern "C" {
 std::FILE* mebots_stdout = stdout;
 std::FILE* mebots_stderr = stderr;
+
+int mebots_rand() {
+  std::abort();
+}
+void mebots_srand(unsigned /*seed*/) {
+  std::abort();
+}
 }

@@ -9,6 +9,7 @@
 
 #include <cstring>
 #include <exception>
+#include <locale>
 #include <memory>
 #include <new>
 
@@ -77,13 +78,27 @@ void hand_out(SavedState saved, fmi2FMUstate& handle) {
     *static_cast<SavedState*>(handle) = std::move(saved);
 }
 
+/// Builds what instances share: the C++ library's facets, and the FMU's own tables.
+bool prepare() noexcept {
+  static_cast<void>(std::locale::classic());
+  void (*const prepare_tables)() = &mebots::fmu::prepare_shared_tables;
+  try {
+    if (prepare_tables != nullptr) prepare_tables();
+  } catch (...) {  // NOLINT(bugprone-empty-catch): the first instance builds them again and reports it
+  }
+  return true;
+}
+
 [[noreturn]] void not_offered(std::string_view flag) {
   throw Error(fmt::format("this FMU does not offer it: modelDescription.xml says {}", flag));
 }
 
 }  // namespace
 
+/// Every tool calls it after loading the library, before the first instance.
 const char* fmi2GetTypesPlatform() {
+  static const bool prepared = prepare();
+  static_cast<void>(prepared);
   return "default";
 }
 

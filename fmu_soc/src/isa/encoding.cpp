@@ -112,6 +112,8 @@ class Index {
   std::array<std::vector<const Encoding*>, 32> compressed_;
 };
 
+const Index kIndex;
+
 }  // namespace
 
 std::span<const Encoding> encodings() {
@@ -139,13 +141,12 @@ bool is_reserved(const Encoding& encoding, std::uint32_t word) {
 }
 
 Decoded decode(std::uint32_t word, Extension most) {
-  static const Index index;
   Decoded decoded;
   if (is_compressed(word)) {
     word &= 0xffffU;
     decoded.length = 2;
   }
-  for (const auto* encoding : index.candidates(word)) {
+  for (const auto* encoding : kIndex.candidates(word)) {
     if ((word & encoding->mask) != encoding->match || encoding->extension > most) continue;
     if (is_reserved(*encoding, word)) continue;
     const auto& format = row_of(encoding->format);

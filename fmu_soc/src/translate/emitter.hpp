@@ -21,7 +21,14 @@
 #include <utility>
 #include <vector>
 
+namespace Xbyak::util {
+class Cpu;
+}
+
 namespace mebots::soc::translate {
+
+/// The features of the host's processor. Read when the library is loaded: in a virtual machine each query is slow.
+const Xbyak::util::Cpu& host_processor();
 
 /// Offset of a guest register from Execution.
 constexpr int offset_of_register(unsigned reg) {

@@ -16,7 +16,7 @@ bool on_bytes(Op op) {
 /// How the host does a dot product of unsigned by signed bytes in one instruction, if it can.
 std::optional<Xbyak::PreferredEncoding> host_dot_product() {
   using Xbyak::util::Cpu;
-  static const Cpu cpu;
+  const Cpu& cpu = host_processor();
   if (cpu.has(Cpu::tAVX_VNNI)) return Xbyak::VexEncoding;
   if (cpu.has(Cpu::tAVX512_VNNI) && cpu.has(Cpu::tAVX512VL)) return Xbyak::EvexEncoding;
   return std::nullopt;

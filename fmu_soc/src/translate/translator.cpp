@@ -17,6 +17,8 @@ namespace {
 constexpr std::size_t kMostRegionBytes = std::size_t{256} << 10;
 constexpr std::size_t kMostRegionPatchPoints = 4096;
 
+const Xbyak::util::Cpu kProcessor;
+
 class HostTranslator : public Translator {
  public:
   HostTranslator(const BlockCache& blocks, const Execution& execution, const Options& options,
@@ -197,14 +199,15 @@ class HostTranslator : public Translator {
 
 }  // namespace
 
+const Xbyak::util::Cpu& host_processor() {
+  return kProcessor;
+}
+
 bool can_translate() {
-  static const bool can = [] {  // a virtual machine's host answers each question
-    using Xbyak::util::Cpu;
-    const Cpu cpu;
-    return cpu.has(Cpu::tBMI1) && cpu.has(Cpu::tBMI2) && cpu.has(Cpu::tLZCNT) && cpu.has(Cpu::tSSE41) &&
-           cpu.has(Cpu::tPOPCNT);
-  }();
-  return can;
+  using Xbyak::util::Cpu;
+  const Cpu& cpu = host_processor();
+  return cpu.has(Cpu::tBMI1) && cpu.has(Cpu::tBMI2) && cpu.has(Cpu::tLZCNT) && cpu.has(Cpu::tSSE41) &&
+         cpu.has(Cpu::tPOPCNT);
 }
 
 std::unique_ptr<Translator> make_translator(const BlockCache& blocks, const Execution& execution,

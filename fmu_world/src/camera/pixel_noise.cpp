@@ -42,16 +42,19 @@ struct Quantiles {
   }
 };
 
+/// The same for all worlds of the process. Computed when the library is loaded: a library whose memory is as it was
+/// then can run the next mission without being loaded again.
+const Quantiles kQuantiles;
+
 }  // namespace
 
 PixelNoise::PixelNoise(double standard_deviation) : standard_deviation_(standard_deviation), samples_(kSamples) {
   if (!(standard_deviation >= 0.0) || !std::isfinite(standard_deviation)) {
     throw Error(fmt::format("camera noise: standard deviation {} must be a finite number >= 0", standard_deviation));
   }
-  static const Quantiles quantiles;  // the same for all worlds of the process
-  const double scale = standard_deviation / std::sqrt(quantiles.square_sum / kSamples);
+  const double scale = standard_deviation / std::sqrt(kQuantiles.square_sum / kSamples);
   for (int i = 0; i < kSamples / 2; ++i) {
-    samples_[i] = static_cast<float>(scale * quantiles.upper[i]);
+    samples_[i] = static_cast<float>(scale * kQuantiles.upper[i]);
     samples_[kSamples - 1 - i] = -samples_[i];
   }
 }

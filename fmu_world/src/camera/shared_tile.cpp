@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "camera/tile.hpp"
 
-#include <cstddef>
-#include <deque>
+#include <memory>
 #include <mutex>
 #include <utility>
 #include <vector>
@@ -10,50 +9,47 @@
 namespace mebots::world::camera {
 namespace {
 
-/// Tiles in use, and those that were asked for last: drawing them takes most of a world's start, and the next world of
-/// the process often wants the same. They never change, so whoever shares one sees what it would have drawn itself.
+/// The tiles in use. Drawing them takes most of a world's start. They never change, so all worlds can share them.
 class Tiles {
  public:
   std::shared_ptr<const Tile> get(const scene::Texture& texture) {
+    if (auto tile = find(texture)) return tile;
+    std::shared_ptr<const Tile> tile(std::make_unique<const Tile>(make_tile(texture)).release(),
+                                     [this](const Tile* gone) {
+                                       remove_unused();
+                                       std::default_delete<const Tile>()(gone);
+                                     });
     const std::lock_guard lock(mutex_);
-    std::erase_if(known_, [](const auto& entry) { return entry.second.expired(); });
-    auto tile = find(texture);
-    if (!tile) {
-      tile = std::make_shared<const Tile>(make_tile(texture));
-      known_.emplace_back(texture, tile);
-    }
-    keep(tile);
+    used_.emplace_back(texture, tile);
     return tile;
   }
 
  private:
-  std::shared_ptr<const Tile> find(const scene::Texture& texture) const {
-    for (const auto& [known, tile] : known_) {
-      if (known == texture) return tile.lock();
+  std::shared_ptr<const Tile> find(const scene::Texture& texture) {
+    const std::lock_guard lock(mutex_);
+    for (const auto& [known, tile] : used_) {
+      if (known != texture) continue;
+      if (auto found = tile.lock()) return found;
     }
     return nullptr;
   }
 
-  /// The last one at the back.
-  void keep(const std::shared_ptr<const Tile>& tile) {
-    if (std::erase(kept_, tile) == 0) kept_bytes_ += tile->ripmap.bytes();
-    kept_.push_back(tile);
-    while (kept_bytes_ > kMostKeptTileBytes) {
-      kept_bytes_ -= kept_.front()->ripmap.bytes();
-      kept_.pop_front();
-    }
+  /// Releases all memory with the last tile: the library is then as it was when it was loaded.
+  void remove_unused() {
+    const std::lock_guard lock(mutex_);
+    std::erase_if(used_, [](const auto& entry) { return entry.second.expired(); });
+    if (used_.empty()) used_ = decltype(used_)();
   }
 
   std::mutex mutex_;
-  std::vector<std::pair<scene::Texture, std::weak_ptr<const Tile>>> known_;
-  std::deque<std::shared_ptr<const Tile>> kept_;
-  std::size_t kept_bytes_ = 0;
+  std::vector<std::pair<scene::Texture, std::weak_ptr<const Tile>>> used_;
 };
+
+Tiles tiles;
 
 }  // namespace
 
 std::shared_ptr<const Tile> shared_tile(const scene::Texture& texture) {
-  static Tiles tiles;
   return tiles.get(texture);
 }
 

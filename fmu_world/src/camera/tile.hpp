@@ -4,7 +4,6 @@
 #include "camera/ripmap.hpp"
 #include "scene/scene.hpp"
 
-#include <cstddef>
 #include <memory>
 
 namespace mebots::world::camera {
@@ -19,11 +18,7 @@ struct Tile {
 /// Draws the tile of a scene's texture. The surface's first axis is u, its second one v.
 Tile make_tile(const scene::Texture& texture);
 
-/// Tiles that no world uses any more are kept up to this size, those that were asked for last.
-inline constexpr std::size_t kMostKeptTileBytes = std::size_t{16} << 20;
-
-/// The same, drawn once for all worlds of the process that use it at the time, and for those after them while it is
-/// kept.
+/// The same, drawn once for all worlds of the process that use it at the time.
 std::shared_ptr<const Tile> shared_tile(const scene::Texture& texture);
 
 }  // namespace mebots::world::camera

@@ -22,21 +22,32 @@ namespace {
 constexpr int kMaxContactsPerPair = 8;   // two boxes meet in at most eight points
 constexpr int kMaxContactsPerMesh = 24;  // a box and triangles may meet in more
 
-/// ODE's tables for the whole process. ODE counts who asked for them, since another library may use it too; ours are
-/// given back when this library is unloaded.
+std::mutex ode_tables;
+
+/// ODE's tables for the whole process. ODE counts its users and gives back its memory after the last one.
 class OdeTables {
  public:
-  OdeTables() { dInitODE2(0); }
-  ~OdeTables() { dCloseODE(); }
+  OdeTables() {
+    const std::lock_guard lock(ode_tables);
+    dInitODE2(0);
+  }
+  ~OdeTables() {
+    const std::lock_guard lock(ode_tables);
+    dCloseODE();
+  }
   OdeTables(const OdeTables&) = delete;
   OdeTables& operator=(const OdeTables&) = delete;
 };
 
-void start_ode() {
-  static const OdeTables tables;
-  // Each thread that steps needs its own record; harmless when it has one.
-  thread_local const bool ready = dAllocateODEDataForThread(dAllocateMaskAll) != 0;
-  if (!ready) throw Error("ODE has no memory for a thread's data");
+/// Fills the tables once when the library is loaded. They keep their values when ODE is closed.
+[[maybe_unused]] const bool kTablesFilled = [] {
+  const OdeTables tables;
+  return true;
+}();
+
+/// Each thread that steps needs its own record. No effect if it has one.
+void prepare_thread() {
+  if (dAllocateODEDataForThread(dAllocateMaskAll) == 0) throw Error("ODE has no memory for a thread's data");
 }
 
 dQuaternion& to_ode(const Eigen::Quaterniond& q, dQuaternion& target) {
@@ -82,7 +93,7 @@ std::mutex mesh_collisions;
 class RigidWorld::Impl {
  public:
   explicit Impl(const scene::Scene& scene) : contact_(scene.contact) {
-    start_ode();
+    prepare_thread();
     world_ = dWorldCreate();
     // The default of all worlds is one list of jobs that two threads must not share.
     threading_ = dThreadingAllocateSelfThreadedImplementation();
@@ -129,7 +140,7 @@ class RigidWorld::Impl {
 
   const std::vector<Touch>& step(RigidState& state, const Eigen::Vector3d& force_W, const Eigen::Vector3d& torque_B,
                                  double dt_s, std::int64_t time_ns) {
-    start_ode();
+    prepare_thread();
     if (!state.is_finite() || !force_W.allFinite() || !torque_B.allFinite()) {
       throw Error("the drone's state or the forces on it are not finite: no step is possible from here");
     }
@@ -158,7 +169,7 @@ class RigidWorld::Impl {
   }
 
   const std::vector<Touch>& touches_at(const RigidState& state, std::int64_t time_ns) {
-    start_ode();
+    prepare_thread();
     load(state, time_ns);
     collide(state);
     dJointGroupEmpty(joints_);
@@ -295,6 +306,7 @@ class RigidWorld::Impl {
     dJointAttach(dJointCreateContact(world_, joints_, &contact), body_, obstacle.body);
   }
 
+  OdeTables tables_;  // before all else of ODE
   scene::Contact contact_;
   dWorldID world_ = nullptr;
   dThreadingImplementationID threading_ = nullptr;

@@ -47,12 +47,12 @@ void read_picture(Object& object, Texture& texture, const File& folder) {
 
 auto texture_in(const File& folder) {
   return [folder](const Node& node) {
-    static const auto kind = data::word_of<Texture::Kind>({{"uniform", Texture::Kind::uniform},
-                                                           {"checker", Texture::Kind::checker},
-                                                           {"stripes", Texture::Kind::stripes},
-                                                           {"noise", Texture::Kind::noise},
-                                                           {"bricks", Texture::Kind::bricks},
-                                                           {"picture", Texture::Kind::picture}});
+    const auto kind = data::word_of<Texture::Kind>({{"uniform", Texture::Kind::uniform},
+                                                    {"checker", Texture::Kind::checker},
+                                                    {"stripes", Texture::Kind::stripes},
+                                                    {"noise", Texture::Kind::noise},
+                                                    {"bricks", Texture::Kind::bricks},
+                                                    {"picture", Texture::Kind::picture}});
     Object object(node);
     Texture texture;
     texture.light = 255.0;
@@ -263,10 +263,10 @@ auto edge_of(Gate::Shape shape) {
 }
 
 void read_gate_size(Object& object, Gate& gate) {
-  static const auto shape = data::word_of<Gate::Shape>({{"square", Gate::Shape::square},
-                                                        {"rectangle", Gate::Shape::rectangle},
-                                                        {"circle", Gate::Shape::circle},
-                                                        {"polygon", Gate::Shape::polygon}});
+  const auto shape = data::word_of<Gate::Shape>({{"square", Gate::Shape::square},
+                                                 {"rectangle", Gate::Shape::rectangle},
+                                                 {"circle", Gate::Shape::circle},
+                                                 {"polygon", Gate::Shape::polygon}});
   object.read_if("shape", gate.shape, shape);
   if (gate.shape == Gate::Shape::polygon) object.read("sides", gate.sides, data::whole_number(3, 64));
   Eigen::Vector2d inner_m{gate.inner_m, gate.inner_m};

@@ -146,28 +146,17 @@ TEST(CameraTexture, IsDrawnOnceForAllWorldsThatUseIt) {
   EXPECT_EQ(shared_tile(texture)->ripmap.texel(0, 0, 100, 37), make_tile(texture).ripmap.texel(0, 0, 100, 37));
 }
 
-TEST(CameraTexture, IsThereStillForTheNextWorldUntilManyOthersWereDrawn) {
+TEST(CameraTexture, IsGoneWithTheLastWorldThatUsesIt) {
   auto texture = testing::patterned(scene::Texture::Kind::noise, 200.0, 40.0, 0.5);
-  const std::weak_ptr<const Tile> first = shared_tile(texture);
-  EXPECT_FALSE(first.expired());
-  EXPECT_EQ(shared_tile(texture), first.lock());
-  const auto tile_bytes = first.lock()->ripmap.bytes();
-  for (std::size_t drawn = 0; drawn <= kMostKeptTileBytes; drawn += tile_bytes) {
-    ++texture.seed;
-    shared_tile(texture);
-  }
-  EXPECT_TRUE(first.expired()) << "memory stays bounded";
-}
-
-TEST(CameraTexture, InUseIsSharedHoweverManyOthersWereDrawn) {
-  auto texture = testing::patterned(scene::Texture::Kind::noise, 200.0, 40.0, 0.5);
-  const auto first = shared_tile(texture);
-  auto other = texture;
-  for (std::size_t drawn = 0; drawn <= kMostKeptTileBytes; drawn += first->ripmap.bytes()) {
-    ++other.seed;
-    shared_tile(other);
-  }
-  EXPECT_EQ(shared_tile(texture), first);
+  auto first = shared_tile(texture);
+  const auto second = shared_tile(texture);
+  const std::weak_ptr<const Tile> seen = first;
+  first.reset();
+  EXPECT_EQ(shared_tile(texture), second);
+  ++texture.seed;
+  const std::weak_ptr<const Tile> other = shared_tile(texture);
+  EXPECT_TRUE(other.expired());
+  EXPECT_FALSE(seen.expired());
 }
 
 }  // namespace

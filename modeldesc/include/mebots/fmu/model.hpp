@@ -38,4 +38,9 @@ class Model {
   virtual std::string on_demand_text(std::string_view /*name*/) const { return {}; }
 };
 
+/// Builds the tables that all instances of the FMU share. An FMU that has none does not define it. The shell calls it
+/// before the first instance: a library whose memory is after a mission as it was before the first instance can run
+/// the next mission of a study in the same process.
+[[gnu::weak]] void prepare_shared_tables();
+
 }  // namespace mebots::fmu
