@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <cerrno>
 #include <cstdlib>
@@ -13,7 +14,9 @@
 
 namespace mebots::modeldesc {
 
-TemporaryFolder::TemporaryFolder(std::string_view prefix, const std::filesystem::path& parent) {
+TemporaryFolder::TemporaryFolder() : owner_(getpid()) {}
+
+TemporaryFolder::TemporaryFolder(std::string_view prefix, const std::filesystem::path& parent) : TemporaryFolder() {
   std::error_code error;
   const std::filesystem::path base = parent.empty() ? std::filesystem::temp_directory_path(error) : parent;
   if (error)
@@ -39,18 +42,20 @@ TemporaryFolder::~TemporaryFolder() {
   remove();
 }
 
-TemporaryFolder::TemporaryFolder(TemporaryFolder&& other) noexcept : path_(std::exchange(other.path_, {})) {}
+TemporaryFolder::TemporaryFolder(TemporaryFolder&& other) noexcept
+    : path_(std::exchange(other.path_, {})), owner_(other.owner_) {}
 
 TemporaryFolder& TemporaryFolder::operator=(TemporaryFolder&& other) noexcept {
   if (this != &other) {
     remove();
     path_ = std::exchange(other.path_, {});
+    owner_ = other.owner_;
   }
   return *this;
 }
 
 void TemporaryFolder::remove() noexcept {
-  if (path_.empty()) return;
+  if (path_.empty() || getpid() != owner_) return;
   std::error_code ignored;  // a leftover in the folder for temporary files harms nobody
   std::filesystem::remove_all(path_, ignored);
 }

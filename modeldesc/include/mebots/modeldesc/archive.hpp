@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <sys/types.h>
+
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -53,9 +55,10 @@ class TemporaryFolder {
   const std::filesystem::path& path() const { return path_; }
 
  private:
-  TemporaryFolder() = default;
+  TemporaryFolder();
   void remove() noexcept;
   std::filesystem::path path_;
+  pid_t owner_;  // a fork of the process leaves the folder alone
 };
 
 }  // namespace mebots::modeldesc
