@@ -256,8 +256,7 @@ std::string read_file_name(const Node& node) {
 BoardDescription read_root(const Node& root) {
   const auto chip = data::word_of<std::string>({{"gap8", "gap8"}});
   const auto energy = data::word_of<std::string>({{"gap8", "gap8"}, {"gap8_silicon", "gap8_silicon"}});
-  const auto core =
-      data::word_of<std::string>({{"ri5cy", "ri5cy"}, {"cv32e40p", "cv32e40p"}, {"rv32imc", "rv32imc"}});
+  const auto core = data::word_of<std::string>({{"ri5cy", "ri5cy"}, {"cv32e40p", "cv32e40p"}, {"rv32imc", "rv32imc"}});
   Object object(root);
   BoardDescription board;
   std::set<std::string> names;

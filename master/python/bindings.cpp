@@ -182,6 +182,14 @@ PYBIND11_MODULE(_mebots, module) {
              const auto state = mission.save_state();
              return py::bytes(reinterpret_cast<const char*>(state.data()), state.size());
            })
+      .def("load", &Mission::load)
+      .def("free_instances",
+           [](Mission& mission) {
+             py::list leftovers;
+             for (const auto& one : mission.free_instances())
+               leftovers.append(py::make_tuple(one.text, one.in_process));
+             return leftovers;
+           })
       .def("reset", &Mission::reset)
       .def("close", &Mission::close, py::call_guard<py::gil_scoped_release>())
       .def("interrupt", &Mission::interrupt)

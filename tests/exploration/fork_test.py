@@ -15,7 +15,7 @@ from mebots.exploration import pasts
 from mebots.exploration.missions import Missions
 from mebots.exploration.study import read_study
 from mebots.exploration.worker import Worker
-from support import BUILD, SOURCE, StudyCase
+from support import BUILD, SOURCE, STEADY, StudyCase
 
 
 def result(mission):
@@ -25,6 +25,8 @@ def result(mission):
 
 
 class SavedState(StudyCase):
+    FMU = STEADY
+
     def straight(self, writes):
         """The mission with values written at 0.5 s."""
         mission = mebots.Mission(self.folder / "mission.json", record=["a.*"])
@@ -116,6 +118,7 @@ class SavedState(StudyCase):
 
 
 class Forks(StudyCase):
+    FMU = STEADY
     FORK = {"at": 0.5, "variables": ["a.real_in"]}
 
     def test_a_row_holds_what_a_mission_gives_to_which_its_values_are_written_on_the_way(self):

@@ -12,7 +12,7 @@ import unittest
 
 import mebots
 from mebots.exploration.splitting import MOST_LEVELS, next_level
-from support import BUILD, MEBOTS, PROBE, StudyCase
+from support import BUILD, MEBOTS, STEADY, StudyCase
 
 STEPS = 100
 HEIGHT = 39
@@ -165,7 +165,7 @@ class RareEvents(WalkCase):
 
     def test_after_too_many_failures_it_ends_without_an_answer(self):
         config = json.loads((self.folder / "mission.json").read_text())
-        config["instances"]["bad"] = {"fmu": PROBE, "parameters": {"fault": "fatal", "fault_time": 3}}
+        config["instances"]["bad"] = {"fmu": STEADY, "parameters": {"fault": "error", "fault_time": 3}}
         (self.folder / "mission.json").write_text(json.dumps(config))
         self.study(design={"kind": "grid", "factors": {"/stop_time": [STEPS]}}, objectives=None, limits={"failures": 3},
                    draws={"replicates": 2, "variables": {"walk.seed": {"integer": [1, 2000000000]}}},

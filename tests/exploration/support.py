@@ -13,6 +13,7 @@ BUILD = pathlib.Path(os.environ["MEBOTS_BUILD"])
 SOURCE = pathlib.Path(os.environ["MEBOTS_SOURCE"])
 MEBOTS = str(BUILD / "bin" / "mebots")
 PROBE = str(BUILD / "test_fmus" / "probe.fmu")
+STEADY = str(BUILD / "test_fmus" / "steady.fmu")
 
 
 class StudyCase(unittest.TestCase):
@@ -24,10 +25,12 @@ class StudyCase(unittest.TestCase):
         self.folder = pathlib.Path(self.temporary.name)
         self.mission()
 
+    FMU = PROBE
+
     def mission(self, **parameters):
         (self.folder / "mission.json").write_text(json.dumps({
             "step": 0.1, "stop_time": 1,
-            "instances": {"a": {"fmu": PROBE, "parameters": {"gain": 2, "real_in": 3} | parameters}},
+            "instances": {"a": {"fmu": self.FMU, "parameters": {"gain": 2, "real_in": 3} | parameters}},
             "connections": [],
             "outcomes": [{"outcome": "far", "when": [{"variable": "a.integral", "above": 2}]}, {"outcome": "near"}],
             "summary": {"integral": "a.integral", "deep": {"out": "a.real_out"}},

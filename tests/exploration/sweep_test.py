@@ -15,7 +15,7 @@ import time
 import unittest
 
 import mebots
-from support import MEBOTS, PROBE, SOURCE, StudyCase
+from support import MEBOTS, PROBE, SOURCE, STEADY, StudyCase
 
 
 class Tables(StudyCase):
@@ -608,6 +608,8 @@ class Kept(StudyCase):
     def test_no_temporary_files_stay(self):
         temporary = self.folder / "temporary"
         temporary.mkdir()
+        self.FMU = STEADY
+        self.mission()
         self.study(fork={"at": 0.5, "variables": ["a.real_in"]})
         environment = dict(os.environ, TMPDIR=str(temporary))
         command = [MEBOTS, "sweep", str(self.folder / "study.json"), "--out", str(self.folder / "out"), "--jobs", "2"]

@@ -8,7 +8,8 @@
 //   steps counts steps, last_end and last_step hold t + h and h of the last one
 //   set_backs counts the steps before which it may be set back (noSetFMUStatePriorToCurrentPoint is false)
 //   fault names what goes wrong in the step that reaches fault_time
-// It lacks the functions of what it does not offer, as some FMUs do.
+// With PROBE_STEADY its only faults are "slow" and "error", and it imports no function that changes the process: a
+// clean FMU, steady.fmu. It lacks the functions of what it does not offer, as some FMUs do.
 #define _GNU_SOURCE
 #include "fmi2.h"
 
@@ -204,6 +205,7 @@ __attribute__((destructor)) static void end(void) {
 }
 
 FMI2_EXPORT void fmi2FreeInstance(fmi2Component c) {
+#ifndef PROBE_STEADY
   if (c != NULL && strcmp(((Probe*)c)->state.strings[FAULT], "free_crash") == 0) raise(SIGSEGV);
   if (c != NULL && strcmp(((Probe*)c)->state.strings[FAULT], "free_meddle") == 0) meddle();
   if (c != NULL && strcmp(((Probe*)c)->state.strings[FAULT], "free_hang") == 0) {
@@ -213,6 +215,7 @@ FMI2_EXPORT void fmi2FreeInstance(fmi2Component c) {
   if (c != NULL && strcmp(((Probe*)c)->state.strings[FAULT], "free_throw") == 0) probe_throw("throw");
   if (c != NULL && strcmp(((Probe*)c)->state.strings[FAULT], "destructor") == 0) dies_at_end = 1;
   if (c != NULL && strcmp(((Probe*)c)->state.strings[FAULT], "destructor_exit") == 0) exits_at_end = 1;
+#endif
   if (c != NULL) ((Probe*)c)->callbacks.freeMemory(c);
 }
 
@@ -241,10 +244,12 @@ FMI2_EXPORT fmi2Status fmi2EnterInitializationMode(fmi2Component c) {
     say(p, fmi2Error, "logStatusError", "this instance does not like its parameters", 0);
     return fmi2Error;
   }
+#ifndef PROBE_STEADY
   if (strcmp(p->state.strings[FAULT], "meddle") == 0) meddle();
   if (strcmp(p->state.strings[FAULT], "set_environment") == 0) change_environment();
   if (strcmp(p->state.strings[FAULT], "meddle_thread") == 0) meddle_with_thread();
   if (strcmp(p->state.strings[FAULT], "early_throw") == 0) probe_throw("throw");
+#endif
   return fmi2OK;
 }
 
@@ -546,6 +551,13 @@ static void leave_daemon(void) {
   for (;;) pause();
 }
 
+#ifdef PROBE_STEADY
+static fmi2Status misbehave(Probe* p, const char* fault) {
+  (void)p;
+  if (strcmp(fault, "slow") == 0) usleep(20000);
+  return strcmp(fault, "error") == 0 ? fmi2Error : fmi2OK;
+}
+#else
 static fmi2Status misbehave(Probe* p, const char* fault) {
   if (abuse_logger(p, fault)) return fmi2OK;
   if (strcmp(fault, "warning") == 0) {
@@ -619,6 +631,7 @@ static fmi2Status misbehave(Probe* p, const char* fault) {
   if (strcmp(fault, "daemon") == 0) leave_daemon();
   return fmi2OK;
 }
+#endif
 
 FMI2_EXPORT fmi2Status fmi2DoStep(fmi2Component c, fmi2Real t, fmi2Real h, fmi2Boolean no_set) {
   Probe* p = c;

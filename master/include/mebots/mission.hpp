@@ -2,6 +2,7 @@
 #pragma once
 
 #include "mebots/input_error.hpp"
+#include "mebots/leftover.hpp"
 #include "mebots/message.hpp"
 #include "mebots/run_state.hpp"
 #include "mebots/series.hpp"
@@ -75,6 +76,10 @@ class Mission {
   /// Records these variables (patterns with * and ?) in place of the config's `variables` and `exclude`.
   void record(const std::vector<std::string>& patterns);
 
+  /// Unpacks and loads the FMUs, and makes no instance. A process that is forked from here begins the mission as a
+  /// fresh one.
+  void load();
+
   /// Begins where save_state() of a mission with the same config, FMUs, settings and choice of what is recorded was
   /// called, in this process or another, in place of t = 0. It goes on to the same bits. Missions without `out` only.
   void start_from(std::span<const std::byte> state);
@@ -99,10 +104,15 @@ class Mission {
   /// to write their state as bytes; missions without `out` only, and not after the end.
   std::vector<std::byte> save_state();
 
+  /// Closes the mission and frees its instances. Lists the FMUs that are not clean: a mission after it in this process
+  /// might find what they left. Only reset() makes variables readable again.
+  std::vector<Leftover> free_instances();
+
   /// Closes the mission and makes it one that was just opened. What was asked for after the constructor (settings,
   /// scenarios, stop time, choice of what is recorded, listeners) is forgotten, the config is read again. FMUs stay
-  /// unpacked and loaded, each of their instances is new: the next run is, to the last bit, that of a new Mission. Not
-  /// for one that was resumed, and not from a listener.
+  /// unpacked and loaded if they are clean; others are loaded again. The next run is, to the last bit, that of
+  /// `mebots run`; if that is not possible in this process, start() refuses it and names the FMU. Not for one that was
+  /// resumed, and not from a listener.
   void reset();
 
   // At any time.

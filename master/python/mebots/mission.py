@@ -136,6 +136,11 @@ class Mission:
             patterns = [patterns]
         self._run.record(list(patterns))
 
+    def load(self) -> None:
+        """Unpacks and loads the FMUs, and makes no instance. A process that is forked from here (``os.fork``) begins the
+        mission as a fresh one. Before start()."""
+        self._run.load()
+
     def start_from(self, state: bytes) -> None:
         """Begins where ``save_state`` of a mission with the same config, FMUs, settings and choice of what is recorded was
         called, in this process or another, in place of t = 0. It goes on to the same bits. Missions without ``out``
@@ -173,9 +178,15 @@ class Mission:
         return self._run.save_state()
 
     def reset(self) -> None:
-        """Closes the mission and makes it one that was just opened, with ``set``, ``record`` and listeners forgotten. Its
-        FMUs stay loaded, each instance is new: the next run is that of a new mission, to the last bit."""
+        """Closes the mission and makes it one that was just opened, with ``set``, ``record`` and listeners forgotten. FMUs
+        stay loaded if they are clean; others are loaded again. The next run is that of ``mebots run``, to the last bit.
+        If that is not possible in this process, start() refuses it and names the FMU."""
         self._run.reset()
+
+    def free_instances(self) -> list[tuple[str, bool]]:
+        """Closes the mission and frees its instances. Lists the FMUs that are not clean, and whether they ran in this
+        process: a mission after it might find what they left. Only reset() makes variables readable again."""
+        return self._run.free_instances()
 
     def interrupt(self) -> None:
         """Asks for the end, from any thread: the run ends between two calls to FMUs, with outcome "interrupted"."""

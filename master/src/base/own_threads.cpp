@@ -19,6 +19,7 @@ constexpr const char* kFamily = "mebots-server";  // a thread inherits the name 
 struct Known {
   std::mutex mutex;
   std::set<pid_t> threads;
+  pid_t process = getpid();
 };
 
 Known& known() {
@@ -48,6 +49,19 @@ OwnThread::~OwnThread() {
 
 void mark_own_family() {
   prctl(PR_SET_NAME, kFamily);
+}
+
+void adopt_threads_of_fork() {
+  auto& all = known();
+  {
+    const std::lock_guard lock(all.mutex);
+    if (all.process == getpid()) return;
+    all.process = getpid();
+    all.threads.clear();
+  }
+  const auto now = foreign_threads();
+  const std::lock_guard lock(all.mutex);
+  all.threads.insert(now.begin(), now.end());
 }
 
 std::set<pid_t> foreign_threads() {

@@ -21,6 +21,9 @@ class OwnThread {
 /// No FMU may be called from there.
 void mark_own_family();
 
+/// Call it before an FMU is called: if the process is a fork, the threads that it has now are the program's own.
+void adopt_threads_of_fork();
+
 /// The threads of this process that are not mebots' own, by the kernel's number.
 std::set<pid_t> foreign_threads();
 

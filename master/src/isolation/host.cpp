@@ -147,6 +147,10 @@ class Host {
   }
 
   void put_done() { answers_.put(Answer::done); }
+  void put_text(const std::string& text) {
+    put_done();
+    answers_.put(std::string_view(text));
+  }
 
   bool dispatch(Call call, SharedReader& commands) {
     switch (call) {
@@ -226,6 +230,7 @@ class Host {
         const auto bytes = slave_->serialize(*states_.at(commands.get<std::uint64_t>()));
         put_done();
         answers_.put(std::span<const std::byte>(bytes));
+        answers_.put(std::string_view(fmu_->state_elsewhere().value_or("")));
         return true;
       }
       case Call::deserialize: {
@@ -234,8 +239,8 @@ class Host {
         break;
       }
       case Call::close:
-        close();
-        break;
+        put_text(close());
+        return true;
       case Call::unload:
       case Call::none:
         throw Error(ErrorCode::wrong_call_order, "the master asked for nothing");
@@ -245,14 +250,17 @@ class Host {
   }
 
   /// Throws SlaveError if freeing the instance failed; the host ends in any case.
-  void close() {
+  /// Returns how the FMU's libraries differ from those directly after loading; empty if they do not.
+  std::string close() {
     closed_ = true;
     states_.clear();
     const auto fault = slave_ ? slave_->free_instance() : std::nullopt;
     slave_.reset();
+    auto difference = fmu_ ? fmu_->difference().value_or("") : "";
     control_->call.store(Call::unload, std::memory_order_relaxed);
     fmu_.reset();
     if (fault) throw SlaveError(*fault);
+    return difference;
   }
 
   void open(SharedReader& commands) {

@@ -114,11 +114,14 @@ std::optional<std::string> IsolatedSlave::tell_of_end() {
   return fmt::format("instance '{}': {}", name_, problem);
 }
 
-/// Returns the error that the host answered when it freed the instance. The messages have it, too.
+/// Returns the error that the host answered when it freed the instance. The messages have it, too. Stores what the host
+/// found in the FMU's memory.
 std::optional<std::string> IsolatedSlave::failure_of_close() {
   try {
     auto reader = answers();
     check(reader);
+    if (auto difference = reader.get_text(); !difference.empty())
+      instance_->fmu->set_difference_elsewhere(std::move(difference));
   } catch (const Error& error) {
     return error.what();
   }
@@ -526,10 +529,13 @@ std::vector<std::byte> IsolatedSlave::serialize(const SlaveState& state) {
   put(Call::serialize);
   commands_.put(id_of(state));
   std::vector<std::byte> bytes;
+  std::string elsewhere;
   hand_over(1, [&](SharedReader& answers) {
     check(answers);
     bytes = answers.get_vector<std::byte>();
+    elsewhere = answers.get_text();
   });
+  if (!elsewhere.empty()) instance_->fmu->set_difference_elsewhere(std::move(elsewhere));
   return bytes;
 }
 

@@ -179,6 +179,14 @@ void Mission::reset() {
   door.listeners.clear();
 }
 
+void Mission::load() {
+  door_->run->load();
+}
+
+std::vector<Leftover> Mission::free_instances() {
+  return door_->run->free_instances();
+}
+
 RunState Mission::state() const {
   return door_->run->state();
 }

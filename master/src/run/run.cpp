@@ -3,6 +3,7 @@
 
 #include "base/input_text.hpp"
 #include "base/interrupt.hpp"
+#include "base/own_threads.hpp"
 #include "base/time.hpp"
 #include "config/command_line.hpp"
 #include "config/scenario_file.hpp"
@@ -193,6 +194,11 @@ void Run::add_foreign(Observer& observer) {
   has_foreign_ = true;
 }
 
+void Run::load() {
+  require_open("load()");
+  static_cast<void>(resolve(system_, *library_, interrupted_));
+}
+
 void Run::start_from(std::span<const std::byte> state) {
   require_open("start_from()");
   if (!request_.folder.empty()) {
@@ -215,6 +221,7 @@ std::vector<std::byte> Run::save_state() {
                      "save_state(): this run writes files, which its state counts on; leave the folder for the results "
                      "out, or let it write checkpoints");
   }
+  require_whole_states(resolved_, "save_state()");
   SavedRun saved;
   saved.inputs = hash_.lines;
   saved.time_ns = time_ns();
@@ -227,6 +234,7 @@ std::vector<std::byte> Run::save_state() {
     memory_->visit_rows(saver);
     saved.rows = writer.take();
   });
+  require_whole_states(resolved_, "save_state()");  // an instance's own process has reported with its state
   return to_bytes(saved);
 }
 
@@ -288,6 +296,8 @@ void Run::open() {
       if (!instance.isolation.alone()) instance.isolation.process = ProcessKind::own;
     }
   }
+  adopt_threads_of_fork();
+  library_->forget_changed();
   resolved_ = resolve(system_, *library_, interrupted_);
   report_.overrides = changes();
   hash_ = hash_inputs(system_, report_.overrides);
@@ -301,7 +311,10 @@ void Run::open() {
     }
   }
   if (checkpoint_) check_inputs(checkpoint_->inputs, hash_.lines, "the checkpoint");
-  if (past_) check_inputs(past_->inputs, hash_.lines, "the saved state");
+  if (past_) {
+    check_inputs(past_->inputs, hash_.lines, "the saved state");
+    require_whole_states(resolved_, "start_from()");
+  }
   recorded_variables(resolved_);  // the same of a name that fits nothing
   recorded_parameters(resolved_);
   for (const auto& pictures : system_.pictures) check_pictures(resolved_, pictures);
@@ -323,6 +336,7 @@ void Run::initialise() {
   slaves.interrupted = &interrupted_;
   const auto is_here = [](const ResolvedInstance& instance) { return !instance.description->isolation.alone(); };
   if (std::ranges::any_of(resolved_.instances, is_here)) copies_.emplace();
+  process_use_.emplace(resolved_);
   simulation_.emplace(resolved_, messages_, slaves);
   auto& ensemble = simulation_->ensemble();
   scenario_->watch(resolved_, ensemble);
@@ -439,7 +453,7 @@ void Run::run() {
 
 void Run::call(std::size_t instance, std::string_view what, const std::function<void(Slave&)>& work) {
   require_alive(what);
-  MEBOTS_ASSERT(!freed_, "free_at_end() promised that nothing is read");
+  if (freed_) throw InputError(ErrorCode::wrong_call_order, fmt::format("{}: the run's instances were freed", what));
   if (busy_ && !at_point_) const Busy refused(*this, what);
   attempt([&] { work(simulation_->ensemble().slave(instance)); });
 }
@@ -478,6 +492,7 @@ void Run::finish() {
   watch.look("in fmi2Terminate", time_ns());
   if (const auto text = copies_ ? copies_->returned() : std::nullopt) report_fault(*text);
   if (const auto text = take_kept_signal()) report_fault(*text);
+  process_use_.reset();  // the FMUs compute no more
   if (coupling_) {
     for (const auto& warning : coupling_->warnings()) {
       report_.notices.push_back(warning);
@@ -499,12 +514,12 @@ void Run::report_fault(const std::string& text) {
 }
 
 /// The results are on the disk before: a crash in this process takes nothing away.
-void Run::free_fmus() {
+void Run::free_fmus(bool unloads) {
   if (freed_ || !simulation_) return;
   freed_ = true;
   ProcessWatch watch(resolved_, messages_);
   auto faults = simulation_->free_instances();
-  if (library_.use_count() == 1) {  // else a run after this one goes on with them
+  if (unloads && library_.use_count() == 1) {  // else a run after this one goes on with them
     for (const auto& instance : resolved_.instances) {
       try {
         instance.fmu->unload();
@@ -526,6 +541,14 @@ void Run::free_fmus() {
   write_summary();
 }
 
+std::vector<Leftover> Run::free_instances() {
+  close();
+  const Busy busy(*this, "free_instances()");
+  free_fmus(false);
+  process_use_.reset();
+  return leftovers_of(resolved_);
+}
+
 void Run::fail(ErrorCode code, const std::string& what) noexcept {
   if (state_ == RunState::failed) return;
   state_ = RunState::failed;
@@ -534,6 +557,7 @@ void Run::fail(ErrorCode code, const std::string& what) noexcept {
   report_.end_text = "the simulation failed";
   report_.error = what;
   report_.error_code = code;
+  process_use_.reset();
   write_reports();
   release_files();
 }

@@ -9,6 +9,7 @@
 #include "observer/scenario.hpp"
 #include "observer/statistics.hpp"
 #include "run/checkpoint.hpp"
+#include "run/clean_fmus.hpp"
 #include "run/input_hash.hpp"
 #include "run/result_files.hpp"
 #include "run/run_request.hpp"
@@ -76,6 +77,9 @@ class Run {
   void add_foreign(Observer& observer);
   /// Variables are not read after the end: the FMUs are freed then, and what goes wrong in that stands in the report.
   void free_at_end() { frees_at_end_ = true; }
+  /// Unpacks and loads the FMUs, and makes no instance: a fork of the process from here on begins as a fresh one.
+  /// Throws InputError.
+  void load();
   /// Begins where save_state() of a run of the same inputs was called, in this process or another. Throws InputError.
   void start_from(std::span<const std::byte> state);
 
@@ -99,6 +103,9 @@ class Run {
   /// Ends the run where it stands, and writes its reports. Nothing, when it is over. Never throws; what goes wrong is
   /// in the report. From a listener: as interrupt().
   void close() noexcept;
+  /// Closes the run and frees its instances. Lists the FMUs that are not clean: the next run in this process might find
+  /// what they left. No variable can be read from then on.
+  std::vector<Leftover> free_instances();
   /// The run as it stands between two steps, for start_from(). Throws InputError for one that has ended or writes
   /// files, and Error where an FMU cannot write its state as bytes.
   std::vector<std::byte> save_state();
@@ -176,7 +183,7 @@ class Run {
   void write_reports() noexcept;
   void write_summary();
   void release_files() noexcept;
-  void free_fmus();
+  void free_fmus(bool unloads = true);
   void report_fault(const std::string& text);
   void say(Severity severity, std::string_view category, const std::string& text);
 
@@ -208,6 +215,7 @@ class Run {
   std::vector<InstanceLoss> losses_;
   std::optional<Scenario> scenario_;
   std::optional<ResultFiles> files_;
+  std::optional<ProcessUse> process_use_;
   std::optional<Simulation> simulation_;
   std::optional<Recorder> recorder_;
   MemorySink* memory_ = nullptr;  // of the recorder; null without one

@@ -20,6 +20,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <thread>
 #include <vector>
 
 namespace mebots::master {
@@ -95,6 +96,7 @@ void Fmu::unload() {
   call_library(archive_, "unloaded", [&] { dlclose(library); });
   reset_unloaded_handlers(handlers);
   functions_.reset();
+  at_load_.reset();
   if (own_folder_ && !has_loaded_from(folder_)) own_folder_->release_path();
 }
 
@@ -105,7 +107,19 @@ std::size_t Fmu::threads_left() const {
 }
 
 const Fmi2Functions& Fmu::functions() {
-  if (!functions_) load();
+  if (functions_) return *functions_;
+  // The C++ library records in its own memory that it has initialised itself, if the process has had threads. So it
+  // does that when it is loaded, not in the middle of a later run.
+  static const bool has_had_threads = [] {
+    std::thread([] {}).join();
+    return true;
+  }();
+  static_cast<void>(has_had_threads);
+  {
+    const OwnLoad own;
+    load();
+  }
+  at_load_.emplace(folder_);
   return *functions_;
 }
 
@@ -114,6 +128,38 @@ void Fmu::require_co_simulation() const {
   throw InputError(
       ErrorCode::fmu_unsupported,
       fmt::format("{}: this FMU is for model exchange only; a co-simulation FMU is needed", archive_.string()));
+}
+
+const LibraryImports& Fmu::imports() {
+  if (at_load_) return at_load_->imports();
+  if (!imports_) imports_ = read_imports(libraries_of(folder_));
+  return *imports_;
+}
+
+std::optional<std::string> Fmu::uncleanliness() {
+  auto reason = imports().reason();
+  return reason || !at_load_ ? reason : at_load_->owned_memory();
+}
+
+std::optional<std::string> Fmu::difference() const {
+  {
+    const std::lock_guard lock(elsewhere_mutex_);
+    if (!difference_elsewhere_.empty()) return difference_elsewhere_;
+  }
+  if (!at_load_ || !used()) return std::nullopt;
+  if (corrupted_) return "it returned fmi2Fatal";
+  if (at_load_->owned_memory()) return at_load_->owned_memory();
+  return at_load_->difference();
+}
+
+std::optional<std::string> Fmu::state_elsewhere() {
+  if (auto reason = uncleanliness()) return reason;
+  return at_load_ ? at_load_->difference_while_used() : difference();
+}
+
+void Fmu::set_difference_elsewhere(std::string text) {
+  const std::lock_guard lock(elsewhere_mutex_);
+  difference_elsewhere_ = std::move(text);
 }
 
 void Fmu::load() {

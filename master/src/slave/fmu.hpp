@@ -3,6 +3,7 @@
 
 #include "mebots/modeldesc/model_description.hpp"
 #include "slave/float_environment.hpp"
+#include "slave/library_state.hpp"
 #include "slave/process_state.hpp"
 #include "slave/unpack_folder.hpp"
 
@@ -10,6 +11,7 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <set>
 #include <string>
@@ -69,6 +71,20 @@ class Fmu {
   /// An instance is gone. The number of threads that were started since its library was loaded and still run, when it
   /// was the last one; else 0. From any thread.
   std::size_t leave() { return --instances_ == 0 ? threads_left() : 0; }
+  /// The functions by which its libraries change the process, read from their files.
+  const LibraryImports& imports();
+  /// Why it is not clean, as far as its libraries show before the first instance; nothing if they look clean.
+  std::optional<std::string> uncleanliness();
+  /// True once an instance was made in this process.
+  bool used() const { return watched_ != 0; }
+  /// Why the next instance would not find the libraries as directly after they were loaded; nothing if it would. No
+  /// instance may live.
+  std::optional<std::string> difference() const;
+  /// Why the state of an instance is not all that the FMU computes with; nothing if it is.
+  std::optional<std::string> state_elsewhere();
+  /// Notes what difference() or state_elsewhere() returned in the process where the FMU runs.
+  void set_difference_elsewhere(std::string text);
+
   /// What loading the library made of the thread's floating-point environment, which was put back; nothing where it
   /// left it alone.
   const std::optional<FloatEnvironment>& floats_at_load() const { return floats_at_load_; }
@@ -97,6 +113,10 @@ class Fmu {
   std::atomic<int> instances_{0};
   std::atomic<int> watched_{0};  // instances so far, the gone ones too
   std::optional<FloatEnvironment> floats_at_load_;
+  std::optional<LibraryState> at_load_;    // of libraries that are loaded
+  std::optional<LibraryImports> imports_;  // of libraries that are not
+  mutable std::mutex elsewhere_mutex_;
+  std::string difference_elsewhere_;
   std::atomic<bool> told_of_floats_{false};
   std::unique_ptr<Fmi2Functions> functions_;
 };
@@ -106,6 +126,8 @@ class FmuLibrary {
  public:
   /// As it was when it was opened first, whatever became of the file since; anew after an fmi2Fatal.
   std::shared_ptr<Fmu> open(const std::filesystem::path& archive);
+  /// Forgets the FMUs that were used and are not clean: open() unpacks and loads them again.
+  void forget_changed();
 
  private:
   std::map<std::filesystem::path, std::shared_ptr<Fmu>> fmus_;

@@ -56,4 +56,11 @@ std::shared_ptr<Fmu> FmuLibrary::open(const std::filesystem::path& archive) {
   return fmu;
 }
 
+void FmuLibrary::forget_changed() {
+  std::erase_if(fmus_, [](const auto& entry) {
+    const auto& fmu = entry.second;
+    return fmu && fmu->used() && (fmu->uncleanliness() || fmu->difference());
+  });
+}
+
 }  // namespace mebots::master

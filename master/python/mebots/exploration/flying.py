@@ -115,7 +115,7 @@ class MissionProcess:
                 begun_s = last_s = now_s
             if limit_s is not None and now_s - begun_s > limit_s:
                 raise TooLong(limit_s)
-            if now_s > last_s:
+            if now_s != last_s:
                 last_s, moved_at = now_s, time.monotonic()
             elif time.monotonic() - moved_at > patience_s:
                 raise Lost(f"it did nothing for {patience_s:g} s")
@@ -123,14 +123,8 @@ class MissionProcess:
         return json.loads(line)
 
     def _processor_time_s(self) -> float:
-        """Of the process and of those of isolated instances, which are its children."""
-        total = _ticks_of(self._process.pid)
-        with contextlib.suppress(OSError):
-            tasks = f"/proc/{self._process.pid}/task"
-            for task in os.listdir(tasks):
-                with contextlib.suppress(OSError), open(f"{tasks}/{task}/children", encoding="ascii") as children:
-                    total += sum(_ticks_of(int(child)) for child in children.read().split())
-        return total / _TICKS
+        """Returns the time of the process and its descendants: its fork flies, and starts those of isolated instances."""
+        return _ticks_of_all(self._process.pid) / _TICKS
 
     def _how_it_ended(self) -> str:
         try:
@@ -162,11 +156,20 @@ def _over(limit_s: float) -> tuple[str, str]:
     return f"it needed more than its limit of {limit_s:g} s of processor time", "fmu_timeout"
 
 
+def _ticks_of_all(process: int) -> int:
+    """Returns the time of a process and of all that it started, also of those that ended."""
+    total = _ticks_of(process)
+    with contextlib.suppress(OSError):
+        for task in os.listdir(f"/proc/{process}/task"):
+            with contextlib.suppress(OSError), open(f"/proc/{process}/task/{task}/children", encoding="ascii") as children:
+                total += sum(_ticks_of_all(int(child)) for child in children.read().split())
+    return total
+
+
 def _ticks_of(process: int) -> int:
-    """User and system time; 0 for a process that is gone."""
+    """User and system time, with that of children that ended; 0 for a process that is gone."""
     with contextlib.suppress(OSError, IndexError), open(f"/proc/{process}/stat", encoding="utf-8") as stat:
-        words = stat.read().rpartition(")")[2].split()
-        return int(words[11]) + int(words[12])
+        return sum(int(word) for word in stat.read().rpartition(")")[2].split()[11:15])
     return 0
 
 

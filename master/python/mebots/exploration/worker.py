@@ -4,32 +4,45 @@
 Orders come on standard input and records go to the file descriptor OUT, a line of JSON each; an empty line says that the
 process waits for another one. The process ends when
 nobody holds the other end of the descriptor LIFE any more, so none outlives who started it; FOLDER, for temporary files
-and for states that others begin with, belongs to that one and goes with it. FMUs are loaded once; between missions their instances are made anew.
+and for states that others begin with, belongs to that one and goes with it.
+
+Each mission begins as in a fresh process. The first process loads FMUs and never makes an instance. It forks another one,
+which flies missions for as long as their FMUs are clean (``docs/master/clean-fmus.md``): then nothing of a mission is left
+in the process. After a mission with an FMU that is not clean, the next order goes to a new fork.
 """
 
 from __future__ import annotations
 
 import collections
 import contextlib
+import gc
+import itertools
 import json
 import math
 import os
 import resource
+import select
 import shutil
+import signal
 import sys
 import tempfile
 import threading
 import time
 import traceback
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Callable, Iterator
+from typing import Any, NoReturn
 
 from mebots import Error, Mission
 from mebots.exploration.missions import FILE_MARK, Order, without_paths
 from mebots.exploration.pasts import Pasts
 
 _MOST_OPEN = 4  # configs whose FMUs stay loaded
+_NO_WHOLE_STATE = (
+    "the state of an FMU is not all that it computes with, so that no other mission can begin with it: {}. Study it without "
+    "'fork' and 'splitting'"
+)
 _TRIES_TO_REMOVE = 20
+_ENDED_BY_FMU = -1  # with exit code 0, before the record was written
 
 
 class Worker:
@@ -42,9 +55,31 @@ class Worker:
         self._waiting = waiting
         self._open: collections.OrderedDict[str, tuple[Mission, str]] = collections.OrderedDict()
         self._about = ""  # the variable that is set or read now
+        self._own_files: set[str] = set()
+        self._flown: Mission | None = None
+        self._was_clean = True
+
+    def prepare(self, order: Order) -> None:
+        """Opens the order's mission and loads its FMUs. Makes no instance."""
+        config = _config_of(order)
+        if ("out" in order and not order.get("check")) or config in self._open:
+            return
+        with contextlib.suppress(Error):  # who flies it meets the same
+            self._mission(config, bool(order["series"]), None).load()
+
+    def is_clean(self) -> bool:
+        """True if the next mission begins in this process as in a fresh one. Frees the instances of the last mission."""
+        self.free_instances()
+        return self._was_clean
+
+    def use_folder(self, folder: str) -> None:
+        """The folder for temporary files. After a fork: those of the other process stay."""
+        self._folder = folder
+        self._own_files.clear()
 
     def answer(self, order: Order) -> dict[str, Any]:
         """The record of a mission; of an order to ``check``, only what is wrong with it, and ``about`` which variable."""
+        self.free_instances()
         self._about = ""
         record: dict[str, Any] = {"mission": order.get("mission", ""), "flown_by": order.get("build", ""), "outcome": "failed", "error": "", "code": ""}
         begun = time.process_time()
@@ -60,13 +95,24 @@ class Worker:
             record["error"], record["code"] = _without_paths(str(error), order), error.code
             if order.get("check"):
                 record["about"] = self._about
+        leftovers = self.free_instances() if order["course"] else []
+        if leftovers and not record["error"]:
+            record["error"] = _without_paths(_NO_WHOLE_STATE.format(leftovers[0][0]), order)
+            record |= {"outcome": "failed", "code": "not_offered"}
         record["processor_time"] = round(time.process_time() - begun, 4)
         return record
 
+    def free_instances(self) -> list[tuple[str, bool]]:
+        """Frees those of the last mission. Lists the FMUs that are not clean, and whether they ran in this process."""
+        flown, self._flown = self._flown, None
+        leftovers = [] if flown is None else flown.free_instances()
+        self._was_clean = self._was_clean and not any(in_process for _, in_process in leftovers)
+        return leftovers
+
     def _prepared(self, order: Order) -> Mission:
-        places = {FILE_MARK + digest: path for digest, (path, _) in order["files"].items()}
+        places = _places(order)
         out = None if order.get("check") or "out" not in order else _unfinished(order["out"])
-        mission = self._mission(order["config"], places, bool(order["series"]), out)
+        mission = self._flown = self._mission(_config_of(order), bool(order["series"]), out)
         for name, value in order["settings"].items():
             self._about = name
             mission.set(name, places.get(value, value) if isinstance(value, str) else value)
@@ -75,9 +121,7 @@ class Worker:
             mission.record([name for name, _ in order["series"]])
         return mission
 
-    def _mission(self, config: str, places: dict[str, str], in_memory: bool, out: str | None) -> Mission:
-        for mark, path in places.items():
-            config = config.replace(json.dumps(mark), json.dumps(path))
+    def _mission(self, config: str, in_memory: bool, out: str | None) -> Mission:
         if out is None and config in self._open:
             self._open.move_to_end(config)
             mission, _ = self._open[config]
@@ -86,11 +130,13 @@ class Worker:
         descriptor, file = tempfile.mkstemp(".json", "mission", self._folder)
         with open(descriptor, "w", encoding="utf-8") as stream:
             stream.write(config)
+        self._own_files.add(file)
         if out is not None:  # a mission writes into one folder
             return Mission(file, in_memory=in_memory, out=out, statistics=True)
         if len(self._open) >= _MOST_OPEN:
             _, (_, unused) = self._open.popitem(last=False)
-            os.unlink(unused)
+            if unused in self._own_files:
+                os.unlink(unused)
         mission = Mission(file, in_memory=in_memory)
         self._open[config] = (mission, file)
         return mission
@@ -107,6 +153,10 @@ class Worker:
             _write(mission, turn["writes"])
         if order["course"]:
             mission.save_state()
+            with contextlib.suppress(Error):  # of the step: the mission itself is to tell of it
+                mission.step()
+            if mission.state == "running" and not mission.ended:
+                mission.save_state()  # refused for an FMU that keeps something outside of its instance
 
     def _follow(self, mission: Mission, order: Order) -> None:
         """To behind the last turn of its course that the mission comes to, from the last state that is there."""
@@ -173,6 +223,17 @@ class Worker:
         record["series"] = {f"{name} {how}": _reduced(mission, name, how) for name, how in order["series"]}
 
 
+def _places(order: Order) -> dict[str, str]:
+    return {FILE_MARK + digest: path for digest, (path, _) in order["files"].items()}
+
+
+def _config_of(order: Order) -> str:
+    config: str = order["config"]
+    for mark, path in _places(order).items():
+        config = config.replace(json.dumps(mark), json.dumps(path))
+    return config
+
+
 def _unfinished(folder: str) -> str:
     return folder + ".part"
 
@@ -222,14 +283,46 @@ def _without_paths(text: str, order: Order) -> str:
     return without_paths(text)
 
 
-def _end_with(descriptor: int, folder: str) -> None:
-    with contextlib.suppress(OSError):
-        os.read(descriptor, 1)
-    for _ in range(_TRIES_TO_REMOVE):  # a mission may still be writing its state
-        shutil.rmtree(folder, ignore_errors=True)
-        if not os.path.exists(folder):
-            break
-        time.sleep(0.1)
+class _Pipes:
+    """Orders and records, which all processes of a worker share. ``life`` is closed if no record is wanted any more."""
+
+    def __init__(self, life: int, out: int, folder: str) -> None:
+        self.life = life
+        self.folder = folder
+        self.records = os.fdopen(out, "w", encoding="utf-8")
+        # An FMU that reads standard input must not read orders.
+        self._orders = os.dup(0)
+        nothing = os.open(os.devnull, os.O_RDONLY)
+        os.dup2(nothing, 0)
+        os.close(nothing)
+
+    def orders(self) -> Iterator[Order]:
+        """Yields orders. The next one is sent after the record was written, so that no process reads an order too early."""
+        text = b""
+        while block := os.read(self._orders, 1 << 16):
+            text += block
+            if text.endswith(b"\n"):
+                yield json.loads(text)
+                text = b""
+
+    def write(self, record: dict[str, Any]) -> None:
+        print(json.dumps(record), file=self.records, flush=True)
+
+    def wait(self) -> None:
+        print(file=self.records, flush=True)
+
+    def is_over(self) -> bool:
+        return bool(select.select([self.life], [], [], 0)[0])
+
+
+def _end_with(life: int, parent: int, folder: str) -> None:
+    """Ends this process with its parent. If no record is wanted any more, removes all files as well."""
+    if life in select.select([life, parent], [], [])[0]:
+        for _ in range(_TRIES_TO_REMOVE):  # a mission may still be writing its state
+            shutil.rmtree(folder, ignore_errors=True)
+            if not os.path.exists(folder):
+                break
+            time.sleep(0.1)
     os._exit(1)
 
 
@@ -240,19 +333,74 @@ def _answer(worker: Worker, order: Order) -> dict[str, Any]:
         return {"mission": order["mission"], "bug": traceback.format_exc()}
 
 
+def _fly_while_clean(worker: Worker, order: Order, pipes: _Pipes) -> None:
+    """Flies this order and those after it, until a mission leaves something in the process."""
+    process = os.getpid()
+    for each in itertools.chain([order], pipes.orders()):
+        record = _answer(worker, each)
+        if os.getpid() != process:  # an FMU forked, and its child came back here
+            os._exit(1)
+        with contextlib.suppress(BrokenPipeError):  # nobody reads any more
+            pipes.write(record)
+        if "bug" in record or not worker.is_clean():
+            return
+
+
+def _fly_in_fork(worker: Worker, order: Order, pipes: _Pipes) -> int:
+    """The exit status of the process that flew the order and perhaps others; 0 if it ended as it should."""
+    folder = tempfile.mkdtemp(prefix="flights-", dir=pipes.folder)
+    well, told = os.pipe()
+    parent, ours = os.pipe()
+    child = os.fork()
+    if child == 0:
+        os.close(well)
+        os.close(ours)
+        threading.Thread(target=_end_with, args=(pipes.life, parent, pipes.folder), daemon=True).start()
+        os.environ["TMPDIR"] = folder
+        worker.use_folder(folder)
+        _fly_while_clean(worker, order, pipes)
+        os.write(told, b"!")
+        os._exit(0)
+    os.close(told)
+    os.close(parent)
+    try:
+        _, status = os.waitpid(child, 0)
+        os.set_blocking(well, False)
+        with contextlib.suppress(BlockingIOError):  # an FMU's process may hold the other end
+            if os.read(well, 1):
+                return 0
+        return status or _ENDED_BY_FMU
+    finally:
+        os.close(well)
+        os.close(ours)
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+def _end_as(status: int) -> NoReturn:
+    """Ends this process as the one that flew ended, for whoever waits for its records."""
+    if os.WIFSIGNALED(status):
+        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+        signal.signal(os.WTERMSIG(status), signal.SIG_DFL)
+        os.kill(os.getpid(), os.WTERMSIG(status))
+    os._exit(0 if status == _ENDED_BY_FMU else os.waitstatus_to_exitcode(status))
+
+
 def main() -> None:
-    life, out, folder = int(sys.argv[1]), int(sys.argv[2]), sys.argv[3]
-    ending = threading.Thread(target=_end_with, args=(life, folder), daemon=True)
-    ending.start()
-    records = os.fdopen(out, "w", encoding="utf-8")
-    pasts = os.path.join(folder, "pasts")
+    pipes = _Pipes(int(sys.argv[1]), int(sys.argv[2]), sys.argv[3])
+    pasts = os.path.join(pipes.folder, "pasts")
     os.makedirs(pasts, exist_ok=True)
-    worker = Worker(tempfile.mkdtemp(prefix="worker-", dir=folder), Pasts(pasts), lambda: print(file=records, flush=True))
-    with contextlib.suppress(BrokenPipeError):  # nobody reads any more
-        print("{}", file=records, flush=True)  # ready: what comes now is the mission's time
-        for line in sys.stdin:
-            print(json.dumps(_answer(worker, json.loads(line))), file=records, flush=True)
-    ending.join()  # who gave orders is gone, or ends this process now
+    worker = Worker(tempfile.mkdtemp(prefix="worker-", dir=pipes.folder), Pasts(pasts), pipes.wait)
+    pipes.write({})  # ready: what comes now is the mission's time
+    for order in pipes.orders():
+        worker.prepare(order)
+        gc.freeze()  # pages that nobody writes stay shared with the fork
+        status = _fly_in_fork(worker, order, pipes)
+        if status != 0 and not pipes.is_over():
+            _end_as(status)
+    while not pipes.is_over():  # who gave orders is gone, or ends this process now
+        select.select([pipes.life], [], [])
+    shutil.rmtree(pipes.folder, ignore_errors=True)
+    os._exit(1)
 
 
 if __name__ == "__main__":

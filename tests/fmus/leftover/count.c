@@ -1,0 +1,8 @@
+// SPDX-License-Identifier: Apache-2.0
+// A library that an FMU brings along.
+#include "count.h"
+
+int leftover_count(void) {
+  static int calls = 0;
+  return ++calls;
+}

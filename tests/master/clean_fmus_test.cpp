@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "slave/fmu.hpp"
+#include "slave/library_state.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+#include <string>
+
+namespace mebots::master {
+namespace {
+
+using testing::HasSubstr;
+using testing::Optional;
+
+const std::filesystem::path kBinaryDir = MEBOTS_BINARY_DIR;
+
+std::filesystem::path leftover(const std::string& place) {
+  return kBinaryDir / "test_fmus" / ("leftover_" + place + ".fmu");
+}
+
+TEST(CleanFmus, ThePageListsEachFunctionThatChangesTheProcess) {
+  std::ifstream file(std::filesystem::path(MEBOTS_SOURCE_DIR) / "docs/master/clean-fmus.md");
+  const std::string page{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  for (const auto& function : process_functions()) {
+    EXPECT_THAT(page, HasSubstr("`" + std::string(readable_name(function)) + "`")) << function.symbol;
+    EXPECT_THAT(page, HasSubstr("| " + std::string(function.what) + " |")) << function.symbol;
+  }
+}
+
+TEST(CleanFmus, OursAreSoWhenTheyAreLoaded) {
+  for (const auto* const name : {"fmu_battery.fmu", "fmu_motors.fmu", "fmu_world.fmu", "fmu_soc.fmu"}) {
+    Fmu fmu(kBinaryDir / "fmus" / name);
+    static_cast<void>(fmu.functions());
+    EXPECT_EQ(fmu.uncleanliness(), std::nullopt) << name;
+    EXPECT_EQ(fmu.state_elsewhere(), std::nullopt) << name;
+  }
+}
+
+TEST(CleanFmus, AnImportIsSeenInTheFileBeforeTheLibraryIsLoaded) {
+  EXPECT_THAT(Fmu(leftover("rand")).uncleanliness(), Optional(HasSubstr("rand, which changes random numbers")));
+  EXPECT_THAT(Fmu(leftover("environment")).uncleanliness(), Optional(HasSubstr("setenv")));
+  EXPECT_EQ(Fmu(leftover("nothing")).uncleanliness(), std::nullopt);
+  EXPECT_EQ(Fmu(leftover("static_variable")).uncleanliness(), std::nullopt);
+}
+
+TEST(CleanFmus, AStaticObjectWithMemoryOfItsOwnIsSeenWhenTheLibraryIsLoaded) {
+  Fmu fmu(leftover("static_object"));
+  static_cast<void>(fmu.functions());
+  EXPECT_THAT(fmu.uncleanliness(), Optional(HasSubstr("static objects of leftover.so own memory")));
+}
+
+TEST(CleanFmus, RandomNumbersStartAsInAFreshProcess) {
+  renew_c_library();
+  const int first = std::rand();
+  constexpr int kFirstOfAll = 1804289383;  // the GNU C library's, without srand()
+  EXPECT_EQ(first, kFirstOfAll);
+  std::srand(7);
+  std::rand();
+  renew_c_library();
+  EXPECT_EQ(std::rand(), first);
+  const double drawn = drand48();
+  EXPECT_DOUBLE_EQ(drawn, 11.0 / 281474976710656.0);  // POSIX: X = a 0 + c, c = 0xB, over 2^48
+}
+
+}  // namespace
+}  // namespace mebots::master
