@@ -731,6 +731,7 @@ class Reset(StudyCase):
         used.reset()
         self.assertEqual(used.state, "open")
         again = self.flight(used, second)
+        del used  # an FMU that brings a library shares the process with no other copy of it
         fresh = self.flight(mebots.Mission(config), second)
         self.assertEqual(again, fresh)
         self.assertNotEqual(changed, fresh)
