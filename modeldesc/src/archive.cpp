@@ -49,7 +49,7 @@ ZipHandle create_archive(const fs::path& path) {
 
 }  // namespace
 
-void unpack(const fs::path& archive, const fs::path& folder, const UnpackLimits& limits) {
+std::vector<std::string> unpack(const fs::path& archive, const fs::path& folder, const UnpackLimits& limits) {
   const ArchiveReader reader(open_zip(archive), archive.string(), limits);
   make_folder(folder);
   for (const auto& entry : reader.entries()) {
@@ -57,6 +57,11 @@ void unpack(const fs::path& archive, const fs::path& folder, const UnpackLimits&
     make_folder(entry.is_folder ? target : target.parent_path());
     if (!entry.is_folder) write_entry(reader, entry, target);
   }
+  if (reader.backslashes() == 0) return {};
+  return {
+      fmt::format("{}: backslashes in the names of its entries ({} of them) are read as slashes; the zip format knows "
+                  "slashes only",
+                  archive.string(), reader.backslashes())};
 }
 
 std::string why_missing(const fs::path& folder, const std::string& name) {

@@ -9,6 +9,7 @@
 #include <sys/stat.h>
 #include <zip.h>
 
+#include <algorithm>
 #include <array>
 #include <fstream>
 #include <set>
@@ -134,7 +135,11 @@ ArchiveReader::ArchiveReader(ZipHandle archive, std::string name, const UnpackLi
     const auto index = static_cast<zip_uint64_t>(i);
     if (zip_stat_index(archive_.get(), index, 0, &stat) != 0)
       throw Error(ErrorCode::archive_damaged, fmt::format("{}: entry {}: {}", name_, i, zip_strerror(archive_.get())));
-    const Entry entry{index, stat.name, stat.size, std::string_view(stat.name).ends_with('/')};
+    std::string entry_name = stat.name;
+    std::ranges::replace(entry_name, '\\', '/');
+    if (entry_name != stat.name) ++backslashes_;
+    const bool is_folder = entry_name.ends_with('/');
+    const Entry entry{index, std::move(entry_name), stat.size, is_folder};
     check_name(entry.name);
     check_kind(entry);
     check_storage(entry);
@@ -151,7 +156,6 @@ void ArchiveReader::refuse(std::string_view name, std::string_view why) const {
 
 void ArchiveReader::check_name(std::string_view name) const {
   if (name.empty()) refuse(name, "has no name");
-  if (name.find('\\') != std::string_view::npos) refuse(name, "has a backslash in its name");
   if (name.front() == '/') refuse(name, "is an absolute path");
   if (name.size() >= 2 && name[1] == ':') refuse(name, "starts with a drive letter");
   for (const fs::path& part : fs::path(name))

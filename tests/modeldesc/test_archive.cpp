@@ -112,7 +112,10 @@ TEST_F(ArchiveTest, EntriesThatWouldLeaveTheFolderAreRefusedByName) {
   expect_refused(with_entry("a/..", "x"), "would leave the target folder");
   expect_refused(with_entry("/etc/evil", "x"), "the entry \"/etc/evil\" is an absolute path");
   expect_refused(with_entry("C:/evil", "x"), "drive letter");
-  expect_refused(with_entry("..\\evil", "x"), "backslash");
+  expect_refused(with_entry("..\\evil", "x"), "would leave the target folder");
+  expect_refused(with_entry("a\\..\\..\\evil", "x"), "would leave the target folder");
+  expect_refused(with_entry("\\evil", "x"), "is an absolute path");
+  expect_refused(with_entry(".\\honest.txt", "x"), "is there twice");
   expect_refused(with_entry("link", "/etc/passwd", S_IFLNK), "the entry \"link\" is a symbolic link");
   expect_refused(with_entry("pipe", "", S_IFIFO), "neither file nor folder");
   expect_refused(with_entry("./honest.txt", "x"), "is there twice");
@@ -125,6 +128,15 @@ TEST_F(ArchiveTest, NamesThatOnlyLookDangerousPass) {
     unpack(with_entry(name, "x"), out);
     EXPECT_EQ(read_file(out / name), "x") << name;
   }
+}
+
+TEST_F(ArchiveTest, BackslashesAreReadAsSlashesAndTold) {
+  const fs::path out = folder_.path() / "windows";
+  const auto notices = unpack(with_entry("resources\\deep\\a.txt", "x"), out);
+  EXPECT_EQ(read_file(out / "resources/deep/a.txt"), "x");
+  ASSERT_EQ(notices.size(), 1U);
+  EXPECT_NE(notices[0].find("backslashes in the names of its entries (1 of them)"), std::string::npos) << notices[0];
+  EXPECT_TRUE(unpack(with_entry("resources/a.txt", "x"), folder_.path() / "linux").empty());
 }
 
 TEST_F(ArchiveTest, DecompressionBombsAreRefused) {

@@ -21,9 +21,10 @@ struct UnpackLimits {
 
 /// Unpacks an FMU (a zip archive) into `folder`, which is made if missing. Throws mebots::Error naming archive
 /// and entry for: a missing or damaged archive; an entry that would leave the folder (absolute, `..`, drive
-/// letter, backslash, symbolic link), two entries of one name, or a limit passed. Nothing is written before all names
-/// passed.
-void unpack(const std::filesystem::path& archive, const std::filesystem::path& folder, const UnpackLimits& limits = {});
+/// letter, symbolic link), two entries of one name, or a limit passed. Nothing is written before all names
+/// passed. A backslash in a name separates folders, as a slash does. Returns notices for the user: which names had one.
+std::vector<std::string> unpack(const std::filesystem::path& archive, const std::filesystem::path& folder,
+                                const UnpackLimits& limits = {});
 
 /// Why an unpacked archive has no file `name` at its root, and what to do: the file is in a folder, or its name differs
 /// in capitals. "It contains no `name`" if neither is so.

@@ -25,7 +25,7 @@ class ArchiveReader {
  public:
   struct Entry {
     std::uint64_t index = 0;
-    std::string name;        ///< leads to no place outside of the folder that it is unpacked to
+    std::string name;        ///< with slashes; leads to no place outside of the folder that it is unpacked to
     std::uint64_t size = 0;  ///< unpacked bytes, as declared
     bool is_folder = false;
   };
@@ -34,6 +34,8 @@ class ArchiveReader {
   ArchiveReader(ZipHandle archive, std::string name, const UnpackLimits& limits = {});
 
   const std::vector<Entry>& entries() const { return entries_; }
+  /// The number of entries whose names hold backslashes in the archive.
+  std::size_t backslashes() const { return backslashes_; }
   /// Hands over the entry's bytes, part by part. Throws mebots::Error when they are damaged, or more or fewer than
   /// declared; never hands over more.
   void read(const Entry& entry, const std::function<void(std::string_view)>& take) const;
@@ -49,6 +51,7 @@ class ArchiveReader {
   std::string name_;
   UnpackLimits limits_;
   std::vector<Entry> entries_;
+  std::size_t backslashes_ = 0;
 };
 
 }  // namespace mebots::modeldesc
