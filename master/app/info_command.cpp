@@ -151,10 +151,13 @@ void print_system(const master::SystemDescription& system) {
   }
   print_table(instances);
   fmt::print("\n");
-  std::vector<std::vector<std::string>> connections{{"from", "to", "factor", "offset"}};
+  std::vector<std::vector<std::string>> connections{{"from", "to", "factor", "offset", ""}};
   for (const auto& connection : system.connections) {
     connections.push_back({connection.from.text(), connection.to.text(), fmt::format("{}", connection.factor),
-                           fmt::format("{}", connection.offset)});
+                           fmt::format("{}", connection.offset),
+                           connection.sum            ? "added up"
+                           : !connection.map.empty() ? "mapped"
+                                                     : ""});
   }
   print_table(connections);
 }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Any files as an unpacked SSP: refused with an InputError, or a system whose parts fit each other. Nothing outside of
-// the folder is read.
+// Any files as an unpacked SSP: refused with an InputError, or a system whose parts fit each other.
 #include "mebots/input_error.hpp"
 
 #include "config/system_file.hpp"

@@ -56,6 +56,57 @@ TEST(Units, MilliampereHoursBecomeCoulombs) {
       at_start(pair(R"("charge_mah": 250)", R"({"from": "a.charge_mah", "to": "b.charge_in"})"), "b.charge_out"), 900);
 }
 
+TEST(Sums, AnInputGetsTheSumOfItsConnectionsAtEachPoint) {
+  // 3.6 km/h are 1 m/s. `now` is the time: b has 1 + 2 t + 10 at the start of each step, and gives it at the end.
+  const auto column = [](const std::string& type, const std::string& order) {
+    const std::string parts[] = {R"({"from": "a.speed_kmh", "to": "b.speed_in", "sum": true})",
+                                 R"({"from": "a.now", "to": "b.speed_in", "sum": true, "factor": 2})",
+                                 R"({"from": "a.count", "to": "b.speed_in", "sum": true})"};
+    std::string connections;
+    for (const char part : order) connections += (connections.empty() ? "" : ", ") + parts[part - '0'];
+    return TestRun(pair(R"("speed_kmh": 3.6, "count": 10)", connections, R"(, "algorithm": ")" + type + "\"",
+                        R"("step": 0.25, "stop_time": 1)"))
+        .to_end()
+        .column("b.speed_out");
+  };
+  constexpr double kRounding = 1e-14;
+  const auto are = [&](const std::vector<double>& values) {
+    return testing::Pointwise(testing::DoubleNear(kRounding), values);
+  };
+  EXPECT_THAT(column("jacobi", "012"), are({11, 11, 11.5, 12, 12.5}));
+  EXPECT_EQ(column("jacobi", "012"), column("jacobi", "210"));
+  EXPECT_THAT(column("gauss-seidel", "102"), are({11, 11.5, 12, 12.5, 13}));
+}
+
+TEST(Sums, EachConnectionSaysThatItIsAPart) {
+  const auto of = [](const std::string& more) {
+    return test::input_error([&] {
+      TestRun(pair("", R"({"from": "a.now", "to": "b.bare_in", "sum": true}, {"from": "a.furlong", "to": "b.bare_in")" +
+                           more + "}"));
+    });
+  };
+  EXPECT_THAT(of(""), AllOf(HasSubstr("/connections/1"), HasSubstr("two sources: a.now"), HasSubstr("\"sum\": true")));
+  EXPECT_THAT(of(R"(, "sum": true)"), HasSubstr("no InputError"));
+  EXPECT_THAT(refused(R"({"from": "a.count", "to": "b.count_in", "sum": true})"), HasSubstr("type Real"));
+}
+
+TEST(Maps, ValuesThatAreNamedBecomeOthers) {
+  const auto mapped = [](const std::string& count, const std::string& map) {
+    return TestRun(pair(R"("count": )" + count, R"({"from": "a.count", "to": "b.level_in", "map": )" + map + "}"))
+        .to_end()
+        .column("a.count")
+        .size();
+  };
+  EXPECT_EQ(mapped("7", R"({"7": "high", "-3": "low"})"), 3U);
+  EXPECT_EQ(mapped("5", R"({"7": "low"})"), 3U);        // 5 passes: it is an item
+  EXPECT_THROW(mapped("6", R"({"7": "low"})"), Error);  // 6 is none
+  EXPECT_THAT(refused(R"({"from": "a.count", "to": "b.level_in", "map": {"7": "middle"}})"),
+              AllOf(HasSubstr("/connections/0/map/7"), HasSubstr("'middle' is not an item")));
+  EXPECT_THAT(refused(R"({"from": "a.count", "to": "b.level_in", "map": {"07": 5, "7": 5}})"),
+              HasSubstr("two values for 7"));
+  EXPECT_THAT(refused(R"({"from": "a.now", "to": "b.bare_in", "map": {"7": 5}})"), HasSubstr("a map goes from"));
+}
+
 TEST(Units, AConversionIsSaid) {
   TestRun run(pair("", R"({"from": "a.celsius", "to": "b.kelvin_in"})"));
   EXPECT_THAT(run.system.notices, testing::Contains("a.celsius -> b.kelvin_in: converted from [degC] to [K]"));

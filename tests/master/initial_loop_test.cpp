@@ -83,8 +83,9 @@ struct RandomSystem {
     for (std::size_t i = 0; i < count; ++i) {
       for (std::size_t k = 0; k < kInputs; ++k) {
         if (below(random, 2) == 0) continue;
-        system.connections.push_back(
-            {variable(below(random, count), kInputs + below(random, kOutputs)), variable(i, k)});
+        auto& connection = system.connections.emplace_back();
+        connection.from = variable(below(random, count), kInputs + below(random, kOutputs));
+        connection.to = variable(i, k);
       }
     }
   }

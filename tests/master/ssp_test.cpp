@@ -6,6 +6,8 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include <sstream>
+
 namespace mebots::master {
 namespace {
 
@@ -152,6 +154,13 @@ TEST_F(Ssp, OMSimulatorsStepIsUnderstood) {
   EXPECT_EQ(loaded.system.step, (ExactTime{1, 100}));
 }
 
+TEST_F(Ssp, TheStepOfTheOpenSimulationPlatformIsUnderstood) {
+  const auto loaded = load_system(ssp(two(), {}, R"(</ssd:System><ssd:DefaultExperiment stopTime="1"><ssd:Annotations>
+    <ssc:Annotation type="com.opensimulationplatform"><osp:Algorithm xmlns:osp="x"><osp:FixedStepAlgorithm baseStepSize="2e-2"/></osp:Algorithm></ssc:Annotation>
+    </ssd:Annotations></ssd:DefaultExperiment></ssd:SystemStructureDescription>)"));
+  EXPECT_EQ(loaded.system.step, (ExactTime{1, 50}));
+}
+
 TEST_F(Ssp, WhatCannotBeUsedIsSaidWithFileAndLine) {
   EXPECT_THAT(error_of(R"(<ssd:Elements><ssd:Component name="a"/></ssd:Elements>)"),
               AllOf(HasSubstr("test.ssp: SystemStructure.ssd, line 5"), HasSubstr("\"a\" has no source")));
@@ -191,6 +200,356 @@ TEST_F(Ssp, AnUnpackedOneRunsByItsFolderAndByItsFile) {
   EXPECT_TRUE(std::filesystem::exists(folder.path() / "results" / "open one" / "results.csv"));
   std::filesystem::create_directory(folder.path() / "none");
   EXPECT_THAT(test::input_error([&] { load_system(folder.path() / "none"); }), HasSubstr("SystemStructure.ssd"));
+}
+
+// Rules of the standard, by their sections in SSP 2.0 (SSP 1.0 says the same where nothing else is written).
+
+/// A component `name` with one connector.
+std::string part(const std::string& name, const std::string& connector = "", const std::string& more = "") {
+  return fmt::format(R"(<ssd:Component name="{}" source="resources/coupling.fmu">{}{}</ssd:Component>)", name,
+                     connector.empty() ? "" : "<ssd:Connectors>" + connector + "</ssd:Connectors>", more);
+}
+
+std::string connector(const std::string& name, const std::string& kind, const std::string& unit = "") {
+  return fmt::format(R"(<ssd:Connector name="{}" kind="{}"><ssc:Real{}/></ssd:Connector>)", name, kind,
+                     unit.empty() ? "" : fmt::format(" unit=\"{}\"", unit));
+}
+
+/// An inline binding with these <ssv:Parameter>s, and what follows the values.
+std::string binding(const std::string& parameters, const std::string& more = "", const std::string& attributes = "") {
+  return fmt::format(
+      R"(<ssd:ParameterBindings><ssd:ParameterBinding {}><ssd:ParameterValues><ssv:ParameterSet version="1.0" name="p">
+      <ssv:Parameters>{}</ssv:Parameters><ssv:Units><ssc:Unit name="km/h"><ssc:BaseUnit m="1" s="-1" factor="0.2777777777777778"/></ssc:Unit>
+      <ssc:Unit name="C"><ssc:BaseUnit K="1" offset="273.15"/></ssc:Unit></ssv:Units></ssv:ParameterSet></ssd:ParameterValues>{}</ssd:ParameterBinding></ssd:ParameterBindings>)",
+      attributes, parameters, more);
+}
+
+std::string real(const std::string& name, const std::string& value, const std::string& unit = "") {
+  return fmt::format(R"(<ssv:Parameter name="{}"><ssv:Real value="{}"{}/></ssv:Parameter>)", name, value,
+                     unit.empty() ? "" : fmt::format(" unit=\"{}\"", unit));
+}
+
+std::string mapping(const std::string& entries) {
+  return R"(<ssd:ParameterMapping><ssm:ParameterMapping version="1.0">)" + entries +
+         "</ssm:ParameterMapping></ssd:ParameterMapping>";
+}
+
+constexpr const char* kUnitsTail = R"(</ssd:System><ssd:Units>
+<ssc:Unit name="m/s"><ssc:BaseUnit m="1" s="-1"/></ssc:Unit><ssc:Unit name="cm/s"><ssc:BaseUnit m="1" s="-1" factor="0.01"/></ssc:Unit>
+<ssc:Unit name="kg"><ssc:BaseUnit kg="1"/></ssc:Unit></ssd:Units><ssd:DefaultExperiment startTime="0" stopTime="0.4"/>
+<ssd:Annotations><ssc:Annotation type="org.mebots.config">{"step": 0.1}</ssc:Annotation></ssd:Annotations></ssd:SystemStructureDescription>)";
+
+TEST_F(Ssp, TheOrderOfAConnectionsEndsIsNotItsDirection) {  // 5.4.2
+  const auto nested = [&](bool turned) {
+    const auto connection = [&](const std::string& from, const std::string& from_name, const std::string& to,
+                                const std::string& to_name) {
+      const auto end = [](const char* side, const std::string& element, const std::string& name) {
+        return (element.empty() ? "" : fmt::format("{}Element=\"{}\" ", side, element)) +
+               fmt::format("{}Connector=\"{}\" ", side, name);
+      };
+      const auto* first = turned ? "end" : "start";
+      const auto* second = turned ? "start" : "end";
+      return "<ssd:Connection " + end(first, from, from_name) + end(second, to, to_name) + "/>";
+    };
+    return load("<ssd:Connectors>" + connector("u", "input") + connector("y", "output") + "</ssd:Connectors>" +
+                binding(real("u", "4")) + "<ssd:Elements>" + part("a") + R"(<ssd:System name="in"><ssd:Connectors>)" +
+                connector("x", "input") + connector("z", "output") + "</ssd:Connectors><ssd:Elements>" + part("b") +
+                "</ssd:Elements><ssd:Connections>" + connection("", "x", "b", "bare_in") +
+                connection("b", "bare_out", "", "z") + "</ssd:Connections></ssd:System>" + part("c") +
+                "</ssd:Elements><ssd:Connections>" + connection("", "u", "a", "bare_in") +
+                connection("a", "bare_out", "in", "x") + connection("in", "z", "c", "bare_in") +
+                connection("c", "bare_out", "", "y") + "</ssd:Connections>")
+        .config;
+  };
+  const auto straight = nested(false);
+  const auto turned = nested(true);
+  EXPECT_EQ(straight["connections"], turned["connections"]);
+  EXPECT_EQ(straight["instances"]["a"]["parameters"], turned["instances"]["a"]["parameters"]);
+  EXPECT_EQ(straight["instances"]["a"]["parameters"]["bare_in"], 4.0);
+  ASSERT_EQ(straight["connections"].size(), 2U);
+  EXPECT_EQ(straight["connections"][0]["from"], "a.bare_out");
+  EXPECT_EQ(straight["connections"][0]["to"], "in.b.bare_in");
+  EXPECT_EQ(straight["connections"][1]["from"], "in.b.bare_out");
+  EXPECT_EQ(straight["connections"][1]["to"], "c.bare_in");
+}
+
+TEST_F(Ssp, TwoOutputsOrTwoInputsCannotBeConnected) {  // 5.4.2.1
+  const auto error = [&](const std::string& one, const std::string& other) {
+    return error_of(two() + fmt::format(R"(<ssd:Connections><ssd:Connection startElement="a" startConnector="{}"
+      endElement="b" endConnector="{}"/></ssd:Connections>)",
+                                        one, other));
+  };
+  EXPECT_THAT(error("bare_out", "real_out"),
+              AllOf(HasSubstr("line 7"), HasSubstr("\"a.bare_out\" (output)"), HasSubstr("both give a value")));
+  EXPECT_THAT(error("bare_in", "real_in"), HasSubstr("both take a value"));
+  // A system's own output takes values inside it, so two of them take as well.
+  EXPECT_THAT(
+      error_of(
+          "<ssd:Connectors>" + connector("y", "output") + "</ssd:Connectors>" + two() +
+          R"(<ssd:Connections><ssd:Connection startConnector="y" endElement="a" endConnector="bare_in"/></ssd:Connections>)"),
+      HasSubstr("both take a value"));
+}
+
+TEST_F(Ssp, UnitsAreConvertedAtEachConnectorOnTheWay) {  // 4.5.1.1, 4.5.2.1
+  // 36 km/h are 10 m/s at the system's connector; 1 m/s more; 1100 cm/s at a variable whose FMU names no unit.
+  const auto system =
+      "<ssd:Elements>" + part("a", "", binding(real("speed_kmh", "36"))) + R"(<ssd:System name="in"><ssd:Connectors>)" +
+      connector("x", "input", "m/s") + "</ssd:Connectors><ssd:Elements>" +
+      part("b", connector("bare_in", "input", "cm/s")) +
+      R"(</ssd:Elements><ssd:Connections><ssd:Connection startConnector="x" endElement="b" endConnector="bare_in"{}/>
+      </ssd:Connections></ssd:System></ssd:Elements><ssd:Connections><ssd:Connection startElement="a" startConnector="speed_kmh" endElement="in" endConnector="x">
+      <ssc:LinearTransformation offset="1"/></ssd:Connection></ssd:Connections>)";
+  const auto arrives = [&](const std::string& attribute, const std::string& tail) {
+    const auto archive = ssp(fmt::format(fmt::runtime(system), attribute), {}, tail);
+    const auto connection = load_system(archive).system.connections.at(0);
+    EXPECT_FALSE(connection.convert_units);
+    return connection.factor * 36 + connection.offset;
+  };
+  EXPECT_NEAR(arrives("", kUnitsTail), 1100, 1e-9);
+  EXPECT_NEAR(arrives(R"( suppressUnitConversion="true")", kUnitsTail), 11, 1e-12);
+  EXPECT_THAT(
+      test::input_error([&] {
+        load_system(ssp(
+            "<ssd:Elements>" + part("a") + part("b", connector("bare_in", "input", "kg")) +
+                R"(</ssd:Elements><ssd:Connections><ssd:Connection startElement="a" startConnector="speed_kmh" endElement="b" endConnector="bare_in"/></ssd:Connections>)",
+            {}, kUnitsTail));
+      }),
+      AllOf(HasSubstr("SystemStructure.ssd, line 5"), HasSubstr("differ in dimension"), HasSubstr("[kg]")));
+}
+
+TEST_F(Ssp, ValuesAreConvertedFromTheUnitOfTheirFile) {  // 6.2.1, 7.1.1
+  const auto given = [&](const std::string& parameters, const std::string& more = "") {
+    return load("<ssd:Elements>" + part("a", "", binding(parameters, more)) + "</ssd:Elements>")
+        .config["instances"]["a"]["parameters"];
+  };
+  EXPECT_NEAR(given(real("speed_in", "36", "km/h"))["speed_in"].get<double>(), 10, 1e-12);
+  EXPECT_NEAR(given(real("kelvin_in", "20", "C"))["kelvin_in"].get<double>(), 293.15, 1e-12);
+  EXPECT_EQ(given(real("bare_in", "36", "km/h"))["bare_in"], 36.0);   // the variable has no unit
+  EXPECT_EQ(given(real("furlong", "2", "furlong"))["furlong"], 2.0);  // one name, defined nowhere
+  // The transformation comes after the conversion, or instead of it.
+  const auto entry = [](const std::string& attribute) {
+    return mapping(R"(<ssm:MappingEntry source="v" target="speed_in")" + attribute +
+                   R"(><ssc:LinearTransformation factor="2" offset="1"/></ssm:MappingEntry>)");
+  };
+  EXPECT_NEAR(given(real("v", "36", "km/h"), entry(""))["speed_in"].get<double>(), 21, 1e-12);
+  EXPECT_EQ(given(real("v", "36", "km/h"), entry(R"( suppressUnitConversion="true")"))["speed_in"], 73.0);
+  const auto mistaken = [&](const std::string& parameters) {
+    return error_of("<ssd:Elements>" + part("a", "", binding(parameters)) + "</ssd:Elements>");
+  };
+  EXPECT_THAT(mistaken(real("speed_in", "1", "C")), AllOf(HasSubstr("line 6"), HasSubstr("differ in dimension")));
+  // Units that no file defines: usual names are understood, others leave the number as it is. Both are told.
+  EXPECT_DOUBLE_EQ(given(real("speed_in", "36", "[km/h]"))["speed_in"].get<double>(), 10);
+  EXPECT_EQ(given(real("speed_in", "36", "bananas"))["speed_in"], 36.0);
+  EXPECT_THAT(load("<ssd:Elements>" + part("a", "", binding(real("speed_in", "36", "bananas"))) + "</ssd:Elements>")
+                  .system.notices,
+              testing::Contains(AllOf(HasSubstr("[bananas]"), HasSubstr("taken as they are (1): a.speed_in"))));
+}
+
+TEST_F(Ssp, OnlyMappedParametersAreAppliedAndOnlyByTheirNewNames) {  // 7.1
+  const auto loaded = load(binding(real("k", "7") + real("celsius", "99") + real("speed_kmh", "3"),
+                                   mapping(R"(<ssm:MappingEntry source="to.k" target="a.celsius"/>
+                                  <ssm:MappingEntry source="to.k" target="a.bare_in"/>)"),
+                                   R"(prefix="to.")") +
+                           "<ssd:Elements>" + part("a") + "</ssd:Elements>");
+  EXPECT_EQ(loaded.config["instances"]["a"]["parameters"],
+            (nlohmann::ordered_json{{"bare_in", 7.0}, {"celsius", 7.0}}));
+}
+
+TEST_F(Ssp, MapsChangeTheValuesThatTheyName) {  // 4.5.2.2 to 4.5.2.4
+  const auto entry = [](const std::string& source, const std::string& target, const std::string& kind,
+                        const std::string& from, const std::string& to) {
+    return fmt::format(
+        R"(<ssm:MappingEntry source="{}" target="{}"><ssc:{}MappingTransformation><ssc:MapEntry source="{}" target="{}"/></ssc:{}MappingTransformation></ssm:MappingEntry>)",
+        source, target, kind, from, to, kind);
+  };
+  const auto loaded = load(
+      "<ssd:Elements>" +
+      part(
+          "a", "",
+          binding(
+              R"(<ssv:Parameter name="on"><ssv:Boolean value="1"/></ssv:Parameter><ssv:Parameter name="n"><ssv:Integer value="3"/></ssv:Parameter>
+                  <ssv:Parameter name="word"><ssv:Enumeration value="warm"/></ssv:Parameter>)",
+              mapping(entry("on", "flag", "Boolean", "true", "false") + entry("n", "count", "Integer", "3", "-8") +
+                      entry("n", "steps", "Integer", "4", "5") +
+                      entry("word", "level", "Enumeration", "warm", "high")))) +
+      "</ssd:Elements>");
+  const auto& parameters = loaded.config["instances"]["a"]["parameters"];
+  EXPECT_EQ(parameters["flag"], false);
+  EXPECT_EQ(parameters["count"], -8);
+  EXPECT_EQ(parameters["steps"], 3);  // not named: kept
+  EXPECT_EQ(parameters["level"], "high");
+}
+
+TEST_F(Ssp, ConnectionsMapDiscreteValuesInARun) {
+  // Through a system's connector: 2 becomes 4, then 5. A source value that the FMU never has
+  // is no mistake (4.5.2.3).
+  const std::string system =
+      "<ssd:Elements>" +
+      part(
+          "a", "",
+          binding(
+              R"(<ssv:Parameter name="count"><ssv:Integer value="2"/></ssv:Parameter><ssv:Parameter name="flag"><ssv:Boolean value="true"/></ssv:Parameter><ssv:Parameter name="level"><ssv:Enumeration value="low"/></ssv:Parameter>)")) +
+      R"(<ssd:System name="in"><ssd:Connectors><ssd:Connector name="x" kind="input"><ssc:Integer/></ssd:Connector></ssd:Connectors><ssd:Elements>)" +
+      part("b") + R"(<ssd:Component name="p" source="resources/my%20probe.fmu"/></ssd:Elements><ssd:Connections>
+      <ssd:Connection startConnector="x" endElement="p" endConnector="integer_in"><ssc:IntegerMappingTransformation>
+        <ssc:MapEntry source="4" target="5"/><ssc:MapEntry source="99999" target="6"/></ssc:IntegerMappingTransformation></ssd:Connection>
+      </ssd:Connections></ssd:System><ssd:Component name="q" source="resources/my%20probe.fmu"/></ssd:Elements><ssd:Connections>
+      <ssd:Connection startElement="a" startConnector="count" endElement="in" endConnector="x"><ssc:IntegerMappingTransformation>
+        <ssc:MapEntry source="2" target="4"/></ssc:IntegerMappingTransformation></ssd:Connection>
+      <ssd:Connection startElement="a" startConnector="flag" endElement="q" endConnector="boolean_in"><ssc:BooleanMappingTransformation>
+        <ssc:MapEntry source="true" target="false"/></ssc:BooleanMappingTransformation></ssd:Connection>
+      <ssd:Connection startElement="a" startConnector="level" endElement="q" endConnector="mode_in"><ssc:EnumerationMappingTransformation>
+        <ssc:MapEntry source="low" target="both"/><ssc:MapEntry source="unheard" target="both"/></ssc:EnumerationMappingTransformation></ssd:Connection></ssd:Connections>)";
+  ssp(system);
+  auto result = run({"run", "test.ssp", "--out", "r"});
+  ASSERT_EQ(result.code, 0) << result.err;
+  // There and back through our own writer, too.
+  EXPECT_EQ(run({"convert", "test.ssp", "copy.json"}).code, 0);
+  EXPECT_EQ(run({"convert", "copy.json", "copy.ssp"}).code, 0);
+  EXPECT_EQ(run({"run", "copy.ssp", "--out", "c"}).code, 0);
+  const auto csv = test::read_file(folder.path() / "r/results.csv");
+  EXPECT_EQ(csv, test::read_file(folder.path() / "c/results.csv"));
+  const auto value = [&](const std::string& name) {
+    std::istringstream lines(csv);
+    std::string head;
+    std::string first;
+    std::getline(lines, head);
+    std::getline(lines, first);
+    std::istringstream names(head);
+    std::istringstream values(first);
+    for (std::string column, field; std::getline(names, column, ',') && std::getline(values, field, ',');) {
+      if (column.substr(0, column.find(" [")) == name) return field;
+    }
+    return std::string("no such column");
+  };
+  EXPECT_EQ(value("in.p.integer_out"), "6");  // the probe adds 1
+  EXPECT_EQ(value("q.boolean_out"), "0");
+  EXPECT_EQ(value("q.mode_out"), "7");  // `both`
+}
+
+TEST_F(Ssp, ValuesThatNothingTakesAreLeftOutWithANotice) {  // 5.3.3, 6.2
+  const auto loaded = load(
+      binding(real("a.celsius", "5") + real("a.nothing", "1") + real("elsewhere.k", "1") + real("a.bare_out", "1") +
+              R"(<ssv:Parameter name="a.unknown"><ssv:Binary value="00"/></ssv:Parameter>)") +
+      two() +
+      R"(<ssd:Connections><ssd:Connection startElement="a" startConnector="celsius" endElement="b" endConnector="real_in" suppressUnitConversion="true"/></ssd:Connections>)");
+  EXPECT_EQ(loaded.config["instances"]["a"]["parameters"], (nlohmann::ordered_json{{"celsius", 5.0}}));
+  EXPECT_THAT(loaded.system.notices, testing::Contains(AllOf(HasSubstr("no such variable (3)"), HasSubstr("a.nothing"),
+                                                             HasSubstr("elsewhere.k"), HasSubstr("a.unknown"))));
+  EXPECT_THAT(loaded.system.notices, testing::Contains(AllOf(HasSubstr("cannot be set"), HasSubstr("a.bare_out"))));
+}
+
+TEST_F(Ssp, AValueOfAConnectedInputIsLeftOutWithANotice) {
+  const auto loaded = load(
+      two(binding(real("bare_in", "5"))) +
+      R"(<ssd:Connections><ssd:Connection startElement="b" startConnector="real_out" endElement="a" endConnector="bare_in"/></ssd:Connections>)");
+  EXPECT_FALSE(loaded.config["instances"]["a"].contains("parameters"));
+  EXPECT_THAT(loaded.system.notices,
+              testing::Contains(AllOf(HasSubstr("gets its value from b.real_out"), HasSubstr("a.bare_in"))));
+}
+
+TEST_F(Ssp, LaterBindingsWinOverEarlierOnesAndListsAreReadInTheirOrder) {  // 5.3.3
+  const auto loaded =
+      load("<ssd:Elements>" +
+           part("a", "", binding(real("celsius", "1") + real("speed_kmh", "1")) + binding(real("celsius", "2"))) +
+           "</ssd:Elements>");
+  EXPECT_EQ(loaded.config["instances"]["a"]["parameters"]["celsius"], 2.0);
+  EXPECT_EQ(loaded.config["instances"]["a"]["parameters"]["speed_kmh"], 1.0);
+}
+
+TEST_F(Ssp, AnUnpackedOneMayUseFilesOutsideItsFolderAndAnArchiveMayNot) {
+  const auto inside = folder.path() / "system";
+  std::filesystem::create_directories(inside);
+  std::filesystem::copy_file(COUPLING_FMU, folder.path() / "beside.fmu");
+  test::write_file(
+      folder.path() / "beside.ssv",
+      R"(<ParameterSet version="1.0" name="p"><Parameters><Parameter name="celsius"><Real value="8"/></Parameter></Parameters></ParameterSet>)");
+  const auto ssd = [](const std::string& slash) {
+    return kHead +
+           fmt::format(
+               R"(<ssd:Elements><ssd:Component name="a" source="..{}beside.fmu"><ssd:ParameterBindings><ssd:ParameterBinding source="../beside.ssv"/></ssd:ParameterBindings></ssd:Component></ssd:Elements>)",
+               slash) +
+           kTail;
+  };
+  test::write_file(inside / "SystemStructure.ssd", ssd("/"));
+  EXPECT_EQ(load_system(inside).config["instances"]["a"]["parameters"]["celsius"], 8.0);
+  EXPECT_EQ(run({"run", "system"}).code, 0);
+  test::write_file(inside / "SystemStructure.ssd", ssd("\\"));
+  const auto loaded = load_system(inside);
+  EXPECT_EQ(loaded.config["instances"]["a"]["parameters"]["celsius"], 8.0);
+  EXPECT_THAT(loaded.system.notices, testing::Contains(HasSubstr("backslashes of the source")));
+}
+
+TEST_F(Ssp, ValuesMayLieInsideAnFmu) {  // sourceBase="component", 5.3.3
+  modeldesc::unpack(COUPLING_FMU, folder.path() / "fmu");
+  std::filesystem::create_directories(folder.path() / "fmu/resources");
+  test::write_file(
+      folder.path() / "fmu/resources/set.ssv",
+      R"(<ParameterSet version="1.0" name="p"><Parameters><Parameter name="celsius"><Real value="6"/></Parameter></Parameters></ParameterSet>)");
+  std::vector<modeldesc::PackedFile> files;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder.path() / "fmu")) {
+    if (entry.is_regular_file()) {
+      files.push_back({entry.path().lexically_relative(folder.path() / "fmu").string(), entry.path()});
+    }
+  }
+  std::filesystem::create_directories(folder.path() / "s");
+  modeldesc::pack(folder.path() / "s/own.fmu", files);
+  const auto with = [&](const std::string& source) {
+    test::write_file(
+        folder.path() / "s/SystemStructure.ssd",
+        kHead +
+            fmt::format(
+                R"(<ssd:Elements><ssd:Component name="a" source="own.fmu"><ssd:ParameterBindings><ssd:ParameterBinding source="{}" sourceBase="component"/></ssd:ParameterBindings></ssd:Component></ssd:Elements>)",
+                source) +
+            kTail);
+    return folder.path() / "s";
+  };
+  EXPECT_EQ(load_system(with("resources/set.ssv")).config["instances"]["a"]["parameters"]["celsius"], 6.0);
+  EXPECT_THAT(test::input_error([&] { load_system(with("resources/none.ssv")); }),
+              HasSubstr("own.fmu holds no file \"resources/none.ssv\""));
+}
+
+TEST_F(Ssp, AComponentMayBeAnotherSsd) {  // 5.5
+  const std::string inner = std::string(kHead) + "<ssd:Connectors>" + connector("x", "input") + "</ssd:Connectors>" +
+                            binding(real("b.celsius", "1")) + "<ssd:Elements>" +
+                            R"(<ssd:Component name="b" source="coupling.fmu"/></ssd:Elements>
+    <ssd:Connections><ssd:Connection startConnector="x" endElement="b" endConnector="bare_in"/></ssd:Connections></ssd:System></ssd:SystemStructureDescription>)";
+  const std::string outer =
+      "<ssd:Elements>" + part("a") +
+      R"(<ssd:Component name="sub" type="application/x-ssp-definition" source="resources/inner.ssd">)" +
+      binding(real("b.celsius", "2")) +
+      R"(</ssd:Component></ssd:Elements><ssd:Connections><ssd:Connection startElement="a" startConnector="bare_out" endElement="sub" endConnector="x"/></ssd:Connections>)";
+  const auto loaded = load(outer, {{"resources/inner.ssd", inner}});
+  EXPECT_EQ(loaded.system.instance_names(), (std::vector<std::string>{"a", "sub.b"}));
+  EXPECT_EQ(loaded.config["instances"]["sub.b"]["parameters"]["celsius"], 2.0);
+  EXPECT_EQ(loaded.system.connections.at(0).to.text(), "sub.b.bare_in");
+  EXPECT_THAT(
+      test::input_error([&] {
+        load(
+            outer,
+            {{"resources/inner.ssd",
+              kHead +
+                  std::string(
+                      R"(<ssd:Elements><ssd:Component name="i" type="application/x-ssp-definition" source="inner.ssd"/></ssd:Elements></ssd:System></ssd:SystemStructureDescription>)")}});
+      }),
+      HasSubstr("refers to itself"));
+}
+
+TEST_F(Ssp, WhatIsWrittenHasItsValuesInFilesWithUnits) {
+  test::write_file(folder.path() / "first.json", test::with_probe(R"({"step": 0.1, "stop_time": 1, "connections": [],
+    "instances": {"a b": {"fmu": "COUPLING", "parameters": {"speed_in": 2.5, "level": "high"}}, "a_b": {"fmu": "COUPLING", "parameters": {"celsius": 1}}}})"));
+  ASSERT_EQ(run({"convert", "first.json", "second.ssp"}).code, 0);
+  modeldesc::unpack(folder.path() / "second.ssp", folder.path() / "open");
+  EXPECT_THAT(test::read_file(folder.path() / "open/SystemStructure.ssd"),
+              AllOf(HasSubstr(R"(<ssd:ParameterBinding source="resources/a_b.ssv" />)"),
+                    HasSubstr(R"(<ssd:ParameterBinding source="resources/a_b_2.ssv" />)"),
+                    testing::Not(HasSubstr("ParameterValues"))));
+  EXPECT_THAT(test::read_file(folder.path() / "open/resources/a_b.ssv"),
+              AllOf(HasSubstr(R"(<ssv:Real value="2.5" unit="m/s" />)"), HasSubstr(R"(<ssc:BaseUnit m="1" s="-1" />)"),
+                    HasSubstr(R"(<ssv:Enumeration value="high" name="Level" />)")));
+  const auto loaded = load_system(folder.path() / "open");
+  EXPECT_EQ(loaded.config["instances"]["a b"]["parameters"]["speed_in"], 2.5);
+  EXPECT_EQ(loaded.config["instances"]["a_b"]["parameters"]["celsius"], 1.0);
 }
 
 class Osp : public Ssp {
@@ -258,8 +617,110 @@ TEST_F(Osp, WhatCannotBeUsedIsSaidWithItsLine) {
       refused(
           R"(<VariableGroupConnection><VariableGroup simulator="a" name="on"/><VariableGroup simulator="b" name="in"/></VariableGroupConnection>)"),
       HasSubstr("has no group \"on\""));
-  EXPECT_THAT(refused("<SignalConnection/>"), HasSubstr("SignalConnection cannot be used"));
+  EXPECT_THAT(refused("<OtherConnection/>"), HasSubstr("OtherConnection is no connection"));
   EXPECT_THAT(test::input_error([&] { load_system(osp("", "")); }), HasSubstr("give it with --stop-time"));
+}
+
+/// Connections from outputs of `a` through functions to inputs of `b`.
+TEST_F(Osp, FunctionsAreComputedAtTheCommunicationPoints) {
+  const auto variable = [](const std::string& simulator, const std::string& name) {
+    return fmt::format(R"(<Variable simulator="{}" name="{}"/>)", simulator, name);
+  };
+  const auto signal = [](const std::string& function, const std::string& name) {
+    return fmt::format(R"(<Signal function="{}" name="{}"/>)", function, name);
+  };
+  const auto joined = [](const std::string& one, const std::string& other) {
+    return "<SignalConnection>" + one + other + "</SignalConnection>";
+  };
+  const std::string functions =
+      R"(<Functions><LinearTransformation name="line" factor="2" offset="-1"/><Sum name="sum" inputCount="3"/>
+    <VectorSum name="vector" inputCount="2" dimension="2"/></Functions>)";
+  const std::string good =
+      joined(variable("a", "mass_x"), signal("line", "in")) + joined(signal("line", "out"), variable("b", "mass_u")) +
+      joined(signal("sum", "in[0]"), variable("a", "mass_x")) + joined(signal("sum", "in[1]"), variable("a", "count")) +
+      joined(signal("sum", "in[2]"), variable("a", "now")) + joined(variable("b", "bare_in"), signal("sum", "out")) +
+      joined(variable("b", "ramp_in"), signal("sum", "out")) +
+      R"(<SignalGroupConnection><SignalGroup function="vector" name="in[0]"/><VariableGroup simulator="a" name="pair"/></SignalGroupConnection>
+         <SignalGroupConnection><SignalGroup function="vector" name="in[1]"/><VariableGroup simulator="a" name="turned"/></SignalGroupConnection>
+         <SignalGroupConnection><SignalGroup function="vector" name="out"/><VariableGroup simulator="b" name="takes"/></SignalGroupConnection>)";
+  const auto more = "<EndTime>0.4</EndTime>";
+  const auto with = [&](const std::string& connections) {
+    auto system = osp(connections, more);
+    auto text = test::read_file(system / "OspSystemStructure.xml");
+    text.replace(text.find("<Connections>"), 0, functions);
+    test::write_file(system / "OspSystemStructure.xml", text);
+    test::write_file(system / "coupling_OspModelDescription.xml", R"(<OspModelDescription><VariableGroups>
+      <Generic name="pair"><Variable ref="mass_x"/><Variable ref="now"/></Generic><Generic name="turned"><Variable ref="now"/><Variable ref="mass_x"/></Generic>
+      <Generic name="takes"><Variable ref="speed_in"/><Variable ref="angle_in"/></Generic><Generic name="one"><Variable ref="now"/></Generic></VariableGroups></OspModelDescription>)");
+    return system;
+  };
+  const auto loaded = load_system(with(good));
+  FmuLibrary library;
+  const auto resolved = resolve(loaded.system, library);
+  EXPECT_EQ(resolved.connections.size(), 11U);  // 1 + 2 x 3 + 2 x 2
+  EXPECT_EQ(loaded.system.connections.at(0).to.text(), "b.mass_u");
+  EXPECT_EQ(loaded.system.connections.at(0).factor, 2);
+  EXPECT_EQ(loaded.system.connections.at(0).offset, -1);
+  ASSERT_EQ(run({"run", "truck", "--out", "r"}).code, 0);
+  // Each row: what `b` gives is what it took at the same point, and that is the function of what `a` gives there.
+  std::istringstream lines(test::read_file(folder.path() / "r/results.csv"));
+  std::string line;
+  std::getline(lines, line);
+  std::vector<std::string> names;
+  for (std::istringstream head(line); std::getline(head, line, ',');) names.push_back(line);
+  int rows = 0;
+  while (std::getline(lines, line)) {
+    std::map<std::string, double> row;
+    std::istringstream fields(line);
+    for (const auto& name : names) {
+      std::getline(fields, line, ',');
+      row[name.substr(0, name.find(" ["))] = std::stod(line);
+    }
+    if (row["time"] > 0.2) continue;  // `b` steps twice as long as `a`: later rows hold older inputs
+    EXPECT_EQ(row["b.bare_out"], row["a.mass_x"] + row["a.count"] + row["a.now"]);
+    EXPECT_EQ(row["b.speed_out"], row["a.mass_x"] + row["a.now"]);
+    EXPECT_EQ(row["b.angle_out"], row["a.now"] + row["a.mass_x"]);
+    ++rows;
+  }
+  EXPECT_EQ(rows, 1);
+  EXPECT_EQ(run({"convert", "truck", "truck.json"}).code, 0);
+  EXPECT_EQ(run({"convert", "truck.json", "truck.ssp"}).code, 0);
+  EXPECT_EQ(run({"run", "truck.ssp", "--out", "s"}).code, 0);
+  EXPECT_EQ(test::read_file(folder.path() / "r/results.csv"), test::read_file(folder.path() / "s/results.csv"));
+
+  const auto mistaken = [&](const std::string& connections) {
+    return test::input_error([&] { load_system(with(connections)); });
+  };
+  EXPECT_THAT(mistaken(joined(variable("a", "mass_x"), signal("line", "in[0]"))), HasSubstr("no signal \"in[0]\""));
+  EXPECT_THAT(mistaken(joined(variable("a", "mass_x"), signal("lime", "in"))), HasSubstr("no function \"lime\""));
+  EXPECT_THAT(mistaken(joined(variable("a", "mass_x"), signal("sum", "in[3]"))), HasSubstr("no signal \"in[3]\""));
+  EXPECT_THAT(mistaken(good + joined(variable("a", "now"), signal("line", "in"))),
+              HasSubstr("from \"a.mass_x\" already"));
+  EXPECT_THAT(mistaken(joined(variable("a", "mass_x"), signal("line", "in"))),
+              HasSubstr("its input in[0] is not connected"));
+  EXPECT_THAT(
+      mistaken(
+          R"(<SignalGroupConnection><SignalGroup function="vector" name="in[0]"/><VariableGroup simulator="a" name="one"/></SignalGroupConnection>)"),
+      HasSubstr("1 variables and the function 2 elements"));
+}
+
+TEST_F(Osp, AProxyAStepThatIsNoMultipleAndValuesOfConnectedInputsAreTold) {
+  const auto system = osp(
+      R"(<VariableConnection><Variable simulator="b" name="mass_u"/><Variable simulator="a" name="mass_x"/></VariableConnection>)");
+  auto text = test::read_file(system / "OspSystemStructure.xml");
+  const std::string old = R"(source="my coupling.fmu" stepSize="0.2"/>)";
+  text.replace(text.find(old), old.size(),
+               R"(source="proxyfmu://localhost?file=my%20coupling.fmu" stepSize="0.25"><InitialValues>
+      <InitialValue variable="mass_u"><Real value="9"/></InitialValue></InitialValues></Simulator>)");
+  test::write_file(system / "OspSystemStructure.xml", text);
+  const auto loaded = load_system(system);
+  EXPECT_EQ(loaded.config["instances"]["b"]["process"], "own");
+  EXPECT_EQ(loaded.system.instances.at(1).steps, 2);
+  EXPECT_THAT(loaded.system.notices, testing::Contains(HasSubstr("the proxy at localhost is not used")));
+  EXPECT_THAT(loaded.system.notices, testing::Contains(HasSubstr("no multiple of the base step")));
+  EXPECT_THAT(loaded.system.notices,
+              testing::Contains(AllOf(HasSubstr("\"b.mass_u\" is left out"), HasSubstr("line 10"))));
+  EXPECT_EQ(run({"run", "truck"}).code, 0);
 }
 
 TEST_F(Ssp, AnExperimentMayStartLater) {

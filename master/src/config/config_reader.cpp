@@ -20,6 +20,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <iterator>
 #include <map>
 
 namespace mebots::master {
@@ -131,12 +133,14 @@ nlohmann::ordered_json give(nlohmann::ordered_json config, const GivenTimes& tim
 SspConfig open_ssp(const std::filesystem::path& file, SystemDescription& system) {
   auto folder = std::make_shared<const modeldesc::TemporaryFolder>("mebots");
   system.unpacked = folder;
-  modeldesc::unpack(file, folder->path());
+  auto notices = modeldesc::unpack(file, folder->path());
   if (const std::string ssd = "SystemStructure.ssd"; !is_file(folder->path() / ssd)) {
     throw InputError(ErrorCode::file_not_found, fmt::format("{}: this is not an SSP: {}", file.string(),
                                                             modeldesc::why_missing(folder->path(), ssd)));
   }
-  return read_ssp(folder->path(), file);
+  auto ssp = read_ssp(folder->path(), file, SspReach::inside);
+  std::ranges::move(notices, std::back_inserter(ssp.notices));
+  return ssp;
 }
 
 void read_sections(const data::Node& root, SystemDescription& system) {
@@ -302,7 +306,8 @@ LoadedSystem load(const std::filesystem::path& path, const GivenTimes& times, Wi
       case SystemForm::ssd:
       case SystemForm::osp: {
         const auto folder = std::filesystem::absolute(file).parent_path();
-        auto read = form == SystemForm::osp ? read_osp(file) : read_ssp(folder, folder, file.filename().string());
+        auto read = form == SystemForm::osp ? read_osp(file)
+                                            : read_ssp(folder, folder, SspReach::anywhere, file.filename().string());
         loaded.system.source = read.source;
         read_ssp_config(loaded, std::move(read), file.string(), times);
         break;

@@ -6,6 +6,14 @@
 namespace mebots::master::config {
 namespace {
 
+std::vector<MappedValue> read_map(const Node& node) {
+  std::vector<MappedValue> map;
+  for (const auto& [from, to] : node.members()) {
+    to.attempt([&, &from = from, &to = to] { map.push_back({from, written_value(to), to.place()}); });
+  }
+  return map;
+}
+
 ConnectionDescription read_connection(const Node& node, const SystemDescription& system) {
   Object object(node);
   ConnectionDescription connection;
@@ -21,6 +29,8 @@ ConnectionDescription read_connection(const Node& node, const SystemDescription&
   });
   object.read_if("offset", connection.offset, data::number());
   object.read_if("convert_units", connection.convert_units, &Node::flag);
+  object.read_if("sum", connection.sum, &Node::flag);
+  object.read_if("map", connection.map, read_map);
   object.comment("text");
   object.finish();
   return connection;

@@ -99,6 +99,13 @@ struct InstanceDescription {
   std::string place;
 };
 
+/// The output's value `from`, as text, becomes `to`.
+struct MappedValue {
+  std::string from;
+  WrittenValue to;
+  std::string place;
+};
+
 /// The input gets factor * x + offset, with x the output's value in the input's unit.
 struct ConnectionDescription {
   VariableName from;
@@ -106,7 +113,9 @@ struct ConnectionDescription {
   std::string place;
   double factor = 1;
   double offset = 0;
-  bool convert_units = true;  ///< false: x is the output's value as it is, whatever the units
+  bool convert_units = true;     ///< false: x is the output's value as it is, whatever the units
+  bool sum = false;              ///< the input gets the sum over all connections that end at it
+  std::vector<MappedValue> map;  ///< of Integers, Enumerations and Booleans; other values pass as they are
 };
 
 /// Who sees whose outputs within a communication step.

@@ -68,7 +68,7 @@ bool is_measured(const ResolvedConnection& connection) {
   const auto continuous = [](const ResolvedVariable& variable) {
     return variable.variable->type == Type::real && variable.variable->variability == Variability::continuous;
   };
-  return continuous(connection.from) && continuous(connection.to);
+  return !connection.sum && continuous(connection.from) && continuous(connection.to);
 }
 
 std::string product_text(const std::string& one, const std::string& other) {

@@ -7,10 +7,15 @@
 #include "mebots/nearest_names.hpp"
 #include "mebots/text_file.hpp"
 #include "slave/fmu.hpp"
+#include "slave/fmu_descriptions.hpp"
+#include "ssp/uri.hpp"
 #include "ssp/xml_file.hpp"
+
+#include "functions.hpp"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -20,15 +25,8 @@ namespace {
 
 using namespace ssp;
 using modeldesc::Causality;
+using osp::OspVariable;
 using Json = nlohmann::ordered_json;
-
-/// A variable of a simulator.
-struct OspVariable {
-  std::string simulator;
-  std::string variable;
-
-  std::string text() const { return simulator + "." + variable; }
-};
 
 class OspReader {
  public:
@@ -38,9 +36,7 @@ class OspReader {
   SspConfig read() {
     const auto root = file_.root();
     if (local_name(root) != "OspSystemStructure") file_.fail(root, "the root element must be OspSystemStructure");
-    if (const auto functions = child(root, "Functions"); functions && functions.first_child()) {
-      file_.fail(functions, "functions between simulators cannot be used; connections of variables can");
-    }
+    functions_.read(child(root, "Functions"));
     read_times(root);
     result_.config["instances"] = Json::object();
     result_.places["/instances"] = file_.place(root);
@@ -49,6 +45,8 @@ class OspReader {
     for (const auto connection : child(root, "Connections").children()) {
       if (connection.type() == pugi::node_element) read_connection(connection);
     }
+    for (const auto& link : functions_.links()) connect_through(link);
+    leave_out_values_of_connected();
     result_.source = std::move(bytes_);
     return std::move(result_);
   }
@@ -91,10 +89,9 @@ class OspReader {
     if (!instance.is_null()) file_.fail(node, fmt::format("the simulator \"{}\" is there twice", name));
     const auto pointer = "/instances" + data::pointer_step(name);
     result_.places[pointer] = file_.place(node);
-    const auto path = path_of(node, file_.required(node, "source"));
-    instance["fmu"] = path.string();
+    const auto path = read_source(node, name, instance);
     if (node.attribute("stepSize")) {
-      instance["step"] = file_.number(node, "stepSize", 0);
+      instance["step"] = step_of(node, name);
       result_.places[pointer + "/step"] = file_.place(node);
     }
     for (const auto value : children(child(node, "InitialValues"), "InitialValue")) {
@@ -102,32 +99,53 @@ class OspReader {
       instance["parameters"][variable] = initial_value(value);
       result_.places[pointer + "/parameters" + data::pointer_step(variable)] = file_.place(value);
     }
+    const auto* description = descriptions_.find(path);
+    if (description == nullptr) tell_why(node, path);
+    fmus_.emplace(name, OspFmu{description, path});
+  }
+
+  /// Returns the path of the FMU. Gives the FMU of a proxy its own process.
+  std::filesystem::path read_source(pugi::xml_node node, const std::string& name, Json& instance) {
+    const auto source = file_.required(node, "source");
+    const auto uri = parse_file_uri(source);
+    if (!uri) file_.fail(node, fmt::format("the source \"{}\" is not a file", source));
+    if (uri->has_backslashes) {
+      result_.notices.push_back(
+          fmt::format("{}: the backslashes of the source \"{}\" are read as slashes", file_.place(node), source));
+    }
+    auto path = (folder_ / uri->path).lexically_normal();
+    instance["fmu"] = path.string();
+    if (uri->by_proxy) {
+      instance["process"] = "own";
+      result_.notices.push_back(
+          fmt::format("{}: \"{}\" runs on this machine, in its own process; the proxy at {} is not used",
+                      file_.place(node), name, *uri->by_proxy));
+    }
+    return path;
+  }
+
+  /// A multiple of the base step. libcosim rounds others down, and so do we.
+  double step_of(pugi::xml_node node, const std::string& name) {
+    const auto step = file_.number(node, "stepSize", 0);
+    if (!result_.config.contains("step")) return step;
+    const auto base = result_.config["step"].get<double>();
+    constexpr double kRounding = 1e-9;  // of decimals as doubles
+    const auto multiple = std::max(1.0, std::floor(step / base + kRounding));
+    if (!(step > 0) || !(base > 0) || std::abs(step - multiple * base) <= kRounding * base) return step;
+    result_.notices.push_back(
+        fmt::format("{}: the step {} s of \"{}\" is no multiple of the base step {} s; it takes {} s",
+                    file_.place(node), step, name, base, multiple * base));
+    return multiple * base;
+  }
+
+  /// Throws what opening the FMU throws.
+  [[noreturn]] void tell_why(pugi::xml_node node, const std::filesystem::path& path) const {
     try {
-      fmus_.emplace(name, std::make_shared<Fmu>(path));
+      static_cast<void>(Fmu(path));
     } catch (const InputError& error) {
       file_.fail(node, error.what());
     }
-  }
-
-  /// A URI reference: relative to the system, or of scheme file.
-  std::filesystem::path path_of(pugi::xml_node node, std::string source) const {
-    constexpr std::string_view kFile = "file://";
-    if (source.starts_with(kFile)) {
-      source.erase(0, kFile.size());
-    } else if (source.find("://") != std::string::npos || source.starts_with("proxyfmu:")) {
-      file_.fail(node, fmt::format("the source \"{}\" is not a file; FMUs behind a proxy cannot be used", source));
-    }
-    std::string path;
-    for (std::size_t i = 0; i < source.size(); ++i) {
-      const auto digit = [&](std::size_t at) {
-        return at < source.size() ? std::string_view("0123456789abcdef").find(static_cast<char>(source[at] | 0x20))
-                                  : std::string_view::npos;
-      };
-      const bool escaped = source[i] == '%' && digit(i + 1) < 16 && digit(i + 2) < 16;
-      path += escaped ? static_cast<char>(16 * digit(i + 1) + digit(i + 2)) : source[i];
-      if (escaped) i += 2;
-    }
-    return (folder_ / path).lexically_normal();
+    file_.fail(node, fmt::format("{}: the description of this FMU cannot be read", path.string()));
   }
 
   Json initial_value(pugi::xml_node node) const {
@@ -164,9 +182,23 @@ class OspReader {
         file_.fail(node, fmt::format("one group has {} variables and the other {}", first.size(), second.size()));
       }
       for (std::size_t i = 0; i < first.size(); ++i) connect(node, first[i], second[i]);
+    } else if (kind == "SignalConnection") {
+      const auto end = one(node, "Variable");
+      const OspVariable variable{simulator_of(end), file_.required(end, "name")};
+      functions_.connect(one(node, "Signal"), {variable}, osp::Ends::variable);
+    } else if (kind == "SignalGroupConnection") {
+      functions_.connect(one(node, "SignalGroup"), group(one(node, "VariableGroup")), osp::Ends::group);
     } else {
-      file_.fail(node, fmt::format("{} cannot be used; connections of variables and of variable groups can", kind));
+      file_.fail(node, fmt::format("{} is no connection", kind));
     }
+  }
+
+  pugi::xml_node one(pugi::xml_node node, const char* element) const {
+    const auto ends = children(node, element);
+    if (ends.size() != 1) {
+      file_.fail(node, fmt::format("one element {} is expected here, and there are {}", element, ends.size()));
+    }
+    return ends.front();
   }
 
   std::vector<pugi::xml_node> two(pugi::xml_node node, const char* element) const {
@@ -187,7 +219,7 @@ class OspReader {
   }
 
   Causality causality(pugi::xml_node node, const OspVariable& end) const {
-    const auto* variable = fmus_.at(end.simulator)->description().find(end.variable);
+    const auto* variable = fmus_.at(end.simulator).description->find(end.variable);
     if (variable == nullptr)
       file_.fail(node, fmt::format("the FMU of \"{}\" has no variable \"{}\"", end.simulator, end.variable));
     return variable->causality;
@@ -200,19 +232,60 @@ class OspReader {
       file_.fail(node, fmt::format("of \"{}\" and \"{}\" one must be an output and the other an input", one.text(),
                                    other.text()));
     }
+    add(node, {{"from", (onwards ? one : other).text()}, {"to", (onwards ? other : one).text()}},
+        onwards ? other : one);
+  }
+
+  void add(pugi::xml_node node, Json connection, const OspVariable& to) {
     auto& connections = result_.config["connections"];
     result_.places[fmt::format("/connections/{}", connections.size())] = file_.place(node);
-    connections.push_back({{"from", (onwards ? one : other).text()}, {"to", (onwards ? other : one).text()}});
+    connections.push_back(std::move(connection));
+    ends_.push_back(to);
+  }
+
+  /// A function computes with numbers as they are, whatever their units.
+  void connect_through(const osp::FunctionLink& link) {
+    for (const auto& [variable, wanted] :
+         {std::pair(&link.from, Causality::output), std::pair(&link.to, Causality::input)}) {
+      if (causality(link.node, *variable) == wanted) continue;
+      file_.fail(link.node, fmt::format("\"{}\" must be an {} of its FMU, to be connected so with a function",
+                                        variable->text(), to_string(wanted)));
+    }
+    if (link.factor == 0) return set(link.node, link.to, link.offset);
+    Json connection = {{"from", link.from.text()}, {"to", link.to.text()}};
+    if (link.factor != 1) connection["factor"] = link.factor;
+    if (link.offset != 0) connection["offset"] = link.offset;
+    connection["convert_units"] = false;
+    connection["sum"] = true;  // also a sum of one: the value is computed at the communication points, and held
+    add(link.node, std::move(connection), link.to);
+  }
+
+  void set(pugi::xml_node node, const OspVariable& variable, double value) {
+    result_.config["instances"][variable.simulator]["parameters"][variable.variable] = value;
+    result_.places["/instances" + data::pointer_step(variable.simulator) + "/parameters" +
+                   data::pointer_step(variable.variable)] = file_.place(node);
+  }
+
+  void leave_out_values_of_connected() {
+    for (const auto& end : ends_) {
+      auto& instance = result_.config["instances"][end.simulator];
+      if (!instance.contains("parameters") || instance["parameters"].erase(end.variable) == 0) continue;
+      result_.notices.push_back(
+          fmt::format("{}: the initial value of \"{}\" is left out, since the variable is connected",
+                      result_.places["/instances" + data::pointer_step(end.simulator) + "/parameters" +
+                                     data::pointer_step(end.variable)],
+                      end.text()));
+    }
   }
 
   /// The variables of a group and of the groups in it, in the order of the file.
   std::vector<OspVariable> group(pugi::xml_node end) {
     const auto simulator = simulator_of(end);
     const auto name = file_.required(end, "name");
-    const auto& fmu = *fmus_.at(simulator);
-    const auto described = fmu.description().model_name + "_OspModelDescription.xml";
+    const auto& fmu = fmus_.at(simulator);
+    const auto described = fmu.description->model_name + "_OspModelDescription.xml";
     auto path = folder_ / described;
-    if (!is_there(path)) path = fmu.archive().parent_path() / described;
+    if (!is_there(path)) path = fmu.archive.parent_path() / described;
     if (!is_there(path)) {
       file_.fail(end, fmt::format("the groups of \"{}\" are unknown: there is no {} beside the system or the FMU",
                                   simulator, described));
@@ -243,7 +316,15 @@ class OspReader {
   std::string bytes_;
   XmlFile file_;
   SspConfig result_;
-  std::map<std::string, std::shared_ptr<Fmu>> fmus_;
+  struct OspFmu {
+    const modeldesc::ModelDescription* description;
+    std::filesystem::path archive;
+  };
+
+  osp::Functions functions_{file_};
+  FmuDescriptions descriptions_;
+  std::map<std::string, OspFmu> fmus_;
+  std::vector<OspVariable> ends_;  // of connections
 };
 
 }  // namespace

@@ -42,6 +42,8 @@ class Fmu {
   /// Where it is unpacked.
   const std::filesystem::path& folder() const { return folder_; }
   const modeldesc::ModelDescription& description() const { return description_; }
+  /// Notices for the user about the archive.
+  const std::vector<std::string>& notices() const { return notices_; }
   /// The FMU's functions. Loads its shared library on the first call; throws InputError naming the
   /// missing library or function when that fails.
   const Fmi2Functions& functions();
@@ -103,6 +105,7 @@ class Fmu {
   std::filesystem::path archive_;
   std::unique_ptr<UnpackFolder> own_folder_;  // null when another process unpacked it
   std::filesystem::path folder_;
+  std::vector<std::string> notices_;  // before the description, whose reading fills them
   modeldesc::ModelDescription description_;
   void* library_ = nullptr;
   bool kept_loaded_ = false;

@@ -12,10 +12,11 @@
 namespace mebots::master {
 namespace {
 
-modeldesc::ModelDescription unpack_and_read(const std::filesystem::path& archive, const std::filesystem::path& folder) {
+modeldesc::ModelDescription unpack_and_read(const std::filesystem::path& archive, const std::filesystem::path& folder,
+                                            std::vector<std::string>& notices) {
   const auto file = folder / "modelDescription.xml";
   try {
-    modeldesc::unpack(archive, folder);
+    notices = modeldesc::unpack(archive, folder);
     if (!is_there(file)) {
       throw InputError(ErrorCode::fmu_inconsistent,
                        fmt::format("{}: this is not an FMU: {}", archive.string(),
@@ -46,7 +47,7 @@ Fmu::Fmu(std::filesystem::path archive)
     : archive_(std::move(archive)),
       own_folder_(std::make_unique<UnpackFolder>()),
       folder_(own_folder_->path()),
-      description_(unpack_and_read(archive_, folder_)) {
+      description_(unpack_and_read(archive_, folder_, notices_)) {
   std::filesystem::create_directories(folder_ / "resources");  // an FMU may count on it
 }
 

@@ -11,13 +11,13 @@
 
 namespace mebots::master::ssp {
 
-bool FolderFiles::holds(const std::filesystem::path& inside) const {
-  return is_file(folder_ / inside);
+bool FolderFiles::holds(const std::filesystem::path& path) const {
+  return is_file(folder_ / path);
 }
 
-std::string FolderFiles::read(const std::filesystem::path& inside) const {
-  std::ifstream stream(folder_ / inside, std::ios::binary);
-  if (!stream) throw InputError(ErrorCode::file_not_found, fmt::format("{}: the file is missing", inside.string()));
+std::string FolderFiles::read(const std::filesystem::path& path) const {
+  std::ifstream stream(folder_ / path, std::ios::binary);
+  if (!stream) throw InputError(ErrorCode::file_not_found, fmt::format("{}: the file is missing", path.string()));
   std::string bytes{std::istreambuf_iterator<char>(stream), {}};
   bytes_read_ += bytes;
   return bytes;

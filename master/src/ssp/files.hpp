@@ -7,32 +7,39 @@
 
 namespace mebots::master::ssp {
 
-/// The files of an SSP, by their paths inside it.
+/// The files of an SSP, by their paths from the folder of its SSD.
 class Files {
  public:
   virtual ~Files() = default;
 
-  virtual bool holds(const std::filesystem::path& inside) const = 0;
+  virtual bool holds(const std::filesystem::path& path) const = 0;
   /// The file's bytes. Throws InputError for a file that is not there.
-  virtual std::string read(const std::filesystem::path& inside) const = 0;
+  virtual std::string read(const std::filesystem::path& path) const = 0;
   /// Where the FMU reader finds the file.
-  virtual std::filesystem::path place(const std::filesystem::path& inside) const = 0;
+  virtual std::filesystem::path place(const std::filesystem::path& path) const = 0;
+  /// True if paths may lead out of the SSP. Paths of an archive may not: an archive can come from anybody.
+  virtual bool is_open() const { return false; }
 };
 
 /// An SSP that is unpacked in a folder.
 class FolderFiles final : public Files {
  public:
-  explicit FolderFiles(std::filesystem::path folder) : folder_(std::move(folder)) {}
+  /// `is_open`: the user unpacked it, so that `../` and absolute paths mean what they say.
+  FolderFiles(std::filesystem::path folder, bool is_open) : folder_(std::move(folder)), is_open_(is_open) {}
 
-  bool holds(const std::filesystem::path& inside) const override;
-  std::string read(const std::filesystem::path& inside) const override;
-  std::filesystem::path place(const std::filesystem::path& inside) const override { return folder_ / inside; }
+  bool holds(const std::filesystem::path& path) const override;
+  std::string read(const std::filesystem::path& path) const override;
+  std::filesystem::path place(const std::filesystem::path& path) const override {
+    return (folder_ / path).lexically_normal();
+  }
+  bool is_open() const override { return is_open_; }
   /// The bytes of all that was read so far, in that order.
   const std::string& bytes_read() const { return bytes_read_; }
 
  private:
   mutable std::string bytes_read_;
   std::filesystem::path folder_;
+  bool is_open_;
 };
 
 }  // namespace mebots::master::ssp

@@ -2,36 +2,23 @@
 #include "parameters.hpp"
 
 #include "mebots/input_error.hpp"
+#include "mebots/modeldesc/archive_reader.hpp"
+#include "uri.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
+#include <iterator>
 #include <limits>
+#include <map>
 #include <memory>
 
 namespace mebots::master::ssp {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
-std::string percent_decoded(const std::string& uri) {
-  std::string text;
-  for (std::size_t i = 0; i < uri.size(); ++i) {
-    unsigned value = 0;
-    if (uri[i] == '%' && i + 2 < uri.size()) {
-      const auto* digits = uri.data() + i + 1;
-      if (std::from_chars(digits, digits + 2, value, 16).ptr == digits + 2) {
-        text += static_cast<char>(value);
-        i += 2;
-        continue;
-      }
-    }
-    text += uri[i];
-  }
-  return text;
-}
+constexpr std::string_view kParameterSet = "application/x-ssp-parameter-set";
+constexpr std::string_view kParameterMapping = "application/x-ssp-parameter-mapping";
 
 /// An inline element, or the root of the file that `source` names. Keeps the file while it is read.
 struct Part {
@@ -40,14 +27,41 @@ struct Part {
   std::unique_ptr<XmlFile> own;
 };
 
-Part part(const Source& source, const XmlFile& file, pugi::xml_node node, const char* inline_holder,
-          std::string_view root_name) {
+/// A file inside a component's FMU.
+std::string read_from_fmu(const BindingContext& context, pugi::xml_node node, const std::string& uri) {
+  const auto named = parse_file_uri(uri);
+  const auto path = named ? named->path.lexically_normal() : std::filesystem::path();
+  try {
+    const auto archive = context.source.files.place(context.fmu);
+    const modeldesc::ArchiveReader reader(modeldesc::open_zip(archive), archive.string());
+    for (const auto& entry : reader.entries()) {
+      if (entry.is_folder || std::filesystem::path(entry.name).lexically_normal() != path) continue;
+      std::string bytes;
+      reader.read(entry, [&](std::string_view part) { bytes += part; });
+      return bytes;
+    }
+  } catch (const Error& error) {
+    context.ssd.fail(node, error.what());
+  }
+  context.ssd.fail(node, fmt::format("the FMU {} holds no file \"{}\"", context.fmu.string(), uri));
+}
+
+std::string read_source(const BindingContext& context, pugi::xml_node node, const std::string& uri) {
+  const auto base = std::string_view(node.attribute("sourceBase").as_string("SSD"));
+  if (base == "SSD") return context.source.files.read(resolve_uri(context.source, context.ssd, node, uri));
+  if (base != "component") {
+    context.ssd.fail(node, fmt::format("sourceBase is \"{}\", but SSD or component is expected", base));
+  }
+  if (context.fmu.empty()) {
+    context.ssd.fail(node, "sourceBase=\"component\" needs a component, and this is a system");
+  }
+  return read_from_fmu(context, node, uri);
+}
+
+Part part(const BindingContext& context, pugi::xml_node node, const char* inline_holder, std::string_view root_name) {
   if (const auto uri = node.attribute("source")) {
-    const auto base = std::string_view(node.attribute("sourceBase").as_string("SSD"));
-    if (base != "SSD")
-      file.fail(node, fmt::format("sourceBase=\"{}\" is not supported; put the file into the SSP", base));
-    const auto path = resolve_uri(source, file, node, uri.value());
-    auto own = std::make_unique<XmlFile>(source.files.read(path), fmt::format("{}: {}", source.archive, path.string()));
+    auto own = std::make_unique<XmlFile>(read_source(context, node, uri.value()),
+                                         fmt::format("{}: {}", context.source.archive, uri.value()));
     const auto root = own->root();
     if (local_name(root) != root_name) own->fail(root, fmt::format("the root element must be {}", root_name));
     const auto* raw = own.get();
@@ -55,8 +69,8 @@ Part part(const Source& source, const XmlFile& file, pugi::xml_node node, const 
   }
   const auto holder = inline_holder == nullptr ? node : child(node, inline_holder);
   const auto found = child(holder, root_name);
-  if (!found) file.fail(node, fmt::format("neither a source nor an inline {} is there", root_name));
-  return {&file, found, nullptr};
+  if (!found) context.ssd.fail(node, fmt::format("neither a source nor an inline {} is there", root_name));
+  return {&context.ssd, found, nullptr};
 }
 
 std::int32_t whole_number(const XmlFile& file, pugi::xml_node node, const std::string& text) {
@@ -69,8 +83,19 @@ std::int32_t whole_number(const XmlFile& file, pugi::xml_node node, const std::s
   return static_cast<std::int32_t>(*value);
 }
 
+/// Returns the element that holds the value, such as <Real>, or null.
+pugi::xml_node type_of(pugi::xml_node parameter) {
+  return parameter.find_child([](pugi::xml_node node) {
+    const auto name = local_name(node);
+    return node.type() == pugi::node_element && name != "Dimension" && name != "Annotations" && name != "MetaData";
+  });
+}
+
 Json value_of(const XmlFile& file, pugi::xml_node parameter) {
-  for (const auto node : parameter.children()) {
+  if (const auto dimension = child(parameter, "Dimension")) {
+    file.fail(dimension, "values of arrays cannot be used; FMI 2.0 knows scalars only");
+  }
+  if (const auto node = type_of(parameter)) {
     const auto type = local_name(node);
     const auto text = [&] { return file.required(node, "value"); };
     if (type == "Real" || type == "Float64" || type == "Float32") {
@@ -96,96 +121,85 @@ Json value_of(const XmlFile& file, pugi::xml_node parameter) {
   file.fail(parameter, "it has no value: one of Real, Integer, Boolean, String and Enumeration is expected");
 }
 
-void transform(const XmlFile& file, pugi::xml_node entry, Json& value) {
-  for (const auto* unsupported :
-       {"BooleanMappingTransformation", "IntegerMappingTransformation", "EnumerationMappingTransformation"}) {
-    const auto node = child(entry, unsupported);
-    if (!node) continue;
-    const auto shown = value.is_string() ? value.get<std::string>() : value.dump();
-    for (const auto map : children(node, "MapEntry")) {
-      auto source = file.required(map, "source");
-      if (value.is_boolean()) source = source == "1" || source == "true" ? "true" : "false";
-      if (source != shown) continue;
-      const auto target = file.required(map, "target");
-      if (value.is_boolean()) {
-        value = target == "true" || target == "1";
-      } else if (value.is_string()) {
-        value = target;
-      } else {
-        value = whole_number(file, map, target);
-      }
-      return;
-    }
-    file.fail(node, fmt::format("no MapEntry is for the value {}", shown));
+/// A pair of names of a parameter mapping, with what happens to the value.
+struct MappingEntry {
+  std::string source;
+  std::string target;
+  Transformation transformation;
+};
+
+std::vector<MappingEntry> read_mapping(const Part& mapping) {
+  std::vector<MappingEntry> entries;
+  for (const auto entry : children(mapping.node, "MappingEntry")) {
+    entries.push_back({mapping.file->required(entry, "source"), mapping.file->required(entry, "target"),
+                       read_transformation(*mapping.file, entry)});
   }
-  const auto linear = child(entry, "LinearTransformation");
-  if (!linear) return;
-  if (!value.is_number()) file.fail(linear, "only numbers can be transformed linearly");
-  const double factor = file.number(linear, "factor", 1);
-  const double offset = file.number(linear, "offset", 0);
-  if (factor == 1 && offset == 0) return;
-  value = factor * value.get<double>() + offset;
-  if (!std::isfinite(value.get<double>())) file.fail(linear, "the value leaves the range of numbers");
+  return entries;
 }
 
-std::vector<Parameter> read_values(const Part& values, const std::string& prefix) {
+std::vector<Parameter> read_values(const BindingContext& context, const Part& values, const std::string& prefix) {
+  // An inline ParameterSet is a part of the SSD's file, whose definitions hold in it (4.4.1).
+  auto definitions = read_definitions(*values.file, values.node);
+  if (!values.own) definitions.units.insert(context.definitions.units.begin(), context.definitions.units.end());
   std::vector<Parameter> result;
   for (const auto node : children(child(values.node, "Parameters"), "Parameter")) {
-    result.push_back(
-        {prefix + values.file->required(node, "name"), value_of(*values.file, node), values.file->place(node)});
+    Parameter parameter;
+    parameter.name = prefix + values.file->required(node, "name");
+    try {
+      parameter.value = value_of(*values.file, node);
+    } catch (const InputError& error) {
+      parameter.problem = error.what();  // nobody may want it
+    }
+    parameter.unit = read_unit(type_of(node), definitions);
+    parameter.file = values.file->name();
+    parameter.place = values.file->place(node);
+    result.push_back(std::move(parameter));
   }
   return result;
 }
 
-/// SSP 1.0: with a mapping, the parameters that it names take their new names and values, one for each entry;
-/// the others are left as they are.
-std::vector<Parameter> mapped(const std::vector<Parameter>& parameters, const Part& mapping) {
+/// Applies a mapping: only the parameters that it names remain, by their new names, one for each entry (chapter 7).
+std::vector<Parameter> mapped(const std::vector<Parameter>& parameters, const std::vector<MappingEntry>& entries) {
+  std::multimap<std::string_view, const MappingEntry*> by_source;
+  for (const auto& entry : entries) by_source.emplace(entry.source, &entry);
   std::vector<Parameter> result;
-  const auto entries = children(mapping.node, "MappingEntry");
   for (const auto& parameter : parameters) {
-    bool found = false;
-    for (const auto entry : entries) {
-      if (mapping.file->required(entry, "source") != parameter.name) continue;
+    const auto [first, last] = by_source.equal_range(parameter.name);
+    for (auto found = first; found != last; ++found) {
       auto copy = parameter;
-      copy.name = mapping.file->required(entry, "target");
-      transform(*mapping.file, entry, copy.value);
+      copy.name = found->second->target;
+      copy.transformation = found->second->transformation;
       result.push_back(std::move(copy));
-      found = true;
     }
-    if (!found) result.push_back(parameter);
   }
   return result;
+}
+
+void require_type(const XmlFile& file, pugi::xml_node node, std::string_view readable) {
+  const std::string type = node.attribute("type").as_string(std::string(readable).c_str());
+  if (type != readable) file.fail(node, fmt::format("the type {} cannot be read; only {} can", type, readable));
+}
+
+std::vector<Parameter> read_binding(const BindingContext& context, pugi::xml_node binding) {
+  require_type(context.ssd, binding, kParameterSet);
+  const auto values = part(context, binding, "ParameterValues", "ParameterSet");
+  auto parameters = read_values(context, values, binding.attribute("prefix").value());
+  const auto mapping = child(binding, "ParameterMapping");
+  if (!mapping) return parameters;
+  require_type(context.ssd, mapping, kParameterMapping);
+  return mapped(parameters, read_mapping(part(context, mapping, nullptr, "ParameterMapping")));
 }
 
 }  // namespace
 
-std::filesystem::path resolve_uri(const Source& source, const XmlFile& file, pugi::xml_node node,
-                                  const std::string& uri) {
-  const std::filesystem::path relative = percent_decoded(uri);
-  if (uri.find("://") != std::string::npos || relative.is_absolute()) {
-    file.fail(node, fmt::format("the source \"{}\" is absolute; only files inside the SSP can be used", uri));
-  }
-  auto normal = relative.lexically_normal();
-  if (normal.empty() || *normal.begin() == "..") {
-    file.fail(node, fmt::format("the source \"{}\" is not inside the SSP", uri));
-  }
-  if (!source.files.holds(normal)) file.fail(node, fmt::format("the SSP holds no file \"{}\"", uri));
-  return normal;
-}
-
-std::vector<Parameter> read_parameter_bindings(const Source& source, const XmlFile& file, pugi::xml_node element) {
+std::vector<Parameter> read_parameter_bindings(const BindingContext& context, pugi::xml_node element) {
   std::vector<Parameter> result;
-  for (const auto binding : children(child(element, "ParameterBindings"), "ParameterBinding")) {
-    const auto type = std::string_view(binding.attribute("type").as_string("application/x-ssp-parameter-set"));
-    if (type != "application/x-ssp-parameter-set") {
-      file.fail(binding, fmt::format("parameters of type {} cannot be read; only SSV can", type));
+  // The schema allows one list; some tools write several.
+  for (const auto list : children(element, "ParameterBindings")) {
+    for (const auto binding : children(list, "ParameterBinding")) {
+      auto parameters = read_binding(context, binding);
+      std::ranges::move(parameters, std::back_inserter(result));
     }
-    const auto values = part(source, file, binding, "ParameterValues", "ParameterSet");
-    auto parameters = read_values(values, binding.attribute("prefix").value());
-    if (const auto node = child(binding, "ParameterMapping")) {
-      parameters = mapped(parameters, part(source, file, node, nullptr, "ParameterMapping"));
-    }
-    result.insert(result.end(), parameters.begin(), parameters.end());
   }
   return result;
 }

@@ -11,7 +11,7 @@
 #include <string_view>
 #include <vector>
 
-/// SSP 1.0 (System Structure and Parameterization) as a second door to a system. What SSP cannot say (steps,
+/// SSP 1.0 and 2.0 (System Structure and Parameterization) as a second door to a system. What SSP cannot say (steps,
 /// stop conditions, what to record ...) travels as an annotation that holds those sections of a config as JSON.
 namespace mebots::master {
 
@@ -27,9 +27,12 @@ struct SspConfig {
   std::string source;                         ///< the bytes of all files that were read, for the hash of the inputs
 };
 
+/// The files that the URIs of an SSP may name. An archive can come from anybody, so that its URIs stay inside.
+enum class SspReach { inside, anywhere };
+
 /// Reads the SSP unpacked in `folder`, from its file `ssd`; `archive` names it in messages. FMU paths in the result are
 /// absolute. Throws InputError naming archive, file, line and element.
-SspConfig read_ssp(const std::filesystem::path& folder, const std::filesystem::path& archive,
+SspConfig read_ssp(const std::filesystem::path& folder, const std::filesystem::path& archive, SspReach reach,
                    const std::string& ssd = "SystemStructure.ssd");
 
 /// Writes a system as an SSP with all its FMUs in resources/. `config` is the JSON that the system was read from.

@@ -3,6 +3,9 @@
 #include "mebots/modeldesc/archive.hpp"
 #include "ssp/ssp.hpp"
 
+#include "definitions_writer.hpp"
+#include "ssv_writer.hpp"
+
 #include <fmt/format.h>
 #include <pugixml.hpp>
 
@@ -13,12 +16,11 @@
 namespace mebots::master {
 namespace {
 
+using namespace ssp;
 using modeldesc::Causality;
 using modeldesc::Type;
 using modeldesc::Variable;
 using Json = nlohmann::ordered_json;
-
-constexpr const char* kVersion = "1.0";  // version of SSD and SSV
 
 /// Names for the FMU files of a system: those they have, numbered where two differ in folder only.
 std::map<std::filesystem::path, std::string> file_names(const SystemDescription& system) {
@@ -72,19 +74,17 @@ class SspWriter {
     const std::pair<const char*, const char*> namespaces[] = {
         {"xmlns:ssc", "http://ssp-standard.org/SSP1/SystemStructureCommon"},
         {"xmlns:ssd", "http://ssp-standard.org/SSP1/SystemStructureDescription"},
-        {"xmlns:ssv", "http://ssp-standard.org/SSP1/SystemStructureParameterValues"},
         {"xmlns:oms", "https://raw.githubusercontent.com/OpenModelica/OMSimulator/master/schema/oms.xsd"}};
     for (const auto& [name, uri] : namespaces) root.append_attribute(name) = uri;
     root.append_attribute("name") = system_.description->name.c_str();
-    root.append_attribute("version") = kVersion;
+    root.append_attribute("version") = kWrittenVersion;
     root.append_attribute("generationTool") = "MEbots " MEBOTS_VERSION;
     auto system = root.append_child("ssd:System");
     system.append_attribute("name") = "root";
     write_elements(system.append_child("ssd:Elements"));
     write_connections(system);
     write_annotations(system.append_child("ssd:Annotations"));
-    write_enumerations(root);
-    write_units(root);
+    definitions_.write(root, "ssd:");
     auto experiment = root.append_child("ssd:DefaultExperiment");
     experiment.append_attribute("startTime") =
         fmt::format("{}", to_seconds(system_.description->start_time_ns)).c_str();
@@ -92,6 +92,8 @@ class SspWriter {
         fmt::format("{}", system_.description->grid().time_s(system_.description->stop_time_ns)).c_str();
     return document_;
   }
+  /// Those that write() refers to, by the names of their files in resources/.
+  const std::map<std::string, pugi::xml_document>& parameter_sets() const { return parameter_sets_; }
 
  private:
   /// The variables of an instance that connections name, in the order of the description.
@@ -138,49 +140,32 @@ class SspWriter {
     const auto& model = system_.instances[instance].fmu->description();
     auto type = connector.append_child(fmt::format("ssc:{}", modeldesc::to_string(variable.type)).c_str());
     if (variable.type == Type::enumeration) {
-      const auto* definition = model.type_definition(variable.declared_type);
-      if (definition != nullptr) enumerations_.emplace(definition->name, definition);
+      definitions_.add_enumeration(model, variable);
       type.append_attribute("name") = variable.declared_type.c_str();
     }
-    // A unit only where its definition is at hand, and does not clash with that of another FMU.
-    const auto* unit = model.unit(variable.unit);
-    if (variable.type != Type::real || unit == nullptr || !unit->has_base) return;
-    const auto [known, added] = units_.emplace(unit->name, unit);
-    if (!added && !modeldesc::same_unit(*known->second, *unit)) return;
-    type.append_attribute("unit") = unit->name.c_str();
+    const auto unit = definitions_.unit_of(model, variable);
+    if (!unit.empty()) type.append_attribute("unit") = unit.c_str();
   }
 
-  static void write_parameters(pugi::xml_node component, const ResolvedInstance& instance) {
+  void write_parameters(pugi::xml_node component, const ResolvedInstance& instance) {
     if (instance.starts.empty()) return;
-    auto set = component.append_child("ssd:ParameterBindings")
-                   .append_child("ssd:ParameterBinding")
-                   .append_child("ssd:ParameterValues")
-                   .append_child("ssv:ParameterSet");
-    set.append_attribute("version") = kVersion;
-    set.append_attribute("name") = "parameters";
-    auto parameters = set.append_child("ssv:Parameters");
-    const auto& model = instance.fmu->description();
-    for (const auto& start : instance.starts) {
-      auto parameter = parameters.append_child("ssv:Parameter");
-      parameter.append_attribute("name") = start.variable->name.c_str();
-      auto type = parameter.append_child(fmt::format("ssv:{}", modeldesc::to_string(start.variable->type)).c_str());
-      type.append_attribute("value") = text_of(model, start).c_str();
-    }
+    const auto name = free_name(instance.description->name);
+    component.append_child("ssd:ParameterBindings").append_child("ssd:ParameterBinding").append_attribute("source") =
+        ("resources/" + name).c_str();
+    write_parameter_set(instance, parameter_sets_[name]);
   }
 
-  static std::string text_of(const modeldesc::ModelDescription& model, const StartValue& start) {
-    if (const auto* number = std::get_if<double>(&start.value)) return fmt::format("{}", *number);
-    if (const auto* flag = std::get_if<bool>(&start.value)) return *flag ? "true" : "false";
-    if (const auto* text = std::get_if<std::string>(&start.value)) return *text;
-    const auto number = std::get<std::int32_t>(start.value);
-    const auto* type =
-        start.variable->type == Type::enumeration ? model.type_definition(start.variable->declared_type) : nullptr;
-    if (type != nullptr) {
-      for (const auto& item : type->items) {
-        if (item.value == number) return item.name;
-      }
+  /// A plain file name that no other parameter set has.
+  std::string free_name(const std::string& instance) const {
+    std::string stem = instance;
+    for (auto& c : stem) {
+      const bool plain =
+          (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' || c == '.';
+      if (!plain) c = '_';
     }
-    return fmt::format("{}", number);
+    auto name = stem + ".ssv";
+    for (int number = 2; parameter_sets_.contains(name); ++number) name = fmt::format("{}_{}.ssv", stem, number);
+    return name;
   }
 
   /// The scalar variables that a connection of the config stands for: three for an OSMP binary.
@@ -190,6 +175,7 @@ class SspWriter {
     const auto& written = config_.at("connections");
     for (std::size_t i = 0; i < system_.description->connections.size(); ++i) {
       const auto& connection = system_.description->connections[i];
+      if (connection.sum) continue;  // SSP has no words for it
       const auto text = written.at(i).value("text", std::string());
       const bool binary = !has_variable(connection.from);
       for (const std::string ending : {".base.lo", ".base.hi", ".size"}) {
@@ -200,13 +186,31 @@ class SspWriter {
         node.append_attribute("endConnector") = (connection.to.variable + (binary ? ending : "")).c_str();
         if (!connection.convert_units) node.append_attribute("suppressUnitConversion") = "true";
         if (!text.empty()) node.append_attribute("description") = text.c_str();
-        if (connection.factor != 1 || connection.offset != 0) {
-          auto linear = node.append_child("ssc:LinearTransformation");
-          linear.append_attribute("factor") = fmt::format("{}", connection.factor).c_str();
-          linear.append_attribute("offset") = fmt::format("{}", connection.offset).c_str();
-        }
+        write_transformation(node, connection);
         if (!binary) break;
       }
+    }
+    if (!connections.first_child()) system.remove_child(connections);
+  }
+
+  void write_transformation(pugi::xml_node node, const ConnectionDescription& connection) const {
+    if (connection.factor != 1 || connection.offset != 0) {
+      auto linear = node.append_child("ssc:LinearTransformation");
+      linear.append_attribute("factor") = fmt::format("{}", connection.factor).c_str();
+      linear.append_attribute("offset") = fmt::format("{}", connection.offset).c_str();
+    }
+    if (connection.map.empty()) return;
+    const auto to = system_.find(connection.to, connection.place);
+    const auto resolved = std::ranges::find(system_.connections, to, &ResolvedConnection::to);
+    const bool flags = to.variable->type == Type::boolean;
+    auto map = node.append_child(flags ? "ssc:BooleanMappingTransformation" : "ssc:IntegerMappingTransformation");
+    for (const auto& pair : resolved->map) {
+      const auto text = [&](std::int32_t value) {
+        return flags ? std::string(value != 0 ? "true" : "false") : fmt::format("{}", value);
+      };
+      auto entry = map.append_child("ssc:MapEntry");
+      entry.append_attribute("source") = text(pair.from).c_str();
+      entry.append_attribute("target") = text(pair.to).c_str();
     }
   }
 
@@ -223,6 +227,9 @@ class SspWriter {
       if (key != "$schema" && key != "instances" && key != "connections" && key != "start_time" && key != "stop_time") {
         rest[key] = value;
       }
+    }
+    for (std::size_t i = 0; i < system_.description->connections.size(); ++i) {
+      if (system_.description->connections[i].sum) rest["connections"].push_back(config_.at("connections").at(i));
     }
     for (const auto& [name, keys] : config_.at("instances").items()) {
       for (const auto& [key, value] : keys.items()) {
@@ -242,45 +249,17 @@ class SspWriter {
     master.append_attribute("relativeTolerance") = "0.0001";
     auto own = annotations.append_child("ssc:Annotation");
     own.append_attribute("type") = std::string(kSspAnnotation).c_str();
-    own.text().set(rest.dump(2).c_str());
-  }
-
-  void write_enumerations(pugi::xml_node root) const {
-    if (enumerations_.empty()) return;
-    auto enumerations = root.append_child("ssd:Enumerations");
-    for (const auto& [name, type] : enumerations_) {
-      auto enumeration = enumerations.append_child("ssc:Enumeration");
-      enumeration.append_attribute("name") = name.c_str();
-      for (const auto& item : type->items) {
-        auto node = enumeration.append_child("ssc:Item");
-        node.append_attribute("name") = item.name.c_str();
-        node.append_attribute("value") = item.value;
-      }
-    }
-  }
-
-  void write_units(pugi::xml_node root) const {
-    if (units_.empty()) return;
-    auto units = root.append_child("ssd:Units");
-    for (const auto& [name, unit] : units_) {
-      auto node = units.append_child("ssc:Unit");
-      node.append_attribute("name") = name.c_str();
-      auto base = node.append_child("ssc:BaseUnit");
-      for (std::size_t i = 0; i < modeldesc::kBaseUnits.size(); ++i) {
-        if (unit->exponents[i] != 0) {
-          base.append_attribute(std::string(modeldesc::kBaseUnits[i]).c_str()) = unit->exponents[i];
-        }
-      }
-      if (unit->factor != 1) base.append_attribute("factor") = fmt::format("{}", unit->factor).c_str();
-      if (unit->offset != 0) base.append_attribute("offset") = fmt::format("{}", unit->offset).c_str();
-    }
+    // SSP 1.0 allows elements only in an annotation, and no text beside them.
+    auto holder = own.append_child("mebots:Config");
+    holder.append_attribute("xmlns:mebots") = fmt::format("urn:{}", kSspAnnotation).c_str();
+    holder.text().set(rest.dump(2).c_str());
   }
 
   const ResolvedSystem& system_;
   const Json& config_;
   pugi::xml_document document_;
-  std::map<std::string, const modeldesc::TypeDefinition*> enumerations_;
-  std::map<std::string, const modeldesc::Unit*> units_;
+  DefinitionsWriter definitions_;
+  std::map<std::string, pugi::xml_document> parameter_sets_;  // by file name
 };
 
 void write_text(const std::filesystem::path& file, const std::string& text) {
@@ -296,11 +275,16 @@ void write_text(const std::filesystem::path& file, const std::string& text) {
 
 void write_ssp(const ResolvedSystem& system, const Json& config, const std::filesystem::path& archive) {
   const modeldesc::TemporaryFolder folder("mebots");
-  const auto ssd = folder.path() / "SystemStructure.ssd";
+  std::vector<modeldesc::PackedFile> files;
+  const auto add = [&](const pugi::xml_document& document, const std::string& entry) {
+    const auto file = folder.path() / fmt::format("{}.xml", files.size());
+    if (!document.save_file(file.c_str(), "  "))
+      throw Error(ErrorCode::file_unwritable, fmt::format("{}: cannot be written", file.string()));
+    files.push_back({entry, file});
+  };
   SspWriter writer(system, config);
-  if (!writer.write().save_file(ssd.c_str(), "  "))
-    throw Error(ErrorCode::file_unwritable, fmt::format("{}: cannot be written", ssd.string()));
-  std::vector<modeldesc::PackedFile> files{{"SystemStructure.ssd", ssd}};
+  add(writer.write(), "SystemStructure.ssd");
+  for (const auto& [name, set] : writer.parameter_sets()) add(set, "resources/" + name);
   for (const auto& [path, name] : file_names(*system.description)) files.push_back({"resources/" + name, path});
   modeldesc::pack(archive, files);
 }

@@ -18,6 +18,7 @@ class XmlFile {
   XmlFile(const XmlFile&) = delete;
   XmlFile& operator=(const XmlFile&) = delete;
 
+  const std::string& name() const { return name_; }
   pugi::xml_node root() const { return document_.document_element(); }
   /// "SystemStructure.ssd, line 12"
   std::string place(pugi::xml_node node) const;

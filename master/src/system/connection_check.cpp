@@ -5,13 +5,14 @@
 #include "base/time.hpp"
 #include "slave/osmp.hpp"
 #include "system/picture_size.hpp"
+#include "system/unit_rule.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <map>
 #include <optional>
+#include <tuple>
 
 namespace mebots::master {
 namespace {
@@ -75,7 +76,9 @@ class ConnectionCheck {
   }
 
   void check_types() {
-    if (from_.type != to_.type) {
+    if (!description_.map.empty()) {
+      read_map();
+    } else if (from_.type != to_.type) {
       const auto from_type = modeldesc::to_string(from_.type);
       const auto to_type = modeldesc::to_string(to_.type);
       if (connection_.pointer || !widens(from_.type, to_.type)) {
@@ -92,6 +95,31 @@ class ConnectionCheck {
     }
   }
 
+  void read_map() {
+    const auto discrete = [](Type type) { return type == Type::integer || type == Type::enumeration; };
+    const bool flags = from_.type == Type::boolean && to_.type == Type::boolean;
+    if (connection_.pointer || (!flags && !(discrete(from_.type) && discrete(to_.type)))) {
+      fail(
+          fmt::format("a map goes from Boolean to Boolean, or between Integer and Enumeration, and these are {} and {}",
+                      modeldesc::to_string(from_.type), modeldesc::to_string(to_.type)));
+    }
+    for (const auto& entry : description_.map) {
+      const ValuePair pair{number(typed_value(model(connection_.from), from_, UntypedText{entry.from}, entry.place)),
+                           number(typed_value(model(connection_.to), to_, entry.to, entry.place))};
+      const auto at = std::ranges::lower_bound(connection_.map, pair.from, {}, &ValuePair::from);
+      if (at != connection_.map.end() && at->from == pair.from) {
+        throw InputError(ErrorCode::duplicate_name,
+                         fmt::format("{}: the map has two values for {}", entry.place, entry.from));
+      }
+      connection_.map.insert(at, pair);
+    }
+  }
+
+  static std::int32_t number(const modeldesc::Value& value) {
+    if (const auto* flag = std::get_if<bool>(&value)) return *flag ? 1 : 0;
+    return std::get<std::int32_t>(value);
+  }
+
   std::vector<std::string> items(const ResolvedVariable& end) const {
     std::vector<std::string> result;
     const auto* type = model(end).type_definition(end.variable->declared_type);
@@ -100,27 +128,27 @@ class ConnectionCheck {
     return result;
   }
 
-  /// Rules: a variable without a unit takes and gives numbers as they are. One name without definitions is one
-  /// unit. Else both units must be defined, of the same dimension, and values are converted.
+  /// The variable's unit, with its definition where the FMU has one.
+  modeldesc::Unit unit_of(const ResolvedVariable& variable) const {
+    const auto& name = variable.variable->unit;
+    if (const auto* defined = model(variable).unit(name)) return *defined;
+    modeldesc::Unit unit;
+    unit.name = name;
+    unit.has_base = false;
+    return unit;
+  }
+
+  /// A variable without a unit takes and gives numbers as they are. Else values are converted.
   void check_units() {
     if (!description_.convert_units || from_.unit.empty() || to_.unit.empty()) return;
-    const auto* from_unit = model(connection_.from).unit(from_.unit);
-    const auto* to_unit = model(connection_.to).unit(to_.unit);
-    const bool from_known = from_unit != nullptr && from_unit->has_base;
-    const bool to_known = to_unit != nullptr && to_unit->has_base;
     constexpr const char* kRemedy = "Connect others, or give factor and offset yourself with \"convert_units\": false";
-    if (!from_known || !to_known) {
-      if (from_.unit == to_.unit) return;
-      fail(fmt::format("the units differ: [{}] and [{}], and {} does not say what [{}] is. {}", from_.unit, to_.unit,
-                       model(from_known ? connection_.to : connection_.from).model_name,
-                       from_known ? to_.unit : from_.unit, kRemedy));
+    modeldesc::UnitConversion conversion;
+    try {
+      conversion = conversion_between(unit_of(connection_.from), unit_of(connection_.to),
+                                      from_.relative_quantity && to_.relative_quantity);
+    } catch (const Error& error) {
+      fail(fmt::format("{}. {}", error.what(), kRemedy));
     }
-    if (!modeldesc::same_dimension(*from_unit, *to_unit)) {
-      fail(fmt::format("the units differ in dimension: [{}] is {} and [{}] is {}. {}", from_.unit,
-                       modeldesc::base_unit_text(*from_unit), to_.unit, modeldesc::base_unit_text(*to_unit), kRemedy));
-    }
-    const auto conversion =
-        modeldesc::unit_conversion(*from_unit, *to_unit, from_.relative_quantity && to_.relative_quantity);
     if (conversion.offset != 0 && from_.relative_quantity != to_.relative_quantity) {
       fail(
           fmt::format("one of them is a difference (relativeQuantity) and the other is not, so [{}] cannot be "
@@ -134,6 +162,11 @@ class ConnectionCheck {
   }
 
   void apply_transformation() {
+    connection_.sum = description_.sum;
+    if (description_.sum && to_.type != Type::real) {
+      fail(fmt::format("a sum needs an input of type Real, and '{}' is of type {}", to_.name,
+                       modeldesc::to_string(to_.type)));
+    }
     if (description_.factor == 1 && description_.offset == 0) return;
     if (to_.type != Type::real) {
       fail(fmt::format("factor and offset need an input of type Real, and '{}' is of type {}", to_.name,
@@ -185,6 +218,14 @@ void check_buffer_lives(const ResolvedSystem& system, const ResolvedConnection& 
                   time_text(system.description->step_of(owner))));
 }
 
+ResolvedConnection plain_connection(const ResolvedVariable& from, const ResolvedVariable& to, bool pointer) {
+  ResolvedConnection connection;
+  connection.from = from;
+  connection.to = to;
+  connection.pointer = pointer;
+  return connection;
+}
+
 std::vector<ResolvedConnection> scalars_of(const ResolvedSystem& system, const ConnectionDescription& connection) {
   const bool from_scalar = is_scalar(system, connection.from);
   const bool to_scalar = is_scalar(system, connection.to);
@@ -193,7 +234,9 @@ std::vector<ResolvedConnection> scalars_of(const ResolvedSystem& system, const C
   if (from_parts && to_parts) {
     check_picture_sizes(system, connection);
     std::vector<ResolvedConnection> result;
-    for (std::size_t i = 0; i < from_parts->size(); ++i) result.push_back({(*from_parts)[i], (*to_parts)[i], true});
+    for (std::size_t i = 0; i < from_parts->size(); ++i) {
+      result.push_back(plain_connection((*from_parts)[i], (*to_parts)[i], true));
+    }
     return result;
   }
   if (from_parts || to_parts) {
@@ -207,13 +250,45 @@ std::vector<ResolvedConnection> scalars_of(const ResolvedSystem& system, const C
   const auto from = system.find(connection.from, connection.place + "/from");
   const auto to = system.find(connection.to, connection.place + "/to");
   const auto& from_model = system.instances[from.instance].fmu->description();
-  return {{from, to, is_osmp_part(from_model, *from.variable)}};
+  return {plain_connection(from, to, is_osmp_part(from_model, *from.variable))};
+}
+
+}  // namespace
+
+namespace {
+
+/// By target, so that the order in the config is nothing; the parts of a sum by their sources and numbers.
+auto order_of(const ResolvedConnection& connection) {
+  return std::tuple(connection.to.instance, connection.to.variable, connection.from.instance, connection.from.variable,
+                    connection.factor, connection.offset);
+}
+
+struct PlacedConnection {
+  ResolvedConnection connection;
+  const ConnectionDescription* description;
+};
+
+void check_sources(const ResolvedSystem& system, const std::vector<PlacedConnection>& connections) {
+  for (std::size_t i = 1; i < connections.size(); ++i) {
+    const auto& one = connections[i - 1];
+    const auto& other = connections[i];
+    if (one.connection.to != other.connection.to || (one.connection.sum && other.connection.sum)) continue;
+    const auto& [first, second] = std::minmax(one, other, [](const auto& a, const auto& b) {
+      return a.description < b.description;  // both in one list
+    });
+    throw InputError(
+        ErrorCode::invalid_connection,
+        fmt::format("{}: the input '{}' has two sources: {} (at {}) and {}; keep one of them, or give each "
+                    "\"sum\": true for their sum",
+                    second.description->place, system.text(second.connection.to), system.text(first.connection.from),
+                    first.description->place, system.text(second.connection.from)));
+  }
 }
 
 }  // namespace
 
 void resolve_connections(ResolvedSystem& system, const std::atomic<bool>& interrupted) {
-  std::map<std::pair<std::size_t, const Variable*>, std::pair<ResolvedConnection, std::string>> by_target;
+  std::vector<PlacedConnection> connections;
   for (const auto& description : system.description->connections) {
     stop_if_interrupted(interrupted);
     for (const auto& scalar : scalars_of(system, description)) {
@@ -221,18 +296,12 @@ void resolve_connections(ResolvedSystem& system, const std::atomic<bool>& interr
       const auto connection = check.run();
       if (!check.notice().empty()) system.notices.push_back(check.notice());
       if (connection.pointer) check_buffer_lives(system, connection, description.place);
-      const auto [existing, added] = by_target.emplace(std::pair(connection.to.instance, connection.to.variable),
-                                                       std::pair(connection, description.place));
-      if (!added) {
-        throw InputError(
-            ErrorCode::invalid_connection,
-            fmt::format("{}: the input '{}' has two sources: {} (at {}) and {}; keep one of them", description.place,
-                        system.text(connection.to), system.text(existing->second.first.from), existing->second.second,
-                        system.text(connection.from)));
-      }
+      connections.push_back({connection, &description});
     }
   }
-  for (const auto& [target, connection] : by_target) system.connections.push_back(connection.first);
+  std::ranges::stable_sort(connections, {}, [](const auto& placed) { return order_of(placed.connection); });
+  check_sources(system, connections);
+  for (auto& placed : connections) system.connections.push_back(std::move(placed.connection));
 }
 
 }  // namespace mebots::master

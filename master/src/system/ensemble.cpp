@@ -102,6 +102,12 @@ void move_all(const Copies& copies) {
   for (const auto& copy : copies) *copy.to = *copy.from;
 }
 
+/// The number that the map has for a value, else the value itself.
+std::int32_t in_map(const std::vector<ValuePair>& map, std::int32_t value) {
+  const auto found = std::ranges::lower_bound(map, value, {}, &ValuePair::from);
+  return found != map.end() && found->from == value ? found->to : value;
+}
+
 }  // namespace
 
 Ensemble::Ensemble(const ResolvedSystem& system, MessageSink& messages, const SlaveOptions& options)
@@ -130,14 +136,10 @@ void Ensemble::connect(const ResolvedConnection& connection) {
   const auto from = watch(connection.from);
   auto& target = members_[connection.to.instance];
   const auto to = slot_in(target.inputs, *connection.to.variable);
+  if (!connection.map.empty()) return connect_mapped(connection, from, to);
   switch (kind_of(connection.to.variable->type)) {
     case ValueKind::real:
-      if (from.kind == ValueKind::real && !connection.changes_value()) {
-        target.real_copies.push_back({.signal = from, .slot = to});
-      } else {
-        target.conversions.push_back({from, to, connection.factor, connection.offset});
-      }
-      if (from.kind == ValueKind::real) link_derivatives(connection, from, to);
+      connect_real(connection, from, to);
       break;
     case ValueKind::integer:
       (from.kind == ValueKind::boolean ? target.flag_copies : target.integer_copies)
@@ -153,6 +155,28 @@ void Ensemble::connect(const ResolvedConnection& connection) {
       target.string_copies.push_back({.signal = from, .slot = to});
       break;
   }
+}
+
+void Ensemble::connect_real(const ResolvedConnection& connection, SignalId from, std::size_t to) {
+  auto& target = members_[connection.to.instance];
+  if (connection.sum) {
+    // Its connections come one after the other. The input is held within a step: a sum has no derivatives here.
+    const bool add = !target.conversions.empty() && target.conversions.back().to == to;
+    target.conversions.push_back({from, to, connection.factor, connection.offset, add});
+    return;
+  }
+  if (from.kind == ValueKind::real && !connection.changes_value()) {
+    target.real_copies.push_back({.signal = from, .slot = to});
+  } else {
+    target.conversions.push_back({from, to, connection.factor, connection.offset, false});
+  }
+  if (from.kind == ValueKind::real) link_derivatives(connection, from, to);
+}
+
+void Ensemble::connect_mapped(const ResolvedConnection& connection, SignalId from, std::size_t to) {
+  const auto type = connection.to.variable->type;
+  members_[connection.to.instance].mappings.push_back({{.signal = from, .slot = to}, kind_of(type), &connection.map});
+  if (type == Type::enumeration) check_items_of(connection, to);  // of values that the map leaves as they are
 }
 
 void Ensemble::check_items_of(const ResolvedConnection& connection, std::size_t slot) {
@@ -286,6 +310,11 @@ void Ensemble::lay_out() {
         member.boolean_copies, [&](SignalId id) { return &integer(id); }, member.inputs.booleans.values);
     addresses(
         member.string_copies, [&](SignalId id) { return &string(id); }, member.inputs.strings.values);
+    for (auto& mapping : member.mappings) {
+      auto& bank = mapping.kind == ValueKind::boolean ? member.inputs.booleans : member.inputs.integers;
+      mapping.copy.from = &integer(mapping.copy.signal);
+      mapping.copy.to = &bank.values[mapping.copy.slot];
+    }
   }
 }
 
@@ -399,13 +428,18 @@ void Ensemble::collect_inputs(std::size_t instance) {
   move_all(member.boolean_copies);
   move_all(member.string_copies);
   for (const auto& copy : member.flag_copies) *copy.to = *copy.from == 0 ? 0 : 1;
+  for (const auto& mapping : member.mappings) {
+    const auto value = *mapping.copy.from;
+    *mapping.copy.to = in_map(*mapping.map, mapping.kind == ValueKind::boolean && value != 0 ? 1 : value);
+  }
   if (!member.conversions.empty()) convert(member);
 }
 
 void Ensemble::convert(Member& member) const {
   for (const auto& conversion : member.conversions) {
     MEBOTS_ASSERT(conversion.to < member.inputs.reals.values.size());
-    const double value = conversion.factor * number(conversion.from) + conversion.offset;
+    double value = conversion.factor * number(conversion.from) + conversion.offset;
+    if (conversion.add) value += member.inputs.reals.values[conversion.to];
     if (!std::isfinite(value)) {
       throw NotFiniteError(fmt::format("instance '{}' at {} s: the input '{}' would be {}, as {} x {} + {}",
                                        member.slave->name(), to_seconds(member.outputs_time_ns),

@@ -129,12 +129,20 @@ class Ensemble {
     T* to = nullptr;
   };
 
-  /// A Real input that takes factor * value + offset.
+  /// A Real input that takes factor * value + offset, or adds that to what it has.
   struct Conversion {
     SignalId from;
     std::size_t to;
     double factor;
     double offset;
+    bool add;
+  };
+
+  /// An Integer, Enumeration or Boolean input whose values are mapped.
+  struct Mapping {
+    Copy<std::int32_t> copy;
+    ValueKind kind;  // of the input
+    const std::vector<ValuePair>* map;
   };
 
   /// Time derivatives of several variables. Those of one variable are adjacent, of orders 1 and up.
@@ -186,6 +194,7 @@ class Ensemble {
     std::vector<Copy<std::int32_t>> boolean_copies;
     std::vector<Copy<std::string>> string_copies;
     std::vector<Conversion> conversions;
+    std::vector<Mapping> mappings;
     std::vector<DerivativeLink> derivatives;
     std::vector<double> earlier_reals;
     std::int64_t earlier_time_ns = 0;
@@ -202,6 +211,8 @@ class Ensemble {
   void link_derivatives(const ResolvedConnection& connection, SignalId from, std::size_t to);
   void check_items_of(const ResolvedConnection& connection, std::size_t slot);
   void collect_inputs(std::size_t instance);
+  void connect_real(const ResolvedConnection& connection, SignalId from, std::size_t to);
+  void connect_mapped(const ResolvedConnection& connection, SignalId from, std::size_t to);
   void convert(Member& member) const;
   void hand_inputs(std::size_t instance);
   void check_items(const Member& member, std::int64_t time_ns) const;

@@ -32,25 +32,6 @@ std::vector<std::string> variable_names(const modeldesc::ModelDescription& descr
   return names;
 }
 
-/// Why a variable cannot be given a value before initialisation; empty when it can.
-std::string why_not_settable(const Variable& variable) {
-  if (variable.variability == Variability::constant) return "it is a constant";
-  switch (variable.causality) {
-    case Causality::parameter:
-    case Causality::input:
-      return {};
-    case Causality::calculated_parameter:
-      return "it is calculated from other parameters";
-    case Causality::independent:
-      return "it is the FMU's time";
-    case Causality::output:
-    case Causality::local:
-      break;
-  }
-  if (variable.initial == Initial::exact || variable.initial == Initial::approx) return {};
-  return fmt::format("it is of causality {} and calculated by the FMU", modeldesc::to_string(variable.causality));
-}
-
 std::vector<std::string> settable_names(const modeldesc::ModelDescription& description) {
   std::vector<std::string> names;
   for (const auto& variable : description.variables) {
@@ -129,6 +110,16 @@ void note_structure_faults(const ResolvedInstance& instance, std::vector<std::st
   const auto others = faults.size() == 1 ? "" : fmt::format(" ({} more by `mebots check`)", faults.size() - 1);
   notices.push_back(fmt::format("{}: parts of ModelStructure in its modelDescription.xml are ignored: {}{}",
                                 instance.description->name, faults.front(), others));
+}
+
+/// Passes on what the archives of the FMUs gave notice of.
+void note_archives(ResolvedSystem& system) {
+  std::set<const Fmu*> seen;
+  for (const auto& instance : system.instances) {
+    if (!seen.insert(instance.fmu.get()).second) continue;
+    const auto& notices = instance.fmu->notices();
+    system.notices.insert(system.notices.end(), notices.begin(), notices.end());
+  }
 }
 
 /// Repeating a step in parts takes an FMU that can go back and take steps of any length.
@@ -213,6 +204,24 @@ Experiment ResolvedInstance::experiment(std::int64_t start_ns, std::int64_t stop
   return result;
 }
 
+std::string why_not_settable(const Variable& variable) {
+  if (variable.variability == Variability::constant) return "it is a constant";
+  switch (variable.causality) {
+    case Causality::parameter:
+    case Causality::input:
+      return {};
+    case Causality::calculated_parameter:
+      return "it is calculated from other parameters";
+    case Causality::independent:
+      return "it is the FMU's time";
+    case Causality::output:
+    case Causality::local:
+      break;
+  }
+  if (variable.initial == Initial::exact || variable.initial == Initial::approx) return {};
+  return fmt::format("it is of causality {} and calculated by the FMU", modeldesc::to_string(variable.causality));
+}
+
 ResolvedVariable ResolvedSystem::find(const VariableName& name, const std::string& place) const {
   const auto instance = description->index_of(name.instance);
   if (!instance) {
@@ -291,6 +300,7 @@ ResolvedSystem resolve(const SystemDescription& description, FmuLibrary& library
     resolved.log_categories = log_categories(sections, instance);
     system.instances.push_back(std::move(resolved));
   }
+  note_archives(system);
   choose_processes(system, interrupted);  // a missing library or function shows now
   note_unknown_categories(system);
   for (const auto& instance : system.instances) check_division(instance);

@@ -38,6 +38,14 @@ struct StartValue {
   modeldesc::Value value;
 };
 
+/// What an input gets for a value of an Integer, Enumeration (by number) or Boolean (0, 1).
+struct ValuePair {
+  std::int32_t from = 0;
+  std::int32_t to = 0;
+
+  bool operator==(const ValuePair&) const = default;
+};
+
 /// One scalar connection; a connection of OSMP binaries becomes three. The input gets factor * value + offset,
 /// conversion of units included; anything but 1 and 0 only where the input is a Real.
 struct ResolvedConnection {
@@ -46,6 +54,8 @@ struct ResolvedConnection {
   bool pointer = false;  ///< part of an OSMP binary: valid only in this process, for a while
   double factor = 1;
   double offset = 0;
+  bool sum = false;            ///< one of several whose values the input gets added up
+  std::vector<ValuePair> map = {};  ///< ordered by `from`; other values pass as they are
 
   bool changes_value() const { return factor != 1 || offset != 0; }
 };
@@ -99,6 +109,9 @@ void with_place_of_fmu(const InstanceDescription& instance, const std::function<
 /// A start value, looked up and checked. Throws InputError that names the place, and the nearest variables.
 StartValue checked_start(const InstanceDescription& instance, const modeldesc::ModelDescription& description,
                          const Assignment& assignment);
+
+/// Why a variable cannot be given a value before initialisation; empty when it can.
+std::string why_not_settable(const modeldesc::Variable& variable);
 
 /// A written value as a value of the variable's type; enumerations by item or number. Throws InputError
 /// for another type, an unknown item, or a value outside of the variable's min and max.
