@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "command.hpp"
 
+#include "config/from_memory.hpp"
 #include "ssp/ssp.hpp"
 
 #include <fmt/format.h>
@@ -24,7 +25,8 @@ void convert(const std::filesystem::path& from, const std::filesystem::path& to)
                                  to.string(), ending.string()));
   }
   require_folder_of(to);
-  const auto loaded = load_system(from);
+  auto loaded = load_system(from);
+  config::make_signal_paths_absolute(loaded.config, loaded.system);
   FmuLibrary library;
   const auto resolved = resolve(loaded.system, library);  // nothing broken is handed on
   if (ending == ".ssp") {
@@ -47,7 +49,9 @@ struct ConvertOptions {
 void add_convert(CLI::App& app, Action& action) {
   const auto options = std::make_shared<ConvertOptions>();
   auto* command = app.add_subcommand("convert", "Turn a config into an SSP 1.0, or an SSP into a config");
-  command->add_option("from", options->from, "Config (.json), SSP (.ssp, .ssd or its folder) or OspSystemStructure.xml")
+  command
+      ->add_option("from", options->from,
+                   "Config (.json), FMU (.fmu), SSP (.ssp, .ssd or its folder) or OspSystemStructure.xml")
       ->type_name("FILE")
       ->required();
   command->add_option("to", options->to, "SSP (.ssp) or config (.json) to write")->type_name("FILE")->required();

@@ -110,11 +110,11 @@ void CsvReader::read_header() {
     const auto& name = header_.back();
     if (name.empty()) {
       fail_line(ErrorCode::syntax_error,
-                fmt::format("column {} has no name; every column needs one of its own", header_.size()));
+                fmt::format("column {} has no name; give every column a name", header_.size()));
     }
     if (!names.insert(name).second) {
       fail_line(ErrorCode::duplicate_name,
-                fmt::format("two columns are named {}; every column needs a name of its own", shown(name)));
+                fmt::format("two columns are named {}; give every column another name", shown(name)));
     }
   }
 }

@@ -395,6 +395,19 @@ TEST(InputSignals, FilesAreInputsOfTheRun) {
   EXPECT_NE(hash().all, before.all);
 }
 
+TEST(InputSignals, ASystemThatIsConvertedKeepsItsFiles) {
+  const Files files("time,u\n0,0\n1,1\n");
+  auto config = probe_with(files, kToReal);
+  config.replace(config.find(files.path()), files.path().size(), "in.csv");  // relative to the config
+  const std::filesystem::path json = files.put("c.json", test::with_probe(config));
+  const auto folder = json.parent_path();
+  std::filesystem::create_directory(folder / "sub");
+  EXPECT_EQ(test::run_program({"convert", "c.json", "sub/c.ssp"}, folder).code, 0);
+  EXPECT_EQ(test::run_program({"run", "c.json", "--out", "json"}, folder).code, 0);
+  EXPECT_EQ(test::run_program({"run", "sub/c.ssp", "--out", "ssp"}, folder).code, 0);
+  EXPECT_EQ(test::read_file(folder / "json" / "results.csv"), test::read_file(folder / "ssp" / "results.csv"));
+}
+
 TEST(InputSignals, NobodyElseSetsTheInput) {
   const Files files("time,u\n0,0\n1,1\n");
   RunRequest request;

@@ -15,4 +15,8 @@ void check_scenario(const std::filesystem::path& file);
 LoadedSystem load_text(std::string text, const std::filesystem::path& file);
 LoadedSystem load_ssp_config(SspConfig ssp, const std::filesystem::path& file, const GivenTimes& times);
 
+/// Makes the paths of files of signals absolute in the JSON that `system` was read from, so that it can be read from
+/// another folder.
+void make_signal_paths_absolute(nlohmann::ordered_json& config, const SystemDescription& system);
+
 }  // namespace mebots::master::config

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The section `inputs`: files whose columns are the sources of free inputs.
+#include "config/from_memory.hpp"
 #include "mebots/file_kind.hpp"
 
 #include "reading.hpp"
@@ -69,6 +70,17 @@ SignalFileDescription read_signal_file(Object& object, const std::filesystem::pa
   object.read_if("before", file.covers_start, covers);
   object.read_if("after", file.covers_end, covers);
   return file;
+}
+
+void make_signal_paths_absolute(nlohmann::ordered_json& config, const SystemDescription& system) {
+  for (std::size_t i = 0; i < system.inputs.size(); ++i) {
+    auto& inputs = config["inputs"];
+    (inputs.is_array() ? inputs[i] : inputs)["file"] = system.inputs[i].file.path.string();
+  }
+  for (std::size_t i = 0; i < system.scenario.size(); ++i) {
+    const auto& file = system.scenario[i].file;
+    if (file) config["scenario"][i]["file"] = file->path.string();
+  }
 }
 
 void read_inputs(const Node& node, SystemDescription& system) {

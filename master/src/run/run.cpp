@@ -9,6 +9,7 @@
 #include "config/scenario_file.hpp"
 #include "config/system_file.hpp"
 #include "mebots/assert.hpp"
+#include "mebots/file_kind.hpp"
 #include "mebots/input_error.hpp"
 #include "mebots/nearest_names.hpp"
 #include "mebots/state/save.hpp"
@@ -152,7 +153,14 @@ void Run::add_inputs(const std::filesystem::path& file) {
   InputsDescription inputs;
   inputs.file.path = std::filesystem::absolute(file);
   inputs.file.name = file.filename().string();
-  inputs.file.place = "inputs " + file.string();
+  inputs.file.place = "inputs";
+  if (is_there(inputs.file.path) && !is_file(inputs.file.path)) {
+    throw InputError(
+        ErrorCode::file_unreadable,
+        fmt::format("{}: this is not a file but a pipe, folder or device; a run reads its inputs more than "
+                    "once",
+                    file.string()));
+  }
   inputs_changes_.push_back(fmt::format("inputs {} {}", inputs.file.name, sha256(input_text(file))));
   system_.inputs.push_back(std::move(inputs));
   request_.inputs.push_back(std::filesystem::absolute(file));

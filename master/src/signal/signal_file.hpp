@@ -15,7 +15,7 @@
 
 namespace mebots::master {
 
-/// What to read from one column: the course of a variable. A Real becomes factor * cell + offset.
+/// A column to read as the course of a variable. A Real becomes factor * cell + offset.
 struct WantedSignal {
   std::size_t column = 0;
   const modeldesc::ModelDescription* model = nullptr;

@@ -100,7 +100,7 @@ OverriddenSlave::Value OverriddenSlave::apply(Layer& layer, const Value& value, 
     case OverrideAction::freeze:
       return layer.found;
     case OverrideAction::signal:
-      // As in FMPy: initialisation gets the value before a jump at the start, the first step the value after it.
+      // Initialisation gets, as in FMPy, the value before a jump at the start, the first step the value after it.
       return override.signal->at(signal_time(time_ns_), initialising_ ? SignalSide::before : SignalSide::after,
                                  layer.row);
     case OverrideAction::offset:

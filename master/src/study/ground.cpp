@@ -8,22 +8,6 @@
 
 namespace mebots::master::study {
 
-namespace {
-
-/// Files of signals lie in places relative to the config; workers read it from another folder.
-void make_signal_paths_absolute(nlohmann::ordered_json& config, const SystemDescription& system) {
-  for (std::size_t i = 0; i < system.inputs.size(); ++i) {
-    auto& inputs = config["inputs"];
-    (inputs.is_array() ? inputs[i] : inputs)["file"] = system.inputs[i].file.path.string();
-  }
-  for (std::size_t i = 0; i < system.scenario.size(); ++i) {
-    const auto& file = system.scenario[i].file;
-    if (file) config["scenario"][i]["file"] = file->path.string();
-  }
-}
-
-}  // namespace
-
 Ground read_ground(const std::filesystem::path& mission, const std::optional<std::string>& text) {
   auto loaded = text ? config::load_text(*text, mission) : load_system(mission);
   const auto grid = loaded.system.grid();
@@ -35,7 +19,7 @@ Ground read_ground(const std::filesystem::path& mission, const std::optional<std
                 .last_point_s = grid.time_s(grid.time_ns(last - 1)),
                 .unpacked = loaded.system.unpacked};
   ground.config.erase("$schema");
-  make_signal_paths_absolute(ground.config, loaded.system);
+  config::make_signal_paths_absolute(ground.config, loaded.system);  // workers read it in another folder
   for (const auto& instance : loaded.system.instances) {
     ground.fmus[instance.name] = instance.fmu_path.string();
     ground.config["instances"][instance.name]["fmu"] = instance.fmu_path.string();
