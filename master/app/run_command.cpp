@@ -100,7 +100,7 @@ void run_to_the_end(Run& run, const std::optional<int>& live_port, Console& cons
 
 void show_end(const Run& run, Console& console) {
   for (const auto& loss : run.losses()) {
-    console.warning(fmt::format("'{}' was lost at {} s; the others went on without it", loss.name,
+    console.warning(fmt::format("'{}' was lost at {} s; the others continued without it", loss.name,
                                 master::to_seconds(*loss.at_ns)));
   }
   for (const auto& line : end_lines(run)) console.line(line);

@@ -33,7 +33,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
 
-/// Changes a thread and returns what ProcessState reports of it; `still` is asked afterwards, on the same thread.
+/// Changes a thread and returns what ProcessState reports of it; calls `still` afterwards, on the same thread.
 template <typename Change, typename Still>
 std::vector<std::string> reported(Change change, Still still) {
   std::vector<std::string> texts;

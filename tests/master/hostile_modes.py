@@ -192,9 +192,9 @@ def cell(mode, outcome, good_rows):
     elif outcome.code > 128:
         said = [f"dies of {signal.Signals(outcome.code - 128).name}"]
     else:
-        said = [{0: "goes on", 1: "fails"}.get(outcome.code, "refused") if complete or outcome.code else "ends with exit code 0"]
+        said = [{0: "continues", 1: "fails"}.get(outcome.code, "refused") if complete or outcome.code else "ends with exit code 0"]
     if is_named(outcome.text):
-        said.append("told" if said == ["goes on"] else "named")
+        said.append("reported" if said == ["continues"] else "named")
     elif outcome.code == 0 and outcome.rows == good_rows:
         said = ["harmless"]
     elif outcome.code != "hangs":

@@ -57,8 +57,8 @@ TEST(SingleFmu, StepsMayBeRatios) {
   EXPECT_THAT(times("", {"1/60", 2}), ElementsAre(0, 2, 1.0 / 60));
   EXPECT_THAT(times(R"(<DefaultExperiment startTime="-1"/>)"), ElementsAre(-1, 0, 0.002));
   EXPECT_THAT(times(R"(<DefaultExperiment stopTime="0.00001234"/>)"),
-              ElementsAre(0, 1.234e-5, DoubleNear(2.468e-8, 1e-22)))
-      << "a part in 500 is no whole number of nanoseconds";
+              ElementsAre(0, DoubleNear(514 * 24e-9, 1e-21), DoubleNear(24e-9, 1e-22)))
+      << "a part in 500, 24.68 ns, is neither a whole number of nanoseconds nor a ratio that a grid can have";
 }
 
 TEST(SingleFmu, TimesThatMakeNoRunAreNotTaken) {

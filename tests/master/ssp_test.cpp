@@ -337,7 +337,7 @@ TEST_F(Ssp, ValuesAreConvertedFromTheUnitOfTheirFile) {  // 6.2.1, 7.1.1
     return error_of("<ssd:Elements>" + part("a", "", binding(parameters)) + "</ssd:Elements>");
   };
   EXPECT_THAT(mistaken(real("speed_in", "1", "C")), AllOf(HasSubstr("line 6"), HasSubstr("differ in dimension")));
-  // Units that no file defines: usual names are understood, others leave the number as it is. Both are told.
+  // Units that no file defines: usual names are understood, others leave the number as it is. Both give a notice.
   EXPECT_DOUBLE_EQ(given(real("speed_in", "36", "[km/h]"))["speed_in"].get<double>(), 10);
   EXPECT_EQ(given(real("speed_in", "36", "bananas"))["speed_in"], 36.0);
   EXPECT_THAT(load("<ssd:Elements>" + part("a", "", binding(real("speed_in", "36", "bananas"))) + "</ssd:Elements>")

@@ -129,7 +129,7 @@ class Results {
   std::vector<std::vector<std::string>> texts_;  // per point
 };
 
-/// Whether a value is as expected, and how it differs otherwise.
+/// Returns how a value differs from the expected one; nothing if it is within the tolerance.
 std::optional<Divergence> compared(const Expected& column, const Signal::Value& expected, const Results& results,
                                    std::int64_t time_ns, const Tolerance& tolerance) {
   Divergence divergence;

@@ -34,7 +34,7 @@ std::optional<ExactTime> usable(std::optional<double> time_s) {
   return exact_time_of(std::llround(*time_s * 1e9));
 }
 
-/// What the user gives must be exact.
+/// Returns a time that the user gave. Throws InputError if it is not exact.
 ExactTime given(const WrittenTime& written, const char* option) {
   const auto* seconds = std::get_if<double>(&written);
   const auto time = seconds != nullptr ? exact_time(*seconds) : read_ratio(std::get<std::string>(written));

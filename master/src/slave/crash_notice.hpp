@@ -10,7 +10,7 @@ namespace mebots::master {
 /// enough.
 void install_crash_notice();
 
-/// Returns true if nobody but install_crash_notice() handles the signal, which would end the process.
+/// Returns true if the signal would end the process: its only handler is that of install_crash_notice().
 bool ends_process(int signal);
 
 }  // namespace mebots::master

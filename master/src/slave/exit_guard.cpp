@@ -135,7 +135,7 @@ bool end_by_signal(int signal) {
 std::optional<std::string> take_kept_signal() {
   if (kept_signal.load(std::memory_order_relaxed) == 0) return std::nullopt;
   return fmt::format(
-      "the process got the signal {}, of a timer or sent by itself, for which nobody has a handler: one "
+      "the process got the signal {}, of a timer or sent by itself, which has no handler: one "
       "of the FMUs in it (instances: {}) let it be sent, {}",
       signal_name(kept_signal.exchange(0)), fmt::join(instances_here(), ", "), kRemedy);
 }

@@ -54,7 +54,7 @@ struct ResolvedConnection {
   bool pointer = false;  ///< part of an OSMP binary: valid only in this process, for a while
   double factor = 1;
   double offset = 0;
-  bool sum = false;            ///< one of several whose values the input gets added up
+  bool sum = false;                 ///< one of several whose values the input gets added up
   std::vector<ValuePair> map = {};  ///< ordered by `from`; other values pass as they are
 
   bool changes_value() const { return factor != 1 || offset != 0; }
