@@ -7,6 +7,7 @@
 #include "mebots/file_kind.hpp"
 #include "mebots/fmi2/library.hpp"
 #include "mebots/modeldesc/elf_library.hpp"
+#include "slave/library_state.hpp"
 
 #include <dlfcn.h>
 #include <elf.h>
@@ -163,8 +164,10 @@ void check_symbols(const ModelDescription& model, const fs::path& library, Findi
                              library.filename().string(), fmt::join(spared, ", ")),
                  "export them all the same, and answer fmi2Error");
   std::vector<std::string> extra;
-  for (const auto& name : names)
-    if (!known.contains(name) && !name.starts_with("fmi2") && !is_linkers_own(name)) extra.push_back(name);
+  for (const auto& name : names) {
+    const bool is_expected = known.contains(name) || name.starts_with("fmi2") || name == master::kKeepsNoState;
+    if (!is_expected && !is_linkers_own(name)) extra.push_back(name);
+  }
   if (extra.empty()) return;
   constexpr std::size_t kShown = 5;
   const auto count = extra.size();

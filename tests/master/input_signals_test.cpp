@@ -365,7 +365,10 @@ TEST(InputSignals, AnIsolatedInstanceGetsTheSame) {
 
 TEST(InputSignals, ARunFromASavedStateGoesOnToTheSameBits) {
   const Files files("time,u\n0,0\n0.33,3\n0.33,-1\n0.71,4\n1,9\n");
-  const auto config = files.put("c.json", test::with_probe(probe_with(files, kToReal)));
+  auto text = test::with_probe(probe_with(files, kToReal));
+  const std::string probe = "probe.fmu";  // changes timers, so its runs cannot begin at a saved state
+  text.replace(text.find(probe), probe.size(), "steady.fmu");
+  const auto config = files.put("c.json", text);
   const auto columns = [](MasterRun& run) {
     run.run();
     return run.memory().find("a.integral")->values;
