@@ -40,4 +40,5 @@ void mebots::fmu::prepare_shared_tables() {
 }
 
 /// Static memory holds the tables of chips and instructions, which are never written after they were built.
+// NOLINTNEXTLINE(readability-identifier-naming): the name that docs/master/clean-fmus.md gives
 extern "C" [[gnu::visibility("default")]] const char mebots_keeps_no_state_outside_instances = 1;

@@ -38,4 +38,5 @@ std::unique_ptr<fmu::Model> make_model(Variables& variables, fmu::Host& host, st
 }  // namespace mebots::world
 
 /// Static memory holds constants, the tiles of living worlds, and what ODE needs while one lives.
+// NOLINTNEXTLINE(readability-identifier-naming): the name that docs/master/clean-fmus.md gives
 extern "C" [[gnu::visibility("default")]] const char mebots_keeps_no_state_outside_instances = 1;

@@ -34,9 +34,9 @@ class Original {
   int (*function_)(Target, char* const*, char* const*);
 };
 
-const Original<const char*> original_execve("execve");
-const Original<const char*> original_execvpe("execvpe");
-const Original<int> original_fexecve("fexecve");
+const Original<const char*> kOriginalExecve("execve");
+const Original<const char*> kOriginalExecvpe("execvpe");
+const Original<int> kOriginalFexecve("fexecve");
 
 /// The arguments of execl() and the like, up to null.
 std::vector<char*> listed(const char* first, std::va_list& more) {
@@ -60,27 +60,27 @@ extern "C" {
 
 [[gnu::visibility("default")]] int execve(const char* path, char* const* words, char* const* environment) noexcept {
   mebots::master::end_busy_runs("called execve()");
-  return original_execve(path, words, environment);
+  return kOriginalExecve(path, words, environment);
 }
 
 [[gnu::visibility("default")]] int execv(const char* path, char* const* words) noexcept {
   mebots::master::end_busy_runs("called execv()");
-  return original_execve(path, words, environ);
+  return kOriginalExecve(path, words, environ);
 }
 
 [[gnu::visibility("default")]] int execvpe(const char* file, char* const* words, char* const* environment) noexcept {
   mebots::master::end_busy_runs("called execvpe()");
-  return original_execvpe(file, words, environment);
+  return kOriginalExecvpe(file, words, environment);
 }
 
 [[gnu::visibility("default")]] int execvp(const char* file, char* const* words) noexcept {
   mebots::master::end_busy_runs("called execvp()");
-  return original_execvpe(file, words, environ);
+  return kOriginalExecvpe(file, words, environ);
 }
 
 [[gnu::visibility("default")]] int fexecve(int file, char* const* words, char* const* environment) noexcept {
   mebots::master::end_busy_runs("called fexecve()");
-  return original_fexecve(file, words, environment);
+  return kOriginalFexecve(file, words, environment);
 }
 
 [[gnu::visibility("default")]] int execl(const char* path, const char* first, ...) noexcept {
@@ -89,7 +89,7 @@ extern "C" {
   va_start(more, first);
   const auto words = listed(first, more);
   va_end(more);
-  return original_execve(path, words.data(), environ);
+  return kOriginalExecve(path, words.data(), environ);
 }
 
 [[gnu::visibility("default")]] int execlp(const char* file, const char* first, ...) noexcept {
@@ -98,7 +98,7 @@ extern "C" {
   va_start(more, first);
   const auto words = listed(first, more);
   va_end(more);
-  return original_execvpe(file, words.data(), environ);
+  return kOriginalExecvpe(file, words.data(), environ);
 }
 
 [[gnu::visibility("default")]] int execle(const char* path, const char* first, ...) noexcept {
@@ -108,7 +108,7 @@ extern "C" {
   const auto words = listed(first, more);
   auto* const* environment = va_arg(more, char* const*);
   va_end(more);
-  return original_execve(path, words.data(), environment);
+  return kOriginalExecve(path, words.data(), environment);
 }
 
 /// Makes a copy with memory of its own, as POSIX allows. A copy that shares memory is not detected if it returns from

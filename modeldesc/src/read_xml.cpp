@@ -43,10 +43,10 @@ std::optional<T> parse_number(std::string_view text) {
   return value;
 }
 
-/// A parsed document, and the lines of its elements for messages. The text itself is freed after the parse.
+/// A parsed document, and the lines of its elements for messages. It needs the text during the parse only.
 class Document {
  public:
-  Document(std::string text, std::string_view source) : source_(source) {
+  Document(const std::string& text, std::string_view source) : source_(source) {
     parse_xml(xml_, text, source);
     for (auto at = text.find('\n'); at != std::string::npos; at = text.find('\n', at + 1)) {
       line_ends_.push_back(static_cast<std::ptrdiff_t>(at));
@@ -479,7 +479,8 @@ class XmlReader {
 };
 
 ModelDescription read_utf8(std::string text, std::string_view source) {
-  const Document document(std::move(text), source);
+  const Document document(text, source);
+  std::string().swap(text);  // the document holds a copy
   return XmlReader(document).read();
 }
 

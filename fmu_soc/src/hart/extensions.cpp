@@ -188,8 +188,7 @@ bool is_csr_access(std::uint32_t word) {
 std::string register_advice(unsigned number) {
   const auto group = std::ranges::find_if(
       kRegisterGroups, [number](const RegisterGroup& row) { return number >= row.first && number <= row.last; });
-  const auto text =
-      fmt::format("the core has no register {} (0x{:03x}), or it cannot be written", csr::name(number), number);
+  auto text = fmt::format("the core has no register {} (0x{:03x}), or it cannot be written", csr::name(number), number);
   if (group == kRegisterGroups.end()) return text;
   return fmt::format("{}; it belongs to {}", text, group->extension);
 }

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "mebots/input_error.hpp"
-#include "mebots/leftover.hpp"
 #include "mebots/message.hpp"
 #include "mebots/run_state.hpp"
 #include "mebots/series.hpp"

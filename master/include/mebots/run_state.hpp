@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <string>
 #include <string_view>
 
 namespace mebots {
@@ -28,5 +29,11 @@ enum class EndReason {
 std::string_view name_of(RunState state);
 /// "stop_time", as summary.json has it
 std::string_view name_of(EndReason reason);
+
+/// An FMU that is not clean, and why: "o.fmu: it imports srand(), which changes random numbers".
+struct Leftover {
+  std::string text;
+  bool in_process = false;  ///< it ran in this process, whose next run might find what it left
+};
 
 }  // namespace mebots

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "mebots/leftover.hpp"
+#include "mebots/run_state.hpp"
 #include "slave/process_functions.hpp"
 #include "system/resolved_system.hpp"
 

@@ -118,6 +118,7 @@ bool is_in(std::uintptr_t address, const std::vector<Range>& ranges) {
 /// its first word, and follows the pointer to it.
 bool is_exception_pool(std::span<const std::uintptr_t> words, std::size_t at) {
   const auto size_at = [&](std::size_t place) { return place < words.size() ? words[place] : 0; };
+  // NOLINTNEXTLINE(performance-no-int-to-ptr): addresses of loaded libraries come as numbers
   const auto* const block = reinterpret_cast<const std::uintptr_t*>(words[at]);
   const bool first = size_at(at + 1) == words[at] && size_at(at + 2) != 0 && block[0] == size_at(at + 2);
   const bool second = at > 0 && words[at - 1] == words[at] && size_at(at + 1) != 0 && block[0] == size_at(at + 1);
@@ -133,6 +134,7 @@ bool for_each_block(std::uintptr_t address, std::size_t size,
   for (std::size_t done = 0; done < size; done += block.size()) {
     block.resize(std::min(block.size(), size - done));
     const iovec to{block.data(), block.size()};
+    // NOLINTNEXTLINE(performance-no-int-to-ptr): addresses of loaded libraries come as numbers
     const iovec from{reinterpret_cast<void*>(address + done), block.size()};
     if (process_vm_readv(getpid(), &to, 1, &from, 1, 0) != static_cast<ssize_t>(block.size()))
       std::memcpy(block.data(), from.iov_base, block.size());
@@ -163,6 +165,7 @@ std::vector<std::uintptr_t> words_of(std::span<const std::byte> bytes, std::uint
 const void* record_of(std::uintptr_t address) {
   Dl_info info{};
   void* record = nullptr;
+  // NOLINTNEXTLINE(performance-no-int-to-ptr): addresses of loaded libraries come as numbers
   return dladdr1(reinterpret_cast<const void*>(address), &info, &record, RTLD_DL_LINKMAP) != 0 ? record : nullptr;
 }
 
@@ -285,6 +288,7 @@ LibraryState::Object LibraryState::object_of(const dl_phdr_info& info) {
     if (header.p_type == PT_TLS && header.p_memsz > 0) {
       ThreadMemory memory{info.dlpi_addr, std::vector<std::byte>(header.p_memsz)};
       const bool exists = info.dlpi_tls_data != nullptr;
+      // NOLINTNEXTLINE(performance-no-int-to-ptr): addresses of loaded libraries come as numbers
       std::memcpy(memory.fresh.data(), exists ? info.dlpi_tls_data : reinterpret_cast<const void*>(begin),
                   exists ? header.p_memsz : header.p_filesz);
       object.thread = std::move(memory);

@@ -276,7 +276,7 @@ struct Residents {
 Admission load_into_this_process(const std::shared_ptr<Fmu>& fmu, Risk risk) {
   auto& residents = Residents::of_this_process();
   const std::lock_guard lock(residents.mutex);
-  const Admission loaded{true, false, {}};
+  Admission loaded{true, false, {}};
   if (fmu->is_loaded()) return loaded;
   residents.forget_unloaded();
   LibraryNeeds needs;
