@@ -36,12 +36,14 @@ static double find_gain() {
   return gain == nullptr ? -2 : gain();
 }
 #elif defined(TENANT_PREEMPTED)  // of a function that has the name of one in zlib, which mebots loads
+// NOLINTBEGIN(readability-identifier-naming): zlib's name
 extern "C" {
 TENANT_SHOWN unsigned long zlibCompileFlags();
 TENANT_SHOWN unsigned long zlibCompileFlags() {
   return TENANT_GAIN;
 }
 }
+// NOLINTEND(readability-identifier-naming)
 static double find_gain() {
   return static_cast<double>(zlibCompileFlags());
 }
