@@ -99,9 +99,9 @@ class Integrator {
   };
 
   /// Moves `state` on by `duration_s`, or up to the first event, and adds to `ledger`.
-  /// Behind a closed protection the cell feeds `demand`. Behind an open one it rests, except under a demand that
-  /// charges it. What cannot be integrated whole goes in pieces. Where none of them goes either, throws mebots::Error
-  /// with duration, power and remedy and leaves `state` and `ledger` as they were.
+  /// If the protection is closed, the cell feeds `demand`. If it is open, only a demand that charges the cell acts.
+  /// A duration that the solver cannot integrate whole is divided. If the smallest part fails too, throws mebots::Error
+  /// with duration, power and remedy, and leaves `state` and `ledger` unchanged.
   Result advance(CellState& state, Ledger& ledger, const Demand& demand, Protection protection, double duration_s);
 
   /// Evaluations of the right-hand side so far; a measure of cost.
