@@ -47,6 +47,16 @@ TEST(CleanFmus, AnImportIsSeenInTheFileBeforeTheLibraryIsLoaded) {
   EXPECT_EQ(Fmu(leftover("static_variable")).uncleanliness(), std::nullopt);
 }
 
+TEST(CleanFmus, ImportsShowWhatAnFmuCanChangeInTheProcess) {
+  EXPECT_EQ(Fmu(leftover("nothing")).imports().reach, ProcessReach::nothing);
+  EXPECT_EQ(Fmu(leftover("environment")).imports().reach, ProcessReach::everything);
+  EXPECT_EQ(Fmu(kBinaryDir / "fmus/fmu_battery.fmu").imports().reach, ProcessReach::descriptors);  // files
+  EXPECT_EQ(Fmu(kBinaryDir / "fmus/fmu_soc.fmu").imports().reach, ProcessReach::everything);       // it loads devices
+  EXPECT_EQ(reach_of("dlsym"), ProcessReach::everything);
+  EXPECT_EQ(reach_of("fclose"), ProcessReach::descriptors);
+  EXPECT_EQ(reach_of("sin"), ProcessReach::nothing);
+}
+
 TEST(CleanFmus, AStaticObjectWithMemoryOfItsOwnIsSeenWhenTheLibraryIsLoaded) {
   Fmu fmu(leftover("static_object"));
   static_cast<void>(fmu.functions());

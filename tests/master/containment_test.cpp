@@ -244,7 +244,7 @@ TEST_F(Containment, AnFmuThatChangesNothingIsNotSpokenOf) {
 }
 
 TEST(ProcessState, AnFmuMayCloseWhatItOpened) {
-  const auto of_others = master::ProcessState::open_files();
+  const auto of_others = master::open_files();
   const int opened = open("/dev/null", O_RDONLY | O_CLOEXEC);
   ASSERT_GE(opened, 0);
   const master::ProcessState knowing(of_others);

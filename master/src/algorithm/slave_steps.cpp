@@ -16,8 +16,9 @@ End interrupted_at(std::int64_t time_ns) {
 
 SlaveSteps::SlaveSteps(const ResolvedSystem& system, Ensemble& ensemble, const std::atomic<bool>& interrupted)
     : system_(&system), ensemble_(&ensemble), interrupted_(&interrupted), grid_(system.description->grid()) {
-  for (const auto& instance : system.instances) multiples_.push_back(instance.description->steps);
-  MEBOTS_ASSERT(multiples_.size() == ensemble.size());
+  for (const auto& instance : system.instances)
+    steps_.push_back({instance.description->steps, instance.description->divide_discarded});
+  MEBOTS_ASSERT(steps_.size() == ensemble.size());
 }
 
 void SlaveSteps::write_inputs(std::size_t slave, std::int64_t k) {
@@ -28,10 +29,9 @@ StepResult SlaveSteps::step(std::size_t slave, std::int64_t k) {
   stop_if_interrupted(*interrupted_);
   auto& target = ensemble_->slave(slave);
   const auto start_ns = time_ns(k);
-  const auto duration_ns = time_ns(k + multiples_[slave]) - start_ns;
-  if (system_->instances[slave].description->divide_discarded) {
-    return step_in_parts(target, start_ns, duration_ns, *interrupted_);
-  }
+  const auto& [multiple, is_divided] = steps_[slave];
+  const auto duration_ns = time_ns(k + multiple) - start_ns;
+  if (is_divided) return step_in_parts(target, start_ns, duration_ns, *interrupted_);
   return target.step(start_ns, duration_ns);
 }
 

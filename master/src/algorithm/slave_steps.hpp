@@ -12,40 +12,46 @@
 
 namespace mebots::master {
 
-/// The slaves on the grid of communication points t_k: what every algorithm is made of. A slave may step on a
-/// multiple of h; its own steps begin at every so many points.
+/// Steps the slaves on the grid of communication points t_k, for every algorithm. The step of a slave may be a multiple
+/// of h; it then begins at every n-th point.
 class SlaveSteps {
  public:
   /// `system` and `ensemble` must outlive this object, and so must `interrupted`.
   SlaveSteps(const ResolvedSystem& system, Ensemble& ensemble, const std::atomic<bool>& interrupted);
 
   Ensemble& ensemble() const { return *ensemble_; }
-  std::size_t count() const { return multiples_.size(); }
+  std::size_t count() const { return steps_.size(); }
   std::int64_t time_ns(std::int64_t k) const { return grid_.time_ns(k); }
-  /// A division costs as much as a small FMU's step: most slaves have the system's own step.
+  /// Returns true if a step of the slave begins at t_k. Avoids the division for a step of h: it costs as much as a
+  /// small FMU's step.
   bool begins_step(std::size_t slave, std::int64_t k) const {
-    return multiples_[slave] == 1 || k % multiples_[slave] == 0;
+    return steps_[slave].multiple == 1 || k % steps_[slave].multiple == 0;
   }
 
-  /// Hands the slave its inputs as the ensemble has them now, if a step of it begins at t_k.
+  /// Sets the slave's inputs to the ensemble's present values, if a step of it begins at t_k.
   void write_inputs(std::size_t slave, std::int64_t k);
-  /// Takes the slave's step that begins at t_k. Slaves that share nothing may do so at the same time, each on a
-  /// thread. Throws InterruptedError before the call, and what the slave throws.
+  /// Performs the slave's step that begins at t_k. May be called for several slaves at the same time, each on a thread
+  /// of its own. Throws InterruptedError before the call, and what the slave throws.
   StepResult step(std::size_t slave, std::int64_t k);
-  /// Waits for a step that is pending. Throws SlaveError for one that the slave refused.
+  /// Waits for a pending step. Throws SlaveError if the slave refused the step.
   StepResult finish(std::size_t slave, std::int64_t k, StepResult result);
   /// Reads the slave's outputs at t_k, if a step of it ends there.
   void read_outputs(std::size_t slave, std::int64_t k);
 
-  /// Why the run ends at t_k when the slave did not finish its step; nothing when it did.
+  /// Returns why the run ends at t_k; nothing if the slave has finished its step.
   std::optional<End> end_of(std::size_t slave, std::int64_t k, const StepResult& result) const;
 
  private:
+  struct Step {
+    std::int64_t multiple = 1;  // of h
+    bool is_divided = false;    // into parts, if the slave discards it
+  };
+
   const ResolvedSystem* system_;
   Ensemble* ensemble_;
   const std::atomic<bool>* interrupted_;
   TimeGrid grid_;
-  std::vector<std::int64_t> multiples_;
+  std::vector<Step> steps_;  // by slave
 };
 
 /// "interrupted at 3 s"

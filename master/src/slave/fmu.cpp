@@ -181,7 +181,7 @@ void Fmu::load() {
                           : fmt::format("{} {}{}", count == 1 ? "is" : "are", fmt::join(found, ", "),
                                         count > kShown ? fmt::format(" and {} more", count - kShown) : "")));
   }
-  files_of_others_ = ProcessState::open_files();
+  files_of_others_ = open_files();
   threads_of_others_ = foreign_threads();
   const ProcessState before(files_of_others_);
   // Libraries that are built for fast mathematics change it for the thread that loads them.

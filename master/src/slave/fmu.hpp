@@ -63,7 +63,7 @@ class Fmu {
   /// What loading the library changed in this process, as ProcessState has it; to whoever asks first.
   std::vector<std::string> take_changes_at_load() { return std::exchange(changes_at_load_, {}); }
   /// The descriptors that were open before its library was loaded: it may close any other.
-  const ProcessState::Files& files_of_others() const { return files_of_others_; }
+  const OpenFiles& files_of_others() const { return files_of_others_; }
   /// An instance begins. True for the first of them, whose calls are watched one by one for changes of the process: a
   /// look costs as much as a thousand small calls. From any thread.
   bool enter() {
@@ -111,7 +111,7 @@ class Fmu {
   bool kept_loaded_ = false;
   bool corrupted_ = false;
   std::vector<std::string> changes_at_load_;
-  ProcessState::Files files_of_others_;
+  OpenFiles files_of_others_;
   std::set<pid_t> threads_of_others_;
   std::atomic<int> instances_{0};
   std::atomic<int> watched_{0};  // instances so far, the gone ones too

@@ -64,12 +64,12 @@ struct FmuSlave::Fmi final : CallbackListener {
 
   /// Every call to the FMU goes through here. Throws SlaveError for a C++ exception that comes out of it.
   template <typename Function, typename... Arguments>
-  auto call(const char* name, Function* function, Arguments... arguments) {
+  [[gnu::always_inline]] auto call(const char* name, Function* function, Arguments... arguments) {
     return in_scope(name, [&] { return function(component, arguments...); });
   }
 
   template <typename Work>
-  auto in_scope(const char* name, Work work) {
+  [[gnu::always_inline]] auto in_scope(const char* name, Work work) {
     const CallbackScope scope(target, name, slave->time_ns_);
     if (floats != ours) floats.enter();
     try {
@@ -82,13 +82,17 @@ struct FmuSlave::Fmi final : CallbackListener {
         return result;
       }
     } catch (const ForeignException& exception) {
-      leave(name);
-      slave->unusable_ = true;  // its code was left in the middle
-      slave->fail(name, exception.what());
+      leave_by_exception(name, exception);
     }
   }
 
-  /// What the FMU made of its floating-point environment is its own from now on; everybody else gets theirs back.
+  [[noreturn, gnu::noinline]] void leave_by_exception(const char* name, const ForeignException& exception) {
+    leave(name);
+    slave->unusable_ = true;  // its code did not run to the end
+    slave->fail(name, exception.what());
+  }
+
+  /// Stores the FMU's floating-point environment for its next call, and enters the master's again.
   void leave(const char* name) {
     const auto found = FloatEnvironment::now();
     if (found != floats) [[unlikely]] {
@@ -221,11 +225,12 @@ void FmuSlave::tell_of_process(const std::vector<std::string>& changes, const ch
 /// Does the work and tells what it changed in the process.
 template <typename Work>
 void FmuSlave::watched(const char* where, Work work) {
-  if (!is_watched_) return work();
+  const auto reach = fmu_->imports().reach;
+  if (!is_watched_ || reach == ProcessReach::nothing) return work();
   static std::mutex one_at_a_time;
   const std::unique_lock lock(one_at_a_time, std::try_to_lock);
   if (!lock.owns_lock()) return work();  // not waited for: the call of another thread may wait for this one
-  const ProcessState before(fmu_->files_of_others());
+  const ProcessState before(fmu_->files_of_others(), reach);
   work();
   tell_of_process(before.put_right(), where);
 }

@@ -26,11 +26,11 @@ std::string escaped_exception_text();
 
 /// Calls foreign code, and returns what `work` returns. Nothing but a return comes out of the call: an exception
 /// becomes a ForeignException, a forked copy of the process is ended, and the end of the thread is the end of the
-/// process.
+/// process. Inlined, because a call with arguments in memory costs as much as a small FMU's step.
 template <typename Work>
-std::invoke_result_t<Work> call_foreign(Work work) {
+[[gnu::always_inline]] inline std::invoke_result_t<Work&> call_foreign(Work work) {
   try {
-    if constexpr (std::is_void_v<std::invoke_result_t<Work>>) {
+    if constexpr (std::is_void_v<std::invoke_result_t<Work&>>) {
       work();
       if (is_forked_copy()) [[unlikely]]
         end_forked_copy();

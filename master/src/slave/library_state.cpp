@@ -201,6 +201,7 @@ LibraryImports read_imports(std::span<const fs::path> libraries) {
       needed.insert(library.needed.begin(), library.needed.end());
       for (const auto& name : library.imports()) {
         if (name == "dlopen" || name == "dlmopen") imports.opens_libraries = true;
+        imports.reach = std::max(imports.reach, reach_of(name));
         const auto* const function = find_process_function(name);
         if (function != nullptr && std::ranges::find(imports.functions, function) == imports.functions.end())
           imports.functions.push_back(function);
@@ -213,6 +214,7 @@ LibraryImports read_imports(std::span<const fs::path> libraries) {
     if (!brought.contains(name) && std::ranges::find(kKnownLibraries, name) == kKnownLibraries.end())
       imports.unknown.push_back(name);
   }
+  if (!imports.unknown.empty()) imports.reach = ProcessReach::everything;
   return imports;
 }
 

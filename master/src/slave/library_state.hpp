@@ -21,6 +21,7 @@ struct LibraryImports {
   std::vector<const ProcessFunction*> functions;
   std::vector<std::string> unknown;  ///< needed libraries that the FMU does not bring and mebots does not know
   bool opens_libraries = false;      ///< imports dlopen()
+  ProcessReach reach = ProcessReach::nothing;
 
   /// "it imports srand(), which changes random numbers"; nothing for libraries that leave the process as it is.
   std::optional<std::string> reason() const;

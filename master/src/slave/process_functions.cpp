@@ -178,6 +178,11 @@ constexpr auto kFunctions = std::to_array<ProcessFunction>({
     {"_ZSt5wclog", kStreams, undone},
 });
 
+/// FMUs that import these may be clean: each instance closes what it opened.
+constexpr auto kClosing = std::to_array<std::string_view>({"close", "close_range", "closefrom", "fclose", "fcloseall"});
+/// By these a library finds functions that it does not import.
+constexpr auto kFinding = std::to_array<std::string_view>({"dlsym", "dlvsym", "dlopen", "dlmopen"});
+
 constexpr auto kReadable = std::to_array<std::pair<std::string_view, std::string_view>>({
     {"_ZNSt6thread15_M_start_threadESt10unique_ptrINS_6_StateESt14default_deleteIS1_EEPFvvE", "std::thread"},
     {"_ZSt15set_new_handlerPFvvE", "std::set_new_handler"},
@@ -218,6 +223,12 @@ std::span<const ProcessFunction> process_functions() {
 const ProcessFunction* find_process_function(std::string_view symbol) {
   const auto* const found = std::ranges::find(kFunctions, symbol, &ProcessFunction::symbol);
   return found == kFunctions.end() ? nullptr : found;
+}
+
+ProcessReach reach_of(std::string_view symbol) {
+  if (find_process_function(symbol) != nullptr || std::ranges::find(kFinding, symbol) != kFinding.end())
+    return ProcessReach::everything;
+  return std::ranges::find(kClosing, symbol) != kClosing.end() ? ProcessReach::descriptors : ProcessReach::nothing;
 }
 
 std::string_view readable_name(const ProcessFunction& function) {

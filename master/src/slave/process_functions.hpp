@@ -26,6 +26,16 @@ std::span<const ProcessFunction> process_functions();
 /// Returns null for a symbol that is not in the list.
 const ProcessFunction* find_process_function(std::string_view symbol);
 
+/// How much of ProcessState a library can change, as its imports show.
+enum class ProcessReach {
+  nothing,      ///< it imports none of the functions that change what ProcessState compares
+  descriptors,  ///< it can close descriptors
+  everything,   ///< it imports a function of the list, or can find one at run time
+};
+
+/// Returns the reach that importing this symbol gives.
+ProcessReach reach_of(std::string_view symbol);
+
 /// A name for people: without a version's prefix, C++ names without their mangling.
 std::string_view readable_name(const ProcessFunction& function);
 

@@ -23,9 +23,9 @@ namespace {
 
 constexpr std::array kLimitNames = {"of address space", "of core files",       "of processor time", "of data",
                                     "of file sizes",    "of open descriptors", "of the stack"};
-constexpr int kFirstDescriptor = 100;  // copies stay out of the way of whoever opens a file
+constexpr int kFirstDescriptor = 100;  // leaves low numbers free for FMUs that expect them
 
-/// umask() cannot be asked without changing it, which would be for all threads.
+/// Reads the mask from /proc, because umask() would change it for all threads.
 mode_t current_umask() {
   std::ifstream status("/proc/self/status");
   for (std::string key; status >> key;) {
@@ -46,15 +46,15 @@ std::string current_locale() {
 
 using File = std::pair<dev_t, ino_t>;
 
-/// Nothing for a descriptor that is not open.
+/// If the descriptor is not open, returns nothing.
 std::optional<File> file_behind(int descriptor) {
   struct stat status {};
   if (fstat(descriptor, &status) != 0) return std::nullopt;
   return File{status.st_dev, status.st_ino};
 }
 
-/// Whoever serves somebody in the network, such as the page of a live run, closes a connection when that one leaves.
-/// The peer may have gone already.
+/// True for a connection to a peer in the network, such as a browser at the live page: the server closes it when the
+/// peer leaves.
 bool is_connection(int descriptor) {
   const auto option = [descriptor](int name) {
     int value = -1;
@@ -116,28 +116,8 @@ std::string signal_name(int signal) {
   return name == nullptr ? fmt::format("signal {}", signal) : fmt::format("SIG{}", name);
 }
 
-ProcessState::ProcessState(const Files& files)
-    : umask_(current_umask()),
-      folder_(current_folder()),
-      locale_(current_locale()),
-      environment_(EnvironmentVariables::now()),
-      files_(files) {
-  std::erase_if(files_, [](const auto& file) { return file_behind(file.first) != file.second; });
-  for (std::size_t i = 0; i < kLimits.size(); ++i) getrlimit(kLimits[i], &limits_[i]);
-  for (int i = 0; i < kStandard; ++i) {
-    copies_[static_cast<std::size_t>(i)] = fcntl(i, F_DUPFD_CLOEXEC, kFirstDescriptor);
-  }
-  handlers_ = current_handlers();
-}
-
-ProcessState::~ProcessState() {
-  for (const int copy : copies_) {
-    if (copy >= 0) close(copy);
-  }
-}
-
-ProcessState::Files ProcessState::open_files() {
-  Files files;
+OpenFiles open_files() {
+  OpenFiles files;
   std::error_code problem;
   for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd", problem)) {
     const auto name = entry.path().filename().string();
@@ -150,15 +130,28 @@ ProcessState::Files ProcessState::open_files() {
   return files;
 }
 
-ProcessState::Files ProcessState::standard_files() {
-  Files files;
-  for (int i = 0; i < kStandard; ++i) {
+OpenFiles standard_files() {
+  OpenFiles files;
+  for (int i = STDIN_FILENO; i <= STDERR_FILENO; ++i) {
     if (const auto file = file_behind(i)) files[i] = *file;
   }
   return files;
 }
 
-void ProcessState::compare_files(std::vector<std::string>& texts) const {
+DescriptorState::DescriptorState(const OpenFiles& files) : files_(files) {
+  std::erase_if(files_, [](const auto& file) { return file_behind(file.first) != file.second; });
+  for (int i = 0; i < kStandard; ++i) {
+    copies_[static_cast<std::size_t>(i)] = fcntl(i, F_DUPFD_CLOEXEC, kFirstDescriptor);
+  }
+}
+
+DescriptorState::~DescriptorState() {
+  for (const int copy : copies_) {
+    if (copy >= 0) close(copy);
+  }
+}
+
+void DescriptorState::put_right(std::vector<std::string>& texts) const {
   for (const auto& [descriptor, file] : files_) {
     const auto now = file_behind(descriptor);
     if (now == file) continue;
@@ -170,22 +163,31 @@ void ProcessState::compare_files(std::vector<std::string>& texts) const {
   }
 }
 
-void ProcessState::compare_limits(std::vector<std::string>& texts) const {
+ProcessState::Rest::Rest()
+    : umask(current_umask()),
+      folder(current_folder()),
+      locale(current_locale()),
+      environment(EnvironmentVariables::now()),
+      handlers(current_handlers()) {
+  for (std::size_t i = 0; i < kLimits.size(); ++i) getrlimit(kLimits[i], &limits[i]);
+}
+
+void ProcessState::Rest::compare_limits(std::vector<std::string>& texts) const {
   for (std::size_t i = 0; i < kLimits.size(); ++i) {
     rlimit now{};
     getrlimit(kLimits[i], &now);
-    if (now.rlim_cur == limits_[i].rlim_cur && now.rlim_max == limits_[i].rlim_max) continue;
-    const bool back = setrlimit(kLimits[i], &limits_[i]) == 0;
+    if (now.rlim_cur == limits[i].rlim_cur && now.rlim_max == limits[i].rlim_max) continue;
+    const bool back = setrlimit(kLimits[i], &limits[i]) == 0;
     if (!back && !is_new_change(fmt::format("limit {}: {} {}", i, now.rlim_cur, now.rlim_max))) continue;
     texts.push_back(fmt::format("the limit {} became {}{}", kLimitNames[i], now.rlim_cur, back ? " (put back)" : ""));
   }
 }
 
-void ProcessState::compare_handlers(std::vector<std::string>& texts) const {
-  for (const auto& [signal, before] : handlers_) {
+void ProcessState::Rest::compare_handlers(std::vector<std::string>& texts) const {
+  for (const auto& [signal, before] : handlers) {
     auto* const now = action_of(signal).sa_handler;
     if (now == before.sa_handler) continue;
-    // A handler for one signal is gone when that came.
+    // The kernel resets a one-shot handler when its signal arrives.
     if (now == SIG_DFL && (before.sa_flags & static_cast<int>(SA_RESETHAND)) != 0) continue;
     const bool back = ends_a_run(signal) && sigaction(signal, &before, nullptr) == 0;
     if (!back && !is_new_change(fmt::format("handler {}: {}", signal, reinterpret_cast<std::uintptr_t>(now)))) continue;
@@ -194,26 +196,34 @@ void ProcessState::compare_handlers(std::vector<std::string>& texts) const {
   }
 }
 
+void ProcessState::Rest::put_right(std::vector<std::string>& texts) const {
+  if (const auto mask = current_umask(); mask != umask) {
+    ::umask(umask);
+    texts.push_back(fmt::format("the mask of file modes became {:03o} (put back to {:03o})", mask, umask));
+  }
+  if (const auto now = current_folder(); now != folder) {
+    const bool back = chdir(folder.c_str()) == 0;
+    texts.push_back(fmt::format("the working directory became {}{}", now, back ? " (put back)" : ""));
+  }
+  if (const auto now = current_locale(); now != locale) {
+    const bool back = std::setlocale(LC_ALL, locale.c_str()) != nullptr;
+    texts.push_back(fmt::format("the locale became {}{}", now, back ? " (put back)" : ""));
+  }
+  for (auto& text : environment.restore()) texts.push_back(std::move(text));
+  compare_limits(texts);
+  timers.put_right(texts);
+  compare_handlers(texts);
+  thread.put_right(texts);
+}
+
+ProcessState::ProcessState(const OpenFiles& files, ProcessReach reach) : descriptors_(files) {
+  if (reach == ProcessReach::everything) rest_.emplace();
+}
+
 std::vector<std::string> ProcessState::put_right() const {
   std::vector<std::string> texts;
-  if (const auto mask = current_umask(); mask != umask_) {
-    ::umask(umask_);
-    texts.push_back(fmt::format("the mask of file modes became {:03o} (put back to {:03o})", mask, umask_));
-  }
-  if (const auto folder = current_folder(); folder != folder_) {
-    const bool back = chdir(folder_.c_str()) == 0;
-    texts.push_back(fmt::format("the working directory became {}{}", folder, back ? " (put back)" : ""));
-  }
-  if (const auto locale = current_locale(); locale != locale_) {
-    const bool back = std::setlocale(LC_ALL, locale_.c_str()) != nullptr;
-    texts.push_back(fmt::format("the locale became {}{}", locale, back ? " (put back)" : ""));
-  }
-  for (auto& text : environment_.restore()) texts.push_back(std::move(text));
-  compare_limits(texts);
-  compare_files(texts);
-  timers_.put_right(texts);
-  compare_handlers(texts);
-  thread_.put_right(texts);
+  descriptors_.put_right(texts);
+  if (rest_) rest_->put_right(texts);
   return texts;
 }
 

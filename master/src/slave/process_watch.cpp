@@ -40,11 +40,15 @@ std::string instances_here(const ResolvedSystem& system) {
 ProcessWatch::ProcessWatch(const ResolvedSystem& system, MessageSink& messages)
     : system_(&system), messages_(&messages) {
   for (const auto& instance : system.instances) {
-    if (instance.isolation.alone()) continue;
-    // Other descriptors come and go by mebots' own work.
-    before_.emplace(ProcessState::standard_files());
-    return;
+    if (!instance.isolation.alone()) reach_ = std::max(reach_, instance.fmu->imports().reach);
   }
+  begin();
+}
+
+/// Watches the standard descriptors only, because mebots itself opens and closes others.
+void ProcessWatch::begin() {
+  before_.reset();
+  if (reach_ != ProcessReach::nothing) before_.emplace(standard_files(), reach_);
 }
 
 void ProcessWatch::look(const std::string& during, std::int64_t time_ns) {
@@ -56,7 +60,7 @@ void ProcessWatch::look(const std::string& during, std::int64_t time_ns) {
                                 fmus.size() == 1 ? "the FMU" : "one of the FMUs", fmt::join(fmus, ", "), during,
                                 fmt::join(changes, "; "), fmus.size() == 1 ? "it" : "them", instances_here(*system_));
   messages_->message({{}, Severity::warning, "notice", text, time_ns});
-  before_.emplace(ProcessState::standard_files());
+  begin();
 }
 
 }  // namespace mebots::master

@@ -12,22 +12,26 @@ namespace mebots::master {
 
 struct ResolvedSystem;
 
-/// Watches the process while many FMUs are called: tells what one of them changed for all, and puts it back. Which one
-/// it was is known only where one FMU runs in this process; a slave that is watched by itself (FmuSlave) tells its own
-/// changes before.
+/// Watches the process while several FMUs are called: reports what one of them changed for all code in it, and puts it
+/// back. It names one FMU only if no other runs in this process. A slave that is watched alone (FmuSlave) reports its
+/// own changes earlier.
 class ProcessWatch {
  public:
-  /// Watches nothing where no instance runs in this process. `system` and `messages` must outlive the watch.
+  /// Watches what the FMUs of this process can change, as their imports show. `system` and `messages` must outlive the
+  /// watch.
   ProcessWatch(const ResolvedSystem& system, MessageSink& messages);
 
-  /// Looks now; `during` completes "changed the process for all, ...".
+  /// Compares the process with the one before; `during` completes "changed the process for all, ...".
   void look(const std::string& during, std::int64_t time_ns);
-  /// Returns true if the calling thread blocks other signals: a cheap question.
+  /// Returns true if the calling thread blocks other signals. Costs one system call.
   bool is_mask_changed() const { return before_ && before_->is_mask_changed(); }
 
  private:
+  void begin();
+
   const ResolvedSystem* system_;
   MessageSink* messages_;
+  ProcessReach reach_ = ProcessReach::nothing;
   std::optional<ProcessState> before_;
 };
 
