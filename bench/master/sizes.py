@@ -11,6 +11,7 @@ that needs more than the limit is not run at larger sizes of that thing.
 from __future__ import annotations
 
 import argparse
+import functools
 import json
 import os
 import pathlib
@@ -24,19 +25,19 @@ HERE = pathlib.Path(__file__).resolve().parent
 SIZES = [2500, 10_000, 40_000]
 
 
-def wide_fmu(folder: pathlib.Path, count: int) -> pathlib.Path:
+def wide_fmu(folder: pathlib.Path, count: int, direct: bool = False) -> pathlib.Path:
     """Builds the FMU of wide.c with ``count`` inputs, outputs and parameters."""
-    archive = folder / f"wide{count}.fmu"
+    archive = folder / f"wide{count}{'direct' if direct else ''}.fmu"
     if archive.exists():
         return archive
     library = folder / "wide.so"
-    subprocess.run(["gcc", "-O2", "-shared", "-fPIC", f"-DCOUNT={count}", f"-I{HERE.parents[1] / 'tests/fmus'}",
+    subprocess.run(["gcc", "-O2", "-shared", "-fPIC", f"-DCOUNT={count}", *(["-DDIRECT"] if direct else []), f"-I{HERE.parents[1] / 'tests/fmus'}",
                     str(HERE / "wide.c"), "-o", str(library)], check=True)
     kinds = [("u", 'causality="input"', ""), ("y", 'causality="output" initial="exact"', ""),
              ("p", 'causality="parameter" variability="tunable"', "")]
     variables = "".join(f'<ScalarVariable name="{name}[{i}]" valueReference="{k * count + i}" {kind}><Real start="0"/></ScalarVariable>\n'
                         for k, (name, kind, _) in enumerate(kinds) for i in range(count))
-    outputs = "".join(f'<Unknown index="{count + i + 1}" dependencies=""/>' for i in range(count))
+    outputs = "".join(f'<Unknown index="{count + i + 1}" dependencies="{i + 1 if direct else ""}"/>' for i in range(count))
     description = f"""<?xml version="1.0" encoding="UTF-8"?>
 <fmiModelDescription fmiVersion="2.0" modelName="wide" guid="{{wide{count}}}">
 <CoSimulation modelIdentifier="wide" canHandleVariableCommunicationStepSize="true"/>
@@ -92,6 +93,9 @@ SCENES = {
         "algorithm": {"type": "gauss-seidel", "order": [f"i{k}" for k in range(n)]}},
     "long chain": lambda n, wide: base(wide(1), n) | {
         "connections": [{"from": f"i{k}.y[0]", "to": f"i{k + 1}.u[0]"} for k in range(n - 1)]},
+    "chain of direct dependencies": lambda n, wide: base(wide(1, direct=True), n) | {
+        "instances": {f"i{k}": {"fmu": str(wide(1, direct=True)), "parameters": {} if k else {"u[0]": 1}} for k in range(n)},
+        "connections": [{"from": f"i{k}.y[0]", "to": f"i{k + 1}.u[0]"} for k in range(n - 1)]},
     "star: one output to all": lambda n, wide: base(wide(1), n) | {
         "connections": [{"from": "i0.y[0]", "to": f"i{k}.u[0]"} for k in range(1, n)]},
 }
@@ -129,7 +133,7 @@ def main() -> int:
             rows: dict[str, list[tuple[float, float, int]]] = {program: [] for program in options.programs}
             for n in sizes:
                 config = folder / "config.json"
-                config.write_text(json.dumps(make(n, lambda count: wide_fmu(folder, count))))
+                config.write_text(json.dumps(make(n, functools.partial(wide_fmu, folder))))
                 for program, row in rows.items():
                     if not row or row[-1][2] == 0:
                         row.append(measured(program, config, options.limit))

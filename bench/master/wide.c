@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// An FMU with COUNT inputs, outputs and parameters (-DCOUNT=...). y[i] repeats u[i] of the step before.
+// An FMU with COUNT inputs, outputs and parameters (-DCOUNT=...). y[i] is u[i] of the step before; with -DDIRECT it is
+// the present u[i].
 // sizes.py compiles it and writes its description.
 #include "fmi2.h"
 
@@ -67,7 +68,12 @@ FMI2_EXPORT fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference vr[
 
 FMI2_EXPORT fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference vr[], size_t n, const fmi2Real values[]) {
   Instance* const instance = c;
-  for (size_t i = 0; i < n; ++i) instance->values[vr[i]] = values[i];
+  for (size_t i = 0; i < n; ++i) {
+    instance->values[vr[i]] = values[i];
+#ifdef DIRECT
+    if (vr[i] < COUNT) instance->values[COUNT + vr[i]] = values[i];
+#endif
+  }
   return fmi2OK;
 }
 

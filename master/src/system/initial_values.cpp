@@ -5,25 +5,56 @@
 #include <Eigen/LU>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <exception>
 #include <limits>
+#include <numeric>
 
 namespace mebots::master {
 namespace {
 
-/// Sweeps beyond the longest chain of connections that a loop gets to settle by itself.
+/// Sweeps beyond the longest chain of connections in which a loop may settle without Newton's method.
 constexpr int kLoopSweeps = 200;
 constexpr int kNewtonSteps = 50;
 constexpr int kHalvings = 12;
-/// Relative change below which a value stands still; a value near zero is compared with kSmall.
+/// Relative change below which a value is settled; a value near zero is compared with kSmall.
 constexpr double kStill = 1e-12;
 constexpr double kSmall = 1e-9;
-/// A loop that gets there by sweeping is left to Newton's method before numbers overflow.
+/// Newton's method takes over a loop whose values exceed this, before numbers overflow.
 constexpr double kApart = 1e30;
 
 bool close(double a, double b) {
   return a == b || std::abs(a - b) <= kStill * std::max({std::abs(a), std::abs(b), kSmall});
+}
+
+/// Values of one instance's outputs.
+struct OutputValues {
+  explicit OutputValues(const Banks& banks)
+      : reals(banks.reals.values),
+        integers(banks.integers.values),
+        booleans(banks.booleans.values),
+        strings(banks.strings.values) {}
+
+  std::vector<double> reals;
+  std::vector<std::int32_t> integers;
+  std::vector<std::int32_t> booleans;
+  std::vector<std::string> strings;
+};
+
+bool is_same(const OutputValues& before, const Banks& now, ValueKind kind, std::size_t slot) {
+  switch (kind) {
+    case ValueKind::real:
+      return std::bit_cast<std::uint64_t>(before.reals[slot]) == std::bit_cast<std::uint64_t>(now.reals.values[slot]);
+    case ValueKind::integer:
+      return before.integers[slot] == now.integers.values[slot];
+    case ValueKind::boolean:
+      return before.booleans[slot] == now.booleans.values[slot];
+    case ValueKind::string:
+      break;
+  }
+  return before.strings[slot] == now.strings.values[slot];
 }
 
 double norm(const std::vector<double>& values) {
@@ -34,7 +65,11 @@ double norm(const std::vector<double>& values) {
 
 }  // namespace
 
-InitialValues::InitialValues(Ensemble& ensemble) : ensemble_(ensemble) {
+InitialValues::InitialValues(Ensemble& ensemble) : ensemble_(ensemble), links_(ensemble.size()) {
+  for (const auto& connection : ensemble.system_->connections) {
+    const auto from = ensemble.watch(connection.from);
+    links_[from.instance].push_back({from.kind, from.slot, connection.to.instance, connection.pointer});
+  }
   for (const auto& input : torn_inputs(*ensemble.system_)) {
     if (kind_of(input.variable->type) != ValueKind::real) {
       only_reals_ = false;
@@ -69,21 +104,43 @@ void InitialValues::fail(const std::string& what) const {
 }
 
 bool InitialValues::sweep(int sweeps, bool hold_cuts) {
-  // All outputs are read before any input is set, so that the order of the instances is nothing.
-  std::vector<Banks> before;
+  // Each sweep reads all outputs before it sets any input, so that the order of the instances has no effect.
+  std::vector<std::size_t> all(ensemble_.size());
+  std::iota(all.begin(), all.end(), std::size_t{0});
+  auto changed = all;
   for (int i = 0; i < sweeps; ++i) {
-    before = ensemble_.outputs();
-    for (std::size_t k = 0; k < ensemble_.size(); ++k) ensemble_.read_outputs(k, 0);
+    Change change;
+    for (const auto k : changed) read(k, change);
     if (i == 0 && held_.empty() && !cuts_.empty()) {
-      // Where Newton starts, should it be needed: what the cut inputs get from start values alone.
-      for (std::size_t k = 0; k < ensemble_.size(); ++k) ensemble_.collect_inputs(k);
+      // Newton's method starts at the values that the cut inputs get from start values alone.
+      for (const auto k : all) ensemble_.collect_inputs(k);
       held_ = cut_values();
     }
-    if (i > 0 && standing_still(before)) return true;
+    if (i > 0 && change.is_settled) return true;
     if (!hold_cuts && driven_apart()) return false;
-    for (std::size_t k = 0; k < ensemble_.size(); ++k) write(k, hold_cuts);
+    std::ranges::sort(change.driven);
+    const auto repeated = std::ranges::unique(change.driven);
+    change.driven.erase(repeated.begin(), repeated.end());
+    changed = i == 0 ? all : std::move(change.driven);
+    for (const auto k : changed) write(k, hold_cuts);
   }
   return false;
+}
+
+/// Reads the instance's outputs and compares those that drive an input. Others may change at each call, such as the
+/// FMU's own clock.
+void InitialValues::read(std::size_t instance, Change& change) {
+  const auto& outputs = ensemble_.members_[instance].outputs;
+  const OutputValues before(outputs);
+  ensemble_.read_outputs(instance, 0);
+  for (const auto& link : links_[instance]) {
+    if (!link.is_pointer && is_same(before, outputs, link.kind, link.slot)) continue;
+    change.driven.push_back(link.to);
+    if (link.is_pointer) continue;
+    const bool is_close =
+        link.kind == ValueKind::real && close(before.reals[link.slot], outputs.reals.values[link.slot]);
+    if (!is_close) change.is_settled = false;
+  }
 }
 
 void InitialValues::write(std::size_t instance, bool hold_cuts) {
@@ -98,31 +155,7 @@ void InitialValues::write(std::size_t instance, bool hold_cuts) {
   ensemble_.hand_inputs(instance);
 }
 
-bool InitialValues::standing_still(const std::vector<Banks>& before) const {
-  // Only what travels counts: a watched variable that nobody takes may be a clock of the FMU's own.
-  return std::ranges::all_of(ensemble_.system_->connections, [&](const ResolvedConnection& connection) {
-    if (connection.pointer) return true;  // an FMU may hand out another buffer at each call
-    const auto& old = before[connection.from.instance];
-    const auto& now = ensemble_.members_[connection.from.instance].outputs;
-    const auto same = [&](const auto& old_bank, const auto& bank, auto equal) {
-      const auto slot = bank.slots.at(connection.from.variable);
-      return equal(old_bank.values[slot], bank.values[slot]);
-    };
-    switch (kind_of(connection.from.variable->type)) {
-      case ValueKind::real:
-        return same(old.reals, now.reals, close);
-      case ValueKind::integer:
-        return same(old.integers, now.integers, std::equal_to<>());
-      case ValueKind::boolean:
-        return same(old.booleans, now.booleans, std::equal_to<>());
-      case ValueKind::string:
-        break;
-    }
-    return same(old.strings, now.strings, std::equal_to<>());
-  });
-}
-
-/// Far from any solution, but still finite: the slaves can come back from there.
+/// Returns true if a value is far from any solution, but still finite.
 bool InitialValues::driven_apart() const {
   return std::ranges::any_of(cut_values(), [](double value) { return std::abs(value) > kApart; });
 }
