@@ -2,10 +2,10 @@
 // What the master costs beyond the FMU calls. The same FMU stepped by a bare loop over its C functions and by
 // Simulation, turn about, in one process; and what every single call costs. Usage: bench_master_overhead
 // PASSTHROUGH.fmu [REPEATS]
+#include "fmi/call/float_environment.hpp"
+#include "fmi/fmi2_functions.hpp"
 #include "message/message.hpp"
 #include "run/simulation.hpp"
-#include "slave/float_environment.hpp"
-#include "slave/fmi2_functions.hpp"
 #include "slave/fmu_slave.hpp"
 
 #include <fmt/format.h>

@@ -3,9 +3,9 @@
 //
 //     recorder_cost FILE.fmu    (the probe of tests/fmus: build/ci/test_fmus/probe.fmu)
 #include "mebots/modeldesc/archive.hpp"
-#include "observer/recorder.hpp"
+#include "record/recorder.hpp"
+#include "record/sink/csv_sink.hpp"
 #include "run/simulation.hpp"
-#include "sink/csv_sink.hpp"
 
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>

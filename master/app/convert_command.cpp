@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "command.hpp"
 
-#include "config/from_memory.hpp"
-#include "ssp/ssp.hpp"
+#include "io/config/from_memory.hpp"
+#include "io/ssp/ssp.hpp"
 
 #include <fmt/format.h>
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "command.hpp"
 
-#include "algorithm/algorithm.hpp"
 #include "base/time.hpp"
-#include "config/system_description.hpp"
-#include "config/system_file.hpp"
+#include "engine/algorithm/algorithm.hpp"
+#include "fmi/fmu.hpp"
+#include "io/config/system_file.hpp"
 #include "mebots/file_kind.hpp"
 #include "mebots/input_error.hpp"
-#include "slave/fmu.hpp"
+#include "model/system_description.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

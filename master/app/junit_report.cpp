@@ -4,7 +4,7 @@
 #include "run_texts.hpp"
 
 #include "message/plain_text.hpp"
-#include "sink/output_file.hpp"
+#include "record/sink/output_file.hpp"
 
 #include <fmt/format.h>
 #include <pugixml.hpp>

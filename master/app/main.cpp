@@ -2,7 +2,7 @@
 #include "command.hpp"
 
 #include "command_line/told_by_itself.hpp"
-#include "config/command_line.hpp"
+#include "io/config/command_line.hpp"
 #include "mebots/nearest_names.hpp"
 #include "mebots/version.hpp"
 

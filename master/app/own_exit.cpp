@@ -3,7 +3,7 @@
 // Functions of this program that end or replace its process, or copy it. The dynamic linker gives a program's functions
 // to its libraries before those of the C library, so an FMU that calls one arrives here. The C library itself, in
 // exit() or system() say, does not.
-#include "slave/exit_guard.hpp"
+#include "fmi/call/exit_guard.hpp"
 
 #include <dlfcn.h>
 #include <sys/syscall.h>

@@ -3,7 +3,7 @@
 
 #include "console.hpp"
 
-#include "observer/observer.hpp"
+#include "record/observer.hpp"
 
 #include <chrono>
 #include <cstdint>

@@ -4,8 +4,8 @@
 
 #include "mebots/data/csv.hpp"
 #include "mebots/input_error.hpp"
+#include "record/sink/output_file.hpp"
 #include "report/page.hpp"
-#include "sink/output_file.hpp"
 
 #include <fmt/format.h>
 

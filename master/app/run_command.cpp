@@ -7,8 +7,8 @@
 
 #include "base/signal_guard.hpp"
 #include "base/time.hpp"
-#include "config/command_line.hpp"
-#include "config/system_file.hpp"
+#include "io/config/command_line.hpp"
+#include "io/config/system_file.hpp"
 #include "run/run.hpp"
 #ifdef MEBOTS_HAS_live
 #include "live_run.hpp"

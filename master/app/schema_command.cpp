@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "command.hpp"
 
-#include "config/schemas.hpp"
+#include "io/config/schemas.hpp"
 #include "mebots/input_error.hpp"
 #include "mebots/nearest_names.hpp"
 

@@ -5,7 +5,7 @@
 #include "junit_report.hpp"
 #include "mebots/file_kind.hpp"
 #include "mebots/input_error.hpp"
-#include "system/record_choice.hpp"
+#include "model/record_choice.hpp"
 
 #include <fmt/format.h>
 

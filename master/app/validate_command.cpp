@@ -3,13 +3,13 @@
 #include "command.hpp"
 
 #include "cases/case_file.hpp"
-#include "config/from_memory.hpp"
-#include "config/schemas.hpp"
 #include "description.hpp"
+#include "io/config/from_memory.hpp"
+#include "io/config/schemas.hpp"
+#include "io/study/study_file.hpp"
 #include "mebots/data/document.hpp"
 #include "mebots/input_error.hpp"
 #include "mebots/nearest_names.hpp"
-#include "study/study_file.hpp"
 
 #ifdef MEBOTS_HAS_battery
 #include "cell.hpp"

@@ -3,11 +3,11 @@
 
 #include "child.hpp"
 
+#include "fmi/library_state.hpp"
 #include "mebots/error.hpp"
 #include "mebots/file_kind.hpp"
 #include "mebots/fmi2/library.hpp"
 #include "mebots/modeldesc/elf_library.hpp"
-#include "slave/library_state.hpp"
 
 #include <dlfcn.h>
 #include <elf.h>

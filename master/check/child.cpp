@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "child.hpp"
 
-#include "isolation/keeper.hpp"
+#include "fmi/call/fmi2_callbacks.hpp"
 #include "mebots/error.hpp"
-#include "slave/fmi2_callbacks.hpp"
+#include "slave/isolation/keeper.hpp"
 
 #include <fcntl.h>
 #include <fmt/format.h>

@@ -2,8 +2,8 @@
 #include "subject.hpp"
 
 #include "base/time.hpp"
+#include "fmi/fmu.hpp"
 #include "mebots/fmi2/status_name.hpp"
-#include "slave/fmu.hpp"
 
 #include <dlfcn.h>
 #include <fmt/format.h>

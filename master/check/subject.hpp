@@ -3,12 +3,12 @@
 
 #include "child.hpp"
 
+#include "fmi/call/float_environment.hpp"
+#include "fmi/call/fmi2_callbacks.hpp"
+#include "fmi/process/process_state.hpp"
 #include "mebots/error.hpp"
 #include "mebots/fmi2/library.hpp"
 #include "mebots/modeldesc/model_description.hpp"
-#include "slave/float_environment.hpp"
-#include "slave/fmi2_callbacks.hpp"
-#include "slave/process_state.hpp"
 #include "slave/slave.hpp"
 
 #include <cmath>

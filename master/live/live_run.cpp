@@ -5,6 +5,7 @@
 #include "mebots/data/csv.hpp"
 #include "mebots/input_error.hpp"
 #include "message/message_text.hpp"
+#include "record/sink/output_file.hpp"
 #include "report/page.hpp"
 #include "report/payload.hpp"
 #include "report/thinner.hpp"
@@ -12,7 +13,6 @@
 #include "run/system_file.hpp"
 #include "run/write.hpp"
 #include "server.hpp"
-#include "sink/output_file.hpp"
 
 #include <fmt/format.h>
 

@@ -3,10 +3,10 @@
 #include "template.hpp"
 
 #include "base/installation.hpp"
+#include "fmi/fmu.hpp"
+#include "io/find_fmu.hpp"
 #include "mebots/error.hpp"
 #include "mebots/nearest_names.hpp"
-#include "slave/find_fmu.hpp"
-#include "slave/fmu.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

@@ -3,10 +3,10 @@
 // mebots/*.py.
 #include "base/input_text.hpp"
 #include "cases/run_case.hpp"
+#include "io/study/ground.hpp"
+#include "io/study/study_file.hpp"
 #include "mebots/data/csv.hpp"
-#include "sink/hdf5_tables.hpp"
-#include "study/ground.hpp"
-#include "study/study_file.hpp"
+#include "record/sink/hdf5_tables.hpp"
 
 #include <mebots/run.hpp>
 

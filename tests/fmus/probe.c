@@ -361,7 +361,7 @@ static char* shared_memory(const char* name) {
   return (char*)start;
 }
 
-/// Offsets in `Control`, master/src/isolation/protocol.hpp.
+/// Offsets in `Control`, master/src/slave/isolation/protocol.hpp.
 enum { ANSWER_BYTES = 24, LOG_BYTES = 32, CALLS = 44, ANSWERED = 8 };
 
 /// Says all the time that the next call begins.

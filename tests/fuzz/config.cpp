@@ -4,7 +4,7 @@
 // corpus names the root folder as one: the reader of configs does not open them.
 #include "mebots/input_error.hpp"
 
-#include "config/from_memory.hpp"
+#include "io/config/from_memory.hpp"
 #include "system.hpp"
 
 #include <cstdint>

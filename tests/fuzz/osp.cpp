@@ -5,8 +5,8 @@
 #include "mebots/input_error.hpp"
 #include "mebots/modeldesc/archive.hpp"
 
-#include "config/system_file.hpp"
 #include "folder_of_input.hpp"
+#include "io/config/system_file.hpp"
 #include "system.hpp"
 
 #include <cstdint>

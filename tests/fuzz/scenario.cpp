@@ -2,8 +2,8 @@
 //
 // Any text as a scenario file, alone and over a system: refused with an Error, or overrides of instances that there
 // are.
-#include "config/from_memory.hpp"
-#include "config/scenario_file.hpp"
+#include "io/config/from_memory.hpp"
+#include "io/config/scenario_file.hpp"
 #include "mebots/error.hpp"
 #include "memory_file.hpp"
 

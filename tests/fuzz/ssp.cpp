@@ -4,8 +4,8 @@
 // parts fit each other. An input is SystemStructure.ssd, then further files, each after a line "=== path".
 #include "mebots/input_error.hpp"
 
-#include "config/from_memory.hpp"
-#include "ssp/read.hpp"
+#include "io/config/from_memory.hpp"
+#include "io/ssp/read.hpp"
 #include "system.hpp"
 
 #include <cstdint>

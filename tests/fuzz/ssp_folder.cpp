@@ -3,8 +3,8 @@
 // Any files as an unpacked SSP: refused with an InputError, or a system whose parts fit each other.
 #include "mebots/input_error.hpp"
 
-#include "config/system_file.hpp"
 #include "folder_of_input.hpp"
+#include "io/config/system_file.hpp"
 #include "system.hpp"
 
 #include <cstdint>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // What an FMU hands to the functions that it was given is never trusted.
+#include "fmi/call/callback_text.hpp"
 #include "message/message_text.hpp"
 #include "message/plain_text.hpp"
-#include "slave/callback_text.hpp"
 #include "test_system.hpp"
 
 #include <fmt/format.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "slave/fmu.hpp"
-#include "slave/library_state.hpp"
+#include "fmi/fmu.hpp"
+#include "fmi/library_state.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "config/command_line.hpp"
-#include "config/schemas.hpp"
-#include "config/system_description.hpp"
+#include "io/config/command_line.hpp"
+#include "io/config/schemas.hpp"
+#include "model/system_description.hpp"
 #include "test_system.hpp"
 
 #include <fmt/format.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a run says about its own coupling: how far inputs were from their sources, and the energy that bonds made.
-#include "observer/coupling.hpp"
+#include "record/coupling.hpp"
 #include "run/run.hpp"
 #include "test_system.hpp"
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // An FMU in the master's process can change the thread that calls it, and can end or double a run. Each way is reported
 // with the instance's name, and a failed run has an exit code other than 0.
+#include "fmi/call/exit_guard.hpp"
+#include "fmi/call/forked_copies.hpp"
+#include "fmi/process/process_state.hpp"
 #include "mebots/mission.hpp"
-#include "slave/exit_guard.hpp"
-#include "slave/forked_copies.hpp"
-#include "slave/process_state.hpp"
 #include "test_system.hpp"
 
 #include <fmt/format.h>

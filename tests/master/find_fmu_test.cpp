@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "slave/find_fmu.hpp"
+#include "io/find_fmu.hpp"
 
 #include "base/installation.hpp"
 #include "mebots/input_error.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "slave/fmu.hpp"
+#include "fmi/fmu.hpp"
 #include "mebots/input_error.hpp"
 #include "slave/fmu_slave.hpp"
 #include "test_system.hpp"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sink/csv_rows.hpp"
-#include "sink/hdf5_sink.hpp"
+#include "record/sink/csv_rows.hpp"
+#include "record/sink/hdf5_sink.hpp"
 #include "test_system.hpp"
 
 #include <gmock/gmock.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Loops of initial values, compared with a search over all edges on random systems.
+#include "engine/ensemble.hpp"
 #include "mebots/modeldesc/archive.hpp"
-#include "system/ensemble.hpp"
 
 #include "test_system.hpp"
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Inputs that come from the columns of a CSV file: what an FMU gets at which time, and files that do not fit.
+#include "model/signal.hpp"
 #include "run/run.hpp"
 #include "run/write.hpp"
-#include "signal/signal.hpp"
 #include "test_system.hpp"
 
 #include <fmt/format.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // FMUs in processes of their own: the same bits as in the master's, and nothing that they do takes it down.
-#include "isolation/guard.hpp"
-#include "slave/unpack_folder.hpp"
+#include "fmi/unpack_folder.hpp"
+#include "slave/isolation/guard.hpp"
 #include "support/sanitizer.hpp"
 #include "test_system.hpp"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "observer/parameter_recorder.hpp"
+#include "record/parameter_recorder.hpp"
 #include "run/input_hash.hpp"
 #include "run/run.hpp"
 #include "run/summary.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sink/png_file.hpp"
+#include "record/sink/png_file.hpp"
 
 #include <gtest/gtest.h>
 

@@ -3,9 +3,9 @@
 #include "test_system.hpp"
 
 #include "base/packed.hpp"
+#include "record/sink/png_file.hpp"
 #include "report/page.hpp"
 #include "report/payload.hpp"
-#include "sink/png_file.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>

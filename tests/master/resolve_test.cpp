@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "config/command_line.hpp"
-#include "system/resolved_system.hpp"
+#include "io/config/command_line.hpp"
+#include "model/resolved_system.hpp"
 #include "test_system.hpp"
 
 #include <fmt/format.h>

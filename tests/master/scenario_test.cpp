@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "observer/scenario.hpp"
+#include "record/scenario.hpp"
 #include "test_system.hpp"
 
 #include <fmt/format.h>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Libraries and symbols of FMUs stay separate: each FMU (tests/fmus/tenant) computes with the gain that it brings.
-#include "isolation/interpreter.hpp"
+#include "fmi/library_needs.hpp"
 #include "mebots/modeldesc/elf_library.hpp"
-#include "slave/library_needs.hpp"
+#include "slave/isolation/interpreter.hpp"
 #include "support/sanitizer.hpp"
 #include "test_system.hpp"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // An FMU that runs without a config: where its times come from, what is recorded, and how its variables are named.
-#include "config/single_fmu.hpp"
+#include "io/config/single_fmu.hpp"
 #include "base/time.hpp"
 #include "mebots/mission.hpp"
 #include "test_system.hpp"

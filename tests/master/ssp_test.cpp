@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // SSP 1.0 as a second door: what others write runs here, and what we write says the same as the config.
-#include "ssp/ssp.hpp"
+#include "io/ssp/ssp.hpp"
 #include "test_system.hpp"
 
 #include <fmt/format.h>

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "config/command_line.hpp"
+#include "io/config/command_line.hpp"
 #include "mebots/modeldesc/archive.hpp"
-#include "observer/conditions.hpp"
-#include "observer/recorder.hpp"
-#include "observer/scenario.hpp"
+#include "model/record_choice.hpp"
+#include "record/conditions.hpp"
+#include "record/recorder.hpp"
+#include "record/scenario.hpp"
+#include "record/sink/csv_sink.hpp"
 #include "run/simulation.hpp"
-#include "sink/csv_sink.hpp"
-#include "system/record_choice.hpp"
 
 #include <atomic>
 #include <filesystem>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "algorithm/step_pool.hpp"
-#include "algorithm/thread_policy.hpp"
+#include "engine/algorithm/step_pool.hpp"
+#include "engine/algorithm/thread_policy.hpp"
 #include "test_system.hpp"
 
 #include <fmt/format.h>

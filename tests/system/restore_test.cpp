@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "missions.hpp"
 
-#include "observer/recorder.hpp"
+#include "record/recorder.hpp"
+#include "record/sink/csv_sink.hpp"
+#include "record/sink/output_file.hpp"
 #include "run/simulation.hpp"
-#include "sink/csv_sink.hpp"
-#include "sink/output_file.hpp"
 
 #include <gtest/gtest.h>
 

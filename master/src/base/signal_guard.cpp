@@ -23,7 +23,7 @@ constexpr std::array kSignals = {SIGINT, SIGTERM, SIGHUP};
 std::mutex guards_mutex;
 int guards = 0;
 int to_raise = 0;
-std::array<struct sigaction, kSignals.size()> before{};
+std::array<struct sigaction, kSignals.size()> handlers_before{};
 
 void on_signal(int signal) {
   for (auto& slot : slots) {
@@ -41,13 +41,13 @@ void install() {
   action.sa_flags = static_cast<int>(SA_RESETHAND | SA_RESTART);
   sigemptyset(&action.sa_mask);
   for (std::size_t i = 0; i < kSignals.size(); ++i) {
-    sigaction(kSignals[i], nullptr, &before[i]);
-    if (before[i].sa_handler != SIG_IGN) sigaction(kSignals[i], &action, nullptr);  // nohup means it
+    sigaction(kSignals[i], nullptr, &handlers_before[i]);
+    if (handlers_before[i].sa_handler != SIG_IGN) sigaction(kSignals[i], &action, nullptr);  // nohup means it
   }
 }
 
 void restore() {
-  for (std::size_t i = 0; i < kSignals.size(); ++i) sigaction(kSignals[i], &before[i], nullptr);
+  for (std::size_t i = 0; i < kSignals.size(); ++i) sigaction(kSignals[i], &handlers_before[i], nullptr);
 }
 
 }  // namespace

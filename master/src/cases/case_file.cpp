@@ -2,10 +2,10 @@
 #include "cases/case_file.hpp"
 
 #include "base/input_text.hpp"
-#include "config/reading.hpp"
+#include "io/config/reading.hpp"
 #include "mebots/data/document.hpp"
 #include "mebots/file_kind.hpp"
-#include "system/record_choice.hpp"
+#include "model/record_choice.hpp"
 
 #include <fmt/format.h>
 

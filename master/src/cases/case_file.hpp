@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "config/system_description.hpp"
+#include "model/system_description.hpp"
 
 #include <filesystem>
 #include <optional>

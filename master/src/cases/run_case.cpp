@@ -2,12 +2,12 @@
 #include "cases/run_case.hpp"
 
 #include "base/time.hpp"
+#include "io/config/signal_file.hpp"
+#include "io/find_fmu.hpp"
 #include "mebots/assert.hpp"
 #include "mebots/nearest_names.hpp"
+#include "record/sink/memory_sink.hpp"
 #include "run/run.hpp"
-#include "signal/signal_file.hpp"
-#include "sink/memory_sink.hpp"
-#include "slave/find_fmu.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "report/picture_detail.hpp"
 
-#include "sink/png_file.hpp"
+#include "record/sink/png_file.hpp"
 
 #include <algorithm>
 #include <cstdint>

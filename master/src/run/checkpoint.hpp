@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "observer/observer.hpp"
+#include "model/resolved_system.hpp"
+#include "record/observer.hpp"
+#include "record/sink/output_file.hpp"
 #include "run/input_hash.hpp"
 #include "run/run_request.hpp"
 #include "run/simulation.hpp"
-#include "sink/output_file.hpp"
-#include "system/resolved_system.hpp"
 
 #include <cstdint>
 #include <filesystem>

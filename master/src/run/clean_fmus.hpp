@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "fmi/process/process_functions.hpp"
 #include "mebots/run_state.hpp"
-#include "slave/process_functions.hpp"
-#include "system/resolved_system.hpp"
+#include "model/resolved_system.hpp"
 
 #include <optional>
 #include <string>

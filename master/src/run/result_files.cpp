@@ -3,8 +3,8 @@
 
 #include "mebots/input_error.hpp"
 #include "message/message_text.hpp"
-#include "sink/csv_rows.hpp"
-#include "sink/csv_sink.hpp"
+#include "record/sink/csv_rows.hpp"
+#include "record/sink/csv_sink.hpp"
 
 #include <fmt/format.h>
 

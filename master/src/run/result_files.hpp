@@ -2,15 +2,15 @@
 #pragma once
 
 #include "message/message.hpp"
-#include "observer/observer.hpp"
-#include "observer/parameter_recorder.hpp"
-#include "observer/picture_recorder.hpp"
-#include "observer/recorder.hpp"
+#include "record/observer.hpp"
+#include "record/parameter_recorder.hpp"
+#include "record/picture_recorder.hpp"
+#include "record/recorder.hpp"
+#include "record/sink/hdf5_sink.hpp"
 #include "run/checkpoint.hpp"
 #include "run/result_folder.hpp"
 #include "run/simulation.hpp"
 #include "run/system_file.hpp"
-#include "sink/hdf5_sink.hpp"
 
 #include <filesystem>
 #include <list>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "record/sink/output_file.hpp"
 #include "run/folder_lock.hpp"
-#include "sink/output_file.hpp"
 
 #include <filesystem>
 #include <list>

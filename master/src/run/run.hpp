@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "fmi/call/exit_guard.hpp"
+#include "fmi/call/forked_copies.hpp"
 #include "mebots/run_state.hpp"
 #include "message/message_hub.hpp"
-#include "observer/conditions.hpp"
-#include "observer/coupling.hpp"
-#include "observer/recorder.hpp"
-#include "observer/scenario.hpp"
-#include "observer/statistics.hpp"
+#include "model/statistics.hpp"
+#include "record/conditions.hpp"
+#include "record/coupling.hpp"
+#include "record/recorder.hpp"
+#include "record/scenario.hpp"
+#include "record/sink/memory_sink.hpp"
 #include "run/checkpoint.hpp"
 #include "run/clean_fmus.hpp"
 #include "run/input_hash.hpp"
@@ -16,9 +19,6 @@
 #include "run/saved_run.hpp"
 #include "run/simulation.hpp"
 #include "run/summary.hpp"
-#include "sink/memory_sink.hpp"
-#include "slave/exit_guard.hpp"
-#include "slave/forked_copies.hpp"
 
 #include <nlohmann/json_fwd.hpp>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "config/system_description.hpp"
 #include "mebots/state/visitor.hpp"
+#include "model/system_description.hpp"
 
 #include <cstdint>
 #include <filesystem>

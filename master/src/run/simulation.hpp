@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "algorithm/algorithm.hpp"
-#include "algorithm/slave_steps.hpp"
+#include "engine/algorithm/algorithm.hpp"
+#include "engine/algorithm/slave_steps.hpp"
+#include "engine/ensemble.hpp"
 #include "message/ordered_messages.hpp"
-#include "observer/observer.hpp"
-#include "run/end.hpp"
-#include "system/ensemble.hpp"
+#include "model/end.hpp"
+#include "record/observer.hpp"
 
 #include <atomic>
 #include <cstdint>

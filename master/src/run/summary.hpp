@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "observer/conditions.hpp"
-#include "observer/observer.hpp"
+#include "engine/ensemble.hpp"
+#include "record/conditions.hpp"
+#include "record/observer.hpp"
 #include "run/input_hash.hpp"
-#include "system/ensemble.hpp"
 
 #include "mebots/error_code.hpp"
 #include "mebots/run_state.hpp"

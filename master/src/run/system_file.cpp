@@ -5,9 +5,9 @@
 #include "base/time.hpp"
 #include "mebots/input_error.hpp"
 #include "message/plain_text.hpp"
+#include "model/record_choice.hpp"
+#include "record/sink/output_file.hpp"
 #include "run/json_value.hpp"
-#include "sink/output_file.hpp"
-#include "system/record_choice.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

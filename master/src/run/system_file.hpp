@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "observer/observer.hpp"
-#include "system/ensemble.hpp"
+#include "engine/ensemble.hpp"
+#include "record/observer.hpp"
 
 #include <nlohmann/json_fwd.hpp>
 

@@ -2,7 +2,7 @@
 #include "run/write.hpp"
 
 #include "mebots/input_error.hpp"
-#include "slave/osmp.hpp"
+#include "model/osmp.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "engine/ensemble.hpp"
 #include "slave/forwarding_slave.hpp"
-#include "system/ensemble.hpp"
 
 #include <variant>
 

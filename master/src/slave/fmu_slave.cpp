@@ -7,13 +7,13 @@
 #include "mebots/input_error.hpp"
 #include "mebots/state/bytes.hpp"
 
+#include "fmi/call/callback_text.hpp"
+#include "fmi/call/float_environment.hpp"
+#include "fmi/call/fmi2_callbacks.hpp"
+#include "fmi/call/foreign_call.hpp"
+#include "fmi/fmi2_functions.hpp"
+#include "fmi/process/process_state.hpp"
 #include "message/plain_text.hpp"
-#include "slave/callback_text.hpp"
-#include "slave/float_environment.hpp"
-#include "slave/fmi2_callbacks.hpp"
-#include "slave/fmi2_functions.hpp"
-#include "slave/foreign_call.hpp"
-#include "slave/process_state.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

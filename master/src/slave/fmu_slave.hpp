@@ -2,9 +2,9 @@
 #pragma once
 
 #include "base/time_grid.hpp"
+#include "fmi/fmu.hpp"
 #include "message/message.hpp"
 #include "message/message_limit.hpp"
-#include "slave/fmu.hpp"
 #include "slave/slave.hpp"
 
 #include <atomic>

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "mebots/state/visitor.hpp"
-#include "observer/scenario.hpp"
+#include "record/scenario.hpp"
 #include "slave/access_slave.hpp"
 
 #include <optional>

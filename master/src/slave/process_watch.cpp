@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "slave/process_watch.hpp"
 
-#include "system/resolved_system.hpp"
+#include "model/resolved_system.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

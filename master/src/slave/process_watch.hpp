@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "fmi/process/process_state.hpp"
 #include "message/message.hpp"
-#include "slave/process_state.hpp"
 
 #include <cstdint>
 #include <optional>

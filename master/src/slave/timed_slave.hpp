@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "observer/statistics.hpp"
+#include "model/statistics.hpp"
 #include "slave/access_slave.hpp"
 
 #include <chrono>

@@ -3,7 +3,7 @@
 
 #include "base/interrupt.hpp"
 #include "mebots/state/save.hpp"
-#include "slave/osmp.hpp"
+#include "model/osmp.hpp"
 
 #include <fmt/format.h>
 

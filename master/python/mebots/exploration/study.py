@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The study file: read and checked in C++ (master/src/study), with its defaults filled in here."""
+"""The study file: read and checked in C++ (master/src/io/study), with its defaults filled in here."""
 
 from __future__ import annotations
 

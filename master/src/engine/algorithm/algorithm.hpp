@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "engine/algorithm/slave_steps.hpp"
+#include "message/ordered_messages.hpp"
+#include "model/end.hpp"
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace mebots::master {
+
+/// Carries all slaves from one communication point to the next: who takes which inputs when, and who steps when.
+/// To add one: a class in a file of its own, and its row in registry.cpp.
+class Algorithm {
+ public:
+  virtual ~Algorithm() = default;
+
+  /// From t_k to t_(k+1). Afterwards the ensemble's outputs are those of t_(k+1), and nothing is returned. An end is
+  /// returned when a slave gave up, and InterruptedError is thrown after an interrupt: then the outputs are still those
+  /// of t_k, the last point that all reached. Throws what the slaves throw, too.
+  virtual std::optional<End> step(std::int64_t k) = 0;
+};
+
+/// What an algorithm works on. All of it outlives the algorithm.
+struct AlgorithmContext {
+  const ResolvedSystem& system;
+  SlaveSteps& slaves;
+  OrderedMessages& messages;  ///< where the slaves' messages pass
+};
+
+/// An algorithm that a config can name.
+struct AlgorithmKind {
+  std::string_view name;
+  bool takes_order;  ///< whether the config may give an order of the instances
+  std::unique_ptr<Algorithm> (*make)(const AlgorithmContext& context);
+};
+
+/// The one that the description names. Throws InputError without a place, with the nearest names, when there is none,
+/// or when it takes no order and one is given. Whoever reads a config asks, so that a run finds it.
+const AlgorithmKind& find_algorithm(const AlgorithmDescription& description);
+
+}  // namespace mebots::master

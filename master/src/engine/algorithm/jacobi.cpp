@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/algorithm/jacobi.hpp"
+
+#include "engine/algorithm/step_pool.hpp"
+#include "engine/algorithm/thread_policy.hpp"
+#include "mebots/assert.hpp"
+
+#include <algorithm>
+#include <exception>
+#include <map>
+#include <numeric>
+#include <thread>
+#include <utility>
+
+namespace mebots::master {
+namespace {
+
+/// The reader of a buffer must be done before its owner steps on: they stay on one thread, in their order. So the
+/// instances fall into groups, each of which steps on one thread.
+std::vector<std::vector<std::size_t>> groups_of(const ResolvedSystem& system, const Ensemble& ensemble) {
+  std::vector<std::size_t> group(ensemble.size());
+  std::iota(group.begin(), group.end(), std::size_t{0});
+  for (const auto& connection : system.connections) {
+    if (!connection.pointer) continue;
+    const auto from = group[connection.from.instance];
+    std::replace(group.begin(), group.end(), from, group[connection.to.instance]);
+  }
+  std::map<std::size_t, std::vector<std::size_t>> members;
+  for (const auto i : ensemble.step_order()) members[group[i]].push_back(i);
+  std::vector<std::vector<std::size_t>> groups;
+  groups.reserve(members.size());
+  for (auto& [name, instances] : members) groups.push_back(std::move(instances));
+  return groups;
+}
+
+class Jacobi final : public Algorithm {
+ public:
+  explicit Jacobi(const AlgorithmContext& context)
+      : slaves_(&context.slaves),
+        messages_(&context.messages),
+        groups_(groups_of(context.system, context.slaves.ensemble())) {
+    const auto wanted = context.system.description->threads;
+    const auto most = wanted == kAutomaticThreads ? std::max(1U, std::thread::hardware_concurrency()) : wanted;
+    threads_ = static_cast<unsigned>(std::min<std::size_t>(most, groups_.size()));
+    if (threads_ < 2) return;
+    policy_ = std::make_unique<ThreadPolicy>();
+    attempts_.resize(slaves_->count());
+  }
+
+  std::optional<End> step(std::int64_t k) override {
+    for (std::size_t i = 0; i < slaves_->count(); ++i) slaves_->write_inputs(i, k);
+    unfinished_.clear();
+    if (policy_ && policy_->parallel()) {
+      step_at_the_same_time(k);
+    } else {
+      for (const auto i : slaves_->ensemble().step_order()) {
+        if (slaves_->begins_step(i, k)) take(i, slaves_->step(i, k));
+      }
+    }
+    // Slaves that step on their own time do so side by side: all were started before any is waited for.
+    for (auto& [i, result] : unfinished_) result = slaves_->finish(i, k, std::move(result));
+    if (policy_) policy_->stepped();
+    if (auto end = end_at(k)) return end;
+    for (std::size_t i = 0; i < slaves_->count(); ++i) slaves_->read_outputs(i, k + 1);
+    return std::nullopt;
+  }
+
+ private:
+  struct Attempt {
+    StepResult result;
+    std::exception_ptr error;
+  };
+
+  void take(std::size_t slave, StepResult result) {
+    MEBOTS_ASSERT(slave < slaves_->count());
+    if (!result.done) unfinished_.emplace_back(slave, std::move(result));
+  }
+
+  /// An interrupt counts before the wish of a slave.
+  std::optional<End> end_at(std::int64_t k) const {
+    std::optional<End> first;
+    for (const auto& [i, result] : unfinished_) {
+      auto end = slaves_->end_of(i, k, result);
+      if (end && end->reason == EndReason::interrupted) return end;
+      if (end && !first) first = std::move(end);
+    }
+    return first;
+  }
+
+  void step_at_the_same_time(std::int64_t k) {
+    if (!pool_) pool_ = std::make_unique<StepPool>(threads_);  // not before it is needed
+    messages_->hold();
+    MEBOTS_ASSERT(threads_ >= 2 && !groups_.empty());
+    pool_->run(groups_.size(), [this, k](std::size_t group) {
+      for (const auto i : groups_[group]) {
+        if (!slaves_->begins_step(i, k)) continue;
+        auto& attempt = attempts_[i];
+        MEBOTS_ASSERT(i < attempts_.size());
+        attempt.error = nullptr;
+        try {
+          attempt.result = slaves_->step(i, k);
+        } catch (...) {
+          attempt.error = std::current_exception();
+          return;
+        }
+      }
+    });
+    // Messages and errors as they would have come one after the other.
+    std::vector<std::string> speakers;
+    std::exception_ptr first;
+    for (const auto i : slaves_->ensemble().step_order()) {
+      if (first || !slaves_->begins_step(i, k)) continue;
+      speakers.push_back(slaves_->ensemble().name(i));
+      first = attempts_[i].error;
+      const auto& result = attempts_[i].result;
+      if (!first) take(i, result);
+      if (!result.done && !result.pending && !result.terminated) break;  // the run ends with it
+    }
+    messages_->release(speakers);
+    if (first) std::rethrow_exception(first);
+  }
+
+  SlaveSteps* slaves_;
+  OrderedMessages* messages_;
+  std::vector<std::vector<std::size_t>> groups_;                // each steps in order on one thread
+  std::vector<std::pair<std::size_t, StepResult>> unfinished_;  // of the step that is being taken
+  // Stepping at the same time; null with one thread.
+  unsigned threads_ = 1;
+  std::unique_ptr<ThreadPolicy> policy_;
+  std::unique_ptr<StepPool> pool_;
+  std::vector<Attempt> attempts_;  // by instance
+};
+
+}  // namespace
+
+std::unique_ptr<Algorithm> make_jacobi(const AlgorithmContext& context) {
+  return std::make_unique<Jacobi>(context);
+}
+
+}  // namespace mebots::master

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/algorithm/slave_steps.hpp"
+
+#include "base/interrupt.hpp"
+#include "base/time.hpp"
+#include "engine/algorithm/step_in_parts.hpp"
+#include "mebots/assert.hpp"
+
+#include <fmt/format.h>
+
+namespace mebots::master {
+
+End interrupted_at(std::int64_t time_ns) {
+  return {EndReason::interrupted, fmt::format("interrupted at {} s", to_seconds(time_ns))};
+}
+
+SlaveSteps::SlaveSteps(const ResolvedSystem& system, Ensemble& ensemble, const std::atomic<bool>& interrupted)
+    : system_(&system), ensemble_(&ensemble), interrupted_(&interrupted), grid_(system.description->grid()) {
+  for (const auto& instance : system.instances)
+    steps_.push_back({instance.description->steps, instance.description->divide_discarded});
+  MEBOTS_ASSERT(steps_.size() == ensemble.size());
+}
+
+void SlaveSteps::write_inputs(std::size_t slave, std::int64_t k) {
+  if (begins_step(slave, k)) ensemble_->write_inputs(slave, time_ns(k));
+}
+
+StepResult SlaveSteps::step(std::size_t slave, std::int64_t k) {
+  stop_if_interrupted(*interrupted_);
+  auto& target = ensemble_->slave(slave);
+  const auto start_ns = time_ns(k);
+  const auto& [multiple, is_divided] = steps_[slave];
+  const auto duration_ns = time_ns(k + multiple) - start_ns;
+  if (is_divided) return step_in_parts(target, start_ns, duration_ns, *interrupted_);
+  return target.step(start_ns, duration_ns);
+}
+
+StepResult SlaveSteps::finish(std::size_t slave, std::int64_t k, StepResult result) {
+  if (result.pending) result = ensemble_->slave(slave).finish_step(*interrupted_);
+  if (result.done || result.terminated || result.cancelled) return result;
+  throw SlaveError(fmt::format(
+      "instance '{}' at {} s: fmi2DoStep refused a step of {} s (fmi2Discard; it came to {} s). Take a smaller step, "
+      "or set \"on_discard\": \"divide\" for the instance. {}",
+      ensemble_->name(slave), to_seconds(time_ns(k)),
+      time_text(system_->description->step_of(*system_->instances[slave].description)),
+      result.last_successful_s.value_or(to_seconds(time_ns(k))), result.messages));
+}
+
+void SlaveSteps::read_outputs(std::size_t slave, std::int64_t k) {
+  if (begins_step(slave, k)) ensemble_->read_outputs(slave, time_ns(k));
+}
+
+std::optional<End> SlaveSteps::end_of(std::size_t slave, std::int64_t k, const StepResult& result) const {
+  if (result.cancelled) return interrupted_at(time_ns(k));
+  if (!result.terminated) return std::nullopt;
+  return End{EndReason::terminated, fmt::format("instance '{}' ended the simulation at {} s", ensemble_->name(slave),
+                                                result.last_successful_s.value_or(to_seconds(time_ns(k))))};
+}
+
+}  // namespace mebots::master

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "engine/ensemble.hpp"
+#include "model/end.hpp"
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+namespace mebots::master {
+
+/// Steps the slaves on the grid of communication points t_k, for every algorithm. The step of a slave may be a multiple
+/// of h; it then begins at every n-th point.
+class SlaveSteps {
+ public:
+  /// `system` and `ensemble` must outlive this object, and so must `interrupted`.
+  SlaveSteps(const ResolvedSystem& system, Ensemble& ensemble, const std::atomic<bool>& interrupted);
+
+  Ensemble& ensemble() const { return *ensemble_; }
+  std::size_t count() const { return steps_.size(); }
+  std::int64_t time_ns(std::int64_t k) const { return grid_.time_ns(k); }
+  /// Returns true if a step of the slave begins at t_k. Avoids the division for a step of h: it costs as much as a
+  /// small FMU's step.
+  bool begins_step(std::size_t slave, std::int64_t k) const {
+    return steps_[slave].multiple == 1 || k % steps_[slave].multiple == 0;
+  }
+
+  /// Sets the slave's inputs to the ensemble's present values, if a step of it begins at t_k.
+  void write_inputs(std::size_t slave, std::int64_t k);
+  /// Performs the slave's step that begins at t_k. May be called for several slaves at the same time, each on a thread
+  /// of its own. Throws InterruptedError before the call, and what the slave throws.
+  StepResult step(std::size_t slave, std::int64_t k);
+  /// Waits for a pending step. Throws SlaveError if the slave refused the step.
+  StepResult finish(std::size_t slave, std::int64_t k, StepResult result);
+  /// Reads the slave's outputs at t_k, if a step of it ends there.
+  void read_outputs(std::size_t slave, std::int64_t k);
+
+  /// Returns why the run ends at t_k; nothing if the slave has finished its step.
+  std::optional<End> end_of(std::size_t slave, std::int64_t k, const StepResult& result) const;
+
+ private:
+  struct Step {
+    std::int64_t multiple = 1;  // of h
+    bool is_divided = false;    // into parts, if the slave discards it
+  };
+
+  const ResolvedSystem* system_;
+  Ensemble* ensemble_;
+  const std::atomic<bool>* interrupted_;
+  TimeGrid grid_;
+  std::vector<Step> steps_;  // by slave
+};
+
+/// "interrupted at 3 s"
+End interrupted_at(std::int64_t time_ns);
+
+}  // namespace mebots::master

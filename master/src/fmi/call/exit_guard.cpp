@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "fmi/call/exit_guard.hpp"
+
+#include "base/time.hpp"
+#include "fmi/call/fmi2_callbacks.hpp"
+#include "fmi/process/process_state.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <ctime>
+#include <mutex>
+#include <vector>
+
+namespace mebots::master {
+namespace {
+
+struct Guards {
+  std::mutex mutex;
+  std::vector<const ExitGuard*> all;
+};
+
+Guards& guards() {
+  static Guards& all = *new Guards;  // never destroyed: the end of the process asks it
+  return all;
+}
+
+constexpr const char* kRemedy =
+    "which ends the whole process. Run the instance in a process of its own (\"process\": \"own\", or --isolate)";
+
+std::string reason(const char* what) {
+  const auto call = current_call();
+  if (call.library != nullptr)
+    return fmt::format("the library of the FMU {} {} while it was {}, {}", call.library, what, call.function, kRemedy);
+  if (call.instance == nullptr) {
+    return fmt::format("a library of an FMU (instances: {}) {} in the middle of a run, {}",
+                       fmt::join(instances_here(), ", "), what, kRemedy);
+  }
+  return fmt::format("instance '{}' at {} s: its FMU {} in {}, {}", call.instance, to_seconds(call.time_ns), what,
+                     call.function, kRemedy);
+}
+
+/// The process in which runs are guarded; what it forks is not.
+std::atomic<pid_t> guarded_process = 0;
+/// The thread that ends the process because of a busy run.
+std::atomic<pid_t> ending_thread = 0;
+/// A signal that came outside of calls, for the run's own thread; 0: none.
+std::atomic<int> kept_signal = 0;
+
+[[noreturn]] void end_at_once() {
+  for (;;) syscall(SYS_exit_group, EXIT_FAILURE);
+}
+
+/// While a thread ends the process: the others wait for that, and what this thread calls on the way is part of it.
+void leave_it_to_the_ending_thread() {
+  const pid_t ending = ending_thread.load();
+  if (ending == 0) return;
+  if (ending == gettid()) end_at_once();
+  for (;;) pause();
+}
+
+/// _exit() may be called where hardly anything else may: in the handler of a signal, with the heap's locks held by what
+/// it interrupted. Writing results would wait for them for ever; rather they are lost.
+void end_by_alarm() {
+  constexpr unsigned kLongestEndS = 60;
+  std::signal(SIGALRM, SIG_DFL);
+  sigset_t signals;
+  sigemptyset(&signals);
+  sigaddset(&signals, SIGALRM);
+  pthread_sigmask(SIG_UNBLOCK, &signals, nullptr);
+  alarm(kLongestEndS);
+}
+
+/// Not locked: what a signal interrupted on this thread holds it.
+std::unique_lock<std::mutex> lock_known_guards() {
+  constexpr int kTries = 1000;
+  constexpr timespec kPause{0, 1'000'000};
+  std::unique_lock lock(guards().mutex, std::defer_lock);
+  for (int i = 0; i < kTries && !lock.try_lock(); ++i) nanosleep(&kPause, nullptr);
+  return lock;
+}
+
+/// Of the C library, with the FMU still below it on the stack.
+bool ask_to_hear_of_ends() {
+  return std::atexit([] { end_busy_runs("called exit()"); }) == 0 &&
+         std::at_quick_exit([] { end_busy_runs("called quick_exit()"); }) == 0;
+}
+
+}  // namespace
+
+void end_busy_runs(const char* what) {
+  if (guarded_process.load() != getpid()) return;
+  std::vector<const ExitGuard*> busy;
+  {
+    const auto lock = lock_known_guards();
+    if (!lock.owns_lock()) end_at_once();
+    auto& all = guards().all;
+    std::ranges::copy_if(all, std::back_inserter(busy), &ExitGuard::busy);
+    for (const auto* guard : busy) std::erase(all, guard);  // its end is told once, whoever ends the process then
+    if (!busy.empty()) ending_thread = gettid();
+  }
+  if (busy.empty()) {
+    leave_it_to_the_ending_thread();
+    return;
+  }
+  end_by_alarm();
+  const auto text = reason(what);
+  for (const auto* guard : busy) guard->fail(text);
+  std::fprintf(stderr, "mebots: error: %s\n", text.c_str());
+  std::fflush(nullptr);
+  end_at_once();
+}
+
+bool end_by_signal(int signal) {
+  if (guarded_process.load() != getpid()) return false;
+  const auto call = current_call();
+  if (call.instance != nullptr || call.library != nullptr) {
+    end_busy_runs(fmt::format("caused the signal {}", signal_name(signal)).c_str());
+    return false;
+  }
+  const std::unique_lock lock(guards().mutex, std::try_to_lock);
+  // Whoever holds the mutex makes or removes a guard; a run is taken for busy then.
+  if (lock.owns_lock() && std::ranges::none_of(guards().all, &ExitGuard::busy)) return false;
+  kept_signal = signal;
+  return true;
+}
+
+std::optional<std::string> take_kept_signal() {
+  if (kept_signal.load(std::memory_order_relaxed) == 0) return std::nullopt;
+  return fmt::format(
+      "the process got the signal {}, of a timer or sent by itself, which has no handler: one "
+      "of the FMUs in it (instances: {}) let it be sent, {}",
+      signal_name(kept_signal.exchange(0)), fmt::join(instances_here(), ", "), kRemedy);
+}
+
+ExitGuard::ExitGuard(const bool& busy, Fail fail) : busy_(&busy), process_(getpid()), fail_(std::move(fail)) {
+  static const bool asked = ask_to_hear_of_ends();
+  static_cast<void>(asked);
+  guarded_process = process_;
+  auto& known = guards();
+  const std::lock_guard lock(known.mutex);
+  known.all.push_back(this);
+}
+
+ExitGuard::~ExitGuard() {
+  auto& known = guards();
+  const std::lock_guard lock(known.mutex);
+  std::erase(known.all, this);
+}
+
+bool ExitGuard::busy() const {
+  return *busy_ && process_ == getpid();
+}
+
+}  // namespace mebots::master

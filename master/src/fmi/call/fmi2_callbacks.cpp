@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "fmi/call/fmi2_callbacks.hpp"
+
+#include "fmi/call/callback_text.hpp"
+#include "fmi/call/forked_copies.hpp"
+#include "message/plain_text.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <cstdarg>
+#include <cstdio>
+#include <cstdlib>
+#include <iterator>
+#include <mutex>
+#include <unordered_set>
+#include <utility>
+
+namespace mebots::master {
+namespace {
+
+constinit thread_local CallbackScope* current = nullptr;  // the call that this thread is in
+constinit thread_local CurrentCallback callback{};        // and the callback out of it
+constinit thread_local CurrentCall of_library{};          // where it is in no call
+constinit std::atomic<bool> deaf{false};
+
+class InCallback {
+ public:
+  explicit InCallback(CurrentCallback entered) : outer_(std::exchange(callback, entered)) {}
+  ~InCallback() { callback = outer_; }
+  InCallback(const InCallback&) = delete;
+  InCallback& operator=(const InCallback&) = delete;
+
+ private:
+  CurrentCallback outer_;
+};
+
+/// All targets, for callbacks on threads that are in no call.
+struct Registry {
+  std::mutex mutex;
+  std::unordered_set<CallbackTarget*> targets;
+};
+
+Registry& registry() {
+  static Registry& all = *new Registry;  // never destroyed: a thread of an FMU may outlive main()
+  return all;
+}
+
+/// A pointer from an FMU is compared and not followed.
+CallbackTarget* find(const std::unordered_set<CallbackTarget*>& targets, const void* environment,
+                     const std::optional<std::string>& name) {
+  const auto by_address = targets.find(static_cast<CallbackTarget*>(const_cast<void*>(environment)));
+  if (by_address != targets.end()) return *by_address;
+  if (name) {
+    const auto named = [&](const CallbackTarget* target) { return target->instance_name() == *name; };
+    const auto by_name = std::ranges::find_if(targets, named);
+    if (by_name != targets.end() && std::find_if(std::next(by_name), targets.end(), named) == targets.end())
+      return *by_name;
+  }
+  return targets.size() == 1 ? *targets.begin() : nullptr;
+}
+
+template <typename Work>
+void with_target(const void* environment, const std::optional<std::string>& name, Work work) {
+  if (current != nullptr) {
+    work(current->target(), true);
+    return;
+  }
+  auto& all = registry();
+  const std::lock_guard lock(all.mutex);  // the target stays until it has heard
+  if (auto* target = find(all.targets, environment, name)) work(*target, false);
+}
+
+std::optional<std::string> clean_text(const char* address) {
+  auto text = read_text(address);
+  if (text) text = valid_utf8(*text);
+  return text;
+}
+
+std::string without_line_end(std::string text) {
+  while (!text.empty() && (text.back() == '\n' || text.back() == '\r')) text.pop_back();
+  return text;
+}
+
+// The C interface of the standard: printf-like and called by foreign code, so nothing may be thrown out of it.
+void log(fmi2ComponentEnvironment environment, fmi2String instance, fmi2Status status, fmi2String category,
+         fmi2String message, ...) {
+  if (deaf.load(std::memory_order_relaxed)) return;
+  const InCallback here({"logger", false});
+  std::va_list arguments;
+  va_start(arguments, message);
+  try {
+    LoggerCall call;
+    call.status = status;
+    call.instance = clean_text(instance);
+    call.category = clean_text(category).value_or("");
+    const auto format = read_text(message);
+    call.text = format ? without_line_end(valid_utf8(format_text(*format, arguments)))
+                       : std::string(message == nullptr ? "(a message without a text)"
+                                                        : "(a message whose text cannot be read)");
+    if (is_forked_copy()) {  // the files of the run belong to the original process
+      std::fprintf(stderr, "mebots: a process that instance '%s' forked: %s\n", call.instance.value_or("?").c_str(),
+                   one_line(call.text).c_str());
+      va_end(arguments);
+      return;
+    }
+    with_target(environment, call.instance, [&](CallbackTarget& target, bool in_call) {
+      call.own_environment = environment == &target;
+      call.in_call = in_call;
+      target.listener().logged(std::move(call));
+    });
+  } catch (...) {  // NOLINT(bugprone-empty-catch): a message is lost, the simulation is not
+  }
+  va_end(arguments);
+}
+
+void step_finished(fmi2ComponentEnvironment environment, fmi2Status status) {
+  const InCallback here({"stepFinished", false});
+  try {
+    with_target(environment, std::nullopt,
+                [&](CallbackTarget& target, bool /*in_call*/) { target.listener().step_finished(status); });
+  } catch (...) {  // NOLINT(bugprone-empty-catch): the master asks fmi2GetStatus too
+  }
+}
+
+void* allocate_memory(std::size_t count, std::size_t size) {
+  const InCallback here({"allocateMemory", true});
+  return std::calloc(count, size);
+}
+
+void free_memory(void* memory) {
+  const InCallback here({"freeMemory", true});
+  std::free(memory);
+}
+
+}  // namespace
+
+CallbackTarget::CallbackTarget(CallbackListener& listener, std::string instance_name)
+    : listener_(&listener), instance_name_(std::move(instance_name)) {
+  auto& all = registry();
+  const std::lock_guard lock(all.mutex);
+  all.targets.insert(this);
+}
+
+CallbackTarget::~CallbackTarget() {
+  auto& all = registry();
+  const std::lock_guard lock(all.mutex);
+  all.targets.erase(this);
+}
+
+fmi2CallbackFunctions CallbackTarget::functions(bool asynchronous) {
+  return {&log, &allocate_memory, &free_memory, asynchronous ? &step_finished : nullptr, this};
+}
+
+CurrentCall current_call() noexcept {
+  return current == nullptr ? of_library : current->call();
+}
+
+void visit_instances(void* context, void (*visit)(void* context, const char* name)) {
+  auto& all = registry();
+  const std::unique_lock lock(all.mutex, std::try_to_lock);
+  if (!lock.owns_lock()) return;
+  for (const auto* target : all.targets) visit(context, target->instance_name().c_str());
+}
+
+std::vector<std::string> instances_here() {
+  constexpr std::size_t kShown = 8;
+  std::vector<std::string> names;
+  for_each_instance([&](const char* name) { names.emplace_back(name); });
+  std::ranges::sort(names);
+  if (names.size() > kShown) {
+    names.resize(kShown);
+    names.emplace_back("...");
+  }
+  return names;
+}
+
+CurrentCallback current_callback() noexcept {
+  return callback;
+}
+
+void deafen_callbacks() noexcept {
+  deaf = true;
+}
+
+CallbackScope::CallbackScope(CallbackTarget& target, const char* function, std::int64_t time_ns)
+    : target_(&target),
+      call_{target.instance_name().c_str(), function, time_ns, nullptr},
+      outer_(std::exchange(current, this)) {}
+
+CallbackScope::~CallbackScope() {
+  current = outer_;
+}
+
+LibraryScope::LibraryScope(const char* archive, const char* function) {
+  of_library = {nullptr, function, 0, archive};
+}
+
+LibraryScope::~LibraryScope() {
+  of_library = {};
+}
+
+}  // namespace mebots::master

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "fmi/call/forked_copies.hpp"
+#include "mebots/error.hpp"
+
+#include <cxxabi.h>
+
+#include <string>
+#include <type_traits>
+
+namespace mebots::master {
+
+/// A C++ exception left foreign code through its C interface. The text names its type and what it says.
+class ForeignException : public Error {
+ public:
+  explicit ForeignException(const std::string& text) : Error(ErrorCode::fmu_failed, text) {}
+};
+
+/// Within a catch block: "threw std::runtime_error (it diverged) through its C interface".
+std::string escaped_exception_text();
+
+/// Foreign code is ending the thread that called it, which cannot be stopped: fails the runs that are busy, and ends
+/// the process.
+[[noreturn]] void end_with_thread();
+
+/// Calls foreign code, and returns what `work` returns. Nothing but a return comes out of the call: an exception
+/// becomes a ForeignException, a forked copy of the process is ended, and the end of the thread is the end of the
+/// process. Inlined, because a call with arguments in memory costs as much as a small FMU's step.
+template <typename Work>
+[[gnu::always_inline]] inline std::invoke_result_t<Work&> call_foreign(Work work) {
+  try {
+    if constexpr (std::is_void_v<std::invoke_result_t<Work&>>) {
+      work();
+      if (is_forked_copy()) [[unlikely]]
+        end_forked_copy();
+    } else {
+      auto result = work();
+      if (is_forked_copy()) [[unlikely]]
+        end_forked_copy();
+      return result;
+    }
+  } catch (abi::__forced_unwind&) {
+    end_with_thread();
+  } catch (...) {
+    if (is_forked_copy()) end_forked_copy();
+    throw ForeignException(escaped_exception_text());
+  }
+}
+
+}  // namespace mebots::master

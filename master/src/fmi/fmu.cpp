@@ -1,0 +1,237 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "fmi/fmu.hpp"
+
+#include "base/own_threads.hpp"
+#include "mebots/file_kind.hpp"
+#include "mebots/input_error.hpp"
+#include "mebots/modeldesc/elf_library.hpp"
+#include "mebots/modeldesc/xml.hpp"
+
+#include "fmi/call/callback_text.hpp"
+#include "fmi/call/fmi2_callbacks.hpp"
+#include "fmi/call/foreign_call.hpp"
+#include "fmi/fmi2_functions.hpp"
+#include "fmi/process/process_state.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <dlfcn.h>
+
+#include <algorithm>
+#include <cstring>
+#include <thread>
+#include <vector>
+
+namespace mebots::master {
+namespace {
+
+/// The files under binaries/ of an unpacked FMU, below that folder.
+std::vector<std::string> binaries(const std::filesystem::path& folder) {
+  std::vector<std::string> names;
+  std::error_code ignored;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder / "binaries", ignored)) {
+    if (!entry.is_directory(ignored)) names.push_back(entry.path().lexically_relative(folder / "binaries").string());
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+/// What to do about a library that cannot be loaded.
+std::string_view way_out(std::string_view why) {
+  if (why.find("undefined symbol: Py") != std::string_view::npos ||
+      why.find("undefined symbol: _Py") != std::string_view::npos) {
+    return "The FMU expects the library of a Python interpreter, and none was found: install libpython3-dev, or let "
+           "MEBOTS_PYTHON name a Python that has a shared library";
+  }
+  return "Install the missing library, or put it beside the FMU's own in binaries/linux64";
+}
+
+/// Calls code of the library that belongs to no instance; `doing` completes "while the library was".
+template <typename Work>
+auto call_library(const std::filesystem::path& archive, const char* doing, Work work) {
+  const auto name = archive.filename().string();
+  const LibraryScope scope(name.c_str(), doing);
+  try {
+    return call_foreign(work);
+  } catch (const ForeignException& exception) {
+    throw InputError(ErrorCode::fmu_failed, fmt::format("{}: the FMU's library {} while it was {}", archive.string(),
+                                                        exception.what(), doing));
+  }
+}
+
+/// "'2.0'", for messages.
+std::string shown_text(const std::optional<std::string>& text, const char* address) {
+  if (text) return fmt::format("'{}'", *text);
+  return address == nullptr ? "nothing" : "an address where nothing can be read";
+}
+
+/// True if the process has a library from the folder, as it may after dlclose(): by its path the loader would give it
+/// to the next FMU of that path.
+bool has_loaded_from(const std::filesystem::path& folder) {
+  const auto start = folder.string() + "/";
+  return std::ranges::any_of(modeldesc::loaded_libraries(modeldesc::UniqueSymbols::skip),
+                             [&](const auto& library) { return library.file.native().starts_with(start); });
+}
+
+}  // namespace
+
+Fmu::Fmu(std::filesystem::path archive, std::filesystem::path folder)
+    : archive_(std::move(archive)),
+      folder_(std::move(folder)),
+      description_(modeldesc::read_xml(folder_ / "modelDescription.xml")) {}
+
+Fmu::~Fmu() {
+  try {
+    unload();
+  } catch (const Error&) {  // NOLINT(bugprone-empty-catch): a run has unloaded it before, and reported it
+  }
+}
+
+void Fmu::unload() {
+  auto* const library = std::exchange(library_, nullptr);
+  // After fmi2Fatal nothing of it may be called: unloading would run its destructors.
+  if (library == nullptr || corrupted_ || kept_loaded_ || threads_left() != 0) return;
+  const auto handlers = handlers_in_libraries();
+  call_library(archive_, "unloaded", [&] { dlclose(library); });
+  reset_unloaded_handlers(handlers);
+  functions_.reset();
+  at_load_.reset();
+  if (own_folder_ && !has_loaded_from(folder_)) own_folder_->release_path();
+}
+
+std::size_t Fmu::threads_left() const {
+  const auto now = foreign_threads();
+  return static_cast<std::size_t>(
+      std::ranges::count_if(now, [&](pid_t thread) { return !threads_of_others_.contains(thread); }));
+}
+
+const Fmi2Functions& Fmu::functions() {
+  if (functions_) return *functions_;
+  // The C++ library records in its own memory that it has initialised itself, if the process has had threads. So it
+  // does that when it is loaded, not in the middle of a later run.
+  static const bool has_had_threads = [] {
+    std::thread([] {}).join();
+    return true;
+  }();
+  static_cast<void>(has_had_threads);
+  {
+    const OwnLoad own;
+    load();
+  }
+  at_load_.emplace(folder_);
+  return *functions_;
+}
+
+void Fmu::require_co_simulation() const {
+  if (description_.co_simulation) return;
+  throw InputError(
+      ErrorCode::fmu_unsupported,
+      fmt::format("{}: this FMU is for model exchange only; a co-simulation FMU is needed", archive_.string()));
+}
+
+const LibraryImports& Fmu::imports() {
+  if (at_load_) return at_load_->imports();
+  if (!imports_) imports_ = read_imports(libraries_of(folder_));
+  return *imports_;
+}
+
+std::optional<std::string> Fmu::uncleanliness() {
+  auto reason = imports().reason();
+  return reason || !at_load_ ? reason : at_load_->owned_memory();
+}
+
+std::optional<std::string> Fmu::difference() const {
+  {
+    const std::lock_guard lock(elsewhere_mutex_);
+    if (!difference_elsewhere_.empty()) return difference_elsewhere_;
+  }
+  if (!at_load_ || !used()) return std::nullopt;
+  if (corrupted_) return "it returned fmi2Fatal";
+  if (at_load_->owned_memory()) return at_load_->owned_memory();
+  return at_load_->difference();
+}
+
+std::optional<std::string> Fmu::state_elsewhere() {
+  if (auto reason = uncleanliness()) return reason;
+  return at_load_ ? at_load_->difference_while_used() : difference();
+}
+
+void Fmu::set_difference_elsewhere(std::string text) {
+  const std::lock_guard lock(elsewhere_mutex_);
+  difference_elsewhere_ = std::move(text);
+}
+
+void Fmu::load() {
+  require_co_simulation();
+  const auto& identifier = description_.co_simulation->model_identifier;
+  const auto file = library_file();
+  if (!is_there(file)) {
+    auto found = binaries(folder_);
+    constexpr std::size_t kShown = 10;
+    const auto count = found.size();
+    if (count > kShown) found.resize(kShown);
+    throw InputError(
+        ErrorCode::fmu_unsupported,
+        fmt::format(
+            "{}: this FMU has no binary for 64-bit Linux (binaries/linux64/{}.so, named after its modelIdentifier); "
+            "in binaries/ there {}",
+            archive_.string(), identifier,
+            found.empty() ? "is nothing"
+                          : fmt::format("{} {}{}", count == 1 ? "is" : "are", fmt::join(found, ", "),
+                                        count > kShown ? fmt::format(" and {} more", count - kShown) : "")));
+  }
+  files_of_others_ = open_files();
+  threads_of_others_ = foreign_threads();
+  const ProcessState before(files_of_others_);
+  // Libraries that are built for fast mathematics change it for the thread that loads them.
+  const auto floats = FloatEnvironment::now();
+  library_ = call_library(archive_, "loaded", [&] { return dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL); });
+  if (const auto found = FloatEnvironment::now(); found != floats) {
+    floats_at_load_ = found;
+    floats.enter();
+  }
+  changes_at_load_ = before.put_right();
+  if (library_ == nullptr) {
+    const std::string why = dlerror();
+    throw InputError(ErrorCode::fmu_inconsistent, fmt::format("{}: the FMU's shared library cannot be loaded: {}. {}",
+                                                              archive_.string(), why, way_out(why)));
+  }
+  functions_ = std::make_unique<Fmi2Functions>(load_functions(library_, archive_.string()));
+  check_version();
+}
+
+void Fmu::check_version() const {
+  const char* const version = call_library(archive_, "asked for its version", functions_->get_version);
+  if (const auto text = read_text(version); text != "2.0") {
+    throw InputError(ErrorCode::fmu_inconsistent, fmt::format("{}: fmi2GetVersion says {} instead of '2.0'",
+                                                              archive_.string(), shown_text(text, version)));
+  }
+  const char* const platform = call_library(archive_, "asked for its platform", functions_->get_types_platform);
+  if (const auto text = read_text(platform); text != kTypesPlatform) {
+    throw InputError(ErrorCode::fmu_unsupported,
+                     fmt::format("{}: fmi2GetTypesPlatform says {} instead of '{}': its numbers are of other sizes",
+                                 archive_.string(), shown_text(text, platform), kTypesPlatform));
+  }
+}
+
+std::filesystem::path Fmu::library_file() const {
+  const auto identifier = description_.co_simulation ? description_.co_simulation->model_identifier : std::string();
+  return folder_ / "binaries" / "linux64" / (identifier + ".so");
+}
+
+std::string Fmu::resource_uri() const {
+  return file_uri(folder_ / "resources");
+}
+
+std::string file_uri(const std::filesystem::path& path) {
+  std::string uri = "file://";
+  for (const char c : std::filesystem::absolute(path).string()) {
+    const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+                       std::strchr("/-._~", c) != nullptr;
+    uri += plain ? std::string(1, c) : fmt::format("%{:02X}", static_cast<unsigned char>(c));
+  }
+  return uri;
+}
+
+}  // namespace mebots::master

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "fmi/process/process_functions.hpp"
+
+#include <link.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace mebots::master {
+
+/// The functions of a list of libraries that change the process, as their ELF files say.
+struct LibraryImports {
+  std::vector<const ProcessFunction*> functions;
+  std::vector<std::string> unknown;  ///< needed libraries that the FMU does not bring and mebots does not know
+  bool opens_libraries = false;      ///< imports dlopen()
+  ProcessReach reach = ProcessReach::nothing;
+
+  /// "it imports srand(), which changes random numbers"; nothing for libraries that leave the process as it is.
+  std::optional<std::string> reason() const;
+};
+
+/// A library that exports this symbol states that no instance computes with static memory that another one, or an
+/// earlier step, has changed: such memory holds constants, what living instances share, and the number of its users.
+inline constexpr std::string_view kKeepsNoState = "mebots_keeps_no_state_outside_instances";
+
+/// Reads the ELF files. One that cannot be read counts as a needed library that is not known.
+LibraryImports read_imports(std::span<const std::filesystem::path> libraries);
+
+/// The ELF files of an unpacked FMU for this machine.
+std::vector<std::filesystem::path> libraries_of(const std::filesystem::path& folder);
+
+/// The memory of an FMU's libraries directly after they were loaded: all writable segments of every object that the
+/// FMU brought, and the calling thread's copy of their thread-local variables.
+///
+/// An FMU is clean if its libraries import no function that changes the process, their static objects own no memory of
+/// the heap, and their memory after all instances were freed equals that directly after loading. The next run in the
+/// process then begins as in a fresh one.
+class LibraryState {
+ public:
+  /// Copies the memory of the loaded libraries of this folder.
+  explicit LibraryState(const std::filesystem::path& folder);
+
+  const LibraryImports& imports() const { return imports_; }
+  /// "static objects of libgain.so.1 own memory, which a run may change"; nothing if they own none, or if the library
+  /// exports kKeepsNoState.
+  const std::optional<std::string>& owned_memory() const { return owned_memory_; }
+  /// "static variables of libgain.so.1 changed"; nothing if all memory is as it was. No instance may live.
+  std::optional<std::string> difference() const {
+    return difference_in([](const Object&) { return true; });
+  }
+  /// The same while instances live, of libraries that do not export kKeepsNoState.
+  std::optional<std::string> difference_while_used() const {
+    return difference_in([](const Object& object) { return !object.keeps_no_state; });
+  }
+
+ private:
+  /// Bytes as they were. Zeros at the end are left out.
+  struct Memory {
+    std::uintptr_t address = 0;
+    std::size_t size = 0;
+    std::vector<std::byte> bytes;
+
+    bool is_unchanged() const;
+  };
+  /// Thread-local variables: each thread that has not used them yet starts from `fresh`.
+  struct ThreadMemory {
+    std::uintptr_t library = 0;  ///< where it was loaded
+    std::vector<std::byte> fresh;
+  };
+  struct Object {
+    std::string name;
+    bool keeps_no_state = false;
+    std::vector<Memory> segments;
+    std::optional<ThreadMemory> thread;
+  };
+
+  std::optional<std::string> difference_in(bool (*is_chosen)(const Object&)) const;
+  class OwnedMemory;
+  void add(const dl_phdr_info& info, const OwnedMemory& owned);
+  static Object object_of(const dl_phdr_info& info);
+  static Memory memory_at(std::uintptr_t address, std::size_t size);
+  bool is_thread_unchanged(const ThreadMemory& memory) const;
+
+  std::vector<Object> objects_;
+  LibraryImports imports_;
+  std::optional<std::string> owned_memory_;
+  std::uint64_t loads_ = 0;
+};
+
+/// Adds to the number of libraries that mebots itself has loaded, which no FMU opened.
+class OwnLoad {
+ public:
+  OwnLoad();
+  ~OwnLoad();
+  OwnLoad(const OwnLoad&) = delete;
+  OwnLoad& operator=(const OwnLoad&) = delete;
+
+ private:
+  std::uint64_t before_;
+};
+
+}  // namespace mebots::master

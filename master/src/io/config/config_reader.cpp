@@ -1,0 +1,330 @@
+// SPDX-License-Identifier: Apache-2.0
+// A config is a list of sections; each has its reader in config/. A new section is a line in the table below,
+// a reader in a file of its own, and a property in configs/schemas/mebots-config.schema.json. Or it is another config
+// with changes: variant.hpp.
+#include "fmi/fmu.hpp"
+#include "io/config/schemas.hpp"
+#include "io/config/single_fmu.hpp"
+#include "io/config/system_file.hpp"
+#include "io/osp/osp.hpp"
+#include "io/ssp/ssp.hpp"
+#include "mebots/data/document.hpp"
+#include "mebots/data/object.hpp"
+#include "mebots/file_kind.hpp"
+#include "mebots/modeldesc/archive.hpp"
+
+#include "base/input_text.hpp"
+#include "io/config/from_memory.hpp"
+#include "io/config/sections.hpp"
+#include "io/config/variant.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <iterator>
+#include <map>
+
+namespace mebots::master {
+namespace {
+
+struct Section {
+  std::string_view key;
+  bool required;
+  void (*read)(const data::Node&, SystemDescription&);
+  bool names_instances = false;
+};
+
+// In the order of reading, which is not that of the file: a reader may count on those before it.
+constexpr Section kSections[] = {
+    {"$schema", false, &config::read_text},
+    {"text", false, &config::read_text},
+    {"step", true, &config::read_step},
+    {"instances", true, &config::read_instances},
+    {"start_time", false, &config::read_start_time},
+    {"stop_time", true, &config::read_stop_time},
+    {"connections", true, &config::read_connections, true},
+    {"algorithm", false, &config::read_algorithm, true},
+    {"inputs", false, &config::read_inputs, true},
+    {"scenario", false, &config::read_scenario, true},
+    {"stop_when", false, &config::read_stop_when, true},
+    {"outcomes", false, &config::read_outcomes, true},
+    {"summary", false, &config::read_summary, true},
+    {"record", false, &config::read_record},
+    {"pictures", false, &config::read_pictures, true},
+    {"view", false, &config::read_view, true},
+    {"coupling", false, &config::read_coupling, true},
+    {"log", false, &config::read_log, true},
+    {"threads", false, &config::read_threads},
+};
+
+void refuse_archive(std::string_view text, const std::filesystem::path& file) {
+  if (!text.starts_with("PK\x03\x04")) return;
+  throw InputError(
+      ErrorCode::wrong_type,
+      fmt::format("{}: this is an archive, and not a config; the name of an FMU ends in .fmu, that of an SSP in .ssp",
+                  file.string()));
+}
+
+/// Puts a text together as ordered_json::parse() does, but looks for no earlier member of the same name at every one:
+/// with 100,000 members that would take 10 s. The data layer refuses names that stand twice.
+class OrderedBuilder : public nlohmann::json_sax<nlohmann::ordered_json> {
+ public:
+  using Json = nlohmann::ordered_json;
+
+  Json take() { return std::move(root_); }
+
+  bool null() override { return add(nullptr); }
+  bool boolean(bool value) override { return add(value); }
+  bool number_integer(Json::number_integer_t value) override { return add(value); }
+  bool number_unsigned(Json::number_unsigned_t value) override { return add(value); }
+  bool number_float(Json::number_float_t value, const std::string& /*text*/) override { return add(value); }
+  bool string(std::string& value) override { return add(std::move(value)); }
+  bool binary(Json::binary_t& /*value*/) override { return false; }  // JSON text has none
+  bool key(std::string& value) override {
+    key_ = std::move(value);
+    return true;
+  }
+  bool start_object(std::size_t /*size*/) override { return open(Json::object()); }
+  bool start_array(std::size_t /*size*/) override { return open(Json::array()); }
+  bool end_object() override { return close(); }
+  bool end_array() override { return close(); }
+  bool parse_error(std::size_t /*at*/, const std::string& /*token*/, const Json::exception& /*error*/) override {
+    return false;
+  }
+
+ private:
+  Json& put(Json value) {
+    if (open_.empty()) return root_ = std::move(value);
+    auto& container = *open_.back();
+    if (container.is_array()) return container.emplace_back(std::move(value));
+    auto& members = container.get_ref<Json::object_t&>();
+    return static_cast<Json::object_t::Container&>(members).emplace_back(std::move(key_), std::move(value)).second;
+  }
+  bool add(Json value) {
+    put(std::move(value));
+    return true;
+  }
+  bool open(Json container) {
+    open_.push_back(&put(std::move(container)));
+    return true;
+  }
+  bool close() {
+    open_.pop_back();
+    return true;
+  }
+
+  Json root_;
+  std::vector<Json*> open_;  // a container moves only when its parent gets another member, and then it is closed
+  std::string key_;
+};
+
+nlohmann::ordered_json ordered_json(const std::string& text) {
+  OrderedBuilder builder;
+  nlohmann::ordered_json::sax_parse(text, &builder);
+  return builder.take();
+}
+
+nlohmann::ordered_json give(nlohmann::ordered_json config, const GivenTimes& times) {
+  if (times.step) std::visit([&](const auto& step) { config["step"] = step; }, *times.step);
+  if (times.stop_time_s) config["stop_time"] = *times.stop_time_s;
+  return config;
+}
+
+SspConfig open_ssp(const std::filesystem::path& file, SystemDescription& system) {
+  auto folder = std::make_shared<const modeldesc::TemporaryFolder>("mebots");
+  system.unpacked = folder;
+  auto notices = modeldesc::unpack(file, folder->path());
+  if (const std::string ssd = "SystemStructure.ssd"; !is_file(folder->path() / ssd)) {
+    throw InputError(ErrorCode::file_not_found, fmt::format("{}: this is not an SSP: {}", file.string(),
+                                                            modeldesc::why_missing(folder->path(), ssd)));
+  }
+  auto ssp = read_ssp(folder->path(), file, SspReach::inside);
+  std::ranges::move(notices, std::back_inserter(ssp.notices));
+  return ssp;
+}
+
+void read_sections(const data::Node& root, SystemDescription& system) {
+  data::Object object(root);
+  bool has_instances = true;
+  for (const auto& section : kSections) {
+    const auto read = [&](const data::Node& node) {
+      // Without instances, every name in the other sections would be a mistake.
+      if (has_instances || !section.names_instances) section.read(node, system);
+    };
+    if (section.required) {
+      object.visit(section.key, read);
+    } else {
+      object.visit_if(section.key, read);
+    }
+    if (section.key == "instances") has_instances = !system.instances.empty();
+  }
+  object.finish();
+}
+
+/// Reads JSON that was put together here. `places` says where its parts come from.
+void read_made_config(LoadedSystem& loaded, const std::string& file, std::map<std::string, std::string> places) {
+  std::string text;
+  try {
+    text = loaded.config.dump();
+  } catch (const nlohmann::json::type_error&) {
+    throw InputError(ErrorCode::syntax_error, fmt::format("{}: a text in it is not UTF-8", file));
+  }
+  data::Document(text, file, std::move(places)).read([&](const data::Node& root) {
+    read_sections(root, loaded.system);
+  });
+}
+
+/// `loaded.config` is the variant's; then it is the whole.
+void read_extended(LoadedSystem& loaded, const std::string& file, const std::string& base, const GivenTimes& times) {
+  const auto base_file = std::filesystem::path(file).parent_path() / base;
+  if (!is_there(base_file)) {
+    throw InputError(ErrorCode::file_not_found,
+                     fmt::format("{}: /{}: there is no {} in the folder of this config", file, config::kExtends, base));
+  }
+  const auto text = text_of(base_file);
+  refuse_archive(text, base_file);
+  data::Document(text, base_file.string()).read([](const data::Node& root) {
+    if (data::Object(root).has(config::kExtends)) {
+      root.at(config::kExtends)
+          .fail(ErrorCode::invalid_value, "this file extends another one; extend that one instead");
+    }
+  });
+  auto extended = ordered_json(text);
+  auto places = config::places_of(loaded.config, extended);
+  loaded.config = give(config::laid_over(std::move(extended), loaded.config), times);
+  loaded.system.source += text;  // both make the inputs of a run
+  read_made_config(loaded, file, std::move(places));
+}
+
+/// Whether somebody wants the JSON of a config as well, which takes time of its own.
+enum class WithJson : std::uint8_t { yes, no };
+
+void read_config_text(LoadedSystem& loaded, const std::string& file, const GivenTimes& times, WithJson with_json) {
+  data::Document document(loaded.system.source, file);
+  const bool is_changed = times.step || times.stop_time_s;
+  std::optional<std::string> base;
+  document.read([&](const data::Node& root) {
+    if (root.has(config::kExtends)) {
+      base = config::read_variant(root);
+    } else if (!is_changed || !root.is(data::Kind::object)) {
+      read_sections(root, loaded.system);
+    }
+  });
+  if (base || is_changed || with_json == WithJson::yes) loaded.config = ordered_json(loaded.system.source);
+  if (base) {
+    read_extended(loaded, file, *base, times);
+  } else if (is_changed) {
+    loaded.config = give(std::move(loaded.config), times);
+    read_made_config(loaded, file, {});
+  }
+}
+
+void read_ssp_config(LoadedSystem& loaded, SspConfig ssp, const std::string& file, const GivenTimes& times) {
+  loaded.system.notices = std::move(ssp.notices);
+  loaded.config = give(std::move(ssp.config), times);
+  for (const auto* key : {"step", "stop_time"}) {
+    if (loaded.config.contains(key)) continue;
+    throw InputError(ErrorCode::missing_key,
+                     fmt::format("{}: the system does not say its {}; give it with --{}", file,
+                                 key == std::string_view("step") ? "communication step" : "stop time",
+                                 key == std::string_view("step") ? "step" : "stop-time"));
+  }
+  read_made_config(loaded, file, std::move(ssp.places));
+}
+
+/// The source leaves out the FMU's folder: the hash of a run's inputs contains the FMU's bytes.
+void read_single_fmu(LoadedSystem& loaded, const std::filesystem::path& file, const GivenTimes& times) {
+  auto& system = loaded.system;
+  loaded.config = config::single_fmu_config(file, Fmu(file).description(), times, system.notices);
+  auto portable = loaded.config;
+  portable["instances"][system.name]["fmu"] = file.filename().string();
+  system.source = portable.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  system.single_fmu = true;
+  read_made_config(loaded, file.string(), {});
+}
+
+LoadedSystem named(std::string source, const std::filesystem::path& file) {
+  LoadedSystem loaded;
+  loaded.system.source = std::move(source);
+  loaded.system.file = std::filesystem::absolute(file);
+  loaded.system.name = file.stem().string();
+  return loaded;
+}
+
+}  // namespace
+
+std::vector<std::string> config_keys() {
+  std::vector<std::string> keys;
+  for (const auto& section : kSections) keys.emplace_back(section.key);
+  keys.insert(keys.end(), {config::kExtends, config::kChanges});
+  return keys;
+}
+
+LoadedSystem config::load_text(std::string text, const std::filesystem::path& file) {
+  auto loaded = named(std::move(text), file);
+  refused_as_input([&] { read_config_text(loaded, file.string(), {}, WithJson::yes); });
+  return loaded;
+}
+
+LoadedSystem config::load_ssp_config(SspConfig ssp, const std::filesystem::path& file, const GivenTimes& times) {
+  auto loaded = named({}, file);
+  refused_as_input([&] { read_ssp_config(loaded, std::move(ssp), file.string(), times); });
+  return loaded;
+}
+
+void config::check(const std::filesystem::path& file) {
+  auto loaded = named(text_of(file), file);
+  refuse_archive(loaded.system.source, file);
+  read_config_text(loaded, file.string(), {}, WithJson::no);
+}
+
+void config::check_scenario(const std::filesystem::path& file) {
+  SystemDescription system;
+  system.start_time_ns = -static_cast<std::int64_t>(kLongestTimeS) * kNanosecondsPerSecond;  // it is not known
+  data::Document(file).read(
+      [&](const data::Node& root) { read_scenario_file(root, system, std::filesystem::absolute(file).parent_path()); });
+}
+
+namespace {
+
+LoadedSystem load(const std::filesystem::path& path, const GivenTimes& times, WithJson with_json) {
+  return refused_as_input([&] {
+    const auto [file, form] = find_system(path);
+    auto loaded = named(form == SystemForm::fmu ? std::string() : text_of(file), file);
+    loaded.system.name = system_name(path);
+    switch (form) {
+      case SystemForm::fmu:
+        read_single_fmu(loaded, file, times);
+        break;
+      case SystemForm::config:
+        refuse_archive(loaded.system.source, file);
+        read_config_text(loaded, file.string(), times, with_json);
+        break;
+      case SystemForm::ssp:
+        read_ssp_config(loaded, open_ssp(file, loaded.system), file.string(), times);
+        break;
+      case SystemForm::ssd:
+      case SystemForm::osp: {
+        const auto folder = std::filesystem::absolute(file).parent_path();
+        auto read = form == SystemForm::osp ? read_osp(file)
+                                            : read_ssp(folder, folder, SspReach::anywhere, file.filename().string());
+        loaded.system.source = read.source;
+        read_ssp_config(loaded, std::move(read), file.string(), times);
+        break;
+      }
+    }
+    return loaded;
+  });
+}
+
+}  // namespace
+
+LoadedSystem load_system(const std::filesystem::path& path, const GivenTimes& times) {
+  return load(path, times, WithJson::yes);
+}
+
+SystemDescription read_config(const std::filesystem::path& path, const GivenTimes& times) {
+  return load(path, times, WithJson::no).system;
+}
+
+}  // namespace mebots::master

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "mebots/data/csv.hpp"
+#include "mebots/modeldesc/model_description.hpp"
+#include "model/signal.hpp"
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace mebots::master {
+
+/// A column to read as the course of a variable. A Real becomes factor * cell + offset.
+struct WantedSignal {
+  std::size_t column = 0;
+  const modeldesc::ModelDescription* model = nullptr;
+  const modeldesc::Variable* variable = nullptr;
+  double factor = 1;
+  double offset = 0;
+};
+
+/// A CSV file of signals: a column of times and further columns of values. A title may end in a unit, as in
+/// "speed [km/h]". Values of continuous Reals are interpolated between rows; all others are held until the next row.
+class SignalFile {
+ public:
+  /// Reads the header. Errors name the file by `name`. If `time_column` is empty, the column of times is the one named
+  /// time or t, in any case of letters; its unit is the second unless its title has another. Throws InputError.
+  SignalFile(const std::filesystem::path& file, std::string name, const std::string& time_column);
+  SignalFile(const SignalFile&) = delete;
+  SignalFile& operator=(const SignalFile&) = delete;
+
+  const std::string& name() const { return reader_.name(); }
+  const std::vector<data::CsvTitle>& titles() const { return titles_; }
+  std::size_t time_column() const { return time_column_; }
+  /// The column with this name, with or without its unit.
+  std::optional<std::size_t> find(std::string_view title) const;
+
+  /// Reads all rows, once. Throws InputError that names line, column and value of a cell that is no time, that is later
+  /// than the next, or that the variable cannot take.
+  std::vector<std::shared_ptr<const Signal>> read(std::span<const WantedSignal> wanted);
+
+ private:
+  std::size_t find_time(const std::string& wanted) const;
+  void find_time_unit();
+  void read_time(std::vector<double>& times_s);
+
+  std::string text_;
+  data::CsvReader reader_;
+  std::vector<data::CsvTitle> titles_;
+  std::size_t time_column_ = 0;
+  double second_ = 1;  // seconds in a unit of time
+};
+
+}  // namespace mebots::master

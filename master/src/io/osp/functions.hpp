@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "io/ssp/xml_file.hpp"
+
+#include <map>
+#include <string>
+#include <vector>
+
+namespace mebots::master::osp {
+
+/// A variable of a simulator.
+struct OspVariable {
+  std::string simulator;
+  std::string variable;
+
+  std::string text() const { return simulator + "." + variable; }
+};
+
+/// A function's effect from one source to one variable: the variable gets the sum of factor * from + offset over all
+/// links that end at it.
+struct FunctionLink {
+  OspVariable from;
+  OspVariable to;
+  double factor = 1;
+  double offset = 0;
+  pugi::xml_node node;  ///< the connection of `to`
+};
+
+/// The kind of a connection's end that is not the function.
+enum class Ends { variable, group };
+
+/// The <Functions> of an OspSystemStructure.xml: LinearTransformation, Sum and VectorSum. In libcosim a function takes
+/// outputs at a communication point and gives its own at the same point. So a function becomes a part of connections.
+/// Throws InputError that names file, line and element.
+class Functions {
+ public:
+  explicit Functions(const ssp::XmlFile& file) : file_(&file) {}
+
+  /// `functions` may be null: there are none.
+  void read(pugi::xml_node functions);
+  /// Joins variables with a <Signal> or <SignalGroup>.
+  void connect(pugi::xml_node signal, const std::vector<OspVariable>& variables, Ends ends);
+  /// Returns the effect of all functions, after the last connect(). Each input of a function must be connected.
+  std::vector<FunctionLink> links() const;
+
+ private:
+  /// `in[i]` and `out` of a function are vectors; those of LinearTransformation and Sum have one element.
+  struct Function {
+    pugi::xml_node node;
+    bool indexed = false;    // its inputs are in[0], in[1] ..., not in
+    bool is_vector = false;  // its signals have elements, in[0][2] and out[2], and are groups as a whole
+    double factor = 1;
+    double offset = 0;
+    std::vector<std::vector<OspVariable>> inputs;  // by input and element; no simulator: not connected
+    struct Target {
+      OspVariable variable;
+      pugi::xml_node node;
+    };
+    std::vector<std::vector<Target>> outputs;  // by element
+  };
+
+  struct Signal {
+    bool is_output = false;
+    std::size_t input = 0;
+    std::size_t element = 0;
+  };
+
+  Function& function_of(pugi::xml_node signal);
+  std::size_t count(pugi::xml_node node, const char* attribute) const;
+  Signal parse(pugi::xml_node signal, const Function& function, Ends ends) const;
+
+  const ssp::XmlFile* file_;
+  std::map<std::string, Function> functions_;
+  std::vector<std::string> order_;
+};
+
+}  // namespace mebots::master::osp

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "course.hpp"
+#include "io/fmu_descriptions.hpp"
+#include "model.hpp"
+
+#include <functional>
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace mebots::master::ssp {
+
+/// A connector, by the path of its element: "outer.inner", or empty for the root system.
+struct Endpoint {
+  std::string element;
+  std::string connector;
+
+  auto operator<=>(const Endpoint&) const = default;
+  std::string text() const { return element.empty() ? connector : element + "." + connector; }
+};
+
+/// The declarations of an endpoint. The FMU's variable takes precedence over the SSD's connector.
+struct Port {
+  const Connector* declared = nullptr;
+  const modeldesc::ModelDescription* model = nullptr;  ///< null for a system, and for an FMU that cannot be read
+  const modeldesc::Variable* variable = nullptr;
+  bool is_component = false;
+
+  /// The FMU's own where it has one with a base; else what the SSD declares.
+  std::optional<modeldesc::Unit> unit() const;
+  /// True if unit() comes from the FMU, or neither FMU nor SSD declares one.
+  bool has_own_unit() const;
+};
+
+/// A connection in the direction that its values take.
+struct Hop {
+  Endpoint from;
+  Endpoint to;
+  const Connection* connection = nullptr;
+};
+
+/// The way into a component's variable from where its values come from: hops in the direction of the values. Where it
+/// begins at a system's connector, nothing feeds that.
+using Way = std::vector<const Hop*>;
+
+/// A component by its path.
+struct PlacedComponent {
+  std::string path;
+  const Element* element;
+};
+
+/// The elements of a document, flattened, and which way values go between their connectors.
+class Network {
+ public:
+  /// `place` says where an FMU lies. Throws InputError for connections that fit no direction, or whose target has two
+  /// sources. `root` must outlive the network.
+  Network(const Element& root, FmuDescriptions& descriptions,
+          const std::function<std::filesystem::path(const std::filesystem::path&)>& place);
+
+  const std::vector<PlacedComponent>& components() const { return components_; }
+  /// Elements with their paths, inner ones before those that hold them.
+  const std::vector<PlacedComponent>& elements() const { return elements_; }
+  Port port(const Endpoint& endpoint) const;
+  bool is_component(const std::string& path) const { return models_.contains(path); }
+  /// The endpoints that a hierarchical name means, seen from the element at `path`: none, one, or several (SSP 2.0,
+  /// 5.3.3). An FMU that cannot be read has any variable.
+  std::vector<Endpoint> find(const std::string& path, const std::string& name) const;
+  /// Returns the hop that ends there, or null.
+  const Hop* into(const Endpoint& endpoint) const;
+  /// The ways into all components, in the order of the connections. Throws InputError for a circle.
+  std::vector<Way> ways() const;
+
+ private:
+  enum class Flow { source, target, unknown };
+
+  void add(const Element& element, const std::string& path, FmuDescriptions& descriptions,
+           const std::function<std::filesystem::path(const std::filesystem::path&)>& place);
+  void direct(const Element& system, const std::string& path);
+  Flow flow(const Endpoint& endpoint, bool is_own) const;
+  bool has(const Endpoint& endpoint) const;
+
+  std::vector<PlacedComponent> components_;
+  std::vector<PlacedComponent> elements_;
+  std::map<std::string, const modeldesc::ModelDescription*> models_;  // of components
+  std::map<Endpoint, const Connector*> connectors_;
+  std::map<Endpoint, Hop> hops_;  // by where they end
+  std::vector<Endpoint> order_;   // of the connections in the file
+};
+
+}  // namespace mebots::master::ssp

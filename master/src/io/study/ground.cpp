@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "io/study/ground.hpp"
+
+#include "io/config/from_memory.hpp"
+#include "model/system_description.hpp"
+
+#include <variant>
+
+namespace mebots::master::study {
+
+Ground read_ground(const std::filesystem::path& mission, const std::optional<std::string>& text) {
+  auto loaded = text ? config::load_text(*text, mission) : load_system(mission);
+  const auto grid = loaded.system.grid();
+  const auto last = grid.point_at(loaded.system.stop_time_ns);
+  Ground ground{.config = std::move(loaded.config),
+                .fmus = nlohmann::ordered_json::object(),
+                .texts = nlohmann::ordered_json::object(),
+                .stop_time_s = grid.time_s(loaded.system.stop_time_ns),
+                .last_point_s = grid.time_s(grid.time_ns(last - 1)),
+                .unpacked = loaded.system.unpacked};
+  ground.config.erase("$schema");
+  config::make_signal_paths_absolute(ground.config, loaded.system);  // workers read it in another folder
+  for (const auto& instance : loaded.system.instances) {
+    ground.fmus[instance.name] = instance.fmu_path.string();
+    ground.config["instances"][instance.name]["fmu"] = instance.fmu_path.string();
+    for (const auto& assignment : instance.parameters) {
+      const auto* value = std::get_if<std::string>(&assignment.value);
+      if (value != nullptr) ground.texts[instance.name + "." + assignment.variable] = *value;
+    }
+  }
+  return ground;
+}
+
+}  // namespace mebots::master::study

@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "model/record_choice.hpp"
+
+#include "mebots/nearest_names.hpp"
+#include "model/osmp.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <functional>
+#include <set>
+#include <unordered_map>
+
+namespace mebots::master {
+namespace {
+
+using modeldesc::Causality;
+using modeldesc::Type;
+using modeldesc::Variability;
+using modeldesc::Variable;
+
+/// Patterns, and which of them fitted any name.
+///
+/// A name is compared only with the patterns whose literal beginning (the text before the first * or ?) begins the
+/// name, so a long list of names or of patterns such as "cell.branch[7].*" costs one look-up per length of a beginning.
+class Patterns {
+ public:
+  explicit Patterns(const std::vector<RecordPattern>& patterns) : patterns_(&patterns), used_(patterns.size(), false) {
+    for (std::size_t i = 0; i < patterns.size(); ++i) {
+      const auto beginning = literal_beginning(patterns[i].pattern);
+      if (by_beginning_[beginning].empty()) lengths_.insert(beginning.size());
+      by_beginning_[beginning].push_back(i);
+    }
+  }
+
+  enum class Fit { none, pattern, outright };
+
+  /// Returns `outright` if a pattern is the name itself, `pattern` if a pattern only fits it.
+  Fit fit(std::string_view name) const {
+    auto best = Fit::none;
+    for_each_fitting(name, [&](std::size_t i) {
+      if (name == (*patterns_)[i].pattern) {
+        best = Fit::outright;
+      } else if (best == Fit::none) {
+        best = Fit::pattern;
+      }
+    });
+    return best;
+  }
+  /// Marks every pattern that fits `name` as used.
+  void use(std::string_view name) {
+    for_each_fitting(name, [&](std::size_t i) { used_[i] = true; });
+  }
+  /// Throws InputError for a pattern that was never used. `names` are those that the error suggests.
+  void check(const std::string& what, const std::vector<std::string>& names) const {
+    for (std::size_t i = 0; i < used_.size(); ++i) {
+      if (used_[i]) continue;
+      const auto& [pattern, place] = (*patterns_)[i];
+      throw InputError(ErrorCode::unknown_name,
+                       fmt::format("{}: {} fits '{}'. {}", place, what, pattern, suggest(pattern, names)));
+    }
+  }
+
+ private:
+  static std::string_view literal_beginning(std::string_view pattern) {
+    return pattern.substr(0, std::min(pattern.find_first_of("*?"), pattern.size()));
+  }
+
+  template <typename Work>
+  void for_each_fitting(std::string_view name, Work work) const {
+    for (const auto length : lengths_) {
+      if (length > name.size()) break;
+      const auto found = by_beginning_.find(name.substr(0, length));
+      if (found == by_beginning_.end()) continue;
+      for (const auto i : found->second) {
+        if (fits(name, (*patterns_)[i].pattern)) work(i);
+      }
+    }
+  }
+
+  const std::vector<RecordPattern>* patterns_;
+  std::vector<bool> used_;
+  std::unordered_map<std::string_view, std::vector<std::size_t>> by_beginning_;  // literal beginning, its patterns
+  std::set<std::size_t> lengths_;                                                // of the beginnings
+};
+
+void for_each_variable(const ResolvedSystem& system,
+                       const std::function<void(const ResolvedVariable&, const std::string&)>& work) {
+  for (std::size_t i = 0; i < system.instances.size(); ++i) {
+    const auto& model = system.instances[i].fmu->description();
+    for (const auto& variable : model.variables) {
+      if (is_osmp_part(model, variable)) continue;  // an address means nothing to anybody later
+      const ResolvedVariable candidate{i, &variable};
+      work(candidate, system.text(candidate));
+    }
+  }
+}
+
+}  // namespace
+
+bool fits(std::string_view text, std::string_view pattern) {
+  // Greedy with one way back: the last star takes one more character whenever the rest does not fit.
+  std::size_t t = 0;
+  std::size_t p = 0;
+  std::size_t star = std::string_view::npos;
+  std::size_t after_star = 0;
+  while (t < text.size()) {
+    if (p < pattern.size() && pattern[p] == '*') {
+      star = p++;
+      after_star = t;
+    } else if (p < pattern.size() && (pattern[p] == '?' || pattern[p] == text[t])) {
+      ++p;
+      ++t;
+    } else if (star != std::string_view::npos) {
+      p = star + 1;
+      t = ++after_star;
+    } else {
+      return false;
+    }
+  }
+  while (p < pattern.size() && pattern[p] == '*') ++p;
+  return p == pattern.size();
+}
+
+std::vector<ResolvedVariable> recorded_variables(const ResolvedSystem& system) {
+  static const std::vector<RecordPattern> kNoPatterns;
+  const auto& record = system.description->record;
+  Patterns wanted(record.patterns ? *record.patterns : kNoPatterns);
+  Patterns unwanted(record.exclude);
+  std::vector<ResolvedVariable> chosen;
+  std::vector<std::string> names;
+  for_each_variable(system, [&](const ResolvedVariable& candidate, const std::string& name) {
+    const auto& variable = *candidate.variable;
+    const bool shown =
+        variable.causality == Causality::output || (record.locals && variable.causality == Causality::local);
+    const bool output = shown && (variable.type != Type::string || record.texts);
+    const auto fit = wanted.fit(name);
+    // A pattern that names one variable outright may name any; one with a star means outputs, and texts
+    // only where the config wants them. An FMU may make a text at some cost when it is read.
+    const bool by_pattern = record.patterns ? fit == Patterns::Fit::pattern : true;
+    if (output || variable.causality == Causality::output) names.push_back(name);
+    if (fit != Patterns::Fit::outright && !(output && by_pattern)) return;
+    wanted.use(name);
+    if (unwanted.fit(name) == Patterns::Fit::none) {
+      chosen.push_back(candidate);
+    } else {
+      unwanted.use(name);
+    }
+  });
+  wanted.check("nothing that can be recorded", names);
+  unwanted.check("nothing that is recorded", names);
+  return chosen;
+}
+
+std::vector<ResolvedVariable> recorded_parameters(const ResolvedSystem& system) {
+  Patterns wanted(system.description->record.parameters);
+  std::vector<ResolvedVariable> chosen;
+  std::vector<std::string> names;
+  for_each_variable(system, [&](const ResolvedVariable& candidate, const std::string& name) {
+    const auto causality = candidate.variable->causality;
+    const bool parameter = causality == Causality::parameter || causality == Causality::calculated_parameter ||
+                           candidate.variable->variability == Variability::constant;
+    if (!parameter) return;
+    names.push_back(name);
+    if (wanted.fit(name) == Patterns::Fit::none) return;
+    wanted.use(name);
+    chosen.push_back(candidate);
+  });
+  wanted.check("no parameter", names);
+  return chosen;
+}
+
+}  // namespace mebots::master

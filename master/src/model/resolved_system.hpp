@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "base/interrupt.hpp"
+#include "fmi/fmu.hpp"
+#include "mebots/modeldesc/model_description.hpp"
+#include "model/signal.hpp"
+#include "model/system_description.hpp"
+#include "slave/isolation/interpreter.hpp"
+#include "slave/slave.hpp"
+
+#include <atomic>
+#include <compare>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+/// The system with every name looked up and everything checked that can be checked before the first step.
+namespace mebots::master {
+
+/// A variable of one instance. Points into the instance's description, which the system keeps alive.
+struct ResolvedVariable {
+  std::size_t instance = 0;
+  const modeldesc::Variable* variable = nullptr;
+
+  bool operator==(const ResolvedVariable&) const = default;
+  auto operator<=>(const ResolvedVariable&) const = default;
+};
+
+/// One scalar to set before initialisation.
+struct StartValue {
+  const modeldesc::Variable* variable = nullptr;
+  modeldesc::Value value;
+};
+
+/// What an input gets for a value of an Integer, Enumeration (by number) or Boolean (0, 1).
+struct ValuePair {
+  std::int32_t from = 0;
+  std::int32_t to = 0;
+
+  bool operator==(const ValuePair&) const = default;
+};
+
+/// One scalar connection; a connection of OSMP binaries becomes three. The input gets factor * value + offset,
+/// conversion of units included; anything but 1 and 0 only where the input is a Real.
+struct ResolvedConnection {
+  ResolvedVariable from;
+  ResolvedVariable to;
+  bool pointer = false;  ///< part of an OSMP binary: valid only in this process, for a while
+  double factor = 1;
+  double offset = 0;
+  bool sum = false;                 ///< one of several whose values the input gets added up
+  std::vector<ValuePair> map = {};  ///< ordered by `from`; other values pass as they are
+
+  bool changes_value() const { return factor != 1 || offset != 0; }
+};
+
+struct ResolvedInstance {
+  const InstanceDescription* description = nullptr;
+  std::shared_ptr<Fmu> fmu;
+  IsolationDescription isolation;  ///< as described, or its own process if the FMU cannot share one
+  Interpreter interpreter;         ///< of an FMU in its own process
+  std::vector<StartValue> starts;
+  std::vector<std::string> log_categories;
+  std::optional<double> tolerance;  ///< for fmi2SetupExperiment: the config's, else the FMU's default
+
+  /// The arguments of fmi2SetupExperiment for a run over this time.
+  Experiment experiment(std::int64_t start_ns, std::int64_t stop_ns) const;
+};
+
+/// A free input whose source is a column of a file, as an override that acts from start to end.
+struct InputSignal {
+  OverrideDescription description;
+  std::shared_ptr<const Signal> signal;
+};
+
+struct ResolvedSystem {
+  const SystemDescription* description = nullptr;
+  std::vector<ResolvedInstance> instances;         ///< in the order of the config
+  std::vector<ResolvedConnection> connections;     ///< ordered by target, so that their order in the config is nothing
+  std::map<ResolvedVariable, InputSignal> inputs;  ///< by target, so that their order in the config does not matter
+  std::vector<std::shared_ptr<const Signal>> scenario_signals;  ///< one per scenario entry; null for other actions
+  std::vector<std::string> notices;                             ///< what the user should know, such as open inputs
+
+  /// Returns the signal that is the source of an input, or null.
+  const InputSignal* input_signal(const ResolvedVariable& input) const;
+  /// Looks up a variable. Throws InputError with the nearest names; `place` says where it was written.
+  ResolvedVariable find(const VariableName& name, const std::string& place) const;
+  std::string text(const ResolvedVariable& variable) const;
+};
+
+/// Opens the FMUs, looks up all names and checks types, causalities, units, start values and connections.
+/// `description` must outlive the result. Throws InputError, and InterruptedError between two FMUs.
+ResolvedSystem resolve(const SystemDescription& description, FmuLibrary& library,
+                       const std::atomic<bool>& interrupted = kNeverInterrupted);
+
+/// The FMU of an instance, unpacked and described; its library is not loaded. Throws InputError that names the
+/// instance.
+std::shared_ptr<Fmu> open_fmu(const InstanceDescription& instance, FmuLibrary& library);
+
+/// Runs `work`; an InputError from it gets the place in the config that names the FMU.
+void with_place_of_fmu(const InstanceDescription& instance, const std::function<void()>& work);
+
+/// A start value, looked up and checked. Throws InputError that names the place, and the nearest variables.
+StartValue checked_start(const InstanceDescription& instance, const modeldesc::ModelDescription& description,
+                         const Assignment& assignment);
+
+/// Why a variable cannot be given a value before initialisation; empty when it can.
+std::string why_not_settable(const modeldesc::Variable& variable);
+
+/// A written value as a value of the variable's type; enumerations by item or number. Throws InputError
+/// for another type, an unknown item, or a value outside of the variable's min and max.
+modeldesc::Value typed_value(const modeldesc::ModelDescription& description, const modeldesc::Variable& variable,
+                             const WrittenValue& written, const std::string& place);
+
+/// "1.5e+08", "true", "lipol_350": the shortest form that reads back to the same bits.
+std::string value_text(const modeldesc::Value& value);
+
+}  // namespace mebots::master

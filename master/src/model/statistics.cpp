@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "model/statistics.hpp"
+
+#include "base/time.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace mebots::master {
+namespace {
+
+double master_time_s(const Statistics& statistics, double total_s) {
+  double instances_s = 0;
+  for (const auto& instance : statistics.instances) instances_s += instance.time_s;
+  return std::max(0.0, total_s - instances_s);
+}
+
+double share(double time_s, double total_s) {
+  return total_s > 0 ? time_s / total_s : 0;
+}
+
+}  // namespace
+
+nlohmann::ordered_json statistics_json(const Statistics& statistics, double total_s) {
+  nlohmann::ordered_json json;
+  auto& instances = json["instances"] = nlohmann::ordered_json::object();
+  for (const auto& instance : statistics.instances) {
+    instances[instance.name] = {
+        {"calls", instance.calls},
+        {"steps", instance.steps},
+        {"time", instance.time_s},
+        {"share", share(instance.time_s, total_s)},
+        {"mean_step", instance.steps > 0 ? instance.step_time_s / static_cast<double>(instance.steps) : 0},
+        {"slowest_step", instance.slowest_s},
+        {"slowest_step_at", to_seconds(instance.slowest_at_ns)}};
+  }
+  const auto master_s = master_time_s(statistics, total_s);
+  json["master"] = {{"time", master_s}, {"share", share(master_s, total_s)}};
+  json["total"] = total_s;
+  return json;
+}
+
+std::vector<std::string> statistics_table(const Statistics& statistics, double total_s) {
+  std::size_t width = std::string_view("instance").size();
+  for (const auto& instance : statistics.instances) width = std::max(width, instance.name.size());
+  std::vector<std::string> lines = {fmt::format("{:<{}} {:>11} {:>11} {:>10} {:>7} {:>13} {:>13} {:>12}", "instance",
+                                                width, "calls", "steps", "time [s]", "share", "mean step[us]",
+                                                "slowest [us]", "at t = [s]")};
+  for (const auto& instance : statistics.instances) {
+    const double mean_us = instance.steps > 0 ? instance.step_time_s / static_cast<double>(instance.steps) * 1e6 : 0;
+    lines.push_back(fmt::format("{:<{}} {:>11} {:>11} {:>10.4f} {:>6.1f}% {:>13.2f} {:>13.1f} {:>12}", instance.name,
+                                width, instance.calls, instance.steps, instance.time_s,
+                                100 * share(instance.time_s, total_s), mean_us, instance.slowest_s * 1e6,
+                                to_seconds(instance.slowest_at_ns)));
+  }
+  const auto master_s = master_time_s(statistics, total_s);
+  lines.push_back(fmt::format("{:<{}} {:>11} {:>11} {:>10.4f} {:>6.1f}%", "master", width, "", "", master_s,
+                              100 * share(master_s, total_s)));
+  return lines;
+}
+
+}  // namespace mebots::master

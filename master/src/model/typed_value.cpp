@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mebots/nearest_names.hpp"
+#include "model/resolved_system.hpp"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cmath>
+#include <limits>
+
+namespace mebots::master {
+namespace {
+
+using modeldesc::Type;
+using modeldesc::Variable;
+
+std::string shown(const WrittenValue& written) {
+  struct Show {
+    std::string operator()(double value) const { return fmt::format("{}", value); }
+    std::string operator()(std::int64_t value) const { return fmt::format("{}", value); }
+    std::string operator()(bool value) const { return value ? "true" : "false"; }
+    std::string operator()(const std::string& value) const { return fmt::format("\"{}\"", value); }
+    std::string operator()(const UntypedText& value) const { return fmt::format("'{}'", value.text); }
+  };
+  return std::visit(Show{}, written);
+}
+
+template <typename T>
+std::optional<T> parsed(const std::string& text) {
+  T value{};
+  const char* first = text.data() + (text.size() > 1 && text[0] == '+' && text[1] != '-' ? 1 : 0);
+  const auto result = std::from_chars(first, text.data() + text.size(), value);
+  if (result.ec != std::errc{} || result.ptr != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+/// What is wrong and where, with the variable's type.
+class Complaint {
+ public:
+  Complaint(const Variable& variable, const WrittenValue& written, const std::string& place)
+      : variable_(variable), written_(written), place_(place) {}
+
+  [[noreturn]] void fail(ErrorCode code, const std::string& what) const {
+    throw InputError(code, fmt::format("{}: {}", place_, what));
+  }
+  [[noreturn]] void wrong_type(std::string_view wanted) const {
+    fail(ErrorCode::wrong_type, fmt::format("'{}' is of type {} and takes {}, not {}", variable_.name,
+                                            modeldesc::to_string(variable_.type), wanted, shown(written_)));
+  }
+
+ private:
+  const Variable& variable_;
+  const WrittenValue& written_;
+  const std::string& place_;
+};
+
+double real_value(const WrittenValue& written, const Complaint& complaint) {
+  std::optional<double> value;
+  if (const auto* number = std::get_if<double>(&written)) value = *number;
+  if (const auto* number = std::get_if<std::int64_t>(&written)) value = static_cast<double>(*number);
+  if (const auto* text = std::get_if<UntypedText>(&written)) value = parsed<double>(text->text);
+  if (!value || !std::isfinite(*value)) complaint.wrong_type("a finite number");
+  return *value;
+}
+
+std::int32_t integer_value(const WrittenValue& written, const Complaint& complaint, std::string_view wanted) {
+  std::optional<std::int64_t> value;
+  if (const auto* number = std::get_if<std::int64_t>(&written)) value = *number;
+  if (const auto* text = std::get_if<UntypedText>(&written)) value = parsed<std::int64_t>(text->text);
+  if (!value) complaint.wrong_type(wanted);
+  if (*value < std::numeric_limits<std::int32_t>::min() || *value > std::numeric_limits<std::int32_t>::max()) {
+    complaint.wrong_type("a whole number of 32 bits");
+  }
+  return static_cast<std::int32_t>(*value);
+}
+
+bool boolean_value(const WrittenValue& written, const Complaint& complaint) {
+  if (const auto* value = std::get_if<bool>(&written)) return *value;
+  if (const auto* text = std::get_if<UntypedText>(&written)) {
+    if (text->text == "true" || text->text == "1") return true;
+    if (text->text == "false" || text->text == "0") return false;
+  }
+  complaint.wrong_type("true or false");
+}
+
+std::int32_t enumeration_value(const modeldesc::ModelDescription& description, const Variable& variable,
+                               const WrittenValue& written, const Complaint& complaint) {
+  const auto* type = description.type_definition(variable.declared_type);
+  static const std::vector<modeldesc::EnumerationItem> kNoItems;
+  const auto& items = type == nullptr ? kNoItems : type->items;
+  std::vector<std::string> names;
+  names.reserve(items.size());
+  for (const auto& item : items) names.push_back(item.name);
+
+  const auto* name = std::get_if<std::string>(&written);
+  if (const auto* text = std::get_if<UntypedText>(&written)) {
+    if (!parsed<std::int64_t>(text->text)) name = &text->text;
+  }
+  if (name != nullptr) {
+    for (const auto& item : items) {
+      if (item.name == *name) return item.value;
+    }
+    complaint.fail(ErrorCode::unknown_name,
+                   fmt::format("'{}' is not an item of the enumeration '{}' of '{}'. {}", *name, variable.declared_type,
+                               variable.name, suggest(*name, names)));
+  }
+  const auto number = integer_value(written, complaint, "the name or the number of an item");
+  for (const auto& item : items) {
+    if (item.value == number) return number;
+  }
+  complaint.fail(ErrorCode::unknown_name,
+                 fmt::format("{} is the number of no item of the enumeration '{}' of '{}'. {}", number,
+                             variable.declared_type, variable.name, suggest("", names)));
+}
+
+}  // namespace
+
+modeldesc::Value typed_value(const modeldesc::ModelDescription& description, const Variable& variable,
+                             const WrittenValue& written, const std::string& place) {
+  const Complaint complaint(variable, written, place);
+  const auto check_limits = [&](double value) {
+    if (variable.min && value < *variable.min) {
+      complaint.fail(ErrorCode::value_out_of_range,
+                     fmt::format("{} is below the minimum {} of '{}'", value, *variable.min, variable.name));
+    }
+    if (variable.max && value > *variable.max) {
+      complaint.fail(ErrorCode::value_out_of_range,
+                     fmt::format("{} is above the maximum {} of '{}'", value, *variable.max, variable.name));
+    }
+  };
+  switch (variable.type) {
+    case Type::real: {
+      const auto value = real_value(written, complaint);
+      check_limits(value);
+      return value;
+    }
+    case Type::integer: {
+      const auto value = integer_value(written, complaint, "a whole number");
+      check_limits(value);
+      return value;
+    }
+    case Type::enumeration:
+      return enumeration_value(description, variable, written, complaint);
+    case Type::boolean:
+      return boolean_value(written, complaint);
+    case Type::string:
+      break;
+  }
+  const auto* text = std::get_if<std::string>(&written);
+  if (const auto* untyped = std::get_if<UntypedText>(&written)) text = &untyped->text;
+  if (text == nullptr) complaint.wrong_type("a text");
+  if (text->find('\0') != std::string::npos) {
+    complaint.fail(ErrorCode::unknown_name,
+                   fmt::format("the text for '{}' holds a zero byte, which ends a text in FMI", variable.name));
+  }
+  return *text;
+}
+
+std::string value_text(const modeldesc::Value& value) {
+  struct Text {
+    std::string operator()(std::monostate /*none*/) const { return ""; }
+    std::string operator()(double number) const { return fmt::format("{}", number); }
+    std::string operator()(std::int32_t number) const { return fmt::format("{}", number); }
+    std::string operator()(bool flag) const { return flag ? "true" : "false"; }
+    std::string operator()(const std::string& text) const { return text; }
+  };
+  return std::visit(Text{}, value);
+}
+
+}  // namespace mebots::master

@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "record/conditions.hpp"
+
+#include "base/time.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace mebots::master {
+namespace {
+
+const char* sign(Comparison comparison) {
+  switch (comparison) {
+    case Comparison::equals:
+      return "=";
+    case Comparison::above:
+      return ">";
+    case Comparison::below:
+      break;
+  }
+  return "<";
+}
+
+/// The value as the config would write it: enumerations by item.
+std::string shown(const modeldesc::ModelDescription& model, const modeldesc::Variable& variable,
+                  const modeldesc::Value& value) {
+  if (const auto* number = std::get_if<double>(&value)) return fmt::format("{}", *number);
+  if (const auto* flag = std::get_if<bool>(&value)) return *flag ? "true" : "false";
+  if (const auto* text = std::get_if<std::string>(&value)) return fmt::format("\"{}\"", *text);
+  const auto number = std::get<std::int32_t>(value);
+  if (const auto* type = model.type_definition(variable.declared_type); type != nullptr) {
+    for (const auto& item : type->items) {
+      if (item.value == number) return item.name;
+    }
+  }
+  return fmt::format("{}", number);
+}
+
+}  // namespace
+
+Condition::Condition(const ResolvedSystem& system, Ensemble& ensemble, const ConditionDescription& description)
+    : ensemble_(&ensemble), comparison_(description.comparison) {
+  const auto resolved = system.find(description.variable, description.place + "/variable");
+  const auto& variable = *resolved.variable;
+  const auto& model = system.instances[resolved.instance].fmu->description();
+  std::string value;
+  if (comparison_ == Comparison::equals) {
+    const auto typed = typed_value(model, variable, description.value, description.place + "/equals");
+    if (const auto* number = std::get_if<double>(&typed)) number_ = *number;
+    if (const auto* number = std::get_if<std::int32_t>(&typed)) number_ = *number;
+    if (const auto* flag = std::get_if<bool>(&typed)) number_ = *flag ? 1 : 0;
+    if (const auto* text = std::get_if<std::string>(&typed)) string_ = *text;
+    value = shown(model, variable, typed);
+  } else {
+    if (variable.type != modeldesc::Type::real && variable.type != modeldesc::Type::integer) {
+      throw InputError(ErrorCode::wrong_type,
+                       fmt::format("{}: '{}' is of type {}, which has no order; use 'equals'", description.place,
+                                   description.variable.text(), modeldesc::to_string(variable.type)));
+    }
+    const auto* integer = std::get_if<std::int64_t>(&description.value);
+    number_ = integer != nullptr ? static_cast<double>(*integer) : std::get<double>(description.value);
+    value = fmt::format("{}", number_);
+  }
+  signal_ = ensemble.watch(resolved);
+  text_ = fmt::format("{} {} {}", description.variable.text(), sign(comparison_), value);
+}
+
+bool Condition::holds() const {
+  if (signal_.kind == ValueKind::string) return ensemble_->string(signal_) == string_;
+  double value = 0;
+  if (signal_.kind == ValueKind::real) {
+    value = ensemble_->real(signal_);
+  } else {
+    value = ensemble_->integer(signal_);
+    if (signal_.kind == ValueKind::boolean) value = value == 0 ? 0 : 1;
+  }
+  switch (comparison_) {
+    case Comparison::equals:
+      return value == number_;
+    case Comparison::above:
+      return value > number_;
+    case Comparison::below:
+      break;
+  }
+  return value < number_;
+}
+
+StopConditions::StopConditions(const ResolvedSystem& system, Ensemble& ensemble) : grid_(system.description->grid()) {
+  for (const auto& description : system.description->stop_when) {
+    watches_.push_back({Condition(system, ensemble, description), description.for_ns});
+  }
+}
+
+std::optional<std::string> StopConditions::reached(const Point& point) {
+  std::optional<std::string> wish;
+  for (auto& watch : watches_) {
+    if (!watch.condition.holds()) {
+      watch.since_ns.reset();
+      continue;
+    }
+    if (!watch.since_ns) watch.since_ns = point.time_ns;
+    if (wish || !grid_.has_passed(*watch.since_ns, point.time_ns, watch.for_ns)) continue;
+    wish = fmt::format("{} at {} s", watch.condition.text(), to_seconds(*watch.since_ns));
+    if (watch.for_ns > 0) *wish += fmt::format(", held for {} s", to_seconds(watch.for_ns));
+  }
+  return wish;
+}
+
+void StopConditions::visit(state::Visitor& v) {
+  v("watches", std::span(watches_));
+}
+
+Outcomes::Outcomes(const ResolvedSystem& system, Ensemble& ensemble) {
+  for (const auto& description : system.description->outcomes) {
+    Rule rule{description.outcome, {}};
+    for (const auto& condition : description.when) {
+      rule.watches.push_back({Condition(system, ensemble, condition), condition.ever});
+    }
+    rules_.push_back(std::move(rule));
+  }
+}
+
+std::optional<std::string> Outcomes::reached(const Point& /*point*/) {
+  for (auto& rule : rules_) {
+    for (auto& watch : rule.watches) {
+      if (watch.ever && !watch.held) watch.held = watch.condition.holds();
+    }
+  }
+  return std::nullopt;
+}
+
+std::string Outcomes::outcome() const {
+  for (const auto& rule : rules_) {
+    const bool all = std::all_of(rule.watches.begin(), rule.watches.end(),
+                                 [](const Watch& watch) { return watch.ever ? watch.held : watch.condition.holds(); });
+    if (all) return rule.outcome;
+  }
+  return "completed";
+}
+
+void Outcomes::visit(state::Visitor& v) {
+  v("rules", std::span(rules_));
+}
+
+}  // namespace mebots::master

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "record/picture_recorder.hpp"
+
+#include "base/time.hpp"
+#include "fmi/call/callback_text.hpp"
+#include "mebots/fmu/binary_ref.hpp"
+#include "model/picture_size.hpp"
+#include "record/sink/png_file.hpp"
+#include "slave/slave.hpp"
+
+#include <fmt/format.h>
+
+namespace mebots::master {
+namespace {
+
+struct Source {
+  ResolvedVariable base_lo;
+  ResolvedVariable base_hi;
+  ResolvedVariable size;
+  ResolvedVariable id;
+};
+
+Source find_source(const ResolvedSystem& system, const PictureDescription& pictures) {
+  const auto find = [&](const VariableName& name) {
+    const auto found = system.find(name, pictures.place);
+    if (found.variable->type != modeldesc::Type::integer) {
+      throw InputError(ErrorCode::wrong_type, fmt::format("{}: {} is not an Integer, as a part of a picture must be",
+                                                          pictures.place, name.text()));
+    }
+    return found;
+  };
+  const auto part = [&](const char* ending) {
+    return find({pictures.frame.instance, pictures.frame.variable + ending});
+  };
+  return {part(".base.lo"), part(".base.hi"), part(".size"), find(pictures.id)};
+}
+
+}  // namespace
+
+void check_pictures(const ResolvedSystem& system, const PictureDescription& pictures) {
+  find_source(system, pictures);
+  const auto width = picture_width(system, pictures.frame);
+  if (!width || width->pixels == pictures.width) return;
+  throw InputError(ErrorCode::invalid_value,
+                   fmt::format("{0}/width: {1}, but {2} is {3}: pictures cut at another width would be garbled; let it "
+                               "be {3}",
+                               pictures.place, pictures.width, width->parameter, width->pixels));
+}
+
+PictureRecorder::PictureRecorder(const ResolvedSystem& system, Ensemble& ensemble, const PictureDescription& pictures,
+                                 std::filesystem::path folder)
+    : ensemble_(&ensemble), pictures_(pictures), grid_(system.description->grid()), folder_(std::move(folder)) {
+  const auto source = find_source(system, pictures_);
+  base_lo_ = ensemble.watch(source.base_lo);
+  base_hi_ = ensemble.watch(source.base_hi);
+  size_ = ensemble.watch(source.size);
+  id_ = ensemble.watch(source.id);
+}
+
+void PictureRecorder::make_folder() const {
+  std::error_code error;
+  std::filesystem::create_directories(folder_, error);
+  if (error)
+    throw InputError(ErrorCode::file_unwritable,
+                     fmt::format("{}: this folder cannot be made: {}", folder_.string(), error.message()));
+}
+
+void PictureRecorder::remove_pictures() const {
+  std::error_code error;
+  // An earlier run's pictures would look like this one's.
+  for (const auto& entry : std::filesystem::directory_iterator(folder_)) {
+    if (entry.path().extension() == ".png") std::filesystem::remove(entry.path(), error);
+  }
+}
+
+std::optional<std::string> PictureRecorder::reached(const Point& point) {
+  if (!has_folder_) make_folder();  // of a run that is resumed, too: somebody may have removed it
+  has_folder_ = true;
+  if (point.step == 0) remove_pictures();
+  const auto id = ensemble_->integer(id_);
+  if (id != last_id_) {
+    last_id_ = id;
+    if (!last_ns_ || grid_.has_passed(*last_ns_, point.time_ns, pictures_.interval_ns)) {
+      write(point);
+      last_ns_ = point.time_ns;
+    }
+  }
+  return std::nullopt;
+}
+
+void PictureRecorder::write(const Point& point) const {
+  const fmu::BinaryRef frame{ensemble_->integer(base_lo_), ensemble_->integer(base_hi_), ensemble_->integer(size_)};
+  const auto pixels = frame.bytes();
+  if (pixels.empty()) return;
+  const auto width = static_cast<std::size_t>(pictures_.width);
+  if (pixels.size() % width != 0) {
+    throw Error(ErrorCode::invalid_value,
+                fmt::format("{}: {} holds {} bytes at {} s, which are not whole rows of {} pixels; correct 'width'",
+                            pictures_.place, pictures_.frame.text(), pixels.size(), to_seconds(point.time_ns), width));
+  }
+  if (!is_readable(pixels)) {
+    throw SlaveError(fmt::format("instance '{}' at {} s: {} gives the address {} for {} bytes, which cannot be read",
+                                 pictures_.frame.instance, to_seconds(point.time_ns), pictures_.frame.text(),
+                                 fmt::ptr(pixels.data()), pixels.size()));
+  }
+  write_png(folder_ / fmt::format("{:011.6f}.png", to_seconds(point.time_ns)), pixels, width);
+}
+
+void PictureRecorder::visit(state::Visitor& v) {
+  v("last_id", last_id_);
+  v("last_ns", last_ns_);
+}
+
+}  // namespace mebots::master

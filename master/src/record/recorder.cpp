@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "record/recorder.hpp"
+
+#include "mebots/assert.hpp"
+#include "message/plain_text.hpp"
+#include "model/record_choice.hpp"
+
+#include <bit>
+
+namespace mebots::master {
+namespace {
+
+/// Bytes of text after which it is handed on even so.
+constexpr std::size_t kBlockTextBytes = 1 << 20;
+
+}  // namespace
+
+Recorder::Recorder(const ResolvedSystem& system, Ensemble& ensemble)
+    : ensemble_(&ensemble), grid_(system.description->grid()), every_steps_(system.description->record.every_steps) {
+  for (const auto& variable : recorded_variables(system)) {
+    signals_.push_back(ensemble.watch(variable));
+    columns_.push_back({system.text(variable), variable.variable->unit, signals_.back().kind});
+  }
+  block_.cells_per_row = columns_.size() + 1;
+  MEBOTS_ASSERT(every_steps_ > 0, "the reader refuses an interval below the step");
+  block_.cells.reserve(kBlockCells + block_.cells_per_row);
+}
+
+void Recorder::add(std::unique_ptr<RowSink> sink) {
+  MEBOTS_ASSERT(sink != nullptr && rows_ == 0, "sinks come before rows");
+  writer_.add(*sink);
+  sinks_.push_back(std::move(sink));
+}
+
+void Recorder::find_sources() {
+  MEBOTS_ASSERT(sources_.empty());
+  for (const auto& signal : signals_) {
+    Source source;
+    switch (signal.kind) {
+      case ValueKind::real:
+        source.real = &ensemble_->real(signal);
+        break;
+      case ValueKind::boolean:
+        source.boolean = true;
+        [[fallthrough]];
+      case ValueKind::integer:
+        source.integer = &ensemble_->integer(signal);
+        break;
+      case ValueKind::string:
+        source.text = &ensemble_->string(signal);
+        break;
+    }
+    sources_.push_back(source);
+  }
+}
+
+std::optional<std::string> Recorder::reached(const Point& point) {
+  if (point.step % every_steps_ == 0) write_row(point);
+  return std::nullopt;
+}
+
+void Recorder::ended(const Point& point) {
+  if (last_step_ != point.step) write_row(point);
+}
+
+void Recorder::write_row(const Point& point) {
+  MEBOTS_ASSERT(point.step > last_step_, "a point is written once");
+  if (sources_.size() != signals_.size()) find_sources();
+  const auto size = block_.cells.size();
+  block_.cells.resize(size + block_.cells_per_row);
+  auto* cell = block_.cells.data() + size;
+  *cell++ = std::bit_cast<std::uint64_t>(grid_.time_s(point.time_ns));
+  for (const auto& source : sources_) {
+    if (source.real != nullptr) {
+      *cell++ = std::bit_cast<std::uint64_t>(*source.real);
+    } else if (source.integer != nullptr) {
+      const std::int64_t value = *source.integer;
+      *cell++ = static_cast<std::uint64_t>(source.boolean ? std::int64_t{value != 0} : value);
+    } else {
+      *cell++ = block_.texts.size();
+      block_.texts.push_back(valid_utf8(*source.text));
+      text_bytes_ += source.text->size() + sizeof(std::string);
+    }
+  }
+  MEBOTS_ASSERT(cell == block_.cells.data() + block_.cells.size(), "a row has one cell per column");
+  last_step_ = point.step;
+  ++rows_;
+  if (block_.cells.size() >= kBlockCells || text_bytes_ >= kBlockTextBytes) {
+    writer_.submit(block_);
+    text_bytes_ = 0;
+  }
+}
+
+void Recorder::visit(state::Visitor& v) {
+  flush();
+  for (std::size_t i = 0; i < sinks_.size(); ++i) v("sink[" + std::to_string(i) + "]", *sinks_[i]);
+  v("rows", rows_);
+  v("last_step", last_step_);
+}
+
+}  // namespace mebots::master

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "record/observer.hpp"
+#include "record/sink/block_writer.hpp"
+#include "record/sink/row_block.hpp"
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace mebots::master {
+
+/// Records rows: one per communication point (or recording interval), the first at t = 0 and the last at the
+/// end. Costs the simulation a copy of the numbers; another thread makes files of them.
+class Recorder final : public Observer {
+ public:
+  /// Chooses the columns. Throws InputError for a pattern that fits nothing.
+  Recorder(const ResolvedSystem& system, Ensemble& ensemble);
+
+  /// Where the rows go. Before the first point.
+  void add(std::unique_ptr<RowSink> sink);
+
+  std::optional<std::string> reached(const Point& point) override;
+  void ended(const Point& point) override;
+  /// All rows so far are in the files afterwards. Throws Error when the disk is full or broken.
+  void flush() { writer_.drain(block_); }
+  void visit(state::Visitor& v) override;
+  std::string_view state_name() const override { return "recorder"; }
+
+  const std::vector<RecordColumn>& columns() const { return columns_; }
+  std::int64_t rows() const { return rows_; }
+
+ private:
+  /// Where a column's value lies; one of the three.
+  struct Source {
+    const double* real = nullptr;
+    const std::int32_t* integer = nullptr;
+    const std::string* text = nullptr;
+    bool boolean = false;
+  };
+
+  void find_sources();
+  void write_row(const Point& point);
+
+  const Ensemble* ensemble_;
+  TimeGrid grid_;
+  std::int64_t every_steps_;
+  std::vector<RecordColumn> columns_;
+  std::vector<SignalId> signals_;
+  std::vector<Source> sources_;  // once the run has begun
+  RowBlock block_;
+  std::size_t text_bytes_ = 0;  // in the block
+  std::vector<std::unique_ptr<RowSink>> sinks_;
+  BlockWriter writer_;  // after the sinks, which it must not outlive
+  std::int64_t rows_ = 0;
+  std::int64_t last_step_ = -1;
+};
+
+}  // namespace mebots::master

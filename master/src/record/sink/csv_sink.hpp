@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "record/sink/output_file.hpp"
+#include "record/sink/row_block.hpp"
+
+#include <array>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace mebots::master {
+
+/// Rows as CSV: numbers in their shortest form that reads back to the same bits, Booleans as 0 and 1,
+/// enumerations as their numbers, texts quoted where CSV asks for it.
+class CsvSink final : public RowSink {
+ public:
+  /// Writes the header unless the file holds rows already. `file` must outlive the sink.
+  CsvSink(const std::vector<RecordColumn>& columns, OutputFile& file);
+
+  void write(const RowBlock& block) override;
+  void flush() override { file_->flush(); }
+  void visit(state::Visitor& v) override;
+
+ private:
+  /// The longest double in its shortest form has 24 characters.
+  static constexpr std::size_t kLongestNumber = 24;
+
+  struct Column {
+    ValueKind kind;
+    // Most variables stand still most of the time: the text of the last value is used again.
+    std::uint64_t last = 0;
+    std::uint8_t last_size = 0;
+    std::array<char, kLongestNumber> last_text{};
+  };
+
+  char* write_number(char* at, Column& column, std::uint64_t cell);
+
+  OutputFile* file_;
+  std::vector<Column> columns_;
+  std::vector<char> line_;  // room for one row's numbers
+};
+
+/// "name [unit]", quoted as CSV asks when it holds a comma or a quotation mark.
+std::string csv_header(std::string_view name, std::string_view unit);
+
+/// A text as one cell: quoted when it holds a comma, a quotation mark or a line's end.
+std::string csv_text(std::string_view text);
+
+}  // namespace mebots::master

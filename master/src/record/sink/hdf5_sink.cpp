@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "record/sink/hdf5_sink.hpp"
+
+#include "mebots/input_error.hpp"
+#include "record/sink/hdf5_parts.hpp"
+
+#include <fmt/format.h>
+
+#include <bit>
+#include <charconv>
+#include <set>
+#include <string>
+#include <utility>
+
+namespace mebots::master {
+namespace {
+
+using hdf5::Handle;
+using hdf5::library;
+using hdf5::put_attribute;
+
+constexpr hsize_t kChunkRows = 4096;
+
+Handle memory_type(ValueKind kind) {
+  switch (kind) {
+    case ValueKind::real:
+      return {H5Tcopy(H5T_NATIVE_DOUBLE), &H5Tclose};
+    case ValueKind::integer:
+      return {H5Tcopy(H5T_NATIVE_INT32), &H5Tclose};
+    case ValueKind::boolean:
+      return {H5Tcopy(H5T_NATIVE_UINT8), &H5Tclose};
+    case ValueKind::string:
+      break;
+  }
+  return hdf5::text_type();
+}
+
+/// `instance/variable`, with what HDF5 takes for a separator replaced.
+std::string link_name(const std::string& name) {
+  auto link = hdf5::without_slashes(name);
+  const auto dot = link.find('.');
+  if (dot != std::string::npos) link[dot] = '/';
+  return link;
+}
+
+}  // namespace
+
+struct Hdf5Sink::File {
+  struct Column {
+    ValueKind kind;
+    Handle type;
+    Handle dataset;
+  };
+
+  std::string path;
+  Handle file;
+  std::vector<Column> columns;  // the first is the time
+  hsize_t rows = 0;
+  std::vector<double> reals;
+  std::vector<std::int32_t> integers;
+  std::vector<std::uint8_t> booleans;
+  std::vector<const char*> texts;
+
+  explicit File(const std::filesystem::path& name)
+      : path(name.string()), file(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), &H5Fclose) {}
+
+  [[noreturn]] void fail() const {
+    throw Error(ErrorCode::file_unwritable, fmt::format("{}: writing failed (HDF5). Is the disk full?", path));
+  }
+
+  void add(const std::string& link, const RecordColumn& column) {
+    constexpr hsize_t kNone = 0;
+    constexpr hsize_t kUnlimited = H5S_UNLIMITED;
+    Handle type = memory_type(column.kind);
+    const Handle space(H5Screate_simple(1, &kNone, &kUnlimited), &H5Sclose);
+    const Handle creation(H5Pcreate(H5P_DATASET_CREATE), &H5Pclose);
+    H5Pset_chunk(creation, 1, &kChunkRows);
+    if (column.kind != ValueKind::string) {
+      H5Pset_shuffle(creation);
+      H5Pset_deflate(creation, 1);
+    }
+    H5Pset_obj_track_times(creation, false);  // the same run gives the same file
+    const Handle links(H5Pcreate(H5P_LINK_CREATE), &H5Pclose);
+    H5Pset_create_intermediate_group(links, 1);
+    Handle dataset(H5Dcreate2(file, link.c_str(), type, space, links, creation, H5P_DEFAULT), &H5Dclose);
+    if (dataset < 0) fail();
+    put_attribute(dataset, "name", column.name);
+    put_attribute(dataset, "unit", column.unit);
+    columns.push_back({column.kind, std::move(type), std::move(dataset)});
+  }
+
+  void append(Column& column, hsize_t count, const void* values) {
+    const auto total = rows + count;
+    if (H5Dset_extent(column.dataset, &total) < 0) fail();
+    const Handle space(H5Dget_space(column.dataset), &H5Sclose);
+    H5Sselect_hyperslab(space, H5S_SELECT_SET, &rows, nullptr, &count, nullptr);
+    const Handle memory(H5Screate_simple(1, &count, nullptr), &H5Sclose);
+    if (H5Dwrite(column.dataset, column.type, memory, space, H5P_DEFAULT, values) < 0) fail();
+  }
+
+  /// The cells of one column, in the type of its dataset.
+  const void* gather(const Column& column, const RowBlock& block, std::size_t index) {
+    const auto cell = [&](std::size_t row) { return block.cells[row * block.cells_per_row + index]; };
+    const auto fill = [&](auto& values, auto convert) -> const void* {
+      values.resize(block.rows());
+      for (std::size_t row = 0; row < values.size(); ++row) values[row] = convert(cell(row));
+      return values.data();
+    };
+    switch (column.kind) {
+      case ValueKind::real:
+        return fill(reals, [](auto bits) { return std::bit_cast<double>(bits); });
+      case ValueKind::integer:
+        return fill(integers, [](auto bits) { return static_cast<std::int32_t>(bits); });
+      case ValueKind::boolean:
+        return fill(booleans, [](auto bits) { return static_cast<std::uint8_t>(bits); });
+      case ValueKind::string:
+        break;
+    }
+    return fill(texts, [&](auto place) { return block.texts[place].c_str(); });
+  }
+};
+
+Hdf5Sink::Hdf5Sink(const std::vector<RecordColumn>& columns, const std::filesystem::path& file) {
+  const std::lock_guard lock(library());
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // we say ourselves what went wrong
+  file_ = std::make_unique<File>(file);
+  if (file_->file < 0) {
+    throw InputError(
+        ErrorCode::file_unwritable,
+        fmt::format("{}: the file cannot be written (HDF5). Choose another folder with --out", file.string()));
+  }
+  file_->add("time", {"time", "s", ValueKind::real});
+  std::set<std::string> used;
+  for (const auto& column : columns) {
+    auto link = link_name(column.name);
+    while (!used.insert(link).second) link += '|';  // two names that differ in `/` and `|` only
+    file_->add(link, column);
+  }
+}
+
+Hdf5Sink::~Hdf5Sink() {
+  const std::lock_guard lock(library());
+  file_.reset();
+}
+
+void Hdf5Sink::put_parameters(const std::vector<ParameterValue>& parameters) {
+  const std::lock_guard lock(library());
+  if (H5Lexists(file_->file, "parameters", H5P_DEFAULT) > 0) return;
+  const Handle group(H5Gcreate2(file_->file, "parameters", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), &H5Gclose);
+  for (const auto& [name, unit, value] : parameters) {
+    const auto link = hdf5::without_slashes(name);
+    double number = 0;
+    const auto parsed = std::from_chars(value.data(), value.data() + value.size(), number);
+    const bool is_number = parsed.ec == std::errc{} && parsed.ptr == value.data() + value.size();
+    const Handle type = memory_type(is_number ? ValueKind::real : ValueKind::string);
+    const Handle space(H5Screate(H5S_SCALAR), &H5Sclose);
+    const Handle set(H5Dcreate2(group, link.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), &H5Dclose);
+    const char* text = value.c_str();
+    const void* content = is_number ? static_cast<const void*>(&number) : static_cast<const void*>(&text);
+    if (set < 0 || H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, content) < 0) file_->fail();
+    put_attribute(set, "unit", unit);
+  }
+}
+
+void Hdf5Sink::write(const RowBlock& block) {
+  if (block.rows() == 0) return;
+  const std::lock_guard lock(library());
+  for (std::size_t i = 0; i < file_->columns.size(); ++i) {
+    auto& column = file_->columns[i];
+    file_->append(column, block.rows(), file_->gather(column, block, i));
+  }
+  file_->rows += block.rows();
+}
+
+void Hdf5Sink::flush() {
+  const std::lock_guard lock(library());
+  if (H5Fflush(file_->file, H5F_SCOPE_GLOBAL) < 0) file_->fail();
+}
+
+void Hdf5Sink::visit(state::Visitor& v) {
+  std::uint64_t rows = file_->rows;
+  v("rows", rows);
+  if (!v.restores()) return;
+  const std::lock_guard lock(library());
+  if (rows > file_->rows)
+    throw Error(ErrorCode::state_damaged,
+                fmt::format("{}: this file has fewer rows than the saved state", file_->path));
+  const hsize_t extent = rows;
+  for (const auto& column : file_->columns) {
+    if (H5Dset_extent(column.dataset, &extent) < 0) file_->fail();
+  }
+  file_->rows = rows;
+}
+
+}  // namespace mebots::master

@@ -1,0 +1,307 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "resolve/connection_check.hpp"
+
+#include "base/interrupt.hpp"
+#include "base/time.hpp"
+#include "model/osmp.hpp"
+#include "model/picture_size.hpp"
+#include "model/unit_rule.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <optional>
+#include <tuple>
+
+namespace mebots::master {
+namespace {
+
+using modeldesc::Causality;
+using modeldesc::Type;
+using modeldesc::Variable;
+
+/// The FMI types whose every value is also one of `to`: going there loses nothing. Not every Integer is an item of an
+/// Enumeration: that is looked at in every step.
+bool widens(Type from, Type to) {
+  if (to == Type::enumeration) return from == Type::integer;
+  if (to == Type::real) return from == Type::integer || from == Type::enumeration || from == Type::boolean;
+  return to == Type::integer && (from == Type::enumeration || from == Type::boolean);
+}
+
+/// Checks one scalar connection and finds out what is to be done to the value on its way.
+class ConnectionCheck {
+ public:
+  ConnectionCheck(const ResolvedSystem& system, const ConnectionDescription& description,
+                  const ResolvedConnection& connection)
+      : system_(system),
+        description_(description),
+        connection_(connection),
+        from_(*connection.from.variable),
+        to_(*connection.to.variable) {}
+
+  ResolvedConnection run() {
+    check_causalities();
+    check_types();
+    check_units();
+    apply_transformation();
+    return connection_;
+  }
+
+  /// What the user should know about this connection; empty when nothing.
+  const std::string& notice() const { return notice_; }
+
+ private:
+  std::string names() const {
+    return fmt::format("{} -> {}", system_.text(connection_.from), system_.text(connection_.to));
+  }
+
+  [[noreturn]] void fail(const std::string& what) const {
+    throw InputError(ErrorCode::invalid_connection, fmt::format("{}: {}: {}", description_.place, names(), what));
+  }
+
+  const modeldesc::ModelDescription& model(const ResolvedVariable& variable) const {
+    return system_.instances[variable.instance].fmu->description();
+  }
+
+  void check_causalities() const {
+    if (from_.causality != Causality::output) {
+      fail(fmt::format("a connection starts at an output, and '{}' is of causality {}", from_.name,
+                       modeldesc::to_string(from_.causality)));
+    }
+    if (to_.causality != Causality::input) {
+      fail(fmt::format("a connection ends at an input, and '{}' is of causality {}", to_.name,
+                       modeldesc::to_string(to_.causality)));
+    }
+  }
+
+  void check_types() {
+    if (!description_.map.empty()) {
+      read_map();
+    } else if (from_.type != to_.type) {
+      const auto from_type = modeldesc::to_string(from_.type);
+      const auto to_type = modeldesc::to_string(to_.type);
+      if (connection_.pointer || !widens(from_.type, to_.type)) {
+        fail(
+            fmt::format("the types differ: {} and {}; only Boolean and Enumeration go into an Integer, Integer into an "
+                        "Enumeration, and all of these into a Real",
+                        from_type, to_type));
+      }
+      notice_ = fmt::format("{}: {} becomes {}", names(), from_type, to_type);
+    } else if (from_.type == Type::enumeration && items(connection_.from) != items(connection_.to)) {
+      fail(fmt::format("the enumerations differ: '{}' with {} and '{}' with {}", from_.declared_type,
+                       fmt::join(items(connection_.from), ", "), to_.declared_type,
+                       fmt::join(items(connection_.to), ", ")));
+    }
+  }
+
+  void read_map() {
+    const auto discrete = [](Type type) { return type == Type::integer || type == Type::enumeration; };
+    const bool flags = from_.type == Type::boolean && to_.type == Type::boolean;
+    if (connection_.pointer || (!flags && !(discrete(from_.type) && discrete(to_.type)))) {
+      fail(
+          fmt::format("a map goes from Boolean to Boolean, or between Integer and Enumeration, and these are {} and {}",
+                      modeldesc::to_string(from_.type), modeldesc::to_string(to_.type)));
+    }
+    for (const auto& entry : description_.map) {
+      const ValuePair pair{number(typed_value(model(connection_.from), from_, UntypedText{entry.from}, entry.place)),
+                           number(typed_value(model(connection_.to), to_, entry.to, entry.place))};
+      const auto at = std::ranges::lower_bound(connection_.map, pair.from, {}, &ValuePair::from);
+      if (at != connection_.map.end() && at->from == pair.from) {
+        throw InputError(ErrorCode::duplicate_name,
+                         fmt::format("{}: the map has two values for {}", entry.place, entry.from));
+      }
+      connection_.map.insert(at, pair);
+    }
+  }
+
+  static std::int32_t number(const modeldesc::Value& value) {
+    if (const auto* flag = std::get_if<bool>(&value)) return *flag ? 1 : 0;
+    return std::get<std::int32_t>(value);
+  }
+
+  std::vector<std::string> items(const ResolvedVariable& end) const {
+    std::vector<std::string> result;
+    const auto* type = model(end).type_definition(end.variable->declared_type);
+    if (type == nullptr) return result;
+    for (const auto& item : type->items) result.push_back(fmt::format("{} = {}", item.name, item.value));
+    return result;
+  }
+
+  /// The variable's unit, with its definition where the FMU has one.
+  modeldesc::Unit unit_of(const ResolvedVariable& variable) const {
+    const auto& name = variable.variable->unit;
+    if (const auto* defined = model(variable).unit(name)) return *defined;
+    modeldesc::Unit unit;
+    unit.name = name;
+    unit.has_base = false;
+    return unit;
+  }
+
+  /// A variable without a unit takes and gives numbers as they are. Else values are converted.
+  void check_units() {
+    if (!description_.convert_units || from_.unit.empty() || to_.unit.empty()) return;
+    constexpr const char* kRemedy = "Connect others, or give factor and offset yourself with \"convert_units\": false";
+    modeldesc::UnitConversion conversion;
+    try {
+      conversion = conversion_between(unit_of(connection_.from), unit_of(connection_.to),
+                                      from_.relative_quantity && to_.relative_quantity);
+    } catch (const Error& error) {
+      fail(fmt::format("{}. {}", error.what(), kRemedy));
+    }
+    if (conversion.offset != 0 && from_.relative_quantity != to_.relative_quantity) {
+      fail(
+          fmt::format("one of them is a difference (relativeQuantity) and the other is not, so [{}] cannot be "
+                      "converted to [{}]. {}",
+                      from_.unit, to_.unit, kRemedy));
+    }
+    connection_.factor = conversion.factor;
+    connection_.offset = conversion.offset;
+    if (!connection_.changes_value()) return;
+    notice_ = fmt::format("{}: converted from [{}] to [{}]", names(), from_.unit, to_.unit);
+  }
+
+  void apply_transformation() {
+    connection_.sum = description_.sum;
+    if (description_.sum && to_.type != Type::real) {
+      fail(fmt::format("a sum needs an input of type Real, and '{}' is of type {}", to_.name,
+                       modeldesc::to_string(to_.type)));
+    }
+    if (description_.factor == 1 && description_.offset == 0) return;
+    if (to_.type != Type::real) {
+      fail(fmt::format("factor and offset need an input of type Real, and '{}' is of type {}", to_.name,
+                       modeldesc::to_string(to_.type)));
+    }
+    connection_.factor *= description_.factor;
+    connection_.offset = connection_.offset * description_.factor + description_.offset;
+  }
+
+  const ResolvedSystem& system_;
+  const ConnectionDescription& description_;
+  ResolvedConnection connection_;
+  const Variable& from_;
+  const Variable& to_;
+  std::string notice_;
+};
+
+/// The variables named `name.base.lo`, `name.base.hi` and `name.size`, if all are there.
+std::optional<std::vector<ResolvedVariable>> binary_parts(const ResolvedSystem& system, const VariableName& name) {
+  const auto instance = system.description->index_of(name.instance);
+  if (!instance) return std::nullopt;
+  std::vector<ResolvedVariable> parts;
+  const auto& model = system.instances[*instance].fmu->description();
+  for (const auto* ending : kOsmpEndings) {
+    const auto* part = model.find(name.variable + ending);
+    if (part == nullptr || part->type != Type::integer) return std::nullopt;
+    parts.push_back({*instance, part});
+  }
+  return parts;
+}
+
+bool is_scalar(const ResolvedSystem& system, const VariableName& name) {
+  const auto instance = system.description->index_of(name.instance);
+  return instance && system.instances[*instance].fmu->description().find(name.variable) != nullptr;
+}
+
+/// A buffer is valid until its owner's next step ends. A reader that steps less often than the owner reads
+/// at its own step's start, when the buffer is fresh; one that steps more often would read a stale one.
+void check_buffer_lives(const ResolvedSystem& system, const ResolvedConnection& connection, const std::string& place) {
+  const auto& owner = *system.instances[connection.from.instance].description;
+  const auto& reader = *system.instances[connection.to.instance].description;
+  if (reader.steps % owner.steps == 0) return;
+  throw InputError(
+      ErrorCode::invalid_connection,
+      fmt::format("{}: {} -> {}: a buffer is valid for one step of its owner, so the step of '{}' ({} s) must be "
+                  "a multiple of the step of '{}' ({} s)",
+                  place, system.text(connection.from), system.text(connection.to), reader.name,
+                  time_text(system.description->step_of(reader)), owner.name,
+                  time_text(system.description->step_of(owner))));
+}
+
+ResolvedConnection plain_connection(const ResolvedVariable& from, const ResolvedVariable& to, bool pointer) {
+  ResolvedConnection connection;
+  connection.from = from;
+  connection.to = to;
+  connection.pointer = pointer;
+  return connection;
+}
+
+std::vector<ResolvedConnection> scalars_of(const ResolvedSystem& system, const ConnectionDescription& connection) {
+  const bool from_scalar = is_scalar(system, connection.from);
+  const bool to_scalar = is_scalar(system, connection.to);
+  const auto from_parts = from_scalar ? std::nullopt : binary_parts(system, connection.from);
+  const auto to_parts = to_scalar ? std::nullopt : binary_parts(system, connection.to);
+  if (from_parts && to_parts) {
+    check_picture_sizes(system, connection);
+    std::vector<ResolvedConnection> result;
+    for (std::size_t i = 0; i < from_parts->size(); ++i) {
+      result.push_back(plain_connection((*from_parts)[i], (*to_parts)[i], true));
+    }
+    return result;
+  }
+  if (from_parts || to_parts) {
+    const auto& binary = from_parts ? connection.from : connection.to;
+    const auto& other = from_parts ? connection.to : connection.from;
+    const auto& other_place = connection.place;
+    system.find(other, other_place);  // throws when it is unknown
+    throw InputError(ErrorCode::invalid_connection, fmt::format("{}: '{}' is a binary variable (OSMP) and '{}' is not",
+                                                                connection.place, binary.text(), other.text()));
+  }
+  const auto from = system.find(connection.from, connection.place + "/from");
+  const auto to = system.find(connection.to, connection.place + "/to");
+  const auto& from_model = system.instances[from.instance].fmu->description();
+  return {plain_connection(from, to, is_osmp_part(from_model, *from.variable))};
+}
+
+}  // namespace
+
+namespace {
+
+/// By target, so that the order in the config is nothing; the parts of a sum by their sources and numbers.
+auto order_of(const ResolvedConnection& connection) {
+  return std::tuple(connection.to.instance, connection.to.variable, connection.from.instance, connection.from.variable,
+                    connection.factor, connection.offset);
+}
+
+struct PlacedConnection {
+  ResolvedConnection connection;
+  const ConnectionDescription* description;
+};
+
+void check_sources(const ResolvedSystem& system, const std::vector<PlacedConnection>& connections) {
+  for (std::size_t i = 1; i < connections.size(); ++i) {
+    const auto& one = connections[i - 1];
+    const auto& other = connections[i];
+    if (one.connection.to != other.connection.to || (one.connection.sum && other.connection.sum)) continue;
+    const auto& [first, second] = std::minmax(one, other, [](const auto& a, const auto& b) {
+      return a.description < b.description;  // both in one list
+    });
+    throw InputError(
+        ErrorCode::invalid_connection,
+        fmt::format("{}: the input '{}' has two sources: {} (at {}) and {}; keep one of them, or give each "
+                    "\"sum\": true for their sum",
+                    second.description->place, system.text(second.connection.to), system.text(first.connection.from),
+                    first.description->place, system.text(second.connection.from)));
+  }
+}
+
+}  // namespace
+
+void resolve_connections(ResolvedSystem& system, const std::atomic<bool>& interrupted) {
+  std::vector<PlacedConnection> connections;
+  for (const auto& description : system.description->connections) {
+    stop_if_interrupted(interrupted);
+    for (const auto& scalar : scalars_of(system, description)) {
+      ConnectionCheck check(system, description, scalar);
+      const auto connection = check.run();
+      if (!check.notice().empty()) system.notices.push_back(check.notice());
+      if (connection.pointer) check_buffer_lives(system, connection, description.place);
+      connections.push_back({connection, &description});
+    }
+  }
+  std::ranges::stable_sort(connections, {}, [](const auto& placed) { return order_of(placed.connection); });
+  check_sources(system, connections);
+  for (auto& placed : connections) system.connections.push_back(std::move(placed.connection));
+}
+
+}  // namespace mebots::master

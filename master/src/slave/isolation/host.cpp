@@ -1,0 +1,442 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "fmi/call/forked_copies.hpp"
+#include "mebots/input_error.hpp"
+#include "message/message_limit.hpp"
+#include "model/osmp.hpp"
+#include "slave/fmu_slave.hpp"
+#include "slave/isolation/fmu_host.hpp"
+
+#include "guard.hpp"
+#include "keeper.hpp"
+#include "protocol.hpp"
+#include "sandbox.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <dlfcn.h>
+#include <pthread.h>
+#include <unistd.h>
+
+#include <charconv>
+#include <cstdio>
+#include <cstdlib>
+#include <map>
+#include <mutex>
+#include <new>
+#include <optional>
+#include <string_view>
+
+namespace mebots::master {
+namespace {
+
+using namespace isolation;
+
+/// Puts the FMU's messages where the master finds them, even when the call never ends.
+class SharedLog final : public MessageSink {
+ public:
+  SharedLog(SharedBuffer& buffer, Control& control) : writer_(buffer), control_(&control) {}
+
+  void message(const Message& message) override {
+    const std::lock_guard lock(mutex_);  // an FMU may log from threads of its own
+    if (limit_.take(message.text.size() + message.category.size())) put(message);
+  }
+  /// Says how many messages of this batch were dropped.
+  void end_batch(std::string_view instance) {
+    const std::lock_guard lock(mutex_);
+    if (const auto notice = limit_.restart()) put({instance, Severity::warning, "notice", *notice, 0});
+  }
+  /// The master has read them all.
+  void clear() {
+    const std::lock_guard lock(mutex_);
+    writer_.clear();
+    control_->log_bytes.store(0, std::memory_order_release);
+  }
+
+ private:
+  void put(const Message& message) {
+    writer_.put(static_cast<std::uint8_t>(message.severity));
+    writer_.put(message.time_ns);
+    writer_.put(message.category);
+    writer_.put(message.text);
+    control_->log_bytes.store(writer_.size(), std::memory_order_release);
+  }
+
+  std::mutex mutex_;
+  MessageLimit limit_{kMostLogBytes - (std::size_t{1} << 20)};  // room for the notice
+  SharedWriter writer_;
+  Control* control_;
+};
+
+class Host {
+ public:
+  Host()
+      : control_buffer_(kHostDescriptors[0]),
+        command_buffer_(kHostDescriptors[1]),
+        answer_buffer_(kHostDescriptors[2]),
+        log_buffer_(kHostDescriptors[3]),
+        control_(reinterpret_cast<Control*>(control_buffer_.data())),
+        log_(log_buffer_, *control_),
+        answers_(answer_buffer_) {}
+
+  /// What the sandbox that was asked for lacks, for who opens the instance.
+  void set_lacking(std::vector<std::string> lacking) { lacking_ = std::move(lacking); }
+
+  Control& control() { return *control_; }
+
+  /// True if code of the FMU that cannot be unloaded safely is there to the end.
+  bool keeps_library() const { return keeps_library_; }
+
+  /// Until the master closes the instance.
+  void serve() {
+    constexpr std::int64_t kWaitNs = 3'600'000'000'000;
+    std::uint32_t batches = 0;
+    while (!closed_) {
+      while (!control_->asked.wait(batches, kWaitNs)) {
+      }
+      ++batches;
+      log_.clear();
+      answers_.clear();
+      do_batch();
+      log_.end_batch(name_);
+      control_->answer_bytes.store(answers_.size(), std::memory_order_relaxed);
+      control_->answered.pass();
+    }
+  }
+
+ private:
+  void do_batch() {
+    SharedReader commands(command_buffer_.bytes(control_->command_bytes.load(std::memory_order_relaxed)));
+    while (!commands.at_end()) {
+      const auto call = commands.get<Call>();
+      control_->call.store(call, std::memory_order_relaxed);
+      control_->calls.fetch_add(1, std::memory_order_release);
+      if (!answer(call, commands)) return;  // what was to follow makes no sense any more
+    }
+  }
+
+  /// Does one call and writes its answer. False when the batch ends with it.
+  bool answer(Call call, SharedReader& commands) {
+    const auto begin = answers_.size();
+    const auto put_error = [&](Answer kind, ErrorCode code, std::string_view text) {
+      answers_.cut(begin);  // an answer may fail half-way
+      answers_.put(kind);
+      answers_.put(mebots::name_of(code));
+      answers_.put(text);
+    };
+    try {
+      return dispatch(call, commands);
+    } catch (const SlaveError& error) {
+      put_error(Answer::slave_error, error.code(), error.what());
+    } catch (const InputError& error) {
+      put_error(Answer::input_error, error.code(), error.what());
+    } catch (const Error& error) {
+      if (error.code() != ErrorCode::system_failure) {
+        put_error(Answer::error, error.code(), error.what());
+      } else {
+        put_error(Answer::slave_error, error.code(), in_instance(call, error.what()));
+      }
+    } catch (const std::exception& error) {
+      put_error(Answer::slave_error, ErrorCode::fmu_failed, in_instance(call, error.what()));
+    }
+    return false;
+  }
+
+  std::string in_instance(Call call, const char* what) const {
+    return fmt::format("instance '{}': {} failed in its process: {}", name_, name_of(call), what);
+  }
+
+  void put_done() { answers_.put(Answer::done); }
+  void put_text(const std::string& text) {
+    put_done();
+    answers_.put(std::string_view(text));
+  }
+
+  bool dispatch(Call call, SharedReader& commands) {
+    switch (call) {
+      case Call::open:
+        open(commands);
+        put_done();
+        answers_.put(slave_->output_derivative_order());
+        answers_.put(slave_->takes_input_derivatives());
+        return true;
+      case Call::setup_experiment:
+        slave_->setup_experiment(commands.get<Experiment>());
+        break;
+      case Call::enter_initialization:
+        slave_->enter_initialization();
+        break;
+      case Call::exit_initialization:
+        slave_->exit_initialization();
+        break;
+      case Call::step: {
+        const auto start_ns = commands.get<std::int64_t>();
+        return answer_step(slave_->step(start_ns, commands.get<std::int64_t>()));
+      }
+      case Call::finish_step:
+        return answer_step(slave_->finish_step(control_->cancel));
+      case Call::terminate:
+        slave_->terminate();
+        if (const auto text = copies_->returned()) throw SlaveError(ErrorCode::fmu_lost, *text);
+        break;
+      case Call::get_reals:
+        get_numbers<double>(commands, [&](auto references, auto values) { slave_->get_reals(references, values); });
+        return true;
+      case Call::get_integers:
+        get_integers(commands);
+        return true;
+      case Call::get_booleans:
+        get_numbers<std::int32_t>(commands,
+                                  [&](auto references, auto values) { slave_->get_booleans(references, values); });
+        return true;
+      case Call::get_strings:
+        get_strings(commands);
+        return true;
+      case Call::set_reals: {
+        const auto references = commands.get_vector<ValueReference>();
+        slave_->set_reals(references, commands.get_vector<double>());
+        break;
+      }
+      case Call::set_integers:
+        set_integers(commands);
+        break;
+      case Call::set_booleans: {
+        const auto references = commands.get_vector<ValueReference>();
+        slave_->set_booleans(references, commands.get_vector<std::int32_t>());
+        break;
+      }
+      case Call::set_strings:
+        set_strings(commands);
+        break;
+      case Call::get_output_derivatives:
+        get_output_derivatives(commands);
+        return true;
+      case Call::set_input_derivatives: {
+        const auto references = commands.get_vector<ValueReference>();
+        const auto orders = commands.get_vector<std::int32_t>();
+        slave_->set_input_derivatives(references, orders, commands.get_vector<double>());
+        break;
+      }
+      case Call::save_state:
+        states_[commands.get<std::uint64_t>()] = slave_->save_state();
+        break;
+      case Call::restore_state:
+        slave_->restore_state(*states_.at(commands.get<std::uint64_t>()));
+        break;
+      case Call::free_state:
+        states_.erase(commands.get<std::uint64_t>());
+        break;
+      case Call::serialize: {
+        const auto bytes = slave_->serialize(*states_.at(commands.get<std::uint64_t>()));
+        put_done();
+        answers_.put(std::span<const std::byte>(bytes));
+        answers_.put(std::string_view(fmu_->state_elsewhere().value_or("")));
+        return true;
+      }
+      case Call::deserialize: {
+        const auto id = commands.get<std::uint64_t>();
+        states_[id] = slave_->deserialize(commands.get_bytes());
+        break;
+      }
+      case Call::close:
+        put_text(close());
+        return true;
+      case Call::unload:
+      case Call::none:
+        throw Error(ErrorCode::wrong_call_order, "the master asked for nothing");
+    }
+    put_done();
+    return true;
+  }
+
+  /// Throws SlaveError if freeing the instance failed; the host ends in any case.
+  /// Returns how the FMU's libraries differ from those directly after loading; empty if they do not.
+  std::string close() {
+    closed_ = true;
+    states_.clear();
+    const auto fault = slave_ ? slave_->free_instance() : std::nullopt;
+    slave_.reset();
+    auto difference = fmu_ ? fmu_->difference().value_or("") : "";
+    control_->call.store(Call::unload, std::memory_order_relaxed);
+    fmu_.reset();
+    if (fault) throw SlaveError(*fault);
+    return difference;
+  }
+
+  void open(SharedReader& commands) {
+    name_ = commands.get_text();
+    const auto archive = commands.get_text();
+    const auto folder = commands.get_text();
+    keeps_library_ = commands.get<std::uint8_t>() != 0;
+    const auto python = commands.get_text();
+    add_python_path(commands.get_text());
+    std::vector<std::string> categories;
+    for (auto count = commands.get<std::uint64_t>(); count > 0; --count) categories.push_back(commands.get_text());
+    const auto grid = commands.get<TimeGrid>();
+    if (!lacking_.empty()) {
+      log_.message({name_, Severity::warning, "notice",
+                    fmt::format("its sandbox is not whole, for this system does not offer or allow: {}",
+                                fmt::join(lacking_, ", ")),
+                    0});
+    }
+    copies_.emplace();
+    fmu_ = std::make_shared<Fmu>(archive, folder);
+    if (keeps_library_) fmu_->keep_loaded();
+    if (!python.empty()) load_python(python);
+    triples_ = osmp_triples(fmu_->description());
+    taken_.resize(triples_.size());
+    slave_ = std::make_unique<FmuSlave>(name_, fmu_, std::move(categories), log_, grid);
+  }
+
+  static void add_python_path(const std::string& folder) {
+    if (folder.empty()) return;
+    const char* before = std::getenv("PYTHONPATH");
+    const auto path = before == nullptr || *before == '\0' ? folder : fmt::format("{}:{}", before, folder);
+    setenv("PYTHONPATH", path.c_str(), 1);
+  }
+
+  /// The FMU and what its scripts import look for the interpreter's functions in the whole process.
+  static void load_python(const std::string& library) {
+    if (dlopen(library.c_str(), RTLD_NOW | RTLD_GLOBAL) != nullptr) return;
+    throw InputError(ErrorCode::fmu_inconsistent,
+                     fmt::format("the FMU needs a Python interpreter, and its library cannot be loaded: {}. Let "
+                                 "MEBOTS_PYTHON name another Python",
+                                 dlerror()));
+  }
+
+  /// Returns false, which ends the batch, unless the step is complete.
+  bool answer_step(const StepResult& result) {
+    put_done();
+    answers_.put(result.done);
+    answers_.put(result.pending);
+    answers_.put(result.cancelled);
+    answers_.put(result.terminated);
+    answers_.put(result.last_successful_s.has_value());
+    answers_.put(result.last_successful_s.value_or(0));
+    answers_.put(std::string_view(result.messages));
+    return result.done;
+  }
+
+  template <typename T, typename Get>
+  void get_numbers(SharedReader& commands, Get get) {
+    const auto references = commands.get_vector<ValueReference>();
+    std::vector<T> values(references.size());
+    get(std::span<const ValueReference>(references), std::span<T>(values));
+    put_done();
+    answers_.put(std::span<const T>(values));
+  }
+
+  /// Integers, and behind them the bytes of every binary variable among them.
+  void get_integers(SharedReader& commands) {
+    const auto references = commands.get_vector<ValueReference>();
+    std::vector<std::int32_t> values(references.size());
+    slave_->get_integers(references, values);
+    put_done();
+    answers_.put(std::span<const std::int32_t>(values));
+    for (const auto& triple : triples_) {
+      const auto places = places_of(triple, references);
+      if (!places) continue;
+      answers_.put(fmu::BinaryRef{values[(*places)[0]], values[(*places)[1]], values[(*places)[2]]}.bytes());
+    }
+  }
+
+  void get_output_derivatives(SharedReader& commands) {
+    const auto references = commands.get_vector<ValueReference>();
+    const auto orders = commands.get_vector<std::int32_t>();
+    std::vector<double> values(references.size());
+    slave_->get_output_derivatives(references, orders, values);
+    put_done();
+    answers_.put(std::span<const double>(values));
+  }
+
+  void get_strings(SharedReader& commands) {
+    const auto references = commands.get_vector<ValueReference>();
+    std::vector<std::string> values(references.size());
+    slave_->get_strings(references, values);
+    put_done();
+    for (const auto& value : values) answers_.put(std::string_view(value));
+  }
+
+  void set_integers(SharedReader& commands) {
+    const auto references = commands.get_vector<ValueReference>();
+    auto values = commands.get_vector<std::int32_t>();
+    for (std::size_t i = 0; i < triples_.size(); ++i) {
+      const auto places = places_of(triples_[i], references);
+      if (!places) continue;
+      taken_[i] = commands.get_vector<std::uint8_t>();
+      const auto reference = taken_[i].empty() ? fmu::BinaryRef{} : fmu::BinaryRef::to(taken_[i]);
+      values.at((*places)[0]) = reference.base_lo;
+      values.at((*places)[1]) = reference.base_hi;
+      values.at((*places)[2]) = reference.size;
+    }
+    slave_->set_integers(references, values);
+  }
+
+  void set_strings(SharedReader& commands) {
+    const auto references = commands.get_vector<ValueReference>();
+    std::vector<std::string> values;
+    for (std::size_t i = 0; i < references.size(); ++i) values.push_back(commands.get_text());
+    slave_->set_strings(references, values);
+  }
+
+  SharedBuffer control_buffer_;
+  SharedBuffer command_buffer_;
+  SharedBuffer answer_buffer_;
+  SharedBuffer log_buffer_;
+  Control* control_;
+  SharedLog log_;
+  SharedWriter answers_;
+  std::vector<OsmpTriple> triples_;
+  std::vector<std::vector<std::uint8_t>> taken_;  // bytes of binary inputs, one per triple
+  std::string name_;
+  std::vector<std::string> lacking_;
+  std::optional<ForkedCopies> copies_;  // not before the keeper is split off
+  std::shared_ptr<Fmu> fmu_;
+  std::unique_ptr<FmuSlave> slave_;
+  std::map<std::uint64_t, std::unique_ptr<SlaveState>> states_;
+  bool closed_ = false;
+  bool keeps_library_ = false;
+};
+
+template <typename T>
+T number(const char* text) {
+  T value{};
+  const std::string_view digits = text;
+  if (std::from_chars(digits.data(), digits.data() + digits.size(), value).ec != std::errc{}) {
+    throw Error(ErrorCode::syntax_error, "a number is expected");
+  }
+  return value;
+}
+
+}  // namespace
+
+int run_fmu_host(int argument_count, char** arguments) {
+  if (argument_count == 2 && std::string_view(arguments[1]) == "--version") {
+    std::puts("mebots-fmu-host " MEBOTS_VERSION);
+    return 0;
+  }
+  if (argument_count != 3 && argument_count != 4) {
+    std::fputs("mebots-fmu-host: mebots starts this program to run one FMU; use `mebots run --isolate`\n", stderr);
+    return 2;
+  }
+  try {
+    const auto master = number<pid_t>(arguments[1]);
+    Host host;
+    if (argument_count == 4) {
+      host.set_lacking(enter_sandbox(arguments[3], master));
+    } else {
+      fork_kept(master);
+    }
+    guard(number<std::uint64_t>(arguments[2]), host.control());
+    pthread_setcancelstate(PTHREAD_CANCEL_DISABLE, nullptr);  // an FMU may not cancel the thread that calls it
+    host.serve();
+    if (!host.keeps_library()) return 0;
+    std::fflush(nullptr);
+    _exit(0);  // without the destructors of an interpreter
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "mebots-fmu-host: %s\n", error.what());
+    return 1;
+  }
+}
+
+}  // namespace mebots::master

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "base/time_grid.hpp"
+#include "message/message.hpp"
+#include "model/resolved_system.hpp"
+#include "slave/slave.hpp"
+
+#include "child_process.hpp"
+#include "model/osmp.hpp"
+#include "protocol.hpp"
+
+#include <atomic>
+#include <exception>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace mebots::master::isolation {
+
+/// A slave that runs in a process of its own (mebots-fmu-host). Values to set wait until the next call that does
+/// something. With a step go the reads that followed the last one, and their answers are kept: a communication step
+/// is one hand-over. When the process ends, or a call takes longer than its deadline, every call throws SlaveError.
+class IsolatedSlave final : public Slave {
+ public:
+  /// Starts the process and instantiates. `instance` and `messages` must outlive the slave; so must `interrupted`,
+  /// which ends a call that does not come back once it is true (null = nothing does).
+  IsolatedSlave(const ResolvedInstance& instance, MessageSink& messages, const std::atomic<bool>* interrupted,
+                const TimeGrid& grid = {});
+  ~IsolatedSlave() override;
+  IsolatedSlave(const IsolatedSlave&) = delete;
+  IsolatedSlave& operator=(const IsolatedSlave&) = delete;
+
+  const std::string& name() const override { return name_; }
+  const modeldesc::ModelDescription& description() const override { return instance_->fmu->description(); }
+
+  void setup_experiment(const Experiment& experiment) override;
+  void enter_initialization() override;
+  void exit_initialization() override;
+  StepResult step(std::int64_t start_ns, std::int64_t duration_ns) override;
+  StepResult finish_step(const std::atomic<bool>& cancel) override;
+  void terminate() override;
+  std::optional<std::string> free_instance() override;
+
+  void get_reals(std::span<const ValueReference> references, std::span<double> values) override;
+  void get_integers(std::span<const ValueReference> references, std::span<std::int32_t> values) override;
+  void get_booleans(std::span<const ValueReference> references, std::span<std::int32_t> values) override;
+  void get_strings(std::span<const ValueReference> references, std::span<std::string> values) override;
+  void set_reals(std::span<const ValueReference> references, std::span<const double> values) override;
+  void set_integers(std::span<const ValueReference> references, std::span<const std::int32_t> values) override;
+  void set_booleans(std::span<const ValueReference> references, std::span<const std::int32_t> values) override;
+  void set_strings(std::span<const ValueReference> references, std::span<const std::string> values) override;
+
+  std::uint32_t output_derivative_order() const override { return output_derivative_order_; }
+  bool takes_input_derivatives() const override { return takes_input_derivatives_; }
+  void get_output_derivatives(std::span<const ValueReference> references, std::span<const std::int32_t> orders,
+                              std::span<double> values) override;
+  void set_input_derivatives(std::span<const ValueReference> references, std::span<const std::int32_t> orders,
+                             std::span<const double> values) override;
+
+  std::unique_ptr<SlaveState> save_state() override;
+  void restore_state(const SlaveState& state) override;
+  std::vector<std::byte> serialize(const SlaveState& state) override;
+  std::unique_ptr<SlaveState> deserialize(std::span<const std::byte> bytes) override;
+
+ private:
+  friend class IsolatedState;
+
+  /// One read of the outputs, with the answer that came along with the last step.
+  struct Read {
+    Call call = Call::none;
+    std::vector<ValueReference> references;
+    std::vector<std::int32_t> orders;  // of derivatives only
+    bool used = false;                 // since the last step
+    bool fresh = false;                // not asked for anew since the last step
+    std::exception_ptr failure;
+    std::vector<double> reals;
+    std::vector<std::int32_t> integers;  // Booleans too
+    std::vector<std::string> strings;
+  };
+
+  void open(const TimeGrid& grid);
+  std::uint64_t memory_bytes() const;
+  void put(Call call) { commands_.put(call); }
+  void put_references(Call call, std::span<const ValueReference> references);
+  /// Sends what is written so far and waits for the answers; checks those of calls before the last `open_answers`, and
+  /// lets `take` read the rest. Answers that make no sense are the end of the process.
+  void hand_over(std::size_t open_answers = 0, const std::function<void(SharedReader&)>& take = {});
+  void wait(std::size_t calls);
+  SharedReader answers();
+  void check(SharedReader& answers);
+  void take_messages();
+  std::optional<std::string> tell_of_end();
+  std::optional<std::string> failure_of_close();
+  [[noreturn]] void lost(ErrorCode code, const std::string& how);
+  std::string fault_text(const ProcessEnd& end) const;
+  Read& read(Call call, std::span<const ValueReference> references, std::span<const std::int32_t> orders = {});
+  void put_read(Call call, std::span<const ValueReference> references, std::span<const std::int32_t> orders);
+  void take(Read& read, SharedReader& answers);
+  void take_reads(SharedReader& answers);
+  StepResult hand_over_step();
+  void take_binaries(Read& read, SharedReader& answers);
+  void forget_reads();
+  void free_state(std::uint64_t id) noexcept;
+
+  const ResolvedInstance* instance_;
+  std::string name_;
+  MessageSink* messages_;
+  const std::atomic<bool>* interrupted_;
+  SharedBuffer control_buffer_;
+  SharedBuffer command_buffer_;
+  SharedBuffer answer_buffer_;
+  SharedBuffer log_buffer_;
+  Control* control_;
+  SharedWriter commands_;
+  std::size_t pending_ = 0;    // calls that are written and not sent
+  std::uint32_t batches_ = 0;  // answered
+  std::unique_ptr<ChildProcess> process_;
+  const std::atomic<bool>* cancel_ = nullptr;  // of the pending step that is waited for
+  std::string lost_;                           // why the process is gone
+  bool freed_ = false;
+
+  // What the FMU can do, as its process found when it loaded the library.
+  std::uint32_t output_derivative_order_ = 0;
+  bool takes_input_derivatives_ = false;
+
+  std::int64_t time_ns_ = 0;
+  std::int64_t step_end_ns_ = 0;
+  std::vector<Read> reads_;  // since the last step
+  std::vector<OsmpTriple> triples_;
+  // Bytes of binary outputs, one pair per triple: those of the last step stay valid during the next one.
+  std::vector<std::array<std::vector<std::uint8_t>, 2>> binaries_;
+  std::size_t turn_ = 0;
+  std::uint64_t states_ = 0;  // counts them
+};
+
+}  // namespace mebots::master::isolation
