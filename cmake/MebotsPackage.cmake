@@ -12,7 +12,7 @@ set(CPACK_STRIP_FILES ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
-set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "python3, python3-numpy")
+set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "python3, python3-numpy, bubblewrap")
 set(CPACK_DEBIAN_PACKAGE_SUGGESTS "g++, cmake, ninja-build, gcc-riscv64-unknown-elf, picolibc-riscv64-unknown-elf")
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "${PROJECT_DESCRIPTION}")
 set(CPACK_DEBIAN_PACKAGE_DESCRIPTION "Runs systems of FMI 2.0 co-simulation FMUs from a config, with four of its own:

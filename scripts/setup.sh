@@ -19,6 +19,7 @@ packages=(
   libcli11-dev libfmt-dev                                         # command line, text
   libxbyak-dev                                                    # translation of firmware to host code
   libseccomp-dev                                                  # what an FMU in a process of its own may ask of the system
+  bubblewrap                                                      # the sandbox of such a process
   libssl-dev                                                      # hash of a run's inputs
   libhdf5-dev                                                     # results as HDF5
   libpng-dev zlib1g-dev                                           # textures; pictures of a flight

@@ -387,19 +387,6 @@ static void forge(const char* fault) {
   for (;;) pause();
 }
 
-/// What a sandbox does not let out: reading the user's own files, writing, the network, other processes.
-static int stays_inside(void) {
-  const char* home = getenv("MEBOTS_TEST_SECRET");
-  const int secret = home == NULL ? -1 : open(home, O_RDONLY);
-  const int written = open("/tmp/mebots-probe-was-here", O_WRONLY | O_CREAT, 0600);
-  const int line = socket(AF_INET, SOCK_DGRAM, 0);
-  struct sockaddr_in address = {.sin_family = AF_INET, .sin_port = htons(9), .sin_addr = {htonl(INADDR_LOOPBACK)}};
-  const int sent = line < 0 ? -1 : connect(line, (struct sockaddr*)&address, sizeof address);
-  const int inside = secret < 0 && written < 0 && sent < 0 && getppid() == 1 && kill(-1, 0) == -1;
-  if (line >= 0) close(line);
-  return inside;
-}
-
 /// In a namespace of its own others are not even there.
 static int refused(long answer) {
   return answer == -1 && (errno == EPERM || errno == EACCES || errno == ESRCH || errno == ENOENT);
@@ -440,9 +427,11 @@ static int is_not_changed(pid_t process) {
          refused(fcntl(0, F_SETOWN, process)) && refused(fcntl(0, F_SETSIG, SIGKILL));
 }
 
-/// Every way to harm its parent and a process that the test names; one that is not refused ends the run.
+/// Every way to harm its parent and a process that the test names; one that is not refused ends the run. In a process
+/// namespace of its own there is neither.
 static void harm_others(void) {
   const char* bystander = getenv("MEBOTS_TEST_BYSTANDER");
+  if (getppid() == 1) return;
   const pid_t others[] = {getppid(), bystander == NULL ? getppid() : (pid_t)atoi(bystander)};
   for (int i = 0; i < 2; ++i) {
     if (!takes_no_signal(others[i]) || !is_not_changed(others[i])) abort();
@@ -574,6 +563,7 @@ static fmi2Status misbehave(Probe* p, const char* fault) {
     return fmi2Error;
   }
   if (strcmp(fault, "fatal") == 0) return fmi2Fatal;
+  if (strncmp(fault, "read_file ", 10) == 0 && access(fault + 10, R_OK) != 0) return fmi2Error;
   if (strcmp(fault, "nan") == 0) p->state.reals[REAL_OUT] = NAN;
   if (strcmp(fault, "read_environment") == 0 && getenv("PROBE_INTEGRAL") != NULL)
     p->state.reals[INTEGRAL] = atof(getenv("PROBE_INTEGRAL"));
@@ -618,7 +608,6 @@ static fmi2Status misbehave(Probe* p, const char* fault) {
   if (strcmp(fault, "harm_others") == 0) harm_others();
   if (strcmp(fault, "end_child") == 0) end_child();
   if (strncmp(fault, "forge_", 6) == 0) forge(fault);
-  if (strcmp(fault, "escape") == 0) p->state.integers[STEPS] = stays_inside() ? 1000 : -1;
 #if defined(__x86_64__)
   if (strcmp(fault, "foreign_call") == 0) {  // kill(parent, SIGKILL) as a program of 32 bits asks for it
     long answer = 37;

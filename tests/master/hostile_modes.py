@@ -77,7 +77,6 @@ MODES = {
     "forge_length": "forges the length of its answer",
     "forge_answer": "forges its answer",
     "forge_calls": "forges the count of calls, and hangs",
-    "escape": "reads a file of the user, writes one, connects",
     "free_crash": "crashes when it is freed",
     "free_hang": "hangs when it is freed",
     "free_exit": "exit(0) when it is freed",
@@ -99,20 +98,22 @@ def config_of(fmu, process):
             "record": ["a.real_out", "b.real_out", "b.integral", "b.last_end", "b.steps"]}
 
 
-def processes_with(mark):
+def processes_with(folder):
+    """Those whose environment names the folder, and those of a sandbox, whose command line names the unpacked FMU."""
     found = []
     for entry in pathlib.Path("/proc").iterdir():
         try:
-            if entry.name.isdigit() and mark.encode() in (entry / "environ").read_bytes():
+            if entry.name.isdigit() and (f"MEBOTS_TEST={folder}".encode() in (entry / "environ").read_bytes()
+                                         or f"{folder}/mebots".encode() in (entry / "cmdline").read_bytes()):
                 found.append(int(entry.name))
         except OSError:
             continue
     return found
 
 
-def end_all(mark):
-    """Ends what a run left. Says whether there was something."""
-    found = processes_with(mark)
+def end_all(folder):
+    """Ends what a run left. Returns whether there was something."""
+    found = processes_with(folder)
     for number in found:
         try:
             os.kill(number, signal.SIGKILL)
@@ -146,7 +147,6 @@ def run(program, fmu, process, mode, limit_memory=False):
     """In a session of its own, with a caller that may be harmed."""
     with tempfile.TemporaryDirectory(prefix="mebots-hostile-") as name, Bystander() as bystander:
         folder = pathlib.Path(name)
-        mark = f"MEBOTS_TEST={name}"
         (folder / "two.json").write_text(json.dumps(config_of(fmu, process)))
         (folder / "secret.txt").write_text("of the user")
         at = 9 if mode in WHEN_FREED | NEEDS_CHECKPOINT else 0.5
@@ -168,7 +168,7 @@ def run(program, fmu, process, mode, limit_memory=False):
             code = "hangs" if hangs else int((folder / "code").read_text()) if (folder / "code").exists() else None
             caller_lives = hangs or caller.returncode >= 0
             time.sleep(0.1)  # who is being ended may still be seen
-            left = end_all(mark)
+            left = end_all(name)
             caller.wait()
         results = folder / "out" / "results.csv"
         rows = results.read_text().splitlines() if results.exists() else []
@@ -217,7 +217,7 @@ def cell(mode, outcome, good_rows):
 def lacks_kernel(program, fmu):
     create_ruleset, ask_version = 444, 1
     version = ctypes.CDLL(None).syscall(create_ruleset, None, ctypes.c_size_t(0), ask_version)
-    return version < 6 or "sandbox is not whole" in run(program, fmu, "sandboxed", "").text
+    return version < 6 or "refuses a part of its sandbox" in run(program, fmu, "sandboxed", "").text
 
 
 def main():

@@ -65,7 +65,13 @@ struct Setting {
 enum class ProcessKind {
   shared,     ///< the master's
   own,        ///< one of its own, which harms no other
-  sandboxed,  ///< one of its own, which sees no other, no network and few files
+  sandboxed,  ///< one of its own, with access to few files and to nothing else (docs/master/isolation.md)
+};
+
+/// A sandbox beyond its defaults.
+struct SandboxDescription {
+  std::vector<std::string> reads;     ///< absolute paths that the FMU may read, too
+  std::vector<std::string> may_lack;  ///< mechanisms without which the FMU runs all the same
 };
 
 /// Where an instance runs, and what its failures may cost.
@@ -74,6 +80,7 @@ struct IsolationDescription {
   std::optional<double> deadline_s;           ///< of each call, by the wall clock
   std::optional<std::uint64_t> memory_bytes;  ///< of its own process
   bool go_on_without = false;                 ///< when it fails, the others go on
+  SandboxDescription sandbox;
 
   static constexpr std::uint64_t kDefaultMemoryBytes = std::uint64_t{1024} << 20;
   static constexpr std::uint64_t kNoMemoryLimit = 0;

@@ -367,6 +367,7 @@ void Run::initialise() {
     recorder_->add(std::move(sink));
   }
   if (files_) files_->add_sinks(*recorder_);
+  note_slaves(ensemble);
   values_.emplace(resolved_, ensemble);
   outcomes_.emplace(resolved_, ensemble);
   stop_conditions_.emplace(resolved_, ensemble);
@@ -397,6 +398,16 @@ void Run::initialise() {
   // Said before the log goes on: it ends as the log of a run that nobody disturbed.
   if (checkpoint_) say(Severity::info, "notice", fmt::format("resumed at {} s", to_seconds(time_ns())));
   if (files_) files_->started(ensemble);
+}
+
+/// Adds the notices of the slaves to those of the run.
+void Run::note_slaves(Ensemble& ensemble) {
+  for (std::size_t i = 0; i < ensemble.size(); ++i) {
+    for (const auto& notice : ensemble.slave(i).notices()) {
+      report_.notices.push_back(fmt::format("{}: {}", ensemble.name(i), notice));
+      say(Severity::warning, "notice", report_.notices.back());
+    }
+  }
 }
 
 /// Looks after the process in the first, second, fourth ... step of this call, and at its end. A changed signal mask,

@@ -176,6 +176,7 @@ class Run {
   std::vector<std::string> changes() const;
   void begin();
   void advance(std::int64_t until_ns, std::string_view what);
+  void note_slaves(Ensemble& ensemble);
   void step_until(std::int64_t until_ns);
   std::int64_t next_point_ns() const;
   void finish();

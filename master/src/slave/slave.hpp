@@ -95,6 +95,8 @@ class Slave {
   virtual std::uint32_t output_derivative_order() const { return 0; }
   /// Whether the FMU makes use of time derivatives of its inputs.
   virtual bool takes_input_derivatives() const { return false; }
+  /// Returns what the user should know about where this instance runs, such as a part that its sandbox lacks.
+  virtual std::vector<std::string> notices() const { return {}; }
   /// Derivatives of Real outputs at the end of the last step, `orders` (from 1) one per reference. They are what the
   /// FMU says, NaN included.
   virtual void get_output_derivatives(std::span<const ValueReference> references, std::span<const std::int32_t> orders,

@@ -2,6 +2,7 @@
 // The section `instances`: a table of the keys of one instance, each with its own reader.
 #include "io/config/schemas.hpp"
 #include "io/find_fmu.hpp"
+#include "model/sandbox_mechanisms.hpp"
 
 #include "reading.hpp"
 #include "sections.hpp"
@@ -67,6 +68,10 @@ void read_process(const Node& node, InstanceDescription& instance, const Surroun
       {{"own", ProcessKind::own}, {"shared", ProcessKind::shared}, {"sandboxed", ProcessKind::sandboxed}})(node);
 }
 
+std::string mechanism_in(const Node& node) {
+  return data::word_of<std::string>({{kNamespaces, kNamespaces}, {kLandlock, kLandlock}, {kSeccomp, kSeccomp}})(node);
+}
+
 /// Nobody can end a call, or bound the memory, of an FMU inside the master's process.
 void need_own_process(const Node& node, const InstanceDescription& instance) {
   if (instance.isolation.process == ProcessKind::shared) {
@@ -83,6 +88,22 @@ void read_memory_limit(const Node& node, InstanceDescription& instance, const Su
   constexpr std::int64_t kLargestMb = 1 << 24;  // 16 TiB
   need_own_process(node, instance);
   instance.isolation.memory_bytes = static_cast<std::uint64_t>(node.whole_number(1, kLargestMb)) << 20;
+}
+
+/// "reads": paths, relative to the config; "may_lack": names of mechanisms.
+void read_sandbox(const Node& node, InstanceDescription& instance, const Surroundings& around) {
+  if (!instance.isolation.sandboxed()) node.fail(ErrorCode::invalid_value, "this needs \"process\": \"sandboxed\"");
+  Object object(node);
+  object.visit_if("reads", [&](const Node& list) {
+    for (const auto& path : list.elements()) {
+      const auto place = (around.system.file.parent_path() / path.text()).lexically_normal();
+      instance.isolation.sandbox.reads.push_back(std::filesystem::absolute(place).string());
+    }
+  });
+  object.visit_if("may_lack", [&](const Node& list) {
+    for (const auto& name : list.elements()) instance.isolation.sandbox.may_lack.push_back(mechanism_in(name));
+  });
+  object.finish();
 }
 
 void read_on_failure(const Node& node, InstanceDescription& instance, const Surroundings& /*around*/) {
@@ -124,6 +145,7 @@ constexpr Key kKeys[] = {
     {"process", false, &read_process},  // before those that need one of its own
     {"deadline", false, &read_deadline},
     {"memory_limit_mb", false, &read_memory_limit},
+    {"sandbox", false, &read_sandbox},
     {"on_failure", false, &read_on_failure},
     {"on_discard", false, &read_on_discard},
     {"pass_stop_time", false, &read_pass_stop_time},

@@ -137,6 +137,9 @@ void forbid_harm(Signals signals) {
 void guard(std::uint64_t memory_bytes, Control& control) {
   tell_of_faults(control);
   limit_memory(memory_bytes);
+}
+
+void protect_other_processes() {
   forbid_harm(shield_other_processes() ? Signals::to_children : Signals::to_itself);
 }
 

@@ -7,10 +7,12 @@
 
 namespace mebots::master::isolation {
 
-/// What a host process does before it touches foreign code. It takes no more than `memory_bytes` beyond what it has
-/// already, can do nothing to processes that are not its children, and tells `control` of a fault before it dies of it.
-/// One thread only.
+/// Prepares a host process for foreign code: limits its memory to `memory_bytes` beyond what it has already, and lets
+/// it write a fault to `control` before the fault ends it. One thread only.
 void guard(std::uint64_t memory_bytes, Control& control);
+
+/// Takes from this process the means to end, change or watch processes that are not its children. One thread only.
+void protect_other_processes();
 
 enum class Signals : std::uint8_t {
   to_children,  ///< the kernel keeps them inside (see landlock.hpp)

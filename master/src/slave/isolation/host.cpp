@@ -8,8 +8,10 @@
 
 #include "guard.hpp"
 #include "keeper.hpp"
+#include "model/sandbox_mechanisms.hpp"
 #include "protocol.hpp"
 #include "sandbox.hpp"
+#include "system_calls.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -18,13 +20,17 @@
 #include <pthread.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
+#include <iterator>
 #include <map>
 #include <mutex>
 #include <new>
 #include <optional>
+#include <span>
 #include <string_view>
 
 namespace mebots::master {
@@ -79,8 +85,12 @@ class Host {
         log_(log_buffer_, *control_),
         answers_(answer_buffer_) {}
 
-  /// What the sandbox that was asked for lacks, for who opens the instance.
-  void set_lacking(std::vector<std::string> lacking) { lacking_ = std::move(lacking); }
+  /// Stores the mechanisms that the requested sandbox lacks, for the call that opens the instance.
+  void set_refusals(std::vector<Refusal> refusals, std::vector<std::string> may_lack) {
+    is_sandboxed_ = true;
+    refusals_ = std::move(refusals);
+    may_lack_ = std::move(may_lack);
+  }
 
   Control& control() { return *control_; }
 
@@ -159,6 +169,7 @@ class Host {
         put_done();
         answers_.put(slave_->output_derivative_order());
         answers_.put(slave_->takes_input_derivatives());
+        put_notices();
         return true;
       case Call::setup_experiment:
         slave_->setup_experiment(commands.get<Experiment>());
@@ -273,12 +284,7 @@ class Host {
     std::vector<std::string> categories;
     for (auto count = commands.get<std::uint64_t>(); count > 0; --count) categories.push_back(commands.get_text());
     const auto grid = commands.get<TimeGrid>();
-    if (!lacking_.empty()) {
-      log_.message({name_, Severity::warning, "notice",
-                    fmt::format("its sandbox is not whole, for this system does not offer or allow: {}",
-                                fmt::join(lacking_, ", ")),
-                    0});
-    }
+    check_sandbox();
     copies_.emplace();
     fmu_ = std::make_shared<Fmu>(archive, folder);
     if (keeps_library_) fmu_->keep_loaded();
@@ -286,6 +292,30 @@ class Host {
     triples_ = osmp_triples(fmu_->description());
     taken_.resize(triples_.size());
     slave_ = std::make_unique<FmuSlave>(name_, fmu_, std::move(categories), log_, grid);
+  }
+
+  /// Throws Error if the sandbox lacks a mechanism that the config requires.
+  void check_sandbox() const {
+    for (const auto& [mechanism, reason] : refusals_) {
+      if (std::ranges::find(may_lack_, mechanism) != may_lack_.end()) continue;
+      throw Error(ErrorCode::system_failure,
+                  fmt::format("instance '{}': the FMU does not run, because this system refuses a part of its sandbox: "
+                              "{} ({}). To run it without, add \"{}\" to \"may_lack\" of the instance's \"sandbox\"",
+                              name_, mechanism, reason, mechanism));
+    }
+  }
+
+  /// A list of texts, each after a 1, and a 0 at the end.
+  void put_notices() {
+    const auto put = [this](const std::string& text) {
+      answers_.put(true);
+      answers_.put(std::string_view(text));
+    };
+    for (const auto& [mechanism, reason] : refusals_) put(fmt::format("the sandbox lacks {} ({})", mechanism, reason));
+    if (is_sandboxed_ && getuid() == 0) {
+      put("mebots runs as root, so the kernel does not limit the number of processes in the sandbox");
+    }
+    answers_.put(false);
   }
 
   static void add_python_path(const std::string& folder) {
@@ -389,7 +419,9 @@ class Host {
   std::vector<OsmpTriple> triples_;
   std::vector<std::vector<std::uint8_t>> taken_;  // bytes of binary inputs, one per triple
   std::string name_;
-  std::vector<std::string> lacking_;
+  bool is_sandboxed_ = false;
+  std::vector<Refusal> refusals_;
+  std::vector<std::string> may_lack_;
   std::optional<ForkedCopies> copies_;  // not before the keeper is split off
   std::shared_ptr<Fmu> fmu_;
   std::unique_ptr<FmuSlave> slave_;
@@ -408,26 +440,90 @@ T number(const char* text) {
   return value;
 }
 
+/// The command line of a host process, see run_fmu_host().
+struct Arguments {
+  explicit Arguments(std::span<char* const> words) : program(words[0]), rest(words.begin() + 1, words.end()) {
+    master = number<pid_t>(next("the master's process"));
+    memory_bytes = number<std::uint64_t>(next("a memory limit"));
+    while (at < rest.size()) read_option();
+  }
+
+  bool is_sandboxed() const { return !sandbox.folder.empty(); }
+  /// The arguments of the same program inside of the namespaces.
+  std::vector<std::string> inside() const {
+    auto words = rest;
+    words.emplace_back("--inside");
+    return words;
+  }
+
+  std::string program;
+  std::vector<std::string> rest;
+  pid_t master = 0;
+  std::uint64_t memory_bytes = 0;
+  Sandbox sandbox;
+  std::vector<std::string> may_lack;
+  bool is_inside = false;
+
+ private:
+  const char* next(const char* what) {
+    if (at == rest.size()) throw Error(ErrorCode::syntax_error, fmt::format("{} is missing", what));
+    return rest[at++].c_str();
+  }
+  void read_option() {
+    const std::string option = next("an option");
+    if (option == "--inside") {
+      is_inside = true;
+    } else if (option == "--sandbox") {
+      sandbox.folder = next("a folder");
+    } else if (option == "--reads") {
+      sandbox.reads.emplace_back(next("a path"));
+    } else if (option == "--may-lack") {
+      may_lack.emplace_back(next("a mechanism"));
+    } else {
+      throw Error(ErrorCode::syntax_error, fmt::format("unknown option {}", option));
+    }
+  }
+
+  std::size_t at = 0;
+};
+
+std::string own_path() {
+  return std::filesystem::read_symlink("/proc/self/exe").string();
+}
+
+/// Makes this process ready for foreign code.
+void confine(const Arguments& arguments, Host& host, std::vector<Refusal> refusals) {
+  if (!arguments.is_sandboxed()) {
+    guard(arguments.memory_bytes, host.control());
+    protect_other_processes();
+    return;
+  }
+  auto more = restrict_process(arguments.sandbox, arguments.is_inside);
+  refusals.insert(refusals.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
+  guard(arguments.memory_bytes, host.control());
+  if (auto problem = allow_simulation_calls(arguments.is_inside)) refusals.push_back({kSeccomp, *std::move(problem)});
+  host.set_refusals(std::move(refusals), arguments.may_lack);
+}
+
 }  // namespace
 
-int run_fmu_host(int argument_count, char** arguments) {
-  if (argument_count == 2 && std::string_view(arguments[1]) == "--version") {
+int run_fmu_host(int argument_count, char** words) {
+  if (argument_count == 2 && std::string_view(words[1]) == "--version") {
     std::puts("mebots-fmu-host " MEBOTS_VERSION);
     return 0;
   }
-  if (argument_count != 3 && argument_count != 4) {
+  if (argument_count < 3) {
     std::fputs("mebots-fmu-host: mebots starts this program to run one FMU; use `mebots run --isolate`\n", stderr);
     return 2;
   }
   try {
-    const auto master = number<pid_t>(arguments[1]);
+    const Arguments arguments(std::span<char* const>(words, static_cast<std::size_t>(argument_count)));
+    std::vector<Refusal> refusals;
+    if (!arguments.is_inside) fork_kept(arguments.master);
+    if (arguments.is_sandboxed() && !arguments.is_inside)
+      refusals.push_back(enter_namespaces(arguments.sandbox, own_path(), arguments.inside()));
     Host host;
-    if (argument_count == 4) {
-      host.set_lacking(enter_sandbox(arguments[3], master));
-    } else {
-      fork_kept(master);
-    }
-    guard(number<std::uint64_t>(arguments[2]), host.control());
+    confine(arguments, host, std::move(refusals));
     pthread_setcancelstate(PTHREAD_CANCEL_DISABLE, nullptr);  // an FMU may not cancel the thread that calls it
     host.serve();
     if (!host.keeps_library()) return 0;

@@ -63,13 +63,24 @@ IsolatedSlave::IsolatedSlave(const ResolvedInstance& instance, MessageSink& mess
       commands_(command_buffer_),
       triples_(osmp_triples(instance.fmu->description())),
       binaries_(triples_.size()) {
-  std::vector<std::string> arguments{fmt::format("{}", getpid()), fmt::format("{}", memory_bytes())};
-  if (instance.isolation.sandboxed()) arguments.push_back(instance.fmu->folder().string());
   process_ =
-      std::make_unique<ChildProcess>(find_fmu_host(), arguments,
+      std::make_unique<ChildProcess>(find_fmu_host(), host_arguments(),
                                      std::array<int, 4>{control_buffer_.descriptor(), command_buffer_.descriptor(),
                                                         answer_buffer_.descriptor(), log_buffer_.descriptor()});
   open(grid);
+}
+
+std::vector<std::string> IsolatedSlave::host_arguments() const {
+  std::vector<std::string> words{fmt::format("{}", getpid()), fmt::format("{}", memory_bytes())};
+  if (!instance_->isolation.sandboxed()) return words;
+  const auto add = [&](const char* option, const std::string& value) { words.insert(words.end(), {option, value}); };
+  add("--sandbox", instance_->fmu->folder().string());
+  for (const auto& path : instance_->isolation.sandbox.reads) add("--reads", path);
+  for (const auto& mechanism : instance_->isolation.sandbox.may_lack) add("--may-lack", mechanism);
+  const auto& interpreter = instance_->interpreter;
+  if (!interpreter.library.empty()) add("--reads", std::filesystem::path(interpreter.library).parent_path().string());
+  if (!interpreter.python_path.empty()) add("--reads", interpreter.python_path);
+  return words;
 }
 
 std::uint64_t IsolatedSlave::memory_bytes() const {
@@ -101,7 +112,8 @@ std::optional<std::string> IsolatedSlave::tell_of_end() {
   if (!end) {
     problem =
         fmt::format("{} did not come back within {} s; its process was ended", name_of(control_->call.load()), grace_s);
-  } else if (const bool answered = control_->answered.value() != batches_; !answered || end->by_signal) {
+  } else if (const bool answered = control_->answered.value() != batches_;
+             !answered || end_in_sandbox(*end).by_signal) {
     problem = fault_text(*end);
   }
   try {
@@ -143,6 +155,7 @@ void IsolatedSlave::open(const TimeGrid& grid) {
     check(answers);
     output_derivative_order_ = answers.get<std::uint32_t>();
     takes_input_derivatives_ = answers.get<std::uint8_t>() != 0;
+    while (answers.get<std::uint8_t>() != 0) notices_.push_back(valid_utf8(answers.get_text()));
   });
 }
 
@@ -225,7 +238,16 @@ void IsolatedSlave::wait(std::size_t calls_left) {
   }
 }
 
-std::string IsolatedSlave::fault_text(const ProcessEnd& end) const {
+/// Converts the exit code of bubblewrap, which is that of the program in it, or 128 and the signal that ended the
+/// program.
+ProcessEnd IsolatedSlave::end_in_sandbox(ProcessEnd end) const {
+  constexpr int kSignalled = 128;
+  if (!instance_->isolation.sandboxed() || end.by_signal || end.number <= kSignalled) return end;
+  return {true, end.number - kSignalled, end.peak_memory_kb};
+}
+
+std::string IsolatedSlave::fault_text(const ProcessEnd& seen) const {
+  const auto end = end_in_sandbox(seen);
   const auto call = name_of(control_->call.load());
   std::string text;
   if (!end.by_signal) {

@@ -54,6 +54,7 @@ class IsolatedSlave final : public Slave {
 
   std::uint32_t output_derivative_order() const override { return output_derivative_order_; }
   bool takes_input_derivatives() const override { return takes_input_derivatives_; }
+  std::vector<std::string> notices() const override { return notices_; }
   void get_output_derivatives(std::span<const ValueReference> references, std::span<const std::int32_t> orders,
                               std::span<double> values) override;
   void set_input_derivatives(std::span<const ValueReference> references, std::span<const std::int32_t> orders,
@@ -81,6 +82,7 @@ class IsolatedSlave final : public Slave {
   };
 
   void open(const TimeGrid& grid);
+  std::vector<std::string> host_arguments() const;
   std::uint64_t memory_bytes() const;
   void put(Call call) { commands_.put(call); }
   void put_references(Call call, std::span<const ValueReference> references);
@@ -94,7 +96,8 @@ class IsolatedSlave final : public Slave {
   std::optional<std::string> tell_of_end();
   std::optional<std::string> failure_of_close();
   [[noreturn]] void lost(ErrorCode code, const std::string& how);
-  std::string fault_text(const ProcessEnd& end) const;
+  ProcessEnd end_in_sandbox(ProcessEnd end) const;
+  std::string fault_text(const ProcessEnd& seen) const;
   Read& read(Call call, std::span<const ValueReference> references, std::span<const std::int32_t> orders = {});
   void put_read(Call call, std::span<const ValueReference> references, std::span<const std::int32_t> orders);
   void take(Read& read, SharedReader& answers);
@@ -124,6 +127,7 @@ class IsolatedSlave final : public Slave {
   // What the FMU can do, as its process found when it loaded the library.
   std::uint32_t output_derivative_order_ = 0;
   bool takes_input_derivatives_ = false;
+  std::vector<std::string> notices_;
 
   std::int64_t time_ns_ = 0;
   std::int64_t step_end_ns_ = 0;

@@ -92,7 +92,6 @@ std::vector<pid_t> children() {
 /// What the keeper knows of the child.
 struct Child {
   pid_t number;
-  int report;  // where the first process of a namespace tells how the child ended; -1: the child is our own
   int status = 0;
   bool ended = false;
 
@@ -141,9 +140,6 @@ void end_descendants(Child& child) {
     if (signal == kAskedToEnd || (signal == kParentThreadEnded && getppid() != parent)) break;
   }
   end_descendants(child);
-  int reported = 0;
-  if (child.report >= 0 && read(child.report, &reported, sizeof reported) == static_cast<ssize_t>(sizeof reported))
-    child.status = reported;
   end_as(child.status);
 }
 
@@ -152,17 +148,6 @@ void end_with_keeper(const Pipe& alive) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   pollfd gone{alive.ends[0], 0, 0};
   if (poll(&gone, 1, 0) > 0 && (gone.revents & POLLHUP) != 0) _exit(EXIT_FAILURE);  // before we could ask for it
-}
-
-/// The first process of a namespace.
-[[noreturn]] void be_first(pid_t child, int report) {
-  int status = 0;
-  for (pid_t ended = 0; ended != child;) {
-    ended = wait(&status);
-    if (ended < 0 && errno != EINTR) break;
-  }
-  static_cast<void>(!::write(report, &status, sizeof status));
-  _exit(EXIT_SUCCESS);
 }
 
 /// The mask of signals as it was, for the child.
@@ -188,29 +173,10 @@ void fork_kept(pid_t parent) {
   const auto child = fork_or_throw();
   if (child != 0) {
     alive.close_end(0);
-    keep({child, -1}, parent);
+    keep({child}, parent);
   }
   alive.close_end(1);
   end_with_keeper(alive);
-  setsid();
-  sigprocmask(SIG_SETMASK, &mask, nullptr);
-}
-
-void fork_kept_into_namespace(pid_t parent) {
-  const auto mask = become_keeper(parent);
-  Pipe alive;
-  Pipe report;
-  const auto first = fork_or_throw();
-  if (first != 0) {
-    alive.close_end(0);
-    report.close_end(1);
-    keep({first, report.ends[0]}, parent);
-  }
-  alive.close_end(1);
-  end_with_keeper(alive);
-  const auto child = fork_or_throw();
-  if (child != 0) be_first(child, report.ends[1]);
-  prctl(PR_SET_PDEATHSIG, SIGKILL);  // a namespace ends with its first process in any case
   setsid();
   sigprocmask(SIG_SETMASK, &mask, nullptr);
 }

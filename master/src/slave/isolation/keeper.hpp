@@ -11,10 +11,6 @@ namespace mebots::master::isolation {
 /// with its keeper, too; neither dumps core. One thread only. Throws Error when there is no process to be had.
 void fork_kept(pid_t parent);
 
-/// The same into the process namespace that this process has unshared: when its first process ends, the kernel ends all
-/// others in it. That is not the child, for signals with their default action mean nothing to it.
-void fork_kept_into_namespace(pid_t parent);
-
 /// Asks a keeper to end what it keeps and itself, and waits for that without taking its status.
 void end_kept(pid_t keeper);
 

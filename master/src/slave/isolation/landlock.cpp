@@ -2,18 +2,14 @@
 #include "landlock.hpp"
 
 #include <fcntl.h>
-#include <fmt/format.h>
 #include <sys/prctl.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <cstdint>
-#include <cstdlib>
 #include <cstring>
-#include <sstream>
 #include <string>
-#include <vector>
 
 namespace mebots::master::isolation {
 namespace {
@@ -62,7 +58,6 @@ std::size_t known_size(long version) {
   return version >= 4 ? 2 * sizeof(std::uint64_t) : sizeof(std::uint64_t);
 }
 
-/// What is not there needs no rule.
 void allow(int rules, const std::string& path, std::uint64_t access) {
   const int place = open(path.c_str(), O_PATH | O_CLOEXEC);
   if (place < 0) return;
@@ -73,19 +68,6 @@ void allow(int rules, const std::string& path, std::uint64_t access) {
   close(place);
 }
 
-/// Where the loader and interpreters were told to look.
-std::vector<std::string> listed_folders() {
-  std::vector<std::string> folders;
-  for (const auto* variable : {"LD_LIBRARY_PATH", "PYTHONPATH", "PYTHONHOME"}) {
-    const char* value = std::getenv(variable);  // NOLINT(concurrency-mt-unsafe): one thread
-    std::istringstream stream(value == nullptr ? "" : value);
-    for (std::string folder; std::getline(stream, folder, ':');) {
-      if (!folder.empty()) folders.push_back(folder);
-    }
-  }
-  return folders;
-}
-
 long offered_version() {
   return syscall(kCreateRuleset, nullptr, 0, kAskVersion);
 }
@@ -94,11 +76,11 @@ int create(const Ruleset& wanted, long version) {
   return static_cast<int>(syscall(kCreateRuleset, &wanted, known_size(version), 0));
 }
 
-/// Takes `rules`. Empty, or the problem.
+/// Enters the rules and closes them. Returns the problem; empty if there is none.
 std::string enter(int rules) {
   std::string problem;
   if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0 || syscall(kRestrictSelf, rules, 0) != 0)
-    problem = fmt::format("Landlock ({})", std::strerror(errno));
+    problem = std::strerror(errno);
   close(rules);
   return problem;
 }
@@ -117,21 +99,18 @@ bool shield_other_processes() {
   return enter(rules).empty() && scopes;
 }
 
-std::string restrict_files(const std::filesystem::path& folder) {
+std::optional<std::string> restrict_files(const FileAccess& access) {
   const long version = offered_version();
-  if (version < 1) return fmt::format("Landlock ({})", std::strerror(errno));
+  if (version < 1) return std::strerror(errno);
   constexpr std::uint64_t kTcp = 3;  // binding and connecting
   const Ruleset wanted{all_access(version), kTcp, kAbstractSockets | kSignals};
   const int rules = create(wanted, version);
-  if (rules < 0) return fmt::format("Landlock ({})", std::strerror(errno));
-  for (const auto* path :
-       {"/usr", "/lib", "/lib32", "/lib64", "/bin", "/sbin", "/etc", "/opt", "/nix", "/proc", "/sys", "/dev"})
-    allow(rules, path, kReading);
-  for (const auto& path : listed_folders()) allow(rules, path, kReading);
-  for (const auto* path : {"/dev/null", "/dev/zero", "/dev/full"})
-    allow(rules, path, (kReading | kWrite | kTruncate) & wanted.files);
-  allow(rules, folder.string(), wanted.files);
-  return enter(rules);
+  if (rules < 0) return std::strerror(errno);
+  for (const auto& path : access.reads) allow(rules, path, kReading);
+  for (const auto& path : access.writes_in_place) allow(rules, path, (kReading | kWrite | kTruncate) & wanted.files);
+  for (const auto& path : access.writes) allow(rules, path, wanted.files);
+  auto problem = enter(rules);
+  return problem.empty() ? std::nullopt : std::optional(std::move(problem));
 }
 
 }  // namespace mebots::master::isolation
