@@ -5,13 +5,11 @@ import type { Clock } from "../clock";
 import { prefixFor, shownUnit } from "../data/units";
 import { element } from "../dom";
 import { styleColour } from "../theme";
-import { curveColour, curveDash, type Drawing, type RunCurve } from "./panel";
+import { AXIS, curveColour, curveDash, type Drawing, type RunCurve } from "./drawing";
 import { makeScrubbable } from "./scrub";
 import type { Window } from "./window";
 
 const HEIGHT = 84;
-/** What of the width is beside the curves [px]. */
-export const AXIS = { left: 70, right: 16 };
 const FONT = "11px system-ui, sans-serif";
 
 export class Chart implements Drawing {

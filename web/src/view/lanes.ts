@@ -3,8 +3,7 @@
 import type { Clock } from "../clock";
 import { element } from "../dom";
 import { colour, styleColour } from "../theme";
-import { AXIS } from "./chart";
-import type { Drawing, RunCurve } from "./panel";
+import { AXIS, type Drawing, type RunCurve } from "./drawing";
 import { makeScrubbable } from "./scrub";
 import type { Window } from "./window";
 

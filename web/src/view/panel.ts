@@ -2,25 +2,14 @@
 // One panel: a title, a line with every curve's name, colour and value at the moment, and what is drawn below it.
 import type { Clock } from "../clock";
 import type { PanelInfo } from "../data/payload";
-import { type Curve, type Run, rowAt } from "../data/run";
+import { type Run, rowAt } from "../data/run";
 import { SHARE, shown, shownUnit } from "../data/units";
 import { element } from "../dom";
-import { colour, onTheme } from "../theme";
+import { onTheme } from "../theme";
 import { Chart } from "./chart";
+import { curveColour, curveDash, type Drawing, type RunCurve } from "./drawing";
 import { Lanes } from "./lanes";
 import type { Window } from "./window";
-
-/** A curve of one of the runs. The first run is the one that is shown in full. */
-export interface RunCurve {
-  run: Run;
-  runIndex: number;
-  curve: Curve;
-}
-
-export interface Drawing {
-  readonly root: HTMLElement;
-  redraw(): void;
-}
 
 export function makePanel(info: PanelInfo, allRuns: Run[], clock: Clock, window: Window, onClose?: () => void): HTMLElement {
   // Of parts that always make one whole there is no sum to compare: they are the first run's.
@@ -97,16 +86,6 @@ function curvesOf(info: PanelInfo, runs: Run[]): RunCurve[] {
     });
   }
   return curves;
-}
-
-export function curveColour(entry: RunCurve, index: number, runCount: number): string {
-  return colour(runCount > 1 ? entry.runIndex : index);
-}
-
-/** Of several runs, whose colours tell them apart, a run's second curve and those after it are dashed: length of dash and gap. */
-export function curveDash(curves: RunCurve[], index: number, runCount: number): [number, number] | undefined {
-  const nth = curves.filter((other, i) => other.runIndex === curves[index].runIndex && i < index).length;
-  return runCount > 1 && nth > 0 ? [2 + 3 * nth, 3] : undefined;
 }
 
 /** What stands before a curve's name looks as the curve does. */
