@@ -12,7 +12,7 @@ import distributed
 
 import mebots
 from mebots.exploration import flying
-from mebots.exploration.missions import Missions
+from mebots.exploration.missions import Missions, packed
 from mebots.exploration.study import read_study
 from support import StudyCase
 
@@ -43,15 +43,19 @@ class Files(StudyCase):
         """A file that is nowhere at its path is asked for, kept in the cache, and not asked for again."""
         os.environ["XDG_CACHE_HOME"] = str(self.folder / "cache")
         order = Missions(read_study(self.study())).order({"a.gain": 1, "a.real_in": 2})
-        here = flying.fly(json.loads(json.dumps(order)))
+        def fly(order, **more):
+            return flying.fly_all(json.loads(json.dumps(packed([order]))) | more)
+
+        here = fly(order)
         (digest, (path, name)), = order["files"].items()
         away = order | {"files": {digest: ["/nowhere/" + name, name]}}
-        self.assertEqual(flying.fly(json.loads(json.dumps(away)))["lacks"], [digest])
+        self.assertEqual(fly(away)["lacks"], [digest])
         with open(path, "rb") as file:
-            there = flying.fly(json.loads(json.dumps(away)) | {"contents": {digest: file.read()}})
-        again = flying.fly(json.loads(json.dumps(away)))
-        for record in (here, there, again):
-            record.pop("processor_time")
+            there = fly(away, contents={digest: file.read()})
+        again = fly(away)
+        for answer in (here, there, again):
+            answer.pop("duration_s")
+            answer["records"][0].pop("processor_time")
         self.assertEqual(there, here)
         self.assertEqual(again, here)
         flying.close_all()

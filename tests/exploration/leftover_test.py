@@ -72,7 +72,7 @@ class Sweeps(LeftoverCase):
             self.sweep("--jobs", "1", out=place)
             for row, single in zip(self.rows("missions.csv", place), self.single_runs(), strict=True):
                 self.assertEqual(float(row["sum"]), single)
-                flight = self.folder / place / "flights" / row["mission"]
+                flight = self.flight(row, place)
                 self.assertEqual(json.loads((flight / "summary.json").read_text())["a"], single)
 
     def test_a_fork_or_levels_are_refused_and_the_fmu_is_named(self):

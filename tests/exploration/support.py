@@ -63,3 +63,7 @@ class StudyCase(unittest.TestCase):
     def rows(self, name, out="out"):
         with open(self.folder / out / name, newline="", encoding="utf-8") as stream:
             return list(csv.DictReader(stream))
+
+    def flight(self, row, out="out"):
+        """The folder with the results of a mission of missions.csv."""
+        return self.folder / out / "flights" / row["mission"][:2] / row["mission"]

@@ -198,21 +198,15 @@ def imports_of_typescript(root, file):
 
 
 def mistakes_of_modules(root, description):
-    """Modules import each other one way only, but for the cycles that layers.json still allows."""
+    """Modules import each other one way only."""
     folder = root / description["root"]
     ending, imports = {"python": (".py", imports_of_python),
                        "typescript": (".ts", imports_of_typescript)}[description["language"]]
     graph = {}
     for file in sorted(folder.rglob("*" + ending)):
         graph[file.relative_to(folder).with_suffix("").as_posix()] = imports(folder, file)
-    found = cycles(graph)
-    allowed = [sorted(cycle) for cycle in description.get("known_cycles", [])]
-    for cycle in found:
-        if cycle not in allowed:
-            yield f"modules of {description['root']} form a cycle: {', '.join(cycle)}"
-    for cycle in allowed:
-        if cycle not in found:
-            yield f"{description['root']}: remove the known cycle {', '.join(cycle)} from {ORDER.name}: it is gone"
+    for cycle in cycles(graph):
+        yield f"modules of {description['root']} form a cycle: {', '.join(cycle)}"
 
 
 def table(part):

@@ -9,22 +9,27 @@ A mission never knows that it is part of a study. Each module has one subject:
 ``study``      the study file, checked by the reader in C++
 ``chance``     draws: a function of seed, name and index alone
 ``designs``    which designs there are, by kind
+``space``      designs, draws and the order of each mission
 ``missions``   a mission as an order for a worker, and the hash of all it depends on
 ``pasts``      states that missions begin with, which others left
 ``worker``     flies orders in a process of its own
-``flying``     such a process from outside: its limits, crashes and hangs; ``fly`` for executors
-``dispatch``   gives orders to an executor and takes records back
-``journal``    what was flown, on disk
+``flying``     such a process from outside: its limits, crashes and hangs; ``fly_all`` for executors
+``outcomes``   tells a mission's outcome from a full disk, too little memory or a killed process
+``dispatch``   gives batches of orders to an executor, takes records back and counts attempts
+``journal``    results on disk, with checksums
+``files``      files that are complete or absent
 ``objectives`` from a mission's values to the numbers that the study asks for
 ``answers``    intervals and confidence sequences
 ``rounds``     what is flown next, and which designs need no more
 ``search``     the same for designs that Optuna asks for
 ``splitting``  the probability of rare events, level by level
 ``sensitivity`` which factors matter (SALib)
+``pareto``     points that no other one dominates
 ``front``      which designs are dominated, and how sure that is
 ``tables``     missions.csv, designs.csv
 ``columns``    the same as HDF5 and Parquet
 ``report``     report.html of a study that compares designs; ``rare_report`` of a rare event's; ``report_page`` is their page
+``extras``     packages of the extra mebots[sweep]
 ``campaign``   all of it in order
 ``command``    the command line
 =============  =========================================================================

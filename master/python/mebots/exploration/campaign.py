@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import array
 import collections
 import concurrent.futures
 import dataclasses
@@ -16,18 +17,22 @@ from typing import Any
 
 from mebots import _mebots
 from mebots.errors import Error, InputError
-from mebots.exploration import chance, columns, designs, front, report, sensitivity, splitting, tables
+from mebots.exploration import chance, columns, front, report, sensitivity, splitting, tables
 from mebots.exploration.comparison import Evidence
-from mebots.exploration.dispatch import Dispatcher
+from mebots.exploration.dispatch import Dispatcher, Unfinished
+from mebots.exploration.files import write_csv
 from mebots.exploration.journal import Journal, Record
-from mebots.exploration.missions import Missions, Order, build
+from mebots.exploration.missions import Order, build
 from mebots.exploration.objectives import Measurer, has_all
-from mebots.exploration.rounds import Flight, Rounds
+from mebots.exploration.rounds import Flight, Flights, Rounds
 from mebots.exploration.search import Search
+from mebots.exploration.space import Space
 from mebots.exploration.study import Study, Values
 from mebots.exploration.worker import flat
 
 TABLES = ("missions.csv", "designs.csv", "sensitivity.csv", "levels.csv", *columns.NAMES, "report.html")
+_CHUNK = 1000
+"""Missions that are looked up in the journal at once."""
 _MOST_COMPARED = 300
 """Designs of which it is told on the way who is ahead."""
 
@@ -70,6 +75,8 @@ class Sweep:
     failed: int
     without_value: list[str] = dataclasses.field(default_factory=list)
     """What to tell of objectives whose expression had no value in any mission."""
+    notices: list[str] = dataclasses.field(default_factory=list)
+    """What the journals reported: damaged lines, file systems without locks."""
 
     def designs(self) -> list[dict[str, str]]:
         """The rows of designs.csv."""
@@ -83,13 +90,11 @@ class Campaign:
     def __init__(self, study: Study, executor: concurrent.futures.Executor, in_flight: int) -> None:
         self.study = study
         self._dispatcher = Dispatcher(executor, in_flight)
-        self.missions = Missions(study)
-        self.designs = designs.designs_of(study)
-        self.factors = list(self.designs[0] if self.designs else study.design["factors"])
+        self.space = Space(study)
         self._check_names()
-        labels = flat(self.missions.config.get("summary", {}))
+        labels = flat(self.space.missions.config.get("summary", {}))
         self._measurer = Measurer(study, _labels(labels))
-        self._draws: dict[int, Values] = {}
+        self.notices: list[str] = []
         self.flown = self.taken = self.failed = self.of_other_builds = 0
         self._begun_s = time.monotonic()
         self._outcomes: collections.Counter[str] = collections.Counter()
@@ -98,33 +103,17 @@ class Campaign:
 
     # What the missions are.
 
-    def values(self, flight: Flight) -> Values:
-        """The values of factors and draws of a mission."""
-        design, replicate = flight
-        return self.designs[design] | self._draw(replicate)
-
-    def _draw(self, replicate: int) -> Values:
-        if replicate not in self._draws:
-            self._draws[replicate] = {
-                name: chance.value(spread, chance.unit(self.study.draws_seed, name, replicate))
-                for name, spread in self.study.draws.items()
-            }
-        return self._draws[replicate]
-
-    def order(self, flight: Flight) -> Order:
-        return self.missions.order(self.values(flight))
-
     @property
     def most_missions(self) -> int:
         design = self.study.design
-        designs = design["points"] * design["rounds"] if design["kind"] == "search" else len(self.designs)
+        designs = design["points"] * design["rounds"] if design["kind"] == "search" else len(self.space.designs)
         if self.study.splitting is not None:
             return designs * splitting.most_missions(self.study)
         return designs * self.study.replicates
 
-    def all_flights(self) -> Iterator[Flight]:
+    def all_flights(self) -> Flights:
         """All that a study without decisions flies."""
-        return itertools.product(range(len(self.designs)), range(self.study.replicates))
+        return Flights(range(len(self.space.designs)), 0, self.study.replicates)
 
     def example(self) -> Values:
         """The values of a mission that stands for all."""
@@ -132,7 +121,7 @@ class Campaign:
 
     def _check_names(self) -> None:
         for name in self.study.fork.variables if self.study.fork else ():
-            if name not in self.factors and name not in self.study.draws:
+            if name not in self.space.factors and name not in self.study.draws:
                 raise InputError(f"{self.study.place}: 'fork': there is no factor or draw '{name}'", "unknown_name")
             spread = self.study.design.get("factors", {}).get(name)
             if name.startswith("/") or (isinstance(spread, dict) and "options" in spread):
@@ -141,9 +130,9 @@ class Campaign:
             if one.source == "series":
                 raise InputError(f"{self.study.place}: the objective '{one.label}': a series cannot be used with 'results', which has the whole of it", "invalid_value")
         for name in self.study.draws:
-            if name in self.factors:
+            if name in self.space.factors:
                 raise InputError(f"{self.study.place}: '{name}' is a factor and a draw; it can only be one of them", "duplicate_name")
-        known = [one["outcome"] for one in self.missions.config.get("outcomes", [])] + ["completed"]
+        known = [one["outcome"] for one in self.space.missions.config.get("outcomes", [])] + ["completed"]
         for one in self.study.objectives:
             for outcome in one.what if one.is_share else ():
                 if outcome not in known:
@@ -177,6 +166,7 @@ class Campaign:
                 take()
             self._dispatcher.give(order | {"check": True})
         while len(found) < len(tried):
+            self._dispatcher.flush()
             take()
         for mission, (what, values) in tried.items():
             error, about = found[mission]["error"], found[mission].get("about", "")
@@ -190,7 +180,7 @@ class Campaign:
     def _blamed(self, about: str, error: str, values: Values) -> str:
         """Who asks for the variable that an error is about: a factor, a draw or an objective; "" for none of them."""
         for name, value in values.items():
-            settings = self.missions.settings(name, value)
+            settings = self.space.missions.settings(name, value)
             if about in settings or any(key.startswith("/") and f" {key}: " in error for key in settings):
                 return f"{'draw' if name in self.study.draws else 'factor'} '{name}' = {json.dumps(value)}"
         for one in self.study.objectives:
@@ -200,33 +190,33 @@ class Campaign:
 
     def _trial(self, values: Values) -> Order:
         if self.study.splitting is None:
-            return self.missions.order(values)
-        return self.missions.order_until({}, values, splitting.trial_course(self.study))
+            return self.space.missions.order(values)
+        return self.space.missions.order_until({}, values, splitting.trial_course(self.study))
 
     def _trials(self) -> Iterator[tuple[str, Values]]:
-        if not self.designs:
+        if not self.space.designs:
             yield from self._trials_of_search()
             return
-        for factor in self.factors:
+        for factor in self.space.factors:
             seen: dict[str, int] = {}
-            for number, design in enumerate(self.designs):
+            for number, design in enumerate(self.space.designs):
                 seen.setdefault(repr(design[factor]), number)
             chosen = list(seen.values())
-            if len(chosen) > _MOST_VALUES_TRIED and all(_is_number(self.designs[one][factor]) for one in chosen):
-                chosen.sort(key=lambda one: self.designs[one][factor])
+            if len(chosen) > _MOST_VALUES_TRIED and all(_is_number(self.space.designs[one][factor]) for one in chosen):
+                chosen.sort(key=lambda one: self.space.designs[one][factor])
                 chosen = [chosen[0], chosen[-1]]
             for number in chosen:
-                yield f"factor '{factor}' = {json.dumps(self.designs[number][factor])}", self.values((number, 0))
+                yield f"factor '{factor}' = {json.dumps(self.space.designs[number][factor])}", self.space.values((number, 0))
         for name, spread in self.study.draws.items():
             for value in chance.extremes(spread):
-                yield f"draw '{name}' = {json.dumps(value)}", self.values((0, 0)) | {name: value}
+                yield f"draw '{name}' = {json.dumps(value)}", self.space.values((0, 0)) | {name: value}
 
     def _trials_of_search(self) -> Iterator[tuple[str, Values]]:
         factors = self.study.design["factors"]
         first = {name: chance.extremes(spread)[0] for name, spread in factors.items()}
         for name, spread in factors.items():
             for value in chance.extremes(spread):
-                yield f"factor '{name}' = {json.dumps(value)}", first | {name: value} | self._draw(0)
+                yield f"factor '{name}' = {json.dumps(value)}", first | {name: value} | self.space.draw(0)
 
     # Flying.
 
@@ -247,11 +237,12 @@ class Campaign:
         except OSError as error:
             raise InputError(f"{folder}: {error.strerror}. Choose another folder with --out", "file_unwritable") from None
         if self.study.results:
-            self.missions.folder = folder.resolve() / FLIGHTS
-            self.missions.folder.mkdir(exist_ok=True)
+            self.space.missions.folder = folder.resolve() / FLIGHTS
+            self.space.missions.folder.mkdir(exist_ok=True)
         journal = Journal(folder)
         others = [Journal(pathlib.Path(one), writable=False) for one in reuse]
         self.of_other_builds = sum(one.of_other_builds(build()) for one in (journal, *others))
+        self.notices = [notice for one in (journal, *others) for notice in one.notices]
         try:
             self.check(journal)
             for name in TABLES:  # where they are, the study is done
@@ -259,34 +250,43 @@ class Campaign:
             self.study.write(folder)
             if self.study.splitting is not None:
                 bring = functools.partial(self._bring, journal, others, tell)
-                return Sweep(folder, *splitting.fly(self, folder, bring))
-            evidence = Evidence(self.study, len(self.designs))
-            rounds = self._rounds(evidence)
-            hashes: dict[int, list[str]] = collections.defaultdict(list)
-            failures: collections.Counter[int] = collections.Counter()
-            while flights := rounds.next():
-                done = self._fly(flights, rounds, journal, others, tell)
-                for (design, _), mission in done:
-                    record = journal.find(mission)
-                    assert record is not None
-                    failures[design] += bool(record["error"])
-                    hashes[design].append(mission)
-                    evidence.add(design, self._measurer(record))
-                if len(done) < len(flights) or self._too_many(failures.total()):
-                    rounds.end(f"ended: {failures.total()} missions had failed")
-                    break
-                rounds.decide()
-                self._ahead = self._who_is_ahead(evidence)
-            journal.sync()
-            self._write(folder, journal, evidence, rounds, hashes, failures)
-            return Sweep(folder, sum(len(one) for one in hashes.values()), failures.total(), self._measurer.without_value())
+                return Sweep(folder, *splitting.fly(self.space, folder, bring), notices=self.notices)
+            return self._fly_rounds(folder, journal, others, tell)
         finally:
             for one in (journal, *others):
                 one.close()
 
+    def _fly_rounds(self, folder: pathlib.Path, journal: Journal, others: list[Journal], tell: Callable[[Progress], None]) -> Sweep:
+        evidence = Evidence(self.study, len(self.space.designs))
+        rounds = self._rounds(evidence)
+        results = _Results(evidence, self._measurer, self.study.replicates)
+        try:
+            while flights := rounds.next():
+                results.begin(flights)
+                self._fly(results, rounds, journal, others, tell)
+                if results.end() or self._too_many(results.failed):
+                    rounds.end(f"ended: {results.failed} missions had failed")
+                    break
+                rounds.decide()
+                self._ahead = self._who_is_ahead(evidence)
+        except Unfinished as error:
+            missing = results.end_unfinished()
+            rounds.end(f"not evaluated: {missing} missions are missing")
+            try:
+                journal.sync()
+                self._write_tables(folder, journal, results, rounds)
+            except (OSError, Error) as other:  # the disk that ended the missions may be this one
+                raise Unfinished(f"{error}\n{missing} missions are missing, and no table could be written: {other}") from None
+            raise Unfinished(f"{error}\n{missing} missions are missing: see {folder / 'designs.csv'}") from None
+        journal.sync()
+        self._write_tables(folder, journal, results, rounds)
+        self._write_report(folder, results, rounds)
+        missions = sum(evidence.counts)
+        return Sweep(folder, missions, results.failed, self._measurer.without_value(), self.notices)
+
     def _rounds(self, evidence: Evidence) -> Rounds | Search:
         if self.study.design["kind"] == "search":
-            return Search(self.study, evidence, self.designs)
+            return Search(self.study, evidence, self.space.designs)
         return Rounds(self.study, evidence)
 
     def _too_many(self, failures: int) -> bool:
@@ -294,46 +294,74 @@ class Campaign:
 
     def _fly(
         self,
-        flights: list[Flight],
+        results: _Results,
         rounds: Rounds | Search,
         journal: Journal,
         others: list[Journal],
         tell: Callable[[Progress], None],
-    ) -> list[tuple[Flight, str]]:
-        """Brings the missions of a round into the journal. Returns them in the study's order, up to the one with which
-        too many had failed."""
-        names: list[str] = []
-        missing: set[str] = set()
-        waiting: list[Flight] = []
-        for flight in flights:
-            order = self.order(flight)
-            names.append(order["mission"])
-            if order["mission"] not in missing and not self._is_known(order, journal, others):
-                missing.add(order["mission"])
-                waiting.append(flight)
+    ) -> None:
+        """Brings the missions of a round into the journal and the results, up to the one with which too many had failed."""
+        flights = results.flights
         left = rounds.most_left() - len(flights)
         likely_left = rounds.likely_left() - len(flights)
-        ahead = rounds.ahead()
-        queue = map(self.order, waiting)
-        settled = 0
-        while True:
-            while settled < len(names) and names[settled] not in missing:
-                record = journal.find(names[settled])
-                assert record is not None
-                self.failed += bool(record["error"])
-                settled += 1
-                if self._too_many(self.failed):
-                    break
-            if settled == len(names) or self._too_many(self.failed):
+        flying = len(rounds.flying())
+        waiting: dict[str, list[int]] = {}
+        queue = self._unknown(flights, journal, others, results)
+        ahead = self._unknown(rounds.ahead(), journal, others, None)
+        while results.open > 0 and not self._too_many(results.settle(self.study.most_failures)):
+            self._fill(queue, ahead, waiting, len(flights))
+            if results.open == 0:
                 break
-            self._fill(queue, ahead, journal, others)
             records = self._dispatcher.take()
-            journal.append(records)
-            self._flown_ahead.update(record["mission"] for record in records if record["mission"] not in missing)
-            missing.difference_update(record["mission"] for record in records)
+            for record, place in zip(records, journal.append(records), strict=True):
+                indices = waiting.pop(record["mission"], ())
+                for index in indices:
+                    results.note(index, record, place)
+                if not indices:
+                    self._flown_ahead.add(record["mission"])
             self._note(records)
-            tell(self._progress(left + len(missing), likely_left + len(missing), len(rounds.flying())))
-        return list(zip(flights[:settled], names[:settled], strict=True))
+            self.failed = results.failed_so_far
+            tell(self._progress(left + results.open, likely_left + results.open, flying))
+        self.failed = results.settle(self.study.most_failures)
+
+    def _unknown(
+        self, flights: Iterable[Flight], journal: Journal, others: list[Journal], results: _Results | None
+    ) -> Iterator[tuple[int, Order]]:
+        """Yields the missions that no journal has, with their numbers. Notes the others as results."""
+        numbered = enumerate(flights)
+        while chunk := [(index, self.space.order(flight)) for index, flight in itertools.islice(numbered, _CHUNK)]:
+            may_be_known = journal.may_have([order["mission"] for _, order in chunk])
+            if others:
+                may_be_known[:] = True
+            seen: set[str] = set()
+            for (index, order), known in zip(chunk, may_be_known.tolist(), strict=True):
+                mission = order["mission"]
+                # One that is out, or that comes twice, may have come home since the chunk was looked up.
+                known = known or mission in seen or self._dispatcher.has(mission)
+                seen.add(mission)
+                found = self._known(order, journal, others) if known else None
+                if found is None:
+                    yield index, order
+                elif results is not None:
+                    results.note(index, *found)
+                    self._count_taken(*found)
+
+    def _fill(
+        self, queue: Iterator[tuple[int, Order]], ahead: Iterator[tuple[int, Order]], waiting: dict[str, list[int]], most: int
+    ) -> None:
+        """Gives orders out, of the round first, until all workers have enough."""
+        while not self._dispatcher.is_full:
+            found = next(queue, None)
+            if found is not None:
+                index, order = found
+                waiting.setdefault(order["mission"], []).append(index)
+                self._dispatcher.give(order, most - index - 1)
+                continue
+            found = next(ahead, None)
+            if found is None:
+                break
+            self._dispatcher.give(found[1])
+        self._dispatcher.flush()
 
     def _bring(
         self, journal: Journal, others: list[Journal], tell: Callable[[Progress], None], orders: list[Order], later: int
@@ -344,13 +372,14 @@ class Campaign:
         left = len(missing)
         while left > 0:
             while not self._dispatcher.is_full and (order := next(queue, None)) is not None:
-                self._dispatcher.give(order)
+                self._dispatcher.give(order, left)
+            self._dispatcher.flush()
             records = self._dispatcher.take()
             journal.append(records)
             left -= len(records)
             self._note(records)
             self.failed += sum(bool(record["error"]) for record in records)
-            tell(self._progress(left + later, left + later, len(self.designs)))
+            tell(self._progress(left + later, left + later, len(self.space.designs)))
         return journal
 
     def _note(self, records: list[Record]) -> None:
@@ -366,104 +395,170 @@ class Campaign:
 
     def _who_is_ahead(self, evidence: Evidence) -> str:
         """The designs that no other one dominates by what was measured so far; noise may have put them there."""
-        if not evidence.has_front or len(self.designs) > _MOST_COMPARED:
+        if not evidence.has_front or len(self.space.designs) > _MOST_COMPARED:
             return ""
-        ahead = evidence.leaders([design for design in range(len(self.designs)) if evidence.feasible(design) is not False])
+        ahead = evidence.leaders([design for design in range(len(self.space.designs)) if evidence.feasible(design) is not False])
         shown = ", ".join(str(design) for design in ahead[:4])
         more = f" and {len(ahead) - 4} more" if len(ahead) > 4 else ""
         return f"ahead so far: designs {shown}{more}" if ahead else ""
 
     def _is_known(self, order: Order, journal: Journal, others: list[Journal]) -> bool:
         """Counts it as taken, unless this call flew it."""
-        record = self._known(order, journal, others)
-        if record is None:
-            return False
-        if order["mission"] in self._flown_ahead:
-            self._flown_ahead.remove(order["mission"])
+        found = self._known(order, journal, others)
+        if found is not None:
+            self._count_taken(*found)
+        return found is not None
+
+    def _count_taken(self, record: Record, place: int) -> None:
+        if record["mission"] in self._flown_ahead:
+            self._flown_ahead.remove(record["mission"])
         else:
             self.taken += 1
             self._outcomes[record["outcome"]] += 1
-        return True
 
-    def _known(self, order: Order, journal: Journal, others: list[Journal]) -> Record | None:
-        record = journal.find(order["mission"])
-        if record is not None and has_all(record, order):
-            return record
+    def _known(self, order: Order, journal: Journal, others: list[Journal]) -> tuple[Record, int] | None:
+        """Returns the record of a mission and its place in the journal."""
+        place = journal.place_of(order["mission"])
+        if place is not None:
+            record = journal.at(place)
+            if has_all(record, order):
+                return record, place
         for other in others:
             record = other.find(order["mission"])
             if record is not None and has_all(record, order):
-                journal.append([record])
-                return record
+                return record, journal.append([record])[0]
         return None
-
-    def _fill(self, queue: Iterator[Order], ahead: Iterator[Flight], journal: Journal, others: list[Journal]) -> None:
-        while not self._dispatcher.is_full:
-            order = next(queue, None)
-            if order is None:
-                flight = next(ahead, None)
-                if flight is None:
-                    return
-                order = self.order(flight)
-                if self._known(order, journal, others) is not None:
-                    continue
-            self._dispatcher.give(order)
 
     def _rate(self) -> float:
         return self.flown / max(time.monotonic() - self._begun_s, 1e-9)
 
     # What came of it.
 
-    def _write(
-        self,
-        folder: pathlib.Path,
-        journal: Journal,
-        evidence: Evidence,
-        rounds: Rounds | Search,
-        hashes: dict[int, list[str]],
-        failures: collections.Counter[int],
-    ) -> None:
-        tables.write(folder / "missions.csv", self._mission_rows(journal, evidence, hashes))
-        found = front.places(evidence)
-        head = [tables.design_head(self.factors, self.study)]
-        rows = [
-            tables.design_row(number, values, self.factors, evidence, failures[number], rounds.status[number], found[number])
-            for number, values in enumerate(self.designs)
-        ]
-        tables.write(folder / "designs.csv", head + rows)
+    def _write_tables(self, folder: pathlib.Path, journal: Journal, results: _Results, rounds: Rounds | Search) -> None:
+        write_csv(folder / "missions.csv", self._mission_rows(journal, results))
+        self._places = front.places(results.evidence)
+        write_csv(folder / "designs.csv", self._design_rows(results, rounds))
         columns.write(folder)
         if self.study.design["kind"] == "sensitivity":
-            sensitivity.write(folder / "sensitivity.csv", self.study, evidence)
+            sensitivity.write(folder / "sensitivity.csv", self.study, results.evidence)
+
+    def _write_report(self, folder: pathlib.Path, results: _Results, rounds: Rounds | Search) -> None:
+        space = self.space
         told = [
-            {"failed": failures[number], "status": rounds.status[number], "front": found[number]}
-            for number in range(len(self.designs))
+            {"failed": results.failures[number], "status": rounds.status[number], "front": self._places[number]}
+            for number in range(len(space.designs))
         ]
         commands = [
-            self.missions.shell_line(self.values((number, 0)), str(report.replay_folder(folder, number))) for number in range(len(self.designs))
+            space.missions.shell_line(space.values((number, 0)), str(report.replay_folder(folder, number))) for number in range(len(space.designs))
         ]
         report.write(
-            folder / "report.html", self.study, self.factors, self.designs, evidence, told, commands, self.provenance()
+            folder / "report.html", self.study, space.factors, space.designs, results.evidence, told, commands, space.provenance(self.example())
         )
 
-    def provenance(self) -> dict[str, str]:
-        """What was flown and with what, for people."""
-        draws = json.dumps(self.study.draws) if self.study.draws else "none"
-        files = self.missions.order(self.example())["files"]
-        return {
-            "mission": self.study.mission.name,
-            "draws": f"{draws}, seed {self.study.draws_seed}",
-        } | {name: digest for digest, (_, name) in sorted(files.items(), key=lambda one: one[1][1])}
+    def _design_rows(self, results: _Results, rounds: Rounds | Search) -> Iterator[list[str]]:
+        yield tables.design_head(self.space.factors, self.study)
+        for number, values in enumerate(self.space.designs):
+            yield tables.design_row(
+                number, values, self.space.factors, results.evidence, results.failures[number], rounds.status[number], self._places[number]
+            )
 
-    def _mission_rows(self, journal: Journal, evidence: Evidence, hashes: dict[int, list[str]]) -> Iterator[list[str]]:
-        names = [*self.factors, *self.study.draws]
-        yield tables.mission_head(self.factors, self.study)
-        for design in range(len(self.designs)):
-            for replicate, mission in enumerate(hashes[design]):
-                record = journal.find(mission)
-                assert record is not None
-                values = self.values((design, replicate))
-                yield tables.mission_row(
-                    design, replicate, values, names, record, evidence.measures[design][replicate]
-                )
+    def _mission_rows(self, journal: Journal, results: _Results) -> Iterator[list[str]]:
+        names = [*self.space.factors, *self.study.draws]
+        yield tables.mission_head(self.space.factors, self.study)
+        for design in range(len(self.space.designs)):
+            for replicate in range(results.evidence.counts[design]):
+                values = self.space.values((design, replicate))
+                place = results.place(design, replicate)
+                record = tables.missing_record(self.space.missions.order(values)["mission"]) if place is None else journal.at(place)
+                yield tables.mission_row(design, replicate, values, names, record, results.evidence.row(design, replicate))
+
+
+class _Results:
+    """What is known of the missions of all rounds so far, and of each mission of this round whether it has a result."""
+
+    def __init__(self, evidence: Evidence, measurer: Measurer, replicates: int) -> None:
+        self.evidence = evidence
+        self.failures: collections.Counter[int] = collections.Counter()
+        self.failed = 0
+        """Failed missions of earlier rounds."""
+        self._measurer = measurer
+        self._replicates = replicates
+        self._places: collections.defaultdict[int, array.array[int]] = collections.defaultdict(lambda: array.array("Q"))
+        self.begin(Flights([], 0, 0))
+
+    def begin(self, flights: Flights) -> None:
+        """Begins a round. All missions of the one before are in the evidence."""
+        self.flights = flights
+        self._states = bytearray(len(flights))
+        self.open = len(flights)
+        self._settled = 0
+        self.failed_so_far = self.failed
+        """With those of this round before the first mission without a result."""
+
+    def note(self, index: int, record: Record, place: int) -> None:
+        """Stores the result of a mission of this round."""
+        design, replicate = self.flights[index]
+        self.evidence.put(design, replicate, self._measurer(record, design * self._replicates + replicate))
+        self._store_place(design, replicate, place)
+        self.open -= self._states[index] == _OPEN
+        self._states[index] = _FAILED if record["error"] else _SOUND
+
+    def _store_place(self, design: int, replicate: int, place: int) -> None:
+        own = self._places[design]
+        if len(own) <= replicate:
+            own.extend([_NO_PLACE] * (replicate + 1 - len(own)))
+        own[replicate] = place
+
+    def place(self, design: int, replicate: int) -> int | None:
+        """Returns where the mission's line is in the journal; None for a mission without a result."""
+        place = self._places[design][replicate]
+        return None if place == _NO_PLACE else place
+
+    def settle(self, most_failures: int | None) -> int:
+        """Moves the end of the missions that count up to the first one without a result, or with which there are too many
+        failures. Returns the failures up to there."""
+        end = self._states.find(_OPEN, self._settled)
+        end = len(self._states) if end < 0 else end
+        if most_failures is None:
+            self.failed_so_far += self._states.count(_FAILED, self._settled, end)
+            self._settled = end
+            return self.failed_so_far
+        while self.failed_so_far < most_failures and self._settled < end:
+            at = self._states.find(_FAILED, self._settled, end)
+            self.failed_so_far += at >= 0
+            self._settled = end if at < 0 else at + 1
+        return self.failed_so_far
+
+    def end(self) -> bool:
+        """Lets the missions count that are settled. Returns whether the round was cut short."""
+        self._count(self._settled)
+        self.failed = self.failed_so_far
+        return self._settled < len(self._states)
+
+    def end_unfinished(self) -> int:
+        """Lets the missions of this round count that have a result, and notes the others as missing. Returns their number."""
+        missing = 0
+        for index, state in enumerate(self._states):
+            if state == _OPEN:
+                missing += 1
+                design, replicate = self.flights[index]
+                self.evidence.miss(design, replicate)
+                self._store_place(design, replicate, _NO_PLACE)
+        self._count(len(self._states))
+        return missing
+
+    def _count(self, settled: int) -> None:
+        each = self.flights.end - self.flights.begin
+        for at, design in enumerate(self.flights.designs):
+            count = min(each, settled - at * each)
+            if count <= 0:
+                break
+            self.failures[design] += self._states.count(_FAILED, at * each, at * each + count)
+            self.evidence.count_to(design, self.flights.begin + count)
+
+
+_OPEN, _SOUND, _FAILED = 0, 1, 2
+_NO_PLACE = 2**64 - 1
 
 
 def _labels(flat_summary: dict[str, Any]) -> list[str]:

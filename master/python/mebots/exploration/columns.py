@@ -11,19 +11,29 @@ from collections.abc import Sequence
 from typing import Any
 
 from mebots import _mebots
+from mebots.exploration.files import count_lines, replace_with
 
 NAMES = ("tables.h5", "missions.parquet", "designs.parquet")
 _TABLES = ("missions", "designs")
 _UNIT = re.compile(r" \[([^]]+)\]")
 
 
+MOST_ROWS = 1_000_000
+"""Of a larger table there is the CSV file alone: the others are made in memory."""
+
+
 def write(folder: pathlib.Path) -> None:
-    """Beside the CSV files of this folder."""
-    tables = {name: read(folder / f"{name}.csv") for name in _TABLES if (folder / f"{name}.csv").exists()}
+    """Writes them next to the CSV files of this folder."""
+    tables = {name: read(folder / f"{name}.csv") for name in _TABLES if _is_small(folder / f"{name}.csv")}
     if tables:
         _write_hdf5(folder / "tables.h5", tables)
     for name, table in tables.items() if importlib.util.find_spec("pyarrow") else ():
         _write_parquet(folder / f"{name}.parquet", table)
+
+
+def _is_small(file: pathlib.Path) -> bool:
+    """True for a table with at most ``MOST_ROWS`` rows."""
+    return file.exists() and count_lines(file) <= MOST_ROWS + 1
 
 
 def read(file: pathlib.Path) -> dict[str, list[Any]]:
@@ -45,9 +55,8 @@ def _typed(cells: Sequence[str]) -> list[Any]:
 
 
 def _write_hdf5(file: pathlib.Path, tables: dict[str, dict[str, list[Any]]]) -> None:
-    beside = file.with_name(file.name + ".part")
-    _mebots.write_hdf5([_mebots.Table(name, _columns(table)) for name, table in tables.items()], beside)
-    beside.replace(file)
+    content = [_mebots.Table(name, _columns(table)) for name, table in tables.items()]
+    replace_with(file, lambda beside: _mebots.write_hdf5(content, beside))
 
 
 def _columns(table: dict[str, list[Any]]) -> list[_mebots.TableColumn]:
@@ -62,6 +71,4 @@ def _write_parquet(file: pathlib.Path, table: dict[str, list[Any]]) -> None:
     import pyarrow
     import pyarrow.parquet
 
-    beside = file.with_name(file.name + ".part")
-    pyarrow.parquet.write_table(pyarrow.table(table), beside)
-    beside.replace(file)
+    replace_with(file, lambda beside: pyarrow.parquet.write_table(pyarrow.table(table), beside))

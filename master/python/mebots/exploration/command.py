@@ -21,10 +21,11 @@ from typing import Any
 from mebots.errors import Error, InputError
 from mebots.exploration import flying, interrupts
 from mebots.exploration.campaign import Campaign, Progress, Sweep, is_done
+from mebots.exploration.dispatch import Unfinished
 from mebots.exploration.journal import Journal
 from mebots.exploration.study import NAME, Study, read_study
 
-DONE, NOT_DONE, BAD_INPUT = 0, 1, 2
+DONE, NOT_DONE, BAD_INPUT, UNFINISHED = 0, 1, 2, 3
 
 
 def sweep(
@@ -38,7 +39,8 @@ def sweep(
     progress: Any = None,
 ) -> Sweep:
     """Flies the missions of a study, as ``mebots sweep`` does, and writes its tables into ``out``; the same call goes on
-    where it was. Raises InputError for what the caller can mend, Error for an executor or a disk that failed.
+    where it was. Raises InputError for what the caller can mend, Error for an executor or a disk that failed, and
+    ``mebots.exploration.dispatch.Unfinished`` for a mission that had no result in three attempts.
 
     :param study: file, or its content as a dict.
     :param executor: any ``concurrent.futures.Executor`` whose workers have the package mebots; None = this machine.
@@ -96,6 +98,9 @@ def main(words: list[str] | None = None) -> int:
     except InputError as error:
         _complain(error)
         return BAD_INPUT
+    except Unfinished as error:
+        _complain(error)
+        return UNFINISHED
     except Error as error:
         _complain(error)
         return NOT_DONE
@@ -130,6 +135,8 @@ def _sweep(study: Study, options: argparse.Namespace) -> int:
             print(f"{out} has the tables of another study, which this one's replace; missions of both are not flown again", file=sys.stderr)
         result = campaign.run(out, [pathlib.Path(one) for one in options.reuse], teller)
         teller.end()
+    for text in result.notices:
+        print(f"mebots: warning: {text}", file=sys.stderr)
     written = ("missions.csv" if study.splitting is None else "levels.csv", "designs.csv", "report.html")
     known = f", {campaign.taken} of them known before" if campaign.taken else ""
     if campaign.flown and campaign.of_other_builds:
@@ -143,7 +150,7 @@ def _sweep(study: Study, options: argparse.Namespace) -> int:
 
 
 def _size(campaign: Campaign) -> str:
-    designs = f"{_counted(len(campaign.designs), 'design')}, " if campaign.designs else ""
+    designs = f"{_counted(len(campaign.space.designs), 'design')}, " if campaign.space.designs else ""
     return f"{designs}at most {_counted(campaign.most_missions, 'mission')}"
 
 
@@ -203,7 +210,7 @@ def _status(folder: pathlib.Path) -> int:
         journal = Journal(folder, writable=False)
         flown, outcomes = 0, collections.Counter[str]()
         for flight in campaign.all_flights() if study.splitting is None else ():
-            record = journal.find(campaign.order(flight)["mission"])
+            record = journal.find(campaign.space.order(flight)["mission"])
             if record is not None:
                 flown += 1
                 outcomes[record["outcome"]] += 1
@@ -224,8 +231,10 @@ def _dry_run(study: Study, options: argparse.Namespace) -> int:
         jobs = options.jobs or len(os.sched_getaffinity(0))
         with tempfile.TemporaryDirectory(prefix="mebots-dry-run-") as folder:
             if study.results:
-                campaign.missions.folder = pathlib.Path(folder)
-            record = flying.fly(campaign.missions.order(campaign.example()))
+                campaign.space.missions.folder = pathlib.Path(folder)
+            record = flying.fly(campaign.space.missions.order(campaign.example()))
+            if "unfinished" in record:
+                raise Unfinished(record["unfinished"])
             files = sum(file.stat().st_size for file in pathlib.Path(folder).rglob("*") if file.is_file())
         count = campaign.most_missions
         line_bytes = len(json.dumps(record)) + 1 + files

@@ -8,9 +8,14 @@ are equal".
 
 from __future__ import annotations
 
+import array
 import dataclasses
 import math
+from collections.abc import Sequence
 
+import numpy as np
+
+from mebots.exploration import pareto
 from mebots.exploration.answers import Interval, Moments, mean_sequence, share_sequence, student, wilson
 from mebots.exploration.objectives import Measures
 from mebots.exploration.study import Constraint, Objective, Study
@@ -27,42 +32,78 @@ class Estimate:
 
 
 class Evidence:
-    """The measures of all missions that count, by design and replicate."""
+    """The measures of all missions that count, by design and replicate. NaN stands for a measure that a mission does not
+    have; a mission without a result has none. Memory: 8 bytes for each measure."""
 
     def __init__(self, study: Study, designs: int) -> None:
         self.study = study
         self.index = {one.label: number for number, one in enumerate(study.objectives)}
-        self.measures: list[list[Measures]] = [[] for _ in range(designs)]
+        self.counts: list[int] = [0] * designs
+        """Replicates of each design that count."""
+        self._measures = [array.array("d") for _ in range(designs)]
+        self._missing: set[tuple[int, int]] = set()
         self._senses = [one for one in study.objectives if one.sense != 0]
         self._estimates: dict[tuple[int, str, float, bool], tuple[int, Estimate]] = {}
 
-    def add(self, design: int, measures: Measures) -> None:
-        """The next replicate's."""
-        while len(self.measures) <= design:
-            self.measures.append([])
-        self.measures[design].append(measures)
+    def add_designs(self, designs: int) -> None:
+        """Makes place for this number of designs in all."""
+        while len(self.counts) < designs:
+            self.counts.append(0)
+            self._measures.append(array.array("d"))
+
+    def put(self, design: int, replicate: int, measures: Measures) -> None:
+        """Stores the measures of a mission. They count after ``count_to``."""
+        width, own = len(self.index), self._measures[design]
+        if len(own) < (replicate + 1) * width:
+            own.extend([math.nan] * ((replicate + 1) * width - len(own)))
+        own[replicate * width : (replicate + 1) * width] = array.array("d", [math.nan if one is None else one for one in measures])
+
+    def count_to(self, design: int, replicates: int) -> None:
+        """Lets the first replicates of a design count."""
+        self.counts[design] = replicates
+
+    def miss(self, design: int, replicate: int) -> None:
+        """Notes a mission that has no result."""
+        self.put(design, replicate, (None,) * len(self.index))
+        self._missing.add((design, replicate))
+
+    def missing_of(self, design: int) -> int:
+        return sum(one == design for one, _ in self._missing)
+
+    def missions_of(self, design: int) -> int:
+        """Returns how many missions of a design have a result and count."""
+        return self.counts[design] - (self.missing_of(design) if self._missing else 0)
+
+    def row(self, design: int, replicate: int) -> list[float | None]:
+        """Returns the measures of a mission."""
+        width = len(self.index)
+        return [_known(one) for one in self._measures[design][replicate * width : (replicate + 1) * width]]
+
+    def column(self, design: int, at: int) -> array.array[float]:
+        """Returns a measure of all missions of a design, with NaN where there is none."""
+        width = len(self.index)
+        return self._measures[design][at : self.counts[design] * width : width]
 
     @property
     def _pair_error(self) -> float:
         """Of one comparison, so that all together are wrong with a chance of at most half of ``error``."""
-        designs = max(len(self.measures), 2)
+        designs = max(len(self.counts), 2)
         return self.study.error / 2 / (designs * (designs - 1) / 2 * max(len(self._senses), 1))
 
     @property
     def _design_error(self) -> float:
         """Of one statement on one design, so that all together are wrong with the other half."""
         statements = len(self.study.constraints) + (self.study.stop is not None) + len(self._senses)
-        return self.study.error / 2 / (max(len(self.measures), 1) * max(statements, 1))
+        return self.study.error / 2 / (max(len(self.counts), 1) * max(statements, 1))
 
     def estimate(self, design: int, objective: Objective, error: float, *, sequence: bool) -> Estimate:
         """With an interval that holds at all times (``sequence``) or for a number of missions settled beforehand."""
-        rows = self.measures[design]
+        count = self.counts[design]
         key = (design, objective.label, error, sequence)
         known = self._estimates.get(key)
-        if known is not None and known[0] == len(rows):
+        if known is not None and known[0] == count:
             return known[1]
-        at = self.index[objective.label]
-        values = [row[at] for row in rows if row[at] is not None]
+        values = [one for one in self.column(design, self.index[objective.label]) if one == one]  # not NaN
         if objective.is_share:
             successes = int(sum(values))
             interval = (share_sequence if sequence else wilson)(successes, len(values), error)
@@ -73,7 +114,7 @@ class Evidence:
                 moments.add(value)
             interval = (mean_sequence if sequence else student)(moments, error)
             found = Estimate(len(values), moments.mean if values else None, interval)
-        self._estimates[key] = (len(rows), found)
+        self._estimates[key] = (count, found)
         return found
 
     def shown(self, design: int, objective: Objective) -> Estimate:
@@ -115,9 +156,9 @@ class Evidence:
     def _advantage_of_pairs(self, better: int, worse: int, objective: Objective) -> float:
         sense, at = objective.sense or 1, self.index[objective.label]
         differences = [
-            sense * (a[at] - b[at])
-            for a, b in zip(self.measures[better], self.measures[worse], strict=False)
-            if a[at] is not None and b[at] is not None
+            sense * (a - b)
+            for a, b in zip(self.column(better, at), self.column(worse, at), strict=False)
+            if a == a and b == b  # not NaN
         ]
         if objective.is_share:
             wins = sum(1 for one in differences if one > 0)
@@ -147,18 +188,38 @@ class Evidence:
     def surely_better(self, design: int, other: int, label: str) -> bool:
         return self.advantage(design, other, self.study.objective(label)) > 0
 
-    def leaders(self, designs: list[int]) -> list[int]:
-        """Of these designs, those that no other one dominates by what was measured so far: who is dominated at all is
-        dominated by one of them."""
-        points = {design: self._point(design) for design in designs}
-        whole = {design: point for design, point in points.items() if None not in point}
-        return [
-            design
-            for design, point in whole.items()
-            if not any(
-                other != point and all(a >= b for a, b in zip(other, point, strict=True)) for other in whole.values()
-            )
-        ]
+    def leaders(self, designs: Sequence[int]) -> list[int]:
+        """Returns those of these designs that no other one dominates by the means so far. A design that another dominates
+        is dominated by one of them."""
+        points = [(design, self._point(design)) for design in designs]
+        complete = [(design, point) for design, point in points if None not in point]
+        if not complete:
+            return []
+        return [complete[at][0] for at in pareto.front(np.array([point for _, point in complete], float))]
+
+    def bounds(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Returns of all designs, in the sense of each objective: the lower and the upper ends of the intervals for decisions,
+        and the means (NaN where there is none)."""
+        shape = (len(self.counts), len(self._senses))
+        low, high, mean = np.empty(shape), np.empty(shape), np.full(shape, np.nan)
+        for design in range(len(self.counts)):
+            for at, objective in enumerate(self._senses):
+                first, second = self.known_of(design, objective)
+                low[design, at], high[design, at] = (first, second) if objective.sense > 0 else (-second, -first)
+                found = self.shown(design, objective).mean
+                if found is not None:
+                    mean[design, at] = objective.sense * found
+        return low, high, mean
+
+    @property
+    def tolerances(self) -> np.ndarray:
+        return np.array([objective.tolerance for objective in self._senses])
+
+    @property
+    def complete(self) -> np.ndarray:
+        """Returns for each design whether each of its missions has all measures that decide about the front."""
+        places = [self.index[objective.label] for objective in self._senses]
+        return np.array([not any(np.isnan(self.column(design, at)).any() for at in places) for design in range(len(self.counts))], bool)
 
     def _point(self, design: int) -> tuple[float | None, ...]:
         means = [self.shown(design, objective).mean for objective in self._senses]
@@ -169,3 +230,7 @@ class Evidence:
     @property
     def has_front(self) -> bool:
         return bool(self._senses)
+
+
+def _known(value: float) -> float | None:
+    return value if value == value else None  # not NaN

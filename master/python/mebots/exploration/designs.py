@@ -12,7 +12,8 @@ from typing import Any
 
 from mebots import _mebots
 from mebots.errors import InputError
-from mebots.exploration import chance
+from mebots.exploration import chance, sensitivity
+from mebots.exploration.extras import extra
 from mebots.exploration.study import Study, Values
 
 MOST = 10_000_000
@@ -92,8 +93,6 @@ def _sobol(study: Study) -> list[Values]:
 
 def _sensitivity(study: Study) -> list[Values]:
     """The samples of a method of SALib: points on the unit cube, which become quantiles of the factors."""
-    from mebots.exploration import sensitivity
-
     factors = study.design["factors"]
     return [
         {name: chance.value(spread, float(u)) for (name, spread), u in zip(factors.items(), point, strict=True)}
@@ -136,13 +135,3 @@ def _allows(allowed: Any, value: Any) -> bool:
     if isinstance(allowed, list):
         return any(value == one and isinstance(value, bool) == isinstance(one, bool) for one in allowed)
     return allowed.get("min", -math.inf) <= value <= allowed.get("max", math.inf)
-
-
-def extra(module: str, what: str, package: str) -> Any:
-    """A module of the extra ``mebots[sweep]``. Raises InputError with the line that installs it."""
-    import importlib
-
-    try:
-        return importlib.import_module(module)
-    except ImportError as error:
-        raise InputError(f"{what} needs {package}: pip install 'mebots[sweep]', or pip install {package}", "not_offered") from error

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Mission processes from outside. ``fly`` is what executors of any kind are given: it flies an order in a process that
-belongs to the calling thread, so that a crash costs a mission and never the executor's worker."""
+"""Mission processes from outside. Executors of any kind call ``fly_all``: it runs orders in a process that belongs to the
+calling thread, so that a crash costs a mission and never the executor's worker."""
 
 from __future__ import annotations
 
@@ -18,10 +18,11 @@ import threading
 import time
 from typing import Any
 
-from mebots.exploration.missions import Order, build, digest_of_file, without_paths
+from mebots.exploration import outcomes
+from mebots.exploration.missions import Batch, Order, build, digest_of_file, unpacked, without_paths
 
 ATTEMPTS = 3
-"""How often a mission is tried whose process ended: somebody else may have ended it."""
+"""How often a mission is tried whose process crashed: a crash may come by chance."""
 _LOOK_EVERY_S = 0.25
 _STALLED_AFTER_S = 60.0
 _STALLED_AFTER_LEAST_S = 5.0
@@ -31,7 +32,12 @@ _TICKS = os.sysconf("SC_CLK_TCK")
 
 
 class Lost(Exception):
-    """The process ended in the middle of a mission; the text says how, and names no process."""
+    """The process ended in the middle of a mission. The text says how and names no process. ``is_outcome`` is False if
+    something outside of the mission ended it."""
+
+    def __init__(self, text: str, *, is_outcome: bool = True) -> None:
+        super().__init__(text)
+        self.is_outcome = is_outcome
 
 
 class MissionProcess:
@@ -58,7 +64,11 @@ class MissionProcess:
         os.close(out)
         self._rest = b""
         self._closed = False
-        self._line(None)
+        try:
+            self._line(None)
+        except Lost:
+            self.close()
+            raise
 
     def fly(self, order: Order) -> dict[str, Any]:
         """The record of a mission. Raises Lost, after which this object is of no use."""
@@ -68,12 +78,12 @@ class MissionProcess:
             self._process.stdin.write(json.dumps(order).encode() + b"\n")
             self._process.stdin.flush()
         except OSError:
-            raise Lost(self._how_it_ended()) from None
+            raise self._lost() from None
         limit_s = order.get("processor_time")
         record = self._line(limit_s)
         if "bug" in record:
             raise AssertionError(record["bug"])
-        if limit_s is not None and record["processor_time"] > limit_s:
+        if "unfinished" not in record and limit_s is not None and record["processor_time"] > limit_s:
             return failed(order, *_over(limit_s))
         return record
 
@@ -106,7 +116,7 @@ class MissionProcess:
             if select.select([self._records], [], [], _LOOK_EVERY_S)[0]:
                 block = os.read(self._records, 1 << 16)
                 if not block:
-                    raise Lost(self._how_it_ended())
+                    raise self._lost()
                 self._rest = (self._rest + block).lstrip(b"\n")  # it waits for another process
                 moved_at = time.monotonic()
                 continue
@@ -126,17 +136,18 @@ class MissionProcess:
         """Returns the time of the process and its descendants: its fork flies, and starts those of isolated instances."""
         return _ticks_of_all(self._process.pid) / _TICKS
 
-    def _how_it_ended(self) -> str:
+    def _lost(self) -> Lost:
         try:
             code = self._process.wait(5)
         except subprocess.TimeoutExpired:
-            return "it closed its output"
+            return Lost("it closed its output")
         text = f"it ended with exit code {code}" if code >= 0 else f"it ended by {_name_of(-code)}"
         size = self._last_words.seek(0, os.SEEK_END)
         self._last_words.seek(max(0, size - _MOST_WORDS))
         words = self._last_words.read().decode(errors="replace").strip().splitlines()
-        # The same on every machine and in every process.
-        return f"{text}: {_ADDRESS.sub('0x...', without_paths(words[-1]))}" if words else text
+        if words:  # the same on every machine and in every process
+            text = f"{text}: {_ADDRESS.sub('0x...', without_paths(words[-1]))}"
+        return Lost(text, is_outcome=not outcomes.is_outside_signal(-code) and not outcomes.tells_of_system("\n".join(words)))
 
 
 def _name_of(number: int) -> str:
@@ -174,7 +185,7 @@ def _ticks_of(process: int) -> int:
 
 
 def failed(order: Order, error: str, code: str) -> dict[str, Any]:
-    """The record of a mission whose process told nothing."""
+    """Returns the record of a mission whose process wrote none."""
     return {"mission": order["mission"], "flown_by": order["build"], "outcome": "failed", "error": error, "code": code}
 
 
@@ -185,25 +196,48 @@ _lock = threading.Lock()
 _place: tempfile.TemporaryDirectory[str] | None = None
 
 
+_PREFIX = "mebots-sweep-"
+_LEFT_BEHIND_S = 600.0
+
+
+def _remove_empty_folders() -> None:
+    """Removes folders that killed runs left empty. A run fills its folder within a second."""
+    with contextlib.suppress(OSError), os.scandir(tempfile.gettempdir()) as entries:
+        for entry in entries:
+            if entry.name.startswith(_PREFIX):
+                with contextlib.suppress(OSError):  # in use, or of another user
+                    if time.time() - entry.stat(follow_symlinks=False).st_mtime > _LEFT_BEHIND_S:
+                        os.rmdir(entry.path)
+
+
 def _folder() -> str:
     """For the temporary files of this process's mission processes, which are killed and cannot clean up, and for what
     they keep for each other."""
     global _place
     with _lock:
         if _place is None:
-            _place = tempfile.TemporaryDirectory(prefix="mebots-sweep-", ignore_cleanup_errors=True)
+            _remove_empty_folders()
+            _place = tempfile.TemporaryDirectory(prefix=_PREFIX, ignore_cleanup_errors=True)
         return _place.name
 
 
-def fly(order: Order) -> dict[str, Any]:
-    """Flies an order in the calling thread's mission process. Where files of the order are not on this machine, the
-    answer is ``{"lacks": [their hashes]}``; the order may bring them under ``contents``. Another build of MEbots might fly
-    another mission: it answers with its own ``build``."""
-    if order["build"] != build():
-        return {"mission": order["mission"], "build": build()}
-    lacking = _find_files(order)
+def fly_all(batch: Batch) -> dict[str, Any]:
+    """Runs a batch in the calling thread's mission process, for executors. Returns ``records`` and ``duration_s``. If files
+    are not on this machine, returns ``{"lacks": [their hashes]}``; a batch may bring them under ``contents``. Another build
+    of MEbots might give other results: it returns its own ``build``."""
+    if batch["shared"]["build"] != build():
+        return {"build": build()}
+    lacking = _find_files(batch)
     if lacking:
-        return {"mission": order["mission"], "lacks": lacking}
+        return {"lacks": lacking}
+    begun_s = time.monotonic()
+    records = [fly(order) for order in unpacked(batch)]
+    return {"records": records, "duration_s": time.monotonic() - begun_s}
+
+
+def fly(order: Order) -> dict[str, Any]:
+    """Runs an order, whose files are on this machine. Returns the mission's record, or ``{"mission", "unfinished": why}`` if
+    something outside of the mission ended it."""
     for attempt in range(1, ATTEMPTS + 1):
         if _closing.is_set():
             raise RuntimeError("the study is over")
@@ -214,8 +248,12 @@ def fly(order: Order) -> dict[str, Any]:
             return failed(order, *_over(error.limit_s))
         except Lost as error:
             _drop_my_process()
+            if not error.is_outcome:
+                return {"mission": order["mission"], "unfinished": f"the mission's process was lost: {error}"}
             if attempt == ATTEMPTS:
                 return failed(order, f"the mission's process was lost: {error}", "fmu_lost")
+        except OSError as error:  # no process could be started
+            return {"mission": order["mission"], "unfinished": outcomes.text_of(error)}
     raise AssertionError("unreachable")
 
 
@@ -234,7 +272,9 @@ def _my_process() -> MissionProcess:
 
 
 def _drop_my_process() -> None:
-    process, _mine.process = _mine.process, None
+    process, _mine.process = getattr(_mine, "process", None), None
+    if process is None:  # it was lost while it started
+        return
     with _lock:
         _all.discard(process)
     process.close()
@@ -284,11 +324,11 @@ def cache_folder() -> pathlib.Path:
     return pathlib.Path(base) / "mebots" / "inputs"
 
 
-def _find_files(order: Order) -> list[str]:
-    """Sets the paths of the order's files to where they lie here. Returns the hashes of those that do not."""
-    contents = order.pop("contents", {})
+def _find_files(batch: Batch) -> list[str]:
+    """Sets the paths of the batch's files to those on this machine. Returns the hashes of files that are not here."""
+    contents = batch.pop("contents", {})
     lacking = []
-    for digest, place in order["files"].items():
+    for digest, place in batch["files"].items():
         if _is(place[0], digest):
             continue
         cached = cache_folder() / digest / place[1]

@@ -1,128 +1,370 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What was flown, on disk: a line of JSON a mission. A line is with the system, which outlives any process, before anybody
-counts on it; several times a second, and before tables are written, the system puts it on the disk."""
+"""Results of missions on disk: a line of JSON for each. A line is in the system's cache, which outlives any process, before
+its mission counts as done. Several times a second, and before tables are written, the system writes it to the disk.
+
+The last member of a line is the CRC-32 of the bytes before it. A line whose checksum is wrong is reported and not used.
+"""
 
 from __future__ import annotations
 
 import collections
 import contextlib
+import errno
 import fcntl
 import json
 import os
 import pathlib
+import re
 import time
-from collections.abc import Iterable
+import zlib
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
 
+import numpy as np
+
 from mebots.errors import Error, InputError
+from mebots.exploration.files import write_all
 
 NAME = "journal.jsonl"
 
 _SYNC_EVERY_S = 0.25
-"""A synchronisation takes milliseconds, in which nobody gives out missions."""
+"""A synchronisation takes milliseconds in which no mission is given out."""
+_BLOCK_BYTES = 8 << 20
+_WINDOW_BYTES = 1 << 16
+_encoded = json.JSONEncoder(separators=(",", ":")).encode
+_MOST_NAMED = 10
+"""Damaged lines that are named; of more only their number is reported."""
 
 Record = dict[str, Any]
 
+# A line as this version writes it, by byte positions.
+_MISSION = b'{"mission":"'
+_BUILD = b'","flown_by":"'
+_DIGEST = 64
+_BUILD_AT = len(_MISSION) + _DIGEST + len(_BUILD)
+_SUM = re.compile(rb',"crc32":"([0-9a-f]{8})"}\n$')
+_DIGITS = np.array([int(chr(byte), 16) if chr(byte) in "0123456789abcdef" else 0 for byte in range(256)], np.uint64)
+_SUM_BYTES = len(b',"crc32":"01234567"}\n')
+
+
+def line_of(record: Record) -> bytes:
+    """Returns the line of a record, with its checksum."""
+    body = _encoded(record).encode()[:-1]
+    return b'%b,"crc32":"%08x"}\n' % (body, zlib.crc32(body))
+
+
+def key_of(mission: str) -> int:
+    """Returns the part of a mission's hash by which the journal finds its line."""
+    return int(mission[:16], 16)
+
+
+class Places:
+    """Where the line of each mission begins: 16 bytes for each, sorted by key, and a table of the latest ones. Several
+    missions may share a key; all their places are returned, the latest first."""
+
+    def __init__(self) -> None:
+        self._keys = np.empty(0, np.uint64)
+        self._places = np.empty(0, np.uint64)
+        self._recent: dict[int, list[int]] = {}
+        self.count = 0
+
+    def add_all(self, keys: np.ndarray, places: np.ndarray) -> None:
+        if not len(keys):
+            return
+        self._merge()
+        merged = np.concatenate([self._keys, keys])
+        order = np.argsort(merged, kind="stable")  # the latest of equal keys stays last
+        self._keys, self._places = merged[order], np.concatenate([self._places, places])[order]
+        self.count = len(self._keys)
+
+    def add(self, key: int, place: int) -> None:
+        self._recent.setdefault(key, []).append(place)
+        self.count += 1
+        if len(self._recent) > max(1 << 16, len(self._keys) // 8):
+            self._merge()
+
+    def find(self, key: int) -> Iterator[int]:
+        yield from reversed(self._recent.get(key, ()))
+        at = int(np.searchsorted(self._keys, np.uint64(key), side="right")) - 1
+        while at >= 0 and self._keys[at] == key:
+            yield int(self._places[at])
+            at -= 1
+
+    def may_have(self, keys: Sequence[int]) -> np.ndarray:
+        """Returns for each key whether there is a line with it."""
+        wanted = np.array(keys, np.uint64)
+        at = np.searchsorted(self._keys, wanted)
+        found = np.zeros(len(wanted), bool)
+        inside = at < len(self._keys)
+        found[inside] = self._keys[at[inside]] == wanted[inside]
+        if self._recent:
+            found |= np.fromiter((key in self._recent for key in keys), bool, len(wanted))
+        return found
+
+    def _merge(self) -> None:
+        recent, self._recent = self._recent, {}
+        if recent:
+            pairs = np.array([(key, place) for key, places in recent.items() for place in places], np.uint64)
+            self.add_all(pairs[:, 0], pairs[:, 1])
+
 
 class Journal:
-    """The records of a folder by their mission's hash. Keeps where they stand, not what they say: memory grows with the
-    number of missions alone. One process at a time writes; a line that a kill tore is cut off."""
+    """The records of a folder by the hash of their mission. Keeps their places in memory, not their content. One process
+    at a time writes. An incomplete last line, of a killed process, is cut off. ``notices`` are for the user."""
 
     def __init__(self, folder: pathlib.Path, *, writable: bool = True) -> None:
         self.file = folder / NAME
-        self._places: dict[bytes, int] = {}
+        self.notices: list[str] = []
+        self._places = Places()
         self._builds: collections.Counter[str] = collections.Counter()
+        self._window = (0, b"")
         flags = os.O_RDWR | os.O_CREAT if writable else os.O_RDONLY
         try:
-            self._stream = os.fdopen(os.open(self.file, flags | os.O_CLOEXEC, 0o666), "r+b" if writable else "rb")
+            self._descriptor = os.open(self.file, flags | os.O_CLOEXEC, 0o666)
         except OSError as error:
             raise InputError(f"{self.file}: {error.strerror}", "file_unwritable" if writable else "file_not_found") from None
-        if writable:
-            self._lock()
-        self._synced_s = time.monotonic()
-        end = self._read()
-        if writable:
-            self._stream.truncate(end)
-        self._end = end
+        try:
+            if writable:
+                self._lock()
+            self._synced_s = time.monotonic()
+            self._end = self._read()
+            if writable:
+                os.ftruncate(self._descriptor, self._end)
+        except OSError as error:
+            self.close()
+            raise Error(f"{self.file}: {error.strerror}", "file_unreadable") from None
+        except Error:
+            self.close()
+            raise
 
     def __len__(self) -> int:
-        return len(self._places)
+        return self._places.count
 
     def __contains__(self, mission: str) -> bool:
-        return bytes.fromhex(mission) in self._places
+        return self.find(mission) is not None
 
     def find(self, mission: str) -> Record | None:
-        """The last record of a mission."""
-        place = self._places.get(bytes.fromhex(mission))
-        if place is None:
-            return None
-        self._stream.seek(place)
-        return json.loads(self._stream.readline())
+        """Returns the last record of a mission."""
+        place = self.place_of(mission)
+        return None if place is None else self.at(place)
+
+    def place_of(self, mission: str) -> int | None:
+        start = _MISSION + mission.encode()
+        for place in self._places.find(key_of(mission)):
+            line = self._line(place)
+            if line.startswith(start) or json.loads(line)["mission"] == mission:
+                return place
+        return None
+
+    def may_have(self, missions: Sequence[str]) -> np.ndarray:
+        """Returns for each mission False if the journal has no record of it; much faster than ``find`` for many."""
+        return self._places.may_have([key_of(mission) for mission in missions])
+
+    def at(self, place: int) -> Record:
+        """Returns the record whose line begins at a place."""
+        record: Record = json.loads(self._line(place))
+        record.pop("crc32", None)
+        return record
 
     def of_other_builds(self, build: str) -> int:
-        """How many of the records that were there at first are not this build's; older ones do not say whose they are."""
+        """Returns how many records that were there at first are of other builds; older ones do not state theirs."""
         return self._builds.total() - self._builds[build]
 
-    def append(self, records: Iterable[Record]) -> None:
-        """Returns when a kill of this process cannot undo it. Raises Error when they cannot be written."""
+    def append(self, records: Iterable[Record]) -> list[int]:
+        """Returns the places of the records when a kill of this process cannot undo them. Raises Error when they cannot be
+        written; then the journal ends where it did."""
         lines = []
-        places = {}
+        places = []
         end = self._end
         for record in records:
-            line = json.dumps(record, separators=(",", ":")).encode() + b"\n"
-            places[bytes.fromhex(record["mission"])] = end
+            line = line_of(record)
+            places.append(end)
             end += len(line)
-            lines.append(line)
+            lines.append((record["mission"], line))
         try:
-            self._stream.seek(self._end)
-            self._stream.write(b"".join(lines))
-            self._stream.flush()
+            os.lseek(self._descriptor, self._end, os.SEEK_SET)
+            write_all(self._descriptor, b"".join(line for _, line in lines))
         except OSError as error:
+            with contextlib.suppress(OSError):  # the next call cuts an incomplete line off
+                os.ftruncate(self._descriptor, self._end)
             raise Error(f"{self.file}: {error.strerror}", "file_unwritable") from None
-        self._places |= places
+        for (mission, _), place in zip(lines, places, strict=True):
+            self._places.add(key_of(mission), place)
         self._end = end
         if time.monotonic() - self._synced_s > _SYNC_EVERY_S:
             self.sync()
+        return places
 
     def sync(self) -> None:
         """Returns when all is on the disk. Raises Error."""
         try:
-            os.fdatasync(self._stream.fileno())
+            os.fdatasync(self._descriptor)
         except OSError as error:
             raise Error(f"{self.file}: {error.strerror}", "file_unwritable") from None
         self._synced_s = time.monotonic()
 
     def close(self) -> None:
-        with contextlib.suppress(OSError):  # append() told of what could not be written
-            self._stream.close()
+        with contextlib.suppress(OSError):  # append() and sync() report what could not be written
+            os.close(self._descriptor)
 
     def _lock(self) -> None:
         try:
-            fcntl.flock(self._stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError:
+            fcntl.flock(self._descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
             raise InputError(f"{self.file.parent}: another `mebots sweep` is at work in this folder", "file_unwritable") from None
+        except OSError as error:
+            if error.errno not in (errno.ENOSYS, errno.EOPNOTSUPP, errno.ENOLCK, errno.EINVAL):
+                raise
+            self.notices.append(
+                f"{self.file.parent}: this file system cannot lock files ({error.strerror}). Make sure that no other `mebots sweep` "
+                "works in this folder"
+            )
+
+    def _line(self, place: int) -> bytes:
+        """Reads a line through a window: tables read lines roughly in the order of the file."""
+        begin, window = self._window
+        if begin <= place < begin + len(window):
+            end = window.find(b"\n", place - begin)
+            if end >= 0:
+                return window[place - begin : end + 1]
+        size = _WINDOW_BYTES
+        while True:
+            try:
+                window = os.pread(self._descriptor, size, place)
+            except OSError as error:
+                raise Error(f"{self.file}: {error.strerror}", "file_unreadable") from None
+            end = window.find(b"\n")
+            if end >= 0:
+                self._window = (place, window)
+                return window[: end + 1]
+            if len(window) < size:
+                raise Error(f"{self.file}: the file became shorter while it was in use", "file_unreadable")
+            size *= 2
+
+    # Opening.
 
     def _read(self) -> int:
-        """Notes where the records stand. Returns where the last whole line ends."""
-        end = 0
-        for number, line in enumerate(self._stream, 1):
-            if not line.endswith(b"\n"):
-                break
-            try:
-                mission, build = _identity(line)
-            except (ValueError, KeyError, TypeError):
-                raise InputError(f"{self.file}:{number}: this is not a line of a journal; remove it", "syntax_error") from None
-            self._places[mission] = end
-            self._builds[build] += 1
-            end += len(line)
-        return end
+        """Notes where the records are. Returns where the last complete line ends."""
+        scan = _Scan()
+        keys, places = [], []
+        place, rest, size = 0, b"", 0
+        while block := os.pread(self._descriptor, _BLOCK_BYTES, size):
+            size += len(block)
+            whole, newline, tail = block.rpartition(b"\n")
+            if not newline:
+                rest += block
+                continue
+            text = rest + whole + newline
+            rest = tail
+            found = scan.lines(text, place)
+            keys.append(found[0])
+            places.append(found[1])
+            place += len(text)
+        if place and not any(len(one) for one in keys):
+            raise InputError(
+                f"{self.file}: this is not a journal of `mebots sweep`: no line is a record. Move it away, or choose another folder",
+                "syntax_error",
+            )
+        if keys:
+            self._places.add_all(np.concatenate(keys), np.concatenate(places))
+        self._builds = scan.builds
+        self.notices += [f"{self.file}:{number}: this line is damaged ({why}); its mission runs again" for number, why in scan.damaged]
+        if scan.damaged_count > len(scan.damaged):
+            self.notices.append(f"{self.file}: {scan.damaged_count} lines are damaged; their missions run again")
+        return place
 
 
-def _identity(line: bytes) -> tuple[bytes, str]:
-    """The mission, and the build that flew it. Raises ValueError, KeyError or TypeError for what is not a record."""
+class _Scan:
+    """Reads the lines of a journal for their keys, places and builds, and checks them. Lines as this version writes them
+    are read by numpy; all others one after the other."""
+
+    def __init__(self) -> None:
+        self.builds: collections.Counter[str] = collections.Counter()
+        self.damaged: list[tuple[int, str]] = []
+        self.damaged_count = 0
+        self._number = 0
+        self._summed = False
+        """True after the first line with a checksum: earlier versions wrote none, this one always does."""
+
+    def lines(self, text: bytes, place: int) -> tuple[np.ndarray, np.ndarray]:
+        """Returns the keys and places of the sound lines of a text that begins at ``place``."""
+        data = np.frombuffer(text, np.uint8)
+        ends = np.flatnonzero(data == ord("\n")) + 1
+        begins = np.concatenate([[0], ends[:-1]])
+        usual = self._usual(data, begins, ends)
+        sums = [zlib.crc32(text[begin : end - _SUM_BYTES]) for begin, end in zip(begins[usual].tolist(), ends[usual].tolist(), strict=True)]
+        stored = _hex(data, ends[usual] - 11, 8)
+        right = np.zeros(len(begins), bool)
+        right[usual] = np.array(sums, np.uint64) == stored
+        keys = np.zeros(len(begins), np.uint64)
+        keys[right] = _hex(data, begins[right] + len(_MISSION), 16)
+        self._count_builds(data, begins[right])
+        first = int(np.argmax(right)) if right.any() else len(begins)
+        for at in np.flatnonzero(~right).tolist():
+            key = self._key_of(text[begins[at] : ends[at]], self._number + at + 1, self._summed or at > first)
+            if key is not None:
+                keys[at], right[at] = key, True
+        self._summed = self._summed or first < len(begins)
+        self._number += len(begins)
+        return keys[right], (begins[right] + place).astype(np.uint64)
+
+    @staticmethod
+    def _usual(data: np.ndarray, begins: np.ndarray, ends: np.ndarray) -> np.ndarray:
+        """Returns the numbers of the lines that have all marks of this version's lines at their places."""
+        usual = np.flatnonzero(ends - begins > _BUILD_AT + _DIGEST + _SUM_BYTES)
+        marks = ((begins, 0, _MISSION), (begins, len(_MISSION) + _DIGEST, _BUILD), (ends, -_SUM_BYTES, b',"crc32":"'), (ends, -3, b'"}\n'))
+        for start, offset, mark in marks:
+            usual = usual[_have(data, start[usual] + offset, np.frombuffer(mark, np.uint8))]
+        return usual
+
+    def _count_builds(self, data: np.ndarray, begins: np.ndarray) -> None:
+        while len(begins):  # one turn for each build
+            first = data[begins[0] + _BUILD_AT :][:_DIGEST]
+            same = _have(data, begins + _BUILD_AT, first)
+            self.builds[first.tobytes().decode("latin-1")] += int(same.sum())
+            begins = begins[~same]
+
+    def _key_of(self, line: bytes, number: int, summed: bool) -> int | None:
+        found = _SUM.search(line)
+        try:
+            if found is None and summed:
+                raise ValueError("it has no checksum")
+            if found is not None and zlib.crc32(line[: found.start()]) != int(found[1], 16):
+                raise ValueError("its checksum is wrong")
+            mission, build = _identity(line)
+        except (ValueError, KeyError, TypeError, RecursionError) as error:
+            self.damaged_count += 1
+            if len(self.damaged) < _MOST_NAMED:
+                why = str(error) if type(error) is ValueError else "it is no record"
+                self.damaged.append((number, why))
+            return None
+        self.builds[build] += 1
+        return key_of(mission)
+
+
+def _have(data: np.ndarray, begins: np.ndarray, mark: np.ndarray) -> np.ndarray:
+    """Returns for each place whether these bytes are there."""
+    same = np.ones(len(begins), bool)
+    for offset, byte in enumerate(mark.tolist()):
+        same &= data[begins + offset] == byte
+    return same
+
+
+def _hex(data: np.ndarray, begins: np.ndarray, digits: int) -> np.ndarray:
+    """Returns the numbers written in hexadecimal digits at these places."""
+    result = np.zeros(len(begins), np.uint64)
+    for offset in range(digits):
+        result = (result << np.uint64(4)) | _DIGITS[data[begins + offset]]
+    return result
+
+
+def _identity(line: bytes) -> tuple[str, str]:
+    """Returns the mission, and the build that ran it. Raises an error for what is not a record."""
     record = json.loads(line)
     texts = (record["mission"], record["outcome"], record["error"])
     parts = (record.get("values", {}), record.get("finals", {}), record.get("series", {}))
     if not all(isinstance(one, str) for one in texts) or not all(isinstance(one, dict) for one in parts):
-        raise ValueError
-    return bytes.fromhex(record["mission"]), record.get("flown_by", "")
+        raise TypeError
+    if len(bytes.fromhex(record["mission"])) * 2 != _DIGEST:
+        raise TypeError
+    return record["mission"], record.get("flown_by", "")

@@ -16,6 +16,7 @@ import os
 import pathlib
 import re
 import shlex
+from collections.abc import Iterator
 from typing import Any
 
 from mebots import _mebots
@@ -43,11 +44,36 @@ _OF_RESULTS = ("record", "pictures", "view", "log")
 _PATH = re.compile(r"(?<![\w.~/])/(?:[^\s/:;,'\"]+/)+([^\s/:;,'\"]*)")
 
 Order = dict[str, Any]
-"""``config``: JSON text, ``settings``: variable -> value, ``files``: hash -> [path, name], ``finals`` and ``series``:
+"""``config``: JSON text, ``digest``: its hash, ``settings``: variable -> value, ``files``: hash -> [path, name], ``finals`` and ``series``:
 what is wanted beyond the summary, ``processor_time``: limit [s] or None, ``mission``: the hash, ``build``: of MEbots, as
 part of it, ``course``: a list of {``place``, ``writes``, ``past``: hash of the state there}. Of a mission that is flown up
 to a place only: ``until``: that place, ``keeps``: hash of the state there. Of a study that keeps results: ``out``: the
 mission's folder."""
+
+
+Batch = dict[str, Any]
+"""Orders for one task of an executor. What all share is in it once: ``configs``: hash -> JSON text, ``shared``: the other
+parts. ``missions`` has the rest of each order, with its config's hash in place of the text."""
+
+_SHARED = ("build", "finals", "series", "processor_time")
+
+
+def packed(orders: list[Order]) -> Batch:
+    """Returns a batch of orders, which are of one study."""
+    return {
+        "configs": {order["digest"]: order["config"] for order in orders},
+        "shared": {key: orders[0][key] for key in _SHARED},
+        "files": {digest: place for order in orders for digest, place in order["files"].items()},
+        "missions": [
+            {key: value for key, value in order.items() if key not in _SHARED and key not in ("config", "files")} for order in orders
+        ],
+    }
+
+
+def unpacked(batch: Batch) -> Iterator[Order]:
+    """Yields the orders of a batch. All of them have the files of all."""
+    for mission in batch["missions"]:
+        yield batch["shared"] | {"files": batch["files"], "config": batch["configs"][mission["digest"]]} | mission
 
 
 def digest_of_file(path: str | os.PathLike[str]) -> str:
@@ -55,8 +81,8 @@ def digest_of_file(path: str | os.PathLike[str]) -> str:
         return hashlib.file_digest(stream, "sha256").hexdigest()
 
 
-def canonical(value: Any) -> str:
-    return json.dumps(value, sort_keys=True, separators=(",", ":"))
+canonical = json.JSONEncoder(sort_keys=True, separators=(",", ":")).encode
+"""Returns the JSON text of a value of which hashes are made."""
 
 
 def digest_of(value: Any) -> str:
@@ -93,6 +119,9 @@ class Missions:
     def __init__(self, study: Study) -> None:
         self._study = study
         self._digests: dict[str, str] = {}
+        self._found: dict[str, str] = {}  # where texts that name files are
+        self._hash_begin = f'{{"build":{canonical(build())},"config":"'
+        self._hash_end = f',"version":{canonical(_mebots.__version__)}}}'
         self._variants: dict[str, _Variant] = {}
         self._ground = _mebots.Ground(study.mission)
         self.config: dict[str, Any] = json.loads(self._ground.config)
@@ -100,8 +129,10 @@ class Missions:
         series = {(one.what, one.reduction) for one in study.objectives if one.source == "series"}
         self._finals = sorted(finals)
         self._series = [list(pair) for pair in sorted(series)]
+        factors = study.design.get("factors", {})
+        self._options = {name: one["options"] for name, one in factors.items() if isinstance(one, dict) and "options" in one}
         self.folder: pathlib.Path | None = None
-        """Where results are kept."""
+        """Where results are kept, in 256 folders by the first two digits of the mission's hash."""
 
     def order(self, values: Values) -> Order:
         """The mission with these values of factors and draws. Raises InputError for a pointer into nowhere, and for
@@ -136,9 +167,12 @@ class Missions:
         pointers, settings = self._divide(values)
         variant = self._variant(pointers)
         files = dict(variant.files)
-        settings = {name: self._portable(value, files) for name, value in settings.items()}
-        mission: Any = {"version": _mebots.__version__, "build": build(), "config": variant.digest, "settings": settings}
-        digest = digest_of(mission)
+        for name, value in settings.items():
+            if isinstance(value, str):
+                settings[name] = self._portable(value, files)
+        # As digest_of() of a dict of these four.
+        text = f'{self._hash_begin}{variant.digest}","settings":{canonical(settings)}{self._hash_end}'
+        digest = hashlib.sha256(text.encode()).hexdigest()
         turns = []
         for turn in course:
             turns.append({"place": turn.place, "writes": turn.writes, "past": self._past(digest, turn.place)})
@@ -148,6 +182,7 @@ class Missions:
             "build": build(),
             "course": turns,
             "config": variant.config,
+            "digest": variant.digest,
             "settings": settings,
             "files": files,
             "finals": self._finals,
@@ -155,7 +190,7 @@ class Missions:
             "processor_time": self._study.processor_time_s,
         }
         if self.folder is not None:
-            order["out"] = str(self.folder / digest)
+            order["out"] = str(self.folder / digest[:2] / digest)
         return order
 
     def shell_line(self, values: Values, out: str) -> str:
@@ -185,24 +220,26 @@ class Missions:
 
     def settings(self, name: str, value: Any) -> Values:
         """What a factor or draw with this value sets: itself, or that of its option."""
-        spread = self._study.design.get("factors", {}).get(name)
-        return spread["options"][value] if isinstance(spread, dict) and "options" in spread else {name: value}
+        options = self._options.get(name)
+        return {name: value} if options is None else options[value]
 
     def _divide(self, values: Values) -> tuple[Values, Values]:
         """Keys of the config, and parameters; options become what they set."""
         pointers, settings = {}, {}
         for name, value in values.items():
             for key, setting in self.settings(name, value).items():
-                (pointers if key.startswith("/") else settings)[key] = self._located(setting)
+                place = pointers if key.startswith("/") else settings
+                place[key] = self._located(setting) if isinstance(setting, str) else setting
         return pointers, settings
 
-    def _located(self, value: Any) -> Any:
-        """A text that names a file beside the study, as a path that holds from anywhere."""
-        if isinstance(value, str) and value and not os.path.isabs(value):
-            for folder in self._study.folders:
-                if (folder / value).is_file():
-                    return str(folder / value)
-        return value
+    def _located(self, value: str) -> str:
+        """Returns a text that names a file in a folder of the study as an absolute path, and any other as it is."""
+        if value not in self._found:
+            self._found[value] = value
+            if value and not os.path.isabs(value):
+                files = (folder / value for folder in self._study.folders)
+                self._found[value] = next((str(file) for file in files if file.is_file()), value)
+        return self._found[value]
 
     def _portable(self, value: Any, files: dict[str, list[str]]) -> Any:
         if not isinstance(value, str) or not value or not os.path.isfile(value):

@@ -28,7 +28,7 @@ class Measurer:
         self._formulas: dict[str, Callable[[Mapping[str, Any]], float]] = {}
         self._sound = 0  # missions
         self._valued: set[str] = set()  # objectives that had a value
-        self._mistakes: dict[str, str] = {}  # what was wrong with an expression's arithmetic, first
+        self._mistakes: dict[str, tuple[int, str]] = {}  # what was wrong with an expression's arithmetic, in the first mission
         labels = list(labels)
         known: set[str] = set(labels)
         for one in self._objectives:
@@ -39,7 +39,8 @@ class Measurer:
                 self._formulas[one.label] = formula(one.what, known, place)
             known.add(one.label)
 
-    def __call__(self, record: Record) -> Measures:
+    def __call__(self, record: Record, number: int = 0) -> Measures:
+        """Returns the measures of a mission. ``number``: its place in the study's order."""
         values: dict[str, Any] = dict(record.get("values", {}))
         sound = not record["error"]
         self._sound += sound
@@ -50,7 +51,7 @@ class Measurer:
             elif one.is_share:
                 found = float(record["outcome"] in one.what)
             else:
-                found = self._one(one, record, values) if sound else None
+                found = self._one(one, record, values, number) if sound else None
             if found is not None:
                 self._valued.add(one.label)
             measured[one.label] = values[one.label] = found
@@ -62,12 +63,12 @@ class Measurer:
         return [
             f"{self._place}: the objective '{label}' has no value in any of {self._sound} missions: '{what}': {why}"
             for label, what, why in (
-                (one.label, one.what, self._mistakes.get(one.label)) for one in self._objectives if one.label not in self._valued
+                (one.label, one.what, self._mistakes.get(one.label, (0, None))[1]) for one in self._objectives if one.label not in self._valued
             )
             if why is not None
         ]
 
-    def _one(self, one: Objective, record: Record, values: Mapping[str, Any]) -> float | None:
+    def _one(self, one: Objective, record: Record, values: Mapping[str, Any], number: int) -> float | None:
         if one.source == "summary":
             return _number(values.get(one.what))
         if one.source == "final":
@@ -80,12 +81,16 @@ class Measurer:
             except TypeError:  # of a value that this mission does not have
                 return None
             except (ArithmeticError, ValueError) as error:
-                self._mistakes.setdefault(one.label, str(error))
+                self._note(one.label, number, str(error))
                 return None
             if not math.isfinite(result):
-                self._mistakes.setdefault(one.label, f"its result is {result}")
+                self._note(one.label, number, f"its result is {result}")
             return _number(result)
         return None
+
+    def _note(self, label: str, number: int, why: str) -> None:
+        if label not in self._mistakes or number < self._mistakes[label][0]:
+            self._mistakes[label] = number, why
 
 
 def has_all(record: Record, order: Mapping[str, Any]) -> bool:

@@ -42,7 +42,7 @@ def write(
         "designs": [
             {
                 "values": [values[name] for name in factors],
-                "missions": len(evidence.measures[number]),
+                "missions": evidence.missions_of(number),
                 "estimates": [_numbers(evidence.shown(number, one)) for one in study.objectives],
                 "command": commands[number],
                 "replay": _replay(file.parent, number),
@@ -74,6 +74,6 @@ def _numbers(estimate: Estimate) -> list[float | None]:
 
 def _flights(evidence: Evidence, design: int) -> list[list[float | None]]:
     """For each objective the values of all missions."""
-    if sum(len(rows) for rows in evidence.measures) > MOST_MISSIONS:
+    if sum(evidence.counts) > MOST_MISSIONS:
         return []
-    return [list(column) for column in zip(*evidence.measures[design], strict=True)]
+    return list(map(list, zip(*(evidence.row(design, one) for one in range(evidence.counts[design])), strict=True)))

@@ -6,11 +6,11 @@ from __future__ import annotations
 
 import html
 import json
-import os
 import pathlib
 from typing import Any
 
 from mebots import _mebots
+from mebots.exploration.files import write_whole
 from mebots.exploration.study import Study
 
 _STYLE = """
@@ -43,9 +43,7 @@ def write(file: pathlib.Path, study: Study, script: str, data: dict[str, Any], p
         f"<title>{html.escape(title)}</title><style>{_STYLE}</style></head><body><h1>{html.escape(title)}</h1>"
         f'<main id="main"></main><script type="application/json" id="data">{_embedded(content)}</script>{scripts}</body></html>\n'
     )
-    beside = file.with_name(file.name + ".part")
-    beside.write_text(page, encoding="utf-8")
-    os.replace(beside, file)
+    write_whole(file, [page.encode()])
 
 
 def _text_of(script: str) -> str:

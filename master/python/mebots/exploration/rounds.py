@@ -4,15 +4,35 @@ nothing else: so they are the same for any number of workers and after any inter
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from mebots.exploration.comparison import Evidence
+from mebots.exploration.front import Dominance
 from mebots.exploration.study import Study
 
 Flight = tuple[int, int]
 """Design, replicate."""
 
 FLYING = "flying"
+
+
+class Flights(Sequence[Flight]):
+    """The same replicates of several designs, in the study's order, without a list of them."""
+
+    def __init__(self, designs: Sequence[int], begin: int, end: int) -> None:
+        self.designs = designs
+        self.begin = begin
+        self.end = max(begin, end)
+
+    def __len__(self) -> int:
+        return len(self.designs) * (self.end - self.begin)
+
+    def __getitem__(self, index):  # no slices
+        at, replicate = divmod(index, self.end - self.begin)
+        return self.designs[at], self.begin + replicate
+
+    def __iter__(self) -> Iterator[Flight]:
+        return ((design, replicate) for design in self.designs for replicate in range(self.begin, self.end))
 
 
 class Rounds:
@@ -28,13 +48,13 @@ class Rounds:
         self._size = study.round_size or study.replicates
         self._flown = 0
         self._decided = 0
-        self.status = [FLYING] * len(evidence.measures)
+        self.status = [FLYING] * len(evidence.counts)
 
     def flying(self) -> list[int]:
         return [design for design, status in enumerate(self.status) if status == FLYING]
 
-    def next(self) -> list[Flight]:
-        """The missions of the next round in the study's order; none when the study is done."""
+    def next(self) -> Flights:
+        """Returns the missions of the next round in the study's order; none when the study is done."""
         return self._missions(self._flown)
 
     def ahead(self) -> Iterator[Flight]:
@@ -73,9 +93,8 @@ class Rounds:
         for design in self.flying():
             self.status[design] = reason
 
-    def _missions(self, begin: int) -> list[Flight]:
-        end = min(begin + self._size, self._study.replicates)
-        return [(design, replicate) for design in self.flying() for replicate in range(begin, end)]
+    def _missions(self, begin: int) -> Flights:
+        return Flights(self.flying(), begin, min(begin + self._size, self._study.replicates))
 
     def _answer(self) -> None:
         stop = self._study.stop
@@ -104,10 +123,11 @@ class Rounds:
                 self.status[best] = f"the best by {stop.label}"
 
     def _race(self) -> None:
-        feasible = {design: self._evidence.feasible(design) for design in range(len(self.status))}
-        leaders = self._evidence.leaders([design for design, sure in feasible.items() if sure])
+        designs = range(len(self.status))
+        feasible = [self._evidence.feasible(design) for design in designs]
+        sure = Dominance(self._evidence, [design for design in designs if feasible[design]], [])
         for design in self.flying():
             if feasible[design] is False:
                 self.status[design] = "dropped: breaks a constraint"
-            elif any(self._evidence.dominates(leader, design) for leader in leaders if leader != design):
+            elif sure.is_dominated(design):
                 self.status[design] = "dropped: dominated"

@@ -9,8 +9,8 @@ from typing import Any
 
 from mebots.errors import InputError
 from mebots.exploration.comparison import Evidence
-from mebots.exploration.designs import extra
-from mebots.exploration.rounds import FLYING, Flight
+from mebots.exploration.extras import extra
+from mebots.exploration.rounds import FLYING, Flight, Flights
 from mebots.exploration.study import Study, Values
 
 
@@ -37,10 +37,10 @@ class Search:
     def flying(self) -> list[int]:
         return [design for design, status in enumerate(self.status) if status == FLYING]
 
-    def next(self) -> list[Flight]:
+    def next(self) -> Flights:
         """All replicates of the next round's designs."""
         if self._round == self._study.design["rounds"]:
-            return []
+            return Flights([], 0, 0)
         first = len(self._designs)
         spaces = {name: self._space(spread) for name, spread in self._study.design["factors"].items()}
         for _ in range(self._study.design["points"]):
@@ -48,7 +48,8 @@ class Search:
             self._trials.append(trial)
             self._designs.append({name: trial.params[name] for name in spaces})
             self.status.append(FLYING)
-        return [(design, replicate) for design in range(first, len(self._designs)) for replicate in range(self._study.replicates)]
+        self._evidence.add_designs(len(self._designs))
+        return Flights(range(first, len(self._designs)), 0, self._study.replicates)
 
     def ahead(self) -> Iterator[Flight]:
         """Nothing: what comes depends on this round."""

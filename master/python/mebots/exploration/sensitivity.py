@@ -8,7 +8,8 @@ from typing import Any
 
 from mebots.exploration import tables
 from mebots.exploration.comparison import Evidence
-from mebots.exploration.designs import extra
+from mebots.exploration.extras import extra
+from mebots.exploration.files import write_csv
 from mebots.exploration.study import Study
 
 _COLUMNS = {"sobol": ("S1", "S1_conf", "ST", "ST_conf"), "morris": ("mu", "mu_star", "mu_star_conf", "sigma")}
@@ -34,7 +35,7 @@ def write(file: pathlib.Path, study: Study, evidence: Evidence) -> None:
         found = _analysed(study, points, means)
         for number, factor in enumerate(study.design["factors"]):
             rows.append([objective.label, factor, *(tables.cell(float(found[column][number])) for column in _COLUMNS[method])])
-    tables.write(file, rows)
+    write_csv(file, rows)
 
 
 def _analysed(study: Study, points: Any, means: list[Any]) -> Any:

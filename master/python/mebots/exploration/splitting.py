@@ -18,16 +18,13 @@ import dataclasses
 import math
 import pathlib
 from collections.abc import Callable, Iterator, Sequence
-from typing import TYPE_CHECKING
-
 from mebots.exploration import chance, columns, rare_report, tables
 from mebots.exploration.answers import Moments, student
+from mebots.exploration.files import write_csv
 from mebots.exploration.journal import Journal, Record
 from mebots.exploration.missions import Course, Order, Turn
+from mebots.exploration.space import Space
 from mebots.exploration.study import Splitting, Study, Values
-
-if TYPE_CHECKING:
-    from mebots.exploration.campaign import Campaign
 
 Bring = Callable[[list[Order], int], Journal]
 """Takes orders into a journal, which it returns; the number says how many follow at most."""
@@ -66,14 +63,14 @@ class Estimate:
         self.simulated_s.append(record.get("simulated_time", 0.0))
 
 
-def fly(campaign: Campaign, folder: pathlib.Path, bring: Bring) -> tuple[int, int]:
+def fly(space: Space, folder: pathlib.Path, bring: Bring) -> tuple[int, int]:
     """Flies level by level, and writes levels.csv, designs.csv and report.html. Returns how many missions there were,
     and how many of them failed."""
-    study = campaign.study
-    pilots = [Estimate(design, study.replicates, ()) for design in range(len(campaign.designs))]
+    study = space.study
+    pilots = [Estimate(design, study.replicates, ()) for design in range(len(space.designs))]
     answered = True
     if not study.rare.levels:
-        answered = _find_levels(campaign, pilots, bring)
+        answered = _find_levels(space, pilots, bring)
     estimates = [
         Estimate(pilot.design, run, study.rare.levels or pilot.levels)
         for pilot in pilots
@@ -81,11 +78,11 @@ def fly(campaign: Campaign, folder: pathlib.Path, bring: Bring) -> tuple[int, in
     ]
     everybody = estimates if study.rare.levels else [*pilots, *estimates]
     for number in range(max(len(one.levels) for one in estimates) if answered else 0):
-        _fly_level(campaign, [one for one in estimates if number < len(one.levels)], number, bring)
+        _fly_level(space, [one for one in estimates if number < len(one.levels)], number, bring)
         if _too_many(study, everybody):
             answered = False
             break
-    _write(campaign, folder, everybody, answered=answered)
+    _write(space, folder, everybody, answered=answered)
     return sum(one.flown for one in everybody), sum(one.failed for one in everybody)
 
 
@@ -105,8 +102,8 @@ def _too_many(study: Study, estimates: Sequence[Estimate]) -> bool:
     return study.most_failures is not None and sum(one.failed for one in estimates) >= study.most_failures
 
 
-def _fly_level(campaign: Campaign, estimates: Sequence[Estimate], number: int, bring: Bring) -> None:
-    for estimate, flown in _flown_to(campaign, estimates, lambda one: one.levels[number], number, bring):
+def _fly_level(space: Space, estimates: Sequence[Estimate], number: int, bring: Bring) -> None:
+    for estimate, flown in _flown_to(space, estimates, lambda one: one.levels[number], number, bring):
         estimate.ways = []
         for way, record in flown:
             if record["outcome"] == "reached":
@@ -115,12 +112,12 @@ def _fly_level(campaign: Campaign, estimates: Sequence[Estimate], number: int, b
 
 
 def _flown_to(
-    campaign: Campaign, estimates: Sequence[Estimate], level: Callable[[Estimate], float], number: int, bring: Bring
+    space: Space, estimates: Sequence[Estimate], level: Callable[[Estimate], float], number: int, bring: Bring
 ) -> list[tuple[Estimate, list[tuple[Way, Record]]]]:
     """The missions from one level to the next of each estimate, with what came of them."""
-    study = campaign.study
-    flights = [(one, [(way, _order(campaign, one, way, level(one))) for way in _ways(study, one, number)]) for one in estimates]
-    journal = bring([order for _, own in flights for _, order in own], _most_later(campaign, estimates, number))
+    study = space.study
+    flights = [(one, [(way, _order(space, one, way, level(one))) for way in _ways(study, one, number)]) for one in estimates]
+    journal = bring([order for _, own in flights for _, order in own], _most_later(space, estimates, number))
     result = []
     for estimate, own in flights:
         flown = []
@@ -134,9 +131,9 @@ def _flown_to(
     return result
 
 
-def _most_later(campaign: Campaign, estimates: Sequence[Estimate], number: int) -> int:
+def _most_later(space: Space, estimates: Sequence[Estimate], number: int) -> int:
     """How many missions may follow those to a level, by how many levels there are at most."""
-    study, designs = campaign.study, len(campaign.designs)
+    study, designs = space.study, len(space.designs)
     if estimates[0].run == study.replicates:  # pilots, with all estimates behind them
         return ((MOST_LEVELS - number - 1) + study.replicates * MOST_LEVELS) * designs * study.rare.missions
     return sum(len(one.levels) - number - 1 for one in estimates) * study.rare.missions
@@ -175,9 +172,9 @@ def _writes(study: Study, number: int, index: int) -> Values:
     }
 
 
-def _order(campaign: Campaign, estimate: Estimate, way: Way, level: float) -> Order:
-    values = campaign.values((estimate.design, way.draw))
-    return campaign.missions.order_until(_place(campaign.study.rare, level), values, way.course)
+def _order(space: Space, estimate: Estimate, way: Way, level: float) -> Order:
+    values = space.values((estimate.design, way.draw))
+    return space.missions.order_until(_place(space.study.rare, level), values, way.course)
 
 
 # Levels that nobody gave.
@@ -189,18 +186,18 @@ MOST_LEVELS = 20
 """A fifth of a fifth and so on: 1e-14."""
 
 
-def _find_levels(campaign: Campaign, pilots: list[Estimate], bring: Bring) -> bool:
+def _find_levels(space: Space, pilots: list[Estimate], bring: Bring) -> bool:
     """Pilot missions of each design fly on to their end or to the goal; the next level is what the best fifth of them came
     to (adaptive multilevel splitting: Cérou, Guyader 2007), and these are its entrances. What they find decides nothing
     but the levels: estimates fly with chance of their own, so that levels that suit the pilots by luck bias nothing.
     False when too many missions failed."""
-    goal = campaign.study.rare.goal
+    goal = space.study.rare.goal
     flying = pilots
     while flying:
         number = len(flying[0].levels)
-        for pilot, flown in _flown_to(campaign, flying, lambda one: goal, number, bring):
-            _set_level(campaign.study.rare, pilot, flown)
-        if _too_many(campaign.study, pilots):
+        for pilot, flown in _flown_to(space, flying, lambda one: goal, number, bring):
+            _set_level(space.study.rare, pilot, flown)
+        if _too_many(space.study, pilots):
             return False
         flying = [pilot for pilot in flying if pilot.levels[-1] != goal]
     return True
@@ -236,37 +233,37 @@ def next_level(bests: Sequence[float], floor: float | None, goal: float, found: 
 # What came of it.
 
 
-def _write(campaign: Campaign, folder: pathlib.Path, estimates: list[Estimate], *, answered: bool) -> None:
+def _write(space: Space, folder: pathlib.Path, estimates: list[Estimate], *, answered: bool) -> None:
     """Without an answer where too many missions had failed on the way to the last level."""
-    study = campaign.study
+    study = space.study
     levels = [["design", "estimate", "level", "missions", "reached"]]
     for one in estimates:
         name = "pilot" if one.run == study.replicates else str(one.run)
         for level, reached in zip(one.levels, one.reached, strict=False):
             levels.append([str(one.design), name, tables.cell(level), str(study.rare.missions), str(reached)])
-    tables.write(folder / "levels.csv", levels)
+    write_csv(folder / "levels.csv", levels)
     rows = [
-        ["design", *campaign.factors, "estimates", "missions", "failed", "simulated_time [s]"]
+        ["design", *space.factors, "estimates", "missions", "failed", "simulated_time [s]"]
         + ["probability", "probability: low", "probability: high", "relative_error"]
     ]
     told = []
-    for design, values in enumerate(campaign.designs):
+    for design, values in enumerate(space.designs):
         own = [one for one in estimates if one.design == design]
         counted = [one for one in own if one.run < study.replicates]
         answer = _answer(study, counted) if answered else [None] * 4
         missions = sum(one.flown for one in own)
         simulated_s = math.fsum(time_s for one in own for time_s in one.simulated_s)
         rows.append(
-            [str(design), *(tables.cell(values[name]) for name in campaign.factors), str(study.replicates), str(missions)]
+            [str(design), *(tables.cell(values[name]) for name in space.factors), str(study.replicates), str(missions)]
             + [str(sum(one.failed for one in own)), tables.cell(simulated_s), *map(tables.cell, answer)]
         )
         told.append(rare_report.Design(
-            values=[values[name] for name in campaign.factors], missions=missions, failed=sum(one.failed for one in own),
+            values=[values[name] for name in space.factors], missions=missions, failed=sum(one.failed for one in own),
             simulated_s=simulated_s, answer=answer, levels=list(counted[0].levels), reached=[one.reached for one in counted],
-            command=_write_replay(campaign, folder, design, counted)))
-    tables.write(folder / "designs.csv", rows)
+            command=_write_replay(space, folder, design, counted)))
+    write_csv(folder / "designs.csv", rows)
     columns.write(folder)
-    rare_report.write(folder / "report.html", study, campaign.factors, told, campaign.provenance())
+    rare_report.write(folder / "report.html", study, space.factors, told, space.provenance(space.values((0, 0))))
 
 
 def _answer(study: Study, estimates: list[Estimate]) -> list[float | None]:
@@ -279,7 +276,7 @@ def _answer(study: Study, estimates: list[Estimate]) -> list[float | None]:
     return [moments.mean, max(low, 0.0), min(high, 1.0), relative]
 
 
-def _write_replay(campaign: Campaign, folder: pathlib.Path, design: int, estimates: list[Estimate]) -> str:
+def _write_replay(space: Space, folder: pathlib.Path, design: int, estimates: list[Estimate]) -> str:
     """A scenario with which a single run does what the first mission did that reached the last level. Returns the
     command; "" where none did."""
     way = next((way for one in estimates if len(one.reached) == len(one.levels) for way in one.ways), None)
@@ -291,4 +288,4 @@ def _write_replay(campaign: Campaign, folder: pathlib.Path, design: int, estimat
             entry = {"variable": name, "set": value, "from": begin_s}
             scenario.append(entry | {"until": end_s} if turn is not way.course[-1] else entry)
     text = f"A mission of design {design} that reached the last level: what was drawn again on the way"
-    return campaign.missions.replay(campaign.values((design, way.draw)), folder / "rare", f"design_{design}", text, scenario)
+    return space.missions.replay(space.values((design, way.draw)), folder / "rare", f"design_{design}", text, scenario)

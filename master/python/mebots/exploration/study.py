@@ -10,6 +10,7 @@ import pathlib
 from typing import Any
 
 from mebots import _mebots
+from mebots.exploration.files import write_whole
 
 NAME = "study.json"
 """Of the study's copy beside its results."""
@@ -109,7 +110,7 @@ class Study:
 
     def write(self, folder: pathlib.Path) -> None:
         """For `--status`, and for who calls again."""
-        (folder / NAME).write_text(self.text + "\n", encoding="utf-8")
+        write_whole(folder / NAME, [(self.text + "\n").encode()])
 
     def is_another_in(self, folder: pathlib.Path) -> bool:
         """Whether the folder has the results of another study."""

@@ -1,13 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""missions.csv and designs.csv: the same bytes for the same study, whatever flew it."""
+"""Rows of missions.csv and designs.csv: the same bytes for the same study, on all workers."""
 
 from __future__ import annotations
 
-import csv
 import math
-import os
-import pathlib
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 from mebots.exploration.comparison import Evidence
@@ -47,8 +44,13 @@ def mission_row(
     ]
 
 
+def missing_record(mission: str) -> dict[str, Any]:
+    """Returns what missions.csv has of a mission without a result."""
+    return {"outcome": "missing", "error": "no result: the same command runs it", "mission": mission}
+
+
 def design_head(factors: Sequence[str], study: Study) -> list[str]:
-    head = ["design", *factors, "missions", "failed", "status", "front"]
+    head = ["design", *factors, "missions", "failed", "missing", "status", "front"]
     for one in study.objectives:
         title = _titled(one)
         if one.is_share:
@@ -62,23 +64,13 @@ def design_head(factors: Sequence[str], study: Study) -> list[str]:
 def design_row(
     design: int, values: Values, factors: Sequence[str], evidence: Evidence, failed: int, status: str, place: str
 ) -> list[str]:
-    row = [str(design), *(cell(values[name]) for name in factors), str(len(evidence.measures[design])), str(failed), status, place]
+    row = [str(design), *(cell(values[name]) for name in factors), str(evidence.missions_of(design)), str(failed), str(evidence.missing_of(design)), status, place]
     for one in evidence.study.objectives:
         estimate = evidence.shown(design, one)
         if one.is_share:
             row.append(cell(estimate.successes))
         row += [cell(estimate.count), cell(estimate.mean), cell(estimate.interval[0]), cell(estimate.interval[1])]
     return row
-
-
-def write(file: pathlib.Path, rows: Iterable[list[str]]) -> None:
-    """Whole or not at all."""
-    beside = file.with_name(file.name + ".part")
-    with open(beside, "w", encoding="utf-8", newline="") as stream:
-        csv.writer(stream, lineterminator="\n").writerows(rows)
-        stream.flush()
-        os.fsync(stream.fileno())
-    beside.replace(file)
 
 
 def _titled(one: Objective) -> str:

@@ -33,6 +33,7 @@ from collections.abc import Callable, Iterator
 from typing import Any, NoReturn
 
 from mebots import Error, Mission
+from mebots.exploration import outcomes
 from mebots.exploration.missions import FILE_MARK, Order, without_paths
 from mebots.exploration.pasts import Pasts
 
@@ -64,7 +65,7 @@ class Worker:
         config = _config_of(order)
         if ("out" in order and not order.get("check")) or config in self._open:
             return
-        with contextlib.suppress(Error):  # who flies it meets the same
+        with contextlib.suppress(Error, OSError, MemoryError):  # answer() meets the same
             self._mission(config, bool(order["series"]), None).load()
 
     def is_clean(self) -> bool:
@@ -91,7 +92,11 @@ class Worker:
                 self._fly_until(order, record)
             else:
                 self._fly(order, record)
-        except Error as error:
+        except (Error, OSError, MemoryError) as error:
+            if outcomes.is_outside(error):
+                self._forget(order)
+                return {"mission": record["mission"], "unfinished": outcomes.text_of(error)}
+            assert isinstance(error, Error)
             record["error"], record["code"] = _without_paths(str(error), order), error.code
             if order.get("check"):
                 record["about"] = self._about
@@ -101,6 +106,11 @@ class Worker:
             record |= {"outcome": "failed", "code": "not_offered"}
         record["processor_time"] = round(time.process_time() - begun, 4)
         return record
+
+    def _forget(self, order: Order) -> None:
+        """Drops a mission that a fault of the system left in an unknown state: the next attempt opens it again."""
+        self.free_instances()
+        self._open.pop(_config_of(order), None)
 
     def free_instances(self) -> list[tuple[str, bool]]:
         """Frees those of the last mission. Lists the FMUs that are not clean, and whether they ran in this process."""
@@ -112,6 +122,8 @@ class Worker:
     def _prepared(self, order: Order) -> Mission:
         places = _places(order)
         out = None if order.get("check") or "out" not in order else _unfinished(order["out"])
+        if out is not None:
+            os.makedirs(os.path.dirname(out), exist_ok=True)
         mission = self._flown = self._mission(_config_of(order), bool(order["series"]), out)
         for name, value in order["settings"].items():
             self._about = name
@@ -128,9 +140,9 @@ class Worker:
             mission.reset()
             return mission
         descriptor, file = tempfile.mkstemp(".json", "mission", self._folder)
+        self._own_files.add(file)
         with open(descriptor, "w", encoding="utf-8") as stream:
             stream.write(config)
-        self._own_files.add(file)
         if out is not None:  # a mission writes into one folder
             return Mission(file, in_memory=in_memory, out=out, statistics=True)
         if len(self._open) >= _MOST_OPEN:

@@ -1,0 +1,99 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Files that are complete or absent, whatever the disk does."""
+
+from __future__ import annotations
+
+import contextlib
+import csv
+import io
+import os
+import pathlib
+from collections.abc import Callable, Iterable, Sequence
+
+_BLOCK_BYTES = 1 << 20
+
+
+def write_all(descriptor: int, block: bytes) -> None:
+    """Writes all bytes: the system may write fewer at a time. Raises OSError."""
+    rest = memoryview(block)
+    while rest:
+        rest = rest[os.write(descriptor, rest) :]
+
+
+def close(descriptor: int) -> None:
+    """Closes a descriptor. Raises OSError. Linux has closed it also if a signal interrupted the call."""
+    with contextlib.suppress(InterruptedError):
+        os.close(descriptor)
+
+
+def count_lines(file: pathlib.Path) -> int:
+    descriptor = os.open(file, os.O_RDONLY | os.O_CLOEXEC)
+    try:
+        return sum(block.count(b"\n") for block in iter(lambda: os.read(descriptor, _BLOCK_BYTES), b""))
+    finally:
+        close(descriptor)
+
+
+def write_whole(file: pathlib.Path, blocks: Iterable[bytes]) -> None:
+    """Writes a file under another name, syncs it and renames it. Raises OSError and leaves the old file as it was."""
+
+    def write(beside: pathlib.Path) -> None:
+        # O_EXCL: a symbolic link of this name is not followed.
+        descriptor = os.open(beside, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o666)
+        try:
+            for block in blocks:
+                write_all(descriptor, block)
+        except BaseException:
+            close(descriptor)
+            raise
+        close(descriptor)
+
+    replace_with(file, write)
+
+
+def replace_with(file: pathlib.Path, write: Callable[[pathlib.Path], None]) -> None:
+    """Calls ``write`` with another name in the same folder, syncs what it wrote and renames it."""
+    beside = file.with_name(file.name + ".part")
+    beside.unlink(missing_ok=True)
+    try:
+        write(beside)
+        _sync(beside)
+        _rename(beside, file)
+        _sync(file.parent)
+    except BaseException:
+        with contextlib.suppress(OSError):
+            beside.unlink(missing_ok=True)
+        raise
+
+
+def write_csv(file: pathlib.Path, rows: Iterable[Sequence[str]]) -> None:
+    """Writes rows as CSV in UTF-8, with bounded memory."""
+    write_whole(file, _csv_blocks(rows))
+
+
+def _csv_blocks(rows: Iterable[Sequence[str]]) -> Iterable[bytes]:
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    for row in rows:
+        writer.writerow(row)
+        if text.tell() > _BLOCK_BYTES:
+            yield text.getvalue().encode()
+            text.seek(0)
+            text.truncate()
+    yield text.getvalue().encode()
+
+
+def _rename(old: pathlib.Path, new: pathlib.Path) -> None:
+    while True:
+        try:
+            return os.replace(old, new)
+        except InterruptedError:  # of a network file system
+            continue
+
+
+def _sync(path: pathlib.Path) -> None:
+    descriptor = os.open(path, os.O_RDONLY | os.O_CLOEXEC)
+    try:
+        os.fsync(descriptor)
+    finally:
+        close(descriptor)

@@ -1,0 +1,40 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Tells the outcome of a mission from a fault outside of it. An outcome occurs again wherever the mission runs: an error or a
+crash of an FMU, or a limit of the study. A full disk, too little memory, or a killed process is none."""
+
+from __future__ import annotations
+
+import errno
+import os
+import signal
+
+from mebots.errors import Error
+
+_CODES = frozenset(["file_unwritable", "system_failure"])
+"""Codes of errors that a mission gets from the system and not from its FMUs."""
+_SIGNALS = frozenset([signal.SIGKILL, signal.SIGTERM, signal.SIGINT, signal.SIGHUP, signal.SIGQUIT, signal.SIGXCPU, signal.SIGXFSZ])
+"""Signals by which users, schedulers and the system end processes. FMUs that crash get others."""
+_ERRORS = (errno.ENOSPC, errno.EIO, errno.EDQUOT, errno.ENOMEM, errno.EMFILE, errno.ENFILE, errno.EROFS, errno.EFBIG, errno.ESTALE)
+_TEXTS = (*(os.strerror(number) for number in _ERRORS), "bad_alloc", "Resource temporarily unavailable", "by SIGKILL", "by SIGTERM")
+
+
+def is_outside_signal(number: int) -> bool:
+    """True for signals that other programs send."""
+    return number in _SIGNALS
+
+
+def tells_of_system(text: str) -> bool:
+    """True if a text has the system's words for a full disk, too little memory or the like."""
+    return any(words in text for words in _TEXTS)
+
+
+def is_outside(error: BaseException) -> bool:
+    """True if an exception in a mission process is no outcome of its mission."""
+    if isinstance(error, (OSError, MemoryError)):
+        return True
+    return isinstance(error, Error) and (error.code in _CODES or tells_of_system(str(error)))
+
+
+def text_of(error: BaseException) -> str:
+    """Returns a text for the user."""
+    return str(error) or ("out of memory" if isinstance(error, MemoryError) else type(error).__name__)

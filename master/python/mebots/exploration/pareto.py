@@ -1,0 +1,50 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The points that no other point dominates."""
+
+from __future__ import annotations
+
+import numpy as np
+
+try:  # of the extra mebots[sweep]: n log n in two and three dimensions (Fonseca, Lopez-Ibanez and others)
+    import moocore
+except ImportError:
+    moocore = None
+
+_BLOCK = 256
+
+
+def front(points: np.ndarray) -> list[int]:
+    """Returns the numbers of the rows that no other row dominates: greater or equal in all columns, and not equal. Equal rows
+    dominate none of each other. Rows of infinities and finite numbers are allowed, NaN is not."""
+    points = points + 0.0  # -0.0 becomes 0.0
+    if points.shape[1] == 1:
+        return np.flatnonzero(points[:, 0] == points[:, 0].max()).tolist()
+    if moocore is not None and np.isfinite(points).all():
+        return np.flatnonzero(moocore.is_nondominated(points, maximise=True, keep_weakly=True)).tolist()
+    return _front_by_blocks(points)
+
+
+def _front_by_blocks(points: np.ndarray) -> list[int]:
+    """Compares each block of points with the front so far, in the order of the sums: no point dominates one before it."""
+    distinct, origin = np.unique(points, axis=0, return_inverse=True)
+    order = np.lexsort(distinct.T)[::-1]
+    order = order[np.argsort(-distinct[order].sum(axis=1), kind="stable")]
+    kept = np.empty((0, points.shape[1]))
+    on_front = np.zeros(len(distinct), bool)
+    for begin in range(0, len(order), _BLOCK):
+        block = distinct[order[begin : begin + _BLOCK]]
+        free = ~_dominated(block, kept)
+        inside = block[free]
+        free[free] = ~_dominated(inside, inside)
+        on_front[order[begin : begin + _BLOCK][free]] = True
+        kept = np.concatenate([kept, block[free]])
+    return np.flatnonzero(on_front[origin.ravel()]).tolist()
+
+
+def _dominated(points: np.ndarray, others: np.ndarray) -> np.ndarray:
+    """Returns for each point whether another one is at least as great in all columns. The points are distinct."""
+    result = np.zeros(len(points), bool)
+    for at, point in enumerate(points):
+        better = (others >= point).all(axis=1)
+        result[at] = better.sum() > (1 if others is points else 0)
+    return result

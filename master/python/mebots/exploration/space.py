@@ -1,0 +1,55 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the missions of a study are: its designs, its draws, and the order for each mission."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+from mebots.exploration import chance, designs
+from mebots.exploration.missions import Missions, Order
+from mebots.exploration.rounds import Flight
+from mebots.exploration.study import Study, Values
+
+_MOST_DRAWS_KEPT = 100_000
+"""Replicates whose draws stay in memory; those of others are computed each time."""
+
+
+class Space:
+    """Designs and draws of a study. ``designs`` of a search grow with its rounds."""
+
+    def __init__(self, study: Study) -> None:
+        self.study = study
+        self.missions = Missions(study)
+        self.designs = designs.designs_of(study)
+        self.factors = list(self.designs[0] if self.designs else study.design["factors"])
+        self._draws: dict[int, Values] = {}
+
+    def values(self, flight: Flight) -> Values:
+        """Returns the values of factors and draws of a mission."""
+        design, replicate = flight
+        return self.designs[design] | self.draw(replicate)
+
+    def draw(self, replicate: int) -> Values:
+        """Returns the values of the draws of a replicate, which are the same for all designs."""
+        drawn = self._draws.get(replicate)
+        if drawn is None:
+            drawn = {
+                name: chance.value(spread, chance.unit(self.study.draws_seed, name, replicate))
+                for name, spread in self.study.draws.items()
+            }
+            if len(self._draws) < _MOST_DRAWS_KEPT:
+                self._draws[replicate] = drawn
+        return drawn
+
+    def order(self, flight: Flight) -> Order:
+        return self.missions.order(self.values(flight))
+
+    def provenance(self, example: Values) -> dict[str, str]:
+        """Returns what the study ran and with what, for people. ``example``: the values of any mission."""
+        draws = json.dumps(self.study.draws) if self.study.draws else "none"
+        files: dict[str, Any] = self.missions.order(example)["files"]
+        return {
+            "mission": self.study.mission.name,
+            "draws": f"{draws}, seed {self.study.draws_seed}",
+        } | {name: digest for digest, (_, name) in sorted(files.items(), key=lambda one: one[1][1])}

@@ -1,0 +1,171 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Studies on a disk that fails: each write, fsync, rename and close in turn, and a disk that is full for a while."""
+
+import concurrent.futures
+import ctypes
+import errno
+import json
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+import unittest
+
+import mebots
+from mebots.exploration.dispatch import Unfinished
+from support import MEBOTS, StudyCase
+
+TABLES = ("missions.csv", "designs.csv", "report.html", "study.json")
+ERRORS = {"ENOSPC": errno.ENOSPC, "EIO": errno.EIO, "EINTR": errno.EINTR, "short write": -1}
+
+
+def library(folder):
+    """Compiles io_faults.c, or skips the test."""
+    compiler = shutil.which("cc")
+    if compiler is None:
+        raise unittest.SkipTest("there is no C compiler")
+    file = pathlib.Path(folder) / "io_faults.so"
+    source = pathlib.Path(__file__).with_name("io_faults.c")
+    subprocess.run([compiler, "-shared", "-fPIC", "-O1", "-o", str(file), str(source), "-ldl"], check=True)
+    return file
+
+
+class Invented(concurrent.futures.Executor):
+    """Answers at once, without a simulation."""
+
+    def submit(self, function, batch):
+        del function
+        future = concurrent.futures.Future()
+        future.set_result({"duration_s": 0.1, "records": [
+            {"mission": one["mission"], "flown_by": batch["shared"]["build"], "outcome": "far", "error": "", "code": "",
+             "simulated_time": 1.0, "values": {"integral": one["settings"]["a.real_in"], "deep.out": 2.0}} for one in batch["missions"]]})
+        return future
+
+
+def run_with_faults(study, out, faults):
+    """Runs in a process that has the library. Returns a line for each fault: its name, its number, what the study raised, and
+    which files differ from those of a run without faults, after the fault and after the next run."""
+
+    def fly(error, number):
+        """Returns what the study raised, and the number of calls."""
+        faults.arm(str(out).encode(), error, number)
+        raised = ""
+        try:
+            mebots.sweep(study, out, executor=Invented(), jobs=2)
+        except mebots.Error as problem:
+            raised = str(problem)
+        calls = faults.count()
+        faults.arm(b"", 0, 0)
+        return raised, calls
+
+    def tables():
+        return {name: (out / name).read_bytes() for name in TABLES if (out / name).exists()}
+
+    _, calls = fly(0, 0)
+    whole = tables()
+    results = []
+    for name, error in ERRORS.items():
+        for number in range(1, calls + 1):
+            shutil.rmtree(out)
+            raised, _ = fly(error, number)
+            torn = [one for one, content in tables().items() if content != whole[one]]
+            parts = [one.name for one in out.iterdir() if one.name.endswith(".part")]
+            raised_again, _ = fly(0, 0)
+            again = [] if tables() == whole else ["tables"]
+            results.append([name, number, raised, torn, parts, again + [raised_again] * bool(raised_again)])
+    print(json.dumps(results))
+
+
+class EachCall(StudyCase):
+    def test_that_fails_gives_a_message_no_torn_file_and_the_same_tables_at_the_next_call(self):
+        preload = library(self.folder)
+        done = subprocess.run([sys.executable, __file__, "--faults", str(self.study()), str(self.folder / "out"), str(preload)],
+                              env=dict(os.environ, LD_PRELOAD=str(preload)), capture_output=True, text=True, timeout=280)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        results = json.loads(done.stdout)
+        self.assertGreater(len(results), 4 * 20)
+        silent = 0
+        for name, number, raised, torn, parts, again in results:
+            with self.subTest(name, call=number):
+                self.assertEqual((torn, parts, again), ([], [], []))
+                if name in ("EINTR", "short write"):
+                    self.assertEqual(raised, "")
+                elif raised:
+                    self.assertIn(os.strerror(ERRORS[name]), raised)
+                else:
+                    silent += 1
+        self.assertLessEqual(silent, 2 * 2, "only closing a journal that is synced may fail unnoticed")
+
+
+class FullDisk(StudyCase):
+    """Results of missions are on a disk that is full from the 15th of 30 missions on."""
+
+    def fly(self, environment, code):
+        command = [MEBOTS, "sweep", str(self.folder / "study.json"), "--out", str(self.folder / "out"), "--jobs", "1"]
+        process = subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        flights = self.folder / "out" / "flights"
+        while code and process.poll() is None and len(list(flights.glob("??/*/summary.json"))) < 15:
+            pass
+        if code:
+            self.flag.touch()
+        told, _ = process.communicate(timeout=170)
+        self.assertEqual(process.returncode, code, told)
+        return told
+
+    def test_costs_no_mission(self):
+        self.mission(fault="slow", fault_time=0)  # 20 ms a step
+        self.study(results=True, draws={"replicates": 15, "seed": 1, "variables": {"a.real_in": {"uniform": [0, 3]}}})
+        self.sweep(out="sound")
+        self.flag = self.folder / "full"
+        environment = dict(os.environ, LD_PRELOAD=str(library(self.folder)), IO_FAULTS_FLAG=str(self.flag),
+                           IO_FAULTS_FOLDER=str(self.folder / "out" / "flights"))
+        told = self.fly(environment, 3)
+        self.assertRegex(told, "the mission [0-9a-f]{64} had no result in 3 attempts: .*No space left on device|the mission .* had no result")
+        self.assertNotIn("Traceback", told)
+        journal = self.bytes_of("journal.jsonl").splitlines()
+        self.assertTrue(all(json.loads(line)["outcome"] != "failed" for line in journal))
+        rows = self.rows("missions.csv")
+        missing = sum(row["outcome"] == "missing" for row in rows)
+        self.assertEqual(missing, 30 - len(journal))
+        self.assertEqual(sum(int(row["missing"]) for row in self.rows("designs.csv")), missing)
+        self.assertEqual(sum(int(row["failed"]) for row in self.rows("designs.csv")), 0)
+        self.assertFalse((self.folder / "out" / "report.html").exists())
+        self.flag.unlink()
+        self.fly(environment, 0)
+        for name in ("missions.csv", "designs.csv"):
+            self.assertEqual(self.bytes_of(name), self.bytes_of(name, "sound"))
+
+
+class Killed(StudyCase):
+    def test_missions_that_are_killed_three_times_stop_the_study_and_have_no_outcome(self):
+        """A fake executor loses the batches that have one mission."""
+        self.study()
+
+        class Losing(Invented):
+            def submit(self, function, batch):
+                if any("a.gain" in one["settings"] and one["settings"]["a.gain"] == 1 and "check" not in one for one in batch["missions"]):
+                    future = concurrent.futures.Future()
+                    future.set_exception(RuntimeError("the worker was lost"))
+                    return future
+                return super().submit(function, batch)
+
+        with self.assertRaises(Unfinished) as caught:
+            mebots.sweep(self.folder / "study.json", self.folder / "out", executor=Losing(), jobs=2)
+        self.assertIn("a.gain = 1", str(caught.exception))
+        self.assertIn("the worker was lost", str(caught.exception))
+        rows = self.rows("designs.csv")
+        self.assertEqual([row["missing"] for row in rows], ["0", "10"])
+        self.assertIn("not evaluated: 10 missions are missing", rows[0]["status"])
+        mebots.sweep(self.folder / "study.json", self.folder / "out", executor=Invented(), jobs=2)
+        mebots.sweep(self.folder / "study.json", self.folder / "whole", executor=Invented(), jobs=2)
+        for name in ("missions.csv", "designs.csv"):
+            self.assertEqual(self.bytes_of(name), self.bytes_of(name, "whole"))
+
+
+if __name__ == "__main__":
+    if sys.argv[1:2] == ["--faults"]:
+        run_with_faults(pathlib.Path(sys.argv[2]), pathlib.Path(sys.argv[3]), ctypes.CDLL(sys.argv[4]))
+    else:
+        unittest.main(argv=sys.argv)
