@@ -23,7 +23,7 @@ export function curveColour(entry: RunCurve, index: number, runCount: number): s
 }
 
 /**
- * Returns the lengths of dash and gap. With several runs, colours tell the runs apart: the second and later curves of a run
+ * Returns the lengths of dash and gap. With several runs, each run has a colour: the second and later curves of a run
  * are dashed.
  */
 export function curveDash(curves: RunCurve[], index: number, runCount: number): [number, number] | undefined {
