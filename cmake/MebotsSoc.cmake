@@ -217,7 +217,7 @@ function(mebots_soc_fmu name)
   mebots_add_fmu(${name}
     SOURCE_DIR ${root}/fmu_soc
     IDENTIFIER fmu_soc
-    MODEL_SOURCES ${root}/fmu_soc/src/model.cpp ${root}/fmu_soc/src/variable_fields.cpp
+    MODEL_SOURCES ${root}/fmu_soc/src/fmu/model.cpp ${root}/fmu_soc/src/fmu/variable_fields.cpp
     MODEL_LIBRARIES mebots::soc_platform
     MODEL_DEFINITIONS MEBOTS_SOC_BOARD="${board_name}" MEBOTS_SOC_FIRMWARE="${first_program}"
     LINKED_IN /usr/include/xbyak/xbyak.h ${MEBOTS_RISCV_LIBGCC}

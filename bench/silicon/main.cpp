@@ -3,7 +3,7 @@
 // power.py: seconds, cycles and instructions of the cluster, joules of each part.
 
 #include "mebots/error.hpp"
-#include "soc.hpp"
+#include "soc/soc.hpp"
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>

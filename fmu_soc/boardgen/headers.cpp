@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "headers.hpp"
 
-#include "board_file.hpp"
-#include "devices/described_device.hpp"
+#include "board/board_file.hpp"
+#include "devices/core/described_device.hpp"
 #include "names.hpp"
 
 #include <fmt/core.h>

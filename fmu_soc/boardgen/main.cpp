@@ -6,7 +6,7 @@
 // The first writes headers for firmware and device models, both from one table, so that software and hardware cannot
 // disagree. The second writes a device model in C++ that lacks only what the device does by itself.
 
-#include "board_file.hpp"
+#include "board/board_file.hpp"
 #include "command_line/told_by_itself.hpp"
 #include "headers.hpp"
 #include "skeleton.hpp"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "board_file.hpp"
+#include "board/board_file.hpp"
 
 #include <string>
 

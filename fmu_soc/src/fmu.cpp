@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "chip.hpp"
+#include "board/chip.hpp"
+#include "fmu/model.hpp"
 #include "fmu_soc/binding.hpp"
 #include "mebots/fmu/model.hpp"
-#include "model.hpp"
 
 namespace mebots::soc {
 namespace {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "fmu_world/binding.hpp"
+#include "mebots/base64.hpp"
 #include "mebots/data/find_file.hpp"
 #include "model.hpp"
 #include "scene/load.hpp"
-#include "text/base64.hpp"
 
 namespace mebots::world {
 namespace {
@@ -18,7 +18,7 @@ class Binding final : public fmu::Model {
   void step(std::int64_t start_ns, std::int64_t duration_ns) override { world_.step(start_ns, duration_ns); }
   void visit(state::Visitor& v) override { world_.visit(v); }
   std::string on_demand_text(std::string_view name) const override {
-    return name == "view.scene" ? world_.view() : base64(world_.frame());
+    return name == "view.scene" ? world_.view() : encode_base64(world_.frame());
   }
 
  private:

@@ -19,7 +19,7 @@
 #include "rotor_data.hpp"
 #endif
 #ifdef MEBOTS_HAS_soc
-#include "board_file.hpp"
+#include "board/board_file.hpp"
 #endif
 #ifdef MEBOTS_HAS_world
 #include "scene/load.hpp"

@@ -4,10 +4,10 @@
 
 #include "app/navigator.h"
 
-#include "devices/camera.hpp"
+#include "devices/generic/camera.hpp"
 #include "plain_drone.hpp"
 #include "rendered_world.hpp"
-#include "soc.hpp"
+#include "soc/soc.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

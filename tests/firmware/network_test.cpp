@@ -3,10 +3,10 @@
 
 #include "nn/network.h"
 
-#include "devices/camera.hpp"
+#include "devices/generic/camera.hpp"
 #include "golden.hpp"
 #include "rendered_world.hpp"
-#include "soc.hpp"
+#include "soc/soc.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>

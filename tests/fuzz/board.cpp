@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Any text as a board file: refused with an Error, or a board whose numbers are inside their limits.
-#include "board_file.hpp"
+#include "board/board_file.hpp"
 
 #include "mebots/error.hpp"
 

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "assembler.hpp"
-#include "devices/camera.hpp"
-#include "soc.hpp"
+#include "devices/generic/camera.hpp"
+#include "soc/soc.hpp"
 
 #include <fmt/format.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A device that exists in the board file only: the time-of-flight sensor of examples/time_of_flight.
-#include "devices/described_device.hpp"
+#include "devices/core/described_device.hpp"
 
 #include "mebots/error.hpp"
 #include "mebots/state/save.hpp"

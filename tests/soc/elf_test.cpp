@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "elf/elf.hpp"
-#include "elf/built_for.hpp"
+#include "board/board_file.hpp"
 
 #include "assembler.hpp"
 

@@ -2,7 +2,7 @@
 // The camera of a GAPuino behind GAP8's uDMA: an HM01B0 that a program sets up by I2C and reads through the camera
 // interface, as the driver of GreenWaves' gap_sdk does.
 #include "board_system.hpp"
-#include "gap8_devices/himax.hpp"
+#include "devices/gap8/himax.hpp"
 #include "support/same_state.hpp"
 
 #include "mebots/error.hpp"

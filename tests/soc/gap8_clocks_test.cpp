@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // GAP8's real-time clock and its advanced timer, register by register against the public headers.
-#include "gap8_devices/advanced_timer.hpp"
-#include "gap8_devices/rtc.hpp"
+#include "devices/gap8/advanced_timer.hpp"
+#include "devices/gap8/rtc.hpp"
 #include "support/same_state.hpp"
 
 #include "mebots/state/save.hpp"

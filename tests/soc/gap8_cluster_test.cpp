@@ -2,9 +2,9 @@
 // GAP8's cluster: its event unit and DMA register by register against the public headers (archi/eu/eu_v3.h,
 // archi/dma/mchan_v6.h), and a program that brings eight cores to work on GAP8's own addresses.
 #include "board_system.hpp"
-#include "gap8_devices/cluster_event_unit.hpp"
-#include "gap8_devices/cluster_timer.hpp"
-#include "gap8_devices/mchan.hpp"
+#include "devices/gap8/cluster_event_unit.hpp"
+#include "devices/gap8/cluster_timer.hpp"
+#include "devices/gap8/mchan.hpp"
 #include "support/same_state.hpp"
 
 #include "mebots/state/save.hpp"

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // GAP8's own devices on its own memory map (configs/boards/gap8.json), register by register against the public headers.
 #include "board_system.hpp"
-#include "devices/described_device.hpp"
-#include "gap8_devices/event_unit.hpp"
-#include "gap8_devices/hyper_flash.hpp"
-#include "gap8_devices/soc_events.hpp"
-#include "gap8_devices/timer.hpp"
+#include "devices/core/described_device.hpp"
+#include "devices/gap8/event_unit.hpp"
+#include "devices/gap8/hyper_flash.hpp"
+#include "devices/gap8/soc_events.hpp"
+#include "devices/gap8/timer.hpp"
 #include "support/same_state.hpp"
 
 #include "mebots/state/save.hpp"

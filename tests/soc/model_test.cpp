@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "model.hpp"
+#include "fmu/model.hpp"
 
 #include "assembler.hpp"
-#include "base64.hpp"
 #include "support/allocations.hpp"
 
 #include "mebots/error.hpp"
@@ -246,23 +245,6 @@ TEST(Model, TextThatIsNoBase64IsAnError) {
   variables.inputs.camera_frame_id = 1;
   variables.inputs.camera_frame_base64 = "not base64!!";
   EXPECT_THROW(model.step(2 * kMs, 2 * kMs), Error);
-}
-
-TEST(Base64, DecodesTheVectorsOfItsStandard) {
-  const std::vector<std::pair<std::string, std::string>> vectors{{"", ""},
-                                                                 {"Zg==", "f"},
-                                                                 {"Zm8=", "fo"},
-                                                                 {"Zm9v", "foo"},
-                                                                 {"Zm9vYg==", "foob"},
-                                                                 {"Zm9vYmE=", "fooba"},
-                                                                 {"Zm9vYmFy", "foobar"}};
-  std::vector<std::uint8_t> bytes;
-  for (const auto& [text, plain] : vectors) {
-    EXPECT_TRUE(decode_base64(text, bytes)) << text;
-    EXPECT_EQ(std::string(bytes.begin(), bytes.end()), plain);
-  }
-  for (const auto* bad : {"Z", "Zg=", "Z===", "Zg==Zg==", "Z?==", "Zg=a"})
-    EXPECT_FALSE(decode_base64(bad, bytes)) << bad;
 }
 
 TEST(Model, LosesPowerUnder2Point5VoltForGood) {

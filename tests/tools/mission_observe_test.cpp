@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The gate firmware inside the FMU's model: watched, it does what it does unwatched, to the last bit.
-#include "model.hpp"
+#include "fmu/model.hpp"
 
 #include "support.hpp"
 

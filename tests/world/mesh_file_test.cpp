@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // glTF and PNG files of a scene: what is read, and how what is wrong is told.
+#include "mebots/base64.hpp"
 #include "mebots/error.hpp"
+#include "mebots/png_file.hpp"
 #include "scene/gltf_file.hpp"
-#include "scene/png_file.hpp"
-#include "text/base64.hpp"
 
 #include <gmock/gmock.h>
 #include <png.h>
@@ -51,7 +51,7 @@ class MeshFile : public testing::Test {
                     {"bufferView": 1, "componentType": 5123, "count": 3, "type": "SCALAR"}],
       "bufferViews": [{"buffer": 0, "byteOffset": 0, "byteLength": 36}, {"buffer": 0, "byteOffset": 36, "byteLength": 6}]})");
     gltf["buffers"] = {
-        {{"byteLength", bytes.size()}, {"uri", "data:application/octet-stream;base64," + base64(bytes)}}};
+        {{"byteLength", bytes.size()}, {"uri", "data:application/octet-stream;base64," + encode_base64(bytes)}}};
   }
   ~MeshFile() override { fs::remove_all(folder_); }
 

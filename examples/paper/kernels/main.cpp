@@ -3,7 +3,7 @@
 // number of cores. Prints a table in Markdown.
 
 #include "mebots/error.hpp"
-#include "soc.hpp"
+#include "soc/soc.hpp"
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "clock.hpp"
+#include "clock/clock.hpp"
 #include "cluster/core.hpp"
 #include "cluster/dma.hpp"
 #include "cluster/peripherals.hpp"
@@ -11,7 +11,6 @@
 #include "hart/hart.hpp"
 #include "memory/banks.hpp"
 #include "memory/instruction_cache.hpp"
-#include "stopwatch.hpp"
 
 #include <algorithm>
 #include <cstdint>

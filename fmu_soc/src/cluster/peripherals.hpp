@@ -5,6 +5,7 @@
 
 #include "mebots/state/visitor.hpp"
 
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 
@@ -14,6 +15,24 @@ namespace mebots::soc {
 inline constexpr unsigned kMostClusterCores = 8;
 inline constexpr unsigned kFabricController = kMostClusterCores;
 inline constexpr unsigned kRequesters = kMostClusterCores + 1;
+
+// Numbers of harts: 0 is the fabric controller, n + 1 is core n of the cluster. Within the cluster, core n has number
+// n. mhartid reads another value on GAP8.
+
+inline constexpr unsigned kFabricControllerHart = 0;
+/// Among the numbers of the cluster's cores.
+inline constexpr int kFabricControllerCore = -1;
+
+inline constexpr std::size_t kMostHarts = 1 + kMostClusterCores;
+
+constexpr unsigned hart_of_core(int core) {
+  return static_cast<unsigned>(core - kFabricControllerCore);
+}
+
+/// Of a hart that is not the fabric controller.
+constexpr unsigned core_of_hart(unsigned hart) {
+  return hart - hart_of_core(0);
+}
 
 /// A tick that never comes.
 inline constexpr std::uint64_t kNoTick = std::numeric_limits<std::uint64_t>::max();

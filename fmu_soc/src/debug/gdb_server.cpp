@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "debug/gdb_server.hpp"
 
-#include "debug/backtrace.hpp"
 #include "debug/hex.hpp"
 #include "debug/target_description.hpp"
 #include "hart/csr_numbers.hpp"
+#include "soc/backtrace.hpp"
 
 #include <fmt/core.h>
 

@@ -4,7 +4,7 @@
 #include "debug/connection.hpp"
 #include "debug/threads.hpp"
 #include "hart/observer.hpp"
-#include "soc.hpp"
+#include "soc/soc.hpp"
 
 #include <cstdint>
 #include <deque>

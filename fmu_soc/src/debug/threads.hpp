@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "soc.hpp"
+#include "soc/soc.hpp"
 
 #include <optional>
 #include <string>

@@ -72,4 +72,8 @@ class Elf {
   std::shared_ptr<const LineSections> lines_;
 };
 
+/// Tag_RISCV_arch in a section .riscv.attributes, such as "rv32i2p1_m2p0_c2p0"; empty if the section is damaged or has
+/// none. Source: RISC-V ELF psABI 1.0, chapter "Attributes".
+std::string architecture_in(std::span<const std::uint8_t> attributes);
+
 }  // namespace mebots::soc

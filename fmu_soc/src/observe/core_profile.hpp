@@ -4,7 +4,7 @@
 #include "hart/observer.hpp"
 #include "observe/call_tree.hpp"
 #include "observe/functions.hpp"
-#include "soc.hpp"
+#include "soc/soc.hpp"
 
 #include <cstdint>
 #include <vector>

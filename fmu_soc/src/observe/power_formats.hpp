@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "clock.hpp"
+#include "clock/clock.hpp"
 
 #include <cstddef>
 #include <memory>

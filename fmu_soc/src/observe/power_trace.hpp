@@ -2,8 +2,8 @@
 #pragma once
 
 #include "observe/power_formats.hpp"
-#include "observe/state_listener.hpp"
-#include "soc.hpp"
+#include "soc/soc.hpp"
+#include "soc/state_times.hpp"
 
 #include <memory>
 #include <string>

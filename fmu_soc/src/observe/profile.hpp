@@ -5,7 +5,7 @@
 #include "observe/functions.hpp"
 #include "observe/profile_windows.hpp"
 #include "observe/text_file.hpp"
-#include "soc.hpp"
+#include "soc/soc.hpp"
 
 #include <deque>
 #include <string>

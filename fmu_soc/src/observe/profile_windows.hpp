@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "clock.hpp"
+#include "clock/clock.hpp"
 #include "observe/core_profile.hpp"
 
 #include <cstddef>

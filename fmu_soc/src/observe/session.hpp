@@ -6,7 +6,7 @@
 #include "observe/power_trace.hpp"
 #include "observe/profile.hpp"
 #include "observe/trace.hpp"
-#include "soc.hpp"
+#include "soc/soc.hpp"
 
 #include <deque>
 #include <functional>

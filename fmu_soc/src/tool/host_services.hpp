@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "host_calls.hpp"
-#include "soc.hpp"
+#include "soc/host_calls.hpp"
+#include "soc/soc.hpp"
 #include "tool/host_files.hpp"
 
 #include <array>

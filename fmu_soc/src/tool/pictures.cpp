@@ -2,15 +2,16 @@
 #include "tool/pictures.hpp"
 
 #include "mebots/error.hpp"
+#include "mebots/png_file.hpp"
 
 #include <fmt/format.h>
-#include <png.h>
 
 #include <algorithm>
 #include <fstream>
 #include <iterator>
 #include <string>
 #include <system_error>
+#include <utility>
 
 namespace mebots::soc::tool {
 namespace {
@@ -18,28 +19,8 @@ namespace {
 /// No camera has more.
 constexpr std::uint32_t kMostPixels = 1U << 24;
 
-struct Picture {
-  std::uint32_t width = 0;
-  std::uint32_t height = 0;
-  std::vector<std::uint8_t> pixels;
-};
-
 [[noreturn]] void refuse(const std::filesystem::path& path, const std::string& why) {
   throw Error(fmt::format("--pictures: {}: {}", path.string(), why));
-}
-
-Picture read_png(const std::filesystem::path& path) {
-  png_image image{};
-  image.version = PNG_IMAGE_VERSION;
-  if (png_image_begin_read_from_file(&image, path.c_str()) == 0) refuse(path, image.message);
-  if (std::uint64_t{image.width} * image.height > kMostPixels) {
-    png_image_free(&image);
-    refuse(path, fmt::format("{} x {} pixels are too many", image.width, image.height));
-  }
-  image.format = PNG_FORMAT_GRAY;
-  Picture picture{image.width, image.height, std::vector<std::uint8_t>(PNG_IMAGE_SIZE(image))};
-  if (png_image_finish_read(&image, nullptr, picture.pixels.data(), 0, nullptr) == 0) refuse(path, image.message);
-  return picture;
 }
 
 /// The next number of a PGM's head, behind white space and comments.
@@ -56,23 +37,23 @@ std::uint32_t number_of_head(std::istream& file) {
 }
 
 /// Netpbm's binary greymap of 8 bits.
-Picture read_pgm(const std::filesystem::path& path) {
+GreyPicture read_pgm(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
   std::string magic(2, '\0');
   file.read(magic.data(), 2);
   if (!file || magic != "P5") refuse(path, "this is not a binary PGM: it does not begin with P5");
-  Picture picture;
-  picture.width = number_of_head(file);
-  picture.height = number_of_head(file);
+  const auto width = number_of_head(file);
+  const auto height = number_of_head(file);
   const auto most = number_of_head(file);
   if (!file || most != 255) refuse(path, "the head of a PGM with 255 greys is \"P5 WIDTH HEIGHT 255\"");
-  if (std::uint64_t{picture.width} * picture.height > kMostPixels) {
-    refuse(path, fmt::format("{} x {} pixels are too many", picture.width, picture.height));
+  if (std::uint64_t{width} * height > kMostPixels) {
+    refuse(path, fmt::format("{} x {} pixels are too many", width, height));
   }
   file.get();
-  picture.pixels.resize(std::size_t{picture.width} * picture.height);
-  file.read(reinterpret_cast<char*>(picture.pixels.data()), static_cast<std::streamsize>(picture.pixels.size()));
-  if (!file) refuse(path, fmt::format("it ends before its {} pixels", picture.pixels.size()));
+  GreyPicture picture{static_cast<int>(width), static_cast<int>(height),
+                      std::vector<std::uint8_t>(std::size_t{width} * height)};
+  file.read(reinterpret_cast<char*>(picture.grey.data()), static_cast<std::streamsize>(picture.grey.size()));
+  if (!file) refuse(path, fmt::format("it ends before its {} pixels", picture.grey.size()));
   return picture;
 }
 
@@ -92,11 +73,11 @@ std::vector<std::vector<std::uint8_t>> read_pictures(const std::filesystem::path
   std::vector<std::vector<std::uint8_t>> pictures;
   for (const auto& path : paths) {
     auto picture = path.extension() == ".png" ? read_png(path) : read_pgm(path);
-    if (picture.width != width || picture.height < least_height) {
+    if (std::cmp_not_equal(picture.width, width) || std::cmp_less(picture.height, least_height)) {
       refuse(path, fmt::format("it has {} x {} pixels; the camera takes {} x {} or more rows", picture.width,
                                picture.height, width, least_height));
     }
-    pictures.push_back(std::move(picture.pixels));
+    pictures.push_back(std::move(picture.grey));
   }
   return pictures;
 }

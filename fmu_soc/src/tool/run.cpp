@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tool/run.hpp"
 
-#include "elf/built_for.hpp"
+#include "board/board_file.hpp"
 #include "observe/session.hpp"
 #include "tool/board_file_of.hpp"
 #include "tool/host_services.hpp"
@@ -10,10 +10,10 @@
 #include "tool/signature.hpp"
 #include "tool/standalone_board.hpp"
 
-#include "gap8_devices/himax.hpp"
+#include "devices/gap8/himax.hpp"
 #include "hart/csr_names.hpp"
 #include "mebots/error.hpp"
-#include "soc.hpp"
+#include "soc/soc.hpp"
 
 #include <fmt/core.h>
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "observe/text_file.hpp"
-#include "soc.hpp"
+#include "soc/soc.hpp"
 
 #include <cstdint>
 #include <string>

@@ -2,7 +2,7 @@
 #include "scene/gltf_file.hpp"
 
 #include "mebots/error.hpp"
-#include "scene/png_file.hpp"
+#include "mebots/png_file.hpp"
 
 #include <fmt/format.h>
 #include <tiny_gltf.h>

@@ -3,8 +3,8 @@
 
 #include "mebots/data/document.hpp"
 #include "mebots/data/object.hpp"
+#include "mebots/png_file.hpp"
 #include "scene/gltf_file.hpp"
-#include "scene/png_file.hpp"
 #include "scene/vector_reader.hpp"
 
 #include <fmt/format.h>

@@ -1,20 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "mebots/png_file.hpp"
+
 #include <cstdint>
 #include <memory>
-#include <vector>
 
 namespace mebots::world::scene {
 
-/// Grey levels of a picture file, row by row from the top left.
-struct Picture {
-  int width = 0;
-  int height = 0;
-  std::vector<std::uint8_t> grey;
-
-  bool operator==(const Picture&) const = default;
-};
+using Picture = GreyPicture;
 
 /// How a surface reflects. Grey levels are 0 (black) to 255 (white) as the camera sees the surface
 /// under a light of 1.

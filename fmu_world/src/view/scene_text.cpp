@@ -2,7 +2,7 @@
 #include "view/scene_text.hpp"
 
 #include "camera/geometry.hpp"
-#include "text/base64.hpp"
+#include "mebots/base64.hpp"
 
 #include <nlohmann/json.hpp>
 
@@ -32,7 +32,7 @@ Json texture_json(const camera::Tile& tile) {
       grey.push_back(static_cast<std::uint8_t>(tile.ripmap.texel(0, 0, column, row)));
     }
   }
-  return {{"size", size}, {"grey", base64(grey)}};
+  return {{"size", size}, {"grey", encode_base64(grey)}};
 }
 
 /// Corners with their texture coordinates (u, v), in tiles.

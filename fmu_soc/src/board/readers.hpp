@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "mebots/data/node.hpp"
+#include "mebots/soc/board_device.hpp"
+
+#include <fmt/format.h>
+
+#include <bit>
+#include <cstdint>
+#include <set>
+#include <string>
+#include <string_view>
+
+/// Readers of values that a board file has in many places. Each reports a value that does not fit.
+namespace mebots::soc {
+
+/// 32 bits as text, so that they may be hexadecimal; `what` it is, for complaints.
+std::uint32_t read_number(const data::Node& node, std::string_view what);
+std::uint32_t read_address(const data::Node& node);
+/// Of address space.
+std::uint32_t read_bytes(const data::Node& node);
+
+/// Names become names in C and C++.
+std::string checked_name(const data::Node& node, const std::string& name);
+std::string read_name(const data::Node& node);
+
+inline auto count_up_to(std::uint32_t most) {
+  return [=](const data::Node& node) { return static_cast<std::uint32_t>(node.whole_number(0, most)); };
+}
+
+inline auto power_of_two(std::uint32_t least, std::uint32_t most) {
+  return [=](const data::Node& node) {
+    const auto value = static_cast<std::uint32_t>(node.whole_number(least, most));
+    if (!std::has_single_bit(value)) {
+      node.fail(ErrorCode::invalid_value, fmt::format("{} must be a power of two from {} to {}", value, least, most));
+    }
+    return value;
+  };
+}
+
+/// A name that no other of its list has.
+inline auto new_name(std::set<std::string>& taken) {
+  return [&taken](const data::Node& node) {
+    auto name = read_name(node);
+    if (!taken.insert(name).second) {
+      node.fail(ErrorCode::duplicate_name, fmt::format("the name \"{}\" is taken by another one", name));
+    }
+    return name;
+  };
+}
+
+/// Reads an entry of a device or part. Reports what an entry cannot have; `names` are those taken on the board.
+BoardDevice read_device(const data::Node& node, std::set<std::string>& names);
+
+}  // namespace mebots::soc

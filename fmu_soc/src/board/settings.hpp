@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "cluster/peripherals.hpp"
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <string_view>
+#include <vector>
+
+namespace mebots::soc {
+
+/// The settings that a chip starts with.
+struct Settings {
+  double clock_hz = 100e6;
+  double cluster_clock_hz = 87e6;
+  unsigned cluster_cores = kMostClusterCores;  // at most as many as the board has
+  double temperature_c = 25;
+  double voltage_v = 1.2;
+  /// Folders that are searched for the board's libraries, after the folder of its file.
+  std::vector<std::filesystem::path> library_folders = {};
+  std::vector<std::uint8_t> flash = {};  // what the board's flash holds at the start
+  /// The pictures that the board's camera takes, in this order. If there are none, they come from the world.
+  std::vector<std::vector<std::uint8_t>> pictures = {};
+  bool translate = true;  // hot code to host code; counts are the same without
+  /// HartSettings::keeps_written_mtvec of the fabric controller.
+  bool keeps_written_mtvec = false;
+};
+
+/// A parameter of the chip that a described device's register can show.
+struct ChipSetting {
+  std::string_view variable;
+  double Settings::*value;
+};
+
+inline constexpr std::array<ChipSetting, 3> kChipSettings = {{
+    {"core.clock", &Settings::clock_hz},
+    {"cluster.clock", &Settings::cluster_clock_hz},
+    {"core.supply_voltage", &Settings::voltage_v},
+}};
+
+}  // namespace mebots::soc

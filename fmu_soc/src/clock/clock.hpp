@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "mebots/assert.hpp"
+#include "mebots/error.hpp"
+#include "mebots/soc/time.hpp"
+#include "mebots/state/visitor.hpp"
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <numeric>
+
+namespace mebots::soc {
+
+/// Turns the core's active cycles into time. Ticks are counted from the last change of frequency and
+/// multiplied by the period as one fraction, so that nothing drifts; a change of frequency rounds once,
+/// down to a picosecond.
+class Clock {
+ public:
+  void reset(std::uint32_t hz) {
+    MEBOTS_ASSERT(hz > 0);
+    set(hz);
+    epoch_ps_ = 0;
+    skipped_ = 0;
+  }
+
+  std::uint32_t hz() const { return static_cast<std::uint32_t>(hz_); }
+
+  /// From the cycle with this number on, the clock has another frequency.
+  void change(std::uint32_t hz, std::uint64_t cycle) {
+    MEBOTS_ASSERT(hz > 0);
+    epoch_ps_ = time_of(cycle);
+    skipped_ = std::uint64_t{0} - cycle;
+    set(hz);
+  }
+
+  /// The first cycle of this frequency, where none was slept since.
+  std::uint64_t begin() const { return std::uint64_t{0} - skipped_; }
+  /// When a cycle starts, which is not one before the last change of frequency.
+  Picoseconds time_of(std::uint64_t cycle) const {
+    return epoch_ps_ + static_cast<Picoseconds>(scaled(cycle + skipped_, period_, 0, ticks_));
+  }
+  /// The first cycle that starts at or after a time.
+  std::uint64_t first_at(Picoseconds time) const {
+    if (time <= epoch_ps_) return std::uint64_t{0} - skipped_;
+    return scaled(static_cast<std::uint64_t>(time - epoch_ps_), ticks_, period_ - 1, period_) - skipped_;
+  }
+  /// The first cycle that starts after a time.
+  std::uint64_t first_after(Picoseconds time) const {
+    if (time < epoch_ps_) return std::uint64_t{0} - skipped_;
+    return scaled(static_cast<std::uint64_t>(time - epoch_ps_), ticks_, 0, period_) + 1 - skipped_;
+  }
+  /// The core slept: active cycle `cycle` starts at the first tick at or after `time`.
+  void wake(std::uint64_t cycle, Picoseconds time) {
+    const auto planned = first_at(time);
+    if (planned > cycle) skipped_ += planned - cycle;
+  }
+
+  void visit(state::Visitor& v) {
+    v("hz", hz_);
+    v("epoch_ps", epoch_ps_);
+    v("skipped", skipped_);
+    if (!v.restores()) return;
+    if (hz_ == 0 || hz_ > std::numeric_limits<std::uint32_t>::max()) {
+      throw Error(ErrorCode::state_damaged, "a saved state is damaged: a clock without a frequency");
+    }
+    set(hz_);
+  }
+
+ private:
+  static constexpr std::uint64_t kPsPerSecond = 1'000'000'000'000ULL;
+
+  void set(std::uint64_t hz) {
+    hz_ = hz;
+    const auto common = std::gcd(kPsPerSecond, hz_);
+    period_ = kPsPerSecond / common;
+    ticks_ = hz_ / common;
+  }
+  /// (value * factor + rest) / divisor. The product fits in 64 bits for hours where the clock has whole
+  /// MHz, for minutes where it is one of GAP8's loops.
+  static std::uint64_t scaled(std::uint64_t value, std::uint64_t factor, std::uint64_t rest, std::uint64_t divisor) {
+    __extension__ using Wide = unsigned __int128;
+    std::uint64_t product = 0;
+    if (!__builtin_mul_overflow(value, factor, &product) && !__builtin_add_overflow(product, rest, &product)) {
+      return product / divisor;
+    }
+    return static_cast<std::uint64_t>((Wide{value} * factor + rest) / divisor);
+  }
+
+  std::uint64_t hz_ = 1;
+  // A fraction in its lowest terms: so many ticks take so many picoseconds. Follows from hz.
+  std::uint64_t ticks_ = 1;
+  std::uint64_t period_ = kPsPerSecond;
+  Picoseconds epoch_ps_ = 0;
+  std::uint64_t skipped_ = 0;  // ticks slept since the epoch, less the active cycles before it (modulo 2^64)
+};
+
+/// How long something has gone on, all in all. Who asks may be behind its last begin, or ahead of its end: the parts of
+/// a chip are not all at the same time.
+class Stopwatch {
+ public:
+  bool runs() const { return runs_; }
+  void begin(Picoseconds time) {
+    runs_ = true;
+    changed_at_ = time;
+  }
+  void end(Picoseconds time) {
+    total_ = up_to(time);
+    runs_ = false;
+    changed_at_ = time;
+  }
+  /// When it began or ended last.
+  Picoseconds changed_at() const { return changed_at_; }
+  Picoseconds up_to(Picoseconds now) const {
+    return runs_ ? total_ + std::max<Picoseconds>(now - changed_at_, 0) : total_;
+  }
+
+  void visit(state::Visitor& v) {
+    v("runs", runs_);
+    v("changed_at", changed_at_);
+    v("total", total_);
+  }
+
+ private:
+  bool runs_ = false;
+  Picoseconds changed_at_ = 0;
+  Picoseconds total_ = 0;  // up to its last begin
+};
+
+}  // namespace mebots::soc

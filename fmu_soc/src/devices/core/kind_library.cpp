@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "devices/core/kind_library.hpp"
+
+#include "mebots/error.hpp"
+
+#include <dlfcn.h>
+#include <fmt/format.h>
+
+#include <system_error>
+#include <vector>
+
+namespace mebots::soc {
+
+KindLibrary::KindLibrary(const std::filesystem::path& path) : path_(path) {
+  // With the folder in front: a name alone would be looked for where the system keeps its libraries.
+  const auto file = std::filesystem::absolute(path);
+  handle_.reset(dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL), [](void* handle) {
+    if (handle != nullptr) dlclose(handle);
+  });
+  if (!handle_) {
+    const char* why = dlerror();
+    throw Error(ErrorCode::file_unreadable, fmt::format("{}: cannot be opened as a library of devices: {}",
+                                                        path.string(), why ? why : "no reason"));
+  }
+  using Function = const DeviceLibrary* (*)();
+  const auto function = reinterpret_cast<Function>(dlsym(handle_.get(), "mebots_device_library"));
+  if (function == nullptr) {
+    throw Error(fmt::format("{}: this is not a library of devices: it lacks MEBOTS_DEVICE_KINDS", path.string()));
+  }
+  library_ = function();
+  if (library_->interface != DeviceLibrary::kInterface || library_->entry_bytes != sizeof(BoardDevice)) {
+    throw Error(fmt::format("{}: was made for another MEbots (interface {}, this one has {}); build it again",
+                            path.string(), library_->interface, DeviceLibrary::kInterface));
+  }
+}
+
+KindLibrary find_kind_library(const BoardDescription& board, const std::string& name,
+                              std::span<const std::filesystem::path> folders) {
+  std::vector<std::filesystem::path> places = {board.folder / name};
+  for (const auto& folder : folders) places.push_back(folder / name);
+  std::string looked;
+  for (const auto& place : places) {
+    std::error_code error;
+    if (std::filesystem::exists(place, error)) return KindLibrary(place);
+    looked += fmt::format("{}{}", looked.empty() ? "" : ", ", place.string());
+  }
+  throw Error(ErrorCode::file_not_found,
+              fmt::format("board {}: its library {} is not there; looked for {}", board.name, name, looked));
+}
+
+}  // namespace mebots::soc

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "devices/gap8/signals.hpp"
+#include "mebots/soc/device.hpp"
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <optional>
+
+namespace mebots::soc::gap8_devices {
+
+/// GAP8's advanced timer (PWM): four counters of 16 bits, each with four channels that set, clear or toggle an output
+/// when the counter meets their threshold. No pad is connected, so what one sees is the counters, and up to four SoC
+/// events at rising outputs. A counter goes from its low to its high limit, and begins again there or turns round.
+///
+/// Sources: archi/pwm/pwm_v1.h of GreenWaves' gap_sdk; bits of commands, configuration and events: pulp-platform's
+/// apb_adv_timer. Counting at edges of input pads is not modelled, and told.
+class AdvancedTimer final : public Device {
+ public:
+  /// `clock_hz`: of the SoC, now. `complain`: what the program asks that is not modelled.
+  AdvancedTimer(Signals& signals, std::function<double()> clock_hz, std::function<void(const char*)> complain);
+
+  bool load(std::uint32_t offset, Picoseconds now, std::uint32_t& value) override;
+  bool store(std::uint32_t offset, Picoseconds now, std::uint32_t value) override;
+  void advance(Picoseconds now) override;
+  Picoseconds next_event() const override;
+  void visit(state::Visitor& v) override;
+
+ private:
+  static constexpr std::size_t kTimers = 4;
+  static constexpr std::size_t kChannelsOfTimer = 4;
+
+  struct Settings {
+    std::uint32_t config = 0;
+    std::uint32_t limits = 0;
+    std::array<std::uint32_t, kChannelsOfTimer> channels{};
+
+    void visit(state::Visitor& v) {
+      v("config", config);
+      v("limits", limits);
+      v("channels", channels);
+    }
+  };
+  struct Counter {
+    Settings stored;
+    Settings active;  // since the last update
+    bool runs = false;
+    Picoseconds since = 0;
+    std::uint64_t ticks = 0;  // at `since`
+    double fraction = 0;      // of the next tick, which had passed then
+    std::uint64_t told = 0;   // up to which events have been raised
+    bool is_fresh = true;     // never updated: takes what is stored when it starts
+
+    void visit(state::Visitor& v) {
+      v("stored", stored);
+      v("active", active);
+      v("runs", runs);
+      v("since", since);
+      v("ticks", ticks);
+      v("fraction", fraction);
+      v("told", told);
+      v("is_fresh", is_fresh);
+    }
+  };
+  /// Ticks at which a channel's output rises: the first, and how far apart; nothing when it does not.
+  struct Rises {
+    std::uint64_t first;
+    std::uint64_t step;  // 0: once
+  };
+
+  static std::uint64_t period(const Settings& settings);
+  static std::optional<Rises> rises(const Settings& settings, std::uint32_t channel);
+  static std::uint32_t value_of(const Settings& settings, std::uint64_t ticks);
+  double tick_hz(const Counter& counter) const;
+  bool counts(std::size_t timer) const;
+  std::uint64_t ticks_at(std::size_t timer, Picoseconds now) const;
+  Picoseconds time_of(const Counter& counter, std::uint64_t ticks) const;
+  void settle(std::size_t timer, Picoseconds now);
+  void enable(std::uint32_t value, Picoseconds now);
+  void command(std::size_t timer, std::uint32_t value, Picoseconds now);
+  /// The channel of event `event`; nothing when it is off.
+  std::optional<std::size_t> chosen(unsigned event) const;
+  std::optional<std::uint64_t> next_rise(unsigned event) const;
+
+  Signals& signals_;
+  std::function<double()> clock_hz_;
+  std::function<void(const char*)> complain_;
+  std::array<Counter, kTimers> counters_;
+  std::uint32_t events_ = 0;
+  std::uint32_t enabled_ = 0;
+  std::array<bool, kTimers> told_pads_{};  // not part of a state: a restored run tells it again
+};
+
+}  // namespace mebots::soc::gap8_devices

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "devices/gap8/signals.hpp"
+#include "mebots/soc/device.hpp"
+
+#include <cstdint>
+
+namespace mebots::soc::gap8_devices {
+
+/// GAP8's real-time clock, Dolphin's: calendar, alarm and countdown, which a tick moves on, a second long after reset.
+/// Its registers stand behind a window: a number stored into CTRL moves one of them to or from DATA, at once here,
+/// which raises a SoC event, as alarm and countdown do. Calendar and alarm are decimal digits of four bits each.
+///
+/// Sources: archi/vendors/dolphin/rtc.h and rtc_periph.h of GreenWaves' gap_sdk; what a tick does, and values after
+/// reset: GVSoC's model there (rtc_impl.cpp). Ours: leap years between 2000 and 2099, as the driver reckons.
+class Rtc final : public Device {
+ public:
+  explicit Rtc(Signals& signals) : signals_(signals) { reset(); }
+
+  bool load(std::uint32_t offset, Picoseconds now, std::uint32_t& value) override;
+  bool store(std::uint32_t offset, Picoseconds now, std::uint32_t value) override;
+  void advance(Picoseconds now) override;
+  Picoseconds next_event() const override;
+  void visit(state::Visitor& v) override;
+
+ private:
+  void reset();
+  void access(std::uint32_t control, Picoseconds now);
+  std::uint32_t* reg(std::uint32_t number);
+  void keep(std::uint32_t number, Picoseconds now);
+  bool is_active() const { return (control_ & 1U) == 0; }
+  Picoseconds tick_time(std::int64_t tick) const;
+  void restart(Picoseconds now);
+  void tick(Picoseconds time);
+  void move_calendar();
+  bool alarm_is_now() const;
+  void raise(std::uint32_t flag, Picoseconds time);
+
+  Signals& signals_;
+  // The window.
+  std::uint32_t data_ = 0;
+  std::uint32_t window_mask_ = 0;
+  std::uint32_t window_flags_ = 0;
+  // Behind it.
+  std::uint32_t control_ = 0;
+  std::uint32_t clock_control_ = 0;
+  std::uint32_t irq_control_ = 0;
+  std::uint32_t mask_ = 0;
+  std::uint32_t flags_ = 0;
+  std::uint32_t calendar_control_ = 0;
+  std::uint32_t time_ = 0;
+  std::uint32_t date_ = 0;
+  std::uint32_t alarm_control_ = 0;
+  std::uint32_t alarm_time_ = 0;
+  std::uint32_t alarm_date_ = 0;
+  std::uint32_t countdown_control_ = 0;
+  std::uint32_t countdown_init_ = 0;
+  std::uint32_t countdown_ = 0;
+  std::uint32_t divider_ = 0;       // as stored
+  std::int64_t edges_of_tick_ = 1;  // the divider since the last start
+  std::int64_t first_edge_ = 0;     // of the reference clock, from which ticks are counted
+  std::int64_t ticks_ = 0;          // that have passed since then
+};
+
+}  // namespace mebots::soc::gap8_devices

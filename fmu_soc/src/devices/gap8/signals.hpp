@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "devices/core/chip_host.hpp"
+#include "mebots/soc/time.hpp"
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+
+namespace mebots::soc::gap8_devices {
+
+/// Events of the fabric controller, bits of its event unit. Source: archi/chips/gap/properties.h of pulp-platform's and
+/// GreenWaves' archi headers.
+inline constexpr unsigned kTimerLowEvent = 10;
+inline constexpr unsigned kTimerHighEvent = 11;
+inline constexpr unsigned kSocEvent = 27;
+
+/// Events of the SoC, numbers in the queue behind kSocEvent. Source: the same.
+inline constexpr unsigned kClusterPowerChanged = 31;
+inline constexpr unsigned kClusterClockChanged = 35;
+inline constexpr unsigned kScuOk = 37;
+inline constexpr unsigned kFirstSoftwareEvent = 48;
+inline constexpr unsigned kReferenceClockEvent = 56;
+
+inline constexpr std::int64_t kReferenceClockHz = 32768;
+
+/// The wires between GAP8's devices: each end sets the function behind its wire when it is made. A board may lack
+/// either end.
+struct Signals {
+  std::function<void(unsigned event)> raise_fabric_event = [](unsigned) {};
+  std::function<void(unsigned event, Picoseconds now)> raise_soc_event = [](unsigned, Picoseconds) {};
+  /// The fabric controller's clock is about to change. Who listens calls who did so before.
+  std::function<void(Picoseconds now)> clock_changes = [](Picoseconds) {};
+  /// What the FLLs and the power unit ask of the chip; nothing on a board without FLLs.
+  std::optional<PowerSettings> power;
+  std::optional<std::int32_t> exit_code;
+  /// Of this chip; not part of a state.
+  unsigned cluster_cores = 0;
+
+  void visit(state::Visitor& v) {
+    v("power", power);
+    v("exit_code", exit_code);
+  }
+};
+
+/// Rising edges of the reference clock from reset up to `now`.
+inline std::int64_t reference_edges(Picoseconds now) {
+  const auto whole_s = now / 1'000'000'000'000;
+  const auto rest_ps = now % 1'000'000'000'000;
+  return whole_s * kReferenceClockHz + rest_ps * kReferenceClockHz / 1'000'000'000'000;
+}
+/// When edge number `edge` comes.
+inline Picoseconds reference_edge_time(std::int64_t edge) {
+  const auto whole_s = edge / kReferenceClockHz;
+  if (whole_s >= kNever / 1'000'000'000'000) return kNever;
+  const auto rest = edge % kReferenceClockHz;
+  return whole_s * 1'000'000'000'000 + (rest * 1'000'000'000'000 + kReferenceClockHz - 1) / kReferenceClockHz;
+}
+
+/// Makes a device that requests clocks or a voltage. What the board does not set stays as the chip started.
+template <typename T>
+std::unique_ptr<Device> make_with_signals(const BoardDevice& entry, ChipHost& host) {
+  if (!host.signals().power) host.signals().power = host.power_at_start();
+  return std::make_unique<T>(entry, host, host.signals());
+}
+
+}  // namespace mebots::soc::gap8_devices

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "devices/core/described_device.hpp"
+#include "devices/gap8/signals.hpp"
+
+#include <algorithm>
+#include <cstdint>
+
+namespace mebots::soc::gap8_devices {
+
+/// GAP8's SoC control: registers as its entry describes them. INFO has the cores of this chip's cluster. Three of the
+/// others do something. CORESTATUS with bit 31 ends
+/// the program with the code in the bits below; the low five bits of SAFE_PMU_RAR set the voltage, 550 mV and 50 mV a
+/// step. Of CL_BYPASS, bit 3 switches the cluster's power and bit 10 gates its clock; SoC events 31 and 35 tell when
+/// that is done (the delay of the entry's state "switching"). A core without clock would stop: the programs gate it
+/// before any core fetches, so the gate is kept and told back, and stops nothing. Sources: archi/chips/gap/apb_soc.h,
+/// GVSoC's apb_soc of GAP8, runtime of the published programs.
+class SocControl final : public Device {
+ public:
+  SocControl(const BoardDevice& entry, DeviceHost& host, Signals& signals);
+
+  bool load(std::uint32_t offset, Picoseconds now, std::uint32_t& value) override;
+  bool store(std::uint32_t offset, Picoseconds now, std::uint32_t value) override;
+  void advance(Picoseconds now) override;
+  Picoseconds next_event() const override { return std::min(power_changes_at_, clock_changes_at_); }
+  void visit(state::Visitor& v) override;
+
+ private:
+  void switch_cluster(std::uint32_t before, std::uint32_t bypass, Picoseconds now);
+
+  DescribedDevice registers_;
+  Signals& signals_;
+  Picoseconds delay_;
+  Picoseconds power_changes_at_ = kNever;
+  Picoseconds clock_changes_at_ = kNever;
+};
+
+}  // namespace mebots::soc::gap8_devices

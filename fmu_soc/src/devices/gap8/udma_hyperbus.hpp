@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "devices/core/attached_part.hpp"
+#include "devices/gap8/hyper_flash.hpp"
+#include "devices/gap8/udma_host.hpp"
+#include "devices/gap8/udma_peripheral.hpp"
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace mebots::soc::gap8_devices {
+
+/// What of the board consumes with the bus.
+struct HyperBusParts {
+  PartPort ram;
+  PartPort flash;
+  PartPort pads;  // of the chip
+};
+
+/// The HyperBus and what a GAPuino has on it: 8 MiB of RAM, flash from MEM_CFG4's MBR1 on (16 MiB after reset). A
+/// transfer takes 3 clocks of the bus for command and address, 12 of latency, and one for two bytes (HyperBus
+/// specification, fixed latency of 6 clocks twice). The bus has half the clock of the SoC, which is ours: no source.
+/// Source of registers: archi/udma/udma_hyper_v1.h.
+class UdmaHyperBus final : public UdmaPeripheral {
+ public:
+  static constexpr std::uint32_t kRamBytes = 8U << 20;  // S71KS512S, the GAPuino's HyperBus memory
+  static constexpr std::uint32_t kFlashBytes = HyperFlash::kBytes;
+
+  /// `flash` holds the image that the flash begins with, all ones behind it; it must stay where it is.
+  UdmaHyperBus(UdmaHost& host, std::span<const std::uint8_t> flash, std::uint32_t send_channel,
+               const HyperBusParts& parts)
+      : host_(host), flash_(flash), send_channel_(send_channel), parts_(parts) {}
+
+  void set_flash(std::span<const std::uint8_t> image) { flash_.set_image(image); }
+
+  Picoseconds end_time(const UdmaTransfer& transfer, Picoseconds start) override;
+  void end(const UdmaTransfer& transfer) override;
+  void cancel(const UdmaTransfer& transfer, Picoseconds now) override;
+  void visit(state::Visitor& v) override {
+    v("ram", ram_);
+    v("flash", flash_);
+  }
+
+ private:
+  bool is_of_flash(const UdmaTransfer& transfer) const { return transfer.outside >= flash_base(); }
+  std::uint32_t flash_base() const;
+  void move(const UdmaTransfer& transfer);
+  void release(Picoseconds now, std::uint32_t bytes, bool of_flash);
+
+  UdmaHost& host_;
+  HyperFlash flash_;
+  std::uint32_t send_channel_;
+  HyperBusParts parts_;
+  std::vector<std::uint8_t> ram_;    // as far as it has been written
+  std::vector<std::uint8_t> bytes_;  // of a transfer
+};
+
+}  // namespace mebots::soc::gap8_devices

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "devices/gap8/himax.hpp"
+#include "devices/gap8/udma_host.hpp"
+#include "devices/gap8/udma_peripheral.hpp"
+
+#include <cstdint>
+#include <vector>
+
+namespace mebots::soc::gap8_devices {
+
+/// An I2C master of the uDMA. What its sending channel fetches are commands with their operands (start, stop, write a
+/// byte, read one, repeat, divider); what it reads goes to the receiving channel. A bit takes twice the divider in
+/// clocks of the SoC: the driver divides by half the baud rate. A device that is not there answers ones, as the
+/// pulled-up line does. Sources: archi/udma/i2c/udma_i2c_v1.h; GVSoC's udma_i2c_v2.
+class UdmaI2c final : public UdmaPeripheral {
+ public:
+  /// `device`: the only one on the bus; null = none.
+  UdmaI2c(UdmaHost& host, std::uint32_t send_channel, I2cDevice* device)
+      : host_(host), send_channel_(send_channel), device_(device) {}
+
+  Picoseconds end_time(const UdmaTransfer& transfer, Picoseconds start) override;
+  void end(const UdmaTransfer& transfer) override;
+  void visit(state::Visitor& v) override;
+
+ private:
+  /// What the next byte of the commands is.
+  enum class Next : std::uint32_t { command, divider_high, divider_low, repeats, data, waits };
+
+  struct Master {
+    Next next = Next::command;
+    std::uint32_t divider = 0;
+    std::uint32_t repeats = 1;
+    bool is_address = false;  // the next byte written is one
+    bool is_selected = false;
+
+    void visit(state::Visitor& v) {
+      v("next", next);
+      v("divider", divider);
+      v("repeats", repeats);
+      v("is_address", is_address);
+      v("is_selected", is_selected);
+    }
+  };
+
+  /// The answer is the SoC's clocks that it takes. Without `acts` nothing happens on the bus.
+  double obey(Master& master, std::uint8_t byte, bool acts, Picoseconds now);
+  double command(Master& master, std::uint8_t byte, bool acts);
+  void write(Master& master, std::uint8_t byte, Picoseconds now);
+  bool fetch(const UdmaTransfer& transfer);
+
+  UdmaHost& host_;
+  std::uint32_t send_channel_;
+  I2cDevice* device_;
+  Master master_;
+  std::vector<std::uint8_t> received_;
+  std::vector<std::uint8_t> bytes_;  // of a transfer
+};
+
+}  // namespace mebots::soc::gap8_devices

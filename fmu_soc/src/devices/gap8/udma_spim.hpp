@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "devices/gap8/udma_host.hpp"
+#include "devices/gap8/udma_peripheral.hpp"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+namespace mebots::soc::gap8_devices {
+
+/// An SPI master of the uDMA, behind which somebody only listens. What its sending channel fetches are words of
+/// commands and, behind a command that sends, of data; what it would receive are zeros. A bit takes twice the divider
+/// in clocks of the SoC, or one with divider 0. The command that ends a transaction raises the event of the master.
+/// Source: archi/udma/spim/udma_spim_v2.h.
+///
+/// Its variables are those of the entry that begin with its name, spim0 or spim1: .transactions counts those in which
+/// data went out. .sent[0] to .sent[3] are the first 16-bit words of the last one, signed, the low byte first.
+class UdmaSpim final : public UdmaPeripheral {
+ public:
+  UdmaSpim(UdmaHost& host, std::string_view name, std::uint32_t send_channel, unsigned end_event)
+      : host_(host), name_(name), send_channel_(send_channel), end_event_(end_event) {}
+
+  Picoseconds end_time(const UdmaTransfer& transfer, Picoseconds start) override;
+  void end(const UdmaTransfer& transfer) override;
+  const double* output(std::string_view variable) const override;
+  void visit(state::Visitor& v) override;
+
+ private:
+  struct Master {
+    std::uint32_t divider = 0;
+    std::uint32_t bits_to_send = 0;
+    bool sends_data = false;  // these bits: else an address
+
+    void visit(state::Visitor& v) {
+      v("divider", divider);
+      v("bits_to_send", bits_to_send);
+      v("sends_data", sends_data);
+    }
+  };
+
+  static constexpr std::size_t kWords = 4;  // that are shown
+
+  bool fetch(const UdmaTransfer& transfer);
+  /// Obeys what was fetched; the answer is the SoC's clocks that it takes.
+  double obey(Master& master, bool acts, Picoseconds now);
+  void tell_what_was_sent(Picoseconds now);
+
+  UdmaHost& host_;
+  std::string_view name_;
+  std::uint32_t send_channel_;
+  unsigned end_event_;
+  Master master_;
+  std::uint32_t bytes_to_receive_ = 0;  // that the slave has sent, and nobody fetched
+  std::vector<std::uint8_t> bytes_;     // of a transfer
+  std::vector<std::uint8_t> data_;      // that went out in this transaction, as far as it is shown
+
+  // Variables.
+  double transactions_ = 0;
+  std::array<double, kWords> sent_{};
+};
+
+}  // namespace mebots::soc::gap8_devices

@@ -1,0 +1,246 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "fmu/model.hpp"
+
+#include "board/board_file.hpp"
+
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace mebots::soc {
+namespace {
+
+constexpr double kPicosecond = 1e-12;
+constexpr double kNanosecond = 1e-9;
+
+/// In the order of Part.
+constexpr std::array<double Outputs::*, kParts> kPartPowers{
+    &Outputs::power_fabric_controller_w,
+    &Outputs::power_cluster_cores_w,
+    &Outputs::power_fc_memory_w,
+    &Outputs::power_l2_w,
+    &Outputs::power_l1_w,
+    &Outputs::power_interconnect_w,
+    &Outputs::power_dma_w,
+    &Outputs::power_fc_background_w,
+    &Outputs::power_cluster_background_w,
+    &Outputs::power_leakage_w,
+    &Outputs::power_retention_w,
+};
+static_assert(std::tuple_size_v<decltype(Outputs::energy_j)> == kParts);
+static_assert(std::tuple_size_v<decltype(Outputs::state_time_s)> == StateTimes::kCounted);
+static_assert(std::tuple_size_v<decltype(Outputs::cluster_core_cycles)> == kMostClusterCores);
+static_assert(std::tuple_size_v<decltype(Outputs::decision_s)> == kDecisionParts);
+static_assert(std::tuple_size_v<decltype(Outputs::decision_mean_awake_s)> == kMostHarts);
+
+Settings settings_of(const Parameters& parameters) {
+  Settings settings;
+  settings.clock_hz = parameters.core_clock_hz;
+  settings.cluster_clock_hz = parameters.cluster_clock_hz;
+  settings.cluster_cores = static_cast<unsigned>(parameters.cluster_cores);
+  settings.temperature_c = parameters.temperature_degc;
+  settings.voltage_v = parameters.core_supply_voltage_v;
+  return settings;
+}
+
+/// Of the file in the FMU's resources that runs unless the parameter says otherwise; empty = there is none.
+constexpr std::string_view firmware_inside() {
+  return MEBOTS_SOC_FIRMWARE;
+}
+
+/// Names of the programs inside the FMU, in the order of the alphabet.
+std::vector<std::string> programs_in(const std::filesystem::path& resources) {
+  std::vector<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator(resources)) {
+    if (entry.path().extension() == ".elf") names.push_back(entry.path().stem().string());
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+/// A bare name is one of those inside the FMU, if there is such a one; everything else is a path.
+Elf firmware_of(const Parameters& parameters, const std::filesystem::path& resources, const BoardDescription& board) {
+  if (parameters.firmware.empty()) {
+    if (firmware_inside().empty()) {
+      throw Error(fmt::format(
+          "firmware = \"\": this FMU has board {} and no program inside; give the path of an ELF file for it",
+          MEBOTS_SOC_BOARD));
+    }
+    return Elf::read(resources / firmware_inside());
+  }
+  const auto inside = programs_in(resources);
+  if (std::find(inside.begin(), inside.end(), parameters.firmware) != inside.end()) {
+    return Elf::read(resources / (parameters.firmware + ".elf"));
+  }
+  try {
+    require_own_chip(parameters.firmware, board);
+    return Elf::read(parameters.firmware);
+  } catch (const Error& error) {
+    const auto names = inside.empty() ? "" : fmt::format("; inside the FMU: {}", fmt::join(inside, ", "));
+    throw Error(fmt::format("firmware = \"{}\": {}{}", parameters.firmware, error.what(), names));
+  }
+}
+
+observe::Requests requests_of(const Parameters& parameters, const Listeners& listeners) {
+  const auto path = [](const std::string& text) {
+    return text.empty() ? std::nullopt : std::optional<std::string>(text);
+  };
+  observe::Requests requests;
+  requests.names = {"observe.trace", "observe.profile", "observe.power_trace"};
+  requests.trace = path(parameters.observe_trace);
+  requests.profile = path(parameters.observe_profile);
+  requests.power_trace = path(parameters.observe_power_trace);
+  if (parameters.gdb_port >= 0) requests.gdb_port = parameters.gdb_port;
+  requests.gdb_kill = debug::GdbServer::Kill::lets_go;
+  requests.announce = [&listeners](std::string_view text) {
+    if (listeners.observe) listeners.observe(text);
+  };
+  return requests;
+}
+
+}  // namespace
+
+Model::Model(Variables& variables, const std::filesystem::path& resources, Listeners listeners)
+    : Model(variables, resources, read_board(resources / MEBOTS_SOC_BOARD), std::move(listeners)) {}
+
+Model::Model(Variables& variables, const std::filesystem::path& resources, const BoardDescription& board,
+             Listeners listeners)
+    : variables_(variables),
+      listeners_(listeners),
+      soc_(board, chip_of(board), settings_of(variables.parameters),
+           firmware_of(variables.parameters, resources, board), std::move(listeners)),
+      fields_(soc_, &variables) {
+  const auto requests = requests_of(variables.parameters, listeners_);
+  if (requests.any()) session_ = std::make_unique<observe::Session>(requests, soc_);
+}
+
+Model::~Model() {
+  if (!session_) return;
+  try {
+    session_->finish(soc_.exit_code());
+  } catch (const std::exception& error) {
+    if (listeners_.observe) listeners_.observe(error.what());
+  }
+}
+
+void Model::start(std::int64_t start_ns) {
+  origin_ns_ = start_ns;
+  const auto& checks = soc_.energy_checks();
+  variables_.outputs.energy_checks =
+      fmt::format("{} checks of {}: silicon took {:.2f} to {:.2f} times, no confidence interval", checks.count,
+                  soc_.board().energy, checks.least, checks.most);
+  take_inputs();
+  write(0);
+}
+
+void Model::step(std::int64_t start_ns, std::int64_t duration_ns) {
+  if (duration_ns > kLongestNs - (start_ns - origin_ns_)) {
+    throw Error(fmt::format(
+        "the step would end more than {} s after its start, where the chip's time of whole picoseconds ends",
+        kLongestNs / 1'000'000'000));
+  }
+  take_inputs();
+  const auto energy_before = soc_.energy();
+  soc_.advance(start_ns - origin_ns_ + duration_ns);
+  if (session_) session_->stepped();
+  say_when_spinning();
+  const auto duration_s = static_cast<double>(duration_ns) * kNanosecond;
+  write(duration_s);
+  const auto energy_after = soc_.energy();
+  auto& outputs = variables_.outputs;
+  outputs.power_w = (energy_after.total_j() - energy_before.total_j()) / duration_s;
+  for (std::size_t i = 0; i < kParts; ++i) {
+    outputs.*kPartPowers[i] = (energy_after.by_part_j[i] - energy_before.by_part_j[i]) / duration_s;
+  }
+}
+
+/// An endless loop is nothing that ends a mission, but somebody should know.
+void Model::say_when_spinning() {
+  if (said_spinning_ || !soc_.spins()) return;
+  said_spinning_ = true;
+  if (!listeners_.faults) return;
+  const auto pc = soc_.hart().pc();
+  listeners_.faults(
+      fmt::format("the core jumps to itself for ever at pc 0x{:08x} in {}: no interrupt is enabled that could end it",
+                  pc, soc_.program().where(pc)));
+}
+
+void Model::take_inputs() {
+  fields_.take();
+  const auto least_v = soc_.board().supply.least_v;
+  if (const auto* supply_v = fields_.supply_v();
+      supply_v != nullptr && *supply_v < least_v && soc_.end() != End::powered_off) {
+    soc_.power_off();
+    if (listeners_.faults) {
+      listeners_.faults(fmt::format("{} {} V is under {} V: the chip lost its power at {:.9g} s",
+                                    soc_.board().supply.variable, *supply_v, least_v,
+                                    static_cast<double>(soc_.now()) * kPicosecond));
+    }
+  }
+  soc_.begin_step();
+}
+
+/// `step_s`: how long the step was that has ended, 0 for none.
+void Model::write(double step_s) {
+  auto& outputs = variables_.outputs;
+  const auto& counters = soc_.hart().counters();
+  const auto energy = soc_.energy();
+  outputs.instructions = static_cast<double>(counters.instructions);
+  outputs.cycles = static_cast<double>(counters.cycles);
+  outputs.sleep_time_s = static_cast<double>(soc_.sleep_time()) * kPicosecond;
+  for (std::size_t i = 0; i < StateTimes::kCounted; ++i) {
+    outputs.state_time_s[i] = static_cast<double>(soc_.state_times().total(i)) * kPicosecond;
+  }
+  outputs.core_running = soc_.running();
+  outputs.core_faulted = soc_.faulted();
+  outputs.core_exit_code = soc_.exit_code();
+  outputs.energy_total_j = energy.total_j();
+  outputs.energy_total_least_j = soc_.energy_checks().least * energy.total_j();
+  outputs.energy_total_most_j = soc_.energy_checks().most * energy.total_j();
+  for (std::size_t i = 0; i < kParts; ++i) outputs.energy_j[i] = energy.by_part_j[i];
+  outputs.energy_core_active_j = energy.core_active_j();
+  outputs.energy_memory_j = energy.memory_j();
+  if (const auto* cluster = soc_.cluster()) {
+    const auto sums = cluster->counters();
+    outputs.cluster_instructions = static_cast<double>(sums.instructions);
+    outputs.cluster_cycles = static_cast<double>(sums.cycles);
+    for (unsigned core = 0; core < cluster->cores(); ++core) {
+      outputs.cluster_core_cycles[core] = static_cast<double>(cluster->hart(core).counters().cycles);
+    }
+    outputs.cluster_powered = cluster->powered();
+  }
+  write_decisions();
+  fields_.write(step_s);
+}
+
+void Model::write_decisions() {
+  auto& outputs = variables_.outputs;
+  const auto& decisions = soc_.decisions();
+  const auto count = static_cast<double>(decisions.count());
+  const auto seconds = [](Picoseconds time) { return static_cast<double>(time) * kPicosecond; };
+  const auto mean = [&](Picoseconds sum) { return count == 0 ? 0 : seconds(sum) / count; };
+  outputs.decision_count = static_cast<std::int32_t>(decisions.count());
+  for (std::size_t i = 0; i < kDecisionParts; ++i) {
+    outputs.decision_s[i] = seconds(decisions.last().parts[i]);
+    outputs.decision_mean_s[i] = mean(decisions.sum().parts[i]);
+  }
+  outputs.decision_latency_s = seconds(decisions.last().latency);
+  outputs.decision_mean_latency_s = mean(decisions.sum().latency);
+  outputs.decision_longest_s = seconds(decisions.longest());
+  for (std::size_t i = 0; i < kMostHarts; ++i) outputs.decision_mean_awake_s[i] = mean(decisions.sum().awake[i]);
+}
+
+void Model::visit(state::Visitor& v) {
+  v("origin_ns", origin_ns_);
+  v("soc", soc_);
+  if (v.restores() && session_) session_->restored();
+}
+
+}  // namespace mebots::soc

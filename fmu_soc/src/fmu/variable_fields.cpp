@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "fmu/variable_fields.hpp"
+
+#include "mebots/error.hpp"
+
+#include <fmt/core.h>
+
+#include <cmath>
+
+namespace mebots::soc {
+namespace {
+
+fmu::Causality causality_of(const BoardVariable& variable) {
+  switch (variable.causality) {
+    case BoardVariable::Causality::parameter:
+      return fmu::Causality::parameter;
+    case BoardVariable::Causality::input:
+      return fmu::Causality::input;
+    case BoardVariable::Causality::output:
+      break;
+  }
+  return fmu::Causality::output;
+}
+
+/// The board file that is read now must be the one that the FMU was built with.
+template <typename Field>
+auto required(const Field& field, const std::string& name) {
+  if (!field) {
+    throw Error(fmt::format("{}: its variable {} is none of this FMU; build the FMU again with this board file",
+                            MEBOTS_SOC_BOARD, name));
+  }
+  return field;
+}
+
+/// Its kind must know what the entry names.
+template <typename T>
+T* known(T* place, const BoardDevice& entry, const std::string& name) {
+  if (place == nullptr) {
+    throw Error(
+        fmt::format("{}: device {}: its kind {} has no variable {}", MEBOTS_SOC_BOARD, entry.name, entry.kind, name));
+  }
+  return place;
+}
+
+}  // namespace
+
+VariableFields::VariableFields(Soc& soc, void* variables) : soc_(soc) {
+  for (const auto& slot : soc.devices()) {
+    energies_.push_back({slot.device, {}, {}});
+    for (const auto& variable : slot.entry->variables) find(slot, variable, variables);
+    if (!energies_.back().power_w && !energies_.back().energy_j) energies_.pop_back();
+  }
+}
+
+void VariableFields::find(const Soc::BoardSlot& slot, const BoardVariable& variable, void* variables) {
+  const auto& name = variable.name;
+  const auto causality = causality_of(variable);
+  if (variable.type == "String") {
+    const auto* from = required(fmu::text_field(variables, causality, name), name);
+    texts_.push_back({from, known(slot.device->text_input(name), *slot.entry, name)});
+    return;
+  }
+  if (variable.type == "Binary") {
+    const auto* from = required(fmu::binary_field(variables, causality, name), name);
+    bytes_.push_back({from, known(slot.device->bytes_input(name), *slot.entry, name)});
+    return;
+  }
+  const auto field = *required(fmu::number_field(variables, causality, name), name);
+  if (variable.goes_in()) {
+    auto* to = known(slot.device->input(name), *slot.entry, name);
+    numbers_.push_back({name, field, to});
+    if (name == soc_.board().supply.variable) supply_v_ = to;
+  } else if (name == slot.entry->power_variable()) {
+    energies_.back().power_w = field;
+  } else if (name == slot.entry->energy_variable()) {
+    energies_.back().energy_j = field;
+  } else {
+    outputs_.push_back({known(slot.device->output(name), *slot.entry, name), field});
+  }
+}
+
+void VariableFields::take() {
+  for (const auto& number : numbers_) {
+    const auto value = number.from.get();
+    if (!std::isfinite(value)) throw Error(fmt::format("{} = {} must be a finite number", number.name, value));
+    *number.to = value;
+  }
+  for (const auto& text : texts_) *text.to = *text.from;
+  for (const auto& bytes : bytes_) *bytes.to = bytes.from->bytes();
+  for (auto& energy : energies_) energy.before_j = soc_.energy_j(*energy.device);
+}
+
+void VariableFields::write(double step_s) {
+  for (const auto& output : outputs_) output.to.set(*output.from);
+  for (const auto& energy : energies_) {
+    const auto now_j = soc_.energy_j(*energy.device);
+    if (energy.energy_j) energy.energy_j->set(now_j);
+    if (energy.power_w && step_s > 0) energy.power_w->set((now_j - energy.before_j) / step_s);
+  }
+}
+
+}  // namespace mebots::soc

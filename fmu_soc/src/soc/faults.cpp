@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Why a core cannot go on, in words.
+#include "hart/csr_numbers.hpp"
+#include "hart/extensions.hpp"
+#include "isa/encoding.hpp"
+#include "soc/backtrace.hpp"
+#include "soc/soc.hpp"
+
+#include <fmt/core.h>
+
+namespace mebots::soc {
+namespace {
+
+std::string_view cause_text(std::uint32_t cause) {
+  if ((cause & cause::kInterrupt) != 0) return "interrupt";
+  switch (cause) {
+    case cause::kFetchAccess:
+      return "instruction fetch from nothing";
+    case cause::kIllegalInstruction:
+      return "illegal instruction";
+    case cause::kBreakpoint:
+      return "ebreak";
+    case cause::kLoadAccess:
+      return "load from nothing";
+    case cause::kStoreAccess:
+      return "store into nothing";
+    case cause::kMachineEcall:
+      return "ecall";
+    default:
+      return "trap";
+  }
+}
+
+std::string place_text(const Elf& program, std::uint32_t pc) {
+  const auto function = program.where(pc);
+  return fmt::format("pc 0x{:08x} in {}", pc, function.empty() ? "no function of the program" : function);
+}
+
+std::string text_of(const Exception& what, const Elf& program, const Hart& hart) {
+  auto text = fmt::format("{} (mcause {}, mtval 0x{:08x}) at {}: {}", cause_text(what.cause), what.cause, what.value,
+                          place_text(program, what.pc),
+                          what.instruction == 0 ? "no instruction there" : disassemble(what.instruction, what.pc));
+  if (what.cause != cause::kIllegalInstruction) return text;
+  const auto has = hart.code().blocks.timing().has_xpulp() ? Extension::xpulp : Extension::standard;
+  const auto advice = advice_for_illegal(what.instruction, has, program.architecture());
+  return advice.empty() ? text : fmt::format("{}; {}", text, advice);
+}
+
+/// What the stack says of it: that it is nowhere, and who called whom.
+std::string stack_text(const Exception& what, const Elf& program, const Memory& memory) {
+  std::string text;
+  if (what.stack_pointer != 0 && memory.find(what.stack_pointer & ~3U, 4) == nullptr) {
+    text = fmt::format("; the stack pointer 0x{:08x} is outside the memory", what.stack_pointer);
+  }
+  const auto callers = debug::backtrace(program, memory, what.return_address, what.stack_pointer);
+  return callers.empty() ? text : fmt::format("{}; called from {}", text, callers);
+}
+
+}  // namespace
+
+std::optional<int> Soc::gave_up() const {
+  if (end_ != End::exited || exit_code() == 0) return std::nullopt;
+  const auto& ender = hart(hart_of_core(ended_by_));
+  if (!ender.in_exception() || ender.fault().first.cause == cause::kMachineEcall) return std::nullopt;
+  return ended_by_;
+}
+
+std::string Soc::unfinished_exception_text() const {
+  if (!hart_.in_exception()) return {};
+  const auto& first = hart_.fault().first;
+  return text_of(first, program_, hart_) + stack_text(first, program_, memory_);
+}
+
+std::string Soc::fault_text() const {
+  const auto giver = gave_up();
+  const int core = giver ? *giver : cluster_ ? cluster_->faulted_core() : kFabricControllerCore;
+  const auto& ender = hart(hart_of_core(core));
+  const auto& fault = ender.fault();
+  if (!giver && !fault.happened) return {};
+  const auto whose = core == kFabricControllerCore ? "" : fmt::format("cluster core {}: ", core);
+  if (giver) {
+    return fmt::format("{}the program's own handler gave up, with exit code {}, after {}{}", whose, exit_code(),
+                       text_of(fault.first, program_, ender), stack_text(fault.first, program_, memory_));
+  }
+  auto text = fmt::format("{}{}: {}", whose,
+                          fault.double_trap ? "an exception in its own trap handler" : "trap without a handler",
+                          text_of(fault.last, program_, ender));
+  if (fault.double_trap && fault.first.pc != fault.last.pc) {
+    text += fmt::format("; it began with {} (mtval 0x{:08x}) at {}", cause_text(fault.first.cause), fault.first.value,
+                        place_text(program_, fault.first.pc));
+  }
+  return text + stack_text(fault.last, program_, memory_);
+}
+
+}  // namespace mebots::soc

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace mebots {
+
+/// Grey levels of a picture file, row by row from the top left.
+struct GreyPicture {
+  int width = 0;
+  int height = 0;
+  std::vector<std::uint8_t> grey;
+
+  bool operator==(const GreyPicture&) const = default;
+};
+
+/// Returns the grey levels of a PNG picture: colours by their luminance, transparent pixels on black. Throws Error that
+/// begins with `name` if it is not a PNG, is damaged, or is larger than 4096 x 4096.
+GreyPicture decode_png(std::span<const std::uint8_t> bytes, const std::string& name);
+GreyPicture read_png(const std::filesystem::path& file);
+
+}  // namespace mebots
