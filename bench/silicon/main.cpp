@@ -28,7 +28,7 @@ struct Mark {
 
 Mark mark(const Soc& chip, std::string_view line) {
   const auto counters = chip.cluster()->counters();
-  return {std::string(line), chip.core_time(), chip.energy_at_core(), static_cast<double>(counters.cycles),
+  return {std::string(line), chip.core_time(), chip.power().energy_at_core(), static_cast<double>(counters.cycles),
           static_cast<double>(counters.instructions)};
 }
 

@@ -44,25 +44,25 @@ struct FlightParameters {
   double sleep_clock_hz = 10e6;
 
   void put_into(const soc::Soc& chip) const {
-    *chip.input("mission.cruise_speed") = cruise_speed_m_per_s;
-    *chip.input("mission.altitude") = altitude_m;
-    *chip.input("mission.frame_period") = frame_period_s;
-    *chip.input("mission.yaw_rate_scale") = yaw_rate_scale_rad_per_s;
-    *chip.input("mission.landing_charge") = landing_charge;
-    *chip.input("mission.policy") = policy;
-    *chip.input("mission.initial_speed") = initial_speed_m_per_s;
-    *chip.input("mission.navigator") = navigator;
-    *chip.input("mission.sleep_clock") = sleep_clock_hz;
+    *chip.devices().input("mission.cruise_speed") = cruise_speed_m_per_s;
+    *chip.devices().input("mission.altitude") = altitude_m;
+    *chip.devices().input("mission.frame_period") = frame_period_s;
+    *chip.devices().input("mission.yaw_rate_scale") = yaw_rate_scale_rad_per_s;
+    *chip.devices().input("mission.landing_charge") = landing_charge;
+    *chip.devices().input("mission.policy") = policy;
+    *chip.devices().input("mission.initial_speed") = initial_speed_m_per_s;
+    *chip.devices().input("mission.navigator") = navigator;
+    *chip.devices().input("mission.sleep_clock") = sleep_clock_hz;
   }
 };
 
 /// What the chip sends to the flight controller.
 struct SetPoint {
   explicit SetPoint(const soc::Soc& chip)
-      : mode(static_cast<int>(*chip.output("setpoint.mode"))),
-        velocity_x(*chip.output("setpoint.velocity.x")),
-        yaw_rate(*chip.output("setpoint.yaw_rate")),
-        altitude(*chip.output("setpoint.altitude")) {}
+      : mode(static_cast<int>(*chip.devices().output("setpoint.mode"))),
+        velocity_x(*chip.devices().output("setpoint.velocity.x")),
+        yaw_rate(*chip.devices().output("setpoint.yaw_rate")),
+        altitude(*chip.devices().output("setpoint.altitude")) {}
 
   int mode;
   double velocity_x;
@@ -115,10 +115,10 @@ Outcome run(const FlightParameters& mission, const Surroundings& around, double 
       soc::Elf::read(std::string(MEBOTS_BINARY_DIR) + "/firmware/" + (around.on_gap8 ? "gap8_gate.elf" : "gate.elf"));
   soc::Soc chip(board, soc::gap8(), {}, program, listeners);
   mission.put_into(chip);
-  auto* const eye = dynamic_cast<soc::Camera*>(chip.device("camera"));  // null: GAP8's interface
+  auto* const eye = dynamic_cast<soc::Camera*>(chip.devices().find("camera"));  // null: GAP8's interface
   if (eye != nullptr) {
-    *chip.input("camera.frame_width") = around.picture_edge_px;
-    *chip.input("camera.frame_height") = around.picture_edge_px;
+    *chip.devices().input("camera.frame_width") = around.picture_edge_px;
+    *chip.devices().input("camera.frame_height") = around.picture_edge_px;
   }
 
   auto scene = load_scene("gate_easy");
@@ -135,21 +135,21 @@ Outcome run(const FlightParameters& mission, const Surroundings& around, double 
 
   for (std::int64_t k = 0; !outcome.ended && k * kStep_s < limit_s; ++k) {
     outcome.time_s = k * kStep_s;
-    *chip.input("battery.state_of_charge") = around.charge - around.charge_per_second * outcome.time_s;
-    *chip.input("flight.phase") = outcome.phase;
-    *chip.input("flight.range") = drone.pose.p_WB_m.z();
-    *chip.input("flight.forward_velocity") = drone.velocity_m_s;
-    *chip.input("flight.yaw") = drone.pose.yaw_rad;
+    *chip.devices().input("battery.state_of_charge") = around.charge - around.charge_per_second * outcome.time_s;
+    *chip.devices().input("flight.phase") = outcome.phase;
+    *chip.devices().input("flight.range") = drone.pose.p_WB_m.z();
+    *chip.devices().input("flight.forward_velocity") = drone.velocity_m_s;
+    *chip.devices().input("flight.yaw") = drone.pose.yaw_rad;
     if (eye == nullptr) {
-      *chip.input("camera.frame_id") = picture_id;
-      *chip.device("udma")->bytes_input("camera.frame") = whole;
+      *chip.devices().input("camera.frame_id") = picture_id;
+      *chip.devices().find("udma")->bytes_input("camera.frame") = whole;
       chip.begin_step();
     } else if (eye->wants(picture_id)) {
       eye->offer(picture, chip.now());
     }
     // What the chip put out up to here, before its next step.
     const SetPoint sent(chip);
-    const auto requests = static_cast<std::int32_t>(*chip.output("camera.trigger"));
+    const auto requests = static_cast<std::int32_t>(*chip.devices().output("camera.trigger"));
     chip.advance((k + 1) * kStepNs);
 
     if (around.with_pictures && requests != picture_id) {

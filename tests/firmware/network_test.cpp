@@ -88,9 +88,9 @@ std::vector<std::string> on_chip(const std::vector<std::vector<std::uint8_t>>& p
   const auto board = soc::read_board(std::string(MEBOTS_SOURCE_DIR) + "/configs/boards/ai_deck.json");
   const auto program = soc::Elf::read(std::string(MEBOTS_BINARY_DIR) + "/firmware/" + MEBOTS_NETWORK_CHECK);
   soc::Soc chip(board, soc::gap8(), {}, program, listeners);
-  *chip.input("camera.frame_width") = edge;
-  *chip.input("camera.frame_height") = edge;
-  auto& camera = dynamic_cast<soc::Camera&>(*chip.device("camera"));
+  *chip.devices().input("camera.frame_width") = edge;
+  *chip.devices().input("camera.frame_height") = edge;
+  auto& camera = dynamic_cast<soc::Camera&>(*chip.devices().find("camera"));
   constexpr std::int64_t kStep = 2'000'000;
   std::int32_t id = 0;
   for (std::int64_t k = 0; chip.running() && k < 100'000; ++k) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "board/board_file.hpp"
-#include "soc/unmodelled_registers.hpp"
+#include "soc/system_bus.hpp"
 
 #include "mebots/error.hpp"
 

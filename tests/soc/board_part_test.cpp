@@ -116,7 +116,7 @@ BoardSystem moving() {
 }
 
 double joules_of(const BoardSystem& system, std::string_view name) {
-  return system.soc.energy_j(*system.soc.device(name));
+  return system.soc.power().energy_j(*system.soc.devices().find(name));
 }
 
 TEST(BoardPart, OfGap8sBoardConsumesWhatPassesTheHyperBus) {
@@ -177,7 +177,7 @@ TEST(BoardPart, GoesOnFromASavedStateWithTheSameBits) {
   auto second = moving();
   straight.soc.advance(2 * kMs);
   first.soc.advance(50'000);  // in the middle of a transfer
-  ASSERT_EQ(dynamic_cast<AttachedPart&>(*first.soc.device("hyperram")).state_name(), "active");
+  ASSERT_EQ(dynamic_cast<AttachedPart&>(*first.soc.devices().find("hyperram")).state_name(), "active");
   state::restore(second.soc, state::save(first.soc));
   second.soc.advance(2 * kMs);
   EXPECT_TRUE(mebots::test::same_state(straight.soc, second.soc));

@@ -51,10 +51,10 @@ class BoardSystem {
   }
   static Elf assembled(std::string_view text) { return assemble(fmt::format("#include \"board.h\"\n{}\n", text), kL2); }
 
-  Camera& camera() { return dynamic_cast<Camera&>(*soc.device("camera")); }
-  double camera_energy_j() const { return soc.energy_j(*soc.device("camera")); }
+  Camera& camera() { return dynamic_cast<Camera&>(*soc.devices().find("camera")); }
+  double camera_energy_j() const { return soc.power().energy_j(*soc.devices().find("camera")); }
   /// An output that the board's devices have.
-  double output(std::string_view variable) const { return *soc.output(variable); }
+  double output(std::string_view variable) const { return *soc.devices().output(variable); }
 
   std::uint32_t result(std::uint32_t index) const {
     std::uint32_t value = 0;

@@ -732,7 +732,7 @@ TEST(ClusterAlone, RunTakesAsLongAsTheClusterThoughTheControllerSleeps) {
         Case{"faulted", "li t0, 0x30000000\nlw t0, 0(t0)", End::faulted}, Case{"fell asleep", "", End::none}}) {
     auto system = cores_run(works_and(end), 1);
     auto& soc = system.soc;
-    if (const auto tohost = soc.program().symbol("tohost")) soc.stop_when_stored(*tohost);
+    if (const auto tohost = soc.program().symbol("tohost")) soc.program_host().watch(*tohost);
     soc.run_cycles(1'000'000);
     EXPECT_EQ(soc.end(), why) << how;
     EXPECT_GT(soc.now(), kWork) << how;

@@ -232,11 +232,11 @@ _start: li s0, FLIGHT_BASE
     sw a0, 20(s1)
 1:  j 1b
 )");
-  *system.soc.input("flight.phase") = 2;
-  *system.soc.input("flight.range") = 1.0203;
-  *system.soc.input("flight.forward_velocity") = 1e9;
-  *system.soc.input("flight.yaw") = -0.5;
-  *system.soc.input("battery.state_of_charge") = 0.25;
+  *system.soc.devices().input("flight.phase") = 2;
+  *system.soc.devices().input("flight.range") = 1.0203;
+  *system.soc.devices().input("flight.forward_velocity") = 1e9;
+  *system.soc.devices().input("flight.yaw") = -0.5;
+  *system.soc.devices().input("battery.state_of_charge") = 0.25;
   system.soc.advance(1 * kMs);
   EXPECT_EQ(system.result(0), 1020300U);
   EXPECT_EQ(system.result(1), static_cast<std::uint32_t>(-500000));

@@ -280,17 +280,17 @@ TEST(Gap8Camera, BringsThePictureOfTheRollWhenItsFrameHasBeenReadOut) {
 
 /// The world's answer to the request that is out.
 void give(BoardSystem& system, const std::vector<std::uint8_t>& picture) {
-  *system.soc.input("camera.frame_id") = system.output("camera.trigger");
-  *system.soc.device("udma")->bytes_input("camera.frame") = picture;
+  *system.soc.devices().input("camera.frame_id") = system.output("camera.trigger");
+  *system.soc.devices().find("udma")->bytes_input("camera.frame") = picture;
   system.soc.begin_step();
 }
 
 TEST(Gap8Camera, AsksTheWorldWhenTheFrameBeginsAndStoresThePictureWithItsLastRow) {
   BoardSystem system(takes_a_picture(), {}, gap8_board_of_camera());
-  *system.soc.input("camera.frame_height") = Himax::kWindowHeight;
+  *system.soc.devices().input("camera.frame_height") = Himax::kWindowHeight;
   system.soc.advance(15 * kMs);
   EXPECT_EQ(system.output("camera.trigger"), 0) << "the frame under way had begun before the transfer";
-  EXPECT_TRUE(system.soc.waits_for_picture());
+  EXPECT_TRUE(system.soc.devices().wait_for_picture());
   system.soc.advance(24 * kMs);
   ASSERT_EQ(system.output("camera.trigger"), 1) << "344 lines after the first one";
   const auto picture = picture_of(Himax::kWindowHeight);
@@ -309,7 +309,7 @@ INSTANTIATE_TEST_SUITE_P(Modes, Gap8CameraInMode, testing::Values(1, 3));
 
 TEST_P(Gap8CameraInMode, StoresAPictureThatComesBehindItsFrameWhenItComes) {
   BoardSystem system(takes_a_picture(GetParam()), {}, gap8_board_of_camera());
-  *system.soc.input("camera.frame_height") = 0;
+  *system.soc.devices().input("camera.frame_height") = 0;
   system.soc.advance(90 * kMs);
   EXPECT_EQ(system.result(2), 0U);
   give(system, picture_of(Himax::kWindowHeight));
@@ -318,7 +318,7 @@ TEST_P(Gap8CameraInMode, StoresAPictureThatComesBehindItsFrameWhenItComes) {
 }
 
 void store(BoardSystem& system, std::uint32_t offset, std::uint32_t value, std::int64_t now_ns) {
-  system.soc.device("udma")->store(offset, now_ns * 1000, value);
+  system.soc.devices().find("udma")->store(offset, now_ns * 1000, value);
 }
 
 /// By the other I2C master, whose end the program does not hear.
@@ -340,7 +340,7 @@ void expect_row_is_missed(BoardSystem& system) {
 /// The frame of the transfer is under way, and has been asked for.
 struct InItsFrame : BoardSystem {
   InItsFrame() : BoardSystem(takes_a_picture(), {}, gap8_board_of_camera()) {
-    *soc.input("camera.frame_height") = Himax::kWindowHeight;
+    *soc.devices().input("camera.frame_height") = Himax::kWindowHeight;
     soc.advance(24 * kMs);
     EXPECT_EQ(output("camera.trigger"), 1);
   }
@@ -374,7 +374,7 @@ TEST_P(Gap8CameraTold, StoresALateFrameAsItWasReadOutWhateverTheSensorIsToldBehi
 /// Of RGB565, a window of it, weighed by the filter; with one register of the interface cleared behind its last row.
 std::vector<std::uint8_t> stored_frame_of_a_window(std::optional<std::uint32_t> cleared_behind_it) {
   BoardSystem system(takes_a_picture(), {}, gap8_board_of_camera());
-  *system.soc.input("camera.frame_height") = Himax::kWindowHeight;
+  *system.soc.devices().input("camera.frame_height") = Himax::kWindowHeight;
   system.soc.advance(15 * kMs);
   store(system, 0x4a4, 0x00020003, 15 * kMs);
   store(system, 0x4a8, 0x00f00050, 15 * kMs);
@@ -428,7 +428,7 @@ TEST_P(Gap8CameraStandingBy, LosesTheFrameUnderWayAndTakesTheNextOne) {
   tell_sensor(system, kStream, 90 * kMs);
   system.soc.advance(91 * kMs);
   EXPECT_EQ(system.output("camera.trigger"), 2) << "another frame, another picture";
-  *system.soc.input("camera.frame_height") = 0;
+  *system.soc.devices().input("camera.frame_height") = 0;
   give(system, picture_of(Himax::kHeight));
   system.soc.advance(120 * kMs);
   EXPECT_EQ(system.result(2), 0x80000000U | 18U);
@@ -451,9 +451,9 @@ TEST(Gap8Camera, LosesTheFrameUnderWayAlsoWhenItIsWokenInTheSameTransfer) {
 TEST(Gap8Camera, TakesNoPictureThatWasAskedForByAClearedTransfer) {
   InItsFrame system;
   store(system, 0x488, 0x30, 25 * kMs);
-  *system.soc.input("camera.frame_id") = 1;
+  *system.soc.devices().input("camera.frame_id") = 1;
   const auto dark = night();
-  *system.soc.device("udma")->bytes_input("camera.frame") = dark;
+  *system.soc.devices().find("udma")->bytes_input("camera.frame") = dark;
   system.soc.begin_step();
   system.soc.advance(46 * kMs);
   system.soc.begin_step();
@@ -492,8 +492,8 @@ TEST(Gap8Camera, RefusesParametersThatAreNotTheSensorsAtTheStart) {
   for (const auto& [width, height, good] : {Size{324, 324, true}, Size{324, 244, true}, Size{324, 0, true},
                                             Size{648, 162, false}, Size{648, 0, false}, Size{324, 243, false}}) {
     BoardSystem system(takes_a_picture(), {}, gap8_board_of_camera());
-    *system.soc.input("camera.frame_width") = width;
-    *system.soc.input("camera.frame_height") = height;
+    *system.soc.devices().input("camera.frame_width") = width;
+    *system.soc.devices().input("camera.frame_height") = height;
     if (good) {
       EXPECT_NO_THROW(system.soc.begin_step()) << width << " x " << height;
     } else {
@@ -508,7 +508,7 @@ TEST(Gap8Camera, WaitsWhenTheRollHasNoPictureAnyMore) {
   BoardSystem system(takes_a_picture(), settings, gap8_board_of_camera());
   system.soc.advance(60 * kMs);
   EXPECT_EQ(system.result(2), 0U);
-  EXPECT_TRUE(system.soc.waits_for_picture());
+  EXPECT_TRUE(system.soc.devices().wait_for_picture());
 }
 
 /// 70 ms, with what a scenario does behind each; at some time another system goes on from the state of the first.
@@ -516,7 +516,7 @@ template <typename Scenario>
 void expect_goes_on_from_states(const Settings& settings, int mode, const Scenario& scenario) {
   const auto run = [&](std::int64_t saved_at_ms) {
     auto system = std::make_unique<BoardSystem>(takes_a_picture(mode), settings, gap8_board_of_camera());
-    *system->soc.input("camera.frame_height") = Himax::kWindowHeight;
+    *system->soc.devices().input("camera.frame_height") = Himax::kWindowHeight;
     for (std::int64_t ms = 1; ms <= 70; ++ms) {
       system->soc.advance(ms * kMs);
       if (ms == saved_at_ms) {

@@ -1034,7 +1034,7 @@ std::string set_cluster_clock(std::uint32_t factor) {
 }
 
 void run_to_tohost(BoardSystem& system) {
-  system.soc.stop_when_stored(*system.soc.program().symbol("tohost"));
+  system.soc.program_host().watch(*system.soc.program().symbol("tohost"));
   system.soc.run_cycles(10'000'000);
 }
 

@@ -313,12 +313,12 @@ _start: li s0, 0x1A100000
     sw a0, 0x100(s1)
 1:  j 1b
 )");
-  EXPECT_EQ(system.soc.clock_hz(), 1525 * 32768.0) << "as after reset";
-  EXPECT_EQ(system.soc.voltage_v(), 1.2);
+  EXPECT_EQ(system.soc.power().clock_hz(), 1525 * 32768.0) << "as after reset";
+  EXPECT_EQ(system.soc.power().voltage_v(), 1.2);
   system.soc.advance(1 * kMs);
-  EXPECT_EQ(system.soc.clock_hz(), 3052 * 32768.0);
+  EXPECT_EQ(system.soc.power().clock_hz(), 3052 * 32768.0);
   EXPECT_EQ(system.soc.hart().reg(11), 3052U) << "the loop has locked";
-  EXPECT_EQ(system.soc.voltage_v(), 1.0);
+  EXPECT_EQ(system.soc.power().voltage_v(), 1.0);
 }
 
 /// Waits for event 11 of the timer's high counter with interrupts off, lets the interrupt in, and sends itself event 3

@@ -45,20 +45,20 @@ TEST(Skeleton, ObeysOpcodesKeepsRegistersAndSpendsItsEnergy) {
   auto& soc = system.soc;
   soc.advance(10'000'000);
   EXPECT_EQ(system.result(0), 321U);
-  ASSERT_EQ(soc.device_states().size(), 1U);
-  EXPECT_EQ(soc.device_states()[0].state, "ranging");
+  ASSERT_EQ(soc.devices().states().size(), 1U);
+  EXPECT_EQ(soc.devices().states()[0].state, "ranging");
   soc.advance(100'000'000);
-  EXPECT_EQ(soc.device_states()[0].state, "standby");
-  const auto* sensor = soc.device("range_finder");
+  EXPECT_EQ(soc.devices().states()[0].state, "standby");
+  const auto* sensor = soc.devices().find("range_finder");
   ASSERT_NE(sensor, nullptr);
   // 33 ms at 16 mA, the rest at 6 uA, 2.8 V.
-  EXPECT_NEAR(soc.energy_j(*sensor), 2.8 * (16e-3 * 0.033 + 6e-6 * 0.067), 1e-12);
-  ASSERT_NE(soc.input("range_finder.distance"), nullptr);
-  EXPECT_EQ(*soc.output("range_finder.reported"), 0.321);
+  EXPECT_NEAR(soc.power().energy_j(*sensor), 2.8 * (16e-3 * 0.033 + 6e-6 * 0.067), 1e-12);
+  ASSERT_NE(soc.devices().input("range_finder.distance"), nullptr);
+  EXPECT_EQ(*soc.devices().output("range_finder.reported"), 0.321);
 
   BoardSystem other(BoardSystem::assembled(kMeasure), with_library(), board_with_kind());
   state::restore(other.soc, state::save(soc));
-  EXPECT_EQ(other.soc.energy_j(*other.soc.device("range_finder")), soc.energy_j(*sensor));
+  EXPECT_EQ(other.soc.power().energy_j(*other.soc.devices().find("range_finder")), soc.power().energy_j(*sensor));
 }
 
 TEST(Skeleton, IsNeededForADeviceThatNothingDescribes) {

@@ -212,7 +212,7 @@ std::string GdbServer::monitor(std::string_view command) const {
                        static_cast<double>(soc_.sleep_time()) * 1e-12);
   }
   if (command == "energy") {
-    const auto energy = soc_.energy_at(threads_.time());
+    const auto energy = soc_.power().energy_at(threads_.time());
     auto text = fmt::format("total {:.9g} J\n", energy.total_j());
     for (const auto& component : energy.components()) {
       text += fmt::format("{} {:.9g} J\n", component.name, component.energy_j);

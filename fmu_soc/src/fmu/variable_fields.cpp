@@ -52,7 +52,7 @@ VariableFields::VariableFields(Soc& soc, void* variables) : soc_(soc) {
   }
 }
 
-void VariableFields::find(const Soc::BoardSlot& slot, const BoardVariable& variable, void* variables) {
+void VariableFields::find(const DeviceSet::Member& slot, const BoardVariable& variable, void* variables) {
   const auto& name = variable.name;
   const auto causality = causality_of(variable);
   if (variable.type == "String") {
@@ -87,13 +87,13 @@ void VariableFields::take() {
   }
   for (const auto& text : texts_) *text.to = *text.from;
   for (const auto& bytes : bytes_) *bytes.to = bytes.from->bytes();
-  for (auto& energy : energies_) energy.before_j = soc_.energy_j(*energy.device);
+  for (auto& energy : energies_) energy.before_j = soc_.power().energy_j(*energy.device);
 }
 
 void VariableFields::write(double step_s) {
   for (const auto& output : outputs_) output.to.set(*output.from);
   for (const auto& energy : energies_) {
-    const auto now_j = soc_.energy_j(*energy.device);
+    const auto now_j = soc_.power().energy_j(*energy.device);
     if (energy.energy_j) energy.energy_j->set(now_j);
     if (energy.power_w && step_s > 0) energy.power_w->set((now_j - energy.before_j) / step_s);
   }

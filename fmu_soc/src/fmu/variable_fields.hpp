@@ -56,7 +56,7 @@ class VariableFields {
     double before_j = 0;  // at the start of the step
   };
 
-  void find(const Soc::BoardSlot& slot, const BoardVariable& variable, void* variables);
+  void find(const DeviceSet::Member& slot, const BoardVariable& variable, void* variables);
 
   Soc& soc_;
   const double* supply_v_ = nullptr;

@@ -44,7 +44,7 @@ Cost CoreProfile::now() const {
   const auto& counters = hart_.counters();
   return {static_cast<std::int64_t>(counters.cycles), static_cast<std::int64_t>(counters.instructions),
           soc_.is_on(number_) ? soc_.core_time(number_) : soc_.core_time(),
-          energy_fj(number_ == kFabricControllerHart ? soc_.energy_at_core().total_j() : 0)};
+          energy_fj(number_ == kFabricControllerHart ? soc_.power().energy_at_core().total_j() : 0)};
 }
 
 Cost CoreProfile::now_of_chip() const {
@@ -57,7 +57,7 @@ Cost CoreProfile::now_of_chip() const {
 /// This hart's part of the chip's energy.
 std::int64_t CoreProfile::energy_fj(double chip_j) const {
   const auto of_core = [this](unsigned number) {
-    return std::llround(soc_.cluster_core_energy_j(core_of_hart(number)) / kFemtojoule);
+    return std::llround(soc_.power().cluster_core_energy_j(core_of_hart(number)) / kFemtojoule);
   };
   if (number_ != kFabricControllerHart) return of_core(number_);
   auto rest = std::llround(chip_j / kFemtojoule);
@@ -99,8 +99,9 @@ void CoreProfile::retired(const Hart& hart, const Retired& instruction) {
 /// had.
 void CoreProfile::flowed(const Hart& hart, std::span<const Flow> steps) {
   const auto last = now();
-  const auto per_count = soc_.energy_per_count(number_);
-  const auto per_fetch_cycle_j = number_ == 0 ? soc_.refill_words_per_fetch_cycle() * per_count.refill_word_j : 0.0;
+  const auto per_count = soc_.power().energy_per_count(number_);
+  const auto per_fetch_cycle_j =
+      number_ == 0 ? soc_.power().refill_words_per_fetch_cycle() * per_count.refill_word_j : 0.0;
   const auto& end = steps.back();
   // Lines that came after the last step are in the energy already.
   const auto fetch_cycles = hart.counters().fetch_cycles;

@@ -30,7 +30,7 @@ std::string_view core_state(const Soc& soc) {
 PowerTrace::PowerTrace(const std::string& option, const std::string& path, const Soc& soc)
     : soc_(soc), span_start_(soc.now()) {
   std::vector<std::string> tracks{"core"};
-  for (const auto& device : soc.device_states()) tracks.emplace_back(device.name);
+  for (const auto& device : soc.devices().states()) tracks.emplace_back(device.name);
   std::vector<std::string> channels{"clock [Hz]", "voltage [V]"};
   for (const auto& component : soc.energy().components()) {
     channels.push_back(fmt::format("power.{} [W]", component.name));
@@ -46,7 +46,7 @@ PowerTrace::PowerTrace(const std::string& option, const std::string& path, const
 
 std::vector<double> PowerTrace::energies(Picoseconds time) const {
   std::vector<double> found;
-  for (const auto& component : soc_.energy_at(time).components()) found.push_back(component.energy_j);
+  for (const auto& component : soc_.power().energy_at(time).components()) found.push_back(component.energy_j);
   for (const auto& slot : soc_.devices()) {
     if (!slot.entry->states.empty()) found.push_back(slot.device->energy_j(time));
   }
@@ -61,9 +61,9 @@ void PowerTrace::note_states(Picoseconds time) {
   };
   note(kCoreTrack, core_state(soc_));
   auto track = kCoreTrack;
-  for (const auto& device : soc_.device_states()) note(++track, device.state);
-  span_clock_hz_ = soc_.clock_hz();
-  span_voltage_v_ = soc_.voltage_v();
+  for (const auto& device : soc_.devices().states()) note(++track, device.state);
+  span_clock_hz_ = soc_.power().clock_hz();
+  span_voltage_v_ = soc_.power().voltage_v();
 }
 
 void PowerTrace::changed(Picoseconds time) {

@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "soc/soc.hpp"
+#include "board/settings.hpp"
+#include "devices/core/chip_host.hpp"
+#include "soc/device_set.hpp"
+#include "soc/hardware.hpp"
+#include "soc/power_account.hpp"
+#include "soc/program_host.hpp"
+#include "soc/timeline.hpp"
+#include "soc/work_account.hpp"
 
-#include "mebots/assert.hpp"
-
-#include <fmt/core.h>
-
-#include <algorithm>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -16,74 +19,76 @@
 
 namespace mebots::soc {
 
-/// What the chip does for its devices.
-class Soc::Host final : public ChipHost, private PictureRoll {
+/// Receivers of a system's messages. Each may be empty.
+struct Listeners {
+  std::function<void(std::string_view line)> console;
+  std::function<void(std::string_view text)> faults;
+  std::function<void(std::string_view text)> observe = {};  // of debugger and profile
+};
+
+/// The services of a chip to its devices.
+class DeviceServices final : public ChipHost, private PictureRoll {
  public:
-  explicit Host(Soc& soc) : soc_(soc) {}
+  /// The parts of the chip that serve devices.
+  struct Parts {
+    Hardware& hardware;
+    const Timeline& timeline;
+    DeviceSet& devices;
+    const PowerAccount& power;
+    WorkAccount& work;
+    const ProgramHost& program_host;
+    const Listeners& listeners;
+  };
+
+  DeviceServices(const Parts& parts, const Settings& settings)
+      : parts_(parts), flash_(settings.flash), pictures_(settings.pictures) {}
 
   bool read_memory(std::uint32_t address, std::span<std::uint8_t> bytes) const override {
-    return soc_.memory_.read(address, bytes);
+    return parts_.hardware.memory().read(address, bytes);
   }
   bool write_memory(std::uint32_t address, std::span<const std::uint8_t> bytes) override {
-    return soc_.poke(address, bytes);
+    return parts_.hardware.poke(address, bytes);
   }
   bool is_memory(std::uint32_t address, std::uint32_t size) const override {
-    return soc_.memory_.find(address, size) != nullptr;
+    return parts_.hardware.memory().find(address, size) != nullptr;
   }
   void print(std::string_view line) override {
-    if (soc_.listeners_.console) soc_.listeners_.console(line);
+    if (parts_.listeners.console) parts_.listeners.console(line);
   }
   void complain(std::string_view text) override {
-    if (soc_.listeners_.faults) soc_.listeners_.faults(text);
+    if (parts_.listeners.faults) parts_.listeners.faults(text);
   }
-  const Chip& chip() const override { return soc_.chip_; }
-  PowerSettings power_at_start() const override {
-    return {soc_.clock_.hz(), soc_.cluster_ ? soc_.cluster_->clock_hz() : 0, soc_.voltage_mv_, 0, 0};
-  }
-  bool has_cluster() const override { return soc_.cluster_ != nullptr; }
-  double clock_hz() const override { return soc_.clock_.hz(); }
-  gap8_devices::Signals& signals() override { return soc_.signals_; }
-  std::span<const std::uint8_t> flash() const override { return soc_.flash_; }
-  const PictureRoll& pictures() const override { return *this; }
-  std::string function() const override { return soc_.program_.where(soc_.hart_.pc()); }
-  PartPort part_at(const BoardDevice& entry, std::string_view place) override {
-    places_.push_back(fmt::format("{}.{}", entry.name, place));
-    const auto found = std::ranges::find_if(soc_.board_.devices, [this](const BoardDevice& part) {
-      return part.part && part.part->attached_to == places_.back();
-    });
-    if (found == soc_.board_.devices.end()) return {};
-    return PartPort(dynamic_cast<AttachedPart*>(soc_.device(found->name)));
-  }
-  double load_energy_j(std::string_view load, Picoseconds now) const override {
-    if (load == kChipLoad) return soc_.energy_at(now).total_j();
-    const auto* device = soc_.device(load);
-    MEBOTS_ASSERT(device != nullptr, "the reader of boards knows all loads");
-    return device->energy_j(now);
-  }
+  std::string function() const override { return parts_.program_host.function(); }
+  void picture_stored(const PictureTimes& times) override { parts_.work.picture_stored(times); }
+  void setpoints_sent(std::string_view sender, Picoseconds now) override { parts_.work.setpoints_sent(sender, now); }
+
+  const Chip& chip() const override { return parts_.hardware.chip(); }
+  PowerSettings power_at_start() const override;
+  bool has_cluster() const override { return parts_.hardware.cluster() != nullptr; }
+  double clock_hz() const override { return parts_.power.clock_hz(); }
+
+  PartPort part_at(const BoardDevice& entry, std::string_view place) override;
   std::span<const std::string> places() const override { return places_; }
-  void picture_stored(const PictureTimes& times) override {
-    soc_.decisions_.picture_stored(times, soc_.work_at(times.stored));
-  }
-  void setpoints_sent(std::string_view sender, Picoseconds now) override {
-    soc_.decisions_.sent(sender, now, soc_.work_at(now));
-    if (soc_.alone_) soc_.decisions_.published(now);
-  }
+  double load_energy_j(std::string_view load, Picoseconds now) const override;
+
+  std::span<const std::uint8_t> flash() const override { return flash_; }
+  const PictureRoll& pictures() const override { return *this; }
+
+  gap8_devices::Signals& signals() override { return parts_.devices.signals(); }
 
  protected:
-  std::vector<Device*> made_devices() const override {
-    std::vector<Device*> made;
-    for (const auto& device : soc_.owned_) made.push_back(device.get());
-    return made;
-  }
+  std::vector<Device*> made_devices() const override { return parts_.devices.made(); }
 
  private:
-  bool exists() const override { return !soc_.pictures_.empty(); }
+  bool exists() const override { return !pictures_.empty(); }
   std::span<const std::uint8_t> picture(std::size_t number) const override {
-    if (number >= soc_.pictures_.size()) return {};
-    return soc_.pictures_[number];
+    if (number >= pictures_.size()) return {};
+    return pictures_[number];
   }
 
-  Soc& soc_;
+  Parts parts_;
+  std::vector<std::uint8_t> flash_;
+  std::vector<std::vector<std::uint8_t>> pictures_;
   std::vector<std::string> places_;
 };
 

@@ -60,28 +60,28 @@ std::string stack_text(const Exception& what, const Elf& program, const Memory& 
 }  // namespace
 
 std::optional<int> Soc::gave_up() const {
-  if (end_ != End::exited || exit_code() == 0) return std::nullopt;
-  const auto& ender = hart(hart_of_core(ended_by_));
+  if (end() != End::exited || exit_code() == 0) return std::nullopt;
+  const auto& ender = hart(hart_of_core(timeline_.ended_by()));
   if (!ender.in_exception() || ender.fault().first.cause == cause::kMachineEcall) return std::nullopt;
-  return ended_by_;
+  return timeline_.ended_by();
 }
 
 std::string Soc::unfinished_exception_text() const {
-  if (!hart_.in_exception()) return {};
-  const auto& first = hart_.fault().first;
-  return text_of(first, program_, hart_) + stack_text(first, program_, memory_);
+  if (!hart().in_exception()) return {};
+  const auto& first = hart().fault().first;
+  return text_of(first, program_, hart()) + stack_text(first, program_, memory());
 }
 
 std::string Soc::fault_text() const {
   const auto giver = gave_up();
-  const int core = giver ? *giver : cluster_ ? cluster_->faulted_core() : kFabricControllerCore;
+  const int core = giver ? *giver : cluster() != nullptr ? cluster()->faulted_core() : kFabricControllerCore;
   const auto& ender = hart(hart_of_core(core));
   const auto& fault = ender.fault();
   if (!giver && !fault.happened) return {};
   const auto whose = core == kFabricControllerCore ? "" : fmt::format("cluster core {}: ", core);
   if (giver) {
     return fmt::format("{}the program's own handler gave up, with exit code {}, after {}{}", whose, exit_code(),
-                       text_of(fault.first, program_, ender), stack_text(fault.first, program_, memory_));
+                       text_of(fault.first, program_, ender), stack_text(fault.first, program_, memory()));
   }
   auto text = fmt::format("{}{}: {}", whose,
                           fault.double_trap ? "an exception in its own trap handler" : "trap without a handler",
@@ -90,7 +90,7 @@ std::string Soc::fault_text() const {
     text += fmt::format("; it began with {} (mtval 0x{:08x}) at {}", cause_text(fault.first.cause), fault.first.value,
                         place_text(program_, fault.first.pc));
   }
-  return text + stack_text(fault.last, program_, memory_);
+  return text + stack_text(fault.last, program_, memory());
 }
 
 }  // namespace mebots::soc

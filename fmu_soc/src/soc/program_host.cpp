@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-//
-// A program's calls to the machine that it is simulated on, and the word by which it ends.
+#include "soc/program_host.hpp"
+
 #include "hart/look_ahead.hpp"
-#include "soc/soc.hpp"
+#include "mebots/error.hpp"
 
 #include <fmt/core.h>
 
@@ -27,75 +27,65 @@ bool has_upper_half(const Elf& program, std::uint32_t tohost) {
 
 }  // namespace
 
-void Soc::stop_when_stored(std::uint32_t address) {
-  if (memory_.find(address, 4) == nullptr) {
+void ProgramHost::watch(std::uint32_t address) {
+  if (hardware_.memory().find(address, 4) == nullptr) {
     throw Error(fmt::format("{}: its symbol tohost is at 0x{:08x}, where there is no memory to watch",
                             program_.origin(), address));
   }
   stop_word_ = address;
-  has_upper_half_ = has_upper_half(program_, address) && memory_.find(address, kCommandSize) != nullptr;
-  memory_.mark(address, has_upper_half_ ? kCommandSize : 4, Region::kWatch);
+  has_upper_half_ = has_upper_half(program_, address) && hardware_.memory().find(address, kCommandSize) != nullptr;
+  hardware_.memory().mark(address, has_upper_half_ ? kCommandSize : 4, Region::kWatch);
 }
 
-std::uint64_t Soc::command_to_host() const {
+std::uint64_t ProgramHost::command() const {
   std::uint64_t command = 0;
   if (!stop_word_) return 0;
-  memory_.read(*stop_word_, {reinterpret_cast<std::uint8_t*>(&command), has_upper_half_ ? kCommandSize : 4U});
+  hardware_.memory().read(*stop_word_,
+                          {reinterpret_cast<std::uint8_t*>(&command), has_upper_half_ ? kCommandSize : 4U});
   return command;
 }
 
-/// The fabric controller stops after such a store, and serve_command() looks at it.
-bool Soc::watched(std::uint32_t /*address*/) {
-  return command_to_host() != 0;
-}
-
-/// A core of the cluster does not stop for what it stores.
-bool Soc::watched_by_cluster() {
-  return command_to_host() != 0 && serve_command(command_to_host());
-}
-
-/// A 32-bit core stores the halves of a command one after the other, in either order. True if the other half is about
-/// to be stored and makes it another command.
-bool Soc::is_half_stored(std::uint64_t command) const {
+bool ProgramHost::is_half_stored(std::uint64_t command) const {
   if (!has_upper_half_) return false;
   std::array<std::uint32_t, 32> x{};
-  for (unsigned i = 0; i < x.size(); ++i) x[i] = hart_.reg(i);
-  if (command >> 32 == 0) return upcoming_store(memory_, hart_.pc(), x, *stop_word_ + 4).value_or(0) != 0;
+  for (unsigned i = 0; i < x.size(); ++i) x[i] = hardware_.controller().reg(i);
+  if (command >> 32 == 0)
+    return upcoming_store(hardware_.memory(), hardware_.controller().pc(), x, *stop_word_ + 4).value_or(0) != 0;
   const bool has_lower_half = static_cast<std::uint32_t>(command) != 0;
-  return !has_lower_half && upcoming_store(memory_, hart_.pc(), x, *stop_word_).has_value();
+  return !has_lower_half && upcoming_store(hardware_.memory(), hardware_.controller().pc(), x, *stop_word_).has_value();
 }
 
 /// True: the program ends. A command has its device in the upper 8 bits, then 8 bits of what the device is to do, and
 /// 48 bits for it. Source: riscv-isa-sim, fesvr/device.h, and fesvr/htif.cc for the answer.
-bool Soc::serve_command(std::uint64_t command) {
+bool ProgramHost::serve_command(std::uint64_t command) {
   const auto device = static_cast<unsigned>(command >> 56);
   const auto what = static_cast<unsigned>(command >> 48 & 0xffU);
   if (device == 0 && what == 0) {
     if ((command & 1U) != 0) return true;
-    return host_calls_ != nullptr && serve_system_call(static_cast<std::uint32_t>(command));
+    return calls_ != nullptr && serve_system_call(static_cast<std::uint32_t>(command));
   }
-  if (host_calls_ == nullptr) return false;
-  host_calls_->device_command(device, what, command & kPayload);
+  if (calls_ == nullptr) return false;
+  calls_->device_command(device, what, command & kPayload);
   clear_command();
   return false;
 }
 
-void Soc::clear_command() {
+void ProgramHost::clear_command() {
   constexpr std::array<std::uint8_t, kCommandSize> kNone{};
-  poke(*stop_word_, std::span(kNone).first(has_upper_half_ ? kCommandSize : 4));
+  hardware_.poke(*stop_word_, std::span(kNone).first(has_upper_half_ ? kCommandSize : 4));
 }
 
 /// Of the HTIF, device 0: eight 64-bit words at `block`, number and arguments, of which the first takes the result.
 /// True: the program ends. Source: riscv-isa-sim, fesvr/syscall.cc.
-bool Soc::serve_system_call(std::uint32_t block) {
+bool ProgramHost::serve_system_call(std::uint32_t block) {
   std::array<std::uint64_t, 8> words{};
   const auto bytes = std::span(reinterpret_cast<std::uint8_t*>(words.data()), sizeof words);
-  if (!memory_.read(block, bytes)) return false;
+  if (!hardware_.memory().read(block, bytes)) return false;
   std::array<std::uint32_t, 7> arguments{};
   for (std::size_t i = 0; i < arguments.size(); ++i) arguments[i] = static_cast<std::uint32_t>(words[i + 1]);
-  const auto reply = host_calls_->system_call(static_cast<std::uint32_t>(words[0]), arguments);
+  const auto reply = calls_->system_call(static_cast<std::uint32_t>(words[0]), arguments);
   const auto store = [this](std::uint32_t address, auto value) {
-    poke(address, {reinterpret_cast<const std::uint8_t*>(&value), sizeof value});
+    hardware_.poke(address, {reinterpret_cast<const std::uint8_t*>(&value), sizeof value});
   };
   if (reply.exit_code) {
     store(*stop_word_, *reply.exit_code << 1 | 1U);
@@ -108,15 +98,18 @@ bool Soc::serve_system_call(std::uint32_t block) {
 }
 
 /// An ebreak between two instructions that do nothing else. Source: RISC-V Semihosting 1.0.
-bool Soc::called_host() {
+bool ProgramHost::serve_semihosting() {
   constexpr std::array<std::uint32_t, 3> kCall{0x01f01013, 0x00100073, 0x40705013};
   std::array<std::uint32_t, 3> words{};
-  if (host_calls_ == nullptr) return false;
-  if (!memory_.read(hart_.pc() - 4, {reinterpret_cast<std::uint8_t*>(words.data()), sizeof words})) return false;
+  if (calls_ == nullptr) return false;
+  if (!hardware_.memory().read(hardware_.controller().pc() - 4,
+                               {reinterpret_cast<std::uint8_t*>(words.data()), sizeof words}))
+    return false;
   if (words != kCall) return false;
-  const auto reply = host_calls_->semihosting(hart_.reg(kArgument0), hart_.reg(kArgument0 + 1));
-  hart_.set_reg(kArgument0, reply.value);
-  host_exit_ = reply.exit_code;
+  const auto reply =
+      calls_->semihosting(hardware_.controller().reg(kArgument0), hardware_.controller().reg(kArgument0 + 1));
+  hardware_.controller().set_reg(kArgument0, reply.value);
+  exit_code_ = reply.exit_code;
   return true;
 }
 

@@ -4,6 +4,8 @@
 #include "mebots/error.hpp"
 #include "mebots/soc/fixed_point.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -13,86 +15,113 @@ namespace {
 
 constexpr Picoseconds kWithoutEnd = kNever - 1;
 
+std::uint32_t checked_clock(const Chip& chip, const Settings& settings) {
+  const auto clock_hz = static_cast<std::uint32_t>(std::llround(settings.clock_hz));
+  const auto voltage_mv = static_cast<std::uint32_t>(std::lround(settings.voltage_v * kMilli));
+  if (!chip.allows(clock_hz, voltage_mv)) {
+    throw Error(fmt::format(
+        "core.clock {} Hz at core.supply_voltage {} V is outside the chip's limits: {} to {} V in steps of "
+        "{} mV, and {} to {:.0f} Hz at {} V",
+        settings.clock_hz, settings.voltage_v, chip.lowest_voltage_v, chip.highest_voltage_v, chip.voltage_step_mv,
+        chip.minimum_clock_hz, chip.highest_clock_hz(settings.voltage_v), settings.voltage_v));
+  }
+  return clock_hz;
+}
+
+/// The board whose registers hold the chip's parameters that they show.
+BoardDescription with_settings(BoardDescription board, const Settings& settings) {
+  for (auto& device : board.devices) {
+    for (auto& reg : device.registers) {
+      const auto shown = std::ranges::find(kChipSettings, std::string_view(reg.shows), &ChipSetting::variable);
+      if (shown != kChipSettings.end()) reg.reset = to_register(settings.*shown->value, reg.units_per_si);
+    }
+  }
+  return board;
+}
+
 }  // namespace
 
-Device* Soc::device(std::string_view name) const {
-  for (const auto& slot : devices_) {
-    if (slot.entry->name == name) return slot.device;
+Soc::Soc(const BoardDescription& board, const Chip& chip, const Settings& settings, const Elf& program,
+         Listeners listeners)
+    : listeners_(std::move(listeners)),
+      program_(program),
+      board_(with_settings(board, settings)),
+      devices_(board_, settings.library_folders),
+      bus_(hardware_, timeline_, devices_, program_host_, listeners_.faults),
+      hardware_(board_, chip, settings, bus_),
+      timeline_(hardware_.controller()),
+      program_host_(hardware_, program_),
+      power_(hardware_, timeline_, settings),
+      work_(hardware_, timeline_, devices_, board.decisions_end_with),
+      services_({hardware_, timeline_, devices_, power_, work_, program_host_, listeners_}, settings) {
+  timeline_.clock().reset(checked_clock(chip, settings));
+  hardware_.add_cluster(settings, services_);
+  if (auto* cluster = hardware_.cluster()) {
+    devices_.signals().cluster_cores = cluster->cores();
+    if (std::ranges::find(board_.devices, kGap8ClusterKind, &BoardDevice::kind) != board_.devices.end()) {
+      cluster->set_outside(
+          [this](const ClusterAccess& access, Picoseconds now) { return bus_.from_cluster(access, now); });
+    }
+    cluster->set_watcher([this](std::uint32_t /*address*/) { return program_host_.serve_stored(); });
   }
-  return nullptr;
-}
-
-double* Soc::input(std::string_view variable) const {
-  for (const auto& slot : devices_) {
-    if (auto* found = slot.device->input(variable)) return found;
-  }
-  return nullptr;
-}
-
-const double* Soc::output(std::string_view variable) const {
-  for (const auto& slot : devices_) {
-    if (const auto* found = slot.device->output(variable)) return found;
-  }
-  return nullptr;
+  devices_.make(services_);
+  hardware_.connect_memories();
+  hardware_.set_ways(timeline_.clock().hz());
+  hardware_.load_program(program_, devices_);
+  hart().reset(program_.entry());
+  apply_power_settings(core_time());  // GAP8's own devices set the power at the start
 }
 
 void Soc::begin_step() {
-  if (end_ == End::powered_off) return;
-  for (const auto& slot : devices_) slot.device->begin_step(now_);
-}
-
-bool Soc::poke(std::uint32_t address, std::span<const std::uint8_t> bytes) {
-  if (!memory_.write(address, bytes)) return false;
-  memory_.changed(address, static_cast<std::uint32_t>(bytes.size()));
-  return true;
+  if (end() != End::powered_off) devices_.begin_step(now());
 }
 
 void Soc::advance(std::int64_t time_ns) {
-  alone_ = false;
-  go_on(time_ns * kPsPerNs, kNoLimit);
-  decisions_.published(now_);
+  work_.set_alone(false);
+  run(time_ns * kPsPerNs, kNoLimit);
+  work_.publish(now());
 }
 
 void Soc::run_cycles(std::uint64_t cycle_limit) {
-  alone_ = true;
-  go_on(kWithoutEnd, cycle_limit);
+  work_.set_alone(true);
+  run(kWithoutEnd, cycle_limit);
 }
 
-void Soc::go_on(Picoseconds until, std::uint64_t cycle_limit) {
-  touch_devices();  // from outside
-  tell(now_);
+void Soc::run(Picoseconds until, std::uint64_t cycle_limit) {
+  devices_.touch();  // from outside
+  notify(now());
   for (;;) {
     const auto event = next_event();
     const auto cluster = cluster_next();
-    if (cluster_ && cluster_->longest_cycles() >= cycle_limit) break;
-    if (until == kWithoutEnd && !running()) break;  // timers of an ended program tick for ever
-    if (asleep_) {
+    if (hardware_.cluster() != nullptr && hardware_.cluster()->longest_cycles() >= cycle_limit) break;
+    if (until == kWithoutEnd && !running()) break;  // timers of an ended program never stop
+    if (timeline_.asleep()) {
       const auto first = std::min(event, cluster);
       if (first > until || first == kNever) break;
       if (event <= cluster) {
         advance_devices(event);
         wake_if_interrupted(event);
       } else {
-        // With a listener, one quantum after the other, so that it hears of each.
+        // A listener receives each quantum.
         advance_cluster(event, listener_ != nullptr ? cluster : until, cycle_limit);
       }
-      tell(first);
+      notify(first);
       continue;
     }
-    // The fabric controller goes ahead of the cluster, but not far.
-    const auto lead = cluster == kNever ? kNever : cluster_->later(cluster, kLead);
+    // The fabric controller leads the cluster by at most kLead ticks.
+    const auto lead = cluster == kNever ? kNever : hardware_.cluster()->later(cluster, kLead);
     const auto stop_at = std::min(event, lead);
     const bool stop_comes = stop_at <= until;
-    const auto limit = stop_comes ? clock_.first_at(stop_at) : clock_.first_after(until);
-    const auto stop = hart_.run(std::min(limit, cycle_limit));
+    const auto limit = stop_comes ? timeline_.clock().first_at(stop_at) : timeline_.clock().first_after(until);
+    const auto stop = hart().run(std::min(limit, cycle_limit));
     if (stop != Stop::limit) {
       handle(stop);
-      tell(core_time());
+      notify(core_time());
       continue;
     }
-    if (hart_.counters().cycles < limit) {
-      now_ = core_time();  // the cycle limit
-      tell(now_);
+    if (hart().counters().cycles < limit) {
+      timeline_.reach(core_time());  // the cycle limit
+      notify(now());
       return;
     }
     if (!stop_comes) break;
@@ -101,44 +130,35 @@ void Soc::go_on(Picoseconds until, std::uint64_t cycle_limit) {
     } else {
       advance_cluster(lead, lead);
     }
-    tell(core_time());
+    notify(core_time());
   }
-  now_ = until == kWithoutEnd ? reached() : until;
-  tell(now_);
-}
-
-/// How far a run without end has come: to where the core stands that ended it, or else the last of all.
-Picoseconds Soc::reached() const {
-  if (!running()) return std::max(now_, end_time_);
-  const auto of_cluster = cluster_ ? cluster_->reached() : 0;
-  return std::max({now_, asleep_ ? asleep_since_ : core_time(), of_cluster});
-}
-
-Picoseconds Soc::cluster_next() const {
-  return cluster_ && running() ? cluster_->next() : kNever;
+  timeline_.reach(until == kWithoutEnd ? timeline_.reached(hardware_.cluster()) : until);
+  notify(now());
 }
 
 /// The cluster runs until it has caught up, or, while the fabric controller sleeps, for quanta that begin up to `last`
 /// or until something may wake that one.
 void Soc::advance_cluster(Picoseconds until, Picoseconds last, std::uint64_t cycle_limit) {
+  auto* cluster = hardware_.cluster();
   do {
-    cluster_->advance(until, last, cycle_limit);
-    if (event_unit_ != nullptr && !asked_.power) {  // a core has used the devices of GAP8's SoC
-      apply_power_settings(cluster_->fabric_event_time());
-      if (signals_.exit_code && running()) {
-        end_by_program(cluster_->fabric_event_time());
+    cluster->advance(until, last, cycle_limit);
+    if (devices_.event_unit() != nullptr &&
+        !devices_.power_is_applied()) {  // a core has used the devices of GAP8's SoC
+      apply_power_settings(cluster->fabric_event_time());
+      if (devices_.signals().exit_code && running()) {
+        end_by_program(cluster->fabric_event_time());
         return;
       }
     }
     update_lines();
-    if (cluster_->take_fabric_wake()) hart_.wake();
-    if (cluster_->faulted_core() >= 0) {
-      finish(End::faulted, cluster_->stop_time());
-      if (listeners_.faults) listeners_.faults(fault_text());
-    } else if (cluster_->stopped()) {
-      finish(cluster_->core_stopped_by_observer() >= 0 ? End::stopped : End::host, cluster_->stop_time());
-    } else if (asleep_) {
-      wake_if_interrupted(cluster_->fabric_event_time());
+    if (cluster->take_fabric_wake()) hart().wake();
+    if (cluster->faulted_core() >= 0) {
+      finish(End::faulted, cluster->stop_time());
+      report_fault();
+    } else if (cluster->stopped()) {
+      finish(cluster->core_stopped_by_observer() >= 0 ? End::stopped : End::host, cluster->stop_time());
+    } else if (timeline_.asleep()) {
+      wake_if_interrupted(cluster->fabric_event_time());
       return;
     }
   } while (cluster_next() < until);
@@ -146,32 +166,31 @@ void Soc::advance_cluster(Picoseconds until, Picoseconds last, std::uint64_t cyc
 
 void Soc::end_by_program(Picoseconds time) {
   finish(End::exited, time);
-  if (gave_up() && listeners_.faults) listeners_.faults(fault_text());
+  if (gave_up()) report_fault();
 }
 
 void Soc::handle(Stop stop) {
-  touch_devices();
+  devices_.touch();
   switch (stop) {
     case Stop::device:
       apply_power_settings(core_time());
       update_lines();
-      if (host_exit_ || signals_.exit_code || (power_manager_ && power_manager_->exited())) {
+      if (program_host_.exit_code() || devices_.have_exited()) {
         end_by_program(core_time());
       }
       break;
     case Stop::sleeping:
-      asleep_ = true;
-      asleep_since_ = core_time();
-      retained_ = power_manager_ && power_manager_->settings().retention != 0;
+      timeline_.sleep(devices_.power_manager() != nullptr && devices_.power_manager()->settings().retention != 0);
       break;
     case Stop::watch:
-      if (const auto command = command_to_host(); !is_half_stored(command) && serve_command(command)) {
+      if (const auto command = program_host_.command();
+          !program_host_.is_half_stored(command) && program_host_.serve_command(command)) {
         finish(End::host, core_time());
       }
       break;
     case Stop::fault:
       finish(End::faulted, core_time());
-      if (listeners_.faults) listeners_.faults(fault_text());
+      report_fault();
       break;
     case Stop::turn:
       advance_cluster(core_time(), core_time());
@@ -184,164 +203,124 @@ void Soc::handle(Stop stop) {
   }
 }
 
-/// At `time` by the core that ended the program. A fabric controller that is awake may be ahead of it; one that slept
-/// sleeps on.
 void Soc::finish(End why, Picoseconds time) {
-  end_ = why;
-  end_time_ = std::max(core_time(), time);
-  if (!asleep_) asleep_since_ = end_time_;
-  asleep_ = true;
-  for (const auto& slot : devices_) slot.device->program_ended();
-  touch_devices();
+  timeline_.finish(why, time);
+  devices_.end_program();
 }
 
 void Soc::power_off() {
-  if (end_ == End::powered_off) return;
-  if (asleep_ && now_ > asleep_since_) slept_ += now_ - asleep_since_;
-  retention_ = retention_time(now_);
-  retained_ = false;
-  end_ = End::powered_off;
-  end_time_ = now_;
-  asleep_ = true;
-  asleep_since_ = kNever;
-  for (const auto& slot : devices_) slot.device->program_ended();
-  touch_devices();
+  if (end() == End::powered_off) return;
+  timeline_.power_off();
+  devices_.end_program();
 }
 
-/// When a device next does something by itself.
+void Soc::report_fault() const {
+  if (listeners_.faults) listeners_.faults(fault_text());
+}
+
+/// Something may have changed at `time`, or later if it woke the fabric controller.
+void Soc::notify(Picoseconds time) {
+  work_.pass(time);
+  if (listener_ != nullptr) listener_->changed(time);
+}
+
 Picoseconds Soc::next_event() {
-  if (end_ == End::powered_off) return kNever;
-  if (!asked_.next_event) {
-    next_event_ = kNever;
-    for (const auto& slot : devices_) next_event_ = std::min(next_event_, slot.device->next_event());
-    asked_.next_event = true;
-  }
-  return next_event_;
+  return end() == End::powered_off ? kNever : devices_.next_event();
 }
 
 void Soc::advance_devices(Picoseconds time) {
-  for (const auto& slot : devices_) slot.device->advance(time);
-  touch_devices();
+  devices_.advance(time);
   update_lines();
 }
 
 void Soc::update_lines() {
-  const bool asked = std::exchange(asked_.lines, true);
-  if (event_unit_ != nullptr) {
-    if (asked) return;
-    for (const auto& slot : slots_) {
-      if (slot.interrupt >= 0 && slot.device->interrupt()) event_unit_->raise(static_cast<unsigned>(slot.interrupt));
-    }
-    hart_.set_interrupts(event_unit_->lines());
-    if (event_unit_->take_wake()) hart_.wake();
-    return;
-  }
-  if (!asked) {
-    for (const auto& slot : slots_) {
-      if (slot.interrupt >= 0) hart_.set_interrupt(static_cast<unsigned>(slot.interrupt), slot.device->interrupt());
-    }
-  }
-  if (cluster_ && cluster_interrupt_ >= 0) {
-    hart_.set_interrupt(static_cast<unsigned>(cluster_interrupt_), cluster_->interrupt());
-  }
+  devices_.update_lines(hart(), hardware_.cluster(), hardware_.cluster_interrupt());
 }
 
-/// What the firmware asks of clocks, voltage and cluster; null when the board has nothing to ask.
-const PowerSettings* Soc::power_settings() const {
-  if (power_manager_ != nullptr) return &power_manager_->settings();
-  return signals_.power ? &*signals_.power : nullptr;
-}
-
-void Soc::interrupt_taken(unsigned line) {
-  if (event_unit_ == nullptr) return;
-  touch_devices();
-  event_unit_->acknowledge(line);
-  hart_.set_interrupts(event_unit_->lines());
-}
-
-/// At `time` a core has asked for them. The cluster's clock changes then: no core of it stands before. All else changes
-/// behind the fabric controller's last instruction, which may be further on and has had the old settings.
+/// Applies the settings that a core has requested at `time`. The cluster's clock changes at that time, which all of its
+/// cores have reached. All else changes after the fabric controller's last instruction, which may be later and has had
+/// the old settings.
 void Soc::apply_power_settings(Picoseconds time) {
-  asked_.power = true;
-  const auto* settings = power_settings();
+  devices_.set_power_applied();
+  const auto* settings = devices_.power_settings();
   if (settings == nullptr) return;
   const auto& wanted = *settings;
-  const bool changed = wanted.clock_hz != clock_.hz() || wanted.voltage_mv != voltage_mv_ ||
-                       (cluster_ && wanted.cluster_clock_hz != cluster_->clock_hz());
+  auto& clock = timeline_.clock();
+  auto* cluster = hardware_.cluster();
+  const bool changes_cluster = cluster != nullptr && wanted.cluster_clock_hz != cluster->clock_hz();
+  const bool changed = wanted.clock_hz != clock.hz() || wanted.voltage_mv != power_.voltage_mv() || changes_cluster;
   const auto now = std::max(time, core_time());
-  const auto before = changed ? activity_at(now) : Activity{};
-  if (wanted.clock_hz != clock_.hz()) clock_.change(wanted.clock_hz, hart_.counters().cycles);
-  if (cluster_ && wanted.cluster_clock_hz != cluster_->clock_hz()) cluster_->set_clock(time, wanted.cluster_clock_hz);
-  voltage_mv_ = wanted.voltage_mv;
+  const auto before = changed ? power_.activity_at(now) : Activity{};
+  if (wanted.clock_hz != clock.hz()) clock.change(wanted.clock_hz, hart().counters().cycles);
+  if (changes_cluster) cluster->set_clock(time, wanted.cluster_clock_hz);
+  power_.set_voltage(wanted.voltage_mv);
   if (changed) {
-    meter_.change(power_state(), before);
-    set_ways();
-    asked_.next_event = false;  // of timers
+    power_.change(before);
+    hardware_.set_ways(clock.hz());
+    devices_.forget_next_event();  // of timers
   }
-  if (!cluster_) return;
-  if ((wanted.cluster_on != 0) == cluster_->powered()) return;
+  if (cluster == nullptr || (wanted.cluster_on != 0) == cluster->powered()) return;
   if (wanted.cluster_on != 0) {
-    cluster_->power_on(now, wanted.cluster_boot);
+    cluster->power_on(now, wanted.cluster_boot);
   } else {
-    cluster_->power_off(now);
+    cluster->power_off(now);
   }
-  connect_memories();
+  hardware_.connect_memories();
 }
 
 void Soc::wake_if_interrupted(Picoseconds time) {
-  if (end_ != End::none || (hart_.sleeping() && !hart_.wakes())) return;
-  auto wake = std::max(time, asleep_since_);
-  if (retained_) {
-    retention_ += wake - asleep_since_;
-    retained_ = false;
-    power_manager_->woken();
-    if (instruction_cache_) instruction_cache_->flush();  // the memories are kept, the cache is not
-    wake += std::llround(chip_.wake_up_s * kPsPerS);
+  if (!running() || (hart().sleeping() && !hart().wakes())) return;
+  auto wake = std::max(time, timeline_.asleep_since());
+  if (timeline_.retained()) {
+    timeline_.end_retention(wake);
+    devices_.power_manager()->woken();
+    // Retention keeps the memories, but not the cache.
+    if (auto* cache = hardware_.instruction_cache()) cache->flush();
+    wake += std::llround(hardware_.chip().wake_up_s * kPsPerS);
   }
-  clock_.wake(hart_.counters().cycles, wake);
-  slept_ += core_time() - asleep_since_;
-  asleep_ = false;
+  timeline_.wake(wake);
+}
+
+Picoseconds Soc::core_time(unsigned number) const {
+  return number == kFabricControllerHart ? timeline_.core_time() : cluster()->core_time(core_of_hart(number));
+}
+
+Picoseconds Soc::core_time_at(unsigned number, std::uint64_t cycle) const {
+  if (number == kFabricControllerHart) return timeline_.clock().time_of(cycle);
+  return cluster()->core_time_at(core_of_hart(number), cycle);
+}
+
+std::uint64_t Soc::instructions() const {
+  return hart().counters().instructions + (cluster() != nullptr ? cluster()->counters().instructions : 0);
+}
+
+std::int32_t Soc::exit_code() const {
+  if (const auto code = program_host_.exit_code()) return static_cast<std::int32_t>(*code);
+  return devices_.exit_code();
+}
+
+bool Soc::faulted() const {
+  return hart().fault().happened || (cluster() != nullptr && cluster()->faulted_core() >= 0) || gave_up().has_value();
 }
 
 void Soc::observe(unsigned number, Observer* observer) {
   if (number == kFabricControllerHart) {
-    hart_.observe(observer);
+    hart().observe(observer);
   } else {
-    cluster_->observe(core_of_hart(number), observer);
+    hardware_.cluster()->observe(core_of_hart(number), observer);
   }
 }
 
 void Soc::visit(state::Visitor& v) {
-  v("memory", memory_);
-  if (instruction_cache_) v("instruction_cache", *instruction_cache_);
-  v("hart", hart_);
-  if (cluster_) v("cluster", *cluster_);
-  for (const auto& slot : devices_) v(slot.entry->name, *slot.device);
-  v("signals", signals_);
-  v("meter", meter_);
-  v("clock", clock_);
-  v("voltage_mv", voltage_mv_);
-  v("now", now_);
-  v("end", end_);
-  v("end_time", end_time_);
-  v("ended_by", ended_by_);
-  v("asleep", asleep_);
-  v("asleep_since", asleep_since_);
-  v("slept", slept_);
-  v("retained", retained_);
-  v("retention", retention_);
-  v("state_times", state_times_);
-  v("decisions", decisions_);
-  v("controller_work", controller_work_);
-  v("work_noted", work_noted_);
-  v("cluster_work_noted", cluster_work_noted_);
-  v("awake_noted", awake_noted_);
+  hardware_.visit(v);
+  devices_.visit(v);
+  power_.visit(v);
+  timeline_.visit(v);
+  work_.visit(v);
   if (!v.restores()) return;
-  if (ended_by_ < kFabricControllerCore || ended_by_ >= (cluster_ ? static_cast<int>(cluster_->cores()) : 0)) {
-    throw Error(ErrorCode::state_damaged, "a saved state is damaged: a core that there is not ended the program");
-  }
-  connect_memories();
-  set_ways();
+  timeline_.check(cluster());
+  hardware_.connect_memories();
+  hardware_.set_ways(timeline_.clock().hz());
 }
 
 }  // namespace mebots::soc

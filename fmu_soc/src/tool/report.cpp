@@ -38,7 +38,7 @@ void print_report(const Soc& soc, double host_s, std::optional<std::uint32_t> to
              checks.least * energy.total_j(), checks.most * energy.total_j());
   for (const auto& slot : soc.devices()) {
     const bool consumes = !slot.entry->states.empty() || !slot.entry->is_on_bus();
-    if (consumes) fmt::print("{} {:.9g} J\n", slot.entry->name, soc.energy_j(*slot.device));
+    if (consumes) fmt::print("{} {:.9g} J\n", slot.entry->name, soc.power().energy_j(*slot.device));
   }
   fmt::print("host {:.1f} MIPS\n", static_cast<double>(soc.instructions()) / host_s / 1e6);
   if (tohost) fmt::print("tohost {}\n", *tohost);

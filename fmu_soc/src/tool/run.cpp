@@ -138,7 +138,7 @@ std::string why_no_end(const Soc& soc, const Options& options) {
 
 /// The program has taken all pictures, and nothing but one more could wake it.
 bool has_seen_all(const Soc& soc, const Options& options) {
-  return options.pictures && soc.hart().sleeping() && soc.waits_for_picture();
+  return options.pictures && soc.hart().sleeping() && soc.devices().wait_for_picture();
 }
 
 int exit_code(const Soc& soc, std::optional<std::uint32_t> tohost) {
@@ -213,10 +213,10 @@ int run(const Options& options) {
   listeners.console = [](std::string_view line) { fmt::print("{}\n", line); };
   listeners.faults = [](std::string_view text) { fmt::print(stderr, "mebots-soc: {}\n", text); };
   Soc soc(board, chip, settings, program, listeners);
-  if (const auto tohost = program.symbol("tohost")) soc.stop_when_stored(*tohost);
+  if (const auto tohost = program.symbol("tohost")) soc.program_host().watch(*tohost);
   HostFiles files(options.host_files);
   HostServices services(soc, files, options.program);
-  soc.serve_calls(&services);
+  soc.program_host().serve(&services);
   std::optional<Signature> signature;
   if (options.signature) signature.emplace(*options.signature, soc);
   observe::Session session(requests_of(options), soc);

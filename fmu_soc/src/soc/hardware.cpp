@@ -1,21 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-//
-// How a chip is put together from its board: memories and the ways to them, cluster, devices, program.
-#include "board/settings.hpp"
+#include "soc/hardware.hpp"
+
 #include "cluster/own_peripherals.hpp"
 #include "devices/gap8/cluster_peripherals.hpp"
-#include "devices/gap8/fll.hpp"
-#include "devices/gap8/soc_control.hpp"
 #include "mebots/assert.hpp"
-#include "mebots/nearest_names.hpp"
+#include "mebots/error.hpp"
 #include "mebots/soc/fixed_point.hpp"
-#include "soc/device_services.hpp"
-#include "soc/soc.hpp"
 
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>
+#include <string>
+#include <string_view>
 
 namespace mebots::soc {
 namespace {
@@ -39,40 +36,6 @@ const BoardDevice* device_of(const BoardDescription& board, std::string_view kin
   return found == board.devices.end() ? nullptr : &*found;
 }
 
-Inventory inventory_of(const BoardDescription& board, const Settings& settings) {
-  Inventory inventory;
-  if (board.cluster_cores != 0) inventory.cluster_cores = settings.cluster_cores;
-  for (const auto& memory : board.memories) {
-    if (!memory.leaks) continue;
-    (memory.place == Place::cluster ? inventory.l1_bytes : inventory.fc_memory_bytes) += memory.size;
-  }
-  return inventory;
-}
-
-std::uint32_t checked_clock(const Chip& chip, const Settings& settings) {
-  const auto clock_hz = static_cast<std::uint32_t>(std::llround(settings.clock_hz));
-  const auto voltage_mv = static_cast<std::uint32_t>(std::lround(settings.voltage_v * kMilli));
-  if (!chip.allows(clock_hz, voltage_mv)) {
-    throw Error(fmt::format(
-        "core.clock {} Hz at core.supply_voltage {} V is outside the chip's limits: {} to {} V in steps of "
-        "{} mV, and {} to {:.0f} Hz at {} V",
-        settings.clock_hz, settings.voltage_v, chip.lowest_voltage_v, chip.highest_voltage_v, chip.voltage_step_mv,
-        chip.minimum_clock_hz, chip.highest_clock_hz(settings.voltage_v), settings.voltage_v));
-  }
-  return clock_hz;
-}
-
-/// The board whose registers hold the chip's parameters that they show.
-BoardDescription with_settings(BoardDescription board, const Settings& settings) {
-  for (auto& device : board.devices) {
-    for (auto& reg : device.registers) {
-      const auto shown = std::ranges::find(kChipSettings, std::string_view(reg.shows), &ChipSetting::variable);
-      if (shown != kChipSettings.end()) reg.reset = to_register(settings.*shown->value, reg.units_per_si);
-    }
-  }
-  return board;
-}
-
 std::uint32_t checked_cluster_clock(const Chip& chip, const Settings& settings) {
   const auto clock_hz = static_cast<std::uint32_t>(std::llround(settings.cluster_clock_hz));
   const auto voltage_mv = static_cast<std::uint32_t>(std::lround(settings.voltage_v * kMilli));
@@ -87,78 +50,56 @@ std::uint32_t checked_cluster_clock(const Chip& chip, const Settings& settings) 
 
 }  // namespace
 
-Soc::Soc(const BoardDescription& board, const Chip& chip, const Settings& settings, const Elf& program,
-         Listeners listeners)
+Hardware::Hardware(const BoardDescription& board, const Chip& chip, const Settings& settings, Bus& bus)
     : chip_(chip),
-      listeners_(std::move(listeners)),
-      program_(program),
+      board_(board),
       memory_(make_memory(board)),
-      board_(with_settings(board, settings)),
-      kinds_(board_, settings.library_folders),
-      flash_(settings.flash),
-      pictures_(settings.pictures),
-      host_(std::make_unique<Host>(*this)),
       instruction_cache_(
           make_instruction_cache(board.instruction_cache(Place::fabric_controller), InstructionCache::Users::one)),
       decoded_(memory_, {.timing = timing_of(board, chip),
                          .energy = chip.instruction_energy,
                          .instruction_cache = instruction_cache_.get(),
                          .translate = settings.translate}),
-      hart_(memory_, *this, decoded_,
-            {.id = board.hart_id,
-             .keeps_written_mtvec = settings.keeps_written_mtvec,
-             .has_gap8_interrupts = device_of(board, kGap8EventUnitKind) != nullptr}),
-      meter_(chip.energy, inventory_of(board, settings),
-             {settings.temperature_c, settings.voltage_v, settings.clock_hz, settings.cluster_clock_hz}),
-      temperature_c_(settings.temperature_c),
-      voltage_mv_(static_cast<std::uint32_t>(std::lround(settings.voltage_v * kMilli))),
-      decisions_(board.decisions_end_with) {
-  clock_.reset(checked_clock(chip, settings));
-  for (const auto& entry : board.memories) places_.push_back(entry.place);
-  add_cluster(settings);
-  add_devices();
-  connect_memories();
-  set_ways();
-  load_program();
-  hart_.reset(program_.entry());
-  apply_power_settings(core_time());  // what GAP8's own devices begin with
-}
+      controller_(memory_, bus, decoded_,
+                  {.id = board.hart_id,
+                   .keeps_written_mtvec = settings.keeps_written_mtvec,
+                   .has_gap8_interrupts = device_of(board, kGap8EventUnitKind) != nullptr}) {}
 
 /// The way of the fabric controller to the memories, the large near ones first: the first two are the fast ones.
-void Soc::connect_memories() {
-  MEBOTS_ASSERT(places_.size() == memory_.regions().size());
+void Hardware::connect_memories() {
+  MEBOTS_ASSERT(board_.memories.size() == memory_.regions().size());
   std::vector<MemoryPort> ports;
-  for (std::size_t i = 0; i < places_.size(); ++i) {
-    if (places_[i] == Place::fabric_controller) ports.push_back({i, wait_of_fabric_controller(i), nullptr});
+  for (std::size_t i = 0; i < board_.memories.size(); ++i) {
+    if (board_.memories[i].place == Place::fabric_controller) ports.push_back({i, wait_of_controller(i), nullptr});
   }
   std::stable_sort(ports.begin(), ports.end(), [this](const auto& a, const auto& b) {
     return memory_.regions()[a.region].size > memory_.regions()[b.region].size;
   });
-  for (std::size_t i = 0; i < places_.size(); ++i) {
-    if (places_[i] == Place::cluster && cluster_ && cluster_->powered()) {
+  for (std::size_t i = 0; i < board_.memories.size(); ++i) {
+    if (board_.memories[i].place == Place::cluster && cluster_ && cluster_->powered()) {
       ports.push_back({i, chip_.interconnect.fabric_controller_to_cluster, nullptr});
     }
   }
-  for (std::size_t i = 0; i < places_.size(); ++i) {
+  for (std::size_t i = 0; i < board_.memories.size(); ++i) {
     const auto& alias = board_.memories[i].alias;
-    if (alias && places_[i] == Place::fabric_controller) {
-      ports.push_back({i, wait_of_fabric_controller(i), nullptr, *alias - board_.memories[i].base});
+    if (alias && board_.memories[i].place == Place::fabric_controller) {
+      ports.push_back({i, wait_of_controller(i), nullptr, *alias - board_.memories[i].base});
     }
   }
-  hart_.connect(ports);
+  controller_.connect(ports);
 }
 
-std::uint32_t Soc::wait_of_fabric_controller(std::size_t memory) const {
+std::uint32_t Hardware::wait_of_controller(std::size_t memory) const {
   const auto& way = board_.memories[memory].way;
   return way ? way->fabric_controller : 0;
 }
 
 /// The cluster's ways to memories whose board says how much of them lies in the clock of the SoC. An access, a refill
 /// and a beat of the DMA take a cycle of the slower clock: the AXI bus between the two is as wide in both.
-void Soc::set_ways() {
+void Hardware::set_ways(std::uint32_t soc_hz) {
   if (!cluster_ || !has_ways()) return;
   const auto ticks_of = [&](std::uint64_t soc_cycles) {
-    return static_cast<std::uint32_t>((soc_cycles * cluster_->clock_hz() + clock_.hz() - 1) / clock_.hz());
+    return static_cast<std::uint32_t>((soc_cycles * cluster_->clock_hz() + soc_hz - 1) / soc_hz);
   };
   ClusterWays ways;
   ways.dma = chip_.dma;
@@ -175,16 +116,16 @@ void Soc::set_ways() {
   const auto least = chip_.dma.latency - chip_.interconnect.cluster_to_soc;  // the DMA's own
   ways.dma.latency = least + ways.waits[static_cast<std::size_t>(outside - cluster_->ports().begin())];
   ways.dma.least_burst_cycles = chip_.dma.least_burst_of(ways.dma.latency);
-  const auto beat = std::uint64_t{DmaTiming::kBeatUnit} * cluster_->clock_hz() / clock_.hz();
+  const auto beat = std::uint64_t{DmaTiming::kBeatUnit} * cluster_->clock_hz() / soc_hz;
   ways.dma.beat_ticks = static_cast<std::uint32_t>(std::max<std::uint64_t>(beat, DmaTiming::kBeatUnit));
   cluster_->set_ways(ways);
 }
 
-bool Soc::has_ways() const {
+bool Hardware::has_ways() const {
   return std::ranges::any_of(board_.memories, [](const BoardMemory& memory) { return memory.way.has_value(); });
 }
 
-void Soc::add_cluster(const Settings& settings) {
+void Hardware::add_cluster(const Settings& settings, DeviceHost& host) {
   if (board_.cluster_cores == 0 || settings.cluster_cores == 0) return;
   if (settings.cluster_cores > board_.cluster_cores) {
     throw Error(fmt::format("cluster.cores {} is more than the {} of board {}", settings.cluster_cores,
@@ -222,22 +163,17 @@ void Soc::add_cluster(const Settings& settings) {
     cluster.ports.push_back({cluster.l1_region, 0, nullptr, *l1.alias - l1.base});
   }
   MEBOTS_ASSERT(cluster.l1_region < memory_.regions().size());
-  choose_peripherals(cluster);
+  choose_peripherals(cluster, host);
   cluster_ = std::make_unique<Cluster>(memory_, cluster, chip_.instruction_energy);
-  signals_.cluster_cores = cluster.cores;
-  if (cluster.has_gap8_interrupts) {
-    cluster_->set_outside([this](const ClusterAccess& access, Picoseconds now) { return from_cluster(access, now); });
-  }
-  cluster_->set_watcher([this](std::uint32_t /*address*/) { return watched_by_cluster(); });
 }
 
 /// GAP8's own, or those of our boards.
-void Soc::choose_peripherals(ClusterSettings& cluster) {
+void Hardware::choose_peripherals(ClusterSettings& cluster, DeviceHost& host) {
   if (const auto* gap8 = device_of(board_, kGap8ClusterKind); gap8 != nullptr) {
     cluster.has_gap8_interrupts = true;
-    cluster.make_peripherals = [this, &cluster, gap8](ClusterDma& dma) {
+    cluster.make_peripherals = [this, &cluster, &host, gap8](ClusterDma& dma) {
       return std::make_unique<gap8_devices::ClusterPeripherals>(
-          *gap8, *host_,
+          *gap8, host,
           gap8_devices::ClusterPeripherals::Parts{cluster.cores, board_.memories[cluster.l1_region].base,
                                                   board_.memories[cluster.l1_region].size, &dma});
     };
@@ -255,78 +191,15 @@ void Soc::choose_peripherals(ClusterSettings& cluster) {
   };
 }
 
-/// Parts of the board first: devices ask for those that are attached to them.
-void Soc::add_devices() {
-  for (const auto& entry : board_.devices) {
-    if (entry.is_on_bus()) continue;
-    auto part = kinds_.make(entry, *host_);
-    if (!part) {
-      throw Error(fmt::format("board {}: {}: kind {} is part of the cluster and has an address", board_.name,
-                              entry.name, entry.kind));
-    }
-    devices_.push_back({&entry, part.get()});
-    owned_.push_back(std::move(part));
-  }
-  add_devices_on_bus();
-  check_attachments();
-}
-
-/// That each part is attached to a place that there is, and to one of its own.
-void Soc::check_attachments() const {
-  std::vector<std::string> places(host_->places().begin(), host_->places().end());
-  for (const auto& entry : board_.devices) {
-    if (!entry.part || entry.part->attached_to.empty()) continue;
-    const auto found = std::ranges::find(places, entry.part->attached_to);
-    if (found == places.end()) {
-      throw Error(
-          ErrorCode::unknown_name,
-          fmt::format("board {}: part {}: attached_to \"{}\": no device has such a place, or another part is "
-                      "attached there. {}",
-                      board_.name, entry.name, entry.part->attached_to, suggest(entry.part->attached_to, places)));
-    }
-    places.erase(found);
-  }
-}
-
-void Soc::add_devices_on_bus() {
-  for (const auto& entry : board_.devices) {
-    if (!entry.is_on_bus()) continue;
-    auto device = kinds_.make(entry, *host_);
-    if (!device) continue;  // part of the cluster
-    if (auto* power_manager = dynamic_cast<PowerManager*>(device.get())) {
-      if (power_manager_ != nullptr) {
-        throw Error(fmt::format("board {}: {} is a second power manager; a chip has one", board_.name, entry.name));
-      }
-      power_manager_ = power_manager;
-    }
-    if (auto* port = dynamic_cast<gap8_devices::EventUnitPort*>(device.get())) {
-      if (event_unit_ != nullptr) {
-        throw Error(
-            fmt::format("board {}: {} is a second event unit; the fabric controller has one", board_.name, entry.name));
-      }
-      event_unit_ = &port->unit();
-    }
-    const bool sets_power = device.get() == power_manager_ ||
-                            dynamic_cast<gap8_devices::Fll*>(device.get()) != nullptr ||
-                            dynamic_cast<gap8_devices::SocControl*>(device.get()) != nullptr;
-    slots_.push_back({entry.name, entry.base, entry.size(), entry.interrupt, device.get(), sets_power});
-    for (const auto address : entry.also_at) {
-      slots_.push_back({entry.name, address, entry.size(), -1, device.get()});
-    }
-    devices_.push_back({&entry, device.get()});
-    owned_.push_back(std::move(device));
-  }
-}
-
-/// Copies each segment's bytes to where they are loaded. Start-up code copies them on to where they run.
-void Soc::load_program() {
-  for (const auto& segment : program_.segments()) {
+void Hardware::load_program(const Elf& program, const DeviceSet& devices) {
+  for (const auto& segment : program.segments()) {
     const auto size = static_cast<std::uint32_t>(segment.bytes.size());
-    if (!memory_.covers(segment.load_address, size)) fail_outside(segment, "is loaded", segment.load_address, size);
+    if (!memory_.covers(segment.load_address, size))
+      fail_outside(program, segment, "is loaded", segment.load_address, size);
     // A linker script may name a device's registers by a section without bytes.
-    const bool is_device = segment.bytes.empty() && slot_at(segment.run_address) != nullptr;
+    const bool is_device = segment.bytes.empty() && devices.slot_at(segment.run_address) != nullptr;
     if (!is_device && !memory_.covers(segment.run_address, segment.size)) {
-      fail_outside(segment, "runs", segment.run_address, segment.size);
+      fail_outside(program, segment, "runs", segment.run_address, segment.size);
     }
     for (std::span<const std::uint8_t> rest = segment.bytes; !rest.empty();) {
       const auto at = segment.load_address + static_cast<std::uint32_t>(segment.bytes.size() - rest.size());
@@ -338,8 +211,8 @@ void Soc::load_program() {
   }
 }
 
-void Soc::fail_outside(const ElfSegment& segment, std::string_view what, std::uint32_t address,
-                       std::uint32_t size) const {
+void Hardware::fail_outside(const Elf& program, const ElfSegment& segment, std::string_view what, std::uint32_t address,
+                            std::uint32_t size) const {
   std::string memories;
   for (const auto& region : memory_.regions()) {
     memories += fmt::format("{}{} from 0x{:08x} to 0x{:08x}", memories.empty() ? "" : ", ", region.name, region.base,
@@ -352,7 +225,20 @@ void Soc::fail_outside(const ElfSegment& segment, std::string_view what, std::ui
   throw Error(fmt::format(
       "{}: a segment{} {} at 0x{:08x} with {} bytes; this lies outside the board's memories (board {}: {}); "
       "link it with the board's addresses, or add a memory to the board",
-      program_.origin(), other, what, address, size, board_.name, memories));
+      program.origin(), other, what, address, size, board_.name, memories));
+}
+
+bool Hardware::poke(std::uint32_t address, std::span<const std::uint8_t> bytes) {
+  if (!memory_.write(address, bytes)) return false;
+  memory_.changed(address, static_cast<std::uint32_t>(bytes.size()));
+  return true;
+}
+
+void Hardware::visit(state::Visitor& v) {
+  v("memory", memory_);
+  if (instruction_cache_) v("instruction_cache", *instruction_cache_);
+  v("hart", controller_);
+  if (cluster_) v("cluster", *cluster_);
 }
 
 }  // namespace mebots::soc

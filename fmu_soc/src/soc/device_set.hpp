@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "board/board_file.hpp"
+#include "cluster/cluster.hpp"
+#include "devices/core/kinds.hpp"
+#include "devices/gap8/event_unit.hpp"
+#include "devices/gap8/signals.hpp"
+#include "devices/generic/power_manager.hpp"
+#include "hart/hart.hpp"
+#include "mebots/soc/device.hpp"
+#include "mebots/state/visitor.hpp"
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace mebots::soc {
+
+/// The devices of a chip and the parts of its board, without those that the cluster makes itself.
+class DeviceSet {
+ public:
+  /// A device and its entry in the board file.
+  struct Member {
+    const BoardDevice* entry = nullptr;
+    Device* device = nullptr;
+  };
+  /// Addresses of a device.
+  struct Slot {
+    std::string name;
+    std::uint32_t base = 0;
+    std::uint32_t size = 0;  // bytes
+    int interrupt = -1;
+    Device* device = nullptr;
+    bool sets_power = false;  // clocks, voltage or the cluster's power
+  };
+  struct State {
+    std::string_view name;
+    std::string_view state;
+  };
+
+  DeviceSet(const BoardDescription& board, std::span<const std::filesystem::path> library_folders);
+  DeviceSet(const DeviceSet&) = delete;
+  DeviceSet& operator=(const DeviceSet&) = delete;
+
+  /// Makes all devices. Throws Error for a board whose devices do not fit together.
+  void make(ChipHost& host);
+
+  /// Parts of the board first, each group in the order of the file.
+  auto begin() const { return members_.begin(); }
+  auto end() const { return members_.end(); }
+  /// Null if the board has no device of this name.
+  Device* find(std::string_view name) const;
+  /// The place of a device's variable, or null. See mebots/soc/device.hpp.
+  double* input(std::string_view variable) const;
+  const double* output(std::string_view variable) const;
+  /// States of those devices that have more than one.
+  std::vector<State> states() const;
+  /// True while a camera waits for its picture.
+  bool wait_for_picture() const;
+  std::vector<Device*> made() const;
+
+  const Slot* slot_at(std::uint32_t address) const {
+    for (const auto& slot : slots_) {
+      if (address >= slot.base && address - slot.base < slot.size) return &slot;
+    }
+    return nullptr;
+  }
+  PowerManager* power_manager() const { return power_manager_; }
+  /// GAP8's own, of the fabric controller; null on other boards.
+  gap8_devices::EventUnit* event_unit() const { return event_unit_; }
+  gap8_devices::Signals& signals() { return signals_; }
+  const gap8_devices::Signals& signals() const { return signals_; }
+
+  /// Invalidates what is known of the devices. Every access, event and change from outside calls this.
+  void touch() { known_ = {}; }
+  void begin_step(Picoseconds now) const;
+  void end_program();
+  /// The next time at which a device acts without an access.
+  Picoseconds next_event();
+  void forget_next_event() { known_.next_event = false; }
+  void advance(Picoseconds time);
+  /// Sets the interrupt lines of the fabric controller.
+  void update_lines(Hart& hart, const Cluster* cluster, int cluster_interrupt);
+  void acknowledge(unsigned line, Hart& hart);
+
+  /// Clocks, voltage and power of the cluster that the firmware requests; null if no device sets them.
+  const PowerSettings* power_settings() const;
+  bool power_is_applied() const { return known_.power; }
+  void set_power_applied() { known_.power = true; }
+  /// True if a device has ended the program.
+  bool have_exited() const { return signals_.exit_code || (power_manager_ != nullptr && power_manager_->exited()); }
+  std::int32_t exit_code() const;
+
+  void visit(state::Visitor& v);
+
+ private:
+  /// What holds until the next touch(). Not part of a state.
+  struct Known {
+    bool next_event = false;
+    bool lines = false;
+    bool power = false;
+  };
+
+  void add_parts(ChipHost& host);
+  void add_on_bus(ChipHost& host);
+  void note_roles(const BoardDevice& entry, Device& device);
+  void check_attachments(const ChipHost& host) const;
+
+  const BoardDescription& board_;
+  Kinds kinds_;
+  gap8_devices::Signals signals_;
+  std::vector<std::unique_ptr<Device>> owned_;
+  std::vector<Member> members_;
+  std::vector<Slot> slots_;
+  PowerManager* power_manager_ = nullptr;
+  gap8_devices::EventUnit* event_unit_ = nullptr;
+  Known known_;
+  Picoseconds next_event_ = kNever;
+};
+
+}  // namespace mebots::soc

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "board/board_file.hpp"
+#include "board/chip.hpp"
+#include "board/settings.hpp"
+#include "cluster/cluster.hpp"
+#include "devices/core/chip_host.hpp"
+#include "elf/elf.hpp"
+#include "hart/hart.hpp"
+#include "memory/bus.hpp"
+#include "memory/instruction_cache.hpp"
+#include "memory/memory.hpp"
+#include "soc/device_set.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <utility>
+
+namespace mebots::soc {
+
+/// Cores and memories of a chip, and the connections between them.
+class Hardware {
+ public:
+  /// `board` and `chip` must outlive the hardware. `bus` reaches what lies outside the memories.
+  Hardware(const BoardDescription& board, const Chip& chip, const Settings& settings, Bus& bus);
+  Hardware(const Hardware&) = delete;
+  Hardware& operator=(const Hardware&) = delete;
+
+  /// Adds the cluster if board and settings have one; its own devices are those of the board's kinds.
+  void add_cluster(const Settings& settings, DeviceHost& host);
+  /// Connects the fabric controller with the memories, those of a cluster that is on included.
+  void connect_memories();
+  /// Sets the latencies of the cluster's accesses, which depend on both clocks.
+  void set_ways(std::uint32_t soc_hz);
+  /// Copies each segment to its load address; start-up code copies it to where it runs. Throws Error for a segment that
+  /// lies neither in a memory nor, without bytes, in a device.
+  void load_program(const Elf& program, const DeviceSet& devices);
+  /// Changes memory between instructions. Returns false, with nothing done, unless all bytes lie in one memory.
+  bool poke(std::uint32_t address, std::span<const std::uint8_t> bytes);
+
+  const Chip& chip() const { return chip_; }
+  const BoardDescription& board() const { return board_; }
+  Memory& memory() { return memory_; }
+  const Memory& memory() const { return memory_; }
+  /// Of the fabric controller; null without one.
+  InstructionCache* instruction_cache() { return instruction_cache_.get(); }
+  const InstructionCache* instruction_cache() const { return instruction_cache_.get(); }
+  Hart& controller() { return controller_; }
+  const Hart& controller() const { return controller_; }
+  /// Null without one.
+  Cluster* cluster() { return cluster_.get(); }
+  const Cluster* cluster() const { return cluster_.get(); }
+  /// Line of the fabric controller that the cluster's events raise, or -1.
+  int cluster_interrupt() const { return cluster_interrupt_; }
+  unsigned harts() const { return 1 + (cluster_ ? cluster_->cores() : 0); }
+  Hart& hart(unsigned number) {
+    return number == kFabricControllerHart ? controller_ : cluster_->hart(core_of_hart(number));
+  }
+  const Hart& hart(unsigned number) const {
+    return number == kFabricControllerHart ? controller_ : std::as_const(*cluster_).hart(core_of_hart(number));
+  }
+
+  void visit(state::Visitor& v);
+
+ private:
+  std::uint32_t wait_of_controller(std::size_t memory) const;
+  bool has_ways() const;
+  void choose_peripherals(ClusterSettings& cluster, DeviceHost& host);
+  [[noreturn]] void fail_outside(const Elf& program, const ElfSegment& segment, std::string_view what,
+                                 std::uint32_t address, std::uint32_t size) const;
+
+  const Chip& chip_;
+  const BoardDescription& board_;
+  Memory memory_;
+  std::unique_ptr<InstructionCache> instruction_cache_;
+  DecodedCode decoded_;
+  Hart controller_;
+  std::unique_ptr<Cluster> cluster_;
+  int cluster_interrupt_ = -1;
+};
+
+}  // namespace mebots::soc

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "board/settings.hpp"
+#include "energy/meter.hpp"
+#include "soc/device_set.hpp"
+#include "soc/hardware.hpp"
+#include "soc/timeline.hpp"
+
+#include <cstdint>
+
+namespace mebots::soc {
+
+/// Voltage and energy of a chip.
+class PowerAccount {
+ public:
+  PowerAccount(const Hardware& hardware, const Timeline& timeline, const Settings& settings);
+
+  /// Energy since the start, up to a time that may lie ahead of now.
+  EnergyLedger energy_at(Picoseconds time) const;
+  /// For observers in the middle of a run: up to the start of the fabric controller's next instruction or its sleep.
+  EnergyLedger energy_at_core() const { return energy_at(timeline_.core_time()); }
+  /// Energy of a device since the start [J].
+  double energy_j(const Device& device) const { return device.energy_j(timeline_.supplied_until(timeline_.now())); }
+  /// Energy of a cluster core beyond that with a gated clock [J].
+  double cluster_core_energy_j(unsigned core) const { return meter_.core_j(core, core_activity(core)); }
+  /// Energy of one more count of a hart now.
+  CountEnergy energy_per_count(unsigned hart) const;
+  /// Words that arrive per cycle in which the fabric controller waits for its instruction cache.
+  double refill_words_per_fetch_cycle() const;
+
+  double clock_hz() const { return timeline_.clock().hz(); }
+  std::uint32_t voltage_mv() const { return voltage_mv_; }
+  double voltage_v() const { return voltage_mv_ / 1e3; }
+  /// Returns the activity of the chip up to a time.
+  Activity activity_at(Picoseconds now) const;
+  void set_voltage(std::uint32_t voltage_mv) { voltage_mv_ = voltage_mv; }
+  /// Clocks or voltage have changed; `before` is the activity up to then.
+  void change(const Activity& before) { meter_.change(power_state(), before); }
+
+  void visit(state::Visitor& v);
+
+ private:
+  PowerState power_state() const;
+  CoreActivity core_activity(unsigned core) const;
+
+  const Hardware& hardware_;
+  const Timeline& timeline_;
+  EnergyMeter meter_;
+  double temperature_c_;
+  std::uint32_t voltage_mv_;
+};
+
+}  // namespace mebots::soc

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "elf/elf.hpp"
+#include "soc/hardware.hpp"
+#include "soc/host_calls.hpp"
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+namespace mebots::soc {
+
+/// A program's calls to the machine that simulates it: semihosting, and commands through the word `tohost`, which also
+/// ends the program. For programs that run alone; not part of a state.
+class ProgramHost {
+ public:
+  ProgramHost(Hardware& hardware, const Elf& program) : hardware_(hardware), program_(program) {}
+
+  /// Watches the word at this address. Throws Error if it is not in a memory.
+  void watch(std::uint32_t address);
+  /// Sets the server of the program's calls; null removes it.
+  void serve(HostCalls* calls) { calls_ = calls; }
+
+  /// The watched word, with its upper half if it has one; 0 = no command.
+  std::uint64_t command() const;
+  /// A 32-bit core stores the halves of a command one after the other, in either order. True if the other half is about
+  /// to be stored and makes it another command.
+  bool is_half_stored(std::uint64_t command) const;
+  /// Returns true if the program ends.
+  bool serve_command(std::uint64_t command);
+  /// A core of the cluster does not stop after a store, so its command is served at once. Returns true if the program
+  /// ends.
+  bool serve_stored() { return command() != 0 && serve_command(command()); }
+  /// Serves the ebreak at the fabric controller's pc. Returns false if it is no call.
+  bool serve_semihosting();
+
+  /// The exit code of a program that ended by a call.
+  std::optional<std::uint32_t> exit_code() const { return exit_code_; }
+  /// The function that the fabric controller executes; empty if it is not known.
+  std::string function() const { return program_.where(hardware_.controller().pc()); }
+
+ private:
+  void clear_command();
+  bool serve_system_call(std::uint32_t block);
+
+  Hardware& hardware_;
+  const Elf& program_;
+  std::optional<std::uint32_t> stop_word_;
+  bool has_upper_half_ = false;  // with it, the program commands devices of the host
+  HostCalls* calls_ = nullptr;
+  std::optional<std::uint32_t> exit_code_;
+};
+
+}  // namespace mebots::soc

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "cluster/peripherals.hpp"
+#include "memory/bus.hpp"
+#include "soc/device_set.hpp"
+#include "soc/hardware.hpp"
+#include "soc/program_host.hpp"
+#include "soc/timeline.hpp"
+
+#include <cstdint>
+#include <functional>
+#include <set>
+#include <string>
+#include <string_view>
+
+namespace mebots::soc {
+
+/// Accesses of GAP8's programs to registers that no device of the board has. RI5CY of 2018 knows no access fault: such
+/// a load reads something, here 0, such a store is lost, and the program continues. Each address is reported once,
+/// because it may explain why a program behaves differently than on the chip. Not part of a state.
+class UnmodelledRegisters {
+ public:
+  /// True if GAP8 has peripherals there; elsewhere an access is a fault.
+  static bool are_at(std::uint32_t address);
+
+  /// `entry`: the device whose addresses these are; null = none.
+  std::string text(std::uint32_t address, bool stores, std::string_view function, const BoardDevice* entry) const;
+  /// True for the first access to an address.
+  bool is_new(std::uint32_t address);
+
+ private:
+  std::set<std::uint32_t> told_;
+};
+
+/// The bus of the fabric controller: devices of the SoC, and registers of the cluster.
+///
+/// An access to the cluster's registers, or to a device that sets power, waits until the cluster has reached the same
+/// time (BusReply::Kind::later).
+class SystemBus final : public Bus {
+ public:
+  /// Receives a report; empty = no receiver.
+  using Report = std::function<void(std::string_view text)>;
+
+  SystemBus(Hardware& hardware, Timeline& timeline, DeviceSet& devices, ProgramHost& program_host, Report report)
+      : hardware_(hardware),
+        timeline_(timeline),
+        devices_(devices),
+        program_host_(program_host),
+        report_(std::move(report)) {}
+
+  BusReply load(std::uint32_t address, std::uint64_t cycle) override;
+  BusReply load_event(std::uint32_t address, std::uint64_t cycle) override;
+  BusReply store(std::uint32_t address, std::uint64_t cycle, std::uint32_t value) override;
+  BusReply load_narrow(std::uint32_t address, std::uint64_t cycle, unsigned size) override;
+  BusReply store_narrow(std::uint32_t address, std::uint64_t cycle, std::uint32_t value, unsigned size) override;
+  void interrupt_taken(unsigned line) override { devices_.acknowledge(line, hardware_.controller()); }
+  bool watched(std::uint32_t /*address*/) override { return program_host_.command() != 0; }
+  bool called_host() override { return program_host_.serve_semihosting(); }
+
+  /// An access of a cluster core to a device of the SoC, at the fabric controller's time if that is later.
+  BusReply from_cluster(const ClusterAccess& access, Picoseconds time);
+
+ private:
+  bool must_wait(std::uint32_t address, Picoseconds now) const;
+  BusReply unmodelled(std::uint32_t address, bool stores, bool by_fabric_controller);
+
+  Hardware& hardware_;
+  Timeline& timeline_;
+  DeviceSet& devices_;
+  ProgramHost& program_host_;
+  Report report_;
+  UnmodelledRegisters unmodelled_;
+};
+
+}  // namespace mebots::soc

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "soc/decisions.hpp"
+#include "soc/device_set.hpp"
+#include "soc/hardware.hpp"
+#include "soc/state_times.hpp"
+#include "soc/timeline.hpp"
+
+#include <string>
+#include <string_view>
+
+namespace mebots::soc {
+
+/// The work of a chip: time in each state, time of its cores, and decisions from pictures to set-points.
+class WorkAccount {
+ public:
+  /// `sender`: see Decisions.
+  WorkAccount(const Hardware& hardware, const Timeline& timeline, const DeviceSet& devices, std::string sender)
+      : hardware_(hardware), timeline_(timeline), devices_(devices), decisions_(std::move(sender)) {}
+
+  /// Time in each state up to now; an instruction that has started counts to its end.
+  const StateTimes& state_times() const { return state_times_; }
+  const Decisions& decisions() const { return decisions_; }
+
+  /// Notes that the chip may have changed at `time`, or at the fabric controller's time if that is awake and later.
+  void pass(Picoseconds time);
+  void picture_stored(const PictureTimes& times) { decisions_.picture_stored(times, work_at(times.stored)); }
+  void setpoints_sent(std::string_view sender, Picoseconds now);
+  /// A step has ended: the world outside sees what was sent.
+  void publish(Picoseconds now) { decisions_.published(now); }
+  /// True for a program without a world: what it sends is visible at once. Not part of a state.
+  void set_alone(bool alone) { alone_ = alone; }
+
+  void visit(state::Visitor& v);
+
+ private:
+  ChipState chip_state() const;
+  void note(Picoseconds time);
+  Picoseconds controller_work(Picoseconds now) const;
+  CoreWork work_at(Picoseconds now) const;
+
+  const Hardware& hardware_;
+  const Timeline& timeline_;
+  const DeviceSet& devices_;
+  StateTimes state_times_;
+  Decisions decisions_;
+  bool alone_ = false;
+  Picoseconds controller_work_ = 0;  // while the cluster did nothing, up to work_noted_
+  Picoseconds work_noted_ = 0;
+  Picoseconds cluster_work_noted_ = 0;
+  bool awake_noted_ = true;
+};
+
+}  // namespace mebots::soc
