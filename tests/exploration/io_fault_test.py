@@ -15,6 +15,7 @@ import unittest
 
 import mebots
 from mebots.exploration.dispatch import Unfinished
+from mebots.exploration.journal import line_of
 from support import MEBOTS, StudyCase
 
 TABLES = ("missions.csv", "designs.csv", "report.html", "study.json")
@@ -38,9 +39,9 @@ class Invented(concurrent.futures.Executor):
     def submit(self, function, batch):
         del function
         future = concurrent.futures.Future()
-        future.set_result({"duration_s": 0.1, "records": [
+        future.set_result({"duration_s": 0.1, "unfinished": {}, "lines": [line_of(
             {"mission": one["mission"], "flown_by": batch["shared"]["build"], "outcome": "far", "error": "", "code": "",
-             "simulated_time": 1.0, "values": {"integral": one["settings"]["a.real_in"], "deep.out": 2.0}} for one in batch["missions"]]})
+             "simulated_time": 1.0, "values": {"integral": one["settings"]["a.real_in"], "deep.out": 2.0}}) for one in batch["missions"]]})
         return future
 
 
@@ -162,6 +163,29 @@ class Killed(StudyCase):
         mebots.sweep(self.folder / "study.json", self.folder / "whole", executor=Invented(), jobs=2)
         for name in ("missions.csv", "designs.csv"):
             self.assertEqual(self.bytes_of(name), self.bytes_of(name, "whole"))
+
+    def test_a_lost_scheduler_gives_a_message_and_the_study_continues_with_another_one(self):
+        """As Dask behaves: it cancels the futures, and its client takes nothing more."""
+        self.study()
+
+        class Closing(Invented):
+            taken = 0
+
+            def submit(self, function, batch):
+                self.taken += 1
+                if self.taken < 8:
+                    return super().submit(function, batch)
+                if self.taken > 8:
+                    raise RuntimeError("Client is closed")
+                future = concurrent.futures.Future()
+                future.cancel()
+                future.set_running_or_notify_cancel()
+                return future
+
+        with self.assertRaises(mebots.Error) as caught:
+            mebots.sweep(self.folder / "study.json", self.folder / "out", executor=Closing(), jobs=2)
+        self.assertIn("the executor takes no more missions: Client is closed", str(caught.exception))
+        self.assertEqual(mebots.sweep(self.folder / "study.json", self.folder / "out", executor=Invented(), jobs=2).missions, 20)
 
 
 if __name__ == "__main__":

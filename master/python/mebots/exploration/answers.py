@@ -16,6 +16,7 @@ alpha (Robbins 1970; Howard et al. 2021).
 from __future__ import annotations
 
 import dataclasses
+import functools
 import math
 import statistics
 from collections.abc import Callable
@@ -117,6 +118,7 @@ def mean_sequence(moments: Moments, error: float) -> Interval:
     return moments.mean - half, moments.mean + half
 
 
+@functools.lru_cache(4096)
 def t_quantile(p: float, freedom: int) -> float:
     """Quantile of Student's t distribution, for p above one half."""
     low, high = 0.0, 1.0

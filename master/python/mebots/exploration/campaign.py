@@ -10,6 +10,7 @@ import dataclasses
 import functools
 import itertools
 import json
+import math
 import pathlib
 import time
 from collections.abc import Callable, Iterable, Iterator
@@ -20,13 +21,13 @@ from mebots.errors import Error, InputError
 from mebots.exploration import chance, columns, front, report, sensitivity, splitting, tables
 from mebots.exploration.comparison import Evidence
 from mebots.exploration.dispatch import Dispatcher, Unfinished
-from mebots.exploration.files import write_csv
+from mebots.exploration.files import csv_text, write_csv, write_lines
 from mebots.exploration.journal import Journal, Record
 from mebots.exploration.missions import Order, build
 from mebots.exploration.objectives import Measurer, has_all
 from mebots.exploration.rounds import Flight, Flights, Rounds
 from mebots.exploration.search import Search
-from mebots.exploration.space import Space
+from mebots.exploration.space import MOST_DRAWS_KEPT, Space
 from mebots.exploration.study import Study, Values
 from mebots.exploration.worker import flat
 
@@ -151,7 +152,7 @@ class Campaign:
         problems: dict[str, str] = {}
 
         def take() -> None:
-            found.update((record["mission"], record) for record in self._dispatcher.take())
+            found.update((record["mission"], record) for record, _ in self._dispatcher.take())
 
         for what, values in self._trials():
             try:
@@ -312,14 +313,14 @@ class Campaign:
             self._fill(queue, ahead, waiting, len(flights))
             if results.open == 0:
                 break
-            records = self._dispatcher.take()
-            for record, place in zip(records, journal.append(records), strict=True):
+            records = self._take(journal)
+            for record, place in records:
                 indices = waiting.pop(record["mission"], ())
                 for index in indices:
                     results.note(index, record, place)
                 if not indices:
                     self._flown_ahead.add(record["mission"])
-            self._note(records)
+            self._note([record for record, _ in records])
             self.failed = results.failed_so_far
             tell(self._progress(left + results.open, likely_left + results.open, flying))
         self.failed = results.settle(self.study.most_failures)
@@ -374,13 +375,18 @@ class Campaign:
             while not self._dispatcher.is_full and (order := next(queue, None)) is not None:
                 self._dispatcher.give(order, left)
             self._dispatcher.flush()
-            records = self._dispatcher.take()
-            journal.append(records)
+            records = [record for record, _ in self._take(journal)]
             left -= len(records)
             self._note(records)
             self.failed += sum(bool(record["error"]) for record in records)
             tell(self._progress(left + later, left + later, len(self.space.designs)))
         return journal
+
+    def _take(self, journal: Journal) -> list[tuple[Record, int]]:
+        """Waits for results and appends them to the journal. Returns records with their places there."""
+        found = self._dispatcher.take()
+        places = journal.append_lines([(record["mission"], line) for record, line in found])
+        return [(record, place) for (record, _), place in zip(found, places, strict=True)]
 
     def _note(self, records: list[Record]) -> None:
         self.flown += len(records)
@@ -435,7 +441,7 @@ class Campaign:
     # What came of it.
 
     def _write_tables(self, folder: pathlib.Path, journal: Journal, results: _Results, rounds: Rounds | Search) -> None:
-        write_csv(folder / "missions.csv", self._mission_rows(journal, results))
+        write_lines(folder / "missions.csv", self._mission_lines(journal, results))
         self._places = front.places(results.evidence)
         write_csv(folder / "designs.csv", self._design_rows(results, rounds))
         columns.write(folder)
@@ -462,15 +468,28 @@ class Campaign:
                 number, values, self.space.factors, results.evidence, results.failures[number], rounds.status[number], self._places[number]
             )
 
-    def _mission_rows(self, journal: Journal, results: _Results) -> Iterator[list[str]]:
-        names = [*self.space.factors, *self.study.draws]
-        yield tables.mission_head(self.space.factors, self.study)
-        for design in range(len(self.space.designs)):
-            for replicate in range(results.evidence.counts[design]):
-                values = self.space.values((design, replicate))
-                place = results.place(design, replicate)
-                record = tables.missing_record(self.space.missions.order(values)["mission"]) if place is None else journal.at(place)
-                yield tables.mission_row(design, replicate, values, names, record, results.evidence.row(design, replicate))
+    def _mission_lines(self, journal: Journal, results: _Results) -> Iterator[str]:
+        """Yields the lines of missions.csv, from what ``results`` keep: reading the journal again would take longer."""
+        space, evidence = self.space, results.evidence
+        yield csv_text(tables.mission_head(space.factors, self.study)) + "\n"
+        drawn: dict[int, str] = {}
+        for design, values in enumerate(space.designs):
+            factors = tables.values_text({name: values[name] for name in space.factors})
+            for replicate in range(evidence.counts[design]):
+                draws = drawn.get(replicate)
+                if draws is None:
+                    draws = tables.values_text(space.draw(replicate))
+                    if len(drawn) < MOST_DRAWS_KEPT:
+                        drawn[replicate] = draws
+                found = results.found(design, replicate)
+                if found is None:
+                    mission, outcome, time_s = space.order((design, replicate))["mission"], tables.MISSING, math.nan
+                    message = tables.MISSING_MESSAGE
+                else:
+                    mission, outcome, time_s, place = found
+                    message = csv_text([journal.at(place)["error"]]) if place is not None else ""
+                measures = "".join([tables.number_text(one) + "," for one in evidence.numbers(design, replicate)])
+                yield f"{design},{replicate},{factors}{draws}{outcome},{measures}{tables.number_text(time_s)},{message},{mission}\n"
 
 
 class _Results:
@@ -483,7 +502,13 @@ class _Results:
         """Failed missions of earlier rounds."""
         self._measurer = measurer
         self._replicates = replicates
-        self._places: collections.defaultdict[int, array.array[int]] = collections.defaultdict(lambda: array.array("Q"))
+        # Of each mission, by design: 32 bytes of its hash, the number of its outcome, its simulated time.
+        self._hashes: collections.defaultdict[int, bytearray] = collections.defaultdict(bytearray)
+        self._outcomes: collections.defaultdict[int, array.array[int]] = collections.defaultdict(lambda: array.array("H"))
+        self._times_s: collections.defaultdict[int, array.array[float]] = collections.defaultdict(lambda: array.array("d"))
+        self._names: list[str] = [tables.MISSING]
+        self._numbers: dict[str, int] = {tables.MISSING: _MISSING}
+        self._failed_places: dict[tuple[int, int], int] = {}
         self.begin(Flights([], 0, 0))
 
     def begin(self, flights: Flights) -> None:
@@ -499,20 +524,36 @@ class _Results:
         """Stores the result of a mission of this round."""
         design, replicate = self.flights[index]
         self.evidence.put(design, replicate, self._measurer(record, design * self._replicates + replicate))
-        self._store_place(design, replicate, place)
+        self._store(design, replicate, record)
+        if record["error"]:
+            self._failed_places[design, replicate] = place
         self.open -= self._states[index] == _OPEN
         self._states[index] = _FAILED if record["error"] else _SOUND
 
-    def _store_place(self, design: int, replicate: int, place: int) -> None:
-        own = self._places[design]
-        if len(own) <= replicate:
-            own.extend([_NO_PLACE] * (replicate + 1 - len(own)))
-        own[replicate] = place
+    def _store(self, design: int, replicate: int, record: Record) -> None:
+        hashes, outcomes, times_s = self._hashes[design], self._outcomes[design], self._times_s[design]
+        lacking = replicate + 1 - len(outcomes)
+        if lacking > 0:
+            hashes.extend(bytes(32 * lacking))
+            outcomes.extend([_MISSING] * lacking)
+            times_s.extend([math.nan] * lacking)
+        number = self._numbers.get(record["outcome"])
+        if number is None:
+            number = self._numbers[record["outcome"]] = len(self._names)
+            self._names.append(csv_text([record["outcome"]]))
+        hashes[32 * replicate : 32 * replicate + 32] = bytes.fromhex(record["mission"])
+        outcomes[replicate] = number
+        times_s[replicate] = record.get("simulated_time", math.nan)
 
-    def place(self, design: int, replicate: int) -> int | None:
-        """Returns where the mission's line is in the journal; None for a mission without a result."""
-        place = self._places[design][replicate]
-        return None if place == _NO_PLACE else place
+    def found(self, design: int, replicate: int) -> tuple[str, str, float, int | None] | None:
+        """Returns hash, outcome, simulated time [s] and, for a failed mission, the place of its record in the journal; None for
+        a mission without a result."""
+        outcomes = self._outcomes[design]
+        if replicate >= len(outcomes) or outcomes[replicate] == _MISSING:
+            return None
+        mission = self._hashes[design][32 * replicate : 32 * replicate + 32].hex()
+        place = self._failed_places.get((design, replicate)) if self._failed_places else None
+        return mission, self._names[outcomes[replicate]], self._times_s[design][replicate], place
 
     def settle(self, most_failures: int | None) -> int:
         """Moves the end of the missions that count up to the first one without a result, or with which there are too many
@@ -543,7 +584,6 @@ class _Results:
                 missing += 1
                 design, replicate = self.flights[index]
                 self.evidence.miss(design, replicate)
-                self._store_place(design, replicate, _NO_PLACE)
         self._count(len(self._states))
         return missing
 
@@ -558,7 +598,7 @@ class _Results:
 
 
 _OPEN, _SOUND, _FAILED = 0, 1, 2
-_NO_PLACE = 2**64 - 1
+_MISSING = 0
 
 
 def _labels(flat_summary: dict[str, Any]) -> list[str]:

@@ -18,7 +18,7 @@ _TABLES = ("missions", "designs")
 _UNIT = re.compile(r" \[([^]]+)\]")
 
 
-MOST_ROWS = 1_000_000
+MOST_ROWS = 250_000
 """Of a larger table there is the CSV file alone: the others are made in memory."""
 
 

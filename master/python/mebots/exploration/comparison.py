@@ -54,9 +54,13 @@ class Evidence:
     def put(self, design: int, replicate: int, measures: Measures) -> None:
         """Stores the measures of a mission. They count after ``count_to``."""
         width, own = len(self.index), self._measures[design]
+        values = [math.nan if one is None else one for one in measures]
+        if len(own) == replicate * width:
+            own.extend(values)
+            return
         if len(own) < (replicate + 1) * width:
             own.extend([math.nan] * ((replicate + 1) * width - len(own)))
-        own[replicate * width : (replicate + 1) * width] = array.array("d", [math.nan if one is None else one for one in measures])
+        own[replicate * width : (replicate + 1) * width] = array.array("d", values)
 
     def count_to(self, design: int, replicates: int) -> None:
         """Lets the first replicates of a design count."""
@@ -78,6 +82,11 @@ class Evidence:
         """Returns the measures of a mission."""
         width = len(self.index)
         return [_known(one) for one in self._measures[design][replicate * width : (replicate + 1) * width]]
+
+    def numbers(self, design: int, replicate: int) -> array.array[float]:
+        """Returns the measures of a mission, with NaN where there is none."""
+        width = len(self.index)
+        return self._measures[design][replicate * width : (replicate + 1) * width]
 
     def column(self, design: int, at: int) -> array.array[float]:
         """Returns a measure of all missions of a design, with NaN where there is none."""

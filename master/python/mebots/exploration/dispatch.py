@@ -13,7 +13,7 @@ from typing import Any
 
 from mebots.errors import Error
 from mebots.exploration import flying, interrupts
-from mebots.exploration.journal import Record
+from mebots.exploration.journal import Record, record_of
 from mebots.exploration.missions import Order, packed
 
 ATTEMPTS = 3
@@ -79,8 +79,8 @@ class Dispatcher:
             orders, self._next = self._next, []
             self._submit(_Task(orders))
 
-    def take(self) -> list[Record]:
-        """Waits for at least one answer of the executor. Returns the records of finished missions, perhaps none. Raises
+    def take(self) -> list[tuple[Record, bytes]]:
+        """Waits for at least one answer of the executor. Returns records of finished missions with their lines, perhaps none. Raises
         Unfinished at the call after the one that returned the last records, Error for an executor that failed."""
         if self._unfinished is not None:
             raise self._unfinished
@@ -90,14 +90,14 @@ class Dispatcher:
         done = [self._done.get()]
         while not self._done.empty():
             done.append(self._done.get())
-        records: list[Record] = []
+        records: list[tuple[Record, bytes]] = []
         for future in done:
             records += self._records(self._out.pop(future), future)
         if self._unfinished is not None and not records:
             raise self._unfinished
         return records
 
-    def _records(self, task: _Task, future: Future) -> list[Record]:
+    def _records(self, task: _Task, future: Future) -> list[tuple[Record, bytes]]:
         problem = _problem_of(future)
         if isinstance(problem, (AssertionError, TypeError, AttributeError, ImportError)):
             raise problem  # a mistake of the program: another attempt would end in the same way
@@ -118,15 +118,12 @@ class Dispatcher:
             self._submit(_Task(task.orders, task.sends + 1), answer["lacks"])
             return []
         self._adapt(len(task.orders), answer["duration_s"])
-        orders = {order["mission"]: order for order in task.orders}
-        records = []
-        for record in answer["records"]:
-            if "unfinished" in record:
-                self._repeat(orders[record["mission"]], record["unfinished"])
-            else:
-                self._missions.discard(record["mission"])
-                self._attempts.pop(record["mission"], None)
-                records.append(record)
+        unfinished = answer["unfinished"]
+        for order in task.orders if unfinished else ():
+            if order["mission"] in unfinished:
+                self._repeat(order, unfinished[order["mission"]])
+        records = [(record_of(line), line) for line in answer["lines"]]
+        self._missions.difference_update([record["mission"] for record, _ in records])
         return records
 
     def _repeat(self, order: Order, why: str) -> None:
@@ -153,10 +150,8 @@ class Dispatcher:
             try:
                 future = self._executor.submit(flying.fly_all, batch)
             except Exception as error:  # noqa: BLE001 - each kind of executor has its own
-                raise Error(
-                    f"the executor takes no more missions: {str(error) or type(error).__name__}. The same command continues with another one",
-                    "system_failure",
-                ) from None
+                why = (str(error) or type(error).__name__).rstrip(".")
+                raise Error(f"the executor takes no more missions: {why}. The same command continues with another one", "system_failure") from None
             self._out[future] = task
             future.add_done_callback(self._done.put)
 

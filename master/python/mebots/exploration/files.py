@@ -4,13 +4,16 @@
 from __future__ import annotations
 
 import contextlib
-import csv
-import io
+import itertools
 import os
 import pathlib
+import re
 from collections.abc import Callable, Iterable, Sequence
 
 _BLOCK_BYTES = 1 << 20
+_LINES = 4096
+_QUOTE = '"'
+_SPECIAL = re.compile('[,"\r\n]')
 
 
 def write_all(descriptor: int, block: bytes) -> None:
@@ -67,20 +70,19 @@ def replace_with(file: pathlib.Path, write: Callable[[pathlib.Path], None]) -> N
 
 
 def write_csv(file: pathlib.Path, rows: Iterable[Sequence[str]]) -> None:
-    """Writes rows as CSV in UTF-8, with bounded memory."""
-    write_whole(file, _csv_blocks(rows))
+    """Writes rows as CSV in UTF-8."""
+    write_lines(file, (csv_text(row) + "\n" for row in rows))
 
 
-def _csv_blocks(rows: Iterable[Sequence[str]]) -> Iterable[bytes]:
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    for row in rows:
-        writer.writerow(row)
-        if text.tell() > _BLOCK_BYTES:
-            yield text.getvalue().encode()
-            text.seek(0)
-            text.truncate()
-    yield text.getvalue().encode()
+def write_lines(file: pathlib.Path, lines: Iterable[str]) -> None:
+    """Writes lines in UTF-8, with bounded memory."""
+    rest = iter(lines)
+    write_whole(file, iter(lambda: "".join(itertools.islice(rest, _LINES)).encode(), b""))
+
+
+def csv_text(cells: Iterable[str]) -> str:
+    """Returns cells separated by commas, in quotes where they need them."""
+    return ",".join([f'"{cell.replace(_QUOTE, _QUOTE * 2)}"' if _SPECIAL.search(cell) else cell for cell in cells])
 
 
 def _rename(old: pathlib.Path, new: pathlib.Path) -> None:

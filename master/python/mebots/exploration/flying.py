@@ -19,6 +19,7 @@ import time
 from typing import Any
 
 from mebots.exploration import outcomes
+from mebots.exploration.journal import line_of
 from mebots.exploration.missions import Batch, Order, build, digest_of_file, unpacked, without_paths
 
 ATTEMPTS = 3
@@ -222,7 +223,8 @@ def _folder() -> str:
 
 
 def fly_all(batch: Batch) -> dict[str, Any]:
-    """Runs a batch in the calling thread's mission process, for executors. Returns ``records`` and ``duration_s``. If files
+    """Runs a batch in the calling thread's mission process, for executors. Returns the ``lines`` of the missions for the
+    journal, those ``unfinished`` with the reason, and ``duration_s``. If files
     are not on this machine, returns ``{"lacks": [their hashes]}``; a batch may bring them under ``contents``. Another build
     of MEbots might give other results: it returns its own ``build``."""
     if batch["shared"]["build"] != build():
@@ -232,7 +234,9 @@ def fly_all(batch: Batch) -> dict[str, Any]:
         return {"lacks": lacking}
     begun_s = time.monotonic()
     records = [fly(order) for order in unpacked(batch)]
-    return {"records": records, "duration_s": time.monotonic() - begun_s}
+    lines = [line_of(record) for record in records if "unfinished" not in record]
+    unfinished = {record["mission"]: record["unfinished"] for record in records if "unfinished" in record}
+    return {"lines": lines, "unfinished": unfinished, "duration_s": time.monotonic() - begun_s}
 
 
 def fly(order: Order) -> dict[str, Any]:

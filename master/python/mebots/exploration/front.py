@@ -41,35 +41,45 @@ class Dominance:
 
     def __init__(self, evidence: Evidence, feasible: list[int], rivals: list[int]) -> None:
         self._evidence = evidence
-        self._low, self._high, self._mean = evidence.bounds()
+        low, high, mean = evidence.bounds()
+        self._low, self._high, self._mean = low, high, mean
         self._leaders = np.array(evidence.leaders(feasible), int)
         self._rivals = np.array(rivals, int)
+        # A row for each objective: numpy is fast along rows.
+        self._leaders_low, self._leaders_mean = low[self._leaders].T.copy(), mean[self._leaders].T.copy()
+        self._rivals_high = high[self._rivals].T.copy()
         # Where two designs have the same missions, the mean of differences is the difference of means.
         self._counts = np.array(evidence.counts)
         self._counts[~evidence.complete] = -1
+        self._leaders_counts = self._counts[self._leaders]
         # Sums in another order differ in their last bits.
-        self._slack = 1e-9 * np.nanmax(np.abs(self._mean), axis=0, initial=0.0)
+        self._slack = 1e-9 * np.nanmax(np.abs(mean), axis=0, initial=0.0)
 
     def is_dominated(self, design: int) -> bool:
         """True if a leader surely dominates the design."""
-        leaders = self._leaders
-        lead = self._low[leaders] - self._high[design]
-        tolerances = self._evidence.tolerances
-        by_intervals = ((lead > 0) | (lead > -tolerances)).all(axis=1) & (lead > 0).any(axis=1)
-        if (by_intervals & (leaders != design)).any():
+        leaders, tolerances = self._leaders, self._evidence.tolerances
+        never_worse, some_better, may_lead = (np.full(len(leaders), one) for one in (True, False, True))
+        for at, tolerance in enumerate(tolerances):
+            lead = self._leaders_low[at] - self._high[design, at]
+            never_worse &= (lead > 0) | (lead > -tolerance)
+            some_better |= lead > 0
+            # A lower bound of a mean difference is below the difference.
+            may_lead &= self._leaders_mean[at] > self._mean[design, at] - tolerance - self._slack[at]
+        others = leaders != design
+        if (never_worse & some_better & others).any():
             return True
-        # A lower bound of a mean difference is below the difference.
-        may_lead = (self._mean[leaders] - self._mean[design] > -tolerances - self._slack).all(axis=1)
-        same_missions = (self._counts[leaders] == self._counts[design]) & (self._counts[design] >= 0)
-        open_ones = (leaders != design) & (may_lead | ~same_missions)
-        margin = (self._mean[leaders[open_ones]] - self._mean[design]).min(axis=1, initial=np.inf)
-        nearest_last = leaders[open_ones][np.argsort(-margin, kind="stable")]
-        return any(self._evidence.dominates(leader, design) for leader in nearest_last.tolist())
+        same_missions = (self._leaders_counts == self._counts[design]) & (self._counts[design] >= 0)
+        open_ones = leaders[others & (may_lead | ~same_missions)]
+        margin = (self._mean[open_ones] - self._mean[design]).min(axis=1, initial=np.inf)
+        largest_first = open_ones[np.argsort(-margin, kind="stable")]
+        return any(self._evidence.dominates(leader, design) for leader in largest_first.tolist())
 
     def is_best_somewhere(self, design: int) -> bool:
         """True if the design is surely better than each rival in some objective, so that none dominates it."""
-        rivals = self._rivals
-        open_ones = ~(self._low[design] > self._high[rivals]).any(axis=1) & (rivals != design)
-        margin = (self._mean[design] - self._mean[rivals[open_ones]]).max(axis=1, initial=-np.inf)
-        nearest_first = rivals[open_ones][np.argsort(margin, kind="stable")]
+        open_ones = self._rivals != design
+        for at in range(len(self._rivals_high)):
+            open_ones &= self._low[design, at] <= self._rivals_high[at]
+        rivals = self._rivals[open_ones]
+        margin = (self._mean[design] - self._mean[rivals]).max(axis=1, initial=-np.inf)
+        nearest_first = rivals[np.argsort(margin, kind="stable")]
         return all(self._evidence.not_dominated_by(design, rival) for rival in nearest_first.tolist())

@@ -11,6 +11,7 @@ import collections
 import contextlib
 import errno
 import fcntl
+import itertools
 import json
 import os
 import pathlib
@@ -31,6 +32,7 @@ _SYNC_EVERY_S = 0.25
 """A synchronisation takes milliseconds in which no mission is given out."""
 _BLOCK_BYTES = 8 << 20
 _WINDOW_BYTES = 1 << 16
+_decoded = json.JSONDecoder().decode
 _encoded = json.JSONEncoder(separators=(",", ":")).encode
 _MOST_NAMED = 10
 """Damaged lines that are named; of more only their number is reported."""
@@ -53,6 +55,15 @@ def line_of(record: Record) -> bytes:
     return b'%b,"crc32":"%08x"}\n' % (body, zlib.crc32(body))
 
 
+def record_of(line: bytes) -> Record:
+    """Returns the record of a line. Raises ValueError if its checksum is wrong."""
+    body = line[:-_SUM_BYTES]
+    if line[-11:-3] != b"%08x" % zlib.crc32(body):
+        raise ValueError("the checksum of a record is wrong")
+    record: Record = _decoded(body.decode() + "}")
+    return record
+
+
 def key_of(mission: str) -> int:
     """Returns the part of a mission's hash by which the journal finds its line."""
     return int(mission[:16], 16)
@@ -65,7 +76,7 @@ class Places:
     def __init__(self) -> None:
         self._keys = np.empty(0, np.uint64)
         self._places = np.empty(0, np.uint64)
-        self._recent: dict[int, list[int]] = {}
+        self._recent: dict[int, int | list[int]] = {}
         self.count = 0
 
     def add_all(self, keys: np.ndarray, places: np.ndarray) -> None:
@@ -78,13 +89,15 @@ class Places:
         self.count = len(self._keys)
 
     def add(self, key: int, place: int) -> None:
-        self._recent.setdefault(key, []).append(place)
+        before = self._recent.get(key)
+        self._recent[key] = place if before is None else [*(before if isinstance(before, list) else [before]), place]
         self.count += 1
         if len(self._recent) > max(1 << 16, len(self._keys) // 8):
             self._merge()
 
     def find(self, key: int) -> Iterator[int]:
-        yield from reversed(self._recent.get(key, ()))
+        recent = self._recent.get(key, [])
+        yield from reversed(recent) if isinstance(recent, list) else [recent]
         at = int(np.searchsorted(self._keys, np.uint64(key), side="right")) - 1
         while at >= 0 and self._keys[at] == key:
             yield int(self._places[at])
@@ -104,8 +117,9 @@ class Places:
     def _merge(self) -> None:
         recent, self._recent = self._recent, {}
         if recent:
-            pairs = np.array([(key, place) for key, places in recent.items() for place in places], np.uint64)
-            self.add_all(pairs[:, 0], pairs[:, 1])
+            pairs = [(key, place) for key, found in recent.items() for place in (found if isinstance(found, list) else [found])]
+            keys, places = (np.array(column, np.uint64) for column in zip(*pairs, strict=True))
+            self.add_all(keys, places)
 
 
 class Journal:
@@ -171,26 +185,23 @@ class Journal:
         return self._builds.total() - self._builds[build]
 
     def append(self, records: Iterable[Record]) -> list[int]:
-        """Returns the places of the records when a kill of this process cannot undo them. Raises Error when they cannot be
-        written; then the journal ends where it did."""
-        lines = []
-        places = []
-        end = self._end
-        for record in records:
-            line = line_of(record)
-            places.append(end)
-            end += len(line)
-            lines.append((record["mission"], line))
+        """As ``append_lines``."""
+        return self.append_lines([(record["mission"], line_of(record)) for record in records])
+
+    def append_lines(self, lines: Sequence[tuple[str, bytes]]) -> list[int]:
+        """Appends lines of missions. Returns their places when a kill of this process cannot undo them. Raises Error when they
+        cannot be written; then the journal ends where it did."""
         try:
             os.lseek(self._descriptor, self._end, os.SEEK_SET)
-            write_all(self._descriptor, b"".join(line for _, line in lines))
+            write_all(self._descriptor, b"".join([line for _, line in lines]))
         except OSError as error:
             with contextlib.suppress(OSError):  # the next call cuts an incomplete line off
                 os.ftruncate(self._descriptor, self._end)
             raise Error(f"{self.file}: {error.strerror}", "file_unwritable") from None
+        places = list(itertools.accumulate([len(line) for _, line in lines], initial=self._end))
+        self._end = places.pop()
         for (mission, _), place in zip(lines, places, strict=True):
-            self._places.add(key_of(mission), place)
-        self._end = end
+            self._places.add(int(mission[:16], 16), place)
         if time.monotonic() - self._synced_s > _SYNC_EVERY_S:
             self.sync()
         return places

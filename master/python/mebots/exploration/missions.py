@@ -12,6 +12,7 @@ import dataclasses
 import functools
 import hashlib
 import json
+import math
 import os
 import pathlib
 import re
@@ -120,6 +121,8 @@ class Missions:
         self._study = study
         self._digests: dict[str, str] = {}
         self._found: dict[str, str] = {}  # where texts that name files are
+        self._plain: dict[tuple[str, ...], bool] = {}
+        self._names: dict[tuple[str, ...], list[tuple[str, str]]] = {}
         self._hash_begin = f'{{"build":{canonical(build())},"config":"'
         self._hash_end = f',"version":{canonical(_mebots.__version__)}}}'
         self._variants: dict[str, _Variant] = {}
@@ -171,7 +174,7 @@ class Missions:
             if isinstance(value, str):
                 settings[name] = self._portable(value, files)
         # As digest_of() of a dict of these four.
-        text = f'{self._hash_begin}{variant.digest}","settings":{canonical(settings)}{self._hash_end}'
+        text = f'{self._hash_begin}{variant.digest}","settings":{self._canonical(settings)}{self._hash_end}'
         digest = hashlib.sha256(text.encode()).hexdigest()
         turns = []
         for turn in course:
@@ -225,12 +228,20 @@ class Missions:
 
     def _divide(self, values: Values) -> tuple[Values, Values]:
         """Keys of the config, and parameters; options become what they set."""
+        if self._is_plain(tuple(values)):
+            return {}, {name: self._located(value) if isinstance(value, str) else value for name, value in values.items()}
         pointers, settings = {}, {}
         for name, value in values.items():
             for key, setting in self.settings(name, value).items():
                 place = pointers if key.startswith("/") else settings
                 place[key] = self._located(setting) if isinstance(setting, str) else setting
         return pointers, settings
+
+    def _is_plain(self, names: tuple[str, ...]) -> bool:
+        """True if each name is a parameter."""
+        if names not in self._plain:
+            self._plain[names] = not any(name.startswith("/") or name in self._options for name in names)
+        return self._plain[names]
 
     def _located(self, value: str) -> str:
         """Returns a text that names a file in a folder of the study as an absolute path, and any other as it is."""
@@ -251,8 +262,15 @@ class Missions:
         files[digest] = [path, os.path.basename(path)]
         return FILE_MARK + digest
 
+    def _canonical(self, settings: Values) -> str:
+        """Returns ``canonical(settings)``, faster for numbers."""
+        names = tuple(settings)
+        if names not in self._names:
+            self._names[names] = [(name, f"{canonical(name)}:") for name in sorted(names)]
+        return "{" + ",".join([title + _canonical_of(settings[name]) for name, title in self._names[names]]) + "}"
+
     def _variant(self, pointers: Values) -> _Variant:
-        key = canonical(pointers)
+        key = canonical(pointers) if pointers else "{}"
         if key not in self._variants:
             self._variants[key] = self._make_variant(pointers)
         return self._variants[key]
@@ -277,6 +295,12 @@ class Missions:
         if self._study.results:
             config |= {section: shown[section] for section in _OF_RESULTS if section in shown}
         return _Variant(json.dumps(config), digest, files, ground.last_point_s, ground.stop_time_s, ground)
+
+
+def _canonical_of(value: Any) -> str:
+    if type(value) is float and math.isfinite(value):
+        return repr(value)
+    return str(value) if type(value) is int else canonical(value)
 
 
 def _signals(config: dict[str, Any]) -> list[dict[str, Any]]:

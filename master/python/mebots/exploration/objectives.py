@@ -41,7 +41,9 @@ class Measurer:
 
     def __call__(self, record: Record, number: int = 0) -> Measures:
         """Returns the measures of a mission. ``number``: its place in the study's order."""
-        values: dict[str, Any] = dict(record.get("values", {}))
+        values: dict[str, Any] = record.get("values", {})
+        if self._formulas:  # which may use other objectives
+            values = dict(values)
         sound = not record["error"]
         self._sound += sound
         measured: dict[str, float | None] = {}
@@ -54,7 +56,9 @@ class Measurer:
                 found = self._one(one, record, values, number) if sound else None
             if found is not None:
                 self._valued.add(one.label)
-            measured[one.label] = values[one.label] = found
+            measured[one.label] = found
+            if self._formulas:
+                values[one.label] = found
         return tuple(measured[one.label] for one in self._objectives)
 
     def without_value(self) -> list[str]:

@@ -11,7 +11,7 @@ from mebots.exploration.missions import Missions, Order
 from mebots.exploration.rounds import Flight
 from mebots.exploration.study import Study, Values
 
-_MOST_DRAWS_KEPT = 100_000
+MOST_DRAWS_KEPT = 100_000
 """Replicates whose draws stay in memory; those of others are computed each time."""
 
 
@@ -38,7 +38,7 @@ class Space:
                 name: chance.value(spread, chance.unit(self.study.draws_seed, name, replicate))
                 for name, spread in self.study.draws.items()
             }
-            if len(self._draws) < _MOST_DRAWS_KEPT:
+            if len(self._draws) < MOST_DRAWS_KEPT:
                 self._draws[replicate] = drawn
         return drawn
 

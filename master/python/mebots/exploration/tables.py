@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from mebots.exploration.comparison import Evidence
+from mebots.exploration.files import csv_text
 from mebots.exploration.study import Objective, Study, Values
 
 
@@ -29,24 +30,19 @@ def mission_head(factors: Sequence[str], study: Study) -> list[str]:
     return ["design", "replicate", *factors, *study.draws, "outcome", *objectives, "simulated_time [s]", "message", "mission"]
 
 
-def mission_row(
-    design: int, replicate: int, values: Values, names: Sequence[str], record: dict[str, Any], measures: Sequence[Any]
-) -> list[str]:
-    return [
-        str(design),
-        str(replicate),
-        *(cell(values[name]) for name in names),
-        record["outcome"],
-        *(cell(one) for one in measures),
-        cell(record.get("simulated_time")),
-        record["error"],
-        record["mission"],
-    ]
+MISSING = "missing"
+"""Outcome of a mission without a result."""
+MISSING_MESSAGE = "no result: the same command runs it"
 
 
-def missing_record(mission: str) -> dict[str, Any]:
-    """Returns what missions.csv has of a mission without a result."""
-    return {"outcome": "missing", "error": "no result: the same command runs it", "mission": mission}
+def values_text(values: Values) -> str:
+    """Returns the cells of factors or draws in a row of missions.csv, each with a comma after it."""
+    return "".join([csv_text([cell(value)]) + "," for value in values.values()])
+
+
+def number_text(value: float) -> str:
+    """Returns the cell of a number; empty for NaN."""
+    return "" if value != value else cell(value)
 
 
 def design_head(factors: Sequence[str], study: Study) -> list[str]:
