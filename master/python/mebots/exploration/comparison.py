@@ -9,6 +9,7 @@ are equal".
 from __future__ import annotations
 
 import array
+import collections
 import dataclasses
 import math
 from collections.abc import Sequence
@@ -41,7 +42,7 @@ class Evidence:
         self.counts: list[int] = [0] * designs
         """Replicates of each design that count."""
         self._measures = [array.array("d") for _ in range(designs)]
-        self._missing: set[tuple[int, int]] = set()
+        self._missing: collections.Counter[int] = collections.Counter()
         self._senses = [one for one in study.objectives if one.sense != 0]
         self._estimates: dict[tuple[int, str, float, bool], tuple[int, Estimate]] = {}
 
@@ -69,14 +70,14 @@ class Evidence:
     def miss(self, design: int, replicate: int) -> None:
         """Notes a mission that has no result."""
         self.put(design, replicate, (None,) * len(self.index))
-        self._missing.add((design, replicate))
+        self._missing[design] += 1
 
     def missing_of(self, design: int) -> int:
-        return sum(one == design for one, _ in self._missing)
+        return self._missing[design]
 
     def missions_of(self, design: int) -> int:
         """Returns how many missions of a design have a result and count."""
-        return self.counts[design] - (self.missing_of(design) if self._missing else 0)
+        return self.counts[design] - self._missing[design]
 
     def row(self, design: int, replicate: int) -> list[float | None]:
         """Returns the measures of a mission."""
