@@ -76,7 +76,7 @@ LiveRun::LiveRun(master::Run& run, int port) : run_(&run) {
     return in_run([this, variable, value] { return set(variable, value); });
   };
   run.listen([log = log_](const Message& message) { *log += master::message_text(message) + "\n"; });
-  server_ = std::make_unique<Server>(port, std::move(answers));
+  server_ = std::make_unique<Server>(port, answers);
   address_ = server_->address();
 }
 
@@ -109,7 +109,9 @@ void LiveRun::step_until_the_end() {
 void LiveRun::wait_for_the_last_look() {
   const auto start = Clock::now();
   if (start - last_look_ > kLookedLately) return;
-  while (!end_seen_ && Clock::now() - start < kLinger) mailbox_.wait_and_answer(kHeldNap);
+  const auto& interrupted = run_->interrupt_flag();
+  while (!end_seen_ && !interrupted.load(std::memory_order_relaxed) && Clock::now() - start < kLinger)
+    mailbox_.wait_and_answer(kHeldNap);
 }
 
 std::string LiveRun::data(const Known& known) {

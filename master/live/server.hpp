@@ -7,11 +7,12 @@
 
 namespace mebots::live {
 
-/// Answers a browser on 127.0.0.1, in threads of its own.
+/// Serves a browser on 127.0.0.1, in threads of its own. Each request has a deadline (connection.hpp); the destructor
+/// ends within a second, whatever clients do.
 class LiveRun::Server {
  public:
-  /// What the page may ask for. Each is called in one of the server's threads and may throw; the text of an InputError
-  /// is shown to people.
+  /// What the page requests. Each is called in one of the server's threads and may throw; the page shows the text of an
+  /// InputError.
   struct Answers {
     std::function<std::string()> page;
     std::function<std::string(const Known& known)> data;
@@ -19,8 +20,8 @@ class LiveRun::Server {
     std::function<std::string(const std::string& variable, const std::string& value)> set;
   };
 
-  /// Throws InputError when the port is taken.
-  Server(int port, Answers answers);
+  /// Throws InputError if the port is not free.
+  Server(int port, const Answers& answers);
   ~Server();
   Server(const Server&) = delete;
   Server& operator=(const Server&) = delete;

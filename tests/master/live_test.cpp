@@ -1,9 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "connection.hpp"
 #include "server.hpp"
 #include "test_system.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include <arpa/inet.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
 
 namespace mebots::test {
 namespace {
@@ -13,6 +24,80 @@ TEST(LiveServer, EndsThoughItIsOverBeforeItsThreadListens) {
     const live::LiveRun::Server server(0, {});
     EXPECT_EQ(server.address().rfind("http://127.0.0.1:", 0), 0u);
   }
+}
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+/// A server whose page is "the page".
+class LiveClients : public testing::Test {
+ protected:
+  static live::LiveRun::Server::Answers answers() {
+    live::LiveRun::Server::Answers answers;
+    answers.page = [] { return std::string("the page"); };
+    return answers;
+  }
+
+  int port() const { return std::stoi(server_->address().substr(std::string("http://127.0.0.1:").size())); }
+  std::string path() const { return server_->address().substr(server_->address().find('/', 8)); }
+
+  /// Connects, and sends the beginning of a request.
+  int connect_slowly(const std::string& beginning) {
+    const int line = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_port = htons(static_cast<std::uint16_t>(port()));
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    EXPECT_EQ(connect(line, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+    EXPECT_EQ(send(line, beginning.data(), beginning.size(), MSG_NOSIGNAL), static_cast<ssize_t>(beginning.size()));
+    lines_.push_back(line);
+    return line;
+  }
+  /// Returns how long the server takes to close the connection while the client sends `part` again and again.
+  static double seconds_until_closed(int line, const std::string& part) {
+    const auto start = Clock::now();
+    while (seconds_since(start) < 20) {
+      char byte = 0;
+      if (recv(line, &byte, 1, MSG_DONTWAIT) == 0 || send(line, part.data(), part.size(), MSG_NOSIGNAL) < 0) break;
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    return seconds_since(start);
+  }
+  ~LiveClients() override {
+    for (const int line : lines_) close(line);
+  }
+
+  std::unique_ptr<live::LiveRun::Server> server_ = std::make_unique<live::LiveRun::Server>(0, answers());
+  std::vector<int> lines_;
+};
+
+TEST_F(LiveClients, CannotDelayTheEnd) {
+  for (int i = 0; i < 50; ++i) connect_slowly("GET / HT");
+  const auto start = Clock::now();
+  server_.reset();
+  EXPECT_LT(seconds_since(start), 3);  // 1 s on an idle machine
+}
+
+TEST_F(LiveClients, AreCutOffWhenTheirRequestTakesTooLong) {
+  const double deadline_s = std::chrono::duration<double>(live::Connection::kRequestTime).count();
+  EXPECT_NEAR(seconds_until_closed(connect_slowly("GET / HTTP/1.1\r\nA: "), "b"), deadline_s, 1);
+}
+
+TEST_F(LiveClients, AreCutOffWhenTheirRequestIsTooLarge) {
+  EXPECT_LT(seconds_until_closed(connect_slowly("GET / HTTP/1.1\r\n"), std::string(4096, 'A') + ": b\r\n"), 1.5);
+}
+
+TEST_F(LiveClients, DoNotBlockABrowser) {
+  for (int i = 0; i < 100; ++i) connect_slowly("GET / HTTP/1.1\r\n");
+  httplib::Client browser("127.0.0.1", port());
+  const auto start = Clock::now();
+  const auto page = browser.Get(path().c_str());
+  ASSERT_TRUE(page);
+  EXPECT_EQ(page->body, "the page");
+  EXPECT_LT(seconds_since(start), 5);  // 1 s on an idle machine; the slow clients take 2 s each
 }
 
 TEST(LiveRun, TellsItsAddressEvenWhenQuiet) {

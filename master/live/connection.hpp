@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <httplib.h>
+
+#include <atomic>
+#include <chrono>
+#include <cstddef>
+#include <mutex>
+#include <set>
+#include <string>
+
+namespace mebots::live {
+
+class Connection;
+
+/// The open connections of a server, and the bound on their number. From any thread.
+class Connections {
+ public:
+  /// Connections that are served at the same time.
+  static constexpr std::size_t kMost = 32;
+
+  /// Makes room for a connection that was accepted: if there are more than kMost, closes the oldest one whose request
+  /// is not complete.
+  void accept();
+  /// Ends what accept() began.
+  void finish() { --accepted_; }
+  /// Closes all connections whose request is not complete, and each further one at once. Answers that are under way
+  /// have kLastAnswerTime.
+  void close_all();
+  /// When close_all() was called; the largest time before.
+  std::chrono::steady_clock::time_point closed_at() const { return closed_at_; }
+
+ private:
+  friend class Connection;
+
+  bool is_crowded() const { return accepted_ > kMost; }
+
+  std::mutex mutex_;
+  std::set<Connection*> open_;
+  std::atomic<std::size_t> accepted_{0};
+  std::atomic<std::chrono::steady_clock::time_point> closed_at_{std::chrono::steady_clock::time_point::max()};
+};
+
+/// One connection of a client. Bounds its whole request, so that a client that sends a byte each second is cut off:
+/// kRequestTime from its first byte, and kRequestBytes. The client must send the first byte within kIdleTime, because
+/// browsers connect ahead of their requests, and take the answer within kAnswerTime. If other connections wait, it has
+/// kCrowdedTime for all of the request. For one thread, apart from
+/// shut_down().
+class Connection final : public httplib::Stream {
+ public:
+  static constexpr std::chrono::milliseconds kIdleTime{30000};
+  static constexpr std::chrono::milliseconds kRequestTime{2000};
+  static constexpr std::chrono::milliseconds kCrowdedTime{100};
+  static constexpr std::chrono::milliseconds kAnswerTime{10000};
+  static constexpr std::chrono::milliseconds kLastAnswerTime{500};
+  static constexpr std::size_t kRequestBytes = std::size_t{1} << 17;
+
+  /// Takes the socket; the destructor closes it.
+  Connection(Connections& all, int socket);
+  ~Connection() override;
+  Connection(const Connection&) = delete;
+  Connection& operator=(const Connection&) = delete;
+
+  /// Waits for the first byte. Returns false if none comes.
+  bool begins_request();
+  /// Notes, for the connection that the calling thread serves, that its request is complete.
+  static void complete_request();
+
+  bool is_readable() const override;
+  bool is_writable() const override;
+  ssize_t read(char* data, std::size_t size) override;
+  ssize_t write(const char* data, std::size_t size) override;
+  void get_remote_ip_and_port(std::string& ip, int& port) const override;
+  void get_local_ip_and_port(std::string& ip, int& port) const override;
+  socket_t socket() const override { return socket_; }
+
+  /// True until the request is complete. From any thread.
+  bool is_reading() const { return is_reading_; }
+  /// Ends the connection: a thread that waits for the client returns at once. From any thread.
+  void shut_down();
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  bool waits_for(short event, Clock::time_point until) const;
+  bool is_too_late(Clock::time_point until) const;
+
+  Connections* all_;
+  int socket_;
+  std::atomic<bool> is_reading_{true};
+  Clock::time_point request_until_;
+  Clock::time_point answer_until_{};
+  std::size_t bytes_left_ = kRequestBytes;
+};
+
+}  // namespace mebots::live
