@@ -179,7 +179,7 @@ class TemporaryFolders(unittest.TestCase):
             self.assertEqual((old.exists(), young.exists(), used.exists()), (False, True, True))
 
 
-class Files(JournalCase):
+class TemporaryFiles(JournalCase):
     def test_a_file_is_replaced_completely_or_not_at_all(self):
         file = self.folder / "table"
         file.write_text("old")
