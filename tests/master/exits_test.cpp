@@ -337,6 +337,7 @@ std::string pending_config(const std::string& process, const std::string& behavi
 }
 
 TEST(PendingInAProcessOfItsOwn, GivesTheSameBytesAsInTheMastersProcess) {
+  if (!sandbox_refusal().empty()) GTEST_SKIP() << sandbox_refusal();
   for (const char* behaviour : {"callback", "poll"}) {
     TestRun shared(pending_config("shared", behaviour));
     shared.to_end();
@@ -360,6 +361,7 @@ TEST(PendingInAProcessOfItsOwn, ALateDiscardIsADiscard) {
 }
 
 TEST(PendingInAProcessOfItsOwn, AnInterruptCancelsTheStepAndTheInstanceIsTerminated) {
+  if (!sandbox_refusal().empty()) GTEST_SKIP() << sandbox_refusal();
   for (const char* process : {"own", "sandboxed"}) {
     TestRun run(pending_config(process, "never"));
     run.initialize();

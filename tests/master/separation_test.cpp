@@ -80,6 +80,7 @@ TEST_P(SeparationOfPairs, GivesEachFmuItsOwnGainInAnyOrder) {
 }
 
 TEST_P(SeparationOfPairs, GivesEachFmuItsOwnGainInProcessesOfTheirOwn) {
+  if (!sandbox_refusal().empty()) GTEST_SKIP() << sandbox_refusal();
   for (const auto* process : {"own", "sandboxed"}) {
     const auto ended =
         run(config_of({GetParam().kind + "_2", GetParam().kind + "_3"}, fmt::format(R"(, "process": "{}")", process)));
@@ -109,6 +110,7 @@ TEST_F(Separation, AnFmuMayBringALibraryThatMebotsHas) {
 
 TEST_F(Separation, AnFmuMayBringTheCxxRuntimeAndThrow) {
   if (kSanitizerTakesCrashesAndMemory) GTEST_SKIP() << "the sanitizer's runtime comes first";
+  if (!sandbox_refusal().empty()) GTEST_SKIP() << sandbox_refusal();
   for (const auto* keys : {"", R"(, "process": "sandboxed")"}) {
     const auto ended = run(config_of({"runtime_4"}, keys));
     EXPECT_EQ(ended.code, 0) << ended.err;

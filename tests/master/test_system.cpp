@@ -150,4 +150,15 @@ ProgramResult run_program(const std::vector<std::string>& arguments, const std::
   return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), read_file(out), read_file(err)};
 }
 
+const std::string& sandbox_refusal() {
+  static const std::string refusal = [] {
+    const modeldesc::TemporaryFolder folder("mebots-test");
+    write_file(folder.path() / "one.json", with_probe(R"({"step": 1, "stop_time": 1, "connections": [],
+                                                          "instances": {"a": {"fmu": "PROBE", "process": "sandboxed"}}})"));
+    const auto run = run_program({"run", "one.json", "--quiet"}, folder.path());
+    return run.err.find("refuses a part of its sandbox") == std::string::npos ? std::string() : run.err;
+  }();
+  return refusal;
+}
+
 }  // namespace mebots::test

@@ -97,6 +97,10 @@ struct ProgramResult {
 /// Runs the program with these arguments in `folder`.
 ProgramResult run_program(const std::vector<std::string>& arguments, const std::filesystem::path& folder);
 
+/// Runs a sandboxed FMU once. Returns which part of the sandbox this system refuses; empty if none. Tests that need the
+/// sandbox skip themselves with this text.
+const std::string& sandbox_refusal();
+
 template <typename Work>
 std::string input_error(Work work) {
   try {
