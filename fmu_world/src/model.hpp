@@ -2,6 +2,7 @@
 #pragma once
 
 #include "dynamics/rigid_world.hpp"
+#include "flight/flight_control.hpp"
 #include "flight/gate_judge.hpp"
 #include "flight/ground_contact.hpp"
 #include "flight/link.hpp"
@@ -13,7 +14,6 @@
 #include "sensors/flow_sensor.hpp"
 #include "sensors/imu.hpp"
 #include "sensors/range_sensor.hpp"
-#include "stabiliser/flight_control.hpp"
 #include "wind/dryden.hpp"
 
 #include <cstdint>

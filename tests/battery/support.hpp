@@ -3,6 +3,7 @@
 
 #include "mebots/state/difference.hpp"
 #include "model.hpp"
+#include "support/bench.hpp"
 
 #include <gmock/gmock.h>
 
@@ -11,8 +12,9 @@
 
 namespace mebots::battery {
 
-inline const std::filesystem::path kParams = MEBOTS_PARAMS;
-constexpr std::int64_t kMillisecond = 1'000'000;
+using test::error_of;
+using test::kMillisecond;
+using test::kParams;
 constexpr std::int64_t kSecond = 1'000'000'000;
 
 inline Cell cell_named(const std::string& name) {
@@ -50,17 +52,5 @@ inline Parameters parameters(const std::string& cell, double soc) {
 
 /// Allocations on this thread since the program began; -1 where a sanitizer owns malloc.
 long allocations();
-
-/// The message of the mebots::Error that `call` throws; fails when it throws none.
-template <typename Call>
-std::string error_of(Call call) {
-  try {
-    call();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  ADD_FAILURE() << "no mebots::Error was thrown";
-  return {};
-}
 
 }  // namespace mebots::battery

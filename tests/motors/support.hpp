@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "mebots/error.hpp"
 #include "mebots/state/difference.hpp"
 #include "model.hpp"
+#include "support/bench.hpp"
 
 #include <gmock/gmock.h>
 
@@ -14,8 +14,9 @@
 
 namespace mebots::motors {
 
-inline const std::filesystem::path kParams = MEBOTS_PARAMS;
-constexpr std::int64_t kMillisecond = 1'000'000;
+using test::error_of;
+using test::kMillisecond;
+using test::kParams;
 
 inline std::filesystem::path rotor_file(const std::string& name) {
   return kParams / "rotors" / (name + ".json");
@@ -62,16 +63,5 @@ struct Stand {
   Outputs outputs;
   Model model;
 };
-
-template <typename Call>
-std::string error_of(Call call) {
-  try {
-    call();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  ADD_FAILURE() << "no mebots::Error was thrown";
-  return {};
-}
 
 }  // namespace mebots::motors

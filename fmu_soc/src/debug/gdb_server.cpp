@@ -2,7 +2,7 @@
 #include "debug/gdb_server.hpp"
 
 #include "debug/hex.hpp"
-#include "debug/target_description.hpp"
+#include "debug/target.hpp"
 #include "hart/csr_numbers.hpp"
 #include "soc/backtrace.hpp"
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "debug/connection.hpp"
-#include "debug/threads.hpp"
+#include "debug/target.hpp"
 #include "hart/observer.hpp"
 #include "soc/soc.hpp"
 

@@ -3,13 +3,38 @@
 
 #include "elf/elf.hpp"
 #include "soc/hardware.hpp"
-#include "soc/host_calls.hpp"
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 
 namespace mebots::soc {
+
+/// The host's reply to a call of a program.
+struct HostReply {
+  std::uint32_t value = 0;
+  std::optional<std::uint32_t> exit_code = {};  // the program wants the run to end
+
+  static HostReply exit(std::uint32_t code) { return {0, code}; }
+};
+
+/// Serves programs that call the host. No time passes on the chip during a call.
+class HostCalls {
+ public:
+  HostCalls() = default;
+  HostCalls(const HostCalls&) = delete;
+  HostCalls& operator=(const HostCalls&) = delete;
+  virtual ~HostCalls() = default;
+
+  /// slli x0, x0, 31; ebreak; srai x0, x0, 7 with a0 and a1. Source: RISC-V Semihosting 1.0, which takes the operations
+  /// of Arm's "Semihosting for AArch32 and AArch64".
+  virtual HostReply semihosting(std::uint32_t operation, std::uint32_t parameter) = 0;
+  /// A system call through `tohost`: seven arguments. Source: riscv-isa-sim, fesvr/syscall.cc.
+  virtual HostReply system_call(std::uint32_t number, std::span<const std::uint32_t> arguments) = 0;
+  /// A command through `tohost` to another device than that of system calls. It has no reply.
+  virtual void device_command(unsigned device, unsigned command, std::uint64_t payload) = 0;
+};
 
 /// A program's calls to the machine that simulates it: semihosting, and commands through the word `tohost`, which also
 /// ends the program. For programs that run alone; not part of a state.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "soc/host_calls.hpp"
+#include "soc/program_host.hpp"
 #include "soc/soc.hpp"
 #include "tool/host_files.hpp"
 

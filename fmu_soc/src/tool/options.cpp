@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tool/options.hpp"
+#include "tool/run.hpp"
 
 #include "hart/timing.hpp"
 #include "mebots/error.hpp"

@@ -3,12 +3,9 @@
 
 #include "board/board_file.hpp"
 #include "observe/session.hpp"
-#include "tool/board_file_of.hpp"
 #include "tool/host_services.hpp"
-#include "tool/pictures.hpp"
+#include "tool/inputs.hpp"
 #include "tool/report.hpp"
-#include "tool/signature.hpp"
-#include "tool/standalone_board.hpp"
 
 #include "devices/gap8/himax.hpp"
 #include "hart/csr_names.hpp"

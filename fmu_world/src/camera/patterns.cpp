@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "camera/hash.hpp"
 #include "camera/tile.hpp"
 #include "mebots/error.hpp"
+#include "noise/counter_noise.hpp"
 
 #include <fmt/format.h>
 
@@ -29,10 +29,10 @@ constexpr double kBrickSpread = 0.12;    // largest difference of a brick's grey
 
 /// Uniform in [0, 1) for a lattice point.
 double lattice(std::uint32_t seed, int layer, int x, int y) {
-  const std::uint64_t key = hashed((static_cast<std::uint64_t>(seed) << 32) + static_cast<std::uint32_t>(layer));
+  const std::uint64_t key = noise::hashed((static_cast<std::uint64_t>(seed) << 32) + static_cast<std::uint32_t>(layer));
   const std::uint64_t point =
       (static_cast<std::uint64_t>(static_cast<std::uint32_t>(x)) << 32) + static_cast<std::uint32_t>(y);
-  return static_cast<double>(hashed(key ^ point) >> 11) * 0x1p-53;
+  return static_cast<double>(noise::hashed(key ^ point) >> 11) * 0x1p-53;
 }
 
 double smooth(double t) {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "camera/pixel_noise.hpp"
 
-#include "camera/hash.hpp"
 #include "mebots/error.hpp"
+#include "noise/counter_noise.hpp"
 
 #include <fmt/format.h>
 
@@ -61,19 +61,21 @@ PixelNoise::PixelNoise(double standard_deviation) : standard_deviation_(standard
 
 void PixelNoise::add(std::span<float> row_grey, std::uint64_t seed, std::uint64_t frame_index, int row) const {
   if (standard_deviation_ == 0.0) return;
-  const std::uint64_t key = hashed(hashed(hashed(seed) ^ frame_index) + static_cast<std::uint64_t>(row));
+  const std::uint64_t key =
+      noise::hashed(noise::hashed(noise::hashed(seed) ^ frame_index) + static_cast<std::uint64_t>(row));
   const float* const samples = samples_.data();
   constexpr std::uint64_t kMask = kSamples - 1;
   std::size_t x = 0;
   std::uint64_t state = key;
-  for (; x + 4 <= row_grey.size(); x += 4, state += kGolden) {
-    const std::uint64_t bits = hashed(state);
+  for (; x + 4 <= row_grey.size(); x += 4, state += noise::kGolden) {
+    const std::uint64_t bits = noise::hashed(state);
     row_grey[x] += samples[bits & kMask];
     row_grey[x + 1] += samples[(bits >> 16) & kMask];
     row_grey[x + 2] += samples[(bits >> 32) & kMask];
     row_grey[x + 3] += samples[(bits >> 48) & kMask];
   }
-  for (std::uint64_t bits = hashed(state); x < row_grey.size(); ++x, bits >>= 16) row_grey[x] += samples[bits & kMask];
+  for (std::uint64_t bits = noise::hashed(state); x < row_grey.size(); ++x, bits >>= 16)
+    row_grey[x] += samples[bits & kMask];
 }
 
 }  // namespace mebots::world::camera

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "noise/counter_noise.hpp"
 
-#include "camera/hash.hpp"
-
 #include <cmath>
 #include <numbers>
 
@@ -17,7 +15,7 @@ double open_unit(std::uint64_t word) {
 }  // namespace
 
 std::uint64_t bits(std::uint64_t seed, Stream stream, std::uint64_t index) {
-  return camera::hashed(camera::hashed(camera::hashed(seed) ^ static_cast<std::uint64_t>(stream)) ^ index);
+  return hashed(hashed(hashed(seed) ^ static_cast<std::uint64_t>(stream)) ^ index);
 }
 
 double gaussian(std::uint64_t seed, Stream stream, std::uint64_t index) {

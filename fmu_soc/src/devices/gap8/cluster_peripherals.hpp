@@ -3,8 +3,8 @@
 
 #include "cluster/peripherals.hpp"
 #include "devices/gap8/cluster_event_unit.hpp"
-#include "devices/gap8/cluster_timer.hpp"
 #include "devices/gap8/mchan.hpp"
+#include "devices/gap8/timer.hpp"
 #include "mebots/soc/device_kind.hpp"
 
 #include <array>

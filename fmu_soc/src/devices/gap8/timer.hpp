@@ -2,13 +2,87 @@
 #pragma once
 
 #include "devices/gap8/signals.hpp"
-#include "devices/gap8/timer_counters.hpp"
 #include "mebots/soc/device.hpp"
+#include "mebots/state/visitor.hpp"
 
+#include <array>
 #include <cstdint>
 #include <functional>
+#include <utility>
 
 namespace mebots::soc::gap8_devices {
+
+/// What a timer's counters count, and in which unit their owner tells time: picoseconds, or ticks of a clock.
+class TimerClock {
+ public:
+  TimerClock() = default;
+  TimerClock(const TimerClock&) = delete;
+  TimerClock& operator=(const TimerClock&) = delete;
+  virtual ~TimerClock() = default;
+
+  /// Times behind which nothing happens.
+  virtual std::int64_t never() const = 0;
+  /// Counts between two times by a counter with this configuration.
+  virtual std::uint64_t counts(std::uint32_t config, std::int64_t from, std::int64_t to) const = 0;
+  /// When it has counted so many more; never() when that is too far away to matter.
+  virtual std::int64_t time_of(std::uint32_t config, std::int64_t since, std::uint64_t counts) const = 0;
+};
+
+/// Registers of GAP8's timers, that of the fabric controller and that of the cluster: two counters of 32 bits. Each
+/// has a comparison that raises an event, starts it anew, or stops it; or both count as one of 64 bits. Source:
+/// archi/timer/timer_v2.h.
+class TimerCounters {
+ public:
+  static constexpr std::uint32_t kReferenceClock = 1U << 7;
+  static constexpr std::uint32_t kSpan = 0x28;
+
+  /// `raise`: a comparison of the low (0) or the high counter was met. `clock` must outlive this.
+  TimerCounters(const TimerClock& clock, std::function<void(unsigned counter)> raise)
+      : clock_(clock), raise_(std::move(raise)) {}
+
+  /// False where there is no such register.
+  bool load(std::uint32_t offset, std::int64_t now, std::uint32_t& value);
+  bool store(std::uint32_t offset, std::int64_t now, std::uint32_t value);
+  /// Before the clock changes, and where a comparison is met.
+  void count(std::int64_t now);
+  void advance(std::int64_t now);
+  std::int64_t next_event() const;
+  void reset() { counters_ = {}; }
+  void visit(state::Visitor& v) { v("counters", counters_); }
+
+  static std::uint32_t divider_of(std::uint32_t config);
+
+ private:
+  struct Counter {
+    std::uint32_t config = 0;
+    std::uint32_t compare = 0;
+    std::uint64_t value = 0;        // at `since`; the low counter of a pair holds both
+    std::uint64_t compared_at = 0;  // the value at which the comparison was last met
+    bool met = false;               // and it has not moved on since
+    std::int64_t since = 0;
+
+    void visit(state::Visitor& v) {
+      v("config", config);
+      v("compare", compare);
+      v("value", value);
+      v("compared_at", compared_at);
+      v("met", met);
+      v("since", since);
+    }
+  };
+
+  bool is_pair() const;
+  std::uint64_t width_mask() const { return is_pair() ? ~std::uint64_t{0} : 0xffffffffU; }
+  std::uint64_t target_of(unsigned index) const;
+  void count_one(Counter& counter, std::int64_t now);
+  void compare(unsigned index);
+  void configure(unsigned index, std::uint32_t config);
+  void pair_or_split();
+
+  const TimerClock& clock_;
+  std::function<void(unsigned counter)> raise_;
+  std::array<Counter, 2> counters_;
+};
 
 /// GAP8's timer of the fabric controller. Its counters count the controller's clock or the reference clock.
 class Timer final : public Device, private TimerClock {
@@ -32,6 +106,36 @@ class Timer final : public Device, private TimerClock {
   Picoseconds time_of(std::uint32_t config, Picoseconds since, std::uint64_t counts) const override;
 
   std::function<double()> clock_hz_;
+  TimerCounters counters_;
+};
+
+/// The timer that all cores of GAP8's cluster share. Its time is in the cluster's ticks, which it counts. The reference
+/// clock, which a program can select for a counter, is not modelled: such a counter does not count.
+class ClusterTimer : private TimerClock {
+ public:
+  explicit ClusterTimer(std::function<void(unsigned counter)> raise) : counters_(*this, std::move(raise)) {}
+
+  bool load(std::uint32_t offset, std::uint64_t tick, std::uint32_t& value) {
+    return counters_.load(offset, static_cast<std::int64_t>(tick), value);
+  }
+  bool store(std::uint32_t offset, std::uint64_t tick, std::uint32_t value) {
+    return counters_.store(offset, static_cast<std::int64_t>(tick), value);
+  }
+  /// True if a store of `value` selects the reference clock.
+  static bool wants_reference_clock(std::uint32_t offset, std::uint32_t value) {
+    return offset < 8 && (value & TimerCounters::kReferenceClock) != 0;
+  }
+  void advance(std::uint64_t tick) { counters_.advance(static_cast<std::int64_t>(tick)); }
+  /// The tick of its next event; kNoTick when there is none.
+  std::uint64_t next_tick() const;
+  void reset() { counters_.reset(); }
+  void visit(state::Visitor& v) { counters_.visit(v); }
+
+ private:
+  std::int64_t never() const override;
+  std::uint64_t counts(std::uint32_t config, std::int64_t from, std::int64_t to) const override;
+  std::int64_t time_of(std::uint32_t config, std::int64_t since, std::uint64_t counts) const override;
+
   TimerCounters counters_;
 };
 

@@ -27,7 +27,7 @@ TEST(AssertDeathTest, AbortsWithFileLineFunctionConditionAndReason) {
   EXPECT_EQ(checked_half(4, evaluations), 2);
   EXPECT_EQ(evaluations, 1);
   EXPECT_EXIT(checked_half(3, evaluations), testing::KilledBySignal(SIGABRT),
-              "test_assert.cpp:" + std::to_string(kLine) +
+              "assert_test.cpp:" + std::to_string(kLine) +
                   ": checked_half: assertion failed: .*number % 2 == 0: only even numbers");
   EXPECT_EXIT(checked_half(-2, evaluations), testing::KilledBySignal(SIGABRT), "assertion failed: number >= 0\n");
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mebots/error.hpp"
 #include "mebots/modeldesc/archive.hpp"
+#include "mebots/error.hpp"
 #include "pack_fmu.hpp"
 
 #include <gmock/gmock.h>

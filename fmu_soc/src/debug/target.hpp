@@ -37,4 +37,11 @@ class Threads {
   unsigned chosen_ = kFabricControllerHart;
 };
 
+inline constexpr unsigned kPcNumber = 32;
+inline constexpr unsigned kFirstCsrNumber = 65;  // as gdb numbers them
+
+/// Returns the description of the core's registers for gdb: x0 to x31, pc and the CSRs.
+/// Source: Debugging with GDB, appendix "Target Descriptions", section "RISC-V Features".
+std::string target_description();
+
 }  // namespace mebots::soc::debug

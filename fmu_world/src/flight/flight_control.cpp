@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "stabiliser/flight_control.hpp"
+#include "flight/flight_control.hpp"
 
 #include "mebots/assert.hpp"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Parts of the board beside the chip: what memories, pads, camera and regulators consume, by state, time and bytes.
-#include "board_system.hpp"
 #include "devices/core/attached_part.hpp"
+#include "board_system.hpp"
 #include "devices/gap8/himax.hpp"
 #include "support/same_state.hpp"
 

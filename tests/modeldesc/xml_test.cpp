@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "mebots/modeldesc/xml.hpp"
 #include "description.hpp"
 #include "generate.hpp"
 #include "mebots/error.hpp"
-#include "mebots/modeldesc/xml.hpp"
 
 #include <gmock/gmock.h>
 

@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tool/inputs.hpp"
+
+#include "mebots/error.hpp"
+#include "mebots/png_file.hpp"
+
+#include <fmt/core.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+namespace mebots::soc::tool {
+
+namespace {
+
+constexpr std::uint64_t kPage = 4096;
+constexpr std::uint64_t kMiB = 1U << 20;
+/// Ranges that lie farther apart get a memory each: flash and RAM of a chip, with nothing between.
+constexpr std::uint64_t kFar = 64 * kMiB;
+constexpr std::uint64_t kMost = 2048 * kMiB;
+constexpr std::uint64_t kAddressSpace = std::uint64_t{1} << 32;
+
+struct Range {
+  std::uint64_t begin = 0;
+  std::uint64_t end = 0;
+};
+
+/// Address ranges of the program's segments: load addresses and run addresses.
+std::vector<Range> ranges_of(const Elf& program) {
+  std::vector<Range> ranges;
+  for (const auto& segment : program.segments()) {
+    const std::uint64_t load = segment.load_address;
+    const std::uint64_t run = segment.run_address;
+    if (!segment.bytes.empty()) ranges.push_back({load, load + segment.bytes.size()});
+    ranges.push_back({run, run + segment.size});
+  }
+  std::ranges::sort(ranges, {}, &Range::begin);
+  return ranges;
+}
+
+/// Ranges that are near each other as one.
+std::vector<Range> merged(const std::vector<Range>& ranges) {
+  std::vector<Range> groups;
+  for (const auto& range : ranges) {
+    if (groups.empty() || range.begin > groups.back().end + kFar) {
+      groups.push_back(range);
+    } else {
+      groups.back().end = std::max(groups.back().end, range.end);
+    }
+  }
+  return groups;
+}
+
+/// Rounds a range to pages and adds space after the program for its heap and stack.
+Range with_room(const Range& range) {
+  const auto begin = range.begin / kPage * kPage;
+  const auto end = std::max(begin + 4 * kMiB, (range.end + kMiB + kPage - 1) / kPage * kPage);
+  return {begin, std::min(end, kAddressSpace)};
+}
+
+}  // namespace
+
+BoardDescription board_around(const Elf& program) {
+  BoardDescription board;
+  board.name = "none";
+  std::uint64_t total = 0;
+  for (const auto& group : merged(ranges_of(program))) {
+    const auto range = with_room(group);
+    BoardMemory ram;
+    ram.name = fmt::format("ram{}", board.memories.empty() ? "" : std::to_string(board.memories.size() + 1));
+    ram.base = static_cast<std::uint32_t>(range.begin);
+    ram.size = static_cast<std::uint32_t>(std::min(range.end - range.begin, kMost));
+    ram.leaks = false;  // it is nobody's chip
+    board.memories.push_back(ram);
+    total += range.end - range.begin;
+  }
+  if (total > kMost) {
+    throw Error(fmt::format("{}: its segments take {} MiB, more than {}: name a board", program.origin(), total / kMiB,
+                            kMost / kMiB));
+  }
+  return board;
+}
+
+std::filesystem::path board_file(const std::string& asked) {
+  std::error_code error;
+  if (std::filesystem::exists(asked, error) || asked.find_first_of("/.") != std::string::npos) return asked;
+  const auto program = std::filesystem::read_symlink("/proc/self/exe", error);
+  // An installation has it in share/, a build beside bin/.
+  for (const auto* place : {"share/mebots/configs/boards", "configs/boards"}) {
+    auto file = program.parent_path().parent_path() / place / (asked + ".json");
+    if (std::filesystem::exists(file, error)) return file;
+  }
+  return asked;
+}
+
+namespace {
+
+/// No camera has more.
+constexpr std::uint32_t kMostPixels = 1U << 24;
+
+[[noreturn]] void refuse(const std::filesystem::path& path, const std::string& why) {
+  throw Error(fmt::format("--pictures: {}: {}", path.string(), why));
+}
+
+/// The next number of a PGM's head, behind white space and comments.
+std::uint32_t number_of_head(std::istream& file) {
+  file >> std::ws;
+  while (file.peek() == '#') {
+    std::string comment;
+    std::getline(file, comment);
+    file >> std::ws;
+  }
+  std::uint32_t number = 0;
+  file >> number;
+  return number;
+}
+
+/// Netpbm's binary greymap of 8 bits.
+GreyPicture read_pgm(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::string magic(2, '\0');
+  file.read(magic.data(), 2);
+  if (!file || magic != "P5") refuse(path, "this is not a binary PGM: it does not begin with P5");
+  const auto width = number_of_head(file);
+  const auto height = number_of_head(file);
+  const auto most = number_of_head(file);
+  if (!file || most != 255) refuse(path, "the head of a PGM with 255 greys is \"P5 WIDTH HEIGHT 255\"");
+  if (std::uint64_t{width} * height > kMostPixels) {
+    refuse(path, fmt::format("{} x {} pixels are too many", width, height));
+  }
+  file.get();
+  GreyPicture picture{static_cast<int>(width), static_cast<int>(height),
+                      std::vector<std::uint8_t>(std::size_t{width} * height)};
+  file.read(reinterpret_cast<char*>(picture.grey.data()), static_cast<std::streamsize>(picture.grey.size()));
+  if (!file) refuse(path, fmt::format("it ends before its {} pixels", picture.grey.size()));
+  return picture;
+}
+
+}  // namespace
+
+std::vector<std::vector<std::uint8_t>> read_pictures(const std::filesystem::path& folder, std::uint32_t width,
+                                                     std::uint32_t least_height) {
+  std::error_code error;
+  std::vector<std::filesystem::path> paths;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
+    const auto extension = entry.path().extension();
+    if (extension == ".png" || extension == ".pgm") paths.push_back(entry.path());
+  }
+  if (error) refuse(folder, "this is not a folder that can be read");
+  if (paths.empty()) refuse(folder, "there is no .png or .pgm file in this folder");
+  std::ranges::sort(paths);
+  std::vector<std::vector<std::uint8_t>> pictures;
+  for (const auto& path : paths) {
+    auto picture = path.extension() == ".png" ? read_png(path) : read_pgm(path);
+    if (std::cmp_not_equal(picture.width, width) || std::cmp_less(picture.height, least_height)) {
+      refuse(path, fmt::format("it has {} x {} pixels; the camera takes {} x {} or more rows", picture.width,
+                               picture.height, width, least_height));
+    }
+    pictures.push_back(std::move(picture.grey));
+  }
+  return pictures;
+}
+
+}  // namespace mebots::soc::tool
