@@ -5,6 +5,7 @@
 #include "fmi/call/float_environment.hpp"
 #include "fmi/fmi2_functions.hpp"
 #include "message/message.hpp"
+#include "resolve/resolve.hpp"
 #include "run/simulation.hpp"
 #include "slave/fmu_slave.hpp"
 

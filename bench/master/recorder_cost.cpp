@@ -2,9 +2,11 @@
 // What recording costs the simulation per communication point: ten Real variables whose 17 digits change at every row.
 //
 //     recorder_cost FILE.fmu    (the probe of tests/fmus: build/ci/test_fmus/probe.fmu)
+#include "io/config/load_system.hpp"
 #include "mebots/modeldesc/archive.hpp"
 #include "record/recorder.hpp"
 #include "record/sink/csv_sink.hpp"
+#include "resolve/resolve.hpp"
 #include "run/simulation.hpp"
 
 #include <benchmark/benchmark.h>

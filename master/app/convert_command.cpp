@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "command.hpp"
 
-#include "io/config/from_memory.hpp"
+#include "io/config/load_system.hpp"
 #include "io/ssp/ssp.hpp"
+#include "resolve/resolve.hpp"
 
 #include <fmt/format.h>
 

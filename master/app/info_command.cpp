@@ -4,6 +4,7 @@
 #include "base/time.hpp"
 #include "engine/algorithm/algorithm.hpp"
 #include "fmi/fmu.hpp"
+#include "io/config/load_system.hpp"
 #include "io/config/system_file.hpp"
 #include "mebots/file_kind.hpp"
 #include "mebots/input_error.hpp"

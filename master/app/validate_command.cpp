@@ -4,7 +4,7 @@
 
 #include "cases/case_file.hpp"
 #include "description.hpp"
-#include "io/config/from_memory.hpp"
+#include "io/config/load_system.hpp"
 #include "io/config/schemas.hpp"
 #include "io/study/study_file.hpp"
 #include "mebots/data/document.hpp"

@@ -4,7 +4,7 @@
 // corpus names the root folder as one: the reader of configs does not open them.
 #include "mebots/input_error.hpp"
 
-#include "io/config/from_memory.hpp"
+#include "io/config/load_system.hpp"
 #include "system.hpp"
 
 #include <cstdint>

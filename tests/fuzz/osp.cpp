@@ -6,6 +6,7 @@
 #include "mebots/modeldesc/archive.hpp"
 
 #include "folder_of_input.hpp"
+#include "io/config/load_system.hpp"
 #include "io/config/system_file.hpp"
 #include "system.hpp"
 

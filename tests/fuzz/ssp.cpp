@@ -4,7 +4,7 @@
 // parts fit each other. An input is SystemStructure.ssd, then further files, each after a line "=== path".
 #include "mebots/input_error.hpp"
 
-#include "io/config/from_memory.hpp"
+#include "io/config/load_system.hpp"
 #include "io/ssp/read.hpp"
 #include "system.hpp"
 

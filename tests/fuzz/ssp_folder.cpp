@@ -4,6 +4,7 @@
 #include "mebots/input_error.hpp"
 
 #include "folder_of_input.hpp"
+#include "io/config/load_system.hpp"
 #include "io/config/system_file.hpp"
 #include "system.hpp"
 

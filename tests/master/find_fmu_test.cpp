@@ -2,6 +2,7 @@
 #include "io/find_fmu.hpp"
 
 #include "base/installation.hpp"
+#include "io/config/load_system.hpp"
 #include "mebots/input_error.hpp"
 #include "run/input_hash.hpp"
 #include "test_system.hpp"

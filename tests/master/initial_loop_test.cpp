@@ -2,6 +2,7 @@
 // Loops of initial values, compared with a search over all edges on random systems.
 #include "engine/ensemble.hpp"
 #include "mebots/modeldesc/archive.hpp"
+#include "mebots/modeldesc/xml.hpp"
 
 #include "test_system.hpp"
 
@@ -64,12 +65,12 @@ struct RandomFmu {
                     R"(modelIdentifier="m"/><ModelVariables>{}</ModelVariables><ModelStructure><Outputs>{}</Outputs>)"
                     R"(</ModelStructure></fmiModelDescription>)",
                     variables, unknowns));
-    fmu = std::make_shared<master::Fmu>("random.fmu", folder.path());
+    model = modeldesc::read_xml(folder.path() / "modelDescription.xml");
   }
 
   modeldesc::TemporaryFolder folder{"mebots-test"};
   std::vector<std::vector<std::size_t>> dependencies;  // inputs of each output
-  std::shared_ptr<master::Fmu> fmu;
+  modeldesc::ModelDescription model;
 };
 
 struct RandomSystem {
@@ -78,7 +79,7 @@ struct RandomSystem {
     const auto count = 1 + below(random, 5);
     for (std::size_t i = 0; i < count; ++i) {
       fmus.push_back(std::make_unique<RandomFmu>(random));
-      system.instances.emplace_back().fmu = fmus.back()->fmu;
+      system.instances.emplace_back().model = &fmus.back()->model;
     }
     for (std::size_t i = 0; i < count; ++i) {
       for (std::size_t k = 0; k < kInputs; ++k) {
@@ -91,11 +92,10 @@ struct RandomSystem {
   }
 
   ResolvedVariable variable(std::size_t instance, std::size_t index) const {
-    return {instance, &system.instances[instance].fmu->description().variables[index]};
+    return {instance, &system.instances[instance].model->variables[index]};
   }
   std::size_t index(const ResolvedVariable& variable) const {
-    return static_cast<std::size_t>(variable.variable -
-                                    system.instances[variable.instance].fmu->description().variables.data());
+    return static_cast<std::size_t>(variable.variable - system.instances[variable.instance].model->variables.data());
   }
 
   /// All edges among connected variables, those into `without` left out.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Inputs that come from the columns of a CSV file: what an FMU gets at which time, and files that do not fit.
+#include "io/config/load_system.hpp"
 #include "model/signal.hpp"
 #include "run/run.hpp"
 #include "run/write.hpp"

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "base/sha256.hpp"
 #include "record/parameter_recorder.hpp"
 #include "run/input_hash.hpp"
 #include "run/run.hpp"

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The program as a user meets it: arguments, exit codes, what stands on which stream and in which file.
+#include "base/sha256.hpp"
 #include "test_system.hpp"
 
 #include <fmt/format.h>

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "resolve/resolve.hpp"
 #include "io/config/command_line.hpp"
+#include "io/config/load_system.hpp"
 #include "model/resolved_system.hpp"
 #include "test_system.hpp"
 

@@ -132,7 +132,7 @@ TEST(Scenario, WhatMakesNoSenseIsRefusedBeforeTheFirstStep) {
   const auto refused = [](const std::string& scenario) {
     return test::input_error([&] {
       TestRun run(system_with(scenario));
-      const Scenario checked(run.system);
+      const OverrideSchedule checked(run.system);
     });
   };
   EXPECT_THAT(refused(R"({"variable": "a.real_uot", "set": 1})"),

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // SSP 1.0 as a second door: what others write runs here, and what we write says the same as the config.
 #include "io/ssp/ssp.hpp"
+#include "io/config/load_system.hpp"
+#include "resolve/resolve.hpp"
 #include "test_system.hpp"
 
 #include <fmt/format.h>

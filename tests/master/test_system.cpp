@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "test_system.hpp"
+#include "io/config/load_system.hpp"
 
 #include <fmt/format.h>
 #include <sys/wait.h>
@@ -58,7 +59,7 @@ TestRun::TestRun(const std::string& config) {
   system = master::resolve(description, library);
   scenario.emplace(system);
   master::SlaveOptions slaves;
-  slaves.scenario = &*scenario;
+  slaves.overrides = &scenario->schedule();
   slaves.interrupted = &interrupted;
   simulation_.emplace(system, messages, slaves);
   auto& ensemble = simulation_->ensemble();

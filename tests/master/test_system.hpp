@@ -8,6 +8,7 @@
 #include "record/recorder.hpp"
 #include "record/scenario.hpp"
 #include "record/sink/csv_sink.hpp"
+#include "resolve/resolve.hpp"
 #include "run/simulation.hpp"
 
 #include <atomic>

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "missions.hpp"
 
+#include "io/config/load_system.hpp"
 #include "record/recorder.hpp"
 #include "record/sink/csv_sink.hpp"
 #include "record/sink/output_file.hpp"
+#include "resolve/resolve.hpp"
 #include "run/simulation.hpp"
 
 #include <gtest/gtest.h>

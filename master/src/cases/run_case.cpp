@@ -2,8 +2,8 @@
 #include "cases/run_case.hpp"
 
 #include "base/time.hpp"
-#include "io/config/signal_file.hpp"
 #include "io/find_fmu.hpp"
+#include "io/signal_file.hpp"
 #include "mebots/assert.hpp"
 #include "mebots/nearest_names.hpp"
 #include "record/sink/memory_sink.hpp"

@@ -37,21 +37,6 @@ auto as_input(Work work) {
 
 }  // namespace
 
-ValueKind kind_of(Type type) {
-  switch (type) {
-    case Type::real:
-      return ValueKind::real;
-    case Type::integer:
-    case Type::enumeration:
-      return ValueKind::integer;
-    case Type::boolean:
-      return ValueKind::boolean;
-    case Type::string:
-      break;
-  }
-  return ValueKind::string;
-}
-
 template <typename T>
 std::size_t Bank<T>::slot(const Variable& variable) {
   const auto [found, added] = slots.emplace(&variable, values.size());

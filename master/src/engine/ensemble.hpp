@@ -18,17 +18,6 @@
 
 namespace mebots::master {
 
-/// How values travel: enumerations as Integers, Booleans as 0 and 1.
-enum class ValueKind { real, integer, boolean, string };
-
-ValueKind kind_of(modeldesc::Type type);
-
-/// One bit per ValueKind.
-using KindSet = std::uint8_t;
-constexpr KindSet bit(ValueKind kind) {
-  return static_cast<KindSet>(1U << static_cast<unsigned>(kind));
-}
-
 /// Values of one type that are read from, or written to, one slave in one call.
 template <typename T>
 struct Bank {

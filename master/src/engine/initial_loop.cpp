@@ -69,11 +69,11 @@ struct Graph {
     for (const auto& connection : system.connections) {
       followers[number(connection.from)].push_back(number(connection.to));
     }
-    std::map<const Fmu*, Dependencies> dependencies;
+    std::map<const modeldesc::ModelDescription*, Dependencies> dependencies;
     for (std::size_t i = 0; i < nodes.size(); ++i) {
       if (!is_output(i)) continue;
-      const auto* fmu = system.instances[nodes[i].instance].fmu.get();
-      add_dependencies(i, dependencies.try_emplace(fmu, fmu->description()).first->second);
+      const auto* model = system.instances[nodes[i].instance].model;
+      add_dependencies(i, dependencies.try_emplace(model, *model).first->second);
     }
   }
 

@@ -13,8 +13,8 @@
 namespace mebots::master {
 namespace {
 
-bool overrides_any_of(const Scenario& scenario, std::size_t instance) {
-  return std::any_of(scenario.overrides().begin(), scenario.overrides().end(),
+bool overrides_any_of(const OverrideSchedule& schedule, std::size_t instance) {
+  return std::any_of(schedule.overrides().begin(), schedule.overrides().end(),
                      [&](const Override& override) { return override.variable.instance == instance; });
 }
 
@@ -41,8 +41,8 @@ std::vector<std::unique_ptr<Slave>> make_slaves(const ResolvedSystem& system, Me
       loss.name = name;
       slave = std::make_unique<TolerantSlave>(std::move(slave), messages, loss);
     }
-    if (options.scenario != nullptr && overrides_any_of(*options.scenario, i)) {
-      slave = std::make_unique<OverriddenSlave>(std::move(slave), *options.scenario, i,
+    if (options.overrides != nullptr && overrides_any_of(*options.overrides, i)) {
+      slave = std::make_unique<OverriddenSlave>(std::move(slave), *options.overrides, i,
                                                 to_nanoseconds(system.description->step_of(*instance.description)));
     }
     if (options.statistics != nullptr) {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "mebots/fmu/binary_ref.hpp"
-#include "slave/slave.hpp"
+#include "model/value_kind.hpp"
 
 #include <array>
 #include <optional>

@@ -17,7 +17,7 @@ std::optional<PictureSide> side(const ResolvedSystem& system, const VariableName
   if (!index || !frame.variable.ends_with(kFrame)) return std::nullopt;
   const auto& instance = system.instances[*index];
   const auto parameter = frame.variable.substr(0, frame.variable.size() - kFrame.size()) + std::string(name);
-  const auto* variable = instance.fmu->description().find(parameter);
+  const auto* variable = instance.model->find(parameter);
   if (variable == nullptr || variable->causality != modeldesc::Causality::parameter) return std::nullopt;
   auto value = variable->start;
   for (const auto& start : instance.starts) {

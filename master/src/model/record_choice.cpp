@@ -87,7 +87,7 @@ class Patterns {
 void for_each_variable(const ResolvedSystem& system,
                        const std::function<void(const ResolvedVariable&, const std::string&)>& work) {
   for (std::size_t i = 0; i < system.instances.size(); ++i) {
-    const auto& model = system.instances[i].fmu->description();
+    const auto& model = *system.instances[i].model;
     for (const auto& variable : model.variables) {
       if (is_osmp_part(model, variable)) continue;  // an address means nothing to anybody later
       const ResolvedVariable candidate{i, &variable};

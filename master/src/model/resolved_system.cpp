@@ -1,22 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "model/resolved_system.hpp"
 
-#include "base/time.hpp"
 #include "mebots/nearest_names.hpp"
-#include "model/osmp.hpp"
-
-#include "resolve/connection_check.hpp"
-#include "resolve/input_signals.hpp"
-#include "resolve/process_choice.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
-
-#include <algorithm>
-#include <map>
-#include <set>
-#include <unordered_map>
-#include <utility>
 
 namespace mebots::master {
 namespace {
@@ -38,162 +25,6 @@ std::vector<std::string> settable_names(const modeldesc::ModelDescription& descr
     if (why_not_settable(variable).empty()) names.push_back(variable.name);
   }
   return names;
-}
-
-std::vector<StartValue> resolve_starts(const InstanceDescription& instance,
-                                       const modeldesc::ModelDescription& description) {
-  std::map<std::string, StartValue> starts;  // the last assignment to a name counts: settings come after the config
-  for (const auto& assignment : instance.parameters) {
-    starts[assignment.variable] = checked_start(instance, description, assignment);
-  }
-  std::vector<StartValue> result;
-  for (const auto& variable : description.variables) {
-    const auto found = starts.find(variable.name);
-    if (found != starts.end()) result.push_back(found->second);
-  }
-  return result;
-}
-
-/// The categories that the config shows of each instance that it names.
-using LogSections = std::unordered_map<std::string_view, const std::vector<std::string>*>;
-
-LogSections log_sections(const SystemDescription& system) {
-  LogSections sections;
-  for (const auto& log : system.log) sections.emplace(log.instance, &log.categories);
-  return sections;
-}
-
-std::vector<std::string> log_categories(const LogSections& sections, const InstanceDescription& instance) {
-  const auto found = sections.find(instance.name);
-  if (found != sections.end()) return *found->second;
-  return {std::begin(kDefaultLogCategories), std::end(kDefaultLogCategories)};
-}
-
-/// Gives a notice for each category that the FMU does not declare. It is not an error: not every FMU declares all of
-/// its categories.
-void note_unknown_categories(ResolvedSystem& system) {
-  for (const auto& log : system.description->log) {
-    const auto instance = system.description->index_of(log.instance);
-    if (!instance) {
-      throw InputError(ErrorCode::unknown_name, fmt::format("log: there is no instance '{}'", log.instance));
-    }
-    std::vector<std::string> known;
-    for (const auto& category : system.instances[*instance].fmu->description().log_categories) {
-      known.push_back(category.name);
-    }
-    for (const auto& category : log.categories) {
-      if (known.empty() || category == "*" || std::ranges::find(known, category) != known.end()) continue;
-      system.notices.push_back(fmt::format("{}: its FMU declares no log category '{}'. {}", log.instance, category,
-                                           suggest(category, known)));
-    }
-  }
-}
-
-/// The config's tolerance, else the FMU's default. Notes a default that is not above 0: it is not passed.
-void resolve_tolerance(ResolvedInstance& instance, std::vector<std::string>& notices) {
-  const auto& description = *instance.description;
-  if (!description.pass_tolerance) return;
-  const auto& usual = instance.fmu->description().default_experiment;
-  instance.tolerance = description.tolerance ? description.tolerance : usual.usable_tolerance();
-  if (usual.tolerance && !instance.tolerance) {
-    notices.push_back(
-        fmt::format("{}: its FMU has a default tolerance of {}, which is not passed to it: a tolerance "
-                    "is above 0. Set \"tolerance\" to pass one",
-                    description.name, *usual.tolerance));
-  }
-}
-
-/// Notes the parts of ModelStructure that the reader left out; the first of them, as a file may have any number.
-void note_structure_faults(const ResolvedInstance& instance, std::vector<std::string>& notices) {
-  const auto& faults = instance.fmu->description().structure_faults;
-  if (faults.empty()) return;
-  const auto others = faults.size() == 1 ? "" : fmt::format(" ({} more by `mebots check`)", faults.size() - 1);
-  notices.push_back(fmt::format("{}: parts of ModelStructure in its modelDescription.xml are ignored: {}{}",
-                                instance.description->name, faults.front(), others));
-}
-
-/// Passes on what the archives of the FMUs gave notice of.
-void note_archives(ResolvedSystem& system) {
-  std::set<const Fmu*> seen;
-  for (const auto& instance : system.instances) {
-    if (!seen.insert(instance.fmu.get()).second) continue;
-    const auto& notices = instance.fmu->notices();
-    system.notices.insert(system.notices.end(), notices.begin(), notices.end());
-  }
-}
-
-/// Repeating a step in parts takes an FMU that can go back and take steps of any length.
-void check_division(const ResolvedInstance& instance) {
-  if (!instance.description->divide_discarded) return;
-  const auto& flags = *instance.fmu->description().co_simulation;
-  if (flags.can_get_and_set_fmu_state && flags.can_handle_variable_communication_step_size) return;
-  throw InputError(
-      ErrorCode::not_offered,
-      fmt::format("{}/on_discard: a step of '{}' cannot be divided: its FMU says {} = false",
-                  instance.description->place, instance.description->name,
-                  flags.can_get_and_set_fmu_state ? "canHandleVariableCommunicationStepSize" : "canGetAndSetFMUstate"));
-}
-
-/// The name of the binary variable that an Integer is a part of, else the variable's own.
-std::string whole_name(const modeldesc::ModelDescription& description, const Variable& variable) {
-  if (!is_osmp_part(description, variable)) return variable.name;
-  for (const std::string_view ending : kOsmpEndings) {
-    if (variable.name.ends_with(ending)) return variable.name.substr(0, variable.name.size() - ending.size());
-  }
-  return variable.name;
-}
-
-/// `x.base64` is another way to hand over the binary `x`: nobody misses it where `x` itself is connected.
-bool is_served_otherwise(const modeldesc::ModelDescription& description, const Variable& variable,
-                         const std::set<const Variable*>& served) {
-  constexpr std::string_view kEnding = ".base64";
-  if (!variable.name.ends_with(kEnding)) return false;
-  const auto binary = variable.name.substr(0, variable.name.size() - kEnding.size());
-  const auto* part = description.find(binary + ".size");
-  return part != nullptr && is_osmp_part(description, *part) && served.count(part) != 0;
-}
-
-/// Refuses a value for an input that a connection overwrites: it would have no effect.
-void refuse_values_of_connected_inputs(const ResolvedSystem& system) {
-  using Target = std::pair<std::size_t, std::string_view>;
-  std::map<Target, const Assignment*> given;
-  for (std::size_t i = 0; i < system.instances.size(); ++i) {
-    for (const auto& assignment : system.instances[i].description->parameters) {
-      given.emplace(Target(i, assignment.variable), &assignment);
-    }
-  }
-  for (const auto& connection : system.connections) {
-    const auto found = given.find(Target(connection.to.instance, connection.to.variable->name));
-    if (found == given.end()) continue;
-    throw InputError(ErrorCode::invalid_value,
-                     fmt::format("{}: '{}' gets its value from {}, so the one that is given here would do nothing. "
-                                 "Leave out the value or the connection",
-                                 found->second->place, system.text(connection.to), system.text(connection.from)));
-  }
-}
-
-void note_open_inputs(ResolvedSystem& system) {
-  auto connection = system.connections.begin();  // in the order of the instances that they go to
-  auto input = system.inputs.begin();            // likewise
-  for (std::size_t i = 0; i < system.instances.size(); ++i) {
-    const auto& instance = system.instances[i];
-    std::set<const Variable*> served;
-    for (; connection != system.connections.end() && connection->to.instance == i; ++connection) {
-      served.insert(connection->to.variable);
-    }
-    for (const auto& start : instance.starts) served.insert(start.variable);
-    for (; input != system.inputs.end() && input->first.instance == i; ++input) served.insert(input->first.variable);
-    std::vector<std::string> open;
-    for (const auto& variable : instance.fmu->description().variables) {
-      if (variable.causality != Causality::input || served.count(&variable) != 0) continue;
-      if (is_served_otherwise(instance.fmu->description(), variable, served)) continue;
-      auto name = whole_name(instance.fmu->description(), variable);
-      if (open.empty() || open.back() != name) open.push_back(std::move(name));
-    }
-    if (open.empty()) continue;
-    system.notices.push_back(fmt::format("{}: not connected, so the FMU's start value holds: {}",
-                                         instance.description->name, fmt::join(open, ", ")));
-  }
 }
 
 }  // namespace
@@ -228,7 +59,7 @@ ResolvedVariable ResolvedSystem::find(const VariableName& name, const std::strin
     throw InputError(ErrorCode::unknown_name, fmt::format("{}: there is no instance '{}'. {}", place, name.instance,
                                                           suggest(name.instance, description->instance_names())));
   }
-  const auto& model = instances[*instance].fmu->description();
+  const auto& model = *instances[*instance].model;
   const auto* variable = model.find(name.variable);
   if (variable == nullptr) {
     throw InputError(ErrorCode::unknown_name,
@@ -247,20 +78,6 @@ std::string ResolvedSystem::text(const ResolvedVariable& variable) const {
   return instances[variable.instance].description->name + "." + variable.variable->name;
 }
 
-void with_place_of_fmu(const InstanceDescription& instance, const std::function<void()>& work) {
-  try {
-    work();
-  } catch (const InputError& error) {
-    throw InputError(error.code(), fmt::format("{}/fmu: {}", instance.place, error.what()));
-  }
-}
-
-std::shared_ptr<Fmu> open_fmu(const InstanceDescription& instance, FmuLibrary& library) {
-  std::shared_ptr<Fmu> fmu;
-  with_place_of_fmu(instance, [&] { fmu = library.open(instance.fmu_path); });
-  return fmu;
-}
-
 StartValue checked_start(const InstanceDescription& instance, const modeldesc::ModelDescription& description,
                          const Assignment& assignment) {
   const auto* variable = description.find(assignment.variable);
@@ -275,40 +92,6 @@ StartValue checked_start(const InstanceDescription& instance, const modeldesc::M
                                                            instance.name, variable->name, why));
   }
   return {variable, typed_value(description, *variable, assignment.value, assignment.place)};
-}
-
-ResolvedSystem resolve(const SystemDescription& description, FmuLibrary& library,
-                       const std::atomic<bool>& interrupted) {
-  ResolvedSystem system;
-  system.description = &description;
-  system.notices = description.notices;
-  const auto sections = log_sections(description);
-  for (const auto& instance : description.instances) {
-    ResolvedInstance resolved;
-    stop_if_interrupted(interrupted);
-    resolved.description = &instance;
-    resolved.fmu = open_fmu(instance, library);
-    with_place_of_fmu(instance, [&] { resolved.fmu->require_co_simulation(); });
-    resolved.isolation = instance.isolation;
-    if (resolved.fmu->description().co_simulation->needs_execution_tool) {
-      system.notices.push_back(fmt::format(
-          "{}: its FMU is a wrapper for a tool that must be installed (needsExecutionTool)", instance.name));
-    }
-    resolve_tolerance(resolved, system.notices);
-    note_structure_faults(resolved, system.notices);
-    resolved.starts = resolve_starts(instance, resolved.fmu->description());
-    resolved.log_categories = log_categories(sections, instance);
-    system.instances.push_back(std::move(resolved));
-  }
-  note_archives(system);
-  choose_processes(system, interrupted);  // a missing library or function shows now
-  note_unknown_categories(system);
-  for (const auto& instance : system.instances) check_division(instance);
-  resolve_connections(system, interrupted);
-  refuse_values_of_connected_inputs(system);
-  resolve_signals(system);
-  note_open_inputs(system);
-  return system;
 }
 
 }  // namespace mebots::master

@@ -1,19 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "base/interrupt.hpp"
-#include "fmi/fmu.hpp"
 #include "mebots/modeldesc/model_description.hpp"
+#include "model/run_course.hpp"
 #include "model/signal.hpp"
 #include "model/system_description.hpp"
-#include "slave/isolation/interpreter.hpp"
-#include "slave/slave.hpp"
+#include "model/value_kind.hpp"
 
-#include <atomic>
 #include <compare>
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -22,6 +18,8 @@
 
 /// The system with every name looked up and everything checked that can be checked before the first step.
 namespace mebots::master {
+
+class Fmu;
 
 /// A variable of one instance. Points into the instance's description, which the system keeps alive.
 struct ResolvedVariable {
@@ -60,11 +58,19 @@ struct ResolvedConnection {
   bool changes_value() const { return factor != 1 || offset != 0; }
 };
 
+/// Preparations of the host process for an FMU that embeds an interpreter.
+struct Interpreter {
+  bool embedded = false;    ///< the FMU's library stays loaded: interpreters cannot be unloaded safely
+  std::string library;      ///< Python's, if the FMU uses its symbols and names no library that has them; else empty
+  std::string python_path;  ///< added to PYTHONPATH: the packages of the virtual environment
+};
+
 struct ResolvedInstance {
   const InstanceDescription* description = nullptr;
-  std::shared_ptr<Fmu> fmu;
-  IsolationDescription isolation;  ///< as described, or its own process if the FMU cannot share one
-  Interpreter interpreter;         ///< of an FMU in its own process
+  std::shared_ptr<Fmu> fmu;                            ///< a handle for fmi/ and above; nothing of model/ uses it
+  const modeldesc::ModelDescription* model = nullptr;  ///< the FMU's, kept by `fmu`
+  IsolationDescription isolation;                      ///< as described, or its own process if the FMU cannot share one
+  Interpreter interpreter;                             ///< of an FMU in its own process
   std::vector<StartValue> starts;
   std::vector<std::string> log_categories;
   std::optional<double> tolerance;  ///< for fmi2SetupExperiment: the config's, else the FMU's default
@@ -93,18 +99,6 @@ struct ResolvedSystem {
   ResolvedVariable find(const VariableName& name, const std::string& place) const;
   std::string text(const ResolvedVariable& variable) const;
 };
-
-/// Opens the FMUs, looks up all names and checks types, causalities, units, start values and connections.
-/// `description` must outlive the result. Throws InputError, and InterruptedError between two FMUs.
-ResolvedSystem resolve(const SystemDescription& description, FmuLibrary& library,
-                       const std::atomic<bool>& interrupted = kNeverInterrupted);
-
-/// The FMU of an instance, unpacked and described; its library is not loaded. Throws InputError that names the
-/// instance.
-std::shared_ptr<Fmu> open_fmu(const InstanceDescription& instance, FmuLibrary& library);
-
-/// Runs `work`; an InputError from it gets the place in the config that names the FMU.
-void with_place_of_fmu(const InstanceDescription& instance, const std::function<void()>& work);
 
 /// A start value, looked up and checked. Throws InputError that names the place, and the nearest variables.
 StartValue checked_start(const InstanceDescription& instance, const modeldesc::ModelDescription& description,

@@ -113,4 +113,19 @@ LocatedSetting locate(SystemDescription& system, const Setting& setting) {
   return {&system.instances[*found], {name.variable, setting.value, setting.place}};
 }
 
+const AlgorithmKind& find_algorithm(const AlgorithmDescription& description) {
+  const auto* found = std::ranges::find(kAlgorithms, description.type, &AlgorithmKind::name);
+  if (found == std::end(kAlgorithms)) {
+    std::vector<std::string> names;
+    for (const auto& kind : kAlgorithms) names.emplace_back(kind.name);
+    throw InputError(ErrorCode::unknown_name,
+                     fmt::format("there is no algorithm '{}'. {}", description.type, suggest(description.type, names)));
+  }
+  if (!found->takes_order && !description.order.empty()) {
+    throw InputError(ErrorCode::invalid_value,
+                     fmt::format("'{}' steps all instances on the same values, so it takes no order", found->name));
+  }
+  return *found;
+}
+
 }  // namespace mebots::master

@@ -6,8 +6,6 @@
 #include "mebots/modeldesc/archive.hpp"
 #include "mebots/state/visitor.hpp"
 
-#include <nlohmann/json.hpp>
-
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -127,9 +125,28 @@ struct ConnectionDescription {
 
 /// Who sees whose outputs within a communication step.
 struct AlgorithmDescription {
-  std::string type = "jacobi";     ///< one of those that are registered
+  std::string type = "jacobi";     ///< the name of one of kAlgorithms
   std::vector<std::string> order;  ///< every instance once; empty = none given
 };
+
+enum class AlgorithmType { jacobi, gauss_seidel };
+
+/// An algorithm that a config can name.
+struct AlgorithmKind {
+  AlgorithmType type;
+  std::string_view name;
+  bool takes_order;  ///< whether the config may give an order of the instances
+};
+
+/// All of them. engine/algorithm/registry.cpp makes each.
+inline constexpr AlgorithmKind kAlgorithms[] = {
+    {.type = AlgorithmType::jacobi, .name = "jacobi", .takes_order = false},
+    {.type = AlgorithmType::gauss_seidel, .name = "gauss-seidel", .takes_order = true},
+};
+
+/// Returns the one that the description names. Throws InputError without a place, with the nearest names, if there is
+/// none, or if it takes no order and one is given.
+const AlgorithmKind& find_algorithm(const AlgorithmDescription& description);
 
 enum class Comparison { equals, above, below };
 
@@ -336,24 +353,6 @@ struct SystemDescription {
   /// single FMU every other text is a variable of that FMU.
   std::optional<VariableName> split(std::string_view text) const;
 };
-
-/// Times that are given instead of those in the file, or because it has none [s].
-struct GivenTimes {
-  std::optional<WrittenTime> step;
-  std::optional<double> stop_time_s;
-};
-
-/// A system together with the JSON that it was read from, or that stands for its SSP.
-struct LoadedSystem {
-  SystemDescription system;
-  nlohmann::ordered_json config;
-};
-
-/// Reads a system from a config file, an FMU alone (`.fmu`), an SSP (`.ssp`, `.ssd`, or the folder of one) or an
-/// OspSystemStructure.xml. Throws InputError that names file, line and column, JSON pointer and the nearest valid key.
-LoadedSystem load_system(const std::filesystem::path& path, const GivenTimes& times = {});
-/// The same without the JSON, which takes time of its own.
-SystemDescription read_config(const std::filesystem::path& path, const GivenTimes& times = {});
 
 /// "instance.variable" apart; the instance is the first word when none of this name is there. Throws InputError for a
 /// text without both.

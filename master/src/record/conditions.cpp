@@ -43,7 +43,7 @@ Condition::Condition(const ResolvedSystem& system, Ensemble& ensemble, const Con
     : ensemble_(&ensemble), comparison_(description.comparison) {
   const auto resolved = system.find(description.variable, description.place + "/variable");
   const auto& variable = *resolved.variable;
-  const auto& model = system.instances[resolved.instance].fmu->description();
+  const auto& model = *system.instances[resolved.instance].model;
   std::string value;
   if (comparison_ == Comparison::equals) {
     const auto typed = typed_value(model, variable, description.value, description.place + "/equals");

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "mebots/state/visitor.hpp"
+#include "model/run_course.hpp"
 
 #include <cstdint>
 #include <optional>
@@ -9,12 +10,6 @@
 #include <string_view>
 
 namespace mebots::master {
-
-/// A communication point that all slaves have reached.
-struct Point {
-  std::int64_t step = 0;
-  std::int64_t time_ns = 0;
-};
 
 /// Follows a run: records it, judges it, shows it. Reads values through the ensemble that it was made with.
 class Observer {

@@ -3,19 +3,13 @@
 
 #include "engine/ensemble.hpp"
 #include "record/observer.hpp"
+#include "record/sink/row_block.hpp"
 
 #include <filesystem>
 #include <string>
 #include <vector>
 
 namespace mebots::master {
-
-/// A parameter and its value as text, in the forms of results.csv.
-struct ParameterValue {
-  std::string name;
-  std::string unit;
-  std::string value;
-};
 
 /// Asks the slaves for the parameters that the system records. Once they are initialised.
 std::vector<ParameterValue> read_parameters(const ResolvedSystem& system, Ensemble& ensemble);

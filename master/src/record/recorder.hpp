@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "engine/ensemble.hpp"
 #include "record/observer.hpp"
 #include "record/sink/block_writer.hpp"
 #include "record/sink/row_block.hpp"

@@ -2,165 +2,51 @@
 #include "record/scenario.hpp"
 
 #include "base/time.hpp"
-#include "model/osmp.hpp"
-
-#include <fmt/format.h>
 
 #include <algorithm>
+#include <span>
 
 namespace mebots::master {
-namespace {
 
-using modeldesc::Causality;
-using modeldesc::Type;
-using modeldesc::Variability;
-
-[[noreturn]] void fail(const OverrideDescription& override, const std::string& what) {
-  throw InputError(ErrorCode::invalid_value,
-                   fmt::format("{}: '{}' {}", override.place, override.variable.text(), what));
-}
-
-std::string shown(const WrittenValue& value) {
-  struct Show {
-    std::string operator()(double number) const { return fmt::format("{}", number); }
-    std::string operator()(std::int64_t number) const { return fmt::format("{}", number); }
-    std::string operator()(bool flag) const { return flag ? "true" : "false"; }
-    std::string operator()(const std::string& text) const { return fmt::format("\"{}\"", text); }
-    std::string operator()(const UntypedText& text) const { return text.text; }
-  };
-  return std::visit(Show{}, value);
-}
-
-void check_limits(const OverrideDescription& override, const modeldesc::Variable& variable, double value) {
-  if (variable.min && value < *variable.min) {
-    fail(override, fmt::format("would go to {}, below its minimum {}", value, *variable.min));
-  }
-  if (variable.max && value > *variable.max) {
-    fail(override, fmt::format("would go to {}, above its maximum {}", value, *variable.max));
-  }
-}
-
-Override checked(const ResolvedSystem& system, const OverrideDescription& description,
-                 std::shared_ptr<const Signal> signal) {
-  Override override{
-      &description, system.find(description.variable, description.place + "/variable"), {}, std::move(signal)};
-  const auto& variable = *override.variable.variable;
-  const auto& model = system.instances[override.variable.instance].fmu->description();
-  const bool tunable = variable.causality == Causality::parameter && variable.variability == Variability::tunable;
-  if (variable.causality != Causality::input && variable.causality != Causality::output && !tunable) {
-    fail(description,
-         fmt::format("is {} of variability {}; inputs, outputs and tunable parameters can be overridden",
-                     modeldesc::to_string(variable.causality), modeldesc::to_string(variable.variability)));
-  }
-  if (is_osmp_part(model, variable)) fail(description, "is part of a binary variable, which cannot be overridden");
-  if (description.action == OverrideAction::signal) return override;
-  if (!description.unit.empty() && description.unit != variable.unit) {
-    fail(description, fmt::format("is in [{}], and the entry says [{}]", variable.unit.empty() ? "-" : variable.unit,
-                                  description.unit));
-  }
-  switch (description.action) {
-    case OverrideAction::set:
-      override.value = typed_value(model, variable, description.value, description.place + "/set");
-      break;
-    case OverrideAction::freeze:
-    case OverrideAction::signal:
-      break;
-    case OverrideAction::ramp:
-      check_limits(description, variable, description.number);
-      [[fallthrough]];
-    default:
-      if (variable.type != Type::real) {
-        fail(description, fmt::format("is of type {}; '{}' works on Real variables. Use 'set' or 'freeze'",
-                                      modeldesc::to_string(variable.type), action_text(description)));
-      }
-  }
-  return override;
-}
-
-}  // namespace
-
-std::string action_text(const OverrideDescription& override) {
-  switch (override.action) {
-    case OverrideAction::set:
-      return "set " + shown(override.value);
-    case OverrideAction::offset:
-      return fmt::format("offset {}", override.number);
-    case OverrideAction::scale:
-      return fmt::format("scale {}", override.number);
-    case OverrideAction::freeze:
-      return "freeze";
-    case OverrideAction::noise:
-      return fmt::format("noise {}", override.number);
-    case OverrideAction::signal:
-      return fmt::format("signal {} of {}", override.column, override.file->name);
-    case OverrideAction::ramp:
-      break;
-  }
-  return fmt::format("ramp to {}", override.number);
-}
-
-Scenario::Scenario(const ResolvedSystem& system)
-    : start_ns_(system.description->start_time_ns), grid_(system.description->grid()), inputs_(system.inputs.size()) {
-  for (const auto& [variable, input] : system.inputs) {
-    overrides_.push_back({&input.description, variable, {}, input.signal});
-  }
-  const auto& entries = system.description->scenario;
-  for (std::size_t i = 0; i < entries.size(); ++i) {
-    overrides_.push_back(checked(system, entries[i], system.scenario_signals[i]));
-  }
-  triggers_.resize(overrides_.size());
-}
+Scenario::Scenario(const ResolvedSystem& system) : schedule_(system), triggers_(schedule_.overrides().size()) {}
 
 void Scenario::watch(const ResolvedSystem& system, Ensemble& ensemble) {
-  for (std::size_t i = 0; i < overrides_.size(); ++i) {
-    const auto& when = overrides_[i].description->when;
+  for (std::size_t i = 0; i < triggers_.size(); ++i) {
+    const auto& when = schedule_.overrides()[i].description->when;
     if (when) triggers_[i].condition.emplace(system, ensemble, *when);
   }
-}
-
-std::optional<std::int64_t> Scenario::begin_of(std::size_t override) const {
-  const auto& description = *overrides_[override].description;
-  return description.when ? triggers_[override].started_ns : description.from_ns;
-}
-
-std::optional<std::int64_t> Scenario::since(std::size_t override, std::int64_t time_ns) const {
-  const auto& description = *overrides_[override].description;
-  const auto start = begin_of(override);
-  if (!start || time_ns < *start) return std::nullopt;
-  if (description.until_ns && time_ns >= *description.until_ns) return std::nullopt;
-  if (description.duration_ns && grid_.has_passed(*start, time_ns, *description.duration_ns)) return std::nullopt;
-  return start;
 }
 
 std::optional<std::string> Scenario::reached(const Point& point) {
   for (std::size_t i = 0; i < triggers_.size(); ++i) {
     auto& trigger = triggers_[i];
-    const auto& description = *overrides_[i].description;
-    if (!trigger.condition || trigger.started_ns || point.time_ns < description.from_ns) continue;
+    const auto& description = *schedule_.overrides()[i].description;
+    if (!trigger.condition || schedule_.begin_of(i) || point.time_ns < description.from_ns) continue;
     if (!trigger.condition->holds()) {
       trigger.holds_since_ns.reset();
       continue;
     }
     if (!trigger.holds_since_ns) trigger.holds_since_ns = point.time_ns;
-    if (grid_.has_passed(*trigger.holds_since_ns, point.time_ns, description.when->for_ns)) {
-      trigger.started_ns = point.time_ns;
+    if (schedule_.grid().has_passed(*trigger.holds_since_ns, point.time_ns, description.when->for_ns)) {
+      schedule_.start(i, point.time_ns);
     }
   }
   return std::nullopt;
 }
 
 void Scenario::visit(state::Visitor& v) {
+  v("schedule", schedule_);
   v("triggers", std::span(triggers_));
 }
 
 nlohmann::ordered_json Scenario::report(const ResolvedSystem& system, std::int64_t end_ns) const {
   auto json = nlohmann::ordered_json::array();
-  for (std::size_t i = inputs_; i < overrides_.size(); ++i) {
-    const auto& description = *overrides_[i].description;
-    nlohmann::ordered_json entry = {{"variable", system.text(overrides_[i].variable)},
+  for (auto i = schedule_.inputs(); i < schedule_.overrides().size(); ++i) {
+    const auto& description = *schedule_.overrides()[i].description;
+    nlohmann::ordered_json entry = {{"variable", system.text(schedule_.overrides()[i].variable)},
                                     {"action", action_text(description)}};
     if (!description.text.empty()) entry["text"] = description.text;
-    const auto start = begin_of(i);
+    const auto start = schedule_.begin_of(i);
     const bool applied = start && *start <= end_ns;
     entry["applied"] = applied;
     if (applied) {

@@ -61,7 +61,7 @@ class ConnectionCheck {
   }
 
   const modeldesc::ModelDescription& model(const ResolvedVariable& variable) const {
-    return system_.instances[variable.instance].fmu->description();
+    return *system_.instances[variable.instance].model;
   }
 
   void check_causalities() const {
@@ -189,7 +189,7 @@ std::optional<std::vector<ResolvedVariable>> binary_parts(const ResolvedSystem& 
   const auto instance = system.description->index_of(name.instance);
   if (!instance) return std::nullopt;
   std::vector<ResolvedVariable> parts;
-  const auto& model = system.instances[*instance].fmu->description();
+  const auto& model = *system.instances[*instance].model;
   for (const auto* ending : kOsmpEndings) {
     const auto* part = model.find(name.variable + ending);
     if (part == nullptr || part->type != Type::integer) return std::nullopt;
@@ -200,7 +200,7 @@ std::optional<std::vector<ResolvedVariable>> binary_parts(const ResolvedSystem& 
 
 bool is_scalar(const ResolvedSystem& system, const VariableName& name) {
   const auto instance = system.description->index_of(name.instance);
-  return instance && system.instances[*instance].fmu->description().find(name.variable) != nullptr;
+  return instance && system.instances[*instance].model->find(name.variable) != nullptr;
 }
 
 /// A buffer is valid until its owner's next step ends. A reader that steps less often than the owner reads
@@ -249,7 +249,7 @@ std::vector<ResolvedConnection> scalars_of(const ResolvedSystem& system, const C
   }
   const auto from = system.find(connection.from, connection.place + "/from");
   const auto to = system.find(connection.to, connection.place + "/to");
-  const auto& from_model = system.instances[from.instance].fmu->description();
+  const auto& from_model = *system.instances[from.instance].model;
   return {plain_connection(from, to, is_osmp_part(from_model, *from.variable))};
 }
 

@@ -3,7 +3,7 @@
 
 #include "base/input_text.hpp"
 #include "base/time.hpp"
-#include "io/config/signal_file.hpp"
+#include "io/signal_file.hpp"
 #include "mebots/modeldesc/units.hpp"
 #include "mebots/nearest_names.hpp"
 #include "model/osmp.hpp"
@@ -163,7 +163,7 @@ class SignalReader {
            fmt::format("'{}' is of causality {}, and the column of a file becomes an input", name,
                        to_string(input.variable->causality)));
     }
-    const auto& model = system_.instances[input.instance].fmu->description();
+    const auto& model = *system_.instances[input.instance].model;
     if (is_osmp_part(model, *input.variable)) {
       fail(place, ErrorCode::invalid_value, fmt::format("'{}' is part of a binary variable", name));
     }
@@ -198,7 +198,7 @@ class SignalReader {
       fail(use.description.place, ErrorCode::unknown_name,
            fmt::format("{}: there is no column '{}'. {}", opened.file.name(), column, suggest(column, names)));
     }
-    const auto& model = system_.instances[use.variable.instance].fmu->description();
+    const auto& model = *system_.instances[use.variable.instance].model;
     WantedSignal wanted{*found, &model, use.variable.variable};
     convert(opened, use, wanted);
     opened.wanted.push_back(wanted);

@@ -5,6 +5,7 @@
 #include "run/input_hash.hpp"
 
 #include "base/input_text.hpp"
+#include "base/sha256.hpp"
 #include "mebots/state/save.hpp"
 
 #include <fmt/format.h>
@@ -81,9 +82,9 @@ Checkpoint read_checkpoint(const std::filesystem::path& folder) {
 void check_can_checkpoint(const ResolvedSystem& system) {
   std::vector<std::string> names;
   for (const auto& instance : system.instances) {
-    const auto& ability = *instance.fmu->description().co_simulation;
+    const auto& ability = *instance.model->co_simulation;
     if (ability.can_get_and_set_fmu_state && ability.can_serialize_fmu_state) continue;
-    names.push_back(fmt::format("'{}' ({})", instance.description->name, instance.fmu->description().model_name));
+    names.push_back(fmt::format("'{}' ({})", instance.description->name, instance.model->model_name));
   }
   if (names.empty()) return;
   throw InputError(ErrorCode::not_offered,

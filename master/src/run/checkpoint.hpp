@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "base/sha256.hpp"
 #include "model/resolved_system.hpp"
 #include "record/observer.hpp"
 #include "record/sink/output_file.hpp"

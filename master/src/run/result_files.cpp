@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "run/result_files.hpp"
 
+#include "base/sha256.hpp"
 #include "mebots/input_error.hpp"
 #include "message/message_text.hpp"
 #include "record/sink/csv_rows.hpp"

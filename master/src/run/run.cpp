@@ -4,9 +4,11 @@
 #include "base/input_text.hpp"
 #include "base/interrupt.hpp"
 #include "base/own_threads.hpp"
+#include "base/sha256.hpp"
 #include "base/time.hpp"
 #include "fmi/call/crash_notice.hpp"
 #include "io/config/command_line.hpp"
+#include "io/config/load_system.hpp"
 #include "io/config/scenario_file.hpp"
 #include "io/config/system_file.hpp"
 #include "mebots/assert.hpp"
@@ -340,7 +342,7 @@ void Run::initialise() {
   SlaveOptions slaves;
   slaves.statistics = request_.statistics ? &statistics_ : nullptr;
   slaves.losses = &losses_;
-  slaves.scenario = &*scenario_;
+  slaves.overrides = &scenario_->schedule();
   slaves.interrupted = &interrupted_;
   const auto is_here = [](const ResolvedInstance& instance) { return !instance.description->isolation.alone(); };
   if (std::ranges::any_of(resolved_.instances, is_here)) copies_.emplace();

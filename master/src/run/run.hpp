@@ -11,6 +11,7 @@
 #include "record/recorder.hpp"
 #include "record/scenario.hpp"
 #include "record/sink/memory_sink.hpp"
+#include "resolve/resolve.hpp"
 #include "run/checkpoint.hpp"
 #include "run/clean_fmus.hpp"
 #include "run/input_hash.hpp"

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "run/saved_run.hpp"
 
+#include "base/sha256.hpp"
 #include "mebots/input_error.hpp"
 #include "mebots/state/save.hpp"
 #include "run/input_hash.hpp"

@@ -23,7 +23,7 @@ Simulation::Simulation(const ResolvedSystem& system, MessageSink& messages, cons
       messages_(messages),
       ensemble_(system, messages_, options),
       slaves_(system, ensemble_, *interrupted_),
-      algorithm_(find_algorithm(system.description->algorithm).make({system, slaves_, messages_})),
+      algorithm_(make_algorithm({system, slaves_, messages_})),
       grid_(system.description->grid()),
       stop_ns_(system.description->stop_time_ns) {}
 

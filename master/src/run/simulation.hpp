@@ -5,7 +5,7 @@
 #include "engine/algorithm/slave_steps.hpp"
 #include "engine/ensemble.hpp"
 #include "message/ordered_messages.hpp"
-#include "model/end.hpp"
+#include "model/run_course.hpp"
 #include "record/observer.hpp"
 
 #include <atomic>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "run/summary.hpp"
 
+#include "base/sha256.hpp"
 #include "base/time.hpp"
 #include "message/plain_text.hpp"
 #include "run/json_value.hpp"
@@ -69,7 +70,7 @@ std::string fmu_text(const SystemDescription& system, const InstanceDescription&
 SummaryValues::SummaryValues(const ResolvedSystem& system, Ensemble& ensemble) : ensemble_(&ensemble) {
   for (const auto& entry : system.description->summary) {
     const auto resolved = system.find(entry.variable, entry.place);
-    const auto& model = system.instances[resolved.instance].fmu->description();
+    const auto& model = *system.instances[resolved.instance].model;
     if (std::find(std::begin(kOwnLabels), std::end(kOwnLabels), entry.path.front()) != std::end(kOwnLabels)) {
       throw InputError(ErrorCode::duplicate_name,
                        fmt::format("{}: the label '{}' is used by summary.json itself; choose another one", entry.place,
@@ -190,7 +191,7 @@ Json summary_json(const ResolvedSystem& system, const InputHash& hash, const Run
   Json fmus;
   for (std::size_t i = 0; i < system.instances.size(); ++i) {
     const auto& instance = *system.instances[i].description;
-    const auto& model = system.instances[i].fmu->description();
+    const auto& model = *system.instances[i].model;
     add_member(versions_of_fmus, instance.name) = {{"model", model.model_name},
                                                    {"version", model.version},
                                                    {"generation_tool", model.generation_tool},

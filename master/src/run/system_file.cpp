@@ -28,7 +28,7 @@ void put_unless_empty(Json& object, const char* key, const std::string& text) {
 Json instances_json(const ResolvedSystem& system) {
   auto instances = Json::object();
   for (const auto& instance : system.instances) {
-    const auto& model = instance.fmu->description();
+    const auto& model = *instance.model;
     auto& json = add_member(instances, instance.description->name);
     json["model"] = model.model_name;
     put_unless_empty(json, "text", model.text);
@@ -40,7 +40,7 @@ Json instances_json(const ResolvedSystem& system) {
 /// The variable of this end of a connection; null for an OSMP binary, which is three.
 const modeldesc::Variable* variable_of(const ResolvedSystem& system, const VariableName& name) {
   const auto instance = system.description->index_of(name.instance);
-  return instance ? system.instances[*instance].fmu->description().find(name.variable) : nullptr;
+  return instance ? system.instances[*instance].model->find(name.variable) : nullptr;
 }
 
 Json connections_json(const ResolvedSystem& system) {
@@ -64,7 +64,7 @@ Json variables_json(const ResolvedSystem& system) {
     json["causality"] = to_string(variable.causality);
     put_unless_empty(json, "unit", variable.unit);
     put_unless_empty(json, "text", variable.text);
-    const auto& model = system.instances[recorded.instance].fmu->description();
+    const auto& model = *system.instances[recorded.instance].model;
     const auto* type = model.type_definition(variable.declared_type);
     if (type == nullptr) continue;
     for (const auto& item : type->items) json["items"].push_back({{"name", item.name}, {"value", item.value}});

@@ -79,7 +79,7 @@ modeldesc::Value write_variable(Run& run, std::string_view name, double value, c
   const auto target = find_variable(run, name);
   check_settable(run, target, name);
   // The same rules as for values of a config: type, limits, items.
-  const auto& model = run.resolved().instances[target.instance].fmu->description();
+  const auto& model = *run.resolved().instances[target.instance].model;
   auto typed = typed_value(model, *target.variable, as_written(*target.variable, value), place);
   const ValueReference reference[] = {target.variable->value_reference};
   run.call(target.instance, "write()", [&](Slave& slave) {
@@ -97,7 +97,7 @@ modeldesc::Value write_variable(Run& run, std::string_view name, double value, c
 nlohmann::ordered_json writable_variables(const ResolvedSystem& system) {
   auto list = nlohmann::ordered_json::array();
   for (std::size_t i = 0; i < system.instances.size(); ++i) {
-    const auto& model = system.instances[i].fmu->description();
+    const auto& model = *system.instances[i].model;
     for (const auto& variable : model.variables) {
       const ResolvedVariable target{i, &variable};
       if (!is_settable(variable) || variable.type == Type::string || is_osmp_part(model, variable)) continue;

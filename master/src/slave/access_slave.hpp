@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "engine/ensemble.hpp"
 #include "slave/forwarding_slave.hpp"
 
 #include <variant>

@@ -64,10 +64,10 @@ std::uint64_t place_key(ValueKind kind, ValueReference reference) {
 
 }  // namespace
 
-OverriddenSlave::OverriddenSlave(std::unique_ptr<Slave> inner, const Scenario& scenario, std::size_t instance,
+OverriddenSlave::OverriddenSlave(std::unique_ptr<Slave> inner, const OverrideSchedule& schedule, std::size_t instance,
                                  std::int64_t step_ns)
-    : AccessSlave(std::move(inner)), scenario_(&scenario), time_ns_(scenario.start_ns()), step_ns_(step_ns) {
-  const auto& overrides = scenario.overrides();
+    : AccessSlave(std::move(inner)), schedule_(&schedule), time_ns_(schedule.start_ns()), step_ns_(step_ns) {
+  const auto& overrides = schedule.overrides();
   for (std::size_t i = 0; i < overrides.size(); ++i) {
     if (overrides[i].variable.instance != instance) continue;
     const auto& variable = *overrides[i].variable.variable;
@@ -88,11 +88,11 @@ OverriddenSlave::OverriddenSlave(std::unique_ptr<Slave> inner, const Scenario& s
 }
 
 SignalTime OverriddenSlave::signal_time(std::int64_t time_ns) const {
-  return {time_ns, scenario_->grid().time_s(time_ns)};
+  return {time_ns, schedule_->grid().time_s(time_ns)};
 }
 
 OverriddenSlave::Value OverriddenSlave::apply(Layer& layer, const Value& value, std::int64_t since_ns) {
-  const auto& override = scenario_->overrides()[layer.override];
+  const auto& override = schedule_->overrides()[layer.override];
   const auto& description = *override.description;
   switch (description.action) {
     case OverrideAction::set:
@@ -112,7 +112,7 @@ OverriddenSlave::Value OverriddenSlave::apply(Layer& layer, const Value& value, 
     case OverrideAction::ramp:
       break;
   }
-  if (scenario_->grid().has_passed(since_ns, time_ns_, description.over_ns)) return description.number;
+  if (schedule_->grid().has_passed(since_ns, time_ns_, description.over_ns)) return description.number;
   const double part = static_cast<double>(time_ns_ - since_ns) / static_cast<double>(description.over_ns);
   const double found = std::get<double>(layer.found);
   return found + part * (description.number - found);
@@ -122,7 +122,7 @@ OverriddenSlave::Value OverriddenSlave::apply(Target& target, const Value& value
   Value result = value;
   target.acted = false;
   for (auto& layer : target.layers) {
-    const auto since_ns = scenario_->since(layer.override, time_ns_);
+    const auto since_ns = schedule_->since(layer.override, time_ns_);
     if (!since_ns) {
       layer.found_at_ns.reset();
       continue;
@@ -234,7 +234,7 @@ StepResult OverriddenSlave::step(std::int64_t start_ns, std::int64_t duration_ns
 
 /// What is left of a derivative of this order (from 1) behind one layer.
 double OverriddenSlave::apply(Layer& layer, std::int32_t order, double derivative, std::int64_t since_ns) {
-  const auto& override = scenario_->overrides()[layer.override];
+  const auto& override = schedule_->overrides()[layer.override];
   const auto& description = *override.description;
   switch (description.action) {
     case OverrideAction::set:
@@ -251,13 +251,13 @@ double OverriddenSlave::apply(Layer& layer, std::int32_t order, double derivativ
     case OverrideAction::ramp:
       break;
   }
-  if (order > 1 || scenario_->grid().has_passed(since_ns, time_ns_, description.over_ns)) return 0;
+  if (order > 1 || schedule_->grid().has_passed(since_ns, time_ns_, description.over_ns)) return 0;
   return (description.number - std::get<double>(layer.found)) / to_seconds(description.over_ns);
 }
 
 double OverriddenSlave::changed_derivative(Target& target, std::int32_t order, double value) {
   for (auto& layer : target.layers) {
-    const auto since_ns = scenario_->since(layer.override, time_ns_);
+    const auto since_ns = schedule_->since(layer.override, time_ns_);
     if (since_ns) value = apply(layer, order, value, *since_ns);
   }
   return value;

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "mebots/state/visitor.hpp"
-#include "record/scenario.hpp"
+#include "model/override_schedule.hpp"
 #include "slave/access_slave.hpp"
 
 #include <optional>
@@ -15,8 +15,9 @@ namespace mebots::master {
 /// outputs as all others see them. Times are those of the slave's own communication points.
 class OverriddenSlave final : public AccessSlave {
  public:
-  /// `scenario` must outlive the slave. `step_ns` is the length of its steps.
-  OverriddenSlave(std::unique_ptr<Slave> inner, const Scenario& scenario, std::size_t instance, std::int64_t step_ns);
+  /// `schedule` must outlive the slave. `step_ns` is the length of its steps.
+  OverriddenSlave(std::unique_ptr<Slave> inner, const OverrideSchedule& schedule, std::size_t instance,
+                  std::int64_t step_ns);
 
   void enter_initialization() override;
   void exit_initialization() override;
@@ -104,7 +105,7 @@ class OverriddenSlave final : public AccessSlave {
 
   SignalTime signal_time(std::int64_t time_ns) const;
 
-  const Scenario* scenario_;
+  const OverrideSchedule* schedule_;
   std::vector<Target> targets_;
   std::unordered_map<std::uint64_t, std::size_t> places_;  // kind and value reference of a target, its place
   std::int64_t time_ns_;

@@ -3,6 +3,8 @@
 
 #include "mebots/error.hpp"
 #include "mebots/modeldesc/model_description.hpp"
+#include "model/run_course.hpp"
+#include "model/value_kind.hpp"
 
 #include <atomic>
 #include <cstddef>
@@ -15,8 +17,6 @@
 
 namespace mebots::master {
 
-using ValueReference = std::uint32_t;
-
 /// A call to an FMU failed. The text names instance, time, function, status and what the FMU logged.
 class SlaveError : public Error {
  public:
@@ -28,13 +28,6 @@ class SlaveError : public Error {
 class NotFiniteError : public SlaveError {
  public:
   explicit NotFiniteError(const std::string& text) : SlaveError(ErrorCode::not_finite, text) {}
-};
-
-/// The arguments of fmi2SetupExperiment.
-struct Experiment {
-  std::int64_t start_ns = 0;
-  std::optional<std::int64_t> stop_ns = {};  ///< if absent, stopTimeDefined is fmi2False
-  std::optional<double> tolerance = {};      ///< if absent, toleranceDefined is fmi2False
 };
 
 /// What became of a step.

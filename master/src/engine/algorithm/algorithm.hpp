@@ -3,20 +3,20 @@
 
 #include "engine/algorithm/slave_steps.hpp"
 #include "message/ordered_messages.hpp"
-#include "model/end.hpp"
+#include "model/run_course.hpp"
 
 #include <cstdint>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
-#include <string_view>
 #include <vector>
 
 namespace mebots::master {
 
 /// Carries all slaves from one communication point to the next: who takes which inputs when, and who steps when.
-/// To add one: a class in a file of its own, and its row in registry.cpp.
+/// To add one: a row in kAlgorithms (model/system_description.hpp), a class in a file of its own, a case in
+/// registry.cpp.
 class Algorithm {
  public:
   virtual ~Algorithm() = default;
@@ -34,15 +34,7 @@ struct AlgorithmContext {
   OrderedMessages& messages;  ///< where the slaves' messages pass
 };
 
-/// An algorithm that a config can name.
-struct AlgorithmKind {
-  std::string_view name;
-  bool takes_order;  ///< whether the config may give an order of the instances
-  std::unique_ptr<Algorithm> (*make)(const AlgorithmContext& context);
-};
-
-/// The one that the description names. Throws InputError without a place, with the nearest names, when there is none,
-/// or when it takes no order and one is given. Whoever reads a config asks, so that a run finds it.
-const AlgorithmKind& find_algorithm(const AlgorithmDescription& description);
+/// Makes the one that the system's description names. Throws as find_algorithm() does.
+std::unique_ptr<Algorithm> make_algorithm(const AlgorithmContext& context);
 
 }  // namespace mebots::master

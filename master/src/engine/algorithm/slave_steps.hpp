@@ -2,7 +2,7 @@
 #pragma once
 
 #include "engine/ensemble.hpp"
-#include "model/end.hpp"
+#include "model/run_course.hpp"
 
 #include <atomic>
 #include <cstddef>

@@ -5,6 +5,8 @@
 #include "fmi/call/exit_guard.hpp"
 #include "fmi/call/fmi2_callbacks.hpp"
 
+#include <fmt/format.h>
+
 #include <sys/time.h>
 #include <unistd.h>
 
@@ -12,6 +14,7 @@
 #include <cerrno>
 #include <csignal>
 #include <cstddef>
+#include <cstring>
 #include <string_view>
 
 namespace mebots::master {
@@ -141,6 +144,11 @@ bool ends_process(int signal) {
   struct sigaction action {};
   if (sigaction(signal, nullptr, &action) != 0) return false;  // the C library keeps it for itself
   return action.sa_handler == SIG_DFL || action.sa_sigaction == &on_end;
+}
+
+std::string signal_name(int signal) {
+  const char* const name = sigabbrev_np(signal);
+  return name == nullptr ? fmt::format("signal {}", signal) : fmt::format("SIG{}", name);
 }
 
 }  // namespace mebots::master

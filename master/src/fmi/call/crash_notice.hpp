@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <string>
+
 namespace mebots::master {
 
 /// From now on a signal that ends the process inside an FMU is reported on standard error, with instance, call and
@@ -12,5 +14,8 @@ void install_crash_notice();
 
 /// Returns true if the signal would end the process: its only handler is that of install_crash_notice().
 bool ends_process(int signal);
+
+/// "SIGALRM"; "signal 40" if it has no name.
+std::string signal_name(int signal);
 
 }  // namespace mebots::master

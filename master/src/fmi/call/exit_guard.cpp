@@ -2,8 +2,8 @@
 #include "fmi/call/exit_guard.hpp"
 
 #include "base/time.hpp"
+#include "fmi/call/crash_notice.hpp"
 #include "fmi/call/fmi2_callbacks.hpp"
-#include "fmi/process/process_state.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "fmi/process/process_state.hpp"
 
+#include "fmi/call/crash_notice.hpp"
+
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -109,11 +111,6 @@ bool is_new_change(std::string text) {
   static std::set<std::string> reported;
   const std::lock_guard lock(mutex);
   return reported.insert(std::move(text)).second;
-}
-
-std::string signal_name(int signal) {
-  const char* const name = sigabbrev_np(signal);
-  return name == nullptr ? fmt::format("signal {}", signal) : fmt::format("SIG{}", name);
 }
 
 OpenFiles open_files() {

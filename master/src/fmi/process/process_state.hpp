@@ -100,7 +100,4 @@ void reset_unloaded_handlers(const Handlers& before);
 /// From any thread.
 bool is_new_change(std::string text);
 
-/// "SIGALRM"; "signal 40" if it has no name.
-std::string signal_name(int signal);
-
 }  // namespace mebots::master

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "fmi/process/thread_state.hpp"
 
+#include "fmi/call/crash_notice.hpp"
+
 #include "fmi/process/process_state.hpp"
 
 #include <fmt/format.h>

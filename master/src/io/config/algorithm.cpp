@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // The section `algorithm`.
-#include "engine/algorithm/algorithm.hpp"
 #include "mebots/input_error.hpp"
 #include "reading.hpp"
 #include "sections.hpp"

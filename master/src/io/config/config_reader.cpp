@@ -2,10 +2,10 @@
 // A config is a list of sections; each has its reader in config/. A new section is a line in the table below,
 // a reader in a file of its own, and a property in configs/schemas/mebots-config.schema.json. Or it is another config
 // with changes: variant.hpp.
-#include "fmi/fmu.hpp"
 #include "io/config/schemas.hpp"
 #include "io/config/single_fmu.hpp"
 #include "io/config/system_file.hpp"
+#include "io/fmu_archive.hpp"
 #include "io/osp/osp.hpp"
 #include "io/ssp/ssp.hpp"
 #include "mebots/data/document.hpp"
@@ -14,7 +14,7 @@
 #include "mebots/modeldesc/archive.hpp"
 
 #include "base/input_text.hpp"
-#include "io/config/from_memory.hpp"
+#include "io/config/load_system.hpp"
 #include "io/config/sections.hpp"
 #include "io/config/variant.hpp"
 
@@ -235,7 +235,7 @@ void read_ssp_config(LoadedSystem& loaded, SspConfig ssp, const std::string& fil
 /// The source leaves out the FMU's folder: the hash of a run's inputs contains the FMU's bytes.
 void read_single_fmu(LoadedSystem& loaded, const std::filesystem::path& file, const GivenTimes& times) {
   auto& system = loaded.system;
-  loaded.config = config::single_fmu_config(file, Fmu(file).description(), times, system.notices);
+  loaded.config = config::single_fmu_config(file, read_fmu_description(file), times, system.notices);
   auto portable = loaded.config;
   portable["instances"][system.name]["fmu"] = file.filename().string();
   system.source = portable.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The section `inputs`: files whose columns are the sources of free inputs.
-#include "io/config/from_memory.hpp"
+#include "io/config/load_system.hpp"
 #include "mebots/file_kind.hpp"
 
 #include "reading.hpp"

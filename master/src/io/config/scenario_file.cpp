@@ -2,9 +2,9 @@
 #include "io/config/scenario_file.hpp"
 
 #include "base/input_text.hpp"
+#include "base/sha256.hpp"
 #include "io/config/sections.hpp"
 #include "mebots/data/document.hpp"
-#include "run/input_hash.hpp"
 
 #include <fmt/format.h>
 

@@ -2,6 +2,7 @@
 #include "io/config/single_fmu.hpp"
 
 #include "base/time.hpp"
+#include "io/config/load_system.hpp"
 #include "io/config/system_file.hpp"
 
 #include <fmt/format.h>

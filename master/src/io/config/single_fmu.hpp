@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "io/config/load_system.hpp"
 #include "mebots/modeldesc/model_description.hpp"
 #include "model/system_description.hpp"
 

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "io/osp/osp.hpp"
 
-#include "fmi/fmu.hpp"
-#include "io/fmu_descriptions.hpp"
+#include "io/fmu_archive.hpp"
 #include "io/ssp/uri.hpp"
 #include "io/ssp/xml_file.hpp"
 #include "mebots/data/node.hpp"
@@ -141,7 +140,7 @@ class OspReader {
   /// Throws what opening the FMU throws.
   [[noreturn]] void tell_why(pugi::xml_node node, const std::filesystem::path& path) const {
     try {
-      static_cast<void>(Fmu(path));
+      static_cast<void>(read_fmu_description(path));
     } catch (const InputError& error) {
       file_.fail(node, error.what());
     }

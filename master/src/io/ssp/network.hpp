@@ -2,7 +2,7 @@
 #pragma once
 
 #include "course.hpp"
-#include "io/fmu_descriptions.hpp"
+#include "io/fmu_archive.hpp"
 #include "model.hpp"
 
 #include <functional>

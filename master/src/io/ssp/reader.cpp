@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "io/fmu_descriptions.hpp"
+#include "io/fmu_archive.hpp"
 #include "io/ssp/ssp.hpp"
 #include "mebots/data/document.hpp"
 

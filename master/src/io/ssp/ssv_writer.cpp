@@ -30,7 +30,7 @@ void write_parameter_set(const ResolvedInstance& instance, pugi::xml_document& d
   set.append_attribute("name") = "initialValues";  // Ecos and Vico choose among parameter sets by this name
   auto parameters = set.append_child("ssv:Parameters");
   DefinitionsWriter definitions;
-  const auto& model = instance.fmu->description();
+  const auto& model = *instance.model;
   for (const auto& start : instance.starts) {
     auto parameter = parameters.append_child("ssv:Parameter");
     parameter.append_attribute("name") = start.variable->name.c_str();

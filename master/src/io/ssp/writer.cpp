@@ -104,7 +104,7 @@ class SspWriter {
       if (connection.to.instance == instance) used.insert(connection.to.variable);
     }
     std::vector<const Variable*> result;
-    for (const auto& variable : system_.instances[instance].fmu->description().variables) {
+    for (const auto& variable : system_.instances[instance].model->variables) {
       if (used.count(&variable) != 0) result.push_back(&variable);
     }
     return result;
@@ -137,7 +137,7 @@ class SspWriter {
     auto connector = connectors.append_child("ssd:Connector");
     connector.append_attribute("name") = variable.name.c_str();
     connector.append_attribute("kind") = kind_of_connector(variable.causality);
-    const auto& model = system_.instances[instance].fmu->description();
+    const auto& model = *system_.instances[instance].model;
     auto type = connector.append_child(fmt::format("ssc:{}", modeldesc::to_string(variable.type)).c_str());
     if (variable.type == Type::enumeration) {
       definitions_.add_enumeration(model, variable);
@@ -216,7 +216,7 @@ class SspWriter {
 
   bool has_variable(const VariableName& name) const {
     return std::ranges::any_of(system_.instances, [&](const ResolvedInstance& instance) {
-      return instance.description->name == name.instance && instance.fmu->description().find(name.variable) != nullptr;
+      return instance.description->name == name.instance && instance.model->find(name.variable) != nullptr;
     });
   }
 

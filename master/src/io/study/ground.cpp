@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "io/study/ground.hpp"
 
-#include "io/config/from_memory.hpp"
+#include "io/config/load_system.hpp"
 #include "model/system_description.hpp"
 
 #include <variant>

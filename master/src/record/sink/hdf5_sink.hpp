@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "record/parameter_recorder.hpp"
 #include "record/sink/row_block.hpp"
 
 #include <cstdint>

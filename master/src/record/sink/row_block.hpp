@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "engine/ensemble.hpp"
 #include "mebots/state/visitor.hpp"
+#include "model/value_kind.hpp"
 
 #include <cstdint>
 #include <string>
@@ -16,6 +16,13 @@ struct RecordColumn {
   std::string name;  ///< "instance.variable"
   std::string unit;  ///< empty without one
   ValueKind kind = ValueKind::real;
+};
+
+/// A parameter and its value as text, in the forms of results.csv.
+struct ParameterValue {
+  std::string name;
+  std::string unit;
+  std::string value;
 };
 
 /// Cells after which a block is handed on: 128 KiB, which stay in the cache of a core.

@@ -61,7 +61,7 @@ IsolatedSlave::IsolatedSlave(const ResolvedInstance& instance, MessageSink& mess
       log_buffer_("mebots-log"),
       control_(new (control_buffer_.data()) Control),
       commands_(command_buffer_),
-      triples_(osmp_triples(instance.fmu->description())),
+      triples_(osmp_triples(*instance.model)),
       binaries_(triples_.size()) {
   process_ =
       std::make_unique<ChildProcess>(find_fmu_host(), host_arguments(),

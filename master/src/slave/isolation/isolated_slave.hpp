@@ -33,7 +33,7 @@ class IsolatedSlave final : public Slave {
   IsolatedSlave& operator=(const IsolatedSlave&) = delete;
 
   const std::string& name() const override { return name_; }
-  const modeldesc::ModelDescription& description() const override { return instance_->fmu->description(); }
+  const modeldesc::ModelDescription& description() const override { return *instance_->model; }
 
   void setup_experiment(const Experiment& experiment) override;
   void enter_initialization() override;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "io/config/signal_file.hpp"
+#include "io/signal_file.hpp"
 
 #include "base/input_text.hpp"
 #include "base/time.hpp"

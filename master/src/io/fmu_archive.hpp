@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "mebots/modeldesc/model_description.hpp"
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace mebots::master {
+
+/// Unpacks an FMU of version 2.0 and reads its description. `notices` gets notices about the archive. Throws InputError
+/// for any other file.
+modeldesc::ModelDescription unpack_fmu(const std::filesystem::path& archive, const std::filesystem::path& folder,
+                                       std::vector<std::string>& notices);
+
+/// The same into a temporary folder that is gone afterwards.
+modeldesc::ModelDescription read_fmu_description(const std::filesystem::path& archive);
+
+/// Descriptions of FMUs, read from their archives without unpacking them. Each is read once.
+class FmuDescriptions {
+ public:
+  /// Returns null if the file's description cannot be read as one of FMI 2.0. read_fmu_description() then gives
+  /// the reason.
+  const modeldesc::ModelDescription* find(const std::filesystem::path& archive);
+
+ private:
+  std::map<std::filesystem::path, std::optional<modeldesc::ModelDescription>> known_;
+};
+
+}  // namespace mebots::master

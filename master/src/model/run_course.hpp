@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "mebots/run_state.hpp"
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+/// Points and ends of a run, as all layers name them.
+namespace mebots::master {
+
+/// The arguments of fmi2SetupExperiment.
+struct Experiment {
+  std::int64_t start_ns = 0;
+  std::optional<std::int64_t> stop_ns = {};  ///< if absent, stopTimeDefined is fmi2False
+  std::optional<double> tolerance = {};      ///< if absent, toleranceDefined is fmi2False
+};
+
+/// A communication point that all slaves have reached.
+struct Point {
+  std::int64_t step = 0;
+  std::int64_t time_ns = 0;
+};
+
+/// How a run ended.
+struct End {
+  EndReason reason = EndReason::stop_time;
+  std::string text;  ///< one sentence for people
+};
+
+/// An instance that failed during the run, while the others continued.
+struct InstanceLoss {
+  std::string name;
+  std::optional<std::int64_t> at_ns = {};  ///< start of the step, or communication point, at which it failed
+  std::string text;
+};
+
+}  // namespace mebots::master
