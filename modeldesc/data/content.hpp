@@ -6,6 +6,7 @@
 #include "text_lines.hpp"
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -22,7 +23,7 @@ struct Value {
   std::size_t parent = 0;    // of the root: itself
   std::size_t end = 0;       // index
   std::size_t position = 0;  // in its list
-  std::size_t offset = 0;    // bytes into the text; of a member that of its key
+  std::size_t offset = 0;    // bytes into the text, of a member that of its key; without a text its own index
   std::uint64_t whole = 0;   // of a whole number, in two's complement
   double number = 0;         // of any number
   std::string key;           // of a member
@@ -31,18 +32,18 @@ struct Value {
 
 struct Document::Content {
   std::string name;
-  TextLines lines;
+  std::optional<TextLines> lines;  // of the text; none for a value without one
   std::vector<Value> values;
-  std::map<std::string, std::string> places;  // by JSON pointer; empty: of the text itself
+  std::map<std::string, std::string> places;  // by JSON pointer, of a value without a text
   std::vector<Mistake> mistakes;
-
-  /// "file.json:12:5" of an offset into the text.
-  std::string place(std::size_t offset) const { return name + lines.place(offset); }
 };
 
 /// Takes the text apart. Throws Mistakes when it is not JSON; notes each key that occurs twice in one object.
 std::vector<Value> parse(std::string_view text, const std::string& name, const TextLines& lines,
                          std::vector<Mistake>& mistakes);
+
+/// The values of JSON that is in memory already.
+std::vector<Value> values_of(const nlohmann::ordered_json& json);
 
 /// A zero byte, which a file can name by \u0000, would end a mistake for who takes it from what(): as JSON names it.
 std::string without_zero_bytes(std::string_view text);

@@ -43,14 +43,21 @@ Mistakes::Mistakes(std::vector<Mistake> mistakes)
 
 Document::Document(const std::filesystem::path& file) : Document(text_of(file), file.string()) {}
 
-Document::Document(std::string_view text, std::string name) : Document(text, std::move(name), {}) {}
-
-Document::Document(std::string_view text, std::string name, std::map<std::string, std::string> places)
-    : content_(std::make_unique<Content>()) {
+Document::Document(std::string_view text, std::string name) : content_(std::make_unique<Content>()) {
   content_->name = std::move(name);
   content_->lines = TextLines(std::string(text));
-  content_->places = std::move(places);
-  content_->values = parse(text, content_->name, content_->lines, content_->mistakes);
+  content_->values = parse(text, content_->name, *content_->lines, content_->mistakes);
+}
+
+Document::Document(std::unique_ptr<Content> content) : content_(std::move(content)) {}
+
+Document Document::of_json(const nlohmann::ordered_json& value, std::string name,
+                           std::map<std::string, std::string> places) {
+  auto content = std::make_unique<Content>();
+  content->name = std::move(name);
+  content->places = std::move(places);
+  content->values = values_of(value);
+  return Document(std::move(content));
 }
 
 Document::~Document() = default;

@@ -225,8 +225,8 @@ std::string Node::place() const {
   const auto& content = *document_->content_;
   const auto path = pointer();
   const auto shown_path = path.empty() ? std::string("/") : path;
-  if (content.places.empty()) {
-    return fmt::format("{}: {}", content.place(content.values[index_].offset), shown_path);
+  if (content.lines) {
+    return fmt::format("{}{}: {}", content.name, content.lines->place(content.values[index_].offset), shown_path);
   }
   for (auto outer = path;; outer.resize(outer.rfind('/'))) {
     if (const auto found = content.places.find(outer); found != content.places.end()) {

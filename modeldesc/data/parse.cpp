@@ -25,6 +25,32 @@ std::size_t string_end(std::string_view text, std::size_t at) {
 
 constexpr std::size_t kBytesAValue = 16;  // of most texts at least, with its key
 
+void put_whole(Value& value, std::uint64_t whole, bool negative, double number) {
+  value.kind = Kind::whole_number;
+  value.whole = whole;
+  value.is_literal = true;
+  value.negative = negative;
+  value.number = number;
+}
+
+void put_integer(Value& value, std::int64_t whole) {
+  put_whole(value, static_cast<std::uint64_t>(whole), whole < 0, static_cast<double>(whole));
+}
+
+void put_unsigned(Value& value, std::uint64_t whole) {
+  put_whole(value, whole, false, static_cast<double>(whole));
+}
+
+void put_float(Value& value, double number) {
+  constexpr double kAllWhole = 9007199254740992;  // 2^53: up to it a double tells neighbouring whole numbers apart
+  const bool is_whole = number == std::floor(number) && std::abs(number) <= kAllWhole;
+  value.kind = is_whole ? Kind::whole_number : Kind::number;
+  value.number = number;
+  if (!is_whole) return;
+  value.whole = static_cast<std::uint64_t>(static_cast<std::int64_t>(number));
+  value.negative = number < 0;
+}
+
 class Builder : public nlohmann::json_sax<nlohmann::json> {
  public:
   Builder(std::string_view text, const std::string& name, const TextLines& lines, std::vector<Mistake>& mistakes)
@@ -44,29 +70,15 @@ class Builder : public nlohmann::json_sax<nlohmann::json> {
     return true;
   }
   bool number_integer(std::int64_t whole) override {
-    auto& value = begin_value(Kind::whole_number);
-    value.whole = static_cast<std::uint64_t>(whole);
-    value.is_literal = true;
-    value.negative = whole < 0;
-    value.number = static_cast<double>(whole);
+    put_integer(begin_value(Kind::whole_number), whole);
     return true;
   }
   bool number_unsigned(std::uint64_t whole) override {
-    auto& value = begin_value(Kind::whole_number);
-    value.whole = whole;
-    value.is_literal = true;
-    value.number = static_cast<double>(whole);
+    put_unsigned(begin_value(Kind::whole_number), whole);
     return true;
   }
   bool number_float(double number, const std::string& /*token*/) override {
-    constexpr double kAllWhole = 9007199254740992;  // 2^53: up to it a double tells neighbouring whole numbers apart
-    const bool is_whole = number == std::floor(number) && std::abs(number) <= kAllWhole;
-    auto& value = begin_value(is_whole ? Kind::whole_number : Kind::number);
-    value.number = number;
-    if (is_whole) {
-      value.whole = static_cast<std::uint64_t>(static_cast<std::int64_t>(number));
-      value.negative = number < 0;
-    }
+    put_float(begin_value(Kind::number), number);
     return true;
   }
   bool string(std::string& text) override {
@@ -207,7 +219,71 @@ class Builder : public nlohmann::json_sax<nlohmann::json> {
   bool has_key_ = false;
 };
 
+/// Lists the values of JSON in memory.
+class Lister {
+ public:
+  std::vector<Value> values() { return std::move(values_); }
+
+  /// `position` counts the elements of a list and the members of an object.
+  void add(const nlohmann::ordered_json& json, std::size_t parent, std::size_t position, std::string key) {
+    const auto index = values_.size();
+    auto& value = values_.emplace_back();
+    value.parent = parent;
+    value.position = position;
+    value.offset = index;
+    value.key = std::move(key);
+    put(value, json);
+    std::size_t place = 0;
+    if (json.is_object()) {
+      for (const auto& [name, member] : json.items()) add(member, index, place++, name);
+    } else if (json.is_array()) {
+      for (const auto& element : json) add(element, index, place++, {});
+    }
+    values_[index].end = values_.size();
+  }
+
+ private:
+  static void put(Value& value, const nlohmann::ordered_json& json) {
+    using Type = nlohmann::ordered_json::value_t;
+    switch (json.type()) {
+      case Type::object:
+        value.kind = Kind::object;
+        break;
+      case Type::array:
+        value.kind = Kind::list;
+        break;
+      case Type::string:
+        value.kind = Kind::text;
+        value.text = json.get_ref<const std::string&>();
+        break;
+      case Type::boolean:
+        value.kind = Kind::boolean;
+        value.flag = json.get<bool>();
+        break;
+      case Type::number_integer:
+        put_integer(value, json.get<std::int64_t>());
+        break;
+      case Type::number_unsigned:
+        put_unsigned(value, json.get<std::uint64_t>());
+        break;
+      case Type::number_float:
+        if (std::isfinite(json.get<double>())) put_float(value, json.get<double>());
+        break;
+      default:
+        break;  // null
+    }
+  }
+
+  std::vector<Value> values_;
+};
+
 }  // namespace
+
+std::vector<Value> values_of(const nlohmann::ordered_json& json) {
+  Lister lister;
+  lister.add(json, 0, 0, {});
+  return lister.values();
+}
 
 std::vector<Value> parse(std::string_view text, const std::string& name, const TextLines& lines,
                          std::vector<Mistake>& mistakes) {

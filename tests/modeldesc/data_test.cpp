@@ -6,7 +6,10 @@
 
 #include <gmock/gmock.h>
 
+#include <nlohmann/json.hpp>
+
 #include <chrono>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -96,12 +99,35 @@ TEST(Document, TellsLineColumnAndPointerOfEachValue) {
   });
 }
 
-TEST(Document, OfAnotherSourceNamesTheNearestKnownPlace) {
-  Document document(R"({"a": {"b": 1}, "c": 2})", "x.ssp", {{"/a", "part.xml:7"}});
+TEST(Document, OfAValueNamesTheNearestKnownPlace) {
+  auto document = Document::of_json({{"a", {{"b", 1}}}, {"c", 2}}, "x.ssp", {{"/a", "part.xml:7"}});
   document.read([](const Node& root) {
     EXPECT_EQ(root.at("a").at("b").place(), "x.ssp: part.xml:7: /a/b");
     EXPECT_EQ(root.at("c").place(), "x.ssp: /c");
   });
+}
+
+TEST(Document, OfAValueReadsAsTheTextOfIt) {
+  const auto listed = [](Document& document) {
+    std::vector<std::string> values;
+    document.read([&](const Node& root) {
+      for (const auto& node : root.elements()) {
+        values.push_back(std::string(node.is_integer_literal() ? "literal " : "") + node.shown() + " " +
+                         std::to_string(static_cast<int>(node.kind())) + " " + node.pointer());
+      }
+    });
+    return values;
+  };
+  constexpr std::string_view kText =
+      R"([null, true, -3, 18446744073709551615, 3.0, -2.5, 1e300, "a\u00e9", [1, [2]], {"k": {"l": []}, "m": 4}])";
+  Document text(kText, "f.json");
+  auto value = Document::of_json(nlohmann::ordered_json::parse(kText), "f.json", {});
+  EXPECT_EQ(listed(value), listed(text));
+}
+
+TEST(Document, OfAValueTakesNumbersThatAreNotFiniteForNull) {
+  auto document = Document::of_json(std::numeric_limits<double>::infinity(), "f.json", {});
+  document.read([](const Node& root) { EXPECT_EQ(root.kind(), Kind::null); });
 }
 
 TEST(Document, RefusesWhatIsNotJsonAtTheCharacterWhereItEnds) {

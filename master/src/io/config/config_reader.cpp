@@ -12,6 +12,7 @@
 #include "mebots/data/object.hpp"
 #include "mebots/file_kind.hpp"
 #include "mebots/modeldesc/archive.hpp"
+#include "message/plain_text.hpp"
 
 #include "base/input_text.hpp"
 #include "io/config/load_system.hpp"
@@ -161,15 +162,22 @@ void read_sections(const data::Node& root, SystemDescription& system) {
   object.finish();
 }
 
-/// Reads JSON that was put together here. `places` says where its parts come from.
-void read_made_config(LoadedSystem& loaded, const std::string& file, std::map<std::string, std::string> places) {
-  std::string text;
-  try {
-    text = loaded.config.dump();
-  } catch (const nlohmann::json::type_error&) {
+/// FMI's texts are UTF-8. A path, and so a value made of one, may hold any bytes.
+void require_utf8(const nlohmann::ordered_json& json, const std::string& file) {
+  if (json.is_string() && !is_utf8(json.get_ref<const std::string&>())) {
     throw InputError(ErrorCode::syntax_error, fmt::format("{}: a text in it is not UTF-8", file));
   }
-  data::Document(text, file, std::move(places)).read([&](const data::Node& root) {
+  if (!json.is_structured()) return;
+  for (const auto& [key, value] : json.items()) {
+    require_utf8(key, file);
+    require_utf8(value, file);
+  }
+}
+
+/// Reads JSON that was put together here. `places` says where its parts come from.
+void read_made_config(LoadedSystem& loaded, const std::string& file, std::map<std::string, std::string> places) {
+  require_utf8(loaded.config, file);
+  data::Document::of_json(loaded.config, file, std::move(places)).read([&](const data::Node& root) {
     read_sections(root, loaded.system);
   });
 }
