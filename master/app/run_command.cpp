@@ -25,25 +25,20 @@ namespace mebots::app {
 namespace {
 
 using master::Run;
-using master::RunRequest;
 
 constexpr int kRanToItsEnd = 0;
 constexpr int kFailed = 1;
 constexpr int kBadInput = 2;
 
-/// What `mebots run` was asked for, as typed.
-struct RunOptions {
+/// The options of `mebots run`: those that are typed as a RunOptions has them, and texts that are still to be read.
+struct TypedOptions {
   std::filesystem::path config;
-  std::filesystem::path out;                     ///< empty = results/<name of the config>
-  std::vector<std::string> sets;                 ///< INSTANCE.VARIABLE=VALUE
-  std::vector<std::filesystem::path> scenarios;  ///< files with more overrides
-  std::vector<std::filesystem::path> inputs;     ///< CSV files with signals for free inputs
-  std::vector<std::string> record;               ///< name patterns
-  std::optional<std::string> stop_time_s;
-  std::optional<std::string> step_s;              ///< for an FMU alone, or an SSP that states none
-  std::optional<std::string> checkpoint_every_s;  ///< simulated time
-  bool statistics = false;
-  bool isolate = false;
+  RunOptions run;
+  std::vector<std::string> sets;    ///< INSTANCE.VARIABLE=VALUE
+  std::vector<std::string> record;  ///< name patterns
+  std::optional<std::string> stop_time;
+  std::optional<std::string> step;
+  std::optional<std::string> checkpoint_every;
 };
 
 /// What is wanted of any run on the command line, new or resumed.
@@ -54,22 +49,18 @@ struct ReportOptions {
   std::optional<int> live_port;  ///< of a new run: a browser may look at it; 0 = any port
 };
 
-RunRequest request_of(const RunOptions& options) {
-  RunRequest request;
-  request.config = options.config;
-  request.folder = options.out.empty() ? default_results(options.config) : options.out;
-  for (const auto& set : options.sets) request.settings.push_back(master::read_set(set));
-  request.scenarios = options.scenarios;
-  request.inputs = options.inputs;
-  if (!options.record.empty()) request.record = options.record;
-  if (options.stop_time_s) request.stop_time_ns = master::read_time("--stop-time", *options.stop_time_s);
-  if (options.step_s) request.step = master::read_step("--step", *options.step_s);
-  if (options.checkpoint_every_s) {
-    request.checkpoint_every_ns = master::read_duration("--checkpoint-every", *options.checkpoint_every_s);
+RunOptions options_of(const TypedOptions& typed) {
+  auto options = typed.run;
+  if (options.out.empty()) options.out = default_results(typed.config);
+  for (const auto& set : typed.sets) options.settings.push_back(master::read_set(set));
+  if (!typed.record.empty()) options.record = typed.record;
+  if (typed.stop_time) options.stop_time_s = master::to_seconds(master::read_time("--stop-time", *typed.stop_time));
+  if (typed.step) options.step_s = master::read_step("--step", *typed.step);
+  if (typed.checkpoint_every) {
+    options.checkpoint_every_s =
+        master::to_seconds(master::read_duration("--checkpoint-every", *typed.checkpoint_every));
   }
-  request.isolate = options.isolate;
-  request.statistics = options.statistics;
-  return request;
+  return options;
 }
 
 /// What the end means to whoever started the program.
@@ -104,13 +95,13 @@ void show_end(const Run& run, Console& console) {
                                 master::to_seconds(*loss.at_ns)));
   }
   for (const auto& line : end_lines(run)) console.line(line);
-  if (run.request().statistics) {
+  if (run.options().statistics) {
     for (const auto& line : statistics_table(run.statistics(), run.report().wall.simulating_s())) console.line(line);
   }
   const bool interrupted = run.report().end_reason == EndReason::interrupted;
   const bool checkpoint = run.files() != nullptr && run.files()->kept() && run.files()->has_checkpoint();
   if (interrupted && checkpoint) {
-    console.line(fmt::format("go on with: mebots resume {}", shell_word(run.request().folder.string())));
+    console.line(fmt::format("resume with: mebots resume {}", shell_word(run.options().out.string())));
   }
 }
 
@@ -176,7 +167,7 @@ const std::vector<std::string> kExitCodes = {
 }  // namespace
 
 void add_run(CLI::App& app, Action& action) {
-  const auto run = std::make_shared<RunOptions>();
+  const auto run = std::make_shared<TypedOptions>();
   const auto report = std::make_shared<ReportOptions>();
   auto* command =
       app.add_subcommand("run", "Run the ensemble of FMUs that a config or an SSP describes, or an FMU alone");
@@ -186,7 +177,7 @@ void add_run(CLI::App& app, Action& action) {
       ->type_name("FILE")
       ->required();
   command
-      ->add_option("--out", run->out,
+      ->add_option("--out", run->run.out,
                    "Folder for results.csv, summary.json and log.txt; default: results/<name of the config>")
       ->type_name("FOLDER")
       ->check(not_empty());
@@ -197,13 +188,13 @@ void add_run(CLI::App& app, Action& action) {
       ->allow_extra_args(false)
       ->take_all();
   command
-      ->add_option("--scenario", run->scenarios,
+      ->add_option("--scenario", run->run.scenarios,
                    "Overrides of variables from a file, after those of the config (may be repeated)")
       ->type_name("FILE.json")
       ->allow_extra_args(false)
       ->take_all();
   command
-      ->add_option("--inputs", run->inputs,
+      ->add_option("--inputs", run->run.inputs,
                    "Signals over time for free inputs, from a CSV file whose columns are named after them (may be "
                    "repeated)")
       ->type_name("FILE.csv")
@@ -216,19 +207,19 @@ void add_run(CLI::App& app, Action& action) {
       ->type_name("PATTERN")
       ->allow_extra_args(false)
       ->take_all();
-  command->add_option("--stop-time", run->stop_time_s, "End of the simulation [s], instead of the config's")
+  command->add_option("--stop-time", run->stop_time, "End of the simulation [s], instead of the config's")
       ->type_name("SECONDS");
   command
-      ->add_option("--step", run->step_s,
+      ->add_option("--step", run->step,
                    "Communication step [s] or ratio such as 1/60, for an FMU alone or an SSP that states none")
       ->type_name("SECONDS");
-  command->add_flag("--statistics", run->statistics,
+  command->add_flag("--statistics", run->run.statistics,
                     "Show calls, time and slowest step of every instance, and write them to summary.json");
   command
-      ->add_option("--checkpoint-every", run->checkpoint_every_s,
+      ->add_option("--checkpoint-every", run->checkpoint_every,
                    "Write a checkpoint at t = 0 and after every so many seconds of simulated time")
       ->type_name("SECONDS");
-  command->add_flag("--isolate", run->isolate, "Run every instance in a process of its own");
+  command->add_flag("--isolate", run->run.isolate, "Run every instance in a process of its own");
   command
       ->add_option("--live", report->live_port,
                    "Let a browser on this machine follow the run, hold it and set its free inputs; on this port")
@@ -246,9 +237,9 @@ void add_run(CLI::App& app, Action& action) {
   command->callback([run, report, &action] {
     action = [run, report] {
       const auto open = [&] {
-        auto request = request_of(*run);
-        request.in_memory = report->live_port.has_value();
-        return std::make_unique<Run>(request);
+        auto options = options_of(*run);
+        options.in_memory = report->live_port.has_value();
+        return std::make_unique<Run>(run->config, options);
       };
       return execute(open, *report);
     };

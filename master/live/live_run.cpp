@@ -124,7 +124,7 @@ std::string LiveRun::data(const Known& known) {
                  {"log", log_->size()}};
   if (known.rows == 0 || ended_) tell_what_stays(folder);
   folder.name = run_->system().name;
-  folder.pictures = master::report::read_pictures(run_->request().folder, known.pictures);
+  folder.pictures = master::report::read_pictures(run_->options().out, known.pictures);
   folder.results = table_of(run_->memory(), known.rows);
   folder.summary = run_->summary();
   folder.log = log_->substr(std::min(known.log, log_->size()));
@@ -133,7 +133,7 @@ std::string LiveRun::data(const Known& known) {
 
 /// What a browser is told once, and at the end, when profiles are there.
 void LiveRun::tell_what_stays(master::report::RunFolder& folder) const {
-  auto side = master::report::read_side_files(run_->request().folder);
+  auto side = master::report::read_side_files(run_->options().out);
   folder.scene = std::move(side.scene);
   folder.profiles = std::move(side.profiles);
   folder.system = master::system_json(run_->resolved());
@@ -170,7 +170,7 @@ std::string LiveRun::set(const std::string& variable, const std::string& value) 
 }
 
 void LiveRun::save_scenario() const {
-  master::OutputFile file(run_->request().folder / "live_scenario.json");
+  master::OutputFile file(run_->options().out / "live_scenario.json");
   file.append(Json({{"text", "What was set by hand while it ran"}, {"scenario", scenario_}}).dump(2) + "\n");
   file.close();
 }

@@ -23,7 +23,7 @@ namespace mebots::live {
 /// is set is kept as a scenario (live_scenario.json in the results folder), with which the run repeats itself.
 class LiveRun {
  public:
-  /// `run` is not started, has a folder and keeps its rows in memory (RunRequest::in_memory); it must outlive this
+  /// `run` is not started, has a folder and keeps its rows in memory (RunOptions::in_memory); it must outlive this
   /// object. `port` 0 = a free one. Throws InputError when the port is taken, Error for a mebots without pages.
   LiveRun(master::Run& run, int port);
   ~LiveRun();

@@ -27,7 +27,7 @@ namespace {
 using mebots::InterruptOnSignals;
 using mebots::Message;
 using mebots::Mission;
-using mebots::MissionOptions;
+using mebots::RunOptions;
 using mebots::RunState;
 using mebots::Severity;
 
@@ -147,7 +147,7 @@ PYBIND11_MODULE(_mebots, module) {
                        const std::vector<std::filesystem::path>& inputs, std::optional<double> stop_time_s,
                        std::optional<double> step_s, bool isolate, bool statistics,
                        std::optional<double> checkpoint_every_s) {
-             MissionOptions options;
+             RunOptions options;
              if (out) options.out = *out;
              options.in_memory = in_memory;
              options.scenarios = scenarios;

@@ -14,7 +14,7 @@
 namespace {
 
 struct Wish {
-  mebots::MissionOptions options;
+  mebots::RunOptions options;
   std::vector<std::pair<std::string, mebots::Value>> settings;
   bool step_by_step = false;
 };

@@ -37,9 +37,7 @@ constexpr const char* kBond = R"({"bonds": {"spring": {"effort": "a.force", "flo
 nlohmann::ordered_json summary_of(const std::string& config) {
   const modeldesc::TemporaryFolder folder("mebots-test");
   test::write_file(folder.path() / "test.json", test::with_probe(config));
-  RunRequest request;
-  request.config = folder.path() / "test.json";
-  Run run(request);
+  Run run(folder.path() / "test.json");
   run.run();
   return run.summary();
 }

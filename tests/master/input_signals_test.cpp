@@ -374,14 +374,11 @@ TEST(InputSignals, ARunFromASavedStateGoesOnToTheSameBits) {
     run.run();
     return run.memory().find("a.integral")->values;
   };
-  RunRequest request;
-  request.config = config;
-  request.in_memory = true;
-  MasterRun straight(request);
-  MasterRun first(request);
+  MasterRun straight(config);
+  MasterRun first(config);
   first.run_until(400'000'000);
   const auto state = first.save_state();
-  MasterRun second(request);
+  MasterRun second(config);
   second.start_from(state);
   EXPECT_EQ(columns(second), columns(straight));
 }
@@ -414,9 +411,7 @@ TEST(InputSignals, ASystemThatIsConvertedKeepsItsFiles) {
 
 TEST(InputSignals, NobodyElseSetsTheInput) {
   const Files files("time,u\n0,0\n1,1\n");
-  RunRequest request;
-  request.config = files.put("c.json", test::with_probe(probe_with(files, kToReal)));
-  MasterRun run(request);
+  MasterRun run(files.put("c.json", test::with_probe(probe_with(files, kToReal))));
   run.start();
   EXPECT_THAT(writable_variables(run.resolved()).dump(), AllOf(Not(HasSubstr("a.real_in")), HasSubstr("a.integer_in")));
   EXPECT_THAT(test::input_error([&] { write_variable(run, "a.real_in", 1, "write"); }), HasSubstr("in.csv"));

@@ -80,16 +80,15 @@ TEST(Recorder, AnExclusionThatFitsNothingIsRefused) {
 
 TEST(Recorder, AChoiceOfTheRunTakesThePlaceOfTheConfigs) {
   const modeldesc::TemporaryFolder folder("mebots-test");
-  RunRequest request;
-  request.config = folder.path() / "test.json";
-  request.folder = folder.path() / "out";
-  test::write_file(request.config,
-                   test::with_probe(R"({"step": 0.1, "stop_time": 0.1, "instances": {"a": {"fmu": "PROBE"}},
+  const auto config = folder.path() / "test.json";
+  RunOptions options;
+  options.out = folder.path() / "out";
+  test::write_file(config, test::with_probe(R"({"step": 0.1, "stop_time": 0.1, "instances": {"a": {"fmu": "PROBE"}},
                        "connections": [], "record": {"variables": ["a.s*"], "exclude": ["*.steps"]}})"));
-  master::Run run(request);
+  master::Run run(config, options);
   run.record({"a.integer_out", "a.steps"});
   run.run();
-  EXPECT_THAT(test::read_file(request.folder / "results.csv"), StartsWith("time [s],a.integer_out [-],a.steps [-]\n"));
+  EXPECT_THAT(test::read_file(options.out / "results.csv"), StartsWith("time [s],a.integer_out [-],a.steps [-]\n"));
 }
 
 TEST(Recorder, ManyBlocksOfRowsArriveWholeAndInOrder) {

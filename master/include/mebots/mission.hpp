@@ -3,6 +3,7 @@
 
 #include "mebots/input_error.hpp"
 #include "mebots/message.hpp"
+#include "mebots/run_options.hpp"
 #include "mebots/run_state.hpp"
 #include "mebots/series.hpp"
 
@@ -14,26 +15,9 @@
 #include <span>
 #include <string>
 #include <string_view>
-#include <variant>
 #include <vector>
 
 namespace mebots {
-
-/// A value to set: true and false for Booleans, item name or number for enumerations.
-using Value = std::variant<bool, std::int64_t, double, std::string>;
-
-/// What a mission is asked for beyond its config. The defaults write no files and keep the recorded rows in memory.
-struct MissionOptions {
-  std::filesystem::path out;                     ///< folder for results.csv, summary.json, log.txt; empty = no files
-  bool in_memory = true;                         ///< keep recorded rows for times() and series()
-  std::vector<std::filesystem::path> scenarios;  ///< overrides from files, after the config's
-  std::vector<std::filesystem::path> inputs;     ///< CSV files with signals for free inputs, after the config's
-  std::optional<double> stop_time_s;             ///< instead of the config's
-  std::optional<double> step_s;              ///< step, for an FMU alone or an SSP that has none; 1.0 / 60 means 1/60 s
-  bool isolate = false;                      ///< every instance in a process of its own
-  bool statistics = false;                   ///< measure calls and wall time of every instance, for the summary
-  std::optional<double> checkpoint_every_s;  ///< checkpoints in `out`, after every so much simulated time
-};
 
 /// A run of an FMU, or of an ensemble of FMUs that a config or an SSP describes: the same run as `mebots run` makes,
 /// step by step.
@@ -47,7 +31,7 @@ class Mission {
  public:
   /// Reads and checks a config (.json), an FMU (.fmu) or an SSP 1.0 (.ssp). No FMU is started yet. The names of an
   /// FMU's variables need no instance in front.
-  explicit Mission(const std::filesystem::path& config, const MissionOptions& options = {});
+  explicit Mission(const std::filesystem::path& config, const RunOptions& options = {});
   /// A mission that goes on from the last checkpoint in a results folder.
   static Mission resume(const std::filesystem::path& folder, bool in_memory = true);
   /// Closes the mission. One that was moved from can only be destroyed or assigned to.

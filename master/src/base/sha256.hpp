@@ -22,7 +22,7 @@ class GrowingFileHash {
   GrowingFileHash(const GrowingFileHash&) = delete;
   GrowingFileHash& operator=(const GrowingFileHash&) = delete;
 
-  /// Of the first `bytes` bytes: at least as many as were asked for before. The file may have got another name since.
+  /// Of the first `bytes` bytes: at least as many as in the call before. The file may have got another name since.
   /// Throws InputError when they are not there.
   std::string up_to(const std::filesystem::path& file, std::uint64_t bytes);
 

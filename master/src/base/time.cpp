@@ -2,6 +2,7 @@
 #include "base/time.hpp"
 
 #include "mebots/assert.hpp"
+#include "mebots/input_error.hpp"
 
 #include <fmt/format.h>
 
@@ -175,6 +176,25 @@ std::string time_text(const ExactTime& time) {
 std::string time_text(const WrittenTime& written) {
   if (const auto* seconds = std::get_if<double>(&written)) return fmt::format("{}", *seconds);
   return std::get<std::string>(written);
+}
+
+std::int64_t nanoseconds_of(double seconds, std::string_view what) {
+  const auto time = exact_time(seconds);
+  if (!time) {
+    throw InputError(ErrorCode::invalid_argument,
+                     fmt::format("{}: {} s is neither a whole number of nanoseconds nor a ratio with a denominator up "
+                                 "to {}",
+                                 what, seconds, kLargestDenominator));
+  }
+  return to_nanoseconds(*time);
+}
+
+std::int64_t duration_of(double seconds, std::string_view what) {
+  const auto time_ns = nanoseconds_of(seconds, what);
+  if (time_ns <= 0) {
+    throw InputError(ErrorCode::invalid_argument, fmt::format("{}: {} s must be greater than 0 s", what, seconds));
+  }
+  return time_ns;
 }
 
 }  // namespace mebots::master

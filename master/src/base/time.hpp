@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "mebots/state/visitor.hpp"
+#include "mebots/run_options.hpp"
 
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
-#include <variant>
 
 namespace mebots::master {
 
@@ -32,9 +31,6 @@ struct ExactTime {
   bool is_whole_nanoseconds() const { return kNanosecondsPerSecond % denominator == 0; }
 };
 
-/// A time as the user wrote it: a number of seconds, or a ratio of whole numbers such as "1/60".
-using WrittenTime = std::variant<double, std::string>;
-
 /// Returns the nanoseconds that a decimal number of seconds means. Returns nothing if it is not a whole number of
 /// nanoseconds, not finite, or longer than kLongestTimeS. The binary rounding of a decimal fraction (0.1, 0.002) is
 /// forgiven, a fraction of a nanosecond is not.
@@ -50,6 +46,12 @@ std::optional<ExactTime> exact_time(double seconds);
 std::optional<ExactTime> read_ratio(std::string_view text);
 
 ExactTime exact_time_of(std::int64_t time_ns);
+
+/// Returns a time that a program gave, rounded to nanoseconds. Throws InputError that names it `what`, if it is neither
+/// a whole number of nanoseconds nor a ratio as of exact_time().
+std::int64_t nanoseconds_of(double seconds, std::string_view what);
+/// The same of a time that must be greater than 0.
+std::int64_t duration_of(double seconds, std::string_view what);
 
 /// Returns the ratio in lowest terms. The result must fit into an ExactTime.
 ExactTime reduced(WideInteger numerator, WideInteger denominator);

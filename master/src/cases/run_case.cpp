@@ -196,17 +196,14 @@ void compare(const CaseDescription& description, const std::vector<Expected>& co
   for (std::size_t i = 1; i < divergences.size(); ++i) result.others.push_back(divergences[i].variable);
 }
 
-RunRequest request_of(const std::filesystem::path& fmu, const CaseDescription& description,
-                      const CaseOptions& options) {
-  RunRequest request;
-  request.config = fmu;
-  request.settings = description.parameters;
-  request.inputs = description.inputs;
-  request.step = description.step;
-  request.folder = options.folder;
-  request.in_memory = true;
-  request.isolate = options.isolate;
-  return request;
+RunOptions options_of(const CaseDescription& description, const CaseOptions& options) {
+  RunOptions run;
+  run.settings = description.parameters;
+  run.inputs = description.inputs;
+  run.step_s = description.step;
+  run.out = options.folder;
+  run.isolate = options.isolate;
+  return run;
 }
 
 /// The first communication point at or after the last expected row, unless the case has a stop time.
@@ -221,7 +218,7 @@ std::int64_t stop_time_of(const CaseDescription& description, const SystemDescri
 
 void run_and_compare(const std::filesystem::path& fmu, const CaseDescription& description, const CaseOptions& options,
                      CaseResult& result) {
-  Run run(request_of(fmu, description, options));
+  Run run(fmu, options_of(description, options));
   const auto& instance = run.system().instances.front();
   const auto fmu_file = run.library()->open(instance.fmu_path);
   const auto& model = fmu_file->description();

@@ -4,7 +4,7 @@
 #include "base/time_grid.hpp"
 #include "mebots/input_error.hpp"
 #include "mebots/modeldesc/archive.hpp"
-#include "mebots/state/visitor.hpp"
+#include "mebots/run_options.hpp"
 
 #include <cstdint>
 #include <filesystem>
@@ -14,7 +14,6 @@
 #include <string>
 #include <string_view>
 #include <unordered_map>
-#include <variant>
 #include <vector>
 
 /// What a user asks for, before any FMU was opened: instances, connections, and what to do with the
@@ -30,34 +29,14 @@ struct VariableName {
   bool operator==(const VariableName&) const = default;
 };
 
-/// Text of a value whose type is known only once the FMU is open (`--set`).
-struct UntypedText {
-  std::string text;
-
-  void visit(state::Visitor& v) { v("text", text); }
-};
-
 /// A value as the user wrote it.
-using WrittenValue = std::variant<double, std::int64_t, bool, std::string, UntypedText>;
+using WrittenValue = Value;
 
 /// A start value for one variable. `place` says where it was written, for error messages.
 struct Assignment {
   std::string variable;
   WrittenValue value;
   std::string place;
-};
-
-/// A start value from outside of the config, for a variable of the whole system.
-struct Setting {
-  std::string variable;  ///< "instance.variable"
-  WrittenValue value;
-  std::string place;  ///< who asked for it, for error messages: "--set a.b=3"
-
-  void visit(state::Visitor& v) {
-    v("variable", variable);
-    v("value", value);
-    v("place", place);
-  }
 };
 
 enum class ProcessKind {

@@ -38,6 +38,13 @@ void sync_folder(const std::filesystem::path& folder) {
 
 }  // namespace
 
+RunOptions with_absolute_paths(RunOptions options) {
+  for (auto& file : options.scenarios) file = std::filesystem::absolute(file);
+  for (auto& file : options.inputs) file = std::filesystem::absolute(file);
+  if (!options.out.empty()) options.out = std::filesystem::absolute(options.out);
+  return options;
+}
+
 void write_checkpoint(const std::filesystem::path& folder, const Checkpoint& checkpoint) {
   const auto bytes = state::save(checkpoint);
   const std::string_view content(reinterpret_cast<const char*>(bytes.data()), bytes.size());
@@ -122,7 +129,7 @@ Checkpointer::Checkpointer(Simulation& simulation, std::filesystem::path folder,
 
 std::optional<std::string> Checkpointer::reached(const Point& point) {
   if (point.time_ns < next_ns_) return std::nullopt;
-  const auto every_ns = checkpoint_.request.checkpoint_every_ns;
+  const auto every_ns = nanoseconds_of(*checkpoint_.options.checkpoint_every_s, "time from checkpoint to checkpoint");
   const auto passed = point.time_ns / every_ns - (point.time_ns % every_ns < 0 ? 1 : 0);  // rounded down
   next_ns_ = (passed + 1) * every_ns;
   const auto state = simulation_->save_state();  // the recorder hands its rows to the file

@@ -2,11 +2,12 @@
 #pragma once
 
 #include "base/sha256.hpp"
+#include "mebots/run_options.hpp"
+#include "mebots/state/visitor.hpp"
 #include "model/resolved_system.hpp"
 #include "record/observer.hpp"
 #include "record/sink/output_file.hpp"
 #include "run/input_hash.hpp"
-#include "run/run_request.hpp"
 #include "run/simulation.hpp"
 
 #include <cstdint>
@@ -21,7 +22,8 @@ inline constexpr const char* kCheckpointFile = "checkpoint.bin";
 
 /// A run as it stood at one communication point, complete enough for another process to go on with it.
 struct Checkpoint {
-  RunRequest request;
+  std::filesystem::path config;  ///< config, FMU or SSP
+  RunOptions options;
   std::string inputs;  ///< the lines that the hash of the inputs is made of
   std::int64_t time_ns = 0;
   std::uint64_t results_bytes = 0;  ///< of results.csv up to here
@@ -31,7 +33,8 @@ struct Checkpoint {
   std::vector<std::byte> simulation;
 
   void visit(state::Visitor& v) {
-    v("request", request);
+    v("config", config);
+    v("options", options);
     v("inputs", inputs);
     v("time_ns", time_ns);
     v("results_bytes", results_bytes);
@@ -41,6 +44,9 @@ struct Checkpoint {
     v("simulation", simulation);
   }
 };
+
+/// With every path made absolute: the paths of a checkpoint must hold from any working folder.
+RunOptions with_absolute_paths(RunOptions options);
 
 /// Writes a checkpoint so that the file is the old one or the new one at every moment. Throws Error.
 void write_checkpoint(const std::filesystem::path& folder, const Checkpoint& checkpoint);

@@ -23,46 +23,6 @@ namespace {
 using namespace master;
 using modeldesc::Type;
 
-/// In internal time: rounded to nanoseconds, if it is a ratio such as k / 60.
-std::int64_t nanoseconds(double time_s, std::string_view what) {
-  const auto time = exact_time(time_s);
-  if (!time) {
-    throw InputError(ErrorCode::invalid_argument,
-                     fmt::format("{}: {} s is neither a whole number of nanoseconds nor a ratio with a denominator up "
-                                 "to {}",
-                                 what, time_s, kLargestDenominator));
-  }
-  return to_nanoseconds(*time);
-}
-
-std::int64_t duration(double time_s, std::string_view what) {
-  const auto time_ns = nanoseconds(time_s, what);
-  if (time_ns <= 0) {
-    throw InputError(ErrorCode::invalid_argument, fmt::format("{}: {} s must be greater than 0 s", what, time_s));
-  }
-  return time_ns;
-}
-
-RunRequest request_of(const std::filesystem::path& config, const MissionOptions& options) {
-  RunRequest request;
-  request.config = config;
-  request.folder = options.out;
-  request.in_memory = options.in_memory;
-  request.scenarios = options.scenarios;
-  request.inputs = options.inputs;
-  if (options.stop_time_s) request.stop_time_ns = nanoseconds(*options.stop_time_s, "stop time");
-  if (options.step_s) {
-    static_cast<void>(duration(*options.step_s, "step"));
-    request.step = *options.step_s;
-  }
-  request.isolate = options.isolate;
-  request.statistics = options.statistics;
-  if (options.checkpoint_every_s) {
-    request.checkpoint_every_ns = duration(*options.checkpoint_every_s, "time from checkpoint to checkpoint");
-  }
-  return request;
-}
-
 class PointListener final : public Observer {
  public:
   PointListener(Run& run, std::function<void(double)> listener) : run_(&run), listener_(std::move(listener)) {}
@@ -82,20 +42,24 @@ class PointListener final : public Observer {
 class Mission::Door {
  public:
   explicit Door(std::unique_ptr<Run> opened) : run(std::move(opened)) {}
-  explicit Door(const RunRequest& asked) : request(with_absolute_paths(asked)), run(std::make_unique<Run>(asked)) {}
+  Door(const std::filesystem::path& system, const RunOptions& asked)
+      : config(std::filesystem::absolute(system)),
+        options(with_absolute_paths(asked)),
+        run(std::make_unique<Run>(system, asked)) {}
 
   ResolvedVariable find(std::string_view variable) {
     if (!run->busy()) run->start();
     return find_variable(*run, variable);
   }
 
-  std::optional<RunRequest> request;   // of the constructor; nothing for a run that was resumed
+  std::filesystem::path config;  // of the constructor; empty for a run that was resumed
+  RunOptions options;
   std::list<PointListener> listeners;  // before the run, which holds on to their addresses
   std::unique_ptr<Run> run;
 };
 
-Mission::Mission(const std::filesystem::path& config, const MissionOptions& options)
-    : Mission(std::make_unique<Door>(request_of(config, options))) {}
+Mission::Mission(const std::filesystem::path& config, const RunOptions& options)
+    : Mission(std::make_unique<Door>(config, options)) {}
 Mission::Mission(std::unique_ptr<Door> door) : door_(std::move(door)) {}
 Mission::~Mission() = default;
 Mission::Mission(Mission&& other) noexcept = default;
@@ -114,8 +78,7 @@ void Mission::on_point(std::function<void(double)> listener) {
 }
 
 void Mission::set(std::string_view variable, const Value& value) {
-  const auto written = std::visit([](const auto& held) -> WrittenValue { return held; }, value);
-  door_->run->set({std::string(variable), written, fmt::format("set(\"{}\")", variable)});
+  door_->run->set({std::string(variable), value, fmt::format("set(\"{}\")", variable)});
 }
 
 void Mission::add_scenario(const std::filesystem::path& file) {
@@ -127,7 +90,7 @@ void Mission::add_inputs(const std::filesystem::path& file) {
 }
 
 void Mission::set_stop_time(double stop_time_s) {
-  door_->run->set_stop_time(nanoseconds(stop_time_s, "set_stop_time"), "set_stop_time");
+  door_->run->set_stop_time(nanoseconds_of(stop_time_s, "set_stop_time"), "set_stop_time");
 }
 
 void Mission::record(const std::vector<std::string>& patterns) {
@@ -156,7 +119,7 @@ void Mission::run() {
 }
 
 void Mission::run_until(double time_s) {
-  door_->run->run_until(nanoseconds(time_s, "run_until"));
+  door_->run->run_until(nanoseconds_of(time_s, "run_until"));
 }
 
 void Mission::close() noexcept {
@@ -169,13 +132,13 @@ void Mission::interrupt() noexcept {
 
 void Mission::reset() {
   auto& door = *door_;
-  if (!door.request || door.run->busy()) {
-    throw InputError(ErrorCode::wrong_call_order, door.request
+  if (door.config.empty() || door.run->busy()) {
+    throw InputError(ErrorCode::wrong_call_order, !door.config.empty()
                                                       ? "reset() from a listener: it is called in the middle of a step"
                                                       : "reset(): this mission was resumed from a checkpoint");
   }
   door.run->close();  // lets go of the results folder
-  door.run = std::make_unique<Run>(*door.request, door.run->library());
+  door.run = std::make_unique<Run>(door.config, door.options, door.run->library());
   door.listeners.clear();
 }
 

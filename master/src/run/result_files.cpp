@@ -93,9 +93,10 @@ std::vector<Observer*> ResultFiles::make_observers(Ensemble& ensemble) {
   return observers;
 }
 
-Observer& ResultFiles::make_checkpointer(Simulation& simulation, const RunRequest& request, const std::string& inputs) {
+Observer& ResultFiles::make_checkpointer(Simulation& simulation, const RunOptions& options, const std::string& inputs) {
   Checkpoint blank;
-  blank.request = with_absolute_paths(request);
+  blank.config = system_->description->file;
+  blank.options = with_absolute_paths(options);
   blank.inputs = inputs;
   return checkpointer_.emplace(simulation, folder(), std::move(blank), *results_, *log_);
 }

@@ -41,7 +41,7 @@ class ResultFiles {
   /// Observers of which each belongs to a file, in their order. Before the first point; valid as long as this object.
   std::vector<Observer*> make_observers(Ensemble& ensemble);
   /// The one that writes checkpoints; to be the last of all observers.
-  Observer& make_checkpointer(Simulation& simulation, const RunRequest& request, const std::string& inputs);
+  Observer& make_checkpointer(Simulation& simulation, const RunOptions& options, const std::string& inputs);
   /// What is written once all instances are initialised. Of a run that is resumed: cuts the log back, and goes on.
   void started(Ensemble& ensemble);
 

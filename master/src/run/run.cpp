@@ -46,39 +46,50 @@ class Stopwatch {
 };
 
 /// An FMU alone and an SSP may lack both; a config has its own.
-GivenTimes given_times(const RunRequest& request) {
+GivenTimes given_times(const std::filesystem::path& config, const RunOptions& options) {
   GivenTimes times;
-  times.step = request.step;
-  if (request.stop_time_ns && find_system(request.config).form != SystemForm::config)
-    times.stop_time_s = to_seconds(*request.stop_time_ns);
+  times.step = options.step_s;
+  if (options.stop_time_s && find_system(config).form != SystemForm::config)
+    times.stop_time_s = to_seconds(nanoseconds_of(*options.stop_time_s, "stop time"));
   return times;
+}
+
+/// Throws InputError for a time that cannot be used.
+void check_times(const RunOptions& options) {
+  if (options.stop_time_s) static_cast<void>(nanoseconds_of(*options.stop_time_s, "stop time"));
+  if (const auto* step_s = options.step_s ? std::get_if<double>(&*options.step_s) : nullptr) {
+    static_cast<void>(duration_of(*step_s, "step"));
+  }
+  if (options.checkpoint_every_s) {
+    static_cast<void>(duration_of(*options.checkpoint_every_s, "time from checkpoint to checkpoint"));
+  }
 }
 
 }  // namespace
 
-Run::Run(RunRequest request, std::shared_ptr<FmuLibrary> library)
-    : request_(std::move(request)), library_(std::move(library)) {
-  const auto settings = std::exchange(request_.settings, {});
-  const auto scenarios = std::exchange(request_.scenarios, {});
-  const auto inputs = std::exchange(request_.inputs, {});
-  const auto stop_time_ns = request_.stop_time_ns;
-  system_ = read_config(request_.config, given_times(request_));
-  request_.config = system_.file;  // absolute: the working folder may change before a checkpoint names it
+Run::Run(const std::filesystem::path& config, RunOptions options, std::shared_ptr<FmuLibrary> library)
+    : options_(std::move(options)), library_(std::move(library)) {
+  const auto settings = std::exchange(options_.settings, {});
+  const auto scenarios = std::exchange(options_.scenarios, {});
+  const auto inputs = std::exchange(options_.inputs, {});
+  const auto stop_time_s = options_.stop_time_s;
+  check_times(options_);
+  system_ = read_config(config, given_times(config, options_));
   for (const auto& setting : settings) set(setting);
   for (const auto& file : scenarios) add_scenario(file);
   for (const auto& file : inputs) add_inputs(file);
-  if (stop_time_ns) set_stop_time(*stop_time_ns, "stop time");
-  if (const auto patterns = request_.record) record(*patterns);
+  if (stop_time_s) set_stop_time(nanoseconds_of(*stop_time_s, "stop time"), "stop time");
+  if (const auto patterns = options_.record) record(*patterns);
 }
 
-Run::Run(Checkpoint checkpoint, const std::filesystem::path& folder) : Run(checkpoint.request) {
-  request_.folder = folder;
+Run::Run(Checkpoint checkpoint, const std::filesystem::path& folder) : Run(checkpoint.config, checkpoint.options) {
+  options_.out = folder;
   checkpoint_ = std::move(checkpoint);
 }
 
 std::unique_ptr<Run> Run::resume(const std::filesystem::path& folder, bool in_memory) {
   auto checkpoint = read_checkpoint(folder);
-  checkpoint.request.in_memory = in_memory;
+  checkpoint.options.in_memory = in_memory;
   return std::unique_ptr<Run>(new Run(std::move(checkpoint), folder));
 }
 
@@ -140,14 +151,14 @@ void Run::set(const Setting& written) {
   const auto [instance, assignment] = locate(system_, setting);
   const auto start = checked_start(*instance, open_fmu(*instance, *library_)->description(), assignment);
   instance->parameters.push_back(assignment);
-  request_.settings.push_back(setting);
+  options_.settings.push_back(setting);
   setting_changes_.push_back(fmt::format("set {}.{}={}", instance->name, assignment.variable, value_text(start.value)));
 }
 
 void Run::add_scenario(const std::filesystem::path& file) {
   require_open("a scenario");
   scenario_changes_.push_back(apply_scenario(system_, file));
-  request_.scenarios.push_back(std::filesystem::absolute(file));
+  options_.scenarios.push_back(std::filesystem::absolute(file));
 }
 
 void Run::add_inputs(const std::filesystem::path& file) {
@@ -165,13 +176,13 @@ void Run::add_inputs(const std::filesystem::path& file) {
   }
   inputs_changes_.push_back(fmt::format("inputs {} {}", inputs.file.name, sha256(input_text(file))));
   system_.inputs.push_back(std::move(inputs));
-  request_.inputs.push_back(std::filesystem::absolute(file));
+  options_.inputs.push_back(std::filesystem::absolute(file));
 }
 
 void Run::set_stop_time(std::int64_t stop_time_ns, const std::string& place) {
   require_open(place);
   master::set_stop_time(system_, stop_time_ns, place);
-  request_.stop_time_ns = stop_time_ns;
+  options_.stop_time_s = to_seconds(stop_time_ns);
 }
 
 void Run::record(const std::vector<std::string>& patterns) {
@@ -179,18 +190,18 @@ void Run::record(const std::vector<std::string>& patterns) {
   system_.record.patterns.emplace();
   for (const auto& pattern : patterns) system_.record.patterns->push_back({pattern, "record"});
   system_.record.exclude.clear();
-  request_.record = patterns;
+  options_.record = patterns;
 }
 
 /// What was asked for beyond the config: the same text whichever door it came through, and in whichever order.
 std::vector<std::string> Run::changes() const {
   std::vector<std::string> texts;
-  if (request_.step) texts.push_back(fmt::format("step {}", time_text(*request_.step)));
+  if (options_.step_s) texts.push_back(fmt::format("step {}", time_text(*options_.step_s)));
   texts.insert(texts.end(), setting_changes_.begin(), setting_changes_.end());
   texts.insert(texts.end(), scenario_changes_.begin(), scenario_changes_.end());
   texts.insert(texts.end(), inputs_changes_.begin(), inputs_changes_.end());
-  if (request_.stop_time_ns) texts.push_back(fmt::format("stop_time {}", to_seconds(*request_.stop_time_ns)));
-  if (request_.record) texts.push_back(fmt::format("record {}", nlohmann::json(*request_.record).dump()));
+  if (options_.stop_time_s) texts.push_back(fmt::format("stop_time {}", *options_.stop_time_s));
+  if (options_.record) texts.push_back(fmt::format("record {}", nlohmann::json(*options_.record).dump()));
   return texts;
 }
 
@@ -211,7 +222,7 @@ void Run::load() {
 
 void Run::start_from(std::span<const std::byte> state) {
   require_open("start_from()");
-  if (!request_.folder.empty()) {
+  if (!options_.out.empty()) {
     throw InputError(
         ErrorCode::invalid_argument,
         "start_from(): a run that begins in its middle has no results of the time before; do not name a folder for "
@@ -226,7 +237,7 @@ std::vector<std::byte> Run::save_state() {
   if (state_ == RunState::ended) {
     throw InputError(ErrorCode::wrong_call_order, "save_state(): the run has ended, and nothing can begin there");
   }
-  if (!request_.folder.empty()) {
+  if (!options_.out.empty()) {
     throw InputError(ErrorCode::invalid_argument,
                      "save_state(): this run writes files, which its state counts on; leave the folder for the results "
                      "out, or let it write checkpoints");
@@ -301,7 +312,7 @@ void Run::open() {
   install_crash_notice();
   take_kept_signal();  // of an earlier run
   MEBOTS_ASSERT(state_ == RunState::open && !simulation_);
-  if (request_.isolate) {
+  if (options_.isolate) {
     for (auto& instance : system_.instances) {
       if (!instance.isolation.alone()) instance.isolation.process = ProcessKind::own;
     }
@@ -311,9 +322,9 @@ void Run::open() {
   resolved_ = resolve(system_, *library_, interrupted_);
   report_.overrides = changes();
   hash_ = hash_inputs(system_, report_.overrides);
-  if (request_.checkpoint_every_ns > 0) {
+  if (options_.checkpoint_every_s) {
     check_can_checkpoint(resolved_);
-    if (request_.folder.empty())
+    if (options_.out.empty())
       throw InputError(ErrorCode::invalid_argument, "checkpoints need a folder for the results");
     if (!system_.record.csv) {
       throw InputError(ErrorCode::invalid_value,
@@ -329,8 +340,8 @@ void Run::open() {
   recorded_parameters(resolved_);
   for (const auto& pictures : system_.pictures) check_pictures(resolved_, pictures);
   scenario_.emplace(resolved_);
-  if (!request_.folder.empty()) {
-    files_.emplace(request_.folder, resolved_, checkpoint_ ? &*checkpoint_ : nullptr);
+  if (!options_.out.empty()) {
+    files_.emplace(options_.out, resolved_, checkpoint_ ? &*checkpoint_ : nullptr);
     messages_.add([this](const Message& message) { files_->log(message); });
   }
   report_.notices = resolved_.notices;
@@ -340,7 +351,7 @@ void Run::open() {
 void Run::initialise() {
   MEBOTS_ASSERT(scenario_.has_value() && !simulation_, "open() comes first, and once");
   SlaveOptions slaves;
-  slaves.statistics = request_.statistics ? &statistics_ : nullptr;
+  slaves.statistics = options_.statistics ? &statistics_ : nullptr;
   slaves.losses = &losses_;
   slaves.overrides = &scenario_->schedule();
   slaves.interrupted = &interrupted_;
@@ -351,11 +362,11 @@ void Run::initialise() {
   auto& ensemble = simulation_->ensemble();
   scenario_->watch(resolved_, ensemble);
   recorder_.emplace(resolved_, ensemble);
-  if (request_.in_memory) {
+  if (options_.in_memory) {
     auto sink = std::make_unique<MemorySink>(recorder_->columns());
     memory_ = sink.get();
     if (checkpoint_) {
-      copy_csv_rows(request_.folder / "results.csv", checkpoint_->results_bytes, recorder_->columns(), *sink);
+      copy_csv_rows(options_.out / "results.csv", checkpoint_->results_bytes, recorder_->columns(), *sink);
     } else if (past_) {
       if (past_->rows.empty()) {
         throw InputError(
@@ -384,8 +395,8 @@ void Run::initialise() {
   }
   if (coupling_) simulation_->add(*coupling_);
   for (auto* observer : added_) simulation_->add(*observer);
-  if (request_.checkpoint_every_ns > 0) {
-    simulation_->add(files_->make_checkpointer(*simulation_, request_, hash_.lines));
+  if (options_.checkpoint_every_s) {
+    simulation_->add(files_->make_checkpointer(*simulation_, options_, hash_.lines));
   }
 
   if (checkpoint_) {
@@ -654,7 +665,7 @@ nlohmann::ordered_json Run::summary() const {
     json["lost_instances"][loss.name] = {{"at", to_seconds(*loss.at_ns)}, {"error", loss.text}};
   }
   if (coupling_) json["coupling"] = coupling_->json();
-  if (request_.statistics) json["statistics"] = statistics_json(statistics_, report.wall.simulating_s());
+  if (options_.statistics) json["statistics"] = statistics_json(statistics_, report.wall.simulating_s());
   return json;
 }
 

@@ -3,6 +3,7 @@
 
 #include "fmi/call/exit_guard.hpp"
 #include "fmi/call/forked_copies.hpp"
+#include "mebots/run_options.hpp"
 #include "mebots/run_state.hpp"
 #include "message/message_hub.hpp"
 #include "model/statistics.hpp"
@@ -16,7 +17,6 @@
 #include "run/clean_fmus.hpp"
 #include "run/input_hash.hpp"
 #include "run/result_files.hpp"
-#include "run/run_request.hpp"
 #include "run/saved_run.hpp"
 #include "run/simulation.hpp"
 #include "run/summary.hpp"
@@ -48,9 +48,10 @@ namespace mebots::master {
 /// One thread at a time; interrupt() from any thread and from signal handlers.
 class Run {
  public:
-  /// Reads the config and applies the request to it. Throws InputError; no file is made. With the library of an earlier
+  /// Reads the config and applies the options to it. Throws InputError; no file is made. With the library of an earlier
   /// run, FMUs that it has opened are not opened again.
-  explicit Run(RunRequest request, std::shared_ptr<FmuLibrary> library = std::make_shared<FmuLibrary>());
+  explicit Run(const std::filesystem::path& config, RunOptions options = {},
+               std::shared_ptr<FmuLibrary> library = std::make_shared<FmuLibrary>());
   /// The run whose checkpoint is in this folder, as it stood there, once it is started. Throws InputError.
   static std::unique_ptr<Run> resume(const std::filesystem::path& folder, bool in_memory = false);
   /// Closes the run.
@@ -118,7 +119,7 @@ class Run {
   // At any time.
 
   RunState state() const { return state_; }
-  const RunRequest& request() const { return request_; }
+  const RunOptions& options() const { return options_; }
   /// The FMUs that were opened so far, for a run after this one.
   const std::shared_ptr<FmuLibrary>& library() const { return library_; }
   const SystemDescription& system() const { return system_; }
@@ -149,7 +150,7 @@ class Run {
   void call(std::size_t instance, std::string_view what, const std::function<void(Slave&)>& work);
   /// What was set on the way, for the summary.
   void note_write(const std::string& text);
-  /// Rows so far. Throws InputError when the request has no `in_memory`.
+  /// Rows so far. Throws InputError without the option `in_memory`.
   const MemorySink& memory();
 
  private:
@@ -189,7 +190,7 @@ class Run {
   void report_fault(const std::string& text);
   void say(Severity severity, std::string_view category, const std::string& text);
 
-  RunRequest request_;
+  RunOptions options_;
   std::optional<Checkpoint> checkpoint_;  ///< to go on from
   std::optional<SavedRun> past_;          ///< the same, of another run
   RunState state_ = RunState::open;
