@@ -52,7 +52,7 @@ TEST(SetupExperiment, PassesWhatTheConfigAsksFor) {
 }
 
 TEST(SetupExperiment, PassesTheSameToAProcessOfItsOwn) {
-  if (!sandbox_refusal().empty()) GTEST_SKIP() << sandbox_refusal();
+  if (!test::sandbox_refusal().empty()) GTEST_SKIP() << test::sandbox_refusal();
   EXPECT_EQ(arguments_of(R"(, "process": "own", "pass_stop_time": true)"),
             (Arguments{{"start", 1}, {"stop", 3}, {"has_stop", 1}, {"tolerance", 0.0625}, {"has_tolerance", 1}}));
   EXPECT_EQ(arguments_of(R"(, "process": "sandboxed", "tolerance": false)"),
