@@ -89,7 +89,7 @@ def fly_all(flights, place):
             mission = row["mission"]
             if row["message"]:
                 raise RuntimeError(f"{flight.name}: {row['message']}")
-            files = place.results / "flights" / mission
+            files = place.results / "flights" / mission[:2] / mission
             summary = json.loads((files / "summary.json").read_text())
             flown[flight.name] = {**summary, **costs[mission], "folder": str(files), "fresh": mission not in before}
     return {flight.name: flown[flight.name] for flight in flights}
