@@ -9,7 +9,7 @@
 #include <tuple>
 
 /// Step responses of the closed loop: world, stabiliser and four lagging rotors, one communication step
-/// apart. Bounds are the design's (fmu_world/README.md), wide enough for every lag and step tested.
+/// apart. Bounds are the design's (fmu_world/docs/stabiliser.md), wide enough for every lag and step tested.
 namespace mebots::world {
 namespace {
 

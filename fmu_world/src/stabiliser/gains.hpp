@@ -3,7 +3,7 @@
 
 namespace mebots::world {
 
-/// Numbers of the stabiliser. fmu_world/README.md derives them.
+/// Gains of the stabiliser. fmu_world/docs/stabiliser.md derives them.
 struct Gains {
   /// Feedback of one rotation axis whose torque follows its command with a first-order lag.
   struct Rotation {

@@ -12,9 +12,9 @@
 
 namespace mebots::world {
 
-/// Cascaded flight controller: place -> velocity -> acceleration -> tilt and thrust; tilt -> rate ->
-/// angular acceleration -> rotor thrusts -> commands. It knows mass and inertia, but neither the bus voltage nor the
-/// wind. See fmu_world/README.md.
+/// Cascaded flight controller: position -> velocity -> acceleration -> tilt and thrust; tilt -> rate ->
+/// angular acceleration -> rotor thrusts -> commands. It uses mass and inertia, but neither the bus voltage nor the
+/// wind. fmu_world/docs/stabiliser.md has the equations.
 class Stabiliser {
  public:
   explicit Stabiliser(const scene::Drone& drone);
