@@ -52,13 +52,12 @@ struct FrameFormat {
 ///
 /// In mode 1 a frame follows another until mode 0, which is assumed to be obeyed at once: a frame under way is lost. A
 /// reset is standby, too.
-/// In mode 3 so many frames come as 0x3020 says (0: one, assumed), and the sensor goes to standby by itself behind the
-/// last one. The first frame's rows are read out when they have gathered light; to wake up takes no time (assumed).
-/// Told mode 3 while frames come, it counts from the next one on that begins an integration later.
+/// In mode 3 the sensor takes as many frames as 0x3020 says (0: one, assumed), and then goes to standby. The rows of
+/// the first frame are read out when they are exposed; waking up takes no time (assumed). If mode 3 is set during mode
+/// 1, the count starts with the next frame that begins an integration later.
 ///
-/// Frames come as often as lines and clocks say (docs/chip/gap8.md has the highest rates). A frame with fewer lines
-/// than it has rows takes a line for each row. Pictures are as bright as they come: gain and integration change nothing
-/// in them.
+/// Lines and clocks set the frame rate (docs/chip/gap8-camera.md has the highest rates). A frame with fewer lines than
+/// rows takes a line for each row. Gain and integration do not change a picture.
 ///
 /// Sources: register names in the driver of GreenWaves' gap_sdk (himax.c); formats, least lines and clocks, and the
 /// clock of 6 MHz in idsia-robotics/nanocockpit (himax.c, himax_supported_framerates.md); mode 3 and 0x3020 in the
