@@ -1,0 +1,88 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Draws comments, messages, help texts and pages for a blind reading of the project's English (docs/blind-reading.md).
+
+Usage: scripts/blind_reading.py [--seed N] [--commit COMMIT] [--texts]
+
+Prints 40 comments, 20 messages, 10 help texts and the names of 5 pages. The same seed and commit draw the same texts. A reader lists
+every sentence that was not clear at the first reading. With --texts the pages are printed, too. The headings have the number of sentences:
+texts of at least three words between full stops; a cell of a table counts as a text.
+"""
+from __future__ import annotations
+
+import argparse
+import pathlib
+import random
+import re
+import sys
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import list_messages
+import prose_lint
+
+COUNTS = {"comments": 40, "messages": 20, "help texts": 10, "pages": 5}
+MESSAGES = {"error", "warning", "log", "output", "text"}
+HELP = {"help", "variable", "schema"}
+# Lists of changes and generated reports are no pages to read in one go.
+NOT_PAGES = {"CHANGELOG.md", "examples/paper/REPORT.md", "docs/blind-reading.md"}
+
+
+class Draw(NamedTuple):
+    place: str
+    text: str
+
+
+def comments(commit: str | None) -> Iterator[Draw]:
+    """Comments of whole lines; lines that follow each other are one comment."""
+    for path in list_messages.names(commit, ["."]):
+        if pathlib.Path(path).suffix not in prose_lint.SOURCES:
+            continue
+        block: list[str] = []
+        for number, line in enumerate(list_messages.read(path, commit).split("\n") + [""], 1):
+            found = prose_lint.COMMENT.match(line)
+            if found and "SPDX" not in line:
+                block.append(found[1])
+            elif block:
+                text = list_messages.one_line(" ".join(block))
+                if len(text.split()) >= 4:
+                    yield Draw(f"{path}:{number - len(block)}", text)
+                block = []
+
+
+def drawn(seed: int, commit: str | None) -> dict[str, list[Draw]]:
+    texts = [(text.kind, Draw(f"{text.path}:{text.line}", list_messages.one_line(text.text))) for text in list_messages.texts(commit)]
+    all_of = {
+        "comments": list(comments(commit)),
+        "messages": [draw for kind, draw in texts if kind in MESSAGES],
+        "help texts": [draw for kind, draw in texts if kind in HELP],
+        "pages": [Draw(path, "") for path in list_messages.names(commit, ["."]) if path.endswith(".md") and path not in NOT_PAGES],
+    }
+    return {kind: random.Random(f"{seed} {kind}").sample(draws, COUNTS[kind]) for kind, draws in all_of.items()}
+
+
+def sentences(text: str) -> int:
+    """Returns the number of sentences in a text, or in a page without its code."""
+    prose = re.sub(r"^(```|~~~).*?^\1\s*$|^    .*?$", "", text, flags=re.MULTILINE | re.DOTALL)
+    parts = re.split(r"\n\s*\n|\n(?=[-#|])|\||(?<=[.!?])\s", prose)
+    return sum(len(re.findall(r"[A-Za-z]{2,}", part)) >= 3 for part in parts)
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("--seed", type=int, default=46)
+    parser.add_argument("--commit", help="draw from the files of this commit in place of the working tree")
+    parser.add_argument("--texts", action="store_true", help="print the pages, too")
+    options = parser.parse_args()
+    for kind, draws in drawn(options.seed, options.commit).items():
+        count = sum(sentences(list_messages.read(draw.place, options.commit) if kind == "pages" else draw.text) for draw in draws)
+        print(f"## {len(draws)} {kind}, {count} sentences")
+        for number, draw in enumerate(draws, 1):
+            print(f"{number}. {draw.place}: {draw.text}".rstrip(": "))
+            if kind == "pages" and options.texts:
+                print(list_messages.read(draw.place, options.commit))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
