@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mebots/data/document.hpp"
+#include "mebots/json_document.hpp"
 
 #include "content.hpp"
 #include "mebots/text_file.hpp"
@@ -51,9 +52,8 @@ Document::Document(std::string_view text, std::string name) : content_(std::make
 
 Document::Document(std::unique_ptr<Content> content) : content_(std::move(content)) {}
 
-Document Document::of_json(const nlohmann::ordered_json& value, std::string name,
-                           std::map<std::string, std::string> places) {
-  auto content = std::make_unique<Content>();
+Document JsonDocument::of(const nlohmann::ordered_json& value, std::string name, Places places) {
+  auto content = std::make_unique<Document::Content>();
   content->name = std::move(name);
   content->places = std::move(places);
   content->values = values_of(value);

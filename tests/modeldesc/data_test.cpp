@@ -3,6 +3,7 @@
 #include "mebots/data/document.hpp"
 #include "mebots/data/find_file.hpp"
 #include "mebots/data/object.hpp"
+#include "mebots/json_document.hpp"
 
 #include <gmock/gmock.h>
 
@@ -100,7 +101,7 @@ TEST(Document, TellsLineColumnAndPointerOfEachValue) {
 }
 
 TEST(Document, OfAValueNamesTheNearestKnownPlace) {
-  auto document = Document::of_json({{"a", {{"b", 1}}}, {"c", 2}}, "x.ssp", {{"/a", "part.xml:7"}});
+  auto document = JsonDocument::of({{"a", {{"b", 1}}}, {"c", 2}}, "x.ssp", {{"/a", "part.xml:7"}});
   document.read([](const Node& root) {
     EXPECT_EQ(root.at("a").at("b").place(), "x.ssp: part.xml:7: /a/b");
     EXPECT_EQ(root.at("c").place(), "x.ssp: /c");
@@ -121,12 +122,12 @@ TEST(Document, OfAValueReadsAsTheTextOfIt) {
   constexpr std::string_view kText =
       R"([null, true, -3, 18446744073709551615, 3.0, -2.5, 1e300, "a\u00e9", [1, [2]], {"k": {"l": []}, "m": 4}])";
   Document text(kText, "f.json");
-  auto value = Document::of_json(nlohmann::ordered_json::parse(kText), "f.json", {});
+  auto value = JsonDocument::of(nlohmann::ordered_json::parse(kText), "f.json", {});
   EXPECT_EQ(listed(value), listed(text));
 }
 
 TEST(Document, OfAValueTakesNumbersThatAreNotFiniteForNull) {
-  auto document = Document::of_json(std::numeric_limits<double>::infinity(), "f.json", {});
+  auto document = JsonDocument::of(std::numeric_limits<double>::infinity(), "f.json", {});
   document.read([](const Node& root) { EXPECT_EQ(root.kind(), Kind::null); });
 }
 

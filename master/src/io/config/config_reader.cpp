@@ -11,6 +11,7 @@
 #include "mebots/data/document.hpp"
 #include "mebots/data/object.hpp"
 #include "mebots/file_kind.hpp"
+#include "mebots/json_document.hpp"
 #include "mebots/modeldesc/archive.hpp"
 #include "message/plain_text.hpp"
 
@@ -177,7 +178,7 @@ void require_utf8(const nlohmann::ordered_json& json, const std::string& file) {
 /// Reads JSON that was put together here. `places` says where its parts come from.
 void read_made_config(LoadedSystem& loaded, const std::string& file, std::map<std::string, std::string> places) {
   require_utf8(loaded.config, file);
-  data::Document::of_json(loaded.config, file, std::move(places)).read([&](const data::Node& root) {
+  data::JsonDocument::of(loaded.config, file, std::move(places)).read([&](const data::Node& root) {
     read_sections(root, loaded.system);
   });
 }

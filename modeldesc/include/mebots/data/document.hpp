@@ -4,10 +4,7 @@
 #include "mebots/data/mistakes.hpp"
 #include "mebots/data/node.hpp"
 
-#include <nlohmann/json_fwd.hpp>
-
 #include <filesystem>
-#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -28,11 +25,6 @@ class Document {
   explicit Document(const std::filesystem::path& file);
   /// `name` stands in mistakes.
   Document(std::string_view text, std::string name);
-  /// A value that was put together from something else, such as an SSP: `places` holds for a JSON pointer where in
-  /// `name` its value was written; a pointer without a place of its own has that of the object or list around it. All
-  /// texts must be UTF-8. A number that is not finite becomes null.
-  static Document of_json(const nlohmann::ordered_json& value, std::string name,
-                          std::map<std::string, std::string> places);
   ~Document();
   Document(const Document&) = delete;
   Document& operator=(const Document&) = delete;
@@ -56,6 +48,7 @@ class Document {
 
  private:
   friend class Node;
+  friend struct JsonDocument;
   struct Content;
 
   explicit Document(std::unique_ptr<Content> content);
