@@ -19,7 +19,7 @@ twice=$( (cd "$include" && find . -name '*.hpp'; cd "$MEBOTS/share/mebots/fmu_so
 [[ -z $twice ]] || { echo "FAILED: these are installed twice:"; echo "$twice"; exit 1; }
 
 runners=$(find "$include/mebots" -maxdepth 1 -name '*.hpp' | wc -l)
-((runners <= 10)) || { echo "FAILED: $runners headers for who runs systems"; exit 1; }
+((runners <= 11)) || { echo "FAILED: $runners headers for who runs systems"; exit 1; }
 
 # Lines between the markers of our files, as the preprocessor gives them.
 lines=$(echo '#include <mebots/run.hpp>' | g++ -std=c++20 -E -I"$include" -x c++ - |

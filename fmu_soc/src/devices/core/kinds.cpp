@@ -28,7 +28,7 @@ MEBOTS_CHIP_KIND(gap8_cluster, {}, make_nothing)
 namespace mebots::soc {
 namespace kinds {
 
-#define MEBOTS_KIND(NAME) extern const ChipKind NAME;
+#define MEBOTS_KIND(NAME) extern const ChipKind kKind_##NAME;
 #include "fmu_soc_kinds/kinds.inc"
 #undef MEBOTS_KIND
 
@@ -36,7 +36,7 @@ namespace kinds {
 namespace {
 
 constexpr std::array kKinds{
-#define MEBOTS_KIND(NAME) &kinds::NAME,
+#define MEBOTS_KIND(NAME) &kinds::kKind_##NAME,
 #include "fmu_soc_kinds/kinds.inc"
 #undef MEBOTS_KIND
 };

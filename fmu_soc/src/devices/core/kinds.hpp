@@ -58,8 +58,8 @@ class Kinds {
 
 /// Defines the kind NAME: its registers and the function that makes its device, at global scope. The build finds the
 /// kinds in the files of devices/ (fmu_soc/list_kinds.cmake), so that a new kind is one new file.
-#define MEBOTS_CHIP_KIND(NAME, REGISTERS, ...)                                              \
-  namespace mebots::soc::kinds {                                                            \
-  extern const ChipKind NAME;                                                               \
-  const ChipKind NAME{#NAME, std::span<const board::RegisterName>(REGISTERS), __VA_ARGS__}; \
+#define MEBOTS_CHIP_KIND(NAME, REGISTERS, ...)                                                      \
+  namespace mebots::soc::kinds {                                                                    \
+  extern const ChipKind kKind_##NAME;                                                               \
+  const ChipKind kKind_##NAME{#NAME, std::span<const board::RegisterName>(REGISTERS), __VA_ARGS__}; \
   }

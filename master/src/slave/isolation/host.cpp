@@ -445,7 +445,7 @@ struct Arguments {
   explicit Arguments(std::span<char* const> words) : program(words[0]), rest(words.begin() + 1, words.end()) {
     master = number<pid_t>(next("the master's process"));
     memory_bytes = number<std::uint64_t>(next("a memory limit"));
-    while (at < rest.size()) read_option();
+    while (at_ < rest.size()) read_option();
   }
 
   bool is_sandboxed() const { return !sandbox.folder.empty(); }
@@ -466,8 +466,8 @@ struct Arguments {
 
  private:
   const char* next(const char* what) {
-    if (at == rest.size()) throw Error(ErrorCode::syntax_error, fmt::format("{} is missing", what));
-    return rest[at++].c_str();
+    if (at_ == rest.size()) throw Error(ErrorCode::syntax_error, fmt::format("{} is missing", what));
+    return rest[at_++].c_str();
   }
   void read_option() {
     const std::string option = next("an option");
@@ -484,7 +484,7 @@ struct Arguments {
     }
   }
 
-  std::size_t at = 0;
+  std::size_t at_ = 0;
 };
 
 std::string own_path() {
