@@ -6,7 +6,7 @@ Usage: attacks.py MEBOTS ATTACKER.fmu [--compare FILE] [--kinds KIND,...]
 
 Everything that the attacks aim at is set up for the run and belongs to it: files, sockets, memory, a process. Root
 becomes an ordinary user first. With --compare the table in FILE must state the same: exit 1 if it does not, 77 if this system
-refuses a part of the sandbox.
+refuses a part of the sandbox or an ordinary user cannot read the programs.
 """
 import argparse
 import csv
@@ -128,6 +128,9 @@ def main() -> int:
         os.setgroups([])
         os.setresgid(NOBODY, NOBODY, NOBODY)
         os.setresuid(NOBODY, NOBODY, NOBODY)
+    if not (os.access(options.mebots, os.X_OK) and os.access(options.fmu, os.R_OK)):
+        print(f"{options.mebots} or {options.fmu} cannot be read by an ordinary user", file=sys.stderr)
+        return SKIPPED
     kinds = options.kinds.split(",")
     with tempfile.TemporaryDirectory(prefix="mebots-attacks-", ignore_cleanup_errors=True) as name:
         os.chmod(name, 0o755)
