@@ -142,6 +142,9 @@ if(MEBOTS_CHIP)
     install(FILES modeldesc/include/${header} DESTINATION ${share}/fmu_soc/src/${folder})
   endforeach()
   install(FILES ${PROJECT_BINARY_DIR}/generated/fmu_soc_board/board.hpp DESTINATION ${share}/fmu_soc/src/fmu_soc_board)
+  foreach(table op_enum op_traits op_names format_enum format_rows)  # which installed headers include
+    install(FILES ${PROJECT_BINARY_DIR}/generated/fmu_soc_isa/${table}.inc DESTINATION ${share}/fmu_soc/src/fmu_soc_isa)
+  endforeach()
 endif()
 
 configure_package_config_file(cmake/mebotsConfig.cmake.in ${PROJECT_BINARY_DIR}/mebotsConfig.cmake

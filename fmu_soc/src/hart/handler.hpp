@@ -33,9 +33,4 @@ inline constexpr bool kChain = false;
   return nullptr;
 }
 
-/// The handler of a load or store, by its traits.
-Handler memory_handler_of(Op op);
-/// p.elw
-const Instruction* event_load(Execution& e, const Instruction* at);
-
 }  // namespace mebots::soc

@@ -35,6 +35,13 @@ static_assert(sizeof(Instruction) == 32 || sizeof(void*) != 8);
 /// Handler of an operation whose second operand comes from there.
 Handler handler_of(Op op, Operand operand = Operand::reg);
 
+/// The function of rs1 and the second operand that an operation writes to rd; null if it is not such a function.
+using Compute = std::uint32_t (*)(std::uint32_t a, std::uint32_t b);
+Compute compute_of(Op op);
+/// The condition under which a branch is taken; null for other operations.
+using Compare = bool (*)(std::uint32_t a, std::uint32_t b);
+Compare compare_of(Op op);
+
 /// Where the second operand of a decoded instruction comes from: its handler knows.
 Operand operand_of(const Instruction& instruction);
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hart/look_ahead.hpp"
 
+#include "hart/instruction.hpp"
 #include "isa/encoding.hpp"
-#include "isa/operations.hpp"
 
 #include <span>
 
@@ -13,71 +13,10 @@ namespace {
 constexpr int kFarthest = 32;
 
 std::optional<std::uint32_t> computed(const Decoded& at, std::uint32_t a, std::uint32_t b) {
-  namespace f = operations;
-  const auto immediate = static_cast<std::uint32_t>(at.imm);
-  switch (at.op) {
-    case Op::lui:
-      return immediate;
-    case Op::addi:
-      return f::add(a, immediate);
-    case Op::slti:
-      return f::slt(a, immediate);
-    case Op::sltiu:
-      return f::sltu(a, immediate);
-    case Op::xori:
-      return f::bit_xor(a, immediate);
-    case Op::ori:
-      return f::bit_or(a, immediate);
-    case Op::andi:
-      return f::bit_and(a, immediate);
-    case Op::slli:
-      return f::sll(a, immediate);
-    case Op::srli:
-      return f::srl(a, immediate);
-    case Op::srai:
-      return f::sra(a, immediate);
-    case Op::add:
-      return f::add(a, b);
-    case Op::sub:
-      return f::sub(a, b);
-    case Op::sll:
-      return f::sll(a, b);
-    case Op::slt:
-      return f::slt(a, b);
-    case Op::sltu:
-      return f::sltu(a, b);
-    case Op::xor_:
-      return f::bit_xor(a, b);
-    case Op::srl:
-      return f::srl(a, b);
-    case Op::sra:
-      return f::sra(a, b);
-    case Op::or_:
-      return f::bit_or(a, b);
-    case Op::and_:
-      return f::bit_and(a, b);
-    default:
-      return std::nullopt;
-  }
-}
-
-std::optional<bool> takes_branch(Op op, std::uint32_t a, std::uint32_t b) {
-  switch (op) {
-    case Op::beq:
-      return a == b;
-    case Op::bne:
-      return a != b;
-    case Op::blt:
-      return operations::slt(a, b) != 0;
-    case Op::bge:
-      return operations::slt(a, b) == 0;
-    case Op::bltu:
-      return a < b;
-    case Op::bgeu:
-      return a >= b;
-    default:
-      return std::nullopt;
-  }
+  if (at.op == Op::lui) return static_cast<std::uint32_t>(at.imm);
+  const auto compute = compute_of(at.op);
+  if (compute == nullptr) return std::nullopt;
+  return compute(a, at.operand == Operand::immediate ? static_cast<std::uint32_t>(at.imm) : b);
 }
 
 std::optional<std::uint32_t> loaded(const Memory& memory, const Decoded& at, std::uint32_t address) {
@@ -113,8 +52,8 @@ std::optional<std::uint32_t> upcoming_store(const Memory& memory, std::uint32_t 
     } else if (at.op == Op::jal || at.op == Op::jalr) {
       result = next;
       next = at.op == Op::jal ? pc + offset : (a + offset) & ~1U;
-    } else if (const auto taken = takes_branch(at.op, a, b)) {
-      if (*taken) next = pc + offset;
+    } else if (const auto is_taken = compare_of(at.op)) {
+      if (is_taken(a, b)) next = pc + offset;
     } else if (at.op == Op::auipc) {
       result = pc + offset;
     } else {

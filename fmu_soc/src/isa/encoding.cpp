@@ -1,86 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "isa/encoding.hpp"
 
-#include <algorithm>
 #include <array>
 #include <cstddef>
-#include <initializer_list>
 #include <vector>
 
 namespace mebots::soc {
 namespace {
 
-constexpr std::uint32_t kOpcode = 0x7f;
-constexpr std::uint32_t kFunct3 = 0x707f;
-constexpr std::uint32_t kFunct7 = 0xfe00707f;
-constexpr std::uint32_t kAll = 0xffffffff;
-
-// Of Xpulp: major opcodes, and which bits of a word say what it is.
-constexpr std::uint32_t kLoad = 0x03;
-constexpr std::uint32_t kLoadPost = 0x0b;
-constexpr std::uint32_t kStore = 0x23;
-constexpr std::uint32_t kStorePost = 0x2b;
-constexpr std::uint32_t kAlu = 0x33;
-constexpr std::uint32_t kSimd = 0x57;
-constexpr std::uint32_t kShifted = 0x5b;
-constexpr std::uint32_t kBranch = 0x63;
-constexpr std::uint32_t kLoop = 0x7b;
-
-constexpr std::uint32_t word(std::uint32_t opcode, std::uint32_t funct3, std::uint32_t funct7 = 0) {
-  return opcode | funct3 << 12 | funct7 << 25;
-}
-
-constexpr std::uint32_t kFunct7NoRs2 = 0xfff0707f;  // rs2 = 0
-constexpr std::uint32_t kTop2 = 0xc000707f;         // bits 31:30
-constexpr std::uint32_t kTop6 = 0xfc00707f;         // bits 31:26
-constexpr std::uint32_t kLoopMask = 0x00007f7f;     // funct3 and bits 11:8
-
-/// An encoding as it stands in the row of its operation.
-struct Form {
-  std::string_view name;
-  Format format;
-  std::uint32_t mask;
-  std::uint32_t match;
-};
-
-/// The encodings of one operation.
-struct Forms {
-  static constexpr std::size_t kMost = 8;
-
-  std::array<Encoding, kMost> encodings{};
-  std::size_t count = 0;
-};
-
-constexpr Forms forms_of(Op op, Extension extension, std::initializer_list<Form> list) {
-  Forms forms;
-  for (const auto& form : list) {
-    forms.encodings[forms.count++] = {form.name, op, form.format, form.mask, form.match, extension};
-  }
-  return forms;
-}
-
-constexpr auto kForms = std::to_array<Forms>({
-#define MEBOTS_OP(name, traits, meaning, translation, ...) forms_of(Op::name, Extension::standard, {__VA_ARGS__}),
-#define MEBOTS_XPULP(name, traits, meaning, translation, ...) forms_of(Op::name, Extension::xpulp, {__VA_ARGS__}),
-#include "isa/instructions.inc"
+constexpr auto kEncodings = std::to_array<Encoding>({
+#include "fmu_soc_isa/encodings.inc"
 });
-
-constexpr std::size_t count_encodings() {
-  std::size_t count = 0;
-  for (const auto& forms : kForms) count += forms.count;
-  return count;
-}
-
-constexpr auto all_encodings() {
-  std::array<Encoding, count_encodings()> all{};
-  std::size_t at = 0;
-  for (const auto& forms : kForms) {
-    for (std::size_t i = 0; i < forms.count; ++i) all[at++] = forms.encodings[i];
-  }
-  return all;
-}
-
-constexpr auto kEncodings = all_encodings();
 
 /// An accumulation reads what it writes; a store may have its offset there.
 std::uint8_t third_register(const Encoding& encoding, std::uint32_t w) {

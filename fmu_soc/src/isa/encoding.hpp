@@ -9,9 +9,9 @@
 #include <string>
 #include <string_view>
 
-/// The encodings of RV32IMC_Zicsr_Zifencei, the machine-mode instructions and Xpulp v2, from the rows of
-/// instructions.inc. Source: The RISC-V Instruction Set Manual, volume I (20191213) chapters 2, 3, 7, 9, 16, 24 and
-/// volume II (20211203).
+/// The encodings of RV32IMC_Zicsr_Zifencei, the machine-mode instructions and Xpulp v2, from the tables
+/// *.decode of this folder. Source: The RISC-V Instruction Set Manual, volume I (20191213) chapters 2, 3, 7, 9, 16, 24
+/// and volume II (20211203).
 namespace mebots::soc {
 
 /// What a core must have so that a row of the table is an instruction for it.

@@ -11,8 +11,7 @@ namespace mebots::soc {
 
 /// Where an encoding keeps its operands. Formats that start with `c` are 16 bits long.
 enum class Format : std::uint8_t {
-#define MEBOTS_FORMAT(name, ...) name,
-#include "isa/formats.inc"
+#include "fmu_soc_isa/format_enum.inc"
 };
 
 /// Where the second operand of an operation comes from.
@@ -83,7 +82,7 @@ enum class Reserved : std::uint8_t {
   zero_at_2,             // x0 in bits 6:2
 };
 
-/// A row of formats.inc.
+/// A format of isa/formats.decode.
 struct FormatRow {
   std::uint8_t bytes = 4;
   RegisterField rd{};
@@ -99,45 +98,8 @@ struct FormatRow {
 
 namespace format_rows {
 
-inline constexpr RegisterField kAt7{7, 5};
-inline constexpr RegisterField kAt15{15, 5};
-inline constexpr RegisterField kAt20{20, 5};
-inline constexpr RegisterField kAt2{2, 5};
-inline constexpr RegisterField kShortAt2{2, 3, 8};  // x8 to x15
-inline constexpr RegisterField kShortAt7{7, 3, 8};
-inline constexpr RegisterField kRa{.add = 1};
-inline constexpr RegisterField kSp{.add = 2};
-inline constexpr RegisterField kLoopNumber{7, 1};
-
-inline constexpr Immediate kImmediate12({{31, 20}}, 11);
-inline constexpr Immediate kTwelveBits({{31, 20}});
-inline constexpr Immediate kFiveBits({{24, 20}});
-inline constexpr Immediate kStore12({{31, 25, 5}, {11, 7}}, 11);
-inline constexpr Immediate kBranch13({{31, 31, 12}, {7, 7, 11}, {30, 25, 5}, {11, 8, 1}}, 12);
-inline constexpr Immediate kUpper20({{31, 12, 12}});
-inline constexpr Immediate kJump21({{31, 31, 20}, {19, 12, 12}, {20, 20, 11}, {30, 21, 1}}, 20);
-inline constexpr Immediate kLoopEnd({{31, 20, 1}});
-inline constexpr Immediate kLoopCountAndEnd({{31, 20}, {19, 15, 17}});
-inline constexpr Immediate kWidthAndPosition({{29, 25, 5}, {24, 20}});
-inline constexpr Immediate kPlaces({{29, 25}});
-inline constexpr Immediate kSignedSixBits({{24, 20, 1}, {25, 25}}, 5);
-inline constexpr Immediate kSixBits({{24, 20, 1}, {25, 25}});
-inline constexpr Immediate kSelectors({{28, 27, 6}, {24, 20, 1}, {25, 25}});
-inline constexpr Immediate kShortStackOffset({{12, 11, 4}, {10, 7, 6}, {6, 6, 2}, {5, 5, 3}});
-inline constexpr Immediate kShortOffset({{12, 10, 3}, {6, 6, 2}, {5, 5, 6}});
-inline constexpr Immediate kShortSigned({{12, 12, 5}, {6, 2}}, 5);
-inline constexpr Immediate kShortUnsigned({{12, 12, 5}, {6, 2}});
-inline constexpr Immediate kShortJump(
-    {{12, 12, 11}, {11, 11, 4}, {10, 9, 8}, {8, 8, 10}, {7, 7, 6}, {6, 6, 7}, {5, 3, 1}, {2, 2, 5}}, 11);
-inline constexpr Immediate kShortStackStep({{12, 12, 9}, {6, 6, 4}, {5, 5, 6}, {4, 3, 7}, {2, 2, 5}}, 9);
-inline constexpr Immediate kShortUpper({{12, 12, 17}, {6, 2, 12}}, 17);
-inline constexpr Immediate kShortBranch({{12, 12, 8}, {11, 10, 3}, {6, 5, 6}, {4, 3, 1}, {2, 2, 5}}, 8);
-inline constexpr Immediate kShortStackLoad({{12, 12, 5}, {6, 4, 2}, {3, 2, 6}});
-inline constexpr Immediate kShortStackStore({{12, 9, 2}, {8, 7, 6}});
-
 inline constexpr auto kRows = std::to_array<FormatRow>({
-#define MEBOTS_FORMAT(name, ...) __VA_ARGS__,
-#include "isa/formats.inc"
+#include "fmu_soc_isa/format_rows.inc"
 });
 
 }  // namespace format_rows

@@ -10,8 +10,7 @@ namespace mebots::soc {
 
 /// What an instruction does, whatever its encoding: `c.addi` and `addi` are both `addi`.
 enum class Op : std::uint8_t {
-#define MEBOTS_OP(name, traits, ...) name,
-#include "isa/instructions.inc"
+#include "fmu_soc_isa/op_enum.inc"
 };
 
 /// The kind of an operation, by which timing, decoding and translation treat it. `other` is plain computing, and what
@@ -76,49 +75,15 @@ struct OpTraits {
 
 namespace op_rows {
 
-constexpr OpTraits load_of(std::uint8_t size, bool sign, AddressMode mode) {
-  return {.kind = OpKind::load, .size = size, .sign = sign, .mode = mode};
-}
-constexpr OpTraits store_of(std::uint8_t size, AddressMode mode) {
-  return {.kind = OpKind::store, .size = size, .mode = mode};
-}
-constexpr OpTraits accumulates(OpKind kind) {
-  return {.kind = kind, .reads_rd = true};
-}
-constexpr OpTraits simd(std::uint8_t parts, OpKind kind = OpKind::simd, bool reads_rd = false, bool sign = false) {
-  return {.kind = kind, .parts = parts, .sign = sign, .reads_rd = reads_rd};
-}
-constexpr OpTraits compares(std::uint8_t parts, Relation relation, bool sign) {
-  return {.kind = OpKind::simd_compare, .parts = parts, .sign = sign, .relation = relation};
-}
-constexpr OpTraits dot_product(std::uint8_t parts, bool sign, bool second_sign, bool adds) {
-  return {.kind = OpKind::dot_product, .parts = parts, .sign = sign, .second_sign = second_sign, .reads_rd = adds};
-}
-constexpr OpTraits ends(OpKind kind, unsigned cycles = 1) {
-  return {.kind = kind, .ends_block = true, .cycles = cycles};
-}
-constexpr OpTraits takes(OpKind kind, unsigned cycles) {
-  return {.kind = kind, .cycles = cycles};
-}
-constexpr OpTraits branches_on_value() {
-  return {.kind = OpKind::branch, .reads_rs2 = false};
-}
-/// One that sets where a loop ends may make blocks end there.
-constexpr OpTraits hardware_loop(bool sets_end) {
-  return {.kind = OpKind::hardware_loop, .ends_block = sets_end, .reads_rs2 = false};
-}
-
 inline constexpr auto kTraits = std::to_array<OpTraits>({
-#define MEBOTS_OP(name, traits, ...) traits,
-#include "isa/instructions.inc"
+#include "fmu_soc_isa/op_traits.inc"
 });
 
-/// "op 1f0a93c2": the letters are a hash (FNV-1a) of the rows' names in their order.
+/// "op 1f0a93c2": the letters are a hash (FNV-1a) of the operations' names in their order.
 consteval auto name_in_states() {
   std::uint32_t hash = 0x811c9dc5;
   for (const char letter : std::string_view(
-#define MEBOTS_OP(name, ...) #name " "
-#include "isa/instructions.inc"
+#include "fmu_soc_isa/op_names.inc"
            )) {
     hash = (hash ^ static_cast<unsigned char>(letter)) * 0x01000193;
   }

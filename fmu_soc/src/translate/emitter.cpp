@@ -2,7 +2,7 @@
 #include "translate/emitter.hpp"
 
 #include "mebots/assert.hpp"
-#include "translate/translation_row.hpp"
+#include "translate/lowering.hpp"
 
 namespace mebots::soc::translate {
 namespace {
@@ -131,12 +131,12 @@ void Emitter::emit_node(const Node& node) {
 
 /// False: the block is left here.
 bool Emitter::emit_instruction(const Instruction* at) {
-  const auto& translation = translation_of(at->op);
-  if (translation.emit == nullptr || !translation.emit(*this, at)) {
+  const auto lowering = lowering_of(at->op);
+  if (lowering == nullptr || !lowering(*this, at)) {
     emit_resume(at);
     return false;
   }
-  return !translation.leaves_block;
+  return !is_jump(at->op) && !is_block_end(at->op);
 }
 
 void Emitter::load_registers() {
@@ -223,6 +223,28 @@ void Emitter::copy(const Reg32& to, unsigned reg) {
     movd(to, vector(reg));
   } else if (!in_host(reg) || host(reg).getIdx() != to.getIdx()) {
     mov(to, operand(reg));
+  }
+}
+
+Xbyak::Xmm Emitter::in_vector_for(unsigned reg, const Xbyak::Xmm& scratch) {
+  if (in_vector(reg)) return vector(reg);
+  if (reg == 0) {
+    pxor(scratch, scratch);
+  } else if (in_host(reg)) {
+    movd(scratch, host(reg));
+  } else {
+    movd(scratch, memory(reg));
+  }
+  return scratch;
+}
+
+void Emitter::finish_vector(unsigned rd, const Xbyak::Xmm& result) {
+  if (in_vector(rd)) {
+    if (vector(rd).getIdx() != result.getIdx()) movdqa(vector(rd), result);
+  } else if (in_host(rd)) {
+    movd(host(rd), result);
+  } else {
+    movd(memory(rd), result);
   }
 }
 

@@ -4,7 +4,6 @@
 #include "hart/execution.hpp"
 #include "translate/code_memory.hpp"
 #include "translate/exit_table.hpp"
-#include "translate/host.hpp"
 #include "translate/region.hpp"
 #include "translate/registers.hpp"
 #include "translate/translator.hpp"
@@ -30,6 +29,11 @@ namespace mebots::soc::translate {
 /// The features of the host's processor. Read when the library is loaded: in a virtual machine each query is slow.
 const Xbyak::util::Cpu& host_processor();
 
+/// Offset of a hardware loop from Execution.
+constexpr int offset_of_loop(unsigned loop) {
+  return static_cast<int>(offsetof(Execution, loops) + sizeof(HardwareLoop) * loop);
+}
+
 /// Offset of a guest register from Execution.
 constexpr int offset_of_register(unsigned reg) {
   return static_cast<int>(offsetof(Execution, x) + sizeof(std::uint32_t) * reg);
@@ -47,7 +51,7 @@ constexpr int offset_of_register(unsigned reg) {
 ///
 /// A block that is left by a jump forgets what came before it. One that is left straight on may delay the next one:
 /// that is added on the edge, and `HostState::came_from` says which it was, for who leaves that next one early.
-class Emitter : private Xbyak::CodeGenerator {
+class Emitter : public Xbyak::CodeGenerator {
  public:
   /// Fixed pieces of code that all regions share.
   struct Gates {
@@ -76,74 +80,6 @@ class Emitter : private Xbyak::CodeGenerator {
   std::vector<Entry> emit(const Region& region, const Registers& registers, const Gates& gates);
   std::size_t size() const { return getSize(); }
 
-  // What the column of translations calls (translations.cpp): of one instruction each, with what its row says. False:
-  // nothing emitted, the interpreter does it.
-
-  // arithmetic.cpp
-  void emit_constant(const Instruction* at);
-  void emit_nothing(const Instruction* at);
-  void emit_add_immediate(const Instruction* at);
-  void emit_add(const Instruction* at);
-  void emit_binary(const Instruction* at, host::Binary apply);
-  void emit_immediate(const Instruction* at, host::Immediate apply);
-  void emit_shift_immediate(const Instruction* at, host::ShiftImmediate apply);
-  void emit_shift(const Instruction* at, host::Shift apply);
-  void emit_set(const Instruction* at, host::Set set_byte);
-  void emit_set_immediate(const Instruction* at, host::Set set_byte);
-  void emit_multiply_high(const Instruction* at, bool first_sign, bool second_sign);
-  void emit_divide(const Instruction* at, bool is_signed, bool remainder);
-
-  // memory.cpp
-  bool emit_load(const Instruction* at);
-  bool emit_store(const Instruction* at);
-
-  // exits.cpp
-  void emit_branch(const Instruction* at, host::Branch jump);
-  void emit_branch_immediate(const Instruction* at, host::Branch jump);
-  void emit_jump(const Instruction* at);
-  bool emit_jump_register(const Instruction* at);
-
-  // loops.cpp
-  void emit_loop_start(const Instruction* at);
-  bool emit_loop_end_at(const Instruction* at);
-  void emit_loop_count(const Instruction* at);
-  void emit_loop_count_immediate(const Instruction* at);
-  bool emit_loop_setup(const Instruction* at);
-  bool emit_loop_setup_immediate(const Instruction* at);
-  void emit_end(const Instruction* at);
-
-  // xpulp.cpp
-  void emit_absolute(const Instruction* at);
-  void emit_unary(const Instruction* at, host::Binary apply);
-  void emit_select(const Instruction* at, host::Binary move);
-  void emit_extend(const Instruction* at, bool sign, unsigned bits);
-  void emit_find_last(const Instruction* at);
-  void emit_rotate(const Instruction* at);
-  void emit_multiply_accumulate(const Instruction* at, bool subtracts);
-  void emit_clip(const Instruction* at, bool is_signed);
-  bool emit_extract_field(const Instruction* at, bool sign);
-  bool emit_insert_field(const Instruction* at);
-  bool emit_clear_field(const Instruction* at);
-  bool emit_set_field(const Instruction* at);
-  void emit_shifted_sum(const Instruction* at);
-  void emit_multiply_halves(const Instruction* at);
-
-  // simd.cpp
-  enum class PartShift : std::uint8_t { left, right, right_signed };
-  void emit_packed(const Instruction* at, host::Packed apply);
-  void emit_packed_unary(const Instruction* at, host::Packed apply);
-  void emit_average(const Instruction* at, bool sign);
-  void emit_logic(const Instruction* at, host::Binary apply);
-  void emit_compare_parts(const Instruction* at);
-  bool emit_shift_parts(const Instruction* at, PartShift shift);
-  void emit_dot(const Instruction* at);
-  void emit_extract_part(const Instruction* at);
-  void emit_insert_part(const Instruction* at);
-  void emit_shuffle(const Instruction* at);
-  void emit_pack_halves(const Instruction* at, bool of_high);
-  void emit_pack_bytes(const Instruction* at, bool into_high);
-
- private:
   using Reg32 = Xbyak::Reg32;
   using Label = Xbyak::Label;
 
@@ -178,33 +114,12 @@ class Emitter : private Xbyak::CodeGenerator {
   /// Flags stay.
   void copy(const Reg32& to, unsigned reg);
 
-  // arithmetic.cpp
-  void emit_compare(unsigned rs1, unsigned rs2);
-  void finish_set(unsigned rd, host::Set set_byte);
-
-  // xpulp.cpp
-  struct Field {
-    unsigned position = 0;
-    unsigned width = 0;
-    std::uint32_t low = 0;   // as many bits, at the foot of the word
-    std::uint32_t mask = 0;  // in their place
-  };
-  static std::optional<Field> field_of(const Instruction* at);
-
-  // simd.cpp
-  struct Part {
-    int position;
-    std::uint32_t low;  // its bits, at the foot of the word
-  };
-  static Part part_of(const Instruction* at);
-  void load_second(const Instruction* at);
+  /// A register's value in a vector register, which must not be changed unless it is `scratch`.
   Xbyak::Xmm in_vector_for(unsigned reg, const Xbyak::Xmm& scratch);
+  /// A result in the low word of a vector register.
   void finish_vector(unsigned rd, const Xbyak::Xmm& result);
-  void finish_sum(unsigned rd, bool accumulates, const Xbyak::Xmm& sum);
 
   // loops.cpp
-  Xbyak::Address loop_register(const Instruction* at, std::size_t offset);
-  bool emit_set_loop_end(const Instruction* at, std::uint32_t pc);
   void emit_iteration(const Instruction* at, unsigned loop);
   const Node* straight_successor(const Instruction* at, std::uint32_t link) const;
   void emit_straight_edge(const Instruction* at, std::uint32_t link, std::uint32_t pc, bool is_last);
@@ -213,20 +128,24 @@ class Emitter : private Xbyak::CodeGenerator {
   void forget_what_came();
 
   // memory.cpp
-  Label emit_address(const Instruction* at, unsigned size, Label& other);
-  void emit_middle_of_word(unsigned size, Label& inside);
-  void emit_across_words(const Instruction* at, unsigned size, Label& marked, Label& claimed);
   bool near(const void* table, std::size_t size) const;
   int from_first_memory(const void* table) const;
   Xbyak::Address marks_of_word(unsigned words);
-  void emit_increment(const Instruction* at);
   void emit_claim(const Instruction* at, bool word_in_ecx);
-  void emit_far_wait(const Instruction* at, Label& left);
-  void check_address(const Reg32& offset, const Reg32& scratch, const FastRegion& ram, unsigned size, Label& other);
-  void fetch(const Reg32& to, const Xbyak::RegExp& from, unsigned size, bool sign);
 
   // exits.cpp
-  void emit_branch_by_flags(const Instruction* at, host::Branch jump);
+  /// `jump(label)` jumps if the branch is taken.
+  template <typename Jump>
+  void emit_taken_edge(const Instruction* at, Jump jump) {
+    Label taken;
+    jump(taken);
+    aside([this, at, taken]() mutable {
+      L(taken);
+      emit_edge(at, static_cast<std::uint32_t>(at->imm), true);
+    });
+  }
+  /// Behind a jump to the address in eax.
+  void emit_indirect_edge(const Instruction* at);
   void emit_edge(const Instruction* at, std::uint32_t pc, bool jumped);
   bool is_noted(const Instruction* at, std::uint32_t next) const;
   template <typename SetNext>
@@ -237,6 +156,8 @@ class Emitter : private Xbyak::CodeGenerator {
   void count(const Instruction* at, std::uint32_t extra_cycles);
   void take_back(const Instruction* at);
   void spend(std::uint32_t cycles);
+  /// The register is lost.
+  void spend(const Xbyak::Reg64& cycles);
   static std::uint64_t bits_of(const Pipeline& pipeline) { return std::bit_cast<std::uint64_t>(pipeline); }
   void check_limit(const Node& node, std::uint32_t stall, const Exit& at_limit);
   void check_limit(const Node& node);

@@ -79,6 +79,15 @@ void Emitter::spend(std::uint32_t cycles) {
   }
 }
 
+void Emitter::spend(const Xbyak::Reg64& cycles) {
+  if (options_.banks != nullptr) {
+    shl(cycles.cvt32(), std::countr_zero(options_.banks->count()));
+    add(r15, cycles);
+  } else {
+    sub(r15, cycles);
+  }
+}
+
 std::uint32_t Emitter::add_exit(const Exit& exit) {
   auto added = exit;
   if (exit.resumes || exit.straight) added.is_reached_straight = true;
@@ -315,38 +324,7 @@ void Emitter::emit_chained_exit(Exit exit) {
   jmp(gates_.leave, T_NEAR);
 }
 
-void Emitter::emit_branch(const Instruction* at, host::Branch jump) {
-  emit_compare(at->rs1, at->rs2);
-  emit_branch_by_flags(at, jump);
-}
-
-void Emitter::emit_branch_immediate(const Instruction* at, host::Branch jump) {
-  const auto with = static_cast<std::int32_t>(std::uint32_t{at->rs2} << 27) >> 27;  // five bits with their sign
-  cmp(value(at->rs1, eax), static_cast<std::uint32_t>(with));
-  emit_branch_by_flags(at, jump);
-}
-
-void Emitter::emit_branch_by_flags(const Instruction* at, host::Branch jump) {
-  Label taken;
-  jump(*this, taken);
-  aside([this, at, taken]() mutable {
-    L(taken);
-    emit_edge(at, static_cast<std::uint32_t>(at->imm), true);
-  });
-}
-
-void Emitter::emit_jump(const Instruction* at) {
-  if (at->rd != 32) set(at->rd, at[1].pc);
-  emit_edge(at, static_cast<std::uint32_t>(at->imm), at->rs2 == 0);
-}
-
-/// False: a slow instruction before it hides the cost of an unaligned target (rs2), which is rare.
-bool Emitter::emit_jump_register(const Instruction* at) {
-  if (at->rs2 != 0) return false;
-  const auto base = value(at->rs1, eax);
-  lea(eax, ptr[base.cvt64() + at->imm]);
-  and_(eax, ~1U);
-  if (at->rd != 32) set(at->rd, at[1].pc);
+void Emitter::emit_indirect_edge(const Instruction* at) {
   // Where it went last is the best guess.
   if (const auto* node = at->link != 0 ? region_->find(at->link) : nullptr; node != nullptr) {
     Label guessed;
@@ -385,7 +363,6 @@ bool Emitter::emit_jump_register(const Instruction* at) {
   exit.indirect = true;
   mov(eax, add_exit(exit));
   jmp(gates_.leave, T_NEAR);
-  return true;
 }
 
 }  // namespace mebots::soc::translate

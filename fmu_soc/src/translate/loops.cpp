@@ -8,75 +8,9 @@
 namespace mebots::soc::translate {
 namespace {
 
-int offset_of_loop(unsigned loop) {
-  return static_cast<int>(offsetof(Execution, loops) + sizeof(HardwareLoop) * loop);
-}
-
 static_assert(offsetof(Pipeline, before) == 0 && offsetof(Pipeline, two_before) == 4 && sizeof(Previous) == 4);
 
 }  // namespace
-
-/// A register of the loop that the instruction names.
-Xbyak::Address Emitter::loop_register(const Instruction* at, std::size_t offset) {
-  return dword[rbx + offset_of_loop(at->rs2) + static_cast<int>(offset)];
-}
-
-/// False: a block ends there that does not yet.
-bool Emitter::emit_set_loop_end(const Instruction* at, std::uint32_t pc) {
-  if (!blocks_.may_end_loop(pc)) return false;
-  mov(loop_register(at, offsetof(HardwareLoop, end)), pc);
-  return true;
-}
-
-void Emitter::emit_loop_start(const Instruction* at) {
-  mov(loop_register(at, offsetof(HardwareLoop, start)), at->pc + static_cast<std::uint32_t>(at->imm));
-}
-
-bool Emitter::emit_loop_end_at(const Instruction* at) {
-  return emit_set_loop_end(at, at->pc + static_cast<std::uint32_t>(at->imm));
-}
-
-void Emitter::emit_loop_count(const Instruction* at) {
-  mov(loop_register(at, offsetof(HardwareLoop, count)), value(at->rs1, eax));
-}
-
-void Emitter::emit_loop_count_immediate(const Instruction* at) {
-  mov(loop_register(at, offsetof(HardwareLoop, count)), static_cast<std::uint32_t>(at->imm));
-}
-
-bool Emitter::emit_loop_setup(const Instruction* at) {
-  if (!emit_set_loop_end(at, at->pc + static_cast<std::uint32_t>(at->imm))) return false;
-  mov(loop_register(at, offsetof(HardwareLoop, start)), at->pc + 4);
-  emit_loop_count(at);
-  return true;
-}
-
-/// The count stands below the distance of the end.
-bool Emitter::emit_loop_setup_immediate(const Instruction* at) {
-  const auto imm = static_cast<std::uint32_t>(at->imm);
-  if (!emit_set_loop_end(at, at->pc + (imm >> 16))) return false;
-  mov(loop_register(at, offsetof(HardwareLoop, start)), at->pc + 4);
-  mov(loop_register(at, offsetof(HardwareLoop, count)), imm & 0xffffU);
-  return true;
-}
-
-/// The end of a block: another iteration of the inner loop (0) or the outer one, or straight on.
-void Emitter::emit_end(const Instruction* at) {
-  if (at->op == Op::loop_end) {
-    for (unsigned loop = 0; loop < 2; ++loop) {
-      const auto count = dword[rbx + offset_of_loop(loop) + static_cast<int>(offsetof(HardwareLoop, count))];
-      Label other;
-      cmp(dword[rbx + offset_of_loop(loop) + static_cast<int>(offsetof(HardwareLoop, end))], at[-1].pc);
-      jne(other, T_NEAR);
-      cmp(count, 1);
-      jbe(other, T_NEAR);
-      dec(count);
-      emit_iteration(at, loop);
-      L(other);
-    }
-  }
-  emit_straight_edge(at, at->link, at->pc, true);
-}
 
 /// To the start of a loop, which is where it was last time or not.
 void Emitter::emit_iteration(const Instruction* at, unsigned loop) {

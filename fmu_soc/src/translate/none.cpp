@@ -9,10 +9,6 @@ bool can_translate() {
   return false;
 }
 
-bool has_translation(Op /*op*/) {
-  return false;
-}
-
 std::unique_ptr<Translator> make_translator(const BlockCache& /*blocks*/, const Execution& /*execution*/,
                                             const Options& /*options*/) {
   return nullptr;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-//
-// Loads and stores, standard ones and those of Xpulp v2.
+#pragma once
+
 #include "hart/data_path.hpp"
 #include "hart/handler.hpp"
 #include "hart/ram_access.hpp"
@@ -9,8 +9,14 @@
 #include <cstring>
 #include <type_traits>
 
+/// Loads and stores: those of RV32I, and those of Xpulp v2 with other ways to an address.
 namespace mebots::soc {
-namespace {
+
+namespace translate {
+class Emitter;
+}
+
+namespace load_store {
 
 using Mode = AddressMode;
 
@@ -27,8 +33,8 @@ constexpr bool is_post(Mode mode) {
   }
 }
 
-/// After an access by the slow way: whether the access took place, or is a trap or for another time.
-bool retired(const Execution& e, const Instruction* at) {
+/// After an access by the slow path: true if the access took place, false if it is a trap or comes later.
+inline bool retired(const Execution& e, const Instruction* at) {
   return e.exit == at + 1;
 }
 
@@ -77,7 +83,7 @@ template <typename T, Mode kMode>
 }
 
 template <typename T, Mode kMode>
-const Instruction* load(Execution& e, const Instruction* at) {
+[[gnu::always_inline]] inline const Instruction* load(Execution& e, const Instruction* at) {
   const auto address = addresses_of<kMode>(e, at, at->rs2);
   const auto ram = quick_access<sizeof(T)>(e, address.access);
   if (ram.data == nullptr) [[unlikely]]
@@ -113,7 +119,7 @@ template <typename T, Mode kMode>
 }
 
 template <typename T, Mode kMode>
-const Instruction* store(Execution& e, const Instruction* at) {
+[[gnu::always_inline]] inline const Instruction* store(Execution& e, const Instruction* at) {
   const auto address = addresses_of<kMode>(e, at, static_cast<std::uint32_t>(at->imm));
   const auto ram = quick_access<sizeof(T)>(e, address.access);
   if (ram.data == nullptr) [[unlikely]]
@@ -124,37 +130,27 @@ const Instruction* store(Execution& e, const Instruction* at) {
   return next(e, at);
 }
 
-template <Mode kMode>
-Handler handler_in_mode(const OpTraits& op) {
-  if (op.kind == OpKind::store) {
-    return op.size == 1   ? store<std::uint8_t, kMode>
-           : op.size == 2 ? store<std::uint16_t, kMode>
-                          : store<std::uint32_t, kMode>;
-  }
-  if (op.size == 1) return op.sign ? load<std::int8_t, kMode> : load<std::uint8_t, kMode>;
-  if (op.size == 2) return op.sign ? load<std::int16_t, kMode> : load<std::uint16_t, kMode>;
-  return load<std::int32_t, kMode>;
+/// What a load or store of `size` bytes moves.
+template <std::uint8_t kSize, bool kSign>
+using Moved = std::conditional_t<kSize == 4, std::int32_t,
+                                 std::conditional_t<kSize == 2, std::conditional_t<kSign, std::int16_t, std::uint16_t>,
+                                                    std::conditional_t<kSign, std::int8_t, std::uint8_t>>>;
+
+}  // namespace load_store
+
+template <Op kOp>
+const Instruction* execute_load(Execution& e, const Instruction* at) {
+  constexpr auto kTraits = traits_of(kOp);
+  return load_store::load<load_store::Moved<kTraits.size, kTraits.sign>, kTraits.mode>(e, at);
+}
+template <Op kOp>
+const Instruction* execute_store(Execution& e, const Instruction* at) {
+  constexpr auto kTraits = traits_of(kOp);
+  return load_store::store<std::make_unsigned_t<load_store::Moved<kTraits.size, false>>, kTraits.mode>(e, at);
 }
 
-}  // namespace
-
-const Instruction* event_load(Execution& e, const Instruction* at) {
-  return e.rooms->data_path.event_load(at);
-}
-
-Handler memory_handler_of(Op op) {
-  const auto& traits = traits_of(op);
-  switch (traits.mode) {
-    case Mode::offset:
-      return handler_in_mode<Mode::offset>(traits);
-    case Mode::offset_register:
-      return handler_in_mode<Mode::offset_register>(traits);
-    case Mode::post_immediate:
-      return handler_in_mode<Mode::post_immediate>(traits);
-    case Mode::post_register:
-      return handler_in_mode<Mode::post_register>(traits);
-  }
-  return nullptr;
-}
+/// False: there is no fast memory.
+bool emit_load(translate::Emitter& c, const Instruction* at);
+bool emit_store(translate::Emitter& c, const Instruction* at);
 
 }  // namespace mebots::soc

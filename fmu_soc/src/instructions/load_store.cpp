@@ -1,0 +1,246 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Loads and stores as host code, in the two fast memories. What is misaligned in the second one, elsewhere, or stored
+// where somebody must hear of it is left to the interpreter.
+#include "instructions/load_store.hpp"
+
+#ifdef MEBOTS_TRANSLATES
+#include "instructions/lowering.hpp"
+
+#include <bit>
+
+namespace mebots::soc {
+namespace {
+
+using namespace lowering;
+
+/// The register with the offset or the increment.
+unsigned step_register(const Instruction* at) {
+  return is_store(at->op) ? static_cast<unsigned>(at->imm) : at->rs2;
+}
+
+/// Leaves the number of the word that an aligned access touches in `scratch` for words, else nothing of use.
+void check_address(Emitter& c, const Reg32& offset, const Reg32& scratch, const FastRegion& ram, unsigned size,
+                   Label& other) {
+  const auto bytes = ram.span + 3;
+  if (size == 1) {
+    c.cmp(offset, bytes);
+  } else {
+    // Rotated, a misaligned offset is far too large.
+    const auto shift = static_cast<unsigned>(std::countr_zero(size));
+    c.rorx(scratch, offset, static_cast<std::uint8_t>(shift));
+    c.cmp(scratch, bytes >> shift);
+  }
+  c.jae(other, kNear);
+}
+
+/// eax = where the address lies in the first memory; goes to `other` when it does not, or is misaligned.
+/// Behind the label that comes back it does.
+Label emit_address(Emitter& c, const Instruction* at, unsigned size, Label& other) {
+  const auto mode = traits_of(at->op).mode;
+  const auto imm = mode == AddressMode::offset ? static_cast<std::uint32_t>(at->imm) : 0U;
+  const auto distance = imm - c.ram_[0].base;
+  if (at->rs1 == 0) {
+    c.mov(eax, distance);
+  } else {
+    const auto base = c.value(at->rs1, eax);
+    c.lea(eax, ptr[base.cvt64() + static_cast<std::int32_t>(distance)]);
+  }
+  if (const auto step = step_register(at); mode == AddressMode::offset_register && step != 0)
+    c.add(eax, c.source(step, ecx));
+  Label inside;
+  check_address(c, eax, ecx, c.ram_[0], size, other);
+  c.L(inside);
+  return inside;
+}
+
+/// In place of an address check that failed: half a word in the middle of a word is one access like any other.
+void emit_middle_of_word(Emitter& c, unsigned size, Label& inside) {
+  if (size != 2) return;
+  Label other;
+  c.mov(ecx, eax);
+  c.and_(ecx, 3);
+  c.cmp(ecx, 1);
+  c.jne(other);
+  c.cmp(eax, c.ram_[0].span);
+  c.jb(inside, kNear);
+  c.L(other);
+}
+
+/// Makes two accesses if the bytes are in two words. A store goes to `marked` if a word is marked. A load near the end
+/// of its block is left to the interpreter, since the next block may depend on its wait.
+void emit_across_words(Emitter& c, const Instruction* at, unsigned size, Label& marked, Label& claimed) {
+  if (size == 1 || (is_load(at->op) && (is_block_end(at[1].op) || is_block_end(at[2].op)))) return;
+  Label other;
+  c.cmp(eax, c.ram_[0].span);
+  c.jae(other, kNear);
+  if (is_store(at->op)) {
+    c.mov(ecx, eax);
+    c.shr(ecx, 2);
+    c.cmp(c.marks_of_word(2), 0);
+    c.jne(marked, kNear);
+  } else {
+    c.mov(rdx, reinterpret_cast<std::uint64_t>(at));
+    c.mov(ptr[rbx + static_cast<int>(offsetof(Execution, host.slow_load))], rdx);
+    c.movq(ptr[rbx + static_cast<int>(offsetof(Execution, host.slow_load_when))], xmm15);
+  }
+  c.emit_claim(at, false);
+  c.spend(kMisalignedExtra + c.ram_[0].wait_cycles);
+  if (c.options_.banks != nullptr) {
+    c.add(eax, 4);
+    c.emit_claim(at, false);
+    c.sub(eax, 4);
+  }
+  c.jmp(claimed, kNear);
+  c.L(other);
+}
+
+/// Adds to the address register of a post-increment; ecx and edx are lost.
+void emit_increment(Emitter& c, const Instruction* at) {
+  const auto mode = traits_of(at->op).mode;
+  if (at->rs1 == 0 || (is_load(at->op) && at->rd == at->rs1)) return;  // what is loaded wins
+  const auto add_to = [&c, at, mode](const Xbyak::Operand& to) {
+    if (mode == AddressMode::post_immediate) {
+      c.add(to, static_cast<std::uint32_t>(at->imm));
+    } else if (mode == AddressMode::post_register && step_register(at) != 0) {
+      c.add(to, c.value(step_register(at), edx));
+    }
+  };
+  if (!c.in_vector(at->rs1)) {
+    add_to(c.operand(at->rs1));
+  } else if (is_post_increment(at->op)) {
+    c.copy(ecx, at->rs1);
+    add_to(ecx);
+    c.finish(at->rs1, ecx);
+  }
+}
+
+void emit_read(Emitter& c, const Reg32& to, const Xbyak::RegExp& from, unsigned size, bool sign) {
+  if (size == 4) {
+    c.mov(to, dword[from]);
+  } else if (size == 2) {
+    sign ? c.movsx(to, word[from]) : c.movzx(to, word[from]);
+  } else {
+    sign ? c.movsx(to, byte[from]) : c.movzx(to, byte[from]);
+  }
+}
+
+/// Counts an access to the second memory at offset ecx, and spends what it waits; eax and edx are lost. Goes to `left`,
+/// with nothing done, where the interpreter must make it.
+void emit_far_wait(Emitter& c, const Instruction* at, Label& left) {
+  const auto& ram = c.ram_[1];
+  if (ram.is_shared()) {
+    c.mov(edx, at->cycles_before);
+    c.call(c.gates_.far);
+    c.test(eax, eax);
+    c.js(left, kNear);
+    return;
+  }
+  c.inc(qword[rbx + static_cast<int>(offsetof(Execution, counters.far_accesses))]);
+  if (ram.wait_cycles != c.ram_[0].wait_cycles) c.spend(ram.wait_cycles - c.ram_[0].wait_cycles);
+}
+
+}  // namespace
+
+bool emit_load(Emitter& c, const Instruction* at) {
+  if (c.ram_[0].span == 0) return false;
+  const unsigned size = traits_of(at->op).size;
+  const bool sign = traits_of(at->op).sign;
+  Label other;
+  Label claimed;
+  Label done;
+  auto inside = emit_address(c, at, size, other);
+  c.emit_claim(at, size == 4);
+  c.L(claimed);
+  // An increment by the register that is loaded reads it first.
+  const bool is_own_step = traits_of(at->op).mode == AddressMode::post_register && step_register(at) == at->rd;
+  const auto to = c.place(at->rd, eax, is_own_step);
+  const bool into_vector = size == 4 && c.in_vector(at->rd) && !is_own_step;
+  const auto take = [&c, at, size, sign, to, into_vector](const Xbyak::RegExp& from) {
+    if (into_vector) {
+      c.movd(c.vector(at->rd), dword[from]);
+    } else {
+      emit_read(c, to, from, size, sign);
+    }
+  };
+  take(r14 + rax);
+  c.L(done);
+  emit_increment(c, at);
+  if (!into_vector) c.finish(at->rd, to);
+  c.later([&c, at, size, take, other, claimed, done, inside]() mutable {
+    c.L(other);
+    emit_middle_of_word(c, size, inside);
+    emit_across_words(c, at, size, claimed, claimed);
+    const auto& ram = c.ram_[1];
+    if (ram.span == 0) {
+      c.emit_resume(at);
+      return;
+    }
+    Label neither;
+    c.lea(ecx, ptr[rax + static_cast<std::int32_t>(c.ram_[0].base - ram.base)]);
+    check_address(c, ecx, edx, ram, size, neither);
+    emit_far_wait(c, at, neither);
+    c.mov(rdx, reinterpret_cast<std::uint64_t>(ram.data));
+    take(rdx + rcx);
+    c.jmp(done, kNear);
+    c.L(neither);
+    c.emit_resume(at);
+  });
+  return true;
+}
+
+bool emit_store(Emitter& c, const Instruction* at) {
+  if (c.ram_[0].span == 0) return false;
+  const unsigned size = traits_of(at->op).size;
+  Label other;
+  Label marked;
+  Label claimed;
+  Label done;
+  const auto store = [&c, at, size](const Xbyak::RegExp& where, const Reg32& scratch) {
+    const auto from = c.value(at->rs2, scratch);
+    if (size == 4) {
+      c.mov(dword[where], from);
+    } else if (size == 2) {
+      c.mov(word[where], from.cvt16());
+    } else {
+      c.mov(byte[where], from.cvt8());
+    }
+  };
+  auto inside = emit_address(c, at, size, other);
+  if (size != 4) {
+    c.mov(ecx, eax);
+    c.shr(ecx, 2);
+  }
+  c.cmp(c.marks_of_word(1), 0);
+  c.jne(marked, kNear);
+  c.emit_claim(at, true);
+  c.L(claimed);
+  store(r14 + rax, ecx);
+  c.L(done);
+  emit_increment(c, at);
+  c.later([&c, at, size, store, other, marked, claimed, done, inside]() mutable {
+    c.L(other);
+    emit_middle_of_word(c, size, inside);
+    emit_across_words(c, at, size, marked, claimed);
+    const auto& ram = c.ram_[1];
+    if (ram.span != 0) {
+      c.lea(ecx, ptr[rax + static_cast<std::int32_t>(c.ram_[0].base - ram.base)]);
+      check_address(c, ecx, edx, ram, size, marked);
+      c.mov(eax, ecx);
+      c.shr(eax, 2);
+      c.mov(rdx, reinterpret_cast<std::uint64_t>(ram.marks));
+      c.cmp(byte[rdx + rax], 0);
+      c.jne(marked, kNear);
+      emit_far_wait(c, at, marked);
+      c.mov(rdx, reinterpret_cast<std::uint64_t>(ram.data));
+      store(rdx + rcx, eax);
+      c.jmp(done, kNear);
+    }
+    c.L(marked);
+    c.emit_resume(at);
+  });
+  return true;
+}
+
+}  // namespace mebots::soc
+#endif

@@ -1,0 +1,307 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// RV32I: what each operation of isa/rv32i.decode computes, and how it becomes host code.
+#include "instructions/load_store.hpp"
+#include "instructions/operation.hpp"
+#ifdef MEBOTS_TRANSLATES
+#include "instructions/lowering.hpp"
+#endif
+
+namespace mebots::soc::rv32i {
+namespace {
+
+constexpr std::int32_t as_signed(Word a) {
+  return static_cast<std::int32_t>(a);
+}
+
+#ifdef MEBOTS_TRANSLATES
+using namespace lowering;
+#endif
+
+// Constants. For auipc, the decoder has added the pc.
+
+const Instruction* execute_lui(Execution& e, const Instruction* at) {
+  e.x[at->rd] = static_cast<Word>(at->imm);
+  return next(e, at);
+}
+const Instruction* execute_auipc(Execution& e, const Instruction* at) {
+  return execute_lui(e, at);
+}
+
+#ifdef MEBOTS_TRANSLATES
+void emit_lui(Emitter& c, const Instruction* at) {
+  c.set(at->rd, static_cast<std::uint32_t>(at->imm));
+}
+void emit_auipc(Emitter& c, const Instruction* at) {
+  emit_lui(c, at);
+}
+#endif
+
+// Jumps and branches
+
+const Instruction* leave_to(Execution& e, const Instruction* at, Word target) {
+  e.x[at->rd] = at[1].pc;
+  e.pc = target;
+  e.jumped = at->rs2 == 0;
+  e.redirected = true;
+  e.exit = at + 1;
+  e.link = &at->link;  // of jalr: where it went last
+  return nullptr;
+}
+const Instruction* execute_jal(Execution& e, const Instruction* at) {
+  return leave_to(e, at, static_cast<Word>(at->imm));
+}
+const Instruction* execute_jalr(Execution& e, const Instruction* at) {
+  return leave_to(e, at, (e.x[at->rs1] + static_cast<Word>(at->imm)) & ~1U);
+}
+constexpr bool execute_beq(Word a, Word b) {
+  return a == b;
+}
+constexpr bool execute_bne(Word a, Word b) {
+  return a != b;
+}
+constexpr bool execute_blt(Word a, Word b) {
+  return as_signed(a) < as_signed(b);
+}
+constexpr bool execute_bge(Word a, Word b) {
+  return as_signed(a) >= as_signed(b);
+}
+constexpr bool execute_bltu(Word a, Word b) {
+  return a < b;
+}
+constexpr bool execute_bgeu(Word a, Word b) {
+  return a >= b;
+}
+const Instruction* execute_end_of_block(Execution& e, const Instruction* at) {
+  e.pc = at->pc;
+  e.exit = at;
+  e.link = &at->link;
+  return nullptr;
+}
+
+#ifdef MEBOTS_TRANSLATES
+void emit_jal(Emitter& c, const Instruction* at) {
+  if (at->rd != 32) c.set(at->rd, at[1].pc);
+  c.emit_edge(at, static_cast<std::uint32_t>(at->imm), at->rs2 == 0);
+}
+/// False: a slow instruction before it hides the cost of an unaligned target (rs2), which is rare.
+bool emit_jalr(Emitter& c, const Instruction* at) {
+  if (at->rs2 != 0) return false;
+  const auto base = c.value(at->rs1, eax);
+  c.lea(eax, ptr[base.cvt64() + at->imm]);
+  c.and_(eax, ~1U);
+  if (at->rd != 32) c.set(at->rd, at[1].pc);
+  c.emit_indirect_edge(at);
+  return true;
+}
+/// `jump(label)` jumps if the flags of rs1 - rs2 say that the branch is taken.
+template <typename Jump>
+void emit_branch(Emitter& c, const Instruction* at, Jump jump) {
+  emit_compare(c, at->rs1, at->rs2);
+  c.emit_taken_edge(at, jump);
+}
+void emit_beq(Emitter& c, const Instruction* at) {
+  emit_branch(c, at, [&](const Label& taken) { c.je(taken, kNear); });
+}
+void emit_bne(Emitter& c, const Instruction* at) {
+  emit_branch(c, at, [&](const Label& taken) { c.jne(taken, kNear); });
+}
+void emit_blt(Emitter& c, const Instruction* at) {
+  emit_branch(c, at, [&](const Label& taken) { c.jl(taken, kNear); });
+}
+void emit_bge(Emitter& c, const Instruction* at) {
+  emit_branch(c, at, [&](const Label& taken) { c.jge(taken, kNear); });
+}
+void emit_bltu(Emitter& c, const Instruction* at) {
+  emit_branch(c, at, [&](const Label& taken) { c.jb(taken, kNear); });
+}
+void emit_bgeu(Emitter& c, const Instruction* at) {
+  emit_branch(c, at, [&](const Label& taken) { c.jae(taken, kNear); });
+}
+void emit_end_of_block(Emitter& c, const Instruction* at) {
+  c.emit_straight_edge(at, at->link, at->pc, true);
+}
+#endif
+
+// Computing with an immediate
+
+constexpr Word execute_addi(Word a, Word b) {
+  return a + b;
+}
+constexpr Word execute_slti(Word a, Word b) {
+  return as_signed(a) < as_signed(b) ? 1U : 0U;
+}
+constexpr Word execute_sltiu(Word a, Word b) {
+  return a < b ? 1U : 0U;
+}
+constexpr Word execute_xori(Word a, Word b) {
+  return a ^ b;
+}
+constexpr Word execute_ori(Word a, Word b) {
+  return a | b;
+}
+constexpr Word execute_andi(Word a, Word b) {
+  return a & b;
+}
+constexpr Word execute_slli(Word a, Word b) {
+  return a << (b & 31U);
+}
+constexpr Word execute_srli(Word a, Word b) {
+  return a >> (b & 31U);
+}
+constexpr Word execute_srai(Word a, Word b) {
+  return static_cast<Word>(as_signed(a) >> (b & 31U));
+}
+
+#ifdef MEBOTS_TRANSLATES
+void emit_addi(Emitter& c, const Instruction* at) {
+  if (at->rs1 == 0) {
+    c.set(at->rd, static_cast<std::uint32_t>(at->imm));
+  } else if (at->rd == at->rs1 && !c.in_vector(at->rd)) {
+    if (at->imm != 0) c.add(c.operand(at->rd), static_cast<std::uint32_t>(at->imm));
+  } else {
+    const auto to = c.place(at->rd, eax);
+    if (c.in_host(at->rs1) && at->imm != 0) {
+      c.lea(to, ptr[c.host(at->rs1).cvt64() + at->imm]);
+    } else {
+      c.copy(to, at->rs1);
+      if (at->imm != 0) c.add(to, static_cast<std::uint32_t>(at->imm));
+    }
+    c.finish(at->rd, to);
+  }
+}
+/// Flags of rs1 - immediate.
+void emit_compare_immediate(Emitter& c, const Instruction* at) {
+  if (at->rs1 == 0) {
+    c.mov(eax, 0);
+    c.cmp(eax, static_cast<std::uint32_t>(at->imm));
+  } else {
+    c.cmp(c.source(at->rs1, eax), static_cast<std::uint32_t>(at->imm));
+  }
+}
+void emit_slti(Emitter& c, const Instruction* at) {
+  emit_compare_immediate(c, at);
+  finish_set(c, at->rd, [&] { c.setl(al); });
+}
+void emit_sltiu(Emitter& c, const Instruction* at) {
+  emit_compare_immediate(c, at);
+  finish_set(c, at->rd, [&] { c.setb(al); });
+}
+void emit_xori(Emitter& c, const Instruction* at) {
+  emit_immediate(c, at, [&](const Reg32& to, std::uint32_t value) { c.xor_(to, value); });
+}
+void emit_ori(Emitter& c, const Instruction* at) {
+  emit_immediate(c, at, [&](const Reg32& to, std::uint32_t value) { c.or_(to, value); });
+}
+void emit_andi(Emitter& c, const Instruction* at) {
+  emit_immediate(c, at, [&](const Reg32& to, std::uint32_t value) { c.and_(to, value); });
+}
+void emit_slli(Emitter& c, const Instruction* at) {
+  emit_immediate(c, at, [&](const Reg32& to, std::uint32_t value) { c.shl(to, static_cast<int>(value & 31U)); });
+}
+void emit_srli(Emitter& c, const Instruction* at) {
+  emit_immediate(c, at, [&](const Reg32& to, std::uint32_t value) { c.shr(to, static_cast<int>(value & 31U)); });
+}
+void emit_srai(Emitter& c, const Instruction* at) {
+  emit_immediate(c, at, [&](const Reg32& to, std::uint32_t value) { c.sar(to, static_cast<int>(value & 31U)); });
+}
+#endif
+
+// Computing with two registers
+
+constexpr Word execute_add(Word a, Word b) {
+  return a + b;
+}
+constexpr Word execute_sub(Word a, Word b) {
+  return a - b;
+}
+constexpr Word execute_sll(Word a, Word b) {
+  return a << (b & 31U);
+}
+constexpr Word execute_slt(Word a, Word b) {
+  return as_signed(a) < as_signed(b) ? 1U : 0U;
+}
+constexpr Word execute_sltu(Word a, Word b) {
+  return a < b ? 1U : 0U;
+}
+constexpr Word execute_xor_(Word a, Word b) {
+  return a ^ b;
+}
+constexpr Word execute_srl(Word a, Word b) {
+  return a >> (b & 31U);
+}
+constexpr Word execute_sra(Word a, Word b) {
+  return static_cast<Word>(as_signed(a) >> (b & 31U));
+}
+constexpr Word execute_or_(Word a, Word b) {
+  return a | b;
+}
+constexpr Word execute_and_(Word a, Word b) {
+  return a & b;
+}
+
+#ifdef MEBOTS_TRANSLATES
+void emit_add(Emitter& c, const Instruction* at) {
+  const auto [a, b] = at->rd == at->rs2 ? std::pair{at->rs2, at->rs1} : std::pair{at->rs1, at->rs2};
+  if (a == 0 || b == 0) {  // mv
+    const auto to = c.place(at->rd, eax);
+    c.copy(to, a == 0 ? b : a);
+    c.finish(at->rd, to);
+  } else if (at->rd == a && c.in_vector(a)) {
+    c.paddd(c.vector(a), c.in_vector_for(b, xmm0));
+  } else if (at->rd == a) {
+    c.add(c.operand(a), c.value(b, eax));
+  } else {
+    const auto left = c.value(a, eax);
+    const auto right = c.value(b, ecx);
+    const auto to = c.place(at->rd, eax);
+    c.lea(to, ptr[left.cvt64() + right.cvt64()]);
+    c.finish(at->rd, to);
+  }
+}
+void emit_sub(Emitter& c, const Instruction* at) {
+  emit_binary(c, at, [&](const Reg32& to, const Xbyak::Operand& from) { c.sub(to, from); });
+}
+void emit_sll(Emitter& c, const Instruction* at) {
+  emit_shift(c, at, [&](const Reg32& to, const Reg32& from, const Reg32& by) { c.shlx(to, from, by); });
+}
+void emit_slt(Emitter& c, const Instruction* at) {
+  emit_set(c, at, [&] { c.setl(al); });
+}
+void emit_sltu(Emitter& c, const Instruction* at) {
+  emit_set(c, at, [&] { c.setb(al); });
+}
+void emit_xor_(Emitter& c, const Instruction* at) {
+  emit_binary(c, at, [&](const Reg32& to, const Xbyak::Operand& from) { c.xor_(to, from); });
+}
+void emit_srl(Emitter& c, const Instruction* at) {
+  emit_shift(c, at, [&](const Reg32& to, const Reg32& from, const Reg32& by) { c.shrx(to, from, by); });
+}
+void emit_sra(Emitter& c, const Instruction* at) {
+  emit_shift(c, at, [&](const Reg32& to, const Reg32& from, const Reg32& by) { c.sarx(to, from, by); });
+}
+void emit_or_(Emitter& c, const Instruction* at) {
+  emit_binary(c, at, [&](const Reg32& to, const Xbyak::Operand& from) { c.or_(to, from); });
+}
+void emit_and_(Emitter& c, const Instruction* at) {
+  emit_binary(c, at, [&](const Reg32& to, const Xbyak::Operand& from) { c.and_(to, from); });
+}
+#endif
+
+// Stores are visible at once, also to the decoder: a fence only takes time.
+
+const Instruction* execute_fence(Execution& e, const Instruction* at) {
+  return next(e, at);
+}
+
+#ifdef MEBOTS_TRANSLATES
+void emit_fence(Emitter& /*c*/, const Instruction* /*at*/) {}
+#endif
+
+}  // namespace
+
+constinit const Operation kOperations[] = {
+#include "fmu_soc_isa/rv32i.inc"
+};
+
+}  // namespace mebots::soc::rv32i

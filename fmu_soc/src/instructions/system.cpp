@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Traps, Zifencei, Zicsr and machine mode: what each operation of isa/system.decode does. All are left to the
+// interpreter.
+#include "hart/csr_numbers.hpp"
+#include "hart/csrs.hpp"
+#include "hart/fetch.hpp"
+#include "hart/rooms.hpp"
+#include "hart/traps.hpp"
+#include "instructions/operation.hpp"
+
+namespace mebots::soc::system {
+namespace {
+
+const Instruction* execute_illegal(Execution& e, const Instruction* at) {
+  return e.raise(at, cause::kIllegalInstruction, static_cast<Word>(at->imm));
+}
+const Instruction* execute_ecall(Execution& e, const Instruction* at) {
+  return e.raise(at, cause::kMachineEcall, 0);
+}
+const Instruction* execute_ebreak(Execution& e, const Instruction* at) {
+  return e.raise(at, cause::kBreakpoint, at->pc);
+}
+
+const Instruction* execute_fence_i(Execution& e, const Instruction* at) {
+  e.rooms->fetch.flush();
+  return next(e, at);
+}
+
+template <Op>
+const Instruction* execute_csr_access(Execution& e, const Instruction* at) {
+  return e.rooms->csrs.access(at);
+}
+
+const Instruction* execute_mret(Execution& e, const Instruction* at) {
+  return e.rooms->traps.leave_handler(at);
+}
+const Instruction* execute_wfi(Execution& e, const Instruction* at) {
+  return e.leave_after(at, Leave::sleep);
+}
+
+}  // namespace
+
+constinit const Operation kOperations[] = {
+#include "fmu_soc_isa/system.inc"
+};
+
+}  // namespace mebots::soc::system
