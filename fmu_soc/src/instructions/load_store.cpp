@@ -20,7 +20,7 @@ unsigned step_register(const Instruction* at) {
 }
 
 /// Leaves the number of the word that an aligned access touches in `scratch` for words, else nothing of use.
-void check_address(Emitter& c, const Reg32& offset, const Reg32& scratch, const FastRegion& ram, unsigned size,
+void check_address(Assembler& c, const Reg32& offset, const Reg32& scratch, const FastRegion& ram, unsigned size,
                    Label& other) {
   const auto bytes = ram.span + 3;
   if (size == 1) {
@@ -36,43 +36,43 @@ void check_address(Emitter& c, const Reg32& offset, const Reg32& scratch, const 
 
 /// eax = where the address lies in the first memory; goes to `other` when it does not, or is misaligned.
 /// Behind the label that comes back it does.
-Label emit_address(Emitter& c, const Instruction* at, unsigned size, Label& other) {
+Label emit_address(Assembler& c, const Instruction* at, unsigned size, Label& other) {
   const auto mode = traits_of(at->op).mode;
   const auto imm = mode == AddressMode::offset ? static_cast<std::uint32_t>(at->imm) : 0U;
-  const auto distance = imm - c.ram_[0].base;
+  const auto distance = imm - c.ram[0].base;
   if (at->rs1 == 0) {
     c.mov(eax, distance);
   } else {
-    const auto base = c.value(at->rs1, eax);
+    const auto base = c.registers.value(at->rs1, eax);
     c.lea(eax, ptr[base.cvt64() + static_cast<std::int32_t>(distance)]);
   }
   if (const auto step = step_register(at); mode == AddressMode::offset_register && step != 0)
-    c.add(eax, c.source(step, ecx));
+    c.add(eax, c.registers.source(step, ecx));
   Label inside;
-  check_address(c, eax, ecx, c.ram_[0], size, other);
+  check_address(c, eax, ecx, c.ram[0], size, other);
   c.L(inside);
   return inside;
 }
 
 /// In place of an address check that failed: half a word in the middle of a word is one access like any other.
-void emit_middle_of_word(Emitter& c, unsigned size, Label& inside) {
+void emit_middle_of_word(Assembler& c, unsigned size, Label& inside) {
   if (size != 2) return;
   Label other;
   c.mov(ecx, eax);
   c.and_(ecx, 3);
   c.cmp(ecx, 1);
   c.jne(other);
-  c.cmp(eax, c.ram_[0].span);
+  c.cmp(eax, c.ram[0].span);
   c.jb(inside, kNear);
   c.L(other);
 }
 
 /// Makes two accesses if the bytes are in two words. A store goes to `marked` if a word is marked. A load near the end
 /// of its block is left to the interpreter, since the next block may depend on its wait.
-void emit_across_words(Emitter& c, const Instruction* at, unsigned size, Label& marked, Label& claimed) {
+void emit_across_words(Assembler& c, const Instruction* at, unsigned size, Label& marked, Label& claimed) {
   if (size == 1 || (is_load(at->op) && (is_block_end(at[1].op) || is_block_end(at[2].op)))) return;
   Label other;
-  c.cmp(eax, c.ram_[0].span);
+  c.cmp(eax, c.ram[0].span);
   c.jae(other, kNear);
   if (is_store(at->op)) {
     c.mov(ecx, eax);
@@ -84,11 +84,11 @@ void emit_across_words(Emitter& c, const Instruction* at, unsigned size, Label& 
     c.mov(ptr[rbx + static_cast<int>(offsetof(Execution, host.slow_load))], rdx);
     c.movq(ptr[rbx + static_cast<int>(offsetof(Execution, host.slow_load_when))], xmm15);
   }
-  c.emit_claim(at, false);
-  c.spend(kMisalignedExtra + c.ram_[0].wait_cycles);
-  if (c.options_.banks != nullptr) {
+  c.cycles.claim_bank(at, false);
+  c.cycles.spend(kMisalignedExtra + c.ram[0].wait_cycles);
+  if (c.options.banks != nullptr) {
     c.add(eax, 4);
-    c.emit_claim(at, false);
+    c.cycles.claim_bank(at, false);
     c.sub(eax, 4);
   }
   c.jmp(claimed, kNear);
@@ -96,26 +96,26 @@ void emit_across_words(Emitter& c, const Instruction* at, unsigned size, Label& 
 }
 
 /// Adds to the address register of a post-increment; ecx and edx are lost.
-void emit_increment(Emitter& c, const Instruction* at) {
+void emit_increment(Assembler& c, const Instruction* at) {
   const auto mode = traits_of(at->op).mode;
   if (at->rs1 == 0 || (is_load(at->op) && at->rd == at->rs1)) return;  // what is loaded wins
   const auto add_to = [&c, at, mode](const Xbyak::Operand& to) {
     if (mode == AddressMode::post_immediate) {
       c.add(to, static_cast<std::uint32_t>(at->imm));
     } else if (mode == AddressMode::post_register && step_register(at) != 0) {
-      c.add(to, c.value(step_register(at), edx));
+      c.add(to, c.registers.value(step_register(at), edx));
     }
   };
-  if (!c.in_vector(at->rs1)) {
-    add_to(c.operand(at->rs1));
+  if (!c.registers.in_vector(at->rs1)) {
+    add_to(c.registers.operand(at->rs1));
   } else if (is_post_increment(at->op)) {
-    c.copy(ecx, at->rs1);
+    c.registers.copy(ecx, at->rs1);
     add_to(ecx);
-    c.finish(at->rs1, ecx);
+    c.registers.finish(at->rs1, ecx);
   }
 }
 
-void emit_read(Emitter& c, const Reg32& to, const Xbyak::RegExp& from, unsigned size, bool sign) {
+void emit_read(Assembler& c, const Reg32& to, const Xbyak::RegExp& from, unsigned size, bool sign) {
   if (size == 4) {
     c.mov(to, dword[from]);
   } else if (size == 2) {
@@ -127,38 +127,38 @@ void emit_read(Emitter& c, const Reg32& to, const Xbyak::RegExp& from, unsigned 
 
 /// Counts an access to the second memory at offset ecx, and spends what it waits; eax and edx are lost. Goes to `left`,
 /// with nothing done, where the interpreter must make it.
-void emit_far_wait(Emitter& c, const Instruction* at, Label& left) {
-  const auto& ram = c.ram_[1];
+void emit_far_wait(Assembler& c, const Instruction* at, Label& left) {
+  const auto& ram = c.ram[1];
   if (ram.is_shared()) {
     c.mov(edx, at->cycles_before);
-    c.call(c.gates_.far);
+    c.call(c.stubs.far);
     c.test(eax, eax);
     c.js(left, kNear);
     return;
   }
   c.inc(qword[rbx + static_cast<int>(offsetof(Execution, counters.far_accesses))]);
-  if (ram.wait_cycles != c.ram_[0].wait_cycles) c.spend(ram.wait_cycles - c.ram_[0].wait_cycles);
+  if (ram.wait_cycles != c.ram[0].wait_cycles) c.cycles.spend(ram.wait_cycles - c.ram[0].wait_cycles);
 }
 
 }  // namespace
 
-bool emit_load(Emitter& c, const Instruction* at) {
-  if (c.ram_[0].span == 0) return false;
+bool emit_load(Assembler& c, const Instruction* at) {
+  if (c.ram[0].span == 0) return false;
   const unsigned size = traits_of(at->op).size;
   const bool sign = traits_of(at->op).sign;
   Label other;
   Label claimed;
   Label done;
   auto inside = emit_address(c, at, size, other);
-  c.emit_claim(at, size == 4);
+  c.cycles.claim_bank(at, size == 4);
   c.L(claimed);
   // An increment by the register that is loaded reads it first.
   const bool is_own_step = traits_of(at->op).mode == AddressMode::post_register && step_register(at) == at->rd;
-  const auto to = c.place(at->rd, eax, is_own_step);
-  const bool into_vector = size == 4 && c.in_vector(at->rd) && !is_own_step;
+  const auto to = c.registers.place(at->rd, eax, is_own_step);
+  const bool into_vector = size == 4 && c.registers.in_vector(at->rd) && !is_own_step;
   const auto take = [&c, at, size, sign, to, into_vector](const Xbyak::RegExp& from) {
     if (into_vector) {
-      c.movd(c.vector(at->rd), dword[from]);
+      c.movd(c.registers.vector(at->rd), dword[from]);
     } else {
       emit_read(c, to, from, size, sign);
     }
@@ -166,38 +166,38 @@ bool emit_load(Emitter& c, const Instruction* at) {
   take(r14 + rax);
   c.L(done);
   emit_increment(c, at);
-  if (!into_vector) c.finish(at->rd, to);
-  c.later([&c, at, size, take, other, claimed, done, inside]() mutable {
+  if (!into_vector) c.registers.finish(at->rd, to);
+  c.defer_cold([&c, at, size, take, other, claimed, done, inside]() mutable {
     c.L(other);
     emit_middle_of_word(c, size, inside);
     emit_across_words(c, at, size, claimed, claimed);
-    const auto& ram = c.ram_[1];
+    const auto& ram = c.ram[1];
     if (ram.span == 0) {
-      c.emit_resume(at);
+      c.edges.resume(at);
       return;
     }
     Label neither;
-    c.lea(ecx, ptr[rax + static_cast<std::int32_t>(c.ram_[0].base - ram.base)]);
+    c.lea(ecx, ptr[rax + static_cast<std::int32_t>(c.ram[0].base - ram.base)]);
     check_address(c, ecx, edx, ram, size, neither);
     emit_far_wait(c, at, neither);
     c.mov(rdx, reinterpret_cast<std::uint64_t>(ram.data));
     take(rdx + rcx);
     c.jmp(done, kNear);
     c.L(neither);
-    c.emit_resume(at);
+    c.edges.resume(at);
   });
   return true;
 }
 
-bool emit_store(Emitter& c, const Instruction* at) {
-  if (c.ram_[0].span == 0) return false;
+bool emit_store(Assembler& c, const Instruction* at) {
+  if (c.ram[0].span == 0) return false;
   const unsigned size = traits_of(at->op).size;
   Label other;
   Label marked;
   Label claimed;
   Label done;
   const auto store = [&c, at, size](const Xbyak::RegExp& where, const Reg32& scratch) {
-    const auto from = c.value(at->rs2, scratch);
+    const auto from = c.registers.value(at->rs2, scratch);
     if (size == 4) {
       c.mov(dword[where], from);
     } else if (size == 2) {
@@ -213,18 +213,18 @@ bool emit_store(Emitter& c, const Instruction* at) {
   }
   c.cmp(c.marks_of_word(1), 0);
   c.jne(marked, kNear);
-  c.emit_claim(at, true);
+  c.cycles.claim_bank(at, true);
   c.L(claimed);
   store(r14 + rax, ecx);
   c.L(done);
   emit_increment(c, at);
-  c.later([&c, at, size, store, other, marked, claimed, done, inside]() mutable {
+  c.defer_cold([&c, at, size, store, other, marked, claimed, done, inside]() mutable {
     c.L(other);
     emit_middle_of_word(c, size, inside);
     emit_across_words(c, at, size, marked, claimed);
-    const auto& ram = c.ram_[1];
+    const auto& ram = c.ram[1];
     if (ram.span != 0) {
-      c.lea(ecx, ptr[rax + static_cast<std::int32_t>(c.ram_[0].base - ram.base)]);
+      c.lea(ecx, ptr[rax + static_cast<std::int32_t>(c.ram[0].base - ram.base)]);
       check_address(c, ecx, edx, ram, size, marked);
       c.mov(eax, ecx);
       c.shr(eax, 2);
@@ -237,7 +237,7 @@ bool emit_store(Emitter& c, const Instruction* at) {
       c.jmp(done, kNear);
     }
     c.L(marked);
-    c.emit_resume(at);
+    c.edges.resume(at);
   });
   return true;
 }

@@ -13,7 +13,7 @@
 namespace mebots::soc {
 
 namespace translate {
-class Emitter;
+class Assembler;
 }
 
 namespace load_store {
@@ -150,7 +150,7 @@ const Instruction* execute_store(Execution& e, const Instruction* at) {
 }
 
 /// False: there is no fast memory.
-bool emit_load(translate::Emitter& c, const Instruction* at);
-bool emit_store(translate::Emitter& c, const Instruction* at);
+bool emit_load(translate::Assembler& c, const Instruction* at);
+bool emit_store(translate::Assembler& c, const Instruction* at);
 
 }  // namespace mebots::soc

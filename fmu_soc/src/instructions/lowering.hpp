@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "translate/emitter.hpp"
+#include "translate/assembler.hpp"
 
 #include <utility>
 
@@ -10,82 +10,80 @@
 namespace mebots::soc::lowering {
 
 using namespace Xbyak::util;
-using translate::Emitter;
+using translate::Assembler;
+using translate::kNear;
 using Xbyak::Label;
 using Xbyak::Reg32;
 using Xbyak::Xmm;
 
-/// A jump with a distance of 32 bits.
-inline constexpr auto kNear = Emitter::T_NEAR;
-
 /// rd = rs1 op rs2; `apply(to, from)`: to = to op from
 template <typename Apply>
-void emit_binary(Emitter& c, const Instruction* at, Apply apply) {
-  const auto to = c.place(at->rd, eax, at->rd == at->rs2 && at->rd != at->rs1);
-  c.copy(to, at->rs1);
+void emit_binary(Assembler& c, const Instruction* at, Apply apply) {
+  const auto to = c.registers.place(at->rd, eax, at->rd == at->rs2 && at->rd != at->rs1);
+  c.registers.copy(to, at->rs1);
   if (at->rs2 == 0) {
     c.mov(ecx, 0);
     apply(to, static_cast<const Xbyak::Operand&>(ecx));
   } else {
-    apply(to, c.source(at->rs2, ecx));
+    apply(to, c.registers.source(at->rs2, ecx));
   }
-  c.finish(at->rd, to);
+  c.registers.finish(at->rd, to);
 }
 
 /// rd = rs1 op immediate; `apply(to, value)`: to = to op value
 template <typename Apply>
-void emit_immediate(Emitter& c, const Instruction* at, Apply apply) {
-  const auto to = c.place(at->rd, eax);
-  c.copy(to, at->rs1);
+void emit_immediate(Assembler& c, const Instruction* at, Apply apply) {
+  const auto to = c.registers.place(at->rd, eax);
+  c.registers.copy(to, at->rs1);
   apply(to, static_cast<std::uint32_t>(at->imm));
-  c.finish(at->rd, to);
+  c.registers.finish(at->rd, to);
 }
 
 /// rd = rs1 shifted by the low five bits of rs2; `apply(to, from, by)`
 template <typename Apply>
-void emit_shift(Emitter& c, const Instruction* at, Apply apply) {
-  const auto to = c.place(at->rd, eax);
-  const auto by = c.value(at->rs2, ecx);
-  apply(to, c.value(at->rs1, eax), by);
-  c.finish(at->rd, to);
+void emit_shift(Assembler& c, const Instruction* at, Apply apply) {
+  const auto to = c.registers.place(at->rd, eax);
+  const auto by = c.registers.value(at->rs2, ecx);
+  apply(to, c.registers.value(at->rs1, eax), by);
+  c.registers.finish(at->rd, to);
 }
 
 /// rd = op rs1; `apply(to)`: to = op to
 template <typename Apply>
-void emit_unary(Emitter& c, const Instruction* at, Apply apply) {
-  c.copy(eax, at->rs1);
+void emit_unary(Assembler& c, const Instruction* at, Apply apply) {
+  c.registers.copy(eax, at->rs1);
   apply(eax);
-  c.finish(at->rd, eax);
+  c.registers.finish(at->rd, eax);
 }
 
 /// Flags of rs1 - rs2.
-inline void emit_compare(Emitter& c, unsigned rs1, unsigned rs2) {
+inline void emit_compare(Assembler& c, unsigned rs1, unsigned rs2) {
   if (rs1 != 0 && rs2 == 0) {
-    if (c.in_host(rs1)) {
-      c.test(c.host(rs1), c.host(rs1));
+    if (c.registers.in_host(rs1)) {
+      c.test(c.registers.host(rs1), c.registers.host(rs1));
     } else {
-      c.cmp(c.source(rs1, eax), 0);
+      c.cmp(c.registers.source(rs1, eax), 0);
     }
     return;
   }
-  const auto left = c.value(rs1, eax);
+  const auto left = c.registers.value(rs1, eax);
   if (rs2 == 0) {
     c.cmp(left, 0);
   } else {
-    c.cmp(left, c.source(rs2, ecx));
+    c.cmp(left, c.registers.source(rs2, ecx));
   }
 }
 
 /// rd = 1 if the flags say so, else 0; `set_al()` sets al by them.
 template <typename Set>
-void finish_set(Emitter& c, unsigned rd, Set set_al) {
+void finish_set(Assembler& c, unsigned rd, Set set_al) {
   set_al();
-  const auto to = c.place(rd, eax);
+  const auto to = c.registers.place(rd, eax);
   c.movzx(to, al);
-  c.finish(rd, to);
+  c.registers.finish(rd, to);
 }
 template <typename Set>
-void emit_set(Emitter& c, const Instruction* at, Set set_al) {
+void emit_set(Assembler& c, const Instruction* at, Set set_al) {
   emit_compare(c, at->rs1, at->rs2);
   finish_set(c, at->rd, set_al);
 }

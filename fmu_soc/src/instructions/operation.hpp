@@ -87,7 +87,7 @@ constexpr Handler handler() {
 }
 
 template <auto kEmit>
-bool lower(translate::Emitter& c, const Instruction* at) {
+bool lower(translate::Assembler& c, const Instruction* at) {
   if constexpr (std::is_void_v<decltype(kEmit(c, at))>) {
     kEmit(c, at);
     return true;

@@ -29,10 +29,10 @@ const Instruction* execute_auipc(Execution& e, const Instruction* at) {
 }
 
 #ifdef MEBOTS_TRANSLATES
-void emit_lui(Emitter& c, const Instruction* at) {
-  c.set(at->rd, static_cast<std::uint32_t>(at->imm));
+void emit_lui(Assembler& c, const Instruction* at) {
+  c.registers.set(at->rd, static_cast<std::uint32_t>(at->imm));
 }
-void emit_auipc(Emitter& c, const Instruction* at) {
+void emit_auipc(Assembler& c, const Instruction* at) {
   emit_lui(c, at);
 }
 #endif
@@ -80,46 +80,46 @@ const Instruction* execute_end_of_block(Execution& e, const Instruction* at) {
 }
 
 #ifdef MEBOTS_TRANSLATES
-void emit_jal(Emitter& c, const Instruction* at) {
-  if (at->rd != 32) c.set(at->rd, at[1].pc);
-  c.emit_edge(at, static_cast<std::uint32_t>(at->imm), at->rs2 == 0);
+void emit_jal(Assembler& c, const Instruction* at) {
+  if (at->rd != 32) c.registers.set(at->rd, at[1].pc);
+  c.edges.jump(at, static_cast<std::uint32_t>(at->imm), at->rs2 == 0);
 }
 /// False: a slow instruction before it hides the cost of an unaligned target (rs2), which is rare.
-bool emit_jalr(Emitter& c, const Instruction* at) {
+bool emit_jalr(Assembler& c, const Instruction* at) {
   if (at->rs2 != 0) return false;
-  const auto base = c.value(at->rs1, eax);
+  const auto base = c.registers.value(at->rs1, eax);
   c.lea(eax, ptr[base.cvt64() + at->imm]);
   c.and_(eax, ~1U);
-  if (at->rd != 32) c.set(at->rd, at[1].pc);
-  c.emit_indirect_edge(at);
+  if (at->rd != 32) c.registers.set(at->rd, at[1].pc);
+  c.edges.jump_indirect(at);
   return true;
 }
 /// `jump(label)` jumps if the flags of rs1 - rs2 say that the branch is taken.
 template <typename Jump>
-void emit_branch(Emitter& c, const Instruction* at, Jump jump) {
+void emit_branch(Assembler& c, const Instruction* at, Jump jump) {
   emit_compare(c, at->rs1, at->rs2);
-  c.emit_taken_edge(at, jump);
+  c.edges.branch(at, jump);
 }
-void emit_beq(Emitter& c, const Instruction* at) {
+void emit_beq(Assembler& c, const Instruction* at) {
   emit_branch(c, at, [&](const Label& taken) { c.je(taken, kNear); });
 }
-void emit_bne(Emitter& c, const Instruction* at) {
+void emit_bne(Assembler& c, const Instruction* at) {
   emit_branch(c, at, [&](const Label& taken) { c.jne(taken, kNear); });
 }
-void emit_blt(Emitter& c, const Instruction* at) {
+void emit_blt(Assembler& c, const Instruction* at) {
   emit_branch(c, at, [&](const Label& taken) { c.jl(taken, kNear); });
 }
-void emit_bge(Emitter& c, const Instruction* at) {
+void emit_bge(Assembler& c, const Instruction* at) {
   emit_branch(c, at, [&](const Label& taken) { c.jge(taken, kNear); });
 }
-void emit_bltu(Emitter& c, const Instruction* at) {
+void emit_bltu(Assembler& c, const Instruction* at) {
   emit_branch(c, at, [&](const Label& taken) { c.jb(taken, kNear); });
 }
-void emit_bgeu(Emitter& c, const Instruction* at) {
+void emit_bgeu(Assembler& c, const Instruction* at) {
   emit_branch(c, at, [&](const Label& taken) { c.jae(taken, kNear); });
 }
-void emit_end_of_block(Emitter& c, const Instruction* at) {
-  c.emit_straight_edge(at, at->link, at->pc, true);
+void emit_end_of_block(Assembler& c, const Instruction* at) {
+  c.edges.go_straight(at, at->link, at->pc, true);
 }
 #endif
 
@@ -154,55 +154,55 @@ constexpr Word execute_srai(Word a, Word b) {
 }
 
 #ifdef MEBOTS_TRANSLATES
-void emit_addi(Emitter& c, const Instruction* at) {
+void emit_addi(Assembler& c, const Instruction* at) {
   if (at->rs1 == 0) {
-    c.set(at->rd, static_cast<std::uint32_t>(at->imm));
-  } else if (at->rd == at->rs1 && !c.in_vector(at->rd)) {
-    if (at->imm != 0) c.add(c.operand(at->rd), static_cast<std::uint32_t>(at->imm));
+    c.registers.set(at->rd, static_cast<std::uint32_t>(at->imm));
+  } else if (at->rd == at->rs1 && !c.registers.in_vector(at->rd)) {
+    if (at->imm != 0) c.add(c.registers.operand(at->rd), static_cast<std::uint32_t>(at->imm));
   } else {
-    const auto to = c.place(at->rd, eax);
-    if (c.in_host(at->rs1) && at->imm != 0) {
-      c.lea(to, ptr[c.host(at->rs1).cvt64() + at->imm]);
+    const auto to = c.registers.place(at->rd, eax);
+    if (c.registers.in_host(at->rs1) && at->imm != 0) {
+      c.lea(to, ptr[c.registers.host(at->rs1).cvt64() + at->imm]);
     } else {
-      c.copy(to, at->rs1);
+      c.registers.copy(to, at->rs1);
       if (at->imm != 0) c.add(to, static_cast<std::uint32_t>(at->imm));
     }
-    c.finish(at->rd, to);
+    c.registers.finish(at->rd, to);
   }
 }
 /// Flags of rs1 - immediate.
-void emit_compare_immediate(Emitter& c, const Instruction* at) {
+void emit_compare_immediate(Assembler& c, const Instruction* at) {
   if (at->rs1 == 0) {
     c.mov(eax, 0);
     c.cmp(eax, static_cast<std::uint32_t>(at->imm));
   } else {
-    c.cmp(c.source(at->rs1, eax), static_cast<std::uint32_t>(at->imm));
+    c.cmp(c.registers.source(at->rs1, eax), static_cast<std::uint32_t>(at->imm));
   }
 }
-void emit_slti(Emitter& c, const Instruction* at) {
+void emit_slti(Assembler& c, const Instruction* at) {
   emit_compare_immediate(c, at);
   finish_set(c, at->rd, [&] { c.setl(al); });
 }
-void emit_sltiu(Emitter& c, const Instruction* at) {
+void emit_sltiu(Assembler& c, const Instruction* at) {
   emit_compare_immediate(c, at);
   finish_set(c, at->rd, [&] { c.setb(al); });
 }
-void emit_xori(Emitter& c, const Instruction* at) {
+void emit_xori(Assembler& c, const Instruction* at) {
   emit_immediate(c, at, [&](const Reg32& to, std::uint32_t value) { c.xor_(to, value); });
 }
-void emit_ori(Emitter& c, const Instruction* at) {
+void emit_ori(Assembler& c, const Instruction* at) {
   emit_immediate(c, at, [&](const Reg32& to, std::uint32_t value) { c.or_(to, value); });
 }
-void emit_andi(Emitter& c, const Instruction* at) {
+void emit_andi(Assembler& c, const Instruction* at) {
   emit_immediate(c, at, [&](const Reg32& to, std::uint32_t value) { c.and_(to, value); });
 }
-void emit_slli(Emitter& c, const Instruction* at) {
+void emit_slli(Assembler& c, const Instruction* at) {
   emit_immediate(c, at, [&](const Reg32& to, std::uint32_t value) { c.shl(to, static_cast<int>(value & 31U)); });
 }
-void emit_srli(Emitter& c, const Instruction* at) {
+void emit_srli(Assembler& c, const Instruction* at) {
   emit_immediate(c, at, [&](const Reg32& to, std::uint32_t value) { c.shr(to, static_cast<int>(value & 31U)); });
 }
-void emit_srai(Emitter& c, const Instruction* at) {
+void emit_srai(Assembler& c, const Instruction* at) {
   emit_immediate(c, at, [&](const Reg32& to, std::uint32_t value) { c.sar(to, static_cast<int>(value & 31U)); });
 }
 #endif
@@ -241,49 +241,49 @@ constexpr Word execute_and_(Word a, Word b) {
 }
 
 #ifdef MEBOTS_TRANSLATES
-void emit_add(Emitter& c, const Instruction* at) {
+void emit_add(Assembler& c, const Instruction* at) {
   const auto [a, b] = at->rd == at->rs2 ? std::pair{at->rs2, at->rs1} : std::pair{at->rs1, at->rs2};
   if (a == 0 || b == 0) {  // mv
-    const auto to = c.place(at->rd, eax);
-    c.copy(to, a == 0 ? b : a);
-    c.finish(at->rd, to);
-  } else if (at->rd == a && c.in_vector(a)) {
-    c.paddd(c.vector(a), c.in_vector_for(b, xmm0));
+    const auto to = c.registers.place(at->rd, eax);
+    c.registers.copy(to, a == 0 ? b : a);
+    c.registers.finish(at->rd, to);
+  } else if (at->rd == a && c.registers.in_vector(a)) {
+    c.paddd(c.registers.vector(a), c.registers.in_vector_for(b, xmm0));
   } else if (at->rd == a) {
-    c.add(c.operand(a), c.value(b, eax));
+    c.add(c.registers.operand(a), c.registers.value(b, eax));
   } else {
-    const auto left = c.value(a, eax);
-    const auto right = c.value(b, ecx);
-    const auto to = c.place(at->rd, eax);
+    const auto left = c.registers.value(a, eax);
+    const auto right = c.registers.value(b, ecx);
+    const auto to = c.registers.place(at->rd, eax);
     c.lea(to, ptr[left.cvt64() + right.cvt64()]);
-    c.finish(at->rd, to);
+    c.registers.finish(at->rd, to);
   }
 }
-void emit_sub(Emitter& c, const Instruction* at) {
+void emit_sub(Assembler& c, const Instruction* at) {
   emit_binary(c, at, [&](const Reg32& to, const Xbyak::Operand& from) { c.sub(to, from); });
 }
-void emit_sll(Emitter& c, const Instruction* at) {
+void emit_sll(Assembler& c, const Instruction* at) {
   emit_shift(c, at, [&](const Reg32& to, const Reg32& from, const Reg32& by) { c.shlx(to, from, by); });
 }
-void emit_slt(Emitter& c, const Instruction* at) {
+void emit_slt(Assembler& c, const Instruction* at) {
   emit_set(c, at, [&] { c.setl(al); });
 }
-void emit_sltu(Emitter& c, const Instruction* at) {
+void emit_sltu(Assembler& c, const Instruction* at) {
   emit_set(c, at, [&] { c.setb(al); });
 }
-void emit_xor_(Emitter& c, const Instruction* at) {
+void emit_xor_(Assembler& c, const Instruction* at) {
   emit_binary(c, at, [&](const Reg32& to, const Xbyak::Operand& from) { c.xor_(to, from); });
 }
-void emit_srl(Emitter& c, const Instruction* at) {
+void emit_srl(Assembler& c, const Instruction* at) {
   emit_shift(c, at, [&](const Reg32& to, const Reg32& from, const Reg32& by) { c.shrx(to, from, by); });
 }
-void emit_sra(Emitter& c, const Instruction* at) {
+void emit_sra(Assembler& c, const Instruction* at) {
   emit_shift(c, at, [&](const Reg32& to, const Reg32& from, const Reg32& by) { c.sarx(to, from, by); });
 }
-void emit_or_(Emitter& c, const Instruction* at) {
+void emit_or_(Assembler& c, const Instruction* at) {
   emit_binary(c, at, [&](const Reg32& to, const Xbyak::Operand& from) { c.or_(to, from); });
 }
-void emit_and_(Emitter& c, const Instruction* at) {
+void emit_and_(Assembler& c, const Instruction* at) {
   emit_binary(c, at, [&](const Reg32& to, const Xbyak::Operand& from) { c.and_(to, from); });
 }
 #endif
@@ -295,7 +295,7 @@ const Instruction* execute_fence(Execution& e, const Instruction* at) {
 }
 
 #ifdef MEBOTS_TRANSLATES
-void emit_fence(Emitter& /*c*/, const Instruction* /*at*/) {}
+void emit_fence(Assembler& /*c*/, const Instruction* /*at*/) {}
 #endif
 
 }  // namespace

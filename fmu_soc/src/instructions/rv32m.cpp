@@ -33,30 +33,30 @@ constexpr Word execute_mulhu(Word a, Word b) {
 }
 
 #ifdef MEBOTS_TRANSLATES
-void emit_mul(Emitter& c, const Instruction* at) {
+void emit_mul(Assembler& c, const Instruction* at) {
   emit_binary(c, at, [&](const Reg32& to, const Xbyak::Operand& from) { c.imul(to, from); });
 }
-void emit_multiply_high(Emitter& c, const Instruction* at, bool first_sign, bool second_sign) {
+void emit_multiply_high(Assembler& c, const Instruction* at, bool first_sign, bool second_sign) {
   const auto widen = [&c](const Xbyak::Reg64& to, unsigned reg, bool sign) {
     if (sign && reg != 0) {
-      c.movsxd(to, c.source(reg, to.cvt32()));
+      c.movsxd(to, c.registers.source(reg, to.cvt32()));
     } else {
-      c.copy(to.cvt32(), reg);
+      c.registers.copy(to.cvt32(), reg);
     }
   };
   widen(rax, at->rs1, first_sign);
   widen(rcx, at->rs2, second_sign);
   c.imul(rax, rcx);
   c.shr(rax, 32);
-  c.finish(at->rd, eax);
+  c.registers.finish(at->rd, eax);
 }
-void emit_mulh(Emitter& c, const Instruction* at) {
+void emit_mulh(Assembler& c, const Instruction* at) {
   emit_multiply_high(c, at, true, true);
 }
-void emit_mulhsu(Emitter& c, const Instruction* at) {
+void emit_mulhsu(Assembler& c, const Instruction* at) {
   emit_multiply_high(c, at, true, false);
 }
-void emit_mulhu(Emitter& c, const Instruction* at) {
+void emit_mulhu(Assembler& c, const Instruction* at) {
   emit_multiply_high(c, at, false, false);
 }
 #endif
@@ -84,7 +84,7 @@ constexpr Word execute_remu(Word a, Word b) {
 #ifdef MEBOTS_TRANSLATES
 /// Cycles depend on the divisor's leading zeros, or ones less one if it is negative: see divide_extra_signed. The
 /// number of steps is in edx; ecx holds the divisor and eax is lost.
-void emit_divide_cycles(Emitter& c, bool is_signed) {
+void emit_divide_cycles(Assembler& c, bool is_signed) {
   if (is_signed) {
     c.mov(edx, ecx);
     c.sar(edx, 31);
@@ -95,13 +95,13 @@ void emit_divide_cycles(Emitter& c, bool is_signed) {
   } else {
     c.lzcnt(edx, ecx);
   }
-  c.spend(rdx);
+  c.cycles.spend(rdx);
 }
-void emit_divide(Emitter& c, const Instruction* at, bool remainder) {
+void emit_divide(Assembler& c, const Instruction* at, bool remainder) {
   const bool is_signed = traits_of(at->op).sign;
-  c.copy(ecx, at->rs2);
+  c.registers.copy(ecx, at->rs2);
   emit_divide_cycles(c, is_signed);
-  c.copy(eax, at->rs1);
+  c.registers.copy(eax, at->rs1);
   Label by_zero;
   Label done;
   c.test(ecx, ecx);
@@ -118,23 +118,23 @@ void emit_divide(Emitter& c, const Instruction* at, bool remainder) {
   }
   if (remainder) c.mov(eax, edx);
   c.L(done);
-  c.finish(at->rd, eax);
-  c.later([&c, by_zero, done, remainder]() mutable {
+  c.registers.finish(at->rd, eax);
+  c.defer_cold([&c, by_zero, done, remainder]() mutable {
     c.L(by_zero);
     if (!remainder) c.mov(eax, ~0U);  // the remainder is the dividend
     c.jmp(done, kNear);
   });
 }
-void emit_div(Emitter& c, const Instruction* at) {
+void emit_div(Assembler& c, const Instruction* at) {
   emit_divide(c, at, false);
 }
-void emit_divu(Emitter& c, const Instruction* at) {
+void emit_divu(Assembler& c, const Instruction* at) {
   emit_divide(c, at, false);
 }
-void emit_rem(Emitter& c, const Instruction* at) {
+void emit_rem(Assembler& c, const Instruction* at) {
   emit_divide(c, at, true);
 }
-void emit_remu(Emitter& c, const Instruction* at) {
+void emit_remu(Assembler& c, const Instruction* at) {
   emit_divide(c, at, true);
 }
 #endif

@@ -39,15 +39,15 @@ constexpr bool execute_p_bneimm(Word a, Word b) {
 
 #ifdef MEBOTS_TRANSLATES
 template <typename Jump>
-void emit_branch_immediate(Emitter& c, const Instruction* at, Jump jump) {
+void emit_branch_immediate(Assembler& c, const Instruction* at, Jump jump) {
   const auto with = static_cast<std::int32_t>(std::uint32_t{at->rs2} << 27) >> 27;
-  c.cmp(c.value(at->rs1, eax), static_cast<std::uint32_t>(with));
-  c.emit_taken_edge(at, jump);
+  c.cmp(c.registers.value(at->rs1, eax), static_cast<std::uint32_t>(with));
+  c.edges.branch(at, jump);
 }
-void emit_p_beqimm(Emitter& c, const Instruction* at) {
+void emit_p_beqimm(Assembler& c, const Instruction* at) {
   emit_branch_immediate(c, at, [&](const Label& taken) { c.je(taken, kNear); });
 }
-void emit_p_bneimm(Emitter& c, const Instruction* at) {
+void emit_p_bneimm(Assembler& c, const Instruction* at) {
   emit_branch_immediate(c, at, [&](const Label& taken) { c.jne(taken, kNear); });
 }
 #endif
@@ -115,37 +115,37 @@ Xbyak::Address loop_register(const Instruction* at, std::size_t offset) {
   return dword[rbx + translate::offset_of_loop(at->rs2) + static_cast<int>(offset)];
 }
 /// False: a block must end there first, which only the interpreter brings about.
-bool emit_set_loop_end(Emitter& c, const Instruction* at, std::uint32_t pc) {
-  if (!c.blocks_.may_end_loop(pc)) return false;
+bool emit_set_loop_end(Assembler& c, const Instruction* at, std::uint32_t pc) {
+  if (!c.blocks.may_end_loop(pc)) return false;
   c.mov(loop_register(at, offsetof(HardwareLoop, end)), pc);
   return true;
 }
-void emit_lp_starti(Emitter& c, const Instruction* at) {
+void emit_lp_starti(Assembler& c, const Instruction* at) {
   c.mov(loop_register(at, offsetof(HardwareLoop, start)), at->pc + static_cast<std::uint32_t>(at->imm));
 }
-bool emit_lp_endi(Emitter& c, const Instruction* at) {
+bool emit_lp_endi(Assembler& c, const Instruction* at) {
   return emit_set_loop_end(c, at, at->pc + static_cast<std::uint32_t>(at->imm));
 }
-void emit_lp_count(Emitter& c, const Instruction* at) {
-  c.mov(loop_register(at, offsetof(HardwareLoop, count)), c.value(at->rs1, eax));
+void emit_lp_count(Assembler& c, const Instruction* at) {
+  c.mov(loop_register(at, offsetof(HardwareLoop, count)), c.registers.value(at->rs1, eax));
 }
-void emit_lp_counti(Emitter& c, const Instruction* at) {
+void emit_lp_counti(Assembler& c, const Instruction* at) {
   c.mov(loop_register(at, offsetof(HardwareLoop, count)), static_cast<std::uint32_t>(at->imm));
 }
-bool emit_lp_setup(Emitter& c, const Instruction* at) {
+bool emit_lp_setup(Assembler& c, const Instruction* at) {
   if (!emit_set_loop_end(c, at, at->pc + static_cast<std::uint32_t>(at->imm))) return false;
   c.mov(loop_register(at, offsetof(HardwareLoop, start)), at->pc + 4);
   emit_lp_count(c, at);
   return true;
 }
-bool emit_lp_setupi(Emitter& c, const Instruction* at) {
+bool emit_lp_setupi(Assembler& c, const Instruction* at) {
   const auto imm = static_cast<std::uint32_t>(at->imm);
   if (!emit_set_loop_end(c, at, at->pc + (imm >> 16))) return false;
   c.mov(loop_register(at, offsetof(HardwareLoop, start)), at->pc + 4);
   c.mov(loop_register(at, offsetof(HardwareLoop, count)), imm & 0xffffU);
   return true;
 }
-void emit_loop_end(Emitter& c, const Instruction* at) {
+void emit_loop_end(Assembler& c, const Instruction* at) {
   for (unsigned loop = 0; loop < 2; ++loop) {
     const auto count = dword[rbx + translate::offset_of_loop(loop) + static_cast<int>(offsetof(HardwareLoop, count))];
     Label other;
@@ -154,10 +154,10 @@ void emit_loop_end(Emitter& c, const Instruction* at) {
     c.cmp(count, 1);
     c.jbe(other, kNear);
     c.dec(count);
-    c.emit_iteration(at, loop);
+    c.edges.iterate(at, loop);
     c.L(other);
   }
-  c.emit_straight_edge(at, at->link, at->pc, true);
+  c.edges.go_straight(at, at->link, at->pc, true);
 }
 #endif
 
@@ -208,59 +208,59 @@ constexpr Word execute_p_clipu(Word a, Word bound) {
 }
 
 #ifdef MEBOTS_TRANSLATES
-void emit_p_abs(Emitter& c, const Instruction* at) {
-  c.copy(eax, at->rs1);
+void emit_p_abs(Assembler& c, const Instruction* at) {
+  c.registers.copy(eax, at->rs1);
   c.mov(ecx, eax);
   c.neg(eax);
   c.cmovs(eax, ecx);
-  c.finish(at->rd, eax);
+  c.registers.finish(at->rd, eax);
 }
-void emit_p_slet(Emitter& c, const Instruction* at) {
+void emit_p_slet(Assembler& c, const Instruction* at) {
   emit_set(c, at, [&] { c.setle(al); });
 }
-void emit_p_sletu(Emitter& c, const Instruction* at) {
+void emit_p_sletu(Assembler& c, const Instruction* at) {
   emit_set(c, at, [&] { c.setbe(al); });
 }
 /// The second operand if the flags of first - second say so: `move()` moves it from ecx to eax by them.
 template <typename Move>
-void emit_select(Emitter& c, const Instruction* at, Move move) {
-  c.copy(eax, at->rs1);
-  c.copy(ecx, at->rs2);
+void emit_select(Assembler& c, const Instruction* at, Move move) {
+  c.registers.copy(eax, at->rs1);
+  c.registers.copy(ecx, at->rs2);
   c.cmp(eax, ecx);
   move();
-  c.finish(at->rd, eax);
+  c.registers.finish(at->rd, eax);
 }
-void emit_p_min(Emitter& c, const Instruction* at) {
+void emit_p_min(Assembler& c, const Instruction* at) {
   emit_select(c, at, [&] { c.cmovg(eax, ecx); });
 }
-void emit_p_minu(Emitter& c, const Instruction* at) {
+void emit_p_minu(Assembler& c, const Instruction* at) {
   emit_select(c, at, [&] { c.cmova(eax, ecx); });
 }
-void emit_p_max(Emitter& c, const Instruction* at) {
+void emit_p_max(Assembler& c, const Instruction* at) {
   emit_select(c, at, [&] { c.cmovl(eax, ecx); });
 }
-void emit_p_maxu(Emitter& c, const Instruction* at) {
+void emit_p_maxu(Assembler& c, const Instruction* at) {
   emit_select(c, at, [&] { c.cmovb(eax, ecx); });
 }
-void emit_p_exths(Emitter& c, const Instruction* at) {
+void emit_p_exths(Assembler& c, const Instruction* at) {
   emit_unary(c, at, [&](const Reg32& to) { c.movsx(to, ax); });
 }
-void emit_p_exthz(Emitter& c, const Instruction* at) {
+void emit_p_exthz(Assembler& c, const Instruction* at) {
   emit_unary(c, at, [&](const Reg32& to) { c.movzx(to, ax); });
 }
-void emit_p_extbs(Emitter& c, const Instruction* at) {
+void emit_p_extbs(Assembler& c, const Instruction* at) {
   emit_unary(c, at, [&](const Reg32& to) { c.movsx(to, al); });
 }
-void emit_p_extbz(Emitter& c, const Instruction* at) {
+void emit_p_extbz(Assembler& c, const Instruction* at) {
   emit_unary(c, at, [&](const Reg32& to) { c.movzx(to, al); });
 }
 /// Between 0, or the bound's complement where signed, and the bound.
-void emit_clip(Emitter& c, const Instruction* at, bool is_signed) {
-  c.copy(eax, at->rs1);
+void emit_clip(Assembler& c, const Instruction* at, bool is_signed) {
+  c.registers.copy(eax, at->rs1);
   if (operand_of(*at) == Operand::immediate) {
     c.mov(ecx, static_cast<std::uint32_t>(at->imm));
   } else {
-    c.copy(ecx, at->rs2);
+    c.registers.copy(ecx, at->rs2);
   }
   if (is_signed) {
     c.mov(edx, ecx);
@@ -274,12 +274,12 @@ void emit_clip(Emitter& c, const Instruction* at, bool is_signed) {
   }
   c.cmp(eax, ecx);  // comes first where the two bounds cross
   c.cmovg(edx, ecx);
-  c.finish(at->rd, edx);
+  c.registers.finish(at->rd, edx);
 }
-void emit_p_clip(Emitter& c, const Instruction* at) {
+void emit_p_clip(Assembler& c, const Instruction* at) {
   emit_clip(c, at, true);
 }
-void emit_p_clipu(Emitter& c, const Instruction* at) {
+void emit_p_clipu(Assembler& c, const Instruction* at) {
   emit_clip(c, at, false);
 }
 #endif
@@ -308,23 +308,23 @@ constexpr Word execute_shifted_sum_by_register(Word a, Word b, Word shift) {
 
 #ifdef MEBOTS_TRANSLATES
 /// eax = the sum or difference of two registers; ecx is lost.
-void emit_sum(Emitter& c, const Instruction* at, unsigned a, unsigned b) {
-  c.copy(eax, a);
-  c.copy(ecx, b);
+void emit_sum(Assembler& c, const Instruction* at, unsigned a, unsigned b) {
+  c.registers.copy(eax, a);
+  c.registers.copy(ecx, b);
   traits_of(at->op).subtracts ? c.sub(eax, ecx) : c.add(eax, ecx);
 }
-void emit_shifted_sum(Emitter& c, const Instruction* at) {
+void emit_shifted_sum(Assembler& c, const Instruction* at) {
   const auto& traits = traits_of(at->op);
   const auto shift = static_cast<unsigned>(at->imm) & 31U;
   emit_sum(c, at, at->rs1, at->rs2);
   if (traits.rounds) c.add(eax, (1U << shift) >> 1);
   traits.sign ? c.sar(eax, static_cast<int>(shift)) : c.shr(eax, static_cast<int>(shift));
-  c.finish(at->rd, eax);
+  c.registers.finish(at->rd, eax);
 }
-void emit_shifted_sum_by_register(Emitter& c, const Instruction* at) {
+void emit_shifted_sum_by_register(Assembler& c, const Instruction* at) {
   const auto& traits = traits_of(at->op);
   emit_sum(c, at, at->rd, at->rs1);
-  c.copy(ecx, at->rs2);
+  c.registers.copy(ecx, at->rs2);
   if (traits.rounds) {
     c.mov(edx, 1);
     c.shlx(edx, edx, ecx);
@@ -332,7 +332,7 @@ void emit_shifted_sum_by_register(Emitter& c, const Instruction* at) {
     c.add(eax, edx);
   }
   traits.sign ? c.sarx(eax, eax, ecx) : c.shrx(eax, eax, ecx);
-  c.finish(at->rd, eax);
+  c.registers.finish(at->rd, eax);
 }
 #endif
 
@@ -399,10 +399,10 @@ std::optional<Field> field_of(const Instruction* at) {
   field.mask = field.low << field.position;
   return field;
 }
-bool emit_extract_field(Emitter& c, const Instruction* at, bool sign) {
+bool emit_extract_field(Assembler& c, const Instruction* at, bool sign) {
   const auto field = field_of(at);
   if (!field) return false;
-  c.copy(eax, at->rs1);
+  c.registers.copy(eax, at->rs1);
   if (sign) {
     const auto unused = static_cast<int>(32 - field->width);
     c.sar(eax, static_cast<int>(field->position));
@@ -412,62 +412,62 @@ bool emit_extract_field(Emitter& c, const Instruction* at, bool sign) {
     c.shr(eax, static_cast<int>(field->position));
     c.and_(eax, field->low);
   }
-  c.finish(at->rd, eax);
+  c.registers.finish(at->rd, eax);
   return true;
 }
-bool emit_p_extract(Emitter& c, const Instruction* at) {
+bool emit_p_extract(Assembler& c, const Instruction* at) {
   return emit_extract_field(c, at, true);
 }
-bool emit_p_extractu(Emitter& c, const Instruction* at) {
+bool emit_p_extractu(Assembler& c, const Instruction* at) {
   return emit_extract_field(c, at, false);
 }
-bool emit_p_insert(Emitter& c, const Instruction* at) {
+bool emit_p_insert(Assembler& c, const Instruction* at) {
   const auto field = field_of(at);
   if (!field) return false;
-  c.copy(eax, at->rs1);
+  c.registers.copy(eax, at->rs1);
   c.shl(eax, static_cast<int>(field->position));
   c.and_(eax, field->mask);
-  c.copy(ecx, at->rd);
+  c.registers.copy(ecx, at->rd);
   c.and_(ecx, ~field->mask);
   c.or_(eax, ecx);
-  c.finish(at->rd, eax);
+  c.registers.finish(at->rd, eax);
   return true;
 }
-bool emit_p_bclr(Emitter& c, const Instruction* at) {
+bool emit_p_bclr(Assembler& c, const Instruction* at) {
   const auto field = field_of(at);
   if (!field) return false;
-  c.copy(eax, at->rs1);
+  c.registers.copy(eax, at->rs1);
   c.and_(eax, ~field->mask);
-  c.finish(at->rd, eax);
+  c.registers.finish(at->rd, eax);
   return true;
 }
-bool emit_p_bset(Emitter& c, const Instruction* at) {
+bool emit_p_bset(Assembler& c, const Instruction* at) {
   const auto field = field_of(at);
   if (!field) return false;
-  c.copy(eax, at->rs1);
+  c.registers.copy(eax, at->rs1);
   c.or_(eax, field->mask);
-  c.finish(at->rd, eax);
+  c.registers.finish(at->rd, eax);
   return true;
 }
-void emit_p_ff1(Emitter& c, const Instruction* at) {
+void emit_p_ff1(Assembler& c, const Instruction* at) {
   emit_unary(c, at, [&](const Reg32& to) { c.tzcnt(to, to); });
 }
-void emit_p_fl1(Emitter& c, const Instruction* at) {
-  c.copy(eax, at->rs1);
+void emit_p_fl1(Assembler& c, const Instruction* at) {
+  c.registers.copy(eax, at->rs1);
   c.lzcnt(eax, eax);  // 32 for 0: stays
   c.mov(ecx, 31);
   c.sub(ecx, eax);
   c.cmovns(eax, ecx);
-  c.finish(at->rd, eax);
+  c.registers.finish(at->rd, eax);
 }
-void emit_p_cnt(Emitter& c, const Instruction* at) {
+void emit_p_cnt(Assembler& c, const Instruction* at) {
   emit_unary(c, at, [&](const Reg32& to) { c.popcnt(to, to); });
 }
-void emit_p_ror(Emitter& c, const Instruction* at) {
-  c.copy(eax, at->rs1);
-  c.copy(ecx, at->rs2);
+void emit_p_ror(Assembler& c, const Instruction* at) {
+  c.registers.copy(eax, at->rs1);
+  c.registers.copy(ecx, at->rs2);
   c.ror(eax, cl);
-  c.finish(at->rd, eax);
+  c.registers.finish(at->rd, eax);
 }
 #endif
 
@@ -497,30 +497,30 @@ constexpr Word execute_multiply_halves(Word a, Word b, Word shift) {
 }
 
 #ifdef MEBOTS_TRANSLATES
-void emit_multiply_accumulate(Emitter& c, const Instruction* at, bool subtracts) {
-  c.copy(eax, at->rs1);
-  c.copy(ecx, at->rs2);
+void emit_multiply_accumulate(Assembler& c, const Instruction* at, bool subtracts) {
+  c.registers.copy(eax, at->rs1);
+  c.registers.copy(ecx, at->rs2);
   c.imul(eax, ecx);
-  if (c.in_vector(at->rd)) {
+  if (c.registers.in_vector(at->rd)) {
     c.movd(xmm0, eax);
-    subtracts ? c.psubd(c.vector(at->rd), xmm0) : c.paddd(c.vector(at->rd), xmm0);
+    subtracts ? c.psubd(c.registers.vector(at->rd), xmm0) : c.paddd(c.registers.vector(at->rd), xmm0);
   } else if (subtracts) {
-    c.sub(c.operand(at->rd), eax);
+    c.sub(c.registers.operand(at->rd), eax);
   } else {
-    c.add(c.operand(at->rd), eax);
+    c.add(c.registers.operand(at->rd), eax);
   }
 }
-void emit_p_mac(Emitter& c, const Instruction* at) {
+void emit_p_mac(Assembler& c, const Instruction* at) {
   emit_multiply_accumulate(c, at, false);
 }
-void emit_p_msu(Emitter& c, const Instruction* at) {
+void emit_p_msu(Assembler& c, const Instruction* at) {
   emit_multiply_accumulate(c, at, true);
 }
-void emit_multiply_halves(Emitter& c, const Instruction* at) {
+void emit_multiply_halves(Assembler& c, const Instruction* at) {
   const auto& traits = traits_of(at->op);
   const auto shift = static_cast<unsigned>(at->imm) & 31U;
   const auto take_half = [&](const Reg32& to, unsigned reg) {
-    c.copy(to, reg);
+    c.registers.copy(to, reg);
     if (traits.high) {
       traits.sign ? c.sar(to, 16) : c.shr(to, 16);
     } else {
@@ -530,12 +530,12 @@ void emit_multiply_halves(Emitter& c, const Instruction* at) {
   take_half(eax, at->rs1);
   take_half(ecx, at->rs2);
   c.imul(eax, ecx);
-  if (traits.reads_rd) c.add(eax, c.source(at->rd, ecx));
+  if (traits.reads_rd) c.add(eax, c.registers.source(at->rd, ecx));
   if (traits.rounds) c.add(eax, (1U << shift) >> 1);
   traits.sign ? c.sar(eax, static_cast<int>(shift)) : c.shr(eax, static_cast<int>(shift));
-  c.finish(at->rd, eax);
+  c.registers.finish(at->rd, eax);
 }
-void emit_accumulate_halves(Emitter& c, const Instruction* at) {
+void emit_accumulate_halves(Assembler& c, const Instruction* at) {
   emit_multiply_halves(c, at);
 }
 #endif

@@ -56,13 +56,13 @@ bool on_bytes(Op op) {
   return traits_of(op).parts == 4;
 }
 /// The second operand, from where the instruction has it, in ecx.
-void load_second(Emitter& c, const Instruction* at) {
+void load_second(Assembler& c, const Instruction* at) {
   const auto from = operand_of(*at);
   if (from == Operand::immediate) {
     c.mov(ecx, static_cast<std::uint32_t>(at->imm));
     return;
   }
-  c.copy(ecx, at->rs2);
+  c.registers.copy(ecx, at->rs2);
   if (from != Operand::scalar) return;
   if (on_bytes(at->op)) {
     c.movzx(ecx, cl);
@@ -74,14 +74,14 @@ void load_second(Emitter& c, const Instruction* at) {
 }
 /// One instruction of the host on bytes or halves: `apply(to, from)`, to = to op from
 template <typename Apply>
-void emit_packed(Emitter& c, const Instruction* at, Apply apply) {
-  c.copy(eax, at->rs1);
+void emit_packed(Assembler& c, const Instruction* at, Apply apply) {
+  c.registers.copy(eax, at->rs1);
   load_second(c, at);
   c.movd(xmm0, eax);
   c.movd(xmm1, ecx);
   apply(xmm0, xmm1);
   c.movd(eax, xmm0);
-  c.finish(at->rd, eax);
+  c.registers.finish(at->rd, eax);
 }
 #endif
 
@@ -126,31 +126,31 @@ constexpr Word execute_pv_abs(Word a) {
 }
 
 #ifdef MEBOTS_TRANSLATES
-void emit_pv_add(Emitter& c, const Instruction* at) {
+void emit_pv_add(Assembler& c, const Instruction* at) {
   emit_packed(c, at, [&](const Xmm& to, const Xmm& from) { on_bytes(at->op) ? c.paddb(to, from) : c.paddw(to, from); });
 }
-void emit_pv_sub(Emitter& c, const Instruction* at) {
+void emit_pv_sub(Assembler& c, const Instruction* at) {
   emit_packed(c, at, [&](const Xmm& to, const Xmm& from) { on_bytes(at->op) ? c.psubb(to, from) : c.psubw(to, from); });
 }
-void emit_pv_min(Emitter& c, const Instruction* at) {
+void emit_pv_min(Assembler& c, const Instruction* at) {
   emit_packed(c, at,
               [&](const Xmm& to, const Xmm& from) { on_bytes(at->op) ? c.pminsb(to, from) : c.pminsw(to, from); });
 }
-void emit_pv_minu(Emitter& c, const Instruction* at) {
+void emit_pv_minu(Assembler& c, const Instruction* at) {
   emit_packed(c, at,
               [&](const Xmm& to, const Xmm& from) { on_bytes(at->op) ? c.pminub(to, from) : c.pminuw(to, from); });
 }
-void emit_pv_max(Emitter& c, const Instruction* at) {
+void emit_pv_max(Assembler& c, const Instruction* at) {
   emit_packed(c, at,
               [&](const Xmm& to, const Xmm& from) { on_bytes(at->op) ? c.pmaxsb(to, from) : c.pmaxsw(to, from); });
 }
-void emit_pv_maxu(Emitter& c, const Instruction* at) {
+void emit_pv_maxu(Assembler& c, const Instruction* at) {
   emit_packed(c, at,
               [&](const Xmm& to, const Xmm& from) { on_bytes(at->op) ? c.pmaxub(to, from) : c.pmaxuw(to, from); });
 }
 /// Half of the sum in each part, which wraps.
-void emit_average(Emitter& c, const Instruction* at, bool sign) {
-  c.copy(eax, at->rs1);
+void emit_average(Assembler& c, const Instruction* at, bool sign) {
+  c.registers.copy(eax, at->rs1);
   load_second(c, at);
   c.movd(xmm0, eax);
   c.movd(xmm1, ecx);
@@ -164,20 +164,20 @@ void emit_average(Emitter& c, const Instruction* at, bool sign) {
     sign ? c.psraw(xmm0, 1) : c.psrlw(xmm0, 1);
   }
   c.movd(eax, xmm0);
-  c.finish(at->rd, eax);
+  c.registers.finish(at->rd, eax);
 }
-void emit_pv_avg(Emitter& c, const Instruction* at) {
+void emit_pv_avg(Assembler& c, const Instruction* at) {
   emit_average(c, at, true);
 }
-void emit_pv_avgu(Emitter& c, const Instruction* at) {
+void emit_pv_avgu(Assembler& c, const Instruction* at) {
   emit_average(c, at, false);
 }
-void emit_pv_abs(Emitter& c, const Instruction* at) {
-  c.copy(eax, at->rs1);
+void emit_pv_abs(Assembler& c, const Instruction* at) {
+  c.registers.copy(eax, at->rs1);
   c.movd(xmm0, eax);
   on_bytes(at->op) ? c.pabsb(xmm0, xmm0) : c.pabsw(xmm0, xmm0);
   c.movd(eax, xmm0);
-  c.finish(at->rd, eax);
+  c.registers.finish(at->rd, eax);
 }
 #endif
 
@@ -201,13 +201,13 @@ constexpr Word execute_pv_sll(Word a, Word b) {
 #ifdef MEBOTS_TRANSLATES
 enum class PartShift : std::uint8_t { left, right, right_signed };
 /// By the same number of places in all parts; other shifts are rare.
-bool emit_shift_parts(Emitter& c, const Instruction* at, PartShift shift) {
+bool emit_shift_parts(Assembler& c, const Instruction* at, PartShift shift) {
   const bool bytes = on_bytes(at->op);
   const auto from = operand_of(*at);
   if (from == Operand::reg || (from == Operand::scalar && bytes)) return false;
-  c.copy(eax, at->rs1);
+  c.registers.copy(eax, at->rs1);
   if (from == Operand::scalar) {
-    c.copy(ecx, at->rs2);
+    c.registers.copy(ecx, at->rs2);
     c.and_(ecx, 15);
     c.movd(xmm0, eax);
     c.movd(xmm1, ecx);
@@ -215,7 +215,7 @@ bool emit_shift_parts(Emitter& c, const Instruction* at, PartShift shift) {
     if (shift == PartShift::right_signed) c.psraw(xmm0, xmm1);
     if (shift == PartShift::left) c.psllw(xmm0, xmm1);
     c.movd(eax, xmm0);
-    c.finish(at->rd, eax);
+    c.registers.finish(at->rd, eax);
     return true;
   }
   const auto places = static_cast<int>(static_cast<unsigned>(at->imm) & (bytes ? 7U : 15U));
@@ -239,16 +239,16 @@ bool emit_shift_parts(Emitter& c, const Instruction* at, PartShift shift) {
     }
     c.movd(eax, xmm0);
   }
-  c.finish(at->rd, eax);
+  c.registers.finish(at->rd, eax);
   return true;
 }
-bool emit_pv_srl(Emitter& c, const Instruction* at) {
+bool emit_pv_srl(Assembler& c, const Instruction* at) {
   return emit_shift_parts(c, at, PartShift::right);
 }
-bool emit_pv_sra(Emitter& c, const Instruction* at) {
+bool emit_pv_sra(Assembler& c, const Instruction* at) {
   return emit_shift_parts(c, at, PartShift::right_signed);
 }
-bool emit_pv_sll(Emitter& c, const Instruction* at) {
+bool emit_pv_sll(Assembler& c, const Instruction* at) {
   return emit_shift_parts(c, at, PartShift::left);
 }
 #endif
@@ -271,19 +271,19 @@ constexpr Word execute_pv_and(Word a, Word b) {
 #ifdef MEBOTS_TRANSLATES
 /// `apply(to, from)`: to = to op from
 template <typename Apply>
-void emit_logic(Emitter& c, const Instruction* at, Apply apply) {
-  c.copy(eax, at->rs1);
+void emit_logic(Assembler& c, const Instruction* at, Apply apply) {
+  c.registers.copy(eax, at->rs1);
   load_second(c, at);
   apply(eax, ecx);
-  c.finish(at->rd, eax);
+  c.registers.finish(at->rd, eax);
 }
-void emit_pv_or(Emitter& c, const Instruction* at) {
+void emit_pv_or(Assembler& c, const Instruction* at) {
   emit_logic(c, at, [&](const Reg32& to, const Reg32& from) { c.or_(to, from); });
 }
-void emit_pv_xor(Emitter& c, const Instruction* at) {
+void emit_pv_xor(Assembler& c, const Instruction* at) {
   emit_logic(c, at, [&](const Reg32& to, const Reg32& from) { c.xor_(to, from); });
 }
-void emit_pv_and(Emitter& c, const Instruction* at) {
+void emit_pv_and(Assembler& c, const Instruction* at) {
   emit_logic(c, at, [&](const Reg32& to, const Reg32& from) { c.and_(to, from); });
 }
 #endif
@@ -309,9 +309,9 @@ constexpr std::uint32_t kSignOfBytes = 0x80808080U;
 constexpr std::uint32_t kSignOfHalves = 0x80008000U;
 
 /// a == b, !=; a > b, >=, <, <= signed; the same unsigned: with turned signs.
-void emit_compare_parts(Emitter& c, const Instruction* at) {
+void emit_compare_parts(Assembler& c, const Instruction* at) {
   const bool bytes = on_bytes(at->op);
-  c.copy(eax, at->rs1);
+  c.registers.copy(eax, at->rs1);
   load_second(c, at);
   const auto relation = traits_of(at->op).relation;
   if (!traits_of(at->op).sign) {
@@ -333,7 +333,7 @@ void emit_compare_parts(Emitter& c, const Instruction* at) {
   }
   c.movd(eax, left);
   if (inverted) c.not_(eax);
-  c.finish(at->rd, eax);
+  c.registers.finish(at->rd, eax);
 }
 #endif
 
@@ -364,36 +364,36 @@ std::optional<Xbyak::PreferredEncoding> host_dot_product() {
 }
 
 /// Finishes a dot product: rd = sum, or rd += sum; eax may be lost.
-void finish_sum(Emitter& c, unsigned rd, bool accumulates, const Xbyak::Xmm& sum) {
+void finish_sum(Assembler& c, unsigned rd, bool accumulates, const Xbyak::Xmm& sum) {
   if (!accumulates) {
-    c.finish_vector(rd, sum);
-  } else if (c.in_vector(rd)) {
-    c.paddd(c.vector(rd), sum);
+    c.registers.finish_vector(rd, sum);
+  } else if (c.registers.in_vector(rd)) {
+    c.paddd(c.registers.vector(rd), sum);
   } else {
     c.movd(eax, sum);
-    c.add(c.operand(rd), eax);
+    c.add(c.registers.operand(rd), eax);
   }
 }
 /// Products of halves by pmaddwd where both are signed, else one by one. Bytes are widened to halves first, since
 /// pmaddubsw would saturate, but for unsigned by signed ones, for which newer hosts have an instruction.
-void emit_dot_product(Emitter& c, const Instruction* at) {
+void emit_dot_product(Assembler& c, const Instruction* at) {
   const bool accumulates = reads_rd(at->op);
   const bool left_signed = traits_of(at->op).sign;
   const bool right_signed = traits_of(at->op).second_sign;
   if (on_bytes(at->op)) {
-    const auto left = c.in_vector_for(at->rs1, xmm0);
+    const auto left = c.registers.in_vector_for(at->rs1, xmm0);
     auto right = xmm1;
     if (operand_of(*at) == Operand::reg) {
-      right = c.in_vector_for(at->rs2, xmm1);
+      right = c.registers.in_vector_for(at->rs2, xmm1);
     } else {
       load_second(c, at);
       c.movd(xmm1, ecx);
     }
     if (const auto encoding = host_dot_product(); encoding && !left_signed && right_signed) {
-      const auto sum = accumulates ? c.in_vector_for(at->rd, xmm2) : xmm2;
+      const auto sum = accumulates ? c.registers.in_vector_for(at->rd, xmm2) : xmm2;
       if (!accumulates) c.pxor(sum, sum);
       c.vpdpbusd(sum, left, right, *encoding);
-      c.finish_vector(at->rd, sum);
+      c.registers.finish_vector(at->rd, sum);
       return;
     }
     left_signed ? c.pmovsxbw(xmm0, left) : c.pmovzxbw(xmm0, left);
@@ -407,16 +407,16 @@ void emit_dot_product(Emitter& c, const Instruction* at) {
   if (left_signed) {
     load_second(c, at);
     c.movd(xmm1, ecx);
-    if (c.in_vector(at->rs1)) {
-      c.movdqa(xmm0, c.vector(at->rs1));
+    if (c.registers.in_vector(at->rs1)) {
+      c.movdqa(xmm0, c.registers.vector(at->rs1));
     } else {
-      c.copy(eax, at->rs1);
+      c.registers.copy(eax, at->rs1);
       c.movd(xmm0, eax);
     }
     c.pmaddwd(xmm0, xmm1);
     finish_sum(c, at->rd, accumulates, xmm0);
   } else {
-    c.copy(eax, at->rs1);
+    c.registers.copy(eax, at->rs1);
     load_second(c, at);
     c.mov(edx, eax);
     c.movzx(eax, ax);
@@ -433,7 +433,7 @@ void emit_dot_product(Emitter& c, const Instruction* at) {
     finish_sum(c, at->rd, accumulates, xmm0);
   }
 }
-void emit_accumulate_dot_product(Emitter& c, const Instruction* at) {
+void emit_accumulate_dot_product(Assembler& c, const Instruction* at) {
   emit_dot_product(c, at);
 }
 #endif
@@ -497,38 +497,38 @@ Part part_of(const Instruction* at) {
   const auto bits = on_bytes(at->op) ? 8U : 16U;
   return {static_cast<int>((static_cast<unsigned>(at->imm) % (32 / bits)) * bits), (1U << bits) - 1U};
 }
-void emit_pv_extract(Emitter& c, const Instruction* at) {
-  c.copy(eax, at->rs1);
+void emit_pv_extract(Assembler& c, const Instruction* at) {
+  c.registers.copy(eax, at->rs1);
   c.shr(eax, part_of(at).position);
   const Xbyak::Reg& low = on_bytes(at->op) ? static_cast<const Xbyak::Reg&>(al) : ax;
   traits_of(at->op).sign ? c.movsx(eax, low) : c.movzx(eax, low);
-  c.finish(at->rd, eax);
+  c.registers.finish(at->rd, eax);
 }
-void emit_pv_extractu(Emitter& c, const Instruction* at) {
+void emit_pv_extractu(Assembler& c, const Instruction* at) {
   emit_pv_extract(c, at);
 }
-void emit_pv_insert(Emitter& c, const Instruction* at) {
+void emit_pv_insert(Assembler& c, const Instruction* at) {
   const auto part = part_of(at);
-  c.copy(eax, at->rs1);
+  c.registers.copy(eax, at->rs1);
   c.and_(eax, part.low);
   c.shl(eax, part.position);
-  c.copy(ecx, at->rd);
+  c.registers.copy(ecx, at->rd);
   c.and_(ecx, ~(part.low << part.position));
   c.or_(eax, ecx);
-  c.finish(at->rd, eax);
+  c.registers.finish(at->rd, eax);
 }
 /// Of the parts of one register, or of two.
-void emit_pv_shuffle(Emitter& c, const Instruction* at) {
+void emit_pv_shuffle(Assembler& c, const Instruction* at) {
   const bool bytes = on_bytes(at->op);
   const bool two = reads_rd(at->op);
-  c.copy(eax, at->rs1);
+  c.registers.copy(eax, at->rs1);
   if (operand_of(*at) == Operand::immediate) {
     c.mov(ecx, static_cast<std::uint32_t>(at->imm));
   } else {
-    c.copy(ecx, at->rs2);
+    c.registers.copy(ecx, at->rs2);
   }
   if (two) {  // rd below, rs1 above
-    c.copy(edx, at->rd);
+    c.registers.copy(edx, at->rd);
     c.shl(rax, 32);
     c.or_(rax, rdx);
   }
@@ -542,14 +542,14 @@ void emit_pv_shuffle(Emitter& c, const Instruction* at) {
   c.movd(xmm1, ecx);
   c.pshufb(xmm0, xmm1);
   c.movd(eax, xmm0);
-  c.finish(at->rd, eax);
+  c.registers.finish(at->rd, eax);
 }
-void emit_pv_shuffle2(Emitter& c, const Instruction* at) {
+void emit_pv_shuffle2(Assembler& c, const Instruction* at) {
   emit_pv_shuffle(c, at);
 }
-void emit_pack_halves(Emitter& c, const Instruction* at, bool of_high) {
-  c.copy(eax, at->rs1);
-  c.copy(ecx, at->rs2);
+void emit_pack_halves(Assembler& c, const Instruction* at, bool of_high) {
+  c.registers.copy(eax, at->rs1);
+  c.registers.copy(ecx, at->rs2);
   if (of_high) {
     c.and_(eax, 0xffff0000U);
     c.shr(ecx, 16);
@@ -558,32 +558,32 @@ void emit_pack_halves(Emitter& c, const Instruction* at, bool of_high) {
     c.movzx(ecx, cx);
   }
   c.or_(eax, ecx);
-  c.finish(at->rd, eax);
+  c.registers.finish(at->rd, eax);
 }
-void emit_pv_pack_h(Emitter& c, const Instruction* at) {
+void emit_pv_pack_h(Assembler& c, const Instruction* at) {
   emit_pack_halves(c, at, false);
 }
-void emit_pv_pack_h_h(Emitter& c, const Instruction* at) {
+void emit_pv_pack_h_h(Assembler& c, const Instruction* at) {
   emit_pack_halves(c, at, true);
 }
 /// Two bytes into the upper or the lower half of rd.
-void emit_pack_bytes(Emitter& c, const Instruction* at, bool into_high) {
-  c.copy(eax, at->rs1);
+void emit_pack_bytes(Assembler& c, const Instruction* at, bool into_high) {
+  c.registers.copy(eax, at->rs1);
   c.movzx(eax, al);
   c.shl(eax, 8);
-  c.copy(ecx, at->rs2);
+  c.registers.copy(ecx, at->rs2);
   c.movzx(ecx, cl);
   c.or_(eax, ecx);
   if (into_high) c.shl(eax, 16);
-  c.copy(ecx, at->rd);
+  c.registers.copy(ecx, at->rd);
   c.and_(ecx, into_high ? 0x0000ffffU : 0xffff0000U);
   c.or_(eax, ecx);
-  c.finish(at->rd, eax);
+  c.registers.finish(at->rd, eax);
 }
-void emit_pv_packhi_b(Emitter& c, const Instruction* at) {
+void emit_pv_packhi_b(Assembler& c, const Instruction* at) {
   emit_pack_bytes(c, at, true);
 }
-void emit_pv_packlo_b(Emitter& c, const Instruction* at) {
+void emit_pv_packlo_b(Assembler& c, const Instruction* at) {
   emit_pack_bytes(c, at, false);
 }
 #endif

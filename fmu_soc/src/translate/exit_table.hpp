@@ -13,16 +13,16 @@
 
 namespace mebots::soc::translate {
 
-/// How the code memory is divided: the gates, then segments that are filled one after the other, round and round. A
+/// How the code memory is divided: the stubs, then segments that are filled one after the other, round and round. A
 /// segment begins with its patch points: they are data that the code before them jumps by, in pages without code.
 struct Segments {
   static constexpr std::uint32_t kCount = 8;
-  static constexpr std::size_t kGateBytes = 4096;
+  static constexpr std::size_t kStubBytes = 4096;
   static constexpr std::uint32_t kPatchPoints = 3U << 15;
   static constexpr std::size_t kPatchPointBytes = kPatchPoints * sizeof(const std::uint8_t*);
   static constexpr std::size_t kBytes = kPatchPointBytes + (std::size_t{6} << 20);
 
-  static constexpr std::size_t begin_of(std::uint32_t segment) { return kGateBytes + segment * kBytes; }
+  static constexpr std::size_t begin_of(std::uint32_t segment) { return kStubBytes + segment * kBytes; }
   static constexpr std::size_t all_bytes() { return begin_of(kCount); }
 };
 

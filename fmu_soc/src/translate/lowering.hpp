@@ -6,10 +6,10 @@
 
 namespace mebots::soc::translate {
 
-class Emitter;
+class Assembler;
 
 /// Writes host code for an instruction. False: nothing was written, this form of it is left to the interpreter.
-using Lowering = bool (*)(Emitter&, const Instruction*);
+using Lowering = bool (*)(Assembler&, const Instruction*);
 
 /// The lowering of an operation; null if all forms are left to the interpreter.
 Lowering lowering_of(Op op);

@@ -1,12 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "translate/registers.hpp"
 
+#include "mebots/assert.hpp"
+#include "translate/assembler.hpp"
+
 #include <algorithm>
 #include <numeric>
 
 namespace mebots::soc::translate {
 namespace {
 
+/// The registers of the host that hold guest registers, in the order of `Registers`. The first ones make the
+/// shortest code.
+constexpr std::array<int, kHostRegisters> kHosts{Xbyak::Operand::RSI, Xbyak::Operand::RDI, Xbyak::Operand::RBP,
+                                                 Xbyak::Operand::R8,  Xbyak::Operand::R9,  Xbyak::Operand::R10,
+                                                 Xbyak::Operand::R11, Xbyak::Operand::R12, Xbyak::Operand::R13};
 /// What a register costs by weight, in moves to where an instruction wants it and back.
 struct Uses {
   std::array<std::uint64_t, 33> all{};
@@ -59,6 +67,125 @@ Registers allocate(const Region& region) {
     registers.guest[registers.count++] = reg;
   }
   return registers;
+}
+
+using namespace Xbyak::util;
+
+Xbyak::Address RegisterMap::memory(unsigned reg) {
+  return dword[rbx + static_cast<int>(offsetof(Execution, x) + sizeof(std::uint32_t) * reg)];
+}
+
+RegisterMap::RegisterMap(Assembler& assembler) : a_(assembler) {
+  for (unsigned reg = 0; reg < kGuestRegisters; ++reg) memory_operands_.push_back(memory(reg));
+}
+
+void RegisterMap::load_all() {
+  for (unsigned i = 0; i < allocation_.count; ++i) a_.mov(Reg32(kHosts[i]), memory(allocation_.guest[i]));
+  for (unsigned i = 0; i < allocation_.vector_count; ++i) {
+    const auto guest = allocation_.vector_guest[i];
+    a_.movd(vector(guest), memory(guest));
+  }
+}
+
+void RegisterMap::store_all() {
+  for (unsigned i = 0; i < allocation_.count; ++i) {
+    const auto guest = allocation_.guest[i];
+    if (allocation_.written[guest]) a_.mov(memory(guest), Reg32(kHosts[i]));
+  }
+  for (unsigned i = 0; i < allocation_.vector_count; ++i) {
+    const auto guest = allocation_.vector_guest[i];
+    if (allocation_.written[guest]) a_.movd(memory(guest), vector(guest));
+  }
+}
+
+Xbyak::Reg32 RegisterMap::host(unsigned reg) const {
+  return Reg32(kHosts[static_cast<std::uint8_t>(allocation_.host[reg])]);
+}
+
+Xbyak::Xmm RegisterMap::vector(unsigned reg) const {
+  MEBOTS_ASSERT(in_vector(reg));
+  return Xbyak::Xmm(kFirstVector + allocation_.vector[reg]);
+}
+
+const Xbyak::Operand& RegisterMap::operand(unsigned reg) {
+  MEBOTS_ASSERT(!in_vector(reg));
+  static constexpr std::size_t kCount = kHosts.size();
+  static const std::array<Reg32, kCount> kOperands{Reg32(kHosts[0]), Reg32(kHosts[1]), Reg32(kHosts[2]),
+                                                   Reg32(kHosts[3]), Reg32(kHosts[4]), Reg32(kHosts[5]),
+                                                   Reg32(kHosts[6]), Reg32(kHosts[7]), Reg32(kHosts[8])};
+  if (in_host(reg)) return kOperands[static_cast<std::uint8_t>(allocation_.host[reg])];
+  return memory_operands_[reg];
+}
+
+const Xbyak::Operand& RegisterMap::source(unsigned reg, const Reg32& scratch) {
+  if (!in_vector(reg)) return operand(reg);
+  copy(scratch, reg);
+  return scratch;
+}
+
+Xbyak::Reg32 RegisterMap::value(unsigned reg, const Reg32& scratch) {
+  if (in_host(reg)) return host(reg);
+  copy(scratch, reg);
+  return scratch;
+}
+
+Xbyak::Reg32 RegisterMap::place(unsigned rd, const Reg32& scratch, bool needed_later) const {
+  return in_host(rd) && !needed_later ? host(rd) : scratch;
+}
+
+void RegisterMap::finish(unsigned rd, const Reg32& result) {
+  if (in_host(rd)) {
+    if (host(rd).getIdx() != result.getIdx()) a_.mov(host(rd), result);
+  } else if (in_vector(rd)) {
+    a_.movd(vector(rd), result);
+  } else {
+    a_.mov(memory(rd), result);
+  }
+}
+
+void RegisterMap::set(unsigned rd, std::uint32_t constant) {
+  if (in_vector(rd)) {
+    a_.mov(ecx, constant);  // eax holds where a jump leads
+    a_.movd(vector(rd), ecx);
+  } else if (!in_host(rd)) {
+    a_.mov(memory(rd), constant);
+  } else if (constant == 0) {
+    a_.xor_(host(rd), host(rd));
+  } else {
+    a_.mov(host(rd), constant);
+  }
+}
+
+void RegisterMap::copy(const Reg32& to, unsigned reg) {
+  if (reg == 0) {
+    a_.mov(to, 0);  // not xor: flags stay
+  } else if (in_vector(reg)) {
+    a_.movd(to, vector(reg));
+  } else if (!in_host(reg) || host(reg).getIdx() != to.getIdx()) {
+    a_.mov(to, operand(reg));
+  }
+}
+
+Xbyak::Xmm RegisterMap::in_vector_for(unsigned reg, const Xbyak::Xmm& scratch) {
+  if (in_vector(reg)) return vector(reg);
+  if (reg == 0) {
+    a_.pxor(scratch, scratch);
+  } else if (in_host(reg)) {
+    a_.movd(scratch, host(reg));
+  } else {
+    a_.movd(scratch, memory(reg));
+  }
+  return scratch;
+}
+
+void RegisterMap::finish_vector(unsigned rd, const Xbyak::Xmm& result) {
+  if (in_vector(rd)) {
+    if (vector(rd).getIdx() != result.getIdx()) a_.movdqa(vector(rd), result);
+  } else if (in_host(rd)) {
+    a_.movd(host(rd), result);
+  } else {
+    a_.movd(memory(rd), result);
+  }
 }
 
 }  // namespace mebots::soc::translate

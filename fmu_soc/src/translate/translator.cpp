@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "translate/translator.hpp"
 
+#include "translate/assembler.hpp"
 #include "translate/code_memory.hpp"
-#include "translate/emitter.hpp"
 #include "translate/exit_table.hpp"
 
 #include <xbyak/xbyak_util.h>
@@ -27,8 +27,8 @@ class HostTranslator : public Translator {
     memories_.ram[0] = execution.ram[0];
     memories_.ram[1] = execution.ram[1];
     entries_.reserve(BlockCache::kMaxBlocks);
-    Emitter emitter(*memory_, 0, blocks_, memories_, options_, exits_);
-    gates_ = emitter.emit_gates();
+    Assembler assembler(context_, 0, {});
+    stubs_ = emit_stubs(assembler);
     begin_segment(0);
   }
 
@@ -43,9 +43,9 @@ class HostTranslator : public Translator {
     made.segment = segment_;
     const auto first_exit = exits_.count();
     made.begin = memory_->executable(memory_->writable() + used_);
-    Emitter emitter(*memory_, used_, blocks_, memories_, options_, exits_);
-    const auto entries = emitter.emit(region, allocate(region), gates_);
-    used_ += align_up(emitter.size());
+    Assembler assembler(context_, used_, stubs_);
+    const auto entries = emit_region(assembler, region);
+    used_ += align_up(assembler.getSize());
     made.end = memory_->executable(memory_->writable() + used_);
     for (std::size_t i = 0; i < entries.size(); ++i) {
       const auto& node = region.nodes[i];
@@ -65,8 +65,8 @@ class HostTranslator : public Translator {
       Execution* execution;
     };
     using Enter = Return (*)(Execution*, const std::uint8_t*);
-    const auto [exit, stopped] = std::bit_cast<Enter>(gates_.enter)(&execution, code);
-    if (exit == Emitter::kNoExit) return {nullptr, stopped};
+    const auto [exit, stopped] = std::bit_cast<Enter>(stubs_.prologue)(&execution, code);
+    if (exit == kNoExit) return {nullptr, stopped};
     last_exit_ = static_cast<std::uint32_t>(exit);
     return {&exits_.exit(last_exit_), stopped};
   }
@@ -186,10 +186,11 @@ class HostTranslator : public Translator {
   Execution memories_;  // only these of it
   Options options_;
   std::unique_ptr<CodeMemory> memory_;
-  Emitter::Gates gates_;
+  Stubs stubs_;
   std::uint32_t segment_ = 0;  // in which code is made now
   std::size_t used_ = 0;       // where the next region begins
   ExitTable exits_;
+  const TranslationContext context_{*memory_, blocks_, memories_.ram, options_, exits_};
   std::vector<MadeRegion> regions_{1};  // number 0 is none
   std::vector<std::uint32_t> free_regions_;
   std::uint32_t last_exit_ = kNone;

@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "translate/cycle_accounting.hpp"
+
+#include "translate/assembler.hpp"
+
+#include <bit>
+
+namespace mebots::soc::translate {
+
+using namespace Xbyak::util;
+
+std::uint32_t CycleAccounting::waits_before(const Instruction* at) const {
+  return a_.ram[0].wait_cycles * at->accesses_before;
+}
+
+/// Adds up what a block has done when it is left behind `at`.
+void CycleAccounting::count(const Instruction* at, std::uint32_t extra_cycles) {
+  const auto& sums = at[1];
+  spend(sums.cycles_before + waits_before(&sums) + extra_cycles);
+  const auto counts = std::uint64_t{sums.index} | std::uint64_t{sums.accesses_before} << 32;
+  a_.paddq(xmm15, ptr[rip + a_.constant(counts, sums.energy_before_fj)]);
+}
+
+/// Undoes count().
+void CycleAccounting::take_back(const Instruction* at) {
+  const auto& sums = at[1];
+  const auto cycles = sums.cycles_before + waits_before(&sums);
+  if (a_.options.banks != nullptr) {
+    a_.sub(r15, cycles * a_.options.banks->count());
+  } else {
+    a_.add(r15, cycles);
+  }
+  const auto counts = std::uint64_t{sums.index} | std::uint64_t{sums.accesses_before} << 32;
+  a_.psubq(xmm15, ptr[rip + a_.constant(counts, sums.energy_before_fj)]);
+}
+
+void CycleAccounting::spend(std::uint32_t cycles) {
+  if (cycles == 0) return;
+  if (a_.options.banks != nullptr) {
+    a_.add(r15, cycles * a_.options.banks->count());
+  } else {
+    a_.sub(r15, cycles);
+  }
+}
+
+void CycleAccounting::spend(const Xbyak::Reg64& cycles) {
+  if (a_.options.banks != nullptr) {
+    a_.shl(cycles.cvt32(), std::countr_zero(a_.options.banks->count()));
+    a_.add(r15, cycles);
+  } else {
+    a_.sub(r15, cycles);
+  }
+}
+
+/// Jumps when fewer cycles may still start than the block asks for, of which the first stall. With a loose limit a
+/// block asks for one cycle, and for the lines of its first instruction: others use the cache, too.
+void CycleAccounting::jump_at_limit(const Block& block, std::uint32_t stall, Label& leave) {
+  if (!a_.options.loose_limit) {
+    a_.cmp(r15, a_.blocks.fetch_bound(block) + stall);
+    a_.jle(leave, kNear);
+  } else if (a_.options.banks != nullptr) {
+    a_.cmp(r15, ptr[rbx + static_cast<int>(offsetof(Execution, host.end))]);
+    a_.jae(leave, kNear);
+  } else {
+    a_.cmp(r15, 0);
+    a_.jle(leave, kNear);
+  }
+  if (a_.blocks.fetched() != nullptr && !a_.fetches.are_inline()) {
+    a_.fetches.jump_when_absent(block.pc, leave);
+    if (block.begins_across) a_.fetches.jump_when_absent(block.pc + 2, leave);
+  }
+}
+
+/// True if observers need this step.
+bool CycleAccounting::is_noted(const Instruction* at, std::uint32_t next) const {
+  if (a_.options.flow == nullptr) return false;
+  return (at->op == Op::jal && at->rd != 32) || a_.options.flow->leads_away(at->pc, next);
+}
+
+/// Notes a step behind `at`, up to which all is counted, to where `set_next` stores. rcx and rdx are lost.
+template <typename SetNext>
+void CycleAccounting::note_flow(const Instruction* at, SetNext set_next) {
+  const auto field = [this](std::size_t offset) { return rdx + static_cast<int>(offset); };
+  const auto end = rbx + static_cast<int>(offsetof(Execution, host.flow));
+  a_.mov(rdx, ptr[end]);
+  a_.movdqu(ptr[field(offsetof(Flow, instructions))], xmm15);
+  a_.mov(ptr[field(offsetof(Flow, cycles))], r15);
+  a_.mov(rcx, ptr[rbx + static_cast<int>(offsetof(Execution, counters.far_accesses))]);
+  a_.mov(ptr[field(offsetof(Flow, far_accesses))], rcx);
+  a_.mov(rcx, ptr[rbx + static_cast<int>(offsetof(Execution, counters.fetch_cycles))]);
+  a_.mov(ptr[field(offsetof(Flow, fetch_cycles))], rcx);
+  a_.mov(rcx, reinterpret_cast<std::uint64_t>(at));
+  a_.mov(ptr[field(offsetof(Flow, at))], rcx);
+  set_next(dword[field(offsetof(Flow, next))]);
+  a_.add(qword[end], static_cast<std::uint32_t>(sizeof(Flow)));
+}
+
+void CycleAccounting::note_flow_to(const Instruction* at, std::uint32_t next) {
+  note_flow(at, [this, next](const Xbyak::Address& place) { a_.mov(place, next); });
+}
+
+/// Notes a step to the address in `next`.
+void CycleAccounting::note_flow_to(const Instruction* at, const Xbyak::Reg32& next) {
+  note_flow(at, [this, next](const Xbyak::Address& place) { a_.mov(place, next); });
+}
+
+/// A step within the block, whose counts are not added before it is left.
+void CycleAccounting::note_flow_inside(const Instruction* at) {
+  if (is_block_end(at[1].op) || !is_noted(at, at[1].pc)) return;
+  count(at, 0);
+  note_flow_to(at, at[1].pc);
+  take_back(at);
+}
+
+/// Takes a cycle of a bank of the first memory for the access at offset eax, when others use it too. ecx, which may
+/// hold the number of the word already, and edx are lost.
+void CycleAccounting::claim_bank(const Instruction* at, bool word_in_ecx) {
+  if (a_.options.banks == nullptr) return;
+  const auto count = static_cast<int>(a_.options.banks->count());
+  const auto distance = at->cycles_before * count;
+  Label retry;
+  Label taken;
+  Label done;
+  if (!word_in_ecx) a_.rorx(ecx, eax, 2);
+  a_.and_(ecx, count - 1);
+  a_.L(retry);
+  a_.cmp(byte[r15 + rcx + distance], 0);
+  a_.jne(taken, kNear);
+  a_.mov(byte[r15 + rcx + distance], 1);
+  a_.L(done);
+  a_.defer_warm([this, retry, taken, done, count, distance]() mutable {
+    a_.L(taken);
+    a_.cmp(byte[rbx + offset_of_host(offsetof(HostState, alone))], 0);
+    a_.jne(done, kNear);
+    a_.add(r15, count);
+    a_.mov(rdx, reinterpret_cast<std::uint64_t>(a_.options.banks->horizon()));
+    a_.mov(rdx, ptr[rdx]);
+    a_.sub(rdx, distance);
+    a_.cmp(r15, rdx);
+    a_.jb(retry, kNear);
+    a_.jmp(done, kNear);
+  });
+}
+
+/// Adds what a run has counted to the counters. Guest registers are stored; rsi and rdx are lost.
+void CycleAccounting::add_to_counters() {
+  if (a_.options.flow != nullptr) a_.mov(ptr[rbx + offset_of_host(offsetof(HostState, position))], r15);
+  a_.mov(rdx, ptr[rbx + offset_of_host(offsetof(HostState, begin))]);
+  a_.sub(rdx, r15);
+  if (a_.options.banks != nullptr) {
+    a_.neg(rdx);
+    a_.shr(rdx, std::countr_zero(a_.options.banks->count()));
+  }
+  a_.add(ptr[rbx + offset_of_counter(offsetof(Counters, cycles))], rdx);
+  a_.movq(rdx, xmm15);
+  a_.mov(ptr[rbx + offset_of_host(offsetof(HostState, instructions))], rdx);
+  a_.mov(esi, edx);
+  a_.add(ptr[rbx + offset_of_counter(offsetof(Counters, instructions))], rsi);
+  a_.shr(rdx, 32);
+  a_.add(ptr[rbx + offset_of_counter(offsetof(Counters, accesses))], rdx);
+  a_.psrldq(xmm15, 8);
+  a_.movq(rdx, xmm15);
+  if (a_.options.flow != nullptr) a_.mov(ptr[rbx + offset_of_host(offsetof(HostState, instruction_fj))], rdx);
+  a_.add(ptr[rbx + offset_of_counter(offsetof(Counters, instruction_fj))], rdx);
+}
+
+}  // namespace mebots::soc::translate

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "hart/execution.hpp"
+#include "translate/region.hpp"
+
+#include <xbyak/xbyak.h>
+
+#include <cstdint>
+
+namespace mebots::soc::translate {
+
+class Assembler;
+
+/// The code that counts: cycles in r15, instructions, accesses and energy in xmm15 (assembler.hpp); banks of the first
+/// memory that cores share; steps between functions, with the counts up to them.
+class CycleAccounting {
+ public:
+  explicit CycleAccounting(Assembler& assembler) : a_(assembler) {}
+
+  /// Spends cycles.
+  void spend(std::uint32_t cycles);
+  /// The register is lost.
+  void spend(const Xbyak::Reg64& cycles);
+  /// Adds up what a block has done when it is left behind `at`.
+  void count(const Instruction* at, std::uint32_t extra_cycles);
+  /// Undoes count().
+  void take_back(const Instruction* at);
+  /// Cycles that the block has waited for the first memory before `at`, by rule.
+  std::uint32_t waits_before(const Instruction* at) const;
+  /// Jumps if the limit does not allow the block to begin.
+  void jump_at_limit(const Block& block, std::uint32_t stall, Xbyak::Label& leave);
+  /// Takes a cycle of a bank for an access.
+  void claim_bank(const Instruction* at, bool word_in_ecx);
+  /// Adds what a run has counted to the counters of Execution.
+  void add_to_counters();
+
+  // Steps between functions, for observers.
+
+  /// True if a step must be noted.
+  bool is_noted(const Instruction* at, std::uint32_t next) const;
+  void note_flow_to(const Instruction* at, std::uint32_t next);
+  void note_flow_to(const Instruction* at, const Xbyak::Reg32& next);
+  void note_flow_inside(const Instruction* at);
+
+ private:
+  template <typename SetNext>
+  void note_flow(const Instruction* at, SetNext set_next);
+
+  Assembler& a_;
+};
+
+}  // namespace mebots::soc::translate

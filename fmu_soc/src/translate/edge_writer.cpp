@@ -1,0 +1,257 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Edges out of a block: to another one of the region, to other translated code, back to the interpreter.
+#include "translate/edge_writer.hpp"
+
+#include "translate/assembler.hpp"
+
+#include <bit>
+
+namespace mebots::soc::translate {
+
+using namespace Xbyak::util;
+
+void EdgeWriter::begin(const Region& region) {
+  region_ = &region;
+  labels_ = std::vector<Label>(region.nodes.size());
+  entries_ = std::vector<Label>(region.nodes.size());
+  stalled_entries_ = std::vector<Label>(region.nodes.size());
+}
+
+void EdgeWriter::begin_node(std::size_t index) {
+  following_ = index + 1 < region_->nodes.size() ? &region_->nodes[index + 1] : nullptr;
+  a_.L(labels_[index]);
+}
+
+void EdgeWriter::emit_exits() {
+  a_.L(leave_all_);
+  a_.registers.store_all();
+  a_.jmp(a_.stubs.leave);
+  a_.L(park_all_);
+  a_.registers.store_all();
+  a_.jmp(a_.stubs.park);
+}
+
+std::uint32_t EdgeWriter::add_exit(const Exit& exit) {
+  auto added = exit;
+  if (exit.resumes || exit.straight) added.is_reached_straight = true;
+  return a_.exits.add(added);
+}
+
+void EdgeWriter::leave_by(const Exit& exit) {
+  a_.mov(eax, add_exit(exit));
+  a_.jmp(leave_all_, kNear);
+}
+
+void EdgeWriter::resume(const Instruction* at) {
+  Exit exit;
+  exit.resumes = true;
+  exit.at = at;
+  exit.wait_cycles = a_.cycles.waits_before(at);
+  leave_by(exit);
+}
+
+/// The node of the region to which a link has led, at `pc`. If there is no such node, returns null.
+const Node* EdgeWriter::node_at(std::uint32_t link, std::uint32_t pc) const {
+  const auto number = linked(a_.blocks, link, pc);
+  return number == 0 ? nullptr : region_->find(number);
+}
+
+/// A block may only begin when none of its instructions can start too late.
+void EdgeWriter::check_limit(const Node& node, std::uint32_t stall, const Exit& at_limit) {
+  Label leave;
+  a_.cycles.jump_at_limit(*node.block, stall, leave);
+  a_.defer_cold([this, &node, stall, at_limit, leave]() mutable {
+    a_.L(leave);
+    // With a strict limit, a stall asks for a cycle more, so that the next run may have to begin otherwise.
+    if (stall == 0 || a_.options.loose_limit) {
+      park(node, at_limit, stall);
+    } else {
+      leave_by(at_limit);
+    }
+  });
+}
+
+/// Behind a jump.
+void EdgeWriter::check_limit(const Node& node) {
+  Exit exit;
+  exit.pc = node.block->pc;
+  exit.block = node.number;
+  check_limit(node, 0, exit);
+  clear_pipeline_state();
+}
+
+/// Stores the place at which the interpreter would begin.
+void EdgeWriter::store_next_block(const Node& node) {
+  a_.mov(dword[rbx + static_cast<int>(offsetof(Execution, pc))], node.block->pc);
+  a_.mov(dword[rbx + static_cast<int>(offsetof(Execution, next_block))], node.number);
+}
+
+/// rcx = the resume point of the next core of the round, or 0. The host cannot predict that jump, and corrects the
+/// prediction only after this load. So the load comes first.
+void EdgeWriter::load_next_point() {
+  if (a_.options.banks == nullptr) return;  // there are no rounds
+  a_.mov(rcx, ptr[rbx + static_cast<int>(offsetof(Execution, host.resume_point_of_next))]);
+  a_.mov(rcx, ptr[rcx]);
+}
+
+/// Leaves in front of a block so that the next run can begin with it by its resume point. A stall comes with that run.
+void EdgeWriter::park(const Node& node, const Exit& exit, std::uint32_t stall) {
+  static_assert(sizeof(Pipeline) == sizeof(std::uint64_t));
+  load_next_point();
+  store_next_block(node);
+  if (exit.straight) {
+    a_.mov(rdx, ptr[rbx + static_cast<int>(offsetof(Execution, host.came_from))]);
+  } else {
+    a_.mov(rdx, bits_of({}));
+  }
+  a_.mov(ptr[rbx + static_cast<int>(offsetof(Execution, pipeline))], rdx);
+  a_.mov(eax, add_exit(exit));
+  a_.lea(rdx, ptr[rip + (stall == 0 ? entries_ : stalled_entries_)[index_of(node)]]);
+  a_.jmp(park_all_, kNear);
+}
+
+/// Leaves at an entry, where no registers are loaded yet. Code that came straight has stored what the pipeline holds;
+/// after a jump it is empty; at the begin of a run it is unchanged.
+void EdgeWriter::park_at_entry(const Node& node, const Exit& exit, std::uint32_t stall) {
+  const auto pipeline = ptr[rbx + static_cast<int>(offsetof(Execution, pipeline))];
+  load_next_point();
+  store_next_block(node);
+  if (exit.is_reached_straight) {
+    a_.mov(rdx, ptr[rbx + static_cast<int>(offsetof(Execution, host.came_from))]);
+    a_.mov(pipeline, rdx);
+  } else {
+    Label begun;
+    a_.movd(edx, xmm15);
+    a_.test(edx, edx);
+    a_.jz(begun);
+    a_.mov(rdx, bits_of({}));
+    a_.mov(pipeline, rdx);
+    a_.L(begun);
+  }
+  a_.mov(eax, add_exit(exit));
+  a_.lea(rdx, ptr[rip + (stall == 0 ? entries_ : stalled_entries_)[index_of(node)]]);
+  a_.jmp(a_.stubs.park, kNear);
+}
+
+Entry EdgeWriter::emit_entry(const Node& node, bool runs_into_node) {
+  Entry entry;
+  Exit at_limit;
+  at_limit.pc = node.block->pc;
+  at_limit.block = node.number;
+  const auto check = [this, &node, at_limit](bool is_reached_straight, std::uint32_t stall) {
+    Label leave;
+    a_.cycles.jump_at_limit(*node.block, stall, leave);
+    a_.defer_cold([this, &node, at_limit, is_reached_straight, stall, leave]() mutable {
+      a_.L(leave);
+      at_limit.is_reached_straight = is_reached_straight;
+      if (a_.options.loose_limit) {
+        park_at_entry(node, at_limit, stall);
+        return;
+      }
+      a_.mov(eax, add_exit(at_limit));
+      a_.jmp(a_.stubs.leave, kNear);
+    });
+  };
+  Label inside;
+  entry.stalled = a_.code_memory.executable(a_.getCurr());
+  a_.L(stalled_entries_[index_of(node)]);
+  check(true, 1);
+  if (a_.blocks.fetched() != nullptr && a_.fetches.are_inline())
+    a_.fetches.emit(*node.block, node.first, nullptr);  // before it stalls
+  a_.cycles.spend(1);
+  a_.jmp(inside);
+  entry.straight = a_.code_memory.executable(a_.getCurr());
+  check(true, 0);
+  a_.jmp(inside);
+  entry.jumped = a_.code_memory.executable(a_.getCurr());
+  if (node.block->unaligned) a_.cycles.spend(kUnalignedTargetExtra);
+  entry.plain = a_.code_memory.executable(a_.getCurr());
+  a_.L(entries_[index_of(node)]);
+  check(false, 0);
+  clear_pipeline_state();
+  a_.L(inside);
+  a_.registers.load_all();
+  if (!runs_into_node) a_.jmp(label_of(node), kNear);
+  return entry;
+}
+
+/// Leaves the block behind `at`, which is counted already but for an unaligned target.
+void EdgeWriter::jump(const Instruction* at, std::uint32_t pc, bool jumped) {
+  const auto extra = is_branch(at->op) ? kTakenBranchExtra : 0U;
+  if (const auto* node = node_at(at->link, pc); node != nullptr) {
+    const auto landing = jumped && node->block->unaligned ? kUnalignedTargetExtra : 0U;
+    if (a_.cycles.is_noted(at, pc)) {
+      a_.cycles.count(at, extra);
+      a_.cycles.note_flow_to(at, pc);
+      a_.cycles.spend(landing);
+    } else {
+      a_.cycles.count(at, extra + landing);
+    }
+    check_limit(*node);
+    if (is_branch(at->op) || node != following_) a_.jmp(label_of(*node), kNear);
+    return;
+  }
+  a_.cycles.count(at, extra);
+  if (a_.cycles.is_noted(at, pc)) a_.cycles.note_flow_to(at, pc);
+  Exit exit;
+  exit.pc = pc;
+  exit.at = at;
+  exit.jumped = jumped;
+  leave_chained(exit);
+}
+
+/// Leaves by a patch point.
+void EdgeWriter::leave_chained(Exit exit) {
+  a_.registers.store_all();
+  // To the next instruction until it is patched. The target stands in data: code is never changed.
+  exit.patch_point = a_.exits.add_patch_point();
+  constexpr auto kJumpBytes = 6;
+  a_.jmp(ptr[rip + static_cast<int>(a_.exits.place_of(exit.patch_point) - (a_.getCurr() + kJumpBytes))]);
+  a_.exits.set_unpatched(exit.patch_point, a_.code_memory.executable(a_.getCurr()));
+  a_.mov(eax, add_exit(exit));
+  a_.jmp(a_.stubs.leave, kNear);
+}
+
+void EdgeWriter::jump_indirect(const Instruction* at) {
+  // The last target is the best guess.
+  if (const auto* node = at->link != 0 ? region_->find(at->link) : nullptr; node != nullptr) {
+    Label guessed;
+    a_.cmp(eax, node->block->pc);
+    a_.je(guessed, kNear);
+    a_.defer_warm([this, at, node, guessed]() mutable {
+      a_.L(guessed);
+      const auto landing = node->block->unaligned ? kUnalignedTargetExtra : 0U;
+      if (a_.options.flow != nullptr) {
+        a_.cycles.count(at, 0);
+        a_.cycles.note_flow_to(at, eax);
+        a_.cycles.spend(landing);
+      } else {
+        a_.cycles.count(at, landing);
+      }
+      check_limit(*node);
+      a_.jmp(label_of(*node), kNear);
+    });
+  }
+  a_.cycles.count(at, 0);
+  if (a_.options.flow != nullptr) a_.cycles.note_flow_to(at, eax);
+  a_.registers.store_all();
+  a_.mov(ptr[rbx + static_cast<int>(offsetof(Execution, pc))], eax);
+  Label unknown;
+  a_.mov(ecx, eax);
+  a_.and_(ecx, TargetTable::kMask);
+  a_.mov(rdx, reinterpret_cast<std::uint64_t>(a_.exits.targets.data()));
+  static_assert(sizeof(TargetTable::Target) == 16 && TargetTable::kStep == 2);
+  a_.cmp(ptr[rdx + rcx * 8], eax);
+  a_.jne(unknown);
+  a_.jmp(ptr[rdx + rcx * 8 + 8]);
+  a_.L(unknown);
+  Exit exit;
+  exit.at = at;
+  exit.jumped = true;
+  exit.indirect = true;
+  a_.mov(eax, add_exit(exit));
+  a_.jmp(a_.stubs.leave, kNear);
+}
+
+}  // namespace mebots::soc::translate

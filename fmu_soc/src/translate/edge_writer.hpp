@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "translate/region.hpp"
+#include "translate/translator.hpp"
+
+#include <xbyak/xbyak.h>
+
+#include <bit>
+#include <cstdint>
+#include <vector>
+
+namespace mebots::soc::translate {
+
+class Assembler;
+
+/// The edges of a region's blocks: the ways in from other code, from one block to the next, and out.
+///
+/// A block that is left by a jump leaves nothing in the pipeline. One that is left straight on may delay the next one:
+/// that is added on the edge, and HostState::came_from holds what the pipeline does, for code that leaves the next
+/// block early.
+class EdgeWriter {
+ public:
+  explicit EdgeWriter(Assembler& assembler) : a_(assembler) {}
+
+  void begin(const Region& region);
+  /// The code of this node comes next.
+  void begin_node(std::size_t index);
+  /// The ways into a node from outside. Code continues with the node if it comes next, or jumps to it.
+  Entry emit_entry(const Node& node, bool runs_into_node);
+  /// Writes the code that all exits of the region share.
+  void emit_exits();
+
+  // Edges of an instruction.
+
+  /// `jump_to(label)` jumps if the branch is taken.
+  template <typename Jump>
+  void branch(const Instruction* at, Jump jump_to);
+  void jump(const Instruction* at, std::uint32_t pc, bool jumped);
+  /// After a jump to the address in eax.
+  void jump_indirect(const Instruction* at);
+  /// From the end of a block to the block at `pc`. `is_last`: no other code of its node follows.
+  void go_straight(const Instruction* at, std::uint32_t link, std::uint32_t pc, bool is_last);
+  /// To the start of a hardware loop.
+  void iterate(const Instruction* at, unsigned loop);
+  /// The interpreter continues with `at` and finishes the block.
+  void resume(const Instruction* at);
+  void leave_by(const Exit& exit);
+
+ private:
+  /// The bits of what the pipeline holds, as HostState::came_from has them.
+  static std::uint64_t bits_of(const Pipeline& pipeline) { return std::bit_cast<std::uint64_t>(pipeline); }
+  const Node* straight_successor(const Instruction* at, std::uint32_t link) const;
+  void go_straight_to(const Instruction* at, const Node& node, bool is_last);
+  void save_pipeline_state(const Instruction* end);
+  void clear_pipeline_state();
+  void check_limit(const Node& node, std::uint32_t stall, const Exit& at_limit);
+  void check_limit(const Node& node);
+  const Node* node_at(std::uint32_t link, std::uint32_t pc) const;
+  void park(const Node& node, const Exit& exit, std::uint32_t stall);
+  void park_at_entry(const Node& node, const Exit& exit, std::uint32_t stall);
+  void store_next_block(const Node& node);
+  void load_next_point();
+  void leave_chained(Exit exit);
+  std::uint32_t add_exit(const Exit& exit);
+  std::size_t index_of(const Node& node) const { return static_cast<std::size_t>(&node - region_->nodes.data()); }
+  Xbyak::Label& label_of(const Node& node) { return labels_[index_of(node)]; }
+
+  Assembler& a_;
+  const Region* region_ = nullptr;
+  std::vector<Xbyak::Label> labels_;
+  const Node* following_ = nullptr;            // emitted after it
+  std::vector<Xbyak::Label> entries_;          // plain ones
+  std::vector<Xbyak::Label> stalled_entries_;  // of those that ask for a stall
+  Xbyak::Label leave_all_;                     // stores the registers and leaves by exit eax
+  Xbyak::Label park_all_;                      // the same, to continue at rdx; rcx as in Stubs::park
+};
+
+}  // namespace mebots::soc::translate

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "hart/block_cache.hpp"
+
+#include <xbyak/xbyak.h>
+
+#include <cstdint>
+
+namespace mebots::soc::translate {
+
+class Assembler;
+
+/// The code that fetches lines of the instruction cache.
+class FetchWriter {
+ public:
+  explicit FetchWriter(Assembler& assembler) : a_(assembler) {}
+
+  /// True if translated code refills the cache. If others use it too, the interpreter does.
+  bool are_inline() const;
+  /// Before an instruction: fetches those of its lines that are absent, except the last one of the instruction before.
+  void emit(const Block& block, const Instruction* at, const Instruction* before);
+  /// Jumps if the line of this code is absent from the cache; rdx may be lost.
+  void jump_when_absent(std::uint32_t address, Xbyak::Label& absent);
+
+ private:
+  void compare_presence(std::uint32_t address);
+  void emit_line(std::uint32_t line, std::uint32_t address, bool often_absent);
+  void emit_refill(std::uint32_t line, std::uint32_t address);
+
+  Assembler& a_;
+};
+
+}  // namespace mebots::soc::translate

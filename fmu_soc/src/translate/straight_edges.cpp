@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Edges from the end of a block straight to the next one, or to another iteration of a hardware loop.
+#include "translate/assembler.hpp"
+
+#include <bit>
+
+namespace mebots::soc::translate {
+
+using namespace Xbyak::util;
+
+namespace {
+
+static_assert(offsetof(Pipeline, before) == 0 && offsetof(Pipeline, two_before) == 4 && sizeof(Previous) == 4);
+
+}  // namespace
+
+/// The node to which the end of a block leads by a link; null if it is not in the region, or if more than a stall
+/// depends on the instructions before it.
+const Node* EdgeWriter::straight_successor(const Instruction* at, std::uint32_t link) const {
+  if (link == 0) return nullptr;
+  const auto* node = a_.blocks.block(link).valid() ? region_->find(link) : nullptr;
+  return node != nullptr && !delays_jump(a_.blocks, *node->block, at) ? node : nullptr;
+}
+
+/// Straight on to the block at `pc`, to which a link has led. `is_last`: nothing else of its node comes behind it.
+void EdgeWriter::go_straight(const Instruction* at, std::uint32_t link, std::uint32_t pc, bool is_last) {
+  const auto* node = straight_successor(at, link);
+  if (node != nullptr && node->block->pc == pc) {
+    go_straight_to(at, *node, is_last);
+    return;
+  }
+  a_.cycles.count(at - 1, 0);
+  if (a_.cycles.is_noted(at - 1, pc)) a_.cycles.note_flow_to(at - 1, pc);
+  Exit exit;
+  exit.straight = true;
+  exit.pc = pc;
+  exit.at = at;
+  save_pipeline_state(at);
+  leave_chained(exit);
+}
+
+void EdgeWriter::go_straight_to(const Instruction* at, const Node& node, bool is_last) {
+  a_.cycles.count(at - 1, 0);
+  if (a_.cycles.is_noted(at - 1, node.block->pc)) a_.cycles.note_flow_to(at - 1, node.block->pc);
+  save_pipeline_state(at);
+  const bool stalls = translate::stalls(*node.block, at);
+  Exit at_limit;
+  at_limit.straight = true;
+  at_limit.pc = node.block->pc;
+  at_limit.block = node.number;
+  at_limit.at = at;
+  check_limit(node, stalls ? 1U : 0U, at_limit);
+  if (stalls) {
+    if (a_.blocks.fetched() != nullptr && a_.fetches.are_inline())
+      a_.fetches.emit(*node.block, node.first, nullptr);  // before it stalls
+    a_.cycles.spend(1);
+  }
+  if (!is_last || &node != following_) a_.jmp(label_of(node), kNear);
+}
+
+/// To the start of a loop, which is where it was last time or not.
+void EdgeWriter::iterate(const Instruction* at, unsigned loop) {
+  const auto start = dword[rbx + offset_of_loop(loop) + static_cast<int>(offsetof(HardwareLoop, start))];
+  if (const auto link = at[1].link; link != 0 && a_.blocks.block(link).valid()) {
+    const auto pc = a_.blocks.block(link).pc;
+    Label elsewhere;
+    a_.cmp(start, pc);
+    a_.jne(elsewhere, kNear);
+    go_straight(at, link, pc, false);
+    a_.L(elsewhere);
+  }
+  a_.cycles.count(at - 1, 0);
+  save_pipeline_state(at);
+  a_.mov(eax, start);
+  if (a_.options.flow != nullptr) a_.cycles.note_flow_to(at - 1, eax);
+  a_.mov(ptr[rbx + static_cast<int>(offsetof(Execution, pc))], eax);
+  Exit exit;
+  exit.straight = true;
+  exit.indirect = true;
+  exit.at = at;
+  leave_by(exit);
+}
+
+/// Notes what the pipeline holds for the next block, which is reached straight behind `end`, up to which all is
+/// counted. rcx and rdx are lost.
+void EdgeWriter::save_pipeline_state(const Instruction* end) {
+  const auto came_from = ptr[rbx + static_cast<int>(offsetof(Execution, host.came_from))];
+  if (end->index >= 2) {
+    a_.mov(rdx, bits_of({executed(end[-1], false), one_later(executed(end[-2], false))}));
+    a_.mov(came_from, rdx);
+    return;
+  }
+  // A block of one instruction: also the instruction before it. For the first block of a run, the run has found it.
+  Label straight;
+  a_.mov(rdx, came_from);
+  a_.test(rdx, rdx);
+  a_.jnz(straight);
+  a_.movd(ecx, xmm15);
+  a_.mov(rdx, bits_of({}));
+  a_.cmp(ecx, 1);
+  a_.cmove(rdx, ptr[rbx + static_cast<int>(offsetof(Execution, pipeline))]);
+  a_.L(straight);
+  a_.and_(edx, ~(0xffU << 8 * offsetof(Previous, slow)));  // one_later()
+  a_.shl(rdx, 32);
+  a_.mov(ecx, std::bit_cast<std::uint32_t>(executed(end[-1], false)));
+  a_.or_(rdx, rcx);
+  a_.mov(came_from, rdx);
+}
+
+/// Before a jump to a node: nothing came straight.
+void EdgeWriter::clear_pipeline_state() {
+  a_.mov(qword[rbx + static_cast<int>(offsetof(Execution, host.came_from))], 0);
+}
+
+}  // namespace mebots::soc::translate

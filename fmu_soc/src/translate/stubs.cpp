@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The stubs that all regions share: the prologue and the epilogue of translated code, from one core to the next one of
+// the round; refills of the instruction cache, and accesses to a memory that cores share.
+#include "hart/far_access.hpp"
+#include "mebots/assert.hpp"
+#include "translate/assembler.hpp"
+
+#include <array>
+#include <bit>
+
+namespace mebots::soc::translate {
+
+using namespace Xbyak::util;
+
+namespace {
+
+constexpr std::size_t kStubAlignment = 16;
+
+/// Behind a core that came to its limit in translated code: it leaves a resume point, and the next one of the round
+/// continues at its own, rcx. Guest registers are stored.
+void emit_next_core(Assembler& a, const Label& next_core, const Label& done) {
+  const auto begin = ptr[rbx + offset_of_host(offsetof(HostState, begin))];
+  const auto end = ptr[rbx + offset_of_host(offsetof(HostState, end))];
+  const auto resume_point = qword[rbx + offset_of_host(offsetof(HostState, resume_point))];
+  const auto next = ptr[rbx + offset_of_host(offsetof(HostState, next))];
+  a.mov(resume_point, rdx);
+  a.cycles.add_to_counters();
+  a.mov(begin, r15);
+  a.mov(rsi, end);
+  a.mov(rbx, next);
+  a.mov(rdx, rbx);
+  a.test(rbx, rbx);
+  a.jz(done);
+  a.mov(end, rsi);
+  a.test(rcx, rcx);
+  a.jnz(next_core);
+  a.mov(eax, static_cast<std::uint32_t>(kNoExit));
+  a.jmp(done);
+}
+
+/// InstructionCache::refill for the core that uses it alone; spends what that waits. rax, rcx and rdx are lost.
+void emit_fetch_stub(Assembler& a) {
+  using Cache = InstructionCache;
+  static_assert(std::is_standard_layout_v<Cache::State> && std::is_standard_layout_v<Cache::Entry>);
+  static_assert(sizeof(Cache::Entry) == 8U << Cache::kWayBit, "a way of the shift register leads to its entry by 8");
+  const auto& cache = *a.blocks.fetched();
+  MEBOTS_ASSERT(!cache.is_shared());
+  MEBOTS_ASSERT(cache.ways() <= 128, "the shift register has eight bits");
+  const auto state = [](std::size_t offset) { return rsi + static_cast<int>(offset); };
+  a.push(rsi);
+  a.push(rdi);
+  a.mov(rsi, reinterpret_cast<std::uint64_t>(&cache.state()));
+  // rax = the entry that the line takes: the shift register moves on, and says which of its set.
+  a.movzx(edi, byte[state(offsetof(Cache::State, shift_register))]);
+  a.movzx(edi, byte[state(offsetof(Cache::State, next_shift)) + rdi]);
+  a.mov(byte[state(offsetof(Cache::State, shift_register))], dil);
+  a.and_(edi, (cache.ways() - 1) << Cache::kWayBit);
+  a.add(rax, ptr[state(offsetof(Cache::State, entries))]);
+  a.lea(rax, ptr[rax + rdi * 8]);
+  a.inc(qword[state(offsetof(Cache::State, refills))]);
+  // Marks the line that was there as absent.
+  a.mov(rdi, ptr[rax + static_cast<int>(offsetof(Cache::Entry, present))]);
+  a.mov(byte[rdi], 0);
+  a.mov(ptr[rax + static_cast<int>(offsetof(Cache::Entry, present))], rcx);
+  a.mov(byte[rcx], 1);
+  a.mov(dword[rax + static_cast<int>(offsetof(Cache::Entry, line))], edx);
+  a.add(qword[rbx + offset_of_counter(offsetof(Counters, fetch_cycles))], cache.refill_cycles());
+  a.sub(r15, cache.refill_cycles());
+  a.pop(rdi);
+  a.pop(rsi);
+  a.ret();
+}
+
+/// Calls wait_for_far, and spends what it says.
+void emit_far_stub(Assembler& a) {
+  MEBOTS_ASSERT(a.options.banks != nullptr, "a core whose second memory is shared shares the first one");
+  static_assert(kNoRoom >> 63 == 1 && Banks::kReach < std::uint64_t{1} << 31, "the sign tells which it is");
+  const auto bits = std::countr_zero(a.options.banks->count());
+  // What a called function may change (System V ABI), and where an even number of words leaves the stack aligned.
+  const std::array saved{rsi, rdi, r8, r9, r10, r11, rcx};
+  constexpr int kVectors = kVectorRegisters;
+  constexpr int kRoom = 16 + 8 * kVectors + 8;
+  static_assert((8 * std::tuple_size_v<decltype(saved)> + kRoom) % 16 == 0);
+  for (const auto& reg : saved) a.push(reg);
+  a.sub(rsp, kRoom);
+  a.movdqu(ptr[rsp], xmm15);
+  const auto slot = [](int i) { return ptr[rsp + (16 + 8 * static_cast<std::size_t>(i))]; };
+  for (int i = 0; i < kVectors; ++i) a.movq(slot(i), Xbyak::Xmm(kFirstVector + i));
+  a.mov(rsi, r15);
+  a.sub(rsi, ptr[rbx + offset_of_host(offsetof(HostState, begin))]);
+  a.shr(rsi, bits);
+  a.add(rsi, rdx);
+  a.add(rsi, ptr[rbx + offset_of_counter(offsetof(Counters, cycles))]);
+  a.mov(rdi, rbx);
+  a.mov(edx, ecx);
+  a.mov(rax, reinterpret_cast<std::uint64_t>(&wait_for_far));
+  a.call(rax);
+  for (int i = 0; i < kVectors; ++i) a.movq(Xbyak::Xmm(kFirstVector + i), slot(i));
+  a.movdqu(xmm15, ptr[rsp]);
+  a.add(rsp, kRoom);
+  for (auto reg = saved.rbegin(); reg != saved.rend(); ++reg) a.pop(*reg);
+  Label left;
+  a.test(rax, rax);
+  a.js(left);
+  a.mov(rdx, rax);
+  a.shl(rdx, bits);
+  a.add(r15, rdx);
+  a.L(left);
+  a.ret();
+}
+
+}  // namespace
+
+Stubs emit_stubs(Assembler& a) {
+  Stubs stubs;
+  Label next_core;
+  Label limit;
+  Label done;
+
+  stubs.prologue = a.code_memory.executable(a.getCurr());
+  // (Execution* rdi, code rsi) -> number of the exit, Execution*. Saves what the caller owns (System V ABI).
+  const std::array saved{rbx, rbp, r12, r13, r14, r15};
+  for (const auto& reg : saved) a.push(reg);
+  a.mov(rbx, rdi);
+  a.mov(rcx, rsi);
+  a.mov(r14, ptr[rbx + static_cast<int>(offsetof(Execution, ram[0].data))]);
+  a.L(next_core);
+  a.mov(r15, ptr[rbx + offset_of_host(offsetof(HostState, begin))]);
+  a.pxor(xmm15, xmm15);
+  a.mov(qword[rbx + offset_of_host(offsetof(HostState, slow_load))], 0);
+  a.jmp(rcx);
+
+  stubs.park = a.getCurr();
+  if (a.options.banks != nullptr) {
+    a.cmp(r15, ptr[rbx + offset_of_host(offsetof(HostState, end))]);
+    a.jae(limit);
+  } else {
+    a.test(r15, r15);
+    a.jle(limit);
+  }
+  stubs.leave = a.getCurr();
+  a.mov(qword[rbx + offset_of_host(offsetof(HostState, resume_point))], 0);
+  a.cycles.add_to_counters();
+  a.mov(rdx, rbx);
+  a.L(done);
+  for (auto reg = saved.rbegin(); reg != saved.rend(); ++reg) a.pop(*reg);
+  a.ret();
+
+  a.L(limit);
+  emit_next_core(a, next_core, done);
+
+  if (a.blocks.fetched() != nullptr && a.fetches.are_inline()) {
+    stubs.fetch = a.getCurr();
+    emit_fetch_stub(a);
+  }
+  if (a.ram[1].is_shared()) {
+    stubs.far = a.getCurr();
+    emit_far_stub(a);
+  }
+  a.align(kStubAlignment);
+  return stubs;
+}
+
+}  // namespace mebots::soc::translate
