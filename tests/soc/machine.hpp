@@ -2,10 +2,10 @@
 #pragma once
 
 #include "assembler.hpp"
-#include "hart/hart.hpp"
 #include "memory/bus.hpp"
 #include "memory/instruction_cache.hpp"
 #include "memory/memory.hpp"
+#include "runs/hart.hpp"
 
 #include <cstdint>
 #include <memory>

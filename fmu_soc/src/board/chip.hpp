@@ -4,7 +4,7 @@
 #include "board/board_file.hpp"
 #include "cluster/dma.hpp"
 #include "energy/meter.hpp"
-#include "hart/hart.hpp"
+#include "runs/hart.hpp"
 
 #include <cstdint>
 #include <string>

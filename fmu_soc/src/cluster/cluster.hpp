@@ -7,10 +7,10 @@
 #include "cluster/peripherals.hpp"
 #include "cluster/scheduler.hpp"
 #include "cluster/settings.hpp"
-#include "hart/decoded_code.hpp"
-#include "hart/hart.hpp"
 #include "memory/banks.hpp"
 #include "memory/instruction_cache.hpp"
+#include "runs/decoded_code.hpp"
+#include "runs/hart.hpp"
 
 #include <algorithm>
 #include <cstdint>

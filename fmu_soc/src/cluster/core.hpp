@@ -4,10 +4,10 @@
 #include "cluster/peripherals.hpp"
 #include "cluster/settings.hpp"
 #include "hart/csr_numbers.hpp"
-#include "hart/hart.hpp"
 #include "hart/observer.hpp"
 #include "memory/banks.hpp"
 #include "memory/bus.hpp"
+#include "runs/hart.hpp"
 
 #include "mebots/state/visitor.hpp"
 

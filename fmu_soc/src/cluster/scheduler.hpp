@@ -3,9 +3,9 @@
 
 #include "cluster/core.hpp"
 #include "cluster/settings.hpp"
-#include "hart/decoded_code.hpp"
-#include "hart/hart.hpp"
 #include "memory/banks.hpp"
+#include "runs/decoded_code.hpp"
+#include "runs/hart.hpp"
 
 #include "mebots/state/visitor.hpp"
 

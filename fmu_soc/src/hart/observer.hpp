@@ -18,9 +18,6 @@ struct Access {
   bool store = false;
 };
 
-/// The memory access that an instruction is about to make, from the registers before it runs.
-Access access_of(const Decoded& decoded, const Hart& hart);
-
 /// One instruction that has retired.
 struct Retired {
   std::uint32_t pc = 0;

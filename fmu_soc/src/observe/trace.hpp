@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "hart/hart.hpp"
 #include "hart/observer.hpp"
 #include "observe/text_file.hpp"
+#include "runs/hart.hpp"
 
 #include <deque>
 #include <string>

@@ -7,9 +7,9 @@
 #include "devices/gap8/event_unit.hpp"
 #include "devices/gap8/signals.hpp"
 #include "devices/generic/power_manager.hpp"
-#include "hart/hart.hpp"
 #include "mebots/soc/device.hpp"
 #include "mebots/state/visitor.hpp"
+#include "runs/hart.hpp"
 
 #include <cstdint>
 #include <filesystem>

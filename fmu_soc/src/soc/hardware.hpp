@@ -7,10 +7,10 @@
 #include "cluster/cluster.hpp"
 #include "devices/core/chip_host.hpp"
 #include "elf/elf.hpp"
-#include "hart/hart.hpp"
 #include "memory/bus.hpp"
 #include "memory/instruction_cache.hpp"
 #include "memory/memory.hpp"
+#include "runs/hart.hpp"
 #include "soc/device_set.hpp"
 
 #include <cstddef>

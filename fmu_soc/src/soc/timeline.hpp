@@ -3,8 +3,8 @@
 
 #include "clock/clock.hpp"
 #include "cluster/cluster.hpp"
-#include "hart/hart.hpp"
 #include "mebots/state/visitor.hpp"
+#include "runs/hart.hpp"
 
 #include <algorithm>
 #include <cstdint>

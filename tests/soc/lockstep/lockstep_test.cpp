@@ -5,7 +5,7 @@
 // random instructions; scripts/lockstep.sh asks for many.
 #include "program.hpp"
 
-#include "hart/hart.hpp"
+#include "runs/hart.hpp"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "hart/hart.hpp"
 #include "isa/encoding.hpp"
+#include "runs/hart.hpp"
 
 #include <fmt/format.h>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hart/flow_notes.hpp"
+#include "runs/flow_notes.hpp"
 
-#include "hart/observed_run.hpp"
 #include "mebots/assert.hpp"
+#include "runs/observed_run.hpp"
 
 #include <algorithm>
 

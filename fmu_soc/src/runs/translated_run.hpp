@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "hart/decoded_code.hpp"
 #include "hart/execution.hpp"
 #include "hart/fetch.hpp"
-#include "hart/flow_notes.hpp"
 #include "hart/interpreter.hpp"
-#include "hart/observed_run.hpp"
 #include "hart/run_limit.hpp"
+#include "runs/decoded_code.hpp"
+#include "runs/flow_notes.hpp"
+#include "runs/observed_run.hpp"
 #include "translate/translator.hpp"
 
 #include <cstdint>

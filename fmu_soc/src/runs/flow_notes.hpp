@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "hart/decoded_code.hpp"
 #include "hart/execution.hpp"
 #include "hart/flow.hpp"
+#include "runs/decoded_code.hpp"
 
 #include <cstdint>
 #include <memory>

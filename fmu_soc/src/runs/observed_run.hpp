@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "hart/decoded_code.hpp"
 #include "hart/execution.hpp"
 #include "hart/interpreter.hpp"
 #include "hart/observer.hpp"
 #include "hart/run_limit.hpp"
+#include "runs/decoded_code.hpp"
 
 #include <cstdint>
 #include <span>

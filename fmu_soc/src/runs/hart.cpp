@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hart/hart.hpp"
+#include "runs/hart.hpp"
 
 #include "hart/csr_numbers.hpp"
 #include "isa/encoding.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hart/translated_run.hpp"
+#include "runs/translated_run.hpp"
 
 #include <algorithm>
 #include <bit>

@@ -3,19 +3,19 @@
 
 #include "hart/csrs.hpp"
 #include "hart/data_path.hpp"
-#include "hart/decoded_code.hpp"
 #include "hart/execution.hpp"
 #include "hart/fetch.hpp"
 #include "hart/interpreter.hpp"
-#include "hart/observed_run.hpp"
 #include "hart/rooms.hpp"
 #include "hart/run_limit.hpp"
 #include "hart/timing.hpp"
-#include "hart/translated_run.hpp"
 #include "hart/traps.hpp"
 #include "memory/bus.hpp"
 #include "memory/instruction_cache.hpp"
 #include "memory/memory.hpp"
+#include "runs/decoded_code.hpp"
+#include "runs/observed_run.hpp"
+#include "runs/translated_run.hpp"
 
 #include "mebots/state/visitor.hpp"
 
