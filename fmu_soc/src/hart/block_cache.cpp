@@ -79,6 +79,7 @@ Instruction BlockCache::instruction_of(const Decoded& decoded, std::uint32_t pc)
   instruction.rd = decoded.rd == 0 ? 32 : decoded.rd;
   instruction.rs1 = decoded.rs1;
   instruction.rs2 = decoded.rs2;
+  MEBOTS_ASSERT(instruction.run != nullptr && instruction.rd != 0);
   return instruction;
 }
 
@@ -124,6 +125,7 @@ std::uint32_t BlockCache::decode_block(std::uint32_t pc) {
   std::uint32_t fault_address = 0;
   if (!fetch(memory_, pc, word, fault_address)) return 0;
   make_room();
+  MEBOTS_ASSERT(arena_used_ + kMaxBlockLength + 2 <= (segment_ + 1) * kSegmentSize, "a block stays in its segment");
   Decoding decoding;
   auto& block = decoding.block;
   block.pc = pc;
@@ -144,6 +146,7 @@ std::uint32_t BlockCache::decode_block(std::uint32_t pc) {
 void BlockCache::append(Decoding& decoding, const Decoded& decoded) {
   auto& block = decoding.block;
   auto& sums = decoding.sums;
+  MEBOTS_ASSERT(sums.index < kMaxBlockLength);
   const auto at = block.end;
   auto& instruction = arena_[block.first + sums.index];
   instruction = instruction_of(decoded, at);
@@ -157,6 +160,7 @@ void BlockCache::append(Decoding& decoding, const Decoded& decoded) {
     if (sums.index < 2) block.early_jump = true;
   }
   const auto cycles = static_cycles(timing_, decoding.two_before, decoding.before, current_of(decoded));
+  MEBOTS_ASSERT(sums.cycles_before + cycles <= 0xffff);
   block.last_start_bound = decoding.next_start_bound;
   // A misaligned access goes twice.
   decoding.next_start_bound += cycles + most_extra_cycles(decoded.op) + 2 * longest_wait_ * accesses_of(decoded.op);
@@ -199,6 +203,7 @@ void BlockCache::end_block(Decoding& decoding) {
 
 /// Gives it a number, by which it is found from now on.
 std::uint32_t BlockCache::add(const Block& block) {
+  MEBOTS_ASSERT(block.end - block.pc <= 1U << kPageBits, "it is in two pages at most");
   std::uint32_t number = 0;
   if (free_.empty()) {
     number = static_cast<std::uint32_t>(blocks_.size());
@@ -207,6 +212,7 @@ std::uint32_t BlockCache::add(const Block& block) {
     number = free_.back();
     free_.pop_back();
   }
+  MEBOTS_ASSERT(number != 0 && number < kMaxBlocks);
   auto& added = blocks_[number];
   added = block;
   added.next_of_pc = std::exchange(by_pc_[bucket_of_pc(block.pc)], number);
@@ -227,6 +233,7 @@ void BlockCache::make_room() {
 }
 
 void BlockCache::evict(std::uint32_t segment) {
+  MEBOTS_ASSERT(segment < kSegments);
   for (std::uint32_t number = 1; number < blocks_.size(); ++number) {
     if (blocks_[number].valid() && blocks_[number].first / kSegmentSize == segment) invalidate(number);
   }
@@ -234,6 +241,7 @@ void BlockCache::evict(std::uint32_t segment) {
 
 /// Its instructions stay where they are until their segment is decoded over: a hart may be in the middle of them.
 void BlockCache::invalidate(std::uint32_t number) {
+  MEBOTS_ASSERT(number != 0 && blocks_[number].valid());
   auto& block = blocks_[number];
   auto* link = &by_pc_[bucket_of_pc(block.pc)];
   while (*link != number) link = &blocks_[*link].next_of_pc;
@@ -250,6 +258,7 @@ void BlockCache::invalidate(std::uint32_t number) {
 /// Every block with a part of one of the words, as marks are by word: none has a mark behind that. A block begins in
 /// the page of its last byte or in the one before.
 void BlockCache::invalidate_overlapping(std::uint32_t address, std::uint32_t count) {
+  MEBOTS_ASSERT(count > 0);
   const auto last = (address + (count - 1)) | 3U;
   address &= ~3U;
   for (auto page = (address >> kPageBits) - 1;; ++page) {
@@ -300,6 +309,7 @@ const Instruction* BlockCache::single(std::uint32_t pc, const Previous& two_befo
   slots[1].run = handler_of(slots[1].op);
   slots[1].pc = pc + decoded.length;
   slots[1].index = 1;
+  MEBOTS_ASSERT(slots[0].run != nullptr && slots[1].run != nullptr);
   slots[1].cycles_before = static_cast<std::uint16_t>(static_cycles(timing_, two_before, before, current_of(decoded)));
   slots[1].accesses_before = accesses_of(decoded.op);
   slots[1].energy_before_fj = energy_fj_[static_cast<std::size_t>(decoded.op)];
@@ -314,6 +324,7 @@ void BlockCache::set_longest_wait(std::uint32_t cycles) {
 }
 
 bool BlockCache::delays_first_jump(const Block& block, const Previous& two_before, const Previous& before) const {
+  MEBOTS_ASSERT(block.early_jump && block.valid());
   const auto& jump = *instructions(block);
   if (!is_jump(jump.op)) return true;
   const std::uint8_t rd = jump.rd > 31 ? 0 : jump.rd;
@@ -335,6 +346,7 @@ void BlockCache::clear() {
 }
 
 void BlockCache::forget() {
+  MEBOTS_ASSERT(!blocks_.empty(), "number 0 is not a block");
   code_generation_ = memory_.code_generation();
   std::fill(by_pc_.begin(), by_pc_.end(), 0U);
   std::fill(by_page_.begin(), by_page_.end(), 0U);

@@ -5,6 +5,7 @@
 #include "hart/instruction.hpp"
 #include "hart/timing.hpp"
 #include "isa/encoding.hpp"
+#include "mebots/assert.hpp"
 #include "memory/instruction_cache.hpp"
 #include "memory/memory.hpp"
 
@@ -82,8 +83,14 @@ class BlockCache {
     return number;
   }
   /// A number that was right once gives the block that it means now, or an invalid one.
-  const Block& block(std::uint32_t number) const { return blocks_[number]; }
-  const Instruction* instructions(const Block& block) const { return &arena_[block.first]; }
+  const Block& block(std::uint32_t number) const {
+    MEBOTS_ASSERT(number < blocks_.size(), "numbers are never taken back");
+    return blocks_[number];
+  }
+  const Instruction* instructions(const Block& block) const {
+    MEBOTS_ASSERT(block.first < kArenaSize);
+    return &arena_[block.first];
+  }
   /// Where to note the block of a hardware loop's next iteration, emptied when it holds that of another start.
   std::uint32_t* loop_link(const Instruction& holder, std::uint32_t start) const {
     if (block(holder.link).pc != start) holder.link = 0;
@@ -96,7 +103,10 @@ class BlockCache {
     return block.early_jump && before.op != Op::end_of_block && delays_first_jump(block, two_before, before);
   }
   /// Puts another handler in the place of an instruction's, and gives that one back.
-  Handler exchange(const Instruction* at, Handler handler) { return std::exchange(arena_[index_of(at)].run, handler); }
+  Handler exchange(const Instruction* at, Handler handler) {
+    MEBOTS_ASSERT(index_of(at) < kArenaSize, "single instructions stay as they are");
+    return std::exchange(arena_[index_of(at)].run, handler);
+  }
 
   /// One instruction and the end of a block, decoded with what the pipeline holds. Null when it cannot be fetched. A
   /// loop's are asked for again and again, so they are kept until code changes.
@@ -142,6 +152,7 @@ class BlockCache {
   }
   /// Whether those of its first instruction have; only for blocks with lines.
   bool begins_present(const Block& block) const {
+    MEBOTS_ASSERT(block.line_count > 0);
     return block.lines[0] != 0 && (!block.begins_across || block.lines[1] != 0);
   }
   /// Grows whenever blocks become invalid.

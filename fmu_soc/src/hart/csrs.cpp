@@ -3,6 +3,8 @@
 // What an access to a control or status register does: the table's column of meanings, and the functions that it names.
 #include "hart/csrs.hpp"
 
+#include "mebots/assert.hpp"
+
 #include <array>
 #include <cstddef>
 #include <span>
@@ -160,6 +162,7 @@ Csrs::Csrs(Execution& execution, BlockCache& blocks, const HartSettings& setting
 void Csrs::restart() {
   state_ = {};
   for (const auto& row : Rows::kAll) {
+    MEBOTS_ASSERT(!row.meaning.keeps || row.slot + row.count <= state_.words.size());
     for (unsigned i = 0; i < row.count; ++i) state_.words[row.slot + i] = row.meaning.reset;
   }
   if (has_gap8_interrupts_) word<csr::kMie>() = ~0U;
@@ -172,6 +175,7 @@ void Csrs::restart() {
 }
 
 void Csrs::set_interrupt(unsigned bit, bool level) {
+  MEBOTS_ASSERT(bit < 32);
   const auto mask = 1U << bit;
   set_interrupts(level ? word<csr::kMip>() | mask : word<csr::kMip>() & ~mask);
 }
@@ -206,6 +210,7 @@ std::uint32_t Csrs::leave_handler() {
 }
 
 const Instruction* Csrs::access(const Instruction* at) {
+  MEBOTS_ASSERT(is_csr(at->op));
   auto& e = execution_;
   const auto number = static_cast<unsigned>(at->imm);
   const bool immediate = traits_of(at->op).kind == OpKind::csr_immediate;
@@ -240,6 +245,7 @@ void Csrs::note_stopped_counter(unsigned number) {
 }
 
 bool Csrs::read(unsigned number, std::uint32_t& value) const {
+  MEBOTS_ASSERT(number < 0x1000, "twelve bits of the instruction");
   const auto* row = Rows::find(*this, number);
   value = row == nullptr ? 0 : row->meaning.read(*this, *row, number - row->number);
   return row != nullptr;
@@ -287,6 +293,7 @@ void Csrs::set_mtval(std::uint32_t value) {
 }
 
 bool Csrs::counts_event(unsigned counter) const {
+  MEBOTS_ASSERT(counter < state_.pccr_base.size());
   return (word<csr::kPcmr>() & kCountersOn) != 0 && (word<csr::kPcer>() >> counter & 1U) != 0;
 }
 

@@ -2,6 +2,7 @@
 #include "hart/data_path.hpp"
 
 #include "hart/csr_numbers.hpp"
+#include "mebots/assert.hpp"
 
 #include <algorithm>
 #include <cstring>
@@ -10,6 +11,7 @@ namespace mebots::soc {
 namespace {
 
 FastRegion fast_region(Memory& memory, const MemoryPort& port) {
+  MEBOTS_ASSERT(port.region < memory.regions().size());
   auto& region = memory.regions()[port.region];
   return {region.base, region.size - 3, region.data.get(), region.marks.get(), port.wait_cycles, port.banks};
 }
@@ -45,6 +47,7 @@ std::uint32_t DataPath::longest_wait() const {
 }
 
 void DataPath::share_first(BankSchedule* banks) {
+  MEBOTS_ASSERT(!ports_.empty());
   for (auto& port : ports_) {
     if (port.region == ports_.front().region) port.banks = banks;
   }
@@ -60,6 +63,8 @@ const MemoryPort* DataPath::port_of(std::uint32_t address, unsigned size) const 
 
 /// What ram_access does on the fast path.
 void DataPath::wait_for_ram(const Instruction* at, const MemoryPort& port, std::uint32_t address, unsigned size) {
+  MEBOTS_ASSERT(size == 1 || size == 2 || size == 4);
+  MEBOTS_ASSERT(memory_.regions()[port.region].holds(address, size));
   auto& e = execution_;
   const bool twice = crosses_word(address, size);
   e.extra_cycles += twice ? 2 * port.wait_cycles : port.wait_cycles;
@@ -93,6 +98,7 @@ const Instruction* DataPath::load(const Instruction* at, std::uint32_t address, 
 }
 
 const Instruction* DataPath::event_load(const Instruction* at) {
+  MEBOTS_ASSERT(at->op == Op::p_elw);
   auto& e = execution_;
   const auto address = e.x[at->rs1] + static_cast<std::uint32_t>(at->imm);
   if (address % 4 != 0 || port_of(address, 4) != nullptr) return load(at, address, 4, true);
@@ -102,6 +108,7 @@ const Instruction* DataPath::event_load(const Instruction* at) {
 }
 
 const Instruction* DataPath::finish_load(const Instruction* at, std::uint32_t address, const BusReply& reply) {
+  MEBOTS_ASSERT(is_load(at->op));
   auto& e = execution_;
   if (reply.kind == BusReply::Kind::later) return execution_.leave_before(at, Leave::turn);
   if (reply.kind != BusReply::Kind::done) return execution_.raise(at, cause::kLoadAccess, address);
@@ -133,6 +140,7 @@ const Instruction* DataPath::store(const Instruction* at, std::uint32_t address,
 }
 
 const Instruction* DataPath::stored_over_mark(const Instruction* at, std::uint32_t address, unsigned size) {
+  MEBOTS_ASSERT(is_store(at->op));
   memory_.changed(address, size);
   if (memory_.marked(address, size, Region::kWatch) && bus_.watched(address))
     return execution_.leave_after(at, Leave::stop);

@@ -7,6 +7,7 @@
 namespace mebots::soc {
 
 const Instruction* Execution::leave_after(const Instruction* at, Leave why) {
+  MEBOTS_ASSERT(!is_block_end(at->op));
   pc = at[1].pc;
   exit = at + 1;
   if (at[1].op == Op::loop_end) at[1].run(*this, at + 1);
@@ -16,6 +17,7 @@ const Instruction* Execution::leave_after(const Instruction* at, Leave why) {
 }
 
 const Instruction* Execution::leave_before(const Instruction* at, Leave why) {
+  MEBOTS_ASSERT(extra_cycles >= stalled_before(at));
   extra_cycles -= stalled_before(at);
   pc = at->pc;
   exit = at;

@@ -4,6 +4,7 @@
 #include "hart/flow.hpp"
 #include "hart/instruction.hpp"
 #include "hart/timing.hpp"
+#include "mebots/assert.hpp"
 #include "memory/banks.hpp"
 
 #include <array>
@@ -193,6 +194,8 @@ struct Execution {
 };
 
 inline void Execution::begin_block_inside(const Instruction* at) {
+  MEBOTS_ASSERT(counters.instructions >= at->index && counters.cycles >= at->cycles_before);
+  MEBOTS_ASSERT(counters.accesses >= at->accesses_before);
   counters.instructions -= at->index;
   counters.cycles -= at->cycles_before;
   counters.instruction_fj -= at->energy_before_fj;
@@ -202,6 +205,8 @@ inline void Execution::begin_block_inside(const Instruction* at) {
 }
 
 inline void Execution::finish_block() {
+  MEBOTS_ASSERT(exit != nullptr);
+  MEBOTS_ASSERT(x[0] == 0, "writes to x0 go to the last one");
   count_up_to(*exit);
   if (redirected) {
     pipeline = {};

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hart/fetch.hpp"
 
+#include "mebots/assert.hpp"
+
 namespace mebots::soc {
 
 void Fetch::flush() {
@@ -8,6 +10,7 @@ void Fetch::flush() {
 }
 
 std::uint32_t Fetch::bring(const Instruction* at, std::uint64_t cycle) {
+  MEBOTS_ASSERT(is_cached() && !is_block_end(at->op));
   std::uint32_t wait = 0;
   for (auto line = cache_->line_of(at->pc); line <= cache_->line_of(at[1].pc - 1); ++line) {
     wait += cache_->fetch(line, cycle + wait + execution_.host.tick_offset);
@@ -17,6 +20,7 @@ std::uint32_t Fetch::bring(const Instruction* at, std::uint64_t cycle) {
 }
 
 const Instruction* Fetch::next_to_wait(const Instruction* at) const {
+  MEBOTS_ASSERT(is_cached() && !is_block_end(at->op));
   auto line = cache_->line_of(at[1].pc - 1);
   for (++at; !is_block_end(at->op); ++at) {
     const auto last = cache_->line_of(at[1].pc - 1);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "hart/execution.hpp"
+#include "mebots/assert.hpp"
 #include "memory/instruction_cache.hpp"
 
 #include <cstdint>
@@ -22,6 +23,7 @@ class Fetch {
   std::uint32_t bring(const Instruction* at, std::uint64_t cycle);
   /// Whether an instruction lies in the line in which the one before it in the block ends.
   bool shares_line(const Instruction* before, const Instruction* at) const {
+    MEBOTS_ASSERT(is_cached());
     return cache_->line_of(before[1].pc - 1) == cache_->line_of(at[1].pc - 1);
   }
   /// The first instruction of the block behind `at` that may have to wait, or the end of the block.

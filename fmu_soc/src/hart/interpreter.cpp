@@ -61,6 +61,7 @@ bool Interpreter::go_on_to_limit() {
 /// From an instruction of a block on, whose lines are here. What is static in a block is what each instruction takes
 /// alone, but for a jump that gives back cycles to the load before it: the limit may lie between the two.
 void Interpreter::run_one_by_one(const Instruction* at) {
+  MEBOTS_ASSERT(at != nullptr && walk_ == nullptr);
   auto& e = execution_;
   cut_.at = nullptr;
   for (;;) {
@@ -82,6 +83,7 @@ void Interpreter::run_one_by_one(const Instruction* at) {
 
 /// The core stops in front of an instruction of a block.
 void Interpreter::cut_at(const Instruction* at) {
+  MEBOTS_ASSERT(at->index > 0 && !is_block_end(at->op));
   auto& e = execution_;
   e.pc = at->pc;
   e.exit = at;
@@ -93,6 +95,7 @@ void Interpreter::cut_at(const Instruction* at) {
 
 void Interpreter::resume(const Instruction* at, std::uint32_t wait_cycles, std::uint32_t stall,
                          const Instruction* slow_load, bool fetches) {
+  MEBOTS_ASSERT(!is_block_end(at->op));
   if (!fetches) {
     execute(at, wait_cycles, stall, slow_load);
     return;
@@ -103,6 +106,7 @@ void Interpreter::resume(const Instruction* at, std::uint32_t wait_cycles, std::
 }
 
 const Instruction* Interpreter::run_until(const Instruction* at, const Instruction* stop) {
+  MEBOTS_ASSERT(at != nullptr && stop > at, "one is behind the other in a block");
   auto& e = execution_;
   e.waits_at = nullptr;
   const bool to_end = is_block_end(stop->op);
@@ -114,6 +118,7 @@ const Instruction* Interpreter::run_until(const Instruction* at, const Instructi
 
 /// A block of which lines are absent, or may not have arrived yet.
 bool Interpreter::run_fetching(const Block& block, std::uint32_t stall) {
+  MEBOTS_ASSERT(fetch_.is_cached());
   std::uint32_t missing = 0;  // at most: what is brought can drive out what comes behind it
   for (std::uint32_t i = 0; i < block.line_count; ++i) {
     if (missing != 0 || block.lines[i] == 0) ++missing;

@@ -6,6 +6,7 @@
 #include "hart/execution.hpp"
 #include "hart/fetch.hpp"
 #include "hart/run_limit.hpp"
+#include "mebots/assert.hpp"
 
 #include <cstdint>
 
@@ -98,6 +99,7 @@ inline bool Interpreter::run(const Block& block, std::uint32_t stall) {
 }
 
 inline bool Interpreter::run_on(const Block& block, std::uint32_t stall, const Csrs& csrs) {
+  MEBOTS_ASSERT(walk_ == nullptr, "an observer walks instead");
   if (!run(block, stall)) return false;
   // Only the limit and the lines are to be checked.
   auto& e = execution_;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "hart/execution.hpp"
+#include "mebots/assert.hpp"
 
 namespace mebots::soc {
 
@@ -28,6 +29,7 @@ struct RamPlace {
 
 /// Counts an access to one word but for its bank.
 [[gnu::always_inline]] inline RamAccess count_access(Execution& e, const RamPlace& place) {
+  MEBOTS_ASSERT(place.region != nullptr && place.offset < place.region->span);
   const auto& ram = *place.region;
   if (&ram != &e.ram[0]) ++e.counters.far_accesses;
   if (ram.wait_cycles != 0) e.extra_cycles += ram.wait_cycles;

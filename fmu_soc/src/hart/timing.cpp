@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hart/timing.hpp"
 
+#include "mebots/assert.hpp"
+
 #include <array>
 #include <cstdint>
 
@@ -13,6 +15,7 @@ bool reads_rs1(Op op) {
 }
 
 unsigned own_cycles(const Timing& timing, const Current& current) {
+  MEBOTS_ASSERT(traits_of(current.op).cycles > 0);
   if (is_csr(current.op)) return timing.csr_cycles(static_cast<unsigned>(current.imm));
   return traits_of(current.op).cycles;
 }
@@ -33,6 +36,7 @@ bool load_stall(const Timing& timing, const Previous& load, const Current& curre
 }
 
 unsigned jump_cycles(const Previous& two_before, const Previous& before, const Current& jump) {
+  MEBOTS_ASSERT(is_jump(jump.op));
   const bool needs_pointer = jump.op == Op::jalr && before.pointer != 0 && jump.rs1 == before.pointer;
   const bool needs_before = jump.op == Op::jalr && before.rd != 0 && before.rd < 32 && jump.rs1 == before.rd;
   if (needs_pointer && !needs_before) return 3;

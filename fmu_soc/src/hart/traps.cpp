@@ -35,6 +35,7 @@ void Traps::restart() {
 }
 
 const Instruction* Traps::leave_handler(const Instruction* at) {
+  MEBOTS_ASSERT(at->op == Op::mret);
   auto& e = execution_;
   e.pc = csrs_.leave_handler();
   e.cut_pc = e.pc;
@@ -81,6 +82,7 @@ Traps::Progress Traps::progress_since_last(std::uint32_t cause) const {
 bool Traps::take_exception() {
   const auto cause = execution_.trap_cause;
   const auto value = execution_.trap_value;
+  MEBOTS_ASSERT((cause & cause::kInterrupt) == 0 && !fault_.happened);
   const auto progress = progress_since_last(cause);
   if (repeats_ == 0) fault_.first = exception_here(cause, value);
   repeats_ = progress == Progress::none ? repeats_ + 1 : 1;
@@ -121,6 +123,7 @@ std::uint32_t Traps::handler_of(std::uint32_t cause) const {
 }
 
 bool Traps::enter_handler(std::uint32_t cause, std::uint32_t value) {
+  MEBOTS_ASSERT(!fault_.happened, "a core with a fault runs no more");
   const auto target = handler_of(cause);
   if (!blocks_.word_at(target)) {
     fail(cause, value, false);

@@ -4,6 +4,8 @@
 // where somebody must hear of it is left to the interpreter.
 #include "instructions/load_store.hpp"
 
+#include "mebots/assert.hpp"
+
 #ifdef MEBOTS_TRANSLATES
 #include "instructions/lowering.hpp"
 
@@ -38,6 +40,7 @@ void check_address(Assembler& c, const Reg32& offset, const Reg32& scratch, cons
 /// Behind the label that comes back it does.
 Label emit_address(Assembler& c, const Instruction* at, unsigned size, Label& other) {
   const auto mode = traits_of(at->op).mode;
+  MEBOTS_ASSERT(size == 1 || size == 2 || size == 4);
   const auto imm = mode == AddressMode::offset ? static_cast<std::uint32_t>(at->imm) : 0U;
   const auto distance = imm - c.ram[0].base;
   if (at->rs1 == 0) {
@@ -130,6 +133,7 @@ void emit_read(Assembler& c, const Reg32& to, const Xbyak::RegExp& from, unsigne
 void emit_far_wait(Assembler& c, const Instruction* at, Label& left) {
   const auto& ram = c.ram[1];
   if (ram.is_shared()) {
+    MEBOTS_ASSERT(c.stubs.far != nullptr);
     c.mov(edx, at->cycles_before);
     c.call(c.stubs.far);
     c.test(eax, eax);

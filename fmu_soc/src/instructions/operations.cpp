@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "instructions/operation.hpp"
+
+#include "mebots/assert.hpp"
 #include "translate/translator.hpp"
 
 #include <cstddef>
@@ -21,6 +23,7 @@ constexpr auto kAll = [] {
 }  // namespace
 
 const Operation& operation_of(Op op) {
+  MEBOTS_ASSERT(static_cast<int>(op) < kOpCount);
   return *kAll[static_cast<std::size_t>(op)];
 }
 

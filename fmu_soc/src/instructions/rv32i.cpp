@@ -2,7 +2,9 @@
 //
 // RV32I: what each operation of isa/rv32i.decode computes, and how it becomes host code.
 #include "instructions/load_store.hpp"
+
 #include "instructions/operation.hpp"
+#include "mebots/assert.hpp"
 #ifdef MEBOTS_TRANSLATES
 #include "instructions/lowering.hpp"
 #endif
@@ -40,6 +42,7 @@ void emit_auipc(Assembler& c, const Instruction* at) {
 // Jumps and branches
 
 const Instruction* leave_to(Execution& e, const Instruction* at, Word target) {
+  MEBOTS_ASSERT(is_jump(at->op) && at->rd != 0);
   e.x[at->rd] = at[1].pc;
   e.pc = target;
   e.jumped = at->rs2 == 0;

@@ -2,6 +2,8 @@
 //
 // The M extension: what each operation of isa/rv32m.decode computes, and how it becomes host code.
 #include "instructions/operation.hpp"
+
+#include "mebots/assert.hpp"
 #ifdef MEBOTS_TRANSLATES
 #include "instructions/lowering.hpp"
 #endif
@@ -98,6 +100,7 @@ void emit_divide_cycles(Assembler& c, bool is_signed) {
   c.cycles.spend(rdx);
 }
 void emit_divide(Assembler& c, const Instruction* at, bool remainder) {
+  MEBOTS_ASSERT(is_divide(at->op));
   const bool is_signed = traits_of(at->op).sign;
   c.registers.copy(ecx, at->rs2);
   emit_divide_cycles(c, is_signed);

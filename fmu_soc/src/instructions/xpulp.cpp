@@ -4,8 +4,10 @@
 // manual leaves open what happens (sums that wrap, bit fields that pass the end, negative bounds of a clip), results
 // are those of the ALU and multiplier of RI5CY's RTL (pulp-platform/riscv, February 2018).
 #include "hart/block_cache.hpp"
+
 #include "instructions/load_store.hpp"
 #include "instructions/operation.hpp"
+#include "mebots/assert.hpp"
 #ifdef MEBOTS_TRANSLATES
 #include "instructions/lowering.hpp"
 
@@ -61,11 +63,13 @@ const Instruction* execute_p_elw(Execution& e, const Instruction* at) {
 // Hardware loops. rs2 is the number of the loop.
 
 const Instruction* execute_lp_starti(Execution& e, const Instruction* at) {
+  MEBOTS_ASSERT(at->rs2 < e.loops.size());
   e.loops[at->rs2].start = at->pc + static_cast<Word>(at->imm);
   return next(e, at);
 }
 /// Leaves a block in progress that would continue behind the new end, because its code has another end now.
 const Instruction* set_loop_end(Execution& e, const Instruction* at, Word pc) {
+  MEBOTS_ASSERT(at->rs2 < e.loops.size());
   e.loops[at->rs2].end = pc;
   return e.rooms->blocks.end_block_at(pc) ? e.leave_after(at, Leave::normal) : next(e, at);
 }
@@ -73,6 +77,7 @@ const Instruction* execute_lp_endi(Execution& e, const Instruction* at) {
   return set_loop_end(e, at, at->pc + static_cast<Word>(at->imm));
 }
 const Instruction* execute_lp_count(Execution& e, const Instruction* at) {
+  MEBOTS_ASSERT(at->rs2 < e.loops.size());
   e.loops[at->rs2].count = e.x[at->rs1];
   return next(e, at);
 }
@@ -95,6 +100,7 @@ const Instruction* execute_lp_setupi(Execution& e, const Instruction* at) {
 /// The end of a block whose last instruction may end a loop. The inner loop (0) comes first; a loop with no iteration
 /// left keeps its count, and the other loop or the next instruction follows. An iteration takes no cycle.
 const Instruction* execute_loop_end(Execution& e, const Instruction* at) {
+  MEBOTS_ASSERT(at->index > 0 && is_block_end(at->op));
   const auto last = at[-1].pc;
   e.exit = at;
   for (auto& loop : e.loops) {
@@ -112,6 +118,7 @@ const Instruction* execute_loop_end(Execution& e, const Instruction* at) {
 #ifdef MEBOTS_TRANSLATES
 /// A register of the loop that the instruction names.
 Xbyak::Address loop_register(const Instruction* at, std::size_t offset) {
+  MEBOTS_ASSERT(is_hardware_loop(at->op) && at->rs2 < 2);
   return dword[rbx + translate::offset_of_loop(at->rs2) + static_cast<int>(offset)];
 }
 /// False: a block must end there first, which only the interpreter brings about.

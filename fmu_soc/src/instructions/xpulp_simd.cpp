@@ -4,6 +4,8 @@
 // becomes host code, in the low 32 bits of SSE registers. Part 0 is the lowest. One pair of functions is for halves and
 // bytes: the traits of the operation say on which it works.
 #include "instructions/operation.hpp"
+
+#include "mebots/assert.hpp"
 #ifdef MEBOTS_TRANSLATES
 #include "instructions/lowering.hpp"
 
@@ -57,6 +59,7 @@ bool on_bytes(Op op) {
 }
 /// The second operand, from where the instruction has it, in ecx.
 void load_second(Assembler& c, const Instruction* at) {
+  MEBOTS_ASSERT(is_simd(at->op));
   const auto from = operand_of(*at);
   if (from == Operand::immediate) {
     c.mov(ecx, static_cast<std::uint32_t>(at->imm));
@@ -310,6 +313,7 @@ constexpr std::uint32_t kSignOfHalves = 0x80008000U;
 
 /// a == b, !=; a > b, >=, <, <= signed; the same unsigned: with turned signs.
 void emit_compare_parts(Assembler& c, const Instruction* at) {
+  MEBOTS_ASSERT(traits_of(at->op).kind == OpKind::simd_compare);
   const bool bytes = on_bytes(at->op);
   c.registers.copy(eax, at->rs1);
   load_second(c, at);
@@ -377,6 +381,7 @@ void finish_sum(Assembler& c, unsigned rd, bool accumulates, const Xbyak::Xmm& s
 /// Products of halves by pmaddwd where both are signed, else one by one. Bytes are widened to halves first, since
 /// pmaddubsw would saturate, but for unsigned by signed ones, for which newer hosts have an instruction.
 void emit_dot_product(Assembler& c, const Instruction* at) {
+  MEBOTS_ASSERT(is_dot_product(at->op));
   const bool accumulates = reads_rd(at->op);
   const bool left_signed = traits_of(at->op).sign;
   const bool right_signed = traits_of(at->op).second_sign;

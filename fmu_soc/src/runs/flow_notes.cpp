@@ -29,6 +29,7 @@ void FlowNotes::tell(const ObservedRun& observed) {
   auto& e = execution_;
   if (e.host.flow == steps_.get()) return;
   const std::span steps(steps_.get(), e.host.flow);
+  MEBOTS_ASSERT(e.host.flow > steps_.get());
   MEBOTS_ASSERT(steps.size() <= kMostSteps);
   e.host.flow = steps_.get();
   if (observed.observer() == nullptr) return;

@@ -148,6 +148,7 @@ inline std::uint32_t Hart::land() {
 inline bool Hart::run_block(std::uint32_t number, bool left_translated) {
   const auto& before = execution_.pipeline.before;
   const auto& block = blocks_.block(number);
+  MEBOTS_ASSERT(block.valid() && block.pc == execution_.pc);
   // What ran before can delay the first instruction if it was a load, and a jump soon behind it in more ways.
   const bool delays_jump = blocks_.delays_jump(block, execution_.pipeline.two_before, before);
   const auto stall = block.stall_behind(before);
@@ -181,6 +182,7 @@ void Hart::step() {
 Stop Hart::leave() {
   auto& e = execution_;
   const auto why = std::exchange(e.leave, Leave::normal);
+  MEBOTS_ASSERT(!sleeping_, "a core that sleeps runs nothing that it could leave");
   switch (why) {
     case Leave::trap:
       if (e.trap_cause == cause::kBreakpoint && bus_.called_host()) {
@@ -226,6 +228,7 @@ bool Hart::spins() const {
 std::uint32_t Hart::following_block(std::uint32_t* link) {
   const auto generation = blocks_.generation();
   const auto number = blocks_.find(execution_.pc);
+  MEBOTS_ASSERT(number == 0 || blocks_.block(number).pc == execution_.pc);
   if (link != nullptr && blocks_.generation() == generation) *link = number;
   return number;
 }
@@ -279,6 +282,7 @@ Hart::RoundEnd Hart::run_round_robin(Hart& first, std::uint64_t limit_tick) {
     for (auto* e = &first.execution_; e != nullptr; e = e->host.next) e->hart->translated_.tell_flow();
   }
   if (execution == nullptr) return {};
+  MEBOTS_ASSERT(execution->hart != nullptr);
   auto& hart = *execution->hart;
   if (exit == nullptr) return {&hart};
   const bool begins = hart.translated_.finish(*exit);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "runs/translated_run.hpp"
 
+#include "mebots/assert.hpp"
+
 #include <algorithm>
 #include <bit>
 
@@ -43,6 +45,7 @@ const translate::Entry* TranslatedRun::translate_when_hot(std::uint32_t number, 
     blocks.set_listener(translator.get());
   }
   const auto& entry = translator->translate(number);
+  MEBOTS_ASSERT(entry.plain != nullptr);
   cool(block);
   return &entry;
 }
@@ -77,6 +80,7 @@ bool TranslatedRun::finish(const translate::Exit& exit) {
   }
   if (!exit.indirect) e.pc = exit.pc;
   if (exit.straight) {
+    MEBOTS_ASSERT(exit.at != nullptr && is_block_end(exit.at->op));
     const bool iterates = exit.at->op == Op::loop_end && e.pc != exit.at->pc;
     e.link = iterates ? decoded_.blocks.loop_link(exit.at[1], e.pc) : &exit.at->link;
     note_next(*e.link);
@@ -90,6 +94,7 @@ bool TranslatedRun::finish(const translate::Exit& exit) {
 
 /// In the middle of a block.
 void TranslatedRun::resume_interpreter(const translate::Exit& exit) {
+  MEBOTS_ASSERT(exit.at != nullptr && !is_block_end(exit.at->op));
   auto& e = execution_;
   const auto* at = exit.at;
   std::uint32_t stall = 0;
@@ -113,6 +118,7 @@ void TranslatedRun::chain_to_here() {
 translate::RunEnd TranslatedRun::run_round(std::uint64_t limit_tick) {
   auto& host = execution_.host;
   host.end = reinterpret_cast<std::uintptr_t>(decoded_.banks->row(limit_tick));
+  MEBOTS_ASSERT(host.resume_point != nullptr, "a round begins with a core that has one");
   return decoded_.translator->run(execution_, host.resume_point);
 }
 

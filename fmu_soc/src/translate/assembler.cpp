@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "translate/assembler.hpp"
 
+#include "mebots/assert.hpp"
 #include "translate/lowering.hpp"
 
 #include <limits>
@@ -58,10 +59,12 @@ bool Assembler::is_near(const void* table, std::size_t size) const {
 }
 
 int Assembler::from_first_memory(const void* table) const {
+  MEBOTS_ASSERT(is_near(table, 1));
   return static_cast<int>(static_cast<const std::uint8_t*>(table) - ram[0].data);
 }
 
 Xbyak::Address Assembler::marks_of_word(unsigned words) {
+  MEBOTS_ASSERT(words == 1 || words == 2);
   const auto& frame = words == 1 ? byte : word;
   if (is_near(ram[0].marks, ram[0].span)) return frame[r14 + rcx + from_first_memory(ram[0].marks)];
   mov(rdx, ptr[rbx + static_cast<int>(offsetof(Execution, ram[0].marks))]);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "hart/execution.hpp"
+#include "mebots/assert.hpp"
 #include "translate/code_memory.hpp"
 #include "translate/cycle_accounting.hpp"
 #include "translate/edge_writer.hpp"
@@ -125,6 +126,7 @@ class Assembler : public Xbyak::CodeGenerator {
 
 template <typename Jump>
 void EdgeWriter::branch(const Instruction* at, Jump jump_to) {
+  MEBOTS_ASSERT(is_branch(at->op));
   Label taken;
   jump_to(taken);
   a_.defer_warm([this, at, taken]() mutable {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "translate/cycle_accounting.hpp"
 
+#include "mebots/assert.hpp"
 #include "translate/assembler.hpp"
 
 #include <bit>
@@ -15,6 +16,7 @@ std::uint32_t CycleAccounting::waits_before(const Instruction* at) const {
 
 /// Adds up what a block has done when it is left behind `at`.
 void CycleAccounting::count(const Instruction* at, std::uint32_t extra_cycles) {
+  MEBOTS_ASSERT(at[1].index == at->index + 1 && at[1].cycles_before >= at->cycles_before);
   const auto& sums = at[1];
   spend(sums.cycles_before + waits_before(&sums) + extra_cycles);
   const auto counts = std::uint64_t{sums.index} | std::uint64_t{sums.accesses_before} << 32;
@@ -23,6 +25,7 @@ void CycleAccounting::count(const Instruction* at, std::uint32_t extra_cycles) {
 
 /// Undoes count().
 void CycleAccounting::take_back(const Instruction* at) {
+  MEBOTS_ASSERT(at[1].index == at->index + 1);
   const auto& sums = at[1];
   const auto cycles = sums.cycles_before + waits_before(&sums);
   if (a_.options.banks != nullptr) {
@@ -80,6 +83,7 @@ bool CycleAccounting::is_noted(const Instruction* at, std::uint32_t next) const 
 /// Notes a step behind `at`, up to which all is counted, to where `set_next` stores. rcx and rdx are lost.
 template <typename SetNext>
 void CycleAccounting::note_flow(const Instruction* at, SetNext set_next) {
+  MEBOTS_ASSERT(a_.options.flow != nullptr);
   const auto field = [this](std::size_t offset) { return rdx + static_cast<int>(offset); };
   const auto end = rbx + static_cast<int>(offsetof(Execution, host.flow));
   a_.mov(rdx, ptr[end]);
@@ -118,6 +122,7 @@ void CycleAccounting::claim_bank(const Instruction* at, bool word_in_ecx) {
   if (a_.options.banks == nullptr) return;
   const auto count = static_cast<int>(a_.options.banks->count());
   const auto distance = at->cycles_before * count;
+  MEBOTS_ASSERT(std::has_single_bit(static_cast<unsigned>(count)), "the low bits of a word's number say its bank");
   Label retry;
   Label taken;
   Label done;

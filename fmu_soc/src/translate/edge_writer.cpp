@@ -3,6 +3,7 @@
 // Edges out of a block: to another one of the region, to other translated code, back to the interpreter.
 #include "translate/edge_writer.hpp"
 
+#include "mebots/assert.hpp"
 #include "translate/assembler.hpp"
 
 #include <bit>
@@ -12,6 +13,7 @@ namespace mebots::soc::translate {
 using namespace Xbyak::util;
 
 void EdgeWriter::begin(const Region& region) {
+  MEBOTS_ASSERT(!region.nodes.empty());
   region_ = &region;
   labels_ = std::vector<Label>(region.nodes.size());
   entries_ = std::vector<Label>(region.nodes.size());
@@ -19,11 +21,13 @@ void EdgeWriter::begin(const Region& region) {
 }
 
 void EdgeWriter::begin_node(std::size_t index) {
+  MEBOTS_ASSERT(index < labels_.size());
   following_ = index + 1 < region_->nodes.size() ? &region_->nodes[index + 1] : nullptr;
   a_.L(labels_[index]);
 }
 
 void EdgeWriter::emit_exits() {
+  MEBOTS_ASSERT(a_.stubs.leave != nullptr && a_.stubs.park != nullptr);
   a_.L(leave_all_);
   a_.registers.store_all();
   a_.jmp(a_.stubs.leave);
@@ -44,6 +48,7 @@ void EdgeWriter::leave_by(const Exit& exit) {
 }
 
 void EdgeWriter::resume(const Instruction* at) {
+  MEBOTS_ASSERT(!is_block_end(at->op), "nothing is left to run there");
   Exit exit;
   exit.resumes = true;
   exit.at = at;
@@ -135,6 +140,7 @@ void EdgeWriter::park_at_entry(const Node& node, const Exit& exit, std::uint32_t
 }
 
 Entry EdgeWriter::emit_entry(const Node& node, bool runs_into_node) {
+  MEBOTS_ASSERT(node.block->valid());
   Entry entry;
   Exit at_limit;
   at_limit.pc = node.block->pc;
@@ -178,6 +184,7 @@ Entry EdgeWriter::emit_entry(const Node& node, bool runs_into_node) {
 
 /// Leaves the block behind `at`, which is counted already but for an unaligned target.
 void EdgeWriter::jump(const Instruction* at, std::uint32_t pc, bool jumped) {
+  MEBOTS_ASSERT(is_branch(at->op) || is_jump(at->op));
   const auto extra = is_branch(at->op) ? kTakenBranchExtra : 0U;
   if (const auto* node = node_at(at->link, pc); node != nullptr) {
     const auto landing = jumped && node->block->unaligned ? kUnalignedTargetExtra : 0U;
@@ -203,6 +210,7 @@ void EdgeWriter::jump(const Instruction* at, std::uint32_t pc, bool jumped) {
 
 /// Leaves by a patch point.
 void EdgeWriter::leave_chained(Exit exit) {
+  MEBOTS_ASSERT(exit.patch_point == 0 && !exit.indirect);
   a_.registers.store_all();
   // To the next instruction until it is patched. The target stands in data: code is never changed.
   exit.patch_point = a_.exits.add_patch_point();
@@ -214,6 +222,7 @@ void EdgeWriter::leave_chained(Exit exit) {
 }
 
 void EdgeWriter::jump_indirect(const Instruction* at) {
+  MEBOTS_ASSERT(at->op == Op::jalr);
   // The last target is the best guess.
   if (const auto* node = at->link != 0 ? region_->find(at->link) : nullptr; node != nullptr) {
     Label guessed;

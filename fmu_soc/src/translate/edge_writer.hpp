@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "mebots/assert.hpp"
 #include "translate/region.hpp"
 #include "translate/translator.hpp"
 
@@ -63,7 +64,10 @@ class EdgeWriter {
   void load_next_point();
   void leave_chained(Exit exit);
   std::uint32_t add_exit(const Exit& exit);
-  std::size_t index_of(const Node& node) const { return static_cast<std::size_t>(&node - region_->nodes.data()); }
+  std::size_t index_of(const Node& node) const {
+    MEBOTS_ASSERT(&node >= region_->nodes.data() && &node <= &region_->nodes.back());
+    return static_cast<std::size_t>(&node - region_->nodes.data());
+  }
   Xbyak::Label& label_of(const Node& node) { return labels_[index_of(node)]; }
 
   Assembler& a_;

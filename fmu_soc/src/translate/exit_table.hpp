@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "mebots/assert.hpp"
 #include "translate/code_memory.hpp"
 #include "translate/target_table.hpp"
 #include "translate/translator.hpp"
@@ -34,6 +35,7 @@ class ExitTable {
 
   /// Code is made in this segment from now on; what it had before is gone.
   void begin_segment(std::uint32_t segment) {
+    MEBOTS_ASSERT(segment < Segments::kCount);
     segment_ = segment;
     exits_[segment].clear();
     unpatched_[segment].clear();
@@ -48,15 +50,20 @@ class ExitTable {
   const Exit& exit(std::uint32_t number) const { return exits_[number >> kIndexBits][number & kIndexMask]; }
   /// Of the segment in work.
   std::size_t count() const { return exits_[segment_].size(); }
-  const Exit& exit_in_work(std::size_t index) const { return exits_[segment_][index]; }
+  const Exit& exit_in_work(std::size_t index) const {
+    MEBOTS_ASSERT(index < count());
+    return exits_[segment_][index];
+  }
 
   /// A new patch point, which stands at writable address `place` and does not lead anywhere yet.
   std::uint32_t add_patch_point() {
+    MEBOTS_ASSERT(free_patch_points() > 0);
     unpatched_[segment_].push_back(nullptr);
     return number_of(unpatched_[segment_].size());  // not 0
   }
   /// Where it stands, as written.
   std::uint8_t* place_of(std::uint32_t patch_point) const {
+    MEBOTS_ASSERT((patch_point & kIndexMask) != 0 && (patch_point & kIndexMask) <= Segments::kPatchPoints);
     return memory_.writable() + Segments::begin_of(patch_point >> kIndexBits) +
            ((patch_point & kIndexMask) - 1) * sizeof(const std::uint8_t*);
   }
@@ -89,6 +96,7 @@ class ExitTable {
   static constexpr std::uint32_t kIndexMask = (1U << kIndexBits) - 1;
 
   std::uint32_t number_of(std::size_t index) const {
+    MEBOTS_ASSERT(index <= kIndexMask);
     return segment_ << kIndexBits | static_cast<std::uint32_t>(index);
   }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "translate/fetch_writer.hpp"
 
+#include "mebots/assert.hpp"
 #include "translate/assembler.hpp"
 
 #include <algorithm>
@@ -33,6 +34,7 @@ void FetchWriter::jump_when_absent(std::uint32_t address, Label& absent) {
 /// In front of an instruction: brings those of its lines that are absent, but for the last one of the instruction
 /// before. Where others use the cache, leaves that to the interpreter. eax, rcx and rdx may be lost.
 void FetchWriter::emit(const Block& block, const Instruction* at, const Instruction* before) {
+  MEBOTS_ASSERT(a_.blocks.fetched() != nullptr && !is_block_end(at->op));
   const auto& cache = *a_.blocks.fetched();
   const auto last = cache.line_of(at[1].pc - 1);
   for (auto line = cache.line_of(at->pc); line <= last; ++line) {
@@ -79,6 +81,7 @@ void FetchWriter::emit_line(std::uint32_t line, std::uint32_t address, bool ofte
 
 /// Brings an absent line; eax, rcx and rdx are lost.
 void FetchWriter::emit_refill(std::uint32_t line, std::uint32_t address) {
+  MEBOTS_ASSERT(a_.stubs.fetch != nullptr);
   const auto* present = a_.blocks.fetched()->presence(address);
   a_.mov(eax, a_.blocks.fetched()->first_of_set(line));
   a_.mov(edx, line);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "translate/region.hpp"
 
+#include "mebots/assert.hpp"
+
 #include <algorithm>
 #include <utility>
 
@@ -111,6 +113,7 @@ Region grow_region(const BlockCache& blocks, std::uint32_t head, const std::func
     instructions += region.nodes.back().end()->index;
   };
   add(head);
+  MEBOTS_ASSERT(region.nodes.size() == 1, "its head is valid and has no code");
   for (std::size_t i = 0; i < region.nodes.size(); ++i) for_successors(Node(region.nodes[i]), add);
   LoopFinder(region).weigh_loops();
   put_in_order(region);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "hart/block_cache.hpp"
+#include "mebots/assert.hpp"
 
 #include <cstdint>
 #include <functional>
@@ -46,12 +47,14 @@ inline std::uint32_t linked(const BlockCache& blocks, std::uint32_t link, std::u
 
 /// Whether the block's first instruction waits for a load that ends the block before, which `end` stands behind.
 inline bool stalls(const Block& block, const Instruction* end) {
+  MEBOTS_ASSERT(is_block_end(end->op));
   return end->index != 0 && is_load(end[-1].op) && (block.stalled_by >> end[-1].rd & 1U) != 0;
 }
 
 /// Whether an early jump of the block waits for what ends the block before, which `end` stands behind; also where only
 /// a run can tell. (A load across two words that ends a block is left to the interpreter.)
 inline bool delays_jump(const BlockCache& blocks, const Block& block, const Instruction* end) {
+  MEBOTS_ASSERT(is_block_end(end->op));
   if (!block.early_jump) return false;
   if (end->index < 2) return true;
   return blocks.delays_jump(block, one_later(executed(end[-2], false)), executed(end[-1], false));

@@ -99,6 +99,7 @@ void RegisterMap::store_all() {
 }
 
 Xbyak::Reg32 RegisterMap::host(unsigned reg) const {
+  MEBOTS_ASSERT(in_host(reg));
   return Reg32(kHosts[static_cast<std::uint8_t>(allocation_.host[reg])]);
 }
 
@@ -108,6 +109,7 @@ Xbyak::Xmm RegisterMap::vector(unsigned reg) const {
 }
 
 const Xbyak::Operand& RegisterMap::operand(unsigned reg) {
+  MEBOTS_ASSERT(reg != 0, "x0 has no place");
   MEBOTS_ASSERT(!in_vector(reg));
   static constexpr std::size_t kCount = kHosts.size();
   static const std::array<Reg32, kCount> kOperands{Reg32(kHosts[0]), Reg32(kHosts[1]), Reg32(kHosts[2]),
@@ -134,6 +136,7 @@ Xbyak::Reg32 RegisterMap::place(unsigned rd, const Reg32& scratch, bool needed_l
 }
 
 void RegisterMap::finish(unsigned rd, const Reg32& result) {
+  MEBOTS_ASSERT(rd != 0, "results for x0 go to the last register");
   if (in_host(rd)) {
     if (host(rd).getIdx() != result.getIdx()) a_.mov(host(rd), result);
   } else if (in_vector(rd)) {
@@ -144,6 +147,7 @@ void RegisterMap::finish(unsigned rd, const Reg32& result) {
 }
 
 void RegisterMap::set(unsigned rd, std::uint32_t constant) {
+  MEBOTS_ASSERT(rd != 0);
   if (in_vector(rd)) {
     a_.mov(ecx, constant);  // eax holds where a jump leads
     a_.movd(vector(rd), ecx);
@@ -157,6 +161,7 @@ void RegisterMap::set(unsigned rd, std::uint32_t constant) {
 }
 
 void RegisterMap::copy(const Reg32& to, unsigned reg) {
+  MEBOTS_ASSERT(reg < kGuestRegisters);
   if (reg == 0) {
     a_.mov(to, 0);  // not xor: flags stay
   } else if (in_vector(reg)) {
@@ -179,6 +184,7 @@ Xbyak::Xmm RegisterMap::in_vector_for(unsigned reg, const Xbyak::Xmm& scratch) {
 }
 
 void RegisterMap::finish_vector(unsigned rd, const Xbyak::Xmm& result) {
+  MEBOTS_ASSERT(rd != 0);
   if (in_vector(rd)) {
     if (vector(rd).getIdx() != result.getIdx()) a_.movdqa(vector(rd), result);
   } else if (in_host(rd)) {

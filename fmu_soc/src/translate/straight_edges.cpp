@@ -3,6 +3,8 @@
 // Edges from the end of a block straight to the next one, or to another iteration of a hardware loop.
 #include "translate/assembler.hpp"
 
+#include "mebots/assert.hpp"
+
 #include <bit>
 
 namespace mebots::soc::translate {
@@ -25,6 +27,7 @@ const Node* EdgeWriter::straight_successor(const Instruction* at, std::uint32_t 
 
 /// Straight on to the block at `pc`, to which a link has led. `is_last`: nothing else of its node comes behind it.
 void EdgeWriter::go_straight(const Instruction* at, std::uint32_t link, std::uint32_t pc, bool is_last) {
+  MEBOTS_ASSERT(is_block_end(at->op) && at->index > 0);
   const auto* node = straight_successor(at, link);
   if (node != nullptr && node->block->pc == pc) {
     go_straight_to(at, *node, is_last);
@@ -61,6 +64,7 @@ void EdgeWriter::go_straight_to(const Instruction* at, const Node& node, bool is
 
 /// To the start of a loop, which is where it was last time or not.
 void EdgeWriter::iterate(const Instruction* at, unsigned loop) {
+  MEBOTS_ASSERT(at->op == Op::loop_end && loop < 2);
   const auto start = dword[rbx + offset_of_loop(loop) + static_cast<int>(offsetof(HardwareLoop, start))];
   if (const auto link = at[1].link; link != 0 && a_.blocks.block(link).valid()) {
     const auto pc = a_.blocks.block(link).pc;
@@ -85,6 +89,7 @@ void EdgeWriter::iterate(const Instruction* at, unsigned loop) {
 /// Notes what the pipeline holds for the next block, which is reached straight behind `end`, up to which all is
 /// counted. rcx and rdx are lost.
 void EdgeWriter::save_pipeline_state(const Instruction* end) {
+  MEBOTS_ASSERT(is_block_end(end->op) && end->index > 0);
   const auto came_from = ptr[rbx + static_cast<int>(offsetof(Execution, host.came_from))];
   if (end->index >= 2) {
     a_.mov(rdx, bits_of({executed(end[-1], false), one_later(executed(end[-2], false))}));

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "mebots/assert.hpp"
+
 #include <cstdint>
 #include <cstdlib>
 #include <memory>
@@ -28,7 +30,10 @@ class TargetTable {
   }
 
   const Target* data() const { return targets_.get(); }
-  void set(std::uint32_t pc, const std::uint8_t* code) { entry_of(pc) = {pc, 0, code}; }
+  void set(std::uint32_t pc, const std::uint8_t* code) {
+    MEBOTS_ASSERT((pc & 1U) == 0 && code != nullptr);
+    entry_of(pc) = {pc, 0, code};
+  }
   void forget(std::uint32_t pc) {
     if (entry_of(pc).pc == pc) entry_of(pc).pc = kNone;
   }

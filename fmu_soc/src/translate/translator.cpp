@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "translate/translator.hpp"
 
+#include "mebots/assert.hpp"
 #include "translate/assembler.hpp"
 #include "translate/code_memory.hpp"
 #include "translate/exit_table.hpp"
@@ -33,6 +34,7 @@ class HostTranslator : public Translator {
   }
 
   const Entry& translate(std::uint32_t block) override {
+    MEBOTS_ASSERT(find(block) == nullptr && blocks_.block(block).valid());
     make_room();
     const auto region = grow_region(blocks_, block, [this](auto number) { return find(number) != nullptr; });
     for (const auto& node : region.nodes) {
@@ -46,6 +48,8 @@ class HostTranslator : public Translator {
     Assembler assembler(context_, used_, stubs_);
     const auto entries = emit_region(assembler, region);
     used_ += align_up(assembler.getSize());
+    MEBOTS_ASSERT(entries.size() == region.nodes.size());
+    MEBOTS_ASSERT(used_ <= Segments::begin_of(segment_ + 1), "make_room() left enough");
     made.end = memory_->executable(memory_->writable() + used_);
     for (std::size_t i = 0; i < entries.size(); ++i) {
       const auto& node = region.nodes[i];
@@ -60,6 +64,7 @@ class HostTranslator : public Translator {
   }
 
   RunEnd run(Execution& execution, const std::uint8_t* code) override {
+    MEBOTS_ASSERT(code != nullptr);
     struct Return {  // in rax and rdx
       std::uint64_t exit;
       Execution* execution;
@@ -111,6 +116,8 @@ class HostTranslator : public Translator {
 
   /// Block chaining: a region's patch point leads to the code of another one, past the interpreter.
   void chain(const Exit& exit, const Entry& entry, bool stalled) {
+    MEBOTS_ASSERT(exit.patch_point != 0 && entry.plain != nullptr);
+    MEBOTS_ASSERT(!stalled || exit.straight, "a jump leaves no load before it");
     exits_.patch(exit.patch_point, stalled         ? entry.stalled
                                    : exit.straight ? entry.straight
                                    : exit.jumped   ? entry.jumped
@@ -143,6 +150,7 @@ class HostTranslator : public Translator {
   /// Nothing leads to its code any more. The code stays where it is until its segment is written over: its exits are
   /// still good for a run that has just been left by one.
   void drop(std::uint32_t number) {
+    MEBOTS_ASSERT(number != 0 && number < regions_.size());
     auto& region = regions_[number];
     if (region.begin == nullptr) return;
     for (const auto& block : region.blocks) {
