@@ -2,7 +2,7 @@
 #include "debug/target.hpp"
 
 #include "debug/hex.hpp"
-#include "hart/csr_names.hpp"
+#include "hart/csr_numbers.hpp"
 #include "isa/encoding.hpp"
 
 #include <fmt/core.h>

@@ -4,6 +4,9 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
 
 /// Numbers of the control and status registers, from their table.
 namespace mebots::soc::csr {
@@ -40,6 +43,16 @@ constexpr unsigned slot_of(unsigned number) {
   }
   return slots;
 }
+
+struct Named {
+  unsigned number = 0;
+  std::string_view name;
+};
+
+/// The registers that every core has and that stand alone, by number.
+std::span<const Named> named();
+/// "mepc", "mhpmcounter7"; "csr0x7c0" for one without a name here.
+std::string name(unsigned number);
 
 }  // namespace mebots::soc::csr
 

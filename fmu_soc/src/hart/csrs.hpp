@@ -2,7 +2,6 @@
 #pragma once
 
 #include "hart/block_cache.hpp"
-#include "hart/code_settings.hpp"
 #include "hart/csr_numbers.hpp"
 #include "hart/execution.hpp"
 #include "hart/observer.hpp"

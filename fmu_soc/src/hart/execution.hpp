@@ -13,7 +13,11 @@
 namespace mebots::soc {
 
 class Hart;
-struct Rooms;
+class BlockCache;
+class Csrs;
+class DataPath;
+class Fetch;
+class Traps;
 
 /// A piece of RAM as the inner loop sees it.
 struct FastRegion {
@@ -120,6 +124,15 @@ struct HostState {
 
 /// No pc of an instruction: none is odd.
 inline constexpr std::uint32_t kNoPc = 1;
+
+/// The parts of a core that handlers reach beside the execution. See runs/core.md.
+struct Rooms {
+  Csrs& csrs;
+  Traps& traps;
+  DataPath& data_path;
+  Fetch& fetch;
+  BlockCache& blocks;
+};
 
 /// The state of a core that its handlers and translated code work on, and the block in progress. While that runs, the
 /// counters and the pipeline are those of its start.

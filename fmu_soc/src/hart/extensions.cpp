@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hart/extensions.hpp"
 
-#include "hart/csr_names.hpp"
+#include "hart/csr_numbers.hpp"
 
 #include <fmt/core.h>
 

@@ -2,9 +2,9 @@
 #pragma once
 
 #include "hart/data_path.hpp"
+#include "hart/execution.hpp"
 #include "hart/handler.hpp"
 #include "hart/ram_access.hpp"
-#include "hart/rooms.hpp"
 
 #include <cstring>
 #include <type_traits>

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "hart/handler.hpp"
-#include "translate/lowering.hpp"
+#include "translate/translator.hpp"
 
 #include <array>
 #include <cstdint>

@@ -4,8 +4,8 @@
 // interpreter.
 #include "hart/csr_numbers.hpp"
 #include "hart/csrs.hpp"
+#include "hart/execution.hpp"
 #include "hart/fetch.hpp"
-#include "hart/rooms.hpp"
 #include "hart/traps.hpp"
 #include "instructions/operation.hpp"
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "observe/trace.hpp"
 
-#include "hart/csr_names.hpp"
 #include "hart/csr_numbers.hpp"
 
 #include <string_view>

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "hart/block_cache.hpp"
-#include "hart/code_settings.hpp"
 #include "hart/flow.hpp"
 #include "memory/instruction_cache.hpp"
 #include "memory/memory.hpp"

@@ -6,8 +6,6 @@
 #include "hart/execution.hpp"
 #include "hart/fetch.hpp"
 #include "hart/interpreter.hpp"
-#include "hart/rooms.hpp"
-#include "hart/run_limit.hpp"
 #include "hart/timing.hpp"
 #include "hart/traps.hpp"
 #include "memory/bus.hpp"

@@ -4,7 +4,6 @@
 #include "hart/execution.hpp"
 #include "hart/interpreter.hpp"
 #include "hart/observer.hpp"
-#include "hart/run_limit.hpp"
 #include "runs/decoded_code.hpp"
 
 #include <cstdint>

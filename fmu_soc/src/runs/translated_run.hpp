@@ -4,7 +4,6 @@
 #include "hart/execution.hpp"
 #include "hart/fetch.hpp"
 #include "hart/interpreter.hpp"
-#include "hart/run_limit.hpp"
 #include "runs/decoded_code.hpp"
 #include "runs/flow_notes.hpp"
 #include "runs/observed_run.hpp"

@@ -8,7 +8,7 @@
 #include "tool/report.hpp"
 
 #include "devices/gap8/himax.hpp"
-#include "hart/csr_names.hpp"
+#include "hart/csr_numbers.hpp"
 #include "mebots/error.hpp"
 #include "soc/soc.hpp"
 

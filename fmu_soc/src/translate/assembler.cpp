@@ -2,7 +2,7 @@
 #include "translate/assembler.hpp"
 
 #include "mebots/assert.hpp"
-#include "translate/lowering.hpp"
+#include "translate/translator.hpp"
 
 #include <limits>
 

@@ -2,7 +2,7 @@
 //
 // The stubs that all regions share: the prologue and the epilogue of translated code, from one core to the next one of
 // the round; refills of the instruction cache, and accesses to a memory that cores share.
-#include "hart/far_access.hpp"
+#include "hart/data_path.hpp"
 #include "mebots/assert.hpp"
 #include "translate/assembler.hpp"
 

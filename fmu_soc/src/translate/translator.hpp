@@ -13,6 +13,8 @@
 /// to the interpreter in front of the instruction that needs it.
 namespace mebots::soc::translate {
 
+class Assembler;
+
 /// How translated code was left.
 struct Exit {
   bool resumes = false;              // at `at`, inside its block, which the interpreter finishes; else a block begins
@@ -82,6 +84,12 @@ bool can_translate();
 
 /// Whether some form of this operation can be translated; all others are left to the interpreter.
 bool has_translation(Op op);
+
+/// Writes host code for an instruction. False: nothing was written, this form of it is left to the interpreter.
+using Lowering = bool (*)(Assembler&, const Instruction*);
+
+/// The lowering of an operation; null if all forms are left to the interpreter.
+Lowering lowering_of(Op op);
 
 /// Null where that is not so, or code cannot be made for such memories. `execution` says where the memories are.
 std::unique_ptr<Translator> make_translator(const BlockCache& blocks, const Execution& execution,

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hart/csr_names.hpp"
 #include "hart/csr_numbers.hpp"
 #include "isa/encoding.hpp"
 #include "machine.hpp"
