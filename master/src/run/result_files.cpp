@@ -119,13 +119,16 @@ void ResultFiles::log(const Message& message) {
 std::optional<std::string> ResultFiles::close() {
   logging_ = false;
   std::optional<std::string> first;
-  for (auto* file : {results_, log_}) {
+  const auto close_one = [&first](auto* file) {
     try {
       if (file != nullptr) file->close();
     } catch (const std::exception& error) {
       if (!first) first = error.what();
     }
-  }
+  };
+  close_one(results_);
+  close_one(hdf5_);
+  close_one(log_);
   return first;
 }
 

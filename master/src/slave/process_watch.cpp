@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "slave/process_watch.hpp"
 
+#include "fmi/fmu.hpp"
 #include "model/resolved_system.hpp"
 
 #include <fmt/format.h>

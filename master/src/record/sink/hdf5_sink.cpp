@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "record/sink/hdf5_sink.hpp"
 
-#include "mebots/input_error.hpp"
+#include "mebots/error.hpp"
+#include "record/sink/hdf5_file.hpp"
 #include "record/sink/hdf5_parts.hpp"
 
 #include <fmt/format.h>
@@ -52,8 +53,7 @@ struct Hdf5Sink::File {
     Handle dataset;
   };
 
-  std::string path;
-  Handle file;
+  hdf5::File file;
   std::vector<Column> columns;  // the first is the time
   hsize_t rows = 0;
   std::vector<double> reals;
@@ -61,12 +61,7 @@ struct Hdf5Sink::File {
   std::vector<std::uint8_t> booleans;
   std::vector<const char*> texts;
 
-  explicit File(const std::filesystem::path& name)
-      : path(name.string()), file(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), &H5Fclose) {}
-
-  [[noreturn]] void fail() const {
-    throw Error(ErrorCode::file_unwritable, fmt::format("{}: writing failed (HDF5). Is the disk full?", path));
-  }
+  explicit File(const std::filesystem::path& path) : file(path) {}
 
   void add(const std::string& link, const RecordColumn& column) {
     constexpr hsize_t kNone = 0;
@@ -82,8 +77,8 @@ struct Hdf5Sink::File {
     H5Pset_obj_track_times(creation, false);  // the same run gives the same file
     const Handle links(H5Pcreate(H5P_LINK_CREATE), &H5Pclose);
     H5Pset_create_intermediate_group(links, 1);
-    Handle dataset(H5Dcreate2(file, link.c_str(), type, space, links, creation, H5P_DEFAULT), &H5Dclose);
-    if (dataset < 0) fail();
+    Handle dataset(H5Dcreate2(file.id(), link.c_str(), type, space, links, creation, H5P_DEFAULT), &H5Dclose);
+    if (dataset < 0) file.fail();
     put_attribute(dataset, "name", column.name);
     put_attribute(dataset, "unit", column.unit);
     columns.push_back({column.kind, std::move(type), std::move(dataset)});
@@ -91,11 +86,11 @@ struct Hdf5Sink::File {
 
   void append(Column& column, hsize_t count, const void* values) {
     const auto total = rows + count;
-    if (H5Dset_extent(column.dataset, &total) < 0) fail();
+    if (H5Dset_extent(column.dataset, &total) < 0) file.fail();
     const Handle space(H5Dget_space(column.dataset), &H5Sclose);
     H5Sselect_hyperslab(space, H5S_SELECT_SET, &rows, nullptr, &count, nullptr);
     const Handle memory(H5Screate_simple(1, &count, nullptr), &H5Sclose);
-    if (H5Dwrite(column.dataset, column.type, memory, space, H5P_DEFAULT, values) < 0) fail();
+    if (H5Dwrite(column.dataset, column.type, memory, space, H5P_DEFAULT, values) < 0) file.fail();
   }
 
   /// The cells of one column, in the type of its dataset.
@@ -122,13 +117,7 @@ struct Hdf5Sink::File {
 
 Hdf5Sink::Hdf5Sink(const std::vector<RecordColumn>& columns, const std::filesystem::path& file) {
   const std::lock_guard lock(library());
-  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // we say ourselves what went wrong
   file_ = std::make_unique<File>(file);
-  if (file_->file < 0) {
-    throw InputError(
-        ErrorCode::file_unwritable,
-        fmt::format("{}: the file cannot be written (HDF5). Choose another folder with --out", file.string()));
-  }
   file_->add("time", {"time", "s", ValueKind::real});
   std::set<std::string> used;
   for (const auto& column : columns) {
@@ -136,6 +125,7 @@ Hdf5Sink::Hdf5Sink(const std::vector<RecordColumn>& columns, const std::filesyst
     while (!used.insert(link).second) link += '|';  // two names that differ in `/` and `|` only
     file_->add(link, column);
   }
+  file_->file.check();
 }
 
 Hdf5Sink::~Hdf5Sink() {
@@ -145,8 +135,8 @@ Hdf5Sink::~Hdf5Sink() {
 
 void Hdf5Sink::put_parameters(const std::vector<ParameterValue>& parameters) {
   const std::lock_guard lock(library());
-  if (H5Lexists(file_->file, "parameters", H5P_DEFAULT) > 0) return;
-  const Handle group(H5Gcreate2(file_->file, "parameters", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), &H5Gclose);
+  if (H5Lexists(file_->file.id(), "parameters", H5P_DEFAULT) > 0) return;
+  const Handle group(H5Gcreate2(file_->file.id(), "parameters", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), &H5Gclose);
   for (const auto& [name, unit, value] : parameters) {
     const auto link = hdf5::without_slashes(name);
     double number = 0;
@@ -157,9 +147,10 @@ void Hdf5Sink::put_parameters(const std::vector<ParameterValue>& parameters) {
     const Handle set(H5Dcreate2(group, link.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), &H5Dclose);
     const char* text = value.c_str();
     const void* content = is_number ? static_cast<const void*>(&number) : static_cast<const void*>(&text);
-    if (set < 0 || H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, content) < 0) file_->fail();
+    if (set < 0 || H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, content) < 0) file_->file.fail();
     put_attribute(set, "unit", unit);
   }
+  file_->file.check();
 }
 
 void Hdf5Sink::write(const RowBlock& block) {
@@ -169,12 +160,21 @@ void Hdf5Sink::write(const RowBlock& block) {
     auto& column = file_->columns[i];
     file_->append(column, block.rows(), file_->gather(column, block, i));
   }
+  file_->file.check();
   file_->rows += block.rows();
 }
 
 void Hdf5Sink::flush() {
   const std::lock_guard lock(library());
-  if (H5Fflush(file_->file, H5F_SCOPE_GLOBAL) < 0) file_->fail();
+  if (file_->file.id() < 0) return;  // close() has written everything
+  if (H5Fflush(file_->file.id(), H5F_SCOPE_GLOBAL) < 0) file_->file.fail();
+  file_->file.check();
+}
+
+void Hdf5Sink::close() {
+  const std::lock_guard lock(library());
+  file_->columns.clear();
+  file_->file.close();
 }
 
 void Hdf5Sink::visit(state::Visitor& v) {
@@ -184,10 +184,10 @@ void Hdf5Sink::visit(state::Visitor& v) {
   const std::lock_guard lock(library());
   if (rows > file_->rows)
     throw Error(ErrorCode::state_damaged,
-                fmt::format("{}: this file has fewer rows than the saved state", file_->path));
+                fmt::format("{}: this file has fewer rows than the saved state", file_->file.path().string()));
   const hsize_t extent = rows;
   for (const auto& column : file_->columns) {
-    if (H5Dset_extent(column.dataset, &extent) < 0) file_->fail();
+    if (H5Dset_extent(column.dataset, &extent) < 0) file_->file.fail();
   }
   file_->rows = rows;
 }

@@ -15,7 +15,7 @@ namespace mebots::master {
 /// any length. Attributes: `unit` and `name` (instance.variable, since a `/` in a name is written as `|`).
 class Hdf5Sink final : public RowSink {
  public:
-  /// Throws InputError when the file cannot be made.
+  /// Throws InputError when the file cannot be made, Error when its first bytes cannot be written.
   Hdf5Sink(const std::vector<RecordColumn>& columns, const std::filesystem::path& file);
   ~Hdf5Sink() override;
   Hdf5Sink(const Hdf5Sink&) = delete;
@@ -25,6 +25,8 @@ class Hdf5Sink final : public RowSink {
   void put_parameters(const std::vector<ParameterValue>& parameters);
   void write(const RowBlock& block) override;
   void flush() override;
+  /// Writes the rest and closes the file; nothing may be written afterwards. Throws Error if any write has failed.
+  void close();
   /// To fewer rows than there are. Throws Error for more.
   void visit(state::Visitor& v) override;
 

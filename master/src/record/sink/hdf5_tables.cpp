@@ -2,6 +2,7 @@
 #include "record/sink/hdf5_tables.hpp"
 
 #include "mebots/error.hpp"
+#include "record/sink/hdf5_file.hpp"
 #include "record/sink/hdf5_parts.hpp"
 
 #include <fmt/format.h>
@@ -43,16 +44,15 @@ struct Putter {
   }
 };
 
-/// Where it failed; empty = nowhere.
+/// Returns the table and column that HDF5 refused; empty if none.
 std::string put_tables(hid_t output, const std::vector<Table>& tables) {
-  if (output < 0) return {};
   for (const auto& table : tables) {
     const Handle group(
         H5Gcreate2(output, hdf5::without_slashes(table.name).c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
         &H5Gclose);
     for (const auto& column : table.columns) {
       if (!std::visit(Putter{group, column}, column.values))
-        return fmt::format("table '{}', column '{}': ", table.name, column.name);
+        return fmt::format("table '{}', column '{}'", table.name, column.name);
     }
   }
   return {};
@@ -62,13 +62,11 @@ std::string put_tables(hid_t output, const std::vector<Table>& tables) {
 
 void write_hdf5(const std::vector<Table>& tables, const std::filesystem::path& file) {
   const std::lock_guard lock(hdf5::library());
-  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // we say ourselves what went wrong
-  const hid_t output = H5Fcreate(file.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
-  const auto place = put_tables(output, tables);
-  const bool closed = output >= 0 && H5Fclose(output) >= 0;
-  if (!closed || !place.empty()) {
-    throw Error(ErrorCode::file_unwritable,
-                fmt::format("{}: {}writing failed (HDF5). Is the disk full?", file.string(), place));
+  hdf5::File output(file);
+  const auto place = put_tables(output.id(), tables);
+  output.close();
+  if (!place.empty()) {
+    throw Error(ErrorCode::file_unwritable, fmt::format("{}: HDF5 could not write {}", file.string(), place));
   }
 }
 

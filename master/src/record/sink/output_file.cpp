@@ -14,6 +14,15 @@
 
 namespace mebots::master {
 
+Error write_error(const std::filesystem::path& path, int error_number) {
+  const bool full = error_number == ENOSPC || error_number == EDQUOT;
+  return {ErrorCode::file_unwritable,
+          fmt::format("{}: writing failed: {}. {}", path.string(), std::strerror(error_number),
+                      full ? "Free some space, or choose another folder with --out; fewer columns or a longer interval "
+                             "under 'record' need less"
+                           : "Choose another folder with --out")};
+}
+
 OutputFile::OutputFile(std::filesystem::path path, Mode mode) : path_(std::move(path)) {
   constexpr int kReadableByAll = 0644;
   const int how = mode == Mode::anew ? O_CREAT | O_TRUNC : 0;
@@ -94,13 +103,7 @@ void OutputFile::truncate(std::uint64_t size) {
 }
 
 void OutputFile::fail(int error_number) {
-  const bool full = error_number == ENOSPC || error_number == EDQUOT;
-  throw Error(
-      ErrorCode::file_unwritable,
-      fmt::format("{}: writing failed: {}. {}", path_.string(), std::strerror(error_number),
-                  full ? "Free some space, or choose another folder with --out; fewer columns or a longer interval "
-                         "under 'record' need less"
-                       : "Choose another folder with --out"));
+  throw write_error(path_, error_number);
 }
 
 }  // namespace mebots::master

@@ -1,12 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "mebots/error.hpp"
+
 #include <cstdint>
 #include <filesystem>
 #include <string>
 #include <string_view>
 
 namespace mebots::master {
+
+/// Describes a write to `path` that failed with this errno, and what to do about it.
+Error write_error(const std::filesystem::path& path, int error_number);
 
 /// A file that is written in large pieces and says so when a piece did not arrive.
 class OutputFile {
