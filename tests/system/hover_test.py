@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Flies configs/hover.json, and checks its power against the weight that the rotors carry.
+
+Usage: hover_test.py MEBOTS
+"""
+import json
+import math
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+GRAVITY = 9.80665
+AVIONICS = 0.96  # W, avionics.base_power of fmu_motors
+
+
+def hover(mebots, out, *sets):
+    command = [mebots, "run", ROOT / "configs/hover.json", "--out", out]
+    if sets:
+        command += ["--set", *sets]
+    subprocess.run([str(part) for part in command], check=True, capture_output=True)
+    return json.loads((out / "summary.json").read_text())
+
+
+def bench_power(mass):
+    """Electrical power [W] of four rotors that carry this mass [kg], by the rotor file's fit."""
+    rotor = json.loads((ROOT / "fmu_motors/params/rotors/crazyflie_bench.json").read_text())
+    thrust = mass * GRAVITY / 4
+    speed = math.sqrt(thrust / rotor["thrust_coefficient"]["value"])
+    return 4 * (rotor["power_per_speed"]["value"] * speed + rotor["power_per_thrust"]["value"] * thrust)
+
+
+def near(value, expected, relative, what):
+    assert abs(value - expected) <= relative * expected, f"{what}: {value}, expected {expected} within {relative:.1%}"
+
+
+def main():
+    mebots = pathlib.Path(sys.argv[1]).resolve()
+    with tempfile.TemporaryDirectory() as scratch:
+        out = pathlib.Path(scratch) / "out"
+
+        bare = hover(mebots, out)
+        assert bare["outcome"] == "battery_empty", bare["outcome"]
+        near(bare["mass"], 0.027, 1e-9, "mass without payload")
+        seconds = bare["simulated_time"]
+        near(bare["energy"]["motors"] / seconds, bench_power(0.027), 0.005, "motor power without payload")
+        near(bare["energy"]["avionics"] / seconds, AVIONICS, 0.001, "power of the avionics")
+
+        loaded = hover(mebots, out, "world.drone.dry_mass=0.0299")
+        assert loaded["outcome"] == "battery_empty", loaded["outcome"]
+        near(loaded["energy"]["motors"] / loaded["simulated_time"], bench_power(0.037), 0.005, "motor power with 10 g")
+        # The loss in the cell grows with the square of the current: endurance falls faster than power rises.
+        powers = [AVIONICS + bench_power(mass) for mass in (0.027, 0.037)]
+        assert loaded["simulated_time"] / seconds < powers[0] / powers[1], (loaded["simulated_time"], seconds)
+
+        sinks = hover(mebots, out, "world.drone.dry_mass=0.06")
+        assert sinks["outcome"] == "thrust_lost", sinks["outcome"]
+        stays = hover(mebots, out, "world.drone.dry_mass=0.09")
+        assert stays["outcome"] == "no_take_off", stays["outcome"]
+    print("ok")
+
+
+if __name__ == "__main__":
+    main()
