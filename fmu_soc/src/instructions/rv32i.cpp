@@ -227,7 +227,7 @@ constexpr Word execute_slt(Word a, Word b) {
 constexpr Word execute_sltu(Word a, Word b) {
   return a < b ? 1U : 0U;
 }
-constexpr Word execute_xor_(Word a, Word b) {
+constexpr Word execute_xor(Word a, Word b) {
   return a ^ b;
 }
 constexpr Word execute_srl(Word a, Word b) {
@@ -236,10 +236,10 @@ constexpr Word execute_srl(Word a, Word b) {
 constexpr Word execute_sra(Word a, Word b) {
   return static_cast<Word>(as_signed(a) >> (b & 31U));
 }
-constexpr Word execute_or_(Word a, Word b) {
+constexpr Word execute_or(Word a, Word b) {
   return a | b;
 }
-constexpr Word execute_and_(Word a, Word b) {
+constexpr Word execute_and(Word a, Word b) {
   return a & b;
 }
 
@@ -274,7 +274,7 @@ void emit_slt(Assembler& c, const Instruction* at) {
 void emit_sltu(Assembler& c, const Instruction* at) {
   emit_set(c, at, [&] { c.setb(al); });
 }
-void emit_xor_(Assembler& c, const Instruction* at) {
+void emit_xor(Assembler& c, const Instruction* at) {
   emit_binary(c, at, [&](const Reg32& to, const Xbyak::Operand& from) { c.xor_(to, from); });
 }
 void emit_srl(Assembler& c, const Instruction* at) {
@@ -283,10 +283,10 @@ void emit_srl(Assembler& c, const Instruction* at) {
 void emit_sra(Assembler& c, const Instruction* at) {
   emit_shift(c, at, [&](const Reg32& to, const Reg32& from, const Reg32& by) { c.sarx(to, from, by); });
 }
-void emit_or_(Assembler& c, const Instruction* at) {
+void emit_or(Assembler& c, const Instruction* at) {
   emit_binary(c, at, [&](const Reg32& to, const Xbyak::Operand& from) { c.or_(to, from); });
 }
-void emit_and_(Assembler& c, const Instruction* at) {
+void emit_and(Assembler& c, const Instruction* at) {
   emit_binary(c, at, [&](const Reg32& to, const Xbyak::Operand& from) { c.and_(to, from); });
 }
 #endif

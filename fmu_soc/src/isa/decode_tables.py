@@ -164,7 +164,7 @@ class Tables:
     def pair(self, name):
         """An operation with its two functions. A function for several operations is a template over them."""
         row = self.operations[name]
-        functions = row.get("by", name)
+        functions = row.get("by", name.removesuffix("_"))
         execute = f"execute_{functions}" + (f"<Op::{name}>" if "by" in row else "")
         operands = "".join(f", Operand::{operand}" for operand in sorted(row["operands"]))
         lowering = "nullptr" if "interpreted" in row else f"MEBOTS_LOWERING(emit_{functions})"
