@@ -117,15 +117,16 @@ struct Hdf5Sink::File {
 
 Hdf5Sink::Hdf5Sink(const std::vector<RecordColumn>& columns, const std::filesystem::path& file) {
   const std::lock_guard lock(library());
-  file_ = std::make_unique<File>(file);
-  file_->add("time", {"time", "s", ValueKind::real});
+  auto made = std::make_unique<File>(file);  // after an error, it is closed before the lock is released
+  made->add("time", {"time", "s", ValueKind::real});
   std::set<std::string> used;
   for (const auto& column : columns) {
     auto link = link_name(column.name);
     while (!used.insert(link).second) link += '|';  // two names that differ in `/` and `|` only
-    file_->add(link, column);
+    made->add(link, column);
   }
-  file_->file.check();
+  made->file.check();
+  file_ = std::move(made);
 }
 
 Hdf5Sink::~Hdf5Sink() {
