@@ -29,6 +29,7 @@ Curve Curve::read(const data::Node& node, std::string_view unit) {
   data::Object object(node);
   data::read_unit(object, unit);
   object.comment("source");
+  object.comment("fitted_on");
   std::vector<double> exponential;
   std::vector<double> polynomial;
   Curve curve;

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "model.hpp"
 
+#include "electric_motor.hpp"
 #include "hover_propel.hpp"
 #include "inflow.hpp"
 #include "mebots/assert.hpp"
 #include "mebots/data/find_file.hpp"
 #include "mebots/data/limits.hpp"
-#include "rotor.hpp"
 
 #include <fmt/format.h>
 #include <algorithm>
@@ -70,12 +70,9 @@ void Model::step(const Inputs& inputs, std::int64_t duration_ns, Outputs& output
   double bench_j = 0;
   bool driven = false;
   for (std::size_t i = 0; i < rotor::kCount; ++i) {
-    RotorDrive drive;
-    const double voltage_v = effective_voltage_v(inputs, i);
-    drive.driven = voltage_v > 0;
-    drive.steady_speed_rad_per_s = rotor_.steady_speed_rad_per_s(voltage_v);
-    drive.thrust_coefficient = rotor_.thrust_coefficient_at(inputs.air_density_kg_per_m3);
-    const RotorStep step = advance_rotor(rotor_, drive, speed_rad_per_s_[i], duration_s);
+    const RotorDrive drive = drive_of(inputs, i);
+    const RotorStep step = rotor_.motor ? advance_motor(rotor_, drive, speed_rad_per_s_[i], duration_s)
+                                        : advance_rotor(rotor_, drive, speed_rad_per_s_[i], duration_s);
     MEBOTS_ASSERT(step.energy_j >= 0 && step.speed_rad_per_s >= 0);
     speed_rad_per_s_[i] = step.speed_rad_per_s;
     bench_j += step.energy_j;
@@ -90,6 +87,18 @@ void Model::step(const Inputs& inputs, std::int64_t duration_ns, Outputs& output
                                                       : outputs.hover_power_w + outputs.propel_power_w;
   energy_j_ += outputs.power_w * duration_s;
   write(inputs, outputs);
+}
+
+RotorDrive Model::drive_of(const Inputs& inputs, std::size_t i) const {
+  RotorDrive drive;
+  drive.duty = inputs.rotor_command[i];
+  drive.voltage_v = effective_voltage_v(inputs, i);
+  drive.driven = drive.voltage_v > 0;
+  drive.thrust_coefficient = rotor_.thrust_coefficient_at(inputs.air_density_kg_per_m3);
+  drive.steady_speed_rad_per_s = rotor_.motor
+                                     ? steady_speed_rad_per_s(rotor_, drive.thrust_coefficient, drive.voltage_v)
+                                     : rotor_.steady_speed_rad_per_s(drive.voltage_v);
+  return drive;
 }
 
 /// Of the rotors that are driven, at the thrust of the step's end; propeller and motor take more than the air gets.

@@ -3,7 +3,7 @@
 
 #include "fmu_motors/variables.hpp"
 #include "mebots/state/visitor.hpp"
-#include "rotor_data.hpp"
+#include "rotor.hpp"
 
 #include <array>
 #include <cstdint>
@@ -33,6 +33,7 @@ class Model {
  private:
   void write(const Inputs& inputs, Outputs& outputs) const;
   double inflow_power_w(const Inputs& inputs) const;
+  RotorDrive drive_of(const Inputs& inputs, std::size_t i) const;
 
   RotorData rotor_;
   PowerModel power_model_;

@@ -10,6 +10,8 @@ struct RotorDrive {
   double steady_speed_rad_per_s = 0;
   double thrust_coefficient = 0;  // at the present air density [N s^2/rad^2]
   bool driven = false;            // false: the driver is off and takes no power
+  double voltage_v = 0;           // effective: duty cycle times bus voltage
+  double duty = 0;
 };
 
 struct RotorStep {

@@ -55,6 +55,35 @@ void read_law(data::Object& object, const std::string& name, SpeedLaw& law) {
   }
 }
 
+void read_table_form(data::Object& object, RotorData& rotor) {
+  using data::quantity;
+  object.visit("steady_speed", [&](const data::Node& member) { return read_steady_speed(member, rotor); });
+  read_law(object, "spin_up", rotor.spin_up);
+  read_law(object, "spin_down", rotor.spin_down);
+  object.read("power_per_speed", rotor.power_per_speed_ws_per_rad, quantity("W.s/rad", Limits::at_least(0)));
+  object.read("power_per_thrust", rotor.power_per_thrust_w_per_n, quantity("W/N", Limits::positive()));
+}
+
+/// Speed and power follow from the motor, so that the keys of the table form must be absent.
+void read_motor_form(data::Object& object, RotorData& rotor) {
+  object.visit("motor", [&](const data::Node& node) {
+    data::Object member(node);
+    ElectricMotor motor;
+    member.read("resistance", motor.resistance_ohm, data::quantity("Ohm", Limits::positive()));
+    member.read("back_emf", motor.back_emf_vs_per_rad, data::quantity("V.s/rad", Limits::positive()));
+    member.read("ripple_conductance", motor.ripple_conductance_s, data::quantity("A/V", Limits::at_least(0)));
+    member.finish();
+    rotor.motor = motor;
+  });
+  for (const std::string key : {"steady_speed", "spin_up_linear", "spin_up_quadratic", "spin_down_linear",
+                                "spin_down_quadratic", "power_per_speed", "power_per_thrust"}) {
+    object.allow({key});
+    if (!object.has(key)) continue;
+    object.node().at(key).complain(ErrorCode::invalid_value,
+                                   fmt::format("'motor' already determines this: remove '{}' or 'motor'", key));
+  }
+}
+
 RotorData read_rotor(const data::Node& node) {
   using data::quantity;
   const auto positive = Limits::positive();
@@ -66,12 +95,8 @@ RotorData read_rotor(const data::Node& node) {
   object.read("thrust_coefficient", rotor.thrust_coefficient, quantity("N.s2/rad2", positive));
   object.read("reference_density", rotor.reference_density_kg_per_m3, quantity("kg/m3", positive));
   object.read("torque_per_thrust", rotor.torque_per_thrust_m, quantity("m", positive));
-  object.visit("steady_speed", [&](const data::Node& member) { return read_steady_speed(member, rotor); });
-  read_law(object, "spin_up", rotor.spin_up);
-  read_law(object, "spin_down", rotor.spin_down);
   object.read("inertia", rotor.inertia_kg_m2, quantity("kg.m2", positive));
-  object.read("power_per_speed", rotor.power_per_speed_ws_per_rad, quantity("W.s/rad", Limits::at_least(0)));
-  object.read("power_per_thrust", rotor.power_per_thrust_w_per_n, quantity("W/N", positive));
+  object.has("motor") ? read_motor_form(object, rotor) : read_table_form(object, rotor);
   object.read("propeller_pitch", rotor.propeller_pitch_m, quantity("m", positive));
   object.read("propulsion_efficiency", rotor.propulsion_efficiency, quantity("1", {0, 1, false}));
   object.read("lift_to_drag", rotor.lift_to_drag, quantity("1", positive));

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,25 +14,33 @@ struct SpeedLaw {
   double quadratic_per_rad = 0;
 };
 
+/// A brushed motor on a PWM driver whose diode blocks braking currents (electric_motor.hpp has the equations).
+struct ElectricMotor {
+  double resistance_ohm = 0;        // winding, brushes and driver
+  double back_emf_vs_per_rad = 0;   // also torque per current [N m/A]
+  double ripple_conductance_s = 0;  // loss by the current ripple of the PWM [A/V]
+};
+
 /// A rotor with its motor, as its data file describes it (fmu_motors/README.md documents the format).
 struct RotorData {
   std::string name;
   double thrust_coefficient = 0;  // F = k w^2 [N s^2/rad^2] at the reference density
   double reference_density_kg_per_m3 = 0;
   double torque_per_thrust_m = 0;
+  double inertia_kg_m2 = 0;
+  std::optional<ElectricMotor> motor;       // if present, the members from here to power_per_thrust_w_per_n are unused
   std::vector<double> effective_voltage_v;  // steady speed over effective voltage; both begin at 0
   std::vector<double> speed_rad_per_s;
   double slope_above_rad_per_sv = 0;  // beyond the last point
   SpeedLaw spin_up;
   SpeedLaw spin_down;
-  double inertia_kg_m2 = 0;
   double power_per_speed_ws_per_rad = 0;  // P = a w + b F
   double power_per_thrust_w_per_n = 0;
   double propeller_pitch_m = 0;
   double propulsion_efficiency = 0;
   double lift_to_drag = 0;
 
-  /// Speed [rad/s] that the rotor settles at under a voltage [V, >= 0].
+  /// Speed [rad/s] that the rotor settles at under a voltage [V, >= 0], by the table of a rotor without `motor`.
   double steady_speed_rad_per_s(double voltage_v) const;
 
   /// Thrust [N] over speed squared at an air density.

@@ -112,6 +112,22 @@ TEST_F(RotorFile, RotorThatCannotSpeedUpIsRefused) {
   EXPECT_THAT(refused(), HasSubstr("would never change its speed"));
 }
 
+TEST_F(RotorFile, MotorBesidesATableOfSpeedsIsRefused) {
+  json["motor"] = read_json(rotor_file("crazyflie_legacy"))["motor"];
+  EXPECT_THAT(refused(), AllOf(HasSubstr("/steady_speed: 'motor' already determines this"),
+                               HasSubstr("remove 'power_per_thrust' or 'motor'")));
+}
+
+TEST_F(RotorFile, IntervalWithoutItsValueIsRefused) {
+  json["inertia"]["interval"] = {1e-8, 2e-8};
+  EXPECT_THAT(refused(), HasSubstr("/inertia/interval: the interval from 1e-08 to 2e-08 must contain the value"));
+}
+
+TEST_F(RotorFile, IntervalOfOneNumberIsRefused) {
+  json["inertia"]["interval"] = {1e-8};
+  EXPECT_THAT(refused(), HasSubstr("/inertia/interval: two numbers are needed"));
+}
+
 TEST_F(RotorFile, UnknownNameListsTheKnownOnes) {
   Parameters wrong;
   wrong.rotor_data = "mavic";

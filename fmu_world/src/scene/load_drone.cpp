@@ -26,6 +26,7 @@ auto sourced_vector(std::string_view unit, const Limits& limits) {
     object.read("values", values, vector<3>(limits));
     data::read_unit(object, unit);
     data::read_source(object);
+    object.comment("fitted_on");
     object.finish();
     return values;
   };
@@ -37,6 +38,7 @@ std::vector<ThrustPoint> read_thrust_curve(const Node& node) {
   std::vector<double> thrust;
   data::read_unit(object, "N");
   object.comment("source");
+  object.comment("fitted_on");
   object.read("command", command, data::rising_numbers(Limits::between(0.0, 1.0)));
   object.read("thrust", thrust, data::rising_numbers(Limits::at_least(0.0)));
   object.finish();

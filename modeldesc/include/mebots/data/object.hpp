@@ -102,7 +102,7 @@ std::vector<double> read_rising_numbers(const Node& node, const Limits& limits);
 inline auto rising_numbers(const Limits& limits = {}) {
   return [limits](const Node& node) { return read_rising_numbers(node, limits); };
 }
-/// The value of {"value": number, "unit": text, "source": text}; the unit must be the one asked for.
+/// The value of {"value", "unit", "source"}; checks the unit. "interval": [low, high] and "fitted_on" are optional.
 double read_quantity(const Node& node, std::string_view unit, const Limits& limits);
 inline auto quantity(std::string_view unit, const Limits& limits = {}) {
   return [=](const Node& node) { return read_quantity(node, unit, limits); };

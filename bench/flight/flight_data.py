@@ -1,0 +1,171 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Public flights and motor stands of the Crazyflie: where each file lies, what it may be used for, and its reader.
+
+A folder holds checkouts named as their repositories: crazyflie-data-collection (IMRCLab), Crazyflie-2.0-battery-data
+(RaresCraciun), nanobench-iros2026 (syediu). Most have no licence, so that no file of theirs is in this repository.
+"""
+import csv
+import hashlib
+import struct
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+GRAVITY = 9.80665
+IMRC = "crazyflie-data-collection"
+FLIGHTS = f"{IMRC}/brushed_flights/data"
+STANDS = f"{IMRC}/system-id/data"
+
+# The only files that anything is fitted on.
+CALIBRATION_FLIGHTS = ("jana04", "jana05", "jana06")
+CALIBRATION_STANDS = ("cf21_eckart1/data.csv", "cf21_bitcraze2021/cf21_stock2.csv")
+
+JUDGED_FLIGHTS = ("jana00", "jana01", "jana02", "jana03", "jana10", "jana11")
+CLIMBING_FLIGHTS = ("jana20", "jana23", "jana24", "jana25", "jana27", "jana28", "jana29", "jana30", "jana32", "jana33")
+SECOND_DRONE_FLIGHTS = tuple(f"rl{n}" for n in range(20, 31))
+JUDGED_STAND = "cf21_bitcraze2021/cf2.1-stock-prop.csv"
+
+JANA_MASS_KG = 0.0347  # README of the flights: with cell, RPM deck and uSD deck
+RL_MASS_KG = 0.0365    # system-id/estimate_kw.py
+
+
+def digest(path):
+    return hashlib.sha256(Path(path).read_bytes()).hexdigest()
+
+
+def distinct(paths):
+    """The first of each group of files with equal content, by name."""
+    found = {}
+    for path in sorted(paths):
+        found.setdefault(digest(path), path)
+    return list(found.values())
+
+
+def _text(data, at):
+    end = data.index(0, at)
+    return data[at:end].decode(), end + 1
+
+
+def _event_types(data):
+    """Format and columns by event number, and where the events begin."""
+    count, = struct.unpack_from("<H", data, 3)
+    at, types = 5, {}
+    for _ in range(count):
+        number, = struct.unpack_from("<H", data, at)
+        name, at = _text(data, at + 2)
+        columns, = struct.unpack_from("<H", data, at)
+        at, layout, names = at + 2, "<", []
+        for _ in range(columns):
+            column, at = _text(data, at)  # as in "rpm.m1(H)"
+            names.append(column[:-3])
+            layout += column[-2]
+        types[number] = (name, struct.Struct(layout), names)
+    return types, at
+
+
+def read_usd(path):
+    """Columns of the event fixedFrequency of a log of Bitcraze's uSD deck; `time` in seconds from its first row."""
+    data = Path(path).read_bytes()
+    if data[:1] != b"\xbc":
+        raise SystemExit(f"{path}: no log of a uSD deck: byte 0 is {data[0]:#x}, not 0xbc")
+    version, = struct.unpack_from("<H", data, 1)
+    if version not in (1, 2):
+        raise SystemExit(f"{path}: version {version} of the format; 1 and 2 are known")
+    head, tick = (struct.Struct("<HI"), 1e-3) if version == 1 else (struct.Struct("<HQ"), 1e-6)
+    types, at = _event_types(data)
+    rows, columns = [], []
+    while at < len(data) - 4:  # the last four bytes are a checksum
+        number, stamp = head.unpack_from(data, at)
+        name, layout, names = types[number]
+        at += head.size
+        if name == "fixedFrequency":
+            rows.append((stamp * tick, *layout.unpack_from(data, at)))
+            columns = names
+        at += layout.size
+    table = np.array(rows)
+    table[:, 0] -= table[0, 0]
+    return dict(zip(["time", *columns], table.T))
+
+
+@dataclass
+class Flight:
+    """Rotor side of a flight. Arrays over time; those of rotors have four rows."""
+    name: str
+    mass_kg: float
+    time_s: np.ndarray
+    speed_rad_per_s: np.ndarray
+    duty: np.ndarray
+    voltage_v: np.ndarray
+    upright: np.ndarray       # cosine of the tilt
+    climb_m_per_s: np.ndarray
+
+    def blocks(self, length_s=1.0):
+        """Slices of about `length_s` in which every rotor turns."""
+        edges = np.searchsorted(self.time_s, np.arange(self.time_s[0], self.time_s[-1], length_s))
+        whole = [slice(a, b) for a, b in zip(edges, edges[1:])]
+        return [s for s in whole if (self.speed_rad_per_s[:, s] > 500).all()]
+
+
+def flight(folder, name):
+    """A flight named jana* or rl*. The logs of rl* have no state: its tilt and climb count as zero."""
+    rl = name.startswith("rl")
+    log = read_usd(Path(folder) / (f"{STANDS}/cf21_imrc2025" if rl else FLIGHTS) / name)
+    duty = "motor.m{}" if rl else "pwm.m{}_pwm"
+    length = len(log["time"])
+    upright = np.ones(length) if rl else 1 - 2 * (log["stateEstimate.qx"]**2 + log["stateEstimate.qy"]**2)
+    return Flight(name, RL_MASS_KG if rl else JANA_MASS_KG, log["time"],
+                  np.array([log[f"rpm.m{i}"] for i in range(1, 5)]) * np.pi / 30,
+                  np.array([log[duty.format(i)] for i in range(1, 5)]) / 65535, 1e-3 * log["pm.vbatMV"],
+                  upright, np.zeros(length) if rl else log["stateEstimate.vz"])
+
+
+@dataclass
+class Stand:
+    """Settled points of a motor stand, one of four equal rotors."""
+    duty: np.ndarray
+    voltage_v: np.ndarray
+    speed_rad_per_s: np.ndarray
+    square_speed: np.ndarray   # mean of the four squares
+    thrust_n: np.ndarray
+    current_a: np.ndarray      # of the supply, that at rest taken off; nan where no meter was
+
+    def where(self, mask):
+        return Stand(*(getattr(self, name)[mask] for name in self.__dataclass_fields__))
+
+    @property
+    def grams(self):
+        """Thrust of the four rotors."""
+        return 4e3 * self.thrust_n / GRAVITY
+
+    @property
+    def power_w(self):
+        return self.voltage_v * self.current_a
+
+
+def _rows(path):
+    with open(path, newline="") as file:
+        reader = csv.reader(file)
+        names = [name.strip() for name in next(reader)]
+        table = np.array([[float(cell) for cell in row] for row in reader])
+    return dict(zip(names, table.T))
+
+
+def stand(folder, name):
+    """Points of a stand: means over the second half of each stretch of one PWM, or the rows where each is settled already.
+    The current at rest belongs to the electronics and counts as a constant power."""
+    log = _rows(Path(folder) / STANDS / name)
+    pwm = log["pwm"]
+    weight = log["weight" if "weight" in log else "weight[g]"]
+    current = log.get("i[A]", np.full(len(pwm), np.nan))
+    edges = np.flatnonzero(np.diff(pwm)) + 1
+    pieces = [p[len(p) // 2:] for p in np.split(np.arange(len(pwm)), edges) if "i[A]" not in log or len(p) >= 5]
+    mean = lambda column: np.array([np.mean(column[p]) for p in pieces])
+    speeds = np.array([log[f"rpm{i}"] for i in range(1, 5)]) * np.pi / 30
+    duty, voltage = mean(pwm) / 65535, mean(log["vbat[V]"])
+    supply = mean(current)
+    rest = duty == 0
+    rest_w = np.mean(supply[rest] * voltage[rest]) if rest.any() else np.nan
+    points = Stand(duty, voltage, mean(speeds.mean(axis=0)), mean((speeds**2).mean(axis=0)),
+                   mean(weight) * GRAVITY * 1e-3 / 4, (supply - rest_w / voltage) / 4)
+    return points.where(~rest)

@@ -1,0 +1,142 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Predicts flights and a stand that no rotor file was fitted on, and prints every error.
+
+    .venv/bin/python bench/flight/judge_rotor.py build/release/fmus/fmu_motors.fmu FOLDER
+
+FOLDER as in flight_data.py. Thrust: k times the measured speeds, against the weight and the measured acceleration, in
+each second. `one flight`: with k from the first flight of the same drone, judged on the others. Speed: fmu_motors with
+the logged duty cycles and voltage as inputs. Power: fmu_motors settled at the stand's voltage and at its thrust, or its
+speed, against voltage times current; up and down are the two directions of the stand's sweep.
+"""
+import argparse
+
+import numpy as np
+
+import flight_data as data
+from fit_rotor import flight_coefficient
+from motors_fmu import Motors
+
+ROTORS = ("crazyflie_bench", "crazyflie_legacy")
+L250_RPM2THRUST = (-5.382196214637237e-7, 2.4582929831265485e-10)  # utiasDSL/drone-models, params.toml
+GRAMS = ((15, 20), (20, 25), (25, 30), (30, 35), (35, 40), (40, 45))
+
+
+def spread(errors):
+    """Mean, standard deviation, 5th and 95th percentile, in percent."""
+    e = 100 * np.asarray(errors)
+    return f"{e.mean():+.1f} (sd {e.std():.1f}, 5 to 95 %: {np.percentile(e, 5):+.1f} to {np.percentile(e, 95):+.1f})"
+
+
+def thrust_errors(flights, k):
+    """Relative error of the thrust in each second of each flight."""
+    return [k / flight_coefficient(f) - 1 for f in flights]
+
+
+def thrust_table(sets, models):
+    print("| thrust at measured speed | flights | seconds | " + " | ".join(m.rotor for m in models) + " | one flight |")
+    print("|---|---|---|" + "---|" * (len(models) + 1))
+    for name, flights in sets.items():
+        own = flight_coefficient(flights[0]).mean()
+        cells = [spread(np.concatenate(thrust_errors(flights, m.thrust_coefficient))) for m in models]
+        cells.append(spread(np.concatenate(thrust_errors(flights[1:], own))))
+        print(f"| {name} | {len(flights)} | {sum(len(f.blocks()) for f in flights)} | " + " | ".join(cells) + " |")
+    for f in (f for flights in sets.values() for f in flights):
+        print(f"|   {f.name} | 1 | {len(f.blocks())} | "
+              + " | ".join(spread(thrust_errors([f], m.thrust_coefficient)[0]) for m in models) + " | |")
+
+
+def speed_table(sets, models):
+    print("| speed from duty cycle and voltage | flights | " + " | ".join(
+        f"{m.rotor}: mean of a rotor | {m.rotor}: rms over time" for m in models) + " |")
+    print("|---|---|" + "---|---|" * len(models))
+    for name, flights in sets.items():
+        cells = []
+        for m in models:
+            means, squares = [], []
+            for f in flights:
+                whole = np.concatenate([np.r_[s] for s in f.blocks()])
+                off = m.fly(f)[0][:, whole] / f.speed_rad_per_s[:, whole] - 1
+                means += list(off.mean(axis=1))
+                squares.append(np.mean(off**2))
+            cells += [spread(means), f"{100 * np.sqrt(np.mean(squares)):.1f}"]
+        print(f"| {name} | {len(flights)} | " + " | ".join(cells) + " |")
+
+
+def stand_errors(stand, model):
+    """Errors of thrust at speed, speed at duty, power at thrust and power at speed, at each point."""
+    points = zip(stand.duty, stand.voltage_v, stand.speed_rad_per_s, stand.square_speed, stand.thrust_n, stand.power_w)
+    return np.array([(model.thrust_coefficient * square / thrust - 1, model.speed_at(duty, volt) / speed - 1,
+                      model.power_at_thrust(thrust, volt) / power - 1, model.power_at_speed(speed, volt) / power - 1)
+                     for duty, volt, speed, square, thrust, power in points])
+
+
+def stand_table(stand, models):
+    rising = np.arange(len(stand.duty)) < np.argmax(stand.duty)
+    print("| stock-prop stand | rotor | thrust at speed: up, down, mean | speed at duty | power at thrust: up, down, mean | "
+          "power at speed: up, down, mean |")
+    print("|---|---|---|---|---|---|")
+    for low, high in GRAMS:
+        for m in models:
+            both = []
+            for direction in (rising, ~rising):
+                both.append(stand_errors(stand.where(direction & (stand.grams >= low) & (stand.grams < high)), m).mean(axis=0))
+            up, down = 100 * np.array(both)
+            three = [f"{u:+.1f}, {d:+.1f}, {(u + d) / 2:+.1f}" for u, d in zip(up, down)]
+            print(f"| {low} to {high} g | {m.rotor} | {three[0]} | {(up[1] + down[1]) / 2:+.1f} | {three[2]} | {three[3]} |")
+
+
+def drone_models_table(models):
+    print("| drone-models L250 | " + " | ".join(m.rotor for m in models) + " |")
+    print("|---|" + "---|" * len(models))
+    for grams in (27, 34.7, 40):
+        thrust = grams * 1e-3 * data.GRAVITY / 4
+        linear, square = L250_RPM2THRUST
+        rpm = (-linear + np.sqrt(linear**2 + 4 * square * thrust)) / (2 * square)
+        print(f"| thrust at its speed for {grams} g | " + " | ".join(
+            f"{100 * (m.thrust_coefficient * (rpm * np.pi / 30)**2 / thrust - 1):+.1f}" for m in models) + " |")
+
+
+def climb_loss(folder):
+    """Relative loss of thrust per speed of climb, from flights whose first rotor's sensor fails: rotors 2 to 4 stand for all."""
+    rise, share = [], []
+    for name in data.CLIMBING_FLIGHTS:
+        f = data.flight(folder, name)
+        speed = f.speed_rad_per_s[1:]
+        for at in np.arange(f.time_s[0] + 1, f.time_s[-1] - 1, 0.25):
+            s = slice(*np.searchsorted(f.time_s, (at, at + 0.25)))
+            if not (speed[:, s] > 500).all():
+                continue
+            acceleration = (f.climb_m_per_s[s][-1] - f.climb_m_per_s[s][0]) / np.ptp(f.time_s[s])
+            pull = 4 / 3 * np.mean((speed[:, s]**2).sum(axis=0) * f.upright[s])
+            rise.append(f.climb_m_per_s[s].mean())
+            share.append(f.mass_kg * (data.GRAVITY + acceleration) / pull)
+    slope, at_rest = np.polyfit(rise, share, 1)
+    doubt = np.std(np.polyval((slope, at_rest), rise) - share) / np.std(rise) / np.sqrt(len(rise))
+    weight = data.JANA_MASS_KG * data.GRAVITY
+    print(f"climb: {100 * slope / at_rest:+.1f} +- {100 * doubt / at_rest:.1f} % of thrust per m/s, {len(rise)} quarters of a second; as a drag "
+          f"{-weight * slope / at_rest:.4f} N s/m (fmu_world's drone has 0.0128 along z)")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("fmu")
+    parser.add_argument("folder")
+    given = parser.parse_args()
+    models = [Motors(given.fmu, rotor) for rotor in ROTORS]
+    sets = {"same drone, other flights": [data.flight(given.folder, n) for n in data.JUDGED_FLIGHTS],
+            "second drone": [data.flight(given.folder, n) for n in data.SECOND_DRONE_FLIGHTS]}
+    print("Errors in percent: model / measured - 1\n")
+    thrust_table(sets, models)
+    print()
+    speed_table(sets, models)
+    print()
+    stand_table(data.stand(given.folder, data.JUDGED_STAND), models)
+    print()
+    drone_models_table(models)
+    print()
+    climb_loss(given.folder)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "rotor.hpp"
+
+namespace mebots::motors {
+
+/// Steady speed u [rad/s] of a motor with a propeller: the balance of torques K i = c u^2 at v = K u + R i, where
+/// c = torque_per_thrust k.
+double steady_speed_rad_per_s(const RotorData& rotor, double thrust_coefficient, double voltage_v);
+
+/// Advances a rotor whose data have `motor` by `duration_s`:
+///   i        = max(0, (v - K w) / R)                  the driver's diode blocks braking currents
+///   J dw/dt  = K i - c w^2
+///   P        = v i + g v^2 (1 - d)^2                  v = d V; g: ripple_conductance
+/// v i is the shaft's power K i w and the copper loss R i^2. The second term is the loss by the ripple of the current,
+/// whose amplitude is proportional to V d (1 - d). Speed and energy have a closed form, without a step size.
+RotorStep advance_motor(const RotorData& rotor, const RotorDrive& drive, double speed_rad_per_s, double duration_s);
+
+}  // namespace mebots::motors
