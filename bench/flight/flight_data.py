@@ -6,13 +6,17 @@ A folder holds checkouts named as their repositories: crazyflie-data-collection 
 """
 import csv
 import hashlib
+import re
 import struct
 from dataclasses import dataclass
+from datetime import datetime
 from pathlib import Path
 
 import numpy as np
 
 GRAVITY = 9.80665
+CRACIUN = "Crazyflie-2.0-battery-data/Real_path"
+NANOBENCH = "nanobench-iros2026/datasets/dataset"
 IMRC = "crazyflie-data-collection"
 FLIGHTS = f"{IMRC}/brushed_flights/data"
 STANDS = f"{IMRC}/system-id/data"
@@ -169,3 +173,61 @@ def stand(folder, name):
     points = Stand(duty, voltage, mean(speeds.mean(axis=0)), mean((speeds**2).mean(axis=0)),
                    mean(weight) * GRAVITY * 1e-3 / 4, (supply - rest_w / voltage) / 4)
     return points.where(~rest)
+
+
+@dataclass
+class Discharge:
+    """Voltage of a cell over a flight in equal intervals, from the start of the motors on."""
+    name: str
+    fitted: bool              # whether the cell may be fitted on it
+    rest_v: float             # before the motors start
+    voltage_v: np.ndarray     # means over intervals of STEP_S
+    duty: np.ndarray | None   # of the four rotors, or None where they are not logged
+    start_s: float            # on a clock that all flights of a set share, or their number
+    end_rest_v: float         # after the motors stop; nan where the log ends in the air
+
+
+STEP_S = 0.5
+LEAST_DURATION_S = 15.0
+DROP_V = 0.15  # of the voltage: the motors run
+
+
+def _means(values, rows):
+    whole = values.shape[-1] // rows * rows
+    return values[..., :whole].reshape(*values.shape[:-1], -1, rows).mean(axis=-1)
+
+
+def craciun(folder):
+    """Flights with voltage alone, 100 rows a second. Those whose SHA-256 is even may be used to fit."""
+    found = []
+    for path in distinct((Path(folder) / CRACIUN).glob("*.csv")):
+        voltage = np.genfromtxt(path, delimiter=",", skip_header=1)[:, 3]
+        rest = np.median(voltage[:50])
+        below = np.flatnonzero(voltage < rest - DROP_V)
+        if not below.size or len(voltage) - below[0] < 100 * LEAST_DURATION_S:
+            continue
+        found.append(Discharge(path.stem, int(digest(path), 16) % 2 == 0, rest,
+                               _means(voltage[below[0]:], round(100 * STEP_S)), None,
+                               float(path.stem.rsplit("_", 1)[1]), np.nan))
+    return found
+
+
+def nanobench(folder):
+    """Flights with duty cycles, 100 rows a second, in order of time. None may be used to fit."""
+    found = []
+    for path in distinct((Path(folder) / NANOBENCH).glob("*.csv")):
+        with open(path, newline="") as file:
+            rows = list(csv.DictReader(file))
+        column = lambda name: np.array([float(row[name] or "nan") for row in rows])
+        voltage = column("pwr_pm_vbat")
+        duty = np.clip(np.nan_to_num(np.array([column(f"motor_motor_m{i}") for i in range(1, 5)]) / 65535), 0, 1)
+        on = np.flatnonzero(duty.mean(axis=0) > 0.2)  # some logs interpolate past 0 and 1
+        if on.size < 100 * LEAST_DURATION_S or on[0] < 50:
+            continue
+        flown = slice(on[0], on[-1])
+        text = path.with_name(f"{path.stem}_metadata.yaml").read_text()
+        start = datetime.strptime(re.search(r"recording_start_utc: (\S+)", text)[1], "%Y%m%dT%H%M%SZ")
+        interval = round(100 * STEP_S)
+        found.append(Discharge(path.stem, False, np.median(voltage[:on[0] - 20]), _means(voltage[flown], interval),
+                               _means(duty[:, flown], interval), start.timestamp(), np.median(voltage[-50:])))
+    return sorted(found, key=lambda f: f.start_s)

@@ -68,6 +68,9 @@ Cell read_cell(const data::Node& node) {
   object.comment("notes");
   object.read("mass", cell.mass_kg, quantity("kg", Limits::positive()));
   object.read("capacity", cell.capacity_c, quantity("C", Limits::positive()));
+  double capacity_left = 1;
+  if (object.read_if("capacity_factor", capacity_left, quantity("1", Limits::positive())))
+    cell.capacity_c *= capacity_left;
   object.read("cut_off_voltage", cell.cut_off_voltage_v, quantity("V", Limits::at_least(0)));
   cell.release_voltage_v = cell.cut_off_voltage_v + kUsualHysteresis_v;
   object.read_if("release_voltage", cell.release_voltage_v, quantity("V", Limits::positive()));

@@ -45,6 +45,25 @@ TEST_F(DataFile, ZeroCapacityIsRefused) {
   EXPECT_THAT(refused(), HasSubstr("/capacity/value: 0 must be > 0"));
 }
 
+TEST_F(DataFile, CapacityFactorMultipliesTheCapacity) {
+  json["capacity_factor"] = {{"value", 0.8}, {"unit", "1"}, {"source", "aged"}, {"interval", {0.7, 0.9}}};
+  write(json.dump());
+  EXPECT_DOUBLE_EQ(load_cell(path).capacity_c, 0.8 * 900);
+}
+
+TEST_F(DataFile, IntervalAndFittedOnAreAccepted) {
+  json["mass"]["interval"] = {0.007, 0.0072};
+  json["mass"]["fitted_on"] = "scales";
+  json["series_resistance"]["fitted_on"] = "flights";
+  write(json.dump());
+  EXPECT_EQ(load_cell(path).mass_kg, 0.0071);
+}
+
+TEST_F(DataFile, IntervalWithoutItsValueIsRefused) {
+  json["mass"]["interval"] = {0.0072, 0.008};
+  EXPECT_THAT(refused(), HasSubstr("/mass/interval: the interval from 0.0072 to 0.008 must contain the value, 0.0071"));
+}
+
 TEST_F(DataFile, MissingKeyIsRefused) {
   json.erase("cut_off_voltage");
   EXPECT_THAT(refused(), HasSubstr("the key 'cut_off_voltage' is missing"));

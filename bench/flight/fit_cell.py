@@ -1,0 +1,76 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Fits the resistances of a 250 mAh cell on half of Craciun's flights.
+
+    .venv/bin/python bench/flight/fit_cell.py FOLDER
+
+FOLDER as in flight_data.py. Flights whose SHA-256 is even are fitted, the others never. The flights have no current: the
+power is that of crazyflie_legacy at the weight of the drone (cell_model.py). Open-circuit voltage and the shape of all
+curves over charge are Chen and Rincon-Mora's, and the capacity is the nominal one: flights that use less than half of
+the charge do not separate it from slow changes of the resistance. Fitted are the series resistance, resistance and time
+constant of one pair, and a factor of all resistances for each flight, since the cells are not named. With a second pair
+the fit gives it 0 Ohm.
+"""
+import argparse
+from dataclasses import replace
+
+import numpy as np
+from scipy.optimize import least_squares
+
+import flight_data as data
+from cell_model import Cell, Rotors, Set, rms
+
+EMPTY_V = 3.7   # at rest: below, the fit would rest on the curve's end
+TRUST_V = 0.05  # errors beyond count linearly
+SHAPE = "bitcraze_250"
+COMMON = 3      # values that all flights share: series resistance, resistance and time constant of the pair
+
+
+def scaled(base, series, pairs):
+    """Curves of the published shape, with these values at full charge and as many pairs as are given."""
+    return replace(base, series=base.series / base.series[-1] * series,
+                   pairs=[(ohm / ohm[-1] * value, tau / tau[-1] * time) for (ohm, tau), (value, time) in zip(base.pairs, pairs)])
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("folder")
+    flights = [f for f in data.craciun(parser.parse_args().folder) if f.fitted and f.rest_v > EMPTY_V]
+    flown, base = Set(flights, Rotors()), Cell.load(SHAPE)
+    count = len(flights)
+    known = ~np.isnan(flown.voltage_v)
+    weight = 1 / np.sqrt(known.sum(axis=1))[:, None] / TRUST_V
+
+    def cell_of(values):
+        series, ohm, tau = np.exp(values)
+        return scaled(base, series, [(ohm, tau)])
+
+    def errors(x):
+        return (flown.errors(cell_of(x[:COMMON]), np.exp(x[COMMON:])) * weight)[known]
+
+    def slopes(x):
+        """Numerical derivatives; a flight's factor moves only its own errors, so that one run serves all of them."""
+        ground, step = errors(x), 1e-4
+        matrix = np.zeros((ground.size, x.size))
+        for i in range(COMMON):
+            moved = x.copy()
+            moved[i] += step
+            matrix[:, i] = (errors(moved) - ground) / step
+        own = (errors(np.r_[x[:COMMON], x[COMMON:] + step]) - ground) / step
+        matrix[np.arange(ground.size), COMMON + np.nonzero(known)[0]] = own
+        return matrix
+
+    start = np.r_[np.log([0.15, 0.03, 2.0]), np.zeros(count)]
+    x = least_squares(errors, start, jac=slopes, loss="soft_l1", max_nfev=60).x
+    middle = np.median(x[COMMON:])
+    series, ohm, tau = np.exp(x[:COMMON] + middle * np.array([1, 1, 0]))
+    factors = np.exp(x[COMMON:] - middle)
+    off = rms(flown.errors(cell_of(x[:COMMON]), np.exp(x[COMMON:])))
+    print(f"{count} flights fitted, {sum(len(f.voltage_v) for f in flights) * data.STEP_S / 60:.0f} minutes")
+    print(f"series {series:.4f} Ohm, pair {ohm:.4f} Ohm {tau:.2f} s, at full charge")
+    print("factor of all resistances, 5, 25, 50, 75, 95 %: " + ", ".join(f"{np.percentile(factors, p):.2f}" for p in (5, 25, 50, 75, 95)))
+    print(f"rms of a flight with its own factor: median {1e3 * np.median(off):.0f} mV, 90 % {1e3 * np.percentile(off, 90):.0f} mV")
+
+
+if __name__ == "__main__":
+    main()
