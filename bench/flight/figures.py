@@ -1,0 +1,120 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Draws docs/img/flight_unseen.png and flight_errors.png from flights that no file was fitted on.
+
+    .venv/bin/python bench/flight/figures.py FOLDER
+
+FOLDER as in flight_data.py.
+"""
+import argparse
+import json
+import sys
+from pathlib import Path
+
+import numpy as np
+
+import flight_data as data
+from cell_model import Cell, Rotors, Set, rms
+from fit_rotor import flight_coefficient
+from judge_cell import START_S
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "scripts"))
+import figure_style as style  # noqa: E402
+from figure_style import plt  # noqa: E402
+
+CELLS = (("bitcraze_250", style.VERMILION), ("bitcraze_250_flights", style.BLUE))
+ROTORS = (("crazyflie_bench", style.VERMILION), ("crazyflie_legacy", style.BLUE))
+THRUST_FLIGHT = "jana01"
+LEAST_SHOWN_S = 100.0
+
+
+def quantity(kind, name, key):
+    return json.loads((ROOT / kind / f"{name}.json").read_text())[key]
+
+
+def voltage(axis, flights):
+    """The flight of median error among the long ones, with the interval of the cell's resistances."""
+    long = [f for f in flights if len(f.voltage_v) * data.STEP_S > LEAST_SHOWN_S]
+    off = rms(Set(long, Rotors()).errors(Cell.load("bitcraze_250_flights"), 1.0))
+    flight = long[int(np.argsort(off)[len(off) // 2])]
+    flown = Set([flight], Rotors())
+    times = data.STEP_S * (np.arange(flown.steps) + 0.5)
+    modelled = lambda cell, factor: (flown.errors(cell, factor) + flown.voltage_v)[0]
+    new = Cell.load("bitcraze_250_flights")
+    low, high = quantity("fmu_battery/params/cells", "bitcraze_250_flights", "resistance_factor")["interval"]
+    axis.fill_between(times, modelled(new, high), modelled(new, low), color=style.BLUE, alpha=0.15, lw=0,
+                      label="interval of resistance_factor")
+    axis.plot(times, flight.voltage_v, color=style.INK, label="measured")
+    for name, colour in CELLS:
+        axis.plot(times, modelled(Cell.load(name), 1.0), color=colour, label=f"{name}, blind")
+    axis.plot(times, modelled(new, flown.best_factor(new, START_S)), color=style.GREEN, ls="--",
+              label=f"resistance from the first {START_S:.0f} s")
+    axis.set(xlabel="time since take-off [s]", ylabel="voltage [V]", title=f"Craciun, {flight.name}")
+    axis.legend(fontsize=8)
+
+
+def thrust(axis, folder):
+    """Thrust by the measured rotor speeds, beside the weight and the measured acceleration."""
+    flight = data.flight(folder, THRUST_FLIGHT)
+    pulls = [np.mean((flight.speed_rad_per_s[:, s]**2).sum(axis=0) * flight.upright[s]) for s in flight.blocks()]
+    times = [flight.time_s[s].mean() for s in flight.blocks()]
+    to_grams = 1e3 / data.GRAVITY * np.array(pulls)
+    low, high = quantity("fmu_motors/params/rotors", "crazyflie_legacy", "thrust_coefficient")["interval"]
+    axis.fill_between(times, low * to_grams, high * to_grams, color=style.BLUE, alpha=0.15, lw=0, label="interval of k")
+    axis.plot(times, flight_coefficient(flight) * to_grams, color=style.INK, label="measured: m (g + dv/dt)")
+    for name, colour in ROTORS:
+        axis.plot(times, quantity("fmu_motors/params/rotors", name, "thrust_coefficient")["value"] * to_grams, color=colour, label=name)
+    axis.set(xlabel="time [s]", ylabel="vertical thrust [g]", title=f"IMRCLab, {THRUST_FLIGHT}", ylim=(31, 44))
+    axis.legend(fontsize=8, loc="upper right", ncols=2)
+
+
+def voltage_errors(axis, title, flights):
+    """Share of flights below an error, for both cells blind and after the first seconds."""
+    flown = Set(flights, Rotors())
+    curves = [(name, colour, "-", rms(flown.errors(Cell.load(name), 1.0)), "blind") for name, colour in CELLS]
+    new = Cell.load("bitcraze_250_flights")
+    later = flown.errors(new, flown.best_factor(new, START_S))[:, round(START_S / data.STEP_S):]
+    later = later[(~np.isnan(later)).sum(axis=1) > 10 / data.STEP_S]
+    curves.append(("bitcraze_250_flights", style.GREEN, "--", rms(later), f"resistance from the first {START_S:.0f} s"))
+    for name, colour, line, off, how in curves:
+        axis.plot(1e3 * np.sort(off), 100 * (np.arange(len(off)) + 1) / len(off), ls=line, color=colour, label=f"{name}, {how}")
+    axis.axvline(50, color=style.FAINT, lw=0.8, ls=":")
+    axis.set(xlim=(0, 300), ylim=(0, 100), xlabel="root mean square of the voltage's error [mV]", ylabel="flights [%]",
+             title=f"{title}: {len(flights)} flights")
+
+
+def thrust_errors(axis, folder):
+    sets = (("same drone", data.JUDGED_FLIGHTS, 1), ("second drone", data.SECOND_DRONE_FLIGHTS, 0))
+    for name, colour in ROTORS:
+        k = quantity("fmu_motors/params/rotors", name, "thrust_coefficient")["value"]
+        for _, flights, row in sets:
+            off = [100 * np.mean(k / flight_coefficient(data.flight(folder, f)) - 1) for f in flights]
+            axis.plot(off, np.full(len(off), row) + (0.12 if name == ROTORS[0][0] else -0.12), "o", ms=5, alpha=0.6, color=colour,
+                      label=name if row else None)
+    axis.axvline(0, color=style.FAINT, lw=0.8)
+    axis.axvspan(-5, 5, color=style.FAINT, alpha=0.15, lw=0)
+    axis.set(yticks=[row for _, _, row in sets], ylim=(-0.6, 1.9), xlim=(-8, 18), xlabel="error of thrust at measured speed [%]",
+             yticklabels=[f"{name}:\n{len(flights)} flights" for name, flights, _ in sets], title="Thrust, one mark a flight")
+    axis.legend(fontsize=8, loc="upper center", ncols=2)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("folder")
+    folder = parser.parse_args().folder
+    unseen = [f for f in data.craciun(folder) if not f.fitted]
+    figure, (left, right) = plt.subplots(1, 2, figsize=(10, 3.8), layout="constrained")
+    voltage(left, unseen)
+    thrust(right, folder)
+    style.save(figure, ROOT / "docs/img/flight_unseen.png")
+    figure, axes = plt.subplots(1, 3, figsize=(12, 3.6), layout="constrained")
+    thrust_errors(axes[0], folder)
+    voltage_errors(axes[1], "Craciun", unseen)
+    voltage_errors(axes[2], "NanoBench", data.nanobench(folder))
+    figure.legend(*axes[1].get_legend_handles_labels(), fontsize=8, loc="outside lower right", ncols=3)
+    style.save(figure, ROOT / "docs/img/flight_errors.png")
+
+
+if __name__ == "__main__":
+    main()
